@@ -1,0 +1,15 @@
+# What every target of ours is compiled with.
+add_library(lefort_options INTERFACE)
+target_compile_features(lefort_options INTERFACE cxx_std_20)
+target_compile_options(lefort_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+  $<$<BOOL:${LEFORT_WARNINGS_AS_ERRORS}>:-Werror>
+  # Same bits on every machine: no fused multiply-add behind our back.
+  -ffp-contract=off)
+target_include_directories(lefort_options INTERFACE
+  ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/generated)
+if(LEFORT_SANITIZE)
+  target_compile_options(lefort_options INTERFACE
+    -fsanitize=${LEFORT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(lefort_options INTERFACE -fsanitize=${LEFORT_SANITIZE})
+endif()

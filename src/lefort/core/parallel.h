@@ -1,0 +1,89 @@
+/// \file
+/// Parallel loops whose results do not depend on the number of threads.
+///
+/// Work is cut into blocks of fixed size; what blocks produce is merged in block order. So sums and
+/// lists come out bit for bit alike with 1 or N threads. Nothing else in lefort names TBB.
+#pragma once
+
+#include <lefort/core/check.h>
+#include <lefort/core/types.h>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
+namespace lefort {
+
+/// Items per block. Part of the result: sums are taken block by block.
+/// Items per block. Part of the result: sums are taken block by block.
+inline constexpr Index kParallelBlock = 256;
+
+/// Limits the threads of every parallel loop while it lives; 0 means all the machine has.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+  /// How many threads loops use now.
+  [[nodiscard]] static int current();
+
+ private:
+  void* control_;
+};
+
+/// Calls body(begin, end) for consecutive blocks of [0, count). Blocks run in any order and must
+/// not share what they write.
+template <class Body>
+void parallel_for_blocks(Index count, const Body& body, Index block = kParallelBlock) {
+  LEFORT_CHECK(count >= 0 && block > 0);
+  const Index blocks = (count + block - 1) / block;
+  tbb::parallel_for(tbb::blocked_range<Index>(0, blocks, 1), [&](const auto& range) {
+    for (Index b = range.begin(); b < range.end(); ++b)
+      body(b * block, std::min(count, (b + 1) * block));
+  });
+}
+
+/// Calls body(i) for every i of [0, count), in any order.
+template <class Body>
+void parallel_for(Index count, const Body& body, Index block = kParallelBlock) {
+  parallel_for_blocks(
+      count,
+      [&](Index begin, Index end) {
+        for (Index i = begin; i < end; ++i) body(i);
+      },
+      block);
+}
+
+/// Sums term(i) over [0, count) in an order that depends on count alone.
+template <class Value, class Term>
+[[nodiscard]] Value deterministic_sum(Index count, const Value& zero, const Term& term) {
+  std::vector<Value> partial(std::size_t((count + kParallelBlock - 1) / kParallelBlock), zero);
+  parallel_for_blocks(count, [&](Index begin, Index end) {
+    Value& sum = partial[std::size_t(begin / kParallelBlock)];
+    for (Index i = begin; i < end; ++i) sum += term(i);
+  });
+  Value total = zero;
+  for (const Value& sum : partial) total += sum;
+  return total;
+}
+
+/// Calls body(i, list) for every i; returns what the lists hold, in the order of i.
+template <class Item, class Body>
+[[nodiscard]] std::vector<Item> parallel_collect(Index count, const Body& body) {
+  std::vector<std::vector<Item>> lists(std::size_t((count + kParallelBlock - 1) / kParallelBlock));
+  parallel_for_blocks(count, [&](Index begin, Index end) {
+    std::vector<Item>& list = lists[std::size_t(begin / kParallelBlock)];
+    for (Index i = begin; i < end; ++i) body(i, list);
+  });
+  std::vector<Item> all;
+  for (std::vector<Item>& list : lists)
+    std::move(list.begin(), list.end(), std::back_inserter(all));
+  return all;
+}
+
+}  // namespace lefort

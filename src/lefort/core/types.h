@@ -1,0 +1,29 @@
+/// \file
+/// The words every layer speaks: vectors, indices and rigid poses.
+///
+/// Frames are letters at the end of a name (docs/conventions.md):
+///   L  the patient: LPS, x to the patient's left, y to posterior, z to superior, mm
+///   B  a bone as scanned, before the plan moves it; same axes as L
+///   V  voxel indices (column i, row j, slice k) of a volume
+/// A pose X_LB takes a point of B to L: p_L = X_LB * p_B.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace lefort {
+
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+using VectorX = Eigen::VectorXd;
+
+/// Counts and positions in lists.
+using Index = Eigen::Index;
+
+/// Rotation, then translation; no scale.
+using RigidTransform = Eigen::Isometry3d;
+
+/// Axis-aligned box; empty until extended.
+using Box3 = Eigen::AlignedBox3d;
+
+}  // namespace lefort
