@@ -1,0 +1,210 @@
+#include <lefort/core/parallel.h>
+#include <lefort/geometry/mesh_edges.h>
+#include <lefort/geometry/mesh_measures.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lefort::geometry {
+
+namespace {
+
+constexpr double kMaxCoordinate_mm = 1e6;
+/// Three sides per triangle are counted in 32 bits.
+constexpr Index kMaxTriangles = std::numeric_limits<std::int32_t>::max() / 3;
+
+std::vector<bool> used_vertices(const TriangleMesh& mesh) {
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::int32_t v : t) used[std::size_t(v)] = true;
+  return used;
+}
+
+template <class Accept>
+std::optional<EdgeCount> first_edge_not(const TriangleMesh& mesh, const Accept& accept) {
+  const MeshEdges edges = find_edges(mesh);
+  for (Index e = 0; e < edges.edge_count(); ++e) {
+    EdgeCount count{edges.ends[std::size_t(e)][0], edges.ends[std::size_t(e)][1], 0, 0};
+    for (const EdgeUse& use : edges.uses_of(e)) ++(use.forward ? count.forward : count.backward);
+    if (!accept(count)) return count;
+  }
+  return std::nullopt;
+}
+
+/// Root of a vertex's tree, halving the path on the way.
+std::int32_t root_of(std::vector<std::int32_t>& parent, std::int32_t v) {
+  while (parent[std::size_t(v)] != v) {
+    parent[std::size_t(v)] = parent[std::size_t(parent[std::size_t(v)])];
+    v = parent[std::size_t(v)];
+  }
+  return v;
+}
+
+/// For each vertex the lowest number at its position.
+std::vector<std::int32_t> first_at_position(const std::vector<Vec3>& vertices) {
+  std::vector<std::int32_t> order(vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](std::int32_t i) {
+    const Vec3& v = vertices[std::size_t(i)];
+    return std::array<double, 3>{v.x(), v.y(), v.z()};
+  };
+  std::sort(order.begin(), order.end(), [&](std::int32_t i, std::int32_t j) {
+    return key(i) != key(j) ? key(i) < key(j) : i < j;
+  });
+  std::vector<std::int32_t> first(vertices.size());
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const bool repeats = n > 0 && key(order[n]) == key(order[n - 1]);
+    first[std::size_t(order[n])] = repeats ? first[std::size_t(order[n - 1])] : order[n];
+  }
+  return first;
+}
+
+}  // namespace
+
+Result<void> check_surface(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty())
+    return fail(ErrorCode::kMeshInvalid, "the surface has no triangle, it must have at least one");
+  if (mesh.triangle_count() > kMaxTriangles || mesh.vertex_count() > kMaxTriangles)
+    return fail(ErrorCode::kMeshInvalid,
+                fmt::format("the surface has {} triangles and {} vertices, at most {} are possible",
+                            mesh.triangle_count(), mesh.vertex_count(), kMaxTriangles));
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    const Vec3& p = mesh.vertices[std::size_t(v)];
+    if (!(p.cwiseAbs().maxCoeff() < kMaxCoordinate_mm && p.allFinite()))
+      return fail(ErrorCode::kMeshInvalid,
+                  fmt::format("vertex {} of the surface is at ({}, {}, {}) mm, coordinates must be "
+                              "finite and below {:.0f} mm",
+                              v, p.x(), p.y(), p.z(), kMaxCoordinate_mm));
+  }
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    for (const std::int32_t v : mesh.triangles[std::size_t(t)])
+      if (v < 0 || v >= mesh.vertex_count())
+        return fail(
+            ErrorCode::kMeshInvalid,
+            fmt::format("triangle {} of the surface names vertex {}, it must be from 0 to {}", t, v,
+                        mesh.vertex_count() - 1));
+  return {};
+}
+
+Box3 bounding_box(const TriangleMesh& mesh) {
+  Box3 box;
+  for (const Triangle& t : mesh.triangles)
+    for (const std::int32_t v : t) box.extend(mesh.vertices[std::size_t(v)]);
+  return box;
+}
+
+double area_mm2(const TriangleMesh& mesh) {
+  return deterministic_sum(mesh.triangle_count(), 0.0, [&](Index t) {
+    const Vec3& a = mesh.corner(t, 0);
+    return 0.5 * (mesh.corner(t, 1) - a).cross(mesh.corner(t, 2) - a).norm();
+  });
+}
+
+double signed_volume_mm3(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) return 0.0;
+  const Vec3 origin = mesh.corner(0, 0);  // Near the surface: less cancellation.
+  return deterministic_sum(mesh.triangle_count(), 0.0, [&](Index t) {
+    const Vec3 a = mesh.corner(t, 0) - origin, b = mesh.corner(t, 1) - origin;
+    return a.dot(b.cross(mesh.corner(t, 2) - origin)) / 6.0;
+  });
+}
+
+Index euler_characteristic(const TriangleMesh& mesh) {
+  const std::vector<bool> used = used_vertices(mesh);
+  const Index vertices = std::count(used.begin(), used.end(), true);
+  return vertices - find_edges(mesh).edge_count() + mesh.triangle_count();
+}
+
+std::string describe(const EdgeCount& edge) {
+  const int total = edge.forward + edge.backward;
+  if (total == 2 && edge.forward != edge.backward)
+    return fmt::format("edge {}-{} has 2 triangles that turn against each other", edge.from,
+                       edge.to);
+  return fmt::format("edge {}-{} has {} triangle{}", edge.from, edge.to, total,
+                     total == 1 ? "" : "s");
+}
+
+std::optional<EdgeCount> first_open_edge(const TriangleMesh& mesh) {
+  return first_edge_not(mesh, [](const EdgeCount& e) { return e.forward == 1 && e.backward == 1; });
+}
+
+std::optional<EdgeCount> first_unbalanced_edge(const TriangleMesh& mesh) {
+  return first_edge_not(
+      mesh, [](const EdgeCount& e) { return e.forward == e.backward || e.from == e.to; });
+}
+
+Components connected_components(const TriangleMesh& mesh) {
+  std::vector<std::int32_t> parent(mesh.vertices.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 1; k < 3; ++k) {
+      const std::int32_t a = root_of(parent, t[0]), b = root_of(parent, t[k]);
+      parent[std::size_t(std::max(a, b))] = std::min(a, b);
+    }
+  Components components;
+  std::vector<std::int32_t> label(mesh.vertices.size(), -1);
+  for (const Triangle& t : mesh.triangles) {
+    std::int32_t& of_root = label[std::size_t(root_of(parent, t[0]))];
+    if (of_root < 0) of_root = components.count++;
+    components.of_triangle.push_back(of_root);
+  }
+  return components;
+}
+
+TriangleMesh keep_triangles(const TriangleMesh& mesh, const std::function<bool(Index)>& keep) {
+  TriangleMesh kept;
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    if (keep(t)) kept.triangles.push_back(mesh.triangles[std::size_t(t)]);
+  std::vector<std::int32_t> number(mesh.vertices.size(), -1);
+  for (const Triangle& t : kept.triangles)
+    for (const std::int32_t v : t) number[std::size_t(v)] = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] < 0) continue;
+    number[v] = std::int32_t(kept.vertices.size());
+    kept.vertices.push_back(mesh.vertices[v]);
+  }
+  for (Triangle& t : kept.triangles)
+    for (std::int32_t& v : t) v = number[std::size_t(v)];
+  return kept;
+}
+
+TriangleMesh keep_components(const TriangleMesh& mesh,
+                             const std::function<bool(const TriangleMesh&)>& keep) {
+  const Components components = connected_components(mesh);
+  std::vector<TriangleMesh> parts(std::size_t(components.count));
+  std::vector<std::int32_t> number(mesh.vertices.size(), -1);  // No vertex is in two parts.
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    TriangleMesh& part = parts[std::size_t(components.of_triangle[t])];
+    Triangle renumbered{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto v = std::size_t(mesh.triangles[t][k]);
+      if (number[v] < 0) {
+        number[v] = std::int32_t(part.vertices.size());
+        part.vertices.push_back(mesh.vertices[v]);
+      }
+      renumbered[k] = number[v];
+    }
+    part.triangles.push_back(renumbered);
+  }
+  std::vector<bool> kept;
+  for (const TriangleMesh& part : parts) kept.push_back(keep(part));
+  return keep_triangles(
+      mesh, [&](Index t) { return kept[std::size_t(components.of_triangle[std::size_t(t)])]; });
+}
+
+TriangleMesh weld_vertices(const TriangleMesh& mesh) {
+  const std::vector<std::int32_t> first = first_at_position(mesh.vertices);
+  TriangleMesh welded = mesh;
+  for (Triangle& t : welded.triangles)
+    for (std::int32_t& v : t) v = first[std::size_t(v)];
+  return keep_triangles(welded, [&](Index t) {
+    const auto& [a, b, c] = welded.triangles[std::size_t(t)];
+    return a != b && b != c && c != a;
+  });
+}
+
+}  // namespace lefort::geometry

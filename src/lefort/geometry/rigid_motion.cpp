@@ -1,0 +1,35 @@
+#include <lefort/geometry/rigid_motion.h>
+
+#include <cmath>
+
+namespace lefort::geometry {
+
+RigidTransform rigid_motion(const Vec3& translation_mm, const Vec3& rotation_rad,
+                            const Vec3& centre_L) {
+  RigidTransform X_LB = RigidTransform::Identity();
+  const double angle_rad = rotation_rad.norm();
+  if (angle_rad > 0.0)
+    X_LB.linear() = Eigen::AngleAxisd(angle_rad, rotation_rad / angle_rad).toRotationMatrix();
+  X_LB.translation() = centre_L + translation_mm - X_LB.linear() * centre_L;
+  return X_LB;
+}
+
+Vec3 rotation_vector(const Mat3& rotation) {
+  Eigen::Quaterniond q(rotation);
+  if (q.w() < 0.0)
+    q.coeffs() = -q.coeffs();  // Both stand for the rotation; take the smaller angle.
+  // The sine of half the angle: accurate for small turns, unlike the arc cosine of w.
+  const double sine = q.vec().norm();
+  if (sine == 0.0) return Vec3::Zero();
+  return 2.0 * std::atan2(sine, q.w()) / sine * q.vec();
+}
+
+RigidTransform interpolate_pose(const RigidTransform& from_LB, const RigidTransform& to_LB,
+                                double share, const Vec3& centre_B) {
+  const Vec3 start_L = from_LB * centre_B;
+  const Vec3 end_L = to_LB * centre_B;
+  const Vec3 turn_rad = rotation_vector(to_LB.linear() * from_LB.linear().transpose());
+  return rigid_motion(share * (end_L - start_L), share * turn_rad, start_L) * from_LB;
+}
+
+}  // namespace lefort::geometry

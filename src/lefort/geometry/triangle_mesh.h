@@ -1,0 +1,28 @@
+/// \file
+/// A surface of triangles: two arrays, a value.
+#pragma once
+
+#include <lefort/core/types.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace lefort::geometry {
+
+/// Vertex numbers, counter-clockwise seen from outside.
+using Triangle = std::array<std::int32_t, 3>;
+
+/// Any triangle soup; functions that need a closed or oriented surface say so and check.
+struct TriangleMesh {
+  std::vector<Vec3> vertices;  ///< [mm], in the frame the variable's name says.
+  std::vector<Triangle> triangles;
+
+  [[nodiscard]] Index vertex_count() const { return Index(vertices.size()); }
+  [[nodiscard]] Index triangle_count() const { return Index(triangles.size()); }
+  [[nodiscard]] const Vec3& corner(Index triangle, int corner) const {
+    return vertices[std::size_t(triangles[std::size_t(triangle)][std::size_t(corner)])];
+  }
+};
+
+}  // namespace lefort::geometry

@@ -1,0 +1,87 @@
+#include <lefort/geometry/rigid_motion.h>
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace lefort::geometry {
+namespace {
+
+const Vec3 kCentre(3.0, -40.0, 12.0);
+const Vec3 kShift(1.0, -6.0, -2.5);
+
+RigidTransform some_pose(const Vec3& rotation_rad) {
+  return rigid_motion(kShift, rotation_rad, kCentre);
+}
+
+TEST(RigidMotion, ShiftsTheCentreByTheTranslationWhateverTheRotation) {
+  const RigidTransform X_LB = some_pose({0.2, -0.4, 0.9});
+  EXPECT_LT((X_LB * kCentre - (kCentre + kShift)).norm(), 1e-13);
+}
+
+TEST(RigidMotion, TurnsCounterClockwiseSeenFromTheTipOfTheAxis) {
+  const double quarter = std::numbers::pi / 2.0;
+  const RigidTransform X_LB = rigid_motion(Vec3::Zero(), {0.0, 0.0, quarter}, {1.0, 0.0, 0.0});
+  EXPECT_LT((X_LB * Vec3(2.0, 0.0, 5.0) - Vec3(1.0, 1.0, 5.0)).norm(), 1e-15);
+}
+
+TEST(RigidMotion, KeepsLengthsAndHandedness) {
+  const Mat3 R = some_pose({1.1, 0.3, -2.0}).linear();
+  EXPECT_LT((R.transpose() * R - Mat3::Identity()).norm(), 1e-14);
+  EXPECT_NEAR(R.determinant(), 1.0, 1e-14);
+}
+
+TEST(RigidMotion, WithoutRotationIsExactlyAShift) {
+  const RigidTransform X_LB = some_pose(Vec3::Zero());
+  EXPECT_TRUE(X_LB.linear() == Mat3::Identity());
+  EXPECT_LT((X_LB.translation() - kShift).norm(), 1e-14);
+}
+
+TEST(RotationVector, UndoesTheRotationFromTinyAnglesToNearlyHalfATurn) {
+  const Vec3 axis = Vec3(1.0, -2.0, 0.5).normalized();
+  for (const double angle_rad : {0.0, 1e-12, 1e-7, 0.1, 1.5, 3.0, 3.1415}) {
+    const Vec3 found = rotation_vector(some_pose(angle_rad * axis).linear());
+    EXPECT_LT((found - angle_rad * axis).norm(), 1e-14 + 1e-12 * angle_rad) << angle_rad;
+  }
+}
+
+TEST(RotationVector, TakesTheSmallerAngle) {
+  const Vec3 found = rotation_vector(some_pose({0.0, 0.0, 1.5 * std::numbers::pi}).linear());
+  EXPECT_LT((found - Vec3(0.0, 0.0, -0.5 * std::numbers::pi)).norm(), 1e-14);
+}
+
+TEST(InterpolatePose, MeetsBothEnds) {
+  const RigidTransform from = some_pose({0.1, 0.7, 0.0});
+  const RigidTransform to = rigid_motion({4.0, 4.0, 0.0}, {-0.5, 0.0, 1.0}, {9.0, 9.0, 9.0});
+  EXPECT_LT((interpolate_pose(from, to, 0.0, kCentre).matrix() - from.matrix()).norm(), 1e-13);
+  EXPECT_LT((interpolate_pose(from, to, 1.0, kCentre).matrix() - to.matrix()).norm(), 1e-13);
+}
+
+TEST(InterpolatePose, MovesTheCentreStraightAndSteadily) {
+  const RigidTransform from = some_pose({0.1, 0.7, 0.0});
+  const RigidTransform to = rigid_motion({4.0, 4.0, 0.0}, {-0.5, 0.0, 1.0}, {9.0, 9.0, 9.0});
+  for (const double share : {0.25, 0.5, 0.8}) {
+    const Vec3 expected = (1.0 - share) * (from * kCentre) + share * (to * kCentre);
+    EXPECT_LT((interpolate_pose(from, to, share, kCentre) * kCentre - expected).norm(), 1e-13);
+  }
+}
+
+TEST(InterpolatePose, TurnsSteadilyAboutOneAxis) {
+  const Vec3 axis = Vec3(2.0, 1.0, 1.0).normalized();
+  const RigidTransform from = some_pose(0.3 * axis);
+  const RigidTransform to = some_pose(1.1 * axis);
+  const Vec3 half = rotation_vector(interpolate_pose(from, to, 0.5, kCentre).linear());
+  EXPECT_LT((half - 0.7 * axis).norm(), 1e-14);
+}
+
+TEST(InterpolatePose, DoesNotDependOnTheFrameItIsSeenIn) {
+  const RigidTransform from = some_pose({0.1, 0.7, 0.0});
+  const RigidTransform to = some_pose({-0.4, 0.2, 0.6});
+  const RigidTransform X_ML = rigid_motion({10.0, 0.0, -3.0}, {0.0, 1.0, 0.4}, Vec3::Zero());
+  const RigidTransform in_L = interpolate_pose(from, to, 0.3, kCentre);
+  const RigidTransform in_M = interpolate_pose(X_ML * from, X_ML * to, 0.3, kCentre);
+  EXPECT_LT((in_M.matrix() - (X_ML * in_L).matrix()).norm(), 1e-13);
+}
+
+}  // namespace
+}  // namespace lefort::geometry
