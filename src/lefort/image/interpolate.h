@@ -1,0 +1,92 @@
+/// \file
+/// Values of a volume between its voxel centres, by trilinear interpolation.
+#pragma once
+
+#include <lefort/image/volume.h>
+
+#include <algorithm>
+#include <array>
+
+namespace lefort::image {
+
+namespace internal {
+
+/// The eight voxels around a point: the lower corner, the step to the upper one along each axis (0
+/// at the upper border), and where between them the point lies, 0 to 1.
+struct Cell {
+  Index offset;
+  std::array<Index, 3> step;
+  Vec3 share;
+};
+
+/// Finds the cell of a point; false when it lies outside the voxels, or is not a number.
+///
+/// A voxel reaches half a spacing beyond its centre; in the outer half of a border voxel the value
+/// is that of its centre.
+[[nodiscard]] inline bool find_cell(const Grid& grid, const Vec3& p_L, Cell& cell) {
+  const Vec3 p_V = grid.index_V(p_L);
+  const std::array<Index, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
+  cell.offset = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const double last = static_cast<double>(grid.size[a] - 1);
+    // Written so that NaN, and any point of a grid without voxels, is outside.
+    if (!(p_V[axis] >= -0.5 && p_V[axis] < last + 0.5)) return false;
+    const double clamped = std::clamp(p_V[axis], 0.0, last);
+    const auto lower = static_cast<Index>(clamped);
+    cell.offset += lower * stride[a];
+    cell.step[a] = lower + 1 < grid.size[a] ? stride[a] : 0;
+    cell.share[axis] = clamped - static_cast<double>(lower);
+  }
+  return true;
+}
+
+}  // namespace internal
+
+/// The value of `volume` at `p_L` [mm], or `outside` where no voxel reaches.
+///
+/// Continuous inside the voxels, and exact for linear functions between the outermost centres.
+template <class T>
+[[nodiscard]] double interpolate(const Volume<T>& volume, const Vec3& p_L, double outside) {
+  internal::Cell cell;
+  if (!internal::find_cell(volume.grid, p_L, cell)) return outside;
+  const T* const corner = volume.values.data() + cell.offset;
+  const auto [dx, dy, dz] = cell.step;
+  const auto along_x = [&, dx = dx](const T* v) {
+    return static_cast<double>(v[0]) * (1.0 - cell.share.x()) +
+           static_cast<double>(v[dx]) * cell.share.x();
+  };
+  const auto along_xy = [&, dy = dy](const T* v) {
+    return along_x(v) * (1.0 - cell.share.y()) + along_x(v + dy) * cell.share.y();
+  };
+  return along_xy(corner) * (1.0 - cell.share.z()) + along_xy(corner + dz) * cell.share.z();
+}
+
+/// The gradient of interpolate() at `p_L`, in L, per mm; zero where no voxel reaches.
+///
+/// It jumps at planes through voxel centres, as trilinear values have a kink there; on such a plane
+/// it is that of the side with the larger index.
+template <class T>
+[[nodiscard]] Vec3 interpolate_gradient(const Volume<T>& volume, const Vec3& p_L) {
+  internal::Cell cell;
+  if (!internal::find_cell(volume.grid, p_L, cell)) return Vec3::Zero();
+  Vec3 gradient_V = Vec3::Zero();
+  for (int corner = 0; corner < 8; ++corner) {
+    const std::array<int, 3> upper{corner & 1, (corner >> 1) & 1, corner >> 2};
+    Index offset = cell.offset;
+    Vec3 weight;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<Index>(a);
+      offset += upper[a] * cell.step[a];
+      weight[axis] = upper[a] == 1 ? cell.share[axis] : 1.0 - cell.share[axis];
+    }
+    const auto value = static_cast<double>(volume.values[static_cast<std::size_t>(offset)]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double sign = upper[static_cast<std::size_t>(axis)] == 1 ? 1.0 : -1.0;
+      gradient_V[axis] += sign * value * weight[(axis + 1) % 3] * weight[(axis + 2) % 3];
+    }
+  }
+  return volume.grid.direction * gradient_V.cwiseQuotient(volume.grid.spacing_mm);
+}
+
+}  // namespace lefort::image
