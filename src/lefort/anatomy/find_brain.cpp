@@ -1,0 +1,150 @@
+#include <lefort/anatomy/find_brain.h>
+#include <lefort/anatomy/flood_basins.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lefort::anatomy {
+namespace {
+
+// Enclosure is sampled in cells of about this size: coarse enough for seams and foramina to vanish.
+constexpr double kCell_mm = 4.0;
+// From inside the skull nearly every direction meets bone.
+constexpr double kEnclosedShare = 0.85;
+constexpr double kOpenShare = 0.5;
+// The seed of the brain keeps this far from bone ...
+constexpr double kSeedDepth_mm = 8.0;
+// ... and has at least this size; a smaller one is the mouth or an orbit.
+constexpr double kSmallestSeed_ml = 40.0;
+// Soft tissue this near to the skin is no brain.
+constexpr double kSkin_mm = 3.0;
+// The border across openings is smoothed over this length.
+constexpr double kBorder_mm = 2.0;
+
+/// What a ray meets in a cell.
+enum class Cell : std::uint8_t { kNothing, kBone, kOutside };
+
+/// The scan in cells of whole voxels.
+struct Cells {
+  std::array<Index, 3> voxels_per_cell{};
+  image::Volume<Cell> kinds;
+
+  [[nodiscard]] std::size_t offset(Index i, Index j, Index k) const {
+    return std::size_t(
+        kinds.grid.offset(i / voxels_per_cell[0], j / voxels_per_cell[1], k / voxels_per_cell[2]));
+  }
+};
+
+Cells cells_of(const Mask& bone, const Mask& outside) {
+  Cells cells;
+  image::Grid& grid = cells.kinds.grid;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double spacing_mm = bone.grid.spacing_mm[Index(axis)];
+    Index& voxels = cells.voxels_per_cell[axis];
+    voxels = std::max(Index(1), Index(std::lround(kCell_mm / spacing_mm)));
+    grid.size[axis] = (bone.grid.size[axis] + voxels - 1) / voxels;
+  }
+  cells.kinds.values.assign(std::size_t(grid.voxel_count()), Cell::kNothing);
+  for (Index k = 0; k < bone.grid.size[2]; ++k)
+    for (Index j = 0; j < bone.grid.size[1]; ++j)
+      for (Index i = 0; i < bone.grid.size[0]; ++i) {
+        Cell& cell = cells.kinds.values[cells.offset(i, j, k)];
+        if (bone.at(i, j, k) != 0)
+          cell = Cell::kBone;
+        else if (outside.at(i, j, k) != 0 && cell == Cell::kNothing)
+          cell = Cell::kOutside;
+      }
+  return cells;
+}
+
+/// For every cell, the share of the 26 directions to its neighbours in which bone comes before the
+/// outside. Directions that leave the scan inside the patient do not count; when those are the
+/// majority, the share is 0.
+image::ScalarVolume enclosure(const image::Volume<Cell>& cells) {
+  const image::Grid& grid = cells.grid;
+  const auto first_met = [&](std::array<Index, 3> at, const std::array<Index, 3>& step) {
+    while (grid.contains(at[0], at[1], at[2])) {
+      const Cell cell = cells.at(at[0], at[1], at[2]);
+      if (cell != Cell::kNothing) return cell;
+      for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += step[axis];
+    }
+    return Cell::kNothing;
+  };
+  image::ScalarVolume shares{grid, std::vector<float>(cells.values.size(), 0.0F)};
+  parallel_for(grid.voxel_count(), [&](Index cell) {
+    const std::array<Index, 3> at{cell % grid.size[0], cell / grid.size[0] % grid.size[1],
+                                  cell / (grid.size[0] * grid.size[1])};
+    int bone = 0;
+    int outside = 0;
+    for (Index direction = 0; direction < 27; ++direction) {
+      if (direction == 13) continue;  // No step at all.
+      const Cell met = first_met(at, {direction % 3 - 1, direction / 3 % 3 - 1, direction / 9 - 1});
+      bone += met == Cell::kBone ? 1 : 0;
+      outside += met == Cell::kOutside ? 1 : 0;
+    }
+    if (bone + outside >= 13)
+      shares.values[std::size_t(cell)] = float(bone) / float(bone + outside);
+  });
+  return shares;
+}
+
+}  // namespace
+
+Mask find_brain(const Mask& soft, const Mask& bone, const Mask& outside) {
+  const image::Grid& grid = soft.grid;
+  const Cells cells = cells_of(bone, outside);
+  const image::ScalarVolume shares = enclosure(cells.kinds);
+  image::ScalarVolume share{grid, std::vector<float>(soft.values.size())};
+  for (Index k = 0; k < grid.size[2]; ++k)
+    for (Index j = 0; j < grid.size[1]; ++j)
+      for (Index i = 0; i < grid.size[0]; ++i)
+        share.at(i, j, k) = shares.values[cells.offset(i, j, k)];
+
+  const image::ScalarVolume width = distance_to(mask_where(
+      grid, [&](std::size_t v) { return soft.values[v] == 0 && outside.values[v] == 0; }));
+  const Parts enclosed = connected_parts(
+      mask_where(grid,
+                 [&](std::size_t v) {
+                   return soft.values[v] != 0 && double(share.values[v]) >= kEnclosedShare &&
+                          double(width.values[v]) >= kSeedDepth_mm;
+                 }),
+      Neighbours::kFaces);
+  const std::int32_t cavity = enclosed.largest();
+  if (double(enclosed.voxels[std::size_t(cavity)]) * voxel_ml(grid) < kSmallestSeed_ml ||
+      cavity == 0)
+    return mask_where(grid, [](std::size_t) { return false; });
+
+  const image::ScalarVolume to_skin = distance_to(outside);
+  image::Volume<std::int32_t> seeds{grid, std::vector<std::int32_t>(soft.values.size(), 0)};
+  for (std::size_t v = 0; v < seeds.values.size(); ++v) {
+    if (soft.values[v] == 0) continue;
+    if (enclosed.part_of.values[v] == cavity)
+      seeds.values[v] = 1;
+    else if (double(to_skin.values[v]) <= kSkin_mm || double(share.values[v]) <= kOpenShare)
+      seeds.values[v] = 2;
+  }
+  const auto basins = flood_basins(seeds, soft, width);
+
+  // Which side has the majority around a voxel, bone and air not asked.
+  const auto indicator = [&](const auto& holds) {
+    image::ScalarVolume values{grid, std::vector<float>(soft.values.size())};
+    for (std::size_t v = 0; v < values.values.size(); ++v)
+      values.values[v] = holds(v) ? 1.0F : 0.0F;
+    return smoothed(values, kBorder_mm / grid.spacing_mm.mean());
+  };
+  const image::ScalarVolume inside =
+      indicator([&](std::size_t v) { return basins.values[v] == 1; });
+  const image::ScalarVolume all = indicator([&](std::size_t v) { return basins.values[v] != 0; });
+  const Parts parts = connected_parts(mask_where(grid,
+                                                 [&](std::size_t v) {
+                                                   return soft.values[v] != 0 &&
+                                                          inside.values[v] > 0.5F * all.values[v];
+                                                 }),
+                                      Neighbours::kFaces);
+  const std::int32_t largest = parts.largest();
+  return mask_where(
+      grid, [&](std::size_t v) { return largest != 0 && parts.part_of.values[v] == largest; });
+}
+
+}  // namespace lefort::anatomy

@@ -1,0 +1,80 @@
+#include <lefort/anatomy/find_outside.h>
+#include <lefort/anatomy/find_table.h>
+#include <lefort/anatomy/pad_volume.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lefort::anatomy {
+namespace {
+
+// A hollow that does not lead further than this from the outside is part of it: the concha of the
+// ear, the crease beside the nose.
+constexpr double kDeepHollow_mm = 12.0;
+
+/// Room for the ball on every side of the scan but the lower one.
+Margin margin_for_ball(const image::Grid& grid, double radius_mm) {
+  Margin margin;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Index voxels = Index(std::ceil(radius_mm / grid.spacing_mm[Index(axis)])) + 1;
+    margin.first[axis] = voxels;
+    margin.last[axis] = voxels;
+  }
+  const std::size_t vertical = long_axis(grid);
+  const bool upwards = grid.direction(2, Index(vertical)) > 0.0;
+  (upwards ? margin.first : margin.last)[vertical] = 0;
+  return margin;
+}
+
+/// The voxels the ball covers in one of its places, on the padded grid.
+Mask swept_by_ball(const Mask& patient, const Margin& margin, double radius_mm) {
+  const Mask wide = padded(patient, margin, std::uint8_t(0));
+  const image::ScalarVolume room = distance_to(wide);
+  const Parts places = connected_parts(
+      mask_where(wide.grid, [&](std::size_t v) { return double(room.values[v]) > radius_mm; }),
+      Neighbours::kFaces);
+  // The margin is free of the patient: the largest part of all places lies there or is met there.
+  Mask start{wide.grid, std::vector<std::uint8_t>(wide.values.size(), 0)};
+  for (Index k = 0; k < wide.grid.size[2]; ++k)
+    for (Index j = 0; j < wide.grid.size[1]; ++j)
+      for (Index i = 0; i < wide.grid.size[0]; ++i) {
+        const std::array<Index, 3> at{i, j, k};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          if ((margin.first[axis] > 0 && at[axis] == 0) ||
+              (margin.last[axis] > 0 && at[axis] == wide.grid.size[axis] - 1))
+            start.at(i, j, k) = 1;
+      }
+  return dilated(parts_where(places, parts_touching(places, start)), radius_mm);
+}
+
+}  // namespace
+
+Mask find_outside(const Mask& patient, double nostril_radius_mm) {
+  const image::Grid& grid = patient.grid;
+  const Margin margin = margin_for_ball(grid, nostril_radius_mm);
+  const Mask swept = cropped(swept_by_ball(patient, margin, nostril_radius_mm), margin, grid);
+  const Mask reached = mask_where(
+      grid, [&](std::size_t v) { return patient.values[v] == 0 && swept.values[v] != 0; });
+
+  const image::ScalarVolume depth_mm = distance_to(reached);
+  const Parts hollows = connected_parts(
+      mask_where(grid,
+                 [&](std::size_t v) { return patient.values[v] == 0 && reached.values[v] == 0; }),
+      Neighbours::kFaces);
+  std::vector<float> entrance_mm(hollows.voxels.size(), 1e6F);
+  std::vector<float> deepest_mm(hollows.voxels.size(), 0.0F);
+  for (std::size_t v = 0; v < depth_mm.values.size(); ++v) {
+    const auto hollow = std::size_t(hollows.part_of.values[v]);
+    entrance_mm[hollow] = std::min(entrance_mm[hollow], depth_mm.values[v]);
+    deepest_mm[hollow] = std::max(deepest_mm[hollow], depth_mm.values[v]);
+  }
+  const double neighbour_mm = 1.001 * grid.spacing_mm.maxCoeff();
+  return mask_where(grid, [&](std::size_t v) {
+    const auto hollow = std::size_t(hollows.part_of.values[v]);
+    const bool shallow = hollow != 0 && double(entrance_mm[hollow]) <= neighbour_mm &&
+                         double(deepest_mm[hollow]) <= kDeepHollow_mm;
+    return reached.values[v] != 0 || shallow;
+  });
+}
+
+}  // namespace lefort::anatomy

@@ -1,0 +1,40 @@
+/// \file
+/// What each voxel of a scan is.
+#pragma once
+
+#include <lefort/image/volume.h>
+
+#include <array>
+#include <cstdint>
+
+namespace lefort::anatomy {
+
+/// The values stored in a label map and in our `.seg.nrrd` files.
+enum class Tissue : std::uint8_t {
+  kBackground = 0,  ///< Outside the patient: air, table, head holder.
+  kBone = 1,
+  kSoftTissue = 2,  ///< Facial and other soft tissue outside the cranial cavity.
+  kAirway = 3,      ///< Air inside the patient that reaches the outside: nose, pharynx.
+  kBrain = 4,       ///< Everything soft inside the cranial cavity.
+  kSinus = 5,       ///< Air enclosed by bone: maxillary, frontal, sphenoid, mastoid cells.
+};
+
+/// How a tissue is called and coloured in files and pictures.
+struct TissueStyle {
+  Tissue tissue;
+  const char* name;
+  std::array<double, 3> colour;  ///< RGB, 0 to 1.
+};
+
+inline constexpr std::array<TissueStyle, 5> kTissueStyles{{
+    {Tissue::kBone, "bone", {0.95, 0.84, 0.57}},
+    {Tissue::kSoftTissue, "soft tissue", {0.69, 0.48, 0.40}},
+    {Tissue::kAirway, "airway", {0.56, 0.80, 0.91}},
+    {Tissue::kBrain, "brain", {0.98, 0.98, 0.88}},
+    {Tissue::kSinus, "sinus", {0.37, 0.62, 0.76}},
+}};
+
+/// One label per voxel of the scan, on the scan's own grid.
+using LabelMap = image::Volume<Tissue>;
+
+}  // namespace lefort::anatomy

@@ -1,0 +1,59 @@
+/// \file
+/// More voxels around a volume, and fewer.
+#pragma once
+
+#include <lefort/core/check.h>
+#include <lefort/image/volume.h>
+
+#include <array>
+
+namespace lefort::anatomy {
+
+/// Voxels to add at the first and at the last face of each axis; >= 0.
+struct Margin {
+  std::array<Index, 3> first{0, 0, 0};
+  std::array<Index, 3> last{0, 0, 0};
+};
+
+/// The same margin on all six faces.
+[[nodiscard]] inline Margin margin_all_around(Index voxels) {
+  return {{voxels, voxels, voxels}, {voxels, voxels, voxels}};
+}
+
+[[nodiscard]] inline image::Grid padded(const image::Grid& grid, const Margin& margin) {
+  image::Grid wide = grid;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    wide.size[axis] += margin.first[axis] + margin.last[axis];
+  wide.origin_L =
+      grid.point_L({-double(margin.first[0]), -double(margin.first[1]), -double(margin.first[2])});
+  return wide;
+}
+
+/// The volume where it was, `value` around it.
+template <class T>
+[[nodiscard]] image::Volume<T> padded(const image::Volume<T>& volume, const Margin& margin,
+                                      const T& value) {
+  image::Volume<T> wide{padded(volume.grid, margin), {}};
+  wide.values.assign(std::size_t(wide.grid.voxel_count()), value);
+  for (Index k = 0; k < volume.grid.size[2]; ++k)
+    for (Index j = 0; j < volume.grid.size[1]; ++j)
+      for (Index i = 0; i < volume.grid.size[0]; ++i)
+        wide.at(i + margin.first[0], j + margin.first[1], k + margin.first[2]) = volume.at(i, j, k);
+  return wide;
+}
+
+/// Undoes padding: `wide` without its margin, on `grid`.
+template <class T>
+[[nodiscard]] image::Volume<T> cropped(const image::Volume<T>& wide, const Margin& margin,
+                                       const image::Grid& grid) {
+  image::Volume<T> volume{grid, {}};
+  volume.values.reserve(std::size_t(grid.voxel_count()));
+  for (Index k = 0; k < grid.size[2]; ++k)
+    for (Index j = 0; j < grid.size[1]; ++j)
+      for (Index i = 0; i < grid.size[0]; ++i)
+        volume.values.push_back(
+            wide.at(i + margin.first[0], j + margin.first[1], k + margin.first[2]));
+  return volume;
+}
+
+}  // namespace lefort::anatomy
