@@ -1,0 +1,283 @@
+#include <lefort/field/build_distance_field.h>
+#include <lefort/geometry/bvh.h>
+#include <lefort/geometry/mesh_measures.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "support/shapes.h"
+
+namespace lefort::field {
+namespace {
+
+using geometry::TriangleMesh;
+
+constexpr double kRadius = 20.0;
+
+/// 20 mm ball of 80,000 triangles, 0.36 mm cells. Edges reach 0.42 mm, so that facets lie up to
+/// 0.42^2 / 3 / (2 * 20) = 0.0015 mm inside the sphere.
+const DistanceField& ball() {
+  static const DistanceField field =
+      build_distance_field(test::make_icosphere(kRadius, 6),
+                           {.resolution = 128, .band_mm = 3.0, .tolerance_mm = 0.002})
+          .value();
+  return field;
+}
+
+constexpr double kFacetError = 0.0015;
+
+std::vector<Vec3> points_in_shell(double inner, double outer, int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> in(-1, 1), radius(inner, outer);
+  std::vector<Vec3> points;
+  while (int(points.size()) < count) {
+    const Vec3 p(in(random), in(random), in(random));
+    if (p.norm() > 0.1) points.push_back(radius(random) * p.normalized());
+  }
+  return points;
+}
+
+TEST(DistanceField, OfABallIsThatOfTheFormula) {
+  // Trilinear: cell^2 / 8 * (2 / radius) = 0.002 mm at the surface, 0.005 mm with the tolerance.
+  for (const Vec3& p : points_in_shell(17.1, 22.9, 5000, 1)) {
+    const FieldSample sample = ball().sample(p);
+    ASSERT_EQ(sample.zone, Zone::kBand);
+    EXPECT_NEAR(sample.distance_mm, p.norm() - kRadius, 0.006);
+    EXPECT_LT((sample.gradient_B - p.normalized()).norm(), 0.04);
+  }
+}
+
+TEST(DistanceField, SmoothOfABallIsThatOfTheFormula) {
+  for (const Vec3& p : points_in_shell(17.1, 22.9, 5000, 2)) {
+    const SmoothSample sample = ball().sample_smooth(p);
+    ASSERT_EQ(sample.zone, Zone::kBand);
+    EXPECT_NEAR(sample.distance_mm, p.norm() - kRadius, kFacetError);
+    EXPECT_LT((sample.gradient_B - p.normalized()).norm(), 0.008);
+  }
+}
+
+TEST(DistanceField, CurvatureOfABallIsOneOverItsRadius) {
+  // Facets as large as cells make single values scatter; their mean must not.
+  double bias = 0.0;
+  const std::vector<Vec3> points = points_in_shell(20.5, 22.5, 2000, 3);
+  for (const Vec3& p : points) {
+    const Mat3 hessian = ball().sample_smooth(p).hessian_B;
+    const Vec3 n = p.normalized();
+    const Mat3 expected = (Mat3::Identity() - n * n.transpose()) / p.norm();
+    EXPECT_LT((hessian - expected).norm(), 0.03);
+    bias += (hessian - expected).trace() / double(points.size());
+  }
+  EXPECT_NEAR(bias, 0.0, 0.001);
+}
+
+TEST(DistanceField, OfATorusIsThatOfTheFormula) {
+  const auto field = build_distance_field(test::make_torus(20, 8, 240, 120),
+                                          {.resolution = 128, .tolerance_mm = 0.005});
+  ASSERT_TRUE(field);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi), off(-1, 1);
+  for (int n = 0; n < 5000; ++n) {
+    const double u = angle(random), v = angle(random), d = off(random);
+    const double r = 20 + (8 + d) * std::cos(v);
+    const Vec3 p(r * std::cos(u), r * std::sin(u), (8 + d) * std::sin(v));
+    EXPECT_NEAR(field->sample(p).distance_mm, d, 0.015);
+    EXPECT_NEAR(field->sample_smooth(p).distance_mm, d, 0.012);
+  }
+}
+
+TEST(DistanceField, OfABoxIsExactBeforeItsFaces) {
+  const auto field = build_distance_field(test::make_box(Vec3(-10, -10, -10), Vec3(10, 10, 10)),
+                                          {.resolution = 64, .tolerance_mm = 0.0});
+  ASSERT_TRUE(field);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> across(-7, 7), off(-0.9, 0.9);
+  for (int n = 0; n < 3000; ++n) {
+    Vec3 p(across(random), across(random), across(random));
+    const double d = off(random);
+    p[n % 3] = 10 + d;
+    EXPECT_NEAR(field->sample(p).distance_mm, d, 1e-5);
+    EXPECT_NEAR(field->sample_smooth(p).distance_mm, d, 1e-5);
+    EXPECT_LT((field->sample(p).gradient_B - Vec3::Unit(n % 3)).norm(), 1e-4);
+  }
+}
+
+TEST(DistanceField, EveryPointNearerThanTheBandIsTold) {
+  // At corners, edges and tips too, where prisms over triangles leave gaps.
+  for (const TriangleMesh& mesh :
+       {test::make_spike(2, 20, 4), test::make_box(Vec3(-9, -2, -5), Vec3(9, 3, 4))}) {
+    const auto field = build_distance_field(mesh, {.resolution = 32, .tolerance_mm = 0.0});
+    ASSERT_TRUE(field);
+    const geometry::Bvh bvh(mesh);
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> in(-1, 1);
+    const Box3 box = field->box_B();
+    // Trilinear values err by up to half a cell on the ridges of the distance; cells do not.
+    for (int n = 0; n < 20'000; ++n) {
+      const Vec3 p =
+          box.center() + 0.5 * box.sizes().cwiseProduct(Vec3(in(random), in(random), in(random)));
+      if (!bvh.closest_point(p, field->band_mm())) continue;
+      const Vec3 u = (p - box.min()) / field->cell_mm();
+      EXPECT_EQ(field->octree().find({int(u.x()), int(u.y()), int(u.z())}).zone, Zone::kBand);
+      if (bvh.closest_point(p, field->band_mm() - 0.5 * field->cell_mm())) {
+        EXPECT_EQ(field->sample(p).zone, Zone::kBand);
+        EXPECT_EQ(field->sample_smooth(p).zone, Zone::kBand);
+      }
+    }
+  }
+}
+
+TEST(DistanceField, NoCellThatTheBandOnlyGrazesIsLeftOut) {
+  // The narrowest band bulges into cells between their corners, most of all around tips.
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> in(-1, 1);
+  for (int n = 0; n < 20; ++n) {
+    const RigidTransform turn(
+        Eigen::AngleAxisd(3 * in(random), Vec3(in(random), in(random), in(random)).normalized()));
+    const TriangleMesh mesh = test::moved(test::make_spike(4, 4 + in(random), 3), turn);
+    const double width = geometry::bounding_box(mesh).sizes().maxCoeff();
+    const auto field = build_distance_field(
+        mesh, {.resolution = 32, .band_mm = width / (32 - 4.001) * 2, .tolerance_mm = 0.0});
+    ASSERT_TRUE(field) << field.error().message;
+    const geometry::Bvh bvh(mesh);
+    for (int cell = 0; cell < 32 * 32 * 32; ++cell) {
+      const LatticePoint at = {cell % 32, cell / 32 % 32, cell / 1024};
+      if (field->octree().find(at).zone == Zone::kBand) continue;
+      const Vec3 centre = field->box_B().min() +
+                          field->cell_mm() * (Vec3(at[0], at[1], at[2]) + Vec3::Constant(0.5));
+      for (int side = 0; side < 6; ++side) {
+        const Vec3 p = centre + (side % 2 - 0.5) * field->cell_mm() * Vec3::Unit(side / 2);
+        EXPECT_FALSE(bvh.closest_point(p, field->band_mm() * (1 - 1e-9)));
+      }
+    }
+  }
+}
+
+TEST(DistanceField, BeyondTheBandSaysOnlyTheSide) {
+  for (const auto& [p, zone, distance] : {std::tuple(Vec3(0, 0, 0), Zone::kInside, -3.0),
+                                          std::tuple(Vec3(16.5, 0, 0), Zone::kInside, -3.0),
+                                          std::tuple(Vec3(0, -22.99, 5), Zone::kOutside, 3.0),
+                                          std::tuple(Vec3(15, 15, 15), Zone::kOutside, 3.0),
+                                          std::tuple(Vec3(1e9, 0, 0), Zone::kOutside, 3.0)}) {
+    const FieldSample sample = ball().sample(p);
+    EXPECT_EQ(sample.zone, zone) << p.transpose();
+    EXPECT_EQ(sample.distance_mm, distance);
+    EXPECT_TRUE(sample.gradient_B.isZero(0.0));
+    const SmoothSample smooth = ball().sample_smooth(p);
+    EXPECT_EQ(smooth.zone, zone);
+    EXPECT_EQ(smooth.distance_mm, distance);
+    EXPECT_TRUE(smooth.gradient_B.isZero(0.0) && smooth.hessian_B.isZero(0.0));
+  }
+}
+
+TEST(DistanceField, GrowsUpToTheBandAndThenStays) {
+  double previous = -4.0;
+  for (double r = 15.0; r < 25.0; r += 0.01) {
+    const Vec3 p = r * Vec3(0.36, 0.48, 0.8);
+    const SmoothSample sample = ball().sample_smooth(p);
+    const double beyond = std::abs(r - kRadius) - 3.0;
+    if (std::abs(beyond) > kFacetError) {
+      EXPECT_EQ(sample.zone == Zone::kBand, beyond < 0.0) << r;
+    }
+    EXPECT_GE(sample.distance_mm, previous - kFacetError);
+    EXPECT_LT(std::abs(sample.distance_mm), 3.0 + 1e-12);
+    previous = sample.distance_mm;
+  }
+}
+
+TEST(DistanceField, PointsThatAreNoneAreUnknown) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const Vec3& p : {Vec3(nan, 0, 0), Vec3(20, nan, 0), Vec3(0, 0, infinity)}) {
+    EXPECT_EQ(ball().sample(p).zone, Zone::kUnknown);
+    EXPECT_EQ(ball().sample_smooth(p).zone, Zone::kUnknown);
+    EXPECT_EQ(ball().sample(p).distance_mm, 3.0);
+  }
+}
+
+TEST(DistanceField, GradientOfACellIsTheDerivativeOfItsValue) {
+  constexpr double kStep = 1e-6;
+  for (const Vec3& p : points_in_shell(17.5, 22.5, 1000, 7)) {
+    const FieldSample sample = ball().sample(p);
+    for (int k = 0; k < 3; ++k) {
+      const double up = ball().sample(p + kStep * Vec3::Unit(k)).distance_mm;
+      const double down = ball().sample(p - kStep * Vec3::Unit(k)).distance_mm;
+      const double slope = (up - down) / (2 * kStep);
+      if (std::abs(slope - sample.gradient_B[k]) > 1e-6) {
+        // Only a step over the face of a cell may differ.
+        const Vec3 u = (p - ball().box_B().min()) / ball().cell_mm();
+        EXPECT_LT(std::abs(u[k] - std::round(u[k])), 1e-5);
+      }
+    }
+  }
+}
+
+TEST(DistanceField, SmoothDerivativesAreThoseOfTheValue) {
+  constexpr double kStep = 1e-4;
+  for (const Vec3& p : points_in_shell(17.5, 22.5, 500, 8)) {
+    const SmoothSample sample = ball().sample_smooth(p);
+    for (int k = 0; k < 3; ++k) {
+      const SmoothSample up = ball().sample_smooth(p + kStep * Vec3::Unit(k));
+      const SmoothSample down = ball().sample_smooth(p - kStep * Vec3::Unit(k));
+      EXPECT_NEAR(sample.gradient_B[k], (up.distance_mm - down.distance_mm) / (2 * kStep), 1e-6);
+      EXPECT_LT((sample.hessian_B.col(k) - (up.gradient_B - down.gradient_B) / (2 * kStep)).norm(),
+                1e-4);
+    }
+  }
+}
+
+TEST(DistanceField, SmoothIsTwiceDifferentiableWhereOctreeCellsOfDifferentSizeMeet) {
+  // Bony box: large octree cells before its faces, finest ones along its edges.
+  const auto field = build_distance_field(test::make_box(Vec3(-10, -10, -10), Vec3(10, 10, 10)),
+                                          {.resolution = 64, .tolerance_mm = 0.01});
+  ASSERT_TRUE(field);
+  const FieldFrame& frame = field->frame();
+  std::mt19937 random(9);
+  int between_sizes = 0;
+  for (int n = 0; n < 20'000; ++n) {
+    LatticePoint cell{};
+    for (int& c : cell) c = int(1 + random() % 63);
+    LatticePoint other = cell;
+    --other[std::size_t(n % 3)];
+    const Octree::Place a = field->octree().find(cell), b = field->octree().find(other);
+    if (a.zone != Zone::kBand || b.zone != Zone::kBand) continue;
+    const Vec3 in_face = Vec3(0.3, 0.6, 0.4) - Vec3(0.3, 0.6, 0.4)[n % 3] * Vec3::Unit(n % 3);
+    const Vec3 p = frame.origin_B + frame.cell_mm * (Vec3(cell[0], cell[1], cell[2]) + in_face);
+    const Vec3 step = 1e-9 * Vec3::Unit(n % 3);
+    const SmoothSample before = field->sample_smooth(p - step);
+    const SmoothSample after = field->sample_smooth(p + step);
+    if (before.zone != Zone::kBand || after.zone != Zone::kBand) continue;
+    if (a.leaf.cells != b.leaf.cells) ++between_sizes;
+    EXPECT_NEAR(before.distance_mm, after.distance_mm, 1e-8);
+    EXPECT_LT((before.gradient_B - after.gradient_B).norm(), 1e-7);
+    EXPECT_LT((before.hessian_B - after.hessian_B).norm(), 1e-6);
+  }
+  EXPECT_GT(between_sizes, 50);
+}
+
+TEST(DistanceField, JumpsBetweenOctreeCellsStayWithinTwiceTheTolerance) {
+  const FieldFrame& frame = ball().frame();
+  std::mt19937 random(10);
+  for (int n = 0; n < 20'000; ++n) {
+    Vec3 u(double(random() % 128), double(random() % 128), double(random() % 128));
+    for (int k = 0; k < 3; ++k)
+      if (k != n % 3) u[k] += double(random() % 100) / 100.0;
+    const Vec3 p = frame.origin_B + frame.cell_mm * u;
+    const Vec3 step = 1e-10 * Vec3::Unit(n % 3);
+    const FieldSample before = ball().sample(p - step), after = ball().sample(p + step);
+    EXPECT_NEAR(before.distance_mm, after.distance_mm, 2.0 * frame.tolerance_mm + 1e-6);
+  }
+}
+
+TEST(DistanceField, StatisticsCountWhatIsStored) {
+  const FieldStatistics statistics = ball().statistics();
+  EXPECT_GT(statistics.leaves, statistics.band_leaves);
+  EXPECT_GT(statistics.band_leaves, 1000);
+  EXPECT_GT(statistics.octree_bytes, std::size_t(statistics.stored_samples) * sizeof(float));
+  EXPECT_GT(statistics.smooth_bytes, 1000U);
+}
+
+}  // namespace
+}  // namespace lefort::field

@@ -1,0 +1,123 @@
+#include <lefort/field/spline_lattice.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace lefort::field {
+namespace {
+
+constexpr int kResolution = 16;
+constexpr double kHugeCell = 1e9;  // No difference counts as a tear.
+
+template <class Function>
+SparseLattice tabulate(const Function& f) {
+  std::vector<std::int32_t> all(5 * 5 * 5);
+  std::iota(all.begin(), all.end(), 0);
+  SparseLattice lattice(kResolution, all, 0.0F);
+  for (Index slot = 0; slot < lattice.brick_count(); ++slot) {
+    const LatticePoint low = lattice.first_point(lattice.brick_number(slot));
+    for (int n = 0; n < SparseLattice::kBrickPoints; ++n)
+      lattice.brick(slot)[std::size_t(n)] =
+          float(f(Vec3(low[0] + n % 8, low[1] + n / 8 % 8, low[2] + n / 64)));
+  }
+  return lattice;
+}
+
+TEST(SplineLattice, ReproducesCubicPolynomialsWithTheirDerivatives) {
+  const auto f = [](const Vec3& u) {
+    const double x = u.x() / 8, y = u.y() / 8, z = u.z() / 8;
+    return x * x * x - 2 * x * y * z + y * y - 0.5 * z * z * z + 3 * x - 1;
+  };
+  const SparseLattice c = spline_coefficients(tabulate(f), kHugeCell, kHugeCell);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> in(0, kResolution);
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 u(in(random), in(random), in(random));
+    const double x = u.x() / 8, y = u.y() / 8, z = u.z() / 8;
+    const SplineValue s = evaluate_spline(c, u);
+    EXPECT_NEAR(s.value, f(u), 1e-5);
+    EXPECT_LT((s.gradient -
+               Vec3(3 * x * x - 2 * y * z + 3, -2 * x * z + 2 * y, -2 * x * y - 1.5 * z * z) / 8)
+                  .norm(),
+              1e-5);
+    Mat3 hessian;
+    hessian << 6 * x, -2 * z, -2 * y, -2 * z, 2, -2 * x, -2 * y, -2 * x, -3 * z;
+    EXPECT_LT((s.hessian - hessian / 64).norm(), 1e-5);
+  }
+}
+
+TEST(SplineLattice, ErrorFallsWithTheFourthPowerOfTheCell) {
+  const auto largest_error = [](double wave) {
+    const auto f = [&](const Vec3& u) {
+      return std::sin(wave * u.x()) * std::cos(wave * u.y()) + std::sin(wave * u.z());
+    };
+    const SparseLattice c = spline_coefficients(tabulate(f), kHugeCell, kHugeCell);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> in(0, kResolution);
+    double largest = 0.0;
+    for (int n = 0; n < 3000; ++n) {
+      const Vec3 u(in(random), in(random), in(random));
+      largest = std::max(largest, std::abs(evaluate_spline(c, u).value - f(u)));
+    }
+    return largest;
+  };
+  const double ratio = largest_error(0.6) / largest_error(0.3);
+  EXPECT_GT(ratio, 11.0);
+  EXPECT_LT(ratio, 20.0);
+}
+
+TEST(SplineLattice, DerivativesAreThoseOfTheValue) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> in(0, kResolution), noise(-1, 1);
+  const SparseLattice c =
+      spline_coefficients(tabulate([&](const Vec3&) { return noise(random); }), 10, kHugeCell);
+  constexpr double kStep = 1e-4;
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 u(in(random), in(random), in(random));
+    const SplineValue s = evaluate_spline(c, u);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 step = kStep * Vec3::Unit(k);
+      const SplineValue up = evaluate_spline(c, u + step), down = evaluate_spline(c, u - step);
+      EXPECT_NEAR(s.gradient[k], (up.value - down.value) / (2 * kStep), 1e-6);
+      EXPECT_LT((s.hessian.col(k) - (up.gradient - down.gradient) / (2 * kStep)).norm(), 2e-4);
+    }
+    EXPECT_EQ(s.hessian, s.hessian.transpose());
+  }
+}
+
+TEST(SplineLattice, SecondDerivativesAreContinuousAcrossCellsAndBricks) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> in(0, kResolution), noise(-1, 1);
+  const SparseLattice c =
+      spline_coefficients(tabulate([&](const Vec3&) { return noise(random); }), 10, kHugeCell);
+  for (int n = 0; n < 300; ++n) {
+    Vec3 u(in(random), in(random), in(random));
+    const int axis = n % 3;
+    u[axis] = 1 + n % (kResolution - 1);  // On a face between cells; at 8, between bricks.
+    const Vec3 step = 1e-9 * Vec3::Unit(axis);
+    const SplineValue before = evaluate_spline(c, u - step), after = evaluate_spline(c, u + step);
+    EXPECT_NEAR(before.value, after.value, 1e-7);
+    EXPECT_LT((before.gradient - after.gradient).norm(), 1e-7);
+    EXPECT_LT((before.hessian - after.hessian).norm(), 1e-7);
+  }
+}
+
+TEST(SplineLattice, TearsHaveNoCoefficients) {
+  const auto torn = [](const Vec3& u) { return u.x() < 7.5 ? -5.0 : 5.0; };
+  const SparseLattice c = spline_coefficients(tabulate(torn), 1.0, kHugeCell);
+  EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(7.5, 4, 4)).value));
+  EXPECT_NEAR(evaluate_spline(c, Vec3(2.5, 4, 4)).value, -5.0, 1e-6);
+  EXPECT_NEAR(evaluate_spline(c, Vec3(12.5, 4, 4)).value, 5.0, 1e-6);
+}
+
+TEST(SplineLattice, BricksFurtherThanTheReachAreDropped) {
+  const auto height = [](const Vec3& u) { return u.z(); };
+  const SparseLattice c = spline_coefficients(tabulate(height), 1.0, 3.0);
+  EXPECT_EQ(c.brick_count(), 2 * 25);  // z = -8 .. -1 and 0 .. 7.
+}
+
+}  // namespace
+}  // namespace lefort::field
