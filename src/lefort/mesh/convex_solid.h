@@ -1,0 +1,24 @@
+/// \file
+/// The boundary of an intersection of half-spaces.
+#pragma once
+
+#include <lefort/geometry/triangle_mesh.h>
+
+#include <span>
+
+namespace lefort::mesh {
+
+/// The points p with normal . (p - point) >= 0.
+struct HalfSpace {
+  Vec3 point;   ///< Any point of the bounding plane [mm].
+  Vec3 normal;  ///< Towards the half-space; any length > 0.
+};
+
+/// The part of `box` that lies in every half-space, as a closed surface, counter-clockwise seen
+/// from outside. Empty if it has no volume.
+///
+/// \note Tries every three planes, so meant for tens of half-spaces.
+[[nodiscard]] geometry::TriangleMesh convex_solid(std::span<const HalfSpace> half_spaces,
+                                                  const Box3& box);
+
+}  // namespace lefort::mesh

@@ -1,0 +1,123 @@
+#include <lefort/geometry/mesh_measures.h>
+#include <lefort/mesh/cut_surface.h>
+#include <lefort/mesh/internal/cgal_surface.h>
+#include <lefort/mesh/repair_surface.h>
+
+#include <CGAL/Polygon_mesh_processing/corefinement.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+namespace lefort::mesh {
+namespace {
+
+namespace pmp = CGAL::Polygon_mesh_processing;
+using geometry::TriangleMesh;
+using internal::CgalSurface;
+
+/// Tried in turn. Exact arithmetic needs no shift for a sound surface; where the cut runs through a
+/// spot at which the surface touches or crosses itself, a neighbouring cut often does not. All are
+/// far below what a saw, or a scanner, can tell.
+constexpr std::array kShifts_mm{0.0, 1e-6, 1e-5, 1e-4};
+constexpr double kLargestVolumeError = 1e-3;  // Share of the whole.
+
+Result<void> check_half_spaces(std::span<const HalfSpace> half_spaces) {
+  if (half_spaces.empty())
+    return fail(ErrorCode::kInvalidArgument, "no half-space given to cut by, must be one or more");
+  for (std::size_t i = 0; i < half_spaces.size(); ++i) {
+    const HalfSpace& half = half_spaces[i];
+    if (!half.point.allFinite() || !half.normal.allFinite() || !(half.normal.norm() > 1e-12))
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("half-space {} has point ({}, {}, {}) and normal ({}, {}, {}), must be "
+                      "finite and the normal not zero",
+                      i, half.point.x(), half.point.y(), half.point.z(), half.normal.x(),
+                      half.normal.y(), half.normal.z()));
+  }
+  return {};
+}
+
+std::vector<HalfSpace> shifted_inwards(std::span<const HalfSpace> half_spaces, double shift_mm) {
+  std::vector<HalfSpace> shifted(half_spaces.begin(), half_spaces.end());
+  for (HalfSpace& half : shifted) half.point += shift_mm * half.normal.normalized();
+  return shifted;
+}
+
+/// The surface's box and a little more, so that no face of the box touches the surface.
+Box3 room_around(const TriangleMesh& surface) {
+  Box3 box = geometry::bounding_box(surface);
+  const Vec3 margin_mm = Vec3::Constant(1.0 + 0.05 * box.sizes().maxCoeff());
+  box.extend(Vec3(box.min() - margin_mm));
+  box.extend(Vec3(box.max() + margin_mm));
+  return box;
+}
+
+/// The part within the solid and the part outside it; nothing if the surface crosses itself where
+/// it is cut, or a part would not be a surface.
+std::optional<std::array<TriangleMesh, 2>> split(const TriangleMesh& surface,
+                                                 const TriangleMesh& solid) {
+  CgalSurface whole = internal::to_cgal(surface);
+  CgalSurface cutter = internal::to_cgal(solid);
+  CgalSurface inside, outside;
+  std::array<boost::optional<CgalSurface*>, 4> wanted;
+  wanted[pmp::Corefinement::INTERSECTION] = &inside;
+  wanted[pmp::Corefinement::TM1_MINUS_TM2] = &outside;
+  const auto made = pmp::corefine_and_compute_boolean_operations(
+      whole, cutter, wanted, pmp::parameters::throw_on_self_intersection(true));
+  if (!made[pmp::Corefinement::INTERSECTION] || !made[pmp::Corefinement::TM1_MINUS_TM2])
+    return std::nullopt;
+  return {{internal::from_cgal(inside), internal::from_cgal(outside)}};
+}
+
+bool is_sound(const SurfaceCut& cut) {
+  const double missing_mm3 = cut.inside_volume_mm3 + cut.outside_volume_mm3 - cut.whole_volume_mm3;
+  return std::abs(missing_mm3) <= kLargestVolumeError * cut.whole_volume_mm3 &&
+         cut.inside_volume_mm3 >= 0.0 && cut.outside_volume_mm3 >= 0.0 &&
+         geometry::is_closed(cut.inside) && geometry::is_closed(cut.outside);
+}
+
+std::optional<SurfaceCut> try_to_cut(const TriangleMesh& whole,
+                                     std::span<const HalfSpace> half_spaces, double shift_mm) {
+  const TriangleMesh solid =
+      convex_solid(shifted_inwards(half_spaces, shift_mm), room_around(whole));
+  SurfaceCut cut;
+  cut.plane_shift_mm = shift_mm;
+  cut.whole_volume_mm3 = geometry::signed_volume_mm3(whole);
+  if (solid.triangles.empty()) {
+    cut.outside = whole;
+  } else {
+    auto parts = split(whole, solid);
+    if (!parts) return std::nullopt;
+    cut.inside = std::move((*parts)[0]);
+    cut.outside = std::move((*parts)[1]);
+  }
+  cut.inside_volume_mm3 = geometry::signed_volume_mm3(cut.inside);
+  cut.outside_volume_mm3 = geometry::signed_volume_mm3(cut.outside);
+  if (!is_sound(cut)) return std::nullopt;
+  return cut;
+}
+
+}  // namespace
+
+Result<SurfaceCut> cut_surface(const TriangleMesh& surface, std::span<const HalfSpace> half_spaces,
+                               Progress& progress) {
+  LEFORT_TRY_VOID(check_half_spaces(half_spaces));
+  LEFORT_TRY(const TriangleMesh whole, repair_surface(surface));
+  const internal::QuietCgal quiet;
+  for (std::size_t i = 0; i < kShifts_mm.size(); ++i) {
+    progress.report(double(i) / double(kShifts_mm.size()));
+    if (progress.stop_requested())
+      return fail(ErrorCode::kCancelled, "cutting the surface was cancelled");
+    try {
+      if (auto cut = try_to_cut(whole, half_spaces, kShifts_mm[i])) return std::move(*cut);
+    } catch (const std::exception&) {  // Self-intersection on the cut, or a broken precondition.
+    }
+  }
+  return fail(ErrorCode::kMeshingFailed,
+              fmt::format("the surface of {} triangles cannot be cut: it crosses itself along the "
+                          "cut, must not",
+                          whole.triangle_count()));
+}
+
+}  // namespace lefort::mesh

@@ -1,0 +1,91 @@
+#include <lefort/core/check.h>
+#include <lefort/core/units.h>
+#include <lefort/mesh/element_quality.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace lefort::mesh {
+namespace {
+
+/// The angle inside the tetrahedron along edge pq, between the faces towards r and s.
+double dihedral_deg(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
+  const Vec3 along = (q - p).normalized();
+  const Vec3 to_r = (r - p) - along.dot(r - p) * along;
+  const Vec3 to_s = (s - p) - along.dot(s - p) * along;
+  return degrees_from_radians(std::atan2(to_r.cross(to_s).norm(), to_r.dot(to_s)));
+}
+
+/// Six times the volume, over the lengths of the three edges at each corner: smallest over the
+/// corners, 1 / sqrt(2) if regular. The corner with the longest edges is the smallest.
+double smallest_corner_jacobian(double volume_mm3, const std::array<Vec3, 4>& p) {
+  double largest_product = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    double product = 1.0;
+    for (std::size_t j = 0; j < 4; ++j)
+      if (j != i) product *= (p[j] - p[i]).norm();
+    largest_product = std::max(largest_product, product);
+  }
+  return largest_product > 0.0 ? 6.0 * volume_mm3 / largest_product : 0.0;
+}
+
+/// 3 r / R, with r = 3 V / A and R = |a^2 (b x c) + b^2 (c x a) + c^2 (a x b)| / (12 V), where
+/// a, b, c are the edges from one corner.
+double radius_ratio_of(double volume_mm3, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double area_mm2 = 0.5 * (a.cross(b).norm() + b.cross(c).norm() + c.cross(a).norm() +
+                                 (b - a).cross(c - a).norm());
+  const Vec3 centre_12_volumes =
+      a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b);
+  const double scale = area_mm2 * centre_12_volumes.norm();
+  return scale > 0.0 ? 108.0 * volume_mm3 * std::abs(volume_mm3) / scale : 0.0;
+}
+
+}  // namespace
+
+TetQuality tet_quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  TetQuality quality{};
+  quality.volume_mm3 = (b - a).cross(c - a).dot(d - a) / 6.0;
+  const std::array<double, 6> angles_deg{dihedral_deg(a, b, c, d), dihedral_deg(a, c, b, d),
+                                         dihedral_deg(a, d, b, c), dihedral_deg(b, c, a, d),
+                                         dihedral_deg(b, d, a, c), dihedral_deg(c, d, a, b)};
+  quality.min_dihedral_deg = *std::min_element(angles_deg.begin(), angles_deg.end());
+  quality.max_dihedral_deg = *std::max_element(angles_deg.begin(), angles_deg.end());
+  quality.scaled_jacobian =
+      std::numbers::sqrt2 * smallest_corner_jacobian(quality.volume_mm3, {a, b, c, d});
+  quality.radius_ratio = radius_ratio_of(quality.volume_mm3, b - a, c - a, d - a);
+  return quality;
+}
+
+MeshQuality measure_quality(const VolumeMesh& mesh) {
+  MeshQuality all;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  all.smallest_volume_mm3 = all.min_dihedral_deg = kInfinity;
+  all.min_scaled_jacobian = all.min_radius_ratio = kInfinity;
+  for (const ElementBlock& block : mesh.blocks) {
+    LEFORT_CHECK(block.shape == ElementShape::kTet4);
+    for (Index e = 0; e < block.element_count(); ++e) {
+      const auto node = [&](int n) { return mesh.nodes_L[std::size_t(block.element(e)[n])]; };
+      const TetQuality one = tet_quality(node(0), node(1), node(2), node(3));
+      all.volume_mm3 += one.volume_mm3;
+      all.smallest_volume_mm3 = std::min(all.smallest_volume_mm3, one.volume_mm3);
+      all.min_dihedral_deg = std::min(all.min_dihedral_deg, one.min_dihedral_deg);
+      all.max_dihedral_deg = std::max(all.max_dihedral_deg, one.max_dihedral_deg);
+      all.min_scaled_jacobian = std::min(all.min_scaled_jacobian, one.scaled_jacobian);
+      all.mean_scaled_jacobian += one.scaled_jacobian;
+      all.min_radius_ratio = std::min(all.min_radius_ratio, one.radius_ratio);
+      all.mean_radius_ratio += one.radius_ratio;
+      const auto bin = std::size_t(std::clamp(one.min_dihedral_deg / 10.0, 0.0, 7.0));
+      ++all.dihedral_histogram[bin];
+      if (!(one.volume_mm3 > 0.0)) all.inverted.push_back(all.elements);
+      ++all.elements;
+    }
+  }
+  if (all.elements == 0) return {};
+  all.mean_scaled_jacobian /= double(all.elements);
+  all.mean_radius_ratio /= double(all.elements);
+  return all;
+}
+
+}  // namespace lefort::mesh

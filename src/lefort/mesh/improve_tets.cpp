@@ -1,0 +1,216 @@
+#include <lefort/core/check.h>
+#include <lefort/core/units.h>
+#include <lefort/mesh/boundary_faces.h>
+#include <lefort/mesh/improve_tets.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lefort::mesh {
+namespace {
+
+/// How far a tetrahedron is from being flat: the smallest sine of its six dihedral angles, and at
+/// most twice its radius ratio 3 r / R, which sees short edges too. Negative if inverted.
+///
+/// With the face areas A and A' beside an edge of length l, the sine is 3 V l / (2 A A').
+double shape_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 ab = b - a, ac = c - a, ad = d - a;
+  const Vec3 bc = c - b, bd = d - b, cd = d - c;
+  const Vec3 abc = ab.cross(ac), acd = ac.cross(ad), adb = ad.cross(ab);
+  const double six_volumes = abc.dot(ad);
+  // Twice the areas of the faces opposite to a, b, c, d.
+  const double fa = bc.cross(bd).norm(), fb = acd.norm(), fc = adb.norm(), fd = abc.norm();
+  const double sine =
+      six_volumes * std::min({ab.norm() / (fc * fd), ac.norm() / (fb * fd), ad.norm() / (fb * fc),
+                              bc.norm() / (fa * fd), bd.norm() / (fa * fc), cd.norm() / (fa * fb)});
+  // r = 6V / (fa + fb + fc + fd), R = |centre| / 12V.
+  const double centre =
+      (ab.squaredNorm() * acd + ac.squaredNorm() * adb + ad.squaredNorm() * abc).norm();
+  const double radius_ratio =
+      6.0 * six_volumes * std::abs(six_volumes) / ((fa + fb + fc + fd) * centre);
+  const double shape = std::min(sine, 2.0 * radius_ratio);
+  return std::isfinite(shape) ? shape : 0.0;
+}
+
+constexpr double kLargestTurn_deg = 20.0;
+
+/// Lists of lists, one after another.
+struct Lists {
+  std::vector<std::size_t> first;
+  std::vector<Index> items;
+  [[nodiscard]] std::span<const Index> of(std::size_t node) const {
+    return std::span(items).subspan(first[node], first[node + 1] - first[node]);
+  }
+};
+
+template <class Nodes>
+Lists users_of_nodes(Index node_count, Index user_count, const Nodes& nodes_of) {
+  Lists lists;
+  lists.first.assign(std::size_t(node_count) + 1, 0);
+  for (Index user = 0; user < user_count; ++user)
+    for (const std::int32_t node : nodes_of(user)) ++lists.first[std::size_t(node) + 1];
+  for (std::size_t n = 1; n < lists.first.size(); ++n) lists.first[n] += lists.first[n - 1];
+  lists.items.resize(lists.first.back());
+  std::vector<std::size_t> next = lists.first;
+  for (Index user = 0; user < user_count; ++user)
+    for (const std::int32_t node : nodes_of(user)) lists.items[next[std::size_t(node)]++] = user;
+  return lists;
+}
+
+class Improver {
+ public:
+  Improver(VolumeMesh& mesh, const InsideTest& is_inside, const ImproveOptions& options)
+      : mesh_(&mesh),
+        is_inside_(&is_inside),
+        options_(options),
+        faces_(boundary_faces(mesh)),
+        tets_of_node_(users_of_nodes(mesh.node_count(), mesh.element_count(),
+                                     [&](Index e) { return nodes_of(e); })),
+        faces_of_node_(users_of_nodes(mesh.node_count(), Index(faces_.size()),
+                                      [&](Index f) { return faces_[std::size_t(f)]; })) {}
+
+  [[nodiscard]] std::vector<Index> bad_elements() const {
+    const double wanted = std::sin(radians_from_degrees(options_.angle_deg));
+    std::vector<Index> bad;
+    for (Index e = 0; e < mesh_->element_count(); ++e)
+      if (shape(e) < wanted) bad.push_back(e);
+    return bad;
+  }
+
+  void sweep(const std::vector<Index>& bad) {
+    std::vector<std::int32_t> nodes;
+    for (const Index e : bad)
+      for (const std::int32_t node : nodes_of(e)) nodes.push_back(node);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    for (const std::int32_t node : nodes) improve(std::size_t(node));
+  }
+
+ private:
+  [[nodiscard]] std::span<const std::int32_t> nodes_of(Index e) const {
+    return {mesh_->blocks[0].element(e), 4};
+  }
+  [[nodiscard]] const Vec3& at(std::int32_t node) const {
+    return mesh_->nodes_L[std::size_t(node)];
+  }
+  [[nodiscard]] double shape(Index e) const {
+    const auto nodes = nodes_of(e);
+    return shape_of(at(nodes[0]), at(nodes[1]), at(nodes[2]), at(nodes[3]));
+  }
+  [[nodiscard]] double worst_around(std::size_t node) const {
+    double worst = 1.0;
+    for (const Index e : tets_of_node_.of(node)) worst = std::min(worst, shape(e));
+    return worst;
+  }
+  [[nodiscard]] Vec3 normal_of_face(Index f) const {
+    const auto& [a, b, c] = faces_[std::size_t(f)];
+    return (at(b) - at(a)).cross(at(c) - at(a));
+  }
+  [[nodiscard]] double reach_mm(std::size_t node) const {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const Index e : tets_of_node_.of(node))
+      for (const std::int32_t other : nodes_of(e))
+        if (std::size_t(other) != node)
+          shortest = std::min(shortest, (at(other) - mesh_->nodes_L[node]).norm());
+    return shortest;
+  }
+
+  /// Inner nodes have none.
+  [[nodiscard]] std::optional<Vec3> boundary_normal(std::size_t node) const {
+    const auto faces = faces_of_node_.of(node);
+    if (faces.empty()) return std::nullopt;
+    Vec3 sum = Vec3::Zero();
+    for (const Index f : faces) sum += normal_of_face(f);
+    return sum.normalized();
+  }
+
+  [[nodiscard]] static std::vector<Vec3> directions(const std::optional<Vec3>& normal) {
+    std::vector<Vec3> all;
+    if (!normal) {
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+          for (int z = -1; z <= 1; ++z)
+            if (const Vec3 v(x, y, z); std::abs(x) + std::abs(y) + std::abs(z) != 2)
+              if (v.squaredNorm() > 0.0) all.push_back(v.normalized());
+      return all;
+    }
+    const Vec3 u = normal->unitOrthogonal();
+    const Vec3 v = normal->cross(u);
+    for (int i = 0; i < 8; ++i) {
+      const double angle = radians_from_degrees(45.0 * i);
+      all.push_back(std::cos(angle) * u + std::sin(angle) * v);
+    }
+    return all;
+  }
+
+  /// Puts the node to `p`, and if it is of the boundary from there onto the level.
+  /// \returns whether that is allowed.
+  bool place(std::size_t node, Vec3 p, const std::optional<Vec3>& normal, double step_mm,
+             const std::vector<Vec3>& face_normals) {
+    if (normal) {
+      const auto t = find_crossing(p, *normal, *is_inside_, step_mm, options_.tolerance_mm);
+      if (!t) return false;
+      p += *t * *normal;
+    }
+    mesh_->nodes_L[node] = p;
+    const auto faces = faces_of_node_.of(node);
+    for (std::size_t i = 0; i < faces.size(); ++i)
+      if (normal_of_face(faces[i]).normalized().dot(face_normals[i]) <
+          std::cos(radians_from_degrees(kLargestTurn_deg)))
+        return false;
+    return true;
+  }
+
+  void improve(std::size_t node) {
+    const std::optional<Vec3> normal = boundary_normal(node);
+    if (normal && !(normal->norm() > 0.5)) return;  // The faces around it cancel out.
+    std::vector<Vec3> face_normals;
+    for (const Index f : faces_of_node_.of(node))
+      face_normals.push_back(normal_of_face(f).normalized());
+
+    const std::vector<Vec3> along = directions(normal);
+    Vec3 best_p = mesh_->nodes_L[node];
+    double best = worst_around(node);
+    double step_mm = 0.3 * reach_mm(node);
+    for (int round = 0; round < 8; ++round) {
+      const Vec3 from = best_p;
+      bool any = false;
+      for (const Vec3& direction : along) {
+        if (!place(node, from + step_mm * direction, normal, step_mm, face_normals)) continue;
+        const double worst = worst_around(node);
+        if (!(worst > best)) continue;
+        best = worst;
+        best_p = mesh_->nodes_L[node];
+        any = true;
+      }
+      if (!any) step_mm *= 0.5;
+    }
+    mesh_->nodes_L[node] = best_p;
+  }
+
+  VolumeMesh* mesh_;
+  const InsideTest* is_inside_;
+  ImproveOptions options_;
+  std::vector<Face3> faces_;
+  Lists tets_of_node_;
+  Lists faces_of_node_;
+};
+
+}  // namespace
+
+Index improve_tets(VolumeMesh& mesh, const InsideTest& is_inside_L, const ImproveOptions& options) {
+  LEFORT_CHECK(mesh.blocks.size() == 1 && mesh.blocks[0].shape == ElementShape::kTet4);
+  Improver improver(mesh, is_inside_L, options);
+  std::vector<Index> bad = improver.bad_elements();
+  for (int i = 0; i < options.sweeps && !bad.empty(); ++i) {
+    improver.sweep(bad);
+    bad = improver.bad_elements();
+  }
+  return Index(bad.size());
+}
+
+}  // namespace lefort::mesh

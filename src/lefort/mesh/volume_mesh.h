@@ -1,0 +1,62 @@
+/// \file
+/// What the solver works on: nodes, elements of mixed shapes, a region per element, named sets.
+#pragma once
+
+#include <lefort/core/types.h>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace lefort::mesh {
+
+/// Node numbering follows VTK's cell of the same shape.
+enum class ElementShape : std::uint8_t {
+  kTet4,
+  kPyramid5,
+  kWedge6,
+  kHex8,
+  kTet10,
+  kWedge15,
+  kHex20
+};
+
+[[nodiscard]] constexpr int node_count(ElementShape shape) {
+  constexpr std::array<int, 7> kCounts{4, 5, 6, 8, 10, 15, 20};
+  return kCounts[std::size_t(shape)];
+}
+
+/// Elements of one shape.
+struct ElementBlock {
+  ElementShape shape = ElementShape::kTet4;
+  std::vector<std::int32_t> nodes;   ///< node_count(shape) per element, one after another.
+  std::vector<std::int32_t> region;  ///< One per element; what it means is told by the maker.
+
+  [[nodiscard]] Index element_count() const { return Index(region.size()); }
+  /// The nodes of element `e`.
+  [[nodiscard]] const std::int32_t* element(Index e) const {
+    return nodes.data() + e * node_count(shape);
+  }
+};
+
+/// A triangular boundary face, counter-clockwise seen from outside the mesh.
+using Face3 = std::array<std::int32_t, 3>;
+
+/// Does not change after it was built.
+struct VolumeMesh {
+  std::vector<Vec3> nodes_L;  ///< [mm]
+  std::vector<ElementBlock> blocks;
+  std::map<std::string, std::vector<std::int32_t>> node_sets;  ///< Ascending node numbers.
+  std::map<std::string, std::vector<Face3>> face_sets;
+
+  [[nodiscard]] Index node_count() const { return Index(nodes_L.size()); }
+  [[nodiscard]] Index element_count() const {
+    Index count = 0;
+    for (const ElementBlock& block : blocks) count += block.element_count();
+    return count;
+  }
+};
+
+}  // namespace lefort::mesh

@@ -1,0 +1,69 @@
+#include <lefort/core/check.h>
+#include <lefort/geometry/mesh_measures.h>
+#include <lefort/mesh/boundary_faces.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesh/shapes_of_tets.h"
+
+namespace lefort::mesh {
+namespace {
+
+geometry::TriangleMesh surface_of(const VolumeMesh& mesh) {
+  geometry::TriangleMesh surface;
+  surface.vertices = mesh.nodes_L;
+  for (const Face3& face : boundary_faces(mesh)) surface.triangles.push_back(face);
+  return surface;
+}
+
+TEST(BoundaryFaces, OfATetrahedronAreAllFourFacingOut) {
+  const auto surface = surface_of(test::regular_tet());
+  EXPECT_EQ(surface.triangle_count(), 4);
+  EXPECT_TRUE(geometry::is_closed(surface));
+  EXPECT_NEAR(geometry::signed_volume_mm3(surface), 1.0 / (6.0 * std::sqrt(2.0)), 1e-15);
+}
+
+TEST(BoundaryFaces, OfABoxEncloseItsVolumeWithEachEdgeUsedTwice) {
+  const auto surface = surface_of(test::cube_of_tets(3));
+  EXPECT_EQ(surface.triangle_count(), 6 * 9 * 2);
+  EXPECT_TRUE(geometry::is_closed(surface));
+  EXPECT_NEAR(geometry::signed_volume_mm3(surface), 27.0, 1e-12);
+  EXPECT_NEAR(geometry::area_mm2(surface), 54.0, 1e-12);
+}
+
+TEST(BoundaryFaces, SpanBlocks) {
+  VolumeMesh mesh = test::cube_of_tets(2);
+  ElementBlock& first = mesh.blocks[0];
+  ElementBlock second;
+  second.nodes.assign(first.nodes.begin() + 4 * 20, first.nodes.end());
+  second.region.assign(first.region.begin() + 20, first.region.end());
+  const auto whole = boundary_faces(mesh);
+  first.nodes.resize(4 * 20);
+  first.region.resize(20);
+  mesh.blocks.push_back(second);
+  EXPECT_EQ(boundary_faces(mesh), whole);
+}
+
+TEST(BoundaryFaces, LeaveOutInnerNodes) {
+  const auto nodes = nodes_of_faces(boundary_faces(test::cube_of_tets(2)));
+  EXPECT_EQ(nodes.size(), 26u);
+  EXPECT_TRUE(std::is_sorted(nodes.begin(), nodes.end()));
+  EXPECT_EQ(std::count(nodes.begin(), nodes.end(), 13), 0);  // The middle.
+}
+
+TEST(BoundaryFaces, OfNothingAreNone) {
+  EXPECT_TRUE(boundary_faces({}).empty());
+  EXPECT_TRUE(nodes_of_faces({}).empty());
+}
+
+TEST(BoundaryFaces, AreForTetrahedraOnly) {
+  VolumeMesh mesh;
+  mesh.blocks.push_back({.shape = ElementShape::kHex8, .nodes = {}, .region = {}});
+  EXPECT_THROW(static_cast<void>(boundary_faces(mesh)), LogicError);
+}
+
+}  // namespace
+}  // namespace lefort::mesh

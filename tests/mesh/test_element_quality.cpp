@@ -1,0 +1,97 @@
+#include <lefort/core/units.h>
+#include <lefort/mesh/element_quality.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "mesh/shapes_of_tets.h"
+
+namespace lefort::mesh {
+namespace {
+
+TetQuality quality_of(const VolumeMesh& mesh) {
+  const auto& p = mesh.nodes_L;
+  return tet_quality(p[0], p[1], p[2], p[3]);
+}
+
+TEST(TetQuality, OfTheRegularTetrahedronIsTheTextbooks) {
+  const TetQuality quality = quality_of(test::regular_tet());
+  const double dihedral_deg = degrees_from_radians(std::acos(1.0 / 3.0));
+  EXPECT_NEAR(quality.volume_mm3, 1.0 / (6.0 * std::numbers::sqrt2), 1e-15);
+  EXPECT_NEAR(quality.min_dihedral_deg, dihedral_deg, 1e-12);
+  EXPECT_NEAR(quality.max_dihedral_deg, dihedral_deg, 1e-12);
+  EXPECT_NEAR(quality.scaled_jacobian, 1.0, 1e-14);
+  EXPECT_NEAR(quality.radius_ratio, 1.0, 1e-14);
+}
+
+TEST(TetQuality, OfACubesCornerIsTheTextbooks) {
+  const TetQuality quality = tet_quality({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  EXPECT_NEAR(quality.volume_mm3, 1.0 / 6.0, 1e-15);
+  EXPECT_NEAR(quality.max_dihedral_deg, 90.0, 1e-12);
+  EXPECT_NEAR(quality.min_dihedral_deg, degrees_from_radians(std::acos(1.0 / std::sqrt(3.0))),
+              1e-12);
+  // The three corners beside the right one have edges 1, sqrt 2, sqrt 2.
+  EXPECT_NEAR(quality.scaled_jacobian, std::numbers::sqrt2 / 2.0, 1e-14);
+  // r = 1 / (3 + sqrt 3), R = sqrt 3 / 2.
+  EXPECT_NEAR(quality.radius_ratio, 3.0 / (3.0 + std::sqrt(3.0)) / (std::sqrt(3.0) / 2.0), 1e-14);
+}
+
+TEST(TetQuality, ForgetsSizeAndPose) {
+  const Vec3 a(0, 0, 0), b(3, 0.2, 0), c(0.4, 2, 0.1), d(0.7, 0.5, 1.9);
+  const RigidTransform X =
+      Eigen::Translation3d(5, -7, 90) * Eigen::AngleAxisd(1.2, Vec3(1, -1, 2).normalized());
+  const TetQuality here = tet_quality(a, b, c, d);
+  const TetQuality there = tet_quality(X * (7.0 * a), X * (7.0 * b), X * (7.0 * c), X * (7.0 * d));
+  EXPECT_NEAR(there.volume_mm3, 343.0 * here.volume_mm3, 1e-9);
+  EXPECT_NEAR(there.min_dihedral_deg, here.min_dihedral_deg, 1e-10);
+  EXPECT_NEAR(there.scaled_jacobian, here.scaled_jacobian, 1e-12);
+  EXPECT_NEAR(there.radius_ratio, here.radius_ratio, 1e-12);
+}
+
+TEST(TetQuality, OfASliverIsNearlyZeroThoughItsEdgesAreFine) {
+  const TetQuality quality = tet_quality({1, 0, 0}, {0, 1, 1e-3}, {-1, 0, 0}, {0, -1, 1e-3});
+  EXPECT_LT(quality.min_dihedral_deg, 0.3);
+  EXPECT_GT(quality.max_dihedral_deg, 179.0);
+  EXPECT_LT(quality.radius_ratio, 0.01);
+}
+
+TEST(TetQuality, TellsTheInvertedAndTheFlat) {
+  const TetQuality inverted = tet_quality({0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1});
+  EXPECT_LT(inverted.volume_mm3, 0.0);
+  EXPECT_LT(inverted.scaled_jacobian, 0.0);
+  EXPECT_LT(inverted.radius_ratio, 0.0);
+  const TetQuality point = tet_quality(Vec3::Ones(), Vec3::Ones(), Vec3::Ones(), Vec3::Ones());
+  EXPECT_EQ(point.scaled_jacobian, 0.0);
+  EXPECT_EQ(point.radius_ratio, 0.0);
+}
+
+TEST(MeshQuality, SumsUpAMesh) {
+  VolumeMesh mesh = test::cube_of_tets(2);
+  const MeshQuality quality = measure_quality(mesh);
+  EXPECT_EQ(quality.elements, 48);
+  EXPECT_NEAR(quality.volume_mm3, 8.0, 1e-14);
+  EXPECT_NEAR(quality.smallest_volume_mm3, 1.0 / 6.0, 1e-15);
+  EXPECT_NEAR(quality.min_dihedral_deg, 45.0, 1e-12);
+  EXPECT_NEAR(quality.max_dihedral_deg, 90.0, 1e-12);
+  EXPECT_NEAR(quality.mean_scaled_jacobian, quality.min_scaled_jacobian, 1e-14);
+  EXPECT_NEAR(quality.mean_radius_ratio, quality.min_radius_ratio, 1e-14);
+  EXPECT_TRUE(quality.inverted.empty());
+  const auto& bins = quality.dihedral_histogram;
+  EXPECT_EQ(std::accumulate(bins.begin(), bins.end(), Index(0)), 48);
+  EXPECT_EQ(bins[4], 48);
+}
+
+TEST(MeshQuality, NamesInvertedElementsThroughAllBlocks) {
+  VolumeMesh mesh = test::cube_of_tets(1);
+  mesh.blocks.push_back(mesh.blocks[0]);
+  std::swap(mesh.blocks[1].nodes[4 * 2], mesh.blocks[1].nodes[4 * 2 + 1]);
+  EXPECT_EQ(measure_quality(mesh).inverted, (std::vector<Index>{8}));
+}
+
+TEST(MeshQuality, OfNothingIsZero) { EXPECT_EQ(measure_quality({}).elements, 0); }
+
+}  // namespace
+}  // namespace lefort::mesh
