@@ -1,0 +1,48 @@
+/// \file
+/// Plan + skull surface -> the piece an osteotomy frees, and what stays.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/plan/plan.h>
+
+namespace lefort::plan {
+
+/// What the planes cut off but does not count as the segment: spicules, stray islands, and bones
+/// that merely reach into it, such as the coronoid process of the mandible into a mid-face. Pieces
+/// smaller than either bound stay with the remainder.
+struct CutBonesOptions {
+  double smallest_piece_ml = 0.5;      ///< >= 0.
+  double smallest_piece_share = 0.05;  ///< Of the largest piece's volume, 0 to 1.
+};
+
+/// A skull in two closed parts, both counter-clockwise seen from outside.
+struct CutBones {
+  geometry::TriangleMesh segment_L;
+  geometry::TriangleMesh remainder_L;
+  double skull_volume_mm3 = 0.0;
+  double segment_volume_mm3 = 0.0;
+  double remainder_volume_mm3 = 0.0;
+  Index segment_pieces = 0;       ///< Bodies the segment consists of.
+  Index crumbs = 0;               ///< Pieces that went back to the remainder.
+  double crumb_volume_mm3 = 0.0;  ///< What they hold together; part of remainder_volume_mm3.
+};
+
+/// Frees the segment of `osteotomy` from the skull.
+///
+/// \param skull_L   closed; several bodies and cavities are fine.
+/// \returns both parts, or
+///   - kPlanInvalid      the osteotomy has no plane, or one that is not finite or has no direction;
+///   - kInvalidArgument  an option lies outside its range;
+///   - kMeshInvalid      the skull is empty or open;
+///   - kCutMissesBone    no bone (or crumbs alone) lies inside the planes, or none outside;
+///   - kMeshingFailed    the surface crosses itself along the cut;
+///   - kCancelled        `progress` asked to stop.
+/// \note Volumes add up: |segment + remainder - skull| <= 0.1 % of the skull.
+[[nodiscard]] Result<CutBones> cut_bones(const geometry::TriangleMesh& skull_L,
+                                         const Osteotomy& osteotomy,
+                                         const CutBonesOptions& options = {},
+                                         Progress& progress = Progress::none());
+
+}  // namespace lefort::plan

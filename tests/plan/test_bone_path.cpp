@@ -1,0 +1,99 @@
+#include <lefort/geometry/rigid_motion.h>
+#include <lefort/plan/bone_path.h>
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+namespace lefort::plan {
+namespace {
+
+/// Forward, then down with a turn about the first molar.
+BonePath two_leg_path() {
+  return {.segment = "midface",
+          .keyframes = {{.at = 0.4, .translation_mm = {0.0, -6.0, 0.0}},
+                        {.at = 1.0,
+                         .translation_mm = {0.0, -12.0, -5.0},
+                         .rotation_rad = {0.2, 0.0, 0.0},
+                         .centre_L = {0.0, -60.0, -20.0}}},
+          .steps = 12};
+}
+
+RigidTransform pose_of(const Keyframe& key) {
+  return geometry::rigid_motion(key.translation_mm, key.rotation_rad, key.centre_L);
+}
+
+TEST(BonePath, StartsAtRestExactly) {
+  EXPECT_TRUE(pose_at(two_leg_path(), 0.0).matrix() == Eigen::Matrix4d::Identity());
+}
+
+TEST(BonePath, MeetsEachKeyframeExactly) {
+  const BonePath path = two_leg_path();
+  for (const Keyframe& key : path.keyframes)
+    EXPECT_TRUE(pose_at(path, key.at).matrix() == pose_of(key).matrix());
+}
+
+TEST(BonePath, AShiftIsDoneInProportionToTheShare) {
+  const Vec3 p_B(3.0, -50.0, 7.0);
+  EXPECT_LT((pose_at(two_leg_path(), 0.1) * p_B - (p_B + Vec3(0.0, -1.5, 0.0))).norm(), 1e-13);
+}
+
+TEST(BonePath, MovesTheLaterCentreStraightWhileItTurns) {
+  const BonePath path = two_leg_path();
+  const Vec3 centre_B = path.keyframes[1].centre_L;
+  const RigidTransform half_way = pose_at(path, 0.7);
+  EXPECT_LT((half_way * centre_B - (centre_B + Vec3(0.0, -9.0, -2.5))).norm(), 1e-13);
+  EXPECT_LT((geometry::rotation_vector(half_way.linear()) - Vec3(0.1, 0.0, 0.0)).norm(), 1e-14);
+}
+
+TEST(BonePath, IsContinuousAcrossAKeyframe) {
+  const BonePath path = two_leg_path();
+  const double before = std::nextafter(0.4, 0.0), after = std::nextafter(0.4, 1.0);
+  EXPECT_LT((pose_at(path, before).matrix() - pose_at(path, after).matrix()).norm(), 1e-12);
+}
+
+TEST(BonePath, LargestDisplacementIsThatOfTheFarthestPoint) {
+  BonePath path{.segment = "midface", .keyframes = {{.at = 1.0, .rotation_rad = {0.0, 0.0, 0.5}}}};
+  const std::array<Vec3, 3> points_B{Vec3(1.0, 0.0, 0.0), Vec3(0.0, 8.0, 3.0), Vec3(2.0, 2.0, 0.0)};
+  // A chord of the circle of radius 8 over a quarter of the angle.
+  EXPECT_NEAR(largest_displacement_mm(path, points_B, 0.5, 0.75), 16.0 * std::sin(0.0625), 1e-13);
+  EXPECT_EQ(largest_displacement_mm(path, {}, 0.0, 1.0), 0.0);
+}
+
+TEST(CheckPath, AcceptsASoundPath) { EXPECT_TRUE(check_path(two_leg_path())); }
+
+TEST(CheckPath, RefusesWhatCannotBeFollowedAndNamesIt) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  struct Case {
+    std::function<void(BonePath&)> spoil;
+    const char* named;
+  };
+  const std::array<Case, 10> cases{
+      {{[](BonePath& p) { p.keyframes.clear(); }, "`keyframes` is empty"},
+       {[](BonePath& p) { p.steps = 0; }, "`steps` is 0"},
+       {[](BonePath& p) { p.keyframes[0].at = 0.0; }, "keyframe 0: `at` is 0"},
+       {[](BonePath& p) { p.keyframes[1].at = 1.5; }, "keyframe 1: `at` is 1.5"},
+       {[](BonePath& p) { p.keyframes[0].at = kNan; }, "keyframe 0: `at` is nan"},
+       {[](BonePath& p) { p.keyframes[1].at = 0.4; }, "keyframe 1: `at` is 0.4, must be above 0.4"},
+       {[](BonePath& p) { p.keyframes[1].at = 0.9; }, "last keyframe is at 0.9"},
+       {[](BonePath& p) { p.keyframes[0].translation_mm.y() = kNan; },
+        "keyframe 0: its translation"},
+       {[](BonePath& p) { p.keyframes[1].centre_L.x() = kNan; }, "keyframe 1: its centre"},
+       {[](BonePath& p) { p.keyframes[1].rotation_rad.z() = 3.2; }, "half a turn"}}};
+  for (const Case& c : cases) {
+    BonePath path = two_leg_path();
+    c.spoil(path);
+    const auto checked = check_path(path);
+    ASSERT_FALSE(checked) << c.named;
+    EXPECT_EQ(checked.error().code, ErrorCode::kPlanInvalid);
+    EXPECT_NE(checked.error().message.find("'midface'"), std::string::npos);
+    EXPECT_NE(checked.error().message.find(c.named), std::string::npos) << checked.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace lefort::plan
