@@ -1,0 +1,133 @@
+#include <lefort/contact/measure_gap.h>
+#include <lefort/core/parallel.h>
+#include <lefort/field/build_distance_field.h>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+
+#include "support/shapes.h"
+
+namespace lefort::contact {
+namespace {
+
+using field::Zone;
+
+constexpr double kRadius_mm = 10.0;
+constexpr double kBand_mm = 3.0;
+
+std::shared_ptr<const field::DistanceField> sphere_field() {
+  static const auto shared = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(test::make_icosphere(kRadius_mm, 5),
+                                  {.resolution = 64, .band_mm = kBand_mm})
+          .value());
+  return shared;
+}
+
+std::vector<Vec3> random_points(int count, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> coordinate(-13.0, 13.0);
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i)
+    points.emplace_back(coordinate(generator), coordinate(generator), coordinate(generator));
+  return points;
+}
+
+RigidTransform some_pose() {
+  RigidTransform X_LB = RigidTransform::Identity();
+  X_LB.linear() = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, -0.5).normalized()).toRotationMatrix();
+  X_LB.translation() = Vec3(4.0, -7.0, 2.5);
+  return X_LB;
+}
+
+class MeasureGap : public testing::TestWithParam<Reconstruction> {};
+INSTANTIATE_TEST_SUITE_P(Both, MeasureGap,
+                         testing::Values(Reconstruction::kTrilinear, Reconstruction::kSmooth));
+
+TEST_P(MeasureGap, OfASphereIsTheDistanceToIt) {
+  const BoneObstacle sphere{sphere_field(), RigidTransform::Identity(), GetParam()};
+  int in_band = 0;
+  for (const Vec3& p_L : random_points(2000, 1)) {
+    const Gap gap = measure_gap(sphere, p_L);
+    const double exact_mm = p_L.norm() - kRadius_mm;
+    if (gap.zone != Zone::kBand) {
+      EXPECT_GT(std::abs(exact_mm), 0.95 * kBand_mm);
+      EXPECT_EQ(gap.zone, exact_mm > 0.0 ? Zone::kOutside : Zone::kInside);
+      continue;
+    }
+    ++in_band;
+    EXPECT_NEAR(gap.gap_mm, exact_mm, 0.03);
+    EXPECT_GT(gap.gradient_L.normalized().dot(p_L.normalized()), 0.995);
+  }
+  EXPECT_GT(in_band, 300);
+}
+
+TEST_P(MeasureGap, MovingBoneAndPointsTogetherTurnsNormalsAndNothingElse) {
+  const BoneObstacle resting{sphere_field(), RigidTransform::Identity(), GetParam()};
+  BoneObstacle moved = resting;
+  moved.X_LB = some_pose();
+  for (const Vec3& p : random_points(500, 2)) {
+    const Gap before = measure_gap(resting, p);
+    const Gap after = measure_gap(moved, moved.X_LB * p);
+    ASSERT_EQ(before.zone, after.zone);
+    EXPECT_NEAR(before.gap_mm, after.gap_mm, 1e-9);
+    const Mat3 R = moved.X_LB.linear();
+    EXPECT_LT((R * before.gradient_L - after.gradient_L).norm(), 1e-7);
+    EXPECT_LT((R * before.hessian_L * R.transpose() - after.hessian_L).norm(), 1e-6);
+  }
+}
+
+TEST(MeasureGap, SmoothDerivativesAreThoseOfTheGapInThePatientsFrame) {
+  const BoneObstacle sphere{sphere_field(), some_pose(), Reconstruction::kSmooth};
+  constexpr double kStep = 1e-5;
+  int compared = 0;
+  for (const Vec3& p : random_points(300, 3)) {
+    const Vec3 p_L = sphere.X_LB * p;
+    const Gap gap = measure_gap(sphere, p_L);
+    if (gap.zone != Zone::kBand || std::abs(gap.gap_mm) > 0.9 * kBand_mm) continue;
+    ++compared;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Gap plus = measure_gap(sphere, p_L + kStep * Vec3::Unit(axis));
+      const Gap minus = measure_gap(sphere, p_L - kStep * Vec3::Unit(axis));
+      EXPECT_NEAR(gap.gradient_L[axis], (plus.gap_mm - minus.gap_mm) / (2.0 * kStep), 1e-7);
+      const Vec3 column = (plus.gradient_L - minus.gradient_L) / (2.0 * kStep);
+      EXPECT_LT((gap.hessian_L.col(axis) - column).norm(), 1e-4);
+    }
+  }
+  EXPECT_GT(compared, 30);
+}
+
+TEST(FindContacts, ReportsWhatIsNearAndWhatIsTooDeepInTheOrderAsked) {
+  const BoneObstacle sphere{sphere_field()};
+  const std::vector<Vec3> points{{0.0, 0.0, 0.0},    // deeper than the band
+                                 {0.0, 9.0, 0.0},    // 1 mm in
+                                 {0.0, 0.0, 10.5},   // 0.5 mm off
+                                 {12.0, 0.0, 0.0},   // 2 mm off
+                                 {90.0, 0.0, 0.0}};  // far
+  const auto contacts = find_contacts(sphere, points, 1.0);
+  ASSERT_EQ(contacts.size(), 3U);
+  EXPECT_EQ(contacts[0].point, 0);
+  EXPECT_EQ(contacts[0].gap.zone, Zone::kInside);
+  EXPECT_EQ(contacts[1].point, 1);
+  EXPECT_NEAR(contacts[1].gap.gap_mm, -1.0, 0.02);
+  EXPECT_EQ(contacts[2].point, 2);
+}
+
+TEST(FindContacts, SameContactsForAnyNumberOfThreads) {
+  const BoneObstacle sphere{sphere_field()};
+  const std::vector<Vec3> points = random_points(5000, 4);
+  const auto with_threads = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return find_contacts(sphere, points, 0.5);
+  };
+  const auto one = with_threads(1), three = with_threads(3);
+  ASSERT_EQ(one.size(), three.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].point, three[i].point);
+    EXPECT_EQ(one[i].gap.gap_mm, three[i].gap.gap_mm);
+  }
+}
+
+}  // namespace
+}  // namespace lefort::contact

@@ -1,0 +1,55 @@
+#include <lefort/contact/penalty.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace lefort::contact {
+namespace {
+
+constexpr double kStiffness = 0.05;
+constexpr double kRadius_mm = 8.0;
+
+/// A ball at the origin: its gap and derivatives are known.
+PenaltyResponse against_ball(const Vec3& p) {
+  const double r = p.norm();
+  const Vec3 n = p / r;
+  return penalty_response(kRadius_mm - r, n, (Mat3::Identity() - n * n.transpose()) / r,
+                          kStiffness);
+}
+
+TEST(Penalty, EnergyIsStiffnessTimesDepthSquared) {
+  EXPECT_DOUBLE_EQ(against_ball({6.0, 0.0, 0.0}).energy_mj_per_mm2, kStiffness * 4.0);
+}
+
+TEST(Penalty, PushesTissueOutOfTheBone) {
+  const Vec3 traction = -against_ball({6.0, 0.0, 0.0}).gradient_mpa;
+  EXPECT_DOUBLE_EQ(traction.x(), 2.0 * kStiffness * 2.0);
+  EXPECT_EQ(traction.y(), 0.0);
+}
+
+TEST(Penalty, NothingPushesOutsideOrOnTheSurface) {
+  EXPECT_EQ(against_ball({8.0, 0.0, 0.0}).gradient_mpa, Vec3::Zero());
+  EXPECT_EQ(against_ball({9.0, 1.0, 0.0}).energy_mj_per_mm2, 0.0);
+  EXPECT_EQ(penalty_response(std::nan(""), Vec3::UnitX(), Mat3::Zero(), 1.0).energy_mj_per_mm2,
+            0.0);
+}
+
+TEST(Penalty, GradientAndHessianAreThoseOfTheEnergy) {
+  constexpr double kStep = 1e-5;
+  const Vec3 p(3.0, -4.0, 5.0);
+  const PenaltyResponse at_p = against_ball(p);
+  for (int axis = 0; axis < 3; ++axis) {
+    const PenaltyResponse plus = against_ball(p + kStep * Vec3::Unit(axis));
+    const PenaltyResponse minus = against_ball(p - kStep * Vec3::Unit(axis));
+    EXPECT_NEAR(at_p.gradient_mpa[axis],
+                (plus.energy_mj_per_mm2 - minus.energy_mj_per_mm2) / (2.0 * kStep), 1e-9);
+    EXPECT_LT((at_p.hessian_mpa_per_mm.col(axis) -
+               (plus.gradient_mpa - minus.gradient_mpa) / (2.0 * kStep))
+                  .norm(),
+              1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace lefort::contact
