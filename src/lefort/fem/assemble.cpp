@@ -1,0 +1,199 @@
+#include <lefort/core/check.h>
+#include <lefort/core/parallel.h>
+#include <lefort/fem/assemble.h>
+#include <lefort/fem/assembly_plan.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace lefort::fem {
+namespace {
+
+constexpr double kInadmissible = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMaxLocalSize = 3 * kMaxLocalNodes;
+constexpr Index kItemsPerTask = 64;  // Long enough to pay for the task, short enough to balance.
+
+/// Copies the entries of `values` [3 per node] that belong to `nodes`.
+void pick(const VectorX& values, std::span<const std::int32_t> nodes, Vec3* picked) {
+  for (std::size_t a = 0; a < nodes.size(); ++a) picked[a] = values.segment<3>(3 * Index(nodes[a]));
+}
+
+/// Evaluates one item into zeroed memory; `stiffness` may be null.
+/// \returns its energy, or kInadmissible.
+double evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, double* residual,
+                     double* stiffness) {
+  const std::span<const std::int32_t> nodes = term.nodes(item);
+  const auto size = Index(3 * nodes.size());
+  std::array<Vec3, kMaxLocalNodes> local_x_L;
+  pick(x_L, nodes, local_x_L.data());
+  const Index stiffness_size = stiffness == nullptr ? 0 : size;
+  LocalEquations local{
+      .residual_n = Eigen::Map<VectorX>(residual, size),
+      .stiffness_n_per_mm = Eigen::Map<Eigen::MatrixXd>(stiffness, stiffness_size, stiffness_size)};
+  local.residual_n.setZero();
+  local.stiffness_n_per_mm.setZero();
+  const bool admissible = term.evaluate(item, {local_x_L.data(), nodes.size()}, local);
+  return admissible ? local.energy_mj : kInadmissible;
+}
+
+/// Adds what the chunk's items push on each node; and their magnitudes, if asked.
+void gather_forces(const Gather<std::int32_t>& gather, const std::vector<double>& buffer,
+                   VectorX& sum, VectorX* sum_of_magnitudes) {
+  parallel_for(Index(gather.target.size()), [&](Index k) {
+    Vec3 total = Vec3::Zero();
+    Vec3 magnitudes = Vec3::Zero();
+    for (std::int32_t s = gather.first[std::size_t(k)]; s < gather.first[std::size_t(k) + 1]; ++s) {
+      const Vec3 force = Eigen::Map<const Vec3>(buffer.data() + gather.source[std::size_t(s)]);
+      total += force;
+      magnitudes += force.cwiseAbs();
+    }
+    const Index at = 3 * Index(gather.target[std::size_t(k)]);
+    sum.segment<3>(at) += total;
+    if (sum_of_magnitudes != nullptr) sum_of_magnitudes->segment<3>(at) += magnitudes;
+  });
+}
+
+/// Adds what the chunk's items contribute to each block of the tangent.
+void gather_stiffness(const Gather<BlockSource>& gather, const std::vector<double>& buffer,
+                      const DofMap& dofs, const std::vector<TangentBlock>& blocks, double* values) {
+  using Block = Eigen::Map<const Mat3, 0, Eigen::OuterStride<>>;
+  parallel_for(Index(gather.target.size()), [&](Index k) {
+    Mat3 total = Mat3::Zero();
+    for (std::int32_t s = gather.first[std::size_t(k)]; s < gather.first[std::size_t(k) + 1]; ++s) {
+      const BlockSource& source = gather.source[std::size_t(s)];
+      total += Block(buffer.data() + source.offset, Eigen::OuterStride<>(source.stride));
+    }
+    const TangentBlock& block = blocks[std::size_t(gather.target[std::size_t(k)])];
+    const bool on_diagonal = block.row_node == block.column_node;
+    for (int c = 0; c < 3; ++c) {
+      std::int32_t place = block.place[std::size_t(c)];
+      if (place < 0) continue;
+      for (int r = on_diagonal ? c : 0; r < 3; ++r)
+        if (dofs.free_number(3 * Index(block.row_node) + r) >= 0) values[place++] += total(r, c);
+    }
+  });
+}
+
+}  // namespace
+
+struct Assembler::Plan {
+  std::vector<Vec3> nodes_L;
+  DofMap dofs;
+  std::vector<const ForceTerm*> terms;
+  AssemblyPlan layout;
+
+  /// Positions under displacements u, 3 per node.
+  [[nodiscard]] VectorX positions_L(const VectorX& u) const {
+    LEFORT_CHECK(u.size() == 3 * Index(nodes_L.size()));
+    return u + Eigen::Map<const VectorX>(nodes_L.data()->data(), u.size());
+  }
+
+  [[nodiscard]] const ForceTerm& term(const PlannedItem& item) const {
+    return *terms[std::size_t(item.term)];
+  }
+};
+
+Assembler::Assembler(std::vector<Vec3> nodes_L, DofMap dofs, std::vector<const ForceTerm*> terms) {
+  LEFORT_CHECK(Index(nodes_L.size()) == dofs.node_count());
+  AssemblyPlan layout = plan_assembly(dofs, terms);
+  plan_ = std::make_unique<const Plan>(
+      Plan{std::move(nodes_L), std::move(dofs), std::move(terms), std::move(layout)});
+}
+
+Assembler::~Assembler() = default;
+Assembler::Assembler(Assembler&&) noexcept = default;
+Assembler& Assembler::operator=(Assembler&&) noexcept = default;
+
+const DofMap& Assembler::dofs() const { return plan_->dofs; }
+std::span<const Vec3> Assembler::nodes_L() const { return plan_->nodes_L; }
+
+std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
+  const VectorX x_L = plan_->positions_L(u);
+  AssembledForces sum{.residual_n = VectorX::Zero(u.size())};
+  VectorX magnitudes = VectorX::Zero(u.size());
+  double energy_magnitude = 0.0;
+  std::vector<double> buffer(std::size_t(plan_->layout.force_buffer_size));
+  std::vector<double> energies;
+  for (const Chunk& chunk : plan_->layout.chunks) {
+    energies.assign(chunk.items.size(), 0.0);
+    parallel_for(
+        Index(chunk.items.size()),
+        [&](Index k) {
+          const PlannedItem& item = chunk.items[std::size_t(k)];
+          energies[std::size_t(k)] = evaluate_item(plan_->term(item), item.item, x_L,
+                                                   buffer.data() + item.forces, nullptr);
+        },
+        kItemsPerTask);
+    for (const double energy : energies) {
+      sum.energy_mj += energy;
+      energy_magnitude += std::abs(energy);
+    }
+    if (!std::isfinite(sum.energy_mj)) return std::nullopt;
+    gather_forces(chunk.forces, buffer, sum.residual_n, &magnitudes);
+  }
+  if (!sum.residual_n.allFinite()) return std::nullopt;
+  sum.force_scale_n = plan_->dofs.free_part(magnitudes).norm();
+  sum.energy_round_off_mj =
+      std::numeric_limits<double>::epsilon() * (energy_magnitude + magnitudes.dot(x_L.cwiseAbs()));
+  return sum;
+}
+
+SparseMatrix Assembler::tangent(const VectorX& u) const {
+  const VectorX x_L = plan_->positions_L(u);
+  SparseMatrix K = plan_->layout.pattern;
+  std::vector<double> forces(std::size_t(plan_->layout.force_buffer_size));
+  std::vector<double> stiffness(std::size_t(plan_->layout.stiffness_buffer_size));
+  std::vector<double> energies;
+  for (const Chunk& chunk : plan_->layout.chunks) {
+    energies.assign(chunk.items.size(), 0.0);
+    parallel_for(
+        Index(chunk.items.size()),
+        [&](Index k) {
+          const PlannedItem& item = chunk.items[std::size_t(k)];
+          energies[std::size_t(k)] =
+              evaluate_item(plan_->term(item), item.item, x_L, forces.data() + item.forces,
+                            stiffness.data() + item.stiffness);
+        },
+        kItemsPerTask);
+    for (const double energy : energies) LEFORT_CHECK(!std::isnan(energy));
+    gather_stiffness(chunk.stiffness, stiffness, plan_->dofs, plan_->layout.blocks, K.valuePtr());
+  }
+  return K;
+}
+
+VectorX Assembler::tangent_times(const VectorX& u, const VectorX& du) const {
+  LEFORT_CHECK(du.size() == u.size());
+  const VectorX x_L = plan_->positions_L(u);
+  VectorX product = VectorX::Zero(u.size());
+  std::vector<double> buffer(std::size_t(plan_->layout.force_buffer_size));
+  for (const Chunk& chunk : plan_->layout.chunks) {
+    parallel_for(
+        Index(chunk.items.size()),
+        [&](Index k) {
+          const PlannedItem& item = chunk.items[std::size_t(k)];
+          const ForceTerm& term = plan_->term(item);
+          const std::span<const std::int32_t> nodes = term.nodes(item.item);
+          const auto size = Index(3 * nodes.size());
+          std::array<Vec3, kMaxLocalNodes> local_du;
+          pick(du, nodes, local_du.data());
+          const Eigen::Map<const VectorX> direction(local_du.data()->data(), size);
+          Eigen::Map<VectorX> force(buffer.data() + item.forces, size);
+          if (direction.isZero(0.0)) {
+            force.setZero();
+            return;
+          }
+          std::array<double, kMaxLocalSize * kMaxLocalSize> stiffness;
+          const double energy = evaluate_item(term, item.item, x_L, force.data(), stiffness.data());
+          LEFORT_CHECK(!std::isnan(energy));
+          force.noalias() =
+              Eigen::Map<const Eigen::MatrixXd>(stiffness.data(), size, size) * direction;
+        },
+        kItemsPerTask);
+    gather_forces(chunk.forces, buffer, product, nullptr);
+  }
+  return product;
+}
+
+}  // namespace lefort::fem

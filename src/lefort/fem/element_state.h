@@ -1,0 +1,28 @@
+/// \file
+/// Strain and stress of each element, for looking at.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/fem/material.h>
+#include <lefort/mesh/volume_mesh.h>
+
+#include <vector>
+
+namespace lefort::fem {
+
+/// Means over the integration points of one element, but for the smallest J.
+struct ElementState {
+  double min_volume_ratio = 1.0;    ///< J = det F; an element with J <= 0 is inside out.
+  Mat3 cauchy_mpa = Mat3::Zero();   ///< True stress, tension positive; NaN where J <= 0.
+  double energy_density_mpa = 0.0;  ///< Per reference volume; NaN where J <= 0.
+};
+
+/// \param mesh       accepted by make_element_terms().
+/// \param materials  likewise.
+/// \param u          displacements of all nodes, 3 per node [mm].
+/// \returns one state per element, through the blocks.
+[[nodiscard]] std::vector<ElementState> element_states(const mesh::VolumeMesh& mesh,
+                                                       const RegionMaterials& materials,
+                                                       const VectorX& u);
+
+}  // namespace lefort::fem

@@ -1,0 +1,117 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/continuum_term.h>
+#include <lefort/fem/element_term.h>
+#include <lefort/fem/elements/all_elements.h>
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace lefort::fem {
+namespace {
+
+using TermPtr = std::unique_ptr<const ForceTerm>;
+
+/// Checks what all shapes share, so that the rest may index freely.
+Result<void> check_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block) {
+  const std::size_t wanted = block.region.size() * std::size_t(mesh::node_count(block.shape));
+  if (block.nodes.size() != wanted)
+    return fail(ErrorCode::kMeshInvalid,
+                fmt::format("volume mesh: a block of {} elements lists {} nodes, must be {}",
+                            block.region.size(), block.nodes.size(), wanted));
+  for (std::size_t k = 0; k < block.nodes.size(); ++k) {
+    const std::int32_t node = block.nodes[k];
+    if (node < 0 || node >= mesh.node_count())
+      return fail(ErrorCode::kMeshInvalid,
+                  fmt::format("volume mesh: an element names node {}, must be 0 to {}", node,
+                              mesh.node_count() - 1));
+    if (!mesh.nodes_L[std::size_t(node)].allFinite())
+      return fail(ErrorCode::kMeshInvalid,
+                  fmt::format("volume mesh: node {} has a coordinate that is not finite", node));
+  }
+  return {};
+}
+
+/// The laws of one block, and for each element which one is its own.
+struct BlockMaterials {
+  std::vector<Material> laws;
+  std::vector<std::int32_t> of_element;
+};
+
+Result<BlockMaterials> block_materials(const mesh::ElementBlock& block,
+                                       const RegionMaterials& materials) {
+  BlockMaterials found;
+  std::map<std::int32_t, std::int32_t> place;
+  for (const std::int32_t region : block.region) {
+    const auto [known, is_new] = place.try_emplace(region, std::int32_t(found.laws.size()));
+    if (is_new) {
+      const auto material = materials.find(region);
+      if (material == materials.end())
+        return fail(ErrorCode::kInvalidArgument,
+                    fmt::format("region {} of the volume mesh has no material", region));
+      LEFORT_TRY_VOID(std::visit([](const auto& law) { return law.validate(); }, material->second));
+      found.laws.push_back(material->second);
+    }
+    found.of_element.push_back(known->second);
+  }
+  return found;
+}
+
+template <class Element>
+Result<TermPtr> continuum_term(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
+                               BlockMaterials materials, Index first_number) {
+  LEFORT_CHECK(block.shape == Element::kShape);
+  std::vector<ReferenceElement<Element>> points;
+  points.reserve(block.region.size());
+  for (Index e = 0; e < block.element_count(); ++e) {
+    ElementNodes<Element> X;
+    for (int a = 0; a < Element::kNodes; ++a)
+      X.col(a) = mesh.nodes_L[std::size_t(block.element(e)[a])];
+    const auto reference = reference_element<Element>(X);
+    if (!reference) {
+      const Vec3 at = X.rowwise().mean();
+      return fail(
+          ErrorCode::kElementInverted,
+          fmt::format("element {} at ({:.3f}, {:.3f}, {:.3f}) mm is flat or inside out, its "
+                      "volume must be > 0",
+                      first_number + e, at.x(), at.y(), at.z()));
+    }
+    points.push_back(*reference);
+  }
+  return std::make_unique<const ContinuumTerm<Element>>(
+      block.nodes, std::move(points), std::move(materials.laws), std::move(materials.of_element));
+}
+
+Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
+                              BlockMaterials materials, Index first_number) {
+  const auto element = element_of(block.shape);
+  if (!element)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("element {} has {} nodes, the solver knows tetrahedra of 4 or 10",
+                            first_number, mesh::node_count(block.shape)));
+  return std::visit(
+      [&]<class Element>(const Element&) {
+        return continuum_term<Element>(mesh, block, std::move(materials), first_number);
+      },
+      *element);
+}
+
+}  // namespace
+
+Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
+                                                const RegionMaterials& materials) {
+  std::vector<TermPtr> terms;
+  Index first_number = 0;
+  for (const mesh::ElementBlock& block : mesh.blocks) {
+    if (block.region.empty() && block.nodes.empty()) continue;
+    LEFORT_TRY_VOID(check_block(mesh, block));
+    LEFORT_TRY(BlockMaterials of_block, block_materials(block, materials));
+    LEFORT_TRY(TermPtr term, term_of_block(mesh, block, std::move(of_block), first_number));
+    terms.push_back(std::move(term));
+    first_number += block.element_count();
+  }
+  if (terms.empty()) return fail(ErrorCode::kMeshInvalid, "volume mesh has no element");
+  return terms;
+}
+
+}  // namespace lefort::fem

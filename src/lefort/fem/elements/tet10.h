@@ -1,0 +1,53 @@
+/// \file
+/// The tetrahedron with ten nodes: quadratic displacement, linear strain.
+///
+/// Corners 0 to 3 as in tet4.h; then the middles of the edges, as VTK_QUADRATIC_TETRA:
+///   4 (0,1)   5 (1,2)   6 (2,0)   7 (0,3)   8 (1,3)   9 (2,3)
+#pragma once
+
+#include <lefort/fem/elements/quadrature_point.h>
+#include <lefort/mesh/volume_mesh.h>
+
+#include <array>
+#include <cmath>
+
+namespace lefort::fem {
+
+/// With L0 = 1 - xi - eta - zeta, L1 = xi, L2 = eta, L3 = zeta: corners L (2 L - 1), edges 4 Li Lj.
+struct Tet10 {
+  static constexpr mesh::ElementShape kShape = mesh::ElementShape::kTet10;
+  static constexpr int kNodes = 10;
+  static constexpr int kPoints = 4;
+  static constexpr std::array<std::array<int, 2>, 6> kEdges{
+      {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+
+  /// Gradients of the ten functions where the four corner functions have the values L.
+  [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> gradients(const Eigen::Vector4d& L) {
+    Eigen::Matrix<double, 3, 4> dL;
+    dL << -1, 1, 0, 0,  //
+        -1, 0, 1, 0,    //
+        -1, 0, 0, 1;
+    Eigen::Matrix<double, 3, kNodes> dN;
+    for (int a = 0; a < 4; ++a) dN.col(a) = (4.0 * L[a] - 1.0) * dL.col(a);
+    for (int e = 0; e < 6; ++e) {
+      const auto [i, j] = kEdges[std::size_t(e)];
+      dN.col(4 + e) = 4.0 * (L[i] * dL.col(j) + L[j] * dL.col(i));
+    }
+    return dN;
+  }
+
+  /// Four points, exact for quadratic polynomials \cite hammer1956.
+  [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
+    const double far = (5.0 - std::sqrt(5.0)) / 20.0;
+    const double near = (5.0 + 3.0 * std::sqrt(5.0)) / 20.0;
+    std::array<QuadraturePoint<kNodes>, kPoints> points;
+    for (int q = 0; q < kPoints; ++q) {
+      Eigen::Vector4d L = Eigen::Vector4d::Constant(far);
+      L[q] = near;
+      points[std::size_t(q)] = {.weight = 1.0 / 24.0, .dN_dxi = gradients(L)};
+    }
+    return points;
+  }
+};
+
+}  // namespace lefort::fem

@@ -1,0 +1,77 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/equilibrium.h>
+
+#include <utility>
+
+namespace lefort::fem {
+namespace {
+
+/// The balance of the free components, the prescribed ones being held where they are in u.
+class HeldBody final : public NonlinearSystem {
+ public:
+  HeldBody(const Assembler& assembler, VectorX u) : assembler_(assembler), u_(std::move(u)) {}
+
+  [[nodiscard]] std::optional<Balance> balance(const VectorX& x) const override {
+    std::optional<AssembledForces> forces = assembler_.forces(all(x));
+    if (!forces) return std::nullopt;
+    return Balance{.energy_mj = forces->energy_mj,
+                   .residual_n = assembler_.dofs().free_part(forces->residual_n),
+                   .force_scale_n = forces->force_scale_n,
+                   .energy_round_off_mj = forces->energy_round_off_mj};
+  }
+
+  [[nodiscard]] SparseMatrix tangent(const VectorX& x) const override {
+    return assembler_.tangent(all(x));
+  }
+
+  [[nodiscard]] VectorX all(const VectorX& x) const {
+    return assembler_.dofs().with_free_part(u_, x);
+  }
+
+ private:
+  const Assembler& assembler_;
+  VectorX u_;
+};
+
+/// A boundary that moves less does not need the free nodes to follow [mm].
+constexpr double kStandstill_mm = 1e-9;
+
+/// `moved`, the start with its boundary moved, with the free nodes following to first order:
+/// K_ff du_f = -r_f - K_fp du_p, everything at `start`. `moved` itself where that is no better.
+VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const VectorX& moved,
+                        LinearSolver& linear_solver) {
+  const DofMap& dofs = assembler.dofs();
+  const auto forces = assembler.forces(start);
+  if (!forces) return moved;
+  const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
+  if (linear_solver.factorise(assembler.tangent(start)) != Factorisation::kDone) return moved;
+  const VectorX du = linear_solver.solve(-dofs.free_part(unbalanced));
+
+  VectorX followed = dofs.with_free_part(moved, dofs.free_part(start) + du);
+  const auto after = assembler.forces(followed);
+  if (!after) return moved;
+  const auto boundary_alone = assembler.forces(moved);
+  return boundary_alone && boundary_alone->energy_mj < after->energy_mj ? moved : followed;
+}
+
+}  // namespace
+
+NewtonOutcome find_equilibrium(const Assembler& assembler,
+                               std::span<const PrescribedDisplacement> prescribed,
+                               const VectorX& start, LinearSolver& linear_solver,
+                               const NewtonOptions& options, Progress& progress) {
+  const DofMap& dofs = assembler.dofs();
+  LEFORT_CHECK(start.size() == 3 * dofs.node_count());
+  const VectorX moved = dofs.with_prescribed(start, prescribed);
+  const bool stands_still =
+      dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kStandstill_mm;
+  const VectorX guess =
+      stands_still ? moved : follow_boundary(assembler, start, moved, linear_solver);
+  const HeldBody body(assembler, guess);
+  NewtonOutcome outcome =
+      solve_newton(body, dofs.free_part(guess), linear_solver, options, progress);
+  outcome.x = body.all(outcome.x);
+  return outcome;
+}
+
+}  // namespace lefort::fem

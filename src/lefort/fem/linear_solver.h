@@ -1,0 +1,49 @@
+/// \file
+/// Symmetric positive definite linear systems by sparse Cholesky factorisation.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/fem/sparse_matrix.h>
+
+#include <memory>
+
+namespace lefort::fem {
+
+/// What came of a factorisation.
+enum class Factorisation {
+  kDone,
+  kNotPositiveDefinite,  ///< A pivot was not positive.
+  kNotFinite,            ///< The matrix or the shift holds NaN or infinity.
+  kOutOfMemory           ///< The factor does not fit into memory.
+};
+
+/// Supernodal Cholesky factorisation (CHOLMOD), ordered by nested dissection (METIS).
+///
+/// The symbolic analysis is done once per pattern and kept. The dense kernels are those of the BLAS
+/// at hand, run on one thread: same bits for any number of threads, on one kind of processor.
+class LinearSolver {
+ public:
+  LinearSolver();
+  ~LinearSolver();
+  LinearSolver(LinearSolver&&) noexcept;
+  LinearSolver& operator=(LinearSolver&&) noexcept;
+
+  /// Factorises A + shift * I.
+  ///
+  /// \param A      square, symmetric, lower triangle alone, compressed.
+  /// \param shift  >= 0 (or not finite: see kNotFinite), in the unit of A.
+  [[nodiscard]] Factorisation factorise(const SparseMatrix& A, double shift = 0.0);
+
+  /// \returns (A + shift * I)^-1 b.
+  /// \pre the last factorise() returned kDone; b has as many entries as A has columns.
+  [[nodiscard]] VectorX solve(const VectorX& b) const;
+
+  /// Entries of the factor, or 0 before the first analysis: memory is 8 bytes each.
+  [[nodiscard]] double factor_entries() const;
+
+ private:
+  struct Cholmod;  // Keeps cholmod.h out of this header.
+  std::unique_ptr<Cholmod> cholmod_;
+};
+
+}  // namespace lefort::fem

@@ -1,0 +1,94 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/load_steps.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lefort::fem {
+namespace {
+
+constexpr double kRounding = 1e-9;
+
+}  // namespace
+
+Result<void> validate(const LoadStepOptions& options) {
+  const auto refuse = [](const char* what, auto value, const char* wanted) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("load steps: {} is {}, must be {}", what, value, wanted));
+  };
+  if (!(options.first_increment > 0.0) || !std::isfinite(options.first_increment))
+    return refuse("first_increment", options.first_increment, "> 0");
+  if (!(options.min_increment > 0.0 && options.min_increment <= options.first_increment))
+    return refuse("min_increment", options.min_increment, "> 0 and <= first_increment");
+  if (!(options.growth >= 1.0) || !std::isfinite(options.growth))
+    return refuse("growth", options.growth, ">= 1");
+  if (options.easy_iterations < 0)
+    return refuse("easy_iterations", options.easy_iterations, ">= 0");
+  return {};
+}
+
+LoadStepper::LoadStepper(LoadState start, SolveAtLoad solve, const LoadStepOptions& options)
+    : last_(std::move(start)),
+      solve_(std::move(solve)),
+      options_(options),
+      increment_(options.first_increment) {
+  LEFORT_CHECK(solve_ != nullptr);
+  LEFORT_CHECK(validate(options).has_value());
+}
+
+VectorX LoadStepper::extrapolated(double t) const {
+  const double ratio = (t - last_.t) / (last_.t - before_last_->t);
+  return last_.u + ratio * (last_.u - before_last_->u);
+}
+
+NewtonOutcome LoadStepper::attempt(double t, bool extrapolate) {
+  NewtonOutcome outcome = solve_(t, extrapolate ? extrapolated(t) : last_.u);
+  attempts_.push_back({.t_from = last_.t,
+                       .t_to = t,
+                       .extrapolated = extrapolate,
+                       .stop = outcome.stop,
+                       .reason = outcome.reason,
+                       .history = outcome.history});
+  return outcome;
+}
+
+Result<void> LoadStepper::advance_to(double t_end, Progress& progress) {
+  if (!std::isfinite(t_end) || !(t_end > last_.t))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("load level {} does not lie ahead of {}", t_end, last_.t));
+  const auto cancelled = [&] {
+    return fail(ErrorCode::kCancelled, fmt::format("cancelled at load level {:.6g}", last_.t));
+  };
+
+  while (last_.t < t_end) {
+    if (progress.stop_requested()) return cancelled();
+    // What rounding leaves over is not worth a step of its own.
+    const bool is_last = last_.t + (1.0 + kRounding) * increment_ >= t_end;
+    const double t = is_last ? t_end : last_.t + increment_;
+
+    NewtonOutcome outcome = attempt(t, before_last_.has_value());
+    if (!outcome.converged() && outcome.stop != NewtonStop::kCancelled && before_last_)
+      outcome = attempt(t, false);
+    if (outcome.stop == NewtonStop::kCancelled) return cancelled();
+
+    const double tried = t - last_.t;
+    if (outcome.converged()) {
+      before_last_ = std::exchange(last_, {t, std::move(outcome.x)});
+      if (outcome.iterations() <= options_.easy_iterations)
+        increment_ = std::max(increment_, tried) * options_.growth;
+    } else if (tried <= options_.min_increment) {
+      return fail(ErrorCode::kNotConverged,
+                  fmt::format("no equilibrium from load level {:.6g} to {:.6g}, the smallest "
+                              "increment: {}",
+                              last_.t, t, outcome.reason));
+    } else {
+      increment_ = std::max(0.5 * tried, options_.min_increment);
+    }
+  }
+  return {};
+}
+
+}  // namespace lefort::fem

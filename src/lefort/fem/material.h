@@ -1,0 +1,24 @@
+/// \file
+/// The closed set of material laws, and which region is made of which.
+///
+/// A law is a value with three pure functions of F = dx/dX: energy(F) [MPa = mJ/mm^3], its gradient
+/// stress(F) (first Piola-Kirchhoff) [MPa], and that one's gradient tangent(F) [MPa]; validate()
+/// looks at its constants. To add a law: one file in materials/, its name in the variant below, one
+/// line in tests/fem/test_materials.cpp.
+#pragma once
+
+#include <lefort/fem/materials/linear_elastic.h>
+#include <lefort/fem/materials/neo_hookean.h>
+
+#include <cstdint>
+#include <map>
+#include <variant>
+
+namespace lefort::fem {
+
+using Material = std::variant<NeoHookean, LinearElastic>;
+
+/// What each region of a mesh (mesh::ElementBlock::region) is made of.
+using RegionMaterials = std::map<std::int32_t, Material>;
+
+}  // namespace lefort::fem

@@ -1,0 +1,97 @@
+/// \file
+/// Newton's method with line search for equations that are the gradient of an energy.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/core/types.h>
+#include <lefort/fem/linear_solver.h>
+#include <lefort/fem/sparse_matrix.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lefort::fem {
+
+/// The forces at one state.
+struct Balance {
+  double energy_mj = 0.0;            ///< W(x) [mJ]; its gradient is the residual.
+  VectorX residual_n;                ///< r(x) = dW/dx [N], zero in equilibrium.
+  double force_scale_n = 0.0;        ///< Size of the forces that cancel in r [N]; see Assembler.
+  double energy_round_off_mj = 0.0;  ///< Differences of W below this say nothing [mJ].
+};
+
+/// r(x) = dW/dx = 0. x holds the free displacements [mm].
+class NonlinearSystem {
+ public:
+  virtual ~NonlinearSystem() = default;
+
+  /// \returns the balance at x, or nothing if x is inadmissible: an element turned inside out, NaN.
+  [[nodiscard]] virtual std::optional<Balance> balance(const VectorX& x) const = 0;
+
+  /// \returns dr/dx [N/mm], lower triangle, always with the same pattern.
+  /// \pre x is admissible.
+  [[nodiscard]] virtual SparseMatrix tangent(const VectorX& x) const = 0;
+};
+
+struct NewtonOptions {
+  double relative_tolerance = 1e-8;     ///< Converged when |r| <= this * force scale, >= 0 ...
+  double absolute_tolerance_n = 1e-10;  ///< ... or when |r| <= this [N], >= 0.
+  int max_iterations = 30;              ///< Newton steps, at most; >= 1.
+  int max_backtracks = 20;              ///< How often one step may be shortened; >= 0.
+  double sufficient_decrease = 1e-4;    ///< Armijo's constant, in (0, 0.5).
+  int stagnation_iterations = 8;        ///< Stop when so many steps in a row make no headway; >= 1.
+};
+
+/// \returns kInvalidArgument, naming the option that lies outside its range.
+[[nodiscard]] Result<void> validate(const NewtonOptions& options);
+
+enum class NewtonStop {
+  kConverged,
+  kTooManyIterations,
+  kStagnated,          ///< No step, or many steps in a row, brought no headway.
+  kSingularTangent,    ///< No shift made the tangent positive definite: nothing holds the body.
+  kInadmissibleStart,  ///< The start itself turns an element inside out, or is not finite.
+  kCancelled           ///< Progress asked to stop.
+};
+
+/// One line of the history.
+struct NewtonIterate {
+  double residual_n = 0.0;     ///< |r| [N].
+  double force_scale_n = 0.0;  ///< [N]; residual_n / force_scale_n is the relative residual.
+  double energy_mj = 0.0;
+  double step_length = 0.0;  ///< Share of the Newton step taken to come here; 0 at the start.
+  double shift = 0.0;        ///< tau: tau * (mean diagonal) * I was added to the tangent.
+};
+
+/// What came out, whether or not it converged.
+struct NewtonOutcome {
+  NewtonStop stop = NewtonStop::kInadmissibleStart;
+  std::string reason;                  ///< Why it stopped: a sentence with the figures.
+  VectorX x;                           ///< The last admissible state; the start if there is none.
+  std::vector<NewtonIterate> history;  ///< The start, then one line per iteration.
+
+  [[nodiscard]] bool converged() const { return stop == NewtonStop::kConverged; }
+  [[nodiscard]] int iterations() const {
+    return history.empty() ? 0 : static_cast<int>(history.size()) - 1;
+  }
+};
+
+/// Solves r(x) = 0 from `start`.
+///
+/// Each step goes along -(K + tau d I)^-1 r, d the mean diagonal of K, where tau = 0 unless K is
+/// not positive definite (\cite nocedal2006, algorithm 3.3), and is shortened until the energy
+/// falls sufficiently (Armijo; ibid., algorithm 3.1). Where the expected change of energy drowns in
+/// its round-off, |r| has to fall instead. A trial that is inadmissible is shortened like one that
+/// is too high.
+///
+/// \param options        \pre valid.
+/// \param linear_solver  keeps its symbolic analysis from one call to the next.
+/// \param progress       asked before every iteration and factorisation whether to stop.
+[[nodiscard]] NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
+                                         LinearSolver& linear_solver,
+                                         const NewtonOptions& options = {},
+                                         Progress& progress = Progress::none());
+
+}  // namespace lefort::fem

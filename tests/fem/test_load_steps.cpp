@@ -1,0 +1,189 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/equilibrium.h>
+#include <lefort/fem/load_steps.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "fem/body.h"
+#include "support/box_mesh.h"
+
+namespace lefort::fem {
+namespace {
+
+LoadState rest() { return {.t = 0.0, .u = VectorX::Zero(1)}; }
+
+/// Follows u = t^2; fails when the guess is further than `reach` from it.
+SolveAtLoad parabola(double reach, int iterations = 3) {
+  return [=](double t, const VectorX& start) {
+    NewtonOutcome outcome;
+    outcome.history.resize(std::size_t(iterations) + 1);
+    const bool found = std::abs(start[0] - t * t) <= reach;
+    outcome.stop = found ? NewtonStop::kConverged : NewtonStop::kTooManyIterations;
+    outcome.reason = found ? "converged" : "too far away";
+    outcome.x = VectorX::Constant(1, found ? t * t : -99.0);
+    return outcome;
+  };
+}
+
+TEST(LoadSteps, AnEasyLoadTakesOneStep) {
+  LoadStepper stepper(rest(), parabola(10.0));
+  ASSERT_TRUE(stepper.advance_to(1.0).has_value());
+  EXPECT_EQ(stepper.state().t, 1.0);
+  EXPECT_EQ(stepper.state().u[0], 1.0);
+  ASSERT_EQ(stepper.attempts().size(), 1U);
+  EXPECT_FALSE(stepper.attempts()[0].extrapolated);
+  EXPECT_EQ(stepper.attempts()[0].reason, "converged");
+}
+
+TEST(LoadSteps, AFailedIncrementIsHalvedAndNothingOfItIsKept) {
+  LoadStepper stepper(rest(), parabola(0.1), {.growth = 1.0});
+  ASSERT_TRUE(stepper.advance_to(1.0).has_value());
+  const auto& attempts = stepper.attempts();
+  EXPECT_EQ(attempts[0].t_to, 1.0);
+  EXPECT_EQ(attempts[0].stop, NewtonStop::kTooManyIterations);
+  EXPECT_EQ(attempts[1].t_to, 0.5);   // 0.25 away: still too far.
+  EXPECT_EQ(attempts[2].t_to, 0.25);  // 0.0625 away.
+  EXPECT_EQ(attempts[2].stop, NewtonStop::kConverged);
+  EXPECT_EQ(stepper.state().u[0], 1.0);
+}
+
+TEST(LoadSteps, LaterStepsStartFromAnExtrapolation) {
+  // Increments h from t: the extrapolation is off by 2 h^2, the last state by 2 t h + h^2.
+  LoadStepper stepper(rest(), parabola(0.13), {.first_increment = 0.25, .growth = 1.0});
+  ASSERT_TRUE(stepper.advance_to(2.0).has_value());
+  EXPECT_EQ(stepper.attempts().size(), 8U);
+  for (std::size_t k = 1; k < 8; ++k) EXPECT_TRUE(stepper.attempts()[k].extrapolated);
+}
+
+TEST(LoadSteps, WhereTheExtrapolationFailsTheLastStateServes) {
+  // The load stops at t = 1: extrapolating leads away from u = 1, the last state is exact.
+  const SolveAtLoad solve = [](double t, const VectorX& start) {
+    const double wanted = std::min(t, 1.0);
+    NewtonOutcome outcome;
+    outcome.stop =
+        std::abs(start[0] - wanted) < 0.6 ? NewtonStop::kConverged : NewtonStop::kInadmissibleStart;
+    outcome.x = VectorX::Constant(1, wanted);
+    outcome.history.resize(2);
+    return outcome;
+  };
+  LoadStepper stepper(rest(), solve, {.first_increment = 0.5});
+  ASSERT_TRUE(stepper.advance_to(0.5).has_value());
+  ASSERT_TRUE(stepper.advance_to(1.0).has_value());
+  ASSERT_TRUE(stepper.advance_to(2.0).has_value());
+  const auto& attempts = stepper.attempts();
+  ASSERT_EQ(attempts.size(), 4U);
+  EXPECT_TRUE(attempts[2].extrapolated);
+  EXPECT_EQ(attempts[2].stop, NewtonStop::kInadmissibleStart);
+  EXPECT_FALSE(attempts[3].extrapolated);
+  EXPECT_EQ(attempts[3].t_to, 2.0);
+}
+
+TEST(LoadSteps, IncrementsGrowWhenEasyAndOnlyThen) {
+  const LoadStepOptions options{.first_increment = 0.125, .growth = 2.0, .easy_iterations = 3};
+  LoadStepper easy(rest(), parabola(100.0, 3), options);
+  ASSERT_TRUE(easy.advance_to(1.0).has_value());
+  ASSERT_EQ(easy.attempts().size(), 4U);  // 1/8, 2/8, 4/8, the rest.
+  EXPECT_EQ(easy.attempts()[2].t_to, 0.875);
+  LoadStepper hard(rest(), parabola(100.0, 4), options);
+  ASSERT_TRUE(hard.advance_to(1.0).has_value());
+  EXPECT_EQ(hard.attempts().size(), 8U);
+}
+
+TEST(LoadSteps, RoundOffLeavesNoTinyLastStep) {
+  LoadStepper stepper(rest(), parabola(100.0), {.first_increment = 0.1, .growth = 1.0});
+  ASSERT_TRUE(stepper.advance_to(1.0).has_value());
+  EXPECT_EQ(stepper.attempts().size(), 10U);
+  EXPECT_EQ(stepper.state().t, 1.0);
+}
+
+TEST(LoadSteps, GivesUpAtTheSmallestIncrementAndKeepsTheLastState) {
+  const SolveAtLoad wall = [](double t, const VectorX&) {
+    NewtonOutcome outcome;
+    outcome.stop = t <= 0.6 ? NewtonStop::kConverged : NewtonStop::kStagnated;
+    outcome.reason = "there is a wall";
+    outcome.x = VectorX::Constant(1, t);
+    return outcome;
+  };
+  LoadStepper stepper(rest(), wall, {.min_increment = 1.0 / 16});
+  const auto result = stepper.advance_to(1.0);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().code, ErrorCode::kNotConverged);
+  EXPECT_EQ(result.error().message,
+            "no equilibrium from load level 0.5625 to 0.625, the smallest increment: there is a "
+            "wall");
+  EXPECT_EQ(stepper.state().t, 0.5625);
+  EXPECT_EQ(stepper.state().u[0], 0.5625);
+  EXPECT_FALSE(stepper.advance_to(1.0).has_value());  // And again, without end of patience.
+}
+
+TEST(LoadSteps, RefusesALevelThatDoesNotLieAhead) {
+  LoadStepper stepper(rest(), parabola(10.0));
+  for (const double t : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
+    EXPECT_EQ(stepper.advance_to(t).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_TRUE(stepper.attempts().empty());
+}
+
+class Stop final : public Progress {
+ public:
+  bool stop_requested() const override { return true; }
+};
+
+TEST(LoadSteps, StopsWhenAsked) {
+  Stop stop;
+  LoadStepper stepper(rest(), parabola(10.0));
+  EXPECT_EQ(stepper.advance_to(1.0, stop).error().code, ErrorCode::kCancelled);
+  EXPECT_TRUE(stepper.attempts().empty());
+  LoadStepper cancelled_inside(rest(), [](double, const VectorX& start) {
+    NewtonOutcome outcome;
+    outcome.stop = NewtonStop::kCancelled;
+    outcome.x = start;
+    return outcome;
+  });
+  EXPECT_EQ(cancelled_inside.advance_to(1.0).error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(cancelled_inside.attempts().size(), 1U);
+  EXPECT_EQ(cancelled_inside.state().t, 0.0);
+}
+
+TEST(LoadSteps, NamesTheOptionThatIsOutOfRange) {
+  const auto message_of = [](const LoadStepOptions& options) {
+    return validate(options).error().message;
+  };
+  EXPECT_TRUE(validate(LoadStepOptions{}).has_value());
+  EXPECT_EQ(message_of({.first_increment = 0.0}), "load steps: first_increment is 0, must be > 0");
+  EXPECT_NE(message_of({.min_increment = 0.0}).find("min_increment"), std::string::npos);
+  EXPECT_NE(message_of({.min_increment = 2.0}).find("min_increment"), std::string::npos);
+  EXPECT_NE(message_of({.growth = 0.9}).find("growth"), std::string::npos);
+  EXPECT_NE(message_of({.easy_iterations = -1}).find("easy_iterations"), std::string::npos);
+  EXPECT_THROW(LoadStepper(rest(), parabola(1.0), {.growth = 0.0}), LogicError);
+}
+
+TEST(LoadSteps, ABlockTwistedInOneGoIsHalvedUntilNoElementTurnsInsideOut) {
+  // Turned by 2.6 rad: the linear response draws the middle together to a line.
+  auto mesh = test::box_mesh({.cells = {3, 3, 6}, .size_mm = {10, 10, 20}, .distortion = 0.15});
+  const auto at = [&](double t) {
+    RigidTransform turn = RigidTransform::Identity();
+    turn.translate(Vec3(5, 5, 0)).rotate(Eigen::AngleAxisd(2.6 * t, Vec3::UnitZ()));
+    turn.translate(Vec3(-5, -5, 0));
+    return test::joined(
+        {fix(mesh.node_sets.at("z0")), move_rigidly(mesh.node_sets.at("z1"), mesh.nodes_L, turn)});
+  };
+  const test::Body body(mesh, {{0, NeoHookean{.mu_mpa = 0.5, .lambda_mpa = 2.0}}}, at(1.0));
+  LinearSolver solver;
+  LoadStepper stepper({.t = 0.0, .u = body.at_rest()}, [&](double t, const VectorX& start) {
+    return find_equilibrium(body.assembler, at(t), start, solver);
+  });
+  const auto result = stepper.advance_to(1.0);
+  ASSERT_TRUE(result.has_value()) << result.error().message;
+  EXPECT_EQ(stepper.attempts()[0].stop, NewtonStop::kInadmissibleStart);
+  EXPECT_EQ(stepper.attempts()[1].t_to, 0.5);
+  EXPECT_EQ(stepper.state().t, 1.0);
+  EXPECT_TRUE(body.assembler.forces(stepper.state().u).has_value());
+  for (const auto& p : at(1.0))
+    EXPECT_EQ(stepper.state().u[3 * Index(p.node) + p.component], p.displacement_mm);
+}
+
+}  // namespace
+}  // namespace lefort::fem

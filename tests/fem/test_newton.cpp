@@ -1,0 +1,223 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/newton.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace lefort::fem {
+namespace {
+
+SparseMatrix sparse(const Eigen::MatrixXd& A) {
+  SparseMatrix S(A.rows(), A.cols());
+  for (Index j = 0; j < A.cols(); ++j)
+    for (Index i = j; i < A.rows(); ++i) S.insert(i, j) = A(i, j);
+  S.makeCompressed();
+  return S;
+}
+
+/// One unknown with a given energy, its slope and its curvature, for x in `domain`.
+class Scalar final : public NonlinearSystem {
+ public:
+  using Function = std::function<double(double)>;
+  Scalar(
+      Function energy, Function slope, Function curvature,
+      std::function<bool(double)> domain = [](double) { return true; })
+      : energy_(std::move(energy)),
+        slope_(std::move(slope)),
+        curvature_(std::move(curvature)),
+        domain_(std::move(domain)) {}
+
+  std::optional<Balance> balance(const VectorX& x) const override {
+    if (!domain_(x[0])) return std::nullopt;
+    return Balance{.energy_mj = energy_(x[0]),
+                   .residual_n = VectorX::Constant(1, slope_(x[0])),
+                   .force_scale_n = 1.0,
+                   .energy_round_off_mj = 1e-15};
+  }
+  SparseMatrix tangent(const VectorX& x) const override {
+    LEFORT_CHECK(domain_(x[0]));
+    return sparse(Eigen::MatrixXd::Constant(1, 1, curvature_(x[0])));
+  }
+
+ private:
+  Function energy_, slope_, curvature_;
+  std::function<bool(double)> domain_;
+};
+
+NewtonOutcome solve(const NonlinearSystem& system, double start, const NewtonOptions& options = {},
+                    Progress& progress = Progress::none()) {
+  LinearSolver solver;
+  return solve_newton(system, VectorX::Constant(1, start), solver, options, progress);
+}
+
+/// W = x - ln x on x > 0, its minimum at 1. From x > 2 the full Newton step leaves the domain.
+Scalar barrier() {
+  return {[](double x) { return x - std::log(x); }, [](double x) { return 1.0 - 1.0 / x; },
+          [](double x) { return 1.0 / (x * x); }, [](double x) { return x > 0.0; }};
+}
+
+/// W = (x^2 - 1)^2 / 4: curvature is negative between -1/sqrt(3) and 1/sqrt(3).
+Scalar double_well() {
+  return {[](double x) { return 0.25 * (x * x - 1.0) * (x * x - 1.0); },
+          [](double x) { return x * (x * x - 1.0); }, [](double x) { return 3.0 * x * x - 1.0; }};
+}
+
+TEST(Newton, ConvergesQuadratically) {
+  const auto outcome = solve(barrier(), 0.5);
+  ASSERT_TRUE(outcome.converged()) << outcome.reason;
+  EXPECT_NEAR(outcome.x[0], 1.0, 1e-8);
+  // Errors square exactly here: 1 - x_new = (1 - x)^2.
+  ASSERT_GE(outcome.history.size(), 5U);
+  for (std::size_t k = 2; k + 1 < outcome.history.size(); ++k) {
+    const double ratio =
+        outcome.history[k + 1].residual_n / std::pow(outcome.history[k].residual_n, 2);
+    EXPECT_NEAR(ratio, 1.0, 0.2) << "iteration " << k;
+  }
+}
+
+TEST(Newton, BacksOffFromInadmissibleStates) {
+  const auto outcome = solve(barrier(), 5.0);  // The full step goes to 5 - 20.
+  ASSERT_TRUE(outcome.converged()) << outcome.reason;
+  EXPECT_NEAR(outcome.x[0], 1.0, 1e-8);
+  EXPECT_LT(outcome.history[1].step_length, 0.3);
+}
+
+TEST(Newton, EnergyNeverRises) {
+  // From 1.9 the full step is admissible, but leads uphill.
+  for (const double start : {1.9, 40.0}) {
+    const auto outcome = solve(barrier(), start);
+    ASSERT_TRUE(outcome.converged()) << outcome.reason;
+    EXPECT_LT(outcome.history[1].step_length, 1.0);
+    for (std::size_t k = 1; k < outcome.history.size(); ++k)
+      EXPECT_LE(outcome.history[k].energy_mj, outcome.history[k - 1].energy_mj + 1e-14);
+  }
+}
+
+TEST(Newton, WhereTheEnergySaysNothingTheResidualMustFall) {
+  // Undamped, Newton for arctan diverges from beyond 1.39.
+  const Scalar noisy([](double) { return 0.0; }, [](double x) { return 1e-16 * std::atan(x); },
+                     [](double x) { return 1e-16 / (1.0 + x * x); });
+  const auto outcome =
+      solve(noisy, 3.0, {.relative_tolerance = 1e-25, .absolute_tolerance_n = 0.0});
+  ASSERT_TRUE(outcome.converged()) << outcome.reason;
+  EXPECT_NEAR(outcome.x[0], 0.0, 1e-8);
+  for (std::size_t k = 1; k < outcome.history.size(); ++k)
+    EXPECT_LT(outcome.history[k].residual_n, outcome.history[k - 1].residual_n);
+}
+
+TEST(Newton, ShiftsAnIndefiniteTangentAndFindsAMinimum) {
+  // Unshifted, Newton would walk from 0.3 to the maximum at 0.
+  const auto outcome = solve(double_well(), 0.3);
+  ASSERT_TRUE(outcome.converged()) << outcome.reason;
+  EXPECT_NEAR(outcome.x[0], 1.0, 1e-8);
+  EXPECT_GT(outcome.history[1].shift, 1.0);  // Curvature there is -0.73.
+  EXPECT_EQ(outcome.history.back().shift, 0.0);
+}
+
+TEST(Newton, AStartInEquilibriumNeedsNoIteration) {
+  const auto outcome = solve(barrier(), 1.0);
+  EXPECT_TRUE(outcome.converged());
+  EXPECT_EQ(outcome.iterations(), 0);
+  EXPECT_EQ(outcome.history.size(), 1U);
+}
+
+TEST(Newton, StopsAtMostIterationsWithASentence) {
+  const auto outcome = solve(barrier(), 0.01, {.max_iterations = 2});
+  EXPECT_EQ(outcome.stop, NewtonStop::kTooManyIterations);
+  EXPECT_EQ(outcome.iterations(), 2);
+  EXPECT_NE(outcome.reason.find("not converged after 2 iterations: |r| is"), std::string::npos)
+      << outcome.reason;
+  EXPECT_GT(outcome.x[0], 0.01);  // The best so far is kept.
+}
+
+TEST(Newton, StopsWhereNoStepLeadsDownhill) {
+  // The slope lies about the energy.
+  const Scalar liar([](double x) { return -x; }, [](double) { return 1.0; },
+                    [](double) { return 1.0; });
+  const auto outcome = solve(liar, 0.0);
+  EXPECT_EQ(outcome.stop, NewtonStop::kStagnated);
+  EXPECT_NE(outcome.reason.find("no step leads downhill"), std::string::npos);
+}
+
+TEST(Newton, StopsWhenManyStepsMakeNoHeadway) {
+  // Energy says nothing (all below round-off) and |r| falls ever so little.
+  const Scalar slow([](double) { return 0.0; }, [](double x) { return 1e-9 * (1.0 + 1e-3 * x); },
+                    [](double) { return 1e-9; });
+  const auto outcome = solve(slow, 0.0,
+                             {.relative_tolerance = 1e-12,
+                              .absolute_tolerance_n = 0.0,
+                              .max_iterations = 1000,
+                              .stagnation_iterations = 5});
+  EXPECT_EQ(outcome.stop, NewtonStop::kStagnated);
+  EXPECT_NE(outcome.reason.find("no headway for 5 iterations"), std::string::npos)
+      << outcome.reason;
+}
+
+TEST(Newton, StopsAtATangentThatNoShiftHelps) {
+  const Scalar flat([](double x) { return x; }, [](double) { return 1.0; },
+                    [](double) { return 0.0; });
+  EXPECT_EQ(solve(flat, 0.0).stop, NewtonStop::kSingularTangent);
+  const Scalar broken([](double x) { return x; }, [](double) { return 1.0; },
+                      [](double) { return std::numeric_limits<double>::quiet_NaN(); });
+  EXPECT_EQ(solve(broken, 0.0).stop, NewtonStop::kSingularTangent);
+}
+
+TEST(Newton, NaNNeverConverges) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(solve(barrier(), kNan).stop, NewtonStop::kInadmissibleStart);
+  EXPECT_EQ(solve(barrier(), -1.0).stop, NewtonStop::kInadmissibleStart);
+  const Scalar nan_force([](double) { return 0.0; }, [](double) { return kNan; },
+                         [](double) { return 1.0; });
+  EXPECT_EQ(solve(nan_force, 0.0).stop, NewtonStop::kInadmissibleStart);
+  const Scalar nan_energy([](double) { return kNan; }, [](double) { return 0.0; },
+                          [](double) { return 1.0; });
+  EXPECT_EQ(solve(nan_energy, 0.0).stop, NewtonStop::kInadmissibleStart);
+  // NaN anywhere but at the start: never stepped on.
+  const Scalar island([](double x) { return x == 0.0 ? 0.0 : kNan; }, [](double) { return 1.0; },
+                      [](double) { return 1.0; });
+  const auto outcome = solve(island, 0.0);
+  EXPECT_EQ(outcome.stop, NewtonStop::kStagnated);
+  EXPECT_EQ(outcome.x[0], 0.0);
+}
+
+class StopAfter final : public Progress {
+ public:
+  explicit StopAfter(int questions) : left_(questions) {}
+  bool stop_requested() const override { return left_-- <= 0; }
+
+ private:
+  mutable int left_;
+};
+
+TEST(Newton, StopsWhenAsked) {
+  StopAfter at_once(0);
+  const auto first = solve(barrier(), 0.5, {}, at_once);
+  EXPECT_EQ(first.stop, NewtonStop::kCancelled);
+  EXPECT_EQ(first.iterations(), 0);
+  StopAfter later(3);
+  EXPECT_EQ(solve(barrier(), 0.5, {}, later).stop, NewtonStop::kCancelled);
+}
+
+TEST(Newton, NamesTheOptionThatIsOutOfRange) {
+  const auto message_of = [](const NewtonOptions& options) {
+    const auto result = validate(options);
+    EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
+    return result.error().message;
+  };
+  EXPECT_TRUE(validate(NewtonOptions{}).has_value());
+  EXPECT_EQ(message_of({.relative_tolerance = -1e-8}),
+            "newton: relative_tolerance is -1e-08, must be in [0, 1)");
+  EXPECT_NE(message_of({.relative_tolerance = std::nan("")}).find("is nan"), std::string::npos);
+  EXPECT_NE(message_of({.absolute_tolerance_n = -1.0}).find("absolute"), std::string::npos);
+  EXPECT_NE(message_of({.max_iterations = 0}).find("max_iterations"), std::string::npos);
+  EXPECT_NE(message_of({.max_backtracks = -1}).find("max_backtracks"), std::string::npos);
+  EXPECT_NE(message_of({.sufficient_decrease = 0.5}).find("sufficient"), std::string::npos);
+  EXPECT_NE(message_of({.stagnation_iterations = 0}).find("stagnation"), std::string::npos);
+  EXPECT_THROW((void)solve(barrier(), 0.5, {.max_iterations = 0}), LogicError);
+}
+
+}  // namespace
+}  // namespace lefort::fem
