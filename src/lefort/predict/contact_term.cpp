@@ -1,0 +1,124 @@
+#include <lefort/contact/measure_gap.h>
+#include <lefort/contact/penalty.h>
+#include <lefort/core/check.h>
+#include <lefort/predict/contact_term.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace lefort::predict {
+namespace {
+
+/// A point of a triangle: its shape functions there, and its share of the area.
+struct QuadraturePoint {
+  Vec3 N;
+  double weight;
+};
+
+/// D. A. Dunavant, High degree efficient symmetrical Gaussian quadrature rules for the triangle,
+/// Int. J. Numer. Methods Eng. 21 (1985), degree 4.
+std::array<QuadraturePoint, 6> dunavant_degree_4() {
+  constexpr double kA = 0.445948490915965, kWeightA = 0.223381589678011;
+  constexpr double kB = 0.091576213509771, kWeightB = 0.109951743655322;
+  std::array<QuadraturePoint, 6> points;
+  for (int corner = 0; corner < 3; ++corner) {
+    Vec3 N = Vec3::Constant(kA);
+    N[corner] = 1.0 - 2.0 * kA;
+    points[std::size_t(corner)] = {N, kWeightA};
+    N = Vec3::Constant(kB);
+    N[corner] = 1.0 - 2.0 * kB;
+    points[std::size_t(3 + corner)] = {N, kWeightB};
+  }
+  return points;
+}
+
+const std::array<QuadraturePoint, 6> kRule = dunavant_degree_4();
+
+Vec3 interpolate(const Vec3& N, std::span<const Vec3> x_L) {
+  return N[0] * x_L[0] + N[1] * x_L[1] + N[2] * x_L[2];
+}
+
+std::array<Vec3, 3> corners(const mesh::Face3& face, std::span<const Vec3> x_L) {
+  return {x_L[std::size_t(face[0])], x_L[std::size_t(face[1])], x_L[std::size_t(face[2])]};
+}
+
+}  // namespace
+
+ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3> faces,
+                         contact::BoneObstacle obstacle, const Options& options)
+    : faces_(std::move(faces)),
+      obstacle_(std::move(obstacle)),
+      stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm) {
+  LEFORT_CHECK(stiffness_mpa_per_mm_ > 0.0 && options.capture_mm >= 0.0);
+  area_mm2_.reserve(faces_.size());
+  rest_gap_mm_.reserve(faces_.size());
+  for (const mesh::Face3& face : faces_) {
+    const std::array<Vec3, 3> x = corners(face, nodes_L);
+    area_mm2_.push_back(0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm());
+    std::array<double, kPoints>& rest = rest_gap_mm_.emplace_back();
+    for (std::size_t q = 0; q < kRule.size(); ++q) {
+      const contact::Gap gap = contact::measure_gap(obstacle_, interpolate(kRule[q].N, x));
+      const bool touches = std::abs(gap.gap_mm) <= options.capture_mm;
+      rest[q] = touches ? gap.gap_mm : std::min(gap.gap_mm, 0.0);
+    }
+  }
+}
+
+bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
+                           fem::LocalEquations& local) const {
+  const double area_mm2 = area_mm2_[std::size_t(item)];
+  for (std::size_t q = 0; q < kRule.size(); ++q) {
+    const Vec3& N = kRule[q].N;
+    const contact::Gap gap = contact::measure_gap(obstacle_, interpolate(N, x_L));
+    if (gap.zone == field::Zone::kInside) return false;
+    if (gap.zone != field::Zone::kBand) continue;
+    const double depth_mm = rest_gap_mm_[std::size_t(item)][q] - gap.gap_mm;
+    if (!(depth_mm > 0.0)) continue;
+
+    const double weight_mm2 = kRule[q].weight * area_mm2;
+    const contact::PenaltyResponse response =
+        contact::penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
+    local.energy_mj += weight_mm2 * response.energy_mj_per_mm2;
+    for (int a = 0; a < 3; ++a) {
+      local.residual_n.segment<3>(3 * a) += weight_mm2 * N[a] * response.gradient_mpa;
+      if (!local.wants_stiffness()) continue;
+      for (int b = 0; b < 3; ++b)
+        local.stiffness_n_per_mm.block<3, 3>(3 * a, 3 * b) +=
+            weight_mm2 * N[a] * N[b] * response.hessian_mpa_per_mm;
+    }
+  }
+  return true;
+}
+
+ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
+  ContactSummary summary;
+  std::set<std::int32_t> nodes;
+  double depth_times_area = 0.0;
+  for (std::size_t face = 0; face < faces_.size(); ++face) {
+    const std::array<Vec3, 3> x = corners(faces_[face], x_L);
+    for (std::size_t q = 0; q < kRule.size(); ++q) {
+      const contact::Gap gap = contact::measure_gap(obstacle_, interpolate(kRule[q].N, x));
+      const double depth_mm = rest_gap_mm_[face][q] - gap.gap_mm;
+      if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
+      const double weight_mm2 = kRule[q].weight * area_mm2_[face];
+      const Vec3 force_n =
+          -weight_mm2 *
+          contact::penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_)
+              .gradient_mpa;
+      ++summary.points;
+      nodes.insert(faces_[face].begin(), faces_[face].end());
+      summary.area_mm2 += weight_mm2;
+      summary.max_penetration_mm = std::max(summary.max_penetration_mm, depth_mm);
+      depth_times_area += weight_mm2 * depth_mm;
+      summary.force_L_n += force_n;
+      summary.normal_force_n += force_n.norm();
+    }
+  }
+  summary.nodes = Index(nodes.size());
+  if (summary.area_mm2 > 0.0) summary.mean_penetration_mm = depth_times_area / summary.area_mm2;
+  return summary;
+}
+
+}  // namespace lefort::predict

@@ -1,0 +1,71 @@
+/// \file
+/// The paper's contact force, equation (3), as a force term of the solver: the penalty potential
+/// integrated over the tissue's surface.
+#pragma once
+
+#include <lefort/contact/bone_obstacle.h>
+#include <lefort/core/types.h>
+#include <lefort/fem/force_term.h>
+#include <lefort/mesh/volume_mesh.h>
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace lefort::predict {
+
+/// What contact does at one state.
+struct ContactSummary {
+  Index points = 0;       ///< Surface quadrature points in contact.
+  Index nodes = 0;        ///< Nodes of faces with such a point.
+  double area_mm2 = 0.0;  ///< Of the tissue's surface at rest, in contact.
+  double max_penetration_mm = 0.0;
+  double mean_penetration_mm = 0.0;  ///< Weighted by area.
+  Vec3 force_L_n = Vec3::Zero();     ///< On the tissue [N].
+  double normal_force_n = 0.0;       ///< Sum of the magnitudes [N].
+};
+
+/// Triangles of the tissue's inner surface against one bone.
+///
+/// Penetration is measured from how the face lay at rest: the mesh meets the bone's surface only
+/// within a chord's height, and a patient at rest is in equilibrium. So a point that rests within
+/// `capture_mm` of the bone touches it, and a point that the mesh put deeper starts from there.
+class ContactTerm final : public fem::ForceTerm {
+ public:
+  struct Options {
+    double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
+    double capture_mm = 0.0;            ///< >= 0.
+  };
+
+  /// \param nodes_L   all nodes at rest [mm].
+  /// \param faces     counter-clockwise seen from outside the tissue.
+  /// \param obstacle  the bone, at rest.
+  ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3> faces,
+              contact::BoneObstacle obstacle, const Options& options);
+
+  /// Moves the bone. Not while the term is being evaluated.
+  void set_pose(const RigidTransform& X_LB) { obstacle_.X_LB = X_LB; }
+
+  [[nodiscard]] Index item_count() const override { return Index(faces_.size()); }
+  [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
+    return faces_[std::size_t(item)];
+  }
+  /// \returns false where a point lies deeper than the field's band: it knows no way out.
+  [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
+                              fem::LocalEquations& local) const override;
+
+  /// \param x_L  current positions of all nodes [mm].
+  [[nodiscard]] ContactSummary summarise(std::span<const Vec3> x_L) const;
+
+ private:
+  /// Dunavant's rule of degree 4.
+  static constexpr int kPoints = 6;
+
+  std::vector<mesh::Face3> faces_;
+  std::vector<double> area_mm2_;                          ///< Of each face at rest.
+  std::vector<std::array<double, kPoints>> rest_gap_mm_;  ///< Where penetration starts.
+  contact::BoneObstacle obstacle_;
+  double stiffness_mpa_per_mm_;
+};
+
+}  // namespace lefort::predict

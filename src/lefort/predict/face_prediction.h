@@ -1,0 +1,45 @@
+/// \file
+/// What a prediction found, step by step along the bone's path. A value.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/types.h>
+#include <lefort/fem/load_steps.h>
+#include <lefort/predict/contact_term.h>
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+namespace lefort::predict {
+
+/// The equilibrium at one of the asked-for moments of the path.
+struct PredictionStep {
+  double share = 0.0;                 ///< Of the path, 0 to 1.
+  RigidTransform X_LB;                ///< The segment's pose.
+  std::vector<Vec3> displacement_mm;  ///< One per node of the tissue.
+  ContactSummary contact;
+  double smallest_J = 1.0;                 ///< Least volume ratio of an element; positive.
+  double residual_n = 0.0;                 ///< Of the unbalanced forces, last iteration.
+  double relative_residual = 0.0;          ///< To the forces that cancel (fem/assemble.h).
+  std::vector<fem::LoadAttempt> attempts;  ///< All that was tried to come here.
+
+  /// Of all attempts.
+  [[nodiscard]] Index newton_iterations() const {
+    Index count = 0;
+    for (const fem::LoadAttempt& attempt : attempts)
+      count += std::max<Index>(Index(attempt.history.size()) - 1, 0);
+    return count;
+  }
+};
+
+struct FacePrediction {
+  double contact_stiffness_mpa_per_mm = 0.0;  ///< k_c; 0 where tissue is attached.
+  std::vector<PredictionStep> steps;  ///< Converged ones alone; all of them if nothing failed.
+  std::optional<Error> failure;       ///< Why the path was not followed to its end.
+  std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged step.
+
+  [[nodiscard]] bool converged() const { return !failure.has_value(); }
+};
+
+}  // namespace lefort::predict

@@ -1,0 +1,38 @@
+/// \file
+/// Carries the tissue's displacement to the skin surface people look at.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/mesh/volume_mesh.h>
+
+#include <span>
+#include <vector>
+
+namespace lefort::predict {
+
+/// How much of which nodes' displacement each skin vertex follows; made once, used for every step.
+struct SkinBinding {
+  struct Follower {
+    mesh::Face3 face{0, 0, 0};
+    Vec3 weights = Vec3::Zero();  ///< Sum 1 near the tissue mesh, 0 beyond the region.
+  };
+  std::vector<Follower> followers;  ///< One per skin vertex.
+};
+
+/// Binds each vertex of the whole skin to the nearest boundary face of the tissue mesh.
+///
+/// The finer skin and the mesh's boundary lie within a chord's height of each other; where the
+/// region ends the weights fade to zero within a few mm, so that the skin stays smooth.
+[[nodiscard]] SkinBinding bind_skin(const geometry::TriangleMesh& skin_L,
+                                    const mesh::VolumeMesh& tissue);
+
+/// Displacement of every skin vertex [mm].
+[[nodiscard]] std::vector<Vec3> skin_displacement(const SkinBinding& binding,
+                                                  std::span<const Vec3> tissue_displacement_mm);
+
+/// A surface with its vertices moved. \pre one displacement per vertex.
+[[nodiscard]] geometry::TriangleMesh displaced(geometry::TriangleMesh surface,
+                                               std::span<const Vec3> displacement_mm);
+
+}  // namespace lefort::predict

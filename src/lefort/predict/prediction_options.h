@@ -1,0 +1,44 @@
+/// \file
+/// What a prediction can be told, apart from the bones' way. Plain values with defaults.
+#pragma once
+
+#include <lefort/contact/bone_obstacle.h>
+
+namespace lefort::predict {
+
+/// What tissue that lies on the moved segment does.
+enum class MovedBone {
+  kContact,   ///< Is pushed and slides without friction (paper, section 2.3).
+  kAttached,  ///< Moves with the bone.
+};
+
+/// What holds tissue that ends only because the scan does.
+enum class ScanEdge { kFree, kFixed };
+
+struct TissueOptions {
+  double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/materials.md).
+  double poisson = 0.45;             ///< 0 <= nu < 0.5. Linear tetrahedra lock nearer to 0.5.
+  double element_size_mm = 2.5;      ///< Edge near the moved segment.
+  double far_element_size_mm = 5.0;  ///< Edge at the rim of the region.
+  double margin_mm = 30.0;           ///< Tissue is meshed this far beyond the segment's box.
+};
+
+struct BoundaryOptions {
+  MovedBone moved_bone = MovedBone::kContact;
+  ScanEdge scan_edge = ScanEdge::kFree;
+  double release_mm = 8.0;  ///< Tissue on still bone nearer than this to the segment is elevated.
+  double capture_mm = 0.8;  ///< Boundary nearer than this to a bone lies on it.
+};
+
+struct ContactOptions {
+  double stiffness_factor = 10.0;  ///< k_c = factor * Young's modulus / element size.
+  contact::Reconstruction reconstruction = contact::Reconstruction::kSmooth;
+};
+
+struct SolverOptions {
+  double relative_tolerance = 1e-6;
+  int max_iterations = 40;
+  double smallest_step = 1.0 / 64.0;  ///< Share of one path step; below it halving gives up.
+};
+
+}  // namespace lefort::predict

@@ -1,0 +1,96 @@
+#include <lefort/geometry/bvh.h>
+#include <lefort/mesh/boundary_faces.h>
+#include <lefort/mesh/boundary_regions.h>
+#include <lefort/predict/tissue_boundary.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+namespace lefort::predict {
+namespace {
+
+using NodeList = std::vector<std::int32_t>;
+
+/// Whether brain is labelled within two voxels, as a distance for a rule: 0 or far.
+double distance_to_brain(const anatomy::LabelMap& labels, const Vec3& p_L) {
+  constexpr Index kReach = 2;
+  const Vec3 centre_V = labels.grid.index_V(p_L);
+  const std::array<Index, 3> centre{std::lround(centre_V.x()), std::lround(centre_V.y()),
+                                    std::lround(centre_V.z())};
+  for (Index k = centre[2] - kReach; k <= centre[2] + kReach; ++k)
+    for (Index j = centre[1] - kReach; j <= centre[1] + kReach; ++j)
+      for (Index i = centre[0] - kReach; i <= centre[0] + kReach; ++i)
+        if (labels.grid.contains(i, j, k) && labels.at(i, j, k) == anatomy::Tissue::kBrain)
+          return 0.0;
+  return 1e3;
+}
+
+NodeList united(const NodeList& a, const NodeList& b) {
+  NodeList both;
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
+}
+
+/// Inner faces that can move: tissue that the segment could run into.
+std::vector<mesh::Face3> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
+  std::vector<char> is_outer(tissue.nodes_L.size(), 0), is_fixed(tissue.nodes_L.size(), 0);
+  for (const char* set : {sets::kSkin, sets::kCut, sets::kScanEdge})
+    for (const std::int32_t node : tissue.node_sets.at(set)) is_outer[std::size_t(node)] = 1;
+  for (const std::int32_t node : tissue.node_sets.at(sets::kFixed)) is_fixed[std::size_t(node)] = 1;
+
+  std::vector<mesh::Face3> faces;
+  for (const mesh::Face3& face : tissue.face_sets.at("boundary")) {
+    const auto all = [&face](const std::vector<char>& flag) {
+      return std::all_of(face.begin(), face.end(),
+                         [&](std::int32_t node) { return flag[std::size_t(node)] != 0; });
+    };
+    if (!all(is_outer) && !all(is_fixed)) faces.push_back(face);
+  }
+  return faces;
+}
+
+}  // namespace
+
+mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomain& domain,
+                                      const anatomy::LabelMap& labels,
+                                      const geometry::TriangleMesh& segment_L,
+                                      const geometry::TriangleMesh& remainder_L,
+                                      const BoundaryOptions& options) {
+  constexpr double kPlaneTolerance_mm = 0.05;  // Nodes lie on the level within 0.01 mm.
+  const geometry::Bvh segment(segment_L);
+  const geometry::Bvh remainder(remainder_L);
+  const auto distance_to = [](const geometry::Bvh& bone) {
+    return [&bone](const Vec3& p_L) { return bone.closest_point(p_L)->distance_mm; };
+  };
+  const auto skin_distance = [&domain](const Vec3& p_L) { return domain.distance_to_skin(p_L); };
+
+  const std::vector<mesh::BoundaryRule> rules{
+      {sets::kCut, [&](const Vec3& p) { return domain.distance_to_cut(p); }, kPlaneTolerance_mm},
+      {sets::kScanEdge, [&](const Vec3& p) { return domain.distance_to_scan_edge(p); },
+       kPlaneTolerance_mm},
+      {sets::kMovedBone, distance_to(segment), options.capture_mm},
+      {sets::kStillBone, distance_to(remainder), options.capture_mm},
+      {sets::kSkin, skin_distance, options.capture_mm},
+      {sets::kBrain, [&](const Vec3& p) { return distance_to_brain(labels, p); }, 1.0},
+  };
+  tissue = mesh::name_boundary(std::move(tissue), rules, sets::kFree);
+
+  // Held by their neighbour, but elevated from it where the segment is near.
+  NodeList held;
+  for (const std::int32_t node :
+       united(tissue.node_sets.at(sets::kStillBone), tissue.node_sets.at(sets::kBrain)))
+    if (segment.closest_point(tissue.nodes_L[std::size_t(node)])->distance_mm >= options.release_mm)
+      held.push_back(node);
+  NodeList fixed = united(held, tissue.node_sets.at(sets::kCut));
+  if (options.scan_edge == ScanEdge::kFixed)
+    fixed = united(fixed, tissue.node_sets.at(sets::kScanEdge));
+  tissue.node_sets[sets::kFixed] = std::move(fixed);
+  tissue.face_sets[sets::kContact] = faces_that_may_touch(tissue);
+  return tissue;
+}
+
+}  // namespace lefort::predict

@@ -1,0 +1,40 @@
+/// \file
+/// Says which part of the tissue's surface is held, touched by the moved bone, or free.
+#pragma once
+
+#include <lefort/anatomy/label_map.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/mesh/volume_mesh.h>
+#include <lefort/predict/prediction_options.h>
+#include <lefort/predict/tissue_domain.h>
+
+namespace lefort::predict {
+
+/// Names of the node sets and face sets that find_tissue_boundary() makes.
+namespace sets {
+inline constexpr const char* kMovedBone = "moved_bone";  ///< On the segment.
+inline constexpr const char* kStillBone = "still_bone";  ///< On bone that stays.
+inline constexpr const char* kCut = "cut";               ///< Where the region was cut out.
+inline constexpr const char* kScanEdge = "scan_edge";    ///< Where the scan ends.
+inline constexpr const char* kBrain = "brain";           ///< Towards the cranial cavity.
+inline constexpr const char* kSkin = "skin";
+inline constexpr const char* kFree = "free";        ///< Airway and the rest.
+inline constexpr const char* kFixed = "fixed";      ///< Nodes that do not move.
+inline constexpr const char* kContact = "contact";  ///< Faces that may meet the segment.
+}  // namespace sets
+
+/// Adds those sets to a mesh of the domain.
+///
+/// Fixed are the cut, the scan's edge if asked for, and tissue on still bone and on the brain, but
+/// for what lies within options.release_mm of the segment: there the surgeon has elevated it.
+///
+/// \param labels       the scan's labels: where the brain is.
+/// \param segment_L, remainder_L  the bones.
+[[nodiscard]] mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue,
+                                                    const TissueDomain& domain,
+                                                    const anatomy::LabelMap& labels,
+                                                    const geometry::TriangleMesh& segment_L,
+                                                    const geometry::TriangleMesh& remainder_L,
+                                                    const BoundaryOptions& options);
+
+}  // namespace lefort::predict

@@ -1,0 +1,77 @@
+#include <lefort/image/interpolate.h>
+#include <lefort/predict/tissue_domain.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+namespace lefort::predict {
+namespace {
+
+constexpr double kOutside_mm = -4.0;  // As far outside as a level tells.
+
+/// How far inside all half-spaces a point lies; negative outside.
+double depth_inside(std::span<const mesh::HalfSpace> half_spaces, const Vec3& p) {
+  double depth = std::numeric_limits<double>::infinity();
+  for (const mesh::HalfSpace& half_space : half_spaces)
+    depth = std::min(depth, half_space.normal.dot(p - half_space.point));
+  return depth;
+}
+
+std::vector<mesh::HalfSpace> sides_of_box(const Box3& box) {
+  std::vector<mesh::HalfSpace> sides;
+  for (int axis = 0; axis < 3; ++axis) {
+    sides.push_back({box.min(), Vec3::Unit(axis)});
+    sides.push_back({box.max(), -Vec3::Unit(axis)});
+  }
+  return sides;
+}
+
+std::vector<mesh::HalfSpace> sides_of_scan(const image::Grid& grid) {
+  constexpr double kInset = 0.5;  // Voxels; between the outermost centres values are known.
+  std::vector<mesh::HalfSpace> sides;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 low_V = kInset * Vec3::Ones();
+    Vec3 high_V = -low_V;
+    for (int a = 0; a < 3; ++a) high_V[a] += double(grid.size[std::size_t(a)] - 1);
+    sides.push_back({grid.point_L(low_V), grid.direction.col(axis)});
+    sides.push_back({grid.point_L(high_V), -grid.direction.col(axis)});
+  }
+  return sides;
+}
+
+}  // namespace
+
+double TissueDomain::level(const Vec3& p_L) const {
+  const double tissue = image::interpolate(soft_tissue_level, p_L, kOutside_mm);
+  return std::min({tissue, depth_inside(cuts_L, p_L), depth_inside(scan_edges_L, p_L)});
+}
+
+double TissueDomain::distance_to_cut(const Vec3& p_L) const {
+  return std::abs(depth_inside(cuts_L, p_L));
+}
+
+double TissueDomain::distance_to_scan_edge(const Vec3& p_L) const {
+  return std::abs(depth_inside(scan_edges_L, p_L));
+}
+
+double TissueDomain::distance_to_skin(const Vec3& p_L) const {
+  return std::abs(image::interpolate(skin_level, p_L, kOutside_mm));
+}
+
+TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,
+                                image::ScalarVolume skin_level, const image::Grid& scan_grid,
+                                const geometry::TriangleMesh& segment_L,
+                                const TissueOptions& options) {
+  Box3 box;
+  for (const Vec3& vertex : segment_L.vertices) box.extend(vertex);
+  const Vec3 margin = Vec3::Constant(options.margin_mm);
+  box.min() -= margin;
+  box.max() += margin;
+  return {std::move(soft_tissue_level), std::move(skin_level), box, sides_of_box(box),
+          sides_of_scan(scan_grid)};
+}
+
+}  // namespace lefort::predict

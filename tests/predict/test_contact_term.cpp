@@ -1,0 +1,147 @@
+#include <lefort/field/build_distance_field.h>
+#include <lefort/predict/contact_term.h>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "support/shapes.h"
+
+namespace lefort::predict {
+namespace {
+
+constexpr double kStiffness = 0.04;
+
+/// A slab of bone whose upper side is z = 0.
+contact::BoneObstacle slab() {
+  static const auto field = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(test::make_box({-10.0, -10.0, -8.0}, {10.0, 10.0, 0.0}),
+                                  {.resolution = 64, .band_mm = 3.0})
+          .value());
+  return {field};
+}
+
+contact::BoneObstacle ball() {
+  static const auto field = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(test::make_icosphere(6.0, 5), {.resolution = 64, .band_mm = 2.0})
+          .value());
+  return {field};
+}
+
+/// The tissue above the slab has its lower face, which looks down, at `z`.
+std::vector<Vec3> flat_face(double z) { return {{0.0, 0.0, z}, {0.0, 4.0, z}, {4.0, 0.0, z}}; }
+const std::vector<mesh::Face3> kFace{{0, 1, 2}};
+constexpr double kFaceArea_mm2 = 8.0;
+
+RigidTransform lifted(double by_mm) {
+  RigidTransform X_LB = RigidTransform::Identity();
+  X_LB.translation().z() = by_mm;
+  return X_LB;
+}
+
+struct Evaluated {
+  bool admissible;
+  double energy_mj;
+  VectorX residual_n;
+  Eigen::MatrixXd stiffness;
+};
+
+Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>& x_L) {
+  Evaluated result{false, 0.0, VectorX::Zero(9), Eigen::MatrixXd::Zero(9, 9)};
+  fem::LocalEquations local{0.0, {result.residual_n.data(), 9}, {result.stiffness.data(), 9, 9}};
+  result.admissible = term.evaluate(item, x_L, local);
+  result.energy_mj = local.energy_mj;
+  return result;
+}
+
+TEST(ContactTerm, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {
+  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(1.5));
+  const Evaluated at_rest = evaluate(term, 0, flat_face(0.0));
+  ASSERT_TRUE(at_rest.admissible);
+  EXPECT_NEAR(at_rest.energy_mj, kStiffness * 1.5 * 1.5 * kFaceArea_mm2, 1e-6);
+  double up_n = 0.0;
+  for (int corner = 0; corner < 3; ++corner) up_n -= at_rest.residual_n[3 * corner + 2];
+  EXPECT_NEAR(up_n, 2.0 * kStiffness * 1.5 * kFaceArea_mm2, 1e-6);
+}
+
+TEST(ContactTerm, IsFrictionless) {
+  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(1.0));
+  const Evaluated pressed = evaluate(term, 0, flat_face(0.0));
+  for (int corner = 0; corner < 3; ++corner) {
+    EXPECT_NEAR(pressed.residual_n[3 * corner], 0.0, 1e-9);
+    EXPECT_NEAR(pressed.residual_n[3 * corner + 1], 0.0, 1e-9);
+  }
+}
+
+TEST(ContactTerm, TissueAtRestFeelsNothingHoweverTheMeshMeetsTheBone) {
+  for (const double z : {-0.4, -0.1, 0.0, 0.3}) {
+    const ContactTerm term(flat_face(z), kFace, slab(), {kStiffness, 0.5});
+    const Evaluated at_rest = evaluate(term, 0, flat_face(z));
+    EXPECT_EQ(at_rest.energy_mj, 0.0) << "rest at z = " << z;
+  }
+}
+
+TEST(ContactTerm, TissueFurtherThanTheCaptureIsTouchedOnlyWhenReached) {
+  ContactTerm term(flat_face(1.0), kFace, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(0.9));
+  EXPECT_EQ(evaluate(term, 0, flat_face(1.0)).energy_mj, 0.0);
+  term.set_pose(lifted(1.5));
+  EXPECT_NEAR(evaluate(term, 0, flat_face(1.0)).energy_mj, kStiffness * 0.25 * kFaceArea_mm2, 1e-6);
+}
+
+TEST(ContactTerm, ARetreatingBoneDoesNotPull) {
+  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(-1.0));
+  EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).residual_n.norm(), 0.0);
+}
+
+TEST(ContactTerm, DeeperThanTheBandIsRefusedNotMissed) {
+  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(3.9));
+  EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
+}
+
+TEST(ContactTerm, ResidualAndStiffnessAreTheDerivativesOfTheEnergyOnACurvedBone) {
+  constexpr double kStep = 1e-5;
+  const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
+  ContactTerm term(rest, kFace, ball(), {kStiffness, 0.1});
+  RigidTransform X_LB = RigidTransform::Identity();
+  X_LB.translation() = Vec3(0.9, 0.2, -0.1);
+  term.set_pose(X_LB);
+  const Evaluated at = evaluate(term, 0, rest);
+  ASSERT_GT(at.energy_mj, 0.0);
+  for (int dof = 0; dof < 9; ++dof) {
+    std::vector<Vec3> plus = rest, minus = rest;
+    plus[std::size_t(dof / 3)][dof % 3] += kStep;
+    minus[std::size_t(dof / 3)][dof % 3] -= kStep;
+    const Evaluated above = evaluate(term, 0, plus), below = evaluate(term, 0, minus);
+    EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep), 1e-8);
+    EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              2e-6);
+  }
+  EXPECT_LT((at.stiffness - at.stiffness.transpose()).norm(), 1e-12);
+}
+
+TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
+  const std::vector<Vec3> nodes{{0.0, 0.0, 0.0}, {0.0, 4.0, 0.0}, {4.0, 0.0, 0.0}, {4.0, 4.0, 0.0}};
+  ContactTerm term(nodes, {{0, 1, 2}, {1, 3, 2}}, slab(), {kStiffness, 0.5});
+  EXPECT_EQ(term.summarise(nodes).points, 0);
+  term.set_pose(lifted(1.0));
+  const ContactSummary pressed = term.summarise(nodes);
+  EXPECT_EQ(pressed.points, 12);
+  EXPECT_EQ(pressed.nodes, 4);
+  EXPECT_NEAR(pressed.area_mm2, 16.0, 1e-9);
+  EXPECT_NEAR(pressed.max_penetration_mm, 1.0, 1e-6);
+  EXPECT_NEAR(pressed.mean_penetration_mm, 1.0, 1e-6);
+  EXPECT_NEAR(pressed.force_L_n.z(), 2.0 * kStiffness * 16.0, 1e-6);
+  EXPECT_NEAR(pressed.normal_force_n, pressed.force_L_n.z(), 1e-9);
+}
+
+}  // namespace
+}  // namespace lefort::predict

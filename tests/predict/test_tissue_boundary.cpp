@@ -1,0 +1,119 @@
+#include <lefort/predict/mesh_tissue.h>
+#include <lefort/predict/tissue_boundary.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "support/face_phantom.h"
+
+namespace lefort::predict {
+namespace {
+
+const TissueOptions kOptions{.element_size_mm = 3.0, .far_element_size_mm = 3.0, .margin_mm = 15.0};
+
+mesh::VolumeMesh phantom_tissue(const BoundaryOptions& options,
+                                const anatomy::LabelMap* labels = nullptr) {
+  test::FacePhantom phantom = test::make_face_phantom();
+  const TissueDomain domain = make_tissue_domain(phantom.soft_tissue_level, phantom.skin_level,
+                                                 phantom.grid, phantom.segment_L, kOptions);
+  static const mesh::VolumeMesh bare =
+      mesh_tissue(domain, phantom.segment_L, kOptions).value();  // The same for every test.
+  return find_tissue_boundary(bare, domain, labels != nullptr ? *labels : phantom.labels,
+                              phantom.segment_L, phantom.remainder_L, options);
+}
+
+std::set<std::int32_t> nodes_where(const mesh::VolumeMesh& mesh, const char* set) {
+  const auto& nodes = mesh.node_sets.at(set);
+  return {nodes.begin(), nodes.end()};
+}
+
+TEST(TissueBoundary, NamesEverySideOfThePhantom) {
+  const mesh::VolumeMesh tissue = phantom_tissue({.release_mm = 4.0});
+  const auto far_inside = [](const Vec3& p) {
+    return p.x() > 2.0 && p.x() < 33.0 && p.y() > 2.0 && p.y() < 38.0;
+  };
+  int moved = 0, still = 0, skin = 0;
+  for (const std::int32_t node : tissue.node_sets.at("boundary")) {
+    const Vec3& p = tissue.nodes_L[std::size_t(node)];
+    if (!far_inside(p)) continue;
+    if (p.z() > 19.9) {
+      EXPECT_TRUE(nodes_where(tissue, sets::kSkin).count(node)) << p.transpose();
+      ++skin;
+    } else if (p.z() < 8.1) {
+      const bool on_segment = nodes_where(tissue, sets::kMovedBone).count(node) > 0;
+      const bool on_remainder = nodes_where(tissue, sets::kStillBone).count(node) > 0;
+      EXPECT_NE(on_segment, on_remainder) << p.transpose();
+      if (p.x() < 19.0) {
+        EXPECT_TRUE(on_segment) << p.transpose();
+      }
+      if (p.x() > 21.0) {
+        EXPECT_TRUE(on_remainder) << p.transpose();
+      }
+      moved += on_segment;
+      still += on_remainder;
+    }
+  }
+  EXPECT_GT(moved, 20);
+  EXPECT_GT(still, 10);
+  EXPECT_GT(skin, 40);
+  EXPECT_FALSE(tissue.node_sets.at(sets::kCut).empty());
+  EXPECT_FALSE(tissue.node_sets.at(sets::kScanEdge).empty());
+}
+
+TEST(TissueBoundary, ReleasesTissueNearTheSegmentAndFixesTheRest) {
+  const mesh::VolumeMesh tissue = phantom_tissue({.release_mm = 4.0});
+  const auto fixed = nodes_where(tissue, sets::kFixed);
+  for (const std::int32_t node : tissue.node_sets.at(sets::kStillBone)) {
+    const Vec3& p = tissue.nodes_L[std::size_t(node)];
+    EXPECT_EQ(fixed.count(node) > 0, p.x() >= 24.0) << p.transpose();
+  }
+  for (const std::int32_t node : tissue.node_sets.at(sets::kCut)) EXPECT_TRUE(fixed.count(node));
+  for (const std::int32_t node : tissue.node_sets.at(sets::kMovedBone))
+    EXPECT_FALSE(fixed.count(node));
+  for (const std::int32_t node : tissue.node_sets.at(sets::kSkin)) EXPECT_FALSE(fixed.count(node));
+}
+
+TEST(TissueBoundary, HoldsTheScansEdgeOnlyWhenAskedTo) {
+  const auto held = [](ScanEdge edge) {
+    const mesh::VolumeMesh tissue = phantom_tissue({.scan_edge = edge});
+    const auto fixed = nodes_where(tissue, sets::kFixed);
+    const auto& nodes = tissue.node_sets.at(sets::kScanEdge);
+    return std::all_of(nodes.begin(), nodes.end(), [&](auto n) { return fixed.count(n) > 0; });
+  };
+  EXPECT_TRUE(held(ScanEdge::kFixed));
+  EXPECT_FALSE(held(ScanEdge::kFree));
+}
+
+TEST(TissueBoundary, MayTouchTheSegmentOnlyFromInside) {
+  const mesh::VolumeMesh tissue = phantom_tissue({.release_mm = 4.0});
+  const auto& contact = tissue.face_sets.at(sets::kContact);
+  EXPECT_GT(contact.size(), 50U);
+  for (const mesh::Face3& face : contact) {
+    double lowest = 1e9;
+    for (const std::int32_t node : face)
+      lowest = std::min(lowest, tissue.nodes_L[std::size_t(node)].z());
+    EXPECT_LT(lowest, 8.5);  // No face of the skin.
+  }
+}
+
+TEST(TissueBoundary, TissueOnTheBrainIsFixed) {
+  test::FacePhantom phantom = test::make_face_phantom();
+  for (anatomy::Tissue& label : phantom.labels.values)
+    if (label == anatomy::Tissue::kBone) label = anatomy::Tissue::kBrain;
+  // Without bone nearby, the lower side borders the brain alone.
+  phantom.segment_L = test::make_box({0.0, 0.0, 0.0}, {20.0, 40.0, 5.0});
+  phantom.remainder_L = test::make_box({20.0, 0.0, 0.0}, {40.0, 40.0, 5.0});
+  const TissueDomain domain = make_tissue_domain(phantom.soft_tissue_level, phantom.skin_level,
+                                                 phantom.grid, phantom.segment_L, kOptions);
+  const mesh::VolumeMesh tissue = find_tissue_boundary(
+      mesh_tissue(domain, phantom.segment_L, kOptions).value(), domain, phantom.labels,
+      phantom.segment_L, phantom.remainder_L, {.release_mm = 0.0});
+  const auto fixed = nodes_where(tissue, sets::kFixed);
+  EXPECT_GT(tissue.node_sets.at(sets::kBrain).size(), 50U);
+  for (const std::int32_t node : tissue.node_sets.at(sets::kBrain)) EXPECT_TRUE(fixed.count(node));
+}
+
+}  // namespace
+}  // namespace lefort::predict
