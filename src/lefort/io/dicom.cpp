@@ -1,0 +1,156 @@
+#include <lefort/io/dicom.h>
+#include <lefort/io/internal/dicom_header.h>
+#include <lefort/io/internal/dicom_stack.h>
+#include <lefort/io/internal/hounsfield.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lefort::io {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMaxFiles = 100'000;
+
+using Series = std::vector<DicomHeader>;
+
+/// What a folder holds. Series are in the order of their identifiers, so that their numbers stay
+/// the same whatever the files are called.
+struct FolderContents {
+  std::vector<Series> series;
+  std::size_t foreign_files = 0;
+};
+
+Result<std::vector<fs::path>> list_files(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code ignored;
+    if (entry->is_regular_file(ignored)) files.push_back(entry->path());
+    if (files.size() > kMaxFiles)
+      return fail(ErrorCode::kFileUnsupported,
+                  fmt::format("{} holds more than {} files", folder.string(), kMaxFiles));
+  }
+  if (error)
+    return fail(ErrorCode::kFileNotFound,
+                fmt::format("{} cannot be listed: {}", folder.string(), error.message()));
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Result<FolderContents> scan_folder(const fs::path& folder, Progress& progress) {
+  LEFORT_TRY(const std::vector<fs::path> files, list_files(folder));
+  FolderContents contents;
+  std::map<std::string, Series> by_uid;
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    if (progress.stop_requested())
+      return fail(ErrorCode::kCancelled, "reading the scan was stopped");
+    progress.report(static_cast<double>(n) / static_cast<double>(files.size()));
+    LEFORT_TRY(std::optional<DicomHeader> header, read_dicom_header(files[n]));
+    if (!header || header->series_uid.empty())  // A DICOMDIR has no series either.
+      ++contents.foreign_files;
+    else
+      by_uid[header->series_uid].push_back(*std::move(header));
+  }
+  for (auto& [uid, series] : by_uid) contents.series.push_back(std::move(series));
+  return contents;
+}
+
+/// At least two images of a CT.
+bool is_ct(const Series& series) {
+  return std::count_if(series.begin(), series.end(), [](const DicomHeader& header) {
+           return header.modality == "CT" && header.columns > 0 && !header.is_localizer;
+         }) >= 2;
+}
+
+std::string list_series(const std::vector<Series>& all) {
+  std::vector<std::string> lines;
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const DicomHeader& first = all[n].front();
+    lines.push_back(first.columns > 0
+                        ? fmt::format("{} = {}, {} x {}, {} images", n + 1, first.modality,
+                                      first.columns, first.rows, all[n].size())
+                        : fmt::format("{} = {}, no images", n + 1, first.modality));
+  }
+  return fmt::format("{}", fmt::join(lines, "; "));
+}
+
+/// The position of the series that was asked for, or of the only CT.
+Result<std::size_t> choose_series(const std::vector<Series>& all, int wanted,
+                                  const fs::path& folder) {
+  if (all.empty())
+    return fail(
+        ErrorCode::kFileUnsupported,
+        fmt::format("{} holds no DICOM files (subfolders are not searched)", folder.string()));
+  if (wanted != 0) {
+    if (wanted < 0 || wanted > std::ssize(all))
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("there is no series {}, expected one of: {}", wanted, list_series(all)));
+    return static_cast<std::size_t>(wanted - 1);
+  }
+  const auto first = std::find_if(all.begin(), all.end(), is_ct);
+  if (first == all.end())
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("{} holds no CT series, only: {}", folder.string(), list_series(all)));
+  if (std::find_if(std::next(first), all.end(), is_ct) != all.end())
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} holds several CT series, choose one by its number: {}",
+                            folder.string(), list_series(all)));
+  return static_cast<std::size_t>(first - all.begin());
+}
+
+/// Reads the pixels of all slices into one volume, in HU.
+Result<image::CtVolume> read_slices(const DicomStack& stack, HounsfieldCount& count,
+                                    Progress& progress) {
+  image::CtVolume ct{stack.grid, {}};
+  ct.values.reserve(static_cast<std::size_t>(stack.grid.voxel_count()));
+  for (std::size_t k = 0; k < stack.slices.size(); ++k) {
+    if (progress.stop_requested())
+      return fail(ErrorCode::kCancelled, "reading the scan was stopped");
+    const DicomHeader& slice = stack.slices[k];
+    LEFORT_TRY(const std::vector<double> stored, read_dicom_pixels(slice));
+    const double intercept = slice.rescale_intercept.value_or(0.0);
+    for (const double value : stored)
+      ct.values.push_back(hounsfield(slice.rescale_slope * value + intercept, count));
+    progress.report(static_cast<double>(k + 1) / static_cast<double>(stack.slices.size()));
+  }
+  return ct;
+}
+
+}  // namespace
+
+Result<ImportedVolume> read_dicom_series(const fs::path& folder, int series, Progress& progress) {
+  progress.begin_stage("look through the DICOM files");
+  LEFORT_TRY(FolderContents contents, scan_folder(folder, progress));
+  LEFORT_TRY(const std::size_t chosen, choose_series(contents.series, series, folder));
+  LEFORT_TRY(const DicomStack stack, stack_dicom_slices(std::move(contents.series[chosen])));
+
+  progress.begin_stage("read the slices");
+  ImportedVolume imported;
+  imported.source_kind = "DICOM series";
+  HounsfieldCount count;
+  LEFORT_TRY(imported.ct, read_slices(stack, count, progress));
+  imported.warnings = stack.warnings;
+  if (contents.foreign_files > 0)
+    imported.warnings.push_back(
+        fmt::format("{} files are no DICOM images and were passed over", contents.foreign_files));
+  if (contents.series.size() > 1)
+    imported.warnings.push_back(
+        fmt::format("{} other series were passed over", contents.series.size() - 1));
+  if (!stack.slices.front().rescale_intercept)
+    imported.warnings.emplace_back("the files give no rescale intercept, 0 was taken");
+  std::ranges::move(hounsfield_warnings(count, imported.ct), std::back_inserter(imported.warnings));
+  return imported;
+}
+
+}  // namespace lefort::io

@@ -1,0 +1,38 @@
+/// \file
+/// Reads a head scan from whatever the user has.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/io/imported_volume.h>
+
+#include <filesystem>
+
+namespace lefort::io {
+
+struct ImportOptions {
+  int series = 0;  ///< Of a DICOM folder: counted from 1 as the error lists them; 0: the only CT.
+};
+
+/// Reads a folder of DICOM files, a NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha,
+/// .mhd) file, or an InVesalius project (.inv3).
+///
+/// The result is in Hounsfield units and in L. Oblique direction cosines are kept; left-handed
+/// ones are made a rotation by reversing the order of slices. Values beyond the 12-bit range of a
+/// CT, and those that are no numbers, are brought to -1024 ... 3071 and counted in a warning.
+///
+/// \returns the scan, or
+///   - kFileNotFound     there is nothing at `source`;
+///   - kFileUnsupported  not a scan we read: ending, number of dimensions, colour, modality;
+///   - kFileCorrupt      truncated, damaged, slices missing, or a grid that cannot be;
+///   - kInvalidArgument  several series and none chosen (the message lists them);
+///   - kCancelled        `progress` asked to stop.
+[[nodiscard]] Result<ImportedVolume> import_volume(const std::filesystem::path& source,
+                                                   const ImportOptions& options,
+                                                   Progress& progress = Progress::none());
+
+/// The same with the options' defaults.
+[[nodiscard]] Result<ImportedVolume> import_volume(const std::filesystem::path& source,
+                                                   Progress& progress = Progress::none());
+
+}  // namespace lefort::io

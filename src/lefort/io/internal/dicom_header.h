@@ -1,0 +1,47 @@
+/// \file
+/// What we need to know of one DICOM file, and its pixels.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/types.h>
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lefort::io {
+
+/// The tags that place a slice in the patient. No name, date or other text of the patient.
+struct DicomHeader {
+  std::filesystem::path file;
+  std::string series_uid;    ///< Groups files; never shown, never kept.
+  std::string instance_uid;  ///< Tells copies of one slice; never shown, never kept.
+  std::string modality;      ///< "CT", "RTSTRUCT", ...; "unknown" if it is no plain code word.
+  bool is_localizer = false;
+  Index columns = 0, rows = 0;  ///< 0 for objects that are no images.
+  Index frames = 1;
+  Index samples_per_pixel = 1;
+  std::optional<Vec3> position_L;                         ///< Centre of the first pixel.
+  std::optional<std::array<Vec3, 2>> axes_L;              ///< Along a row, along a column.
+  std::optional<std::array<double, 2>> pixel_spacing_mm;  ///< Between columns, between rows.
+  double rescale_slope = 1.0;
+  std::optional<double> rescale_intercept;
+  double gantry_tilt_deg = 0.0;  ///< What the scanner says, 0 if nothing.
+};
+
+/// Reads the header of one file.
+///
+/// \returns nothing if it is not DICOM, the header, or kFileCorrupt or kFileUnsupported for a DICOM
+///   file that cannot be read; the message names the file without its folder.
+[[nodiscard]] Result<std::optional<DicomHeader>> read_dicom_header(
+    const std::filesystem::path& file);
+
+/// Reads the stored values of a slice, row by row, before rescaling.
+///
+/// \param header  of a file with one frame and one value per pixel.
+/// \returns columns * rows values, or kFileCorrupt or kFileUnsupported naming the file.
+[[nodiscard]] Result<std::vector<double>> read_dicom_pixels(const DicomHeader& header);
+
+}  // namespace lefort::io

@@ -1,0 +1,186 @@
+#include <lefort/core/check.h>
+#include <lefort/core/units.h>
+#include <lefort/image/check_grid.h>
+#include <lefort/io/internal/dicom_stack.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace lefort::io {
+
+namespace {
+
+/// Decimal strings in DICOM have 16 characters; scanners round positions to about 0.01 mm.
+constexpr double kAxisTolerance = 1e-3;
+constexpr double kSpacingToleranceMm = 1e-3;
+constexpr double kPositionToleranceMm = 0.02;
+constexpr Index kMaxColumns = 8192;  // Before a codec believes it and allocates.
+/// Share of the slice distance by which single slices may be off before we refuse.
+constexpr double kUneven = 0.05;
+
+std::string name_of(const DicomHeader& slice) { return slice.file.filename().string(); }
+
+std::string size_of(const DicomHeader& slice) {
+  return fmt::format("{} x {}", slice.columns, slice.rows);
+}
+
+/// Whether this slice alone can be placed.
+Result<void> check_slice(const DicomHeader& slice) {
+  const auto unsupported = [&](std::string_view why) {
+    return fail(ErrorCode::kFileUnsupported, fmt::format("DICOM file {}: {}", name_of(slice), why));
+  };
+  if (slice.frames != 1)
+    return unsupported(fmt::format("it holds {} frames, expected one slice", slice.frames));
+  if (slice.samples_per_pixel != 1)
+    return unsupported(
+        fmt::format("it holds {} values per pixel, expected 1", slice.samples_per_pixel));
+  if (std::min(slice.columns, slice.rows) < 1 || std::max(slice.columns, slice.rows) > kMaxColumns)
+    return unsupported(fmt::format("it has {} pixels, expected at most {} along each side",
+                                   size_of(slice), kMaxColumns));
+  if (!slice.position_L) return unsupported("the image position is missing");
+  if (!slice.axes_L) return unsupported("the image orientation is missing");
+  if (!slice.pixel_spacing_mm) return unsupported("the pixel spacing is missing");
+  const auto& [row, column] = *slice.axes_L;
+  const double error = std::max(
+      {std::abs(row.norm() - 1.0), std::abs(column.norm() - 1.0), std::abs(row.dot(column))});
+  if (!(error <= kAxisTolerance) || !slice.position_L->allFinite())
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("DICOM file {}: the image axes deviate by {:.2g} from orthogonal unit "
+                            "vectors, expected at most {}",
+                            name_of(slice), error, kAxisTolerance));
+  return {};
+}
+
+/// Whether `slice` fits onto `first`.
+Result<void> check_alike(const DicomHeader& first, const DicomHeader& slice) {
+  const auto differs = [&](std::string_view what) {
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("the series mixes slices of different {}: files {} and {}", what,
+                            name_of(first), name_of(slice)));
+  };
+  if (slice.columns != first.columns || slice.rows != first.rows)
+    return differs(fmt::format("size, {} and {}", size_of(first), size_of(slice)));
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (!(((*slice.axes_L)[a] - (*first.axes_L)[a]).norm() <= kAxisTolerance))
+      return differs("orientation");
+    if (!(std::abs((*slice.pixel_spacing_mm)[a] - (*first.pixel_spacing_mm)[a]) <=
+          kSpacingToleranceMm))
+      return differs("pixel spacing");
+  }
+  return {};
+}
+
+/// Orthogonal to the last bit: row, column made normal to it, and their normal.
+Mat3 direction_of(const DicomHeader& slice) {
+  Mat3 direction;
+  direction.col(0) = (*slice.axes_L)[0].normalized();
+  direction.col(2) = direction.col(0).cross((*slice.axes_L)[1]).normalized();
+  direction.col(1) = direction.col(2).cross(direction.col(0));
+  return direction;
+}
+
+/// Removes localizers and copies of one slice, with a warning.
+void remove_surplus(std::vector<DicomHeader>& slices, std::vector<std::string>& warnings) {
+  if (const auto localizers = std::erase_if(slices, [](const auto& s) { return s.is_localizer; }))
+    warnings.push_back(fmt::format("{} localizer images were left out", localizers));
+  std::set<std::string> seen;
+  const auto copies = std::erase_if(slices, [&](const DicomHeader& slice) {
+    return !slice.instance_uid.empty() && !seen.insert(slice.instance_uid).second;
+  });
+  if (copies > 0) warnings.push_back(fmt::format("{} copies of slices were left out", copies));
+}
+
+/// The distance of slices, from `heights_mm` along the normal; refuses gaps and uneven stacks.
+Result<double> slice_distance_mm(const std::vector<DicomHeader>& slices,
+                                 const std::vector<double>& heights_mm,
+                                 std::vector<std::string>& warnings) {
+  std::vector<double> steps_mm;
+  for (std::size_t k = 1; k < slices.size(); ++k)
+    steps_mm.push_back(heights_mm[k] - heights_mm[k - 1]);
+  std::vector<double> sorted_mm = steps_mm;
+  std::sort(sorted_mm.begin(), sorted_mm.end());
+  const double usual_mm = sorted_mm[sorted_mm.size() / 2];
+  for (std::size_t k = 0; k < steps_mm.size(); ++k) {
+    const std::string between =
+        fmt::format("files {} and {}", name_of(slices[k]), name_of(slices[k + 1]));
+    if (steps_mm[k] < 1e-3)
+      return fail(ErrorCode::kFileCorrupt,
+                  fmt::format("two slices of the series lie at the same place: {}", between));
+    const double skipped = std::round(steps_mm[k] / usual_mm) - 1.0;
+    const bool is_multiple =
+        std::abs(steps_mm[k] - (skipped + 1.0) * usual_mm) <= kUneven * usual_mm;
+    if (skipped >= 1.0 && is_multiple)
+      return fail(ErrorCode::kFileCorrupt,
+                  fmt::format("{} slices are missing between {}: the gap is {:.3g} mm, expected "
+                              "{:.3g} mm",
+                              skipped, between, steps_mm[k], usual_mm));
+  }
+  const double off_mm = std::max(usual_mm - sorted_mm.front(), sorted_mm.back() - usual_mm);
+  const std::string range =
+      fmt::format("the slices lie {:.4g} to {:.4g} mm apart", sorted_mm.front(), sorted_mm.back());
+  if (off_mm > kUneven * usual_mm + kPositionToleranceMm)
+    return fail(ErrorCode::kFileCorrupt, range + ", expected one distance");
+  if (off_mm > kPositionToleranceMm) warnings.push_back(range + "; their mean distance is used");
+  return (heights_mm.back() - heights_mm.front()) / static_cast<double>(steps_mm.size());
+}
+
+/// Slices that slide sideways from one to the next come from a tilted gantry.
+Result<void> check_tilt(const DicomStack& stack, std::vector<std::string>& warnings) {
+  const Vec3 path = *stack.slices.back().position_L - *stack.slices.front().position_L;
+  const Vec3 normal = stack.grid.direction.col(2);
+  const double sideways_mm = (path - path.dot(normal) * normal).norm();
+  const double angle_deg =
+      degrees_from_radians(std::atan2(sideways_mm, std::abs(path.dot(normal))));
+  const double pixel_mm = stack.grid.spacing_mm.head<2>().minCoeff();
+  if (sideways_mm > 0.5 * pixel_mm)
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("the slices are sheared by {:.1f} degrees, as by a tilted gantry, "
+                            "expected an upright stack",
+                            angle_deg));
+  if (const double said_deg = stack.slices.front().gantry_tilt_deg; std::abs(said_deg) > 0.1)
+    warnings.push_back(fmt::format(
+        "the scanner reports a gantry tilt of {:.1f} degrees, but the slices make an upright stack",
+        said_deg));
+  return {};
+}
+
+}  // namespace
+
+Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices) {
+  DicomStack stack;
+  remove_surplus(slices, stack.warnings);
+  if (slices.size() < 2)
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("the series has {} slices, expected at least 2", slices.size()));
+  for (const DicomHeader& slice : slices) {
+    LEFORT_TRY_VOID(check_slice(slice));
+    LEFORT_TRY_VOID(check_alike(slices.front(), slice));
+  }
+
+  const DicomHeader& first = slices.front();
+  image::Grid& grid = stack.grid;
+  grid.direction = direction_of(first);
+  grid.size = {first.columns, first.rows, std::ssize(slices)};
+  grid.spacing_mm = {(*first.pixel_spacing_mm)[0], (*first.pixel_spacing_mm)[1], 1.0};
+
+  const Vec3 normal = grid.direction.col(2);
+  const auto height_mm = [&](const DicomHeader& slice) { return slice.position_L->dot(normal); };
+  std::sort(slices.begin(), slices.end(), [&](const DicomHeader& a, const DicomHeader& b) {
+    return std::pair(height_mm(a), a.file) < std::pair(height_mm(b), b.file);
+  });
+  std::vector<double> heights_mm;
+  heights_mm.reserve(slices.size());
+  for (const DicomHeader& slice : slices) heights_mm.push_back(height_mm(slice));
+  LEFORT_TRY(grid.spacing_mm.z(), slice_distance_mm(slices, heights_mm, stack.warnings));
+  grid.origin_L = *slices.front().position_L;
+  stack.slices = std::move(slices);
+  LEFORT_TRY_VOID(image::check_grid(grid));
+  LEFORT_TRY_VOID(check_tilt(stack, stack.warnings));
+  return stack;
+}
+
+}  // namespace lefort::io

@@ -1,0 +1,32 @@
+/// \file
+/// Slices in any order to a regular stack: the geometry of a CT series.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/image/volume.h>
+#include <lefort/io/internal/dicom_header.h>
+
+#include <string>
+#include <vector>
+
+namespace lefort::io {
+
+/// Slices from one end to the other, and the grid they make.
+struct DicomStack {
+  std::vector<DicomHeader> slices;  ///< Slice k of the grid is slices[k].
+  image::Grid grid;
+  std::vector<std::string> warnings;
+};
+
+/// Sorts the slices of one series along their normal and checks that they make a regular grid.
+///
+/// Copies of a slice and localizers are left out with a warning.
+///
+/// \returns the stack, or
+///   - kFileUnsupported  a tag that places the slices is missing, several frames or colours in a
+///                       file, or a tilted gantry;
+///   - kFileCorrupt      slices that differ in size, spacing or orientation, lie at one place, are
+///                       missing, or are unevenly spaced.
+[[nodiscard]] Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices);
+
+}  // namespace lefort::io

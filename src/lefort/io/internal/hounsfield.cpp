@@ -1,0 +1,34 @@
+#include <lefort/io/internal/hounsfield.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace lefort::io {
+
+namespace {
+
+/// Air around the head is near -1000 HU in every scan; less of it than this is odd.
+constexpr std::int16_t kSurelyAir = -500;
+
+}  // namespace
+
+std::vector<std::string> hounsfield_warnings(const HounsfieldCount& count,
+                                             const image::CtVolume& ct) {
+  std::vector<std::string> warnings;
+  if (count.beyond_range > 0)
+    warnings.push_back(
+        fmt::format("{} of {} voxels lay beyond {} to {} HU and were set to the limit",
+                    count.beyond_range, ct.values.size(), kLowestHu, kHighestHu));
+  if (count.not_a_number > 0)
+    warnings.push_back(fmt::format("{} of {} voxels were no numbers and were set to air",
+                                   count.not_a_number, ct.values.size()));
+  const auto [lowest, highest] = std::minmax_element(ct.values.begin(), ct.values.end());
+  if (lowest != ct.values.end() && *lowest > kSurelyAir)
+    warnings.push_back(fmt::format(
+        "the values reach from {} to {}, expected air near -1000: they may not be in HU", *lowest,
+        *highest));
+  return warnings;
+}
+
+}  // namespace lefort::io

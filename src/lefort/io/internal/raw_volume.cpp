@@ -1,0 +1,294 @@
+#include <lefort/image/check_grid.h>
+#include <lefort/io/internal/check_volume_file.h>
+#include <lefort/io/internal/library_silence.h>
+#include <lefort/io/internal/raw_volume.h>
+#include <lefort/io/write_atomically.h>
+
+// ITK brings its own older Eigen, which does not mix with ours unless ours was included first.
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+#include <itkImageIOBase.h>
+#include <itkMetaDataObject.h>
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <exception>
+#include <new>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace lefort::io {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Component = itk::CommonEnums::IOComponent;
+
+/// gzip gains at most 1032 : 1, so a file of n bytes cannot hold more than about this many.
+constexpr std::uintmax_t kHighestCompression = 1100;
+
+struct Ending {
+  const char* text;
+  VolumeFormat format;
+  bool one_file;  ///< Header and voxels together: we can write it, and judge its size.
+};
+
+constexpr std::array<Ending, 7> kEndings{{
+    {".nrrd", VolumeFormat::kNrrd, true},
+    {".nhdr", VolumeFormat::kNrrd, false},
+    {".nii", VolumeFormat::kNifti, true},
+    {".nii.gz", VolumeFormat::kNifti, true},
+    {".mha", VolumeFormat::kMetaImage, true},
+    {".mhd", VolumeFormat::kMetaImage, false},
+    {"", VolumeFormat::kNone, false},
+}};
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+const Ending& ending_of(const fs::path& file) {
+  const std::string name = lower_case(file.filename().string());
+  return *std::find_if(kEndings.begin(), kEndings.end(),
+                       [&](const Ending& ending) { return name.ends_with(ending.text); });
+}
+
+/// Made by hand rather than by ITK's factories: they register themselves through static objects
+/// that a static library loses.
+itk::ImageIOBase::Pointer make_image_io(VolumeFormat format) {
+  switch (format) {
+    case VolumeFormat::kNrrd:
+      return itk::NrrdImageIO::New().GetPointer();
+    case VolumeFormat::kNifti:
+      return itk::NiftiImageIO::New().GetPointer();
+    case VolumeFormat::kMetaImage:
+      return itk::MetaImageIO::New().GetPointer();
+    case VolumeFormat::kNone:
+      break;
+  }
+  LEFORT_CHECK(!"no such format");
+  return nullptr;
+}
+
+std::optional<ScalarType> scalar_type(Component component) {
+  static_assert(sizeof(long) == 8, "ITK's LONG is taken to have 64 bits");  // NOLINT
+  switch (component) {
+    case Component::CHAR:
+      return ScalarType::kInt8;
+    case Component::UCHAR:
+      return ScalarType::kUint8;
+    case Component::SHORT:
+      return ScalarType::kInt16;
+    case Component::USHORT:
+      return ScalarType::kUint16;
+    case Component::INT:
+      return ScalarType::kInt32;
+    case Component::UINT:
+      return ScalarType::kUint32;
+    case Component::LONG:
+    case Component::LONGLONG:
+      return ScalarType::kInt64;
+    case Component::ULONG:
+    case Component::ULONGLONG:
+      return ScalarType::kUint64;
+    case Component::FLOAT:
+      return ScalarType::kFloat;
+    case Component::DOUBLE:
+      return ScalarType::kDouble;
+    default:
+      return std::nullopt;
+  }
+}
+
+Component component_type(ScalarType type) {
+  switch (type) {
+    case ScalarType::kUint8:
+      return Component::UCHAR;
+    case ScalarType::kInt16:
+      return Component::SHORT;
+    case ScalarType::kFloat:
+      return Component::FLOAT;
+    default:
+      break;
+  }
+  LEFORT_CHECK(!"we write no such type");
+  return Component::UNKNOWNCOMPONENTTYPE;
+}
+
+std::map<std::string, std::string> text_fields(const itk::MetaDataDictionary& dictionary) {
+  std::map<std::string, std::string> fields;
+  for (const std::string& key : dictionary.GetKeys())
+    if (std::string text; itk::ExposeMetaData(dictionary, key, text)) fields.emplace(key, text);
+  return fields;
+}
+
+image::Grid grid_of(const itk::ImageIOBase& io) {
+  image::Grid grid;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    grid.size[axis] = static_cast<Index>(io.GetDimensions(axis));
+    grid.spacing_mm[axis] = io.GetSpacing(axis);
+    grid.origin_L[axis] = io.GetOrigin(axis);
+    const std::vector<double> column = io.GetDirection(axis);
+    for (unsigned row = 0; row < 3; ++row) grid.direction(row, axis) = column[row];
+  }
+  return grid;
+}
+
+/// check_grid(), but for left-handed grids too.
+Result<void> check_either_hand(image::Grid grid) {
+  if (grid.direction.determinant() < 0.0) grid.direction.col(2) *= -1.0;
+  return check_grid(grid);
+}
+
+Error in_file(const fs::path& file, const Error& error) {
+  return {error.code, fmt::format("{}: {}", file.string(), error.message)};
+}
+
+Error corrupt(const fs::path& file, std::string_view why) {
+  return {ErrorCode::kFileCorrupt, fmt::format("{}: {}", file.string(), why)};
+}
+
+Error unsupported(const fs::path& file, std::string_view why) {
+  return {ErrorCode::kFileUnsupported, fmt::format("{}: {}", file.string(), why)};
+}
+
+/// What the header says, before anything is allocated.
+Result<RawVolume> read_header(itk::ImageIOBase& io, const fs::path& file, const Ending& ending) {
+  if (ending.format == VolumeFormat::kNifti)
+    if (auto good = check_nifti(file); !good) return tl::unexpected(in_file(file, good.error()));
+  try {
+    io.SetFileName(file.string());
+    io.ReadImageInformation();
+  } catch (const std::exception&) {
+    return tl::unexpected(
+        corrupt(file, fmt::format("the header cannot be read, expected that of a {} file",
+                                  name_of(ending.format))));
+  }
+  if (io.GetNumberOfDimensions() != 3)
+    return tl::unexpected(unsupported(
+        file, fmt::format("the image has {} dimensions, expected 3", io.GetNumberOfDimensions())));
+  const std::optional<ScalarType> type = scalar_type(io.GetComponentType());
+  if (!type) return tl::unexpected(unsupported(file, "the voxels hold no numbers, expected some"));
+
+  RawVolume raw;
+  raw.grid = grid_of(io);
+  raw.type = *type;
+  raw.components = static_cast<Index>(io.GetNumberOfComponents());
+  raw.fields = text_fields(io.GetMetaDataDictionary());
+  if (auto good = check_either_hand(raw.grid); !good)
+    return tl::unexpected(in_file(file, good.error()));
+  if (raw.components < 1 || raw.components > 256)
+    return tl::unexpected(
+        unsupported(file, fmt::format("the voxels hold {} values, expected 1", raw.components)));
+  if (ending.format == VolumeFormat::kNrrd)
+    if (auto good = check_nrrd(file); !good) return tl::unexpected(in_file(file, good.error()));
+  return raw;
+}
+
+}  // namespace
+
+VolumeFormat volume_format(const fs::path& file) { return ending_of(file).format; }
+
+const char* name_of(VolumeFormat format) {
+  switch (format) {
+    case VolumeFormat::kNrrd:
+      return "NRRD";
+    case VolumeFormat::kNifti:
+      return "NIfTI";
+    case VolumeFormat::kMetaImage:
+      return "MetaImage";
+    case VolumeFormat::kNone:
+      break;
+  }
+  return "unknown";
+}
+
+Result<RawVolume> read_raw_volume(const fs::path& file) {
+  const Ending& ending = ending_of(file);
+  if (ending.format == VolumeFormat::kNone)
+    return tl::unexpected(
+        unsupported(file, "the ending is not one of .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd"));
+  std::error_code error;
+  if (!fs::is_regular_file(file, error))
+    return fail(ErrorCode::kFileNotFound, fmt::format("{} is not a file", file.string()));
+  const std::uintmax_t file_bytes = fs::file_size(file, error);
+
+  const LibrarySilence silence;
+  const itk::ImageIOBase::Pointer io = make_image_io(ending.format);
+  LEFORT_TRY(RawVolume raw, read_header(*io, file, ending));
+  const auto bytes = static_cast<std::uintmax_t>(io->GetImageSizeInBytes());
+  if (ending.one_file && (error || bytes / kHighestCompression > file_bytes))
+    return tl::unexpected(
+        corrupt(file, fmt::format("the header promises {} bytes of voxels, the file has {} bytes",
+                                  bytes, file_bytes)));
+  if (ending.format == VolumeFormat::kMetaImage)
+    if (auto good = check_metaimage(file, bytes); !good)
+      return tl::unexpected(in_file(file, good.error()));
+  try {
+    raw.bytes.reset(new std::byte[bytes]);  // Not zeroed: a false promise costs no memory.
+    itk::ImageIORegion all(3);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      all.SetIndex(axis, 0);
+      all.SetSize(axis, io->GetDimensions(axis));
+    }
+    io->SetIORegion(all);
+    io->Read(raw.bytes.get());
+  } catch (const std::bad_alloc&) {
+    return tl::unexpected(
+        corrupt(file, fmt::format("{} bytes of voxels do not fit into memory", bytes)));
+  } catch (const std::exception&) {
+    return tl::unexpected(corrupt(file, "the voxels cannot be read: truncated or damaged"));
+  }
+  return raw;
+}
+
+Result<void> write_raw_volume(const fs::path& target, const RawVolumeView& volume) {
+  const Ending& ending = ending_of(target);
+  if (!ending.one_file)
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("output file {} must end in .nrrd, .nii.gz, .nii or .mha", target.string()));
+  if (auto good = image::check_grid(volume.grid); !good)
+    return fail(ErrorCode::kInvalidArgument, good.error().message);
+
+  return write_atomically(target, [&](const fs::path& temporary) -> Result<void> {
+    const LibrarySilence silence;
+    const itk::ImageIOBase::Pointer io = make_image_io(ending.format);
+    io->SetFileName(temporary.string());
+    io->SetNumberOfDimensions(3);
+    itk::ImageIORegion all(3);
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const auto size = static_cast<itk::SizeValueType>(volume.grid.size[axis]);
+      const Vec3 column = volume.grid.direction.col(axis);
+      io->SetDimensions(axis, size);
+      io->SetSpacing(axis, volume.grid.spacing_mm[axis]);
+      io->SetOrigin(axis, volume.grid.origin_L[axis]);
+      io->SetDirection(axis, std::vector<double>(column.begin(), column.end()));
+      all.SetIndex(axis, 0);
+      all.SetSize(axis, size);
+    }
+    io->SetPixelType(itk::CommonEnums::IOPixel::SCALAR);
+    io->SetNumberOfComponents(1);
+    io->SetComponentType(component_type(volume.type));
+    io->SetIORegion(all);
+    io->SetUseCompression(true);
+    for (const auto& [key, text] : volume.fields)
+      itk::EncapsulateMetaData<std::string>(io->GetMetaDataDictionary(), key, text);
+    io->Write(volume.values);
+    // ITK's writers say nothing of a full disk, so the file is read back.
+    if (!read_raw_volume(temporary))
+      return fail(
+          ErrorCode::kFileUnwritable,
+          fmt::format("{} cannot be written: the disk is full or failing", target.string()));
+    return {};
+  });
+}
+
+}  // namespace lefort::io

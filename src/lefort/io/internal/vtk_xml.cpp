@@ -1,0 +1,308 @@
+#include <lefort/io/internal/surface_formats.h>
+#include <lefort/io/internal/vtk_xml.h>
+
+#include <expat.h>
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+namespace lefort::io::internal {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "arrays are read as they lie in memory");
+
+// zlib cannot press data together further than this.
+constexpr std::size_t kBestCompression = 1100;
+
+using Attributes = std::map<std::string, std::string>;
+
+/// A DataArray as the XML has it.
+struct RawArray {
+  Attributes attributes;
+  std::string parent;
+  int piece = 0;
+  std::string text;
+};
+
+/// What expat finds on its way.
+struct Document {
+  Attributes file;  ///< The VTKFile element's.
+  std::vector<RawArray> arrays;
+  std::vector<std::string> open;  ///< Elements begun and not ended.
+  int pieces = 0;
+};
+
+Attributes attributes_of(const XML_Char** names_and_values) {
+  Attributes attributes;
+  for (; *names_and_values != nullptr; names_and_values += 2)
+    attributes[names_and_values[0]] = names_and_values[1];
+  return attributes;
+}
+
+void on_start(void* data, const XML_Char* name, const XML_Char** attributes) {
+  auto& document = *static_cast<Document*>(data);
+  const std::string element = name;
+  if (element == "VTKFile" && document.open.empty()) document.file = attributes_of(attributes);
+  if (element == "Piece") ++document.pieces;
+  if ((element == "DataArray" || element == "Array") && !document.open.empty())
+    document.arrays.push_back(
+        {attributes_of(attributes), document.open.back(), document.pieces, {}});
+  document.open.push_back(element);
+}
+
+void on_end(void* data, const XML_Char* /*name*/) { static_cast<Document*>(data)->open.pop_back(); }
+
+void on_text(void* data, const XML_Char* text, int length) {
+  auto& document = *static_cast<Document*>(data);
+  const bool in_array =
+      !document.open.empty() && !document.arrays.empty() && document.open.back().ends_with("Array");
+  if (in_array) document.arrays.back().text.append(text, std::size_t(length));
+}
+
+/// Parses the XML up to the appended data, which is none; nothing if it is not well-formed.
+std::optional<Document> parse_document(std::string_view xml) {
+  const std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser(XML_ParserCreate(nullptr),
+                                                                       XML_ParserFree);
+  Document document;
+  XML_SetUserData(parser.get(), &document);
+  XML_SetElementHandler(parser.get(), on_start, on_end);
+  XML_SetCharacterDataHandler(parser.get(), on_text);
+  constexpr std::size_t kChunk = std::size_t(1) << 28;  // expat counts in int.
+  for (std::string_view rest = xml; !rest.empty();) {
+    const std::string_view chunk = rest.substr(0, kChunk);
+    if (XML_Parse(parser.get(), chunk.data(), int(chunk.size()), XML_FALSE) != XML_STATUS_OK)
+      return {};
+    rest.remove_prefix(chunk.size());
+  }
+  return document;
+}
+
+/// The value of a base64 digit; -1 for anything else.
+int base64_value(char c) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const std::size_t value = kDigits.find(c);
+  return value == std::string_view::npos ? -1 : int(value);
+}
+
+/// Decodes up to the first padding, and takes it off `text` to the end of that group of four.
+std::string take_base64(std::string_view& text) {
+  std::string bytes;
+  unsigned bits = 0;
+  int held = 0;
+  std::size_t digits = 0;
+  std::size_t at = 0;
+  for (; at < text.size(); ++at) {
+    const char c = text[at];
+    if (c == ' ' || c == '\n' || c == '\r' || c == '\t') continue;
+    if (c == '=') break;
+    const int value = base64_value(c);
+    if (value < 0) break;
+    ++digits;
+    bits = (bits << 6U) | unsigned(value);
+    held += 6;
+    if (held < 8) continue;
+    held -= 8;
+    bytes += char((bits >> unsigned(held)) & 0xFFU);
+  }
+  while (at < text.size() && text[at] == '=' && digits % 4 != 0) {
+    ++at;
+    ++digits;
+  }
+  text.remove_prefix(at);
+  return bytes;
+}
+
+/// The numbers in front of the data: their sizes.
+struct Sizes {
+  std::size_t width = 4;  ///< Bytes per number.
+  [[nodiscard]] std::optional<std::uint64_t> at(std::string_view bytes, std::size_t n) const {
+    if ((n + 1) * width > bytes.size()) return {};
+    std::uint64_t value = 0;
+    std::memcpy(&value, bytes.data() + n * width, width);
+    return value;
+  }
+};
+
+/// Puts the blocks of a compressed array together. The sizes are block count, bytes per block,
+/// bytes of the last block, and the compressed bytes of every block.
+std::optional<std::string> inflated(std::string_view sizes_bytes, std::string_view data,
+                                    const Sizes& sizes) {
+  const auto blocks = sizes.at(sizes_bytes, 0);
+  const auto block_bytes = sizes.at(sizes_bytes, 1);
+  const auto last_bytes = sizes.at(sizes_bytes, 2);
+  if (!blocks || !block_bytes || !last_bytes) return {};
+  std::string result;
+  for (std::uint64_t block = 0; block < *blocks; ++block) {
+    const auto packed = sizes.at(sizes_bytes, std::size_t(3 + block));
+    if (!packed || *packed > data.size()) return {};
+    const bool is_short = block + 1 == *blocks && *last_bytes != 0;
+    const std::uint64_t size = is_short ? *last_bytes : *block_bytes;
+    if (size > (*packed + 1) * kBestCompression) return {};
+    const std::size_t begin = result.size();
+    result.resize(begin + std::size_t(size));
+    uLongf written = uLongf(size);
+    if (uncompress(reinterpret_cast<Bytef*>(result.data() + begin), &written,
+                   reinterpret_cast<const Bytef*>(data.data()), uLong(*packed)) != Z_OK ||
+        written != size)
+      return {};
+    data.remove_prefix(std::size_t(*packed));
+  }
+  return result;
+}
+
+/// How an array's bytes are packed.
+struct Packing {
+  Sizes sizes;
+  bool is_compressed = false;
+  bool is_base64 = false;
+};
+
+/// Bytes of the sizes in front of a compressed array, as far as it says itself.
+std::optional<std::size_t> sizes_length(std::string_view bytes, const Sizes& sizes) {
+  const auto blocks = sizes.at(bytes, 0);
+  if (!blocks || *blocks > bytes.size() * kBestCompression) return {};
+  return (std::size_t(*blocks) + 3) * sizes.width;
+}
+
+std::optional<std::string> unpacked(std::string_view packed, const Packing& packing) {
+  std::string decoded;
+  if (packing.is_base64) {
+    // Sizes and data may be encoded one after the other, or, without compression, as one.
+    decoded = take_base64(packed);
+    const auto length = packing.is_compressed ? sizes_length(decoded, packing.sizes)
+                                              : std::optional(packing.sizes.width);
+    if (length && decoded.size() == *length) decoded += take_base64(packed);
+    packed = decoded;
+  }
+  if (packing.is_compressed) {
+    const auto length = sizes_length(packed, packing.sizes);
+    if (!length || *length > packed.size()) return {};
+    return inflated(packed.substr(0, *length), packed.substr(*length), packing.sizes);
+  }
+  const auto bytes = packing.sizes.at(packed, 0);
+  if (!bytes || *bytes > packed.size() - packing.sizes.width) return {};
+  return std::string(packed.substr(packing.sizes.width, std::size_t(*bytes)));
+}
+
+template <class T>
+std::optional<std::vector<double>> numbers_as(std::string_view bytes) {
+  if (bytes.size() % sizeof(T) != 0) return {};
+  std::vector<double> numbers(bytes.size() / sizeof(T));
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    T value;
+    std::memcpy(&value, bytes.data() + n * sizeof(T), sizeof(T));
+    numbers[n] = double(value);
+  }
+  return numbers;
+}
+
+std::optional<std::vector<double>> numbers_from_bytes(std::string_view bytes,
+                                                      const std::string& type) {
+  if (type == "Float32") return numbers_as<float>(bytes);
+  if (type == "Float64") return numbers_as<double>(bytes);
+  if (type == "Int8") return numbers_as<std::int8_t>(bytes);
+  if (type == "UInt8" || type == "String") return numbers_as<std::uint8_t>(bytes);
+  if (type == "Int16") return numbers_as<std::int16_t>(bytes);
+  if (type == "UInt16") return numbers_as<std::uint16_t>(bytes);
+  if (type == "Int32") return numbers_as<std::int32_t>(bytes);
+  if (type == "UInt32") return numbers_as<std::uint32_t>(bytes);
+  if (type == "Int64") return numbers_as<std::int64_t>(bytes);
+  if (type == "UInt64") return numbers_as<std::uint64_t>(bytes);
+  return {};
+}
+
+std::optional<std::vector<double>> numbers_from_text(std::string_view text) {
+  std::vector<double> numbers;
+  for (std::string_view word = take_word(text); !word.empty(); word = take_word(text))
+    if (!parse_number(word, numbers.emplace_back())) return {};
+  return numbers;
+}
+
+std::string value_of(const Attributes& attributes, const char* name) {
+  const auto found = attributes.find(name);
+  return found == attributes.end() ? std::string() : found->second;
+}
+
+/// The data behind the XML, whose attributes say how they are encoded.
+struct Appended {
+  std::string_view bytes;
+  bool is_base64 = false;
+};
+
+Appended find_appended(std::string_view bytes, std::size_t at) {
+  if (at == std::string_view::npos) return {};
+  const std::string_view rest = bytes.substr(at);
+  const std::size_t tag_end = std::min(rest.find('>'), rest.size());
+  const std::size_t begin = rest.find('_', tag_end);
+  return {begin == std::string_view::npos ? std::string_view() : rest.substr(begin + 1),
+          rest.substr(0, tag_end).find("base64") != std::string_view::npos};
+}
+
+std::optional<std::vector<double>> decode(const RawArray& array, Packing packing,
+                                          const Appended& appended) {
+  const std::string format = value_of(array.attributes, "format");
+  const std::string type = value_of(array.attributes, "type");
+  if (format == "ascii") return numbers_from_text(array.text);
+  std::string_view packed = array.text;
+  packing.is_base64 = true;
+  if (format == "appended") {
+    double offset = 0.0;
+    if (!parse_number(value_of(array.attributes, "offset"), offset) ||
+        !(offset >= 0.0 && offset <= double(appended.bytes.size())))
+      return {};
+    packed = appended.bytes.substr(std::size_t(offset));
+    packing.is_base64 = appended.is_base64;
+  }
+  const auto bytes = unpacked(packed, packing);
+  if (!bytes) return {};
+  return numbers_from_bytes(*bytes, type);
+}
+
+}  // namespace
+
+Result<XmlArrays> parse_vtk_xml(std::string_view bytes, const std::string& name,
+                                const std::string& type,
+                                const std::vector<std::string>& wanted_parents) {
+  const auto corrupt = [&](std::string_view why) {
+    return fail(ErrorCode::kFileCorrupt, fmt::format("{}: {}", name, why));
+  };
+  const std::size_t appended_at = bytes.find("<AppendedData");
+  const auto document = parse_document(bytes.substr(0, appended_at));
+  if (!document || value_of(document->file, "type") != type)
+    return corrupt(fmt::format("no VTK XML file of type {}, or damaged", type));
+  if (appended_at == std::string_view::npos && !document->open.empty())
+    return corrupt("the file is cut short");
+
+  const std::string compressor = value_of(document->file, "compressor");
+  if (!compressor.empty() && compressor != "vtkZLibDataCompressor")
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("{} is compressed by {}, only zlib is read", name, compressor));
+  if (value_of(document->file, "byte_order") == "BigEndian")
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("{} is big-endian, only little-endian is read", name));
+  Packing packing;
+  packing.sizes.width = value_of(document->file, "header_type") == "UInt64" ? 8 : 4;
+  packing.is_compressed = !compressor.empty();
+
+  const Appended appended = find_appended(bytes, appended_at);
+  XmlArrays result{{}, document->pieces};
+  for (const RawArray& raw : document->arrays) {
+    if (std::find(wanted_parents.begin(), wanted_parents.end(), raw.parent) == wanted_parents.end())
+      continue;
+    auto values = decode(raw, packing, appended);
+    const std::string array_name = value_of(raw.attributes, "Name");
+    if (!values) return corrupt(fmt::format("array {} is damaged or cut short", array_name));
+    result.arrays.push_back({raw.parent, array_name, raw.piece, std::move(*values)});
+  }
+  return result;
+}
+
+}  // namespace lefort::io::internal

@@ -1,0 +1,42 @@
+/// \file
+/// The plan on disk: JSON, checked against contract/plan.schema.json and for sense.
+#pragma once
+
+#include <lefort/anatomy/segment_tissue.h>
+#include <lefort/core/error.h>
+#include <lefort/field/build_distance_field.h>
+#include <lefort/plan/plan.h>
+#include <lefort/predict/prediction_options.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace lefort::io {
+
+/// All that `lefort predict` is told.
+struct PlanFile {
+  std::string title;
+  std::optional<std::filesystem::path> ct;      ///< Made absolute by the plan file's folder.
+  std::optional<std::filesystem::path> labels;  ///< Likewise.
+  anatomy::SegmentationOptions segmentation;
+  plan::Osteotomy osteotomy;
+  plan::BonePath path;
+  predict::TissueOptions tissue;
+  predict::BoundaryOptions boundary;
+  predict::ContactOptions contact;
+  field::DistanceFieldOptions field;
+  predict::SolverOptions solver;
+};
+
+/// Reads and checks a plan.
+///
+/// \returns kFileNotFound; kPlanInvalid with the key and what is wrong with it, as `tissue: unknown
+///   key "colour"`.
+[[nodiscard]] Result<PlanFile> read_plan(const std::filesystem::path& file);
+
+/// The same from text; relative paths are taken from `folder`.
+[[nodiscard]] Result<PlanFile> parse_plan(std::string_view json,
+                                          const std::filesystem::path& folder);
+
+}  // namespace lefort::io

@@ -1,0 +1,39 @@
+/// \file
+/// Label maps as `.seg.nrrd`, the segmentation file of 3D Slicer, with names and colours.
+#pragma once
+
+#include <lefort/anatomy/label_map.h>
+#include <lefort/core/error.h>
+#include <lefort/image/volume.h>
+
+#include <filesystem>
+
+namespace lefort::io {
+
+/// Writes `labels` as a compressed `.seg.nrrd` with one segment per tissue of kTissueStyles, whole
+/// or not at all. Equal label maps give equal bytes.
+///
+/// \returns nothing, or kInvalidArgument (the ending, or a grid that check_grid() refuses) or
+///   kFileUnwritable.
+[[nodiscard]] Result<void> write_segmentation(const std::filesystem::path& target,
+                                              const anatomy::LabelMap& labels);
+
+/// Reads a `.seg.nrrd`, ours or one edited in Slicer, on the grid of the file.
+///
+/// Segments are matched to tissues by name, in any case; their label values and layers are free.
+/// Where segments of several layers overlap, the higher layer wins. Voxels of no segment, or of one
+/// that has no tissue's name, are background. Slicer crops files: see the other overload.
+///
+/// \returns the labels, or
+///   - kFileNotFound     there is no such file;
+///   - kFileUnsupported  not a `.seg.nrrd`, no segment at all, or none with a tissue's name;
+///   - kFileCorrupt      truncated, damaged, or its header contradicts itself.
+[[nodiscard]] Result<anatomy::LabelMap> read_segmentation(const std::filesystem::path& source);
+
+/// The same on the grid of the scan it belongs to: what the file leaves out is background.
+///
+/// \returns also kFileCorrupt when the file's voxels do not lie on voxels of `grid`.
+[[nodiscard]] Result<anatomy::LabelMap> read_segmentation(const std::filesystem::path& source,
+                                                          const image::Grid& grid);
+
+}  // namespace lefort::io

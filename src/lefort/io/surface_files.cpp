@@ -1,0 +1,124 @@
+#include <lefort/core/check.h>
+#include <lefort/io/internal/surface_formats.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/io/write_atomically.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace lefort::io {
+namespace fs = std::filesystem;
+
+namespace {
+
+// Sixteen million triangles as text; a larger surface is none we could use.
+constexpr std::uintmax_t kLargestFile = std::uintmax_t(4) << 30;
+
+std::string ending_of(const fs::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return ending;
+}
+
+Error unsupported(const fs::path& path) {
+  return {ErrorCode::kFileUnsupported,
+          fmt::format("{} must end in .vtp, .stl, .ply or .obj", path.string())};
+}
+
+Result<internal::SurfaceFile> parse(const fs::path& path, const std::string& bytes) {
+  const std::string name = path.filename().string();
+  const std::string ending = ending_of(path);
+  if (ending == ".vtp") return internal::parse_vtp(bytes, name);
+  if (ending == ".stl") return internal::parse_stl(bytes, name);
+  if (ending == ".ply") return internal::parse_ply(bytes, name);
+  return internal::parse_obj(bytes, name);
+}
+
+Result<void> check(const internal::SurfaceFile& surface, const std::string& name) {
+  const auto count = Index(surface.vertices.size());
+  for (Index v = 0; v < count; ++v)
+    if (!surface.vertices[std::size_t(v)].allFinite())
+      return fail(ErrorCode::kFileCorrupt,
+                  fmt::format("{}: vertex {} has a coordinate that is not finite", name, v));
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (const std::int32_t corner : surface.triangles[t])
+      if (corner < 0 || corner >= count)
+        return fail(ErrorCode::kFileCorrupt,
+                    fmt::format("{}: triangle {} has a corner that is none of the {} vertices",
+                                name, t, count));
+  return {};
+}
+
+/// Without triangles that repeat a corner, and without vertices no triangle uses.
+geometry::TriangleMesh cleaned(const internal::SurfaceFile& surface) {
+  geometry::TriangleMesh mesh;
+  std::vector<std::int32_t> numbers(surface.vertices.size(), -1);
+  for (const geometry::Triangle& triangle : surface.triangles) {
+    if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0])
+      continue;
+    geometry::Triangle renumbered{};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      std::int32_t& number = numbers[std::size_t(triangle[corner])];
+      if (number < 0) {
+        number = std::int32_t(mesh.vertices.size());
+        mesh.vertices.push_back(surface.vertices[std::size_t(triangle[corner])]);
+      }
+      renumbered[corner] = number;
+    }
+    mesh.triangles.push_back(renumbered);
+  }
+  return mesh;
+}
+
+Result<void> check_writable(const fs::path& path, const geometry::TriangleMesh& mesh,
+                            const std::vector<VertexArray>& arrays) {
+  for (const geometry::Triangle& triangle : mesh.triangles)
+    for (const std::int32_t corner : triangle)
+      LEFORT_CHECK(corner >= 0 && corner < mesh.vertex_count());
+  for (const VertexArray& array : arrays) {
+    const auto length = std::visit([](const auto& v) { return Index(v.size()); }, array.values);
+    if (length != mesh.vertex_count())
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("array {} has {} values, the surface {} vertices", array.name, length,
+                              mesh.vertex_count()));
+  }
+  if (!arrays.empty() && ending_of(path) != ".vtp")
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} cannot hold array {}, use .vtp", path.filename().string(),
+                            arrays.front().name));
+  return {};
+}
+
+}  // namespace
+
+Result<geometry::TriangleMesh> read_surface(const fs::path& path) {
+  const std::string ending = ending_of(path);
+  if (ending != ".vtp" && ending != ".stl" && ending != ".ply" && ending != ".obj")
+    return tl::unexpected(unsupported(path));
+  const std::string name = path.filename().string();
+  LEFORT_TRY(const std::string bytes, read_text(path, kLargestFile));
+  LEFORT_TRY(internal::SurfaceFile surface, parse(path, bytes));
+  LEFORT_TRY_VOID(check(surface, name));
+  if (surface.is_ras)
+    for (Vec3& p : surface.vertices) p.head<2>() *= -1.0;  // A rotation: orientation stays.
+  geometry::TriangleMesh mesh = cleaned(surface);
+  if (mesh.triangles.empty())
+    return fail(ErrorCode::kMeshInvalid, fmt::format("{} holds no triangle", name));
+  return mesh;
+}
+
+Result<void> write_surface(const fs::path& path, const geometry::TriangleMesh& mesh_L,
+                           const std::vector<VertexArray>& arrays) {
+  LEFORT_TRY_VOID(check_writable(path, mesh_L, arrays));
+  const std::string ending = ending_of(path);
+  if (ending == ".vtp") return write_text(path, internal::vtp_bytes(mesh_L, arrays));
+  if (ending == ".stl") return write_text(path, internal::stl_bytes(mesh_L));
+  if (ending == ".ply") return write_text(path, internal::ply_bytes(mesh_L));
+  if (ending == ".obj") return write_text(path, internal::obj_bytes(mesh_L));
+  return tl::unexpected(unsupported(path));
+}
+
+}  // namespace lefort::io

@@ -1,0 +1,50 @@
+#include <lefort/image/reverse_axis.h>
+#include <lefort/io/internal/hounsfield.h>
+#include <lefort/io/internal/raw_volume.h>
+#include <lefort/io/volume_files.h>
+
+#include <fmt/format.h>
+
+namespace lefort::io {
+
+bool is_volume_file(const std::filesystem::path& file) {
+  return volume_format(file) != VolumeFormat::kNone;
+}
+
+Result<ImportedVolume> read_volume(const std::filesystem::path& file, Progress& progress) {
+  progress.begin_stage("read the scan");
+  if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "reading the scan was stopped");
+  LEFORT_TRY(const RawVolume raw, read_raw_volume(file));
+  if (raw.components != 1)
+    return fail(
+        ErrorCode::kFileUnsupported,
+        fmt::format("{}: the voxels hold {} values, expected 1", file.string(), raw.components));
+  progress.report(0.7);
+  if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "reading the scan was stopped");
+
+  ImportedVolume imported;
+  imported.source_kind = name_of(volume_format(file));
+  imported.ct.grid = raw.grid;
+  imported.ct.values.reserve(static_cast<std::size_t>(raw.value_count()));
+  HounsfieldCount count;
+  with_values(raw, [&](const auto values) {
+    for (const auto value : values)
+      imported.ct.values.push_back(hounsfield(static_cast<double>(value), count));
+  });
+  imported.warnings = hounsfield_warnings(count, imported.ct);
+  if (imported.ct.grid.direction.determinant() < 0.0) reverse_axis(imported.ct, 2);
+  progress.report(1.0);
+  return imported;
+}
+
+Result<void> write_volume(const std::filesystem::path& target, const image::CtVolume& volume) {
+  LEFORT_CHECK(std::ssize(volume.values) == volume.grid.voxel_count());
+  return write_raw_volume(target, {volume.grid, ScalarType::kInt16, volume.values.data(), {}});
+}
+
+Result<void> write_volume(const std::filesystem::path& target, const image::ScalarVolume& volume) {
+  LEFORT_CHECK(std::ssize(volume.values) == volume.grid.voxel_count());
+  return write_raw_volume(target, {volume.grid, ScalarType::kFloat, volume.values.data(), {}});
+}
+
+}  // namespace lefort::io

@@ -1,0 +1,245 @@
+#include <lefort/io/vtu.h>
+#include <lefort/io/write_atomically.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace lefort::io {
+
+static_assert(std::endian::native == std::endian::little, "the files say LittleEndian");
+
+namespace {
+
+using mesh::ElementBlock;
+using mesh::VolumeMesh;
+
+/// VTK's number of the cell type (vtkCellType.h), in the order of mesh::ElementShape.
+constexpr std::array<std::uint8_t, 7> kCellTypes{10, 14, 13, 12, 24, 26, 25};
+
+std::string xml_escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+Result<void> check_name(std::string_view kind, const std::string& name) {
+  const bool printable =
+      std::none_of(name.begin(), name.end(), [](char c) { return std::uint8_t(c) < 0x20; });
+  if (!name.empty() && printable) return {};
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("a {} is named \"{}\", must have a printable name", kind,
+                          printable ? name : "?"));
+}
+
+Result<void> check_mesh(const VolumeMesh& mesh) {
+  const auto missing = [&](std::int32_t node) {
+    return node < 0 || Index(node) >= mesh.node_count();
+  };
+  const auto check_nodes = [&](const std::vector<std::int32_t>& nodes,
+                               const std::string& owner) -> Result<void> {
+    const auto lost = std::find_if(nodes.begin(), nodes.end(), missing);
+    if (lost == nodes.end()) return {};
+    return fail(ErrorCode::kMeshInvalid, fmt::format("{} names node {}, there are {} nodes", owner,
+                                                     *lost, mesh.node_count()));
+  };
+  for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
+    const ElementBlock& block = mesh.blocks[b];
+    const Index wanted = block.element_count() * mesh::node_count(block.shape);
+    if (Index(block.nodes.size()) != wanted)
+      return fail(ErrorCode::kMeshInvalid,
+                  fmt::format("element block {} has {} nodes, must have {}", b, block.nodes.size(),
+                              wanted));
+    LEFORT_TRY_VOID(check_nodes(block.nodes, fmt::format("element block {}", b)));
+  }
+  for (const auto& [name, nodes] : mesh.node_sets) {
+    LEFORT_TRY_VOID(check_name("node set", name));
+    LEFORT_TRY_VOID(check_nodes(nodes, fmt::format("node set {}", name)));
+  }
+  return {};
+}
+
+/// \param count  how many nodes or elements there are.
+/// \param names  taken so far; gains those of `fields`.
+Result<void> check_fields(std::span<const VtuArray> fields, Index count,
+                          std::set<std::string>& names) {
+  for (const VtuArray& field : fields) {
+    LEFORT_TRY_VOID(check_name("field", field.name));
+    if (!names.insert(field.name).second)
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("two fields are named {}, names must differ", field.name));
+    if (field.components != 1 && field.components != 3 && field.components != 9)
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("field {} has {} components, must have 1, 3 or 9", field.name,
+                              field.components));
+    if (Index(field.values.size()) != count * field.components)
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("field {} has {} values, must have {}", field.name,
+                              field.values.size(), count * field.components));
+  }
+  return {};
+}
+
+/// The XML part and the raw part of a file grow side by side.
+class VtuFile {
+ public:
+  void xml(std::string_view text) { xml_ += text; }
+
+  template <class T>
+  void array(std::string_view name, int components, const std::vector<T>& values) {
+    xml_ += fmt::format(
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
+        "offset=\"{}\"/>\n",
+        type_name(T()), xml_escaped(name), components, raw_.size());
+    const std::uint64_t bytes = values.size() * sizeof(T);
+    raw_.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+    raw_.append(reinterpret_cast<const char*>(values.data()), bytes);
+  }
+
+  [[nodiscard]] std::string finished() && {
+    xml_ += "<AppendedData encoding=\"raw\">\n_";  // The data begin after the underscore.
+    xml_ += raw_;
+    xml_ += "\n</AppendedData>\n</VTKFile>\n";
+    return std::move(xml_);
+  }
+
+ private:
+  static std::string_view type_name(double /*unused*/) { return "Float64"; }
+  static std::string_view type_name(std::int64_t /*unused*/) { return "Int64"; }
+  static std::string_view type_name(std::int32_t /*unused*/) { return "Int32"; }
+  static std::string_view type_name(std::uint8_t /*unused*/) { return "UInt8"; }
+
+  std::string xml_;
+  std::string raw_;
+};
+
+void add_nodes(VtuFile& file, const VolumeMesh& mesh) {
+  file.xml("<Points>\n");
+  file.array("points", 3, vtu_array("points", mesh.nodes_L).values);
+  file.xml("</Points>\n");
+}
+
+void add_elements(VtuFile& file, const VolumeMesh& mesh) {
+  std::vector<std::int32_t> connectivity;
+  std::vector<std::int64_t> ends;
+  std::vector<std::uint8_t> types;
+  for (const ElementBlock& block : mesh.blocks) {
+    connectivity.insert(connectivity.end(), block.nodes.begin(), block.nodes.end());
+    for (Index e = 0; e < block.element_count(); ++e)
+      ends.push_back((ends.empty() ? 0 : ends.back()) + mesh::node_count(block.shape));
+    types.resize(types.size() + block.region.size(), kCellTypes[std::size_t(block.shape)]);
+  }
+  file.xml("<Cells>\n");
+  file.array("connectivity", 1, connectivity);
+  file.array("offsets", 1, ends);
+  file.array("types", 1, types);
+  file.xml("</Cells>\n");
+}
+
+void add_node_fields(VtuFile& file, const VolumeMesh& mesh, std::span<const VtuArray> fields) {
+  file.xml("<PointData>\n");
+  for (const VtuArray& field : fields) file.array(field.name, field.components, field.values);
+  for (const auto& [name, nodes] : mesh.node_sets) {
+    std::vector<std::uint8_t> member(mesh.nodes_L.size(), 0);
+    for (const std::int32_t node : nodes) member[std::size_t(node)] = 1;
+    file.array("set:" + name, 1, member);
+  }
+  file.xml("</PointData>\n");
+}
+
+void add_element_fields(VtuFile& file, const VolumeMesh& mesh, std::span<const VtuArray> fields) {
+  std::vector<std::int32_t> regions;
+  for (const ElementBlock& block : mesh.blocks)
+    regions.insert(regions.end(), block.region.begin(), block.region.end());
+  file.xml("<CellData>\n");
+  for (const VtuArray& field : fields) file.array(field.name, field.components, field.values);
+  file.array("region", 1, regions);
+  file.xml("</CellData>\n");
+}
+
+}  // namespace
+
+VtuArray vtu_array(std::string name, std::span<const double> values) {
+  return {std::move(name), 1, {values.begin(), values.end()}};
+}
+
+VtuArray vtu_array(std::string name, std::span<const Vec3> values) {
+  VtuArray array{std::move(name), 3, {}};
+  array.values.reserve(3 * values.size());
+  for (const Vec3& value : values)
+    array.values.insert(array.values.end(), value.data(), value.data() + 3);
+  return array;
+}
+
+VtuArray vtu_array(std::string name, std::span<const Mat3> values) {
+  VtuArray array{std::move(name), 9, {}};
+  array.values.reserve(9 * values.size());
+  for (const Mat3& value : values)
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) array.values.push_back(value(row, column));
+  return array;
+}
+
+Result<void> write_vtu(const std::filesystem::path& target, const VolumeMesh& mesh,
+                       const VtuFields& fields) {
+  LEFORT_TRY_VOID(check_mesh(mesh));
+  std::set<std::string> node_names;
+  for (const auto& [name, nodes] : mesh.node_sets) node_names.insert("set:" + name);
+  std::set<std::string> element_names{"region"};
+  LEFORT_TRY_VOID(check_fields(fields.nodes, mesh.node_count(), node_names));
+  LEFORT_TRY_VOID(check_fields(fields.elements, mesh.element_count(), element_names));
+
+  VtuFile file;
+  file.xml(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n");
+  file.xml(fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.node_count(),
+                       mesh.element_count()));
+  add_node_fields(file, mesh, fields.nodes);
+  add_element_fields(file, mesh, fields.elements);
+  add_nodes(file, mesh);
+  add_elements(file, mesh);
+  file.xml("</Piece>\n</UnstructuredGrid>\n");
+  return write_text(target, std::move(file).finished());
+}
+
+Result<void> write_pvd(const std::filesystem::path& target, std::span<const PvdEntry> entries) {
+  std::string xml =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
+      "byte_order=\"LittleEndian\">\n<Collection>\n";
+  for (const PvdEntry& entry : entries) {
+    LEFORT_TRY_VOID(check_name("file of a series", entry.file));
+    if (!std::isfinite(entry.time))
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("the time of {} is {}, must be finite", entry.file, entry.time));
+    xml += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", entry.time,
+                       xml_escaped(entry.file));
+  }
+  return write_text(target, xml + "</Collection>\n</VTKFile>\n");
+}
+
+}  // namespace lefort::io

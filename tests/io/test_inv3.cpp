@@ -1,0 +1,159 @@
+#include <lefort/io/internal/plist.h>
+#include <lefort/io/inv3.h>
+
+#include <gtest/gtest.h>
+
+#include "io/inv3_writer.h"
+#include "io/sample_scan.h"
+#include "support/temporary_folder.h"
+
+namespace lefort::io {
+namespace {
+
+using test::Inv3Plist;
+using test::TemporaryFolder;
+
+std::string complaint(const Inv3Plist& plist, ErrorCode code,
+                      const std::string& matrix = test::inv3_matrix()) {
+  const TemporaryFolder folder;
+  test::write_gzip(folder / "a.inv3", test::inv3_archive(test::to_xml(plist), matrix));
+  const auto result = read_inv3(folder / "a.inv3");
+  if (result) {
+    ADD_FAILURE() << "no error";
+    return "";
+  }
+  EXPECT_EQ(result.error().code, code) << result.error().message;
+  test::expect_one_sentence(result.error().message);
+  return result.error().message;
+}
+
+TEST(Laterality, Inv3RowsAreReversedAndColumnsAreNot) {
+  const TemporaryFolder folder;
+  test::write_gzip(folder / "a.inv3", test::inv3_archive(test::to_xml({}), test::inv3_matrix()));
+  const auto found = read_inv3(folder / "a.inv3");
+  ASSERT_TRUE(found) << found.error().message;
+  const image::CtVolume& ct = found->ct;
+  EXPECT_EQ(ct.grid.size, (std::array<Index, 3>{4, 3, 2}));
+  EXPECT_EQ(ct.grid.spacing_mm, Vec3(0.5, 0.75, 2.0));
+  EXPECT_EQ(ct.grid.origin_L, Vec3(0.0, 0.0, 0.0));
+  EXPECT_EQ(ct.grid.direction, Mat3::Identity());
+  for (Index k = 0; k < 2; ++k)
+    for (Index j = 0; j < 3; ++j)
+      for (Index i = 0; i < 4; ++i) EXPECT_EQ(ct.at(i, j, k), 100 * k + 10 * (2 - j) + i - 1000);
+  EXPECT_EQ(found->source_kind, "InVesalius project");
+  EXPECT_TRUE(found->warnings.empty());
+}
+
+/// The one real patient everybody has: bone of the forehead is missing on the right.
+TEST(Laterality, TheFrontalDefectOfCraniumIsOnThePatientsRight) {
+  const std::filesystem::path file = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "package invesalius-examples is absent";
+  const auto found = read_inv3(file);
+  ASSERT_TRUE(found) << found.error().message;
+  const image::CtVolume& ct = found->ct;
+  ASSERT_EQ(ct.grid.size, (std::array<Index, 3>{256, 256, 108}));
+  constexpr std::int16_t kBone = 226;
+  Index right = 0, left = 0;
+  for (Index k = 56; k < 80; ++k)   // From the brows to the upper forehead,
+    for (Index j = 0; j < 80; ++j)  // in the anterior third:
+      for (Index i = 0; i < 256; ++i)
+        if (ct.at(i, j, k) > kBone) ++(i < 128 ? right : left);
+  EXPECT_GT(left, 6000);
+  EXPECT_LT(static_cast<double>(right), 0.65 * static_cast<double>(left));
+}
+
+TEST(Inv3, ReadsAnArchiveThatIsNotGzipped) {
+  const TemporaryFolder folder;
+  test::write_bytes(folder / "a.inv3", test::inv3_archive(test::to_xml({}), test::inv3_matrix()));
+  ASSERT_TRUE(read_inv3(folder / "a.inv3"));
+}
+
+TEST(Inv3, PassesOverEntriesThatOnlyLookLikeTheProject) {
+  const TemporaryFolder folder;
+  test::write_gzip(folder / "a.inv3",
+                   test::tar_member("tmpabc/main.plist/", "", '5') +
+                       test::tar_member("main.plist", "a long name", 'x') +
+                       test::inv3_archive(test::to_xml({}), test::inv3_matrix()));
+  const auto found = read_inv3(folder / "a.inv3");
+  ASSERT_TRUE(found) << found.error().message;
+}
+
+TEST(Inv3, WarnsOfSlicesThatWereNotAxial) {
+  const TemporaryFolder folder;
+  test::write_gzip(folder / "a.inv3",
+                   test::inv3_archive(test::to_xml({.orientation = "2"}), test::inv3_matrix()));
+  const auto found = read_inv3(folder / "a.inv3");
+  ASSERT_EQ(found->warnings.size(), 1U);
+  EXPECT_NE(found->warnings[0].find("left and right"), std::string::npos);
+}
+
+TEST(Inv3, RefusesWhatThePlistGetsWrong) {
+  const auto corrupt = ErrorCode::kFileCorrupt;
+  complaint({.shape = {"2", "3"}}, corrupt);
+  complaint({.shape = {"2", "x", "4"}}, corrupt);
+  complaint({.shape = {"0", "3", "4"}}, corrupt);
+  complaint({.shape = {"-2", "-3", "4"}}, corrupt);
+  complaint({.shape = {"99999999999", "99999999999", "99999999999"}}, corrupt);
+  complaint({.shape = {"2", "3", "5"}}, corrupt);           // More than matrix.dat holds.
+  complaint({.shape = {"2", "3", "3"}}, corrupt);           // Less.
+  complaint({.shape = {"1000", "1000", "1000"}}, corrupt);  // Far more.
+  complaint({.spacing = {"0.5", "nan", "1"}}, corrupt);
+  complaint({.spacing = {"0.5", "0", "1"}}, corrupt);
+  complaint({.filename = ""}, corrupt);
+  complaint({.filename = "../../etc/passwd"}, corrupt);
+  complaint({.filename = "other.dat"}, corrupt);
+  complaint({.dtype = "float64"}, ErrorCode::kFileUnsupported);
+  complaint({.modality = "MRI"}, ErrorCode::kFileUnsupported);
+}
+
+TEST(Inv3, RefusesFilesThatAreNoProject) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_inv3(folder / "none").error().code, ErrorCode::kFileNotFound);
+  for (const std::string& bytes :
+       {std::string(), std::string("garbage"), std::string(2000, 'x'), std::string(2048, '\0')}) {
+    test::write_gzip(folder / "a.inv3", bytes);
+    const auto result = read_inv3(folder / "a.inv3");
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt) << result.error().message;
+    test::expect_one_sentence(result.error().message);
+  }
+}
+
+TEST(Inv3, AnEntryThatClaimsToBeHugeCostsNothing) {
+  const TemporaryFolder folder;
+  std::string archive = test::inv3_archive(test::to_xml({}), test::inv3_matrix());
+  archive.replace(124, 12, "77777777777 ");  // 8 GiB of matrix.dat; now the checksum is wrong.
+  test::write_gzip(folder / "a.inv3", archive);
+  EXPECT_FALSE(read_inv3(folder / "a.inv3"));
+  const std::string entry = test::tar_member("main.plist", std::string(2 << 20, ' '));
+  test::write_gzip(folder / "a.inv3", entry);
+  EXPECT_NE(read_inv3(folder / "a.inv3").error().message.find("2097152 bytes"), std::string::npos);
+}
+
+TEST(Plist, GivesLeavesByTheirPlace) {
+  const auto leaves = read_plist(
+      "<plist><dict><key>a</key><integer>7</integer><key>b</key><array><string>x</string>"
+      "<dict><key>c</key><real>1.5</real></dict></array><key>t</key><true/></dict></plist>");
+  ASSERT_TRUE(leaves);
+  EXPECT_EQ(*leaves, (FlatPlist{{"a", "7"}, {"b/0", "x"}, {"b/1/c", "1.5"}, {"t", ""}}));
+}
+
+TEST(Plist, RefusesEntitiesDepthSizeAndDamage) {
+  std::string deep, many = "<plist><array>";
+  for (int n = 0; n < 100'000; ++n) deep += "<array>";
+  for (int n = 0; n < 20'000; ++n) many += "<integer>1</integer>";
+  for (const std::string& xml :
+       {std::string("<!DOCTYPE p [<!ENTITY a \"aaaa\"><!ENTITY b \"&a;&a;\">]><p>&b;</p>"),
+        std::string("<!DOCTYPE p [<!ENTITY a SYSTEM \"file:///etc/passwd\">]><p>&a;</p>"), deep,
+        many + "</array></plist>", std::string(2 << 20, ' '), std::string(),
+        std::string("<plist><dict>"), std::string("<plist></dict></plist>"),
+        std::string("<dict/><dict/>"), std::string("\0\1\2", 3)}) {
+    const auto result = read_plist(xml);
+    ASSERT_FALSE(result) << xml.substr(0, 60);
+    EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt);
+    test::expect_one_sentence(result.error().message);
+  }
+}
+
+}  // namespace
+}  // namespace lefort::io

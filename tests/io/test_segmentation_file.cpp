@@ -1,0 +1,166 @@
+#include <lefort/io/segmentation_file.h>
+
+#include <gtest/gtest.h>
+
+#include "io/sample_scan.h"
+#include "support/temporary_folder.h"
+
+namespace lefort::io {
+namespace {
+
+using anatomy::LabelMap;
+using anatomy::Tissue;
+using test::bytes_of;
+using test::TemporaryFolder;
+using test::write_bytes;
+
+LabelMap sample_labels() {
+  LabelMap labels{test::sample_scan(test::oblique()).grid, {}};
+  for (Index n = 0; n < labels.grid.voxel_count(); ++n)
+    labels.values.push_back(static_cast<Tissue>((n * n / 7) % 6));
+  return labels;
+}
+
+TEST(SegmentationFile, GivesBackEveryLabel) {
+  const TemporaryFolder folder;
+  const LabelMap labels = sample_labels();
+  ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", labels));
+  EXPECT_EQ(folder.entry_count(), 1);
+  const auto found = read_segmentation(folder / "a.seg.nrrd");
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->values, labels.values);
+  test::expect_same_grid(found->grid, labels.grid, 1e-12);
+  const auto on_scan = read_segmentation(folder / "a.seg.nrrd", labels.grid);
+  ASSERT_TRUE(on_scan) << on_scan.error().message;
+  EXPECT_EQ(on_scan->grid, labels.grid);
+  EXPECT_EQ(on_scan->values, labels.values);
+}
+
+TEST(SegmentationFile, EqualLabelsGiveEqualBytes) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", sample_labels()));
+  ASSERT_TRUE(write_segmentation(folder / "b.seg.nrrd", sample_labels()));
+  EXPECT_EQ(bytes_of(folder / "a.seg.nrrd"), bytes_of(folder / "b.seg.nrrd"));
+}
+
+TEST(SegmentationFile, HasTheHeaderThatSlicerReads) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", sample_labels()));
+  const std::string bytes = bytes_of(folder / "a.seg.nrrd");
+  const std::string header = bytes.substr(0, bytes.find("\n\n") + 1);
+  for (const char* const line : {"\ntype: unsigned char\n",
+                                 "\ndimension: 3\n",
+                                 "\nspace: left-posterior-superior\n",
+                                 "\nsizes: 7 5 6\n",
+                                 "\nencoding: gzip\n",
+                                 "\nkinds: domain domain domain\n",
+                                 "\nSegmentation_ContainedRepresentationNames:=Binary labelmap|",
+                                 "\nSegmentation_MasterRepresentation:=Binary labelmap",
+                                 "\nSegmentation_SourceRepresentation:=Binary labelmap",
+                                 "\nSegmentation_ReferenceImageExtentOffset:=0 0 0",
+                                 "\nSegment0_ID:=bone",
+                                 "\nSegment0_Name:=bone",
+                                 "\nSegment0_Color:=0.95 0.84 0.57",
+                                 "\nSegment0_LabelValue:=1",
+                                 "\nSegment0_Layer:=0",
+                                 "\nSegment0_Extent:=0 6 0 4 0 5",
+                                 "\nSegment1_ID:=soft_tissue",
+                                 "\nSegment1_Name:=soft tissue",
+                                 "\nSegment4_Name:=sinus",
+                                 "\nSegment4_LabelValue:=5"})
+    EXPECT_NE(header.find(line), std::string::npos) << line << header;
+  EXPECT_EQ(header.find("Segment5"), std::string::npos);
+}
+
+/// A file as Slicer writes it: two layers first in the list, its own label values, cropped.
+std::string slicer_file(const std::string& more, const std::string& voxels) {
+  return "NRRD0004\n# Complete NRRD file format specification at:\ntype: unsigned char\n"
+         "dimension: 4\nspace: left-posterior-superior\nsizes: 2 2 2 1\n"
+         "space directions: none (0.5,0,0) (0,0.5,0) (0,0,2)\nkinds: list domain domain domain\n"
+         "encoding: raw\nspace origin: (11,20.5,34)\n" +
+         more + "\n" + voxels;
+}
+
+const std::string kSlicerSegments =
+    "Segment0_ID:=Segment_1\nSegment0_Name:=Bone\nSegment0_LabelValue:=3\nSegment0_Layer:=1\n"
+    "Segment1_ID:=Segment_2\nSegment1_Name:=Soft_Tissue\nSegment1_LabelValue:=1\n"
+    "Segment1_Layer:=0\nSegment2_ID:=Segment_3\nSegment2_Name:=tumour\n"
+    "Segment2_LabelValue:=2\nSegment2_Layer:=0\n"
+    "Segmentation_ReferenceImageExtentOffset:=2 1 2\n";
+
+TEST(SegmentationFile, ReadsWhatSlicerWritesByNameLayerAndCrop) {
+  const TemporaryFolder folder;
+  // Voxel by voxel, layer 0 and layer 1: soft tissue; tumour; bone over soft tissue; nothing.
+  write_bytes(folder / "a.seg.nrrd",
+              slicer_file(kSlicerSegments, std::string("\1\0\2\0\1\3\0\0", 8)));
+  const auto part = read_segmentation(folder / "a.seg.nrrd");
+  ASSERT_TRUE(part) << part.error().message;
+  EXPECT_EQ(part->grid.size, (std::array<Index, 3>{2, 2, 1}));
+  EXPECT_EQ(part->grid.origin_L, Vec3(11, 20.5, 34));
+  const std::vector<Tissue> wanted{Tissue::kSoftTissue, Tissue::kBackground, Tissue::kBone,
+                                   Tissue::kBackground};
+  EXPECT_EQ(part->values, wanted);
+
+  const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
+  const auto whole = read_segmentation(folder / "a.seg.nrrd", scan);
+  ASSERT_TRUE(whole) << whole.error().message;
+  EXPECT_EQ(whole->grid, scan);
+  EXPECT_EQ(whole->at(2, 1, 2), Tissue::kSoftTissue);
+  EXPECT_EQ(whole->at(2, 2, 2), Tissue::kBone);
+  EXPECT_EQ(std::count(whole->values.begin(), whole->values.end(), Tissue::kBackground), 58);
+}
+
+TEST(SegmentationFile, ReadsTheOldFormOfOneLayerPerSegment) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.seg.nrrd", slicer_file("Segment0_ID:=a\nSegment0_Name:=airway\n"
+                                                 "Segment1_ID:=b\nSegment1_Name:=bone\n",
+                                                 std::string("\1\0\0\1\1\1\0\0", 8)));
+  const auto part = read_segmentation(folder / "a.seg.nrrd");
+  ASSERT_TRUE(part) << part.error().message;
+  const std::vector<Tissue> wanted{Tissue::kAirway, Tissue::kBone, Tissue::kBone,
+                                   Tissue::kBackground};
+  EXPECT_EQ(part->values, wanted);
+}
+
+TEST(SegmentationFile, RefusesLabelsThatLieBetweenTheVoxelsOfTheScan) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.seg.nrrd", slicer_file(kSlicerSegments, std::string(8, '\1')));
+  const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
+  image::Grid shifted = scan;
+  shifted.origin_L.x() += 0.2;
+  image::Grid finer = scan;
+  finer.spacing_mm.x() = 0.4;
+  image::Grid turned = scan;
+  turned.direction = test::oblique();
+  for (const image::Grid& grid : {shifted, finer, turned}) {
+    const auto result = read_segmentation(folder / "a.seg.nrrd", grid);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt);
+  }
+}
+
+TEST(SegmentationFile, RefusesFilesWithoutTissuesOrWithWrongSegments) {
+  const TemporaryFolder folder;
+  const auto code = [&](const std::string& segments) {
+    write_bytes(folder / "a.seg.nrrd", slicer_file(segments, std::string(8, '\1')));
+    const auto result = read_segmentation(folder / "a.seg.nrrd");
+    if (result) return ErrorCode::kNotConverged;
+    test::expect_one_sentence(result.error().message);
+    return result.error().code;
+  };
+  const std::string bone = "Segment0_ID:=a\nSegment0_Name:=bone\n";
+  EXPECT_EQ(code(""), ErrorCode::kFileUnsupported);
+  EXPECT_EQ(code("Segment0_ID:=a\nSegment0_Name:=tumour\n"), ErrorCode::kFileUnsupported);
+  EXPECT_EQ(code(bone + "Segment0_Layer:=2\n"), ErrorCode::kFileCorrupt);
+  EXPECT_EQ(code(bone + "Segment0_Layer:=-1\n"), ErrorCode::kFileCorrupt);
+  EXPECT_EQ(code(bone + "Segment0_LabelValue:=x\n"), ErrorCode::kFileCorrupt);
+  EXPECT_EQ(read_segmentation(folder / "none.seg.nrrd").error().code, ErrorCode::kFileNotFound);
+  EXPECT_EQ(read_segmentation(folder / "a.nrrd").error().code, ErrorCode::kFileUnsupported);
+  EXPECT_EQ(write_segmentation(folder / "a.nrrd", sample_labels()).error().code,
+            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(write_segmentation("/nonexistent/a.seg.nrrd", sample_labels()).error().code,
+            ErrorCode::kFileUnwritable);
+}
+
+}  // namespace
+}  // namespace lefort::io

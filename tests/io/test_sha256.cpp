@@ -1,0 +1,45 @@
+#include <lefort/io/sha256.h>
+
+#include <gtest/gtest.h>
+
+#include "support/shapes.h"
+
+namespace lefort::io {
+namespace {
+
+TEST(Sha256, OfNothingIsTheKnownDigest) {  // FIPS 180-4.
+  EXPECT_EQ(Sha256().hex(), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+}
+
+TEST(Sha256, TellsWhereOneTextEndsAndTheNextBegins) {
+  EXPECT_NE(Sha256().add("ab").add("c").hex(), Sha256().add("a").add("bc").hex());
+  EXPECT_EQ(Sha256().add("ab").add("c").hex(), Sha256().add("ab").add("c").hex());
+}
+
+TEST(Sha256, AChangedVoxelOrVertexChangesIt) {
+  image::CtVolume volume;
+  volume.grid.size = {2, 1, 1};
+  volume.values = {1, 2};
+  const std::string before = Sha256().add(volume).hex();
+  volume.values[1] = 3;
+  EXPECT_NE(Sha256().add(volume).hex(), before);
+  volume.values[1] = 2;
+  volume.grid.spacing_mm.z() = 1.5;
+  EXPECT_NE(Sha256().add(volume).hex(), before);
+
+  geometry::TriangleMesh mesh = test::make_box(Vec3::Zero(), Vec3::Ones());
+  const std::string box = Sha256().add(mesh).hex();
+  mesh.vertices[3].x() += 1e-9;
+  EXPECT_NE(Sha256().add(mesh).hex(), box);
+}
+
+TEST(Sha256, ReadingItDoesNotEndIt) {
+  Sha256 hash;
+  hash.add("a");
+  const std::string first = hash.hex();
+  EXPECT_EQ(hash.hex(), first);
+  EXPECT_NE(hash.add("b").hex(), first);
+}
+
+}  // namespace
+}  // namespace lefort::io

@@ -1,0 +1,351 @@
+#include <lefort/io/volume_files.h>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <limits>
+
+#include "io/sample_scan.h"
+#include "support/temporary_folder.h"
+
+namespace lefort::io {
+namespace {
+
+using test::bytes_of;
+using test::expect_same_grid;
+using test::expect_same_in_patient;
+using test::oblique;
+using test::sample_scan;
+using test::TemporaryFolder;
+using test::write_bytes;
+
+std::string raw_bytes(const std::vector<std::int16_t>& values) {
+  std::string bytes(values.size() * 2, '\0');
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+class EveryFormat : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(VolumeFiles, EveryFormat,
+                         ::testing::Values("a.nrrd", "a.nii.gz", "a.nii", "a.mha"),
+                         [](const auto& format) {
+                           std::string name = format.param;
+                           std::erase(name, '.');
+                           return name;
+                         });
+
+TEST_P(EveryFormat, GivesBackAnObliqueScanAsItWas) {
+  const TemporaryFolder folder;
+  const auto ct = sample_scan(oblique());
+  ASSERT_TRUE(write_volume(folder / GetParam(), ct));
+  EXPECT_EQ(folder.entry_count(), 1);
+  const auto found = read_volume(folder / GetParam());
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->ct.values, ct.values);
+  // NIfTI stores the place as 32-bit floats; the texts of the others are rounded less.
+  expect_same_grid(found->ct.grid, ct.grid, 2e-6);
+  EXPECT_TRUE(found->warnings.empty());
+}
+
+TEST_P(EveryFormat, EqualVolumesGiveEqualBytes) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_volume(folder / GetParam(), sample_scan(oblique())));
+  const std::string first = bytes_of(folder / GetParam());
+  ASSERT_TRUE(write_volume(folder / GetParam(), sample_scan(oblique())));
+  EXPECT_EQ(bytes_of(folder / GetParam()), first);
+}
+
+TEST_P(EveryFormat, KeepsTheFractionsOfAScalarVolume) {
+  const TemporaryFolder folder;
+  const image::ScalarVolume volume{{.size = {1, 2, 3}}, {0.25F, -7.75F, 0.0F, 3.0F, 4.0F, -900.4F}};
+  ASSERT_TRUE(write_volume(folder / GetParam(), volume));
+  const auto found = read_volume(folder / GetParam());
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->ct.values, (std::vector<std::int16_t>{0, -8, 0, 3, 4, -900}));
+}
+
+TEST_P(EveryFormat, BringsWhatNoCtHoldsIntoRangeAndSaysSo) {
+  const TemporaryFolder folder;
+  // NIfTI's library has replaced what is not finite by 0 before we see it.
+  const bool keeps_nan = std::string(GetParam()).find(".nii") == std::string::npos;
+  const float nan = keeps_nan ? std::numeric_limits<float>::quiet_NaN() : -9999.0F;
+  const float inf = keeps_nan ? std::numeric_limits<float>::infinity() : 9999.0F;
+  const image::ScalarVolume volume{
+      {.size = {3, 2, 2}}, {nan, inf, -inf, 1e30F, -3024.0F, 3071.0F, -1024.0F, 0, 0, nan, 0, 0}};
+  ASSERT_TRUE(write_volume(folder / GetParam(), volume));
+  const auto found = read_volume(folder / GetParam());
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->ct.values, (std::vector<std::int16_t>{-1024, 3071, -1024, 3071, -1024, 3071,
+                                                         -1024, 0, 0, -1024, 0, 0}));
+  ASSERT_EQ(found->warnings.size(), keeps_nan ? 2U : 1U);
+  EXPECT_EQ(found->warnings[0].substr(0, 14), keeps_nan ? "4 of 12 voxels" : "6 of 12 voxels");
+  if (keeps_nan) {
+    EXPECT_EQ(found->warnings[1].substr(0, 14), "2 of 12 voxels");
+  }
+}
+
+TEST_P(EveryFormat, RefusesAnUnwritableFolderAndLeavesNothing) {
+  const auto lost = write_volume(std::filesystem::path("/nonexistent") / GetParam(), sample_scan());
+  EXPECT_EQ(lost.error().code, ErrorCode::kFileUnwritable);
+}
+
+/// While it lives, files cannot grow beyond 100 bytes, as on a full disk.
+class FullDisk {
+ public:
+  FullDisk() : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit full{100, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+TEST_P(EveryFormat, AFullDiskIsAnErrorAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const auto scan = sample_scan();
+  const auto lost = [&] {
+    const FullDisk full;
+    return write_volume(folder / GetParam(), scan);
+  }();
+  ASSERT_FALSE(lost);
+  EXPECT_EQ(lost.error().code, ErrorCode::kFileUnwritable);
+  test::expect_one_sentence(lost.error().message);
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
+TEST(VolumeFiles, WarnsOfValuesThatCanHardlyBeHounsfieldUnits) {
+  const TemporaryFolder folder;
+  auto ct = sample_scan();
+  for (auto& value : ct.values) value = static_cast<std::int16_t>(value + 1024);
+  ASSERT_TRUE(write_volume(folder / "a.nrrd", ct));
+  const auto found = read_volume(folder / "a.nrrd");
+  ASSERT_EQ(found->warnings.size(), 1U);
+  EXPECT_NE(found->warnings[0].find("may not be in HU"), std::string::npos);
+}
+
+// The files below are written byte by byte, after the formats' own definitions, so that a mistake
+// common to ITK's readers and writers would show. Voxel (0, 0, 0) is the brightest.
+const std::vector<std::int16_t> kEightVoxels{1000, 1, 2, 3, 4, 5, 6, -1000};
+
+/// Where the brightest voxel of a 2 x 2 x 2 volume lies.
+Vec3 brightest_L(const image::CtVolume& ct) {
+  for (Index n = 0; n < 8; ++n)
+    if (ct.values[std::size_t(n)] == 1000)
+      return ct.grid.point_L(Vec3(double(n & 1), double((n >> 1) & 1), double(n >> 2)));
+  return Vec3::Constant(std::nan(""));
+}
+
+std::string nrrd(const std::string& fields) {
+  return "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n" +
+         fields + "\n\n" + raw_bytes(kEightVoxels);
+}
+
+TEST(Laterality, NrrdInLpsRasAndLas) {
+  const TemporaryFolder folder;
+  const std::string axes = "\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)";
+  const auto read = [&](const std::string& space) {
+    write_bytes(folder / "a.nrrd", nrrd("space: " + space + axes));
+    const auto found = read_volume(folder / "a.nrrd");
+    EXPECT_TRUE(found) << found.error().message;
+    EXPECT_EQ(found->ct.grid.spacing_mm, Vec3(2, 3, 4));
+    EXPECT_GT(found->ct.grid.direction.determinant(), 0.0);
+    return found->ct;
+  };
+  EXPECT_EQ(brightest_L(read("left-posterior-superior")), Vec3(10, 20, 30));
+  EXPECT_EQ(brightest_L(read("right-anterior-superior")), Vec3(-10, -20, 30));
+  EXPECT_EQ(brightest_L(read("RAS")), Vec3(-10, -20, 30));
+}
+
+TEST(Laterality, NrrdSpacesThatItkMirrorsAreRefused) {
+  const TemporaryFolder folder;
+  for (const char* const space :
+       {"left-anterior-superior", "LAS", "scanner-xyz", "3D-left-handed"}) {
+    write_bytes(folder / "a.nrrd",
+                nrrd(std::string("space: ") + space +
+                     "\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)"));
+    const auto refused = read_volume(folder / "a.nrrd");
+    ASSERT_FALSE(refused) << space;
+    EXPECT_EQ(refused.error().code, ErrorCode::kFileUnsupported);
+  }
+}
+
+/// A NIfTI-1 file with an sform, in RAS, as its definition lays it out.
+std::string nifti(std::int16_t sform_code, const std::array<float, 12>& sform,
+                  std::int16_t dimensions = 3) {
+  std::string bytes(352, '\0');
+  const auto put = [&](std::size_t at, auto value) {
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+  };
+  put(0, std::int32_t{348});
+  put(40, dimensions);
+  for (std::size_t d = 0; d < 7; ++d)
+    put(42 + 2 * d, std::int16_t{d < 3 ? std::int16_t{2} : std::int16_t{1}});
+  put(70, std::int16_t{4});   // signed short
+  put(72, std::int16_t{16});  // bits
+  for (std::size_t d = 0; d < 4; ++d) put(76 + 4 * d, 1.0F + static_cast<float>(d));
+  put(80, 2.0F), put(84, 3.0F), put(88, 4.0F);
+  put(108, 352.0F);          // where the voxels begin
+  put(123, std::int8_t{2});  // mm
+  put(254, sform_code);
+  for (std::size_t n = 0; n < 12; ++n) put(280 + 4 * n, sform[n]);
+  std::memcpy(bytes.data() + 344, "n+1", 4);
+  return bytes + raw_bytes(kEightVoxels);
+}
+
+TEST(Laterality, NiftiIsTurnedFromRas) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.nii", nifti(1, {2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30}));
+  const auto found = read_volume(folder / "a.nii");
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(brightest_L(found->ct), Vec3(-10, -20, 30));
+  EXPECT_EQ(found->ct.grid.direction.col(0), Vec3(-1, 0, 0));
+}
+
+TEST(Laterality, NiftiWithLeftHandedAxesIsMadeRightHandedInPlace) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.nii", nifti(1, {-2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30}));
+  const auto found = read_volume(folder / "a.nii");
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(brightest_L(found->ct), Vec3(-10, -20, 30));
+  EXPECT_NEAR(found->ct.grid.direction.determinant(), 1.0, 1e-6);
+}
+
+TEST(Laterality, MetaImageIsInLps) {
+  const TemporaryFolder folder;
+  const auto header = [](const std::string& matrix) {
+    return "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+           "CompressedData = False\nTransformMatrix = " +
+           matrix +
+           "\nOffset = 10 20 30\n"
+           "ElementSpacing = 2 3 4\nDimSize = 2 2 2\nElementType = MET_SHORT\n"
+           "ElementDataFile = LOCAL\n" +
+           raw_bytes(kEightVoxels);
+  };
+  write_bytes(folder / "a.mha", header("1 0 0 0 1 0 0 0 1"));
+  const auto upright = read_volume(folder / "a.mha");
+  ASSERT_TRUE(upright) << upright.error().message;
+  EXPECT_EQ(brightest_L(upright->ct), Vec3(10, 20, 30));
+  write_bytes(folder / "a.mha", header("0 1 0 1 0 0 0 0 1"));  // Rows run to posterior: mirrored.
+  const auto mirrored = read_volume(folder / "a.mha");
+  ASSERT_TRUE(mirrored) << mirrored.error().message;
+  EXPECT_EQ(brightest_L(mirrored->ct), Vec3(10, 20, 30));
+  EXPECT_NEAR(mirrored->ct.grid.direction.determinant(), 1.0, 1e-12);
+}
+
+TEST(Laterality, FilesThatLeaveItOpenAreRefused) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.nrrd", nrrd("spacings: 2 3 4"));
+  EXPECT_EQ(read_volume(folder / "a.nrrd").error().code, ErrorCode::kFileUnsupported);
+  write_bytes(folder / "a.nii", nifti(0, {}));
+  const auto nowhere = read_volume(folder / "a.nii");
+  ASSERT_FALSE(nowhere);
+  EXPECT_EQ(nowhere.error().code, ErrorCode::kFileUnsupported);
+  EXPECT_NE(nowhere.error().message.find("left"), std::string::npos);
+}
+
+TEST(VolumeFiles, RefusesTwoAndFourDimensionsAndVectors) {
+  const TemporaryFolder folder;
+  const auto complaint = [&](const char* name, const std::string& bytes) {
+    write_bytes(folder / name, bytes);
+    const auto result = read_volume(folder / name);
+    if (result) return std::string("read");
+    EXPECT_EQ(result.error().code, ErrorCode::kFileUnsupported) << result.error().message;
+    test::expect_one_sentence(result.error().message);
+    return result.error().message;
+  };
+  const std::string head = "NRRD0004\ntype: short\nendian: little\nencoding: raw\n";
+  const std::string voxels(64, '\1');
+  EXPECT_NE(
+      complaint("flat.nrrd", head + "dimension: 2\nsizes: 4 8\n\n" + voxels).find("2 dimensions"),
+      std::string::npos);
+  EXPECT_NE(complaint("film.nrrd", head + "dimension: 4\nsizes: 2 2 2 4\n\n" + voxels)
+                .find("4 dimensions"),
+            std::string::npos);
+  EXPECT_NE(complaint("vectors.nrrd",
+                      head +
+                          "dimension: 4\nsizes: 4 2 2 2\nkinds: vector domain domain domain\n"
+                          "space: left-posterior-superior\n"
+                          "space directions: none (1,0,0) (0,1,0) (0,0,1)\n\n" +
+                          voxels)
+                .find("4 values"),
+            std::string::npos);
+}
+
+TEST(VolumeFiles, RefusesGridsThatCannotBe) {
+  const TemporaryFolder folder;
+  const std::string lps =
+      "space: left-posterior-superior\nspace origin: (0,0,0)\nspace directions: ";
+  for (const char* const axes :
+       {"(nan,0,0) (0,3,0) (0,0,4)", "(0,0,0) (0,3,0) (0,0,4)", "(1,0,0) (1,0,0) (0,0,4)",
+        "(1,0,0) (0.5,1,0) (0,0,4)", "(inf,0,0) (0,1,0) (0,0,1)"}) {
+    write_bytes(folder / "a.nrrd", nrrd(lps + axes));
+    const auto result = read_volume(folder / "a.nrrd");
+    ASSERT_FALSE(result) << axes;
+    EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt) << axes;
+    test::expect_one_sentence(result.error().message);
+  }
+}
+
+TEST(VolumeFiles, AHugePromiseIsRefusedWithoutAllocating) {
+  const TemporaryFolder folder;
+  for (const char* const sizes : {"1200 1200 1200", "2000000 2000000 2000000",
+                                  "4294967296 4294967296 4294967296", "-1 2 2", "0 2 2"}) {
+    write_bytes(folder / "a.nrrd",
+                std::string("NRRD0004\ntype: short\ndimension: 3\nsizes: ") + sizes +
+                    "\nendian: little\nencoding: raw\nspace: left-posterior-superior\n"
+                    "space directions: (1,0,0) (0,1,0) (0,0,1)\n\nxxxx");
+    const auto result = read_volume(folder / "a.nrrd");
+    ASSERT_FALSE(result) << sizes;
+    EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt) << result.error().message;
+  }
+}
+
+TEST(VolumeFiles, ReadsAHeaderWithDetachedVoxels) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.nhdr",
+              "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n"
+              "space: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n"
+              "space origin: (10,20,30)\ndata file: a.raw\n");
+  write_bytes(folder / "a.raw", raw_bytes(kEightVoxels));
+  const auto found = read_volume(folder / "a.nhdr");
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->ct.values, kEightVoxels);
+  std::filesystem::remove(folder / "a.raw");
+  EXPECT_EQ(read_volume(folder / "a.nhdr").error().code, ErrorCode::kFileCorrupt);
+}
+
+TEST(VolumeFiles, RefusesOtherEndingsAndMissingFiles) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(write_volume(folder / "a.png", sample_scan()).error().code,
+            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(write_volume(folder / "a.nhdr", sample_scan()).error().code,
+            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(folder.entry_count(), 0);
+  EXPECT_EQ(read_volume(folder / "a.nrrd").error().code, ErrorCode::kFileNotFound);
+  EXPECT_EQ(read_volume(folder / "a.png").error().code, ErrorCode::kFileUnsupported);
+  EXPECT_TRUE(is_volume_file("A.NII.GZ"));
+  EXPECT_FALSE(is_volume_file("a.gz"));
+}
+
+TEST(VolumeFiles, RefusesToWriteAGridThatCannotBe) {
+  const TemporaryFolder folder;
+  auto ct = sample_scan();
+  ct.grid.direction.col(0) *= -1.0;
+  EXPECT_EQ(write_volume(folder / "a.nrrd", ct).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
+}  // namespace
+}  // namespace lefort::io

@@ -1,0 +1,206 @@
+#include <lefort/io/vtu.h>
+#include <lefort/io/write_atomically.h>
+
+#include <gtest/gtest.h>
+#include <vtkCell.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLDataParser.h>
+#include <vtkXMLUnstructuredGridReader.h>
+
+#include <limits>
+
+#include "support/temporary_folder.h"
+
+namespace lefort::io {
+namespace {
+
+using mesh::ElementBlock;
+using mesh::ElementShape;
+using mesh::VolumeMesh;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// An element of each shape over arbitrary nodes: the writer does not look at their places.
+VolumeMesh every_shape() {
+  VolumeMesh mesh;
+  for (int n = 0; n < 20; ++n) mesh.nodes_L.emplace_back(0.1 * n, -1.0 / (n + 1.0), 1e-7 * n * n);
+  std::int32_t region = 3;
+  for (const ElementShape shape :
+       {ElementShape::kTet4, ElementShape::kPyramid5, ElementShape::kWedge6, ElementShape::kHex8,
+        ElementShape::kTet10, ElementShape::kWedge15, ElementShape::kHex20}) {
+    ElementBlock block{shape, {}, {region, -region}};
+    for (std::int32_t n = 0; n < 2 * mesh::node_count(shape); ++n)
+      block.nodes.push_back((7 * n + region) % 20);
+    mesh.blocks.push_back(block);
+    ++region;
+  }
+  mesh.node_sets["fixed & \"posterior\""] = {0, 5, 19};
+  return mesh;
+}
+
+VtuFields some_fields(const VolumeMesh& mesh) {
+  std::vector<Vec3> displacement;
+  for (const Vec3& p_L : mesh.nodes_L) displacement.emplace_back(p_L.y(), kNan, -p_L.x());
+  std::vector<Mat3> stress(std::size_t(mesh.element_count()));
+  std::vector<double> pressure(stress.size());
+  for (std::size_t e = 0; e < stress.size(); ++e) {
+    stress[e] << 1, 2, 3, 4, 5, 6, 7, 8, double(e);
+    pressure[e] = 0.1 * double(e);
+  }
+  return {{vtu_array("displacement_mm", displacement)},
+          {vtu_array("stress_mpa", stress), vtu_array("pressure_mpa", pressure)}};
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> read_back(const std::filesystem::path& path) {
+  const vtkNew<vtkXMLUnstructuredGridReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  return reader->GetOutput();
+}
+
+TEST(Vtu, VtkReadsBackEveryShapeAndItsNodes) {
+  const test::TemporaryFolder folder;
+  const VolumeMesh mesh = every_shape();
+  ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh));
+  const auto grid = read_back(folder / "m.vtu");
+  ASSERT_EQ(grid->GetNumberOfPoints(), mesh.node_count());
+  for (Index n = 0; n < mesh.node_count(); ++n)
+    EXPECT_EQ(Vec3(grid->GetPoint(n)), mesh.nodes_L[std::size_t(n)]);
+  ASSERT_EQ(grid->GetNumberOfCells(), mesh.element_count());
+  vtkDataArray* const regions = grid->GetCellData()->GetArray("region");
+  ASSERT_NE(regions, nullptr);
+  vtkIdType c = 0;
+  for (const ElementBlock& block : mesh.blocks) {
+    for (Index e = 0; e < block.element_count(); ++e, ++c) {
+      vtkCell* const cell = grid->GetCell(c);
+      ASSERT_EQ(cell->GetNumberOfPoints(), mesh::node_count(block.shape));
+      for (int n = 0; n < mesh::node_count(block.shape); ++n)
+        EXPECT_EQ(cell->GetPointId(n), block.element(e)[n]);
+      EXPECT_EQ(regions->GetTuple1(c), block.region[std::size_t(e)]);
+    }
+  }
+  const char* const names[] = {"vtkTetra",
+                               "vtkPyramid",
+                               "vtkWedge",
+                               "vtkHexahedron",
+                               "vtkQuadraticTetra",
+                               "vtkQuadraticWedge",
+                               "vtkQuadraticHexahedron"};
+  for (int b = 0; b < 7; ++b) EXPECT_STREQ(grid->GetCell(2 * b)->GetClassName(), names[b]);
+}
+
+TEST(Vtu, VtkReadsBackScalarsVectorsTensorsAndSets) {
+  const test::TemporaryFolder folder;
+  const VolumeMesh mesh = every_shape();
+  ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh, some_fields(mesh)));
+  const auto grid = read_back(folder / "m.vtu");
+  vtkDataArray* const displacement = grid->GetPointData()->GetArray("displacement_mm");
+  ASSERT_NE(displacement, nullptr);
+  ASSERT_EQ(displacement->GetNumberOfComponents(), 3);
+  EXPECT_EQ(displacement->GetComponent(4, 2), -mesh.nodes_L[4].x());
+  EXPECT_TRUE(std::isnan(displacement->GetComponent(4, 1)));
+  vtkDataArray* const stress = grid->GetCellData()->GetArray("stress_mpa");
+  ASSERT_EQ(stress->GetNumberOfComponents(), 9);
+  for (int k = 0; k < 8; ++k) EXPECT_EQ(stress->GetComponent(6, k), k + 1);  // Row by row.
+  EXPECT_EQ(stress->GetComponent(6, 8), 6.0);
+  EXPECT_EQ(grid->GetCellData()->GetArray("pressure_mpa")->GetTuple1(13), 0.1 * 13.0);
+  vtkDataArray* const fixed = grid->GetPointData()->GetArray("set:fixed & \"posterior\"");
+  ASSERT_NE(fixed, nullptr);
+  for (int n = 0; n < 20; ++n)
+    EXPECT_EQ(fixed->GetTuple1(n), n == 0 || n == 5 || n == 19 ? 1.0 : 0.0);
+}
+
+TEST(Vtu, TheSameMeshGivesTheSameBytes) {
+  const test::TemporaryFolder folder;
+  const VolumeMesh mesh = every_shape();
+  ASSERT_TRUE(write_vtu(folder / "a.vtu", mesh, some_fields(mesh)));
+  ASSERT_TRUE(write_vtu(folder / "b.vtu", mesh, some_fields(mesh)));
+  EXPECT_EQ(read_text(folder / "a.vtu", 1'000'000).value(),
+            read_text(folder / "b.vtu", 1'000'000).value());
+}
+
+TEST(Vtu, AnEmptyMeshIsAFileWithoutPoints) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(write_vtu(folder / "empty.vtu", {}));
+  const auto grid = read_back(folder / "empty.vtu");
+  EXPECT_EQ(grid->GetNumberOfPoints(), 0);
+  EXPECT_EQ(grid->GetNumberOfCells(), 0);
+}
+
+TEST(Vtu, RefusesMeshesThatContradictThemselvesAndLeavesNothing) {
+  const test::TemporaryFolder folder;
+  const auto refusal = [&](const VolumeMesh& mesh) {
+    return write_vtu(folder / "m.vtu", mesh).error().code;
+  };
+  for (const std::int32_t node : {20, -1}) {
+    VolumeMesh mesh = every_shape();
+    mesh.blocks[2].nodes[3] = node;
+    EXPECT_EQ(refusal(mesh), ErrorCode::kMeshInvalid);
+    mesh = every_shape();
+    mesh.node_sets["moved"] = {node};
+    EXPECT_EQ(refusal(mesh), ErrorCode::kMeshInvalid);
+  }
+  VolumeMesh mesh = every_shape();
+  mesh.blocks[0].nodes.pop_back();
+  EXPECT_EQ(refusal(mesh), ErrorCode::kMeshInvalid);
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
+TEST(Vtu, RefusesFieldsThatDoNotFit) {
+  const test::TemporaryFolder folder;
+  const VolumeMesh mesh = every_shape();
+  const std::vector<double> per_node(20, 1.0);
+  const std::vector<double> one{1.0};
+  const auto refusal = [&](const VtuFields& fields) {
+    const auto written = write_vtu(folder / "m.vtu", mesh, fields);
+    return written ? std::string("written") : written.error().message;
+  };
+  EXPECT_EQ(refusal({{vtu_array("a", one)}, {}}), "field a has 1 values, must have 20");
+  EXPECT_EQ(refusal({{}, {vtu_array("a", per_node)}}), "field a has 20 values, must have 14");
+  EXPECT_EQ(refusal({{{"a", 2, std::vector<double>(40)}}, {}}),
+            "field a has 2 components, must have 1, 3 or 9");
+  EXPECT_EQ(refusal({{vtu_array("a", per_node), vtu_array("a", per_node)}, {}}),
+            "two fields are named a, names must differ");
+  EXPECT_EQ(refusal({{}, {vtu_array("region", std::vector<double>(14))}}),
+            "two fields are named region, names must differ");
+  EXPECT_NE(refusal({{vtu_array("", per_node)}, {}}), "written");
+  EXPECT_NE(refusal({{vtu_array("a\nb", per_node)}, {}}), "written");
+}
+
+TEST(Vtu, NamesAFolderThatIsNotThere) {
+  EXPECT_EQ(write_vtu("/nonexistent/m.vtu", {}).error().code, ErrorCode::kFileUnwritable);
+  EXPECT_EQ(write_pvd("/nonexistent/m.pvd", {}).error().code, ErrorCode::kFileUnwritable);
+}
+
+TEST(Pvd, ListsTheFilesOfASeriesWithTheirTimes) {
+  const test::TemporaryFolder folder;
+  const std::vector<PvdEntry> entries{{0.0, "step_00.vtu"}, {1.0 / 3.0, "a & <b>.vtu"}};
+  ASSERT_TRUE(write_pvd(folder / "series.pvd", entries));
+  const vtkNew<vtkXMLDataParser> parser;
+  parser->SetFileName((folder / "series.pvd").c_str());
+  ASSERT_EQ(parser->Parse(), 1);
+  vtkXMLDataElement* const root = parser->GetRootElement();
+  EXPECT_STREQ(root->GetAttribute("type"), "Collection");
+  vtkXMLDataElement* const collection = root->FindNestedElementWithName("Collection");
+  ASSERT_EQ(collection->GetNumberOfNestedElements(), 2);
+  for (int n = 0; n < 2; ++n) {
+    vtkXMLDataElement* const data_set = collection->GetNestedElement(n);
+    EXPECT_EQ(data_set->GetAttribute("file"), entries[std::size_t(n)].file);
+    EXPECT_EQ(std::stod(data_set->GetAttribute("timestep")), entries[std::size_t(n)].time);
+  }
+}
+
+TEST(Pvd, RefusesEntriesWithoutTimeOrName) {
+  const test::TemporaryFolder folder;
+  for (const PvdEntry& entry : {PvdEntry{kNan, "a.vtu"}, PvdEntry{0.0, ""}})
+    EXPECT_EQ(write_pvd(folder / "s.pvd", {&entry, 1}).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
+}  // namespace
+}  // namespace lefort::io
