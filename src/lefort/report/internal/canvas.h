@@ -1,0 +1,64 @@
+/// \file
+/// Drawing on a picture: the only place, with picture.cpp, that knows cairo.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/report/colour_map.h>
+#include <lefort/report/picture.h>
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace lefort::report {
+
+enum class Align { kLeft, kCentre, kRight };
+
+struct TextStyle {
+  double size_px = 16.0;
+  Rgb colour{0.13, 0.15, 0.18};
+  double opacity = 1.0;
+  Align align = Align::kLeft;
+  bool bold = false;
+  double angle_rad = 0.0;  ///< Counter-clockwise about the given point.
+};
+
+struct Rectangle {
+  double left;
+  double top;
+  double width;
+  double height;
+};
+
+/// Pixels with the origin at the top left; drawing beyond the edge is cut off.
+class Canvas {
+ public:
+  /// \pre both sides in [1, kMaxPictureSide]
+  Canvas(int width, int height, const Rgb& paper);
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
+
+  /// \pre check_picture(picture)
+  void place(const Picture& picture, int left, int top);
+  void fill(const Rectangle& area, const Rgb& colour);
+  void outline(const Rectangle& area, const Rgb& colour, double line_px);
+
+  /// One line of text on the baseline `y`, from, around or up to `x`; made smaller when it is wider
+  /// than `max_width_px`.
+  void write(double x, double y, std::string_view text, const TextStyle& style,
+             double max_width_px);
+
+  /// What was drawn so far.
+  [[nodiscard]] Result<Picture> picture() const;
+
+ private:
+  struct Context;
+  std::vector<std::uint32_t> pixels_;
+  int width_;
+  int height_;
+  std::unique_ptr<Context> context_;
+};
+
+}  // namespace lefort::report
