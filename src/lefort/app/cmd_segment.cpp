@@ -1,0 +1,31 @@
+#include <lefort/app/command.h>
+
+#include <memory>
+
+namespace lefort::app {
+
+void add_segment_command(CLI::App& cli, CommandContext& context) {
+  const auto job = std::make_shared<SegmentJob>();
+  CLI::App* const command =
+      cli.add_subcommand("segment", "Tell bone, soft tissue, brain, airway and sinuses apart");
+  command->add_option("ct", job->ct, "The scan: anything `lefort import` reads")->required();
+  command
+      ->add_option("-o,--output", job->output,
+                   "Folder for labels.seg.nrrd (3D Slicer), skull.vtp and skin.vtp")
+      ->required();
+  command->add_option("--bone-hu", job->options.bone_hu, "Bone is at least this dense [HU]")
+      ->check(CLI::Range(-200.0, 2000.0))
+      ->capture_default_str();
+  command->add_option("--skin-hu", job->options.skin_hu, "The patient is at least this dense [HU]")
+      ->check(CLI::Range(-900.0, 0.0))
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  lefort segment ct.nrrd -o anatomy/\n"
+      "  lefort segment ct.nrrd -o anatomy/ --bone-hu 300");
+  command->callback([job, &context] {
+    context.run("segment", [&](Progress& progress) { return segment_scan(*job, progress); });
+  });
+}
+
+}  // namespace lefort::app

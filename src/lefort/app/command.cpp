@@ -1,0 +1,30 @@
+#include <lefort/app/command.h>
+#include <lefort/app/terminal_progress.h>
+#include <lefort/core/parallel.h>
+
+#include <fmt/format.h>
+
+namespace lefort::app {
+
+void CommandContext::run(const std::string& command,
+                         const std::function<Result<Summary>(Progress&)>& work) {
+  const ThreadLimit limit(threads);
+  stop_on_interrupt();
+  Result<Summary> summary;
+  {
+    TerminalProgress progress(quiet);
+    summary = work(progress);
+  }
+  if (!summary) {
+    fmt::print(stderr, "lefort {}: {}\n", command, summary.error().message);
+    exit_code = kExitFailed;
+    return;
+  }
+  if (json) {
+    fmt::print("{}\n", summary->json.dump(2));
+  } else {
+    fmt::print("{}\n", summary->text);
+  }
+}
+
+}  // namespace lefort::app

@@ -1,0 +1,88 @@
+#include <lefort/app/pipeline.h>
+#include <lefort/geometry/mesh_measures.h>
+#include <lefort/io/field_file.h>
+#include <lefort/io/point_table.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/io/write_atomically.h>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <vector>
+
+namespace lefort::app {
+namespace {
+
+constexpr std::array<const char*, 4> kZoneNames{"band", "outside", "inside", "unknown"};
+
+std::string row(const Vec3& p, field::Zone zone, double distance_mm, const Vec3& gradient) {
+  return fmt::format("{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{},{}\n", p.x(),
+                     p.y(), p.z(), distance_mm, gradient.x(), gradient.y(), gradient.z(),
+                     zone == field::Zone::kBand ? 1 : 0, kZoneNames.at(std::size_t(zone)));
+}
+
+}  // namespace
+
+Result<Summary> build_field(const BuildFieldJob& job, Progress& progress) {
+  progress.begin_stage("read the surface");
+  LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(job.surface));
+  progress.begin_stage("build the distance field");
+  LEFORT_TRY(const field::DistanceField distance,
+             field::build_distance_field(surface, job.options, progress));
+  if (!distance.frame().closed)
+    progress.note("warning: the surface is open; beyond the band no point knows its side");
+  LEFORT_TRY_VOID(io::write_field(job.output, distance));
+
+  const field::FieldStatistics statistics = distance.statistics();
+  Summary summary;
+  summary.text = fmt::format(
+      "{}: {} triangles, cell {:.4f} mm, band {:.3f} mm, {} leaves, {} samples, {:.1f} MB",
+      job.output.string(), surface.triangle_count(), distance.cell_mm(), distance.band_mm(),
+      statistics.leaves, statistics.stored_samples, double(statistics.octree_bytes) * 1e-6);
+  summary.json = {{"output", job.output.string()},
+                  {"triangles", surface.triangle_count()},
+                  {"closed", distance.frame().closed},
+                  {"resolution", distance.frame().resolution},
+                  {"cell_mm", distance.cell_mm()},
+                  {"band_mm", distance.band_mm()},
+                  {"tolerance_mm", distance.frame().tolerance_mm},
+                  {"leaves", statistics.leaves},
+                  {"stored_samples", statistics.stored_samples},
+                  {"octree_bytes", statistics.octree_bytes},
+                  {"smooth_bytes", statistics.smooth_bytes}};
+  return summary;
+}
+
+Result<Summary> query_field(const QueryFieldJob& job, Progress& progress) {
+  progress.begin_stage("read");
+  LEFORT_TRY(const field::DistanceField distance, io::read_field(job.field));
+  LEFORT_TRY(const std::vector<Vec3> points, io::read_points(job.points));
+
+  progress.begin_stage("query");
+  std::string table =
+      "x_mm,y_mm,z_mm,distance_mm,gradient_x,gradient_y,gradient_z,inside_band,zone\n";
+  Index in_band = 0;
+  for (const Vec3& p : points) {
+    if (job.smooth) {
+      const field::SmoothSample sample = distance.sample_smooth(p);
+      table += row(p, sample.zone, sample.distance_mm, sample.gradient_B);
+      in_band += sample.zone == field::Zone::kBand ? 1 : 0;
+    } else {
+      const field::FieldSample sample = distance.sample(p);
+      table += row(p, sample.zone, sample.distance_mm, sample.gradient_B);
+      in_band += sample.zone == field::Zone::kBand ? 1 : 0;
+    }
+  }
+  LEFORT_TRY_VOID(io::write_text(job.output, table));
+
+  Summary summary;
+  summary.text = fmt::format("{}: {} points, {} inside the band of {:.3f} mm", job.output.string(),
+                             points.size(), in_band, distance.band_mm());
+  summary.json = {{"output", job.output.string()},
+                  {"points", points.size()},
+                  {"points_inside_band", in_band},
+                  {"band_mm", distance.band_mm()}};
+  return summary;
+}
+
+}  // namespace lefort::app

@@ -1,0 +1,39 @@
+#include <lefort/app/command.h>
+#include <lefort/core/version.h>
+
+#include <fmt/format.h>
+
+#include <exception>
+
+int main(int argc, char** argv) {
+  using namespace lefort::app;
+  CLI::App cli{fmt::format("lefort {}: from a head CT and a bone plan to the predicted face.\n{}",
+                           lefort::kVersion, lefort::kNotForClinicalUse),
+               "lefort"};
+  CommandContext context;
+  cli.set_version_flag("--version", lefort::kVersion);
+  cli.fallthrough();
+  cli.require_subcommand(1);
+  cli.add_option("--threads", context.threads, "Threads; 0 takes all the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  cli.add_flag("--json", context.json, "Print the summary as JSON");
+  cli.add_flag("--quiet", context.quiet, "Show no progress");
+  cli.failure_message([](const CLI::App* app, const CLI::Error& error) {
+    return fmt::format("{}: {} (see {} --help)\n", app->get_name(), error.what(), app->get_name());
+  });
+  add_import_command(cli, context);
+  add_segment_command(cli, context);
+  add_field_command(cli, context);
+  add_predict_command(cli, context);
+
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return cli.exit(error) == 0 ? kExitDone : kExitUsage;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lefort: {}\n", error.what());
+    return kExitFailed;
+  }
+  return context.exit_code;
+}

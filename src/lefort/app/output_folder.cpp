@@ -1,0 +1,27 @@
+#include <lefort/app/output_folder.h>
+#include <lefort/io/write_atomically.h>
+
+#include <fmt/format.h>
+
+#include <system_error>
+
+namespace lefort::app {
+namespace fs = std::filesystem;
+
+Result<void> make_output_folder(const fs::path& folder) {
+  std::error_code error;
+  const bool is_new = fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder))
+    return fail(ErrorCode::kFileUnwritable,
+                fmt::format("output folder {} cannot be created: {}", folder.string(),
+                            error ? error.message() : "a file of that name is in the way"));
+  const fs::path probe = folder / ".writable";
+  const Result<void> written = io::write_text(probe, "");
+  fs::remove(probe, error);
+  if (written) return {};
+  if (is_new) fs::remove(folder, error);
+  return fail(ErrorCode::kFileUnwritable, fmt::format("output folder {} cannot be written: {}",
+                                                      folder.string(), written.error().message));
+}
+
+}  // namespace lefort::app

@@ -1,0 +1,67 @@
+/// \file
+/// One function per stage, file to file. The command line calls nothing else; a server or a Python
+/// module would call the same.
+#pragma once
+
+#include <lefort/anatomy/segment_tissue.h>
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/field/build_distance_field.h>
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace lefort::app {
+
+/// What a stage says when it is done.
+struct Summary {
+  std::string text;     ///< For people: a few lines.
+  nlohmann::json json;  ///< For programs.
+};
+
+struct ImportJob {
+  std::filesystem::path source;
+  std::filesystem::path output;  ///< .nrrd, .nii.gz or .mha.
+  int series = 0;                ///< Of a DICOM folder; 0: the only CT there is.
+};
+/// Scan in any format -> volume in HU and L.
+[[nodiscard]] Result<Summary> import_scan(const ImportJob& job, Progress& progress);
+
+struct SegmentJob {
+  std::filesystem::path ct;
+  std::filesystem::path output;  ///< A folder; made if missing.
+  anatomy::SegmentationOptions options;
+};
+/// Scan -> labels.seg.nrrd, skull.vtp, skin.vtp.
+[[nodiscard]] Result<Summary> segment_scan(const SegmentJob& job, Progress& progress);
+
+struct BuildFieldJob {
+  std::filesystem::path surface;
+  std::filesystem::path output;
+  field::DistanceFieldOptions options;
+};
+/// Surface -> distance field.
+[[nodiscard]] Result<Summary> build_field(const BuildFieldJob& job, Progress& progress);
+
+struct QueryFieldJob {
+  std::filesystem::path field;
+  std::filesystem::path points;  ///< Text: x, y, z in mm a line, separated by commas or spaces.
+  std::filesystem::path output;  ///< CSV.
+  bool smooth = false;           ///< The twice differentiable reconstruction.
+};
+/// Field and points -> distance, gradient and zone of each point.
+[[nodiscard]] Result<Summary> query_field(const QueryFieldJob& job, Progress& progress);
+
+struct PredictJob {
+  std::filesystem::path plan;
+  std::optional<std::filesystem::path> ct;  ///< Instead of the plan's.
+  std::filesystem::path output;             ///< A folder; made if missing.
+  bool pictures = true;
+};
+/// Plan -> predicted face, with everything that documents it.
+[[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);
+
+}  // namespace lefort::app

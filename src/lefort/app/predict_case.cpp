@@ -1,0 +1,135 @@
+#include <lefort/app/output_folder.h>
+#include <lefort/app/pipeline.h>
+#include <lefort/app/prediction_json.h>
+#include <lefort/app/prediction_pictures.h>
+#include <lefort/app/prediction_report.h>
+#include <lefort/app/prepare_case.h>
+#include <lefort/app/timed_progress.h>
+#include <lefort/app/write_prediction.h>
+#include <lefort/io/plan_file.h>
+#include <lefort/io/sha256.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/predict/move_skin.h>
+#include <lefort/predict/predict_face.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace lefort::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+SkinShift measure_skin_shift(const std::vector<Vec3>& displacement_mm) {
+  constexpr double kMoved_mm = 0.5;
+  SkinShift shift;
+  Index moved = 0;
+  for (const Vec3& u : displacement_mm) {
+    const double length_mm = u.norm();
+    shift.largest_mm = std::max(shift.largest_mm, length_mm);
+    if (length_mm <= kMoved_mm) continue;
+    shift.mean_over_moved_mm += length_mm;
+    ++moved;
+  }
+  if (moved > 0) shift.mean_over_moved_mm /= double(moved);
+  return shift;
+}
+
+/// Tells each step and remembers how long it took.
+class StepClock {
+ public:
+  explicit StepClock(Progress& progress) : progress_(progress) {}
+
+  void operator()(const predict::PredictionStep& step) {
+    const auto now = std::chrono::steady_clock::now();
+    seconds_.push_back(std::chrono::duration<double>(now - last_).count());
+    last_ = now;
+    progress_.note(fmt::format(
+        "  {:5.1f} % of the path: {} Newton iterations in {} increments, relative residual {:.1e}, "
+        "{} nodes in contact, penetration up to {:.3f} mm, {:.1f} s",
+        100.0 * step.share, step.newton_iterations(), step.attempts.size(), step.relative_residual,
+        step.contact.nodes, step.contact.max_penetration_mm, seconds_.back()));
+  }
+  [[nodiscard]] const std::vector<double>& seconds() const { return seconds_; }
+
+ private:
+  Progress& progress_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::vector<double> seconds_;
+};
+
+Result<fs::path> scan_of(const PredictJob& job, const io::PlanFile& plan) {
+  if (job.ct) return *job.ct;
+  if (plan.ct) return *plan.ct;
+  return fail(ErrorCode::kPlanInvalid,
+              fmt::format("plan {} names no ct, and --ct was not given", job.plan.string()));
+}
+
+/// A path that could not be followed leaves its history, and no face.
+Result<Summary> give_up(const PredictJob& job, const PreparedCase& prepared,
+                        const predict::FacePrediction& prediction, const Timing& timing) {
+  const fs::path file = job.output / "failure.json";
+  LEFORT_TRY_VOID(
+      io::write_text(file, prediction_json(prepared, prediction, {}, timing).dump(1) + "\n"));
+  return fail(prediction.failure->code,
+              fmt::format("{} of {} steps converged, then {}; no face is written, the solver's "
+                          "history is in {}",
+                          prediction.steps.size(), prepared.plan.path.steps,
+                          prediction.failure->message, file.string()));
+}
+
+}  // namespace
+
+Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
+  TimedProgress progress(shown);
+  LEFORT_TRY(io::PlanFile plan, io::read_plan(job.plan));
+  LEFORT_TRY(const std::string plan_text, io::read_text(job.plan, 1 << 26));
+  LEFORT_TRY(const fs::path ct, scan_of(job, plan));
+  if (!fs::exists(ct))
+    return fail(ErrorCode::kFileNotFound, fmt::format("there is no scan at {}", ct.string()));
+  LEFORT_TRY_VOID(make_output_folder(job.output));
+
+  const StageCache cache(job.output / "cache");
+  LEFORT_TRY(const PreparedCase prepared,
+             prepare_case(std::move(plan), io::Sha256().add(plan_text).hex(), ct, cache, progress));
+
+  progress.begin_stage("solve");
+  StepClock clock(progress);
+  LEFORT_TRY(const predict::FacePrediction prediction,
+             predict::predict_face(prepared.model, prepared.plan.path,
+                                   {prepared.plan.tissue, prepared.plan.boundary,
+                                    prepared.plan.contact, prepared.plan.solver},
+                                   std::ref(clock), progress));
+  if (!prediction.converged())
+    return give_up(job, prepared, prediction, {progress.stages(), clock.seconds()});
+
+  const predict::PredictionStep& last = prediction.steps.back();
+  const std::vector<Vec3> skin_mm = predict::skin_displacement(
+      predict::bind_skin(prepared.skin_L, prepared.model.tissue), last.displacement_mm);
+  const SkinShift skin = measure_skin_shift(skin_mm);
+  std::vector<PredictionPicture> pictures;
+  if (job.pictures) {
+    progress.begin_stage("draw");
+    LEFORT_TRY(pictures, draw_prediction(prepared, skin_mm, last.X_LB, progress));
+  }
+  progress.begin_stage("write");
+  LEFORT_TRY_VOID(write_surfaces_and_fields(job.output, prepared, prediction, skin_mm));
+  const Timing timing{progress.stages(), clock.seconds()};
+  const auto json = prediction_json(prepared, prediction, skin, timing);
+  LEFORT_TRY_VOID(write_documents(
+      job.output, prediction_report(prepared, prediction, pictures, skin, timing), pictures, json));
+  LEFORT_TRY_VOID(io::write_text(job.output / "plan.json", plan_text));
+
+  Summary summary;
+  summary.text = fmt::format(
+      "{}: skin moved up to {:.2f} mm, {} steps converged, {} elements, {:.0f} MB at most",
+      job.output.string(), skin.largest_mm, prediction.steps.size(),
+      prepared.model.tissue.element_count(), peak_memory_mb());
+  summary.json = json;
+  return summary;
+}
+
+}  // namespace lefort::app

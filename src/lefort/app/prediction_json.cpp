@@ -1,0 +1,172 @@
+#include <lefort/app/prediction_json.h>
+#include <lefort/core/units.h>
+#include <lefort/core/version.h>
+#include <lefort/fem/load_steps.h>
+
+#include <sys/resource.h>
+
+#include <algorithm>
+
+namespace lefort::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json as_json(const Vec3& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+Json as_json(const RigidTransform& pose) {
+  Json rows = Json::array();
+  const Eigen::Matrix4d matrix = pose.matrix();
+  for (int i = 0; i < 4; ++i)
+    rows.push_back({matrix(i, 0), matrix(i, 1), matrix(i, 2), matrix(i, 3)});
+  return rows;
+}
+
+Json as_json(const fem::LoadAttempt& attempt) {
+  Json iterations = Json::array();
+  for (const fem::NewtonIterate& iterate : attempt.history)
+    iterations.push_back({{"residual_n", iterate.residual_n},
+                          {"force_scale_n", iterate.force_scale_n},
+                          {"energy_mj", iterate.energy_mj},
+                          {"step_length", iterate.step_length},
+                          {"shift", iterate.shift}});
+  return {{"from_share", attempt.t_from},
+          {"to_share", attempt.t_to},
+          {"converged", attempt.stop == fem::NewtonStop::kConverged},
+          {"reason", attempt.reason},
+          {"newton", iterations}};
+}
+
+Json as_json(const std::vector<fem::LoadAttempt>& attempts) {
+  Json list = Json::array();
+  for (const fem::LoadAttempt& attempt : attempts) list.push_back(as_json(attempt));
+  return list;
+}
+
+Json as_json(const predict::PredictionStep& step) {
+  double largest_mm = 0.0;
+  for (const Vec3& u : step.displacement_mm) largest_mm = std::max(largest_mm, u.norm());
+  return {{"share", step.share},
+          {"pose_4x4_row_major_mm_lps", as_json(step.X_LB)},
+          {"contact_points", step.contact.points},
+          {"contact_nodes", step.contact.nodes},
+          {"contact_area_mm2", step.contact.area_mm2},
+          {"max_penetration_mm", step.contact.max_penetration_mm},
+          {"mean_penetration_mm", step.contact.mean_penetration_mm},
+          {"contact_force_n", as_json(step.contact.force_L_n)},
+          {"contact_normal_force_n", step.contact.normal_force_n},
+          {"largest_displacement_mm", largest_mm},
+          {"smallest_volume_ratio", step.smallest_J},
+          {"residual_n", step.residual_n},
+          {"relative_residual", step.relative_residual},
+          {"attempts", as_json(step.attempts)}};
+}
+
+Json parameters(const io::PlanFile& plan, const predict::FacePrediction& prediction) {
+  const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
+  return {{"title", plan.title},
+          {"segment", plan.osteotomy.segment},
+          {"steps", plan.path.steps},
+          {"bone_hu", plan.segmentation.bone_hu},
+          {"skin_hu", plan.segmentation.skin_hu},
+          {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
+          {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
+          {"poisson", plan.tissue.poisson},
+          {"element_size_mm", plan.tissue.element_size_mm},
+          {"far_element_size_mm", plan.tissue.far_element_size_mm},
+          {"margin_mm", plan.tissue.margin_mm},
+          {"moved_bone", is_contact ? "contact" : "attached"},
+          {"scan_edge", plan.boundary.scan_edge == predict::ScanEdge::kFree ? "free" : "fixed"},
+          {"release_mm", plan.boundary.release_mm},
+          {"capture_mm", plan.boundary.capture_mm},
+          {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
+          {"relative_tolerance", plan.solver.relative_tolerance}};
+}
+
+Json volumes(const PreparedCase& prepared) {
+  Json json = Json::object();
+  for (const auto& [name, ml] : prepared.tissue_volumes_ml) json[name] = ml;
+  return json;
+}
+
+Json mesh_summary(const PreparedCase& prepared) {
+  const mesh::VolumeMesh& tissue = prepared.model.tissue;
+  Json sets = Json::object();
+  for (const auto& [name, nodes] : tissue.node_sets) sets[name] = nodes.size();
+  return {{"nodes", tissue.node_count()},
+          {"elements", tissue.element_count()},
+          {"volume_ml", prepared.quality.volume_mm3 * 1e-3},
+          {"min_dihedral_deg", prepared.quality.min_dihedral_deg},
+          {"min_scaled_jacobian", prepared.quality.min_scaled_jacobian},
+          {"inverted_elements", prepared.quality.inverted.size()},
+          {"contact_faces", tissue.face_sets.at("contact").size()},
+          {"node_sets", sets}};
+}
+
+Json field_summary(const field::DistanceField& field) {
+  const field::FieldStatistics statistics = field.statistics();
+  return {{"resolution", field.frame().resolution},
+          {"cell_mm", field.cell_mm()},
+          {"band_mm", field.band_mm()},
+          {"tolerance_mm", field.frame().tolerance_mm},
+          {"leaves", statistics.leaves},
+          {"stored_samples", statistics.stored_samples}};
+}
+
+Json timing_json(const Timing& timing) {
+  Json stages = Json::object();
+  double total = 0.0;
+  for (const auto& [name, seconds] : timing.stage_seconds) {
+    stages[name] = seconds;
+    total += seconds;
+  }
+  return {{"total_seconds", total},
+          {"stage_seconds", stages},
+          {"step_seconds", timing.step_seconds},
+          {"peak_memory_mb", peak_memory_mb()}};
+}
+
+}  // namespace
+
+double peak_memory_mb() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return double(usage.ru_maxrss) / 1024.0;  // Linux counts kilobytes.
+}
+
+Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction& prediction,
+                     const SkinShift& skin, const Timing& timing) {
+  Json steps = Json::array();
+  for (const predict::PredictionStep& step : prediction.steps) steps.push_back(as_json(step));
+  Json json{{"lefort_prediction", 1},
+            {"notice", kNotForClinicalUse},
+            {"version", kVersion},
+            {"converged", prediction.converged()},
+            {"inputs",
+             {{"plan_sha256", prepared.provenance.plan_sha256},
+              {"ct_sha256", prepared.provenance.ct_sha256},
+              {"ct_kind", prepared.provenance.ct_kind},
+              {"warnings", prepared.provenance.warnings}}},
+            {"parameters", parameters(prepared.plan, prediction)},
+            {"tissue_volumes_ml", volumes(prepared)},
+            {"bones",
+             {{"skull_volume_ml", prepared.bones.skull_volume_mm3 * 1e-3},
+              {"segment_volume_ml", prepared.bones.segment_volume_mm3 * 1e-3},
+              {"remainder_volume_ml", prepared.bones.remainder_volume_mm3 * 1e-3},
+              {"segment_pieces", prepared.bones.segment_pieces},
+              {"segment_triangles", prepared.bones.segment_L.triangle_count()}}},
+            {"field", field_summary(*prepared.model.segment_field_B)},
+            {"mesh", mesh_summary(prepared)},
+            {"skin",
+             {{"largest_shift_mm", skin.largest_mm},
+              {"mean_shift_where_moved_mm", skin.mean_over_moved_mm}}},
+            {"steps", steps}};
+  if (!prediction.converged()) {
+    json["failure"] = prediction.failure->message;
+    json["failed_attempts"] = as_json(prediction.failed_attempts);
+  }
+  json["timing"] = timing_json(timing);
+  return json;
+}
+
+}  // namespace lefort::app

@@ -1,0 +1,177 @@
+#include <lefort/app/prediction_report.h>
+#include <lefort/core/units.h>
+#include <lefort/core/version.h>
+#include <lefort/plan/bone_path.h>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace lefort::app {
+namespace {
+
+/// "6.0 mm forward, 5.0 mm down" from a translation in L.
+std::string in_words(const Vec3& translation_mm) {
+  struct Direction {
+    Vec3 axis_L;
+    const char* positive;
+    const char* negative;
+  };
+  const std::array<Direction, 3> directions{{{-Vec3::UnitY(), "forward", "backward"},
+                                             {Vec3::UnitZ(), "up", "down"},
+                                             {Vec3::UnitX(), "to the left", "to the right"}}};
+  std::string words;
+  for (const Direction& direction : directions) {
+    const double mm = translation_mm.dot(direction.axis_L);
+    if (std::abs(mm) < 0.05) continue;
+    if (!words.empty()) words += ", ";
+    words += fmt::format("{:.1f} mm {}", std::abs(mm),
+                         mm > 0.0 ? direction.positive : direction.negative);
+  }
+  return words.empty() ? "no translation" : words;
+}
+
+std::string plan_sentence(const io::PlanFile& plan) {
+  const plan::Keyframe& end = plan.path.keyframes.back();
+  std::string sentence = fmt::format("Segment \u201c{}\u201d moves {}", plan.osteotomy.segment,
+                                     in_words(end.translation_mm));
+  const double angle_deg = degrees_from_radians(end.rotation_rad.norm());
+  if (angle_deg > 0.05) sentence += fmt::format(" and turns by {:.1f}\u00b0", angle_deg);
+  return sentence + fmt::format(", in {} steps.", plan.path.steps);
+}
+
+report::ReportTable step_table(const predict::FacePrediction& prediction) {
+  report::ReportTable table{"Steps along the path",
+                            {"path done [%]", "Newton iterations", "relative residual",
+                             "nodes in contact", "max penetration [mm]", "mean penetration [mm]",
+                             "contact force [N]", "smallest volume ratio"},
+                            {}};
+  for (const predict::PredictionStep& step : prediction.steps) {
+    table.rows.push_back(
+        {fmt::format("{:.1f}", 100.0 * step.share), fmt::format("{}", step.newton_iterations()),
+         fmt::format("{:.1e}", step.relative_residual), fmt::format("{}", step.contact.nodes),
+         fmt::format("{:.3f}", step.contact.max_penetration_mm),
+         fmt::format("{:.3f}", step.contact.mean_penetration_mm),
+         fmt::format("{:.3f}", step.contact.force_L_n.norm()),
+         fmt::format("{:.3f}", step.smallest_J)});
+  }
+  return table;
+}
+
+report::ReportTable parameter_table(const PreparedCase& prepared,
+                                    const predict::FacePrediction& prediction) {
+  const io::PlanFile& plan = prepared.plan;
+  const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
+  return {
+      "Model",
+      {"quantity", "value"},
+      {{"elements (linear tetrahedra)", fmt::format("{}", prepared.model.tissue.element_count())},
+       {"nodes", fmt::format("{}", prepared.model.tissue.node_count())},
+       {"smallest dihedral angle", fmt::format("{:.1f}\u00b0", prepared.quality.min_dihedral_deg)},
+       {"soft tissue law", "compressible neo-Hookean"},
+       {"Young\u2019s modulus", fmt::format("{:.1f} kPa", kpa_from_mpa(plan.tissue.young_mpa))},
+       {"Poisson\u2019s ratio", fmt::format("{:.3f}", plan.tissue.poisson)},
+       {"tissue on the moved bone",
+        is_contact ? "slides without friction (contact)" : "moves with the bone (attached)"},
+       {"contact stiffness k_c",
+        is_contact
+            ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / element size",
+                          prediction.contact_stiffness_mpa_per_mm, plan.contact.stiffness_factor)
+            : std::string("\u2013")},
+       {"tissue elevated from still bone",
+        fmt::format("within {:.1f} mm of the segment", plan.boundary.release_mm)},
+       {"distance field of the segment",
+        fmt::format("cell {:.3f} mm, band {:.2f} mm", prepared.model.segment_field_B->cell_mm(),
+                    prepared.model.segment_field_B->band_mm())},
+       {"segment volume", fmt::format("{:.1f} ml", prepared.bones.segment_volume_mm3 * 1e-3)}}};
+}
+
+report::ReportTable timing_table(const Timing& timing) {
+  report::ReportTable table{"Time", {"stage", "seconds"}, {}};
+  for (const auto& [name, seconds] : timing.stage_seconds)
+    table.rows.push_back({name, fmt::format("{:.1f}", seconds)});
+  return table;
+}
+
+std::vector<report::SolverStep> solver_steps(const predict::FacePrediction& prediction) {
+  std::vector<report::SolverStep> steps;
+  for (const predict::PredictionStep& step : prediction.steps) {
+    report::SolverStep& shown = steps.emplace_back();
+    shown.path_share = step.share;
+    shown.max_penetration_mm = step.contact.max_penetration_mm;
+    shown.mean_penetration_mm = step.contact.mean_penetration_mm;
+    for (const fem::LoadAttempt& attempt : step.attempts)
+      for (const fem::NewtonIterate& iterate : attempt.history)
+        if (iterate.force_scale_n > 0.0)
+          shown.relative_residuals.push_back(iterate.residual_n / iterate.force_scale_n);
+  }
+  return steps;
+}
+
+/// Pairs pictures of the same side, shows the others one by one.
+void add_pictures(std::span<const PredictionPicture> pictures, report::CaseReport& report) {
+  std::vector<const PredictionPicture*> before;
+  for (const PredictionPicture& picture : pictures)
+    if (picture.kind == PictureKind::kBefore) before.push_back(&picture);
+  std::size_t pairs = 0;
+  for (const PredictionPicture& picture : pictures) {
+    if (picture.kind == PictureKind::kBefore) continue;
+    if (picture.kind == PictureKind::kAfter && pairs < before.size()) {
+      report.comparisons.push_back(
+          {"Before and predicted" + picture.title.substr(picture.title.find(',')),
+           "Same camera; drag to compare.", before[pairs]->png, picture.png});
+      ++pairs;
+    } else {
+      report.pictures.push_back({picture.title, "", picture.png});
+    }
+  }
+}
+
+}  // namespace
+
+report::CaseReport prediction_report(const PreparedCase& prepared,
+                                     const predict::FacePrediction& prediction,
+                                     std::span<const PredictionPicture> pictures,
+                                     const SkinShift& skin, const Timing& timing) {
+  report::CaseReport report;
+  report.title = prepared.plan.title.empty() ? "Predicted face" : prepared.plan.title;
+  report.subtitle = "Simulated soft-tissue response to a planned bone movement";
+  report.plan = plan_sentence(prepared.plan);
+  report.converged = prediction.converged();
+  if (prediction.failure) report.failure = prediction.failure->message;
+  add_pictures(pictures, report);
+  if (!prediction.steps.empty()) {
+    const predict::PredictionStep& last = prediction.steps.back();
+    report.key_numbers = {{"largest shift of the skin", fmt::format("{:.1f} mm", skin.largest_mm)},
+                          {"mean shift where the skin moved over 0.5 mm",
+                           fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
+                          {"largest remaining penetration",
+                           fmt::format("{:.2f} mm", last.contact.max_penetration_mm)},
+                          {"steps converged", fmt::format("{} of {}", prediction.steps.size(),
+                                                          prepared.plan.path.steps)}};
+  }
+  report.tables = {step_table(prediction), parameter_table(prepared, prediction),
+                   timing_table(timing)};
+  report.steps = solver_steps(prediction);
+  report.residual_tolerance = prepared.plan.solver.relative_tolerance;
+  report.notes = prepared.provenance.warnings;
+  report.provenance = {{"lefort version", kVersion},
+                       {"SHA-256 of the plan", prepared.provenance.plan_sha256},
+                       {"SHA-256 of the scan\u2019s voxels", prepared.provenance.ct_sha256},
+                       {"kind of scan", prepared.provenance.ct_kind}};
+  report.limitations = {
+      "Soft tissue is one homogeneous, compressible, elastic material at rest without pre-stress; "
+      "skin, fat and muscle are not told apart.",
+      "Linear tetrahedra are too stiff for nearly incompressible tissue; Poisson\u2019s ratio is "
+      "chosen lower than measured for that reason.",
+      "Tissue outside the meshed region does not move, and where the scan ends tissue has no "
+      "neighbour: near the scan\u2019s edge the prediction is not to be trusted.",
+      "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it; tissue "
+      "does not meet still bone anew. Bones may overlap without being noticed.",
+      "Not validated against post-operative scans."};
+  return report;
+}
+
+}  // namespace lefort::app

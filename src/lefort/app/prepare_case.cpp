@@ -1,0 +1,131 @@
+#include <lefort/anatomy/extract_surface.h>
+#include <lefort/anatomy/tissue_levels.h>
+#include <lefort/app/prepare_case.h>
+#include <lefort/app/tissue_volumes.h>
+#include <lefort/core/version.h>
+#include <lefort/io/field_file.h>
+#include <lefort/io/import_volume.h>
+#include <lefort/io/read_vtu.h>
+#include <lefort/io/segmentation_file.h>
+#include <lefort/io/sha256.h>
+#include <lefort/io/vtu.h>
+#include <lefort/predict/mesh_tissue.h>
+#include <lefort/predict/tissue_boundary.h>
+
+#include <memory>
+#include <utility>
+
+namespace lefort::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtVolume& ct,
+                                      const std::string& ct_sha256, const StageCache& cache,
+                                      Progress& progress) {
+  progress.begin_stage("segment");
+  if (plan.labels) return io::read_segmentation(*plan.labels, ct.grid);
+  const anatomy::SegmentationOptions& options = plan.segmentation;
+  const std::string key =
+      io::Sha256().add(kVersion).add(ct_sha256).add(options.bone_hu).add(options.skin_hu).hex();
+  return cache.get(
+      "labels.seg.nrrd", key, progress,
+      [&](const fs::path& path) { return io::read_segmentation(path, ct.grid); },
+      [&] { return anatomy::segment_tissue(ct, options, progress); },
+      [](const fs::path& path, const anatomy::LabelMap& labels) {
+        return io::write_segmentation(path, labels);
+      });
+}
+
+Result<std::shared_ptr<const field::DistanceField>> find_field(
+    const geometry::TriangleMesh& segment_B, const field::DistanceFieldOptions& options,
+    const StageCache& cache, Progress& progress) {
+  progress.begin_stage("segment's distance field");
+  const std::string key = io::Sha256()
+                              .add(kVersion)
+                              .add(segment_B)
+                              .add(options.resolution)
+                              .add(options.band_mm)
+                              .add(options.tolerance_mm)
+                              .hex();
+  LEFORT_TRY(
+      field::DistanceField field,
+      cache.get(
+          "segment.field", key, progress, [](const fs::path& path) { return io::read_field(path); },
+          [&] { return field::build_distance_field(segment_B, options, progress); },
+          [](const fs::path& path, const field::DistanceField& made) {
+            return io::write_field(path, made);
+          }));
+  return std::make_shared<const field::DistanceField>(std::move(field));
+}
+
+Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
+                                          const geometry::TriangleMesh& segment_L,
+                                          const predict::TissueOptions& options,
+                                          const std::string& inputs, const StageCache& cache,
+                                          Progress& progress) {
+  progress.begin_stage("mesh the soft tissue");
+  const std::string key = io::Sha256()
+                              .add(kVersion)
+                              .add(inputs)
+                              .add(segment_L)
+                              .add(options.element_size_mm)
+                              .add(options.far_element_size_mm)
+                              .add(options.margin_mm)
+                              .hex();
+  return cache.get(
+      "tissue.vtu", key, progress, [](const fs::path& path) { return io::read_vtu(path); },
+      [&] { return predict::mesh_tissue(domain, segment_L, options, progress); },
+      [](const fs::path& path, const mesh::VolumeMesh& made) { return io::write_vtu(path, made); });
+}
+
+}  // namespace
+
+Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
+                                  const fs::path& ct_path, const StageCache& cache,
+                                  Progress& progress) {
+  progress.begin_stage("import");
+  LEFORT_TRY(io::ImportedVolume scan, io::import_volume(ct_path, progress));
+  for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
+  const image::CtVolume& ct = scan.ct;
+  const std::string ct_sha256 = io::Sha256().add(ct).hex();
+
+  LEFORT_TRY(const anatomy::LabelMap labels, find_labels(plan, ct, ct_sha256, cache, progress));
+
+  progress.begin_stage("extract surfaces");
+  const anatomy::LevelOptions levels{.bone_hu = plan.segmentation.bone_hu,
+                                     .skin_hu = plan.segmentation.skin_hu};
+  LEFORT_TRY(
+      const geometry::TriangleMesh skull_L,
+      anatomy::extract_isosurface(
+          anatomy::bone_level(ct, labels, anatomy::Cavities::kFillSinuses, levels), {}, progress));
+  image::ScalarVolume skin_level = anatomy::skin_level(ct, labels, levels);
+  LEFORT_TRY(geometry::TriangleMesh skin_L, anatomy::extract_isosurface(skin_level, {}, progress));
+
+  progress.begin_stage("cut the bone");
+  LEFORT_TRY(plan::CutBones bones, plan::cut_bones(skull_L, plan.osteotomy, {}, progress));
+  LEFORT_TRY(auto segment_field, find_field(bones.segment_L, plan.field, cache, progress));
+
+  const predict::TissueDomain domain =
+      predict::make_tissue_domain(anatomy::soft_tissue_level(ct, labels, levels),
+                                  std::move(skin_level), ct.grid, bones.segment_L, plan.tissue);
+  const std::string inputs = io::Sha256()
+                                 .add(ct_sha256)
+                                 .add(labels)
+                                 .add(plan.segmentation.bone_hu)
+                                 .add(plan.segmentation.skin_hu)
+                                 .hex();
+  LEFORT_TRY(mesh::VolumeMesh tissue,
+             find_tissue_mesh(domain, bones.segment_L, plan.tissue, inputs, cache, progress));
+  progress.begin_stage("find boundaries");
+  tissue = predict::find_tissue_boundary(std::move(tissue), domain, labels, bones.segment_L,
+                                         bones.remainder_L, plan.boundary);
+  mesh::MeshQuality quality = mesh::measure_quality(tissue);
+  predict::FaceModel model{std::move(tissue), bones.segment_L, std::move(segment_field)};
+  return PreparedCase{std::move(plan),   {plan_sha256, ct_sha256, scan.source_kind, scan.warnings},
+                      ct.grid,           tissue_volumes_ml(labels),
+                      std::move(skin_L), std::move(bones),
+                      std::move(model),  std::move(quality)};
+}
+
+}  // namespace lefort::app

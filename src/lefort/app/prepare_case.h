@@ -1,0 +1,47 @@
+/// \file
+/// From scan and plan to all that a prediction needs, with costly stages cached.
+#pragma once
+
+#include <lefort/app/stage_cache.h>
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/io/plan_file.h>
+#include <lefort/mesh/element_quality.h>
+#include <lefort/plan/cut_bones.h>
+#include <lefort/predict/predict_face.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lefort::app {
+
+/// What made a result.
+struct Provenance {
+  std::string plan_sha256;  ///< Of the plan file's text.
+  std::string ct_sha256;    ///< Of the imported voxels and their grid.
+  std::string ct_kind;
+  std::vector<std::string> warnings;  ///< Of the import.
+};
+
+/// A case before anything moves. Immutable once prepared.
+struct PreparedCase {
+  io::PlanFile plan;
+  Provenance provenance;
+  image::Grid scan_grid;
+  std::vector<std::pair<std::string, double>> tissue_volumes_ml;
+  geometry::TriangleMesh skin_L;
+  plan::CutBones bones;
+  predict::FaceModel model;
+  mesh::MeshQuality quality;
+};
+
+/// \param plan         read from a file whose text hashes to `plan_sha256`.
+/// \param ct           the scan.
+[[nodiscard]] Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
+                                                const std::filesystem::path& ct,
+                                                const StageCache& cache, Progress& progress);
+
+}  // namespace lefort::app

@@ -1,0 +1,38 @@
+/// \file
+/// Progress for people: a bar when stderr is a terminal, a line per stage otherwise.
+#pragma once
+
+#include <lefort/core/progress.h>
+
+#include <chrono>
+#include <string>
+
+namespace lefort::app {
+
+class TerminalProgress final : public Progress {
+ public:
+  /// \param quiet  shows notes alone.
+  explicit TerminalProgress(bool quiet);
+  ~TerminalProgress() override;
+
+  void begin_stage(std::string_view name) override;
+  void report(double fraction) override;
+  void note(std::string_view sentence) override;
+  [[nodiscard]] bool stop_requested() const override;
+
+ private:
+  void end_stage();
+  void clear_line() const;
+
+  bool quiet_;
+  bool is_terminal_;
+  bool in_stage_ = false;
+  int shown_percent_ = -1;
+  std::string stage_;
+  std::chrono::steady_clock::time_point begun_;
+};
+
+/// Lets Ctrl-C and SIGTERM ask running work to stop; a second Ctrl-C ends the program at once.
+void stop_on_interrupt();
+
+}  // namespace lefort::app

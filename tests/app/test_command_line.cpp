@@ -1,0 +1,198 @@
+#include <lefort/io/surface_files.h>
+#include <lefort/io/volume_files.h>
+#include <lefort/io/write_atomically.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <sstream>
+
+#include "support/run_program.h"
+#include "support/shapes.h"
+#include "support/temporary_folder.h"
+
+namespace lefort::app {
+namespace {
+
+using test::run_lefort;
+using test::TemporaryFolder;
+
+std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
+
+/// A ball of skin with a shell of bone in it.
+image::CtVolume ball_scan() {
+  image::CtVolume ct;
+  ct.grid.size = {40, 40, 40};
+  ct.grid.spacing_mm = {5.0, 5.0, 5.0};
+  for (Index k = 0; k < 40; ++k)
+    for (Index j = 0; j < 40; ++j)
+      for (Index i = 0; i < 40; ++i) {
+        const double r_mm =
+            5.0 * (Vec3(double(i), double(j), double(k)) - Vec3::Constant(19.5)).norm();
+        ct.values.push_back(r_mm > 85.0                  ? std::int16_t(-1000)
+                            : r_mm > 60.0 && r_mm < 75.0 ? std::int16_t(1200)
+                                                         : std::int16_t(40));
+      }
+  return ct;
+}
+
+TEST(CommandLine, HelpNamesEveryCommandAndExitsWithZero) {
+  const auto help = run_lefort("--help");
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* command : {"import", "segment", "field", "predict"}) {
+    EXPECT_NE(help.out.find(command), std::string::npos) << command;
+    const auto sub = run_lefort(std::string(command) + " --help");
+    EXPECT_EQ(sub.exit_code, 0);
+    EXPECT_FALSE(sub.out.empty());
+  }
+  EXPECT_NE(help.out.find("not for clinical use"), std::string::npos);
+}
+
+TEST(CommandLine, WrongUsageExitsWithTwoAndOneLine) {
+  for (const char* arguments :
+       {"", "operate", "import", "import a.nrrd", "field", "field build a.stl -o a.field --band -1",
+        "field build a.stl -o a.field --resolution 100", "--threads x import a -o b",
+        "predict plan.json -o out --colour red"}) {
+    const auto run = run_lefort(arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments;
+    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+  }
+}
+
+TEST(CommandLine, ImportReadsAVolumeAndSaysWhatItIs) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_volume(folder / "scan.nii.gz", ball_scan()));
+  const auto run = run_lefort("import " + quoted(folder / "scan.nii.gz") + " -o " +
+                              quoted(folder / "ct.nrrd") + " --json --quiet");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json["size_voxels"], (std::vector<int>{40, 40, 40}));
+  EXPECT_EQ(json["spacing_mm"][2], 5.0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "ct.nrrd"));
+}
+
+TEST(CommandLine, SegmentWritesLabelsAndClosedSurfaces) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_volume(folder / "ct.nrrd", ball_scan()));
+  const auto run = run_lefort("segment " + quoted(folder / "ct.nrrd") + " -o " +
+                              quoted(folder / "anatomy") + " --json --quiet");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_TRUE(std::filesystem::exists(folder / "anatomy/labels.seg.nrrd"));
+  const auto skull = io::read_surface(folder / "anatomy/skull.vtp");
+  ASSERT_TRUE(skull) << skull.error().message;
+  EXPECT_GT(skull->triangle_count(), 1000);
+  EXPECT_GT(nlohmann::json::parse(run.out)["volumes_ml"]["brain"], 0.0);
+}
+
+TEST(CommandLine, FieldIsBuiltAndQueried) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(10.0, 5)));
+  const auto built = run_lefort("field build " + quoted(folder / "ball.stl") + " -o " +
+                                quoted(folder / "ball.field") + " --resolution 64 --band 2 --json");
+  ASSERT_EQ(built.exit_code, 0) << built.error;
+  EXPECT_TRUE(nlohmann::json::parse(built.out)["closed"]);
+  ASSERT_TRUE(io::write_text(folder / "points.csv", "x,y,z\n11,0,0\n0 0 9.5\n0,0,0\n50 0 0\n"));
+  for (const char* smooth : {"", " --smooth"}) {
+    const auto queried =
+        run_lefort("field query " + quoted(folder / "ball.field") + " " +
+                   quoted(folder / "points.csv") + " -o " + quoted(folder / "d.csv") + smooth);
+    ASSERT_EQ(queried.exit_code, 0) << queried.error;
+    std::istringstream table(io::read_text(folder / "d.csv", 1000).value());
+    std::vector<std::string> rows;
+    for (std::string row; std::getline(table, row);) rows.push_back(row);
+    ASSERT_EQ(rows.size(), 5U);
+    EXPECT_EQ(rows[0],
+              "x_mm,y_mm,z_mm,distance_mm,gradient_x,gradient_y,gradient_z,inside_band,zone");
+    double x, y, z, distance, gradient_x;
+    ASSERT_EQ(
+        std::sscanf(rows[1].c_str(), "%lf,%lf,%lf,%lf,%lf", &x, &y, &z, &distance, &gradient_x), 5);
+    EXPECT_NEAR(distance, 1.0, 0.03);
+    EXPECT_NEAR(gradient_x, 1.0, 0.03);
+    EXPECT_TRUE(rows[2].ends_with("1,band"));
+    EXPECT_TRUE(rows[3].ends_with("0,inside"));
+    EXPECT_TRUE(rows[4].ends_with("0,outside"));
+  }
+}
+
+/// One line on stderr that names the fault, exit code 1, and nothing left in the folder.
+void expect_clean_failure(const test::ProgramRun& run, const std::string& what,
+                          const TemporaryFolder& folder, long entries_before) {
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.message_lines(), 1) << run.error;
+  EXPECT_NE(run.error.find(what), std::string::npos) << run.error;
+  EXPECT_EQ(folder.entry_count(), entries_before);
+}
+
+TEST(CommandLine, BadInputIsOneLineAndLeavesNothing) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_text(folder / "garbage.nrrd", "NRRD0004\nnonsense"));
+  ASSERT_TRUE(io::write_text(folder / "garbage.stl", "solid nothing"));
+  ASSERT_TRUE(io::write_text(folder / "garbage.field", "LEFO"));
+  ASSERT_TRUE(io::write_text(folder / "points.csv", "1 2\n"));
+  const long before = folder.entry_count();
+  const std::string out = quoted(folder / "out");
+  expect_clean_failure(run_lefort("import /nonexistent -o " + quoted(folder / "o.nrrd")),
+                       "/nonexistent", folder, before);
+  expect_clean_failure(
+      run_lefort("import " + quoted(folder / "garbage.nrrd") + " -o " + quoted(folder / "o.nrrd")),
+      "garbage.nrrd", folder, before);
+  expect_clean_failure(run_lefort("segment " + quoted(folder / "garbage.nrrd") + " -o " + out),
+                       "garbage.nrrd", folder, before);
+  expect_clean_failure(run_lefort("field build " + quoted(folder / "garbage.stl") + " -o " + out),
+                       "garbage.stl", folder, before);
+  expect_clean_failure(run_lefort("field query " + quoted(folder / "garbage.field") + " " +
+                                  quoted(folder / "points.csv") + " -o " + out),
+                       "garbage.field", folder, before);
+}
+
+TEST(CommandLine, AnOutputThatCannotBeWrittenIsOneLine) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_volume(folder / "ct.nrrd", ball_scan()));
+  const auto run =
+      run_lefort("import " + quoted(folder / "ct.nrrd") + " -o /nonexistent/folder/o.nrrd");
+  expect_clean_failure(run, "/nonexistent/folder/o.nrrd", folder, 1);
+  expect_clean_failure(
+      run_lefort("segment " + quoted(folder / "ct.nrrd") + " -o /proc/nothing/here"),
+      "/proc/nothing/here", folder, 1);
+}
+
+TEST(CommandLine, AFullDiskIsOneLineAndLeavesNoPartOfAFile) {
+  const TemporaryFolder folder;
+  image::CtVolume noisy = ball_scan();  // Does not compress below the limit.
+  std::uint32_t state = 1;
+  for (std::int16_t& value : noisy.values) {
+    state = state * 1664525U + 1013904223U;
+    value = std::int16_t(state >> 21);
+  }
+  ASSERT_TRUE(io::write_volume(folder / "ct.nrrd", noisy));
+  const auto run =
+      run_lefort("import " + quoted(folder / "ct.nrrd") + " -o " + quoted(folder / "o.nrrd"),
+                 "trap '' XFSZ; ulimit -f 20;");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.message_lines(), 1) << run.error;
+  EXPECT_EQ(folder.entry_count(), 1);
+}
+
+TEST(CommandLine, APlanIsCheckedBeforeAnythingIsDone) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_volume(folder / "ct.nrrd", ball_scan()));
+  const std::string segments =
+      R"("segments":[{"name":"m","osteotomy":{"planes":[{"point_mm":[0,0,0],"towards_segment":[0,-1,0]}]},)"
+      R"("path":{"keyframes":[{"translation_mm":[0,-6,0]}]}}])";
+  ASSERT_TRUE(io::write_text(folder / "unknown.json",
+                             R"({"lefort_plan":1,"colour":"red",)" + segments + "}"));
+  ASSERT_TRUE(io::write_text(folder / "lost.json",
+                             R"({"lefort_plan":1,"ct":"lost.nrrd",)" + segments + "}"));
+  const long before = folder.entry_count();
+  const std::string to = " -o " + quoted(folder / "out");
+  expect_clean_failure(run_lefort("predict " + quoted(folder / "unknown.json") + to), "'colour'",
+                       folder, before);
+  expect_clean_failure(run_lefort("predict " + quoted(folder / "lost.json") + to), "lost.nrrd",
+                       folder, before);
+  expect_clean_failure(run_lefort("predict " + quoted(folder / "none.json") + to), "none.json",
+                       folder, before);
+}
+
+}  // namespace
+}  // namespace lefort::app

@@ -1,0 +1,156 @@
+/// \file
+/// The demo's plans on the real CT of Debian's invesalius-examples, coarse: scan in, face out.
+#include <lefort/io/surface_files.h>
+#include <lefort/io/write_atomically.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "support/run_program.h"
+#include "support/temporary_folder.h"
+
+namespace lefort::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::run_lefort;
+
+const fs::path kScan = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
+constexpr double kForward_mm = 6.0;
+constexpr double kMidPlane_mm = 122.0;  // x of the nose in this scan.
+
+json demo_plan() {
+  json plan = json::parse(
+      io::read_text(fs::path(LEFORT_EXAMPLES) / "midface_forward.json", 1 << 20).value());
+  plan["tissue"]["element_size_mm"] = 5.0;
+  plan["tissue"]["far_element_size_mm"] = 9.0;
+  plan["field"]["resolution"] = 128;
+  return plan;
+}
+
+/// One folder for all tests here, so that costly stages are shared through its cache.
+class RealCase : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    if (fs::exists(kScan)) folder_ = std::make_unique<test::TemporaryFolder>();
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+  void SetUp() override {
+    if (!folder_) GTEST_SKIP() << "Debian's invesalius-examples is not installed";
+  }
+
+  static test::ProgramRun predict(const json& plan, const std::string& more = "",
+                                  const std::string& setup = "") {
+    EXPECT_TRUE(io::write_text(*folder_ / "plan.json", plan.dump()));
+    return run_lefort("predict '" + (*folder_ / "plan.json").string() + "' --ct '" +
+                          kScan.string() + "' -o '" + out().string() + "' --no-pictures " + more,
+                      setup);
+  }
+  static fs::path out() { return *folder_ / "out"; }
+  static json prediction() {
+    return json::parse(io::read_text(out() / "prediction.json", 1 << 28).value());
+  }
+  static std::unique_ptr<test::TemporaryFolder> folder_;
+};
+std::unique_ptr<test::TemporaryFolder> RealCase::folder_;
+
+TEST_F(RealCase, MidfaceForwardGivesAFaceThatFollowsTheBone) {
+  const auto run = predict(demo_plan());
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const json result = prediction();
+  ASSERT_TRUE(result["converged"]);
+  EXPECT_EQ(result["mesh"]["inverted_elements"], 0);
+  EXPECT_EQ(result["steps"].size(), 12U);
+  for (const json& step : result["steps"]) {
+    EXPECT_LE(step["relative_residual"], 1e-6);
+    EXPECT_GT(step["smallest_volume_ratio"], 0.0);
+    EXPECT_GT(step["contact_nodes"], 100);
+    EXPECT_LT(step["mean_penetration_mm"], 0.05 * kForward_mm);
+    EXPECT_LT(step["max_penetration_mm"], 0.4 * kForward_mm);  // Elements of 5 mm.
+  }
+
+  const auto before = io::read_surface(out() / "skin_before.vtp").value();
+  const auto after = io::read_surface(out() / "predicted_skin.vtp").value();
+  ASSERT_EQ(before.vertex_count(), after.vertex_count());
+  struct Side {
+    double forward_mm = 0.0;
+    int vertices = 0;
+  } right, left;
+  double most_forward_mm = 0.0;
+  for (std::size_t v = 0; v < before.vertices.size(); ++v) {
+    const Vec3& p = before.vertices[v];
+    const Vec3 u = after.vertices[v] - p;
+    most_forward_mm = std::max(most_forward_mm, -u.y());
+    if (p.z() > 110.0) {
+      EXPECT_LT(u.norm(), 0.05) << "forehead at " << p.transpose();
+    }
+    // Cheeks over the moved maxilla and zygoma.
+    if (p.y() > 75.0 || p.z() < 20.0 || p.z() > 55.0 || std::abs(p.x() - kMidPlane_mm) < 15.0 ||
+        std::abs(p.x() - kMidPlane_mm) > 45.0)
+      continue;
+    Side& side = p.x() < kMidPlane_mm ? right : left;
+    side.forward_mm -= u.y();
+    ++side.vertices;
+  }
+  ASSERT_GT(right.vertices, 500);
+  ASSERT_GT(left.vertices, 500);
+  right.forward_mm /= right.vertices;
+  left.forward_mm /= left.vertices;
+  EXPECT_GT(most_forward_mm, 0.5 * kForward_mm);
+  EXPECT_LT(most_forward_mm, kForward_mm + 0.5);
+  EXPECT_GT(right.forward_mm, 0.25 * kForward_mm);
+  EXPECT_LT(right.forward_mm, kForward_mm);
+  EXPECT_NEAR(right.forward_mm, left.forward_mm, 0.25 * right.forward_mm);
+}
+
+TEST_F(RealCase, RunningAgainGivesTheSameBytes) {
+  ASSERT_EQ(predict(demo_plan()).exit_code, 0);
+  json first = prediction();
+  const std::string skin = io::read_text(out() / "predicted_skin.stl", 1 << 30).value();
+  ASSERT_EQ(predict(demo_plan()).exit_code, 0);
+  json second = prediction();
+  first.erase("timing");
+  second.erase("timing");
+  EXPECT_EQ(first.dump(), second.dump());
+  EXPECT_EQ(skin, io::read_text(out() / "predicted_skin.stl", 1 << 30).value());
+}
+
+TEST_F(RealCase, AnOsteotomyThatMissesTheBoneIsOneLine) {
+  json plan = demo_plan();
+  plan["segments"][0]["osteotomy"]["planes"][0] = {{"point_mm", {0, -500, 0}},
+                                                   {"towards_segment", {0, -1, 0}}};
+  const auto run = predict(plan);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.message_lines(), 1) << run.error;
+  EXPECT_NE(run.error.find("midface"), std::string::npos) << run.error;
+}
+
+TEST_F(RealCase, AStepBeyondTheBandIsOneLineThatSaysHowManyStepsItTakes) {
+  json plan = demo_plan();
+  plan["segments"][0]["path"]["steps"] = 1;
+  const auto run = predict(plan);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.message_lines(), 1) << run.error;
+  EXPECT_NE(run.error.find("at least 2 steps"), std::string::npos) << run.error;
+}
+
+TEST_F(RealCase, AnInterruptEndsItCleanly) {
+  std::error_code ignored;
+  fs::remove_all(out(), ignored);
+  const auto run = predict(demo_plan(), "& pid=\\$!; sleep 4; kill -INT \\$pid; wait \\$pid", "");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.message_lines(), 1) << run.error;
+  EXPECT_FALSE(fs::exists(out() / "prediction.json"));
+  EXPECT_FALSE(fs::exists(out() / "report.html"));
+  for (const auto& entry : fs::recursive_directory_iterator(out()))
+    EXPECT_FALSE(entry.path().filename().string().starts_with(".partial")) << entry.path();
+}
+
+}  // namespace
+}  // namespace lefort::app
