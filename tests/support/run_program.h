@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 
@@ -34,7 +35,8 @@ struct ProgramRun {
 /// \param arguments  as typed in a shell, quoted where needed.
 /// \param setup      shell commands before, for example "ulimit -f 10;".
 inline ProgramRun run_lefort(const std::string& arguments, const std::string& setup = "") {
-  std::string error_file = "/tmp/lefort-stderr-XXXXXX";
+  std::string error_file =
+      (std::filesystem::temp_directory_path() / "lefort-stderr-XXXXXX").string();
   if (const int descriptor = ::mkstemp(error_file.data()); descriptor >= 0) ::close(descriptor);
   const std::string command =
       setup + " ( '" LEFORT_PROGRAM "' " + arguments + " ) 2> '" + error_file + "'";
