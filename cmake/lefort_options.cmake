@@ -2,12 +2,13 @@
 add_library(lefort_options INTERFACE)
 target_compile_features(lefort_options INTERFACE cxx_std_20)
 target_compile_options(lefort_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wconversion -Wshadow
-  $<$<BOOL:${LEFORT_WARNINGS_AS_ERRORS}>:-Werror>
+  $<BUILD_INTERFACE:-Wall$<SEMICOLON>-Wextra$<SEMICOLON>-Wpedantic$<SEMICOLON>-Wconversion$<SEMICOLON>-Wshadow>
+  $<BUILD_INTERFACE:$<$<BOOL:${LEFORT_WARNINGS_AS_ERRORS}>:-Werror>>
   # Same bits on every machine: no fused multiply-add behind our back.
   -ffp-contract=off)
 target_include_directories(lefort_options INTERFACE
-  ${PROJECT_SOURCE_DIR}/src ${PROJECT_BINARY_DIR}/generated)
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
+  $<INSTALL_INTERFACE:include>)
 if(LEFORT_SANITIZE)
   target_compile_options(lefort_options INTERFACE
     -fsanitize=${LEFORT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

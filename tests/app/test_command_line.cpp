@@ -88,8 +88,9 @@ TEST(CommandLine, SegmentWritesLabelsAndClosedSurfaces) {
 TEST(CommandLine, FieldIsBuiltAndQueried) {
   const TemporaryFolder folder;
   ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(10.0, 5)));
-  const auto built = run_lefort("field build " + quoted(folder / "ball.stl") + " -o " +
-                                quoted(folder / "ball.field") + " --resolution 64 --band 2 --json");
+  const auto built =
+      run_lefort("field build " + quoted(folder / "ball.stl") + " -o " +
+                 quoted(folder / "ball.field") + " --resolution 64 --band 2 --smooth --json");
   ASSERT_EQ(built.exit_code, 0) << built.error;
   EXPECT_TRUE(nlohmann::json::parse(built.out)["closed"]);
   ASSERT_TRUE(io::write_text(folder / "points.csv", "x,y,z\n11,0,0\n0 0 9.5\n0,0,0\n50 0 0\n"));

@@ -1,7 +1,6 @@
 #include <lefort/field/build_distance_field.h>
 #include <lefort/field/coalesce.h>
 #include <lefort/field/trilinear.h>
-#include <lefort/geometry/bvh.h>
 
 #include <gtest/gtest.h>
 
@@ -11,6 +10,7 @@
 #include <numeric>
 #include <vector>
 
+#include "field/brute_force.h"
 #include "support/shapes.h"
 
 namespace lefort::field {
@@ -18,46 +18,28 @@ namespace {
 
 using geometry::TriangleMesh;
 
-constexpr float kFloatError = 2e-6F;
-
 DistanceField build(const TriangleMesh& mesh, double tolerance_mm, int resolution = 64) {
-  return build_distance_field(
-             mesh, {.resolution = resolution, .band_mm = 4.0, .tolerance_mm = tolerance_mm})
+  return build_distance_field(mesh, {.method = FieldMethod::kHybrid,
+                                     .resolution = resolution,
+                                     .band_mm = 4.0,
+                                     .tolerance_mm = tolerance_mm})
       .value();
 }
 
-/// Largest error of sample() over every lattice point within the band; and every such point must be
-/// in an interpolating cell.
-double largest_error_on_lattice(const DistanceField& field, const TriangleMesh& mesh) {
-  const geometry::Bvh bvh(mesh);
-  const FieldFrame& frame = field.frame();
-  double largest = 0.0;
-  for (int k = 0; k <= frame.resolution; ++k)
-    for (int j = 0; j <= frame.resolution; ++j)
-      for (int i = 0; i <= frame.resolution; ++i) {
-        const Vec3 p = frame.origin_B + frame.cell_mm * Vec3(i, j, k);
-        const double cut_off = frame.band_mm - frame.tolerance_mm - kFloatError;
-        if (!bvh.closest_point(p, cut_off)) continue;
-        const FieldSample sample = field.sample(p);
-        EXPECT_EQ(sample.zone, Zone::kBand) << p.transpose();
-        largest =
-            std::max(largest, std::abs(sample.distance_mm - bvh.signed_distance(p).distance_mm));
-      }
-  return largest;
-}
+const Octree& octree_of(const DistanceField& field) { return std::get<Octree>(field.samples()); }
 
 TEST(Coalesce, KeepsTheToleranceAtEverySampleOfTheBand) {
   const TriangleMesh torus = test::make_torus(20, 8, 60, 30);
   for (const double tolerance : {0.0, 0.01, 0.1, 1.0})
-    EXPECT_LE(largest_error_on_lattice(build(torus, tolerance, 32), torus),
-              tolerance + kFloatError);
+    EXPECT_LE(test::largest_error_at_samples(build(torus, tolerance, 32), torus),
+              tolerance + test::kFloatError_mm);
 }
 
 TEST(Coalesce, KeepsTheToleranceAtSharpCorners) {
   const TriangleMesh spike = test::make_spike(3, 40, 4);
-  EXPECT_LE(largest_error_on_lattice(build(spike, 0.05), spike), 0.05 + kFloatError);
+  EXPECT_LE(test::largest_error_at_samples(build(spike, 0.05), spike), 0.05 + test::kFloatError_mm);
   const TriangleMesh box = test::make_box(Vec3(-20, -9, -5), Vec3(20, 8, 7));
-  EXPECT_LE(largest_error_on_lattice(build(box, 0.02), box), 0.02 + kFloatError);
+  EXPECT_LE(test::largest_error_at_samples(build(box, 0.02), box), 0.02 + test::kFloatError_mm);
 }
 
 TEST(Coalesce, ErrorsDoNotAddUpFromLevelToLevel) {
@@ -79,43 +61,59 @@ TEST(Coalesce, ErrorsDoNotAddUpFromLevelToLevel) {
   const auto octree = coalesce(distances, frame, Progress::none());
   ASSERT_TRUE(octree);
   for (int i = 0; i < frame.resolution; ++i) {
-    const Octree::Place place = octree->find({i, 3, 5});
-    EXPECT_EQ(place.leaf.cells, 2);
-    const Vec3 t = Vec3(i - place.leaf.low[0], 0, 0) / place.leaf.cells;
-    EXPECT_NEAR(trilinear(place.corners, t), distances.at({i, 3, 5}), frame.tolerance_mm);
+    const CellSamples cell = octree->cell({i, 3, 5});
+    EXPECT_EQ(cell.cells, 2);
+    const std::array<float, 3> t = {float(i - cell.low[0]) / 2.0F, 0.5F, 0.5F};
+    EXPECT_NEAR(trilinear(cell.corners, t), distances.at({i, 3, 5}), frame.tolerance_mm);
   }
 }
 
 TEST(Coalesce, LargerToleranceNeedsFewerSamples) {
   const TriangleMesh torus = test::make_torus(20, 8, 60, 30);
   Index previous = std::numeric_limits<Index>::max();
-  for (const double tolerance : {0.0, 0.02, 0.1, 0.5}) {
-    const FieldStatistics statistics = build(torus, tolerance).statistics();
-    EXPECT_LT(statistics.stored_samples, previous);
-    previous = statistics.stored_samples;
+  // Two cells of 1 mm err by 2^2 / 8 / (8 + 4) = 0.04 mm at least, 4 mm outside of the tube.
+  for (const double tolerance : {0.0, 0.06, 0.1, 0.5}) {
+    const DistanceField field = build(torus, tolerance);
+    const auto samples = Index(octree_of(field).samples().size());
+    EXPECT_LT(samples, previous);
+    previous = samples;
   }
 }
 
 TEST(Coalesce, FlatWallsUniteToCellsAsThickAsTheBand) {
   // Cells of 1 mm, faces on lattice planes that large octree cells respect.
-  const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(56, 56, 56));
-  const DistanceField field = build(box, 1e-5);
+  const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(48, 48, 48));
+  const DistanceField field = build_distance_field(box, {.method = FieldMethod::kHybrid,
+                                                         .resolution = 64,
+                                                         .band_mm = 4.01,
+                                                         .tolerance_mm = 1e-5,
+                                                         .side_mm = 64})
+                                  .value();
   ASSERT_DOUBLE_EQ(field.cell_mm(), 1.0);
-  EXPECT_GE(field.octree().find({30, 30, 2}).leaf.cells, 4);
-  EXPECT_LT(field.statistics().stored_samples, 65 * 65 * 65 / 4);
+  EXPECT_GE(field.cell({30, 30, 5}).cells, 4);
+  EXPECT_GE(field.cell({30, 30, 10}).cells, 4);
+  EXPECT_LT(octree_of(field).samples().size(), 65U * 65 * 65 / 4);
+}
+
+int unknown_cells(const DistanceField& field) {
+  const int n = field.frame().resolution;
+  int unknown = 0;
+  for (int c = 0; c < n * n * n; ++c)
+    unknown += zone_of(field.cell({c % n, c / n % n, c / (n * n)}).corners) == Zone::kUnknown;
+  return unknown;
 }
 
 TEST(Coalesce, AClosedSurfaceLeavesNoCellUnknown) {
   for (const TriangleMesh& mesh : {test::make_icosphere(27, 3), test::make_torus(20, 8, 60, 30)})
-    EXPECT_EQ(build(mesh, 0.01).octree().count(NodeCode::kUnknown), 0);
+    EXPECT_EQ(unknown_cells(build(mesh, 0.01)), 0);
 }
 
 TEST(Coalesce, SpaceBeyondTheBandIsFewLargeLeaves) {
   const DistanceField field = build(test::make_icosphere(27, 3), 0.01);
-  EXPECT_GE(field.octree().find({32, 32, 32}).leaf.cells, 8);
-  EXPECT_GE(field.octree().find({0, 0, 0}).leaf.cells, 8);
-  EXPECT_EQ(field.octree().find({32, 32, 32}).zone, Zone::kInside);
-  EXPECT_EQ(field.octree().find({0, 0, 0}).zone, Zone::kOutside);
+  EXPECT_GE(field.cell({32, 32, 32}).cells, 8);
+  EXPECT_GE(field.cell({0, 0, 0}).cells, 8);
+  EXPECT_EQ(zone_of(field.cell({32, 32, 32}).corners), Zone::kInside);
+  EXPECT_EQ(zone_of(field.cell({0, 0, 0}).corners), Zone::kOutside);
 }
 
 }  // namespace

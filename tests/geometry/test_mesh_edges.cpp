@@ -2,45 +2,74 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
 #include "support/shapes.h"
 
 namespace lefort::geometry {
 namespace {
 
-TEST(MeshEdges, ClosedSurfaceHasThreeHalvesAsManyEdgesAsTriangles) {
+using Edge = std::pair<std::int32_t, std::int32_t>;
+
+/// How many sides lie on each edge; checks on the way that each side does lie there.
+std::map<Edge, std::size_t> count_sides(const TriangleMesh& mesh) {
+  const SidesByEdge sides(mesh);
+  std::map<Edge, std::size_t> counts;
+  std::set<std::int32_t> seen;
+  EXPECT_EQ(sides.vertex_count(), mesh.vertex_count());
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    std::int32_t last = -1;
+    sides.for_each_edge_at(v, [&](std::int32_t smaller, std::int32_t larger, auto there) {
+      EXPECT_EQ(smaller, v);
+      EXPECT_LT(last, larger);
+      last = larger;
+      counts[{smaller, larger}] = there.size();
+      for (const SideOfTriangle& s : there) {
+        EXPECT_TRUE(seen.insert(s.number).second);
+        const Triangle& t = mesh.triangles[std::size_t(s.triangle())];
+        const auto ends = std::minmax(t[std::size_t(s.side())], t[std::size_t((s.side() + 1) % 3)]);
+        EXPECT_EQ(Edge(ends), Edge(smaller, larger));
+      }
+      EXPECT_TRUE(std::is_sorted(there.begin(), there.end(), [](const auto& x, const auto& y) {
+        return x.triangle() < y.triangle();
+      }));
+    });
+  }
+  EXPECT_EQ(seen.size(), 3 * mesh.triangles.size());
+  return counts;
+}
+
+TEST(SidesByEdge, EveryEdgeOfAClosedSurfaceHasTwoSidesThatRunAgainstEachOther) {
   const TriangleMesh torus = test::make_torus(5, 2, 12, 8);
-  const MeshEdges edges = find_edges(torus);
-  EXPECT_EQ(2 * edges.edge_count(), 3 * torus.triangle_count());
-  for (Index e = 0; e < edges.edge_count(); ++e) {
-    ASSERT_EQ(edges.uses_of(e).size(), 2U);
-    EXPECT_NE(edges.uses_of(e)[0].forward, edges.uses_of(e)[1].forward);
-    EXPECT_LT(edges.uses_of(e)[0].triangle, edges.uses_of(e)[1].triangle);
-  }
+  const auto counts = count_sides(torus);
+  EXPECT_EQ(2 * counts.size(), 3 * torus.triangles.size());
+  const SidesByEdge sides(torus);
+  for (std::int32_t v = 0; v < torus.vertex_count(); ++v)
+    sides.for_each_edge_at(v, [&](std::int32_t, std::int32_t, auto there) {
+      ASSERT_EQ(there.size(), 2U);
+      EXPECT_NE(runs_forward(torus, there[0]), runs_forward(torus, there[1]));
+    });
 }
 
-TEST(MeshEdges, SidesAndUsesPointAtEachOther) {
+TEST(SidesByEdge, RimsHaveOne) {
   const TriangleMesh sheet = test::make_sheet(1, 3);
-  const MeshEdges edges = find_edges(sheet);
-  for (Index e = 0; e < edges.edge_count(); ++e) {
-    for (const EdgeUse& use : edges.uses_of(e)) {
-      const Triangle& t = sheet.triangles[std::size_t(use.triangle)];
-      const auto side = std::size_t(use.side);
-      const auto ends = std::minmax(t[side], t[(side + 1) % 3]);
-      EXPECT_EQ(edges.ends[std::size_t(e)][0], ends.first);
-      EXPECT_EQ(edges.ends[std::size_t(e)][1], ends.second);
-      EXPECT_EQ(edges.of_triangle[std::size_t(use.triangle)][side], e);
-    }
-  }
-  EXPECT_TRUE(std::is_sorted(edges.ends.begin(), edges.ends.end()));
+  const auto counts = count_sides(sheet);
+  const auto rim =
+      std::count_if(counts.begin(), counts.end(), [](const auto& c) { return c.second == 1; });
+  EXPECT_GT(rim, 0);
+  EXPECT_EQ(3 * sheet.triangles.size(), 2 * counts.size() - std::size_t(rim));
 }
 
-TEST(MeshEdges, AnEdgeMayHaveAnyNumberOfTriangles) {
+TEST(SidesByEdge, AnEdgeMayHaveAnyNumberOfThem) {
   TriangleMesh book;  // Three pages on the spine 0-1.
   book.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
   book.triangles = {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}};
-  const MeshEdges edges = find_edges(book);
-  EXPECT_EQ(edges.edge_count(), 7);
-  EXPECT_EQ(edges.uses_of(0).size(), 3U);
+  const auto counts = count_sides(book);
+  EXPECT_EQ(counts.size(), 7U);
+  EXPECT_EQ(counts.at({0, 1}), 3U);
 }
 
 }  // namespace

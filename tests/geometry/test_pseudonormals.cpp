@@ -10,26 +10,27 @@ namespace {
 TEST(Pseudonormals, CornersOfABoxPointAlongTheDiagonalHoweverTheFacesAreCut) {
   // Corners 0 and 7 have one, two and two triangles on their faces; angles make up for it.
   const TriangleMesh box = test::make_box(Vec3(-1, -1, -1), Vec3(1, 1, 1));
-  const Pseudonormals normals = compute_pseudonormals(box);
+  const Pseudonormals normals(box);
   for (std::size_t v = 0; v < box.vertices.size(); ++v)
-    EXPECT_LT((normals.of_vertex[v] - box.vertices[v].normalized()).norm(), 1e-14);
+    EXPECT_LT((normals.at_vertex(Index(v)) - box.vertices[v].normalized()).norm(), 1e-14);
 }
 
 TEST(Pseudonormals, EdgesSumTheNormalsOfTheirFaces) {
   const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(1, 1, 1));
-  const Pseudonormals normals = compute_pseudonormals(box);
-  int rims = 0;
-  for (Index e = 0; e < normals.edges.edge_count(); ++e) {
-    const double squared = normals.of_edge[std::size_t(e)].squaredNorm();
-    EXPECT_TRUE(std::abs(squared - 2.0) < 1e-12 || std::abs(squared - 4.0) < 1e-12);
-    if (std::abs(squared - 2.0) < 1e-12) ++rims;
-  }
-  EXPECT_EQ(rims, 12);
+  const Pseudonormals normals(box);
+  int rims = 0;  // Each seen from both sides.
+  for (Index t = 0; t < box.triangle_count(); ++t)
+    for (const Feature edge : {Feature::kEdge0, Feature::kEdge1, Feature::kEdge2}) {
+      const double squared = normals.at(box, t, edge).squaredNorm();
+      EXPECT_TRUE(std::abs(squared - 2.0) < 1e-12 || std::abs(squared - 4.0) < 1e-12);
+      if (std::abs(squared - 2.0) < 1e-12) ++rims;
+    }
+  EXPECT_EQ(rims, 24);
 }
 
 TEST(Pseudonormals, FeaturesOfATriangleAreLookedUpByItsOwnNumbers) {
   const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(1, 1, 1));
-  const Pseudonormals normals = compute_pseudonormals(box);
+  const Pseudonormals normals(box);
   // Triangle 0 is (0, 2, 3) in the face z = 0; its edge 0 lies on the rim with x = 0.
   EXPECT_EQ(normals.at(box, 0, Feature::kFace), Vec3(0, 0, -1));
   EXPECT_EQ(normals.at(box, 0, Feature::kEdge0), Vec3(-1, 0, -1));
@@ -40,11 +41,11 @@ TEST(Pseudonormals, FeaturesOfATriangleAreLookedUpByItsOwnNumbers) {
 TEST(Pseudonormals, ACapOnASharpEdgeStandsForTheFaceBeyond) {
   const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(1, 1, 1));
   const TriangleMesh capped = test::with_cap(box, 0, 0);  // On the rim x = z = 0.
-  const Pseudonormals normals = compute_pseudonormals(capped);
+  const Pseudonormals normals(capped);
   const auto middle = capped.vertices.size() - 1;
-  EXPECT_LT((normals.of_vertex[middle] - Vec3(-1, 0, -1).normalized()).norm(), 1e-14);
+  EXPECT_LT((normals.at_vertex(Index(middle)) - Vec3(-1, 0, -1).normalized()).norm(), 1e-14);
   const Index cap = capped.triangle_count() - 1;
-  EXPECT_TRUE(normals.of_face[std::size_t(cap)].isZero());
+  EXPECT_TRUE(normals.at(capped, cap, Feature::kFace).isZero());
   for (const Feature edge : {Feature::kEdge0, Feature::kEdge1, Feature::kEdge2})
     EXPECT_LT((normals.at(capped, cap, edge) - Vec3(-1, 0, -1)).norm(), 1e-14);
 }
@@ -53,19 +54,20 @@ TEST(Pseudonormals, DegenerateTrianglesAloneGiveZeroNotNan) {
   TriangleMesh line;
   line.vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
   line.triangles = {{0, 1, 2}, {1, 3, 2}, {0, 0, 1}, {3, 3, 3}};
-  const Pseudonormals normals = compute_pseudonormals(line);
-  for (const Vec3& n : normals.of_vertex) EXPECT_TRUE(n.isZero());
-  for (const Vec3& n : normals.of_edge) EXPECT_TRUE(n.isZero());
+  const Pseudonormals normals(line);
+  for (Index t = 0; t < line.triangle_count(); ++t)
+    for (int feature = 0; feature < 7; ++feature)
+      EXPECT_TRUE(normals.at(line, t, Feature(feature)).isZero());
 }
 
 TEST(Pseudonormals, TurnWithTheSurface) {
   const TriangleMesh spike = test::make_spike(1, 4, 7);
   const RigidTransform X(Eigen::Translation3d(5, -3, 2) *
                          Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()));
-  const Pseudonormals still = compute_pseudonormals(spike);
-  const Pseudonormals turned = compute_pseudonormals(test::moved(spike, X));
+  const Pseudonormals still(spike);
+  const Pseudonormals turned(test::moved(spike, X));
   for (std::size_t v = 0; v < spike.vertices.size(); ++v)
-    EXPECT_LT((turned.of_vertex[v] - X.linear() * still.of_vertex[v]).norm(), 1e-12);
+    EXPECT_LT((turned.at_vertex(Index(v)) - X.linear() * still.at_vertex(Index(v))).norm(), 1e-12);
 }
 
 }  // namespace

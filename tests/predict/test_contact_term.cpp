@@ -18,14 +18,14 @@ constexpr double kStiffness = 0.04;
 contact::BoneObstacle slab() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -8.0}, {10.0, 10.0, 0.0}),
-                                  {.resolution = 64, .band_mm = 3.0})
+                                  {.resolution = 64, .band_mm = 3.0, .smooth = true})
           .value());
   return {field};
 }
 
 contact::BoneObstacle ball() {
   static const auto field = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(test::make_icosphere(6.0, 5), {.resolution = 64, .band_mm = 2.0})
+      field::build_distance_field(test::make_icosphere(6.0, 5), {.resolution = 64, .band_mm = 2.0, .smooth = true})
           .value());
   return {field};
 }

@@ -38,7 +38,7 @@ FaceModel block_on_slab() {
   }
   model.segment_B = test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 0.0});
   model.segment_field_B = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(model.segment_B, {.resolution = 64, .band_mm = 3.0}).value());
+      field::build_distance_field(model.segment_B, {.resolution = 64, .band_mm = 3.0, .smooth = true}).value());
   return model;
 }
 

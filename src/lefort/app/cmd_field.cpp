@@ -1,6 +1,8 @@
 #include <lefort/app/command.h>
 
+#include <map>
 #include <memory>
+#include <string>
 
 namespace lefort::app {
 namespace {
@@ -15,18 +17,37 @@ void add_build(CLI::App& field, CommandContext& context) {
   command
       ->add_option("--resolution", job->options.resolution,
                    "Cells along each side of the cube around the surface")
-      ->check(CLI::IsMember({16, 32, 64, 128, 256, 512, 1024}))
+      ->check(CLI::IsMember({16, 32, 64, 128, 256, 512, 1024, 2048}))
       ->capture_default_str();
   command
       ->add_option("--band", job->options.band_mm,
-                   "Distances up to this are told [mm]; 0 takes three cells")
+                   "Samples up to this far from the surface are kept [mm]; 0 takes five cells")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
       ->add_option("--tolerance", job->options.tolerance_mm,
-                   "Cells are coalesced while every sample is kept to this [mm]")
+                   "Octrees unite cells while every sample is kept to this [mm]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command
+      ->add_option("--relative-tolerance", job->options.relative_tolerance,
+                   "The same as a share of the cube's side, instead")
+      ->check(CLI::Range(0.0, 1.0));
+  command
+      ->add_option("--side", job->options.side_mm,
+                   "Side of the cube [mm]; 0 lays it close around the surface")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--method", job->options.method,
+                   "bricks (fastest and smallest), hybrid (the paper's octree), adaptive "
+                   "(Frisken's octree), uniform (Fuhrmann's grid)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, field::FieldMethod>{{"bricks", field::FieldMethod::kBricks},
+                                                    {"hybrid", field::FieldMethod::kHybrid},
+                                                    {"adaptive", field::FieldMethod::kAdaptive},
+                                                    {"uniform", field::FieldMethod::kUniform}}));
+  command->add_flag("--smooth", job->options.smooth,
+                    "Also prepare the twice differentiable reconstruction");
   command->footer("Example:\n  lefort field build skull.vtp -o skull.field --resolution 256");
   command->callback([job, &context] {
     context.run("field build", [&](Progress& progress) { return build_field(*job, progress); });

@@ -29,27 +29,18 @@ Result<Summary> build_field(const BuildFieldJob& job, Progress& progress) {
   progress.begin_stage("build the distance field");
   LEFORT_TRY(const field::DistanceField distance,
              field::build_distance_field(surface, job.options, progress));
-  if (!distance.frame().closed)
-    progress.note("warning: the surface is open; beyond the band no point knows its side");
   LEFORT_TRY_VOID(io::write_field(job.output, distance));
 
-  const field::FieldStatistics statistics = distance.statistics();
   Summary summary;
-  summary.text = fmt::format(
-      "{}: {} triangles, cell {:.4f} mm, band {:.3f} mm, {} leaves, {} samples, {:.1f} MB",
-      job.output.string(), surface.triangle_count(), distance.cell_mm(), distance.band_mm(),
-      statistics.leaves, statistics.stored_samples, double(statistics.octree_bytes) * 1e-6);
-  summary.json = {{"output", job.output.string()},
-                  {"triangles", surface.triangle_count()},
-                  {"closed", distance.frame().closed},
-                  {"resolution", distance.frame().resolution},
-                  {"cell_mm", distance.cell_mm()},
-                  {"band_mm", distance.band_mm()},
-                  {"tolerance_mm", distance.frame().tolerance_mm},
-                  {"leaves", statistics.leaves},
-                  {"stored_samples", statistics.stored_samples},
-                  {"octree_bytes", statistics.octree_bytes},
-                  {"smooth_bytes", statistics.smooth_bytes}};
+  summary.text = fmt::format("{}: {} triangles, cell {:.4f} mm, samples to {:.3f} mm, {:.1f} MB",
+                             job.output.string(), surface.triangle_count(), distance.cell_mm(),
+                             distance.band_mm(), double(distance.sample_bytes()) * 1e-6);
+  summary.json = {
+      {"output", job.output.string()},           {"triangles", surface.triangle_count()},
+      {"closed", distance.frame().closed},       {"resolution", distance.frame().resolution},
+      {"cell_mm", distance.cell_mm()},           {"band_mm", distance.band_mm()},
+      {"told_mm", distance.told_mm()},           {"tolerance_mm", distance.frame().tolerance_mm},
+      {"sample_bytes", distance.sample_bytes()}, {"smooth_bytes", distance.smooth_bytes()}};
   return summary;
 }
 
@@ -57,21 +48,27 @@ Result<Summary> query_field(const QueryFieldJob& job, Progress& progress) {
   progress.begin_stage("read");
   LEFORT_TRY(const field::DistanceField distance, io::read_field(job.field));
   LEFORT_TRY(const std::vector<Vec3> points, io::read_points(job.points));
+  if (job.smooth && !distance.is_smooth())
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} was built without --smooth, build it anew with it", job.field.string()));
 
   progress.begin_stage("query");
   std::string table =
       "x_mm,y_mm,z_mm,distance_mm,gradient_x,gradient_y,gradient_z,inside_band,zone\n";
-  Index in_band = 0;
-  for (const Vec3& p : points) {
-    if (job.smooth) {
-      const field::SmoothSample sample = distance.sample_smooth(p);
-      table += row(p, sample.zone, sample.distance_mm, sample.gradient_B);
-      in_band += sample.zone == field::Zone::kBand ? 1 : 0;
-    } else {
-      const field::FieldSample sample = distance.sample(p);
-      table += row(p, sample.zone, sample.distance_mm, sample.gradient_B);
-      in_band += sample.zone == field::Zone::kBand ? 1 : 0;
+  std::vector<field::FieldSample> samples(points.size());
+  if (job.smooth) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const field::SmoothSample sample = distance.sample_smooth(points[i]);
+      samples[i] = {sample.zone, sample.distance_mm, sample.gradient_B};
     }
+  } else {
+    distance.sample(points, samples);
+  }
+  Index in_band = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    table += row(points[i], samples[i].zone, samples[i].distance_mm, samples[i].gradient_B);
+    in_band += samples[i].zone == field::Zone::kBand ? 1 : 0;
   }
   LEFORT_TRY_VOID(io::write_text(job.output, table));
 

@@ -104,13 +104,11 @@ Json mesh_summary(const PreparedCase& prepared) {
 }
 
 Json field_summary(const field::DistanceField& field) {
-  const field::FieldStatistics statistics = field.statistics();
   return {{"resolution", field.frame().resolution},
           {"cell_mm", field.cell_mm()},
           {"band_mm", field.band_mm()},
-          {"tolerance_mm", field.frame().tolerance_mm},
-          {"leaves", statistics.leaves},
-          {"stored_samples", statistics.stored_samples}};
+          {"sample_bytes", field.sample_bytes()},
+          {"smooth_bytes", field.smooth_bytes()}};
 }
 
 Json timing_json(const Timing& timing) {

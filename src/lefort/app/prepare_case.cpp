@@ -47,6 +47,7 @@ Result<std::shared_ptr<const field::DistanceField>> find_field(
                               .add(options.resolution)
                               .add(options.band_mm)
                               .add(options.tolerance_mm)
+                              .add(options.smooth)
                               .hex();
   LEFORT_TRY(
       field::DistanceField field,
@@ -104,7 +105,9 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
 
   progress.begin_stage("cut the bone");
   LEFORT_TRY(plan::CutBones bones, plan::cut_bones(skull_L, plan.osteotomy, {}, progress));
-  LEFORT_TRY(auto segment_field, find_field(bones.segment_L, plan.field, cache, progress));
+  field::DistanceFieldOptions field_options = plan.field;
+  field_options.smooth = plan.contact.reconstruction == contact::Reconstruction::kSmooth;
+  LEFORT_TRY(auto segment_field, find_field(bones.segment_L, field_options, cache, progress));
 
   const predict::TissueDomain domain =
       predict::make_tissue_domain(anatomy::soft_tissue_level(ct, labels, levels),

@@ -1,13 +1,18 @@
+#include <lefort/field/build_bricks.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/field/coalesce.h>
+#include <lefort/field/dense_samples.h>
 #include <lefort/field/far_sides.h>
-#include <lefort/field/narrow_band.h>
 #include <lefort/field/spline_lattice.h>
+#include <lefort/field/top_down.h>
+#include <lefort/field/winding_rows.h>
 #include <lefort/geometry/mesh_measures.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
+#include <optional>
 #include <utility>
 
 namespace lefort::field {
@@ -15,18 +20,19 @@ namespace lefort::field {
 namespace {
 
 constexpr int kMinResolution = 16;
-constexpr int kMaxResolution = 1024;
-constexpr int kDefaultBandCells = 3;
+constexpr int kMaxResolution = 2048;
+constexpr int kMaxDenseResolution = 1024;
+constexpr int kDefaultBandCells = 5;
 constexpr int kMinBandCells = 2;
 constexpr int kMaxBandShare = 4;  // The band is at most the cube's side divided by this.
-constexpr double kMaxMargin_mm = 1e4;
+constexpr double kMaxLength_mm = 1e4;
 constexpr double kMinExtent_mm = 1e-3;
-constexpr Index kMaxTriangles = 20'000'000;  // Some 500 bytes each while the field is built.
+constexpr Index kMaxTriangles = 100'000'000;
 
-// What sample_smooth() needs beyond the band, in cells: a cell that interpolates has a corner
-// within kCellRadius of the band; the coefficients of its points lie up to two cells along each
-// axis from that corner; and each coefficient needs its neighbours.
-constexpr double kStencilReach = kCellRadius + 3.4642;
+// What sample_smooth() needs beyond the band, in cells: the coefficients around a cell lie up to
+// two cells along each axis from its corners, of which one may be a cell's diagonal beyond the
+// band; and each coefficient needs its neighbours.
+constexpr double kStencilReach = 4.4;
 constexpr double kSampleReach = kStencilReach + 1.0001;
 static_assert(kSampleReach < SparseLattice::kSide, "the lattice must hold what it needs");
 
@@ -34,19 +40,22 @@ Result<void> check_options(const DistanceFieldOptions& options) {
   const auto refuse = [](std::string message) {
     return fail(ErrorCode::kInvalidArgument, std::move(message));
   };
-  if (options.resolution < kMinResolution || options.resolution > kMaxResolution ||
+  const int most = options.method == FieldMethod::kUniform ? kMaxDenseResolution : kMaxResolution;
+  if (options.resolution < kMinResolution || options.resolution > most ||
       !std::has_single_bit(unsigned(options.resolution)))
     return refuse(fmt::format("resolution is {}, it must be a power of two from {} to {}",
-                              options.resolution, kMinResolution, kMaxResolution));
-  if (!(options.margin_mm >= 0.0 && options.margin_mm <= kMaxMargin_mm))
-    return refuse(
-        fmt::format("margin_mm is {}, it must be from 0 to {}", options.margin_mm, kMaxMargin_mm));
-  if (!(options.band_mm >= 0.0 && options.band_mm <= kMaxMargin_mm))
-    return refuse(
-        fmt::format("band_mm is {}, it must be from 0 to {}", options.band_mm, kMaxMargin_mm));
-  if (!(options.tolerance_mm >= 0.0 && options.tolerance_mm <= kMaxMargin_mm))
-    return refuse(fmt::format("tolerance_mm is {}, it must be from 0 to {}", options.tolerance_mm,
-                              kMaxMargin_mm));
+                              options.resolution, kMinResolution, most));
+  const auto check_length = [&](const char* name, double length) -> Result<void> {
+    if (length >= 0.0 && length <= kMaxLength_mm) return {};
+    return refuse(fmt::format("{} is {}, it must be from 0 to {}", name, length, kMaxLength_mm));
+  };
+  LEFORT_TRY_VOID(check_length("margin_mm", options.margin_mm));
+  LEFORT_TRY_VOID(check_length("side_mm", options.side_mm));
+  LEFORT_TRY_VOID(check_length("band_mm", options.band_mm));
+  LEFORT_TRY_VOID(check_length("tolerance_mm", options.tolerance_mm));
+  if (!(options.relative_tolerance >= 0.0 && options.relative_tolerance <= 1.0))
+    return refuse(fmt::format("relative_tolerance is {}, it must be from 0 to 1",
+                              options.relative_tolerance));
   return {};
 }
 
@@ -62,14 +71,16 @@ Result<FieldFrame> lay_cube(const geometry::TriangleMesh& mesh,
   FieldFrame frame;
   frame.resolution = options.resolution;
   frame.tolerance_mm = options.tolerance_mm;
-  if (options.band_mm > 0.0) {
+  const int default_band_cells = std::min(kDefaultBandCells, options.resolution / kMaxBandShare);
+  if (options.side_mm > 0.0) {
+    frame.cell_mm = options.side_mm / options.resolution;
+  } else if (options.band_mm > 0.0) {
     frame.cell_mm = (extent + 2.0 * (options.band_mm + options.margin_mm)) / options.resolution;
-    frame.band_mm = options.band_mm;
   } else {
     frame.cell_mm =
-        (extent + 2.0 * options.margin_mm) / (options.resolution - 2 * kDefaultBandCells);
-    frame.band_mm = kDefaultBandCells * frame.cell_mm;
+        (extent + 2.0 * options.margin_mm) / (options.resolution - 2 * default_band_cells);
   }
+  frame.band_mm = options.band_mm > 0.0 ? options.band_mm : default_band_cells * frame.cell_mm;
   const double least = kMinBandCells * frame.cell_mm;
   const double most = options.resolution / kMaxBandShare * frame.cell_mm;
   if (!(frame.band_mm >= least && frame.band_mm <= most))
@@ -78,20 +89,34 @@ Result<FieldFrame> lay_cube(const geometry::TriangleMesh& mesh,
                             "of the cube) at resolution {}",
                             frame.band_mm, least, kMinBandCells, most, options.resolution));
   const double side = frame.cell_mm * frame.resolution;
+  if (options.relative_tolerance > 0.0) frame.tolerance_mm = options.relative_tolerance * side;
+  if (side < (extent + 2.0 * frame.band_mm) * (1.0 - 1e-12))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("side_mm is {}, it must be at least {:.4g}: the surface and the band "
+                            "on both sides",
+                            options.side_mm, extent + 2.0 * frame.band_mm));
   frame.origin_B = box.center() - Vec3::Constant(0.5 * side);
   return frame;
 }
 
-/// \returns whether the surface encloses a volume.
-Result<bool> check_orientation(const geometry::TriangleMesh& mesh) {
-  if (geometry::first_unbalanced_edge(mesh)) return false;
-  const double volume = geometry::signed_volume_mm3(mesh);
-  if (volume < 0.0)
-    return fail(ErrorCode::kMeshInvalid,
-                fmt::format("the closed surface encloses {:.6g} mm^3, it must enclose a positive "
-                            "volume: its triangles are clockwise seen from outside",
-                            volume));
-  return true;
+Result<DistanceField::Samples> build_samples(const PreparedSurface& surface,
+                                             const FieldFrame& frame, FieldMethod method,
+                                             Progress& progress) {
+  progress.begin_stage("distances near the bone");
+  std::optional<WindingRows> rows;
+  if (surface.closed) rows.emplace(surface.mesh_B, frame);
+  const WindingRows* const winding = rows ? &*rows : nullptr;
+  if (method == FieldMethod::kAdaptive) return split_top_down(surface, frame, winding, progress);
+  if (method == FieldMethod::kHybrid) {
+    LEFORT_TRY(SparseLattice distances,
+               sample_narrow_band(surface, frame, frame.band_mm, progress));
+    const SidedDistances sided = fill_far_sides(std::move(distances), frame, winding);
+    progress.begin_stage("unite cells of the distance field");
+    return coalesce(sided, frame, progress);
+  }
+  const BandSampler sampler(surface, frame, frame.band_mm);
+  if (method == FieldMethod::kUniform) return build_dense(sampler, frame, winding, progress);
+  return build_bricks(sampler, frame, winding, progress);
 }
 
 }  // namespace
@@ -104,25 +129,24 @@ Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface
     return fail(ErrorCode::kMeshInvalid,
                 fmt::format("the surface has {} triangles, at most {} are possible",
                             surface_B.triangle_count(), kMaxTriangles));
-  LEFORT_TRY_VOID(geometry::check_surface(surface_B));
-  const geometry::TriangleMesh mesh_B = geometry::weld_vertices(surface_B);
-  if (mesh_B.triangles.empty())
-    return fail(ErrorCode::kMeshInvalid,
-                "all triangles of the surface are points or lines, one must have three corners");
-  LEFORT_TRY(FieldFrame frame, lay_cube(mesh_B, options));
-  LEFORT_TRY(frame.closed, check_orientation(mesh_B));
+  LEFORT_TRY(const PreparedSurface surface, prepare_surface(surface_B));
+  for (const std::string& sentence : describe(surface.report)) progress.note(sentence);
+  LEFORT_TRY(FieldFrame frame, lay_cube(surface.mesh_B, options));
+  frame.closed = surface.closed;
 
-  progress.begin_stage("distances near the bone");
-  LEFORT_TRY(
-      SparseLattice distances,
-      sample_narrow_band(mesh_B, frame, frame.band_mm + kSampleReach * frame.cell_mm, progress));
-  SparseLattice smooth =
-      spline_coefficients(distances, frame.cell_mm, frame.band_mm + kStencilReach * frame.cell_mm);
-  const SidedDistances sided = fill_far_sides(std::move(distances), frame.closed);
-  progress.begin_stage("unite cells of the distance field");
-  LEFORT_TRY(Octree octree, coalesce(sided, frame, progress));
+  LEFORT_TRY(DistanceField::Samples samples,
+             build_samples(surface, frame, options.method, progress));
+  std::optional<SparseLattice> smooth;
+  if (options.smooth) {
+    progress.begin_stage("smooth distances");
+    LEFORT_TRY(
+        const SparseLattice distances,
+        sample_narrow_band(surface, frame, frame.band_mm + kSampleReach * frame.cell_mm, progress));
+    smooth = spline_coefficients(distances, frame.cell_mm,
+                                 frame.band_mm + kStencilReach * frame.cell_mm);
+  }
   progress.report(1.0);
-  return DistanceField(frame, std::move(octree), std::move(smooth));
+  return DistanceField(frame, std::move(samples), std::move(smooth));
 }
 
 }  // namespace lefort::field

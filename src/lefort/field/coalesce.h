@@ -5,16 +5,11 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
-#include <lefort/field/distance_field.h>
 #include <lefort/field/far_sides.h>
+#include <lefort/field/field_frame.h>
 #include <lefort/field/octree.h>
 
 namespace lefort::field {
-
-/// How far a point of a cell can be from the nearest corner, in cells: sqrt(3) / 2. A cell
-/// interpolates if a corner is within the band and this, so every point within the band lies in
-/// one.
-inline constexpr double kCellRadius = 0.8661;
 
 /// Unites eight sibling leaves when every lattice sample in them is reproduced by trilinear
 /// interpolation from the corners of their parent, within the tolerance of `frame`.
@@ -23,7 +18,6 @@ inline constexpr double kCellRadius = 0.8661;
 /// its children alone. So errors do not add up from level to level: the finished tree reproduces
 /// every sample within the tolerance.
 ///
-/// \param distances  known to kCellRadius and the diagonal of a cell beyond the band.
 /// \returns kCancelled.
 [[nodiscard]] Result<Octree> coalesce(const SidedDistances& distances, const FieldFrame& frame,
                                       Progress& progress);

@@ -1,33 +1,59 @@
 #include <lefort/core/check.h>
 #include <lefort/field/distance_field.h>
+#include <lefort/field/octree_cells.h>
+#include <lefort/field/query_bricks.h>
 #include <lefort/field/spline_lattice.h>
 #include <lefort/field/trilinear.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace lefort::field {
 
 namespace {
 
-/// Which side a distance tells beyond the band.
-Zone side_of(double distance_mm, const FieldFrame& frame) {
-  if (!frame.closed) return Zone::kUnknown;
-  return distance_mm < 0.0 ? Zone::kInside : Zone::kOutside;
+struct Located {
+  Vec3 u;  ///< Lattice coordinates.
+  LatticePoint cell;
+};
+
+std::optional<Located> locate(const FieldFrame& frame, const Vec3& p_B) {
+  Located at{(p_B - frame.origin_B) * (1.0 / frame.cell_mm), {}};
+  const bool in_box = (at.u.array() >= 0.0).all() && (at.u.array() <= frame.resolution).all();
+  if (!in_box) return std::nullopt;  // NaN, too.
+  for (int k = 0; k < 3; ++k)
+    at.cell[std::size_t(k)] = std::min(int(at.u[k]), frame.resolution - 1);
+  return at;
 }
 
-double distance_beyond(Zone zone, const FieldFrame& frame) {
-  return zone == Zone::kInside ? -frame.band_mm : frame.band_mm;
+/// For octrees and dense samples; bricks have their own way.
+template <class Samples>
+FieldSample sample_cells(const Samples& samples, const FieldFrame& frame, const Vec3& p_B) {
+  const std::optional<Located> at = locate(frame, p_B);
+  if (!at) return beyond_band(zone_beyond_box(frame, p_B), frame.band_mm);
+  const CellSamples cell = samples.cell(at->cell);
+  const Zone zone = cell.cells == 1 ? zone_of_fine_cell(cell.corners, float(frame.cell_mm))
+                                    : zone_of(cell.corners);
+  if (zone != Zone::kBand) return beyond_band(zone, frame.band_mm);
+  std::array<float, 3> t{};
+  for (std::size_t k = 0; k < 3; ++k) t[k] = float((at->u[int(k)] - cell.low[k]) / cell.cells);
+  const std::array<float, 3> gradient = trilinear_gradient(cell.corners, t);
+  const double per_mm = 1.0 / (cell.cells * frame.cell_mm);
+  return {Zone::kBand, trilinear(cell.corners, t),
+          Vec3(gradient[0] * per_mm, gradient[1] * per_mm, gradient[2] * per_mm)};
 }
 
 }  // namespace
 
-DistanceField::DistanceField(const FieldFrame& frame, Octree octree, SparseLattice smooth)
-    : frame_(frame), octree_(std::move(octree)), smooth_(std::move(smooth)) {
+DistanceField::DistanceField(const FieldFrame& frame, Samples samples,
+                             std::optional<SparseLattice> smooth)
+    : frame_(frame), samples_(std::move(samples)), smooth_(std::move(smooth)) {
   LEFORT_CHECK(frame_.cell_mm > 0.0 && frame_.band_mm > 0.0);
-  LEFORT_CHECK(octree_.resolution() == frame_.resolution);
-  LEFORT_CHECK(smooth_.resolution() == frame_.resolution);
+  LEFORT_CHECK(std::visit([](const auto& s) { return s.resolution(); }, samples_) ==
+               frame_.resolution);
+  LEFORT_CHECK(!smooth_ || smooth_->resolution() == frame_.resolution);
 }
 
 Box3 DistanceField::box_B() const {
@@ -35,53 +61,64 @@ Box3 DistanceField::box_B() const {
   return {frame_.origin_B, frame_.origin_B + sides};
 }
 
-std::optional<DistanceField::Located> DistanceField::locate(const Vec3& p_B) const {
-  const Vec3 u = (p_B - frame_.origin_B) / frame_.cell_mm;
-  const bool in_box = (u.array() >= 0.0).all() && (u.array() <= frame_.resolution).all();
-  if (!in_box) return std::nullopt;  // NaN, too.
-  LatticePoint cell{};
-  for (int k = 0; k < 3; ++k) cell[std::size_t(k)] = std::min(int(u[k]), frame_.resolution - 1);
-  return Located{u, octree_.find(cell)};
-}
-
-Zone DistanceField::zone_beyond_box(const Vec3& p_B) const {
-  return frame_.closed && p_B.allFinite() ? Zone::kOutside : Zone::kUnknown;
+void DistanceField::sample(std::span<const Vec3> p_B, std::span<FieldSample> results) const {
+  LEFORT_CHECK(p_B.size() == results.size());
+  if (const auto* bricks = std::get_if<BrickSamples>(&samples_))
+    return sample_bricks(*bricks, frame_, p_B, results);
+  for (std::size_t i = 0; i < p_B.size(); ++i)
+    results[i] = std::visit(
+        [&](const auto& samples) { return sample_cells(samples, frame_, p_B[i]); }, samples_);
 }
 
 FieldSample DistanceField::sample(const Vec3& p_B) const {
-  const auto beyond = [&](Zone zone) {
-    return FieldSample{zone, distance_beyond(zone, frame_), Vec3::Zero()};
-  };
-  const std::optional<Located> at = locate(p_B);
-  if (!at) return beyond(zone_beyond_box(p_B));
-  if (at->place.zone != Zone::kBand) return beyond(at->place.zone);
+  FieldSample result{};
+  sample(std::span(&p_B, 1), std::span(&result, 1));
+  return result;
+}
 
-  const OctreeLeaf& leaf = at->place.leaf;
-  const Vec3 t = (at->u - Vec3(leaf.low[0], leaf.low[1], leaf.low[2])) / leaf.cells;
-  const double distance = trilinear(at->place.corners, t);
-  if (std::abs(distance) > frame_.band_mm) return beyond(side_of(distance, frame_));
-  return {Zone::kBand, distance,
-          trilinear_gradient(at->place.corners, t) / (leaf.cells * frame_.cell_mm)};
+void DistanceField::distances(std::span<const Vec3> p_B, std::span<float> distances_mm) const {
+  LEFORT_CHECK(p_B.size() == distances_mm.size());
+  if (const auto* bricks = std::get_if<BrickSamples>(&samples_))
+    return distances_in_bricks(*bricks, frame_, p_B, distances_mm);
+  for (std::size_t i = 0; i < p_B.size(); ++i) {
+    const FieldSample found = sample(p_B[i]);
+    distances_mm[i] = found.zone == Zone::kBand ? float(found.distance_mm) : side_value(found.zone);
+  }
+}
+
+std::optional<Vec3> DistanceField::nearest_point(const Vec3& p_B) const {
+  const FieldSample found = sample(p_B);
+  const double slope = found.gradient_B.norm();
+  if (found.zone != Zone::kBand || !(slope > 0.0)) return std::nullopt;
+  return p_B - found.distance_mm / slope * found.gradient_B;
 }
 
 SmoothSample DistanceField::sample_smooth(const Vec3& p_B) const {
+  LEFORT_CHECK(smooth_.has_value());
   const auto beyond = [&](Zone zone) {
-    return SmoothSample{zone, distance_beyond(zone, frame_), Vec3::Zero(), Mat3::Zero()};
+    return SmoothSample{zone, zone == Zone::kInside ? -frame_.band_mm : frame_.band_mm,
+                        Vec3::Zero(), Mat3::Zero()};
   };
-  const std::optional<Located> at = locate(p_B);
-  if (!at) return beyond(zone_beyond_box(p_B));
-  if (at->place.zone != Zone::kBand) return beyond(at->place.zone);
-
-  const SplineValue spline = evaluate_spline(smooth_, at->u);
-  if (std::isnan(spline.value)) return beyond(Zone::kUnknown);  // Next to a tear of the sign.
-  if (std::abs(spline.value) > frame_.band_mm) return beyond(side_of(spline.value, frame_));
-  return {Zone::kBand, spline.value, spline.gradient / frame_.cell_mm,
-          spline.hessian / (frame_.cell_mm * frame_.cell_mm)};
+  const std::optional<Located> at = locate(frame_, p_B);
+  if (!at) return beyond(zone_beyond_box(frame_, p_B));
+  const SplineValue spline = evaluate_spline(*smooth_, at->u);
+  if (std::isfinite(spline.value)) {
+    if (std::abs(spline.value) <= frame_.band_mm)
+      return {Zone::kBand, spline.value, spline.gradient / frame_.cell_mm,
+              spline.hessian / (frame_.cell_mm * frame_.cell_mm)};
+    if (frame_.closed) return beyond(spline.value < 0.0 ? Zone::kInside : Zone::kOutside);
+  }
+  const CellSamples around = cell(at->cell);
+  const Zone zone = zone_of(around.corners);
+  return beyond(zone == Zone::kBand ? Zone::kUnknown : zone);
 }
 
-FieldStatistics DistanceField::statistics() const {
-  return {octree_.node_count() - octree_.count(NodeCode::kBranch), octree_.count(NodeCode::kBand),
-          Index(octree_.samples().size()), octree_.bytes(), smooth_.bytes()};
+CellSamples DistanceField::cell(const LatticePoint& low) const {
+  return std::visit([&](const auto& samples) { return samples.cell(low); }, samples_);
+}
+
+std::size_t DistanceField::sample_bytes() const {
+  return std::visit([](const auto& samples) { return samples.bytes(); }, samples_);
 }
 
 }  // namespace lefort::field

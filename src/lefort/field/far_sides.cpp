@@ -1,10 +1,9 @@
 #include <lefort/core/parallel.h>
+#include <lefort/field/cell_samples.h>
 #include <lefort/field/far_sides.h>
-#include <lefort/field/narrow_band.h>
 
-#include <array>
-#include <cmath>
-#include <limits>
+#include <bit>
+#include <optional>
 #include <utility>
 
 namespace lefort::field {
@@ -12,52 +11,84 @@ namespace lefort::field {
 namespace {
 
 constexpr int kSide = SparseLattice::kSide;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Carries the side of each of the kSide^2 rows through a brick.
-void sweep_brick(std::span<float, SparseLattice::kBrickPoints> values,
-                 std::array<bool, kSide * kSide>& inside) {
-  for (std::size_t row = 0; row < inside.size(); ++row) {
-    for (std::size_t i = 0; i < kSide; ++i) {
-      float& value = values[row * kSide + i];
-      if (std::isnan(value)) {
-        value = inside[row] ? -kInfinity : kInfinity;
-      } else {
-        inside[row] = value < 0.0F;
-      }
-    }
-  }
+LatticePoint point_at(const LatticePoint& first, std::size_t z, int bit) {
+  return {first[0] + bit % kSide, first[1] + bit / kSide, first[2] + int(z)};
+}
+
+/// Half the diagonal of 4 x 4 x 4 points, in cells.
+constexpr double kHalfOctant = 2.6;
+
+/// The points of an octant of a brick within one of its words.
+std::uint64_t octant_columns(int octant) {
+  const std::uint64_t rows = (octant >> 1 & 1) != 0 ? 0xFFFFFFFF00000000 : 0x00000000FFFFFFFF;
+  return rows & ((octant & 1) != 0 ? 0xF0F0F0F0F0F0F0F0 : 0x0F0F0F0F0F0F0F0F);
 }
 
 }  // namespace
 
-float SidedDistances::at(const LatticePoint& point) const {
-  float far = kFar;
-  const Zone side = brick_sides[std::size_t(near.brick_of(point))];
-  if (side != Zone::kUnknown) far = side == Zone::kInside ? -kInfinity : kInfinity;
-  return near.at(point, far);
+BrickBits inside_with_far(const BrickSigns& signs, const WindingRows& winding, std::int32_t brick,
+                          const FieldFrame& frame) {
+  const LatticePoint first = SparseLattice::first_point_of(brick, frame.resolution);
+  const bool one_side = frame.band_mm >= kHalfOctant * frame.cell_mm;
+  BrickBits inside = signs.inside;
+  for (int octant = 0; octant < 8; ++octant) {
+    std::optional<bool> side;
+    const auto z_low = std::size_t(octant >> 2) * 4;
+    for (std::size_t z = z_low; z < z_low + 4; ++z) {
+      std::uint64_t far = ~signs.known[z] & octant_columns(octant);
+      for (std::uint64_t left = far; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        if (!side || !one_side) side = winding.is_inside(point_at(first, z, bit));
+        if (!one_side && *side) inside[z] |= std::uint64_t(1) << bit;
+        if (one_side) break;
+      }
+      if (one_side && side.value_or(false)) inside[z] |= far;
+    }
+  }
+  return inside;
 }
 
-SidedDistances fill_far_sides(SparseLattice distances, bool closed) {
-  const Index n = distances.bricks_per_side();
-  SidedDistances filled{std::move(distances),
-                        std::vector<Zone>(std::size_t(n * n * n), Zone::kUnknown)};
-  if (!closed) return filled;
-  const auto sweep_row_of_bricks = [&](Index row) {
-    std::array<bool, kSide * kSide> inside{};
-    for (Index b = row * n; b < (row + 1) * n; ++b) {
-      const std::int32_t slot = filled.near.slot_of(std::int32_t(b));
-      if (slot != SparseLattice::kNoBrick) {
-        sweep_brick(filled.near.brick(slot), inside);
-        continue;
-      }
-      // No surface near any point of this brick, so all its rows are on one side.
-      filled.brick_sides[std::size_t(b)] = inside[0] ? Zone::kInside : Zone::kOutside;
-      inside.fill(inside[0]);
+void fill_far_points(std::span<float, SparseLattice::kBrickPoints> distances,
+                     const WindingRows& winding, std::int32_t brick, const FieldFrame& frame) {
+  const BrickSigns signs = signs_of(distances);
+  const BrickBits inside = inside_with_far(signs, winding, brick, frame);
+  for (std::size_t i = 0; i < distances.size(); ++i)
+    if ((signs.known[i / 64] >> (i % 64) & 1) == 0)
+      distances[i] =
+          side_value((inside[i / 64] >> (i % 64) & 1) != 0 ? Zone::kInside : Zone::kOutside);
+}
+
+Zone side_of_empty_brick(const WindingRows& winding, std::int32_t brick, int resolution) {
+  const LatticePoint first = SparseLattice::first_point_of(brick, resolution);
+  return winding.is_inside(first) ? Zone::kInside : Zone::kOutside;
+}
+
+float SidedDistances::at(const LatticePoint& point) const {
+  const std::int32_t brick = near.brick_of(point);
+  const std::int32_t slot = near.slot_of(brick);
+  if (slot != SparseLattice::kNoBrick)
+    return near.brick(slot)[std::size_t(SparseLattice::place_of(point))];
+  return side_value(brick_sides[std::size_t(brick)]);
+}
+
+SidedDistances fill_far_sides(SparseLattice distances, const FieldFrame& frame,
+                              const WindingRows* winding) {
+  const int resolution = distances.resolution();
+  const auto n = std::size_t(distances.bricks_per_side());
+  std::vector<Zone> sides(n * n * n, Zone::kUnknown);
+  if (winding == nullptr) return {std::move(distances), std::move(sides)};
+  parallel_for(Index(sides.size()), [&](Index b) {
+    const auto brick = std::int32_t(b);
+    const std::int32_t slot = distances.slot_of(brick);
+    if (slot == SparseLattice::kNoBrick) {
+      sides[std::size_t(b)] = side_of_empty_brick(*winding, brick, resolution);
+    } else {
+      fill_far_points(distances.brick(slot), *winding, brick, frame);
+      sides[std::size_t(b)] = Zone::kBand;
     }
-  };
-  parallel_for(n * n, sweep_row_of_bricks, 16);
-  return filled;
+  });
+  return {std::move(distances), std::move(sides)};
 }
 
 }  // namespace lefort::field

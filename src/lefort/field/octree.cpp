@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
+#include <limits>
 #include <utility>
 
 namespace lefort::field {
@@ -14,9 +14,34 @@ namespace {
 /// Positions of nodes are 32 bits.
 constexpr std::size_t kMaxNodes = std::size_t(1) << 30;
 
-/// A branch is the position of its first child, which is positive; leaves are not.
+// A branch is the position of its first child, which is positive; a leaf is minus its zone; eight
+// finest cells are below that.
+constexpr std::int32_t kFine = -256;
+
 std::int32_t leaf_node(Zone zone) { return -std::int32_t(zone); }
 Zone zone_of_leaf(std::int32_t node) { return Zone(-node); }
+std::int32_t fine_node(const FineCells& cells) {
+  return kFine - (std::int32_t(cells.others) << 8 | cells.band);
+}
+bool is_fine(std::int32_t node) { return node <= kFine; }
+FineCells fine_cells(std::int32_t node) {
+  const std::int32_t packed = kFine - node;
+  return {std::uint8_t(packed & 0xFF), Zone(packed >> 8)};
+}
+
+NodeCode code_of(Zone zone) {
+  switch (zone) {
+    case Zone::kBand:
+      return NodeCode::kBand;
+    case Zone::kOutside:
+      return NodeCode::kOutside;
+    case Zone::kInside:
+      return NodeCode::kInside;
+    case Zone::kUnknown:
+      break;
+  }
+  return NodeCode::kUnknown;
+}
 
 LatticePoint corner_of(const LatticePoint& low, int corner, int cells) {
   return {low[0] + (corner & 1) * cells, low[1] + (corner >> 1 & 1) * cells,
@@ -28,6 +53,10 @@ struct Decoder {
   std::vector<std::int32_t> nodes = {0};
   SampleIndex index;
   std::size_t next = 0;
+
+  void mark_corners(const LatticePoint& low, int cells) {
+    for (int corner = 0; corner < 8; ++corner) index.mark(corner_of(low, corner, cells));
+  }
 
   /// Reads the subtree for the cube at `low` into nodes[slot]; false if the letters are no tree.
   bool read(std::size_t slot, const LatticePoint& low, int cells) {
@@ -44,17 +73,39 @@ struct Decoder {
         return true;
       case NodeCode::kBand:
         nodes[slot] = leaf_node(Zone::kBand);
-        for (int corner = 0; corner < 8; ++corner) index.mark(corner_of(low, corner, cells));
+        mark_corners(low, cells);
         return true;
       case NodeCode::kBranch:
-        return read_children(slot, low, cells / 2);
+        return cells == 2 ? read_fine(slot, low) : read_children(slot, low, cells / 2);
     }
     return false;
   }
 
+  bool read_fine(std::size_t slot, const LatticePoint& low) {
+    if (codes.size() - next < 2) return false;
+    FineCells cells{std::uint8_t(codes[next]), Zone::kUnknown};
+    switch (NodeCode(codes[next + 1])) {
+      case NodeCode::kOutside:
+        cells.others = Zone::kOutside;
+        break;
+      case NodeCode::kInside:
+        cells.others = Zone::kInside;
+        break;
+      case NodeCode::kUnknown:
+        break;
+      default:
+        return false;
+    }
+    next += 2;
+    nodes[slot] = fine_node(cells);
+    for (int child = 0; child < 8; ++child)
+      if ((cells.band >> child & 1) != 0) mark_corners(corner_of(low, child, 1), 1);
+    return true;
+  }
+
   bool read_children(std::size_t slot, const LatticePoint& low, int cells) {
-    if (cells == 0) return false;
     const std::size_t first = nodes.size();
+    if (first + 8 > kMaxNodes) return false;
     nodes[slot] = std::int32_t(first);
     nodes.resize(first + 8);
     for (int child = 0; child < 8; ++child)
@@ -63,13 +114,30 @@ struct Decoder {
   }
 };
 
+void append_codes(const std::vector<std::int32_t>& nodes, std::int32_t node, std::string& codes) {
+  if (is_fine(node)) {
+    codes += char(NodeCode::kBranch);
+    append_fine_cells(codes, fine_cells(node));
+  } else if (node <= 0) {
+    codes += char(code_of(zone_of_leaf(node)));
+  } else {
+    codes += char(NodeCode::kBranch);
+    for (int child = 0; child < 8; ++child)
+      append_codes(nodes, nodes[std::size_t(node + child)], codes);
+  }
+}
+
 }  // namespace
 
-Result<Octree> Octree::decode(int resolution, std::string codes) {
+void append_fine_cells(std::string& codes, const FineCells& cells) {
+  codes += char(cells.band);
+  codes += char(code_of(cells.others));
+}
+
+Result<Octree> Octree::decode(int resolution, std::string_view codes) {
   LEFORT_CHECK(resolution > 0 && std::has_single_bit(unsigned(resolution)));
   Decoder decoder{codes, {0}, SampleIndex(resolution)};
-  if (codes.size() > kMaxNodes || !decoder.read(0, {0, 0, 0}, resolution) ||
-      decoder.next != codes.size())
+  if (!decoder.read(0, {0, 0, 0}, resolution) || decoder.next != codes.size())
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("the octree is no tree at node {} of {}, it must have one leaf for "
                             "every part of its cube",
@@ -77,37 +145,61 @@ Result<Octree> Octree::decode(int resolution, std::string codes) {
   decoder.index.finish();
   Octree octree;
   octree.resolution_ = resolution;
+  decoder.nodes.shrink_to_fit();
   octree.nodes_ = std::move(decoder.nodes);
   octree.index_ = std::move(decoder.index);
   octree.samples_.assign(std::size_t(octree.index_.count()), 0.0F);
-  octree.codes_ = std::move(codes);
   return octree;
 }
 
-Octree::Place Octree::find(const LatticePoint& cell) const {
-  Place place{Zone::kUnknown, {{0, 0, 0}, resolution_}, {}};
-  std::int32_t node = nodes_[0];
-  LatticePoint& low = place.leaf.low;
-  while (node > 0) {
-    const int half = place.leaf.cells /= 2;
-    std::int32_t child = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (cell[k] < low[k] + half) continue;
-      low[k] += half;
-      child |= 1 << k;
-    }
-    node = nodes_[std::size_t(node + child)];
-  }
-  place.zone = zone_of_leaf(node);
-  if (place.zone != Zone::kBand) return place;
-  for (int corner = 0; corner < 8; ++corner)
-    place.corners[std::size_t(corner)] =
-        samples_[index_.number_of(corner_of(low, corner, place.leaf.cells))];
-  return place;
+std::string Octree::codes() const {
+  std::string codes;
+  append_codes(nodes_, nodes_[0], codes);
+  return codes;
 }
 
-Index Octree::count(NodeCode code) const {
-  return Index(std::count(codes_.begin(), codes_.end(), char(code)));
+CellSamples Octree::cell(const LatticePoint& cell) const {
+  CellSamples leaf{{0, 0, 0}, resolution_, {}};
+  const auto descend = [&] {
+    const int half = leaf.cells /= 2;
+    int child = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (cell[k] < leaf.low[k] + half) continue;
+      leaf.low[k] += half;
+      child |= 1 << k;
+    }
+    return child;
+  };
+  std::int32_t node = nodes_[0];
+  while (node > 0) {
+    const int child = descend();
+    node = nodes_[std::size_t(node + child)];
+  }
+  Zone zone = Zone::kBand;
+  if (is_fine(node)) {
+    const FineCells cells = fine_cells(node);
+    const int child = descend();
+    if ((cells.band >> child & 1) == 0) zone = cells.others;
+  } else {
+    zone = zone_of_leaf(node);
+  }
+  if (zone != Zone::kBand) {
+    leaf.corners.fill(side_value(zone));
+    return leaf;
+  }
+  for (int corner = 0; corner < 8; ++corner)
+    leaf.corners[std::size_t(corner)] =
+        samples_[index_.number_of(corner_of(leaf.low, corner, leaf.cells))];
+  return leaf;
+}
+
+Index Octree::band_leaf_count() const {
+  Index count = 0;
+  for (const std::int32_t node : nodes_) {
+    if (is_fine(node)) count += std::popcount(fine_cells(node).band);
+    if (node == leaf_node(Zone::kBand)) ++count;
+  }
+  return count;
 }
 
 std::size_t Octree::bytes() const {

@@ -4,11 +4,11 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/field/cell_samples.h>
 #include <lefort/field/sample_index.h>
 #include <lefort/field/sparse_lattice.h>
 #include <lefort/field/zone.h>
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -19,18 +19,21 @@ namespace lefort::field {
 
 /// One letter per node of an octree, parents before children, children with x fastest.
 enum class NodeCode : char {
-  kBranch = '+',   ///< Eight children follow.
+  kBranch = '+',   ///< Eight children follow; if they are finest cells, a FineCells in two letters.
   kBand = '#',     ///< Leaf within the band: samples at its corners.
   kOutside = 'o',  ///< Leaf beyond the band ...
   kInside = 'i',
   kUnknown = '?',
 };
 
-/// Cube of cells with corner samples: a leaf within the band.
-struct OctreeLeaf {
-  LatticePoint low;  ///< Lattice point of its lowest corner.
-  int cells;         ///< Edge in finest cells, a power of two.
+/// Eight finest cells. Nearly all of an octree are, so they have no nodes of their own.
+struct FineCells {
+  std::uint8_t band = 0;         ///< Which are leaves within the band, as bits.
+  Zone others = Zone::kUnknown;  ///< Where the others are.
 };
+
+/// Appends to the letters of an octree.
+void append_fine_cells(std::string& codes, const FineCells& cells);
 
 /// Octree over a cube of resolution^3 cells. Samples are shared by the leaves that meet there.
 class Octree {
@@ -39,10 +42,13 @@ class Octree {
 
   /// Decodes a tree and numbers its corner samples.
   ///
-  /// \param resolution  cells along a side, a power of two.
+  /// \param resolution  cells along a side, a power of two and a multiple of SparseLattice::kSide.
   /// \param codes       NodeCode letters; nothing may follow the last.
   /// \returns kFileCorrupt if the letters are no tree of that size.
-  [[nodiscard]] static Result<Octree> decode(int resolution, std::string codes);
+  [[nodiscard]] static Result<Octree> decode(int resolution, std::string_view codes);
+
+  /// The letters again.
+  [[nodiscard]] std::string codes() const;
 
   /// Corner samples in the order of sample_points(); set by whoever decoded the tree.
   [[nodiscard]] std::span<const float> samples() const { return samples_; }
@@ -51,27 +57,20 @@ class Octree {
   /// Lattice points of the corner samples.
   [[nodiscard]] std::vector<LatticePoint> sample_points() const { return index_.points(); }
 
-  /// Where a point lies: the zone of its leaf, and if that is kBand the leaf and its samples.
-  struct Place {
-    Zone zone;
-    OctreeLeaf leaf;
-    std::array<double, 8> corners;  ///< [mm], x fastest; only in the band.
-  };
-
+  /// The leaf around a cell; if it is beyond the band, its side at all corners.
+  ///
   /// \param cell  0 <= coordinates < resolution.
-  [[nodiscard]] Place find(const LatticePoint& cell) const;
+  [[nodiscard]] CellSamples cell(const LatticePoint& cell) const;
 
   [[nodiscard]] int resolution() const { return resolution_; }
-  [[nodiscard]] std::string_view codes() const { return codes_; }
-  [[nodiscard]] Index node_count() const { return Index(nodes_.size()); }
-  [[nodiscard]] Index count(NodeCode code) const;
+  /// Leaves that interpolate.
+  [[nodiscard]] Index band_leaf_count() const;
 
-  /// What find() reads.
+  /// What cell() reads.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   int resolution_ = 0;
-  std::string codes_;
   std::vector<std::int32_t> nodes_;  ///< First of eight children, or what kind of leaf.
   SampleIndex index_;
   std::vector<float> samples_;

@@ -19,12 +19,6 @@ SparseLattice::SparseLattice(int resolution, std::vector<std::int32_t> brick_num
   values_.assign(brick_numbers_.size() * kBrickPoints, initial);
 }
 
-LatticePoint SparseLattice::first_point(std::int32_t brick) const {
-  const int n = bricks_per_side();
-  return {brick % n * kSide - kSide, brick / n % n * kSide - kSide,
-          brick / (n * n) * kSide - kSide};
-}
-
 std::size_t SparseLattice::bytes() const {
   return values_.size() * sizeof(float) +
          (slots_.size() + brick_numbers_.size()) * sizeof(std::int32_t);

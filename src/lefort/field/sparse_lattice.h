@@ -46,7 +46,14 @@ class SparseLattice {
   }
 
   /// First lattice point of a brick.
-  [[nodiscard]] LatticePoint first_point(std::int32_t brick) const;
+  [[nodiscard]] static LatticePoint first_point_of(std::int32_t brick, int resolution) {
+    const int n = bricks_per_side(resolution);
+    return {brick % n * kSide - kSide, brick / n % n * kSide - kSide,
+            brick / (n * n) * kSide - kSide};
+  }
+  [[nodiscard]] LatticePoint first_point(std::int32_t brick) const {
+    return first_point_of(brick, resolution_);
+  }
 
   /// Brick that holds a lattice point; coordinates from -kSide to resolution + 2 kSide - 1.
   [[nodiscard]] std::int32_t brick_of(const LatticePoint& point) const {

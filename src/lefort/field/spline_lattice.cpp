@@ -18,19 +18,20 @@ constexpr float kNoCoefficient = std::numeric_limits<float>::quiet_NaN();
 
 float coefficient_at(const SparseLattice& values, const LatticePoint& point, double cell) {
   const int last = values.resolution() + 2 * kSide - 1;
-  const double here = values.at(point, kNoCoefficient);
+  const float here = values.at(point, kNoCoefficient);
+  if (std::isnan(here)) return kNoCoefficient;
   double differences = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const int step : {-1, 1}) {
       LatticePoint neighbour = point;
       neighbour[axis] += step;
       if (neighbour[axis] < -kSide || neighbour[axis] > last) return kNoCoefficient;
-      const double there = values.at(neighbour, kNoCoefficient);
-      if (is_torn(here, there, cell)) return kNoCoefficient;
-      differences += there - here;
+      const float there = values.at(neighbour, kNoCoefficient);
+      if (std::isnan(there) || is_torn(here, there, float(cell))) return kNoCoefficient;
+      differences += double(there) - double(here);
     }
   }
-  return float(here - differences / 6.0);
+  return float(double(here) - differences / 6.0);
 }
 
 /// The four cubic B-splines that do not vanish at 0 <= t <= 1, and their derivatives.

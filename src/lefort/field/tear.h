@@ -6,11 +6,16 @@
 
 namespace lefort::field {
 
-/// True if two neighbours on the lattice cannot belong to one distance field, which changes by at
-/// most one cell from point to point. Behind the rim of an open surface, or where triangles turn
-/// against each other, the sign jumps and with it the distance.
-[[nodiscard]] inline bool is_torn(double distance, double neighbour, double cell) {
-  return !(std::abs(distance - neighbour) <= cell * 1.001);
+/// The most that neighbours on the lattice may differ, in cells: a distance changes by no more than
+/// its argument, but for rounding.
+inline constexpr float kTearCells = 1.001F;
+
+/// True if two neighbours cannot belong to one distance field. Behind the rim of an open
+/// surface, or where triangles turn against each other, the sign jumps and with it the distance.
+///
+/// False if one of them is NaN.
+[[nodiscard]] inline bool is_torn(float distance, float neighbour, float cell) {
+  return std::abs(distance - neighbour) > cell * kTearCells;
 }
 
 }  // namespace lefort::field

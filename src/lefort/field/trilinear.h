@@ -2,38 +2,36 @@
 /// Interpolation between the eight corners of a cube.
 #pragma once
 
-#include <lefort/core/types.h>
-
 #include <array>
+#include <cstddef>
 
 namespace lefort::field {
 
 /// \param corners  values, x fastest.
 /// \param t        position in the cube, 0 to 1 along each axis.
-[[nodiscard]] inline double trilinear(const std::array<double, 8>& corners, const Vec3& t) {
+template <class Real>
+[[nodiscard]] Real trilinear(const std::array<Real, 8>& corners, const std::array<Real, 3>& t) {
   const auto along_x = [&](std::size_t first) {
-    return corners[first] + t.x() * (corners[first + 1] - corners[first]);
+    return corners[first] + t[0] * (corners[first + 1] - corners[first]);
   };
-  const double low = along_x(0) + t.y() * (along_x(2) - along_x(0));
-  const double high = along_x(4) + t.y() * (along_x(6) - along_x(4));
-  return low + t.z() * (high - low);
+  const Real low = along_x(0) + t[1] * (along_x(2) - along_x(0));
+  const Real high = along_x(4) + t[1] * (along_x(6) - along_x(4));
+  return low + t[2] * (high - low);
 }
 
 /// Derivative of trilinear() with respect to t.
-[[nodiscard]] inline Vec3 trilinear_gradient(const std::array<double, 8>& corners, const Vec3& t) {
-  Vec3 gradient = Vec3::Zero();
-  for (std::size_t corner = 0; corner < 8; ++corner) {
-    Vec3 weight, slope;
-    for (int k = 0; k < 3; ++k) {
-      const bool upper = (corner >> k & 1) != 0;
-      weight[k] = upper ? t[k] : 1.0 - t[k];
-      slope[k] = upper ? 1.0 : -1.0;
-    }
-    gradient += corners[corner] * Vec3(slope.x() * weight.y() * weight.z(),
-                                       weight.x() * slope.y() * weight.z(),
-                                       weight.x() * weight.y() * slope.z());
-  }
-  return gradient;
+template <class Real>
+[[nodiscard]] std::array<Real, 3> trilinear_gradient(const std::array<Real, 8>& corners,
+                                                     const std::array<Real, 3>& t) {
+  const auto mix = [](Real share, Real low, Real high) { return low + share * (high - low); };
+  const auto slope_x = [&](std::size_t first) { return corners[first + 1] - corners[first]; };
+  const auto at_x = [&](std::size_t first) {
+    return mix(t[0], corners[first], corners[first + 1]);
+  };
+  const std::array<Real, 4> edge = {at_x(0), at_x(2), at_x(4), at_x(6)};
+  return {mix(t[2], mix(t[1], slope_x(0), slope_x(2)), mix(t[1], slope_x(4), slope_x(6))),
+          mix(t[2], edge[1] - edge[0], edge[3] - edge[2]),
+          mix(t[1], edge[2], edge[3]) - mix(t[1], edge[0], edge[1])};
 }
 
 }  // namespace lefort::field

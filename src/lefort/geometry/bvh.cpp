@@ -51,7 +51,7 @@ std::optional<double> ray_meets_triangle(const Vec3& origin, const Vec3& directi
 
 Bvh::Bvh(TriangleMesh mesh) : mesh_(std::move(mesh)) {
   LEFORT_CHECK(check_surface(mesh_).has_value());
-  pseudonormals_ = compute_pseudonormals(mesh_);
+  pseudonormals_ = Pseudonormals(mesh_);
   order_.resize(mesh_.triangles.size());
   std::iota(order_.begin(), order_.end(), 0);
   std::vector<Vec3> centres;
@@ -130,7 +130,7 @@ std::optional<SurfacePoint> Bvh::closest_point(const Vec3& p, double max_distanc
 SignedDistance Bvh::signed_distance(const Vec3& p) const {
   const std::optional<SurfacePoint> nearest = closest_point(p);
   LEFORT_CHECK(nearest.has_value());
-  const Vec3& n = pseudonormals_.at(mesh_, nearest->triangle, nearest->feature);
+  const Vec3 n = pseudonormals_.at(mesh_, nearest->triangle, nearest->feature);
   const bool inside = n.dot(p - nearest->point) < 0.0;
   return {inside ? -nearest->distance_mm : nearest->distance_mm, *nearest, n};
 }

@@ -11,28 +11,43 @@
 
 namespace lefort::geometry {
 
-/// One side of a triangle lying on an edge.
-struct EdgeUse {
-  std::int32_t triangle;
-  std::int8_t side;  ///< From corner `side` to corner (side + 1) % 3.
-  bool forward;      ///< Runs from the smaller to the larger vertex number.
+/// Side `side` of a triangle, from corner `side` to corner (side + 1) % 3, as 3 * triangle + side.
+struct SideOfTriangle {
+  std::int32_t larger_end;  ///< The larger of its two vertex numbers.
+  std::int32_t number;
+
+  [[nodiscard]] Index triangle() const { return number / 3; }
+  [[nodiscard]] int side() const { return number % 3; }
 };
 
-/// Edges in ascending order of (smaller, larger) vertex number; any number of uses each.
-struct MeshEdges {
-  std::vector<std::array<std::int32_t, 2>> ends;         ///< Smaller, larger vertex.
-  std::vector<std::int32_t> first_use;                   ///< One per edge, and the total.
-  std::vector<EdgeUse> uses;                             ///< By edge, then by triangle.
-  std::vector<std::array<std::int32_t, 3>> of_triangle;  ///< Edge on each side.
+/// The sides of all triangles, grouped by the edge they lie on; any number of them each.
+class SidesByEdge {
+ public:
+  /// \pre every vertex number of `mesh` is in range.
+  explicit SidesByEdge(const TriangleMesh& mesh);
 
-  [[nodiscard]] Index edge_count() const { return Index(ends.size()); }
-  [[nodiscard]] std::span<const EdgeUse> uses_of(Index edge) const {
-    const auto first = std::size_t(first_use[std::size_t(edge)]);
-    return std::span(uses).subspan(first, std::size_t(first_use[std::size_t(edge) + 1]) - first);
+  /// Calls body(smaller_end, larger_end, sides) for each edge whose smaller vertex number is
+  /// `vertex`, by ascending larger end; sides by ascending triangle.
+  template <class Body>
+  void for_each_edge_at(std::int32_t vertex, const Body& body) const {
+    const std::size_t end = first_[std::size_t(vertex) + 1];
+    for (std::size_t from = first_[std::size_t(vertex)], to = from; from < end; from = to) {
+      while (to < end && sides_[to].larger_end == sides_[from].larger_end) ++to;
+      body(vertex, sides_[from].larger_end, std::span(sides_).subspan(from, to - from));
+    }
   }
+
+  [[nodiscard]] Index vertex_count() const { return Index(first_.size()) - 1; }
+
+ private:
+  std::vector<std::uint32_t> first_;  ///< By smaller end.
+  std::vector<SideOfTriangle> sides_;
 };
 
-/// \pre every vertex number of `mesh` is in range.
-[[nodiscard]] MeshEdges find_edges(const TriangleMesh& mesh);
+/// True if the side runs from its smaller to its larger vertex number.
+[[nodiscard]] inline bool runs_forward(const TriangleMesh& mesh, const SideOfTriangle& side) {
+  const Triangle& t = mesh.triangles[std::size_t(side.triangle())];
+  return t[std::size_t(side.side())] <= t[std::size_t((side.side() + 1) % 3)];
+}
 
 }  // namespace lefort::geometry

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -26,13 +27,16 @@ std::vector<bool> used_vertices(const TriangleMesh& mesh) {
 
 template <class Accept>
 std::optional<EdgeCount> first_edge_not(const TriangleMesh& mesh, const Accept& accept) {
-  const MeshEdges edges = find_edges(mesh);
-  for (Index e = 0; e < edges.edge_count(); ++e) {
-    EdgeCount count{edges.ends[std::size_t(e)][0], edges.ends[std::size_t(e)][1], 0, 0};
-    for (const EdgeUse& use : edges.uses_of(e)) ++(use.forward ? count.forward : count.backward);
-    if (!accept(count)) return count;
-  }
-  return std::nullopt;
+  const SidesByEdge sides(mesh);
+  std::optional<EdgeCount> found;
+  for (std::int32_t v = 0; v < mesh.vertex_count() && !found; ++v)
+    sides.for_each_edge_at(v, [&](std::int32_t from, std::int32_t to, auto there) {
+      EdgeCount count{from, to, 0, 0};
+      for (const SideOfTriangle& s : there)
+        ++(runs_forward(mesh, s) ? count.forward : count.backward);
+      if (!found && !accept(count)) found = count;
+    });
+  return found;
 }
 
 /// Root of a vertex's tree, halving the path on the way.
@@ -44,24 +48,53 @@ std::int32_t root_of(std::vector<std::int32_t>& parent, std::int32_t v) {
   return v;
 }
 
-/// For each vertex the lowest number at its position.
-std::vector<std::int32_t> first_at_position(const std::vector<Vec3>& vertices) {
-  std::vector<std::int32_t> order(vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](std::int32_t i) {
-    const Vec3& v = vertices[std::size_t(i)];
-    return std::array<double, 3>{v.x(), v.y(), v.z()};
-  };
-  std::sort(order.begin(), order.end(), [&](std::int32_t i, std::int32_t j) {
-    return key(i) != key(j) ? key(i) < key(j) : i < j;
-  });
-  std::vector<std::int32_t> first(vertices.size());
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    const bool repeats = n > 0 && key(order[n]) == key(order[n - 1]);
-    first[std::size_t(order[n])] = repeats ? first[std::size_t(order[n - 1])] : order[n];
+/// Copies those vertices that triangles of `mesh` name, in their order, and renumbers.
+void number_vertices_used(TriangleMesh& mesh, const std::vector<Vec3>& vertices) {
+  std::vector<std::int32_t> number(vertices.size(), -1);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::int32_t v : t) number[std::size_t(v)] = 0;
+  mesh.vertices.reserve(vertices.size());
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] < 0) continue;
+    number[v] = std::int32_t(mesh.vertices.size());
+    mesh.vertices.push_back(vertices[v]);
   }
-  return first;
+  for (Triangle& t : mesh.triangles)
+    for (std::int32_t& v : t) v = number[std::size_t(v)];
 }
+
+/// For each vertex the lowest number at its position.
+class PositionTable {
+ public:
+  explicit PositionTable(const std::vector<Vec3>& vertices)
+      : vertices_(vertices), slots_(std::bit_ceil(2 * vertices.size() + 1), kEmpty) {}
+
+  /// The vertex that came first to the position of vertex `v`, which may be `v` itself.
+  std::int32_t first_at(std::int32_t v) {
+    const Vec3& p = vertices_[std::size_t(v)];
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t slot = hash(p) & mask;; slot = (slot + 1) & mask) {
+      if (slots_[slot] == kEmpty) return slots_[slot] = v;
+      if (vertices_[std::size_t(slots_[slot])] == p) return slots_[slot];
+    }
+  }
+
+ private:
+  static constexpr std::int32_t kEmpty = -1;
+
+  static std::size_t hash(const Vec3& p) {
+    std::uint64_t h = 0;
+    for (int k = 0; k < 3; ++k) {
+      // Adding zero gives both zeros the same bits.
+      h = (h ^ std::bit_cast<std::uint64_t>(p[k] + 0.0)) * 0x9E3779B97F4A7C15U;
+      h ^= h >> 32;
+    }
+    return std::size_t(h);
+  }
+
+  const std::vector<Vec3>& vertices_;
+  std::vector<std::int32_t> slots_;
+};
 
 }  // namespace
 
@@ -116,7 +149,11 @@ double signed_volume_mm3(const TriangleMesh& mesh) {
 Index euler_characteristic(const TriangleMesh& mesh) {
   const std::vector<bool> used = used_vertices(mesh);
   const Index vertices = std::count(used.begin(), used.end(), true);
-  return vertices - find_edges(mesh).edge_count() + mesh.triangle_count();
+  const SidesByEdge sides(mesh);
+  Index edges = 0;
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
+    sides.for_each_edge_at(v, [&](auto...) { ++edges; });
+  return vertices - edges + mesh.triangle_count();
 }
 
 std::string describe(const EdgeCount& edge) {
@@ -159,16 +196,7 @@ TriangleMesh keep_triangles(const TriangleMesh& mesh, const std::function<bool(I
   TriangleMesh kept;
   for (Index t = 0; t < mesh.triangle_count(); ++t)
     if (keep(t)) kept.triangles.push_back(mesh.triangles[std::size_t(t)]);
-  std::vector<std::int32_t> number(mesh.vertices.size(), -1);
-  for (const Triangle& t : kept.triangles)
-    for (const std::int32_t v : t) number[std::size_t(v)] = 0;
-  for (std::size_t v = 0; v < number.size(); ++v) {
-    if (number[v] < 0) continue;
-    number[v] = std::int32_t(kept.vertices.size());
-    kept.vertices.push_back(mesh.vertices[v]);
-  }
-  for (Triangle& t : kept.triangles)
-    for (std::int32_t& v : t) v = number[std::size_t(v)];
+  number_vertices_used(kept, mesh.vertices);
   return kept;
 }
 
@@ -197,14 +225,18 @@ TriangleMesh keep_components(const TriangleMesh& mesh,
 }
 
 TriangleMesh weld_vertices(const TriangleMesh& mesh) {
-  const std::vector<std::int32_t> first = first_at_position(mesh.vertices);
-  TriangleMesh welded = mesh;
-  for (Triangle& t : welded.triangles)
-    for (std::int32_t& v : t) v = first[std::size_t(v)];
-  return keep_triangles(welded, [&](Index t) {
-    const auto& [a, b, c] = welded.triangles[std::size_t(t)];
-    return a != b && b != c && c != a;
-  });
+  PositionTable table(mesh.vertices);
+  std::vector<std::int32_t> first(mesh.vertices.size());
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) first[std::size_t(v)] = table.first_at(v);
+  TriangleMesh welded;
+  welded.triangles.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) {
+    const Triangle w = {first[std::size_t(t[0])], first[std::size_t(t[1])],
+                        first[std::size_t(t[2])]};
+    if (w[0] != w[1] && w[1] != w[2] && w[2] != w[0]) welded.triangles.push_back(w);
+  }
+  number_vertices_used(welded, mesh.vertices);
+  return welded;
 }
 
 }  // namespace lefort::geometry

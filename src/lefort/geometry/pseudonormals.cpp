@@ -1,6 +1,9 @@
+#include <lefort/core/parallel.h>
 #include <lefort/geometry/pseudonormals.h>
 
 #include <cmath>
+#include <numbers>
+#include <span>
 
 namespace lefort::geometry {
 
@@ -8,98 +11,170 @@ namespace {
 
 /// How many triangles without area in a row are walked through to find a normal.
 constexpr int kMaxSteps = 32;
+constexpr Index kBlock = 4096;
+constexpr double kFullTurn = 2.0 * std::numbers::pi;  // Of angles around a vertex.
 
 double side_length(const TriangleMesh& mesh, Index triangle, int side) {
   return (mesh.corner(triangle, (side + 1) % 3) - mesh.corner(triangle, side)).norm();
 }
 
-/// The normal of a triangle without area, seen from its `side`: that of the triangle beyond. A cap
-/// (three corners in a row) extends the neighbour at its long side, or seen from there those at the
-/// short ones; a needle extends its neighbour across.
-Vec3 normal_beyond(const TriangleMesh& mesh, const Pseudonormals& normals, Index triangle,
-                   int side) {
-  for (int step = 0; step < kMaxSteps; ++step) {
-    const int next = (side + 1) % 3, previous = (side + 2) % 3;
-    side = side_length(mesh, triangle, next) >= side_length(mesh, triangle, previous) ? next
-                                                                                      : previous;
-    const Index edge = normals.edges.of_triangle[std::size_t(triangle)][std::size_t(side)];
-    const EdgeUse* beyond = nullptr;
-    for (const EdgeUse& use : normals.edges.uses_of(edge)) {
-      if (use.triangle == triangle) continue;
-      if (!normals.of_face[std::size_t(use.triangle)].isZero())
-        return normals.of_face[std::size_t(use.triangle)];
-      if (beyond == nullptr) beyond = &use;
+/// What lies beyond triangles without area.
+class Beyond {
+ public:
+  Beyond(const TriangleMesh& mesh, const SidesByEdge& sides, std::span<const Vec3> of_face)
+      : mesh_(mesh), sides_(sides), of_face_(of_face) {}
+
+  /// The normal of a triangle as seen from its `side`; without area, that of the triangle beyond. A
+  /// cap (three corners in a row) extends the neighbour at its long side, or seen from there those
+  /// at the short ones; a needle extends its neighbour across.
+  [[nodiscard]] Vec3 normal_at_side(Index triangle, int side) const {
+    for (int step = 0; step < kMaxSteps; ++step) {
+      if (!normal(triangle).isZero()) return normal(triangle);
+      const int next = (side + 1) % 3, previous = (side + 2) % 3;
+      side = side_length(mesh_, triangle, next) >= side_length(mesh_, triangle, previous)
+                 ? next
+                 : previous;
+      const SideOfTriangle* other = across(triangle, side);
+      if (other == nullptr) break;
+      triangle = other->triangle();
+      side = other->side();
     }
-    if (beyond == nullptr) break;
-    triangle = beyond->triangle;
-    side = beyond->side;
+    return Vec3::Zero();
   }
-  return Vec3::Zero();
+
+  /// The same seen from a corner: by way of the opposite side.
+  [[nodiscard]] Vec3 normal_at_corner(Index triangle, int corner) const {
+    if (!normal(triangle).isZero()) return normal(triangle);
+    const SideOfTriangle* other = across(triangle, (corner + 1) % 3);
+    return other == nullptr ? Vec3(Vec3::Zero()) : normal_at_side(other->triangle(), other->side());
+  }
+
+ private:
+  [[nodiscard]] const Vec3& normal(Index triangle) const { return of_face_[std::size_t(triangle)]; }
+
+  /// The first other triangle at a side, one with area if there is one.
+  [[nodiscard]] const SideOfTriangle* across(Index triangle, int side) const {
+    const Triangle& t = mesh_.triangles[std::size_t(triangle)];
+    const auto [smaller, larger] =
+        std::minmax(t[std::size_t(side)], t[std::size_t((side + 1) % 3)]);
+    const SideOfTriangle* found = nullptr;
+    sides_.for_each_edge_at(
+        smaller, [&, wanted = larger](std::int32_t, std::int32_t end, auto sides) {
+          if (end != wanted) return;
+          for (const SideOfTriangle& s : sides) {
+            if (s.triangle() == triangle) continue;
+            if (found == nullptr ||
+                (normal(found->triangle()).isZero() && !normal(s.triangle()).isZero()))
+              found = &s;
+          }
+        });
+    return found;
+  }
+
+  const TriangleMesh& mesh_;
+  const SidesByEdge& sides_;
+  std::span<const Vec3> of_face_;
+};
+
+/// The angles at the corners of a triangle.
+Vec3 corner_angles(const TriangleMesh& mesh, Index triangle) {
+  Vec3 angles;
+  for (int corner = 0; corner < 3; ++corner) {
+    const Vec3& at = mesh.corner(triangle, corner);
+    const Vec3 u = mesh.corner(triangle, (corner + 1) % 3) - at;
+    const Vec3 v = mesh.corner(triangle, (corner + 2) % 3) - at;
+    angles[corner] = std::atan2(u.cross(v).norm(), u.dot(v));
+  }
+  return angles;
 }
 
-/// The same seen from a corner: the triangle across the opposite side.
-Vec3 normal_opposite(const TriangleMesh& mesh, const Pseudonormals& normals, Index triangle,
-                     int corner) {
-  const int side = (corner + 1) % 3;
-  const Index edge = normals.edges.of_triangle[std::size_t(triangle)][std::size_t(side)];
-  for (const EdgeUse& use : normals.edges.uses_of(edge)) {
-    if (use.triangle == triangle) continue;
-    const Vec3& n = normals.of_face[std::size_t(use.triangle)];
-    return n.isZero() ? normal_beyond(mesh, normals, use.triangle, use.side) : n;
-  }
-  return Vec3::Zero();
-}
+/// True if what is left of a sum of vectors, of this length together, is rounding: the two sides of
+/// a sheet.
+bool cancels(const Vec3& sum, double length) { return !(sum.norm() > 1e-12 * length); }
 
-double corner_angle(const TriangleMesh& mesh, Index triangle, int corner) {
-  const Vec3& at = mesh.corner(triangle, corner);
-  const Vec3 u = mesh.corner(triangle, (corner + 1) % 3) - at;
-  const Vec3 v = mesh.corner(triangle, (corner + 2) % 3) - at;
-  return std::atan2(u.cross(v).norm(), u.dot(v));
-}
-
-std::vector<Vec3> face_normals(const TriangleMesh& mesh) {
-  std::vector<Vec3> normals(mesh.triangles.size(), Vec3::Zero());
-  for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
-    if (!triangle_is_degenerate(a, b, c))
-      normals[std::size_t(t)] = (b - a).cross(c - a).normalized();
-  }
-  return normals;
-}
+/// An edge that is no simple seam between two triangles with area.
+struct OddEdge {
+  std::span<const SideOfTriangle> sides;
+};
 
 }  // namespace
 
-Pseudonormals compute_pseudonormals(const TriangleMesh& mesh) {
-  Pseudonormals normals;
-  normals.edges = find_edges(mesh);
-  normals.of_face = face_normals(mesh);
-  normals.of_edge.assign(std::size_t(normals.edges.edge_count()), Vec3::Zero());
-  normals.of_vertex.assign(mesh.vertices.size(), Vec3::Zero());
-
-  for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const Vec3& n = normals.of_face[std::size_t(t)];
-    const bool degenerate = n.isZero();
-    for (int k = 0; k < 3; ++k) {
-      const auto side = std::size_t(k);
-      const Index edge = normals.edges.of_triangle[std::size_t(t)][side];
-      const auto vertex = std::size_t(mesh.triangles[std::size_t(t)][side]);
-      const Vec3 at_edge = degenerate ? normal_beyond(mesh, normals, t, k) : n;
-      const Vec3 at_vertex = degenerate ? normal_opposite(mesh, normals, t, k) : n;
-      normals.of_edge[std::size_t(edge)] += at_edge;
-      normals.of_vertex[vertex] += corner_angle(mesh, t, k) * at_vertex;
-    }
-  }
-  for (Vec3& n : normals.of_vertex) n.stableNormalize();  // Leaves zero as it is.
-  return normals;
+Vec3 face_normal(const TriangleMesh& mesh, Index triangle) {
+  const Vec3 &a = mesh.corner(triangle, 0), &b = mesh.corner(triangle, 1),
+             &c = mesh.corner(triangle, 2);
+  if (triangle_is_degenerate(a, b, c)) return Vec3::Zero();
+  return (b - a).cross(c - a).normalized();
 }
 
-const Vec3& Pseudonormals::at(const TriangleMesh& mesh, Index triangle, Feature feature) const {
+Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const SidesByEdge& sides)
+    : of_face_(mesh.triangles.size()),
+      of_vertex_(mesh.vertices.size(), Vec3::Zero()),
+      beyond_(mesh.triangles.size()) {
+  std::vector<Vec3> angles(mesh.triangles.size());
+  parallel_for(
+      mesh.triangle_count(),
+      [&](Index t) {
+        of_face_[std::size_t(t)] = face_normal(mesh, t);
+        angles[std::size_t(t)] = corner_angles(mesh, t);
+      },
+      kBlock);
+  const Beyond beyond(mesh, sides, of_face_);
+
+  const auto has_area = [&](const SideOfTriangle& s) {
+    return !of_face_[std::size_t(s.triangle())].isZero();
+  };
+  const auto beyond_side = [&](const SideOfTriangle& s) -> std::int32_t& {
+    return beyond_[std::size_t(s.triangle())][std::size_t(s.side())];
+  };
+  const auto odd_edges =
+      parallel_collect<OddEdge>(mesh.vertex_count(), [&](Index vertex, std::vector<OddEdge>& odd) {
+        sides.for_each_edge_at(std::int32_t(vertex), [&](std::int32_t, std::int32_t, auto there) {
+          if (there.size() == 2 && has_area(there[0]) && has_area(there[1])) {
+            beyond_side(there[0]) = std::int32_t(there[1].triangle());
+            beyond_side(there[1]) = std::int32_t(there[0].triangle());
+          } else {
+            odd.push_back({there});
+          }
+        });
+      });
+  for (const OddEdge& edge : odd_edges) {
+    Vec3 sum = Vec3::Zero();
+    for (const SideOfTriangle& s : edge.sides) {
+      beyond_side(s) = ~std::int32_t(of_odd_edge_.size());
+      sum += beyond.normal_at_side(s.triangle(), s.side());
+    }
+    of_odd_edge_.push_back(cancels(sum, double(edge.sides.size())) ? Vec3(Vec3::Zero()) : sum);
+  }
+
+  for (Index t = 0; t < mesh.triangle_count(); ++t)
+    for (int corner = 0; corner < 3; ++corner)
+      of_vertex_[std::size_t(mesh.triangles[std::size_t(t)][std::size_t(corner)])] +=
+          angles[std::size_t(t)][corner] * (of_face_[std::size_t(t)].isZero()
+                                                ? beyond.normal_at_corner(t, corner)
+                                                : of_face_[std::size_t(t)]);
+  parallel_for(
+      mesh.vertex_count(),
+      [&](Index v) {
+        Vec3& n = of_vertex_[std::size_t(v)];
+        if (cancels(n, kFullTurn)) {
+          n.setZero();
+        } else {
+          n.stableNormalize();
+        }
+      },
+      kBlock);
+}
+
+Vec3 Pseudonormals::at(const TriangleMesh& mesh, Index triangle, Feature feature) const {
   const auto number = std::size_t(number_of(feature));
   if (is_vertex(feature))
-    return of_vertex[std::size_t(mesh.triangles[std::size_t(triangle)][number])];
-  if (is_edge(feature))
-    return of_edge[std::size_t(edges.of_triangle[std::size_t(triangle)][number])];
-  return of_face[std::size_t(triangle)];
+    return of_vertex_[std::size_t(mesh.triangles[std::size_t(triangle)][number])];
+  const Vec3& here = of_face_[std::size_t(triangle)];
+  if (!is_edge(feature)) return here;
+  const std::int32_t other = beyond_[std::size_t(triangle)][number];
+  if (other < 0) return of_odd_edge_[std::size_t(~other)];
+  const Vec3 sum = here + of_face_[std::size_t(other)];
+  return cancels(sum, 2.0) ? Vec3(Vec3::Zero()) : sum;
 }
 
 }  // namespace lefort::geometry

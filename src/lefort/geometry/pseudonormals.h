@@ -6,6 +6,8 @@
 #include <lefort/geometry/mesh_edges.h>
 #include <lefort/geometry/triangle_mesh.h>
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 namespace lefort::geometry {
@@ -13,23 +15,42 @@ namespace lefort::geometry {
 /// Let c be the point of a closed surface nearest to p, on some feature with pseudonormal N. Then
 /// p lies outside exactly if N . (p - c) > 0 \cite baerentzen2005, which no face normal achieves at
 /// edges and vertices.
-struct Pseudonormals {
-  std::vector<Vec3> of_face;    ///< Unit; zero for a triangle without area.
-  std::vector<Vec3> of_edge;    ///< Sum of the unit normals of the faces there, by edge number.
-  std::vector<Vec3> of_vertex;  ///< Unit, or zero where normals cancel (paper, equation 1).
-  MeshEdges edges;
+///
+/// Those of edges are worked out when asked for: stored, they would outweigh the surface.
+class Pseudonormals {
+ public:
+  Pseudonormals() = default;
 
-  /// \param triangle  of the `mesh` this was computed from.
-  [[nodiscard]] const Vec3& at(const TriangleMesh& mesh, Index triangle, Feature feature) const;
+  /// Of any soup: open, non-manifold, with triangles without area.
+  ///
+  /// Vertices are told apart by number, so weld_vertices() first if equal positions were written
+  /// more than once. A triangle without area has no normal of its own; seen from one of its edges
+  /// or corners it is an extension of the triangle beyond it, so that the caps and needles of a
+  /// triangulation do not turn the sign of their neighbours.
+  /// \pre check_surface(mesh) holds.
+  explicit Pseudonormals(const TriangleMesh& mesh) : Pseudonormals(mesh, SidesByEdge(mesh)) {}
+  Pseudonormals(const TriangleMesh& mesh, const SidesByEdge& sides);
+
+  /// At a face: unit, zero without area. At an edge: sum of the unit normals of the faces there. At
+  /// a vertex: unit, or zero where normals cancel (paper, equation 1).
+  ///
+  /// \param mesh  what this was computed from.
+  [[nodiscard]] Vec3 at(const TriangleMesh& mesh, Index triangle, Feature feature) const;
+
+  [[nodiscard]] const Vec3& at_vertex(Index vertex) const {
+    return of_vertex_[std::size_t(vertex)];
+  }
+
+ private:
+  std::vector<Vec3> of_face_;
+  std::vector<Vec3> of_vertex_;
+  /// By triangle and side: the one triangle beyond it, or ~ the place in of_odd_edge_ if there are
+  /// none or several, or one of the two is without area.
+  std::vector<std::array<std::int32_t, 3>> beyond_;
+  std::vector<Vec3> of_odd_edge_;
 };
 
-/// Computes the pseudonormals of any soup: open, non-manifold, with triangles without area.
-///
-/// Vertices are told apart by number, so weld_vertices() first if equal positions were written more
-/// than once. A triangle without area has no normal of its own; seen from one of its edges or
-/// corners it is an extension of the triangle beyond it, so that the caps and needles of a
-/// triangulation do not turn the sign of their neighbours.
-/// \pre check_surface(mesh) holds.
-[[nodiscard]] Pseudonormals compute_pseudonormals(const TriangleMesh& mesh);
+/// \returns zero for a triangle without area.
+[[nodiscard]] Vec3 face_normal(const TriangleMesh& mesh, Index triangle);
 
 }  // namespace lefort::geometry

@@ -1,15 +1,16 @@
 #include <lefort/io/field_file.h>
+#include <lefort/io/internal/mapped_file.h>
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <span>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -18,99 +19,96 @@ namespace lefort::io {
 
 namespace {
 
+using field::Brick;
+using field::BrickSamples;
+using field::DenseSamples;
 using field::FieldFrame;
+using field::Octree;
 using field::SparseLattice;
 
-// The file, little-endian, without padding:
-//   header   magic, version, and the frame and counts below
-//   codes    one letter per octree node (NodeCode), parents first
-//   samples  float, mm, in the order of Octree::sample_points()
-//   bricks   int32, numbers of the bricks of the smooth lattice, ascending
-//   values   float, the coefficients of each brick
-//   crc      uint32, CRC-32 of all bytes before it
 static_assert(std::endian::native == std::endian::little,
               "values are copied as they lie in memory");
 
 constexpr std::string_view kMagic = "lefortDF";
-constexpr std::uint32_t kVersion = 1;
-constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t(1) << 33;
-constexpr int kMaxResolution = 1024;
+constexpr std::uint32_t kVersion = 2;
+constexpr int kMaxResolution = 2048;
 constexpr double kMaxCoordinate_mm = 1e7;
+constexpr std::size_t kAlignment = 64;
+
+/// What keeps the samples.
+enum class Storage : std::uint32_t { kBricks = 1, kOctree = 2, kDense = 3 };
+
+/// Blocks of the file in order; those a field does not have are empty.
+enum Block : std::size_t {
+  kBrickTable,    ///< Brick of the table.
+  kCodes,         ///< Leaves of three bytes a sample, and a byte.
+  kTree,          ///< Letters of the octree.
+  kSamples,       ///< float [mm]: octree corners in the order of sample_points(), or dense.
+  kSmoothBricks,  ///< int32, numbers of the bricks of the smooth lattice, ascending.
+  kSmoothValues,  ///< float, coefficients of each.
+  kBlockCount
+};
 
 struct Header {
   char magic[8];
   std::uint32_t version;
+  std::uint32_t checksum;  // CRC-32 of the whole file with this field zero.
+  std::uint32_t storage;
   std::int32_t resolution;
   double origin_mm[3];
   double cell_mm;
   double band_mm;
   double tolerance_mm;
-  std::uint64_t closed;  // 0 or 1.
-  std::uint64_t code_count;
-  std::uint64_t sample_count;
-  std::uint64_t brick_count;
+  std::uint32_t closed;  // 0 or 1.
+  std::uint32_t smooth;  // 0 or 1.
+  std::uint64_t bytes[kBlockCount];
+  std::uint64_t reserved[8];
 };
-static_assert(sizeof(Header) == 96 && std::is_trivially_copyable_v<Header>);
-
-constexpr std::size_t kBrickBytes =
-    sizeof(std::int32_t) + SparseLattice::kBrickPoints * sizeof(float);
+static_assert(sizeof(Header) == 192 && std::is_trivially_copyable_v<Header> &&
+              sizeof(Header) % kAlignment == 0);
+static_assert(sizeof(Brick) == 8 && std::is_trivially_copyable_v<Brick>);
 
 tl::unexpected<Error> corrupt(const std::string& what) {
   return fail(ErrorCode::kFileCorrupt, "the distance field file is damaged: " + what);
 }
 
-std::uint32_t checksum_of(std::string_view bytes) {
+std::size_t aligned(std::size_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+std::uint32_t checksum_of(Header header, std::span<const std::byte> rest) {
+  header.checksum = 0;
+  const uLong crc = ::crc32_z(0, reinterpret_cast<const unsigned char*>(&header), sizeof(header));
   return std::uint32_t(
-      ::crc32_z(0, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
+      ::crc32_z(crc, reinterpret_cast<const unsigned char*>(rest.data()), rest.size()));
 }
 
 template <class T>
-void append(std::string& bytes, std::span<const T> values) {
-  bytes.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+std::span<const std::byte> bytes_of(std::span<const T> values) {
+  return std::as_bytes(values);
 }
 
-/// Moves `count` values from the front of `bytes`. \pre they are there.
+/// The values of a block. \pre its size is a multiple of theirs.
 template <class T>
-std::vector<T> take(std::string_view& bytes, std::uint64_t count) {
-  std::vector<T> values(count);
-  std::memcpy(values.data(), bytes.data(), count * sizeof(T));
-  bytes.remove_prefix(count * sizeof(T));
-  return values;
+std::span<const T> values_of(std::span<const std::byte> block) {
+  return {reinterpret_cast<const T*>(block.data()), block.size() / sizeof(T)};
 }
 
-Result<Header> read_header(std::string_view bytes) {
-  if (bytes.substr(0, kMagic.size()) != kMagic)
-    return fail(ErrorCode::kFileUnsupported,
-                "the file does not begin with lefortDF, as distance fields do");
-  Header header{};
-  if (bytes.size() < sizeof(header) + sizeof(std::uint32_t))
-    return corrupt(
-        fmt::format("it has {} bytes, its header alone has {}", bytes.size(), sizeof(header)));
-  std::memcpy(&header, bytes.data(), sizeof(header));
-  if (header.version != kVersion)
-    return fail(ErrorCode::kFileUnsupported,
-                fmt::format("the distance field file has version {}, this program reads version {}",
-                            header.version, kVersion));
-  return header;
-}
+using Blocks = std::array<std::span<const std::byte>, kBlockCount>;
 
-/// Counts are compared with the size of the file before anything is allocated by them.
-Result<void> check_size_and_checksum(const Header& header, std::string_view bytes) {
-  const std::uint64_t size = bytes.size();
-  const bool too_many = header.code_count > size || header.sample_count > size / sizeof(float) ||
-                        header.brick_count > size / kBrickBytes;
-  const std::uint64_t expected =
-      too_many ? 0
-               : sizeof(Header) + header.code_count + header.sample_count * sizeof(float) +
-                     header.brick_count * kBrickBytes + sizeof(std::uint32_t);
-  if (size != expected)
-    return corrupt(fmt::format("it has {} bytes, its header says otherwise", size));
-  std::uint32_t stored = 0;
-  std::memcpy(&stored, bytes.data() + size - sizeof(stored), sizeof(stored));
-  const std::uint32_t found = checksum_of(bytes.substr(0, size - sizeof(stored)));
-  if (found != stored)
-    return corrupt(fmt::format("its checksum is {:08x}, it should be {:08x}", found, stored));
-  return {};
+/// Sizes are compared with the size of the file before anything is read by them.
+Result<Blocks> find_blocks(const Header& header, std::span<const std::byte> bytes) {
+  Blocks blocks;
+  std::size_t begin = sizeof(Header);
+  for (std::size_t b = 0; b < kBlockCount; ++b) {
+    if (header.bytes[b] > bytes.size() || begin + aligned(header.bytes[b]) > bytes.size())
+      return corrupt(fmt::format("it has {} bytes, its header says more", bytes.size()));
+    blocks[b] = bytes.subspan(begin, header.bytes[b]);
+    begin += aligned(header.bytes[b]);
+  }
+  if (begin != bytes.size())
+    return corrupt(fmt::format("it has {} bytes, its header says {}", bytes.size(), begin));
+  return blocks;
 }
 
 Result<FieldFrame> frame_of(const Header& header) {
@@ -132,19 +130,35 @@ Result<FieldFrame> frame_of(const Header& header) {
     return corrupt(fmt::format("its band is {} mm wide", frame.band_mm));
   if (!(frame.tolerance_mm >= 0.0 && frame.tolerance_mm <= kMaxCoordinate_mm))
     return corrupt(fmt::format("its tolerance is {} mm", frame.tolerance_mm));
-  if (header.closed > 1) return corrupt("it does not say whether its surface is closed");
+  if (header.closed > 1 || header.smooth > 1) return corrupt("its flags are neither 0 nor 1");
   return frame;
 }
 
-Result<field::Octree> read_octree(const Header& header, std::string_view& bytes) {
-  std::string codes(bytes.substr(0, header.code_count));
-  bytes.remove_prefix(header.code_count);
-  auto octree = field::Octree::decode(header.resolution, std::move(codes));
+Result<BrickSamples> read_bricks(const FieldFrame& frame, const Blocks& blocks,
+                                 std::shared_ptr<const void> owner) {
+  const auto side = std::size_t(SparseLattice::bricks_per_side(frame.resolution));
+  const std::span<const std::byte> codes = blocks[kCodes];
+  if (blocks[kBrickTable].size() != side * side * side * sizeof(Brick))
+    return corrupt(fmt::format("its table has {} bytes", blocks[kBrickTable].size()));
+  if (codes.size() % BrickSamples::kLeafBytes != 1)
+    return corrupt(fmt::format("its leaves have {} bytes", codes.size()));
+  const std::size_t leaves = codes.size() / BrickSamples::kLeafBytes;
+  const std::span<const Brick> table = values_of<Brick>(blocks[kBrickTable]);
+  for (std::size_t b = 0; b < table.size(); ++b)
+    if (table[b].stored != 0 &&
+        table[b].first_leaf + std::size_t(std::popcount(table[b].stored)) > leaves)
+      return corrupt(fmt::format("brick {} has its leaves beyond the last", b));
+  return BrickSamples(frame.resolution, frame.band_mm, table, codes, std::move(owner));
+}
+
+Result<Octree> read_octree(const FieldFrame& frame, const Blocks& blocks) {
+  const std::span<const char> letters = values_of<char>(blocks[kTree]);
+  auto octree = Octree::decode(frame.resolution, {letters.data(), letters.size()});
   if (!octree) return corrupt(octree.error().message);
-  if (octree->samples().size() != header.sample_count)
-    return corrupt(fmt::format("it has {} samples, its octree has {}", header.sample_count,
-                               octree->samples().size()));
-  const auto samples = take<float>(bytes, header.sample_count);
+  if (blocks[kSamples].size() != octree->samples().size_bytes())
+    return corrupt(fmt::format("it has {} bytes of samples, its octree has {}",
+                               blocks[kSamples].size(), octree->samples().size_bytes()));
+  const std::span<const float> samples = values_of<float>(blocks[kSamples]);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!std::isfinite(samples[i])) return corrupt(fmt::format("sample {} is {}", i, samples[i]));
     octree->samples()[i] = samples[i];
@@ -152,17 +166,44 @@ Result<field::Octree> read_octree(const Header& header, std::string_view& bytes)
   return octree;
 }
 
-Result<SparseLattice> read_lattice(const Header& header, std::string_view& bytes) {
-  auto bricks = take<std::int32_t>(bytes, header.brick_count);
-  const std::int64_t side = SparseLattice::bricks_per_side(header.resolution);
+Result<DenseSamples> read_dense(const FieldFrame& frame, const Blocks& blocks) {
+  const auto n = std::size_t(frame.resolution) + 1;
+  if (blocks[kSamples].size() != n * n * n * sizeof(float))
+    return corrupt(fmt::format("it has {} bytes of samples", blocks[kSamples].size()));
+  const std::span<const float> samples = values_of<float>(blocks[kSamples]);
+  return DenseSamples(frame.resolution, {samples.begin(), samples.end()});
+}
+
+Result<field::DistanceField::Samples> read_samples(const Header& header, const FieldFrame& frame,
+                                                   const Blocks& blocks,
+                                                   std::shared_ptr<const void> owner) {
+  switch (Storage(header.storage)) {
+    case Storage::kBricks:
+      return read_bricks(frame, blocks, std::move(owner));
+    case Storage::kOctree:
+      return read_octree(frame, blocks);
+    case Storage::kDense:
+      return read_dense(frame, blocks);
+  }
+  return corrupt(fmt::format("its samples are of kind {}", header.storage));
+}
+
+Result<SparseLattice> read_lattice(const FieldFrame& frame, const Blocks& blocks) {
+  const std::span<const std::int32_t> numbers = values_of<std::int32_t>(blocks[kSmoothBricks]);
+  const std::span<const float> values = values_of<float>(blocks[kSmoothValues]);
+  if (values.size_bytes() != blocks[kSmoothValues].size() ||
+      numbers.size_bytes() != blocks[kSmoothBricks].size() ||
+      values.size() != numbers.size() * SparseLattice::kBrickPoints)
+    return corrupt(fmt::format("its smooth lattice has {} bricks and {} bytes of values",
+                               numbers.size(), blocks[kSmoothValues].size()));
+  const std::int64_t side = SparseLattice::bricks_per_side(frame.resolution);
   std::int64_t previous = -1;
-  for (const std::int32_t brick : bricks) {
+  for (const std::int32_t brick : numbers) {
     if (brick <= previous || brick >= side * side * side)
       return corrupt(fmt::format("brick {} follows brick {}", brick, previous));
     previous = brick;
   }
-  SparseLattice lattice(header.resolution, std::move(bricks), 0.0F);
-  const auto values = take<float>(bytes, header.brick_count * SparseLattice::kBrickPoints);
+  SparseLattice lattice(frame.resolution, {numbers.begin(), numbers.end()}, 0.0F);
   for (std::size_t i = 0; i < values.size(); ++i) {  // NaN says that there is no coefficient.
     if (std::isinf(values[i])) return corrupt(fmt::format("coefficient {} is infinite", i));
     lattice.values()[i] = values[i];
@@ -174,8 +215,6 @@ Result<SparseLattice> read_lattice(const Header& header, std::string_view& bytes
 
 std::string encode_field(const field::DistanceField& field) {
   const FieldFrame& frame = field.frame();
-  const field::Octree& octree = field.octree();
-  const SparseLattice& smooth = field.smooth_lattice();
   Header header{};
   std::memcpy(header.magic, kMagic.data(), kMagic.size());
   header.version = kVersion;
@@ -185,31 +224,77 @@ std::string encode_field(const field::DistanceField& field) {
   header.band_mm = frame.band_mm;
   header.tolerance_mm = frame.tolerance_mm;
   header.closed = frame.closed ? 1 : 0;
-  header.code_count = octree.codes().size();
-  header.sample_count = octree.samples().size();
-  header.brick_count = std::uint64_t(smooth.brick_count());
+  header.smooth = field.is_smooth() ? 1 : 0;
 
-  std::string bytes;
-  bytes.reserve(sizeof(header) + header.code_count + header.sample_count * sizeof(float) +
-                header.brick_count * kBrickBytes + sizeof(std::uint32_t));
-  append(bytes, std::span<const Header>(&header, 1));
-  bytes += octree.codes();
-  append(bytes, octree.samples());
-  append(bytes, smooth.brick_numbers());
-  append(bytes, smooth.values());
-  const std::uint32_t checksum = checksum_of(bytes);
-  append(bytes, std::span<const std::uint32_t>(&checksum, 1));
+  Blocks blocks;
+  std::string letters;
+  if (const auto* bricks = std::get_if<BrickSamples>(&field.samples())) {
+    header.storage = std::uint32_t(Storage::kBricks);
+    blocks[kBrickTable] = bytes_of(bricks->bricks());
+    blocks[kCodes] = bricks->codes();
+  } else if (const auto* octree = std::get_if<Octree>(&field.samples())) {
+    header.storage = std::uint32_t(Storage::kOctree);
+    letters = octree->codes();
+    blocks[kTree] = bytes_of(std::span<const char>(letters));
+    blocks[kSamples] = bytes_of(octree->samples());
+  } else {
+    header.storage = std::uint32_t(Storage::kDense);
+    blocks[kSamples] =
+        bytes_of(std::span<const float>(std::get<DenseSamples>(field.samples()).values()));
+  }
+  if (const auto& smooth = field.smooth_lattice()) {
+    blocks[kSmoothBricks] = bytes_of(smooth->brick_numbers());
+    blocks[kSmoothValues] = bytes_of(smooth->values());
+  }
+
+  std::size_t size = sizeof(header);
+  for (std::size_t b = 0; b < kBlockCount; ++b) {
+    header.bytes[b] = blocks[b].size();
+    size += aligned(blocks[b].size());
+  }
+  std::string bytes(size, '\0');
+  std::size_t begin = sizeof(header);
+  for (const auto& block : blocks) {
+    if (!block.empty()) std::memcpy(bytes.data() + begin, block.data(), block.size());
+    begin += aligned(block.size());
+  }
+  header.checksum =
+      checksum_of(header, std::as_bytes(std::span<const char>(bytes)).subspan(sizeof(header)));
+  std::memcpy(bytes.data(), &header, sizeof(header));
   return bytes;
 }
 
-Result<field::DistanceField> decode_field(std::string_view bytes) {
-  LEFORT_TRY(const Header header, read_header(bytes));
-  LEFORT_TRY_VOID(check_size_and_checksum(header, bytes));
+Result<field::DistanceField> decode_field(std::span<const std::byte> bytes,
+                                          std::shared_ptr<const void> owner) {
+  if (bytes.size() < kMagic.size() || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
+    return fail(ErrorCode::kFileUnsupported,
+                "the file does not begin with lefortDF, as distance fields do");
+  Header header{};
+  if (bytes.size() < sizeof(header))
+    return corrupt(
+        fmt::format("it has {} bytes, its header alone has {}", bytes.size(), sizeof(header)));
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  if (header.version != kVersion)
+    return fail(
+        ErrorCode::kFileUnsupported,
+        fmt::format("the distance field file has version {}, this program reads version {}; "
+                    "build it anew with `lefort field build`",
+                    header.version, kVersion));
+  const std::uint32_t found = checksum_of(header, bytes.subspan(sizeof(header)));
+  if (found != header.checksum)
+    return corrupt(
+        fmt::format("its checksum is {:08x}, it should be {:08x}: it was cut short or "
+                    "changed",
+                    found, header.checksum));
+  LEFORT_TRY(const Blocks blocks, find_blocks(header, bytes));
   LEFORT_TRY(const FieldFrame frame, frame_of(header));
-  bytes.remove_prefix(sizeof(Header));
-  LEFORT_TRY(field::Octree octree, read_octree(header, bytes));
-  LEFORT_TRY(SparseLattice smooth, read_lattice(header, bytes));
-  return field::DistanceField(frame, std::move(octree), std::move(smooth));
+  LEFORT_TRY(auto samples,
+             read_samples(header, frame, blocks, owner));  // Blocks are read below, too.
+  std::optional<SparseLattice> smooth;
+  if (header.smooth == 1) {
+    LEFORT_TRY(smooth, read_lattice(frame, blocks));
+  }
+  return field::DistanceField(frame, std::move(samples), std::move(smooth));
 }
 
 Result<void> write_field(const std::filesystem::path& path, const field::DistanceField& field) {
@@ -220,8 +305,9 @@ Result<void> write_field(const std::filesystem::path& path, const field::Distanc
 }
 
 Result<field::DistanceField> read_field(const std::filesystem::path& path) {
-  LEFORT_TRY(const std::string bytes, read_text(path, kMaxFileBytes));
-  auto field = decode_field(bytes);
+  LEFORT_TRY(MappedFile file, map_file(path));
+  const std::span<const std::byte> bytes = file.bytes;
+  auto field = decode_field(bytes, std::move(file.owner));
   if (!field)
     return fail(field.error().code, fmt::format("{}: {}", path.string(), field.error().message));
   return field;

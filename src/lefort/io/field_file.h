@@ -1,27 +1,36 @@
 /// \file
-/// Distance fields on disk: *.field, little-endian, with a checksum.
+/// Distance fields on disk (docs/field-format.md).
 #pragma once
 
 #include <lefort/core/error.h>
 #include <lefort/field/distance_field.h>
 
+#include <cstddef>
 #include <filesystem>
+#include <memory>
+#include <span>
 #include <string>
-#include <string_view>
 
 namespace lefort::io {
 
-/// Writes a field, whole or not at all. Equal fields give equal bytes.
-/// \returns kInvalidArgument if the name does not end in .field, else as write_atomically.
+/// Writes a field, whatever keeps its samples, to `path`, which must end in .field.
+///
+/// \returns kInvalidArgument for another ending; kFileUnwritable, and `path` is as before.
 [[nodiscard]] Result<void> write_field(const std::filesystem::path& path,
                                        const field::DistanceField& field);
 
-/// \returns kFileNotFound; kFileUnsupported for a foreign file or another version; kFileCorrupt if
-///   it is truncated, damaged or contradicts itself. Memory used is bounded by the file's size.
+/// Maps a file into memory and queries it there: nothing is copied but octrees and smooth lattices.
+/// The file must not be changed in place while the field lives; lefort itself only replaces files.
+///
+/// \returns kFileNotFound; kFileUnsupported if it is no distance field or of another version;
+///   kFileCorrupt if its size, checksum or contents contradict each other.
 [[nodiscard]] Result<field::DistanceField> read_field(const std::filesystem::path& path);
 
-/// The bytes of the file, and back.
+/// The bytes of a file.
 [[nodiscard]] std::string encode_field(const field::DistanceField& field);
-[[nodiscard]] Result<field::DistanceField> decode_field(std::string_view bytes);
+
+/// \param bytes  aligned to 8 bytes; `owner` keeps them alive.
+[[nodiscard]] Result<field::DistanceField> decode_field(std::span<const std::byte> bytes,
+                                                        std::shared_ptr<const void> owner);
 
 }  // namespace lefort::io

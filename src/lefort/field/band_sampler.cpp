@@ -1,0 +1,228 @@
+#include <lefort/core/parallel.h>
+#include <lefort/field/band_sampler.h>
+#include <lefort/field/triangle_frame.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+namespace lefort::field {
+
+namespace {
+
+constexpr int kSide = SparseLattice::kSide;
+constexpr Index kMaxLatticePoints = Index(1) << 33;
+/// Triangles, and bricks, that a thread takes at a time.
+constexpr Index kTriangleBlock = 1024;
+constexpr Index kBrickBlock = 8;
+constexpr Index kProgressSteps = 20;
+/// Widens boxes and planes against rounding, as a share of a cell.
+constexpr double kSlack = 1e-4;
+
+/// That a brick holds points which a triangle reaches.
+struct Visit {
+  std::int32_t brick;
+  std::int32_t triangle;
+};
+
+/// A triangle's own space, widened by the reach: half-spaces towards a brick's centre.
+class Neighbourhood {
+ public:
+  Neighbourhood(const TriangleFrame& frame, double reach_mm, const Vec3& half_brick) {
+    const auto add = [&](const Vec3& outward, const Vec3& at) {
+      normals_[count_] = outward;
+      offsets_[count_++] = outward.dot(at) + reach_mm + outward.cwiseAbs().dot(half_brick);
+    };
+    add(frame.normal, frame.corners[0]);
+    add(-frame.normal, frame.corners[0]);
+    // The sides of a triangle without area are one and the same line.
+    for (std::size_t i = 0; i < 3 && frame.has_area; ++i) add(frame.outward[i], frame.corners[i]);
+  }
+
+  [[nodiscard]] bool misses(const Vec3& centre) const {
+    for (std::size_t i = 0; i < count_; ++i)
+      if (normals_[i].dot(centre) > offsets_[i]) return true;
+    return false;
+  }
+
+ private:
+  std::array<Vec3, 5> normals_;
+  std::array<double, 5> offsets_;
+  std::size_t count_ = 0;
+};
+
+/// The top bits of 64 numbers after moving them to the left.
+std::uint64_t top_bits(std::span<const std::int32_t, 64> numbers, int shift) {
+  std::uint64_t bits = 0;
+#if defined(__SSE2__)
+  for (std::size_t i = 0; i < 64; i += 4) {
+    const __m128i four = _mm_slli_epi32(
+        _mm_loadu_si128(reinterpret_cast<const __m128i*>(numbers.data() + i)), shift);
+    bits |= std::uint64_t(unsigned(_mm_movemask_ps(_mm_castsi128_ps(four)))) << i;
+  }
+#else
+  for (std::size_t i = 0; i < 64; ++i)
+    bits |= std::uint64_t(std::uint32_t(numbers[i]) << shift >> 31) << i;
+#endif
+  return bits;
+}
+
+}  // namespace
+
+BandSampler::BandSampler(const PreparedSurface& surface, const FieldFrame& frame, double reach_mm,
+                         Simd simd)
+    : surface_(surface),
+      origin_(frame.origin_B),
+      cell_mm_(frame.cell_mm),
+      resolution_(frame.resolution),
+      reach_mm_(reach_mm),
+      simd_(simd) {
+  bin_triangles();
+}
+
+void BandSampler::bin_triangles() {
+  const geometry::TriangleMesh& mesh = surface_.mesh_B;
+  const int n = SparseLattice::bricks_per_side(resolution_);
+  const double brick_mm = kSide * cell_mm_;
+  const Vec3 half_brick = Vec3::Constant(0.5 * (kSide - 1) * cell_mm_);
+  const double reach_mm = reach_mm_ + kSlack * cell_mm_;
+  const auto brick_at = [&](double coordinate, int axis) {
+    return std::clamp(int(std::floor((coordinate - origin_[axis]) / brick_mm)) + 1, 0, n - 1);
+  };
+
+  const auto blocks = std::size_t((mesh.triangle_count() + kTriangleBlock - 1) / kTriangleBlock);
+  std::vector<std::vector<Visit>> visits(blocks);
+  parallel_for_blocks(
+      mesh.triangle_count(),
+      [&](Index begin, Index end) {
+        std::vector<Visit>& list = visits[std::size_t(begin / kTriangleBlock)];
+        for (Index t = begin; t < end; ++t) {
+          const TriangleFrame frame =
+              triangle_frame(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
+          const Neighbourhood neighbourhood(frame, reach_mm, half_brick);
+          LatticePoint low{}, high{};
+          for (int k = 0; k < 3; ++k) {
+            const auto [least, most] =
+                std::minmax({mesh.corner(t, 0)[k], mesh.corner(t, 1)[k], mesh.corner(t, 2)[k]});
+            low[std::size_t(k)] = brick_at(least - reach_mm, k);
+            high[std::size_t(k)] = brick_at(most + reach_mm, k);
+          }
+          for (int z = low[2]; z <= high[2]; ++z)
+            for (int y = low[1]; y <= high[1]; ++y)
+              for (int x = low[0]; x <= high[0]; ++x)
+                if (!neighbourhood.misses(origin_ + brick_mm * Vec3(x - 1, y - 1, z - 1) +
+                                          half_brick))
+                  list.push_back({(z * n + y) * n + x, std::int32_t(t)});
+        }
+      },
+      kTriangleBlock);
+
+  std::vector<std::uint32_t> next(std::size_t(n) * std::size_t(n) * std::size_t(n), 0);
+  for (const auto& list : visits)
+    for (const Visit& visit : list) ++next[std::size_t(visit.brick)];
+  std::uint32_t total = 0;
+  for (std::size_t b = 0; b < next.size(); ++b) {
+    if (next[b] == 0) continue;
+    bricks_.push_back(std::int32_t(b));
+    first_.push_back(total);
+    total += std::exchange(next[b], total);
+  }
+  first_.push_back(total);
+  triangles_.resize(total);
+  for (auto& list : visits) {
+    for (const Visit& visit : list) triangles_[next[std::size_t(visit.brick)]++] = visit.triangle;
+    list = {};
+  }
+}
+
+/// Whether a point is inside, whatever part of the triangle of a code (NearestInBrick) is nearest.
+bool BandSampler::is_inside(std::int32_t code, const Vec3& p) const {
+  const geometry::TriangleMesh& mesh = surface_.mesh_B;
+  const std::int32_t triangle = code >> 2;
+  if ((code & 2) != 0)
+    return (code & 1) != 0 &&
+           (surface_.is_double.empty() || !surface_.is_double[std::size_t(triangle)]);
+  const geometry::TrianglePoint nearest = geometry::closest_point_on_triangle(
+      p, mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2));
+  return surface_.normals.at(mesh, triangle, nearest.feature).dot(p - nearest.point) < 0.0;
+}
+
+BrickSigns BandSampler::sample(Index slot,
+                               std::span<float, SparseLattice::kBrickPoints> distances) const {
+  const geometry::TriangleMesh& mesh = surface_.mesh_B;
+  const LatticePoint first_point =
+      SparseLattice::first_point_of(bricks_[std::size_t(slot)], resolution_);
+  const Vec3 low = origin_ + cell_mm_ * Vec3(first_point[0], first_point[1], first_point[2]);
+  const double reach_mm = reach_mm_ + kSlack * cell_mm_;
+
+  NearestInBrick nearest;
+  nearest.clear(float(reach_mm_));
+  const std::uint32_t first = first_[std::size_t(slot)];
+  visit_triangles(mesh, std::span(triangles_).subspan(first, first_[std::size_t(slot) + 1] - first),
+                  low, cell_mm_, reach_mm, simd_, nearest);
+
+  BrickSigns signs;
+  std::array<std::int32_t, 64> codes;
+  std::array<float, 64> squared_mm2;
+  for (std::size_t z = 0; z < std::size_t(kSide); ++z) {
+    for (int i = 0; i < 64; i += int(NearestInBrick::kTileX)) {
+      const std::size_t from = NearestInBrick::place_of(i % kSide, i / kSide, int(z));
+      std::copy_n(nearest.code.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
+                  codes.begin() + i);
+      std::copy_n(nearest.squared_mm2.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
+                  squared_mm2.begin() + i);
+    }
+    signs.known[z] = ~top_bits(codes, 0);  // kNone alone is negative.
+    const std::uint64_t on_face = top_bits(codes, 30), below = top_bits(codes, 31);
+    signs.inside[z] = signs.known[z] & on_face & below;
+    // Where an edge or a corner is nearest, the plane of a triangle does not tell the side.
+    std::uint64_t to_ask = signs.known[z] & ~on_face;
+    if (!surface_.is_double.empty()) to_ask = signs.known[z];
+    for (; to_ask != 0; to_ask &= to_ask - 1) {
+      const int bit = std::countr_zero(to_ask);
+      const Vec3 p = low + cell_mm_ * Vec3(bit % kSide, bit / kSide, double(z));
+      const std::uint64_t inside = is_inside(codes[std::size_t(bit)], p) ? 1 : 0;
+      signs.inside[z] = (signs.inside[z] & ~(std::uint64_t(1) << bit)) | inside << bit;
+    }
+    for (std::size_t i = 0; i < 64; ++i) {
+      const float distance = std::sqrt(squared_mm2[i]);
+      const bool inside = (signs.inside[z] >> i & 1) != 0;
+      distances[64 * z + i] =
+          codes[i] == NearestInBrick::kNone ? kFar : (inside ? -distance : distance);
+    }
+  }
+  return signs;
+}
+
+Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const FieldFrame& frame,
+                                         double reach_mm, Progress& progress) {
+  const BandSampler sampler(surface, frame, reach_mm);
+  const std::span<const std::int32_t> bricks = sampler.bricks();
+  if (Index(bricks.size()) * SparseLattice::kBrickPoints > kMaxLatticePoints)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the band holds {} lattice points, at most {} are possible; lower the "
+                            "resolution or the band",
+                            bricks.size() * SparseLattice::kBrickPoints, kMaxLatticePoints));
+  SparseLattice distances(frame.resolution, {bricks.begin(), bricks.end()}, kFar);
+  const Index count = distances.brick_count();
+  for (Index step = 0; step < kProgressSteps; ++step) {
+    const Index begin = count * step / kProgressSteps, end = count * (step + 1) / kProgressSteps;
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
+    parallel_for(
+        end - begin,
+        [&](Index offset) { sampler.sample(begin + offset, distances.brick(begin + offset)); },
+        kBrickBlock);
+    progress.report(double(step + 1) / kProgressSteps);
+  }
+  return distances;
+}
+
+}  // namespace lefort::field

@@ -1,0 +1,73 @@
+/// \file
+/// Exact signed distances at the lattice points near a surface, brick by brick: the paper's steps 1
+/// to 3.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/field/brick_signs.h>
+#include <lefort/field/field_frame.h>
+#include <lefort/field/nearest_in_brick.h>
+#include <lefort/field/prepare_surface.h>
+#include <lefort/field/sparse_lattice.h>
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace lefort::field {
+
+/// Distance of a lattice point beyond the reach, before its side is known.
+inline constexpr float kFar = std::numeric_limits<float>::quiet_NaN();
+
+/// Knows which triangles matter to which brick, and samples bricks one at a time, in any order and
+/// from any thread.
+///
+/// The paper extrudes each triangle to a prism of +-band and visits the lattice points in the
+/// prism's box. Prisms leave wedges at convex edges and cones at convex corners that belong to no
+/// triangle, and boxes cover them by luck; here a triangle's share is its own box and plane, both
+/// widened by the reach, which leaves no gap.
+class BandSampler {
+ public:
+  /// \param surface   must outlive the sampler.
+  /// \param reach_mm  points up to this far from the surface are sampled.
+  BandSampler(const PreparedSurface& surface, const FieldFrame& frame, double reach_mm,
+              Simd simd = best_simd());
+
+  /// Numbers of the bricks that a triangle reaches (SparseLattice), ascending. Some may turn out to
+  /// hold no sample.
+  [[nodiscard]] std::span<const std::int32_t> bricks() const { return bricks_; }
+
+  /// Signed distances [mm] at the points of a brick, kFar beyond the reach; and their signs.
+  ///
+  /// The nearest triangle is found in single precision, and among triangles equally near to that
+  /// precision the lowest number wins; the sign is that of the pseudonormal at its nearest feature.
+  ///
+  /// \param slot  position in bricks().
+  BrickSigns sample(Index slot, std::span<float, SparseLattice::kBrickPoints> distances) const;
+
+ private:
+  void bin_triangles();
+  [[nodiscard]] bool is_inside(std::int32_t code, const Vec3& p) const;
+
+  const PreparedSurface& surface_;
+  Vec3 origin_;
+  double cell_mm_;
+  int resolution_;
+  double reach_mm_;
+  Simd simd_;
+  std::vector<std::int32_t> bricks_;
+  std::vector<std::uint32_t> first_;     ///< Of the triangles of each brick, and their end.
+  std::vector<std::int32_t> triangles_;  ///< By brick, ascending.
+};
+
+/// Samples every lattice point within `reach_mm` of the surface; the other points of the bricks
+/// touched are kFar.
+///
+/// \returns kInvalidArgument if the points would not fit in memory; kCancelled.
+[[nodiscard]] Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface,
+                                                       const FieldFrame& frame, double reach_mm,
+                                                       Progress& progress);
+
+}  // namespace lefort::field

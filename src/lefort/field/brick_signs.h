@@ -1,0 +1,42 @@
+/// \file
+/// Which points of a brick are known and which are inside, 64 to a word: what the space beyond the
+/// band and contradictions between neighbours are found by.
+#pragma once
+
+#include <lefort/field/sparse_lattice.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace lefort::field {
+
+/// A bit per point of a brick, x fastest, one word per z.
+using BrickBits = std::array<std::uint64_t, std::size_t(SparseLattice::kSide)>;
+
+struct BrickSigns {
+  BrickBits known{};
+  BrickBits inside{};  ///< Of those that are known.
+
+  [[nodiscard]] bool any_known() const {
+    std::uint64_t any = 0;
+    for (const std::uint64_t word : known) any |= word;
+    return any != 0;
+  }
+};
+
+/// \param distances  NaN where not known.
+[[nodiscard]] BrickSigns signs_of(std::span<const float, SparseLattice::kBrickPoints> distances);
+
+/// Pairs of known neighbours within the brick on different sides, by axis: bit i of axis k is the
+/// pair of point i and the next along k.
+[[nodiscard]] std::array<BrickBits, 3> sign_changes(const BrickSigns& signs);
+
+/// The points of a face of the brick, 64 to a word: the lowest or the highest along an axis, in an
+/// order that is the same for both.
+[[nodiscard]] std::uint64_t face_bits(const BrickBits& bits, int axis, bool highest);
+
+/// Place in the brick of a bit of face_bits().
+[[nodiscard]] int face_place(int bit, int axis, bool highest);
+
+}  // namespace lefort::field

@@ -1,0 +1,47 @@
+/// \file
+/// Makes of any triangle soup a surface that a distance can be signed by, and says what it found.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/geometry/pseudonormals.h>
+#include <lefort/geometry/triangle_mesh.h>
+
+#include <string>
+#include <vector>
+
+namespace lefort::field {
+
+/// What was found in a surface and, as far as that is unambiguous, mended.
+struct SurfaceReport {
+  Index repeated_vertices = 0;    ///< At the position of another, or in no triangle; dropped.
+  Index collapsed_triangles = 0;  ///< Two corners at one place; dropped.
+  Index repeated_triangles = 0;   ///< Same corners, same sense; dropped.
+  Index double_triangles = 0;     ///< Same corners, opposite sense: no inside between them.
+  Index turned_triangles = 0;     ///< Turned to agree with their neighbours, or with being closed.
+  Index rim_edges = 0;            ///< With one triangle.
+  Index branching_edges = 0;      ///< With three or more.
+  Index clashing_edges = 0;       ///< Two triangles that disagree and cannot be turned (Moebius).
+
+  bool operator==(const SurfaceReport&) const = default;
+};
+
+/// One sentence per finding that a user should know of; empty for a clean surface.
+[[nodiscard]] std::vector<std::string> describe(const SurfaceReport& report);
+
+struct PreparedSurface {
+  geometry::TriangleMesh mesh_B;
+  geometry::Pseudonormals normals;
+  std::vector<bool> is_double;  ///< By triangle; empty if there are none.
+  bool closed = false;          ///< Encloses a volume: as many sides each way on every edge.
+  SurfaceReport report;
+};
+
+/// Welds vertices, drops what repeats, and turns triangles so that neighbours agree: within each
+/// part that is connected by edges with two triangles, the smaller area to the larger. A closed
+/// part that encloses a negative volume is turned if no other part surrounds it; inside another it
+/// is a cavity.
+///
+/// \returns kMeshInvalid if the surface is empty, not finite, too large, or all triangles collapse.
+[[nodiscard]] Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B);
+
+}  // namespace lefort::field

@@ -1,0 +1,99 @@
+#include <lefort/core/parallel.h>
+#include <lefort/field/turn_in_yz.h>
+#include <lefort/field/winding_rows.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace lefort::field {
+
+namespace {
+
+/// How far the lines run beside the points, in cells: fractions that no surface follows.
+constexpr double kAside_y = 0.31830988618379, kAside_z = 0.27182818284590;
+constexpr Index kBlock = 2048;
+
+struct Hit {
+  std::uint32_t line;
+  float x;
+  std::int32_t turn;
+};
+
+/// Lines that cross a triangle with corners in cells.
+void find_hits(const std::array<Vec3, 3>& corner, int resolution, std::vector<Hit>& hits) {
+  const auto range = [&](int axis, double aside) {
+    const auto [least, most] = std::minmax({corner[0][axis], corner[1][axis], corner[2][axis]});
+    return std::pair(std::max(0, int(std::ceil(least - aside))),
+                     std::min(resolution, int(std::floor(most - aside))));
+  };
+  const auto [y_low, y_high] = range(1, kAside_y);
+  const auto [z_low, z_high] = range(2, kAside_z);
+  for (int z = z_low; z <= z_high; ++z)
+    for (int y = y_low; y <= y_high; ++y) {
+      const Vec3 p(0.0, y + kAside_y, z + kAside_z);
+      const double a = turn_in_yz(corner[1], corner[2], p), b = turn_in_yz(corner[2], corner[0], p),
+                   c = turn_in_yz(corner[0], corner[1], p);
+      const bool all_left = a > 0.0 && b > 0.0 && c > 0.0;
+      const bool all_right = a < 0.0 && b < 0.0 && c < 0.0;
+      if (!all_left && !all_right) continue;
+      const double x = (a * corner[0].x() + b * corner[1].x() + c * corner[2].x()) / (a + b + c);
+      // In the plane of y and z a triangle whose normal has a positive x turns left: there a line
+      // along +x leaves.
+      hits.push_back({std::uint32_t(z * (resolution + 1) + y), float(x), all_right ? 1 : -1});
+    }
+}
+
+}  // namespace
+
+WindingRows::WindingRows(const geometry::TriangleMesh& mesh_B, const FieldFrame& frame)
+    : resolution_(frame.resolution) {
+  const auto blocks = std::size_t((mesh_B.triangle_count() + kBlock - 1) / kBlock);
+  std::vector<std::vector<Hit>> hits(blocks);
+  const auto to_cells = [&](const Vec3& p_B) -> Vec3 {
+    return (p_B - frame.origin_B) / frame.cell_mm;
+  };
+  parallel_for_blocks(
+      mesh_B.triangle_count(),
+      [&](Index begin, Index end) {
+        for (Index t = begin; t < end; ++t)
+          find_hits({to_cells(mesh_B.corner(t, 0)), to_cells(mesh_B.corner(t, 1)),
+                     to_cells(mesh_B.corner(t, 2))},
+                    resolution_, hits[std::size_t(begin / kBlock)]);
+      },
+      kBlock);
+
+  const auto lines = std::size_t(resolution_ + 1) * std::size_t(resolution_ + 1);
+  first_.assign(lines + 1, 0);
+  for (const auto& list : hits)
+    for (const Hit& hit : list) ++first_[hit.line + 1];
+  for (std::size_t line = 0; line < lines; ++line) first_[line + 1] += first_[line];
+  crossings_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (const auto& list : hits)
+    for (const Hit& hit : list) crossings_[next[hit.line]++] = {hit.x, hit.turn};
+  parallel_for(
+      Index(lines),
+      [&](Index line) {
+        std::sort(crossings_.begin() + first_[std::size_t(line)],
+                  crossings_.begin() + first_[std::size_t(line) + 1],
+                  [](const Crossing& a, const Crossing& b) {
+                    return a.x != b.x ? a.x < b.x : a.turn < b.turn;
+                  });
+      },
+      4096);
+}
+
+bool WindingRows::is_inside(const LatticePoint& point) const {
+  for (const int c : point)
+    if (c < 0 || c > resolution_) return false;  // The surface lies within the cube.
+  const auto line = std::size_t(point[2]) * std::size_t(resolution_ + 1) + std::size_t(point[1]);
+  std::int32_t winding = 0;
+  for (std::uint32_t i = first_[line]; i < first_[line + 1] && crossings_[i].x < float(point[0]);
+       ++i)
+    winding += crossings_[i].turn;
+  return winding > 0;
+}
+
+}  // namespace lefort::field

@@ -1,0 +1,334 @@
+#include <lefort/field/build_distance_field.h>
+#include <lefort/field/prepare_surface.h>
+#include <lefort/geometry/mesh_measures.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "support/shapes.h"
+#include "support/ugly_mesh.h"
+
+namespace lefort::field {
+namespace {
+
+using geometry::TriangleMesh;
+
+void expect_report(const PreparedSurface& surface, const SurfaceReport& wanted) {
+  const SurfaceReport& found = surface.report;
+  EXPECT_EQ(found.repeated_vertices, wanted.repeated_vertices);
+  EXPECT_EQ(found.collapsed_triangles, wanted.collapsed_triangles);
+  EXPECT_EQ(found.repeated_triangles, wanted.repeated_triangles);
+  EXPECT_EQ(found.double_triangles, wanted.double_triangles);
+  EXPECT_EQ(found.turned_triangles, wanted.turned_triangles);
+  EXPECT_EQ(found.rim_edges, wanted.rim_edges);
+  EXPECT_EQ(found.branching_edges, wanted.branching_edges);
+  EXPECT_EQ(found.clashing_edges, wanted.clashing_edges);
+}
+
+const TriangleMesh kTorus = test::make_torus(20, 8, 24, 12);
+
+/// Turns one triangle over.
+TriangleMesh flipped(TriangleMesh mesh, std::size_t triangle) {
+  std::swap(mesh.triangles[triangle][1], mesh.triangles[triangle][2]);
+  return mesh;
+}
+
+double volume_mm3(const PreparedSurface& surface) {
+  return geometry::signed_volume_mm3(surface.mesh_B);
+}
+
+TEST(PrepareSurface, LeavesACleanSurfaceAsItIs) {
+  const PreparedSurface surface = prepare_surface(kTorus).value();
+  EXPECT_TRUE(surface.closed);
+  expect_report(surface, SurfaceReport{});
+  EXPECT_TRUE(describe(surface.report).empty());
+  EXPECT_TRUE(surface.is_double.empty());
+  EXPECT_EQ(surface.mesh_B.triangles, kTorus.triangles);
+  EXPECT_EQ(surface.mesh_B.vertices, kTorus.vertices);
+}
+
+TEST(PrepareSurface, WeldsASoupAndCountsWhatItWelded) {
+  const PreparedSurface surface = prepare_surface(test::unwelded(kTorus)).value();
+  EXPECT_TRUE(surface.closed);
+  EXPECT_EQ(surface.mesh_B.vertex_count(), kTorus.vertex_count());
+  expect_report(surface, (SurfaceReport{.repeated_vertices =
+                                            3 * kTorus.triangle_count() - kTorus.vertex_count()}));
+  EXPECT_TRUE(describe(surface.report).empty());  // As every STL is: not worth a word.
+}
+
+TEST(PrepareSurface, DropsWhatIsWrittenTwice) {
+  TriangleMesh mesh = kTorus;
+  const auto [a, b, c] = mesh.triangles[17];
+  mesh.triangles.insert(mesh.triangles.begin() + 40, {b, c, a});
+  mesh.triangles.push_back({c, a, b});
+  const PreparedSurface surface = prepare_surface(mesh).value();
+  expect_report(surface, SurfaceReport{.repeated_triangles = 2});
+  EXPECT_EQ(describe(surface.report),
+            std::vector<std::string>{"2 triangles written more than once dropped"});
+  EXPECT_TRUE(surface.closed);
+  EXPECT_EQ(surface.mesh_B.triangles, kTorus.triangles);  // The first of the three stays.
+}
+
+TEST(PrepareSurface, DropsTrianglesThatArePoints) {
+  TriangleMesh mesh = kTorus;
+  mesh.triangles.push_back({5, 5, 9});
+  const PreparedSurface surface = prepare_surface(mesh).value();
+  expect_report(surface, SurfaceReport{.collapsed_triangles = 1});
+  EXPECT_EQ(describe(surface.report),
+            std::vector<std::string>{"1 triangle without length dropped"});
+}
+
+TEST(PrepareSurface, NothingIsInsideBetweenOppositeTwins) {
+  // A sheet written from both sides, each twin beginning at another corner. At its edges and inner
+  // vertices normals cancel but for rounding, which must not make an inside.
+  TriangleMesh sheet = test::moved(
+      test::make_sheet(10, 4), RigidTransform(Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized())) *
+                                   RigidTransform(Eigen::Translation3d(0.1, 0.2, 0.3)));
+  const std::vector<geometry::Triangle> front = sheet.triangles;
+  for (std::size_t t = 0; t < front.size(); ++t) {
+    geometry::Triangle back = {front[t][0], front[t][2], front[t][1]};
+    std::rotate(back.begin(), back.begin() + long(t % 3), back.end());
+    sheet.triangles.push_back(back);
+  }
+  const PreparedSurface surface = prepare_surface(sheet).value();
+  expect_report(surface, (SurfaceReport{.double_triangles = 64, .branching_edges = 40}));
+  EXPECT_EQ(describe(surface.report),
+            (std::vector<std::string>{
+                "64 triangles with a twin of the opposite sense: nothing is inside between them",
+                "40 edges with more than two triangles"}));
+  EXPECT_EQ(std::count(surface.is_double.begin(), surface.is_double.end(), true), 64);
+  EXPECT_TRUE(surface.closed);
+  for (const FieldMethod method : {FieldMethod::kBricks, FieldMethod::kHybrid,
+                                   FieldMethod::kAdaptive, FieldMethod::kUniform}) {
+    const DistanceField field =
+        build_distance_field(sheet, {.method = method, .resolution = 32, .tolerance_mm = 0.0})
+            .value();
+    int inside = 0, unknown = 0, samples = 0;
+    for (int c = 0; c < 32 * 32 * 32; ++c) {
+      const CellSamples cell = field.cell({c % 32, c / 32 % 32, c / 1024});
+      for (const float d : cell.corners) inside += d < -1e-6F ? 1 : 0;
+      samples += zone_of(cell.corners) == Zone::kBand ? 1 : 0;
+      unknown += zone_of(cell.corners) == Zone::kUnknown ? 1 : 0;
+    }
+    EXPECT_EQ(inside, 0) << "method " << int(method);
+    EXPECT_EQ(unknown, 0) << "method " << int(method);
+    EXPECT_GT(samples, 1000);
+  }
+}
+
+TEST(PrepareSurface, AFlapOfTwinsOnABoneDoesNotTurnTheBone) {
+  TriangleMesh mesh = test::make_box(Vec3(0, 0, 0), Vec3(10, 10, 10));
+  mesh.vertices.emplace_back(5, 5, 15);  // Upright on the top, along the diagonal 4-7.
+  mesh.triangles.push_back({4, 7, 8});
+  mesh.triangles.push_back({7, 4, 8});
+  const PreparedSurface surface = prepare_surface(mesh).value();
+  EXPECT_TRUE(surface.closed);
+  expect_report(surface, (SurfaceReport{.double_triangles = 2, .branching_edges = 1}));
+  const DistanceField field = build_distance_field(mesh, {.resolution = 64}).value();
+  const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(10, 10, 10));
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> in(-1, 16);
+  for (int n = 0; n < 5000; ++n) {
+    const Vec3 p(in(random), in(random), in(random));
+    const FieldSample sample = field.sample(p);
+    if (std::abs(sample.distance_mm) < field.cell_mm()) continue;
+    EXPECT_EQ(sample.distance_mm<0, test::winding_number(box, p)> 0.5) << p.transpose();
+  }
+}
+
+TEST(PrepareSurface, TurnsOneTriangleToAgreeWithTheOthers) {
+  for (const std::size_t t : {std::size_t(0), std::size_t(17), kTorus.triangles.size() - 1}) {
+    const PreparedSurface surface = prepare_surface(flipped(kTorus, t)).value();
+    expect_report(surface, SurfaceReport{.turned_triangles = 1});
+    EXPECT_EQ(describe(surface.report),
+              std::vector<std::string>{"1 triangle turned to face outward"});
+    EXPECT_TRUE(surface.closed);
+    EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(kTorus), 1e-9);
+  }
+}
+
+TEST(PrepareSurface, TurnsTheSmallerAreaToTheLarger) {
+  // A sheet with its left third upside down: the rest is right, being more.
+  TriangleMesh sheet = test::make_sheet(12, 6);
+  Index turned = 0;
+  for (auto& t : sheet.triangles) {
+    const double x = (sheet.vertices[std::size_t(t[0])] + sheet.vertices[std::size_t(t[1])] +
+                      sheet.vertices[std::size_t(t[2])])
+                         .x() /
+                     3;
+    if (x > -2) continue;
+    std::swap(t[0], t[1]);
+    ++turned;
+  }
+  const PreparedSurface surface = prepare_surface(sheet).value();
+  expect_report(surface, (SurfaceReport{.turned_triangles = turned, .rim_edges = 24}));
+  EXPECT_FALSE(surface.closed);
+  for (Index t = 0; t < surface.mesh_B.triangle_count(); ++t)
+    EXPECT_GT(geometry::face_normal(surface.mesh_B, t).z(), 0.0);
+}
+
+TEST(PrepareSurface, TurnsASurfaceThatIsInsideOut) {
+  const PreparedSurface surface = prepare_surface(test::turn_inside_out(kTorus)).value();
+  expect_report(surface, SurfaceReport{.turned_triangles = kTorus.triangle_count()});
+  EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(kTorus), 1e-9);
+}
+
+TEST(PrepareSurface, ACavityStaysACavity) {
+  const TriangleMesh hollow =
+      test::join(test::make_icosphere(29, 2), test::turn_inside_out(test::make_icosphere(20, 2)));
+  const PreparedSurface surface = prepare_surface(hollow).value();
+  expect_report(surface, SurfaceReport{});
+  EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(hollow), 1e-9);
+}
+
+TEST(PrepareSurface, AHollowBallInsideOutIsTurnedAsAWhole) {
+  // Turning the outer shell alone would leave a full ball with a ball in it.
+  const TriangleMesh hollow =
+      test::join(test::make_icosphere(29, 2), test::turn_inside_out(test::make_icosphere(20, 2)));
+  const PreparedSurface surface = prepare_surface(test::turn_inside_out(hollow)).value();
+  EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(hollow), 1e-6);
+  expect_report(surface, SurfaceReport{.turned_triangles = hollow.triangle_count()});
+}
+
+TEST(PrepareSurface, TurnsTheOneOfTwoShellsThatIsInsideOut) {
+  for (const double bad_radius : {3.0, 10.0}) {  // The smaller or the larger.
+    const TriangleMesh mesh =
+        test::join(test::make_icosphere(5, 2),
+                   test::turn_inside_out(test::make_icosphere(bad_radius, 2, Vec3(30, 0, 0))));
+    const PreparedSurface surface = prepare_surface(mesh).value();
+    expect_report(surface, SurfaceReport{.turned_triangles = 320});
+    EXPECT_NEAR(volume_mm3(surface),
+                geometry::signed_volume_mm3(test::make_icosphere(5, 2)) +
+                    geometry::signed_volume_mm3(test::make_icosphere(bad_radius, 2)),
+                1e-6);
+  }
+}
+
+TEST(PrepareSurface, TurnsAPartThatTouchesAnotherAtAPoint) {
+  const TriangleMesh good = test::make_box(Vec3(0, 0, 0), Vec3(10, 10, 10));
+  const TriangleMesh bad =
+      test::turn_inside_out(test::make_box(Vec3(10, 10, 10), Vec3(15, 15, 15)));
+  const PreparedSurface surface = prepare_surface(test::join(good, bad)).value();
+  expect_report(surface, (SurfaceReport{.repeated_vertices = 1, .turned_triangles = 12}));
+  EXPECT_NEAR(volume_mm3(surface), 1000 + 125, 1e-9);
+}
+
+TEST(PrepareSurface, AMoebiusStripClashesAndIsLeftAlone) {
+  const TriangleMesh strip = test::make_moebius_strip(20, 8, 40);
+  const PreparedSurface surface = prepare_surface(strip).value();
+  EXPECT_FALSE(surface.closed);
+  expect_report(surface, (SurfaceReport{.rim_edges = 80, .clashing_edges = 1}));
+  EXPECT_EQ(surface.mesh_B.triangles, strip.triangles);
+  const std::vector<std::string> sentences = describe(surface.report);
+  ASSERT_EQ(sentences.size(), 2U);
+  EXPECT_EQ(sentences[0],
+            "80 edges at a rim: the surface is open, sides beyond the band are unknown");
+  EXPECT_EQ(sentences[1],
+            "1 edge where neighbours face opposite ways and cannot be turned: signs may be wrong "
+            "near them");
+}
+
+TEST(PrepareSurface, CountsRimsAndBranches) {
+  TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(10, 10, 10));
+  box.triangles.pop_back();
+  expect_report(*prepare_surface(box), {.rim_edges = 3});
+
+  const TriangleMesh two = test::join(test::make_box(Vec3(0, 0, 0), Vec3(5, 5, 5)),
+                                      test::make_box(Vec3(5, 5, 0), Vec3(10, 10, 5)));
+  const PreparedSurface surface = prepare_surface(two).value();
+  EXPECT_TRUE(surface.closed);
+  expect_report(surface, (SurfaceReport{.repeated_vertices = 2, .branching_edges = 1}));
+  EXPECT_EQ(describe(surface.report),
+            std::vector<std::string>{"1 edge with more than two triangles"});
+
+  TriangleMesh fan;  // Three wings on one edge.
+  fan.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
+  fan.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
+  const PreparedSurface wings = prepare_surface(fan).value();
+  EXPECT_FALSE(wings.closed);
+  expect_report(wings, (SurfaceReport{.rim_edges = 6, .branching_edges = 1}));
+}
+
+TEST(PrepareSurface, RandomFlipsOfABoneAreAllMended) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    TriangleMesh mesh = test::make_crumpled_ball(seed, 6, 14);
+    const double volume = geometry::signed_volume_mm3(mesh);
+    for (auto& t : mesh.triangles)
+      if (random() % 2 == 0) std::swap(t[0], t[2]);
+    const PreparedSurface surface = prepare_surface(test::unwelded(mesh)).value();
+    EXPECT_TRUE(surface.closed) << seed;
+    EXPECT_NEAR(volume_mm3(surface), volume, 1e-9) << seed;
+  }
+}
+
+TEST(PrepareSurface, DoesItsWorkOnceOnly) {
+  // What was prepared is clean, whatever it was before.
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::mt19937 random(seed);
+    const auto once = prepare_surface(test::make_ugly_mesh(random));
+    if (!once) continue;
+    const auto twice = prepare_surface(once->mesh_B);
+    ASSERT_TRUE(twice);
+    EXPECT_EQ(twice->closed, once->closed) << seed;
+    EXPECT_EQ(twice->report.repeated_triangles, 0) << seed;
+    EXPECT_EQ(twice->report.collapsed_triangles, 0) << seed;
+    EXPECT_EQ(twice->report.turned_triangles, 0) << seed;
+    EXPECT_EQ(twice->report.clashing_edges, once->report.clashing_edges) << seed;
+    EXPECT_EQ(twice->report.rim_edges, once->report.rim_edges) << seed;
+    EXPECT_EQ(twice->mesh_B.triangles, once->mesh_B.triangles) << seed;
+  }
+}
+
+TEST(PrepareSurface, ManyCavitiesAreAboutAsQuickAsNone) {
+  // Bone from CT has thousands: looking at every triangle for each of them takes minutes.
+  const auto seconds_with = [](bool cavities) {
+    TriangleMesh mesh = test::make_icosphere(100, 6);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> in(-50, 50);
+    for (int n = 0; n < 1000; ++n) {
+      TriangleMesh speck = test::make_icosphere(0.1, 0, Vec3(in(random), in(random), in(random)));
+      if (cavities) speck = test::turn_inside_out(speck);
+      const auto offset = std::int32_t(mesh.vertices.size());
+      mesh.vertices.insert(mesh.vertices.end(), speck.vertices.begin(), speck.vertices.end());
+      for (const auto& [a, b, c] : speck.triangles)
+        mesh.triangles.push_back({a + offset, b + offset, c + offset});
+    }
+    const auto start = std::chrono::steady_clock::now();
+    expect_report(prepare_surface(mesh).value(), {});
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const double none = seconds_with(false);
+  EXPECT_LT(seconds_with(true), 10 * none + 0.2);
+}
+
+TEST(PrepareSurface, RefusesSurfacesThatAreNone) {
+  const auto complaint = [](const TriangleMesh& mesh) {
+    const auto surface = prepare_surface(mesh);
+    if (surface) return std::string("accepted");
+    EXPECT_EQ(surface.error().code, ErrorCode::kMeshInvalid);
+    return surface.error().message;
+  };
+  EXPECT_NE(complaint({}).find("no triangle"), std::string::npos);
+  TriangleMesh bad = kTorus;
+  bad.vertices[7].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(complaint(bad).find("vertex 7"), std::string::npos);
+  bad = kTorus;
+  bad.vertices[3].z() = 1e7;
+  EXPECT_NE(complaint(bad).find("vertex 3"), std::string::npos);
+  bad = kTorus;
+  bad.triangles[2][1] = -1;
+  EXPECT_NE(complaint(bad).find("triangle 2"), std::string::npos);
+  TriangleMesh point;
+  point.vertices.assign(3, Vec3(1, 2, 3));
+  point.triangles = {{0, 1, 2}};
+  EXPECT_NE(complaint(point).find("points or lines"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lefort::field

@@ -1,0 +1,170 @@
+#include <lefort/core/check.h>
+#include <lefort/core/parallel.h>
+#include <lefort/field/build_distance_field.h>
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "field/brute_force.h"
+#include "support/shapes.h"
+
+namespace lefort::field {
+namespace {
+
+using geometry::TriangleMesh;
+
+constexpr FieldMethod kMethods[] = {FieldMethod::kBricks, FieldMethod::kHybrid,
+                                    FieldMethod::kAdaptive, FieldMethod::kUniform};
+
+std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value); }
+
+bool same_bits(const FieldSample& a, const FieldSample& b) {
+  bool same = a.zone == b.zone && bits(a.distance_mm) == bits(b.distance_mm);
+  for (int k = 0; k < 3; ++k) same = same && bits(a.gradient_B[k]) == bits(b.gradient_B[k]);
+  return same;
+}
+
+/// Points everywhere: in the box, on its faces, on lattice planes, a hair off them, beyond it, and
+/// such as are none.
+std::vector<Vec3> all_kinds_of_points(const DistanceField& field, int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> in(-0.1, 1.1);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double odd[] = {
+      std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity, 1e300, -1e300, 5e9,
+      std::numeric_limits<double>::denorm_min()};
+  const Box3 box = field.box_B();
+  std::vector<Vec3> points;
+  for (int n = 0; n < count; ++n) {
+    Vec3 p;
+    for (int k = 0; k < 3; ++k) {
+      const double on_plane =
+          field.frame().origin_B[k] +
+          field.cell_mm() * double(random() % unsigned(field.frame().resolution + 1));
+      switch (random() % 12) {
+        case 0:
+          p[k] = on_plane;
+          break;
+        case 1:
+          p[k] = std::nextafter(on_plane, random() % 2 == 0 ? 1e9 : -1e9);
+          break;
+        case 2:
+          p[k] = random() % 2 == 0 ? box.min()[k] : box.max()[k];
+          break;
+        case 3:
+          p[k] = random() % 6 == 0 ? odd[random() % std::size(odd)] : on_plane;
+          break;
+        default:
+          p[k] = box.min()[k] + in(random)*box.sizes()[k];
+      }
+    }
+    points.push_back(p);
+  }
+  return points;
+}
+
+std::vector<DistanceField> fields_of(const TriangleMesh& mesh) {
+  std::vector<DistanceField> fields;
+  for (const FieldMethod method : kMethods)
+    fields.push_back(build_distance_field(mesh, {.method = method, .resolution = 32}).value());
+  return fields;
+}
+
+TEST(QueryMany, GivesTheBitsOfSingleQueries) {
+  for (const TriangleMesh& mesh : {test::make_torus(20, 8, 60, 30), test::make_sheet(20, 4)})
+    for (const DistanceField& field : fields_of(mesh))
+      for (const int count : {0, 1, 31, 32, 33, 20'000}) {
+        const std::vector<Vec3> points = all_kinds_of_points(field, count, unsigned(count));
+        std::vector<FieldSample> together(points.size());
+        field.sample(points, together);
+        std::vector<float> distances(points.size(), -1.0F);
+        field.distances(points, distances);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          const FieldSample alone = field.sample(points[i]);
+          ASSERT_TRUE(same_bits(alone, together[i])) << points[i].transpose();
+          float distance = 0;
+          field.distances(std::span(&points[i], 1), std::span(&distance, 1));
+          ASSERT_EQ(std::bit_cast<std::uint32_t>(distance),
+                    std::bit_cast<std::uint32_t>(distances[i]))
+              << points[i].transpose();
+          switch (alone.zone) {
+            case Zone::kBand:
+              ASSERT_EQ(double(distance), alone.distance_mm) << points[i].transpose();
+              break;
+            case Zone::kOutside:
+              ASSERT_EQ(distance, std::numeric_limits<float>::infinity());
+              break;
+            case Zone::kInside:
+              ASSERT_EQ(distance, -std::numeric_limits<float>::infinity());
+              break;
+            case Zone::kUnknown:
+              ASSERT_TRUE(std::isnan(distance));
+          }
+        }
+      }
+}
+
+TEST(QueryMany, BeyondTheBandTheDistanceIsTheBandAndTheGradientZero) {
+  for (const DistanceField& field : fields_of(test::make_torus(20, 8, 60, 30)))
+    for (const Vec3& p : all_kinds_of_points(field, 20'000, 9)) {
+      const FieldSample sample = field.sample(p);
+      if (sample.zone == Zone::kBand) {
+        ASSERT_TRUE(std::isfinite(sample.distance_mm) && sample.gradient_B.allFinite());
+        continue;
+      }
+      ASSERT_EQ(sample.distance_mm,
+                sample.zone == Zone::kInside ? -field.band_mm() : field.band_mm());
+      ASSERT_TRUE(sample.gradient_B.isZero(0.0));
+      // Closed: only what is no point is nowhere.
+      ASSERT_EQ(sample.zone == Zone::kUnknown, !p.allFinite()) << p.transpose();
+    }
+}
+
+TEST(QueryMany, OnASampleIsTheSample) {
+  for (const DistanceField& field : fields_of(test::make_torus(20, 8, 60, 30))) {
+    const int n = field.frame().resolution;
+    for (int c = 0; c < n * n * n; ++c) {
+      const LatticePoint low = {c % n, c / n % n, c / (n * n)};
+      const CellSamples cell = field.cell(low);
+      if (zone_of(cell.corners) != Zone::kBand || cell.low != low) continue;
+      // The lattice plane as computed may lie a hair below the cell.
+      const Vec3 p = test::place_of(field.frame(), low[0], low[1], low[2]);
+      const FieldSample sample = field.sample(p);
+      if (sample.zone != Zone::kBand) continue;
+      ASSERT_NEAR(sample.distance_mm, double(cell.corners[0]), field.frame().tolerance_mm + 1e-6);
+    }
+  }
+}
+
+TEST(QueryMany, FromManyThreadsIsTheSame) {
+  const DistanceField field =
+      build_distance_field(test::make_torus(20, 8, 60, 30), {.resolution = 64}).value();
+  const std::vector<Vec3> points = all_kinds_of_points(field, 20'000, 4);
+  std::vector<FieldSample> together(points.size());
+  field.sample(points, together);
+  std::vector<std::uint8_t> same(points.size());
+  const ThreadLimit limit(4);
+  parallel_for(Index(points.size()), [&](Index i) {
+    same[std::size_t(i)] =
+        same_bits(field.sample(points[std::size_t(i)]), together[std::size_t(i)]);
+  });
+  EXPECT_EQ(std::count(same.begin(), same.end(), 1), std::ssize(same));
+}
+
+TEST(QueryMany, WantsAsManyResultsAsPoints) {
+  const DistanceField field =
+      build_distance_field(test::make_icosphere(5, 1), {.resolution = 16}).value();
+  const std::vector<Vec3> points(3, Vec3::Zero());
+  std::vector<FieldSample> samples(2);
+  std::vector<float> distances(4);
+  EXPECT_THROW(field.sample(points, samples), LogicError);
+  EXPECT_THROW(field.distances(points, distances), LogicError);
+}
+
+}  // namespace
+}  // namespace lefort::field

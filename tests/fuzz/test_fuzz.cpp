@@ -1,0 +1,267 @@
+/// \file
+/// Damaged files, thousands of them, through every reader whose surfaces become distance fields.
+///
+/// Whatever a file holds, the answer is a Result: no crash, no hang, and in a field made of it no
+/// distance that is no number. The seed is in every message; the number of files is fixed, and the
+/// time a test may take is bounded.
+#include <lefort/field/build_distance_field.h>
+#include <lefort/io/field_file.h>
+#include <lefort/io/surface_files.h>
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "support/shapes.h"
+#include "support/temporary_folder.h"
+
+namespace lefort::io {
+namespace {
+
+using geometry::TriangleMesh;
+
+/// Of the processor: stops early on a slow machine rather than late.
+constexpr double kSecondsPerTest = 1.2;
+/// Of the clock, for a single file on a machine that has other work: beyond it something hangs.
+constexpr double kSecondsPerFile = 20.0;
+
+double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string read_bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// What breaks parsers: numbers too large, too small or none, and words of the formats.
+constexpr std::string_view kTokens[] = {"nan",
+                                        "-inf",
+                                        "1e999",
+                                        "-1",
+                                        "0",
+                                        "4294967295",
+                                        "2147483648",
+                                        "99999999999999999999",
+                                        "1e-320",
+                                        "solid ",
+                                        "endfacet\n",
+                                        "facet normal 0 0 0\n",
+                                        "outer loop\n",
+                                        "vertex 1e38 1e38 1e38\n",
+                                        "f 1 2 -1\n",
+                                        "f 1//1 2//2 999999//3\n",
+                                        "v 0 0 1e300\n",
+                                        "element face 1000000000\n",
+                                        "property list uchar int vertex_indices\n",
+                                        "format ascii 1.0\n",
+                                        "end_header\n",
+                                        "<DataArray",
+                                        "NumberOfPoints=\"-5\"",
+                                        "offset=\"99999999\"",
+                                        "encoding=\"base64\"",
+                                        "</VTKFile>",
+                                        "\r\n",
+                                        "\n",
+                                        "\\\n",
+                                        " "};
+
+/// One to a few edits of all kinds.
+std::string damaged(std::string bytes, std::mt19937& random) {
+  const auto place = [&] { return random() % (bytes.size() + 1); };
+  for (auto edits = 1 + random() % 5; edits > 0 && !bytes.empty(); --edits) {
+    const std::size_t at = std::min(place(), bytes.size() - 1);
+    switch (random() % 9) {
+      case 0:
+        bytes[at] = char(random() % 256);
+        break;
+      case 1:
+        bytes[at] = char(bytes[at] ^ char(1 << (random() % 8)));
+        break;
+      case 2:
+        bytes.resize(at);
+        break;
+      case 3:
+        bytes.erase(at, random() % 40);
+        break;
+      case 4:
+        bytes.insert(at, bytes.substr(std::min(place(), bytes.size()), random() % 200));
+        break;
+      case 5:
+      case 6: {
+        const std::string_view token = kTokens[random() % std::size(kTokens)];
+        if (random() % 2 == 0)
+          bytes.insert(at, token);
+        else
+          bytes.replace(at, std::min(token.size(), bytes.size() - at), token);
+        break;
+      }
+      case 7: {  // A number of four bytes, as binary formats count with.
+        constexpr std::uint32_t kNumbers[] = {0,          1,          0x7FFFFFFF, 0x80000000,
+                                              0xFFFFFFFF, 0x7FC00000, 0x7F800000, 0x00000001};
+        const std::uint32_t number = kNumbers[random() % std::size(kNumbers)];
+        std::memcpy(bytes.data() + at, &number, std::min(sizeof(number), bytes.size() - at));
+        break;
+      }
+      default:
+        std::reverse(bytes.begin() + std::ptrdiff_t(at),
+                     bytes.begin() + std::ptrdiff_t(std::min(bytes.size(), at + random() % 30)));
+    }
+  }
+  return bytes;
+}
+
+void expect_numbers(const field::DistanceField& field, std::mt19937& random) {
+  const Box3 box = field.box_B();
+  std::uniform_real_distribution<double> in(-0.05, 1.05);
+  for (int n = 0; n < 60; ++n) {
+    const Vec3 p = box.min() + box.sizes().cwiseProduct(Vec3(in(random), in(random), in(random)));
+    const field::FieldSample sample = field.sample(p);
+    ASSERT_LE(int(sample.zone), int(field::Zone::kUnknown));
+    if (sample.zone == field::Zone::kBand) {
+      ASSERT_FALSE(std::isnan(sample.distance_mm)) << p.transpose();
+    }
+    if (field.is_smooth()) {
+      ASSERT_LE(int(field.sample_smooth(p).zone), int(field::Zone::kUnknown));
+    }
+  }
+}
+
+/// Runs `attempt` with the seeds from 0 until all are done or the time is up.
+void run_seeds(unsigned count, const std::function<void(unsigned seed)>& attempt) {
+  const double stop = processor_seconds() + kSecondsPerTest;
+  unsigned seed = 0;
+  for (; seed < count && processor_seconds() < stop; ++seed) {
+    SCOPED_TRACE(seed);
+    const auto begin = std::chrono::steady_clock::now();
+    attempt(seed);
+    EXPECT_LT(seconds_since(begin), kSecondsPerFile);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+  EXPECT_GT(seed, 20U);
+}
+
+/// A surface of some triangles in all its forms.
+TriangleMesh any_surface(unsigned seed) {
+  switch (seed % 3) {
+    case 0:
+      return test::make_box(Vec3(-1, -2, -3), Vec3(4, 5, 6));
+    case 1:
+      return test::make_torus(6, 2, 6, 4);
+    default:
+      return test::make_sheet(10, 2);
+  }
+}
+
+void fuzz_surface(const std::string& ending, const std::vector<std::string>& more = {}) {
+  const test::TemporaryFolder folder;
+  std::vector<std::string> files = more;
+  for (unsigned n = 0; n < 3; ++n) {
+    ASSERT_TRUE(write_surface(folder / ("good" + ending), any_surface(n)));
+    files.push_back(read_bytes(folder / ("good" + ending)));
+  }
+  int read = 0, built = 0;
+  run_seeds(1500, [&](unsigned seed) {
+    std::mt19937 random(seed);
+    const std::filesystem::path path = folder / ("bad" + ending);
+    std::filesystem::remove(path);  // Some disks wait for files that are overwritten.
+    std::ofstream(path, std::ios::binary) << damaged(files[seed % files.size()], random);
+    const auto surface = read_surface(path);
+    if (!surface) {
+      ASSERT_FALSE(surface.error().message.empty());
+      return;
+    }
+    ++read;
+    constexpr field::FieldMethod kMethods[] = {
+        field::FieldMethod::kBricks, field::FieldMethod::kHybrid, field::FieldMethod::kAdaptive,
+        field::FieldMethod::kUniform};
+    const auto field = field::build_distance_field(
+        *surface, {.method = kMethods[seed % 4], .resolution = 16, .smooth = seed % 7 == 0});
+    if (!field) {
+      ASSERT_EQ(field.error().code, ErrorCode::kMeshInvalid) << field.error().message;
+      return;
+    }
+    ++built;
+    expect_numbers(*field, random);
+  });
+  EXPECT_GT(read, 5);
+  EXPECT_GT(built, 5);
+}
+
+TEST(Fuzz, StlInBinaryAndText) {
+  fuzz_surface(".stl",
+               {"solid bone\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\n"
+                "vertex 0 9 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 9 0 0\n"
+                "vertex 9 9 2\nvertex 0 9 0\nendloop\nendfacet\nendsolid bone\n"});
+}
+
+TEST(Fuzz, Obj) {
+  fuzz_surface(".obj", {"# SPACE=RAS\nv 0 0 0\nv 1e1 0 0 1\nv 0 10 0\nv 0 0 10\nvt 0 0\n"
+                        "vn 0 0 1\nf 1/1/1 2/1/1 3/1/1 4/1/1\nf -1 -2 \\\n-3\n"});
+}
+
+TEST(Fuzz, Ply) {
+  fuzz_surface(".ply", {"ply\nformat ascii 1.0\ncomment SPACE=LPS\nelement vertex 4\n"
+                        "property float x\nproperty float y\nproperty float z\nelement face 2\n"
+                        "property list uchar int vertex_indices\nend_header\n0 0 0\n9 0 0\n"
+                        "0 9 0\n0 0 9\n3 0 1 2\n4 0 1 2 3\n"});
+}
+
+TEST(Fuzz, Vtp) { fuzz_surface(".vtp"); }
+
+TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
+  std::vector<std::string> files;
+  for (const field::FieldMethod method :
+       {field::FieldMethod::kBricks, field::FieldMethod::kHybrid, field::FieldMethod::kUniform})
+    for (const bool smooth : {false, true})
+      files.push_back(encode_field(
+          field::build_distance_field(any_surface(unsigned(files.size())),
+                                      {.method = method, .resolution = 16, .smooth = smooth})
+              .value()));
+  int accepted = 0;
+  run_seeds(20'000, [&](unsigned seed) {
+    std::mt19937 random(seed);
+    std::string bytes = files[seed % files.size()];
+    // Half of the damage in the header of 192 bytes, where it does most harm.
+    if (seed / files.size() % 2 == 0) {
+      std::string header = damaged(bytes.substr(0, 192), random);
+      header.resize(192);
+      bytes.replace(0, 192, header);
+      std::memcpy(bytes.data(), "lefortDF\2\0\0", 12);
+    } else {
+      bytes = bytes.substr(0, 192) + damaged(bytes.substr(192), random);
+    }
+    std::memset(bytes.data() + 12, 0, 4);
+    const auto checksum = std::uint32_t(
+        ::crc32_z(0, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
+    std::memcpy(bytes.data() + 12, &checksum, sizeof(checksum));
+
+    const auto words = std::make_shared<std::vector<std::uint64_t>>((bytes.size() + 7) / 8);
+    std::memcpy(words->data(), bytes.data(), bytes.size());
+    const auto field = decode_field(std::as_bytes(std::span(*words)).first(bytes.size()), words);
+    if (!field) return;
+    ++accepted;
+    expect_numbers(*field, random);
+    ASSERT_FALSE(encode_field(*field).empty());
+  });
+  EXPECT_GT(accepted, 20);
+}
+
+}  // namespace
+}  // namespace lefort::io
