@@ -1,0 +1,66 @@
+#include <lefort/app/command.h>
+#include <lefort/bench/table1.h>
+
+#include <memory>
+#include <string>
+
+namespace lefort::app {
+namespace {
+
+void add_table1(CLI::App& bench, CommandContext& context) {
+  const auto options = std::make_shared<bench::Table1Options>();
+  CLI::App* const command = bench.add_subcommand(
+      "table1", "Rerun the paper's Table 1: distance fields of a skull, beside today's peers");
+  command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "Folder for skull.vtp (used again if there) and table1.md, .csv, .json, .html")
+      ->required();
+  command->add_option("--resolution", options->resolutions, "Cells along each side of the cube")
+      ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048}))
+      ->capture_default_str();
+  command->add_option("--method", options->methods, "Which to run")
+      ->check(
+          CLI::IsMember({"bricks", "hybrid", "adaptive", "uniform", "openvdb", "embree", "cgal"}))
+      ->capture_default_str();
+  command->add_option("--repeats", options->repeats, "Builds; their median is told")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->footer("Example:\n  lefort bench table1 ct.nrrd -o table1/");
+  command->callback([options, &context] {
+    context.run("bench table1", [&](Progress& progress) -> Result<Summary> {
+      LEFORT_TRY(const std::string table, bench::run_table1(*options, progress));
+      return Summary{.text = table, .json = {{"output", options->output.string()}}};
+    });
+  });
+}
+
+/// A single measurement, in a process that table1 starts.
+void add_field_task(CLI::App& bench, CommandContext& context) {
+  struct Job {
+    std::string surface, task;
+  };
+  const auto job = std::make_shared<Job>();
+  CLI::App* const command =
+      bench.add_subcommand("field-task", "One measurement of table1, as JSON");
+  command->group("");  // Not listed.
+  command->add_option("surface", job->surface)->required();
+  command->add_option("task", job->task)->required();
+  command->callback([job, &context] {
+    context.run("bench field-task", [&](Progress&) -> Result<Summary> {
+      LEFORT_TRY(const auto result, bench::run_field_task(job->surface, job->task));
+      return Summary{.text = result.dump(1), .json = result};
+    });
+  });
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& cli, CommandContext& context) {
+  CLI::App* const bench = cli.add_subcommand("bench", "Measurements anyone can rerun");
+  bench->require_subcommand(1);
+  add_table1(*bench, context);
+  add_field_task(*bench, context);
+}
+
+}  // namespace lefort::app

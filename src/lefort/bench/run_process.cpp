@@ -1,0 +1,66 @@
+#include <lefort/bench/run_process.h>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+namespace lefort::bench {
+
+Result<std::string> run_process(const std::vector<std::string>& arguments, Progress& progress) {
+  std::array<int, 2> pipe{};
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("cannot start {}: {}", arguments[0], std::strerror(errno)));
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_adddup2(&actions, pipe[1], STDOUT_FILENO);
+  pid_t child = 0;
+  const int error = ::posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::close(pipe[1]);
+  if (error != 0) {
+    ::close(pipe[0]);
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("cannot start {}: {}", arguments[0], std::strerror(error)));
+  }
+
+  std::string output;
+  bool stopped = false;
+  constexpr int kPoll_ms = 200;
+  for (;;) {
+    pollfd ready{pipe[0], POLLIN, 0};
+    if (::poll(&ready, 1, kPoll_ms) > 0) {
+      std::array<char, 4096> buffer{};
+      const ssize_t count = ::read(pipe[0], buffer.data(), buffer.size());
+      if (count <= 0) break;
+      output.append(buffer.data(), std::size_t(count));
+    }
+    if (!stopped && progress.stop_requested()) {
+      ::kill(child, SIGKILL);
+      stopped = true;
+    }
+  }
+  ::close(pipe[0]);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (stopped) return fail(ErrorCode::kCancelled, "the benchmark was not finished");
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} ended with {}", arguments.size() > 1 ? arguments[1] : arguments[0],
+                            WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status)));
+  return output;
+}
+
+}  // namespace lefort::bench
