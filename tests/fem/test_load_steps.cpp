@@ -191,6 +191,18 @@ TEST(LoadSteps, AStartThatWasNotAtFaultIsNotReplaced) {
   EXPECT_EQ(starts_tried(NewtonStop::kTooManyIterations, 30), 1U);
 }
 
+TEST(LoadSteps, LackOfMemoryIsNotRetriedInSmallerIncrements) {
+  LoadStepper stepper(rest(), [](double, const VectorX& start) {
+    NewtonOutcome outcome;
+    outcome.stop = NewtonStop::kOutOfMemory;
+    outcome.reason = "out of memory";
+    outcome.x = start;
+    return outcome;
+  });
+  EXPECT_EQ(stepper.advance_to(1.0).error().code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(stepper.attempts().size(), 1U);
+}
+
 TEST(LoadSteps, RefusesALevelThatDoesNotLieAhead) {
   LoadStepper stepper(rest(), parabola(10.0));
   for (const double t : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})

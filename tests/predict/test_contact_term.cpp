@@ -1,6 +1,7 @@
 #include <lefort/field/build_distance_field.h>
 #include <lefort/predict/contact_term.h>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -48,9 +49,11 @@ struct Evaluated {
   Eigen::MatrixXd stiffness;
 };
 
-Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>& x_L) {
+Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>& x_L,
+                   fem::Tangent tangent = fem::Tangent::kExact) {
   Evaluated result{false, 0.0, VectorX::Zero(9), Eigen::MatrixXd::Zero(9, 9)};
-  fem::LocalEquations local{0.0, {result.residual_n.data(), 9}, {result.stiffness.data(), 9, 9}};
+  fem::LocalEquations local{
+      0.0, {result.residual_n.data(), 9}, {result.stiffness.data(), 9, 9}, tangent};
   result.admissible = term.evaluate(item, x_L, local);
   result.energy_mj = local.energy_mj;
   return result;
@@ -126,6 +129,24 @@ TEST(ContactTerm, ResidualAndStiffnessAreTheDerivativesOfTheEnergyOnACurvedBone)
               2e-6);
   }
   EXPECT_LT((at.stiffness - at.stiffness.transpose()).norm(), 1e-12);
+}
+
+double smallest_eigenvalue(const Eigen::MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A).eigenvalues().minCoeff();
+}
+
+TEST(ContactTerm, TheConvexTangentOnACurvedBoneIsNeverNegative) {
+  const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
+  ContactTerm term(rest, kFace, ball(), {kStiffness, 0.1});
+  RigidTransform X_LB = RigidTransform::Identity();
+  X_LB.translation() = Vec3(0.9, 0.2, -0.1);
+  term.set_pose(X_LB);
+  const Evaluated exact = evaluate(term, 0, rest);
+  const Evaluated convex = evaluate(term, 0, rest, fem::Tangent::kConvex);
+  EXPECT_LT(smallest_eigenvalue(exact.stiffness), -1e-4);
+  EXPECT_GT(smallest_eigenvalue(convex.stiffness), -1e-12);
+  EXPECT_EQ(convex.energy_mj, exact.energy_mj);
+  EXPECT_EQ(convex.residual_n, exact.residual_n);
 }
 
 TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {

@@ -29,6 +29,7 @@ Json as_json(const fem::LoadAttempt& attempt) {
                           {"force_scale_n", iterate.force_scale_n},
                           {"energy_mj", iterate.energy_mj},
                           {"step_length", iterate.step_length},
+                          {"convex_share", iterate.convex_share},
                           {"shift", iterate.shift}});
   return {{"from_share", attempt.t_from},
           {"to_share", attempt.t_to},

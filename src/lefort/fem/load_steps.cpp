@@ -91,6 +91,8 @@ Result<void> LoadStepper::advance_to(double t_end, Progress& progress) {
     NewtonOutcome outcome = attempt(t, before_last_.has_value());
     if (before_last_ && worth_a_nearer_start(outcome, options_)) outcome = attempt(t, false);
     if (outcome.stop == NewtonStop::kCancelled) return cancelled();
+    if (outcome.stop == NewtonStop::kOutOfMemory)
+      return fail(ErrorCode::kOutOfMemory, outcome.reason);
 
     if (outcome.converged()) {
       before_last_ = std::exchange(last_, {t, std::move(outcome.x)});

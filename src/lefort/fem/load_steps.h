@@ -59,6 +59,7 @@ class LoadStepper {
   /// \returns nothing if state() is now at t_end; or
   ///   - kNotConverged     the smallest increment failed, or max_attempts were not enough; the
   ///     sentence says where and why;
+  ///   - kOutOfMemory      Newton's factor does not fit into memory, however small the increment;
   ///   - kInvalidArgument  t_end is not finite or does not lie ahead;
   ///   - kCancelled        `progress` asked to stop.
   /// After an error state() is the last converged state, and attempts() tells all that was tried.

@@ -81,13 +81,18 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
     const contact::PenaltyResponse response =
         contact::penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
     local.energy_mj += weight_mm2 * response.energy_mj_per_mm2;
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; a < 3; ++a)
       local.residual_n.segment<3>(3 * a) += weight_mm2 * N[a] * response.gradient_mpa;
-      if (!local.wants_stiffness()) continue;
+    if (!local.wants_stiffness()) continue;
+    const Mat3 hessian_mpa_per_mm =
+        local.tangent == fem::Tangent::kExact
+            ? response.hessian_mpa_per_mm
+            : contact::convex_hessian(depth_mm, gap.gradient_L, gap.hessian_L,
+                                      stiffness_mpa_per_mm_);
+    for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b)
         local.stiffness_n_per_mm.block<3, 3>(3 * a, 3 * b) +=
-            weight_mm2 * N[a] * N[b] * response.hessian_mpa_per_mm;
-    }
+            weight_mm2 * N[a] * N[b] * hessian_mpa_per_mm;
   }
   return true;
 }

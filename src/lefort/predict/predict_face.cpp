@@ -160,6 +160,11 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     attempts_told = attempts.size();
     if (!advanced) {
       if (advanced.error().code == ErrorCode::kCancelled) return tl::unexpected(advanced.error());
+      if (advanced.error().code == ErrorCode::kOutOfMemory)
+        return fail(ErrorCode::kOutOfMemory,
+                    fmt::format("the equations of {} nodes do not fit into memory: ask for a "
+                                "larger tissue.element_size_mm than {:g} mm",
+                                tissue.node_count(), options.tissue.element_size_mm));
       prediction.failure = advanced.error();
       prediction.failed_attempts = std::move(new_attempts);
       return prediction;

@@ -38,6 +38,7 @@ struct PredictionOptions {
 ///   - kStepBeyondBand   the segment moves further in one step than its field reaches;
 ///   - kAnatomyMissing   no tissue lies on the segment, or nothing is fixed;
 ///   - kInvalidArgument  a material constant lies outside its range;
+///   - kOutOfMemory      the tissue's mesh is too fine for this machine;
 ///   - kCancelled        `progress` asked to stop.
 [[nodiscard]] Result<FacePrediction> predict_face(
     const FaceModel& model, const plan::BonePath& path, const PredictionOptions& options,
