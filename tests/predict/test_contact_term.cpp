@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/predict/contact_term.h>
 
@@ -24,9 +25,19 @@ contact::BoneObstacle slab() {
   return {field};
 }
 
-contact::BoneObstacle ball() {
+contact::BoneObstacle ball(
+    contact::Reconstruction reconstruction = contact::Reconstruction::kSmooth) {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_icosphere(6.0, 5), {.resolution = 64, .band_mm = 2.0})
+          .value());
+  return {field, RigidTransform::Identity(), reconstruction};
+}
+
+/// A plate 2 mm thick whose upper side is z = 0.
+contact::BoneObstacle plate() {
+  static const auto field = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(test::make_box({-10.0, -10.0, -2.0}, {10.0, 10.0, 0.0}),
+                                  {.resolution = 64, .band_mm = 3.0})
           .value());
   return {field};
 }
@@ -108,10 +119,42 @@ TEST(ContactTerm, DeeperThanTheBandIsRefusedNotMissed) {
   EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
 }
 
-TEST(ContactTerm, ResidualAndStiffnessAreTheDerivativesOfTheEnergyOnACurvedBone) {
-  constexpr double kStep = 1e-5;
+TEST(ContactTerm, TunnellingThroughAPlateIsRefused) {
+  ContactTerm term(flat_face(0.0), kFace, plate(), {kStiffness, 0.5});
+  term.set_pose(lifted(0.8));
+  EXPECT_TRUE(evaluate(term, 0, flat_face(0.0)).admissible);
+  term.set_pose(lifted(1.5));  // The lower side is nearer now: that way leads through the plate.
+  EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
+  EXPECT_TRUE(evaluate(term, 0, flat_face(1.4)).admissible);
+  term.set_pose(lifted(-5.0));
+  term.remember(flat_face(-8.0));  // Tissue that came round the plate may well lie below it.
+  EXPECT_TRUE(evaluate(term, 0, flat_face(-6.9)).admissible);
+}
+
+TEST(ContactTerm, ACaptureThatReachesBeyondTheBandIsABug) {
+  EXPECT_THROW(ContactTerm(flat_face(0.0), kFace, slab(), {kStiffness, 3.0}), LogicError);
+}
+
+TEST(ContactTerm, PenetrationAndDepthFromRestAreToldApart) {
+  ContactTerm term(flat_face(-0.4), kFace, slab(), {kStiffness, 0.5});
+  EXPECT_NEAR(term.rest_penetration_mm(), 0.4, 1e-6);
+  term.set_pose(lifted(1.0));
+  const ContactSummary pressed = term.summarise(flat_face(-0.4));
+  EXPECT_NEAR(pressed.max_penetration_mm, 1.4, 1e-6);
+  EXPECT_NEAR(pressed.mean_penetration_mm, 1.4, 1e-6);
+  EXPECT_NEAR(pressed.max_depth_from_rest_mm, 1.0, 1e-6);
+  EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
+}
+
+class ContactTermOnABall : public testing::TestWithParam<contact::Reconstruction> {};
+INSTANTIATE_TEST_SUITE_P(Both, ContactTermOnABall,
+                         testing::Values(contact::Reconstruction::kTrilinear,
+                                         contact::Reconstruction::kSmooth));
+
+TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
+  constexpr double kStep = 1e-6;
   const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
-  ContactTerm term(rest, kFace, ball(), {kStiffness, 0.1});
+  ContactTerm term(rest, kFace, ball(GetParam()), {kStiffness, 0.1});
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
   term.set_pose(X_LB);
@@ -160,6 +203,7 @@ TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
   EXPECT_NEAR(pressed.area_mm2, 16.0, 1e-9);
   EXPECT_NEAR(pressed.max_penetration_mm, 1.0, 1e-6);
   EXPECT_NEAR(pressed.mean_penetration_mm, 1.0, 1e-6);
+  EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
   EXPECT_NEAR(pressed.force_L_n.z(), 2.0 * kStiffness * 16.0, 1e-6);
   EXPECT_NEAR(pressed.normal_force_n, pressed.force_L_n.z(), 1e-9);
 }

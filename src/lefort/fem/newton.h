@@ -38,12 +38,13 @@ class NonlinearSystem {
 };
 
 struct NewtonOptions {
-  double relative_tolerance = 1e-8;     ///< Converged when |r| <= this * force scale, >= 0 ...
-  double absolute_tolerance_n = 1e-10;  ///< ... or when |r| <= this [N], >= 0.
-  int max_iterations = 30;              ///< Newton steps, at most; >= 1.
-  int max_backtracks = 20;              ///< How often one step may be shortened; >= 0.
-  double sufficient_decrease = 1e-4;    ///< Armijo's constant, in (0, 0.5).
-  int stagnation_iterations = 8;        ///< Stop when so many steps in a row make no headway; >= 1.
+  double relative_tolerance = 1e-8;   ///< Converged when |r| <= this * force scale, >= 0 ...
+  double absolute_tolerance_n = 0.0;  ///< ... or when |r| <= this [N], >= 0: a body at rest, whose
+                                      ///< forces are all round-off.
+  int max_iterations = 30;            ///< Newton steps, at most; >= 1.
+  int max_backtracks = 20;            ///< How often one step may be shortened; >= 0.
+  double sufficient_decrease = 1e-4;  ///< Armijo's constant, in (0, 0.5).
+  int stagnation_iterations = 8;      ///< Stop when so many steps in a row make no headway; >= 1.
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <lefort/contact/bone_obstacle.h>
+#include <lefort/contact/measure_gap.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/force_term.h>
 #include <lefort/mesh/volume_mesh.h>
@@ -19,10 +20,14 @@ struct ContactSummary {
   Index points = 0;       ///< Surface quadrature points in contact.
   Index nodes = 0;        ///< Nodes of faces with such a point.
   double area_mm2 = 0.0;  ///< Of the tissue's surface at rest, in contact.
+  /// How deep tissue lies in the bone: minus the gap, at most and on average over that area.
   double max_penetration_mm = 0.0;
-  double mean_penetration_mm = 0.0;  ///< Weighted by area.
-  Vec3 force_L_n = Vec3::Zero();     ///< On the tissue [N].
-  double normal_force_n = 0.0;       ///< Sum of the magnitudes [N].
+  double mean_penetration_mm = 0.0;
+  /// How much nearer to the bone tissue lies than at rest: what the contact force acts on.
+  double max_depth_from_rest_mm = 0.0;
+  double mean_depth_from_rest_mm = 0.0;
+  Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
+  double normal_force_n = 0.0;    ///< Sum of the magnitudes [N].
 };
 
 /// Triangles of the tissue's inner surface against one bone.
@@ -30,11 +35,15 @@ struct ContactSummary {
 /// Penetration is measured from how the face lay at rest: the mesh meets the bone's surface only
 /// within a chord's height, and a patient at rest is in equilibrium. So a point that rests within
 /// `capture_mm` of the bone touches it, and a point that the mesh put deeper starts from there.
+///
+/// In thin bone the nearest surface may be the far one, and its way out leads through the bone. So
+/// the term remembers on which side of the bone each point was when remember() was last called, and
+/// has no energy where a point in contact has changed sides since.
 class ContactTerm final : public fem::ForceTerm {
  public:
   struct Options {
     double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
-    double capture_mm = 0.0;            ///< >= 0.
+    double capture_mm = 0.0;            ///< >= 0, less than the field's band.
   };
 
   /// \param nodes_L   all nodes at rest [mm].
@@ -50,20 +59,38 @@ class ContactTerm final : public fem::ForceTerm {
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
     return faces_[std::size_t(item)];
   }
-  /// \returns false where a point lies deeper than the field's band: it knows no way out.
+  /// \returns false where a point lies deeper than the field's band, so that it knows no way out;
+  ///   has come out of sight of the field; or has tunnelled through the bone.
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
+
+  /// Remembers on which side of the bone, at its present pose, every point lies. To be called at
+  /// each converged state; not while the term is being evaluated.
+  /// \param x_L  current positions of all nodes [mm].
+  void remember(std::span<const Vec3> x_L);
+
+  /// How deep the mesh lies in the bone at rest, at most [mm]; 0 if nowhere.
+  [[nodiscard]] double rest_penetration_mm() const;
 
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] ContactSummary summarise(std::span<const Vec3> x_L) const;
 
  private:
-  /// Dunavant's rule of degree 4.
+  /// Of the rule of degree 4 in \cite dunavant1985.
   static constexpr int kPoints = 6;
+
+  /// What a point saw of the bone when last remembered.
+  struct Sight {
+    Vec3 normal_B = Vec3::Zero();  ///< Out of the bone; zero beyond the band.
+    bool knows_side = false;       ///< The field said where the point is.
+  };
+
+  [[nodiscard]] bool is_lost(const Sight& last, const contact::Gap& gap, double depth_mm) const;
 
   std::vector<mesh::Face3> faces_;
   std::vector<double> area_mm2_;                          ///< Of each face at rest.
   std::vector<std::array<double, kPoints>> rest_gap_mm_;  ///< Where penetration starts.
+  std::vector<std::array<Sight, kPoints>> last_sight_;
   contact::BoneObstacle obstacle_;
   double stiffness_mpa_per_mm_;
 };
