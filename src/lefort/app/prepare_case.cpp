@@ -99,16 +99,19 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
       const geometry::TriangleMesh skull_L,
       anatomy::extract_isosurface(
           anatomy::bone_level(ct, labels, anatomy::Cavities::kFillSinuses, levels), {}, progress));
-  image::ScalarVolume skin_level = anatomy::skin_level(ct, labels, levels);
-  LEFORT_TRY(geometry::TriangleMesh skin_L, anatomy::extract_isosurface(skin_level, {}, progress));
+  LEFORT_TRY(
+      geometry::TriangleMesh skin_L,
+      anatomy::extract_isosurface(anatomy::skin_level(ct, labels, levels), {}, progress));
 
   progress.begin_stage("cut the bone");
   LEFORT_TRY(plan::CutBones bones, plan::cut_bones(skull_L, plan.osteotomy, {}, progress));
   LEFORT_TRY(auto segment_field, find_field(bones.segment_L, plan.field, cache, progress));
+  LEFORT_TRY_VOID(predict::check_field_reach(plan.path, bones.segment_L, *segment_field,
+                                             plan.boundary));  // Before the costly mesh.
 
   const predict::TissueDomain domain =
-      predict::make_tissue_domain(anatomy::soft_tissue_level(ct, labels, levels),
-                                  std::move(skin_level), ct.grid, bones.segment_L, plan.tissue);
+      predict::make_tissue_domain(anatomy::soft_tissue_level(ct, labels, levels), ct.grid,
+                                  bones.segment_L, plan.tissue);
   const std::string inputs = io::Sha256()
                                  .add(ct_sha256)
                                  .add(labels)
@@ -118,8 +121,8 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(mesh::VolumeMesh tissue,
              find_tissue_mesh(domain, bones.segment_L, plan.tissue, inputs, cache, progress));
   progress.begin_stage("find boundaries");
-  tissue = predict::find_tissue_boundary(std::move(tissue), domain, labels, bones.segment_L,
-                                         bones.remainder_L, plan.boundary);
+  tissue = predict::find_tissue_boundary(std::move(tissue), domain, labels, skin_L,
+                                         bones.segment_L, bones.remainder_L, plan.boundary);
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
   predict::FaceModel model{std::move(tissue), bones.segment_L, std::move(segment_field)};
   return PreparedCase{std::move(plan),   {plan_sha256, ct_sha256, scan.source_kind, scan.warnings},

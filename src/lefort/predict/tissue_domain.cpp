@@ -57,12 +57,7 @@ double TissueDomain::distance_to_scan_edge(const Vec3& p_L) const {
   return std::abs(depth_inside(scan_edges_L, p_L));
 }
 
-double TissueDomain::distance_to_skin(const Vec3& p_L) const {
-  return std::abs(image::interpolate(skin_level, p_L, kOutside_mm));
-}
-
-TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,
-                                image::ScalarVolume skin_level, const image::Grid& scan_grid,
+TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level, const image::Grid& scan_grid,
                                 const geometry::TriangleMesh& segment_L,
                                 const TissueOptions& options) {
   Box3 box;
@@ -70,8 +65,7 @@ TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,
   const Vec3 margin = Vec3::Constant(options.margin_mm);
   box.min() -= margin;
   box.max() += margin;
-  return {std::move(soft_tissue_level), std::move(skin_level), box, sides_of_box(box),
-          sides_of_scan(scan_grid)};
+  return {std::move(soft_tissue_level), box, sides_of_box(box), sides_of_scan(scan_grid)};
 }
 
 }  // namespace lefort::predict
