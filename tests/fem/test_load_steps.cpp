@@ -186,6 +186,7 @@ TEST(LoadSteps, AStartThatWasNotAtFaultIsNotReplaced) {
     return stepper.attempts().size() - 1;
   };
   EXPECT_EQ(starts_tried(NewtonStop::kInadmissibleStart, 0), 2U);
+  EXPECT_EQ(starts_tried(NewtonStop::kRefused, 20), 2U);
   EXPECT_EQ(starts_tried(NewtonStop::kStagnated, 3), 2U);
   EXPECT_EQ(starts_tried(NewtonStop::kStagnated, 20), 1U);
   EXPECT_EQ(starts_tried(NewtonStop::kTooManyIterations, 30), 1U);

@@ -119,16 +119,17 @@ TEST(ContactTerm, DeeperThanTheBandIsRefusedNotMissed) {
   EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
 }
 
-TEST(ContactTerm, TunnellingThroughAPlateIsRefused) {
+TEST(ContactTerm, TellsWhatHasTunnelledThroughAPlate) {
   ContactTerm term(flat_face(0.0), kFace, plate(), {kStiffness, 0.5});
   term.set_pose(lifted(0.8));
-  EXPECT_TRUE(evaluate(term, 0, flat_face(0.0)).admissible);
+  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
   term.set_pose(lifted(1.5));  // The lower side is nearer now: that way leads through the plate.
-  EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
-  EXPECT_TRUE(evaluate(term, 0, flat_face(1.4)).admissible);
-  term.set_pose(lifted(-5.0));
-  term.remember(flat_face(-8.0));  // Tissue that came round the plate may well lie below it.
-  EXPECT_TRUE(evaluate(term, 0, flat_face(-6.9)).admissible);
+  EXPECT_NEAR(term.newly_tunnelled_area_mm2(flat_face(0.0)), kFaceArea_mm2, 1e-9);
+  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(1.4)), 0.0);
+  EXPECT_EQ(term.summarise(flat_face(0.0)).tunnelled_area_mm2, 0.0);
+  term.remember(flat_face(0.0));
+  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
+  EXPECT_NEAR(term.summarise(flat_face(0.0)).tunnelled_area_mm2, kFaceArea_mm2, 1e-9);
 }
 
 TEST(ContactTerm, ACaptureThatReachesBeyondTheBandIsABug) {

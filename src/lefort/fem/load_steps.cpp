@@ -15,7 +15,7 @@ constexpr double kRounding = 1e-9;
 /// Whether a failure may be the extrapolated start's own. A solve that ran long has left its start
 /// behind; running as long from the last state would find no more.
 bool worth_a_nearer_start(const NewtonOutcome& outcome, const LoadStepOptions& options) {
-  return outcome.stop == NewtonStop::kInadmissibleStart ||
+  return outcome.stop == NewtonStop::kInadmissibleStart || outcome.stop == NewtonStop::kRefused ||
          (outcome.stop == NewtonStop::kStagnated &&
           outcome.iterations() <= options.easy_iterations);
 }

@@ -57,6 +57,7 @@ enum class NewtonStop {
   kSingularTangent,  ///< No shift made the tangent positive definite: nothing holds the body.
   kOutOfMemory,      ///< The factor does not fit into memory; the problem may well have a solution.
   kInadmissibleStart,  ///< The start itself turns an element inside out, or is not finite.
+  kRefused,            ///< Converged to a state that the caller does not accept.
   kCancelled           ///< Progress asked to stop.
 };
 

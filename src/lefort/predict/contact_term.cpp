@@ -74,6 +74,7 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3>
 }
 
 void ContactTerm::remember(std::span<const Vec3> x_L) {
+  tunnelled_area_mm2_ += newly_tunnelled_area_mm2(x_L);
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
   parallel_for(Index(faces_.size()), [&](Index face) {
     const std::array<Vec3, 3> x = corners(faces_[std::size_t(face)], x_L);
@@ -93,14 +94,24 @@ double ContactTerm::rest_penetration_mm() const {
   return deepest_mm;
 }
 
-bool ContactTerm::is_lost(const Sight& last, const contact::Gap& gap, double depth_mm) const {
-  if (gap.zone == field::Zone::kInside) return true;
-  if (gap.zone == field::Zone::kUnknown) return last.knows_side;
-  if (gap.zone == field::Zone::kOutside || !(depth_mm > 0.0)) return false;
+bool ContactTerm::has_tunnelled(const Sight& last, const contact::Gap& gap) const {
   // Outside the bone, normals turn freely: across a groove one wall takes over from the other.
   constexpr double kFarSide = -0.5;  // Cosine; an edge of over 60 degrees has no far side.
-  return gap.gap_mm < 0.0 &&
+  return gap.zone == field::Zone::kBand && gap.gap_mm < 0.0 &&
          (obstacle_.X_LB.linear() * last.normal_B).dot(gap.gradient_L) < kFarSide;
+}
+
+double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
+  return deterministic_sum(Index(faces_.size()), 0.0, [&](Index face) {
+    const std::array<Vec3, 3> x = corners(faces_[std::size_t(face)], x_L);
+    double share = 0.0;
+    for (std::size_t q = 0; q < kRule.size(); ++q) {
+      const contact::Gap gap =
+          contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      if (has_tunnelled(last_sight_[std::size_t(face)][q], gap)) share += kRule[q].weight;
+    }
+    return share * area_mm2_[std::size_t(face)];
+  });
 }
 
 bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
@@ -112,7 +123,9 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
         contact::measure_gap(obstacle_, interpolate(N, x_L),
                              local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
     const double depth_mm = rest_gap_mm_[std::size_t(item)][q] - gap.gap_mm;
-    if (is_lost(last_sight_[std::size_t(item)][q], gap, depth_mm)) return false;
+    if (gap.zone == field::Zone::kInside) return false;
+    if (gap.zone == field::Zone::kUnknown && last_sight_[std::size_t(item)][q].knows_side)
+      return false;
     if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
 
     const double weight_mm2 = kRule[q].weight * area_mm2;
@@ -163,6 +176,7 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
     }
   }
   summary.nodes = Index(nodes.size());
+  summary.tunnelled_area_mm2 = tunnelled_area_mm2_;
   if (summary.area_mm2 > 0.0) {
     summary.mean_penetration_mm /= summary.area_mm2;
     summary.mean_depth_from_rest_mm /= summary.area_mm2;

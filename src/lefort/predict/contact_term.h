@@ -28,6 +28,9 @@ struct ContactSummary {
   double mean_depth_from_rest_mm = 0.0;
   Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
   double normal_force_n = 0.0;    ///< Sum of the magnitudes [N].
+  /// Of the tissue's surface at rest, what has crept through thin bone since then; a part counts
+  /// each time it does.
+  double tunnelled_area_mm2 = 0.0;
 };
 
 /// Triangles of the tissue's inner surface against one bone.
@@ -36,9 +39,11 @@ struct ContactSummary {
 /// within a chord's height, and a patient at rest is in equilibrium. So a point that rests within
 /// `capture_mm` of the bone touches it, and a point that the mesh put deeper starts from there.
 ///
-/// In thin bone the nearest surface may be the far one, and its way out leads through the bone. So
+/// In thin bone the nearest surface may be the far one, and the way out leads through the bone. So
 /// the term remembers on which side of the bone each point was when remember() was last called, and
-/// has no energy where a point in contact has changed sides since.
+/// tells how much of the surface has changed sides since. It has an energy there all the same: as
+/// soft as the penalty is, tissue may creep over a thin edge however small the increments are, and
+/// a wall that no force keeps a point away from would only stop the solver.
 class ContactTerm final : public fem::ForceTerm {
  public:
   struct Options {
@@ -59,15 +64,20 @@ class ContactTerm final : public fem::ForceTerm {
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
     return faces_[std::size_t(item)];
   }
-  /// \returns false where a point lies deeper than the field's band, so that it knows no way out;
-  ///   has come out of sight of the field; or has tunnelled through the bone.
+  /// \returns false where a point lies deeper than the field's band, so that it knows no way out,
+  ///   or has come to where the field is torn.
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
 
-  /// Remembers on which side of the bone, at its present pose, every point lies. To be called at
-  /// each converged state; not while the term is being evaluated.
+  /// Remembers on which side of the bone, at its present pose, every point lies, and adds what has
+  /// changed sides to ContactSummary::tunnelled_area_mm2. To be called at each converged state; not
+  /// while the term is being evaluated.
   /// \param x_L  current positions of all nodes [mm].
   void remember(std::span<const Vec3> x_L);
+
+  /// Area of the tissue's surface at rest that lies in the bone and has changed sides since
+  /// remember() was last called [mm^2].
+  [[nodiscard]] double newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const;
 
   /// How deep the mesh lies in the bone at rest, at most [mm]; 0 if nowhere.
   [[nodiscard]] double rest_penetration_mm() const;
@@ -85,12 +95,13 @@ class ContactTerm final : public fem::ForceTerm {
     bool knows_side = false;       ///< The field said where the point is.
   };
 
-  [[nodiscard]] bool is_lost(const Sight& last, const contact::Gap& gap, double depth_mm) const;
+  [[nodiscard]] bool has_tunnelled(const Sight& last, const contact::Gap& gap) const;
 
   std::vector<mesh::Face3> faces_;
   std::vector<double> area_mm2_;                          ///< Of each face at rest.
   std::vector<std::array<double, kPoints>> rest_gap_mm_;  ///< Where penetration starts.
   std::vector<std::array<Sight, kPoints>> last_sight_;
+  double tunnelled_area_mm2_ = 0.0;
   contact::BoneObstacle obstacle_;
   double stiffness_mpa_per_mm_;
 };

@@ -80,6 +80,26 @@ std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const std::vector<Vec3
   return x_L;
 }
 
+/// A bone that jumped through tissue leaves it in balance on the wrong side: such a state is
+/// refused, so that the stepper takes smaller increments. What creeps over a thin edge is not, since
+/// no increment would be small enough; it is told.
+void accept_or_refuse(ContactTerm& contact, const mesh::VolumeMesh& tissue,
+                      fem::NewtonOutcome& outcome) {
+  constexpr double kMostTunnelled = 0.02;  // Of the area in contact, in one increment.
+  const std::vector<Vec3> x_L = moved(tissue.nodes_L, as_vectors(outcome.x));
+  const double tunnelled_mm2 = contact.newly_tunnelled_area_mm2(x_L);
+  const double touching_mm2 = contact.summarise(x_L).area_mm2;
+  if (tunnelled_mm2 <= kMostTunnelled * touching_mm2) {
+    contact.remember(x_L);
+    return;
+  }
+  outcome.stop = fem::NewtonStop::kRefused;
+  outcome.reason = fmt::format(
+      "{:.1f} of {:.1f} mm^2 of tissue in contact have tunnelled through "
+      "the bone in one increment",
+      tunnelled_mm2, touching_mm2);
+}
+
 /// Least ratio of an element's volume to its volume at rest.
 double smallest_volume_ratio(const mesh::VolumeMesh& tissue, const fem::RegionMaterials& materials,
                              const VectorX& u) {
@@ -198,8 +218,7 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     fem::NewtonOutcome outcome =
         fem::find_equilibrium(assembler, prescribed_at(X_LB), start, linear_solver,
                               newton_options(options.solver, options.tissue), progress);
-    if (contact && outcome.converged())
-      contact->remember(moved(tissue.nodes_L, as_vectors(outcome.x)));
+    if (contact && outcome.converged()) accept_or_refuse(*contact, tissue, outcome);
     return outcome;
   };
   fem::LoadStepper stepper({0.0, VectorX::Zero(3 * tissue.node_count())}, solve_at,
