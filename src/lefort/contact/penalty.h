@@ -1,5 +1,5 @@
 /// \file
-/// Frictionless contact as a potential of the penetration depth d (paper, section 2.3).
+/// Frictionless contact as a potential of the depth d (\cite lefort-paper, section 2.3).
 ///
 ///   phi(d) = k_c d^2 for d > 0, else 0      (2)   energy per area of the surface at rest
 ///   f      = -d phi / d x = 2 k_c d n             traction on the tissue, out of the bone

@@ -54,8 +54,8 @@ class LoadStepper {
   ///
   /// An increment that fails is halved, one that was easy lets the next grow; each call begins
   /// with first_increment at least. The start guess is extrapolated from the last two converged
-  /// states; where that is inadmissible, soon gets stuck or leads to what is refused, the last state
-  /// serves.
+  /// states; where that is inadmissible, soon gets stuck or leads to what is refused, the last
+  /// state serves.
   ///
   /// \returns nothing if state() is now at t_end; or
   ///   - kNotConverged     the smallest increment failed, or max_attempts were not enough; the

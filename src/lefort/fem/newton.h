@@ -87,8 +87,8 @@ struct NewtonOutcome {
 /// Solves r(x) = 0 from `start`.
 ///
 /// Each step goes along -(K + tau D)^-1 r and is shortened until the energy falls sufficiently
-/// (Armijo; \cite nocedal2006, algorithm 3.1). K is the exact tangent or, where that is not positive
-/// definite, a mean of it and the convex one, with as little of that as helps; D is the diagonal of
+/// (Armijo; \cite nocedal2006, algorithm 3.1). K is the exact tangent; where that is not positive
+/// definite, a mean of it and the convex one, with as little of that as helps. D is the diagonal of
 /// K, and tau = 0 unless even the convex one is not (ibid., algorithm 3.3). Where the expected
 /// change of energy drowns in its round-off, |r| has to fall instead. A trial that is inadmissible
 /// is shortened like one that is too high. A step by another than the exact tangent, being too

@@ -81,8 +81,8 @@ std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const std::vector<Vec3
 }
 
 /// A bone that jumped through tissue leaves it in balance on the wrong side: such a state is
-/// refused, so that the stepper takes smaller increments. What creeps over a thin edge is not, since
-/// no increment would be small enough; it is told.
+/// refused, so that the stepper takes smaller increments. What creeps over a thin edge is not,
+/// since no increment would be small enough; it is told.
 void accept_or_refuse(ContactTerm& contact, const mesh::VolumeMesh& tissue,
                       fem::NewtonOutcome& outcome) {
   constexpr double kMostTunnelled = 0.02;  // Of the area in contact, in one increment.
