@@ -30,10 +30,9 @@ std::vector<mesh::HalfSpace> sides_of_box(const Box3& box) {
 }
 
 std::vector<mesh::HalfSpace> sides_of_scan(const image::Grid& grid) {
-  constexpr double kInset = 0.5;  // Voxels; between the outermost centres values are known.
   std::vector<mesh::HalfSpace> sides;
   for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 low_V = kInset * Vec3::Ones();
+    const Vec3 low_V = kScanEdgeInset_voxels * Vec3::Ones();
     Vec3 high_V = -low_V;
     for (int a = 0; a < 3; ++a) high_V[a] += double(grid.size[std::size_t(a)] - 1);
     sides.push_back({grid.point_L(low_V), grid.direction.col(axis)});

@@ -13,6 +13,9 @@
 
 namespace lefort::predict {
 
+/// So far inside its outermost voxel centres the scan ends: between those values are known.
+inline constexpr double kScanEdgeInset_voxels = 0.5;
+
 /// Soft tissue within a box around the moved segment.
 struct TissueDomain {
   image::ScalarVolume soft_tissue_level;      ///< anatomy/tissue_levels.h.
@@ -28,8 +31,7 @@ struct TissueDomain {
 };
 
 /// \param soft_tissue_level  see anatomy/tissue_levels.h.
-/// \param scan_grid          of the scan itself: tissue ends half a voxel inside its outermost
-///   voxel centres.
+/// \param scan_grid          of the scan itself.
 /// \param segment_L          the bone that moves.
 [[nodiscard]] TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,
                                               const image::Grid& scan_grid,
