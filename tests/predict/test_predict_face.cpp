@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 #include <lefort/fem/assemble.h>
 #include <lefort/fem/element_term.h>
@@ -286,6 +287,9 @@ TEST(PredictFace, RefusesAModelThatNothingTouchesOrHolds) {
   untouched.tissue.node_sets[sets::kMovedBone].clear();
   EXPECT_EQ(predict_face(untouched, straight({0.0, 0.0, 1.0}, 1), {}).error().code,
             ErrorCode::kAnatomyMissing);
+  FaceModel unnamed = block_on_slab();
+  unnamed.tissue.face_sets.erase(sets::kContact);
+  EXPECT_THROW((void)predict_face(unnamed, straight({0.0, 0.0, 1.0}, 1), {}), LogicError);
   FaceModel loose = block_on_slab();
   loose.tissue.node_sets[sets::kFixed].clear();
   EXPECT_EQ(predict_face(loose, straight({0.0, 0.0, 1.0}, 1), {}).error().code,

@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/fem/assemble.h>
 #include <lefort/fem/boundary_conditions.h>
 #include <lefort/fem/dof_map.h>
@@ -49,6 +50,9 @@ std::vector<LoadLevel> load_levels(const plan::BonePath& path) {
 }
 
 Result<void> check_sets(const FaceModel& model, const plan::BonePath& path) {
+  for (const char* set : {sets::kMovedBone, sets::kFixed})
+    LEFORT_CHECK(model.tissue.node_sets.count(set) > 0);
+  LEFORT_CHECK(model.tissue.face_sets.count(sets::kContact) > 0);
   if (model.tissue.node_sets.at(sets::kMovedBone).empty())
     return fail(ErrorCode::kAnatomyMissing,
                 fmt::format("no soft tissue lies on segment {}", path.segment));
