@@ -107,6 +107,20 @@ TEST(ContactTerm, TissueFurtherThanTheCaptureIsTouchedOnlyWhenReached) {
   EXPECT_NEAR(evaluate(term, 0, flat_face(1.0)).energy_mj, kStiffness * 0.25 * kFaceArea_mm2, 1e-6);
 }
 
+TEST(ContactTerm, TissueFromBeyondTheBandIsTouchedWhereverItComesFrom) {
+  const auto energy_mj = [](double rest_z, double lift_mm, double z) {
+    ContactTerm term(flat_face(rest_z), kFace, slab(), {kStiffness, 0.5});
+    term.set_pose(lifted(lift_mm));
+    return evaluate(term, 0, flat_face(z)).energy_mj;
+  };
+  const double one_deep_mj = kStiffness * kFaceArea_mm2;
+  EXPECT_NEAR(energy_mj(6.0, 7.0, 6.0), one_deep_mj, 1e-6);   // The bone came,
+  EXPECT_NEAR(energy_mj(6.0, 0.0, -1.0), one_deep_mj, 1e-6);  // or the tissue,
+  EXPECT_NEAR(energy_mj(6.0, 3.0, 2.0), one_deep_mj, 1e-6);   // or both.
+  EXPECT_EQ(energy_mj(6.0, 5.9, 6.0), 0.0);
+  EXPECT_NEAR(energy_mj(1.0, 0.0, -1.0), one_deep_mj, 1e-6);
+}
+
 TEST(ContactTerm, ARetreatingBoneDoesNotPull) {
   ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
   term.set_pose(lifted(-1.0));

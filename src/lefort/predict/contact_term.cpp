@@ -70,6 +70,7 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3>
     }
   }
   last_sight_.resize(faces_.size());
+  last_clearance_.resize(faces_.size());
   remember(nodes_L);
 }
 
@@ -78,9 +79,17 @@ void ContactTerm::remember(std::span<const Vec3> x_L) {
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
   parallel_for(Index(faces_.size()), [&](Index face) {
     const std::array<Vec3, 3> x = corners(faces_[std::size_t(face)], x_L);
+    Clearance& clearance = last_clearance_[std::size_t(face)];
+    clearance.clearance_mm = obstacle_.field_B->band_mm();
+    for (std::size_t corner = 0; corner < x.size(); ++corner)
+      clearance.corners_B[corner] = R_BL * (x[corner] - obstacle_.X_LB.translation());
     for (std::size_t q = 0; q < kRule.size(); ++q) {
       const contact::Gap gap =
           contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      const bool is_seen = gap.zone == field::Zone::kBand || gap.zone == field::Zone::kOutside;
+      const double touching_at_mm = std::max(rest_gap_mm_[std::size_t(face)][q], 0.0);
+      clearance.clearance_mm =
+          std::min(clearance.clearance_mm, is_seen ? gap.gap_mm - touching_at_mm : 0.0);
       last_sight_[std::size_t(face)][q] = {R_BL * gap.gradient_L,
                                            gap.zone != field::Zone::kUnknown};
     }
@@ -92,6 +101,20 @@ double ContactTerm::rest_penetration_mm() const {
   for (const std::array<double, kPoints>& rest : rest_gap_mm_)
     for (const double gap_mm : rest) deepest_mm = std::max(deepest_mm, -gap_mm);
   return deepest_mm;
+}
+
+bool ContactTerm::is_out_of_reach(std::size_t face, std::span<const Vec3> corners_L) const {
+  constexpr double kSlack_mm = 0.1;  // Errors of the field, many times over.
+  constexpr double kSlope = 1.1;     // Likewise for the length of its gradient.
+  const Clearance& last = last_clearance_[face];
+  if (last.clearance_mm <= kSlack_mm) return false;
+  const double allowed_mm = (last.clearance_mm - kSlack_mm) / kSlope;
+  const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
+  for (std::size_t corner = 0; corner < last.corners_B.size(); ++corner) {
+    const Vec3 x_B = R_BL * (corners_L[corner] - obstacle_.X_LB.translation());
+    if (!((x_B - last.corners_B[corner]).squaredNorm() < allowed_mm * allowed_mm)) return false;
+  }
+  return true;
 }
 
 bool ContactTerm::has_tunnelled(const Sight& last, const contact::Gap& gap) const {
@@ -116,6 +139,7 @@ double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
 
 bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
                            fem::LocalEquations& local) const {
+  if (is_out_of_reach(std::size_t(item), x_L)) return true;
   const double area_mm2 = area_mm2_[std::size_t(item)];
   for (std::size_t q = 0; q < kRule.size(); ++q) {
     const Vec3& N = kRule[q].N;

@@ -95,12 +95,21 @@ class ContactTerm final : public fem::ForceTerm {
     bool knows_side = false;       ///< The field said where the point is.
   };
 
+  /// Where a face was in the bone's frame when last remembered, and how far all of it was from
+  /// contact then [mm]: distances change no faster than points move.
+  struct Clearance {
+    std::array<Vec3, 3> corners_B;
+    double clearance_mm = 0.0;
+  };
+
+  [[nodiscard]] bool is_out_of_reach(std::size_t face, std::span<const Vec3> corners_L) const;
   [[nodiscard]] bool has_tunnelled(const Sight& last, const contact::Gap& gap) const;
 
   std::vector<mesh::Face3> faces_;
   std::vector<double> area_mm2_;                          ///< Of each face at rest.
   std::vector<std::array<double, kPoints>> rest_gap_mm_;  ///< Where penetration starts.
   std::vector<std::array<Sight, kPoints>> last_sight_;
+  std::vector<Clearance> last_clearance_;
   double tunnelled_area_mm2_ = 0.0;
   contact::BoneObstacle obstacle_;
   double stiffness_mpa_per_mm_;
