@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Fails when an #include breaks src/lefort/LAYERS, names a library its layer may not use or the world
-outside, or when a line is too long. Run from the repository root; it is the ctest `sources`.
+outside, when a line is too long, or when \\cite and docs/references.bib do not match. Run from the
+repository root; it is the ctest `sources`.
 """
 import re
 import sys
@@ -74,7 +75,21 @@ def violations(root: Path, layers: dict[str, set[str]]) -> list[str]:
     return found
 
 
+def citation_mismatches(root: Path, references: Path) -> list[str]:
+    """Sources that are cited and not listed, and those listed that nobody cites."""
+    listed = set(re.findall(r"^@\w+\{([^,\s]+),", references.read_text(encoding="utf-8"), re.MULTILINE))
+    cited: dict[str, Path] = {}
+    for path in sorted(root.rglob("*")):
+        if path.suffix in {".h", ".cpp"}:
+            for key in re.findall(r"\\cite\s+(?:///\s*)?([\w:-]+)", path.read_text(encoding="utf-8")):
+                cited.setdefault(key, path)
+    missing = [f"{cited[key]}: \\cite {key} is not in {references}" for key in sorted(cited.keys() - listed)]
+    unused = [f"{references}: {key} is cited nowhere" for key in sorted(listed - cited.keys())]
+    return missing + unused
+
+
 if __name__ == "__main__":
     problems = violations(ROOT, read_layers((ROOT / "LAYERS").read_text(encoding="utf-8")))
-    print("\n".join(problems) or "layers: ok")
+    problems += citation_mismatches(ROOT, Path("docs/references.bib"))
+    print("\n".join(problems) or "layers and citations: ok")
     sys.exit(bool(problems))

@@ -1,3 +1,4 @@
+#include <lefort/geometry/mesh_edges.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
@@ -82,6 +83,13 @@ TEST(CommandLine, SegmentWritesLabelsAndClosedSurfaces) {
   const auto skull = io::read_surface(folder / "anatomy/skull.vtp");
   ASSERT_TRUE(skull) << skull.error().message;
   EXPECT_GT(skull->triangle_count(), 1000);
+  const auto skin = io::read_surface(folder / "anatomy/skin.vtp");
+  ASSERT_TRUE(skin) << skin.error().message;
+  for (const geometry::TriangleMesh* surface : {&*skull, &*skin}) {
+    const geometry::MeshEdges edges = geometry::find_edges(*surface);
+    for (Index edge = 0; edge < edges.edge_count(); ++edge)
+      ASSERT_EQ(edges.uses_of(edge).size(), 2U) << "edge " << edge << " is open";
+  }
   EXPECT_GT(nlohmann::json::parse(run.out)["volumes_ml"]["brain"], 0.0);
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -21,14 +22,15 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using test::run_lefort;
 
-const fs::path kScan = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
+const fs::path kInstalled = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
 constexpr double kForward_mm = 6.0;
+constexpr double kElement_mm = 5.0;
 constexpr double kMidPlane_mm = 122.0;  // x of the nose in this scan.
 
 json demo_plan() {
   json plan = json::parse(
       io::read_text(fs::path(LEFORT_EXAMPLES) / "midface_forward.json", 1 << 20).value());
-  plan["tissue"]["element_size_mm"] = 5.0;
+  plan["tissue"]["element_size_mm"] = kElement_mm;
   plan["tissue"]["far_element_size_mm"] = 9.0;
   plan["field"]["resolution"] = 128;
   return plan;
@@ -38,27 +40,40 @@ json demo_plan() {
 class RealCase : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (fs::exists(kScan)) folder_ = std::make_unique<test::TemporaryFolder>();
+    folder_ = std::make_unique<test::TemporaryFolder>();
+    scan_ = fs::exists(kInstalled) ? kInstalled : unpacked_scan(*folder_ / "package");
   }
   static void TearDownTestSuite() { folder_.reset(); }
   void SetUp() override {
-    if (!folder_) GTEST_SKIP() << "Debian's invesalius-examples is not installed";
+    ASSERT_TRUE(fs::exists(scan_)) << "Debian's invesalius-examples is neither installed nor to "
+                                      "be had from apt";
   }
 
   static test::ProgramRun predict(const json& plan, const std::string& more = "",
                                   const std::string& setup = "") {
     EXPECT_TRUE(io::write_text(*folder_ / "plan.json", plan.dump()));
     return run_lefort("predict '" + (*folder_ / "plan.json").string() + "' --ct '" +
-                          kScan.string() + "' -o '" + out().string() + "' --no-pictures " + more,
+                          scan_.string() + "' -o '" + out().string() + "' --no-pictures " + more,
                       setup);
+  }
+  /// Debian's minimal images leave out what packages put under /usr/share/doc; the package itself
+  /// has it (as in script/demo).
+  static fs::path unpacked_scan(const fs::path& folder) {
+    fs::create_directories(folder);
+    const std::string command = "cd '" + folder.string() +
+                                "' && apt-get download -qq invesalius-examples >/dev/null 2>&1 && "
+                                "dpkg -x invesalius-examples_*.deb .";
+    return std::system(command.c_str()) == 0 ? folder / kInstalled.relative_path() : fs::path();
   }
   static fs::path out() { return *folder_ / "out"; }
   static json prediction() {
     return json::parse(io::read_text(out() / "prediction.json", 1 << 28).value());
   }
   static std::unique_ptr<test::TemporaryFolder> folder_;
+  static fs::path scan_;
 };
 std::unique_ptr<test::TemporaryFolder> RealCase::folder_;
+fs::path RealCase::scan_;
 
 TEST_F(RealCase, MidfaceForwardGivesAFaceThatFollowsTheBone) {
   const auto run = predict(demo_plan());
@@ -71,8 +86,11 @@ TEST_F(RealCase, MidfaceForwardGivesAFaceThatFollowsTheBone) {
     EXPECT_LE(step["relative_residual"], 1e-6);
     EXPECT_GT(step["smallest_volume_ratio"], 0.0);
     EXPECT_GT(step["contact_nodes"], 100);
-    EXPECT_LT(step["mean_penetration_mm"], 0.05 * kForward_mm);
-    EXPECT_LT(step["max_penetration_mm"], 0.4 * kForward_mm);  // Elements of 5 mm.
+    // The force gives way as far as the bone pushes; the mesh cannot follow bone finer than itself.
+    const double pushed_mm = step["share"].get<double>() * kForward_mm;
+    EXPECT_LT(step["mean_depth_from_rest_mm"], 0.05 * pushed_mm + 0.01 * kElement_mm);
+    EXPECT_LT(step["max_depth_from_rest_mm"], 0.3 * pushed_mm + 0.05 * kElement_mm);
+    EXPECT_LT(step["tunnelled_area_mm2"], 0.02 * step["contact_area_mm2"].get<double>());
   }
 
   const auto before = io::read_surface(out() / "skin_before.vtp").value();
@@ -109,7 +127,9 @@ TEST_F(RealCase, MidfaceForwardGivesAFaceThatFollowsTheBone) {
   EXPECT_NEAR(right.forward_mm, left.forward_mm, 0.25 * right.forward_mm);
 }
 
-TEST_F(RealCase, RunningAgainGivesTheSameBytes) {
+TEST_F(RealCase, ReadingFromTheCacheGivesTheSameBytes) {  // Without: test_predict_command.cpp.
+  std::error_code ignored;
+  fs::remove_all(out(), ignored);
   ASSERT_EQ(predict(demo_plan()).exit_code, 0);
   json first = prediction();
   const std::string skin = io::read_text(out() / "predicted_skin.stl", 1 << 30).value();

@@ -15,10 +15,9 @@ struct TextStage {
   StageCache cache;
   int made = 0;
 
-  Result<std::string> get(const std::string& key) {
+  Result<std::string> get(const std::string& key, Progress& progress = Progress::none()) {
     return cache.get(
-        "text.txt", key, Progress::none(),
-        [](const fs::path& path) { return io::read_text(path, 100); },
+        "text.txt", key, progress, [](const fs::path& path) { return io::read_text(path, 100); },
         [&]() -> Result<std::string> {
           ++made;
           return "made for " + key;
@@ -53,6 +52,33 @@ TEST(StageCache, ADamagedFileIsMadeAnew) {
   ASSERT_TRUE(io::write_text(stage.cache.file("text.txt", kKey), std::string(200, 'x')));
   EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
   EXPECT_EQ(stage.made, 2);
+}
+
+/// Remembers what it was told.
+class Told final : public Progress {
+ public:
+  void begin_stage(std::string_view name) override { stages += name; }
+  void note(std::string_view sentence) override { notes += sentence; }
+  std::string stages, notes;
+};
+
+TEST(StageCache, SaysWhetherItReadOrMade) {
+  const test::TemporaryFolder folder;
+  TextStage stage{StageCache(folder / "cache")};
+  Told first, second;
+  ASSERT_TRUE(stage.get(kKey, first));
+  EXPECT_EQ(first.stages, "");
+  ASSERT_TRUE(stage.get(kKey, second));
+  EXPECT_EQ(second.stages, "read text.txt from the cache");
+}
+
+TEST(StageCache, AResultThatCannotBeKeptServesAllTheSame) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(io::write_text(folder / "cache", "a file in the way of the folder"));
+  TextStage stage{StageCache(folder / "cache")};
+  Told told;
+  EXPECT_EQ(stage.get(kKey, told).value(), "made for " + kKey);
+  EXPECT_NE(told.notes.find("text.txt is not kept"), std::string::npos) << told.notes;
 }
 
 }  // namespace

@@ -28,6 +28,17 @@ SolveAtLoad parabola(double reach, int iterations = 3) {
   };
 }
 
+/// Converges up to t = `wall`.
+SolveAtLoad wall_at(double wall) {
+  return [=](double t, const VectorX&) {
+    NewtonOutcome outcome;
+    outcome.stop = t <= wall ? NewtonStop::kConverged : NewtonStop::kStagnated;
+    outcome.reason = "there is a wall";
+    outcome.x = VectorX::Constant(1, t);
+    return outcome;
+  };
+}
+
 TEST(LoadSteps, AnEasyLoadTakesOneStep) {
   LoadStepper stepper(rest(), parabola(10.0));
   ASSERT_TRUE(stepper.advance_to(1.0).has_value());
@@ -100,14 +111,7 @@ TEST(LoadSteps, RoundOffLeavesNoTinyLastStep) {
 }
 
 TEST(LoadSteps, GivesUpAtTheSmallestIncrementAndKeepsTheLastState) {
-  const SolveAtLoad wall = [](double t, const VectorX&) {
-    NewtonOutcome outcome;
-    outcome.stop = t <= 0.6 ? NewtonStop::kConverged : NewtonStop::kStagnated;
-    outcome.reason = "there is a wall";
-    outcome.x = VectorX::Constant(1, t);
-    return outcome;
-  };
-  LoadStepper stepper(rest(), wall, {.min_increment = 1.0 / 16});
+  LoadStepper stepper(rest(), wall_at(0.6), {.min_increment = 1.0 / 16});
   const auto result = stepper.advance_to(1.0);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::kNotConverged);
@@ -117,6 +121,87 @@ TEST(LoadSteps, GivesUpAtTheSmallestIncrementAndKeepsTheLastState) {
   EXPECT_EQ(stepper.state().t, 0.5625);
   EXPECT_EQ(stepper.state().u[0], 0.5625);
   EXPECT_FALSE(stepper.advance_to(1.0).has_value());  // And again, without end of patience.
+}
+
+TEST(LoadSteps, GivesUpAfterFewAttemptsWhereverTheWallStands) {
+  // Twelfths are no binary fractions: a difference of levels is off the increment by rounding.
+  for (int k = 0; k < 12; ++k) {
+    LoadStepper stepper(rest(), wall_at(k / 12.0 + 1e-12),
+                        {.first_increment = 1.0 / 12, .min_increment = 1.0 / 24});
+    ErrorCode code = ErrorCode::kCancelled;
+    for (int level = 1; level <= 12; ++level) {
+      const auto result = stepper.advance_to(level / 12.0);
+      if (result) continue;
+      code = result.error().code;
+      break;
+    }
+    EXPECT_EQ(code, ErrorCode::kNotConverged) << "wall at " << k << "/12";
+    EXPECT_NEAR(stepper.state().t, k / 12.0, 1e-9);
+    // k levels, a failed twelfth, a failed half of it, each from at most two starts.
+    EXPECT_LE(stepper.attempts().size(), std::size_t(k) + 4) << "wall at " << k << "/12";
+  }
+}
+
+TEST(LoadSteps, TriesNoMoreOftenThanAllowed) {
+  LoadStepper stepper(rest(), parabola(1e-3), {.growth = 1.0, .max_attempts = 7});
+  const auto result = stepper.advance_to(1.0);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().code, ErrorCode::kNotConverged);
+  EXPECT_NE(result.error().message.find("7 attempts: too far away"), std::string::npos)
+      << result.error().message;
+  EXPECT_EQ(stepper.attempts().size(), 7U);
+}
+
+TEST(LoadSteps, OneHardIncrementDoesNotShrinkThoseOfLaterLevels) {
+  // Between 0.4 and 0.6 an increment of at most 1/16 converges.
+  const SolveAtLoad hard_middle = [at = 0.0](double t, const VectorX& start) mutable {
+    NewtonOutcome outcome;
+    const bool hard = t > 0.4 && at < 0.6 && t - at > 1.0 / 16 + 1e-9;
+    outcome.stop = hard ? NewtonStop::kTooManyIterations : NewtonStop::kConverged;
+    outcome.history.resize(30);  // Never easy.
+    outcome.x = start;
+    if (!hard) at = t;
+    return outcome;
+  };
+  LoadStepper stepper(rest(), hard_middle, {.first_increment = 0.25});
+  for (const double level : {0.25, 0.5, 0.75}) ASSERT_TRUE(stepper.advance_to(level).has_value());
+  const std::size_t before = stepper.attempts().size();
+  ASSERT_TRUE(stepper.advance_to(1.0).has_value());
+  EXPECT_EQ(stepper.attempts().size(), before + 1);
+}
+
+TEST(LoadSteps, AStartThatWasNotAtFaultIsNotReplaced) {
+  const auto starts_tried = [](NewtonStop stop, int iterations) {
+    LoadStepper stepper(rest(),
+                        [=](double t, const VectorX& start) {
+                          NewtonOutcome outcome;
+                          outcome.stop = t <= 1.0 ? NewtonStop::kConverged : stop;
+                          outcome.history.resize(std::size_t(iterations) + 1);
+                          outcome.x = start;
+                          return outcome;
+                        },
+                        {.min_increment = 1.0});
+    EXPECT_TRUE(stepper.advance_to(1.0).has_value());
+    EXPECT_FALSE(stepper.advance_to(2.0).has_value());
+    return stepper.attempts().size() - 1;
+  };
+  EXPECT_EQ(starts_tried(NewtonStop::kInadmissibleStart, 0), 2U);
+  EXPECT_EQ(starts_tried(NewtonStop::kRefused, 20), 2U);
+  EXPECT_EQ(starts_tried(NewtonStop::kStagnated, 3), 2U);
+  EXPECT_EQ(starts_tried(NewtonStop::kStagnated, 20), 1U);
+  EXPECT_EQ(starts_tried(NewtonStop::kTooManyIterations, 30), 1U);
+}
+
+TEST(LoadSteps, LackOfMemoryIsNotRetriedInSmallerIncrements) {
+  LoadStepper stepper(rest(), [](double, const VectorX& start) {
+    NewtonOutcome outcome;
+    outcome.stop = NewtonStop::kOutOfMemory;
+    outcome.reason = "out of memory";
+    outcome.x = start;
+    return outcome;
+  });
+  EXPECT_EQ(stepper.advance_to(1.0).error().code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(stepper.attempts().size(), 1U);
 }
 
 TEST(LoadSteps, RefusesALevelThatDoesNotLieAhead) {
@@ -157,6 +242,7 @@ TEST(LoadSteps, NamesTheOptionThatIsOutOfRange) {
   EXPECT_NE(message_of({.min_increment = 2.0}).find("min_increment"), std::string::npos);
   EXPECT_NE(message_of({.growth = 0.9}).find("growth"), std::string::npos);
   EXPECT_NE(message_of({.easy_iterations = -1}).find("easy_iterations"), std::string::npos);
+  EXPECT_NE(message_of({.max_attempts = 0}).find("max_attempts"), std::string::npos);
   EXPECT_THROW(LoadStepper(rest(), parabola(1.0), {.growth = 0.0}), LogicError);
 }
 

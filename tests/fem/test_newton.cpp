@@ -7,6 +7,8 @@
 #include <functional>
 #include <limits>
 
+#include "fem/little_memory.h"
+
 namespace lefort::fem {
 namespace {
 
@@ -37,7 +39,7 @@ class Scalar final : public NonlinearSystem {
                    .force_scale_n = 1.0,
                    .energy_round_off_mj = 1e-15};
   }
-  SparseMatrix tangent(const VectorX& x) const override {
+  SparseMatrix tangent(const VectorX& x, Tangent) const override {
     LEFORT_CHECK(domain_(x[0]));
     return sparse(Eigen::MatrixXd::Constant(1, 1, curvature_(x[0])));
   }
@@ -117,6 +119,58 @@ TEST(Newton, ShiftsAnIndefiniteTangentAndFindsAMinimum) {
   EXPECT_EQ(outcome.history.back().shift, 0.0);
 }
 
+/// A double well in x beside a spring in y; the convex tangent stiffens x alone.
+class WellAndSpring final : public NonlinearSystem {
+ public:
+  explicit WellAndSpring(double convex_curvature) : convex_curvature_(convex_curvature) {}
+
+  std::optional<Balance> balance(const VectorX& x) const override {
+    const double well = x[0] * x[0] - 1.0, spring = x[1] - 2.0;
+    return Balance{.energy_mj = 0.25 * well * well + 50.0 * spring * spring,
+                   .residual_n = Eigen::Vector2d(x[0] * well, 100.0 * spring),
+                   .force_scale_n = 1.0,
+                   .energy_round_off_mj = 1e-13};
+  }
+  SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
+    const double exact = 3.0 * x[0] * x[0] - 1.0;
+    const double curvature = kind == Tangent::kExact ? exact : convex_curvature_;
+    return sparse(Eigen::Vector2d(curvature, 100.0).asDiagonal());
+  }
+
+ private:
+  double convex_curvature_;
+};
+
+TEST(Newton, AConvexTangentServesBeforeAnyShiftAndSlowsNothingElse) {
+  LinearSolver solver;
+  const auto outcome = solve_newton(WellAndSpring(2.0), Eigen::Vector2d(0.3, 0.0), solver);
+  ASSERT_TRUE(outcome.converged()) << outcome.reason;
+  EXPECT_NEAR(outcome.x[0], 1.0, 1e-6);
+  EXPECT_NEAR(outcome.x[1], 2.0, 1e-12);
+  EXPECT_EQ(outcome.history[1].convex_share, 0.5);  // -0.73 and 2: a quarter does not help.
+  for (const NewtonIterate& line : outcome.history) EXPECT_EQ(line.shift, 0.0);
+  EXPECT_EQ(outcome.history.back().convex_share, 0.0);
+}
+
+TEST(Newton, LeavesASaddleInFewStepsHoweverStiffTheConvexTangent) {
+  // Unlengthened, a step multiplies x by 1.02 at most.
+  LinearSolver solver;
+  const auto outcome = solve_newton(WellAndSpring(200.0), Eigen::Vector2d(1e-3, 2.0), solver);
+  ASSERT_TRUE(outcome.converged()) << outcome.reason;
+  EXPECT_NEAR(outcome.x[0], 1.0, 1e-6);
+  EXPECT_LE(outcome.iterations(), 12);
+}
+
+TEST(Newton, ShiftedStepsThatCreepAreNoHeadway) {
+  // Downhill all the way to a wall at x = 1, seen through a tangent that needs a shift.
+  const Scalar wall([](double x) { return -x; }, [](double) { return -1.0; },
+                    [](double) { return -1.0; }, [](double x) { return x < 1.0; });
+  const auto outcome = solve(wall, 0.0, {.max_iterations = 1000, .max_backtracks = 1000});
+  EXPECT_EQ(outcome.stop, NewtonStop::kStagnated);
+  EXPECT_NE(outcome.reason.find("no headway"), std::string::npos) << outcome.reason;
+  EXPECT_LE(outcome.iterations(), 25);
+}
+
 TEST(Newton, AStartInEquilibriumNeedsNoIteration) {
   const auto outcome = solve(barrier(), 1.0);
   EXPECT_TRUE(outcome.converged());
@@ -191,6 +245,14 @@ class StopAfter final : public Progress {
  private:
   mutable int left_;
 };
+
+TEST(Newton, LackOfMemoryIsNoVerdictOnThePhysics) {
+  const test::LittleMemory little;
+  const auto outcome = solve(barrier(), 0.5);
+  EXPECT_EQ(outcome.stop, NewtonStop::kOutOfMemory);
+  EXPECT_NE(outcome.reason.find("out of memory after 0 iterations"), std::string::npos)
+      << outcome.reason;
+}
 
 TEST(Newton, StopsWhenAsked) {
   StopAfter at_once(0);

@@ -337,5 +337,16 @@ TEST(BuildDistanceField, StopsWheneverItIsAsked) {
   }
 }
 
+TEST(BuildDistanceField, RefusesABandThatWouldFillTheMemory) {
+  // 82,000 triangles, each reaching some 25,000 bricks.
+  for (const FieldMethod method : {FieldMethod::kBricks, FieldMethod::kHybrid}) {
+    const auto field = build_distance_field(test::make_icosphere(50, 6),
+                                            {.method = method, .resolution = 512, .band_mm = 45});
+    ASSERT_FALSE(field);
+    EXPECT_EQ(field.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(field.error().message.find("lower the resolution or the band"), std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace lefort::field

@@ -23,7 +23,8 @@ Json good_plan() {
     "segmentation": {"bone_hu": 300, "skin_hu": -200},
     "segments": [{
       "name": "midface",
-      "osteotomy": {"planes": [{"point_mm": [1, 2, 3], "towards_segment": [0, -2, 0]}]},
+      "osteotomy": {"planes": [{"point_mm": [1, 2, 3], "towards_segment": [0, -2, 0]}],
+                    "smallest_piece_ml": 0.25, "smallest_piece_share": 0.125},
       "path": {"steps": 7, "keyframes": [
         {"at": 0.5, "translation_mm": [0, -3, 0]},
         {"at": 1, "translation_mm": [0, -6, -1], "rotation_deg": [0, 0, 90], "about_mm": [4, 5, 6]}]}
@@ -47,6 +48,8 @@ TEST(PlanFile, EveryKeyArrives) {
   ASSERT_EQ(plan.osteotomy.planes.size(), 1U);
   EXPECT_EQ(plan.osteotomy.planes[0].point_L, Vec3(1.0, 2.0, 3.0));
   EXPECT_EQ(plan.osteotomy.planes[0].normal_L, Vec3(0.0, -1.0, 0.0));
+  EXPECT_EQ(plan.cut.smallest_piece_ml, 0.25);
+  EXPECT_EQ(plan.cut.smallest_piece_share, 0.125);
   EXPECT_EQ(plan.path.steps, 7);
   ASSERT_EQ(plan.path.keyframes.size(), 2U);
   EXPECT_EQ(plan.path.keyframes[1].translation_mm, Vec3(0.0, -6.0, -1.0));
@@ -74,6 +77,12 @@ TEST(PlanFile, WhatIsNotSaidHasItsDefault) {
   EXPECT_FALSE(plan.ct);
   EXPECT_EQ(plan.tissue.poisson, predict::TissueOptions{}.poisson);
   EXPECT_EQ(plan.boundary.moved_bone, predict::MovedBone::kContact);
+}
+
+TEST(PlanFile, CoarseElementsAloneMakeTheRimAsCoarse) {
+  Json json = good_plan();
+  json["tissue"]["element_size_mm"] = 9;
+  EXPECT_EQ(parse_plan(json.dump(), ".").value().tissue.far_element_size_mm, 9.0);
 }
 
 struct BadPlan {
@@ -121,6 +130,14 @@ INSTANTIATE_TEST_SUITE_P(
                 [](Json& j) { j["segments"][0]["path"]["keyframes"][1]["at"] = 0.4; }, "midface"},
         BadPlan{"OutOfRange", [](Json& j) { j["tissue"]["element_size_mm"] = -1; },
                 "tissue.element_size_mm"},
+        BadPlan{"FinerAtTheRim", [](Json& j) { j["tissue"]["far_element_size_mm"] = 2; },
+                "tissue.far_element_size_mm: 2 is less than element_size_mm, 3"},
+        BadPlan{"PascalsForKilopascals",
+                [](Json& j) { j["tissue"]["material"]["young_kpa"] = 1e-3; },
+                "tissue.material.young_kpa"},
+        BadPlan{"PiecesOfOverAWhole",
+                [](Json& j) { j["segments"][0]["osteotomy"]["smallest_piece_share"] = 1.5; },
+                "segments[0].osteotomy.smallest_piece_share"},
         BadPlan{"Incompressible", [](Json& j) { j["tissue"]["material"]["poisson"] = 0.5; },
                 "tissue.material.poisson"},
         BadPlan{"UnknownMaterial", [](Json& j) { j["tissue"]["material"] = "stone"; },

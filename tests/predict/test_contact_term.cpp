@@ -1,6 +1,8 @@
+#include <lefort/core/check.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/predict/contact_term.h>
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -23,9 +25,19 @@ contact::BoneObstacle slab() {
   return {field};
 }
 
-contact::BoneObstacle ball() {
+contact::BoneObstacle ball(
+    contact::Reconstruction reconstruction = contact::Reconstruction::kSmooth) {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_icosphere(6.0, 5), {.resolution = 64, .band_mm = 2.0, .smooth = true})
+          .value());
+  return {field, RigidTransform::Identity(), reconstruction};
+}
+
+/// A plate 2 mm thick whose upper side is z = 0.
+contact::BoneObstacle plate() {
+  static const auto field = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(test::make_box({-10.0, -10.0, -2.0}, {10.0, 10.0, 0.0}),
+                                  {.resolution = 64, .band_mm = 3.0})
           .value());
   return {field};
 }
@@ -48,9 +60,11 @@ struct Evaluated {
   Eigen::MatrixXd stiffness;
 };
 
-Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>& x_L) {
+Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>& x_L,
+                   fem::Tangent tangent = fem::Tangent::kExact) {
   Evaluated result{false, 0.0, VectorX::Zero(9), Eigen::MatrixXd::Zero(9, 9)};
-  fem::LocalEquations local{0.0, {result.residual_n.data(), 9}, {result.stiffness.data(), 9, 9}};
+  fem::LocalEquations local{
+      0.0, {result.residual_n.data(), 9}, {result.stiffness.data(), 9, 9}, tangent};
   result.admissible = term.evaluate(item, x_L, local);
   result.energy_mj = local.energy_mj;
   return result;
@@ -93,6 +107,20 @@ TEST(ContactTerm, TissueFurtherThanTheCaptureIsTouchedOnlyWhenReached) {
   EXPECT_NEAR(evaluate(term, 0, flat_face(1.0)).energy_mj, kStiffness * 0.25 * kFaceArea_mm2, 1e-6);
 }
 
+TEST(ContactTerm, TissueFromBeyondTheBandIsTouchedWhereverItComesFrom) {
+  const auto energy_mj = [](double rest_z, double lift_mm, double z) {
+    ContactTerm term(flat_face(rest_z), kFace, slab(), {kStiffness, 0.5});
+    term.set_pose(lifted(lift_mm));
+    return evaluate(term, 0, flat_face(z)).energy_mj;
+  };
+  const double one_deep_mj = kStiffness * kFaceArea_mm2;
+  EXPECT_NEAR(energy_mj(6.0, 7.0, 6.0), one_deep_mj, 1e-6);   // The bone came,
+  EXPECT_NEAR(energy_mj(6.0, 0.0, -1.0), one_deep_mj, 1e-6);  // or the tissue,
+  EXPECT_NEAR(energy_mj(6.0, 3.0, 2.0), one_deep_mj, 1e-6);   // or both.
+  EXPECT_EQ(energy_mj(6.0, 5.9, 6.0), 0.0);
+  EXPECT_NEAR(energy_mj(1.0, 0.0, -1.0), one_deep_mj, 1e-6);
+}
+
 TEST(ContactTerm, ARetreatingBoneDoesNotPull) {
   ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
   term.set_pose(lifted(-1.0));
@@ -105,10 +133,43 @@ TEST(ContactTerm, DeeperThanTheBandIsRefusedNotMissed) {
   EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
 }
 
-TEST(ContactTerm, ResidualAndStiffnessAreTheDerivativesOfTheEnergyOnACurvedBone) {
-  constexpr double kStep = 1e-5;
+TEST(ContactTerm, TellsWhatHasTunnelledThroughAPlate) {
+  ContactTerm term(flat_face(0.0), kFace, plate(), {kStiffness, 0.5});
+  term.set_pose(lifted(0.8));
+  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
+  term.set_pose(lifted(1.5));  // The lower side is nearer now: that way leads through the plate.
+  EXPECT_NEAR(term.newly_tunnelled_area_mm2(flat_face(0.0)), kFaceArea_mm2, 1e-9);
+  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(1.4)), 0.0);
+  EXPECT_EQ(term.summarise(flat_face(0.0)).tunnelled_area_mm2, 0.0);
+  term.remember(flat_face(0.0));
+  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
+  EXPECT_NEAR(term.summarise(flat_face(0.0)).tunnelled_area_mm2, kFaceArea_mm2, 1e-9);
+}
+
+TEST(ContactTerm, ACaptureThatReachesBeyondTheBandIsABug) {
+  EXPECT_THROW(ContactTerm(flat_face(0.0), kFace, slab(), {kStiffness, 3.0}), LogicError);
+}
+
+TEST(ContactTerm, PenetrationAndDepthFromRestAreToldApart) {
+  ContactTerm term(flat_face(-0.4), kFace, slab(), {kStiffness, 0.5});
+  EXPECT_NEAR(term.rest_penetration_mm(), 0.4, 1e-6);
+  term.set_pose(lifted(1.0));
+  const ContactSummary pressed = term.summarise(flat_face(-0.4));
+  EXPECT_NEAR(pressed.max_penetration_mm, 1.4, 1e-6);
+  EXPECT_NEAR(pressed.mean_penetration_mm, 1.4, 1e-6);
+  EXPECT_NEAR(pressed.max_depth_from_rest_mm, 1.0, 1e-6);
+  EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
+}
+
+class ContactTermOnABall : public testing::TestWithParam<contact::Reconstruction> {};
+INSTANTIATE_TEST_SUITE_P(Both, ContactTermOnABall,
+                         testing::Values(contact::Reconstruction::kTrilinear,
+                                         contact::Reconstruction::kSmooth));
+
+TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
+  constexpr double kStep = 1e-6;
   const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
-  ContactTerm term(rest, kFace, ball(), {kStiffness, 0.1});
+  ContactTerm term(rest, kFace, ball(GetParam()), {kStiffness, 0.1});
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
   term.set_pose(X_LB);
@@ -128,6 +189,24 @@ TEST(ContactTerm, ResidualAndStiffnessAreTheDerivativesOfTheEnergyOnACurvedBone)
   EXPECT_LT((at.stiffness - at.stiffness.transpose()).norm(), 1e-12);
 }
 
+double smallest_eigenvalue(const Eigen::MatrixXd& A) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A).eigenvalues().minCoeff();
+}
+
+TEST(ContactTerm, TheConvexTangentOnACurvedBoneIsNeverNegative) {
+  const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
+  ContactTerm term(rest, kFace, ball(), {kStiffness, 0.1});
+  RigidTransform X_LB = RigidTransform::Identity();
+  X_LB.translation() = Vec3(0.9, 0.2, -0.1);
+  term.set_pose(X_LB);
+  const Evaluated exact = evaluate(term, 0, rest);
+  const Evaluated convex = evaluate(term, 0, rest, fem::Tangent::kConvex);
+  EXPECT_LT(smallest_eigenvalue(exact.stiffness), -1e-4);
+  EXPECT_GT(smallest_eigenvalue(convex.stiffness), -1e-12);
+  EXPECT_EQ(convex.energy_mj, exact.energy_mj);
+  EXPECT_EQ(convex.residual_n, exact.residual_n);
+}
+
 TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
   const std::vector<Vec3> nodes{{0.0, 0.0, 0.0}, {0.0, 4.0, 0.0}, {4.0, 0.0, 0.0}, {4.0, 4.0, 0.0}};
   ContactTerm term(nodes, {{0, 1, 2}, {1, 3, 2}}, slab(), {kStiffness, 0.5});
@@ -139,6 +218,7 @@ TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
   EXPECT_NEAR(pressed.area_mm2, 16.0, 1e-9);
   EXPECT_NEAR(pressed.max_penetration_mm, 1.0, 1e-6);
   EXPECT_NEAR(pressed.mean_penetration_mm, 1.0, 1e-6);
+  EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
   EXPECT_NEAR(pressed.force_L_n.z(), 2.0 * kStiffness * 16.0, 1e-6);
   EXPECT_NEAR(pressed.normal_force_n, pressed.force_L_n.z(), 1e-9);
 }

@@ -27,7 +27,7 @@ TEST(MoveSkin, FollowsALinearDisplacementExactlyOnTheMesh) {
   geometry::TriangleMesh skin;  // Points of the block's sides that are no nodes.
   skin.vertices = {{0.0, 3.3, 4.7}, {10.0, 0.9, 9.1}, {2.2, 10.0, 5.6}};
   skin.triangles = {{0, 1, 2}};
-  const auto u = skin_displacement(bind_skin(skin, tissue()), displace_by(gradient));
+  const auto u = skin_displacement(bind_skin(skin, tissue(), 2.0), displace_by(gradient));
   for (std::size_t v = 0; v < 3; ++v) EXPECT_LT((u[v] - gradient * skin.vertices[v]).norm(), 1e-12);
 }
 
@@ -36,13 +36,20 @@ TEST(MoveSkin, FadesToNothingAwayFromTheMesh) {
   for (double x = 10.0; x <= 20.0; x += 0.25) skin.vertices.emplace_back(x, 5.0, 5.0);
   skin.triangles = {{0, 1, 2}};
   const std::vector<Vec3> forward(tissue().nodes_L.size(), Vec3(0.0, -6.0, 0.0));
-  const auto u = skin_displacement(bind_skin(skin, tissue()), forward);
+  const auto u = skin_displacement(bind_skin(skin, tissue(), 2.0), forward);
   EXPECT_NEAR(u.front().y(), -6.0, 1e-12);
   EXPECT_EQ(u.back(), Vec3::Zero());
   for (std::size_t v = 1; v < u.size(); ++v) {
     EXPECT_GE(u[v].y(), u[v - 1].y() - 1e-12);          // Never grows again,
     EXPECT_LT(std::abs(u[v].y() - u[v - 1].y()), 0.6);  // and never jumps.
   }
+}
+
+TEST(MoveSkin, ReachesFurtherInCoarserMeshesAndScans) {
+  const double fine_mm = follow_reach_mm({.element_size_mm = 2.5}, {1.0, 1.0, 1.5});
+  EXPECT_GT(fine_mm, 0.15 * 2.5 + 0.5 * 1.5);
+  EXPECT_GT(follow_reach_mm({.element_size_mm = 5.0}, {1.0, 1.0, 1.5}), fine_mm);
+  EXPECT_GT(follow_reach_mm({.element_size_mm = 2.5}, {1.0, 1.0, 3.0}), fine_mm);
 }
 
 TEST(MoveSkin, DisplacedMovesEveryVertexAndKeepsTheTriangles) {

@@ -1,4 +1,7 @@
+#include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
+#include <lefort/fem/assemble.h>
+#include <lefort/fem/element_term.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/predict/predict_face.h>
@@ -8,6 +11,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "support/box_mesh.h"
 #include "support/shapes.h"
@@ -24,7 +29,7 @@ constexpr double kHeight_mm = 9.0;
 ///      | tissue|
 ///      |_______|  z = 0
 ///    |  segment   |
-FaceModel block_on_slab() {
+FaceModel block_on(geometry::TriangleMesh segment_B) {
   FaceModel model;
   model.tissue = test::box_mesh({.cells = {6, 6, 5}, .size_mm = {kSide_mm, kSide_mm, kHeight_mm}});
   auto& node_sets = model.tissue.node_sets;
@@ -36,10 +41,22 @@ FaceModel block_on_slab() {
     });
     if (is_low) model.tissue.face_sets[sets::kContact].push_back(face);
   }
-  model.segment_B = test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 0.0});
+  model.segment_B = std::move(segment_B);
   model.segment_field_B = std::make_shared<const field::DistanceField>(
       field::build_distance_field(model.segment_B, {.resolution = 64, .band_mm = 3.0, .smooth = true}).value());
   return model;
+}
+
+FaceModel block_on_slab() {
+  return block_on(test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 0.0}));
+}
+
+/// The block lies on top of a ball.
+FaceModel block_on_ball() {
+  constexpr double kRadius_mm = 14.0;
+  geometry::TriangleMesh ball = test::make_icosphere(kRadius_mm, 5);
+  for (Vec3& vertex : ball.vertices) vertex += Vec3(6.0, 6.0, -kRadius_mm);
+  return block_on(std::move(ball));
 }
 
 plan::BonePath straight(const Vec3& by_mm, int steps) {
@@ -50,9 +67,21 @@ plan::BonePath straight(const Vec3& by_mm, int steps) {
   return path;
 }
 
-TEST(PredictFace, PushedTissueFollowsTheBoneButForTheStatedPenetration) {
+class PredictFaceWith : public testing::TestWithParam<contact::Reconstruction> {
+ protected:
+  [[nodiscard]] static PredictionOptions options() {
+    PredictionOptions options;
+    options.contact.reconstruction = GetParam();
+    return options;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Both, PredictFaceWith,
+                         testing::Values(contact::Reconstruction::kTrilinear,
+                                         contact::Reconstruction::kSmooth));
+
+TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneButForTheStatedPenetration) {
   const FaceModel model = block_on_slab();
-  const auto prediction = predict_face(model, straight({0.0, 0.0, 2.0}, 4), {}).value();
+  const auto prediction = predict_face(model, straight({0.0, 0.0, 2.0}, 4), options()).value();
   ASSERT_TRUE(prediction.converged());
   ASSERT_EQ(prediction.steps.size(), 4U);
   for (const PredictionStep& step : prediction.steps) {
@@ -85,23 +114,74 @@ TEST(PredictFace, StifferContactLeavesLessPenetration) {
 
 TEST(PredictFace, StiffnessOfHomogeneousTissueDoesNotMatter) {  // domain: only ratios count.
   const FaceModel model = block_on_slab();
-  PredictionOptions stiffer;
-  stiffer.tissue.young_mpa *= 7.0;
-  const auto one = predict_face(model, straight({0.0, 0.0, 1.0}, 2), {}).value();
-  const auto seven = predict_face(model, straight({0.0, 0.0, 1.0}, 2), stiffer).value();
-  ASSERT_TRUE(one.converged() && seven.converged());
-  for (std::size_t n = 0; n < model.tissue.nodes_L.size(); ++n)
-    EXPECT_LT((one.steps.back().displacement_mm[n] - seven.steps.back().displacement_mm[n]).norm(),
-              1e-5);
-  EXPECT_NEAR(seven.steps.back().contact.normal_force_n,
-              7.0 * one.steps.back().contact.normal_force_n, 1e-4);
+  const auto reference = predict_face(model, straight({0.0, 0.0, 1.0}, 2), {}).value();
+  ASSERT_TRUE(reference.converged());
+  for (const double factor : {7.0, 1e-9}) {
+    PredictionOptions scaled;
+    scaled.tissue.young_mpa *= factor;
+    const auto other = predict_face(model, straight({0.0, 0.0, 1.0}, 2), scaled).value();
+    ASSERT_TRUE(other.converged()) << "factor " << factor;
+    EXPECT_LE(other.steps.back().relative_residual, 1e-6);
+    for (std::size_t n = 0; n < model.tissue.nodes_L.size(); ++n)
+      EXPECT_LT((reference.steps.back().displacement_mm[n] - other.steps.back().displacement_mm[n])
+                    .norm(),
+                1e-5)
+          << "factor " << factor;
+    const double force_n = factor * reference.steps.back().contact.normal_force_n;
+    EXPECT_NEAR(other.steps.back().contact.normal_force_n, force_n, 1e-4 * force_n);
+  }
 }
 
-TEST(PredictFace, FrictionlessTissueDoesNotFollowABoneThatSlides) {
+TEST_P(PredictFaceWith, PressedTissueDoesNotFollowABoneThatSlides) {
   const FaceModel model = block_on_slab();
-  const auto prediction = predict_face(model, straight({2.0, 0.0, 0.0}, 2), {}).value();
+  plan::BonePath path = straight({2.0, 0.0, 1.0}, 4);  // Up, then to the left.
+  path.keyframes.insert(path.keyframes.begin(), {.at = 0.5, .translation_mm = {0.0, 0.0, 1.0}});
+  const auto prediction = predict_face(model, path, options()).value();
   ASSERT_TRUE(prediction.converged());
-  for (const Vec3& u : prediction.steps.back().displacement_mm) EXPECT_LT(u.norm(), 1e-3);
+  const auto& pressed = prediction.steps[1].displacement_mm;
+  const auto& slid = prediction.steps[3].displacement_mm;
+  double largest_mm = 0.0;
+  for (std::size_t n = 0; n < pressed.size(); ++n) {
+    EXPECT_LT((slid[n] - pressed[n]).norm(), 2e-3);
+    largest_mm = std::max(largest_mm, pressed[n].norm());
+  }
+  EXPECT_GT(largest_mm, 0.5);
+}
+
+TEST_P(PredictFaceWith, ContactOnARoundBoneThatTurnsBalancesWhatHoldsTheTissue) {
+  const FaceModel model = block_on_ball();
+  plan::BonePath path = straight({0.3, 0.0, 1.5}, 4);
+  path.keyframes[0].rotation_rad = Vec3(0.15, 0.1, 0.2);
+  path.keyframes[0].centre_L = Vec3(0.0, 0.0, -10.0);
+  const auto prediction = predict_face(model, path, options()).value();
+  ASSERT_TRUE(prediction.converged());
+
+  const PredictionStep& last = prediction.steps.back();
+  const TissueOptions tissue;
+  const auto law = fem::NeoHookean::from_young_poisson(tissue.young_mpa, tissue.poisson).value();
+  const auto elements = fem::make_element_terms(model.tissue, {{0, law}}).value();
+  const fem::Assembler assembler(
+      model.tissue.nodes_L,
+      fem::DofMap::build(model.tissue.node_count(), fem::fix(model.tissue.node_sets.at("fixed")))
+          .value(),
+      {elements[0].get()});
+  VectorX u(3 * model.tissue.node_count());
+  for (std::size_t n = 0; n < last.displacement_mm.size(); ++n)
+    u.segment<3>(Index(3 * n)) = last.displacement_mm[n];
+  const VectorX forces_n = assembler.forces(u)->residual_n;
+  Vec3 reaction_n = Vec3::Zero();
+  for (const std::int32_t node : model.tissue.node_sets.at(sets::kFixed))
+    reaction_n += forces_n.segment<3>(3 * Index(node));
+  EXPECT_GT(last.contact.force_L_n.z(), 0.01);
+  EXPECT_LT((reaction_n + last.contact.force_L_n).norm(), 1e-4 * last.contact.force_L_n.norm());
+}
+
+TEST_P(PredictFaceWith, TissueDoesNotTunnelThroughAThinBone) {
+  const FaceModel model = block_on(test::make_box({-4.0, -4.0, -2.0}, {16.0, 16.0, 0.0}));
+  const auto prediction = predict_face(model, straight({0.0, 0.0, 3.0}, 2), options()).value();
+  ASSERT_TRUE(prediction.converged()) << prediction.failure->message;
+  for (const std::int32_t node : model.tissue.node_sets.at(sets::kMovedBone))
+    EXPECT_GT(prediction.steps.back().displacement_mm[std::size_t(node)].z(), 3.0 - 0.9);
 }
 
 TEST(PredictFace, ARetreatingBoneLeavesTissueWhereItIs) {
@@ -147,11 +227,69 @@ TEST(PredictFace, RefusesAStepTheFieldCannotSee) {
       << refused.error().message;
 }
 
+TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
+  plan::BonePath detour = straight(Vec3::Zero(), 1);
+  detour.keyframes.insert(detour.keyframes.begin(), {.at = 0.4, .translation_mm = {0.0, 0.0, 2.0}});
+  const auto prediction = predict_face(block_on_slab(), detour, {}).value();
+  ASSERT_TRUE(prediction.converged());
+  ASSERT_EQ(prediction.steps.size(), 1U);
+  const auto& attempts = prediction.steps[0].attempts;
+  EXPECT_TRUE(std::any_of(attempts.begin(), attempts.end(), [](const fem::LoadAttempt& attempt) {
+    return attempt.t_to == 0.4 && attempt.stop == fem::NewtonStop::kConverged;
+  }));
+  detour.keyframes[0].translation_mm.z() = 4.0;  // Beyond the band, though it ends where it began.
+  EXPECT_EQ(predict_face(block_on_slab(), detour, {}).error().code, ErrorCode::kStepBeyondBand);
+}
+
+TEST(PredictFace, OnlyContactIsBoundToTheFieldsReach) {
+  const FaceModel model = block_on_slab();
+  const plan::BonePath far = straight({0.0, 0.0, 7.0}, 2);
+  BoundaryOptions boundary;
+  EXPECT_FALSE(check_field_reach(far, model.segment_B, *model.segment_field_B, boundary));
+  boundary.moved_bone = MovedBone::kAttached;
+  EXPECT_TRUE(check_field_reach(far, model.segment_B, *model.segment_field_B, boundary));
+}
+
+TEST(PredictFace, RefusesAFieldThatCannotTellContact) {
+  PredictionOptions far_capture;
+  far_capture.boundary.capture_mm = 3.0;
+  const auto beyond = predict_face(block_on_slab(), straight({0.0, 0.0, 1.0}, 1), far_capture);
+  EXPECT_EQ(beyond.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(beyond.error().message.find("capture_mm is 3 mm"), std::string::npos);
+
+  geometry::TriangleMesh open = test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 0.0});
+  open.triangles.pop_back();
+  const auto refused = predict_face(block_on(open), straight({0.0, 0.0, 1.0}, 1), {});
+  EXPECT_EQ(refused.error().code, ErrorCode::kMeshInvalid);
+}
+
+/// Remembers what it was told.
+class Notes final : public Progress {
+ public:
+  void note(std::string_view sentence) override { all += sentence; }
+  std::string all;
+};
+
+TEST(PredictFace, WarnsOfTissueThatRestsInsideTheBone) {
+  const plan::BonePath path = straight({0.0, 0.0, 0.5}, 1);
+  Notes quiet, warned;
+  ASSERT_TRUE(predict_face(block_on_slab(), path, {}, {}, quiet));
+  EXPECT_EQ(quiet.all, "");
+  const auto deep = predict_face(block_on(test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 1.5})),
+                                 path, {}, {}, warned)
+                        .value();
+  EXPECT_NEAR(deep.rest_penetration_mm, 1.5, 1e-6);
+  EXPECT_NE(warned.all.find("1.50 mm inside the segment"), std::string::npos) << warned.all;
+}
+
 TEST(PredictFace, RefusesAModelThatNothingTouchesOrHolds) {
   FaceModel untouched = block_on_slab();
   untouched.tissue.node_sets[sets::kMovedBone].clear();
   EXPECT_EQ(predict_face(untouched, straight({0.0, 0.0, 1.0}, 1), {}).error().code,
             ErrorCode::kAnatomyMissing);
+  FaceModel unnamed = block_on_slab();
+  unnamed.tissue.face_sets.erase(sets::kContact);
+  EXPECT_THROW((void)predict_face(unnamed, straight({0.0, 0.0, 1.0}, 1), {}), LogicError);
   FaceModel loose = block_on_slab();
   loose.tissue.node_sets[sets::kFixed].clear();
   EXPECT_EQ(predict_face(loose, straight({0.0, 0.0, 1.0}, 1), {}).error().code,

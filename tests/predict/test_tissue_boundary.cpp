@@ -16,12 +16,12 @@ const TissueOptions kOptions{.element_size_mm = 3.0, .far_element_size_mm = 3.0,
 mesh::VolumeMesh phantom_tissue(const BoundaryOptions& options,
                                 const anatomy::LabelMap* labels = nullptr) {
   test::FacePhantom phantom = test::make_face_phantom();
-  const TissueDomain domain = make_tissue_domain(phantom.soft_tissue_level, phantom.skin_level,
-                                                 phantom.grid, phantom.segment_L, kOptions);
+  const TissueDomain domain =
+      make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
   static const mesh::VolumeMesh bare =
       mesh_tissue(domain, phantom.segment_L, kOptions).value();  // The same for every test.
   return find_tissue_boundary(bare, domain, labels != nullptr ? *labels : phantom.labels,
-                              phantom.segment_L, phantom.remainder_L, options);
+                              phantom.skin_L, phantom.segment_L, phantom.remainder_L, options);
 }
 
 std::set<std::int32_t> nodes_where(const mesh::VolumeMesh& mesh, const char* set) {
@@ -98,6 +98,51 @@ TEST(TissueBoundary, MayTouchTheSegmentOnlyFromInside) {
   }
 }
 
+TEST(TissueBoundary, DeepInsideIsNoSkinHoweverNearToItsZeroALevelEnds) {
+  test::FacePhantom phantom = test::make_face_phantom();
+  for (Index k = 12; k <= 15; ++k)  // An airway, 5 to 8 mm under the skin.
+    for (Index j = 14; j <= 26; ++j)
+      for (Index i = 6; i <= 18; ++i)
+        phantom.soft_tissue_level.at(i, j, k) = float(-test::kPhantomNear_mm);
+  const TissueDomain domain =
+      make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
+  const mesh::VolumeMesh tissue = find_tissue_boundary(
+      mesh_tissue(domain, phantom.segment_L, kOptions).value(), domain, phantom.labels,
+      phantom.skin_L, phantom.segment_L, phantom.remainder_L, {});
+  for (const std::int32_t node : tissue.node_sets.at(sets::kSkin))
+    EXPECT_GT(tissue.nodes_L[std::size_t(node)].z(), test::kPhantomSkin_mm - 2.0);
+  int in_airway = 0;
+  for (const std::int32_t node : tissue.node_sets.at(sets::kFree))
+    in_airway += std::abs(tissue.nodes_L[std::size_t(node)].z() - 13.5) < 3.0 ? 1 : 0;
+  EXPECT_GT(in_airway, 20);
+}
+
+TEST(TissueBoundary, BrainIsFeltTwoMillimetresFarWhateverTheVoxels) {
+  const auto brain_nodes = [](double spacing_mm) {
+    test::FacePhantom phantom = test::make_face_phantom();
+    anatomy::LabelMap labels;  // The same brain, below z = 3 mm, in voxels of another size.
+    labels.grid.spacing_mm = Vec3(spacing_mm, spacing_mm, spacing_mm);
+    const auto count = Index(std::lround(40.0 / spacing_mm));
+    labels.grid.size = {count, count, count};
+    labels.grid.origin_L = Vec3::Constant(0.5 * spacing_mm);
+    for (Index v = 0; v < labels.grid.voxel_count(); ++v)
+      labels.values.push_back(double(v / (count * count) + 1) * spacing_mm <= 6.5
+                                  ? anatomy::Tissue::kBrain
+                                  : anatomy::Tissue::kSoftTissue);
+    phantom.segment_L = test::make_box({0.0, 0.0, 0.0}, {20.0, 40.0, 5.0});
+    phantom.remainder_L = test::make_box({20.0, 0.0, 0.0}, {40.0, 40.0, 5.0});
+    const TissueDomain domain =
+        make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
+    static const mesh::VolumeMesh bare = mesh_tissue(domain, phantom.segment_L, kOptions).value();
+    return find_tissue_boundary(bare, domain, labels, phantom.skin_L, phantom.segment_L,
+                                phantom.remainder_L, {})
+        .node_sets.at(sets::kBrain);
+  };
+  const auto fine = brain_nodes(0.5);
+  EXPECT_GT(fine.size(), 50U);  // 6.5 mm and 2 mm reach 8 mm.
+  EXPECT_EQ(brain_nodes(6.5 / 4.0), fine);
+}
+
 TEST(TissueBoundary, TissueOnTheBrainIsFixed) {
   test::FacePhantom phantom = test::make_face_phantom();
   for (anatomy::Tissue& label : phantom.labels.values)
@@ -105,11 +150,11 @@ TEST(TissueBoundary, TissueOnTheBrainIsFixed) {
   // Without bone nearby, the lower side borders the brain alone.
   phantom.segment_L = test::make_box({0.0, 0.0, 0.0}, {20.0, 40.0, 5.0});
   phantom.remainder_L = test::make_box({20.0, 0.0, 0.0}, {40.0, 40.0, 5.0});
-  const TissueDomain domain = make_tissue_domain(phantom.soft_tissue_level, phantom.skin_level,
-                                                 phantom.grid, phantom.segment_L, kOptions);
+  const TissueDomain domain =
+      make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
   const mesh::VolumeMesh tissue = find_tissue_boundary(
       mesh_tissue(domain, phantom.segment_L, kOptions).value(), domain, phantom.labels,
-      phantom.segment_L, phantom.remainder_L, {.release_mm = 0.0});
+      phantom.skin_L, phantom.segment_L, phantom.remainder_L, {.release_mm = 0.0});
   const auto fixed = nodes_where(tissue, sets::kFixed);
   EXPECT_GT(tissue.node_sets.at(sets::kBrain).size(), 50U);
   for (const std::int32_t node : tissue.node_sets.at(sets::kBrain)) EXPECT_TRUE(fixed.count(node));

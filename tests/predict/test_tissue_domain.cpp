@@ -10,8 +10,8 @@ namespace {
 
 TissueDomain phantom_domain(double margin_mm) {
   test::FacePhantom phantom = test::make_face_phantom();
-  return make_tissue_domain(phantom.soft_tissue_level, phantom.skin_level, phantom.grid,
-                            phantom.segment_L, {.margin_mm = margin_mm});
+  return make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L,
+                            {.margin_mm = margin_mm});
 }
 
 TEST(TissueDomain, IsSoftTissueWithinTheMarginAndTheScan) {
@@ -25,21 +25,20 @@ TEST(TissueDomain, IsSoftTissueWithinTheMarginAndTheScan) {
   EXPECT_LT(domain.level({1e6, 0.0, 0.0}), 0.0);
 }
 
-TEST(TissueDomain, TellsACutFromTheScansEdgeAndTheSkin) {
+TEST(TissueDomain, TellsACutFromTheScansEdge) {
   const TissueDomain domain = phantom_domain(6.0);
   EXPECT_NEAR(domain.distance_to_cut({26.0, 20.0, 11.0}), 0.0, 1e-12);
   EXPECT_NEAR(domain.distance_to_cut({10.0, 20.0, 11.0}), 3.0, 1e-12);  // the box's top, z = 14
   EXPECT_NEAR(domain.distance_to_scan_edge({10.0, 0.5, 11.0}), 0.0, 1e-12);
   EXPECT_NEAR(domain.distance_to_scan_edge({10.0, 3.0, 11.0}), 2.5, 1e-12);
-  EXPECT_NEAR(domain.distance_to_skin({10.0, 20.0, 18.5}), 1.5, 1e-6);
 }
 
 TEST(MeshTissue, FillsTheDomainFinerNearTheSegment) {
   test::FacePhantom phantom = test::make_face_phantom();
   const TissueOptions options{
       .element_size_mm = 2.0, .far_element_size_mm = 5.0, .margin_mm = 30.0};
-  const TissueDomain domain = make_tissue_domain(phantom.soft_tissue_level, phantom.skin_level,
-                                                 phantom.grid, phantom.segment_L, options);
+  const TissueDomain domain =
+      make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, options);
   const auto mesh = mesh_tissue(domain, phantom.segment_L, options).value();
   ASSERT_GT(mesh.element_count(), 500);
   double volume_mm3 = 0.0;

@@ -5,6 +5,8 @@
 ///      z = 20   skin
 ///      |  soft tissue, 40 x 40 in x, y  |
 ///      z = 8    bone: segment for x < 20, remainder for x > 20
+///
+/// The level ends as near to its zero as those of anatomy/tissue_levels.h do.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -20,12 +22,13 @@ namespace lefort::test {
 inline constexpr double kPhantomSide_mm = 40.0;
 inline constexpr double kPhantomSkin_mm = 20.0;
 inline constexpr double kPhantomBone_mm = 8.0;
+inline constexpr double kPhantomNear_mm = 0.8;
 
 struct FacePhantom {
   image::Grid grid;
   image::ScalarVolume soft_tissue_level;
-  image::ScalarVolume skin_level;
   anatomy::LabelMap labels;
+  geometry::TriangleMesh skin_L = make_box({0.0, 0.0, 0.0}, {40.0, 40.0, kPhantomSkin_mm});
   geometry::TriangleMesh segment_L = make_box({0.0, 0.0, 0.0}, {20.0, 40.0, kPhantomBone_mm});
   geometry::TriangleMesh remainder_L = make_box({20.0, 0.0, 0.0}, {40.0, 40.0, kPhantomBone_mm});
 };
@@ -33,16 +36,15 @@ struct FacePhantom {
 inline FacePhantom make_face_phantom() {
   FacePhantom phantom;
   phantom.grid.size = {41, 41, 31};
-  phantom.soft_tissue_level.grid = phantom.skin_level.grid = phantom.grid;
+  phantom.soft_tissue_level.grid = phantom.grid;
   phantom.labels.grid = phantom.grid;
   for (Index k = 0; k < 31; ++k)
     for (Index j = 0; j < 41; ++j)
       for (Index i = 0; i < 41; ++i) {
         const double z = double(k);
-        const double skin = std::clamp(kPhantomSkin_mm - z, -4.0, 4.0);
-        phantom.skin_level.values.push_back(float(skin));
+        const double depth_mm = std::min(kPhantomSkin_mm - z, z - kPhantomBone_mm);
         phantom.soft_tissue_level.values.push_back(
-            float(std::min(skin, std::clamp(z - kPhantomBone_mm, -4.0, 4.0))));
+            float(std::clamp(depth_mm, -kPhantomNear_mm, kPhantomNear_mm)));
         phantom.labels.values.push_back(z > kPhantomSkin_mm   ? anatomy::Tissue::kBackground
                                         : z > kPhantomBone_mm ? anatomy::Tissue::kSoftTissue
                                                               : anatomy::Tissue::kBone);

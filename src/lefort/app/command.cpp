@@ -21,7 +21,7 @@ void CommandContext::run(const std::string& command,
     return;
   }
   if (json) {
-    fmt::print("{}\n", summary->json.dump(2));
+    fmt::print("{}\n", summary->json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
     fmt::print("{}\n", summary->text);
   }

@@ -8,7 +8,6 @@
 #include <lefort/app/write_prediction.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/sha256.h>
-#include <lefort/io/write_atomically.h>
 #include <lefort/predict/move_skin.h>
 #include <lefort/predict/predict_face.h>
 
@@ -16,6 +15,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
+#include <system_error>
 #include <utility>
 
 namespace lefort::app {
@@ -68,33 +69,50 @@ Result<fs::path> scan_of(const PredictJob& job, const io::PlanFile& plan) {
               fmt::format("plan {} names no ct, and --ct was not given", job.plan.string()));
 }
 
+/// The plan's text with its files named as seen from the folder the copy goes to.
+std::string portable_plan(const std::string& text, const io::PlanFile& plan, const fs::path& ct,
+                          const fs::path& folder) {
+  const auto seen_from_there = [&](const fs::path& file) {
+    std::error_code error;
+    const fs::path relative = fs::proximate(file, folder, error);
+    return (error ? file : relative).generic_string();
+  };
+  auto json = nlohmann::ordered_json::parse(text);
+  json["ct"] = seen_from_there(ct);
+  if (plan.labels) json["segmentation"]["labels"] = seen_from_there(*plan.labels);
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
 /// A path that could not be followed leaves its history, and no face.
 Result<Summary> give_up(const PredictJob& job, const PreparedCase& prepared,
-                        const predict::FacePrediction& prediction, const Timing& timing) {
-  const fs::path file = job.output / "failure.json";
-  LEFORT_TRY_VOID(
-      io::write_text(file, prediction_json(prepared, prediction, {}, timing).dump(1) + "\n"));
+                        const predict::FacePrediction& prediction, const std::string& plan_text,
+                        const Timing& timing) {
+  LEFORT_TRY_VOID(write_failure(job.output, prediction_report(prepared, prediction, {}, {}, timing),
+                                plan_text, prediction_json(prepared, prediction, {}, timing)));
   return fail(prediction.failure->code,
               fmt::format("{} of {} steps converged, then {}; no face is written, the solver's "
                           "history is in {}",
                           prediction.steps.size(), prepared.plan.path.steps,
-                          prediction.failure->message, file.string()));
+                          prediction.failure->message, (job.output / "failure.json").string()));
 }
 
 }  // namespace
 
 Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   TimedProgress progress(shown);
-  LEFORT_TRY(io::PlanFile plan, io::read_plan(job.plan));
-  LEFORT_TRY(const std::string plan_text, io::read_text(job.plan, 1 << 26));
+  LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
+  io::PlanFile plan = text.plan;
   LEFORT_TRY(const fs::path ct, scan_of(job, plan));
-  if (!fs::exists(ct))
+  std::error_code error;
+  if (!fs::exists(ct, error))
     return fail(ErrorCode::kFileNotFound, fmt::format("there is no scan at {}", ct.string()));
   LEFORT_TRY_VOID(make_output_folder(job.output));
+  LEFORT_TRY_VOID(remove_results(job.output));
+  const std::string plan_copy = portable_plan(text.json, plan, ct, job.output);
 
   const StageCache cache(job.output / "cache");
   LEFORT_TRY(const PreparedCase prepared,
-             prepare_case(std::move(plan), io::Sha256().add(plan_text).hex(), ct, cache, progress));
+             prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), ct, cache, progress));
 
   progress.begin_stage("solve");
   StepClock clock(progress);
@@ -104,11 +122,14 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
                                     prepared.plan.contact, prepared.plan.solver},
                                    std::ref(clock), progress));
   if (!prediction.converged())
-    return give_up(job, prepared, prediction, {progress.stages(), clock.seconds()});
+    return give_up(job, prepared, prediction, plan_copy, {progress.stages(), clock.seconds()});
 
   const predict::PredictionStep& last = prediction.steps.back();
   const std::vector<Vec3> skin_mm = predict::skin_displacement(
-      predict::bind_skin(prepared.skin_L, prepared.model.tissue), last.displacement_mm);
+      predict::bind_skin(
+          prepared.skin_L, prepared.model.tissue,
+          predict::follow_reach_mm(prepared.plan.tissue, prepared.scan_grid.spacing_mm)),
+      last.displacement_mm);
   const SkinShift skin = measure_skin_shift(skin_mm);
   std::vector<PredictionPicture> pictures;
   if (job.pictures) {
@@ -119,9 +140,9 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   LEFORT_TRY_VOID(write_surfaces_and_fields(job.output, prepared, prediction, skin_mm));
   const Timing timing{progress.stages(), clock.seconds()};
   const auto json = prediction_json(prepared, prediction, skin, timing);
-  LEFORT_TRY_VOID(write_documents(
-      job.output, prediction_report(prepared, prediction, pictures, skin, timing), pictures, json));
-  LEFORT_TRY_VOID(io::write_text(job.output / "plan.json", plan_text));
+  LEFORT_TRY_VOID(write_documents(job.output,
+                                  prediction_report(prepared, prediction, pictures, skin, timing),
+                                  pictures, plan_copy, json));
 
   Summary summary;
   summary.text = fmt::format(

@@ -29,6 +29,7 @@ Json as_json(const fem::LoadAttempt& attempt) {
                           {"force_scale_n", iterate.force_scale_n},
                           {"energy_mj", iterate.energy_mj},
                           {"step_length", iterate.step_length},
+                          {"convex_share", iterate.convex_share},
                           {"shift", iterate.shift}});
   return {{"from_share", attempt.t_from},
           {"to_share", attempt.t_to},
@@ -53,6 +54,9 @@ Json as_json(const predict::PredictionStep& step) {
           {"contact_area_mm2", step.contact.area_mm2},
           {"max_penetration_mm", step.contact.max_penetration_mm},
           {"mean_penetration_mm", step.contact.mean_penetration_mm},
+          {"max_depth_from_rest_mm", step.contact.max_depth_from_rest_mm},
+          {"mean_depth_from_rest_mm", step.contact.mean_depth_from_rest_mm},
+          {"tunnelled_area_mm2", step.contact.tunnelled_area_mm2},
           {"contact_force_n", as_json(step.contact.force_L_n)},
           {"contact_normal_force_n", step.contact.normal_force_n},
           {"largest_displacement_mm", largest_mm},
@@ -64,23 +68,31 @@ Json as_json(const predict::PredictionStep& step) {
 
 Json parameters(const io::PlanFile& plan, const predict::FacePrediction& prediction) {
   const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
-  return {{"title", plan.title},
-          {"segment", plan.osteotomy.segment},
-          {"steps", plan.path.steps},
-          {"bone_hu", plan.segmentation.bone_hu},
-          {"skin_hu", plan.segmentation.skin_hu},
-          {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
-          {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
-          {"poisson", plan.tissue.poisson},
-          {"element_size_mm", plan.tissue.element_size_mm},
-          {"far_element_size_mm", plan.tissue.far_element_size_mm},
-          {"margin_mm", plan.tissue.margin_mm},
-          {"moved_bone", is_contact ? "contact" : "attached"},
-          {"scan_edge", plan.boundary.scan_edge == predict::ScanEdge::kFree ? "free" : "fixed"},
-          {"release_mm", plan.boundary.release_mm},
-          {"capture_mm", plan.boundary.capture_mm},
-          {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
-          {"relative_tolerance", plan.solver.relative_tolerance}};
+  return {
+      {"title", plan.title},
+      {"segment", plan.osteotomy.segment},
+      {"steps", plan.path.steps},
+      {"bone_hu", plan.segmentation.bone_hu},
+      {"skin_hu", plan.segmentation.skin_hu},
+      {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
+      {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
+      {"poisson", plan.tissue.poisson},
+      {"element_size_mm", plan.tissue.element_size_mm},
+      {"far_element_size_mm", plan.tissue.far_element_size_mm},
+      {"margin_mm", plan.tissue.margin_mm},
+      {"moved_bone", is_contact ? "contact" : "attached"},
+      {"scan_edge", plan.boundary.scan_edge == predict::ScanEdge::kFree ? "free" : "fixed"},
+      {"release_mm", plan.boundary.release_mm},
+      {"capture_mm", plan.boundary.capture_mm},
+      {"smallest_piece_ml", plan.cut.smallest_piece_ml},
+      {"smallest_piece_share", plan.cut.smallest_piece_share},
+      {"stiffness_factor", plan.contact.stiffness_factor},
+      {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
+      {"reconstruction",
+       plan.contact.reconstruction == contact::Reconstruction::kSmooth ? "smooth" : "trilinear"},
+      {"relative_tolerance", plan.solver.relative_tolerance},
+      {"max_iterations", plan.solver.max_iterations},
+      {"smallest_step", plan.solver.smallest_step}};
 }
 
 Json volumes(const PreparedCase& prepared) {
@@ -115,7 +127,7 @@ Json timing_json(const Timing& timing) {
   Json stages = Json::object();
   double total = 0.0;
   for (const auto& [name, seconds] : timing.stage_seconds) {
-    stages[name] = seconds;
+    stages[name] = stages.value(name, 0.0) + seconds;
     total += seconds;
   }
   return {{"total_seconds", total},
@@ -144,6 +156,8 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
              {{"plan_sha256", prepared.provenance.plan_sha256},
               {"ct_sha256", prepared.provenance.ct_sha256},
               {"ct_kind", prepared.provenance.ct_kind},
+              {"labels_sha256", prepared.provenance.labels_sha256},
+              {"labels_source", prepared.provenance.labels_source},
               {"warnings", prepared.provenance.warnings}}},
             {"parameters", parameters(prepared.plan, prediction)},
             {"tissue_volumes_ml", volumes(prepared)},
@@ -152,9 +166,12 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
               {"segment_volume_ml", prepared.bones.segment_volume_mm3 * 1e-3},
               {"remainder_volume_ml", prepared.bones.remainder_volume_mm3 * 1e-3},
               {"segment_pieces", prepared.bones.segment_pieces},
+              {"pieces_left_behind", prepared.bones.crumbs},
+              {"volume_left_behind_ml", prepared.bones.crumb_volume_mm3 * 1e-3},
               {"segment_triangles", prepared.bones.segment_L.triangle_count()}}},
             {"field", field_summary(*prepared.model.segment_field_B)},
             {"mesh", mesh_summary(prepared)},
+            {"rest_penetration_mm", prediction.rest_penetration_mm},
             {"skin",
              {{"largest_shift_mm", skin.largest_mm},
               {"mean_shift_where_moved_mm", skin.mean_over_moved_mm}}},

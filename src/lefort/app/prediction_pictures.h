@@ -17,7 +17,7 @@ enum class PictureKind { kBefore, kAfter, kDisplacement, kBones };
 struct PredictionPicture {
   PictureKind kind;
   std::string file;   ///< Name without folder, as "after_front.png".
-  std::string title;  ///< "After, front".
+  std::string title;  ///< "Predicted, front".
   std::string png;    ///< The file's bytes.
 };
 

@@ -43,17 +43,19 @@ std::string plan_sentence(const io::PlanFile& plan) {
 }
 
 report::ReportTable step_table(const predict::FacePrediction& prediction) {
-  report::ReportTable table{"Steps along the path",
-                            {"path done [%]", "Newton iterations", "relative residual",
-                             "nodes in contact", "max penetration [mm]", "mean penetration [mm]",
-                             "contact force [N]", "smallest volume ratio"},
-                            {}};
+  report::ReportTable table{
+      "Steps along the path",
+      {"path done [%]", "Newton iterations", "relative residual", "nodes in contact",
+       "max penetration [mm]", "mean penetration [mm]", "max depth from rest [mm]",
+       "contact force [N]", "smallest volume ratio"},
+      {}};
   for (const predict::PredictionStep& step : prediction.steps) {
     table.rows.push_back(
         {fmt::format("{:.1f}", 100.0 * step.share), fmt::format("{}", step.newton_iterations()),
          fmt::format("{:.1e}", step.relative_residual), fmt::format("{}", step.contact.nodes),
          fmt::format("{:.3f}", step.contact.max_penetration_mm),
          fmt::format("{:.3f}", step.contact.mean_penetration_mm),
+         fmt::format("{:.3f}", step.contact.max_depth_from_rest_mm),
          fmt::format("{:.3f}", step.contact.force_L_n.norm()),
          fmt::format("{:.3f}", step.smallest_J)});
   }
@@ -80,12 +82,18 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
             ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / element size",
                           prediction.contact_stiffness_mpa_per_mm, plan.contact.stiffness_factor)
             : std::string("\u2013")},
+       {"penetration of the mesh at rest",
+        is_contact ? fmt::format("up to {:.2f} mm", prediction.rest_penetration_mm)
+                   : std::string("\u2013")},
        {"tissue elevated from still bone",
         fmt::format("within {:.1f} mm of the segment", plan.boundary.release_mm)},
        {"distance field of the segment",
         fmt::format("cell {:.3f} mm, band {:.2f} mm", prepared.model.segment_field_B->cell_mm(),
                     prepared.model.segment_field_B->band_mm())},
-       {"segment volume", fmt::format("{:.1f} ml", prepared.bones.segment_volume_mm3 * 1e-3)}}};
+       {"segment volume", fmt::format("{:.1f} ml", prepared.bones.segment_volume_mm3 * 1e-3)},
+       {"bone inside the planes that does not move",
+        fmt::format("{:.2f} ml in {} pieces", prepared.bones.crumb_volume_mm3 * 1e-3,
+                    prepared.bones.crumbs)}}};
 }
 
 report::ReportTable timing_table(const Timing& timing) {
@@ -157,10 +165,18 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   report.steps = solver_steps(prediction);
   report.residual_tolerance = prepared.plan.solver.relative_tolerance;
   report.notes = prepared.provenance.warnings;
+  if (!prediction.steps.empty() && prediction.steps.back().contact.tunnelled_area_mm2 > 0.0)
+    report.notes.push_back(
+        fmt::format("Contact is as soft as its stiffness: {:.1f} mm\u00b2 of tissue, of {:.0f} "
+                    "mm\u00b2 in contact, crept through thin bone.",
+                    prediction.steps.back().contact.tunnelled_area_mm2,
+                    prediction.steps.back().contact.area_mm2));
   report.provenance = {{"lefort version", kVersion},
                        {"SHA-256 of the plan", prepared.provenance.plan_sha256},
                        {"SHA-256 of the scan\u2019s voxels", prepared.provenance.ct_sha256},
-                       {"kind of scan", prepared.provenance.ct_kind}};
+                       {"kind of scan", prepared.provenance.ct_kind},
+                       {"SHA-256 of the labels", prepared.provenance.labels_sha256},
+                       {"labels", prepared.provenance.labels_source}};
   report.limitations = {
       "Soft tissue is one homogeneous, compressible, elastic material at rest without pre-stress; "
       "skin, fat and muscle are not told apart.",

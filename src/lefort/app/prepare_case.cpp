@@ -1,8 +1,8 @@
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/anatomy/tissue_levels.h>
 #include <lefort/app/prepare_case.h>
+#include <lefort/app/stage_keys.h>
 #include <lefort/app/tissue_volumes.h>
-#include <lefort/core/version.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/import_volume.h>
 #include <lefort/io/read_vtu.h>
@@ -11,6 +11,8 @@
 #include <lefort/io/vtu.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/tissue_boundary.h>
+
+#include <fmt/format.h>
 
 #include <memory>
 #include <utility>
@@ -26,10 +28,8 @@ Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtV
   progress.begin_stage("segment");
   if (plan.labels) return io::read_segmentation(*plan.labels, ct.grid);
   const anatomy::SegmentationOptions& options = plan.segmentation;
-  const std::string key =
-      io::Sha256().add(kVersion).add(ct_sha256).add(options.bone_hu).add(options.skin_hu).hex();
   return cache.get(
-      "labels.seg.nrrd", key, progress,
+      "labels.seg.nrrd", labels_key(ct_sha256, options), progress,
       [&](const fs::path& path) { return io::read_segmentation(path, ct.grid); },
       [&] { return anatomy::segment_tissue(ct, options, progress); },
       [](const fs::path& path, const anatomy::LabelMap& labels) {
@@ -41,39 +41,23 @@ Result<std::shared_ptr<const field::DistanceField>> find_field(
     const geometry::TriangleMesh& segment_B, const field::DistanceFieldOptions& options,
     const StageCache& cache, Progress& progress) {
   progress.begin_stage("segment's distance field");
-  const std::string key = io::Sha256()
-                              .add(kVersion)
-                              .add(segment_B)
-                              .add(options.resolution)
-                              .add(options.band_mm)
-                              .add(options.tolerance_mm)
-                              .add(options.smooth)
-                              .hex();
-  LEFORT_TRY(
-      field::DistanceField field,
-      cache.get(
-          "segment.field", key, progress, [](const fs::path& path) { return io::read_field(path); },
-          [&] { return field::build_distance_field(segment_B, options, progress); },
-          [](const fs::path& path, const field::DistanceField& made) {
-            return io::write_field(path, made);
-          }));
+  LEFORT_TRY(field::DistanceField field,
+             cache.get(
+                 "segment.field", field_key(segment_B, options), progress,
+                 [](const fs::path& path) { return io::read_field(path); },
+                 [&] { return field::build_distance_field(segment_B, options, progress); },
+                 [](const fs::path& path, const field::DistanceField& made) {
+                   return io::write_field(path, made);
+                 }));
   return std::make_shared<const field::DistanceField>(std::move(field));
 }
 
 Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
                                           const geometry::TriangleMesh& segment_L,
                                           const predict::TissueOptions& options,
-                                          const std::string& inputs, const StageCache& cache,
+                                          const std::string& key, const StageCache& cache,
                                           Progress& progress) {
   progress.begin_stage("mesh the soft tissue");
-  const std::string key = io::Sha256()
-                              .add(kVersion)
-                              .add(inputs)
-                              .add(segment_L)
-                              .add(options.element_size_mm)
-                              .add(options.far_element_size_mm)
-                              .add(options.margin_mm)
-                              .hex();
   return cache.get(
       "tissue.vtu", key, progress, [](const fs::path& path) { return io::read_vtu(path); },
       [&] { return predict::mesh_tissue(domain, segment_L, options, progress); },
@@ -100,35 +84,41 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
       const geometry::TriangleMesh skull_L,
       anatomy::extract_isosurface(
           anatomy::bone_level(ct, labels, anatomy::Cavities::kFillSinuses, levels), {}, progress));
-  image::ScalarVolume skin_level = anatomy::skin_level(ct, labels, levels);
-  LEFORT_TRY(geometry::TriangleMesh skin_L, anatomy::extract_isosurface(skin_level, {}, progress));
+  LEFORT_TRY(geometry::TriangleMesh skin_L,
+             anatomy::extract_isosurface(anatomy::skin_level(ct, labels, levels), {}, progress));
 
   progress.begin_stage("cut the bone");
-  LEFORT_TRY(plan::CutBones bones, plan::cut_bones(skull_L, plan.osteotomy, {}, progress));
+  LEFORT_TRY(plan::CutBones bones, plan::cut_bones(skull_L, plan.osteotomy, plan.cut, progress));
+  if (bones.crumbs > 0)
+    progress.note(
+        fmt::format("{} pieces of bone inside the planes, {:.2f} ml together, are smaller than "
+                    "osteotomy.smallest_piece_ml or _share and do not move",
+                    bones.crumbs, bones.crumb_volume_mm3 * 1e-3));
   field::DistanceFieldOptions field_options = plan.field;
   field_options.smooth = plan.contact.reconstruction == contact::Reconstruction::kSmooth;
   LEFORT_TRY(auto segment_field, find_field(bones.segment_L, field_options, cache, progress));
+  LEFORT_TRY_VOID(predict::check_field_reach(plan.path, bones.segment_L, *segment_field,
+                                             plan.boundary));  // Before the costly mesh.
 
-  const predict::TissueDomain domain =
-      predict::make_tissue_domain(anatomy::soft_tissue_level(ct, labels, levels),
-                                  std::move(skin_level), ct.grid, bones.segment_L, plan.tissue);
-  const std::string inputs = io::Sha256()
-                                 .add(ct_sha256)
-                                 .add(labels)
-                                 .add(plan.segmentation.bone_hu)
-                                 .add(plan.segmentation.skin_hu)
-                                 .hex();
+  const predict::TissueDomain domain = predict::make_tissue_domain(
+      anatomy::soft_tissue_level(ct, labels, levels), ct.grid, bones.segment_L, plan.tissue);
+  const std::string key = tissue_key(ct_sha256, labels, levels, bones.segment_L, plan.tissue);
   LEFORT_TRY(mesh::VolumeMesh tissue,
-             find_tissue_mesh(domain, bones.segment_L, plan.tissue, inputs, cache, progress));
+             find_tissue_mesh(domain, bones.segment_L, plan.tissue, key, cache, progress));
   progress.begin_stage("find boundaries");
-  tissue = predict::find_tissue_boundary(std::move(tissue), domain, labels, bones.segment_L,
+  tissue = predict::find_tissue_boundary(std::move(tissue), domain, labels, skin_L, bones.segment_L,
                                          bones.remainder_L, plan.boundary);
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
   predict::FaceModel model{std::move(tissue), bones.segment_L, std::move(segment_field)};
-  return PreparedCase{std::move(plan),   {plan_sha256, ct_sha256, scan.source_kind, scan.warnings},
-                      ct.grid,           tissue_volumes_ml(labels),
-                      std::move(skin_L), std::move(bones),
-                      std::move(model),  std::move(quality)};
+  Provenance provenance{.plan_sha256 = plan_sha256,
+                        .ct_sha256 = ct_sha256,
+                        .ct_kind = scan.source_kind,
+                        .labels_sha256 = io::Sha256().add(labels).hex(),
+                        .labels_source = plan.labels ? "file" : "segmented",
+                        .warnings = scan.warnings};
+  return PreparedCase{std::move(plan),           std::move(provenance), ct.grid,
+                      tissue_volumes_ml(labels), std::move(skin_L),     std::move(bones),
+                      std::move(model),          std::move(quality)};
 }
 
 }  // namespace lefort::app

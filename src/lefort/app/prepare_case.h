@@ -23,6 +23,8 @@ struct Provenance {
   std::string plan_sha256;  ///< Of the plan file's text.
   std::string ct_sha256;    ///< Of the imported voxels and their grid.
   std::string ct_kind;
+  std::string labels_sha256;
+  std::string labels_source;          ///< "segmented" by us, or a "file" that the plan names.
   std::vector<std::string> warnings;  ///< Of the import.
 };
 

@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <string>
+#include <system_error>
 
 namespace lefort::app {
 
@@ -24,24 +25,24 @@ class StageCache {
     return folder_ / fmt::format("{}-{}", key.substr(0, 16), name);
   }
 
-  /// Reads what is there, or makes and keeps it. A kept file that cannot be read is made anew.
+  /// Reads what is there, as a stage of its own, or makes and keeps it. A kept file that cannot be
+  /// read is made anew; a result that cannot be kept serves all the same, with a note.
   template <class Read, class Make, class Write>
   [[nodiscard]] auto get(const std::string& name, const std::string& key, Progress& progress,
                          const Read& read, const Make& make, const Write& write) const
       -> decltype(make()) {
     const std::filesystem::path path = file(name, key);
-    if (std::filesystem::exists(path)) {
+    std::error_code error;
+    if (std::filesystem::exists(path, error)) {
+      progress.begin_stage(fmt::format("read {} from the cache", name));
       if (auto kept = read(path)) return kept;
       progress.note(fmt::format("{} is damaged and is made anew", path.string()));
     }
     auto made = make();
     if (!made) return made;
-    std::error_code error;
     std::filesystem::create_directories(folder_, error);
-    if (error)
-      return fail(ErrorCode::kFileUnwritable,
-                  fmt::format("{} cannot be created: {}", folder_.string(), error.message()));
-    LEFORT_TRY_VOID(write(path, *made));
+    if (const Result<void> kept = write(path, *made); !kept)
+      progress.note(fmt::format("{} is not kept for the next run: {}", name, kept.error().message));
     return made;
   }
 

@@ -11,6 +11,8 @@
 namespace lefort::app {
 namespace {
 
+constexpr double kNoTime_s = 0.05;  // Shown as 0.0 s.
+
 std::atomic<bool> interrupted{false};  // The only way a signal can speak to us.
 static_assert(std::atomic<bool>::is_always_lock_free);
 
@@ -32,6 +34,7 @@ TerminalProgress::TerminalProgress(bool quiet)
 TerminalProgress::~TerminalProgress() { end_stage(); }
 
 void TerminalProgress::begin_stage(std::string_view name) {
+  if (seconds_in_stage() < kNoTime_s) in_stage_ = false;  // All it did was to begin this one.
   end_stage();
   stage_ = name;
   in_stage_ = true;
@@ -60,6 +63,10 @@ void TerminalProgress::note(std::string_view sentence) {
 
 bool TerminalProgress::stop_requested() const { return interrupted; }
 
+double TerminalProgress::seconds_in_stage() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
+}
+
 void TerminalProgress::clear_line() const {
   if (is_terminal_ && in_stage_ && !quiet_) fmt::print(stderr, "\r{:70}\r", "");
 }
@@ -68,8 +75,8 @@ void TerminalProgress::end_stage() {
   if (!in_stage_) return;
   clear_line();
   in_stage_ = false;
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begun_;
-  if (!quiet_) fmt::print(stderr, "{:<34} {:6.1f} s\n", stage_, seconds.count());
+  const double seconds = seconds_in_stage();
+  if (!quiet_) fmt::print(stderr, "{:<34} {:6.1f} s\n", stage_, seconds);
 }
 
 }  // namespace lefort::app

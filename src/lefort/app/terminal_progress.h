@@ -21,6 +21,7 @@ class TerminalProgress final : public Progress {
   [[nodiscard]] bool stop_requested() const override;
 
  private:
+  [[nodiscard]] double seconds_in_stage() const;
   void end_stage();
   void clear_line() const;
 

@@ -23,10 +23,7 @@ class TimedProgress final : public Progress {
     shown_.begin_stage(name);
   }
   void report(double fraction) override { shown_.report(fraction); }
-  void note(std::string_view sentence) override {
-    notes_.emplace_back(sentence);
-    shown_.note(sentence);
-  }
+  void note(std::string_view sentence) override { shown_.note(sentence); }
   [[nodiscard]] bool stop_requested() const override { return shown_.stop_requested(); }
 
   /// Name and seconds of every stage so far; closes the current one.
@@ -34,7 +31,6 @@ class TimedProgress final : public Progress {
     end_stage();
     return stages_;
   }
-  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -46,7 +42,6 @@ class TimedProgress final : public Progress {
 
   Progress& shown_;
   std::vector<std::pair<std::string, double>> stages_;
-  std::vector<std::string> notes_;
   Clock::time_point begun_;
 };
 

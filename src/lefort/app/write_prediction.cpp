@@ -18,6 +18,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kPictures = "pictures";
+constexpr const char* kParaview = "paraview";
+
+std::string as_text(const nlohmann::ordered_json& json) {
+  return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+/// Files in `folder` that we might have written there.
+std::vector<fs::path> earlier_files(const fs::path& folder, std::string_view beginning,
+                                    std::string_view ending) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with(beginning) && name.ends_with(ending)) files.push_back(entry->path());
+  }
+  return files;
+}
+
 Result<void> write_paraview(const fs::path& folder, const PreparedCase& prepared,
                             const predict::FacePrediction& prediction) {
   LEFORT_TRY_VOID(make_output_folder(folder));
@@ -39,6 +59,30 @@ Result<void> write_paraview(const fs::path& folder, const PreparedCase& prepared
 
 }  // namespace
 
+Result<void> remove_results(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const char* name :
+       {"prediction.json", "failure.json", "report.html", "plan.json", "predicted_skin.vtp",
+        "predicted_skin.stl", "skin_before.vtp", "bone_remainder.vtp", "bone_segment_moved.vtp"})
+    files.push_back(folder / name);
+  files.push_back(folder / kParaview / "prediction.pvd");
+  for (const fs::path& step : earlier_files(folder / kParaview, "step_", ".vtu"))
+    files.push_back(step);
+  for (const char* kind : {"before_", "after_", "displacement_", "bones_"})
+    for (const fs::path& picture : earlier_files(folder / kPictures, kind, ".png"))
+      files.push_back(picture);
+
+  for (const fs::path& file : files) {
+    std::error_code error;
+    fs::remove(file, error);
+    if (error)
+      return fail(ErrorCode::kFileUnwritable,
+                  fmt::format("{}, of an earlier run, cannot be removed: {}", file.string(),
+                              error.message()));
+  }
+  return {};
+}
+
 Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCase& prepared,
                                        const predict::FacePrediction& prediction,
                                        std::span<const Vec3> skin_displacement_mm) {
@@ -52,19 +96,25 @@ Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCas
   LEFORT_TRY_VOID(io::write_surface(
       folder / "bone_segment_moved.vtp",
       geometry::transformed(prepared.bones.segment_L, prediction.steps.back().X_LB)));
-  return write_paraview(folder / "paraview", prepared, prediction);
+  return write_paraview(folder / kParaview, prepared, prediction);
 }
 
 Result<void> write_documents(const fs::path& folder, const report::CaseReport& report,
                              std::span<const PredictionPicture> pictures,
-                             const nlohmann::ordered_json& prediction) {
-  if (!pictures.empty()) LEFORT_TRY_VOID(make_output_folder(folder / "pictures"));
+                             std::string_view plan_text, const nlohmann::ordered_json& prediction) {
+  if (!pictures.empty()) LEFORT_TRY_VOID(make_output_folder(folder / kPictures));
   for (const PredictionPicture& picture : pictures)
-    LEFORT_TRY_VOID(io::write_text(folder / "pictures" / picture.file, picture.png));
+    LEFORT_TRY_VOID(io::write_text(folder / kPictures / picture.file, picture.png));
   LEFORT_TRY_VOID(io::write_text(folder / "report.html", report::report_html(report)));
-  std::error_code ignored;
-  fs::remove(folder / "failure.json", ignored);  // Of an earlier run that this one replaces.
-  return io::write_text(folder / "prediction.json", prediction.dump(1) + "\n");
+  LEFORT_TRY_VOID(io::write_text(folder / "plan.json", plan_text));
+  return io::write_text(folder / "prediction.json", as_text(prediction));
+}
+
+Result<void> write_failure(const fs::path& folder, const report::CaseReport& report,
+                           std::string_view plan_text, const nlohmann::ordered_json& failure) {
+  LEFORT_TRY_VOID(io::write_text(folder / "report.html", report::report_html(report)));
+  LEFORT_TRY_VOID(io::write_text(folder / "plan.json", plan_text));
+  return io::write_text(folder / "failure.json", as_text(failure));
 }
 
 }  // namespace lefort::app

@@ -12,8 +12,15 @@
 
 #include <filesystem>
 #include <span>
+#include <string_view>
 
 namespace lefort::app {
+
+/// Takes an earlier run's results out of a folder, prediction.json first: whatever becomes of the
+/// run that begins, nothing there passes for its result. The cache stays, and files of others.
+///
+/// \returns nothing, or kFileUnwritable: a result could not be removed.
+[[nodiscard]] Result<void> remove_results(const std::filesystem::path& folder);
 
 /// predicted_skin.vtp and .stl, skin_before.vtp, bones, and paraview/prediction.pvd with a VTU for
 /// rest and for each step.
@@ -22,10 +29,17 @@ namespace lefort::app {
                                                      const predict::FacePrediction& prediction,
                                                      std::span<const Vec3> skin_displacement_mm);
 
-/// pictures/, report.html and, last, prediction.json: where it is, all the rest is.
+/// pictures/, report.html, plan.json and, last, prediction.json: where it is, all the rest is.
 [[nodiscard]] Result<void> write_documents(const std::filesystem::path& folder,
                                            const report::CaseReport& report,
                                            std::span<const PredictionPicture> pictures,
+                                           std::string_view plan_text,
                                            const nlohmann::ordered_json& prediction);
+
+/// The same for a path that could not be followed: report.html, plan.json and failure.json.
+[[nodiscard]] Result<void> write_failure(const std::filesystem::path& folder,
+                                         const report::CaseReport& report,
+                                         std::string_view plan_text,
+                                         const nlohmann::ordered_json& failure);
 
 }  // namespace lefort::app

@@ -22,4 +22,11 @@ struct BoneObstacle {
   Reconstruction reconstruction = Reconstruction::kSmooth;
 };
 
+/// Up to this far from the bone every point has a gap: the smooth field answers as far as it is
+/// sampled, the trilinear one needs all samples around a point.
+[[nodiscard]] inline double reach_mm(const field::DistanceField& field,
+                                     Reconstruction reconstruction) {
+  return reconstruction == Reconstruction::kSmooth ? field.band_mm() : field.told_mm();
+}
+
 }  // namespace lefort::contact

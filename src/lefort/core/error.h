@@ -27,6 +27,7 @@ enum class ErrorCode {
   kStepBeyondBand,   ///< A bone moves further in a step than its distance field can tell.
   kNotConverged,     ///< The solver found no equilibrium.
   kCancelled,        ///< The user asked to stop.
+  kOutOfMemory,      ///< The problem is larger than the memory of this machine.
 };
 
 struct Error {

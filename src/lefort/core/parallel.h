@@ -18,7 +18,6 @@
 namespace lefort {
 
 /// Items per block. Part of the result: sums are taken block by block.
-/// Items per block. Part of the result: sums are taken block by block.
 inline constexpr Index kParallelBlock = 256;
 
 /// Limits the threads of every parallel loop while it lives; 0 means all the machine has.

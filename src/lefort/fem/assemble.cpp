@@ -20,10 +20,10 @@ void pick(const VectorX& values, std::span<const std::int32_t> nodes, Vec3* pick
   for (std::size_t a = 0; a < nodes.size(); ++a) picked[a] = values.segment<3>(3 * Index(nodes[a]));
 }
 
-/// Evaluates one item into zeroed memory; `stiffness` may be null.
+/// Evaluates one item into zeroed memory; `stiffness`, of the kind `tangent`, may be null.
 /// \returns its energy, or kInadmissible.
 double evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, double* residual,
-                     double* stiffness) {
+                     double* stiffness, Tangent tangent = Tangent::kExact) {
   const std::span<const std::int32_t> nodes = term.nodes(item);
   const auto size = Index(3 * nodes.size());
   std::array<Vec3, kMaxLocalNodes> local_x_L;
@@ -31,7 +31,8 @@ double evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, doub
   const Index stiffness_size = stiffness == nullptr ? 0 : size;
   LocalEquations local{
       .residual_n = Eigen::Map<VectorX>(residual, size),
-      .stiffness_n_per_mm = Eigen::Map<Eigen::MatrixXd>(stiffness, stiffness_size, stiffness_size)};
+      .stiffness_n_per_mm = Eigen::Map<Eigen::MatrixXd>(stiffness, stiffness_size, stiffness_size),
+      .tangent = tangent};
   local.residual_n.setZero();
   local.stiffness_n_per_mm.setZero();
   const bool admissible = term.evaluate(item, {local_x_L.data(), nodes.size()}, local);
@@ -140,7 +141,7 @@ std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
   return sum;
 }
 
-SparseMatrix Assembler::tangent(const VectorX& u) const {
+SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
   const VectorX x_L = plan_->positions_L(u);
   SparseMatrix K = plan_->layout.pattern;
   std::vector<double> forces(std::size_t(plan_->layout.force_buffer_size));
@@ -154,7 +155,7 @@ SparseMatrix Assembler::tangent(const VectorX& u) const {
           const PlannedItem& item = chunk.items[std::size_t(k)];
           energies[std::size_t(k)] =
               evaluate_item(plan_->term(item), item.item, x_L, forces.data() + item.forces,
-                            stiffness.data() + item.stiffness);
+                            stiffness.data() + item.stiffness, kind);
         },
         kItemsPerTask);
     for (const double energy : energies) LEFORT_CHECK(!std::isnan(energy));

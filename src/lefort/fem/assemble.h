@@ -6,6 +6,7 @@
 #include <lefort/fem/dof_map.h>
 #include <lefort/fem/force_term.h>
 #include <lefort/fem/sparse_matrix.h>
+#include <lefort/fem/tangent.h>
 
 #include <memory>
 #include <optional>
@@ -51,8 +52,8 @@ class Assembler {
   [[nodiscard]] std::optional<AssembledForces> forces(const VectorX& u) const;
 
   /// \returns the lower triangle of the tangent on the free components [N/mm]; its pattern is
-  ///   always the same. \pre u is admissible.
-  [[nodiscard]] SparseMatrix tangent(const VectorX& u) const;
+  ///   always the same, whatever the kind. \pre u is admissible.
+  [[nodiscard]] SparseMatrix tangent(const VectorX& u, Tangent kind = Tangent::kExact) const;
 
   /// \returns (tangent on all components) * du [N], without building that tangent.
   /// \pre u is admissible.

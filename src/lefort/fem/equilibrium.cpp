@@ -1,6 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/fem/equilibrium.h>
 
+#include <optional>
 #include <utility>
 
 namespace lefort::fem {
@@ -20,8 +21,8 @@ class HeldBody final : public NonlinearSystem {
                    .energy_round_off_mj = forces->energy_round_off_mj};
   }
 
-  [[nodiscard]] SparseMatrix tangent(const VectorX& x) const override {
-    return assembler_.tangent(all(x));
+  [[nodiscard]] SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
+    return assembler_.tangent(all(x), kind);
   }
 
   [[nodiscard]] VectorX all(const VectorX& x) const {
@@ -45,9 +46,10 @@ VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const 
   if (!forces) return moved;
   const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
   if (linear_solver.factorise(assembler.tangent(start)) != Factorisation::kDone) return moved;
-  const VectorX du = linear_solver.solve(-dofs.free_part(unbalanced));
+  const std::optional<VectorX> du = linear_solver.solve(-dofs.free_part(unbalanced));
+  if (!du) return moved;
 
-  VectorX followed = dofs.with_free_part(moved, dofs.free_part(start) + du);
+  VectorX followed = dofs.with_free_part(moved, dofs.free_part(start) + *du);
   const auto after = assembler.forces(followed);
   if (!after) return moved;
   const auto boundary_alone = assembler.forces(moved);

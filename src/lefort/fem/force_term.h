@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/core/types.h>
+#include <lefort/fem/tangent.h>
 
 #include <cstdint>
 #include <span>
@@ -17,6 +18,7 @@ struct LocalEquations {
   double energy_mj = 0.0;          ///< W [mJ].
   Eigen::Map<VectorX> residual_n;  ///< dW/dx [N]: x, y, z of the first node, of the second, ...
   Eigen::Map<Eigen::MatrixXd> stiffness_n_per_mm;  ///< d2W/dx2 [N/mm]; 0 by 0 if not wanted.
+  Tangent tangent = Tangent::kExact;  ///< Which stiffness is wanted; exact is always allowed.
 
   /// False on the cheaper path: energy and residual only.
   [[nodiscard]] bool wants_stiffness() const { return stiffness_n_per_mm.size() > 0; }

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 // There if the BLAS is OpenBLAS, or CHOLMOD was built with OpenMP; null otherwise.
@@ -103,18 +102,16 @@ LinearSolver::~LinearSolver() = default;
 LinearSolver::LinearSolver(LinearSolver&&) noexcept = default;
 LinearSolver& LinearSolver::operator=(LinearSolver&&) noexcept = default;
 
-Factorisation LinearSolver::factorise(const SparseMatrix& A, double shift) {
+Factorisation LinearSolver::factorise(const SparseMatrix& A) {
   use_one_thread();  // OpenMP keeps this for each thread of ours.
   LEFORT_CHECK(A.rows() == A.cols() && A.isCompressed());
-  LEFORT_CHECK(!(shift < 0.0));
   Cholmod& self = *cholmod_;
   self.factorised = false;
-  if (!std::isfinite(shift) || !all_finite(A)) return Factorisation::kNotFinite;
+  if (!all_finite(A)) return Factorisation::kNotFinite;
   if (!self.knows_pattern_of(A) && !self.analyse(A)) return Factorisation::kOutOfMemory;
 
   cholmod_sparse matrix = view(A);
-  double beta[2] = {shift, 0.0};
-  cholmod_factorize_p(&matrix, beta, nullptr, 0, self.factor, &self.common);
+  cholmod_factorize(&matrix, self.factor, &self.common);
   if (self.common.status < CHOLMOD_OK) return Factorisation::kOutOfMemory;
   if (self.common.status == CHOLMOD_NOT_POSDEF ||
       (A.cols() > 0 && !(cholmod_rcond(self.factor, &self.common) > kSingular)))
@@ -123,7 +120,7 @@ Factorisation LinearSolver::factorise(const SparseMatrix& A, double shift) {
   return Factorisation::kDone;
 }
 
-VectorX LinearSolver::solve(const VectorX& b) const {
+std::optional<VectorX> LinearSolver::solve(const VectorX& b) const {
   Cholmod& self = *cholmod_;
   LEFORT_CHECK(self.factorised && b.size() == Index(self.factor->n));
   cholmod_dense right{};
@@ -135,8 +132,7 @@ VectorX LinearSolver::solve(const VectorX& b) const {
 
   // No iterative refinement: within Newton the next step corrects this one.
   cholmod_dense* solution = cholmod_solve(CHOLMOD_A, self.factor, &right, &self.common);
-  if (solution == nullptr)  // Out of memory; a vector of NaN is refused by every caller's checks.
-    return VectorX::Constant(b.size(), std::numeric_limits<double>::quiet_NaN());
+  if (solution == nullptr) return std::nullopt;
   VectorX x = Eigen::Map<const VectorX>(static_cast<const double*>(solution->x), b.size());
   cholmod_free_dense(&solution, &self.common);
   return x;

@@ -6,6 +6,7 @@
 #include <lefort/fem/sparse_matrix.h>
 
 #include <memory>
+#include <optional>
 
 namespace lefort::fem {
 
@@ -13,7 +14,7 @@ namespace lefort::fem {
 enum class Factorisation {
   kDone,
   kNotPositiveDefinite,  ///< A pivot was not positive.
-  kNotFinite,            ///< The matrix or the shift holds NaN or infinity.
+  kNotFinite,            ///< The matrix holds NaN or infinity.
   kOutOfMemory           ///< The factor does not fit into memory.
 };
 
@@ -28,15 +29,12 @@ class LinearSolver {
   LinearSolver(LinearSolver&&) noexcept;
   LinearSolver& operator=(LinearSolver&&) noexcept;
 
-  /// Factorises A + shift * I.
-  ///
-  /// \param A      square, symmetric, lower triangle alone, compressed.
-  /// \param shift  >= 0 (or not finite: see kNotFinite), in the unit of A.
-  [[nodiscard]] Factorisation factorise(const SparseMatrix& A, double shift = 0.0);
+  /// \param A  square, symmetric, lower triangle alone, compressed.
+  [[nodiscard]] Factorisation factorise(const SparseMatrix& A);
 
-  /// \returns (A + shift * I)^-1 b.
+  /// \returns A^-1 b, or nothing if memory ran out.
   /// \pre the last factorise() returned kDone; b has as many entries as A has columns.
-  [[nodiscard]] VectorX solve(const VectorX& b) const;
+  [[nodiscard]] std::optional<VectorX> solve(const VectorX& b) const;
 
   /// Entries of the factor, or 0 before the first analysis: memory is 8 bytes each.
   [[nodiscard]] double factor_entries() const;

@@ -12,6 +12,14 @@ namespace {
 
 constexpr double kRounding = 1e-9;
 
+/// Whether a failure may be the extrapolated start's own. A solve that ran long has left its start
+/// behind; running as long from the last state would find no more.
+bool worth_a_nearer_start(const NewtonOutcome& outcome, const LoadStepOptions& options) {
+  return outcome.stop == NewtonStop::kInadmissibleStart || outcome.stop == NewtonStop::kRefused ||
+         (outcome.stop == NewtonStop::kStagnated &&
+          outcome.iterations() <= options.easy_iterations);
+}
+
 }  // namespace
 
 Result<void> validate(const LoadStepOptions& options) {
@@ -27,6 +35,7 @@ Result<void> validate(const LoadStepOptions& options) {
     return refuse("growth", options.growth, ">= 1");
   if (options.easy_iterations < 0)
     return refuse("easy_iterations", options.easy_iterations, ">= 0");
+  if (options.max_attempts < 1) return refuse("max_attempts", options.max_attempts, ">= 1");
   return {};
 }
 
@@ -63,30 +72,40 @@ Result<void> LoadStepper::advance_to(double t_end, Progress& progress) {
     return fail(ErrorCode::kCancelled, fmt::format("cancelled at load level {:.6g}", last_.t));
   };
 
+  const auto stuck_at = [&](double t, const char* why, const std::string& reason) {
+    return fail(ErrorCode::kNotConverged,
+                fmt::format("no equilibrium from load level {:.6g} to {:.6g}, {}: {}", last_.t, t,
+                            why, reason));
+  };
+
+  increment_ = std::max(increment_, options_.first_increment);
+  const std::size_t attempts_allowed = attempts_.size() + std::size_t(options_.max_attempts);
   while (last_.t < t_end) {
     if (progress.stop_requested()) return cancelled();
     // What rounding leaves over is not worth a step of its own.
     const bool is_last = last_.t + (1.0 + kRounding) * increment_ >= t_end;
     const double t = is_last ? t_end : last_.t + increment_;
+    // Asked for, not t - last_.t: a difference of levels carries their rounding.
+    const double asked = is_last ? std::min(increment_, t_end - last_.t) : increment_;
 
     NewtonOutcome outcome = attempt(t, before_last_.has_value());
-    if (!outcome.converged() && outcome.stop != NewtonStop::kCancelled && before_last_)
-      outcome = attempt(t, false);
+    if (before_last_ && worth_a_nearer_start(outcome, options_)) outcome = attempt(t, false);
     if (outcome.stop == NewtonStop::kCancelled) return cancelled();
+    if (outcome.stop == NewtonStop::kOutOfMemory)
+      return fail(ErrorCode::kOutOfMemory, outcome.reason);
 
-    const double tried = t - last_.t;
     if (outcome.converged()) {
       before_last_ = std::exchange(last_, {t, std::move(outcome.x)});
       if (outcome.iterations() <= options_.easy_iterations)
-        increment_ = std::max(increment_, tried) * options_.growth;
-    } else if (tried <= options_.min_increment) {
-      return fail(ErrorCode::kNotConverged,
-                  fmt::format("no equilibrium from load level {:.6g} to {:.6g}, the smallest "
-                              "increment: {}",
-                              last_.t, t, outcome.reason));
+        increment_ = std::max(increment_, asked) * options_.growth;
+    } else if (asked <= (1.0 + kRounding) * options_.min_increment) {
+      return stuck_at(t, "the smallest increment", outcome.reason);
     } else {
-      increment_ = std::max(0.5 * tried, options_.min_increment);
+      increment_ = std::max(0.5 * asked, options_.min_increment);
     }
+    if (last_.t < t_end && attempts_.size() >= attempts_allowed)
+      return stuck_at(t_end, fmt::format("{} attempts", options_.max_attempts).c_str(),
+                      outcome.reason);
   }
   return {};
 }

@@ -24,6 +24,7 @@ struct LoadStepOptions {
   double min_increment = 1.0 / 1024;  ///< Of t, > 0, <= first; failing at this size ends the run.
   double growth = 2.0;                ///< An easy increment is multiplied by this, >= 1.
   int easy_iterations = 6;            ///< Newton needed at most so many: the increment was easy.
+  int max_attempts = 1000;            ///< Calls of solve for one advance_to(), at most; >= 1.
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
@@ -51,12 +52,15 @@ class LoadStepper {
 
   /// Advances to load level `t_end` > state().t.
   ///
-  /// An increment that fails is halved; one that was easy lets the next grow. The start guess is
-  /// extrapolated from the last two converged states; where that is inadmissible or does not lead
-  /// to convergence, the last state serves.
+  /// An increment that fails is halved, one that was easy lets the next grow; each call begins
+  /// with first_increment at least. The start guess is extrapolated from the last two converged
+  /// states; where that is inadmissible, soon gets stuck or leads to what is refused, the last
+  /// state serves.
   ///
   /// \returns nothing if state() is now at t_end; or
-  ///   - kNotConverged     the smallest increment failed, the sentence says where and why;
+  ///   - kNotConverged     the smallest increment failed, or max_attempts were not enough; the
+  ///     sentence says where and why;
+  ///   - kOutOfMemory      Newton's factor does not fit into memory, however small the increment;
   ///   - kInvalidArgument  t_end is not finite or does not lie ahead;
   ///   - kCancelled        `progress` asked to stop.
   /// After an error state() is the last converged state, and attempts() tells all that was tried.

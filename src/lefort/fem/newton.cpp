@@ -11,14 +11,27 @@ namespace lefort::fem {
 namespace {
 
 /// The first shift tried on an indefinite tangent, the factor to the next, and the last, all as a
-/// share of its mean diagonal: beyond the last the matrix is not a stiffness any more.
+/// share of its diagonal: beyond the last the matrix is not a stiffness any more.
 constexpr double kFirstShift = 1e-3;
 constexpr double kShiftGrowth = 4.0;
 constexpr double kLastShift = 1e3;
 
+/// Likewise for the part of the convex tangent; the last is 1.
+constexpr double kFirstShare = 0.25;
+constexpr double kShareGrowth = 2.0;
+
 /// How much a step is shortened at least and at most.
 constexpr double kShortenLeast = 0.5;
 constexpr double kShortenMost = 0.1;
+
+/// A step that was shortened to less reached too far: the next tangent is to be more convex.
+constexpr double kTooFar = 0.5;
+
+/// A step is lengthened where the slope at its end is still so much of that at its start; by how
+/// much at least and at most.
+constexpr double kStillSteep = 0.3;
+constexpr double kLengthenLeast = 1.5;
+constexpr double kLengthenMost = 4.0;
 
 /// An admissible state and what is known there.
 struct Iterate {
@@ -36,22 +49,61 @@ std::optional<Iterate> iterate_at(const NonlinearSystem& system, VectorX x) {
   return Iterate{std::move(x), *std::move(balance), residual_n};
 }
 
-/// Factorises K + tau d I with the smallest tau tried that makes it positive definite.
+/// What a step was taken by.
+struct Model {
+  double convex_share = 0.0;  ///< Of the convex tangent; the rest is the exact one.
+  double shift = 0.0;
+  bool reached_too_far = false;  ///< Its step had to be shortened.
+};
+
+/// (1 - share) A + share B, both of one pattern.
+SparseMatrix blend(const SparseMatrix& A, const SparseMatrix& B, double share) {
+  SparseMatrix sum = A;
+  sum.coeffs() += share * (B.coeffs() - A.coeffs());
+  return sum;
+}
+
+/// K + tau D, D the magnitudes of the diagonal of K, none nearly zero beside the others.
+SparseMatrix shifted(const SparseMatrix& K, double tau) {
+  constexpr double kLeast = 1e-3;
+  const VectorX diagonal = K.diagonal().cwiseAbs();
+  const VectorX D = diagonal.cwiseMax(kLeast * diagonal.mean());
+  SparseMatrix sum = K;
+  sum.diagonal() += tau * D;
+  return sum;
+}
+
+/// Factorises the exact tangent; if that is not positive definite, one with as little of the convex
+/// one as helps; if even the convex one is not, that with as little shift as helps.
 ///
-/// \param last  the shift of the step before.
-/// \returns tau, or nothing if there is none; or if told to stop.
-std::optional<double> factorise_shifted(const SparseMatrix& K, double last, LinearSolver& solver,
-                                        const Progress& progress) {
-  const VectorX diagonal = K.diagonal();
-  const double mean = diagonal.size() == 0 ? 0.0 : diagonal.cwiseAbs().mean();
-  double tau = 0.0;
-  while (tau <= kLastShift && !progress.stop_requested()) {
-    const Factorisation outcome = solver.factorise(K, tau * mean);
-    if (outcome == Factorisation::kDone) return tau;
-    if (outcome != Factorisation::kNotPositiveDefinite) return std::nullopt;
-    tau = tau == 0.0 ? std::max(kFirstShift, last / kShiftGrowth) : tau * kShiftGrowth;
+/// \param last  of the step before.
+/// \returns what was factorised, or why nothing was.
+tl::expected<Model, NewtonStop> factorise(const NonlinearSystem& system, const VectorX& x,
+                                          const Model& last, LinearSolver& solver,
+                                          const Progress& progress) {
+  const SparseMatrix exact = system.tangent(x, Tangent::kExact);
+  Factorisation outcome = solver.factorise(exact);
+  if (outcome == Factorisation::kDone) return Model{};
+  if (outcome == Factorisation::kOutOfMemory) return tl::unexpected(NewtonStop::kOutOfMemory);
+
+  const SparseMatrix convex = system.tangent(x, Tangent::kConvex);
+  const double share =
+      last.reached_too_far ? last.convex_share * kShareGrowth : last.convex_share / kShareGrowth;
+  Model model{.convex_share = std::clamp(share, kFirstShare, 1.0)};
+  while (model.shift <= kLastShift && outcome == Factorisation::kNotPositiveDefinite) {
+    if (progress.stop_requested()) return tl::unexpected(NewtonStop::kCancelled);
+    outcome = solver.factorise(model.shift > 0.0 ? shifted(convex, model.shift)
+                                                 : blend(exact, convex, model.convex_share));
+    if (outcome == Factorisation::kDone) return model;
+    if (model.convex_share < 1.0) {
+      model.convex_share = std::min(model.convex_share * kShareGrowth, 1.0);
+    } else {
+      model.shift = model.shift > 0.0 ? model.shift * kShiftGrowth
+                                      : std::max(kFirstShift, last.shift / kShiftGrowth);
+    }
   }
-  return std::nullopt;
+  return tl::unexpected(outcome == Factorisation::kOutOfMemory ? NewtonStop::kOutOfMemory
+                                                               : NewtonStop::kSingularTangent);
 }
 
 /// \param expected_mj  the change of energy to first order, negative for a descent.
@@ -88,23 +140,50 @@ std::optional<Step> backtrack(const NonlinearSystem& system, const Iterate& from
   return std::nullopt;
 }
 
+/// Goes on along `dx` while that pays: a tangent made convex knows nothing of how far down an
+/// unstable direction leads, so that steps along it are short.
+Step lengthen(const NonlinearSystem& system, const Iterate& from, const VectorX& dx, Step step,
+              const NewtonOptions& options) {
+  const double slope_mj = from.balance.residual_n.dot(dx);
+  for (int n = 0; n < options.max_backtracks; ++n) {
+    const double slope_here_mj = step.to.balance.residual_n.dot(dx);
+    if (!(slope_here_mj < kStillSteep * slope_mj)) break;
+    const double factor =
+        slope_here_mj <= slope_mj
+            ? kLengthenMost
+            : std::clamp(slope_mj / (slope_mj - slope_here_mj), kLengthenLeast, kLengthenMost);
+    const double length = factor * step.length;
+    std::optional<Iterate> to = iterate_at(system, from.x + length * dx);
+    if (!to || to->balance.energy_mj >= step.to.balance.energy_mj ||
+        !acceptable(from, *to, length * slope_mj, options))
+      break;
+    step = {*std::move(to), length};
+  }
+  return step;
+}
+
 /// Counts the steps since something last improved.
 class Headway {
  public:
+  explicit Headway(const Iterate& start)
+      : first_energy_mj_(start.balance.energy_mj), best_residual_n_(start.residual_n) {}
+
   /// \returns how many steps in a row, this one included, made none.
-  int steps_without(const Iterate& from, const Iterate& to) {
-    const bool lower_energy =
-        from.balance.energy_mj - to.balance.energy_mj > kClearly * to.balance.energy_round_off_mj;
+  int steps_without(const Iterate& from, const Iterate& to, bool is_shifted) {
+    const double gain_mj = from.balance.energy_mj - to.balance.energy_mj;
+    const double gained_mj = first_energy_mj_ - from.balance.energy_mj;
+    const double wanted_mj =
+        std::max(kClearly * to.balance.energy_round_off_mj, is_shifted ? kPart * gained_mj : 0.0);
     const bool lower_residual = to.residual_n < kNotably * best_residual_n_;
     best_residual_n_ = std::min(best_residual_n_, to.residual_n);
-    return without_ = lower_energy || lower_residual ? 0 : without_ + 1;
+    return without_ = gain_mj > wanted_mj || lower_residual ? 0 : without_ + 1;
   }
-
-  explicit Headway(double residual_n) : best_residual_n_(residual_n) {}
 
  private:
   static constexpr double kClearly = 10.0;
   static constexpr double kNotably = 0.9;
+  static constexpr double kPart = 1e-3;
+  double first_energy_mj_;
   double best_residual_n_;
   int without_ = 0;
 };
@@ -114,12 +193,17 @@ double tolerance_n(const Iterate& at, const NewtonOptions& options) {
                   options.absolute_tolerance_n);
 }
 
-NewtonIterate history_line(const Iterate& at, double step_length, double shift) {
+const char* why_not_factorised(NewtonStop why) {
+  return why == NewtonStop::kOutOfMemory ? "out of memory" : "tangent not positive definite";
+}
+
+NewtonIterate history_line(const Iterate& at, double step_length, const Model& model) {
   return {.residual_n = at.residual_n,
           .force_scale_n = at.balance.force_scale_n,
           .energy_mj = at.balance.energy_mj,
           .step_length = step_length,
-          .shift = shift};
+          .convex_share = model.convex_share,
+          .shift = model.shift};
 }
 
 }  // namespace
@@ -155,8 +239,9 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
   }
 
   Iterate at = *std::move(first);
-  Headway headway(at.residual_n);
-  outcome.history.push_back(history_line(at, 0.0, 0.0));
+  Headway headway(at);
+  Model model;
+  outcome.history.push_back(history_line(at, 0.0, model));
   const auto stop = [&](NewtonStop why, const std::string& what) {
     outcome.stop = why;
     outcome.reason =
@@ -169,18 +254,23 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
   while (!(at.residual_n <= tolerance_n(at, options))) {  // Written so that NaN is not converged.
     if (outcome.iterations() == options.max_iterations)
       return stop(NewtonStop::kTooManyIterations, "not converged");
-    const std::optional<double> shift = factorise_shifted(
-        system.tangent(at.x), outcome.history.back().shift, linear_solver, progress);
+    const auto factorised = factorise(system, at.x, model, linear_solver, progress);
     if (progress.stop_requested()) return stop(NewtonStop::kCancelled, "cancelled");
-    if (!shift) return stop(NewtonStop::kSingularTangent, "tangent not positive definite");
+    if (!factorised) return stop(factorised.error(), why_not_factorised(factorised.error()));
+    model = *factorised;
 
-    const VectorX dx = linear_solver.solve(-at.balance.residual_n);
-    std::optional<Step> step = backtrack(system, at, dx, options);
+    const std::optional<VectorX> dx = linear_solver.solve(-at.balance.residual_n);
+    if (!dx) return stop(NewtonStop::kOutOfMemory, why_not_factorised(NewtonStop::kOutOfMemory));
+    std::optional<Step> step = backtrack(system, at, *dx, options);
     if (!step) return stop(NewtonStop::kStagnated, "no step leads downhill");
 
-    const int idle = headway.steps_without(at, step->to);
+    model.reached_too_far = step->length < kTooFar;
+    if (model.convex_share > 0.0 && step->length == 1.0)
+      step = lengthen(system, at, *dx, *std::move(step), options);
+
+    const int idle = headway.steps_without(at, step->to, model.shift > 0.0);
     at = std::move(step->to);
-    outcome.history.push_back(history_line(at, step->length, *shift));
+    outcome.history.push_back(history_line(at, step->length, model));
     if (idle >= options.stagnation_iterations && !(at.residual_n <= tolerance_n(at, options)))
       return stop(NewtonStop::kStagnated, fmt::format("no headway for {} iterations", idle));
   }

@@ -7,6 +7,7 @@
 #include <lefort/core/types.h>
 #include <lefort/fem/linear_solver.h>
 #include <lefort/fem/sparse_matrix.h>
+#include <lefort/fem/tangent.h>
 
 #include <optional>
 #include <string>
@@ -30,18 +31,20 @@ class NonlinearSystem {
   /// \returns the balance at x, or nothing if x is inadmissible: an element turned inside out, NaN.
   [[nodiscard]] virtual std::optional<Balance> balance(const VectorX& x) const = 0;
 
-  /// \returns dr/dx [N/mm], lower triangle, always with the same pattern.
+  /// \returns dr/dx [N/mm] or its convex stand-in, lower triangle with the whole diagonal, always
+  ///   with the same pattern.
   /// \pre x is admissible.
-  [[nodiscard]] virtual SparseMatrix tangent(const VectorX& x) const = 0;
+  [[nodiscard]] virtual SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
 };
 
 struct NewtonOptions {
-  double relative_tolerance = 1e-8;     ///< Converged when |r| <= this * force scale, >= 0 ...
-  double absolute_tolerance_n = 1e-10;  ///< ... or when |r| <= this [N], >= 0.
-  int max_iterations = 30;              ///< Newton steps, at most; >= 1.
-  int max_backtracks = 20;              ///< How often one step may be shortened; >= 0.
-  double sufficient_decrease = 1e-4;    ///< Armijo's constant, in (0, 0.5).
-  int stagnation_iterations = 8;        ///< Stop when so many steps in a row make no headway; >= 1.
+  double relative_tolerance = 1e-8;   ///< Converged when |r| <= this * force scale, >= 0 ...
+  double absolute_tolerance_n = 0.0;  ///< ... or when |r| <= this [N], >= 0: a body at rest, whose
+                                      ///< forces are all round-off.
+  int max_iterations = 30;            ///< Newton steps, at most; >= 1.
+  int max_backtracks = 20;            ///< How often one step may be shortened; >= 0.
+  double sufficient_decrease = 1e-4;  ///< Armijo's constant, in (0, 0.5).
+  int stagnation_iterations = 8;      ///< Stop when so many steps in a row make no headway; >= 1.
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
@@ -50,9 +53,11 @@ struct NewtonOptions {
 enum class NewtonStop {
   kConverged,
   kTooManyIterations,
-  kStagnated,          ///< No step, or many steps in a row, brought no headway.
-  kSingularTangent,    ///< No shift made the tangent positive definite: nothing holds the body.
+  kStagnated,        ///< No step, or many steps in a row, brought no headway.
+  kSingularTangent,  ///< No shift made the tangent positive definite: nothing holds the body.
+  kOutOfMemory,      ///< The factor does not fit into memory; the problem may well have a solution.
   kInadmissibleStart,  ///< The start itself turns an element inside out, or is not finite.
+  kRefused,            ///< Converged to a state that the caller does not accept.
   kCancelled           ///< Progress asked to stop.
 };
 
@@ -61,8 +66,9 @@ struct NewtonIterate {
   double residual_n = 0.0;     ///< |r| [N].
   double force_scale_n = 0.0;  ///< [N]; residual_n / force_scale_n is the relative residual.
   double energy_mj = 0.0;
-  double step_length = 0.0;  ///< Share of the Newton step taken to come here; 0 at the start.
-  double shift = 0.0;        ///< tau: tau * (mean diagonal) * I was added to the tangent.
+  double step_length = 0.0;   ///< Taken to come here, in Newton steps; 0 at the start.
+  double convex_share = 0.0;  ///< Of the convex tangent in the one the step was taken by.
+  double shift = 0.0;         ///< tau: tau times its diagonal was added to it.
 };
 
 /// What came out, whether or not it converged.
@@ -80,11 +86,16 @@ struct NewtonOutcome {
 
 /// Solves r(x) = 0 from `start`.
 ///
-/// Each step goes along -(K + tau d I)^-1 r, d the mean diagonal of K, where tau = 0 unless K is
-/// not positive definite (\cite nocedal2006, algorithm 3.3), and is shortened until the energy
-/// falls sufficiently (Armijo; ibid., algorithm 3.1). Where the expected change of energy drowns in
-/// its round-off, |r| has to fall instead. A trial that is inadmissible is shortened like one that
-/// is too high.
+/// Each step goes along -(K + tau D)^-1 r and is shortened until the energy falls sufficiently
+/// (Armijo; \cite nocedal2006, algorithm 3.1). K is the exact tangent; where that is not positive
+/// definite, a mean of it and the convex one, with as little of that as helps. D is the diagonal of
+/// K, and tau = 0 unless even the convex one is not (ibid., algorithm 3.3). Where the expected
+/// change of energy drowns in its round-off, |r| has to fall instead. A trial that is inadmissible
+/// is shortened like one that is too high. A step by another than the exact tangent, being too
+/// short along unstable directions, is lengthened while that pays.
+///
+/// A step makes headway if |r| falls notably or the energy clearly; a shifted step, which may creep
+/// downhill without end, only if it gains a notable part of what was gained so far.
 ///
 /// \param options        \pre valid.
 /// \param linear_solver  keeps its symbolic analysis from one call to the next.

@@ -19,7 +19,9 @@ namespace lefort::field {
 namespace {
 
 constexpr int kSide = SparseLattice::kSide;
-constexpr Index kMaxLatticePoints = Index(1) << 33;
+constexpr Index kMaxLatticePoints = Index(1) << 31;  // 8 GiB.
+/// Of triangles with bricks: twelve bytes each.
+constexpr std::int64_t kMaxPairs = std::int64_t(1) << 29;
 /// Triangles, and bricks, that a thread takes at a time.
 constexpr Index kTriangleBlock = 1024;
 constexpr Index kBrickBlock = 8;
@@ -59,6 +61,24 @@ class Neighbourhood {
   std::size_t count_ = 0;
 };
 
+/// The lowest and the highest brick, along each axis, of a triangle's box widened by the reach.
+std::array<LatticePoint, 2> bricks_around(const geometry::TriangleMesh& mesh, Index t,
+                                          const Vec3& origin, double brick_mm, int bricks_per_side,
+                                          double reach_mm) {
+  std::array<LatticePoint, 2> range{};
+  const auto brick_at = [&](double coordinate, int axis) {
+    return std::clamp(int(std::floor((coordinate - origin[axis]) / brick_mm)) + 1, 0,
+                      bricks_per_side - 1);
+  };
+  for (int k = 0; k < 3; ++k) {
+    const auto [least, most] =
+        std::minmax({mesh.corner(t, 0)[k], mesh.corner(t, 1)[k], mesh.corner(t, 2)[k]});
+    range[0][std::size_t(k)] = brick_at(least - reach_mm, k);
+    range[1][std::size_t(k)] = brick_at(most + reach_mm, k);
+  }
+  return range;
+}
+
 /// The top bits of 64 numbers after moving them to the left.
 std::uint64_t top_bits(std::span<const std::int32_t, 64> numbers, int shift) {
   std::uint64_t bits = 0;
@@ -94,9 +114,6 @@ void BandSampler::bin_triangles() {
   const double brick_mm = kSide * cell_mm_;
   const Vec3 half_brick = Vec3::Constant(0.5 * (kSide - 1) * cell_mm_);
   const double reach_mm = reach_mm_ + kSlack * cell_mm_;
-  const auto brick_at = [&](double coordinate, int axis) {
-    return std::clamp(int(std::floor((coordinate - origin_[axis]) / brick_mm)) + 1, 0, n - 1);
-  };
 
   const auto blocks = std::size_t((mesh.triangle_count() + kTriangleBlock - 1) / kTriangleBlock);
   std::vector<std::vector<Visit>> visits(blocks);
@@ -108,13 +125,7 @@ void BandSampler::bin_triangles() {
           const TriangleFrame frame =
               triangle_frame(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
           const Neighbourhood neighbourhood(frame, reach_mm, half_brick);
-          LatticePoint low{}, high{};
-          for (int k = 0; k < 3; ++k) {
-            const auto [least, most] =
-                std::minmax({mesh.corner(t, 0)[k], mesh.corner(t, 1)[k], mesh.corner(t, 2)[k]});
-            low[std::size_t(k)] = brick_at(least - reach_mm, k);
-            high[std::size_t(k)] = brick_at(most + reach_mm, k);
-          }
+          const auto [low, high] = bricks_around(mesh, t, origin_, brick_mm, n, reach_mm);
           for (int z = low[2]; z <= high[2]; ++z)
             for (int y = low[1]; y <= high[1]; ++y)
               for (int x = low[0]; x <= high[0]; ++x)
@@ -202,8 +213,27 @@ BrickSigns BandSampler::sample(Index slot,
   return signs;
 }
 
+Result<void> check_band_fits(const PreparedSurface& surface, const FieldFrame& frame,
+                             double reach_mm) {
+  const int n = SparseLattice::bricks_per_side(frame.resolution);
+  const geometry::TriangleMesh& mesh = surface.mesh_B;
+  const auto pairs = deterministic_sum(mesh.triangle_count(), std::int64_t(0), [&](Index t) {
+    const auto [low, high] =
+        bricks_around(mesh, t, frame.origin_B, kSide * frame.cell_mm, n, reach_mm);
+    std::int64_t count = 1;
+    for (std::size_t k = 0; k < 3; ++k) count *= high[k] - low[k] + 1;
+    return count;
+  });
+  if (pairs <= kMaxPairs) return {};
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("the band brings {} triangles together with bricks of samples, at most "
+                          "{} are possible; lower the resolution or the band",
+                          pairs, kMaxPairs));
+}
+
 Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const FieldFrame& frame,
                                          double reach_mm, Progress& progress) {
+  LEFORT_TRY_VOID(check_band_fits(surface, frame, reach_mm));
   const BandSampler sampler(surface, frame, reach_mm);
   const std::span<const std::int32_t> bricks = sampler.bricks();
   if (Index(bricks.size()) * SparseLattice::kBrickPoints > kMaxLatticePoints)

@@ -62,6 +62,11 @@ class BandSampler {
   std::vector<std::int32_t> triangles_;  ///< By brick, ascending.
 };
 
+/// \returns kInvalidArgument if a BandSampler would need too much memory: a band of many bricks
+///   around many triangles. To be asked before one is made.
+[[nodiscard]] Result<void> check_band_fits(const PreparedSurface& surface, const FieldFrame& frame,
+                                           double reach_mm);
+
 /// Samples every lattice point within `reach_mm` of the surface; the other points of the bricks
 /// touched are kFar.
 ///

@@ -68,6 +68,8 @@ class BrickSamples {
 
   [[nodiscard]] CellSamples cell(const LatticePoint& low) const;
 
+  /// \pre, here and below, that coordinates are from 0 to resolution.
+
   /// Where the code of a sample lies; that of its side if its leaf is not stored. Four bytes may be
   /// read there.
   [[nodiscard]] const std::byte* place_of(const LatticePoint& point) const {

@@ -114,6 +114,7 @@ Result<DistanceField::Samples> build_samples(const PreparedSurface& surface,
     progress.begin_stage("unite cells of the distance field");
     return coalesce(sided, frame, progress);
   }
+  LEFORT_TRY_VOID(check_band_fits(surface, frame, frame.band_mm));
   const BandSampler sampler(surface, frame, frame.band_mm);
   if (method == FieldMethod::kUniform) return build_dense(sampler, frame, winding, progress);
   return build_bricks(sampler, frame, winding, progress);

@@ -149,11 +149,16 @@ void read_material(const Json& tissue, predict::TissueOptions& options) {
   options.poisson = (*material)["poisson"].get<double>();
 }
 
-void read_tissue(const Json& tissue, predict::TissueOptions& options) {
+Result<void> read_tissue(const Json& tissue, predict::TissueOptions& options) {
   read_material(tissue, options);
   read(tissue, "element_size_mm", options.element_size_mm);
+  options.far_element_size_mm = std::max(options.far_element_size_mm, options.element_size_mm);
   read(tissue, "far_element_size_mm", options.far_element_size_mm);
   read(tissue, "margin_mm", options.margin_mm);
+  if (options.far_element_size_mm >= options.element_size_mm) return {};
+  return fail(ErrorCode::kPlanInvalid,
+              fmt::format("tissue.far_element_size_mm: {:g} is less than element_size_mm, {:g}",
+                          options.far_element_size_mm, options.element_size_mm));
 }
 
 void read_boundary(const Json& boundary, predict::BoundaryOptions& options) {
@@ -177,10 +182,12 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
 
   const Json& segment = json["segments"][0];
   LEFORT_TRY(plan.osteotomy, read_osteotomy(segment));
+  read(segment["osteotomy"], "smallest_piece_ml", plan.cut.smallest_piece_ml);
+  read(segment["osteotomy"], "smallest_piece_share", plan.cut.smallest_piece_share);
   plan.path = read_path(segment);
   LEFORT_TRY_VOID(plan::check_path(plan.path));
 
-  read_tissue(section(json, "tissue"), plan.tissue);
+  LEFORT_TRY_VOID(read_tissue(section(json, "tissue"), plan.tissue));
   read_boundary(section(json, "boundary"), plan.boundary);
 
   const Json contact = section(json, "contact");
@@ -208,12 +215,19 @@ Result<PlanFile> parse_plan(std::string_view text, const fs::path& folder) {
   return read_sections(json, folder);
 }
 
-Result<PlanFile> read_plan(const fs::path& file) {
-  LEFORT_TRY(const std::string text, read_text(file, kLargestPlan));
-  Result<PlanFile> plan = parse_plan(text, file.parent_path());
+Result<PlanText> read_plan_text(const fs::path& file) {
+  LEFORT_TRY(std::string text, read_text(file, kLargestPlan));
+  std::error_code error;
+  const fs::path absolute = fs::absolute(file, error);
+  Result<PlanFile> plan = parse_plan(text, (error ? file : absolute).parent_path());
   if (!plan)
     return fail(plan.error().code, fmt::format("plan {}: {}", file.string(), plan.error().message));
-  return plan;
+  return PlanText{*std::move(plan), std::move(text)};
+}
+
+Result<PlanFile> read_plan(const fs::path& file) {
+  LEFORT_TRY(PlanText text, read_plan_text(file));
+  return std::move(text.plan);
 }
 
 }  // namespace lefort::io

@@ -5,6 +5,7 @@
 #include <lefort/anatomy/segment_tissue.h>
 #include <lefort/core/error.h>
 #include <lefort/field/build_distance_field.h>
+#include <lefort/plan/cut_bones.h>
 #include <lefort/plan/plan.h>
 #include <lefort/predict/prediction_options.h>
 
@@ -21,6 +22,7 @@ struct PlanFile {
   std::optional<std::filesystem::path> labels;  ///< Likewise.
   anatomy::SegmentationOptions segmentation;
   plan::Osteotomy osteotomy;
+  plan::CutBonesOptions cut;
   plan::BonePath path;
   predict::TissueOptions tissue;
   predict::BoundaryOptions boundary;
@@ -29,11 +31,18 @@ struct PlanFile {
   predict::SolverOptions solver;
 };
 
+/// A plan and the text it was read from, which is read once.
+struct PlanText {
+  PlanFile plan;
+  std::string json;
+};
+
 /// Reads and checks a plan.
 ///
 /// \returns kFileNotFound; kPlanInvalid with the key and what is wrong with it, as `tissue: unknown
 ///   key "colour"`.
 [[nodiscard]] Result<PlanFile> read_plan(const std::filesystem::path& file);
+[[nodiscard]] Result<PlanText> read_plan_text(const std::filesystem::path& file);
 
 /// The same from text; relative paths are taken from `folder`.
 [[nodiscard]] Result<PlanFile> parse_plan(std::string_view json,

@@ -1,6 +1,6 @@
-#include <lefort/contact/measure_gap.h>
 #include <lefort/contact/penalty.h>
 #include <lefort/core/check.h>
+#include <lefort/core/parallel.h>
 #include <lefort/predict/contact_term.h>
 
 #include <algorithm>
@@ -9,6 +9,9 @@
 #include <utility>
 
 namespace lefort::predict {
+
+using contact::Derivatives;
+
 namespace {
 
 /// A point of a triangle: its shape functions there, and its share of the area.
@@ -17,8 +20,7 @@ struct QuadraturePoint {
   double weight;
 };
 
-/// D. A. Dunavant, High degree efficient symmetrical Gaussian quadrature rules for the triangle,
-/// Int. J. Numer. Methods Eng. 21 (1985), degree 4.
+/// \cite dunavant1985, degree 4.
 std::array<QuadraturePoint, 6> dunavant_degree_4() {
   constexpr double kA = 0.445948490915965, kWeightA = 0.223381589678011;
   constexpr double kB = 0.091576213509771, kWeightB = 0.109951743655322;
@@ -52,6 +54,8 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3>
       obstacle_(std::move(obstacle)),
       stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm) {
   LEFORT_CHECK(stiffness_mpa_per_mm_ > 0.0 && options.capture_mm >= 0.0);
+  LEFORT_CHECK(options.capture_mm <
+               contact::reach_mm(*obstacle_.field_B, obstacle_.reconstruction));
   area_mm2_.reserve(faces_.size());
   rest_gap_mm_.reserve(faces_.size());
   for (const mesh::Face3& face : faces_) {
@@ -59,35 +63,112 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3>
     area_mm2_.push_back(0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm());
     std::array<double, kPoints>& rest = rest_gap_mm_.emplace_back();
     for (std::size_t q = 0; q < kRule.size(); ++q) {
-      const contact::Gap gap = contact::measure_gap(obstacle_, interpolate(kRule[q].N, x));
-      const bool touches = std::abs(gap.gap_mm) <= options.capture_mm;
+      const contact::Gap gap =
+          contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      const bool touches =
+          gap.zone == field::Zone::kBand && std::abs(gap.gap_mm) <= options.capture_mm;
       rest[q] = touches ? gap.gap_mm : std::min(gap.gap_mm, 0.0);
     }
   }
+  last_sight_.resize(faces_.size());
+  last_clearance_.resize(faces_.size());
+  remember(nodes_L);
+}
+
+void ContactTerm::remember(std::span<const Vec3> x_L) {
+  tunnelled_area_mm2_ += newly_tunnelled_area_mm2(x_L);
+  const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
+  parallel_for(Index(faces_.size()), [&](Index face) {
+    const std::array<Vec3, 3> x = corners(faces_[std::size_t(face)], x_L);
+    Clearance& clearance = last_clearance_[std::size_t(face)];
+    clearance.clearance_mm = contact::reach_mm(*obstacle_.field_B, obstacle_.reconstruction);
+    for (std::size_t corner = 0; corner < x.size(); ++corner)
+      clearance.corners_B[corner] = R_BL * (x[corner] - obstacle_.X_LB.translation());
+    for (std::size_t q = 0; q < kRule.size(); ++q) {
+      const contact::Gap gap =
+          contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      const bool is_seen = gap.zone == field::Zone::kBand || gap.zone == field::Zone::kOutside;
+      const double touching_at_mm = std::max(rest_gap_mm_[std::size_t(face)][q], 0.0);
+      clearance.clearance_mm =
+          std::min(clearance.clearance_mm, is_seen ? gap.gap_mm - touching_at_mm : 0.0);
+      last_sight_[std::size_t(face)][q] = {R_BL * gap.gradient_L,
+                                           gap.zone != field::Zone::kUnknown};
+    }
+  });
+}
+
+double ContactTerm::rest_penetration_mm() const {
+  double deepest_mm = 0.0;
+  for (const std::array<double, kPoints>& rest : rest_gap_mm_)
+    for (const double gap_mm : rest) deepest_mm = std::max(deepest_mm, -gap_mm);
+  return deepest_mm;
+}
+
+bool ContactTerm::is_out_of_reach(std::size_t face, std::span<const Vec3> corners_L) const {
+  constexpr double kSlack_mm = 0.1;  // Errors of the field, many times over.
+  constexpr double kSlope = 1.1;     // Likewise for the length of its gradient.
+  const Clearance& last = last_clearance_[face];
+  if (last.clearance_mm <= kSlack_mm) return false;
+  const double allowed_mm = (last.clearance_mm - kSlack_mm) / kSlope;
+  const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
+  for (std::size_t corner = 0; corner < last.corners_B.size(); ++corner) {
+    const Vec3 x_B = R_BL * (corners_L[corner] - obstacle_.X_LB.translation());
+    if (!((x_B - last.corners_B[corner]).squaredNorm() < allowed_mm * allowed_mm)) return false;
+  }
+  return true;
+}
+
+bool ContactTerm::has_tunnelled(const Sight& last, const contact::Gap& gap) const {
+  // Outside the bone, normals turn freely: across a groove one wall takes over from the other.
+  constexpr double kFarSide = -0.5;  // Cosine; an edge of over 60 degrees has no far side.
+  return gap.zone == field::Zone::kBand && gap.gap_mm < 0.0 &&
+         (obstacle_.X_LB.linear() * last.normal_B).dot(gap.gradient_L) < kFarSide;
+}
+
+double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
+  return deterministic_sum(Index(faces_.size()), 0.0, [&](Index face) {
+    const std::array<Vec3, 3> x = corners(faces_[std::size_t(face)], x_L);
+    double share = 0.0;
+    for (std::size_t q = 0; q < kRule.size(); ++q) {
+      const contact::Gap gap =
+          contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      if (has_tunnelled(last_sight_[std::size_t(face)][q], gap)) share += kRule[q].weight;
+    }
+    return share * area_mm2_[std::size_t(face)];
+  });
 }
 
 bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
                            fem::LocalEquations& local) const {
+  if (is_out_of_reach(std::size_t(item), x_L)) return true;
   const double area_mm2 = area_mm2_[std::size_t(item)];
   for (std::size_t q = 0; q < kRule.size(); ++q) {
     const Vec3& N = kRule[q].N;
-    const contact::Gap gap = contact::measure_gap(obstacle_, interpolate(N, x_L));
-    if (gap.zone == field::Zone::kInside) return false;
-    if (gap.zone != field::Zone::kBand) continue;
+    const contact::Gap gap =
+        contact::measure_gap(obstacle_, interpolate(N, x_L),
+                             local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
     const double depth_mm = rest_gap_mm_[std::size_t(item)][q] - gap.gap_mm;
-    if (!(depth_mm > 0.0)) continue;
+    if (gap.zone == field::Zone::kInside) return false;
+    if (gap.zone == field::Zone::kUnknown && last_sight_[std::size_t(item)][q].knows_side)
+      return false;
+    if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
 
     const double weight_mm2 = kRule[q].weight * area_mm2;
     const contact::PenaltyResponse response =
         contact::penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
     local.energy_mj += weight_mm2 * response.energy_mj_per_mm2;
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; a < 3; ++a)
       local.residual_n.segment<3>(3 * a) += weight_mm2 * N[a] * response.gradient_mpa;
-      if (!local.wants_stiffness()) continue;
+    if (!local.wants_stiffness()) continue;
+    const Mat3 hessian_mpa_per_mm =
+        local.tangent == fem::Tangent::kExact
+            ? response.hessian_mpa_per_mm
+            : contact::convex_hessian(depth_mm, gap.gradient_L, gap.hessian_L,
+                                      stiffness_mpa_per_mm_);
+    for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b)
         local.stiffness_n_per_mm.block<3, 3>(3 * a, 3 * b) +=
-            weight_mm2 * N[a] * N[b] * response.hessian_mpa_per_mm;
-    }
+            weight_mm2 * N[a] * N[b] * hessian_mpa_per_mm;
   }
   return true;
 }
@@ -95,11 +176,12 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
 ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
   ContactSummary summary;
   std::set<std::int32_t> nodes;
-  double depth_times_area = 0.0;
   for (std::size_t face = 0; face < faces_.size(); ++face) {
     const std::array<Vec3, 3> x = corners(faces_[face], x_L);
     for (std::size_t q = 0; q < kRule.size(); ++q) {
-      const contact::Gap gap = contact::measure_gap(obstacle_, interpolate(kRule[q].N, x));
+      const contact::Gap gap =
+          contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      const double penetration_mm = std::max(-gap.gap_mm, 0.0);
       const double depth_mm = rest_gap_mm_[face][q] - gap.gap_mm;
       if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
       const double weight_mm2 = kRule[q].weight * area_mm2_[face];
@@ -110,14 +192,20 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
       ++summary.points;
       nodes.insert(faces_[face].begin(), faces_[face].end());
       summary.area_mm2 += weight_mm2;
-      summary.max_penetration_mm = std::max(summary.max_penetration_mm, depth_mm);
-      depth_times_area += weight_mm2 * depth_mm;
+      summary.max_penetration_mm = std::max(summary.max_penetration_mm, penetration_mm);
+      summary.mean_penetration_mm += weight_mm2 * penetration_mm;
+      summary.max_depth_from_rest_mm = std::max(summary.max_depth_from_rest_mm, depth_mm);
+      summary.mean_depth_from_rest_mm += weight_mm2 * depth_mm;
       summary.force_L_n += force_n;
       summary.normal_force_n += force_n.norm();
     }
   }
   summary.nodes = Index(nodes.size());
-  if (summary.area_mm2 > 0.0) summary.mean_penetration_mm = depth_times_area / summary.area_mm2;
+  summary.tunnelled_area_mm2 = tunnelled_area_mm2_;
+  if (summary.area_mm2 > 0.0) {
+    summary.mean_penetration_mm /= summary.area_mm2;
+    summary.mean_depth_from_rest_mm /= summary.area_mm2;
+  }
   return summary;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <lefort/contact/bone_obstacle.h>
+#include <lefort/contact/measure_gap.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/force_term.h>
 #include <lefort/mesh/volume_mesh.h>
@@ -19,10 +20,17 @@ struct ContactSummary {
   Index points = 0;       ///< Surface quadrature points in contact.
   Index nodes = 0;        ///< Nodes of faces with such a point.
   double area_mm2 = 0.0;  ///< Of the tissue's surface at rest, in contact.
+  /// How deep tissue lies in the bone: minus the gap, at most and on average over that area.
   double max_penetration_mm = 0.0;
-  double mean_penetration_mm = 0.0;  ///< Weighted by area.
-  Vec3 force_L_n = Vec3::Zero();     ///< On the tissue [N].
-  double normal_force_n = 0.0;       ///< Sum of the magnitudes [N].
+  double mean_penetration_mm = 0.0;
+  /// How much nearer to the bone tissue lies than at rest: what the contact force acts on.
+  double max_depth_from_rest_mm = 0.0;
+  double mean_depth_from_rest_mm = 0.0;
+  Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
+  double normal_force_n = 0.0;    ///< Sum of the magnitudes [N].
+  /// Of the tissue's surface at rest, what has crept through thin bone since then; a part counts
+  /// each time it does.
+  double tunnelled_area_mm2 = 0.0;
 };
 
 /// Triangles of the tissue's inner surface against one bone.
@@ -30,11 +38,17 @@ struct ContactSummary {
 /// Penetration is measured from how the face lay at rest: the mesh meets the bone's surface only
 /// within a chord's height, and a patient at rest is in equilibrium. So a point that rests within
 /// `capture_mm` of the bone touches it, and a point that the mesh put deeper starts from there.
+///
+/// In thin bone the nearest surface may be the far one, and the way out leads through the bone. So
+/// the term remembers on which side of the bone each point was when remember() was last called, and
+/// tells how much of the surface has changed sides since. It has an energy there all the same: as
+/// soft as the penalty is, tissue may creep over a thin edge however small the increments are, and
+/// a wall that no force keeps a point away from would only stop the solver.
 class ContactTerm final : public fem::ForceTerm {
  public:
   struct Options {
     double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
-    double capture_mm = 0.0;            ///< >= 0.
+    double capture_mm = 0.0;            ///< >= 0, less than the field's band.
   };
 
   /// \param nodes_L   all nodes at rest [mm].
@@ -50,20 +64,53 @@ class ContactTerm final : public fem::ForceTerm {
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
     return faces_[std::size_t(item)];
   }
-  /// \returns false where a point lies deeper than the field's band: it knows no way out.
+  /// \returns false where a point lies deeper than the field's band, so that it knows no way out,
+  ///   or has come to where the field is torn.
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
+
+  /// Remembers on which side of the bone, at its present pose, every point lies, and adds what has
+  /// changed sides to ContactSummary::tunnelled_area_mm2. To be called at each converged state; not
+  /// while the term is being evaluated.
+  /// \param x_L  current positions of all nodes [mm].
+  void remember(std::span<const Vec3> x_L);
+
+  /// Area of the tissue's surface at rest that lies in the bone and has changed sides since
+  /// remember() was last called [mm^2].
+  [[nodiscard]] double newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const;
+
+  /// How deep the mesh lies in the bone at rest, at most [mm]; 0 if nowhere.
+  [[nodiscard]] double rest_penetration_mm() const;
 
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] ContactSummary summarise(std::span<const Vec3> x_L) const;
 
  private:
-  /// Dunavant's rule of degree 4.
+  /// Of the rule of degree 4 in \cite dunavant1985.
   static constexpr int kPoints = 6;
+
+  /// What a point saw of the bone when last remembered.
+  struct Sight {
+    Vec3 normal_B = Vec3::Zero();  ///< Out of the bone; zero beyond the band.
+    bool knows_side = false;       ///< The field said where the point is.
+  };
+
+  /// Where a face was in the bone's frame when last remembered, and how far all of it was from
+  /// contact then [mm]: distances change no faster than points move.
+  struct Clearance {
+    std::array<Vec3, 3> corners_B;
+    double clearance_mm = 0.0;
+  };
+
+  [[nodiscard]] bool is_out_of_reach(std::size_t face, std::span<const Vec3> corners_L) const;
+  [[nodiscard]] bool has_tunnelled(const Sight& last, const contact::Gap& gap) const;
 
   std::vector<mesh::Face3> faces_;
   std::vector<double> area_mm2_;                          ///< Of each face at rest.
   std::vector<std::array<double, kPoints>> rest_gap_mm_;  ///< Where penetration starts.
+  std::vector<std::array<Sight, kPoints>> last_sight_;
+  std::vector<Clearance> last_clearance_;
+  double tunnelled_area_mm2_ = 0.0;
   contact::BoneObstacle obstacle_;
   double stiffness_mpa_per_mm_;
 };

@@ -35,6 +35,7 @@ struct PredictionStep {
 
 struct FacePrediction {
   double contact_stiffness_mpa_per_mm = 0.0;  ///< k_c; 0 where tissue is attached.
+  double rest_penetration_mm = 0.0;   ///< Of the tissue's mesh into the segment before it moves.
   std::vector<PredictionStep> steps;  ///< Converged ones alone; all of them if nothing failed.
   std::optional<Error> failure;       ///< Why the path was not followed to its end.
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged step.

@@ -17,7 +17,7 @@ Result<mesh::VolumeMesh> mesh_tissue(const TissueDomain& domain,
     const double share = nearest ? nearest->distance_mm / options.margin_mm : 1.0;
     return options.element_size_mm + share * (tets.element_size_mm - options.element_size_mm);
   };
-  tets.surface_distance_mm = 0.15 * options.element_size_mm;
+  tets.surface_distance_mm = kSurfaceDistanceShare * options.element_size_mm;
   const auto level = [&domain](const Vec3& p_L) { return domain.level(p_L); };
   // The level ends at the box; a little beyond it is outside for certain.
   const Box3 box(domain.box_L.min() - Vec3::Ones(), domain.box_L.max() + Vec3::Ones());

@@ -10,6 +10,9 @@
 
 namespace lefort::predict {
 
+/// How far the mesh may be from the level's surface, as a part of the element size.
+inline constexpr double kSurfaceDistanceShare = 0.15;
+
 /// \returns tetrahedra without sets, or as mesh::generate_tets.
 [[nodiscard]] Result<mesh::VolumeMesh> mesh_tissue(const TissueDomain& domain,
                                                    const geometry::TriangleMesh& segment_L,

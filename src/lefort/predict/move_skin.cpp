@@ -2,6 +2,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/mesh/boundary_faces.h>
+#include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/move_skin.h>
 
 #include <algorithm>
@@ -28,23 +29,29 @@ Vec3 barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
-SkinBinding bind_skin(const geometry::TriangleMesh& skin_L, const mesh::VolumeMesh& tissue) {
-  constexpr double kNear_mm = 2.0;  // More than chord height and scan-edge inset together.
-  constexpr double kFar_mm = 8.0;
+double follow_reach_mm(const TissueOptions& options, const Vec3& spacing_mm) {
+  return 2.0 * (kSurfaceDistanceShare * options.element_size_mm +
+                kScanEdgeInset_voxels * spacing_mm.maxCoeff());
+}
+
+SkinBinding bind_skin(const geometry::TriangleMesh& skin_L, const mesh::VolumeMesh& tissue,
+                      double near_mm) {
+  LEFORT_CHECK(near_mm > 0.0);
+  const double far_mm = 4.0 * near_mm;
   const std::vector<mesh::Face3> faces = mesh::boundary_faces(tissue);
   const geometry::Bvh boundary({tissue.nodes_L, faces});
 
   SkinBinding binding;
   binding.followers.resize(skin_L.vertices.size());
   parallel_for(skin_L.vertex_count(), [&](Index v) {
-    const auto nearest = boundary.closest_point(skin_L.vertices[std::size_t(v)], kFar_mm);
+    const auto nearest = boundary.closest_point(skin_L.vertices[std::size_t(v)], far_mm);
     if (!nearest) return;
     const mesh::Face3& face = faces[std::size_t(nearest->triangle)];
     const auto node = [&](int corner) -> const Vec3& {
       return tissue.nodes_L[std::size_t(face[std::size_t(corner)])];
     };
     binding.followers[std::size_t(v)] = {
-        face, fade(nearest->distance_mm, kNear_mm, kFar_mm) *
+        face, fade(nearest->distance_mm, near_mm, far_mm) *
                   barycentric(nearest->point, node(0), node(1), node(2))};
   });
   return binding;

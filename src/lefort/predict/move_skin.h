@@ -5,6 +5,7 @@
 #include <lefort/core/types.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/mesh/volume_mesh.h>
+#include <lefort/predict/prediction_options.h>
 
 #include <span>
 #include <vector>
@@ -23,9 +24,15 @@ struct SkinBinding {
 /// Binds each vertex of the whole skin to the nearest boundary face of the tissue mesh.
 ///
 /// The finer skin and the mesh's boundary lie within a chord's height of each other; where the
-/// region ends the weights fade to zero within a few mm, so that the skin stays smooth.
+/// region ends the weights fade to zero within a few times that, so that the skin stays smooth.
+///
+/// \param near_mm  vertices up to this far from the mesh follow it wholly, > 0: follow_reach_mm().
 [[nodiscard]] SkinBinding bind_skin(const geometry::TriangleMesh& skin_L,
-                                    const mesh::VolumeMesh& tissue);
+                                    const mesh::VolumeMesh& tissue, double near_mm);
+
+/// How far skin may be from the tissue mesh that belongs to it: the mesh's distance from its
+/// surface and the inset at the scan's edge (tissue_domain.h), with as much again to spare.
+[[nodiscard]] double follow_reach_mm(const TissueOptions& options, const Vec3& spacing_mm);
 
 /// Displacement of every skin vertex [mm].
 [[nodiscard]] std::vector<Vec3> skin_displacement(const SkinBinding& binding,

@@ -30,14 +30,28 @@ struct PredictionOptions {
   SolverOptions solver;
 };
 
-/// Follows the path step by step.
+/// Whether contact with a bone along this path can be told by its field; nothing is asked of it
+/// where tissue is attached.
+///
+/// \returns nothing, or
+///   - kMeshInvalid      the field is that of an open surface: it has no inside;
+///   - kInvalidArgument  boundary.capture_mm is not less than the field's band;
+///   - kStepBeyondBand   the segment moves further from one load level to the next (steps and
+///     keyframes) than its field reaches.
+[[nodiscard]] Result<void> check_field_reach(const plan::BonePath& path,
+                                             const geometry::TriangleMesh& segment_B,
+                                             const field::DistanceField& field_B,
+                                             const BoundaryOptions& boundary);
+
+/// Follows the path step by step; the bone passes through every keyframe between.
 ///
 /// \param on_step  is told each step once it has converged; may be empty.
 /// \returns the steps that converged, and why it ended early if it did; or
 ///   - kPlanInvalid      the path cannot be followed (plan::check_path);
-///   - kStepBeyondBand   the segment moves further in one step than its field reaches;
+///   - what check_field_reach() returns;
 ///   - kAnatomyMissing   no tissue lies on the segment, or nothing is fixed;
 ///   - kInvalidArgument  a material constant lies outside its range;
+///   - kOutOfMemory      the tissue's mesh is too fine for this machine;
 ///   - kCancelled        `progress` asked to stop.
 [[nodiscard]] Result<FacePrediction> predict_face(
     const FaceModel& model, const plan::BonePath& path, const PredictionOptions& options,

@@ -19,7 +19,7 @@ struct TissueOptions {
   double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/materials.md).
   double poisson = 0.45;             ///< 0 <= nu < 0.5. Linear tetrahedra lock nearer to 0.5.
   double element_size_mm = 2.5;      ///< Edge near the moved segment.
-  double far_element_size_mm = 5.0;  ///< Edge at the rim of the region.
+  double far_element_size_mm = 5.0;  ///< Edge at the rim of the region, >= element_size_mm.
   double margin_mm = 30.0;           ///< Tissue is meshed this far beyond the segment's box.
 };
 

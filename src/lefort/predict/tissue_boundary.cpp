@@ -15,18 +15,30 @@ namespace {
 
 using NodeList = std::vector<std::int32_t>;
 
-/// Whether brain is labelled within two voxels, as a distance for a rule: 0 or far.
+constexpr double kBrainReach_mm = 2.0;  // A layer of blurred voxels between brain and tissue.
+
+/// Distance to the nearest voxel labelled brain, up to kBrainReach_mm; beyond it, far.
 double distance_to_brain(const anatomy::LabelMap& labels, const Vec3& p_L) {
-  constexpr Index kReach = 2;
-  const Vec3 centre_V = labels.grid.index_V(p_L);
-  const std::array<Index, 3> centre{std::lround(centre_V.x()), std::lround(centre_V.y()),
-                                    std::lround(centre_V.z())};
-  for (Index k = centre[2] - kReach; k <= centre[2] + kReach; ++k)
-    for (Index j = centre[1] - kReach; j <= centre[1] + kReach; ++j)
-      for (Index i = centre[0] - kReach; i <= centre[0] + kReach; ++i)
-        if (labels.grid.contains(i, j, k) && labels.at(i, j, k) == anatomy::Tissue::kBrain)
-          return 0.0;
-  return 1e3;
+  constexpr double kFar_mm = 1e3;
+  const Vec3& spacing_mm = labels.grid.spacing_mm;
+  const Vec3 p_V = labels.grid.index_V(p_L);
+  std::array<Index, 3> low{}, high{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double reach_V = kBrainReach_mm / spacing_mm[Index(axis)];
+    low[axis] = std::max<Index>(std::lround(p_V[Index(axis)] - reach_V), 0);
+    high[axis] =
+        std::min(Index(std::lround(p_V[Index(axis)] + reach_V)), labels.grid.size[axis] - 1);
+  }
+  double nearest_mm = kFar_mm;
+  for (Index k = low[2]; k <= high[2]; ++k)
+    for (Index j = low[1]; j <= high[1]; ++j)
+      for (Index i = low[0]; i <= high[0]; ++i) {
+        if (labels.at(i, j, k) != anatomy::Tissue::kBrain) continue;
+        const Vec3 beyond_V =
+            ((p_V - Vec3(double(i), double(j), double(k))).cwiseAbs().array() - 0.5).cwiseMax(0.0);
+        nearest_mm = std::min(nearest_mm, beyond_V.cwiseProduct(spacing_mm).norm());
+      }
+  return nearest_mm;
 }
 
 NodeList united(const NodeList& a, const NodeList& b) {
@@ -57,16 +69,17 @@ std::vector<mesh::Face3> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
 
 mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomain& domain,
                                       const anatomy::LabelMap& labels,
+                                      const geometry::TriangleMesh& skin_L,
                                       const geometry::TriangleMesh& segment_L,
                                       const geometry::TriangleMesh& remainder_L,
                                       const BoundaryOptions& options) {
   constexpr double kPlaneTolerance_mm = 0.05;  // Nodes lie on the level within 0.01 mm.
   const geometry::Bvh segment(segment_L);
   const geometry::Bvh remainder(remainder_L);
-  const auto distance_to = [](const geometry::Bvh& bone) {
-    return [&bone](const Vec3& p_L) { return bone.closest_point(p_L)->distance_mm; };
+  const geometry::Bvh skin(skin_L);
+  const auto distance_to = [](const geometry::Bvh& surface) {
+    return [&surface](const Vec3& p_L) { return surface.closest_point(p_L)->distance_mm; };
   };
-  const auto skin_distance = [&domain](const Vec3& p_L) { return domain.distance_to_skin(p_L); };
 
   const std::vector<mesh::BoundaryRule> rules{
       {sets::kCut, [&](const Vec3& p) { return domain.distance_to_cut(p); }, kPlaneTolerance_mm},
@@ -74,8 +87,8 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
        kPlaneTolerance_mm},
       {sets::kMovedBone, distance_to(segment), options.capture_mm},
       {sets::kStillBone, distance_to(remainder), options.capture_mm},
-      {sets::kSkin, skin_distance, options.capture_mm},
-      {sets::kBrain, [&](const Vec3& p) { return distance_to_brain(labels, p); }, 1.0},
+      {sets::kBrain, [&](const Vec3& p) { return distance_to_brain(labels, p); }, kBrainReach_mm},
+      {sets::kSkin, distance_to(skin), options.capture_mm},
   };
   tissue = mesh::name_boundary(std::move(tissue), rules, sets::kFree);
 

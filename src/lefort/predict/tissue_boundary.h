@@ -29,12 +29,12 @@ inline constexpr const char* kContact = "contact";  ///< Faces that may meet the
 /// for what lies within options.release_mm of the segment: there the surgeon has elevated it.
 ///
 /// \param labels       the scan's labels: where the brain is.
+/// \param skin_L       the skin's surface. Its level would not do: levels end near their zero, and
+///   deep inside look no further than the skin's neighbourhood.
 /// \param segment_L, remainder_L  the bones.
-[[nodiscard]] mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue,
-                                                    const TissueDomain& domain,
-                                                    const anatomy::LabelMap& labels,
-                                                    const geometry::TriangleMesh& segment_L,
-                                                    const geometry::TriangleMesh& remainder_L,
-                                                    const BoundaryOptions& options);
+[[nodiscard]] mesh::VolumeMesh find_tissue_boundary(
+    mesh::VolumeMesh tissue, const TissueDomain& domain, const anatomy::LabelMap& labels,
+    const geometry::TriangleMesh& skin_L, const geometry::TriangleMesh& segment_L,
+    const geometry::TriangleMesh& remainder_L, const BoundaryOptions& options);
 
 }  // namespace lefort::predict

@@ -30,10 +30,9 @@ std::vector<mesh::HalfSpace> sides_of_box(const Box3& box) {
 }
 
 std::vector<mesh::HalfSpace> sides_of_scan(const image::Grid& grid) {
-  constexpr double kInset = 0.5;  // Voxels; between the outermost centres values are known.
   std::vector<mesh::HalfSpace> sides;
   for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 low_V = kInset * Vec3::Ones();
+    const Vec3 low_V = kScanEdgeInset_voxels * Vec3::Ones();
     Vec3 high_V = -low_V;
     for (int a = 0; a < 3; ++a) high_V[a] += double(grid.size[std::size_t(a)] - 1);
     sides.push_back({grid.point_L(low_V), grid.direction.col(axis)});
@@ -57,12 +56,7 @@ double TissueDomain::distance_to_scan_edge(const Vec3& p_L) const {
   return std::abs(depth_inside(scan_edges_L, p_L));
 }
 
-double TissueDomain::distance_to_skin(const Vec3& p_L) const {
-  return std::abs(image::interpolate(skin_level, p_L, kOutside_mm));
-}
-
-TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,
-                                image::ScalarVolume skin_level, const image::Grid& scan_grid,
+TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level, const image::Grid& scan_grid,
                                 const geometry::TriangleMesh& segment_L,
                                 const TissueOptions& options) {
   Box3 box;
@@ -70,8 +64,7 @@ TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,
   const Vec3 margin = Vec3::Constant(options.margin_mm);
   box.min() -= margin;
   box.max() += margin;
-  return {std::move(soft_tissue_level), std::move(skin_level), box, sides_of_box(box),
-          sides_of_scan(scan_grid)};
+  return {std::move(soft_tissue_level), box, sides_of_box(box), sides_of_scan(scan_grid)};
 }
 
 }  // namespace lefort::predict

@@ -13,28 +13,27 @@
 
 namespace lefort::predict {
 
+/// So far inside its outermost voxel centres the scan ends: between those values are known.
+inline constexpr double kScanEdgeInset_voxels = 0.5;
+
 /// Soft tissue within a box around the moved segment.
 struct TissueDomain {
   image::ScalarVolume soft_tissue_level;      ///< anatomy/tissue_levels.h.
-  image::ScalarVolume skin_level;             ///< Likewise.
   Box3 box_L;                                 ///< The segment's box and the margin around it.
   std::vector<mesh::HalfSpace> cuts_L;        ///< The box's sides: where we cut tissue off.
   std::vector<mesh::HalfSpace> scan_edges_L;  ///< The scan's sides: where the scanner did.
 
   /// Positive inside [mm]; continuous.
   [[nodiscard]] double level(const Vec3& p_L) const;
-  /// Distance to the nearest of `cuts_L`, of `scan_edges_L`, or to the skin [mm].
+  /// Distance to the nearest of `cuts_L`, or of `scan_edges_L` [mm].
   [[nodiscard]] double distance_to_cut(const Vec3& p_L) const;
   [[nodiscard]] double distance_to_scan_edge(const Vec3& p_L) const;
-  [[nodiscard]] double distance_to_skin(const Vec3& p_L) const;
 };
 
-/// \param soft_tissue_level, skin_level  see anatomy/tissue_levels.h.
-/// \param scan_grid          of the scan itself: tissue ends half a voxel inside its outermost
-///   voxel centres.
+/// \param soft_tissue_level  see anatomy/tissue_levels.h.
+/// \param scan_grid          of the scan itself.
 /// \param segment_L          the bone that moves.
 [[nodiscard]] TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,
-                                              image::ScalarVolume skin_level,
                                               const image::Grid& scan_grid,
                                               const geometry::TriangleMesh& segment_L,
                                               const TissueOptions& options);

@@ -1,0 +1,79 @@
+#include <lefort/app/stage_keys.h>
+#include <lefort/core/version.h>
+#include <lefort/io/sha256.h>
+#include <lefort/predict/mesh_tissue.h>
+
+namespace lefort::app {
+namespace {
+
+// To be raised with every change of a stage's code that may change what it makes.
+constexpr double kLabelsRevision = 2;
+constexpr double kFieldRevision = 3;
+constexpr double kTissueRevision = 2;
+
+}  // namespace
+
+// Structured bindings name every member: a new one breaks the build here, not the cache.
+
+std::string labels_key(const std::string& ct_sha256, const anatomy::SegmentationOptions& options) {
+  const auto& [bone_hu, skin_hu, smallest_bone_ml, nostril_radius_mm, ostium_radius_mm,
+               smallest_air_ml] = options;
+  return io::Sha256()
+      .add(kVersion)
+      .add(kLabelsRevision)
+      .add(ct_sha256)
+      .add(bone_hu)
+      .add(skin_hu)
+      .add(smallest_bone_ml)
+      .add(nostril_radius_mm)
+      .add(ostium_radius_mm)
+      .add(smallest_air_ml)
+      .hex();
+}
+
+std::string field_key(const geometry::TriangleMesh& segment_B,
+                      const field::DistanceFieldOptions& options) {
+  const auto& [method, resolution, band_mm, tolerance_mm, relative_tolerance, margin_mm, side_mm,
+               smooth] = options;
+  return io::Sha256()
+      .add(kVersion)
+      .add(kFieldRevision)
+      .add(segment_B)
+      .add(double(method))
+      .add(resolution)
+      .add(band_mm)
+      .add(tolerance_mm)
+      .add(relative_tolerance)
+      .add(margin_mm)
+      .add(side_mm)
+      .add(double(smooth))
+      .hex();
+}
+
+std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& labels,
+                       const anatomy::LevelOptions& levels, const geometry::TriangleMesh& segment_L,
+                       const predict::TissueOptions& options) {
+  const auto& [bone_hu, skin_hu, bone_smoothing_voxels, skin_smoothing_voxels, thinnest_tissue_mm,
+               nostril_depth_mm] = levels;
+  // The material is none of the mesh's business.
+  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm] = options;
+  return io::Sha256()
+      .add(kVersion)
+      .add(kTissueRevision)
+      .add(ct_sha256)
+      .add(labels)
+      .add(bone_hu)
+      .add(skin_hu)
+      .add(bone_smoothing_voxels)
+      .add(skin_smoothing_voxels)
+      .add(thinnest_tissue_mm)
+      .add(nostril_depth_mm)
+      .add(segment_L)
+      .add(element_size_mm)
+      .add(far_element_size_mm)
+      .add(margin_mm)
+      .add(predict::kSurfaceDistanceShare)
+      .hex();
+}
+
+}  // namespace lefort::app

@@ -1,0 +1,13 @@
+/// \file
+/// Which second derivative of the energy Newton steps by.
+#pragma once
+
+namespace lefort::fem {
+
+enum class Tangent {
+  kExact,   ///< d2W/dx2: quadratic convergence near a minimum, but may be indefinite.
+  kConvex,  ///< Each term that can leaves out what is negative in it. Unlike a shift this slows
+            ///< only the nodes concerned.
+};
+
+}  // namespace lefort::fem

@@ -1,0 +1,153 @@
+/// \file
+/// `lefort predict` on a small made-up head: a ball of skin around a shell of bone, whose front
+/// moves forward.
+#include <lefort/io/surface_files.h>
+#include <lefort/io/volume_files.h>
+#include <lefort/io/write_atomically.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+#include "support/run_program.h"
+#include "support/temporary_folder.h"
+
+namespace lefort::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+image::CtVolume small_head() {
+  constexpr Index kSize = 36;
+  constexpr double kSpacing_mm = 3.0;
+  image::CtVolume ct;
+  ct.grid.size = {kSize, kSize, kSize};
+  ct.grid.spacing_mm = Vec3::Constant(kSpacing_mm);
+  ct.grid.origin_L = Vec3::Constant(-0.5 * kSpacing_mm * double(kSize - 1));
+  for (Index v = 0; v < ct.grid.voxel_count(); ++v) {
+    const Vec3 p_V{double(v % kSize), double(v / kSize % kSize), double(v / (kSize * kSize))};
+    const double r_mm = ct.grid.point_L(p_V).norm();
+    const bool bone = r_mm > 24.0 && r_mm < 32.0;
+    ct.values.push_back(std::int16_t(r_mm > 47.0 ? -1000 : bone ? 1200 : 40));
+  }
+  return ct;
+}
+
+json small_plan() {
+  return json::parse(R"({
+    "lefort_plan": 1,
+    "ct": "ct.nrrd",
+    "segments": [{
+      "name": "front",
+      "osteotomy": {"planes": [{"point_mm": [0, -16, 0], "towards_segment": [0, -1, 0]}]},
+      "path": {"steps": 2, "keyframes": [{"translation_mm": [0, -3, 0]}]}
+    }],
+    "tissue": {"element_size_mm": 5, "margin_mm": 10},
+    "field": {"resolution": 64, "band_mm": 4}
+  })");
+}
+
+/// A folder with scan and plan.
+class PredictCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(io::write_volume(folder_ / "ct.nrrd", small_head()));
+    write_plan(small_plan());
+  }
+  void write_plan(const json& plan) {
+    ASSERT_TRUE(io::write_text(folder_ / "plan.json", plan.dump()));
+  }
+  test::ProgramRun predict(const std::string& out, const std::string& more = "",
+                           const std::string& before = "") {
+    return test::run_lefort(before + "predict " + quoted(folder_ / "plan.json") + " -o " +
+                            quoted(folder_ / out) + " " + more);
+  }
+  json read_json(const fs::path& file) {
+    const auto text = io::read_text(folder_ / file, 1 << 28);
+    EXPECT_TRUE(text) << file;
+    return text ? json::parse(*text) : json();
+  }
+  [[nodiscard]] bool there_is(const fs::path& file) const { return fs::exists(folder_ / file); }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(PredictCommand, WritesTheFaceAndAllThatDocumentsIt) {
+  const auto run = predict("out");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  for (const char* file :
+       {"out/prediction.json", "out/report.html", "out/plan.json", "out/predicted_skin.stl",
+        "out/skin_before.vtp", "out/paraview/prediction.pvd", "out/paraview/step_0002.vtu",
+        "out/pictures/before_front.png", "out/pictures/after_front.png"})
+    EXPECT_TRUE(there_is(file)) << file;
+  const json result = read_json("out/prediction.json");
+  EXPECT_TRUE(result["converged"]);
+  EXPECT_GT(result["skin"]["largest_shift_mm"], 1.0);
+  EXPECT_LT(result["skin"]["largest_shift_mm"], 3.5);
+  EXPECT_EQ(result["inputs"]["labels_source"], "segmented");
+  EXPECT_EQ(result["inputs"]["labels_sha256"].get<std::string>().size(), 64U);
+  EXPECT_EQ(result["parameters"]["reconstruction"], "smooth");
+  EXPECT_EQ(result["parameters"]["stiffness_factor"], 10.0);
+}
+
+TEST_F(PredictCommand, TheCopiedPlanFindsItsScan) {
+  ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);
+  EXPECT_EQ(read_json("out/plan.json")["ct"], "../ct.nrrd");
+  const auto again = test::run_lefort("predict " + quoted(folder_ / "out/plan.json") + " -o " +
+                                      quoted(folder_ / "again") + " --no-pictures");
+  EXPECT_EQ(again.exit_code, 0) << again.error;
+}
+
+TEST_F(PredictCommand, AFailedRerunLeavesNoOlderFace) {
+  ASSERT_EQ(predict("out").exit_code, 0);
+  json hopeless = small_plan();
+  hopeless["solver"] = {{"max_iterations", 1}, {"smallest_step", 1}};
+  write_plan(hopeless);
+  const auto failed = predict("out");
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_EQ(failed.message_lines(), 1) << failed.error;
+  EXPECT_NE(failed.error.find("failure.json"), std::string::npos) << failed.error;
+  for (const char* file :
+       {"out/prediction.json", "out/predicted_skin.stl", "out/predicted_skin.vtp",
+        "out/bone_segment_moved.vtp", "out/paraview/prediction.pvd", "out/paraview/step_0002.vtu",
+        "out/pictures/after_front.png"})
+    EXPECT_FALSE(there_is(file)) << file;
+  const json failure = read_json("out/failure.json");
+  EXPECT_FALSE(failure["converged"]);
+  EXPECT_FALSE(failure["failed_attempts"].empty());
+  const std::string report = io::read_text(folder_ / "out/report.html", 1 << 26).value();
+  EXPECT_NE(report.find("no equilibrium"), std::string::npos);
+
+  write_plan(small_plan());
+  ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);
+  EXPECT_TRUE(there_is("out/prediction.json"));
+  EXPECT_FALSE(there_is("out/failure.json"));
+}
+
+TEST_F(PredictCommand, GivesTheSameBytesForAnyNumberOfThreadsWithoutACache) {
+  ASSERT_EQ(predict("one", "--no-pictures", "--threads 1 ").exit_code, 0);
+  ASSERT_EQ(predict("two", "--no-pictures", "--threads 2 ").exit_code, 0);
+  json one = read_json("one/prediction.json"), two = read_json("two/prediction.json");
+  one.erase("timing");
+  two.erase("timing");
+  EXPECT_EQ(one.dump(), two.dump());
+  const auto skin = [&](const char* file) {
+    return io::read_text(folder_ / file, 1 << 28).value();
+  };
+  EXPECT_EQ(skin("one/predicted_skin.stl"), skin("two/predicted_skin.stl"));
+}
+
+TEST_F(PredictCommand, ACachedStageIsTimedAsSuch) {
+  ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);
+  const auto again = predict("out", "--no-pictures");
+  ASSERT_EQ(again.exit_code, 0) << again.error;
+  const json stages = read_json("out/prediction.json")["timing"]["stage_seconds"];
+  EXPECT_TRUE(stages.contains("read segment.field from the cache")) << stages.dump();
+}
+
+}  // namespace
+}  // namespace lefort::app

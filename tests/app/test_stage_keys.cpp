@@ -1,0 +1,73 @@
+#include <lefort/app/stage_keys.h>
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "support/shapes.h"
+
+namespace lefort::app {
+namespace {
+
+const geometry::TriangleMesh kBox = test::make_box(Vec3::Zero(), Vec3::Ones());
+const geometry::TriangleMesh kOtherBox = test::make_box(Vec3::Zero(), Vec3(1.0, 1.0, 2.0));
+
+anatomy::LabelMap labels(anatomy::Tissue tissue) {
+  anatomy::LabelMap map;
+  map.grid.size = {1, 1, 1};
+  map.values = {tissue};
+  return map;
+}
+
+TEST(StageKeys, LabelsDependOnTheScanAndEveryOption) {
+  const std::set<std::string> keys{labels_key("scan", {}),
+                                   labels_key("other", {}),
+                                   labels_key("scan", {.bone_hu = 300.0}),
+                                   labels_key("scan", {.skin_hu = -200.0}),
+                                   labels_key("scan", {.smallest_bone_ml = 0.3}),
+                                   labels_key("scan", {.nostril_radius_mm = 4.0}),
+                                   labels_key("scan", {.ostium_radius_mm = 1.0}),
+                                   labels_key("scan", {.smallest_air_ml = 0.1})};
+  EXPECT_EQ(keys.size(), 8U);
+  EXPECT_EQ(labels_key("scan", {}), labels_key("scan", {}));
+}
+
+TEST(StageKeys, AFieldDependsOnTheBoneAndEveryOption) {
+  const std::set<std::string> keys{field_key(kBox, {}),
+                                   field_key(kOtherBox, {}),
+                                   field_key(kBox, {.resolution = 128}),
+                                   field_key(kBox, {.band_mm = 2.0}),
+                                   field_key(kBox, {.tolerance_mm = 0.01}),
+                                   field_key(kBox, {.margin_mm = 1.0}),
+                                   field_key(kBox, {.method = field::FieldMethod::kHybrid}),
+                                   field_key(kBox, {.smooth = true})};
+  EXPECT_EQ(keys.size(), 8U);
+}
+
+TEST(StageKeys, TissueDependsOnAllThatShapesItAndNotOnItsStiffness) {
+  const auto key = [](const std::string& scan, anatomy::Tissue tissue,
+                      const anatomy::LevelOptions& levels, const predict::TissueOptions& options,
+                      const geometry::TriangleMesh& segment_L = kBox) {
+    return tissue_key(scan, labels(tissue), levels, segment_L, options);
+  };
+  constexpr auto kBone = anatomy::Tissue::kBone;
+  const std::set<std::string> keys{key("scan", kBone, {}, {}),
+                                   key("other", kBone, {}, {}),
+                                   key("scan", anatomy::Tissue::kBrain, {}, {}),
+                                   key("scan", kBone, {.bone_hu = 300.0}, {}),
+                                   key("scan", kBone, {.skin_hu = -200.0}, {}),
+                                   key("scan", kBone, {.bone_smoothing_voxels = 1.0}, {}),
+                                   key("scan", kBone, {.skin_smoothing_voxels = 0.5}, {}),
+                                   key("scan", kBone, {.thinnest_tissue_mm = 2.0}, {}),
+                                   key("scan", kBone, {.nostril_depth_mm = 4.0}, {}),
+                                   key("scan", kBone, {}, {.element_size_mm = 3.0}),
+                                   key("scan", kBone, {}, {.far_element_size_mm = 6.0}),
+                                   key("scan", kBone, {}, {.margin_mm = 20.0}),
+                                   key("scan", kBone, {}, {}, kOtherBox)};
+  EXPECT_EQ(keys.size(), 13U);
+  EXPECT_EQ(key("scan", kBone, {}, {.young_mpa = 1.0}), key("scan", kBone, {}, {}));
+}
+
+}  // namespace
+}  // namespace lefort::app
