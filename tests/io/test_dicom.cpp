@@ -198,9 +198,41 @@ TEST(Dicom, UnevenSlicesAreRefusedAndSlightlyUnevenOnesNamed) {
   write_dicom_series(folder.path(), slices);
   const auto found = read_dicom_series(folder.path());
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_NEAR(found->ct.grid.spacing_mm.z(), 1.25, 1e-9);
+  // Least squares: slice 3 of 0 ... 5 is 0.04 mm too high, half a slice beyond the middle.
+  const double slope_mm = 1.25 + 0.5 * 0.04 / 17.5;
+  EXPECT_NEAR(found->ct.grid.spacing_mm.z(), slope_mm, 1e-9);
+  EXPECT_NEAR(found->ct.grid.origin_L.z(), 12.0 + 2.5 * 1.25 + 0.04 / 6.0 - 2.5 * slope_mm, 1e-9);
   ASSERT_EQ(found->warnings.size(), 1U);
-  EXPECT_TRUE(has(found->warnings[0], "1.21 to 1.29 mm"));
+  EXPECT_TRUE(has(found->warnings[0], "1.21 to 1.29 mm")) << found->warnings[0];
+}
+
+TEST(Dicom, SmallErrorsOfTheDistanceMayNotAddUp) {
+  auto ct = sample_scan();
+  ct.grid.size[2] = 60;
+  ct.values.resize(7 * 5 * 60);
+  auto slices = dicom_slices(ct);
+  // Every step is within 4 % of the others, but the middle would lie 0.3 mm from its place.
+  for (std::size_t k = 0; k < slices.size(); ++k)
+    slices[k].position = fmt::format(
+        "-80.5\\-31.25\\{}", 12.0 + 1.25 * double(k) + (k > 30 ? 0.05 * double(k - 30) : 0.0));
+  const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(message, "from its place in an even stack")) << message;
+}
+
+TEST(Dicom, AnInnerSliceBesideTheStackIsNamed) {
+  auto slices = dicom_slices(sample_scan());
+  slices[3].position = "-80.27\\-31.25\\15.75";  // 0.23 mm to the left; a pixel is 0.4 mm.
+  const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(message, "slice-003.dcm lies 0.23 mm beside")) << message;
+  slices[2].position = "-50.5\\-31.25\\14.5";
+  slices[3].position = "-50.5\\-31.25\\15.75";
+  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "30 mm beside"));
+
+  slices = dicom_slices(sample_scan());
+  slices[3].position = "-80.4\\-31.25\\15.75";  // A quarter of a pixel.
+  const TemporaryFolder folder;
+  write_dicom_series(folder.path(), slices);
+  EXPECT_TRUE(read_dicom_series(folder.path()));
 }
 
 TEST(Dicom, CopiesAreLeftOutButTwoSlicesAtOnePlaceAreRefused) {

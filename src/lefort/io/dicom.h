@@ -14,7 +14,8 @@ namespace lefort::io {
 ///
 /// Files come in any order and may have any name; others than DICOM are passed over. Slices are
 /// sorted along their normal, rescaled to Hounsfield units, and checked: one orientation and pixel
-/// spacing, no slice missing or twice, no gantry tilt.
+/// spacing, no slice missing or twice, none beside the stack or off its even distance, no gantry
+/// tilt.
 ///
 /// \param series  which one, counted from 1 as the error lists them; 0: the only CT there is.
 /// \returns as import_volume(). Nothing that identifies a patient is in a message.

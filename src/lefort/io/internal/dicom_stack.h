@@ -26,7 +26,9 @@ struct DicomStack {
 ///   - kFileUnsupported  a tag that places the slices is missing, several frames or colours in a
 ///                       file, or a tilted gantry;
 ///   - kFileCorrupt      slices that differ in size, spacing or orientation, lie at one place, are
-///                       missing, or are unevenly spaced.
+///                       missing, are unevenly spaced, or lie beside the others.
+/// \note The grid's slices lie evenly where least squares puts them. A slice is at most 0.1 slice
+///   distances away along the normal, and at most half a pixel across it from the first.
 [[nodiscard]] Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices);
 
 }  // namespace lefort::io
