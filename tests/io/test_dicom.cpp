@@ -331,6 +331,36 @@ TEST(Dicom, AMissingInterceptIsAWarning) {
   EXPECT_TRUE(has(found->warnings.at(1), "may not be in HU"));
 }
 
+TEST(Dicom, AMissingSlopeIsAWarning) {
+  const TemporaryFolder folder;
+  const auto ct = sample_scan();
+  auto slices = dicom_slices(ct);
+  for (DicomSlice& slice : slices) slice.slope = "";
+  write_dicom_series(folder.path(), slices);
+  const auto found = read_dicom_series(folder.path());
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->ct.values, ct.values);
+  EXPECT_EQ(found->warnings,
+            std::vector<std::string>{"the files give no rescale slope, 1 was taken"});
+}
+
+TEST(Dicom, ASliceOnAnotherScaleThanItsNeighboursIsRefused) {
+  const auto fresh = dicom_slices(sample_scan());
+  auto slices = fresh;
+  slices[3].intercept = "";
+  EXPECT_TRUE(
+      has(complaint(slices, ErrorCode::kFileCorrupt), "5 of 6 slices give a rescale inter"));
+  slices = fresh;
+  for (std::size_t k = 1; k < 6; ++k) slices[k].slope = "";
+  EXPECT_TRUE(
+      has(complaint(slices, ErrorCode::kFileCorrupt), "1 of 6 slices give a rescale slope"));
+  for (const char* const slope : {"0", "nan", "inf"}) {
+    slices = fresh;
+    slices[3].slope = slope;
+    EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "rescaled by")) << slope;
+  }
+}
+
 TEST(Dicom, ATruncatedFileIsNamedAtWhateverLength) {
   for (const bool compressed : {false, true}) {
     const TemporaryFolder folder;

@@ -110,18 +110,17 @@ Result<std::size_t> choose_series(const std::vector<Series>& all, int wanted,
 }
 
 /// Reads the pixels of all slices into one volume, in HU.
-Result<image::CtVolume> read_slices(const DicomStack& stack, HounsfieldCount& count,
-                                    Progress& progress) {
+Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<Rescale>& rescales,
+                                    HounsfieldCount& count, Progress& progress) {
   image::CtVolume ct{stack.grid, {}};
   ct.values.reserve(static_cast<std::size_t>(stack.grid.voxel_count()));
   for (std::size_t k = 0; k < stack.slices.size(); ++k) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "reading the scan was stopped");
-    const DicomHeader& slice = stack.slices[k];
-    LEFORT_TRY(const std::vector<double> stored, read_dicom_pixels(slice));
-    const double intercept = slice.rescale_intercept.value_or(0.0);
+    LEFORT_TRY(const std::vector<double> stored, read_dicom_pixels(stack.slices[k]));
+    const auto [slope, intercept] = rescales[k];
     for (const double value : stored)
-      ct.values.push_back(hounsfield(slice.rescale_slope * value + intercept, count));
+      ct.values.push_back(hounsfield(slope * value + intercept, count));
     progress.report(static_cast<double>(k + 1) / static_cast<double>(stack.slices.size()));
   }
   return ct;
@@ -138,17 +137,16 @@ Result<ImportedVolume> read_dicom_series(const fs::path& folder, int series, Pro
   progress.begin_stage("read the slices");
   ImportedVolume imported;
   imported.source_kind = "DICOM series";
-  HounsfieldCount count;
-  LEFORT_TRY(imported.ct, read_slices(stack, count, progress));
   imported.warnings = stack.warnings;
+  LEFORT_TRY(const std::vector<Rescale> rescales, rescales_of(stack.slices, imported.warnings));
+  HounsfieldCount count;
+  LEFORT_TRY(imported.ct, read_slices(stack, rescales, count, progress));
   if (contents.foreign_files > 0)
     imported.warnings.push_back(
         fmt::format("{} files are no DICOM images and were passed over", contents.foreign_files));
   if (contents.series.size() > 1)
     imported.warnings.push_back(
         fmt::format("{} other series were passed over", contents.series.size() - 1));
-  if (!stack.slices.front().rescale_intercept)
-    imported.warnings.emplace_back("the files give no rescale intercept, 0 was taken");
   std::ranges::move(hounsfield_warnings(count, imported.ct), std::back_inserter(imported.warnings));
   return imported;
 }

@@ -106,7 +106,7 @@ DicomHeader header_from(const DicomElements& elements, const fs::path& file) {
     header.axes_L = {Vec3(o[0], o[1], o[2]), Vec3(o[3], o[4], o[5])};
   if (const auto s = numbers_of(elements, kPixelSpacing); s.size() == 2)
     header.pixel_spacing_mm = {s[1], s[0]};  // The tag gives the distance of rows first.
-  header.rescale_slope = number(kRescaleSlope).value_or(1.0);
+  header.rescale_slope = number(kRescaleSlope);
   header.rescale_intercept = number(kRescaleIntercept);
   header.gantry_tilt_deg = number(kGantryTilt).value_or(0.0);
   return header;

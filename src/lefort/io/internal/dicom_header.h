@@ -26,7 +26,7 @@ struct DicomHeader {
   std::optional<Vec3> position_L;                         ///< Centre of the first pixel.
   std::optional<std::array<Vec3, 2>> axes_L;              ///< Along a row, along a column.
   std::optional<std::array<double, 2>> pixel_spacing_mm;  ///< Between columns, between rows.
-  double rescale_slope = 1.0;
+  std::optional<double> rescale_slope;
   std::optional<double> rescale_intercept;
   double gantry_tilt_deg = 0.0;  ///< What the scanner says, 0 if nothing.
 };

@@ -249,4 +249,33 @@ Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices) {
   return stack;
 }
 
+Result<std::vector<Rescale>> rescales_of(const std::vector<DicomHeader>& slices,
+                                         std::vector<std::string>& warnings) {
+  const auto all_or_none = [&](auto tag, std::string_view name,
+                               std::string_view otherwise) -> Result<void> {
+    const auto count = std::count_if(slices.begin(), slices.end(),
+                                     [&](const auto& slice) { return (slice.*tag).has_value(); });
+    if (count == 0)
+      warnings.push_back(
+          fmt::format("the files give no rescale {}, {} was taken", name, otherwise));
+    if (count == 0 || count == std::ssize(slices)) return {};
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{} of {} slices give a rescale {}, expected all or none", count,
+                            slices.size(), name));
+  };
+  LEFORT_TRY_VOID(all_or_none(&DicomHeader::rescale_intercept, "intercept", "0"));
+  LEFORT_TRY_VOID(all_or_none(&DicomHeader::rescale_slope, "slope", "1"));
+  std::vector<Rescale> rescales;
+  for (const DicomHeader& slice : slices) {
+    const Rescale rescale{slice.rescale_slope.value_or(1.0), slice.rescale_intercept.value_or(0.0)};
+    if (!std::isfinite(rescale.slope) || rescale.slope == 0.0 || !std::isfinite(rescale.intercept))
+      return fail(ErrorCode::kFileCorrupt,
+                  fmt::format("DICOM file {}: the values are rescaled by {} and {}, expected a "
+                              "slope other than 0 and an intercept",
+                              name_of(slice), rescale.slope, rescale.intercept));
+    rescales.push_back(rescale);
+  }
+  return rescales;
+}
+
 }  // namespace lefort::io
