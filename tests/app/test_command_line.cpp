@@ -133,12 +133,13 @@ TEST(CommandLine, BadInputIsOneLineAndLeavesNothing) {
   const long before = folder.entry_count();
   const std::string out = quoted(folder / "out");
   expect_clean_failure(run_lefort("import /nonexistent -o " + quoted(folder / "o.nrrd")),
-                       "/nonexistent", folder, before);
+                       "the scan does not exist", folder, before);
+  // Not the file's name, which is the patient's often enough.
   expect_clean_failure(
       run_lefort("import " + quoted(folder / "garbage.nrrd") + " -o " + quoted(folder / "o.nrrd")),
-      "garbage.nrrd", folder, before);
+      "NRRD file: the header", folder, before);
   expect_clean_failure(run_lefort("segment " + quoted(folder / "garbage.nrrd") + " -o " + out),
-                       "garbage.nrrd", folder, before);
+                       "NRRD file: the header", folder, before);
   expect_clean_failure(run_lefort("field build " + quoted(folder / "garbage.stl") + " -o " + out),
                        "garbage.stl", folder, before);
   expect_clean_failure(run_lefort("field query " + quoted(folder / "garbage.field") + " " +

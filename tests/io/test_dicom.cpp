@@ -24,8 +24,8 @@ using test::write_dicom_series;
 /// The message of the error that reading `slices` gives.
 std::string complaint(const std::vector<DicomSlice>& slices, ErrorCode code) {
   const TemporaryFolder folder;
-  write_dicom_series(folder.path(), slices);
-  const auto result = read_dicom_series(folder.path());
+  write_dicom_series(folder / "DOE^JANE", slices);
+  const auto result = read_dicom_series(folder / "DOE^JANE");
   if (result) {
     ADD_FAILURE() << "no error";
     return "";
@@ -111,6 +111,41 @@ TEST(Dicom, ReadsLosslessJpeg) {
   EXPECT_EQ(found->ct.values, ct.values);
 }
 
+TEST(Dicom, NoMessageHasTheNameOfAFileOrFolder) {
+  const TemporaryFolder folder;
+  const auto study = folder / "DOE_JANE_19610412";
+  const auto expect_discreet = [&](const std::string& part) {
+    const auto result = read_dicom_series(study);
+    ASSERT_FALSE(result);
+    EXPECT_TRUE(has(result.error().message, part)) << result.error().message;
+    EXPECT_FALSE(has(result.error().message, "DOE")) << result.error().message;
+    EXPECT_FALSE(has(result.error().message, "tmp")) << result.error().message;
+  };
+  expect_discreet("the folder cannot be listed");
+  std::filesystem::create_directory(study);
+  expect_discreet("holds no DICOM files");
+  const auto fill = [&](auto slices) {
+    std::filesystem::remove_all(study);
+    std::filesystem::create_directory(study);
+    for (std::size_t k = 0; k < slices.size(); ++k)
+      write_dicom(study / fmt::format("DOE_{}.dcm", k), slices[k]);
+  };
+  const auto fresh = dicom_slices(sample_scan());
+  auto slices = fresh;
+  for (DicomSlice& slice : slices) slice.modality = "MR";
+  fill(slices);
+  expect_discreet("holds no CT series");
+  fill(std::vector<DicomSlice>(fresh.begin() + 1, fresh.end()));
+  const std::string whole = test::bytes_of(study / "DOE_3.dcm");
+  test::write_bytes(study / "DOE_3.dcm", whole.substr(0, whole.size() - 20));
+  expect_discreet("file 4");
+  slices = fresh;
+  for (DicomSlice& slice : slices) slice.instance_number = "";
+  slices[2].position = "";
+  fill(slices);
+  expect_discreet("DICOM file 3: the image position is missing");
+}
+
 TEST(Dicom, ForeignFilesArePassedOverWithAWarning) {
   const TemporaryFolder folder;
   write_dicom_series(folder.path(), dicom_slices(sample_scan()));
@@ -183,7 +218,7 @@ TEST(Dicom, AMissingSliceIsNoticedAndPlaced) {
   auto slices = dicom_slices(sample_scan());
   slices.erase(slices.begin() + 3);
   const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(message, "1 slices are missing between files slice-002.dcm and slice-003.dcm"))
+  EXPECT_TRUE(has(message, "1 slices are missing between slice 13 (file 3) and slice 15 (file 4)"))
       << message;
   EXPECT_TRUE(has(message, "2.5 mm")) << message;
 }
@@ -223,7 +258,7 @@ TEST(Dicom, AnInnerSliceBesideTheStackIsNamed) {
   auto slices = dicom_slices(sample_scan());
   slices[3].position = "-80.27\\-31.25\\15.75";  // 0.23 mm to the left; a pixel is 0.4 mm.
   const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(message, "slice-003.dcm lies 0.23 mm beside")) << message;
+  EXPECT_TRUE(has(message, "slice 14 (file 4) lies 0.23 mm beside")) << message;
   slices[2].position = "-50.5\\-31.25\\14.5";
   slices[3].position = "-50.5\\-31.25\\15.75";
   EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "30 mm beside"));
@@ -261,7 +296,7 @@ TEST(Dicom, SlicesThatDoNotFitTogetherAreNamed) {
   slices = fresh;
   slices[4].pixel_spacing = "0.5\\0.41";
   const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(message, "pixel spacing: files slice-000.dcm and slice-004.dcm")) << message;
+  EXPECT_TRUE(has(message, "pixel spacing: slice 11 (file 1) and slice 15 (file 5)")) << message;
 }
 
 TEST(Dicom, AFileWithoutAPlaceIsNamed) {
@@ -273,7 +308,7 @@ TEST(Dicom, AFileWithoutAPlaceIsNamed) {
   };
   const auto unsupported = ErrorCode::kFileUnsupported;
   EXPECT_TRUE(has(complaint(broken([](auto& s) { s.position = ""; }), unsupported),
-                  "slice-002.dcm: the image position"));
+                  "DICOM slice 13 (file 3): the image position"));
   EXPECT_TRUE(
       has(complaint(broken([](auto& s) { s.position = "1\\2\\x"; }), unsupported), "position"));
   EXPECT_TRUE(
@@ -288,7 +323,7 @@ TEST(Dicom, AFileWithoutAPlaceIsNamed) {
                   "axes deviate"));
   EXPECT_TRUE(
       has(complaint(broken([](auto& s) { s.position = "nan\\0\\0"; }), ErrorCode::kFileCorrupt),
-          "slice-002.dcm"));
+          "slice 13"));
 }
 
 TEST(Dicom, GridsThatCannotBeAreRefused) {
@@ -377,7 +412,7 @@ TEST(Dicom, ATruncatedFileIsNamedAtWhateverLength) {
       if (result && compressed && result->ct.values == ct.values) continue;
       ASSERT_FALSE(result) << length << " of " << whole.size();
       test::expect_one_sentence(result.error().message);
-      EXPECT_TRUE(has(result.error().message, "slice-004.dcm") ||
+      EXPECT_TRUE(has(result.error().message, "file 5") ||
                   has(result.error().message, "1 slices are missing"))
           << length << ": " << result.error().message;
     }

@@ -38,11 +38,11 @@ Result<std::vector<fs::path>> list_files(const fs::path& folder) {
     if (entry->is_regular_file(ignored)) files.push_back(entry->path());
     if (files.size() > kMaxFiles)
       return fail(ErrorCode::kFileUnsupported,
-                  fmt::format("{} holds more than {} files", folder.string(), kMaxFiles));
+                  fmt::format("the folder holds more than {} files", kMaxFiles));
   }
   if (error)
     return fail(ErrorCode::kFileNotFound,
-                fmt::format("{} cannot be listed: {}", folder.string(), error.message()));
+                fmt::format("the folder cannot be listed: {}", error.message()));
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -55,7 +55,8 @@ Result<FolderContents> scan_folder(const fs::path& folder, Progress& progress) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "reading the scan was stopped");
     progress.report(static_cast<double>(n) / static_cast<double>(files.size()));
-    LEFORT_TRY(std::optional<DicomHeader> header, read_dicom_header(files[n]));
+    LEFORT_TRY(std::optional<DicomHeader> header,
+               read_dicom_header(files[n], static_cast<Index>(n + 1)));
     if (!header || header->series_uid.empty())  // A DICOMDIR has no series either.
       ++contents.foreign_files;
     else
@@ -85,12 +86,10 @@ std::string list_series(const std::vector<Series>& all) {
 }
 
 /// The position of the series that was asked for, or of the only CT.
-Result<std::size_t> choose_series(const std::vector<Series>& all, int wanted,
-                                  const fs::path& folder) {
+Result<std::size_t> choose_series(const std::vector<Series>& all, int wanted) {
   if (all.empty())
-    return fail(
-        ErrorCode::kFileUnsupported,
-        fmt::format("{} holds no DICOM files (subfolders are not searched)", folder.string()));
+    return fail(ErrorCode::kFileUnsupported,
+                "the folder holds no DICOM files (subfolders are not searched)");
   if (wanted != 0) {
     if (wanted < 0 || wanted > std::ssize(all))
       return fail(
@@ -101,11 +100,11 @@ Result<std::size_t> choose_series(const std::vector<Series>& all, int wanted,
   const auto first = std::find_if(all.begin(), all.end(), is_ct);
   if (first == all.end())
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("{} holds no CT series, only: {}", folder.string(), list_series(all)));
+                fmt::format("the folder holds no CT series, only: {}", list_series(all)));
   if (std::find_if(std::next(first), all.end(), is_ct) != all.end())
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} holds several CT series, choose one by its number: {}",
-                            folder.string(), list_series(all)));
+                fmt::format("the folder holds several CT series, choose one by its number: {}",
+                            list_series(all)));
   return static_cast<std::size_t>(first - all.begin());
 }
 
@@ -131,7 +130,7 @@ Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<R
 Result<ImportedVolume> read_dicom_series(const fs::path& folder, int series, Progress& progress) {
   progress.begin_stage("look through the DICOM files");
   LEFORT_TRY(FolderContents contents, scan_folder(folder, progress));
-  LEFORT_TRY(const std::size_t chosen, choose_series(contents.series, series, folder));
+  LEFORT_TRY(const std::size_t chosen, choose_series(contents.series, series));
   LEFORT_TRY(const DicomStack stack, stack_dicom_slices(std::move(contents.series[chosen])));
 
   progress.begin_stage("read the slices");

@@ -18,7 +18,8 @@ namespace lefort::io {
 /// tilt.
 ///
 /// \param series  which one, counted from 1 as the error lists them; 0: the only CT there is.
-/// \returns as import_volume(). Nothing that identifies a patient is in a message.
+/// \returns as import_volume(). Nothing that identifies a patient is in a message: files are
+///   counted in the order of their names instead of named.
 [[nodiscard]] Result<ImportedVolume> read_dicom_series(const std::filesystem::path& folder,
                                                        int series = 0,
                                                        Progress& progress = Progress::none());

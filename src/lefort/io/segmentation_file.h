@@ -24,7 +24,7 @@ namespace lefort::io {
 /// Where segments of several layers overlap, the higher layer wins. Voxels of no segment, or of one
 /// that has no tissue's name, are background. Slicer crops files: see the other overload.
 ///
-/// \returns the labels, or
+/// \returns the labels, or, with a message that does not name the file,
 ///   - kFileNotFound     there is no such file;
 ///   - kFileUnsupported  not a `.seg.nrrd`, no segment at all, or none with a tissue's name;
 ///   - kFileCorrupt      truncated, damaged, or its header contradicts itself.

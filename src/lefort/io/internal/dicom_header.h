@@ -15,10 +15,12 @@ namespace lefort::io {
 
 /// The tags that place a slice in the patient. No name, date or other text of the patient.
 struct DicomHeader {
-  std::filesystem::path file;
-  std::string series_uid;    ///< Groups files; never shown, never kept.
-  std::string instance_uid;  ///< Tells copies of one slice; never shown, never kept.
-  std::string modality;      ///< "CT", "RTSTRUCT", ...; "unknown" if it is no plain code word.
+  std::filesystem::path file;         ///< Never shown: people name files after patients.
+  Index file_number = 0;              ///< In the order of the folder's names, from 1.
+  std::optional<Index> slice_number;  ///< The scanner's; free, need not be unique.
+  std::string series_uid;             ///< Groups files; never shown, never kept.
+  std::string instance_uid;           ///< Tells copies of one slice; never shown, never kept.
+  std::string modality;  ///< "CT", "RTSTRUCT", ...; "unknown" if it is no plain code word.
   bool is_localizer = false;
   Index columns = 0, rows = 0;  ///< 0 for objects that are no images.
   Index frames = 1;
@@ -31,17 +33,21 @@ struct DicomHeader {
   double gantry_tilt_deg = 0.0;  ///< What the scanner says, 0 if nothing.
 };
 
+/// What messages call a file: "slice 12 (file 5)", or "file 5" if its slice is unknown.
+[[nodiscard]] std::string name_of(const DicomHeader& header);
+
 /// Reads the header of one file.
 ///
+/// \param file_number  what messages call the file.
 /// \returns nothing if it is not DICOM, the header, or kFileCorrupt or kFileUnsupported for a DICOM
-///   file that cannot be read; the message names the file without its folder.
+///   file that cannot be read, with its number in the message.
 [[nodiscard]] Result<std::optional<DicomHeader>> read_dicom_header(
-    const std::filesystem::path& file);
+    const std::filesystem::path& file, Index file_number);
 
 /// Reads the stored values of a slice, row by row, before rescaling.
 ///
 /// \param header  of a file with one frame and one value per pixel.
-/// \returns columns * rows values, or kFileCorrupt or kFileUnsupported naming the file.
+/// \returns columns * rows values, or kFileCorrupt or kFileUnsupported with name_of() in the message.
 [[nodiscard]] Result<std::vector<double>> read_dicom_pixels(const DicomHeader& header);
 
 }  // namespace lefort::io

@@ -26,8 +26,6 @@ constexpr double kMaxOffEven = 0.1;
 /// Share of a pixel by which a slice may lie beside the stack.
 constexpr double kMaxSidewaysPixels = 0.5;
 
-std::string name_of(const DicomHeader& slice) { return slice.file.filename().string(); }
-
 std::string size_of(const DicomHeader& slice) {
   return fmt::format("{} x {}", slice.columns, slice.rows);
 }
@@ -35,7 +33,7 @@ std::string size_of(const DicomHeader& slice) {
 /// Whether this slice alone can be placed.
 Result<void> check_slice(const DicomHeader& slice) {
   const auto unsupported = [&](std::string_view why) {
-    return fail(ErrorCode::kFileUnsupported, fmt::format("DICOM file {}: {}", name_of(slice), why));
+    return fail(ErrorCode::kFileUnsupported, fmt::format("DICOM {}: {}", name_of(slice), why));
   };
   if (slice.frames != 1)
     return unsupported(fmt::format("it holds {} frames, expected one slice", slice.frames));
@@ -53,7 +51,7 @@ Result<void> check_slice(const DicomHeader& slice) {
       {std::abs(row.norm() - 1.0), std::abs(column.norm() - 1.0), std::abs(row.dot(column))});
   if (!(error <= kAxisTolerance) || !slice.position_L->allFinite())
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("DICOM file {}: the image axes deviate by {:.2g} from orthogonal unit "
+                fmt::format("DICOM {}: the image axes deviate by {:.2g} from orthogonal unit "
                             "vectors, expected at most {}",
                             name_of(slice), error, kAxisTolerance));
   return {};
@@ -63,7 +61,7 @@ Result<void> check_slice(const DicomHeader& slice) {
 Result<void> check_alike(const DicomHeader& first, const DicomHeader& slice) {
   const auto differs = [&](std::string_view what) {
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("the series mixes slices of different {}: files {} and {}", what,
+                fmt::format("the series mixes slices of different {}: {} and {}", what,
                             name_of(first), name_of(slice)));
   };
   if (slice.columns != first.columns || slice.rows != first.rows)
@@ -126,7 +124,7 @@ Result<void> check_gaps(const std::vector<DicomHeader>& slices, const std::vecto
                         double usual_mm) {
   for (std::size_t k = 0; k < steps_mm.size(); ++k) {
     const std::string between =
-        fmt::format("files {} and {}", name_of(slices[k]), name_of(slices[k + 1]));
+        fmt::format("{} and {}", name_of(slices[k]), name_of(slices[k + 1]));
     if (steps_mm[k] < 1e-3)
       return fail(ErrorCode::kFileCorrupt,
                   fmt::format("two slices of the series lie at the same place: {}", between));
@@ -235,7 +233,7 @@ Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices) {
   const Vec3 normal = grid.direction.col(2);
   const auto height_mm = [&](const DicomHeader& slice) { return slice.position_L->dot(normal); };
   std::sort(slices.begin(), slices.end(), [&](const DicomHeader& a, const DicomHeader& b) {
-    return std::pair(height_mm(a), a.file) < std::pair(height_mm(b), b.file);
+    return std::pair(height_mm(a), a.file_number) < std::pair(height_mm(b), b.file_number);
   });
   std::vector<double> heights_mm;
   heights_mm.reserve(slices.size());
@@ -270,7 +268,7 @@ Result<std::vector<Rescale>> rescales_of(const std::vector<DicomHeader>& slices,
     const Rescale rescale{slice.rescale_slope.value_or(1.0), slice.rescale_intercept.value_or(0.0)};
     if (!std::isfinite(rescale.slope) || rescale.slope == 0.0 || !std::isfinite(rescale.intercept))
       return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("DICOM file {}: the values are rescaled by {} and {}, expected a "
+                  fmt::format("DICOM {}: the values are rescaled by {} and {}, expected a "
                               "slope other than 0 and an intercept",
                               name_of(slice), rescale.slope, rescale.intercept));
     rescales.push_back(rescale);

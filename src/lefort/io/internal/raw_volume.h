@@ -82,7 +82,7 @@ enum class VolumeFormat { kNone, kNrrd, kNifti, kMetaImage };
 
 /// Reads a volume with three dimensions whose place in the patient the file states.
 ///
-/// \returns kFileNotFound, kFileUnsupported or kFileCorrupt, with the file's name in the message.
+/// \returns kFileNotFound, kFileUnsupported or kFileCorrupt; the message does not name the file.
 [[nodiscard]] Result<RawVolume> read_raw_volume(const std::filesystem::path& file);
 
 /// What is to be written; `values` is not owned.
