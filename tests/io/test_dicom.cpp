@@ -176,6 +176,53 @@ TEST(Dicom, TheOnlyCtIsTakenAmongOtherSeries) {
   EXPECT_EQ(found->warnings, std::vector<std::string>{"2 other series were passed over"});
 }
 
+TEST(Dicom, DamagedFilesOfOtherSeriesArePassedOver) {
+  const TemporaryFolder folder;
+  const auto ct = sample_scan();
+  write_dicom_series(folder.path(), dicom_slices(ct));
+  DicomSlice scout = dicom_slices(ct)[0];
+  scout.series_uid = "1.2.3.5";
+  scout.image_type = "ORIGINAL\\PRIMARY\\LOCALIZER";
+  write_dicom(folder / "scout.dcm", scout);
+  const std::string whole = test::bytes_of(folder / "scout.dcm");
+  test::write_bytes(folder / "scout.dcm", whole.substr(0, whole.size() - 20));
+  const auto known = read_dicom_series(folder.path());
+  ASSERT_TRUE(known) << known.error().message;
+  EXPECT_EQ(known->ct.values, ct.values);
+  EXPECT_EQ(known->warnings, (std::vector<std::string>{"1 other series were passed over",
+                                                       "1 files of them are damaged"}));
+
+  test::write_bytes(folder / "scout.dcm", whole.substr(0, 200));  // Before its series is named.
+  const auto unknown = read_dicom_series(folder.path());
+  ASSERT_TRUE(unknown) << unknown.error().message;
+  EXPECT_EQ(unknown->ct.values, ct.values);
+  ASSERT_EQ(unknown->warnings.size(), 1U);
+  EXPECT_TRUE(has(unknown->warnings[0], "1 DICOM files cannot be read")) << unknown->warnings[0];
+  EXPECT_TRUE(has(unknown->warnings[0], "DICOM file 1: it is truncated")) << unknown->warnings[0];
+}
+
+TEST(Dicom, ADamagedFileOfTheSeriesIsAnErrorEvenAtItsEnd) {
+  const TemporaryFolder folder;
+  write_dicom_series(folder.path(), dicom_slices(sample_scan()));
+  const std::string whole = test::bytes_of(folder / "slice-005.dcm");
+  test::write_bytes(folder / "slice-005.dcm", whole.substr(0, whole.size() - 20));
+  const auto result = read_dicom_series(folder.path());
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(result.error().message, "slice 16 (file 6)")) << result.error().message;
+}
+
+TEST(Dicom, AnUnreadableFileIsNamedWhenASliceIsMissing) {
+  const TemporaryFolder folder;
+  write_dicom_series(folder.path(), dicom_slices(sample_scan()));
+  test::write_bytes(folder / "slice-002.dcm", "");
+  const auto result = read_dicom_series(folder.path());
+  ASSERT_FALSE(result);
+  EXPECT_TRUE(has(result.error().message, "1 slices are missing")) << result.error().message;
+  EXPECT_TRUE(has(result.error().message, "DICOM file 3: it is truncated"))
+      << result.error().message;
+}
+
 TEST(Dicom, OfSeveralCtsOneMustBeChosen) {
   const TemporaryFolder folder;
   const auto ct = sample_scan();

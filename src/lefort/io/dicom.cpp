@@ -26,6 +26,7 @@ using Series = std::vector<DicomHeader>;
 /// the same whatever the files are called.
 struct FolderContents {
   std::vector<Series> series;
+  std::vector<Error> unreadable;  ///< DICOM files of which not even the series is known.
   std::size_t foreign_files = 0;
 };
 
@@ -55,12 +56,13 @@ Result<FolderContents> scan_folder(const fs::path& folder, Progress& progress) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "reading the scan was stopped");
     progress.report(static_cast<double>(n) / static_cast<double>(files.size()));
-    LEFORT_TRY(std::optional<DicomHeader> header,
-               read_dicom_header(files[n], static_cast<Index>(n + 1)));
-    if (!header || header->series_uid.empty())  // A DICOMDIR has no series either.
+    auto header = read_dicom_header(files[n], static_cast<Index>(n + 1));
+    if (!header)
+      contents.unreadable.push_back(std::move(header).error());
+    else if (!*header || (*header)->series_uid.empty())  // A DICOMDIR has no series either.
       ++contents.foreign_files;
     else
-      by_uid[header->series_uid].push_back(*std::move(header));
+      by_uid[(*header)->series_uid].push_back(**std::move(header));
   }
   for (auto& [uid, series] : by_uid) contents.series.push_back(std::move(series));
   return contents;
@@ -86,7 +88,9 @@ std::string list_series(const std::vector<Series>& all) {
 }
 
 /// The position of the series that was asked for, or of the only CT.
-Result<std::size_t> choose_series(const std::vector<Series>& all, int wanted) {
+Result<std::size_t> choose_series(const FolderContents& contents, int wanted) {
+  const std::vector<Series>& all = contents.series;
+  if (all.empty() && !contents.unreadable.empty()) return tl::unexpected(contents.unreadable[0]);
   if (all.empty())
     return fail(ErrorCode::kFileUnsupported,
                 "the folder holds no DICOM files (subfolders are not searched)");
@@ -106,6 +110,44 @@ Result<std::size_t> choose_series(const std::vector<Series>& all, int wanted) {
                 fmt::format("the folder holds several CT series, choose one by its number: {}",
                             list_series(all)));
   return static_cast<std::size_t>(first - all.begin());
+}
+
+/// The chosen series as a stack. A damaged file of the series is an error; one whose series is not
+/// known may be the slice that is missing.
+Result<DicomStack> stack_series(Series series, const std::vector<Error>& unreadable) {
+  const auto damaged = std::find_if(series.begin(), series.end(), [](const DicomHeader& file) {
+    return file.damage.has_value();
+  });
+  if (damaged != series.end()) return tl::unexpected(*damaged->damage);
+  auto stack = stack_dicom_slices(std::move(series));
+  if (!stack && !unreadable.empty())
+    return fail(
+        stack.error().code,
+        fmt::format("{}; of {} DICOM files not even the series can be read, the first is {}",
+                    stack.error().message, unreadable.size(), unreadable[0].message));
+  return stack;
+}
+
+/// What was left out of the folder.
+std::vector<std::string> passed_over(const FolderContents& contents, std::size_t chosen) {
+  std::vector<std::string> warnings;
+  if (contents.foreign_files > 0)
+    warnings.push_back(
+        fmt::format("{} files are no DICOM images and were passed over", contents.foreign_files));
+  if (contents.series.size() > 1)
+    warnings.push_back(fmt::format("{} other series were passed over", contents.series.size() - 1));
+  std::ptrdiff_t damaged = 0;
+  for (std::size_t n = 0; n < contents.series.size(); ++n)
+    if (n != chosen)
+      damaged += std::count_if(contents.series[n].begin(), contents.series[n].end(),
+                               [](const DicomHeader& file) { return file.damage.has_value(); });
+  if (damaged > 0) warnings.push_back(fmt::format("{} files of them are damaged", damaged));
+  if (!contents.unreadable.empty())
+    warnings.push_back(fmt::format(
+        "{} DICOM files cannot be read and were passed over; if they belong to this series, the "
+        "scan lacks slices at an end; the first is {}",
+        contents.unreadable.size(), contents.unreadable[0].message));
+  return warnings;
 }
 
 /// Reads the pixels of all slices into one volume, in HU.
@@ -130,8 +172,9 @@ Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<R
 Result<ImportedVolume> read_dicom_series(const fs::path& folder, int series, Progress& progress) {
   progress.begin_stage("look through the DICOM files");
   LEFORT_TRY(FolderContents contents, scan_folder(folder, progress));
-  LEFORT_TRY(const std::size_t chosen, choose_series(contents.series, series));
-  LEFORT_TRY(const DicomStack stack, stack_dicom_slices(std::move(contents.series[chosen])));
+  LEFORT_TRY(const std::size_t chosen, choose_series(contents, series));
+  LEFORT_TRY(const DicomStack stack,
+             stack_series(std::move(contents.series[chosen]), contents.unreadable));
 
   progress.begin_stage("read the slices");
   ImportedVolume imported;
@@ -140,12 +183,7 @@ Result<ImportedVolume> read_dicom_series(const fs::path& folder, int series, Pro
   LEFORT_TRY(const std::vector<Rescale> rescales, rescales_of(stack.slices, imported.warnings));
   HounsfieldCount count;
   LEFORT_TRY(imported.ct, read_slices(stack, rescales, count, progress));
-  if (contents.foreign_files > 0)
-    imported.warnings.push_back(
-        fmt::format("{} files are no DICOM images and were passed over", contents.foreign_files));
-  if (contents.series.size() > 1)
-    imported.warnings.push_back(
-        fmt::format("{} other series were passed over", contents.series.size() - 1));
+  std::ranges::move(passed_over(contents, chosen), std::back_inserter(imported.warnings));
   std::ranges::move(hounsfield_warnings(count, imported.ct), std::back_inserter(imported.warnings));
   return imported;
 }

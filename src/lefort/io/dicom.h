@@ -12,7 +12,8 @@ namespace lefort::io {
 
 /// Reads the CT series in `folder` (without its subfolders).
 ///
-/// Files come in any order and may have any name; others than DICOM are passed over. Slices are
+/// Files come in any order and may have any name; others than DICOM are passed over, and so are
+/// damaged ones of other series, with a warning. Slices are
 /// sorted along their normal, rescaled to Hounsfield units, and checked: one orientation and pixel
 /// spacing, no slice missing or twice, none beside the stack or off its even distance, no gantry
 /// tilt.

@@ -191,18 +191,24 @@ Result<std::optional<DicomHeader>> read_dicom_header(const fs::path& file, Index
         in_file(header, {ErrorCode::kFileCorrupt, "it is truncated or no DICOM file"}));
   }
   LEFORT_TRY(const std::string bytes, read_bytes(header));
-  const auto elements = parse_dicom(bytes);
-  if (!elements) return tl::unexpected(in_file(header, elements.error()));
-  return header_from(*elements, std::move(header));
+  const DicomElements elements = parse_dicom(bytes);
+  header = header_from(elements, std::move(header));
+  std::optional<Error> damage = elements.damage;
+  if (!damage && header.columns > 0 && elements.pixels.empty())  // Cut off between two elements.
+    damage = Error{ErrorCode::kFileCorrupt, "it is truncated, it ends before its pixels"};
+  if (!damage) return header;
+  header.damage = in_file(header, *damage);
+  if (header.series_uid.empty()) return tl::unexpected(*std::move(header.damage));
+  return header;
 }
 
 Result<std::vector<double>> read_dicom_pixels(const DicomHeader& header) {
   LEFORT_TRY(const std::string bytes, read_bytes(header));
-  const auto elements = parse_dicom(bytes);
-  if (!elements) return tl::unexpected(in_file(header, elements.error()));
+  const DicomElements elements = parse_dicom(bytes);
+  if (elements.damage) return tl::unexpected(in_file(header, *elements.damage));
   const auto count = static_cast<std::size_t>(header.columns * header.rows);
-  auto pixels = elements->is_compressed ? decode_dicom_pixels(header.file, count)
-                                        : unpack_pixels(*elements, count);
+  auto pixels = elements.is_compressed ? decode_dicom_pixels(header.file, count)
+                                       : unpack_pixels(elements, count);
   if (!pixels) return tl::unexpected(in_file(header, pixels.error()));
   return pixels;
 }

@@ -31,6 +31,7 @@ struct DicomHeader {
   std::optional<double> rescale_slope;
   std::optional<double> rescale_intercept;
   double gantry_tilt_deg = 0.0;  ///< What the scanner says, 0 if nothing.
+  std::optional<Error> damage;   ///< Why the rest of the file cannot be read.
 };
 
 /// What messages call a file: "slice 12 (file 5)", or "file 5" if its slice is unknown.
@@ -39,8 +40,9 @@ struct DicomHeader {
 /// Reads the header of one file.
 ///
 /// \param file_number  what messages call the file.
-/// \returns nothing if it is not DICOM, the header, or kFileCorrupt or kFileUnsupported for a DICOM
-///   file that cannot be read, with its number in the message.
+/// \returns nothing if it is not DICOM; the header, with `damage` if only its beginning could be
+///   read; or kFileCorrupt or kFileUnsupported, with the file's number in the message, if not even
+///   its series is known.
 [[nodiscard]] Result<std::optional<DicomHeader>> read_dicom_header(
     const std::filesystem::path& file, Index file_number);
 
