@@ -1,7 +1,9 @@
 #include <lefort/io/dicom.h>
+#include <lefort/io/internal/dicom_codec.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 
@@ -477,6 +479,52 @@ TEST(Dicom, StopsWhenAsked) {
   write_dicom_series(folder.path(), dicom_slices(sample_scan()));
   StopsAtOnce progress;
   EXPECT_EQ(read_dicom_series(folder.path(), 0, progress).error().code, ErrorCode::kCancelled);
+}
+
+/// A compressed slice, or what looks like one.
+class DicomCodec : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_dicom(file_, dicom_slices(sample_scan())[2]);
+    test::compress_dicom(file_);
+  }
+  [[nodiscard]] std::string complaint(const CodecLimits& limits, ErrorCode code,
+                                      Progress& progress = Progress::none()) const {
+    const auto result = decode_dicom_pixels(file_, 35, progress, limits);
+    if (result) return "decoded";
+    EXPECT_EQ(result.error().code, code);
+    return result.error().message;
+  }
+  TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_ / "slice.dcm";
+};
+
+TEST_F(DicomCodec, DecodesWithinItsLimits) {
+  const auto found = decode_dicom_pixels(file_, 35);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ((*found)[1], -1000 + 14 * 71 + 1024);
+}
+
+TEST_F(DicomCodec, EndsACodecThatNeedsTooMuchMemory) {
+  DicomSlice large = dicom_slices(sample_scan())[2];
+  large.columns = large.rows = 1024;
+  large.stored.assign(1024 * 1024, 7);
+  write_dicom(file_, large);
+  test::compress_dicom(file_);
+  ASSERT_TRUE(decode_dicom_pixels(file_, 1024 * 1024));
+  const auto result =
+      decode_dicom_pixels(file_, 1024 * 1024, Progress::none(), {.memory_bytes = 1 << 20});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt);
+}
+
+TEST_F(DicomCodec, EndsACodecThatHangs) {
+  std::filesystem::remove(file_);
+  ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);  // Nobody writes: it never gives a byte.
+  EXPECT_TRUE(has(complaint({.time = std::chrono::milliseconds(50)}, ErrorCode::kFileCorrupt),
+                  "longer than 50 ms"));
+  StopsAtOnce progress;
+  EXPECT_TRUE(has(complaint({}, ErrorCode::kCancelled, progress), "stopped"));
 }
 
 }  // namespace

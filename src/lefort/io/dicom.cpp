@@ -158,7 +158,7 @@ Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<R
   for (std::size_t k = 0; k < stack.slices.size(); ++k) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "reading the scan was stopped");
-    LEFORT_TRY(const std::vector<double> stored, read_dicom_pixels(stack.slices[k]));
+    LEFORT_TRY(const std::vector<double> stored, read_dicom_pixels(stack.slices[k], progress));
     const auto [slope, intercept] = rescales[k];
     for (const double value : stored)
       ct.values.push_back(hounsfield(slope * value + intercept, count));

@@ -202,12 +202,12 @@ Result<std::optional<DicomHeader>> read_dicom_header(const fs::path& file, Index
   return header;
 }
 
-Result<std::vector<double>> read_dicom_pixels(const DicomHeader& header) {
+Result<std::vector<double>> read_dicom_pixels(const DicomHeader& header, Progress& progress) {
   LEFORT_TRY(const std::string bytes, read_bytes(header));
   const DicomElements elements = parse_dicom(bytes);
   if (elements.damage) return tl::unexpected(in_file(header, *elements.damage));
   const auto count = static_cast<std::size_t>(header.columns * header.rows);
-  auto pixels = elements.is_compressed ? decode_dicom_pixels(header.file, count)
+  auto pixels = elements.is_compressed ? decode_dicom_pixels(header.file, count, progress)
                                        : unpack_pixels(elements, count);
   if (!pixels) return tl::unexpected(in_file(header, pixels.error()));
   return pixels;
