@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <optional>
@@ -29,9 +30,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Component = itk::CommonEnums::IOComponent;
-
-/// gzip gains at most 1032 : 1, so a file of n bytes cannot hold more than about this many.
-constexpr std::uintmax_t kHighestCompression = 1100;
 
 struct Ending {
   const char* text;
@@ -162,9 +160,10 @@ Error unsupported(VolumeFormat format, std::string why) {
 
 /// What the header says, before anything is allocated.
 Result<RawVolume> read_header(itk::ImageIOBase& io, const fs::path& file, const Ending& ending) {
-  if (ending.format == VolumeFormat::kNifti)
-    if (auto good = check_nifti(file); !good)
-      return tl::unexpected(in_file(ending.format, good.error()));
+  Result<void> good;
+  if (ending.format == VolumeFormat::kNifti) good = check_nifti(file);
+  if (ending.format == VolumeFormat::kNrrd) good = check_nrrd_voxel_file(file);
+  if (!good) return tl::unexpected(in_file(ending.format, good.error()));
   try {
     io.SetFileName(file.string());
     io.ReadImageInformation();
@@ -186,14 +185,11 @@ Result<RawVolume> read_header(itk::ImageIOBase& io, const fs::path& file, const 
   raw.type = *type;
   raw.components = static_cast<Index>(io.GetNumberOfComponents());
   raw.fields = text_fields(io.GetMetaDataDictionary());
-  if (auto good = check_either_hand(raw.grid); !good)
+  if (good = check_either_hand(raw.grid); !good)
     return tl::unexpected(in_file(ending.format, good.error()));
   if (raw.components < 1 || raw.components > 256)
     return tl::unexpected(unsupported(
         ending.format, fmt::format("the voxels hold {} values, expected 1", raw.components)));
-  if (ending.format == VolumeFormat::kNrrd)
-    if (auto good = check_nrrd(file); !good)
-      return tl::unexpected(in_file(ending.format, good.error()));
   return raw;
 }
 
@@ -234,11 +230,18 @@ Result<RawVolume> read_raw_volume(const fs::path& file) {
     return tl::unexpected(corrupt(
         ending.format, fmt::format("the header promises {} bytes of voxels, the file has {} bytes",
                                    bytes, file_bytes)));
+  Result<void> good;
+  if (ending.format == VolumeFormat::kNrrd) good = check_nrrd(file, bytes);
   if (ending.format == VolumeFormat::kMetaImage)
-    if (auto good = check_metaimage(file, bytes); !good)
-      return tl::unexpected(in_file(ending.format, good.error()));
+    good = check_metaimage(file, bytes, raw.grid.direction);
+  if (!good) return tl::unexpected(in_file(ending.format, good.error()));
+  // Zeroed, so that nothing else in our memory can come out as voxels; the system gives zeroed
+  // pages when they are used first, so a false promise costs no memory.
+  raw.bytes.reset(static_cast<std::byte*>(std::calloc(std::max<std::size_t>(bytes, 1), 1)));
+  if (raw.bytes == nullptr)
+    return tl::unexpected(
+        corrupt(ending.format, fmt::format("{} bytes of voxels do not fit into memory", bytes)));
   try {
-    raw.bytes.reset(new std::byte[bytes]);  // Not zeroed: a false promise costs no memory.
     itk::ImageIORegion all(3);
     for (unsigned axis = 0; axis < 3; ++axis) {
       all.SetIndex(axis, 0);
@@ -247,8 +250,7 @@ Result<RawVolume> read_raw_volume(const fs::path& file) {
     io->SetIORegion(all);
     io->Read(raw.bytes.get());
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        corrupt(ending.format, fmt::format("{} bytes of voxels do not fit into memory", bytes)));
+    return tl::unexpected(corrupt(ending.format, "the voxels do not fit into memory"));
   } catch (const std::exception&) {
     return tl::unexpected(
         corrupt(ending.format, "the voxels cannot be read: truncated or damaged"));
