@@ -238,15 +238,24 @@ TEST(SurfaceFiles, RefusesEmptyAndForeignFiles) {
 TEST(SurfaceFiles, RefusesCoordinatesThatAreNotFinite) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const char* name : {"a.vtp", "a.stl", "a.ply", "a.obj"})
-    for (const double bad : {double(nan), std::numeric_limits<double>::infinity()}) {
-      TriangleMesh mesh = tetrahedron();
-      mesh.vertices[2][1] = bad;
-      const TemporaryFolder folder;
-      ASSERT_TRUE(write_surface(folder / name, mesh));
-      const auto read = read_surface(folder / name);
-      ASSERT_FALSE(read) << name;
-      EXPECT_EQ(read.error().code, ErrorCode::kFileCorrupt);
-    }
+    for (const double bad : {double(nan), std::numeric_limits<double>::infinity()})
+      for (const std::size_t vertex : {0U, 1U, 2U, 3U})
+        for (const Index axis : {0, 1, 2}) {
+          TriangleMesh mesh = tetrahedron();
+          mesh.vertices[vertex][axis] = bad;
+          const TemporaryFolder folder;
+          ASSERT_TRUE(write_surface(folder / name, mesh));
+          const auto read = read_surface(folder / name);
+          ASSERT_FALSE(read) << name << ", vertex " << vertex << ", axis " << axis;
+          EXPECT_EQ(read.error().code, ErrorCode::kFileCorrupt);
+        }
+}
+
+TEST(SurfaceFiles, ATextStlWithACornerThatIsNoNumberIsRefused) {
+  EXPECT_EQ(code_of("a.stl",
+                    "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nvertex nan 0 0\n"
+                    "vertex 1 0 0\nvertex 0 0 1\nendsolid\n"),
+            ErrorCode::kFileCorrupt);
 }
 
 TEST(SurfaceFiles, RefusesCornersThatAreNoVertex) {
