@@ -32,7 +32,7 @@ struct PlanFile {
 /// Reads and checks a plan.
 ///
 /// \returns kFileNotFound; kPlanInvalid with the key and what is wrong with it, as `tissue: unknown
-///   key "colour"`.
+///   key "colour"`. A key that stands twice in an object is wrong, since parsers differ on it.
 [[nodiscard]] Result<PlanFile> read_plan(const std::filesystem::path& file);
 
 /// The same from text; relative paths are taken from `folder`.
