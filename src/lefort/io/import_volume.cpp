@@ -22,7 +22,8 @@ Result<ImportedVolume> import_volume(const fs::path& source, const ImportOptions
                                      Progress& progress) {
   std::error_code error;
   const fs::file_status status = fs::status(source, error);
-  if (!fs::exists(status)) return fail(ErrorCode::kFileNotFound, "the scan does not exist: no such file or folder");
+  if (!fs::exists(status))
+    return fail(ErrorCode::kFileNotFound, "the scan does not exist: no such file or folder");
   if (fs::is_directory(status)) return read_dicom_series(source, options.series, progress);
   if (ends_in_inv3(source)) return read_inv3(source, progress);
   if (is_volume_file(source)) return read_volume(source, progress);

@@ -114,7 +114,10 @@ Result<void> write_surface(const fs::path& path, const geometry::TriangleMesh& m
                            const std::vector<VertexArray>& arrays) {
   LEFORT_TRY_VOID(check_writable(path, mesh_L, arrays));
   const std::string ending = ending_of(path);
-  if (ending == ".vtp") return write_text(path, internal::vtp_bytes(mesh_L, arrays));
+  if (ending == ".vtp") {
+    LEFORT_TRY(const std::string bytes, internal::vtp_bytes(mesh_L, arrays));
+    return write_text(path, bytes);
+  }
   if (ending == ".stl") return write_text(path, internal::stl_bytes(mesh_L));
   if (ending == ".ply") return write_text(path, internal::ply_bytes(mesh_L));
   if (ending == ".obj") return write_text(path, internal::obj_bytes(mesh_L));
