@@ -158,7 +158,8 @@ Result<LabelMap> read_segmentation(const fs::path& source) {
   return labels;
 }
 
-Result<LabelMap> read_segmentation(const fs::path& source, const image::Grid& grid) {
+Result<LabelMap> read_segmentation(const fs::path& source, const image::Grid& grid,
+                                   Progress& progress) {
   LEFORT_TRY(const LabelMap part, read_segmentation(source));
   const auto first = place_in(grid, part.grid);
   if (!first)
@@ -168,11 +169,27 @@ Result<LabelMap> read_segmentation(const fs::path& source, const image::Grid& gr
   LabelMap labels{
       grid, std::vector<Tissue>(static_cast<std::size_t>(grid.voxel_count()), Tissue::kBackground)};
   const auto [i0, j0, k0] = *first;
+  Index within = 0, labelled = 0;
   for (Index k = 0; k < part.grid.size[2]; ++k)
     for (Index j = 0; j < part.grid.size[1]; ++j)
-      for (Index i = 0; i < part.grid.size[0]; ++i)
-        if (grid.contains(i + i0, j + j0, k + k0))
-          labels.at(i + i0, j + j0, k + k0) = part.at(i, j, k);
+      for (Index i = 0; i < part.grid.size[0]; ++i) {
+        const Tissue tissue = part.at(i, j, k);
+        if (tissue == Tissue::kBackground) continue;
+        ++labelled;
+        if (!grid.contains(i + i0, j + j0, k + k0)) continue;
+        ++within;
+        labels.at(i + i0, j + j0, k + k0) = tissue;
+      }
+  if (within == 0)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("segmentation: none of its {} labelled voxels lies within the scan, "
+                            "expected some",
+                            labelled));
+  if (within < labelled)
+    progress.note(
+        fmt::format("{:.2g} % of the labelled voxels lie outside the scan and are left "
+                    "out",
+                    100.0 * double(labelled - within) / double(labelled)));
   return labels;
 }
 
