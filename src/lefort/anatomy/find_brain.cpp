@@ -131,7 +131,7 @@ Mask find_brain(const Mask& soft, const Mask& bone, const Mask& outside) {
     image::ScalarVolume values{grid, std::vector<float>(soft.values.size())};
     for (std::size_t v = 0; v < values.values.size(); ++v)
       values.values[v] = holds(v) ? 1.0F : 0.0F;
-    return smoothed(values, kBorder_mm / grid.spacing_mm.mean());
+    return smoothed(values, kBorder_mm);
   };
   const image::ScalarVolume inside =
       indicator([&](std::size_t v) { return basins.values[v] == 1; });
