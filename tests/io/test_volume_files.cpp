@@ -138,6 +138,25 @@ TEST(VolumeFiles, WarnsOfValuesThatCanHardlyBeHounsfieldUnits) {
   EXPECT_NE(found->warnings[0].find("may not be in HU"), std::string::npos);
 }
 
+TEST(VolumeFiles, WarnsOfAFieldOfViewThatCutsThePatientOff) {
+  const TemporaryFolder folder;
+  image::CtVolume ct{{.size = {40, 40, 4}}, {}};
+  ct.values.assign(40 * 40 * 4, -1000);
+  for (Index k = 0; k < 4; ++k)
+    for (Index j = 10; j < 30; ++j)
+      for (Index i = 10; i < 30; ++i) ct.at(i, j, k) = 40;
+  ASSERT_TRUE(write_volume(folder / "a.nrrd", ct));
+  const auto cut = read_volume(folder / "a.nrrd");
+  ASSERT_EQ(cut->warnings.size(), 1U);
+  EXPECT_NE(cut->warnings[0].find("cuts tissue off over 3.2 cm2"), std::string::npos)
+      << cut->warnings[0];
+  for (Index k = 0; k < 4; ++k)  // With the half air, half tissue that skin has.
+    for (Index n = 9; n < 31; ++n)
+      for (const Index side : {9, 30}) ct.at(n, side, k) = ct.at(side, n, k) = -480;
+  ASSERT_TRUE(write_volume(folder / "a.nrrd", ct));
+  EXPECT_TRUE(read_volume(folder / "a.nrrd")->warnings.empty());
+}
+
 // The files below are written byte by byte, after the formats' own definitions, so that a mistake
 // common to ITK's readers and writers would show. Voxel (0, 0, 0) is the brightest.
 const std::vector<std::int16_t> kEightVoxels{1000, 1, 2, 3, 4, 5, 6, -1000};
