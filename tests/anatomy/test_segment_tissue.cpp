@@ -67,6 +67,18 @@ TEST(SegmentTissue, EveryVoxelAwayFromBordersHasThePhantomsTissue) {
                   << int(tissues.second);
 }
 
+TEST(SegmentTissue, VoxelsOfOtherSizeAndShapeGiveThePhantomsTissueToo) {
+  for (const Vec3& spacing_mm : {Vec3(1.2, 1.2, 3.0), Vec3(2.4, 1.2, 1.1), Vec3(1.2, 1.2, 1.1)}) {
+    HeadPhantom head;
+    head.spacing_mm = spacing_mm;
+    const LabelMap map = segment_tissue(head.scan()).value();
+    for (const auto& [tissues, count] : disagreements(head, map))
+      EXPECT_LT(double(count), 1e-4 * double(map.values.size()))
+          << spacing_mm.transpose() << ": " << int(tissues.first) << " as " << int(tissues.second);
+    EXPECT_NEAR(ml_of(map, Tissue::kSinus), ball_ml(HeadPhantom::kSinusRadius), 0.6);
+  }
+}
+
 TEST(SegmentTissue, VolumesAreThoseOfThePhantom) {
   EXPECT_NEAR(ml_of(labels(), Tissue::kSinus), ball_ml(HeadPhantom::kSinusRadius), 0.6);
   // Bone of 226 HU reaches a little beyond the middle of the phantom's ramps.
