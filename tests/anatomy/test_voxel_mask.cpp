@@ -115,6 +115,16 @@ TEST(Smoothed, TheGaussianHasOneWidthInMmOnVoxelsOfAnyShape) {
   }
 }
 
+TEST(VoxelMask, FacesOfTheGridDoNotErodeASetButClosingFillsTheGapToThem) {
+  Mask slab{{{12, 3, 3}, {1, 1, 1}, {0, 0, 0}, Mat3::Identity()}, {}};
+  for (Index v = 0; v < 12 * 9; ++v) slab.values.push_back(v % 12 >= 6 && v % 12 < 10 ? 1 : 0);
+  const Mask thin = eroded(slab, 1.0), tight = closed(slab, 2.0);
+  for (Index i = 0; i < 12; ++i) {
+    EXPECT_EQ(thin.at(i, 0, 0), i == 7 || i == 8 ? 1 : 0) << i;  // j and k = 0 are faces.
+    EXPECT_EQ(tight.at(i, 1, 1), i >= 6 ? 1 : 0) << i;           // Two voxels to the face i = 11.
+  }
+}
+
 TEST(VoxelMask, SurroundingsAreALengthAndTheNextVoxelAtLeast) {
   Mask dot{{{21, 21, 21}, {0.4, 0.4, 3.0}, {0, 0, 0}, Mat3::Identity()}, {}};
   dot.values.assign(21 * 21 * 21, 0);

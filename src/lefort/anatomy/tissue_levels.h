@@ -24,9 +24,9 @@ enum class Cavities {
 struct LevelOptions {
   double bone_hu = 226.0;
   double skin_hu = -300.0;
-  /// Sigma of the Gaussian that takes stair-steps and noise off the surfaces at bone_hu and skin_hu;
-  /// bone gets less, for its thin walls. Along an axis of coarser voxels it is as much as their
-  /// steps need: 0.8 voxels for bone, 1 for skin. >= 0; 0 leaves all as it is.
+  /// Sigma of the Gaussian that takes stair-steps and noise off the surfaces at bone_hu and
+  /// skin_hu; bone gets less, for its thin walls. Along an axis of coarser voxels it is as much as
+  /// their steps need: 0.8 voxels for bone, 1 for skin. >= 0; 0 leaves all as it is.
   double bone_smoothing_mm = 0.8;
   double skin_smoothing_mm = 1.0;
   double thinnest_tissue_mm = 2.5;  ///< Thinner sheets are no soft tissue to be meshed.

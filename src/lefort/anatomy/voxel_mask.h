@@ -1,9 +1,9 @@
 /// \file
 /// Sets of voxels and what morphology does with them, lengths in mm.
 ///
-/// Distances run between voxel centres. Nothing is known beyond the grid: no voxel of a set is there
-/// and none that is not, so its faces do not eat into a set, and what reaches out of the grid is not
-/// found again by closing.
+/// Distances run between voxel centres. Beyond the grid there are neither voxels of a set nor
+/// others. So the faces of the grid do not erode a set, but closing fills narrow gaps between a set
+/// and a face.
 #pragma once
 
 #include <lefort/core/parallel.h>

@@ -50,7 +50,8 @@ struct DicomHeader {
 /// Reads the stored values of a slice, row by row, before rescaling.
 ///
 /// \param header  of a file with one frame and one value per pixel.
-/// \returns columns * rows values, or kFileCorrupt or kFileUnsupported with name_of() in the message, or kCancelled.
+/// \returns columns * rows values, or kFileCorrupt or kFileUnsupported with name_of() in the
+///   message, or kCancelled.
 [[nodiscard]] Result<std::vector<double>> read_dicom_pixels(const DicomHeader& header,
                                                             Progress& progress);
 
