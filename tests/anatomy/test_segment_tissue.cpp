@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <fstream>
 #include <limits>
 #include <map>
+#include <string>
 
 #include "anatomy/head_phantom.h"
 
@@ -15,6 +17,8 @@ namespace {
 using test::HeadPhantom;
 
 const HeadPhantom kHead;
+
+constexpr double kPromisedBytes = 40.0;  ///< Per voxel, in the note of segment_tissue.h.
 
 const image::CtVolume& scan() {
   static const image::CtVolume ct = kHead.scan();
@@ -61,6 +65,18 @@ TEST(SegmentTissue, EveryVoxelAwayFromBordersHasThePhantomsTissue) {
   for (const auto& [tissues, count] : disagreements(kHead, labels()))
     ADD_FAILURE() << count << " voxels of tissue " << int(tissues.first) << " are labelled "
                   << int(tissues.second);
+}
+
+TEST(SegmentTissue, VoxelsOfOtherSizeAndShapeGiveThePhantomsTissueToo) {
+  for (const Vec3& spacing_mm : {Vec3(1.2, 1.2, 3.0), Vec3(2.4, 1.2, 1.1), Vec3(1.2, 1.2, 1.1)}) {
+    HeadPhantom head;
+    head.spacing_mm = spacing_mm;
+    const LabelMap map = segment_tissue(head.scan()).value();
+    for (const auto& [tissues, count] : disagreements(head, map))
+      EXPECT_LT(double(count), 1e-4 * double(map.values.size()))
+          << spacing_mm.transpose() << ": " << int(tissues.first) << " as " << int(tissues.second);
+    EXPECT_NEAR(ml_of(map, Tissue::kSinus), ball_ml(HeadPhantom::kSinusRadius), 0.6);
+  }
 }
 
 TEST(SegmentTissue, VolumesAreThoseOfThePhantom) {
@@ -137,8 +153,9 @@ TEST(SegmentTissue, AGridThatRunsTheOtherWayGivesTheSameTissueInThePatient) {
 }
 
 TEST(SegmentTissue, SameBitsForAnyNumberOfThreads) {
+  const std::vector<Tissue>& by_many = labels().values;  // Made before the limit holds.
   const ThreadLimit limit(1);
-  EXPECT_EQ(segment_tissue(scan()).value().values, labels().values);
+  EXPECT_EQ(segment_tissue(scan()).value().values, by_many);
 }
 
 TEST(SegmentTissue, AScanOfTheLowerFaceHasNoBrain) {
@@ -194,7 +211,8 @@ TEST(SegmentTissue, RefusesOptionsOutOfRangeAndGridsThatContradictTheirValues) {
         SegmentationOptions{.skin_hu = 300.0}, SegmentationOptions{.smallest_bone_ml = -1.0},
         SegmentationOptions{.nostril_radius_mm = 0.0},
         SegmentationOptions{.nostril_radius_mm = 1e9}, SegmentationOptions{.ostium_radius_mm = nan},
-        SegmentationOptions{.smallest_air_ml = -0.1}})
+        SegmentationOptions{.smallest_air_ml = -0.1}, SegmentationOptions{.most_memory_gib = 0.0},
+        SegmentationOptions{.most_memory_gib = nan}})
     EXPECT_EQ(error_of(scan(), options).code, ErrorCode::kInvalidArgument);
   image::CtVolume ct = block(0);
   ct.values.pop_back();
@@ -205,6 +223,37 @@ TEST(SegmentTissue, RefusesOptionsOutOfRangeAndGridsThatContradictTheirValues) {
   ct = block(0);
   ct.grid.size[0] = -20;
   EXPECT_EQ(error_of(ct).code, ErrorCode::kInvalidArgument);
+}
+
+TEST(SegmentTissue, RefusesAScanThatNeedsMoreMemoryThanIsAllowed) {
+  const double needed_gib = kPromisedBytes * double(scan().grid.voxel_count()) / double(1 << 30);
+  ASSERT_TRUE(segment_tissue(scan(), {.most_memory_gib = 1.01 * needed_gib}));
+  const Error error = error_of(scan(), {.most_memory_gib = 0.99 * needed_gib});
+  EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(error.message.find("GiB of memory"), std::string::npos) << error.message;
+}
+
+/// A line of /proc/self/status [bytes]; 0 where there is none.
+double status_bytes(const std::string& name) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with(name + ":")) return 1024.0 * std::stod(line.substr(name.size() + 1));
+  return 0.0;
+}
+
+TEST(SegmentTissue, TakesNoMoreMemoryThanItPromises) {
+  HeadPhantom head;
+  head.spacing_mm = {1.0, 1.0, 1.1};
+  const image::CtVolume ct = head.scan();
+  if (!(std::ofstream("/proc/self/clear_refs") << "5" << std::flush) || status_bytes("VmHWM") == 0)
+    GTEST_SKIP() << "the system does not tell the peak of memory";
+  const double before = status_bytes("VmHWM");  // Begun anew by the 5 above.
+  if (status_bytes("VmPeak") > 1e12) GTEST_SKIP() << "a sanitizer takes memory of its own";
+  ASSERT_TRUE(segment_tissue(ct));
+  const double per_voxel = (status_bytes("VmHWM") - before) / double(ct.grid.voxel_count());
+  RecordProperty("bytes_per_voxel", std::to_string(per_voxel));
+  EXPECT_LT(per_voxel, kPromisedBytes);
+  EXPECT_GT(per_voxel, 0.3 * kPromisedBytes) << "promise less";
 }
 
 TEST(SegmentTissue, StopsWhenAsked) {

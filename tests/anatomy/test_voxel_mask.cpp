@@ -92,8 +92,51 @@ TEST(Smoothed, KeepsConstantsAndLinearRampsAndSums) {
     for (Index j = 0; j < 21; ++j)
       for (Index k = 0; k < 21; ++k)
         second_moment += std::pow(double(k - 10), 2) * double(blob.at(i, j, k));
-  EXPECT_NEAR(std::sqrt(second_moment), 1.2, 0.02);
+  EXPECT_NEAR(std::sqrt(second_moment) * grid.spacing_mm[2], 1.2, 0.02);
   EXPECT_EQ(smoothed(spike, 0.0).values, spike.values);
+}
+
+TEST(Smoothed, TheGaussianHasOneWidthInMmOnVoxelsOfAnyShape) {
+  for (const Vec3& spacing_mm : {Vec3(0.4, 0.4, 3.0), Vec3(0.3, 0.3, 0.3), Vec3(1.0, 2.0, 0.7)}) {
+    image::ScalarVolume spike{{{61, 61, 61}, spacing_mm, {0, 0, 0}, Mat3::Identity()}, {}};
+    spike.values.assign(61 * 61 * 61, 0.0F);
+    spike.at(30, 30, 30) = 1.0F;
+    const image::ScalarVolume blob = smoothed(spike, 2.5);
+    Vec3 second_moment = Vec3::Zero();
+    for (Index k = 0; k < 61; ++k)
+      for (Index j = 0; j < 61; ++j)
+        for (Index i = 0; i < 61; ++i)
+          second_moment += (Vec3(double(i), double(j), double(k)) - Vec3(30, 30, 30))
+                               .cwiseProduct(spacing_mm)
+                               .cwiseAbs2() *
+                           double(blob.at(i, j, k));
+    for (Index axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(std::sqrt(second_moment[axis]), 2.5, 0.05) << spacing_mm.transpose();
+  }
+}
+
+TEST(VoxelMask, FacesOfTheGridDoNotErodeASetButClosingFillsTheGapToThem) {
+  Mask slab{{{12, 3, 3}, {1, 1, 1}, {0, 0, 0}, Mat3::Identity()}, {}};
+  for (Index v = 0; v < 12 * 9; ++v) slab.values.push_back(v % 12 >= 6 && v % 12 < 10 ? 1 : 0);
+  const Mask thin = eroded(slab, 1.0), tight = closed(slab, 2.0);
+  for (Index i = 0; i < 12; ++i) {
+    EXPECT_EQ(thin.at(i, 0, 0), i == 7 || i == 8 ? 1 : 0) << i;  // j and k = 0 are faces.
+    EXPECT_EQ(tight.at(i, 1, 1), i >= 6 ? 1 : 0) << i;           // Two voxels to the face i = 11.
+  }
+}
+
+TEST(VoxelMask, SurroundingsAreALengthAndTheNextVoxelAtLeast) {
+  Mask dot{{{21, 21, 21}, {0.4, 0.4, 3.0}, {0, 0, 0}, Mat3::Identity()}, {}};
+  dot.values.assign(21 * 21 * 21, 0);
+  dot.at(10, 10, 10) = 1;
+  const Mask around = with_surroundings(dot, 1.5);
+  for (Index k = 0; k < 21; ++k)
+    for (Index j = 0; j < 21; ++j)
+      for (Index i = 0; i < 21; ++i) {
+        const bool next = i == 10 && j == 10 && std::abs(k - 10) == 1;
+        const bool near = k == 10 && std::hypot(0.4 * double(i - 10), 0.4 * double(j - 10)) <= 1.5;
+        ASSERT_EQ(around.at(i, j, k), next || near ? 1 : 0) << i << ' ' << j << ' ' << k;
+      }
 }
 
 TEST(FloodBasins, SeedsMeetAtTheNarrowestPlace) {

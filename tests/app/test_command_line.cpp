@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_edges.h>
+#include <lefort/geometry/mesh_measures.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
@@ -86,9 +86,8 @@ TEST(CommandLine, SegmentWritesLabelsAndClosedSurfaces) {
   const auto skin = io::read_surface(folder / "anatomy/skin.vtp");
   ASSERT_TRUE(skin) << skin.error().message;
   for (const geometry::TriangleMesh* surface : {&*skull, &*skin}) {
-    const geometry::MeshEdges edges = geometry::find_edges(*surface);
-    for (Index edge = 0; edge < edges.edge_count(); ++edge)
-      ASSERT_EQ(edges.uses_of(edge).size(), 2U) << "edge " << edge << " is open";
+    const auto open_edge = geometry::first_open_edge(*surface);
+    EXPECT_FALSE(open_edge) << geometry::describe(*open_edge);
   }
   EXPECT_GT(nlohmann::json::parse(run.out)["volumes_ml"]["brain"], 0.0);
 }
@@ -142,12 +141,13 @@ TEST(CommandLine, BadInputIsOneLineAndLeavesNothing) {
   const long before = folder.entry_count();
   const std::string out = quoted(folder / "out");
   expect_clean_failure(run_lefort("import /nonexistent -o " + quoted(folder / "o.nrrd")),
-                       "/nonexistent", folder, before);
+                       "the scan does not exist", folder, before);
+  // Not the file's name, which is the patient's often enough.
   expect_clean_failure(
       run_lefort("import " + quoted(folder / "garbage.nrrd") + " -o " + quoted(folder / "o.nrrd")),
-      "garbage.nrrd", folder, before);
+      "NRRD file: the header", folder, before);
   expect_clean_failure(run_lefort("segment " + quoted(folder / "garbage.nrrd") + " -o " + out),
-                       "garbage.nrrd", folder, before);
+                       "NRRD file: the header", folder, before);
   expect_clean_failure(run_lefort("field build " + quoted(folder / "garbage.stl") + " -o " + out),
                        "garbage.stl", folder, before);
   expect_clean_failure(run_lefort("field query " + quoted(folder / "garbage.field") + " " +

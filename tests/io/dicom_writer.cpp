@@ -53,6 +53,7 @@ void write_dicom(const std::filesystem::path& file, const DicomSlice& slice) {
   insert(data, 0x0018, 0x1120, VR::DS, slice.gantry_tilt);
   insert(data, 0x0020, 0x000d, VR::UI, "1.2.826.0.1.3680043.2.1125.9");
   insert(data, 0x0020, 0x000e, VR::UI, slice.series_uid);
+  insert(data, 0x0020, 0x0013, VR::IS, slice.instance_number);
   insert(data, 0x0020, 0x0032, VR::DS, slice.position);
   insert(data, 0x0020, 0x0037, VR::DS, slice.orientation);
   insert(data, 0x0028, 0x0008, VR::IS, slice.frames);
@@ -83,6 +84,7 @@ std::vector<DicomSlice> dicom_slices(const image::CtVolume& ct, double slope, do
   for (Index k = 0; k < grid.size[2]; ++k) {
     DicomSlice slice;
     slice.instance_uid = fmt::format("1.2.826.0.1.3680043.2.1125.1.{}", k + 1);
+    slice.instance_number = fmt::format("{}", k + 11);
     slice.position = text(grid.point_L(Vec3(0.0, 0.0, static_cast<double>(k))));
     slice.orientation = text(grid.direction.col(0)) + "\\" + text(grid.direction.col(1));
     slice.pixel_spacing = fmt::format("{}\\{}", grid.spacing_mm.y(), grid.spacing_mm.x());

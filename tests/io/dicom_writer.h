@@ -19,7 +19,7 @@ struct DicomSlice {
   std::string modality = "CT";
   std::string image_type = "ORIGINAL\\PRIMARY\\AXIAL";
   std::string patient_name = "DOE^JANE";
-  std::string position, orientation, pixel_spacing;
+  std::string instance_number, position, orientation, pixel_spacing;
   std::string slope = "1", intercept = "-1024", gantry_tilt;
   std::uint16_t columns = 0, rows = 0, samples_per_pixel = 1;
   std::string frames;

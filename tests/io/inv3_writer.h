@@ -15,15 +15,16 @@
 
 namespace lefort::test {
 
-/// A member of a tar archive: header block, bytes, padding.
-inline std::string tar_member(const std::string& name, const std::string& bytes, char type = '0') {
+/// A member of a tar archive: header block, bytes, padding. Its header may claim another size.
+inline std::string tar_member(const std::string& name, const std::string& bytes, char type = '0',
+                              std::uint64_t claimed_bytes = 0) {
   std::string block(512, '\0');
   const auto put = [&](std::size_t at, const std::string& text) {
     block.replace(at, text.size(), text);
   };
   put(0, name);
   put(100, "0000644");
-  put(124, fmt::format("{:011o}", bytes.size()));
+  put(124, fmt::format("{:011o}", claimed_bytes > 0 ? claimed_bytes : bytes.size()));
   put(136, "00000000000");
   put(156, std::string(1, type));
   put(257, "ustar");

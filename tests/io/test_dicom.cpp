@@ -1,7 +1,9 @@
 #include <lefort/io/dicom.h>
+#include <lefort/io/internal/dicom_codec.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 
@@ -24,8 +26,8 @@ using test::write_dicom_series;
 /// The message of the error that reading `slices` gives.
 std::string complaint(const std::vector<DicomSlice>& slices, ErrorCode code) {
   const TemporaryFolder folder;
-  write_dicom_series(folder.path(), slices);
-  const auto result = read_dicom_series(folder.path());
+  write_dicom_series(folder / "DOE^JANE", slices);
+  const auto result = read_dicom_series(folder / "DOE^JANE");
   if (result) {
     ADD_FAILURE() << "no error";
     return "";
@@ -111,6 +113,41 @@ TEST(Dicom, ReadsLosslessJpeg) {
   EXPECT_EQ(found->ct.values, ct.values);
 }
 
+TEST(Dicom, NoMessageHasTheNameOfAFileOrFolder) {
+  const TemporaryFolder folder;
+  const auto study = folder / "DOE_JANE_19610412";
+  const auto expect_discreet = [&](const std::string& part) {
+    const auto result = read_dicom_series(study);
+    ASSERT_FALSE(result);
+    EXPECT_TRUE(has(result.error().message, part)) << result.error().message;
+    EXPECT_FALSE(has(result.error().message, "DOE")) << result.error().message;
+    EXPECT_FALSE(has(result.error().message, "tmp")) << result.error().message;
+  };
+  expect_discreet("the folder cannot be listed");
+  std::filesystem::create_directory(study);
+  expect_discreet("holds no DICOM files");
+  const auto fill = [&](auto slices) {
+    std::filesystem::remove_all(study);
+    std::filesystem::create_directory(study);
+    for (std::size_t k = 0; k < slices.size(); ++k)
+      write_dicom(study / fmt::format("DOE_{}.dcm", k), slices[k]);
+  };
+  const auto fresh = dicom_slices(sample_scan());
+  auto slices = fresh;
+  for (DicomSlice& slice : slices) slice.modality = "MR";
+  fill(slices);
+  expect_discreet("holds no CT series");
+  fill(std::vector<DicomSlice>(fresh.begin() + 1, fresh.end()));
+  const std::string whole = test::bytes_of(study / "DOE_3.dcm");
+  test::write_bytes(study / "DOE_3.dcm", whole.substr(0, whole.size() - 20));
+  expect_discreet("file 4");
+  slices = fresh;
+  for (DicomSlice& slice : slices) slice.instance_number = "";
+  slices[2].position = "";
+  fill(slices);
+  expect_discreet("DICOM file 3: the image position is missing");
+}
+
 TEST(Dicom, ForeignFilesArePassedOverWithAWarning) {
   const TemporaryFolder folder;
   write_dicom_series(folder.path(), dicom_slices(sample_scan()));
@@ -139,6 +176,53 @@ TEST(Dicom, TheOnlyCtIsTakenAmongOtherSeries) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->ct.values, ct.values);
   EXPECT_EQ(found->warnings, std::vector<std::string>{"2 other series were passed over"});
+}
+
+TEST(Dicom, DamagedFilesOfOtherSeriesArePassedOver) {
+  const TemporaryFolder folder;
+  const auto ct = sample_scan();
+  write_dicom_series(folder.path(), dicom_slices(ct));
+  DicomSlice scout = dicom_slices(ct)[0];
+  scout.series_uid = "1.2.3.5";
+  scout.image_type = "ORIGINAL\\PRIMARY\\LOCALIZER";
+  write_dicom(folder / "scout.dcm", scout);
+  const std::string whole = test::bytes_of(folder / "scout.dcm");
+  test::write_bytes(folder / "scout.dcm", whole.substr(0, whole.size() - 20));
+  const auto known = read_dicom_series(folder.path());
+  ASSERT_TRUE(known) << known.error().message;
+  EXPECT_EQ(known->ct.values, ct.values);
+  EXPECT_EQ(known->warnings, (std::vector<std::string>{"1 other series were passed over",
+                                                       "1 files of them are damaged"}));
+
+  test::write_bytes(folder / "scout.dcm", whole.substr(0, 200));  // Before its series is named.
+  const auto unknown = read_dicom_series(folder.path());
+  ASSERT_TRUE(unknown) << unknown.error().message;
+  EXPECT_EQ(unknown->ct.values, ct.values);
+  ASSERT_EQ(unknown->warnings.size(), 1U);
+  EXPECT_TRUE(has(unknown->warnings[0], "1 DICOM files cannot be read")) << unknown->warnings[0];
+  EXPECT_TRUE(has(unknown->warnings[0], "DICOM file 1: it is truncated")) << unknown->warnings[0];
+}
+
+TEST(Dicom, ADamagedFileOfTheSeriesIsAnErrorEvenAtItsEnd) {
+  const TemporaryFolder folder;
+  write_dicom_series(folder.path(), dicom_slices(sample_scan()));
+  const std::string whole = test::bytes_of(folder / "slice-005.dcm");
+  test::write_bytes(folder / "slice-005.dcm", whole.substr(0, whole.size() - 20));
+  const auto result = read_dicom_series(folder.path());
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(result.error().message, "slice 16 (file 6)")) << result.error().message;
+}
+
+TEST(Dicom, AnUnreadableFileIsNamedWhenASliceIsMissing) {
+  const TemporaryFolder folder;
+  write_dicom_series(folder.path(), dicom_slices(sample_scan()));
+  test::write_bytes(folder / "slice-002.dcm", "");
+  const auto result = read_dicom_series(folder.path());
+  ASSERT_FALSE(result);
+  EXPECT_TRUE(has(result.error().message, "1 slices are missing")) << result.error().message;
+  EXPECT_TRUE(has(result.error().message, "DICOM file 3: it is truncated"))
+      << result.error().message;
 }
 
 TEST(Dicom, OfSeveralCtsOneMustBeChosen) {
@@ -183,7 +267,7 @@ TEST(Dicom, AMissingSliceIsNoticedAndPlaced) {
   auto slices = dicom_slices(sample_scan());
   slices.erase(slices.begin() + 3);
   const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(message, "1 slices are missing between files slice-002.dcm and slice-003.dcm"))
+  EXPECT_TRUE(has(message, "1 slices are missing between slice 13 (file 3) and slice 15 (file 4)"))
       << message;
   EXPECT_TRUE(has(message, "2.5 mm")) << message;
 }
@@ -198,9 +282,41 @@ TEST(Dicom, UnevenSlicesAreRefusedAndSlightlyUnevenOnesNamed) {
   write_dicom_series(folder.path(), slices);
   const auto found = read_dicom_series(folder.path());
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_NEAR(found->ct.grid.spacing_mm.z(), 1.25, 1e-9);
+  // Least squares: slice 3 of 0 ... 5 is 0.04 mm too high, half a slice beyond the middle.
+  const double slope_mm = 1.25 + 0.5 * 0.04 / 17.5;
+  EXPECT_NEAR(found->ct.grid.spacing_mm.z(), slope_mm, 1e-9);
+  EXPECT_NEAR(found->ct.grid.origin_L.z(), 12.0 + 2.5 * 1.25 + 0.04 / 6.0 - 2.5 * slope_mm, 1e-9);
   ASSERT_EQ(found->warnings.size(), 1U);
-  EXPECT_TRUE(has(found->warnings[0], "1.21 to 1.29 mm"));
+  EXPECT_TRUE(has(found->warnings[0], "1.21 to 1.29 mm")) << found->warnings[0];
+}
+
+TEST(Dicom, SmallErrorsOfTheDistanceMayNotAddUp) {
+  auto ct = sample_scan();
+  ct.grid.size[2] = 60;
+  ct.values.resize(7 * 5 * 60);
+  auto slices = dicom_slices(ct);
+  // Every step is within 4 % of the others, but the middle would lie 0.3 mm from its place.
+  for (std::size_t k = 0; k < slices.size(); ++k)
+    slices[k].position = fmt::format(
+        "-80.5\\-31.25\\{}", 12.0 + 1.25 * double(k) + (k > 30 ? 0.05 * double(k - 30) : 0.0));
+  const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(message, "from its place in an even stack")) << message;
+}
+
+TEST(Dicom, AnInnerSliceBesideTheStackIsNamed) {
+  auto slices = dicom_slices(sample_scan());
+  slices[3].position = "-80.27\\-31.25\\15.75";  // 0.23 mm to the left; a pixel is 0.4 mm.
+  const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(message, "slice 14 (file 4) lies 0.23 mm beside")) << message;
+  slices[2].position = "-50.5\\-31.25\\14.5";
+  slices[3].position = "-50.5\\-31.25\\15.75";
+  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "30 mm beside"));
+
+  slices = dicom_slices(sample_scan());
+  slices[3].position = "-80.4\\-31.25\\15.75";  // A quarter of a pixel.
+  const TemporaryFolder folder;
+  write_dicom_series(folder.path(), slices);
+  EXPECT_TRUE(read_dicom_series(folder.path()));
 }
 
 TEST(Dicom, CopiesAreLeftOutButTwoSlicesAtOnePlaceAreRefused) {
@@ -229,7 +345,7 @@ TEST(Dicom, SlicesThatDoNotFitTogetherAreNamed) {
   slices = fresh;
   slices[4].pixel_spacing = "0.5\\0.41";
   const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(message, "pixel spacing: files slice-000.dcm and slice-004.dcm")) << message;
+  EXPECT_TRUE(has(message, "pixel spacing: slice 11 (file 1) and slice 15 (file 5)")) << message;
 }
 
 TEST(Dicom, AFileWithoutAPlaceIsNamed) {
@@ -241,7 +357,7 @@ TEST(Dicom, AFileWithoutAPlaceIsNamed) {
   };
   const auto unsupported = ErrorCode::kFileUnsupported;
   EXPECT_TRUE(has(complaint(broken([](auto& s) { s.position = ""; }), unsupported),
-                  "slice-002.dcm: the image position"));
+                  "DICOM slice 13 (file 3): the image position"));
   EXPECT_TRUE(
       has(complaint(broken([](auto& s) { s.position = "1\\2\\x"; }), unsupported), "position"));
   EXPECT_TRUE(
@@ -256,7 +372,7 @@ TEST(Dicom, AFileWithoutAPlaceIsNamed) {
                   "axes deviate"));
   EXPECT_TRUE(
       has(complaint(broken([](auto& s) { s.position = "nan\\0\\0"; }), ErrorCode::kFileCorrupt),
-          "slice-002.dcm"));
+          "slice 13"));
 }
 
 TEST(Dicom, GridsThatCannotBeAreRefused) {
@@ -299,6 +415,36 @@ TEST(Dicom, AMissingInterceptIsAWarning) {
   EXPECT_TRUE(has(found->warnings.at(1), "may not be in HU"));
 }
 
+TEST(Dicom, AMissingSlopeIsAWarning) {
+  const TemporaryFolder folder;
+  const auto ct = sample_scan();
+  auto slices = dicom_slices(ct);
+  for (DicomSlice& slice : slices) slice.slope = "";
+  write_dicom_series(folder.path(), slices);
+  const auto found = read_dicom_series(folder.path());
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->ct.values, ct.values);
+  EXPECT_EQ(found->warnings,
+            std::vector<std::string>{"the files give no rescale slope, 1 was taken"});
+}
+
+TEST(Dicom, ASliceOnAnotherScaleThanItsNeighboursIsRefused) {
+  const auto fresh = dicom_slices(sample_scan());
+  auto slices = fresh;
+  slices[3].intercept = "";
+  EXPECT_TRUE(
+      has(complaint(slices, ErrorCode::kFileCorrupt), "5 of 6 slices give a rescale inter"));
+  slices = fresh;
+  for (std::size_t k = 1; k < 6; ++k) slices[k].slope = "";
+  EXPECT_TRUE(
+      has(complaint(slices, ErrorCode::kFileCorrupt), "1 of 6 slices give a rescale slope"));
+  for (const char* const slope : {"0", "nan", "inf"}) {
+    slices = fresh;
+    slices[3].slope = slope;
+    EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "rescaled by")) << slope;
+  }
+}
+
 TEST(Dicom, ATruncatedFileIsNamedAtWhateverLength) {
   for (const bool compressed : {false, true}) {
     const TemporaryFolder folder;
@@ -315,7 +461,7 @@ TEST(Dicom, ATruncatedFileIsNamedAtWhateverLength) {
       if (result && compressed && result->ct.values == ct.values) continue;
       ASSERT_FALSE(result) << length << " of " << whole.size();
       test::expect_one_sentence(result.error().message);
-      EXPECT_TRUE(has(result.error().message, "slice-004.dcm") ||
+      EXPECT_TRUE(has(result.error().message, "file 5") ||
                   has(result.error().message, "1 slices are missing"))
           << length << ": " << result.error().message;
     }
@@ -333,6 +479,52 @@ TEST(Dicom, StopsWhenAsked) {
   write_dicom_series(folder.path(), dicom_slices(sample_scan()));
   StopsAtOnce progress;
   EXPECT_EQ(read_dicom_series(folder.path(), 0, progress).error().code, ErrorCode::kCancelled);
+}
+
+/// A compressed slice, or what looks like one.
+class DicomCodec : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_dicom(file_, dicom_slices(sample_scan())[2]);
+    test::compress_dicom(file_);
+  }
+  [[nodiscard]] std::string complaint(const CodecLimits& limits, ErrorCode code,
+                                      Progress& progress = Progress::none()) const {
+    const auto result = decode_dicom_pixels(file_, 35, progress, limits);
+    if (result) return "decoded";
+    EXPECT_EQ(result.error().code, code);
+    return result.error().message;
+  }
+  TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_ / "slice.dcm";
+};
+
+TEST_F(DicomCodec, DecodesWithinItsLimits) {
+  const auto found = decode_dicom_pixels(file_, 35);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ((*found)[1], -1000 + 14 * 71 + 1024);
+}
+
+TEST_F(DicomCodec, EndsACodecThatNeedsTooMuchMemory) {
+  DicomSlice large = dicom_slices(sample_scan())[2];
+  large.columns = large.rows = 1024;
+  large.stored.assign(1024 * 1024, 7);
+  write_dicom(file_, large);
+  test::compress_dicom(file_);
+  ASSERT_TRUE(decode_dicom_pixels(file_, 1024 * 1024));
+  const auto result =
+      decode_dicom_pixels(file_, 1024 * 1024, Progress::none(), {.memory_bytes = 1 << 20});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt);
+}
+
+TEST_F(DicomCodec, EndsACodecThatHangs) {
+  std::filesystem::remove(file_);
+  ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);  // Nobody writes: it never gives a byte.
+  EXPECT_TRUE(has(complaint({.time = std::chrono::milliseconds(50)}, ErrorCode::kFileCorrupt),
+                  "longer than 50 ms"));
+  StopsAtOnce progress;
+  EXPECT_TRUE(has(complaint({}, ErrorCode::kCancelled, progress), "stopped"));
 }
 
 }  // namespace

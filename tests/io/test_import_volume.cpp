@@ -43,6 +43,31 @@ TEST(ImportVolume, RefusesWhatIsMissingOrStrange) {
   EXPECT_EQ(import_volume(folder / "a.stl").error().code, ErrorCode::kFileUnsupported);
 }
 
+TEST(ImportVolume, NoMessageHasTheNameOfTheScan) {
+  const TemporaryFolder folder;
+  const auto expect_discreet = [&](const char* ending) {
+    const auto result = import_volume(folder / (std::string("DOE^JANE") + ending));
+    ASSERT_FALSE(result) << ending;
+    test::expect_one_sentence(result.error().message);
+    EXPECT_EQ(result.error().message.find("DOE"), std::string::npos) << result.error().message;
+    EXPECT_EQ(result.error().message.find(folder.path().filename().string()), std::string::npos);
+  };
+  for (const char* const ending :
+       {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".inv3", ".stl", ""}) {
+    expect_discreet(ending);  // Missing.
+    test::write_bytes(folder / (std::string("DOE^JANE") + ending), "NRRD0004\nDOE^JANE\n");
+    expect_discreet(ending);
+  }
+  test::write_gzip(folder / "DOE^JANE.inv3",
+                   test::inv3_archive(test::to_xml({.dtype = "float64"}), test::inv3_matrix()));
+  expect_discreet(".inv3");
+  test::write_gzip(folder / "DOE^JANE.inv3",
+                   test::inv3_archive(test::to_xml({}), test::inv3_matrix() + "xx"));
+  expect_discreet(".inv3");
+  test::write_gzip(folder / "DOE^JANE.inv3", test::tar_member("other", "x"));
+  expect_discreet(".inv3");
+}
+
 /// Every way of damaging a file gives an error in one sentence or, where the damage does not
 /// matter, the scan; never a crash, and nothing is printed.
 class DamagedScan : public ::testing::TestWithParam<const char*> {

@@ -121,10 +121,24 @@ TEST(Inv3, RefusesFilesThatAreNoProject) {
 
 TEST(Inv3, AnEntryThatClaimsToBeHugeCostsNothing) {
   const TemporaryFolder folder;
-  std::string archive = test::inv3_archive(test::to_xml({}), test::inv3_matrix());
-  archive.replace(124, 12, "77777777777 ");  // 8 GiB of matrix.dat; now the checksum is wrong.
-  test::write_gzip(folder / "a.inv3", archive);
-  EXPECT_FALSE(read_inv3(folder / "a.inv3"));
+  const auto complaint = [&](const std::string& name, std::uint64_t claimed_bytes) {
+    test::write_gzip(folder / "a.inv3",
+                     test::tar_member("main.plist", test::to_xml({})) +
+                         test::tar_member(name, test::inv3_matrix(), '0', claimed_bytes));
+    const auto result = read_inv3(folder / "a.inv3");
+    return result ? std::string("read") : result.error().message;
+  };
+  constexpr std::uint64_t kGib = std::uint64_t{1} << 30;
+  // Of the voxels no more than the shape needs, of all else no more than 8 GiB are gone through.
+  EXPECT_EQ(complaint("matrix.dat", 8 * kGib - 1),
+            "matrix.dat in the archive has 8589934591 bytes, expected at most 48");
+  EXPECT_EQ(complaint("matrix.dat", 49),
+            "matrix.dat in the archive has 49 bytes, expected at most 48");
+  EXPECT_EQ(complaint("mask.dat", 8 * kGib - 1), "the archive is truncated or damaged");
+  std::string wrong = test::tar_member("matrix.dat", test::inv3_matrix());
+  wrong.replace(124, 11, "00000000061");  // The checksum no longer fits.
+  test::write_gzip(folder / "a.inv3", test::tar_member("main.plist", test::to_xml({})) + wrong);
+  EXPECT_NE(read_inv3(folder / "a.inv3").error().message.find("damaged one"), std::string::npos);
   const std::string entry = test::tar_member("main.plist", std::string(2 << 20, ' '));
   test::write_gzip(folder / "a.inv3", entry);
   EXPECT_NE(read_inv3(folder / "a.inv3").error().message.find("2097152 bytes"), std::string::npos);

@@ -158,6 +158,31 @@ TEST(PlanFile, NamesTheFileThatIsMissingOrNoJson) {
   }
 }
 
+TEST(PlanFile, RefusesNumbersBeyondWhatADoubleHolds) {
+  const std::string text = good_plan().dump();
+  for (const char* const number : {"1e999", "-1e999"}) {
+    std::string bad = text;
+    bad.replace(bad.find("300"), 3, number);
+    const auto plan = parse_plan(bad, ".");
+    ASSERT_FALSE(plan);
+    EXPECT_EQ(plan.error().code, ErrorCode::kPlanInvalid);
+    EXPECT_NE(plan.error().message.find("too large"), std::string::npos) << plan.error().message;
+  }
+}
+
+TEST(PlanFile, RefusesAKeyThatStandsTwice) {
+  const std::string text = good_plan().dump();
+  const auto complaint = [&](const std::string& before, const std::string& more) {
+    std::string twice = text;
+    twice.insert(twice.find(before), more);
+    const auto plan = parse_plan(twice, ".");
+    return plan ? std::string("read") : plan.error().message;
+  };
+  EXPECT_EQ(complaint("\"title\"", "\"title\": \"other\", "), "key title stands twice");
+  EXPECT_EQ(complaint("\"bone_hu\"", "\"bone_hu\": 500, "), "key bone_hu stands twice");
+  EXPECT_EQ(complaint("\"translation_mm\"", "\"at\": 0.25, "), "key at stands twice");
+}
+
 TEST(PlanFile, SurvivesAnyDamage) {
   const std::string good = good_plan().dump();
   std::mt19937 generator(11);

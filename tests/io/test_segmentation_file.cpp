@@ -139,6 +139,37 @@ TEST(SegmentationFile, RefusesLabelsThatLieBetweenTheVoxelsOfTheScan) {
   }
 }
 
+TEST(SegmentationFile, RefusesLabelsBesideTheScanAndTellsOfThoseThatReachBeyondIt) {
+  const TemporaryFolder folder;
+  const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
+  class Notes : public Progress {
+   public:
+    void note(std::string_view sentence) override { sentences.emplace_back(sentence); }
+    std::vector<std::string> sentences;
+  } notes;
+  const auto code = [&](const image::Grid& grid) {
+    const auto result = read_segmentation(folder / "a.seg.nrrd", grid, notes);
+    return result ? ErrorCode::kNotConverged : result.error().code;
+  };
+  // Soft tissue in all four voxels, (2, 1, 2) to (3, 2, 2) of the scan.
+  write_bytes(folder / "a.seg.nrrd",
+              slicer_file(kSlicerSegments, std::string("\1\0\1\0\1\0\1\0", 8)));
+  EXPECT_EQ(code(scan), ErrorCode::kNotConverged);
+  EXPECT_TRUE(notes.sentences.empty());
+  image::Grid narrow = scan;
+  narrow.size[0] = 3;
+  EXPECT_EQ(code(narrow), ErrorCode::kNotConverged);
+  EXPECT_EQ(notes.sentences,
+            std::vector<std::string>{
+                "50 % of the labelled voxels lie outside the scan and are left out"});
+  image::Grid beside = scan;
+  beside.origin_L.x() += 5.0;
+  EXPECT_EQ(code(beside), ErrorCode::kFileCorrupt);
+  // Nothing but background within.
+  write_bytes(folder / "a.seg.nrrd", slicer_file(kSlicerSegments, std::string(8, '\0')));
+  EXPECT_EQ(code(scan), ErrorCode::kFileCorrupt);
+}
+
 TEST(SegmentationFile, RefusesFilesWithoutTissuesOrWithWrongSegments) {
   const TemporaryFolder folder;
   const auto code = [&](const std::string& segments) {

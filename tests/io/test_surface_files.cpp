@@ -2,6 +2,7 @@
 #include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <fstream>
@@ -238,15 +239,24 @@ TEST(SurfaceFiles, RefusesEmptyAndForeignFiles) {
 TEST(SurfaceFiles, RefusesCoordinatesThatAreNotFinite) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const char* name : {"a.vtp", "a.stl", "a.ply", "a.obj"})
-    for (const double bad : {double(nan), std::numeric_limits<double>::infinity()}) {
-      TriangleMesh mesh = tetrahedron();
-      mesh.vertices[2][1] = bad;
-      const TemporaryFolder folder;
-      ASSERT_TRUE(write_surface(folder / name, mesh));
-      const auto read = read_surface(folder / name);
-      ASSERT_FALSE(read) << name;
-      EXPECT_EQ(read.error().code, ErrorCode::kFileCorrupt);
-    }
+    for (const double bad : {double(nan), std::numeric_limits<double>::infinity()})
+      for (const std::size_t vertex : {0U, 1U, 2U, 3U})
+        for (const Index axis : {0, 1, 2}) {
+          TriangleMesh mesh = tetrahedron();
+          mesh.vertices[vertex][axis] = bad;
+          const TemporaryFolder folder;
+          ASSERT_TRUE(write_surface(folder / name, mesh));
+          const auto read = read_surface(folder / name);
+          ASSERT_FALSE(read) << name << ", vertex " << vertex << ", axis " << axis;
+          EXPECT_EQ(read.error().code, ErrorCode::kFileCorrupt);
+        }
+}
+
+TEST(SurfaceFiles, ATextStlWithACornerThatIsNoNumberIsRefused) {
+  EXPECT_EQ(code_of("a.stl",
+                    "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nvertex nan 0 0\n"
+                    "vertex 1 0 0\nvertex 0 0 1\nendsolid\n"),
+            ErrorCode::kFileCorrupt);
 }
 
 TEST(SurfaceFiles, RefusesCornersThatAreNoVertex) {
@@ -276,6 +286,52 @@ TEST(SurfaceFiles, NoCountInAHeaderIsBelieved) {
                     "byte_order=\"LittleEndian\"><PolyData><Piece NumberOfPoints=\"99999999999\" "
                     "NumberOfPolys=\"1\"></Piece></PolyData></VTKFile>"),
             ErrorCode::kFileCorrupt);
+}
+
+/// A surface whose points are `count` zeros in one block of zlib, `copies` times.
+std::string vtp_of_zeros(std::size_t count, int copies, bool shares) {
+  const std::string zeros(count, '\0');
+  std::string packed(count / 500 + 1000, '\0');
+  uLongf length = packed.size();
+  EXPECT_EQ(compress2(reinterpret_cast<Bytef*>(packed.data()), &length,
+                      reinterpret_cast<const Bytef*>(zeros.data()), zeros.size(), 9),
+            Z_OK);
+  packed.resize(length);
+  std::string data;
+  std::string pieces;
+  for (int n = 0; n < copies; ++n) {
+    pieces += "<Piece><Points><DataArray type=\"Int8\" format=\"appended\" offset=\"" +
+              std::to_string(shares ? 0 : data.size()) + "\"/></Points></Piece>";
+    for (const std::size_t size : {std::size_t(1), count, std::size_t(0), packed.size()})
+      data.append(reinterpret_cast<const char*>(&size), 4);
+    data += packed;
+  }
+  return "<VTKFile type=\"PolyData\" compressor=\"vtkZLibDataCompressor\"><PolyData>" + pieces +
+         "</PolyData><AppendedData encoding=\"raw\">_" + data + "</AppendedData></VTKFile>";
+}
+
+TEST(SurfaceFiles, AVtpMayNotUnpackToFarMoreThanItsLength) {
+  // Points alone make no surface, but what is read is not damaged.
+  const std::size_t million = 999'999;
+  EXPECT_EQ(code_of("a.vtp", vtp_of_zeros(million, 2, false)), ErrorCode::kMeshInvalid);
+  EXPECT_EQ(code_of("a.vtp", vtp_of_zeros(million, 2, true)), ErrorCode::kFileCorrupt);
+  // 9 MB each as numbers: within the limit one by one, not together.
+  EXPECT_EQ(code_of("a.vtp", vtp_of_zeros(million, 10, false)), ErrorCode::kFileCorrupt);
+}
+
+TEST(SurfaceFiles, ArraysOfAVtpThatMakeNoSurfaceAreNotRead) {
+  const auto mesh = read_bytes(
+      "a.vtp",
+      "<VTKFile type=\"PolyData\"><PolyData><FieldData>"
+      "<Array Name=\"TITLE\" format=\"ascii\" type=\"Int8\">no numbers</Array></FieldData><Piece>"
+      "<Points><DataArray format=\"ascii\">0 0 0 1 0 0 0 1 0</DataArray>"
+      "<DataArray format=\"ascii\">a second one</DataArray></Points><Polys>"
+      "<DataArray format=\"ascii\" Name=\"connectivity\">0 1 2</DataArray>"
+      "<DataArray format=\"ascii\" Name=\"offsets\">3</DataArray>"
+      "<DataArray format=\"ascii\" Name=\"faces\">no numbers</DataArray></Polys>"
+      "</Piece></PolyData></VTKFile>");
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_EQ(mesh->triangle_count(), 1);
 }
 
 /// Cutting a file short anywhere must be noticed, or leave whole triangles of the surface.

@@ -1,7 +1,10 @@
 #include <lefort/io/volume_files.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <csignal>
@@ -69,7 +72,7 @@ TEST_P(EveryFormat, KeepsTheFractionsOfAScalarVolume) {
 
 TEST_P(EveryFormat, BringsWhatNoCtHoldsIntoRangeAndSaysSo) {
   const TemporaryFolder folder;
-  // NIfTI's library has replaced what is not finite by 0 before we see it.
+  // NIfTI's library makes 0 of what is not finite, so we refuse it: see below.
   const bool keeps_nan = std::string(GetParam()).find(".nii") == std::string::npos;
   const float nan = keeps_nan ? std::numeric_limits<float>::quiet_NaN() : -9999.0F;
   const float inf = keeps_nan ? std::numeric_limits<float>::infinity() : 9999.0F;
@@ -133,6 +136,25 @@ TEST(VolumeFiles, WarnsOfValuesThatCanHardlyBeHounsfieldUnits) {
   const auto found = read_volume(folder / "a.nrrd");
   ASSERT_EQ(found->warnings.size(), 1U);
   EXPECT_NE(found->warnings[0].find("may not be in HU"), std::string::npos);
+}
+
+TEST(VolumeFiles, WarnsOfAFieldOfViewThatCutsThePatientOff) {
+  const TemporaryFolder folder;
+  image::CtVolume ct{{.size = {40, 40, 4}}, {}};
+  ct.values.assign(40 * 40 * 4, -1000);
+  for (Index k = 0; k < 4; ++k)
+    for (Index j = 10; j < 30; ++j)
+      for (Index i = 10; i < 30; ++i) ct.at(i, j, k) = 40;
+  ASSERT_TRUE(write_volume(folder / "a.nrrd", ct));
+  const auto cut = read_volume(folder / "a.nrrd");
+  ASSERT_EQ(cut->warnings.size(), 1U);
+  EXPECT_NE(cut->warnings[0].find("cuts tissue off over 3.2 cm2"), std::string::npos)
+      << cut->warnings[0];
+  for (Index k = 0; k < 4; ++k)  // With the half air, half tissue that skin has.
+    for (Index n = 9; n < 31; ++n)
+      for (const Index side : {9, 30}) ct.at(n, side, k) = ct.at(side, n, k) = -480;
+  ASSERT_TRUE(write_volume(folder / "a.nrrd", ct));
+  EXPECT_TRUE(read_volume(folder / "a.nrrd")->warnings.empty());
 }
 
 // The files below are written byte by byte, after the formats' own definitions, so that a mistake
@@ -255,6 +277,184 @@ TEST(Laterality, FilesThatLeaveItOpenAreRefused) {
   EXPECT_NE(nowhere.error().message.find("left"), std::string::npos);
 }
 
+/// The code of the error that `bytes` give as a file called `name`; kNotConverged for none.
+ErrorCode code_of(const TemporaryFolder& folder, const char* name, const std::string& bytes) {
+  write_bytes(folder / name, bytes);
+  const auto result = read_volume(folder / name);
+  if (result) return ErrorCode::kNotConverged;
+  test::expect_one_sentence(result.error().message);
+  return result.error().code;
+}
+
+void put_float(std::string& bytes, std::size_t at, float value) {
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+}
+
+/// nifti() with a qform of no rotation too, at the same place but for the sign `qfac`.
+std::string with_qform(std::string bytes, float qfac, float x_mm) {
+  put_float(bytes, 76, qfac);
+  bytes[252] = 1;
+  put_float(bytes, 268, x_mm), put_float(bytes, 272, 20.0F), put_float(bytes, 276, 30.0F);
+  return bytes;
+}
+
+TEST(Laterality, NiftiWhoseTwoPlacesContradictEachOtherIsRefused) {
+  const TemporaryFolder folder;
+  const std::string upright = nifti(1, {2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30});
+  EXPECT_EQ(code_of(folder, "a.nii", with_qform(upright, 1.0F, 10.0F)), ErrorCode::kNotConverged);
+  EXPECT_EQ(code_of(folder, "a.nii", with_qform(upright, 1.0F, 12.0F)), ErrorCode::kFileCorrupt);
+  EXPECT_EQ(code_of(folder, "a.nii", with_qform(upright, -1.0F, 10.0F)), ErrorCode::kFileCorrupt);
+  const std::string mirrored = nifti(1, {-2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30});
+  EXPECT_EQ(code_of(folder, "a.nii", with_qform(mirrored, 1.0F, 10.0F)), ErrorCode::kFileCorrupt);
+}
+
+TEST(VolumeFiles, NiftiWithAShearedOrStretchedSformOrOtherUnitsIsRefused) {
+  const TemporaryFolder folder;
+  const std::string upright = nifti(1, {2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30});
+  // The second axis leans by 0.3 of its length and is as long as it was.
+  const float along = 0.9F, up = std::sqrt(9.0F - along * along);
+  const std::string sheared = nifti(1, {2, along, 0, 10, 0, up, 0, 20, 0, 0, 4, 30});
+  EXPECT_EQ(code_of(folder, "a.nii", sheared), ErrorCode::kFileUnsupported);
+  EXPECT_EQ(code_of(folder, "a.nii", nifti(1, {2.1F, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30})),
+            ErrorCode::kFileCorrupt);
+  std::string metres = upright;
+  metres[123] = 1;
+  EXPECT_EQ(code_of(folder, "a.nii", metres), ErrorCode::kFileUnsupported);
+  std::string silent = upright;
+  silent[123] = 0;
+  EXPECT_EQ(code_of(folder, "a.nii", silent), ErrorCode::kNotConverged);
+  std::string negative = upright;
+  put_float(negative, 84, -3.0F);
+  EXPECT_EQ(code_of(folder, "a.nii", negative), ErrorCode::kFileCorrupt);
+}
+
+TEST(VolumeFiles, NiftiWithVoxelsThatAreNoNumbersIsRefusedWithTheirCount) {
+  const TemporaryFolder folder;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const auto complaint = [&](std::string bytes) {
+    write_bytes(folder / "a.nii", bytes);
+    const auto result = read_volume(folder / "a.nii");
+    return result ? std::string("read") : result.error().message;
+  };
+  std::string singles = nifti(1, {2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30}).substr(0, 352);
+  std::string doubles = singles;
+  singles[70] = 16, singles[72] = 32;  // Type and bits.
+  doubles[70] = 64, doubles[72] = 64;
+  for (const float value : {-100.0F, kNan, 40.0F, kInf, -kInf, 3e38F, 0.0F, -0.0F}) {
+    singles.append(reinterpret_cast<const char*>(&value), 4);
+    const auto wide = static_cast<double>(value);
+    doubles.append(reinterpret_cast<const char*>(&wide), 8);
+  }
+  EXPECT_NE(complaint(singles).find("3 of 8 voxels"), std::string::npos) << complaint(singles);
+  EXPECT_NE(complaint(doubles).find("3 of 8 voxels"), std::string::npos) << complaint(doubles);
+  const image::ScalarVolume volume{{.size = {3, 1, 1}}, {-100, kNan, 40}};
+  EXPECT_EQ(write_volume(folder / "b.nii.gz", volume).error().code, ErrorCode::kFileUnwritable);
+}
+
+TEST(VolumeFiles, NrrdInOtherUnitsOrWithoutDirectionsIsRefused) {
+  const TemporaryFolder folder;
+  const std::string axes =
+      "space: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n"
+      "space origin: (10,20,30)";
+  const auto read = [&](const std::string& fields) {
+    return code_of(folder, "a.nrrd", nrrd(fields));
+  };
+  EXPECT_EQ(read(axes), ErrorCode::kNotConverged);
+  EXPECT_EQ(read(axes + "\nspace units: \"mm\" \"mm\" \"mm\""), ErrorCode::kNotConverged);
+  EXPECT_EQ(read(axes + "\nspace units: \"m\" \"m\" \"m\""), ErrorCode::kFileUnsupported);
+  EXPECT_EQ(read(axes + "\nspace units: \"mm\" \"mm\" \"um\""), ErrorCode::kFileUnsupported);
+  EXPECT_EQ(read("space: left-posterior-superior"), ErrorCode::kFileUnsupported);
+}
+
+/// A MetaImage with these lines beside those that every one has.
+std::string metaimage(const std::string& lines, const std::string& voxels,
+                      const std::string& where = "LOCAL") {
+  return "ObjectType = Image\nNDims = 3\nBinaryDataByteOrderMSB = False\nDimSize = 2 2 2\n"
+         "ElementType = MET_SHORT\n" +
+         lines + "ElementDataFile = " + where + "\n" + voxels;
+}
+
+const std::string kPlaced =
+    "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 10 20 30\nElementSpacing = 2 3 4\n";
+
+TEST(Laterality, MetaImageThatLeavesItsPlaceOpenOrContradictsItselfIsRefused) {
+  const TemporaryFolder folder;
+  const std::string binary = "BinaryData = True\n", voxels = raw_bytes(kEightVoxels);
+  const auto read = [&](const std::string& lines) {
+    return code_of(folder, "a.mha", metaimage(binary + lines, voxels));
+  };
+  EXPECT_EQ(read(kPlaced), ErrorCode::kNotConverged);
+  EXPECT_EQ(read("ElementSpacing = 2 3 4\n"), ErrorCode::kFileUnsupported);
+  EXPECT_EQ(read("AnatomicalOrientation = RAS\nElementSpacing = 2 3 4\n"),
+            ErrorCode::kFileUnsupported);
+  EXPECT_EQ(read("TransformMatrix = 1 0 0 0 1 0 0 0 1\n"), ErrorCode::kFileUnsupported);
+  EXPECT_EQ(read(kPlaced + "DistanceUnits = cm\n"), ErrorCode::kFileUnsupported);
+  EXPECT_EQ(read(kPlaced + "AnatomicalOrientation = RAI\n"), ErrorCode::kNotConverged);
+  EXPECT_EQ(read(kPlaced + "AnatomicalOrientation = LPS\n"), ErrorCode::kNotConverged);
+  EXPECT_EQ(read(kPlaced + "AnatomicalOrientation = ???\n"), ErrorCode::kNotConverged);
+  EXPECT_EQ(read(kPlaced + "AnatomicalOrientation = RAS\n"), ErrorCode::kFileCorrupt);
+}
+
+/// `bytes` as a zlib stream.
+std::string zlib_stream(const std::string& bytes) {
+  std::string packed(1000, 'x');
+  uLongf length = packed.size();
+  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &length,
+                     reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()),
+            Z_OK);
+  packed.resize(length);
+  return packed;
+}
+
+TEST(VolumeFiles, MetaImageIsUnderstoodAsItkUnderstandsIt) {
+  const TemporaryFolder folder;
+  const std::string voxels = raw_bytes(kEightVoxels);
+  const std::string lines = "BinaryData = True\n" + kPlaced;
+  // Whatever begins with t is true: a short stream, padded, was taken for plain voxels.
+  for (const char* const yes : {"True", "TRUE", "true", "T", "1"}) {
+    const auto packed = [&](const std::string& stream) {
+      return metaimage(fmt::format("{}CompressedData = {}\nCompressedDataSize = {}\n", lines, yes,
+                                   stream.size()),
+                       stream);
+    };
+    for (const std::string& stream :
+         {zlib_stream(voxels.substr(0, 6)) + voxels, zlib_stream(voxels) + "xx"})
+      EXPECT_EQ(code_of(folder, "a.mha", packed(stream)), ErrorCode::kFileCorrupt) << yes;
+    write_bytes(folder / "a.mha", packed(zlib_stream(voxels)));
+    write_bytes(folder / "a.zraw", zlib_stream(voxels));
+    const std::string no_size = fmt::format("{}CompressedData = {}\n", lines, yes);
+    write_bytes(folder / "a.mhd", metaimage(no_size, "", "a.zraw"));
+    for (const char* const name : {"a.mha", "a.mhd"}) {
+      const auto found = read_volume(folder / name);
+      ASSERT_TRUE(found) << yes << ": " << found.error().message;
+      EXPECT_EQ(found->ct.values, kEightVoxels) << name;
+    }
+    EXPECT_EQ(code_of(folder, "a.mha", metaimage(no_size, zlib_stream(voxels))),
+              ErrorCode::kFileUnsupported);
+  }
+  EXPECT_EQ(
+      code_of(folder, "a.mha", metaimage("BinaryData = False\n" + kPlaced, "1 2 3 4 5 6 7 8")),
+      ErrorCode::kFileUnsupported);
+  EXPECT_EQ(code_of(folder, "a.mha", metaimage(lines + "HeaderSize = -1\n", voxels)),
+            ErrorCode::kFileUnsupported);
+  EXPECT_EQ(code_of(folder, "a.mha", metaimage(lines + "HeaderSize = 4\n", voxels)),
+            ErrorCode::kFileUnsupported);
+}
+
+TEST(VolumeFiles, TheHeaderSizeOfDetachedVoxelsIsPassedOver) {
+  const TemporaryFolder folder;
+  const std::string header =
+      metaimage("BinaryData = True\nHeaderSize = 5\n" + kPlaced, "", "a.raw");
+  write_bytes(folder / "a.raw", "12345" + raw_bytes(kEightVoxels));
+  write_bytes(folder / "a.mhd", header);
+  const auto found = read_volume(folder / "a.mhd");
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->ct.values, kEightVoxels);
+  write_bytes(folder / "a.raw", "12345" + raw_bytes(kEightVoxels).substr(1));
+  EXPECT_EQ(code_of(folder, "a.mhd", header), ErrorCode::kFileCorrupt);
+}
+
 TEST(VolumeFiles, RefusesTwoAndFourDimensionsAndVectors) {
   const TemporaryFolder folder;
   const auto complaint = [&](const char* name, const std::string& bytes) {
@@ -324,6 +524,45 @@ TEST(VolumeFiles, ReadsAHeaderWithDetachedVoxels) {
   EXPECT_EQ(found->ct.values, kEightVoxels);
   std::filesystem::remove(folder / "a.raw");
   EXPECT_EQ(read_volume(folder / "a.nhdr").error().code, ErrorCode::kFileCorrupt);
+}
+
+/// Headers that say where their voxels are.
+std::vector<std::pair<const char*, std::string>> headers_with_voxels_in(const std::string& where) {
+  const std::string fields =
+      "space: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n"
+      "space origin: (10,20,30)\n";
+  const std::string nhdr =
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nendian: little\nencoding: raw\n" + fields;
+  return {{"a.nhdr", nhdr + "data file: " + where + "\n"},
+          {"b.nhdr", nhdr + "datafile: " + where + "\n"},
+          {"c.nrrd", nhdr + "Data File: " + where + "\n\n"},
+          {"a.mhd", metaimage("BinaryData = True\n" + kPlaced, "", where)},
+          {"b.mha", metaimage("BinaryData = True\n" + kPlaced, "", where)}};
+}
+
+TEST(VolumeFiles, VoxelsMayOnlyBeInARegularFileBesideTheHeader) {
+  const TemporaryFolder folder;
+  const std::string voxels = raw_bytes(kEightVoxels);
+  std::filesystem::create_directory(folder / "sub");
+  write_bytes(folder / "a.raw", voxels);
+  write_bytes(folder / "sub/a.raw", voxels);
+  std::filesystem::create_symlink(folder / "a.raw", folder / "link.raw");
+  std::filesystem::create_directory(folder / "folder.raw");
+  ASSERT_EQ(::mkfifo((folder / "pipe.raw").c_str(), 0600), 0);  // Opening it would wait forever.
+  for (const auto& [name, bytes] : headers_with_voxels_in("a.raw"))
+    EXPECT_EQ(code_of(folder, name, bytes), ErrorCode::kNotConverged) << name;
+  for (const std::string& where :
+       {std::string("/etc/passwd"), (folder / "a.raw").string(), std::string("sub/a.raw"),
+        std::string("../a.raw"), std::string(".."), std::string("LIST"),
+        std::string("%d.raw 1 1 1")})
+    for (const auto& [name, bytes] : headers_with_voxels_in(where))
+      EXPECT_EQ(code_of(folder, name, bytes), ErrorCode::kFileUnsupported) << name << where;
+  for (const char* const where : {"pipe.raw", "link.raw", "folder.raw", "none.raw"})
+    for (const auto& [name, bytes] : headers_with_voxels_in(where))
+      EXPECT_EQ(code_of(folder, name, bytes), ErrorCode::kFileCorrupt) << name << where;
+  write_bytes(folder / "a.raw", voxels.substr(1));
+  for (const auto& [name, bytes] : headers_with_voxels_in("a.raw"))
+    EXPECT_EQ(code_of(folder, name, bytes), ErrorCode::kFileCorrupt) << name;
 }
 
 TEST(VolumeFiles, RefusesOtherEndingsAndMissingFiles) {

@@ -1,3 +1,4 @@
+#include <lefort/io/read_vtu.h>
 #include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>
 
@@ -11,6 +12,7 @@
 #include <vtkXMLDataElement.h>
 #include <vtkXMLDataParser.h>
 #include <vtkXMLUnstructuredGridReader.h>
+#include <vtkXMLUnstructuredGridWriter.h>
 
 #include <limits>
 
@@ -175,6 +177,119 @@ TEST(Vtu, RefusesFieldsThatDoNotFit) {
 TEST(Vtu, NamesAFolderThatIsNotThere) {
   EXPECT_EQ(write_vtu("/nonexistent/m.vtu", {}).error().code, ErrorCode::kFileUnwritable);
   EXPECT_EQ(write_pvd("/nonexistent/m.pvd", {}).error().code, ErrorCode::kFileUnwritable);
+}
+
+TEST(ReadVtu, GivesBackEveryShapeNodeAndRegion) {
+  const test::TemporaryFolder folder;
+  const VolumeMesh mesh = every_shape();
+  ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh, some_fields(mesh)));
+  const auto read = read_vtu(folder / "m.vtu");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->nodes_L, mesh.nodes_L);
+  ASSERT_EQ(read->blocks.size(), mesh.blocks.size());
+  for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
+    EXPECT_EQ(read->blocks[b].shape, mesh.blocks[b].shape);
+    EXPECT_EQ(read->blocks[b].nodes, mesh.blocks[b].nodes);
+    EXPECT_EQ(read->blocks[b].region, mesh.blocks[b].region);
+  }
+}
+
+/// VTK's own writer, compressed, as ParaView saves.
+TEST(ReadVtu, ReadsWhatVtkWrites) {
+  const test::TemporaryFolder folder;
+  VolumeMesh mesh = every_shape();
+  mesh.node_sets.clear();  // VTK does not escape what stands in a name.
+  ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh));
+  for (const int mode : {vtkXMLWriter::Ascii, vtkXMLWriter::Binary, vtkXMLWriter::Appended}) {
+    const vtkNew<vtkXMLUnstructuredGridWriter> writer;
+    writer->SetInputData(read_back(folder / "m.vtu"));
+    writer->SetFileName((folder / "vtk.vtu").c_str());
+    writer->SetDataMode(mode);
+    ASSERT_EQ(writer->Write(), 1);
+    const auto read = read_vtu(folder / "vtk.vtu");
+    ASSERT_TRUE(read) << mode << ": " << read.error().message;
+    EXPECT_EQ(read->nodes_L.size(), mesh.nodes_L.size());
+    ASSERT_EQ(read->blocks.size(), mesh.blocks.size());
+    for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+      EXPECT_EQ(read->blocks[b].nodes, mesh.blocks[b].nodes);
+  }
+}
+
+/// A mesh of one tetrahedron as text, with these arrays in place of its own.
+std::string text_vtu(const std::string& points, const std::string& nodes, const std::string& ends,
+                     const std::string& types, const std::string& regions = "7") {
+  const auto array = [](const char* name, const std::string& numbers) {
+    return "<DataArray Name=\"" + std::string(name) + "\" format=\"ascii\">" + numbers +
+           "</DataArray>";
+  };
+  return "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece><Points>" +
+         array("points", points) + "</Points><Cells>" + array("connectivity", nodes) +
+         array("offsets", ends) + array("types", types) + "</Cells><CellData>" +
+         array("region", regions) + "</CellData></Piece></UnstructuredGrid></VTKFile>";
+}
+
+TEST(ReadVtu, RefusesArraysThatContradictEachOther) {
+  const test::TemporaryFolder folder;
+  const auto code = [&](const std::string& bytes) {
+    EXPECT_TRUE(write_text(folder / "m.vtu", bytes));
+    const auto mesh = read_vtu(folder / "m.vtu");
+    return mesh ? ErrorCode::kNotConverged : mesh.error().code;
+  };
+  const std::string p = "0 0 0 1 0 0 0 1 0 0 0 1", n = "0 1 2 3";
+  const auto corrupt = ErrorCode::kFileCorrupt;
+  EXPECT_EQ(code(text_vtu(p, n, "4", "10")), ErrorCode::kNotConverged);
+  EXPECT_EQ(code(text_vtu(p + " 7", n, "4", "10")), corrupt);
+  EXPECT_EQ(code(text_vtu("0 0 0 1 0 0 0 1 0 0 0 nan", n, "4", "10")), corrupt);
+  for (const char* const nodes : {"0 1 2 4", "0 1 2 -1", "0 1 2 0.5", "0 1 2 nan", "0 1 2", ""})
+    EXPECT_EQ(code(text_vtu(p, nodes, "4", "10")), corrupt) << nodes;
+  for (const char* const ends : {"3", "5", "-4", "nan", "4 8", ""})
+    EXPECT_EQ(code(text_vtu(p, n, ends, "10")), corrupt) << ends;
+  EXPECT_EQ(code(text_vtu(p, n, "4", "10 10")), corrupt);
+  for (const char* const regions : {"7 7", "0.5", "nan", "3e9"})
+    EXPECT_EQ(code(text_vtu(p, n, "4", "10", regions)), corrupt) << regions;
+  EXPECT_EQ(code(text_vtu(p, "", "", "", "")), corrupt);
+  EXPECT_EQ(code(text_vtu(p, n, "4", "42")), ErrorCode::kFileUnsupported);
+  EXPECT_EQ(code("<VTKFile type=\"PolyData\"></VTKFile>"), corrupt);
+  EXPECT_EQ(code("garbage"), corrupt);
+  EXPECT_EQ(read_vtu(folder / "none.vtu").error().code, ErrorCode::kFileNotFound);
+}
+
+TEST(ReadVtu, EveryTruncationIsRefusedOrTheWholeMesh) {
+  const test::TemporaryFolder folder;
+  const VolumeMesh mesh = every_shape();
+  ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh));
+  const std::string whole = read_text(folder / "m.vtu", 1'000'000).value();
+  int refused = 0;
+  for (std::size_t size = 0; size < whole.size(); size += 5) {
+    ASSERT_TRUE(write_text(folder / "cut.vtu", whole.substr(0, size)));
+    const auto read = read_vtu(folder / "cut.vtu");
+    refused += read ? 0 : 1;
+    if (!read) continue;
+    ASSERT_EQ(read->element_count(), mesh.element_count()) << size;  // Of the closing tags only.
+  }
+  EXPECT_GT(refused, 100);
+}
+
+TEST(ReadVtu, DamagedBytesNeverCrash) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(write_vtu(folder / "m.vtu", every_shape()));
+  const std::string whole = read_text(folder / "m.vtu", 1'000'000).value();
+  int refused = 0;
+  for (std::size_t at = 0; at < whole.size(); at += 3)
+    for (const char damage : {'9', '\xff', '\0'}) {
+      std::string damaged = whole;
+      damaged[at] = damage;
+      ASSERT_TRUE(write_text(folder / "damaged.vtu", damaged));
+      const auto read = read_vtu(folder / "damaged.vtu");
+      refused += read ? 0 : 1;
+      if (!read) continue;
+      for (const ElementBlock& block : read->blocks)
+        for (const std::int32_t node : block.nodes) {
+          ASSERT_GE(node, 0);
+          ASSERT_LT(node, read->node_count());
+        }
+    }
+  EXPECT_GT(refused, 100);
 }
 
 TEST(Pvd, ListsTheFilesOfASeriesWithTheirTimes) {

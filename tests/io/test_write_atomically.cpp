@@ -1,8 +1,13 @@
+#include <lefort/core/check.h>
 #include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
+#include <new>
 #include <stdexcept>
+#include <string>
 
 #include "support/temporary_folder.h"
 
@@ -37,6 +42,51 @@ TEST(WriteAtomically, AThrowingWriterIsAnError) {
   });
   EXPECT_EQ(thrown.error().code, ErrorCode::kFileUnwritable);
   EXPECT_EQ(folder.entry_count(), 0);
+}
+
+TEST(WriteAtomically, ABugIsThrownOnAndLeavesNothing) {
+  const test::TemporaryFolder folder;
+  const auto write_with_a_bug = [&] {
+    static_cast<void>(write_atomically(folder / "a.txt", [](const auto& temporary) {
+      EXPECT_TRUE(write_text(temporary, "half"));
+      LEFORT_CHECK(1 + 1 == 3);
+      return Result<void>();
+    }));
+  };
+  EXPECT_THROW(write_with_a_bug(), LogicError);
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
+TEST(WriteAtomically, TooLittleMemoryHasItsOwnSentence) {
+  const test::TemporaryFolder folder;
+  const auto thrown = write_atomically(folder / "a.txt",
+                                       [](const auto&) -> Result<void> { throw std::bad_alloc(); });
+  ASSERT_FALSE(thrown);
+  EXPECT_NE(thrown.error().message.find("not enough memory"), std::string::npos);
+}
+
+TEST(WriteAtomically, ALinkThatWaitsAtTheTemporaryNameIsNotFollowed) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(write_text(folder / "victim.txt", "untouched"));
+  // The name was made of the process' number.
+  const auto trap = folder / (".partial-" + std::to_string(::getpid()) + "-a.txt");
+  std::filesystem::create_symlink(folder / "victim.txt", trap);
+  ASSERT_TRUE(write_text(folder / "a.txt", "face"));
+  EXPECT_EQ(read_text(folder / "victim.txt", kSmall).value(), "untouched");
+  EXPECT_EQ(read_text(folder / "a.txt", kSmall).value(), "face");
+  EXPECT_FALSE(std::filesystem::is_symlink(folder / "a.txt"));
+}
+
+TEST(WriteAtomically, TwoWritersOfOneFileDoNotShareTheirTemporaryFile) {
+  const test::TemporaryFolder folder;
+  const auto outer = write_atomically(folder / "a.txt", [&](const auto& temporary) {
+    EXPECT_TRUE(write_text(temporary, "outer"));
+    EXPECT_TRUE(write_text(folder / "a.txt", "inner"));
+    return Result<void>();
+  });
+  ASSERT_TRUE(outer) << outer.error().message;
+  EXPECT_EQ(read_text(folder / "a.txt", kSmall).value(), "outer");
+  EXPECT_EQ(folder.entry_count(), 1);
 }
 
 TEST(WriteAtomically, NamesAFolderThatIsNotThere) {

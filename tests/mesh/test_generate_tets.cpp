@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/geometry/mesh_measures.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/element_quality.h>
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <new>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -101,13 +103,46 @@ TEST(GenerateTets, FollowTheSizeField) {
   EXPECT_LT(fine_mm3 / double(fine), 0.25 * coarse_mm3 / double(coarse));
 }
 
-TEST(GenerateTets, KeepTheLargestPartAlone) {
-  const Level two = [](const Vec3& p) {
-    return std::max(ball(9.0, {-10, 0, 0})(p), ball(4.0, {12, 0, 0})(p));
+/// A large ball on the right, and one of `radius_mm` on the left.
+Level two_balls(double radius_mm) {
+  return [=](const Vec3& p) {
+    return std::max(ball(10.0, {-11, 0, 0})(p), ball(radius_mm, {12, 0, 0})(p));
   };
-  const auto mesh = generate_tets(two, cube(25.0), {.element_size_mm = 3.0});
+}
+
+TEST(GenerateTets, KeepTheLargestPartAloneAndSayWhatWasLeftOut) {
+  class Notes : public Progress {
+   public:
+    void note(std::string_view sentence) override { sentences.emplace_back(sentence); }
+    std::vector<std::string> sentences;
+  } notes;
+  const auto mesh = generate_tets(two_balls(3.5), cube(25.0), {.element_size_mm = 2.0}, notes);
   ASSERT_TRUE(mesh) << mesh.error().message;
   for (const Vec3& p : mesh->nodes_L) EXPECT_LT(p.x(), 0.0);
+  // 43 of 1043 parts of volume.
+  ASSERT_GE(notes.sentences.size(), 1U);
+  EXPECT_NE(notes.sentences[0].find("of tissue (3"), std::string::npos) << notes.sentences[0];
+}
+
+TEST(GenerateTets, RefuseToLeaveOutMoreThanCrumbs) {
+  const auto mesh = generate_tets(two_balls(5.0), cube(25.0), {.element_size_mm = 2.0});
+  ASSERT_FALSE(mesh);  // 125 of 1125 parts of volume.
+  EXPECT_EQ(mesh.error().code, ErrorCode::kMeshingFailed);
+  EXPECT_NE(mesh.error().message.find("expected at most 5 %"), std::string::npos)
+      << mesh.error().message;
+}
+
+TEST(GenerateTets, TooLittleMemoryIsAnErrorAndABugIsThrownOn) {
+  const auto starved =
+      generate_tets([](const Vec3&) -> double { throw std::bad_alloc(); }, cube(10.0));
+  ASSERT_FALSE(starved);
+  EXPECT_EQ(starved.error().code, ErrorCode::kMeshingFailed);
+  EXPECT_NE(starved.error().message.find("memory"), std::string::npos) << starved.error().message;
+  const Level with_a_bug = [](const Vec3&) -> double {
+    LEFORT_CHECK(1 + 1 == 3);
+    return 0.0;
+  };
+  EXPECT_THROW(static_cast<void>(generate_tets(with_a_bug, cube(10.0))), LogicError);
 }
 
 TEST(GenerateTets, FindAPartAwayFromTheMiddle) {

@@ -37,7 +37,7 @@ contact::BoneObstacle ball(
 contact::BoneObstacle plate() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -2.0}, {10.0, 10.0, 0.0}),
-                                  {.resolution = 64, .band_mm = 3.0})
+                                  {.resolution = 64, .band_mm = 3.0, .smooth = true})
           .value());
   return {field};
 }

@@ -1,4 +1,5 @@
 #include <lefort/anatomy/extract_surface.h>
+#include <lefort/geometry/mesh_measures.h>
 
 #include <fmt/format.h>
 #include <vtkCellArray.h>
@@ -11,7 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <vector>
 
 namespace lefort::anatomy {
 namespace {
@@ -68,59 +69,18 @@ vtkNew<vtkPolyData> flying_edges(const image::ScalarVolume& level) {
   return surface;
 }
 
-double signed_volume(const geometry::TriangleMesh& mesh, Index triangle) {
-  const Vec3 origin = mesh.vertices.front();
-  return (mesh.corner(triangle, 0) - origin)
-             .dot((mesh.corner(triangle, 1) - origin).cross(mesh.corner(triangle, 2) - origin)) /
-         6.0;
-}
-
-/// For every vertex, the first vertex of its connected part.
-std::vector<std::int32_t> part_of_vertices(const geometry::TriangleMesh& mesh) {
-  std::vector<std::int32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::int32_t vertex) {
-    while (parent[std::size_t(vertex)] != vertex) {
-      parent[std::size_t(vertex)] = parent[std::size_t(parent[std::size_t(vertex)])];
-      vertex = parent[std::size_t(vertex)];
-    }
-    return vertex;
-  };
-  for (const geometry::Triangle& triangle : mesh.triangles)
-    for (const std::int32_t corner : {triangle[1], triangle[2]}) {
-      const std::int32_t a = root(triangle[0]);
-      const std::int32_t b = root(corner);
-      parent[std::size_t(std::max(a, b))] = std::min(a, b);
-    }
-  for (std::int32_t vertex = 0; vertex < std::int32_t(parent.size()); ++vertex)
-    parent[std::size_t(vertex)] = root(vertex);
-  return parent;
-}
-
 /// The parts that enclose at least `smallest_mm3`, counted without sign.
 geometry::TriangleMesh large_parts(const geometry::TriangleMesh& mesh, double smallest_mm3) {
-  const std::vector<std::int32_t> part = part_of_vertices(mesh);
-  std::vector<double> volume(mesh.vertices.size(), 0.0);
+  const geometry::Components parts = geometry::connected_components(mesh);
+  const Vec3 origin = mesh.vertices.front();  // Near the mesh, so that volumes keep their digits.
+  std::vector<double> six_volumes_mm3(std::size_t(parts.count), 0.0);
+  const auto part_of = [&](Index t) { return std::size_t(parts.of_triangle[std::size_t(t)]); };
   for (Index t = 0; t < mesh.triangle_count(); ++t)
-    volume[std::size_t(part[std::size_t(mesh.triangles[std::size_t(t)][0])])] +=
-        signed_volume(mesh, t);
-
-  geometry::TriangleMesh kept;
-  std::vector<std::int32_t> renumbered(mesh.vertices.size(), -1);
-  for (const geometry::Triangle& triangle : mesh.triangles) {
-    if (std::abs(volume[std::size_t(part[std::size_t(triangle[0])])]) < smallest_mm3) continue;
-    geometry::Triangle copy{};
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      std::int32_t& number = renumbered[std::size_t(triangle[corner])];
-      if (number < 0) {
-        number = std::int32_t(kept.vertices.size());
-        kept.vertices.push_back(mesh.vertices[std::size_t(triangle[corner])]);
-      }
-      copy[corner] = number;
-    }
-    kept.triangles.push_back(copy);
-  }
-  return kept;
+    six_volumes_mm3[part_of(t)] +=
+        (mesh.corner(t, 0) - origin)
+            .dot((mesh.corner(t, 1) - origin).cross(mesh.corner(t, 2) - origin));
+  return geometry::keep_triangles(
+      mesh, [&](Index t) { return std::abs(six_volumes_mm3[part_of(t)]) >= 6.0 * smallest_mm3; });
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace lefort::anatomy {
 namespace {
@@ -89,49 +91,67 @@ image::ScalarVolume enclosure(const image::Volume<Cell>& cells) {
   return shares;
 }
 
+/// What brain and facial tissue grow from, and how wide the room is around a voxel.
+struct Seeds {
+  image::Volume<std::int32_t> seeds;  ///< 1 in the brain, 2 in facial tissue, 0 elsewhere.
+  image::ScalarVolume width_mm;
+};
+
+/// \returns nothing if no room is enclosed by bone.
+std::optional<Seeds> find_seeds(const Mask& soft, const Mask& bone, const Mask& outside) {
+  const image::Grid& grid = soft.grid;
+  const Cells cells = cells_of(bone, outside);
+  const image::ScalarVolume shares = enclosure(cells.kinds);
+  const auto share = [&](std::size_t v) {
+    const auto [ni, nj, nk] = grid.size;
+    const auto at = Index(v);
+    return double(shares.values[cells.offset(at % ni, at / ni % nj, at / (ni * nj))]);
+  };
+
+  Seeds found{{grid, std::vector<std::int32_t>(soft.values.size(), 0)},
+              distance_to(mask_where(grid, [&](std::size_t v) {
+                return soft.values[v] == 0 && outside.values[v] == 0;
+              }))};
+  {  // Volumes live no longer than they are needed: a large scan has 10^8 voxels and more.
+    const Parts enclosed =
+        connected_parts(mask_where(grid,
+                                   [&](std::size_t v) {
+                                     return soft.values[v] != 0 && share(v) >= kEnclosedShare &&
+                                            double(found.width_mm.values[v]) >= kSeedDepth_mm;
+                                   }),
+                        Neighbours::kFaces);
+    const std::int32_t cavity = enclosed.largest();
+    if (double(enclosed.voxels[std::size_t(cavity)]) * voxel_ml(grid) < kSmallestSeed_ml ||
+        cavity == 0)
+      return std::nullopt;
+    for (std::size_t v = 0; v < soft.values.size(); ++v)
+      found.seeds.values[v] = enclosed.part_of.values[v] == cavity ? 1 : 0;
+  }
+  const image::ScalarVolume to_skin = distance_to(outside);
+  for (std::size_t v = 0; v < soft.values.size(); ++v)
+    if (soft.values[v] != 0 && found.seeds.values[v] == 0 &&
+        (double(to_skin.values[v]) <= kSkin_mm || share(v) <= kOpenShare))
+      found.seeds.values[v] = 2;
+  return found;
+}
+
 }  // namespace
 
 Mask find_brain(const Mask& soft, const Mask& bone, const Mask& outside) {
   const image::Grid& grid = soft.grid;
-  const Cells cells = cells_of(bone, outside);
-  const image::ScalarVolume shares = enclosure(cells.kinds);
-  image::ScalarVolume share{grid, std::vector<float>(soft.values.size())};
-  for (Index k = 0; k < grid.size[2]; ++k)
-    for (Index j = 0; j < grid.size[1]; ++j)
-      for (Index i = 0; i < grid.size[0]; ++i)
-        share.at(i, j, k) = shares.values[cells.offset(i, j, k)];
-
-  const image::ScalarVolume width = distance_to(mask_where(
-      grid, [&](std::size_t v) { return soft.values[v] == 0 && outside.values[v] == 0; }));
-  const Parts enclosed = connected_parts(
-      mask_where(grid,
-                 [&](std::size_t v) {
-                   return soft.values[v] != 0 && double(share.values[v]) >= kEnclosedShare &&
-                          double(width.values[v]) >= kSeedDepth_mm;
-                 }),
-      Neighbours::kFaces);
-  const std::int32_t cavity = enclosed.largest();
-  if (double(enclosed.voxels[std::size_t(cavity)]) * voxel_ml(grid) < kSmallestSeed_ml ||
-      cavity == 0)
-    return mask_where(grid, [](std::size_t) { return false; });
-
-  const image::ScalarVolume to_skin = distance_to(outside);
-  image::Volume<std::int32_t> seeds{grid, std::vector<std::int32_t>(soft.values.size(), 0)};
-  for (std::size_t v = 0; v < seeds.values.size(); ++v) {
-    if (soft.values[v] == 0) continue;
-    if (enclosed.part_of.values[v] == cavity)
-      seeds.values[v] = 1;
-    else if (double(to_skin.values[v]) <= kSkin_mm || double(share.values[v]) <= kOpenShare)
-      seeds.values[v] = 2;
+  image::Volume<std::int32_t> basins;
+  {
+    const std::optional<Seeds> found = find_seeds(soft, bone, outside);
+    if (!found) return mask_where(grid, [](std::size_t) { return false; });
+    basins = flood_basins(found->seeds, soft, found->width_mm);
   }
-  const auto basins = flood_basins(seeds, soft, width);
 
   // Which side has the majority around a voxel, bone and air not asked.
   const auto indicator = [&](const auto& holds) {
     image::ScalarVolume values{grid, std::vector<float>(soft.values.size())};
     for (std::size_t v = 0; v < values.values.size(); ++v)
       values.values[v] = holds(v) ? 1.0F : 0.0F;
-    return smoothed(values, kBorder_mm / grid.spacing_mm.mean());
+    return smoothed(std::move(values), kBorder_mm);
   };
   const image::ScalarVolume inside =
       indicator([&](std::size_t v) { return basins.values[v] == 1; });

@@ -14,6 +14,8 @@ namespace {
 
 // A head's air, bone and skin are this much at least; anything less is noise.
 constexpr double kLeastTissue_ml = 1.0;
+// What segmentation takes at its peak; measured, see test_segment_tissue.cpp.
+constexpr double kBytesPerVoxel = 40.0;
 
 Result<void> check_options(const SegmentationOptions& options) {
   // Written so that NaN fails.
@@ -34,10 +36,12 @@ Result<void> check_options(const SegmentationOptions& options) {
                         "> 0 and <= 50"));
   LEFORT_TRY_VOID(
       check("ostium_radius_mm", options.ostium_radius_mm, options.ostium_radius_mm > 0.0, "> 0"));
+  LEFORT_TRY_VOID(
+      check("most_memory_gib", options.most_memory_gib, options.most_memory_gib > 0.0, "> 0"));
   return check("smallest_air_ml", options.smallest_air_ml, options.smallest_air_ml >= 0.0, ">= 0");
 }
 
-Result<void> check_scan(const image::CtVolume& ct) {
+Result<void> check_scan(const image::CtVolume& ct, double most_memory_gib) {
   const image::Grid& grid = ct.grid;
   const auto [fewest, most] = std::minmax_element(grid.size.begin(), grid.size.end());
   if (*fewest < 0 || *most > 100'000 || grid.voxel_count() != Index(ct.values.size()))
@@ -50,6 +54,13 @@ Result<void> check_scan(const image::CtVolume& ct) {
                             grid.spacing_mm[0], grid.spacing_mm[1], grid.spacing_mm[2]));
   if (ct.values.empty())
     return fail(ErrorCode::kAnatomyMissing, "scan is empty, a head was expected");
+  const double needed_gib = kBytesPerVoxel * double(grid.voxel_count()) / double(1 << 30);
+  if (needed_gib > most_memory_gib)
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("scan has {} x {} x {} voxels and needs {:.3g} GiB of memory, must with "
+                    "{:.3g}: crop it to the head, or join slices",
+                    grid.size[0], grid.size[1], grid.size[2], needed_gib, most_memory_gib));
   const auto [lowest, highest] = std::minmax_element(ct.values.begin(), ct.values.end());
   if (*lowest == *highest)
     return fail(ErrorCode::kAnatomyMissing,
@@ -89,7 +100,7 @@ class Steps {
 Result<LabelMap> segment_tissue(const image::CtVolume& ct, const SegmentationOptions& options,
                                 Progress& progress) {
   LEFORT_TRY_VOID(check_options(options));
-  LEFORT_TRY_VOID(check_scan(ct));
+  LEFORT_TRY_VOID(check_scan(ct, options.most_memory_gib));
   const image::Grid& grid = ct.grid;
   Steps steps(progress, 5);
 

@@ -24,6 +24,8 @@ struct SegmentationOptions {
   double ostium_radius_mm = 2.0;
   /// Pockets of air in soft tissue smaller than this are soft tissue; >= 0.
   double smallest_air_ml = 0.05;
+  /// A scan that needs more memory is refused before it is touched; > 0. See segment_tissue().
+  double most_memory_gib = 16.0;
 };
 
 /// Labels every voxel of a head CT.
@@ -38,10 +40,12 @@ struct SegmentationOptions {
 /// \param options   see SegmentationOptions.
 /// \param progress  is told the share of the work done, and may cancel.
 /// \returns one label per voxel on the grid of `ct`, or
-///   - kInvalidArgument  an option lies outside its range, or `ct` contradicts its own grid;
+///   - kInvalidArgument  an option lies outside its range, `ct` contradicts its own grid, or has so
+///                       many voxels that options.most_memory_gib does not suffice;
 ///   - kAnatomyMissing   the scan is empty or constant, or shows no skin or no bone;
 ///   - kCancelled        `progress` asked to stop.
 /// \note Same bits for any number of threads.
+/// \note Memory: 40 bytes per voxel at most, the scan itself not counted.
 [[nodiscard]] Result<LabelMap> segment_tissue(const image::CtVolume& ct,
                                               const SegmentationOptions& options = {},
                                               Progress& progress = Progress::none());

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace lefort::anatomy {
@@ -42,16 +43,22 @@ void smooth_line(float* values, Index size, Index stride, const std::vector<floa
 
 }  // namespace
 
-image::ScalarVolume smoothed(image::ScalarVolume values, double sigma_voxels) {
-  LEFORT_CHECK(sigma_voxels >= 0.0);
-  if (sigma_voxels == 0.0) return values;
-  const std::vector<float> weights = gaussian_weights(sigma_voxels);
-  for (std::size_t axis = 0; axis < 3; ++axis)
+image::ScalarVolume smoothed(image::ScalarVolume values, const Vec3& sigma_mm) {
+  LEFORT_CHECK(sigma_mm.minCoeff() >= 0.0);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double sigma_voxels = sigma_mm[Index(axis)] / values.grid.spacing_mm[Index(axis)];
+    if (sigma_voxels == 0.0) continue;
+    const std::vector<float> weights = gaussian_weights(sigma_voxels);
     for_each_line(values.grid, axis, [&](Index start, Index stride) {
       thread_local std::vector<float> line;
       smooth_line(values.values.data() + start, values.grid.size[axis], stride, weights, line);
     });
+  }
   return values;
+}
+
+image::ScalarVolume smoothed(image::ScalarVolume values, double sigma_mm) {
+  return smoothed(std::move(values), Vec3(sigma_mm, sigma_mm, sigma_mm));
 }
 
 }  // namespace lefort::anatomy

@@ -2,8 +2,11 @@
 #include <lefort/anatomy/tissue_levels.h>
 #include <lefort/anatomy/voxel_mask.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace lefort::anatomy {
 namespace {
@@ -28,6 +31,18 @@ constexpr double kLeak_mm = 2.0;
 constexpr double kSkin_mm = 5.0;
 // Sigma of the border the labels alone give, across foramina and defects.
 constexpr double kLabelBorder_mm = 1.0;
+// Sigmas that take the steps of voxels off a surface, whatever their size.
+constexpr double kBoneSteps_voxels = 0.8;
+constexpr double kSkinSteps_voxels = 1.0;
+// CT numbers change over about this length at a border; the next voxel belongs to it at least.
+constexpr double kBlur_mm = 1.5;
+
+/// `values` smoothed over `sigma_mm`, and over `steps_voxels` at least along each axis; not at all
+/// if sigma_mm is 0.
+ScalarVolume without_steps(const ScalarVolume& values, double sigma_mm, double steps_voxels) {
+  if (sigma_mm == 0.0) return values;
+  return smoothed(values, (steps_voxels * values.grid.spacing_mm).cwiseMax(sigma_mm));
+}
 
 float clamped(double value_mm, double limit_mm) {
   return float(std::clamp(value_mm, -limit_mm, limit_mm));
@@ -147,7 +162,7 @@ ScalarVolume bone_level(const PaddedScan& scan, Cavities cavities) {
       return clamped(depth_mm >= 0.0 ? depth_mm : kNear_mm, kNear_mm);
     return clamped(std::min(depth_mm, -beside_mm), kNear_mm);
   });
-  return smoothed(raw, scan.options.bone_smoothing_voxels);
+  return without_steps(raw, scan.options.bone_smoothing_mm, kBoneSteps_voxels);
 }
 
 /// Positive in what is not air; sinuses and airway are air too.
@@ -165,7 +180,17 @@ ScalarVolume flesh_level(const PaddedScan& scan) {
         return clamped(depth_mm, kNear_mm);
     }
   });
-  return smoothed(raw, scan.options.skin_smoothing_voxels);
+  return without_steps(raw, scan.options.skin_smoothing_mm, kSkinSteps_voxels);
+}
+
+/// Tells how much the parts but the largest hold.
+void note_dropped(const Parts& parts, Progress& progress) {
+  const Index all = std::accumulate(parts.voxels.begin() + 1, parts.voxels.end(), Index(0));
+  const Index dropped = all - (parts.count() > 0 ? parts.voxels[std::size_t(parts.largest())] : 0);
+  if (dropped == 0) return;
+  progress.note(fmt::format(
+      "{:.3g} ml of {:.3g} ml of soft tissue do not hang together with the rest and are left out",
+      double(dropped) * voxel_ml(parts.part_of.grid), double(all) * voxel_ml(parts.part_of.grid)));
 }
 
 }  // namespace
@@ -180,21 +205,22 @@ ScalarVolume bone_level(const image::CtVolume& ct, const LabelMap& labels, Cavit
 ScalarVolume skin_level(const image::CtVolume& ct, const LabelMap& labels,
                         const LevelOptions& options) {
   const PaddedScan scan = padded_scan(ct, labels, options);
-  const double beside_mm = 1.001 * scan.grid().spacing_mm.maxCoeff();
-  const Mask background = scan.where(Tissue::kBackground);
-  const ScalarVolume to_background = distance_to(background);
-  const ScalarVolume to_air = distance_to(mask_where(scan.grid(), [&](std::size_t v) {
-    return scan.labels.values[v] == Tissue::kAirway || scan.labels.values[v] == Tissue::kSinus;
-  }));
+  const Mask by_background = with_surroundings(scan.where(Tissue::kBackground), kBlur_mm);
+  const Mask by_air =
+      with_surroundings(mask_where(scan.grid(),
+                                   [&](std::size_t v) {
+                                     return scan.labels.values[v] == Tissue::kAirway ||
+                                            scan.labels.values[v] == Tissue::kSinus;
+                                   }),
+                        kBlur_mm);
   const ScalarVolume to_entrance = distance_to(mask_where(scan.grid(), [&](std::size_t v) {
-    return scan.labels.values[v] == Tissue::kAirway && double(to_background.values[v]) <= beside_mm;
+    return scan.labels.values[v] == Tissue::kAirway && by_background.values[v] != 0;
   }));
 
   const ScalarVolume flesh = flesh_level(scan);
   ScalarVolume level = volume_of(scan.grid(), [&](std::size_t v) {
     // Air inside, and the blur of its walls, as far as it does not reach the skin.
-    const bool inner =
-        double(to_air.values[v]) <= beside_mm && double(to_background.values[v]) > beside_mm;
+    const bool inner = by_air.values[v] != 0 && by_background.values[v] == 0;
     const double depth_mm = double(to_entrance.values[v]) - scan.options.nostril_depth_mm;
     return inner ? std::max(flesh.values[v], clamped(depth_mm, kFar_mm)) : flesh.values[v];
   });
@@ -203,21 +229,18 @@ ScalarVolume skin_level(const image::CtVolume& ct, const LabelMap& labels,
 }
 
 ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels,
-                               const LevelOptions& options) {
+                               const LevelOptions& options, Progress& progress) {
   const PaddedScan scan = padded_scan(ct, labels, options);
   const image::Grid& grid = scan.grid();
-  const double beside_mm = 1.001 * grid.spacing_mm.maxCoeff();
 
   // Bone next to the brain counts as brain, so that no film is left on the inner table.
-  const ScalarVolume to_brain = distance_to(scan.where(Tissue::kBrain));
+  const Mask by_brain = with_surroundings(scan.where(Tissue::kBrain), kBlur_mm);
+  const Mask brain_and_table = mask_where(grid, [&](std::size_t v) {
+    return scan.labels.values[v] == Tissue::kBrain ||
+           (scan.labels.values[v] == Tissue::kBone && by_brain.values[v] != 0);
+  });
   const ScalarVolume brain =
-      smoothed(signed_distance(mask_where(grid,
-                                          [&](std::size_t v) {
-                                            return scan.labels.values[v] == Tissue::kBrain ||
-                                                   (scan.labels.values[v] == Tissue::kBone &&
-                                                    double(to_brain.values[v]) <= beside_mm);
-                                          })),
-               kLabelBorder_mm / grid.spacing_mm.mean());
+      without_steps(signed_distance(brain_and_table), kLabelBorder_mm, kBoneSteps_voxels);
   const ScalarVolume bone = bone_level(scan, Cavities::kFillSinuses);
   const ScalarVolume flesh = flesh_level(scan);
   ScalarVolume level = volume_of(grid, [&](std::size_t v) {
@@ -238,13 +261,15 @@ ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels
                  }),
       Neighbours::kFaces);
   const std::int32_t largest = parts.largest();
-  const ScalarVolume kept = smoothed(
-      signed_distance(mask_where(
-          grid, [&](std::size_t v) { return largest != 0 && parts.part_of.values[v] == largest; })),
-      kLabelBorder_mm / grid.spacing_mm.mean());
-  level = volume_of(grid, [&](std::size_t v) {
-    return std::min(level.values[v], kept.values[v] + float(beside_mm));
-  });
+  note_dropped(parts, progress);
+  // The largest part, and around it as much as its surface may lie beyond its outer voxels.
+  const Mask kept = with_surroundings(
+      mask_where(grid,
+                 [&](std::size_t v) { return largest != 0 && parts.part_of.values[v] == largest; }),
+      kBlur_mm);
+  const ScalarVolume room =
+      without_steps(signed_distance(kept), kLabelBorder_mm, kBoneSteps_voxels);
+  level = volume_of(grid, [&](std::size_t v) { return std::min(level.values[v], room.values[v]); });
   cut_to_scan(level);
   return level;
 }

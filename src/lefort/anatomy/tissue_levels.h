@@ -9,6 +9,7 @@
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
+#include <lefort/core/progress.h>
 #include <lefort/image/volume.h>
 
 namespace lefort::anatomy {
@@ -23,10 +24,11 @@ enum class Cavities {
 struct LevelOptions {
   double bone_hu = 226.0;
   double skin_hu = -300.0;
-  /// Sigma of the Gaussian that takes the stair-steps off the surfaces at bone_hu and skin_hu;
-  /// bone gets less, for its thin walls. >= 0.
-  double bone_smoothing_voxels = 0.8;
-  double skin_smoothing_voxels = 1.0;
+  /// Sigma of the Gaussian that takes stair-steps and noise off the surfaces at bone_hu and
+  /// skin_hu; bone gets less, for its thin walls. Along an axis of coarser voxels it is as much as
+  /// their steps need: 0.8 voxels for bone, 1 for skin. >= 0; 0 leaves all as it is.
+  double bone_smoothing_mm = 0.8;
+  double skin_smoothing_mm = 1.0;
   double thinnest_tissue_mm = 2.5;  ///< Thinner sheets are no soft tissue to be meshed.
   double nostril_depth_mm = 5.0;    ///< So deep is the skin surface drawn into the nostrils.
 };
@@ -50,9 +52,11 @@ struct LevelOptions {
 /// airway, without the brain; without sheets thinner than `thinnest_tissue_mm` (turbinates, the
 /// blur between bone and air); its largest part only.
 ///
+/// \param progress  is told as a note how much the smaller parts hold that are left out.
 /// \pre `labels` lies on the grid of `ct`.
 [[nodiscard]] image::ScalarVolume soft_tissue_level(const image::CtVolume& ct,
                                                     const LabelMap& labels,
-                                                    const LevelOptions& options = {});
+                                                    const LevelOptions& options = {},
+                                                    Progress& progress = Progress::none());
 
 }  // namespace lefort::anatomy

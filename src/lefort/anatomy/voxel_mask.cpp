@@ -68,6 +68,24 @@ Mask closed(const Mask& mask, double radius_mm) {
   return eroded(dilated(mask, radius_mm), radius_mm);
 }
 
+Mask with_surroundings(const Mask& mask, double distance_mm) {
+  const image::ScalarVolume distance = distance_to(mask);
+  const std::array<Index, 3>& size = mask.grid.size;
+  Mask near{mask.grid, std::vector<std::uint8_t>(mask.values.size())};
+  parallel_for(size[2], [&](Index k) {
+    for (Index j = 0; j < size[1]; ++j)
+      for (Index i = 0; i < size[0]; ++i) {
+        const auto holds = [&](Index ni, Index nj, Index nk) {
+          return mask.grid.contains(ni, nj, nk) && mask.at(ni, nj, nk) != 0;
+        };
+        const bool beside = holds(i - 1, j, k) || holds(i + 1, j, k) || holds(i, j - 1, k) ||
+                            holds(i, j + 1, k) || holds(i, j, k - 1) || holds(i, j, k + 1);
+        near.at(i, j, k) = beside || double(distance.at(i, j, k)) <= distance_mm ? 1 : 0;
+      }
+  });
+  return near;
+}
+
 std::int32_t Parts::largest() const {
   if (count() == 0) return 0;
   return std::int32_t(std::max_element(voxels.begin() + 1, voxels.end()) - voxels.begin());

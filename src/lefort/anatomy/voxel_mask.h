@@ -1,8 +1,9 @@
 /// \file
 /// Sets of voxels and what morphology does with them, lengths in mm.
 ///
-/// Distances run between voxel centres. Nothing is known beyond the grid: its faces neither add to
-/// a set nor eat into it.
+/// Distances run between voxel centres. Beyond the grid there are neither voxels of a set nor
+/// others. So the faces of the grid do not erode a set, but closing fills narrow gaps between a set
+/// and a face.
 #pragma once
 
 #include <lefort/core/parallel.h>
@@ -61,6 +62,10 @@ void for_each_line(const image::Grid& grid, std::size_t axis, const Body& body) 
 /// Dilated, then eroded: with the gaps filled that are narrower than twice the radius.
 [[nodiscard]] Mask closed(const Mask& mask, double radius_mm);
 
+/// The set, the voxels within `distance_mm` of it, and those that share a face with one of it,
+/// however far voxels are apart.
+[[nodiscard]] Mask with_surroundings(const Mask& mask, double distance_mm);
+
 enum class Neighbours { kFaces, kFacesEdgesCorners };
 
 /// The connected parts of a set, numbered from 1 in the order of their first voxel.
@@ -81,7 +86,10 @@ struct Parts {
 /// For every part, whether a voxel of it lies in `mask`; entry 0 is 0.
 [[nodiscard]] std::vector<std::uint8_t> parts_touching(const Parts& parts, const Mask& mask);
 
-/// Convolved with a Gaussian; values beyond the grid repeat its faces. \pre sigma_voxels >= 0.
-[[nodiscard]] image::ScalarVolume smoothed(image::ScalarVolume values, double sigma_voxels);
+/// Convolved with a Gaussian whose sigma along i, j, k is `sigma_mm`; values beyond the grid repeat
+/// its faces. \pre sigma_mm >= 0.
+[[nodiscard]] image::ScalarVolume smoothed(image::ScalarVolume values, const Vec3& sigma_mm);
+/// The same sigma in all directions.
+[[nodiscard]] image::ScalarVolume smoothed(image::ScalarVolume values, double sigma_mm);
 
 }  // namespace lefort::anatomy

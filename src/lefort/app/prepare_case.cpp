@@ -26,7 +26,7 @@ Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtV
                                       const std::string& ct_sha256, const StageCache& cache,
                                       Progress& progress) {
   progress.begin_stage("segment");
-  if (plan.labels) return io::read_segmentation(*plan.labels, ct.grid);
+  if (plan.labels) return io::read_segmentation(*plan.labels, ct.grid, progress);
   const anatomy::SegmentationOptions& options = plan.segmentation;
   return cache.get(
       "labels.seg.nrrd", labels_key(ct_sha256, options), progress,
@@ -100,8 +100,9 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY_VOID(predict::check_field_reach(plan.path, bones.segment_L, *segment_field,
                                              plan.boundary));  // Before the costly mesh.
 
-  const predict::TissueDomain domain = predict::make_tissue_domain(
-      anatomy::soft_tissue_level(ct, labels, levels), ct.grid, bones.segment_L, plan.tissue);
+  const predict::TissueDomain domain =
+      predict::make_tissue_domain(anatomy::soft_tissue_level(ct, labels, levels, progress), ct.grid,
+                                  bones.segment_L, plan.tissue);
   const std::string key = tissue_key(ct_sha256, labels, levels, bones.segment_L, plan.tissue);
   LEFORT_TRY(mesh::VolumeMesh tissue,
              find_tissue_mesh(domain, bones.segment_L, plan.tissue, key, cache, progress));

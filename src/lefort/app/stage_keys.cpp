@@ -7,9 +7,9 @@ namespace lefort::app {
 namespace {
 
 // To be raised with every change of a stage's code that may change what it makes.
-constexpr double kLabelsRevision = 2;
+constexpr double kLabelsRevision = 3;
 constexpr double kFieldRevision = 3;
-constexpr double kTissueRevision = 2;
+constexpr double kTissueRevision = 3;
 
 }  // namespace
 
@@ -17,7 +17,8 @@ constexpr double kTissueRevision = 2;
 
 std::string labels_key(const std::string& ct_sha256, const anatomy::SegmentationOptions& options) {
   const auto& [bone_hu, skin_hu, smallest_bone_ml, nostril_radius_mm, ostium_radius_mm,
-               smallest_air_ml] = options;
+               smallest_air_ml, most_memory_gib] = options;
+  static_cast<void>(most_memory_gib);  // Changes nothing but whether it is done.
   return io::Sha256()
       .add(kVersion)
       .add(kLabelsRevision)
@@ -53,7 +54,7 @@ std::string field_key(const geometry::TriangleMesh& segment_B,
 std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& labels,
                        const anatomy::LevelOptions& levels, const geometry::TriangleMesh& segment_L,
                        const predict::TissueOptions& options) {
-  const auto& [bone_hu, skin_hu, bone_smoothing_voxels, skin_smoothing_voxels, thinnest_tissue_mm,
+  const auto& [bone_hu, skin_hu, bone_smoothing_mm, skin_smoothing_mm, thinnest_tissue_mm,
                nostril_depth_mm] = levels;
   // The material is none of the mesh's business.
   const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm] = options;
@@ -64,8 +65,8 @@ std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& la
       .add(labels)
       .add(bone_hu)
       .add(skin_hu)
-      .add(bone_smoothing_voxels)
-      .add(skin_smoothing_voxels)
+      .add(bone_smoothing_mm)
+      .add(skin_smoothing_mm)
       .add(thinnest_tissue_mm)
       .add(nostril_depth_mm)
       .add(segment_L)

@@ -25,9 +25,9 @@ enum class FieldMethod : std::uint8_t {
 struct DistanceFieldOptions {
   FieldMethod method = FieldMethod::kBricks;
   int resolution = 256;  ///< Cells along a side of the cube: a power of two, 16..2048.
-  double band_mm =
-      0.0;  ///< Samples up to here: 2 cells .. resolution / 4 cells; 0: 5 cells, at most a quarter of the cube.
-  double tolerance_mm = 0.005;      ///< Samples in the band are reproduced to this, >= 0 (octrees).
+  /// Samples up to here are kept: 2 cells .. resolution / 4 cells; 0: 5 cells, or that most.
+  double band_mm = 0.0;
+  double tolerance_mm = 0.005;      ///< Octrees reproduce samples in the band to this, >= 0.
   double relative_tolerance = 0.0;  ///< The same as a share of the cube's side, if not 0.
   double margin_mm = 0.0;           ///< Domain beyond the band around the surface's box, >= 0.
   double side_mm = 0.0;             ///< Side of the cube, if not 0; instead of margin_mm.

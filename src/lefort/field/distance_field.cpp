@@ -37,11 +37,13 @@ FieldSample sample_cells(const Samples& samples, const FieldFrame& frame, const 
   const Zone zone = cell.cells == 1 ? zone_of_fine_cell(cell.corners, float(frame.cell_mm))
                                     : zone_of(cell.corners);
   if (zone != Zone::kBand) return beyond_band(zone, frame.band_mm);
-  std::array<float, 3> t{};
-  for (std::size_t k = 0; k < 3; ++k) t[k] = float((at->u[int(k)] - cell.low[k]) / cell.cells);
-  const std::array<float, 3> gradient = trilinear_gradient(cell.corners, t);
+  std::array<double, 3> t{};
+  std::array<double, 8> corners{};
+  for (std::size_t k = 0; k < 3; ++k) t[k] = (at->u[int(k)] - cell.low[k]) / cell.cells;
+  std::copy(cell.corners.begin(), cell.corners.end(), corners.begin());
+  const std::array<double, 3> gradient = trilinear_gradient(corners, t);
   const double per_mm = 1.0 / (cell.cells * frame.cell_mm);
-  return {Zone::kBand, trilinear(cell.corners, t),
+  return {Zone::kBand, trilinear(corners, t),
           Vec3(gradient[0] * per_mm, gradient[1] * per_mm, gradient[2] * per_mm)};
 }
 

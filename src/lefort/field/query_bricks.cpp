@@ -15,7 +15,7 @@ constexpr std::size_t kGroup = 32;
 /// A point on its way through the three stages.
 struct Pending {
   LatticePoint cell;
-  std::array<float, 3> t;  ///< Position in the cell.
+  std::array<double, 3> t;  ///< Position in the cell.
   bool in_box;
   std::array<const std::byte*, 8> corners;
 };
@@ -53,7 +53,7 @@ Pending locate(const Lookup& lookup, const Vec3& p_B) {
   if (!pending.in_box) return pending;
   for (std::size_t k = 0; k < 3; ++k) {
     pending.cell[k] = std::min(int(u[k]), lookup.resolution - 1);
-    pending.t[k] = float(u[k] - pending.cell[k]);
+    pending.t[k] = u[k] - pending.cell[k];
   }
   const LatticePoint& c = pending.cell;
   prefetch(lookup.bricks + ((c[2] / 8 + 1) * lookup.side + c[1] / 8 + 1) * lookup.side + c[0] / 8 +
@@ -114,19 +114,24 @@ void find_corners(const BrickSamples& samples, const Lookup& lookup, Pending& pe
   for (const std::byte* corner : pending.corners) prefetch(corner);
 }
 
-/// Stage 3: the samples. False if one of them is no distance.
-bool read_corners(const BrickSamples& samples, const Pending& pending,
-                  std::array<float, 8>& corners) {
-  std::array<std::int32_t, 8> codes;
-  for (std::size_t i = 0; i < 8; ++i) codes[i] = BrickSamples::read_code(pending.corners[i]);
+/// Stage 3: the samples, in units of the quantum. False if one of them is no distance.
+template <class Real>
+bool read_corners(const Pending& pending, std::array<Real, 8>& corners) {
   bool all_known = true;
   for (std::size_t i = 0; i < 8; ++i) {
-    all_known &= BrickSamples::is_distance(codes[i]);
-    corners[i] = float(codes[i]) * samples.quantum_mm();
+    const std::int32_t code = BrickSamples::read_code(pending.corners[i]);
+    all_known &= BrickSamples::is_distance(code);
+    corners[i] = Real(code);
   }
-  if (all_known) return true;
-  for (std::size_t i = 0; i < 8; ++i) corners[i] = samples.distance_of(codes[i]);
-  return false;
+  return all_known;
+}
+
+/// Where a point is that lies between samples of which one is no distance.
+Zone zone_at(const BrickSamples& samples, const Pending& pending) {
+  std::array<float, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i)
+    corners[i] = samples.distance_of(BrickSamples::read_code(pending.corners[i]));
+  return zone_of(corners);
 }
 
 /// Calls finish(i, pending) for all points, in groups.
@@ -149,18 +154,19 @@ void for_each_point(const BrickSamples& samples, const FieldFrame& frame, std::s
 void sample_bricks(const BrickSamples& samples, const FieldFrame& frame, std::span<const Vec3> p_B,
                    std::span<FieldSample> results) {
   LEFORT_CHECK(p_B.size() == results.size());
-  const auto cells_per_mm = float(1.0 / frame.cell_mm);
+  // In double precision: solvers take differences of these.
+  const double quantum_mm = double(samples.quantum_mm());
+  const double slope = quantum_mm / frame.cell_mm;
   for_each_point(samples, frame, p_B, [&](std::size_t i, const Pending& pending) {
-    std::array<float, 8> corners;
+    std::array<double, 8> corners;
     if (!pending.in_box) [[unlikely]] {
       results[i] = beyond_band(zone_beyond_box(frame, p_B[i]), frame.band_mm);
-    } else if (!read_corners(samples, pending, corners)) [[unlikely]] {
-      results[i] = beyond_band(zone_of(corners), frame.band_mm);
+    } else if (!read_corners(pending, corners)) [[unlikely]] {
+      results[i] = beyond_band(zone_at(samples, pending), frame.band_mm);
     } else {
-      const std::array<float, 3> gradient = trilinear_gradient(corners, pending.t);
-      results[i] = {
-          Zone::kBand, trilinear(corners, pending.t),
-          Vec3(gradient[0] * cells_per_mm, gradient[1] * cells_per_mm, gradient[2] * cells_per_mm)};
+      const std::array<double, 3> gradient = trilinear_gradient(corners, pending.t);
+      results[i] = {Zone::kBand, trilinear(corners, pending.t) * quantum_mm,
+                    Vec3(gradient[0] * slope, gradient[1] * slope, gradient[2] * slope)};
     }
   });
 }
@@ -172,10 +178,12 @@ void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
     std::array<float, 8> corners;
     if (!pending.in_box) [[unlikely]] {
       distances_mm[i] = side_value(zone_beyond_box(frame, p_B[i]));
-    } else if (!read_corners(samples, pending, corners)) [[unlikely]] {
-      distances_mm[i] = side_value(zone_of(corners));
+    } else if (!read_corners(pending, corners)) [[unlikely]] {
+      distances_mm[i] = side_value(zone_at(samples, pending));
     } else {
-      distances_mm[i] = trilinear(corners, pending.t);
+      const std::array<float, 3> t = {float(pending.t[0]), float(pending.t[1]),
+                                      float(pending.t[2])};
+      distances_mm[i] = trilinear(corners, t) * samples.quantum_mm();
     }
   });
 }

@@ -26,6 +26,7 @@ using Series = std::vector<DicomHeader>;
 /// the same whatever the files are called.
 struct FolderContents {
   std::vector<Series> series;
+  std::vector<Error> unreadable;  ///< DICOM files of which not even the series is known.
   std::size_t foreign_files = 0;
 };
 
@@ -38,11 +39,11 @@ Result<std::vector<fs::path>> list_files(const fs::path& folder) {
     if (entry->is_regular_file(ignored)) files.push_back(entry->path());
     if (files.size() > kMaxFiles)
       return fail(ErrorCode::kFileUnsupported,
-                  fmt::format("{} holds more than {} files", folder.string(), kMaxFiles));
+                  fmt::format("the folder holds more than {} files", kMaxFiles));
   }
   if (error)
     return fail(ErrorCode::kFileNotFound,
-                fmt::format("{} cannot be listed: {}", folder.string(), error.message()));
+                fmt::format("the folder cannot be listed: {}", error.message()));
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -55,11 +56,13 @@ Result<FolderContents> scan_folder(const fs::path& folder, Progress& progress) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "reading the scan was stopped");
     progress.report(static_cast<double>(n) / static_cast<double>(files.size()));
-    LEFORT_TRY(std::optional<DicomHeader> header, read_dicom_header(files[n]));
-    if (!header || header->series_uid.empty())  // A DICOMDIR has no series either.
+    auto header = read_dicom_header(files[n], static_cast<Index>(n + 1));
+    if (!header)
+      contents.unreadable.push_back(std::move(header).error());
+    else if (!*header || (*header)->series_uid.empty())  // A DICOMDIR has no series either.
       ++contents.foreign_files;
     else
-      by_uid[header->series_uid].push_back(*std::move(header));
+      by_uid[(*header)->series_uid].push_back(**std::move(header));
   }
   for (auto& [uid, series] : by_uid) contents.series.push_back(std::move(series));
   return contents;
@@ -85,12 +88,12 @@ std::string list_series(const std::vector<Series>& all) {
 }
 
 /// The position of the series that was asked for, or of the only CT.
-Result<std::size_t> choose_series(const std::vector<Series>& all, int wanted,
-                                  const fs::path& folder) {
+Result<std::size_t> choose_series(const FolderContents& contents, int wanted) {
+  const std::vector<Series>& all = contents.series;
+  if (all.empty() && !contents.unreadable.empty()) return tl::unexpected(contents.unreadable[0]);
   if (all.empty())
-    return fail(
-        ErrorCode::kFileUnsupported,
-        fmt::format("{} holds no DICOM files (subfolders are not searched)", folder.string()));
+    return fail(ErrorCode::kFileUnsupported,
+                "the folder holds no DICOM files (subfolders are not searched)");
   if (wanted != 0) {
     if (wanted < 0 || wanted > std::ssize(all))
       return fail(
@@ -101,27 +104,64 @@ Result<std::size_t> choose_series(const std::vector<Series>& all, int wanted,
   const auto first = std::find_if(all.begin(), all.end(), is_ct);
   if (first == all.end())
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("{} holds no CT series, only: {}", folder.string(), list_series(all)));
+                fmt::format("the folder holds no CT series, only: {}", list_series(all)));
   if (std::find_if(std::next(first), all.end(), is_ct) != all.end())
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} holds several CT series, choose one by its number: {}",
-                            folder.string(), list_series(all)));
+                fmt::format("the folder holds several CT series, choose one by its number: {}",
+                            list_series(all)));
   return static_cast<std::size_t>(first - all.begin());
 }
 
+/// The chosen series as a stack. A damaged file of the series is an error; one whose series is not
+/// known may be the slice that is missing.
+Result<DicomStack> stack_series(Series series, const std::vector<Error>& unreadable) {
+  const auto damaged = std::find_if(series.begin(), series.end(), [](const DicomHeader& file) {
+    return file.damage.has_value();
+  });
+  if (damaged != series.end()) return tl::unexpected(*damaged->damage);
+  auto stack = stack_dicom_slices(std::move(series));
+  if (!stack && !unreadable.empty())
+    return fail(
+        stack.error().code,
+        fmt::format("{}; of {} DICOM files not even the series can be read, the first is {}",
+                    stack.error().message, unreadable.size(), unreadable[0].message));
+  return stack;
+}
+
+/// What was left out of the folder.
+std::vector<std::string> passed_over(const FolderContents& contents, std::size_t chosen) {
+  std::vector<std::string> warnings;
+  if (contents.foreign_files > 0)
+    warnings.push_back(
+        fmt::format("{} files are no DICOM images and were passed over", contents.foreign_files));
+  if (contents.series.size() > 1)
+    warnings.push_back(fmt::format("{} other series were passed over", contents.series.size() - 1));
+  std::ptrdiff_t damaged = 0;
+  for (std::size_t n = 0; n < contents.series.size(); ++n)
+    if (n != chosen)
+      damaged += std::count_if(contents.series[n].begin(), contents.series[n].end(),
+                               [](const DicomHeader& file) { return file.damage.has_value(); });
+  if (damaged > 0) warnings.push_back(fmt::format("{} files of them are damaged", damaged));
+  if (!contents.unreadable.empty())
+    warnings.push_back(fmt::format(
+        "{} DICOM files cannot be read and were passed over; if they belong to this series, the "
+        "scan lacks slices at an end; the first is {}",
+        contents.unreadable.size(), contents.unreadable[0].message));
+  return warnings;
+}
+
 /// Reads the pixels of all slices into one volume, in HU.
-Result<image::CtVolume> read_slices(const DicomStack& stack, HounsfieldCount& count,
-                                    Progress& progress) {
+Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<Rescale>& rescales,
+                                    HounsfieldCount& count, Progress& progress) {
   image::CtVolume ct{stack.grid, {}};
   ct.values.reserve(static_cast<std::size_t>(stack.grid.voxel_count()));
   for (std::size_t k = 0; k < stack.slices.size(); ++k) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "reading the scan was stopped");
-    const DicomHeader& slice = stack.slices[k];
-    LEFORT_TRY(const std::vector<double> stored, read_dicom_pixels(slice));
-    const double intercept = slice.rescale_intercept.value_or(0.0);
+    LEFORT_TRY(const std::vector<double> stored, read_dicom_pixels(stack.slices[k], progress));
+    const auto [slope, intercept] = rescales[k];
     for (const double value : stored)
-      ct.values.push_back(hounsfield(slice.rescale_slope * value + intercept, count));
+      ct.values.push_back(hounsfield(slope * value + intercept, count));
     progress.report(static_cast<double>(k + 1) / static_cast<double>(stack.slices.size()));
   }
   return ct;
@@ -132,23 +172,18 @@ Result<image::CtVolume> read_slices(const DicomStack& stack, HounsfieldCount& co
 Result<ImportedVolume> read_dicom_series(const fs::path& folder, int series, Progress& progress) {
   progress.begin_stage("look through the DICOM files");
   LEFORT_TRY(FolderContents contents, scan_folder(folder, progress));
-  LEFORT_TRY(const std::size_t chosen, choose_series(contents.series, series, folder));
-  LEFORT_TRY(const DicomStack stack, stack_dicom_slices(std::move(contents.series[chosen])));
+  LEFORT_TRY(const std::size_t chosen, choose_series(contents, series));
+  LEFORT_TRY(const DicomStack stack,
+             stack_series(std::move(contents.series[chosen]), contents.unreadable));
 
   progress.begin_stage("read the slices");
   ImportedVolume imported;
   imported.source_kind = "DICOM series";
-  HounsfieldCount count;
-  LEFORT_TRY(imported.ct, read_slices(stack, count, progress));
   imported.warnings = stack.warnings;
-  if (contents.foreign_files > 0)
-    imported.warnings.push_back(
-        fmt::format("{} files are no DICOM images and were passed over", contents.foreign_files));
-  if (contents.series.size() > 1)
-    imported.warnings.push_back(
-        fmt::format("{} other series were passed over", contents.series.size() - 1));
-  if (!stack.slices.front().rescale_intercept)
-    imported.warnings.emplace_back("the files give no rescale intercept, 0 was taken");
+  LEFORT_TRY(const std::vector<Rescale> rescales, rescales_of(stack.slices, imported.warnings));
+  HounsfieldCount count;
+  LEFORT_TRY(imported.ct, read_slices(stack, rescales, count, progress));
+  std::ranges::move(passed_over(contents, chosen), std::back_inserter(imported.warnings));
   std::ranges::move(hounsfield_warnings(count, imported.ct), std::back_inserter(imported.warnings));
   return imported;
 }

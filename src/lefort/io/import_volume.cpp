@@ -3,8 +3,6 @@
 #include <lefort/io/inv3.h>
 #include <lefort/io/volume_files.h>
 
-#include <fmt/format.h>
-
 #include <cctype>
 
 namespace lefort::io {
@@ -25,15 +23,13 @@ Result<ImportedVolume> import_volume(const fs::path& source, const ImportOptions
   std::error_code error;
   const fs::file_status status = fs::status(source, error);
   if (!fs::exists(status))
-    return fail(ErrorCode::kFileNotFound, fmt::format("{} does not exist", source.string()));
+    return fail(ErrorCode::kFileNotFound, "the scan does not exist: no such file or folder");
   if (fs::is_directory(status)) return read_dicom_series(source, options.series, progress);
   if (ends_in_inv3(source)) return read_inv3(source, progress);
   if (is_volume_file(source)) return read_volume(source, progress);
-  return fail(
-      ErrorCode::kFileUnsupported,
-      fmt::format("{} is not a scan we read, expected a folder of DICOM files, .nrrd, .nhdr, "
-                  ".nii, .nii.gz, .mha, .mhd or .inv3",
-                  source.string()));
+  return fail(ErrorCode::kFileUnsupported,
+              "this is not a scan we read, expected a folder of DICOM files, .nrrd, .nhdr, .nii, "
+              ".nii.gz, .mha, .mhd or .inv3");
 }
 
 Result<ImportedVolume> import_volume(const fs::path& source, Progress& progress) {

@@ -21,6 +21,8 @@ struct ImportOptions {
 /// ones are made a rotation by reversing the order of slices. Values beyond the 12-bit range of a
 /// CT, and those that are no numbers, are brought to -1024 ... 3071 and counted in a warning.
 ///
+/// Messages name neither `source` nor a file in it, since people name these after patients.
+///
 /// \returns the scan, or
 ///   - kFileNotFound     there is nothing at `source`;
 ///   - kFileUnsupported  not a scan we read: ending, number of dimensions, colour, modality;

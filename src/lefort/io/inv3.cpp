@@ -87,17 +87,17 @@ Result<ImportedVolume> read_inv3(const fs::path& file, Progress& progress) {
   const auto project = read_project(xml);
   if (!project)
     return fail(project.error().code,
-                fmt::format("{}: {}", file.string(), project.error().message));
+                fmt::format("InVesalius project: {}", project.error().message));
   progress.report(0.1);
 
   const auto voxels = static_cast<std::size_t>(project->grid.voxel_count());
   const std::size_t bytes = voxels * sizeof(std::int16_t);
   LEFORT_TRY(const std::string matrix, read_from_tar(file, project->matrix_file, bytes, progress));
   if (matrix.size() != bytes)
-    return fail(
-        ErrorCode::kFileCorrupt,
-        fmt::format("{}: the voxels have {} bytes, expected {} from the shape in main.plist",
-                    file.string(), matrix.size(), bytes));
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("InVesalius project: the voxels have {} bytes, expected {} from the "
+                            "shape in main.plist",
+                            matrix.size(), bytes));
   progress.report(0.8);
 
   ImportedVolume imported;

@@ -11,6 +11,10 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -23,13 +27,36 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kLargestPlan = 4 << 20;  // Bytes; a plan is a few kilobytes.
 
+/// Listens to the parser, which takes the last of two equal keys without a word.
+class DuplicateKeys {
+ public:
+  bool operator()(int /*depth*/, Json::parse_event_t event, const Json& value) {
+    if (event == Json::parse_event_t::object_start) open_.emplace_back();
+    if (event == Json::parse_event_t::object_end) open_.pop_back();
+    if (event == Json::parse_event_t::key &&
+        !open_.back().insert(value.get<std::string>()).second && !first_)
+      first_ = value.get<std::string>();
+    return true;
+  }
+  [[nodiscard]] const std::optional<std::string>& first() const { return first_; }
+
+ private:
+  std::vector<std::set<std::string>> open_;  ///< Keys of the objects begun and not ended.
+  std::optional<std::string> first_;
+};
+
 Result<Json> parse_json(std::string_view text) {
+  const auto refuse = [](std::string why) { return fail(ErrorCode::kPlanInvalid, std::move(why)); };
+  DuplicateKeys duplicates;
   try {
-    return Json::parse(text);
+    Json json = Json::parse(text, std::ref(duplicates));
+    if (duplicates.first()) return refuse(fmt::format("key {} stands twice", *duplicates.first()));
+    return json;
   } catch (const Json::parse_error& error) {
-    return fail(ErrorCode::kPlanInvalid,
-                fmt::format("not JSON: {} (byte {})",
-                            text.empty() ? "the file is empty" : "syntax error", error.byte));
+    return refuse(fmt::format("not JSON: {} (byte {})",
+                              text.empty() ? "the file is empty" : "syntax error", error.byte));
+  } catch (const Json::exception&) {  // A number that no double holds.
+    return refuse("not JSON: a number is too large");
   }
 }
 

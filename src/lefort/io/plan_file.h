@@ -40,7 +40,7 @@ struct PlanText {
 /// Reads and checks a plan.
 ///
 /// \returns kFileNotFound; kPlanInvalid with the key and what is wrong with it, as `tissue: unknown
-///   key "colour"`.
+///   key "colour"`. A key that stands twice in an object is wrong, since parsers differ on it.
 [[nodiscard]] Result<PlanFile> read_plan(const std::filesystem::path& file);
 [[nodiscard]] Result<PlanText> read_plan_text(const std::filesystem::path& file);
 

@@ -82,7 +82,7 @@ std::optional<std::int64_t> whole_number(const std::string& text) {
 }
 
 /// Finds out what the labels mean; sorted by layer.
-Result<std::vector<LabelledTissue>> read_segments(const fs::path& source, const RawVolume& raw) {
+Result<std::vector<LabelledTissue>> read_segments(const RawVolume& raw) {
   std::vector<LabelledTissue> segments;
   const auto field = [&](Index segment, const char* key, const std::string& otherwise) {
     const auto found = raw.fields.find(fmt::format("Segment{}_{}", segment, key));
@@ -96,15 +96,14 @@ Result<std::vector<LabelledTissue>> read_segments(const fs::path& source, const 
     const auto value = whole_number(field(segment, "LabelValue", "1"));
     if (!layer || *layer < 0 || *layer >= raw.components || !value)
       return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("{}: segment {} has no label value in one of the {} layers",
-                              source.string(), segment, raw.components));
+                  fmt::format("segmentation: segment {} has no label value in one of the {} layers",
+                              segment, raw.components));
     segments.push_back({*layer, *value, *tissue});
   }
   if (segments.empty())
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("{}: no segment has the name of a tissue, expected bone, soft tissue "
-                            "or another",
-                            source.string()));
+                "segmentation: no segment has the name of a tissue, expected bone, soft tissue or "
+                "another");
   std::stable_sort(segments.begin(), segments.end(),
                    [](const auto& a, const auto& b) { return a.layer < b.layer; });
   return segments;
@@ -140,10 +139,9 @@ Result<void> write_segmentation(const fs::path& target, const LabelMap& labels) 
 
 Result<LabelMap> read_segmentation(const fs::path& source) {
   if (!is_segmentation_file(source))
-    return fail(ErrorCode::kFileUnsupported,
-                fmt::format("{} does not end in .seg.nrrd", source.string()));
+    return fail(ErrorCode::kFileUnsupported, "segmentation: the file does not end in .seg.nrrd");
   LEFORT_TRY(const RawVolume raw, read_raw_volume(source));
-  LEFORT_TRY(const std::vector<LabelledTissue> segments, read_segments(source, raw));
+  LEFORT_TRY(const std::vector<LabelledTissue> segments, read_segments(raw));
 
   LabelMap labels{raw.grid, std::vector<Tissue>(static_cast<std::size_t>(raw.grid.voxel_count()),
                                                 Tissue::kBackground)};
@@ -160,21 +158,38 @@ Result<LabelMap> read_segmentation(const fs::path& source) {
   return labels;
 }
 
-Result<LabelMap> read_segmentation(const fs::path& source, const image::Grid& grid) {
+Result<LabelMap> read_segmentation(const fs::path& source, const image::Grid& grid,
+                                   Progress& progress) {
   LEFORT_TRY(const LabelMap part, read_segmentation(source));
   const auto first = place_in(grid, part.grid);
   if (!first)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{}: the voxels do not lie on those of the scan", source.string()));
+                "segmentation: the voxels do not lie on those of the scan");
 
   LabelMap labels{
       grid, std::vector<Tissue>(static_cast<std::size_t>(grid.voxel_count()), Tissue::kBackground)};
   const auto [i0, j0, k0] = *first;
+  Index within = 0, labelled = 0;
   for (Index k = 0; k < part.grid.size[2]; ++k)
     for (Index j = 0; j < part.grid.size[1]; ++j)
-      for (Index i = 0; i < part.grid.size[0]; ++i)
-        if (grid.contains(i + i0, j + j0, k + k0))
-          labels.at(i + i0, j + j0, k + k0) = part.at(i, j, k);
+      for (Index i = 0; i < part.grid.size[0]; ++i) {
+        const Tissue tissue = part.at(i, j, k);
+        if (tissue == Tissue::kBackground) continue;
+        ++labelled;
+        if (!grid.contains(i + i0, j + j0, k + k0)) continue;
+        ++within;
+        labels.at(i + i0, j + j0, k + k0) = tissue;
+      }
+  if (within == 0)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("segmentation: none of its {} labelled voxels lies within the scan, "
+                            "expected some",
+                            labelled));
+  if (within < labelled)
+    progress.note(
+        fmt::format("{:.2g} % of the labelled voxels lie outside the scan and are left "
+                    "out",
+                    100.0 * double(labelled - within) / double(labelled)));
   return labels;
 }
 

@@ -4,6 +4,7 @@
 
 #include <lefort/anatomy/label_map.h>
 #include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/image/volume.h>
 
 #include <filesystem>
@@ -24,7 +25,7 @@ namespace lefort::io {
 /// Where segments of several layers overlap, the higher layer wins. Voxels of no segment, or of one
 /// that has no tissue's name, are background. Slicer crops files: see the other overload.
 ///
-/// \returns the labels, or
+/// \returns the labels, or, with a message that does not name the file,
 ///   - kFileNotFound     there is no such file;
 ///   - kFileUnsupported  not a `.seg.nrrd`, no segment at all, or none with a tissue's name;
 ///   - kFileCorrupt      truncated, damaged, or its header contradicts itself.
@@ -32,8 +33,11 @@ namespace lefort::io {
 
 /// The same on the grid of the scan it belongs to: what the file leaves out is background.
 ///
-/// \returns also kFileCorrupt when the file's voxels do not lie on voxels of `grid`.
+/// \param progress  is told as a note which share of the labelled voxels lies outside the scan.
+/// \returns also kFileCorrupt when the file's voxels do not lie on voxels of `grid`, or none that
+///   is labelled lies within it: then it belongs to another scan.
 [[nodiscard]] Result<anatomy::LabelMap> read_segmentation(const std::filesystem::path& source,
-                                                          const image::Grid& grid);
+                                                          const image::Grid& grid,
+                                                          Progress& progress = Progress::none());
 
 }  // namespace lefort::io

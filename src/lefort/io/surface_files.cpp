@@ -1,4 +1,5 @@
 #include <lefort/core/check.h>
+#include <lefort/geometry/mesh_measures.h>
 #include <lefort/io/internal/surface_formats.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 namespace lefort::io {
 namespace fs = std::filesystem;
@@ -53,24 +55,12 @@ Result<void> check(const internal::SurfaceFile& surface, const std::string& name
 }
 
 /// Without triangles that repeat a corner, and without vertices no triangle uses.
-geometry::TriangleMesh cleaned(const internal::SurfaceFile& surface) {
-  geometry::TriangleMesh mesh;
-  std::vector<std::int32_t> numbers(surface.vertices.size(), -1);
-  for (const geometry::Triangle& triangle : surface.triangles) {
-    if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0])
-      continue;
-    geometry::Triangle renumbered{};
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      std::int32_t& number = numbers[std::size_t(triangle[corner])];
-      if (number < 0) {
-        number = std::int32_t(mesh.vertices.size());
-        mesh.vertices.push_back(surface.vertices[std::size_t(triangle[corner])]);
-      }
-      renumbered[corner] = number;
-    }
-    mesh.triangles.push_back(renumbered);
-  }
-  return mesh;
+geometry::TriangleMesh cleaned(internal::SurfaceFile surface) {
+  const geometry::TriangleMesh mesh{std::move(surface.vertices), std::move(surface.triangles)};
+  return geometry::keep_triangles(mesh, [&](Index t) {
+    const auto& [a, b, c] = mesh.triangles[std::size_t(t)];
+    return a != b && b != c && c != a;
+  });
 }
 
 Result<void> check_writable(const fs::path& path, const geometry::TriangleMesh& mesh,
@@ -104,7 +94,7 @@ Result<geometry::TriangleMesh> read_surface(const fs::path& path) {
   LEFORT_TRY_VOID(check(surface, name));
   if (surface.is_ras)
     for (Vec3& p : surface.vertices) p.head<2>() *= -1.0;  // A rotation: orientation stays.
-  geometry::TriangleMesh mesh = cleaned(surface);
+  geometry::TriangleMesh mesh = cleaned(std::move(surface));
   if (mesh.triangles.empty())
     return fail(ErrorCode::kMeshInvalid, fmt::format("{} holds no triangle", name));
   return mesh;
@@ -114,7 +104,10 @@ Result<void> write_surface(const fs::path& path, const geometry::TriangleMesh& m
                            const std::vector<VertexArray>& arrays) {
   LEFORT_TRY_VOID(check_writable(path, mesh_L, arrays));
   const std::string ending = ending_of(path);
-  if (ending == ".vtp") return write_text(path, internal::vtp_bytes(mesh_L, arrays));
+  if (ending == ".vtp") {
+    LEFORT_TRY(const std::string bytes, internal::vtp_bytes(mesh_L, arrays));
+    return write_text(path, bytes);
+  }
   if (ending == ".stl") return write_text(path, internal::stl_bytes(mesh_L));
   if (ending == ".ply") return write_text(path, internal::ply_bytes(mesh_L));
   if (ending == ".obj") return write_text(path, internal::obj_bytes(mesh_L));

@@ -16,9 +16,8 @@ Result<ImportedVolume> read_volume(const std::filesystem::path& file, Progress& 
   if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "reading the scan was stopped");
   LEFORT_TRY(const RawVolume raw, read_raw_volume(file));
   if (raw.components != 1)
-    return fail(
-        ErrorCode::kFileUnsupported,
-        fmt::format("{}: the voxels hold {} values, expected 1", file.string(), raw.components));
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("the voxels hold {} values, expected 1", raw.components));
   progress.report(0.7);
   if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "reading the scan was stopped");
 

@@ -17,8 +17,9 @@ namespace lefort::io {
 /// Reads .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd as a CT; see import_volume() for what is kept.
 ///
 /// NIfTI files, which are RAS, arrive in L; so do NRRD files in the spaces RAS and LPS. Files that
-/// leave open how their voxels lie in the patient, and NRRD files in rarer spaces, are refused.
-/// \note In floating-point NIfTI files NaN and infinity become 0, not air, before we see them.
+/// leave open how their voxels lie in the patient or contradict themselves, that are not in mm, and
+/// NRRD files in rarer spaces, are refused; so are NIfTI files with voxels that are no finite
+/// numbers. The voxels of .nhdr and .mhd must be in one file in the same folder.
 [[nodiscard]] Result<ImportedVolume> read_volume(const std::filesystem::path& file,
                                                  Progress& progress = Progress::none());
 

@@ -1,10 +1,10 @@
+#include <lefort/io/internal/vtk_cell_types.h>
 #include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -18,11 +18,9 @@ static_assert(std::endian::native == std::endian::little, "the files say LittleE
 
 namespace {
 
+using internal::kCellTypes;
 using mesh::ElementBlock;
 using mesh::VolumeMesh;
-
-/// VTK's number of the cell type (vtkCellType.h), in the order of mesh::ElementShape.
-constexpr std::array<std::uint8_t, 7> kCellTypes{10, 14, 13, 12, 24, 26, 25};
 
 std::string xml_escaped(std::string_view text) {
   std::string safe;

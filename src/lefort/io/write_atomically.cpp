@@ -1,13 +1,18 @@
 #include <lefort/io/write_atomically.h>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <new>
+#include <random>
+#include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 
 namespace lefort::io {
 namespace fs = std::filesystem;
@@ -19,12 +24,34 @@ Error unwritable(const fs::path& target, const std::string& why) {
           fmt::format("{} cannot be written: {}", target.string(), why)};
 }
 
+/// A name that nobody can foresee, and so lay a link in its place. It ends like `target`.
+fs::path temporary_name(const fs::path& target) {
+  std::random_device random;
+  const std::uint64_t number = (std::uint64_t{random()} << 32U) | random();
+  return target.parent_path() /
+         fmt::format(".partial-{:016x}-{}", number, target.filename().string());
+}
+
+/// Closes it; a closed file is not written for sure, a synced one is.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (is_open()) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] bool is_open() const { return number_ >= 0; }
+  [[nodiscard]] bool sync() const { return ::fsync(number_) == 0; }
+
+ private:
+  int number_;
+};
+
 /// Removes the temporary file unless it was renamed away.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const fs::path& target)
-      : path_(target.parent_path() /
-              fmt::format(".partial-{}-{}", ::getpid(), target.filename().string())) {}
+  explicit TemporaryFile(fs::path path) : path_(std::move(path)) {}
   ~TemporaryFile() {
     std::error_code ignored;
     fs::remove(path_, ignored);
@@ -37,23 +64,44 @@ class TemporaryFile {
   fs::path path_;
 };
 
+/// Calls `write`. What libraries throw becomes an Error; our own bugs stay what they are.
+Result<void> fill(const fs::path& temporary, const fs::path& target,
+                  const std::function<Result<void>(const fs::path&)>& write) {
+  try {
+    return write(temporary);
+  } catch (const std::logic_error&) {  // LogicError and its kin.
+    throw;
+  } catch (const std::bad_alloc&) {
+    return tl::unexpected(unwritable(target, "there is not enough memory"));
+  } catch (const std::exception& exception) {
+    return tl::unexpected(unwritable(target, exception.what()));
+  }
+}
+
 }  // namespace
 
 Result<void> write_atomically(const fs::path& target,
                               const std::function<Result<void>(const fs::path&)>& write) {
-  const TemporaryFile temporary(target);
+  const fs::path name = temporary_name(target);
+  const auto by_errno = [&] { return tl::unexpected(unwritable(target, std::strerror(errno))); };
   {  // Libraries report an unwritable folder in many words; ask the system first.
-    const std::ofstream probe(temporary.path(), std::ios::binary);
-    if (!probe) return tl::unexpected(unwritable(target, std::strerror(errno)));
+    const Descriptor made(
+        ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+    if (!made.is_open()) return by_errno();
   }
-  try {
-    LEFORT_TRY_VOID(write(temporary.path()));
-  } catch (const std::exception& exception) {
-    return tl::unexpected(unwritable(target, exception.what()));
+  const TemporaryFile temporary(name);
+  LEFORT_TRY_VOID(fill(temporary.path(), target, write));
+  {  // The name must not come to the disk before the bytes do.
+    const Descriptor written(::open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    if (!written.is_open() || !written.sync()) return by_errno();
   }
   std::error_code error;
   fs::rename(temporary.path(), target, error);
   if (error) return tl::unexpected(unwritable(target, error.message()));
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  const Descriptor entries(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Some file systems cannot sync a folder; the file is whole all the same.
+  if (entries.is_open() && !entries.sync() && errno == EIO) return by_errno();
   return {};
 }
 

@@ -111,7 +111,12 @@ Result<SurfaceCut> cut_surface(const TriangleMesh& surface, std::span<const Half
       return fail(ErrorCode::kCancelled, "cutting the surface was cancelled");
     try {
       if (auto cut = try_to_cut(whole, half_spaces, kShifts_mm[i])) return std::move(*cut);
-    } catch (const std::exception&) {  // Self-intersection on the cut, or a broken precondition.
+    } catch (const pmp::Corefinement::Self_intersection_exception&) {  // On the cut.
+    } catch (const CGAL::Failure_exception&) {                         // A precondition of CGAL.
+    } catch (const std::bad_alloc&) {
+      return fail(ErrorCode::kMeshingFailed,
+                  fmt::format("cutting the surface of {} triangles needs more memory than there is",
+                              whole.triangle_count()));
     }
   }
   return fail(ErrorCode::kMeshingFailed,

@@ -32,7 +32,7 @@ struct SurfaceCut {
 ///   - kInvalidArgument  no half-space, one that is not finite, or a normal of length zero;
 ///   - kMeshInvalid      the surface is empty, not finite, or open (the message names an edge);
 ///   - kMeshingFailed    it crosses itself along the cut, also after shifting the planes by up to
-///     1e-4 mm, or the parts' volumes miss the whole by more than 0.1 %;
+///     1e-4 mm, the parts' volumes miss the whole by more than 0.1 %, or the memory is too small;
 ///   - kCancelled        `progress` asked to stop.
 /// \note Intersection points are computed exactly, then rounded \cite cgal:lty-pmp, chapter
 ///   "Corefinement and Boolean Operations". Same input, same bits.

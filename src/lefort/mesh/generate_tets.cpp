@@ -30,6 +30,9 @@ using Triangulation = CGAL::Mesh_triangulation_3<Domain, CGAL::Default, CGAL::Se
 using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
+// Share of the tissue's volume that may hang loose and be left out.
+constexpr double kMostDropped = 0.05;
+
 // Options gone wrong end here, not in the swap.
 constexpr std::size_t kMostNodes = 4'000'000;
 constexpr std::size_t kMostCells = 30'000'000;
@@ -201,6 +204,30 @@ void remove_slivers(Complex& complex, const Domain& domain, double angle_deg) {
   CGAL::exude_mesh_3(complex, p::time_limit = 0.0, p::sliver_bound = angle_deg);
 }
 
+double volume_mm3(const VolumeMesh& mesh) {
+  const ElementBlock& block = mesh.blocks[0];
+  double sum_mm3 = 0.0;
+  for (Index e = 0; e < block.element_count(); ++e) {
+    const auto p = [&](int n) { return mesh.nodes_L[std::size_t(block.element(e)[n])]; };
+    sum_mm3 += std::abs((p(1) - p(0)).cross(p(2) - p(0)).dot(p(3) - p(0))) / 6.0;
+  }
+  return sum_mm3;
+}
+
+/// Tells what is left out; refuses when that is more than crumbs.
+Result<void> check_dropped(double all_mm3, double kept_mm3, Progress& progress) {
+  const double dropped_mm3 = all_mm3 - kept_mm3;
+  if (!(dropped_mm3 > 0.0)) return {};
+  const std::string dropped =
+      fmt::format("{:.3g} ml of {:.3g} ml of tissue ({:.2g} %) do not hang together with the rest",
+                  dropped_mm3 * 1e-3, all_mm3 * 1e-3, 100.0 * dropped_mm3 / all_mm3);
+  if (dropped_mm3 > kMostDropped * all_mm3)
+    return fail(ErrorCode::kMeshingFailed,
+                fmt::format("{}, expected at most {} %", dropped, 100.0 * kMostDropped));
+  progress.note(dropped + " and are left out of the mesh");
+  return {};
+}
+
 Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOptions& options,
                         Progress& progress) {
   progress.report(0.0);
@@ -226,7 +253,9 @@ Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOption
   progress.report(0.7);
 
   const double tolerance_mm = kBisection * options.level_tolerance_mm;
-  VolumeMesh mesh = solid_part(to_volume_mesh(complex));
+  const VolumeMesh all = to_volume_mesh(complex);
+  VolumeMesh mesh = solid_part(all);
+  LEFORT_TRY_VOID(check_dropped(volume_mm3(all), volume_mm3(mesh), progress));
   const Index held_back = fit_boundary(mesh, inside, options.element_size_mm, tolerance_mm);
   if (held_back > 0)
     progress.note(
@@ -252,6 +281,8 @@ Result<VolumeMesh> generate_tets(const std::function<double(const Vec3&)>& level
     return mesh;
   } catch (const Stopped&) {
     return fail(ErrorCode::kCancelled, "meshing was cancelled");
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kMeshingFailed, "meshing needs more memory than there is");
   } catch (const CGAL::Failure_exception& error) {
     return fail(ErrorCode::kMeshingFailed,
                 fmt::format("the tissue cannot be meshed: {}", error.message()));

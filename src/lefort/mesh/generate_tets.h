@@ -33,7 +33,9 @@ struct TetOptions {
 ///   options.level_tolerance_mm of where the inside ends, except those few that would squash an
 ///   element on their way there; or
 ///   - kInvalidArgument  an option or the box lies outside its range;
-///   - kMeshingFailed    the level is nowhere positive, or no valid mesh came out;
+///   - kMeshingFailed    the level is nowhere positive, no valid mesh came out, the memory is too
+///                       small, or more than 5 % of the volume hang together with the largest part
+///                       in no face (less is left out, and told as a note);
 ///   - kCancelled        `progress` asked to stop.
 /// \note Keeps the largest connected part alone. Same input, same bytes, on one machine.
 /// \note Delaunay refinement, sliver perturbation and exudation \cite cgal:rty-m3, then the rest of

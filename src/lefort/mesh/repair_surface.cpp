@@ -100,7 +100,11 @@ Result<TriangleMesh> repair_surface(const TriangleMesh& surface) {
     if (volume_mm3 < 0.0)
       for (auto& [a, b, c] : repaired.triangles) std::swap(b, c);
     return repaired;
-  } catch (const std::exception&) {  // CGAL's preconditions: the triangles are worse than foreseen.
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kMeshingFailed,
+                fmt::format("repairing the surface of {} triangles needs more memory than there is",
+                            surface.triangle_count()));
+  } catch (const CGAL::Failure_exception&) {  // The triangles are worse than foreseen.
     return fail(ErrorCode::kMeshInvalid,
                 fmt::format("the surface of {} triangles cannot be made a closed one",
                             surface.triangle_count()));

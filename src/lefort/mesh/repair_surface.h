@@ -14,8 +14,8 @@ namespace lefort::mesh {
 /// oriented alike; the whole turned if it is inside out. Where the input is oriented already its
 /// shells keep their orientation: inner shells are cavities. Self-intersections stay.
 ///
-/// \returns the surface, or kMeshInvalid if it is empty, not finite, open (the message names an
-///   edge), or encloses nothing.
+/// \returns the surface; kMeshInvalid if it is empty, not finite, open (the message names an edge),
+///   or encloses nothing; or kMeshingFailed if the memory is too small.
 [[nodiscard]] Result<geometry::TriangleMesh> repair_surface(const geometry::TriangleMesh& surface);
 
 }  // namespace lefort::mesh

@@ -1,28 +1,32 @@
 #include <lefort/io/internal/dicom_codec.h>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gdcmImage.h>
 #include <gdcmImageReader.h>
 #include <gdcmPixelFormat.h>
+#include <signal.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <exception>
+#include <fstream>
+#include <new>
 #include <span>
+#include <thread>
 
 namespace lefort::io {
 
 namespace {
 
-constexpr rlim_t kMaxSeconds = 20;  // For one slice; the slowest codecs take one.
-
 /// How the decoding process ends. All else, signals too, means damaged.
-enum ExitCode : int { kDecoded = 0, kDamaged = 1, kOtherType = 2 };
+enum ExitCode : int { kDecoded = 0, kDamaged = 1, kOtherType = 2, kNoMemory = 3 };
 
 /// Zeroed memory that a child process shares with us.
 class SharedDoubles {
@@ -82,39 +86,90 @@ ExitCode decode(const std::filesystem::path& file, std::span<double> target) {
   }
 }
 
+/// How large this process' address space is now; limits count from there.
+std::size_t address_space_bytes() {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
 /// What the child process does: decode in silence, within limits, and leave.
-[[noreturn]] void decode_and_exit(const std::filesystem::path& file, std::span<double> target) {
+[[noreturn]] void decode_and_exit(const std::filesystem::path& file, std::span<double> target,
+                                  const CodecLimits& limits) {
   const int nowhere = ::open("/dev/null", O_WRONLY);
   ::dup2(nowhere, STDOUT_FILENO);
   ::dup2(nowhere, STDERR_FILENO);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  const rlimit seconds{kMaxSeconds, kMaxSeconds};
+  // The parent's deadline ends us; this is for a parent that dies first.
+  const auto time_s = static_cast<rlim_t>(limits.time.count() / 1000 + 1);
+  const rlimit seconds{time_s, time_s};
   ::setrlimit(RLIMIT_CPU, &seconds);
+  const rlim_t most = address_space_bytes() + limits.memory_bytes;
+  const rlimit bytes{most, most};
+  ::setrlimit(RLIMIT_AS, &bytes);
   int code = kDamaged;
   try {
     code = decode(file, target);
+  } catch (const std::bad_alloc&) {
+    code = kNoMemory;
   } catch (const std::exception&) {
     code = kDamaged;
   }
   ::_exit(code);  // Without the clean-up that is the parent's.
 }
 
+/// How waiting for the child process ended.
+enum class Ending { kLeft, kTooLong, kStopped };
+
+struct Waited {
+  Ending ending;
+  int status;  ///< Of waitpid().
+};
+
+/// Waits for `child`, and kills it at its deadline or when asked to stop. It is gone afterwards.
+Waited wait_for(pid_t child, std::chrono::milliseconds time, const Progress& progress) {
+  const auto deadline = std::chrono::steady_clock::now() + time;
+  Waited waited{Ending::kLeft, 0};
+  constexpr std::chrono::microseconds kLongestPause{20'000};
+  for (std::chrono::microseconds pause{100};; pause = std::min(2 * pause, kLongestPause)) {
+    const pid_t left = ::waitpid(child, &waited.status, WNOHANG);
+    if (left == child || (left < 0 && errno != EINTR)) return waited;
+    if (progress.stop_requested()) waited.ending = Ending::kStopped;
+    if (std::chrono::steady_clock::now() > deadline) waited.ending = Ending::kTooLong;
+    if (waited.ending != Ending::kLeft) break;
+    std::this_thread::sleep_for(pause);
+  }
+  ::kill(child, SIGKILL);
+  while (::waitpid(child, &waited.status, 0) < 0 && errno == EINTR) {
+  }
+  return waited;
+}
+
 }  // namespace
 
 Result<std::vector<double>> decode_dicom_pixels(const std::filesystem::path& file,
-                                                std::size_t pixels) {
+                                                std::size_t pixels, Progress& progress,
+                                                const CodecLimits& limits) {
   const SharedDoubles shared(pixels);
   const pid_t child = shared.is_valid() ? ::fork() : -1;
   if (child < 0) return fail(ErrorCode::kFileCorrupt, "the pixels do not fit into memory");
-  if (child == 0) decode_and_exit(file, shared.values());
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  if (child == 0) decode_and_exit(file, shared.values(), limits);
+  const auto [ending, status] = wait_for(child, limits.time, progress);
+  if (ending == Ending::kStopped)
+    return fail(ErrorCode::kCancelled, "decoding the pixels was stopped");
+  if (ending == Ending::kTooLong)
+    return fail(
+        ErrorCode::kFileCorrupt,
+        fmt::format("the compressed pixels take longer than {} ms to decode", limits.time.count()));
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : kDamaged;
   if (code == kOtherType)
     return fail(ErrorCode::kFileUnsupported,
                 "the compressed pixels are no whole numbers of 8 or 16 bits");
+  if (code == kNoMemory)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("the compressed pixels need more than {} bytes of memory to decode",
+                            limits.memory_bytes));
   if (code != kDecoded)
     return fail(ErrorCode::kFileCorrupt, "the compressed pixels are truncated or damaged");
   return std::vector<double>(shared.values().begin(), shared.values().end());

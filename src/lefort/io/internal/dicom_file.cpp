@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <utility>
 
 namespace lefort::io {
 
@@ -131,23 +132,28 @@ Result<std::string> read_transfer_syntax(Cursor& cursor) {
   return syntax;
 }
 
-/// The first value of a file may not be taken for pixels by mistake, so whatever is odd is refused.
-Result<DicomElements> read_elements(Cursor cursor, Encoding encoding) {
+DicomElements damaged(DicomElements found, Error why) {
+  found.damage = std::move(why);
+  return found;
+}
+
+/// The first value of a file may not be taken for pixels by mistake, so whatever is odd is damage.
+DicomElements read_elements(Cursor cursor, Encoding encoding) {
   DicomElements found;
   while (!cursor.at_end()) {
     const auto element = cursor.element(encoding);
-    if (!element) return tl::unexpected(truncated());
+    if (!element) return damaged(std::move(found), truncated());
     if (element->length == kUndefinedLength) {
       const std::string_view from_here = cursor.rest();
       const Encoding inner = element->vr == "UN" ? Encoding::kImplicit : encoding;
-      if (!skip_sequence(cursor, inner, 0)) return tl::unexpected(truncated());
+      if (!skip_sequence(cursor, inner, 0)) return damaged(std::move(found), truncated());
       if (element->tag != kPixelData) continue;
       found.pixels = from_here.substr(0, from_here.size() - cursor.rest().size());
       found.is_compressed = true;
       return found;
     }
     const auto value = cursor.take(element->length);
-    if (!value) return tl::unexpected(truncated());
+    if (!value) return damaged(std::move(found), truncated());
     if (element->tag == kPixelData) {
       found.pixels = *value;
       return found;
@@ -166,15 +172,15 @@ bool has_dicom_magic(const std::filesystem::path& file) {
          std::string_view(start.data(), start.size()).ends_with("DICM");
 }
 
-Result<DicomElements> parse_dicom(std::string_view bytes) {
+DicomElements parse_dicom(std::string_view bytes) {
   Cursor cursor(bytes);
-  if (!cursor.take(kPreamble)) return tl::unexpected(truncated());
-  LEFORT_TRY(const std::string syntax, read_transfer_syntax(cursor));
-  if (syntax.empty()) return tl::unexpected(truncated());
-  if (syntax == "1.2.840.10008.1.2") return read_elements(cursor, Encoding::kImplicit);
-  if (syntax == "1.2.840.10008.1.2.2" || syntax == "1.2.840.10008.1.2.1.99")
-    return fail(ErrorCode::kFileUnsupported,
-                "it is big-endian or deflated, expected another transfer syntax");
+  if (!cursor.take(kPreamble)) return damaged({}, truncated());
+  const Result<std::string> syntax = read_transfer_syntax(cursor);
+  if (!syntax || syntax->empty()) return damaged({}, truncated());
+  if (*syntax == "1.2.840.10008.1.2") return read_elements(cursor, Encoding::kImplicit);
+  if (*syntax == "1.2.840.10008.1.2.2" || *syntax == "1.2.840.10008.1.2.1.99")
+    return damaged({}, {ErrorCode::kFileUnsupported,
+                        "it is big-endian or deflated, expected another transfer syntax"});
   return read_elements(cursor, Encoding::kExplicit);
 }
 

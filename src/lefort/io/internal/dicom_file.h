@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -23,6 +24,7 @@ struct DicomElements {
   std::map<DicomTag, std::string_view> values;  ///< Of the outermost level, without sequences.
   std::string_view pixels;                      ///< As stored; empty if there are none.
   bool is_compressed = false;                   ///< `pixels` are fragments of a codec's stream.
+  std::optional<Error> damage{};                ///< Why nothing behind `values` could be read.
 };
 
 /// Whether the file says it is DICOM: "DICM" after 128 bytes.
@@ -31,8 +33,9 @@ struct DicomElements {
 /// Takes a file that has the magic apart, up to the pixels.
 ///
 /// \param bytes  the whole file; must outlive the result.
-/// \returns the elements, or kFileCorrupt (truncated, damaged) or kFileUnsupported (a rare transfer
-///   syntax); the messages do not name the file.
-[[nodiscard]] Result<DicomElements> parse_dicom(std::string_view bytes);
+/// \returns the elements, as far as they can be read: of a damaged file they may still tell to
+///   which series it belongs. `damage` is kFileCorrupt (truncated, damaged) or kFileUnsupported (a
+///   rare transfer syntax), with a message that does not name the file.
+[[nodiscard]] DicomElements parse_dicom(std::string_view bytes);
 
 }  // namespace lefort::io

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <string_view>
@@ -23,6 +24,7 @@ constexpr DicomTag kInstanceUid = 0x00080018;
 constexpr DicomTag kModality = 0x00080060;
 constexpr DicomTag kGantryTilt = 0x00181120;
 constexpr DicomTag kSeriesUid = 0x0020000e;
+constexpr DicomTag kInstanceNumber = 0x00200013;
 constexpr DicomTag kPosition = 0x00200032;
 constexpr DicomTag kOrientation = 0x00200037;
 constexpr DicomTag kSamplesPerPixel = 0x00280002;
@@ -39,8 +41,18 @@ constexpr DicomTag kRescaleSlope = 0x00281053;
 
 constexpr std::uintmax_t kMaxFile = std::uintmax_t{2} << 30;
 
-Error in_file(const fs::path& file, const Error& error) {
-  return {error.code, fmt::format("DICOM file {}: {}", file.filename().string(), error.message)};
+Error in_file(const DicomHeader& header, const Error& error) {
+  return {error.code, fmt::format("DICOM {}: {}", name_of(header), error.message)};
+}
+
+/// read_text() without the file's name in its message.
+Result<std::string> read_bytes(const DicomHeader& header) {
+  auto bytes = read_text(header.file, kMaxFile);
+  if (!bytes)
+    return tl::unexpected(
+        in_file(header, {bytes.error().code,
+                         fmt::format("it cannot be read, or has more than {} bytes", kMaxFile)}));
+  return bytes;
 }
 
 /// The text of a tag without padding; empty if it is missing.
@@ -84,9 +96,8 @@ std::string modality_of(const DicomElements& elements) {
   return is_word ? std::string(text) : "unknown";
 }
 
-DicomHeader header_from(const DicomElements& elements, const fs::path& file) {
-  DicomHeader header;
-  header.file = file;
+/// Fills what the elements say into `header`, which knows its file.
+DicomHeader header_from(const DicomElements& elements, DicomHeader header) {
   header.series_uid = text_of(elements, kSeriesUid);
   header.instance_uid = text_of(elements, kInstanceUid);
   header.modality = modality_of(elements);
@@ -100,13 +111,15 @@ DicomHeader header_from(const DicomElements& elements, const fs::path& file) {
   };
   if (const double frames = number(kFrames).value_or(1.0); frames > 1.0 && frames < 1e9)
     header.frames = static_cast<Index>(frames);
+  if (const auto n = number(kInstanceNumber); n && std::abs(*n) < 1e9)
+    header.slice_number = static_cast<Index>(*n);
   if (const auto p = numbers_of(elements, kPosition); p.size() == 3)
     header.position_L = Vec3(p[0], p[1], p[2]);
   if (const auto o = numbers_of(elements, kOrientation); o.size() == 6)
     header.axes_L = {Vec3(o[0], o[1], o[2]), Vec3(o[3], o[4], o[5])};
   if (const auto s = numbers_of(elements, kPixelSpacing); s.size() == 2)
     header.pixel_spacing_mm = {s[1], s[0]};  // The tag gives the distance of rows first.
-  header.rescale_slope = number(kRescaleSlope).value_or(1.0);
+  header.rescale_slope = number(kRescaleSlope);
   header.rescale_intercept = number(kRescaleIntercept);
   header.gantry_tilt_deg = number(kGantryTilt).value_or(0.0);
   return header;
@@ -163,26 +176,40 @@ Result<std::vector<double>> unpack_pixels(const DicomElements& elements, std::si
 
 }  // namespace
 
-Result<std::optional<DicomHeader>> read_dicom_header(const fs::path& file) {
+std::string name_of(const DicomHeader& header) {
+  if (!header.slice_number) return fmt::format("file {}", header.file_number);
+  return fmt::format("slice {} (file {})", *header.slice_number, header.file_number);
+}
+
+Result<std::optional<DicomHeader>> read_dicom_header(const fs::path& file, Index file_number) {
+  DicomHeader header;
+  header.file = file;
+  header.file_number = file_number;
   if (!has_dicom_magic(file)) {
     if (!named_dicom(file)) return std::nullopt;
     return tl::unexpected(
-        in_file(file, {ErrorCode::kFileCorrupt, "it is truncated or no DICOM file"}));
+        in_file(header, {ErrorCode::kFileCorrupt, "it is truncated or no DICOM file"}));
   }
-  LEFORT_TRY(const std::string bytes, read_text(file, kMaxFile));
-  const auto elements = parse_dicom(bytes);
-  if (!elements) return tl::unexpected(in_file(file, elements.error()));
-  return header_from(*elements, file);
+  LEFORT_TRY(const std::string bytes, read_bytes(header));
+  const DicomElements elements = parse_dicom(bytes);
+  header = header_from(elements, std::move(header));
+  std::optional<Error> damage = elements.damage;
+  if (!damage && header.columns > 0 && elements.pixels.empty())  // Cut off between two elements.
+    damage = Error{ErrorCode::kFileCorrupt, "it is truncated, it ends before its pixels"};
+  if (!damage) return header;
+  header.damage = in_file(header, *damage);
+  if (header.series_uid.empty()) return tl::unexpected(*std::move(header.damage));
+  return header;
 }
 
-Result<std::vector<double>> read_dicom_pixels(const DicomHeader& header) {
-  LEFORT_TRY(const std::string bytes, read_text(header.file, kMaxFile));
-  const auto elements = parse_dicom(bytes);
-  if (!elements) return tl::unexpected(in_file(header.file, elements.error()));
+Result<std::vector<double>> read_dicom_pixels(const DicomHeader& header, Progress& progress) {
+  LEFORT_TRY(const std::string bytes, read_bytes(header));
+  const DicomElements elements = parse_dicom(bytes);
+  if (elements.damage) return tl::unexpected(in_file(header, *elements.damage));
   const auto count = static_cast<std::size_t>(header.columns * header.rows);
-  auto pixels = elements->is_compressed ? decode_dicom_pixels(header.file, count)
-                                        : unpack_pixels(*elements, count);
-  if (!pixels) return tl::unexpected(in_file(header.file, pixels.error()));
+  auto pixels = elements.is_compressed ? decode_dicom_pixels(header.file, count, progress)
+                                       : unpack_pixels(elements, count);
+  if (!pixels) return tl::unexpected(in_file(header, pixels.error()));
   return pixels;
 }
 

@@ -19,10 +19,12 @@ constexpr double kAxisTolerance = 1e-3;
 constexpr double kSpacingToleranceMm = 1e-3;
 constexpr double kPositionToleranceMm = 0.02;
 constexpr Index kMaxColumns = 8192;  // Before a codec believes it and allocates.
-/// Share of the slice distance by which single slices may be off before we refuse.
+/// Share of the slice distance by which the distance of two neighbours may be off before we refuse.
 constexpr double kUneven = 0.05;
-
-std::string name_of(const DicomHeader& slice) { return slice.file.filename().string(); }
+/// Share of the slice distance by which a slice may lie off the even stack that stands for it.
+constexpr double kMaxOffEven = 0.1;
+/// Share of a pixel by which a slice may lie beside the stack.
+constexpr double kMaxSidewaysPixels = 0.5;
 
 std::string size_of(const DicomHeader& slice) {
   return fmt::format("{} x {}", slice.columns, slice.rows);
@@ -31,7 +33,7 @@ std::string size_of(const DicomHeader& slice) {
 /// Whether this slice alone can be placed.
 Result<void> check_slice(const DicomHeader& slice) {
   const auto unsupported = [&](std::string_view why) {
-    return fail(ErrorCode::kFileUnsupported, fmt::format("DICOM file {}: {}", name_of(slice), why));
+    return fail(ErrorCode::kFileUnsupported, fmt::format("DICOM {}: {}", name_of(slice), why));
   };
   if (slice.frames != 1)
     return unsupported(fmt::format("it holds {} frames, expected one slice", slice.frames));
@@ -49,7 +51,7 @@ Result<void> check_slice(const DicomHeader& slice) {
       {std::abs(row.norm() - 1.0), std::abs(column.norm() - 1.0), std::abs(row.dot(column))});
   if (!(error <= kAxisTolerance) || !slice.position_L->allFinite())
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("DICOM file {}: the image axes deviate by {:.2g} from orthogonal unit "
+                fmt::format("DICOM {}: the image axes deviate by {:.2g} from orthogonal unit "
                             "vectors, expected at most {}",
                             name_of(slice), error, kAxisTolerance));
   return {};
@@ -59,7 +61,7 @@ Result<void> check_slice(const DicomHeader& slice) {
 Result<void> check_alike(const DicomHeader& first, const DicomHeader& slice) {
   const auto differs = [&](std::string_view what) {
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("the series mixes slices of different {}: files {} and {}", what,
+                fmt::format("the series mixes slices of different {}: {} and {}", what,
                             name_of(first), name_of(slice)));
   };
   if (slice.columns != first.columns || slice.rows != first.rows)
@@ -94,19 +96,35 @@ void remove_surplus(std::vector<DicomHeader>& slices, std::vector<std::string>& 
   if (copies > 0) warnings.push_back(fmt::format("{} copies of slices were left out", copies));
 }
 
-/// The distance of slices, from `heights_mm` along the normal; refuses gaps and uneven stacks.
-Result<double> slice_distance_mm(const std::vector<DicomHeader>& slices,
-                                 const std::vector<double>& heights_mm,
-                                 std::vector<std::string>& warnings) {
-  std::vector<double> steps_mm;
-  for (std::size_t k = 1; k < slices.size(); ++k)
-    steps_mm.push_back(heights_mm[k] - heights_mm[k - 1]);
-  std::vector<double> sorted_mm = steps_mm;
-  std::sort(sorted_mm.begin(), sorted_mm.end());
-  const double usual_mm = sorted_mm[sorted_mm.size() / 2];
+/// The evenly spaced heights along the normal that come closest to those of the slices.
+struct EvenHeights {
+  double first_mm = 0.0;
+  double distance_mm = 0.0;
+  [[nodiscard]] double at(std::size_t k) const {
+    return first_mm + distance_mm * static_cast<double>(k);
+  }
+};
+
+/// Least squares; `heights_mm` holds at least two.
+EvenHeights fit_even_heights(const std::vector<double>& heights_mm) {
+  const auto count = static_cast<double>(heights_mm.size());
+  const double mean_k = 0.5 * (count - 1.0);
+  const double from_mm = heights_mm.front();  // Differences keep an even stack's digits.
+  double mean_mm = 0.0, covariance = 0.0;
+  for (std::size_t k = 0; k < heights_mm.size(); ++k) {
+    mean_mm += (heights_mm[k] - from_mm) / count;
+    covariance += (static_cast<double>(k) - mean_k) * (heights_mm[k] - from_mm);
+  }
+  const double distance_mm = 12.0 * covariance / (count * (count * count - 1.0));
+  return {from_mm + mean_mm - mean_k * distance_mm, distance_mm};
+}
+
+/// Refuses slices at one place, and gaps of one or more slices.
+Result<void> check_gaps(const std::vector<DicomHeader>& slices, const std::vector<double>& steps_mm,
+                        double usual_mm) {
   for (std::size_t k = 0; k < steps_mm.size(); ++k) {
     const std::string between =
-        fmt::format("files {} and {}", name_of(slices[k]), name_of(slices[k + 1]));
+        fmt::format("{} and {}", name_of(slices[k]), name_of(slices[k + 1]));
     if (steps_mm[k] < 1e-3)
       return fail(ErrorCode::kFileCorrupt,
                   fmt::format("two slices of the series lie at the same place: {}", between));
@@ -119,28 +137,73 @@ Result<double> slice_distance_mm(const std::vector<DicomHeader>& slices,
                               "{:.3g} mm",
                               skipped, between, steps_mm[k], usual_mm));
   }
+  return {};
+}
+
+/// The even stack that stands for slices at `heights_mm`; refuses gaps and uneven stacks. Small
+/// steps may all be good and yet add up, so both steps and places are judged.
+Result<EvenHeights> even_heights(const std::vector<DicomHeader>& slices,
+                                 const std::vector<double>& heights_mm,
+                                 std::vector<std::string>& warnings) {
+  std::vector<double> steps_mm;
+  for (std::size_t k = 1; k < slices.size(); ++k)
+    steps_mm.push_back(heights_mm[k] - heights_mm[k - 1]);
+  std::vector<double> sorted_mm = steps_mm;
+  std::sort(sorted_mm.begin(), sorted_mm.end());
+  const double usual_mm = sorted_mm[sorted_mm.size() / 2];
+  LEFORT_TRY_VOID(check_gaps(slices, steps_mm, usual_mm));
+
   const double off_mm = std::max(usual_mm - sorted_mm.front(), sorted_mm.back() - usual_mm);
   const std::string range =
       fmt::format("the slices lie {:.4g} to {:.4g} mm apart", sorted_mm.front(), sorted_mm.back());
   if (off_mm > kUneven * usual_mm + kPositionToleranceMm)
     return fail(ErrorCode::kFileCorrupt, range + ", expected one distance");
-  if (off_mm > kPositionToleranceMm) warnings.push_back(range + "; their mean distance is used");
-  return (heights_mm.back() - heights_mm.front()) / static_cast<double>(steps_mm.size());
+  const EvenHeights even = fit_even_heights(heights_mm);
+  std::size_t worst = 0;
+  const auto residual_mm = [&](std::size_t k) { return std::abs(heights_mm[k] - even.at(k)); };
+  for (std::size_t k = 1; k < heights_mm.size(); ++k)
+    if (residual_mm(k) > residual_mm(worst)) worst = k;
+  if (residual_mm(worst) > kMaxOffEven * even.distance_mm)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{}, and {} lies {:.3g} mm from its place in an even stack, expected "
+                            "at most {:.3g} mm",
+                            range, name_of(slices[worst]), residual_mm(worst),
+                            kMaxOffEven * even.distance_mm));
+  if (off_mm > kPositionToleranceMm)
+    warnings.push_back(fmt::format("{}; {:.4g} mm is used, which moves slices by at most {:.2g} mm",
+                                   range, even.distance_mm, residual_mm(worst)));
+  return even;
 }
 
-/// Slices that slide sideways from one to the next come from a tilted gantry.
-Result<void> check_tilt(const DicomStack& stack, std::vector<std::string>& warnings) {
-  const Vec3 path = *stack.slices.back().position_L - *stack.slices.front().position_L;
+/// Slices must lie on top of each other. Those that slide sideways evenly come from a tilted
+/// gantry; any other place is none that a scanner gives.
+Result<void> check_sideways(const DicomStack& stack, std::vector<std::string>& warnings) {
   const Vec3 normal = stack.grid.direction.col(2);
-  const double sideways_mm = (path - path.dot(normal) * normal).norm();
-  const double angle_deg =
-      degrees_from_radians(std::atan2(sideways_mm, std::abs(path.dot(normal))));
-  const double pixel_mm = stack.grid.spacing_mm.head<2>().minCoeff();
-  if (sideways_mm > 0.5 * pixel_mm)
+  const auto sideways_mm = [&](std::size_t k) -> Vec3 {
+    const Vec3 path = *stack.slices[k].position_L - *stack.slices.front().position_L;
+    return path - path.dot(normal) * normal;
+  };
+  const std::size_t last = stack.slices.size() - 1;
+  const Vec3 drift_mm = sideways_mm(last);
+  const double limit_mm = kMaxSidewaysPixels * stack.grid.spacing_mm.head<2>().minCoeff();
+  double off_path_mm = 0.0;  // Of a path that slides evenly.
+  std::size_t worst = 0;
+  for (std::size_t k = 0; k <= last; ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(last);
+    off_path_mm = std::max(off_path_mm, (sideways_mm(k) - share * drift_mm).norm());
+    if (sideways_mm(k).norm() > sideways_mm(worst).norm()) worst = k;
+  }
+  if (drift_mm.norm() > limit_mm && off_path_mm <= limit_mm) {
+    const double height_mm = stack.grid.spacing_mm.z() * static_cast<double>(last);
     return fail(ErrorCode::kFileUnsupported,
                 fmt::format("the slices are sheared by {:.1f} degrees, as by a tilted gantry, "
                             "expected an upright stack",
-                            angle_deg));
+                            degrees_from_radians(std::atan2(drift_mm.norm(), height_mm))));
+  }
+  if (sideways_mm(worst).norm() > limit_mm)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{} lies {:.3g} mm beside the first slice, expected at most {:.3g} mm",
+                            name_of(stack.slices[worst]), sideways_mm(worst).norm(), limit_mm));
   if (const double said_deg = stack.slices.front().gantry_tilt_deg; std::abs(said_deg) > 0.1)
     warnings.push_back(fmt::format(
         "the scanner reports a gantry tilt of {:.1f} degrees, but the slices make an upright stack",
@@ -170,17 +233,47 @@ Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices) {
   const Vec3 normal = grid.direction.col(2);
   const auto height_mm = [&](const DicomHeader& slice) { return slice.position_L->dot(normal); };
   std::sort(slices.begin(), slices.end(), [&](const DicomHeader& a, const DicomHeader& b) {
-    return std::pair(height_mm(a), a.file) < std::pair(height_mm(b), b.file);
+    return std::pair(height_mm(a), a.file_number) < std::pair(height_mm(b), b.file_number);
   });
   std::vector<double> heights_mm;
   heights_mm.reserve(slices.size());
   for (const DicomHeader& slice : slices) heights_mm.push_back(height_mm(slice));
-  LEFORT_TRY(grid.spacing_mm.z(), slice_distance_mm(slices, heights_mm, stack.warnings));
-  grid.origin_L = *slices.front().position_L;
+  LEFORT_TRY(const EvenHeights even, even_heights(slices, heights_mm, stack.warnings));
+  grid.spacing_mm.z() = even.distance_mm;
+  grid.origin_L = *slices.front().position_L + (even.first_mm - heights_mm.front()) * normal;
   stack.slices = std::move(slices);
   LEFORT_TRY_VOID(image::check_grid(grid));
-  LEFORT_TRY_VOID(check_tilt(stack, stack.warnings));
+  LEFORT_TRY_VOID(check_sideways(stack, stack.warnings));
   return stack;
+}
+
+Result<std::vector<Rescale>> rescales_of(const std::vector<DicomHeader>& slices,
+                                         std::vector<std::string>& warnings) {
+  const auto all_or_none = [&](auto tag, std::string_view name,
+                               std::string_view otherwise) -> Result<void> {
+    const auto count = std::count_if(slices.begin(), slices.end(),
+                                     [&](const auto& slice) { return (slice.*tag).has_value(); });
+    if (count == 0)
+      warnings.push_back(
+          fmt::format("the files give no rescale {}, {} was taken", name, otherwise));
+    if (count == 0 || count == std::ssize(slices)) return {};
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{} of {} slices give a rescale {}, expected all or none", count,
+                            slices.size(), name));
+  };
+  LEFORT_TRY_VOID(all_or_none(&DicomHeader::rescale_intercept, "intercept", "0"));
+  LEFORT_TRY_VOID(all_or_none(&DicomHeader::rescale_slope, "slope", "1"));
+  std::vector<Rescale> rescales;
+  for (const DicomHeader& slice : slices) {
+    const Rescale rescale{slice.rescale_slope.value_or(1.0), slice.rescale_intercept.value_or(0.0)};
+    if (!std::isfinite(rescale.slope) || rescale.slope == 0.0 || !std::isfinite(rescale.intercept))
+      return fail(ErrorCode::kFileCorrupt,
+                  fmt::format("DICOM {}: the values are rescaled by {} and {}, expected a "
+                              "slope other than 0 and an intercept",
+                              name_of(slice), rescale.slope, rescale.intercept));
+    rescales.push_back(rescale);
+  }
+  return rescales;
 }
 
 }  // namespace lefort::io

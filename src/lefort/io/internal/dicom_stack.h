@@ -18,6 +18,12 @@ struct DicomStack {
   std::vector<std::string> warnings;
 };
 
+/// What turns the stored values of a slice into HU: slope * value + intercept.
+struct Rescale {
+  double slope = 1.0;
+  double intercept = 0.0;
+};
+
 /// Sorts the slices of one series along their normal and checks that they make a regular grid.
 ///
 /// Copies of a slice and localizers are left out with a warning.
@@ -26,7 +32,16 @@ struct DicomStack {
 ///   - kFileUnsupported  a tag that places the slices is missing, several frames or colours in a
 ///                       file, or a tilted gantry;
 ///   - kFileCorrupt      slices that differ in size, spacing or orientation, lie at one place, are
-///                       missing, or are unevenly spaced.
+///                       missing, are unevenly spaced, or lie beside the others.
+/// \note The grid's slices lie evenly where least squares puts them. A slice is at most 0.1 slice
+///   distances away along the normal, and at most half a pixel across it from the first.
 [[nodiscard]] Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices);
+
+/// The rescaling of each slice. A tag that no slice carries has its default, with a warning.
+///
+/// \returns kFileCorrupt when only some slices carry a tag, or one is not finite or a slope is 0:
+///   the default would put those slices onto another scale than their neighbours.
+[[nodiscard]] Result<std::vector<Rescale>> rescales_of(const std::vector<DicomHeader>& slices,
+                                                       std::vector<std::string>& warnings);
 
 }  // namespace lefort::io

@@ -1,3 +1,4 @@
+#include <lefort/image/find_padding.h>
 #include <lefort/io/internal/hounsfield.h>
 
 #include <fmt/format.h>
@@ -10,6 +11,12 @@ namespace {
 
 /// Air around the head is near -1000 HU in every scan; less of it than this is odd.
 constexpr std::int16_t kSurelyAir = -500;
+
+/// The patient is at least this dense, as segmentation has it unless told otherwise.
+constexpr double kTissueHu = -300.0;
+
+/// Less of an abrupt end than this may be a voxel of noise here and there.
+constexpr double kLeastCut_mm2 = 100.0;
 
 }  // namespace
 
@@ -28,6 +35,12 @@ std::vector<std::string> hounsfield_warnings(const HounsfieldCount& count,
     warnings.push_back(fmt::format(
         "the values reach from {} to {}, expected air near -1000: they may not be in HU", *lowest,
         *highest));
+  if (const image::Padding padding = image::find_padding(ct, kTissueHu);
+      padding.cut_mm2 > kLeastCut_mm2)
+    warnings.push_back(fmt::format(
+        "the field of view is surrounded by {} HU and cuts tissue off over {:.2g} cm2, where its "
+        "edge is taken for skin",
+        padding.hu, padding.cut_mm2 * 1e-2));
   return warnings;
 }
 

@@ -34,7 +34,8 @@ struct HounsfieldCount {
   return static_cast<std::int16_t>(value < 0.0 ? kLowestHu : kHighestHu);
 }
 
-/// Warnings about what was changed in `ct`, and about values that can hardly be HU.
+/// Warnings about what was changed in `ct`, about values that can hardly be HU, and about a field
+/// of view that cuts the patient off within the grid.
 [[nodiscard]] std::vector<std::string> hounsfield_warnings(const HounsfieldCount& count,
                                                            const image::CtVolume& ct);
 

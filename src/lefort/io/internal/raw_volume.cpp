@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <optional>
@@ -29,9 +30,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Component = itk::CommonEnums::IOComponent;
-
-/// gzip gains at most 1032 : 1, so a file of n bytes cannot hold more than about this many.
-constexpr std::uintmax_t kHighestCompression = 1100;
 
 struct Ending {
   const char* text;
@@ -147,48 +145,51 @@ Result<void> check_either_hand(image::Grid grid) {
   return check_grid(grid);
 }
 
-Error in_file(const fs::path& file, const Error& error) {
-  return {error.code, fmt::format("{}: {}", file.string(), error.message)};
+// Messages say of what format the file is, not its name: people name files after patients.
+Error in_file(VolumeFormat format, const Error& error) {
+  return {error.code, fmt::format("{} file: {}", name_of(format), error.message)};
 }
 
-Error corrupt(const fs::path& file, std::string_view why) {
-  return {ErrorCode::kFileCorrupt, fmt::format("{}: {}", file.string(), why)};
+Error corrupt(VolumeFormat format, std::string why) {
+  return in_file(format, {ErrorCode::kFileCorrupt, std::move(why)});
 }
 
-Error unsupported(const fs::path& file, std::string_view why) {
-  return {ErrorCode::kFileUnsupported, fmt::format("{}: {}", file.string(), why)};
+Error unsupported(VolumeFormat format, std::string why) {
+  return in_file(format, {ErrorCode::kFileUnsupported, std::move(why)});
 }
 
 /// What the header says, before anything is allocated.
 Result<RawVolume> read_header(itk::ImageIOBase& io, const fs::path& file, const Ending& ending) {
-  if (ending.format == VolumeFormat::kNifti)
-    if (auto good = check_nifti(file); !good) return tl::unexpected(in_file(file, good.error()));
+  Result<void> good;
+  if (ending.format == VolumeFormat::kNifti) good = check_nifti(file);
+  if (ending.format == VolumeFormat::kNrrd) good = check_nrrd_voxel_file(file);
+  if (!good) return tl::unexpected(in_file(ending.format, good.error()));
   try {
     io.SetFileName(file.string());
     io.ReadImageInformation();
   } catch (const std::exception&) {
     return tl::unexpected(
-        corrupt(file, fmt::format("the header cannot be read, expected that of a {} file",
-                                  name_of(ending.format))));
+        corrupt(ending.format, fmt::format("the header cannot be read, expected that of a {} file",
+                                           name_of(ending.format))));
   }
   if (io.GetNumberOfDimensions() != 3)
     return tl::unexpected(unsupported(
-        file, fmt::format("the image has {} dimensions, expected 3", io.GetNumberOfDimensions())));
+        ending.format,
+        fmt::format("the image has {} dimensions, expected 3", io.GetNumberOfDimensions())));
   const std::optional<ScalarType> type = scalar_type(io.GetComponentType());
-  if (!type) return tl::unexpected(unsupported(file, "the voxels hold no numbers, expected some"));
+  if (!type)
+    return tl::unexpected(unsupported(ending.format, "the voxels hold no numbers, expected some"));
 
   RawVolume raw;
   raw.grid = grid_of(io);
   raw.type = *type;
   raw.components = static_cast<Index>(io.GetNumberOfComponents());
   raw.fields = text_fields(io.GetMetaDataDictionary());
-  if (auto good = check_either_hand(raw.grid); !good)
-    return tl::unexpected(in_file(file, good.error()));
+  if (good = check_either_hand(raw.grid); !good)
+    return tl::unexpected(in_file(ending.format, good.error()));
   if (raw.components < 1 || raw.components > 256)
-    return tl::unexpected(
-        unsupported(file, fmt::format("the voxels hold {} values, expected 1", raw.components)));
-  if (ending.format == VolumeFormat::kNrrd)
-    if (auto good = check_nrrd(file); !good) return tl::unexpected(in_file(file, good.error()));
+    return tl::unexpected(unsupported(
+        ending.format, fmt::format("the voxels hold {} values, expected 1", raw.components)));
   return raw;
 }
 
@@ -213,11 +214,12 @@ const char* name_of(VolumeFormat format) {
 Result<RawVolume> read_raw_volume(const fs::path& file) {
   const Ending& ending = ending_of(file);
   if (ending.format == VolumeFormat::kNone)
-    return tl::unexpected(
-        unsupported(file, "the ending is not one of .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd"));
+    return fail(ErrorCode::kFileUnsupported,
+                "the file ends in none of .nrrd, .nhdr, .nii, .nii.gz, .mha and .mhd");
   std::error_code error;
   if (!fs::is_regular_file(file, error))
-    return fail(ErrorCode::kFileNotFound, fmt::format("{} is not a file", file.string()));
+    return tl::unexpected(
+        in_file(ending.format, {ErrorCode::kFileNotFound, "there is no such file"}));
   const std::uintmax_t file_bytes = fs::file_size(file, error);
 
   const LibrarySilence silence;
@@ -225,14 +227,21 @@ Result<RawVolume> read_raw_volume(const fs::path& file) {
   LEFORT_TRY(RawVolume raw, read_header(*io, file, ending));
   const auto bytes = static_cast<std::uintmax_t>(io->GetImageSizeInBytes());
   if (ending.one_file && (error || bytes / kHighestCompression > file_bytes))
-    return tl::unexpected(
-        corrupt(file, fmt::format("the header promises {} bytes of voxels, the file has {} bytes",
-                                  bytes, file_bytes)));
+    return tl::unexpected(corrupt(
+        ending.format, fmt::format("the header promises {} bytes of voxels, the file has {} bytes",
+                                   bytes, file_bytes)));
+  Result<void> good;
+  if (ending.format == VolumeFormat::kNrrd) good = check_nrrd(file, bytes);
   if (ending.format == VolumeFormat::kMetaImage)
-    if (auto good = check_metaimage(file, bytes); !good)
-      return tl::unexpected(in_file(file, good.error()));
+    good = check_metaimage(file, bytes, raw.grid.direction);
+  if (!good) return tl::unexpected(in_file(ending.format, good.error()));
+  // Zeroed, so that nothing else in our memory can come out as voxels; the system gives zeroed
+  // pages when they are used first, so a false promise costs no memory.
+  raw.bytes.reset(static_cast<std::byte*>(std::calloc(std::max<std::size_t>(bytes, 1), 1)));
+  if (raw.bytes == nullptr)
+    return tl::unexpected(
+        corrupt(ending.format, fmt::format("{} bytes of voxels do not fit into memory", bytes)));
   try {
-    raw.bytes.reset(new std::byte[bytes]);  // Not zeroed: a false promise costs no memory.
     itk::ImageIORegion all(3);
     for (unsigned axis = 0; axis < 3; ++axis) {
       all.SetIndex(axis, 0);
@@ -241,10 +250,10 @@ Result<RawVolume> read_raw_volume(const fs::path& file) {
     io->SetIORegion(all);
     io->Read(raw.bytes.get());
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        corrupt(file, fmt::format("{} bytes of voxels do not fit into memory", bytes)));
+    return tl::unexpected(corrupt(ending.format, "the voxels do not fit into memory"));
   } catch (const std::exception&) {
-    return tl::unexpected(corrupt(file, "the voxels cannot be read: truncated or damaged"));
+    return tl::unexpected(
+        corrupt(ending.format, "the voxels cannot be read: truncated or damaged"));
   }
   return raw;
 }

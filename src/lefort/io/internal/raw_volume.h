@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -30,13 +31,17 @@ enum class ScalarType {
   kDouble,
 };
 
+struct FreeBytes {
+  void operator()(std::byte* bytes) const { std::free(bytes); }  // NOLINT: calloc gave them.
+};
+
 /// A volume file in memory.
 struct RawVolume {
   image::Grid grid;  ///< In L, but perhaps left-handed.
   ScalarType type = ScalarType::kInt16;
-  Index components = 1;                       ///< Values per voxel, stored together.
-  std::unique_ptr<std::byte[]> bytes;         ///< Values, i fastest after components.
-  std::map<std::string, std::string> fields;  ///< Text fields of the header.
+  Index components = 1;                           ///< Values per voxel, stored together.
+  std::unique_ptr<std::byte[], FreeBytes> bytes;  ///< Values, i fastest after components.
+  std::map<std::string, std::string> fields;      ///< Text fields of the header.
 
   [[nodiscard]] Index value_count() const { return grid.voxel_count() * components; }
 };
@@ -82,7 +87,7 @@ enum class VolumeFormat { kNone, kNrrd, kNifti, kMetaImage };
 
 /// Reads a volume with three dimensions whose place in the patient the file states.
 ///
-/// \returns kFileNotFound, kFileUnsupported or kFileCorrupt, with the file's name in the message.
+/// \returns kFileNotFound, kFileUnsupported or kFileCorrupt; the message does not name the file.
 [[nodiscard]] Result<RawVolume> read_raw_volume(const std::filesystem::path& file);
 
 /// What is to be written; `values` is not owned.

@@ -9,14 +9,10 @@
 namespace lefort::io::internal {
 namespace {
 
-/// The array of a piece, by parent and name; the points have no reliable name. Null if missing.
-const std::vector<double>* find_array(const XmlArrays& file, int piece, std::string_view parent,
-                                      std::string_view name) {
-  for (const XmlArray& array : file.arrays)
-    if (array.piece == piece && array.parent == parent && (name.empty() || array.name == name))
-      return &array.values;
-  return nullptr;
-}
+/// What makes a surface; the points have no reliable name.
+const std::vector<WantedArray> kWanted{{"Points", ""},        {"Polys", "connectivity"},
+                                       {"Polys", "offsets"},  {"Strips", "connectivity"},
+                                       {"Strips", "offsets"}, {"FieldData", "SPACE"}};
 
 std::int32_t vertex_number(double in_piece, std::size_t first_of_piece) {
   const double number = in_piece + double(first_of_piece);
@@ -53,8 +49,7 @@ bool add_cells(const XmlArrays& file, int piece, const char* kind, std::size_t f
 }  // namespace
 
 Result<SurfaceFile> parse_vtp(std::string_view bytes, const std::string& name) {
-  LEFORT_TRY(const XmlArrays file,
-             parse_vtk_xml(bytes, name, "PolyData", {"Points", "Polys", "Strips", "FieldData"}));
+  LEFORT_TRY(const XmlArrays file, parse_vtk_xml(bytes, name, "PolyData", kWanted));
   SurfaceFile surface;
   for (int piece = 1; piece <= file.pieces; ++piece) {
     const std::size_t first_vertex = surface.vertices.size();

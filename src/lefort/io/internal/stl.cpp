@@ -18,13 +18,19 @@ static_assert(std::endian::native == std::endian::little,
 constexpr std::size_t kHeaderBytes = 80;
 constexpr std::size_t kTriangleBytes = 50;  // Normal, three corners as float, two unused bytes.
 
-/// STL repeats a corner for every triangle: equal coordinates are one vertex.
+/// STL repeats a corner for every triangle: equal coordinates are one vertex. NaN has no order and
+/// would be taken for any other vertex, so what is not finite stays apart, for the check of all
+/// vertices to find it.
 class Corners {
  public:
   explicit Corners(SurfaceFile& surface) : surface_(surface) {}
   std::int32_t number(const Vec3& p) {
-    const auto [place, is_new] =
-        numbers_.try_emplace({p[0], p[1], p[2]}, std::int32_t(surface_.vertices.size()));
+    const auto next = std::int32_t(surface_.vertices.size());
+    if (!p.allFinite()) {
+      surface_.vertices.push_back(p);
+      return next;
+    }
+    const auto [place, is_new] = numbers_.try_emplace({p[0], p[1], p[2]}, next);
     if (is_new) surface_.vertices.push_back(p);
     return place->second;
   }

@@ -28,8 +28,9 @@ struct SurfaceFile {
 [[nodiscard]] std::string stl_bytes(const geometry::TriangleMesh& mesh);
 [[nodiscard]] std::string ply_bytes(const geometry::TriangleMesh& mesh);
 [[nodiscard]] std::string obj_bytes(const geometry::TriangleMesh& mesh);
-[[nodiscard]] std::string vtp_bytes(const geometry::TriangleMesh& mesh,
-                                    const std::vector<VertexArray>& arrays);
+/// \returns the bytes, or kFileUnwritable when VTK cannot make them (memory).
+[[nodiscard]] Result<std::string> vtp_bytes(const geometry::TriangleMesh& mesh,
+                                            const std::vector<VertexArray>& arrays);
 
 /// Adds a polygon's triangles. A corner may point nowhere: then a fan is added, for the check of
 /// all corners to find it.

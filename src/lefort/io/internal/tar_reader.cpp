@@ -75,8 +75,7 @@ class Stream {
 };
 
 /// Reads `size` bytes and what fills their last block; keeps them if asked.
-Result<std::string> read_body(Stream& stream, std::uint64_t size, bool keep, Progress& progress,
-                              const fs::path& archive) {
+Result<std::string> read_body(Stream& stream, std::uint64_t size, bool keep, Progress& progress) {
   std::string body;
   std::string chunk;
   const std::uint64_t padded = (size + kBlock - 1) / kBlock * kBlock;
@@ -85,8 +84,7 @@ Result<std::string> read_body(Stream& stream, std::uint64_t size, bool keep, Pro
       return fail(ErrorCode::kCancelled, "reading the archive was stopped");
     chunk.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, padded - done)));
     if (!stream.read(chunk.data(), chunk.size()))
-      return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("{}: the archive is truncated or damaged", archive.string()));
+      return fail(ErrorCode::kFileCorrupt, "the archive is truncated or damaged");
     // Grows as bytes arrive: a false size costs no memory.
     if (keep) body += chunk;
     done += chunk.size();
@@ -101,25 +99,23 @@ Result<std::string> read_from_tar(const fs::path& archive, std::string_view name
                                   std::uint64_t max_bytes, Progress& progress) {
   std::error_code error;
   if (!fs::is_regular_file(archive, error))
-    return fail(ErrorCode::kFileNotFound, fmt::format("{} is not a file", archive.string()));
+    return fail(ErrorCode::kFileNotFound, "there is no such file");
   Stream stream(archive);
   for (Block block; stream.read(block.data(), kBlock);) {
     if (std::all_of(block.begin(), block.end(), [](char c) { return c == '\0'; })) break;
     const std::optional<Entry> entry = parse_header(block);
     if (!entry)
-      return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("{}: not a tar archive, or a damaged one", archive.string()));
+      return fail(ErrorCode::kFileCorrupt, "the file is not a tar archive, or a damaged one");
     const bool wanted = entry->regular && entry->name == name;
     const std::uint64_t limit = wanted ? max_bytes : kMaxUnpacked;
     if (entry->size > limit)
       return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("{}: {} in the archive has {} bytes, expected at most {}",
-                              archive.string(), wanted ? name : "an entry", entry->size, limit));
-    LEFORT_TRY(std::string body, read_body(stream, entry->size, wanted, progress, archive));
+                  fmt::format("{} in the archive has {} bytes, expected at most {}",
+                              wanted ? name : "an entry", entry->size, limit));
+    LEFORT_TRY(std::string body, read_body(stream, entry->size, wanted, progress));
     if (wanted) return body;
   }
-  return fail(ErrorCode::kFileCorrupt,
-              fmt::format("{}: the archive ends without an entry {}", archive.string(), name));
+  return fail(ErrorCode::kFileCorrupt, fmt::format("the archive ends without an entry {}", name));
 }
 
 }  // namespace lefort::io

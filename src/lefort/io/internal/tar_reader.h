@@ -18,7 +18,7 @@ namespace lefort::io {
 ///
 /// \param max_bytes  larger entries of that name are refused.
 /// \returns its bytes, or kFileNotFound (no such archive), kFileCorrupt (damaged, truncated, no
-///   such entry, too large) or kCancelled.
+///   such entry, too large) or kCancelled; no message names the archive.
 [[nodiscard]] Result<std::string> read_from_tar(const std::filesystem::path& archive,
                                                 std::string_view name, std::uint64_t max_bytes,
                                                 Progress& progress);

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <set>
 
 namespace lefort::io::internal {
 namespace {
@@ -20,8 +21,27 @@ static_assert(std::endian::native == std::endian::little, "arrays are read as th
 
 // zlib cannot press data together further than this.
 constexpr std::size_t kBestCompression = 1100;
+// What meshes unpack to, as numbers in memory: at most this, and so many bytes for one of the file.
+constexpr std::size_t kFreeBytes = std::size_t(64) << 20;
+constexpr std::size_t kBytesForOne = 64;
+constexpr int kMaxPieces = 1000;
 
 using Attributes = std::map<std::string, std::string>;
+
+/// What all arrays together may still unpack to.
+class Budget {
+ public:
+  explicit Budget(std::size_t file_bytes) : left_(kFreeBytes + kBytesForOne * file_bytes) {}
+  /// Whether so many bytes more are allowed.
+  [[nodiscard]] bool take(std::uint64_t bytes) {
+    if (bytes > left_) return false;
+    left_ -= bytes;
+    return true;
+  }
+
+ private:
+  std::uint64_t left_;
+};
 
 /// A DataArray as the XML has it.
 struct RawArray {
@@ -134,7 +154,7 @@ struct Sizes {
 /// Puts the blocks of a compressed array together. The sizes are block count, bytes per block,
 /// bytes of the last block, and the compressed bytes of every block.
 std::optional<std::string> inflated(std::string_view sizes_bytes, std::string_view data,
-                                    const Sizes& sizes) {
+                                    const Sizes& sizes, Budget& budget) {
   const auto blocks = sizes.at(sizes_bytes, 0);
   const auto block_bytes = sizes.at(sizes_bytes, 1);
   const auto last_bytes = sizes.at(sizes_bytes, 2);
@@ -145,7 +165,7 @@ std::optional<std::string> inflated(std::string_view sizes_bytes, std::string_vi
     if (!packed || *packed > data.size()) return {};
     const bool is_short = block + 1 == *blocks && *last_bytes != 0;
     const std::uint64_t size = is_short ? *last_bytes : *block_bytes;
-    if (size > (*packed + 1) * kBestCompression) return {};
+    if (size > (*packed + 1) * kBestCompression || !budget.take(size)) return {};
     const std::size_t begin = result.size();
     result.resize(begin + std::size_t(size));
     uLongf written = uLongf(size);
@@ -172,7 +192,8 @@ std::optional<std::size_t> sizes_length(std::string_view bytes, const Sizes& siz
   return (std::size_t(*blocks) + 3) * sizes.width;
 }
 
-std::optional<std::string> unpacked(std::string_view packed, const Packing& packing) {
+std::optional<std::string> unpacked(std::string_view packed, const Packing& packing,
+                                    Budget& budget) {
   std::string decoded;
   if (packing.is_base64) {
     // Sizes and data may be encoded one after the other, or, without compression, as one.
@@ -185,16 +206,17 @@ std::optional<std::string> unpacked(std::string_view packed, const Packing& pack
   if (packing.is_compressed) {
     const auto length = sizes_length(packed, packing.sizes);
     if (!length || *length > packed.size()) return {};
-    return inflated(packed.substr(0, *length), packed.substr(*length), packing.sizes);
+    return inflated(packed.substr(0, *length), packed.substr(*length), packing.sizes, budget);
   }
   const auto bytes = packing.sizes.at(packed, 0);
-  if (!bytes || *bytes > packed.size() - packing.sizes.width) return {};
+  if (!bytes || *bytes > packed.size() - packing.sizes.width || !budget.take(*bytes)) return {};
   return std::string(packed.substr(packing.sizes.width, std::size_t(*bytes)));
 }
 
 template <class T>
-std::optional<std::vector<double>> numbers_as(std::string_view bytes) {
-  if (bytes.size() % sizeof(T) != 0) return {};
+std::optional<std::vector<double>> numbers_as(std::string_view bytes, Budget& budget) {
+  if (bytes.size() % sizeof(T) != 0 || !budget.take(bytes.size() / sizeof(T) * sizeof(double)))
+    return {};
   std::vector<double> numbers(bytes.size() / sizeof(T));
   for (std::size_t n = 0; n < numbers.size(); ++n) {
     T value;
@@ -205,17 +227,17 @@ std::optional<std::vector<double>> numbers_as(std::string_view bytes) {
 }
 
 std::optional<std::vector<double>> numbers_from_bytes(std::string_view bytes,
-                                                      const std::string& type) {
-  if (type == "Float32") return numbers_as<float>(bytes);
-  if (type == "Float64") return numbers_as<double>(bytes);
-  if (type == "Int8") return numbers_as<std::int8_t>(bytes);
-  if (type == "UInt8" || type == "String") return numbers_as<std::uint8_t>(bytes);
-  if (type == "Int16") return numbers_as<std::int16_t>(bytes);
-  if (type == "UInt16") return numbers_as<std::uint16_t>(bytes);
-  if (type == "Int32") return numbers_as<std::int32_t>(bytes);
-  if (type == "UInt32") return numbers_as<std::uint32_t>(bytes);
-  if (type == "Int64") return numbers_as<std::int64_t>(bytes);
-  if (type == "UInt64") return numbers_as<std::uint64_t>(bytes);
+                                                      const std::string& type, Budget& budget) {
+  if (type == "Float32") return numbers_as<float>(bytes, budget);
+  if (type == "Float64") return numbers_as<double>(bytes, budget);
+  if (type == "Int8") return numbers_as<std::int8_t>(bytes, budget);
+  if (type == "UInt8" || type == "String") return numbers_as<std::uint8_t>(bytes, budget);
+  if (type == "Int16") return numbers_as<std::int16_t>(bytes, budget);
+  if (type == "UInt16") return numbers_as<std::uint16_t>(bytes, budget);
+  if (type == "Int32") return numbers_as<std::int32_t>(bytes, budget);
+  if (type == "UInt32") return numbers_as<std::uint32_t>(bytes, budget);
+  if (type == "Int64") return numbers_as<std::int64_t>(bytes, budget);
+  if (type == "UInt64") return numbers_as<std::uint64_t>(bytes, budget);
   return {};
 }
 
@@ -247,7 +269,7 @@ Appended find_appended(std::string_view bytes, std::size_t at) {
 }
 
 std::optional<std::vector<double>> decode(const RawArray& array, Packing packing,
-                                          const Appended& appended) {
+                                          const Appended& appended, Budget& budget) {
   const std::string format = value_of(array.attributes, "format");
   const std::string type = value_of(array.attributes, "type");
   if (format == "ascii") return numbers_from_text(array.text);
@@ -261,16 +283,33 @@ std::optional<std::vector<double>> decode(const RawArray& array, Packing packing
     packed = appended.bytes.substr(std::size_t(offset));
     packing.is_base64 = appended.is_base64;
   }
-  const auto bytes = unpacked(packed, packing);
+  const auto bytes = unpacked(packed, packing, budget);
   if (!bytes) return {};
-  return numbers_from_bytes(*bytes, type);
+  return numbers_from_bytes(*bytes, type, budget);
+}
+
+/// Whether a reader needs `array`, and has not got one of its name yet.
+bool is_wanted(const RawArray& array, const std::vector<WantedArray>& wanted,
+               const XmlArrays& found) {
+  const std::string name = value_of(array.attributes, "Name");
+  return std::any_of(wanted.begin(), wanted.end(), [&](const WantedArray& want) {
+    return want.parent == array.parent && (want.name.empty() || want.name == name) &&
+           find_array(found, array.piece, want.parent, want.name) == nullptr;
+  });
 }
 
 }  // namespace
 
+const std::vector<double>* find_array(const XmlArrays& file, int piece, std::string_view parent,
+                                      std::string_view name) {
+  for (const XmlArray& array : file.arrays)
+    if (array.piece == piece && array.parent == parent && (name.empty() || array.name == name))
+      return &array.values;
+  return nullptr;
+}
+
 Result<XmlArrays> parse_vtk_xml(std::string_view bytes, const std::string& name,
-                                const std::string& type,
-                                const std::vector<std::string>& wanted_parents) {
+                                const std::string& type, const std::vector<WantedArray>& wanted) {
   const auto corrupt = [&](std::string_view why) {
     return fail(ErrorCode::kFileCorrupt, fmt::format("{}: {}", name, why));
   };
@@ -294,12 +333,20 @@ Result<XmlArrays> parse_vtk_xml(std::string_view bytes, const std::string& name,
 
   const Appended appended = find_appended(bytes, appended_at);
   XmlArrays result{{}, document->pieces};
+  if (result.pieces > kMaxPieces)
+    return corrupt(
+        fmt::format("the file has {} pieces, expected at most {}", result.pieces, kMaxPieces));
+  Budget budget(bytes.size());
+  std::set<std::string> offsets;
   for (const RawArray& raw : document->arrays) {
-    if (std::find(wanted_parents.begin(), wanted_parents.end(), raw.parent) == wanted_parents.end())
-      continue;
-    auto values = decode(raw, packing, appended);
+    if (!is_wanted(raw, wanted, result)) continue;
     const std::string array_name = value_of(raw.attributes, "Name");
-    if (!values) return corrupt(fmt::format("array {} is damaged or cut short", array_name));
+    if (value_of(raw.attributes, "format") == "appended" &&
+        !offsets.insert(value_of(raw.attributes, "offset")).second)
+      return corrupt(fmt::format("array {} shares its data with another one", array_name));
+    auto values = decode(raw, packing, appended, budget);
+    if (!values)
+      return corrupt(fmt::format("array {} is damaged, cut short or far too long", array_name));
     result.arrays.push_back({raw.parent, array_name, raw.piece, std::move(*values)});
   }
   return result;

@@ -12,7 +12,8 @@
 
 namespace lefort::io::internal {
 
-std::string vtp_bytes(const geometry::TriangleMesh& mesh, const std::vector<VertexArray>& arrays) {
+Result<std::string> vtp_bytes(const geometry::TriangleMesh& mesh,
+                              const std::vector<VertexArray>& arrays) {
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   points->SetNumberOfPoints(mesh.vertex_count());
@@ -50,7 +51,8 @@ std::string vtp_bytes(const geometry::TriangleMesh& mesh, const std::vector<Vert
   writer->EncodeAppendedDataOff();
   writer->SetCompressorTypeToZLib();
   writer->WriteToOutputStringOn();
-  writer->Write();
+  if (writer->Write() != 1)
+    return fail(ErrorCode::kFileUnwritable, "the surface cannot be packed as .vtp");
   return writer->GetOutputString();
 }
 

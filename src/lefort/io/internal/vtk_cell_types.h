@@ -1,0 +1,25 @@
+/// \file
+/// VTK's numbers of the element shapes.
+#pragma once
+
+#include <lefort/mesh/volume_mesh.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace lefort::io::internal {
+
+/// VTK's number of the cell type (vtkCellType.h), in the order of mesh::ElementShape. VTK numbers
+/// the nodes of these shapes as we do.
+inline constexpr std::array<std::uint8_t, 7> kCellTypes{10, 14, 13, 12, 24, 26, 25};
+
+/// The shape of a VTK cell type; nothing for others.
+[[nodiscard]] constexpr std::optional<mesh::ElementShape> shape_of_cell(double cell_type) {
+  for (std::size_t shape = 0; shape < kCellTypes.size(); ++shape)
+    if (cell_type == kCellTypes[shape]) return mesh::ElementShape(shape);
+  return std::nullopt;
+}
+
+}  // namespace lefort::io::internal

@@ -1,0 +1,59 @@
+#include <lefort/image/find_padding.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace lefort::image {
+namespace {
+
+constexpr double kTissueHu = -300.0;
+
+/// Slices of a round head of 60 mm, its skin blurred over 3 mm, in a round field of view around
+/// which all voxels are `padding_hu`. Air is not quite constant, as in a scan.
+CtVolume round_scan(double view_mm, std::int16_t padding_hu, double head_mm = 60.0) {
+  CtVolume ct{{.size = {141, 141, 5}, .spacing_mm = {1.0, 1.0, 2.0}, .origin_L = {-70, -70, 0}},
+              {}};
+  for (Index k = 0; k < 5; ++k)
+    for (Index j = 0; j < 141; ++j)
+      for (Index i = 0; i < 141; ++i) {
+        const double r_mm = std::hypot(double(i - 70), double(j - 70));
+        const double share = std::clamp(0.5 + (head_mm - r_mm) / 3.0, 0.0, 1.0);
+        const double hu = -1000.0 + 1040.0 * share + double((7 * i + 5 * j + k) % 11);
+        ct.values.push_back(r_mm > view_mm ? padding_hu : std::int16_t(std::lround(hu)));
+      }
+  return ct;
+}
+
+TEST(FindPadding, ARoundFieldOfViewAroundTheWholeHeadCutsNothing) {
+  for (const std::int16_t hu : {std::int16_t(-2000), std::int16_t(-1024), std::int16_t(-1000)}) {
+    const Padding padding = find_padding(round_scan(69.0, hu), kTissueHu);
+    EXPECT_EQ(padding.hu, hu);
+    EXPECT_NEAR(padding.share, 1.0 - std::numbers::pi * 69.0 * 69.0 / (141.0 * 141.0), 0.01);
+    EXPECT_EQ(padding.cut_mm2, 0.0);
+  }
+}
+
+TEST(FindPadding, AFieldOfViewWithinTheHeadCutsItAllAround) {
+  for (const std::int16_t hu : {std::int16_t(-2000), std::int16_t(-1024), std::int16_t(-1000)}) {
+    const Padding padding = find_padding(round_scan(50.0, hu), kTissueHu);
+    EXPECT_EQ(padding.hu, hu);
+    // Seen from four sides, a circle is as wide as its diameter; 10 mm of height.
+    EXPECT_NEAR(padding.cut_mm2, 4.0 * 101.0 * 10.0, 1.0);
+  }
+}
+
+TEST(FindPadding, AScanWithoutPaddingHasNone) {
+  CtVolume ct = round_scan(200.0, 0);
+  EXPECT_LT(find_padding(ct, kTissueHu).share, 0.02);  // Of the grid's faces only.
+  EXPECT_EQ(find_padding(ct, kTissueHu).cut_mm2, 0.0);
+  // A head that fills the grid is cut off by the grid, which everybody sees.
+  ct = round_scan(200.0, 0, 150.0);
+  EXPECT_EQ(find_padding(ct, kTissueHu).cut_mm2, 0.0);
+  EXPECT_EQ(find_padding({}, kTissueHu).share, 0.0);
+}
+
+}  // namespace
+}  // namespace lefort::image
