@@ -11,6 +11,7 @@ target_include_directories(lefort_options INTERFACE
   $<INSTALL_INTERFACE:include>)
 if(LEFORT_SANITIZE)
   target_compile_options(lefort_options INTERFACE
-    -fsanitize=${LEFORT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    -fsanitize=${LEFORT_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
+    -Wno-maybe-uninitialized)  # False alarms in CGAL's headers, from the checks themselves.
   target_link_options(lefort_options INTERFACE -fsanitize=${LEFORT_SANITIZE})
 endif()
