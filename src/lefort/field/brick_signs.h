@@ -25,6 +25,19 @@ struct BrickSigns {
   }
 };
 
+/// The points of an octant (x fastest) of a brick within any of its four words.
+[[nodiscard]] inline std::uint64_t octant_columns(int octant) {
+  const std::uint64_t rows = (octant >> 1 & 1) != 0 ? 0xFFFFFFFF00000000 : 0x00000000FFFFFFFF;
+  return rows & ((octant & 1) != 0 ? 0xF0F0F0F0F0F0F0F0 : 0x0F0F0F0F0F0F0F0F);
+}
+
+/// The lattice point at a place in the brick that begins at `first`.
+[[nodiscard]] inline LatticePoint point_at(const LatticePoint& first, int place) {
+  constexpr int kSide = SparseLattice::kSide;
+  return {first[0] + place % kSide, first[1] + place / kSide % kSide,
+          first[2] + place / (kSide * kSide)};
+}
+
 /// \param distances  NaN where not known.
 [[nodiscard]] BrickSigns signs_of(std::span<const float, SparseLattice::kBrickPoints> distances);
 

@@ -82,12 +82,6 @@ void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick
       }
 }
 
-/// Bits of the points of a leaf in one of its four words (BrickBits).
-std::uint64_t leaf_columns(int leaf) {
-  const std::uint64_t rows = (leaf >> 1 & 1) != 0 ? 0xFFFFFFFF00000000 : 0x00000000FFFFFFFF;
-  return rows & ((leaf & 1) != 0 ? 0xF0F0F0F0F0F0F0F0 : 0x0F0F0F0F0F0F0F0F);
-}
-
 /// Points that contradict a neighbour in the brick. Distances without sign never do, so only a
 /// change of sign can.
 std::vector<std::size_t> torn_points(const Distances& distances, const BrickSigns& signs,
@@ -131,14 +125,9 @@ void encode(Distances& distances, const BrickSigns& signs, const FieldFrame& fra
   for (int leaf = 0; leaf < 8; ++leaf) {
     std::uint64_t known = 0;
     for (int z = 0; z < kLeafSide; ++z)
-      known |= signs.known[std::size_t((leaf >> 2) * kLeafSide + z)] & leaf_columns(leaf);
+      known |= signs.known[std::size_t((leaf >> 2) * kLeafSide + z)] & octant_columns(leaf);
     encode_leaf(codes, known, leaf, encoded);
   }
-}
-
-LatticePoint point_at(const LatticePoint& first, int place) {
-  return {first[0] + place % kSide, first[1] + place / kSide % kSide,
-          first[2] + place / (kSide * kSide)};
 }
 
 /// Neighbours in different bricks that contradict each other.

@@ -64,10 +64,8 @@ class Block {
     const FineCells cells = classify_fine_cells(value_at, low, float(frame_.cell_mm));
     if (cells.band == 0xFF && corners_reproduce(value_at, low, 2, frame_.tolerance_mm)) {
       codes += char(NodeCode::kBand);
-    } else if (cells.band == 0 && cells.others != Zone::kUnknown) {
-      codes += char(cells.others == Zone::kInside ? NodeCode::kInside : NodeCode::kOutside);
     } else if (cells.band == 0) {
-      codes += char(NodeCode::kUnknown);
+      codes += char(code_of(cells.others));
     } else {
       codes += char(NodeCode::kBranch);
       append_fine_cells(codes, cells);
@@ -77,11 +75,6 @@ class Block {
   const FieldFrame& frame_;
   std::array<float, (kSide + 1) * (kSide + 1) * (kSide + 1)> values_;
 };
-
-NodeCode code_of(Zone side) {
-  if (side == Zone::kUnknown) return NodeCode::kUnknown;
-  return side == Zone::kInside ? NodeCode::kInside : NodeCode::kOutside;
-}
 
 /// Subtree of the cube of kSide^3 cells whose lowest corner begins a brick.
 std::string block_codes(const SidedDistances& distances, const LatticePoint& low,

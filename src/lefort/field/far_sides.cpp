@@ -10,20 +10,8 @@ namespace lefort::field {
 
 namespace {
 
-constexpr int kSide = SparseLattice::kSide;
-
-LatticePoint point_at(const LatticePoint& first, std::size_t z, int bit) {
-  return {first[0] + bit % kSide, first[1] + bit / kSide, first[2] + int(z)};
-}
-
 /// Half the diagonal of 4 x 4 x 4 points, in cells.
 constexpr double kHalfOctant = 2.6;
-
-/// The points of an octant of a brick within one of its words.
-std::uint64_t octant_columns(int octant) {
-  const std::uint64_t rows = (octant >> 1 & 1) != 0 ? 0xFFFFFFFF00000000 : 0x00000000FFFFFFFF;
-  return rows & ((octant & 1) != 0 ? 0xF0F0F0F0F0F0F0F0 : 0x0F0F0F0F0F0F0F0F);
-}
 
 }  // namespace
 
@@ -39,7 +27,7 @@ BrickBits inside_with_far(const BrickSigns& signs, const WindingRows& winding, s
       std::uint64_t far = ~signs.known[z] & octant_columns(octant);
       for (std::uint64_t left = far; left != 0; left &= left - 1) {
         const int bit = std::countr_zero(left);
-        if (!side || !one_side) side = winding.is_inside(point_at(first, z, bit));
+        if (!side || !one_side) side = winding.is_inside(point_at(first, int(z) * 64 + bit));
         if (!one_side && *side) inside[z] |= std::uint64_t(1) << bit;
         if (one_side) break;
       }

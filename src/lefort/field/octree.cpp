@@ -29,20 +29,6 @@ FineCells fine_cells(std::int32_t node) {
   return {std::uint8_t(packed & 0xFF), Zone(packed >> 8)};
 }
 
-NodeCode code_of(Zone zone) {
-  switch (zone) {
-    case Zone::kBand:
-      return NodeCode::kBand;
-    case Zone::kOutside:
-      return NodeCode::kOutside;
-    case Zone::kInside:
-      return NodeCode::kInside;
-    case Zone::kUnknown:
-      break;
-  }
-  return NodeCode::kUnknown;
-}
-
 LatticePoint corner_of(const LatticePoint& low, int corner, int cells) {
   return {low[0] + (corner & 1) * cells, low[1] + (corner >> 1 & 1) * cells,
           low[2] + (corner >> 2) * cells};
@@ -128,6 +114,20 @@ void append_codes(const std::vector<std::int32_t>& nodes, std::int32_t node, std
 }
 
 }  // namespace
+
+NodeCode code_of(Zone zone) {
+  switch (zone) {
+    case Zone::kBand:
+      return NodeCode::kBand;
+    case Zone::kOutside:
+      return NodeCode::kOutside;
+    case Zone::kInside:
+      return NodeCode::kInside;
+    case Zone::kUnknown:
+      break;
+  }
+  return NodeCode::kUnknown;
+}
 
 void append_fine_cells(std::string& codes, const FineCells& cells) {
   codes += char(cells.band);

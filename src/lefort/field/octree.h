@@ -26,6 +26,9 @@ enum class NodeCode : char {
   kUnknown = '?',
 };
 
+/// The letter of a leaf.
+[[nodiscard]] NodeCode code_of(Zone zone);
+
 /// Eight finest cells. Nearly all of an octree are, so they have no nodes of their own.
 struct FineCells {
   std::uint8_t band = 0;         ///< Which are leaves within the band, as bits.

@@ -63,11 +63,6 @@ class Lattice {
   const WindingRows* winding_;
 };
 
-NodeCode code_of(Zone side) {
-  if (side == Zone::kUnknown) return NodeCode::kUnknown;
-  return side == Zone::kInside ? NodeCode::kInside : NodeCode::kOutside;
-}
-
 /// A cube of at most kCubeCells with the samples found so far.
 class Cube {
  public:
