@@ -11,16 +11,15 @@
 #include <optional>
 
 #include "anatomy/mesh_checks.h"
+#include "support/real_scan.h"
 
 namespace lefort::anatomy {
 namespace {
 
-constexpr const char* kScan = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
-
 /// 108 x 256 x 256 voxels in LPS; the file's rows run to anterior.
 std::optional<image::CtVolume> read_scan() {
   const std::string command =
-      std::string("tar -xzOf ") + kScan + " --wildcards '*/matrix.dat' 2>/dev/null";
+      "tar -xzOf '" + test::real_scan().string() + "' --wildcards '*/matrix.dat' 2>/dev/null";
   FILE* pipe = ::popen(command.c_str(), "r");
   if (pipe == nullptr) return {};
   image::CtVolume ct{{{256, 256, 108}, {0.957031, 0.957031, 1.5}, {0, 0, 0}, Mat3::Identity()}, {}};
@@ -53,7 +52,7 @@ const std::optional<Case>& real_case() {
 }
 
 #define NEED_SCAN() \
-  if (!real_case()) GTEST_SKIP() << kScan << " is not installed (package invesalius-examples)"
+  ASSERT_TRUE(real_case()) << "Debian's invesalius-examples is neither installed nor to be had"
 
 /// No independent truth: the thresholds were set on this very scan, and the numbers are what they
 /// gave. Only the brain can be compared, with an adult man's cranial cavity of about 1500 ml.

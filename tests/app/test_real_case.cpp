@@ -12,6 +12,7 @@
 #include <memory>
 #include <string>
 
+#include "support/real_scan.h"
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
 
@@ -22,7 +23,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using test::run_lefort;
 
-const fs::path kInstalled = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
 constexpr double kForward_mm = 6.0;
 constexpr double kElement_mm = 5.0;
 constexpr double kMidPlane_mm = 122.0;  // x of the nose in this scan.
@@ -41,7 +41,7 @@ class RealCase : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<test::TemporaryFolder>();
-    scan_ = fs::exists(kInstalled) ? kInstalled : unpacked_scan(*folder_ / "package");
+    scan_ = test::real_scan();
   }
   static void TearDownTestSuite() { folder_.reset(); }
   void SetUp() override {
@@ -55,15 +55,6 @@ class RealCase : public testing::Test {
     return run_lefort("predict '" + (*folder_ / "plan.json").string() + "' --ct '" +
                           scan_.string() + "' -o '" + out().string() + "' --no-pictures " + more,
                       setup);
-  }
-  /// Debian's minimal images leave out what packages put under /usr/share/doc; the package itself
-  /// has it (as in script/demo).
-  static fs::path unpacked_scan(const fs::path& folder) {
-    fs::create_directories(folder);
-    const std::string command = "cd '" + folder.string() +
-                                "' && apt-get download -qq invesalius-examples >/dev/null 2>&1 && "
-                                "dpkg -x invesalius-examples_*.deb .";
-    return std::system(command.c_str()) == 0 ? folder / kInstalled.relative_path() : fs::path();
   }
   static fs::path out() { return *folder_ / "out"; }
   static json prediction() {

@@ -5,6 +5,7 @@
 
 #include "io/inv3_writer.h"
 #include "io/sample_scan.h"
+#include "support/real_scan.h"
 #include "support/temporary_folder.h"
 
 namespace lefort::io {
@@ -46,8 +47,7 @@ TEST(Laterality, Inv3RowsAreReversedAndColumnsAreNot) {
 
 /// The one real patient everybody has: bone of the forehead is missing on the right.
 TEST(Laterality, TheFrontalDefectOfCraniumIsOnThePatientsRight) {
-  const std::filesystem::path file = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "package invesalius-examples is absent";
+  const std::filesystem::path& file = test::real_scan();
   const auto found = read_inv3(file);
   ASSERT_TRUE(found) << found.error().message;
   const image::CtVolume& ct = found->ct;
