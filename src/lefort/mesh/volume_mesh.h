@@ -41,6 +41,21 @@ struct ElementBlock {
   }
 };
 
+/// Node numbering follows VTK's cell of the same shape, counter-clockwise seen from outside: the
+/// corners, then the middles of the sides.
+enum class FaceShape : std::uint8_t { kTri3, kQuad4, kTri6, kQuad8 };
+
+[[nodiscard]] constexpr int node_count(FaceShape shape) {
+  constexpr std::array<int, 4> kCounts{3, 4, 6, 8};
+  return kCounts[std::size_t(shape)];
+}
+
+/// One face of an element of any shape.
+struct Face {
+  FaceShape shape = FaceShape::kTri3;
+  std::array<std::int32_t, 8> nodes{};  ///< The first node_count(shape) count.
+};
+
 /// A triangular boundary face, counter-clockwise seen from outside the mesh.
 using Face3 = std::array<std::int32_t, 3>;
 
