@@ -1,5 +1,6 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/band_sampler.h>
+#include <lefort/field/tear.h>
 #include <lefort/field/triangle_frame.h>
 
 #include <fmt/format.h>
@@ -26,6 +27,9 @@ constexpr std::int64_t kMaxPairs = std::int64_t(1) << 29;
 constexpr Index kTriangleBlock = 1024;
 constexpr Index kBrickBlock = 8;
 constexpr Index kProgressSteps = 20;
+/// BrickSigns::apart, but for rounding; less than half of kTearCells.
+constexpr double kApartCells = 0.5003;
+static_assert(2.0 * kApartCells > 1.0 && 2.0 * kApartCells < double(kTearCells));
 /// Widens boxes and planes against rounding, as a share of a cell.
 constexpr double kSlack = 1e-4;
 
@@ -93,6 +97,27 @@ std::uint64_t top_bits(std::span<const std::int32_t, 64> numbers, int shift) {
     bits |= std::uint64_t(std::uint32_t(numbers[i]) << shift >> 31) << i;
 #endif
   return bits;
+}
+
+/// Which of 64 numbers are larger than a limit.
+std::uint64_t bits_above(std::span<const float, 64> numbers, float limit) {
+  std::array<std::int32_t, 64> above;
+  for (std::size_t i = 0; i < 64; ++i) above[i] = numbers[i] > limit ? -1 : 0;
+  return top_bits(above, 0);
+}
+
+/// Distances for their squares, negative below the nearest face, kFar without a triangle. For the
+/// vectoriser.
+void signed_distances(std::span<const std::int32_t, 64> codes, std::span<float, 64> distances) {
+  for (std::size_t i = 0; i < 64; ++i) {
+    const std::uint32_t sign = std::uint32_t(codes[i]) << 31;
+    const std::uint32_t size = std::bit_cast<std::uint32_t>(std::sqrt(distances[i]));
+    distances[i] = codes[i] < 0 ? kFar : std::bit_cast<float>(size | sign);
+  }
+}
+
+std::uint64_t with_bit(std::uint64_t word, int bit, bool value) {
+  return (word & ~(std::uint64_t(1) << bit)) | std::uint64_t(value) << bit;
 }
 
 }  // namespace
@@ -174,6 +199,9 @@ BrickSigns BandSampler::sample(Index slot,
   const Vec3 low = origin_ + cell_mm_ * Vec3(first_point[0], first_point[1], first_point[2]);
   const double reach_mm = reach_mm_ + kSlack * cell_mm_;
 
+  const auto apart_mm = float(kApartCells * cell_mm_);
+  const bool has_doubles = !surface_.is_double.empty();
+
   NearestInBrick nearest;
   nearest.clear(float(reach_mm_));
   const std::uint32_t first = first_[std::size_t(slot)];
@@ -181,33 +209,40 @@ BrickSigns BandSampler::sample(Index slot,
                   low, cell_mm_, reach_mm, simd_, nearest);
 
   BrickSigns signs;
-  std::array<std::int32_t, 64> codes;
-  std::array<float, 64> squared_mm2;
+  // Where an edge or a corner is nearest, the plane of a triangle does not tell the side.
+  BrickBits to_find;
+  std::array<std::int32_t, SparseLattice::kBrickPoints> codes;
   for (std::size_t z = 0; z < std::size_t(kSide); ++z) {
+    const std::span slice_codes = std::span(codes).subspan(64 * z).first<64>();
+    const std::span slice = distances.subspan(64 * z).first<64>();
     for (int i = 0; i < 64; i += int(NearestInBrick::kTileX)) {
       const std::size_t from = NearestInBrick::place_of(i % kSide, i / kSide, int(z));
       std::copy_n(nearest.code.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
-                  codes.begin() + i);
+                  slice_codes.begin() + i);
       std::copy_n(nearest.squared_mm2.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
-                  squared_mm2.begin() + i);
+                  slice.begin() + i);
     }
-    signs.known[z] = ~top_bits(codes, 0);  // kNone alone is negative.
-    const std::uint64_t on_face = top_bits(codes, 30), below = top_bits(codes, 31);
+    signs.known[z] = ~top_bits(slice_codes, 0);  // kNone alone is negative.
+    const std::uint64_t on_face = top_bits(slice_codes, 30), below = top_bits(slice_codes, 31);
     signs.inside[z] = signs.known[z] & on_face & below;
-    // Where an edge or a corner is nearest, the plane of a triangle does not tell the side.
-    std::uint64_t to_ask = signs.known[z] & ~on_face;
-    if (!surface_.is_double.empty()) to_ask = signs.known[z];
-    for (; to_ask != 0; to_ask &= to_ask - 1) {
-      const int bit = std::countr_zero(to_ask);
+    signs.apart[z] = signs.known[z] & bits_above(slice, apart_mm * apart_mm);
+    to_find[z] = signs.known[z] & (has_doubles ? ~std::uint64_t(0) : ~on_face);
+    signed_distances(slice_codes, slice);
+  }
+
+  const BrickBits off_face = to_find;
+  if (surface_.closed && !has_doubles) hand_on_sides(signs, to_find);
+  for (std::size_t z = 0; z < std::size_t(kSide); ++z) {
+    for (std::uint64_t left = to_find[z]; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
       const Vec3 p = low + cell_mm_ * Vec3(bit % kSide, bit / kSide, double(z));
-      const std::uint64_t inside = is_inside(codes[std::size_t(bit)], p) ? 1 : 0;
-      signs.inside[z] = (signs.inside[z] & ~(std::uint64_t(1) << bit)) | inside << bit;
+      const bool inside = is_inside(codes[64 * z + std::size_t(bit)], p);
+      signs.inside[z] = with_bit(signs.inside[z], bit, inside);
     }
-    for (std::size_t i = 0; i < 64; ++i) {
-      const float distance = std::sqrt(squared_mm2[i]);
-      const bool inside = (signs.inside[z] >> i & 1) != 0;
-      distances[64 * z + i] =
-          codes[i] == NearestInBrick::kNone ? kFar : (inside ? -distance : distance);
+    for (std::uint64_t left = off_face[z]; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      float& distance = distances[64 * z + std::size_t(bit)];
+      distance = std::copysign(distance, (signs.inside[z] >> bit & 1) != 0 ? -1.0F : 1.0F);
     }
   }
   return signs;

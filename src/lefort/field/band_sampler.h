@@ -41,8 +41,8 @@ class BandSampler {
 
   /// Signed distances [mm] at the points of a brick, kFar beyond the reach; and their signs.
   ///
-  /// The nearest triangle is found in single precision, and among triangles equally near to that
-  /// precision the lowest number wins; the sign is that of the pseudonormal at its nearest feature.
+  /// The nearest triangle is found in single precision; the sign is that of the pseudonormal at its
+  /// nearest feature.
   ///
   /// \param slot  position in bricks().
   BrickSigns sample(Index slot, std::span<float, SparseLattice::kBrickPoints> distances) const;

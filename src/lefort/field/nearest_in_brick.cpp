@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 namespace lefort::field {
 
 namespace {
@@ -18,8 +22,8 @@ static_assert(kLanes == 16);
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 
-/// The seven quantities of TriangleFrame, and the height downwards.
-constexpr std::size_t kHeight = 0, kAlong = 1, kOutward = 4, kDepth = 7, kQuantities = 8;
+/// The seven quantities of TriangleFrame, and one to fill a register.
+constexpr std::size_t kHeight = 0, kAlong = 1, kOutward = 4, kSpare = 7, kQuantities = 8;
 using Quantities = float __attribute__((vector_size(kQuantities * sizeof(float))));
 
 /// A triangle as a brick sees it.
@@ -114,7 +118,6 @@ LEFORT_INLINE unsigned prepare(const std::array<Vectors, 3>& corners, double cel
 
   const Vectors normal = n * (1.0 / square_root(n2));
   set_quantity(batch, kHeight, normal, corners[0], cell);
-  set_quantity(batch, kDepth, -normal, corners[0], cell);
   for (std::size_t i = 0; i < 3; ++i) {
     const Doubles length = square_root(squared[i]);
     const Vectors unit = along[i] * (1.0 / length);
@@ -131,7 +134,11 @@ LEFORT_INLINE unsigned prepare(const std::array<Vectors, 3>& corners, double cel
   along_axis(corners[0].x, corners[1].x, corners[2].x, 0);
   along_axis(corners[0].y, corners[1].y, corners[2].y, 1);
   along_axis(corners[0].z, corners[1].z, corners[2].z, 2);
-  for (Planes& planes : batch) planes.inside_limit = 0.0F;
+  for (Planes& planes : batch) {
+    planes.inside_limit = 0.0F;
+    planes.at_low[kSpare] = 0.0F;
+    for (Quantities& step : planes.step) step[kSpare] = 0.0F;
+  }
   return flat;
 }
 
@@ -142,7 +149,6 @@ void prepare_flat(const TriangleFrame& frame, double cell, Planes& planes) {
     for (int k = 0; k < 3; ++k) planes.step[std::size_t(k)][which] = float(cell * direction[k]);
   };
   set(kHeight, frame.normal, frame.corners[0]);
-  set(kDepth, -frame.normal, frame.corners[0]);
   for (std::size_t i = 0; i < 3; ++i) {
     set(kAlong + i, frame.along[i], frame.corners[i]);
     set(kOutward + i, frame.outward[i], frame.corners[i]);
@@ -157,23 +163,18 @@ LEFORT_INLINE Floats squared_to_side(const Floats& along, const Floats& outward,
   return outward * outward + beyond * beyond;
 }
 
-/// The largest of sixteen.
-LEFORT_INLINE float largest(Floats values) {
-  values = larger(values, __builtin_shuffle(
-                              values, Ints{8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7}));
-  values = larger(values, __builtin_shuffle(
-                              values, Ints{4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11}));
-  values = larger(values, __builtin_shuffle(
-                              values, Ints{2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13}));
-  return std::max(values[0], values[1]);
-}
-
-/// The largest of eight.
-LEFORT_INLINE float largest(Quantities values) {
-  using Places = std::int32_t __attribute__((vector_size(kQuantities * sizeof(std::int32_t))));
-  values = larger(values, __builtin_shuffle(values, Places{4, 5, 6, 7, 0, 1, 2, 3}));
-  values = larger(values, __builtin_shuffle(values, Places{2, 3, 0, 1, 6, 7, 4, 5}));
-  return std::max(values[0], values[1]);
+/// Whether a lane is true. True lanes are -1.
+LEFORT_INLINE bool any(const Ints& lanes) {
+  using Eight = std::int32_t __attribute__((vector_size(8 * sizeof(std::int32_t))));
+  const Eight eight = __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3, 4, 5, 6, 7) |
+                      __builtin_shufflevector(lanes, lanes, 8, 9, 10, 11, 12, 13, 14, 15);
+  const auto four = __builtin_shufflevector(eight, eight, 0, 1, 2, 3) |
+                    __builtin_shufflevector(eight, eight, 4, 5, 6, 7);
+#if defined(__SSE2__)
+  return _mm_movemask_epi8(reinterpret_cast<__m128i>(four)) != 0;
+#else
+  return (four[0] | four[1] | four[2] | four[3]) != 0;
+#endif
 }
 
 LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInBrick& nearest) {
@@ -186,13 +187,6 @@ LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInB
   Floats across[kQuantities - 1];
   for (std::size_t n = 0; n + 1 < kQuantities; ++n)
     across[n] = kX * planes.step[0][n] + kY * planes.step[1][n] + kZ * planes.step[2][n];
-  // How far height, depth and the three positions outward fall, at most, within a tile. None of
-  // them exceeds the distance, so their largest bounds it from below.
-  constexpr Quantities kAnywhere = {0, -INFINITY, -INFINITY, -INFINITY, 0, 0, 0, 0};
-  const Quantities none{};
-  const Quantities fall = kAnywhere + smaller(none, planes.step[0] * float(kTileX - 1)) +
-                          smaller(none, planes.step[1] * float(kTileY - 1)) +
-                          smaller(none, planes.step[2] * float(kTileZ - 1));
   const Ints code = Ints{} + 4 * triangle;
 
   for (int z = planes.low[2] & -kTileZ; z < planes.high[2]; z += kTileZ) {
@@ -201,61 +195,79 @@ LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInB
       for (int x = planes.low[0] & -kTileX; x < planes.high[0]; x += kTileX) {
         const Quantities here = row + planes.step[0] * float(x);
         const std::size_t place = NearestInBrick::place_of(x, y, z);
-        float& farthest_mm2 = nearest.farthest_mm2[place / kLanes];
-        const float bound = std::max(largest(here + fall), 0.0F);
-        if (bound * bound > farthest_mm2) continue;
-
         const Floats height = across[kHeight] + here[kHeight];
         const Floats out_0 = across[kOutward] + here[kOutward];
         const Floats out_1 = across[kOutward + 1] + here[kOutward + 1];
         const Floats out_2 = across[kOutward + 2] + here[kOutward + 2];
+        const Floats out = larger(out_0, larger(out_1, out_2));
+        const Floats beyond = larger(out, Floats{});
+        const Floats height2 = height * height;
+        auto& known = *reinterpret_cast<Floats*>(&nearest.squared_mm2[place]);
+        // Right but where a corner is nearest, and never too large: rules out three in four.
+        if (!any(height2 + beyond * beyond < known)) continue;
+
         const Floats rim = smaller(
             squared_to_side(across[kAlong] + here[kAlong], out_0, planes.length[0]),
             smaller(
                 squared_to_side(across[kAlong + 1] + here[kAlong + 1], out_1, planes.length[1]),
                 squared_to_side(across[kAlong + 2] + here[kAlong + 2], out_2, planes.length[2])));
-        const Ints inside = larger(out_0, larger(out_1, out_2)) <= planes.inside_limit;
-        const Floats squared = height * height + (inside ? Floats{} : rim);
+        const Ints inside = out <= planes.inside_limit;
+        const Floats squared = height2 + (inside ? Floats{} : rim);
 
-        auto& known = *reinterpret_cast<Floats*>(&nearest.squared_mm2[place]);
         auto& known_code = *reinterpret_cast<Ints*>(&nearest.code[place]);
         const Ints nearer = squared < known;
         known = nearer ? squared : known;
-        farthest_mm2 = largest(known);
-        // True lanes are -1.
         known_code = nearer ? code - 2 * inside - (height < Floats{}) : known_code;
       }
     }
   }
 }
 
+LEFORT_INLINE void visit_batch(const geometry::TriangleMesh& mesh,
+                               std::span<const std::int32_t> triangles, const Vec3& low,
+                               double cell, double reach_mm, NearestInBrick& nearest) {
+  std::array<Vectors, 3> corners;
+  for (std::size_t l = 0; l < kBatch; ++l) {
+    const geometry::Triangle& t =
+        mesh.triangles[std::size_t(triangles[std::min(l, triangles.size() - 1)])];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double* const p = mesh.vertices[std::size_t(t[i])].data();
+      corners[i].x[l] = p[0] - low.data()[0];
+      corners[i].y[l] = p[1] - low.data()[1];
+      corners[i].z[l] = p[2] - low.data()[2];
+    }
+  }
+  alignas(64) Batch batch;
+  const unsigned flat = prepare(corners, cell, reach_mm, batch);
+  for (std::size_t l = 0; l < triangles.size(); ++l) {
+    const std::int32_t t = triangles[l];
+    if ((flat >> l & 1U) != 0)
+      prepare_flat(
+          triangle_frame(mesh.corner(t, 0) - low, mesh.corner(t, 1) - low, mesh.corner(t, 2) - low),
+          cell, batch[l]);
+    visit(batch[l], t, nearest);
+  }
+}
+
+/// Every sixteenth triangle first, then those halfway between, and so on: neighbours in number are
+/// neighbours in space, so that the first few, spread over the brick, rule out most of the others.
 LEFORT_INLINE void visit_all(const geometry::TriangleMesh& mesh,
                              std::span<const std::int32_t> triangles, const Vec3& low, double cell,
                              double reach_mm, NearestInBrick& nearest) {
-  alignas(64) Batch batch;
-  for (std::size_t begin = 0; begin < triangles.size(); begin += kBatch) {
-    const std::size_t count = std::min(kBatch, triangles.size() - begin);
-    std::array<Vectors, 3> corners;
-    for (std::size_t l = 0; l < kBatch; ++l) {
-      const geometry::Triangle& t =
-          mesh.triangles[std::size_t(triangles[begin + std::min(l, count - 1)])];
-      for (std::size_t i = 0; i < 3; ++i) {
-        const double* const p = mesh.vertices[std::size_t(t[i])].data();
-        corners[i].x[l] = p[0] - low.data()[0];
-        corners[i].y[l] = p[1] - low.data()[1];
-        corners[i].z[l] = p[2] - low.data()[2];
-      }
-    }
-    const unsigned flat = prepare(corners, cell, reach_mm, batch);
-    for (std::size_t l = 0; l < count; ++l) {
-      const std::int32_t t = triangles[begin + l];
-      if ((flat >> l & 1U) != 0)
-        prepare_flat(triangle_frame(mesh.corner(t, 0) - low, mesh.corner(t, 1) - low,
-                                    mesh.corner(t, 2) - low),
-                     cell, batch[l]);
-      visit(batch[l], t, nearest);
+  constexpr std::size_t kFirstStep = 16;
+  std::array<std::int32_t, kBatch> chosen;
+  std::size_t count = 0;
+  for (std::size_t half = kFirstStep; half > 0; half /= 2) {
+    const bool is_first = half == kFirstStep;
+    for (std::size_t i = is_first ? 0 : half; i < triangles.size();
+         i += is_first ? half : 2 * half) {
+      chosen[count++] = triangles[i];
+      if (count < kBatch) continue;
+      visit_batch(mesh, chosen, low, cell, reach_mm, nearest);
+      count = 0;
     }
   }
+  if (count > 0) visit_batch(mesh, std::span(chosen).first(count), low, cell, reach_mm, nearest);
 }
 
 #if defined(__x86_64__)
