@@ -158,7 +158,7 @@ TEST(BuildBricks, NoDistanceOverflowsItsCode) {
     const double half = 4 * frame.cell_mm;
     const PreparedSurface surface =
         prepare_surface(test::make_box(Vec3(-half, -half, -half), Vec3(half, half, z))).value();
-    const BandSampler sampler(surface, frame, frame.band_mm);
+    const BandSampler sampler = BandSampler::create(surface, frame, frame.band_mm).value();
     const WindingRows winding(surface.mesh_B, frame);
     const auto samples = build_bricks(sampler, frame, &winding, Progress::none());
     ASSERT_TRUE(samples);
@@ -182,8 +182,8 @@ TEST(BuildBricks, ALeafWhoseOnlySampleIsTornIsUnknownThere) {
       prepare_surface(test::join(test::make_box(Vec3(2.5, 2.5, 2.5), Vec3(17.9, 13.9, 28)), speck))
           .value();
   surface.closed = false;  // As for an open surface, no other point tells the side.
-  const auto samples =
-      build_bricks(BandSampler(surface, frame, 2.0), frame, nullptr, Progress::none());
+  const auto samples = build_bricks(BandSampler::create(surface, frame, 2.0).value(), frame,
+                                    nullptr, Progress::none());
   ASSERT_TRUE(samples);
   for (const LatticePoint& p :
        {LatticePoint{15, 11, 11}, LatticePoint{15, 12, 11}, LatticePoint{16, 11, 11}}) {
@@ -205,8 +205,8 @@ TEST(BuildBricks, WhereSignsContradictTheWindingNumberDecides) {
           .value();
   ASSERT_TRUE(surface.closed);
   const WindingRows winding(surface.mesh_B, frame);
-  const auto samples =
-      build_bricks(BandSampler(surface, frame, 2.0), frame, &winding, Progress::none());
+  const auto samples = build_bricks(BandSampler::create(surface, frame, 2.0).value(), frame,
+                                    &winding, Progress::none());
   ASSERT_TRUE(samples);
   const std::int32_t code = BrickSamples::read_code(samples->place_of({16, 11, 11}));
   ASSERT_TRUE(BrickSamples::is_distance(code));
