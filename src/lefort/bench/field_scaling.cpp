@@ -18,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Roomy enough for the widest band at 256 cells.
-constexpr double kBandSide_mm = 290.0, kSide_mm = 210.0;
+/// Roomy enough for the widest band at 256 cells, and for the coarsest cells.
+constexpr double kBandSide_mm = 290.0, kSide_mm = 220.0;
 constexpr int kBandCells = 3, kResolution = 256;
 /// OpenVDB takes minutes and most of the memory beyond.
 constexpr int kMaxPeerResolution = 1024, kMaxPeerParts = 4;
