@@ -72,16 +72,6 @@ LEFORT_AVX2 void visit_avx2(const geometry::TriangleMesh& mesh,
 
 }  // namespace
 
-Simd best_simd() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq"))
-    return Simd::kAvx512;
-  if (__builtin_cpu_supports("avx2")) return Simd::kAvx2;
-#endif
-  return Simd::kBaseline;
-}
-
 void visit_triangles(const geometry::TriangleMesh& mesh, std::span<const std::int32_t> triangles,
                      const Vec3& low, double cell, double reach_mm, Simd simd,
                      NearestInBrick& nearest) {

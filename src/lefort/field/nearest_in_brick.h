@@ -2,6 +2,7 @@
 /// The innermost loop of building a field: which triangle is nearest to each point of a brick.
 #pragma once
 
+#include <lefort/field/simd.h>
 #include <lefort/field/sparse_lattice.h>
 #include <lefort/geometry/triangle_mesh.h>
 
@@ -36,12 +37,6 @@ struct alignas(64) NearestInBrick {
                        x % kTileX);
   }
 };
-
-/// Instruction sets the loop is compiled for; all give the same bits.
-enum class Simd : std::uint8_t { kBaseline, kAvx2, kAvx512 };
-
-/// The best that this processor has.
-[[nodiscard]] Simd best_simd();
 
 /// Takes each triangle wherever it is strictly nearer than what was known; among equals the first
 /// visited stays. The order of visits depends on the length of the list alone.

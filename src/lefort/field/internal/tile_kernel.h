@@ -5,6 +5,7 @@
 /// the same bits.
 #pragma once
 
+#include <lefort/field/internal/simd.h>
 #include <lefort/field/nearest_in_brick.h>
 #include <lefort/field/triangle_frame.h>
 
@@ -17,13 +18,6 @@
 
 #if defined(__SSE2__)
 #include <emmintrin.h>
-#endif
-
-#define LEFORT_INLINE inline __attribute__((always_inline))
-#if defined(__x86_64__)
-#define LEFORT_AVX512 \
-  __attribute__((target("avx512f,avx512vl,avx512bw,avx512dq,prefer-vector-width=512")))
-#define LEFORT_AVX2 __attribute__((target("avx2")))
 #endif
 
 namespace lefort::field::internal {
