@@ -1,5 +1,5 @@
 /// \file
-/// Measurements of fields in processes of their own, so that memory is their own and no cache is warm.
+/// Measurements of fields in processes of their own: so memory is their own, and no cache is warm.
 #pragma once
 
 #include <lefort/core/error.h>

@@ -122,8 +122,9 @@ void measure_errors(const geometry::TriangleMesh& mesh, const geometry::Bvh& exa
                         {"max", errors.back()}};
 }
 
-/// How often a closed surface winds around `p`, by solid angles \cite vanoosterom1983. Slow; but where
-/// the surface cuts through itself the pseudonormal of its nearest feature may tell the wrong side.
+/// How often a closed surface winds around `p`, by solid angles \cite vanoosterom1983. Slow; but
+/// where the surface cuts through itself the pseudonormal of its nearest feature may tell the wrong
+/// side.
 double winding_number(const geometry::TriangleMesh& mesh, const Vec3& p) {
   double angle = 0.0;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {

@@ -227,8 +227,8 @@ void BandSampler::bin_triangles() {
   }
 }
 
-/// Goes from brick to brick, from those of the surface outward, as long as the surface is within reach
-/// of some point of them.
+/// Goes from brick to brick, from those of the surface outward, as long as the surface is within
+/// reach of some point of them.
 Result<void> BandSampler::add_far_bricks(Index most_bricks, Progress& progress) {
   const int n = SparseLattice::bricks_per_side(resolution_);
   const double brick_mm = kSide * cell_mm_;

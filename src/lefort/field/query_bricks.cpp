@@ -206,8 +206,8 @@ Zone zone_at(const BrickSamples& samples, const FieldFrame& frame, const Vec3& p
   return zone_of(corners);
 }
 
-/// Calls finish(first, count, cells, group, place) for all points, at most kLanes at a time: `first`
-/// among the points, and `place` in the group.
+/// Calls finish(first, count, cells, group, place) for all points, at most kLanes at a time:
+/// `first` among the points, and `place` in the group.
 template <class Lanes, class Real, class Finish>
 LEFORT_INLINE void for_all(const BrickSamples& samples, const FieldFrame& frame,
                            std::span<const Vec3> p_B, FindCorners find_corners_of,

@@ -1,6 +1,6 @@
 /// \file
-/// How a loop is compiled for one instruction set: by an attribute of the function that it is inlined
-/// into. Fused multiply-add stays off, so that all give the same bits.
+/// How a loop is compiled for one instruction set: by an attribute of the function that it is
+/// inlined into. Fused multiply-add stays off, so that all give the same bits.
 #pragma once
 
 #define LEFORT_INLINE inline __attribute__((always_inline))

@@ -1,8 +1,8 @@
 /// \file
 /// Distances of sixteen points at once from a triangle: what the loops over triangles are made of.
 ///
-/// Everything here is inlined into functions that are compiled for one instruction set each; all give
-/// the same bits.
+/// Everything here is inlined into functions that are compiled for one instruction set each; all
+/// give the same bits.
 #pragma once
 
 #include <lefort/field/internal/simd.h>
