@@ -39,8 +39,8 @@ class BandSampler {
   /// \param surface      must outlive the sampler.
   /// \param reach_mm     points up to this far from the surface are sampled.
   /// \param most_points  of the lattice, in all bricks.
-  /// \returns kInvalidArgument if the band takes more points than that, or brings too many triangles
-  ///   together with bricks; kCancelled.
+  /// \returns kInvalidArgument if the band takes more points than that, or brings too many
+  ///   triangles together with bricks; kCancelled.
   [[nodiscard]] static Result<BandSampler> create(const PreparedSurface& surface,
                                                   const FieldFrame& frame, double reach_mm,
                                                   Index most_points = kMostPoints,

@@ -19,8 +19,8 @@ class EdgeInYz {
         along_z_((swapped_ ? a.z() : b.z()) - from_z_) {}
 
   /// Twice the area of (a, b, p) in the plane of y and z, signed and never zero; the same number
-  /// but for the sign for (b, a, p). So a line along x through p crosses a closed surface as often one
-  /// way as the other, even where it grazes an edge.
+  /// but for the sign for (b, a, p). So a line along x through p crosses a closed surface as often
+  /// one way as the other, even where it grazes an edge.
   [[nodiscard]] double turn(double y, double z) const {
     const double area = along_y_ * (z - from_z_) - along_z_ * (y - from_y_);
     const double sided = area == 0.0 ? 1e-300 : area;
