@@ -3,20 +3,13 @@
 #pragma once
 
 #include <lefort/core/types.h>
+#include <lefort/fem/factorisation.h>
 #include <lefort/fem/sparse_matrix.h>
 
 #include <memory>
 #include <optional>
 
 namespace lefort::fem {
-
-/// What came of a factorisation.
-enum class Factorisation {
-  kDone,
-  kNotPositiveDefinite,  ///< A pivot was not positive.
-  kNotFinite,            ///< The matrix holds NaN or infinity.
-  kOutOfMemory           ///< The factor does not fit into memory.
-};
 
 /// Supernodal Cholesky factorisation (CHOLMOD), ordered by nested dissection (METIS).
 ///
