@@ -37,6 +37,9 @@ class HeldBody final : public NonlinearSystem {
 /// A boundary that moves less does not need the free nodes to follow [mm].
 constexpr double kStandstill_mm = 1e-9;
 
+/// How exactly the free nodes follow: Newton corrects what is left.
+constexpr double kFollowingTolerance = 1e-6;
+
 /// `moved`, the start with its boundary moved, with the free nodes following to first order:
 /// K_ff du_f = -r_f - K_fp du_p, everything at `start`. `moved` itself where that is no better.
 VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const VectorX& moved,
@@ -45,8 +48,8 @@ VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const 
   const auto forces = assembler.forces(start);
   if (!forces) return moved;
   const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
-  if (linear_solver.factorise(assembler.tangent(start)) != Factorisation::kDone) return moved;
-  const std::optional<VectorX> du = linear_solver.solve(-dofs.free_part(unbalanced));
+  const auto du = linear_solver.solve(assembler.tangent(start), -dofs.free_part(unbalanced),
+                                      kFollowingTolerance);
   if (!du) return moved;
 
   VectorX followed = dofs.with_free_part(moved, dofs.free_part(start) + *du);
@@ -64,6 +67,7 @@ NewtonOutcome find_equilibrium(const Assembler& assembler,
                                const NewtonOptions& options, Progress& progress) {
   const DofMap& dofs = assembler.dofs();
   LEFORT_CHECK(start.size() == 3 * dofs.node_count());
+  linear_solver.describe(assembler.nodes_L(), dofs);
   const VectorX moved = dofs.with_prescribed(start, prescribed);
   const bool stands_still =
       dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kStandstill_mm;
