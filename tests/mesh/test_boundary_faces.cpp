@@ -1,4 +1,3 @@
-#include <lefort/core/check.h>
 #include <lefort/geometry/mesh_measures.h>
 #include <lefort/mesh/boundary_faces.h>
 
@@ -15,7 +14,7 @@ namespace {
 geometry::TriangleMesh surface_of(const VolumeMesh& mesh) {
   geometry::TriangleMesh surface;
   surface.vertices = mesh.nodes_L;
-  for (const Face3& face : boundary_faces(mesh)) surface.triangles.push_back(face);
+  surface.triangles = triangles_of(boundary_faces(mesh));
   return surface;
 }
 
@@ -57,12 +56,6 @@ TEST(BoundaryFaces, LeaveOutInnerNodes) {
 TEST(BoundaryFaces, OfNothingAreNone) {
   EXPECT_TRUE(boundary_faces({}).empty());
   EXPECT_TRUE(nodes_of_faces({}).empty());
-}
-
-TEST(BoundaryFaces, AreForTetrahedraOnly) {
-  VolumeMesh mesh;
-  mesh.blocks.push_back({.shape = ElementShape::kHex8, .nodes = {}, .region = {}});
-  EXPECT_THROW(static_cast<void>(boundary_faces(mesh)), LogicError);
 }
 
 }  // namespace
