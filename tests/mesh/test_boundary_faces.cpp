@@ -1,5 +1,6 @@
 #include <lefort/geometry/mesh_measures.h>
 #include <lefort/mesh/boundary_faces.h>
+#include <lefort/mesh/box_grid.h>
 
 #include <gtest/gtest.h>
 
@@ -31,6 +32,25 @@ TEST(BoundaryFaces, OfABoxEncloseItsVolumeWithEachEdgeUsedTwice) {
   EXPECT_TRUE(geometry::is_closed(surface));
   EXPECT_NEAR(geometry::signed_volume_mm3(surface), 27.0, 1e-12);
   EXPECT_NEAR(geometry::area_mm2(surface), 54.0, 1e-12);
+}
+
+/// Sums over faces are taken in this order: results depend on it in their last bits.
+TEST(BoundaryFaces, OfATetrahedronLieOppositeToItsCornersInOrder) {
+  const std::vector<Face3> expected{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+  EXPECT_EQ(triangles_of(boundary_faces(test::regular_tet())), expected);
+}
+
+TEST(BoundaryFaces, OfAQuadrilateralBesideTwoTrianglesAreAllThree) {
+  VolumeMesh mesh = make_box(ElementShape::kHex8, {2, 1, 1}, Vec3::Ones());
+  const auto joined = boundary_faces(mesh).size();
+  VolumeMesh tets = make_box(ElementShape::kTet4, {2, 1, 1}, Vec3::Ones());
+  mesh.blocks[0].nodes.resize(8);
+  mesh.blocks[0].region.resize(1);
+  tets.blocks[0].nodes.erase(tets.blocks[0].nodes.begin(), tets.blocks[0].nodes.begin() + 24);
+  tets.blocks[0].region.resize(6);
+  mesh.blocks.push_back(tets.blocks[0]);
+  EXPECT_EQ(joined, 10U);
+  EXPECT_EQ(boundary_faces(mesh).size(), 6U + 12U);
 }
 
 TEST(BoundaryFaces, SpanBlocks) {
