@@ -1,4 +1,5 @@
 #include <lefort/fem/element_term.h>
+#include <lefort/mesh/element_faces.h>
 
 #include <gtest/gtest.h>
 
@@ -146,6 +147,38 @@ TEST(ElementTerm, NamesTheInvertedElementAndItsPlace) {
   EXPECT_EQ(terms.error().message,
             "element 7 at (0.625, 0.750, 0.500) mm is flat or inside out, its volume must be > 0; "
             "its scaled Jacobian is -1");
+}
+
+/// A corner pushed beyond the plane of its neighbours: the integration points do not see it.
+TEST(ElementTerm, NamesTheNodeWhereAnElementFolds) {
+  auto mesh = box_mesh({.cells = {1, 1, 1}, .size_mm = {2, 2, 2}, .shape = ElementShape::kHex8});
+  mesh.nodes_L[7] = Vec3::Constant(1.4);
+  EXPECT_TRUE(make_element_terms(mesh, {{0, kSoft}}).has_value());
+  mesh.nodes_L[7] = Vec3::Constant(1.2);
+  const auto terms = make_element_terms(mesh, {{0, kSoft}});
+  ASSERT_FALSE(terms.has_value());
+  EXPECT_EQ(terms.error().code, ErrorCode::kElementInverted);
+  EXPECT_EQ(terms.error().message,
+            "element 0 at (0.900, 0.900, 0.900) mm is folded at its node 6, number 7 of the mesh, "
+            "its volume must be > 0 everywhere");
+}
+
+/// Where the middle of an edge is within a quarter of its end, the edge turns back there.
+TEST(ElementTerm, RefusesAnEdgeThatTurnsBack) {
+  for (const ElementShape shape :
+       {ElementShape::kTet10, ElementShape::kWedge15, ElementShape::kHex20}) {
+    auto mesh = box_mesh({.cells = {1, 1, 1}, .shape = shape});
+    mesh.blocks[0].nodes.resize(std::size_t(mesh::node_count(shape)));
+    mesh.blocks[0].region.resize(1);
+    const std::int32_t* node = mesh.blocks[0].element(0);
+    const Vec3 from = mesh.nodes_L[std::size_t(node[0])];
+    const Vec3 to = mesh.nodes_L[std::size_t(node[1])];
+    Vec3& middle = mesh.nodes_L[std::size_t(node[mesh::corner_count(shape)])];
+    middle = from + 0.27 * (to - from);
+    EXPECT_TRUE(make_element_terms(mesh, {{0, kSoft}}).has_value());
+    middle = from + 0.23 * (to - from);
+    EXPECT_EQ(make_element_terms(mesh, {{0, kSoft}}).error().code, ErrorCode::kElementInverted);
+  }
 }
 
 TEST(ElementTerm, CountsElementsThroughTheBlocks) {
