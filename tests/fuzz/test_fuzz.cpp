@@ -1,5 +1,5 @@
 /// \file
-/// Damaged files, thousands of them, through every reader whose surfaces become distance fields.
+/// Damaged files, thousands of them, through every reader of surfaces, fields and volume meshes.
 ///
 /// Whatever a file holds, the answer is a Result: no crash, no hang, and in a field made of it no
 /// distance that is no number. The seed is in every message; the number of files is fixed, and the
@@ -7,6 +7,9 @@
 #include <lefort/field/build_distance_field.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/surface_files.h>
+#include <lefort/io/volume_mesh_files.h>
+#include <lefort/io/vtu.h>
+#include <lefort/mesh/box_grid.h>
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -26,6 +29,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/gmsh_writer.h"
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
@@ -77,6 +81,11 @@ constexpr std::string_view kTokens[] = {"nan",
                                         "offset=\"99999999\"",
                                         "encoding=\"base64\"",
                                         "</VTKFile>",
+                                        "Name=\"set:x0\"",
+                                        "$EndNodes\n",
+                                        "$Elements\n",
+                                        "4.1 0 8",
+                                        "18446744073709551615 ",
                                         "\r\n",
                                         "\n",
                                         "\\\n",
@@ -224,6 +233,68 @@ TEST(Fuzz, Ply) {
 }
 
 TEST(Fuzz, Vtp) { fuzz_surface(".vtp"); }
+
+/// A mesh that was accepted can be walked over: all numbers lie in range.
+void expect_sound(const mesh::VolumeMesh& mesh) {
+  const auto exists = [&](std::int32_t node) { return node >= 0 && node < mesh.node_count(); };
+  for (const mesh::ElementBlock& block : mesh.blocks) {
+    ASSERT_EQ(Index(block.nodes.size()), block.element_count() * mesh::node_count(block.shape));
+    ASSERT_TRUE(std::all_of(block.nodes.begin(), block.nodes.end(), exists));
+  }
+  for (const auto& [name, nodes] : mesh.node_sets) {
+    ASSERT_TRUE(std::all_of(nodes.begin(), nodes.end(), exists));
+    ASSERT_TRUE(std::is_sorted(nodes.begin(), nodes.end()));
+  }
+  for (const auto& [name, faces] : mesh.face_sets)
+    for (const mesh::Face& face : faces) {
+      const auto nodes = nodes_of(face);
+      ASSERT_TRUE(std::all_of(nodes.begin(), nodes.end(), exists));
+    }
+}
+
+void fuzz_volume_mesh(const std::string& ending, const std::vector<std::string>& files) {
+  const test::TemporaryFolder folder;
+  int read = 0;
+  run_seeds(6000, [&](unsigned seed) {
+    std::mt19937 random(seed);
+    const std::filesystem::path path = folder / ("bad" + ending);
+    std::filesystem::remove(path);
+    std::ofstream(path, std::ios::binary) << damaged(files[seed % files.size()], random);
+    const auto mesh = read_volume_mesh(path);
+    if (mesh) {
+      ++read;
+      expect_sound(*mesh);
+    } else {
+      ASSERT_EQ(mesh.error().message.find('\n'), std::string::npos);
+    }
+  });
+  EXPECT_GT(read, 5);
+}
+
+/// Small meshes of all shapes, with sets.
+std::vector<mesh::VolumeMesh> some_volume_meshes() {
+  return {mesh::make_mixed_box(mesh::BoxMix::kAllLinear, {4, 1, 1}, {4, 1, 1}),
+          mesh::make_mixed_box(mesh::BoxMix::kHex20Wedge15, {2, 1, 1}, {2, 1, 1}),
+          mesh::make_box(mesh::ElementShape::kTet10, {1, 1, 1}, {1, 1, 1})};
+}
+
+TEST(Fuzz, VtuVolumeMeshes) {
+  const test::TemporaryFolder folder;
+  std::vector<std::string> files;
+  for (const mesh::VolumeMesh& mesh : some_volume_meshes()) {
+    ASSERT_TRUE(write_vtu(folder / "good.vtu", mesh, {}, VtuFaces::kWrite));
+    files.push_back(read_bytes(folder / "good.vtu"));
+  }
+  fuzz_volume_mesh(".vtu", files);
+}
+
+TEST(Fuzz, GmshInTextAndBinary) {
+  std::vector<std::string> files;
+  for (const mesh::VolumeMesh& mesh : some_volume_meshes())
+    for (const test::GmshForm form : {test::GmshForm::kText, test::GmshForm::kBinary})
+      files.push_back(test::gmsh_file(mesh, form));
+  fuzz_volume_mesh(".msh", files);
+}
 
 TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
   std::vector<std::string> files;

@@ -1,6 +1,10 @@
+#include <lefort/io/internal/wedge_order.h>
 #include <lefort/io/read_vtu.h>
 #include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/mesh/box_grid.h>
+#include <lefort/mesh/element_faces.h>
+#include <lefort/mesh/element_quality.h>
 
 #include <gtest/gtest.h>
 #include <vtkCell.h>
@@ -14,6 +18,7 @@
 #include <vtkXMLUnstructuredGridReader.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "support/temporary_folder.h"
@@ -38,6 +43,7 @@ VolumeMesh every_shape() {
     ElementBlock block{shape, {}, {region, -region}};
     for (std::int32_t n = 0; n < 2 * mesh::node_count(shape); ++n)
       block.nodes.push_back((7 * n + region) % 20);
+    if (mesh::corner_count(shape) == 6) internal::turn_wedges(block, mesh.nodes_L);
     mesh.blocks.push_back(block);
     ++region;
   }
@@ -252,6 +258,121 @@ TEST(ReadVtu, RefusesArraysThatContradictEachOther) {
   EXPECT_EQ(code("<VTKFile type=\"PolyData\"></VTKFile>"), corrupt);
   EXPECT_EQ(code("garbage"), corrupt);
   EXPECT_EQ(read_vtu(folder / "none.vtu").error().code, ErrorCode::kFileNotFound);
+}
+
+/// Boxes of linear and of quadratic elements with all their sets, and an empty one.
+std::vector<VolumeMesh> meshes_with_sets() {
+  std::vector<VolumeMesh> meshes{
+      mesh::make_mixed_box(mesh::BoxMix::kAllLinear, {4, 1, 1}, {4, 1, 1}),
+      mesh::make_mixed_box(mesh::BoxMix::kHex20Wedge15, {2, 1, 1}, {4, 1, 1}),
+      mesh::make_mixed_box(mesh::BoxMix::kWedge15Tet10, {1, 1, 2}, {4, 1, 1})};
+  for (VolumeMesh& mesh : meshes) {
+    mesh.face_sets["none"] = {};
+    mesh.node_sets["none"] = {};
+  }
+  return meshes;
+}
+
+TEST(ReadVtu, GivesBackNodeSetsAndFaceSets) {
+  const test::TemporaryFolder folder;
+  for (const VolumeMesh& mesh : meshes_with_sets()) {
+    ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh, {}, VtuFaces::kWrite));
+    const auto read = read_vtu(folder / "m.vtu");
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->node_sets, mesh.node_sets);
+    EXPECT_EQ(read->face_sets, mesh.face_sets);
+    ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh));
+    EXPECT_TRUE(read_vtu(folder / "m.vtu").value().face_sets.empty());
+  }
+}
+
+TEST(Vtu, FacesAreCellsOfTheirOwnWithoutValues) {
+  const test::TemporaryFolder folder;
+  const VolumeMesh mesh = meshes_with_sets()[0];
+  const std::vector<double> values(std::size_t(mesh.element_count()), 1.5);
+  ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh, {{}, {vtu_array("p", values)}}, VtuFaces::kWrite));
+  const auto grid = read_back(folder / "m.vtu");
+  const auto faces = Index(mesh.face_sets.at("boundary").size());
+  ASSERT_EQ(grid->GetNumberOfCells(), mesh.element_count() + faces);
+  vtkDataArray* const x0 = grid->GetCellData()->GetArray("set:x0");
+  ASSERT_NE(x0, nullptr);
+  Index members = 0;
+  for (vtkIdType c = 0; c < grid->GetNumberOfCells(); ++c) {
+    const bool is_face = c >= mesh.element_count();
+    EXPECT_EQ(grid->GetCell(c)->GetCellDimension(), is_face ? 2 : 3);
+    EXPECT_EQ(std::isnan(grid->GetCellData()->GetArray("p")->GetTuple1(c)), is_face);
+    members += Index(x0->GetTuple1(c));
+  }
+  EXPECT_EQ(members, Index(mesh.face_sets.at("x0").size()));
+}
+
+/// As text, so that each number can be spoiled: a tetrahedron and one of its faces.
+std::string with_face(const std::string& face, const std::string& point_sets,
+                      const std::string& cell_sets) {
+  std::string text = text_vtu("0 0 0 1 0 0 0 1 0 0 0 1", "0 1 2 3 " + face, "4 7", "10 5", "7 9");
+  const auto insert = [&](const std::string& before, const std::string& what) {
+    text.insert(text.find(before), what);
+  };
+  insert("</CellData>", cell_sets);
+  insert("<Points>", "<PointData>" + point_sets + "</PointData>");
+  return text;
+}
+
+std::string set_array(const std::string& name, const std::string& values) {
+  return "<DataArray Name=\"set:" + name + "\" format=\"ascii\">" + values + "</DataArray>";
+}
+
+TEST(ReadVtu, TurnsFacesOutAndNamesThoseWithoutASetAfterTheirRegion) {
+  const test::TemporaryFolder folder;
+  const mesh::Face bottom{.shape = mesh::FaceShape::kTri3, .nodes = {0, 2, 1}};
+  ASSERT_TRUE(write_text(folder / "m.vtu", with_face("0 1 2", set_array("a b", "0 1.0 0 1"),
+                                                     set_array("skin", "0 1"))));
+  auto read = read_vtu(folder / "m.vtu");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->face_sets, (decltype(read->face_sets){{"skin", {bottom}}}));
+  EXPECT_EQ(read->node_sets, (decltype(read->node_sets){{"a b", {1, 3}}}));
+  ASSERT_TRUE(write_text(folder / "m.vtu", with_face("2 0 1", "", "")));
+  read = read_vtu(folder / "m.vtu");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->face_sets, (decltype(read->face_sets){{"region 9", {bottom}}}));
+  EXPECT_EQ(read->blocks[0].region, (std::vector<std::int32_t>{7}));
+}
+
+TEST(ReadVtu, RefusesSetsThatMeanNothing) {
+  const test::TemporaryFolder folder;
+  const auto refusal = [&](const std::string& text) {
+    EXPECT_TRUE(write_text(folder / "m.vtu", text));
+    const auto read = read_vtu(folder / "m.vtu");
+    if (read) return std::string("read");
+    return read.error().message.substr(read.error().message.find("m.vtu: ") + 7);
+  };
+  EXPECT_EQ(refusal(with_face("0 1 2", "", set_array("a", "1 1"))),
+            "cell set \"a\" holds element 0, must hold faces (cells of two dimensions) alone");
+  EXPECT_EQ(refusal(with_face("0 1 2", "", set_array("a", "0 2"))),
+            "array \"set:a\" must have a name and one 0 or 1 for each of 2");
+  EXPECT_EQ(refusal(with_face("0 1 2", set_array("a", "0 1 0"), "")),
+            "array \"set:a\" must have a name and one 0 or 1 for each of 4");
+  EXPECT_NE(refusal(with_face("0 1 2", set_array("", "0 0 0 0"), "")), "read");
+  EXPECT_EQ(refusal(with_face("0 1 2", set_array("a&#10;b", "0 0 0 0"), "")),
+            "a set has a name that cannot be printed");
+  EXPECT_EQ(refusal(with_face("0 1 1", "", "")),
+            "face set \"region 9\": the face with corners 0, 1, 1 lies on no element");
+}
+
+/// Gmsh, Abaqus and many others number the triangles of a wedge the other way round.
+TEST(ReadVtu, ReadsWedgesNumberedEitherWay) {
+  const test::TemporaryFolder folder;
+  for (const ElementShape shape : {ElementShape::kWedge6, ElementShape::kWedge15}) {
+    const VolumeMesh mesh = mesh::make_box(shape, {1, 1, 1}, Vec3::Ones());
+    VolumeMesh turned = mesh;
+    const auto count = std::size_t(mesh::node_count(shape));
+    for (std::size_t n = 0; n < turned.blocks[0].nodes.size(); ++n)
+      turned.blocks[0].nodes[n] =
+          mesh.blocks[0].nodes[n - n % count + internal::kTurnedWedge[n % count]];
+    EXPECT_EQ(mesh::poor_elements(turned, 0.0).size(), 2U);
+    ASSERT_TRUE(write_vtu(folder / "m.vtu", turned));
+    EXPECT_EQ(read_vtu(folder / "m.vtu").value().blocks[0].nodes, mesh.blocks[0].nodes);
+  }
 }
 
 TEST(ReadVtu, EveryTruncationIsRefusedOrTheWholeMesh) {

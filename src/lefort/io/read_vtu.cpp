@@ -1,14 +1,21 @@
 #include <lefort/io/internal/vtk_cell_types.h>
 #include <lefort/io/internal/vtk_xml.h>
+#include <lefort/io/internal/wedge_order.h>
 #include <lefort/io/read_vtu.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/mesh/attach_faces.h>
+#include <lefort/mesh/element_faces.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace lefort::io {
 namespace {
@@ -20,11 +27,22 @@ using mesh::ElementShape;
 // Some ten million elements with a few fields.
 constexpr std::uintmax_t kLargestFile = std::uintmax_t(4) << 30;
 
-const std::vector<internal::WantedArray> kWanted{{"Points", ""},
-                                                 {"Cells", "connectivity"},
-                                                 {"Cells", "offsets"},
-                                                 {"Cells", "types"},
-                                                 {"CellData", "region"}};
+constexpr std::string_view kSet = "set:";
+
+const std::vector<internal::WantedArray> kWanted{
+    {"Points", ""},
+    {"Cells", "connectivity"},
+    {"Cells", "offsets"},
+    {"Cells", "types"},
+    {"CellData", "region"},
+    {"CellData", std::string(kSet), internal::NameMatch::kBeginning},
+    {"PointData", std::string(kSet), internal::NameMatch::kBeginning}};
+
+/// A 0-1 array that names nodes or cells of a piece.
+struct SetArray {
+  std::string name;  ///< Of the set.
+  const std::vector<double>& members;
+};
 
 /// The arrays of a piece.
 struct Piece {
@@ -33,9 +51,30 @@ struct Piece {
   const std::vector<double>& offsets;  ///< Where the nodes of each cell end.
   const std::vector<double>& types;
   const std::vector<double>* regions;  ///< Null if the file has none.
+  std::vector<SetArray> node_sets{};
+  std::vector<SetArray> face_sets{};
 };
 
 Error corrupt(std::string why) { return {ErrorCode::kFileCorrupt, std::move(why)}; }
+
+/// The sets of `parent`, PointData or CellData, of which there are `count`.
+Result<std::vector<SetArray>> find_sets(const XmlArrays& file, int number, std::string_view parent,
+                                        std::size_t count) {
+  std::vector<SetArray> sets;
+  for (const internal::XmlArray& array : file.arrays) {
+    if (array.piece != number || array.parent != parent || !array.name.starts_with(kSet)) continue;
+    if (std::any_of(array.name.begin(), array.name.end(),
+                    [](char c) { return std::uint8_t(c) < 0x20; }))
+      return tl::unexpected(corrupt("a set has a name that cannot be printed"));
+    const bool is_0_or_1 = std::all_of(array.values.begin(), array.values.end(),
+                                       [](double value) { return value == 0.0 || value == 1.0; });
+    if (array.values.size() != count || array.name.size() == kSet.size() || !is_0_or_1)
+      return tl::unexpected(corrupt(fmt::format(
+          "array \"{}\" must have a name and one 0 or 1 for each of {}", array.name, count)));
+    sets.push_back({array.name.substr(kSet.size()), array.values});
+  }
+  return sets;
+}
 
 Result<Piece> find_piece(const XmlArrays& file, int number) {
   const auto* points = find_array(file, number, "Points", "");
@@ -52,7 +91,10 @@ Result<Piece> find_piece(const XmlArrays& file, int number) {
     return tl::unexpected(corrupt(fmt::format(
         "there are {} cells, {} types and {} regions, expected as many", offsets->size(),
         types->size(), regions != nullptr ? regions->size() : offsets->size())));
-  return Piece{*points, *connectivity, *offsets, *types, regions};
+  Piece piece{*points, *connectivity, *offsets, *types, regions};
+  LEFORT_TRY(piece.node_sets, find_sets(file, number, "PointData", points->size() / 3));
+  LEFORT_TRY(piece.face_sets, find_sets(file, number, "CellData", types->size()));
+  return piece;
 }
 
 /// `value` as a whole number of 32 bits from `lowest` to below `end`.
@@ -74,6 +116,7 @@ mesh::ElementBlock& block_of(mesh::VolumeMesh& mesh, ElementShape shape) {
 }
 
 Result<void> add_nodes(const Piece& piece, mesh::VolumeMesh& mesh) {
+  const auto first = std::int32_t(mesh.nodes_L.size());
   for (std::size_t n = 0; n < piece.points.size(); n += 3) {
     mesh.nodes_L.emplace_back(piece.points[n], piece.points[n + 1], piece.points[n + 2]);
     if (!mesh.nodes_L.back().allFinite())
@@ -81,31 +124,70 @@ Result<void> add_nodes(const Piece& piece, mesh::VolumeMesh& mesh) {
   }
   if (mesh.nodes_L.size() > std::size_t(std::numeric_limits<std::int32_t>::max()))
     return tl::unexpected(corrupt("there are more nodes than 32 bits can number"));
+  for (const SetArray& set : piece.node_sets) {
+    std::vector<std::int32_t>& nodes = mesh.node_sets[set.name];
+    for (std::size_t n = 0; n < set.members.size(); ++n)
+      if (set.members[n] == 1.0) nodes.push_back(first + std::int32_t(n));
+  }
+  return {};
+}
+
+/// Adds a face to the sets it is in, or to that of its region.
+void add_face(const Piece& piece, std::size_t cell, const mesh::Face& face, std::int32_t region,
+              mesh::VolumeMesh& mesh) {
+  bool is_in_a_set = false;
+  for (const SetArray& set : piece.face_sets) {
+    if (set.members[cell] != 1.0) continue;
+    mesh.face_sets[set.name].push_back(face);
+    is_in_a_set = true;
+  }
+  if (!is_in_a_set) mesh.face_sets[fmt::format("region {}", region)].push_back(face);
+}
+
+Result<void> check_no_set(const Piece& piece, std::size_t cell) {
+  for (const SetArray& set : piece.face_sets)
+    if (set.members[cell] == 1.0)
+      return fail(ErrorCode::kMeshInvalid,
+                  fmt::format("cell set \"{}\" holds element {}, must hold faces (cells of two "
+                              "dimensions) alone",
+                              set.name, cell));
   return {};
 }
 
 /// Adds the cells of a piece whose first node is `first_node` of the mesh.
 Result<void> add_cells(const Piece& piece, std::int32_t first_node, mesh::VolumeMesh& mesh) {
   const auto node_count = double(piece.points.size() / 3);
+  std::vector<std::int32_t> nodes;
   std::size_t begin = 0;
   for (std::size_t cell = 0; cell < piece.offsets.size(); ++cell) {
     const auto shape = internal::shape_of_cell(piece.types[cell]);
-    if (!shape)
+    const auto face_shape = internal::face_shape_of_cell(piece.types[cell]);
+    if (!shape && !face_shape)
       return fail(ErrorCode::kFileUnsupported,
                   fmt::format("element {} has VTK cell type {}, which is not solved with", cell,
                               piece.types[cell]));
-    const auto end = begin + std::size_t(mesh::node_count(*shape));
+    const auto end =
+        begin + std::size_t(shape ? mesh::node_count(*shape) : mesh::node_count(*face_shape));
     if (piece.offsets[cell] != double(end) || end > piece.connectivity.size())
       return tl::unexpected(corrupt(fmt::format("the nodes of element {} end at {}, expected {}",
                                                 cell, piece.offsets[cell], end)));
-    mesh::ElementBlock& block = block_of(mesh, *shape);
+    nodes.clear();
     for (std::size_t n = begin; n < end; ++n) {
       LEFORT_TRY(const std::int32_t node, whole(piece.connectivity[n], 0.0, node_count, "node"));
-      block.nodes.push_back(first_node + node);
+      nodes.push_back(first_node + node);
     }
     const double said = piece.regions != nullptr ? (*piece.regions)[cell] : 0.0;
     LEFORT_TRY(const std::int32_t region, whole(said, -0x1p31, 0x1p31, "region"));
-    block.region.push_back(region);
+    if (shape) {
+      LEFORT_TRY_VOID(check_no_set(piece, cell));
+      mesh::ElementBlock& block = block_of(mesh, *shape);
+      block.nodes.insert(block.nodes.end(), nodes.begin(), nodes.end());
+      block.region.push_back(region);
+    } else {
+      mesh::Face face{.shape = *face_shape, .nodes = {}};
+      std::copy(nodes.begin(), nodes.end(), face.nodes.begin());
+      add_face(piece, cell, face, region, mesh);
+    }
     begin = end;
   }
   return {};
@@ -117,9 +199,19 @@ Result<mesh::VolumeMesh> convert(const XmlArrays& file) {
     LEFORT_TRY(const Piece piece, find_piece(file, number));
     const auto first_node = std::int32_t(mesh.nodes_L.size());
     LEFORT_TRY_VOID(add_nodes(piece, mesh));
+    for (const SetArray& set : piece.face_sets) mesh.face_sets[set.name];  // May be empty.
     LEFORT_TRY_VOID(add_cells(piece, first_node, mesh));
   }
   if (mesh.blocks.empty()) return tl::unexpected(corrupt("there are no elements, expected some"));
+  for (mesh::ElementBlock& block : mesh.blocks)
+    if (mesh::corner_count(block.shape) == 6) internal::turn_wedges(block, mesh.nodes_L);
+  for (auto& [name, faces] : mesh.face_sets) {
+    auto attached = mesh::attach_faces(mesh, faces);
+    if (!attached)
+      return fail(attached.error().code,
+                  fmt::format("face set \"{}\": {}", name, attached.error().message));
+    faces = std::move(*attached);
+  }
   return mesh;
 }
 

@@ -5,9 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <map>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -58,7 +61,7 @@ Result<void> check_mesh(const VolumeMesh& mesh) {
   const auto missing = [&](std::int32_t node) {
     return node < 0 || Index(node) >= mesh.node_count();
   };
-  const auto check_nodes = [&](const std::vector<std::int32_t>& nodes,
+  const auto check_nodes = [&](std::span<const std::int32_t> nodes,
                                const std::string& owner) -> Result<void> {
     const auto lost = std::find_if(nodes.begin(), nodes.end(), missing);
     if (lost == nodes.end()) return {};
@@ -77,6 +80,11 @@ Result<void> check_mesh(const VolumeMesh& mesh) {
   for (const auto& [name, nodes] : mesh.node_sets) {
     LEFORT_TRY_VOID(check_name("node set", name));
     LEFORT_TRY_VOID(check_nodes(nodes, fmt::format("node set {}", name)));
+  }
+  for (const auto& [name, faces] : mesh.face_sets) {
+    LEFORT_TRY_VOID(check_name("face set", name));
+    const std::string owner = fmt::format("face set {}", name);
+    for (const mesh::Face& face : faces) LEFORT_TRY_VOID(check_nodes(nodes_of(face), owner));
   }
   return {};
 }
@@ -141,7 +149,28 @@ void add_nodes(VtuFile& file, const VolumeMesh& mesh) {
   file.xml("</Points>\n");
 }
 
-void add_elements(VtuFile& file, const VolumeMesh& mesh) {
+/// The faces of all sets, each once, and for each set which of them are its own.
+struct WrittenFaces {
+  std::vector<mesh::Face> faces;
+  std::map<std::string, std::vector<std::size_t>> sets;
+};
+
+WrittenFaces find_faces(const VolumeMesh& mesh, VtuFaces wanted) {
+  WrittenFaces found;
+  if (wanted == VtuFaces::kLeaveOut) return found;
+  std::map<std::pair<mesh::FaceShape, std::array<std::int32_t, 8>>, std::size_t> place;
+  for (const auto& [name, faces] : mesh.face_sets) {
+    std::vector<std::size_t>& members = found.sets[name];
+    for (const mesh::Face& face : faces) {
+      const auto [at, is_new] = place.try_emplace({face.shape, face.nodes}, found.faces.size());
+      if (is_new) found.faces.push_back(face);
+      members.push_back(at->second);
+    }
+  }
+  return found;
+}
+
+void add_cells(VtuFile& file, const VolumeMesh& mesh, const WrittenFaces& written) {
   std::vector<std::int32_t> connectivity;
   std::vector<std::int64_t> ends;
   std::vector<std::uint8_t> types;
@@ -150,6 +179,12 @@ void add_elements(VtuFile& file, const VolumeMesh& mesh) {
     for (Index e = 0; e < block.element_count(); ++e)
       ends.push_back((ends.empty() ? 0 : ends.back()) + mesh::node_count(block.shape));
     types.resize(types.size() + block.region.size(), kCellTypes[std::size_t(block.shape)]);
+  }
+  for (const mesh::Face& face : written.faces) {
+    const auto nodes = nodes_of(face);
+    connectivity.insert(connectivity.end(), nodes.begin(), nodes.end());
+    ends.push_back(std::int64_t(connectivity.size()));
+    types.push_back(internal::kFaceCellTypes[std::size_t(face.shape)]);
   }
   file.xml("<Cells>\n");
   file.array("connectivity", 1, connectivity);
@@ -169,13 +204,27 @@ void add_node_fields(VtuFile& file, const VolumeMesh& mesh, std::span<const VtuA
   file.xml("</PointData>\n");
 }
 
-void add_element_fields(VtuFile& file, const VolumeMesh& mesh, std::span<const VtuArray> fields) {
+void add_cell_fields(VtuFile& file, const VolumeMesh& mesh, std::span<const VtuArray> fields,
+                     const WrittenFaces& written) {
+  const std::size_t faces = written.faces.size();
   std::vector<std::int32_t> regions;
   for (const ElementBlock& block : mesh.blocks)
     regions.insert(regions.end(), block.region.begin(), block.region.end());
+  const std::size_t elements = regions.size();
+  regions.resize(elements + faces, 0);
   file.xml("<CellData>\n");
-  for (const VtuArray& field : fields) file.array(field.name, field.components, field.values);
+  for (const VtuArray& field : fields) {
+    std::vector<double> values = field.values;
+    values.resize(values.size() + faces * std::size_t(field.components),
+                  std::numeric_limits<double>::quiet_NaN());
+    file.array(field.name, field.components, values);
+  }
   file.array("region", 1, regions);
+  for (const auto& [name, members] : written.sets) {
+    std::vector<std::uint8_t> is_member(elements + faces, 0);
+    for (const std::size_t face : members) is_member[elements + face] = 1;
+    file.array("set:" + name, 1, is_member);
+  }
   file.xml("</CellData>\n");
 }
 
@@ -203,24 +252,26 @@ VtuArray vtu_array(std::string name, std::span<const Mat3> values) {
 }
 
 Result<void> write_vtu(const std::filesystem::path& target, const VolumeMesh& mesh,
-                       const VtuFields& fields) {
+                       const VtuFields& fields, VtuFaces faces) {
   LEFORT_TRY_VOID(check_mesh(mesh));
   std::set<std::string> node_names;
   for (const auto& [name, nodes] : mesh.node_sets) node_names.insert("set:" + name);
   std::set<std::string> element_names{"region"};
+  for (const auto& [name, of_set] : mesh.face_sets) element_names.insert("set:" + name);
   LEFORT_TRY_VOID(check_fields(fields.nodes, mesh.node_count(), node_names));
   LEFORT_TRY_VOID(check_fields(fields.elements, mesh.element_count(), element_names));
 
+  const WrittenFaces written = find_faces(mesh, faces);
   VtuFile file;
   file.xml(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
       "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n");
   file.xml(fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", mesh.node_count(),
-                       mesh.element_count()));
+                       mesh.element_count() + Index(written.faces.size())));
   add_node_fields(file, mesh, fields.nodes);
-  add_element_fields(file, mesh, fields.elements);
+  add_cell_fields(file, mesh, fields.elements, written);
   add_nodes(file, mesh);
-  add_elements(file, mesh);
+  add_cells(file, mesh, written);
   file.xml("</Piece>\n</UnstructuredGrid>\n");
   return write_text(target, std::move(file).finished());
 }

@@ -1,6 +1,11 @@
 /// \file
 /// Volume meshes with fields, and series of them over time, for ParaView (VTK XML files).
 ///
+/// Sets have the names "set:NAME": a node array is a node set, a cell array a face set, each 1 for
+/// its members and 0 for all others. The faces of face sets are cells of two dimensions (triangle,
+/// quad, quadratic triangle, quadratic quad) behind the elements; the elements are 0 in such an
+/// array. In ParaView: Calculator (point or cell data) with the result name "set:NAME".
+///
 /// Raw appended binary with 64-bit lengths, little-endian, uncompressed: the same mesh gives the
 /// same bytes. Format: VTK user's guide, "VTK XML file formats".
 #pragma once
@@ -32,15 +37,20 @@ struct VtuFields {
   std::vector<VtuArray> elements{};  ///< Block after block.
 };
 
+/// Whether a file holds the faces of the face sets. To look at fields they are in the way: they lie
+/// on the elements' own faces.
+enum class VtuFaces { kLeaveOut, kWrite };
+
 /// Writes the mesh with its nodes at rest; to see it deformed, give the displacement as a field
-/// (ParaView: Warp By Vector). The element array "region" and a node array "set:NAME" (0 or 1) for
-/// each node set are added.
+/// (ParaView: Warp By Vector). The cell array "region" and all node sets are added; the names of
+/// regions are not kept. On faces the fields of elements are NaN.
 /// \returns
 ///   - kMeshInvalid      an element or a set names a missing node, or a block has a wrong length
 ///   - kInvalidArgument  a field has a wrong length, or no, a repeated or an unprintable name
 ///   - kFileUnwritable
 [[nodiscard]] Result<void> write_vtu(const std::filesystem::path& target,
-                                     const mesh::VolumeMesh& mesh, const VtuFields& fields = {});
+                                     const mesh::VolumeMesh& mesh, const VtuFields& fields = {},
+                                     VtuFaces faces = VtuFaces::kLeaveOut);
 
 /// One file of a series.
 struct PvdEntry {

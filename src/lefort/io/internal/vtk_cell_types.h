@@ -1,5 +1,5 @@
 /// \file
-/// VTK's numbers of the element shapes.
+/// VTK's numbers of the element and face shapes.
 #pragma once
 
 #include <lefort/mesh/volume_mesh.h>
@@ -19,6 +19,15 @@ inline constexpr std::array<std::uint8_t, 7> kCellTypes{10, 14, 13, 12, 24, 26, 
 [[nodiscard]] constexpr std::optional<mesh::ElementShape> shape_of_cell(double cell_type) {
   for (std::size_t shape = 0; shape < kCellTypes.size(); ++shape)
     if (cell_type == kCellTypes[shape]) return mesh::ElementShape(shape);
+  return std::nullopt;
+}
+
+/// Likewise in the order of mesh::FaceShape.
+inline constexpr std::array<std::uint8_t, 4> kFaceCellTypes{5, 9, 22, 23};
+
+[[nodiscard]] constexpr std::optional<mesh::FaceShape> face_shape_of_cell(double cell_type) {
+  for (std::size_t shape = 0; shape < kFaceCellTypes.size(); ++shape)
+    if (cell_type == kFaceCellTypes[shape]) return mesh::FaceShape(shape);
   return std::nullopt;
 }
 

@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <tuple>
 
 namespace lefort::io::internal {
 namespace {
@@ -25,6 +26,7 @@ constexpr std::size_t kBestCompression = 1100;
 constexpr std::size_t kFreeBytes = std::size_t(64) << 20;
 constexpr std::size_t kBytesForOne = 64;
 constexpr int kMaxPieces = 1000;
+constexpr std::size_t kMaxArrays = 20'000;
 
 using Attributes = std::map<std::string, std::string>;
 
@@ -288,13 +290,18 @@ std::optional<std::vector<double>> decode(const RawArray& array, Packing packing
   return numbers_from_bytes(*bytes, type, budget);
 }
 
-/// Whether a reader needs `array`, and has not got one of its name yet.
+/// Piece, parent and name, of which only one array is taken.
+using ArrayKey = std::tuple<int, std::string, std::string>;
+
+/// Whether a reader needs `array`, and has not got one of its name yet; then it has now.
 bool is_wanted(const RawArray& array, const std::vector<WantedArray>& wanted,
-               const XmlArrays& found) {
+               std::set<ArrayKey>& taken) {
   const std::string name = value_of(array.attributes, "Name");
   return std::any_of(wanted.begin(), wanted.end(), [&](const WantedArray& want) {
-    return want.parent == array.parent && (want.name.empty() || want.name == name) &&
-           find_array(found, array.piece, want.parent, want.name) == nullptr;
+    const bool fits = want.match == NameMatch::kBeginning ? name.starts_with(want.name)
+                                                          : want.name.empty() || want.name == name;
+    return want.parent == array.parent && fits &&
+           taken.emplace(array.piece, want.parent, want.name.empty() ? "" : name).second;
   });
 }
 
@@ -338,8 +345,11 @@ Result<XmlArrays> parse_vtk_xml(std::string_view bytes, const std::string& name,
         fmt::format("the file has {} pieces, expected at most {}", result.pieces, kMaxPieces));
   Budget budget(bytes.size());
   std::set<std::string> offsets;
+  std::set<ArrayKey> taken;
   for (const RawArray& raw : document->arrays) {
-    if (!is_wanted(raw, wanted, result)) continue;
+    if (!is_wanted(raw, wanted, taken)) continue;
+    if (result.arrays.size() == kMaxArrays)
+      return corrupt(fmt::format("there are more than {} arrays to be read", kMaxArrays));
     const std::string array_name = value_of(raw.attributes, "Name");
     if (value_of(raw.attributes, "format") == "appended" &&
         !offsets.insert(value_of(raw.attributes, "offset")).second)

@@ -12,10 +12,14 @@
 
 namespace lefort::io::internal {
 
+/// Which names an array may have.
+enum class NameMatch { kWhole, kBeginning };
+
 /// An array that a reader needs. Of several with this name in one piece, the first counts.
 struct WantedArray {
-  std::string parent;  ///< The element it stands in: Points, Polys, FieldData, ...
-  std::string name;    ///< Empty for any.
+  std::string parent;                   ///< The element it stands in: Points, Polys, FieldData, ...
+  std::string name;                     ///< Empty for any: then the first of all.
+  NameMatch match = NameMatch::kWhole;  ///< kBeginning: all whose names begin so.
 };
 
 /// One DataArray element; all numbers as double, which holds every vertex number exactly.
@@ -39,8 +43,8 @@ struct XmlArrays {
 /// little-endian.
 ///
 /// \returns kFileCorrupt if the file is no VTK XML file of this type (PolyData, ...), damaged or
-///   cut short, or if its arrays share data or unpack to far more than a surface or mesh of its
-///   length does; kFileUnsupported for other compressors and byte orders.
+///   cut short, or if its arrays share data, are too many or unpack to far more than a surface or
+///   mesh of its length does; kFileUnsupported for other compressors and byte orders.
 [[nodiscard]] Result<XmlArrays> parse_vtk_xml(std::string_view bytes, const std::string& name,
                                               const std::string& type,
                                               const std::vector<WantedArray>& wanted);

@@ -1,0 +1,17 @@
+#include <lefort/io/gmsh.h>
+#include <lefort/io/read_vtu.h>
+#include <lefort/io/volume_mesh_files.h>
+
+#include <fmt/format.h>
+
+namespace lefort::io {
+
+Result<mesh::VolumeMesh> read_volume_mesh(const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  if (ending == ".vtu") return read_vtu(file);
+  if (ending == ".msh") return read_gmsh(file);
+  return fail(ErrorCode::kFileUnsupported,
+              fmt::format("mesh {} must end in .vtu or .msh", file.string()));
+}
+
+}  // namespace lefort::io
