@@ -58,9 +58,10 @@ function(lefort_test layer)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT 900)
   if(LEFORT_SANITIZE)
-    # Suppressions name libraries alone; programs that a test starts get them, too.
+    # Suppressions name libraries alone; programs that a test starts get them, too. ITK's threads
+    # would be suppressed anyway, report by report, which takes hours.
     set(supp ${PROJECT_SOURCE_DIR}/tests)
     set_tests_properties(${name} PROPERTIES TIMEOUT 5400 ENVIRONMENT
-      "LSAN_OPTIONS=suppressions=${supp}/lsan.supp;TSAN_OPTIONS=suppressions=${supp}/tsan.supp")
+      "LSAN_OPTIONS=suppressions=${supp}/lsan.supp;TSAN_OPTIONS=suppressions=${supp}/tsan.supp;ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS=1")
   endif()
 endfunction()

@@ -1,11 +1,16 @@
 #include <lefort/core/error.h>
+#include <lefort/core/loop_by_threads.h>
 #include <lefort/core/parallel.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numeric>
+#include <set>
+#include <stdexcept>
 #include <string>
+#include <thread>
+#include <vector>
 
 namespace lefort {
 namespace {
@@ -37,6 +42,36 @@ TEST(Parallel, ForVisitsEveryIndexOnce) {
   parallel_for(kCount, [&](Index i) { ++visits[std::size_t(i)]; });
   EXPECT_EQ(std::accumulate(visits.begin(), visits.end(), Index(0)), kCount);
   EXPECT_EQ(*std::max_element(visits.begin(), visits.end()), 1);
+}
+
+TEST(LoopByThreads, CallsEveryIndexOnceWithinLoopsToo) {
+  constexpr Index kOuter = 5, kMiddle = 3, kInner = 4;
+  std::vector<int> calls(std::size_t(kOuter * kMiddle * kInner), 0);
+  loop_by_threads(kOuter, 3, [&](Index i) {
+    loop_by_threads(kMiddle, 2, [&](Index j) {
+      loop_by_threads(kInner, 2,
+                      [&](Index k) { ++calls[std::size_t((i * kMiddle + j) * kInner + k)]; });
+    });
+  });
+  EXPECT_EQ(calls, std::vector<int>(calls.size(), 1));
+}
+
+TEST(LoopByThreads, RunsOnSeveralThreadsAndNoMoreThanAsked) {
+  std::vector<std::thread::id> ids(100);
+  loop_by_threads(Index(ids.size()), 3,
+                  [&](Index i) { ids[std::size_t(i)] = std::this_thread::get_id(); });
+  EXPECT_EQ(std::set(ids.begin(), ids.end()).size(), 3);
+}
+
+TEST(LoopByThreads, HandsOnWhatABodyThrows) {
+  const auto throw_in = [](Index one) {
+    loop_by_threads(8, 2, [one](Index i) {
+      if (i == one) throw std::runtime_error("body");
+    });
+  };
+  EXPECT_THROW(throw_in(0), std::runtime_error);
+  EXPECT_THROW(throw_in(5), std::runtime_error);
+  EXPECT_NO_THROW(throw_in(8));
 }
 
 TEST(Parallel, NothingToDoIsNoError) { EXPECT_EQ(deterministic_sum(0, 0.0, awkward_term), 0.0); }

@@ -6,6 +6,9 @@
 #pragma once
 
 #include <lefort/core/check.h>
+#ifdef __SANITIZE_THREAD__
+#include <lefort/core/loop_by_threads.h>
+#endif
 #include <lefort/core/types.h>
 
 #include <tbb/blocked_range.h>
@@ -41,10 +44,15 @@ template <class Body>
 void parallel_for_blocks(Index count, const Body& body, Index block = kParallelBlock) {
   LEFORT_CHECK(count >= 0 && block > 0);
   const Index blocks = (count + block - 1) / block;
+  if (blocks == 0) return;
+  const auto do_block = [&](Index b) { body(b * block, std::min(count, (b + 1) * block)); };
+#ifdef __SANITIZE_THREAD__
+  loop_by_threads(blocks, ThreadLimit::current(), do_block);
+#else
   tbb::parallel_for(tbb::blocked_range<Index>(0, blocks, 1), [&](const auto& range) {
-    for (Index b = range.begin(); b < range.end(); ++b)
-      body(b * block, std::min(count, (b + 1) * block));
+    for (Index b = range.begin(); b < range.end(); ++b) do_block(b);
   });
+#endif
 }
 
 /// Calls body(i) for every i of [0, count), in any order.
