@@ -7,6 +7,7 @@
 #include <lefort/fem/equilibrium.h>
 #include <lefort/fem/linear_solver.h>
 #include <lefort/fem/load_steps.h>
+#include <lefort/mesh/boundary_faces.h>
 #include <lefort/plan/bone_path.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
@@ -193,7 +194,7 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
                                               options.tissue.young_mpa /
                                               options.tissue.element_size_mm;
     contact.emplace(
-        tissue.nodes_L, tissue.face_sets.at(sets::kContact),
+        tissue.nodes_L, mesh::triangles_of(tissue.face_sets.at(sets::kContact)),
         contact::BoneObstacle{model.segment_field_B, RigidTransform::Identity(),
                               options.contact.reconstruction},
         ContactTerm::Options{prediction.contact_stiffness_mpa_per_mm, options.boundary.capture_mm});
