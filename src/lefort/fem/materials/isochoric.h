@@ -20,12 +20,12 @@ struct IsochoricPart {
   Mat3 F_inv_T;
 };
 
-/// dPsi/dF for Psi = psi(F_iso), where P_iso = dpsi/dF_iso.
-[[nodiscard]] Mat3 isochoric_stress(const IsochoricPart& part, const Mat3& P_iso);
+/// dPsi/dF for Psi = psi(F_iso), where dpsi is dpsi/dF_iso.
+[[nodiscard]] Mat3 isochoric_stress(const IsochoricPart& part, const Mat3& dpsi);
 
-/// d2Psi/dF2 likewise, where A_iso = dP_iso/dF_iso.
-[[nodiscard]] Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& P_iso,
-                                     const Mat9& A_iso);
+/// d2Psi/dF2 likewise, where ddpsi is d2psi/dF_iso2.
+[[nodiscard]] Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& dpsi,
+                                     const Mat9& ddpsi);
 
 /// The change of shape in C, told by what is exactly zero where there is none:
 ///   J^(-2/3) C = (1 + I1_minus_3 / 3) (I + D),   tr D = 0.
@@ -34,6 +34,12 @@ struct IsochoricPart {
 struct IsochoricStrain {
   /// \pre det F > 0.
   explicit IsochoricStrain(const Mat3& F);
+
+  /// J^(-2/3) C - I, twice the Green strain of F_iso.
+  [[nodiscard]] Mat3 twice_strain() const {
+    const double third = I1_minus_3 / 3.0;
+    return third * Mat3::Identity() + (1.0 + third) * D;
+  }
 
   Mat3 D;                   ///< dev C / (tr C / 3).
   double I1_minus_3 = 0.0;  ///< J^(-2/3) I1 - 3, >= 0.
