@@ -11,8 +11,9 @@
 
 namespace lefort::fem {
 
-/// The most nodes one local item may couple: those of a 27-node hexahedron.
-inline constexpr int kMaxLocalNodes = 27;
+/// The most nodes one local item may couple. The elements around one node of a good mesh of
+/// tetrahedra have fifteen to fifty.
+inline constexpr int kMaxLocalNodes = 64;
 
 /// What one local item adds to the balance. The solver owns the memory; it is zero on entry.
 struct LocalEquations {

@@ -98,10 +98,10 @@ struct NewtonOutcome {
 /// short along unstable directions, is lengthened while that pays.
 ///
 /// Where a part of r is no energy's gradient, minus its work along the straight step, by the
-/// trapezoidal rule, takes its place in W. Along a straight line only the symmetric part of dr/dx does work
-/// (dx . A dx = 0 for antisymmetric A), so that steps by K fit that W to second order. They converge
-/// linearly, by the spectral radius of K^-1 A: large loads on slack free edges may need another
-/// method.
+/// trapezoidal rule, takes its place in W. Along a straight line only the symmetric part of dr/dx
+/// does work (dx . A dx = 0 for antisymmetric A), so that steps by K fit that W to second order.
+/// They converge linearly, by the spectral radius of K^-1 A: large loads on slack free edges may
+/// need another method.
 ///
 /// A step makes headway if |r| falls notably or the energy clearly; a shifted step, which may creep
 /// downhill without end, only if it gains a notable part of what was gained so far.
