@@ -87,7 +87,7 @@ std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const std::vector<Vec3
 /// A bone that jumped through tissue leaves it in balance on the wrong side: such a state is
 /// refused, so that the stepper takes smaller increments. What creeps over a thin edge is not,
 /// since no increment would be small enough; it is told.
-void accept_or_refuse(ContactTerm& contact, const mesh::VolumeMesh& tissue,
+void accept_or_refuse(contact::ContactTerm& contact, const mesh::VolumeMesh& tissue,
                       fem::NewtonOutcome& outcome) {
   constexpr double kMostTunnelled = 0.02;  // Of the area in contact, in one increment.
   const std::vector<Vec3> x_L = moved(tissue.nodes_L, as_vectors(outcome.x));
@@ -187,16 +187,16 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
   for (const auto& term : elements) terms.push_back(term.get());
 
   FacePrediction prediction;
-  std::optional<ContactTerm> contact;
+  std::optional<contact::ContactTerm> contact;
   if (is_contact) {
     prediction.contact_stiffness_mpa_per_mm = options.contact.stiffness_factor *
                                               options.tissue.young_mpa /
                                               options.tissue.element_size_mm;
-    contact.emplace(
-        tissue.nodes_L, tissue.face_sets.at(sets::kContact),
-        contact::BoneObstacle{model.segment_field_B, RigidTransform::Identity(),
-                              options.contact.reconstruction},
-        ContactTerm::Options{prediction.contact_stiffness_mpa_per_mm, options.boundary.capture_mm});
+    contact.emplace(tissue.nodes_L, tissue.face_sets.at(sets::kContact),
+                    contact::BoneObstacle{model.segment_field_B, RigidTransform::Identity(),
+                                          options.contact.reconstruction},
+                    contact::ContactTerm::Options{prediction.contact_stiffness_mpa_per_mm,
+                                                  options.boundary.capture_mm});
     terms.push_back(&*contact);
     prediction.rest_penetration_mm = contact->rest_penetration_mm();
     if (prediction.rest_penetration_mm > options.boundary.capture_mm)

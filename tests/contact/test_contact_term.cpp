@@ -1,6 +1,6 @@
+#include <lefort/contact/contact_term.h>
 #include <lefort/core/check.h>
 #include <lefort/field/build_distance_field.h>
-#include <lefort/predict/contact_term.h>
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -11,13 +11,13 @@
 
 #include "support/shapes.h"
 
-namespace lefort::predict {
+namespace lefort::contact {
 namespace {
 
 constexpr double kStiffness = 0.04;
 
 /// A slab of bone whose upper side is z = 0.
-contact::BoneObstacle slab() {
+BoneObstacle slab() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -8.0}, {10.0, 10.0, 0.0}),
                                   {.resolution = 64, .band_mm = 3.0, .smooth = true})
@@ -25,16 +25,16 @@ contact::BoneObstacle slab() {
   return {field};
 }
 
-contact::BoneObstacle ball(
-    contact::Reconstruction reconstruction = contact::Reconstruction::kSmooth) {
+BoneObstacle ball(Reconstruction reconstruction = Reconstruction::kSmooth) {
   static const auto field = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(test::make_icosphere(6.0, 5), {.resolution = 64, .band_mm = 2.0, .smooth = true})
+      field::build_distance_field(test::make_icosphere(6.0, 5),
+                                  {.resolution = 64, .band_mm = 2.0, .smooth = true})
           .value());
   return {field, RigidTransform::Identity(), reconstruction};
 }
 
 /// A plate 2 mm thick whose upper side is z = 0.
-contact::BoneObstacle plate() {
+BoneObstacle plate() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -2.0}, {10.0, 10.0, 0.0}),
                                   {.resolution = 64, .band_mm = 3.0, .smooth = true})
@@ -161,10 +161,9 @@ TEST(ContactTerm, PenetrationAndDepthFromRestAreToldApart) {
   EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
 }
 
-class ContactTermOnABall : public testing::TestWithParam<contact::Reconstruction> {};
+class ContactTermOnABall : public testing::TestWithParam<Reconstruction> {};
 INSTANTIATE_TEST_SUITE_P(Both, ContactTermOnABall,
-                         testing::Values(contact::Reconstruction::kTrilinear,
-                                         contact::Reconstruction::kSmooth));
+                         testing::Values(Reconstruction::kTrilinear, Reconstruction::kSmooth));
 
 TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   constexpr double kStep = 1e-6;
@@ -224,4 +223,4 @@ TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::contact

@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-namespace lefort::predict {
+namespace lefort::contact {
 
 /// What contact does at one state.
 struct ContactSummary {
@@ -54,8 +54,8 @@ class ContactTerm final : public fem::ForceTerm {
   /// \param nodes_L   all nodes at rest [mm].
   /// \param faces     counter-clockwise seen from outside the tissue.
   /// \param obstacle  the bone, at rest.
-  ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3> faces,
-              contact::BoneObstacle obstacle, const Options& options);
+  ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3> faces, BoneObstacle obstacle,
+              const Options& options);
 
   /// Moves the bone. Not while the term is being evaluated.
   void set_pose(const RigidTransform& X_LB) { obstacle_.X_LB = X_LB; }
@@ -103,7 +103,7 @@ class ContactTerm final : public fem::ForceTerm {
   };
 
   [[nodiscard]] bool is_out_of_reach(std::size_t face, std::span<const Vec3> corners_L) const;
-  [[nodiscard]] bool has_tunnelled(const Sight& last, const contact::Gap& gap) const;
+  [[nodiscard]] bool has_tunnelled(const Sight& last, const Gap& gap) const;
 
   std::vector<mesh::Face3> faces_;
   std::vector<double> area_mm2_;                          ///< Of each face at rest.
@@ -111,8 +111,8 @@ class ContactTerm final : public fem::ForceTerm {
   std::vector<std::array<Sight, kPoints>> last_sight_;
   std::vector<Clearance> last_clearance_;
   double tunnelled_area_mm2_ = 0.0;
-  contact::BoneObstacle obstacle_;
+  BoneObstacle obstacle_;
   double stiffness_mpa_per_mm_;
 };
 
-}  // namespace lefort::predict
+}  // namespace lefort::contact

@@ -1,17 +1,14 @@
+#include <lefort/contact/contact_term.h>
 #include <lefort/contact/penalty.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
-#include <lefort/predict/contact_term.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
 
-namespace lefort::predict {
-
-using contact::Derivatives;
-
+namespace lefort::contact {
 namespace {
 
 /// A point of a triangle: its shape functions there, and its share of the area.
@@ -49,13 +46,12 @@ std::array<Vec3, 3> corners(const mesh::Face3& face, std::span<const Vec3> x_L) 
 }  // namespace
 
 ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3> faces,
-                         contact::BoneObstacle obstacle, const Options& options)
+                         BoneObstacle obstacle, const Options& options)
     : faces_(std::move(faces)),
       obstacle_(std::move(obstacle)),
       stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm) {
   LEFORT_CHECK(stiffness_mpa_per_mm_ > 0.0 && options.capture_mm >= 0.0);
-  LEFORT_CHECK(options.capture_mm <
-               contact::reach_mm(*obstacle_.field_B, obstacle_.reconstruction));
+  LEFORT_CHECK(options.capture_mm < reach_mm(*obstacle_.field_B, obstacle_.reconstruction));
   area_mm2_.reserve(faces_.size());
   rest_gap_mm_.reserve(faces_.size());
   for (const mesh::Face3& face : faces_) {
@@ -63,8 +59,7 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3>
     area_mm2_.push_back(0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm());
     std::array<double, kPoints>& rest = rest_gap_mm_.emplace_back();
     for (std::size_t q = 0; q < kRule.size(); ++q) {
-      const contact::Gap gap =
-          contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      const Gap gap = measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
       const bool touches =
           gap.zone == field::Zone::kBand && std::abs(gap.gap_mm) <= options.capture_mm;
       rest[q] = touches ? gap.gap_mm : std::min(gap.gap_mm, 0.0);
@@ -81,12 +76,11 @@ void ContactTerm::remember(std::span<const Vec3> x_L) {
   parallel_for(Index(faces_.size()), [&](Index face) {
     const std::array<Vec3, 3> x = corners(faces_[std::size_t(face)], x_L);
     Clearance& clearance = last_clearance_[std::size_t(face)];
-    clearance.clearance_mm = contact::reach_mm(*obstacle_.field_B, obstacle_.reconstruction);
+    clearance.clearance_mm = reach_mm(*obstacle_.field_B, obstacle_.reconstruction);
     for (std::size_t corner = 0; corner < x.size(); ++corner)
       clearance.corners_B[corner] = R_BL * (x[corner] - obstacle_.X_LB.translation());
     for (std::size_t q = 0; q < kRule.size(); ++q) {
-      const contact::Gap gap =
-          contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      const Gap gap = measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
       const bool is_seen = gap.zone == field::Zone::kBand || gap.zone == field::Zone::kOutside;
       const double touching_at_mm = std::max(rest_gap_mm_[std::size_t(face)][q], 0.0);
       clearance.clearance_mm =
@@ -118,7 +112,7 @@ bool ContactTerm::is_out_of_reach(std::size_t face, std::span<const Vec3> corner
   return true;
 }
 
-bool ContactTerm::has_tunnelled(const Sight& last, const contact::Gap& gap) const {
+bool ContactTerm::has_tunnelled(const Sight& last, const Gap& gap) const {
   // Outside the bone, normals turn freely: across a groove one wall takes over from the other.
   constexpr double kFarSide = -0.5;  // Cosine; an edge of over 60 degrees has no far side.
   return gap.zone == field::Zone::kBand && gap.gap_mm < 0.0 &&
@@ -130,8 +124,7 @@ double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
     const std::array<Vec3, 3> x = corners(faces_[std::size_t(face)], x_L);
     double share = 0.0;
     for (std::size_t q = 0; q < kRule.size(); ++q) {
-      const contact::Gap gap =
-          contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      const Gap gap = measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
       if (has_tunnelled(last_sight_[std::size_t(face)][q], gap)) share += kRule[q].weight;
     }
     return share * area_mm2_[std::size_t(face)];
@@ -144,9 +137,9 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
   const double area_mm2 = area_mm2_[std::size_t(item)];
   for (std::size_t q = 0; q < kRule.size(); ++q) {
     const Vec3& N = kRule[q].N;
-    const contact::Gap gap =
-        contact::measure_gap(obstacle_, interpolate(N, x_L),
-                             local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
+    const Gap gap =
+        measure_gap(obstacle_, interpolate(N, x_L),
+                    local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
     const double depth_mm = rest_gap_mm_[std::size_t(item)][q] - gap.gap_mm;
     if (gap.zone == field::Zone::kInside) return false;
     if (gap.zone == field::Zone::kUnknown && last_sight_[std::size_t(item)][q].knows_side)
@@ -154,8 +147,8 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
     if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
 
     const double weight_mm2 = kRule[q].weight * area_mm2;
-    const contact::PenaltyResponse response =
-        contact::penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
+    const PenaltyResponse response =
+        penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
     local.energy_mj += weight_mm2 * response.energy_mj_per_mm2;
     for (int a = 0; a < 3; ++a)
       local.residual_n.segment<3>(3 * a) += weight_mm2 * N[a] * response.gradient_mpa;
@@ -163,8 +156,7 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
     const Mat3 hessian_mpa_per_mm =
         local.tangent == fem::Tangent::kExact
             ? response.hessian_mpa_per_mm
-            : contact::convex_hessian(depth_mm, gap.gradient_L, gap.hessian_L,
-                                      stiffness_mpa_per_mm_);
+            : convex_hessian(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b)
         local.stiffness_n_per_mm.block<3, 3>(3 * a, 3 * b) +=
@@ -179,16 +171,14 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
   for (std::size_t face = 0; face < faces_.size(); ++face) {
     const std::array<Vec3, 3> x = corners(faces_[face], x_L);
     for (std::size_t q = 0; q < kRule.size(); ++q) {
-      const contact::Gap gap =
-          contact::measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
+      const Gap gap = measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
       const double penetration_mm = std::max(-gap.gap_mm, 0.0);
       const double depth_mm = rest_gap_mm_[face][q] - gap.gap_mm;
       if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
       const double weight_mm2 = kRule[q].weight * area_mm2_[face];
-      const Vec3 force_n =
-          -weight_mm2 *
-          contact::penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_)
-              .gradient_mpa;
+      const Vec3 force_n = -weight_mm2 * penalty_response(depth_mm, gap.gradient_L, gap.hessian_L,
+                                                          stiffness_mpa_per_mm_)
+                                             .gradient_mpa;
       ++summary.points;
       nodes.insert(faces_[face].begin(), faces_[face].end());
       summary.area_mm2 += weight_mm2;
@@ -209,4 +199,4 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
   return summary;
 }
 
-}  // namespace lefort::predict
+}  // namespace lefort::contact
