@@ -58,6 +58,7 @@ struct Evaluated {
   double energy_mj;
   VectorX residual_n;
   Eigen::MatrixXd stiffness;
+  Index contacts = 0;
 };
 
 Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>& x_L,
@@ -67,6 +68,7 @@ Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>&
       0.0, {result.residual_n.data(), 9}, {result.stiffness.data(), 9, 9}, tangent};
   result.admissible = term.evaluate(item, x_L, local);
   result.energy_mj = local.energy_mj;
+  result.contacts = local.contacts;
   return result;
 }
 
@@ -220,6 +222,42 @@ TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
   EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
   EXPECT_NEAR(pressed.force_L_n.z(), 2.0 * kStiffness * 16.0, 1e-6);
   EXPECT_NEAR(pressed.normal_force_n, pressed.force_L_n.z(), 1e-9);
+}
+
+TEST(ContactTerm, TellsPressureAndGapOfEveryNode) {
+  // One corner floats 0.7 mm above the slab, beyond the capture.
+  const std::vector<Vec3> nodes{
+      {0.0, 0.0, 0.0}, {0.0, 4.0, 0.7}, {4.0, 0.0, -0.2}, {9.0, 9.0, 9.0}};
+  ContactTerm term(nodes, kFace, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(1.0));
+  const std::vector<NodalContact> touched = term.at_nodes(nodes);
+  ASSERT_EQ(touched.size(), 3U);
+  const double depths_mm[] = {1.0, 0.3, 1.0};
+  const double gaps_mm[] = {-1.0, -0.3, -1.2};
+  for (std::size_t n = 0; n < 3; ++n) {
+    EXPECT_EQ(touched[n].node, std::int32_t(n));
+    EXPECT_NEAR(touched[n].pressure_mpa, 2.0 * kStiffness * depths_mm[n], 1e-6);
+    EXPECT_NEAR(touched[n].gap_mm, gaps_mm[n], 1e-6);
+  }
+  term.set_pose(lifted(-1.0));
+  EXPECT_EQ(term.at_nodes(nodes)[0].pressure_mpa, 0.0);
+}
+
+TEST(ContactTerm, RefusesAStateThatAPlateHasJumpedThrough) {
+  ContactTerm term(flat_face(0.0), kFace, plate(), {kStiffness, 0.5});
+  term.set_pose(lifted(0.8));
+  EXPECT_FALSE(term.why_refused(flat_face(0.0)));
+  term.set_pose(lifted(1.5));
+  const auto refusal = term.why_refused(flat_face(0.0));
+  ASSERT_TRUE(refusal);
+  EXPECT_NE(refusal->find("have tunnelled through the bone"), std::string::npos) << *refusal;
+}
+
+TEST(ContactTerm, CountsThePointsInContact) {
+  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 0);
+  term.set_pose(lifted(1.0));
+  EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 6);
 }
 
 }  // namespace

@@ -2,9 +2,13 @@
 #include <lefort/contact/penalty.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
+#include <lefort/mesh/boundary_faces.h>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -58,16 +62,21 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3>
     const std::array<Vec3, 3> x = corners(face, nodes_L);
     area_mm2_.push_back(0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm());
     std::array<double, kPoints>& rest = rest_gap_mm_.emplace_back();
-    for (std::size_t q = 0; q < kRule.size(); ++q) {
-      const Gap gap = measure_gap(obstacle_, interpolate(kRule[q].N, x), Derivatives::kFirst);
-      const bool touches =
-          gap.zone == field::Zone::kBand && std::abs(gap.gap_mm) <= options.capture_mm;
-      rest[q] = touches ? gap.gap_mm : std::min(gap.gap_mm, 0.0);
-    }
+    for (std::size_t q = 0; q < kRule.size(); ++q)
+      rest[q] = rest_gap_mm(interpolate(kRule[q].N, x), options.capture_mm);
   }
+  nodes_ = mesh::nodes_of_faces(faces_);
+  for (const std::int32_t node : nodes_)
+    node_rest_gap_mm_.push_back(rest_gap_mm(nodes_L[std::size_t(node)], options.capture_mm));
   last_sight_.resize(faces_.size());
   last_clearance_.resize(faces_.size());
   remember(nodes_L);
+}
+
+double ContactTerm::rest_gap_mm(const Vec3& rest_L, double capture_mm) const {
+  const Gap gap = measure_gap(obstacle_, rest_L, Derivatives::kFirst);
+  const bool touches = gap.zone == field::Zone::kBand && std::abs(gap.gap_mm) <= capture_mm;
+  return touches ? gap.gap_mm : std::min(gap.gap_mm, 0.0);
 }
 
 void ContactTerm::remember(std::span<const Vec3> x_L) {
@@ -89,6 +98,17 @@ void ContactTerm::remember(std::span<const Vec3> x_L) {
                                            gap.zone != field::Zone::kUnknown};
     }
   });
+}
+
+std::optional<std::string> ContactTerm::why_refused(std::span<const Vec3> x_L) const {
+  constexpr double kMostTunnelled = 0.02;  // Of the area in contact, in one increment.
+  const double tunnelled_mm2 = newly_tunnelled_area_mm2(x_L);
+  const double touching_mm2 = summarise(x_L).area_mm2;
+  if (tunnelled_mm2 <= kMostTunnelled * touching_mm2) return std::nullopt;
+  return fmt::format(
+      "{:.1f} of {:.1f} mm^2 of tissue in contact have tunnelled through "
+      "the bone in one increment",
+      tunnelled_mm2, touching_mm2);
 }
 
 double ContactTerm::rest_penetration_mm() const {
@@ -146,6 +166,7 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
       return false;
     if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
 
+    ++local.contacts;
     const double weight_mm2 = kRule[q].weight * area_mm2;
     const PenaltyResponse response =
         penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
@@ -197,6 +218,22 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
     summary.mean_depth_from_rest_mm /= summary.area_mm2;
   }
   return summary;
+}
+
+std::vector<NodalContact> ContactTerm::at_nodes(std::span<const Vec3> x_L) const {
+  std::vector<NodalContact> touched(nodes_.size());
+  parallel_for(Index(nodes_.size()), [&](Index n) {
+    const auto i = std::size_t(n);
+    const Gap gap = measure_gap(obstacle_, x_L[std::size_t(nodes_[i])], Derivatives::kFirst);
+    touched[i].node = nodes_[i];
+    touched[i].gap_mm =
+        gap.zone == field::Zone::kUnknown ? std::numeric_limits<double>::quiet_NaN() : gap.gap_mm;
+    if (gap.zone == field::Zone::kBand)
+      touched[i].pressure_mpa = penalty_response(node_rest_gap_mm_[i] - gap.gap_mm, gap.gradient_L,
+                                                 gap.hessian_L, stiffness_mpa_per_mm_)
+                                    .gradient_mpa.norm();
+  });
+  return touched;
 }
 
 }  // namespace lefort::contact

@@ -10,7 +10,10 @@
 #include <lefort/mesh/volume_mesh.h>
 
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lefort::contact {
@@ -31,6 +34,13 @@ struct ContactSummary {
   /// Of the tissue's surface at rest, what has crept through thin bone since then; a part counts
   /// each time it does.
   double tunnelled_area_mm2 = 0.0;
+};
+
+/// What contact does at one node of its faces.
+struct NodalContact {
+  std::int32_t node = 0;
+  double pressure_mpa = 0.0;  ///< By how much nearer it is than at rest.
+  double gap_mm = 0.0;        ///< Plus or minus the band beyond it; NaN where the field is torn.
 };
 
 /// Triangles of the tissue's inner surface against one bone.
@@ -79,11 +89,21 @@ class ContactTerm final : public fem::ForceTerm {
   /// remember() was last called [mm^2].
   [[nodiscard]] double newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const;
 
+  /// Why a converged state is not to be accepted: an obstacle that jumped through the body leaves it
+  /// in balance on the wrong side, and a smaller increment would not. Nothing if it is; what creeps
+  /// over a thin edge is told, but not refused, since no increment would be small enough.
+  /// \param x_L  current positions of all nodes [mm].
+  [[nodiscard]] std::optional<std::string> why_refused(std::span<const Vec3> x_L) const;
+
   /// How deep the mesh lies in the bone at rest, at most [mm]; 0 if nowhere.
   [[nodiscard]] double rest_penetration_mm() const;
 
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] ContactSummary summarise(std::span<const Vec3> x_L) const;
+
+  /// \param x_L  likewise.
+  /// \returns one entry per node of the faces, ascending.
+  [[nodiscard]] std::vector<NodalContact> at_nodes(std::span<const Vec3> x_L) const;
 
  private:
   /// Of the rule of degree 4 in \cite dunavant1985.
@@ -102,12 +122,15 @@ class ContactTerm final : public fem::ForceTerm {
     double clearance_mm = 0.0;
   };
 
+  [[nodiscard]] double rest_gap_mm(const Vec3& rest_L, double capture_mm) const;
   [[nodiscard]] bool is_out_of_reach(std::size_t face, std::span<const Vec3> corners_L) const;
   [[nodiscard]] bool has_tunnelled(const Sight& last, const Gap& gap) const;
 
   std::vector<mesh::Face3> faces_;
   std::vector<double> area_mm2_;                          ///< Of each face at rest.
   std::vector<std::array<double, kPoints>> rest_gap_mm_;  ///< Where penetration starts.
+  std::vector<std::int32_t> nodes_;                       ///< Of the faces, ascending.
+  std::vector<double> node_rest_gap_mm_;                  ///< Likewise where penetration starts.
   std::vector<std::array<Sight, kPoints>> last_sight_;
   std::vector<Clearance> last_clearance_;
   double tunnelled_area_mm2_ = 0.0;

@@ -4,6 +4,8 @@
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/reference_element.h>
 
+#include <Eigen/SVD>
+
 #include <algorithm>
 #include <limits>
 
@@ -23,13 +25,16 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
   LEFORT_CHECK(reference.has_value());
 
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  ElementState state{.min_volume_ratio = std::numeric_limits<double>::infinity()};
+  ElementState state{.min_volume_ratio = std::numeric_limits<double>::infinity(),
+                     .stretches = Vec3::Zero()};
   double volume_mm3 = 0.0;
   for (const ReferencePoint<Element>& point : *reference) {
     const Mat3 F = deformation_gradient<Element>(x, point);
     const double J = volume_ratio(F);
-    if (!(J > 0.0)) return {J, Mat3::Constant(kNan), kNan};
+    if (!(J > 0.0)) return {J, Mat3::Constant(kNan), Vec3::Constant(kNan), kNan};
     state.min_volume_ratio = std::min(state.min_volume_ratio, J);
+    // The singular values of F = R U are the eigenvalues of U, sorted (\cite bonet2008, 4.6.3).
+    state.stretches += point.volume_mm3 * Eigen::JacobiSVD<Mat3>(F).singularValues();
     std::visit(
         [&](const auto& law) {
           state.cauchy_mpa += point.volume_mm3 * cauchy_stress(law.stress(F), F);
@@ -39,6 +44,7 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
     volume_mm3 += point.volume_mm3;
   }
   state.cauchy_mpa /= volume_mm3;
+  state.stretches /= volume_mm3;
   state.energy_density_mpa /= volume_mm3;
   return state;
 }

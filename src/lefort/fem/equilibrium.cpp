@@ -18,7 +18,8 @@ class HeldBody final : public NonlinearSystem {
     return Balance{.energy_mj = forces->energy_mj,
                    .residual_n = assembler_.dofs().free_part(forces->residual_n),
                    .force_scale_n = forces->force_scale_n,
-                   .energy_round_off_mj = forces->energy_round_off_mj};
+                   .energy_round_off_mj = forces->energy_round_off_mj,
+                   .contacts = forces->contacts};
   }
 
   [[nodiscard]] SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
@@ -40,13 +41,18 @@ constexpr double kStandstill_mm = 1e-9;
 /// `moved`, the start with its boundary moved, with the free nodes following to first order:
 /// K_ff du_f = -r_f - K_fp du_p, everything at `start`. `moved` itself where that is no better.
 VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const VectorX& moved,
-                        LinearSolver& linear_solver) {
+                        LinearSolver& linear_solver, const NewtonOptions& options) {
   const DofMap& dofs = assembler.dofs();
+  enter(SolvePhase::kAssembly, options);
   const auto forces = assembler.forces(start);
   if (!forces) return moved;
   const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
-  if (linear_solver.factorise(assembler.tangent(start)) != Factorisation::kDone) return moved;
+  const SparseMatrix K = assembler.tangent(start);
+  enter(SolvePhase::kFactorisation, options);
+  if (linear_solver.factorise(K) != Factorisation::kDone) return moved;
+  enter(SolvePhase::kSolve, options);
   const std::optional<VectorX> du = linear_solver.solve(-dofs.free_part(unbalanced));
+  enter(SolvePhase::kAssembly, options);
   if (!du) return moved;
 
   VectorX followed = dofs.with_free_part(moved, dofs.free_part(start) + *du);
@@ -68,7 +74,7 @@ NewtonOutcome find_equilibrium(const Assembler& assembler,
   const bool stands_still =
       dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kStandstill_mm;
   const VectorX guess =
-      stands_still ? moved : follow_boundary(assembler, start, moved, linear_solver);
+      stands_still ? moved : follow_boundary(assembler, start, moved, linear_solver, options);
   const HeldBody body(assembler, guess);
   NewtonOutcome outcome =
       solve_newton(body, dofs.free_part(guess), linear_solver, options, progress);

@@ -80,13 +80,16 @@ SparseMatrix shifted(const SparseMatrix& K, double tau) {
 /// \returns what was factorised, or why nothing was.
 tl::expected<Model, NewtonStop> factorise(const NonlinearSystem& system, const VectorX& x,
                                           const Model& last, LinearSolver& solver,
-                                          const Progress& progress) {
+                                          const NewtonOptions& options, const Progress& progress) {
   const SparseMatrix exact = system.tangent(x, Tangent::kExact);
+  enter(SolvePhase::kFactorisation, options);
   Factorisation outcome = solver.factorise(exact);
   if (outcome == Factorisation::kDone) return Model{};
   if (outcome == Factorisation::kOutOfMemory) return tl::unexpected(NewtonStop::kOutOfMemory);
 
+  enter(SolvePhase::kAssembly, options);
   const SparseMatrix convex = system.tangent(x, Tangent::kConvex);
+  enter(SolvePhase::kFactorisation, options);
   const double share =
       last.reached_too_far ? last.convex_share * kShareGrowth : last.convex_share / kShareGrowth;
   Model model{.convex_share = std::clamp(share, kFirstShare, 1.0)};
@@ -203,7 +206,8 @@ NewtonIterate history_line(const Iterate& at, double step_length, const Model& m
           .energy_mj = at.balance.energy_mj,
           .step_length = step_length,
           .convex_share = model.convex_share,
-          .shift = model.shift};
+          .shift = model.shift,
+          .contacts = at.balance.contacts};
 }
 
 }  // namespace
@@ -231,9 +235,11 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
                            Progress& progress) {
   LEFORT_CHECK(validate(options).has_value());
   NewtonOutcome outcome;
+  enter(SolvePhase::kAssembly, options);
   std::optional<Iterate> first = iterate_at(system, start);
   if (!first) {
     outcome.x = std::move(start);
+    enter(SolvePhase::kNone, options);
     outcome.reason = "the start is inadmissible: an element is inside out or a force not finite";
     return outcome;
   }
@@ -248,18 +254,21 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
         fmt::format("{} after {} iterations: |r| is {:.3e} N, must be <= {:.3e} N", what,
                     outcome.iterations(), at.residual_n, tolerance_n(at, options));
     outcome.x = std::move(at.x);
+    enter(SolvePhase::kNone, options);
     return std::move(outcome);
   };
 
   while (!(at.residual_n <= tolerance_n(at, options))) {  // Written so that NaN is not converged.
     if (outcome.iterations() == options.max_iterations)
       return stop(NewtonStop::kTooManyIterations, "not converged");
-    const auto factorised = factorise(system, at.x, model, linear_solver, progress);
+    const auto factorised = factorise(system, at.x, model, linear_solver, options, progress);
     if (progress.stop_requested()) return stop(NewtonStop::kCancelled, "cancelled");
     if (!factorised) return stop(factorised.error(), why_not_factorised(factorised.error()));
     model = *factorised;
 
+    enter(SolvePhase::kSolve, options);
     const std::optional<VectorX> dx = linear_solver.solve(-at.balance.residual_n);
+    enter(SolvePhase::kAssembly, options);
     if (!dx) return stop(NewtonStop::kOutOfMemory, why_not_factorised(NewtonStop::kOutOfMemory));
     std::optional<Step> step = backtrack(system, at, *dx, options);
     if (!step) return stop(NewtonStop::kStagnated, "no step leads downhill");

@@ -9,6 +9,7 @@
 #include <lefort/fem/sparse_matrix.h>
 #include <lefort/fem/tangent.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ struct Balance {
   VectorX residual_n;                ///< r(x) = dW/dx [N], zero in equilibrium.
   double force_scale_n = 0.0;        ///< Size of the forces that cancel in r [N]; see Assembler.
   double energy_round_off_mj = 0.0;  ///< Differences of W below this say nothing [mJ].
+  Index contacts = 0;                ///< Points in contact, for the history.
 };
 
 /// r(x) = dW/dx = 0. x holds the free displacements [mm].
@@ -37,6 +39,9 @@ class NonlinearSystem {
   [[nodiscard]] virtual SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
 };
 
+/// What a solve spends its time on.
+enum class SolvePhase { kAssembly, kFactorisation, kSolve, kNone };
+
 struct NewtonOptions {
   double relative_tolerance = 1e-8;   ///< Converged when |r| <= this * force scale, >= 0 ...
   double absolute_tolerance_n = 0.0;  ///< ... or when |r| <= this [N], >= 0: a body at rest, whose
@@ -45,10 +50,17 @@ struct NewtonOptions {
   int max_backtracks = 20;            ///< How often one step may be shortened; >= 0.
   double sufficient_decrease = 1e-4;  ///< Armijo's constant, in (0, 0.5).
   int stagnation_iterations = 8;      ///< Stop when so many steps in a row make no headway; >= 1.
+  /// Told what comes next, from the calling thread: for who looks at the clock. May be empty.
+  std::function<void(SolvePhase)> on_phase{};
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
 [[nodiscard]] Result<void> validate(const NewtonOptions& options);
+
+/// Tells options.on_phase.
+inline void enter(SolvePhase phase, const NewtonOptions& options) {
+  if (options.on_phase) options.on_phase(phase);
+}
 
 enum class NewtonStop {
   kConverged,
@@ -69,6 +81,7 @@ struct NewtonIterate {
   double step_length = 0.0;   ///< Taken to come here, in Newton steps; 0 at the start.
   double convex_share = 0.0;  ///< Of the convex tangent in the one the step was taken by.
   double shift = 0.0;         ///< tau: tau times its diagonal was added to it.
+  Index contacts = 0;         ///< Points in contact here.
 };
 
 /// What came out, whether or not it converged.

@@ -18,6 +18,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -84,24 +85,17 @@ std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const std::vector<Vec3
   return x_L;
 }
 
-/// A bone that jumped through tissue leaves it in balance on the wrong side: such a state is
-/// refused, so that the stepper takes smaller increments. What creeps over a thin edge is not,
-/// since no increment would be small enough; it is told.
+/// A state that contact refuses makes the stepper take smaller increments.
 void accept_or_refuse(contact::ContactTerm& contact, const mesh::VolumeMesh& tissue,
                       fem::NewtonOutcome& outcome) {
-  constexpr double kMostTunnelled = 0.02;  // Of the area in contact, in one increment.
   const std::vector<Vec3> x_L = moved(tissue.nodes_L, as_vectors(outcome.x));
-  const double tunnelled_mm2 = contact.newly_tunnelled_area_mm2(x_L);
-  const double touching_mm2 = contact.summarise(x_L).area_mm2;
-  if (tunnelled_mm2 <= kMostTunnelled * touching_mm2) {
+  std::optional<std::string> refusal = contact.why_refused(x_L);
+  if (!refusal) {
     contact.remember(x_L);
     return;
   }
   outcome.stop = fem::NewtonStop::kRefused;
-  outcome.reason = fmt::format(
-      "{:.1f} of {:.1f} mm^2 of tissue in contact have tunnelled through "
-      "the bone in one increment",
-      tunnelled_mm2, touching_mm2);
+  outcome.reason = *std::move(refusal);
 }
 
 /// Least ratio of an element's volume to its volume at rest.
