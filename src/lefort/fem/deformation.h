@@ -24,6 +24,43 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
 /// J = det F, the ratio of volumes (eq. 4.37). An element with J <= 0 is inside out.
 [[nodiscard]] inline double volume_ratio(const Mat3& F) { return F.determinant(); }
 
+/// J - 1 from H = F - I, without subtracting nearly equal numbers: small changes keep their digits.
+[[nodiscard]] inline double volume_change(const Mat3& F) {
+  const Mat3 H = F - Mat3::Identity();
+  const double trace = H.trace();
+  const double second = 0.5 * (trace * trace - contract(H, H.transpose()));
+  return trace + second + H.determinant();
+}
+
+/// dJ/dF = J F^-T (eq. 4.68), for any F; it turns areas (Nanson).
+[[nodiscard]] inline Mat3 cofactor(const Mat3& F) {
+  Mat3 columns;
+  columns << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
+  return columns;
+}
+
+/// d2J/dF2, symmetric and linear in F.
+[[nodiscard]] inline Mat9 cofactor_tangent(const Mat3& F) {
+  Mat9 A = Mat9::Zero();
+  for (int K = 0; K < 3; ++K) {
+    // K, L, M in cyclic order: column K is F.col(L) x F.col(M), column M is F.col(K) x F.col(L).
+    const int L = (K + 1) % 3;
+    const int M = (K + 2) % 3;
+    Mat3 spin;  // v -> F.col(L) x v.
+    spin << 0.0, -F(2, L), F(1, L), F(2, L), 0.0, -F(0, L), -F(1, L), F(0, L), 0.0;
+    A.block<3, 3>(3 * M, 3 * K) = -spin;
+    A.block<3, 3>(3 * K, 3 * M) = spin;
+  }
+  return A;
+}
+
+/// A += factor B, where B : dF = F^-T dF^T F^-T, the change of -F^-T.
+inline void add_inverse_tangent(double factor, const Mat3& F_inv_T, Mat9& A) {
+  for (int K = 0; K < 3; ++K)
+    for (int k = 0; k < 3; ++k)
+      A.col(k + 3 * K).reshaped(3, 3) += factor * F_inv_T.col(K) * F_inv_T.row(k);
+}
+
 /// C = F^T F, the right Cauchy-Green tensor (eq. 4.15).
 [[nodiscard]] inline Mat3 right_cauchy_green(const Mat3& F) { return F.transpose() * F; }
 

@@ -17,6 +17,9 @@ class HeldBody final : public NonlinearSystem {
     if (!forces) return std::nullopt;
     return Balance{.energy_mj = forces->energy_mj,
                    .residual_n = assembler_.dofs().free_part(forces->residual_n),
+                   .follower_n = forces->follower_n.size() == 0
+                                     ? VectorX()
+                                     : assembler_.dofs().free_part(forces->follower_n),
                    .force_scale_n = forces->force_scale_n,
                    .energy_round_off_mj = forces->energy_round_off_mj,
                    .contacts = forces->contacts};
@@ -59,7 +62,9 @@ VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const 
   const auto after = assembler.forces(followed);
   if (!after) return moved;
   const auto boundary_alone = assembler.forces(moved);
-  return boundary_alone && boundary_alone->energy_mj < after->energy_mj ? moved : followed;
+  return boundary_alone && energy_change_mj(*boundary_alone, moved, *after, followed) > 0.0
+             ? moved
+             : followed;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/core/types.h>
+#include <lefort/fem/dof_map.h>
 #include <lefort/fem/tangent.h>
 
 #include <cstdint>
@@ -52,6 +53,11 @@ class ForceTerm {
   ///   anything that two items share.
   [[nodiscard]] virtual bool evaluate(Index item, std::span<const Vec3> x_L,
                                       LocalEquations& local) const = 0;
+
+  /// Whether the residual, summed over all items, is the gradient of the energy by the free
+  /// components. If not (a pressure that follows a surface with a free rim), it still is the force;
+  /// the energy is ignored, and the stiffness is the symmetric part of the residual's derivative.
+  [[nodiscard]] virtual bool is_conservative(const DofMap& /*dofs*/) const { return true; }
 };
 
 }  // namespace lefort::fem

@@ -7,8 +7,10 @@
 /// line in tests/fem/test_materials.cpp.
 #pragma once
 
+#include <lefort/fem/materials/isochoric_neo_hookean.h>
 #include <lefort/fem/materials/linear_elastic.h>
 #include <lefort/fem/materials/neo_hookean.h>
+#include <lefort/fem/materials/split.h>
 
 #include <cstdint>
 #include <map>
@@ -16,7 +18,8 @@
 
 namespace lefort::fem {
 
-using Material = std::variant<NeoHookean, LinearElastic>;
+using Material = std::variant<NeoHookean, LinearElastic,  //
+                              Split<IsochoricNeoHookean>>;
 
 /// What each region of a mesh (mesh::ElementBlock::region) is made of.
 using RegionMaterials = std::map<std::int32_t, Material>;

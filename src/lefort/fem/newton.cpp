@@ -38,15 +38,22 @@ struct Iterate {
   VectorX x;
   Balance balance;
   double residual_n = 0.0;
+  double energy_mj = 0.0;  ///< W, and minus the work of followers since the start.
 };
 
-std::optional<Iterate> iterate_at(const NonlinearSystem& system, VectorX x) {
+/// \param from  the state the step to x begins at; null at the start.
+std::optional<Iterate> iterate_at(const NonlinearSystem& system, VectorX x,
+                                  const Iterate* from = nullptr) {
   if (!x.allFinite()) return std::nullopt;
   std::optional<Balance> balance = system.balance(x);
   if (!balance) return std::nullopt;
   const double residual_n = balance->residual_n.norm();
-  if (!std::isfinite(residual_n) || !std::isfinite(balance->energy_mj)) return std::nullopt;
-  return Iterate{std::move(x), *std::move(balance), residual_n};
+  double energy_mj = balance->energy_mj;
+  if (from != nullptr && balance->follower_n.size() > 0)
+    energy_mj += from->energy_mj - from->balance.energy_mj +
+                 0.5 * (from->balance.follower_n + balance->follower_n).dot(x - from->x);
+  if (!std::isfinite(residual_n) || !std::isfinite(energy_mj)) return std::nullopt;
+  return Iterate{std::move(x), *std::move(balance), residual_n, energy_mj};
 }
 
 /// What a step was taken by.
@@ -112,7 +119,7 @@ tl::expected<Model, NewtonStop> factorise(const NonlinearSystem& system, const V
 /// \param expected_mj  the change of energy to first order, negative for a descent.
 bool acceptable(const Iterate& from, const Iterate& to, double expected_mj,
                 const NewtonOptions& options) {
-  const double change_mj = to.balance.energy_mj - from.balance.energy_mj;
+  const double change_mj = to.energy_mj - from.energy_mj;
   const double round_off_mj = from.balance.energy_round_off_mj + to.balance.energy_round_off_mj;
   if (-expected_mj > round_off_mj) return change_mj <= options.sufficient_decrease * expected_mj;
   return to.residual_n < from.residual_n;
@@ -130,7 +137,7 @@ std::optional<Step> backtrack(const NonlinearSystem& system, const Iterate& from
   const double slope_mj = from.balance.residual_n.dot(dx);
   double length = 1.0;
   for (int n = 0; n <= options.max_backtracks; ++n) {
-    std::optional<Iterate> to = iterate_at(system, from.x + length * dx);
+    std::optional<Iterate> to = iterate_at(system, from.x + length * dx, &from);
     if (to && acceptable(from, *to, length * slope_mj, options))
       return Step{*std::move(to), length};
     double factor = kShortenLeast;
@@ -156,8 +163,8 @@ Step lengthen(const NonlinearSystem& system, const Iterate& from, const VectorX&
             ? kLengthenMost
             : std::clamp(slope_mj / (slope_mj - slope_here_mj), kLengthenLeast, kLengthenMost);
     const double length = factor * step.length;
-    std::optional<Iterate> to = iterate_at(system, from.x + length * dx);
-    if (!to || to->balance.energy_mj >= step.to.balance.energy_mj ||
+    std::optional<Iterate> to = iterate_at(system, from.x + length * dx, &from);
+    if (!to || to->energy_mj >= step.to.energy_mj ||
         !acceptable(from, *to, length * slope_mj, options))
       break;
     step = {*std::move(to), length};
@@ -169,12 +176,12 @@ Step lengthen(const NonlinearSystem& system, const Iterate& from, const VectorX&
 class Headway {
  public:
   explicit Headway(const Iterate& start)
-      : first_energy_mj_(start.balance.energy_mj), best_residual_n_(start.residual_n) {}
+      : first_energy_mj_(start.energy_mj), best_residual_n_(start.residual_n) {}
 
   /// \returns how many steps in a row, this one included, made none.
   int steps_without(const Iterate& from, const Iterate& to, bool is_shifted) {
-    const double gain_mj = from.balance.energy_mj - to.balance.energy_mj;
-    const double gained_mj = first_energy_mj_ - from.balance.energy_mj;
+    const double gain_mj = from.energy_mj - to.energy_mj;
+    const double gained_mj = first_energy_mj_ - from.energy_mj;
     const double wanted_mj =
         std::max(kClearly * to.balance.energy_round_off_mj, is_shifted ? kPart * gained_mj : 0.0);
     const bool lower_residual = to.residual_n < kNotably * best_residual_n_;
@@ -203,7 +210,7 @@ const char* why_not_factorised(NewtonStop why) {
 NewtonIterate history_line(const Iterate& at, double step_length, const Model& model) {
   return {.residual_n = at.residual_n,
           .force_scale_n = at.balance.force_scale_n,
-          .energy_mj = at.balance.energy_mj,
+          .energy_mj = at.energy_mj,
           .step_length = step_length,
           .convex_share = model.convex_share,
           .shift = model.shift,

@@ -32,10 +32,8 @@ double NeoHookean::energy(const Mat3& F) const {
   // With H = F - I, I1 - 3 and J - 1 are formed without subtracting nearly equal numbers, so that
   // energies of small strains keep their digits.
   const Mat3 H = F - Mat3::Identity();
-  const double trace = H.trace();
-  const double second = 0.5 * (trace * trace - contract(H, H.transpose()));
-  const double log_J = std::log1p(trace + second + H.determinant());
-  const double I1_minus_3 = 2.0 * trace + H.squaredNorm();
+  const double log_J = std::log1p(volume_change(F));
+  const double I1_minus_3 = 2.0 * H.trace() + H.squaredNorm();
   return 0.5 * mu_mpa * (I1_minus_3 - 2.0 * log_J) + 0.5 * lambda_mpa * log_J * log_J;
 }
 
@@ -55,9 +53,7 @@ Mat9 NeoHookean::tangent(const Mat3& F) const {
   // dP = mu dF + (mu - lambda ln J) F^-T dF^T F^-T + lambda (F^-T : dF) F^-T.
   Mat9 A = lambda_mpa * g * g.transpose();
   const double from_inverse = mu_mpa - lambda_mpa * std::log(J);
-  for (int K = 0; K < 3; ++K)
-    for (int k = 0; k < 3; ++k)
-      A.col(k + 3 * K).reshaped(3, 3) += from_inverse * F_inv_T.col(K) * F_inv_T.row(k);
+  add_inverse_tangent(from_inverse, F_inv_T, A);
   A.diagonal().array() += mu_mpa;
   return A;
 }

@@ -1,0 +1,43 @@
+/// \file
+/// Laws in the isochoric part of F: its strain, and the way back to stress and tangent in F.
+///
+/// \cite bonet2008, "Distortional component of the deformation gradient" and section 6.5;
+/// \cite holzapfel2000, section 6.4.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/fem/deformation.h>
+
+namespace lefort::fem {
+
+/// F and F_iso = J^(-1/3) F, its change of shape alone: det F_iso = 1.
+struct IsochoricPart {
+  /// \pre det F > 0.
+  explicit IsochoricPart(const Mat3& F);
+
+  double scale = 1.0;  ///< J^(-1/3).
+  Mat3 F_iso;
+  Mat3 F_inv_T;
+};
+
+/// dPsi/dF for Psi = psi(F_iso), where P_iso = dpsi/dF_iso.
+[[nodiscard]] Mat3 isochoric_stress(const IsochoricPart& part, const Mat3& P_iso);
+
+/// d2Psi/dF2 likewise, where A_iso = dP_iso/dF_iso.
+[[nodiscard]] Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& P_iso,
+                                     const Mat9& A_iso);
+
+/// The change of shape in C, told by what is exactly zero where there is none:
+///   J^(-2/3) C = (1 + I1_minus_3 / 3) (I + D),   tr D = 0.
+/// None of the three comes from subtracting nearly equal numbers, so that each keeps its digits at
+/// any strain, however small.
+struct IsochoricStrain {
+  /// \pre det F > 0.
+  explicit IsochoricStrain(const Mat3& F);
+
+  Mat3 D;                   ///< dev C / (tr C / 3).
+  double I1_minus_3 = 0.0;  ///< J^(-2/3) I1 - 3, >= 0.
+  double I2_minus_3 = 0.0;  ///< J^(-4/3) I2 - 3, >= 0.
+};
+
+}  // namespace lefort::fem
