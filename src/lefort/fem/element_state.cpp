@@ -57,8 +57,7 @@ std::vector<ElementState> element_states(const mesh::VolumeMesh& mesh,
   std::vector<ElementState> states(std::size_t(mesh.element_count()));
   Index first = 0;
   for (const mesh::ElementBlock& block : mesh.blocks) {
-    const auto element = element_of(block.shape);
-    LEFORT_CHECK(element.has_value());
+    const AnyElement element = element_of(block.shape);
     parallel_for(block.element_count(), [&](Index e) {
       const auto material = materials.find(block.region[std::size_t(e)]);
       LEFORT_CHECK(material != materials.end());
@@ -66,7 +65,7 @@ std::vector<ElementState> element_states(const mesh::VolumeMesh& mesh,
           [&]<class Element>(const Element&) {
             return state_of<Element>(mesh, block.element(e), material->second, u);
           },
-          *element);
+          element);
     });
     first += block.element_count();
   }

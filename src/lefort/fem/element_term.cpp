@@ -57,6 +57,27 @@ Result<BlockMaterials> block_materials(const mesh::ElementBlock& block,
   return found;
 }
 
+/// Says which element of which block is at fault.
+tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
+                               Index e, Index first_number, const ElementFault& fault) {
+  const int count = mesh::node_count(block.shape);
+  std::vector<Vec3> X_L;
+  Vec3 at = Vec3::Zero();
+  for (int a = 0; a < count; ++a) {
+    X_L.push_back(mesh.nodes_L[std::size_t(block.element(e)[a])]);
+    at += X_L.back() / count;
+  }
+  const std::string which = fmt::format("element {} at ({:.3f}, {:.3f}, {:.3f}) mm",
+                                        first_number + e, at.x(), at.y(), at.z());
+  if (fault.node >= 0)
+    return fail(ErrorCode::kElementInverted,
+                fmt::format("{} is folded at its node {}, number {} of the mesh, its volume must "
+                            "be > 0 everywhere",
+                            which, fault.node, block.element(e)[fault.node]));
+  return fail(ErrorCode::kElementInverted,
+              fmt::format("{} is flat or inside out, its volume must be > 0", which));
+}
+
 template <class Element>
 Result<TermPtr> continuum_term(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
                                BlockMaterials materials, Index first_number) {
@@ -68,14 +89,7 @@ Result<TermPtr> continuum_term(const mesh::VolumeMesh& mesh, const mesh::Element
     for (int a = 0; a < Element::kNodes; ++a)
       X.col(a) = mesh.nodes_L[std::size_t(block.element(e)[a])];
     const auto reference = reference_element<Element>(X);
-    if (!reference) {
-      const Vec3 at = X.rowwise().mean();
-      return fail(
-          ErrorCode::kElementInverted,
-          fmt::format("element {} at ({:.3f}, {:.3f}, {:.3f}) mm is flat or inside out, its "
-                      "volume must be > 0",
-                      first_number + e, at.x(), at.y(), at.z()));
-    }
+    if (!reference) return fault_of(mesh, block, e, first_number, reference.error());
     points.push_back(*reference);
   }
   return std::make_unique<const ContinuumTerm<Element>>(
@@ -84,16 +98,11 @@ Result<TermPtr> continuum_term(const mesh::VolumeMesh& mesh, const mesh::Element
 
 Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
                               BlockMaterials materials, Index first_number) {
-  const auto element = element_of(block.shape);
-  if (!element)
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("element {} has {} nodes, the solver knows tetrahedra of 4 or 10",
-                            first_number, mesh::node_count(block.shape)));
   return std::visit(
       [&]<class Element>(const Element&) {
         return continuum_term<Element>(mesh, block, std::move(materials), first_number);
       },
-      *element);
+      element_of(block.shape));
 }
 
 }  // namespace

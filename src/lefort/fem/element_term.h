@@ -16,13 +16,14 @@ namespace lefort::fem {
 /// One term per non-empty block of `mesh`, total Lagrangian: gradients are taken once, in the
 /// reference configuration mesh.nodes_L.
 ///
-/// \param mesh       elements of the shapes in elements/.
+/// \param mesh       elements of any shapes; where blocks meet their faces should be the same.
 /// \param materials  one for every region that occurs.
 /// \returns the terms, which do not refer to `mesh` any more, or
-///   - kElementInverted  an element has no positive reference volume; number and place are told;
+///   - kElementInverted  an element has no positive reference volume at an integration point or a
+///     node; number and place are told;
 ///   - kMeshInvalid      a node number, coordinate or list length is wrong, or there is no element;
-///   - kInvalidArgument  a shape is not supported, a region has no material, or a constant of a
-///     material lies outside its range.
+///   - kInvalidArgument  a region has no material, or a constant of a material lies outside its
+///     range.
 /// \note An element's number counts through the blocks, from 0.
 [[nodiscard]] Result<std::vector<std::unique_ptr<const ForceTerm>>> make_element_terms(
     const mesh::VolumeMesh& mesh, const RegionMaterials& materials);

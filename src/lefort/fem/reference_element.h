@@ -5,9 +5,10 @@
 #include <lefort/core/types.h>
 #include <lefort/fem/elements/quadrature_point.h>
 
+#include <tl/expected.hpp>
+
 #include <algorithm>
 #include <array>
-#include <optional>
 
 namespace lefort::fem {
 
@@ -32,25 +33,53 @@ template <class Element, class Positions>
   return x * point.dN_dX.transpose();
 }
 
-/// \param X  reference positions of the nodes [mm].
-/// \returns gradients and volumes at the integration points; nothing if the volume at one of them
-///   is not positive, but for round-off.
+/// Why an element cannot be used: where its Jacobian, by which the volume grows, is not positive.
+struct ElementFault {
+  int node = -1;  ///< The local node where; -1 at an integration point: no volume there at all.
+};
+
+namespace internal {
+
+/// The gradients at the nodes of the reference element.
 template <class Element>
-[[nodiscard]] std::optional<ReferenceElement<Element>> reference_element(
+std::array<Eigen::Matrix<double, 3, Element::kNodes>, Element::kNodes> gradients_at_nodes() {
+  std::array<Eigen::Matrix<double, 3, Element::kNodes>, Element::kNodes> gradients;
+  for (int a = 0; a < Element::kNodes; ++a)
+    gradients[std::size_t(a)] = Element::gradients(Element::nodes().col(a));
+  return gradients;
+}
+
+}  // namespace internal
+
+/// The Jacobian must be positive, but for round-off, at the integration points and at the nodes,
+/// where the sides of a bad element fold first. (In between it may still not be: to know that of a
+/// curved element would need bounds on the whole polynomial.) At the apex of a pyramid it has no
+/// single value; those along its edges are the ones at the corners of the base.
+///
+/// \param X  reference positions of the nodes [mm].
+/// \returns gradients and volumes at the integration points, or the first fault found.
+template <class Element>
+[[nodiscard]] tl::expected<ReferenceElement<Element>, ElementFault> reference_element(
     const ElementNodes<Element>& X) {
   constexpr double kFlat = 1e-12;  // Least volume, as a share of the longest edge's cube.
   double longest = 0.0;
   for (int a = 1; a < Element::kNodes; ++a)
     longest = std::max(longest, (X.col(a) - X.col(0)).norm());
+  const double least = kFlat * longest * longest * longest;
 
-  const auto quadrature = Element::quadrature();
+  static const auto kQuadrature = Element::quadrature();
+  static const auto kAtNodes = internal::gradients_at_nodes<Element>();
   ReferenceElement<Element> points;
   for (std::size_t q = 0; q < points.size(); ++q) {
-    const Mat3 dX_dxi = X * quadrature[q].dN_dxi.transpose();
+    const Mat3 dX_dxi = X * kQuadrature[q].dN_dxi.transpose();
     const double jacobian = dX_dxi.determinant();
-    if (!(jacobian > kFlat * longest * longest * longest)) return std::nullopt;
-    points[q].dN_dX = dX_dxi.inverse().transpose() * quadrature[q].dN_dxi;
-    points[q].volume_mm3 = jacobian * quadrature[q].weight;
+    if (!(jacobian > least)) return tl::unexpected(ElementFault{});
+    points[q].dN_dX = dX_dxi.inverse().transpose() * kQuadrature[q].dN_dxi;
+    points[q].volume_mm3 = jacobian * kQuadrature[q].weight;
+  }
+  for (int a = 0; a < Element::kNodes; ++a) {
+    const Mat3 dX_dxi = X * kAtNodes[std::size_t(a)].transpose();
+    if (!(dX_dxi.determinant() > least)) return tl::unexpected(ElementFault{a});
   }
   return points;
 }

@@ -1,9 +1,15 @@
 /// \file
-/// The closed set of element shapes the solver knows.
+/// The closed set of element shapes the solver knows: all that a mesh can hold.
 #pragma once
 
+#include <lefort/core/check.h>
+#include <lefort/fem/elements/hex20.h>
+#include <lefort/fem/elements/hex8.h>
+#include <lefort/fem/elements/pyramid5.h>
 #include <lefort/fem/elements/tet10.h>
 #include <lefort/fem/elements/tet4.h>
+#include <lefort/fem/elements/wedge15.h>
+#include <lefort/fem/elements/wedge6.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <optional>
@@ -12,23 +18,24 @@
 namespace lefort::fem {
 
 /// To add a shape: its file beside this one, and its name here.
-using AnyElement = std::variant<Tet4, Tet10>;
+using AnyElement = std::variant<Tet4, Pyramid5, Wedge6, Hex8, Tet10, Wedge15, Hex20>;
 
 namespace internal {
 
-template <class... Elements>
-std::optional<std::variant<Elements...>> find_element(mesh::ElementShape shape,
-                                                      const std::variant<Elements...>& /*set*/) {
-  std::optional<std::variant<Elements...>> found;
-  ((Elements::kShape == shape ? void(found = Elements{}) : void()), ...);
-  return found;
+/// The alternative whose kShape that is.
+template <class... Shapes, class Kind>
+std::variant<Shapes...> find_shape(Kind shape, const std::variant<Shapes...>& /*set*/) {
+  std::optional<std::variant<Shapes...>> found;
+  ((Shapes::kShape == shape ? void(found = Shapes{}) : void()), ...);
+  LEFORT_CHECK(found.has_value());
+  return *found;
 }
 
 }  // namespace internal
 
-/// The element of that shape, for std::visit; nothing if the solver does not know it.
-[[nodiscard]] inline std::optional<AnyElement> element_of(mesh::ElementShape shape) {
-  return internal::find_element(shape, AnyElement{});
+/// The element of that shape, for std::visit.
+[[nodiscard]] inline AnyElement element_of(mesh::ElementShape shape) {
+  return internal::find_shape(shape, AnyElement{});
 }
 
 }  // namespace lefort::fem

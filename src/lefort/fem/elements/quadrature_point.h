@@ -1,18 +1,53 @@
 /// \file
 /// What an element shape tells about one of its integration points.
 ///
-/// A shape (tet4.h, tet10.h, ...) is an empty struct with kShape, kNodes, kPoints and quadrature();
-/// all_elements.h lists them.
+/// A shape (tet4.h, hex20.h, ... and those of ../faces) is an empty struct with
+///
+///     kShape, kNodes, kPoints
+///     nodes()         reference coordinates of its nodes, column by column
+///     functions(xi)   values of its shape functions at xi
+///     gradients(xi)   their gradients at xi
+///     quadrature()    its kPoints points for the strain energy, or for loads on a face
+///
+/// all_elements.h and all_faces.h list them. fine_quadrature.h has more points, for error norms.
 #pragma once
 
-#include <Eigen/Core>
+#include <lefort/core/types.h>
+
+#include <array>
+#include <cstddef>
 
 namespace lefort::fem {
 
-template <int kNodes>
-struct QuadraturePoint {
-  double weight = 0.0;                      ///< Share of the reference element's volume.
-  Eigen::Matrix<double, 3, kNodes> dN_dxi;  ///< Column a: gradient of N_a in reference coordinates.
+/// A point of a quadrature rule on a reference element of kDim dimensions.
+template <int kDim>
+struct RulePoint {
+  Eigen::Matrix<double, kDim, 1> xi;
+  double weight = 0.0;  ///< Share of the reference element's length, area or volume.
 };
+
+template <int kDim, std::size_t kCount>
+using Rule = std::array<RulePoint<kDim>, kCount>;
+
+/// A point of a rule, with the shape functions there.
+template <int kNodes, int kDim = 3>
+struct QuadraturePoint {
+  double weight = 0.0;                 ///< Share of the reference element's volume or area.
+  Eigen::Matrix<double, kNodes, 1> N;  ///< Value of each shape function.
+  Eigen::Matrix<double, kDim, kNodes>
+      dN_dxi;  ///< Column a: gradient of N_a in reference coordinates.
+};
+
+/// `rule` with the functions and gradients of `Shape` at each point.
+template <class Shape, int kDim, std::size_t kCount>
+[[nodiscard]] std::array<QuadraturePoint<Shape::kNodes, kDim>, kCount> at_points(
+    const Rule<kDim, kCount>& rule) {
+  std::array<QuadraturePoint<Shape::kNodes, kDim>, kCount> points;
+  for (std::size_t q = 0; q < kCount; ++q)
+    points[q] = {.weight = rule[q].weight,
+                 .N = Shape::functions(rule[q].xi),
+                 .dN_dxi = Shape::gradients(rule[q].xi)};
+  return points;
+}
 
 }  // namespace lefort::fem

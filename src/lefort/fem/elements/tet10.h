@@ -8,7 +8,6 @@
 #include <lefort/fem/elements/quadrature_point.h>
 #include <lefort/mesh/volume_mesh.h>
 
-#include <array>
 #include <cmath>
 
 namespace lefort::fem {
@@ -21,8 +20,27 @@ struct Tet10 {
   static constexpr std::array<std::array<int, 2>, 6> kEdges{
       {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
 
-  /// Gradients of the ten functions where the four corner functions have the values L.
-  [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> gradients(const Eigen::Vector4d& L) {
+  [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> nodes() {
+    Eigen::Matrix<double, 3, kNodes> xi;
+    xi << 0, 1, 0, 0, .5, .5, 0, 0, .5, 0,  //
+        0, 0, 1, 0, 0, .5, .5, 0, 0, .5,    //
+        0, 0, 0, 1, 0, 0, 0, .5, .5, .5;
+    return xi;
+  }
+
+  /// Where the four corner functions have the values L.
+  [[nodiscard]] static Eigen::Matrix<double, kNodes, 1> functions_at(const Eigen::Vector4d& L) {
+    Eigen::Matrix<double, kNodes, 1> N;
+    for (int a = 0; a < 4; ++a) N[a] = L[a] * (2.0 * L[a] - 1.0);
+    for (int e = 0; e < 6; ++e) {
+      const auto [i, j] = kEdges[std::size_t(e)];
+      N[4 + e] = 4.0 * L[i] * L[j];
+    }
+    return N;
+  }
+
+  /// Likewise.
+  [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> gradients_at(const Eigen::Vector4d& L) {
     Eigen::Matrix<double, 3, 4> dL;
     dL << -1, 1, 0, 0,  //
         -1, 0, 1, 0,    //
@@ -36,7 +54,16 @@ struct Tet10 {
     return dN;
   }
 
-  /// Four points, exact for quadratic polynomials \cite hammer1956.
+  [[nodiscard]] static Eigen::Matrix<double, kNodes, 1> functions(const Vec3& xi) {
+    return functions_at({1.0 - xi.sum(), xi[0], xi[1], xi[2]});
+  }
+
+  [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> gradients(const Vec3& xi) {
+    return gradients_at({1.0 - xi.sum(), xi[0], xi[1], xi[2]});
+  }
+
+  /// Four points, exact for quadratic polynomials (\cite hammer1956), so for the stiffness of
+  /// elements with straight edges.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
     const double far = (5.0 - std::sqrt(5.0)) / 20.0;
     const double near = (5.0 + 3.0 * std::sqrt(5.0)) / 20.0;
@@ -44,7 +71,8 @@ struct Tet10 {
     for (int q = 0; q < kPoints; ++q) {
       Eigen::Vector4d L = Eigen::Vector4d::Constant(far);
       L[q] = near;
-      points[std::size_t(q)] = {.weight = 1.0 / 24.0, .dN_dxi = gradients(L)};
+      points[std::size_t(q)] = {
+          .weight = 1.0 / 24.0, .N = functions_at(L), .dN_dxi = gradients_at(L)};
     }
     return points;
   }

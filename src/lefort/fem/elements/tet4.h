@@ -13,8 +13,6 @@
 #include <lefort/fem/elements/quadrature_point.h>
 #include <lefort/mesh/volume_mesh.h>
 
-#include <array>
-
 namespace lefort::fem {
 
 /// N0 = 1 - xi - eta - zeta, N1 = xi, N2 = eta, N3 = zeta. Locks for nearly incompressible laws.
@@ -23,15 +21,29 @@ struct Tet4 {
   static constexpr int kNodes = 4;
   static constexpr int kPoints = 1;
 
+  [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> nodes() {
+    Eigen::Matrix<double, 3, kNodes> xi;
+    xi << 0, 1, 0, 0,  //
+        0, 0, 1, 0,    //
+        0, 0, 0, 1;
+    return xi;
+  }
+
+  [[nodiscard]] static Eigen::Matrix<double, kNodes, 1> functions(const Vec3& xi) {
+    return {1.0 - xi.sum(), xi[0], xi[1], xi[2]};
+  }
+
+  [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> gradients(const Vec3& /*xi*/) {
+    Eigen::Matrix<double, 3, kNodes> dN;
+    dN << -1, 1, 0, 0,  //
+        -1, 0, 1, 0,    //
+        -1, 0, 0, 1;
+    return dN;
+  }
+
   /// One point, the centroid: exact, for the gradients are constant.
   [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
-    QuadraturePoint<kNodes> centroid;
-    centroid.weight = 1.0 / 6.0;
-    // Columns: nodes; rows: d/dxi, d/deta, d/dzeta.
-    centroid.dN_dxi << -1, 1, 0, 0,  //
-        -1, 0, 1, 0,                 //
-        -1, 0, 0, 1;
-    return {centroid};
+    return at_points<Tet4>(Rule<3, kPoints>{{{Vec3::Constant(0.25), 1.0 / 6.0}}});
   }
 };
 

@@ -1,0 +1,83 @@
+/// \file
+/// The pyramid with five nodes: between hexahedra and tetrahedra.
+///
+///            4              Reference coordinates |xi|, |eta| <= 1 - zeta, zeta from 0 to 1:
+///          .'|`.              node 0 (-1,-1,0)   node 1 ( 1,-1,0)
+///        .'  |  `.            node 2 ( 1, 1,0)   node 3 (-1, 1,0)
+///       3----|----2           node 4 ( 0, 0,1)
+///      /     |   /          As VTK_PYRAMID: seen from node 4, nodes 0, 1, 2, 3 turn
+///     0---------1           counter-clockwise.
+#pragma once
+
+#include <lefort/fem/elements/quadrature_point.h>
+#include <lefort/fem/elements/quadrature_rules.h>
+#include <lefort/mesh/volume_mesh.h>
+
+namespace lefort::fem {
+
+/// Bedrosian's rational functions \cite bedrosian1992. With a = xi / (1 - zeta) and
+/// b = eta / (1 - zeta): N_i = (1 - zeta) (1 + xi_i a) (1 + eta_i b) / 4 for the base, N_4 = zeta.
+///
+/// Bilinear on the base and linear on the triangles, so that all faces fit those of hexahedra,
+/// wedges and tetrahedra; and as functions of position the same as those of a hexahedron whose
+/// upper nodes are one. Gradients depend on (a, b) alone: all is constant along each ray from the
+/// apex. There they have no single value; gradients() gives that of the axis.
+struct Pyramid5 {
+  static constexpr mesh::ElementShape kShape = mesh::ElementShape::kPyramid5;
+  static constexpr int kNodes = 5;
+  static constexpr int kPoints = 4;
+
+  [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> nodes() {
+    Eigen::Matrix<double, 3, kNodes> xi;
+    xi << -1, 1, 1, -1, 0,  //
+        -1, -1, 1, 1, 0,    //
+        0, 0, 0, 0, 1;
+    return xi;
+  }
+
+  [[nodiscard]] static Eigen::Matrix<double, kNodes, 1> functions(const Vec3& xi) {
+    const Eigen::Matrix<double, 3, kNodes> at = nodes();
+    const auto [a, b] = ray(xi);
+    Eigen::Matrix<double, kNodes, 1> N;
+    for (int i = 0; i < 4; ++i)
+      N[i] = (1.0 - xi[2]) * (1.0 + at(0, i) * a) * (1.0 + at(1, i) * b) / 4.0;
+    N[4] = xi[2];
+    return N;
+  }
+
+  [[nodiscard]] static Eigen::Matrix<double, 3, kNodes> gradients(const Vec3& xi) {
+    const Eigen::Matrix<double, 3, kNodes> at = nodes();
+    const auto [a, b] = ray(xi);
+    Eigen::Matrix<double, 3, kNodes> dN;
+    for (int i = 0; i < 4; ++i) {
+      const double s = at(0, i);
+      const double t = at(1, i);
+      dN.col(i) = Vec3(s * (1.0 + t * b), t * (1.0 + s * a), s * t * a * b - 1.0) / 4.0;
+    }
+    dN.col(4) = Vec3::UnitZ();
+    return dN;
+  }
+
+  /// 2 x 2 over the rays, each with one point at the height of the centroid: exact along the rays
+  /// for any law and shape, for the stiffness of affine images, and for the volume of all.
+  [[nodiscard]] static std::array<QuadraturePoint<kNodes>, kPoints> quadrature() {
+    constexpr double kHeight = 0.25;
+    Rule<3, kPoints> rule;
+    const Rule<2, 4> base = product(gauss_2(), gauss_2());
+    for (std::size_t q = 0; q < base.size(); ++q) {
+      const Eigen::Vector2d at_height = (1.0 - kHeight) * base[q].xi;
+      rule[q] = {Vec3(at_height[0], at_height[1], kHeight), base[q].weight / 3.0};
+    }
+    return at_points<Pyramid5>(rule);
+  }
+
+ private:
+  /// The ray from the apex through xi: a and b; the axis for the apex itself.
+  static std::array<double, 2> ray(const Vec3& xi) {
+    const double width = 1.0 - xi[2];
+    if (width == 0.0) return {0.0, 0.0};
+    return {xi[0] / width, xi[1] / width};
+  }
+};
+
+}  // namespace lefort::fem
