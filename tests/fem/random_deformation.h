@@ -4,6 +4,7 @@
 
 #include <lefort/core/types.h>
 
+#include <cmath>
 #include <random>
 
 namespace lefort::test {
@@ -23,6 +24,33 @@ class RandomDeformation {
     return Eigen::Quaterniond(number(), number(), number(), number())
         .normalized()
         .toRotationMatrix();
+  }
+
+  /// Ten to the power of a number between `from` and `to`.
+  double decade(double from, double to) {
+    return std::pow(10.0, from + 0.5 * (number() + 1.0) * (to - from));
+  }
+
+  /// From 1/2 to 2.
+  double stretch() { return std::exp2(number()); }
+
+  /// Kinds that are each hard on some law, in turn: three unlike stretches, turned; next to nothing;
+  /// stretches that differ by next to nothing; two or three alike, along the axes.
+  Mat3 kind(int n) {
+    const double s = stretch();
+    switch (n % 4) {
+      case 0:
+        return rotation() * Vec3(s, stretch(), stretch()).asDiagonal() * rotation();
+      case 1:
+        return Mat3::Identity() + decade(-9.0, -1.0) * matrix();
+      case 2:
+        return rotation() *
+               Vec3(s, s * (1.0 + decade(-17.0, -2.0)), s * (1.0 - decade(-17.0, -2.0)))
+                   .asDiagonal() *
+               rotation();
+      default:
+        return Vec3(s, s, n % 8 < 4 ? s : stretch()).asDiagonal();
+    }
   }
 
   /// I + up to 0.6 per entry, turned; 0.2 <= det <= 5, so that differences stay accurate.

@@ -54,11 +54,21 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
   return A;
 }
 
-/// A += factor B, where B : dF = F^-T dF^T F^-T, the change of -F^-T.
-inline void add_inverse_tangent(double factor, const Mat3& F_inv_T, Mat9& A) {
+/// The maps that tangents are sums of. A += [dF -> B dF].
+inline void add_left_product(const Mat3& B, Mat9& A) {
+  for (int K = 0; K < 3; ++K) A.block<3, 3>(3 * K, 3 * K) += B;
+}
+
+/// A += [dF -> dF S], S symmetric.
+inline void add_right_product(const Mat3& S, Mat9& A) {
   for (int K = 0; K < 3; ++K)
-    for (int k = 0; k < 3; ++k)
-      A.col(k + 3 * K).reshaped(3, 3) += factor * F_inv_T.col(K) * F_inv_T.row(k);
+    for (int J = 0; J < 3; ++J) A.block<3, 3>(3 * J, 3 * K).diagonal().array() += S(J, K);
+}
+
+/// A += [dF -> factor M dF^T M]. For M = F^-T that is how -factor F^-T changes.
+inline void add_transposed_product(double factor, const Mat3& M, Mat9& A) {
+  for (int K = 0; K < 3; ++K)
+    for (int k = 0; k < 3; ++k) A.col(k + 3 * K).reshaped(3, 3) += factor * M.col(K) * M.row(k);
 }
 
 /// C = F^T F, the right Cauchy-Green tensor (eq. 4.15).

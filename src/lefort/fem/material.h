@@ -3,14 +3,20 @@
 ///
 /// A law is a value with three pure functions of F = dx/dX: energy(F) [MPa = mJ/mm^3], its gradient
 /// stress(F) (first Piola-Kirchhoff) [MPa], and that one's gradient tangent(F) [MPa]; validate()
-/// looks at its constants. To add a law: one file in materials/, its name in the variant below, one
-/// line in tests/fem/test_materials.cpp.
+/// looks at its constants. To add a law: one file in materials/, its name in the variant below, and
+/// in tests/fem/ its textbook energy (textbook_energy.h) and an example (material_examples.h).
 #pragma once
 
+#include <lefort/fem/materials/fung_orthotropic.h>
+#include <lefort/fem/materials/holzapfel_gasser_ogden.h>
 #include <lefort/fem/materials/isochoric_neo_hookean.h>
 #include <lefort/fem/materials/linear_elastic.h>
+#include <lefort/fem/materials/mooney_rivlin.h>
 #include <lefort/fem/materials/neo_hookean.h>
+#include <lefort/fem/materials/ogden.h>
 #include <lefort/fem/materials/split.h>
+#include <lefort/fem/materials/st_venant_kirchhoff.h>
+#include <lefort/fem/materials/yeoh.h>
 
 #include <cstdint>
 #include <map>
@@ -18,8 +24,9 @@
 
 namespace lefort::fem {
 
-using Material = std::variant<NeoHookean, LinearElastic,  //
-                              Split<IsochoricNeoHookean>>;
+using Material = std::variant<NeoHookean, LinearElastic, StVenantKirchhoff,  //
+                              Split<IsochoricNeoHookean>, Split<MooneyRivlin>, Split<Yeoh>,
+                              Split<Ogden>, Split<FungOrthotropic>, Split<HolzapfelGasserOgden>>;
 
 /// What each region of a mesh (mesh::ElementBlock::region) is made of.
 using RegionMaterials = std::map<std::int32_t, Material>;

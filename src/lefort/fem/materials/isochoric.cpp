@@ -35,7 +35,7 @@ Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& P_iso, const Mat9&
   const Vec9 u = (0.5 * (fAf + third / 3.0)) * g - part.scale * (Af + flatten(P_iso) / 3.0);
   Mat9 A = (part.scale * part.scale) * A_iso;
   A += u * g.transpose() + g * u.transpose();
-  add_inverse_tangent(third, part.F_inv_T, A);
+  add_transposed_product(third, part.F_inv_T, A);
   return A;
 }
 

@@ -35,6 +35,12 @@ struct IsochoricStrain {
   /// \pre det F > 0.
   explicit IsochoricStrain(const Mat3& F);
 
+  /// J^(-2/3) C - I, twice the Green strain of F_iso.
+  [[nodiscard]] Mat3 twice_strain() const {
+    const double third = I1_minus_3 / 3.0;
+    return third * Mat3::Identity() + (1.0 + third) * D;
+  }
+
   Mat3 D;                   ///< dev C / (tr C / 3).
   double I1_minus_3 = 0.0;  ///< J^(-2/3) I1 - 3, >= 0.
   double I2_minus_3 = 0.0;  ///< J^(-4/3) I2 - 3, >= 0.

@@ -1,17 +1,11 @@
+#include <lefort/fem/materials/constants.h>
 #include <lefort/fem/materials/isochoric.h>
 #include <lefort/fem/materials/isochoric_neo_hookean.h>
-
-#include <fmt/format.h>
-
-#include <cmath>
 
 namespace lefort::fem {
 
 Result<void> IsochoricNeoHookean::validate() const {
-  if (!(mu_mpa > 0.0) || !std::isfinite(mu_mpa))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("isochoric neo-hookean: mu is {} MPa, must be > 0", mu_mpa));
-  return {};
+  return check_positive("isochoric neo-hookean", "mu", mu_mpa);
 }
 
 double IsochoricNeoHookean::energy(const Mat3& F) const {

@@ -1,8 +1,5 @@
+#include <lefort/fem/materials/constants.h>
 #include <lefort/fem/materials/linear_elastic.h>
-
-#include <fmt/format.h>
-
-#include <cmath>
 
 namespace lefort::fem {
 namespace {
@@ -13,27 +10,13 @@ Mat3 small_strain(const Mat3& F) { return 0.5 * (F + F.transpose()) - Mat3::Iden
 }  // namespace
 
 Result<LinearElastic> LinearElastic::from_young_poisson(double young_mpa, double poisson) {
-  if (!(young_mpa > 0.0) || !std::isfinite(young_mpa))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("linear elastic: young's modulus is {} MPa, must be > 0", young_mpa));
-  if (!(poisson > -1.0 && poisson < 0.5))
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("linear elastic: poisson's ratio is {}, must be in (-1, 0.5)", poisson));
-  return LinearElastic{
-      .mu_mpa = young_mpa / (2.0 * (1.0 + poisson)),
-      .lambda_mpa = young_mpa * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))};
+  LEFORT_TRY(const LameConstants lame,
+             LameConstants::from_young_poisson("linear elastic", young_mpa, poisson));
+  return LinearElastic{.mu_mpa = lame.mu_mpa, .lambda_mpa = lame.lambda_mpa};
 }
 
 Result<void> LinearElastic::validate() const {
-  if (!(mu_mpa > 0.0) || !std::isfinite(mu_mpa))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("linear elastic: mu is {} MPa, must be > 0", mu_mpa));
-  if (!(lambda_mpa > -2.0 / 3.0 * mu_mpa) || !std::isfinite(lambda_mpa))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("linear elastic: lambda is {} MPa, must be > -2/3 mu = {} MPa",
-                            lambda_mpa, -2.0 / 3.0 * mu_mpa));
-  return {};
+  return LameConstants{mu_mpa, lambda_mpa}.validate("linear elastic");
 }
 
 double LinearElastic::energy(const Mat3& F) const {

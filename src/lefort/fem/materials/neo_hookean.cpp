@@ -1,4 +1,5 @@
 #include <lefort/core/check.h>
+#include <lefort/fem/materials/constants.h>
 #include <lefort/fem/materials/neo_hookean.h>
 
 #include <fmt/format.h>
@@ -8,24 +9,17 @@
 namespace lefort::fem {
 
 Result<NeoHookean> NeoHookean::from_young_poisson(double young_mpa, double poisson) {
-  if (!(young_mpa > 0.0) || !std::isfinite(young_mpa))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("neo-hookean: young's modulus is {} MPa, must be > 0", young_mpa));
-  if (!(poisson >= 0.0 && poisson < 0.5))
+  if (!(poisson >= 0.0))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("neo-hookean: poisson's ratio is {}, must be in [0, 0.5)", poisson));
-  return NeoHookean{.mu_mpa = young_mpa / (2.0 * (1.0 + poisson)),
-                    .lambda_mpa = young_mpa * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))};
+  LEFORT_TRY(const LameConstants lame,
+             LameConstants::from_young_poisson("neo-hookean", young_mpa, poisson));
+  return NeoHookean{.mu_mpa = lame.mu_mpa, .lambda_mpa = lame.lambda_mpa};
 }
 
 Result<void> NeoHookean::validate() const {
-  if (!(mu_mpa > 0.0) || !std::isfinite(mu_mpa))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("neo-hookean: mu is {} MPa, must be > 0", mu_mpa));
-  if (!(lambda_mpa >= 0.0) || !std::isfinite(lambda_mpa))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("neo-hookean: lambda is {} MPa, must be >= 0", lambda_mpa));
-  return {};
+  LEFORT_TRY_VOID(check_positive("neo-hookean", "mu", mu_mpa));
+  return check_not_negative("neo-hookean", "lambda", lambda_mpa);
 }
 
 double NeoHookean::energy(const Mat3& F) const {
@@ -53,7 +47,7 @@ Mat9 NeoHookean::tangent(const Mat3& F) const {
   // dP = mu dF + (mu - lambda ln J) F^-T dF^T F^-T + lambda (F^-T : dF) F^-T.
   Mat9 A = lambda_mpa * g * g.transpose();
   const double from_inverse = mu_mpa - lambda_mpa * std::log(J);
-  add_inverse_tangent(from_inverse, F_inv_T, A);
+  add_transposed_product(from_inverse, F_inv_T, A);
   A.diagonal().array() += mu_mpa;
   return A;
 }

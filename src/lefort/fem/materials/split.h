@@ -19,8 +19,8 @@ namespace lefort::fem {
 /// \tparam Shear  an isochoric law: energy(F), stress(F), tangent(F), validate().
 template <class Shear>
 struct Split {
-  Shear shear;
-  Volumetric volume;
+  Shear shear = {};
+  Volumetric volume = {};
 
   /// \returns kInvalidArgument if a constant of either part lies outside its range.
   [[nodiscard]] Result<void> validate() const {

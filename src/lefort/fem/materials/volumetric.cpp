@@ -1,7 +1,6 @@
 #include <lefort/core/check.h>
+#include <lefort/fem/materials/constants.h>
 #include <lefort/fem/materials/volumetric.h>
-
-#include <fmt/format.h>
 
 #include <cmath>
 
@@ -23,10 +22,7 @@ double minus_log1p(double x) {
 }  // namespace
 
 Result<void> Volumetric::validate() const {
-  if (!(kappa_mpa > 0.0) || !std::isfinite(kappa_mpa))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("volumetric: kappa is {} MPa, must be > 0", kappa_mpa));
-  return {};
+  return check_positive("volumetric", "kappa", kappa_mpa);
 }
 
 double Volumetric::energy_of_change(double change) const {
