@@ -1,7 +1,7 @@
 /// \file
 /// Smoothed aggregation multigrid for elasticity, as a preconditioner.
 ///
-/// \cite vanek1996: nodes are grouped into aggregates; what a body barely resists, its rigid
+/// After \cite vanek1996 nodes are grouped into aggregates; what a body barely resists, its rigid
 /// motions, spans the coarse space on each; one step of Jacobi's method smooths that; and the
 /// equations there, six unknowns an aggregate, are treated likewise until they are few.
 #pragma once

@@ -228,8 +228,8 @@ double reciprocal_condition(const CholeskyPlan& plan, const double* factor) {
   return most > 0.0 ? (least / most) * (least / most) : 1.0;
 }
 
-/// One run of the triangular solves. `x` holds the rows of each front: what is known of its own, and
-/// below them what is to be handed to, or was received from, its parent.
+/// One run of the triangular solves. `x` holds the rows of each front: what is known of its own,
+/// and below them what is to be handed to, or was received from, its parent.
 class Substitution {
  public:
   Substitution(const CholeskyPlan& plan, const double* factor, const TileKernels& kernels,
