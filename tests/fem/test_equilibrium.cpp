@@ -287,5 +287,28 @@ TEST(Equilibrium, ABucklingBlockIsCarriedOverItsIndefiniteTangent) {
   EXPECT_EQ(solver.factorise(body.assembler.tangent(outcome.x)), Factorisation::kDone);
 }
 
+TEST(Equilibrium, EveryLinearSolverLeadsThereAsFast) {
+  auto mesh = box_mesh({.cells = {10, 10, 10}});
+  auto conditions =
+      joined({fix(mesh.node_sets.at("x0")), prescribe_component(mesh.node_sets.at("x1"), 0, -0.2),
+              prescribe_component(mesh.node_sets.at("x1"), 1, 0.1),
+              prescribe_component(mesh.node_sets.at("x1"), 2, 0.0)});
+  const Body body(std::move(mesh), {{0, kLaw}}, std::move(conditions));
+  const auto solved_by = [&](LinearSolverKind kind) {
+    LinearSolver solver({.kind = kind});
+    auto outcome = find_equilibrium(body.assembler, body.prescribed, body.at_rest(), solver);
+    EXPECT_EQ(solver.kind(), kind);
+    return outcome;
+  };
+  const auto direct = solved_by(LinearSolverKind::kDirect);
+  ASSERT_TRUE(direct.converged()) << direct.reason;
+  for (const auto kind : {LinearSolverKind::kLagged, LinearSolverKind::kMultigrid}) {
+    const auto outcome = solved_by(kind);
+    ASSERT_TRUE(outcome.converged()) << outcome.reason;
+    EXPECT_LE(outcome.iterations(), direct.iterations() + 2);
+    EXPECT_LT((outcome.x - direct.x).lpNorm<Eigen::Infinity>(), 1e-7);
+  }
+}
+
 }  // namespace
 }  // namespace lefort::fem

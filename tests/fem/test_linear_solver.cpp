@@ -8,28 +8,18 @@
 #include <utility>
 
 #include "fem/little_memory.h"
-#include "fem/random_deformation.h"
+#include "fem/sparse_examples.h"
 
 namespace lefort::fem {
 namespace {
 
 constexpr Index kSize = 60;
 
-/// Symmetric positive definite with about 15 % of its entries.
 Eigen::MatrixXd example(unsigned seed) {
-  test::RandomDeformation random(seed);
-  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(kSize, kSize);
-  for (Index i = 0; i < kSize; ++i)
-    for (Index j = 0; j < kSize; ++j)
-      if (std::abs(random.number()) < 0.04) B(i, j) = random.number();
-  return B * B.transpose() + 0.1 * Eigen::MatrixXd::Identity(kSize, kSize);
+  return test::random_positive_definite(kSize, 0.04, 0.1, seed);
 }
 
-SparseMatrix lower(const Eigen::MatrixXd& A) {
-  SparseMatrix L = Eigen::MatrixXd(A.triangularView<Eigen::Lower>()).sparseView();
-  L.makeCompressed();
-  return L;
-}
+SparseMatrix lower(const Eigen::MatrixXd& A) { return test::lower_triangle(A); }
 
 VectorX right_side() { return VectorX::LinSpaced(kSize, -1.0, 2.0); }
 
@@ -37,7 +27,7 @@ TEST(LinearSolver, SolvesLikeADenseFactorisation) {
   const Eigen::MatrixXd A = example(1);
   LinearSolver solver;
   ASSERT_EQ(solver.factorise(lower(A)), Factorisation::kDone);
-  EXPECT_GT(solver.factor_entries(), double(kSize));
+  EXPECT_GT(solver.statistics().factor_entries, double(kSize));
   const VectorX x = A.llt().solve(right_side());
   EXPECT_LT((*solver.solve(right_side()) - x).norm(), 1e-11 * x.norm());
 }
@@ -85,32 +75,153 @@ TEST(LinearSolver, RefusesNaN) {
 
 TEST(LinearSolver, AWrongCallIsABug) {
   LinearSolver solver;
-  EXPECT_EQ(solver.factor_entries(), 0.0);
+  EXPECT_EQ(solver.statistics().factor_entries, 0.0);
   EXPECT_THROW((void)solver.solve(right_side()), LogicError);
   EXPECT_THROW((void)solver.factorise(SparseMatrix(2, 3)), LogicError);
 }
 
 TEST(LinearSolver, SaysWhenMemoryRunsOut) {
-  LinearSolver solver;
-  {
-    const test::LittleMemory little;
-    EXPECT_EQ(solver.factorise(lower(example(1))), Factorisation::kOutOfMemory);
-  }
-  ASSERT_EQ(solver.factorise(lower(example(1))), Factorisation::kDone);
-  {
-    const test::LittleMemory little;
-    EXPECT_FALSE(solver.solve(right_side()).has_value());
-    EXPECT_EQ(solver.factorise(lower(example(2))), Factorisation::kOutOfMemory);
-  }
-  EXPECT_EQ(solver.factorise(lower(example(2))), Factorisation::kDone);
+  LinearSolver solver(test::little_memory());
+  EXPECT_EQ(solver.factorise(lower(example(1))), Factorisation::kOutOfMemory);
+  EXPECT_THROW((void)solver.solve(right_side()), LogicError);
 }
 
 TEST(LinearSolver, CanBeMoved) {
   LinearSolver first;
   ASSERT_EQ(first.factorise(lower(example(1))), Factorisation::kDone);
   const VectorX x = first.solve(right_side()).value();
-  const LinearSolver second = std::move(first);
+  LinearSolver second = std::move(first);
   EXPECT_EQ(second.solve(right_side()).value(), x);
+}
+
+/// A cube of soft tissue and its tangents, at rest and stretched by a part of its length.
+class Cube {
+ public:
+  explicit Cube(int cells, double poisson = 0.45) : body_(make_body(cells, poisson)) {}
+
+  [[nodiscard]] SparseMatrix tangent(double stretch) const {
+    Mat3 gradient = Mat3::Zero();
+    gradient(0, 0) = stretch;
+    return body_.assembler.tangent(test::affine(body_.mesh, gradient, Vec3::Zero()));
+  }
+  [[nodiscard]] LinearSolver solver(LinearSolverOptions options) const {
+    LinearSolver made(options);
+    made.describe(body_.assembler.nodes_L(), body_.assembler.dofs());
+    return made;
+  }
+
+ private:
+  static test::Body make_body(int cells, double poisson) {
+    mesh::VolumeMesh mesh = test::box_mesh({.cells = {cells, cells, cells}});
+    auto held = fix(mesh.node_sets.at("x0"));
+    return {std::move(mesh),
+            {{0, NeoHookean::from_young_poisson(1.0, poisson).value()}},
+            std::move(held)};
+  }
+  test::Body body_;
+};
+
+constexpr LinearSolverOptions kLagged{.kind = LinearSolverKind::kLagged};
+constexpr LinearSolverOptions kMultigrid{.kind = LinearSolverKind::kMultigrid};
+
+VectorX some_forces(Index size) {
+  test::RandomDeformation random(11);
+  return VectorX::NullaryExpr(size, [&] { return random.number(); });
+}
+
+TEST(LinearSolver, AllKindsFindTheSame) {
+  const Cube cube(12);
+  LinearSolver direct = cube.solver({.kind = LinearSolverKind::kDirect});
+  LinearSolver lagged = cube.solver(kLagged), multigrid = cube.solver(kMultigrid);
+  for (const double stretch : {0.0, 0.02, 0.04}) {
+    const SparseMatrix A = cube.tangent(stretch);
+    const VectorX b = some_forces(A.cols());
+    const VectorX x = direct.solve(A, b).value();
+    EXPECT_LT((lagged.solve(A, b, 1e-10).value() - x).norm(), 1e-7 * x.norm());
+    EXPECT_LT((multigrid.solve(A, b, 1e-10).value() - x).norm(), 1e-7 * x.norm());
+    for (LinearSolver* const solver : {&lagged, &multigrid}) {
+      const VectorX y = solver->solve(A, b, 1e-6).value();
+      EXPECT_LE((A.selfadjointView<Eigen::Lower>() * y - b).norm(), 1.01e-6 * b.norm());
+    }
+  }
+  EXPECT_EQ(multigrid.kind(), LinearSolverKind::kMultigrid);
+  EXPECT_EQ(multigrid.statistics().analyses, 1);
+  EXPECT_GT(multigrid.statistics().iterations, 0);
+}
+
+TEST(LinearSolver, LaggedKeepsAFactorWhileItServes) {
+  const Cube cube(10);
+  LinearSolver solver = cube.solver(kLagged);
+  const VectorX b = some_forces(cube.tangent(0.0).cols());
+  ASSERT_TRUE(solver.solve(cube.tangent(0.0), b).has_value());
+  EXPECT_EQ(solver.statistics().iterations, 0);  // With its own factor there is nothing to iterate.
+  ASSERT_TRUE(solver.solve(cube.tangent(0.01), b, 1e-4).has_value());
+  EXPECT_EQ(solver.statistics().factorisations, 1);
+  EXPECT_GT(solver.statistics().iterations, 0);
+  // Far away: S A S, with every other row ten times as stiff. In the end a new factor serves.
+  SparseMatrix far = cube.tangent(0.0);
+  for (Index j = 0; j < far.cols(); ++j)
+    for (SparseMatrix::InnerIterator entry(far, j); entry; ++entry)
+      entry.valueRef() *= (entry.row() % 2 == 0 ? 10.0 : 1.0) * (j % 2 == 0 ? 10.0 : 1.0);
+  const auto x = solver.solve(far, b);
+  ASSERT_TRUE(x.has_value());
+  EXPECT_LT((far.selfadjointView<Eigen::Lower>() * *x - b).norm(), 1e-9 * b.norm());
+  EXPECT_EQ(solver.statistics().factorisations, 2);
+}
+
+TEST(LinearSolver, IterationsSeeWhatIsIndefinite) {
+  const Cube cube(10);
+  const SparseMatrix A = cube.tangent(0.0);
+  SparseMatrix indefinite = A;
+  indefinite.diagonal() *= 0.5;
+  const VectorX b = some_forces(A.cols());
+  for (const LinearSolverOptions& options : {kLagged, kMultigrid}) {
+    LinearSolver solver = cube.solver(options);
+    ASSERT_TRUE(solver.solve(A, b).has_value());
+    const auto refused = solver.solve(indefinite, b);
+    ASSERT_FALSE(refused.has_value());
+    EXPECT_EQ(refused.error(), Factorisation::kNotPositiveDefinite);
+    EXPECT_TRUE(solver.solve(A, b).has_value());
+  }
+}
+
+TEST(LinearSolver, AutomaticIsDirectWhileSmallOrUndescribed) {
+  const Cube cube(12);
+  const SparseMatrix A = cube.tangent(0.0);
+  const auto kind_of = [&](LinearSolver solver) {
+    EXPECT_EQ(solver.factorise(A), Factorisation::kDone);
+    return solver.kind();
+  };
+  EXPECT_EQ(kind_of(cube.solver({})), LinearSolverKind::kDirect);
+  EXPECT_EQ(kind_of(cube.solver({.direct_rows = 5000})), LinearSolverKind::kMultigrid);
+  EXPECT_EQ(kind_of(LinearSolver({.direct_rows = 5000})), LinearSolverKind::kDirect);
+}
+
+TEST(LinearSolver, AutomaticSolvesDirectlyWhatMultigridCannot) {
+  const Cube cube(12);
+  const SparseMatrix A = cube.tangent(0.0);
+  const VectorX b = some_forces(A.cols());
+  LinearSolver patient = cube.solver({.direct_rows = 5000, .max_iterations = 2});
+  ASSERT_EQ(patient.factorise(A), Factorisation::kDone);
+  const auto gave_up = patient.solve(b);
+  ASSERT_FALSE(gave_up.has_value());
+  EXPECT_EQ(gave_up.error(), Factorisation::kNotConverged);
+  LinearSolver solver = cube.solver({.direct_rows = 5000, .max_iterations = 2});
+  const auto x = solver.solve(A, b);
+  ASSERT_TRUE(x.has_value());
+  EXPECT_LT((A.selfadjointView<Eigen::Lower>() * *x - b).norm(), 1e-10 * b.norm());
+  EXPECT_EQ(solver.kind(), LinearSolverKind::kDirect);
+}
+
+TEST(LinearSolver, AllKindsTakeMatricesOfNothingAndOfOne) {
+  for (const auto kind :
+       {LinearSolverKind::kAutomatic, LinearSolverKind::kDirect, LinearSolverKind::kLagged}) {
+    LinearSolver solver({.kind = kind});
+    EXPECT_EQ(solver.solve(SparseMatrix(0, 0), VectorX(0)).value().size(), 0);
+    const Eigen::MatrixXd four = Eigen::MatrixXd::Constant(1, 1, 4.0);
+    EXPECT_EQ(solver.solve(lower(four), VectorX::Ones(1)).value()[0], 0.25);
+    EXPECT_EQ(solver.solve(lower(-four), VectorX::Ones(1)).has_value(), false);
+  }
 }
 
 }  // namespace

@@ -292,8 +292,8 @@ class StopAfter final : public Progress {
 };
 
 TEST(Newton, LackOfMemoryIsNoVerdictOnThePhysics) {
-  const test::LittleMemory little;
-  const auto outcome = solve(barrier(), 0.5);
+  LinearSolver solver(test::little_memory());
+  const auto outcome = solve_newton(barrier(), VectorX::Constant(1, 0.5), solver);
   EXPECT_EQ(outcome.stop, NewtonStop::kOutOfMemory);
   EXPECT_NE(outcome.reason.find("out of memory after 0 iterations"), std::string::npos)
       << outcome.reason;

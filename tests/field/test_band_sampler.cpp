@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -18,7 +19,8 @@ namespace {
 
 using geometry::TriangleMesh;
 
-constexpr double kReachCells = 7.0;
+/// One whose triangles are all visited, and a wide one that a tree completes.
+constexpr std::array kReaches_cells = {5.0, 9.0};
 /// Of the single-precision search, on surfaces of some 20 mm.
 constexpr double kFloatError_mm = 2e-5;
 
@@ -33,9 +35,10 @@ FieldFrame frame_around(const TriangleMesh& mesh, int resolution) {
 
 /// Compares every point of the lattice, inside the cube and around it, with a search that shares
 /// nothing with the sampler but the pseudonormals; and the sign with the winding number.
-void expect_exact_everywhere(const TriangleMesh& mesh, int resolution, bool closed) {
+void expect_exact_within(double reach_cells, const TriangleMesh& mesh, int resolution,
+                         bool closed) {
   const FieldFrame frame = frame_around(mesh, resolution);
-  const double reach = kReachCells * frame.cell_mm;
+  const double reach = reach_cells * frame.cell_mm;
   const PreparedSurface surface = prepare_surface(mesh).value();
   ASSERT_EQ(surface.closed, closed);
   const auto sampled = sample_narrow_band(surface, frame, reach, Progress::none());
@@ -60,6 +63,13 @@ void expect_exact_everywhere(const TriangleMesh& mesh, int resolution, bool clos
         ASSERT_EQ(found<0.0F, test::winding_number(mesh, p)> 0.5) << p.transpose();
       }
   EXPECT_GT(within, 1000);
+}
+
+void expect_exact_everywhere(const TriangleMesh& mesh, int resolution, bool closed) {
+  for (const double reach_cells : kReaches_cells) {
+    SCOPED_TRACE(reach_cells);
+    expect_exact_within(reach_cells, mesh, resolution, closed);
+  }
 }
 
 TEST(BandSampler, IsExactAroundABox) {
@@ -110,8 +120,10 @@ TEST(BandSampler, IsExactAroundAHeapOfTriangles) {
 
 /// The sampler alone, brick by brick.
 std::vector<float> samples_with(const PreparedSurface& surface, const FieldFrame& frame,
-                                Simd simd) {
-  const BandSampler sampler(surface, frame, kReachCells * frame.cell_mm, simd);
+                                double reach_cells, Simd simd) {
+  const BandSampler sampler = BandSampler::create(surface, frame, reach_cells * frame.cell_mm,
+                                                  BandSampler::kMostPoints, Progress::none(), simd)
+                                  .value();
   std::vector<float> samples(sampler.bricks().size() * SparseLattice::kBrickPoints);
   for (std::size_t slot = 0; slot < sampler.bricks().size(); ++slot)
     sampler.sample(Index(slot), std::span<float, SparseLattice::kBrickPoints>(
@@ -129,12 +141,14 @@ TEST(BandSampler, EveryProcessorGivesTheSameBits) {
   for (const TriangleMesh& mesh : meshes) {
     const FieldFrame frame = frame_around(mesh, 32);
     const PreparedSurface surface = prepare_surface(mesh).value();
-    const std::vector<float> baseline = samples_with(surface, frame, Simd::kBaseline);
-    for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
-      if (simd > best_simd()) continue;
-      const std::vector<float> samples = samples_with(surface, frame, simd);
-      ASSERT_EQ(samples.size(), baseline.size());
-      EXPECT_EQ(std::memcmp(samples.data(), baseline.data(), baseline.size() * sizeof(float)), 0);
+    for (const double reach : kReaches_cells) {
+      const std::vector<float> baseline = samples_with(surface, frame, reach, Simd::kBaseline);
+      for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
+        if (simd > best_simd()) continue;
+        const std::vector<float> samples = samples_with(surface, frame, reach, simd);
+        ASSERT_EQ(samples.size(), baseline.size());
+        EXPECT_EQ(std::memcmp(samples.data(), baseline.data(), baseline.size() * sizeof(float)), 0);
+      }
     }
   }
 }
@@ -143,18 +157,41 @@ TEST(BandSampler, BricksAscendAndHoldEverySampleWithinReach) {
   const TriangleMesh torus = test::make_torus(8, 3, 24, 12);
   const FieldFrame frame = frame_around(torus, 64);
   const PreparedSurface surface = prepare_surface(torus).value();
-  const BandSampler sampler(surface, frame, 2 * frame.cell_mm);
-  EXPECT_TRUE(std::is_sorted(sampler.bricks().begin(), sampler.bricks().end()));
-  EXPECT_EQ(std::adjacent_find(sampler.bricks().begin(), sampler.bricks().end()),
-            sampler.bricks().end());
-  const geometry::Bvh bvh(torus);
-  std::mt19937 random(22);
-  const SparseLattice lattice(64, {sampler.bricks().begin(), sampler.bricks().end()}, 0.0F);
-  for (int n = 0; n < 20'000; ++n) {
-    const LatticePoint p = {int(random() % 65), int(random() % 65), int(random() % 65)};
-    if (!bvh.closest_point(test::place_of(frame, p[0], p[1], p[2]), 1.999 * frame.cell_mm))
-      continue;
-    EXPECT_NE(lattice.slot_of(lattice.brick_of(p)), SparseLattice::kNoBrick);
+  for (const double reach_cells : {2.0, 8.0, 20.0}) {
+    const BandSampler sampler =
+        BandSampler::create(surface, frame, reach_cells * frame.cell_mm).value();
+    EXPECT_TRUE(std::is_sorted(sampler.bricks().begin(), sampler.bricks().end()));
+    EXPECT_EQ(std::adjacent_find(sampler.bricks().begin(), sampler.bricks().end()),
+              sampler.bricks().end());
+    const geometry::Bvh bvh(torus);
+    std::mt19937 random(22);
+    const SparseLattice lattice(64, {sampler.bricks().begin(), sampler.bricks().end()}, 0.0F);
+    for (int n = 0; n < 20'000; ++n) {
+      const LatticePoint p = {int(random() % 65), int(random() % 65), int(random() % 65)};
+      if (!bvh.closest_point(test::place_of(frame, p[0], p[1], p[2]),
+                             (reach_cells - 0.001) * frame.cell_mm))
+        continue;
+      EXPECT_NE(lattice.slot_of(lattice.brick_of(p)), SparseLattice::kNoBrick);
+    }
+  }
+}
+
+TEST(BandSampler, AWiderBandChangesNoSampleOfANarrowOne) {
+  // The wide one is sampled in another way: near the surface by triangles, beyond by a tree.
+  for (unsigned seed = 1; seed < 4; ++seed) {
+    const TriangleMesh ball = test::make_crumpled_ball(seed, 6, 14);
+    const FieldFrame frame = frame_around(ball, 64);
+    const PreparedSurface surface = prepare_surface(ball).value();
+    const auto narrow = sample_narrow_band(surface, frame, 6 * frame.cell_mm, Progress::none());
+    const auto wide = sample_narrow_band(surface, frame, 14 * frame.cell_mm, Progress::none());
+    for (int k = 0; k <= 64; ++k)
+      for (int j = 0; j <= 64; ++j)
+        for (int i = 0; i <= 64; ++i) {
+          const float near = narrow->at({i, j, k}, kFar);
+          if (!std::isnan(near)) {
+            ASSERT_EQ(near, wide->at({i, j, k}, kFar));
+          }
+        }
   }
 }
 
@@ -169,7 +206,7 @@ TEST(BandSampler, IsExactAroundRandomSoups) {
     const auto surface = prepare_surface(soup);
     if (!surface) continue;  // Nothing but points and lines.
     const FieldFrame frame = frame_around(surface->mesh_B, 16);
-    const double reach = 4.0 * frame.cell_mm;
+    const double reach = (seed % 2 == 0 ? 4.0 : 7.5) * frame.cell_mm;
     const auto sampled = sample_narrow_band(*surface, frame, reach, Progress::none());
     ASSERT_TRUE(sampled);
     for (int k = 0; k <= 16; ++k)
@@ -189,16 +226,20 @@ TEST(BandSampler, IsExactAroundRandomSoups) {
   }
 }
 
-TEST(BandSampler, RefusesABandThatDoesNotFitInMemory) {
-  // One triangle, so that the test itself fits: its reach is the whole of the largest lattice.
-  TriangleMesh triangle;
-  triangle.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  triangle.triangles = {{0, 1, 2}};
-  const FieldFrame frame = frame_around(triangle, 2048);
-  const auto huge = sample_narrow_band(prepare_surface(triangle).value(), frame,
-                                       4000 * frame.cell_mm, Progress::none());
-  ASSERT_FALSE(huge);
-  EXPECT_EQ(huge.error().code, ErrorCode::kInvalidArgument);
+TEST(BandSampler, RefusesABandOfMorePointsThanAskedFor) {
+  const TriangleMesh torus = test::make_torus(8, 3, 24, 12);
+  const FieldFrame frame = frame_around(torus, 128);
+  const PreparedSurface surface = prepare_surface(torus).value();
+  for (const double reach_cells : {3.0, 20.0}) {
+    const auto fits = BandSampler::create(surface, frame, reach_cells * frame.cell_mm);
+    ASSERT_TRUE(fits);
+    const Index points = Index(fits->bricks().size()) * SparseLattice::kBrickPoints;
+    EXPECT_TRUE(BandSampler::create(surface, frame, reach_cells * frame.cell_mm, points));
+    const auto too_many =
+        BandSampler::create(surface, frame, reach_cells * frame.cell_mm, points - 1);
+    ASSERT_FALSE(too_many);
+    EXPECT_EQ(too_many.error().code, ErrorCode::kInvalidArgument);
+  }
 }
 
 TEST(BandSampler, StopsWhenAsked) {

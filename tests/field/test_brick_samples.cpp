@@ -158,7 +158,7 @@ TEST(BuildBricks, NoDistanceOverflowsItsCode) {
     const double half = 4 * frame.cell_mm;
     const PreparedSurface surface =
         prepare_surface(test::make_box(Vec3(-half, -half, -half), Vec3(half, half, z))).value();
-    const BandSampler sampler(surface, frame, frame.band_mm);
+    const BandSampler sampler = BandSampler::create(surface, frame, frame.band_mm).value();
     const WindingRows winding(surface.mesh_B, frame);
     const auto samples = build_bricks(sampler, frame, &winding, Progress::none());
     ASSERT_TRUE(samples);
@@ -177,6 +177,27 @@ TEST(BuildBricks, ALeafWhoseOnlySampleIsTornIsUnknownThere) {
   frame.resolution = 32;
   frame.cell_mm = 1.0;
   frame.band_mm = 2.0;
+  const TriangleMesh speck = test::make_icosphere(1e-3, 0, Vec3(15.5, 11.5, 12.82));
+  PreparedSurface surface =
+      prepare_surface(test::join(test::make_box(Vec3(2.5, 2.5, 2.5), Vec3(17.9, 13.9, 28)), speck))
+          .value();
+  surface.closed = false;  // As for an open surface, no other point tells the side.
+  const auto samples = build_bricks(BandSampler::create(surface, frame, 2.0).value(), frame,
+                                    nullptr, Progress::none());
+  ASSERT_TRUE(samples);
+  for (const LatticePoint& p :
+       {LatticePoint{15, 11, 11}, LatticePoint{15, 12, 11}, LatticePoint{16, 11, 11}}) {
+    EXPECT_EQ(BrickSamples::read_code(samples->place_of(p)), BrickSamples::kUnknown)
+        << p[0] << ' ' << p[1] << ' ' << p[2];
+  }
+}
+
+TEST(BuildBricks, WhereSignsContradictTheWindingNumberDecides) {
+  // As above. The speck turns its outside towards points within the box.
+  FieldFrame frame;
+  frame.resolution = 32;
+  frame.cell_mm = 1.0;
+  frame.band_mm = 2.0;
   frame.closed = true;
   const TriangleMesh speck = test::make_icosphere(1e-3, 0, Vec3(15.5, 11.5, 12.82));
   const PreparedSurface surface =
@@ -184,14 +205,12 @@ TEST(BuildBricks, ALeafWhoseOnlySampleIsTornIsUnknownThere) {
           .value();
   ASSERT_TRUE(surface.closed);
   const WindingRows winding(surface.mesh_B, frame);
-  const auto samples =
-      build_bricks(BandSampler(surface, frame, 2.0), frame, &winding, Progress::none());
+  const auto samples = build_bricks(BandSampler::create(surface, frame, 2.0).value(), frame,
+                                    &winding, Progress::none());
   ASSERT_TRUE(samples);
-  for (const LatticePoint& p :
-       {LatticePoint{15, 11, 11}, LatticePoint{15, 12, 11}, LatticePoint{16, 11, 11}}) {
-    EXPECT_EQ(BrickSamples::read_code(samples->place_of(p)), BrickSamples::kUnknown)
-        << p[0] << ' ' << p[1] << ' ' << p[2];
-  }
+  const std::int32_t code = BrickSamples::read_code(samples->place_of({16, 11, 11}));
+  ASSERT_TRUE(BrickSamples::is_distance(code));
+  EXPECT_LT(code, 0);
 }
 
 TEST(BuildBricks, KeepsBothSidesOfATearUnknown) {

@@ -68,5 +68,92 @@ TEST(BrickSigns, FacesOfNeighboursMatchBitByBit) {
   EXPECT_EQ(face_place(0, 0, true), place_at(7, 0, 0));
 }
 
+/// Random sides; one point in four is not known, and one in three near the surface.
+BrickSigns any_signs(std::mt19937& random) {
+  BrickSigns signs;
+  for (std::size_t z = 0; z < std::size_t(kSide); ++z)
+    for (int i = 0; i < 64; ++i) {
+      const std::uint64_t bit = std::uint64_t(1) << i;
+      if (random() % 4 == 0) continue;
+      signs.known[z] |= bit;
+      if (random() % 2 == 0) signs.inside[z] |= bit;
+      if (random() % 3 != 0) signs.apart[z] |= bit;
+    }
+  return signs;
+}
+
+/// The next point along an axis, or -1 at the end of the brick.
+int next_place(int place, int axis, int step = 1) {
+  constexpr std::array<int, 3> kStride = {1, kSide, kSide * kSide};
+  const int at = place / kStride[std::size_t(axis)] % kSide + step;
+  return at < 0 || at >= kSide ? -1 : place + step * kStride[std::size_t(axis)];
+}
+
+TEST(BrickSigns, NeighboursOnDifferentSidesMayBeTornUnlessBothAreNear) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 50; ++round) {
+    const BrickSigns signs = any_signs(random);
+    const std::array<BrickBits, 3> tears = possible_tears(signs);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
+        const int j = next_place(i, axis);
+        const bool expected = j >= 0 && bit_of(signs.known, i) && bit_of(signs.known, j) &&
+                              bit_of(signs.inside, i) != bit_of(signs.inside, j) &&
+                              (bit_of(signs.apart, i) || bit_of(signs.apart, j));
+        ASSERT_EQ(bit_of(tears[std::size_t(axis)], i), expected) << "axis " << axis << ", " << i;
+      }
+  }
+}
+
+TEST(BrickSigns, SidesAreHandedOnAsFarAsNoSurfacePasses) {
+  std::mt19937 random(11);
+  for (int round = 0; round < 50; ++round) {
+    BrickSigns signs = any_signs(random);
+    BrickBits to_find{};
+    for (std::size_t z = 0; z < std::size_t(kSide); ++z) {
+      to_find[z] = signs.known[z] & (std::uint64_t(random()) << 32 | random());
+      signs.inside[z] &= ~to_find[z];
+    }
+    const BrickBits asked = to_find;
+    const BrickSigns before = signs;
+    hand_on_sides(signs, to_find);
+    for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
+      if (!bit_of(asked, i)) {
+        ASSERT_EQ(bit_of(signs.inside, i), bit_of(before.inside, i)) << "told before: " << i;
+        ASSERT_FALSE(bit_of(to_find, i));
+        continue;
+      }
+      // One step earlier its neighbours agreed; at the end those left have none, or contradictions.
+      int in = 0, out = 0;
+      for (int axis = 0; axis < 3; ++axis)
+        for (const int step : {-1, 1}) {
+          const int j = next_place(i, axis, step);
+          if (j < 0 || !bit_of(signs.apart, j) || bit_of(to_find, j)) continue;
+          ++(bit_of(signs.inside, j) ? in : out);
+        }
+      const bool found = !bit_of(to_find, i);
+      if (!bit_of(signs.apart, i)) {
+        ASSERT_FALSE(found) << "near the surface: " << i;
+      } else if (found) {
+        ASSERT_GT(bit_of(signs.inside, i) ? in : out, 0) << i;
+      } else {
+        ASSERT_EQ(in == 0, out == 0) << i;
+      }
+    }
+  }
+}
+
+TEST(BrickSigns, ASideReachesTheOtherEndOfTheBrick) {
+  BrickSigns signs;
+  signs.known.fill(~std::uint64_t(0));
+  signs.apart = signs.known;
+  signs.inside[0] = 1;
+  BrickBits to_find = signs.known;
+  to_find[0] &= ~std::uint64_t(1);
+  hand_on_sides(signs, to_find);
+  EXPECT_EQ(to_find, BrickBits{});
+  EXPECT_EQ(signs.inside, signs.known);
+}
+
 }  // namespace
 }  // namespace lefort::field

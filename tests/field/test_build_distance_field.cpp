@@ -338,10 +338,15 @@ TEST(BuildDistanceField, StopsWheneverItIsAsked) {
 }
 
 TEST(BuildDistanceField, RefusesABandThatWouldFillTheMemory) {
-  // 82,000 triangles, each reaching some 25,000 bricks.
+  // Large slanted triangles, each of whose boxes holds an eighth of a large lattice.
+  geometry::TriangleMesh fan;
+  fan.vertices.emplace_back(0, 0, 0);
+  for (int n = 0; n <= 3000; ++n)
+    fan.vertices.emplace_back(100 * std::cos(0.002 * n), 100 * std::sin(0.002 * n),
+                              100 + 0.006 * n);
+  for (std::int32_t n = 1; n <= 3000; ++n) fan.triangles.push_back({0, n, n + 1});
   for (const FieldMethod method : {FieldMethod::kBricks, FieldMethod::kHybrid}) {
-    const auto field = build_distance_field(test::make_icosphere(50, 6),
-                                            {.method = method, .resolution = 512, .band_mm = 45});
+    const auto field = build_distance_field(fan, {.method = method, .resolution = 2048});
     ASSERT_FALSE(field);
     EXPECT_EQ(field.error().code, ErrorCode::kInvalidArgument);
     EXPECT_NE(field.error().message.find("lower the resolution or the band"), std::string::npos);

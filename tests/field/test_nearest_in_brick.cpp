@@ -140,14 +140,31 @@ TEST(NearestInBrick, EveryProcessorGivesTheSameBits) {
   }
 }
 
-TEST(NearestInBrick, TheFirstOfTrianglesEquallyNearStays) {
+TEST(NearestInBrick, ATriangleTwiceChangesNothingButItsNumber) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     std::mt19937 random(seed);
     Setting s = any_setting(random, 9);
     const NearestInBrick once = visited(s, best_simd());
     const std::vector<geometry::Triangle> all = s.mesh.triangles;
     s.mesh.triangles.insert(s.mesh.triangles.end(), all.begin(), all.end());
-    EXPECT_EQ(visited(s, best_simd()).code, once.code) << seed;
+    NearestInBrick twice = visited(s, best_simd());
+    EXPECT_EQ(twice.squared_mm2, once.squared_mm2) << seed;
+    for (std::int32_t& code : twice.code)
+      if (code != NearestInBrick::kNone) code = (code >> 2) % 9 << 2 | (code & 3);
+    EXPECT_EQ(twice.code, once.code) << seed;
+  }
+}
+
+TEST(NearestInBrick, VisitsEveryTriangleHoweverManyThereAre) {
+  std::mt19937 random(5);
+  for (int count = 1; count < 70; ++count) {
+    const Setting s = any_setting(random, count);
+    NearestInBrick one_by_one;
+    one_by_one.clear(float(kReach_mm));
+    for (std::int32_t t = 0; t < count; ++t)
+      visit_triangles(s.mesh, std::span(&t, 1), s.low, s.cell_mm, kReach_mm, best_simd(),
+                      one_by_one);
+    EXPECT_EQ(visited(s, best_simd()).squared_mm2, one_by_one.squared_mm2) << count;
   }
 }
 

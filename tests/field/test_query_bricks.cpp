@@ -1,6 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 #include <lefort/field/build_distance_field.h>
+#include <lefort/field/query_bricks.h>
 
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <variant>
 #include <vector>
 
 #include "field/brute_force.h"
@@ -73,6 +75,29 @@ std::vector<DistanceField> fields_of(const TriangleMesh& mesh) {
   for (const FieldMethod method : kMethods)
     fields.push_back(build_distance_field(mesh, {.method = method, .resolution = 32}).value());
   return fields;
+}
+
+TEST(QueryMany, EveryProcessorGivesTheSameBits) {
+  for (const TriangleMesh& mesh : {test::make_torus(20, 8, 60, 30), test::make_sheet(20, 4)}) {
+    const DistanceField field = build_distance_field(mesh, {.resolution = 32}).value();
+    const auto& bricks = std::get<BrickSamples>(field.samples());
+    const std::vector<Vec3> points = all_kinds_of_points(field, 4999, 17);
+    std::vector<FieldSample> baseline(points.size()), samples(points.size());
+    std::vector<float> baseline_mm(points.size()), distances_mm(points.size());
+    sample_bricks(bricks, field.frame(), points, baseline, Simd::kBaseline);
+    distances_in_bricks(bricks, field.frame(), points, baseline_mm, Simd::kBaseline);
+    for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
+      if (simd > best_simd()) continue;
+      sample_bricks(bricks, field.frame(), points, samples, simd);
+      distances_in_bricks(bricks, field.frame(), points, distances_mm, simd);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        ASSERT_TRUE(same_bits(samples[i], baseline[i])) << points[i].transpose();
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(distances_mm[i]),
+                  std::bit_cast<std::uint32_t>(baseline_mm[i]))
+            << points[i].transpose();
+      }
+    }
+  }
 }
 
 TEST(QueryMany, GivesTheBitsOfSingleQueries) {

@@ -1,4 +1,6 @@
 #include <lefort/app/command.h>
+#include <lefort/bench/field_process.h>
+#include <lefort/bench/field_scaling.h>
 #include <lefort/bench/table1.h>
 
 #include <memory>
@@ -35,14 +37,48 @@ void add_table1(CLI::App& bench, CommandContext& context) {
   });
 }
 
-/// A single measurement, in a process that table1 starts.
+void add_scaling(CLI::App& bench, CommandContext& context) {
+  const auto options = std::make_shared<bench::ScalingOptions>();
+  const auto without_peer = std::make_shared<bool>(false);
+  CLI::App* const command = bench.add_subcommand(
+      "scaling", "How distance fields of a skull grow with band, resolution and triangles");
+  command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "Folder for skull.vtp (used again if there) and scaling.md, .csv, .json, .html")
+      ->required();
+  command->add_option("--band", options->bands, "Half widths of the band, in cells")
+      ->check(CLI::Range(2, 24))
+      ->capture_default_str();
+  command->add_option("--resolution", options->resolutions, "Cells along each side of the cube")
+      ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048}))
+      ->capture_default_str();
+  command
+      ->add_option("--parts", options->parts,
+                   "Cuts of the sides of triangles: 11 makes 11.6 million of them")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
+  command->add_flag("--without-openvdb", *without_peer, "Ours alone");
+  command->add_option("--repeats", options->repeats, "Builds; their median is told")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->footer("Example:\n  lefort bench scaling ct.nrrd -o scaling/");
+  command->callback([options, without_peer, &context] {
+    context.run("bench scaling", [&](Progress& progress) -> Result<Summary> {
+      options->with_openvdb = !*without_peer;
+      LEFORT_TRY(const std::string table, bench::run_field_scaling(*options, progress));
+      return Summary{.text = table, .json = {{"output", options->output.string()}}};
+    });
+  });
+}
+
+/// A single measurement, in a process that the others start.
 void add_field_task(CLI::App& bench, CommandContext& context) {
   struct Job {
     std::string surface, task;
   };
   const auto job = std::make_shared<Job>();
-  CLI::App* const command =
-      bench.add_subcommand("field-task", "One measurement of table1, as JSON");
+  CLI::App* const command = bench.add_subcommand("field-task", "One measurement, as JSON");
   command->group("");  // Not listed.
   command->add_option("surface", job->surface)->required();
   command->add_option("task", job->task)->required();
@@ -60,6 +96,7 @@ void add_bench_command(CLI::App& cli, CommandContext& context) {
   CLI::App* const bench = cli.add_subcommand("bench", "Measurements anyone can rerun");
   bench->require_subcommand(1);
   add_table1(*bench, context);
+  add_scaling(*bench, context);
   add_field_task(*bench, context);
 }
 

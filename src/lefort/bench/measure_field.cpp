@@ -156,6 +156,8 @@ Result<Json> measure_ours(const geometry::TriangleMesh& mesh, const FieldTask& t
   LEFORT_TRY(const field::DistanceField field, *std::move(built));
   result["retained_bytes"] = field.sample_bytes();
   result["tolerance_mm"] = field.frame().tolerance_mm;
+  result["triangles"] = mesh.triangle_count();
+  if (task.only_build) return result;
 
   const std::vector<Vec3> points =
       points_near_surface(mesh, task.query_points, kQueryReach_mm, kQuerySeed);
@@ -195,6 +197,8 @@ Json measure_openvdb(const geometry::TriangleMesh& mesh, const FieldTask& task) 
       },
       result);
   result["retained_bytes"] = field->bytes();
+  result["triangles"] = mesh.triangle_count();
+  if (task.only_build) return result;
   const std::vector<Vec3> points =
       points_near_surface(mesh, task.query_points, kQueryReach_mm, kQuerySeed);
   std::vector<double> values(points.size());

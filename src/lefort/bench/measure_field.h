@@ -25,6 +25,8 @@ struct FieldTask {
   Index query_points = 200'000;  ///< Within kQueryReach_mm of the surface.
   Index error_points = 100'000;
   Index exact_points = 200'000;  ///< At most so many band samples for CGAL; 0: all.
+  int parts = 1;            ///< Sides of each triangle are cut into so many: parts^2 triangles.
+  bool only_build = false;  ///< Neither errors nor queries.
 };
 
 /// Query points lie up to this far from the surface.

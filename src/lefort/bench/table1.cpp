@@ -1,10 +1,7 @@
+#include <lefort/bench/field_process.h>
 #include <lefort/bench/measure_field.h>
-#include <lefort/bench/run_process.h>
-#include <lefort/bench/skull_surface.h>
 #include <lefort/bench/table1.h>
 #include <lefort/core/version.h>
-#include <lefort/io/import_volume.h>
-#include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/report/plot_lines.h>
 
@@ -53,34 +50,6 @@ double relative_tolerance(int resolution) {
     if (kPaperResolutions[i] == resolution) return kPaperTolerances[i];
   return resolution < kPaperResolutions.front() ? kPaperTolerances.front()
                                                 : kPaperTolerances.back();
-}
-
-Result<fs::path> prepare_skull(const Table1Options& options, Progress& progress) {
-  const fs::path path = options.output / "skull.vtp";
-  std::error_code ignored;
-  if (fs::is_regular_file(path, ignored)) return path;
-  progress.begin_stage("read the scan");
-  LEFORT_TRY(const io::ImportedVolume scan, io::import_volume(options.ct, progress));
-  LEFORT_TRY(const geometry::TriangleMesh skull, extract_skull(scan.ct, {}, progress));
-  LEFORT_TRY_VOID(io::write_surface(path, skull));
-  return path;
-}
-
-Result<Json> measure(const fs::path& skull, const std::string& method, int resolution, int threads,
-                     int repeats, Progress& progress) {
-  const Json task = {{"method", method},
-                     {"resolution", resolution},
-                     {"relative_tolerance", relative_tolerance(resolution)},
-                     {"threads", threads},
-                     {"repeats", repeats}};
-  LEFORT_TRY(const std::string output,
-             run_process({"/proc/self/exe", "bench", "field-task", skull.string(), task.dump(),
-                          "--quiet", "--json"},
-                         progress));
-  const Json result = Json::parse(output, nullptr, false);
-  if (result.is_discarded())
-    return fail(ErrorCode::kFileCorrupt, fmt::format("the task {} printed no JSON", task.dump()));
-  return result;
 }
 
 /// One measured cell of the table.
@@ -267,34 +236,8 @@ std::string page(const std::string& markdown, const std::vector<Cell>& cells) {
 
 }  // namespace
 
-Result<Json> run_field_task(const fs::path& surface, const std::string& task) {
-  const Json json = Json::parse(task, nullptr, false);
-  if (!json.is_object()) return fail(ErrorCode::kInvalidArgument, "the task is no JSON object");
-  FieldTask parsed;
-  try {
-    parsed.method = json.at("method").get<std::string>();
-    parsed.resolution = json.at("resolution").get<int>();
-    parsed.relative_tolerance = json.value("relative_tolerance", parsed.relative_tolerance);
-    parsed.half_band_cells = json.value("half_band_cells", parsed.half_band_cells);
-    parsed.side_mm = json.value("side_mm", parsed.side_mm);
-    parsed.threads = json.value("threads", parsed.threads);
-    parsed.repeats = std::max(1, json.value("repeats", parsed.repeats));
-    parsed.query_points = std::max<Index>(1, json.value("query_points", parsed.query_points));
-    parsed.error_points = std::max<Index>(1, json.value("error_points", parsed.error_points));
-  } catch (const Json::exception& wrong) {
-    return fail(ErrorCode::kInvalidArgument, fmt::format("the task is wrong: {}", wrong.what()));
-  }
-  LEFORT_TRY(const geometry::TriangleMesh skull, io::read_surface(surface));
-  return measure_field(skull, parsed);
-}
-
 Result<std::string> run_table1(const Table1Options& options, Progress& progress) {
-  std::error_code error;
-  fs::create_directories(options.output, error);
-  if (error)
-    return fail(ErrorCode::kFileUnwritable,
-                fmt::format("cannot make {}: {}", options.output.string(), error.message()));
-  LEFORT_TRY(const fs::path skull, prepare_skull(options, progress));
+  LEFORT_TRY(const fs::path skull, prepare_skull(options.ct, options.output, progress));
 
   std::vector<Cell> cells;
   for (const int resolution : options.resolutions)
@@ -304,7 +247,12 @@ Result<std::string> run_table1(const Table1Options& options, Progress& progress)
         progress.begin_stage(fmt::format("{} at {}, threads: {}", method, resolution, threads));
         // The slow ones are told apart by factors, not by shares.
         const int repeats = method == "adaptive" || method == "cgal" ? 1 : options.repeats;
-        LEFORT_TRY(Json result, measure(skull, method, resolution, threads, repeats, progress));
+        const Json task = {{"method", method},
+                           {"resolution", resolution},
+                           {"relative_tolerance", relative_tolerance(resolution)},
+                           {"threads", threads},
+                           {"repeats", repeats}};
+        LEFORT_TRY(Json result, measure_in_process(skull, task, progress));
         cells.push_back({method, resolution, threads, std::move(result)});
       }
 

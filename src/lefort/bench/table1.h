@@ -5,8 +5,6 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 
-#include <nlohmann/json.hpp>
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -29,9 +27,5 @@ struct Table1Options {
 /// \returns the table as Markdown; errors as import_volume(), extract_skull(), kFileUnwritable,
 ///   kCancelled.
 [[nodiscard]] Result<std::string> run_table1(const Table1Options& options, Progress& progress);
-
-/// Does one FieldTask, given as JSON, on the surface in a file; what run_table1() starts.
-[[nodiscard]] Result<nlohmann::ordered_json> run_field_task(const std::filesystem::path& surface,
-                                                            const std::string& task);
 
 }  // namespace lefort::bench

@@ -41,6 +41,9 @@ class HeldBody final : public NonlinearSystem {
 /// A boundary that moves less does not need the free nodes to follow [mm].
 constexpr double kStandstill_mm = 1e-9;
 
+/// How exactly the free nodes follow: Newton corrects what is left.
+constexpr double kFollowingTolerance = 1e-6;
+
 /// `moved`, the start with its boundary moved, with the free nodes following to first order:
 /// K_ff du_f = -r_f - K_fp du_p, everything at `start`. `moved` itself where that is no better.
 VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const VectorX& moved,
@@ -52,9 +55,8 @@ VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const 
   const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
   const SparseMatrix K = assembler.tangent(start);
   enter(SolvePhase::kFactorisation, options);
-  if (linear_solver.factorise(K) != Factorisation::kDone) return moved;
-  enter(SolvePhase::kSolve, options);
-  const std::optional<VectorX> du = linear_solver.solve(-dofs.free_part(unbalanced));
+  const auto du = linear_solver.solve(K, -dofs.free_part(unbalanced), kFollowingTolerance,
+                                      [&] { enter(SolvePhase::kSolve, options); });
   enter(SolvePhase::kAssembly, options);
   if (!du) return moved;
 
@@ -75,6 +77,7 @@ NewtonOutcome find_equilibrium(const Assembler& assembler,
                                const NewtonOptions& options, Progress& progress) {
   const DofMap& dofs = assembler.dofs();
   LEFORT_CHECK(start.size() == 3 * dofs.node_count());
+  linear_solver.describe(assembler.nodes_L(), dofs);
   const VectorX moved = dofs.with_prescribed(start, prescribed);
   const bool stands_still =
       dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kStandstill_mm;

@@ -1,49 +1,22 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
+#include <lefort/fem/linear/conjugate_gradients.h>
+#include <lefort/fem/linear/multigrid.h>
+#include <lefort/fem/linear/sparse_cholesky.h>
 #include <lefort/fem/linear_solver.h>
-
-#include <suitesparse/cholmod.h>
 
 #include <algorithm>
 #include <cmath>
+#include <new>
+#include <optional>
+#include <utility>
 #include <vector>
-
-// There if the BLAS is OpenBLAS, or CHOLMOD was built with OpenMP; null otherwise.
-extern "C" void openblas_set_num_threads(int threads) __attribute__((weak));
-extern "C" void omp_set_max_active_levels(int levels) __attribute__((weak));
 
 namespace lefort::fem {
 namespace {
 
-/// Below this reciprocal condition (squared ratio of extreme pivots) a factor is noise.
-constexpr double kSingular = 1e-15;
-
-/// Keeps the libraries below to the calling thread. Debian's CHOLMOD asks OpenMP for four threads,
-/// however many cores there are, and OpenBLAS for one per core; they wait for each other by
-/// spinning, thousands of times a factorisation. On a shared machine a step then takes minutes
-/// instead of seconds. One thread also keeps the bits independent of the number of cores.
-void use_one_thread() {
-  if (openblas_set_num_threads != nullptr) openblas_set_num_threads(1);
-  if (omp_set_max_active_levels != nullptr) omp_set_max_active_levels(0);
-}
-
-/// Eigen's arrays seen as CHOLMOD's; CHOLMOD only reads them.
-cholmod_sparse view(const SparseMatrix& A) {
-  cholmod_sparse view{};
-  view.nrow = std::size_t(A.rows());
-  view.ncol = std::size_t(A.cols());
-  view.nzmax = std::size_t(A.nonZeros());
-  view.p = const_cast<int*>(A.outerIndexPtr());
-  view.i = const_cast<int*>(A.innerIndexPtr());
-  view.x = const_cast<double*>(A.valuePtr());
-  view.stype = -1;  // The lower triangle stands for both.
-  view.itype = CHOLMOD_INT;
-  view.xtype = CHOLMOD_REAL;
-  view.dtype = CHOLMOD_DOUBLE;
-  view.sorted = 1;
-  view.packed = 1;
-  return view;
-}
+/// So few rows are not worth a hierarchy.
+constexpr Index kMultigridRows = 3000;
 
 bool all_finite(const SparseMatrix& A) {
   const double* values = A.valuePtr();
@@ -52,94 +25,247 @@ bool all_finite(const SparseMatrix& A) {
       deterministic_sum(A.nonZeros(), 0.0, [&](Index k) { return std::abs(values[k]); }));
 }
 
-}  // namespace
+/// The pattern of a matrix.
+struct Pattern {
+  std::vector<int> columns, rows;
 
-struct LinearSolver::Cholmod {
-  cholmod_common common{};
-  cholmod_factor* factor = nullptr;
-  bool factorised = false;
-  std::vector<int> columns;  ///< Pattern of the matrix that was analysed.
-  std::vector<int> rows;
-
-  Cholmod() {
-    use_one_thread();
-    cholmod_start(&common);
-    common.print = 0;
-    common.supernodal = CHOLMOD_SUPERNODAL;
-    common.quick_return_if_not_posdef = 1;
-    common.nmethods = 1;
-    common.method[0].ordering = CHOLMOD_METIS;
-    common.postorder = 1;
-  }
-  ~Cholmod() {
-    cholmod_free_factor(&factor, &common);
-    cholmod_finish(&common);
-  }
-  Cholmod(const Cholmod&) = delete;
-  Cholmod& operator=(const Cholmod&) = delete;
-
-  [[nodiscard]] bool knows_pattern_of(const SparseMatrix& A) const {
-    return factor != nullptr && Index(columns.size()) == A.cols() + 1 &&
-           Index(rows.size()) == A.nonZeros() &&
+  [[nodiscard]] bool is_of(const SparseMatrix& A) const {
+    return Index(columns.size()) == A.cols() + 1 && Index(rows.size()) == A.nonZeros() &&
            std::equal(columns.begin(), columns.end(), A.outerIndexPtr()) &&
            std::equal(rows.begin(), rows.end(), A.innerIndexPtr());
   }
-
-  /// \returns false if memory ran out.
-  [[nodiscard]] bool analyse(const SparseMatrix& A) {
-    cholmod_free_factor(&factor, &common);
-    cholmod_sparse matrix = view(A);
-    factor = cholmod_analyze(&matrix, &common);
-    if (factor == nullptr) return false;
+  void become_that_of(const SparseMatrix& A) {
     columns.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1);
     rows.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
-    return true;
   }
 };
 
-LinearSolver::LinearSolver() : cholmod_(std::make_unique<Cholmod>()) {}
+Factorisation meaning_of(CgStop stop) {
+  return stop == CgStop::kTooManyIterations ? Factorisation::kNotConverged
+                                            : Factorisation::kNotPositiveDefinite;
+}
+
+}  // namespace
+
+struct LinearSolver::Parts {
+  LinearSolverOptions options;
+  Statistics statistics;
+  Pattern pattern;
+  std::optional<LinearSolverKind> kind;  ///< For this pattern.
+  bool multigrid_failed = false;         ///< With this pattern.
+  bool ready = false;
+
+  std::vector<Vec3> points_L;            ///< Where the rows act,
+  std::vector<std::int32_t> components;  ///< and along which axis.
+
+  std::optional<SparseCholesky> cholesky;  ///< Direct, lagged.
+  std::optional<SymmetricBlocks> blocks;   ///< Lagged, multigrid: the matrix.
+  std::optional<Multigrid> multigrid;
+  std::vector<double> values;   ///< Lagged: of the matrix, for the next factor.
+  bool has_factor = false;      ///< Lagged: there is one,
+  bool factor_is_new = false;   ///< it is that of the matrix,
+  bool factor_is_worn = false;  ///< it has become too old.
+
+  [[nodiscard]] LinearSolverKind kind_for(Index rows) const {
+    const bool described = Index(points_L.size()) == rows;
+    switch (options.kind) {
+      case LinearSolverKind::kDirect:
+      case LinearSolverKind::kLagged:
+        return options.kind;
+      case LinearSolverKind::kMultigrid:
+        LEFORT_CHECK(described);
+        return rows <= kMultigridRows ? LinearSolverKind::kDirect : options.kind;
+      case LinearSolverKind::kAutomatic:
+        break;
+    }
+    return described && rows > options.direct_rows && !multigrid_failed
+               ? LinearSolverKind::kMultigrid
+               : LinearSolverKind::kDirect;
+  }
+
+  /// Lays out what depends on the pattern alone.
+  [[nodiscard]] Factorisation analyse(const SparseMatrix& A, LinearSolverKind wanted) {
+    kind.reset();
+    cholesky.reset();  // The memory is needed.
+    blocks.reset();
+    multigrid.reset();
+    has_factor = factor_is_worn = false;
+    ++statistics.analyses;
+    statistics.factor_entries = 0.0;
+    if (wanted != LinearSolverKind::kMultigrid) {
+      std::optional<CholeskyPlan> plan = plan_cholesky(A);
+      if (!plan) return Factorisation::kOutOfMemory;
+      statistics.factor_entries = double(plan->factor_numbers);
+      cholesky.emplace(*std::move(plan), options.memory_bytes);
+    }
+    if (wanted != LinearSolverKind::kDirect) blocks.emplace(A);
+    pattern.become_that_of(A);
+    kind = wanted;
+    return Factorisation::kDone;
+  }
+
+  [[nodiscard]] Factorisation factorise_values(std::span<const double> of_A) {
+    ++statistics.factorisations;
+    const Factorisation outcome = cholesky->factorise(of_A);
+    has_factor = factor_is_new = outcome == Factorisation::kDone;
+    factor_is_worn = false;
+    return outcome;
+  }
+
+  [[nodiscard]] Factorisation prepare(const SparseMatrix& A) {
+    if (!all_finite(A)) return Factorisation::kNotFinite;
+    if (!pattern.is_of(A)) multigrid_failed = false;
+    const LinearSolverKind wanted = kind_for(A.rows());
+    if (kind != wanted || !pattern.is_of(A)) {
+      const Factorisation analysed = analyse(A, wanted);
+      if (analysed != Factorisation::kDone) return analysed;
+    }
+    const std::span<const double> of_A(A.valuePtr(), std::size_t(A.nonZeros()));
+    if (wanted == LinearSolverKind::kDirect) return factorise_values(of_A);
+    blocks->set_values(of_A);
+    if (wanted == LinearSolverKind::kLagged) {
+      values.assign(of_A.begin(), of_A.end());
+      factor_is_new = false;
+      return has_factor && !factor_is_worn ? Factorisation::kDone : factorise_values(of_A);
+    }
+    ++statistics.factorisations;
+    multigrid.reset();
+    multigrid = Multigrid::build(blocks->matrix(), rigid_modes(points_L, components, *blocks));
+    return multigrid ? Factorisation::kDone : Factorisation::kNotPositiveDefinite;
+  }
+
+  /// Conjugate gradients with `precondition` on vectors of the blocks' rows.
+  template <class Precondition>
+  [[nodiscard]] CgOutcome iterate(const VectorX& b, const Precondition& precondition,
+                                  double tolerance, int max_iterations) {
+    CgOutcome outcome =
+        conjugate_gradients([&](const VectorX& x, VectorX& y) { multiply(blocks->matrix(), x, y); },
+                            precondition, b, VectorX::Zero(b.size()), tolerance, max_iterations);
+    statistics.iterations += outcome.iterations;
+    return outcome;
+  }
+
+  [[nodiscard]] tl::expected<VectorX, Factorisation> solve_directly(const VectorX& b) const {
+    std::optional<VectorX> x = cholesky->solve(b);
+    if (!x) return tl::unexpected(Factorisation::kOutOfMemory);
+    return *std::move(x);
+  }
+
+  [[nodiscard]] tl::expected<VectorX, Factorisation> solve_by_multigrid(const VectorX& b,
+                                                                        double tolerance) {
+    const CgOutcome outcome = iterate(
+        blocks->to_blocks(b), [&](const VectorX& r, VectorX& z) { z = multigrid->cycle(r); },
+        tolerance, options.max_iterations);
+    if (outcome.stop == CgStop::kConverged) return blocks->from_blocks(outcome.x);
+    multigrid_failed = outcome.stop == CgStop::kTooManyIterations;
+    return tl::unexpected(meaning_of(outcome.stop));
+  }
+
+  [[nodiscard]] tl::expected<VectorX, Factorisation> solve_by_lagged(const VectorX& b,
+                                                                     double tolerance) {
+    if (factor_is_new) return solve_directly(b);
+    bool out_of_memory = false;
+    const int worth = iterations_worth_a_factor();
+    const CgOutcome outcome = iterate(
+        blocks->to_blocks(b),
+        [&](const VectorX& r, VectorX& z) {
+          const std::optional<VectorX> x = cholesky->solve(blocks->from_blocks(r));
+          out_of_memory = !x;
+          z = x ? blocks->to_blocks(*x) : VectorX::Zero(r.size());
+        },
+        tolerance, worth);
+    if (out_of_memory) return tl::unexpected(Factorisation::kOutOfMemory);
+    if (outcome.stop == CgStop::kNotPositiveDefinite)
+      return tl::unexpected(Factorisation::kNotPositiveDefinite);
+    factor_is_worn = 2 * outcome.iterations > worth;
+    if (outcome.stop == CgStop::kConverged) return blocks->from_blocks(outcome.x);
+    const Factorisation renewed = factorise_values(values);
+    if (renewed != Factorisation::kDone) return tl::unexpected(renewed);
+    return solve_directly(b);
+  }
+
+  /// How many solutions take about as long as a factorisation: by the work in them, so that it is
+  /// the same on every machine.
+  [[nodiscard]] int iterations_worth_a_factor() const {
+    constexpr double kMultiplicationsPerEntryRead = 30.0;  // In the same time; measured.
+    constexpr double kLeast = 8.0, kMost = 100.0;
+    const CholeskyPlan& plan = cholesky->plan();
+    const double ratio =
+        plan.work() / (kMultiplicationsPerEntryRead * std::max(1.0, double(plan.factor_numbers)));
+    return int(std::clamp(ratio, kLeast, kMost));
+  }
+};
+
+LinearSolver::LinearSolver(const LinearSolverOptions& options) : parts_(std::make_unique<Parts>()) {
+  LEFORT_CHECK(options.direct_rows >= 0 && options.max_iterations >= 1 && options.memory_bytes > 0);
+  parts_->options = options;
+}
 LinearSolver::~LinearSolver() = default;
 LinearSolver::LinearSolver(LinearSolver&&) noexcept = default;
 LinearSolver& LinearSolver::operator=(LinearSolver&&) noexcept = default;
 
-Factorisation LinearSolver::factorise(const SparseMatrix& A) {
-  use_one_thread();  // OpenMP keeps this for each thread of ours.
-  LEFORT_CHECK(A.rows() == A.cols() && A.isCompressed());
-  Cholmod& self = *cholmod_;
-  self.factorised = false;
-  if (!all_finite(A)) return Factorisation::kNotFinite;
-  if (!self.knows_pattern_of(A) && !self.analyse(A)) return Factorisation::kOutOfMemory;
-
-  cholmod_sparse matrix = view(A);
-  cholmod_factorize(&matrix, self.factor, &self.common);
-  if (self.common.status < CHOLMOD_OK) return Factorisation::kOutOfMemory;
-  if (self.common.status == CHOLMOD_NOT_POSDEF ||
-      (A.cols() > 0 && !(cholmod_rcond(self.factor, &self.common) > kSingular)))
-    return Factorisation::kNotPositiveDefinite;
-  self.factorised = true;
-  return Factorisation::kDone;
+void LinearSolver::describe(std::span<const Vec3> nodes_L, const DofMap& dofs) {
+  LEFORT_CHECK(Index(nodes_L.size()) == dofs.node_count());
+  parts_->points_L.clear();
+  parts_->components.clear();
+  for (Index node = 0; node < dofs.node_count(); ++node)
+    for (std::int32_t c = 0; c < 3; ++c) {
+      if (dofs.free_number(3 * node + c) < 0) continue;
+      parts_->points_L.push_back(nodes_L[std::size_t(node)]);
+      parts_->components.push_back(c);
+    }
 }
 
-std::optional<VectorX> LinearSolver::solve(const VectorX& b) const {
-  Cholmod& self = *cholmod_;
-  LEFORT_CHECK(self.factorised && b.size() == Index(self.factor->n));
-  cholmod_dense right{};
-  right.nrow = right.d = right.nzmax = std::size_t(b.size());
-  right.ncol = 1;
-  right.x = const_cast<double*>(b.data());  // Only read.
-  right.xtype = CHOLMOD_REAL;
-  right.dtype = CHOLMOD_DOUBLE;
+Factorisation LinearSolver::factorise(const SparseMatrix& A) {
+  LEFORT_CHECK(A.rows() == A.cols() && A.isCompressed());
+  parts_->ready = false;
+  try {
+    const Factorisation outcome = parts_->prepare(A);
+    parts_->ready = outcome == Factorisation::kDone;
+    return outcome;
+  } catch (const std::bad_alloc&) {
+    return Factorisation::kOutOfMemory;
+  }
+}
 
-  // No iterative refinement: within Newton the next step corrects this one.
-  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, self.factor, &right, &self.common);
-  if (solution == nullptr) return std::nullopt;
-  VectorX x = Eigen::Map<const VectorX>(static_cast<const double*>(solution->x), b.size());
-  cholmod_free_dense(&solution, &self.common);
+tl::expected<VectorX, Factorisation> LinearSolver::solve(const VectorX& b, double tolerance) {
+  Parts& parts = *parts_;
+  LEFORT_CHECK(parts.ready && b.size() == Index(parts.pattern.columns.size()) - 1);
+  LEFORT_CHECK(tolerance > 0.0);
+  try {
+    switch (kind()) {
+      case LinearSolverKind::kLagged:
+        return parts.solve_by_lagged(b, tolerance);
+      case LinearSolverKind::kMultigrid:
+        return parts.solve_by_multigrid(b, tolerance);
+      default:
+        return parts.solve_directly(b);
+    }
+  } catch (const std::bad_alloc&) {
+    return tl::unexpected(Factorisation::kOutOfMemory);
+  }
+}
+
+tl::expected<VectorX, Factorisation> LinearSolver::solve(
+    const SparseMatrix& A, const VectorX& b, double tolerance,
+    const std::function<void()>& on_factorised) {
+  const auto attempt = [&]() -> tl::expected<VectorX, Factorisation> {
+    const Factorisation outcome = factorise(A);
+    if (outcome != Factorisation::kDone) return tl::unexpected(outcome);
+    if (on_factorised) on_factorised();
+    return solve(b, tolerance);
+  };
+  auto x = attempt();
+  const bool may_be_direct = parts_->options.kind == LinearSolverKind::kAutomatic;
+  if (!x && x.error() == Factorisation::kNotConverged && may_be_direct) return attempt();
   return x;
 }
 
-double LinearSolver::factor_entries() const {
-  return cholmod_->factor == nullptr ? 0.0 : double(cholmod_->factor->xsize);
+LinearSolverKind LinearSolver::kind() const {
+  LEFORT_CHECK(parts_->kind.has_value());
+  return *parts_->kind;
 }
+
+const LinearSolver::Statistics& LinearSolver::statistics() const { return parts_->statistics; }
 
 }  // namespace lefort::fem

@@ -1,47 +1,88 @@
 /// \file
-/// Symmetric positive definite linear systems by sparse Cholesky factorisation.
+/// Symmetric positive definite linear systems: directly, or by iterations.
 #pragma once
 
 #include <lefort/core/types.h>
+#include <lefort/fem/dof_map.h>
+#include <lefort/fem/factorisation.h>
 #include <lefort/fem/sparse_matrix.h>
 
+#include <tl/expected.hpp>
+
+#include <cstdint>
+#include <functional>
 #include <memory>
-#include <optional>
+#include <span>
 
 namespace lefort::fem {
 
-/// What came of a factorisation.
-enum class Factorisation {
-  kDone,
-  kNotPositiveDefinite,  ///< A pivot was not positive.
-  kNotFinite,            ///< The matrix holds NaN or infinity.
-  kOutOfMemory           ///< The factor does not fit into memory.
+enum class LinearSolverKind : std::uint8_t {
+  kAutomatic,  ///< Directly while that is quick, by multigrid beyond; see docs/linear-algebra.md.
+  kDirect,     ///< Multifrontal Cholesky factorisation.
+  kLagged,     ///< Conjugate gradients, preconditioned by the factor of an earlier matrix.
+  kMultigrid   ///< Conjugate gradients, preconditioned by smoothed aggregation multigrid.
 };
 
-/// Supernodal Cholesky factorisation (CHOLMOD), ordered by nested dissection (METIS).
+struct LinearSolverOptions {
+  LinearSolverKind kind = LinearSolverKind::kAutomatic;
+  Index direct_rows = 60000;  ///< Automatic: up to so many rows directly, >= 0.
+  int max_iterations = 300;   ///< Of conjugate gradients; >= 1.
+  std::int64_t memory_bytes = std::int64_t(16) << 30;  ///< What a factor may take, > 0.
+};
+
+/// Solves A x = b for one matrix after another; what depends on the pattern alone is kept.
 ///
-/// The symbolic analysis is done once per pattern and kept. The dense kernels are those of the BLAS
-/// at hand, run on one thread: same bits for any number of threads, on one kind of processor.
+/// \note Same bits for any number of threads, and on all processors of one vector width or another
+///   that fuse multiplication and addition.
 class LinearSolver {
  public:
-  LinearSolver();
+  explicit LinearSolver(const LinearSolverOptions& options = {});
   ~LinearSolver();
   LinearSolver(LinearSolver&&) noexcept;
   LinearSolver& operator=(LinearSolver&&) noexcept;
 
-  /// \param A  square, symmetric, lower triangle alone, compressed.
+  /// Tells which row is which component of which node. Without it there is no multigrid.
+  ///
+  /// \param nodes_L  reference positions of all nodes [mm].
+  /// \param dofs     whose free components are the rows.
+  void describe(std::span<const Vec3> nodes_L, const DofMap& dofs);
+
+  /// Prepares for solving with A.
+  ///
+  /// \param A  square, symmetric, lower triangle alone with the whole diagonal, compressed.
+  /// \returns kDone, kNotPositiveDefinite, kNotFinite or kOutOfMemory. The iterative kinds may see
+  ///   only in solve() that A is not positive definite.
   [[nodiscard]] Factorisation factorise(const SparseMatrix& A);
 
-  /// \returns A^-1 b, or nothing if memory ran out.
+  /// \param tolerance  the iterative kinds stop when |b - A x| <= tolerance |b|, > 0.
+  /// \returns A^-1 b; or kNotPositiveDefinite, kOutOfMemory, kNotConverged. If automatic, the next
+  ///   factorise() after kNotConverged is direct.
   /// \pre the last factorise() returned kDone; b has as many entries as A has columns.
-  [[nodiscard]] std::optional<VectorX> solve(const VectorX& b) const;
+  [[nodiscard]] tl::expected<VectorX, Factorisation> solve(const VectorX& b,
+                                                           double tolerance = 1e-10);
 
-  /// Entries of the factor, or 0 before the first analysis: memory is 8 bytes each.
-  [[nodiscard]] double factor_entries() const;
+  /// Both; if automatic and multigrid does not converge, directly.
+  ///
+  /// \param on_factorised  told between the two; may be empty.
+  [[nodiscard]] tl::expected<VectorX, Factorisation> solve(
+      const SparseMatrix& A, const VectorX& b, double tolerance = 1e-10,
+      const std::function<void()>& on_factorised = {});
+
+  /// What is used for the last matrix: never kAutomatic. \pre factorise() was called.
+  [[nodiscard]] LinearSolverKind kind() const;
+
+  /// What it has done so far.
+  struct Statistics {
+    int analyses = 0;             ///< Of patterns.
+    int factorisations = 0;       ///< Or hierarchies built.
+    int iterations = 0;           ///< Of conjugate gradients.
+    double factor_entries = 0.0;  ///< Of the present factor, 8 bytes each.
+  };
+  [[nodiscard]] const Statistics& statistics() const;
 
  private:
-  struct Cholmod;  // Keeps cholmod.h out of this header.
-  std::unique_ptr<Cholmod> cholmod_;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace lefort::fem

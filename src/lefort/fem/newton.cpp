@@ -80,40 +80,63 @@ SparseMatrix shifted(const SparseMatrix& K, double tau) {
   return sum;
 }
 
-/// Factorises the exact tangent; if that is not positive definite, one with as little of the convex
-/// one as helps; if even the convex one is not, that with as little shift as helps.
-///
-/// \param last  of the step before.
-/// \returns what was factorised, or why nothing was.
-tl::expected<Model, NewtonStop> factorise(const NonlinearSystem& system, const VectorX& x,
-                                          const Model& last, LinearSolver& solver,
-                                          const NewtonOptions& options, const Progress& progress) {
-  const SparseMatrix exact = system.tangent(x, Tangent::kExact);
-  enter(SolvePhase::kFactorisation, options);
-  Factorisation outcome = solver.factorise(exact);
-  if (outcome == Factorisation::kDone) return Model{};
-  if (outcome == Factorisation::kOutOfMemory) return tl::unexpected(NewtonStop::kOutOfMemory);
+/// A step and what it was found by.
+struct Direction {
+  VectorX dx;
+  Model model;
+};
 
-  enter(SolvePhase::kAssembly, options);
-  const SparseMatrix convex = system.tangent(x, Tangent::kConvex);
-  enter(SolvePhase::kFactorisation, options);
-  const double share =
-      last.reached_too_far ? last.convex_share * kShareGrowth : last.convex_share / kShareGrowth;
-  Model model{.convex_share = std::clamp(share, kFirstShare, 1.0)};
-  while (model.shift <= kLastShift && outcome == Factorisation::kNotPositiveDefinite) {
+/// Solves for the step by the exact tangent; if that is not positive definite, by one with as
+/// little of the convex one as helps; if even the convex one is not, by that with as little shift
+/// as helps.
+///
+/// \param last       of the step before.
+/// \param tolerance  of an iterative solver.
+/// \returns the step, or why there is none.
+tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system, const Iterate& at,
+                                                   const Model& last, double tolerance,
+                                                   LinearSolver& solver,
+                                                   const NewtonOptions& options,
+                                                   const Progress& progress) {
+  const VectorX right_side = -at.balance.residual_n;
+  const auto solve = [&](const SparseMatrix& A) {
+    enter(SolvePhase::kFactorisation, options);
+    auto dx = solver.solve(A, right_side, tolerance, [&] { enter(SolvePhase::kSolve, options); });
+    enter(SolvePhase::kAssembly, options);
+    return dx;
+  };
+  const SparseMatrix exact = system.tangent(at.x, Tangent::kExact);
+  auto dx = solve(exact);
+  if (dx) return Direction{*std::move(dx), {}};
+
+  SparseMatrix convex;
+  Model model;
+  while (!dx && dx.error() == Factorisation::kNotPositiveDefinite && model.shift <= kLastShift) {
     if (progress.stop_requested()) return tl::unexpected(NewtonStop::kCancelled);
-    outcome = solver.factorise(model.shift > 0.0 ? shifted(convex, model.shift)
-                                                 : blend(exact, convex, model.convex_share));
-    if (outcome == Factorisation::kDone) return model;
-    if (model.convex_share < 1.0) {
+    if (model.convex_share == 0.0) {
+      convex = system.tangent(at.x, Tangent::kConvex);
+      const double share = last.reached_too_far ? last.convex_share * kShareGrowth
+                                                : last.convex_share / kShareGrowth;
+      model.convex_share = std::clamp(share, kFirstShare, 1.0);
+    } else if (model.convex_share < 1.0) {
       model.convex_share = std::min(model.convex_share * kShareGrowth, 1.0);
     } else {
       model.shift = model.shift > 0.0 ? model.shift * kShiftGrowth
                                       : std::max(kFirstShift, last.shift / kShiftGrowth);
+      if (model.shift > kLastShift) break;
     }
+    dx = solve(model.shift > 0.0 ? shifted(convex, model.shift)
+                                 : blend(exact, convex, model.convex_share));
   }
-  return tl::unexpected(outcome == Factorisation::kOutOfMemory ? NewtonStop::kOutOfMemory
-                                                               : NewtonStop::kSingularTangent);
+  if (dx) return Direction{*std::move(dx), model};
+  switch (dx.error()) {
+    case Factorisation::kOutOfMemory:
+      return tl::unexpected(NewtonStop::kOutOfMemory);
+    case Factorisation::kNotConverged:
+      return tl::unexpected(NewtonStop::kLinearNotConverged);
+    default:
+      return tl::unexpected(NewtonStop::kSingularTangent);
+  }
 }
 
 /// \param expected_mj  the change of energy to first order, negative for a descent.
@@ -203,9 +226,36 @@ double tolerance_n(const Iterate& at, const NewtonOptions& options) {
                   options.absolute_tolerance_n);
 }
 
-const char* why_not_factorised(NewtonStop why) {
-  return why == NewtonStop::kOutOfMemory ? "out of memory" : "tangent not positive definite";
+const char* why_no_direction(NewtonStop why) {
+  switch (why) {
+    case NewtonStop::kOutOfMemory:
+      return "out of memory";
+    case NewtonStop::kLinearNotConverged:
+      return "linear iterations not converged";
+    case NewtonStop::kCancelled:
+      return "cancelled";
+    default:
+      return "tangent not positive definite";
+  }
 }
+
+/// To which part of the residual a step is solved for by iterations: while far from the solution
+/// not more exactly than the step itself is right, and so exactly towards the end that convergence
+/// stays quadratic (\cite eisenstat1996, choice 2).
+class ForcingTerm {
+ public:
+  /// \param wanted_n  the residual at which Newton stops.
+  double next(double residual_n, double wanted_n) {
+    const double ratio = last_residual_n_ > 0.0 ? residual_n / last_residual_n_ : 1.0;
+    last_residual_n_ = residual_n;
+    const double enough = residual_n > 0.0 ? kBeyond * wanted_n / residual_n : kLoosest;
+    return std::clamp(ratio * ratio, std::clamp(enough, kTightest, kLoosest), kLoosest);
+  }
+
+ private:
+  static constexpr double kLoosest = 1e-2, kTightest = 1e-10, kBeyond = 0.1;
+  double last_residual_n_ = 0.0;
+};
 
 NewtonIterate history_line(const Iterate& at, double step_length, const Model& model) {
   return {.residual_n = at.residual_n,
@@ -253,6 +303,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
 
   Iterate at = *std::move(first);
   Headway headway(at);
+  ForcingTerm forcing;
   Model model;
   outcome.history.push_back(history_line(at, 0.0, model));
   const auto stop = [&](NewtonStop why, const std::string& what) {
@@ -268,21 +319,19 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
   while (!(at.residual_n <= tolerance_n(at, options))) {  // Written so that NaN is not converged.
     if (outcome.iterations() == options.max_iterations)
       return stop(NewtonStop::kTooManyIterations, "not converged");
-    const auto factorised = factorise(system, at.x, model, linear_solver, options, progress);
+    const double tolerance = forcing.next(at.residual_n, tolerance_n(at, options));
+    auto direction = find_direction(system, at, model, tolerance, linear_solver, options, progress);
     if (progress.stop_requested()) return stop(NewtonStop::kCancelled, "cancelled");
-    if (!factorised) return stop(factorised.error(), why_not_factorised(factorised.error()));
-    model = *factorised;
+    if (!direction) return stop(direction.error(), why_no_direction(direction.error()));
+    model = direction->model;
 
-    enter(SolvePhase::kSolve, options);
-    const std::optional<VectorX> dx = linear_solver.solve(-at.balance.residual_n);
-    enter(SolvePhase::kAssembly, options);
-    if (!dx) return stop(NewtonStop::kOutOfMemory, why_not_factorised(NewtonStop::kOutOfMemory));
-    std::optional<Step> step = backtrack(system, at, *dx, options);
+    const VectorX& dx = direction->dx;
+    std::optional<Step> step = backtrack(system, at, dx, options);
     if (!step) return stop(NewtonStop::kStagnated, "no step leads downhill");
 
     model.reached_too_far = step->length < kTooFar;
     if (model.convex_share > 0.0 && step->length == 1.0)
-      step = lengthen(system, at, *dx, *std::move(step), options);
+      step = lengthen(system, at, dx, *std::move(step), options);
 
     const int idle = headway.steps_without(at, step->to, model.shift > 0.0);
     at = std::move(step->to);

@@ -69,6 +69,7 @@ enum class NewtonStop {
   kTooManyIterations,
   kStagnated,        ///< No step, or many steps in a row, brought no headway.
   kSingularTangent,  ///< No shift made the tangent positive definite: nothing holds the body.
+  kLinearNotConverged,  ///< An iterative linear solver gave up.
   kOutOfMemory,      ///< The factor does not fit into memory; the problem may well have a solution.
   kInadmissibleStart,  ///< The start itself turns an element inside out, or is not finite.
   kRefused,            ///< Converged to a state that the caller does not accept.
@@ -119,6 +120,8 @@ struct NewtonOutcome {
 /// downhill without end, only if it gains a notable part of what was gained so far.
 ///
 /// \param options        \pre valid.
+/// An iterative linear solver is asked for as much accuracy as each step deserves.
+///
 /// \param linear_solver  keeps its symbolic analysis from one call to the next.
 /// \param progress       asked before every iteration and factorisation whether to stop.
 [[nodiscard]] NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,

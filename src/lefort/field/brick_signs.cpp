@@ -27,15 +27,44 @@ BrickSigns signs_of(std::span<const float, SparseLattice::kBrickPoints> distance
   return signs;
 }
 
-std::array<BrickBits, 3> sign_changes(const BrickSigns& signs) {
-  std::array<BrickBits, 3> changes{};
-  for (std::size_t z = 0; z < kSide; ++z) {
-    const std::uint64_t known = signs.known[z], inside = signs.inside[z];
-    changes[0][z] = (inside ^ inside >> 1) & known & known >> 1 & columns_until(7);
-    changes[1][z] = (inside ^ inside >> 8) & known & known >> 8;
-    if (z + 1 < kSide) changes[2][z] = (inside ^ signs.inside[z + 1]) & known & signs.known[z + 1];
+void hand_on_sides(BrickSigns& signs, BrickBits& to_find) {
+  const auto from_neighbours = [](const BrickBits& bits, std::size_t z) {
+    const std::uint64_t here = bits[z];
+    return (here << 1 & ~kFirstColumn) | (here >> 1 & columns_until(7)) | here << 8 | here >> 8 |
+           (z > 0 ? bits[z - 1] : 0) | (z + 1 < kSide ? bits[z + 1] : 0);
+  };
+  for (bool moved = true; moved;) {
+    moved = false;
+    BrickBits inside{}, outside{};
+    for (std::size_t z = 0; z < kSide; ++z) {
+      const std::uint64_t tell = signs.apart[z] & ~to_find[z];
+      inside[z] = tell & signs.inside[z];
+      outside[z] = tell & ~signs.inside[z];
+    }
+    for (std::size_t z = 0; z < kSide; ++z) {
+      const std::uint64_t asked = to_find[z] & signs.apart[z];
+      if (asked == 0) continue;
+      const std::uint64_t in = from_neighbours(inside, z), out = from_neighbours(outside, z);
+      const std::uint64_t found = asked & (in ^ out);
+      signs.inside[z] |= found & in;
+      to_find[z] &= ~found;
+      moved |= found != 0;
+    }
   }
-  return changes;
+}
+
+std::array<BrickBits, 3> possible_tears(const BrickSigns& signs) {
+  std::array<BrickBits, 3> pairs{};
+  for (std::size_t z = 0; z < kSide; ++z) {
+    const std::uint64_t known = signs.known[z], inside = signs.inside[z], apart = signs.apart[z];
+    pairs[0][z] =
+        (inside ^ inside >> 1) & known & known >> 1 & (apart | apart >> 1) & columns_until(7);
+    pairs[1][z] = (inside ^ inside >> 8) & known & known >> 8 & (apart | apart >> 8);
+    if (z + 1 < kSide)
+      pairs[2][z] = (inside ^ signs.inside[z + 1]) & known & signs.known[z + 1] &
+                    (apart | signs.apart[z + 1]);
+  }
+  return pairs;
 }
 
 std::uint64_t face_bits(const BrickBits& bits, int axis, bool highest) {

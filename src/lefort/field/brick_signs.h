@@ -17,6 +17,9 @@ using BrickBits = std::array<std::uint64_t, std::size_t(SparseLattice::kSide)>;
 struct BrickSigns {
   BrickBits known{};
   BrickBits inside{};  ///< Of those that are known.
+  /// Of those that are known: more than half a cell from the surface. No surface passes between two
+  /// neighbours that are, and their distances contradict each other if their signs do.
+  BrickBits apart{};
 
   [[nodiscard]] bool any_known() const {
     std::uint64_t any = 0;
@@ -41,9 +44,18 @@ struct BrickSigns {
 /// \param distances  NaN where not known.
 [[nodiscard]] BrickSigns signs_of(std::span<const float, SparseLattice::kBrickPoints> distances);
 
-/// Pairs of known neighbours within the brick on different sides, by axis: bit i of axis k is the
-/// pair of point i and the next along k.
-[[nodiscard]] std::array<BrickBits, 3> sign_changes(const BrickSigns& signs);
+/// Hands sides from point to point where no surface can pass: a point's distance is that of all its
+/// surroundings.
+///
+/// \param to_find  known points whose side is not; those reached leave it. A point whose neighbours
+///   disagree is not reached.
+/// \param signs    has the sides of the other known points; receives those found.
+void hand_on_sides(BrickSigns& signs, BrickBits& to_find);
+
+/// Pairs of known neighbours within the brick whose distances may contradict each other: on
+/// different sides, and not both near the surface. By axis: bit i of axis k is the pair of point i
+/// and the next along k.
+[[nodiscard]] std::array<BrickBits, 3> possible_tears(const BrickSigns& signs);
 
 /// The points of a face of the brick, 64 to a word: the lowest or the highest along an axis, in an
 /// order that is the same for both.

@@ -31,6 +31,7 @@ using Distances = std::array<float, SparseLattice::kBrickPoints>;
 struct FaceSigns {
   std::array<std::array<std::uint64_t, 2>, 3> known{};  ///< By axis, lowest and highest points.
   std::array<std::array<std::uint64_t, 2>, 3> inside{};
+  std::array<std::array<std::uint64_t, 2>, 3> apart{};
 };
 
 /// A brick as it will be stored.
@@ -88,10 +89,10 @@ std::vector<std::size_t> torn_points(const Distances& distances, const BrickSign
                                      float cell_mm) {
   constexpr std::array<std::size_t, 3> kStride = {1, kSide, kSide * kSide};
   std::vector<std::size_t> torn;
-  const std::array<BrickBits, 3> changes = sign_changes(signs);
+  const std::array<BrickBits, 3> pairs = possible_tears(signs);
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t z = 0; z < std::size_t(kSide); ++z)
-      for (std::uint64_t word = changes[axis][z]; word != 0; word &= word - 1) {
+      for (std::uint64_t word = pairs[axis][z]; word != 0; word &= word - 1) {
         const std::size_t i = z * 64 + std::size_t(std::countr_zero(word));
         if (is_torn(distances[i], distances[i + kStride[axis]], cell_mm))
           torn.insert(torn.end(), {i, i + kStride[axis]});
@@ -99,17 +100,37 @@ std::vector<std::size_t> torn_points(const Distances& distances, const BrickSign
   return torn;
 }
 
-void encode(Distances& distances, const BrickSigns& signs, const FieldFrame& frame,
+/// Where a surface cuts through itself its nearest feature may tell the wrong side; how often it
+/// winds around a point does not.
+void take_sides_by_winding(const WindingRows& winding, const LatticePoint& first, float cell_mm,
+                           Distances& distances, BrickSigns& signs) {
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    if (!(std::abs(distances[i]) > cell_mm)) continue;  // Nor if not known.
+    const bool inside = winding.is_inside(point_at(first, int(i)));
+    distances[i] = std::copysign(distances[i], inside ? -1.0F : 1.0F);
+    const std::uint64_t bit = std::uint64_t(1) << (i % 64);
+    signs.inside[i / 64] = (signs.inside[i / 64] & ~bit) | (inside ? bit : 0);
+  }
+}
+
+void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
             const WindingRows* winding, std::int32_t number, EncodedBrick& encoded) {
   encoded.brick = {};
   encoded.empty = !signs.any_known();
   if (encoded.empty) return;
-  const std::vector<std::size_t> torn = torn_points(distances, signs, float(frame.cell_mm));
+  const auto cell_mm = float(frame.cell_mm);
+  std::vector<std::size_t> torn = torn_points(distances, signs, cell_mm);
+  if (!torn.empty() && winding != nullptr) {
+    take_sides_by_winding(*winding, SparseLattice::first_point_of(number, frame.resolution),
+                          cell_mm, distances, signs);
+    torn = torn_points(distances, signs, cell_mm);
+  }
   for (int axis = 0; axis < 3; ++axis)
     for (const bool highest : {false, true}) {
       const auto a = std::size_t(axis);
       encoded.faces.known[a][std::size_t(highest)] = face_bits(signs.known, axis, highest);
       encoded.faces.inside[a][std::size_t(highest)] = face_bits(signs.inside, axis, highest);
+      encoded.faces.apart[a][std::size_t(highest)] = face_bits(signs.apart, axis, highest);
     }
   if (winding != nullptr) {
     const BrickBits inside = inside_with_far(signs, *winding, number, frame);
@@ -146,8 +167,8 @@ std::vector<LatticePoint> torn_across_faces(const BrickSamples& samples,
       const std::int32_t next = slots[std::size_t(number + stride[a])];
       if (next == SparseLattice::kNoBrick) continue;
       const FaceSigns &here = faces[std::size_t(slot)], &there = faces[std::size_t(next)];
-      std::uint64_t changes =
-          (here.inside[a][1] ^ there.inside[a][0]) & here.known[a][1] & there.known[a][0];
+      std::uint64_t changes = (here.inside[a][1] ^ there.inside[a][0]) & here.known[a][1] &
+                              there.known[a][0] & (here.apart[a][1] | there.apart[a][0]);
       for (; changes != 0; changes &= changes - 1) {
         const int bit = std::countr_zero(changes);
         const LatticePoint p = point_at(SparseLattice::first_point_of(number, samples.resolution()),
@@ -184,7 +205,7 @@ Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& 
         count,
         [&](Index i) {
           Distances distances;
-          const BrickSigns signs = sampler.sample(begin + i, distances);
+          BrickSigns signs = sampler.sample(begin + i, distances);
           encode(distances, signs, frame, winding, candidates[std::size_t(begin + i)],
                  wave[std::size_t(i)]);
         },

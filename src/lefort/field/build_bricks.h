@@ -12,7 +12,8 @@ namespace lefort::field {
 
 /// Samples brick by brick and keeps the leaves that the band reaches. Two neighbours that differ by
 /// more than a cell, as at the rim of an open surface or where a surface cuts through itself,
-/// contradict each other: both become unknown.
+/// contradict each other. In their brick the winding number then decides, if there is one; where
+/// they still do, both become unknown.
 ///
 /// \param sampler  of `frame`, with a reach of frame.band_mm.
 /// \param winding  of the surface, or null if it is open.

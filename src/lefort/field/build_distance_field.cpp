@@ -114,8 +114,8 @@ Result<DistanceField::Samples> build_samples(const PreparedSurface& surface,
     progress.begin_stage("unite cells of the distance field");
     return coalesce(sided, frame, progress);
   }
-  LEFORT_TRY_VOID(check_band_fits(surface, frame, frame.band_mm));
-  const BandSampler sampler(surface, frame, frame.band_mm);
+  LEFORT_TRY(const BandSampler sampler, BandSampler::create(surface, frame, frame.band_mm,
+                                                            BandSampler::kMostPoints, progress));
   if (method == FieldMethod::kUniform) return build_dense(sampler, frame, winding, progress);
   return build_bricks(sampler, frame, winding, progress);
 }

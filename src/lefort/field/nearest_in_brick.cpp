@@ -1,289 +1,76 @@
+#include <lefort/field/internal/tile_kernel.h>
 #include <lefort/field/nearest_in_brick.h>
-#include <lefort/field/triangle_frame.h>
-
-#include <algorithm>
-#include <cmath>
 
 namespace lefort::field {
 
 namespace {
 
-#define LEFORT_INLINE inline __attribute__((always_inline))
-
-// Generic vectors: the compiler turns them into the registers of each target. Sixteen lanes are a
-// tile.
-constexpr std::size_t kLanes = NearestInBrick::kTilePoints;
-constexpr int kSide = SparseLattice::kSide;
-static_assert(kLanes == 16);
-using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
-using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
-
-/// The seven quantities of TriangleFrame, and the height downwards.
-constexpr std::size_t kHeight = 0, kAlong = 1, kOutward = 4, kDepth = 7, kQuantities = 8;
-using Quantities = float __attribute__((vector_size(kQuantities * sizeof(float))));
-
-/// A triangle as a brick sees it.
-struct Planes {
-  Quantities at_low;               ///< The quantities at the brick's first point,
-  std::array<Quantities, 3> step;  ///< and their steps from point to point along its axes.
-  std::array<float, 3> length;
-  float inside_limit;            ///< 0; -infinity without area, so that no point is inside.
-  std::array<int, 3> low, high;  ///< Points within reach of its box: from `low` to before `high`.
-};
-
-/// Triangles prepared together.
-constexpr std::size_t kBatch = 8;
-using Doubles = double __attribute__((vector_size(kBatch * sizeof(double))));
-using Lanes = std::array<double, kBatch>;
-
-struct Vectors {
-  Doubles x, y, z;
-};
-
-LEFORT_INLINE Vectors operator-(const Vectors& a, const Vectors& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-LEFORT_INLINE Vectors operator-(const Vectors& a) { return {-a.x, -a.y, -a.z}; }
-LEFORT_INLINE Vectors operator*(const Vectors& a, const Doubles& s) {
-  return {a.x * s, a.y * s, a.z * s};
-}
-LEFORT_INLINE Doubles dot(const Vectors& a, const Vectors& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-LEFORT_INLINE Vectors cross(const Vectors& a, const Vectors& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-LEFORT_INLINE Doubles square_root(const Doubles& values) {
-  Doubles roots{};
-  for (std::size_t l = 0; l < kBatch; ++l) roots[l] = __builtin_sqrt(values[l]);
-  return roots;
-}
-template <class V>
-LEFORT_INLINE V smaller(const V& a, const V& b) {
-  return a < b ? a : b;
-}
-template <class V>
-LEFORT_INLINE V larger(const V& a, const V& b) {
-  return a > b ? a : b;
-}
-
-using Batch = std::array<Planes, kBatch>;
-
-LEFORT_INLINE void set_quantity(Batch& batch, std::size_t which, const Vectors& direction,
-                                const Vectors& origin, double cell) {
-  const Doubles at_low = -dot(direction, origin);
-  const Vectors step = direction * (Doubles{} + cell);
-  for (std::size_t l = 0; l < kBatch; ++l) {
-    batch[l].at_low[which] = float(at_low[l]);
-    batch[l].step[0][which] = float(step.x[l]);
-    batch[l].step[1][which] = float(step.y[l]);
-    batch[l].step[2][which] = float(step.z[l]);
-  }
-}
-
-/// Whole numbers from 0 to kSide: the first not below `from` and the one after the last not above
-/// `to`, both counted in cells.
-LEFORT_INLINE void set_range(const Doubles& from, const Doubles& to, std::size_t axis,
-                             Batch& batch) {
-  const Doubles zero{};
-  const Doubles most = zero + double(kSide);
-  const Doubles below = most - larger(zero, smaller(most, from));
-  const Doubles above = larger(zero, smaller(most, to + 1.0));
-  for (std::size_t l = 0; l < kBatch; ++l) {
-    batch[l].low[axis] = kSide - int(below[l]);
-    batch[l].high[axis] = int(above[l]);
-  }
-}
-
-/// triangle_frame() for several at once, as seen from a brick. Returns which have no area.
-LEFORT_INLINE unsigned prepare(const std::array<Vectors, 3>& corners, double cell, double reach_mm,
-                               Batch& batch) {
-  std::array<Vectors, 3> along;
-  std::array<Doubles, 3> squared;
-  for (std::size_t i = 0; i < 3; ++i) {
-    along[i] = corners[(i + 1) % 3] - corners[i];
-    squared[i] = dot(along[i], along[i]);
-  }
-  const Vectors n = cross(along[0], corners[2] - corners[0]);
-  const Doubles n2 = dot(n, n);
-  const Doubles longest = larger(squared[0], larger(squared[1], squared[2]));
-  constexpr double kRatio = geometry::kDegenerateHeightRatio;
-  unsigned flat = 0;
-  for (std::size_t l = 0; l < kBatch; ++l)
-    if (!(n2[l] > kRatio * kRatio * longest[l] * longest[l])) flat |= 1U << l;
-
-  const Vectors normal = n * (1.0 / square_root(n2));
-  set_quantity(batch, kHeight, normal, corners[0], cell);
-  set_quantity(batch, kDepth, -normal, corners[0], cell);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Doubles length = square_root(squared[i]);
-    const Vectors unit = along[i] * (1.0 / length);
-    set_quantity(batch, kAlong + i, unit, corners[i], cell);
-    set_quantity(batch, kOutward + i, cross(unit, normal), corners[i], cell);
-    for (std::size_t l = 0; l < kBatch; ++l) batch[l].length[i] = float(length[l]);
-  }
-  const double per_cell = 1.0 / cell;
-  const auto along_axis = [&](const Doubles& a, const Doubles& b, const Doubles& c,
-                              std::size_t axis) __attribute__((always_inline)) {
-    set_range((smaller(a, smaller(b, c)) - reach_mm) * per_cell,
-              (larger(a, larger(b, c)) + reach_mm) * per_cell, axis, batch);
-  };
-  along_axis(corners[0].x, corners[1].x, corners[2].x, 0);
-  along_axis(corners[0].y, corners[1].y, corners[2].y, 1);
-  along_axis(corners[0].z, corners[1].z, corners[2].z, 2);
-  for (Planes& planes : batch) planes.inside_limit = 0.0F;
-  return flat;
-}
-
-/// The same for a triangle without area; its box is kept.
-void prepare_flat(const TriangleFrame& frame, double cell, Planes& planes) {
-  const auto set = [&](std::size_t which, const Vec3& direction, const Vec3& origin) {
-    planes.at_low[which] = float(-direction.dot(origin));
-    for (int k = 0; k < 3; ++k) planes.step[std::size_t(k)][which] = float(cell * direction[k]);
-  };
-  set(kHeight, frame.normal, frame.corners[0]);
-  set(kDepth, -frame.normal, frame.corners[0]);
-  for (std::size_t i = 0; i < 3; ++i) {
-    set(kAlong + i, frame.along[i], frame.corners[i]);
-    set(kOutward + i, frame.outward[i], frame.corners[i]);
-    planes.length[i] = float(frame.length[i]);
-  }
-  planes.inside_limit = -INFINITY;
-}
-
-/// Squared distance to a side within the plane of the triangle.
-LEFORT_INLINE Floats squared_to_side(const Floats& along, const Floats& outward, float length) {
-  const Floats beyond = larger(larger(-along, along - length), Floats{});
-  return outward * outward + beyond * beyond;
-}
-
-/// The largest of sixteen.
-LEFORT_INLINE float largest(Floats values) {
-  values = larger(values, __builtin_shuffle(
-                              values, Ints{8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7}));
-  values = larger(values, __builtin_shuffle(
-                              values, Ints{4, 5, 6, 7, 0, 1, 2, 3, 12, 13, 14, 15, 8, 9, 10, 11}));
-  values = larger(values, __builtin_shuffle(
-                              values, Ints{2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13}));
-  return std::max(values[0], values[1]);
-}
-
-/// The largest of eight.
-LEFORT_INLINE float largest(Quantities values) {
-  using Places = std::int32_t __attribute__((vector_size(kQuantities * sizeof(std::int32_t))));
-  values = larger(values, __builtin_shuffle(values, Places{4, 5, 6, 7, 0, 1, 2, 3}));
-  values = larger(values, __builtin_shuffle(values, Places{2, 3, 0, 1, 6, 7, 4, 5}));
-  return std::max(values[0], values[1]);
-}
+using namespace internal;
 
 LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInBrick& nearest) {
   constexpr int kTileX = int(NearestInBrick::kTileX), kTileY = int(NearestInBrick::kTileY),
                 kTileZ = int(NearestInBrick::kTileZ);
-  static_assert(kTileX == 4 && kTileY == 2 && kTileZ == 2);
-  constexpr Floats kX = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-  constexpr Floats kY = {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1};
-  constexpr Floats kZ = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
   Floats across[kQuantities - 1];
-  for (std::size_t n = 0; n + 1 < kQuantities; ++n)
-    across[n] = kX * planes.step[0][n] + kY * planes.step[1][n] + kZ * planes.step[2][n];
-  // How far height, depth and the three positions outward fall, at most, within a tile. None of
-  // them exceeds the distance, so their largest bounds it from below.
-  constexpr Quantities kAnywhere = {0, -INFINITY, -INFINITY, -INFINITY, 0, 0, 0, 0};
-  const Quantities none{};
-  const Quantities fall = kAnywhere + smaller(none, planes.step[0] * float(kTileX - 1)) +
-                          smaller(none, planes.step[1] * float(kTileY - 1)) +
-                          smaller(none, planes.step[2] * float(kTileZ - 1));
-  const Ints code = Ints{} + 4 * triangle;
+  for (std::size_t n = 0; n + 1 < kQuantities; ++n) across[n] = within_tile(planes, n);
 
   for (int z = planes.low[2] & -kTileZ; z < planes.high[2]; z += kTileZ) {
     for (int y = planes.low[1] & -kTileY; y < planes.high[1]; y += kTileY) {
       const Quantities row = planes.at_low + planes.step[1] * float(y) + planes.step[2] * float(z);
       for (int x = planes.low[0] & -kTileX; x < planes.high[0]; x += kTileX) {
         const Quantities here = row + planes.step[0] * float(x);
-        const std::size_t place = NearestInBrick::place_of(x, y, z);
-        float& farthest_mm2 = nearest.farthest_mm2[place / kLanes];
-        const float bound = std::max(largest(here + fall), 0.0F);
-        if (bound * bound > farthest_mm2) continue;
-
-        const Floats height = across[kHeight] + here[kHeight];
-        const Floats out_0 = across[kOutward] + here[kOutward];
-        const Floats out_1 = across[kOutward + 1] + here[kOutward + 1];
-        const Floats out_2 = across[kOutward + 2] + here[kOutward + 2];
-        const Floats rim = smaller(
-            squared_to_side(across[kAlong] + here[kAlong], out_0, planes.length[0]),
-            smaller(
-                squared_to_side(across[kAlong + 1] + here[kAlong + 1], out_1, planes.length[1]),
-                squared_to_side(across[kAlong + 2] + here[kAlong + 2], out_2, planes.length[2])));
-        const Ints inside = larger(out_0, larger(out_1, out_2)) <= planes.inside_limit;
-        const Floats squared = height * height + (inside ? Floats{} : rim);
-
-        auto& known = *reinterpret_cast<Floats*>(&nearest.squared_mm2[place]);
-        auto& known_code = *reinterpret_cast<Ints*>(&nearest.code[place]);
-        const Ints nearer = squared < known;
-        known = nearer ? squared : known;
-        farthest_mm2 = largest(known);
-        // True lanes are -1.
-        known_code = nearer ? code - 2 * inside - (height < Floats{}) : known_code;
+        const auto quantity = [&](std::size_t n) __attribute__((always_inline)) {
+          return across[n] + here[n];
+        };
+        visit_tile(planes, quantity, triangle, NearestInBrick::place_of(x, y, z), nearest);
       }
     }
   }
 }
 
+LEFORT_INLINE void visit_batch(const geometry::TriangleMesh& mesh,
+                               std::span<const std::int32_t> triangles, const Vec3& low,
+                               double cell, double reach_mm, NearestInBrick& nearest) {
+  alignas(64) Batch batch;
+  prepare_triangles(mesh, triangles, low, cell, reach_mm, batch);
+  for (std::size_t l = 0; l < triangles.size(); ++l) visit(batch[l], triangles[l], nearest);
+}
+
+/// Every sixteenth triangle first, then those halfway between, and so on: neighbours in number are
+/// neighbours in space, so that the first few, spread over the brick, rule out most of the others.
 LEFORT_INLINE void visit_all(const geometry::TriangleMesh& mesh,
                              std::span<const std::int32_t> triangles, const Vec3& low, double cell,
                              double reach_mm, NearestInBrick& nearest) {
-  alignas(64) Batch batch;
-  for (std::size_t begin = 0; begin < triangles.size(); begin += kBatch) {
-    const std::size_t count = std::min(kBatch, triangles.size() - begin);
-    std::array<Vectors, 3> corners;
-    for (std::size_t l = 0; l < kBatch; ++l) {
-      const geometry::Triangle& t =
-          mesh.triangles[std::size_t(triangles[begin + std::min(l, count - 1)])];
-      for (std::size_t i = 0; i < 3; ++i) {
-        const double* const p = mesh.vertices[std::size_t(t[i])].data();
-        corners[i].x[l] = p[0] - low.data()[0];
-        corners[i].y[l] = p[1] - low.data()[1];
-        corners[i].z[l] = p[2] - low.data()[2];
-      }
-    }
-    const unsigned flat = prepare(corners, cell, reach_mm, batch);
-    for (std::size_t l = 0; l < count; ++l) {
-      const std::int32_t t = triangles[begin + l];
-      if ((flat >> l & 1U) != 0)
-        prepare_flat(triangle_frame(mesh.corner(t, 0) - low, mesh.corner(t, 1) - low,
-                                    mesh.corner(t, 2) - low),
-                     cell, batch[l]);
-      visit(batch[l], t, nearest);
+  constexpr std::size_t kFirstStep = 16;
+  std::array<std::int32_t, kBatch> chosen;
+  std::size_t count = 0;
+  for (std::size_t half = kFirstStep; half > 0; half /= 2) {
+    const bool is_first = half == kFirstStep;
+    for (std::size_t i = is_first ? 0 : half; i < triangles.size();
+         i += is_first ? half : 2 * half) {
+      chosen[count++] = triangles[i];
+      if (count < kBatch) continue;
+      visit_batch(mesh, chosen, low, cell, reach_mm, nearest);
+      count = 0;
     }
   }
+  if (count > 0) visit_batch(mesh, std::span(chosen).first(count), low, cell, reach_mm, nearest);
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx512f,avx512vl,avx512bw,avx512dq,prefer-vector-width=512"))) void
-visit_avx512(const geometry::TriangleMesh& mesh, std::span<const std::int32_t> triangles,
-             const Vec3& low, double cell, double reach_mm, NearestInBrick& nearest) {
+LEFORT_AVX512 void visit_avx512(const geometry::TriangleMesh& mesh,
+                                std::span<const std::int32_t> triangles, const Vec3& low,
+                                double cell, double reach_mm, NearestInBrick& nearest) {
   visit_all(mesh, triangles, low, cell, reach_mm, nearest);
 }
 
-__attribute__((target("avx2"))) void visit_avx2(const geometry::TriangleMesh& mesh,
-                                                std::span<const std::int32_t> triangles,
-                                                const Vec3& low, double cell, double reach_mm,
-                                                NearestInBrick& nearest) {
+LEFORT_AVX2 void visit_avx2(const geometry::TriangleMesh& mesh,
+                            std::span<const std::int32_t> triangles, const Vec3& low, double cell,
+                            double reach_mm, NearestInBrick& nearest) {
   visit_all(mesh, triangles, low, cell, reach_mm, nearest);
 }
 #endif
 
 }  // namespace
-
-Simd best_simd() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq"))
-    return Simd::kAvx512;
-  if (__builtin_cpu_supports("avx2")) return Simd::kAvx2;
-#endif
-  return Simd::kBaseline;
-}
 
 void visit_triangles(const geometry::TriangleMesh& mesh, std::span<const std::int32_t> triangles,
                      const Vec3& low, double cell, double reach_mm, Simd simd,

@@ -2,6 +2,7 @@
 /// The innermost loop of building a field: which triangle is nearest to each point of a brick.
 #pragma once
 
+#include <lefort/field/simd.h>
 #include <lefort/field/sparse_lattice.h>
 #include <lefort/geometry/triangle_mesh.h>
 
@@ -17,19 +18,15 @@ struct alignas(64) NearestInBrick {
   static constexpr std::int32_t kNone = -1;
   static constexpr unsigned kTileX = 4, kTileY = 2, kTileZ = 2;
   static constexpr unsigned kTilePoints = kTileX * kTileY * kTileZ;
-  static constexpr std::size_t kTiles = SparseLattice::kBrickPoints / kTilePoints;
 
   std::array<float, SparseLattice::kBrickPoints> squared_mm2;
   /// 4 * triangle + 2 * (its face is nearest, not its rim) + (the point is below its plane), or
   /// kNone beyond the reach.
   std::array<std::int32_t, SparseLattice::kBrickPoints> code;
-  /// The largest in each tile: what is further away changes nothing there.
-  std::array<float, kTiles> farthest_mm2;
 
   void clear(float reach_mm) {
     squared_mm2.fill(reach_mm * reach_mm);
     code.fill(kNone);
-    farthest_mm2.fill(reach_mm * reach_mm);
   }
 
   /// Where a point is kept: tiles x fastest, points in a tile x fastest.
@@ -41,14 +38,8 @@ struct alignas(64) NearestInBrick {
   }
 };
 
-/// Instruction sets the loop is compiled for; all give the same bits.
-enum class Simd : std::uint8_t { kBaseline, kAvx2, kAvx512 };
-
-/// The best that this processor has.
-[[nodiscard]] Simd best_simd();
-
-/// Takes each triangle wherever it is strictly nearer than what was known; one after the other, so
-/// that among equals the first stays.
+/// Takes each triangle wherever it is strictly nearer than what was known; among equals the first
+/// visited stays. The order of visits depends on the length of the list alone.
 ///
 /// The arithmetic of distances is in single precision but relative to the brick, so errors are of
 /// the order of 1e-7 of the larger of reach, brick and triangle.

@@ -282,7 +282,8 @@ class Surroundings {
   /// Whether the ray from `p` along +x crosses a triangle.
   [[nodiscard]] bool crosses(std::int32_t t, const Vec3& p) const {
     const Vec3 &a = mesh_.corner(t, 0), &b = mesh_.corner(t, 1), &c = mesh_.corner(t, 2);
-    const double u = turn_in_yz(b, c, p), v = turn_in_yz(c, a, p), w = turn_in_yz(a, b, p);
+    const double u = EdgeInYz(b, c).turn(p.y(), p.z()), v = EdgeInYz(c, a).turn(p.y(), p.z()),
+                 w = EdgeInYz(a, b).turn(p.y(), p.z());
     const bool all_left = u > 0.0 && v > 0.0 && w > 0.0;
     const bool all_right = u < 0.0 && v < 0.0 && w < 0.0;
     if (!all_left && !all_right) return false;

@@ -1,9 +1,12 @@
 #include <lefort/core/check.h>
+#include <lefort/field/internal/simd.h>
 #include <lefort/field/query_bricks.h>
 #include <lefort/field/trilinear.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstring>
 
 namespace lefort::field {
 
@@ -11,54 +14,64 @@ namespace {
 
 /// Points worked on together: enough for memory to arrive, few enough to stay in the first cache.
 constexpr std::size_t kGroup = 32;
+constexpr std::size_t kLanes = 16;
+constexpr std::size_t kCorners = 8;
 
-/// A point on its way through the three stages.
-struct Pending {
-  LatticePoint cell;
-  std::array<double, 3> t;  ///< Position in the cell.
-  bool in_box;
-  std::array<const std::byte*, 8> corners;
-};
-
-void prefetch(const void* place) { __builtin_prefetch(place); }
+using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
+using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
+using Doubles = double __attribute__((vector_size(kLanes * sizeof(double))));
 
 /// What a lookup needs again and again.
 struct Lookup {
   const Brick* bricks;
   const std::byte* codes;
   std::int32_t side;  ///< Bricks along a side of the table.
-  std::array<double, 3> origin;
+  std::int32_t last_cell;
+  double most;  ///< Cells along a side of the cube.
   double cells_per_mm;
-  int resolution;
+  /// Of the cube, x, y, z again and again: positions are worked on as one long row of numbers.
+  std::array<double, 3 * kGroup> origin;
 
   Lookup(const BrickSamples& samples, const FieldFrame& frame)
       : bricks(samples.bricks().data()),
         codes(samples.codes().data()),
         side(SparseLattice::bricks_per_side(samples.resolution())),
-        origin{frame.origin_B[0], frame.origin_B[1], frame.origin_B[2]},
-        cells_per_mm(1.0 / frame.cell_mm),
-        resolution(frame.resolution) {}
+        last_cell(frame.resolution - 1),
+        most(frame.resolution),
+        cells_per_mm(1.0 / frame.cell_mm) {
+    for (std::size_t i = 0; i < origin.size(); ++i) origin[i] = frame.origin_B[Index(i % 3)];
+  }
 };
 
-/// Stage 1: which cell.
-Pending locate(const Lookup& lookup, const Vec3& p_B) {
-  Pending pending;
-  const std::array<double, 3> u = {(p_B[0] - lookup.origin[0]) * lookup.cells_per_mm,
-                                   (p_B[1] - lookup.origin[1]) * lookup.cells_per_mm,
-                                   (p_B[2] - lookup.origin[2]) * lookup.cells_per_mm};
-  const double most = lookup.resolution;
-  // NaN fails, too.
-  pending.in_box =
-      u[0] >= 0.0 && u[1] >= 0.0 && u[2] >= 0.0 && u[0] <= most && u[1] <= most && u[2] <= most;
-  if (!pending.in_box) return pending;
-  for (std::size_t k = 0; k < 3; ++k) {
-    pending.cell[k] = std::min(int(u[k]), lookup.resolution - 1);
-    pending.t[k] = u[k] - pending.cell[k];
+/// Points on their way through the three stages.
+template <class Real>
+struct Group {
+  std::array<std::int32_t, 3 * kGroup> cell;
+  std::array<Real, 3 * kGroup> t;               ///< Positions in the cells.
+  std::array<std::int32_t, 3 * kGroup> within;  ///< 0 beyond the cube, or if no number; else -1.
+  std::array<const std::byte*, kCorners * kGroup> corners;  ///< Codes, point after point.
+};
+
+LEFORT_INLINE void prefetch(const void* place) { __builtin_prefetch(place); }
+
+/// Stage 1: which cells.
+///
+/// \param p  x, y, z of the points of a group, one after another.
+template <class Real>
+LEFORT_INLINE void locate(const Lookup& lookup, const double* p, Group<Real>& group) {
+  for (std::size_t i = 0; i < 3 * kGroup; ++i) {
+    const double u = (p[i] - lookup.origin[i]) * lookup.cells_per_mm;
+    const bool within = u >= 0.0 && u <= lookup.most;  // NaN is not.
+    const std::int32_t cell = std::min(std::int32_t(within ? u : 0.0), lookup.last_cell);
+    group.within[i] = within ? -1 : 0;
+    group.cell[i] = cell;
+    group.t[i] = Real(u - cell);
   }
-  const LatticePoint& c = pending.cell;
-  prefetch(lookup.bricks + ((c[2] / 8 + 1) * lookup.side + c[1] / 8 + 1) * lookup.side + c[0] / 8 +
-           1);
-  return pending;
+  for (std::size_t n = 0; n < kGroup; ++n) {
+    const std::int32_t* const c = group.cell.data() + 3 * n;
+    prefetch(lookup.bricks + ((c[2] / 8 + 1) * lookup.side + c[1] / 8 + 1) * lookup.side +
+             c[0] / 8 + 1);
+  }
 }
 
 /// Where a coordinate lies: its share of the number of a brick, of a leaf, and of a place in it.
@@ -67,7 +80,7 @@ struct AxisPlace {
   std::uint32_t leaf;
   std::uint32_t offset;
 
-  AxisPlace(int coordinate, std::int32_t brick_stride, unsigned axis) {
+  LEFORT_INLINE AxisPlace(std::int32_t coordinate, std::int32_t brick_stride, unsigned axis) {
     const auto c = std::uint32_t(coordinate);
     brick = std::int32_t(c / 8U + 1U) * brick_stride;
     leaf = (c >> 2 & 1U) << axis;
@@ -75,117 +88,236 @@ struct AxisPlace {
   }
 };
 
-/// Stage 2: where its samples are. Seven cells in twelve have them in more than one leaf.
-void find_corners(const BrickSamples& samples, const Lookup& lookup, Pending& pending) {
+/// Stands for a leaf that is not stored: no distances, which send their points the slow way.
+constexpr auto kNoLeaf = [] {
+  std::array<std::byte, BrickSamples::kLeafBytes + 1> leaf{};
+  for (std::size_t i = 2; i < leaf.size(); i += BrickSamples::kCodeBytes) leaf[i] = std::byte(0x80);
+  return leaf;
+}();
+
+/// Stage 2: where the samples are. Seven cells in twelve have their corners in more than one leaf,
+/// which no processor can foresee; so there is a branch along x alone, where it pays.
+LEFORT_INLINE void find_corners(const Lookup& lookup, const std::int32_t* cells,
+                                const std::byte** corners) {
   static_assert(SparseLattice::kSide == 8 && BrickSamples::kLeafSide == 4);
-  const LatticePoint& c = pending.cell;
   const std::int32_t row = lookup.side, slice = lookup.side * lookup.side;
-  const AxisPlace x(c[0], 1, 0), y(c[1], row, 1), z(c[2], slice, 2);
-  const auto place = [&](const AxisPlace& i, const AxisPlace& j, const AxisPlace& k,
-                         int corner) -> const std::byte* {
-    const Brick& brick = lookup.bricks[i.brick + j.brick + k.brick];
-    const std::uint32_t leaf = i.leaf | j.leaf | k.leaf;
-    if ((brick.stored >> leaf & 1U) == 0) [[unlikely]]
-      return samples.place_of(
-          {c[0] + (corner & 1), c[1] + (corner >> 1 & 1), c[2] + (corner >> 2)});
-    return lookup.codes + BrickSamples::position_of(brick, leaf) * BrickSamples::kLeafBytes +
-           (i.offset + j.offset + k.offset);
-  };
-
-  if (((c[0] & 3) != 3) & ((c[1] & 3) != 3) & ((c[2] & 3) != 3)) {
-    const std::byte* const first = place(x, y, z, 0);
-    const bool stored =
-        (lookup.bricks[x.brick + y.brick + z.brick].stored >> (x.leaf | y.leaf | z.leaf) & 1U) != 0;
-    constexpr std::size_t kX = BrickSamples::kCodeBytes, kY = kX * BrickSamples::kLeafSide,
-                          kZ = kY * BrickSamples::kLeafSide;
-    constexpr std::array<std::size_t, 8> kOffsets = {0,  kX,      kY,      kY + kX,
-                                                     kZ, kZ + kX, kZ + kY, kZ + kY + kX};
-    for (std::size_t corner = 0; corner < 8; ++corner)
-      pending.corners[corner] = first + (stored ? kOffsets[corner] : 0);
-    prefetch(pending.corners[0]);
-    prefetch(pending.corners[7]);
-    return;
+  const Brick* const bricks = lookup.bricks;
+  const std::byte* const codes = lookup.codes;
+  for (std::size_t n = 0; n < kGroup; ++n, cells += 3, corners += kCorners) {
+    const AxisPlace x(cells[0], 1, 0), y0(cells[1], row, 1), y1(cells[1] + 1, row, 1),
+        z0(cells[2], slice, 2), z1(cells[2] + 1, slice, 2);
+    const std::array<std::int32_t, 4> brick = {y0.brick + z0.brick, y1.brick + z0.brick,
+                                               y0.brick + z1.brick, y1.brick + z1.brick};
+    const std::array<std::uint32_t, 4> leaf = {y0.leaf | z0.leaf, y1.leaf | z0.leaf,
+                                               y0.leaf | z1.leaf, y1.leaf | z1.leaf};
+    const std::array<std::uint32_t, 4> offset = {y0.offset + z0.offset, y1.offset + z0.offset,
+                                                 y0.offset + z1.offset, y1.offset + z1.offset};
+    const auto place = [&](std::size_t i, const AxisPlace& at) __attribute__((always_inline)) {
+      const Brick& found = bricks[brick[i] + at.brick];
+      const std::uint32_t which = leaf[i] | at.leaf, stored = found.stored;
+      const std::size_t position =
+          found.first_leaf + std::size_t(std::popcount(stored & ((1U << which) - 1U)));
+      const std::byte* const first = (stored >> which & 1U) != 0
+                                         ? codes + position * BrickSamples::kLeafBytes
+                                         : kNoLeaf.data();
+      return first + (offset[i] + at.offset);
+    };
+    for (std::size_t i = 0; i < 4; ++i) {
+      corners[2 * i] = place(i, x);
+      prefetch(corners[2 * i]);
+    }
+    if ((cells[0] & 3) != 3) {
+      for (std::size_t i = 0; i < 4; ++i)
+        corners[2 * i + 1] = corners[2 * i] + BrickSamples::kCodeBytes;
+    } else {
+      const AxisPlace next(cells[0] + 1, 1, 0);
+      for (std::size_t i = 0; i < 4; ++i) {
+        corners[2 * i + 1] = place(i, next);
+        prefetch(corners[2 * i + 1]);
+      }
+    }
   }
-  const AxisPlace next_x(c[0] + 1, 1, 0), next_y(c[1] + 1, row, 1), next_z(c[2] + 1, slice, 2);
-  pending.corners = {place(x, y, z, 0),           place(next_x, y, z, 1),
-                     place(x, next_y, z, 2),      place(next_x, next_y, z, 3),
-                     place(x, y, next_z, 4),      place(next_x, y, next_z, 5),
-                     place(x, next_y, next_z, 6), place(next_x, next_y, next_z, 7)};
-  for (const std::byte* corner : pending.corners) prefetch(corner);
 }
 
-/// Stage 3: the samples, in units of the quantum. False if one of them is no distance.
+using FindCorners = void(const Lookup&, const std::int32_t*, const std::byte**);
+
+// Not inlined: among vectors the compiler keeps addresses in the wrong registers.
+[[gnu::noinline]] void find_corners_baseline(const Lookup& lookup, const std::int32_t* cells,
+                                             const std::byte** corners) {
+  find_corners(lookup, cells, corners);
+}
+
+#if defined(__x86_64__)
+[[gnu::noinline]] __attribute__((target("popcnt,bmi,bmi2"))) void find_corners_popcnt(
+    const Lookup& lookup, const std::int32_t* cells, const std::byte** corners) {
+  find_corners(lookup, cells, corners);
+}
+#endif
+
+/// Samples and positions of sixteen points, by lane.
+template <class Lanes>
+struct Cells {
+  std::array<Lanes, kCorners> corners;  ///< In units of the quantum.
+  std::array<Lanes, 3> t;
+  std::array<std::int32_t, kLanes> is_known;  ///< Not zero if all corners are distances.
+};
+
+/// Stage 3: the samples.
+template <class Lanes, class Real>
+LEFORT_INLINE void read_cells(const Group<Real>& group, std::size_t first, Cells<Lanes>& cells) {
+  alignas(64) std::array<std::array<std::int32_t, kLanes>, kCorners> codes;
+  alignas(64) std::array<std::array<Real, kLanes>, 3> t;
+  alignas(64) std::array<std::int32_t, kLanes> within;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const std::size_t n = first + l;
+    for (std::size_t corner = 0; corner < kCorners; ++corner)
+      std::memcpy(&codes[corner][l], group.corners[kCorners * n + corner], sizeof(std::int32_t));
+    for (std::size_t k = 0; k < 3; ++k) t[k][l] = group.t[3 * n + k];
+    within[l] = group.within[3 * n] & group.within[3 * n + 1] & group.within[3 * n + 2];
+  }
+  Floats largest{};  // Of the magnitudes, all of which single precision holds.
+  for (std::size_t corner = 0; corner < kCorners; ++corner) {
+    Ints code;
+    std::memcpy(&code, codes[corner].data(), sizeof(code));
+    code = code << 8 >> 8;  // The fourth byte belongs to another sample.
+    const Floats value = __builtin_convertvector(code, Floats), negative = -value;
+    const Floats magnitude = value > negative ? value : negative;
+    largest = magnitude > largest ? magnitude : largest;
+    cells.corners[corner] = __builtin_convertvector(code, Lanes);
+  }
+  Ints known;
+  std::memcpy(&known, within.data(), sizeof(known));
+  known = largest < float(BrickSamples::kBeyond) ? known : Ints{};
+  std::memcpy(cells.is_known.data(), &known, sizeof(known));
+  for (std::size_t k = 0; k < 3; ++k) std::memcpy(&cells.t[k], t[k].data(), sizeof(cells.t[k]));
+}
+
+/// Where a point is that has no distance.
 template <class Real>
-bool read_corners(const Pending& pending, std::array<Real, 8>& corners) {
-  bool all_known = true;
-  for (std::size_t i = 0; i < 8; ++i) {
-    const std::int32_t code = BrickSamples::read_code(pending.corners[i]);
-    all_known &= BrickSamples::is_distance(code);
-    corners[i] = Real(code);
-  }
-  return all_known;
-}
-
-/// Where a point is that lies between samples of which one is no distance.
-Zone zone_at(const BrickSamples& samples, const Pending& pending) {
-  std::array<float, 8> corners;
-  for (std::size_t i = 0; i < 8; ++i)
-    corners[i] = samples.distance_of(BrickSamples::read_code(pending.corners[i]));
+Zone zone_at(const BrickSamples& samples, const FieldFrame& frame, const Vec3& p_B,
+             const Group<Real>& group, std::size_t n) {
+  const std::int32_t* const within = group.within.data() + 3 * n;
+  if ((within[0] & within[1] & within[2]) == 0) return zone_beyond_box(frame, p_B);
+  const std::int32_t* const c = group.cell.data() + 3 * n;
+  std::array<float, kCorners> corners;
+  for (int i = 0; i < int(kCorners); ++i)
+    corners[std::size_t(i)] = samples.distance_of(BrickSamples::read_code(
+        samples.place_of({c[0] + (i & 1), c[1] + (i >> 1 & 1), c[2] + (i >> 2)})));
   return zone_of(corners);
 }
 
-/// Calls finish(i, pending) for all points, in groups.
-template <class Finish>
-void for_each_point(const BrickSamples& samples, const FieldFrame& frame, std::span<const Vec3> p_B,
-                    const Finish& finish) {
+/// Calls finish(first, count, cells, group, place) for all points, at most kLanes at a time: `first`
+/// among the points, and `place` in the group.
+template <class Lanes, class Real, class Finish>
+LEFORT_INLINE void for_all(const BrickSamples& samples, const FieldFrame& frame,
+                           std::span<const Vec3> p_B, FindCorners find_corners_of,
+                           const Finish& finish) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
   const Lookup lookup(samples, frame);
-  std::array<Pending, kGroup> group;
+  Group<Real> group;
+  Cells<Lanes> cells;
+  std::array<Vec3, kGroup> last;
   for (std::size_t begin = 0; begin < p_B.size(); begin += kGroup) {
     const std::size_t count = std::min(kGroup, p_B.size() - begin);
-    for (std::size_t i = 0; i < count; ++i) group[i] = locate(lookup, p_B[begin + i]);
-    for (std::size_t i = 0; i < count; ++i)
-      if (group[i].in_box) find_corners(samples, lookup, group[i]);
-    for (std::size_t i = 0; i < count; ++i) finish(begin + i, group[i]);
+    const double* p = p_B.data()[begin].data();
+    if (count < kGroup) {
+      last.fill(p_B[begin]);
+      std::copy_n(p_B.begin() + std::ptrdiff_t(begin), count, last.begin());
+      p = last.data()->data();
+    }
+    locate(lookup, p, group);
+    find_corners_of(lookup, group.cell.data(), group.corners.data());
+    for (std::size_t place = 0; place < count; place += kLanes) {
+      read_cells(group, place, cells);
+      finish(begin + place, std::min(kLanes, count - place), cells, group, place);
+    }
   }
 }
+
+struct Query {
+  const BrickSamples& samples;
+  const FieldFrame& frame;
+  std::span<const Vec3> p_B;
+  FindCorners* find_corners;
+};
+
+LEFORT_INLINE void sample_all(const Query& query, std::span<FieldSample> results) {
+  // In double precision: solvers take differences of these.
+  const double quantum_mm = double(query.samples.quantum_mm());
+  const double slope = quantum_mm / query.frame.cell_mm;
+  for_all<Doubles, double>(
+      query.samples, query.frame, query.p_B, *query.find_corners,
+      [&](std::size_t first, std::size_t count, const Cells<Doubles>& cells,
+          const Group<double>& group, std::size_t place) __attribute__((always_inline)) {
+        const Doubles distance = trilinear(cells.corners, cells.t) * quantum_mm;
+        const std::array<Doubles, 3> gradient = trilinear_gradient(cells.corners, cells.t);
+        const Doubles x = gradient[0] * slope, y = gradient[1] * slope, z = gradient[2] * slope;
+        for (std::size_t l = 0; l < count; ++l) {
+          if (cells.is_known[l] == 0) [[unlikely]] {
+            results[first + l] = beyond_band(
+                zone_at(query.samples, query.frame, query.p_B[first + l], group, place + l),
+                query.frame.band_mm);
+          } else {
+            results[first + l] = {Zone::kBand, distance[l], Vec3(x[l], y[l], z[l])};
+          }
+        }
+      });
+}
+
+LEFORT_INLINE void distances_all(const Query& query, std::span<float> distances_mm) {
+  const float quantum_mm = query.samples.quantum_mm();
+  for_all<Floats, float>(
+      query.samples, query.frame, query.p_B, *query.find_corners,
+      [&](std::size_t first, std::size_t count, const Cells<Floats>& cells,
+          const Group<float>& group, std::size_t place) __attribute__((always_inline)) {
+        const Floats distance = trilinear(cells.corners, cells.t) * quantum_mm;
+        for (std::size_t l = 0; l < count; ++l)
+          distances_mm[first + l] =
+              cells.is_known[l] != 0 ? distance[l]
+                                     : side_value(zone_at(query.samples, query.frame,
+                                                          query.p_B[first + l], group, place + l));
+      });
+}
+
+#if defined(__x86_64__)
+LEFORT_AVX512 void sample_avx512(const Query& query, std::span<FieldSample> results) {
+  sample_all(query, results);
+}
+LEFORT_AVX2 void sample_avx2(const Query& query, std::span<FieldSample> results) {
+  sample_all(query, results);
+}
+LEFORT_AVX512 void distances_avx512(const Query& query, std::span<float> distances_mm) {
+  distances_all(query, distances_mm);
+}
+LEFORT_AVX2 void distances_avx2(const Query& query, std::span<float> distances_mm) {
+  distances_all(query, distances_mm);
+}
+#endif
 
 }  // namespace
 
 void sample_bricks(const BrickSamples& samples, const FieldFrame& frame, std::span<const Vec3> p_B,
-                   std::span<FieldSample> results) {
+                   std::span<FieldSample> results, Simd simd) {
   LEFORT_CHECK(p_B.size() == results.size());
-  // In double precision: solvers take differences of these.
-  const double quantum_mm = double(samples.quantum_mm());
-  const double slope = quantum_mm / frame.cell_mm;
-  for_each_point(samples, frame, p_B, [&](std::size_t i, const Pending& pending) {
-    std::array<double, 8> corners;
-    if (!pending.in_box) [[unlikely]] {
-      results[i] = beyond_band(zone_beyond_box(frame, p_B[i]), frame.band_mm);
-    } else if (!read_corners(pending, corners)) [[unlikely]] {
-      results[i] = beyond_band(zone_at(samples, pending), frame.band_mm);
-    } else {
-      const std::array<double, 3> gradient = trilinear_gradient(corners, pending.t);
-      results[i] = {Zone::kBand, trilinear(corners, pending.t) * quantum_mm,
-                    Vec3(gradient[0] * slope, gradient[1] * slope, gradient[2] * slope)};
-    }
-  });
+  Query query{samples, frame, p_B, find_corners_baseline};
+#if defined(__x86_64__)
+  if (simd != Simd::kBaseline) query.find_corners = find_corners_popcnt;
+  if (simd == Simd::kAvx512) return sample_avx512(query, results);
+  if (simd == Simd::kAvx2) return sample_avx2(query, results);
+#endif
+  sample_all(query, results);
 }
 
 void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
-                         std::span<const Vec3> p_B, std::span<float> distances_mm) {
+                         std::span<const Vec3> p_B, std::span<float> distances_mm, Simd simd) {
   LEFORT_CHECK(p_B.size() == distances_mm.size());
-  for_each_point(samples, frame, p_B, [&](std::size_t i, const Pending& pending) {
-    std::array<float, 8> corners;
-    if (!pending.in_box) [[unlikely]] {
-      distances_mm[i] = side_value(zone_beyond_box(frame, p_B[i]));
-    } else if (!read_corners(pending, corners)) [[unlikely]] {
-      distances_mm[i] = side_value(zone_at(samples, pending));
-    } else {
-      const std::array<float, 3> t = {float(pending.t[0]), float(pending.t[1]),
-                                      float(pending.t[2])};
-      distances_mm[i] = trilinear(corners, t) * samples.quantum_mm();
-    }
-  });
+  Query query{samples, frame, p_B, find_corners_baseline};
+#if defined(__x86_64__)
+  if (simd != Simd::kBaseline) query.find_corners = find_corners_popcnt;
+  if (simd == Simd::kAvx512) return distances_avx512(query, distances_mm);
+  if (simd == Simd::kAvx2) return distances_avx2(query, distances_mm);
+#endif
+  distances_all(query, distances_mm);
 }
 
 }  // namespace lefort::field

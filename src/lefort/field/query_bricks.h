@@ -5,6 +5,7 @@
 #include <lefort/field/brick_samples.h>
 #include <lefort/field/field_frame.h>
 #include <lefort/field/field_sample.h>
+#include <lefort/field/simd.h>
 
 #include <span>
 
@@ -15,10 +16,11 @@ namespace lefort::field {
 ///
 /// \pre as many results as points.
 void sample_bricks(const BrickSamples& samples, const FieldFrame& frame, std::span<const Vec3> p_B,
-                   std::span<FieldSample> results);
+                   std::span<FieldSample> results, Simd simd = best_simd());
 
 /// The same without gradients: distances [mm], +-infinity beyond the band, NaN where unknown.
 void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
-                         std::span<const Vec3> p_B, std::span<float> distances_mm);
+                         std::span<const Vec3> p_B, std::span<float> distances_mm,
+                         Simd simd = best_simd());
 
 }  // namespace lefort::field

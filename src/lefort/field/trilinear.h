@@ -7,31 +7,34 @@
 
 namespace lefort::field {
 
+// Inlined always, so that Real may be a vector wider than the baseline's registers.
+
+template <class Real>
+[[nodiscard, gnu::always_inline]] inline Real mix(const Real& share, const Real& low,
+                                                  const Real& high) {
+  return low + share * (high - low);
+}
+
 /// \param corners  values, x fastest.
 /// \param t        position in the cube, 0 to 1 along each axis.
 template <class Real>
-[[nodiscard]] Real trilinear(const std::array<Real, 8>& corners, const std::array<Real, 3>& t) {
-  const auto along_x = [&](std::size_t first) {
-    return corners[first] + t[0] * (corners[first + 1] - corners[first]);
-  };
-  const Real low = along_x(0) + t[1] * (along_x(2) - along_x(0));
-  const Real high = along_x(4) + t[1] * (along_x(6) - along_x(4));
-  return low + t[2] * (high - low);
+[[nodiscard, gnu::always_inline]] inline Real trilinear(const std::array<Real, 8>& corners,
+                                                        const std::array<Real, 3>& t) {
+  const Real x0 = mix(t[0], corners[0], corners[1]), x1 = mix(t[0], corners[2], corners[3]),
+             x2 = mix(t[0], corners[4], corners[5]), x3 = mix(t[0], corners[6], corners[7]);
+  return mix(t[2], mix(t[1], x0, x1), mix(t[1], x2, x3));
 }
 
 /// Derivative of trilinear() with respect to t.
 template <class Real>
-[[nodiscard]] std::array<Real, 3> trilinear_gradient(const std::array<Real, 8>& corners,
-                                                     const std::array<Real, 3>& t) {
-  const auto mix = [](Real share, Real low, Real high) { return low + share * (high - low); };
-  const auto slope_x = [&](std::size_t first) { return corners[first + 1] - corners[first]; };
-  const auto at_x = [&](std::size_t first) {
-    return mix(t[0], corners[first], corners[first + 1]);
-  };
-  const std::array<Real, 4> edge = {at_x(0), at_x(2), at_x(4), at_x(6)};
-  return {mix(t[2], mix(t[1], slope_x(0), slope_x(2)), mix(t[1], slope_x(4), slope_x(6))),
-          mix(t[2], edge[1] - edge[0], edge[3] - edge[2]),
-          mix(t[1], edge[2], edge[3]) - mix(t[1], edge[0], edge[1])};
+[[nodiscard, gnu::always_inline]] inline std::array<Real, 3> trilinear_gradient(
+    const std::array<Real, 8>& corners, const std::array<Real, 3>& t) {
+  const Real x0 = mix(t[0], corners[0], corners[1]), x1 = mix(t[0], corners[2], corners[3]),
+             x2 = mix(t[0], corners[4], corners[5]), x3 = mix(t[0], corners[6], corners[7]);
+  const Real slope_0 = corners[1] - corners[0], slope_1 = corners[3] - corners[2],
+             slope_2 = corners[5] - corners[4], slope_3 = corners[7] - corners[6];
+  return {mix(t[2], mix(t[1], slope_0, slope_1), mix(t[1], slope_2, slope_3)),
+          mix(t[2], Real(x1 - x0), Real(x3 - x2)), mix(t[1], x2, x3) - mix(t[1], x0, x1)};
 }
 
 }  // namespace lefort::field

@@ -8,16 +8,28 @@
 
 namespace lefort::field {
 
-/// Twice the area of (a, b, p) in the plane of y and z, signed and never zero; the same number but
-/// for the sign for (b, a, p). So a line along x through p crosses a closed surface as often one
-/// way as the other, even where it grazes an edge.
-[[nodiscard]] inline double turn_in_yz(const Vec3& a, const Vec3& b, const Vec3& p) {
-  const bool swapped = std::pair(a.y(), a.z()) > std::pair(b.y(), b.z());
-  const Vec3 &from = swapped ? b : a, &to = swapped ? a : b;
-  const double area =
-      (to.y() - from.y()) * (p.z() - from.z()) - (to.z() - from.z()) * (p.y() - from.y());
-  const double sided = area == 0.0 ? 1e-300 : area;
-  return swapped ? -sided : sided;
-}
+/// An edge from a to b, seen along x. For many points beside one edge.
+class EdgeInYz {
+ public:
+  EdgeInYz(const Vec3& a, const Vec3& b)
+      : swapped_(std::pair(a.y(), a.z()) > std::pair(b.y(), b.z())),
+        from_y_(swapped_ ? b.y() : a.y()),
+        from_z_(swapped_ ? b.z() : a.z()),
+        along_y_((swapped_ ? a.y() : b.y()) - from_y_),
+        along_z_((swapped_ ? a.z() : b.z()) - from_z_) {}
+
+  /// Twice the area of (a, b, p) in the plane of y and z, signed and never zero; the same number but
+  /// for the sign for (b, a, p). So a line along x through p crosses a closed surface as often one
+  /// way as the other, even where it grazes an edge.
+  [[nodiscard]] double turn(double y, double z) const {
+    const double area = along_y_ * (z - from_z_) - along_z_ * (y - from_y_);
+    const double sided = area == 0.0 ? 1e-300 : area;
+    return swapped_ ? -sided : sided;
+  }
+
+ private:
+  bool swapped_;
+  double from_y_, from_z_, along_y_, along_z_;
+};
 
 }  // namespace lefort::field

@@ -28,13 +28,15 @@ void find_hits(const std::array<Vec3, 3>& corner, int resolution, std::vector<Hi
     return std::pair(std::max(0, int(std::ceil(least - aside))),
                      std::min(resolution, int(std::floor(most - aside))));
   };
+  const EdgeInYz opposite_0(corner[1], corner[2]), opposite_1(corner[2], corner[0]),
+      opposite_2(corner[0], corner[1]);
   const auto [y_low, y_high] = range(1, kAside_y);
   const auto [z_low, z_high] = range(2, kAside_z);
   for (int z = z_low; z <= z_high; ++z)
     for (int y = y_low; y <= y_high; ++y) {
-      const Vec3 p(0.0, y + kAside_y, z + kAside_z);
-      const double a = turn_in_yz(corner[1], corner[2], p), b = turn_in_yz(corner[2], corner[0], p),
-                   c = turn_in_yz(corner[0], corner[1], p);
+      const double py = y + kAside_y, pz = z + kAside_z;
+      const double a = opposite_0.turn(py, pz), b = opposite_1.turn(py, pz),
+                   c = opposite_2.turn(py, pz);
       const bool all_left = a > 0.0 && b > 0.0 && c > 0.0;
       const bool all_right = a < 0.0 && b < 0.0 && c < 0.0;
       if (!all_left && !all_right) continue;

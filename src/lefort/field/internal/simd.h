@@ -1,0 +1,11 @@
+/// \file
+/// How a loop is compiled for one instruction set: by an attribute of the function that it is inlined
+/// into. Fused multiply-add stays off, so that all give the same bits.
+#pragma once
+
+#define LEFORT_INLINE inline __attribute__((always_inline))
+#if defined(__x86_64__)
+#define LEFORT_AVX512 \
+  __attribute__((target("avx512f,avx512vl,avx512bw,avx512dq,popcnt,prefer-vector-width=512")))
+#define LEFORT_AVX2 __attribute__((target("avx2,popcnt")))
+#endif
