@@ -51,8 +51,14 @@ struct Body {
 /// Names the cases of a test that runs for several shapes.
 [[nodiscard]] inline std::string shape_name(
     const testing::TestParamInfo<mesh::ElementShape>& shape) {
-  return shape.param == mesh::ElementShape::kTet4 ? "Tet4" : "Tet10";
+  return std::string(mesh::name_of(shape.param));
 }
+
+/// For tests that run for all of them.
+inline constexpr mesh::ElementShape kAllElements[] = {
+    mesh::ElementShape::kTet4, mesh::ElementShape::kPyramid5, mesh::ElementShape::kWedge6,
+    mesh::ElementShape::kHex8, mesh::ElementShape::kTet10,    mesh::ElementShape::kWedge15,
+    mesh::ElementShape::kHex20};
 
 /// Displacements u = A X + b of all nodes, 3 per node.
 [[nodiscard]] inline VectorX affine(const mesh::VolumeMesh& mesh, const Mat3& A, const Vec3& b) {

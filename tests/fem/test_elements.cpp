@@ -61,8 +61,6 @@ AnyShape any_shape(const Shape& /*tag*/) {
 constexpr ElementShape kElements[] = {
     ElementShape::kTet4,  ElementShape::kPyramid5, ElementShape::kWedge6, ElementShape::kHex8,
     ElementShape::kTet10, ElementShape::kWedge15,  ElementShape::kHex20};
-constexpr const char* kElementNames[] = {"tet4",  "pyramid5", "wedge6", "hex8",
-                                         "tet10", "wedge15",  "hex20"};
 constexpr std::pair<FaceShape, const char*> kFaces[] = {{FaceShape::kTri3, "tri3"},
                                                         {FaceShape::kQuad4, "quad4"},
                                                         {FaceShape::kTri6, "tri6"},
@@ -70,7 +68,7 @@ constexpr std::pair<FaceShape, const char*> kFaces[] = {{FaceShape::kTri3, "tri3
 
 AnyShape shape_of(ElementShape element) {
   AnyShape shape = std::visit([](const auto& tag) { return any_shape(tag); }, element_of(element));
-  shape.name = kElementNames[int(element)];
+  shape.name = mesh::name_of(element);
   return shape;
 }
 

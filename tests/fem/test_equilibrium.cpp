@@ -26,8 +26,7 @@ using test::prescribe_component;
 constexpr NeoHookean kLaw{.mu_mpa = 0.5, .lambda_mpa = 2.0};
 
 class Equilibrium : public testing::TestWithParam<ElementShape> {};
-INSTANTIATE_TEST_SUITE_P(Shapes, Equilibrium,
-                         testing::Values(ElementShape::kTet4, ElementShape::kTet10),
+INSTANTIATE_TEST_SUITE_P(Shapes, Equilibrium, testing::ValuesIn(test::kAllElements),
                          test::shape_name);
 
 /// The sum of the forces on `nodes` in one component [N].

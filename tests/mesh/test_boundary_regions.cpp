@@ -50,8 +50,9 @@ TEST(NameBoundary, AFaceBelongsWhereMostOfItsNodesDo) {
     return std::binary_search(nodes.begin(), nodes.end(), node);
   };
   std::array<int, 4> faces_with{};
-  for (const Face3& face : mesh.face_sets.at("floor")) {
-    const int mine = is_in("floor", face[0]) + is_in("floor", face[1]) + is_in("floor", face[2]);
+  for (const Face& face : mesh.face_sets.at("floor")) {
+    int mine = 0;
+    for (const std::int32_t node : nodes_of(face)) mine += int(is_in("floor", node));
     ++faces_with[std::size_t(mine)];
   }
   EXPECT_EQ(faces_with[3], 32);  // The whole floor, ...

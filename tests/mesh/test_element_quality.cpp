@@ -1,4 +1,6 @@
 #include <lefort/core/units.h>
+#include <lefort/mesh/box_grid.h>
+#include <lefort/mesh/element_faces.h>
 #include <lefort/mesh/element_quality.h>
 
 #include <gtest/gtest.h>
@@ -66,6 +68,88 @@ TEST(TetQuality, TellsTheInvertedAndTheFlat) {
   const TetQuality point = tet_quality(Vec3::Ones(), Vec3::Ones(), Vec3::Ones(), Vec3::Ones());
   EXPECT_EQ(point.scaled_jacobian, 0.0);
   EXPECT_EQ(point.radius_ratio, 0.0);
+}
+
+/// The element that counts as ideal.
+std::vector<Vec3> ideal(ElementShape shape) {
+  const double h = std::sqrt(0.75);
+  switch (shape) {
+    case ElementShape::kPyramid5:
+      return {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, std::sqrt(0.5)}};
+    case ElementShape::kWedge6:
+      return {{0, 0, 0}, {0.5, h, 0}, {1, 0, 0}, {0, 0, 2}, {0.5, h, 2}, {1, 0, 2}};
+    case ElementShape::kHex8:
+      return {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+              {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    default:
+      return test::regular_tet().nodes_L;
+  }
+}
+
+constexpr std::pair<ElementShape, ElementShape> kLinearAndQuadratic[] = {
+    {ElementShape::kTet4, ElementShape::kTet10},
+    {ElementShape::kWedge6, ElementShape::kWedge15},
+    {ElementShape::kHex8, ElementShape::kHex20}};
+
+TEST(ScaledJacobian, IsOneForTheIdealElementAndForgetsSizeAndPose) {
+  const RigidTransform X =
+      Eigen::Translation3d(5, -7, 90) * Eigen::AngleAxisd(1.2, Vec3(1, -1, 2).normalized());
+  for (const ElementShape shape :
+       {ElementShape::kTet4, ElementShape::kPyramid5, ElementShape::kWedge6, ElementShape::kHex8}) {
+    std::vector<Vec3> nodes = ideal(shape);
+    for (Vec3& node : nodes) node = X * (3.0 * node);
+    EXPECT_NEAR(scaled_jacobian(shape, nodes), 1.0, 1e-13) << name_of(shape);
+    for (Vec3& node : nodes) node.x() = -node.x();
+    EXPECT_NEAR(scaled_jacobian(shape, nodes), -1.0, 1e-13) << name_of(shape);
+  }
+}
+
+TEST(ScaledJacobian, OfATetrahedronIsThatOfTetQuality) {
+  const std::vector<Vec3> nodes{{0, 0, 0}, {3, 0.2, 0}, {0.4, 2, 0.1}, {0.7, 0.5, 1.9}};
+  EXPECT_NEAR(scaled_jacobian(ElementShape::kTet4, nodes),
+              tet_quality(nodes[0], nodes[1], nodes[2], nodes[3]).scaled_jacobian, 1e-14);
+}
+
+TEST(ScaledJacobian, OfAQuadraticElementIsThatOfTheLinearOneWhileItsEdgesAreStraight) {
+  for (const auto& [linear, quadratic] : kLinearAndQuadratic) {
+    std::vector<Vec3> nodes = ideal(linear);
+    nodes[2] += Vec3(0.1, 0.2, -0.1);
+    const double expected = scaled_jacobian(linear, nodes);
+    for (const auto& [i, j] : edges_of(linear))
+      nodes.emplace_back(0.5 * (nodes[std::size_t(i)] + nodes[std::size_t(j)]));
+    EXPECT_NEAR(scaled_jacobian(quadratic, nodes), expected, 1e-14) << name_of(quadratic);
+    // An edge that turns back at its end spans no volume there.
+    const auto first_middle = std::size_t(corner_count(quadratic));
+    nodes[first_middle] = nodes[0] + 0.2 * (nodes[1] - nodes[0]);
+    EXPECT_LT(scaled_jacobian(quadratic, nodes), 0.0) << name_of(quadratic);
+  }
+}
+
+TEST(ScaledJacobian, IsTheSmallestOfAllCorners) {
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    std::vector<Vec3> nodes = ideal(ElementShape::kHex8);
+    nodes[corner] = 0.5 * nodes[corner] + 0.5 * Vec3(0.5, 0.5, 0.5);
+    const double dented = scaled_jacobian(ElementShape::kHex8, nodes);
+    EXPECT_LT(dented, 0.9);
+    EXPECT_GT(dented, 0.0);
+    nodes[corner] = Vec3::Constant(0.5) - (nodes[corner] - Vec3::Constant(0.5));
+    EXPECT_LT(scaled_jacobian(ElementShape::kHex8, nodes), 0.0) << corner;
+  }
+}
+
+TEST(PoorElements, AreToldWithNumberShapeAndPlace) {
+  VolumeMesh mesh = make_mixed_box(BoxMix::kAllLinear, {4, 1, 1}, {4, 1, 1});
+  EXPECT_TRUE(poor_elements(mesh, 0.0).empty());
+  // Blocks: one hex8, two wedge6, pyramids and tets. The second wedge is turned inside out.
+  std::swap(mesh.blocks[1].nodes[6 + 1], mesh.blocks[1].nodes[6 + 2]);
+  std::swap(mesh.blocks[1].nodes[6 + 4], mesh.blocks[1].nodes[6 + 5]);
+  const auto poor = poor_elements(mesh, 0.0);
+  ASSERT_EQ(poor.size(), 1U);
+  EXPECT_EQ(poor[0].number, 2);
+  EXPECT_EQ(poor[0].shape, ElementShape::kWedge6);
+  EXPECT_LT((poor[0].centre_L - Vec3(1.0 + 1.0 / 3, 2.0 / 3, 0.5)).norm(), 1e-14);
+  EXPECT_LT(poor[0].scaled_jacobian, 0.0);
+  EXPECT_EQ(Index(poor_elements(mesh, 2.0).size()), mesh.element_count());
 }
 
 TEST(MeshQuality, SumsUpAMesh) {

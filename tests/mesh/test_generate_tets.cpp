@@ -37,7 +37,7 @@ Level torus(double major_mm, double minor_mm) {
 geometry::TriangleMesh surface_of(const VolumeMesh& mesh) {
   geometry::TriangleMesh surface;
   surface.vertices = mesh.nodes_L;
-  for (const Face3& face : boundary_faces(mesh)) surface.triangles.push_back(face);
+  surface.triangles = triangles_of(boundary_faces(mesh));
   return surface;
 }
 

@@ -35,15 +35,18 @@ FaceModel block_on(geometry::TriangleMesh segment_B) {
   auto& node_sets = model.tissue.node_sets;
   node_sets[sets::kMovedBone] = node_sets.at("z0");
   node_sets[sets::kFixed] = node_sets.at("z1");
-  for (const mesh::Face3& face : mesh::boundary_faces(model.tissue)) {
-    const bool is_low = std::all_of(face.begin(), face.end(), [&](std::int32_t node) {
+  for (const mesh::Face& face : mesh::boundary_faces(model.tissue)) {
+    const auto nodes = nodes_of(face);
+    const bool is_low = std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t node) {
       return model.tissue.nodes_L[std::size_t(node)].z() < 1e-9;
     });
     if (is_low) model.tissue.face_sets[sets::kContact].push_back(face);
   }
   model.segment_B = std::move(segment_B);
   model.segment_field_B = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(model.segment_B, {.resolution = 64, .band_mm = 3.0, .smooth = true}).value());
+      field::build_distance_field(model.segment_B,
+                                  {.resolution = 64, .band_mm = 3.0, .smooth = true})
+          .value());
   return model;
 }
 

@@ -90,9 +90,9 @@ TEST(TissueBoundary, MayTouchTheSegmentOnlyFromInside) {
   const mesh::VolumeMesh tissue = phantom_tissue({.release_mm = 4.0});
   const auto& contact = tissue.face_sets.at(sets::kContact);
   EXPECT_GT(contact.size(), 50U);
-  for (const mesh::Face3& face : contact) {
+  for (const mesh::Face& face : contact) {
     double lowest = 1e9;
-    for (const std::int32_t node : face)
+    for (const std::int32_t node : nodes_of(face))
       lowest = std::min(lowest, tissue.nodes_L[std::size_t(node)].z());
     EXPECT_LT(lowest, 8.5);  // No face of the skin.
   }

@@ -56,6 +56,10 @@ TEST(FindSets, AMissingRegionIsToldWithThoseThereAre) {
   mesh.blocks[0].region[3] = 7;
   EXPECT_EQ(find_region(mesh, "7").value(), 7);
   EXPECT_EQ(find_region(mesh, "8").error().message, "there is no region 8, the regions are: 0, 7");
+  mesh.region_names[7] = "muscle";
+  EXPECT_EQ(find_region(mesh, "muscle").value(), 7);
+  EXPECT_EQ(find_region(mesh, "bone").error().message,
+            "there is no region bone, the regions are: 0, 7 (muscle)");
   EXPECT_FALSE(find_region(mesh, "7 "));
   EXPECT_FALSE(find_region(mesh, "99999999999"));
 }

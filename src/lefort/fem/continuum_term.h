@@ -56,8 +56,9 @@ class ContinuumTerm final : public ForceTerm {
   }
 
   /// K_ab += dN_a/dX . (dP/dF) . dN_b/dX dV, the second index of P and of F contracted.
-  static void add_stiffness(const Mat9& A, const ReferencePoint<Element>& point,
-                            LocalEquations& local) {
+  /// Not copied into each law's evaluation: it is long, and the same for all.
+  [[gnu::noinline]] static void add_stiffness(const Mat9& A, const ReferencePoint<Element>& point,
+                                              LocalEquations& local) {
     constexpr int kSize = 3 * Element::kNodes;
     Eigen::Map<Eigen::Matrix<double, kSize, kSize>> K(local.stiffness_n_per_mm.data());
     for (int b = 0; b < Element::kNodes; ++b) {

@@ -2,6 +2,7 @@
 #include <lefort/fem/continuum_term.h>
 #include <lefort/fem/element_term.h>
 #include <lefort/fem/elements/all_elements.h>
+#include <lefort/mesh/element_quality.h>
 
 #include <fmt/format.h>
 
@@ -74,8 +75,11 @@ tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::Element
                 fmt::format("{} is folded at its node {}, number {} of the mesh, its volume must "
                             "be > 0 everywhere",
                             which, fault.node, block.element(e)[fault.node]));
-  return fail(ErrorCode::kElementInverted,
-              fmt::format("{} is flat or inside out, its volume must be > 0", which));
+  return fail(
+      ErrorCode::kElementInverted,
+      fmt::format("{} is flat or inside out, its volume must be > 0; its scaled Jacobian is "
+                  "{:.3g}",
+                  which, mesh::scaled_jacobian(block.shape, X_L)));
 }
 
 template <class Element>

@@ -1,69 +1,86 @@
-#include <lefort/core/check.h>
 #include <lefort/mesh/boundary_faces.h>
+#include <lefort/mesh/internal/face_key.h>
 
 #include <algorithm>
 
 namespace lefort::mesh {
 namespace {
 
-// Face f lies opposite corner f of the tetrahedron, counter-clockwise seen from outside:
-//
-//        3
-//       /|\         volume > 0: 0, 1, 2 run
-//      / | \        counter-clockwise seen
-//     0--|--2       from 3
-//      \ | /
-//        1
-constexpr std::array<std::array<std::size_t, 3>, 4> kTetFaces{
-    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-
-/// A face under its sorted nodes, so that both elements beside it give the same key.
+/// One face of one element, under the key that the element beside it gives, too.
 struct FaceUse {
-  Face3 key;
-  Index order;
-  Face3 face;
+  internal::FaceKey key;
+  std::size_t order;
 };
 
-}  // namespace
-
-std::vector<Face3> boundary_faces(const VolumeMesh& mesh) {
+/// For each face of each element, in order: whether no other element has it.
+std::vector<char> single_faces(const VolumeMesh& mesh) {
   std::vector<FaceUse> uses;
   uses.reserve(std::size_t(4 * mesh.element_count()));
-  for (const ElementBlock& block : mesh.blocks) {
-    LEFORT_CHECK(block.shape == ElementShape::kTet4);
-    for (Index e = 0; e < block.element_count(); ++e)
-      for (const auto& corners : kTetFaces) {
-        const std::int32_t* tet = block.element(e);
-        const Face3 face{tet[corners[0]], tet[corners[1]], tet[corners[2]]};
-        Face3 key = face;
-        std::sort(key.begin(), key.end());
-        uses.push_back({key, Index(uses.size()), face});
-      }
-  }
+  internal::for_each_face(mesh, [&](const Face& face) {
+    uses.push_back({internal::face_key(face), uses.size()});
+  });
   std::sort(uses.begin(), uses.end(), [](const FaceUse& a, const FaceUse& b) {
     return a.key != b.key ? a.key < b.key : a.order < b.order;
   });
-
-  std::vector<FaceUse> single;
+  std::vector<char> is_single(uses.size(), 0);
   for (std::size_t first = 0; first < uses.size();) {
     std::size_t end = first + 1;
     while (end < uses.size() && uses[end].key == uses[first].key) ++end;
-    if (end - first == 1) single.push_back(uses[first]);
+    if (end - first == 1) is_single[uses[first].order] = 1;
     first = end;
   }
-  std::sort(single.begin(), single.end(),
-            [](const FaceUse& a, const FaceUse& b) { return a.order < b.order; });
+  return is_single;
+}
 
-  std::vector<Face3> faces;
-  faces.reserve(single.size());
-  for (const FaceUse& use : single) faces.push_back(use.face);
+/// By the face's own nodes, in the order of mesh::FaceShape.
+std::span<const std::array<std::size_t, 3>> triangles_of(FaceShape shape) {
+  using Triangle = std::array<std::size_t, 3>;
+  static constexpr std::array<Triangle, 1> kTri3{{{0, 1, 2}}};
+  static constexpr std::array<Triangle, 2> kQuad4{{{0, 1, 2}, {0, 2, 3}}};
+  static constexpr std::array<Triangle, 4> kTri6{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+  static constexpr std::array<Triangle, 6> kQuad8{
+      {{0, 4, 7}, {1, 5, 4}, {2, 6, 5}, {3, 7, 6}, {4, 5, 6}, {4, 6, 7}}};
+  switch (shape) {
+    case FaceShape::kTri3:
+      return kTri3;
+    case FaceShape::kQuad4:
+      return kQuad4;
+    case FaceShape::kTri6:
+      return kTri6;
+    case FaceShape::kQuad8:
+      break;
+  }
+  return kQuad8;
+}
+
+}  // namespace
+
+std::vector<Face> boundary_faces(const VolumeMesh& mesh) {
+  const std::vector<char> is_single = single_faces(mesh);
+  std::vector<Face> faces;
+  std::size_t order = 0;
+  internal::for_each_face(mesh, [&](const Face& face) {
+    if (is_single[order++] != 0) faces.push_back(face);
+  });
   return faces;
 }
 
-std::vector<std::int32_t> nodes_of_faces(std::span<const Face3> faces) {
+std::vector<Face3> triangles_of(std::span<const Face> faces) {
+  std::vector<Face3> triangles;
+  triangles.reserve(faces.size());
+  for (const Face& face : faces)
+    for (const auto& [a, b, c] : triangles_of(face.shape))
+      triangles.push_back({face.nodes[a], face.nodes[b], face.nodes[c]});
+  return triangles;
+}
+
+std::vector<std::int32_t> nodes_of_faces(std::span<const Face> faces) {
   std::vector<std::int32_t> nodes;
   nodes.reserve(3 * faces.size());
-  for (const Face3& face : faces) nodes.insert(nodes.end(), face.begin(), face.end());
+  for (const Face& face : faces) {
+    const auto of_face = nodes_of(face);
+    nodes.insert(nodes.end(), of_face.begin(), of_face.end());
+  }
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;

@@ -4,6 +4,8 @@
 #include <lefort/mesh/boundary_regions.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace lefort::mesh {
 namespace {
@@ -15,17 +17,27 @@ std::size_t rule_of(const Vec3& p_L, std::span<const BoundaryRule> rules) {
   return rules.size();
 }
 
-/// The rule that two or three of the corners have, else the earliest.
-std::size_t majority(std::array<std::size_t, 3> rules) {
-  std::sort(rules.begin(), rules.end());
-  return rules[1] == rules[2] ? rules[1] : rules[0];
+/// The rule that most of the nodes have, of several the earliest.
+std::size_t majority(std::span<const std::int32_t> nodes,
+                     const std::vector<std::size_t>& rule_of_node) {
+  const auto votes_for = [&](std::size_t rule) {
+    return std::count_if(nodes.begin(), nodes.end(), [&](std::int32_t node) {
+      return rule_of_node[std::size_t(node)] == rule;
+    });
+  };
+  std::size_t best = rule_of_node[std::size_t(nodes[0])];
+  for (const std::int32_t node : nodes) {
+    const std::size_t rule = rule_of_node[std::size_t(node)];
+    if (std::pair(-votes_for(rule), rule) < std::pair(-votes_for(best), best)) best = rule;
+  }
+  return best;
 }
 
 }  // namespace
 
 VolumeMesh name_boundary(VolumeMesh mesh, std::span<const BoundaryRule> rules,
                          const std::string& rest) {
-  const std::vector<Face3> faces = boundary_faces(mesh);
+  const std::vector<Face> faces = boundary_faces(mesh);
   const std::vector<std::int32_t> nodes = nodes_of_faces(faces);
 
   std::vector<std::string> names;
@@ -45,10 +57,8 @@ VolumeMesh name_boundary(VolumeMesh mesh, std::span<const BoundaryRule> rules,
 
   for (const std::int32_t node : nodes)
     mesh.node_sets[names[rule_of_node[std::size_t(node)]]].push_back(node);
-  for (const Face3& face : faces) {
-    const auto rule = [&](std::size_t corner) { return rule_of_node[std::size_t(face[corner])]; };
-    mesh.face_sets[names[majority({rule(0), rule(1), rule(2)})]].push_back(face);
-  }
+  for (const Face& face : faces)
+    mesh.face_sets[names[majority(nodes_of(face), rule_of_node)]].push_back(face);
   mesh.node_sets["boundary"] = nodes;
   mesh.face_sets["boundary"] = faces;
   return mesh;

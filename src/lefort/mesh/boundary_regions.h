@@ -21,7 +21,7 @@ struct BoundaryRule {
 /// Adds a node set and a face set for each rule, and "boundary" for all of the boundary.
 ///
 /// The first rule that takes a node keeps it; nodes taken by none belong to `rest`. A face belongs
-/// where most of its nodes do, and if all three differ to the earliest rule among them. So the sets
+/// where most of its nodes do, of several to the earliest rule among them. So the sets
 /// share out the boundary: each node and each face is in one of them, and in "boundary".
 ///
 /// \param rules   distinct names, none of them "boundary" or `rest`; sets of a rule that takes

@@ -1,5 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/core/units.h>
+#include <lefort/mesh/element_faces.h>
 #include <lefort/mesh/element_quality.h>
 
 #include <algorithm>
@@ -42,7 +43,83 @@ double radius_ratio_of(double volume_mm3, const Vec3& a, const Vec3& b, const Ve
   return scale > 0.0 ? 108.0 * volume_mm3 * std::abs(volume_mm3) / scale : 0.0;
 }
 
+/// For each corner its three neighbours, in the order in which they span a positive volume.
+using Neighbours = std::array<std::int8_t, 3>;
+constexpr std::array<Neighbours, 4> kTetCorners{{{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
+constexpr std::array<Neighbours, 4> kPyramidCorners{{{1, 3, 4}, {2, 0, 4}, {3, 1, 4}, {0, 2, 4}}};
+constexpr std::array<Neighbours, 6> kWedgeCorners{
+    {{2, 1, 3}, {0, 2, 4}, {1, 0, 5}, {4, 5, 0}, {5, 3, 1}, {3, 4, 2}}};
+constexpr std::array<Neighbours, 8> kHexCorners{
+    {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}}};
+
+/// The corners that count, and the value of the ideal element there, inverted.
+struct CornerTable {
+  std::span<const Neighbours> corners;
+  double scale;
+};
+
+CornerTable corner_table(ElementShape shape) {
+  switch (corner_count(shape)) {
+    case 4:
+      return {kTetCorners, std::numbers::sqrt2};
+    case 5:
+      return {kPyramidCorners, std::numbers::sqrt2};
+    case 6:
+      return {kWedgeCorners, 2.0 / std::numbers::sqrt3};
+    default:
+      return {kHexCorners, 1.0};
+  }
+}
+
+/// The tangent, at corner `from`, of its edge to corner `to`; as long as the edge if straight.
+Vec3 edge_tangent(ElementShape shape, std::span<const Vec3> nodes, int from, int to) {
+  const Vec3 chord = nodes[std::size_t(to)] - nodes[std::size_t(from)];
+  const int corners = corner_count(shape);
+  if (node_count(shape) == corners) return chord;
+  const auto edges = edges_of(shape);
+  const auto edge = std::find_if(edges.begin(), edges.end(), [&](const auto& ends) {
+    return (ends[0] == from && ends[1] == to) || (ends[0] == to && ends[1] == from);
+  });
+  const auto middle = std::size_t(corners + int(edge - edges.begin()));
+  return 4.0 * (nodes[middle] - nodes[std::size_t(from)]) - chord;
+}
+
 }  // namespace
+
+double scaled_jacobian(ElementShape shape, std::span<const Vec3> nodes) {
+  LEFORT_CHECK(nodes.size() == std::size_t(node_count(shape)));
+  const CornerTable table = corner_table(shape);
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t corner = 0; corner < table.corners.size(); ++corner) {
+    std::array<Vec3, 3> edge;
+    double product = 1.0;
+    for (std::size_t n = 0; n < 3; ++n) {
+      edge[n] = edge_tangent(shape, nodes, int(corner), table.corners[corner][n]);
+      product *= edge[n].norm();
+    }
+    const double volume = edge[0].cross(edge[1]).dot(edge[2]);
+    smallest = std::min(smallest, product > 0.0 ? table.scale * volume / product : 0.0);
+  }
+  return smallest;
+}
+
+std::vector<PoorElement> poor_elements(const VolumeMesh& mesh, double limit) {
+  std::vector<PoorElement> poor;
+  std::vector<Vec3> nodes;
+  Index number = 0;
+  for (const ElementBlock& block : mesh.blocks)
+    for (Index e = 0; e < block.element_count(); ++e, ++number) {
+      nodes.clear();
+      Vec3 centre_L = Vec3::Zero();
+      for (int a = 0; a < node_count(block.shape); ++a) {
+        nodes.push_back(mesh.nodes_L[std::size_t(block.element(e)[a])]);
+        centre_L += nodes.back() / node_count(block.shape);
+      }
+      const double quality = scaled_jacobian(block.shape, nodes);
+      if (!(quality > limit)) poor.push_back({number, block.shape, centre_L, quality});
+    }
+  return poor;
+}
 
 TetQuality tet_quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   TetQuality quality{};

@@ -1,14 +1,38 @@
 /// \file
-/// How well shaped the tetrahedra of a mesh are.
+/// How well shaped the elements of a mesh are: scaled Jacobians of all shapes, and of tetrahedra
+/// more.
 #pragma once
 
 #include <lefort/core/types.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace lefort::mesh {
+
+/// The volume spanned by the directions of the three edges at a corner, smallest over the corners
+/// (\cite knupp2000): 1 for the ideal element (regular tetrahedron, cube, right wedge over an
+/// equilateral triangle, pyramid of equilateral triangles over a square), <= 0 if it is flat or
+/// inside out somewhere. The directions of curved edges are those at the corner itself.
+///
+/// Of a pyramid the four corners of the base count: what is there reaches up to the apex.
+///
+/// \param nodes  positions of the element's nodes, in their order.
+[[nodiscard]] double scaled_jacobian(ElementShape shape, std::span<const Vec3> nodes);
+
+/// An element, and how to find it.
+struct PoorElement {
+  Index number = 0;  ///< Counted through the blocks, from 0.
+  ElementShape shape = ElementShape::kTet4;
+  Vec3 centre_L = Vec3::Zero();  ///< Mean of its nodes [mm].
+  double scaled_jacobian = 0.0;
+};
+
+/// All elements with a scaled Jacobian of at most `limit`, in the order of the mesh; with 0, those
+/// that are flat or inside out at a corner.
+[[nodiscard]] std::vector<PoorElement> poor_elements(const VolumeMesh& mesh, double limit);
 
 /// Measures of one tetrahedron; all lengths cancel but in the volume.
 struct TetQuality {

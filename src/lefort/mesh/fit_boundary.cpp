@@ -62,8 +62,8 @@ Index fit_boundary(VolumeMesh& mesh, const InsideTest& is_inside_L, double reach
                    double tolerance_mm) {
   LEFORT_CHECK(mesh.blocks.size() == 1 && mesh.blocks[0].shape == ElementShape::kTet4);
   LEFORT_CHECK(tolerance_mm > 0.0 && reach_mm >= tolerance_mm);
-  const std::vector<Face3> faces = boundary_faces(mesh);
-  const std::vector<Vec3> normals = node_normals(mesh, faces);
+  const std::vector<Face> faces = boundary_faces(mesh);
+  const std::vector<Vec3> normals = node_normals(mesh, triangles_of(faces));
   const std::vector<std::vector<Index>> elements = elements_of_nodes(mesh);
   Index held_back = 0;
   for (const std::int32_t n : nodes_of_faces(faces)) {

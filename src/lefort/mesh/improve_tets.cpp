@@ -67,7 +67,7 @@ class Improver {
       : mesh_(&mesh),
         is_inside_(&is_inside),
         options_(options),
-        faces_(boundary_faces(mesh)),
+        faces_(triangles_of(boundary_faces(mesh))),
         tets_of_node_(users_of_nodes(mesh.node_count(), mesh.element_count(),
                                      [&](Index e) { return nodes_of(e); })),
         faces_of_node_(users_of_nodes(mesh.node_count(), Index(faces_.size()),

@@ -7,7 +7,9 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lefort::mesh {
@@ -26,6 +28,12 @@ enum class ElementShape : std::uint8_t {
 [[nodiscard]] constexpr int node_count(ElementShape shape) {
   constexpr std::array<int, 7> kCounts{4, 5, 6, 8, 10, 15, 20};
   return kCounts[std::size_t(shape)];
+}
+
+[[nodiscard]] constexpr std::string_view name_of(ElementShape shape) {
+  constexpr std::array<std::string_view, 7> kNames{"tet4",  "pyramid5", "wedge6", "hex8",
+                                                   "tet10", "wedge15",  "hex20"};
+  return kNames[std::size_t(shape)];
 }
 
 /// Elements of one shape.
@@ -53,18 +61,26 @@ enum class FaceShape : std::uint8_t { kTri3, kQuad4, kTri6, kQuad8 };
 /// One face of an element of any shape.
 struct Face {
   FaceShape shape = FaceShape::kTri3;
-  std::array<std::int32_t, 8> nodes{};  ///< The first node_count(shape) count.
+  std::array<std::int32_t, 8> nodes{};  ///< The first node_count(shape) count, the others are 0.
+
+  [[nodiscard]] friend bool operator==(const Face&, const Face&) = default;
 };
 
-/// A triangular boundary face, counter-clockwise seen from outside the mesh.
+/// The nodes that count.
+[[nodiscard]] inline std::span<const std::int32_t> nodes_of(const Face& face) {
+  return {face.nodes.data(), std::size_t(node_count(face.shape))};
+}
+
+/// A triangle by its corners, counter-clockwise seen from outside the mesh.
 using Face3 = std::array<std::int32_t, 3>;
 
 /// Does not change after it was built.
 struct VolumeMesh {
   std::vector<Vec3> nodes_L;  ///< [mm]
   std::vector<ElementBlock> blocks;
+  std::map<std::int32_t, std::string> region_names;            ///< Of the regions that have one.
   std::map<std::string, std::vector<std::int32_t>> node_sets;  ///< Ascending node numbers.
-  std::map<std::string, std::vector<Face3>> face_sets;
+  std::map<std::string, std::vector<Face>> face_sets;
 
   [[nodiscard]] Index node_count() const { return Index(nodes_L.size()); }
   [[nodiscard]] Index element_count() const {

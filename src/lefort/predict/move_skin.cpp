@@ -38,7 +38,7 @@ SkinBinding bind_skin(const geometry::TriangleMesh& skin_L, const mesh::VolumeMe
                       double near_mm) {
   LEFORT_CHECK(near_mm > 0.0);
   const double far_mm = 4.0 * near_mm;
-  const std::vector<mesh::Face3> faces = mesh::boundary_faces(tissue);
+  const std::vector<mesh::Face3> faces = mesh::triangles_of(mesh::boundary_faces(tissue));
   const geometry::Bvh boundary({tissue.nodes_L, faces});
 
   SkinBinding binding;

@@ -73,13 +73,6 @@ NodeList attached_nodes(const mesh::VolumeMesh& tissue) {
   return attached;
 }
 
-std::vector<mesh::Face> as_faces(const std::vector<mesh::Face3>& triangles) {
-  std::vector<mesh::Face> faces(triangles.size());
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    std::copy(triangles[f].begin(), triangles[f].end(), faces[f].nodes.begin());
-  return faces;
-}
-
 std::vector<Vec3> as_vectors(const VectorX& u) {
   std::vector<Vec3> vectors(std::size_t(u.size() / 3));
   for (std::size_t n = 0; n < vectors.size(); ++n) vectors[n] = u.segment<3>(Index(3 * n));
@@ -193,7 +186,7 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     prediction.contact_stiffness_mpa_per_mm = options.contact.stiffness_factor *
                                               options.tissue.young_mpa /
                                               options.tissue.element_size_mm;
-    contact.emplace(tissue.nodes_L, as_faces(tissue.face_sets.at(sets::kContact)),
+    contact.emplace(tissue.nodes_L, tissue.face_sets.at(sets::kContact),
                     contact::BoneObstacle{model.segment_field_B, RigidTransform::Identity(),
                                           options.contact.reconstruction},
                     contact::ContactTerm::Options{prediction.contact_stiffness_mpa_per_mm,

@@ -48,16 +48,16 @@ NodeList united(const NodeList& a, const NodeList& b) {
 }
 
 /// Inner faces that can move: tissue that the segment could run into.
-std::vector<mesh::Face3> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
+std::vector<mesh::Face> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
   std::vector<char> is_outer(tissue.nodes_L.size(), 0), is_fixed(tissue.nodes_L.size(), 0);
   for (const char* set : {sets::kSkin, sets::kCut, sets::kScanEdge})
     for (const std::int32_t node : tissue.node_sets.at(set)) is_outer[std::size_t(node)] = 1;
   for (const std::int32_t node : tissue.node_sets.at(sets::kFixed)) is_fixed[std::size_t(node)] = 1;
 
-  std::vector<mesh::Face3> faces;
-  for (const mesh::Face3& face : tissue.face_sets.at("boundary")) {
-    const auto all = [&face](const std::vector<char>& flag) {
-      return std::all_of(face.begin(), face.end(),
+  std::vector<mesh::Face> faces;
+  for (const mesh::Face& face : tissue.face_sets.at("boundary")) {
+    const auto all = [nodes = nodes_of(face)](const std::vector<char>& flag) {
+      return std::all_of(nodes.begin(), nodes.end(),
                          [&](std::int32_t node) { return flag[std::size_t(node)] != 0; });
     };
     if (!all(is_outer) && !all(is_fixed)) faces.push_back(face);

@@ -1,5 +1,4 @@
 #include <lefort/mesh/boundary_faces.h>
-#include <lefort/mesh/element_faces.h>
 #include <lefort/solve/find_sets.h>
 
 #include <fmt/format.h>
@@ -9,7 +8,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -39,33 +37,6 @@ Error no_such_set(const mesh::VolumeMesh& mesh, const std::string& set) {
   add_names(mesh.face_sets, names);
   return {ErrorCode::kPlanInvalid,
           fmt::format("there is no set {}, the sets are: {}", set, listed(names))};
-}
-
-std::vector<mesh::Face> as_faces(const std::vector<mesh::Face3>& triangles) {
-  std::vector<mesh::Face> faces;
-  for (const mesh::Face3& triangle : triangles) {
-    mesh::Face& face = faces.emplace_back();
-    std::copy(triangle.begin(), triangle.end(), face.nodes.begin());
-  }
-  return faces;
-}
-
-/// Faces of one element alone.
-std::vector<mesh::Face> boundary(const mesh::VolumeMesh& mesh) {
-  std::map<std::vector<std::int32_t>, std::pair<mesh::Face, int>> uses;
-  for (const mesh::ElementBlock& block : mesh.blocks)
-    for (Index e = 0; e < block.element_count(); ++e)
-      for (const mesh::LocalFace& local : mesh::faces_of(block.shape)) {
-        const mesh::Face face = mesh::face_of(block.element(e), local);
-        std::vector<std::int32_t> key(face.nodes.begin(),
-                                      face.nodes.begin() + mesh::node_count(face.shape));
-        std::sort(key.begin(), key.end());
-        ++uses.try_emplace(std::move(key), face, 0).first->second.second;
-      }
-  std::vector<mesh::Face> faces;
-  for (const auto& [key, use] : uses)
-    if (use.second == 1) faces.push_back(use.first);
-  return faces;
 }
 
 /// Those of `candidates` an element has.
@@ -177,16 +148,16 @@ Result<NodeList> find_nodes(const mesh::VolumeMesh& mesh, const std::string& set
 
 Result<std::vector<mesh::Face>> find_faces(const mesh::VolumeMesh& mesh, const std::string& set) {
   const auto faces = mesh.face_sets.find(set);
-  if (faces != mesh.face_sets.end() && !faces->second.empty()) return as_faces(faces->second);
+  if (faces != mesh.face_sets.end() && !faces->second.empty()) return faces->second;
   if (mesh.node_sets.count(set) == 0 && faces == mesh.face_sets.end())
     return tl::unexpected(no_such_set(mesh, set));
   LEFORT_TRY(const NodeList nodes, find_nodes(mesh, set));
   std::vector<char> in_set(mesh.nodes_L.size(), 0);
   for (const std::int32_t node : nodes) in_set[std::size_t(node)] = 1;
   std::vector<mesh::Face> chosen;
-  for (const mesh::Face& face : boundary(mesh)) {
-    const auto count = mesh::node_count(face.shape);
-    if (std::all_of(face.nodes.begin(), face.nodes.begin() + count,
+  for (const mesh::Face& face : mesh::boundary_faces(mesh)) {
+    const std::span<const std::int32_t> of_face = mesh::nodes_of(face);
+    if (std::all_of(of_face.begin(), of_face.end(),
                     [&](std::int32_t node) { return in_set[std::size_t(node)] != 0; }))
       chosen.push_back(face);
   }
@@ -212,7 +183,12 @@ Result<std::int32_t> find_region(const mesh::VolumeMesh& mesh, const std::string
       std::binary_search(regions.begin(), regions.end(), number))
     return number;
   std::set<std::string> names;
-  for (const std::int32_t known : regions) names.insert(fmt::format("{}", known));
+  for (const std::int32_t known : regions) {
+    const auto name = mesh.region_names.find(known);
+    if (name != mesh.region_names.end() && name->second == region) return known;
+    names.insert(name == mesh.region_names.end() ? fmt::format("{}", known)
+                                                 : fmt::format("{} ({})", known, name->second));
+  }
   return fail(ErrorCode::kPlanInvalid,
               fmt::format("there is no region {}, the regions are: {}", region, listed(names)));
 }
