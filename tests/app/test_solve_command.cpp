@@ -304,6 +304,20 @@ TEST_F(SolveCommand, AnInterruptedRunKeepsWhatConverged) {
     EXPECT_EQ(entry.path().filename().string().find(".partial"), std::string::npos);
 }
 
+TEST_F(SolveCommand, EveryExampleIsSolved) {
+  int examples = 0;
+  for (const auto& entry : fs::directory_iterator(fs::path(LEFORT_EXAMPLES) / "solve")) {
+    if (entry.path().extension() != ".json") continue;
+    ++examples;
+    const fs::path out = folder_ / entry.path().stem().string();
+    const auto run = test::run_lefort("solve " + quoted(entry.path()) + " -o " + quoted(out));
+    EXPECT_EQ(run.exit_code, 0) << entry.path() << run.error;
+    EXPECT_TRUE(fs::exists(out / "solve.json"));
+    EXPECT_TRUE(fs::exists(out / "probes.csv"));
+  }
+  EXPECT_GE(examples, 3);
+}
+
 TEST_F(SolveCommand, ChecksADeckWithoutSolvingIt) {
   const auto run = solve(stretch(), "out", "--check --json");
   EXPECT_EQ(run.exit_code, 0) << run.error;

@@ -47,7 +47,7 @@ TEST(FindSets, AMissingSetIsToldWithThoseThereAre) {
   ASSERT_FALSE(nodes);
   EXPECT_EQ(nodes.error().code, ErrorCode::kPlanInvalid);
   EXPECT_EQ(nodes.error().message,
-            "there is no set top, the sets are: outside, x0, x1, y0, y1, z0, z1");
+            "there is no set top, the sets are: boundary, outside, x0, x1, y0, y1, z0, z1");
   EXPECT_FALSE(find_faces(test::box_mesh(), "top"));
 }
 

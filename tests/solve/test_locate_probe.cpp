@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <string>
 
 #include "support/box_mesh.h"
 
@@ -15,10 +16,11 @@ class LocateProbe : public testing::TestWithParam<mesh::ElementShape> {
       {.cells = {3, 2, 2}, .size_mm = {3, 2, 2}, .distortion = 0.15, .shape = GetParam()});
 };
 INSTANTIATE_TEST_SUITE_P(Shapes, LocateProbe,
-                         testing::Values(mesh::ElementShape::kTet4, mesh::ElementShape::kTet10),
-                         [](const auto& tested) {
-                           return tested.param == mesh::ElementShape::kTet4 ? "Tet4" : "Tet10";
-                         });
+                         testing::Values(mesh::ElementShape::kTet4, mesh::ElementShape::kPyramid5,
+                                         mesh::ElementShape::kWedge6, mesh::ElementShape::kHex8,
+                                         mesh::ElementShape::kTet10, mesh::ElementShape::kWedge15,
+                                         mesh::ElementShape::kHex20),
+                         [](const auto& tested) { return std::string(name_of(tested.param)); });
 
 TEST_P(LocateProbe, AnAffineDisplacementIsReadExactly) {
   Mat3 G;
@@ -46,6 +48,10 @@ TEST_P(LocateProbe, ANodeIsItself) {
   ASSERT_TRUE(place);
   EXPECT_EQ(place->nodes, std::vector<std::int32_t>{7});
   EXPECT_EQ(place->at_L, mesh_.nodes_L[7]);
+  const auto found = locate_probe(mesh_, mesh_.nodes_L[7]);
+  ASSERT_TRUE(found);
+  for (std::size_t a = 0; a < found->nodes.size(); ++a)
+    EXPECT_NEAR(found->weights[a], found->nodes[a] == 7 ? 1.0 : 0.0, 1e-9);
 }
 
 TEST_P(LocateProbe, APointOutsideIsRefusedWithTheNearestNode) {

@@ -133,7 +133,7 @@ TEST(PrepareDeck, EveryNameThatIsNotThereIsToldWithItsKey) {
     return refusal_of(block(), deck);
   };
   EXPECT_SAYS(refusal([](Deck& d) { d.displacements[0].set = "base"; }),
-              "displacements[0]: there is no set base, the sets are: outside, x0");
+              "displacements[0]: there is no set base, the sets are: boundary, outside, x0");
   EXPECT_SAYS(refusal([](Deck& d) {
                 d.tractions.push_back({"lid", Vec3::UnitX(), {}});
               }),

@@ -44,14 +44,15 @@ double transverse_stretch(double axial) {
   return low;
 }
 
-class RunDeckOnTets : public testing::TestWithParam<mesh::ElementShape> {};
-INSTANTIATE_TEST_SUITE_P(Shapes, RunDeckOnTets,
-                         testing::Values(mesh::ElementShape::kTet4, mesh::ElementShape::kTet10),
-                         [](const auto& tested) {
-                           return tested.param == mesh::ElementShape::kTet4 ? "Tet4" : "Tet10";
-                         });
+class RunDeckOn : public testing::TestWithParam<mesh::ElementShape> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, RunDeckOn,
+                         testing::Values(mesh::ElementShape::kTet4, mesh::ElementShape::kPyramid5,
+                                         mesh::ElementShape::kWedge6, mesh::ElementShape::kHex8,
+                                         mesh::ElementShape::kTet10, mesh::ElementShape::kWedge15,
+                                         mesh::ElementShape::kHex20),
+                         [](const auto& tested) { return std::string(name_of(tested.param)); });
 
-TEST_P(RunDeckOnTets, UniaxialStretchIsTheClosedForm) {
+TEST_P(RunDeckOn, UniaxialStretchIsTheClosedForm) {
   Deck deck = test::uniaxial_deck(8.0);
   deck.probes = {{"corner", Vec3(10, 10, 20)}, {"middle", Vec3(5, 5, 10)}};
   const DeckRun done = run(block(GetParam()), deck);
@@ -73,7 +74,7 @@ TEST_P(RunDeckOnTets, UniaxialStretchIsTheClosedForm) {
   }
 }
 
-TEST_P(RunDeckOnTets, ReactionsCarryTheDeadLoads) {
+TEST_P(RunDeckOn, ReactionsCarryTheDeadLoads) {
   Deck deck = test::clamped_deck();
   deck.laws[0].density_t_per_mm3 = 1e-9;
   deck.body_forces.push_back({"", Vec3(0, 3000, -9810), {}});
@@ -87,7 +88,7 @@ TEST_P(RunDeckOnTets, ReactionsCarryTheDeadLoads) {
   EXPECT_GT(done.last->largest_displacement_mm, 0.05);
 }
 
-TEST_P(RunDeckOnTets, AFollowingPressureLeansWithItsFace) {
+TEST_P(RunDeckOn, AFollowingPressureLeansWithItsFace) {
   Deck deck = test::clamped_deck();
   deck.pressures.push_back({"x0", 5e-4, {}});
   const DeckRun done = run(block(GetParam()), deck);
