@@ -21,10 +21,15 @@ void pick(const VectorX& values, std::span<const std::int32_t> nodes, Vec3* pick
   for (std::size_t a = 0; a < nodes.size(); ++a) picked[a] = values.segment<3>(3 * Index(nodes[a]));
 }
 
+/// What an item says of itself apart from forces and stiffness.
+struct ItemState {
+  double energy_mj = 0.0;  ///< Or kInadmissible.
+  Index contacts = 0;
+};
+
 /// Evaluates one item into zeroed memory; `stiffness`, of the kind `tangent`, may be null.
-/// \returns its energy, or kInadmissible.
-double evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, double* residual,
-                     double* stiffness, Tangent tangent = Tangent::kExact) {
+ItemState evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, double* residual,
+                        double* stiffness, Tangent tangent = Tangent::kExact) {
   const std::span<const std::int32_t> nodes = term.nodes(item);
   const auto size = Index(3 * nodes.size());
   std::array<Vec3, kMaxLocalNodes> local_x_L;
@@ -37,7 +42,7 @@ double evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, doub
   local.residual_n.setZero();
   local.stiffness_n_per_mm.setZero();
   const bool admissible = term.evaluate(item, {local_x_L.data(), nodes.size()}, local);
-  return admissible ? local.energy_mj : kInadmissible;
+  return {admissible ? local.energy_mj : kInadmissible, local.contacts};
 }
 
 /// Adds what the chunk's items push on each node; and their magnitudes, if asked.
@@ -145,22 +150,23 @@ std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
   VectorX magnitudes = VectorX::Zero(u.size());
   double energy_magnitude = 0.0;
   std::vector<double> buffer(std::size_t(plan_->layout.force_buffer_size));
-  std::vector<double> energies;
+  std::vector<ItemState> states;
   for (const Chunk& chunk : plan_->layout.chunks) {
-    energies.assign(chunk.items.size(), 0.0);
+    states.assign(chunk.items.size(), {});
     parallel_for(
         Index(chunk.items.size()),
         [&](Index k) {
           const PlannedItem& item = chunk.items[std::size_t(k)];
-          energies[std::size_t(k)] = evaluate_item(plan_->term(item), item.item, x_L,
-                                                   buffer.data() + item.forces, nullptr);
+          states[std::size_t(k)] = evaluate_item(plan_->term(item), item.item, x_L,
+                                                 buffer.data() + item.forces, nullptr);
         },
         kItemsPerTask);
-    for (std::size_t k = 0; k < energies.size(); ++k) {
-      if (std::isnan(energies[k])) return std::nullopt;
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      if (std::isnan(states[k].energy_mj)) return std::nullopt;
+      sum.contacts += states[k].contacts;
       if (!plan_->is_conservative(chunk.items[k])) continue;
-      sum.energy_mj += energies[k];
-      energy_magnitude += std::abs(energies[k]);
+      sum.energy_mj += states[k].energy_mj;
+      energy_magnitude += std::abs(states[k].energy_mj);
     }
     if (!std::isfinite(sum.energy_mj)) return std::nullopt;
     gather_forces(chunk.forces, buffer, sum.residual_n, &magnitudes);
@@ -187,7 +193,8 @@ SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
           const PlannedItem& item = chunk.items[std::size_t(k)];
           energies[std::size_t(k)] =
               evaluate_item(plan_->term(item), item.item, x_L, forces.data() + item.forces,
-                            stiffness.data() + item.stiffness, kind);
+                            stiffness.data() + item.stiffness, kind)
+                  .energy_mj;
         },
         kItemsPerTask);
     for (const double energy : energies) LEFORT_CHECK(!std::isnan(energy));
@@ -218,7 +225,8 @@ VectorX Assembler::tangent_times(const VectorX& u, const VectorX& du) const {
             return;
           }
           std::array<double, kMaxLocalSize * kMaxLocalSize> stiffness;
-          const double energy = evaluate_item(term, item.item, x_L, force.data(), stiffness.data());
+          const double energy =
+              evaluate_item(term, item.item, x_L, force.data(), stiffness.data()).energy_mj;
           LEFORT_CHECK(!std::isnan(energy));
           force.noalias() =
               Eigen::Map<const Eigen::MatrixXd>(stiffness.data(), size, size) * direction;

@@ -8,6 +8,8 @@
 #include <lefort/fem/nodal_dilatation.h>
 #include <lefort/fem/reference_element.h>
 
+#include <Eigen/SVD>
+
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -112,21 +114,25 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
 
   const Volumetric* averaged = averages == nullptr ? nullptr : volumetric_part(material);
   const LawPart part = averaged == nullptr ? LawPart::kWhole : LawPart::kShear;
-  ElementState state{.min_volume_ratio = std::numeric_limits<double>::infinity()};
+  ElementState state{.min_volume_ratio = std::numeric_limits<double>::infinity(),
+                     .stretches = Vec3::Zero()};
   Eigen::Matrix<double, Element::kPoints, 1> change;
   double volume_mm3 = 0.0;
   for (std::size_t q = 0; q < reference->size(); ++q) {
     const ReferencePoint<Element>& point = (*reference)[q];
     const Mat3 F = deformation_gradient<Element>(x, point);
     const double J = volume_ratio(F);
-    if (!(J > 0.0)) return {J, Mat3::Constant(kNan), kNan};
+    if (!(J > 0.0)) return {J, Mat3::Constant(kNan), Vec3::Constant(kNan), kNan};
     state.min_volume_ratio = std::min(state.min_volume_ratio, J);
+    // The singular values of F = R U are the eigenvalues of U, sorted (\cite bonet2008, 4.6.3).
+    state.stretches += point.volume_mm3 * Eigen::JacobiSVD<Mat3>(F).singularValues();
     change[Index(q)] = volume_change(F);
     state.cauchy_mpa += point.volume_mm3 * cauchy_stress(stress(material, part, F), F);
     state.energy_density_mpa += point.volume_mm3 * energy(material, part, F);
     volume_mm3 += point.volume_mm3;
   }
   state.cauchy_mpa /= volume_mm3;
+  state.stretches /= volume_mm3;
   state.energy_density_mpa /= volume_mm3;
   if (averaged == nullptr) return state;
 

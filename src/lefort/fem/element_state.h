@@ -16,6 +16,7 @@ namespace lefort::fem {
 struct ElementState {
   double min_volume_ratio = 1.0;    ///< J = det F; an element with J <= 0 is inside out.
   Mat3 cauchy_mpa = Mat3::Zero();   ///< True stress, tension positive; NaN where J <= 0.
+  Vec3 stretches = Vec3::Ones();    ///< Principal, the largest first; NaN where J <= 0.
   double energy_density_mpa = 0.0;  ///< Per reference volume; NaN where J <= 0.
 };
 

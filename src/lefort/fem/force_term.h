@@ -21,6 +21,7 @@ struct LocalEquations {
   Eigen::Map<VectorX> residual_n;  ///< dW/dx [N]: x, y, z of the first node, of the second, ...
   Eigen::Map<Eigen::MatrixXd> stiffness_n_per_mm;  ///< d2W/dx2 [N/mm]; 0 by 0 if not wanted.
   Tangent tangent = Tangent::kExact;  ///< Which stiffness is wanted; exact is always allowed.
+  Index contacts = 0;                 ///< Points at which a body is touched now, for the history.
 
   /// False on the cheaper path: energy and residual only.
   [[nodiscard]] bool wants_stiffness() const { return stiffness_n_per_mm.size() > 0; }

@@ -95,10 +95,18 @@ struct Direction {
 /// \returns the step, or why there is none.
 tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system, const Iterate& at,
                                                    const Model& last, double tolerance,
-                                                   LinearSolver& solver, const Progress& progress) {
+                                                   LinearSolver& solver,
+                                                   const NewtonOptions& options,
+                                                   const Progress& progress) {
   const VectorX right_side = -at.balance.residual_n;
+  const auto solve = [&](const SparseMatrix& A) {
+    enter(SolvePhase::kFactorisation, options);
+    auto dx = solver.solve(A, right_side, tolerance, [&] { enter(SolvePhase::kSolve, options); });
+    enter(SolvePhase::kAssembly, options);
+    return dx;
+  };
   const SparseMatrix exact = system.tangent(at.x, Tangent::kExact);
-  auto dx = solver.solve(exact, right_side, tolerance);
+  auto dx = solve(exact);
   if (dx) return Direction{*std::move(dx), {}};
 
   SparseMatrix convex;
@@ -117,9 +125,8 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
                                       : std::max(kFirstShift, last.shift / kShiftGrowth);
       if (model.shift > kLastShift) break;
     }
-    dx = solver.solve(
-        model.shift > 0.0 ? shifted(convex, model.shift) : blend(exact, convex, model.convex_share),
-        right_side, tolerance);
+    dx = solve(model.shift > 0.0 ? shifted(convex, model.shift)
+                                 : blend(exact, convex, model.convex_share));
   }
   if (dx) return Direction{*std::move(dx), model};
   switch (dx.error()) {
@@ -256,7 +263,8 @@ NewtonIterate history_line(const Iterate& at, double step_length, const Model& m
           .energy_mj = at.energy_mj,
           .step_length = step_length,
           .convex_share = model.convex_share,
-          .shift = model.shift};
+          .shift = model.shift,
+          .contacts = at.balance.contacts};
 }
 
 }  // namespace
@@ -284,9 +292,11 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
                            Progress& progress) {
   LEFORT_CHECK(validate(options).has_value());
   NewtonOutcome outcome;
+  enter(SolvePhase::kAssembly, options);
   std::optional<Iterate> first = iterate_at(system, start);
   if (!first) {
     outcome.x = std::move(start);
+    enter(SolvePhase::kNone, options);
     outcome.reason = "the start is inadmissible: an element is inside out or a force not finite";
     return outcome;
   }
@@ -302,6 +312,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
         fmt::format("{} after {} iterations: |r| is {:.3e} N, must be <= {:.3e} N", what,
                     outcome.iterations(), at.residual_n, tolerance_n(at, options));
     outcome.x = std::move(at.x);
+    enter(SolvePhase::kNone, options);
     return std::move(outcome);
   };
 
@@ -309,7 +320,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
     if (outcome.iterations() == options.max_iterations)
       return stop(NewtonStop::kTooManyIterations, "not converged");
     const double tolerance = forcing.next(at.residual_n, tolerance_n(at, options));
-    auto direction = find_direction(system, at, model, tolerance, linear_solver, progress);
+    auto direction = find_direction(system, at, model, tolerance, linear_solver, options, progress);
     if (progress.stop_requested()) return stop(NewtonStop::kCancelled, "cancelled");
     if (!direction) return stop(direction.error(), why_no_direction(direction.error()));
     model = direction->model;

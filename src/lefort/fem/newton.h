@@ -10,6 +10,7 @@
 #include <lefort/fem/sparse_matrix.h>
 #include <lefort/fem/tangent.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ struct Balance {
   VectorX follower_n = {};           ///< What is no energy's gradient [N]; empty if there is none.
   double force_scale_n = 0.0;        ///< Size of the forces that cancel in r [N]; see Assembler.
   double energy_round_off_mj = 0.0;  ///< Differences of W below this say nothing [mJ].
+  Index contacts = 0;                ///< Points in contact, for the history.
 };
 
 /// r(x) = 0. x holds the free displacements [mm].
@@ -39,6 +41,9 @@ class NonlinearSystem {
   [[nodiscard]] virtual SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
 };
 
+/// What a solve spends its time on.
+enum class SolvePhase { kAssembly, kFactorisation, kSolve, kNone };
+
 struct NewtonOptions {
   double relative_tolerance = 1e-8;   ///< Converged when |r| <= this * force scale, >= 0 ...
   double absolute_tolerance_n = 0.0;  ///< ... or when |r| <= this [N], >= 0: a body at rest, whose
@@ -47,18 +52,25 @@ struct NewtonOptions {
   int max_backtracks = 20;            ///< How often one step may be shortened; >= 0.
   double sufficient_decrease = 1e-4;  ///< Armijo's constant, in (0, 0.5).
   int stagnation_iterations = 8;      ///< Stop when so many steps in a row make no headway; >= 1.
+  /// Told what comes next, from the calling thread: for who looks at the clock. May be empty.
+  std::function<void(SolvePhase)> on_phase{};
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
 [[nodiscard]] Result<void> validate(const NewtonOptions& options);
 
+/// Tells options.on_phase.
+inline void enter(SolvePhase phase, const NewtonOptions& options) {
+  if (options.on_phase) options.on_phase(phase);
+}
+
 enum class NewtonStop {
   kConverged,
   kTooManyIterations,
-  kStagnated,        ///< No step, or many steps in a row, brought no headway.
-  kSingularTangent,  ///< No shift made the tangent positive definite: nothing holds the body.
+  kStagnated,           ///< No step, or many steps in a row, brought no headway.
+  kSingularTangent,     ///< No shift made the tangent positive definite: nothing holds the body.
   kLinearNotConverged,  ///< An iterative linear solver gave up.
-  kOutOfMemory,      ///< The factor does not fit into memory; the problem may well have a solution.
+  kOutOfMemory,  ///< The factor does not fit into memory; the problem may well have a solution.
   kInadmissibleStart,  ///< The start itself turns an element inside out, or is not finite.
   kRefused,            ///< Converged to a state that the caller does not accept.
   kCancelled           ///< Progress asked to stop.
@@ -72,6 +84,7 @@ struct NewtonIterate {
   double step_length = 0.0;    ///< Taken to come here, in Newton steps; 0 at the start.
   double convex_share = 0.0;   ///< Of the convex tangent in the one the step was taken by.
   double shift = 0.0;          ///< tau: tau times its diagonal was added to it.
+  Index contacts = 0;          ///< Points in contact here.
 };
 
 /// What came out, whether or not it converged.
