@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <map>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -103,6 +104,24 @@ class SolveCommand : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
+/// A block of the compressible neo-Hookean law, drawn out to `axial` times its length.
+struct UniaxialStretch {
+  double across = 1.0;
+  double axial_mpa = 0.0;  ///< First Piola-Kirchhoff.
+};
+UniaxialStretch uniaxial_stretch(double mu_mpa, double lambda_mpa, double axial) {
+  // P = mu (s - 1/s) + lambda ln J / s for each stretch s; it vanishes across.
+  const auto stress_mpa = [&](double s, double J) {
+    return mu_mpa * (s - 1.0 / s) + lambda_mpa * std::log(J) / s;
+  };
+  double low = 0.5, high = 1.5;
+  for (int n = 0; n < 100; ++n) {
+    const double s = 0.5 * (low + high);
+    (stress_mpa(s, s * s * axial) < 0.0 ? low : high) = s;
+  }
+  return {low, stress_mpa(axial, low * low * axial)};
+}
+
 /// The rows of probes.csv as numbers; the first row is the heading.
 std::vector<std::vector<double>> numbers_of(const std::string& csv, std::string& heading) {
   std::istringstream lines(csv);
@@ -166,20 +185,12 @@ TEST_F(SolveCommand, WritesStepsProbesAndAllThatDocumentsThem) {
 TEST_F(SolveCommand, AStretchedBlockPullsWithTheClosedForm) {
   ASSERT_EQ(solve(stretch()).exit_code, 0);
   const json last = read_json("out/solve.json")["increments"].back();
-  // P33 = mu (l - 1/l) + lambda ln J / l, where mu (s - 1/s) + lambda ln J / s = 0 across.
-  const double mu_mpa = 0.01, lambda_mpa = 0.04, l = 1.4;
-  double low = 0.5, high = 1.5;
-  for (int n = 0; n < 100; ++n) {
-    const double s = 0.5 * (low + high);
-    const double across_mpa = mu_mpa * (s - 1.0 / s) + lambda_mpa * std::log(s * s * l) / s;
-    (across_mpa < 0.0 ? low : high) = s;
-  }
-  const double axial_mpa = mu_mpa * (l - 1.0 / l) + lambda_mpa * std::log(low * low * l) / l;
+  const auto [across, axial_mpa] = uniaxial_stretch(0.01, 0.04, 1.4);
   const json& reactions = last["reactions_n"];
   EXPECT_NEAR(reactions["displacements[3] (set Z1)"][2].get<double>(), 100.0 * axial_mpa, 1e-7);
   for (int axis = 0; axis < 3; ++axis)
     EXPECT_NEAR(last["reaction_sum_n"][std::size_t(axis)].get<double>(), 0.0, 1e-9);
-  EXPECT_NEAR(last["smallest_volume_ratio"].get<double>(), low * low * l, 1e-7);
+  EXPECT_NEAR(last["smallest_volume_ratio"].get<double>(), 1.4 * across * across, 1e-7);
 }
 
 TEST_F(SolveCommand, ReactionsSumToTheAppliedLoads) {
@@ -189,9 +200,9 @@ TEST_F(SolveCommand, ReactionsSumToTheAppliedLoads) {
   deck["body_forces"] = {{{"acceleration_m_s2", {0, 0, -9.81}}}};
   ASSERT_EQ(solve(deck).exit_code, 0);
   const json last = read_json("out/solve.json")["increments"].back();
-  for (std::size_t axis = 0; axis < 3; ++axis)
+  for (std::size_t axis = 0; axis < 3; ++axis)  // Within Newton's tolerance.
     EXPECT_NEAR(last["reaction_sum_n"][axis].get<double>(), -last["load_sum_n"][axis].get<double>(),
-                1e-9);
+                1e-8);
   EXPECT_NEAR(last["loads_n"]["tractions[0] (faces Z1)"][0].get<double>(), 0.02, 1e-12);
   EXPECT_NEAR(last["loads_n"]["body_forces[0]"][2].get<double>(), -0.01962, 1e-12);
 }
@@ -372,18 +383,53 @@ TEST_F(SolveCommand, AnInterruptedRunKeepsWhatConverged) {
     EXPECT_EQ(entry.path().filename().string().find(".partial"), std::string::npos);
 }
 
-TEST_F(SolveCommand, EveryExampleIsSolved) {
-  int examples = 0;
+TEST_F(SolveCommand, EveryExampleComesToWhatTheDocsSay) {
+  std::map<std::string, json> results;
   for (const auto& entry : fs::directory_iterator(fs::path(LEFORT_EXAMPLES) / "solve")) {
     if (entry.path().extension() != ".json") continue;
-    ++examples;
-    const fs::path out = folder_ / entry.path().stem().string();
-    const auto run = test::run_lefort("solve " + quoted(entry.path()) + " -o " + quoted(out));
-    EXPECT_EQ(run.exit_code, 0) << entry.path() << run.error;
-    EXPECT_TRUE(fs::exists(out / "solve.json"));
-    EXPECT_TRUE(fs::exists(out / "probes.csv"));
+    const std::string name = entry.path().stem().string();
+    const auto run =
+        test::run_lefort("solve " + quoted(entry.path()) + " -o " + quoted(folder_ / name));
+    EXPECT_EQ(run.exit_code, 0) << name << run.error;
+    results[name] = read_json(fs::path(name) / "solve.json");
   }
-  EXPECT_GE(examples, 3);
+  ASSERT_EQ(results.size(), 3U);
+  const auto at = [&](const char* name, double time) {
+    for (const json& increment : results[name]["increments"])
+      if (increment["time"] == time) return increment;
+    ADD_FAILURE() << name << " at " << time;
+    return json();
+  };
+  const auto probe = [&](const char* name, double time, std::size_t column) {
+    std::string heading;
+    for (const auto& row : numbers_of(text_of(fs::path(name) / "probes.csv"), heading))
+      if (row[0] == time) return row[column];
+    ADD_FAILURE() << name << " at " << time;
+    return 0.0;
+  };
+
+  const double young_mpa = 0.015, nu = 0.45;
+  const auto [across, axial_mpa] = uniaxial_stretch(
+      young_mpa / (2.0 + 2.0 * nu), young_mpa * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), 1.5);
+  const json drawn = at("stretch", 0.5)["reactions_n"]["displacements[3] (set z1)"];
+  EXPECT_NEAR(drawn[2].get<double>(), 400.0 * axial_mpa, 1e-6);
+  EXPECT_NEAR(drawn[2].get<double>(), 2.152, 5e-4);
+  EXPECT_NEAR(probe("stretch", 0.5, 1), 20.0 * (across - 1.0), 1e-6);
+  EXPECT_NEAR(probe("stretch", 0.5, 2), -3.386, 5e-4);
+  EXPECT_NEAR(probe("stretch", 1.0, 1), 0.0, 1e-9);
+
+  const json ball = at("indent", 1.0)["contacts"]["ball"];
+  EXPECT_NEAR(ball["force_n"][2].get<double>(), -0.271, 5e-4);
+  EXPECT_NEAR(ball["max_penetration_mm"].get<double>(), 0.197, 5e-4);
+  EXPECT_NEAR(at("indent", 1.0)["reaction_sum_n"][2].get<double>(), 0.271, 5e-4);
+
+  EXPECT_NEAR(at("loads", 0.4)["reaction_sum_n"][2].get<double>(), 0.0379, 5e-5);
+  EXPECT_NEAR(at("loads", 0.7)["reaction_sum_n"][1].get<double>(), -0.06, 1e-8);
+  EXPECT_NEAR(probe("loads", 0.4, 3), -0.837, 5e-4);
+  EXPECT_NEAR(probe("loads", 0.7, 2), 1.396, 5e-4);
+  EXPECT_NEAR(probe("loads", 1.0, 3), 2.079, 5e-4);
+  EXPECT_TRUE(there_is("loads/step_0005.vtu"));
+  EXPECT_FALSE(there_is("loads/step_0002.vtu"));
 }
 
 TEST_F(SolveCommand, AGmshMeshOfTwoShapesAndLawsBearsItsLoads) {
@@ -401,9 +447,6 @@ TEST_F(SolveCommand, AGmshMeshOfTwoShapesAndLawsBearsItsLoads) {
   EXPECT_NEAR(last["loads_n"]["body_forces[0]"][2].get<double>(), -9810 * (2.76e-6 + 1.1e-6),
               1e-12);
   EXPECT_NEAR(last["loads_n"]["tractions[0] (faces tip)"][1].get<double>(), 200 * 3e-4, 1e-12);
-  std::string heading;
-  const auto tip = numbers_of(text_of("out/probes.csv"), heading).back();
-  EXPECT_GT(tip[2], 1.0);  // Sheared along y.
 }
 
 TEST_F(SolveCommand, ChecksADeckWithoutSolvingIt) {
@@ -427,7 +470,7 @@ TEST_F(SolveCommand, BadDecksAreOneLineAndLeaveNothing) {
   expect_refusal(spoilt([](json& d) {
                    d["materials"] = {{{"law", "neo-hookean"}, {"young_kpa", 15}, {"poisson", 0.5}}};
                  }),
-                 "materials[0]: neo-hookean: poisson's ratio is 0.5, must be in [0, 0.5)");
+                 "materials[0]: neo-hookean: poisson's ratio is 0.5, must be < 0.5");
   expect_refusal(spoilt([](json& d) { d["mesh"] = "lost.vtu"; }), "lost.vtu is not a file");
   expect_refusal(spoilt([](json& d) { d["mesh"] = "deck.json"; }),
                  "deck.json must end in .vtu or .msh");

@@ -341,7 +341,7 @@ TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
 /// Every kind of entry a deck has, for a block of six tetrahedra.
 constexpr std::string_view kDeck = R"({"lefort_deck":1,"title":"t","mesh":"m.vtu","mm_per_unit":2,
 "sets":{"a":{"box_mm":[[0,0,0],[1,1,0]]},"b":{"plane":{"point_mm":[0,0,1],"normal":[0,0,1]}},
-"c":{"nodes":[0,1]},"d":{"nearest_mm":[1,1,1]},"e":{"region":0}},
+"c":{"nodes":[4,5]},"d":{"nearest_mm":[1,1,1]},"e":{"region":0}},
 "materials":[{"region":0,"law":"neo-hookean","young_kpa":9,"poisson":0.3,"density_kg_m3":5},
 {"law":"linear-elastic","mu_kpa":4,"lambda_kpa":5}],
 "displacements":[{"set":"a","x_mm":0,"y_mm":0,"z_mm":0},{"set":"d","z_mm":1,"curve":[[0,0],[1,1]]}],

@@ -95,7 +95,8 @@ Result<solve::SetChoice> read_set(const std::string& name, const Json& json) {
 }
 
 Result<void> read_body(const Json& json, solve::Deck& deck) {
-  for (const auto& [name, choice] : section(json, "sets").items()) {
+  const Json sets = section(json, "sets");  // Outlives the loop, as a temporary would not.
+  for (const auto& [name, choice] : sets.items()) {
     LEFORT_TRY(solve::SetChoice set, read_set(name, choice));
     deck.sets.push_back(std::move(set));
   }

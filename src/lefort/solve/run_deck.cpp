@@ -175,6 +175,31 @@ Index element_at(const mesh::VolumeMesh& mesh, std::int32_t node) {
   return -1;
 }
 
+/// The element with the least J, in words.
+std::string most_compressed(const PreparedDeck& prepared, const VectorX& u) {
+  const mesh::VolumeMesh& mesh = prepared.mesh;
+  const auto states = fem::element_states(mesh, prepared.materials, u);
+  const auto least = std::min_element(states.begin(), states.end(),
+                                      [](const fem::ElementState& a, const fem::ElementState& b) {
+                                        return a.min_volume_ratio < b.min_volume_ratio;
+                                      });
+  Index left = least - states.begin();
+  for (const mesh::ElementBlock& block : mesh.blocks) {
+    if (left >= block.element_count()) {
+      left -= block.element_count();
+      continue;
+    }
+    Vec3 at_L = Vec3::Zero();
+    const int count = mesh::node_count(block.shape);
+    for (int a = 0; a < count; ++a)
+      at_L += mesh.nodes_L[std::size_t(block.element(left)[a])] / double(count);
+    return fmt::format("element {} at ({:.3f}, {:.3f}, {:.3f}) mm, J = {:.3g}",
+                       least - states.begin(), at_L.x(), at_L.y(), at_L.z(),
+                       least->min_volume_ratio);
+  }
+  return "no element";
+}
+
 /// Adds to Newton's sentence what may be behind it.
 Error explained(const Error& error, const Problem& problem, const fem::LoadState& last,
                 const std::vector<fem::LoadAttempt>& attempts) {
@@ -186,8 +211,9 @@ Error explained(const Error& error, const Problem& problem, const fem::LoadState
   if (error.code != ErrorCode::kNotConverged) return error;
   const auto spot = find_soft_spot(problem.assembler(), last.u);
   if (!spot || (spot->resists && !met_instability(attempts)))
-    return {error.code,
-            error.message + "; a smaller steps.smallest or more newton.max_iterations may help"};
+    return {error.code, fmt::format("{}; most compressed is {}; a smaller steps.smallest or more "
+                                    "newton.max_iterations may help",
+                                    error.message, most_compressed(problem.prepared(), last.u))};
   const mesh::VolumeMesh& mesh = problem.prepared().mesh;
   const Vec3& at_L = mesh.nodes_L[std::size_t(spot->node)];
   const char* const why =
