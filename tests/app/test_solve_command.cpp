@@ -449,6 +449,39 @@ TEST_F(SolveCommand, AGmshMeshOfTwoShapesAndLawsBearsItsLoads) {
   EXPECT_NEAR(last["loads_n"]["tractions[0] (faces tip)"][1].get<double>(), 200 * 3e-4, 1e-12);
 }
 
+TEST_F(SolveCommand, EveryLinearSolverComesToTheSameShape) {
+  json deck = stretch();
+  ASSERT_EQ(solve(deck, "automatic").exit_code, 0);
+  std::string heading;
+  const auto expected = numbers_of(text_of("automatic/probes.csv"), heading).back();
+  for (const char* kind : {"direct", "lagged", "multigrid"}) {
+    deck["linear_solver"] = kind;
+    ASSERT_EQ(solve(deck, kind).exit_code, 0) << kind;
+    const auto row = numbers_of(text_of(fs::path(kind) / "probes.csv"), heading).back();
+    ASSERT_EQ(row.size(), expected.size());
+    for (std::size_t i = 0; i < row.size(); ++i) EXPECT_NEAR(row[i], expected[i], 1e-6) << kind;
+  }
+}
+
+TEST_F(SolveCommand, AFieldFileIsTheObstacleItWasBuiltOf) {
+  json deck = clamped();
+  deck["obstacles"] = {{{"name", "ball"}, {"file", "ball.stl"}, {"faces", "Z1"}}};
+  deck["obstacles"][0]["resolution"] = 32;
+  deck["obstacles"][0]["band_mm"] = 2;
+  deck["obstacles"][0]["keyframes"] = {{{"translation_mm", {0, 0, -1.5}}}};
+  ASSERT_TRUE(io::write_surface(folder_ / "ball.stl", test::make_icosphere(4, 2, {5, 5, 24})));
+  const auto of_surface = solve(deck, "surface");
+  ASSERT_EQ(of_surface.exit_code, 0) << of_surface.error;
+  const auto built =
+      test::run_lefort("field build " + quoted(folder_ / "ball.stl") + " -o " +
+                       quoted(folder_ / "ball.field") + " --resolution 32 --band 2 --smooth");
+  ASSERT_EQ(built.exit_code, 0) << built.error;
+  deck["obstacles"][0]["file"] = "ball.field";
+  ASSERT_EQ(solve(deck, "field").exit_code, 0);
+  EXPECT_GT(read_json("field/solve.json")["increments"].back()["contacts"]["ball"]["points"], 0);
+  EXPECT_TRUE(text_of("surface/probes.csv") == text_of("field/probes.csv"));
+}
+
 TEST_F(SolveCommand, ChecksADeckWithoutSolvingIt) {
   const auto run = solve(stretch(), "out", "--check --json");
   EXPECT_EQ(run.exit_code, 0) << run.error;
