@@ -368,7 +368,7 @@ TEST_F(SolveCommand, APartThatHangsByAnEdgeIsASingularMatrixAndNamed) {
 
 TEST_F(SolveCommand, AnInterruptedRunKeepsWhatConverged) {
   json deck = stretch();
-  deck["steps"] = {{"largest", 0.0005}};  // Seconds of work.
+  deck["steps"] = {{"largest", 0.0001}, {"most_attempts", 1000000}};  // Many seconds of work.
   const auto run = solve(deck, "out", "& pid=\\$!; sleep 2; kill -INT \\$pid; wait \\$pid");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.error.find("stopped when asked to"), std::string::npos) << run.error;
