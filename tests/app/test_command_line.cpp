@@ -41,7 +41,7 @@ image::CtVolume ball_scan() {
 TEST(CommandLine, HelpNamesEveryCommandAndExitsWithZero) {
   const auto help = run_lefort("--help");
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* command : {"import", "segment", "field", "predict"}) {
+  for (const char* command : {"import", "segment", "field", "predict", "solve"}) {
     EXPECT_NE(help.out.find(command), std::string::npos) << command;
     const auto sub = run_lefort(std::string(command) + " --help");
     EXPECT_EQ(sub.exit_code, 0);

@@ -26,10 +26,11 @@ struct Body {
   /// \param extra  further terms, not owned.
   Body(mesh::VolumeMesh volume, const fem::RegionMaterials& materials,
        std::vector<fem::PrescribedDisplacement> conditions,
-       const std::vector<const fem::ForceTerm*>& extra = {})
+       const std::vector<const fem::ForceTerm*>& extra = {},
+       fem::Dilatation dilatation = fem::Dilatation::kAveraged)
       : mesh(std::move(volume)),
         prescribed(std::move(conditions)),
-        terms(fem::make_element_terms(mesh, materials).value()),
+        terms(fem::make_element_terms(mesh, materials, dilatation).value()),
         assembler(make_assembler(extra)) {}
 
   [[nodiscard]] VectorX at_rest() const { return VectorX::Zero(3 * mesh.node_count()); }

@@ -31,6 +31,15 @@ TEST_P(ElementStates, AreThoseOfTheUniformDeformation) {
   }
 }
 
+TEST_P(ElementStates, StretchesAreThoseOfTheBodyBeforeItWasTurned) {
+  const auto mesh = test::box_mesh({.cells = {1, 1, 1}, .shape = GetParam()});
+  const Mat3 F = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix() *
+                 Vec3(0.9, 1.4, 1.1).asDiagonal();
+  for (const ElementState& state :
+       element_states(mesh, {{0, kSoft}}, test::affine(mesh, F - Mat3::Identity(), Vec3::Zero())))
+    EXPECT_LT((state.stretches - Vec3(1.4, 1.1, 0.9)).norm(), 1e-12);
+}
+
 TEST_P(ElementStates, AnElementInsideOutIsSeen) {
   const auto mesh = test::box_mesh({.cells = {1, 1, 1}, .shape = GetParam()});
   const Mat3 mirror = Vec3(-1, 1, 1).asDiagonal();

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "fem/body.h"
 #include "support/box_mesh.h"
@@ -101,6 +102,30 @@ TEST(LoadSteps, IncrementsGrowWhenEasyAndOnlyThen) {
   LoadStepper hard(rest(), parabola(100.0, 4), options);
   ASSERT_TRUE(hard.advance_to(1.0).has_value());
   EXPECT_EQ(hard.attempts().size(), 8U);
+}
+
+TEST(LoadSteps, IncrementsStayBelowTheLargest) {
+  LoadStepper stepper(rest(), parabola(100.0),
+                      {.first_increment = 0.125, .max_increment = 0.25, .growth = 2.0});
+  ASSERT_TRUE(stepper.advance_to(1.0).has_value());
+  ASSERT_EQ(stepper.attempts().size(), 5U);  // 1/8, 2/8, 2/8, 2/8, the rest.
+  EXPECT_EQ(stepper.attempts()[3].t_to, 0.875);
+}
+
+TEST(LoadSteps, EveryConvergedStateIsToldAndAnErrorThereEndsTheWalk) {
+  std::vector<double> told;
+  const OnLoadState tell = [&](const LoadState& state) -> Result<void> {
+    told.push_back(state.t);
+    if (told.size() == 2) return fail(ErrorCode::kFileUnwritable, "the disk is full");
+    return {};
+  };
+  LoadStepper stepper(rest(), parabola(0.13), {.growth = 1.0});
+  const auto walked = stepper.advance_to(1.0, Progress::none(), tell);
+  ASSERT_FALSE(walked);
+  EXPECT_EQ(walked.error().message, "the disk is full");
+  EXPECT_EQ(told, (std::vector<double>{0.25, 0.5}));
+  EXPECT_EQ(stepper.state().t, 0.5);
+  EXPECT_EQ(stepper.attempts().back().t_to, 0.5);
 }
 
 TEST(LoadSteps, RoundOffLeavesNoTinyLastStep) {
@@ -240,6 +265,7 @@ TEST(LoadSteps, NamesTheOptionThatIsOutOfRange) {
   EXPECT_EQ(message_of({.first_increment = 0.0}), "load steps: first_increment is 0, must be > 0");
   EXPECT_NE(message_of({.min_increment = 0.0}).find("min_increment"), std::string::npos);
   EXPECT_NE(message_of({.min_increment = 2.0}).find("min_increment"), std::string::npos);
+  EXPECT_NE(message_of({.max_increment = 0.5}).find("max_increment"), std::string::npos);
   EXPECT_NE(message_of({.growth = 0.9}).find("growth"), std::string::npos);
   EXPECT_NE(message_of({.easy_iterations = -1}).find("easy_iterations"), std::string::npos);
   EXPECT_NE(message_of({.max_attempts = 0}).find("max_attempts"), std::string::npos);

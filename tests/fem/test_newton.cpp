@@ -161,6 +161,51 @@ TEST(Newton, LeavesASaddleInFewStepsHoweverStiffTheConvexTangent) {
   EXPECT_LE(outcome.iterations(), 12);
 }
 
+/// A nonlinear spring in the plane, |x|^2/2 + |x|^4/4, its end driven round by a force that has no
+/// energy: swirl * (-y, x), and pulled by a constant one.
+class Swirl final : public NonlinearSystem {
+ public:
+  Swirl(double swirl, Eigen::Vector2d pull) : swirl_(swirl), pull_(std::move(pull)) {}
+
+  std::optional<Balance> balance(const VectorX& x) const override {
+    const double square = x.squaredNorm();
+    const Eigen::Vector2d follower = swirl_ * Eigen::Vector2d(-x[1], x[0]);
+    return Balance{.energy_mj = 0.5 * square + 0.25 * square * square - pull_.dot(x),
+                   .residual_n = (1.0 + square) * x - pull_ + follower,
+                   .follower_n = follower,
+                   .force_scale_n = 1.0,
+                   .energy_round_off_mj = 1e-14};
+  }
+  SparseMatrix tangent(const VectorX& x, Tangent) const override {
+    return sparse((1.0 + x.squaredNorm()) * Eigen::Matrix2d::Identity() + 2.0 * x * x.transpose());
+  }
+
+ private:
+  double swirl_;
+  Eigen::Vector2d pull_;
+};
+
+TEST(Newton, ForcesWithoutEnergyAreJudgedByTheirWorkAlongTheStep) {
+  LinearSolver solver;
+  for (const double pull : {1.0, 100.0}) {
+    const auto outcome = solve_newton(Swirl(0.5, {pull, 0.0}), Eigen::Vector2d(0.0, 5.0), solver);
+    ASSERT_TRUE(outcome.converged()) << outcome.reason;
+    // The pull is what spring and swirl make of x: their matrix turns by atan(swirl / (1 + |x|^2)).
+    const double stiffness = 1.0 + outcome.x.squaredNorm();
+    EXPECT_NEAR(std::hypot(stiffness, 0.5) * outcome.x.norm(), pull, 1e-7 * pull);
+    EXPECT_NEAR(std::atan2(outcome.x[1], outcome.x[0]), -std::atan2(0.5, stiffness), 1e-7);
+    for (std::size_t k = 1; k < outcome.history.size(); ++k) {
+      EXPECT_LE(outcome.history[k].energy_mj, outcome.history[k - 1].energy_mj + 1e-13);
+    }
+  }
+}
+
+TEST(Newton, AFollowerThatDrivesRoundFasterThanTheTangentHoldsIsNotCalledConverged) {
+  LinearSolver solver;
+  const auto outcome = solve_newton(Swirl(20.0, {1.0, 0.0}), Eigen::Vector2d(0.0, 1.0), solver);
+  EXPECT_FALSE(outcome.converged());
+}
+
 TEST(Newton, ShiftedStepsThatCreepAreNoHeadway) {
   // Downhill all the way to a wall at x = 1, seen through a tangent that needs a shift.
   const Scalar wall([](double x) { return -x; }, [](double) { return -1.0; },

@@ -1,15 +1,18 @@
 /// \file
-/// Damaged files, thousands of them, through every reader of surfaces, fields and volume meshes.
+/// Damaged files, thousands of them, through every reader of surfaces, fields, volume meshes and
+/// decks.
 ///
 /// Whatever a file holds, the answer is a Result: no crash, no hang, and in a field made of it no
 /// distance that is no number. The seed is in every message; the number of files is fixed, and the
 /// time a test may take is bounded.
 #include <lefort/field/build_distance_field.h>
+#include <lefort/io/deck_file.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_mesh_files.h>
 #include <lefort/io/vtu.h>
 #include <lefort/mesh/box_grid.h>
+#include <lefort/solve/prepare_deck.h>
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -30,6 +33,7 @@
 #include <vector>
 
 #include "io/gmsh_writer.h"
+#include "support/box_mesh.h"
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
@@ -332,6 +336,77 @@ TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
     ASSERT_FALSE(encode_field(*field).empty());
   });
   EXPECT_GT(accepted, 20);
+}
+
+/// Every kind of entry a deck has, for a block of six tetrahedra.
+constexpr std::string_view kDeck = R"({"lefort_deck":1,"title":"t","mesh":"m.vtu","mm_per_unit":2,
+"sets":{"a":{"box_mm":[[0,0,0],[1,1,0]]},"b":{"plane":{"point_mm":[0,0,1],"normal":[0,0,1]}},
+"c":{"nodes":[4,5]},"d":{"nearest_mm":[1,1,1]},"e":{"region":0}},
+"materials":[{"region":0,"law":"neo-hookean","young_kpa":9,"poisson":0.3,"density_kg_m3":5},
+{"law":"linear-elastic","mu_kpa":4,"lambda_kpa":5}],
+"displacements":[{"set":"a","x_mm":0,"y_mm":0,"z_mm":0},{"set":"d","z_mm":1,"curve":[[0,0],[1,1]]}],
+"motions":[{"set":"c","keyframes":[{"at":1,"rotation_deg":[0,0,0]}]}],
+"tractions":[{"faces":"b","traction_kpa":[1,2,3],"curve":[[0,0],[0.5,1]]}],
+"pressures":[{"faces":"z1","pressure_kpa":4}],
+"body_forces":[{"region":"0","acceleration_m_s2":[0,0,-9]}],
+"obstacles":[{"name":"o","file":"o.stl","faces":"b","keyframes":[{"translation_mm":[0,0,1]}]}],
+"steps":{"initial":0.25,"smallest":0.01,"largest":0.5,"at":[0.3]},
+"newton":{"relative_tolerance":1e-7,"max_iterations":9},
+"probes":[{"name":"p","node":5},{"name":"q","point_mm":[0.5,0.5,0.5]}],
+"output":{"every":"at","fields":["displacement"]}})";
+
+/// Values and keys of decks where others are meant.
+constexpr std::string_view kDeckTokens[] = {"null",
+                                            "true",
+                                            "-1",
+                                            "1e308",
+                                            "-0.0",
+                                            "1e30",
+                                            "9223372036854775807",
+                                            "\"\"",
+                                            "[]",
+                                            "{}",
+                                            "[[]]",
+                                            "\"a\"",
+                                            "\"region\":1e30,",
+                                            "\"node\":3,",
+                                            "[0,0,0]",
+                                            "\"z0\"",
+                                            "\"neo-hookean\""};
+
+TEST(Fuzz, DecksAndWhatTheyAskOfAMesh) {
+  const mesh::VolumeMesh block = test::box_mesh({.cells = {1, 1, 1}});
+  int read = 0, accepted = 0;
+  run_seeds(20'000, [&](unsigned seed) {
+    std::mt19937 random(seed);
+    std::string text(kDeck);
+    if (seed % 4 == 0) {
+      text = damaged(text, random);
+    } else {  // Another value in the place of one: still JSON.
+      const std::size_t at = text.find_first_of(":[,", random() % text.size());
+      if (at == std::string::npos) return;
+      const std::size_t end = text.find_first_of(",]}", at + 1);
+      text.replace(at + 1, end - at - 1, kDeckTokens[random() % std::size(kDeckTokens)]);
+    }
+    const auto deck = parse_deck(text, "/nowhere");
+    if (!deck) {
+      ASSERT_FALSE(deck.error().message.empty());
+      ASSERT_EQ(deck.error().message.find('\n'), std::string::npos);
+      return;
+    }
+    ++read;
+    const auto prepared = solve::prepare_deck(block, deck->deck);
+    if (!prepared) {
+      ASSERT_FALSE(prepared.error().message.empty());
+      return;
+    }
+    ++accepted;
+    ASSERT_EQ(prepared->levels.back(), 1.0);
+    for (const auto& held : solve::prescribed_at(*prepared, 0.7))
+      ASSERT_TRUE(std::isfinite(held.displacement_mm));
+  });
+  EXPECT_GT(read, 5);
+  EXPECT_GT(accepted, 0);
 }
 
 }  // namespace

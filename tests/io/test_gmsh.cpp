@@ -135,7 +135,7 @@ TEST(Gmsh, NamesElementTypesThatAreNotSolvedWith) {
 TEST(Gmsh, RefusesNodesThatAreMissingTwiceOrNotFinite) {
   const auto code = ErrorCode::kFileCorrupt;
   EXPECT_EQ(refusal(replaced(kOneTet, "1 1 2 3 4", "1 1 2 3 8"), code),
-            "an element names node 8, which is missing");
+            "element 1 names node 8, which is missing");
   EXPECT_EQ(refusal(replaced(kOneTet, "9\n1\n2\n", "9\n2\n2\n"), code), "node 2 is there twice");
   EXPECT_EQ(refusal(replaced(kOneTet, "0 1 0\n", "0 nan 0\n"), code),
             "node 3 has a coordinate that is not finite");

@@ -201,6 +201,22 @@ TEST(ReadVtu, GivesBackEveryShapeNodeAndRegion) {
 }
 
 /// VTK's own writer, compressed, as ParaView saves.
+TEST(ReadVtu, TakesRegionsFromTheArrayThatIsAskedFor) {
+  const test::TemporaryFolder folder;
+  const VolumeMesh mesh = mesh::make_box(ElementShape::kHex8, {3, 1, 1}, {3, 1, 1});
+  const std::vector<double> material{4, 5, 4};
+  const VtuFields fields{.elements = {vtu_array("material", std::span<const double>(material))}};
+  ASSERT_TRUE(write_vtu(folder / "box.vtu", mesh, fields));
+  EXPECT_EQ(read_vtu(folder / "box.vtu", "material")->blocks[0].region,
+            (std::vector<std::int32_t>{4, 5, 4}));
+  EXPECT_EQ(read_vtu(folder / "box.vtu")->blocks[0].region, (std::vector<std::int32_t>{0, 0, 0}));
+  const auto lost = read_vtu(folder / "box.vtu", "colour");
+  ASSERT_FALSE(lost);
+  EXPECT_NE(lost.error().message.find("box.vtu: there is no cell array colour of regions"),
+            std::string::npos)
+      << lost.error().message;
+}
+
 TEST(ReadVtu, ReadsWhatVtkWrites) {
   const test::TemporaryFolder folder;
   VolumeMesh mesh = every_shape();

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   add_segment_command(cli, context);
   add_field_command(cli, context);
   add_predict_command(cli, context);
+  add_solve_command(cli, context);
   add_bench_command(cli, context);
 
   try {

@@ -64,4 +64,12 @@ struct PredictJob {
 /// Plan -> predicted face, with everything that documents it.
 [[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);
 
+struct SolveJob {
+  std::filesystem::path deck;
+  std::filesystem::path output;  ///< A folder; made if missing.
+  bool check_only = false;       ///< Read and check, no more.
+};
+/// Deck and mesh -> displacement, stress and reactions over time.
+[[nodiscard]] Result<Summary> solve_deck(const SolveJob& job, Progress& progress);
+
 }  // namespace lefort::app

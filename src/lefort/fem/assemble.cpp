@@ -3,6 +3,7 @@
 #include <lefort/fem/assemble.h>
 #include <lefort/fem/assembly_plan.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -20,10 +21,15 @@ void pick(const VectorX& values, std::span<const std::int32_t> nodes, Vec3* pick
   for (std::size_t a = 0; a < nodes.size(); ++a) picked[a] = values.segment<3>(3 * Index(nodes[a]));
 }
 
+/// What an item says of itself apart from forces and stiffness.
+struct ItemState {
+  double energy_mj = 0.0;  ///< Or kInadmissible.
+  Index contacts = 0;
+};
+
 /// Evaluates one item into zeroed memory; `stiffness`, of the kind `tangent`, may be null.
-/// \returns its energy, or kInadmissible.
-double evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, double* residual,
-                     double* stiffness, Tangent tangent = Tangent::kExact) {
+ItemState evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, double* residual,
+                        double* stiffness, Tangent tangent = Tangent::kExact) {
   const std::span<const std::int32_t> nodes = term.nodes(item);
   const auto size = Index(3 * nodes.size());
   std::array<Vec3, kMaxLocalNodes> local_x_L;
@@ -36,7 +42,7 @@ double evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, doub
   local.residual_n.setZero();
   local.stiffness_n_per_mm.setZero();
   const bool admissible = term.evaluate(item, {local_x_L.data(), nodes.size()}, local);
-  return admissible ? local.energy_mj : kInadmissible;
+  return {admissible ? local.energy_mj : kInadmissible, local.contacts};
 }
 
 /// Adds what the chunk's items push on each node; and their magnitudes, if asked.
@@ -79,10 +85,18 @@ void gather_stiffness(const Gather<BlockSource>& gather, const std::vector<doubl
 
 }  // namespace
 
+double energy_change_mj(const AssembledForces& from, const VectorX& u_from,
+                        const AssembledForces& to, const VectorX& u_to) {
+  const double change_mj = to.energy_mj - from.energy_mj;
+  if (from.follower_n.size() == 0) return change_mj;
+  return change_mj + 0.5 * (from.follower_n + to.follower_n).dot(u_to - u_from);
+}
+
 struct Assembler::Plan {
   std::vector<Vec3> nodes_L;
   DofMap dofs;
   std::vector<const ForceTerm*> terms;
+  std::vector<bool> conservative;  ///< One per term.
   AssemblyPlan layout;
 
   /// Positions under displacements u, 3 per node.
@@ -94,13 +108,31 @@ struct Assembler::Plan {
   [[nodiscard]] const ForceTerm& term(const PlannedItem& item) const {
     return *terms[std::size_t(item.term)];
   }
+  [[nodiscard]] bool is_conservative(const PlannedItem& item) const {
+    return conservative[std::size_t(item.term)];
+  }
+
+  /// Adds what the chunk's items of terms that are not conservative push on each node.
+  void add_followers(const Chunk& chunk, const std::vector<double>& buffer,
+                     VectorX& follower_n) const {
+    for (const PlannedItem& item : chunk.items) {
+      if (is_conservative(item)) continue;
+      const double* force = buffer.data() + item.forces;
+      for (const std::int32_t node : term(item).nodes(item.item)) {
+        follower_n.segment<3>(3 * Index(node)) += Eigen::Map<const Vec3>(force);
+        force += 3;
+      }
+    }
+  }
 };
 
 Assembler::Assembler(std::vector<Vec3> nodes_L, DofMap dofs, std::vector<const ForceTerm*> terms) {
   LEFORT_CHECK(Index(nodes_L.size()) == dofs.node_count());
   AssemblyPlan layout = plan_assembly(dofs, terms);
-  plan_ = std::make_unique<const Plan>(
-      Plan{std::move(nodes_L), std::move(dofs), std::move(terms), std::move(layout)});
+  std::vector<bool> conservative;
+  for (const ForceTerm* term : terms) conservative.push_back(term->is_conservative(dofs));
+  plan_ = std::make_unique<const Plan>(Plan{std::move(nodes_L), std::move(dofs), std::move(terms),
+                                            std::move(conservative), std::move(layout)});
 }
 
 Assembler::~Assembler() = default;
@@ -113,26 +145,32 @@ std::span<const Vec3> Assembler::nodes_L() const { return plan_->nodes_L; }
 std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
   const VectorX x_L = plan_->positions_L(u);
   AssembledForces sum{.residual_n = VectorX::Zero(u.size())};
+  const bool has_followers = std::ranges::count(plan_->conservative, false) > 0;
+  if (has_followers) sum.follower_n = VectorX::Zero(u.size());
   VectorX magnitudes = VectorX::Zero(u.size());
   double energy_magnitude = 0.0;
   std::vector<double> buffer(std::size_t(plan_->layout.force_buffer_size));
-  std::vector<double> energies;
+  std::vector<ItemState> states;
   for (const Chunk& chunk : plan_->layout.chunks) {
-    energies.assign(chunk.items.size(), 0.0);
+    states.assign(chunk.items.size(), {});
     parallel_for(
         Index(chunk.items.size()),
         [&](Index k) {
           const PlannedItem& item = chunk.items[std::size_t(k)];
-          energies[std::size_t(k)] = evaluate_item(plan_->term(item), item.item, x_L,
-                                                   buffer.data() + item.forces, nullptr);
+          states[std::size_t(k)] = evaluate_item(plan_->term(item), item.item, x_L,
+                                                 buffer.data() + item.forces, nullptr);
         },
         kItemsPerTask);
-    for (const double energy : energies) {
-      sum.energy_mj += energy;
-      energy_magnitude += std::abs(energy);
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      if (std::isnan(states[k].energy_mj)) return std::nullopt;
+      sum.contacts += states[k].contacts;
+      if (!plan_->is_conservative(chunk.items[k])) continue;
+      sum.energy_mj += states[k].energy_mj;
+      energy_magnitude += std::abs(states[k].energy_mj);
     }
     if (!std::isfinite(sum.energy_mj)) return std::nullopt;
     gather_forces(chunk.forces, buffer, sum.residual_n, &magnitudes);
+    if (has_followers) plan_->add_followers(chunk, buffer, sum.follower_n);
   }
   if (!sum.residual_n.allFinite()) return std::nullopt;
   sum.force_scale_n = plan_->dofs.free_part(magnitudes).norm();
@@ -155,7 +193,8 @@ SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
           const PlannedItem& item = chunk.items[std::size_t(k)];
           energies[std::size_t(k)] =
               evaluate_item(plan_->term(item), item.item, x_L, forces.data() + item.forces,
-                            stiffness.data() + item.stiffness, kind);
+                            stiffness.data() + item.stiffness, kind)
+                  .energy_mj;
         },
         kItemsPerTask);
     for (const double energy : energies) LEFORT_CHECK(!std::isnan(energy));
@@ -186,7 +225,8 @@ VectorX Assembler::tangent_times(const VectorX& u, const VectorX& du) const {
             return;
           }
           std::array<double, kMaxLocalSize * kMaxLocalSize> stiffness;
-          const double energy = evaluate_item(term, item.item, x_L, force.data(), stiffness.data());
+          const double energy =
+              evaluate_item(term, item.item, x_L, force.data(), stiffness.data()).energy_mj;
           LEFORT_CHECK(!std::isnan(energy));
           force.noalias() =
               Eigen::Map<const Eigen::MatrixXd>(stiffness.data(), size, size) * direction;

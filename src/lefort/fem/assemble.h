@@ -17,17 +17,25 @@ namespace lefort::fem {
 
 /// Energy and forces at one state, on all components.
 struct AssembledForces {
-  double energy_mj = 0.0;
+  double energy_mj = 0.0;  ///< Of the conservative terms.
   /// Sum of all terms [N], 3 per node. At a prescribed component of a body in equilibrium this is
   /// the reaction: the force that the support exerts on the body.
   VectorX residual_n;
+  /// What terms that are not conservative have added to it [N]; empty if there are none.
+  VectorX follower_n = {};
   /// Norm over the free components of the sum of absolute local forces [N]: the size of what has to
   /// cancel there. Unlike the first residual or the reactions it does not depend on how the load
   /// comes in, and round-off in the residual is always a few 1e-16 of it.
   double force_scale_n = 0.0;
+  Index contacts = 0;  ///< Points in contact, of all items.
   /// Bound on what rounding of positions and sums may have done to energy_mj [mJ].
   double energy_round_off_mj = 0.0;
 };
+
+/// The change of energy between two states: where forces have none, minus their work along the
+/// straight way, by the trapezoidal rule.
+[[nodiscard]] double energy_change_mj(const AssembledForces& from, const VectorX& u_from,
+                                      const AssembledForces& to, const VectorX& u_to);
 
 /// Assembles the same terms over and over: lays out matrix and summation order once.
 ///

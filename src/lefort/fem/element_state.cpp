@@ -1,18 +1,108 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
+#include <lefort/fem/dilatation_modes.h>
+#include <lefort/fem/edge_strain_term.h>
 #include <lefort/fem/element_state.h>
 #include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/material_response.h>
+#include <lefort/fem/nodal_dilatation.h>
 #include <lefort/fem/reference_element.h>
+
+#include <Eigen/SVD>
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <span>
+#include <type_traits>
 
 namespace lefort::fem {
 namespace {
 
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Where a mesh averages over several elements, and what is known there.
+struct Averages {
+  std::unique_ptr<NodalDilatation> volume;  ///< Or null.
+  std::vector<NodalDilatation::State> of_patch;
+  std::unique_ptr<EdgeStrainTerm> shear;  ///< Or null.
+  std::vector<EdgeStrainTerm::State> of_edge;
+};
+
+template <class Term>
+auto states_of(const Term* term, std::span<const Vec3> x_L) {
+  std::vector<typename Term::State> states(term == nullptr ? 0 : std::size_t(term->item_count()));
+  parallel_for(Index(states.size()),
+               [&](Index item) { states[std::size_t(item)] = term->state(item, x_L); });
+  return states;
+}
+
+Averages averages_of(const mesh::VolumeMesh& mesh, const RegionMaterials& materials,
+                     const VectorX& u) {
+  std::vector<Vec3> x_L(mesh.nodes_L);
+  for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += u.segment<3>(3 * Index(n));
+  Averages averages{.volume = NodalDilatation::build(mesh, materials),
+                    .of_patch = {},
+                    .shear = EdgeStrainTerm::build(mesh, materials),
+                    .of_edge = {}};
+  averages.of_patch = states_of(averages.volume.get(), x_L);
+  averages.of_edge = states_of(averages.shear.get(), x_L);
+  return averages;
+}
+
+/// What an averaged change of volume adds to the state of one element.
+template <class Element>
+struct VolumeShare {
+  Eigen::Matrix<double, Element::kPoints, 1> pressure;  ///< At its points [MPa].
+  double energy_mj = 0.0;
+};
+
+/// \param change  J - 1 at the points.
+template <class Element>
+VolumeShare<Element> volume_share(const Volumetric& volume, const ElementNodes<Element>& X,
+                                  const ReferenceElement<Element>& points,
+                                  const Eigen::Matrix<double, Element::kPoints, 1>& change,
+                                  const Averages& averages, Index number) {
+  VolumeShare<Element> share;
+  share.pressure.setConstant(kNan);
+  if constexpr (kDilatationModes < Element >> 0) {
+    const auto response =
+        volume_response<Element>(volume, points, dilatation_modes<Element>(X, points), change);
+    if (!response) return {share.pressure, kNan};
+    return {response->pressure, response->energy_mj};
+  } else {
+    share.pressure.setZero();
+    const std::span patches = averages.volume->patches_of(number);
+    const auto quadrature = Element::quadrature();
+    for (std::size_t q = 0; q < points.size(); ++q)
+      for (int a = 0; a < Element::kNodes; ++a) {
+        const NodalDilatation::State& state =
+            averages.of_patch[std::size_t(patches[std::size_t(a)])];
+        share.pressure[Index(q)] += quadrature[q].N[a] * state.pressure_mpa;
+        share.energy_mj += quadrature[q].N[a] * points[q].volume_mm3 * state.energy_density_mpa;
+      }
+    return share;
+  }
+}
+
+/// Puts the mean around the edges of an element in the place of all but a share of its shear part.
+void mix_in_edges(const Averages& averages, Index number, ElementState& state) {
+  const std::span edges = averages.shear->edges_of(number);
+  const double share = (1.0 - kRetainedShare) / double(edges.size());
+  state.cauchy_mpa *= kRetainedShare;
+  state.energy_density_mpa *= kRetainedShare;
+  for (const std::int32_t edge : edges) {
+    const EdgeStrainTerm::State& of_edge = averages.of_edge[std::size_t(edge)];
+    state.cauchy_mpa += share * of_edge.cauchy_mpa;
+    state.energy_density_mpa += share * of_edge.energy_density_mpa;
+  }
+}
+
+/// \param averages  null if the change of volume is taken at the points.
 template <class Element>
 ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
-                      const Material& material, const VectorX& u) {
+                      const Material& material, const VectorX& u, const Averages* averages,
+                      Index number) {
   ElementNodes<Element> X;
   ElementNodes<Element> x;
   for (int a = 0; a < Element::kNodes; ++a) {
@@ -22,32 +112,47 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
   const auto reference = reference_element<Element>(X);
   LEFORT_CHECK(reference.has_value());
 
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  ElementState state{.min_volume_ratio = std::numeric_limits<double>::infinity()};
+  const Volumetric* averaged = averages == nullptr ? nullptr : volumetric_part(material);
+  const LawPart part = averaged == nullptr ? LawPart::kWhole : LawPart::kShear;
+  ElementState state{.min_volume_ratio = std::numeric_limits<double>::infinity(),
+                     .stretches = Vec3::Zero()};
+  Eigen::Matrix<double, Element::kPoints, 1> change;
   double volume_mm3 = 0.0;
-  for (const ReferencePoint<Element>& point : *reference) {
+  for (std::size_t q = 0; q < reference->size(); ++q) {
+    const ReferencePoint<Element>& point = (*reference)[q];
     const Mat3 F = deformation_gradient<Element>(x, point);
     const double J = volume_ratio(F);
-    if (!(J > 0.0)) return {J, Mat3::Constant(kNan), kNan};
+    if (!(J > 0.0)) return {J, Mat3::Constant(kNan), Vec3::Constant(kNan), kNan};
     state.min_volume_ratio = std::min(state.min_volume_ratio, J);
-    std::visit(
-        [&](const auto& law) {
-          state.cauchy_mpa += point.volume_mm3 * cauchy_stress(law.stress(F), F);
-          state.energy_density_mpa += point.volume_mm3 * law.energy(F);
-        },
-        material);
+    // The singular values of F = R U are the eigenvalues of U, sorted (\cite bonet2008, 4.6.3).
+    state.stretches += point.volume_mm3 * Eigen::JacobiSVD<Mat3>(F).singularValues();
+    change[Index(q)] = volume_change(F);
+    state.cauchy_mpa += point.volume_mm3 * cauchy_stress(stress(material, part, F), F);
+    state.energy_density_mpa += point.volume_mm3 * energy(material, part, F);
     volume_mm3 += point.volume_mm3;
   }
   state.cauchy_mpa /= volume_mm3;
+  state.stretches /= volume_mm3;
   state.energy_density_mpa /= volume_mm3;
+  if (averaged == nullptr) return state;
+
+  if constexpr (std::is_same_v<Element, Tet4>) mix_in_edges(*averages, number, state);
+  const auto share = volume_share<Element>(*averaged, X, *reference, change, *averages, number);
+  for (std::size_t q = 0; q < reference->size(); ++q)
+    state.cauchy_mpa.diagonal().array() +=
+        (*reference)[q].volume_mm3 / volume_mm3 * share.pressure[Index(q)];
+  state.energy_density_mpa += share.energy_mj / volume_mm3;
   return state;
 }
 
 }  // namespace
 
 std::vector<ElementState> element_states(const mesh::VolumeMesh& mesh,
-                                         const RegionMaterials& materials, const VectorX& u) {
+                                         const RegionMaterials& materials, const VectorX& u,
+                                         Dilatation dilatation) {
   LEFORT_CHECK(u.size() == 3 * mesh.node_count());
+  const bool is_averaged = dilatation == Dilatation::kAveraged;
+  const Averages averages = is_averaged ? averages_of(mesh, materials, u) : Averages{};
   std::vector<ElementState> states(std::size_t(mesh.element_count()));
   Index first = 0;
   for (const mesh::ElementBlock& block : mesh.blocks) {
@@ -57,7 +162,8 @@ std::vector<ElementState> element_states(const mesh::VolumeMesh& mesh,
       LEFORT_CHECK(material != materials.end());
       states[std::size_t(first + e)] = std::visit(
           [&]<class Element>(const Element&) {
-            return state_of<Element>(mesh, block.element(e), material->second, u);
+            return state_of<Element>(mesh, block.element(e), material->second, u,
+                                     is_averaged ? &averages : nullptr, first + e);
           },
           element);
     });

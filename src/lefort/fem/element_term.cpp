@@ -1,11 +1,16 @@
 #include <lefort/core/check.h>
 #include <lefort/fem/continuum_term.h>
+#include <lefort/fem/edge_strain_term.h>
 #include <lefort/fem/element_term.h>
 #include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/mean_dilatation_term.h>
+#include <lefort/fem/nodal_dilatation.h>
 #include <lefort/mesh/element_quality.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <type_traits>
 #include <utility>
 
 namespace lefort::fem {
@@ -83,10 +88,16 @@ tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::Element
 }
 
 template <class Element>
-Result<TermPtr> continuum_term(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
-                               BlockMaterials materials, Index first_number) {
+Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
+                             BlockMaterials materials, Index first_number, Dilatation dilatation) {
   LEFORT_CHECK(block.shape == Element::kShape);
+  const bool averages = dilatation == Dilatation::kAveraged &&
+                        std::ranges::any_of(materials.laws, [](const Material& law) {
+                          return volumetric_part(law) != nullptr;
+                        });
+  constexpr int kModes = kDilatationModes<Element>;
   std::vector<ReferenceElement<Element>> points;
+  std::vector<DilatationModes<Element>> modes;
   points.reserve(block.region.size());
   for (Index e = 0; e < block.element_count(); ++e) {
     ElementNodes<Element> X;
@@ -95,16 +106,28 @@ Result<TermPtr> continuum_term(const mesh::VolumeMesh& mesh, const mesh::Element
     const auto reference = reference_element<Element>(X);
     if (!reference) return fault_of(mesh, block, e, first_number, reference.error());
     points.push_back(*reference);
+    if constexpr (kModes > 0)
+      if (averages) modes.push_back(dilatation_modes<Element>(X, *reference));
   }
-  return std::make_unique<const ContinuumTerm<Element>>(
-      block.nodes, std::move(points), std::move(materials.laws), std::move(materials.of_element));
+  ElementData<Element> data{.nodes = block.nodes,
+                            .points = std::move(points),
+                            .materials = std::move(materials.laws),
+                            .material = std::move(materials.of_element)};
+  if (!averages)
+    return std::make_unique<const ContinuumTerm<Element>>(std::move(data), LawPart::kWhole, 1.0);
+  if constexpr (kModes > 0) {
+    return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data), std::move(modes));
+  } else {
+    constexpr double kShare = std::is_same_v<Element, Tet4> ? kRetainedShare : 1.0;
+    return std::make_unique<const ContinuumTerm<Element>>(std::move(data), LawPart::kShear, kShare);
+  }
 }
 
 Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
-                              BlockMaterials materials, Index first_number) {
+                              BlockMaterials materials, Index first_number, Dilatation dilatation) {
   return std::visit(
       [&]<class Element>(const Element&) {
-        return continuum_term<Element>(mesh, block, std::move(materials), first_number);
+        return element_term<Element>(mesh, block, std::move(materials), first_number, dilatation);
       },
       element_of(block.shape));
 }
@@ -112,18 +135,25 @@ Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementB
 }  // namespace
 
 Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
-                                                const RegionMaterials& materials) {
+                                                const RegionMaterials& materials,
+                                                Dilatation dilatation) {
   std::vector<TermPtr> terms;
   Index first_number = 0;
   for (const mesh::ElementBlock& block : mesh.blocks) {
     if (block.region.empty() && block.nodes.empty()) continue;
     LEFORT_TRY_VOID(check_block(mesh, block));
     LEFORT_TRY(BlockMaterials of_block, block_materials(block, materials));
-    LEFORT_TRY(TermPtr term, term_of_block(mesh, block, std::move(of_block), first_number));
+    LEFORT_TRY(TermPtr term,
+               term_of_block(mesh, block, std::move(of_block), first_number, dilatation));
     terms.push_back(std::move(term));
     first_number += block.element_count();
   }
   if (terms.empty()) return fail(ErrorCode::kMeshInvalid, "volume mesh has no element");
+  if (dilatation == Dilatation::kAveraged) {
+    if (TermPtr shear = EdgeStrainTerm::build(mesh, materials)) terms.push_back(std::move(shear));
+    if (TermPtr volume = NodalDilatation::build(mesh, materials))
+      terms.push_back(std::move(volume));
+  }
   return terms;
 }
 

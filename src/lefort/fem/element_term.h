@@ -4,6 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
+#include <lefort/fem/dilatation.h>
 #include <lefort/fem/force_term.h>
 #include <lefort/fem/material.h>
 #include <lefort/mesh/volume_mesh.h>
@@ -13,11 +14,13 @@
 
 namespace lefort::fem {
 
-/// One term per non-empty block of `mesh`, total Lagrangian: gradients are taken once, in the
-/// reference configuration mesh.nodes_L.
+/// One term per non-empty block of `mesh`, and one for the change of volume that is averaged around
+/// nodes, if any; total Lagrangian: gradients are taken once, in the reference configuration
+/// mesh.nodes_L.
 ///
-/// \param mesh       elements of any shapes; where blocks meet their faces should be the same.
-/// \param materials  one for every region that occurs.
+/// \param mesh        elements of any shapes; where blocks meet their faces should be the same.
+/// \param materials   one for every region that occurs.
+/// \param dilatation  where laws in split form take the change of volume; the others do not care.
 /// \returns the terms, which do not refer to `mesh` any more, or
 ///   - kElementInverted  an element has no positive reference volume at an integration point or a
 ///     node; number and place are told;
@@ -26,6 +29,7 @@ namespace lefort::fem {
 ///     range.
 /// \note An element's number counts through the blocks, from 0.
 [[nodiscard]] Result<std::vector<std::unique_ptr<const ForceTerm>>> make_element_terms(
-    const mesh::VolumeMesh& mesh, const RegionMaterials& materials);
+    const mesh::VolumeMesh& mesh, const RegionMaterials& materials,
+    Dilatation dilatation = Dilatation::kAveraged);
 
 }  // namespace lefort::fem

@@ -17,8 +17,12 @@ class HeldBody final : public NonlinearSystem {
     if (!forces) return std::nullopt;
     return Balance{.energy_mj = forces->energy_mj,
                    .residual_n = assembler_.dofs().free_part(forces->residual_n),
+                   .follower_n = forces->follower_n.size() == 0
+                                     ? VectorX()
+                                     : assembler_.dofs().free_part(forces->follower_n),
                    .force_scale_n = forces->force_scale_n,
-                   .energy_round_off_mj = forces->energy_round_off_mj};
+                   .energy_round_off_mj = forces->energy_round_off_mj,
+                   .contacts = forces->contacts};
   }
 
   [[nodiscard]] SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
@@ -43,20 +47,26 @@ constexpr double kFollowingTolerance = 1e-6;
 /// `moved`, the start with its boundary moved, with the free nodes following to first order:
 /// K_ff du_f = -r_f - K_fp du_p, everything at `start`. `moved` itself where that is no better.
 VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const VectorX& moved,
-                        LinearSolver& linear_solver) {
+                        LinearSolver& linear_solver, const NewtonOptions& options) {
   const DofMap& dofs = assembler.dofs();
+  enter(SolvePhase::kAssembly, options);
   const auto forces = assembler.forces(start);
   if (!forces) return moved;
   const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
-  const auto du = linear_solver.solve(assembler.tangent(start), -dofs.free_part(unbalanced),
-                                      kFollowingTolerance);
+  const SparseMatrix K = assembler.tangent(start);
+  enter(SolvePhase::kFactorisation, options);
+  const auto du = linear_solver.solve(K, -dofs.free_part(unbalanced), kFollowingTolerance,
+                                      [&] { enter(SolvePhase::kSolve, options); });
+  enter(SolvePhase::kAssembly, options);
   if (!du) return moved;
 
   VectorX followed = dofs.with_free_part(moved, dofs.free_part(start) + *du);
   const auto after = assembler.forces(followed);
   if (!after) return moved;
   const auto boundary_alone = assembler.forces(moved);
-  return boundary_alone && boundary_alone->energy_mj < after->energy_mj ? moved : followed;
+  return boundary_alone && energy_change_mj(*boundary_alone, moved, *after, followed) > 0.0
+             ? moved
+             : followed;
 }
 
 }  // namespace
@@ -72,7 +82,7 @@ NewtonOutcome find_equilibrium(const Assembler& assembler,
   const bool stands_still =
       dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kStandstill_mm;
   const VectorX guess =
-      stands_still ? moved : follow_boundary(assembler, start, moved, linear_solver);
+      stands_still ? moved : follow_boundary(assembler, start, moved, linear_solver, options);
   const HeldBody body(assembler, guess);
   NewtonOutcome outcome =
       solve_newton(body, dofs.free_part(guess), linear_solver, options, progress);

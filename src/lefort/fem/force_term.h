@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/core/types.h>
+#include <lefort/fem/dof_map.h>
 #include <lefort/fem/tangent.h>
 
 #include <cstdint>
@@ -10,8 +11,9 @@
 
 namespace lefort::fem {
 
-/// The most nodes one local item may couple: those of a 27-node hexahedron.
-inline constexpr int kMaxLocalNodes = 27;
+/// The most nodes one local item may couple. The elements around one node of a good mesh of
+/// tetrahedra have fifteen to fifty.
+inline constexpr int kMaxLocalNodes = 64;
 
 /// What one local item adds to the balance. The solver owns the memory; it is zero on entry.
 struct LocalEquations {
@@ -19,6 +21,7 @@ struct LocalEquations {
   Eigen::Map<VectorX> residual_n;  ///< dW/dx [N]: x, y, z of the first node, of the second, ...
   Eigen::Map<Eigen::MatrixXd> stiffness_n_per_mm;  ///< d2W/dx2 [N/mm]; 0 by 0 if not wanted.
   Tangent tangent = Tangent::kExact;  ///< Which stiffness is wanted; exact is always allowed.
+  Index contacts = 0;                 ///< Points at which a body is touched now, for the history.
 
   /// False on the cheaper path: energy and residual only.
   [[nodiscard]] bool wants_stiffness() const { return stiffness_n_per_mm.size() > 0; }
@@ -51,6 +54,11 @@ class ForceTerm {
   ///   anything that two items share.
   [[nodiscard]] virtual bool evaluate(Index item, std::span<const Vec3> x_L,
                                       LocalEquations& local) const = 0;
+
+  /// Whether the residual, summed over all items, is the gradient of the energy by the free
+  /// components. If not (a pressure that follows a surface with a free rim), it still is the force;
+  /// the energy is ignored, and the stiffness is the symmetric part of the residual's derivative.
+  [[nodiscard]] virtual bool is_conservative(const DofMap& /*dofs*/) const { return true; }
 };
 
 }  // namespace lefort::fem

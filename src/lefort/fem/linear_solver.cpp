@@ -246,11 +246,13 @@ tl::expected<VectorX, Factorisation> LinearSolver::solve(const VectorX& b, doubl
   }
 }
 
-tl::expected<VectorX, Factorisation> LinearSolver::solve(const SparseMatrix& A, const VectorX& b,
-                                                         double tolerance) {
+tl::expected<VectorX, Factorisation> LinearSolver::solve(
+    const SparseMatrix& A, const VectorX& b, double tolerance,
+    const std::function<void()>& on_factorised) {
   const auto attempt = [&]() -> tl::expected<VectorX, Factorisation> {
     const Factorisation outcome = factorise(A);
     if (outcome != Factorisation::kDone) return tl::unexpected(outcome);
+    if (on_factorised) on_factorised();
     return solve(b, tolerance);
   };
   auto x = attempt();

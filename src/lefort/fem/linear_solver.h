@@ -10,6 +10,7 @@
 #include <tl/expected.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -61,8 +62,11 @@ class LinearSolver {
                                                            double tolerance = 1e-10);
 
   /// Both; if automatic and multigrid does not converge, directly.
-  [[nodiscard]] tl::expected<VectorX, Factorisation> solve(const SparseMatrix& A, const VectorX& b,
-                                                           double tolerance = 1e-10);
+  ///
+  /// \param on_factorised  told between the two; may be empty.
+  [[nodiscard]] tl::expected<VectorX, Factorisation> solve(
+      const SparseMatrix& A, const VectorX& b, double tolerance = 1e-10,
+      const std::function<void()>& on_factorised = {});
 
   /// What is used for the last matrix: never kAutomatic. \pre factorise() was called.
   [[nodiscard]] LinearSolverKind kind() const;

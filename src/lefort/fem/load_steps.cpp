@@ -31,6 +31,8 @@ Result<void> validate(const LoadStepOptions& options) {
     return refuse("first_increment", options.first_increment, "> 0");
   if (!(options.min_increment > 0.0 && options.min_increment <= options.first_increment))
     return refuse("min_increment", options.min_increment, "> 0 and <= first_increment");
+  if (!(options.max_increment >= options.first_increment))
+    return refuse("max_increment", options.max_increment, ">= first_increment");
   if (!(options.growth >= 1.0) || !std::isfinite(options.growth))
     return refuse("growth", options.growth, ">= 1");
   if (options.easy_iterations < 0)
@@ -64,7 +66,8 @@ NewtonOutcome LoadStepper::attempt(double t, bool extrapolate) {
   return outcome;
 }
 
-Result<void> LoadStepper::advance_to(double t_end, Progress& progress) {
+Result<void> LoadStepper::advance_to(double t_end, Progress& progress,
+                                     const OnLoadState& on_state) {
   if (!std::isfinite(t_end) || !(t_end > last_.t))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("load level {} does not lie ahead of {}", t_end, last_.t));
@@ -97,7 +100,9 @@ Result<void> LoadStepper::advance_to(double t_end, Progress& progress) {
     if (outcome.converged()) {
       before_last_ = std::exchange(last_, {t, std::move(outcome.x)});
       if (outcome.iterations() <= options_.easy_iterations)
-        increment_ = std::max(increment_, asked) * options_.growth;
+        increment_ =
+            std::min(std::max(increment_, asked) * options_.growth, options_.max_increment);
+      if (on_state) LEFORT_TRY_VOID(on_state(last_));
     } else if (asked <= (1.0 + kRounding) * options_.min_increment) {
       return stuck_at(t, "the smallest increment", outcome.reason);
     } else {

@@ -8,6 +8,7 @@
 #include <lefort/fem/newton.h>
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -22,9 +23,10 @@ struct LoadState {
 struct LoadStepOptions {
   double first_increment = 1.0;       ///< Of t, > 0; cut to the distance to the next level.
   double min_increment = 1.0 / 1024;  ///< Of t, > 0, <= first; failing at this size ends the run.
-  double growth = 2.0;                ///< An easy increment is multiplied by this, >= 1.
-  int easy_iterations = 6;            ///< Newton needed at most so many: the increment was easy.
-  int max_attempts = 1000;            ///< Calls of solve for one advance_to(), at most; >= 1.
+  double max_increment = std::numeric_limits<double>::infinity();  ///< Of t, >= first.
+  double growth = 2.0;      ///< An easy increment is multiplied by this, >= 1.
+  int easy_iterations = 6;  ///< Newton needed at most so many: the increment was easy.
+  int max_attempts = 1000;  ///< Calls of solve for one advance_to(), at most; >= 1.
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
@@ -42,6 +44,9 @@ struct LoadAttempt {
 
 /// Equilibrium at load level t from a start guess for u.
 using SolveAtLoad = std::function<NewtonOutcome(double t, const VectorX& start)>;
+
+/// Told each converged state; an error ends the walk there.
+using OnLoadState = std::function<Result<void>(const LoadState&)>;
 
 /// Walks along a load path and remembers how.
 class LoadStepper {
@@ -62,9 +67,11 @@ class LoadStepper {
   ///     sentence says where and why;
   ///   - kOutOfMemory      Newton's factor does not fit into memory, however small the increment;
   ///   - kInvalidArgument  t_end is not finite or does not lie ahead;
-  ///   - kCancelled        `progress` asked to stop.
+  ///   - kCancelled        `progress` asked to stop;
+  ///   - what `on_state` returned, which may be empty.
   /// After an error state() is the last converged state, and attempts() tells all that was tried.
-  [[nodiscard]] Result<void> advance_to(double t_end, Progress& progress = Progress::none());
+  [[nodiscard]] Result<void> advance_to(double t_end, Progress& progress = Progress::none(),
+                                        const OnLoadState& on_state = {});
 
   [[nodiscard]] const LoadState& state() const { return last_; }
   [[nodiscard]] const std::vector<LoadAttempt>& attempts() const { return attempts_; }

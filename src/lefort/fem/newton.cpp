@@ -38,15 +38,22 @@ struct Iterate {
   VectorX x;
   Balance balance;
   double residual_n = 0.0;
+  double energy_mj = 0.0;  ///< W, and minus the work of followers since the start.
 };
 
-std::optional<Iterate> iterate_at(const NonlinearSystem& system, VectorX x) {
+/// \param from  the state the step to x begins at; null at the start.
+std::optional<Iterate> iterate_at(const NonlinearSystem& system, VectorX x,
+                                  const Iterate* from = nullptr) {
   if (!x.allFinite()) return std::nullopt;
   std::optional<Balance> balance = system.balance(x);
   if (!balance) return std::nullopt;
   const double residual_n = balance->residual_n.norm();
-  if (!std::isfinite(residual_n) || !std::isfinite(balance->energy_mj)) return std::nullopt;
-  return Iterate{std::move(x), *std::move(balance), residual_n};
+  double energy_mj = balance->energy_mj;
+  if (from != nullptr && balance->follower_n.size() > 0)
+    energy_mj += from->energy_mj - from->balance.energy_mj +
+                 0.5 * (from->balance.follower_n + balance->follower_n).dot(x - from->x);
+  if (!std::isfinite(residual_n) || !std::isfinite(energy_mj)) return std::nullopt;
+  return Iterate{std::move(x), *std::move(balance), residual_n, energy_mj};
 }
 
 /// What a step was taken by.
@@ -88,10 +95,18 @@ struct Direction {
 /// \returns the step, or why there is none.
 tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system, const Iterate& at,
                                                    const Model& last, double tolerance,
-                                                   LinearSolver& solver, const Progress& progress) {
+                                                   LinearSolver& solver,
+                                                   const NewtonOptions& options,
+                                                   const Progress& progress) {
   const VectorX right_side = -at.balance.residual_n;
+  const auto solve = [&](const SparseMatrix& A) {
+    enter(SolvePhase::kFactorisation, options);
+    auto dx = solver.solve(A, right_side, tolerance, [&] { enter(SolvePhase::kSolve, options); });
+    enter(SolvePhase::kAssembly, options);
+    return dx;
+  };
   const SparseMatrix exact = system.tangent(at.x, Tangent::kExact);
-  auto dx = solver.solve(exact, right_side, tolerance);
+  auto dx = solve(exact);
   if (dx) return Direction{*std::move(dx), {}};
 
   SparseMatrix convex;
@@ -110,9 +125,8 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
                                       : std::max(kFirstShift, last.shift / kShiftGrowth);
       if (model.shift > kLastShift) break;
     }
-    dx = solver.solve(
-        model.shift > 0.0 ? shifted(convex, model.shift) : blend(exact, convex, model.convex_share),
-        right_side, tolerance);
+    dx = solve(model.shift > 0.0 ? shifted(convex, model.shift)
+                                 : blend(exact, convex, model.convex_share));
   }
   if (dx) return Direction{*std::move(dx), model};
   switch (dx.error()) {
@@ -128,7 +142,7 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
 /// \param expected_mj  the change of energy to first order, negative for a descent.
 bool acceptable(const Iterate& from, const Iterate& to, double expected_mj,
                 const NewtonOptions& options) {
-  const double change_mj = to.balance.energy_mj - from.balance.energy_mj;
+  const double change_mj = to.energy_mj - from.energy_mj;
   const double round_off_mj = from.balance.energy_round_off_mj + to.balance.energy_round_off_mj;
   if (-expected_mj > round_off_mj) return change_mj <= options.sufficient_decrease * expected_mj;
   return to.residual_n < from.residual_n;
@@ -146,7 +160,7 @@ std::optional<Step> backtrack(const NonlinearSystem& system, const Iterate& from
   const double slope_mj = from.balance.residual_n.dot(dx);
   double length = 1.0;
   for (int n = 0; n <= options.max_backtracks; ++n) {
-    std::optional<Iterate> to = iterate_at(system, from.x + length * dx);
+    std::optional<Iterate> to = iterate_at(system, from.x + length * dx, &from);
     if (to && acceptable(from, *to, length * slope_mj, options))
       return Step{*std::move(to), length};
     double factor = kShortenLeast;
@@ -172,8 +186,8 @@ Step lengthen(const NonlinearSystem& system, const Iterate& from, const VectorX&
             ? kLengthenMost
             : std::clamp(slope_mj / (slope_mj - slope_here_mj), kLengthenLeast, kLengthenMost);
     const double length = factor * step.length;
-    std::optional<Iterate> to = iterate_at(system, from.x + length * dx);
-    if (!to || to->balance.energy_mj >= step.to.balance.energy_mj ||
+    std::optional<Iterate> to = iterate_at(system, from.x + length * dx, &from);
+    if (!to || to->energy_mj >= step.to.energy_mj ||
         !acceptable(from, *to, length * slope_mj, options))
       break;
     step = {*std::move(to), length};
@@ -185,12 +199,12 @@ Step lengthen(const NonlinearSystem& system, const Iterate& from, const VectorX&
 class Headway {
  public:
   explicit Headway(const Iterate& start)
-      : first_energy_mj_(start.balance.energy_mj), best_residual_n_(start.residual_n) {}
+      : first_energy_mj_(start.energy_mj), best_residual_n_(start.residual_n) {}
 
   /// \returns how many steps in a row, this one included, made none.
   int steps_without(const Iterate& from, const Iterate& to, bool is_shifted) {
-    const double gain_mj = from.balance.energy_mj - to.balance.energy_mj;
-    const double gained_mj = first_energy_mj_ - from.balance.energy_mj;
+    const double gain_mj = from.energy_mj - to.energy_mj;
+    const double gained_mj = first_energy_mj_ - from.energy_mj;
     const double wanted_mj =
         std::max(kClearly * to.balance.energy_round_off_mj, is_shifted ? kPart * gained_mj : 0.0);
     const bool lower_residual = to.residual_n < kNotably * best_residual_n_;
@@ -246,10 +260,11 @@ class ForcingTerm {
 NewtonIterate history_line(const Iterate& at, double step_length, const Model& model) {
   return {.residual_n = at.residual_n,
           .force_scale_n = at.balance.force_scale_n,
-          .energy_mj = at.balance.energy_mj,
+          .energy_mj = at.energy_mj,
           .step_length = step_length,
           .convex_share = model.convex_share,
-          .shift = model.shift};
+          .shift = model.shift,
+          .contacts = at.balance.contacts};
 }
 
 }  // namespace
@@ -277,9 +292,11 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
                            Progress& progress) {
   LEFORT_CHECK(validate(options).has_value());
   NewtonOutcome outcome;
+  enter(SolvePhase::kAssembly, options);
   std::optional<Iterate> first = iterate_at(system, start);
   if (!first) {
     outcome.x = std::move(start);
+    enter(SolvePhase::kNone, options);
     outcome.reason = "the start is inadmissible: an element is inside out or a force not finite";
     return outcome;
   }
@@ -295,6 +312,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
         fmt::format("{} after {} iterations: |r| is {:.3e} N, must be <= {:.3e} N", what,
                     outcome.iterations(), at.residual_n, tolerance_n(at, options));
     outcome.x = std::move(at.x);
+    enter(SolvePhase::kNone, options);
     return std::move(outcome);
   };
 
@@ -302,7 +320,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
     if (outcome.iterations() == options.max_iterations)
       return stop(NewtonStop::kTooManyIterations, "not converged");
     const double tolerance = forcing.next(at.residual_n, tolerance_n(at, options));
-    auto direction = find_direction(system, at, model, tolerance, linear_solver, progress);
+    auto direction = find_direction(system, at, model, tolerance, linear_solver, options, progress);
     if (progress.stop_requested()) return stop(NewtonStop::kCancelled, "cancelled");
     if (!direction) return stop(direction.error(), why_no_direction(direction.error()));
     model = direction->model;

@@ -1,5 +1,6 @@
 /// \file
-/// Newton's method with line search for equations that are the gradient of an energy.
+/// Newton's method with line search for equations that are, but for follower loads, the gradient of
+/// an energy.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -9,6 +10,7 @@
 #include <lefort/fem/sparse_matrix.h>
 #include <lefort/fem/tangent.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,13 +19,15 @@ namespace lefort::fem {
 
 /// The forces at one state.
 struct Balance {
-  double energy_mj = 0.0;            ///< W(x) [mJ]; its gradient is the residual.
-  VectorX residual_n;                ///< r(x) = dW/dx [N], zero in equilibrium.
+  double energy_mj = 0.0;            ///< W(x) [mJ].
+  VectorX residual_n;                ///< r(x) = dW/dx + follower_n [N], zero in equilibrium.
+  VectorX follower_n = {};           ///< What is no energy's gradient [N]; empty if there is none.
   double force_scale_n = 0.0;        ///< Size of the forces that cancel in r [N]; see Assembler.
   double energy_round_off_mj = 0.0;  ///< Differences of W below this say nothing [mJ].
+  Index contacts = 0;                ///< Points in contact, for the history.
 };
 
-/// r(x) = dW/dx = 0. x holds the free displacements [mm].
+/// r(x) = 0. x holds the free displacements [mm].
 class NonlinearSystem {
  public:
   virtual ~NonlinearSystem() = default;
@@ -31,11 +35,14 @@ class NonlinearSystem {
   /// \returns the balance at x, or nothing if x is inadmissible: an element turned inside out, NaN.
   [[nodiscard]] virtual std::optional<Balance> balance(const VectorX& x) const = 0;
 
-  /// \returns dr/dx [N/mm] or its convex stand-in, lower triangle with the whole diagonal, always
-  ///   with the same pattern.
+  /// \returns the symmetric part of dr/dx [N/mm] or its convex stand-in, lower triangle with the
+  ///   whole diagonal, always with the same pattern.
   /// \pre x is admissible.
   [[nodiscard]] virtual SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
 };
+
+/// What a solve spends its time on.
+enum class SolvePhase { kAssembly, kFactorisation, kSolve, kNone };
 
 struct NewtonOptions {
   double relative_tolerance = 1e-8;   ///< Converged when |r| <= this * force scale, >= 0 ...
@@ -45,18 +52,25 @@ struct NewtonOptions {
   int max_backtracks = 20;            ///< How often one step may be shortened; >= 0.
   double sufficient_decrease = 1e-4;  ///< Armijo's constant, in (0, 0.5).
   int stagnation_iterations = 8;      ///< Stop when so many steps in a row make no headway; >= 1.
+  /// Told what comes next, from the calling thread: for who looks at the clock. May be empty.
+  std::function<void(SolvePhase)> on_phase{};
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
 [[nodiscard]] Result<void> validate(const NewtonOptions& options);
 
+/// Tells options.on_phase.
+inline void enter(SolvePhase phase, const NewtonOptions& options) {
+  if (options.on_phase) options.on_phase(phase);
+}
+
 enum class NewtonStop {
   kConverged,
   kTooManyIterations,
-  kStagnated,        ///< No step, or many steps in a row, brought no headway.
-  kSingularTangent,  ///< No shift made the tangent positive definite: nothing holds the body.
+  kStagnated,           ///< No step, or many steps in a row, brought no headway.
+  kSingularTangent,     ///< No shift made the tangent positive definite: nothing holds the body.
   kLinearNotConverged,  ///< An iterative linear solver gave up.
-  kOutOfMemory,      ///< The factor does not fit into memory; the problem may well have a solution.
+  kOutOfMemory,  ///< The factor does not fit into memory; the problem may well have a solution.
   kInadmissibleStart,  ///< The start itself turns an element inside out, or is not finite.
   kRefused,            ///< Converged to a state that the caller does not accept.
   kCancelled           ///< Progress asked to stop.
@@ -66,10 +80,11 @@ enum class NewtonStop {
 struct NewtonIterate {
   double residual_n = 0.0;     ///< |r| [N].
   double force_scale_n = 0.0;  ///< [N]; residual_n / force_scale_n is the relative residual.
-  double energy_mj = 0.0;
-  double step_length = 0.0;   ///< Taken to come here, in Newton steps; 0 at the start.
-  double convex_share = 0.0;  ///< Of the convex tangent in the one the step was taken by.
-  double shift = 0.0;         ///< tau: tau times its diagonal was added to it.
+  double energy_mj = 0.0;      ///< Of followers: minus their work on the way from the start.
+  double step_length = 0.0;    ///< Taken to come here, in Newton steps; 0 at the start.
+  double convex_share = 0.0;   ///< Of the convex tangent in the one the step was taken by.
+  double shift = 0.0;          ///< tau: tau times its diagonal was added to it.
+  Index contacts = 0;          ///< Points in contact here.
 };
 
 /// What came out, whether or not it converged.
@@ -94,6 +109,12 @@ struct NewtonOutcome {
 /// change of energy drowns in its round-off, |r| has to fall instead. A trial that is inadmissible
 /// is shortened like one that is too high. A step by another than the exact tangent, being too
 /// short along unstable directions, is lengthened while that pays.
+///
+/// Where a part of r is no energy's gradient, minus its work along the straight step, by the
+/// trapezoidal rule, takes its place in W. Along a straight line only the symmetric part of dr/dx
+/// does work (dx . A dx = 0 for antisymmetric A), so that steps by K fit that W to second order.
+/// They converge linearly, by the spectral radius of K^-1 A: large loads on slack free edges may
+/// need another method.
 ///
 /// A step makes headway if |r| falls notably or the energy clearly; a shifted step, which may creep
 /// downhill without end, only if it gains a notable part of what was gained so far.

@@ -10,6 +10,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -67,11 +68,9 @@ class NodePlaces {
     return places;
   }
 
-  [[nodiscard]] Result<std::int32_t> find(std::uint64_t tag) const {
+  [[nodiscard]] std::optional<std::int32_t> find(std::uint64_t tag) const {
     const auto at = std::lower_bound(sorted_.begin(), sorted_.end(), std::pair(tag, 0));
-    if (at == sorted_.end() || at->first != tag)
-      return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("an element names node {}, which is missing", tag));
+    if (at == sorted_.end() || at->first != tag) return std::nullopt;
     return at->second;
   }
 
@@ -91,9 +90,14 @@ Result<std::vector<PlacedBlock>> placed_blocks(const GmshFile& file) {
   for (const GmshBlock& block : file.blocks) {
     PlacedBlock& next = placed.emplace_back(PlacedBlock{&block, {}});
     next.nodes.reserve(block.node_tags.size());
-    for (const std::uint64_t tag : block.node_tags) {
-      LEFORT_TRY(const std::int32_t node, places.find(tag));
-      next.nodes.push_back(node);
+    for (std::size_t n = 0; n < block.node_tags.size(); ++n) {
+      const auto node = places.find(block.node_tags[n]);
+      if (!node)
+        return fail(ErrorCode::kFileCorrupt,
+                    fmt::format("element {} names node {}, which is missing",
+                                block.element_tags[n / std::size_t(block.type->nodes)],
+                                block.node_tags[n]));
+      next.nodes.push_back(*node);
     }
   }
   return placed;

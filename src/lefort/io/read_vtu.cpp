@@ -28,13 +28,14 @@ using mesh::ElementShape;
 constexpr std::uintmax_t kLargestFile = std::uintmax_t(4) << 30;
 
 constexpr std::string_view kSet = "set:";
+const std::string kRegion = "region";
 
+/// Regions apart.
 const std::vector<internal::WantedArray> kWanted{
     {"Points", ""},
     {"Cells", "connectivity"},
     {"Cells", "offsets"},
     {"Cells", "types"},
-    {"CellData", "region"},
     {"CellData", std::string(kSet), internal::NameMatch::kBeginning},
     {"PointData", std::string(kSet), internal::NameMatch::kBeginning}};
 
@@ -76,12 +77,12 @@ Result<std::vector<SetArray>> find_sets(const XmlArrays& file, int number, std::
   return sets;
 }
 
-Result<Piece> find_piece(const XmlArrays& file, int number) {
+Result<Piece> find_piece(const XmlArrays& file, int number, const std::string& region_array) {
   const auto* points = find_array(file, number, "Points", "");
   const auto* connectivity = find_array(file, number, "Cells", "connectivity");
   const auto* offsets = find_array(file, number, "Cells", "offsets");
   const auto* types = find_array(file, number, "Cells", "types");
-  const auto* regions = find_array(file, number, "CellData", "region");
+  const auto* regions = find_array(file, number, "CellData", region_array);
   if (points == nullptr || connectivity == nullptr || offsets == nullptr || types == nullptr)
     return tl::unexpected(corrupt("points or cells are missing, expected both"));
   if (points->size() % 3 != 0)
@@ -173,8 +174,11 @@ Result<void> add_cells(const Piece& piece, std::int32_t first_node, mesh::Volume
                                                 cell, piece.offsets[cell], end)));
     nodes.clear();
     for (std::size_t n = begin; n < end; ++n) {
-      LEFORT_TRY(const std::int32_t node, whole(piece.connectivity[n], 0.0, node_count, "node"));
-      nodes.push_back(first_node + node);
+      const double node = piece.connectivity[n];
+      if (!(node >= 0.0 && node < node_count) || node != std::floor(node))
+        return tl::unexpected(corrupt(fmt::format(
+            "element {} names node {}, expected a whole number below {}", cell, node, node_count)));
+      nodes.push_back(first_node + std::int32_t(node));
     }
     const double said = piece.regions != nullptr ? (*piece.regions)[cell] : 0.0;
     LEFORT_TRY(const std::int32_t region, whole(said, -0x1p31, 0x1p31, "region"));
@@ -193,10 +197,12 @@ Result<void> add_cells(const Piece& piece, std::int32_t first_node, mesh::Volume
   return {};
 }
 
-Result<mesh::VolumeMesh> convert(const XmlArrays& file) {
+Result<mesh::VolumeMesh> convert(const XmlArrays& file, const std::string& regions) {
   mesh::VolumeMesh mesh;
   for (int number = 1; number <= file.pieces; ++number) {
-    LEFORT_TRY(const Piece piece, find_piece(file, number));
+    LEFORT_TRY(const Piece piece, find_piece(file, number, regions.empty() ? kRegion : regions));
+    if (!regions.empty() && piece.regions == nullptr)
+      return tl::unexpected(corrupt(fmt::format("there is no cell array {} of regions", regions)));
     const auto first_node = std::int32_t(mesh.nodes_L.size());
     LEFORT_TRY_VOID(add_nodes(piece, mesh));
     for (const SetArray& set : piece.face_sets) mesh.face_sets[set.name];  // May be empty.
@@ -217,12 +223,14 @@ Result<mesh::VolumeMesh> convert(const XmlArrays& file) {
 
 }  // namespace
 
-Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file) {
+Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file, const std::string& regions) {
   LEFORT_TRY(const std::string bytes, read_text(file, kLargestFile));
   const std::string name = "mesh " + file.string();
+  std::vector<internal::WantedArray> wanted = kWanted;
+  wanted.push_back({"CellData", regions.empty() ? kRegion : regions});
   LEFORT_TRY(const XmlArrays arrays,
-             internal::parse_vtk_xml(bytes, name, "UnstructuredGrid", kWanted));
-  auto mesh = convert(arrays);
+             internal::parse_vtk_xml(bytes, name, "UnstructuredGrid", wanted));
+  auto mesh = convert(arrays, regions);
   if (!mesh) return fail(mesh.error().code, fmt::format("{}: {}", name, mesh.error().message));
   return mesh;
 }

@@ -6,25 +6,29 @@
 #include <lefort/mesh/volume_mesh.h>
 
 #include <filesystem>
+#include <string>
 
 namespace lefort::io {
 
-/// Reads nodes, elements, the cell array "region" if there is one, and node and face sets as vtu.h
-/// tells. Elements of one shape make one block, shapes in the order of their first element. Faces
-/// in no set make the face set "region N" after their region. A face is taken from the element it
-/// lies on, so that its normal points out; only of one between two elements the file's side is
-/// kept. Other fields are not read back.
+/// Reads nodes, elements, their regions, and node and face sets as vtu.h tells. Elements of one
+/// shape make one block, shapes in the order of their first element. Faces in no set make the face
+/// set "region N" after their region. A face is taken from the element it lies on, so that its
+/// normal points out; only of one between two elements the file's side is kept. Other fields are
+/// not read back.
 ///
 /// Wedges are read in both ways in which programs number them (internal/wedge_order.h).
 ///
-/// \param file  of at least one element; little-endian, plain or packed by zlib.
+/// \param file     of at least one element; little-endian, plain or packed by zlib.
+/// \param regions  the cell array that numbers them; if empty, "region" where there is one, else
+///   all are 0.
 /// \returns the mesh, in L and mm as it was written, or
 ///   - kFileNotFound     there is no such file;
 ///   - kFileCorrupt      no whole VTU, no element, a missing node, a coordinate that is not finite,
-///                       a set array with other numbers than 0 and 1, or arrays that contradict
-///                       each other;
+///                       a set array with other numbers than 0 and 1, no array `regions`, or
+///                       arrays that contradict each other;
 ///   - kMeshInvalid      a face lies on no element, is in its set twice, or an element is in a set;
 ///   - kFileUnsupported  shapes the solver does not know, or another byte order or compressor.
-[[nodiscard]] Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file);
+[[nodiscard]] Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file,
+                                                const std::string& regions = {});
 
 }  // namespace lefort::io

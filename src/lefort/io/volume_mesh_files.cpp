@@ -6,9 +6,14 @@
 
 namespace lefort::io {
 
-Result<mesh::VolumeMesh> read_volume_mesh(const std::filesystem::path& file) {
+Result<mesh::VolumeMesh> read_volume_mesh(const std::filesystem::path& file,
+                                          const std::string& regions) {
   const std::string ending = file.extension().string();
-  if (ending == ".vtu") return read_vtu(file);
+  if (ending == ".vtu") return read_vtu(file, regions);
+  if (ending == ".msh" && !regions.empty())
+    return fail(
+        ErrorCode::kFileUnsupported,
+        fmt::format("mesh {} has physical volumes, no cell array {}", file.string(), regions));
   if (ending == ".msh") return read_gmsh(file);
   return fail(ErrorCode::kFileUnsupported,
               fmt::format("mesh {} must end in .vtu or .msh", file.string()));

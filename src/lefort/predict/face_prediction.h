@@ -2,10 +2,10 @@
 /// What a prediction found, step by step along the bone's path. A value.
 #pragma once
 
+#include <lefort/contact/contact_term.h>
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/load_steps.h>
-#include <lefort/predict/contact_term.h>
 
 #include <algorithm>
 #include <optional>
@@ -18,7 +18,7 @@ struct PredictionStep {
   double share = 0.0;                 ///< Of the path, 0 to 1.
   RigidTransform X_LB;                ///< The segment's pose.
   std::vector<Vec3> displacement_mm;  ///< One per node of the tissue.
-  ContactSummary contact;
+  contact::ContactSummary contact;
   double smallest_J = 1.0;                 ///< Least volume ratio of an element; positive.
   double residual_n = 0.0;                 ///< Of the unbalanced forces, last iteration.
   double relative_residual = 0.0;          ///< To the forces that cancel (fem/assemble.h).

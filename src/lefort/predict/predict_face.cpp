@@ -7,7 +7,6 @@
 #include <lefort/fem/equilibrium.h>
 #include <lefort/fem/linear_solver.h>
 #include <lefort/fem/load_steps.h>
-#include <lefort/mesh/boundary_faces.h>
 #include <lefort/plan/bone_path.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
@@ -19,6 +18,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -85,24 +85,17 @@ std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const std::vector<Vec3
   return x_L;
 }
 
-/// A bone that jumped through tissue leaves it in balance on the wrong side: such a state is
-/// refused, so that the stepper takes smaller increments. What creeps over a thin edge is not,
-/// since no increment would be small enough; it is told.
-void accept_or_refuse(ContactTerm& contact, const mesh::VolumeMesh& tissue,
+/// A state that contact refuses makes the stepper take smaller increments.
+void accept_or_refuse(contact::ContactTerm& contact, const mesh::VolumeMesh& tissue,
                       fem::NewtonOutcome& outcome) {
-  constexpr double kMostTunnelled = 0.02;  // Of the area in contact, in one increment.
   const std::vector<Vec3> x_L = moved(tissue.nodes_L, as_vectors(outcome.x));
-  const double tunnelled_mm2 = contact.newly_tunnelled_area_mm2(x_L);
-  const double touching_mm2 = contact.summarise(x_L).area_mm2;
-  if (tunnelled_mm2 <= kMostTunnelled * touching_mm2) {
+  std::optional<std::string> refusal = contact.why_refused(x_L);
+  if (!refusal) {
     contact.remember(x_L);
     return;
   }
   outcome.stop = fem::NewtonStop::kRefused;
-  outcome.reason = fmt::format(
-      "{:.1f} of {:.1f} mm^2 of tissue in contact have tunnelled through "
-      "the bone in one increment",
-      tunnelled_mm2, touching_mm2);
+  outcome.reason = *std::move(refusal);
 }
 
 /// Least ratio of an element's volume to its volume at rest.
@@ -188,16 +181,16 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
   for (const auto& term : elements) terms.push_back(term.get());
 
   FacePrediction prediction;
-  std::optional<ContactTerm> contact;
+  std::optional<contact::ContactTerm> contact;
   if (is_contact) {
     prediction.contact_stiffness_mpa_per_mm = options.contact.stiffness_factor *
                                               options.tissue.young_mpa /
                                               options.tissue.element_size_mm;
-    contact.emplace(
-        tissue.nodes_L, mesh::triangles_of(tissue.face_sets.at(sets::kContact)),
-        contact::BoneObstacle{model.segment_field_B, RigidTransform::Identity(),
-                              options.contact.reconstruction},
-        ContactTerm::Options{prediction.contact_stiffness_mpa_per_mm, options.boundary.capture_mm});
+    contact.emplace(tissue.nodes_L, tissue.face_sets.at(sets::kContact),
+                    contact::BoneObstacle{model.segment_field_B, RigidTransform::Identity(),
+                                          options.contact.reconstruction},
+                    contact::ContactTerm::Options{prediction.contact_stiffness_mpa_per_mm,
+                                                  options.boundary.capture_mm});
     terms.push_back(&*contact);
     prediction.rest_penetration_mm = contact->rest_penetration_mm();
     if (prediction.rest_penetration_mm > options.boundary.capture_mm)

@@ -15,14 +15,14 @@ constexpr double kUnitTolerance = 1e-9;
 Result<void> check_positive(std::string_view law, std::string_view constant, double value_mpa) {
   if (!(value_mpa > 0.0) || !std::isfinite(value_mpa))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {} is {} MPa, must be > 0", law, constant, value_mpa));
+                fmt::format("{}: {} is {:g} MPa, must be > 0", law, constant, value_mpa));
   return {};
 }
 
 Result<void> check_not_negative(std::string_view law, std::string_view constant, double value_mpa) {
   if (!(value_mpa >= 0.0) || !std::isfinite(value_mpa))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: {} is {} MPa, must be >= 0", law, constant, value_mpa));
+                fmt::format("{}: {} is {:g} MPa, must be >= 0", law, constant, value_mpa));
   return {};
 }
 

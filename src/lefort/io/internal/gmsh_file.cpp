@@ -276,7 +276,7 @@ void read_elements(Source& source, GmshFile& file) {
       return source.fail(corrupt(fmt::format("a block of {}s is said to have {} dimensions",
                                              block.type->name, dimension)));
     for (std::size_t e = 0; e < count && !source.has_failed(); ++e) {
-      source.size();  // The element's tag.
+      block.element_tags.push_back(source.size());
       for (int n = 0; n < block.type->nodes; ++n) block.node_tags.push_back(source.size());
     }
     read += count;

@@ -33,7 +33,8 @@ struct GmshType {
 struct GmshBlock {
   GmshKey entity;
   const GmshType* type = nullptr;
-  std::vector<std::uint64_t> node_tags;  ///< type->nodes per element, in Gmsh's order.
+  std::vector<std::uint64_t> element_tags{};
+  std::vector<std::uint64_t> node_tags{};  ///< type->nodes per element, in Gmsh's order.
 };
 
 struct GmshFile {

@@ -1,6 +1,7 @@
+#include <lefort/contact/contact_term.h>
 #include <lefort/core/check.h>
 #include <lefort/field/build_distance_field.h>
-#include <lefort/predict/contact_term.h>
+#include <lefort/mesh/element_faces.h>
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -11,13 +12,13 @@
 
 #include "support/shapes.h"
 
-namespace lefort::predict {
+namespace lefort::contact {
 namespace {
 
 constexpr double kStiffness = 0.04;
 
 /// A slab of bone whose upper side is z = 0.
-contact::BoneObstacle slab() {
+BoneObstacle slab() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -8.0}, {10.0, 10.0, 0.0}),
                                   {.resolution = 64, .band_mm = 3.0, .smooth = true})
@@ -25,16 +26,16 @@ contact::BoneObstacle slab() {
   return {field};
 }
 
-contact::BoneObstacle ball(
-    contact::Reconstruction reconstruction = contact::Reconstruction::kSmooth) {
+BoneObstacle ball(Reconstruction reconstruction = Reconstruction::kSmooth) {
   static const auto field = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(test::make_icosphere(6.0, 5), {.resolution = 64, .band_mm = 2.0, .smooth = true})
+      field::build_distance_field(test::make_icosphere(6.0, 5),
+                                  {.resolution = 64, .band_mm = 2.0, .smooth = true})
           .value());
   return {field, RigidTransform::Identity(), reconstruction};
 }
 
 /// A plate 2 mm thick whose upper side is z = 0.
-contact::BoneObstacle plate() {
+BoneObstacle plate() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -2.0}, {10.0, 10.0, 0.0}),
                                   {.resolution = 64, .band_mm = 3.0, .smooth = true})
@@ -44,7 +45,7 @@ contact::BoneObstacle plate() {
 
 /// The tissue above the slab has its lower face, which looks down, at `z`.
 std::vector<Vec3> flat_face(double z) { return {{0.0, 0.0, z}, {0.0, 4.0, z}, {4.0, 0.0, z}}; }
-const std::vector<mesh::Face3> kFace{{0, 1, 2}};
+const std::vector<mesh::Face> kFace{{mesh::FaceShape::kTri3, {0, 1, 2}}};
 constexpr double kFaceArea_mm2 = 8.0;
 
 RigidTransform lifted(double by_mm) {
@@ -58,15 +59,18 @@ struct Evaluated {
   double energy_mj;
   VectorX residual_n;
   Eigen::MatrixXd stiffness;
+  Index contacts = 0;
 };
 
 Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>& x_L,
                    fem::Tangent tangent = fem::Tangent::kExact) {
-  Evaluated result{false, 0.0, VectorX::Zero(9), Eigen::MatrixXd::Zero(9, 9)};
+  const auto size = Index(3 * x_L.size());
+  Evaluated result{false, 0.0, VectorX::Zero(size), Eigen::MatrixXd::Zero(size, size)};
   fem::LocalEquations local{
-      0.0, {result.residual_n.data(), 9}, {result.stiffness.data(), 9, 9}, tangent};
+      0.0, {result.residual_n.data(), size}, {result.stiffness.data(), size, size}, tangent};
   result.admissible = term.evaluate(item, x_L, local);
   result.energy_mj = local.energy_mj;
+  result.contacts = local.contacts;
   return result;
 }
 
@@ -161,10 +165,9 @@ TEST(ContactTerm, PenetrationAndDepthFromRestAreToldApart) {
   EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
 }
 
-class ContactTermOnABall : public testing::TestWithParam<contact::Reconstruction> {};
+class ContactTermOnABall : public testing::TestWithParam<Reconstruction> {};
 INSTANTIATE_TEST_SUITE_P(Both, ContactTermOnABall,
-                         testing::Values(contact::Reconstruction::kTrilinear,
-                                         contact::Reconstruction::kSmooth));
+                         testing::Values(Reconstruction::kTrilinear, Reconstruction::kSmooth));
 
 TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   constexpr double kStep = 1e-6;
@@ -189,6 +192,58 @@ TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   EXPECT_LT((at.stiffness - at.stiffness.transpose()).norm(), 1e-12);
 }
 
+/// A slightly warped face near the ball, of any shape; a middle node bulges a little.
+std::vector<Vec3> warped_face(mesh::FaceShape shape) {
+  std::vector<Vec3> x{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.3, 1.1, 1.3}, {6.2, -0.9, 1.0}};
+  const auto corners = std::size_t(mesh::corner_count(shape));
+  x.resize(corners);
+  const auto count = std::size_t(mesh::node_count(shape));
+  for (std::size_t a = 0; x.size() < count; ++a)
+    x.emplace_back(0.5 * (x[a] + x[(a + 1) % corners]) + Vec3(0.05, 0.0, 0.02));
+  return x;
+}
+
+class ContactTermOnFaces : public testing::TestWithParam<mesh::FaceShape> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, ContactTermOnFaces,
+                         testing::Values(mesh::FaceShape::kTri3, mesh::FaceShape::kQuad4,
+                                         mesh::FaceShape::kTri6, mesh::FaceShape::kQuad8));
+
+TEST_P(ContactTermOnFaces, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
+  constexpr double kStep = 1e-6;
+  const std::vector<Vec3> rest = warped_face(GetParam());
+  ContactTerm term(rest, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, ball(), {kStiffness, 0.1});
+  ASSERT_EQ(term.nodes(0).size(), rest.size());
+  RigidTransform X_LB = RigidTransform::Identity();
+  X_LB.translation() = Vec3(0.9, 0.2, -0.1);
+  term.set_pose(X_LB);
+  const Evaluated at = evaluate(term, 0, rest);
+  ASSERT_GT(at.energy_mj, 0.0);
+  for (Index dof = 0; dof < Index(3 * rest.size()); ++dof) {
+    std::vector<Vec3> plus = rest, minus = rest;
+    plus[std::size_t(dof / 3)][dof % 3] += kStep;
+    minus[std::size_t(dof / 3)][dof % 3] -= kStep;
+    const Evaluated above = evaluate(term, 0, plus), below = evaluate(term, 0, minus);
+    EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep), 1e-8);
+    EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              3e-6);
+  }
+}
+
+TEST_P(ContactTermOnFaces, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {
+  const auto corners = std::size_t(mesh::corner_count(GetParam()));
+  std::vector<Vec3> x{{0, 0, 0}, {0, 4, 0}, {4, 4, 0}, {4, 0, 0}};
+  if (corners == 3) x.erase(x.begin() + 2);
+  for (std::size_t a = 0; x.size() < std::size_t(mesh::node_count(GetParam())); ++a)
+    x.emplace_back(0.5 * (x[a] + x[(a + 1) % corners]));
+  ContactTerm term(x, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(1.5));
+  const double area_mm2 = corners == 3 ? 8.0 : 16.0;
+  EXPECT_NEAR(evaluate(term, 0, x).energy_mj, kStiffness * 1.5 * 1.5 * area_mm2, 1e-6);
+  EXPECT_NEAR(term.summarise(x).force_L_n.z(), 2.0 * kStiffness * 1.5 * area_mm2, 1e-6);
+}
+
 double smallest_eigenvalue(const Eigen::MatrixXd& A) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A).eigenvalues().minCoeff();
 }
@@ -209,7 +264,9 @@ TEST(ContactTerm, TheConvexTangentOnACurvedBoneIsNeverNegative) {
 
 TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
   const std::vector<Vec3> nodes{{0.0, 0.0, 0.0}, {0.0, 4.0, 0.0}, {4.0, 0.0, 0.0}, {4.0, 4.0, 0.0}};
-  ContactTerm term(nodes, {{0, 1, 2}, {1, 3, 2}}, slab(), {kStiffness, 0.5});
+  ContactTerm term(nodes,
+                   {{mesh::FaceShape::kTri3, {0, 1, 2}}, {mesh::FaceShape::kTri3, {1, 3, 2}}},
+                   slab(), {kStiffness, 0.5});
   EXPECT_EQ(term.summarise(nodes).points, 0);
   term.set_pose(lifted(1.0));
   const ContactSummary pressed = term.summarise(nodes);
@@ -223,5 +280,47 @@ TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
   EXPECT_NEAR(pressed.normal_force_n, pressed.force_L_n.z(), 1e-9);
 }
 
+TEST(ContactTerm, TellsPressureAndGapOfEveryNode) {
+  const std::vector<Vec3> rest{{0, 0, 0}, {0, 4, 0}, {4, 0, 0}, {9, 9, 9}};
+  ContactTerm term(rest, kFace, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(1.0));
+  const std::vector<NodalContact> flat = term.at_nodes(rest);
+  ASSERT_EQ(flat.size(), 3U);
+  for (std::size_t n = 0; n < 3; ++n) {
+    EXPECT_EQ(flat[n].node, std::int32_t(n));
+    EXPECT_NEAR(flat[n].pressure_mpa, 2.0 * kStiffness * 1.0, 1e-6);
+    EXPECT_NEAR(flat[n].gap_mm, -1.0, 1e-6);
+  }
+  std::vector<Vec3> tilted = rest;
+  tilted[1].z() = 0.6;
+  const std::vector<NodalContact> touched = term.at_nodes(tilted);
+  EXPECT_NEAR(touched[1].gap_mm, -0.4, 1e-6);
+  EXPECT_LT(touched[1].pressure_mpa, touched[0].pressure_mpa);
+  EXPECT_NEAR(touched[0].pressure_mpa, touched[2].pressure_mpa, 1e-6);
+  // A third of the face belongs to each of its corners.
+  const double sum_mpa =
+      touched[0].pressure_mpa + touched[1].pressure_mpa + touched[2].pressure_mpa;
+  EXPECT_NEAR(sum_mpa * kFaceArea_mm2 / 3.0, term.summarise(tilted).normal_force_n, 1e-9);
+  term.set_pose(lifted(-1.0));
+  EXPECT_EQ(term.at_nodes(rest)[0].pressure_mpa, 0.0);
+}
+
+TEST(ContactTerm, RefusesAStateThatAPlateHasJumpedThrough) {
+  ContactTerm term(flat_face(0.0), kFace, plate(), {kStiffness, 0.5});
+  term.set_pose(lifted(0.8));
+  EXPECT_FALSE(term.why_refused(flat_face(0.0)));
+  term.set_pose(lifted(1.5));
+  const auto refusal = term.why_refused(flat_face(0.0));
+  ASSERT_TRUE(refusal);
+  EXPECT_NE(refusal->find("have tunnelled through the bone"), std::string::npos) << *refusal;
+}
+
+TEST(ContactTerm, CountsThePointsInContact) {
+  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 0);
+  term.set_pose(lifted(1.0));
+  EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 6);
+}
+
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::contact

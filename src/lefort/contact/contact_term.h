@@ -10,10 +10,13 @@
 #include <lefort/mesh/volume_mesh.h>
 
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
-namespace lefort::predict {
+namespace lefort::contact {
 
 /// What contact does at one state.
 struct ContactSummary {
@@ -33,7 +36,14 @@ struct ContactSummary {
   double tunnelled_area_mm2 = 0.0;
 };
 
-/// Triangles of the tissue's inner surface against one bone.
+/// What contact does at one node of its faces.
+struct NodalContact {
+  std::int32_t node = 0;
+  double pressure_mpa = 0.0;  ///< Mean over the points around it, weighted by the node's share.
+  double gap_mm = 0.0;        ///< Plus or minus the band beyond it; NaN where the field is torn.
+};
+
+/// Faces of the tissue's inner surface, of any shape, against one bone.
 ///
 /// Penetration is measured from how the face lay at rest: the mesh meets the bone's surface only
 /// within a chord's height, and a patient at rest is in equilibrium. So a point that rests within
@@ -54,15 +64,16 @@ class ContactTerm final : public fem::ForceTerm {
   /// \param nodes_L   all nodes at rest [mm].
   /// \param faces     counter-clockwise seen from outside the tissue.
   /// \param obstacle  the bone, at rest.
-  ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face3> faces,
-              contact::BoneObstacle obstacle, const Options& options);
+  ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces, BoneObstacle obstacle,
+              const Options& options);
 
   /// Moves the bone. Not while the term is being evaluated.
   void set_pose(const RigidTransform& X_LB) { obstacle_.X_LB = X_LB; }
 
   [[nodiscard]] Index item_count() const override { return Index(faces_.size()); }
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
-    return faces_[std::size_t(item)];
+    const mesh::Face& face = faces_[std::size_t(item)];
+    return {face.nodes.data(), std::size_t(mesh::node_count(face.shape))};
   }
   /// \returns false where a point lies deeper than the field's band, so that it knows no way out,
   ///   or has come to where the field is torn.
@@ -79,40 +90,54 @@ class ContactTerm final : public fem::ForceTerm {
   /// remember() was last called [mm^2].
   [[nodiscard]] double newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const;
 
+  /// Why a converged state is not to be accepted: an obstacle that jumped through the body leaves
+  /// it in balance on the wrong side, and a smaller increment would not. Nothing if it is; what
+  /// creeps over a thin edge is told, but not refused, since no increment would be small enough.
+  /// \param x_L  current positions of all nodes [mm].
+  [[nodiscard]] std::optional<std::string> why_refused(std::span<const Vec3> x_L) const;
+
   /// How deep the mesh lies in the bone at rest, at most [mm]; 0 if nowhere.
   [[nodiscard]] double rest_penetration_mm() const;
 
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] ContactSummary summarise(std::span<const Vec3> x_L) const;
 
- private:
-  /// Of the rule of degree 4 in \cite dunavant1985.
-  static constexpr int kPoints = 6;
+  /// \param x_L  likewise.
+  /// \returns one entry per node of the faces, ascending.
+  [[nodiscard]] std::vector<NodalContact> at_nodes(std::span<const Vec3> x_L) const;
 
+ private:
   /// What a point saw of the bone when last remembered.
   struct Sight {
     Vec3 normal_B = Vec3::Zero();  ///< Out of the bone; zero beyond the band.
     bool knows_side = false;       ///< The field said where the point is.
   };
 
+  /// Where a face is asked for its gap.
+  struct Point {
+    double area_mm2 = 0.0;     ///< Of the face at rest that it stands for.
+    double rest_gap_mm = 0.0;  ///< Where penetration starts.
+    Sight last_sight = {};
+  };
+
   /// Where a face was in the bone's frame when last remembered, and how far all of it was from
   /// contact then [mm]: distances change no faster than points move.
   struct Clearance {
-    std::array<Vec3, 3> corners_B;
+    std::array<Vec3, 8> nodes_B;
     double clearance_mm = 0.0;
   };
 
-  [[nodiscard]] bool is_out_of_reach(std::size_t face, std::span<const Vec3> corners_L) const;
-  [[nodiscard]] bool has_tunnelled(const Sight& last, const contact::Gap& gap) const;
+  [[nodiscard]] double rest_gap_mm(const Vec3& rest_L, double capture_mm) const;
+  [[nodiscard]] bool is_out_of_reach(std::size_t face, std::span<const Vec3> x_L) const;
+  [[nodiscard]] bool has_tunnelled(const Sight& last, const Gap& gap) const;
 
-  std::vector<mesh::Face3> faces_;
-  std::vector<double> area_mm2_;                          ///< Of each face at rest.
-  std::vector<std::array<double, kPoints>> rest_gap_mm_;  ///< Where penetration starts.
-  std::vector<std::array<Sight, kPoints>> last_sight_;
+  std::vector<mesh::Face> faces_;
+  std::vector<std::size_t> first_point_;  ///< Of each face, in points_.
+  std::vector<Point> points_;
   std::vector<Clearance> last_clearance_;
   double tunnelled_area_mm2_ = 0.0;
-  contact::BoneObstacle obstacle_;
+  BoneObstacle obstacle_;
   double stiffness_mpa_per_mm_;
 };
 
-}  // namespace lefort::predict
+}  // namespace lefort::contact

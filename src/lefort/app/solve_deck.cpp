@@ -1,0 +1,171 @@
+#include <lefort/app/output_folder.h>
+#include <lefort/app/phase_clock.h>
+#include <lefort/app/pipeline.h>
+#include <lefort/app/prediction_json.h>
+#include <lefort/app/write_solve.h>
+#include <lefort/field/build_distance_field.h>
+#include <lefort/io/deck_file.h>
+#include <lefort/io/field_file.h>
+#include <lefort/io/sha256.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/io/volume_mesh_files.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/solve/run_deck.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace lefort::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* name_of(fem::SolvePhase phase) {
+  switch (phase) {
+    case fem::SolvePhase::kAssembly:
+      return "assembly";
+    case fem::SolvePhase::kFactorisation:
+      return "factorisation";
+    case fem::SolvePhase::kSolve:
+      return "solve";
+    case fem::SolvePhase::kNone:
+      break;
+  }
+  return "evaluation";
+}
+
+Result<mesh::VolumeMesh> read_mesh(const io::DeckFile& file) {
+  LEFORT_TRY(mesh::VolumeMesh mesh, io::read_volume_mesh(file.mesh, file.regions));
+  for (Vec3& p_L : mesh.nodes_L) p_L *= file.mm_per_unit;
+  return mesh;
+}
+
+Result<SolveInputs> fingerprints(const io::DeckText& text) {
+  constexpr std::uintmax_t kLargest = std::uintmax_t(16) << 30;
+  LEFORT_TRY(const std::string mesh, io::read_text(text.file.mesh, kLargest));
+  return SolveInputs{io::Sha256().add(text.json).hex(), io::Sha256().add(mesh).hex()};
+}
+
+Result<void> check_obstacle_files(const io::DeckFile& file) {
+  for (std::size_t i = 0; i < file.obstacles.size(); ++i) {
+    std::error_code error;
+    if (!fs::is_regular_file(file.obstacles[i].file, error))
+      return fail(ErrorCode::kFileNotFound, fmt::format("obstacles[{}]: there is no file {}", i,
+                                                        file.obstacles[i].file.string()));
+  }
+  return {};
+}
+
+Result<solve::ObstacleFields> obstacle_fields(const io::DeckFile& file, Progress& progress) {
+  solve::ObstacleFields fields;
+  for (const io::ObstacleFile& obstacle : file.obstacles) {
+    if (obstacle.file.extension() == ".field") {
+      LEFORT_TRY(field::DistanceField read, io::read_field(obstacle.file));
+      fields.push_back(std::make_shared<const field::DistanceField>(std::move(read)));
+      continue;
+    }
+    LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(obstacle.file));
+    LEFORT_TRY(field::DistanceField built,
+               field::build_distance_field(surface, obstacle.options, progress));
+    fields.push_back(std::make_shared<const field::DistanceField>(std::move(built)));
+  }
+  return fields;
+}
+
+std::string described(const solve::Increment& increment) {
+  std::string line = fmt::format(
+      "  time {:.4f}: {} Newton iterations in {} increments tried, relative residual {:.1e}, moved "
+      "up to {:.3f} mm",
+      increment.time, increment.newton_iterations(), increment.attempts.size(),
+      increment.relative_residual, increment.largest_displacement_mm);
+  for (const contact::ContactSummary& contact : increment.contacts)
+    line += fmt::format(", {} nodes in contact", contact.nodes);
+  return line;
+}
+
+/// A run that ended early has its results written; how it is told.
+tl::unexpected<Error> ended_early(const SolveJob& job, const solve::DeckRun& run,
+                                  const SolveWriter& writer) {
+  const Error& failure = *run.failure;
+  const std::string kept =
+      run.last ? fmt::format("{} increments converged, to time {:.6g}, the last is kept in {}",
+                             run.last->number, run.last->time, writer.last_step().string())
+               : std::string("no increment converged");
+  const std::string json = (job.output / "solve.json").string();
+  if (failure.code == ErrorCode::kCancelled)
+    return fail(failure.code, fmt::format("stopped when asked to; {}; see {}", kept, json));
+  return fail(failure.code,
+              fmt::format("{}; {}; the solver's history is in {}", failure.message, kept, json));
+}
+
+Summary summary_of_check(const SolveJob& job, const solve::PreparedDeck& prepared) {
+  Summary summary;
+  summary.text = fmt::format(
+      "{}: {} nodes, {} elements, {} components held; nothing is wrong with it", job.deck.string(),
+      prepared.mesh.node_count(), prepared.mesh.element_count(), prepared.held.size());
+  summary.json = {{"deck", job.deck.string()},
+                  {"nodes", prepared.mesh.node_count()},
+                  {"elements", prepared.mesh.element_count()},
+                  {"held_components", prepared.held.size()},
+                  {"warnings", prepared.warnings}};
+  return summary;
+}
+
+}  // namespace
+
+Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
+  PhaseClock clock;
+  clock.begin("read");
+  progress.begin_stage("read");
+  LEFORT_TRY(const io::DeckText text, io::read_deck(job.deck));
+  const io::DeckFile& file = text.file;
+  LEFORT_TRY_VOID(check_obstacle_files(file));
+  LEFORT_TRY(mesh::VolumeMesh mesh, read_mesh(file));
+  Result<solve::PreparedDeck> checked = solve::prepare_deck(std::move(mesh), file.deck);
+  if (!checked)
+    return fail(checked.error().code,
+                fmt::format("deck {}: {}", job.deck.string(), checked.error().message));
+  const solve::PreparedDeck prepared = *std::move(checked);
+  for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
+  if (job.check_only) return summary_of_check(job, prepared);
+
+  LEFORT_TRY_VOID(make_output_folder(job.output));
+  LEFORT_TRY_VOID(remove_solve_results(job.output));
+  LEFORT_TRY(const SolveInputs inputs, fingerprints(text));
+  SolveWriter writer(job.output, file, prepared);
+  LEFORT_TRY_VOID(writer.begin());
+
+  clock.begin("obstacles");
+  if (!file.obstacles.empty()) progress.begin_stage("build the obstacles' fields");
+  LEFORT_TRY(const solve::ObstacleFields fields, obstacle_fields(file, progress));
+
+  progress.begin_stage("solve");
+  clock.begin(name_of(fem::SolvePhase::kNone));
+  solve::DeckWatch watch;
+  watch.on_phase = [&](fem::SolvePhase phase) { clock.begin(name_of(phase)); };
+  watch.on_increment = [&](const solve::Increment& increment) {
+    clock.begin("output");
+    progress.note(described(increment));
+    Result<void> added = writer.add(increment);
+    clock.begin(name_of(fem::SolvePhase::kNone));
+    return added;
+  };
+  LEFORT_TRY(const solve::DeckRun run, solve::run_deck(prepared, fields, watch, progress));
+  clock.begin("output");
+  LEFORT_TRY(const auto json, writer.finish(inputs, run, clock));
+  if (!run.completed()) return ended_early(job, run, writer);
+
+  Summary summary;
+  summary.text = fmt::format(
+      "{}: {} increments, largest displacement {:.4f} mm, {} elements, {:.0f} MB at most",
+      job.output.string(), run.last->number, run.last->largest_displacement_mm,
+      prepared.mesh.element_count(), peak_memory_mb());
+  summary.json = json;
+  return summary;
+}
+
+}  // namespace lefort::app

@@ -1,0 +1,44 @@
+/// \file
+/// Where an element takes the change of volume, so that it does not lock.
+///
+/// A law in split form (materials/split.h) resists a change of volume a thousand times more than
+/// one of shape. Asked at every integration point it would forbid elements nearly all motion: they
+/// have too few freedoms for so many conditions. So the change of volume is averaged first,
+///
+///     W = sum over points of shear(F) dV + sum over means of U(mean of J) V ,
+///
+/// an energy like any other: its forces and tangent are its derivatives. It is the three-field
+/// principle of Simo, Taylor and Pister with pressure and volume ratio taken out
+/// (\cite simo1985; \cite bonet2008, section 8.6.5).
+///
+///     shape             mean of J                          means per node, away from the boundary
+///     hex8              constant per element               1
+///     tet10, wedge15    constant per element               0.7, 0.4
+///     hex20             linear in X per element            1 (4 per element)
+///     tet4, wedge6,     over the elements around a node,   1
+///       pyramid5        weighted by its N_a
+///
+/// Three freedoms per node stand against them. A constant per element would not do for the last
+/// three: of tetrahedra there are five or six per node. Averaging around nodes is Bonet and
+/// Burton's (\cite bonet1998), with the mean taken by N_a, which for tet4 is the same; shear that
+/// stays with smaller cells than the nodes' keeps it stable \cite gee2009. Wedge15 with a linear
+/// mean locks (tests/verify), and hex20 with a constant one is less accurate.
+///
+/// Tet4 is too stiff in bending even where volume may change. So it takes its shear part, too, at a
+/// mean F: that of the elements around each edge, all but a share kRetainedShare
+/// (\cite onishi2014, there without the share).
+#pragma once
+
+namespace lefort::fem {
+
+/// Where laws in split form take the change of volume. Other laws always take it at the points.
+enum class Dilatation {
+  kAveraged,  ///< As above.
+  kPointwise  ///< At each integration point: locks; for comparison.
+};
+
+/// Of the shear part of tet4, what stays with the elements: without it nothing would keep a single
+/// one from being crushed.
+inline constexpr double kRetainedShare = 0.1;
+
+}  // namespace lefort::fem

@@ -1,0 +1,94 @@
+/// \file
+/// The mean change of volume of one element, and what it costs (dilatation.h).
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/materials/volumetric.h>
+#include <lefort/fem/reference_element.h>
+
+#include <Eigen/Cholesky>
+
+#include <cmath>
+#include <optional>
+
+namespace lefort::fem {
+
+/// How many functions the mean of one element is made of; 0 where means are taken around nodes.
+template <class Element>
+inline constexpr int kDilatationModes = 1;
+template <>
+inline constexpr int kDilatationModes<Hex20> = 4;
+template <>
+inline constexpr int kDilatationModes<Tet4> = 0;
+template <>
+inline constexpr int kDilatationModes<Wedge6> = 0;
+template <>
+inline constexpr int kDilatationModes<Pyramid5> = 0;
+
+/// The functions of one element's mean at its points, column by column: 1, or 1, X, Y, Z, made
+/// orthonormal: the sum over points of psi_i psi_j dV is 1 for i = j, else 0.
+template <class Element>
+using DilatationModes = Eigen::Matrix<double, Element::kPoints, kDilatationModes<Element>>;
+
+/// \param X  reference positions of the nodes [mm].
+template <class Element>
+[[nodiscard]] DilatationModes<Element> dilatation_modes(const ElementNodes<Element>& X,
+                                                        const ReferenceElement<Element>& points) {
+  Eigen::Matrix<double, Element::kPoints, 1> volume;
+  Eigen::Matrix<double, 3, Element::kPoints> at;
+  const auto quadrature = Element::quadrature();
+  for (int q = 0; q < Element::kPoints; ++q) {
+    volume[q] = points[std::size_t(q)].volume_mm3;
+    at.col(q) = X * quadrature[std::size_t(q)].N;
+  }
+  constexpr int kModes = kDilatationModes<Element>;
+  const Vec3 centre = at * volume / volume.sum();
+  const double size = std::cbrt(volume.sum());
+  DilatationModes<Element> raw;
+  raw.col(0).setOnes();
+  if constexpr (kModes > 1)
+    raw.template rightCols<kModes - 1>() = ((at.colwise() - centre) / size).transpose();
+  // raw^T dV raw = L L^T, so that the columns of raw L^-T are orthonormal.
+  const Eigen::Matrix<double, kModes, kModes> gram = raw.transpose() * volume.asDiagonal() * raw;
+  const Eigen::Matrix<double, kModes, kModes> L = gram.llt().matrixL();
+  return L.template triangularView<Eigen::Lower>().solve(raw.transpose()).transpose();
+}
+
+/// How an element answers to a change of its volume.
+template <class Element>
+struct VolumeResponse {
+  double energy_mj = 0.0;                               ///< Sum of U(J_mean) dV.
+  Eigen::Matrix<double, Element::kPoints, 1> pressure;  ///< At its points [MPa], tension positive.
+  /// d2/dtheta2 of the energy, theta_i being the sum of psi_i J dV.
+  Eigen::Matrix<double, kDilatationModes<Element>, kDilatationModes<Element>> curvature;
+};
+
+/// \param change  J - 1 at the points.
+/// \returns nothing if a mean volume ratio is not positive.
+template <class Element>
+[[nodiscard]] std::optional<VolumeResponse<Element>> volume_response(
+    const Volumetric& volume, const ReferenceElement<Element>& points,
+    const DilatationModes<Element>& modes,
+    const Eigen::Matrix<double, Element::kPoints, 1>& change) {
+  using Theta = Eigen::Matrix<double, kDilatationModes<Element>, 1>;
+  Theta theta = Theta::Zero();
+  for (int q = 0; q < Element::kPoints; ++q)
+    theta += points[std::size_t(q)].volume_mm3 * change[q] * modes.row(q).transpose();
+  VolumeResponse<Element> response;
+  response.curvature.setZero();
+  Theta pressure = Theta::Zero();
+  for (int q = 0; q < Element::kPoints; ++q) {
+    const Theta psi = modes.row(q).transpose();
+    const double dV = points[std::size_t(q)].volume_mm3;
+    const double mean_change = psi.dot(theta);
+    if (!(mean_change > -1.0)) return std::nullopt;
+    response.energy_mj += dV * volume.energy_of_change(mean_change);
+    pressure += dV * volume.slope(1.0 + mean_change) * psi;
+    response.curvature += dV * volume.curvature(1.0 + mean_change) * psi * psi.transpose();
+  }
+  response.pressure = modes * pressure;
+  return response;
+}
+
+}  // namespace lefort::fem

@@ -1,0 +1,42 @@
+#include <lefort/fem/material_response.h>
+
+namespace lefort::fem {
+namespace {
+
+/// Calls f with that part of the law.
+template <class Function>
+auto ask(const Material& material, LawPart part, const Function& f) {
+  return std::visit(
+      [&]<class Law>(const Law& law) {
+        if constexpr (kIsSplit<Law>) {
+          if (part == LawPart::kShear) return f(law.shear);
+        }
+        return f(law);
+      },
+      material);
+}
+
+}  // namespace
+
+const Volumetric* volumetric_part(const Material& material) {
+  return std::visit(
+      []<class Law>(const Law& law) -> const Volumetric* {
+        if constexpr (kIsSplit<Law>) return &law.volume;
+        return nullptr;
+      },
+      material);
+}
+
+double energy(const Material& material, LawPart part, const Mat3& F) {
+  return ask(material, part, [&](const auto& law) { return law.energy(F); });
+}
+
+Mat3 stress(const Material& material, LawPart part, const Mat3& F) {
+  return ask(material, part, [&](const auto& law) { return law.stress(F); });
+}
+
+Mat9 tangent(const Material& material, LawPart part, const Mat3& F) {
+  return ask(material, part, [&](const auto& law) { return law.tangent(F); });
+}
+
+}  // namespace lefort::fem

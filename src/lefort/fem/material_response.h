@@ -1,0 +1,29 @@
+/// \file
+/// What a law answers at one F: all of it, or what is left of it when the element sees to the
+/// volume.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/fem/deformation.h>
+#include <lefort/fem/material.h>
+
+namespace lefort::fem {
+
+enum class LawPart {
+  kWhole,
+  kShear  ///< Of a law in split form (materials/split.h) its shear part; of others all.
+};
+
+/// U(J) of a law in split form; null for others. Points into `material`.
+[[nodiscard]] const Volumetric* volumetric_part(const Material& material);
+
+/// Psi [MPa = mJ/mm^3]. \pre det F > 0, here and below.
+[[nodiscard]] double energy(const Material& material, LawPart part, const Mat3& F);
+
+/// P = dPsi/dF [MPa].
+[[nodiscard]] Mat3 stress(const Material& material, LawPart part, const Mat3& F);
+
+/// dP/dF [MPa].
+[[nodiscard]] Mat9 tangent(const Material& material, LawPart part, const Mat3& F);
+
+}  // namespace lefort::fem

@@ -1,0 +1,84 @@
+/// \file
+/// The strain energy of elements of one shape, laws in split form seeing the mean change of volume.
+#pragma once
+
+#include <lefort/fem/dilatation_modes.h>
+#include <lefort/fem/element_energy.h>
+
+#include <array>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace lefort::fem {
+
+/// W = sum over elements of (sum over points of shear(F) dV + sum of U(J_mean) dV); elements of
+/// other laws as in ContinuumTerm.
+///
+/// With theta_i = sum of psi_i J dV the mean is J_mean = sum of psi_i theta_i, so that
+///   dW = sum (dshear/dF + p cof F) : dF dV,   p = sum of psi_i p_i,   p_i = sum of psi_i U' dV .
+template <class Element>
+class MeanDilatationTerm final : public ForceTerm {
+ public:
+  /// \param modes  one per element.
+  MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes)
+      : data_(std::move(data)), modes_(std::move(modes)) {}
+
+  [[nodiscard]] Index item_count() const override { return data_.count(); }
+  [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
+    return data_.nodes_of(item);
+  }
+
+  [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
+                              LocalEquations& local) const override {
+    const Material& material = data_.material_of(item);
+    const Eigen::Map<const ElementNodes<Element>> x(x_L.data()->data());
+    const ReferenceElement<Element>& points = data_.points[std::size_t(item)];
+    const Volumetric* volume = volumetric_part(material);
+    if (volume == nullptr)
+      return add_strain_energy<Element>(material, LawPart::kWhole, 1.0, points, x, local);
+    if (!add_strain_energy<Element>(material, LawPart::kShear, 1.0, points, x, local)) return false;
+    return add_volume(*volume, points, modes_[std::size_t(item)], x, local);
+  }
+
+ private:
+  static bool add_volume(const Volumetric& volume, const ReferenceElement<Element>& points,
+                         const DilatationModes<Element>& modes,
+                         const Eigen::Map<const ElementNodes<Element>>& x, LocalEquations& local) {
+    constexpr int kSize = 3 * Element::kNodes;
+    std::array<Mat3, Element::kPoints> F;
+    Eigen::Matrix<double, Element::kPoints, 1> change;
+    for (std::size_t q = 0; q < F.size(); ++q) {
+      F[q] = deformation_gradient<Element>(x, points[q]);
+      change[Index(q)] = volume_change(F[q]);
+    }
+    const auto response = volume_response<Element>(volume, points, modes, change);
+    if (!response) return false;
+    local.energy_mj += response->energy_mj;
+
+    Eigen::Map<ElementNodes<Element>> residual(local.residual_n.data());
+    // Column i: dtheta_i/dx.
+    Eigen::Matrix<double, kSize, kDilatationModes<Element>> dtheta;
+    dtheta.setZero();
+    for (std::size_t q = 0; q < F.size(); ++q) {
+      const double p_dV = points[q].volume_mm3 * response->pressure[Index(q)];
+      const ElementNodes<Element> dJ = cofactor(F[q]) * points[q].dN_dX;
+      residual += p_dV * dJ;
+      if (!local.wants_stiffness()) continue;
+      if (local.tangent == Tangent::kExact)
+        add_stiffness(response->pressure[Index(q)] * cofactor_tangent(F[q]), points[q].volume_mm3,
+                      points[q], local);
+      dtheta += points[q].volume_mm3 * dJ.reshaped() * modes.row(Index(q));
+    }
+    if (local.wants_stiffness()) {
+      Eigen::Map<Eigen::Matrix<double, kSize, kSize>> K(local.stiffness_n_per_mm.data());
+      K.noalias() += (dtheta * response->curvature) * dtheta.transpose();
+    }
+    return true;
+  }
+
+  ElementData<Element> data_;
+  std::vector<DilatationModes<Element>> modes_;
+};
+
+}  // namespace lefort::fem

@@ -1,0 +1,231 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/deformation.h>
+#include <lefort/fem/dilatation_modes.h>
+#include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/material_response.h>
+#include <lefort/fem/nodal_dilatation.h>
+#include <lefort/fem/reference_element.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <tuple>
+
+namespace lefort::fem {
+namespace {
+
+/// One node of one element, and what its patch must have in common with others.
+struct Corner {
+  std::int32_t node;
+  std::int32_t region;
+  std::int32_t part;
+  std::int32_t own_node;
+};
+
+bool belong_together(const Corner& a, const Corner& b) {
+  return a.node == b.node && a.region == b.region;
+}
+
+bool averages_around_nodes(mesh::ElementShape shape) {
+  return std::visit([]<class Element>(const Element&) { return kDilatationModes<Element> == 0; },
+                    element_of(shape));
+}
+
+/// Adds factor * d2J/dx2: moving node b by v changes dJ/dx_a by v x (F (g_a x g_b)).
+void add_turning(double factor, const Mat3& F, std::span<const Vec3> gradients,
+                 std::span<const std::uint8_t> places, LocalEquations& local) {
+  for (std::size_t a = 0; a < places.size(); ++a)
+    for (std::size_t b = 0; b < places.size(); ++b) {
+      const Vec3 w = factor * (F * gradients[a].cross(gradients[b]));
+      Mat3 turn;  // v -> v x w.
+      turn << 0.0, w.z(), -w.y(), -w.z(), 0.0, w.x(), w.y(), -w.x(), 0.0;
+      local.stiffness_n_per_mm.block<3, 3>(3 * Index(places[a]), 3 * Index(places[b])) += turn;
+    }
+}
+
+}  // namespace
+
+/// Collects elements, then sorts their corners into patches.
+class NodalDilatation::Builder {
+ public:
+  /// \param nodes  of the element.
+  template <class Element>
+  void add_element(const mesh::VolumeMesh& mesh, const std::int32_t* nodes, std::int32_t region) {
+    ElementNodes<Element> X;
+    for (int a = 0; a < Element::kNodes; ++a) X.col(a) = mesh.nodes_L[std::size_t(nodes[a])];
+    const auto points = reference_element<Element>(X);
+    LEFORT_CHECK(points.has_value());
+    const auto quadrature = Element::quadrature();
+    const auto part = std::int32_t(term_->parts_.size());
+    term_->parts_.push_back({.points = Element::kPoints,
+                             .nodes = Element::kNodes,
+                             .first_gradient = Index(term_->gradients_.size())});
+    for (std::size_t q = 0; q < points->size(); ++q)
+      for (int a = 0; a < Element::kNodes; ++a) {
+        term_->gradients_.emplace_back((*points)[q].dN_dX.col(a));
+        term_->weights_.push_back(quadrature[q].N[a] * (*points)[q].volume_mm3);
+      }
+    for (int a = 0; a < Element::kNodes; ++a) {
+      corners_.push_back({nodes[a], region, part, a});
+      element_nodes_.push_back(nodes[a]);
+    }
+    first_node_.push_back(std::int32_t(element_nodes_.size()) - Element::kNodes);
+  }
+
+  /// To be called after each element of the mesh, whether or not it was added.
+  void end_element() { term_->end_of_corners_.push_back(std::int32_t(corners_.size())); }
+
+  std::unique_ptr<NodalDilatation> build(const RegionMaterials& materials) {
+    if (corners_.empty()) return nullptr;
+    std::ranges::stable_sort(corners_, [](const Corner& a, const Corner& b) {
+      return std::tie(a.node, a.region) < std::tie(b.node, b.region);
+    });
+    term_->patch_of_corner_.resize(corners_.size());
+    for (std::size_t k = 0; k < corners_.size(); ++k) {
+      const Corner& corner = corners_[k];
+      if (k == 0 || !belong_together(corners_[k - 1], corner) ||
+          !nodes_.has_room_for(nodes_of(corner)))
+        open_patch(*volumetric_part(materials.at(corner.region)));
+      add_member(corner);
+    }
+    term_->patch_nodes_ = nodes_.take();
+    return std::move(term_);
+  }
+
+ private:
+  [[nodiscard]] std::span<const std::int32_t> nodes_of(const Corner& corner) const {
+    return {element_nodes_.data() + first_node_[std::size_t(corner.part)],
+            std::size_t(term_->parts_[std::size_t(corner.part)].nodes)};
+  }
+
+  void open_patch(const Volumetric& volume) {
+    nodes_.open();
+    term_->patches_.push_back({.volume = volume,
+                               .nodes = nodes_.last(),
+                               .first_member = std::int32_t(term_->members_.size())});
+  }
+
+  void add_member(const Corner& corner) {
+    Patch& patch = term_->patches_.back();
+    const Part& part = term_->parts_[std::size_t(corner.part)];
+    term_->members_.push_back({.part = corner.part,
+                               .own_node = corner.own_node,
+                               .first_place = std::int32_t(term_->places_.size())});
+    ++patch.members;
+    for (const std::int32_t node : nodes_of(corner))
+      term_->places_.push_back(std::uint8_t(nodes_.add(node)));
+    patch.nodes = nodes_.last();
+    for (std::int32_t q = 0; q < part.points; ++q)
+      patch.volume_mm3 +=
+          term_->weights_[std::size_t(part.first_gradient + q * part.nodes + corner.own_node)];
+    term_->patch_of_corner_[std::size_t(first_node_[std::size_t(corner.part)] + corner.own_node)] =
+        std::int32_t(term_->patches_.size()) - 1;
+  }
+
+  std::unique_ptr<NodalDilatation> term_{new NodalDilatation()};
+  PatchNodes nodes_;
+  std::vector<Corner> corners_;
+  std::vector<std::int32_t> element_nodes_;  ///< Of each part, ...
+  std::vector<std::int32_t> first_node_;     ///< ... from here.
+};
+
+std::unique_ptr<NodalDilatation> NodalDilatation::build(const mesh::VolumeMesh& mesh,
+                                                        const RegionMaterials& materials) {
+  Builder builder;
+  for (const mesh::ElementBlock& block : mesh.blocks)
+    for (Index e = 0; e < block.element_count(); ++e) {
+      const std::int32_t region = block.region[std::size_t(e)];
+      const auto material = materials.find(region);
+      LEFORT_CHECK(material != materials.end());
+      if (averages_around_nodes(block.shape) && volumetric_part(material->second) != nullptr)
+        std::visit(
+            [&]<class Element>(const Element&) {
+              builder.add_element<Element>(mesh, block.element(e), region);
+            },
+            element_of(block.shape));
+      builder.end_element();
+    }
+  return builder.build(materials);
+}
+
+std::span<const std::int32_t> NodalDilatation::nodes(Index item) const {
+  const Patch& patch = patches_[std::size_t(item)];
+  return {patch_nodes_.data() + patch.nodes.first, std::size_t(patch.nodes.count)};
+}
+
+std::span<const std::int32_t> NodalDilatation::patches_of(Index number) const {
+  const std::int32_t first = number == 0 ? 0 : end_of_corners_[std::size_t(number) - 1];
+  return {patch_of_corner_.data() + first,
+          std::size_t(end_of_corners_[std::size_t(number)] - first)};
+}
+
+template <class Function>
+void NodalDilatation::for_each_point(const Patch& patch, std::span<const Vec3> x_L,
+                                     const Function& f) const {
+  for (std::int32_t m = patch.first_member; m < patch.first_member + patch.members; ++m) {
+    const Member& member = members_[std::size_t(m)];
+    const Part& part = parts_[std::size_t(member.part)];
+    const std::span places(places_.data() + member.first_place, std::size_t(part.nodes));
+    for (std::int32_t q = 0; q < part.points; ++q) {
+      const Index first = part.first_gradient + Index(q) * part.nodes;
+      const std::span gradients(gradients_.data() + first, std::size_t(part.nodes));
+      Mat3 F = Mat3::Zero();
+      for (std::size_t a = 0; a < gradients.size(); ++a)
+        F.noalias() += x_L[places[a]] * gradients[a].transpose();
+      f(F, weights_[std::size_t(first + member.own_node)], gradients, places);
+    }
+  }
+}
+
+std::optional<double> NodalDilatation::mean_change(const Patch& patch,
+                                                   std::span<const Vec3> x_L) const {
+  double sum_mm3 = 0.0;
+  bool is_admissible = true;
+  for_each_point(patch, x_L, [&](const Mat3& F, double weight_mm3, auto, auto) {
+    const double change = volume_change(F);
+    is_admissible = is_admissible && change > -1.0;
+    sum_mm3 += weight_mm3 * change;
+  });
+  const double mean = sum_mm3 / patch.volume_mm3;
+  if (!is_admissible || !(mean > -1.0)) return std::nullopt;
+  return mean;
+}
+
+bool NodalDilatation::evaluate(Index item, std::span<const Vec3> x_L, LocalEquations& local) const {
+  const Patch& patch = patches_[std::size_t(item)];
+  const std::optional<double> change = mean_change(patch, x_L);
+  if (!change) return false;
+  const double pressure = patch.volume.slope(1.0 + *change);
+  local.energy_mj = patch.volume_mm3 * patch.volume.energy_of_change(*change);
+
+  Eigen::Map<VectorX>& dv = local.residual_n;  // First dv/dx, then p dv/dx.
+  for_each_point(patch, x_L, [&](const Mat3& F, double weight_mm3, auto gradients, auto places) {
+    const Mat3 dJ_dF = weight_mm3 * cofactor(F);
+    for (std::size_t a = 0; a < places.size(); ++a)
+      dv.segment<3>(3 * Index(places[a])) += dJ_dF * gradients[a];
+    if (local.wants_stiffness() && local.tangent == Tangent::kExact)
+      add_turning(pressure * weight_mm3, F, gradients, places, local);
+  });
+  if (local.wants_stiffness()) {
+    const double per_volume = patch.volume.curvature(1.0 + *change) / patch.volume_mm3;
+    for (Index j = 0; j < dv.size(); ++j)
+      local.stiffness_n_per_mm.col(j) += (per_volume * dv[j]) * dv;
+  }
+  dv *= pressure;
+  return true;
+}
+
+NodalDilatation::State NodalDilatation::state(Index item, std::span<const Vec3> x_L) const {
+  const Patch& patch = patches_[std::size_t(item)];
+  std::array<Vec3, kMaxLocalNodes> local_x_L;
+  const std::span<const std::int32_t> nodes_of_patch = nodes(item);
+  for (std::size_t a = 0; a < nodes_of_patch.size(); ++a)
+    local_x_L[a] = x_L[std::size_t(nodes_of_patch[a])];
+  const std::optional<double> change =
+      mean_change(patch, {local_x_L.data(), nodes_of_patch.size()});
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  if (!change) return {kNan, kNan};
+  return {patch.volume.slope(1.0 + *change), patch.volume.energy_of_change(*change)};
+}
+
+}  // namespace lefort::fem

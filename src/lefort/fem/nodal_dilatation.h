@@ -1,0 +1,100 @@
+/// \file
+/// What a change of volume costs in elements that average it around their nodes (dilatation.h).
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/fem/force_term.h>
+#include <lefort/fem/material.h>
+#include <lefort/fem/patch_nodes.h>
+#include <lefort/mesh/volume_mesh.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lefort::fem {
+
+/// W = sum over patches of V U(v / V),   V = sum over points of N_a dV,   v = sum of N_a J dV .
+///
+/// A patch is a node a with the elements around it that are of one region, have a law in split form
+/// and are of a shape that averages around nodes. An item is a patch: it couples all nodes of its
+/// elements. Where that would be more than kMaxLocalNodes, the elements around the node are shared
+/// out over several patches.
+///
+/// dW = sum of p cof F : dF dV with p = sum of N_a p_a, p_a = U'(v / V): the pressure is
+/// continuous.
+class NodalDilatation final : public ForceTerm {
+ public:
+  /// \param mesh, materials  accepted by make_element_terms(); the term does not refer to them any
+  ///   more.
+  /// \returns nothing if there is no such element.
+  [[nodiscard]] static std::unique_ptr<NodalDilatation> build(const mesh::VolumeMesh& mesh,
+                                                              const RegionMaterials& materials);
+
+  [[nodiscard]] Index item_count() const override { return Index(patches_.size()); }
+  [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override;
+  [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
+                              LocalEquations& local) const override;
+
+  /// What is known at a patch.
+  struct State {
+    double pressure_mpa = 0.0;        ///< U', tension positive; NaN if a point is inside out.
+    double energy_density_mpa = 0.0;  ///< U, per reference volume; NaN if a point is inside out.
+  };
+
+  /// \param x_L  current positions of all nodes [mm].
+  [[nodiscard]] State state(Index item, std::span<const Vec3> x_L) const;
+
+  /// The patches around the nodes of element `number` (through the blocks), in their order; empty
+  /// if it has none.
+  [[nodiscard]] std::span<const std::int32_t> patches_of(Index number) const;
+
+ private:
+  /// One element as far as its volume goes.
+  struct Part {
+    std::int32_t points = 0;
+    std::int32_t nodes = 0;
+    Index first_gradient = 0;  ///< In gradients_ and weights_: for each point, for each node.
+  };
+
+  /// One element within a patch.
+  struct Member {
+    std::int32_t part = 0;
+    std::int32_t own_node = 0;     ///< Which of its nodes the patch is around.
+    std::int32_t first_place = 0;  ///< In places_: for each of its nodes, its place in the patch.
+  };
+
+  struct Patch {
+    Volumetric volume;
+    double volume_mm3 = 0.0;  ///< V.
+    PatchRange nodes;         ///< In patch_nodes_.
+    std::int32_t first_member = 0;
+    std::int32_t members = 0;
+  };
+
+  class Builder;
+
+  NodalDilatation() = default;
+
+  /// Calls f(F, N_a dV, gradients of the nodes, their places) for every point of the patch.
+  template <class Function>
+  void for_each_point(const Patch& patch, std::span<const Vec3> x_L, const Function& f) const;
+
+  /// v / V - 1; nothing if a point is inside out, or NaN.
+  [[nodiscard]] std::optional<double> mean_change(const Patch& patch,
+                                                  std::span<const Vec3> x_L) const;
+
+  std::vector<Vec3> gradients_;  ///< dN_a/dX.
+  std::vector<double> weights_;  ///< N_a dV.
+  std::vector<Part> parts_;
+  std::vector<Member> members_;
+  std::vector<std::uint8_t> places_;
+  std::vector<std::int32_t> patch_nodes_;
+  std::vector<Patch> patches_;
+  std::vector<std::int32_t> end_of_corners_;   ///< For each element of the mesh, in ...
+  std::vector<std::int32_t> patch_of_corner_;  ///< ... this list.
+};
+
+}  // namespace lefort::fem

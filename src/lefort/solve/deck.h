@@ -1,0 +1,135 @@
+/// \file
+/// What `lefort solve` is asked: what the body is made of, what holds, moves and pushes it, and how
+/// to go about it. A value; sets and regions are names that prepare_deck.h finds in the mesh.
+#pragma once
+
+#include <lefort/contact/bone_obstacle.h>
+#include <lefort/core/types.h>
+#include <lefort/fem/linear_solver.h>
+#include <lefort/fem/load_steps.h>
+#include <lefort/fem/material.h>
+#include <lefort/fem/newton.h>
+#include <lefort/plan/plan.h>
+#include <lefort/solve/load_curve.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace lefort::solve {
+
+/// Nodes in a box, its sides included.
+struct NodesInBox {
+  Box3 box_L;
+};
+
+/// Nodes near a plane.
+struct NodesOnPlane {
+  Vec3 point_L = Vec3::Zero();
+  Vec3 normal_L = Vec3::UnitZ();  ///< Unit length.
+  double within_mm = 1e-6;        ///< Distance from the plane, at most.
+};
+
+/// Nodes by number.
+struct NodesByNumber {
+  std::vector<std::int32_t> nodes;
+};
+
+/// The one node nearest to a point; of several the lowest number.
+struct NodeNearest {
+  Vec3 point_L = Vec3::Zero();
+};
+
+/// All nodes of a region.
+struct NodesOfRegion {
+  std::string region;
+};
+
+/// A set the deck adds to those of the mesh.
+struct SetChoice {
+  std::string name;
+  std::variant<NodesInBox, NodesOnPlane, NodesByNumber, NodeNearest, NodesOfRegion> nodes;
+};
+
+/// What a region is made of.
+struct RegionLaw {
+  std::string region;  ///< A name the mesh gives, or a number; empty: all that no other law names.
+  fem::Material law;
+  double density_t_per_mm3 = 0.0;  ///< >= 0; for body forces alone.
+};
+
+/// Displacement of a set, component by component; those without a value are free.
+struct PrescribedSet {
+  std::string set;
+  std::array<std::optional<double>, 3> displacement_mm{};
+  LoadCurve curve{};
+};
+
+/// A set that moves with a rigid body.
+struct RigidlyMovedSet {
+  std::string set;
+  plan::BonePath path;
+};
+
+/// Force per area of the face at rest, of fixed direction.
+struct Traction {
+  std::string faces;
+  Vec3 traction_mpa = Vec3::Zero();
+  LoadCurve curve{};
+};
+
+/// Force per area of the face as it is, against its normal as it is.
+struct Pressure {
+  std::string faces;
+  double pressure_mpa = 0.0;  ///< Positive pushes on the body.
+  LoadCurve curve{};
+};
+
+/// Force per volume at rest: density times acceleration.
+struct BodyForce {
+  std::string region;  ///< Empty: all.
+  Vec3 acceleration_mm_per_s2 = Vec3::Zero();
+  LoadCurve curve{};
+};
+
+/// A rigid body that faces may touch and not enter, without friction.
+struct Obstacle {
+  std::string name;
+  std::string faces;
+  plan::BonePath path;  ///< One keyframe without motion if it stands still.
+  /// k_c; unless given, stiffness_factor times Young's modulus of the stiffest region behind the
+  /// faces, divided by the mean edge of the faces.
+  std::optional<double> stiffness_mpa_per_mm;
+  double stiffness_factor = 10.0;
+  double capture_mm = 0.0;  ///< Faces that rest nearer touch it as they lie.
+  contact::Reconstruction reconstruction = contact::Reconstruction::kSmooth;
+};
+
+/// A place whose displacement is told at every increment.
+struct Probe {
+  std::string name;
+  std::variant<std::int32_t, Vec3> at;  ///< A node, or a point of the body at rest, in L.
+};
+
+struct Deck {
+  std::vector<SetChoice> sets;
+  std::vector<RegionLaw> laws;
+  std::vector<PrescribedSet> displacements;
+  std::vector<RigidlyMovedSet> motions;
+  std::vector<Traction> tractions;
+  std::vector<Pressure> pressures;
+  std::vector<BodyForce> body_forces;
+  std::vector<Obstacle> obstacles;
+  std::vector<Probe> probes;
+  std::vector<double> times;  ///< In (0, 1): increments end there.
+  fem::LoadStepOptions steps{.first_increment = 0.1, .min_increment = 1e-4};
+  fem::NewtonOptions newton;
+  fem::LinearSolverOptions linear_solver;
+  /// Of fem::NewtonOptions; unless given, 1e-10 of the stiffest modulus on the face of an element.
+  std::optional<double> absolute_tolerance_n;
+};
+
+}  // namespace lefort::solve

@@ -1,0 +1,26 @@
+/// \file
+/// Where a body gives way first.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/fem/assemble.h>
+
+#include <cstdint>
+#include <optional>
+
+namespace lefort::solve {
+
+/// The motion that the body resists least.
+struct SoftSpot {
+  bool resists = true;            ///< False if the tangent is not positive definite.
+  std::int32_t node = 0;          ///< Moves most.
+  Vec3 direction = Vec3::Zero();  ///< Of that node; unit length.
+};
+
+/// \param u  displacements of all components, admissible.
+/// \returns the motion; nothing if the tangent is not finite or does not fit into memory.
+/// \note Cost: a few factorisations. By inverse iteration from a fixed start, so always the same.
+[[nodiscard]] std::optional<SoftSpot> find_soft_spot(const fem::Assembler& assembler,
+                                                     const VectorX& u);
+
+}  // namespace lefort::solve

@@ -1,0 +1,274 @@
+#include <lefort/fem/element_term.h>
+#include <lefort/plan/bone_path.h>
+#include <lefort/solve/about_key.h>
+#include <lefort/solve/find_sets.h>
+#include <lefort/solve/loose_parts.h>
+#include <lefort/solve/prepare_deck.h>
+#include <lefort/solve/stiffness_at_rest.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+
+namespace lefort::solve {
+namespace {
+
+using FaceList = std::vector<mesh::Face>;
+
+Result<void> check_mesh(const mesh::VolumeMesh& mesh) {
+  for (const mesh::ElementBlock& block : mesh.blocks)
+    for (const std::int32_t node : block.nodes)
+      if (node < 0 || Index(node) >= mesh.node_count())
+        return fail(ErrorCode::kMeshInvalid,
+                    fmt::format("an element of the mesh names node {}, the nodes are 0 to {}", node,
+                                mesh.node_count() - 1));
+  if (mesh.element_count() == 0) return fail(ErrorCode::kMeshInvalid, "the mesh has no element");
+  return {};
+}
+
+// --- Materials -----------------------------------------------------------------------------------
+
+Index elements_of(const mesh::VolumeMesh& mesh, std::int32_t region) {
+  Index count = 0;
+  for (const mesh::ElementBlock& block : mesh.blocks)
+    count += Index(std::count(block.region.begin(), block.region.end(), region));
+  return count;
+}
+
+Result<void> assign_laws(PreparedDeck& prepared) {
+  const std::vector<RegionLaw>& laws = prepared.deck.laws;
+  std::map<std::int32_t, std::size_t> law_of;
+  std::optional<std::size_t> rest;
+  const auto twice = [](const std::string& what, std::size_t first, std::size_t second) {
+    return fail(ErrorCode::kPlanInvalid, fmt::format("materials[{}] and materials[{}] are both for "
+                                                     "{}, must be one",
+                                                     first, second, what));
+  };
+  for (std::size_t l = 0; l < laws.size(); ++l) {
+    if (laws[l].region.empty()) {
+      if (rest) return twice("all other regions", *rest, l);
+      rest = l;
+      continue;
+    }
+    LEFORT_TRY(const std::int32_t region,
+               about(find_region(prepared.mesh, laws[l].region), indexed("materials", l)));
+    const auto [known, is_new] = law_of.try_emplace(region, l);
+    if (!is_new) return twice(fmt::format("region {}", laws[l].region), known->second, l);
+  }
+  for (const std::int32_t region : regions_of(prepared.mesh)) {
+    if (rest) law_of.try_emplace(region, *rest);
+    const auto law = law_of.find(region);
+    if (law == law_of.end())
+      return fail(ErrorCode::kPlanInvalid,
+                  fmt::format("materials: region {} of the mesh ({} elements) has none", region,
+                              elements_of(prepared.mesh, region)));
+    prepared.materials.emplace(region, laws[law->second].law);
+    prepared.density_t_per_mm3.emplace(region, laws[law->second].density_t_per_mm3);
+  }
+  return {};
+}
+
+// --- What pushes ---------------------------------------------------------------------------------
+
+Result<void> find_loads(PreparedDeck& prepared) {
+  const Deck& deck = prepared.deck;
+  for (std::size_t i = 0; i < deck.tractions.size(); ++i) {
+    const std::string key = indexed("tractions", i);
+    LEFORT_TRY_VOID(about(check_curve(deck.tractions[i].curve), key));
+    LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, deck.tractions[i].faces), key));
+    prepared.traction_faces.push_back(std::move(faces));
+  }
+  for (std::size_t i = 0; i < deck.pressures.size(); ++i) {
+    const std::string key = indexed("pressures", i);
+    LEFORT_TRY_VOID(about(check_curve(deck.pressures[i].curve), key));
+    LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, deck.pressures[i].faces), key));
+    prepared.pressure_faces.push_back(std::move(faces));
+  }
+  for (std::size_t i = 0; i < deck.body_forces.size(); ++i) {
+    const BodyForce& force = deck.body_forces[i];
+    const std::string key = indexed("body_forces", i);
+    LEFORT_TRY_VOID(about(check_curve(force.curve), key));
+    std::vector<std::int32_t> regions = regions_of(prepared.mesh);
+    if (!force.region.empty()) {
+      LEFORT_TRY(const std::int32_t region, about(find_region(prepared.mesh, force.region), key));
+      regions = {region};
+    }
+    for (const std::int32_t region : regions)
+      if (!(prepared.density_t_per_mm3.at(region) > 0.0))
+        return fail(ErrorCode::kPlanInvalid,
+                    fmt::format("{}: the material of region {} has no density_kg_m3", key, region));
+    prepared.body_force_regions.push_back(std::move(regions));
+  }
+  return {};
+}
+
+double mean_edge_mm(const mesh::VolumeMesh& mesh, const FaceList& faces) {
+  double sum_mm = 0.0;
+  Index edges = 0;
+  for (const mesh::Face& face : faces) {
+    const int corners =
+        face.shape == mesh::FaceShape::kTri3 || face.shape == mesh::FaceShape::kTri6 ? 3 : 4;
+    for (int a = 0; a < corners; ++a, ++edges)
+      sum_mm += (mesh.nodes_L[std::size_t(face.nodes[std::size_t(a)])] -
+                 mesh.nodes_L[std::size_t(face.nodes[std::size_t((a + 1) % corners)])])
+                    .norm();
+  }
+  return sum_mm / double(edges);
+}
+
+/// The stiffest of the regions that have a node of the faces.
+double young_behind_mpa(const PreparedDeck& prepared, const FaceList& faces) {
+  std::vector<char> on_faces(prepared.mesh.nodes_L.size(), 0);
+  for (const mesh::Face& face : faces)
+    for (int a = 0; a < mesh::node_count(face.shape); ++a)
+      on_faces[std::size_t(face.nodes[std::size_t(a)])] = 1;
+  std::set<std::int32_t> regions;
+  for (const mesh::ElementBlock& block : prepared.mesh.blocks)
+    for (Index e = 0; e < block.element_count(); ++e)
+      if (std::any_of(block.element(e), block.element(e) + mesh::node_count(block.shape),
+                      [&](std::int32_t node) { return on_faces[std::size_t(node)] != 0; }))
+        regions.insert(block.region[std::size_t(e)]);
+  double young_mpa = 0.0;
+  for (const std::int32_t region : regions)
+    young_mpa = std::max(young_mpa, young_at_rest_mpa(prepared.materials.at(region)));
+  return young_mpa;
+}
+
+Result<void> find_obstacles(PreparedDeck& prepared) {
+  for (std::size_t i = 0; i < prepared.deck.obstacles.size(); ++i) {
+    const Obstacle& obstacle = prepared.deck.obstacles[i];
+    const std::string key = indexed("obstacles", i);
+    LEFORT_TRY_VOID(about(plan::check_path(obstacle.path), key));
+    LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, obstacle.faces), key));
+    prepared.obstacle_stiffness_mpa_per_mm.push_back(obstacle.stiffness_mpa_per_mm.value_or(
+        obstacle.stiffness_factor * young_behind_mpa(prepared, faces) /
+        mean_edge_mm(prepared.mesh, faces)));
+    prepared.obstacle_faces.push_back(std::move(faces));
+  }
+  return {};
+}
+
+// --- Time, tolerance, support --------------------------------------------------------------------
+
+void find_levels(PreparedDeck& prepared) {
+  const Deck& deck = prepared.deck;
+  std::set<double> levels(deck.times.begin(), deck.times.end());
+  const auto add_curve = [&](const LoadCurve& curve) {
+    for (const CurvePoint& point : curve.points) levels.insert(point.time);
+  };
+  const auto add_path = [&](const plan::BonePath& path) {
+    for (const plan::Keyframe& key : path.keyframes) levels.insert(key.at);
+  };
+  for (const PrescribedSet& set : deck.displacements) add_curve(set.curve);
+  for (const Traction& load : deck.tractions) add_curve(load.curve);
+  for (const Pressure& load : deck.pressures) add_curve(load.curve);
+  for (const BodyForce& load : deck.body_forces) add_curve(load.curve);
+  for (const RigidlyMovedSet& set : deck.motions) add_path(set.path);
+  for (const Obstacle& obstacle : deck.obstacles) add_path(obstacle.path);
+  levels.insert(1.0);
+  prepared.levels.assign(levels.upper_bound(0.0), levels.end());
+}
+
+Index idle_nodes(const PreparedDeck& prepared) {
+  const std::vector<char> used = nodes_of_elements(prepared.mesh);
+  return Index(std::count(used.begin(), used.end(), 0));
+}
+
+double volume_mm3(const mesh::VolumeMesh& mesh) {
+  Box3 box;
+  for (const Vec3& p_L : mesh.nodes_L) box.extend(p_L);
+  return box.volume();
+}
+
+/// Residuals below it are round-off of forces that are all zero.
+double rest_tolerance_n(const PreparedDeck& prepared) {
+  constexpr double kPart = 1e-10;
+  double young_mpa = 0.0;
+  for (const auto& [region, law] : prepared.materials)
+    young_mpa = std::max(young_mpa, young_at_rest_mpa(law));
+  const double element_mm =
+      std::cbrt(volume_mm3(prepared.mesh) / double(prepared.mesh.element_count()));
+  return kPart * young_mpa * element_mm * element_mm;
+}
+
+/// Whether an obstacle may touch one of these nodes.
+bool may_be_touched(const PreparedDeck& prepared, const std::vector<std::int32_t>& nodes) {
+  for (const FaceList& faces : prepared.obstacle_faces)
+    for (const mesh::Face& face : faces)
+      if (std::binary_search(nodes.begin(), nodes.end(), face.nodes[0])) return true;
+  return false;
+}
+
+Result<void> check_supports(PreparedDeck& prepared) {
+  for (const LoosePart& part : find_loose_parts(prepared.mesh, prescribed_at(prepared, 0.0))) {
+    const std::string what = fmt::format(
+        "the part of {} elements around element {} at ({:.3f}, {:.3f}, {:.3f}) mm can {}",
+        part.elements, part.first_element, part.at_L.x(), part.at_L.y(), part.at_L.z(),
+        part.motion);
+    if (!may_be_touched(prepared, part.nodes))
+      return fail(ErrorCode::kPlanInvalid,
+                  fmt::format("displacements: {} as a whole, nothing holds it", what));
+    prepared.warnings.push_back(what + " as a whole until an obstacle holds it");
+  }
+  return {};
+}
+
+/// A load that is there at time 0 comes in at once, whatever the increment.
+void warn_of_jumps(PreparedDeck& prepared) {
+  const Deck& deck = prepared.deck;
+  const auto look = [&](const LoadCurve& curve, const std::string& key) {
+    if (factor_at(curve, 0.0) != 0.0)
+      prepared.warnings.push_back(
+          fmt::format("{}: the curve begins at {:g}, so that much comes in at once however small "
+                      "the increments",
+                      key, factor_at(curve, 0.0)));
+  };
+  for (std::size_t i = 0; i < deck.displacements.size(); ++i) {
+    const auto& mm = deck.displacements[i].displacement_mm;
+    if (std::any_of(mm.begin(), mm.end(), [](const auto& u) { return u.value_or(0.0) != 0.0; }))
+      look(deck.displacements[i].curve, indexed("displacements", i));
+  }
+  for (std::size_t i = 0; i < deck.tractions.size(); ++i)
+    look(deck.tractions[i].curve, indexed("tractions", i));
+  for (std::size_t i = 0; i < deck.pressures.size(); ++i)
+    look(deck.pressures[i].curve, indexed("pressures", i));
+  for (std::size_t i = 0; i < deck.body_forces.size(); ++i)
+    look(deck.body_forces[i].curve, indexed("body_forces", i));
+}
+
+}  // namespace
+
+Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
+  LEFORT_TRY_VOID(check_mesh(mesh));
+  PreparedDeck prepared;
+  LEFORT_TRY(prepared.mesh, add_sets(std::move(mesh), deck.sets));
+  prepared.deck = std::move(deck);
+  LEFORT_TRY_VOID(about(fem::validate(prepared.deck.steps), "steps"));
+  LEFORT_TRY_VOID(about(fem::validate(prepared.deck.newton), "newton"));
+  LEFORT_TRY_VOID(assign_laws(prepared));
+  LEFORT_TRY_VOID(fem::make_element_terms(prepared.mesh, prepared.materials));
+  LEFORT_TRY(prepared.held, find_held(prepared.mesh, prepared.deck));
+  if (const Index idle = idle_nodes(prepared); idle > 0)
+    prepared.warnings.push_back(
+        fmt::format("{} nodes belong to no element; they stay where they are", idle));
+  LEFORT_TRY_VOID(find_loads(prepared));
+  LEFORT_TRY_VOID(find_obstacles(prepared));
+  for (std::size_t i = 0; i < prepared.deck.probes.size(); ++i) {
+    LEFORT_TRY(ProbePlace place, about(locate_probe(prepared.mesh, prepared.deck.probes[i].at),
+                                       indexed("probes", i)));
+    prepared.probes.push_back(std::move(place));
+  }
+  find_levels(prepared);
+  prepared.absolute_tolerance_n =
+      prepared.deck.absolute_tolerance_n.value_or(rest_tolerance_n(prepared));
+  warn_of_jumps(prepared);
+  LEFORT_TRY_VOID(check_supports(prepared));
+  return prepared;
+}
+
+}  // namespace lefort::solve

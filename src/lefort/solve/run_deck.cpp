@@ -1,0 +1,303 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/assemble.h>
+#include <lefort/fem/dof_map.h>
+#include <lefort/fem/element_term.h>
+#include <lefort/fem/equilibrium.h>
+#include <lefort/fem/linear_solver.h>
+#include <lefort/plan/bone_path.h>
+#include <lefort/solve/deck_loads.h>
+#include <lefort/solve/find_soft_spot.h>
+#include <lefort/solve/run_deck.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace lefort::solve {
+namespace {
+
+using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
+
+std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const VectorX& u) {
+  std::vector<Vec3> x_L(nodes_L.size());
+  for (std::size_t n = 0; n < nodes_L.size(); ++n) x_L[n] = nodes_L[n] + u.segment<3>(Index(3 * n));
+  return x_L;
+}
+
+Result<void> check_field(const Obstacle& obstacle, const field::DistanceField& field_B) {
+  const bool smooth = obstacle.reconstruction == contact::Reconstruction::kSmooth;
+  if (!field_B.frame().closed)
+    return fail(
+        ErrorCode::kMeshInvalid,
+        fmt::format("obstacle {} is an open surface, contact needs a closed one", obstacle.name));
+  if (smooth && !field_B.is_smooth())
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the field of obstacle {} was built without --smooth; build it anew "
+                            "with it, or choose reconstruction trilinear",
+                            obstacle.name));
+  const double reach_mm = contact::reach_mm(field_B, obstacle.reconstruction);
+  if (!(obstacle.capture_mm < reach_mm))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("capture_mm of obstacle {} is {:g}, must be less than the {:.2f} mm "
+                            "that its field reaches",
+                            obstacle.name, obstacle.capture_mm, reach_mm));
+  return {};
+}
+
+/// The terms of a deck, and the pose and size of each at a time.
+class Problem {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<Problem>> build(const PreparedDeck& prepared,
+                                                              const ObstacleFields& fields) {
+    LEFORT_CHECK(fields.size() == prepared.deck.obstacles.size());
+    LEFORT_TRY(ElementTerms elements, fem::make_element_terms(prepared.mesh, prepared.materials));
+    LEFORT_TRY(DeckLoads loads, DeckLoads::build(prepared));
+    for (std::size_t i = 0; i < fields.size(); ++i)
+      LEFORT_TRY_VOID(check_field(prepared.deck.obstacles[i], *fields[i]));
+    LEFORT_TRY(fem::DofMap dofs,
+               fem::DofMap::build(prepared.mesh.node_count(), prescribed_at(prepared, 0.0)));
+    return std::unique_ptr<Problem>(
+        new Problem(prepared, fields, std::move(elements), std::move(loads), std::move(dofs)));
+  }
+
+  void set_time(double time) {
+    loads_.set_time(time);
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      contacts_[i].set_pose(plan::pose_at(prepared_.deck.obstacles[i].path, time));
+  }
+
+  /// Accepts a converged state, or says why not.
+  [[nodiscard]] std::optional<std::string> accept(const VectorX& u) {
+    const std::vector<Vec3> x_L = moved(prepared_.mesh.nodes_L, u);
+    for (const contact::ContactTerm& contact : contacts_)
+      if (auto refusal = contact.why_refused(x_L)) return refusal;
+    for (contact::ContactTerm& contact : contacts_) contact.remember(x_L);
+    return std::nullopt;
+  }
+
+  /// What there is to tell of a converged state.
+  [[nodiscard]] Increment describe(const fem::LoadState& state) const;
+
+  [[nodiscard]] const fem::Assembler& assembler() const { return assembler_; }
+  [[nodiscard]] const PreparedDeck& prepared() const { return prepared_; }
+
+ private:
+  Problem(const PreparedDeck& prepared, const ObstacleFields& fields, ElementTerms elements,
+          DeckLoads loads, fem::DofMap dofs)
+      : prepared_(prepared),
+        elements_(std::move(elements)),
+        loads_(std::move(loads)),
+        contacts_(make_contacts(prepared, fields)),
+        assembler_(prepared.mesh.nodes_L, std::move(dofs), all_terms()) {}
+
+  static std::vector<contact::ContactTerm> make_contacts(const PreparedDeck& prepared,
+                                                         const ObstacleFields& fields) {
+    std::vector<contact::ContactTerm> contacts;
+    contacts.reserve(fields.size());  // The assembler points to them.
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const Obstacle& obstacle = prepared.deck.obstacles[i];
+      contacts.emplace_back(
+          prepared.mesh.nodes_L, prepared.obstacle_faces[i],
+          contact::BoneObstacle{fields[i], RigidTransform::Identity(), obstacle.reconstruction},
+          contact::ContactTerm::Options{prepared.obstacle_stiffness_mpa_per_mm[i],
+                                        obstacle.capture_mm});
+    }
+    return contacts;
+  }
+
+  [[nodiscard]] std::vector<const fem::ForceTerm*> all_terms() const {
+    std::vector<const fem::ForceTerm*> terms;
+    for (const auto& term : elements_) terms.push_back(term.get());
+    for (const fem::ForceTerm* load : loads_.terms()) terms.push_back(load);
+    for (const contact::ContactTerm& contact : contacts_) terms.push_back(&contact);
+    return terms;
+  }
+
+  const PreparedDeck& prepared_;
+  ElementTerms elements_;
+  DeckLoads loads_;
+  std::vector<contact::ContactTerm> contacts_;
+  fem::Assembler assembler_;
+};
+
+Increment Problem::describe(const fem::LoadState& state) const {
+  const Deck& deck = prepared_.deck;
+  const std::vector<Vec3> x_L = moved(prepared_.mesh.nodes_L, state.u);
+  Increment told;
+  told.time = state.t;
+  told.u = state.u;
+  told.elements = fem::element_states(prepared_.mesh, prepared_.materials, state.u);
+  told.smallest_J = std::numeric_limits<double>::infinity();
+  for (const fem::ElementState& element : told.elements)
+    told.smallest_J = std::min(told.smallest_J, element.min_volume_ratio);
+  for (Index n = 0; n < prepared_.mesh.node_count(); ++n)
+    told.largest_displacement_mm =
+        std::max(told.largest_displacement_mm, state.u.segment<3>(3 * n).norm());
+
+  const auto forces = assembler_.forces(state.u);
+  LEFORT_CHECK(forces.has_value());
+  told.reactions_n.assign(deck.displacements.size() + deck.motions.size(), Vec3::Zero());
+  for (const HeldComponent& held : prepared_.held)
+    if (held.by >= 0)
+      told.reactions_n[std::size_t(held.by)][held.component] +=
+          forces->residual_n[3 * Index(held.node) + held.component];
+  told.loads_n = loads_.totals_n(x_L);
+  for (const contact::ContactTerm& contact : contacts_) {
+    told.contacts.push_back(contact.summarise(x_L));
+    told.touched.push_back(contact.at_nodes(x_L));
+  }
+  for (const ProbePlace& probe : prepared_.probes)
+    told.probes_mm.push_back(displacement_of(probe, state.u));
+  return told;
+}
+
+/// Whether Newton met a tangent that was not positive definite.
+bool met_instability(const std::vector<fem::LoadAttempt>& attempts) {
+  if (attempts.empty()) return false;
+  const std::vector<fem::NewtonIterate>& history = attempts.back().history;
+  return std::any_of(history.begin(), history.end(), [](const fem::NewtonIterate& iterate) {
+    return iterate.convex_share > 0.0 || iterate.shift > 0.0;
+  });
+}
+
+/// The first element with a node, counted through the blocks.
+Index element_at(const mesh::VolumeMesh& mesh, std::int32_t node) {
+  Index number = 0;
+  for (const mesh::ElementBlock& block : mesh.blocks)
+    for (Index e = 0; e < block.element_count(); ++e, ++number) {
+      const std::int32_t* const nodes = block.element(e);
+      const std::int32_t* const end = nodes + mesh::node_count(block.shape);
+      if (std::find(nodes, end, node) != end) return number;
+    }
+  return -1;
+}
+
+/// The element with the least J, in words.
+std::string most_compressed(const PreparedDeck& prepared, const VectorX& u) {
+  const mesh::VolumeMesh& mesh = prepared.mesh;
+  const auto states = fem::element_states(mesh, prepared.materials, u);
+  const auto least = std::min_element(states.begin(), states.end(),
+                                      [](const fem::ElementState& a, const fem::ElementState& b) {
+                                        return a.min_volume_ratio < b.min_volume_ratio;
+                                      });
+  Index left = least - states.begin();
+  for (const mesh::ElementBlock& block : mesh.blocks) {
+    if (left >= block.element_count()) {
+      left -= block.element_count();
+      continue;
+    }
+    Vec3 at_L = Vec3::Zero();
+    const int count = mesh::node_count(block.shape);
+    for (int a = 0; a < count; ++a)
+      at_L += mesh.nodes_L[std::size_t(block.element(left)[a])] / double(count);
+    return fmt::format("element {} at ({:.3f}, {:.3f}, {:.3f}) mm, J = {:.3g}",
+                       least - states.begin(), at_L.x(), at_L.y(), at_L.z(),
+                       least->min_volume_ratio);
+  }
+  return "no element";
+}
+
+/// Adds to Newton's sentence what may be behind it.
+Error explained(const Error& error, const Problem& problem, const fem::LoadState& last,
+                const std::vector<fem::LoadAttempt>& attempts) {
+  if (error.code == ErrorCode::kOutOfMemory)
+    return {error.code,
+            fmt::format("{}: the equations of {} nodes do not fit into memory; linear_solver "
+                        "multigrid takes least",
+                        error.message, problem.prepared().mesh.node_count())};
+  if (error.code != ErrorCode::kNotConverged) return error;
+  const auto spot = find_soft_spot(problem.assembler(), last.u);
+  if (!spot || (spot->resists && !met_instability(attempts)))
+    return {error.code, fmt::format("{}; most compressed is {}; a smaller steps.smallest or more "
+                                    "newton.max_iterations may help",
+                                    error.message, most_compressed(problem.prepared(), last.u))};
+  const mesh::VolumeMesh& mesh = problem.prepared().mesh;
+  const Vec3& at_L = mesh.nodes_L[std::size_t(spot->node)];
+  const char* const why =
+      last.t == 0.0 && !spot->resists
+          ? "at rest the tangent is singular: something is not held, or hangs by a node or an edge "
+            "alone, and gives way"
+          : "the tangent is no longer positive definite: the load may lie beyond a limit point, "
+            "where the body buckles or collapses; it gives way";
+  return {error.code,
+          fmt::format("{}; {}, most at node {} of element {} at ({:.3f}, {:.3f}, {:.3f}) mm",
+                      error.message, why, spot->node, element_at(mesh, spot->node), at_L.x(),
+                      at_L.y(), at_L.z())};
+}
+
+fem::NewtonOptions newton_options(const PreparedDeck& prepared, const DeckWatch& watch) {
+  fem::NewtonOptions options = prepared.deck.newton;
+  options.absolute_tolerance_n = prepared.absolute_tolerance_n;
+  options.on_phase = watch.on_phase;
+  return options;
+}
+
+}  // namespace
+
+Index Increment::newton_iterations() const {
+  Index count = 0;
+  for (const fem::LoadAttempt& attempt : attempts)
+    count += std::max<Index>(Index(attempt.history.size()) - 1, 0);
+  return count;
+}
+
+Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fields,
+                         const DeckWatch& watch, Progress& progress) {
+  LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, fields));
+  const fem::NewtonOptions newton = newton_options(prepared, watch);
+  fem::LinearSolver linear_solver(prepared.deck.linear_solver);
+  const auto solve_at = [&](double time, const VectorX& start) {
+    problem->set_time(time);
+    fem::NewtonOutcome outcome =
+        fem::find_equilibrium(problem->assembler(), prescribed_at(prepared, time), start,
+                              linear_solver, newton, progress);
+    if (!outcome.converged()) return outcome;
+    if (auto refusal = problem->accept(outcome.x)) {
+      outcome.stop = fem::NewtonStop::kRefused;
+      outcome.reason = *std::move(refusal);
+    }
+    return outcome;
+  };
+  fem::LoadStepper stepper({0.0, VectorX::Zero(3 * prepared.mesh.node_count())}, solve_at,
+                           prepared.deck.steps);
+
+  DeckRun run;
+  std::size_t attempts_told = 0;
+  std::optional<Error> not_told;  ///< The watch's own, to be told apart from the solver's.
+  const auto new_attempts = [&] {
+    const auto& all = stepper.attempts();
+    std::vector<fem::LoadAttempt> attempts(all.begin() + std::ptrdiff_t(attempts_told), all.end());
+    attempts_told = all.size();
+    return attempts;
+  };
+  const auto on_state = [&](const fem::LoadState& state) -> Result<void> {
+    Increment increment = problem->describe(state);
+    increment.number = run.last ? run.last->number + 1 : 1;
+    increment.attempts = new_attempts();
+    const fem::NewtonIterate& end = increment.attempts.back().history.back();
+    increment.energy_mj = end.energy_mj;
+    increment.residual_n = end.residual_n;
+    if (end.force_scale_n > 0.0) increment.relative_residual = end.residual_n / end.force_scale_n;
+    run.last = std::move(increment);
+    progress.report(state.t);
+    if (!watch.on_increment) return {};
+    Result<void> told = watch.on_increment(*run.last);
+    if (!told) not_told = told.error();
+    return told;
+  };
+  for (const double level : prepared.levels) {
+    const Result<void> advanced = stepper.advance_to(level, progress, on_state);
+    if (advanced) continue;
+    if (not_told) return tl::unexpected(*not_told);
+    run.failed_attempts = new_attempts();
+    problem->set_time(stepper.state().t);
+    run.failure = explained(advanced.error(), *problem, stepper.state(), run.failed_attempts);
+    break;
+  }
+  return run;
+}
+
+}  // namespace lefort::solve

@@ -1,0 +1,77 @@
+/// \file
+/// The story of `lefort solve`: from rest to time 1 in increments as large as converge.
+#pragma once
+
+#include <lefort/contact/contact_term.h>
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/fem/element_state.h>
+#include <lefort/fem/load_steps.h>
+#include <lefort/field/distance_field.h>
+#include <lefort/solve/prepare_deck.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace lefort::solve {
+
+/// A converged state and what it took to come there.
+struct Increment {
+  int number = 0;  ///< From 1.
+  double time = 0.0;
+  VectorX u;                                ///< Displacements of all nodes [mm].
+  std::vector<fem::ElementState> elements;  ///< One each, through the blocks.
+  double energy_mj = 0.0;                   ///< Stored, minus the loads' work.
+  double residual_n = 0.0;
+  double relative_residual = 0.0;  ///< To the forces that cancel (fem/assemble.h).
+  double smallest_J = 1.0;
+  double largest_displacement_mm = 0.0;
+  /// What each condition exerts on the body [N]: Deck::displacements, then Deck::motions. A
+  /// component that two share counts for the first.
+  std::vector<Vec3> reactions_n;
+  /// What each load exerts on the body [N]: Deck::tractions, pressures, body_forces.
+  std::vector<Vec3> loads_n;
+  std::vector<contact::ContactSummary> contacts;            ///< Like Deck::obstacles.
+  std::vector<std::vector<contact::NodalContact>> touched;  ///< Likewise.
+  std::vector<Vec3> probes_mm;                              ///< Like Deck::probes.
+  std::vector<fem::LoadAttempt> attempts;                   ///< Since the increment before.
+
+  /// Of all attempts.
+  [[nodiscard]] Index newton_iterations() const;
+};
+
+/// How a run ended.
+struct DeckRun {
+  std::optional<Increment> last;  ///< The last that converged; none if not even the first did.
+  std::optional<Error> failure;   ///< Why time 1 was not reached; kCancelled if it was stopped.
+  std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged increment.
+
+  [[nodiscard]] bool completed() const { return !failure.has_value(); }
+};
+
+/// Who watches a run; each may be empty.
+struct DeckWatch {
+  std::function<Result<void>(const Increment&)> on_increment;  ///< An error ends the run.
+  std::function<void(fem::SolvePhase)> on_phase;
+};
+
+/// The distance field of each obstacle, in its own frame: where it is before its path begins.
+using ObstacleFields = std::vector<std::shared_ptr<const field::DistanceField>>;
+
+/// Solves a deck.
+///
+/// \param fields  like Deck::obstacles.
+/// \returns how it ended, or
+///   - kMeshInvalid      a field is that of an open surface: it has no inside;
+///   - kInvalidArgument  the capture of an obstacle is not less than its field's band, or its field
+///                       cannot be read smoothly;
+///   - what make_element_terms(), traction_forces(), body_forces() and Pressure::build() return;
+///   - what `watch.on_increment` returned.
+[[nodiscard]] Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fields,
+                                       const DeckWatch& watch = {},
+                                       Progress& progress = Progress::none());
+
+}  // namespace lefort::solve

@@ -1,0 +1,83 @@
+#include <lefort/fem/assemble.h>
+#include <lefort/fem/element_term.h>
+#include <lefort/fem/equilibrium.h>
+#include <lefort/fem/load_steps.h>
+#include <lefort/mesh/box_grid.h>
+#include <lefort/verify/cook_membrane.h>
+
+#include <memory>
+
+namespace lefort::verify {
+namespace {
+
+constexpr double kLength_mm = 48.0;
+constexpr double kRoot_mm = 44.0;  // Height of the clamped end.
+constexpr double kEnd_mm = 16.0;   // Of the other.
+constexpr double kRise_mm = 44.0;  // Of the lower edge, from one to the other.
+constexpr double kTraction_mpa = 6.25;
+
+/// From the unit cube to the membrane: its side y0 is to be clamped, y1 loaded. So turned, cells
+/// that are cut in two are cut along their shorter diagonal.
+Vec3 place(const Vec3& unit, double thickness_mm) {
+  const double along = unit.y();
+  const double up = 1.0 - unit.x();
+  const double height_mm = kRoot_mm + (kEnd_mm - kRoot_mm) * along;
+  return {kLength_mm * along, kRise_mm * along + height_mm * up, thickness_mm * unit.z()};
+}
+
+void hold(const std::vector<std::int32_t>& nodes, int component,
+          std::vector<fem::PrescribedDisplacement>& held) {
+  for (const std::int32_t node : nodes) held.push_back({.node = node, .component = component});
+}
+
+}  // namespace
+
+fem::Material cook_material() {
+  constexpr double kYoung_mpa = 240.565;
+  constexpr double kPoisson = 0.4999;
+  return fem::Split<fem::IsochoricNeoHookean>{
+      .shear = {.mu_mpa = kYoung_mpa / (2.0 * (1.0 + kPoisson))},
+      .volume = {.form = fem::VolumetricForm::kQuadraticLog,
+                 .kappa_mpa = kYoung_mpa / (3.0 * (1.0 - 2.0 * kPoisson))}};
+}
+
+CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells) {
+  CookMembrane membrane;
+  membrane.mesh = mesh::make_box(shape, {cells, cells, 1}, Vec3::Ones());
+  std::vector<Vec3>& nodes_L = membrane.mesh.nodes_L;
+  for (std::size_t n = 0; n < nodes_L.size(); ++n)
+    if (nodes_L[n].x() == 0.0 && nodes_L[n].y() == 1.0) membrane.tip = std::int32_t(n);
+  for (Vec3& node : nodes_L) node = place(node, kLength_mm / cells);
+
+  const auto& sets = membrane.mesh.node_sets;
+  hold(sets.at("y0"), 0, membrane.held);
+  hold(sets.at("y0"), 1, membrane.held);
+  hold(sets.at("z0"), 2, membrane.held);
+  hold(sets.at("z1"), 2, membrane.held);
+  membrane.forces =
+      fem::traction_forces(nodes_L, membrane.mesh.face_sets.at("y1"), Vec3(0.0, kTraction_mpa, 0.0))
+          .value();
+  return membrane;
+}
+
+Result<Vec3> solve_cook_membrane(const CookMembrane& membrane, const fem::Material& material,
+                                 fem::Dilatation dilatation) {
+  LEFORT_TRY(const auto terms, fem::make_element_terms(membrane.mesh, {{0, material}}, dilatation));
+  LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(membrane.mesh.node_count(), membrane.held));
+  fem::DeadLoad load(membrane.mesh.nodes_L, membrane.forces);
+  std::vector<const fem::ForceTerm*> all{&load};
+  for (const auto& term : terms) all.push_back(term.get());
+  const fem::Assembler assembler(membrane.mesh.nodes_L, std::move(dofs), all);
+
+  fem::LinearSolver solver;
+  fem::LoadStepper stepper({.t = 0.0, .u = VectorX::Zero(3 * membrane.mesh.node_count())},
+                           [&](double t, const VectorX& start) {
+                             load.set_factor(t);
+                             return fem::find_equilibrium(assembler, membrane.held, start, solver,
+                                                          {.max_iterations = 60});
+                           });
+  LEFORT_TRY_VOID(stepper.advance_to(1.0));
+  return Vec3(stepper.state().u.segment<3>(3 * Index(membrane.tip)));
+}
+
+}  // namespace lefort::verify

@@ -1,0 +1,167 @@
+#include <lefort/solve/prepare_deck.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "solve/block.h"
+
+namespace lefort::solve {
+namespace {
+
+using test::block;
+using test::prescribe;
+
+std::string refusal_of(mesh::VolumeMesh mesh, Deck deck) {
+  const auto prepared = prepare_deck(std::move(mesh), std::move(deck));
+  return prepared ? std::string("accepted") : prepared.error().message;
+}
+
+#define EXPECT_SAYS(text, part) \
+  EXPECT_NE((text).find(part), std::string::npos) << "says: " << (text)
+
+TEST(PrepareDeck, EveryComponentIsHeldOnceAndByTheFirst) {
+  const auto prepared = prepare_deck(block(), test::uniaxial_deck(4.0));
+  ASSERT_TRUE(prepared) << prepared.error().message;
+  EXPECT_EQ(prepared->held.size(), 15U + 15U + 9U + 9U);
+  const auto at_half = prescribed_at(*prepared, 0.5);
+  for (std::size_t i = 0; i < at_half.size(); ++i) {
+    EXPECT_EQ(at_half[i].node, prepared->held[i].node);
+    EXPECT_EQ(at_half[i].component, prepared->held[i].component);
+    EXPECT_EQ(at_half[i].displacement_mm, prepared->held[i].by == 3 ? 2.0 : 0.0);
+  }
+}
+
+TEST(PrepareDeck, SetsThatMeetMustAgree) {
+  Deck deck = test::uniaxial_deck(1.0);
+  deck.displacements.push_back(prescribe("x0", {}, {}, 0.0));
+  const std::string refusal = refusal_of(block(), deck);
+  EXPECT_SAYS(refusal, "displacements[3] (set z1) and displacements[4] (set x0) both prescribe z");
+  // At the corner both say 0.
+  deck.displacements.back() = prescribe("y0", 0.0, {}, {});
+  EXPECT_EQ(refusal_of(block(), deck), "accepted");
+}
+
+TEST(PrepareDeck, IncrementsEndAtCornersOfCurvesAndKeyframes) {
+  Deck deck = test::uniaxial_deck(1.0);
+  deck.displacements[3].curve = LoadCurve{{{0.0, 0.0}, {0.25, 1.0}, {1.0, 0.0}}};
+  deck.times = {0.6, 0.25};
+  const auto prepared = prepare_deck(block(), deck);
+  ASSERT_TRUE(prepared);
+  EXPECT_EQ(prepared->levels, (std::vector<double>{0.25, 0.6, 1.0}));
+}
+
+TEST(PrepareDeck, ARegionWithoutAMaterialIsNamed) {
+  mesh::VolumeMesh mesh = block();
+  mesh.blocks[0].region[5] = 3;
+  Deck deck = test::uniaxial_deck(1.0);
+  deck.laws[0].region = "0";
+  EXPECT_EQ(refusal_of(mesh, deck), "materials: region 3 of the mesh (1 elements) has none");
+  deck.laws.push_back({"3", fem::NeoHookean{.mu_mpa = 2.0, .lambda_mpa = 1.0}, 0.0});
+  EXPECT_EQ(refusal_of(mesh, deck), "accepted");
+  deck.laws[1].region = "4";
+  EXPECT_EQ(refusal_of(mesh, deck), "materials[1]: there is no region 4, the regions are: 0, 3");
+  deck.laws[1].region = "0";
+  EXPECT_EQ(refusal_of(mesh, deck),
+            "materials[0] and materials[1] are both for region 0, must be one");
+}
+
+TEST(PrepareDeck, OneMaterialMayBeForAllOtherRegions) {
+  mesh::VolumeMesh mesh = block();
+  mesh.blocks[0].region[5] = 3;
+  Deck deck = test::uniaxial_deck(1.0);
+  deck.laws.push_back({"3", fem::NeoHookean{.mu_mpa = 2.0, .lambda_mpa = 1.0}, 0.0});
+  const auto prepared = prepare_deck(mesh, deck);
+  ASSERT_TRUE(prepared);
+  EXPECT_EQ(std::get<fem::NeoHookean>(prepared->materials.at(3)).mu_mpa, 2.0);
+  EXPECT_EQ(std::get<fem::NeoHookean>(prepared->materials.at(0)).mu_mpa, 0.01);
+}
+
+TEST(PrepareDeck, APartNobodyHoldsIsRefusedBeforeItIsSolved) {
+  Deck deck = test::uniaxial_deck(1.0);
+  deck.displacements.erase(deck.displacements.begin());  // x is free.
+  const std::string refusal = refusal_of(block(), deck);
+  EXPECT_SAYS(refusal, "displacements: the part of 96 elements around element 0 at (");
+  EXPECT_SAYS(refusal, "as a whole, nothing holds it");
+}
+
+TEST(PrepareDeck, ABodyForceNeedsADensity) {
+  Deck deck = test::clamped_deck();
+  deck.body_forces.push_back({"", Vec3(0, 0, -9810), {}});
+  EXPECT_EQ(refusal_of(block(), deck),
+            "body_forces[0]: the material of region 0 has no density_kg_m3");
+}
+
+TEST(PrepareDeck, NodesOfNoElementStayWhereTheyAreAndAreTold) {
+  mesh::VolumeMesh mesh = block();
+  mesh.nodes_L.emplace_back(50, 50, 50);
+  const auto prepared = prepare_deck(mesh, test::uniaxial_deck(1.0));
+  ASSERT_TRUE(prepared) << prepared.error().message;
+  ASSERT_EQ(prepared->warnings.size(), 1U);
+  EXPECT_EQ(prepared->warnings[0], "1 nodes belong to no element; they stay where they are");
+  EXPECT_EQ(prepared->held.back().by, -1);
+}
+
+TEST(PrepareDeck, ALoadThatIsThereAtOnceIsWarnedOf) {
+  Deck deck = test::uniaxial_deck(1.0);
+  deck.displacements[3].curve = LoadCurve{{{0.0, 1.0}}};
+  const auto prepared = prepare_deck(block(), deck);
+  ASSERT_TRUE(prepared);
+  ASSERT_EQ(prepared->warnings.size(), 1U);
+  EXPECT_SAYS(prepared->warnings[0], "displacements[3]: the curve begins at 1");
+}
+
+TEST(PrepareDeck, BadMeshesAreRefusedInOneSentence) {
+  mesh::VolumeMesh lost = block();
+  lost.blocks[0].nodes[9] = 4711;
+  EXPECT_SAYS(refusal_of(lost, test::clamped_deck()), "names node 4711");
+  mesh::VolumeMesh nan = block();
+  nan.nodes_L[3].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_SAYS(refusal_of(nan, test::clamped_deck()), "node 3 has a coordinate that is not finite");
+  mesh::VolumeMesh turned = block();
+  std::swap(turned.blocks[0].nodes[0], turned.blocks[0].nodes[1]);
+  EXPECT_SAYS(refusal_of(turned, test::clamped_deck()), "element 0 at (");
+  EXPECT_SAYS(refusal_of({}, test::clamped_deck()), "the mesh has no element");
+}
+
+TEST(PrepareDeck, EveryNameThatIsNotThereIsToldWithItsKey) {
+  const auto refusal = [](const std::function<void(Deck&)>& spoil) {
+    Deck deck = test::clamped_deck();
+    spoil(deck);
+    return refusal_of(block(), deck);
+  };
+  EXPECT_SAYS(refusal([](Deck& d) { d.displacements[0].set = "base"; }),
+              "displacements[0]: there is no set base, the sets are: boundary, outside, x0");
+  EXPECT_SAYS(refusal([](Deck& d) {
+                d.tractions.push_back({"lid", Vec3::UnitX(), {}});
+              }),
+              "tractions[0]: there is no set lid");
+  EXPECT_SAYS(refusal([](Deck& d) {
+                d.pressures.push_back({"lid", 1.0, {}});
+              }),
+              "pressures[0]: there is no set lid");
+  EXPECT_SAYS(refusal([](Deck& d) {
+                d.body_forces.push_back({"5", Vec3::UnitX(), {}});
+              }),
+              "body_forces[0]: there is no region 5");
+  EXPECT_SAYS(refusal([](Deck& d) {
+                d.probes.push_back({"tip", Vec3(0, 0, 99)});
+              }),
+              "probes[0]: (0.000, 0.000, 99.000) mm lies in no element");
+  EXPECT_SAYS(refusal([](Deck& d) {
+                Obstacle obstacle;
+                obstacle.faces = "lid";
+                obstacle.path.keyframes = {plan::Keyframe{}};
+                obstacle.path.steps = 1;
+                d.obstacles.push_back(obstacle);
+              }),
+              "obstacles[0]: there is no set lid");
+  EXPECT_SAYS(refusal([](Deck& d) { d.displacements[0].curve.points.clear(); }),
+              "displacements[0]: the curve has no point");
+  EXPECT_SAYS(refusal([](Deck& d) { d.steps.growth = 0.5; }), "growth is 0.5");
+}
+
+}  // namespace
+}  // namespace lefort::solve
