@@ -1,0 +1,37 @@
+/// \file
+/// The same block solved by CalculiX, a finite element program in wide use.
+#pragma once
+
+#include <lefort/bench/block_problem.h>
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/core/types.h>
+
+#include <cstddef>
+#include <filesystem>
+
+namespace lefort::bench {
+
+struct CalculixTask {
+  BlockProblem block;
+  int threads = 2;
+  int increments = 1;
+  double tolerance = 1e-6;       ///< Of residual forces, and of corrections to displacements.
+  std::filesystem::path folder;  ///< For its files, which are block.*; there.
+};
+
+struct CalculixRun {
+  double wall_seconds = 0.0;
+  std::size_t peak_bytes = 0;
+  int iterations = 0;               ///< Equation systems solved.
+  double largest_residual_n = 0.0;  ///< At the end.
+  VectorX displacements_mm;         ///< Three per node.
+};
+
+/// Writes the input, runs `ccx` and reads what it wrote.
+///
+/// \returns kInvalidArgument if ccx cannot be run, kFileCorrupt if its output is not understood,
+///   kFileUnwritable, kCancelled.
+[[nodiscard]] Result<CalculixRun> run_calculix(const CalculixTask& task, Progress& progress);
+
+}  // namespace lefort::bench
