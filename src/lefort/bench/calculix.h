@@ -12,8 +12,18 @@
 
 namespace lefort::bench {
 
+/// Those of its linear solvers that Debian's package holds.
+enum class CalculixSolver {
+  kSpooles,   ///< A direct one, what ccx takes unless told otherwise.
+  kIterative  ///< Conjugate gradients, preconditioned by an incomplete factor.
+};
+
+/// As ccx names them.
+[[nodiscard]] const char* name_of(CalculixSolver solver);
+
 struct CalculixTask {
   BlockProblem block;
+  CalculixSolver solver = CalculixSolver::kSpooles;
   int threads = 2;
   int increments = 1;
   double tolerance = 1e-6;       ///< Of residual forces, and of corrections to displacements.
