@@ -1,6 +1,8 @@
 #include <lefort/app/command.h>
 #include <lefort/bench/field_process.h>
 #include <lefort/bench/field_scaling.h>
+#include <lefort/bench/solve_block.h>
+#include <lefort/bench/solve_task.h>
 #include <lefort/bench/table1.h>
 
 #include <memory>
@@ -72,6 +74,49 @@ void add_scaling(CLI::App& bench, CommandContext& context) {
   });
 }
 
+void add_solve(CLI::App& bench, CommandContext& context) {
+  const auto options = std::make_shared<bench::SolveOptions>();
+  CLI::App* const command = bench.add_subcommand(
+      "solve", "Solve blocks of soft tissue: beside CalculiX, and larger and larger");
+  command->add_option("-o,--output", options->output, "Folder for solve.md, .csv, .json")
+      ->required();
+  command->add_option("--pairs", options->repeats, "Runs of each, CalculiX and lefort; 0: none")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  command->add_option("--pair-cells", options->pair_cells, "Cells along a side of their block")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--increments", options->increments, "Of the load")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_option("--cells", options->growth_cells, "Cells along a side of ever larger blocks")
+      ->check(CLI::Range(1, 80))
+      ->capture_default_str();
+  command->add_flag("--large", options->large, "Also a block of a million unknowns");
+  command->footer("Example:\n  lefort bench solve -o solve/");
+  command->callback([options, &context] {
+    if (context.threads > 0) options->threads = context.threads;
+    context.run("bench solve", [&](Progress& progress) -> Result<Summary> {
+      LEFORT_TRY(const std::string table, bench::run_solve_bench(*options, progress));
+      return Summary{.text = table, .json = {{"output", options->output.string()}}};
+    });
+  });
+}
+
+/// A single measurement, in a process that `bench solve` starts.
+void add_solve_task(CLI::App& bench, CommandContext& context) {
+  const auto task = std::make_shared<std::string>();
+  CLI::App* const command = bench.add_subcommand("solve-task", "One measurement, as JSON");
+  command->group("");  // Not listed.
+  command->add_option("task", *task)->required();
+  command->callback([task, &context] {
+    context.run("bench solve-task", [&](Progress&) -> Result<Summary> {
+      LEFORT_TRY(const auto result, bench::run_solve_task(*task));
+      return Summary{.text = result.dump(1), .json = result};
+    });
+  });
+}
+
 /// A single measurement, in a process that the others start.
 void add_field_task(CLI::App& bench, CommandContext& context) {
   struct Job {
@@ -98,6 +143,8 @@ void add_bench_command(CLI::App& cli, CommandContext& context) {
   add_table1(*bench, context);
   add_scaling(*bench, context);
   add_field_task(*bench, context);
+  add_solve(*bench, context);
+  add_solve_task(*bench, context);
 }
 
 }  // namespace lefort::app

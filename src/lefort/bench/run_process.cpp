@@ -1,9 +1,11 @@
 #include <lefort/bench/run_process.h>
+#include <lefort/bench/stopwatch.h>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -11,10 +13,18 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <utility>
 
 namespace lefort::bench {
 
 Result<std::string> run_process(const std::vector<std::string>& arguments, Progress& progress) {
+  LEFORT_TRY(ProcessRun run, run_measured_process(arguments, progress));
+  return std::move(run.output);
+}
+
+Result<ProcessRun> run_measured_process(const std::vector<std::string>& arguments,
+                                        Progress& progress) {
+  const double begin = now_seconds();
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0)
     return fail(ErrorCode::kInvalidArgument,
@@ -53,14 +63,18 @@ Result<std::string> run_process(const std::vector<std::string>& arguments, Progr
   }
   ::close(pipe[0]);
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  rusage usage{};
+  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
   }
   if (stopped) return fail(ErrorCode::kCancelled, "the benchmark was not finished");
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} ended with {}", arguments.size() > 1 ? arguments[1] : arguments[0],
                             WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status)));
-  return output;
+  constexpr std::size_t kUnit = 1024;  // Of ru_maxrss.
+  return ProcessRun{.output = std::move(output),
+                    .seconds = now_seconds() - begin,
+                    .peak_bytes = std::size_t(usage.ru_maxrss) * kUnit};
 }
 
 }  // namespace lefort::bench

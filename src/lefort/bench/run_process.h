@@ -5,10 +5,22 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace lefort::bench {
+
+/// What a program printed, and what it took.
+struct ProcessRun {
+  std::string output;          ///< Its stdout.
+  double seconds = 0.0;        ///< Wall-clock.
+  std::size_t peak_bytes = 0;  ///< The most memory it held.
+};
+
+/// As run_process(), with time and memory.
+[[nodiscard]] Result<ProcessRun> run_measured_process(const std::vector<std::string>& arguments,
+                                                      Progress& progress);
 
 /// Starts arguments[0] and waits. What it prints on stderr goes to ours.
 ///

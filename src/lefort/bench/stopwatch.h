@@ -3,12 +3,29 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace lefort::bench {
 
 /// Wall-clock seconds since some moment.
 [[nodiscard]] double now_seconds();
+
+/// Runs from when it is made.
+class Stopwatch {
+ public:
+  [[nodiscard]] double seconds() const { return now_seconds() - begin_; }
+
+  /// Seconds since the last lap or the beginning; begins the next.
+  double lap() {
+    const double last = std::exchange(lap_, now_seconds());
+    return lap_ - last;
+  }
+
+ private:
+  double begin_ = now_seconds();
+  double lap_ = begin_;
+};
 
 /// Seconds of processor time of all threads of this process, in user mode.
 [[nodiscard]] double user_seconds();

@@ -1,0 +1,47 @@
+/// \file
+/// The same block solved by CalculiX, a finite element program in wide use.
+#pragma once
+
+#include <lefort/bench/block_problem.h>
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/core/types.h>
+
+#include <cstddef>
+#include <filesystem>
+
+namespace lefort::bench {
+
+/// Those of its linear solvers that Debian's package holds.
+enum class CalculixSolver {
+  kSpooles,   ///< A direct one, what ccx takes unless told otherwise.
+  kIterative  ///< Conjugate gradients, preconditioned by an incomplete factor.
+};
+
+/// As ccx names them.
+[[nodiscard]] const char* name_of(CalculixSolver solver);
+
+struct CalculixTask {
+  BlockProblem block;
+  CalculixSolver solver = CalculixSolver::kSpooles;
+  int threads = 2;
+  int increments = 1;
+  double tolerance = 1e-6;       ///< Of residual forces, and of corrections to displacements.
+  std::filesystem::path folder;  ///< For its files, which are block.*; there.
+};
+
+struct CalculixRun {
+  double wall_seconds = 0.0;
+  std::size_t peak_bytes = 0;
+  int iterations = 0;               ///< Equation systems solved.
+  double largest_residual_n = 0.0;  ///< At the end.
+  VectorX displacements_mm;         ///< Three per node.
+};
+
+/// Writes the input, runs `ccx` and reads what it wrote.
+///
+/// \returns kInvalidArgument if ccx cannot be run, kFileCorrupt if its output is not understood,
+///   kFileUnwritable, kCancelled.
+[[nodiscard]] Result<CalculixRun> run_calculix(const CalculixTask& task, Progress& progress);
+
+}  // namespace lefort::bench
