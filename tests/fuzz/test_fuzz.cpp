@@ -1,12 +1,17 @@
 /// \file
-/// Damaged files, thousands of them, through every reader whose surfaces become distance fields.
+/// Damaged files, thousands of them, through the readers of surfaces that become distance fields,
+/// of fields themselves, and of the meshes and points that they are asked about.
 ///
 /// Whatever a file holds, the answer is a Result: no crash, no hang, and in a field made of it no
 /// distance that is no number. The seed is in every message; the number of files is fixed, and the
 /// time a test may take is bounded.
 #include <lefort/field/build_distance_field.h>
+#include <lefort/field/lattice_samples.h>
 #include <lefort/io/field_file.h>
+#include <lefort/io/point_table.h>
+#include <lefort/io/read_vtu.h>
 #include <lefort/io/surface_files.h>
+#include <lefort/io/vtu.h>
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -14,11 +19,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iostream>
 #include <iterator>
 #include <memory>
 #include <random>
@@ -34,8 +41,12 @@ namespace {
 
 using geometry::TriangleMesh;
 
-/// Of the processor: stops early on a slow machine rather than late.
-constexpr double kSecondsPerTest = 1.2;
+/// Of the processor: stops early on a slow machine rather than late. More of them, and then more
+/// files, are had by LEFORT_FUZZ_SECONDS.
+double seconds_per_test() {
+  const char* const wanted = std::getenv("LEFORT_FUZZ_SECONDS");
+  return wanted != nullptr ? std::atof(wanted) : 1.2;
+}
 /// Of the clock, for a single file on a machine that has other work: beyond it something hangs.
 constexpr double kSecondsPerFile = 20.0;
 
@@ -134,9 +145,8 @@ void expect_numbers(const field::DistanceField& field, std::mt19937& random) {
     const Vec3 p = box.min() + box.sizes().cwiseProduct(Vec3(in(random), in(random), in(random)));
     const field::FieldSample sample = field.sample(p);
     ASSERT_LE(int(sample.zone), int(field::Zone::kUnknown));
-    if (sample.zone == field::Zone::kBand) {
-      ASSERT_FALSE(std::isnan(sample.distance_mm)) << p.transpose();
-    }
+    ASSERT_TRUE(std::isfinite(sample.distance_mm) && sample.gradient_B.allFinite())
+        << p.transpose();
     if (field.is_smooth()) {
       ASSERT_LE(int(field.sample_smooth(p).zone), int(field::Zone::kUnknown));
     }
@@ -145,7 +155,8 @@ void expect_numbers(const field::DistanceField& field, std::mt19937& random) {
 
 /// Runs `attempt` with the seeds from 0 until all are done or the time is up.
 void run_seeds(unsigned count, const std::function<void(unsigned seed)>& attempt) {
-  const double stop = processor_seconds() + kSecondsPerTest;
+  const double stop = processor_seconds() + seconds_per_test();
+  if (std::getenv("LEFORT_FUZZ_SECONDS") != nullptr) count = ~0U;
   unsigned seed = 0;
   for (; seed < count && processor_seconds() < stop; ++seed) {
     SCOPED_TRACE(seed);
@@ -155,6 +166,8 @@ void run_seeds(unsigned count, const std::function<void(unsigned seed)>& attempt
     if (testing::Test::HasFatalFailure()) return;
   }
   EXPECT_GT(seed, 20U);
+  testing::Test::RecordProperty("files", std::to_string(seed));
+  std::cout << seed << " files\n";
 }
 
 /// A surface of some triangles in all its forms.
@@ -225,10 +238,52 @@ TEST(Fuzz, Ply) {
 
 TEST(Fuzz, Vtp) { fuzz_surface(".vtp"); }
 
+TEST(Fuzz, Vtu) {
+  const test::TemporaryFolder folder;
+  mesh::VolumeMesh mesh;
+  for (int n = 0; n < 12; ++n) mesh.nodes_L.emplace_back(n, 0.5 * n * n, -n);
+  mesh.blocks = {{mesh::ElementShape::kTet4, {0, 1, 2, 3, 4, 5, 6, 7}, {1, 2}},
+                 {mesh::ElementShape::kHex8, {4, 5, 6, 7, 8, 9, 10, 11}, {3}}};
+  ASSERT_TRUE(write_vtu(folder / "good.vtu", mesh));
+  const std::string good = read_bytes(folder / "good.vtu");
+  int read = 0;
+  run_seeds(1500, [&](unsigned seed) {
+    std::mt19937 random(seed);
+    const std::filesystem::path path = folder / "bad.vtu";
+    std::filesystem::remove(path);
+    std::ofstream(path, std::ios::binary) << damaged(good, random);
+    const auto found = read_vtu(path);
+    if (!found) {
+      ASSERT_FALSE(found.error().message.empty());
+      return;
+    }
+    ++read;
+    for (const Vec3& p : found->nodes_L) ASSERT_TRUE(p.allFinite());
+    for (const mesh::ElementBlock& block : found->blocks)
+      for (const std::int32_t node : block.nodes)
+        ASSERT_TRUE(node >= 0 && node < found->node_count());
+  });
+  EXPECT_GT(read, 5);
+}
+
+TEST(Fuzz, TablesOfPoints) {
+  int read = 0;
+  run_seeds(5000, [&](unsigned seed) {
+    std::mt19937 random(seed);
+    const auto points =
+        parse_points(damaged("x,y,z\n1,2,3\n# a comment\n-4.5e1 6 7 8\n1;2;3\n", random));
+    if (!points) return;
+    ++read;
+    for (const Vec3& p : *points) ASSERT_TRUE(p.allFinite());
+  });
+  EXPECT_GT(read, 5);
+}
+
 TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
   std::vector<std::string> files;
   for (const field::FieldMethod method :
-       {field::FieldMethod::kBricks, field::FieldMethod::kHybrid, field::FieldMethod::kUniform})
+       {field::FieldMethod::kBricks, field::FieldMethod::kHybrid, field::FieldMethod::kAdaptive,
+        field::FieldMethod::kUniform})
     for (const bool smooth : {false, true})
       files.push_back(encode_field(
           field::build_distance_field(any_surface(unsigned(files.size())),
@@ -258,6 +313,9 @@ TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
     if (!field) return;
     ++accepted;
     expect_numbers(*field, random);
+    if (const Index points = field->frame().resolution + 1; points <= 65) {
+      ASSERT_EQ(field::count_samples(*field).value().total(), points * points * points);
+    }
     ASSERT_FALSE(encode_field(*field).empty());
   });
   EXPECT_GT(accepted, 20);
