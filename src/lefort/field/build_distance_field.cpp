@@ -147,7 +147,8 @@ Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface
                                  frame.band_mm + kStencilReach * frame.cell_mm);
   }
   progress.report(1.0);
-  return DistanceField(frame, std::move(samples), std::move(smooth));
+  return DistanceField(frame, std::move(samples), std::move(smooth),
+                       FieldSource{surface.mesh_B.triangle_count(), surface.parts, surface.report});
 }
 
 }  // namespace lefort::field

@@ -299,9 +299,8 @@ class Surroundings {
 };
 
 /// Turns closed parts that are inside out and that nothing surrounds, with all that is in them.
-void turn_inside_out_parts(PreparedSurface& surface, const SidesByEdge& sides) {
+void turn_inside_out_parts(PreparedSurface& surface, const Parts& parts) {
   TriangleMesh& mesh = surface.mesh_B;
-  const Parts parts = find_parts(mesh, sides);
   std::vector<std::size_t> candidates;
   for (std::size_t part = 0; part < parts.count(); ++part)
     if (parts.is_inside_out(part)) candidates.push_back(part);
@@ -381,9 +380,11 @@ Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B)
     if (edge.sides.size() == 1) ++surface.report.rim_edges;
     if (edge.sides.size() > 2) ++surface.report.branching_edges;
   }
+  const Parts parts = find_parts(mesh, sides);
+  surface.parts = Index(parts.count());
   if (surface.closed) {
     const Index before = surface.report.turned_triangles;
-    turn_inside_out_parts(surface, sides);
+    turn_inside_out_parts(surface, parts);
     if (surface.report.turned_triangles != before) sides = SidesByEdge(mesh);
   }
   surface.normals = geometry::Pseudonormals(mesh, sides);

@@ -27,8 +27,9 @@ class Lattice {
 
   /// As SidedDistances::at().
   [[nodiscard]] float value(const LatticePoint& p) const {
-    const double d = exact(p);
-    return std::abs(d) <= frame_.band_mm ? float(d) : side_value(side_beyond_band(p));
+    // As the other methods have it: in floats, and the edge of the band is beyond it.
+    const auto d = float(exact(p));
+    return std::abs(d) < float(frame_.band_mm) ? d : side_value(side_beyond_band(p));
   }
 
   /// Where a cube lies if the band does not reach it. \pre cells is even.
