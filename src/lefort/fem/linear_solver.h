@@ -16,7 +16,7 @@
 namespace lefort::fem {
 
 enum class LinearSolverKind : std::uint8_t {
-  kAutomatic,  ///< Directly while that is quick, by multigrid beyond; see docs/linear-algebra.md.
+  kAutomatic,  ///< Directly while that is quick, by multigrid beyond; see docs/decisions/0005.
   kDirect,     ///< Multifrontal Cholesky factorisation.
   kLagged,     ///< Conjugate gradients, preconditioned by the factor of an earlier matrix.
   kMultigrid   ///< Conjugate gradients, preconditioned by smoothed aggregation multigrid.

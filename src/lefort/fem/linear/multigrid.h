@@ -17,7 +17,7 @@
 
 namespace lefort::fem {
 
-/// Constants of the method, for trials; the defaults were measured (docs/linear-algebra.md).
+/// Constants of the method, for trials; the defaults were measured.
 struct MultigridOptions {
   double strong_coupling = 0.02;    ///< See aggregate(); halved from level to level.
   int smoothing_degree = 2;         ///< Of Chebyshev's polynomial, before and after; >= 1.

@@ -2,7 +2,7 @@
 #include <lefort/fem/materials/fung_orthotropic.h>
 #include <lefort/fem/materials/isochoric.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <array>
@@ -51,11 +51,12 @@ Result<void> FungOrthotropic::validate() const {
                             "must be finite and symmetric",
                             kName, lambda_mpa(0, 1), lambda_mpa(1, 0), lambda_mpa(1, 2),
                             lambda_mpa(2, 1), lambda_mpa(2, 0), lambda_mpa(0, 2)));
-  if (Eigen::LLT<Mat3>(normal_stiffness(*this)).info() != Eigen::Success)
+  const Eigen::SelfAdjointEigenSolver<Mat3> normal(normal_stiffness(*this), Eigen::EigenvaluesOnly);
+  if (!(normal.eigenvalues().minCoeff() > 0.0))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: lambda with 2 mu on its diagonal has the determinant {} MPa^3, "
-                            "must be positive definite",
-                            kName, normal_stiffness(*this).determinant()));
+                fmt::format("{}: lambda plus 2 mu on its diagonal has the eigenvalue {} MPa, must "
+                            "be positive definite",
+                            kName, normal.eigenvalues().minCoeff()));
   for (int a = 0; a < 3; ++a)
     LEFORT_TRY_VOID(check_unit(kName, fmt::format("axis {}", a + 1), axes.col(a)));
   const double skew = (axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff();
@@ -83,8 +84,8 @@ Mat9 FungOrthotropic::tangent(const Mat3& F) const {
   const Mat3 T = axes * at.T * axes.transpose();
   const Mat3 FT = part.F_iso * T;
 
-  // dP_iso = dF S + F dS, S = e^Q T, dS = e^Q (2/c (T : dE) T + dT). With y_a = F times axis a,
-  // dE_ab = (y_a . dF axis_b + y_b . dF axis_a) / 2.
+  // All in F_iso: P = F S, S = e^Q T, so dP = dF S + F dS, dS = e^Q (2/c (T : dE) T + dT).
+  // With y_a = F times axis a, dE_ab = (y_a . dF axis_b + y_b . dF axis_a) / 2.
   const Mat3 y = part.F_iso * axes;
   Mat9 A = (2.0 / c_mpa) * flatten(FT) * flatten(FT).transpose();
   add_right_product(T, A);

@@ -18,10 +18,9 @@ double fibre_strain(const HolzapfelGasserOgden& law, const IsochoricStrain& stra
   return law.dispersion * strain.I1_minus_3 + (1.0 - 3.0 * law.dispersion) * I4_minus_1;
 }
 
-/// 1/2 de/dF_iso.
-Mat3 half_slope_of_strain(const HolzapfelGasserOgden& law, const Mat3& F_iso, const Vec3& fibre) {
-  return law.dispersion * F_iso +
-         (1.0 - 3.0 * law.dispersion) * (F_iso * fibre) * fibre.transpose();
+/// 1/2 de/df, f = F_iso.
+Mat3 half_slope_of_strain(const HolzapfelGasserOgden& law, const Mat3& f, const Vec3& fibre) {
+  return law.dispersion * f + (1.0 - 3.0 * law.dispersion) * (f * fibre) * fibre.transpose();
 }
 
 }  // namespace

@@ -15,25 +15,25 @@ IsochoricPart::IsochoricPart(const Mat3& F) {
 
 // With g = F^-T: dF_iso = scale (dF - (g : dF) F / 3), whence both functions below.
 
-Mat3 isochoric_stress(const IsochoricPart& part, const Mat3& P_iso) {
-  const double third = contract(P_iso, part.F_iso) / 3.0;
-  const Mat3 P = part.scale * P_iso - third * part.F_inv_T;
+Mat3 isochoric_stress(const IsochoricPart& part, const Mat3& dpsi) {
+  const double third = contract(dpsi, part.F_iso) / 3.0;
+  const Mat3 P = part.scale * dpsi - third * part.F_inv_T;
   // P : F vanishes. Once more, for the pressure that rounding has left; at F = I P is exactly zero.
   const double rest = contract(P, part.F_iso) / (3.0 * part.scale);
   return P - rest * part.F_inv_T;
 }
 
-Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& P_iso, const Mat9& A_iso) {
+Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& dpsi, const Mat9& ddpsi) {
   const Vec9 f = flatten(part.F_iso);
   const Vec9 g = flatten(part.F_inv_T);
-  const double third = contract(P_iso, part.F_iso) / 3.0;
+  const double third = contract(dpsi, part.F_iso) / 3.0;
 
-  // The change of P_iso: M^T A_iso M, where dF_iso = M : dF and M = scale I - f g^T / 3.
-  const Vec9 Af = A_iso * f / 3.0;
-  const double fAf = f.dot(Af) / 3.0;
+  // The change of dpsi: M^T ddpsi M, where dF_iso = M : dF and M = scale I - f g^T / 3.
+  const Vec9 Af = ddpsi * f / 3.0;
+  const double ff = f.dot(Af) / 3.0;
   // The change of M, and both terms with one factor g, u g^T + g u^T.
-  const Vec9 u = (0.5 * (fAf + third / 3.0)) * g - part.scale * (Af + flatten(P_iso) / 3.0);
-  Mat9 A = (part.scale * part.scale) * A_iso;
+  const Vec9 u = (0.5 * (ff + third / 3.0)) * g - part.scale * (Af + flatten(dpsi) / 3.0);
+  Mat9 A = (part.scale * part.scale) * ddpsi;
   A += u * g.transpose() + g * u.transpose();
   add_transposed_product(third, part.F_inv_T, A);
   return A;

@@ -20,12 +20,12 @@ struct IsochoricPart {
   Mat3 F_inv_T;
 };
 
-/// dPsi/dF for Psi = psi(F_iso), where P_iso = dpsi/dF_iso.
-[[nodiscard]] Mat3 isochoric_stress(const IsochoricPart& part, const Mat3& P_iso);
+/// dPsi/dF for Psi = psi(F_iso), where dpsi is dpsi/dF_iso.
+[[nodiscard]] Mat3 isochoric_stress(const IsochoricPart& part, const Mat3& dpsi);
 
-/// d2Psi/dF2 likewise, where A_iso = dP_iso/dF_iso.
-[[nodiscard]] Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& P_iso,
-                                     const Mat9& A_iso);
+/// d2Psi/dF2 likewise, where ddpsi is d2psi/dF_iso2.
+[[nodiscard]] Mat9 isochoric_tangent(const IsochoricPart& part, const Mat3& dpsi,
+                                     const Mat9& ddpsi);
 
 /// The change of shape in C, told by what is exactly zero where there is none:
 ///   J^(-2/3) C = (1 + I1_minus_3 / 3) (I + D),   tr D = 0.

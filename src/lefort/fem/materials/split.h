@@ -41,9 +41,9 @@ struct Split {
   /// dP/dF [MPa], symmetric; order of entries as Mat9 says.
   [[nodiscard]] Mat9 tangent(const Mat3& F) const {
     const double J = volume_ratio(F);
-    const Vec9 dJ_dF = flatten(cofactor(F));
+    const Vec9 slope_of_J = flatten(cofactor(F));
     Mat9 A = shear.tangent(F);
-    A.noalias() += volume.curvature(J) * dJ_dF * dJ_dF.transpose();
+    A.noalias() += volume.curvature(J) * slope_of_J * slope_of_J.transpose();
     A += volume.slope(J) * cofactor_tangent(F);
     return A;
   }
