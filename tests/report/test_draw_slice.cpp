@@ -63,7 +63,7 @@ TEST(DrawSlice, ZeroIsAThickLineAndStepsAreThinOnes) {
   for (int begin = 165; begin < 235;) {
     const auto is_line = [&](int at) {
       const int here = darkness(colour(picture, at));
-      return here > darkness(colour(picture, at - 4)) + 60 ||
+      return here > darkness(colour(picture, at - 4)) + 60 &&
              here > darkness(colour(picture, at + 4)) + 60;
     };
     int end = begin;

@@ -148,9 +148,12 @@ Result<FieldFrame> frame_of(const Header& header) {
   return frame;
 }
 
-/// A block that such a field does not have must be empty: nobody would look at it.
+/// The kind of the samples must be one that is known. A block that such a field does not have must
+/// be empty: nobody would look at it.
 Result<void> check_blocks_belong(const Header& header, const Blocks& blocks) {
   const auto storage = Storage(header.storage);
+  if (storage != Storage::kBricks && storage != Storage::kOctree && storage != Storage::kDense)
+    return corrupt(fmt::format("its samples are of kind {}", header.storage));
   const bool bricks = storage == Storage::kBricks, octree = storage == Storage::kOctree;
   const bool smooth = header.smooth == 1;
   const std::array<bool, kBlockCount> has = {bricks, bricks, octree, !bricks, smooth, smooth};
@@ -233,18 +236,14 @@ Result<DenseSamples> read_dense(const FieldFrame& frame, const Blocks& blocks) {
   return DenseSamples(frame.resolution, {samples.begin(), samples.end()});
 }
 
+/// \pre check_blocks_belong() holds.
 Result<field::DistanceField::Samples> read_samples(const Header& header, const FieldFrame& frame,
                                                    const Blocks& blocks,
                                                    std::shared_ptr<const void> owner) {
-  switch (Storage(header.storage)) {
-    case Storage::kBricks:
-      return read_bricks(frame, blocks, std::move(owner));
-    case Storage::kOctree:
-      return read_octree(frame, blocks);
-    case Storage::kDense:
-      return read_dense(frame, blocks);
-  }
-  return corrupt(fmt::format("its samples are of kind {}", header.storage));
+  const auto storage = Storage(header.storage);
+  if (storage == Storage::kBricks) return read_bricks(frame, blocks, std::move(owner));
+  if (storage == Storage::kOctree) return read_octree(frame, blocks);
+  return read_dense(frame, blocks);
 }
 
 // A coefficient is at most 27 times the largest sample, three along each axis; samples reach some
