@@ -1,6 +1,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/band_sampler.h>
 #include <lefort/field/nearest_by_tree.h>
+#include <lefort/field/settle_sides.h>
 #include <lefort/field/tear.h>
 #include <lefort/field/triangle_frame.h>
 
@@ -355,7 +356,8 @@ BrickSigns BandSampler::sample(Index slot,
 }
 
 Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const FieldFrame& frame,
-                                         double reach_mm, Progress& progress) {
+                                         double reach_mm, const WindingRows* winding,
+                                         Progress& progress) {
   LEFORT_TRY(const BandSampler sampler,
              BandSampler::create(surface, frame, reach_mm, kMaxLatticePoints, progress));
   const std::span<const std::int32_t> bricks = sampler.bricks();
@@ -366,7 +368,11 @@ Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const F
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
     parallel_for(
         end - begin,
-        [&](Index offset) { sampler.sample(begin + offset, distances.brick(begin + offset)); },
+        [&](Index offset) {
+          const Index slot = begin + offset;
+          BrickSigns signs = sampler.sample(slot, distances.brick(slot));
+          settle_sides(distances.brick(slot), signs, winding, bricks[std::size_t(slot)], frame);
+        },
         kBrickBlock);
     progress.report(double(step + 1) / kProgressSteps);
   }

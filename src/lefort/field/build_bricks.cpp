@@ -2,6 +2,7 @@
 #include <lefort/field/brick_signs.h>
 #include <lefort/field/build_bricks.h>
 #include <lefort/field/far_sides.h>
+#include <lefort/field/settle_sides.h>
 #include <lefort/field/tear.h>
 
 #include <algorithm>
@@ -83,48 +84,12 @@ void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick
       }
 }
 
-/// Points that contradict a neighbour in the brick. Distances without sign never do, so only a
-/// change of sign can.
-std::vector<std::size_t> torn_points(const Distances& distances, const BrickSigns& signs,
-                                     float cell_mm) {
-  constexpr std::array<std::size_t, 3> kStride = {1, kSide, kSide * kSide};
-  std::vector<std::size_t> torn;
-  const std::array<BrickBits, 3> pairs = possible_tears(signs);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t z = 0; z < std::size_t(kSide); ++z)
-      for (std::uint64_t word = pairs[axis][z]; word != 0; word &= word - 1) {
-        const std::size_t i = z * 64 + std::size_t(std::countr_zero(word));
-        if (is_torn(distances[i], distances[i + kStride[axis]], cell_mm))
-          torn.insert(torn.end(), {i, i + kStride[axis]});
-      }
-  return torn;
-}
-
-/// Where a surface cuts through itself its nearest feature may tell the wrong side; how often it
-/// winds around a point does not.
-void take_sides_by_winding(const WindingRows& winding, const LatticePoint& first, float cell_mm,
-                           Distances& distances, BrickSigns& signs) {
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    if (!(std::abs(distances[i]) > cell_mm)) continue;  // Nor if not known.
-    const bool inside = winding.is_inside(point_at(first, int(i)));
-    distances[i] = std::copysign(distances[i], inside ? -1.0F : 1.0F);
-    const std::uint64_t bit = std::uint64_t(1) << (i % 64);
-    signs.inside[i / 64] = (signs.inside[i / 64] & ~bit) | (inside ? bit : 0);
-  }
-}
-
 void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
             const WindingRows* winding, std::int32_t number, EncodedBrick& encoded) {
   encoded.brick = {};
   encoded.empty = !signs.any_known();
   if (encoded.empty) return;
-  const auto cell_mm = float(frame.cell_mm);
-  std::vector<std::size_t> torn = torn_points(distances, signs, cell_mm);
-  if (!torn.empty() && winding != nullptr) {
-    take_sides_by_winding(*winding, SparseLattice::first_point_of(number, frame.resolution),
-                          cell_mm, distances, signs);
-    torn = torn_points(distances, signs, cell_mm);
-  }
+  const std::vector<std::size_t> torn = settle_sides(distances, signs, winding, number, frame);
   for (int axis = 0; axis < 3; ++axis)
     for (const bool highest : {false, true}) {
       const auto a = std::size_t(axis);
