@@ -202,7 +202,12 @@ TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
   expect_line("slice " + field + to + ".jpg --axis z --at 0", ".png");
   expect_line("slice " + field + to + ".png --axis z --at 99", "z = 99");
   expect_line("slice " + field + to + ".png --axis z --at 0 --smooth", "smooth");
-  EXPECT_EQ(run_lefort("field slice " + field + to + ".png --axis w --at 0").exit_code, 2);
+  const test::ProgramRun wrong_axis =
+      run_lefort("field slice " + field + to + ".png --axis w --at 0");
+  EXPECT_EQ(wrong_axis.exit_code, 2);
+  EXPECT_NE(wrong_axis.error.find("w not in {x,y,z}"), std::string::npos) << wrong_axis.error;
+  const test::ProgramRun help = run_lefort("field build --help");
+  EXPECT_NE(help.out.find("{adaptive,bricks,hybrid,uniform}"), std::string::npos);
   EXPECT_EQ(run_lefort("field slice " + field + to + ".png --axis z --at 0 --width 99 --every 1")
                 .exit_code,
             2);

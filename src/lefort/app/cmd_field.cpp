@@ -9,6 +9,21 @@
 namespace lefort::app {
 namespace {
 
+/// Takes names alone; CLI11's own transformer shows, and takes, the numbers behind them, too.
+template <class Value>
+CLI::Validator one_of(const std::map<std::string, Value>& values) {
+  std::string names;
+  for (const auto& [name, value] : values) names += (names.empty() ? "{" : ",") + name;
+  names += "}";
+  return {[values, names](std::string& input) -> std::string {
+            const auto found = values.find(input);
+            if (found == values.end()) return input + " not in " + names;
+            input = std::to_string(int(found->second));
+            return {};
+          },
+          names};
+}
+
 void add_build(CLI::App& field, CommandContext& context) {
   const auto job = std::make_shared<BuildFieldJob>();
   CLI::App* const command =
@@ -43,11 +58,11 @@ void add_build(CLI::App& field, CommandContext& context) {
       ->add_option("--method", job->options.method,
                    "bricks (fastest and smallest), hybrid (the paper's octree), adaptive "
                    "(Frisken's octree), uniform (Fuhrmann's grid)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, field::FieldMethod>{{"bricks", field::FieldMethod::kBricks},
-                                                    {"hybrid", field::FieldMethod::kHybrid},
-                                                    {"adaptive", field::FieldMethod::kAdaptive},
-                                                    {"uniform", field::FieldMethod::kUniform}}));
+      ->transform(one_of<field::FieldMethod>({{"bricks", field::FieldMethod::kBricks},
+                                              {"hybrid", field::FieldMethod::kHybrid},
+                                              {"adaptive", field::FieldMethod::kAdaptive},
+                                              {"uniform", field::FieldMethod::kUniform}}))
+      ->type_name("TEXT");
   command->add_flag("--smooth", job->options.smooth,
                     "Also prepare the twice differentiable reconstruction");
   command->footer("Example:\n  lefort field build skull.vtp -o skull.field --resolution 256");
@@ -115,8 +130,8 @@ void add_slice(CLI::App& field, CommandContext& context) {
       ->add_option("--axis", job->axis,
                    "Axis across the plane: x (sagittal), y (coronal) or z (axial)")
       ->required()
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, int>{{"x", 0}, {"y", 1}, {"z", 2}}));
+      ->transform(one_of<int>({{"x", 0}, {"y", 1}, {"z", 2}}))
+      ->type_name("TEXT");
   command->add_option("--at", job->at_mm, "Where the plane cuts the axis [mm, LPS]")->required();
   CLI::Option* const width =
       command->add_option("--width", job->width_px, "Pixels across the plane")

@@ -256,7 +256,7 @@ Result<LatticeWindow> window_of(const FieldFrame& frame, const std::optional<Box
       return fail(
           ErrorCode::kInvalidArgument,
           fmt::format("region runs from {} to {} mm along {}, it must hold samples of the "
-                      "field, which lie from {} to {} mm, {} mm apart",
+                      "field, which lie from {:.6g} to {:.6g} mm, {:.6g} mm apart",
                       region_B ? region_B->min()[k] : 0.0, region_B ? region_B->max()[k] : 0.0,
                       "xyz"[k], frame.origin_B[k],
                       frame.origin_B[k] + frame.resolution * frame.cell_mm, every * frame.cell_mm));
