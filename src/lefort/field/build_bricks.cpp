@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -23,8 +24,10 @@ constexpr int kLeafSide = BrickSamples::kLeafSide;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Bricks sampled before their leaves join the others: few enough to stay in the cache.
-constexpr Index kWave = 512;
+constexpr Index kWave = 256;
 constexpr Index kBlock = 8;
+/// Bricks whose leaves a thread puts in place at a time.
+constexpr Index kCopyBlock = 32;
 
 using Distances = std::array<float, SparseLattice::kBrickPoints>;
 
@@ -158,9 +161,12 @@ Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& 
   std::vector<Brick> table(side * side * side);
   std::vector<std::int32_t> bricks;
   std::vector<FaceSigns> faces;
-  std::vector<std::byte> codes;
+  bricks.reserve(candidates.size());
+  faces.reserve(candidates.size());
   // Memory is only taken where it is written, so room for all leaves of all bricks costs nothing.
-  codes.reserve(candidates.size() * sizeof(EncodedBrick::codes) + 1);
+  auto codes = std::make_unique_for_overwrite<std::byte[]>(
+      candidates.size() * 8 * BrickSamples::kLeafBytes + 1);
+  std::size_t leaves = 0;
 
   std::vector<EncodedBrick> wave(std::size_t(std::min<Index>(kWave, Index(candidates.size()))));
   for (Index begin = 0; begin < Index(candidates.size()); begin += kWave) {
@@ -178,43 +184,60 @@ Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& 
     for (Index i = 0; i < count; ++i) {
       EncodedBrick& encoded = wave[std::size_t(i)];
       if (encoded.empty) continue;
-      const std::size_t first_leaf = codes.size() / BrickSamples::kLeafBytes;
-      if (first_leaf > std::numeric_limits<std::uint32_t>::max() - 8)
+      if (leaves > std::numeric_limits<std::uint32_t>::max() - 8)
         return fail(ErrorCode::kInvalidArgument,
                     "the band holds more than 2^32 leaves; lower the resolution or the band");
-      encoded.brick.first_leaf = std::uint32_t(first_leaf);
-      codes.insert(codes.end(), encoded.codes.begin(),
-                   encoded.codes.begin() + std::ptrdiff_t(encoded.bytes()));
+      encoded.brick.first_leaf = std::uint32_t(leaves);
+      leaves += std::size_t(std::popcount(encoded.brick.stored));
       const std::int32_t number = candidates[std::size_t(begin + i)];
       table[std::size_t(number)] = encoded.brick;
       bricks.push_back(number);
       faces.push_back(encoded.faces);
     }
+    parallel_for(
+        count,
+        [&](Index i) {
+          const EncodedBrick& encoded = wave[std::size_t(i)];
+          std::copy_n(encoded.codes.begin(), encoded.bytes(),
+                      codes.get() + encoded.brick.first_leaf * BrickSamples::kLeafBytes);
+        },
+        kCopyBlock);
     progress.report(double(begin + count) / double(candidates.size()));
   }
-  codes.push_back(std::byte(0));  // Codes are read four bytes at a time.
+  const std::size_t bytes = leaves * BrickSamples::kLeafBytes + 1;
+  codes[bytes - 1] = std::byte(0);  // Codes are read four bytes at a time.
 
   std::vector<bool> is_empty(table.size(), true);
   for (const std::int32_t b : bricks) is_empty[std::size_t(b)] = false;
-  for (std::size_t b = 0; b < table.size(); ++b) {
-    if (!is_empty[b]) continue;
-    const Zone zone = winding == nullptr
-                          ? Zone::kUnknown
-                          : side_of_empty_brick(*winding, std::int32_t(b), frame.resolution);
-    if (zone == Zone::kInside) table[b].inside = 0xFF;
-    if (zone == Zone::kUnknown) table[b].unknown = 0xFF;
-  }
+  parallel_for(
+      Index(table.size()),
+      [&](Index b) {
+        Brick& brick = table[std::size_t(b)];
+        if (!is_empty[std::size_t(b)]) return;
+        const Zone zone = winding == nullptr
+                              ? Zone::kUnknown
+                              : side_of_empty_brick(*winding, std::int32_t(b), frame.resolution);
+        if (zone == Zone::kInside) brick.inside = 0xFF;
+        if (zone == Zone::kUnknown) brick.unknown = 0xFF;
+      },
+      4096);
 
-  {
-    const BrickSamples samples(frame.resolution, frame.band_mm, table, codes, nullptr);
-    const std::vector<LatticePoint> torn =
-        torn_across_faces(samples, bricks, faces, float(frame.cell_mm));
-    std::vector<std::ptrdiff_t> places;
-    for (const LatticePoint& p : torn) places.push_back(samples.place_of(p) - codes.data());
-    for (const std::ptrdiff_t place : places)
-      BrickSamples::write_code(codes.data() + place, BrickSamples::kUnknown);
-  }
-  return BrickSamples(frame.resolution, frame.band_mm, std::move(table), std::move(codes));
+  struct Owner {
+    std::vector<Brick> table;
+    std::unique_ptr<std::byte[]> codes;
+  };
+  std::byte* const first_code = codes.get();
+  auto owner = std::make_shared<const Owner>(Owner{std::move(table), std::move(codes)});
+  const std::span<const Brick> all_bricks = owner->table;
+  BrickSamples samples(frame.resolution, frame.band_mm, all_bricks,
+                       std::span<const std::byte>(first_code, bytes), std::move(owner));
+  const std::vector<LatticePoint> torn =
+      torn_across_faces(samples, bricks, faces, float(frame.cell_mm));
+  std::vector<std::ptrdiff_t> places;
+  for (const LatticePoint& p : torn) places.push_back(samples.place_of(p) - first_code);
+  for (const std::ptrdiff_t place : places)
+    BrickSamples::write_code(first_code + place, BrickSamples::kUnknown);
+  return samples;
 }
 
 }  // namespace lefort::field
