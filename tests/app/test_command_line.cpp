@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -272,6 +273,25 @@ TEST(CommandLine, AFullDiskIsOneLineAndLeavesNoPartOfAFile) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.message_lines(), 1) << run.error;
   EXPECT_EQ(folder.entry_count(), 1);
+}
+
+TEST(CommandLine, AFullDiskLeavesNoPartOfAnExportOrASlice) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(20, 3)));
+  const std::string field = quoted(folder / "ball.field");
+  ASSERT_EQ(
+      run_lefort("field build " + quoted(folder / "ball.stl") + " -o " + field + " --resolution 64")
+          .exit_code,
+      0);
+  for (const std::string& command :
+       {"export " + field + " -o " + quoted(folder / "o.vdb"),
+        "export " + field + " -o " + quoted(folder / "o.nrrd"),
+        "slice " + field + " -o " + quoted(folder / "o.png") + " --axis z --at 0"}) {
+    const auto run = run_lefort("field " + command + " --quiet", "trap '' XFSZ; ulimit -f 20;");
+    EXPECT_EQ(run.exit_code, 1) << command;
+    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+    EXPECT_EQ(folder.entry_count(), 2);
+  }
 }
 
 TEST(CommandLine, APlanIsCheckedBeforeAnythingIsDone) {

@@ -2,12 +2,13 @@
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
-#include <openvdb/io/File.h>
+#include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 
 #include <array>
 #include <cmath>
+#include <fstream>
 
 namespace lefort::io {
 
@@ -82,6 +83,14 @@ class GridFiller {
   SampleCount count_;
 };
 
+/// Writes what openvdb::io::File does, which does not notice when it cannot.
+class Archive : public openvdb::io::Archive {
+ public:
+  void write_to(std::ostream& stream, const openvdb::GridCPtrVec& grids) const {
+    openvdb::io::Archive::write(stream, grids, /*seekable=*/true);
+  }
+};
+
 }  // namespace
 
 Result<SampleCount> write_vdb(const std::filesystem::path& target,
@@ -103,11 +112,16 @@ Result<SampleCount> write_vdb(const std::filesystem::path& target,
   openvdb::tools::prune(grid->tree());  // Eight inside tiles in a row of them become one.
   LEFORT_TRY_VOID(
       write_atomically(target, [&](const std::filesystem::path& temporary) -> Result<void> {
-        openvdb::io::File file(temporary.string());
+        std::ofstream file(temporary, std::ios::binary);
+        Archive archive;
         // Not Blosc, which not every OpenVDB is built with.
-        file.setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
-        file.write({grid});
+        archive.setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
+        archive.write_to(file, {grid});
         file.close();
+        if (!file)
+          return fail(
+              ErrorCode::kFileUnwritable,
+              fmt::format("{} cannot be written: the disk is full or failing", target.string()));
         return {};
       }));
   return filler.count();
