@@ -19,7 +19,7 @@ LIBRARIES = {
     "tbb/": {"core"}, "CGAL/": {"mesh", "plan", "bench"}, "itk": {"anatomy", "io"},
     "vtk": {"anatomy", "io", "bench"}, "metis.h": {"fem"},
     "nlohmann/": {"io", "bench", "app"}, "valijson/": {"io"}, "CLI/": {"app"}, "httplib.h": {"app"},
-    "embree3/": {"report", "bench"}, "openvdb/": {"bench"}, "cairo": {"report"}, "zlib.h": {"io"}, "expat.h": {"io"}, "openssl/": {"io"},
+    "embree3/": {"report", "bench"}, "openvdb/": {"io", "bench"}, "cairo": {"report"}, "zlib.h": {"io"}, "expat.h": {"io"}, "openssl/": {"io"},
 }
 MAY_SHOW_LIBRARIES = {"core/parallel.h", "mesh/internal/cgal_surface.h",
                       "io/internal/checked_json.h", "bench", "app"}  # Headers (or layers) that may include one.

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -123,6 +124,97 @@ TEST(CommandLine, FieldIsBuiltAndQueried) {
   }
 }
 
+TEST(CommandLine, AFieldIsExportedSlicedAndDescribed) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(
+      io::write_surface(folder / "ball.stl", test::make_icosphere(10.0, 4, Vec3(40, -30, 20))));
+  const std::string field = quoted(folder / "ball.field");
+  ASSERT_EQ(run_lefort("field build " + quoted(folder / "ball.stl") + " -o " + field +
+                       " --resolution 64 --band 2 --smooth")
+                .exit_code,
+            0);
+  const auto json_of = [&](const std::string& arguments) {
+    const auto run = run_lefort("field " + arguments + " --json --quiet");
+    EXPECT_EQ(run.exit_code, 0) << run.error;
+    return nlohmann::json::parse(run.out);
+  };
+
+  const auto info = json_of("info " + field);
+  EXPECT_EQ(info["kind"], "bricks");
+  EXPECT_EQ(info["checksum"], "ok");
+  EXPECT_TRUE(info["closed"] && info["smooth"]);
+  EXPECT_EQ(info["band_mm"], 2.0);
+  EXPECT_EQ(info["surface"]["parts"], 1);
+  EXPECT_EQ(info["surface"]["triangles"], 20 * 256);
+  EXPECT_EQ(info["surface"]["turned_triangles"], 0);
+  EXPECT_GT(info["memory_bytes"]["codes"], 10'000);
+  EXPECT_GT(info["memory_bytes"]["smooth_lattice"], 10'000);
+  const auto told = run_lefort("field info " + field);
+  EXPECT_NE(told.out.find("checksum ok"), std::string::npos);
+  EXPECT_NE(told.out.find("closed"), std::string::npos);
+
+  for (const char* name : {"ball.vdb", "ball.nrrd"}) {
+    const auto exported =
+        json_of("export " + field + " -o " + quoted(folder / name) + " --region 20 50 -30 0 0 50");
+    EXPECT_EQ(exported["samples_unknown"], 0);
+    EXPECT_GT(exported["samples_in_band"], 1000);
+    EXPECT_TRUE(std::filesystem::exists(folder / name));
+  }
+  const auto half =
+      json_of("export " + field + " -o " + quoted(folder / "half.nrrd") + " --every 2");
+  EXPECT_EQ(half["samples"], (std::vector<int>{33, 33, 33}));
+
+  const auto slice = json_of("slice " + field + " -o " + quoted(folder / "slice.png") +
+                             " --axis z --at 20 --width 400 --mesh " + quoted(folder / "ball.stl"));
+  EXPECT_NEAR(slice["zero_line_mm"].get<double>(), 2 * 3.14159 * 10, 0.5);
+  EXPECT_NEAR(slice["inside_mm2"].get<double>(), 3.14159 * 100, 3.0);
+  EXPECT_EQ(slice["pixels"][0], 400);
+  EXPECT_TRUE(io::read_text(folder / "slice.png", 10'000'000)->starts_with("\x89PNG"));
+  const auto samples = json_of("slice " + field + " -o " + quoted(folder / "slice.png") +
+                               " --axis x --at 40 --every 1 --smooth");
+  EXPECT_EQ(samples["pixels"], (std::vector<int>{64, 64}));
+  EXPECT_EQ(samples["plane"], "sagittal");
+}
+
+TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(10.0, 2)));
+  const std::string field = quoted(folder / "ball.field");
+  ASSERT_EQ(
+      run_lefort("field build " + quoted(folder / "ball.stl") + " -o " + field + " --resolution 32")
+          .exit_code,
+      0);
+  ASSERT_TRUE(io::write_text(folder / "bad.field",
+                             io::read_text(folder / "ball.field", 1'000'000)->substr(0, 5000)));
+  const long before = folder.entry_count();
+  const auto expect_line = [&](const std::string& arguments, const std::string& what) {
+    const auto run = run_lefort("field " + arguments);
+    EXPECT_EQ(run.exit_code, 1) << arguments;
+    EXPECT_EQ(run.message_lines(), 1) << run.error;
+    EXPECT_NE(run.error.find(what), std::string::npos) << run.error;
+    EXPECT_EQ(folder.entry_count(), before);
+  };
+  const std::string to = " -o " + quoted(folder / "out");
+  expect_line("info " + quoted(folder / "bad.field"), "checksum");
+  expect_line("export " + field + to + ".vti", ".vdb or .nrrd");
+  expect_line("export " + field + to + ".nrrd --region 90 99 0 1 0 1", "region");
+  expect_line("export " + field + to + ".nrrd --region 5 1 0 1 0 1", "upwards");
+  expect_line("export " + field + to + ".vdb --every 16", "level set");
+  expect_line("slice " + field + to + ".jpg --axis z --at 0", ".png");
+  expect_line("slice " + field + to + ".png --axis z --at 99", "z = 99");
+  expect_line("slice " + field + to + ".png --axis z --at 0 --smooth", "smooth");
+  const test::ProgramRun wrong_axis =
+      run_lefort("field slice " + field + to + ".png --axis w --at 0");
+  EXPECT_EQ(wrong_axis.exit_code, 2);
+  EXPECT_NE(wrong_axis.error.find("w not in {x,y,z}"), std::string::npos) << wrong_axis.error;
+  const test::ProgramRun help = run_lefort("field build --help");
+  EXPECT_NE(help.out.find("{adaptive,bricks,hybrid,uniform}"), std::string::npos);
+  EXPECT_EQ(run_lefort("field slice " + field + to + ".png --axis z --at 0 --width 99 --every 1")
+                .exit_code,
+            2);
+  EXPECT_EQ(run_lefort("field export " + field + to + ".vdb --region 1 2 3").exit_code, 2);
+}
+
 /// One line on stderr that names the fault, exit code 1, and nothing left in the folder.
 void expect_clean_failure(const test::ProgramRun& run, const std::string& what,
                           const TemporaryFolder& folder, long entries_before) {
@@ -181,6 +273,25 @@ TEST(CommandLine, AFullDiskIsOneLineAndLeavesNoPartOfAFile) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.message_lines(), 1) << run.error;
   EXPECT_EQ(folder.entry_count(), 1);
+}
+
+TEST(CommandLine, AFullDiskLeavesNoPartOfAnExportOrASlice) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(20, 3)));
+  const std::string field = quoted(folder / "ball.field");
+  ASSERT_EQ(
+      run_lefort("field build " + quoted(folder / "ball.stl") + " -o " + field + " --resolution 64")
+          .exit_code,
+      0);
+  for (const std::string& command :
+       {"export " + field + " -o " + quoted(folder / "o.vdb"),
+        "export " + field + " -o " + quoted(folder / "o.nrrd"),
+        "slice " + field + " -o " + quoted(folder / "o.png") + " --axis z --at 0"}) {
+    const auto run = run_lefort("field " + command + " --quiet", "trap '' XFSZ; ulimit -f 20;");
+    EXPECT_EQ(run.exit_code, 1) << command;
+    EXPECT_EQ(std::count(run.error.begin(), run.error.end(), '\n'), 1) << run.error;
+    EXPECT_EQ(folder.entry_count(), 2);
+  }
 }
 
 TEST(CommandLine, APlanIsCheckedBeforeAnythingIsDone) {

@@ -41,7 +41,7 @@ void expect_exact_within(double reach_cells, const TriangleMesh& mesh, int resol
   const double reach = reach_cells * frame.cell_mm;
   const PreparedSurface surface = prepare_surface(mesh).value();
   ASSERT_EQ(surface.closed, closed);
-  const auto sampled = sample_narrow_band(surface, frame, reach, Progress::none());
+  const auto sampled = sample_narrow_band(surface, frame, reach, nullptr, Progress::none());
   ASSERT_TRUE(sampled);
   const geometry::Bvh bvh(mesh);
   int within = 0;
@@ -182,8 +182,10 @@ TEST(BandSampler, AWiderBandChangesNoSampleOfANarrowOne) {
     const TriangleMesh ball = test::make_crumpled_ball(seed, 6, 14);
     const FieldFrame frame = frame_around(ball, 64);
     const PreparedSurface surface = prepare_surface(ball).value();
-    const auto narrow = sample_narrow_band(surface, frame, 6 * frame.cell_mm, Progress::none());
-    const auto wide = sample_narrow_band(surface, frame, 14 * frame.cell_mm, Progress::none());
+    const auto narrow =
+        sample_narrow_band(surface, frame, 6 * frame.cell_mm, nullptr, Progress::none());
+    const auto wide =
+        sample_narrow_band(surface, frame, 14 * frame.cell_mm, nullptr, Progress::none());
     for (int k = 0; k <= 64; ++k)
       for (int j = 0; j <= 64; ++j)
         for (int i = 0; i <= 64; ++i) {
@@ -207,7 +209,7 @@ TEST(BandSampler, IsExactAroundRandomSoups) {
     if (!surface) continue;  // Nothing but points and lines.
     const FieldFrame frame = frame_around(surface->mesh_B, 16);
     const double reach = (seed % 2 == 0 ? 4.0 : 7.5) * frame.cell_mm;
-    const auto sampled = sample_narrow_band(*surface, frame, reach, Progress::none());
+    const auto sampled = sample_narrow_band(*surface, frame, reach, nullptr, Progress::none());
     ASSERT_TRUE(sampled);
     for (int k = 0; k <= 16; ++k)
       for (int j = 0; j <= 16; ++j)
@@ -247,8 +249,8 @@ TEST(BandSampler, StopsWhenAsked) {
     [[nodiscard]] bool stop_requested() const override { return true; }
   } stopped;
   const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(1, 1, 1));
-  const auto sampled =
-      sample_narrow_band(prepare_surface(box).value(), frame_around(box, 16), 0.1, stopped);
+  const auto sampled = sample_narrow_band(prepare_surface(box).value(), frame_around(box, 16), 0.1,
+                                          nullptr, stopped);
   ASSERT_FALSE(sampled);
   EXPECT_EQ(sampled.error().code, ErrorCode::kCancelled);
 }

@@ -30,7 +30,8 @@ FieldFrame narrow() {
 
 /// Sampled to two cells.
 SparseLattice sample_near(const geometry::TriangleMesh& mesh) {
-  return sample_narrow_band(prepare_surface(mesh).value(), cube(), 2.0, Progress::none()).value();
+  return sample_narrow_band(prepare_surface(mesh).value(), cube(), 2.0, nullptr, Progress::none())
+      .value();
 }
 
 TEST(FarSides, AgreeWithTheWindingNumberEverywhere) {

@@ -1,4 +1,5 @@
 #include <lefort/field/build_distance_field.h>
+#include <lefort/field/lattice_samples.h>
 #include <lefort/geometry/bvh.h>
 
 #include <gtest/gtest.h>
@@ -162,6 +163,41 @@ TEST(FieldMethods, AnswerAllWithinToldMm) {
           }
         }
       }
+  }
+}
+
+TEST(FieldMethods, ASampleExactlyAtTheEdgeOfTheBandLiesBeyondItForAll) {
+  // Faces on samples, and lengths whose squares are exact in floats: samples two cells before or
+  // behind a face are exactly 4 mm away.
+  const TriangleMesh box = test::make_box(Vec3(-8, -8, -8), Vec3(8, 8, 8));
+  for (const FieldMethod method : kMethods) {
+    SCOPED_TRACE(int(method));
+    const DistanceField field = build_distance_field(box, {.method = method,
+                                                           .resolution = 32,
+                                                           .band_mm = 4.0,
+                                                           .tolerance_mm = 0.0,
+                                                           .side_mm = 64.0})
+                                    .value();
+    ASSERT_EQ(field.cell_mm(), 2.0);
+    const LatticeWindow all = window_of(field.frame(), std::nullopt, 1).value();
+    Index at_edge = 0;
+    ASSERT_TRUE(for_each_block(field, all, Progress::none(), [&](const SampleBlock& block) {
+      for (int place = 0; place < SparseLattice::kBrickPoints; ++place) {
+        const LatticePoint p = {block.first[0] + place % 8, block.first[1] + place / 8 % 8,
+                                block.first[2] + place / 64};
+        if (!all.find(p)) continue;
+        const Vec3 from_middle = test::place_of(field.frame(), p[0], p[1], p[2]).cwiseAbs();
+        const Vec3 out = (from_middle - Vec3::Constant(8.0)).cwiseMax(0.0);
+        const double distance = out.norm() > 0.0 ? out.norm() : 8.0 - from_middle.maxCoeff();
+        // Before an edge or a corner of the box rounding decides.
+        if (distance == 4.0 && std::count(out.begin(), out.end(), 0.0) == 2 &&
+            std::count(from_middle.begin(), from_middle.end(), 8.0) > 0)
+          continue;
+        at_edge += distance == 4.0 ? 1 : 0;
+        ASSERT_EQ(std::isfinite(block.at(p)), distance < 4.0) << p[0] << ' ' << p[1] << ' ' << p[2];
+      }
+    }));
+    EXPECT_GT(at_edge, 200);
   }
 }
 

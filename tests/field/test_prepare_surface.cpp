@@ -218,6 +218,22 @@ TEST(PrepareSurface, TurnsAPartThatTouchesAnotherAtAPoint) {
   EXPECT_NEAR(volume_mm3(surface), 1000 + 125, 1e-9);
 }
 
+TEST(PrepareSurface, PartsThatTouchAtACornerAreNotInEachOther) {
+  // From the corner where they meet, every ray into one of them crosses its surface once.
+  const TriangleMesh one = test::make_box(Vec3(-1, -1, -1), Vec3(0, 0, 0)),
+                     other = test::make_box(Vec3(0, 0, 0), Vec3(2, 2, 2));
+  for (int turn = 0; turn < 20; ++turn) {
+    const RigidTransform X(Eigen::AngleAxisd(turn, Vec3(1, 2, 3).normalized()));
+    for (const bool swapped : {false, true}) {
+      const TriangleMesh both = swapped ? test::join(other, one) : test::join(one, other);
+      const PreparedSurface surface =
+          prepare_surface(test::moved(test::turn_inside_out(both), X)).value();
+      EXPECT_EQ(surface.parts, 2);
+      EXPECT_NEAR(volume_mm3(surface), 9.0, 1e-9) << turn;
+    }
+  }
+}
+
 TEST(PrepareSurface, AMoebiusStripClashesAndIsLeftAlone) {
   const TriangleMesh strip = test::make_moebius_strip(20, 8, 40);
   const PreparedSurface surface = prepare_surface(strip).value();

@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/write_atomically.h>
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <random>
@@ -28,7 +30,8 @@ namespace {
 // Offsets in the header (docs/field-format.md).
 constexpr std::size_t kVersionAt = 8, kChecksumAt = 12, kStorageAt = 16, kResolutionAt = 20;
 constexpr std::size_t kOriginAt = 24, kCellAt = 48, kBandAt = 56, kToleranceAt = 64;
-constexpr std::size_t kClosedAt = 72, kSmoothAt = 76, kBlockBytesAt = 80;
+constexpr std::size_t kClosedAt = 72, kSmoothAt = 76, kBlockBytesAt = 80, kFindingsAt = 128;
+constexpr std::size_t kTrianglesAt = 160, kPartsAt = 168;
 constexpr std::size_t kHeaderBytes = 192, kAlignment = 64, kBlocks = 6;
 
 using field::DistanceField;
@@ -107,6 +110,7 @@ void expect_same_answers(const DistanceField& a, const DistanceField& b) {
   EXPECT_EQ(a.frame().tolerance_mm, b.frame().tolerance_mm);
   EXPECT_EQ(a.frame().closed, b.frame().closed);
   EXPECT_EQ(a.sample_bytes(), b.sample_bytes());
+  EXPECT_EQ(a.source(), b.source());
   for (const Vec3& p : points_around(1000, 1)) {
     EXPECT_EQ(a.sample(p).zone, b.sample(p).zone);
     EXPECT_EQ(a.sample(p).distance_mm, b.sample(p).distance_mm);
@@ -170,6 +174,41 @@ TEST(FieldFile, IsLaidOutAsDocumented) {
   std::memcpy(&code, bytes.data() + at, 3);
   if (code >= 1 << 23) code -= 1 << 24;
   EXPECT_NEAR(code * 3.0 / 8388606, small_field().cell(p).corners[0], 1e-6);
+}
+
+TEST(FieldFile, TellsWhatItWasMadeOf) {
+  // One finding of each kind that a soup can have at once.
+  geometry::TriangleMesh mesh = test::join(test::make_icosphere(9, 2), test::make_sheet(4, 1));
+  std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
+  mesh.triangles.push_back({5, 5, 7});
+  mesh.triangles.push_back(mesh.triangles[9]);
+  mesh.vertices.push_back(mesh.vertices[0]);
+  const DistanceField field = field::build_distance_field(mesh, {.resolution = 32}).value();
+  ASSERT_TRUE(field.source());
+  const field::FieldSource& source = *field.source();
+  EXPECT_EQ(source.triangles, 320 + 2);
+  EXPECT_EQ(source.parts, 2);
+  EXPECT_EQ(source.report.turned_triangles, 1);
+  EXPECT_EQ(source.report.collapsed_triangles, 1);
+  EXPECT_EQ(source.report.repeated_triangles, 1);
+  EXPECT_EQ(source.report.repeated_vertices, 1);
+  EXPECT_EQ(source.report.rim_edges, 4);
+
+  std::string bytes = encode_field(field);
+  EXPECT_EQ(decode(bytes)->source(), field.source());
+  EXPECT_EQ(value_at<std::uint64_t>(bytes, kTrianglesAt), 322U);
+  EXPECT_EQ(value_at<std::uint64_t>(bytes, kPartsAt), 2U);
+  const std::vector<Index> findings = {1, 1, 1, 0, 1, 4, 0, 0};
+  for (std::size_t n = 0; n < findings.size(); ++n)
+    EXPECT_EQ(value_at<std::uint32_t>(bytes, kFindingsAt + 4 * n), findings[n]) << n;
+  for (std::uint32_t n = 0; n < 8; ++n) bytes = with(bytes, kFindingsAt + 4 * n, n + 1);
+  EXPECT_EQ(decode(bytes)->source()->report, (field::SurfaceReport{1, 2, 3, 4, 5, 6, 7, 8}));
+
+  // Files from before this was told hold zeros there.
+  std::memset(bytes.data() + kFindingsAt, 0, 64);
+  const auto older = decode(sealed(bytes));
+  ASSERT_TRUE(older);
+  EXPECT_FALSE(older->source());
 }
 
 TEST(FieldFile, WantsItsEnding) {
@@ -372,6 +411,11 @@ TEST(FieldFile, SaysWhatIsWrongWithAForgedHeader) {
   EXPECT_TRUE(has(complaint(with(good, kOriginAt + 16, 1e300)), "origin"));
   EXPECT_TRUE(has(complaint(with(good, kToleranceAt, nan)), "tolerance"));
   EXPECT_TRUE(has(complaint(with(good, kToleranceAt, -1.0)), "tolerance"));
+  for (const double absurd : {1e-300, 1e-9, 1e7, 1e300})
+    EXPECT_TRUE(has(complaint(with(good, kCellAt, absurd)), "cells are")) << absurd;
+  EXPECT_TRUE(has(complaint(with(good, kBandAt, 0.9 * small_field().cell_mm())), "band"));
+  EXPECT_TRUE(has(complaint(with(good, kTrianglesAt, ~std::uint64_t(0))), "triangles"));
+  EXPECT_TRUE(has(complaint(with(good, kPartsAt, std::uint64_t(1) << 40)), "parts"));
   EXPECT_TRUE(has(complaint(with(good, kClosedAt, 2U)), "flags"));
   EXPECT_TRUE(has(complaint(with(good, kSmoothAt, 2U)), "flags"));
   EXPECT_TRUE(has(complaint(with(good, kStorageAt, 0U)), "kind 0"));
@@ -380,6 +424,57 @@ TEST(FieldFile, SaysWhatIsWrongWithAForgedHeader) {
     for (const std::uint64_t size : {~std::uint64_t(0), ~std::uint64_t(0) - 62,
                                      std::uint64_t(1) << 61, std::uint64_t(1) << 32})
       EXPECT_TRUE(has(complaint(with(good, kBlockBytesAt + 8 * b, size)), "header says")) << b;
+}
+
+TEST(FieldFile, RefusesBlocksThatAFieldOfItsKindDoesNotHave) {
+  for (const DistanceField& field : small_fields()) {
+    const std::string good = encode_field(field);
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+      if (value_at<std::uint64_t>(good, kBlockBytesAt + 8 * b) != 0) continue;
+      std::string more = good;
+      more.insert(block_at(good, b), std::string(kAlignment, '\0'));
+      EXPECT_TRUE(has(complaint(with(more, kBlockBytesAt + 8 * b, std::uint64_t(4))), "has none"));
+    }
+  }
+}
+
+TEST(FieldFile, MemoryFollowsTheFileNotWhatItsOctreePromises) {
+  // Every letter of it a leaf of one cell in a brick of its own would take hundreds of bytes.
+  std::string letters;
+  const std::function<void(int)> append = [&](int cells) {
+    letters += '+';
+    if (cells == 2) {
+      letters += "\x01o";
+      return;
+    }
+    for (int child = 0; child < 8; ++child) append(cells / 2);
+  };
+  append(256);
+  const auto octree = field::Octree::decode(256, letters, 1000);
+  ASSERT_FALSE(octree);
+  EXPECT_EQ(octree.error().code, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(octree.error().message, "more than 1000 samples"));
+
+  const std::string good = encode_field(small_fields()[2]);
+  const auto samples = value_at<std::uint64_t>(good, kBlockBytesAt + 24);
+  const std::size_t at = block_at(good, 3);
+  const std::uint64_t fewer = samples - 64;  // One block of 64 bytes less.
+  std::string cut = good;
+  cut.erase(at, 64);
+  EXPECT_TRUE(has(complaint(with(cut, kBlockBytesAt + 24, fewer)), "more than"));
+}
+
+TEST(FieldFile, WantsItsBytesAligned) {
+  const std::string good = encode_field(small_field());
+  const auto words = std::make_shared<std::vector<std::uint64_t>>(good.size() / 8 + 2);
+  const auto bytes = std::as_writable_bytes(std::span(*words));
+  for (const std::size_t shift : {1, 4, 7}) {
+    std::memcpy(bytes.data() + shift, good.data(), good.size());
+    EXPECT_THROW(static_cast<void>(decode_field(bytes.subspan(shift, good.size()), words)),
+                 LogicError);
+  }
+  std::memcpy(bytes.data(), good.data(), good.size());
+  EXPECT_TRUE(decode_field(bytes.first(good.size()), words));
 }
 
 TEST(FieldFile, RefusesLeavesBeyondTheLast) {
@@ -419,8 +514,12 @@ TEST(FieldFile, RefusesBricksOutOfOrderAndValuesThatAreNone) {
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()})
     EXPECT_TRUE(has(complaint(with(good, samples + 4, bad)), "sample 1"));
-  EXPECT_TRUE(
-      has(complaint(with(good, values, std::numeric_limits<float>::infinity())), "infinite"));
+  for (const float bad : {std::numeric_limits<float>::infinity(), 1e30F, -1e30F})
+    EXPECT_TRUE(has(complaint(with(good, values, bad)), "coefficient 0 is"));
+  // Beyond the band there are no distances.
+  EXPECT_TRUE(has(complaint(with(good, samples + 4, 3.0001F)), "sample 1 is 3.0001"));
+  const std::string dense = encode_field(small_fields()[4]);
+  EXPECT_TRUE(has(complaint(with(dense, block_at(dense, 3) + 8, -3.0001F)), "sample 2 is -3.0001"));
 }
 
 }  // namespace

@@ -1,11 +1,28 @@
 #include <lefort/app/command.h>
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace lefort::app {
 namespace {
+
+/// Takes names alone; CLI11's own transformer shows, and takes, the numbers behind them, too.
+template <class Value>
+CLI::Validator one_of(const std::map<std::string, Value>& values) {
+  std::string names;
+  for (const auto& [name, value] : values) names += (names.empty() ? "{" : ",") + name;
+  names += "}";
+  return {[values, names](std::string& input) -> std::string {
+            const auto found = values.find(input);
+            if (found == values.end()) return input + " not in " + names;
+            input = std::to_string(int(found->second));
+            return {};
+          },
+          names};
+}
 
 void add_build(CLI::App& field, CommandContext& context) {
   const auto job = std::make_shared<BuildFieldJob>();
@@ -41,11 +58,11 @@ void add_build(CLI::App& field, CommandContext& context) {
       ->add_option("--method", job->options.method,
                    "bricks (fastest and smallest), hybrid (the paper's octree), adaptive "
                    "(Frisken's octree), uniform (Fuhrmann's grid)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, field::FieldMethod>{{"bricks", field::FieldMethod::kBricks},
-                                                    {"hybrid", field::FieldMethod::kHybrid},
-                                                    {"adaptive", field::FieldMethod::kAdaptive},
-                                                    {"uniform", field::FieldMethod::kUniform}}));
+      ->transform(one_of<field::FieldMethod>({{"bricks", field::FieldMethod::kBricks},
+                                              {"hybrid", field::FieldMethod::kHybrid},
+                                              {"adaptive", field::FieldMethod::kAdaptive},
+                                              {"uniform", field::FieldMethod::kUniform}}))
+      ->type_name("TEXT");
   command->add_flag("--smooth", job->options.smooth,
                     "Also prepare the twice differentiable reconstruction");
   command->footer("Example:\n  lefort field build skull.vtp -o skull.field --resolution 256");
@@ -72,6 +89,85 @@ void add_query(CLI::App& field, CommandContext& context) {
   });
 }
 
+void add_region(CLI::App& command, std::vector<double>& region_mm) {
+  command
+      .add_option("--region", region_mm,
+                  "Only this box [mm, LPS]: from and to along x, y and z, six numbers")
+      ->expected(6);
+}
+
+void add_export(CLI::App& field, CommandContext& context) {
+  const auto job = std::make_shared<ExportFieldJob>();
+  CLI::App* const command =
+      field.add_subcommand("export", "The field as an OpenVDB level set or an NRRD volume");
+  command->add_option("field", job->field, "Field made by `lefort field build`")->required();
+  command
+      ->add_option("-o,--output", job->output,
+                   "File to write: .vdb (sparse) or .nrrd (every sample of the box)")
+      ->required();
+  add_region(*command, job->region_mm);
+  command->add_option("--every", job->every, "Each n-th sample along each axis")
+      ->check(CLI::Range(1, 2048))
+      ->capture_default_str();
+  command->footer(
+      "Beyond the band samples are +band outside and -band inside; unknown ones are inactive in\n"
+      ".vdb and NaN in .nrrd. Keys in the file say so (docs/field-format.md).\n"
+      "Examples:\n"
+      "  lefort field export skull.field -o skull.vdb\n"
+      "  lefort field export skull.field -o skull.nrrd --every 2\n"
+      "  lefort field export skull.field -o orbit.nrrd --region 80 130 20 70 30 80");
+  command->callback([job, &context] {
+    context.run("field export", [&](Progress& progress) { return export_field(*job, progress); });
+  });
+}
+
+void add_slice(CLI::App& field, CommandContext& context) {
+  const auto job = std::make_shared<SliceFieldJob>();
+  CLI::App* const command = field.add_subcommand("slice", "A picture of a plane through the field");
+  command->add_option("field", job->field, "Field made by `lefort field build`")->required();
+  command->add_option("-o,--output", job->output, "Picture to write: .png")->required();
+  command
+      ->add_option("--axis", job->axis,
+                   "Axis across the plane: x (sagittal), y (coronal) or z (axial)")
+      ->required()
+      ->transform(one_of<int>({{"x", 0}, {"y", 1}, {"z", 2}}))
+      ->type_name("TEXT");
+  command->add_option("--at", job->at_mm, "Where the plane cuts the axis [mm, LPS]")->required();
+  CLI::Option* const width =
+      command->add_option("--width", job->width_px, "Pixels across the plane")
+          ->check(CLI::Range(64, 12000))
+          ->capture_default_str();
+  command->add_option("--every", job->every, "Instead: a pixel for each n-th sample of the field")
+      ->check(CLI::Range(1, 2048))
+      ->excludes(width);
+  add_region(*command, job->region_mm);
+  command->add_option("--mesh", job->mesh,
+                      "Surface whose section is drawn, too: .vtp, .stl, .ply or .obj");
+  command->add_flag("--smooth", job->smooth,
+                    "Use the twice differentiable reconstruction instead of the trilinear one");
+  command->footer(
+      "Axial planes are seen from the feet, coronal ones from the front, sagittal ones from the\n"
+      "left. --json tells distances, areas and the length of the zero line.\n"
+      "Examples:\n"
+      "  lefort field slice skull.field -o axial.png --axis z --at 40\n"
+      "  lefort field slice skull.field -o orbit.png --axis y --at 50 --mesh skull.vtp \\\n"
+      "    --region 80 130 20 70 30 80");
+  command->callback([job, &context] {
+    context.run("field slice", [&](Progress& progress) { return slice_field(*job, progress); });
+  });
+}
+
+void add_info(CLI::App& field, CommandContext& context) {
+  const auto file = std::make_shared<std::filesystem::path>();
+  CLI::App* const command =
+      field.add_subcommand("info", "What a field is, how large, and whether its file is whole");
+  command->add_option("field", *file, "Field made by `lefort field build`")->required();
+  command->footer("Example:\n  lefort field info skull.field --json");
+  command->callback([file, &context] {
+    context.run("field info", [&](Progress& progress) { return describe_field(*file, progress); });
+  });
+}
+
 }  // namespace
 
 void add_field_command(CLI::App& cli, CommandContext& context) {
@@ -79,6 +175,9 @@ void add_field_command(CLI::App& cli, CommandContext& context) {
   field->require_subcommand(1);
   add_build(*field, context);
   add_query(*field, context);
+  add_export(*field, context);
+  add_slice(*field, context);
+  add_info(*field, context);
 }
 
 }  // namespace lefort::app

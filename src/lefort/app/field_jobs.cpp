@@ -1,5 +1,7 @@
+#include <lefort/app/field_region.h>
 #include <lefort/app/pipeline.h>
 #include <lefort/geometry/mesh_measures.h>
+#include <lefort/io/export_field.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/point_table.h>
 #include <lefort/io/surface_files.h>
@@ -79,6 +81,33 @@ Result<Summary> query_field(const QueryFieldJob& job, Progress& progress) {
                   {"points", points.size()},
                   {"points_inside_band", in_band},
                   {"band_mm", distance.band_mm()}};
+  return summary;
+}
+
+Result<Summary> export_field(const ExportFieldJob& job, Progress& progress) {
+  LEFORT_TRY(const std::optional<Box3> region, region_of(job.region_mm));
+  progress.begin_stage("read");
+  LEFORT_TRY(const field::DistanceField distance, io::read_field(job.field));
+  LEFORT_TRY(
+      const io::FieldExport done,
+      io::export_field(job.output, distance, {.region_B = region, .every = job.every}, progress));
+  const field::SampleCount& count = done.count;
+
+  Summary summary;
+  summary.text = fmt::format(
+      "{}: {} x {} x {} samples {:.4f} mm apart, {} in the band of {:.3f} mm", job.output.string(),
+      done.window.count[0], done.window.count[1], done.window.count[2],
+      distance.cell_mm() * job.every, count.known, distance.band_mm());
+  summary.json = {{"output", job.output.string()},
+                  {"samples", done.window.count},
+                  {"first_sample", done.window.first},
+                  {"every", job.every},
+                  {"spacing_mm", distance.cell_mm() * job.every},
+                  {"band_mm", distance.band_mm()},
+                  {"samples_in_band", count.known},
+                  {"samples_outside", count.outside},
+                  {"samples_inside", count.inside},
+                  {"samples_unknown", count.unknown}};
   return summary;
 }
 

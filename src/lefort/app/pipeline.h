@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace lefort::app {
 
@@ -54,6 +55,33 @@ struct QueryFieldJob {
 };
 /// Field and points -> distance, gradient and zone of each point.
 [[nodiscard]] Result<Summary> query_field(const QueryFieldJob& job, Progress& progress);
+
+struct ExportFieldJob {
+  std::filesystem::path field;
+  std::filesystem::path output;   ///< .vdb or .nrrd.
+  std::vector<double> region_mm;  ///< Empty, or from and to along x, y and z.
+  int every = 1;                  ///< Each n-th sample along each axis.
+};
+/// Field -> the same in a format that other programs read.
+[[nodiscard]] Result<Summary> export_field(const ExportFieldJob& job, Progress& progress);
+
+struct SliceFieldJob {
+  std::filesystem::path field;
+  std::filesystem::path output;  ///< .png.
+  int axis = 2;                  ///< Across the plane: 0 x, 1 y, 2 z.
+  double at_mm = 0.0;
+  int width_px = 1200;                        ///< Pixels across the plane.
+  int every = 0;                              ///< Instead: a pixel for each n-th sample; 0: not so.
+  std::vector<double> region_mm;              ///< Empty, or from and to along x, y and z.
+  std::optional<std::filesystem::path> mesh;  ///< Surface whose section is drawn, too.
+  bool smooth = false;                        ///< The twice differentiable reconstruction.
+};
+/// Field -> picture of a plane through it.
+[[nodiscard]] Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress);
+
+/// Field -> what it is, how large, and whether the file is whole.
+[[nodiscard]] Result<Summary> describe_field(const std::filesystem::path& field,
+                                             Progress& progress);
 
 struct PredictJob {
   std::filesystem::path plan;

@@ -1,6 +1,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/band_sampler.h>
 #include <lefort/field/nearest_by_tree.h>
+#include <lefort/field/settle_sides.h>
 #include <lefort/field/tear.h>
 #include <lefort/field/triangle_frame.h>
 
@@ -38,10 +39,10 @@ static_assert(2.0 * kApartCells > 1.0 && 2.0 * kApartCells < double(kTearCells))
 /// Widens boxes and planes against rounding, as a share of a cell.
 constexpr double kSlack = 1e-4;
 
-/// That a brick holds points which a triangle reaches.
-struct Visit {
-  std::int32_t brick;
-  std::int32_t triangle;
+/// The bricks whose points the triangles of a block reach, triangle after triangle.
+struct Visits {
+  std::vector<std::int32_t> bricks;
+  std::vector<std::uint32_t> ends;  ///< Of each triangle's bricks.
 };
 
 double binned_reach_mm(double reach_mm, double cell_mm) {
@@ -189,11 +190,12 @@ void BandSampler::bin_triangles() {
   const double reach_mm = near_mm_ + kSlack * cell_mm_;
 
   const auto blocks = std::size_t((mesh.triangle_count() + kTriangleBlock - 1) / kTriangleBlock);
-  std::vector<std::vector<Visit>> visits(blocks);
+  std::vector<Visits> visits(blocks);
   parallel_for_blocks(
       mesh.triangle_count(),
       [&](Index begin, Index end) {
-        std::vector<Visit>& list = visits[std::size_t(begin / kTriangleBlock)];
+        auto& [reached, ends] = visits[std::size_t(begin / kTriangleBlock)];
+        ends.reserve(std::size_t(end - begin));
         for (Index t = begin; t < end; ++t) {
           const TriangleFrame frame =
               triangle_frame(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
@@ -204,14 +206,16 @@ void BandSampler::bin_triangles() {
               for (int x = low[0]; x <= high[0]; ++x)
                 if (!neighbourhood.misses(origin_ + brick_mm * Vec3(x - 1, y - 1, z - 1) +
                                           half_brick))
-                  list.push_back({(z * n + y) * n + x, std::int32_t(t)});
+                  reached.push_back((z * n + y) * n + x);
+          ends.push_back(std::uint32_t(reached.size()));
         }
+        reached.shrink_to_fit();
       },
       kTriangleBlock);
 
   std::vector<std::uint32_t> next(std::size_t(n) * std::size_t(n) * std::size_t(n), 0);
-  for (const auto& list : visits)
-    for (const Visit& visit : list) ++next[std::size_t(visit.brick)];
+  for (const auto& [reached, ends] : visits)
+    for (const std::int32_t brick : reached) ++next[std::size_t(brick)];
   std::uint32_t total = 0;
   for (std::size_t b = 0; b < next.size(); ++b) {
     if (next[b] == 0) continue;
@@ -221,9 +225,14 @@ void BandSampler::bin_triangles() {
   }
   first_.push_back(total);
   triangles_.resize(total);
-  for (auto& list : visits) {
-    for (const Visit& visit : list) triangles_[next[std::size_t(visit.brick)]++] = visit.triangle;
-    list = {};
+  std::int32_t triangle = 0;
+  for (Visits& block : visits) {
+    std::uint32_t i = 0;
+    for (const std::uint32_t end : block.ends) {
+      for (; i < end; ++i) triangles_[next[std::size_t(block.bricks[i])]++] = triangle;
+      ++triangle;
+    }
+    block = {};
   }
 }
 
@@ -355,7 +364,8 @@ BrickSigns BandSampler::sample(Index slot,
 }
 
 Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const FieldFrame& frame,
-                                         double reach_mm, Progress& progress) {
+                                         double reach_mm, const WindingRows* winding,
+                                         Progress& progress) {
   LEFORT_TRY(const BandSampler sampler,
              BandSampler::create(surface, frame, reach_mm, kMaxLatticePoints, progress));
   const std::span<const std::int32_t> bricks = sampler.bricks();
@@ -366,7 +376,11 @@ Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const F
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
     parallel_for(
         end - begin,
-        [&](Index offset) { sampler.sample(begin + offset, distances.brick(begin + offset)); },
+        [&](Index offset) {
+          const Index slot = begin + offset;
+          BrickSigns signs = sampler.sample(slot, distances.brick(slot));
+          settle_sides(distances.brick(slot), signs, winding, bricks[std::size_t(slot)], frame);
+        },
         kBrickBlock);
     progress.report(double(step + 1) / kProgressSteps);
   }

@@ -11,6 +11,7 @@
 #include <lefort/field/prepare_surface.h>
 #include <lefort/field/sparse_lattice.h>
 #include <lefort/field/triangle_tree.h>
+#include <lefort/field/winding_rows.h>
 
 #include <cstdint>
 #include <limits>
@@ -82,9 +83,11 @@ class BandSampler {
 /// Samples every lattice point within `reach_mm` of the surface; the other points of the bricks
 /// touched are kFar.
 ///
+/// \param winding  of the surface, or null if it is open: settles contradictions (settle_sides.h).
 /// \returns kInvalidArgument if the points would not fit in memory; kCancelled.
 [[nodiscard]] Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface,
                                                        const FieldFrame& frame, double reach_mm,
+                                                       const WindingRows* winding,
                                                        Progress& progress);
 
 }  // namespace lefort::field

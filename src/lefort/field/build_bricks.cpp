@@ -2,6 +2,7 @@
 #include <lefort/field/brick_signs.h>
 #include <lefort/field/build_bricks.h>
 #include <lefort/field/far_sides.h>
+#include <lefort/field/settle_sides.h>
 #include <lefort/field/tear.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -22,8 +24,10 @@ constexpr int kLeafSide = BrickSamples::kLeafSide;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Bricks sampled before their leaves join the others: few enough to stay in the cache.
-constexpr Index kWave = 512;
+constexpr Index kWave = 256;
 constexpr Index kBlock = 8;
+/// Bricks whose leaves a thread puts in place at a time.
+constexpr Index kCopyBlock = 32;
 
 using Distances = std::array<float, SparseLattice::kBrickPoints>;
 
@@ -83,48 +87,12 @@ void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick
       }
 }
 
-/// Points that contradict a neighbour in the brick. Distances without sign never do, so only a
-/// change of sign can.
-std::vector<std::size_t> torn_points(const Distances& distances, const BrickSigns& signs,
-                                     float cell_mm) {
-  constexpr std::array<std::size_t, 3> kStride = {1, kSide, kSide * kSide};
-  std::vector<std::size_t> torn;
-  const std::array<BrickBits, 3> pairs = possible_tears(signs);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t z = 0; z < std::size_t(kSide); ++z)
-      for (std::uint64_t word = pairs[axis][z]; word != 0; word &= word - 1) {
-        const std::size_t i = z * 64 + std::size_t(std::countr_zero(word));
-        if (is_torn(distances[i], distances[i + kStride[axis]], cell_mm))
-          torn.insert(torn.end(), {i, i + kStride[axis]});
-      }
-  return torn;
-}
-
-/// Where a surface cuts through itself its nearest feature may tell the wrong side; how often it
-/// winds around a point does not.
-void take_sides_by_winding(const WindingRows& winding, const LatticePoint& first, float cell_mm,
-                           Distances& distances, BrickSigns& signs) {
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    if (!(std::abs(distances[i]) > cell_mm)) continue;  // Nor if not known.
-    const bool inside = winding.is_inside(point_at(first, int(i)));
-    distances[i] = std::copysign(distances[i], inside ? -1.0F : 1.0F);
-    const std::uint64_t bit = std::uint64_t(1) << (i % 64);
-    signs.inside[i / 64] = (signs.inside[i / 64] & ~bit) | (inside ? bit : 0);
-  }
-}
-
 void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
             const WindingRows* winding, std::int32_t number, EncodedBrick& encoded) {
   encoded.brick = {};
   encoded.empty = !signs.any_known();
   if (encoded.empty) return;
-  const auto cell_mm = float(frame.cell_mm);
-  std::vector<std::size_t> torn = torn_points(distances, signs, cell_mm);
-  if (!torn.empty() && winding != nullptr) {
-    take_sides_by_winding(*winding, SparseLattice::first_point_of(number, frame.resolution),
-                          cell_mm, distances, signs);
-    torn = torn_points(distances, signs, cell_mm);
-  }
+  const std::vector<std::size_t> torn = settle_sides(distances, signs, winding, number, frame);
   for (int axis = 0; axis < 3; ++axis)
     for (const bool highest : {false, true}) {
       const auto a = std::size_t(axis);
@@ -193,9 +161,12 @@ Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& 
   std::vector<Brick> table(side * side * side);
   std::vector<std::int32_t> bricks;
   std::vector<FaceSigns> faces;
-  std::vector<std::byte> codes;
+  bricks.reserve(candidates.size());
+  faces.reserve(candidates.size());
   // Memory is only taken where it is written, so room for all leaves of all bricks costs nothing.
-  codes.reserve(candidates.size() * sizeof(EncodedBrick::codes) + 1);
+  auto codes = std::make_unique_for_overwrite<std::byte[]>(
+      candidates.size() * 8 * BrickSamples::kLeafBytes + 1);
+  std::size_t leaves = 0;
 
   std::vector<EncodedBrick> wave(std::size_t(std::min<Index>(kWave, Index(candidates.size()))));
   for (Index begin = 0; begin < Index(candidates.size()); begin += kWave) {
@@ -213,43 +184,60 @@ Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& 
     for (Index i = 0; i < count; ++i) {
       EncodedBrick& encoded = wave[std::size_t(i)];
       if (encoded.empty) continue;
-      const std::size_t first_leaf = codes.size() / BrickSamples::kLeafBytes;
-      if (first_leaf > std::numeric_limits<std::uint32_t>::max() - 8)
+      if (leaves > std::numeric_limits<std::uint32_t>::max() - 8)
         return fail(ErrorCode::kInvalidArgument,
                     "the band holds more than 2^32 leaves; lower the resolution or the band");
-      encoded.brick.first_leaf = std::uint32_t(first_leaf);
-      codes.insert(codes.end(), encoded.codes.begin(),
-                   encoded.codes.begin() + std::ptrdiff_t(encoded.bytes()));
+      encoded.brick.first_leaf = std::uint32_t(leaves);
+      leaves += std::size_t(std::popcount(encoded.brick.stored));
       const std::int32_t number = candidates[std::size_t(begin + i)];
       table[std::size_t(number)] = encoded.brick;
       bricks.push_back(number);
       faces.push_back(encoded.faces);
     }
+    parallel_for(
+        count,
+        [&](Index i) {
+          const EncodedBrick& encoded = wave[std::size_t(i)];
+          std::copy_n(encoded.codes.begin(), encoded.bytes(),
+                      codes.get() + encoded.brick.first_leaf * BrickSamples::kLeafBytes);
+        },
+        kCopyBlock);
     progress.report(double(begin + count) / double(candidates.size()));
   }
-  codes.push_back(std::byte(0));  // Codes are read four bytes at a time.
+  const std::size_t bytes = leaves * BrickSamples::kLeafBytes + 1;
+  codes[bytes - 1] = std::byte(0);  // Codes are read four bytes at a time.
 
   std::vector<bool> is_empty(table.size(), true);
   for (const std::int32_t b : bricks) is_empty[std::size_t(b)] = false;
-  for (std::size_t b = 0; b < table.size(); ++b) {
-    if (!is_empty[b]) continue;
-    const Zone zone = winding == nullptr
-                          ? Zone::kUnknown
-                          : side_of_empty_brick(*winding, std::int32_t(b), frame.resolution);
-    if (zone == Zone::kInside) table[b].inside = 0xFF;
-    if (zone == Zone::kUnknown) table[b].unknown = 0xFF;
-  }
+  parallel_for(
+      Index(table.size()),
+      [&](Index b) {
+        Brick& brick = table[std::size_t(b)];
+        if (!is_empty[std::size_t(b)]) return;
+        const Zone zone = winding == nullptr
+                              ? Zone::kUnknown
+                              : side_of_empty_brick(*winding, std::int32_t(b), frame.resolution);
+        if (zone == Zone::kInside) brick.inside = 0xFF;
+        if (zone == Zone::kUnknown) brick.unknown = 0xFF;
+      },
+      4096);
 
-  {
-    const BrickSamples samples(frame.resolution, frame.band_mm, table, codes, nullptr);
-    const std::vector<LatticePoint> torn =
-        torn_across_faces(samples, bricks, faces, float(frame.cell_mm));
-    std::vector<std::ptrdiff_t> places;
-    for (const LatticePoint& p : torn) places.push_back(samples.place_of(p) - codes.data());
-    for (const std::ptrdiff_t place : places)
-      BrickSamples::write_code(codes.data() + place, BrickSamples::kUnknown);
-  }
-  return BrickSamples(frame.resolution, frame.band_mm, std::move(table), std::move(codes));
+  struct Owner {
+    std::vector<Brick> table;
+    std::unique_ptr<std::byte[]> codes;
+  };
+  std::byte* const first_code = codes.get();
+  auto owner = std::make_shared<const Owner>(Owner{std::move(table), std::move(codes)});
+  const std::span<const Brick> all_bricks = owner->table;
+  BrickSamples samples(frame.resolution, frame.band_mm, all_bricks,
+                       std::span<const std::byte>(first_code, bytes), std::move(owner));
+  const std::vector<LatticePoint> torn =
+      torn_across_faces(samples, bricks, faces, float(frame.cell_mm));
+  std::vector<std::ptrdiff_t> places;
+  for (const LatticePoint& p : torn) places.push_back(samples.place_of(p) - first_code);
+  for (const std::ptrdiff_t place : places)
+    BrickSamples::write_code(first_code + place, BrickSamples::kUnknown);
+  return samples;
 }
 
 }  // namespace lefort::field

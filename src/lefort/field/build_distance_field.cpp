@@ -101,15 +101,11 @@ Result<FieldFrame> lay_cube(const geometry::TriangleMesh& mesh,
 
 Result<DistanceField::Samples> build_samples(const PreparedSurface& surface,
                                              const FieldFrame& frame, FieldMethod method,
-                                             Progress& progress) {
-  progress.begin_stage("distances near the bone");
-  std::optional<WindingRows> rows;
-  if (surface.closed) rows.emplace(surface.mesh_B, frame);
-  const WindingRows* const winding = rows ? &*rows : nullptr;
+                                             const WindingRows* winding, Progress& progress) {
   if (method == FieldMethod::kAdaptive) return split_top_down(surface, frame, winding, progress);
   if (method == FieldMethod::kHybrid) {
     LEFORT_TRY(SparseLattice distances,
-               sample_narrow_band(surface, frame, frame.band_mm, progress));
+               sample_narrow_band(surface, frame, frame.band_mm, winding, progress));
     const SidedDistances sided = fill_far_sides(std::move(distances), frame, winding);
     progress.begin_stage("unite cells of the distance field");
     return coalesce(sided, frame, progress);
@@ -135,19 +131,24 @@ Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface
   LEFORT_TRY(FieldFrame frame, lay_cube(surface.mesh_B, options));
   frame.closed = surface.closed;
 
+  progress.begin_stage("distances near the bone");
+  std::optional<WindingRows> rows;
+  if (surface.closed) rows.emplace(surface.mesh_B, frame);
+  const WindingRows* const winding = rows ? &*rows : nullptr;
   LEFORT_TRY(DistanceField::Samples samples,
-             build_samples(surface, frame, options.method, progress));
+             build_samples(surface, frame, options.method, winding, progress));
   std::optional<SparseLattice> smooth;
   if (options.smooth) {
     progress.begin_stage("smooth distances");
-    LEFORT_TRY(
-        const SparseLattice distances,
-        sample_narrow_band(surface, frame, frame.band_mm + kSampleReach * frame.cell_mm, progress));
+    LEFORT_TRY(const SparseLattice distances,
+               sample_narrow_band(surface, frame, frame.band_mm + kSampleReach * frame.cell_mm,
+                                  winding, progress));
     smooth = spline_coefficients(distances, frame.cell_mm,
                                  frame.band_mm + kStencilReach * frame.cell_mm);
   }
   progress.report(1.0);
-  return DistanceField(frame, std::move(samples), std::move(smooth));
+  return DistanceField(frame, std::move(samples), std::move(smooth),
+                       FieldSource{surface.mesh_B.triangle_count(), surface.parts, surface.report});
 }
 
 }  // namespace lefort::field

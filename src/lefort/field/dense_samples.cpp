@@ -2,6 +2,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/dense_samples.h>
 #include <lefort/field/far_sides.h>
+#include <lefort/field/settle_sides.h>
 
 #include <algorithm>
 #include <array>
@@ -67,8 +68,13 @@ Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& f
     const auto brick = std::int32_t(b);
     std::array<float, SparseLattice::kBrickPoints> distances;
     const std::int32_t slot = slots[std::size_t(b)];
-    const bool any = slot != SparseLattice::kNoBrick && sampler.sample(slot, distances).any_known();
-    if (any && winding != nullptr) fill_far_points(distances, *winding, brick, frame);
+    BrickSigns signs;
+    if (slot != SparseLattice::kNoBrick) signs = sampler.sample(slot, distances);
+    const bool any = signs.any_known();
+    if (any && winding != nullptr) {
+      settle_sides(distances, signs, winding, brick, frame);
+      fill_far_points(distances, *winding, brick, frame);
+    }
     if (!any)
       distances.fill(side_value(winding == nullptr
                                     ? Zone::kUnknown

@@ -50,8 +50,9 @@ FieldSample sample_cells(const Samples& samples, const FieldFrame& frame, const 
 }  // namespace
 
 DistanceField::DistanceField(const FieldFrame& frame, Samples samples,
-                             std::optional<SparseLattice> smooth)
-    : frame_(frame), samples_(std::move(samples)), smooth_(std::move(smooth)) {
+                             std::optional<SparseLattice> smooth,
+                             const std::optional<FieldSource>& source)
+    : frame_(frame), samples_(std::move(samples)), smooth_(std::move(smooth)), source_(source) {
   LEFORT_CHECK(frame_.cell_mm > 0.0 && frame_.band_mm > 0.0);
   LEFORT_CHECK(std::visit([](const auto& s) { return s.resolution(); }, samples_) ==
                frame_.resolution);

@@ -12,6 +12,7 @@
 #include <lefort/field/field_sample.h>
 #include <lefort/field/octree.h>
 #include <lefort/field/sparse_lattice.h>
+#include <lefort/field/surface_report.h>
 
 #include <cstddef>
 #include <optional>
@@ -31,8 +32,10 @@ class DistanceField {
 
   /// Takes the parts apart or together, for building and for files.
   /// \param smooth  coefficients of the cubic B-spline (spline_lattice.h), if it is wanted.
+  /// \param source  told by source(); queries do not need it.
   DistanceField(const FieldFrame& frame, Samples samples,
-                std::optional<SparseLattice> smooth = std::nullopt);
+                std::optional<SparseLattice> smooth = std::nullopt,
+                const std::optional<FieldSource>& source = std::nullopt);
 
   /// Trilinear between the samples around `p_B` (paper, section 2.2): continuous, but for jumps of
   /// the order of the tolerance where octree cells of different size meet.
@@ -64,6 +67,8 @@ class DistanceField {
   [[nodiscard]] const FieldFrame& frame() const { return frame_; }
   [[nodiscard]] const Samples& samples() const { return samples_; }
   [[nodiscard]] const std::optional<SparseLattice>& smooth_lattice() const { return smooth_; }
+  /// What it was made of, if that is known.
+  [[nodiscard]] const std::optional<FieldSource>& source() const { return source_; }
 
   /// Memory that sample() reads, and that sample_smooth() reads besides.
   [[nodiscard]] std::size_t sample_bytes() const;
@@ -76,6 +81,7 @@ class DistanceField {
   FieldFrame frame_;
   Samples samples_;
   std::optional<SparseLattice> smooth_;
+  std::optional<FieldSource> source_;
 };
 
 }  // namespace lefort::field

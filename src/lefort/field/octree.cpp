@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <limits>
 #include <utility>
 
 namespace lefort::field {
@@ -38,10 +37,13 @@ struct Decoder {
   std::string_view codes;
   std::vector<std::int32_t> nodes = {0};
   SampleIndex index;
+  Index samples_left;
   std::size_t next = 0;
 
-  void mark_corners(const LatticePoint& low, int cells) {
-    for (int corner = 0; corner < 8; ++corner) index.mark(corner_of(low, corner, cells));
+  bool mark_corners(const LatticePoint& low, int cells) {
+    for (int corner = 0; corner < 8; ++corner)
+      if (index.mark(corner_of(low, corner, cells))) --samples_left;
+    return samples_left >= 0;
   }
 
   /// Reads the subtree for the cube at `low` into nodes[slot]; false if the letters are no tree.
@@ -59,8 +61,7 @@ struct Decoder {
         return true;
       case NodeCode::kBand:
         nodes[slot] = leaf_node(Zone::kBand);
-        mark_corners(low, cells);
-        return true;
+        return mark_corners(low, cells);
       case NodeCode::kBranch:
         return cells == 2 ? read_fine(slot, low) : read_children(slot, low, cells / 2);
     }
@@ -85,7 +86,8 @@ struct Decoder {
     next += 2;
     nodes[slot] = fine_node(cells);
     for (int child = 0; child < 8; ++child)
-      if ((cells.band >> child & 1) != 0) mark_corners(corner_of(low, child, 1), 1);
+      if ((cells.band >> child & 1) != 0 && !mark_corners(corner_of(low, child, 1), 1))
+        return false;
     return true;
   }
 
@@ -134,10 +136,16 @@ void append_fine_cells(std::string& codes, const FineCells& cells) {
   codes += char(code_of(cells.others));
 }
 
-Result<Octree> Octree::decode(int resolution, std::string_view codes) {
+Result<Octree> Octree::decode(int resolution, std::string_view codes, Index max_samples) {
   LEFORT_CHECK(resolution > 0 && std::has_single_bit(unsigned(resolution)));
-  Decoder decoder{codes, {0}, SampleIndex(resolution)};
-  if (!decoder.read(0, {0, 0, 0}, resolution) || decoder.next != codes.size())
+  Decoder decoder{codes, {0}, SampleIndex(resolution), max_samples};
+  const bool is_tree = decoder.read(0, {0, 0, 0}, resolution) && decoder.next == codes.size();
+  if (decoder.samples_left < 0)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("the octree has more than {} samples, it must have as many as there "
+                            "are",
+                            max_samples));
+  if (!is_tree)
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("the octree is no tree at node {} of {}, it must have one leaf for "
                             "every part of its cube",

@@ -10,6 +10,7 @@
 #include <lefort/field/zone.h>
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -46,9 +47,11 @@ class Octree {
   /// Decodes a tree and numbers its corner samples.
   ///
   /// \param resolution  cells along a side, a power of two and a multiple of SparseLattice::kSide.
-  /// \param codes       NodeCode letters; nothing may follow the last.
-  /// \returns kFileCorrupt if the letters are no tree of that size.
-  [[nodiscard]] static Result<Octree> decode(int resolution, std::string_view codes);
+  /// \param codes        NodeCode letters; nothing may follow the last.
+  /// \param max_samples  that there can be; memory follows it, not what the letters promise.
+  /// \returns kFileCorrupt if the letters are no tree of that size, or of more samples.
+  [[nodiscard]] static Result<Octree> decode(int resolution, std::string_view codes,
+                                             Index max_samples = std::numeric_limits<Index>::max());
 
   /// The letters again.
   [[nodiscard]] std::string codes() const;

@@ -169,7 +169,7 @@ struct Parts {
   std::vector<std::int32_t> of_triangle;
   std::vector<double> volume_mm3;
   std::vector<double> area_mm2;
-  std::vector<std::int32_t> any_triangle;
+  std::vector<std::int32_t> largest;  ///< Triangle.
 
   [[nodiscard]] std::size_t count() const { return volume_mm3.size(); }
   /// Clearly less than nothing: the two sides of a sheet enclose rounding.
@@ -199,6 +199,7 @@ Parts find_parts(const TriangleMesh& mesh, const SidesByEdge& sides) {
 
   Parts parts;
   parts.of_triangle.resize(mesh.triangles.size());
+  std::vector<double> largest_mm2;
   const Vec3 origin = mesh.corner(0, 0);  // Near the surface: less cancellation.
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     const std::int32_t root = root_of(t);
@@ -206,14 +207,20 @@ Parts find_parts(const TriangleMesh& mesh, const SidesByEdge& sides) {
       parts.of_triangle[std::size_t(t)] = std::int32_t(parts.count());
       parts.volume_mm3.push_back(0.0);
       parts.area_mm2.push_back(0.0);
-      parts.any_triangle.push_back(t);
+      parts.largest.push_back(t);
+      largest_mm2.push_back(0.0);
     }
     // A root comes before the rest of its part.
     const std::int32_t part = parts.of_triangle[std::size_t(t)] =
         parts.of_triangle[std::size_t(root)];
     const Vec3 a = mesh.corner(t, 0) - origin, b = mesh.corner(t, 1) - origin;
     parts.volume_mm3[std::size_t(part)] += a.dot(b.cross(mesh.corner(t, 2) - origin)) / 6.0;
-    parts.area_mm2[std::size_t(part)] += area_mm2(mesh, t);
+    const double area = area_mm2(mesh, t);
+    parts.area_mm2[std::size_t(part)] += area;
+    if (area > largest_mm2[std::size_t(part)]) {
+      largest_mm2[std::size_t(part)] = area;
+      parts.largest[std::size_t(part)] = t;
+    }
   }
   return parts;
 }
@@ -232,9 +239,11 @@ class Surroundings {
     for_each_bin([&](std::size_t bin, std::int32_t t) { triangles_[next[bin]++] = t; });
   }
 
-  /// Parts around a vertex of `part`, without it.
+  /// Parts around the middle of the largest triangle of `part`, without it. At its corners another
+  /// part may begin.
   [[nodiscard]] std::vector<std::int32_t> of(std::size_t part) const {
-    const Vec3& p = mesh_.corner(parts_.any_triangle[part], 0);
+    const std::int32_t from = parts_.largest[part];
+    const Vec3 p = (mesh_.corner(from, 0) + mesh_.corner(from, 1) + mesh_.corner(from, 2)) / 3.0;
     const std::size_t bin =
         std::size_t(bin_at(p.z(), 2)) * std::size_t(side_) + std::size_t(bin_at(p.y(), 1));
     std::vector<std::int32_t> crossed;
@@ -299,9 +308,8 @@ class Surroundings {
 };
 
 /// Turns closed parts that are inside out and that nothing surrounds, with all that is in them.
-void turn_inside_out_parts(PreparedSurface& surface, const SidesByEdge& sides) {
+void turn_inside_out_parts(PreparedSurface& surface, const Parts& parts) {
   TriangleMesh& mesh = surface.mesh_B;
-  const Parts parts = find_parts(mesh, sides);
   std::vector<std::size_t> candidates;
   for (std::size_t part = 0; part < parts.count(); ++part)
     if (parts.is_inside_out(part)) candidates.push_back(part);
@@ -381,9 +389,11 @@ Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B)
     if (edge.sides.size() == 1) ++surface.report.rim_edges;
     if (edge.sides.size() > 2) ++surface.report.branching_edges;
   }
+  const Parts parts = find_parts(mesh, sides);
+  surface.parts = Index(parts.count());
   if (surface.closed) {
     const Index before = surface.report.turned_triangles;
-    turn_inside_out_parts(surface, sides);
+    turn_inside_out_parts(surface, parts);
     if (surface.report.turned_triangles != before) sides = SidesByEdge(mesh);
   }
   surface.normals = geometry::Pseudonormals(mesh, sides);

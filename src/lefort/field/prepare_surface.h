@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/field/surface_report.h>
 #include <lefort/geometry/pseudonormals.h>
 #include <lefort/geometry/triangle_mesh.h>
 
@@ -10,20 +11,6 @@
 #include <vector>
 
 namespace lefort::field {
-
-/// What was found in a surface and, as far as that is unambiguous, mended.
-struct SurfaceReport {
-  Index repeated_vertices = 0;    ///< At the position of another, or in no triangle; dropped.
-  Index collapsed_triangles = 0;  ///< Two corners at one place; dropped.
-  Index repeated_triangles = 0;   ///< Same corners, same sense; dropped.
-  Index double_triangles = 0;     ///< Same corners, opposite sense: no inside between them.
-  Index turned_triangles = 0;     ///< Turned to agree with their neighbours, or with being closed.
-  Index rim_edges = 0;            ///< With one triangle.
-  Index branching_edges = 0;      ///< With three or more.
-  Index clashing_edges = 0;       ///< Two triangles that disagree and cannot be turned (Moebius).
-
-  bool operator==(const SurfaceReport&) const = default;
-};
 
 /// One sentence per finding that a user should know of; empty for a clean surface.
 [[nodiscard]] std::vector<std::string> describe(const SurfaceReport& report);
@@ -33,6 +20,7 @@ struct PreparedSurface {
   geometry::Pseudonormals normals;
   std::vector<bool> is_double;  ///< By triangle; empty if there are none.
   bool closed = false;          ///< Encloses a volume: as many sides each way on every edge.
+  Index parts = 0;              ///< That hang together by edges.
   SurfaceReport report;
 };
 

@@ -13,14 +13,17 @@ SampleIndex::SampleIndex(int resolution) : side_(resolution / kSide + 1) {
   slots_.assign(n * n * n, SparseLattice::kNoBrick);
 }
 
-void SampleIndex::mark(const LatticePoint& point) {
+bool SampleIndex::mark(const LatticePoint& point) {
   std::int32_t& slot = slots_[position_of(point)];
   if (slot == SparseLattice::kNoBrick) {
     slot = std::int32_t(bricks_.size());
     bricks_.emplace_back();
   }
   const int place = SparseLattice::place_of(point);
-  bricks_[std::size_t(slot)].marked[std::size_t(place / 64)] |= std::uint64_t(1) << (place % 64);
+  std::uint64_t& word = bricks_[std::size_t(slot)].marked[std::size_t(place / 64)];
+  const std::uint64_t before = word;
+  word |= std::uint64_t(1) << (place % 64);
+  return word != before;
 }
 
 void SampleIndex::finish() {

@@ -22,7 +22,8 @@ class SampleIndex {
   explicit SampleIndex(int resolution);
 
   /// Gives a lattice point a sample. \pre finish() was not called yet.
-  void mark(const LatticePoint& point);
+  /// \returns false if it had one.
+  bool mark(const LatticePoint& point);
 
   /// Numbers the marked points: by brick, and x fastest inside it.
   void finish();

@@ -27,8 +27,9 @@ class Lattice {
 
   /// As SidedDistances::at().
   [[nodiscard]] float value(const LatticePoint& p) const {
-    const double d = exact(p);
-    return std::abs(d) <= frame_.band_mm ? float(d) : side_value(side_beyond_band(p));
+    // As the other methods have it: in floats, and the edge of the band is beyond it.
+    const auto d = float(exact(p));
+    return std::abs(d) < float(frame_.band_mm) ? d : side_value(side_beyond_band(p));
   }
 
   /// Where a cube lies if the band does not reach it. \pre cells is even.
@@ -50,7 +51,12 @@ class Lattice {
     const bool on_double = !surface_.is_double.empty() &&
                            surface_.is_double[std::size_t(found.nearest.triangle)] &&
                            found.nearest.feature == geometry::Feature::kFace;
-    return on_double ? found.nearest.distance_mm : found.distance_mm;
+    if (on_double) return found.nearest.distance_mm;
+    // Where the surface cuts through itself the nearest feature may tell the wrong side.
+    if (winding_ != nullptr && found.nearest.distance_mm > frame_.cell_mm)
+      return winding_->is_inside(lattice_point) ? -found.nearest.distance_mm
+                                                : found.nearest.distance_mm;
+    return found.distance_mm;
   }
   [[nodiscard]] Zone side_beyond_band(const LatticePoint& p) const {
     if (winding_ == nullptr) return Zone::kUnknown;

@@ -24,9 +24,11 @@ struct TriangleFrame {
   bool has_area;
 };
 
-/// A triangle without area is taken as its longest side, three times: that is all of it.
-///
-/// \pre no two corners are at the same place.
+/// Shorter sides have none: squares underflow, and what is left has no direction.
+inline constexpr double kNoLength_mm = 1e-150;
+
+/// A triangle without area is taken as its longest side, three times: that is all of it. One
+/// whose sides all are shorter than kNoLength_mm is taken as its corner.
 [[nodiscard]] inline TriangleFrame triangle_frame(const Vec3& a, const Vec3& b, const Vec3& c) {
   TriangleFrame frame;
   frame.corners = {a, b, c};
@@ -34,7 +36,12 @@ struct TriangleFrame {
   for (std::size_t i = 0; i < 3; ++i) {
     frame.along[i] = frame.corners[(i + 1) % 3] - frame.corners[i];
     frame.length[i] = frame.along[i].norm();
-    frame.along[i] /= frame.length[i];
+    if (frame.length[i] >= kNoLength_mm) {
+      frame.along[i] /= frame.length[i];
+    } else {
+      frame.length[i] = 0.0;
+      frame.along[i] = Vec3::UnitX();
+    }
   }
   if (frame.has_area) {
     frame.normal = (b - a).cross(c - a).normalized();

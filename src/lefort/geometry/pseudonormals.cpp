@@ -76,16 +76,11 @@ class Beyond {
   std::span<const Vec3> of_face_;
 };
 
-/// The angles at the corners of a triangle.
-Vec3 corner_angles(const TriangleMesh& mesh, Index triangle) {
-  Vec3 angles;
-  for (int corner = 0; corner < 3; ++corner) {
-    const Vec3& at = mesh.corner(triangle, corner);
-    const Vec3 u = mesh.corner(triangle, (corner + 1) % 3) - at;
-    const Vec3 v = mesh.corner(triangle, (corner + 2) % 3) - at;
-    angles[corner] = std::atan2(u.cross(v).norm(), u.dot(v));
-  }
-  return angles;
+double corner_angle(const TriangleMesh& mesh, Index triangle, int corner) {
+  const Vec3& at = mesh.corner(triangle, corner);
+  const Vec3 u = mesh.corner(triangle, (corner + 1) % 3) - at;
+  const Vec3 v = mesh.corner(triangle, (corner + 2) % 3) - at;
+  return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
 /// True if what is left of a sum of vectors, of this length together, is rounding: the two sides of
@@ -110,13 +105,8 @@ Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const SidesByEdge& sides)
     : of_face_(mesh.triangles.size()),
       of_vertex_(mesh.vertices.size(), Vec3::Zero()),
       beyond_(mesh.triangles.size()) {
-  std::vector<Vec3> angles(mesh.triangles.size());
   parallel_for(
-      mesh.triangle_count(),
-      [&](Index t) {
-        of_face_[std::size_t(t)] = face_normal(mesh, t);
-        angles[std::size_t(t)] = corner_angles(mesh, t);
-      },
+      mesh.triangle_count(), [&](Index t) { of_face_[std::size_t(t)] = face_normal(mesh, t); },
       kBlock);
   const Beyond beyond(mesh, sides, of_face_);
 
@@ -145,24 +135,73 @@ Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const SidesByEdge& sides)
     }
     of_odd_edge_.push_back(cancels(sum, double(edge.sides.size())) ? Vec3(Vec3::Zero()) : sum);
   }
+  sum_at_vertices(mesh, sides);
+}
 
-  for (Index t = 0; t < mesh.triangle_count(); ++t)
-    for (int corner = 0; corner < 3; ++corner)
-      of_vertex_[std::size_t(mesh.triangles[std::size_t(t)][std::size_t(corner)])] +=
-          angles[std::size_t(t)][corner] * (of_face_[std::size_t(t)].isZero()
-                                                ? beyond.normal_at_corner(t, corner)
-                                                : of_face_[std::size_t(t)]);
-  parallel_for(
-      mesh.vertex_count(),
-      [&](Index v) {
-        Vec3& n = of_vertex_[std::size_t(v)];
-        if (cancels(n, kFullTurn)) {
-          n.setZero();
+/// Most vertices are surrounded by one fan of triangles, each beyond a side of the one before.
+void Pseudonormals::sum_at_vertices(const TriangleMesh& mesh, const SidesByEdge& sides) {
+  struct Corners {
+    std::int32_t first = -1;  ///< 3 * triangle + corner.
+    std::int32_t count = 0;
+  };
+  std::vector<Corners> corners_at(mesh.vertices.size());
+  for (std::int32_t c = 3 * std::int32_t(mesh.triangle_count()) - 1; c >= 0; --c) {
+    Corners& at = corners_at[std::size_t(mesh.triangles[std::size_t(c / 3)][std::size_t(c % 3)])];
+    at = {c, at.count + 1};
+  }
+  const auto weighted = [&](Index t, int corner) -> Vec3 {
+    return corner_angle(mesh, t, corner) * of_face_[std::size_t(t)];
+  };
+  // Adds up the corners around a vertex. False if an odd edge or another fan is in the way.
+  const auto walk = [&](std::int32_t vertex, const Corners& at, Vec3& sum) {
+    std::int32_t triangle = at.first / 3, corner = at.first % 3;
+    std::int32_t side = (corner + 2) % 3;  // To leave by.
+    std::int32_t count = 0;
+    do {
+      const Triangle& here = mesh.triangles[std::size_t(triangle)];
+      const std::int32_t other_end = here[std::size_t(side == corner ? (corner + 1) % 3 : side)];
+      sum += weighted(triangle, corner);
+      ++count;
+      triangle = beyond_[std::size_t(triangle)][std::size_t(side)];
+      if (triangle < 0) return false;
+      const Triangle& next = mesh.triangles[std::size_t(triangle)];
+      corner = next[0] == vertex ? 0 : next[1] == vertex ? 1 : 2;
+      side = next[std::size_t((corner + 1) % 3)] == other_end ? (corner + 2) % 3 : corner;
+    } while (triangle != at.first / 3 && count < at.count);
+    return triangle == at.first / 3 && count == at.count;
+  };
+  const auto finish = [&](Vec3& sum) {
+    if (cancels(sum, kFullTurn)) {
+      sum.setZero();
+    } else {
+      sum.stableNormalize();
+    }
+  };
+  const std::vector<std::int32_t> odd = parallel_collect<std::int32_t>(
+      mesh.vertex_count(), [&](Index v, std::vector<std::int32_t>& others) {
+        const Corners& at = corners_at[std::size_t(v)];
+        Vec3& normal = of_vertex_[std::size_t(v)];
+        if (at.count == 0) return;
+        if (walk(std::int32_t(v), at, normal)) {
+          finish(normal);
         } else {
-          n.stableNormalize();
+          others.push_back(std::int32_t(v));
         }
-      },
-      kBlock);
+      });
+  if (odd.empty()) return;
+
+  const Beyond beyond(mesh, sides, of_face_);
+  std::vector<bool> is_odd(mesh.vertices.size(), false);
+  for (const std::int32_t v : odd) {
+    is_odd[std::size_t(v)] = true;
+    of_vertex_[std::size_t(v)].setZero();
+  }
+  for (std::int32_t c = 0; c < 3 * std::int32_t(mesh.triangle_count()); ++c) {
+    const auto v = std::size_t(mesh.triangles[std::size_t(c / 3)][std::size_t(c % 3)]);
+    if (is_odd[v])
+      of_vertex_[v] += corner_angle(mesh, c / 3, c % 3) * beyond.normal_at_corner(c / 3, c % 3);
+  }
+  for (const std::int32_t v : odd) finish(of_vertex_[std::size_t(v)]);
 }
 
 Vec3 Pseudonormals::at(const TriangleMesh& mesh, Index triangle, Feature feature) const {

@@ -14,7 +14,8 @@ namespace lefort::geometry {
 
 /// Let c be the point of a closed surface nearest to p, on some feature with pseudonormal N. Then
 /// p lies outside exactly if N . (p - c) > 0 \cite baerentzen2005, which no face normal achieves at
-/// edges and vertices.
+/// edges and vertices. The sums run over all faces there: so that is right where a surface touches
+/// itself, too, at a vertex with several fans of triangles or an edge of four.
 ///
 /// Those of edges are worked out when asked for: stored, they would outweigh the surface.
 class Pseudonormals {
@@ -42,6 +43,8 @@ class Pseudonormals {
   }
 
  private:
+  void sum_at_vertices(const TriangleMesh& mesh, const SidesByEdge& sides);
+
   std::vector<Vec3> of_face_;
   std::vector<Vec3> of_vertex_;
   /// By triangle and side: the one triangle beyond it, or ~ the place in of_odd_edge_ if there are

@@ -1,3 +1,4 @@
+#include <lefort/core/check.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/internal/mapped_file.h>
 #include <lefort/io/write_atomically.h>
@@ -5,11 +6,14 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -33,6 +37,10 @@ constexpr std::string_view kMagic = "lefortDF";
 constexpr std::uint32_t kVersion = 2;
 constexpr int kMaxResolution = 2048;
 constexpr double kMaxCoordinate_mm = 1e7;
+constexpr double kMinCell_mm = 1e-7;       // A fifth of the finest that can be built.
+constexpr double kMaxSide_mm = 1e7;        // Twice the largest.
+constexpr float kSampleSlack = 1.000001F;  // Samples are rounded to float, and the band is.
+constexpr std::uint64_t kMaxTriangles = 100'000'000;
 constexpr std::size_t kAlignment = 64;
 
 /// What keeps the samples.
@@ -62,7 +70,10 @@ struct Header {
   std::uint32_t closed;  // 0 or 1.
   std::uint32_t smooth;  // 0 or 1.
   std::uint64_t bytes[kBlockCount];
-  std::uint64_t reserved[8];
+  std::uint32_t findings[8];  // SurfaceReport, in its order.
+  std::uint64_t triangles;    // 0: not told.
+  std::uint64_t parts;
+  std::uint64_t reserved[2];
 };
 static_assert(sizeof(Header) == 192 && std::is_trivially_copyable_v<Header> &&
               sizeof(Header) % kAlignment == 0);
@@ -124,14 +135,58 @@ Result<FieldFrame> frame_of(const Header& header) {
     return corrupt(fmt::format("its resolution is {}", frame.resolution));
   if (!(frame.origin_B.cwiseAbs().maxCoeff() <= kMaxCoordinate_mm && frame.origin_B.allFinite()))
     return corrupt("its origin is not finite");
-  if (!(frame.cell_mm > 0.0 && frame.cell_mm <= kMaxCoordinate_mm))
+  if (!(frame.cell_mm >= kMinCell_mm && frame.cell_mm * frame.resolution <= kMaxSide_mm))
     return corrupt(fmt::format("its cells are {} mm wide", frame.cell_mm));
-  if (!(frame.band_mm > 0.0 && frame.band_mm <= frame.cell_mm * frame.resolution))
+  if (!(frame.band_mm >= frame.cell_mm && frame.band_mm <= frame.cell_mm * frame.resolution))
     return corrupt(fmt::format("its band is {} mm wide", frame.band_mm));
   if (!(frame.tolerance_mm >= 0.0 && frame.tolerance_mm <= kMaxCoordinate_mm))
     return corrupt(fmt::format("its tolerance is {} mm", frame.tolerance_mm));
   if (header.closed > 1 || header.smooth > 1) return corrupt("its flags are neither 0 nor 1");
+  if (header.triangles > kMaxTriangles || header.parts > header.triangles)
+    return corrupt(
+        fmt::format("its surface has {} triangles in {} parts", header.triangles, header.parts));
   return frame;
+}
+
+/// The kind of the samples must be one that is known. A block that such a field does not have must
+/// be empty: nobody would look at it.
+Result<void> check_blocks_belong(const Header& header, const Blocks& blocks) {
+  const auto storage = Storage(header.storage);
+  if (storage != Storage::kBricks && storage != Storage::kOctree && storage != Storage::kDense)
+    return corrupt(fmt::format("its samples are of kind {}", header.storage));
+  const bool bricks = storage == Storage::kBricks, octree = storage == Storage::kOctree;
+  const bool smooth = header.smooth == 1;
+  const std::array<bool, kBlockCount> has = {bricks, bricks, octree, !bricks, smooth, smooth};
+  for (std::size_t b = 0; b < kBlockCount; ++b)
+    if (!has[b] && !blocks[b].empty())
+      return corrupt(
+          fmt::format("block {} has {} bytes, a field of its kind has none", b, blocks[b].size()));
+  return {};
+}
+
+/// The findings of a report in the order of the header.
+auto findings_of(auto& report) {
+  return std::array{&report.repeated_vertices,  &report.collapsed_triangles,
+                    &report.repeated_triangles, &report.double_triangles,
+                    &report.turned_triangles,   &report.rim_edges,
+                    &report.branching_edges,    &report.clashing_edges};
+}
+
+void set_source(const field::FieldSource& source, Header& header) {
+  header.triangles = std::uint64_t(source.triangles);
+  header.parts = std::uint64_t(source.parts);
+  std::size_t n = 0;
+  for (const Index* const finding : findings_of(source.report))
+    header.findings[n++] =
+        std::uint32_t(std::min(*finding, Index(std::numeric_limits<std::uint32_t>::max())));
+}
+
+std::optional<field::FieldSource> source_of(const Header& header) {
+  if (header.triangles == 0) return std::nullopt;
+  field::FieldSource source{Index(header.triangles), Index(header.parts), {}};
+  std::size_t n = 0;
+  for (Index* const finding : findings_of(source.report)) *finding = Index(header.findings[n++]);
+  return source;
 }
 
 Result<BrickSamples> read_bricks(const FieldFrame& frame, const Blocks& blocks,
@@ -153,14 +208,17 @@ Result<BrickSamples> read_bricks(const FieldFrame& frame, const Blocks& blocks,
 
 Result<Octree> read_octree(const FieldFrame& frame, const Blocks& blocks) {
   const std::span<const char> letters = values_of<char>(blocks[kTree]);
-  auto octree = Octree::decode(frame.resolution, {letters.data(), letters.size()});
+  auto octree = Octree::decode(frame.resolution, {letters.data(), letters.size()},
+                               Index(blocks[kSamples].size() / sizeof(float)));
   if (!octree) return corrupt(octree.error().message);
   if (blocks[kSamples].size() != octree->samples().size_bytes())
     return corrupt(fmt::format("it has {} bytes of samples, its octree has {}",
                                blocks[kSamples].size(), octree->samples().size_bytes()));
   const std::span<const float> samples = values_of<float>(blocks[kSamples]);
+  const float most_mm = float(frame.band_mm) * kSampleSlack;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (!std::isfinite(samples[i])) return corrupt(fmt::format("sample {} is {}", i, samples[i]));
+    if (!(std::abs(samples[i]) <= most_mm))  // NaN is not.
+      return corrupt(fmt::format("sample {} is {}", i, samples[i]));
     octree->samples()[i] = samples[i];
   }
   return octree;
@@ -171,22 +229,26 @@ Result<DenseSamples> read_dense(const FieldFrame& frame, const Blocks& blocks) {
   if (blocks[kSamples].size() != n * n * n * sizeof(float))
     return corrupt(fmt::format("it has {} bytes of samples", blocks[kSamples].size()));
   const std::span<const float> samples = values_of<float>(blocks[kSamples]);
+  const float most_mm = float(frame.band_mm) * kSampleSlack;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (std::isfinite(samples[i]) && std::abs(samples[i]) > most_mm)
+      return corrupt(fmt::format("sample {} is {}", i, samples[i]));
   return DenseSamples(frame.resolution, {samples.begin(), samples.end()});
 }
 
+/// \pre check_blocks_belong() holds.
 Result<field::DistanceField::Samples> read_samples(const Header& header, const FieldFrame& frame,
                                                    const Blocks& blocks,
                                                    std::shared_ptr<const void> owner) {
-  switch (Storage(header.storage)) {
-    case Storage::kBricks:
-      return read_bricks(frame, blocks, std::move(owner));
-    case Storage::kOctree:
-      return read_octree(frame, blocks);
-    case Storage::kDense:
-      return read_dense(frame, blocks);
-  }
-  return corrupt(fmt::format("its samples are of kind {}", header.storage));
+  const auto storage = Storage(header.storage);
+  if (storage == Storage::kBricks) return read_bricks(frame, blocks, std::move(owner));
+  if (storage == Storage::kOctree) return read_octree(frame, blocks);
+  return read_dense(frame, blocks);
 }
+
+// A coefficient is at most 27 times the largest sample, three along each axis; samples reach some
+// cells beyond the band.
+constexpr double kLargestGain = 27.0, kSplineReach = 8.0;
 
 Result<SparseLattice> read_lattice(const FieldFrame& frame, const Blocks& blocks) {
   const std::span<const std::int32_t> numbers = values_of<std::int32_t>(blocks[kSmoothBricks]);
@@ -204,8 +266,10 @@ Result<SparseLattice> read_lattice(const FieldFrame& frame, const Blocks& blocks
     previous = brick;
   }
   SparseLattice lattice(frame.resolution, {numbers.begin(), numbers.end()}, 0.0F);
+  const auto most_mm = float(kLargestGain * (frame.band_mm + kSplineReach * frame.cell_mm));
   for (std::size_t i = 0; i < values.size(); ++i) {  // NaN says that there is no coefficient.
-    if (std::isinf(values[i])) return corrupt(fmt::format("coefficient {} is infinite", i));
+    if (std::abs(values[i]) > most_mm)
+      return corrupt(fmt::format("coefficient {} is {}", i, values[i]));
     lattice.values()[i] = values[i];
   }
   return lattice;
@@ -225,6 +289,7 @@ std::string encode_field(const field::DistanceField& field) {
   header.tolerance_mm = frame.tolerance_mm;
   header.closed = frame.closed ? 1 : 0;
   header.smooth = field.is_smooth() ? 1 : 0;
+  if (field.source()) set_source(*field.source(), header);
 
   Blocks blocks;
   std::string letters;
@@ -266,6 +331,8 @@ std::string encode_field(const field::DistanceField& field) {
 
 Result<field::DistanceField> decode_field(std::span<const std::byte> bytes,
                                           std::shared_ptr<const void> owner) {
+  // All blocks begin at multiples of 64 bytes from here, and their numbers are used as they lie.
+  LEFORT_CHECK(reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(std::uint64_t) == 0);
   if (bytes.size() < kMagic.size() || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
     return fail(ErrorCode::kFileUnsupported,
                 "the file does not begin with lefortDF, as distance fields do");
@@ -288,13 +355,14 @@ Result<field::DistanceField> decode_field(std::span<const std::byte> bytes,
                     found, header.checksum));
   LEFORT_TRY(const Blocks blocks, find_blocks(header, bytes));
   LEFORT_TRY(const FieldFrame frame, frame_of(header));
+  LEFORT_TRY_VOID(check_blocks_belong(header, blocks));
   LEFORT_TRY(auto samples,
              read_samples(header, frame, blocks, owner));  // Blocks are read below, too.
   std::optional<SparseLattice> smooth;
   if (header.smooth == 1) {
     LEFORT_TRY(smooth, read_lattice(frame, blocks));
   }
-  return field::DistanceField(frame, std::move(samples), std::move(smooth));
+  return field::DistanceField(frame, std::move(samples), std::move(smooth), source_of(header));
 }
 
 Result<void> write_field(const std::filesystem::path& path, const field::DistanceField& field) {

@@ -64,6 +64,12 @@ class TemporaryFile {
   fs::path path_;
 };
 
+/// The last line of what a library says, in which ITK and NRRD come to the point.
+std::string last_line(std::string_view text) {
+  text = text.substr(0, text.find_last_not_of(" \n\r\t") + 1);
+  return std::string(text.substr(text.find_last_of('\n') + 1));
+}
+
 /// Calls `write`. What libraries throw becomes an Error; our own bugs stay what they are.
 Result<void> fill(const fs::path& temporary, const fs::path& target,
                   const std::function<Result<void>(const fs::path&)>& write) {
@@ -74,7 +80,7 @@ Result<void> fill(const fs::path& temporary, const fs::path& target,
   } catch (const std::bad_alloc&) {
     return tl::unexpected(unwritable(target, "there is not enough memory"));
   } catch (const std::exception& exception) {
-    return tl::unexpected(unwritable(target, exception.what()));
+    return tl::unexpected(unwritable(target, last_line(exception.what())));
   }
 }
 

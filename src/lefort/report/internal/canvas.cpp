@@ -76,6 +76,28 @@ void Canvas::outline(const Rectangle& area, const Rgb& colour, double line_px) {
   cairo_stroke(context_->cairo);
 }
 
+void Canvas::strokes(std::span<const geometry::Segment2> lines, const Eigen::Vector2d& shift,
+                     const Rectangle& within, const Rgb& colour, double line_px) {
+  cairo_t* const cairo = context_->cairo;
+  cairo_save(cairo);
+  cairo_rectangle(cairo, within.left, within.top, within.width, within.height);
+  cairo_clip(cairo);
+  set_source(cairo, colour);
+  cairo_set_line_width(cairo, line_px);
+  cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
+  constexpr std::size_t kTogether = 1000;  // A path of all would take cairo long.
+  for (std::size_t begin = 0; begin < lines.size(); begin += kTogether) {
+    for (const geometry::Segment2& line :
+         lines.subspan(begin, std::min(kTogether, lines.size() - begin))) {
+      const Eigen::Vector2d from = line.from + shift, to = line.to + shift;
+      cairo_move_to(cairo, from.x(), from.y());
+      cairo_line_to(cairo, to.x(), to.y());
+    }
+    cairo_stroke(cairo);
+  }
+  cairo_restore(cairo);
+}
+
 void Canvas::write(double x, double y, std::string_view text, const TextStyle& style,
                    double max_width_px) {
   cairo_t* const cairo = context_->cairo;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/geometry/iso_lines.h>
 #include <lefort/report/colour_map.h>
 #include <lefort/report/picture.h>
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -44,6 +46,10 @@ class Canvas {
   void place(const Picture& picture, int left, int top);
   void fill(const Rectangle& area, const Rgb& colour);
   void outline(const Rectangle& area, const Rgb& colour, double line_px);
+
+  /// Straight lines with round ends, moved by `shift`; what lies beyond `within` is cut off.
+  void strokes(std::span<const geometry::Segment2> lines, const Eigen::Vector2d& shift,
+               const Rectangle& within, const Rgb& colour, double line_px);
 
   /// One line of text on the baseline `y`, from, around or up to `x`; made smaller when it is wider
   /// than `max_width_px`.
