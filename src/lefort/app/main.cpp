@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   add_field_command(cli, context);
   add_predict_command(cli, context);
   add_bench_command(cli, context);
+  add_verify_command(cli, context);
 
   try {
     cli.parse(argc, argv);
