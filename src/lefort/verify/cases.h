@@ -15,5 +15,6 @@ namespace lefort::verify {
 [[nodiscard]] Section verify_torsion(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_bulging(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_bending(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_hertz(Extent extent, Progress& progress);
 
 }  // namespace lefort::verify

@@ -14,7 +14,7 @@ constexpr std::array kCases{
     Case{"laws", verify_laws},       Case{"newton", verify_newton},
     Case{"cook", verify_cook},       Case{"inflation", verify_inflation},
     Case{"torsion", verify_torsion}, Case{"bulging", verify_bulging},
-    Case{"bending", verify_bending},
+    Case{"bending", verify_bending}, Case{"hertz", verify_hertz},
 };
 
 }  // namespace
