@@ -51,7 +51,7 @@ Section verify_newton(Extent /*extent*/, Progress& progress) {
           "the solution each residual must go with the square of the one before, if the tangent "
           "is the derivative of the forces (Nocedal and Wright, Numerical Optimization, theorem "
           "3.5). The "
-          "exponent is ln(r3/r2) / ln(r2/r1) over the last three residuals above 1e-13 of the "
+          "exponent is ln(r3/r2) / ln(r2/r1) over the last three residuals above 1e-14 of the "
           "forces; for "
           "a linear law there is nothing to iterate."};
   Table table{.title = "Relative residuals of the last increment",
