@@ -50,6 +50,7 @@ TEST(VerificationReport, TellsFailuresAndTheirCause) {
   EXPECT_NE(files[0].content.find("![Plot](verification-one-1.svg)"), std::string::npos);
   EXPECT_EQ(files[1].name, "verification-one-1.svg");
   EXPECT_EQ(files[1].content.rfind("<svg", 0), 0U);
+  EXPECT_EQ(files[1].content.find("var("), std::string::npos);  // Not all viewers know it.
 }
 
 }  // namespace

@@ -151,14 +151,28 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
   return result;
 }
 
-/// Pressure over distance from the axis, point by point.
-report::PlotLine pressures(const std::string& name, std::vector<SurfaceContact::Point> points) {
-  std::ranges::sort(points, {},
-                    [](const auto& point) { return point.x_L.template head<2>().norm(); });
-  report::PlotLine line{.name = name};
+/// Mean pressure in rings around the axis: within a face, flatter than the sphere, it goes up and
+/// down from point to point.
+report::PlotLine pressures(const std::string& name,
+                           const std::vector<SurfaceContact::Point>& points) {
+  constexpr int kRings = 10;
+  struct Ring {
+    double force_n = 0.0;
+    double area_mm2 = 0.0;
+  };
+  std::array<Ring, kRings + 2> rings;
+  const double width_mm = contact_radius_mm() / kRings;
   for (const SurfaceContact::Point& point : points) {
-    line.x.push_back(point.x_L.head<2>().norm());
-    line.y.push_back(point.pressure_mpa);
+    const auto n = std::size_t(point.x_L.head<2>().norm() / width_mm);
+    if (n >= rings.size()) continue;
+    rings[n].force_n += point.force_n.norm();
+    rings[n].area_mm2 += point.force_n.norm() / point.pressure_mpa;
+  }
+  report::PlotLine line{.name = name};
+  for (std::size_t n = 0; n < rings.size(); ++n) {
+    if (rings[n].area_mm2 == 0.0) continue;
+    line.x.push_back((double(n) + 0.5) * width_mm);
+    line.y.push_back(rings[n].force_n / rings[n].area_mm2);
   }
   return line;
 }
@@ -209,10 +223,11 @@ Section verify_hertz(Extent extent, Progress& progress) {
     return section;
   }
   const auto sphere_B = std::make_shared<const field::DistanceField>(*field);
-  report::LinePlot plot{.title = "Pressure under the sphere",
-                        .x_label = "distance from the axis [mm]",
-                        .y_label = "pressure [MPa]",
-                        .lines = {hertz_pressure()}};
+  report::LinePlot plot{
+      .title = "Pressure under the sphere, mean of the points in contact in rings",
+      .x_label = "distance from the axis [mm]",
+      .y_label = "pressure [MPa]",
+      .lines = {hertz_pressure()}};
   Table table{.title = "Force and radius of contact over Hertz's, by cells a side",
               .header = {"shape", "cells", "points in contact", "force", "radius"}};
   for (const Series& series : all_series(extent)) {
@@ -228,7 +243,7 @@ Section verify_hertz(Extent extent, Progress& progress) {
       table.rows.push_back(
           {text_of(series.shape), fmt::format("{}", n), fmt::format("{}", found->points.size()),
            fmt::format("{:.4f}", forces.back()), fmt::format("{:.4f}", radii.back())});
-      if (n == series.cells.back() && series.shape == mesh::ElementShape::kHex8)
+      if (n == series.cells.back())
         plot.lines.push_back(pressures(text_of(series.shape), found->points));
     }
     const std::string name = text_of(series.shape);

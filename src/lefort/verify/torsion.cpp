@@ -69,8 +69,7 @@ Result<EndLoads> twist(mesh::ElementShape shape, int cells, Progress& progress) 
 /// None where seconds do not suffice for an order: tet4 needs 6 cells, tet10 and wedge15 need 4.
 std::vector<int> meshes(mesh::ElementShape shape, Extent extent) {
   using enum mesh::ElementShape;
-  if (extent == Extent::kFull)
-    return degree(shape) == 1 ? std::vector{3, 6} : std::vector{1, 2, 4};
+  if (extent == Extent::kFull) return degree(shape) == 1 ? std::vector{3, 6} : std::vector{1, 2, 4};
   if (shape == kTet4 || shape == kTet10 || shape == kWedge15) return {};
   return shape == kHex20 ? std::vector{1, 2} : std::vector{2, 4};
 }
