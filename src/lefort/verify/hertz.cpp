@@ -155,24 +155,17 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
 /// down from point to point.
 report::PlotLine pressures(const std::string& name,
                            const std::vector<SurfaceContact::Point>& points) {
-  constexpr int kRings = 10;
-  struct Ring {
-    double force_n = 0.0;
-    double area_mm2 = 0.0;
-  };
-  std::array<Ring, kRings + 2> rings;
-  const double width_mm = contact_radius_mm() / kRings;
+  std::array<double, 7> force_n{};  // On a quarter of each ring; the last lies outside.
+  const double width_mm = contact_radius_mm() / 6.0;
   for (const SurfaceContact::Point& point : points) {
     const auto n = std::size_t(point.x_L.head<2>().norm() / width_mm);
-    if (n >= rings.size()) continue;
-    rings[n].force_n += point.force_n.norm();
-    rings[n].area_mm2 += point.force_n.norm() / point.pressure_mpa;
+    if (n < force_n.size()) force_n[n] += point.force_n.norm();
   }
   report::PlotLine line{.name = name};
-  for (std::size_t n = 0; n < rings.size(); ++n) {
-    if (rings[n].area_mm2 == 0.0) continue;
+  for (std::size_t n = 0; n < force_n.size(); ++n) {
+    const double area_mm2 = 0.25 * pi * width_mm * width_mm * (2.0 * double(n) + 1.0);
     line.x.push_back((double(n) + 0.5) * width_mm);
-    line.y.push_back(rings[n].force_n / rings[n].area_mm2);
+    line.y.push_back(force_n[n] / area_mm2);
   }
   return line;
 }
@@ -223,11 +216,10 @@ Section verify_hertz(Extent extent, Progress& progress) {
     return section;
   }
   const auto sphere_B = std::make_shared<const field::DistanceField>(*field);
-  report::LinePlot plot{
-      .title = "Pressure under the sphere, mean of the points in contact in rings",
-      .x_label = "distance from the axis [mm]",
-      .y_label = "pressure [MPa]",
-      .lines = {hertz_pressure()}};
+  report::LinePlot plot{.title = "Pressure under the sphere, mean over rings",
+                        .x_label = "distance from the axis [mm]",
+                        .y_label = "pressure [MPa]",
+                        .lines = {hertz_pressure()}};
   Table table{.title = "Force and radius of contact over Hertz's, by cells a side",
               .header = {"shape", "cells", "points in contact", "force", "radius"}};
   for (const Series& series : all_series(extent)) {
