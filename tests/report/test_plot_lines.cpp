@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -59,6 +61,20 @@ TEST(PlotLines, WhatCannotBeDrawnBreaksTheLine) {
   EXPECT_EQ(count(paths[0], "M"), 3U);
   EXPECT_EQ(count(svg, "nan"), 0U);
   EXPECT_EQ(count(svg, "inf"), 0U);
+}
+
+TEST(PlotLines, ManyLinesHaveNamesInRowsWithinTheDrawingAndDashes) {
+  LinePlot plot;
+  for (const char* name :
+       {"tet4", "pyramid5", "wedge6", "hex8", "tet10", "wedge15", "hex20", "reference"})
+    plot.lines.push_back({name, {1.0, 2.0}, {1.0, 2.0}});
+  const std::string svg = plot_lines(plot);
+  std::set<std::string> styles;
+  for (const std::string& style : between(svg, "fill:none;", "'")) styles.insert(style);
+  EXPECT_EQ(styles.size(), 8U);
+  const auto y = values(svg, "text", "y");
+  EXPECT_EQ(std::count(y.begin(), y.end(), 44.0), 1);  // A second row, of one name.
+  EXPECT_NE(svg.find("viewBox='0 -18 720 348'"), std::string::npos);
 }
 
 TEST(PlotLines, StaysWellFormedAndFiniteForAnyInput) {

@@ -34,5 +34,6 @@ void add_field_command(CLI::App& cli, CommandContext& context);
 void add_bench_command(CLI::App& cli, CommandContext& context);
 void add_predict_command(CLI::App& cli, CommandContext& context);
 void add_solve_command(CLI::App& cli, CommandContext& context);
+void add_verify_command(CLI::App& cli, CommandContext& context);
 
 }  // namespace lefort::app

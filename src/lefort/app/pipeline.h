@@ -99,5 +99,16 @@ struct SolveJob {
 };
 /// Deck and mesh -> displacement, stress and reactions over time.
 [[nodiscard]] Result<Summary> solve_deck(const SolveJob& job, Progress& progress);
+struct VerifyJob {
+  std::filesystem::path output;  ///< A folder, made if missing; empty: no report.
+  bool full = false;
+  std::string only;  ///< Name of one case; empty for all.
+};
+struct VerifySummary {
+  Summary summary;
+  bool passed = false;  ///< Every check.
+};
+/// Runs the solver's verification suite; writes verification.md and its plots.
+[[nodiscard]] Result<VerifySummary> verify_solver(const VerifyJob& job, Progress& progress);
 
 }  // namespace lefort::app

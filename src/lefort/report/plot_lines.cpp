@@ -27,6 +27,7 @@ constexpr double kBottom = 276.0;
 constexpr std::array<std::string_view, 4> kLineColours{
     "var(--line-1, #1f5fa8)", "var(--line-2, #b3480f)", "var(--line-3, #2f7d32)",
     "var(--line-4, #7b3fa0)"};
+constexpr std::array<std::string_view, 3> kDashes{"", "6 3", "2 3"};
 constexpr std::string_view kInk = "var(--ink, #20252b)";
 constexpr std::string_view kMuted = "var(--muted, #565e68)";
 constexpr std::string_view kGrid = "var(--rule, #d9dde2)";
@@ -140,9 +141,25 @@ std::string axes(const LinePlot& plot, const Scales& scales) {
   return svg;
 }
 
+/// Colours come round again with other dashes.
+struct LineStyle {
+  std::string_view colour;
+  std::string_view dashes;  ///< Empty for none.
+};
+
+LineStyle look_of(std::size_t line) {
+  return {kLineColours[line % kLineColours.size()],
+          kDashes[line / kLineColours.size() % kDashes.size()]};
+}
+
+std::string stroke(const LineStyle& look) {
+  return look.dashes.empty()
+             ? fmt::format("stroke:{}", look.colour)
+             : fmt::format("stroke:{};stroke-dasharray:{}", look.colour, look.dashes);
+}
+
 /// The line in as many parts as it has gaps, and a dot on each point.
-std::string curve(const PlotLine& line, Axis y_axis, const Scales& scales,
-                  std::string_view colour) {
+std::string curve(const PlotLine& line, Axis y_axis, const Scales& scales, const LineStyle& look) {
   std::string path;
   std::string dots;
   bool pen_down = false;
@@ -157,60 +174,79 @@ std::string curve(const PlotLine& line, Axis y_axis, const Scales& scales,
     const double at_y = scales.y.place(y);
     path += fmt::format("{}{:.2f} {:.2f} ", pen_down ? 'L' : 'M', at_x, at_y);
     dots += fmt::format("<circle cx='{:.2f}' cy='{:.2f}' r='2.4' style='fill:{}'/>\n", at_x, at_y,
-                        colour);
+                        look.colour);
     pen_down = true;
   }
   if (path.empty()) return {};
   path.pop_back();
-  return fmt::format("<path d='{}' style='fill:none;stroke:{};stroke-width:1.8'/>\n", path,
-                     colour) +
+  return fmt::format("<path d='{}' style='fill:none;stroke-width:1.8;{}'/>\n", path, stroke(look)) +
          dots;
 }
 
-std::string legend_entry(double& x, std::string_view name, std::string_view line_style) {
-  constexpr double kY = 26.0;
-  constexpr double kLetter = 7.0;  // Mean advance at 13 units.
-  std::string svg = line_element(x, kY - 4.5, x + 22.0, kY - 4.5, line_style);
-  svg += text_element(x + 28.0, kY, "start", kInk, escaped(name));
-  x += 28.0 + kLetter * double(name.size()) + 22.0;
-  return svg;
-}
+/// Entries above the plot, in as many rows as they need.
+class Legend {
+ public:
+  void add(std::string_view name, std::string_view line_style) {
+    constexpr double kLetter = 7.0;  // Mean advance at 13 units.
+    const double width = 28.0 + kLetter * double(name.size());
+    if (x_ > kLeft && x_ + width > kWidth) {
+      x_ = kLeft;
+      y_ += kRow;
+    }
+    entries_ += line_element(x_, y_ - 4.5, x_ + 22.0, y_ - 4.5, line_style);
+    entries_ += text_element(x_ + 28.0, y_, "start", kInk, escaped(name));
+    x_ += width + 22.0;
+  }
+
+  /// By how much the rows beyond the first make the drawing higher: they go above it.
+  [[nodiscard]] double height() const { return y_ - kFirst; }
+  [[nodiscard]] std::string svg() const {
+    return fmt::format("<g transform='translate(0 {:.0f})'>\n{}</g>\n", -height(), entries_);
+  }
+
+ private:
+  static constexpr double kFirst = 26.0;
+  static constexpr double kRow = 18.0;
+  double x_ = kLeft;
+  double y_ = kFirst;
+  std::string entries_;
+};
 
 }  // namespace
 
 std::string plot_lines(const LinePlot& plot) {
   const Scales scales = scales_of(plot);
-  std::string svg = fmt::format(
-      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {} {}' role='img' "
-      "aria-label='{}' font-family='system-ui, sans-serif' font-size='13'>\n<title>{}</title>\n",
-      kWidth, kHeight, escaped(plot.title), escaped(plot.title));
-  svg += axes(plot, scales);
+  std::string svg = axes(plot, scales);
   for (const double divider : plot.dividers_x) {
     const double x = scales.x.place(divider);
     if (x >= kLeft && x <= kRight)
       svg +=
           line_element(x, kTop, x, kBottom, fmt::format("stroke:{};stroke-dasharray:2 4", kMuted));
   }
-  double legend_x = kLeft;
+  Legend legend;
   std::vector<std::string> names;
   for (const PlotLine& line : plot.lines) {
     auto known = std::find(names.begin(), names.end(), line.name);
     const bool is_new = known == names.end();
     if (is_new) known = names.insert(names.end(), line.name);
-    const std::string_view colour =
-        kLineColours[std::size_t(known - names.begin()) % kLineColours.size()];
-    if (is_new)
-      svg += legend_entry(legend_x, line.name, fmt::format("stroke:{};stroke-width:2.4", colour));
-    svg += curve(line, plot.y_axis, scales, colour);
+    const LineStyle look = look_of(std::size_t(known - names.begin()));
+    if (is_new) legend.add(line.name, stroke(look) + ";stroke-width:2.4");
+    svg += curve(line, plot.y_axis, scales, look);
   }
   const double threshold = plot.threshold_y ? drawn(*plot.threshold_y, plot.y_axis) : NAN;
   if (!std::isnan(threshold)) {
     const std::string style = fmt::format("stroke:{};stroke-width:1.6;stroke-dasharray:7 4", kInk);
     const double y = scales.y.place(threshold);
     svg += line_element(kLeft, y, kRight, y, style);
-    svg += legend_entry(legend_x, plot.threshold_name, style);
+    legend.add(plot.threshold_name, style);
   }
-  return svg + "</svg>\n";
+  return fmt::format(
+             "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 {:.0f} {} {:.0f}' role='img' "
+             "aria-label='{}' font-family='system-ui, sans-serif' font-size='13'>\n"
+             "<title>{}</title>\n",
+             -legend.height(), kWidth, kHeight + legend.height(), escaped(plot.title),
+             escaped(plot.title)) +
+         svg + legend.svg() + "</svg>\n";
 }
 
 }  // namespace lefort::report

@@ -16,11 +16,12 @@ constexpr double kEnd_mm = 16.0;   // Of the other.
 constexpr double kRise_mm = 44.0;  // Of the lower edge, from one to the other.
 constexpr double kTraction_mpa = 6.25;
 
-/// From the unit cube to the membrane: its side y0 is to be clamped, y1 loaded. So turned, cells
-/// that are cut in two are cut along their shorter diagonal.
-Vec3 place(const Vec3& unit, double thickness_mm) {
-  const double along = unit.y();
-  const double up = 1.0 - unit.x();
+/// From the unit cube to the membrane. Cells are cut along the diagonal that goes up with both
+/// coordinates of the cube: with the first one downwards it is the shorter one.
+Vec3 place(const Vec3& unit, Diagonal diagonal, double thickness_mm) {
+  const bool is_shorter = diagonal == Diagonal::kShorter;
+  const double along = is_shorter ? unit.y() : unit.x();
+  const double up = is_shorter ? 1.0 - unit.x() : unit.y();
   const double height_mm = kRoot_mm + (kEnd_mm - kRoot_mm) * along;
   return {kLength_mm * along, kRise_mm * along + height_mm * up, thickness_mm * unit.z()};
 }
@@ -41,27 +42,31 @@ fem::Material cook_material() {
                  .kappa_mpa = kYoung_mpa / (3.0 * (1.0 - 2.0 * kPoisson))}};
 }
 
-CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells) {
+CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells, Diagonal diagonal) {
   CookMembrane membrane;
   membrane.mesh = mesh::make_box(shape, {cells, cells, 1}, Vec3::Ones());
   std::vector<Vec3>& nodes_L = membrane.mesh.nodes_L;
+  for (Vec3& node : nodes_L) node = place(node, diagonal, kLength_mm / cells);
+  const Vec3 tip(kLength_mm, kRise_mm + kEnd_mm, kLength_mm / cells);
   for (std::size_t n = 0; n < nodes_L.size(); ++n)
-    if (nodes_L[n].x() == 0.0 && nodes_L[n].y() == 1.0) membrane.tip = std::int32_t(n);
-  for (Vec3& node : nodes_L) node = place(node, kLength_mm / cells);
+    if ((nodes_L[n] - tip).norm() < 1e-9) membrane.tip = std::int32_t(n);
 
   const auto& sets = membrane.mesh.node_sets;
-  hold(sets.at("y0"), 0, membrane.held);
-  hold(sets.at("y0"), 1, membrane.held);
+  const bool is_shorter = diagonal == Diagonal::kShorter;
+  const char* const root = is_shorter ? "y0" : "x0";
+  hold(sets.at(root), 0, membrane.held);
+  hold(sets.at(root), 1, membrane.held);
   hold(sets.at("z0"), 2, membrane.held);
   hold(sets.at("z1"), 2, membrane.held);
   membrane.forces =
-      fem::traction_forces(nodes_L, membrane.mesh.face_sets.at("y1"), Vec3(0.0, kTraction_mpa, 0.0))
+      fem::traction_forces(nodes_L, membrane.mesh.face_sets.at(is_shorter ? "y1" : "x1"),
+                           Vec3(0.0, kTraction_mpa, 0.0))
           .value();
   return membrane;
 }
 
 Result<Vec3> solve_cook_membrane(const CookMembrane& membrane, const fem::Material& material,
-                                 fem::Dilatation dilatation) {
+                                 fem::Dilatation dilatation, Progress& progress) {
   LEFORT_TRY(const auto terms, fem::make_element_terms(membrane.mesh, {{0, material}}, dilatation));
   LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(membrane.mesh.node_count(), membrane.held));
   fem::DeadLoad load(membrane.mesh.nodes_L, membrane.forces);
@@ -74,9 +79,9 @@ Result<Vec3> solve_cook_membrane(const CookMembrane& membrane, const fem::Materi
                            [&](double t, const VectorX& start) {
                              load.set_factor(t);
                              return fem::find_equilibrium(assembler, membrane.held, start, solver,
-                                                          {.max_iterations = 60});
+                                                          {.max_iterations = 60}, progress);
                            });
-  LEFORT_TRY_VOID(stepper.advance_to(1.0));
+  LEFORT_TRY_VOID(stepper.advance_to(1.0, progress));
   return Vec3(stepper.state().u.segment<3>(3 * Index(membrane.tip)));
 }
 

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/boundary_conditions.h>
 #include <lefort/fem/dead_load.h>
@@ -38,16 +39,22 @@ struct CookMembrane {
   mesh::VolumeMesh mesh;
   std::vector<fem::PrescribedDisplacement> held;
   std::vector<fem::NodalForce> forces;  ///< At full load.
-  std::int32_t tip = 0;                 ///< A node on the corner (48, 60).
+  std::int32_t tip = 0;  ///< The node on the corner (48, 60) at z > 0: where cells are cut, the one
+                         ///< that lags behind.
 };
 
-/// \param cells  along either side, >= 1; each is cut into elements as mesh::make_box() says, along
-///   its shorter diagonal.
-[[nodiscard]] CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells);
+/// Cells that are cut in two (wedges, tetrahedra) are cut along one of these. Along the longer one
+/// elements are slender, and bend less.
+enum class Diagonal { kShorter, kLonger };
 
-/// \returns how far the corner (48, 60) moves under full load [mm], or what LoadStepper cannot do.
+/// \param cells  along either side, >= 1; each is cut into elements as mesh::make_box() says.
+[[nodiscard]] CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells,
+                                              Diagonal diagonal = Diagonal::kShorter);
+
+/// \returns how far the corner (48, 60) moves under full load [mm], or what LoadStepper::advance_to
+///   refuses.
 [[nodiscard]] Result<Vec3> solve_cook_membrane(
     const CookMembrane& membrane, const fem::Material& material,
-    fem::Dilatation dilatation = fem::Dilatation::kAveraged);
+    fem::Dilatation dilatation = fem::Dilatation::kAveraged, Progress& progress = Progress::none());
 
 }  // namespace lefort::verify

@@ -1,0 +1,73 @@
+#include <lefort/app/output_folder.h>
+#include <lefort/app/pipeline.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/verify/run_suite.h>
+#include <lefort/verify/verification_report.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace lefort::app {
+namespace {
+
+nlohmann::json json_of(const verify::Check& check) {
+  const auto number = [](double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+  };
+  const char* const asked = check.asked == verify::Asked::kNear      ? "near"
+                            : check.asked == verify::Asked::kAtLeast ? "at least"
+                                                                     : "at most";
+  return {{"name", check.name},
+          {"measured", number(check.measured)},
+          {"asked", asked},
+          {"expected", check.expected},
+          {"tolerance", check.tolerance},
+          {"unit", check.unit},
+          {"reason", check.reason},
+          {"note", check.note},
+          {"passed", check.passed()}};
+}
+
+std::string command_of(const VerifyJob& job) {
+  return fmt::format("lefort verify{}{}", job.full ? " --full" : "",
+                     job.only.empty() ? "" : " --only " + job.only);
+}
+
+}  // namespace
+
+Result<VerifySummary> verify_solver(const VerifyJob& job, Progress& progress) {
+  if (!job.output.empty()) LEFORT_TRY_VOID(make_output_folder(job.output));
+  const verify::SuiteOptions options{
+      .extent = job.full ? verify::Extent::kFull : verify::Extent::kShort, .only = job.only};
+  LEFORT_TRY(const auto sections, verify::run_suite(options, progress));
+  if (!job.output.empty())
+    for (const verify::ReportFile& file : verify::verification_report(sections, command_of(job)))
+      LEFORT_TRY_VOID(io::write_text(job.output / file.name, file.content));
+
+  VerifySummary done;
+  Index count = 0;
+  Index failed = 0;
+  std::string failures;
+  for (const verify::Section& section : sections) {
+    nlohmann::json checks = nlohmann::json::array();
+    for (const verify::Check& check : section.checks) {
+      ++count;
+      checks.push_back(json_of(check));
+      if (check.passed()) continue;
+      ++failed;
+      failures +=
+          fmt::format("\nfailed: {}: {}: {}", section.name, check.name, verify::text_of(check));
+    }
+    done.summary.json["cases"].push_back(
+        {{"name", section.name}, {"passed", section.passed()}, {"checks", checks}});
+  }
+  done.passed = failed == 0;
+  done.summary.json["passed"] = done.passed;
+  done.summary.text = fmt::format("{} of {} checks passed{}", count - failed, count, failures);
+  return done;
+}
+
+}  // namespace lefort::app

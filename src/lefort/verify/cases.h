@@ -1,0 +1,20 @@
+/// \file
+/// The cases, one .cpp each.
+#pragma once
+
+#include <lefort/verify/run_suite.h>
+
+namespace lefort::verify {
+
+[[nodiscard]] Section verify_patch(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_convergence(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_laws(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_newton(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_cook(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_inflation(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_torsion(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_bulging(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_bending(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_hertz(Extent extent, Progress& progress);
+
+}  // namespace lefort::verify

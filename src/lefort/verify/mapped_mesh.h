@@ -1,0 +1,37 @@
+/// \file
+/// Rings, shells and columns from boxes: bent and welded.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/mesh/volume_mesh.h>
+
+#include <functional>
+#include <vector>
+
+namespace lefort::verify {
+
+/// Every node moved; sets stay. Quadratic shapes become curved: their middle nodes move, too.
+/// \pre `map` keeps orientation.
+[[nodiscard]] mesh::VolumeMesh mapped(mesh::VolumeMesh mesh,
+                                      const std::function<Vec3(const Vec3&)>& map);
+
+/// Nodes nearer to each other than a millionth of a mm become one. Face sets are joined by name;
+/// node sets are dropped.
+[[nodiscard]] mesh::VolumeMesh welded(const std::vector<mesh::VolumeMesh>& parts);
+
+/// x, y >= 0, a <= sqrt(x^2 + y^2) <= b, 0 <= z <= thickness: `cells` across the wall and twice as
+/// many around, one layer. Face set "inner".
+[[nodiscard]] mesh::VolumeMesh quarter_ring(mesh::ElementShape shape, int cells, double a_mm,
+                                            double b_mm, double thickness_mm);
+
+/// x, y, z >= 0, a <= |X| <= b: three blocks, each with `cells` across the wall and along its
+/// sides. Face set "inner".
+[[nodiscard]] mesh::VolumeMesh octant_shell(mesh::ElementShape shape, int cells, double a_mm,
+                                            double b_mm);
+
+/// sqrt(x^2 + y^2) <= radius, 0 <= z <= length: a square core, `cells` from the axis to its sides
+/// and as many from there to the rim, in each of four quarters.
+[[nodiscard]] mesh::VolumeMesh round_column(mesh::ElementShape shape, int cells, int layers,
+                                            double radius_mm, double length_mm);
+
+}  // namespace lefort::verify

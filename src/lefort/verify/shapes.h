@@ -1,0 +1,30 @@
+/// \file
+/// The shapes every case runs through, and what is expected of them.
+#pragma once
+
+#include <lefort/mesh/volume_mesh.h>
+
+#include <array>
+#include <string>
+
+namespace lefort::verify {
+
+inline constexpr std::array<mesh::ElementShape, 7> kAllShapes{
+    mesh::ElementShape::kTet4,  mesh::ElementShape::kPyramid5, mesh::ElementShape::kWedge6,
+    mesh::ElementShape::kHex8,  mesh::ElementShape::kTet10,    mesh::ElementShape::kWedge15,
+    mesh::ElementShape::kHex20,
+};
+
+/// Of the polynomials that displacements contain in full: 1 or 2.
+[[nodiscard]] constexpr int degree(mesh::ElementShape shape) {
+  return shape == mesh::ElementShape::kTet10 || shape == mesh::ElementShape::kWedge15 ||
+                 shape == mesh::ElementShape::kHex20
+             ? 2
+             : 1;
+}
+
+[[nodiscard]] inline std::string text_of(mesh::ElementShape shape) {
+  return std::string(mesh::name_of(shape));
+}
+
+}  // namespace lefort::verify

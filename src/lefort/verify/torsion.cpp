@@ -1,0 +1,152 @@
+#include <lefort/verify/case_model.h>
+#include <lefort/verify/cases.h>
+#include <lefort/verify/mapped_mesh.h>
+#include <lefort/verify/shapes.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+namespace lefort::verify {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kRadius_mm = 1.0;
+constexpr double kLength_mm = 1.0;
+constexpr double kMu_mpa = 1.0;
+constexpr double kKappa_mpa = 1e4;
+constexpr double kTwist_rad_per_mm = 0.6;
+constexpr double kCompressibility = 3.0 * kMu_mpa / kKappa_mpa;
+
+struct EndLoads {
+  double torque_nmm = 0.0;
+  double axial_n = 0.0;  ///< Negative: the column wants to lengthen.
+};
+
+/// Rivlin's solution for the neo-Hookean law: pi mu tau a^4 / 2 and -pi mu tau^2 a^4 / 4.
+EndLoads exact() {
+  const double a4 = std::pow(kRadius_mm, 4);
+  const double tau = kTwist_rad_per_mm;
+  return {0.5 * pi * kMu_mpa * tau * a4, -0.25 * pi * kMu_mpa * tau * tau * a4};
+}
+
+Result<EndLoads> twist(mesh::ElementShape shape, int cells, Progress& progress) {
+  CaseModel model{.mesh = round_column(shape, cells, 2 * cells, kRadius_mm, kLength_mm),
+                  .materials = {{0,
+                                 fem::Split<fem::IsochoricNeoHookean>{
+                                     .shear = {.mu_mpa = kMu_mpa},
+                                     .volume = {.form = fem::VolumetricForm::kQuadraticLog,
+                                                .kappa_mpa = kKappa_mpa}}}},
+                  .prescribed = {}};
+  const auto bottom = nodes_where(model.mesh, [](const Vec3& p) { return p.z() < 1e-9; });
+  const auto top = nodes_where(model.mesh, [](const Vec3& p) { return p.z() > kLength_mm - 1e-9; });
+  model.prescribed = [&](double share) {
+    const Eigen::AngleAxisd turn(share * kTwist_rad_per_mm * kLength_mm, Vec3::UnitZ());
+    RigidTransform motion_LL = RigidTransform::Identity();
+    motion_LL.linear() = turn.toRotationMatrix();
+    std::vector<fem::PrescribedDisplacement> all = fem::fix(bottom);
+    const auto moved = fem::move_rigidly(top, model.mesh.nodes_L, motion_LL);
+    all.insert(all.end(), moved.begin(), moved.end());
+    return all;
+  };
+  LEFORT_TRY(const Equilibrium found,
+             solve(model, {.increments = 3, .relative_tolerance = 1e-9}, progress));
+  EndLoads loads;
+  for (const std::int32_t node : top) {
+    const Vec3 x = model.mesh.nodes_L[std::size_t(node)] + found.u.segment<3>(3 * Index(node));
+    const Vec3 force = found.reaction_n.segment<3>(3 * Index(node));
+    loads.torque_nmm += x.x() * force.y() - x.y() * force.x();
+    loads.axial_n += force.z();
+  }
+  return loads;
+}
+
+/// Meshes that halve, by cells in the section of each quarter: the core and the ring around it.
+/// None where seconds do not suffice for an order: tet4 needs 6 cells, tet10 and wedge15 need 4.
+std::vector<int> meshes(mesh::ElementShape shape, Extent extent) {
+  using enum mesh::ElementShape;
+  if (extent == Extent::kFull) return degree(shape) == 1 ? std::vector{3, 6} : std::vector{1, 2, 4};
+  if (shape == kTet4 || shape == kTet10 || shape == kWedge15) return {};
+  return shape == kHex20 ? std::vector{1, 2} : std::vector{2, 4};
+}
+
+}  // namespace
+
+Section verify_torsion(Extent extent, Progress& progress) {
+  const EndLoads wanted = exact();
+  Section section{
+      .name = "torsion",
+      .title = "Twisted column: Rivlin's torque and axial force",
+      .text = fmt::format(
+          "A circular column, {} mm long and {} mm in radius, of an incompressible neo-Hookean "
+          "material (bulk over shear modulus {:.0g}) is twisted by {} rad/mm between ends that "
+          "keep their distance. Rivlin (Large elastic deformations of isotropic materials VI, "
+          "1949) found that every section turns rigidly, whatever the size of the twist; the ends "
+          "need the torque pi mu tau a^4 / 2 = {:.5f} N mm and, which no linear theory knows, the "
+          "axial force -pi mu tau^2 a^4 / 4 = {:.5f} N.",
+          kLength_mm, kRadius_mm, kKappa_mpa, kTwist_rad_per_mm, wanted.torque_nmm,
+          wanted.axial_n)};
+  Table table{.title =
+                  "Errors of the end loads, by cells from the axis to the core's side and from "
+                  "there to the rim",
+              .header = {"shape", "cells", "torque", "axial force", "both", "order"}};
+  report::LinePlot plot{.title = "Twisted column: error of torque and axial force",
+                        .x_label = "refinement: log2 of the cells",
+                        .y_label = "relative error",
+                        .y_axis = report::Axis::kLog};
+  double done = 0.0;
+  for (const mesh::ElementShape shape : kAllShapes) {
+    if (meshes(shape, extent).empty()) continue;
+    report::PlotLine line{.name = text_of(shape)};
+    double error = NAN;
+    double order = NAN;
+    std::string failure;
+    for (const int n : meshes(shape, extent)) {
+      const auto found = twist(shape, n, progress);
+      if (!found) failure = found.error().message;
+      if (!found) break;
+      const double torque = found->torque_nmm / wanted.torque_nmm - 1.0;
+      const double axial = found->axial_n / wanted.axial_n - 1.0;
+      const double before = error;
+      error = std::hypot(torque, axial);
+      order = std::log2(before / error);
+      table.rows.push_back({text_of(shape), fmt::format("{}", n), fmt::format("{:+.2e}", torque),
+                            fmt::format("{:+.2e}", axial), fmt::format("{:.2e}", error),
+                            std::isnan(order) ? "" : fmt::format("{:.2f}", order)});
+      line.x.push_back(std::log2(n));
+      line.y.push_back(error);
+    }
+    progress.report(++done / double(kAllShapes.size()));
+    plot.lines.push_back(std::move(line));
+    if (!failure.empty()) {
+      section.checks.push_back(not_measured(text_of(shape), failure));
+      continue;
+    }
+    if (error < kCompressibility) {
+      section.checks.push_back({.name = fmt::format("{}: error", text_of(shape)),
+                                .measured = error,
+                                .asked = Asked::kAtMost,
+                                .tolerance = kCompressibility,
+                                .reason = "as much as the material's own compressibility, three "
+                                          "times mu over kappa, makes: no order is left"});
+      continue;
+    }
+    section.checks.push_back(
+        {.name = fmt::format("{}: order of the error", text_of(shape)),
+         .measured = order,
+         .asked = Asked::kAtLeast,
+         .expected = 2.0,
+         .tolerance = 0.5,
+         .reason = "chords cut the rim by the square of the cells' size, and volume ratios of one "
+                   "value per element or node are as good; meshes are coarse"});
+  }
+  section.tables.push_back(std::move(table));
+  section.plots.push_back(std::move(plot));
+  return section;
+}
+
+}  // namespace lefort::verify

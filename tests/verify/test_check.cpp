@@ -1,0 +1,57 @@
+// What counts as passed, and how failures are told.
+#include <lefort/verify/verification_report.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace lefort::verify {
+namespace {
+
+TEST(Check, IsRefusedOnTheSideThatIsAsked) {
+  Check check{.name = "x", .measured = 2.3, .expected = 2.0, .tolerance = 0.2};
+  EXPECT_FALSE(check.passed());
+  check.asked = Asked::kAtLeast;
+  EXPECT_TRUE(check.passed());
+  check.asked = Asked::kAtMost;
+  EXPECT_FALSE(check.passed());
+  check.measured = 1.9;
+  for (const Asked asked : {Asked::kNear, Asked::kAtLeast, Asked::kAtMost}) {
+    check.asked = asked;
+    EXPECT_TRUE(check.passed());
+  }
+}
+
+TEST(Check, FailsWhereNothingWasMeasured) {
+  for (const Asked asked : {Asked::kNear, Asked::kAtLeast, Asked::kAtMost})
+    EXPECT_FALSE((Check{.name = "x", .measured = NAN, .asked = asked, .tolerance = 1e9}.passed()));
+  EXPECT_FALSE(not_measured("x", "the solver stopped").passed());
+  EXPECT_FALSE((Section{.name = "empty", .title = "", .text = ""}.passed()));
+}
+
+TEST(VerificationReport, TellsFailuresAndTheirCause) {
+  Section section{.name = "one", .title = "One case", .text = "What it is."};
+  section.checks.push_back({.name = "width",
+                            .measured = 2.5,
+                            .expected = 2.0,
+                            .tolerance = 0.1,
+                            .unit = "mm",
+                            .reason = "a | in a cell"});
+  section.checks.push_back(not_measured("height", "no equilibrium"));
+  section.plots.push_back({.title = "Plot"});
+  const auto files = verification_report(std::vector{section}, "lefort verify");
+  ASSERT_EQ(files.size(), 2U);
+  EXPECT_EQ(files[0].name, "verification.md");
+  EXPECT_NE(files[0].content.find("| width | 2.5 mm | 2 mm ± 0.1 | a \\| in a cell | **failed** |"),
+            std::string::npos)
+      << files[0].content;
+  EXPECT_NE(files[0].content.find("| height | no equilibrium |"), std::string::npos);
+  EXPECT_NE(files[0].content.find("| One case | 2 | 0 |"), std::string::npos);
+  EXPECT_NE(files[0].content.find("![Plot](verification-one-1.svg)"), std::string::npos);
+  EXPECT_EQ(files[1].name, "verification-one-1.svg");
+  EXPECT_EQ(files[1].content.rfind("<svg", 0), 0U);
+  EXPECT_EQ(files[1].content.find("var("), std::string::npos);  // Not all viewers know it.
+}
+
+}  // namespace
+}  // namespace lefort::verify
