@@ -228,11 +228,26 @@ Error explained(const Error& error, const Problem& problem, const fem::LoadState
                       at_L.y(), at_L.z())};
 }
 
-fem::NewtonOptions newton_options(const PreparedDeck& prepared, const DeckWatch& watch) {
-  fem::NewtonOptions options = prepared.deck.newton;
-  options.absolute_tolerance_n = prepared.absolute_tolerance_n;
+fem::NewtonOptions newton_options(const Problem& problem, const DeckWatch& watch) {
+  constexpr double kSlack = 4.0;  // Of an estimate.
+  fem::NewtonOptions options = problem.prepared().deck.newton;
+  const VectorX at_rest = VectorX::Zero(3 * problem.prepared().mesh.node_count());
+  if (problem.assembler().forces(at_rest))
+    options.round_off_n = kSlack * problem.assembler().force_round_off_n(at_rest);
   options.on_phase = watch.on_phase;
   return options;
+}
+
+/// Whether nothing pushes the body and its held nodes are where they rest; obstacles apart.
+bool is_at_rest(const PreparedDeck& prepared, double time) {
+  const Deck& deck = prepared.deck;
+  const auto pushes = [&](const auto& load) { return factor_at(load.curve, time) != 0.0; };
+  const auto held = prescribed_at(prepared, time);
+  return std::none_of(deck.tractions.begin(), deck.tractions.end(), pushes) &&
+         std::none_of(deck.pressures.begin(), deck.pressures.end(), pushes) &&
+         std::none_of(deck.body_forces.begin(), deck.body_forces.end(), pushes) &&
+         std::all_of(held.begin(), held.end(),
+                     [](const auto& node) { return node.displacement_mm == 0.0; });
 }
 
 }  // namespace
@@ -247,10 +262,11 @@ Index Increment::newton_iterations() const {
 Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fields,
                          const DeckWatch& watch, Progress& progress) {
   LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, fields));
-  const fem::NewtonOptions newton = newton_options(prepared, watch);
+  fem::NewtonOptions newton = newton_options(*problem, watch);
   fem::LinearSolver linear_solver(prepared.deck.linear_solver);
   const auto solve_at = [&](double time, const VectorX& start) {
     problem->set_time(time);
+    newton.may_start_at_rest = is_at_rest(prepared, time);
     fem::NewtonOutcome outcome =
         fem::find_equilibrium(problem->assembler(), prescribed_at(prepared, time), start,
                               linear_solver, newton, progress);
