@@ -582,6 +582,39 @@ TEST_F(SolveCommand, AnOutputThatCannotBeWrittenIsOneLine) {
   }
 }
 
+TEST_F(SolveCommand, WhatARunIsMadeFromIsNeverOverwritten) {
+  const auto spared = [&](const fs::path& deck_file, const json& deck, const fs::path& input) {
+    EXPECT_TRUE(io::write_text(folder_ / deck_file, deck.dump()));
+    const std::string before = text_of(input);
+    const auto run =
+        test::run_lefort("solve " + quoted(folder_ / deck_file) + " -o " + quoted(folder_.path()));
+    EXPECT_EQ(run.exit_code, 1) << input;
+    EXPECT_EQ(run.message_lines(), 1) << run.error;
+    EXPECT_NE(run.error.find(input.string() + " is read by this run"), std::string::npos)
+        << run.error;
+    EXPECT_EQ(text_of(input), before);
+    EXPECT_FALSE(there_is("solve.pvd"));
+  };
+  spared("solve.json", stretch(), "solve.json");
+  fs::remove(folder_ / "solve.json");
+  json deck = stretch();
+  fs::copy_file(folder_ / "block.vtu", folder_ / "step_0007.vtu");
+  deck["mesh"] = "step_0007.vtu";
+  spared("deck.json", deck, "step_0007.vtu");
+  fs::create_hard_link(folder_ / "block.vtu", folder_ / "step_12345.vtu");
+  spared("deck.json", stretch(), "step_12345.vtu");
+}
+
+TEST_F(SolveCommand, OnlyStepsOfAnEarlierRunAreRemoved) {
+  fs::create_directory(folder_ / "out");
+  for (const char* name : {"step_0009.vtu", "step_by_step.vtu", "step_012.vtu", "step_0009a.vtu"})
+    ASSERT_TRUE(io::write_text(folder_ / "out" / name, "mine"));
+  ASSERT_EQ(solve(stretch()).exit_code, 0);
+  EXPECT_FALSE(there_is("out/step_0009.vtu"));
+  for (const char* name : {"step_by_step.vtu", "step_012.vtu", "step_0009a.vtu"})
+    EXPECT_EQ(text_of(fs::path("out") / name), "mine");
+}
+
 TEST_F(SolveCommand, AFullDiskIsOneLine) {
   const auto run = solve(stretch(), "out", "", "trap '' XFSZ; ulimit -f 4;");
   EXPECT_EQ(run.exit_code, 1);

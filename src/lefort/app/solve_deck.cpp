@@ -18,6 +18,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace lefort::app {
 namespace {
@@ -58,6 +59,13 @@ Result<void> check_obstacle_files(const io::DeckFile& file) {
                                                         file.obstacles[i].file.string()));
   }
   return {};
+}
+
+/// All files that a deck is made of.
+std::vector<fs::path> input_files(const SolveJob& job, const io::DeckFile& file) {
+  std::vector<fs::path> files{job.deck, file.mesh};
+  for (const io::ObstacleFile& obstacle : file.obstacles) files.push_back(obstacle.file);
+  return files;
 }
 
 Result<solve::ObstacleFields> obstacle_fields(const io::DeckFile& file, Progress& progress) {
@@ -124,6 +132,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   LEFORT_TRY(const io::DeckText text, io::read_deck(job.deck));
   const io::DeckFile& file = text.file;
   LEFORT_TRY_VOID(check_obstacle_files(file));
+  LEFORT_TRY_VOID(spare_inputs(job.output, input_files(job, file)));
   LEFORT_TRY(mesh::VolumeMesh mesh, read_mesh(file));
   Result<solve::PreparedDeck> checked = solve::prepare_deck(std::move(mesh), file.deck);
   if (!checked)
@@ -133,9 +142,9 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
   if (job.check_only) return summary_of_check(job, prepared);
 
+  LEFORT_TRY(const SolveInputs inputs, fingerprints(text));
   LEFORT_TRY_VOID(make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_solve_results(job.output));
-  LEFORT_TRY(const SolveInputs inputs, fingerprints(text));
   SolveWriter writer(job.output, file, prepared);
   LEFORT_TRY_VOID(writer.begin());
 
