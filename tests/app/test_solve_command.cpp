@@ -482,6 +482,42 @@ TEST_F(SolveCommand, AFieldFileIsTheObstacleItWasBuiltOf) {
   EXPECT_TRUE(text_of("surface/probes.csv") == text_of("field/probes.csv"));
 }
 
+TEST_F(SolveCommand, AnObstacleThatSitsInTheBodyIsFoundBeforeEarlierResultsGo) {
+  ASSERT_EQ(solve(stretch()).exit_code, 0);
+  const auto with_ball = [&](double overlap_mm) {
+    const Vec3 centre(5, 5, 24.0 - overlap_mm);
+    EXPECT_TRUE(io::write_surface(folder_ / "ball.stl", test::make_icosphere(4.0, 3, centre)));
+    json deck = clamped();
+    deck["obstacles"] = {
+        {{"name", "ball"},
+         {"file", "ball.stl"},
+         {"faces", "Z1"},
+         {"resolution", 32},
+         {"band_mm", 1.0},
+         {"keyframes", json::parse(R"([{"at": 1.0, "translation_mm": [0, 0, -0.1]}])")}}};
+    return deck;
+  };
+  for (const char* more : {"", "--check"}) {
+    const auto run = solve(with_ball(2.5), "out", more);
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_EQ(run.message_lines(), 1) << run.error;
+    EXPECT_TRUE(std::regex_search(
+        run.error, std::regex("obstacles\\[0\\]: overlaps its faces by [0-9.]+ mm at rest, its "
+                              "field knows [0-9.]+ mm")))
+        << run.error;
+    EXPECT_TRUE(there_is("out/solve.json"));
+    EXPECT_TRUE(there_is("out/step_0002.vtu"));
+  }
+  const auto warned = solve(with_ball(0.5), "out", "--check --json");
+  ASSERT_EQ(warned.exit_code, 0) << warned.error;
+  const json warnings = json::parse(warned.out)["warnings"];
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].get<std::string>().find("obstacles[0]: overlaps its faces by 0."),
+            std::string::npos);
+  EXPECT_EQ(json::parse(solve(with_ball(0.0), "out", "--check --json").out)["warnings"],
+            json::array());
+}
+
 TEST_F(SolveCommand, ChecksADeckWithoutSolvingIt) {
   const auto run = solve(stretch(), "out", "--check --json");
   EXPECT_EQ(run.exit_code, 0) << run.error;

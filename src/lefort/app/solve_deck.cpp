@@ -10,6 +10,7 @@
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_mesh_files.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/solve/check_obstacles.h>
 #include <lefort/solve/run_deck.h>
 
 #include <fmt/format.h>
@@ -138,19 +139,26 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   if (!checked)
     return fail(checked.error().code,
                 fmt::format("deck {}: {}", job.deck.string(), checked.error().message));
-  const solve::PreparedDeck prepared = *std::move(checked);
+  solve::PreparedDeck prepared = *std::move(checked);
+
+  clock.begin("obstacles");
+  if (!file.obstacles.empty()) progress.begin_stage("build the obstacles' fields");
+  LEFORT_TRY(const solve::ObstacleFields fields, obstacle_fields(file, progress));
+  const auto overlaps = solve::check_obstacles(prepared, fields);
+  if (!overlaps)
+    return fail(overlaps.error().code,
+                fmt::format("deck {}: {}", job.deck.string(), overlaps.error().message));
+  prepared.warnings.insert(prepared.warnings.end(), overlaps->begin(), overlaps->end());
   for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
   if (job.check_only) return summary_of_check(job, prepared);
+
+  clock.begin("read");
 
   LEFORT_TRY(const SolveInputs inputs, fingerprints(text));
   LEFORT_TRY_VOID(make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_solve_results(job.output));
   SolveWriter writer(job.output, file, prepared);
   LEFORT_TRY_VOID(writer.begin());
-
-  clock.begin("obstacles");
-  if (!file.obstacles.empty()) progress.begin_stage("build the obstacles' fields");
-  LEFORT_TRY(const solve::ObstacleFields fields, obstacle_fields(file, progress));
 
   progress.begin_stage("solve");
   clock.begin(name_of(fem::SolvePhase::kNone));

@@ -27,36 +27,14 @@ std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const VectorX& u) {
   return x_L;
 }
 
-Result<void> check_field(const Obstacle& obstacle, const field::DistanceField& field_B) {
-  const bool smooth = obstacle.reconstruction == contact::Reconstruction::kSmooth;
-  if (!field_B.frame().closed)
-    return fail(
-        ErrorCode::kMeshInvalid,
-        fmt::format("obstacle {} is an open surface, contact needs a closed one", obstacle.name));
-  if (smooth && !field_B.is_smooth())
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the field of obstacle {} was built without --smooth; build it anew "
-                            "with it, or choose reconstruction trilinear",
-                            obstacle.name));
-  const double reach_mm = contact::reach_mm(field_B, obstacle.reconstruction);
-  if (!(obstacle.capture_mm < reach_mm))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("capture_mm of obstacle {} is {:g}, must be less than the {:.2f} mm "
-                            "that its field reaches",
-                            obstacle.name, obstacle.capture_mm, reach_mm));
-  return {};
-}
-
 /// The terms of a deck, and the pose and size of each at a time.
 class Problem {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Problem>> build(const PreparedDeck& prepared,
                                                               const ObstacleFields& fields) {
-    LEFORT_CHECK(fields.size() == prepared.deck.obstacles.size());
+    LEFORT_TRY_VOID(check_obstacles(prepared, fields));
     LEFORT_TRY(ElementTerms elements, fem::make_element_terms(prepared.mesh, prepared.materials));
     LEFORT_TRY(DeckLoads loads, DeckLoads::build(prepared));
-    for (std::size_t i = 0; i < fields.size(); ++i)
-      LEFORT_TRY_VOID(check_field(prepared.deck.obstacles[i], *fields[i]));
     LEFORT_TRY(fem::DofMap dofs,
                fem::DofMap::build(prepared.mesh.node_count(), prescribed_at(prepared, 0.0)));
     return std::unique_ptr<Problem>(
