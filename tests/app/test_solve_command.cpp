@@ -482,6 +482,42 @@ TEST_F(SolveCommand, AFieldFileIsTheObstacleItWasBuiltOf) {
   EXPECT_TRUE(text_of("surface/probes.csv") == text_of("field/probes.csv"));
 }
 
+TEST_F(SolveCommand, AnObstacleThatSitsInTheBodyIsFoundBeforeEarlierResultsGo) {
+  ASSERT_EQ(solve(stretch()).exit_code, 0);
+  const auto with_ball = [&](double overlap_mm) {
+    const Vec3 centre(5, 5, 24.0 - overlap_mm);
+    EXPECT_TRUE(io::write_surface(folder_ / "ball.stl", test::make_icosphere(4.0, 3, centre)));
+    json deck = clamped();
+    deck["obstacles"] = {
+        {{"name", "ball"},
+         {"file", "ball.stl"},
+         {"faces", "Z1"},
+         {"resolution", 32},
+         {"band_mm", 1.0},
+         {"keyframes", json::parse(R"([{"at": 1.0, "translation_mm": [0, 0, -0.1]}])")}}};
+    return deck;
+  };
+  for (const char* more : {"", "--check"}) {
+    const auto run = solve(with_ball(2.5), "out", more);
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_EQ(run.message_lines(), 1) << run.error;
+    EXPECT_TRUE(std::regex_search(
+        run.error, std::regex("obstacles\\[0\\]: overlaps its faces by [0-9.]+ mm at rest, its "
+                              "field knows [0-9.]+ mm")))
+        << run.error;
+    EXPECT_TRUE(there_is("out/solve.json"));
+    EXPECT_TRUE(there_is("out/step_0002.vtu"));
+  }
+  const auto warned = solve(with_ball(0.5), "out", "--check --json");
+  ASSERT_EQ(warned.exit_code, 0) << warned.error;
+  const json warnings = json::parse(warned.out)["warnings"];
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].get<std::string>().find("obstacles[0]: overlaps its faces by 0."),
+            std::string::npos);
+  EXPECT_EQ(json::parse(solve(with_ball(0.0), "out", "--check --json").out)["warnings"],
+            json::array());
+}
+
 TEST_F(SolveCommand, ChecksADeckWithoutSolvingIt) {
   const auto run = solve(stretch(), "out", "--check --json");
   EXPECT_EQ(run.exit_code, 0) << run.error;
@@ -580,6 +616,39 @@ TEST_F(SolveCommand, AnOutputThatCannotBeWrittenIsOneLine) {
     EXPECT_EQ(run.message_lines(), 1) << run.error;
     EXPECT_NE(run.error.find(out), std::string::npos) << run.error;
   }
+}
+
+TEST_F(SolveCommand, WhatARunIsMadeFromIsNeverOverwritten) {
+  const auto spared = [&](const fs::path& deck_file, const json& deck, const fs::path& input) {
+    EXPECT_TRUE(io::write_text(folder_ / deck_file, deck.dump()));
+    const std::string before = text_of(input);
+    const auto run =
+        test::run_lefort("solve " + quoted(folder_ / deck_file) + " -o " + quoted(folder_.path()));
+    EXPECT_EQ(run.exit_code, 1) << input;
+    EXPECT_EQ(run.message_lines(), 1) << run.error;
+    EXPECT_NE(run.error.find(input.string() + " is read by this run"), std::string::npos)
+        << run.error;
+    EXPECT_EQ(text_of(input), before);
+    EXPECT_FALSE(there_is("solve.pvd"));
+  };
+  spared("solve.json", stretch(), "solve.json");
+  fs::remove(folder_ / "solve.json");
+  json deck = stretch();
+  fs::copy_file(folder_ / "block.vtu", folder_ / "step_0007.vtu");
+  deck["mesh"] = "step_0007.vtu";
+  spared("deck.json", deck, "step_0007.vtu");
+  fs::create_hard_link(folder_ / "block.vtu", folder_ / "step_12345.vtu");
+  spared("deck.json", stretch(), "step_12345.vtu");
+}
+
+TEST_F(SolveCommand, OnlyStepsOfAnEarlierRunAreRemoved) {
+  fs::create_directory(folder_ / "out");
+  for (const char* name : {"step_0009.vtu", "step_by_step.vtu", "step_012.vtu", "step_0009a.vtu"})
+    ASSERT_TRUE(io::write_text(folder_ / "out" / name, "mine"));
+  ASSERT_EQ(solve(stretch()).exit_code, 0);
+  EXPECT_FALSE(there_is("out/step_0009.vtu"));
+  for (const char* name : {"step_by_step.vtu", "step_012.vtu", "step_0009a.vtu"})
+    EXPECT_EQ(text_of(fs::path("out") / name), "mine");
 }
 
 TEST_F(SolveCommand, AFullDiskIsOneLine) {

@@ -221,6 +221,66 @@ TEST(RunDeck, AnErrorOfTheWatchIsHandedOn) {
   EXPECT_EQ(done.error().message, "the disk is full");
 }
 
+// --- Tolerance -----------------------------------------------------------------------------------
+
+TEST(RunDeck, ANodeFarAwayThatNoElementHasChangesNothing) {
+  Deck deck = test::clamped_deck();
+  deck.tractions.push_back({"z1", Vec3(2e-4, 0, 0), {}});
+  mesh::VolumeMesh mesh = block();
+  const DeckRun alone = run(mesh, deck);
+  mesh.nodes_L.emplace_back(1e6, -1e6, 1e6);
+  const DeckRun with_another = run(mesh, deck);
+  ASSERT_TRUE(alone.completed() && with_another.completed());
+  EXPECT_LT(with_another.last->relative_residual, 1e-8);
+  EXPECT_GT(alone.last->largest_displacement_mm, 0.1);
+  EXPECT_EQ(with_another.last->u.head(alone.last->u.size()), alone.last->u);
+}
+
+TEST(RunDeck, ASoftRegionIsNotSolvedToTheRoundOffOfAStiffOne) {
+  // Titanium below 5 mm, fat above it that a feather pushes; 300 mm from the origin.
+  mesh::VolumeMesh mesh = test::box_mesh({.cells = {2, 2, 4}, .size_mm = {10, 10, 20}});
+  for (Vec3& p_L : mesh.nodes_L) p_L += Vec3::Constant(300.0);
+  mesh::ElementBlock& elements = mesh.blocks[0];
+  for (Index e = 0; e < elements.element_count(); ++e) {
+    double z = 0.0;
+    for (int a = 0; a < 4; ++a) z += mesh.nodes_L[std::size_t(elements.element(e)[a])].z() / 4.0;
+    elements.region[std::size_t(e)] = z < 305.0 ? 1 : 0;
+  }
+  Deck deck = test::clamped_deck();
+  deck.laws[0].law = fem::NeoHookean::from_young_poisson(1e-3, 0.45).value();
+  deck.laws.push_back({"1", fem::NeoHookean::from_young_poisson(1.1e5, 0.3).value(), 0.0});
+  deck.tractions.push_back({"z1", Vec3(1e-5, 0, 0), {}});
+  DeckWatch watch;
+  watch.on_increment = [](const Increment& increment) -> Result<void> {
+    EXPECT_GT(increment.newton_iterations(), 0) << increment.time;
+    EXPECT_LT(increment.relative_residual, 1e-3) << increment.time;
+    return {};
+  };
+  const DeckRun done = run(mesh, deck, {}, watch);
+  ASSERT_TRUE(done.completed()) << done.failure->message;
+  EXPECT_LT((sum(done.last->reactions_n) + Vec3(1e-3, 0, 0)).norm(), 1e-6);
+}
+
+TEST(RunDeck, ABodyAtRestIsInEquilibriumHoweverStiffItIs) {
+  mesh::VolumeMesh mesh = block(mesh::ElementShape::kHex20);
+  for (Vec3& p_L : mesh.nodes_L) p_L += Vec3(300.0, -400.0, 1200.0);
+  Deck deck = test::uniaxial_deck(2.0);
+  deck.laws[0].law = fem::NeoHookean::from_young_poisson(1.1e5, 0.3).value();
+  deck.displacements[3].curve = LoadCurve{{{0.0, 0.0}, {0.3, 0.0}, {0.6, 1.0}, {1.0, 0.0}}};
+  const DeckRun done = run(mesh, deck);
+  ASSERT_TRUE(done.completed()) << done.failure->message;
+  EXPECT_LT(done.last->largest_displacement_mm, 1e-9);
+}
+
+TEST(RunDeck, ABodyThatIsCarriedAlongKeepsItsShape) {
+  Deck deck = test::clamped_deck();
+  deck.displacements = {prescribe("z0", 30.0, -20.0, 0.0)};
+  const DeckRun done = run(block(mesh::ElementShape::kTet10), deck);
+  ASSERT_TRUE(done.completed()) << done.failure->message;
+  for (Index n = 0; n < done.last->u.size() / 3; ++n)
+    EXPECT_LT((done.last->u.segment<3>(3 * n) - Vec3(30, -20, 0)).norm(), 1e-8);
+}
+
 // --- Obstacles -----------------------------------------------------------------------------------
 
 constexpr double kRadius_mm = 6.0;

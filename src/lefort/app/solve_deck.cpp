@@ -10,6 +10,7 @@
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_mesh_files.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/solve/check_obstacles.h>
 #include <lefort/solve/run_deck.h>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace lefort::app {
 namespace {
@@ -58,6 +60,13 @@ Result<void> check_obstacle_files(const io::DeckFile& file) {
                                                         file.obstacles[i].file.string()));
   }
   return {};
+}
+
+/// All files that a deck is made of.
+std::vector<fs::path> input_files(const SolveJob& job, const io::DeckFile& file) {
+  std::vector<fs::path> files{job.deck, file.mesh};
+  for (const io::ObstacleFile& obstacle : file.obstacles) files.push_back(obstacle.file);
+  return files;
 }
 
 Result<solve::ObstacleFields> obstacle_fields(const io::DeckFile& file, Progress& progress) {
@@ -124,24 +133,32 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   LEFORT_TRY(const io::DeckText text, io::read_deck(job.deck));
   const io::DeckFile& file = text.file;
   LEFORT_TRY_VOID(check_obstacle_files(file));
+  LEFORT_TRY_VOID(spare_inputs(job.output, input_files(job, file)));
   LEFORT_TRY(mesh::VolumeMesh mesh, read_mesh(file));
   Result<solve::PreparedDeck> checked = solve::prepare_deck(std::move(mesh), file.deck);
   if (!checked)
     return fail(checked.error().code,
                 fmt::format("deck {}: {}", job.deck.string(), checked.error().message));
-  const solve::PreparedDeck prepared = *std::move(checked);
-  for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
-  if (job.check_only) return summary_of_check(job, prepared);
-
-  LEFORT_TRY_VOID(make_output_folder(job.output));
-  LEFORT_TRY_VOID(remove_solve_results(job.output));
-  LEFORT_TRY(const SolveInputs inputs, fingerprints(text));
-  SolveWriter writer(job.output, file, prepared);
-  LEFORT_TRY_VOID(writer.begin());
+  solve::PreparedDeck prepared = *std::move(checked);
 
   clock.begin("obstacles");
   if (!file.obstacles.empty()) progress.begin_stage("build the obstacles' fields");
   LEFORT_TRY(const solve::ObstacleFields fields, obstacle_fields(file, progress));
+  const auto overlaps = solve::check_obstacles(prepared, fields);
+  if (!overlaps)
+    return fail(overlaps.error().code,
+                fmt::format("deck {}: {}", job.deck.string(), overlaps.error().message));
+  prepared.warnings.insert(prepared.warnings.end(), overlaps->begin(), overlaps->end());
+  for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
+  if (job.check_only) return summary_of_check(job, prepared);
+
+  clock.begin("read");
+
+  LEFORT_TRY(const SolveInputs inputs, fingerprints(text));
+  LEFORT_TRY_VOID(make_output_folder(job.output));
+  LEFORT_TRY_VOID(remove_solve_results(job.output));
+  SolveWriter writer(job.output, file, prepared);
+  LEFORT_TRY_VOID(writer.begin());
 
   progress.begin_stage("solve");
   clock.begin(name_of(fem::SolvePhase::kNone));

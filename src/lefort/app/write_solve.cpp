@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <system_error>
 
 namespace lefort::app {
@@ -91,8 +92,28 @@ io::VtuFields fields_of(const io::WrittenFields& wanted, const solve::Deck& deck
   return fields;
 }
 
-bool is_step_file(const std::string& name) {
-  return name.starts_with("step_") && name.ends_with(".vtu");
+/// As SolveWriter::last_step() names them: "step_", four digits or more, ".vtu".
+bool is_step_file(std::string_view name) {
+  constexpr std::string_view kBegin = "step_", kEnd = ".vtu";
+  constexpr std::size_t kFewestDigits = 4;
+  if (!name.starts_with(kBegin) || !name.ends_with(kEnd)) return false;
+  if (name.size() < kBegin.size() + kFewestDigits + kEnd.size()) return false;
+  name.remove_prefix(kBegin.size());
+  name.remove_suffix(kEnd.size());
+  return name.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+/// What a run writes into its folder or takes out of it, solve.json first, whether it is there or
+/// not; of the steps those that are.
+std::vector<fs::path> result_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const char* name : {"solve.json", kSeries, kIncompleteSeries, "probes.csv"})
+    files.push_back(folder / name);
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error))
+    if (is_step_file(entry->path().filename().string())) files.push_back(entry->path());
+  return files;
 }
 
 std::string csv_row(double time, const std::vector<Vec3>& probes_mm) {
@@ -103,15 +124,21 @@ std::string csv_row(double time, const std::vector<Vec3>& probes_mm) {
 
 }  // namespace
 
-Result<void> remove_solve_results(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const char* name : {"solve.json", kSeries, kIncompleteSeries, "probes.csv"})
-    files.push_back(folder / name);
+Result<void> spare_inputs(const fs::path& folder, std::span<const fs::path> inputs) {
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error))
-    if (is_step_file(entry->path().filename().string())) files.push_back(entry->path());
-  for (const fs::path& file : files) {
+  for (const fs::path& file : result_files(folder))
+    for (const fs::path& input : inputs)
+      if (fs::equivalent(file, input, error))
+        return fail(ErrorCode::kFileUnwritable,
+                    fmt::format("{} is read by this run and would be overwritten, output folder "
+                                "must be another",
+                                file.string()));
+  return {};
+}
+
+Result<void> remove_solve_results(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::path& file : result_files(folder)) {
     fs::remove(file, error);
     if (error)
       return fail(ErrorCode::kFileUnwritable,

@@ -12,10 +12,18 @@
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace lefort::app {
+
+/// Refuses a folder where results would take the place of what the run is made from.
+///
+/// \param inputs  files that are read.
+/// \returns nothing, or kFileUnwritable, naming the file.
+[[nodiscard]] Result<void> spare_inputs(const std::filesystem::path& folder,
+                                        std::span<const std::filesystem::path> inputs);
 
 /// Takes an earlier run's results out of a folder, solve.json first; files of others stay.
 ///

@@ -83,6 +83,9 @@ void gather_stiffness(const Gather<BlockSource>& gather, const std::vector<doubl
   });
 }
 
+/// Whether signs are dropped, so that nothing cancels.
+enum class Magnitudes { kNo, kYes };
+
 }  // namespace
 
 double energy_change_mj(const AssembledForces& from, const VectorX& u_from,
@@ -111,6 +114,10 @@ struct Assembler::Plan {
   [[nodiscard]] bool is_conservative(const PlannedItem& item) const {
     return conservative[std::size_t(item.term)];
   }
+
+  /// The sum over all items of their stiffness at x_L times `vector`, or of the magnitudes of both.
+  [[nodiscard]] VectorX stiffness_times(const VectorX& x_L, const VectorX& vector,
+                                        Magnitudes magnitudes) const;
 
   /// Adds what the chunk's items of terms that are not conservative push on each node.
   void add_followers(const Chunk& chunk, const std::vector<double>& buffer,
@@ -203,38 +210,50 @@ SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
   return K;
 }
 
-VectorX Assembler::tangent_times(const VectorX& u, const VectorX& du) const {
-  LEFORT_CHECK(du.size() == u.size());
-  const VectorX x_L = plan_->positions_L(u);
-  VectorX product = VectorX::Zero(u.size());
-  std::vector<double> buffer(std::size_t(plan_->layout.force_buffer_size));
-  for (const Chunk& chunk : plan_->layout.chunks) {
+VectorX Assembler::Plan::stiffness_times(const VectorX& x_L, const VectorX& vector,
+                                         Magnitudes magnitudes) const {
+  VectorX product = VectorX::Zero(vector.size());
+  std::vector<double> buffer(std::size_t(layout.force_buffer_size));
+  for (const Chunk& chunk : layout.chunks) {
     parallel_for(
         Index(chunk.items.size()),
         [&](Index k) {
           const PlannedItem& item = chunk.items[std::size_t(k)];
-          const ForceTerm& term = plan_->term(item);
-          const std::span<const std::int32_t> nodes = term.nodes(item.item);
+          const std::span<const std::int32_t> nodes = term(item).nodes(item.item);
           const auto size = Index(3 * nodes.size());
-          std::array<Vec3, kMaxLocalNodes> local_du;
-          pick(du, nodes, local_du.data());
-          const Eigen::Map<const VectorX> direction(local_du.data()->data(), size);
+          std::array<Vec3, kMaxLocalNodes> local;
+          pick(vector, nodes, local.data());
+          const Eigen::Map<const VectorX> factor(local.data()->data(), size);
           Eigen::Map<VectorX> force(buffer.data() + item.forces, size);
-          if (direction.isZero(0.0)) {
+          if (factor.isZero(0.0)) {
             force.setZero();
             return;
           }
           std::array<double, kMaxLocalSize * kMaxLocalSize> stiffness;
           const double energy =
-              evaluate_item(term, item.item, x_L, force.data(), stiffness.data()).energy_mj;
+              evaluate_item(term(item), item.item, x_L, force.data(), stiffness.data()).energy_mj;
           LEFORT_CHECK(!std::isnan(energy));
-          force.noalias() =
-              Eigen::Map<const Eigen::MatrixXd>(stiffness.data(), size, size) * direction;
+          const Eigen::Map<const Eigen::MatrixXd> K(stiffness.data(), size, size);
+          if (magnitudes == Magnitudes::kYes)
+            force.noalias() = K.cwiseAbs() * factor.cwiseAbs();
+          else
+            force.noalias() = K * factor;
         },
         kItemsPerTask);
     gather_forces(chunk.forces, buffer, product, nullptr);
   }
   return product;
+}
+
+VectorX Assembler::tangent_times(const VectorX& u, const VectorX& du) const {
+  LEFORT_CHECK(du.size() == u.size());
+  return plan_->stiffness_times(plan_->positions_L(u), du, Magnitudes::kNo);
+}
+
+VectorX Assembler::force_round_off_n(const VectorX& u) const {
+  const VectorX x_L = plan_->positions_L(u);
+  return std::numeric_limits<double>::epsilon() *
+         plan_->stiffness_times(x_L, x_L, Magnitudes::kYes);
 }
 
 }  // namespace lefort::fem

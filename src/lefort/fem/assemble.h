@@ -67,6 +67,11 @@ class Assembler {
   /// \pre u is admissible.
   [[nodiscard]] VectorX tangent_times(const VectorX& u, const VectorX& du) const;
 
+  /// How much of each component of forces() rounding of the positions may be, at most about:
+  /// epsilon times |stiffness| |x|, summed over the items [N]; 3 per node.
+  /// \pre u is admissible.
+  [[nodiscard]] VectorX force_round_off_n(const VectorX& u) const;
+
  private:
   struct Plan;
   std::unique_ptr<const Plan> plan_;

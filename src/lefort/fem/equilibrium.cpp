@@ -84,8 +84,11 @@ NewtonOutcome find_equilibrium(const Assembler& assembler,
   const VectorX guess =
       stands_still ? moved : follow_boundary(assembler, start, moved, linear_solver, options);
   const HeldBody body(assembler, guess);
+  NewtonOptions of_free_part = options;
+  if (options.round_off_n.size() > 0)
+    of_free_part.round_off_n = dofs.free_part(options.round_off_n);
   NewtonOutcome outcome =
-      solve_newton(body, dofs.free_part(guess), linear_solver, options, progress);
+      solve_newton(body, dofs.free_part(guess), linear_solver, of_free_part, progress);
   outcome.x = body.all(outcome.x);
   return outcome;
 }

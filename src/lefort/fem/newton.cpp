@@ -226,6 +226,22 @@ double tolerance_n(const Iterate& at, const NewtonOptions& options) {
                   options.absolute_tolerance_n);
 }
 
+/// Whether what is left of r beside its round-off is small.
+bool is_round_off(const Iterate& at, const NewtonOptions& options) {
+  if (options.round_off_n.size() == 0) return false;
+  const VectorX left = (at.balance.residual_n.cwiseAbs() - options.round_off_n).cwiseMax(0.0);
+  return left.norm() <= options.relative_tolerance * at.balance.force_scale_n;
+}
+
+/// \param iterations  done so far.
+bool is_converged(const Iterate& at, int iterations, const NewtonOptions& options) {
+  constexpr double kNearlyAll = 1e-3;  // Of the forces that cancel: they may well be no round-off.
+  if (at.residual_n <= tolerance_n(at, options)) return true;
+  const bool tried = options.may_start_at_rest || iterations > 0 ||
+                     at.residual_n <= kNearlyAll * at.balance.force_scale_n;
+  return tried && is_round_off(at, options);
+}
+
 const char* why_no_direction(NewtonStop why) {
   switch (why) {
     case NewtonStop::kOutOfMemory:
@@ -291,6 +307,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
                            LinearSolver& linear_solver, const NewtonOptions& options,
                            Progress& progress) {
   LEFORT_CHECK(validate(options).has_value());
+  LEFORT_CHECK(options.round_off_n.size() == 0 || options.round_off_n.size() == start.size());
   NewtonOutcome outcome;
   enter(SolvePhase::kAssembly, options);
   std::optional<Iterate> first = iterate_at(system, start);
@@ -316,7 +333,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
     return std::move(outcome);
   };
 
-  while (!(at.residual_n <= tolerance_n(at, options))) {  // Written so that NaN is not converged.
+  while (!is_converged(at, outcome.iterations(), options)) {
     if (outcome.iterations() == options.max_iterations)
       return stop(NewtonStop::kTooManyIterations, "not converged");
     const double tolerance = forcing.next(at.residual_n, tolerance_n(at, options));
@@ -327,6 +344,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
 
     const VectorX& dx = direction->dx;
     std::optional<Step> step = backtrack(system, at, dx, options);
+    if (!step && is_round_off(at, options)) break;
     if (!step) return stop(NewtonStop::kStagnated, "no step leads downhill");
 
     model.reached_too_far = step->length < kTooFar;
@@ -336,7 +354,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
     const int idle = headway.steps_without(at, step->to, model.shift > 0.0);
     at = std::move(step->to);
     outcome.history.push_back(history_line(at, step->length, model));
-    if (idle >= options.stagnation_iterations && !(at.residual_n <= tolerance_n(at, options)))
+    if (idle >= options.stagnation_iterations && !is_converged(at, outcome.iterations(), options))
       return stop(NewtonStop::kStagnated, fmt::format("no headway for {} iterations", idle));
   }
   return stop(NewtonStop::kConverged, "converged");

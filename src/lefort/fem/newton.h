@@ -48,6 +48,12 @@ struct NewtonOptions {
   double relative_tolerance = 1e-8;   ///< Converged when |r| <= this * force scale, >= 0 ...
   double absolute_tolerance_n = 0.0;  ///< ... or when |r| <= this [N], >= 0: a body at rest, whose
                                       ///< forces are all round-off.
+  /// How much of each component of r may be round-off [N]: converged, too, when what is left of r
+  /// satisfies the relative tolerance. Empty: none; find_equilibrium() wants all 3 per node.
+  VectorX round_off_n = {};
+  /// Whether a start may be accepted because its r is nearly all round-off. False where something
+  /// pushes: a step is then tried first.
+  bool may_start_at_rest = true;
   int max_iterations = 30;            ///< Newton steps, at most; >= 1.
   int max_backtracks = 20;            ///< How often one step may be shortened; >= 0.
   double sufficient_decrease = 1e-4;  ///< Armijo's constant, in (0, 0.5).

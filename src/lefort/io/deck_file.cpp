@@ -227,7 +227,7 @@ Result<void> read_control(const Json& json, DeckFile& file) {
   read(newton, "relative_tolerance", file.deck.newton.relative_tolerance);
   read(newton, "max_iterations", file.deck.newton.max_iterations);
   if (newton.contains("absolute_tolerance_n"))
-    file.deck.absolute_tolerance_n = newton["absolute_tolerance_n"].get<double>();
+    file.deck.newton.absolute_tolerance_n = newton["absolute_tolerance_n"].get<double>();
   return {};
 }
 

@@ -128,8 +128,6 @@ struct Deck {
   fem::LoadStepOptions steps{.first_increment = 0.1, .min_increment = 1e-4};
   fem::NewtonOptions newton;
   fem::LinearSolverOptions linear_solver;
-  /// Of fem::NewtonOptions; unless given, 1e-10 of the stiffest modulus on the face of an element.
-  std::optional<double> absolute_tolerance_n;
 };
 
 }  // namespace lefort::solve

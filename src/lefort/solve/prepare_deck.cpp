@@ -153,7 +153,7 @@ Result<void> find_obstacles(PreparedDeck& prepared) {
   return {};
 }
 
-// --- Time, tolerance, support --------------------------------------------------------------------
+// --- Time, support -------------------------------------------------------------------------------
 
 void find_levels(PreparedDeck& prepared) {
   const Deck& deck = prepared.deck;
@@ -177,23 +177,6 @@ void find_levels(PreparedDeck& prepared) {
 Index idle_nodes(const PreparedDeck& prepared) {
   const std::vector<char> used = nodes_of_elements(prepared.mesh);
   return Index(std::count(used.begin(), used.end(), 0));
-}
-
-double volume_mm3(const mesh::VolumeMesh& mesh) {
-  Box3 box;
-  for (const Vec3& p_L : mesh.nodes_L) box.extend(p_L);
-  return box.volume();
-}
-
-/// Residuals below it are round-off of forces that are all zero.
-double rest_tolerance_n(const PreparedDeck& prepared) {
-  constexpr double kPart = 1e-10;
-  double young_mpa = 0.0;
-  for (const auto& [region, law] : prepared.materials)
-    young_mpa = std::max(young_mpa, young_at_rest_mpa(law));
-  const double element_mm =
-      std::cbrt(volume_mm3(prepared.mesh) / double(prepared.mesh.element_count()));
-  return kPart * young_mpa * element_mm * element_mm;
 }
 
 /// Whether an obstacle may touch one of these nodes.
@@ -264,8 +247,6 @@ Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
     prepared.probes.push_back(std::move(place));
   }
   find_levels(prepared);
-  prepared.absolute_tolerance_n =
-      prepared.deck.absolute_tolerance_n.value_or(rest_tolerance_n(prepared));
   warn_of_jumps(prepared);
   LEFORT_TRY_VOID(check_supports(prepared));
   return prepared;

@@ -33,7 +33,6 @@ struct PreparedDeck {
   std::vector<double> obstacle_stiffness_mpa_per_mm;
   std::vector<ProbePlace> probes;  ///< Like Deck::probes.
   std::vector<double> levels;      ///< Times at which an increment ends, ascending, the last 1.
-  double absolute_tolerance_n = 0.0;
   std::vector<std::string> warnings;
 };
 

@@ -27,36 +27,14 @@ std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const VectorX& u) {
   return x_L;
 }
 
-Result<void> check_field(const Obstacle& obstacle, const field::DistanceField& field_B) {
-  const bool smooth = obstacle.reconstruction == contact::Reconstruction::kSmooth;
-  if (!field_B.frame().closed)
-    return fail(
-        ErrorCode::kMeshInvalid,
-        fmt::format("obstacle {} is an open surface, contact needs a closed one", obstacle.name));
-  if (smooth && !field_B.is_smooth())
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the field of obstacle {} was built without --smooth; build it anew "
-                            "with it, or choose reconstruction trilinear",
-                            obstacle.name));
-  const double reach_mm = contact::reach_mm(field_B, obstacle.reconstruction);
-  if (!(obstacle.capture_mm < reach_mm))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("capture_mm of obstacle {} is {:g}, must be less than the {:.2f} mm "
-                            "that its field reaches",
-                            obstacle.name, obstacle.capture_mm, reach_mm));
-  return {};
-}
-
 /// The terms of a deck, and the pose and size of each at a time.
 class Problem {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Problem>> build(const PreparedDeck& prepared,
                                                               const ObstacleFields& fields) {
-    LEFORT_CHECK(fields.size() == prepared.deck.obstacles.size());
+    LEFORT_TRY_VOID(check_obstacles(prepared, fields));
     LEFORT_TRY(ElementTerms elements, fem::make_element_terms(prepared.mesh, prepared.materials));
     LEFORT_TRY(DeckLoads loads, DeckLoads::build(prepared));
-    for (std::size_t i = 0; i < fields.size(); ++i)
-      LEFORT_TRY_VOID(check_field(prepared.deck.obstacles[i], *fields[i]));
     LEFORT_TRY(fem::DofMap dofs,
                fem::DofMap::build(prepared.mesh.node_count(), prescribed_at(prepared, 0.0)));
     return std::unique_ptr<Problem>(
@@ -228,11 +206,26 @@ Error explained(const Error& error, const Problem& problem, const fem::LoadState
                       at_L.y(), at_L.z())};
 }
 
-fem::NewtonOptions newton_options(const PreparedDeck& prepared, const DeckWatch& watch) {
-  fem::NewtonOptions options = prepared.deck.newton;
-  options.absolute_tolerance_n = prepared.absolute_tolerance_n;
+fem::NewtonOptions newton_options(const Problem& problem, const DeckWatch& watch) {
+  constexpr double kSlack = 4.0;  // Of an estimate.
+  fem::NewtonOptions options = problem.prepared().deck.newton;
+  const VectorX at_rest = VectorX::Zero(3 * problem.prepared().mesh.node_count());
+  if (problem.assembler().forces(at_rest))
+    options.round_off_n = kSlack * problem.assembler().force_round_off_n(at_rest);
   options.on_phase = watch.on_phase;
   return options;
+}
+
+/// Whether nothing pushes the body and its held nodes are where they rest; obstacles apart.
+bool is_at_rest(const PreparedDeck& prepared, double time) {
+  const Deck& deck = prepared.deck;
+  const auto pushes = [&](const auto& load) { return factor_at(load.curve, time) != 0.0; };
+  const auto held = prescribed_at(prepared, time);
+  return std::none_of(deck.tractions.begin(), deck.tractions.end(), pushes) &&
+         std::none_of(deck.pressures.begin(), deck.pressures.end(), pushes) &&
+         std::none_of(deck.body_forces.begin(), deck.body_forces.end(), pushes) &&
+         std::all_of(held.begin(), held.end(),
+                     [](const auto& node) { return node.displacement_mm == 0.0; });
 }
 
 }  // namespace
@@ -247,10 +240,11 @@ Index Increment::newton_iterations() const {
 Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fields,
                          const DeckWatch& watch, Progress& progress) {
   LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, fields));
-  const fem::NewtonOptions newton = newton_options(prepared, watch);
+  fem::NewtonOptions newton = newton_options(*problem, watch);
   fem::LinearSolver linear_solver(prepared.deck.linear_solver);
   const auto solve_at = [&](double time, const VectorX& start) {
     problem->set_time(time);
+    newton.may_start_at_rest = is_at_rest(prepared, time);
     fem::NewtonOutcome outcome =
         fem::find_equilibrium(problem->assembler(), prescribed_at(prepared, time), start,
                               linear_solver, newton, progress);

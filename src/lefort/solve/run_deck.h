@@ -7,11 +7,10 @@
 #include <lefort/core/progress.h>
 #include <lefort/fem/element_state.h>
 #include <lefort/fem/load_steps.h>
-#include <lefort/field/distance_field.h>
+#include <lefort/solve/check_obstacles.h>
 #include <lefort/solve/prepare_deck.h>
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -58,16 +57,11 @@ struct DeckWatch {
   std::function<void(fem::SolvePhase)> on_phase;
 };
 
-/// The distance field of each obstacle, in its own frame: where it is before its path begins.
-using ObstacleFields = std::vector<std::shared_ptr<const field::DistanceField>>;
-
 /// Solves a deck.
 ///
 /// \param fields  like Deck::obstacles.
 /// \returns how it ended, or
-///   - kMeshInvalid      a field is that of an open surface: it has no inside;
-///   - kInvalidArgument  the capture of an obstacle is not less than its field's band, or its field
-///                       cannot be read smoothly;
+///   - what check_obstacles() returns;
 ///   - what make_element_terms(), traction_forces(), body_forces() and Pressure::build() return;
 ///   - what `watch.on_increment` returned.
 [[nodiscard]] Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fields,
