@@ -94,10 +94,12 @@ Result<VectorX> displacements_in(const fs::path& file, Index nodes) {
   return u;
 }
 
-Result<ProcessRun> run_ccx(const fs::path& input, int threads, Progress& progress) {
-  auto run = run_measured_process(
-      {"/usr/bin/env", fmt::format("OMP_NUM_THREADS={}", threads), "ccx", "-i", input.string()},
-      progress);
+/// In the folder, since ccx leaves files where it is started.
+Result<ProcessRun> run_ccx(const CalculixTask& task, Progress& progress) {
+  auto run =
+      run_measured_process({"/usr/bin/env", "-C", task.folder.string(),
+                            fmt::format("OMP_NUM_THREADS={}", task.threads), "ccx", "-i", "block"},
+                           progress);
   if (!run && run.error().code != ErrorCode::kCancelled)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("CalculiX: {}; ccx must be installed (Debian: calculix-ccx)",
@@ -116,7 +118,7 @@ Result<CalculixRun> run_calculix(const CalculixTask& task, Progress& progress) {
   fs::create_directories(task.folder, error);
   const mesh::VolumeMesh mesh = task.block.mesh();
   LEFORT_TRY_VOID(io::write_text(task.folder / "block.inp", mesh_text(mesh) + step_text(task)));
-  LEFORT_TRY(const ProcessRun run, run_ccx(task.folder / "block", task.threads, progress));
+  LEFORT_TRY(const ProcessRun run, run_ccx(task, progress));
   LEFORT_TRY(VectorX u, displacements_in(task.folder / "block.dat", mesh.node_count()));
   return CalculixRun{.wall_seconds = run.seconds,
                      .peak_bytes = run.peak_bytes,
