@@ -322,7 +322,7 @@ TEST_F(SolveCommand, ALoadBeyondALimitPointNamesWhereItGivesWayAndKeepsTheLastSt
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.message_lines(), 1) << run.error;
   EXPECT_TRUE(std::regex_search(
-      run.error, std::regex("limit point, .* most at node \\d+ of element \\d+ at \\(")))
+      run.error, std::regex("least at node \\d+ of element \\d+ at \\(.* limit point")))
       << run.error;
   EXPECT_NE(run.error.find("the last is kept in "), std::string::npos) << run.error;
   const json result = read_json("out/solve.json");

@@ -9,6 +9,7 @@
 #include <lefort/field/lattice_samples.h>
 #include <lefort/io/deck_file.h>
 #include <lefort/io/field_file.h>
+#include <lefort/io/plan_file.h>
 #include <lefort/io/point_table.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_mesh_files.h>
@@ -400,6 +401,27 @@ constexpr std::string_view kDeckTokens[] = {"null",
                                             "[0,0,0]",
                                             "\"z0\"",
                                             "\"neo-hookean\""};
+
+TEST(Fuzz, NestingWithoutEndInDecksAndPlans) {
+  for (const std::string_view begin : {"[", R"({"a":)", R"([{"a":[)"})
+    for (const std::size_t depth : {std::size_t(40), std::size_t(300000)}) {
+      std::string nest;
+      for (std::size_t n = 0; n < depth; ++n) nest += begin;
+      std::string closed = nest + "1";
+      for (auto at = nest.rbegin(); at != nest.rend(); ++at)
+        if (*at == '[' || *at == '{') closed += *at == '[' ? ']' : '}';
+      for (const std::string& value : {nest, closed}) {
+        const std::string text = R"({"lefort_deck":1,"title":)" + value + R"(,"mesh":"m.vtu"})";
+        const auto deck = parse_deck(text, "/nowhere");
+        const auto plan = parse_plan(text, "/nowhere");
+        ASSERT_FALSE(deck || plan);
+        ASSERT_EQ(deck.error().message.find('\n'), std::string::npos);
+      }
+      const auto whole = parse_deck(closed, "/nowhere");
+      ASSERT_FALSE(whole);
+      ASSERT_NE(whole.error().message.find("nested more than"), std::string::npos);
+    }
+}
 
 TEST(Fuzz, DecksAndWhatTheyAskOfAMesh) {
   const mesh::VolumeMesh block = test::box_mesh({.cells = {1, 1, 1}});

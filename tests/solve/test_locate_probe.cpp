@@ -38,6 +38,25 @@ TEST_P(LocateProbe, AnAffineDisplacementIsReadExactly) {
   }
 }
 
+TEST_P(LocateProbe, FindsPointsFarFromTheOrigin) {
+  for (const double offset_mm : {300.0, 10000.0}) {
+    mesh::VolumeMesh mesh = mesh_;
+    for (Vec3& p_L : mesh.nodes_L) p_L += Vec3(offset_mm, -offset_mm, offset_mm);
+    std::mt19937 random(12);
+    std::uniform_real_distribution<double> in(0.0, 1.0);
+    for (int n = 0; n < 200; ++n) {
+      const Vec3 p_L = Vec3(3.0 * in(random), 2.0 * in(random), 2.0 * in(random)) +
+                       Vec3(offset_mm, -offset_mm, offset_mm);
+      const auto place = locate_probe(mesh, p_L);
+      ASSERT_TRUE(place) << place.error().message;
+      Vec3 at_L = Vec3::Zero();
+      for (std::size_t a = 0; a < place->nodes.size(); ++a)
+        at_L += place->weights[a] * mesh.nodes_L[std::size_t(place->nodes[a])];
+      EXPECT_LT((at_L - p_L).norm(), 1e-10 + 1e-14 * offset_mm);
+    }
+  }
+}
+
 TEST_P(LocateProbe, CornersAndFacesOfTheBodyBelongToIt) {
   for (const Vec3& p_L : {Vec3(0, 0, 0), Vec3(3, 2, 2), Vec3(1.5, 0, 1), Vec3(3, 0, 0.3)})
     EXPECT_TRUE(locate_probe(mesh_, p_L)) << p_L.transpose();

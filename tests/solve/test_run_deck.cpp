@@ -152,13 +152,50 @@ TEST(RunDeck, ADeadLoadIsFollowedUpToItsLimitPoint) {
   deck.sets.push_back({"all", NodesOfRegion{"0"}});
   deck.displacements = {prescribe("all", 0.0, 0.0, {}), prescribe("z0", {}, {}, 0.0)};
   deck.tractions.push_back({"z1", Vec3(0, 0, -2.0 * most_mpa), {}});
-  const DeckRun done = run(block(), deck);
+  DeckWatch watch;
+  std::string told_first;
+  watch.on_failure = [&](const DeckRun& failed) -> Result<void> {
+    told_first = failed.failure->message;
+    EXPECT_FALSE(failed.failed_attempts.empty());
+    return {};
+  };
+  const DeckRun done = run(block(), deck, {}, watch);
   ASSERT_FALSE(done.completed());
+  EXPECT_TRUE(done.failure->message.starts_with(told_first + "; ")) << told_first;
+  EXPECT_NE(told_first.find("no equilibrium"), std::string::npos);
+  // The last state that converged lies before the limit point.
+  EXPECT_NE(done.failure->message.find("the body still resists"), std::string::npos)
+      << done.failure->message;
   EXPECT_EQ(done.failure->code, ErrorCode::kNotConverged);
   ASSERT_TRUE(done.last);
   EXPECT_GT(done.last->time, 0.49);
   EXPECT_LE(done.last->time, 0.5);
   EXPECT_NE(done.failure->message.find("limit point"), std::string::npos) << done.failure->message;
+}
+
+TEST(RunDeck, ALargeBodyIsNotFactorisedToLookIntoAFailure) {
+  Deck deck;
+  deck.laws.push_back({"", fem::StVenantKirchhoff{.mu_mpa = 0.01, .lambda_mpa = 0.0}, 0.0});
+  deck.sets.push_back({"all", NodesOfRegion{"0"}});
+  deck.displacements = {prescribe("all", 0.0, 0.0, {}), prescribe("z0", {}, {}, 0.0)};
+  deck.tractions.push_back({"z1", Vec3(0, 0, -0.01), {}});
+  const auto message = [&](Index direct_rows) {
+    deck.linear_solver.direct_rows = direct_rows;
+    const DeckRun done = run(block(), deck);
+    return done.completed() ? std::string("completed") : done.failure->message;
+  };
+  EXPECT_NE(message(60000).find("not positive definite"), std::string::npos) << message(60000);
+  EXPECT_NE(message(10).find("most compressed is element"), std::string::npos) << message(10);
+}
+
+TEST(RunDeck, APressureOnAFreeRimIsNotSaidToMeetALimitPoint) {
+  Deck deck = test::clamped_deck();
+  deck.pressures.push_back({"x0", 0.1, {}});
+  const DeckRun done = run(block(), deck);
+  ASSERT_FALSE(done.completed());
+  EXPECT_EQ(done.failure->message.find("limit point"), std::string::npos) << done.failure->message;
+  EXPECT_NE(done.failure->message.find("a pressure on faces with a free rim"), std::string::npos)
+      << done.failure->message;
 }
 
 TEST(RunDeck, APartThatHangsByOneEdgeIsFoundWhenItGivesWay) {

@@ -171,6 +171,12 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
     clock.begin(name_of(fem::SolvePhase::kNone));
     return added;
   };
+  watch.on_failure = [&](const solve::DeckRun& run) -> Result<void> {
+    clock.begin("output");
+    LEFORT_TRY_VOID(writer.finish(inputs, run, clock));
+    clock.begin("diagnosis");
+    return {};
+  };
   LEFORT_TRY(const solve::DeckRun run, solve::run_deck(prepared, fields, watch, progress));
   clock.begin("output");
   LEFORT_TRY(const auto json, writer.finish(inputs, run, clock));

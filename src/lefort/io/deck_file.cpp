@@ -95,12 +95,12 @@ Result<solve::SetChoice> read_set(const std::string& name, const Json& json) {
 }
 
 Result<void> read_body(const Json& json, solve::Deck& deck) {
-  const Json sets = section(json, "sets");  // Outlives the loop, as a temporary would not.
+  const Json& sets = section(json, "sets");
   for (const auto& [name, choice] : sets.items()) {
     LEFORT_TRY(solve::SetChoice set, read_set(name, choice));
     deck.sets.push_back(std::move(set));
   }
-  const Json materials = list(json, "materials");
+  const Json& materials = list(json, "materials");
   for (std::size_t i = 0; i < materials.size(); ++i) {
     auto law = internal::read_law(materials[i]);
     if (!law) return refuse(indexed("materials", i), law.error().message);
@@ -111,7 +111,7 @@ Result<void> read_body(const Json& json, solve::Deck& deck) {
 }
 
 Result<void> read_supports(const Json& json, solve::Deck& deck) {
-  const Json displacements = list(json, "displacements");
+  const Json& displacements = list(json, "displacements");
   for (std::size_t i = 0; i < displacements.size(); ++i) {
     const std::string key = indexed("displacements", i);
     solve::PrescribedSet set;
@@ -127,7 +127,7 @@ Result<void> read_supports(const Json& json, solve::Deck& deck) {
     LEFORT_TRY(set.curve, read_curve(displacements[i], key));
     deck.displacements.push_back(std::move(set));
   }
-  const Json motions = list(json, "motions");
+  const Json& motions = list(json, "motions");
   for (std::size_t i = 0; i < motions.size(); ++i) {
     solve::RigidlyMovedSet set;
     read(motions[i], "set", set.set);
@@ -138,7 +138,7 @@ Result<void> read_supports(const Json& json, solve::Deck& deck) {
 }
 
 Result<void> read_loads(const Json& json, solve::Deck& deck) {
-  const Json tractions = list(json, "tractions");
+  const Json& tractions = list(json, "tractions");
   for (std::size_t i = 0; i < tractions.size(); ++i) {
     solve::Traction load;
     read(tractions[i], "faces", load.faces);
@@ -146,7 +146,7 @@ Result<void> read_loads(const Json& json, solve::Deck& deck) {
     LEFORT_TRY(load.curve, read_curve(tractions[i], indexed("tractions", i)));
     deck.tractions.push_back(std::move(load));
   }
-  const Json pressures = list(json, "pressures");
+  const Json& pressures = list(json, "pressures");
   for (std::size_t i = 0; i < pressures.size(); ++i) {
     solve::Pressure load;
     read(pressures[i], "faces", load.faces);
@@ -154,7 +154,7 @@ Result<void> read_loads(const Json& json, solve::Deck& deck) {
     LEFORT_TRY(load.curve, read_curve(pressures[i], indexed("pressures", i)));
     deck.pressures.push_back(std::move(load));
   }
-  const Json body_forces = list(json, "body_forces");
+  const Json& body_forces = list(json, "body_forces");
   for (std::size_t i = 0; i < body_forces.size(); ++i) {
     solve::BodyForce load;
     load.region = region_name(body_forces[i]);
@@ -166,7 +166,7 @@ Result<void> read_loads(const Json& json, solve::Deck& deck) {
 }
 
 Result<void> read_obstacles(const Json& json, const fs::path& folder, DeckFile& file) {
-  const Json obstacles = list(json, "obstacles");
+  const Json& obstacles = list(json, "obstacles");
   std::set<std::string> names;
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     const Json& object = obstacles[i];
@@ -197,7 +197,7 @@ Result<void> read_obstacles(const Json& json, const fs::path& folder, DeckFile& 
 }
 
 Result<void> read_control(const Json& json, DeckFile& file) {
-  const Json steps = section(json, "steps");
+  const Json& steps = section(json, "steps");
   fem::LoadStepOptions& options = file.deck.steps;
   options.max_increment = 1.0;
   read(steps, "largest", options.max_increment);
@@ -223,7 +223,7 @@ Result<void> read_control(const Json& json, DeckFile& file) {
                                                       {"multigrid", LinearSolverKind::kMultigrid}};
   file.deck.linear_solver.kind = kinds.at(json.value("linear_solver", "automatic"));
 
-  const Json newton = section(json, "newton");
+  const Json& newton = section(json, "newton");
   read(newton, "relative_tolerance", file.deck.newton.relative_tolerance);
   read(newton, "max_iterations", file.deck.newton.max_iterations);
   if (newton.contains("absolute_tolerance_n"))
@@ -233,7 +233,7 @@ Result<void> read_control(const Json& json, DeckFile& file) {
 
 Result<void> read_results(const Json& json, DeckFile& file) {
   std::set<std::string> names;
-  const Json probes = list(json, "probes");
+  const Json& probes = list(json, "probes");
   for (std::size_t i = 0; i < probes.size(); ++i) {
     solve::Probe probe;
     read(probes[i], "name", probe.name);
@@ -245,7 +245,7 @@ Result<void> read_results(const Json& json, DeckFile& file) {
       probe.at = as_vector(probes[i]["point_mm"]);
     file.deck.probes.push_back(std::move(probe));
   }
-  const Json output = section(json, "output");
+  const Json& output = section(json, "output");
   const std::string every = output.value("every", "increment");
   file.every = every == "last" ? WriteEvery::kLast
                : every == "at" ? WriteEvery::kAskedTime

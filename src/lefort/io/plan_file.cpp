@@ -87,7 +87,7 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   read(json, "title", plan.title);
   if (json.contains("ct")) plan.ct = folder / json["ct"].get<std::string>();
 
-  const Json segmentation = section(json, "segmentation");
+  const Json& segmentation = section(json, "segmentation");
   read(segmentation, "bone_hu", plan.segmentation.bone_hu);
   read(segmentation, "skin_hu", plan.segmentation.skin_hu);
   if (segmentation.contains("labels"))
@@ -103,17 +103,17 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   LEFORT_TRY_VOID(read_tissue(section(json, "tissue"), plan.tissue));
   read_boundary(section(json, "boundary"), plan.boundary);
 
-  const Json contact = section(json, "contact");
+  const Json& contact = section(json, "contact");
   read(contact, "stiffness_factor", plan.contact.stiffness_factor);
   if (contact.value("reconstruction", "smooth") == "trilinear")
     plan.contact.reconstruction = contact::Reconstruction::kTrilinear;
 
-  const Json field = section(json, "field");
+  const Json& field = section(json, "field");
   read(field, "resolution", plan.field.resolution);
   read(field, "band_mm", plan.field.band_mm);
   read(field, "tolerance_mm", plan.field.tolerance_mm);
 
-  const Json solver = section(json, "solver");
+  const Json& solver = section(json, "solver");
   read(solver, "relative_tolerance", plan.solver.relative_tolerance);
   read(solver, "max_iterations", plan.solver.max_iterations);
   read(solver, "smallest_step", plan.solver.smallest_step);

@@ -20,17 +20,20 @@ VectorX irregular(Index size) {
 
 }  // namespace
 
-std::optional<SoftSpot> find_soft_spot(const fem::Assembler& assembler, const VectorX& u) {
+std::optional<SoftSpot> find_soft_spot(const fem::Assembler& assembler, const VectorX& u,
+                                       Progress& progress) {
   const fem::DofMap& dofs = assembler.dofs();
   if (dofs.free_count() == 0 || !assembler.forces(u)) return std::nullopt;
   fem::SparseMatrix K = assembler.tangent(u);
   fem::LinearSolver solver({.kind = fem::LinearSolverKind::kDirect});  // It alone sees each pivot.
+  if (progress.stop_requested()) return std::nullopt;
   fem::Factorisation outcome = solver.factorise(K);
   const double scale = K.diagonal().cwiseAbs().mean();
   double shift = 0.0;
   for (double next = kFirstShift;
        outcome == fem::Factorisation::kNotPositiveDefinite && next <= kLastShift;
        next *= kShiftGrowth) {
+    if (progress.stop_requested()) return std::nullopt;
     K.diagonal().array() += (next - shift) * scale;
     shift = next;
     outcome = solver.factorise(K);

@@ -2,6 +2,7 @@
 /// Where a body gives way first.
 #pragma once
 
+#include <lefort/core/progress.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/assemble.h>
 
@@ -18,9 +19,13 @@ struct SoftSpot {
 };
 
 /// \param u  displacements of all components, admissible.
-/// \returns the motion; nothing if the tangent is not finite or does not fit into memory.
-/// \note Cost: a few factorisations. By inverse iteration from a fixed start, so always the same.
+/// \param progress  asked before every factorisation whether to stop.
+/// \returns the motion; nothing if the tangent is not finite or does not fit into memory, or if
+///   `progress` asked to stop.
+/// \note Cost: a few direct factorisations. By inverse iteration from a fixed start, so always the
+///   same.
 [[nodiscard]] std::optional<SoftSpot> find_soft_spot(const fem::Assembler& assembler,
-                                                     const VectorX& u);
+                                                     const VectorX& u,
+                                                     Progress& progress = Progress::none());
 
 }  // namespace lefort::solve

@@ -34,20 +34,26 @@ double outside_by(mesh::ElementShape shape, const Vec3& xi) {
 }
 
 /// The reference coordinates of a point, by Newton's method from the middle of the element.
+///
+/// \param X, p  nodes and point, both from a point nearby: far from it digits are lost.
 template <class Element>
 std::optional<Vec3> reference_coordinates(const Eigen::Matrix<double, 3, Element::kNodes>& X,
-                                          const Vec3& p_L) {
+                                          const Vec3& p) {
   constexpr int kIterations = 30;
-  constexpr double kConverged = 1e-13;
-  constexpr double kLost = 10.0;  // Elements away.
+  constexpr double kConverged = 1e-10;
+  constexpr double kStanding = 1e-6;  // Steps that do not shrink any more, and are that small.
+  constexpr double kLost = 10.0;      // Elements away.
   Vec3 xi = Element::nodes().rowwise().mean();
+  double last_step = std::numeric_limits<double>::infinity();
   for (int n = 0; n < kIterations; ++n) {
     const Mat3 dX_dxi = X * Element::gradients(xi).transpose();
-    const Vec3 step = dX_dxi.partialPivLu().solve(p_L - X * Element::functions(xi));
+    const Vec3 step = dX_dxi.partialPivLu().solve(p - X * Element::functions(xi));
     if (!step.allFinite()) return std::nullopt;
     xi += step;
     if (xi.norm() > kLost) return std::nullopt;
-    if (step.norm() < kConverged) return xi;
+    const double length = step.norm();
+    if (length < kConverged || (length < kStanding && length >= last_step)) return xi;
+    last_step = length;
   }
   return std::nullopt;
 }
@@ -70,7 +76,9 @@ void look_into(const mesh::VolumeMesh& mesh, const std::int32_t* nodes, const Ve
   }
   const double margin_mm = kMargin * box_L.sizes().maxCoeff();
   if (box_L.squaredExteriorDistance(p_L) > margin_mm * margin_mm) return;
-  const auto xi = reference_coordinates<Element>(X, p_L);
+  const Vec3 first_L = X.col(0);
+  X.colwise() -= first_L;
+  const auto xi = reference_coordinates<Element>(X, p_L - first_L);
   if (!xi) return;
   const double outside = outside_by(Element::kShape, *xi);
   if (!(outside < best.outside_by)) return;

@@ -178,32 +178,65 @@ std::string most_compressed(const PreparedDeck& prepared, const VectorX& u) {
   return "no element";
 }
 
+/// What resists least, unless looking for it takes a factor that the solver itself would avoid.
+std::optional<SoftSpot> soft_spot(const Problem& problem, const VectorX& u, Progress& progress) {
+  const fem::LinearSolverOptions& solver = problem.prepared().deck.linear_solver;
+  const bool is_small = problem.assembler().dofs().free_count() <= solver.direct_rows;
+  if (!is_small && solver.kind != fem::LinearSolverKind::kDirect) return std::nullopt;
+  return find_soft_spot(problem.assembler(), u, progress);
+}
+
+std::string place_of(const mesh::VolumeMesh& mesh, const SoftSpot& spot) {
+  const Vec3& at_L = mesh.nodes_L[std::size_t(spot.node)];
+  return fmt::format("at node {} of element {} at ({:.3f}, {:.3f}, {:.3f}) mm", spot.node,
+                     element_at(mesh, spot.node), at_L.x(), at_L.y(), at_L.z());
+}
+
+/// What may be behind a failure, as far as the last state and Newton's history tell.
+std::string diagnosis(const Problem& problem, const fem::LoadState& last,
+                      const std::vector<fem::LoadAttempt>& attempts, Progress& progress) {
+  const auto forces = problem.assembler().forces(last.u);
+  const bool has_followers = forces && forces->follower_n.size() > 0;
+  const auto spot = soft_spot(problem, last.u, progress);
+  const mesh::VolumeMesh& mesh = problem.prepared().mesh;
+  if (spot && !spot->resists && last.t == 0.0)
+    return fmt::format(
+        "at rest the tangent is singular: something is not held, or hangs by a node or an edge "
+        "alone, and gives way, most {}",
+        place_of(mesh, *spot));
+  // With followers only the symmetric part of the tangent is known, whose sign proves nothing.
+  if (has_followers)
+    return fmt::format(
+        "a pressure on faces with a free rim is followed less far than other loads; most "
+        "compressed is {}",
+        most_compressed(problem.prepared(), last.u));
+  if (spot && !spot->resists)
+    return fmt::format(
+        "the tangent is not positive definite any more at load level {:.6g}: the load may lie "
+        "beyond a limit point, where the body buckles or collapses; it gives way, most {}",
+        last.t, place_of(mesh, *spot));
+  if (spot && met_instability(attempts))
+    return fmt::format(
+        "at load level {:.6g} the body still resists, least {}, but beyond Newton met tangents "
+        "that are not positive definite: the load may lie beyond a limit point, where the body "
+        "buckles or collapses",
+        last.t, place_of(mesh, *spot));
+  return fmt::format(
+      "most compressed is {}; a smaller steps.smallest or more newton.max_iterations may help",
+      most_compressed(problem.prepared(), last.u));
+}
+
 /// Adds to Newton's sentence what may be behind it.
 Error explained(const Error& error, const Problem& problem, const fem::LoadState& last,
-                const std::vector<fem::LoadAttempt>& attempts) {
+                const std::vector<fem::LoadAttempt>& attempts, Progress& progress) {
   if (error.code == ErrorCode::kOutOfMemory)
     return {error.code,
             fmt::format("{}: the equations of {} nodes do not fit into memory; linear_solver "
                         "multigrid takes least",
                         error.message, problem.prepared().mesh.node_count())};
   if (error.code != ErrorCode::kNotConverged) return error;
-  const auto spot = find_soft_spot(problem.assembler(), last.u);
-  if (!spot || (spot->resists && !met_instability(attempts)))
-    return {error.code, fmt::format("{}; most compressed is {}; a smaller steps.smallest or more "
-                                    "newton.max_iterations may help",
-                                    error.message, most_compressed(problem.prepared(), last.u))};
-  const mesh::VolumeMesh& mesh = problem.prepared().mesh;
-  const Vec3& at_L = mesh.nodes_L[std::size_t(spot->node)];
-  const char* const why =
-      last.t == 0.0 && !spot->resists
-          ? "at rest the tangent is singular: something is not held, or hangs by a node or an edge "
-            "alone, and gives way"
-          : "the tangent is no longer positive definite: the load may lie beyond a limit point, "
-            "where the body buckles or collapses; it gives way";
   return {error.code,
-          fmt::format("{}; {}, most at node {} of element {} at ({:.3f}, {:.3f}, {:.3f}) mm",
-                      error.message, why, spot->node, element_at(mesh, spot->node), at_L.x(),
-                      at_L.y(), at_L.z())};
+          fmt::format("{}; {}", error.message, diagnosis(problem, last, attempts, progress))};
 }
 
 fem::NewtonOptions newton_options(const Problem& problem, const DeckWatch& watch) {
@@ -288,7 +321,10 @@ Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fie
     if (not_told) return tl::unexpected(*not_told);
     run.failed_attempts = new_attempts();
     problem->set_time(stepper.state().t);
-    run.failure = explained(advanced.error(), *problem, stepper.state(), run.failed_attempts);
+    run.failure = advanced.error();
+    if (watch.on_failure) LEFORT_TRY_VOID(watch.on_failure(run));
+    run.failure =
+        explained(advanced.error(), *problem, stepper.state(), run.failed_attempts, progress);
     break;
   }
   return run;

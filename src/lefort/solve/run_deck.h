@@ -55,6 +55,8 @@ struct DeckRun {
 struct DeckWatch {
   std::function<Result<void>(const Increment&)> on_increment;  ///< An error ends the run.
   std::function<void(fem::SolvePhase)> on_phase;
+  /// Told a failure before it is looked into, which may take long; an error ends the run.
+  std::function<Result<void>(const DeckRun&)> on_failure;
 };
 
 /// Solves a deck.

@@ -15,30 +15,43 @@
 namespace lefort::io::internal {
 namespace {
 
-/// Listens to the parser, which takes the last of two equal keys without a word.
-class DuplicateKeys {
+constexpr int kDeepest = 32;
+
+/// Listens to the parser, which takes the last of two equal keys without a word, and any depth.
+class Listener {
  public:
-  bool operator()(int /*depth*/, Json::parse_event_t event, const Json& value) {
-    if (event == Json::parse_event_t::object_start) open_.emplace_back();
-    if (event == Json::parse_event_t::object_end) open_.pop_back();
-    if (event == Json::parse_event_t::key &&
-        !open_.back().insert(value.get<std::string>()).second && !first_)
-      first_ = value.get<std::string>();
+  /// \returns false where nesting is too deep: what is there is dropped.
+  bool operator()(int depth, Json::parse_event_t event, const Json& value) {
+    using Event = Json::parse_event_t;
+    if (too_deep_) return false;
+    if ((event == Event::object_start || event == Event::array_start) && depth >= kDeepest) {
+      too_deep_ = true;
+      return false;
+    }
+    if (event == Event::object_start) open_.emplace_back();
+    if (event == Event::object_end) open_.pop_back();
+    if (event == Event::key && !open_.back().insert(value.get<std::string>()).second && !repeated_)
+      repeated_ = value.get<std::string>();
     return true;
   }
-  [[nodiscard]] const std::optional<std::string>& first() const { return first_; }
+  [[nodiscard]] const std::optional<std::string>& repeated() const { return repeated_; }
+  [[nodiscard]] bool is_too_deep() const { return too_deep_; }
 
  private:
   std::vector<std::set<std::string>> open_;  ///< Keys of the objects begun and not ended.
-  std::optional<std::string> first_;
+  std::optional<std::string> repeated_;
+  bool too_deep_ = false;
 };
 
 Result<Json> parse_json(std::string_view text) {
   const auto refuse = [](std::string why) { return fail(ErrorCode::kPlanInvalid, std::move(why)); };
-  DuplicateKeys duplicates;
+  Listener listener;
   try {
-    Json json = Json::parse(text, std::ref(duplicates));
-    if (duplicates.first()) return refuse(fmt::format("key {} stands twice", *duplicates.first()));
+    Json json = Json::parse(text, std::ref(listener));
+    if (listener.is_too_deep())
+      return refuse(fmt::format("nested more than {} deep, must be less", kDeepest));
+    if (listener.repeated())
+      return refuse(fmt::format("key {} stands twice", *listener.repeated()));
     return json;
   } catch (const Json::parse_error& error) {
     return refuse(fmt::format("not JSON: {} (byte {})",
@@ -108,6 +121,18 @@ Result<Json> parse_checked(std::string_view text, const char* schema, const std:
   LEFORT_TRY(Json json, parse_json(text));
   LEFORT_TRY_VOID(check_against_schema(json, schema, subject));
   return json;
+}
+
+const Json& section(const Json& whole, const char* key) {
+  static const Json empty = Json::object();
+  const auto found = whole.find(key);
+  return found == whole.end() ? empty : *found;
+}
+
+const Json& list(const Json& whole, const char* key) {
+  static const Json empty = Json::array();
+  const auto found = whole.find(key);
+  return found == whole.end() ? empty : *found;
 }
 
 std::vector<plan::Keyframe> read_keyframes(const Json& keyframes) {

@@ -21,7 +21,8 @@ using Json = nlohmann::json;
 /// \param schema   JSON Schema, draft 7, in JSON.
 /// \param subject  what the whole is called in messages: "the plan".
 /// \returns kPlanInvalid with the key and what is wrong with it, as `tissue: unknown key "colour"`.
-///   A key that stands twice in an object is wrong, since parsers differ on it.
+///   A key that stands twice in an object is wrong, since parsers differ on it; so is nesting far
+///   beyond what any schema has, which would exhaust the stack of those who walk over it.
 [[nodiscard]] Result<Json> parse_checked(std::string_view text, const char* schema,
                                          const std::string& subject);
 
@@ -39,15 +40,13 @@ inline void read(const Json& object, const char* key, Vec3& value) {
   if (const auto found = object.find(key); found != object.end()) value = as_vector(*found);
 }
 
-/// An object within, or an empty one.
-[[nodiscard]] inline Json section(const Json& whole, const char* key) {
-  return whole.value(key, Json::object());
-}
+/// An object within, or an empty one. Lives as long as `whole`.
+[[nodiscard]] const Json& section(const Json& whole, const char* key);
+[[nodiscard]] const Json& section(Json&& whole, const char* key) = delete;
 
-/// A list within, or an empty one.
-[[nodiscard]] inline Json list(const Json& whole, const char* key) {
-  return whole.value(key, Json::array());
-}
+/// A list within, or an empty one. Lives as long as `whole`.
+[[nodiscard]] const Json& list(const Json& whole, const char* key);
+[[nodiscard]] const Json& list(Json&& whole, const char* key) = delete;
 
 /// A bone's or an obstacle's way.
 [[nodiscard]] std::vector<plan::Keyframe> read_keyframes(const Json& keyframes);
