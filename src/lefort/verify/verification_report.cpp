@@ -93,10 +93,10 @@ std::vector<ReportFile> verification_report(std::span<const Section> sections,
   std::vector<ReportFile> files{{.name = "verification.md", .content = ""}};
   std::string text = fmt::format(
       "# Verification of the finite element solver\n\n"
-      "Made by `{}`, figures and verdicts alike: nothing here is written by hand. Verification "
-      "asks "
-      "whether the equations are solved right; whether they are the right equations for a face is "
-      "another question.\n\n",
+      "Made by `{}`: tables, plots and verdicts are measured. The texts are written beforehand, "
+      "also those that name what is missed and therefore not judged. Verification asks whether "
+      "the equations are solved right; whether they are the right equations for a face is another "
+      "question.\n\n",
       command);
   text += line_of({"case", "checks", "passed"}) + line_of({"---", "---", "---"});
   for (const Section& section : sections)
