@@ -126,6 +126,51 @@ TEST(PrepareDeck, BadMeshesAreRefusedInOneSentence) {
   EXPECT_SAYS(refusal_of({}, test::clamped_deck()), "the mesh has no element");
 }
 
+TEST(PrepareDeck, NeighboursThatShareCornersAndNotTheNodesBetweenAreRefused) {
+  mesh::VolumeMesh mesh = block(mesh::ElementShape::kTet10);
+  mesh::ElementBlock& quadratic = mesh.blocks[0];
+  mesh::ElementBlock linear;
+  const std::int32_t* const last = quadratic.element(quadratic.element_count() - 1);
+  linear.nodes.assign(last, last + 4);
+  linear.region = {0};
+  quadratic.nodes.resize(quadratic.nodes.size() - 10);
+  quadratic.region.pop_back();
+  mesh.blocks.push_back(linear);
+  const std::string refusal = refusal_of(mesh, test::clamped_deck());
+  EXPECT_SAYS(refusal, " and 95 share the corners of a face at (");
+  EXPECT_SAYS(refusal, "(6 and 3)");
+}
+
+TEST(PrepareDeck, AFaceOfThreeElementsIsRefused) {
+  mesh::VolumeMesh mesh = block();
+  mesh::ElementBlock& elements = mesh.blocks[0];
+  const std::vector<std::int32_t> again(elements.element(0), elements.element(0) + 4);
+  elements.nodes.insert(elements.nodes.end(), again.begin(), again.end());
+  elements.region.push_back(0);
+  const std::string refusal = refusal_of(mesh, test::clamped_deck());
+  EXPECT_SAYS(refusal, "elements 0, ");
+  EXPECT_SAYS(refusal, "and 96 have one face, at (");
+}
+
+TEST(PrepareDeck, AQuadrilateralAgainstTwoTrianglesIsWarnedOf) {
+  // A hexahedron, and upon it the six tetrahedra of another one.
+  mesh::VolumeMesh mesh = test::box_mesh({.cells = {1, 1, 2}});
+  mesh::ElementBlock& tets = mesh.blocks[0];
+  tets.nodes.erase(tets.nodes.begin(), tets.nodes.begin() + 6 * 4);
+  tets.region.resize(6);
+  mesh.blocks.push_back(
+      {.shape = mesh::ElementShape::kHex8, .nodes = {0, 1, 3, 2, 4, 5, 7, 6}, .region = {0}});
+  Deck deck = test::clamped_deck();
+  deck.sets.push_back({"low", NodesInBox{Box3(Vec3(-1, -1, -1), Vec3(9, 9, 0.1))}});
+  deck.displacements[0].set = "low";
+  const auto prepared = prepare_deck(mesh, deck);
+  ASSERT_TRUE(prepared) << prepared.error().message;
+  ASSERT_EQ(prepared->warnings.size(), 1U);
+  EXPECT_SAYS(prepared->warnings[0],
+              "1 quadrilaterals lie against two triangles each and are joined to them at their "
+              "nodes alone, the first of element 6 at (");
+}
+
 TEST(PrepareDeck, EveryNameThatIsNotThereIsToldWithItsKey) {
   const auto refusal = [](const std::function<void(Deck&)>& spoil) {
     Deck deck = test::clamped_deck();

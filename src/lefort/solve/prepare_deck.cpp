@@ -3,6 +3,7 @@
 #include <lefort/solve/about_key.h>
 #include <lefort/solve/find_sets.h>
 #include <lefort/solve/loose_parts.h>
+#include <lefort/solve/mesh_index.h>
 #include <lefort/solve/prepare_deck.h>
 #include <lefort/solve/stiffness_at_rest.h>
 
@@ -27,6 +28,12 @@ Result<void> check_mesh(const mesh::VolumeMesh& mesh) {
         return fail(ErrorCode::kMeshInvalid,
                     fmt::format("an element of the mesh names node {}, the nodes are 0 to {}", node,
                                 mesh.node_count() - 1));
+  for (const mesh::ElementBlock& block : mesh.blocks)
+    if (block.nodes.size() != block.region.size() * std::size_t(mesh::node_count(block.shape)))
+      return fail(
+          ErrorCode::kMeshInvalid,
+          fmt::format("a block of {} elements lists {} nodes, must be {} each", block.region.size(),
+                      block.nodes.size(), mesh::node_count(block.shape)));
   if (mesh.element_count() == 0) return fail(ErrorCode::kMeshInvalid, "the mesh has no element");
   return {};
 }
@@ -229,6 +236,8 @@ void warn_of_jumps(PreparedDeck& prepared) {
 Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
   LEFORT_TRY_VOID(check_mesh(mesh));
   PreparedDeck prepared;
+  const MeshIndex index = index_mesh(mesh);
+  LEFORT_TRY(prepared.warnings, check_joints(mesh, index));
   LEFORT_TRY(prepared.mesh, add_sets(std::move(mesh), deck.sets));
   prepared.deck = std::move(deck);
   LEFORT_TRY_VOID(about(fem::validate(prepared.deck.steps), "steps"));
