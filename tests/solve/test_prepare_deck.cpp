@@ -1,3 +1,5 @@
+#include <lefort/mesh/element_faces.h>
+#include <lefort/solve/mesh_index.h>
 #include <lefort/solve/prepare_deck.h>
 
 #include <gtest/gtest.h>
@@ -139,6 +141,36 @@ TEST(PrepareDeck, NeighboursThatShareCornersAndNotTheNodesBetweenAreRefused) {
   const std::string refusal = refusal_of(mesh, test::clamped_deck());
   EXPECT_SAYS(refusal, " and 95 share the corners of a face at (");
   EXPECT_SAYS(refusal, "(6 and 3)");
+}
+
+TEST(PrepareDeck, OnlyTractionsMayActInsideTheBody) {
+  mesh::VolumeMesh mesh = block();
+  // Of the first element the face that another one has, too.
+  const mesh::ElementBlock& elements = mesh.blocks[0];
+  for (const mesh::LocalFace& local : mesh::faces_of(elements.shape)) {
+    const mesh::Face face = mesh::face_of(elements.element(0), local);
+    const MeshIndex index = index_mesh(mesh);
+    if (faces_like(index, face).size() == 2) mesh.face_sets["cut"] = {face};
+  }
+  ASSERT_EQ(mesh.face_sets.at("cut").size(), 1U);
+  Deck pressed = test::clamped_deck();
+  pressed.pressures.push_back({"cut", 1e-4, {}});
+  const std::string refusal = refusal_of(mesh, pressed);
+  EXPECT_SAYS(refusal, "pressures[0]: faces cut hold one between elements 0 and ");
+  EXPECT_SAYS(refusal, " mm, all must be of the boundary");
+  Deck touched = test::clamped_deck();
+  Obstacle obstacle;
+  obstacle.faces = "cut";
+  obstacle.path.keyframes = {plan::Keyframe{}};
+  obstacle.path.steps = 1;
+  touched.obstacles.push_back(obstacle);
+  EXPECT_SAYS(refusal_of(mesh, touched), "obstacles[0]: faces cut hold one between elements 0");
+  Deck drawn = test::clamped_deck();
+  drawn.tractions.push_back({"cut", Vec3(1e-4, 0, 0), {}});
+  const auto prepared = prepare_deck(mesh, drawn);
+  ASSERT_TRUE(prepared) << prepared.error().message;
+  ASSERT_EQ(prepared->warnings.size(), 1U);
+  EXPECT_SAYS(prepared->warnings[0], "tractions[0]: faces cut hold one between elements 0 and ");
 }
 
 TEST(PrepareDeck, AFaceOfThreeElementsIsRefused) {

@@ -82,18 +82,39 @@ Result<void> assign_laws(PreparedDeck& prepared) {
 
 // --- What pushes ---------------------------------------------------------------------------------
 
-Result<void> find_loads(PreparedDeck& prepared) {
+/// A face between two elements, in words; nothing if all are of the boundary.
+std::optional<std::string> inner_face(const PreparedDeck& prepared, const MeshIndex& index,
+                                      const FaceList& faces, const std::string& set) {
+  for (const mesh::Face& face : faces)
+    if (const auto uses = faces_like(index, face); uses.size() > 1)
+      return fmt::format("faces {} hold one between elements {} and {} at {}", set, uses[0].element,
+                         uses[1].element, place_of(prepared.mesh, face));
+  return std::nullopt;
+}
+
+/// Refuses what pushes along normals inside of the body: which way they look is up to the file.
+Result<void> check_outside(const PreparedDeck& prepared, const MeshIndex& index,
+                           const FaceList& faces, const std::string& set) {
+  const auto inner = inner_face(prepared, index, faces, set);
+  if (!inner) return {};
+  return fail(ErrorCode::kPlanInvalid, *inner + ", all must be of the boundary");
+}
+
+Result<void> find_loads(PreparedDeck& prepared, const MeshIndex& index) {
   const Deck& deck = prepared.deck;
   for (std::size_t i = 0; i < deck.tractions.size(); ++i) {
     const std::string key = indexed("tractions", i);
     LEFORT_TRY_VOID(about(check_curve(deck.tractions[i].curve), key));
     LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, deck.tractions[i].faces), key));
+    if (const auto inner = inner_face(prepared, index, faces, deck.tractions[i].faces))
+      prepared.warnings.push_back(fmt::format("{}: {}", key, *inner));
     prepared.traction_faces.push_back(std::move(faces));
   }
   for (std::size_t i = 0; i < deck.pressures.size(); ++i) {
     const std::string key = indexed("pressures", i);
     LEFORT_TRY_VOID(about(check_curve(deck.pressures[i].curve), key));
     LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, deck.pressures[i].faces), key));
+    LEFORT_TRY_VOID(about(check_outside(prepared, index, faces, deck.pressures[i].faces), key));
     prepared.pressure_faces.push_back(std::move(faces));
   }
   for (std::size_t i = 0; i < deck.body_forces.size(); ++i) {
@@ -146,12 +167,13 @@ double young_behind_mpa(const PreparedDeck& prepared, const FaceList& faces) {
   return young_mpa;
 }
 
-Result<void> find_obstacles(PreparedDeck& prepared) {
+Result<void> find_obstacles(PreparedDeck& prepared, const MeshIndex& index) {
   for (std::size_t i = 0; i < prepared.deck.obstacles.size(); ++i) {
     const Obstacle& obstacle = prepared.deck.obstacles[i];
     const std::string key = indexed("obstacles", i);
     LEFORT_TRY_VOID(about(plan::check_path(obstacle.path), key));
     LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, obstacle.faces), key));
+    LEFORT_TRY_VOID(about(check_outside(prepared, index, faces, obstacle.faces), key));
     prepared.obstacle_stiffness_mpa_per_mm.push_back(obstacle.stiffness_mpa_per_mm.value_or(
         obstacle.stiffness_factor * young_behind_mpa(prepared, faces) /
         mean_edge_mm(prepared.mesh, faces)));
@@ -248,8 +270,8 @@ Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
   if (const Index idle = idle_nodes(prepared); idle > 0)
     prepared.warnings.push_back(
         fmt::format("{} nodes belong to no element; they stay where they are", idle));
-  LEFORT_TRY_VOID(find_loads(prepared));
-  LEFORT_TRY_VOID(find_obstacles(prepared));
+  LEFORT_TRY_VOID(find_loads(prepared, index));
+  LEFORT_TRY_VOID(find_obstacles(prepared, index));
   for (std::size_t i = 0; i < prepared.deck.probes.size(); ++i) {
     LEFORT_TRY(ProbePlace place, about(locate_probe(prepared.mesh, prepared.deck.probes[i].at),
                                        indexed("probes", i)));
