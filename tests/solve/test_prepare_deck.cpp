@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -171,6 +172,30 @@ TEST(PrepareDeck, OnlyTractionsMayActInsideTheBody) {
   ASSERT_TRUE(prepared) << prepared.error().message;
   ASSERT_EQ(prepared->warnings.size(), 1U);
   EXPECT_SAYS(prepared->warnings[0], "tractions[0]: faces cut hold one between elements 0 and ");
+}
+
+TEST(PrepareDeck, AContactIsAsStiffAsTheElementsOfItsFaces) {
+  mesh::VolumeMesh mesh = block();
+  mesh::ElementBlock& elements = mesh.blocks[0];
+  const auto& top = mesh.node_sets.at("z1");
+  for (Index e = 0; e < elements.element_count(); ++e) {
+    const auto in_top = std::count_if(elements.element(e), elements.element(e) + 4, [&](auto node) {
+      return std::binary_search(top.begin(), top.end(), node);
+    });
+    if (in_top < 3) elements.region[std::size_t(e)] = 1;  // Some touch it by an edge.
+  }
+  Deck deck = test::clamped_deck();
+  Obstacle obstacle;
+  obstacle.faces = "z1";
+  obstacle.path.keyframes = {plan::Keyframe{}};
+  obstacle.path.steps = 1;
+  deck.obstacles.push_back(obstacle);
+  const auto stiffness = [&](double mu_mpa) {
+    deck.laws = {{"0", test::kBlockLaw, 0.0},
+                 {"1", fem::NeoHookean{.mu_mpa = mu_mpa, .lambda_mpa = 0.04}, 0.0}};
+    return prepare_deck(mesh, deck).value().obstacle_stiffness_mpa_per_mm.at(0);
+  };
+  EXPECT_EQ(stiffness(1e4), stiffness(0.01));
 }
 
 TEST(PrepareDeck, AFaceOfThreeElementsIsRefused) {

@@ -149,18 +149,13 @@ double mean_edge_mm(const mesh::VolumeMesh& mesh, const FaceList& faces) {
   return sum_mm / double(edges);
 }
 
-/// The stiffest of the regions that have a node of the faces.
-double young_behind_mpa(const PreparedDeck& prepared, const FaceList& faces) {
-  std::vector<char> on_faces(prepared.mesh.nodes_L.size(), 0);
-  for (const mesh::Face& face : faces)
-    for (int a = 0; a < mesh::node_count(face.shape); ++a)
-      on_faces[std::size_t(face.nodes[std::size_t(a)])] = 1;
+/// The stiffest of the regions whose elements have one of the faces.
+double young_behind_mpa(const PreparedDeck& prepared, const MeshIndex& index,
+                        const FaceList& faces) {
   std::set<std::int32_t> regions;
-  for (const mesh::ElementBlock& block : prepared.mesh.blocks)
-    for (Index e = 0; e < block.element_count(); ++e)
-      if (std::any_of(block.element(e), block.element(e) + mesh::node_count(block.shape),
-                      [&](std::int32_t node) { return on_faces[std::size_t(node)] != 0; }))
-        regions.insert(block.region[std::size_t(e)]);
+  for (const mesh::Face& face : faces)
+    for (const FaceUse& use : faces_like(index, face))
+      regions.insert(region_of(prepared.mesh, use.element));
   double young_mpa = 0.0;
   for (const std::int32_t region : regions)
     young_mpa = std::max(young_mpa, young_at_rest_mpa(prepared.materials.at(region)));
@@ -175,7 +170,7 @@ Result<void> find_obstacles(PreparedDeck& prepared, const MeshIndex& index) {
     LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, obstacle.faces), key));
     LEFORT_TRY_VOID(about(check_outside(prepared, index, faces, obstacle.faces), key));
     prepared.obstacle_stiffness_mpa_per_mm.push_back(obstacle.stiffness_mpa_per_mm.value_or(
-        obstacle.stiffness_factor * young_behind_mpa(prepared, faces) /
+        obstacle.stiffness_factor * young_behind_mpa(prepared, index, faces) /
         mean_edge_mm(prepared.mesh, faces)));
     prepared.obstacle_faces.push_back(std::move(faces));
   }
