@@ -50,7 +50,7 @@ TEST(PrepareDeck, SetsThatMeetMustAgree) {
 TEST(PrepareDeck, IncrementsEndAtCornersOfCurvesAndKeyframes) {
   Deck deck = test::uniaxial_deck(1.0);
   deck.displacements[3].curve = LoadCurve{{{0.0, 0.0}, {0.25, 1.0}, {1.0, 0.0}}};
-  deck.times = {0.6, 0.25};
+  deck.times = {0.6, 0.1 + 0.15, 0.6 + 1e-12, 1e-15, 1.0 - 1e-13};
   const auto prepared = prepare_deck(block(), deck);
   ASSERT_TRUE(prepared);
   EXPECT_EQ(prepared->levels, (std::vector<double>{0.25, 0.6, 1.0}));

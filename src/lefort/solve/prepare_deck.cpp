@@ -194,8 +194,12 @@ void find_levels(PreparedDeck& prepared) {
   for (const BodyForce& load : deck.body_forces) add_curve(load.curve);
   for (const RigidlyMovedSet& set : deck.motions) add_path(set.path);
   for (const Obstacle& obstacle : deck.obstacles) add_path(obstacle.path);
-  levels.insert(1.0);
-  prepared.levels.assign(levels.upper_bound(0.0), levels.end());
+  // What rounding sets apart is one level, and the end is 1.
+  for (const double level : levels) {
+    const double last = prepared.levels.empty() ? 0.0 : prepared.levels.back();
+    if (level > last + kSameTime && level < 1.0 - kSameTime) prepared.levels.push_back(level);
+  }
+  prepared.levels.push_back(1.0);
 }
 
 Index idle_nodes(const PreparedDeck& prepared) {
