@@ -171,6 +171,9 @@ TEST_F(SolveCommand, WritesStepsProbesAndAllThatDocumentsThem) {
   EXPECT_NE(notice.find("Research software"), std::string::npos);
   EXPECT_NE(notice.find("not for clinical use"), std::string::npos);
   EXPECT_EQ(result["inputs"]["deck_sha256"].get<std::string>().size(), 64U);
+  EXPECT_EQ(result["linear_solver"],
+            json::parse(R"({"asked_for": "automatic", "taken": "direct"})"));
+  EXPECT_EQ(run.error, "");  // Quiet.
   EXPECT_EQ(result["increments"].size(), 2U);
   const json& newton = result["increments"][0]["attempts"][0]["newton"];
   EXPECT_GE(newton.size(), 2U);

@@ -112,6 +112,24 @@ TEST(LoadSteps, IncrementsStayBelowTheLargest) {
   EXPECT_EQ(stepper.attempts()[3].t_to, 0.875);
 }
 
+TEST(LoadSteps, ATinyStepBeforeALevelNeitherLetsTheIncrementGrowNorIsExtrapolatedFar) {
+  std::vector<double> starts;
+  const auto solve = [&](double t, const VectorX& start) {
+    starts.push_back(start[0]);
+    NewtonOutcome outcome;
+    outcome.history.resize(1);
+    outcome.stop = NewtonStop::kConverged;
+    outcome.x = VectorX::Constant(1, t < 0.2 ? t : t + 1e-3);  // Newton's leavings.
+    return outcome;
+  };
+  LoadStepper stepper(rest(), solve, {.first_increment = 0.2, .min_increment = 1e-6, .growth = 2});
+  ASSERT_TRUE(stepper.advance_to(0.2 - 1e-6).has_value());
+  ASSERT_TRUE(stepper.advance_to(0.2).has_value());
+  ASSERT_TRUE(stepper.advance_to(1.0).has_value());
+  EXPECT_LT(stepper.attempts()[2].t_to, 0.2 + 0.4 + 1e-9);
+  EXPECT_LT(std::abs(starts[2] - 0.2), 0.02);
+}
+
 TEST(LoadSteps, EveryConvergedStateIsToldAndAnErrorThereEndsTheWalk) {
   std::vector<double> told;
   const OnLoadState tell = [&](const LoadState& state) -> Result<void> {

@@ -1,7 +1,10 @@
+#include <lefort/mesh/element_faces.h>
+#include <lefort/solve/mesh_index.h>
 #include <lefort/solve/prepare_deck.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -47,7 +50,7 @@ TEST(PrepareDeck, SetsThatMeetMustAgree) {
 TEST(PrepareDeck, IncrementsEndAtCornersOfCurvesAndKeyframes) {
   Deck deck = test::uniaxial_deck(1.0);
   deck.displacements[3].curve = LoadCurve{{{0.0, 0.0}, {0.25, 1.0}, {1.0, 0.0}}};
-  deck.times = {0.6, 0.25};
+  deck.times = {0.6, 0.1 + 0.15, 0.6 + 1e-12, 1e-15, 1.0 - 1e-13};
   const auto prepared = prepare_deck(block(), deck);
   ASSERT_TRUE(prepared);
   EXPECT_EQ(prepared->levels, (std::vector<double>{0.25, 0.6, 1.0}));
@@ -124,6 +127,105 @@ TEST(PrepareDeck, BadMeshesAreRefusedInOneSentence) {
   std::swap(turned.blocks[0].nodes[0], turned.blocks[0].nodes[1]);
   EXPECT_SAYS(refusal_of(turned, test::clamped_deck()), "element 0 at (");
   EXPECT_SAYS(refusal_of({}, test::clamped_deck()), "the mesh has no element");
+}
+
+TEST(PrepareDeck, NeighboursThatShareCornersAndNotTheNodesBetweenAreRefused) {
+  mesh::VolumeMesh mesh = block(mesh::ElementShape::kTet10);
+  mesh::ElementBlock& quadratic = mesh.blocks[0];
+  mesh::ElementBlock linear;
+  const std::int32_t* const last = quadratic.element(quadratic.element_count() - 1);
+  linear.nodes.assign(last, last + 4);
+  linear.region = {0};
+  quadratic.nodes.resize(quadratic.nodes.size() - 10);
+  quadratic.region.pop_back();
+  mesh.blocks.push_back(linear);
+  const std::string refusal = refusal_of(mesh, test::clamped_deck());
+  EXPECT_SAYS(refusal, " and 95 share the corners of a face at (");
+  EXPECT_SAYS(refusal, "(6 and 3)");
+}
+
+TEST(PrepareDeck, OnlyTractionsMayActInsideTheBody) {
+  mesh::VolumeMesh mesh = block();
+  // Of the first element the face that another one has, too.
+  const mesh::ElementBlock& elements = mesh.blocks[0];
+  for (const mesh::LocalFace& local : mesh::faces_of(elements.shape)) {
+    const mesh::Face face = mesh::face_of(elements.element(0), local);
+    const MeshIndex index = index_mesh(mesh);
+    if (faces_like(index, face).size() == 2) mesh.face_sets["cut"] = {face};
+  }
+  ASSERT_EQ(mesh.face_sets.at("cut").size(), 1U);
+  Deck pressed = test::clamped_deck();
+  pressed.pressures.push_back({"cut", 1e-4, {}});
+  const std::string refusal = refusal_of(mesh, pressed);
+  EXPECT_SAYS(refusal, "pressures[0]: faces cut hold one between elements 0 and ");
+  EXPECT_SAYS(refusal, " mm, all must be of the boundary");
+  Deck touched = test::clamped_deck();
+  Obstacle obstacle;
+  obstacle.faces = "cut";
+  obstacle.path.keyframes = {plan::Keyframe{}};
+  obstacle.path.steps = 1;
+  touched.obstacles.push_back(obstacle);
+  EXPECT_SAYS(refusal_of(mesh, touched), "obstacles[0]: faces cut hold one between elements 0");
+  Deck drawn = test::clamped_deck();
+  drawn.tractions.push_back({"cut", Vec3(1e-4, 0, 0), {}});
+  const auto prepared = prepare_deck(mesh, drawn);
+  ASSERT_TRUE(prepared) << prepared.error().message;
+  ASSERT_EQ(prepared->warnings.size(), 1U);
+  EXPECT_SAYS(prepared->warnings[0], "tractions[0]: faces cut hold one between elements 0 and ");
+}
+
+TEST(PrepareDeck, AContactIsAsStiffAsTheElementsOfItsFaces) {
+  mesh::VolumeMesh mesh = block();
+  mesh::ElementBlock& elements = mesh.blocks[0];
+  const auto& top = mesh.node_sets.at("z1");
+  for (Index e = 0; e < elements.element_count(); ++e) {
+    const auto in_top = std::count_if(elements.element(e), elements.element(e) + 4, [&](auto node) {
+      return std::binary_search(top.begin(), top.end(), node);
+    });
+    if (in_top < 3) elements.region[std::size_t(e)] = 1;  // Some touch it by an edge.
+  }
+  Deck deck = test::clamped_deck();
+  Obstacle obstacle;
+  obstacle.faces = "z1";
+  obstacle.path.keyframes = {plan::Keyframe{}};
+  obstacle.path.steps = 1;
+  deck.obstacles.push_back(obstacle);
+  const auto stiffness = [&](double mu_mpa) {
+    deck.laws = {{"0", test::kBlockLaw, 0.0},
+                 {"1", fem::NeoHookean{.mu_mpa = mu_mpa, .lambda_mpa = 0.04}, 0.0}};
+    return prepare_deck(mesh, deck).value().obstacle_stiffness_mpa_per_mm.at(0);
+  };
+  EXPECT_EQ(stiffness(1e4), stiffness(0.01));
+}
+
+TEST(PrepareDeck, AFaceOfThreeElementsIsRefused) {
+  mesh::VolumeMesh mesh = block();
+  mesh::ElementBlock& elements = mesh.blocks[0];
+  const std::vector<std::int32_t> again(elements.element(0), elements.element(0) + 4);
+  elements.nodes.insert(elements.nodes.end(), again.begin(), again.end());
+  elements.region.push_back(0);
+  const std::string refusal = refusal_of(mesh, test::clamped_deck());
+  EXPECT_SAYS(refusal, "elements 0, ");
+  EXPECT_SAYS(refusal, "and 96 have one face, at (");
+}
+
+TEST(PrepareDeck, AQuadrilateralAgainstTwoTrianglesIsWarnedOf) {
+  // A hexahedron, and upon it the six tetrahedra of another one.
+  mesh::VolumeMesh mesh = test::box_mesh({.cells = {1, 1, 2}});
+  mesh::ElementBlock& tets = mesh.blocks[0];
+  tets.nodes.erase(tets.nodes.begin(), tets.nodes.begin() + 6 * 4);
+  tets.region.resize(6);
+  mesh.blocks.push_back(
+      {.shape = mesh::ElementShape::kHex8, .nodes = {0, 1, 3, 2, 4, 5, 7, 6}, .region = {0}});
+  Deck deck = test::clamped_deck();
+  deck.sets.push_back({"low", NodesInBox{Box3(Vec3(-1, -1, -1), Vec3(9, 9, 0.1))}});
+  deck.displacements[0].set = "low";
+  const auto prepared = prepare_deck(mesh, deck);
+  ASSERT_TRUE(prepared) << prepared.error().message;
+  ASSERT_EQ(prepared->warnings.size(), 1U);
+  EXPECT_SAYS(prepared->warnings[0],
+              "1 quadrilaterals lie against two triangles each and are joined to them at their "
+              "nodes alone, the first of element 6 at (");
 }
 
 TEST(PrepareDeck, EveryNameThatIsNotThereIsToldWithItsKey) {

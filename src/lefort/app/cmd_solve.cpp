@@ -21,6 +21,7 @@ void add_solve_command(CLI::App& cli, CommandContext& context) {
       "series solve_incomplete.pvd and says so in solve.json. Decks: docs/solve.md.\n"
       "Not for clinical use.");
   command->callback([job, &context] {
+    job->quiet = context.quiet;
     context.run("solve", [&](Progress& progress) { return solve_deck(*job, progress); });
   });
 }

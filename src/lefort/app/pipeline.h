@@ -93,6 +93,7 @@ struct PredictJob {
 [[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);
 
 struct SolveJob {
+  bool quiet = false;  ///< Do not tell each increment.
   std::filesystem::path deck;
   std::filesystem::path output;  ///< A folder; made if missing.
   bool check_only = false;       ///< Read and check, no more.

@@ -166,7 +166,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   watch.on_phase = [&](fem::SolvePhase phase) { clock.begin(name_of(phase)); };
   watch.on_increment = [&](const solve::Increment& increment) {
     clock.begin("output");
-    progress.note(described(increment));
+    if (!job.quiet) progress.note(described(increment));
     Result<void> added = writer.add(increment);
     clock.begin(name_of(fem::SolvePhase::kNone));
     return added;

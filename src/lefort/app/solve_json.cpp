@@ -83,6 +83,25 @@ Json seconds_json(const PhaseClock& clock) {
       {"total_seconds", total}, {"phase_seconds", phases}, {"peak_memory_mb", peak_memory_mb()}};
 }
 
+std::string name_of(fem::LinearSolverKind kind) {
+  switch (kind) {
+    case fem::LinearSolverKind::kAutomatic:
+      return "automatic";
+    case fem::LinearSolverKind::kDirect:
+      return "direct";
+    case fem::LinearSolverKind::kLagged:
+      return "lagged";
+    case fem::LinearSolverKind::kMultigrid:
+      break;
+  }
+  return "multigrid";
+}
+
+Json linear_solver_json(const solve::PreparedDeck& prepared, const solve::DeckRun& run) {
+  const Json taken = run.linear_solver ? Json(name_of(*run.linear_solver)) : Json(nullptr);
+  return {{"asked_for", name_of(prepared.deck.linear_solver.kind)}, {"taken", taken}};
+}
+
 /// What there is to look at; a run that ended early has no final state.
 Json last_converged_json(const solve::DeckRun& run, const std::string& file) {
   if (!run.last) return nullptr;
@@ -132,6 +151,7 @@ Json solve_json(const io::DeckFile& file, const solve::PreparedDeck& prepared,
              {{"relative_tolerance", prepared.deck.newton.relative_tolerance},
               {"absolute_tolerance_n", prepared.deck.newton.absolute_tolerance_n},
               {"max_iterations", prepared.deck.newton.max_iterations}}},
+            {"linear_solver", linear_solver_json(prepared, run)},
             {"contact_stiffness_kpa_per_mm", stiffnesses_json(prepared)},
             {"warnings", prepared.warnings},
             {"increments", std::move(increments)}};

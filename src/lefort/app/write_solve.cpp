@@ -188,7 +188,9 @@ bool SolveWriter::is_wanted(const solve::Increment& increment) const {
   if (file_.every == io::WriteEvery::kIncrement) return true;
   if (file_.every == io::WriteEvery::kLast) return false;
   const std::vector<double>& times = file_.deck.times;
-  return std::find(times.begin(), times.end(), increment.time) != times.end();
+  return std::any_of(times.begin(), times.end(), [&](double time) {
+    return std::abs(time - increment.time) <= solve::kSameTime;
+  });
 }
 
 Result<void> SolveWriter::add(const solve::Increment& increment) {

@@ -12,6 +12,9 @@ namespace {
 
 constexpr double kRounding = 1e-9;
 
+/// Steps so short, beside the increment that was wanted, were cut off by a level.
+constexpr double kRemnant = 0.1;
+
 /// Whether a failure may be the extrapolated start's own. A solve that ran long has left its start
 /// behind; running as long from the last state would find no more.
 bool worth_a_nearer_start(const NewtonOutcome& outcome, const LoadStepOptions& options) {
@@ -51,7 +54,8 @@ LoadStepper::LoadStepper(LoadState start, SolveAtLoad solve, const LoadStepOptio
 }
 
 VectorX LoadStepper::extrapolated(double t) const {
-  const double ratio = (t - last_.t) / (last_.t - before_last_->t);
+  constexpr double kFarthest = 10.0;  // A step that was cut short magnifies what Newton left over.
+  const double ratio = std::min((t - last_.t) / (last_.t - before_last_->t), kFarthest);
   return last_.u + ratio * (last_.u - before_last_->u);
 }
 
@@ -99,7 +103,8 @@ Result<void> LoadStepper::advance_to(double t_end, Progress& progress,
 
     if (outcome.converged()) {
       before_last_ = std::exchange(last_, {t, std::move(outcome.x)});
-      if (outcome.iterations() <= options_.easy_iterations)
+      // A remnant before a level proves nothing for whole increments.
+      if (outcome.iterations() <= options_.easy_iterations && asked >= kRemnant * increment_)
         increment_ =
             std::min(std::max(increment_, asked) * options_.growth, options_.max_increment);
       if (on_state) LEFORT_TRY_VOID(on_state(last_));

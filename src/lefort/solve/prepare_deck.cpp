@@ -3,6 +3,7 @@
 #include <lefort/solve/about_key.h>
 #include <lefort/solve/find_sets.h>
 #include <lefort/solve/loose_parts.h>
+#include <lefort/solve/mesh_index.h>
 #include <lefort/solve/prepare_deck.h>
 #include <lefort/solve/stiffness_at_rest.h>
 
@@ -27,6 +28,12 @@ Result<void> check_mesh(const mesh::VolumeMesh& mesh) {
         return fail(ErrorCode::kMeshInvalid,
                     fmt::format("an element of the mesh names node {}, the nodes are 0 to {}", node,
                                 mesh.node_count() - 1));
+  for (const mesh::ElementBlock& block : mesh.blocks)
+    if (block.nodes.size() != block.region.size() * std::size_t(mesh::node_count(block.shape)))
+      return fail(
+          ErrorCode::kMeshInvalid,
+          fmt::format("a block of {} elements lists {} nodes, must be {} each", block.region.size(),
+                      block.nodes.size(), mesh::node_count(block.shape)));
   if (mesh.element_count() == 0) return fail(ErrorCode::kMeshInvalid, "the mesh has no element");
   return {};
 }
@@ -75,18 +82,39 @@ Result<void> assign_laws(PreparedDeck& prepared) {
 
 // --- What pushes ---------------------------------------------------------------------------------
 
-Result<void> find_loads(PreparedDeck& prepared) {
+/// A face between two elements, in words; nothing if all are of the boundary.
+std::optional<std::string> inner_face(const PreparedDeck& prepared, const MeshIndex& index,
+                                      const FaceList& faces, const std::string& set) {
+  for (const mesh::Face& face : faces)
+    if (const auto uses = faces_like(index, face); uses.size() > 1)
+      return fmt::format("faces {} hold one between elements {} and {} at {}", set, uses[0].element,
+                         uses[1].element, place_of(prepared.mesh, face));
+  return std::nullopt;
+}
+
+/// Refuses what pushes along normals inside of the body: which way they look is up to the file.
+Result<void> check_outside(const PreparedDeck& prepared, const MeshIndex& index,
+                           const FaceList& faces, const std::string& set) {
+  const auto inner = inner_face(prepared, index, faces, set);
+  if (!inner) return {};
+  return fail(ErrorCode::kPlanInvalid, *inner + ", all must be of the boundary");
+}
+
+Result<void> find_loads(PreparedDeck& prepared, const MeshIndex& index) {
   const Deck& deck = prepared.deck;
   for (std::size_t i = 0; i < deck.tractions.size(); ++i) {
     const std::string key = indexed("tractions", i);
     LEFORT_TRY_VOID(about(check_curve(deck.tractions[i].curve), key));
     LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, deck.tractions[i].faces), key));
+    if (const auto inner = inner_face(prepared, index, faces, deck.tractions[i].faces))
+      prepared.warnings.push_back(fmt::format("{}: {}", key, *inner));
     prepared.traction_faces.push_back(std::move(faces));
   }
   for (std::size_t i = 0; i < deck.pressures.size(); ++i) {
     const std::string key = indexed("pressures", i);
     LEFORT_TRY_VOID(about(check_curve(deck.pressures[i].curve), key));
     LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, deck.pressures[i].faces), key));
+    LEFORT_TRY_VOID(about(check_outside(prepared, index, faces, deck.pressures[i].faces), key));
     prepared.pressure_faces.push_back(std::move(faces));
   }
   for (std::size_t i = 0; i < deck.body_forces.size(); ++i) {
@@ -121,32 +149,28 @@ double mean_edge_mm(const mesh::VolumeMesh& mesh, const FaceList& faces) {
   return sum_mm / double(edges);
 }
 
-/// The stiffest of the regions that have a node of the faces.
-double young_behind_mpa(const PreparedDeck& prepared, const FaceList& faces) {
-  std::vector<char> on_faces(prepared.mesh.nodes_L.size(), 0);
-  for (const mesh::Face& face : faces)
-    for (int a = 0; a < mesh::node_count(face.shape); ++a)
-      on_faces[std::size_t(face.nodes[std::size_t(a)])] = 1;
+/// The stiffest of the regions whose elements have one of the faces.
+double young_behind_mpa(const PreparedDeck& prepared, const MeshIndex& index,
+                        const FaceList& faces) {
   std::set<std::int32_t> regions;
-  for (const mesh::ElementBlock& block : prepared.mesh.blocks)
-    for (Index e = 0; e < block.element_count(); ++e)
-      if (std::any_of(block.element(e), block.element(e) + mesh::node_count(block.shape),
-                      [&](std::int32_t node) { return on_faces[std::size_t(node)] != 0; }))
-        regions.insert(block.region[std::size_t(e)]);
+  for (const mesh::Face& face : faces)
+    for (const FaceUse& use : faces_like(index, face))
+      regions.insert(region_of(prepared.mesh, use.element));
   double young_mpa = 0.0;
   for (const std::int32_t region : regions)
     young_mpa = std::max(young_mpa, young_at_rest_mpa(prepared.materials.at(region)));
   return young_mpa;
 }
 
-Result<void> find_obstacles(PreparedDeck& prepared) {
+Result<void> find_obstacles(PreparedDeck& prepared, const MeshIndex& index) {
   for (std::size_t i = 0; i < prepared.deck.obstacles.size(); ++i) {
     const Obstacle& obstacle = prepared.deck.obstacles[i];
     const std::string key = indexed("obstacles", i);
     LEFORT_TRY_VOID(about(plan::check_path(obstacle.path), key));
     LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, obstacle.faces), key));
+    LEFORT_TRY_VOID(about(check_outside(prepared, index, faces, obstacle.faces), key));
     prepared.obstacle_stiffness_mpa_per_mm.push_back(obstacle.stiffness_mpa_per_mm.value_or(
-        obstacle.stiffness_factor * young_behind_mpa(prepared, faces) /
+        obstacle.stiffness_factor * young_behind_mpa(prepared, index, faces) /
         mean_edge_mm(prepared.mesh, faces)));
     prepared.obstacle_faces.push_back(std::move(faces));
   }
@@ -170,8 +194,12 @@ void find_levels(PreparedDeck& prepared) {
   for (const BodyForce& load : deck.body_forces) add_curve(load.curve);
   for (const RigidlyMovedSet& set : deck.motions) add_path(set.path);
   for (const Obstacle& obstacle : deck.obstacles) add_path(obstacle.path);
-  levels.insert(1.0);
-  prepared.levels.assign(levels.upper_bound(0.0), levels.end());
+  // What rounding sets apart is one level, and the end is 1.
+  for (const double level : levels) {
+    const double last = prepared.levels.empty() ? 0.0 : prepared.levels.back();
+    if (level > last + kSameTime && level < 1.0 - kSameTime) prepared.levels.push_back(level);
+  }
+  prepared.levels.push_back(1.0);
 }
 
 Index idle_nodes(const PreparedDeck& prepared) {
@@ -229,6 +257,8 @@ void warn_of_jumps(PreparedDeck& prepared) {
 Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
   LEFORT_TRY_VOID(check_mesh(mesh));
   PreparedDeck prepared;
+  const MeshIndex index = index_mesh(mesh);
+  LEFORT_TRY(prepared.warnings, check_joints(mesh, index));
   LEFORT_TRY(prepared.mesh, add_sets(std::move(mesh), deck.sets));
   prepared.deck = std::move(deck);
   LEFORT_TRY_VOID(about(fem::validate(prepared.deck.steps), "steps"));
@@ -239,8 +269,8 @@ Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
   if (const Index idle = idle_nodes(prepared); idle > 0)
     prepared.warnings.push_back(
         fmt::format("{} nodes belong to no element; they stay where they are", idle));
-  LEFORT_TRY_VOID(find_loads(prepared));
-  LEFORT_TRY_VOID(find_obstacles(prepared));
+  LEFORT_TRY_VOID(find_loads(prepared, index));
+  LEFORT_TRY_VOID(find_obstacles(prepared, index));
   for (std::size_t i = 0; i < prepared.deck.probes.size(); ++i) {
     LEFORT_TRY(ProbePlace place, about(locate_probe(prepared.mesh, prepared.deck.probes[i].at),
                                        indexed("probes", i)));

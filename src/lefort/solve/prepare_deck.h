@@ -19,6 +19,9 @@
 
 namespace lefort::solve {
 
+/// Times that are no further apart are the same.
+inline constexpr double kSameTime = 1e-9;
+
 /// A deck whose names are found. A value.
 struct PreparedDeck {
   mesh::VolumeMesh mesh;  ///< With the deck's sets.

@@ -309,6 +309,7 @@ Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fie
     increment.residual_n = end.residual_n;
     if (end.force_scale_n > 0.0) increment.relative_residual = end.residual_n / end.force_scale_n;
     run.last = std::move(increment);
+    if (linear_solver.statistics().factorisations > 0) run.linear_solver = linear_solver.kind();
     progress.report(state.t);
     if (!watch.on_increment) return {};
     Result<void> told = watch.on_increment(*run.last);
