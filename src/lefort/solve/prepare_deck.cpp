@@ -258,13 +258,15 @@ Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
   LEFORT_TRY_VOID(check_mesh(mesh));
   PreparedDeck prepared;
   const MeshIndex index = index_mesh(mesh);
-  LEFORT_TRY(prepared.warnings, check_joints(mesh, index));
   LEFORT_TRY(prepared.mesh, add_sets(std::move(mesh), deck.sets));
   prepared.deck = std::move(deck);
   LEFORT_TRY_VOID(about(fem::validate(prepared.deck.steps), "steps"));
   LEFORT_TRY_VOID(about(fem::validate(prepared.deck.newton), "newton"));
   LEFORT_TRY_VOID(assign_laws(prepared));
   LEFORT_TRY_VOID(fem::make_element_terms(prepared.mesh, prepared.materials));
+  // After each element for itself: a crushed one seems to have a face twice.
+  LEFORT_TRY(const auto joints, check_joints(prepared.mesh, index));
+  prepared.warnings.insert(prepared.warnings.end(), joints.begin(), joints.end());
   LEFORT_TRY(prepared.held, find_held(prepared.mesh, prepared.deck));
   if (const Index idle = idle_nodes(prepared); idle > 0)
     prepared.warnings.push_back(
