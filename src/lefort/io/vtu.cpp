@@ -1,3 +1,4 @@
+#include <lefort/core/escape_markup.h>
 #include <lefort/io/internal/vtk_cell_types.h>
 #include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>
@@ -24,29 +25,6 @@ namespace {
 using internal::kCellTypes;
 using mesh::ElementBlock;
 using mesh::VolumeMesh;
-
-std::string xml_escaped(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
-}
 
 Result<void> check_name(std::string_view kind, const std::string& name) {
   const bool printable =
@@ -120,7 +98,7 @@ class VtuFile {
     xml_ += fmt::format(
         "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
         "offset=\"{}\"/>\n",
-        type_name(T()), xml_escaped(name), components, raw_.size());
+        type_name(T()), escape_markup(name), components, raw_.size());
     const std::uint64_t bytes = values.size() * sizeof(T);
     raw_.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
     raw_.append(reinterpret_cast<const char*>(values.data()), bytes);
@@ -286,7 +264,7 @@ Result<void> write_pvd(const std::filesystem::path& target, std::span<const PvdE
       return fail(ErrorCode::kInvalidArgument,
                   fmt::format("the time of {} is {}, must be finite", entry.file, entry.time));
     xml += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", entry.time,
-                       xml_escaped(entry.file));
+                       escape_markup(entry.file));
   }
   return write_text(target, xml + "</Collection>\n</VTKFile>\n");
 }

@@ -1,3 +1,4 @@
+#include <lefort/core/escape_markup.h>
 #include <lefort/report/internal/plain_text.h>
 
 #include <cstddef>
@@ -64,30 +65,6 @@ std::string plain_text(std::string_view text) {
   return plain;
 }
 
-std::string escaped(std::string_view text) {
-  std::string safe;
-  for (const char byte : plain_text(text)) {
-    switch (byte) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      case '\'':
-        safe += "&#39;";
-        break;
-      default:
-        safe += byte;
-    }
-  }
-  return safe;
-}
+std::string escaped(std::string_view text) { return escape_markup(plain_text(text)); }
 
 }  // namespace lefort::report
