@@ -1,6 +1,7 @@
 #include <lefort/field/band_sampler.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
 
@@ -60,7 +61,7 @@ void expect_exact_within(double reach_cells, const TriangleMesh& mesh, int resol
         ASSERT_NEAR(std::abs(found), distance, kFloatError_mm)
             << "at " << i << ' ' << j << ' ' << k;
         if (!closed || distance < 1e-7) continue;
-        ASSERT_EQ(found<0.0F, test::winding_number(mesh, p)> 0.5) << p.transpose();
+        ASSERT_EQ(found<0.0F, geometry::winding_number(mesh, p)> 0.5) << p.transpose();
       }
   EXPECT_GT(within, 1000);
 }

@@ -1,5 +1,6 @@
 #include <lefort/field/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
 
@@ -48,7 +49,7 @@ TEST(CrossingSurfaces, WhatIsOutsideBothIsOutside) {
     ASSERT_TRUE(field.frame().closed);
     int outside = 0;
     for (const Vec3& p : points_in(field.box_B(), 4000, 1)) {
-      if (test::winding_number(mesh, p) > 0.5) continue;
+      if (geometry::winding_number(mesh, p) > 0.5) continue;
       const FieldSample sample = field.sample(p);
       ASSERT_NE(sample.zone, Zone::kInside) << p.transpose();
       const double distance = bvh.closest_point(p)->distance_mm;
@@ -78,7 +79,7 @@ TEST(CrossingSurfaces, NoSideIsWrongBeyondTheBand) {
       const FieldSample sample = field.sample(p);
       if (bvh.closest_point(p)->distance_mm < beyond_all_samples(field)) continue;
       ++far;
-      const bool inside = test::winding_number(mesh, p) > 0.5;
+      const bool inside = geometry::winding_number(mesh, p) > 0.5;
       wrong += sample.zone == (inside ? Zone::kInside : Zone::kOutside) ? 0 : 1;
     }
     EXPECT_EQ(wrong, 0) << "method " << int(method);

@@ -1,5 +1,6 @@
 #include <lefort/field/band_sampler.h>
 #include <lefort/field/far_sides.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
 
@@ -46,7 +47,7 @@ TEST(FarSides, AgreeWithTheWindingNumberEverywhere) {
     for (int j = 0; j <= kResolution; j += 3)
       for (int i = 0; i <= kResolution; i += 2) {
         const Vec3 p = Vec3(i, j, k) + Vec3::Constant(-0.5 * kResolution + 0.01);
-        const bool inside = test::winding_number(mesh, p) > 0.5;
+        const bool inside = geometry::winding_number(mesh, p) > 0.5;
         if (distances.near.slot_of(distances.near.brick_of({i, j, k})) == SparseLattice::kNoBrick)
           ++absent;
         EXPECT_EQ(distances.at({i, j, k}) < 0.0F, inside) << p.transpose();
@@ -76,7 +77,7 @@ TEST(FarSides, AreThoseOfTheWindingNumberWhereSurfacesCross) {
         const float d = distances.at({i, j, k});
         if (std::isfinite(d)) continue;
         const Vec3 p = frame.origin_B + Vec3(i, j, k);
-        const double turns = test::winding_number(mesh, p);
+        const double turns = geometry::winding_number(mesh, p);
         ASSERT_EQ(d<0.0F, turns> 0.5) << p.transpose();
         contested += turns > 1.5 ? 1 : 0;
       }

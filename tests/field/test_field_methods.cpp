@@ -1,6 +1,7 @@
 #include <lefort/field/build_distance_field.h>
 #include <lefort/field/lattice_samples.h>
 #include <lefort/geometry/bvh.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
 
@@ -216,7 +217,8 @@ TEST(FieldMethods, FarSidesAreThoseOfTheWindingNumber) {
         const FieldSample sample = field.sample(p);
         if (sample.zone == Zone::kBand) continue;
         ++far;
-        ASSERT_EQ(sample.zone, test::winding_number(mesh, p) > 0.5 ? Zone::kInside : Zone::kOutside)
+        ASSERT_EQ(sample.zone,
+                  geometry::winding_number(mesh, p) > 0.5 ? Zone::kInside : Zone::kOutside)
             << name << ", method " << int(method) << " at " << p.transpose();
       }
       EXPECT_GT(far, 1000);

@@ -1,6 +1,7 @@
 #include <lefort/field/build_distance_field.h>
 #include <lefort/field/prepare_surface.h>
 #include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
 
@@ -137,7 +138,7 @@ TEST(PrepareSurface, AFlapOfTwinsOnABoneDoesNotTurnTheBone) {
     const Vec3 p(in(random), in(random), in(random));
     const FieldSample sample = field.sample(p);
     if (std::abs(sample.distance_mm) < field.cell_mm()) continue;
-    EXPECT_EQ(sample.distance_mm<0, test::winding_number(box, p)> 0.5) << p.transpose();
+    EXPECT_EQ(sample.distance_mm<0, geometry::winding_number(box, p)> 0.5) << p.transpose();
   }
 }
 

@@ -3,6 +3,7 @@
 /// is not rare.
 #include <lefort/field/build_distance_field.h>
 #include <lefort/field/lattice_samples.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
 
@@ -105,7 +106,7 @@ void expect_samples_right(const DistanceField& field, const Case& of, const Trut
         (sample < 0.0F) != of.small.is_inside(of.unplaced(place)))
       return "is on the wrong side of the solid";
     if (of.prepared.closed && std::isinf(sample) && exact > frame.cell_mm + rounding_mm &&
-        (sample < 0.0F) != (test::winding_number(of.prepared.mesh_B, place) > 0.5))
+        (sample < 0.0F) != (geometry::winding_number(of.prepared.mesh_B, place) > 0.5))
       return "is on the wrong side";
     return nullptr;
   };

@@ -1,5 +1,6 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/winding_rows.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
 
@@ -36,7 +37,7 @@ Index expect_solid_angles(const TriangleMesh& mesh, const FieldFrame& frame) {
       for (int i = 0; i <= frame.resolution; i += step) {
         const Vec3 p = test::place_of(frame, i, j, k);
         if (bvh.closest_point(p)->distance_mm <= frame.cell_mm) continue;
-        const bool expected = test::winding_number(mesh, p) > 0.5;
+        const bool expected = geometry::winding_number(mesh, p) > 0.5;
         EXPECT_EQ(rows.is_inside({i, j, k}), expected) << p.transpose();
         inside += expected ? 1 : 0;
       }

@@ -1,4 +1,5 @@
 #include <lefort/geometry/bvh.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
 
@@ -51,7 +52,7 @@ void expect_signs_of_winding(const TriangleMesh& mesh, unsigned seed) {
   const Bvh bvh(mesh);
   for (const Vec3& p : hard_points(mesh, seed)) {
     const double d = bvh.signed_distance(p).distance_mm;
-    const double winding = test::winding_number(mesh, p);
+    const double winding = winding_number(mesh, p);
     if (std::abs(d) < 1e-9) continue;
     EXPECT_EQ(d<0.0, winding> 0.5) << "at " << p.transpose() << ", distance " << d;
   }

@@ -3,6 +3,7 @@
 /// edges with four triangles.
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
 
@@ -94,7 +95,7 @@ TEST(TouchingSurfaces, SoDoBentBlocks) {
       const Vec3 p(in(random), in(random), in(random));
       const SignedDistance found = bvh.signed_distance(p);
       off_face += is_vertex(found.nearest.feature) ? 1 : 0;
-      ASSERT_EQ(found.distance_mm<0.0, test::winding_number(mesh, p)> 0.5)
+      ASSERT_EQ(found.distance_mm<0.0, winding_number(mesh, p)> 0.5)
           << "seed " << seed << ", at " << p.transpose();
     }
   }

@@ -146,19 +146,6 @@ namespace lefort::test {
   return soup;
 }
 
-/// Winding number of a closed surface around `p`: 1 inside, 0 outside. An oracle that knows nothing
-/// of nearest features (solid angles after van Oosterom and Strackee).
-[[nodiscard]] inline double winding_number(const geometry::TriangleMesh& mesh, const Vec3& p) {
-  double angle = 0.0;
-  for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const Vec3 a = mesh.corner(t, 0) - p, b = mesh.corner(t, 1) - p, c = mesh.corner(t, 2) - p;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    angle += 2.0 * std::atan2(a.dot(b.cross(c)),
-                              la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-  return angle / (4.0 * std::numbers::pi);
-}
-
 /// Both surfaces as one mesh, not joined.
 [[nodiscard]] inline geometry::TriangleMesh join(geometry::TriangleMesh first,
                                                  const geometry::TriangleMesh& second) {

@@ -6,6 +6,7 @@
 #include <lefort/field/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/winding_number.h>
 
 #include <fmt/format.h>
 
@@ -14,7 +15,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -122,20 +122,6 @@ void measure_errors(const geometry::TriangleMesh& mesh, const geometry::Bvh& exa
                         {"max", errors.back()}};
 }
 
-/// How often a closed surface winds around `p`, by solid angles \cite vanoosterom1983. Slow; but
-/// where the surface cuts through itself the pseudonormal of its nearest feature may tell the wrong
-/// side.
-double winding_number(const geometry::TriangleMesh& mesh, const Vec3& p) {
-  double angle = 0.0;
-  for (Index t = 0; t < mesh.triangle_count(); ++t) {
-    const Vec3 a = mesh.corner(t, 0) - p, b = mesh.corner(t, 1) - p, c = mesh.corner(t, 2) - p;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    angle += 2.0 * std::atan2(a.dot(b.cross(c)),
-                              la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-  return angle / (4.0 * std::numbers::pi);
-}
-
 /// The samples themselves against exact distances, at `task.error_points` of them.
 void measure_lattice(const field::DistanceField& field, const geometry::Bvh& exact,
                      const FieldTask& task, const std::vector<Vec3>& band, Json& result) {
@@ -156,7 +142,7 @@ void measure_lattice(const field::DistanceField& field, const geometry::Bvh& exa
     error[std::size_t(n)] = std::abs(std::abs(found.distance_mm) - std::abs(truth));
     const bool inside = found.distance_mm < 0.0;
     if (inside == (truth < 0.0) || std::abs(truth) <= 1e-6) return;
-    wrong[std::size_t(n)] = inside == (winding_number(exact.mesh(), p) > 0.5) ? 0 : 1;
+    wrong[std::size_t(n)] = inside == (geometry::winding_number(exact.mesh(), p) > 0.5) ? 0 : 1;
   });
   result["lattice_error_mm"] = *std::max_element(error.begin(), error.end());
   result["lattice_wrong_signs"] = std::count(wrong.begin(), wrong.end(), 1);

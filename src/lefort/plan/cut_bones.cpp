@@ -1,4 +1,5 @@
 #include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/winding_number.h>
 #include <lefort/mesh/cut_surface.h>
 #include <lefort/mesh/join_parts.h>
 #include <lefort/plan/cut_bones.h>
@@ -7,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace lefort::plan {
 namespace {
@@ -33,21 +33,6 @@ Result<std::vector<mesh::HalfSpace>> half_spaces_of(const Osteotomy& osteotomy) 
   return half_spaces;
 }
 
-/// How often `surface` winds around p: 1 inside, 0 outside, by the triangles' solid angles
-/// \cite vanoosterom1983.
-double winding_number(const TriangleMesh& surface, const Vec3& p) {
-  double solid_angle = 0.0;
-  for (Index t = 0; t < surface.triangle_count(); ++t) {
-    const Vec3 a = surface.corner(t, 0) - p;
-    const Vec3 b = surface.corner(t, 1) - p;
-    const Vec3 c = surface.corner(t, 2) - p;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    solid_angle += 2.0 * std::atan2(a.dot(b.cross(c)),
-                                    la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-  return solid_angle / (4.0 * std::numbers::pi);
-}
-
 /// One shell of a surface: around a body if its volume is positive, around a cavity if not.
 struct Shell {
   TriangleMesh surface;
@@ -56,7 +41,8 @@ struct Shell {
 
   [[nodiscard]] bool is_cavity() const { return volume_mm3 < 0.0; }
   [[nodiscard]] bool contains(const Shell& other) const {
-    return box.contains(other.box) && winding_number(surface, other.surface.vertices[0]) > 0.5;
+    return box.contains(other.box) &&
+           geometry::winding_number(surface, other.surface.vertices[0]) > 0.5;
   }
 };
 
