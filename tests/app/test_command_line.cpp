@@ -176,6 +176,15 @@ TEST(CommandLine, AFieldIsExportedSlicedAndDescribed) {
   EXPECT_EQ(samples["plane"], "sagittal");
 }
 
+/// One line on stderr that names the fault, exit code 1, and nothing left in the folder.
+void expect_clean_failure(const test::ProgramRun& run, const std::string& what,
+                          const TemporaryFolder& folder, long entries_before) {
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.message_lines(), 1) << run.error;
+  EXPECT_NE(run.error.find(what), std::string::npos) << run.error;
+  EXPECT_EQ(folder.entry_count(), entries_before);
+}
+
 TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
   const TemporaryFolder folder;
   ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(10.0, 2)));
@@ -188,11 +197,8 @@ TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
                              io::read_text(folder / "ball.field", 1'000'000)->substr(0, 5000)));
   const long before = folder.entry_count();
   const auto expect_line = [&](const std::string& arguments, const std::string& what) {
-    const auto run = run_lefort("field " + arguments);
-    EXPECT_EQ(run.exit_code, 1) << arguments;
-    EXPECT_EQ(run.message_lines(), 1) << run.error;
-    EXPECT_NE(run.error.find(what), std::string::npos) << run.error;
-    EXPECT_EQ(folder.entry_count(), before);
+    SCOPED_TRACE(arguments);
+    expect_clean_failure(run_lefort("field " + arguments), what, folder, before);
   };
   const std::string to = " -o " + quoted(folder / "out");
   expect_line("info " + quoted(folder / "bad.field"), "checksum");
@@ -213,15 +219,6 @@ TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
                 .exit_code,
             2);
   EXPECT_EQ(run_lefort("field export " + field + to + ".vdb --region 1 2 3").exit_code, 2);
-}
-
-/// One line on stderr that names the fault, exit code 1, and nothing left in the folder.
-void expect_clean_failure(const test::ProgramRun& run, const std::string& what,
-                          const TemporaryFolder& folder, long entries_before) {
-  EXPECT_EQ(run.exit_code, 1);
-  EXPECT_EQ(run.message_lines(), 1) << run.error;
-  EXPECT_NE(run.error.find(what), std::string::npos) << run.error;
-  EXPECT_EQ(folder.entry_count(), entries_before);
 }
 
 TEST(CommandLine, BadInputIsOneLineAndLeavesNothing) {

@@ -24,4 +24,16 @@ Result<void> make_output_folder(const fs::path& folder) {
                                                       folder.string(), written.error().message));
 }
 
+Result<void> remove_earlier_files(std::span<const fs::path> files) {
+  std::error_code error;
+  for (const fs::path& file : files) {
+    fs::remove(file, error);
+    if (error)
+      return fail(ErrorCode::kFileUnwritable,
+                  fmt::format("{}, of an earlier run, cannot be removed: {}", file.string(),
+                              error.message()));
+  }
+  return {};
+}
+
 }  // namespace lefort::app

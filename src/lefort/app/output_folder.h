@@ -5,6 +5,7 @@
 #include <lefort/core/error.h>
 
 #include <filesystem>
+#include <span>
 
 namespace lefort::app {
 
@@ -12,5 +13,10 @@ namespace lefort::app {
 ///
 /// \returns nothing, or kFileUnwritable. A folder that could not be used is not left behind.
 [[nodiscard]] Result<void> make_output_folder(const std::filesystem::path& folder);
+
+/// Removes what an earlier run may have left; a file that is not there is none to remove.
+///
+/// \returns nothing, or kFileUnwritable with the name of the first that stays.
+[[nodiscard]] Result<void> remove_earlier_files(std::span<const std::filesystem::path> files);
 
 }  // namespace lefort::app

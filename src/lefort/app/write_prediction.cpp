@@ -71,16 +71,7 @@ Result<void> remove_results(const fs::path& folder) {
   for (const char* kind : {"before_", "after_", "displacement_", "bones_"})
     for (const fs::path& picture : earlier_files(folder / kPictures, kind, ".png"))
       files.push_back(picture);
-
-  for (const fs::path& file : files) {
-    std::error_code error;
-    fs::remove(file, error);
-    if (error)
-      return fail(ErrorCode::kFileUnwritable,
-                  fmt::format("{}, of an earlier run, cannot be removed: {}", file.string(),
-                              error.message()));
-  }
-  return {};
+  return remove_earlier_files(files);
 }
 
 Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCase& prepared,

@@ -1,3 +1,4 @@
+#include <lefort/app/output_folder.h>
 #include <lefort/app/write_solve.h>
 #include <lefort/core/units.h>
 #include <lefort/io/write_atomically.h>
@@ -137,15 +138,7 @@ Result<void> spare_inputs(const fs::path& folder, std::span<const fs::path> inpu
 }
 
 Result<void> remove_solve_results(const fs::path& folder) {
-  std::error_code error;
-  for (const fs::path& file : result_files(folder)) {
-    fs::remove(file, error);
-    if (error)
-      return fail(ErrorCode::kFileUnwritable,
-                  fmt::format("{}, of an earlier run, cannot be removed: {}", file.string(),
-                              error.message()));
-  }
-  return {};
+  return remove_earlier_files(result_files(folder));
 }
 
 fs::path SolveWriter::last_step() const {
