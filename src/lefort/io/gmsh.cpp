@@ -218,8 +218,21 @@ Result<void> add_sets(const GmshFile& file, std::map<GmshKey, Group> groups,
   return {};
 }
 
+/// Names without members: some writers leave out $Entities, which alone says what is in a group.
+Result<void> check_groups(const GmshFile& file) {
+  const bool has_members = std::any_of(file.groups_of.begin(), file.groups_of.end(),
+                                       [](const auto& entity) { return !entity.second.empty(); });
+  if (file.group_names.empty() || has_members) return {};
+  return fail(
+      ErrorCode::kMeshInvalid,
+      fmt::format("it names physical groups, as \"{}\", and its $Entities puts nothing into "
+                  "any; save it from Gmsh itself",
+                  file.group_names.begin()->second));
+}
+
 Result<mesh::VolumeMesh> convert(const GmshFile& file) {
   mesh::VolumeMesh mesh;
+  LEFORT_TRY_VOID(check_groups(file));
   LEFORT_TRY(const std::vector<PlacedBlock> blocks, placed_blocks(file));
   LEFORT_TRY_VOID(add_elements(file, blocks, mesh));
   const std::vector<std::int32_t> number = number_nodes(file, mesh);

@@ -39,19 +39,34 @@ constexpr std::array kTypes{
 };
 
 /// Those that the solver does not know, for the message.
-constexpr std::array<std::pair<int, std::string_view>, 12> kRefusedTypes{
-    {{10, "9-node quadrangle"},
-     {12, "27-node hexahedron"},
-     {13, "18-node prism"},
-     {14, "14-node pyramid"},
-     {19, "13-node pyramid"},
-     {20, "9-node triangle"},
-     {21, "10-node triangle"},
-     {26, "4-node line"},
-     {29, "20-node tetrahedron"},
-     {36, "16-node quadrangle"},
-     {90, "40-node prism"},
-     {92, "64-node hexahedron"}}};
+/// An element that Gmsh knows and we do not solve with, and what to set in Gmsh instead.
+struct RefusedType {
+  int number;
+  std::string_view name;
+  std::string_view remedy;
+};
+
+constexpr std::string_view kNoMiddles =
+    "quadratic ones must have nodes on their edges alone, Mesh.SecondOrderIncomplete = 1";
+constexpr std::string_view kNoQuadraticPyramids =
+    "a mesh with pyramids must be linear, Mesh.ElementOrder = 1";
+constexpr std::string_view kNoCubic =
+    "the order must be 2 at most, Mesh.ElementOrder = 2 and Mesh.SecondOrderIncomplete = 1";
+constexpr std::string_view kSolvedShapes =
+    "a mesh must be of tetrahedra, pyramids, prisms and hexahedra";
+
+constexpr std::array<RefusedType, 12> kRefusedTypes{{{10, "9-node quadrangle", kNoMiddles},
+                                                     {12, "27-node hexahedron", kNoMiddles},
+                                                     {13, "18-node prism", kNoMiddles},
+                                                     {14, "14-node pyramid", kNoQuadraticPyramids},
+                                                     {19, "13-node pyramid", kNoQuadraticPyramids},
+                                                     {20, "9-node triangle", kNoCubic},
+                                                     {21, "10-node triangle", kNoCubic},
+                                                     {26, "4-node line", kNoCubic},
+                                                     {29, "20-node tetrahedron", kNoCubic},
+                                                     {36, "16-node quadrangle", kNoCubic},
+                                                     {90, "40-node prism", kNoCubic},
+                                                     {92, "64-node hexahedron", kNoCubic}}};
 
 Error corrupt(std::string why) { return {ErrorCode::kFileCorrupt, std::move(why)}; }
 
@@ -248,12 +263,14 @@ const GmshType* find_type(Source& source, int number) {
   const auto* const known = std::find_if(
       kTypes.begin(), kTypes.end(), [&](const GmshType& type) { return type.number == number; });
   if (known != kTypes.end()) return known;
-  const auto* const refused = std::find_if(kRefusedTypes.begin(), kRefusedTypes.end(),
-                                           [&](const auto& type) { return type.first == number; });
+  const auto* const refused =
+      std::find_if(kRefusedTypes.begin(), kRefusedTypes.end(),
+                   [&](const RefusedType& type) { return type.number == number; });
+  const RefusedType type =
+      refused == kRefusedTypes.end() ? RefusedType{number, "unknown", kSolvedShapes} : *refused;
   source.fail({ErrorCode::kFileUnsupported,
-               fmt::format("elements of Gmsh type {} ({}) are not solved with; quadratic ones must "
-                           "have nodes on their edges alone, Mesh.SecondOrderIncomplete = 1",
-                           number, refused == kRefusedTypes.end() ? "unknown" : refused->second)});
+               fmt::format("elements of Gmsh type {} ({}) are not solved with; {}", number,
+                           type.name, type.remedy)});
   return nullptr;
 }
 
