@@ -250,6 +250,38 @@ std::string text_vtu(const std::string& points, const std::string& nodes, const 
          array("region", regions) + "</CellData></Piece></UnstructuredGrid></VTKFile>";
 }
 
+/// As meshio and Gmsh export: points and curves of the geometry beside the elements.
+TEST(ReadVtu, LeavesOutPointsAndLines) {
+  const test::TemporaryFolder folder;
+  const VolumeMesh mesh = mesh::make_box(ElementShape::kHex8, {1, 1, 1}, {1, 1, 1});
+  ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh));
+  const auto with_lines = [&](int extra_type, std::vector<vtkIdType> nodes) {
+    const vtkNew<vtkUnstructuredGrid> grid;
+    const auto box = read_back(folder / "m.vtu");
+    grid->SetPoints(box->GetPoints());
+    grid->InsertNextCell(extra_type, vtkIdType(nodes.size()), nodes.data());
+    grid->InsertNextCell(VTK_HEXAHEDRON, box->GetCell(0)->GetPointIds());
+    grid->InsertNextCell(extra_type, vtkIdType(nodes.size()), nodes.data());
+    const vtkNew<vtkXMLUnstructuredGridWriter> writer;
+    writer->SetInputData(grid);
+    writer->SetFileName((folder / "lines.vtu").c_str());
+    EXPECT_EQ(writer->Write(), 1);
+    return read_vtu(folder / "lines.vtu");
+  };
+  for (const auto& read :
+       {with_lines(VTK_VERTEX, {3}), with_lines(VTK_LINE, {0, 1}),
+        with_lines(VTK_POLY_LINE, {0, 1, 2, 3}), with_lines(VTK_QUADRATIC_EDGE, {0, 1, 2})}) {
+    ASSERT_TRUE(read) << read.error().message;
+    ASSERT_EQ(read->blocks.size(), 1U);
+    EXPECT_EQ(read->blocks[0].nodes, mesh.blocks[0].nodes);
+  }
+  const auto polygon = with_lines(VTK_POLYGON, {0, 1, 2, 3});
+  ASSERT_FALSE(polygon);
+  EXPECT_NE(polygon.error().message.find("type 7, which is not solved with; types must be"),
+            std::string::npos)
+      << polygon.error().message;
+}
+
 TEST(ReadVtu, RefusesArraysThatContradictEachOther) {
   const test::TemporaryFolder folder;
   const auto code = [&](const std::string& bytes) {

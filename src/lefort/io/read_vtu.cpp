@@ -155,6 +155,15 @@ Result<void> check_no_set(const Piece& piece, std::size_t cell) {
   return {};
 }
 
+/// Where the nodes end of a cell that is left out, which may have any number of them.
+Result<std::size_t> end_of_line_cell(const Piece& piece, std::size_t cell, std::size_t begin) {
+  const double end = piece.offsets[cell];
+  if (end >= double(begin) && end <= double(piece.connectivity.size()) && end == std::floor(end))
+    return std::size_t(end);
+  return tl::unexpected(corrupt(fmt::format("the nodes of element {} end at {}, expected {} to {}",
+                                            cell, end, begin, piece.connectivity.size())));
+}
+
 /// Adds the cells of a piece whose first node is `first_node` of the mesh.
 Result<void> add_cells(const Piece& piece, std::int32_t first_node, mesh::VolumeMesh& mesh) {
   const auto node_count = double(piece.points.size() / 3);
@@ -163,10 +172,16 @@ Result<void> add_cells(const Piece& piece, std::int32_t first_node, mesh::Volume
   for (std::size_t cell = 0; cell < piece.offsets.size(); ++cell) {
     const auto shape = internal::shape_of_cell(piece.types[cell]);
     const auto face_shape = internal::face_shape_of_cell(piece.types[cell]);
+    if (internal::is_point_or_line_cell(piece.types[cell])) {
+      LEFORT_TRY(begin, end_of_line_cell(piece, cell, begin));
+      continue;
+    }
     if (!shape && !face_shape)
       return fail(ErrorCode::kFileUnsupported,
-                  fmt::format("element {} has VTK cell type {}, which is not solved with", cell,
-                              piece.types[cell]));
+                  fmt::format("element {} has VTK cell type {}, which is not solved with; types "
+                              "must be of tetrahedra (10, 24), pyramids (14), wedges (13, 26), "
+                              "hexahedra (12, 25) or their faces (5, 9, 22, 23)",
+                              cell, piece.types[cell]));
     const auto end =
         begin + std::size_t(shape ? mesh::node_count(*shape) : mesh::node_count(*face_shape));
     if (piece.offsets[cell] != double(end) || end > piece.connectivity.size())
