@@ -305,6 +305,17 @@ TEST(ExportField, RefusesWhatCannotBeWritten) {
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
+TEST(ExportField, VoxelsTooSmallForOpenVdbAreRefused) {
+  const TemporaryFolder folder;
+  const auto tiny = field::build_distance_field(test::make_icosphere(6e-4, 2), {.resolution = 128});
+  ASSERT_TRUE(tiny) << tiny.error().message;
+  const auto refused = export_field(folder / "a.vdb", *tiny);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(refused.error().message.find("too small for OpenVDB"), std::string::npos);
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
 /// Stops at once.
 struct Impatient : Progress {
   [[nodiscard]] bool stop_requested() const override { return true; }

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <new>
 
 namespace lefort::io {
 
@@ -60,6 +61,7 @@ class GridFiller {
         grid_.tree().addTile(1, openvdb::Coord(block.first.data()), -band_mm_, false);
       return;
     }
+    if (block.side == Zone::kInside) prune_now_and_then();
     for (int place = 0; place < SparseLattice::kBrickPoints; ++place) {
       const LatticePoint p = {block.first[0] + place % kSide,
                               block.first[1] + place / kSide % kSide,
@@ -76,11 +78,21 @@ class GridFiller {
   [[nodiscard]] const SampleCount& count() const { return count_; }
 
  private:
+  /// Inside voxels that are set one by one take 2 KB per 512 until they are found to be all alike.
+  void prune_now_and_then() {
+    constexpr int kBlocksBetween = 1 << 16;  // 130 MB.
+    if (++blocks_since_pruned_ < kBlocksBetween) return;
+    blocks_since_pruned_ = 0;
+    accessor_.clear();
+    openvdb::tools::prune(grid_.tree());
+  }
+
   openvdb::FloatGrid& grid_;
   openvdb::FloatGrid::Accessor accessor_;
   const LatticeWindow& window_;
   float band_mm_;
   SampleCount count_;
+  int blocks_since_pruned_ = 0;
 };
 
 /// Writes what openvdb::io::File does, which does not notice when it cannot.
@@ -91,11 +103,9 @@ class Archive : public openvdb::io::Archive {
   }
 };
 
-}  // namespace
-
-Result<SampleCount> write_vdb(const std::filesystem::path& target,
-                              const field::DistanceField& field, const LatticeWindow& window,
-                              Progress& progress) {
+Result<SampleCount> write_level_set(const std::filesystem::path& target,
+                                    const field::DistanceField& field, const LatticeWindow& window,
+                                    Progress& progress) {
   constexpr double kLeastVoxels = 2.0;  // On each side, or the surface slips between them.
   const double voxel_mm = field.cell_mm() * window.every;
   if (field.band_mm() < kLeastVoxels * voxel_mm * (1.0 - 1e-12))
@@ -125,6 +135,27 @@ Result<SampleCount> write_vdb(const std::filesystem::path& target,
         return {};
       }));
   return filler.count();
+}
+
+}  // namespace
+
+Result<SampleCount> write_vdb(const std::filesystem::path& target,
+                              const field::DistanceField& field, const LatticeWindow& window,
+                              Progress& progress) {
+  try {
+    return write_level_set(target, field, window, progress);
+  } catch (const openvdb::ArithmeticError&) {  // Its transforms know no voxels below some 1e-5.
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("voxels are {:.3g} mm wide, too small for OpenVDB; make the field of a surface "
+                    "in smaller units",
+                    field.cell_mm() * window.every));
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kOutOfMemory,
+                fmt::format("{} needs more memory than there is; a larger every or a region takes "
+                            "less",
+                            target.string()));
+  }
 }
 
 }  // namespace lefort::io
