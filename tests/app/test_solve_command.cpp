@@ -1,6 +1,7 @@
 /// \file
 /// `lefort solve` on blocks of a few tetrahedra, as a user would run it.
 #include <lefort/io/read_vtu.h>
+#include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>
@@ -280,6 +281,8 @@ TEST_F(SolveCommand, GivesTheSameBytesForAnyNumberOfThreads) {
   second.erase("timing");
   EXPECT_EQ(first.dump(), second.dump());
   EXPECT_GT(first["increments"].back()["contacts"]["ball"]["points"], 0);
+  EXPECT_EQ(first["inputs"]["obstacles_sha256"]["ball"],
+            io::sha256_of_file(folder_ / "ball.stl").value());
   const auto pressure = array_of(text_of("one/step_0002.vtu"), "ball_pressure_kpa");
   EXPECT_GT(*std::max_element(pressure.begin(), pressure.end()), 0.0);
 }
@@ -646,12 +649,36 @@ TEST_F(SolveCommand, WhatARunIsMadeFromIsNeverOverwritten) {
 
 TEST_F(SolveCommand, OnlyStepsOfAnEarlierRunAreRemoved) {
   fs::create_directory(folder_ / "out");
-  for (const char* name : {"step_0009.vtu", "step_by_step.vtu", "step_012.vtu", "step_0009a.vtu"})
+  for (const char* name : {"step_by_step.vtu", "step_012.vtu", "step_0009a.vtu"})
     ASSERT_TRUE(io::write_text(folder_ / "out" / name, "mine"));
+  ASSERT_EQ(solve(stretch()).exit_code, 0);
+  const std::string series = text_of("out/solve.pvd");
+  const std::string more = "<DataSet timestep=\"2\" part=\"0\" file=\"step_0009.vtu\"/>\n</Coll";
+  ASSERT_TRUE(io::write_text(folder_ / "out/solve.pvd",
+                             std::string(series).replace(series.find("</Coll"), 6, more)));
+  ASSERT_TRUE(io::write_text(folder_ / "out/step_0009.vtu", "of an earlier, longer run"));
   ASSERT_EQ(solve(stretch()).exit_code, 0);
   EXPECT_FALSE(there_is("out/step_0009.vtu"));
   for (const char* name : {"step_by_step.vtu", "step_012.vtu", "step_0009a.vtu"})
     EXPECT_EQ(text_of(fs::path("out") / name), "mine");
+}
+
+TEST_F(SolveCommand, AFileOfAResultsNameThatNoRunWroteIsNotTouched) {
+  for (const char* name : {"step_0009.vtu", "probes.csv", "solve.json", "solve.pvd"}) {
+    const std::string out = std::string("out_") + name;
+    fs::create_directory(folder_ / out);
+    ASSERT_TRUE(io::write_text(folder_ / out / name, "mine"));
+    const auto run = solve(stretch(), out);
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_EQ(run.message_lines(), 1) << run.error;
+    EXPECT_NE(run.error.find(std::string(name) + " is there"), std::string::npos) << run.error;
+    EXPECT_EQ(text_of(fs::path(out) / name), "mine");
+  }
+  ASSERT_EQ(solve(stretch()).exit_code, 0);
+  ASSERT_TRUE(io::write_text(folder_ / "out/step_0077.vtu", "mine"));
+  EXPECT_EQ(solve(stretch()).exit_code, 1);
+  EXPECT_EQ(text_of("out/step_0077.vtu"), "mine");
+  EXPECT_TRUE(there_is("out/solve.json"));
 }
 
 TEST_F(SolveCommand, AFullDiskIsOneLine) {

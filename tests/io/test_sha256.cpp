@@ -1,14 +1,27 @@
 #include <lefort/io/sha256.h>
+#include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>
 
 #include "support/shapes.h"
+#include "support/temporary_folder.h"
 
 namespace lefort::io {
 namespace {
 
 TEST(Sha256, OfNothingIsTheKnownDigest) {  // FIPS 180-4.
   EXPECT_EQ(Sha256().hex(), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+}
+
+TEST(Sha256, OfAFileIsWhatSha256sumTells) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(write_text(folder / "abc", "abc"));  // FIPS 180-4.
+  EXPECT_EQ(sha256_of_file(folder / "abc").value(),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  ASSERT_TRUE(write_text(folder / "million", std::string(1'000'000, 'a')));
+  EXPECT_EQ(sha256_of_file(folder / "million").value(),
+            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+  EXPECT_EQ(sha256_of_file(folder / "none").error().code, ErrorCode::kFileNotFound);
 }
 
 TEST(Sha256, TellsWhereOneTextEndsAndTheNextBegins) {

@@ -46,10 +46,14 @@ Result<mesh::VolumeMesh> read_mesh(const io::DeckFile& file) {
   return mesh;
 }
 
-Result<SolveInputs> fingerprints(const io::DeckText& text) {
-  constexpr std::uintmax_t kLargest = std::uintmax_t(16) << 30;
-  LEFORT_TRY(const std::string mesh, io::read_text(text.file.mesh, kLargest));
-  return SolveInputs{io::Sha256().add(text.json).hex(), io::Sha256().add(mesh).hex()};
+Result<SolveInputs> fingerprints(const SolveJob& job, const io::DeckFile& file) {
+  SolveInputs inputs;
+  LEFORT_TRY(inputs.deck_sha256, io::sha256_of_file(job.deck));
+  LEFORT_TRY(inputs.mesh_sha256, io::sha256_of_file(file.mesh));
+  for (const io::ObstacleFile& obstacle : file.obstacles) {
+    LEFORT_TRY(inputs.obstacle_sha256.emplace_back(), io::sha256_of_file(obstacle.file));
+  }
+  return inputs;
 }
 
 Result<void> check_obstacle_files(const io::DeckFile& file) {
@@ -154,7 +158,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
 
   clock.begin("read");
 
-  LEFORT_TRY(const SolveInputs inputs, fingerprints(text));
+  LEFORT_TRY(const SolveInputs inputs, fingerprints(job, file));
   LEFORT_TRY_VOID(make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_solve_results(job.output));
   SolveWriter writer(job.output, file, prepared);

@@ -134,6 +134,15 @@ Json increment_json(const solve::PreparedDeck& prepared, const solve::Increment&
           {"attempts", attempts_json(increment.attempts)}};
 }
 
+Json inputs_json(const solve::PreparedDeck& prepared, const SolveInputs& inputs) {
+  Json obstacles = Json::object();
+  for (std::size_t i = 0; i < inputs.obstacle_sha256.size(); ++i)
+    obstacles[prepared.deck.obstacles[i].name] = inputs.obstacle_sha256[i];
+  return {{"deck_sha256", inputs.deck_sha256},
+          {"mesh_sha256", inputs.mesh_sha256},
+          {"obstacles_sha256", std::move(obstacles)}};
+}
+
 Json solve_json(const io::DeckFile& file, const solve::PreparedDeck& prepared,
                 const SolveInputs& inputs, Json increments, const solve::DeckRun& run,
                 const std::string& last_file, const PhaseClock& clock) {
@@ -145,7 +154,7 @@ Json solve_json(const io::DeckFile& file, const solve::PreparedDeck& prepared,
             {"converged", !run.failure || run.failure->code == ErrorCode::kCancelled},
             {"time_reached", run.last ? run.last->time : 0.0},
             {"last_converged", last_converged_json(run, last_file)},
-            {"inputs", {{"deck_sha256", inputs.deck_sha256}, {"mesh_sha256", inputs.mesh_sha256}}},
+            {"inputs", inputs_json(prepared, inputs)},
             {"mesh", mesh_json(prepared)},
             {"newton",
              {{"relative_tolerance", prepared.deck.newton.relative_tolerance},

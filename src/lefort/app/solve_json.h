@@ -14,10 +14,11 @@
 
 namespace lefort::app {
 
-/// What the deck and its files were.
+/// What the deck and its files were: SHA-256 of their bytes.
 struct SolveInputs {
   std::string deck_sha256;
   std::string mesh_sha256;
+  std::vector<std::string> obstacle_sha256;  ///< For each obstacle of the deck.
 };
 
 /// One increment, for the list "increments".

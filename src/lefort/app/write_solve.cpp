@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string_view>
 #include <system_error>
 
@@ -104,13 +105,29 @@ bool is_step_file(std::string_view name) {
   return name.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-/// What a run writes into its folder or takes out of it, solve.json first, whether it is there or
-/// not; of the steps those that are.
+/// Names of the step files that a series in the folder lists.
+std::set<std::string> listed_steps(const fs::path& folder) {
+  constexpr std::string_view kFile = "file=\"";
+  constexpr std::uintmax_t kLargestSeries = 100'000'000;
+  std::set<std::string> names;
+  for (const char* series : {kSeries, kIncompleteSeries}) {
+    const Result<std::string> text = io::read_text(folder / series, kLargestSeries);
+    for (std::size_t at = text ? text->find(kFile) : std::string::npos; at != std::string::npos;
+         at = text->find(kFile, at)) {
+      at += kFile.size();
+      std::string name = text->substr(at, text->find('"', at) - at);
+      if (is_step_file(name)) names.insert(std::move(name));
+    }
+  }
+  return names;
+}
+
+/// Those of the files which a run writes that are in the folder, solve.json first.
 std::vector<fs::path> result_files(const fs::path& folder) {
   std::vector<fs::path> files;
-  for (const char* name : {"solve.json", kSeries, kIncompleteSeries, "probes.csv"})
-    files.push_back(folder / name);
   std::error_code error;
+  for (const char* name : {"solve.json", kSeries, kIncompleteSeries, "probes.csv"})
+    if (fs::exists(folder / name, error)) files.push_back(folder / name);
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
     if (is_step_file(entry->path().filename().string())) files.push_back(entry->path());
@@ -138,7 +155,17 @@ Result<void> spare_inputs(const fs::path& folder, std::span<const fs::path> inpu
 }
 
 Result<void> remove_solve_results(const fs::path& folder) {
-  return remove_earlier_files(result_files(folder));
+  const std::vector<fs::path> files = result_files(folder);
+  const std::set<std::string> steps = listed_steps(folder);  // Every run writes one at least.
+  for (const fs::path& file : files) {
+    const std::string name = file.filename().string();
+    if (is_step_file(name) ? !steps.contains(name) : steps.empty())
+      return fail(ErrorCode::kFileUnwritable,
+                  fmt::format("{} is there, and no {} of an earlier run tells that it is lefort's; "
+                              "move it or choose another output folder",
+                              file.string(), kSeries));
+  }
+  return remove_earlier_files(files);
 }
 
 fs::path SolveWriter::last_step() const {

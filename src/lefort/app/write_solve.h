@@ -25,9 +25,12 @@ namespace lefort::app {
 [[nodiscard]] Result<void> spare_inputs(const std::filesystem::path& folder,
                                         std::span<const std::filesystem::path> inputs);
 
-/// Takes an earlier run's results out of a folder, solve.json first; files of others stay.
+/// Takes an earlier run's results out of a folder, solve.json first.
 ///
-/// \returns nothing, or kFileUnwritable: a result could not be removed.
+/// Its own are the steps that solve.pvd or solve_incomplete.pvd lists, and what stands beside such a
+/// list. A file of a result's name that is not one of them is somebody's own and not touched.
+///
+/// \returns nothing, or kFileUnwritable: there is such a file, or a result cannot be removed.
 [[nodiscard]] Result<void> remove_solve_results(const std::filesystem::path& folder);
 
 /// Writes step_NNNN.vtu as increments come, and the rest at the end.

@@ -5,6 +5,8 @@
 #include <openssl/evp.h>
 
 #include <array>
+#include <fstream>
+#include <vector>
 
 namespace lefort::io {
 
@@ -73,6 +75,23 @@ std::string Sha256::hex() const {
   std::string text;
   for (unsigned int i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
   return text;
+}
+
+Result<std::string> sha256_of_file(const std::filesystem::path& file) {
+  constexpr std::size_t kChunkBytes = 1 << 20;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    return fail(ErrorCode::kFileNotFound, fmt::format("{} is not a file", file.string()));
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<char> chunk(kChunkBytes);
+  Sha256 sha256;
+  while (stream) {
+    stream.read(chunk.data(), std::streamsize(chunk.size()));
+    sha256.add_bytes(std::as_bytes(std::span(chunk).first(std::size_t(stream.gcount()))));
+  }
+  if (!stream.eof())
+    return fail(ErrorCode::kFileCorrupt, fmt::format("{} cannot be read", file.string()));
+  return sha256.hex();
 }
 
 }  // namespace lefort::io

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
+#include <lefort/core/error.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/image/volume.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -34,9 +36,15 @@ class Sha256 {
   [[nodiscard]] std::string hex() const;
 
  private:
+  friend Result<std::string> sha256_of_file(const std::filesystem::path& file);
   void add_bytes(std::span<const std::byte> bytes);
   struct Context;
   std::unique_ptr<Context> context_;
 };
+
+/// SHA-256 of a file's bytes, as `sha256sum` tells it; takes a megabyte of memory whatever the size.
+///
+/// \returns 64 hexadecimal digits, or kFileNotFound or kFileCorrupt where it cannot be read.
+[[nodiscard]] Result<std::string> sha256_of_file(const std::filesystem::path& file);
 
 }  // namespace lefort::io
