@@ -137,7 +137,7 @@ void add_slice(CLI::App& field, CommandContext& context) {
       command->add_option("--width", job->width_px, "Pixels across the plane")
           ->check(CLI::Range(64, 12000))
           ->capture_default_str();
-  command->add_option("--every", job->every, "Instead: a pixel for each n-th sample of the field")
+  command->add_option("--every", job->every, "Instead: pixels of n cells of the field")
       ->check(CLI::Range(1, 2048))
       ->excludes(width);
   add_region(*command, job->region_mm);

@@ -71,7 +71,7 @@ struct SliceFieldJob {
   int axis = 2;                  ///< Across the plane: 0 x, 1 y, 2 z.
   double at_mm = 0.0;
   int width_px = 1200;                        ///< Pixels across the plane.
-  int every = 0;                              ///< Instead: a pixel for each n-th sample; 0: not so.
+  std::optional<int> every;                   ///< Instead: pixels of so many cells of the field.
   std::vector<double> region_mm;              ///< Empty, or from and to along x, y and z.
   std::optional<std::filesystem::path> mesh;  ///< Surface whose section is drawn, too.
   bool smooth = false;                        ///< The twice differentiable reconstruction.

@@ -9,7 +9,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace lefort::app {
@@ -24,6 +26,19 @@ std::vector<geometry::Segment2> section_in(const field::FieldSlice& slice,
   for (const auto& [from, to] : geometry::plane_section(surface, axis, at_mm))
     pieces.push_back({slice.pixel_at(from), slice.pixel_at(to)});
   return pieces;
+}
+
+Result<double> pixel_mm(const SliceFieldJob& job, const field::DistanceField& distance,
+                        const field::SliceOptions& options) {
+  if (job.every) return *job.every * distance.cell_mm();
+  LEFORT_TRY(const Eigen::Vector2d extent_mm, field::slice_extent(distance.frame(), options));
+  const double widest_px = field::kMaxSliceSide * std::min(1.0, extent_mm.x() / extent_mm.y());
+  if (job.width_px > widest_px)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the width is {} pixels, what is shown is {:.4g} mm wide and {:.4g} mm "
+                            "high and may be at most {:.0f} pixels wide",
+                            job.width_px, extent_mm.x(), extent_mm.y(), std::floor(widest_px)));
+  return extent_mm.x() / job.width_px;
 }
 
 std::string caption_of(const SliceFieldJob& job, const field::DistanceField& distance) {
@@ -48,15 +63,9 @@ Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress) {
   }
 
   progress.begin_stage("ask the field");
-  field::SliceOptions options{.axis = job.axis,
-                              .at_mm = job.at_mm,
-                              .region_B = region,
-                              .pixel_mm = job.every * distance.cell_mm(),
-                              .smooth = job.smooth};
-  if (job.every == 0) {
-    LEFORT_TRY(const Eigen::Vector2d extent_mm, field::slice_extent(distance.frame(), options));
-    options.pixel_mm = extent_mm.x() / job.width_px;
-  }
+  field::SliceOptions options{
+      .axis = job.axis, .at_mm = job.at_mm, .region_B = region, .smooth = job.smooth};
+  LEFORT_TRY(options.pixel_mm, pixel_mm(job, distance, options));
   LEFORT_TRY(const field::FieldSlice slice, field::slice_field(distance, options));
 
   progress.begin_stage("draw");
@@ -69,6 +78,7 @@ Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress) {
                                .down_L = slice.down_B,
                                .band_mm = distance.band_mm()};
   drawing.outline = section_in(slice, surface, job.axis, job.at_mm);
+  if (job.mesh) drawing.outline_name = fmt::format("surface {}", job.mesh->filename().string());
   LEFORT_TRY(const report::Picture picture, report::draw_slice(drawing));
   LEFORT_TRY(const std::string png, report::encode_png(picture));
   LEFORT_TRY_VOID(io::write_text(job.output, png));

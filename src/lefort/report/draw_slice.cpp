@@ -165,7 +165,7 @@ Result<Picture> draw_slice(const SliceDrawing& drawing) {
       {"zero: the field's surface", kPaper, kInk, zero_px},
       {fmt::format("equal distance, each {} mm", tick_text(step_mm)), kPaper, kStepLine, step_px}};
   if (!drawing.outline.empty())
-    legend.push_back({"the surface it was made of", kPaper, kOutline, outline_px});
+    legend.push_back({drawing.outline_name, kPaper, kOutline, outline_px});
   legend.push_back({"outside, beyond the band", kOutside, kInk, 0.0});
   legend.push_back({"inside, beyond the band", kInside, kInk, 0.0});
   legend.push_back({"not known", kUnknown, kInk, 0.0});

@@ -25,6 +25,7 @@ struct SliceDrawing {
   double step_mm = 0.0;  ///< Between lines of equal distance; 0 chooses a round one.
   /// The surface in the plane, in columns and rows; whole numbers are middles of pixels.
   std::vector<geometry::Segment2> outline{};
+  std::string outline_name{};  ///< For the legend.
 };
 
 /// Distances in colours, blue inside and red outside, with a thick line where they are zero and
