@@ -209,6 +209,8 @@ TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
   expect_line("slice " + field + to + ".jpg --axis z --at 0", ".png");
   expect_line("slice " + field + to + ".png --axis z --at 99", "z = 99");
   expect_line("slice " + field + to + ".png --axis z --at 0 --smooth", "smooth");
+  expect_line("slice " + field + to + ".png --axis z --at 0 --width 9999 --region 0 1 -9 9 0 1",
+              "may be at most 888 pixels wide");
   const test::ProgramRun wrong_axis =
       run_lefort("field slice " + field + to + ".png --axis w --at 0");
   EXPECT_EQ(wrong_axis.exit_code, 2);
@@ -253,6 +255,15 @@ TEST(CommandLine, AnOutputThatCannotBeWrittenIsOneLine) {
   expect_clean_failure(
       run_lefort("segment " + quoted(folder / "ct.nrrd") + " -o /proc/nothing/here"),
       "/proc/nothing/here", folder, 1);
+}
+
+TEST(CommandLine, AWholeVerificationReportIsNotReplacedByAPart) {
+  const TemporaryFolder folder;
+  const std::string report = "# Verification\n\nMade by `lefort verify --full`: tables.\n";
+  ASSERT_TRUE(io::write_text(folder / "verification.md", report));
+  expect_clean_failure(run_lefort("verify --only patch -o " + quoted(folder.path())),
+                       "made by `lefort verify --full`", folder, 1);
+  EXPECT_EQ(io::read_text(folder / "verification.md", 1000).value(), report);
 }
 
 TEST(CommandLine, AFullDiskIsOneLineAndLeavesNoPartOfAFile) {

@@ -36,10 +36,28 @@ std::string command_of(const VerifyJob& job) {
                      job.only.empty() ? "" : " --only " + job.only);
 }
 
+constexpr const char* kReport = "verification.md";
+
+/// Refuses to put a part of the suite, or its short form, in the place of a whole report.
+Result<void> spare_full_report(const VerifyJob& job) {
+  constexpr std::uintmax_t kLargestReport = 100'000'000;
+  if (job.full && job.only.empty()) return {};
+  const Result<std::string> there = io::read_text(job.output / kReport, kLargestReport);
+  constexpr const char* kWhole = "`lefort verify --full`";  // As command_of() tells it.
+  if (!there || there->find(kWhole) == std::string::npos) return {};
+  return fail(ErrorCode::kFileUnwritable,
+              fmt::format("{} was made by {} and tells more than this run would, output folder "
+                          "must be another",
+                          (job.output / kReport).string(), kWhole));
+}
+
 }  // namespace
 
 Result<VerifySummary> verify_solver(const VerifyJob& job, Progress& progress) {
-  if (!job.output.empty()) LEFORT_TRY_VOID(make_output_folder(job.output));
+  if (!job.output.empty()) {
+    LEFORT_TRY_VOID(spare_full_report(job));
+    LEFORT_TRY_VOID(make_output_folder(job.output));
+  }
   const verify::SuiteOptions options{
       .extent = job.full ? verify::Extent::kFull : verify::Extent::kShort, .only = job.only};
   LEFORT_TRY(const auto sections, verify::run_suite(options, progress));
