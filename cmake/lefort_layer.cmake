@@ -62,6 +62,6 @@ function(lefort_test layer)
     # would be suppressed anyway, report by report, which takes hours.
     set(supp ${PROJECT_SOURCE_DIR}/tests)
     set_tests_properties(${name} PROPERTIES TIMEOUT 5400 ENVIRONMENT
-      "LSAN_OPTIONS=suppressions=${supp}/lsan.supp;TSAN_OPTIONS=suppressions=${supp}/tsan.supp;ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS=1")
+      "LSAN_OPTIONS=suppressions=${supp}/lsan.supp:print_suppressions=0;TSAN_OPTIONS=suppressions=${supp}/tsan.supp;ITK_GLOBAL_DEFAULT_NUMBER_OF_THREADS=1")
   endif()
 endfunction()
