@@ -10,7 +10,9 @@
 #include <numeric>
 #include <set>
 #include <span>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "fem/sparse_examples.h"
 
@@ -92,6 +94,18 @@ TEST(RowGraph, OfAMeshIsThatOfItsFreeNodes) {
       EXPECT_TRUE(std::binary_search(back.begin(), back.end(), v));
     }
   }
+}
+
+TEST(RowGraph, OrdersThatAreMadeAtOnceAreThoseMadeAlone) {
+  const RowGraph graph = row_graph(block_stiffness(9, 0.3));
+  const auto alone = dissection_order(graph).value();
+  std::vector<std::vector<std::int32_t>> orders(8);
+  {
+    std::vector<std::jthread> threads;
+    for (auto& order : orders)
+      threads.emplace_back([&order, &graph] { order = dissection_order(graph).value(); });
+  }
+  for (const auto& order : orders) EXPECT_EQ(order, alone);
 }
 
 TEST(RowGraph, TheOrderHoldsEveryVertexOnce) {

@@ -34,7 +34,9 @@ struct RowGraph {
 /// \param A  lower triangle with the whole diagonal, compressed, rows ascending.
 [[nodiscard]] RowGraph row_graph(const SparseMatrix& A);
 
-/// Nested dissection (METIS; \cite karypis1998).
+/// Nested dissection (METIS; \cite karypis1998). May be called from several threads, which wait for
+/// each other; the order is the same each time, unless another part of the program calls rand()
+/// meanwhile. Seeds rand().
 /// \returns the vertices in the order in which they are to be eliminated; nothing if memory ran
 ///   out.
 [[nodiscard]] std::optional<std::vector<std::int32_t>> dissection_order(const RowGraph& graph);
