@@ -185,6 +185,21 @@ LEFORT_INLINE bool any(const Ints& lanes) {
 #endif
 }
 
+/// Whether some lane of `a` is less than that of `b`: both Floats or both Doubles. Compilers take a
+/// detour through vectors of lanes even where the processor has a mask for it.
+template <Simd simd, class V>
+LEFORT_INLINE bool any_less(const V& a, const V& b) {
+  static_assert(sizeof(V) == sizeof(Ints));
+#if defined(__x86_64__)
+  constexpr int kLess = 1, kCurrentRounding = 4;
+  if constexpr (simd == Simd::kAvx512 && sizeof(a[0]) == sizeof(float))
+    return __builtin_ia32_cmpps512_mask(a, b, kLess, -1, kCurrentRounding) != 0;
+  if constexpr (simd == Simd::kAvx512 && sizeof(a[0]) == sizeof(double))
+    return __builtin_ia32_cmppd512_mask(a, b, kLess, -1, kCurrentRounding) != 0;
+#endif
+  return any(Ints(a < b));
+}
+
 /// Which of a tile's points are where, counted in cells from its first.
 inline constexpr Floats kTileX_cells = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 inline constexpr Floats kTileY_cells = {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1};
