@@ -1,6 +1,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/band_sampler.h>
 #include <lefort/field/bricks_reached.h>
+#include <lefort/field/far_sides.h>
 #include <lefort/field/nearest_by_tree.h>
 #include <lefort/field/settle_sides.h>
 #include <lefort/field/tear.h>
@@ -306,7 +307,10 @@ Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const F
         [&](Index offset) {
           const Index slot = begin + offset;
           BrickSigns signs = sampler.sample(slot, distances.brick(slot));
-          settle_sides(distances.brick(slot), signs, winding, bricks[std::size_t(slot)], frame);
+          if (winding == nullptr || !signs.any_known()) return;
+          const std::int32_t brick = bricks[std::size_t(slot)];
+          settle_sides(distances.brick(slot), signs, inside_with_far(signs, *winding, brick, frame),
+                       winding, brick, frame);
         },
         kBrickBlock);
     progress.report(double(step + 1) / kProgressSteps);
