@@ -82,7 +82,7 @@ TEST(QueryMany, EveryProcessorGivesTheSameBits) {
   const TriangleMesh torus = test::make_torus(20, 8, 60, 30), sheet = test::make_sheet(20, 4);
   // The last has more samples than a cache holds.
   for (const auto& [mesh, resolution] :
-       {std::pair(&torus, 32), std::pair(&sheet, 32), std::pair(&torus, 128)}) {
+       {std::pair(&torus, 32), std::pair(&sheet, 32), std::pair(&torus, 256)}) {
     const DistanceField field = build_distance_field(*mesh, {.resolution = resolution}).value();
     const auto& bricks = std::get<BrickSamples>(field.samples());
     const std::vector<Vec3> points = all_kinds_of_points(field, 4999, 17);

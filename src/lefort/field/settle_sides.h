@@ -15,9 +15,9 @@
 namespace lefort::field {
 
 /// Where a surface cuts through itself its nearest feature may tell the wrong side; how often it
-/// winds around a point does not. So in a brick with contradictions, between known points or between
-/// a known and a far one, all points further than a cell from the surface take the side of their
-/// winding number.
+/// winds around a point does not. So in a brick with contradictions, between known points or
+/// between a known and a far one, all points further than a cell from the surface take the side of
+/// their winding number.
 ///
 /// \param distances  of the brick's points, NaN where not known.
 /// \param signs      those of the distances.
