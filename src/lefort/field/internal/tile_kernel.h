@@ -217,7 +217,7 @@ LEFORT_INLINE Floats within_tile(const Planes& planes, std::size_t quantity) {
 ///
 /// \param quantity  which -> that quantity of the planes at the tile's points.
 /// \param place     of the tile's first point.
-template <class Quantity>
+template <Simd simd, class Quantity>
 LEFORT_INLINE void visit_tile(const Planes& planes, const Quantity& quantity, std::int32_t triangle,
                               std::size_t place, NearestInBrick& nearest) {
   const Floats height = quantity(kHeight);
@@ -228,7 +228,7 @@ LEFORT_INLINE void visit_tile(const Planes& planes, const Quantity& quantity, st
   const Floats height2 = height * height;
   auto& known = *reinterpret_cast<Floats*>(&nearest.squared_mm2[place]);
   // Right but where a corner is nearest, and never too large: rules out three in four.
-  if (!any(height2 + beyond * beyond < known)) return;
+  if (!any_less<simd>(height2 + beyond * beyond, known)) return;
 
   const Floats rim =
       smaller(squared_to_side(quantity(kAlong), out_0, planes.length[0]),
