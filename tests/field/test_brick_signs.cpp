@@ -105,6 +105,25 @@ TEST(BrickSigns, NeighboursOnDifferentSidesMayBeTornUnlessBothAreNear) {
   }
 }
 
+TEST(BrickSigns, FarPointsContradictKnownNeighboursOnTheOtherSide) {
+  // Along each axis a pair, and the last point of a row with the first of the next, which are none.
+  const auto contradict = [](std::size_t known_place, std::size_t far_place, bool far_is_inside) {
+    BrickBits known{}, inside{};
+    known[known_place / 64] |= std::uint64_t(1) << (known_place % 64);
+    if (far_is_inside) inside[far_place / 64] |= std::uint64_t(1) << (far_place % 64);
+    return far_contradict(known, inside);
+  };
+  for (const std::size_t stride : {1, 8, 64}) {
+    EXPECT_TRUE(contradict(9 + 64, 9 + 64 + stride, true)) << stride;
+    EXPECT_TRUE(contradict(9 + 64 + stride, 9 + 64, true)) << stride;
+    EXPECT_FALSE(contradict(9 + 64, 9 + 64 + stride, false)) << stride;
+  }
+  EXPECT_FALSE(contradict(7, 8, true));
+  EXPECT_FALSE(contradict(63, 64, true));
+  EXPECT_TRUE(contradict(63, 127, true));
+  EXPECT_TRUE(contradict(511, 510, true));
+}
+
 TEST(BrickSigns, SidesAreHandedOnAsFarAsNoSurfacePasses) {
   std::mt19937 random(11);
   for (int round = 0; round < 50; ++round) {

@@ -12,7 +12,7 @@ TEST(Pseudonormals, CornersOfABoxPointAlongTheDiagonalHoweverTheFacesAreCut) {
   const TriangleMesh box = test::make_box(Vec3(-1, -1, -1), Vec3(1, 1, 1));
   const Pseudonormals normals(box);
   for (std::size_t v = 0; v < box.vertices.size(); ++v)
-    EXPECT_LT((normals.at_vertex(Index(v)) - box.vertices[v].normalized()).norm(), 1e-14);
+    EXPECT_LT((normals.at_vertex(box, Index(v)) - box.vertices[v].normalized()).norm(), 1e-14);
 }
 
 TEST(Pseudonormals, EdgesSumTheNormalsOfTheirFaces) {
@@ -43,7 +43,8 @@ TEST(Pseudonormals, ACapOnASharpEdgeStandsForTheFaceBeyond) {
   const TriangleMesh capped = test::with_cap(box, 0, 0);  // On the rim x = z = 0.
   const Pseudonormals normals(capped);
   const auto middle = capped.vertices.size() - 1;
-  EXPECT_LT((normals.at_vertex(Index(middle)) - Vec3(-1, 0, -1).normalized()).norm(), 1e-14);
+  EXPECT_LT((normals.at_vertex(capped, Index(middle)) - Vec3(-1, 0, -1).normalized()).norm(),
+            1e-14);
   const Index cap = capped.triangle_count() - 1;
   EXPECT_TRUE(normals.at(capped, cap, Feature::kFace).isZero());
   for (const Feature edge : {Feature::kEdge0, Feature::kEdge1, Feature::kEdge2})
@@ -65,9 +66,12 @@ TEST(Pseudonormals, TurnWithTheSurface) {
   const RigidTransform X(Eigen::Translation3d(5, -3, 2) *
                          Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()));
   const Pseudonormals still(spike);
-  const Pseudonormals turned(test::moved(spike, X));
+  const TriangleMesh moved = test::moved(spike, X);
+  const Pseudonormals turned(moved);
   for (std::size_t v = 0; v < spike.vertices.size(); ++v)
-    EXPECT_LT((turned.at_vertex(Index(v)) - X.linear() * still.at_vertex(Index(v))).norm(), 1e-12);
+    EXPECT_LT(
+        (turned.at_vertex(moved, Index(v)) - X.linear() * still.at_vertex(spike, Index(v))).norm(),
+        1e-12);
 }
 
 }  // namespace

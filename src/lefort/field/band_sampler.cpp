@@ -1,9 +1,10 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/band_sampler.h>
+#include <lefort/field/bricks_reached.h>
+#include <lefort/field/far_sides.h>
 #include <lefort/field/nearest_by_tree.h>
 #include <lefort/field/settle_sides.h>
 #include <lefort/field/tear.h>
-#include <lefort/field/triangle_frame.h>
 
 #include <fmt/format.h>
 
@@ -39,58 +40,8 @@ static_assert(2.0 * kApartCells > 1.0 && 2.0 * kApartCells < double(kTearCells))
 /// Widens boxes and planes against rounding, as a share of a cell.
 constexpr double kSlack = 1e-4;
 
-/// The bricks whose points the triangles of a block reach, triangle after triangle.
-struct Visits {
-  std::vector<std::int32_t> bricks;
-  std::vector<std::uint32_t> ends;  ///< Of each triangle's bricks.
-};
-
 double binned_reach_mm(double reach_mm, double cell_mm) {
   return reach_mm > kWideCells * cell_mm ? kNearCells * cell_mm : reach_mm;
-}
-
-/// A triangle's own space, widened by the reach: half-spaces towards a brick's centre.
-class Neighbourhood {
- public:
-  Neighbourhood(const TriangleFrame& frame, double reach_mm, const Vec3& half_brick) {
-    const auto add = [&](const Vec3& outward, const Vec3& at) {
-      normals_[count_] = outward;
-      offsets_[count_++] = outward.dot(at) + reach_mm + outward.cwiseAbs().dot(half_brick);
-    };
-    add(frame.normal, frame.corners[0]);
-    add(-frame.normal, frame.corners[0]);
-    // The sides of a triangle without area are one and the same line.
-    for (std::size_t i = 0; i < 3 && frame.has_area; ++i) add(frame.outward[i], frame.corners[i]);
-  }
-
-  [[nodiscard]] bool misses(const Vec3& centre) const {
-    for (std::size_t i = 0; i < count_; ++i)
-      if (normals_[i].dot(centre) > offsets_[i]) return true;
-    return false;
-  }
-
- private:
-  std::array<Vec3, 5> normals_;
-  std::array<double, 5> offsets_;
-  std::size_t count_ = 0;
-};
-
-/// The lowest and the highest brick, along each axis, of a triangle's box widened by the reach.
-std::array<LatticePoint, 2> bricks_around(const geometry::TriangleMesh& mesh, Index t,
-                                          const Vec3& origin, double brick_mm, int bricks_per_side,
-                                          double reach_mm) {
-  std::array<LatticePoint, 2> range{};
-  const auto brick_at = [&](double coordinate, int axis) {
-    return std::clamp(int(std::floor((coordinate - origin[axis]) / brick_mm)) + 1, 0,
-                      bricks_per_side - 1);
-  };
-  for (int k = 0; k < 3; ++k) {
-    const auto [least, most] =
-        std::minmax({mesh.corner(t, 0)[k], mesh.corner(t, 1)[k], mesh.corner(t, 2)[k]});
-    range[0][std::size_t(k)] = brick_at(least - reach_mm, k);
-    range[1][std::size_t(k)] = brick_at(most + reach_mm, k);
-  }
-  return range;
 }
 
 /// The top bits of 64 numbers after moving them to the left.
@@ -130,18 +81,7 @@ std::uint64_t with_bit(std::uint64_t word, int bit, bool value) {
   return (word & ~(std::uint64_t(1) << bit)) | std::uint64_t(value) << bit;
 }
 
-/// \returns kInvalidArgument if binning would take too much memory.
-Result<void> check_pairs_fit(const geometry::TriangleMesh& mesh, const FieldFrame& frame,
-                             double near_mm) {
-  const int n = SparseLattice::bricks_per_side(frame.resolution);
-  const auto pairs = deterministic_sum(mesh.triangle_count(), std::int64_t(0), [&](Index t) {
-    const auto [low, high] =
-        bricks_around(mesh, t, frame.origin_B, kSide * frame.cell_mm, n, near_mm);
-    std::int64_t count = 1;
-    for (std::size_t k = 0; k < 3; ++k) count *= high[k] - low[k] + 1;
-    return count;
-  });
-  if (pairs <= kMaxPairs) return {};
+tl::unexpected<Error> too_many_pairs(std::int64_t pairs) {
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("the band brings {} triangles together with bricks of samples, at most "
                           "{} are possible; lower the resolution or the band",
@@ -171,8 +111,7 @@ Result<BandSampler> BandSampler::create(const PreparedSurface& surface, const Fi
                                         double reach_mm, Index most_points, Progress& progress,
                                         Simd simd) {
   BandSampler sampler(surface, frame, reach_mm, simd);
-  LEFORT_TRY_VOID(check_pairs_fit(surface.mesh_B, frame, sampler.near_mm_));
-  sampler.bin_triangles();
+  LEFORT_TRY_VOID(sampler.bin_triangles());
   const Index most_bricks = most_points / SparseLattice::kBrickPoints;
   if (Index(sampler.bricks_.size()) > most_bricks) return too_many_points(most_bricks);
   if (sampler.near_mm_ < sampler.reach_mm_) {
@@ -182,36 +121,24 @@ Result<BandSampler> BandSampler::create(const PreparedSurface& surface, const Fi
   return sampler;
 }
 
-void BandSampler::bin_triangles() {
+Result<void> BandSampler::bin_triangles() {
   const geometry::TriangleMesh& mesh = surface_->mesh_B;
   const int n = SparseLattice::bricks_per_side(resolution_);
-  const double brick_mm = kSide * cell_mm_;
-  const Vec3 half_brick = Vec3::Constant(0.5 * (kSide - 1) * cell_mm_);
+  const BrickGrid grid = {origin_, cell_mm_, n};
   const double reach_mm = near_mm_ + kSlack * cell_mm_;
 
+  PairCount pairs(kMaxPairs);
   const auto blocks = std::size_t((mesh.triangle_count() + kTriangleBlock - 1) / kTriangleBlock);
-  std::vector<Visits> visits(blocks);
+  std::vector<BricksReached> visits(blocks);
   parallel_for_blocks(
       mesh.triangle_count(),
       [&](Index begin, Index end) {
-        auto& [reached, ends] = visits[std::size_t(begin / kTriangleBlock)];
-        ends.reserve(std::size_t(end - begin));
-        for (Index t = begin; t < end; ++t) {
-          const TriangleFrame frame =
-              triangle_frame(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
-          const Neighbourhood neighbourhood(frame, reach_mm, half_brick);
-          const auto [low, high] = bricks_around(mesh, t, origin_, brick_mm, n, reach_mm);
-          for (int z = low[2]; z <= high[2]; ++z)
-            for (int y = low[1]; y <= high[1]; ++y)
-              for (int x = low[0]; x <= high[0]; ++x)
-                if (!neighbourhood.misses(origin_ + brick_mm * Vec3(x - 1, y - 1, z - 1) +
-                                          half_brick))
-                  reached.push_back((z * n + y) * n + x);
-          ends.push_back(std::uint32_t(reached.size()));
-        }
-        reached.shrink_to_fit();
+        BricksReached& block = visits[std::size_t(begin / kTriangleBlock)];
+        block = bricks_reached(mesh, begin, end, grid, reach_mm, pairs, simd_);
+        block.bricks.shrink_to_fit();
       },
       kTriangleBlock);
+  if (pairs.too_many()) return too_many_pairs(pairs.count());
 
   std::vector<std::uint32_t> next(std::size_t(n) * std::size_t(n) * std::size_t(n), 0);
   for (const auto& [reached, ends] : visits)
@@ -226,7 +153,7 @@ void BandSampler::bin_triangles() {
   first_.push_back(total);
   triangles_.resize(total);
   std::int32_t triangle = 0;
-  for (Visits& block : visits) {
+  for (BricksReached& block : visits) {
     std::uint32_t i = 0;
     for (const std::uint32_t end : block.ends) {
       for (; i < end; ++i) triangles_[next[std::size_t(block.bricks[i])]++] = triangle;
@@ -234,6 +161,7 @@ void BandSampler::bin_triangles() {
     }
     block = {};
   }
+  return {};
 }
 
 /// Goes from brick to brick, from those of the surface outward, as long as the surface is within
@@ -379,7 +307,10 @@ Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const F
         [&](Index offset) {
           const Index slot = begin + offset;
           BrickSigns signs = sampler.sample(slot, distances.brick(slot));
-          settle_sides(distances.brick(slot), signs, winding, bricks[std::size_t(slot)], frame);
+          if (winding == nullptr || !signs.any_known()) return;
+          const std::int32_t brick = bricks[std::size_t(slot)];
+          settle_sides(distances.brick(slot), signs, inside_with_far(signs, *winding, brick, frame),
+                       winding, brick, frame);
         },
         kBrickBlock);
     progress.report(double(step + 1) / kProgressSteps);

@@ -63,7 +63,7 @@ class BandSampler {
  private:
   BandSampler(const PreparedSurface& surface, const FieldFrame& frame, double reach_mm, Simd simd);
 
-  void bin_triangles();
+  [[nodiscard]] Result<void> bin_triangles();
   [[nodiscard]] Result<void> add_far_bricks(Index most_bricks, Progress& progress);
   [[nodiscard]] bool is_inside(std::int32_t code, const Vec3& p) const;
 

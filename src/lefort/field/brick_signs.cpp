@@ -67,6 +67,17 @@ std::array<BrickBits, 3> possible_tears(const BrickSigns& signs) {
   return pairs;
 }
 
+bool far_contradict(const BrickBits& known, const BrickBits& inside) {
+  std::uint64_t found = 0;
+  for (std::size_t z = 0; z < kSide; ++z) {
+    const std::uint64_t k = known[z], in = inside[z];
+    found |= (k ^ k >> 1) & (in ^ in >> 1) & columns_until(7);
+    found |= (k ^ k >> 8) & (in ^ in >> 8) & ~std::uint64_t(0) >> 8;
+    if (z + 1 < kSide) found |= (k ^ known[z + 1]) & (in ^ inside[z + 1]);
+  }
+  return found != 0;
+}
+
 std::uint64_t face_bits(const BrickBits& bits, int axis, bool highest) {
   if (axis == 2) return bits[highest ? kSide - 1 : 0];
   std::uint64_t face = 0;

@@ -57,6 +57,12 @@ void hand_on_sides(BrickSigns& signs, BrickBits& to_find);
 /// and the next along k.
 [[nodiscard]] std::array<BrickBits, 3> possible_tears(const BrickSigns& signs);
 
+/// Whether a known point has a neighbour in the brick that is not, on the other side: no surface
+/// passes between them.
+///
+/// \param inside  of all points.
+[[nodiscard]] bool far_contradict(const BrickBits& known, const BrickBits& inside);
+
 /// The points of a face of the brick, 64 to a word: the lowest or the highest along an axis, in an
 /// order that is the same for both.
 [[nodiscard]] std::uint64_t face_bits(const BrickBits& bits, int axis, bool highest);

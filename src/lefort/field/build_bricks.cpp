@@ -92,7 +92,10 @@ void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
   encoded.brick = {};
   encoded.empty = !signs.any_known();
   if (encoded.empty) return;
-  const std::vector<std::size_t> torn = settle_sides(distances, signs, winding, number, frame);
+  const BrickBits inside =
+      winding == nullptr ? signs.inside : inside_with_far(signs, *winding, number, frame);
+  const std::vector<std::size_t> torn =
+      settle_sides(distances, signs, inside, winding, number, frame);
   for (int axis = 0; axis < 3; ++axis)
     for (const bool highest : {false, true}) {
       const auto a = std::size_t(axis);
@@ -101,7 +104,6 @@ void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
       encoded.faces.apart[a][std::size_t(highest)] = face_bits(signs.apart, axis, highest);
     }
   if (winding != nullptr) {
-    const BrickBits inside = inside_with_far(signs, *winding, number, frame);
     for (std::size_t z = 0; z < std::size_t(kSide); ++z)
       for (std::uint64_t far = ~signs.known[z]; far != 0; far &= far - 1) {
         const int bit = std::countr_zero(far);

@@ -72,7 +72,8 @@ Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& f
     if (slot != SparseLattice::kNoBrick) signs = sampler.sample(slot, distances);
     const bool any = signs.any_known();
     if (any && winding != nullptr) {
-      settle_sides(distances, signs, winding, brick, frame);
+      settle_sides(distances, signs, inside_with_far(signs, *winding, brick, frame), winding, brick,
+                   frame);
       fill_far_points(distances, *winding, brick, frame);
     }
     if (!any)

@@ -43,6 +43,7 @@ LEFORT_INLINE float squared_to_box(const TriangleTree::Node& box,
   return sum;
 }
 
+template <Simd simd>
 LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
                             const Vec3& low, double cell, double reach_mm,
                             NearestInBrick& nearest) {
@@ -71,7 +72,7 @@ LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTr
         while (depth > 0) {
           const std::int32_t n = stack[--depth];
           const TriangleTree::Node& node = tree.nodes[std::size_t(n)];
-          if (!any(squared_to_box(node, tile) < known)) continue;
+          if (!any_less<simd>(squared_to_box(node, tile), known)) continue;
           if (node.count == 0) {
             std::pair children(n + 1, node.first);
             if (squared_to_box(tree.nodes[std::size_t(children.second)], middle) <
@@ -93,7 +94,7 @@ LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTr
             const auto quantity = [&](std::size_t q) __attribute__((always_inline)) {
               return within_tile(planes, q) + here[q];
             };
-            visit_tile(planes, quantity, triangles[l], place, nearest);
+            visit_tile<simd>(planes, quantity, triangles[l], place, nearest);
           }
         }
       }
@@ -103,12 +104,12 @@ LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTr
 LEFORT_AVX512 void find_avx512(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
                                const Vec3& low, double cell, double reach_mm,
                                NearestInBrick& nearest) {
-  find_all(mesh, tree, low, cell, reach_mm, nearest);
+  find_all<Simd::kAvx512>(mesh, tree, low, cell, reach_mm, nearest);
 }
 
 LEFORT_AVX2 void find_avx2(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
                            const Vec3& low, double cell, double reach_mm, NearestInBrick& nearest) {
-  find_all(mesh, tree, low, cell, reach_mm, nearest);
+  find_all<Simd::kAvx2>(mesh, tree, low, cell, reach_mm, nearest);
 }
 #endif
 
@@ -120,7 +121,7 @@ void find_nearest(const geometry::TriangleMesh& mesh, const TriangleTree& tree, 
   if (simd == Simd::kAvx512) return find_avx512(mesh, tree, low, cell, reach_mm, nearest);
   if (simd == Simd::kAvx2) return find_avx2(mesh, tree, low, cell, reach_mm, nearest);
 #endif
-  find_all(mesh, tree, low, cell, reach_mm, nearest);
+  find_all<Simd::kBaseline>(mesh, tree, low, cell, reach_mm, nearest);
 }
 
 }  // namespace lefort::field

@@ -7,6 +7,7 @@ namespace {
 
 using namespace internal;
 
+template <Simd simd>
 LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInBrick& nearest) {
   constexpr int kTileX = int(NearestInBrick::kTileX), kTileY = int(NearestInBrick::kTileY),
                 kTileZ = int(NearestInBrick::kTileZ);
@@ -21,22 +22,24 @@ LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInB
         const auto quantity = [&](std::size_t n) __attribute__((always_inline)) {
           return across[n] + here[n];
         };
-        visit_tile(planes, quantity, triangle, NearestInBrick::place_of(x, y, z), nearest);
+        visit_tile<simd>(planes, quantity, triangle, NearestInBrick::place_of(x, y, z), nearest);
       }
     }
   }
 }
 
+template <Simd simd>
 LEFORT_INLINE void visit_batch(const geometry::TriangleMesh& mesh,
                                std::span<const std::int32_t> triangles, const Vec3& low,
                                double cell, double reach_mm, NearestInBrick& nearest) {
   alignas(64) Batch batch;
   prepare_triangles(mesh, triangles, low, cell, reach_mm, batch);
-  for (std::size_t l = 0; l < triangles.size(); ++l) visit(batch[l], triangles[l], nearest);
+  for (std::size_t l = 0; l < triangles.size(); ++l) visit<simd>(batch[l], triangles[l], nearest);
 }
 
 /// Every sixteenth triangle first, then those halfway between, and so on: neighbours in number are
 /// neighbours in space, so that the first few, spread over the brick, rule out most of the others.
+template <Simd simd>
 LEFORT_INLINE void visit_all(const geometry::TriangleMesh& mesh,
                              std::span<const std::int32_t> triangles, const Vec3& low, double cell,
                              double reach_mm, NearestInBrick& nearest) {
@@ -49,24 +52,25 @@ LEFORT_INLINE void visit_all(const geometry::TriangleMesh& mesh,
          i += is_first ? half : 2 * half) {
       chosen[count++] = triangles[i];
       if (count < kBatch) continue;
-      visit_batch(mesh, chosen, low, cell, reach_mm, nearest);
+      visit_batch<simd>(mesh, chosen, low, cell, reach_mm, nearest);
       count = 0;
     }
   }
-  if (count > 0) visit_batch(mesh, std::span(chosen).first(count), low, cell, reach_mm, nearest);
+  if (count > 0)
+    visit_batch<simd>(mesh, std::span(chosen).first(count), low, cell, reach_mm, nearest);
 }
 
 #if defined(__x86_64__)
 LEFORT_AVX512 void visit_avx512(const geometry::TriangleMesh& mesh,
                                 std::span<const std::int32_t> triangles, const Vec3& low,
                                 double cell, double reach_mm, NearestInBrick& nearest) {
-  visit_all(mesh, triangles, low, cell, reach_mm, nearest);
+  visit_all<Simd::kAvx512>(mesh, triangles, low, cell, reach_mm, nearest);
 }
 
 LEFORT_AVX2 void visit_avx2(const geometry::TriangleMesh& mesh,
                             std::span<const std::int32_t> triangles, const Vec3& low, double cell,
                             double reach_mm, NearestInBrick& nearest) {
-  visit_all(mesh, triangles, low, cell, reach_mm, nearest);
+  visit_all<Simd::kAvx2>(mesh, triangles, low, cell, reach_mm, nearest);
 }
 #endif
 
@@ -79,7 +83,7 @@ void visit_triangles(const geometry::TriangleMesh& mesh, std::span<const std::in
   if (simd == Simd::kAvx512) return visit_avx512(mesh, triangles, low, cell, reach_mm, nearest);
   if (simd == Simd::kAvx2) return visit_avx2(mesh, triangles, low, cell, reach_mm, nearest);
 #endif
-  visit_all(mesh, triangles, low, cell, reach_mm, nearest);
+  visit_all<Simd::kBaseline>(mesh, triangles, low, cell, reach_mm, nearest);
 }
 
 }  // namespace lefort::field

@@ -1,4 +1,5 @@
 #include <lefort/core/check.h>
+#include <lefort/field/internal/distances_avx512.h>
 #include <lefort/field/internal/simd.h>
 #include <lefort/field/query_bricks.h>
 #include <lefort/field/trilinear.h>
@@ -14,6 +15,8 @@ namespace {
 
 /// Points worked on together: enough for memory to arrive, few enough to stay in the first cache.
 constexpr std::size_t kGroup = 32;
+/// Fewer are not worth putting in order.
+constexpr std::size_t kFewPoints = 128;
 constexpr std::size_t kLanes = 16;
 constexpr std::size_t kCorners = 8;
 
@@ -314,6 +317,8 @@ void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
   Query query{samples, frame, p_B, find_corners_baseline};
 #if defined(__x86_64__)
   if (simd != Simd::kBaseline) query.find_corners = find_corners_popcnt;
+  if (simd == Simd::kAvx512 && p_B.size() >= kFewPoints && internal::fits_avx512(samples))
+    return internal::distances_avx512(samples, frame, p_B, distances_mm);
   if (simd == Simd::kAvx512) return distances_avx512(query, distances_mm);
   if (simd == Simd::kAvx2) return distances_avx2(query, distances_mm);
 #endif

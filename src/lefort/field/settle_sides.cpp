@@ -30,18 +30,19 @@ std::vector<std::size_t> torn_points(std::span<const float, SparseLattice::kBric
 }  // namespace
 
 std::vector<std::size_t> settle_sides(std::span<float, SparseLattice::kBrickPoints> distances,
-                                      BrickSigns& signs, const WindingRows* winding,
-                                      std::int32_t brick, const FieldFrame& frame) {
+                                      BrickSigns& signs, const BrickBits& inside,
+                                      const WindingRows* winding, std::int32_t brick,
+                                      const FieldFrame& frame) {
   const auto cell_mm = float(frame.cell_mm);
   std::vector<std::size_t> torn = torn_points(distances, signs, cell_mm);
-  if (torn.empty() || winding == nullptr) return torn;
+  if (winding == nullptr || (torn.empty() && !far_contradict(signs.known, inside))) return torn;
   const LatticePoint first = SparseLattice::first_point_of(brick, frame.resolution);
   for (std::size_t i = 0; i < distances.size(); ++i) {
     if (!(std::abs(distances[i]) > cell_mm)) continue;  // Nor if not known.
-    const bool inside = winding->is_inside(point_at(first, int(i)));
-    distances[i] = std::copysign(distances[i], inside ? -1.0F : 1.0F);
+    const bool is_inside = winding->is_inside(point_at(first, int(i)));
+    distances[i] = std::copysign(distances[i], is_inside ? -1.0F : 1.0F);
     const std::uint64_t bit = std::uint64_t(1) << (i % 64);
-    signs.inside[i / 64] = (signs.inside[i / 64] & ~bit) | (inside ? bit : 0);
+    signs.inside[i / 64] = (signs.inside[i / 64] & ~bit) | (is_inside ? bit : 0);
   }
   return torn_points(distances, signs, cell_mm);
 }

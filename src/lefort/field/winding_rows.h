@@ -12,7 +12,7 @@
 
 namespace lefort::field {
 
-/// Where lines along x, one beside each row of lattice points, cross the surface.
+/// Where lines along x cross the surface: one to four rows of lattice points, between them.
 ///
 /// The lines run a fraction of a cell beside the points, so that they meet no edge of surfaces
 /// that follow the lattice. So the answer is for points further than a cell from the surface only,

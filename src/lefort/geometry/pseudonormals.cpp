@@ -87,6 +87,11 @@ double corner_angle(const TriangleMesh& mesh, Index triangle, int corner) {
 /// a sheet.
 bool cancels(const Vec3& sum, double length) { return !(sum.norm() > 1e-12 * length); }
 
+/// The direction of a sum of normals weighted by the angles around a vertex.
+Vec3 direction_of(const Vec3& sum) {
+  return cancels(sum, kFullTurn) ? Vec3(Vec3::Zero()) : Vec3(sum.stableNormalized());
+}
+
 /// An edge that is no simple seam between two triangles with area.
 struct OddEdge {
   std::span<const SideOfTriangle> sides;
@@ -103,7 +108,7 @@ Vec3 face_normal(const TriangleMesh& mesh, Index triangle) {
 
 Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const SidesByEdge& sides)
     : of_face_(mesh.triangles.size()),
-      of_vertex_(mesh.vertices.size(), Vec3::Zero()),
+      at_vertex_(mesh.vertices.size()),
       beyond_(mesh.triangles.size()) {
   parallel_for(
       mesh.triangle_count(), [&](Index t) { of_face_[std::size_t(t)] = face_normal(mesh, t); },
@@ -135,79 +140,76 @@ Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const SidesByEdge& sides)
     }
     of_odd_edge_.push_back(cancels(sum, double(edge.sides.size())) ? Vec3(Vec3::Zero()) : sum);
   }
-  sum_at_vertices(mesh, sides);
+  find_corners(mesh, sides);
 }
 
 /// Most vertices are surrounded by one fan of triangles, each beyond a side of the one before.
-void Pseudonormals::sum_at_vertices(const TriangleMesh& mesh, const SidesByEdge& sides) {
-  struct Corners {
-    std::int32_t first = -1;  ///< 3 * triangle + corner.
-    std::int32_t count = 0;
-  };
-  std::vector<Corners> corners_at(mesh.vertices.size());
-  for (std::int32_t c = 3 * std::int32_t(mesh.triangle_count()) - 1; c >= 0; --c) {
-    Corners& at = corners_at[std::size_t(mesh.triangles[std::size_t(c / 3)][std::size_t(c % 3)])];
-    at = {c, at.count + 1};
-  }
-  const auto weighted = [&](Index t, int corner) -> Vec3 {
-    return corner_angle(mesh, t, corner) * of_face_[std::size_t(t)];
-  };
-  // Adds up the corners around a vertex. False if an odd edge or another fan is in the way.
-  const auto walk = [&](std::int32_t vertex, const Corners& at, Vec3& sum) {
-    std::int32_t triangle = at.first / 3, corner = at.first % 3;
-    std::int32_t side = (corner + 2) % 3;  // To leave by.
-    std::int32_t count = 0;
-    do {
-      const Triangle& here = mesh.triangles[std::size_t(triangle)];
-      const std::int32_t other_end = here[std::size_t(side == corner ? (corner + 1) % 3 : side)];
-      sum += weighted(triangle, corner);
-      ++count;
-      triangle = beyond_[std::size_t(triangle)][std::size_t(side)];
-      if (triangle < 0) return false;
-      const Triangle& next = mesh.triangles[std::size_t(triangle)];
-      corner = next[0] == vertex ? 0 : next[1] == vertex ? 1 : 2;
-      side = next[std::size_t((corner + 1) % 3)] == other_end ? (corner + 2) % 3 : corner;
-    } while (triangle != at.first / 3 && count < at.count);
-    return triangle == at.first / 3 && count == at.count;
-  };
-  const auto finish = [&](Vec3& sum) {
-    if (cancels(sum, kFullTurn)) {
-      sum.setZero();
-    } else {
-      sum.stableNormalize();
+/// Calls body(triangle, corner) for each. False if an odd edge or another fan is in the way.
+template <class Body>
+bool Pseudonormals::walk_around(const TriangleMesh& mesh, std::int32_t vertex,
+                                const Body& body) const {
+  const Corners& at = at_vertex_[std::size_t(vertex)];
+  const std::int32_t first = at.first / 3;
+  std::int32_t triangle = first, corner = at.first % 3;
+  std::int32_t side = (corner + 2) % 3;  // To leave by.
+  std::int32_t count = 0;
+  do {
+    const Triangle& here = mesh.triangles[std::size_t(triangle)];
+    const std::int32_t other_end = here[std::size_t(side == corner ? (corner + 1) % 3 : side)];
+    body(triangle, corner);
+    ++count;
+    triangle = beyond_[std::size_t(triangle)][std::size_t(side)];
+    if (triangle < 0) return false;
+    const Triangle& next = mesh.triangles[std::size_t(triangle)];
+    corner = next[0] == vertex ? 0 : next[1] == vertex ? 1 : 2;
+    side = next[std::size_t((corner + 1) % 3)] == other_end ? (corner + 2) % 3 : corner;
+  } while (triangle != first && count < at.count);
+  return triangle == first && count == at.count;
+}
+
+/// Finds the triangles at each vertex; of those that one walk does not tell, the normals.
+void Pseudonormals::find_corners(const TriangleMesh& mesh, const SidesByEdge& sides) {
+  for (std::int32_t t = std::int32_t(mesh.triangle_count()) - 1; t >= 0; --t)
+    for (std::int32_t corner = 2; corner >= 0; --corner) {
+      const auto v = std::size_t(mesh.triangles[std::size_t(t)][std::size_t(corner)]);
+      at_vertex_[v] = {3 * t + corner, at_vertex_[v].count + 1};
     }
-  };
   const std::vector<std::int32_t> odd = parallel_collect<std::int32_t>(
       mesh.vertex_count(), [&](Index v, std::vector<std::int32_t>& others) {
-        const Corners& at = corners_at[std::size_t(v)];
-        Vec3& normal = of_vertex_[std::size_t(v)];
-        if (at.count == 0) return;
-        if (walk(std::int32_t(v), at, normal)) {
-          finish(normal);
-        } else {
+        if (at_vertex_[std::size_t(v)].count > 0 &&
+            !walk_around(mesh, std::int32_t(v), [](std::int32_t, std::int32_t) {}))
           others.push_back(std::int32_t(v));
-        }
       });
   if (odd.empty()) return;
 
+  for (std::size_t i = 0; i < odd.size(); ++i)
+    at_vertex_[std::size_t(odd[i])].first = ~std::int32_t(i);
+  of_odd_vertex_.assign(odd.size(), Vec3::Zero());
   const Beyond beyond(mesh, sides, of_face_);
-  std::vector<bool> is_odd(mesh.vertices.size(), false);
-  for (const std::int32_t v : odd) {
-    is_odd[std::size_t(v)] = true;
-    of_vertex_[std::size_t(v)].setZero();
-  }
-  for (std::int32_t c = 0; c < 3 * std::int32_t(mesh.triangle_count()); ++c) {
-    const auto v = std::size_t(mesh.triangles[std::size_t(c / 3)][std::size_t(c % 3)]);
-    if (is_odd[v])
-      of_vertex_[v] += corner_angle(mesh, c / 3, c % 3) * beyond.normal_at_corner(c / 3, c % 3);
-  }
-  for (const std::int32_t v : odd) finish(of_vertex_[std::size_t(v)]);
+  for (std::int32_t t = 0; t < std::int32_t(mesh.triangle_count()); ++t)
+    for (std::int32_t corner = 0; corner < 3; ++corner) {
+      const auto v = std::size_t(mesh.triangles[std::size_t(t)][std::size_t(corner)]);
+      if (at_vertex_[v].first < 0)
+        of_odd_vertex_[std::size_t(~at_vertex_[v].first)] +=
+            corner_angle(mesh, t, corner) * beyond.normal_at_corner(t, corner);
+    }
+  for (Vec3& sum : of_odd_vertex_) sum = direction_of(sum);
+}
+
+Vec3 Pseudonormals::at_vertex(const TriangleMesh& mesh, Index vertex) const {
+  const Corners& at = at_vertex_[std::size_t(vertex)];
+  if (at.first < 0)
+    return at.count > 0 ? of_odd_vertex_[std::size_t(~at.first)] : Vec3(Vec3::Zero());
+  Vec3 sum = Vec3::Zero();
+  walk_around(mesh, std::int32_t(vertex), [&](std::int32_t triangle, std::int32_t corner) {
+    sum += corner_angle(mesh, triangle, corner) * of_face_[std::size_t(triangle)];
+  });
+  return direction_of(sum);
 }
 
 Vec3 Pseudonormals::at(const TriangleMesh& mesh, Index triangle, Feature feature) const {
   const auto number = std::size_t(number_of(feature));
-  if (is_vertex(feature))
-    return of_vertex_[std::size_t(mesh.triangles[std::size_t(triangle)][number])];
+  if (is_vertex(feature)) return at_vertex(mesh, mesh.triangles[std::size_t(triangle)][number]);
   const Vec3& here = of_face_[std::size_t(triangle)];
   if (!is_edge(feature)) return here;
   const std::int32_t other = beyond_[std::size_t(triangle)][number];

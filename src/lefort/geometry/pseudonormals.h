@@ -17,7 +17,8 @@ namespace lefort::geometry {
 /// edges and vertices. The sums run over all faces there: so that is right where a surface touches
 /// itself, too, at a vertex with several fans of triangles or an edge of four.
 ///
-/// Those of edges are worked out when asked for: stored, they would outweigh the surface.
+/// Those of edges and of most vertices are worked out when asked for: stored, they would outweigh
+/// the surface, and few are.
 class Pseudonormals {
  public:
   Pseudonormals() = default;
@@ -38,15 +39,23 @@ class Pseudonormals {
   /// \param mesh  what this was computed from.
   [[nodiscard]] Vec3 at(const TriangleMesh& mesh, Index triangle, Feature feature) const;
 
-  [[nodiscard]] const Vec3& at_vertex(Index vertex) const {
-    return of_vertex_[std::size_t(vertex)];
-  }
+  [[nodiscard]] Vec3 at_vertex(const TriangleMesh& mesh, Index vertex) const;
 
  private:
-  void sum_at_vertices(const TriangleMesh& mesh, const SidesByEdge& sides);
+  /// The triangles at a vertex.
+  struct Corners {
+    std::int32_t first = -1;  ///< 3 * triangle + corner; ~ the place in of_odd_vertex_.
+    std::int32_t count = 0;
+  };
+
+  void find_corners(const TriangleMesh& mesh, const SidesByEdge& sides);
+
+  template <class Body>
+  bool walk_around(const TriangleMesh& mesh, std::int32_t vertex, const Body& body) const;
 
   std::vector<Vec3> of_face_;
-  std::vector<Vec3> of_vertex_;
+  std::vector<Corners> at_vertex_;
+  std::vector<Vec3> of_odd_vertex_;
   /// By triangle and side: the one triangle beyond it, or ~ the place in of_odd_edge_ if there are
   /// none or several, or one of the two is without area.
   std::vector<std::array<std::int32_t, 3>> beyond_;

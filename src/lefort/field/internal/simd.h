@@ -3,6 +3,12 @@
 /// inlined into. Fused multiply-add stays off, so that all give the same bits.
 #pragma once
 
+#include <lefort/field/simd.h>
+
+#if defined(__x86_64__)
+#include <immintrin.h>  // Declares the builtins below; its own functions are bound to one target.
+#endif
+
 #define LEFORT_INLINE inline __attribute__((always_inline))
 #if defined(__x86_64__)
 #define LEFORT_AVX512 \

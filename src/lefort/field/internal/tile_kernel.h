@@ -185,6 +185,21 @@ LEFORT_INLINE bool any(const Ints& lanes) {
 #endif
 }
 
+/// Whether some lane of `a` is less than that of `b`: both Floats or both Doubles. Compilers take a
+/// detour through vectors of lanes even where the processor has a mask for it.
+template <Simd simd, class V>
+LEFORT_INLINE bool any_less(const V& a, const V& b) {
+  static_assert(sizeof(V) == sizeof(Ints));
+#if defined(__x86_64__)
+  constexpr int kLess = 1, kCurrentRounding = 4;
+  if constexpr (simd == Simd::kAvx512 && sizeof(a[0]) == sizeof(float))
+    return __builtin_ia32_cmpps512_mask(a, b, kLess, -1, kCurrentRounding) != 0;
+  if constexpr (simd == Simd::kAvx512 && sizeof(a[0]) == sizeof(double))
+    return __builtin_ia32_cmppd512_mask(a, b, kLess, -1, kCurrentRounding) != 0;
+#endif
+  return any(Ints(a < b));
+}
+
 /// Which of a tile's points are where, counted in cells from its first.
 inline constexpr Floats kTileX_cells = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 inline constexpr Floats kTileY_cells = {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1};
@@ -202,7 +217,7 @@ LEFORT_INLINE Floats within_tile(const Planes& planes, std::size_t quantity) {
 ///
 /// \param quantity  which -> that quantity of the planes at the tile's points.
 /// \param place     of the tile's first point.
-template <class Quantity>
+template <Simd simd, class Quantity>
 LEFORT_INLINE void visit_tile(const Planes& planes, const Quantity& quantity, std::int32_t triangle,
                               std::size_t place, NearestInBrick& nearest) {
   const Floats height = quantity(kHeight);
@@ -213,7 +228,7 @@ LEFORT_INLINE void visit_tile(const Planes& planes, const Quantity& quantity, st
   const Floats height2 = height * height;
   auto& known = *reinterpret_cast<Floats*>(&nearest.squared_mm2[place]);
   // Right but where a corner is nearest, and never too large: rules out three in four.
-  if (!any(height2 + beyond * beyond < known)) return;
+  if (!any_less<simd>(height2 + beyond * beyond, known)) return;
 
   const Floats rim =
       smaller(squared_to_side(quantity(kAlong), out_0, planes.length[0]),

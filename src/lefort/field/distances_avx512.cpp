@@ -1,0 +1,309 @@
+#include <lefort/field/internal/distances_avx512.h>
+#include <lefort/field/internal/simd.h>
+
+#if defined(__x86_64__)
+
+#include <lefort/field/cell_samples.h>
+#include <lefort/field/field_sample.h>
+#include <lefort/field/trilinear.h>
+#include <lefort/field/zone.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+
+// Addresses are worked out in vectors and samples gathered by them. A third of all cells have
+// corners in several bricks: sixteen points together would nearly always have some, so they are put
+// apart, and the other points look into the table once each instead of eight times.
+
+namespace lefort::field::internal {
+
+namespace {
+
+#define LEFORT_TARGET "avx512f,avx512vl,avx512bw,avx512dq,popcnt,bmi2,prefer-vector-width=512"
+#define LEFORT_STEP inline __attribute__((always_inline, target(LEFORT_TARGET)))
+
+constexpr std::size_t kLanes = 16;
+/// Points worked on together: enough that few lanes stay empty, few enough for the first cache.
+constexpr std::size_t kGroup = 256;
+constexpr std::size_t kCorners = 8;
+/// Of the second cache of most cores; where there is less to read, fetching ahead only takes time.
+constexpr std::size_t kCacheBytes = 2 << 20;
+constexpr int kAll = 0xFFFF;
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
+
+struct Lookup {
+  const Brick* bricks;
+  const std::byte* codes;
+  int side;
+  int last_cell;
+  bool fetch;  ///< Samples do not fit into the cache of one core.
+  double most;
+  double cells_per_mm;
+  std::array<double, 24> origin;  ///< x, y, z again and again.
+};
+
+/// Points of one kind, by coordinate: those of single bricks, or the others.
+struct Points {
+  std::size_t count = 0;
+  // Room for a vector behind the last.
+  alignas(64) std::array<std::array<std::int32_t, kGroup + kLanes>, 3> cell{};
+  alignas(64) std::array<std::array<float, kGroup + kLanes>, 3> t{};
+  alignas(64) std::array<std::int32_t, kGroup + kLanes> number{};  ///< In the group.
+};
+
+/// Sixteen triples to vectors of x, y and z.
+LEFORT_STEP void by_axis(const __m512i& a, const __m512i& b, const __m512i& c,
+                         std::array<__m512i, 3>& axes) {
+  const __m512i lanes =
+      _mm512_set_epi32(45, 42, 39, 36, 33, 30, 27, 24, 21, 18, 15, 12, 9, 6, 3, 0);
+  for (int k = 0; k < 3; ++k) {
+    const __m512i from = _mm512_add_epi32(lanes, _mm512_set1_epi32(k));
+    const __m512i in_ab = _mm512_permutex2var_epi32(a, from, b);  // Right where from < 32.
+    axes[std::size_t(k)] = _mm512_mask_permutexvar_epi32(
+        in_ab, _mm512_cmpgt_epi32_mask(from, _mm512_set1_epi32(31)), from, c);
+  }
+}
+
+LEFORT_STEP void append(Points& points, __mmask16 which, const std::array<__m512i, 3>& cell,
+                        const std::array<__m512i, 3>& t, const __m512i& number) {
+  const std::size_t to = points.count;
+  for (std::size_t k = 0; k < 3; ++k) {
+    _mm512_storeu_si512(&points.cell[k][to], _mm512_maskz_compress_epi32(which, cell[k]));
+    _mm512_storeu_si512(&points.t[k][to], _mm512_maskz_compress_epi32(which, t[k]));
+  }
+  _mm512_storeu_si512(&points.number[to], _mm512_maskz_compress_epi32(which, number));
+  points.count += std::size_t(std::popcount(unsigned(which)));
+}
+
+LEFORT_STEP __m512i join(const __m256i& low, const __m256i& high) {
+  return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
+}
+LEFORT_STEP __m512i join(const __m256& low, const __m256& high) {
+  return join(_mm256_castps_si256(low), _mm256_castps_si256(high));
+}
+
+/// Finds the cells of sixteen points and puts them with their kind. Those beyond the cube, or that
+/// are no number, belong to neither.
+LEFORT_STEP void locate(const Lookup& lookup, const double* p, std::size_t first, Points& single,
+                        Points& several) {
+  std::array<__m256i, 6> cells;
+  std::array<__m256, 6> shares;
+  std::uint64_t within = 0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    const __m512d u = _mm512_mul_pd(
+        _mm512_sub_pd(_mm512_loadu_pd(p + 8 * i), _mm512_loadu_pd(&lookup.origin[8 * (i % 3)])),
+        _mm512_set1_pd(lookup.cells_per_mm));
+    const __mmask8 in = _mm512_mask_cmp_pd_mask(
+        _mm512_cmp_pd_mask(u, _mm512_setzero_pd(), _CMP_GE_OQ), u, _mm512_set1_pd(lookup.most),
+        _CMP_LE_OQ);  // NaN is not.
+    within |= std::uint64_t(in) << (8 * i);
+    cells[i] =
+        _mm256_min_epi32(_mm512_maskz_cvttpd_epi32(in, u), _mm256_set1_epi32(lookup.last_cell));
+    shares[i] = _mm512_cvtpd_ps(_mm512_sub_pd(u, _mm512_cvtepi32_pd(cells[i])));
+  }
+  std::array<__m512i, 3> cell, t;
+  by_axis(join(cells[0], cells[1]), join(cells[2], cells[3]), join(cells[4], cells[5]), cell);
+  by_axis(join(shares[0], shares[1]), join(shares[2], shares[3]), join(shares[4], shares[5]), t);
+
+  constexpr std::uint64_t kEveryThird = 0x249249249249;
+  const auto in_cube = __mmask16(_pext_u64(within & within >> 1 & within >> 2, kEveryThird));
+  const __m512i seven = _mm512_set1_epi32(7);
+  const __mmask16 is_last =
+      __mmask16(_mm512_cmpeq_epi32_mask(_mm512_and_si512(cell[0], seven), seven) |
+                _mm512_cmpeq_epi32_mask(_mm512_and_si512(cell[1], seven), seven) |
+                _mm512_cmpeq_epi32_mask(_mm512_and_si512(cell[2], seven), seven));
+  const __m512i number =
+      _mm512_add_epi32(_mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0),
+                       _mm512_set1_epi32(int(first)));
+  append(single, __mmask16(in_cube & ~is_last), cell, t, number);
+  append(several, __mmask16(in_cube & is_last), cell, t, number);
+}
+
+/// Table entries of sixteen bricks.
+struct Entries {
+  __m512i first_byte;  ///< Of the first leaf.
+  __m512i stored;
+};
+
+LEFORT_STEP Entries entries_of(const Lookup& lookup, const __m512i& brick) {
+  static_assert(sizeof(Brick) == 8);
+  const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(brick), lookup.bricks, 8),
+                high =
+                    _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(brick, 1), lookup.bricks, 8);
+  const __m512i even = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0);
+  const __m512i odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
+  const __m512i leaf = _mm512_permutex2var_epi32(low, even, high);
+  static_assert(BrickSamples::kLeafBytes == 128 + 64);
+  return {_mm512_add_epi32(_mm512_slli_epi32(leaf, 7), _mm512_slli_epi32(leaf, 6)),
+          _mm512_and_si512(_mm512_permutex2var_epi32(low, odd, high), _mm512_set1_epi32(0xFF))};
+}
+
+/// How many bits are set in the lowest byte of each lane; the others are zero.
+LEFORT_STEP __m512i bits_in_byte(const __m512i& bytes) {
+  const __m512i of_nibble =
+      _mm512_broadcast_i32x4(_mm_set_epi8(4, 3, 3, 2, 3, 2, 2, 1, 3, 2, 2, 1, 2, 1, 1, 0));
+  const __m512i low = _mm512_and_si512(bytes, _mm512_set1_epi32(15));
+  return _mm512_add_epi32(_mm512_shuffle_epi8(of_nibble, low),
+                          _mm512_shuffle_epi8(of_nibble, _mm512_srli_epi32(bytes, 4)));
+}
+
+/// Shares of a coordinate in the place of a sample.
+struct AxisPlace {
+  __m512i brick, leaf, offset;
+};
+
+LEFORT_STEP AxisPlace axis_place(const __m512i& coordinate, int brick_stride, unsigned axis) {
+  const __m512i brick = _mm512_add_epi32(_mm512_srli_epi32(coordinate, 3), _mm512_set1_epi32(1));
+  const __m512i leaf = _mm512_and_si512(_mm512_srli_epi32(coordinate, 2), _mm512_set1_epi32(1));
+  const __m512i place = _mm512_and_si512(coordinate, _mm512_set1_epi32(3));
+  return {
+      _mm512_mullo_epi32(brick, _mm512_set1_epi32(brick_stride)), _mm512_slli_epi32(leaf, axis),
+      _mm512_mullo_epi32(place, _mm512_set1_epi32(int(BrickSamples::kCodeBytes) << (2 * axis)))};
+}
+
+/// Where the samples of a kind of points lie.
+struct Places {
+  /// From the first code, in bytes, by corner; of a leaf that is not stored: 0.
+  alignas(64) std::array<std::array<std::int32_t, kGroup + kLanes>, kCorners> byte;
+  std::array<std::uint16_t, kGroup / kLanes + 1> stored;  ///< A bit each: all leaves are.
+};
+
+/// Bytes of a corner of sixteen cells; lanes without a leaf leave `stored`.
+LEFORT_STEP __m512i byte_of(const Entries& entries, const __m512i& leaf, const __m512i& offset,
+                            __mmask16& stored) {
+  const __m512i one = _mm512_set1_epi32(1);
+  const __m512i bit = _mm512_sllv_epi32(one, leaf);
+  const __m512i before = _mm512_and_si512(entries.stored, _mm512_sub_epi32(bit, one));
+  const __mmask16 here = _mm512_test_epi32_mask(entries.stored, bit);
+  stored &= here;
+  const __m512i leaf_bytes = _mm512_set1_epi32(int(BrickSamples::kLeafBytes));
+  return _mm512_maskz_add_epi32(here, _mm512_add_epi32(entries.first_byte, offset),
+                                _mm512_madd_epi16(bits_in_byte(before), leaf_bytes));
+}
+
+/// Finds the samples of all points of a kind, and fetches them if they may be far away: those of a
+/// slice of a leaf along z lie in a line or two of the cache.
+template <bool in_one_brick>
+LEFORT_STEP void find_samples(const Lookup& lookup, const Points& points, Places& places) {
+  const std::array<int, 3> strides = {1, lookup.side, lookup.side * lookup.side};
+  const __m512i one = _mm512_set1_epi32(1);
+  for (std::size_t first = 0; first < points.count; first += kLanes) {
+    std::array<std::array<AxisPlace, 2>, 3> at;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const __m512i c = _mm512_loadu_si512(&points.cell[k][first]);
+      at[k][0] = axis_place(c, strides[k], unsigned(k));
+      at[k][1] = axis_place(_mm512_add_epi32(c, one), strides[k], unsigned(k));
+    }
+    auto stored = __mmask16(kAll);
+    Entries entries;
+#pragma GCC unroll 8
+    for (std::size_t corner = 0; corner < kCorners; ++corner) {
+      const AxisPlace &x = at[0][corner & 1], &y = at[1][corner >> 1 & 1], &z = at[2][corner >> 2];
+      if (corner == 0 || !in_one_brick)
+        entries = entries_of(lookup, _mm512_add_epi32(x.brick, _mm512_add_epi32(y.brick, z.brick)));
+      const __m512i leaf = _mm512_or_si512(x.leaf, _mm512_or_si512(y.leaf, z.leaf)),
+                    offset = _mm512_add_epi32(x.offset, _mm512_add_epi32(y.offset, z.offset));
+      _mm512_store_si512(&places.byte[corner][first], byte_of(entries, leaf, offset, stored));
+    }
+    places.stored[first / kLanes] = stored;
+    if (!lookup.fetch) continue;
+    for (const std::size_t corner : {0, 3, 4, 7})
+      for (std::size_t l = first; l < first + kLanes; ++l)
+        __builtin_prefetch(lookup.codes + places.byte[corner][l]);
+  }
+}
+
+/// Distances of all points of a kind by their numbers; leaves those that have none as they are.
+LEFORT_STEP void interpolate(const Lookup& lookup, const Points& points, const Places& places,
+                             float quantum_mm, std::array<float, kGroup>& distances) {
+  for (std::size_t first = 0; first < points.count; first += kLanes) {
+    std::array<Floats, kCorners> corners;
+    __m512i largest = _mm512_setzero_si512();
+#pragma GCC unroll 8
+    for (std::size_t corner = 0; corner < kCorners; ++corner) {
+      const __m512i word =
+          _mm512_i32gather_epi32(_mm512_load_si512(&places.byte[corner][first]), lookup.codes, 1);
+      const __m512i code = _mm512_srai_epi32(_mm512_slli_epi32(word, 8), 8);  // Three bytes.
+      corners[corner] = Floats(_mm512_cvtepi32_ps(code));
+      largest = _mm512_max_epi32(largest, _mm512_abs_epi32(code));
+    }
+    std::array<Floats, 3> t;
+    for (std::size_t k = 0; k < 3; ++k) t[k] = Floats(_mm512_load_ps(&points.t[k][first]));
+    const Floats distance = trilinear(corners, t) * quantum_mm;
+    const auto known =
+        __mmask16(places.stored[first / kLanes] &
+                  _mm512_cmplt_epi32_mask(largest, _mm512_set1_epi32(BrickSamples::kBeyond)));
+    alignas(64) std::array<float, kLanes> found;
+    _mm512_store_ps(found.data(),
+                    _mm512_mask_mov_ps(_mm512_set1_ps(kNone), known, __m512(distance)));
+    const std::size_t count = std::min(kLanes, points.count - first);
+    for (std::size_t l = 0; l < count; ++l)
+      distances[std::size_t(points.number[first + l])] = found[l];
+  }
+}
+
+/// The side of a point without a distance.
+float side_at(const BrickSamples& samples, const FieldFrame& frame, const Lookup& lookup,
+              const Vec3& p_B) {
+  LatticePoint cell{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double u = (p_B[Index(k)] - lookup.origin[k]) * lookup.cells_per_mm;
+    if (!(u >= 0.0 && u <= lookup.most)) return side_value(zone_beyond_box(frame, p_B));
+    cell[k] = std::min(int(u), lookup.last_cell);
+  }
+  return side_value(zone_of(samples.cell(cell).corners));
+}
+
+}  // namespace
+
+bool fits_avx512(const BrickSamples& samples) {
+  return samples.codes().size() <= std::size_t(std::numeric_limits<std::int32_t>::max());
+}
+
+__attribute__((target(LEFORT_TARGET))) void distances_avx512(const BrickSamples& samples,
+                                                             const FieldFrame& frame,
+                                                             std::span<const Vec3> p_B,
+                                                             std::span<float> distances_mm) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  Lookup lookup{samples.bricks().data(),
+                samples.codes().data(),
+                SparseLattice::bricks_per_side(samples.resolution()),
+                frame.resolution - 1,
+                samples.codes().size() > kCacheBytes,
+                double(frame.resolution),
+                1.0 / frame.cell_mm,
+                {}};
+  for (std::size_t i = 0; i < lookup.origin.size(); ++i)
+    lookup.origin[i] = frame.origin_B[Index(i % 3)];
+  Points single, several;
+  Places places_single, places_several;
+  std::array<Vec3, kGroup> last;
+  alignas(64) std::array<float, kGroup> found;
+  for (std::size_t begin = 0; begin < p_B.size(); begin += kGroup) {
+    const std::size_t count = std::min(kGroup, p_B.size() - begin);
+    const double* p = p_B.data()[begin].data();
+    if (count < kGroup) {
+      last.fill(p_B[begin]);
+      std::copy_n(p_B.begin() + std::ptrdiff_t(begin), count, last.begin());
+      p = last.data()->data();
+    }
+    single.count = several.count = 0;
+    for (std::size_t n = 0; n < count; n += kLanes) locate(lookup, p + 3 * n, n, single, several);
+    found.fill(kNone);
+    find_samples<true>(lookup, single, places_single);
+    find_samples<false>(lookup, several, places_several);
+    interpolate(lookup, single, places_single, samples.quantum_mm(), found);
+    interpolate(lookup, several, places_several, samples.quantum_mm(), found);
+    for (std::size_t n = 0; n < count; ++n)
+      distances_mm[begin + n] =
+          found[n] == found[n] ? found[n] : side_at(samples, frame, lookup, p_B[begin + n]);
+  }
+}
+
+}  // namespace lefort::field::internal
+
+#endif

@@ -1,0 +1,19 @@
+/// \file
+/// Distances in bricks for processors with AVX-512.
+#pragma once
+
+#include <lefort/field/brick_samples.h>
+#include <lefort/field/field_frame.h>
+
+#include <span>
+
+namespace lefort::field::internal {
+
+/// Whether distances_avx512() can address all samples: it counts their bytes in 31 bits.
+[[nodiscard]] bool fits_avx512(const BrickSamples& samples);
+
+/// distances_in_bricks() by other means, with the same bits.
+void distances_avx512(const BrickSamples& samples, const FieldFrame& frame,
+                      std::span<const Vec3> p_B, std::span<float> distances_mm);
+
+}  // namespace lefort::field::internal
