@@ -227,8 +227,7 @@ Result<void> solve_large(const SolveOptions& options, Tables& tables, Progress& 
       "iterations in all, {:.1f} GB.\n\n",
       kCells, dofs, result.at("wall_seconds").get<double>(), result.at("load_levels").size(),
       result.at("failed_attempts").get<int>(), sum_of(result.at("newton_iterations")),
-      result.at("linear_iterations").get<int>(),
-      result.at("peak_bytes").get<double>() * 1e-9);
+      result.at("linear_iterations").get<int>(), result.at("peak_bytes").get<double>() * 1e-9);
   tables.json["large"] = std::move(result);
   return {};
 }

@@ -137,9 +137,7 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
         return fem::find_equilibrium(assembler, BlockProblem::prescribed(body.mesh, t), start,
                                      solver, {.relative_tolerance = task.relative_tolerance});
       },
-      {.first_increment = increment,
-       .min_increment = increment / 64,
-       .max_increment = increment});
+      {.first_increment = increment, .min_increment = increment / 64, .max_increment = increment});
   const Result<void> advanced = stepper.advance_to(1.0);
   if (!advanced) return tl::unexpected(advanced.error());
   const VectorX& u = stepper.state().u;

@@ -42,7 +42,7 @@ class HeldBody final : public NonlinearSystem {
 constexpr double kStandstill_mm = 1e-9;
 
 /// How exactly the free nodes follow: Newton corrects what is left.
-constexpr double kFollowingTolerance = 1e-6;
+constexpr double kFollowingTolerance = 1e-3;
 
 /// `moved`, the start with its boundary moved, with the free nodes following to first order:
 /// K_ff du_f = -r_f - K_fp du_p, everything at `start`. `moved` itself where that is no better.
