@@ -29,6 +29,10 @@ class HeldBody final : public NonlinearSystem {
     return assembler_.tangent(all(x), kind);
   }
 
+  [[nodiscard]] SparseMatrix antisymmetric_tangent(const VectorX& x) const override {
+    return assembler_.antisymmetric_tangent(all(x));
+  }
+
   [[nodiscard]] VectorX all(const VectorX& x) const {
     return assembler_.dofs().with_free_part(u_, x);
   }
