@@ -149,6 +149,14 @@ TEST(LinearSolver, AllKindsFindTheSame) {
   EXPECT_GT(multigrid.statistics().iterations, 0);
 }
 
+/// Far away: S A S, with every other row ten times as stiff.
+SparseMatrix unevenly_scaled(SparseMatrix A) {
+  for (Index j = 0; j < A.cols(); ++j)
+    for (SparseMatrix::InnerIterator entry(A, j); entry; ++entry)
+      entry.valueRef() *= (entry.row() % 2 == 0 ? 10.0 : 1.0) * (j % 2 == 0 ? 10.0 : 1.0);
+  return A;
+}
+
 TEST(LinearSolver, LaggedKeepsAFactorWhileItServes) {
   const Cube cube(10);
   LinearSolver solver = cube.solver(kLagged);
@@ -158,14 +166,32 @@ TEST(LinearSolver, LaggedKeepsAFactorWhileItServes) {
   ASSERT_TRUE(solver.solve(cube.tangent(0.01), b, 1e-4).has_value());
   EXPECT_EQ(solver.statistics().factorisations, 1);
   EXPECT_GT(solver.statistics().iterations, 0);
-  // Far away: S A S, with every other row ten times as stiff. In the end a new factor serves.
-  SparseMatrix far = cube.tangent(0.0);
-  for (Index j = 0; j < far.cols(); ++j)
-    for (SparseMatrix::InnerIterator entry(far, j); entry; ++entry)
-      entry.valueRef() *= (entry.row() % 2 == 0 ? 10.0 : 1.0) * (j % 2 == 0 ? 10.0 : 1.0);
+  // In the end a new factor serves.
+  const SparseMatrix far = unevenly_scaled(cube.tangent(0.0));
   const auto x = solver.solve(far, b);
   ASSERT_TRUE(x.has_value());
   EXPECT_LT((far.selfadjointView<Eigen::Lower>() * *x - b).norm(), 1e-9 * b.norm());
+  EXPECT_EQ(solver.statistics().factorisations, 2);
+}
+
+TEST(LinearSolver, MultigridKeepsItsHierarchyWhileItServes) {
+  const Cube cube(12);
+  LinearSolver solver = cube.solver(kMultigrid);
+  const VectorX b = some_forces(cube.tangent(0.0).cols());
+  const auto residual = [&](const SparseMatrix& A) {
+    const auto x = solver.solve(A, b, 1e-8);
+    return x ? (A.selfadjointView<Eigen::Lower>() * *x - b).norm() / b.norm() : 1.0;
+  };
+  EXPECT_LT(residual(cube.tangent(0.0)), 1.01e-8);
+  const int iterations = solver.statistics().iterations;
+  for (const double stretch : {0.02, 0.04, 0.06})
+    EXPECT_LT(residual(cube.tangent(stretch)), 1.01e-8);
+  EXPECT_EQ(solver.statistics().factorisations, 1);
+  EXPECT_LT(solver.statistics().iterations, 5 * iterations);
+  // Far away the old one still leads to the solution, but slowly: the next time there is a new one.
+  const SparseMatrix far = unevenly_scaled(cube.tangent(0.0));
+  EXPECT_LT(residual(far), 1.01e-8);
+  EXPECT_LT(residual(far), 1.01e-8);
   EXPECT_EQ(solver.statistics().factorisations, 2);
 }
 

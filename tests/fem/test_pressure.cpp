@@ -230,6 +230,70 @@ TEST(Pressure, ACantileverWithAFreeRimBendsFarRoundAndIsHeldByItsSupport) {
   EXPECT_LT((reaction - p * rim_area(sides)).norm(), 1e-9 * reaction.norm());
 }
 
+/// A block that slides on three planes, pressed on from above by p: the rim of the pressed side is
+/// free on two sides, and its area grows. mu (l - 1/l) + lambda ln(J) / l = -p w^2 along z, with
+/// w across: mu (w - 1/w) + lambda ln(J) / w = 0, J = l w^2.
+struct PressedBlock {
+  double l = 1.0, w = 1.0;
+  explicit PressedBlock(double p) {
+    const auto bisect = [](double low, double high, const auto& f) {  // f ascends.
+      for (int n = 0; n < 200; ++n) {
+        const double middle = 0.5 * (low + high);
+        (f(middle) > 0.0 ? high : low) = middle;
+      }
+      return 0.5 * (low + high);
+    };
+    const auto width = [&](double along) {
+      return bisect(0.1, 10.0, [&](double across) {
+        return kLaw.mu_mpa * (across * across - 1.0) +
+               kLaw.lambda_mpa * std::log(along * across * across);
+      });
+    };
+    // True stress along z, which ascends with l.
+    l = bisect(0.02, 1.0, [&](double along) {
+      const double across = width(along), J = along * across * across;
+      return (kLaw.mu_mpa * (along * along - 1.0) + kLaw.lambda_mpa * std::log(J)) / J + p;
+    });
+    w = width(l);
+  }
+};
+
+TEST_P(Pressures, WithAFreeRimABlockFollowsTheClosedFormQuadratically) {
+  const auto mesh = box_mesh({.cells = {2, 2, 2}, .distortion = 0.15, .shape = GetParam()});
+  const auto held = test::joined({test::prescribe_component(mesh.node_sets.at("x0"), 0, 0.0),
+                                  test::prescribe_component(mesh.node_sets.at("y0"), 1, 0.0),
+                                  test::prescribe_component(mesh.node_sets.at("z0"), 2, 0.0)});
+  const double young_mpa =
+      kLaw.mu_mpa * (3.0 * kLaw.lambda_mpa + 2.0 * kLaw.mu_mpa) / (kLaw.lambda_mpa + kLaw.mu_mpa);
+  const auto term = pressure_on(mesh, "z1", 0.0);
+  const test::Body body(mesh, {{0, kLaw}}, held, {term.get()});
+  ASSERT_FALSE(term->is_conservative(body.assembler.dofs()));
+  VectorX u = body.at_rest();
+  for (const double part : {0.25, 0.5, 1.0, 2.0}) {
+    const double p = part * young_mpa;
+    term->set_pressure_mpa(p);
+    LinearSolver solver;
+    const auto outcome = find_equilibrium(body.assembler, held, u, solver,
+                                          {.relative_tolerance = 1e-12, .max_iterations = 30});
+    ASSERT_TRUE(outcome.converged()) << part << " of E: " << outcome.reason;
+    EXPECT_LE(outcome.iterations(), 10) << part;
+    u = outcome.x;
+    const PressedBlock expected(p);
+    Mat3 gradient = Mat3::Zero();
+    gradient.diagonal() << expected.w - 1.0, expected.w - 1.0, expected.l - 1.0;
+    EXPECT_LT((u - test::affine(mesh, gradient, Vec3::Zero())).lpNorm<Eigen::Infinity>(), 1e-9)
+        << part << " of E";
+    // Linear convergence, by the symmetric part alone, wins less than one digit a step here.
+    for (std::size_t k = 0; k + 1 < outcome.history.size(); ++k) {
+      const double before = outcome.history[k].residual_n / outcome.history[k].force_scale_n;
+      const double after = outcome.history[k + 1].residual_n / outcome.history[k + 1].force_scale_n;
+      if (before < 1e-4 && before > 1e-10) {
+        EXPECT_LT(after, 1e-2 * before) << part << " of E";
+      }
+    }
+  }
+}
+
 TEST(Pressure, OfAFreeRimTheTangentIsTheSymmetricPartOfTheDerivative) {
   const auto mesh = box_mesh({.cells = {1, 1, 1}, .shape = ElementShape::kHex20});
   const auto term = pressure_on(mesh, "z1", 0.7);
@@ -246,6 +310,9 @@ TEST(Pressure, OfAFreeRimTheTangentIsTheSymmetricPartOfTheDerivative) {
   const Eigen::MatrixXd half = 0.5 * (derivative + derivative.transpose());
   const Eigen::MatrixXd lower = assembler.tangent(u);
   EXPECT_LT(Eigen::MatrixXd((lower - half).triangularView<Eigen::Lower>()).norm(), 1e-9);
+  const Eigen::MatrixXd below = assembler.antisymmetric_tangent(u);
+  const Eigen::MatrixXd other_half = 0.5 * (derivative - derivative.transpose());
+  EXPECT_LT((below - below.transpose() - other_half).norm(), 1e-9);
   // What Newton is told: all of it is follower, none is energy.
   const auto forces = assembler.forces(u);
   EXPECT_EQ(forces->follower_n, forces->residual_n);

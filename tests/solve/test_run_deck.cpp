@@ -391,6 +391,25 @@ TEST(RunDeck, ABallPressedIntoASlabIsAboutHertz) {
   EXPECT_LT((at_L - Vec3(10, 10, 10)).norm(), 1.5);
 }
 
+TEST(RunDeck, ABallDoesNotPassThroughASlabUnseen) {
+  // From above to below in one increment: it touches the slab neither before nor after.
+  Deck through = indentation(30.0);
+  through.steps = {.first_increment = 1.0, .min_increment = 0.25};
+  const DeckRun stopped = run(slab(), through, ball());
+  EXPECT_FALSE(stopped.completed());
+  ASSERT_FALSE(stopped.failed_attempts.empty());
+  EXPECT_EQ(stopped.failed_attempts[0].stop, fem::NewtonStop::kRefused);
+  EXPECT_NE(stopped.failed_attempts[0].reason.find("has gone through the obstacle"),
+            std::string::npos)
+      << stopped.failed_attempts[0].reason;
+  // The same way beside the slab is free.
+  Deck beside = through;
+  beside.obstacles[0].path.keyframes = {{0.5, Vec3(40, 0, 0), Vec3::Zero(), Vec3::Zero()},
+                                        {1.0, Vec3(40, 0, -30), Vec3::Zero(), Vec3::Zero()}};
+  const DeckRun done = run(slab(), beside, ball());
+  EXPECT_TRUE(done.completed()) << done.failure->message;
+}
+
 TEST(RunDeck, GivesTheSameBitsForAnyNumberOfThreads) {
   const auto with = [](int threads) {
     const ThreadLimit limit(threads);

@@ -6,10 +6,12 @@
 #include <lefort/fem/dilatation.h>
 #include <lefort/fem/element_term.h>
 #include <lefort/fem/equilibrium.h>
+#include <lefort/fem/load_steps.h>
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -124,20 +126,21 @@ Result<Json> solve_system(const SolveTask& task, const Body& body) {
               {"relative_residual", residual.norm() / b.norm()}};
 }
 
-/// The whole load, increment by increment.
+/// The whole load, in increments as large as converge.
 Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
   const fem::Assembler& assembler = *body.assembler;
   fem::LinearSolver solver({.kind = task.solver});
-  VectorX u = VectorX::Zero(3 * body.mesh.node_count());
-  Json iterations = Json::array();
-  for (int k = 1; k <= task.increments; ++k) {
-    const auto prescribed = BlockProblem::prescribed(body.mesh, double(k) / task.increments);
-    fem::NewtonOutcome outcome = fem::find_equilibrium(
-        assembler, prescribed, u, solver, {.relative_tolerance = task.relative_tolerance});
-    if (!outcome.converged()) return fail(ErrorCode::kNotConverged, outcome.reason);
-    iterations.push_back(outcome.iterations());
-    u = std::move(outcome.x);
-  }
+  const double increment = 1.0 / task.increments;
+  fem::LoadStepper stepper(
+      {0.0, VectorX::Zero(3 * body.mesh.node_count())},
+      [&](double t, const VectorX& start) {
+        return fem::find_equilibrium(assembler, BlockProblem::prescribed(body.mesh, t), start,
+                                     solver, {.relative_tolerance = task.relative_tolerance});
+      },
+      {.first_increment = increment, .min_increment = increment / 64, .max_increment = increment});
+  const Result<void> advanced = stepper.advance_to(1.0);
+  if (!advanced) return tl::unexpected(advanced.error());
+  const VectorX& u = stepper.state().u;
   const auto forces = assembler.forces(u);
   if (!forces) return fail(ErrorCode::kNotConverged, "the end is inadmissible");
   if (!task.displacements.empty()) {
@@ -145,7 +148,18 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
                                  std::size_t(u.size()) * sizeof(double));
     LEFORT_TRY_VOID(io::write_text(task.displacements, bytes));
   }
+  Json levels = Json::array(), iterations = Json::array();
+  int failed = 0;
+  for (const fem::LoadAttempt& attempt : stepper.attempts()) {
+    iterations.push_back(std::max(int(attempt.history.size()) - 1, 0));
+    if (attempt.stop == fem::NewtonStop::kConverged)
+      levels.push_back(attempt.t_to);
+    else
+      ++failed;
+  }
   return Json{{"solver", name_of(solver.kind())},
+              {"load_levels", levels},
+              {"failed_attempts", failed},
               {"newton_iterations", iterations},
               {"linear_iterations", solver.statistics().iterations},
               {"factorisations", solver.statistics().factorisations},

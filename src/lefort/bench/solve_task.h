@@ -18,8 +18,8 @@ struct SolveTask {
   BlockProblem block;
   fem::LinearSolverKind solver = fem::LinearSolverKind::kAutomatic;
   int threads = 2;
-  /// Of the load, each from the equilibrium before. None: one linear system, that of the block at
-  /// rest, with the forces of its upper side's motion.
+  /// Of the load, as long as they converge; halved where not. None: one linear system, that of the
+  /// block at rest, with the forces of its upper side's motion.
   int increments = 1;
   double relative_tolerance = 1e-8;       ///< Of Newton; of the linear system, 1e-8 always.
   std::filesystem::path displacements{};  ///< Where they are to be written, as doubles; or empty.

@@ -111,6 +111,7 @@ struct Assembler::Plan {
   [[nodiscard]] const ForceTerm& term(const PlannedItem& item) const {
     return *terms[std::size_t(item.term)];
   }
+  [[nodiscard]] bool has_followers() const { return std::ranges::count(conservative, false) > 0; }
   [[nodiscard]] bool is_conservative(const PlannedItem& item) const {
     return conservative[std::size_t(item.term)];
   }
@@ -152,7 +153,7 @@ std::span<const Vec3> Assembler::nodes_L() const { return plan_->nodes_L; }
 std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
   const VectorX x_L = plan_->positions_L(u);
   AssembledForces sum{.residual_n = VectorX::Zero(u.size())};
-  const bool has_followers = std::ranges::count(plan_->conservative, false) > 0;
+  const bool has_followers = plan_->has_followers();
   if (has_followers) sum.follower_n = VectorX::Zero(u.size());
   VectorX magnitudes = VectorX::Zero(u.size());
   double energy_magnitude = 0.0;
@@ -208,6 +209,38 @@ SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
     gather_stiffness(chunk.stiffness, stiffness, plan_->dofs, plan_->layout.blocks, K.valuePtr());
   }
   return K;
+}
+
+SparseMatrix Assembler::antisymmetric_tangent(const VectorX& u) const {
+  const Plan& plan = *plan_;
+  if (!plan.has_followers()) return {};
+  const VectorX x_L = plan.positions_L(u);
+  std::vector<Eigen::Triplet<double, int>> entries;
+  std::array<double, kMaxLocalSize> forces;
+  std::array<double, kMaxLocalSize * kMaxLocalSize> stiffness;
+  for (std::size_t t = 0; t < plan.terms.size(); ++t) {
+    if (plan.conservative[t]) continue;
+    const ForceTerm& term = *plan.terms[t];
+    for (Index item = 0; item < term.item_count(); ++item) {
+      const double energy =
+          evaluate_item(term, item, x_L, forces.data(), stiffness.data(), Tangent::kAntisymmetric)
+              .energy_mj;
+      LEFORT_CHECK(!std::isnan(energy));
+      const auto nodes = term.nodes(item);
+      const auto size = Index(3 * nodes.size());
+      const auto number = [&](Index i) {
+        return plan.dofs.free_number(3 * Index(nodes[std::size_t(i / 3)]) + i % 3);
+      };
+      const Eigen::Map<const Eigen::MatrixXd> A(stiffness.data(), size, size);
+      for (Index j = 0; j < size; ++j)
+        for (Index i = 0; i < size; ++i)
+          if (number(j) >= 0 && number(i) > number(j))
+            entries.emplace_back(number(i), number(j), A(i, j));
+    }
+  }
+  SparseMatrix lower(plan.dofs.free_count(), plan.dofs.free_count());
+  lower.setFromTriplets(entries.begin(), entries.end());
+  return lower;
 }
 
 VectorX Assembler::Plan::stiffness_times(const VectorX& x_L, const VectorX& vector,

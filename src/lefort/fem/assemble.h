@@ -63,6 +63,11 @@ class Assembler {
   ///   always the same, whatever the kind. \pre u is admissible.
   [[nodiscard]] SparseMatrix tangent(const VectorX& u, Tangent kind = Tangent::kExact) const;
 
+  /// \returns the strictly lower triangle L of the antisymmetric part L - L^T of the derivative of
+  ///   forces() by the free components [N/mm]; 0 by 0 if all terms are conservative.
+  /// \pre u is admissible.
+  [[nodiscard]] SparseMatrix antisymmetric_tangent(const VectorX& u) const;
+
   /// \returns (tangent on all components) * du [N], without building that tangent.
   /// \pre u is admissible.
   [[nodiscard]] VectorX tangent_times(const VectorX& u, const VectorX& du) const;

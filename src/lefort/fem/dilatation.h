@@ -13,7 +13,8 @@
 ///
 ///     shape             mean of J                          means per node, away from the boundary
 ///     hex8              constant per element               1
-///     tet10, wedge15    constant per element               0.7, 0.4
+///     tet10, wedge15    constant per element, but for a    0.7, 0.4
+///                       part of U that stays at the points
 ///     hex20             linear in X per element            1 (4 per element)
 ///     tet4, wedge6,     over the elements around a node,   1
 ///       pyramid5        weighted by its N_a
@@ -23,6 +24,12 @@
 /// Burton's (\cite bonet1998), with the mean taken by N_a, which for tet4 is the same; shear that
 /// stays with smaller cells than the nodes' keeps it stable \cite gee2009. Wedge15 with a linear
 /// mean locks (tests/verify), and hex20 with a constant one is less accurate.
+///
+/// One mean per tet10 or wedge15 does not see a change of volume that is linear in the element: a
+/// single layer of them would bend almost freely. So kBulkAtPoints times the shear modulus of the
+/// bulk modulus, or all of it if it is less, stays at the points, as in selective reduced
+/// integration, which takes lambda alone from them (\cite malkus1978): an element that bends is as
+/// stiff as one of a Poisson's ratio of 0.3, which does not lock.
 ///
 /// Tet4 is too stiff in bending even where volume may change. So it takes its shear part, too, at a
 /// mean F: that of the elements around each edge, all but a share kRetainedShare
@@ -36,6 +43,10 @@ enum class Dilatation {
   kAveraged,  ///< As above.
   kPointwise  ///< At each integration point: locks; for comparison.
 };
+
+/// Bulk modulus that stays at the points of tet10 and wedge15, in shear moduli: that of Poisson's
+/// ratio 0.286.
+inline constexpr double kBulkAtPoints = 2.0;
 
 /// Of the shear part of tet4, what stays with the elements: without it nothing would keep a single
 /// one from being crushed.

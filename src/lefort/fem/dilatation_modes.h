@@ -3,12 +3,14 @@
 #pragma once
 
 #include <lefort/core/types.h>
+#include <lefort/fem/dilatation.h>
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/materials/volumetric.h>
 #include <lefort/fem/reference_element.h>
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -55,20 +57,46 @@ template <class Element>
   return L.template triangularView<Eigen::Lower>().solve(raw.transpose()).transpose();
 }
 
+/// Whether a part of U stays at the points, since one mean does not see what is linear in an element.
+template <class Element>
+inline constexpr bool kKeepsAtPoints = false;
+template <>
+inline constexpr bool kKeepsAtPoints<Tet10> = true;
+template <>
+inline constexpr bool kKeepsAtPoints<Wedge15> = true;
+
+/// U in two parts: of the mean, and at the points.
+struct SharedVolume {
+  Volumetric of_mean;
+  Volumetric at_points;  ///< Bulk modulus 0 unless kKeepsAtPoints.
+};
+
+/// \param shear_mpa  the law's shear modulus at rest.
+template <class Element>
+[[nodiscard]] SharedVolume share_volume(const Volumetric& volume, double shear_mpa) {
+  SharedVolume shared{volume, volume};
+  shared.at_points.kappa_mpa =
+      kKeepsAtPoints<Element> ? std::min(volume.kappa_mpa, kBulkAtPoints * shear_mpa) : 0.0;
+  shared.of_mean.kappa_mpa -= shared.at_points.kappa_mpa;
+  return shared;
+}
+
 /// How an element answers to a change of its volume.
 template <class Element>
 struct VolumeResponse {
-  double energy_mj = 0.0;                               ///< Sum of U(J_mean) dV.
-  Eigen::Matrix<double, Element::kPoints, 1> pressure;  ///< At its points [MPa], tension positive.
-  /// d2/dtheta2 of the energy, theta_i being the sum of psi_i J dV.
+  using PerPoint = Eigen::Matrix<double, Element::kPoints, 1>;
+  double energy_mj = 0.0;  ///< Sum of U(J_mean) dV and of U(J) dV, each with its part of U.
+  PerPoint pressure;       ///< At its points [MPa], tension positive.
+  /// d2/dtheta2 of the energy of the mean, theta_i being the sum of psi_i J dV.
   Eigen::Matrix<double, kDilatationModes<Element>, kDilatationModes<Element>> curvature;
+  PerPoint curvature_at_points;  ///< d2U/dJ2 of the rest [MPa].
 };
 
-/// \param change  J - 1 at the points.
+/// \param change  J - 1 at the points, > -1.
 /// \returns nothing if a mean volume ratio is not positive.
 template <class Element>
 [[nodiscard]] std::optional<VolumeResponse<Element>> volume_response(
-    const Volumetric& volume, const ReferenceElement<Element>& points,
+    const SharedVolume& volume, const ReferenceElement<Element>& points,
     const DilatationModes<Element>& modes,
     const Eigen::Matrix<double, Element::kPoints, 1>& change) {
   using Theta = Eigen::Matrix<double, kDilatationModes<Element>, 1>;
@@ -83,11 +111,19 @@ template <class Element>
     const double dV = points[std::size_t(q)].volume_mm3;
     const double mean_change = psi.dot(theta);
     if (!(mean_change > -1.0)) return std::nullopt;
-    response.energy_mj += dV * volume.energy_of_change(mean_change);
-    pressure += dV * volume.slope(1.0 + mean_change) * psi;
-    response.curvature += dV * volume.curvature(1.0 + mean_change) * psi * psi.transpose();
+    response.energy_mj += dV * volume.of_mean.energy_of_change(mean_change);
+    pressure += dV * volume.of_mean.slope(1.0 + mean_change) * psi;
+    response.curvature += dV * volume.of_mean.curvature(1.0 + mean_change) * psi * psi.transpose();
   }
   response.pressure = modes * pressure;
+  response.curvature_at_points.setZero();
+  if constexpr (kKeepsAtPoints<Element>)
+    for (int q = 0; q < Element::kPoints; ++q) {
+      response.energy_mj +=
+          points[std::size_t(q)].volume_mm3 * volume.at_points.energy_of_change(change[q]);
+      response.pressure[q] += volume.at_points.slope(1.0 + change[q]);
+      response.curvature_at_points[q] = volume.at_points.curvature(1.0 + change[q]);
+    }
   return response;
 }
 

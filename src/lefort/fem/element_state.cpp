@@ -59,15 +59,16 @@ struct VolumeShare {
 
 /// \param change  J - 1 at the points.
 template <class Element>
-VolumeShare<Element> volume_share(const Volumetric& volume, const ElementNodes<Element>& X,
+VolumeShare<Element> volume_share(const Material& material, const ElementNodes<Element>& X,
                                   const ReferenceElement<Element>& points,
                                   const Eigen::Matrix<double, Element::kPoints, 1>& change,
                                   const Averages& averages, Index number) {
   VolumeShare<Element> share;
   share.pressure.setConstant(kNan);
   if constexpr (kDilatationModes < Element >> 0) {
-    const auto response =
-        volume_response<Element>(volume, points, dilatation_modes<Element>(X, points), change);
+    const auto response = volume_response<Element>(
+        share_volume<Element>(*volumetric_part(material), shear_modulus_at_rest(material)), points,
+        dilatation_modes<Element>(X, points), change);
     if (!response) return {share.pressure, kNan};
     return {response->pressure, response->energy_mj};
   } else {
@@ -137,7 +138,7 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
   if (averaged == nullptr) return state;
 
   if constexpr (std::is_same_v<Element, Tet4>) mix_in_edges(*averages, number, state);
-  const auto share = volume_share<Element>(*averaged, X, *reference, change, *averages, number);
+  const auto share = volume_share<Element>(material, X, *reference, change, *averages, number);
   for (std::size_t q = 0; q < reference->size(); ++q)
     state.cauchy_mpa.diagonal().array() +=
         (*reference)[q].volume_mm3 / volume_mm3 * share.pressure[Index(q)];

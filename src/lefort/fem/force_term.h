@@ -20,8 +20,10 @@ struct LocalEquations {
   double energy_mj = 0.0;          ///< W [mJ].
   Eigen::Map<VectorX> residual_n;  ///< dW/dx [N]: x, y, z of the first node, of the second, ...
   Eigen::Map<Eigen::MatrixXd> stiffness_n_per_mm;  ///< d2W/dx2 [N/mm]; 0 by 0 if not wanted.
-  Tangent tangent = Tangent::kExact;  ///< Which stiffness is wanted; exact is always allowed.
-  Index contacts = 0;                 ///< Points at which a body is touched now, for the history.
+  /// Which stiffness is wanted. Instead of a convex one the exact one is allowed; the antisymmetric
+  /// one is asked for only where is_conservative() says no.
+  Tangent tangent = Tangent::kExact;
+  Index contacts = 0;  ///< Points at which a body is touched now, for the history.
 
   /// False on the cheaper path: energy and residual only.
   [[nodiscard]] bool wants_stiffness() const { return stiffness_n_per_mm.size() > 0; }
@@ -57,7 +59,8 @@ class ForceTerm {
 
   /// Whether the residual, summed over all items, is the gradient of the energy by the free
   /// components. If not (a pressure that follows a surface with a free rim), it still is the force;
-  /// the energy is ignored, and the stiffness is the symmetric part of the residual's derivative.
+  /// the energy is ignored, and the stiffness is that part of the residual's derivative, symmetric or
+  /// antisymmetric, which is asked for.
   [[nodiscard]] virtual bool is_conservative(const DofMap& /*dofs*/) const { return true; }
 };
 

@@ -61,10 +61,13 @@ struct LinearSolver::Parts {
   std::optional<SparseCholesky> cholesky;  ///< Direct, lagged.
   std::optional<SymmetricBlocks> blocks;   ///< Lagged, multigrid: the matrix.
   std::optional<Multigrid> multigrid;
-  std::vector<double> values;   ///< Lagged: of the matrix, for the next factor.
-  bool has_factor = false;      ///< Lagged: there is one,
-  bool factor_is_new = false;   ///< it is that of the matrix,
-  bool factor_is_worn = false;  ///< it has become too old.
+  bool multigrid_is_new = false;      ///< It was built for this matrix.
+  bool multigrid_is_worn = false;     ///< It has become too old.
+  double iterations_per_digit = 0.0;  ///< Of conjugate gradients when it was new.
+  std::vector<double> values;         ///< Lagged: of the matrix, for the next factor.
+  bool has_factor = false;            ///< Lagged: there is one,
+  bool factor_is_new = false;         ///< it is that of the matrix,
+  bool factor_is_worn = false;        ///< it has become too old.
 
   [[nodiscard]] LinearSolverKind kind_for(Index rows) const {
     const bool described = Index(points_L.size()) == rows;
@@ -128,9 +131,17 @@ struct LinearSolver::Parts {
       factor_is_new = false;
       return has_factor && !factor_is_worn ? Factorisation::kDone : factorise_values(of_A);
     }
+    if (!multigrid || multigrid_is_worn) return build_multigrid();
+    multigrid_is_new = false;
+    return multigrid->follow() ? Factorisation::kDone : Factorisation::kNotPositiveDefinite;
+  }
+
+  [[nodiscard]] Factorisation build_multigrid() {
     ++statistics.factorisations;
-    multigrid.reset();
+    multigrid.reset();  // The memory is needed.
     multigrid = Multigrid::build(blocks->matrix(), rigid_modes(points_L, components, *blocks));
+    multigrid_is_new = true;
+    multigrid_is_worn = false;
     return multigrid ? Factorisation::kDone : Factorisation::kNotPositiveDefinite;
   }
 
@@ -153,10 +164,21 @@ struct LinearSolver::Parts {
 
   [[nodiscard]] tl::expected<VectorX, Factorisation> solve_by_multigrid(const VectorX& b,
                                                                         double tolerance) {
+    constexpr double kWorthAHierarchy = 8.0;  // Iterations that take as long as to build one.
     const CgOutcome outcome = iterate(
         blocks->to_blocks(b), [&](const VectorX& r, VectorX& z) { z = multigrid->cycle(r); },
         tolerance, options.max_iterations);
-    if (outcome.stop == CgStop::kConverged) return blocks->from_blocks(outcome.x);
+    if (outcome.stop == CgStop::kConverged) {
+      const double digits = std::max(-std::log10(tolerance), 1.0);
+      if (multigrid_is_new) iterations_per_digit = outcome.iterations / digits;
+      multigrid_is_worn = outcome.iterations > iterations_per_digit * digits + kWorthAHierarchy;
+      return blocks->from_blocks(outcome.x);
+    }
+    if (!multigrid_is_new && outcome.stop != CgStop::kNotPositiveDefinite) {
+      const Factorisation renewed = build_multigrid();
+      return renewed == Factorisation::kDone ? solve_by_multigrid(b, tolerance)
+                                             : tl::unexpected(renewed);
+    }
     multigrid_failed = outcome.stop == CgStop::kTooManyIterations;
     return tl::unexpected(meaning_of(outcome.stop));
   }

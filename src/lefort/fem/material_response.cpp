@@ -39,4 +39,13 @@ Mat9 tangent(const Material& material, LawPart part, const Mat3& F) {
   return ask(material, part, [&](const auto& law) { return law.tangent(F); });
 }
 
+double shear_modulus_at_rest(const Material& material) {
+  const Mat9 A = tangent(material, LawPart::kShear, Mat3::Identity());
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (i != j) sum += A(i + 3 * j, i + 3 * j);  // dP_ij / dF_ij
+  return sum / 6.0;
+}
+
 }  // namespace lefort::fem

@@ -12,8 +12,9 @@
 
 namespace lefort::fem {
 
-/// W = sum over elements of (sum over points of shear(F) dV + sum of U(J_mean) dV); elements of
-/// other laws as in ContinuumTerm.
+/// W = sum over elements of (sum over points of shear(F) dV + sum of U(J_mean) dV), a part of U
+/// staying at the points where the shape needs it (SharedVolume); elements of other laws as in
+/// ContinuumTerm.
 ///
 /// With theta_i = sum of psi_i J dV the mean is J_mean = sum of psi_i theta_i, so that
 ///   dW = sum (dshear/dF + p cof F) : dF dV,   p = sum of psi_i p_i,   p_i = sum of psi_i U' dV .
@@ -22,7 +23,14 @@ class MeanDilatationTerm final : public ForceTerm {
  public:
   /// \param modes  one per element.
   MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes)
-      : data_(std::move(data)), modes_(std::move(modes)) {}
+      : data_(std::move(data)), modes_(std::move(modes)) {
+    for (const Material& material : data_.materials) {
+      const Volumetric* volume = volumetric_part(material);
+      volumes_.push_back(volume == nullptr
+                             ? SharedVolume{}
+                             : share_volume<Element>(*volume, shear_modulus_at_rest(material)));
+    }
+  }
 
   [[nodiscard]] Index item_count() const override { return data_.count(); }
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
@@ -34,15 +42,15 @@ class MeanDilatationTerm final : public ForceTerm {
     const Material& material = data_.material_of(item);
     const Eigen::Map<const ElementNodes<Element>> x(x_L.data()->data());
     const ReferenceElement<Element>& points = data_.points[std::size_t(item)];
-    const Volumetric* volume = volumetric_part(material);
-    if (volume == nullptr)
+    if (volumetric_part(material) == nullptr)
       return add_strain_energy<Element>(material, LawPart::kWhole, 1.0, points, x, local);
     if (!add_strain_energy<Element>(material, LawPart::kShear, 1.0, points, x, local)) return false;
-    return add_volume(*volume, points, modes_[std::size_t(item)], x, local);
+    const SharedVolume& volume = volumes_[std::size_t(data_.material[std::size_t(item)])];
+    return add_volume(volume, points, modes_[std::size_t(item)], x, local);
   }
 
  private:
-  static bool add_volume(const Volumetric& volume, const ReferenceElement<Element>& points,
+  static bool add_volume(const SharedVolume& volume, const ReferenceElement<Element>& points,
                          const DilatationModes<Element>& modes,
                          const Eigen::Map<const ElementNodes<Element>>& x, LocalEquations& local) {
     constexpr int kSize = 3 * Element::kNodes;
@@ -69,15 +77,23 @@ class MeanDilatationTerm final : public ForceTerm {
         add_stiffness(response->pressure[Index(q)] * cofactor_tangent(F[q]), points[q].volume_mm3,
                       points[q], local);
       dtheta += points[q].volume_mm3 * dJ.reshaped() * modes.row(Index(q));
+      if constexpr (kKeepsAtPoints<Element>) {
+        const double curvature = points[q].volume_mm3 * response->curvature_at_points[Index(q)];
+        stiffness_of(local).noalias() += (curvature * dJ.reshaped()) * dJ.reshaped().transpose();
+      }
     }
-    if (local.wants_stiffness()) {
-      Eigen::Map<Eigen::Matrix<double, kSize, kSize>> K(local.stiffness_n_per_mm.data());
-      K.noalias() += (dtheta * response->curvature) * dtheta.transpose();
-    }
+    if (local.wants_stiffness())
+      stiffness_of(local).noalias() += (dtheta * response->curvature) * dtheta.transpose();
     return true;
   }
 
+  static auto stiffness_of(LocalEquations& local) {
+    constexpr int kSize = 3 * Element::kNodes;
+    return Eigen::Map<Eigen::Matrix<double, kSize, kSize>>(local.stiffness_n_per_mm.data());
+  }
+
   ElementData<Element> data_;
+  std::vector<SharedVolume> volumes_;  ///< One per law.
   std::vector<DilatationModes<Element>> modes_;
 };
 

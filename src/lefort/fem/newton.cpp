@@ -1,4 +1,5 @@
 #include <lefort/core/check.h>
+#include <lefort/fem/linear/gmres.h>
 #include <lefort/fem/newton.h>
 
 #include <fmt/format.h>
@@ -84,7 +85,33 @@ SparseMatrix shifted(const SparseMatrix& K, double tau) {
 struct Direction {
   VectorX dx;
   Model model;
+  std::optional<VectorX> unsymmetric_dx = {};  ///< By K + A, where there is an A and it was found.
 };
+
+/// Solves (K + A) dx = b, K given by its lower triangle and A by the one below its diagonal; with
+/// what `solver` has prepared as preconditioner.
+std::optional<VectorX> solve_unsymmetric(const SparseMatrix& K, const SparseMatrix& A,
+                                         const VectorX& b, double tolerance, LinearSolver& solver) {
+  constexpr int kMaxIterations = 200;
+  constexpr double kUseful = 0.1;  // A step that leaves less is better than one by K alone.
+  constexpr double kCloser =
+      1e-2;                        // An iteration is cheap beside the factor that is there already.
+  constexpr double kRough = 1e-2;  // Of a preconditioner by iterations.
+  const auto multiply = [&](const VectorX& x) {
+    VectorX y = K.selfadjointView<Eigen::Lower>() * x;
+    y += A * x;
+    y -= A.transpose() * x;
+    return y;
+  };
+  const auto precondition = [&](const VectorX& r) -> std::optional<VectorX> {
+    auto z = solver.solve(r, kRough);
+    if (!z) return std::nullopt;
+    return *std::move(z);
+  };
+  auto found = solve_by_gmres(multiply, precondition, b, kCloser * tolerance, kMaxIterations);
+  if (!found || found->left > kUseful) return std::nullopt;
+  return std::move(found->x);
+}
 
 /// Solves for the step by the exact tangent; if that is not positive definite, by one with as
 /// little of the convex one as helps; if even the convex one is not, by that with as little shift
@@ -106,8 +133,18 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
     return dx;
   };
   const SparseMatrix exact = system.tangent(at.x, Tangent::kExact);
+  const SparseMatrix A = system.antisymmetric_tangent(at.x);
+  const auto direction = [&](VectorX dx, const Model& model) {
+    Direction found{std::move(dx), model};
+    if (A.nonZeros() > 0) {
+      enter(SolvePhase::kSolve, options);
+      found.unsymmetric_dx = solve_unsymmetric(exact, A, right_side, tolerance, solver);
+      enter(SolvePhase::kAssembly, options);
+    }
+    return found;
+  };
   auto dx = solve(exact);
-  if (dx) return Direction{*std::move(dx), {}};
+  if (dx) return direction(*std::move(dx), {});
 
   SparseMatrix convex;
   Model model;
@@ -128,7 +165,7 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
     dx = solve(model.shift > 0.0 ? shifted(convex, model.shift)
                                  : blend(exact, convex, model.convex_share));
   }
-  if (dx) return Direction{*std::move(dx), model};
+  if (dx) return direction(*std::move(dx), model);
   switch (dx.error()) {
     case Factorisation::kOutOfMemory:
       return tl::unexpected(NewtonStop::kOutOfMemory);
@@ -169,6 +206,23 @@ std::optional<Step> backtrack(const NonlinearSystem& system, const Iterate& from
       if (zero_of_slope > 0.0) factor = std::clamp(zero_of_slope, kShortenMost, kShortenLeast);
     }
     length *= factor;
+  }
+  return std::nullopt;
+}
+
+/// Shortens a step by K + A until it lowers the energy or |r|; not by much, since where it does not
+/// work the other one may.
+std::optional<Step> shorten_unsymmetric(const NonlinearSystem& system, const Iterate& from,
+                                        const VectorX& dx, const NewtonOptions& options) {
+  constexpr int kTrials = 4;
+  const double slope_mj = from.balance.residual_n.dot(dx);
+  double length = 1.0;
+  for (int n = 0; n < kTrials; ++n, length *= kShortenLeast) {
+    std::optional<Iterate> to = iterate_at(system, from.x + length * dx, &from);
+    if (!to) continue;
+    const double enough_n = (1.0 - options.sufficient_decrease * length) * from.residual_n;
+    if (to->residual_n <= enough_n || acceptable(from, *to, length * slope_mj, options))
+      return Step{*std::move(to), length};
   }
   return std::nullopt;
 }
@@ -343,12 +397,16 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
     model = direction->model;
 
     const VectorX& dx = direction->dx;
-    std::optional<Step> step = backtrack(system, at, dx, options);
+    std::optional<Step> step;
+    if (direction->unsymmetric_dx)
+      step = shorten_unsymmetric(system, at, *direction->unsymmetric_dx, options);
+    const bool is_unsymmetric = step.has_value();
+    if (!step) step = backtrack(system, at, dx, options);
     if (!step && is_round_off(at, options)) break;
     if (!step) return stop(NewtonStop::kStagnated, "no step leads downhill");
 
     model.reached_too_far = step->length < kTooFar;
-    if (model.convex_share > 0.0 && step->length == 1.0)
+    if (model.convex_share > 0.0 && step->length == 1.0 && !is_unsymmetric)
       step = lengthen(system, at, dx, *std::move(step), options);
 
     const int idle = headway.steps_without(at, step->to, model.shift > 0.0);

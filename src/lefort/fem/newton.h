@@ -39,6 +39,12 @@ class NonlinearSystem {
   ///   whole diagonal, always with the same pattern.
   /// \pre x is admissible.
   [[nodiscard]] virtual SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
+
+  /// \returns the strictly lower triangle L of the antisymmetric part L - L^T of dr/dx; 0 by 0 where
+  ///   r is the gradient of an energy. \pre x is admissible.
+  [[nodiscard]] virtual SparseMatrix antisymmetric_tangent(const VectorX& /*x*/) const {
+    return {};
+  }
 };
 
 /// What a solve spends its time on.
@@ -117,10 +123,10 @@ struct NewtonOutcome {
 /// short along unstable directions, is lengthened while that pays.
 ///
 /// Where a part of r is no energy's gradient, minus its work along the straight step, by the
-/// trapezoidal rule, takes its place in W. Along a straight line only the symmetric part of dr/dx
-/// does work (dx . A dx = 0 for antisymmetric A), so that steps by K fit that W to second order.
-/// They converge linearly, by the spectral radius of K^-1 A: large loads on slack free edges may
-/// need another method.
+/// trapezoidal rule, takes its place in W; and dr/dx is K + A with an antisymmetric A. The step is
+/// then solved for by GMRES, preconditioned by what was factorised, and taken if it lowers that W or
+/// |r|. If it does neither, a step by K alone is tried: it goes down that W, since along a straight
+/// line only the symmetric part of dr/dx does work (dx . A dx = 0).
 ///
 /// A step makes headway if |r| falls notably or the energy clearly; a shifted step, which may creep
 /// downhill without end, only if it gains a notable part of what was gained so far.

@@ -37,13 +37,14 @@ void add_point(const FaceNodes<Shape>& X, const FaceNodes<Shape>& x,
   if (!local.wants_stiffness() || local.tangent == Tangent::kConvex) return;
 
   // dn = dg1 x g2 + g1 x dg2, so node b turns n by dN_b/deta [g1]x - dN_b/dxi [g2]x, antisymmetric.
+  const double sign = local.tangent == Tangent::kAntisymmetric ? 1.0 : -1.0;
   const Mat3 g1 = cross_matrix(g.col(0));
   const Mat3 g2 = cross_matrix(g.col(1));
   for (int b = 0; b < Shape::kNodes; ++b)
     for (int a = 0; a < Shape::kNodes; ++a) {
-      // Half of N_a dn/dx_b and half of its transpose with a and b exchanged.
-      const double of_g1 = point.N[a] * point.dN_dxi(1, b) - point.N[b] * point.dN_dxi(1, a);
-      const double of_g2 = point.N[a] * point.dN_dxi(0, b) - point.N[b] * point.dN_dxi(0, a);
+      // Half of N_a dn/dx_b plus or minus half of its transpose with a and b exchanged.
+      const double of_g1 = point.N[a] * point.dN_dxi(1, b) + sign * point.N[b] * point.dN_dxi(1, a);
+      const double of_g2 = point.N[a] * point.dN_dxi(0, b) + sign * point.N[b] * point.dN_dxi(0, a);
       local.stiffness_n_per_mm.template block<3, 3>(3 * a, 3 * b) +=
           0.5 * p * (of_g1 * g1 - of_g2 * g2);
     }

@@ -26,12 +26,9 @@ namespace lefort::fem {
 /// symmetric, though a face's own is not \cite schweizerhof1984. On a rim that is free the force
 /// stays as it should be, and is_conservative() says that it is no gradient.
 ///
-/// With a free rim Newton's steps converge linearly, and no more once the load has bent the body
-/// right round (newton.h).
-///
 /// A face hands on the symmetric part of its tangent. Over a closed surface, or with a rim that is
 /// held or slides in a plane, those sum to the exact tangent: the whole being symmetric, it is the
-/// sum of the symmetric parts.
+/// sum of the symmetric parts. With a free rim the antisymmetric parts do not cancel (newton.h).
 class Pressure final : public ForceTerm {
  public:
   /// \param nodes_L  reference positions of all nodes [mm].

@@ -8,6 +8,7 @@
 #include <lefort/solve/deck_loads.h>
 #include <lefort/solve/find_soft_spot.h>
 #include <lefort/solve/run_deck.h>
+#include <lefort/solve/swept_faces.h>
 
 #include <fmt/format.h>
 
@@ -43,16 +44,23 @@ class Problem {
 
   void set_time(double time) {
     loads_.set_time(time);
-    for (std::size_t i = 0; i < contacts_.size(); ++i)
-      contacts_[i].set_pose(plan::pose_at(prepared_.deck.obstacles[i].path, time));
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      obstacles_[i].X_LB = plan::pose_at(prepared_.deck.obstacles[i].path, time);
+      contacts_[i].set_pose(obstacles_[i].X_LB);
+    }
   }
 
   /// Accepts a converged state, or says why not.
   [[nodiscard]] std::optional<std::string> accept(const VectorX& u) {
     const std::vector<Vec3> x_L = moved(prepared_.mesh.nodes_L, u);
-    for (const contact::ContactTerm& contact : contacts_)
-      if (auto refusal = contact.why_refused(x_L)) return refusal;
-    for (contact::ContactTerm& contact : contacts_) contact.remember(x_L);
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      if (auto refusal = contacts_[i].why_refused(x_L)) return refusal;
+      if (auto refusal = swept_[i].why_refused(obstacles_[i], x_L)) return refusal;
+    }
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      contacts_[i].remember(x_L);
+      swept_[i].remember(obstacles_[i], x_L);
+    }
     return std::nullopt;
   }
 
@@ -68,22 +76,39 @@ class Problem {
       : prepared_(prepared),
         elements_(std::move(elements)),
         loads_(std::move(loads)),
-        contacts_(make_contacts(prepared, fields)),
+        obstacles_(make_obstacles(prepared, fields)),
+        contacts_(make_contacts(prepared, obstacles_)),
+        swept_(make_swept(prepared, obstacles_)),
         assembler_(prepared.mesh.nodes_L, std::move(dofs), all_terms()) {}
 
-  static std::vector<contact::ContactTerm> make_contacts(const PreparedDeck& prepared,
-                                                         const ObstacleFields& fields) {
+  static std::vector<contact::BoneObstacle> make_obstacles(const PreparedDeck& prepared,
+                                                           const ObstacleFields& fields) {
+    std::vector<contact::BoneObstacle> obstacles;
+    for (std::size_t i = 0; i < fields.size(); ++i)
+      obstacles.push_back(
+          {fields[i], RigidTransform::Identity(), prepared.deck.obstacles[i].reconstruction});
+    return obstacles;
+  }
+
+  static std::vector<contact::ContactTerm> make_contacts(
+      const PreparedDeck& prepared, const std::vector<contact::BoneObstacle>& obstacles) {
     std::vector<contact::ContactTerm> contacts;
-    contacts.reserve(fields.size());  // The assembler points to them.
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      const Obstacle& obstacle = prepared.deck.obstacles[i];
-      contacts.emplace_back(
-          prepared.mesh.nodes_L, prepared.obstacle_faces[i],
-          contact::BoneObstacle{fields[i], RigidTransform::Identity(), obstacle.reconstruction},
-          contact::ContactTerm::Options{prepared.obstacle_stiffness_mpa_per_mm[i],
-                                        obstacle.capture_mm});
-    }
+    contacts.reserve(obstacles.size());  // The assembler points to them.
+    for (std::size_t i = 0; i < obstacles.size(); ++i)
+      contacts.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i], obstacles[i],
+                            contact::ContactTerm::Options{prepared.obstacle_stiffness_mpa_per_mm[i],
+                                                          prepared.deck.obstacles[i].capture_mm});
     return contacts;
+  }
+
+  static std::vector<SweptFaces> make_swept(const PreparedDeck& prepared,
+                                            const std::vector<contact::BoneObstacle>& obstacles) {
+    std::vector<SweptFaces> swept;
+    for (std::size_t i = 0; i < obstacles.size(); ++i) {
+      swept.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i]);
+      swept.back().remember(obstacles[i], prepared.mesh.nodes_L);
+    }
+    return swept;
   }
 
   [[nodiscard]] std::vector<const fem::ForceTerm*> all_terms() const {
@@ -97,7 +122,9 @@ class Problem {
   const PreparedDeck& prepared_;
   ElementTerms elements_;
   DeckLoads loads_;
+  std::vector<contact::BoneObstacle> obstacles_;  ///< As they lie.
   std::vector<contact::ContactTerm> contacts_;
+  std::vector<SweptFaces> swept_;
   fem::Assembler assembler_;
 };
 
@@ -117,6 +144,7 @@ Increment Problem::describe(const fem::LoadState& state) const {
 
   const auto forces = assembler_.forces(state.u);
   LEFORT_CHECK(forces.has_value());
+  told.energy_mj = forces->energy_mj;
   told.reactions_n.assign(deck.displacements.size() + deck.motions.size(), Vec3::Zero());
   for (const HeldComponent& held : prepared_.held)
     if (held.by >= 0)
@@ -207,8 +235,8 @@ std::string diagnosis(const Problem& problem, const fem::LoadState& last,
   // With followers only the symmetric part of the tangent is known, whose sign proves nothing.
   if (has_followers)
     return fmt::format(
-        "a pressure on faces with a free rim is followed less far than other loads; most "
-        "compressed is {}",
+        "a pressure on faces with a free rim may have met a state in which the body gives way; "
+        "most compressed is {}",
         most_compressed(problem.prepared(), last.u));
   if (spot && !spot->resists)
     return fmt::format(
@@ -305,7 +333,6 @@ Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fie
     increment.number = run.last ? run.last->number + 1 : 1;
     increment.attempts = new_attempts();
     const fem::NewtonIterate& end = increment.attempts.back().history.back();
-    increment.energy_mj = end.energy_mj;
     increment.residual_n = end.residual_n;
     if (end.force_scale_n > 0.0) increment.relative_residual = end.residual_n / end.force_scale_n;
     run.last = std::move(increment);

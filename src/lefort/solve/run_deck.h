@@ -24,7 +24,9 @@ struct Increment {
   double time = 0.0;
   VectorX u;                                ///< Displacements of all nodes [mm].
   std::vector<fem::ElementState> elements;  ///< One each, through the blocks.
-  double energy_mj = 0.0;                   ///< Stored, minus the loads' work.
+  /// Stored, minus the work of the loads that have a potential. What pressure on a free rim has
+  /// worked depends on the way and is not counted.
+  double energy_mj = 0.0;
   double residual_n = 0.0;
   double relative_residual = 0.0;  ///< To the forces that cancel (fem/assemble.h).
   double smallest_J = 1.0;

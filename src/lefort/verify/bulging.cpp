@@ -27,8 +27,8 @@ constexpr double kUncertainty = 0.001;
 
 /// Where the plate's edge meets the free side the displacement goes with the distance to the power
 /// 0.595, the root of sin^2(pi x / 2) = 1 - x^2 for an incompressible body (\cite williams1952).
-/// Force and bulge go with twice that in a stable mixed method, at worst with this.
-constexpr double kEdgeOrder = 0.595;
+/// Force and bulge go with twice that in a stable mixed method.
+constexpr double kEdgeOrder = 2.0 * 0.595;
 
 struct Bulge {
   double force_n = 0.0;   ///< On the plate, of the eighth.
@@ -75,7 +75,9 @@ std::vector<int> meshes(mesh::ElementShape shape, Extent extent) {
 }
 
 /// \param values  over the reference, coarse to fine.
-void judge(const std::string& name, const std::vector<double>& values, Section& section) {
+/// \param miss    Why these meshes are known to predict no error; or empty.
+void judge(const std::string& name, const std::vector<double>& values, const std::string& miss,
+           Section& section) {
   const double error = std::abs(values[2] - 1.0);
   const double predicted = refinement_of({values[0], values[1], values[2]}, kEdgeOrder).error;
   section.checks.push_back(
@@ -84,13 +86,17 @@ void judge(const std::string& name, const std::vector<double>& values, Section& 
        .asked = Asked::kAtMost,
        .expected = 1.0,
        .reason = "the error that three meshes predict, times Roache's 1.25, and 0.1 % of the "
-                 "reference's own"});
+                 "reference's own",
+       .miss = miss});
   if (error < 2.0 * kUncertainty) return;  // It has arrived: no order is left.
   section.checks.push_back({.name = fmt::format("{}: order of the error", name),
                             .measured = std::log2(std::abs(values[1] - 1.0) / error),
                             .asked = Asked::kAtLeast,
                             .expected = kEdgeOrder,
-                            .reason = "the exponent of the plates' edges, at worst"});
+                            .tolerance = 0.2,
+                            .reason = "twice the exponent of the plates' edges",
+                            .miss = "pressures that oscillate beside the singular edges, as those "
+                                    "of one value per element or node do, hold the order down"});
 }
 
 }  // namespace
@@ -104,9 +110,7 @@ Section verify_bulging(Extent extent, Progress& progress) {
           "it sticks to; its sides bulge. Nothing closed is known; told are the force on a plate "
           "and how far the middle of a side comes out, over {} N and {} mm, to which tet10, "
           "wedge15 and, extrapolated, hex8 agree. Stress is singular at the plates' edges, so that "
-          "no shape is better than order 1.19 and those with oscillating pressures come to 0.6. "
-          "The bulge of hex20 is told, not judged: its pressures, linear in each element, let it "
-          "settle so late that three meshes predict nothing.",
+          "the order is 1.19 at best.",
           kPoisson, 100.0 * kCompression, kForce_n, kBulge_mm)};
   Table table{.title = "Force and bulge over the reference",
               .header = {"shape", "cells a side", "force", "bulge"}};
@@ -139,8 +143,12 @@ Section verify_bulging(Extent extent, Progress& progress) {
       section.checks.push_back(not_measured(text_of(shape), failure));
       continue;
     }
-    judge(fmt::format("{}: force", text_of(shape)), forces, section);
-    if (!is_hex20) judge(fmt::format("{}: bulge", text_of(shape)), bulges, section);
+    judge(fmt::format("{}: force", text_of(shape)), forces, "", section);
+    judge(fmt::format("{}: bulge", text_of(shape)), bulges,
+          is_hex20 ? "its pressures, linear in each element, let it settle so late that three "
+                     "meshes predict nothing"
+                   : "",
+          section);
   }
   section.tables.push_back(std::move(table));
   section.plots.push_back(std::move(plot));

@@ -1,9 +1,9 @@
 #include <lefort/fem/pressure.h>
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>
+#include <lefort/verify/judge_refinement.h>
 #include <lefort/verify/mapped_mesh.h>
 #include <lefort/verify/principal_forms.h>
-#include <lefort/verify/refinement.h>
 #include <lefort/verify/shapes.h>
 
 #include <fmt/format.h>
@@ -183,7 +183,7 @@ Section verify_inflation(Extent extent, Progress& progress) {
           "closed form. Told is how wrong the inner radius is, as a share of its growth. Orders "
           "expected: 3 for hex20, 2 for all others; the remedy of tet10 and wedge15 leaves one "
           "pressure per element. Missed: wedge6 finds no equilibrium in the sphere of 8 cells "
-          "beyond 55 % of the pressure, and is judged by 2 and 4 there.",
+          "beyond 55 % of the pressure; the cause is not known.",
           kKappa_mpa, pressure_of(Vessel::kCylinder), pressure_of(Vessel::kSphere))};
   const bool full = extent == Extent::kFull;
   double done = 0.0;
@@ -217,7 +217,10 @@ Section verify_inflation(Extent extent, Progress& progress) {
       std::string failure;
       for (const int n : cells) {
         if (n == 8 && vessel == Vessel::kSphere && shape == mesh::ElementShape::kWedge6) {
-          row.emplace_back("missed");
+          row.emplace_back("missed");  // Not tried: to find nothing takes long.
+          Check missed = not_measured("sphere, wedge6: 8 cells", "no equilibrium");
+          missed.miss = "no equilibrium beyond 55 % of the pressure; the cause is not known";
+          section.checks.push_back(std::move(missed));
           continue;
         }
         const auto found = growth(vessel, shape, n, wanted_mm, progress);
@@ -244,19 +247,13 @@ Section verify_inflation(Extent extent, Progress& progress) {
            .measured = order,
            .asked = Asked::kAtLeast,
            .expected = double(wanted_order(shape)),
-           .tolerance = 0.4,
-           .reason =
-               "the order holds in the limit; with 4 to 16 cells across the wall curved sides "
-               "and strain gradients are not yet small; faster is welcome"});
+           .tolerance = 0.2,
+           .reason = "p + 1, or one less for constant pressures; faster is welcome"});
       if (means.size() < 3) continue;
-      const std::array finest{means[means.size() - 3], means[means.size() - 2], means.back()};
-      section.checks.push_back(
-          {.name = fmt::format("{}: mean radius, difference over the predicted one", name),
-           .measured = std::abs(means.back() - 1.0) /
-                       refinement_of(finest, double(wanted_order(shape))).error,
-           .asked = Asked::kAtMost,
-           .expected = 1.0,
-           .reason = "the error that the last three meshes predict, times Roache's 1.25"});
+      judge_refinement(fmt::format("{}: mean radius", name), means,
+                       {.order = double(wanted_order(shape)),
+                        .order_reason = "that of displacements; a mean may be better"},
+                       section);
     }
     section.tables.push_back(std::move(table));
     section.plots.push_back(std::move(plot));

@@ -140,9 +140,11 @@ Section verify_torsion(Extent extent, Progress& progress) {
          .measured = order,
          .asked = Asked::kAtLeast,
          .expected = 2.0,
-         .tolerance = 0.5,
+         .tolerance = 0.2,
          .reason = "chords cut the rim by the square of the cells' size, and volume ratios of one "
-                   "value per element or node are as good; meshes are coarse"});
+                   "value per element or node are as good",
+         .miss = "meshes this coarse do not show the order yet, or it is lower; finer ones were "
+                 "not run"});
   }
   section.tables.push_back(std::move(table));
   section.plots.push_back(std::move(plot));

@@ -14,7 +14,8 @@ namespace lefort::fem {
 enum class CgStop : std::uint8_t {
   kConverged,
   kTooManyIterations,
-  kNotPositiveDefinite  ///< A direction was met along which matrix or preconditioner is not.
+  kNotPositiveDefinite,  ///< A direction was met along which the matrix is not,
+  kBadPreconditioner     ///< or the preconditioner.
 };
 
 struct CgOutcome {
@@ -55,7 +56,7 @@ template <class Multiply, class Precondition>
     precondition(r, z);
     const double rz_before = std::exchange(rz, inner_product(r, z));
     if (!(rz > 0.0)) {  // Also if NaN.
-      outcome.stop = CgStop::kNotPositiveDefinite;
+      outcome.stop = CgStop::kBadPreconditioner;
       return outcome;
     }
     if (outcome.iterations == 0)

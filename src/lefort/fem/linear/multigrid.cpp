@@ -42,7 +42,8 @@ struct Level {
   BlockMatrix<kRows, kRows> own_A;  ///< Empty on the finest level.
   const BlockMatrix<kRows, kRows>* A = nullptr;
   Diagonal inverse;      ///< D^-1, by blocks.
-  double largest = 0.0;  ///< Eigenvalue of D^-1 A.
+  double largest = 0.0;  ///< Eigenvalue of D^-1 A,
+  VectorX stiffest;      ///< and about its vector.
   BlockMatrix<kRows, 6> to_fine;
   BlockMatrix<6, kRows> to_coarse;
 
@@ -59,26 +60,39 @@ struct Level {
   }
 };
 
-/// Largest eigenvalue of D^-1 A, from above as far as a few steps can tell.
+/// Finds D^-1 and the largest eigenvalue of D^-1 A, from above as far as a few steps can tell.
+///
+/// \returns false if D is not positive definite.
 template <int kRows>
-double largest_eigenvalue(const Level<kRows>& level) {
+[[nodiscard]] bool prepare_smoother(Level<kRows>& level) {
   constexpr int kSteps = 15;
+  constexpr int kStepsFromNear = 4;  ///< From the vector of a matrix nearby.
   constexpr double kSafety = 1.1;
-  VectorX x = VectorX::Zero(Index(kRows) * level.A->rows()), Ax;
-  // As good as random, and always the same.
-  std::uint64_t state = 1;
-  for (double& value : x) {
-    state = state * 6364136223846793005ULL + 1442695040888963407ULL;
-    value = double(state >> 11) * 0x1p-53 - 0.5;
+  auto inverse = inverse_diagonal(*level.A);
+  if (!inverse) return false;
+  level.inverse = *std::move(inverse);
+
+  VectorX& x = level.stiffest;
+  const int steps = x.size() > 0 ? kStepsFromNear : kSteps;
+  if (x.size() == 0) {
+    x = VectorX::Zero(Index(kRows) * level.A->rows());
+    // As good as random, and always the same.
+    std::uint64_t state = 1;
+    for (double& value : x) {
+      state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+      value = double(state >> 11) * 0x1p-53 - 0.5;
+    }
   }
+  VectorX Ax;
   double largest = 0.0;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < steps; ++step) {
     x /= std::sqrt(inner_product(x, x));
     multiply(*level.A, x, Ax);
     x = level.divide_by_diagonal(Ax);
     largest = std::sqrt(inner_product(x, x));
   }
-  return kSafety * largest;
+  level.largest = kSafety * largest;
+  return true;
 }
 
 /// Improves x, or finds it from zero if `x` is empty, by Chebyshev's polynomial in D^-1 A
@@ -163,10 +177,7 @@ struct Multigrid::Hierarchy {
   [[nodiscard]] std::optional<BlockMatrix<6, 6>> coarsen(Level<kRows>& level, double threshold,
                                                          const Modes<kRows>& modes,
                                                          Modes<6>& coarse_modes) const {
-    auto inverse = inverse_diagonal(*level.A);
-    if (!inverse) return std::nullopt;
-    level.inverse = *std::move(inverse);
-    level.largest = largest_eigenvalue(level);
+    if (!prepare_smoother(level)) return std::nullopt;
     CoarseSpace<kRows> space = coarse_space(aggregate(*level.A, threshold), modes);
     level.to_fine = smoothed(level, space.basis);
     level.to_coarse = transposed(level.to_fine);
@@ -234,11 +245,12 @@ std::optional<Multigrid> Multigrid::build(const BlockMatrix<3, 3>& A, Modes<3> m
   return Multigrid(std::move(hierarchy));
 }
 
-Multigrid::Multigrid(std::unique_ptr<const Hierarchy> hierarchy)
-    : hierarchy_(std::move(hierarchy)) {}
+Multigrid::Multigrid(std::unique_ptr<Hierarchy> hierarchy) : hierarchy_(std::move(hierarchy)) {}
 Multigrid::~Multigrid() = default;
 Multigrid::Multigrid(Multigrid&&) noexcept = default;
 Multigrid& Multigrid::operator=(Multigrid&&) noexcept = default;
+
+bool Multigrid::follow() { return prepare_smoother(hierarchy_->finest); }
 
 VectorX Multigrid::cycle(const VectorX& b) const {
   return hierarchy_->cycle(hierarchy_->finest, 0, b);

@@ -36,6 +36,13 @@ class Multigrid {
   Multigrid(Multigrid&&) noexcept;
   Multigrid& operator=(Multigrid&&) noexcept;
 
+  /// Says that A has got other values. The smoother of the finest level is made for them; coarser
+  /// levels stay those of the matrix it was built for, so that a cycle is worth the less the further
+  /// A is from that one.
+  ///
+  /// \returns false if a diagonal block of A is not positive definite.
+  [[nodiscard]] bool follow();
+
   /// One V-cycle: an approximation of A^-1 b, symmetric and positive definite.
   [[nodiscard]] VectorX cycle(const VectorX& b) const;
 
@@ -45,8 +52,8 @@ class Multigrid {
 
  private:
   struct Hierarchy;
-  explicit Multigrid(std::unique_ptr<const Hierarchy> hierarchy);
-  std::unique_ptr<const Hierarchy> hierarchy_;
+  explicit Multigrid(std::unique_ptr<Hierarchy> hierarchy);
+  std::unique_ptr<Hierarchy> hierarchy_;
 };
 
 /// The rigid motions of points: three translations, three rotations about their middle.
