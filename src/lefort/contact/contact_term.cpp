@@ -109,6 +109,15 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> 
   remember(nodes_L);
 }
 
+template <class Function>
+void ContactTerm::for_each_gap(std::size_t face, std::span<const Vec3> x_L,
+                               const Function& f) const {
+  const FaceNodes x(faces_[face], x_L);
+  std::size_t k = first_point_[face];
+  for (const RulePoint& at : rule_of(faces_[face].shape).points)
+    f(k++, at, measure_gap(obstacle_, interpolate(at, x.span()), Derivatives::kFirst));
+}
+
 double ContactTerm::rest_gap_mm(const Vec3& rest_L, double capture_mm) const {
   const Gap gap = measure_gap(obstacle_, rest_L, Derivatives::kFirst);
   const bool touches = gap.zone == field::Zone::kBand && std::abs(gap.gap_mm) <= capture_mm;
@@ -119,23 +128,19 @@ void ContactTerm::remember(std::span<const Vec3> x_L) {
   tunnelled_area_mm2_ += newly_tunnelled_area_mm2(x_L);
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
   parallel_for(Index(faces_.size()), [&](Index item) {
-    const mesh::Face& face = faces_[std::size_t(item)];
-    const Rule& rule = rule_of(face.shape);
-    const FaceNodes x(face, x_L);
+    const FaceNodes x(faces_[std::size_t(item)], x_L);
     Clearance& clearance = last_clearance_[std::size_t(item)];
     clearance.clearance_mm = reach_mm(*obstacle_.field_B, obstacle_.reconstruction);
     for (std::size_t a = 0; a < x.count; ++a)
       clearance.nodes_B[a] = R_BL * (x.x_L[a] - obstacle_.X_LB.translation());
-    for (std::size_t q = 0; q < rule.points.size(); ++q) {
-      Point& point = points_[first_point_[std::size_t(item)] + q];
-      const Gap gap =
-          measure_gap(obstacle_, interpolate(rule.points[q], x.span()), Derivatives::kFirst);
+    for_each_gap(std::size_t(item), x_L, [&](std::size_t k, const RulePoint&, const Gap& gap) {
+      Point& point = points_[k];
       const bool is_seen = gap.zone == field::Zone::kBand || gap.zone == field::Zone::kOutside;
       const double touching_at_mm = std::max(point.rest_gap_mm, 0.0);
       clearance.clearance_mm =
           std::min(clearance.clearance_mm, is_seen ? gap.gap_mm - touching_at_mm : 0.0);
       point.last_sight = {R_BL * gap.gradient_L, gap.zone != field::Zone::kUnknown};
-    }
+    });
   });
 }
 
@@ -180,16 +185,10 @@ bool ContactTerm::has_tunnelled(const Sight& last, const Gap& gap) const {
 
 double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
   return deterministic_sum(Index(faces_.size()), 0.0, [&](Index item) {
-    const mesh::Face& face = faces_[std::size_t(item)];
-    const Rule& rule = rule_of(face.shape);
-    const FaceNodes x(face, x_L);
     double tunnelled_mm2 = 0.0;
-    for (std::size_t q = 0; q < rule.points.size(); ++q) {
-      const Point& point = points_[first_point_[std::size_t(item)] + q];
-      const Gap gap =
-          measure_gap(obstacle_, interpolate(rule.points[q], x.span()), Derivatives::kFirst);
-      if (has_tunnelled(point.last_sight, gap)) tunnelled_mm2 += point.area_mm2;
-    }
+    for_each_gap(std::size_t(item), x_L, [&](std::size_t k, const RulePoint&, const Gap& gap) {
+      if (has_tunnelled(points_[k].last_sight, gap)) tunnelled_mm2 += points_[k].area_mm2;
+    });
     return tunnelled_mm2;
   });
 }
@@ -234,21 +233,17 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
   ContactSummary summary;
   std::set<std::int32_t> nodes;
   for (std::size_t face = 0; face < faces_.size(); ++face) {
-    const Rule& rule = rule_of(faces_[face].shape);
-    const FaceNodes x(faces_[face], x_L);
-    for (std::size_t q = 0; q < rule.points.size(); ++q) {
-      const Point& point = points_[first_point_[face] + q];
-      const Gap gap =
-          measure_gap(obstacle_, interpolate(rule.points[q], x.span()), Derivatives::kFirst);
+    const auto face_nodes = mesh::nodes_of(faces_[face]);
+    for_each_gap(face, x_L, [&](std::size_t k, const RulePoint&, const Gap& gap) {
+      const Point& point = points_[k];
       const double penetration_mm = std::max(-gap.gap_mm, 0.0);
       const double depth_mm = point.rest_gap_mm - gap.gap_mm;
-      if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
+      if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) return;
       const Vec3 force_n = -point.area_mm2 * penalty_response(depth_mm, gap.gradient_L,
                                                               gap.hessian_L, stiffness_mpa_per_mm_)
                                                  .gradient_mpa;
       ++summary.points;
-      nodes.insert(faces_[face].nodes.begin(),
-                   faces_[face].nodes.begin() + std::ptrdiff_t(x.count));
+      nodes.insert(face_nodes.begin(), face_nodes.end());
       summary.area_mm2 += point.area_mm2;
       summary.max_penetration_mm = std::max(summary.max_penetration_mm, penetration_mm);
       summary.mean_penetration_mm += point.area_mm2 * penetration_mm;
@@ -256,7 +251,7 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
       summary.mean_depth_from_rest_mm += point.area_mm2 * depth_mm;
       summary.force_L_n += force_n;
       summary.normal_force_n += force_n.norm();
-    }
+    });
   }
   summary.nodes = Index(nodes.size());
   summary.tunnelled_area_mm2 = tunnelled_area_mm2_;
@@ -272,24 +267,21 @@ std::vector<NodalContact> ContactTerm::at_nodes(std::span<const Vec3> x_L) const
   std::map<std::int32_t, NodalContact> at;
   std::map<std::int32_t, double> share_mm2;
   for (std::size_t face = 0; face < faces_.size(); ++face) {
-    const Rule& rule = rule_of(faces_[face].shape);
-    const FaceNodes x(faces_[face], x_L);
-    for (std::size_t q = 0; q < rule.points.size(); ++q) {
-      const Point& point = points_[first_point_[face] + q];
-      const Gap gap =
-          measure_gap(obstacle_, interpolate(rule.points[q], x.span()), Derivatives::kFirst);
+    const auto face_nodes = mesh::nodes_of(faces_[face]);
+    for_each_gap(face, x_L, [&](std::size_t k, const RulePoint& rule, const Gap& gap) {
+      const Point& point = points_[k];
       const double pressure_mpa =
           gap.zone != field::Zone::kBand
               ? 0.0
               : penalty_response(point.rest_gap_mm - gap.gap_mm, gap.gradient_L, gap.hessian_L,
                                  stiffness_mpa_per_mm_)
                     .gradient_mpa.norm();
-      for (std::size_t a = 0; a < x.count; ++a) {
-        const double weight_mm2 = point.area_mm2 * std::abs(rule.points[q].N[a]);
-        at[faces_[face].nodes[a]].pressure_mpa += weight_mm2 * pressure_mpa;
-        share_mm2[faces_[face].nodes[a]] += weight_mm2;
+      for (std::size_t a = 0; a < face_nodes.size(); ++a) {
+        const double weight_mm2 = point.area_mm2 * std::abs(rule.N[a]);
+        at[face_nodes[a]].pressure_mpa += weight_mm2 * pressure_mpa;
+        share_mm2[face_nodes[a]] += weight_mm2;
       }
-    }
+    });
   }
   std::vector<NodalContact> touched;
   for (auto& [node, contact] : at) {

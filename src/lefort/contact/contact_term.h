@@ -127,6 +127,11 @@ class ContactTerm final : public fem::ForceTerm {
     double clearance_mm = 0.0;
   };
 
+  /// Calls f(where in points_, where in the face's rule, gap) for every point of a face; x_L of all
+  /// nodes.
+  template <class Function>
+  void for_each_gap(std::size_t face, std::span<const Vec3> x_L, const Function& f) const;
+
   [[nodiscard]] double rest_gap_mm(const Vec3& rest_L, double capture_mm) const;
   [[nodiscard]] bool is_out_of_reach(std::size_t face, std::span<const Vec3> x_L) const;
   [[nodiscard]] bool has_tunnelled(const Sight& last, const Gap& gap) const;
