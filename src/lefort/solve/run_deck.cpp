@@ -1,3 +1,4 @@
+#include <lefort/contact/settle_contacts.h>
 #include <lefort/core/check.h>
 #include <lefort/fem/assemble.h>
 #include <lefort/fem/dof_map.h>
@@ -21,24 +22,18 @@ namespace {
 
 using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
 
-std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const VectorX& u) {
-  std::vector<Vec3> x_L(nodes_L.size());
-  for (std::size_t n = 0; n < nodes_L.size(); ++n) x_L[n] = nodes_L[n] + u.segment<3>(Index(3 * n));
-  return x_L;
-}
-
 /// The terms of a deck, and the pose and size of each at a time.
 class Problem {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Problem>> build(const PreparedDeck& prepared,
-                                                              const ObstacleFields& fields) {
-    LEFORT_TRY_VOID(check_obstacles(prepared, fields));
+                                                              const ObstacleDetectors& detectors) {
+    LEFORT_TRY_VOID(check_obstacles(prepared, detectors));
     LEFORT_TRY(ElementTerms elements, fem::make_element_terms(prepared.mesh, prepared.materials));
     LEFORT_TRY(DeckLoads loads, DeckLoads::build(prepared));
     LEFORT_TRY(fem::DofMap dofs,
                fem::DofMap::build(prepared.mesh.node_count(), prescribed_at(prepared, 0.0)));
     return std::unique_ptr<Problem>(
-        new Problem(prepared, fields, std::move(elements), std::move(loads), std::move(dofs)));
+        new Problem(prepared, detectors, std::move(elements), std::move(loads), std::move(dofs)));
   }
 
   void set_time(double time) {
@@ -47,42 +42,28 @@ class Problem {
       contacts_[i].set_pose(plan::pose_at(prepared_.deck.obstacles[i].path, time));
   }
 
-  /// Accepts a converged state, or says why not.
-  [[nodiscard]] std::optional<std::string> accept(const VectorX& u) {
-    const std::vector<Vec3> x_L = moved(prepared_.mesh.nodes_L, u);
-    for (const contact::ContactTerm& contact : contacts_)
-      if (auto refusal = contact.why_refused(x_L)) return refusal;
-    for (contact::ContactTerm& contact : contacts_) contact.remember(x_L);
-    return std::nullopt;
-  }
-
   /// What there is to tell of a converged state.
   [[nodiscard]] Increment describe(const fem::LoadState& state) const;
 
+  [[nodiscard]] std::span<contact::ContactTerm> contacts() { return contacts_; }
   [[nodiscard]] const fem::Assembler& assembler() const { return assembler_; }
   [[nodiscard]] const PreparedDeck& prepared() const { return prepared_; }
 
  private:
-  Problem(const PreparedDeck& prepared, const ObstacleFields& fields, ElementTerms elements,
+  Problem(const PreparedDeck& prepared, const ObstacleDetectors& detectors, ElementTerms elements,
           DeckLoads loads, fem::DofMap dofs)
       : prepared_(prepared),
         elements_(std::move(elements)),
         loads_(std::move(loads)),
-        contacts_(make_contacts(prepared, fields)),
+        contacts_(make_contacts(prepared, detectors)),
         assembler_(prepared.mesh.nodes_L, std::move(dofs), all_terms()) {}
 
   static std::vector<contact::ContactTerm> make_contacts(const PreparedDeck& prepared,
-                                                         const ObstacleFields& fields) {
+                                                         const ObstacleDetectors& detectors) {
     std::vector<contact::ContactTerm> contacts;
-    contacts.reserve(fields.size());  // The assembler points to them.
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      const Obstacle& obstacle = prepared.deck.obstacles[i];
-      contacts.emplace_back(
-          prepared.mesh.nodes_L, prepared.obstacle_faces[i],
-          contact::BoneObstacle{fields[i], RigidTransform::Identity(), obstacle.reconstruction},
-          contact::ContactTerm::Options{prepared.obstacle_stiffness_mpa_per_mm[i],
-                                        obstacle.capture_mm});
-    }
+    contacts.reserve(detectors.size());  // The assembler points to them.
+    for (std::size_t i = 0; i < detectors.size(); ++i)
+      contacts.push_back(make_contact(prepared, i, detectors[i]));
     return contacts;
   }
 
@@ -103,7 +84,7 @@ class Problem {
 
 Increment Problem::describe(const fem::LoadState& state) const {
   const Deck& deck = prepared_.deck;
-  const std::vector<Vec3> x_L = moved(prepared_.mesh.nodes_L, state.u);
+  const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, state.u);
   Increment told;
   told.time = state.t;
   told.u = state.u;
@@ -270,23 +251,19 @@ Index Increment::newton_iterations() const {
   return count;
 }
 
-Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fields,
+Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleDetectors& detectors,
                          const DeckWatch& watch, Progress& progress) {
-  LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, fields));
+  LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, detectors));
   fem::NewtonOptions newton = newton_options(*problem, watch);
   fem::LinearSolver linear_solver(prepared.deck.linear_solver);
   const auto solve_at = [&](double time, const VectorX& start) {
     problem->set_time(time);
     newton.may_start_at_rest = is_at_rest(prepared, time);
-    fem::NewtonOutcome outcome =
-        fem::find_equilibrium(problem->assembler(), prescribed_at(prepared, time), start,
-                              linear_solver, newton, progress);
-    if (!outcome.converged()) return outcome;
-    if (auto refusal = problem->accept(outcome.x)) {
-      outcome.stop = fem::NewtonStop::kRefused;
-      outcome.reason = *std::move(refusal);
-    }
-    return outcome;
+    const auto solve_from = [&](const VectorX& from) {
+      return fem::find_equilibrium(problem->assembler(), prescribed_at(prepared, time), from,
+                                   linear_solver, newton, progress);
+    };
+    return contact::settle_contacts(problem->contacts(), prepared.mesh.nodes_L, start, solve_from);
   };
   fem::LoadStepper stepper({0.0, VectorX::Zero(3 * prepared.mesh.node_count())}, solve_at,
                            prepared.deck.steps);

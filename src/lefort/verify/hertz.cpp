@@ -100,7 +100,7 @@ struct Indented {
 };
 
 Result<Indented> indent(mesh::ElementShape shape, int cells,
-                        const std::shared_ptr<const field::DistanceField>& sphere_B,
+                        const std::shared_ptr<const contact::Detector>& sphere_B,
                         Progress& progress) {
   CaseModel model{.mesh = graded_block(shape, cells),
                   .materials = {{0,
@@ -128,7 +128,7 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
     }
     return all;
   };
-  SurfaceContact contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"), {.field_B = sphere_B},
+  SurfaceContact contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"), {.detector_B = sphere_B},
                          kStiffness_mpa_per_mm);
   model.extra.push_back({&contact, [&](double share) {
                            RigidTransform X_LB = RigidTransform::Identity();
@@ -214,7 +214,8 @@ Section verify_hertz(Extent extent, Progress& progress) {
     section.checks.push_back(not_measured("sphere", field.error().message));
     return section;
   }
-  const auto sphere_B = std::make_shared<const field::DistanceField>(*field);
+  const auto sphere_B = contact::detect_by_field(
+      std::make_shared<const field::DistanceField>(*field), contact::Detection::kSmooth);
   report::LinePlot plot{.title = "Pressure under the sphere, mean over rings",
                         .x_label = "distance from the axis [mm]",
                         .y_label = "pressure [MPa]",
@@ -226,7 +227,7 @@ Section verify_hertz(Extent extent, Progress& progress) {
     std::vector<double> radii;
     std::string failure;
     for (const int n : series.cells) {
-      const auto found = indent(series.shape, n, sphere_B, progress);
+      const auto found = indent(series.shape, n, *sphere_B, progress);
       if (!found) failure = found.error().message;
       if (!found) break;
       forces.push_back(found->force_n / hertz_force_n(kIndentation_mm));
