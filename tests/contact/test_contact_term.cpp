@@ -6,8 +6,10 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "support/shapes.h"
@@ -23,15 +25,15 @@ BoneObstacle slab() {
       field::build_distance_field(test::make_box({-10.0, -10.0, -8.0}, {10.0, 10.0, 0.0}),
                                   {.resolution = 64, .band_mm = 3.0, .smooth = true})
           .value());
-  return {field};
+  return {detect_by_field(field, Detection::kSmooth).value()};
 }
 
-BoneObstacle ball(Reconstruction reconstruction = Reconstruction::kSmooth) {
+BoneObstacle ball(Detection detection = Detection::kSmooth) {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_icosphere(6.0, 5),
                                   {.resolution = 64, .band_mm = 2.0, .smooth = true})
           .value());
-  return {field, RigidTransform::Identity(), reconstruction};
+  return {detect_by_field(field, detection).value()};
 }
 
 /// A plate 2 mm thick whose upper side is z = 0.
@@ -40,7 +42,7 @@ BoneObstacle plate() {
       field::build_distance_field(test::make_box({-10.0, -10.0, -2.0}, {10.0, 10.0, 0.0}),
                                   {.resolution = 64, .band_mm = 3.0, .smooth = true})
           .value());
-  return {field};
+  return {detect_by_field(field, Detection::kSmooth).value()};
 }
 
 /// The tissue above the slab has its lower face, which looks down, at `z`.
@@ -165,31 +167,76 @@ TEST(ContactTerm, PenetrationAndDepthFromRestAreToldApart) {
   EXPECT_NEAR(pressed.mean_depth_from_rest_mm, 1.0, 1e-6);
 }
 
-class ContactTermOnABall : public testing::TestWithParam<Reconstruction> {};
-INSTANTIATE_TEST_SUITE_P(Both, ContactTermOnABall,
-                         testing::Values(Reconstruction::kTrilinear, Reconstruction::kSmooth));
+struct Tested {
+  Detection detection;
+  Integration integration;
+  bool augmented;
+};
+
+class ContactTermOnABall : public testing::TestWithParam<Tested> {};
+INSTANTIATE_TEST_SUITE_P(
+    ThatClaimAPotential, ContactTermOnABall,
+    testing::Values(Tested{Detection::kTrilinear, Integration::kQuadrature, false},
+                    Tested{Detection::kSmooth, Integration::kQuadrature, false},
+                    Tested{Detection::kTrilinear, Integration::kNodes, false},
+                    Tested{Detection::kSmooth, Integration::kNodes, false},
+                    Tested{Detection::kTrilinear, Integration::kQuadrature, true},
+                    Tested{Detection::kSmooth, Integration::kQuadrature, true},
+                    Tested{Detection::kSmooth, Integration::kNodes, true}));
+
+/// What all items say at a state, gathered by node.
+Evaluated gather(const ContactTerm& term, const std::vector<Vec3>& x_L) {
+  const auto size = Index(3 * x_L.size());
+  Evaluated sum{true, 0.0, VectorX::Zero(size), Eigen::MatrixXd::Zero(size, size)};
+  for (Index item = 0; item < term.item_count(); ++item) {
+    std::vector<Vec3> local_L;
+    for (const std::int32_t node : term.nodes(item)) local_L.push_back(x_L[std::size_t(node)]);
+    const Evaluated one = evaluate(term, item, local_L);
+    sum.admissible = sum.admissible && one.admissible;
+    sum.energy_mj += one.energy_mj;
+    const auto nodes = term.nodes(item);
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      sum.residual_n.segment<3>(3 * nodes[a]) += one.residual_n.segment<3>(3 * Index(a));
+      for (std::size_t b = 0; b < nodes.size(); ++b)
+        sum.stiffness.block<3, 3>(3 * nodes[a], 3 * nodes[b]) +=
+            one.stiffness.block<3, 3>(3 * Index(a), 3 * Index(b));
+    }
+  }
+  return sum;
+}
 
 TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   constexpr double kStep = 1e-6;
   const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
-  ContactTerm term(rest, kFace, ball(GetParam()), {kStiffness, 0.1});
+  ContactTerm term(rest, kFace, ball(GetParam().detection),
+                   {kStiffness, 0.1, GetParam().integration});
+  EXPECT_TRUE(term.is_conservative(fem::DofMap::build(3, {}).value()));
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
   term.set_pose(X_LB);
-  const Evaluated at = evaluate(term, 0, rest);
-  ASSERT_GT(at.energy_mj, 0.0);
-  for (int dof = 0; dof < 9; ++dof) {
-    std::vector<Vec3> plus = rest, minus = rest;
-    plus[std::size_t(dof / 3)][dof % 3] += kStep;
-    minus[std::size_t(dof / 3)][dof % 3] -= kStep;
-    const Evaluated above = evaluate(term, 0, plus), below = evaluate(term, 0, minus);
-    EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep), 1e-8);
-    EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
-                  .cwiseAbs()
-                  .maxCoeff(),
-              2e-6);
+  const double unaugmented_mj = gather(term, rest).energy_mj;
+  if (GetParam().augmented) term.augment(rest);
+  std::mt19937 generator(7);
+  std::uniform_real_distribution<double> shift_mm(-0.15, 0.15);
+  for (int state = 0; state < 5; ++state) {
+    std::vector<Vec3> x_L = rest;
+    for (Vec3& x : x_L) x += Vec3(shift_mm(generator), shift_mm(generator), shift_mm(generator));
+    const Evaluated at = gather(term, x_L);
+    ASSERT_GT(at.residual_n.norm(), 0.0);
+    for (int dof = 0; dof < 9; ++dof) {
+      std::vector<Vec3> plus = x_L, minus = x_L;
+      plus[std::size_t(dof / 3)][dof % 3] += kStep;
+      minus[std::size_t(dof / 3)][dof % 3] -= kStep;
+      const Evaluated above = gather(term, plus), below = gather(term, minus);
+      EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep), 1e-8);
+      EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
+                    .cwiseAbs()
+                    .maxCoeff(),
+                3e-6);
+    }
+    EXPECT_LT((at.stiffness - at.stiffness.transpose()).norm(), 1e-12);
   }
-  EXPECT_LT((at.stiffness - at.stiffness.transpose()).norm(), 1e-12);
+  ASSERT_GT(unaugmented_mj, 0.0);
 }
 
 /// A slightly warped face near the ball, of any shape; a middle node bulges a little.
@@ -313,6 +360,104 @@ TEST(ContactTerm, RefusesAStateThatAPlateHasJumpedThrough) {
   const auto refusal = term.why_refused(flat_face(0.0));
   ASSERT_TRUE(refusal);
   EXPECT_NE(refusal->find("have tunnelled through the bone"), std::string::npos) << *refusal;
+}
+
+TEST(ContactTerm, FeatureNormalsHaveNoPotential) {
+  const geometry::TriangleMesh sphere = test::make_icosphere(6.0, 2);
+  const ContactTerm term(flat_face(6.0), kFace,
+                         {detect_by_bvh(std::make_shared<const geometry::Bvh>(sphere), 2.0)},
+                         {kStiffness, 0.5});
+  EXPECT_FALSE(term.is_conservative(fem::DofMap::build(3, {}).value()));
+}
+
+class LumpedFaces : public testing::TestWithParam<mesh::FaceShape> {};
+INSTANTIATE_TEST_SUITE_P(Shapes, LumpedFaces,
+                         testing::Values(mesh::FaceShape::kTri3, mesh::FaceShape::kQuad4,
+                                         mesh::FaceShape::kTri6, mesh::FaceShape::kQuad8));
+
+TEST_P(LumpedFaces, CarryTheForceAndTheMomentOfThePressureOnTheFace) {
+  const auto corners = std::size_t(mesh::corner_count(GetParam()));
+  std::vector<Vec3> x{{0, 0, 0}, {0, 4, 0}, {4, 4, 0}, {4, 0, 0}};
+  if (corners == 3) x.erase(x.begin() + 2);
+  for (std::size_t a = 0; x.size() < std::size_t(mesh::node_count(GetParam())); ++a)
+    x.emplace_back(0.5 * (x[a] + x[(a + 1) % corners]));
+  ContactTerm term(x, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, slab(),
+                   {kStiffness, 0.5, Integration::kNodes});
+  EXPECT_EQ(term.item_count(), Index(x.size()));
+  term.set_pose(lifted(1.5));
+  const double area_mm2 = corners == 3 ? 8.0 : 16.0;
+  const double force_n = 2.0 * kStiffness * 1.5 * area_mm2;
+  const VectorX residual_n = gather(term, x).residual_n;
+  Vec3 sum_n = Vec3::Zero(), moment = Vec3::Zero(), centre = Vec3::Zero();
+  for (std::size_t a = 0; a < x.size(); ++a) {
+    sum_n -= residual_n.segment<3>(3 * Index(a));
+    moment -= x[a].cross(Vec3(residual_n.segment<3>(3 * Index(a))));
+    if (a < corners) centre += x[a] / double(corners);
+  }
+  EXPECT_LT((sum_n - Vec3(0.0, 0.0, force_n)).norm(), 1e-6);
+  EXPECT_LT((moment - centre.cross(Vec3(0.0, 0.0, force_n))).norm(), 1e-5);
+  EXPECT_NEAR(term.summarise(x).area_mm2, area_mm2, 1e-9);
+}
+
+TEST(ContactTerm, MultipliersBearThePressureWithoutDepthAndNeverPull) {
+  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(1.0));
+  const double force_n = 2.0 * kStiffness * 1.0 * kFaceArea_mm2;
+  term.augment(flat_face(0.0));
+  EXPECT_NEAR(term.summarise(flat_face(1.0)).force_L_n.z(), force_n, 1e-6);
+  EXPECT_NEAR(term.summarise(flat_face(1.0)).max_depth_from_rest_mm, 0.0, 1e-6);
+  EXPECT_NEAR(term.summarise(flat_face(0.0)).force_L_n.z(), 2.0 * force_n, 1e-6);
+  // Half of it, where the face has lifted half as far; nothing at all beyond.
+  EXPECT_NEAR(term.summarise(flat_face(1.5)).force_L_n.z(), 0.5 * force_n, 1e-6);
+  EXPECT_EQ(evaluate(term, 0, flat_face(2.1)).residual_n.norm(), 0.0);
+  term.augment(flat_face(2.1));  // Pressed no more: the multiplier is gone.
+  EXPECT_EQ(term.summarise(flat_face(1.01)).points, 0);
+}
+
+TEST(ContactTerm, RecallsTheMultipliersThatWereRemembered) {
+  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  term.set_pose(lifted(1.0));
+  term.augment(flat_face(0.0));
+  term.remember(flat_face(1.0));
+  const double kept_n = term.summarise(flat_face(1.0)).force_L_n.z();
+  term.augment(flat_face(0.5));
+  EXPECT_GT(term.summarise(flat_face(1.0)).force_L_n.z(), 1.4 * kept_n);
+  term.recall_multipliers();
+  EXPECT_EQ(term.summarise(flat_face(1.0)).force_L_n.z(), kept_n);
+}
+
+TEST(ContactTerm, RestoredItIsAsItWas) {
+  const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), {kStiffness, 0.5}); };
+  ContactTerm term = made();
+  term.set_pose(lifted(1.5));
+  term.augment(flat_face(1.2));
+  term.remember(flat_face(0.0));  // Has tunnelled.
+  ContactTerm other = made();
+  other.set_pose(lifted(1.5));
+  other.restore(term.memory(), flat_face(0.0));
+  const auto summary = term.summarise(flat_face(1.2)), likewise = other.summarise(flat_face(1.2));
+  EXPECT_EQ(summary.force_L_n, likewise.force_L_n);
+  EXPECT_GT(summary.tunnelled_area_mm2, 0.0);
+  EXPECT_EQ(summary.tunnelled_area_mm2, likewise.tunnelled_area_mm2);
+  EXPECT_EQ(other.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
+}
+
+TEST(ContactTerm, TheP99OfDepthLeavesOutTheDeepestHundredthOfTheArea) {
+  std::vector<Vec3> nodes;
+  std::vector<mesh::Face> faces;
+  for (int n = 0; n < 200; ++n) {  // Faces apart; one lies deep.
+    const double x = -5.0 + 0.05 * n;
+    const double z = n == 50 ? -1.0 : 0.0;
+    const auto first = std::int32_t(nodes.size());
+    nodes.insert(nodes.end(), {{x, 0.0, z}, {x, 0.03, z}, {x + 0.03, 0.0, z}});
+    faces.push_back({mesh::FaceShape::kTri3, {first, first + 1, first + 2}});
+  }
+  ContactTerm term(nodes, faces, slab(), {kStiffness, 0.0});
+  for (Vec3& x : nodes) x.z() -= 0.25;
+  nodes[150].z() = nodes[151].z() = nodes[152].z() = -1.9;
+  const ContactSummary pressed = term.summarise(nodes);
+  EXPECT_NEAR(pressed.max_depth_from_rest_mm, 0.9, 1e-6);
+  EXPECT_NEAR(pressed.p99_depth_from_rest_mm, 0.25, 1e-6);
 }
 
 TEST(ContactTerm, CountsThePointsInContact) {

@@ -15,7 +15,7 @@ PenaltyResponse against_ball(const Vec3& p) {
   const double r = p.norm();
   const Vec3 n = p / r;
   return penalty_response(kRadius_mm - r, n, (Mat3::Identity() - n * n.transpose()) / r,
-                          kStiffness);
+                          {kStiffness});
 }
 
 TEST(Penalty, EnergyIsStiffnessTimesDepthSquared) {
@@ -31,7 +31,7 @@ TEST(Penalty, PushesTissueOutOfTheBone) {
 TEST(Penalty, NothingPushesOutsideOrOnTheSurface) {
   EXPECT_EQ(against_ball({8.0, 0.0, 0.0}).gradient_mpa, Vec3::Zero());
   EXPECT_EQ(against_ball({9.0, 1.0, 0.0}).energy_mj_per_mm2, 0.0);
-  EXPECT_EQ(penalty_response(std::nan(""), Vec3::UnitX(), Mat3::Zero(), 1.0).energy_mj_per_mm2,
+  EXPECT_EQ(penalty_response(std::nan(""), Vec3::UnitX(), Mat3::Zero(), {1.0}).energy_mj_per_mm2,
             0.0);
 }
 
@@ -57,20 +57,20 @@ Mat3 curved(double xx, double yy, double zz) { return Vec3(xx, yy, zz).asDiagona
 TEST(Penalty, ConvexHessianLeavesOutWhereTissueWantsToSlideOffABulge) {
   const Vec3 n = Vec3::UnitX();
   const Mat3 bulge = curved(0.0, 0.5, 0.25);
-  EXPECT_LT(penalty_response(1.0, n, bulge, kStiffness).hessian_mpa_per_mm(1, 1), 0.0);
+  EXPECT_LT(penalty_response(1.0, n, bulge, {kStiffness}).hessian_mpa_per_mm(1, 1), 0.0);
   EXPECT_LT(
-      (convex_hessian(1.0, n, bulge, kStiffness) - 2.0 * kStiffness * n * n.transpose()).norm(),
+      (convex_hessian(1.0, n, bulge, {kStiffness}) - 2.0 * kStiffness * n * n.transpose()).norm(),
       1e-15);
 }
 
 TEST(Penalty, ConvexHessianIsExactWhereTheBoneIsHollow) {
   const Vec3 n = Vec3::UnitX();
   const Mat3 hollow = curved(0.0, -0.5, -0.25);
-  EXPECT_LT((convex_hessian(1.0, n, hollow, kStiffness) -
-             penalty_response(1.0, n, hollow, kStiffness).hessian_mpa_per_mm)
+  EXPECT_LT((convex_hessian(1.0, n, hollow, {kStiffness}) -
+             penalty_response(1.0, n, hollow, {kStiffness}).hessian_mpa_per_mm)
                 .norm(),
             1e-15);
-  EXPECT_EQ(convex_hessian(-0.1, n, hollow, kStiffness), Mat3::Zero());
+  EXPECT_EQ(convex_hessian(-0.1, n, hollow, {kStiffness}), Mat3::Zero());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "fem/body.h"
@@ -313,6 +314,30 @@ TEST(LoadSteps, ABlockTwistedInOneGoIsHalvedUntilNoElementTurnsInsideOut) {
   EXPECT_TRUE(body.assembler.forces(stepper.state().u).has_value());
   for (const auto& p : at(1.0))
     EXPECT_EQ(stepper.state().u[3 * Index(p.node) + p.component], p.displacement_mm);
+}
+
+TEST(LoadStepper, GoesOnFromItsMemoryAsIfItHadNotStopped) {
+  std::vector<double> asked;
+  const SolveAtLoad solve = [&](double t, const VectorX& start) {
+    asked.push_back(t);
+    asked.push_back(start[0]);
+    NewtonOutcome outcome;
+    outcome.stop = NewtonStop::kConverged;
+    outcome.x = VectorX::Constant(1, t * t);
+    outcome.history.resize(asked.size() % 3 == 0 ? 9 : 2);  // Some are easy.
+    return outcome;
+  };
+  const LoadStepOptions options{.first_increment = 0.05, .max_increment = 0.4};
+  LoadStepper whole({0.0, VectorX::Zero(1)}, solve, options);
+  ASSERT_TRUE(whole.advance_to(0.5));
+  const LoadStepper::Memory memory = whole.memory();
+  asked.clear();
+  ASSERT_TRUE(whole.advance_to(1.0));
+  const std::vector<double> without_stop = std::exchange(asked, {});
+  LoadStepper other = LoadStepper::resumed(memory, solve, options);
+  EXPECT_EQ(other.state().t, 0.5);
+  ASSERT_TRUE(other.advance_to(1.0));
+  EXPECT_EQ(asked, without_stop);
 }
 
 }  // namespace

@@ -90,7 +90,9 @@ TEST(DeckFile, EveryKeyArrives) {
   EXPECT_EQ(ball.name, "ball");
   EXPECT_EQ(ball.stiffness_mpa_per_mm, 8e-3);
   EXPECT_EQ(ball.capture_mm, 0.25);
-  EXPECT_EQ(ball.reconstruction, contact::Reconstruction::kTrilinear);
+  EXPECT_EQ(ball.detection, contact::Detection::kTrilinear);  // By its former name.
+  EXPECT_EQ(ball.integration, contact::Integration::kQuadrature);
+  EXPECT_FALSE(ball.penetration_tolerance_mm);
   EXPECT_EQ(ball.path.keyframes.size(), 2U);
   EXPECT_EQ(file.obstacles[0].file, std::filesystem::path("/cases/one/ball.stl"));
   EXPECT_EQ(file.obstacles[0].options.resolution, 64);

@@ -32,7 +32,8 @@ Json good_plan() {
     "tissue": {"material": {"law": "neo-hookean", "young_kpa": 20, "poisson": 0.4},
                "element_size_mm": 3},
     "boundary": {"moved_bone": "attached", "scan_edge": "fixed", "release_mm": 5},
-    "contact": {"stiffness_factor": 30, "reconstruction": "trilinear"},
+    "contact": {"stiffness_factor": 30, "detection": "bvh", "integration": "nodes",
+                "penetration_tolerance_mm": 0.05},
     "field": {"resolution": 64, "band_mm": 4},
     "solver": {"relative_tolerance": 1e-7, "max_iterations": 12}
   })");
@@ -62,7 +63,9 @@ TEST(PlanFile, EveryKeyArrives) {
   EXPECT_EQ(plan.boundary.scan_edge, predict::ScanEdge::kFixed);
   EXPECT_EQ(plan.boundary.release_mm, 5.0);
   EXPECT_EQ(plan.contact.stiffness_factor, 30.0);
-  EXPECT_EQ(plan.contact.reconstruction, contact::Reconstruction::kTrilinear);
+  EXPECT_EQ(plan.contact.detection, contact::Detection::kBvh);
+  EXPECT_EQ(plan.contact.integration, contact::Integration::kNodes);
+  EXPECT_EQ(plan.contact.penetration_tolerance_mm, 0.05);
   EXPECT_EQ(plan.field.resolution, 64);
   EXPECT_EQ(plan.field.band_mm, 4.0);
   EXPECT_EQ(plan.solver.relative_tolerance, 1e-7);

@@ -70,17 +70,17 @@ plan::BonePath straight(const Vec3& by_mm, int steps) {
   return path;
 }
 
-class PredictFaceWith : public testing::TestWithParam<contact::Reconstruction> {
+class PredictFaceWith : public testing::TestWithParam<contact::Detection> {
  protected:
   [[nodiscard]] static PredictionOptions options() {
     PredictionOptions options;
-    options.contact.reconstruction = GetParam();
+    options.contact.detection = GetParam();
     return options;
   }
 };
 INSTANTIATE_TEST_SUITE_P(Both, PredictFaceWith,
-                         testing::Values(contact::Reconstruction::kTrilinear,
-                                         contact::Reconstruction::kSmooth));
+                         testing::Values(contact::Detection::kTrilinear,
+                                         contact::Detection::kSmooth));
 
 TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneButForTheStatedPenetration) {
   const FaceModel model = block_on_slab();
@@ -101,6 +101,39 @@ TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneButForTheStatedPenetration) {
     const double up_mm = last.displacement_mm[std::size_t(node)].z();
     EXPECT_LT(up_mm, 2.0 + 0.1);
     EXPECT_GT(up_mm, 2.0 - 0.6);
+  }
+}
+
+TEST(PredictFace, OnASlabItDoesNotMatterWhoDetectsContactAndWhereItIsIntegrated) {
+  const FaceModel model = block_on_slab();
+  const auto reference = predict_face(model, straight({0.0, 0.0, 1.0}, 2), {}).value();
+  ASSERT_TRUE(reference.converged());
+  for (const auto integration : {contact::Integration::kQuadrature, contact::Integration::kNodes}) {
+    PredictionOptions options;
+    options.contact.detection = contact::Detection::kBvh;
+    options.contact.integration = integration;
+    const auto other = predict_face(model, straight({0.0, 0.0, 1.0}, 2), options).value();
+    ASSERT_TRUE(other.converged()) << other.failure->message;
+    for (std::size_t n = 0; n < model.tissue.nodes_L.size(); ++n)
+      EXPECT_LT((reference.steps.back().displacement_mm[n] - other.steps.back().displacement_mm[n])
+                    .norm(),
+                integration == contact::Integration::kNodes ? 0.05 : 1e-4);
+  }
+}
+
+TEST(PredictFace, MultipliersReachThePenetrationThatIsNamed) {
+  const FaceModel model = block_on_ball();
+  PredictionOptions options;
+  options.solver.relative_tolerance = 1e-8;
+  const plan::BonePath path = straight({0.3, 0.0, 1.5}, 3);
+  const auto penalty = predict_face(model, path, options).value();
+  options.contact.penetration_tolerance_mm = 0.01;
+  const auto augmented = predict_face(model, path, options).value();
+  ASSERT_TRUE(penalty.converged() && augmented.converged());
+  EXPECT_GT(penalty.steps.back().contact.p99_depth_from_rest_mm, 0.05);
+  for (const PredictionStep& step : augmented.steps) {
+    EXPECT_LE(step.contact.p99_depth_from_rest_mm, 0.01);
+    EXPECT_LE(step.relative_residual, 1e-8);
   }
 }
 
@@ -222,6 +255,45 @@ TEST(PredictFace, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one.steps.back().displacement_mm, two.steps.back().displacement_mm);
 }
 
+TEST(PredictFace, StoppedAfterAnyStepTheRestIsFoundWithTheSameBits) {
+  const FaceModel model = block_on_ball();
+  plan::BonePath path = straight({0.8, 0.0, 1.2}, 4);
+  path.keyframes[0].rotation_rad = Vec3(0.0, 0.1, 0.1);
+  PredictionOptions options;
+  options.contact.penetration_tolerance_mm = 0.02;
+  std::vector<Restart> kept;
+  const PredictionWatch watch{
+      .on_step = {}, .on_restart = [&](const Restart& restart) { kept.push_back(restart); }};
+  const auto whole = predict_face(model, path, options, watch).value();
+  ASSERT_TRUE(whole.converged()) << whole.failure->message;
+  ASSERT_EQ(kept.size(), 4U);
+  for (const Restart& restart : kept) {
+    const auto rest = predict_face(model, path, options, {}, Progress::none(), restart).value();
+    ASSERT_EQ(rest.steps.size(), whole.steps.size());
+    for (std::size_t n = 0; n < whole.steps.size(); ++n) {
+      const PredictionStep &a = whole.steps[n], &b = rest.steps[n];
+      EXPECT_EQ(a.displacement_mm, b.displacement_mm) << "step " << n;
+      EXPECT_EQ(a.contact.force_L_n, b.contact.force_L_n);
+      EXPECT_EQ(a.contact.tunnelled_area_mm2, b.contact.tunnelled_area_mm2);
+      EXPECT_EQ(a.newton_iterations(), b.newton_iterations());
+      EXPECT_EQ(a.residual_n, b.residual_n);
+    }
+  }
+}
+
+TEST(PredictFace, TheFaceDoesNotDependOnTheNumberOfSteps) {
+  const FaceModel model = block_on_ball();
+  PredictionOptions options;
+  options.solver.relative_tolerance = 1e-8;
+  const auto at_end = [&](int steps) {
+    return predict_face(model, straight({1.0, 0.3, 2.0}, steps), options).value().steps.back();
+  };
+  const PredictionStep few = at_end(2), many = at_end(8);
+  EXPECT_EQ(few.attempts.size(), 2U);  // 2.26 mm by no more than a quarter of 2.5 mm at once.
+  for (std::size_t n = 0; n < few.displacement_mm.size(); ++n)
+    EXPECT_LT((few.displacement_mm[n] - many.displacement_mm[n]).norm(), 1e-5);
+}
+
 TEST(PredictFace, RefusesAStepTheFieldCannotSee) {
   const auto refused = predict_face(block_on_slab(), straight({0.0, 0.0, 7.0}, 2), {});
   ASSERT_FALSE(refused);
@@ -248,9 +320,11 @@ TEST(PredictFace, OnlyContactIsBoundToTheFieldsReach) {
   const FaceModel model = block_on_slab();
   const plan::BonePath far = straight({0.0, 0.0, 7.0}, 2);
   BoundaryOptions boundary;
-  EXPECT_FALSE(check_field_reach(far, model.segment_B, *model.segment_field_B, boundary));
+  const auto detector_B =
+      detect_segment(model.segment_B, model.segment_field_B, contact::Detection::kSmooth).value();
+  EXPECT_FALSE(check_reach(far, model.segment_B, *detector_B, boundary));
   boundary.moved_bone = MovedBone::kAttached;
-  EXPECT_TRUE(check_field_reach(far, model.segment_B, *model.segment_field_B, boundary));
+  EXPECT_TRUE(check_reach(far, model.segment_B, *detector_B, boundary));
 }
 
 TEST(PredictFace, RefusesAFieldThatCannotTellContact) {

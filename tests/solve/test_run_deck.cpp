@@ -18,11 +18,11 @@ using test::block;
 using test::kBlockLaw;
 using test::prescribe;
 
-DeckRun run(mesh::VolumeMesh mesh, Deck deck, const ObstacleFields& fields = {},
+DeckRun run(mesh::VolumeMesh mesh, Deck deck, const ObstacleDetectors& detectors = {},
             const DeckWatch& watch = {}, Progress& progress = Progress::none()) {
   const auto prepared = prepare_deck(std::move(mesh), std::move(deck));
   EXPECT_TRUE(prepared) << prepared.error().message;
-  auto done = run_deck(*prepared, fields, watch, progress);
+  auto done = run_deck(*prepared, detectors, watch, progress);
   EXPECT_TRUE(done) << done.error().message;
   return *std::move(done);
 }
@@ -323,13 +323,13 @@ TEST(RunDeck, ABodyThatIsCarriedAlongKeepsItsShape) {
 constexpr double kRadius_mm = 6.0;
 
 /// A ball that rests on the middle of the block's upper side.
-ObstacleFields ball() {
+ObstacleDetectors ball() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(
           test::make_icosphere(kRadius_mm, 4, Vec3(10, 10, 10.0 + kRadius_mm)),
           {.resolution = 64, .band_mm = 2.0, .smooth = true})
           .value());
-  return {field};
+  return {contact::detect_by_field(field, contact::Detection::kSmooth).value()};
 }
 
 /// 20 x 20 x 10 mm, finer in the middle of the upper side.
@@ -422,17 +422,88 @@ TEST(RunDeck, GivesTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one.last->energy_mj, two.last->energy_mj);
 }
 
-TEST(RunDeck, AnOpenObstacleOrOneThatIsNotSmoothIsRefused) {
-  const auto prepared = prepare_deck(slab(), indentation(0.5));
-  const auto refusal = [&](const geometry::TriangleMesh& surface, bool smooth) {
-    const auto field = std::make_shared<const field::DistanceField>(
-        field::build_distance_field(surface, {.resolution = 16, .smooth = smooth}).value());
-    return run_deck(*prepared, {field}).error().message;
+/// A plate 6 mm thick whose lower side is at `z`.
+std::shared_ptr<const contact::Detector> plate_at(double z) {
+  const auto field = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(test::make_box({-5.0, -5.0, z}, {25.0, 25.0, z + 6.0}),
+                                  {.resolution = 64, .band_mm = 2.5, .smooth = true})
+          .value());
+  return contact::detect_by_field(field, contact::Detection::kSmooth).value();
+}
+
+Obstacle plate(const std::string& name, const std::string& faces,
+               std::vector<plan::Keyframe> keyframes) {
+  Obstacle obstacle;
+  obstacle.name = name;
+  obstacle.faces = faces;
+  obstacle.path = {name, std::move(keyframes), 1};
+  obstacle.penetration_tolerance_mm = 0.005;
+  return obstacle;
+}
+
+plan::Keyframe lifted(double at, double by_mm) {
+  return {.at = at, .translation_mm = {0.0, 0.0, by_mm}};
+}
+
+mesh::VolumeMesh brick() {
+  return test::box_mesh(
+      {.cells = {4, 4, 3}, .size_mm = {20, 20, 10}, .shape = mesh::ElementShape::kHex8});
+}
+
+TEST(RunDeck, TissueBetweenTwoBonesIsPressedByBothAlike) {
+  Deck deck;
+  deck.laws.push_back({"", fem::NeoHookean::from_young_poisson(0.015, 0.45).value(), 0.0});
+  deck.displacements = {prescribe("x0", 0.0, std::nullopt, std::nullopt),
+                        prescribe("y0", std::nullopt, 0.0, std::nullopt)};
+  deck.obstacles = {plate("above", "z1", {lifted(1.0, -0.8)}),
+                    plate("below", "z0", {lifted(1.0, 0.6)})};
+  const DeckRun done = run(brick(), deck, {plate_at(10.0), plate_at(-6.0)});
+  ASSERT_TRUE(done.completed()) << done.failure->message;
+  const auto& contacts = done.last->contacts;
+  EXPECT_LT(contacts[0].force_L_n.z(), -0.1);
+  EXPECT_LT((contacts[0].force_L_n + contacts[1].force_L_n).norm(), 1e-7);
+  for (const contact::ContactSummary& contact : contacts) {
+    EXPECT_NEAR(contact.area_mm2, 400.0, 1e-6);
+    EXPECT_LE(contact.p99_depth_from_rest_mm, 0.005);
+  }
+  const mesh::VolumeMesh rest = brick();
+  for (const std::int32_t node : rest.node_sets.at("z1"))
+    EXPECT_NEAR(done.last->u[3 * node + 2], -0.8, 0.006);
+  for (const std::int32_t node : rest.node_sets.at("z0"))
+    EXPECT_NEAR(done.last->u[3 * node + 2], 0.6, 0.006);
+}
+
+TEST(RunDeck, ABoneThatRetreatsLetsGo) {
+  Deck deck;
+  deck.laws.push_back({"", fem::NeoHookean::from_young_poisson(0.015, 0.45).value(), 0.0});
+  deck.displacements = {prescribe("z0", 0.0, 0.0, 0.0)};
+  deck.obstacles = {plate("above", "z1", {lifted(0.5, -1.0), lifted(1.0, 1.0)})};
+  double largest_n = 0.0;
+  DeckWatch watch;
+  watch.on_increment = [&](const Increment& increment) -> Result<void> {
+    largest_n = std::max(largest_n, -increment.contacts[0].force_L_n.z());
+    EXPECT_LE(increment.contacts[0].force_L_n.z(), 0.0) << "at " << increment.time;
+    return {};
   };
-  EXPECT_EQ(refusal(test::make_sheet(4.0, 2), true),
-            "obstacle ball is an open surface, contact needs a closed one");
-  EXPECT_NE(refusal(test::make_icosphere(3.0, 2), false).find("without --smooth"),
-            std::string::npos);
+  const DeckRun done = run(brick(), deck, {plate_at(10.0)}, watch);
+  ASSERT_TRUE(done.completed()) << done.failure->message;
+  EXPECT_GT(largest_n, 0.3);
+  EXPECT_EQ(done.last->contacts[0].points, 0);
+  EXPECT_LT(done.last->u.lpNorm<Eigen::Infinity>(), 1e-5);
+}
+
+TEST(RunDeck, AnOpenObstacleIsRefusedWhoeverDetectsIt) {
+  const auto prepared = prepare_deck(slab(), indentation(0.5));
+  const geometry::TriangleMesh sheet = test::make_sheet(4.0, 2);
+  const auto field = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(sheet, {.resolution = 16, .smooth = true}).value());
+  const ObstacleDetectors detectors{
+      contact::detect_by_field(field, contact::Detection::kSmooth).value(),
+      contact::detect_by_field(field, contact::Detection::kTrilinear).value(),
+      contact::detect_by_bvh(std::make_shared<const geometry::Bvh>(sheet), 2.0)};
+  for (const auto& detector : detectors)
+    EXPECT_EQ(run_deck(*prepared, {detector}).error().message,
+              "obstacle ball is an open surface, contact needs a closed one");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <lefort/app/command.h>
+#include <lefort/bench/detection.h>
 #include <lefort/bench/field_process.h>
 #include <lefort/bench/field_scaling.h>
 #include <lefort/bench/solve_block.h>
@@ -74,6 +75,55 @@ void add_scaling(CLI::App& bench, CommandContext& context) {
   });
 }
 
+void add_convergence(CLI::App& bench, CommandContext& context) {
+  const auto job = std::make_shared<ConvergenceJob>();
+  const auto no_synthetic = std::make_shared<bool>(false);
+  CLI::App* const command = bench.add_subcommand(
+      "convergence", "Rerun the paper's Figure 5: contact found by fields and by a tree of boxes");
+  command->add_option("plans", job->plans, "Plan files; none: the synthetic cases alone");
+  command->add_option("--ct", job->ct, "The scan, instead of the ones the plans name");
+  command
+      ->add_option("-o,--output", job->output,
+                   "Folder for convergence.md, .csv, plots, and the cache of prepared cases")
+      ->required();
+  command->add_option("--method", job->methods, "Which to run, by name; all unless given");
+  command->add_flag("--no-synthetic", *no_synthetic, "The plans alone");
+  command->footer(
+      "Example:\n  lefort bench convergence examples/midface_forward.json "
+      "examples/midface_forward_down.json --ct ct.nrrd -o convergence/\n"
+      "What was found: docs/contact.md.");
+  command->callback([job, no_synthetic, &context] {
+    job->synthetic = !*no_synthetic;
+    context.run("bench convergence",
+                [&](Progress& progress) { return bench_convergence(*job, progress); });
+  });
+}
+
+void add_detection(CLI::App& bench, CommandContext& context) {
+  const auto options = std::make_shared<bench::DetectionOptions>();
+  CLI::App* const command = bench.add_subcommand(
+      "detection", "How fast contact with a skull is detected: fields beside trees of boxes");
+  command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "Folder for skull.vtp (used again if there) and detection.md")
+      ->required();
+  command->add_option("--points", options->points, "Points asked for at once")
+      ->check(CLI::Range(1, 100'000'000))
+      ->capture_default_str();
+  command->add_option("--resolution", options->resolution, "Cells along a side of the field")
+      ->check(CLI::IsMember({64, 128, 256, 512, 1024}))
+      ->capture_default_str();
+  command->footer("Example:\n  lefort bench detection ct.nrrd -o detection/");
+  command->callback([options, &context] {
+    if (context.threads > 0) options->threads = context.threads;
+    context.run("bench detection", [&](Progress& progress) -> Result<Summary> {
+      LEFORT_TRY(const std::string table, bench::run_detection(*options, progress));
+      return Summary{.text = table, .json = {{"output", options->output.string()}}};
+    });
+  });
+}
+
 void add_solve(CLI::App& bench, CommandContext& context) {
   const auto options = std::make_shared<bench::SolveOptions>();
   CLI::App* const command = bench.add_subcommand(
@@ -142,6 +192,8 @@ void add_bench_command(CLI::App& cli, CommandContext& context) {
   bench->require_subcommand(1);
   add_table1(*bench, context);
   add_scaling(*bench, context);
+  add_convergence(*bench, context);
+  add_detection(*bench, context);
   add_field_task(*bench, context);
   add_solve(*bench, context);
   add_solve_task(*bench, context);

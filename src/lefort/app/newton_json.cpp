@@ -42,6 +42,7 @@ Json contact_json(const contact::ContactSummary& contact) {
           {"mean_penetration_mm", contact.mean_penetration_mm},
           {"max_depth_from_rest_mm", contact.max_depth_from_rest_mm},
           {"mean_depth_from_rest_mm", contact.mean_depth_from_rest_mm},
+          {"p99_depth_from_rest_mm", contact.p99_depth_from_rest_mm},
           {"tunnelled_area_mm2", contact.tunnelled_area_mm2},
           {"force_n", {contact.force_L_n.x(), contact.force_L_n.y(), contact.force_L_n.z()}},
           {"normal_force_n", contact.normal_force_n}};

@@ -100,6 +100,16 @@ struct SolveJob {
 };
 /// Deck and mesh -> displacement, stress and reactions over time.
 [[nodiscard]] Result<Summary> solve_deck(const SolveJob& job, Progress& progress);
+struct ConvergenceJob {
+  std::vector<std::filesystem::path> plans;
+  std::optional<std::filesystem::path> ct;  ///< Instead of the plans'.
+  std::filesystem::path output;             ///< A folder; made if missing.
+  std::vector<std::string> methods;         ///< Names; empty: all.
+  bool synthetic = true;                    ///< Also the cases that need no scan.
+};
+/// Plans -> how Newton's residual falls by each way of detecting contact (the paper's Figure 5).
+[[nodiscard]] Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress);
+
 struct VerifyJob {
   std::filesystem::path output;  ///< A folder, made if missing; empty: no report.
   bool full = false;

@@ -4,8 +4,10 @@
 #include <lefort/app/prediction_pictures.h>
 #include <lefort/app/prediction_report.h>
 #include <lefort/app/prepare_case.h>
+#include <lefort/app/restart_file.h>
 #include <lefort/app/timed_progress.h>
 #include <lefort/app/write_prediction.h>
+#include <lefort/core/units.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/predict/move_skin.h>
@@ -15,6 +17,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -50,9 +54,10 @@ class StepClock {
     last_ = now;
     progress_.note(fmt::format(
         "  {:5.1f} % of the path: {} Newton iterations in {} increments, relative residual {:.1e}, "
-        "{} nodes in contact, penetration up to {:.3f} mm, {:.1f} s",
+        "{} nodes in contact, depth P99 {:.3f} mm, at most {:.3f} mm, {:.1f} s",
         100.0 * step.share, step.newton_iterations(), step.attempts.size(), step.relative_residual,
-        step.contact.nodes, step.contact.max_penetration_mm, seconds_.back()));
+        step.contact.nodes, step.contact.p99_depth_from_rest_mm,
+        step.contact.max_depth_from_rest_mm, seconds_.back()));
   }
   [[nodiscard]] const std::vector<double>& seconds() const { return seconds_; }
 
@@ -61,6 +66,56 @@ class StepClock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
   std::vector<double> seconds_;
 };
+
+/// Keeps what is found, step by step; that it cannot is told once.
+class StepKeeper {
+ public:
+  StepKeeper(fs::path path, Progress& progress) : path_(std::move(path)), progress_(&progress) {}
+
+  void operator()(const predict::Restart& restart) {
+    if (!is_kept_) return;
+    const Result<void> kept = write_restart(path_, restart);
+    is_kept_ = kept.has_value();
+    if (!is_kept_)
+      progress_->note(fmt::format("steps are not kept for another run: {}", kept.error().message));
+  }
+
+ private:
+  fs::path path_;
+  Progress* progress_;
+  bool is_kept_ = true;
+};
+
+/// What an earlier run of the same has found, if it was stopped, or is run again.
+std::optional<predict::Restart> find_earlier(const fs::path& kept, const io::PlanFile& plan,
+                                             Progress& progress) {
+  std::error_code error;
+  if (!fs::exists(kept, error)) return std::nullopt;
+  progress.begin_stage("read steps from the cache");
+  Result<predict::Restart> found = read_restart(kept);
+  if (!found) {
+    progress.note(fmt::format("{}; the path is followed anew", found.error().message));
+    return std::nullopt;
+  }
+  progress.note(fmt::format("{} of {} steps were found by an earlier run", found->steps.size(),
+                            plan.path.steps));
+  return *std::move(found);
+}
+
+/// What contact is found and held by.
+void tell_contact(const io::PlanFile& plan, Progress& progress) {
+  if (plan.boundary.moved_bone != predict::MovedBone::kContact) return;
+  const auto& tolerance_mm = plan.contact.penetration_tolerance_mm;
+  progress.note(fmt::format(
+      "contact: {} detection, k_c = {:.4g} kPa/mm ({:g} times Young's modulus, {:g} kPa, over the "
+      "element size, {:g} mm){}",
+      contact::name_of(plan.contact.detection),
+      kpa_from_mpa(predict::contact_stiffness_mpa_per_mm(plan.tissue, plan.contact)),
+      plan.contact.stiffness_factor, kpa_from_mpa(plan.tissue.young_mpa),
+      plan.tissue.element_size_mm,
+      tolerance_mm ? fmt::format(", multipliers until the P99 of depth is {:g} mm", *tolerance_mm)
+                   : ""));
+}
 
 Result<fs::path> scan_of(const PredictJob& job, const io::PlanFile& plan) {
   if (job.ct) return *job.ct;
@@ -114,16 +169,32 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   LEFORT_TRY(const PreparedCase prepared,
              prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), ct, cache, progress));
 
+  LEFORT_TRY_VOID(write_overlaps(job.output, prepared));
+
+  const fs::path kept = cache.file("steps.restart", restart_key(prepared));
+  std::optional<predict::Restart> earlier = find_earlier(kept, prepared.plan, progress);
   progress.begin_stage("solve");
+  tell_contact(prepared.plan, progress);
   StepClock clock(progress);
-  LEFORT_TRY(const predict::FacePrediction prediction,
-             predict::predict_face(prepared.model, prepared.plan.path,
-                                   {prepared.plan.tissue, prepared.plan.boundary,
-                                    prepared.plan.contact, prepared.plan.solver},
-                                   std::ref(clock), progress));
+  LEFORT_TRY(
+      const predict::FacePrediction prediction,
+      predict::predict_face(prepared.model, prepared.plan.path,
+                            {prepared.plan.tissue, prepared.plan.boundary, prepared.plan.contact,
+                             prepared.plan.solver},
+                            {.on_step = std::ref(clock), .on_restart = StepKeeper(kept, progress)},
+                            progress, std::move(earlier)));
   if (!prediction.converged())
     return give_up(job, prepared, prediction, plan_copy, {progress.stages(), clock.seconds()});
 
+  if (const auto& tolerance_mm = prepared.plan.contact.penetration_tolerance_mm)
+    if (const auto deep = std::count_if(
+            prediction.steps.begin(), prediction.steps.end(),
+            [&](const auto& step) { return step.contact.p99_depth_from_rest_mm > *tolerance_mm; });
+        deep > 0)
+      progress.note(
+          fmt::format("warning: after {} of {} steps tissue in contact lies deeper (P99) than "
+                      "contact.penetration_tolerance_mm = {:g} mm; multipliers got no further",
+                      deep, prediction.steps.size(), *tolerance_mm));
   const predict::PredictionStep& last = prediction.steps.back();
   const std::vector<Vec3> skin_mm = predict::skin_displacement(
       predict::bind_skin(

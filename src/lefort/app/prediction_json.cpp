@@ -56,6 +56,7 @@ Json as_json(const predict::PredictionStep& step) {
           {"mean_penetration_mm", step.contact.mean_penetration_mm},
           {"max_depth_from_rest_mm", step.contact.max_depth_from_rest_mm},
           {"mean_depth_from_rest_mm", step.contact.mean_depth_from_rest_mm},
+          {"p99_depth_from_rest_mm", step.contact.p99_depth_from_rest_mm},
           {"tunnelled_area_mm2", step.contact.tunnelled_area_mm2},
           {"contact_force_n", as_json(step.contact.force_L_n)},
           {"contact_normal_force_n", step.contact.normal_force_n},
@@ -66,33 +67,44 @@ Json as_json(const predict::PredictionStep& step) {
           {"attempts", as_json(step.attempts)}};
 }
 
+Json as_json(const StepOverlap& step) {
+  return {{"share", step.share},
+          {"volume_ml", step.overlap.volume_mm3 * 1e-3},
+          {"deepest_mm", step.overlap.deepest_mm},
+          {"deepest_at_mm_lps",
+           step.overlap.overlaps() ? as_json(step.overlap.deepest_L) : Json(nullptr)},
+          {"deeper_than_told", step.overlap.is_beyond_reach}};
+}
+
 Json parameters(const io::PlanFile& plan, const predict::FacePrediction& prediction) {
   const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
-  return {
-      {"title", plan.title},
-      {"segment", plan.osteotomy.segment},
-      {"steps", plan.path.steps},
-      {"bone_hu", plan.segmentation.bone_hu},
-      {"skin_hu", plan.segmentation.skin_hu},
-      {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
-      {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
-      {"poisson", plan.tissue.poisson},
-      {"element_size_mm", plan.tissue.element_size_mm},
-      {"far_element_size_mm", plan.tissue.far_element_size_mm},
-      {"margin_mm", plan.tissue.margin_mm},
-      {"moved_bone", is_contact ? "contact" : "attached"},
-      {"scan_edge", plan.boundary.scan_edge == predict::ScanEdge::kFree ? "free" : "fixed"},
-      {"release_mm", plan.boundary.release_mm},
-      {"capture_mm", plan.boundary.capture_mm},
-      {"smallest_piece_ml", plan.cut.smallest_piece_ml},
-      {"smallest_piece_share", plan.cut.smallest_piece_share},
-      {"stiffness_factor", plan.contact.stiffness_factor},
-      {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
-      {"reconstruction",
-       plan.contact.reconstruction == contact::Reconstruction::kSmooth ? "smooth" : "trilinear"},
-      {"relative_tolerance", plan.solver.relative_tolerance},
-      {"max_iterations", plan.solver.max_iterations},
-      {"smallest_step", plan.solver.smallest_step}};
+  return {{"title", plan.title},
+          {"segment", plan.osteotomy.segment},
+          {"steps", plan.path.steps},
+          {"bone_hu", plan.segmentation.bone_hu},
+          {"skin_hu", plan.segmentation.skin_hu},
+          {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
+          {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
+          {"poisson", plan.tissue.poisson},
+          {"element_size_mm", plan.tissue.element_size_mm},
+          {"far_element_size_mm", plan.tissue.far_element_size_mm},
+          {"margin_mm", plan.tissue.margin_mm},
+          {"moved_bone", is_contact ? "contact" : "attached"},
+          {"scan_edge", plan.boundary.scan_edge == predict::ScanEdge::kFree ? "free" : "fixed"},
+          {"release_mm", plan.boundary.release_mm},
+          {"capture_mm", plan.boundary.capture_mm},
+          {"smallest_piece_ml", plan.cut.smallest_piece_ml},
+          {"smallest_piece_share", plan.cut.smallest_piece_share},
+          {"stiffness_factor", plan.contact.stiffness_factor},
+          {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
+          {"detection", contact::name_of(plan.contact.detection)},
+          {"integration", contact::name_of(plan.contact.integration)},
+          {"penetration_tolerance_mm", plan.contact.penetration_tolerance_mm
+                                           ? Json(*plan.contact.penetration_tolerance_mm)
+                                           : Json(nullptr)},
+          {"relative_tolerance", plan.solver.relative_tolerance},
+          {"max_iterations", plan.solver.max_iterations},
+          {"smallest_step", plan.solver.smallest_step}};
 }
 
 Json volumes(const PreparedCase& prepared) {
@@ -148,6 +160,8 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
                      const SkinShift& skin, const Timing& timing) {
   Json steps = Json::array();
   for (const predict::PredictionStep& step : prediction.steps) steps.push_back(as_json(step));
+  Json overlaps = Json::array();
+  for (const StepOverlap& step : prepared.overlaps) overlaps.push_back(as_json(step));
   Json json{{"lefort_prediction", 1},
             {"notice", kNotForClinicalUse},
             {"version", kVersion},
@@ -171,6 +185,7 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
               {"segment_triangles", prepared.bones.segment_L.triangle_count()}}},
             {"field", field_summary(*prepared.model.segment_field_B)},
             {"mesh", mesh_summary(prepared)},
+            {"bone_overlap", overlaps},
             {"rest_penetration_mm", prediction.rest_penetration_mm},
             {"skin",
              {{"largest_shift_mm", skin.largest_mm},

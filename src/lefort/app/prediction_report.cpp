@@ -46,7 +46,7 @@ report::ReportTable step_table(const predict::FacePrediction& prediction) {
   report::ReportTable table{
       "Steps along the path",
       {"path done [%]", "Newton iterations", "relative residual", "nodes in contact",
-       "max penetration [mm]", "mean penetration [mm]", "max depth from rest [mm]",
+       "max penetration [mm]", "mean penetration [mm]", "max depth from rest [mm]", "its P99 [mm]",
        "contact force [N]", "smallest volume ratio"},
       {}};
   for (const predict::PredictionStep& step : prediction.steps) {
@@ -56,6 +56,7 @@ report::ReportTable step_table(const predict::FacePrediction& prediction) {
          fmt::format("{:.3f}", step.contact.max_penetration_mm),
          fmt::format("{:.3f}", step.contact.mean_penetration_mm),
          fmt::format("{:.3f}", step.contact.max_depth_from_rest_mm),
+         fmt::format("{:.3f}", step.contact.p99_depth_from_rest_mm),
          fmt::format("{:.3f}", step.contact.force_L_n.norm()),
          fmt::format("{:.3f}", step.smallest_J)});
   }
@@ -165,6 +166,13 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   report.steps = solver_steps(prediction);
   report.residual_tolerance = prepared.plan.solver.relative_tolerance;
   report.notes = prepared.provenance.warnings;
+  const auto deepest = std::max_element(prepared.overlaps.begin(), prepared.overlaps.end(),
+                                        [](const StepOverlap& a, const StepOverlap& b) {
+                                          return a.overlap.deepest_mm < b.overlap.deepest_mm;
+                                        });
+  if (deepest != prepared.overlaps.end() && deepest->overlap.overlaps())
+    report.notes.push_back(describe(*deepest) +
+                           "; depths of all steps are in bone_overlap.vtp and prediction.json.");
   if (!prediction.steps.empty() && prediction.steps.back().contact.tunnelled_area_mm2 > 0.0)
     report.notes.push_back(
         fmt::format("Contact is as soft as its stiffness: {:.1f} mm\u00b2 of tissue, of {:.0f} "
@@ -185,7 +193,7 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
       "Tissue outside the meshed region does not move, and where the scan ends tissue has no "
       "neighbour: near the scan\u2019s edge the prediction is not to be trusted.",
       "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it; tissue "
-      "does not meet still bone anew. Bones may overlap without being noticed.",
+      "does not meet still bone anew.",
       "Not validated against post-operative scans."};
   return report;
 }

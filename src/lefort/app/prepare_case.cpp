@@ -9,6 +9,7 @@
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/vtu.h>
+#include <lefort/plan/bone_path.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/tissue_boundary.h>
 
@@ -37,15 +38,16 @@ Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtV
       });
 }
 
+/// \param name  of the bone, for stage and file.
 Result<std::shared_ptr<const field::DistanceField>> find_field(
-    const geometry::TriangleMesh& segment_B, const field::DistanceFieldOptions& options,
-    const StageCache& cache, Progress& progress) {
-  progress.begin_stage("segment's distance field");
+    const std::string& name, const geometry::TriangleMesh& surface_B,
+    const field::DistanceFieldOptions& options, const StageCache& cache, Progress& progress) {
+  progress.begin_stage(name + "'s distance field");
   LEFORT_TRY(field::DistanceField field,
              cache.get(
-                 "segment.field", field_key(segment_B, options), progress,
+                 name + ".field", field_key(surface_B, options), progress,
                  [](const fs::path& path) { return io::read_field(path); },
-                 [&] { return field::build_distance_field(segment_B, options, progress); },
+                 [&] { return field::build_distance_field(surface_B, options, progress); },
                  [](const fs::path& path, const field::DistanceField& made) {
                    return io::write_field(path, made);
                  }));
@@ -64,7 +66,47 @@ Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
       [](const fs::path& path, const mesh::VolumeMesh& made) { return io::write_vtu(path, made); });
 }
 
+/// \param field_options  of the segment's field.
+Result<std::vector<StepOverlap>> find_overlaps(
+    const plan::CutBones& bones, const plan::BonePath& path,
+    const std::shared_ptr<const field::DistanceField>& segment_field,
+    field::DistanceFieldOptions field_options, const StageCache& cache, Progress& progress) {
+  field_options.smooth = false;
+  LEFORT_TRY(const auto still_field,
+             find_field("remainder", bones.remainder_L, field_options, cache, progress));
+  progress.begin_stage("bone against bone");
+  if (!still_field->frame().closed)
+    progress.note(
+        "warning: the still bone is an open surface, so that the segment may overlap it unseen");
+  using contact::Detection;
+  LEFORT_TRY(const auto moved_B, contact::detect_by_field(segment_field, Detection::kTrilinear));
+  LEFORT_TRY(const auto still_B, contact::detect_by_field(still_field, Detection::kTrilinear));
+  const contact::SolidBone still{&bones.remainder_L, {still_B}};
+  std::vector<StepOverlap> overlaps;
+  const StepOverlap* worst = nullptr;
+  overlaps.reserve(std::size_t(path.steps));
+  for (int step = 1; step <= path.steps; ++step) {
+    const double share = double(step) / path.steps;
+    const contact::SolidBone moved{&bones.segment_L, {moved_B, plan::pose_at(path, share)}};
+    overlaps.push_back({share, contact::measure_overlap(moved, still, segment_field->cell_mm())});
+    if (worst == nullptr || overlaps.back().overlap.deepest_mm > worst->overlap.deepest_mm)
+      worst = &overlaps.back();
+  }
+  if (worst != nullptr && worst->overlap.overlaps()) progress.note("warning: " + describe(*worst));
+  return overlaps;
+}
+
 }  // namespace
+
+std::string describe(const StepOverlap& step) {
+  const contact::BoneOverlap& overlap = step.overlap;
+  return fmt::format(
+      "the path drives bone through bone: at {:.1f} % the segment and still bone share {:.2f} ml, "
+      "{}{:.2f} mm deep at ({:.1f}, {:.1f}, {:.1f}) mm",
+      100.0 * step.share, overlap.volume_mm3 * 1e-3,
+      overlap.is_beyond_reach ? "more than " : "up to ", overlap.deepest_mm, overlap.deepest_L.x(),
+      overlap.deepest_L.y(), overlap.deepest_L.z());
+}
 
 Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                   const fs::path& ct_path, const StageCache& cache,
@@ -95,10 +137,16 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                     "osteotomy.smallest_piece_ml or _share and do not move",
                     bones.crumbs, bones.crumb_volume_mm3 * 1e-3));
   field::DistanceFieldOptions field_options = plan.field;
-  field_options.smooth = plan.contact.reconstruction == contact::Reconstruction::kSmooth;
-  LEFORT_TRY(auto segment_field, find_field(bones.segment_L, field_options, cache, progress));
-  LEFORT_TRY_VOID(predict::check_field_reach(plan.path, bones.segment_L, *segment_field,
-                                             plan.boundary));  // Before the costly mesh.
+  field_options.smooth = plan.contact.detection == contact::Detection::kSmooth;
+  LEFORT_TRY(auto segment_field,
+             find_field("segment", bones.segment_L, field_options, cache, progress));
+  LEFORT_TRY(const auto detector_B,
+             predict::detect_segment(bones.segment_L, segment_field, plan.contact.detection));
+  LEFORT_TRY_VOID(predict::check_reach(plan.path, bones.segment_L, *detector_B,
+                                       plan.boundary));  // Before the costly mesh.
+
+  LEFORT_TRY(std::vector<StepOverlap> overlaps,
+             find_overlaps(bones, plan.path, segment_field, field_options, cache, progress));
 
   const predict::TissueDomain domain =
       predict::make_tissue_domain(anatomy::soft_tissue_level(ct, labels, levels, progress), ct.grid,
@@ -119,7 +167,7 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                         .warnings = scan.warnings};
   return PreparedCase{std::move(plan),           std::move(provenance), ct.grid,
                       tissue_volumes_ml(labels), std::move(skin_L),     std::move(bones),
-                      std::move(model),          std::move(quality)};
+                      std::move(model),          std::move(quality),    std::move(overlaps)};
 }
 
 }  // namespace lefort::app

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/app/stage_cache.h>
+#include <lefort/contact/bone_overlap.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/geometry/triangle_mesh.h>
@@ -28,6 +29,12 @@ struct Provenance {
   std::vector<std::string> warnings;  ///< Of the import.
 };
 
+/// Where the plan moves the segment into still bone, at one step of its path.
+struct StepOverlap {
+  double share = 0.0;
+  contact::BoneOverlap overlap;  ///< Depths are of the vertices of bones.segment_L.
+};
+
 /// A case before anything moves. Immutable once prepared.
 struct PreparedCase {
   io::PlanFile plan;
@@ -38,7 +45,11 @@ struct PreparedCase {
   plan::CutBones bones;
   predict::FaceModel model;
   mesh::MeshQuality quality;
+  std::vector<StepOverlap> overlaps;  ///< One for each step.
 };
+
+/// One sentence.
+[[nodiscard]] std::string describe(const StepOverlap& step);
 
 /// \param plan         read from a file whose text hashes to `plan_sha256`.
 /// \param ct           the scan.

@@ -3,6 +3,8 @@
 #include <lefort/app/pipeline.h>
 #include <lefort/app/prediction_json.h>
 #include <lefort/app/write_solve.h>
+#include <lefort/contact/detector.h>
+#include <lefort/core/units.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/io/deck_file.h>
 #include <lefort/io/field_file.h>
@@ -16,6 +18,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -73,30 +76,64 @@ std::vector<fs::path> input_files(const SolveJob& job, const io::DeckFile& file)
   return files;
 }
 
-Result<solve::ObstacleFields> obstacle_fields(const io::DeckFile& file, Progress& progress) {
-  solve::ObstacleFields fields;
-  for (const io::ObstacleFile& obstacle : file.obstacles) {
-    if (obstacle.file.extension() == ".field") {
-      LEFORT_TRY(field::DistanceField read, io::read_field(obstacle.file));
-      fields.push_back(std::make_shared<const field::DistanceField>(std::move(read)));
-      continue;
-    }
-    LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(obstacle.file));
-    LEFORT_TRY(field::DistanceField built,
-               field::build_distance_field(surface, obstacle.options, progress));
-    fields.push_back(std::make_shared<const field::DistanceField>(std::move(built)));
+/// A tree of boxes reaches everywhere unless told otherwise.
+constexpr double kNoEnd_mm = std::numeric_limits<double>::infinity();
+
+using DetectorPtr = std::shared_ptr<const contact::Detector>;
+
+Result<DetectorPtr> detect_obstacle(const io::ObstacleFile& file, contact::Detection detection,
+                                    Progress& progress) {
+  const bool is_field = file.file.extension() == ".field";
+  if (detection == contact::Detection::kBvh) {
+    if (is_field)
+      return fail(ErrorCode::kInvalidArgument,
+                  "detection bvh needs the surface, not its distance field");
+    LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file));
+    LEFORT_TRY(field::PreparedSurface prepared, field::prepare_surface(surface));
+    return contact::detect_by_bvh(std::make_shared<const geometry::Bvh>(std::move(prepared.mesh_B)),
+                                  file.options.band_mm > 0.0 ? file.options.band_mm : kNoEnd_mm);
   }
-  return fields;
+  const auto shared = [&](field::DistanceField field) {
+    return contact::detect_by_field(std::make_shared<const field::DistanceField>(std::move(field)),
+                                    detection);
+  };
+  if (is_field) {
+    LEFORT_TRY(field::DistanceField read, io::read_field(file.file));
+    return shared(std::move(read));
+  }
+  LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file));
+  LEFORT_TRY(field::DistanceField built,
+             field::build_distance_field(surface, file.options, progress));
+  return shared(std::move(built));
 }
 
-std::string described(const solve::Increment& increment) {
+Result<solve::ObstacleDetectors> detect_obstacles(const io::DeckFile& file, Progress& progress) {
+  solve::ObstacleDetectors detectors;
+  for (std::size_t i = 0; i < file.obstacles.size(); ++i) {
+    const solve::Obstacle& obstacle = file.deck.obstacles[i];
+    auto detector = detect_obstacle(file.obstacles[i], obstacle.detection, progress);
+    if (!detector)
+      return fail(detector.error().code,
+                  fmt::format("obstacle {}: {}", obstacle.name, detector.error().message));
+    detectors.push_back(*std::move(detector));
+  }
+  return detectors;
+}
+
+std::string described(const solve::Increment& increment, const solve::Deck& deck) {
   std::string line = fmt::format(
       "  time {:.4f}: {} Newton iterations in {} increments tried, relative residual {:.1e}, moved "
       "up to {:.3f} mm",
       increment.time, increment.newton_iterations(), increment.attempts.size(),
       increment.relative_residual, increment.largest_displacement_mm);
-  for (const contact::ContactSummary& contact : increment.contacts)
+  for (std::size_t i = 0; i < increment.contacts.size(); ++i) {
+    const contact::ContactSummary& contact = increment.contacts[i];
     line += fmt::format(", {} nodes in contact", contact.nodes);
+    const auto& tolerance_mm = deck.obstacles[i].penetration_tolerance_mm;
+    if (tolerance_mm && contact.p99_depth_from_rest_mm > *tolerance_mm)
+      line += fmt::format(" {:.3g} mm deep (P99), deeper than {:g} mm",
+                          contact.p99_depth_from_rest_mm, *tolerance_mm);
+  }
   return line;
 }
 
@@ -147,13 +184,19 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
 
   clock.begin("obstacles");
   if (!file.obstacles.empty()) progress.begin_stage("build the obstacles' fields");
-  LEFORT_TRY(const solve::ObstacleFields fields, obstacle_fields(file, progress));
-  const auto overlaps = solve::check_obstacles(prepared, fields);
+  LEFORT_TRY(const solve::ObstacleDetectors detectors, detect_obstacles(file, progress));
+  const auto overlaps = solve::check_obstacles(prepared, detectors);
   if (!overlaps)
     return fail(overlaps.error().code,
                 fmt::format("deck {}: {}", job.deck.string(), overlaps.error().message));
   prepared.warnings.insert(prepared.warnings.end(), overlaps->begin(), overlaps->end());
   for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
+  if (!job.quiet)
+    for (std::size_t i = 0; i < detectors.size(); ++i)
+      progress.note(fmt::format("obstacle {}: {} detection, k_c = {:.4g} kPa/mm",
+                                prepared.deck.obstacles[i].name,
+                                contact::name_of(prepared.deck.obstacles[i].detection),
+                                kpa_from_mpa(prepared.obstacle_stiffness_mpa_per_mm[i])));
   if (job.check_only) return summary_of_check(job, prepared);
 
   clock.begin("read");
@@ -170,7 +213,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   watch.on_phase = [&](fem::SolvePhase phase) { clock.begin(name_of(phase)); };
   watch.on_increment = [&](const solve::Increment& increment) {
     clock.begin("output");
-    if (!job.quiet) progress.note(described(increment));
+    if (!job.quiet) progress.note(described(increment, prepared.deck));
     Result<void> added = writer.add(increment);
     clock.begin(name_of(fem::SolvePhase::kNone));
     return added;
@@ -181,7 +224,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
     clock.begin("diagnosis");
     return {};
   };
-  LEFORT_TRY(const solve::DeckRun run, solve::run_deck(prepared, fields, watch, progress));
+  LEFORT_TRY(const solve::DeckRun run, solve::run_deck(prepared, detectors, watch, progress));
   clock.begin("output");
   LEFORT_TRY(const auto json, writer.finish(inputs, run, clock));
   if (!run.completed()) return ended_early(job, run, writer);

@@ -61,9 +61,9 @@ Result<void> write_paraview(const fs::path& folder, const PreparedCase& prepared
 
 Result<void> remove_results(const fs::path& folder) {
   std::vector<fs::path> files;
-  for (const char* name :
-       {"prediction.json", "failure.json", "report.html", "plan.json", "predicted_skin.vtp",
-        "predicted_skin.stl", "skin_before.vtp", "bone_remainder.vtp", "bone_segment_moved.vtp"})
+  for (const char* name : {"prediction.json", "failure.json", "report.html", "plan.json",
+                           "predicted_skin.vtp", "predicted_skin.stl", "skin_before.vtp",
+                           "bone_remainder.vtp", "bone_segment_moved.vtp", "bone_overlap.vtp"})
     files.push_back(folder / name);
   files.push_back(folder / kParaview / "prediction.pvd");
   for (const fs::path& step : earlier_files(folder / kParaview, "step_", ".vtu"))
@@ -72,6 +72,15 @@ Result<void> remove_results(const fs::path& folder) {
     for (const fs::path& picture : earlier_files(folder / kPictures, kind, ".png"))
       files.push_back(picture);
   return remove_earlier_files(files);
+}
+
+Result<void> write_overlaps(const fs::path& folder, const PreparedCase& prepared) {
+  std::vector<io::VertexArray> arrays;
+  for (const StepOverlap& step : prepared.overlaps)
+    if (step.overlap.overlaps())
+      arrays.push_back({fmt::format("overlap_mm_at_{:.4f}", step.share), step.overlap.depth_mm});
+  if (arrays.empty()) return {};
+  return io::write_surface(folder / "bone_overlap.vtp", prepared.bones.segment_L, arrays);
 }
 
 Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCase& prepared,

@@ -22,6 +22,11 @@ namespace lefort::app {
 /// \returns nothing, or kFileUnwritable: a result could not be removed.
 [[nodiscard]] Result<void> remove_results(const std::filesystem::path& folder);
 
+/// bone_overlap.vtp, the segment at rest with the depth of each vertex in still bone for each step
+/// that drives it there; nothing if none does.
+[[nodiscard]] Result<void> write_overlaps(const std::filesystem::path& folder,
+                                          const PreparedCase& prepared);
+
 /// predicted_skin.vtp and .stl, skin_before.vtp, bones, and paraview/prediction.pvd with a VTU for
 /// rest and for each step.
 [[nodiscard]] Result<void> write_surfaces_and_fields(const std::filesystem::path& folder,

@@ -1,5 +1,4 @@
 #include <lefort/contact/contact_term.h>
-#include <lefort/contact/penalty.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 #include <lefort/fem/elements/quadrature_rules.h>
@@ -10,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <set>
@@ -54,13 +54,42 @@ Rule rule_of() {
   return rule;
 }
 
-const Rule& rule_of(mesh::FaceShape shape) {
-  static const std::array<Rule, 4> rules{rule_of<fem::Tri3>(), rule_of<fem::Quad4>(),
-                                         rule_of<fem::Tri6>(), rule_of<fem::Quad8>()};
-  return rules[std::size_t(shape)];
+/// A node alone.
+Rule node_rule() {
+  Rule rule;
+  rule.points.emplace_back().weight = 1.0;
+  rule.points.back().N[0] = 1.0;
+  return rule;
 }
 
-/// Where a point is, its face's nodes being at x.
+/// By FaceShape; the last is a node's.
+constexpr std::uint8_t kNodeRule = 4;
+const Rule& rule_at(std::size_t number) {
+  static const std::array<Rule, 5> rules{rule_of<fem::Tri3>(), rule_of<fem::Quad4>(),
+                                         rule_of<fem::Tri6>(), rule_of<fem::Quad8>(), node_rule()};
+  return rules[number];
+}
+
+constexpr std::size_t kMaxPoints = 9;
+
+/// The part of a face that its a-th node stands for: that of a corner in the face, or in the
+/// smaller ones that middle nodes cut it into. All positive, and exact for forces that vary
+/// linearly.
+double share_of_node(mesh::FaceShape shape, std::size_t a) {
+  switch (shape) {
+    case mesh::FaceShape::kTri3:
+      return 1.0 / 3.0;
+    case mesh::FaceShape::kQuad4:
+      return 1.0 / 4.0;
+    case mesh::FaceShape::kTri6:
+      return a < 3 ? 1.0 / 12.0 : 1.0 / 4.0;
+    case mesh::FaceShape::kQuad8:
+      return a < 4 ? 1.0 / 12.0 : 1.0 / 6.0;
+  }
+  return 0.0;
+}
+
+/// Where a point is, its patch's nodes being at x.
 Vec3 interpolate(const RulePoint& point, std::span<const Vec3> x_L) {
   Vec3 p_L = point.N[0] * x_L[0];
   for (std::size_t a = 1; a < x_L.size(); ++a) p_L += point.N[a] * x_L[a];
@@ -75,68 +104,174 @@ double area_mm2(const RulePoint& point, std::span<const Vec3> x_L) {
   return point.weight * tangents.col(0).cross(tangents.col(1)).norm();
 }
 
-/// The nodes of a face, picked from all.
-struct FaceNodes {
+/// The nodes of a patch, picked from all.
+struct PatchNodes {
   std::array<Vec3, kMaxFaceNodes> x_L;
   std::size_t count = 0;
 
-  FaceNodes(const mesh::Face& face, std::span<const Vec3> all_L)
-      : count(std::size_t(mesh::node_count(face.shape))) {
-    for (std::size_t a = 0; a < count; ++a) x_L[a] = all_L[std::size_t(face.nodes[a])];
+  PatchNodes(std::span<const std::int32_t> nodes, std::span<const Vec3> all_L)
+      : count(nodes.size()) {
+    for (std::size_t a = 0; a < count; ++a) x_L[a] = all_L[std::size_t(nodes[a])];
   }
   [[nodiscard]] std::span<const Vec3> span() const { return {x_L.data(), count}; }
 };
+
+/// Gaps at the points of a rule.
+struct RuleGaps {
+  std::array<Gap, kMaxPoints> gaps;
+
+  RuleGaps(const BoneObstacle& obstacle, const Rule& rule, std::span<const Vec3> x_L,
+           Derivatives derivatives) {
+    std::array<Vec3, kMaxPoints> p_L;
+    const std::size_t count = rule.points.size();
+    for (std::size_t q = 0; q < count; ++q) p_L[q] = interpolate(rule.points[q], x_L);
+    measure_gaps(obstacle, std::span(p_L).first(count), derivatives, std::span(gaps).first(count));
+  }
+};
+
+/// What lies behind the `share` of the area that lies deepest.
+double depth_at_share(std::vector<std::pair<double, double>> depth_and_area, double share) {
+  std::sort(depth_and_area.begin(), depth_and_area.end(), std::greater<>());
+  double total_mm2 = 0.0, passed_mm2 = 0.0;
+  for (const auto& [depth_mm, area_mm2] : depth_and_area) total_mm2 += area_mm2;
+  for (const auto& [depth_mm, area_mm2] : depth_and_area) {
+    passed_mm2 += area_mm2;
+    if (passed_mm2 > share * total_mm2) return depth_mm;
+  }
+  return 0.0;
+}
 
 }  // namespace
 
 ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
                          BoneObstacle obstacle, const Options& options)
-    : faces_(std::move(faces)),
-      obstacle_(std::move(obstacle)),
-      stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm) {
+    : obstacle_(std::move(obstacle)),
+      stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm),
+      penetration_tolerance_mm_(options.penetration_tolerance_mm) {
+  LEFORT_CHECK(obstacle_.detector_B != nullptr);
   LEFORT_CHECK(stiffness_mpa_per_mm_ > 0.0 && options.capture_mm >= 0.0);
-  LEFORT_CHECK(options.capture_mm < reach_mm(*obstacle_.field_B, obstacle_.reconstruction));
-  first_point_.reserve(faces_.size());
-  for (const mesh::Face& face : faces_) {
-    const FaceNodes x(face, nodes_L);
-    first_point_.push_back(points_.size());
-    for (const RulePoint& point : rule_of(face.shape).points)
-      points_.push_back(
-          {.area_mm2 = area_mm2(point, x.span()),
-           .rest_gap_mm = rest_gap_mm(interpolate(point, x.span()), options.capture_mm)});
-  }
-  last_clearance_.resize(faces_.size());
-  remember(nodes_L);
+  LEFORT_CHECK(options.penetration_tolerance_mm.value_or(1.0) > 0.0);
+  LEFORT_CHECK(options.capture_mm < obstacle_.detector_B->reach_mm());
+  if (options.integration == Integration::kQuadrature)
+    add_faces(nodes_L, faces);
+  else
+    add_nodes(nodes_L, faces);
+  for (const Patch& patch : patches_)
+    for_each_gap(patch, nodes_L, [&](std::size_t k, const RulePoint&, const Gap& gap) {
+      points_[k].rest_gap_mm = rest_gap_mm(gap, options.capture_mm);
+    });
+  last_clearance_.resize(patches_.size());
+  look_around(nodes_L);
 }
 
-double ContactTerm::rest_gap_mm(const Vec3& rest_L, double capture_mm) const {
-  const Gap gap = measure_gap(obstacle_, rest_L, Derivatives::kFirst);
-  const bool touches = gap.zone == field::Zone::kBand && std::abs(gap.gap_mm) <= capture_mm;
-  return touches ? gap.gap_mm : std::min(gap.gap_mm, 0.0);
+void ContactTerm::add_faces(std::span<const Vec3> nodes_L, const std::vector<mesh::Face>& faces) {
+  patches_.reserve(faces.size());
+  for (const mesh::Face& face : faces) {
+    const auto nodes = mesh::nodes_of(face);
+    Patch patch{.count = std::uint8_t(nodes.size()),
+                .rule = std::uint8_t(face.shape),
+                .first_point = points_.size()};
+    std::copy(nodes.begin(), nodes.end(), patch.nodes.begin());
+    const PatchNodes x(nodes, nodes_L);
+    for (const RulePoint& point : rule_at(patch.rule).points)
+      points_.push_back({.area_mm2 = area_mm2(point, x.span())});
+    patches_.push_back(patch);
+  }
+}
+
+void ContactTerm::add_nodes(std::span<const Vec3> nodes_L, const std::vector<mesh::Face>& faces) {
+  std::map<std::int32_t, double> share_mm2;
+  for (const mesh::Face& face : faces) {
+    const auto nodes = mesh::nodes_of(face);
+    const PatchNodes x(nodes, nodes_L);
+    double face_mm2 = 0.0;
+    for (const RulePoint& point : rule_at(std::size_t(face.shape)).points)
+      face_mm2 += area_mm2(point, x.span());
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      share_mm2[nodes[a]] += face_mm2 * share_of_node(face.shape, a);
+  }
+  for (const auto& [node, area_mm2] : share_mm2) {
+    patches_.push_back(
+        {.nodes = {node}, .count = 1, .rule = kNodeRule, .first_point = points_.size()});
+    points_.push_back({.area_mm2 = area_mm2});
+  }
+}
+
+template <class Function>
+void ContactTerm::for_each_gap(const Patch& patch, std::span<const Vec3> x_L,
+                               const Function& f) const {
+  const PatchNodes x(patch.span(), x_L);
+  const Rule& rule = rule_at(patch.rule);
+  const RuleGaps measured(obstacle_, rule, x.span(), Derivatives::kFirst);
+  for (std::size_t q = 0; q < rule.points.size(); ++q)
+    f(patch.first_point + q, rule.points[q], measured.gaps[q]);
+}
+
+double ContactTerm::rest_gap_mm(const Gap& at_rest, double capture_mm) const {
+  const bool touches = at_rest.zone == field::Zone::kBand && std::abs(at_rest.gap_mm) <= capture_mm;
+  return touches ? at_rest.gap_mm : std::min(at_rest.gap_mm, 0.0);
 }
 
 void ContactTerm::remember(std::span<const Vec3> x_L) {
   tunnelled_area_mm2_ += newly_tunnelled_area_mm2(x_L);
+  for (Point& point : points_) point.kept_multiplier_mpa = point.multiplier_mpa;
+  look_around(x_L);
+}
+
+void ContactTerm::look_around(std::span<const Vec3> x_L) {
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
-  parallel_for(Index(faces_.size()), [&](Index item) {
-    const mesh::Face& face = faces_[std::size_t(item)];
-    const Rule& rule = rule_of(face.shape);
-    const FaceNodes x(face, x_L);
+  const double reach_mm = obstacle_.detector_B->reach_mm();
+  parallel_for(Index(patches_.size()), [&](Index item) {
+    const Patch& patch = patches_[std::size_t(item)];
+    const PatchNodes x(patch.span(), x_L);
     Clearance& clearance = last_clearance_[std::size_t(item)];
-    clearance.clearance_mm = reach_mm(*obstacle_.field_B, obstacle_.reconstruction);
+    clearance.clearance_mm = reach_mm;
     for (std::size_t a = 0; a < x.count; ++a)
       clearance.nodes_B[a] = R_BL * (x.x_L[a] - obstacle_.X_LB.translation());
-    for (std::size_t q = 0; q < rule.points.size(); ++q) {
-      Point& point = points_[first_point_[std::size_t(item)] + q];
-      const Gap gap =
-          measure_gap(obstacle_, interpolate(rule.points[q], x.span()), Derivatives::kFirst);
+    for_each_gap(patch, x_L, [&](std::size_t k, const RulePoint&, const Gap& gap) {
+      Point& point = points_[k];
       const bool is_seen = gap.zone == field::Zone::kBand || gap.zone == field::Zone::kOutside;
       const double touching_at_mm = std::max(point.rest_gap_mm, 0.0);
+      const bool may_be_clear = is_seen && point.multiplier_mpa == 0.0;
       clearance.clearance_mm =
-          std::min(clearance.clearance_mm, is_seen ? gap.gap_mm - touching_at_mm : 0.0);
+          std::min(clearance.clearance_mm, may_be_clear ? gap.gap_mm - touching_at_mm : 0.0);
       point.last_sight = {R_BL * gap.gradient_L, gap.zone != field::Zone::kUnknown};
-    }
+    });
   });
+}
+
+void ContactTerm::augment(std::span<const Vec3> x_L) {
+  parallel_for(Index(patches_.size()), [&](Index item) {
+    for_each_gap(patches_[std::size_t(item)], x_L,
+                 [&](std::size_t k, const RulePoint&, const Gap& gap) {
+                   Point& point = points_[k];
+                   point.multiplier_mpa =
+                       gap.zone == field::Zone::kBand
+                           ? pressure_mpa(point.rest_gap_mm - gap.gap_mm, spring_at(point))
+                           : 0.0;
+                   // A pressure that is borne without depth reaches beyond the clearance.
+                   if (point.multiplier_mpa > 0.0)
+                     last_clearance_[std::size_t(item)].clearance_mm = 0.0;
+                 });
+  });
+}
+
+void ContactTerm::recall_multipliers() {
+  for (Point& point : points_) point.multiplier_mpa = point.kept_multiplier_mpa;
+}
+
+ContactTerm::Memory ContactTerm::memory() const {
+  Memory memory{.multipliers_mpa = {}, .tunnelled_area_mm2 = tunnelled_area_mm2_};
+  for (const Point& point : points_) memory.multipliers_mpa.push_back(point.kept_multiplier_mpa);
+  return memory;
+}
+
+void ContactTerm::restore(const Memory& memory, std::span<const Vec3> x_L) {
+  LEFORT_CHECK(memory.multipliers_mpa.size() == points_.size());
+  tunnelled_area_mm2_ = memory.tunnelled_area_mm2;
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    points_[k].multiplier_mpa = points_[k].kept_multiplier_mpa = memory.multipliers_mpa[k];
+  look_around(x_L);
 }
 
 std::optional<std::string> ContactTerm::why_refused(std::span<const Vec3> x_L) const {
@@ -156,13 +291,13 @@ double ContactTerm::rest_penetration_mm() const {
   return deepest_mm;
 }
 
-bool ContactTerm::is_out_of_reach(std::size_t face, std::span<const Vec3> x_L) const {
+bool ContactTerm::is_out_of_reach(std::size_t patch, std::span<const Vec3> x_L) const {
   constexpr double kSlack_mm = 0.1;  // Errors of the field, many times over.
   constexpr double kSlope = 1.1;     // Likewise for the length of its gradient.
-  const Clearance& last = last_clearance_[face];
+  const Clearance& last = last_clearance_[patch];
   if (last.clearance_mm <= kSlack_mm) return false;
   const double allowed_mm =
-      (last.clearance_mm - kSlack_mm) / (kSlope * rule_of(faces_[face].shape).reach);
+      (last.clearance_mm - kSlack_mm) / (kSlope * rule_at(patches_[patch].rule).reach);
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
   for (std::size_t a = 0; a < x_L.size(); ++a) {
     const Vec3 x_B = R_BL * (x_L[a] - obstacle_.X_LB.translation());
@@ -179,17 +314,13 @@ bool ContactTerm::has_tunnelled(const Sight& last, const Gap& gap) const {
 }
 
 double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
-  return deterministic_sum(Index(faces_.size()), 0.0, [&](Index item) {
-    const mesh::Face& face = faces_[std::size_t(item)];
-    const Rule& rule = rule_of(face.shape);
-    const FaceNodes x(face, x_L);
+  return deterministic_sum(Index(patches_.size()), 0.0, [&](Index item) {
     double tunnelled_mm2 = 0.0;
-    for (std::size_t q = 0; q < rule.points.size(); ++q) {
-      const Point& point = points_[first_point_[std::size_t(item)] + q];
-      const Gap gap =
-          measure_gap(obstacle_, interpolate(rule.points[q], x.span()), Derivatives::kFirst);
-      if (has_tunnelled(point.last_sight, gap)) tunnelled_mm2 += point.area_mm2;
-    }
+    for_each_gap(patches_[std::size_t(item)], x_L,
+                 [&](std::size_t k, const RulePoint&, const Gap& gap) {
+                   if (has_tunnelled(points_[k].last_sight, gap))
+                     tunnelled_mm2 += points_[k].area_mm2;
+                 });
     return tunnelled_mm2;
   });
 }
@@ -197,23 +328,26 @@ double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
 bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
                            fem::LocalEquations& local) const {
   if (is_out_of_reach(std::size_t(item), x_L)) return true;
-  const Rule& rule = rule_of(faces_[std::size_t(item)].shape);
+  const Patch& patch = patches_[std::size_t(item)];
+  const Rule& rule = rule_at(patch.rule);
+  const RuleGaps measured(obstacle_, rule, x_L,
+                          local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
   const auto nodes = Index(x_L.size());
   for (std::size_t q = 0; q < rule.points.size(); ++q) {
-    const Point& point = points_[first_point_[std::size_t(item)] + q];
+    const Point& point = points_[patch.first_point + q];
     const auto& N = rule.points[q].N;
-    const Gap gap =
-        measure_gap(obstacle_, interpolate(rule.points[q], x_L),
-                    local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
-    const double depth_mm = point.rest_gap_mm - gap.gap_mm;
+    const Gap& gap = measured.gaps[q];
     if (gap.zone == field::Zone::kInside) return false;
     if (gap.zone == field::Zone::kUnknown && point.last_sight.knows_side) return false;
-    if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
+
+    const double depth_mm = point.rest_gap_mm - gap.gap_mm;
+    const Spring spring = spring_at(point);
+    const PenaltyResponse response =
+        penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, spring);
+    local.energy_mj += point.area_mm2 * response.energy_mj_per_mm2;
+    if (gap.zone != field::Zone::kBand || !(pressure_mpa(depth_mm, spring) > 0.0)) continue;
 
     ++local.contacts;
-    const PenaltyResponse response =
-        penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
-    local.energy_mj += point.area_mm2 * response.energy_mj_per_mm2;
     for (Index a = 0; a < nodes; ++a)
       local.residual_n.segment<3>(3 * a) +=
           point.area_mm2 * N[std::size_t(a)] * response.gradient_mpa;
@@ -221,7 +355,7 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
     const Mat3 hessian_mpa_per_mm =
         local.tangent == fem::Tangent::kExact
             ? response.hessian_mpa_per_mm
-            : convex_hessian(depth_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
+            : convex_hessian(depth_mm, gap.gradient_L, gap.hessian_L, spring);
     for (Index a = 0; a < nodes; ++a)
       for (Index b = 0; b < nodes; ++b)
         local.stiffness_n_per_mm.block<3, 3>(3 * a, 3 * b) +=
@@ -231,33 +365,32 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
 }
 
 ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
+  constexpr double kDeepest = 0.01;  // Of the area in contact: what lies beyond the P99.
   ContactSummary summary;
   std::set<std::int32_t> nodes;
-  for (std::size_t face = 0; face < faces_.size(); ++face) {
-    const Rule& rule = rule_of(faces_[face].shape);
-    const FaceNodes x(faces_[face], x_L);
-    for (std::size_t q = 0; q < rule.points.size(); ++q) {
-      const Point& point = points_[first_point_[face] + q];
-      const Gap gap =
-          measure_gap(obstacle_, interpolate(rule.points[q], x.span()), Derivatives::kFirst);
+  std::vector<std::pair<double, double>> depth_and_area;
+  for (const Patch& patch : patches_) {
+    for_each_gap(patch, x_L, [&](std::size_t k, const RulePoint&, const Gap& gap) {
+      const Point& point = points_[k];
       const double penetration_mm = std::max(-gap.gap_mm, 0.0);
       const double depth_mm = point.rest_gap_mm - gap.gap_mm;
-      if (gap.zone != field::Zone::kBand || !(depth_mm > 0.0)) continue;
-      const Vec3 force_n = -point.area_mm2 * penalty_response(depth_mm, gap.gradient_L,
-                                                              gap.hessian_L, stiffness_mpa_per_mm_)
-                                                 .gradient_mpa;
+      const double p_mpa = pressure_mpa(depth_mm, spring_at(point));
+      if (gap.zone != field::Zone::kBand || !(p_mpa > 0.0)) return;
+      const Vec3 force_n = point.area_mm2 * p_mpa * gap.gradient_L;
       ++summary.points;
-      nodes.insert(faces_[face].nodes.begin(),
-                   faces_[face].nodes.begin() + std::ptrdiff_t(x.count));
+      nodes.insert(patch.span().begin(), patch.span().end());
       summary.area_mm2 += point.area_mm2;
       summary.max_penetration_mm = std::max(summary.max_penetration_mm, penetration_mm);
       summary.mean_penetration_mm += point.area_mm2 * penetration_mm;
       summary.max_depth_from_rest_mm = std::max(summary.max_depth_from_rest_mm, depth_mm);
       summary.mean_depth_from_rest_mm += point.area_mm2 * depth_mm;
+      depth_and_area.emplace_back(depth_mm, point.area_mm2);
       summary.force_L_n += force_n;
       summary.normal_force_n += force_n.norm();
-    }
+    });
   }
+  summary.p99_depth_from_rest_mm =
+      std::max(depth_at_share(std::move(depth_and_area), kDeepest), 0.0);
   summary.nodes = Index(nodes.size());
   summary.tunnelled_area_mm2 = tunnelled_area_mm2_;
   if (summary.area_mm2 > 0.0) {
@@ -271,25 +404,19 @@ std::vector<NodalContact> ContactTerm::at_nodes(std::span<const Vec3> x_L) const
   // Not the pressure at the node itself: flat faces around a ball touch it in their middles alone.
   std::map<std::int32_t, NodalContact> at;
   std::map<std::int32_t, double> share_mm2;
-  for (std::size_t face = 0; face < faces_.size(); ++face) {
-    const Rule& rule = rule_of(faces_[face].shape);
-    const FaceNodes x(faces_[face], x_L);
-    for (std::size_t q = 0; q < rule.points.size(); ++q) {
-      const Point& point = points_[first_point_[face] + q];
-      const Gap gap =
-          measure_gap(obstacle_, interpolate(rule.points[q], x.span()), Derivatives::kFirst);
-      const double pressure_mpa =
-          gap.zone != field::Zone::kBand
-              ? 0.0
-              : penalty_response(point.rest_gap_mm - gap.gap_mm, gap.gradient_L, gap.hessian_L,
-                                 stiffness_mpa_per_mm_)
-                    .gradient_mpa.norm();
-      for (std::size_t a = 0; a < x.count; ++a) {
-        const double weight_mm2 = point.area_mm2 * std::abs(rule.points[q].N[a]);
-        at[faces_[face].nodes[a]].pressure_mpa += weight_mm2 * pressure_mpa;
-        share_mm2[faces_[face].nodes[a]] += weight_mm2;
+  for (const Patch& patch : patches_) {
+    for_each_gap(patch, x_L, [&](std::size_t k, const RulePoint& rule, const Gap& gap) {
+      const Point& point = points_[k];
+      const double p_mpa = gap.zone == field::Zone::kBand
+                               ? pressure_mpa(point.rest_gap_mm - gap.gap_mm, spring_at(point)) *
+                                     gap.gradient_L.norm()
+                               : 0.0;
+      for (std::size_t a = 0; a < patch.count; ++a) {
+        const double weight_mm2 = point.area_mm2 * std::abs(rule.N[a]);
+        at[patch.nodes[a]].pressure_mpa += weight_mm2 * p_mpa;
+        share_mm2[patch.nodes[a]] += weight_mm2;
       }
-    }
+    });
   }
   std::vector<NodalContact> touched;
   for (auto& [node, contact] : at) {

@@ -1,10 +1,11 @@
 /// \file
-/// The paper's contact force, equation (3), as a force term of the solver: the penalty potential
-/// integrated over the tissue's surface.
+/// The paper's contact force, equation (3), as a force term of the solver: the contact potential
+/// (penalty.h) integrated over the tissue's surface.
 #pragma once
 
 #include <lefort/contact/bone_obstacle.h>
 #include <lefort/contact/measure_gap.h>
+#include <lefort/contact/penalty.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/force_term.h>
 #include <lefort/mesh/volume_mesh.h>
@@ -14,13 +15,25 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lefort::contact {
 
+/// Where the potential is integrated.
+enum class Integration : std::uint8_t {
+  kQuadrature,  ///< At points inside the faces.
+  kNodes,       ///< At nodes, each for its share of the faces around it; for comparison.
+};
+
+/// As plans and results call it.
+[[nodiscard]] constexpr std::string_view name_of(Integration integration) {
+  return integration == Integration::kNodes ? "nodes" : "quadrature";
+}
+
 /// What contact does at one state.
 struct ContactSummary {
-  Index points = 0;       ///< Surface quadrature points in contact.
+  Index points = 0;       ///< Points of integration in contact.
   Index nodes = 0;        ///< Nodes of faces with such a point.
   double area_mm2 = 0.0;  ///< Of the tissue's surface at rest, in contact.
   /// How deep tissue lies in the bone: minus the gap, at most and on average over that area.
@@ -29,8 +42,9 @@ struct ContactSummary {
   /// How much nearer to the bone tissue lies than at rest: what the contact force acts on.
   double max_depth_from_rest_mm = 0.0;
   double mean_depth_from_rest_mm = 0.0;
-  Vec3 force_L_n = Vec3::Zero();  ///< On the tissue [N].
-  double normal_force_n = 0.0;    ///< Sum of the magnitudes [N].
+  double p99_depth_from_rest_mm = 0.0;  ///< All of that area but 1 % lies no deeper; >= 0.
+  Vec3 force_L_n = Vec3::Zero();        ///< On the tissue [N].
+  double normal_force_n = 0.0;          ///< Sum of the magnitudes [N].
   /// Of the tissue's surface at rest, what has crept through thin bone since then; a part counts
   /// each time it does.
   double tunnelled_area_mm2 = 0.0;
@@ -54,11 +68,18 @@ struct NodalContact {
 /// tells how much of the surface has changed sides since. It has an energy there all the same: as
 /// soft as the penalty is, tissue may creep over a thin edge however small the increments are, and
 /// a wall that no force keeps a point away from would only stop the solver.
+///
+/// A point may carry a multiplier, the pressure that it bears without depth (penalty.h). All are
+/// zero until augment() is called.
 class ContactTerm final : public fem::ForceTerm {
  public:
   struct Options {
     double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
-    double capture_mm = 0.0;            ///< >= 0, less than the field's band.
+    double capture_mm = 0.0;            ///< >= 0, less than the detector's reach.
+    Integration integration = Integration::kQuadrature;
+    /// How deep the P99 of tissue in contact may lie, > 0 [mm]: multipliers see to it
+    /// (settle_contacts.h). Without, the penalty alone holds it off.
+    std::optional<double> penetration_tolerance_mm = std::nullopt;
   };
 
   /// \param nodes_L   all nodes at rest [mm].
@@ -70,21 +91,48 @@ class ContactTerm final : public fem::ForceTerm {
   /// Moves the bone. Not while the term is being evaluated.
   void set_pose(const RigidTransform& X_LB) { obstacle_.X_LB = X_LB; }
 
-  [[nodiscard]] Index item_count() const override { return Index(faces_.size()); }
+  [[nodiscard]] Index item_count() const override { return Index(patches_.size()); }
   [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
-    const mesh::Face& face = faces_[std::size_t(item)];
-    return {face.nodes.data(), std::size_t(mesh::node_count(face.shape))};
+    return patches_[std::size_t(item)].span();
   }
-  /// \returns false where a point lies deeper than the field's band, so that it knows no way out,
-  ///   or has come to where the field is torn.
+  /// Only where the detector's derivatives are exact is there a potential.
+  [[nodiscard]] bool is_conservative(const fem::DofMap& /*dofs*/) const override {
+    return obstacle_.detector_B->has_exact_derivatives();
+  }
+  /// \returns false where a point lies deeper than the detector reaches, so that it knows no way
+  ///   out, or has come to where a hole of the surface hides which side it is on.
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
 
-  /// Remembers on which side of the bone, at its present pose, every point lies, and adds what has
-  /// changed sides to ContactSummary::tunnelled_area_mm2. To be called at each converged state; not
-  /// while the term is being evaluated.
+  /// Remembers the multipliers, and on which side of the bone, at its present pose, every point
+  /// lies; adds what has changed sides to ContactSummary::tunnelled_area_mm2. To be called at each
+  /// state that is accepted; not while the term is being evaluated.
   /// \param x_L  current positions of all nodes [mm].
   void remember(std::span<const Vec3> x_L);
+
+  /// Lets each multiplier bear what the point's pressure is at a converged state, so that the next
+  /// one lies less deep (the update of Hestenes and Powell). A point that is pressed no more loses
+  /// its multiplier: nothing ever pulls. Not while the term is being evaluated.
+  /// \param x_L  current positions of all nodes [mm].
+  void augment(std::span<const Vec3> x_L);
+
+  [[nodiscard]] std::optional<double> penetration_tolerance_mm() const {
+    return penetration_tolerance_mm_;
+  }
+
+  /// Goes back to the multipliers that remember() kept last.
+  void recall_multipliers();
+
+  /// What a run must keep to go on elsewhere as if it had not stopped.
+  struct Memory {
+    std::vector<double> multipliers_mpa;  ///< One per point of integration.
+    double tunnelled_area_mm2 = 0.0;
+  };
+  [[nodiscard]] Memory memory() const;
+
+  /// Sets the term to what it was after remember(x_L) at its present pose.
+  /// \pre `memory` is of a term made alike.
+  void restore(const Memory& memory, std::span<const Vec3> x_L);
 
   /// Area of the tissue's surface at rest that lies in the bone and has changed sides since
   /// remember() was last called [mm^2].
@@ -110,34 +158,58 @@ class ContactTerm final : public fem::ForceTerm {
   /// What a point saw of the bone when last remembered.
   struct Sight {
     Vec3 normal_B = Vec3::Zero();  ///< Out of the bone; zero beyond the band.
-    bool knows_side = false;       ///< The field said where the point is.
+    bool knows_side = false;       ///< The detector said where the point is.
   };
 
-  /// Where a face is asked for its gap.
+  /// Where a patch is asked for its gap.
   struct Point {
-    double area_mm2 = 0.0;     ///< Of the face at rest that it stands for.
+    double area_mm2 = 0.0;     ///< Of the surface at rest that it stands for.
     double rest_gap_mm = 0.0;  ///< Where penetration starts.
+    double multiplier_mpa = 0.0;
+    double kept_multiplier_mpa = 0.0;  ///< When last remembered.
     Sight last_sight = {};
   };
 
-  /// Where a face was in the bone's frame when last remembered, and how far all of it was from
+  /// A face, or a node that stands for its share of the faces around it.
+  struct Patch {
+    std::array<std::int32_t, 8> nodes{};
+    std::uint8_t count = 0;
+    std::uint8_t rule = 0;        ///< Where in it the points lie.
+    std::size_t first_point = 0;  ///< In points_.
+
+    [[nodiscard]] std::span<const std::int32_t> span() const { return {nodes.data(), count}; }
+  };
+
+  /// Where a patch was in the bone's frame when last remembered, and how far all of it was from
   /// contact then [mm]: distances change no faster than points move.
   struct Clearance {
     std::array<Vec3, 8> nodes_B;
     double clearance_mm = 0.0;
   };
 
-  [[nodiscard]] double rest_gap_mm(const Vec3& rest_L, double capture_mm) const;
-  [[nodiscard]] bool is_out_of_reach(std::size_t face, std::span<const Vec3> x_L) const;
-  [[nodiscard]] bool has_tunnelled(const Sight& last, const Gap& gap) const;
+  void add_faces(std::span<const Vec3> nodes_L, const std::vector<mesh::Face>& faces);
+  void add_nodes(std::span<const Vec3> nodes_L, const std::vector<mesh::Face>& faces);
 
-  std::vector<mesh::Face> faces_;
-  std::vector<std::size_t> first_point_;  ///< Of each face, in points_.
+  /// Calls f(where in points_, where in the patch's rule, gap) for every point of a patch; x_L of
+  /// all nodes.
+  template <class Function>
+  void for_each_gap(const Patch& patch, std::span<const Vec3> x_L, const Function& f) const;
+
+  [[nodiscard]] Spring spring_at(const Point& point) const {
+    return {stiffness_mpa_per_mm_, point.multiplier_mpa};
+  }
+  [[nodiscard]] double rest_gap_mm(const Gap& at_rest, double capture_mm) const;
+  [[nodiscard]] bool is_out_of_reach(std::size_t patch, std::span<const Vec3> x_L) const;
+  [[nodiscard]] bool has_tunnelled(const Sight& last, const Gap& gap) const;
+  void look_around(std::span<const Vec3> x_L);
+
+  std::vector<Patch> patches_;
   std::vector<Point> points_;
-  std::vector<Clearance> last_clearance_;
+  std::vector<Clearance> last_clearance_;  ///< Of each patch.
   double tunnelled_area_mm2_ = 0.0;
   BoneObstacle obstacle_;
   double stiffness_mpa_per_mm_;
+  std::optional<double> penetration_tolerance_mm_;
 };
 
 }  // namespace lefort::contact

@@ -1,13 +1,15 @@
 /// \file
-/// How far a point of the tissue is from a moved bone, and in which direction out lies.
+/// How far points of the tissue are from a moved bone, and in which direction out lies.
 #pragma once
 
 #include <lefort/contact/bone_obstacle.h>
 #include <lefort/core/types.h>
 
+#include <span>
+
 namespace lefort::contact {
 
-/// The distance field at a point, turned into the patient's frame.
+/// What the obstacle's detector says of a point, turned into the patient's frame; see BoneDistance.
 struct Gap {
   field::Zone zone = field::Zone::kOutside;
   double gap_mm = 0.0;             ///< Signed distance; negative is penetration.
@@ -15,14 +17,15 @@ struct Gap {
   Mat3 hessian_L = Mat3::Zero();   ///< Of gap_mm [1/mm]; zero unless asked for.
 };
 
-/// How far the derivatives of a gap are wanted.
-enum class Derivatives { kFirst, kSecond };
-
-/// Reads the field at one point [mm].
+/// Measures many points at once [mm], in parallel where they are many. A point alone gets the same
+/// bits as among others.
 ///
-/// Beyond the band `zone` says on which side, the gap is plus or minus the band and the derivatives
-/// are zero: a point deeper than the field can tell is seen, but knows no way out.
-/// \note The field never moves: the point goes to the bone's frame, its answer comes back.
+/// \param gaps  as many as points.
+/// \note The bone never moves: the points go to its frame, the answers come back.
+void measure_gaps(const BoneObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,
+                  std::span<Gap> gaps);
+
+/// One point [mm].
 [[nodiscard]] Gap measure_gap(const BoneObstacle& obstacle, const Vec3& p_L,
                               Derivatives derivatives = Derivatives::kSecond);
 

@@ -4,9 +4,15 @@
 ///   phi(d) = k_c d^2 for d > 0, else 0      (2)   energy per area of the surface at rest
 ///   f      = -d phi / d x = 2 k_c d n             traction on the tissue, out of the bone
 ///
-/// With d = -g(x), g the gap:  d2 phi / dx2 = 2 k_c (grad g (x) grad g - d Hess g). The second
-/// part is what keeps Newton quadratic on curved bone. Where the bone bulges it is negative, as
-/// tissue pressed on a bulge wants to slide off: convex_hessian() leaves that out.
+/// A penalty gives way. With a multiplier lambda >= 0, the pressure that holds without depth
+/// (augmented Lagrangian; \cite wriggers2006, section 5.3.3), it need not:
+///
+///   p(d)   = lambda + 2 k_c d                     pressure; no contact if not positive
+///   phi(d) = (max(p, 0)^2 - lambda^2) / (4 k_c)   phi' = max(p, 0); (2) if lambda = 0
+///
+/// With d = -g(x), g the gap:  d2 phi / dx2 = 2 k_c grad g (x) grad g - p Hess g. The second part
+/// is what keeps Newton quadratic on curved bone. Where the bone bulges it is negative, as tissue
+/// pressed on a bulge wants to slide off: convex_hessian() leaves that out.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -20,22 +26,37 @@ struct PenaltyResponse {
   Mat3 hessian_mpa_per_mm = Mat3::Zero();
 };
 
-/// \param depth_mm   d; no contact if not positive.
-/// \param gradient   of the gap g, so minus that of d.
-/// \param hessian    of the gap g [1/mm].
-/// \param stiffness_mpa_per_mm  k_c > 0.
-[[nodiscard]] inline PenaltyResponse penalty_response(double depth_mm, const Vec3& gradient,
-                                                      const Mat3& hessian,
-                                                      double stiffness_mpa_per_mm) {
-  if (!(depth_mm > 0.0)) return {};
-  const double slope_mpa = 2.0 * stiffness_mpa_per_mm * depth_mm;
-  return {stiffness_mpa_per_mm * depth_mm * depth_mm, -slope_mpa * gradient,
-          2.0 * stiffness_mpa_per_mm * gradient * gradient.transpose() - slope_mpa * hessian};
+/// What holds a point of the tissue off the bone.
+struct Spring {
+  double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
+  double multiplier_mpa = 0.0;        ///< lambda >= 0.
+};
+
+/// p(d), 0 without contact; also where the depth is not a number.
+[[nodiscard]] inline double pressure_mpa(double depth_mm, const Spring& spring) {
+  const double p = spring.multiplier_mpa + 2.0 * spring.stiffness_mpa_per_mm * depth_mm;
+  return p > 0.0 ? p : 0.0;
 }
 
-/// A positive semidefinite stand-in for PenaltyResponse::hessian_mpa_per_mm: 2 k_c (grad g (x) grad
-/// g + (-d Hess g)+), ( )+ being the nearest positive semidefinite matrix. Parameters as above.
+/// \param depth_mm   d.
+/// \param gradient   of the gap g, so minus that of d.
+/// \param hessian    of the gap g [1/mm].
+[[nodiscard]] inline PenaltyResponse penalty_response(double depth_mm, const Vec3& gradient,
+                                                      const Mat3& hessian, const Spring& spring) {
+  const double p = pressure_mpa(depth_mm, spring);
+  const double k = spring.stiffness_mpa_per_mm;
+  const double lambda = spring.multiplier_mpa;
+  PenaltyResponse response;
+  response.energy_mj_per_mm2 = (p - lambda) * (p + lambda) / (4.0 * k);
+  if (!(p > 0.0)) return response;
+  response.gradient_mpa = -p * gradient;
+  response.hessian_mpa_per_mm = 2.0 * k * gradient * gradient.transpose() - p * hessian;
+  return response;
+}
+
+/// A positive semidefinite stand-in for PenaltyResponse::hessian_mpa_per_mm: 2 k_c grad g (x) grad
+/// g + (-p Hess g)+, ( )+ being the nearest positive semidefinite matrix. Parameters as above.
 [[nodiscard]] Mat3 convex_hessian(double depth_mm, const Vec3& gradient, const Mat3& hessian,
-                                  double stiffness_mpa_per_mm);
+                                  const Spring& spring);
 
 }  // namespace lefort::contact

@@ -53,6 +53,13 @@ LoadStepper::LoadStepper(LoadState start, SolveAtLoad solve, const LoadStepOptio
   LEFORT_CHECK(validate(options).has_value());
 }
 
+LoadStepper LoadStepper::resumed(Memory memory, SolveAtLoad solve, const LoadStepOptions& options) {
+  LoadStepper stepper(std::move(memory.last), std::move(solve), options);
+  stepper.before_last_ = std::move(memory.before_last);
+  stepper.increment_ = memory.increment;
+  return stepper;
+}
+
 VectorX LoadStepper::extrapolated(double t) const {
   constexpr double kFarthest = 10.0;  // A step that was cut short magnifies what Newton left over.
   const double ratio = std::min((t - last_.t) / (last_.t - before_last_->t), kFarthest);

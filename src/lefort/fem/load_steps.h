@@ -55,6 +55,18 @@ class LoadStepper {
   /// \param options  \pre valid.
   LoadStepper(LoadState start, SolveAtLoad solve, const LoadStepOptions& options = {});
 
+  /// All that the next step depends on.
+  struct Memory {
+    LoadState last;
+    std::optional<LoadState> before_last;
+    double increment = 0.0;
+  };
+  [[nodiscard]] Memory memory() const { return {last_, before_last_, increment_}; }
+
+  /// Goes on as the stepper would have whose memory it was; attempts() begin anew.
+  [[nodiscard]] static LoadStepper resumed(Memory memory, SolveAtLoad solve,
+                                           const LoadStepOptions& options);
+
   /// Advances to load level `t_end` > state().t.
   ///
   /// An increment that fails is halved, one that was easy lets the next grow; each call begins

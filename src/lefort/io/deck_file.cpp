@@ -2,6 +2,7 @@
 #include <lefort/io/deck_file.h>
 #include <lefort/io/deck_schema.h>
 #include <lefort/io/internal/checked_json.h>
+#include <lefort/io/internal/read_contact.h>
 #include <lefort/io/internal/read_law.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/plan/bone_path.h>
@@ -181,17 +182,15 @@ Result<void> read_obstacles(const Json& json, const fs::path& folder, DeckFile& 
       obstacle.stiffness_mpa_per_mm = mpa_from_kpa(object["stiffness_kpa_per_mm"].get<double>());
     read(object, "stiffness_factor", obstacle.stiffness_factor);
     read(object, "capture_mm", obstacle.capture_mm);
-    if (object.value("reconstruction", "smooth") == "trilinear")
-      obstacle.reconstruction = contact::Reconstruction::kTrilinear;
-    file.deck.obstacles.push_back(std::move(obstacle));
-
+    internal::read_contact(object, obstacle);
     ObstacleFile source;
     source.file = folder / object["file"].get<std::string>();
     source.options.resolution = kObstacleResolution;
-    source.options.smooth = true;
+    source.options.smooth = obstacle.detection == contact::Detection::kSmooth;
     read(object, "resolution", source.options.resolution);
     read(object, "band_mm", source.options.band_mm);
     file.obstacles.push_back(std::move(source));
+    file.deck.obstacles.push_back(std::move(obstacle));
   }
   return {};
 }

@@ -1,5 +1,6 @@
 #include <lefort/core/units.h>
 #include <lefort/io/internal/checked_json.h>
+#include <lefort/io/internal/read_contact.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_schema.h>
 #include <lefort/io/write_atomically.h>
@@ -105,8 +106,7 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
 
   const Json& contact = section(json, "contact");
   read(contact, "stiffness_factor", plan.contact.stiffness_factor);
-  if (contact.value("reconstruction", "smooth") == "trilinear")
-    plan.contact.reconstruction = contact::Reconstruction::kTrilinear;
+  internal::read_contact(contact, plan.contact);
 
   const Json& field = section(json, "field");
   read(field, "resolution", plan.field.resolution);

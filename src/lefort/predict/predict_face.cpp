@@ -1,3 +1,4 @@
+#include <lefort/contact/settle_contacts.h>
 #include <lefort/core/check.h>
 #include <lefort/fem/assemble.h>
 #include <lefort/fem/boundary_conditions.h>
@@ -7,6 +8,7 @@
 #include <lefort/fem/equilibrium.h>
 #include <lefort/fem/linear_solver.h>
 #include <lefort/fem/load_steps.h>
+#include <lefort/geometry/bvh.h>
 #include <lefort/plan/bone_path.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
@@ -79,25 +81,6 @@ std::vector<Vec3> as_vectors(const VectorX& u) {
   return vectors;
 }
 
-std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const std::vector<Vec3>& by_mm) {
-  std::vector<Vec3> x_L(nodes_L.size());
-  for (std::size_t n = 0; n < nodes_L.size(); ++n) x_L[n] = nodes_L[n] + by_mm[n];
-  return x_L;
-}
-
-/// A state that contact refuses makes the stepper take smaller increments.
-void accept_or_refuse(contact::ContactTerm& contact, const mesh::VolumeMesh& tissue,
-                      fem::NewtonOutcome& outcome) {
-  const std::vector<Vec3> x_L = moved(tissue.nodes_L, as_vectors(outcome.x));
-  std::optional<std::string> refusal = contact.why_refused(x_L);
-  if (!refusal) {
-    contact.remember(x_L);
-    return;
-  }
-  outcome.stop = fem::NewtonStop::kRefused;
-  outcome.reason = *std::move(refusal);
-}
-
 /// Least ratio of an element's volume to its volume at rest.
 double smallest_volume_ratio(const mesh::VolumeMesh& tissue, const fem::RegionMaterials& materials,
                              const VectorX& u) {
@@ -122,23 +105,52 @@ fem::NewtonOptions newton_options(const SolverOptions& solver, const TissueOptio
   return options;
 }
 
-fem::LoadStepOptions load_step_options(const SolverOptions& solver, int steps) {
+/// How far the segment moves per share of its path, at most.
+double speed_mm(const plan::BonePath& path, const geometry::TriangleMesh& segment_B) {
+  double fastest_mm = 0.0, from = 0.0;
+  for (const plan::Keyframe& keyframe : path.keyframes) {
+    const double moved_mm =
+        plan::largest_displacement_mm(path, segment_B.vertices, from, keyframe.at);
+    fastest_mm = std::max(fastest_mm, moved_mm / (keyframe.at - from));
+    from = keyframe.at;
+  }
+  return fastest_mm;
+}
+
+/// Steps are cut into equal increments, so that plans that differ in their number of steps alone
+/// come down to increments alike.
+fem::LoadStepOptions load_step_options(const PredictionOptions& prediction,
+                                       const plan::BonePath& path,
+                                       const geometry::TriangleMesh& segment_B, double reach_mm) {
+  constexpr double kOfElement = 0.25, kOfReach = 0.5;
+  const double largest_mm =
+      std::min(kOfElement * prediction.tissue.element_size_mm, kOfReach * reach_mm);
+  const double step_mm = speed_mm(path, segment_B) / path.steps;
+  const double parts = std::max(std::ceil(step_mm / largest_mm - 1e-9), 1.0);
   fem::LoadStepOptions options;
-  options.first_increment = 1.0 / steps;
-  options.min_increment = solver.smallest_step / steps;
+  options.first_increment = 1.0 / (parts * path.steps);
+  options.max_increment = options.first_increment;
+  options.min_increment = prediction.solver.smallest_step / path.steps;
+  if (options.min_increment > options.first_increment)
+    options.min_increment = options.first_increment;
   return options;
 }
 
 }  // namespace
 
-Result<void> check_field_reach(const plan::BonePath& path, const geometry::TriangleMesh& segment_B,
-                               const field::DistanceField& field_B,
-                               const BoundaryOptions& boundary) {
+Result<std::shared_ptr<const contact::Detector>> detect_segment(
+    const geometry::TriangleMesh& segment_B,
+    const std::shared_ptr<const field::DistanceField>& field_B, contact::Detection detection) {
+  if (detection != contact::Detection::kBvh) return contact::detect_by_field(field_B, detection);
+  return contact::detect_by_bvh(std::make_shared<const geometry::Bvh>(segment_B),
+                                field_B->band_mm());
+}
+
+Result<void> check_reach(const plan::BonePath& path, const geometry::TriangleMesh& segment_B,
+                         const contact::Detector& detector_B, const BoundaryOptions& boundary) {
   if (boundary.moved_bone != MovedBone::kContact) return {};
-  const double band_mm =
-      contact::reach_mm(field_B, field_B.is_smooth() ? contact::Reconstruction::kSmooth
-                                                     : contact::Reconstruction::kTrilinear);
-  if (!field_B.frame().closed)
+  const double band_mm = detector_B.reach_mm();
+  if (!detector_B.is_closed())
     return fail(
         ErrorCode::kMeshInvalid,
         fmt::format("segment {} is an open surface, contact needs a closed one", path.segment));
@@ -162,13 +174,17 @@ Result<void> check_field_reach(const plan::BonePath& path, const geometry::Trian
                           path.segment, longest_mm, band_mm, int(mm_per_share / band_mm) + 1));
 }
 
+double contact_stiffness_mpa_per_mm(const TissueOptions& tissue, const ContactOptions& contact) {
+  return contact.stiffness_factor * tissue.young_mpa / tissue.element_size_mm;
+}
+
 Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath& path,
-                                    const PredictionOptions& options,
-                                    const std::function<void(const PredictionStep&)>& on_step,
-                                    Progress& progress) {
+                                    const PredictionOptions& options, const PredictionWatch& watch,
+                                    Progress& progress, std::optional<Restart> earlier) {
   LEFORT_TRY_VOID(plan::check_path(path));
-  LEFORT_TRY_VOID(
-      check_field_reach(path, model.segment_B, *model.segment_field_B, options.boundary));
+  LEFORT_TRY(const auto detector_B,
+             detect_segment(model.segment_B, model.segment_field_B, options.contact.detection));
+  LEFORT_TRY_VOID(check_reach(path, model.segment_B, *detector_B, options.boundary));
   LEFORT_TRY_VOID(check_sets(model, path));
   const mesh::VolumeMesh& tissue = model.tissue;
   const bool is_contact = options.boundary.moved_bone == MovedBone::kContact;
@@ -181,18 +197,20 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
   for (const auto& term : elements) terms.push_back(term.get());
 
   FacePrediction prediction;
-  std::optional<contact::ContactTerm> contact;
+  std::vector<contact::ContactTerm> contacts;
+  contacts.reserve(1);  // The assembler points to it.
   if (is_contact) {
-    prediction.contact_stiffness_mpa_per_mm = options.contact.stiffness_factor *
-                                              options.tissue.young_mpa /
-                                              options.tissue.element_size_mm;
-    contact.emplace(tissue.nodes_L, tissue.face_sets.at(sets::kContact),
-                    contact::BoneObstacle{model.segment_field_B, RigidTransform::Identity(),
-                                          options.contact.reconstruction},
-                    contact::ContactTerm::Options{prediction.contact_stiffness_mpa_per_mm,
-                                                  options.boundary.capture_mm});
-    terms.push_back(&*contact);
-    prediction.rest_penetration_mm = contact->rest_penetration_mm();
+    prediction.contact_stiffness_mpa_per_mm =
+        contact_stiffness_mpa_per_mm(options.tissue, options.contact);
+    contacts.push_back({tissue.nodes_L,
+                        tissue.face_sets.at(sets::kContact),
+                        {detector_B, RigidTransform::Identity()},
+                        {.stiffness_mpa_per_mm = prediction.contact_stiffness_mpa_per_mm,
+                         .capture_mm = options.boundary.capture_mm,
+                         .integration = options.contact.integration,
+                         .penetration_tolerance_mm = options.contact.penetration_tolerance_mm}});
+    terms.push_back(&contacts[0]);
+    prediction.rest_penetration_mm = contacts[0].rest_penetration_mm();
     if (prediction.rest_penetration_mm > options.boundary.capture_mm)
       progress.note(fmt::format(
           "warning: the tissue's mesh lies up to {:.2f} mm inside the segment before it moves, "
@@ -211,21 +229,39 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
              fem::DofMap::build(tissue.node_count(), prescribed_at(RigidTransform::Identity())));
   const fem::Assembler assembler(tissue.nodes_L, std::move(dofs), terms);
 
-  fem::LinearSolver linear_solver;
+  std::optional<fem::LinearSolver> linear_solver(std::in_place);
   const auto solve_at = [&](double share, const VectorX& start) {
     const RigidTransform X_LB = plan::pose_at(path, share);
-    if (contact) contact->set_pose(X_LB);
-    fem::NewtonOutcome outcome =
-        fem::find_equilibrium(assembler, prescribed_at(X_LB), start, linear_solver,
-                              newton_options(options.solver, options.tissue), progress);
-    if (contact && outcome.converged()) accept_or_refuse(*contact, tissue, outcome);
-    return outcome;
+    for (contact::ContactTerm& contact : contacts) contact.set_pose(X_LB);
+    const auto solve_from = [&](const VectorX& from) {
+      return fem::find_equilibrium(assembler, prescribed_at(X_LB), from, *linear_solver,
+                                   newton_options(options.solver, options.tissue), progress);
+    };
+    return contact::settle_contacts(contacts, tissue.nodes_L, start, solve_from);
   };
-  fem::LoadStepper stepper({0.0, VectorX::Zero(3 * tissue.node_count())}, solve_at,
-                           load_step_options(options.solver, path.steps));
+  Restart so_far;
+  if (earlier) {
+    so_far = *std::move(earlier);
+    LEFORT_CHECK(so_far.contacts.size() == contacts.size());
+    const fem::LoadState& last = so_far.stepper.last;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      contacts[i].set_pose(plan::pose_at(path, last.t));
+      contacts[i].restore(so_far.contacts[i], contact::displaced(tissue.nodes_L, last.u));
+    }
+  }
+  const fem::LoadStepOptions increments =
+      load_step_options(options, path, model.segment_B, detector_B->reach_mm());
+  fem::LoadStepper stepper =
+      earlier
+          ? fem::LoadStepper::resumed(so_far.stepper, solve_at, increments)
+          : fem::LoadStepper({0.0, VectorX::Zero(3 * tissue.node_count())}, solve_at, increments);
 
   std::size_t attempts_told = 0;
   for (const auto& [share, is_step] : load_levels(path)) {
+    if (share <= stepper.state().t) continue;  // Found by an earlier run.
+    // An iterative solver's memory ends with a step, so that nothing depends on earlier ones.
+    if (assembler.dofs().free_count() > fem::LinearSolverOptions{}.direct_rows)
+      linear_solver.emplace();
     const Result<void> advanced = stepper.advance_to(share, progress);
     if (advanced && !is_step) continue;
     const auto& attempts = stepper.attempts();
@@ -239,6 +275,7 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
                     fmt::format("the equations of {} nodes do not fit into memory: ask for a "
                                 "larger tissue.element_size_mm than {:g} mm",
                                 tissue.node_count(), options.tissue.element_size_mm));
+      prediction.steps = std::move(so_far.steps);
       prediction.failure = advanced.error();
       prediction.failed_attempts = std::move(new_attempts);
       return prediction;
@@ -248,16 +285,24 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     result.share = share;
     result.X_LB = plan::pose_at(path, share);
     result.displacement_mm = as_vectors(stepper.state().u);
-    if (contact) result.contact = contact->summarise(moved(tissue.nodes_L, result.displacement_mm));
+    if (is_contact)
+      result.contact = contacts[0].summarise(contact::displaced(tissue.nodes_L, stepper.state().u));
     result.smallest_J = smallest_volume_ratio(tissue, materials, stepper.state().u);
     const fem::NewtonIterate& last = new_attempts.back().history.back();
     result.residual_n = last.residual_n;
     if (last.force_scale_n > 0.0) result.relative_residual = last.residual_n / last.force_scale_n;
     result.attempts = std::move(new_attempts);
-    if (on_step) on_step(result);
+    if (watch.on_step) watch.on_step(result);
     progress.report(share);
-    prediction.steps.push_back(std::move(result));
+    so_far.steps.push_back(std::move(result));
+    if (!watch.on_restart) continue;
+    so_far.stepper = stepper.memory();
+    so_far.contacts.clear();
+    for (const contact::ContactTerm& contact : contacts)
+      so_far.contacts.push_back(contact.memory());
+    watch.on_restart(so_far);
   }
+  prediction.steps = std::move(so_far.steps);
   return prediction;
 }
 

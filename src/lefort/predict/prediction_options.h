@@ -2,7 +2,9 @@
 /// What a prediction can be told, apart from the bones' way. Plain values with defaults.
 #pragma once
 
-#include <lefort/contact/bone_obstacle.h>
+#include <lefort/contact/contact_term.h>
+
+#include <optional>
 
 namespace lefort::predict {
 
@@ -32,7 +34,10 @@ struct BoundaryOptions {
 
 struct ContactOptions {
   double stiffness_factor = 10.0;  ///< k_c = factor * Young's modulus / element size.
-  contact::Reconstruction reconstruction = contact::Reconstruction::kSmooth;
+  contact::Detection detection = contact::Detection::kSmooth;
+  contact::Integration integration = contact::Integration::kQuadrature;
+  /// contact::ContactTerm::Options::penetration_tolerance_mm.
+  std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 
 struct SolverOptions {

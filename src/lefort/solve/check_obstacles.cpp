@@ -8,42 +8,42 @@
 namespace lefort::solve {
 namespace {
 
-Result<void> check_field(const Obstacle& obstacle, const field::DistanceField& field_B) {
-  const bool smooth = obstacle.reconstruction == contact::Reconstruction::kSmooth;
-  if (!field_B.frame().closed)
+Result<void> check_detector(const Obstacle& obstacle, const contact::Detector& detector) {
+  if (!detector.is_closed())
     return fail(
         ErrorCode::kMeshInvalid,
         fmt::format("obstacle {} is an open surface, contact needs a closed one", obstacle.name));
-  if (smooth && !field_B.is_smooth())
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the field of obstacle {} was built without --smooth; build it anew "
-                            "with it, or choose reconstruction trilinear",
-                            obstacle.name));
-  const double reach_mm = contact::reach_mm(field_B, obstacle.reconstruction);
-  if (!(obstacle.capture_mm < reach_mm))
+  if (!(obstacle.capture_mm < detector.reach_mm()))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("capture_mm of obstacle {} is {:g}, must be less than the {:.2f} mm "
                             "that its field reaches",
-                            obstacle.name, obstacle.capture_mm, reach_mm));
+                            obstacle.name, obstacle.capture_mm, detector.reach_mm()));
   return {};
 }
 
 }  // namespace
 
+contact::ContactTerm make_contact(const PreparedDeck& prepared, std::size_t i,
+                                  const std::shared_ptr<const contact::Detector>& detector) {
+  const Obstacle& obstacle = prepared.deck.obstacles[i];
+  return {prepared.mesh.nodes_L,
+          prepared.obstacle_faces[i],
+          {detector, RigidTransform::Identity()},
+          {.stiffness_mpa_per_mm = prepared.obstacle_stiffness_mpa_per_mm[i],
+           .capture_mm = obstacle.capture_mm,
+           .integration = obstacle.integration,
+           .penetration_tolerance_mm = obstacle.penetration_tolerance_mm}};
+}
+
 Result<std::vector<std::string>> check_obstacles(const PreparedDeck& prepared,
-                                                 const ObstacleFields& fields) {
+                                                 const ObstacleDetectors& detectors) {
   constexpr double kNothing_mm = 0.01;  // What a field and the chords of faces are off by.
-  LEFORT_CHECK(fields.size() == prepared.deck.obstacles.size());
+  LEFORT_CHECK(detectors.size() == prepared.deck.obstacles.size());
   std::vector<std::string> warnings;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const Obstacle& obstacle = prepared.deck.obstacles[i];
-    LEFORT_TRY_VOID(check_field(obstacle, *fields[i]));
-    const contact::ContactTerm contact(
-        prepared.mesh.nodes_L, prepared.obstacle_faces[i],
-        {fields[i], RigidTransform::Identity(), obstacle.reconstruction},
-        {prepared.obstacle_stiffness_mpa_per_mm[i], obstacle.capture_mm});
-    const double overlap_mm = contact.rest_penetration_mm();
-    const double reach_mm = contact::reach_mm(*fields[i], obstacle.reconstruction);
+  for (std::size_t i = 0; i < detectors.size(); ++i) {
+    LEFORT_TRY_VOID(check_detector(prepared.deck.obstacles[i], *detectors[i]));
+    const double overlap_mm = make_contact(prepared, i, detectors[i]).rest_penetration_mm();
+    const double reach_mm = detectors[i]->reach_mm();
     const std::string what = fmt::format("{}: overlaps its faces by {:.3g} mm at rest",
                                          indexed("obstacles", i), overlap_mm);
     if (overlap_mm >= reach_mm)

@@ -1,28 +1,34 @@
 /// \file
-/// Whether contact can work with the obstacles of a deck and their fields, before anything is
-/// solved.
+/// Whether contact can work with the obstacles of a deck and who detects them, before anything
+/// is solved.
 #pragma once
 
+#include <lefort/contact/contact_term.h>
+#include <lefort/contact/detector.h>
 #include <lefort/core/error.h>
-#include <lefort/field/distance_field.h>
 #include <lefort/solve/prepare_deck.h>
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace lefort::solve {
 
-/// The distance field of each obstacle, in its own frame: where it is before its path begins.
-using ObstacleFields = std::vector<std::shared_ptr<const field::DistanceField>>;
+/// Who knows each obstacle, in its own frame: where it is before its path begins.
+using ObstacleDetectors = std::vector<std::shared_ptr<const contact::Detector>>;
 
-/// \param fields  like Deck::obstacles.
+/// The contact of an obstacle with its faces, at rest.
+[[nodiscard]] contact::ContactTerm make_contact(
+    const PreparedDeck& prepared, std::size_t obstacle,
+    const std::shared_ptr<const contact::Detector>& detector);
+
+/// \param detectors  like Deck::obstacles.
 /// \returns warnings of obstacles that overlap their faces at rest, or
-///   - kMeshInvalid      a field is that of an open surface: it has no inside;
-///   - kInvalidArgument  the capture of an obstacle is not less than its field's reach, its field
-///                       cannot be read smoothly, or it overlaps its faces at rest as deep as the
-///                       field reaches.
+///   - kMeshInvalid      an obstacle is an open surface: it has no inside;
+///   - kInvalidArgument  the capture of an obstacle is not less than its detector's reach, or it
+///                       overlaps its faces at rest as deep as that.
 [[nodiscard]] Result<std::vector<std::string>> check_obstacles(const PreparedDeck& prepared,
-                                                               const ObstacleFields& fields);
+                                                               const ObstacleDetectors& detectors);
 
 }  // namespace lefort::solve

@@ -3,7 +3,7 @@
 /// to go about it. A value; sets and regions are names that prepare_deck.h finds in the mesh.
 #pragma once
 
-#include <lefort/contact/bone_obstacle.h>
+#include <lefort/contact/contact_term.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/linear_solver.h>
 #include <lefort/fem/load_steps.h>
@@ -105,7 +105,10 @@ struct Obstacle {
   std::optional<double> stiffness_mpa_per_mm;
   double stiffness_factor = 10.0;
   double capture_mm = 0.0;  ///< Faces that rest nearer touch it as they lie.
-  contact::Reconstruction reconstruction = contact::Reconstruction::kSmooth;
+  contact::Detection detection = contact::Detection::kSmooth;
+  contact::Integration integration = contact::Integration::kQuadrature;
+  /// contact::ContactTerm::Options::penetration_tolerance_mm.
+  std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 
 /// A place whose displacement is told at every increment.

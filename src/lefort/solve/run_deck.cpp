@@ -1,3 +1,4 @@
+#include <lefort/contact/settle_contacts.h>
 #include <lefort/core/check.h>
 #include <lefort/fem/assemble.h>
 #include <lefort/fem/dof_map.h>
@@ -22,24 +23,18 @@ namespace {
 
 using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
 
-std::vector<Vec3> moved(const std::vector<Vec3>& nodes_L, const VectorX& u) {
-  std::vector<Vec3> x_L(nodes_L.size());
-  for (std::size_t n = 0; n < nodes_L.size(); ++n) x_L[n] = nodes_L[n] + u.segment<3>(Index(3 * n));
-  return x_L;
-}
-
 /// The terms of a deck, and the pose and size of each at a time.
 class Problem {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Problem>> build(const PreparedDeck& prepared,
-                                                              const ObstacleFields& fields) {
-    LEFORT_TRY_VOID(check_obstacles(prepared, fields));
+                                                              const ObstacleDetectors& detectors) {
+    LEFORT_TRY_VOID(check_obstacles(prepared, detectors));
     LEFORT_TRY(ElementTerms elements, fem::make_element_terms(prepared.mesh, prepared.materials));
     LEFORT_TRY(DeckLoads loads, DeckLoads::build(prepared));
     LEFORT_TRY(fem::DofMap dofs,
                fem::DofMap::build(prepared.mesh.node_count(), prescribed_at(prepared, 0.0)));
     return std::unique_ptr<Problem>(
-        new Problem(prepared, fields, std::move(elements), std::move(loads), std::move(dofs)));
+        new Problem(prepared, detectors, std::move(elements), std::move(loads), std::move(dofs)));
   }
 
   void set_time(double time) {
@@ -50,54 +45,52 @@ class Problem {
     }
   }
 
-  /// Accepts a converged state, or says why not.
-  [[nodiscard]] std::optional<std::string> accept(const VectorX& u) {
-    const std::vector<Vec3> x_L = moved(prepared_.mesh.nodes_L, u);
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      if (auto refusal = contacts_[i].why_refused(x_L)) return refusal;
-      if (auto refusal = swept_[i].why_refused(obstacles_[i], x_L)) return refusal;
-    }
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      contacts_[i].remember(x_L);
-      swept_[i].remember(obstacles_[i], x_L);
-    }
-    return std::nullopt;
+  /// An equilibrium is refused if an obstacle passed through faces on the way to it.
+  void refuse_passages(fem::NewtonOutcome& outcome) const {
+    const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, outcome.x);
+    for (std::size_t i = 0; i < swept_.size() && outcome.converged(); ++i)
+      if (auto why = swept_[i].why_refused(obstacles_[i], x_L)) {
+        outcome.stop = fem::NewtonStop::kRefused;
+        outcome.reason = *std::move(why);
+      }
+  }
+
+  /// The next ways begin at an accepted equilibrium.
+  void remember(const VectorX& u) {
+    const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, u);
+    for (std::size_t i = 0; i < swept_.size(); ++i) swept_[i].remember(obstacles_[i], x_L);
   }
 
   /// What there is to tell of a converged state.
   [[nodiscard]] Increment describe(const fem::LoadState& state) const;
 
+  [[nodiscard]] std::span<contact::ContactTerm> contacts() { return contacts_; }
   [[nodiscard]] const fem::Assembler& assembler() const { return assembler_; }
   [[nodiscard]] const PreparedDeck& prepared() const { return prepared_; }
 
  private:
-  Problem(const PreparedDeck& prepared, const ObstacleFields& fields, ElementTerms elements,
+  Problem(const PreparedDeck& prepared, const ObstacleDetectors& detectors, ElementTerms elements,
           DeckLoads loads, fem::DofMap dofs)
       : prepared_(prepared),
         elements_(std::move(elements)),
         loads_(std::move(loads)),
-        obstacles_(make_obstacles(prepared, fields)),
-        contacts_(make_contacts(prepared, obstacles_)),
+        obstacles_(make_obstacles(detectors)),
+        contacts_(make_contacts(prepared, detectors)),
         swept_(make_swept(prepared, obstacles_)),
         assembler_(prepared.mesh.nodes_L, std::move(dofs), all_terms()) {}
 
-  static std::vector<contact::BoneObstacle> make_obstacles(const PreparedDeck& prepared,
-                                                           const ObstacleFields& fields) {
+  static std::vector<contact::BoneObstacle> make_obstacles(const ObstacleDetectors& detectors) {
     std::vector<contact::BoneObstacle> obstacles;
-    for (std::size_t i = 0; i < fields.size(); ++i)
-      obstacles.push_back(
-          {fields[i], RigidTransform::Identity(), prepared.deck.obstacles[i].reconstruction});
+    for (const auto& detector : detectors) obstacles.push_back({.detector_B = detector});
     return obstacles;
   }
 
-  static std::vector<contact::ContactTerm> make_contacts(
-      const PreparedDeck& prepared, const std::vector<contact::BoneObstacle>& obstacles) {
+  static std::vector<contact::ContactTerm> make_contacts(const PreparedDeck& prepared,
+                                                         const ObstacleDetectors& detectors) {
     std::vector<contact::ContactTerm> contacts;
-    contacts.reserve(obstacles.size());  // The assembler points to them.
-    for (std::size_t i = 0; i < obstacles.size(); ++i)
-      contacts.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i], obstacles[i],
-                            contact::ContactTerm::Options{prepared.obstacle_stiffness_mpa_per_mm[i],
-                                                          prepared.deck.obstacles[i].capture_mm});
+    contacts.reserve(detectors.size());  // The assembler points to them.
+    for (std::size_t i = 0; i < detectors.size(); ++i)
+      contacts.push_back(make_contact(prepared, i, detectors[i]));
     return contacts;
   }
 
@@ -130,7 +123,7 @@ class Problem {
 
 Increment Problem::describe(const fem::LoadState& state) const {
   const Deck& deck = prepared_.deck;
-  const std::vector<Vec3> x_L = moved(prepared_.mesh.nodes_L, state.u);
+  const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, state.u);
   Increment told;
   told.time = state.t;
   told.u = state.u;
@@ -298,23 +291,25 @@ Index Increment::newton_iterations() const {
   return count;
 }
 
-Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fields,
+Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleDetectors& detectors,
                          const DeckWatch& watch, Progress& progress) {
-  LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, fields));
+  LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, detectors));
   fem::NewtonOptions newton = newton_options(*problem, watch);
   fem::LinearSolver linear_solver(prepared.deck.linear_solver);
   const auto solve_at = [&](double time, const VectorX& start) {
     problem->set_time(time);
     newton.may_start_at_rest = is_at_rest(prepared, time);
-    fem::NewtonOutcome outcome =
-        fem::find_equilibrium(problem->assembler(), prescribed_at(prepared, time), start,
-                              linear_solver, newton, progress);
-    if (!outcome.converged()) return outcome;
-    if (auto refusal = problem->accept(outcome.x)) {
-      outcome.stop = fem::NewtonStop::kRefused;
-      outcome.reason = *std::move(refusal);
-    }
-    return outcome;
+    const auto solve_from = [&](const VectorX& from) {
+      fem::NewtonOutcome outcome =
+          fem::find_equilibrium(problem->assembler(), prescribed_at(prepared, time), from,
+                                linear_solver, newton, progress);
+      if (outcome.converged()) problem->refuse_passages(outcome);
+      return outcome;
+    };
+    fem::NewtonOutcome settled =
+        contact::settle_contacts(problem->contacts(), prepared.mesh.nodes_L, start, solve_from);
+    if (settled.converged()) problem->remember(settled.x);
+    return settled;
   };
   fem::LoadStepper stepper({0.0, VectorX::Zero(3 * prepared.mesh.node_count())}, solve_at,
                            prepared.deck.steps);

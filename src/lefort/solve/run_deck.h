@@ -66,12 +66,13 @@ struct DeckWatch {
 
 /// Solves a deck.
 ///
-/// \param fields  like Deck::obstacles.
+/// \param detectors  like Deck::obstacles.
 /// \returns how it ended, or
 ///   - what check_obstacles() returns;
 ///   - what make_element_terms(), traction_forces(), body_forces() and Pressure::build() return;
 ///   - what `watch.on_increment` returned.
-[[nodiscard]] Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleFields& fields,
+[[nodiscard]] Result<DeckRun> run_deck(const PreparedDeck& prepared,
+                                       const ObstacleDetectors& detectors,
                                        const DeckWatch& watch = {},
                                        Progress& progress = Progress::none());
 

@@ -20,7 +20,7 @@ double gap_mm(const contact::BoneObstacle& at_origin, const Vec3& p_B) {
 
 /// How deep the straight way from a to b leads into the obstacle at most [mm]; 0 if it stays
 /// outside. Distances change no faster than points move, so that the way may be walked in steps of
-/// the distance; what is thinner than the least step is no matter of the field any more.
+/// the distance; what is thinner than the least step no detector promises to see.
 double deepest_mm(const contact::BoneObstacle& at_origin, const Vec3& a, const Vec3& b,
                   double least_step_mm) {
   const double length_mm = (b - a).norm();
@@ -61,10 +61,9 @@ void SweptFaces::remember(const contact::BoneObstacle& obstacle, std::span<const
 
 std::optional<std::string> SweptFaces::why_refused(const contact::BoneObstacle& obstacle,
                                                    std::span<const Vec3> x_L) const {
-  constexpr double kCells = 2.0, kLeastStep = 0.5;  // Of the field's cells.
-  const double cell_mm = obstacle.field_B->cell_mm();
-  const contact::BoneObstacle at_origin{obstacle.field_B, RigidTransform::Identity(),
-                                        obstacle.reconstruction};
+  constexpr double kCells = 2.0, kLeastStep = 0.5;  // Of what the detector resolves.
+  const double cell_mm = obstacle.detector_B->resolution_mm();
+  const contact::BoneObstacle at_origin{.detector_B = obstacle.detector_B};
   const std::vector<Vec3> to_B = points_B(obstacle, x_L);
   LEFORT_CHECK(from_B_.size() == to_B.size());
   std::vector<double> passed_mm(to_B.size(), 0.0);

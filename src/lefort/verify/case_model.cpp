@@ -37,13 +37,16 @@ Result<Equilibrium> solve(const CaseModel& model, const SolveOptions& options, P
   steps.max_attempts = 200;
   fem::LoadStepper stepper({.t = 0.0, .u = VectorX::Zero(3 * model.mesh.node_count())}, solve_at,
                            steps);
-  LEFORT_TRY_VOID(stepper.advance_to(1.0, progress));
+  const auto on_state = [&](const fem::LoadState& state) -> Result<void> {
+    if (options.on_increment) options.on_increment(state.t, state.u);
+    return {};
+  };
+  LEFORT_TRY_VOID(stepper.advance_to(1.0, progress, on_state));
 
   const auto forces = assembler.forces(stepper.state().u);
   LEFORT_CHECK(forces.has_value());
-  return Equilibrium{.u = stepper.state().u,
-                     .reaction_n = forces->residual_n,
-                     .last_increment = stepper.attempts().back().history};
+  return Equilibrium{
+      .u = stepper.state().u, .reaction_n = forces->residual_n, .attempts = stepper.attempts()};
 }
 
 std::function<std::vector<fem::PrescribedDisplacement>(double)> in_proportion(

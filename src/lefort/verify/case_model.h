@@ -9,6 +9,7 @@
 #include <lefort/fem/dead_load.h>
 #include <lefort/fem/dilatation.h>
 #include <lefort/fem/force_term.h>
+#include <lefort/fem/load_steps.h>
 #include <lefort/fem/material.h>
 #include <lefort/fem/newton.h>
 #include <lefort/mesh/volume_mesh.h>
@@ -38,12 +39,14 @@ struct SolveOptions {
   int increments = 1;                 ///< To begin with; an increment that fails is halved.
   double relative_tolerance = 1e-10;  ///< Of Newton's method.
   double absolute_tolerance_n = 0.0;  ///< Likewise; for a lone element, where no forces cancel.
+  /// Told each equilibrium on the way; may be empty.
+  std::function<void(double share, const VectorX& u)> on_increment = {};
 };
 
 struct Equilibrium {
   VectorX u;           ///< Displacements, 3 per node [mm].
   VectorX reaction_n;  ///< What the supports exert, 3 per node; round-off at free components.
-  std::vector<fem::NewtonIterate> last_increment;  ///< Newton's history in it.
+  std::vector<fem::LoadAttempt> attempts;  ///< All that was tried on the way.
 };
 
 /// \returns the equilibrium at full load, or what make_element_terms(), DofMap::build() and

@@ -16,5 +16,7 @@ namespace lefort::verify {
 [[nodiscard]] Section verify_bulging(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_bending(Extent extent, Progress& progress);
 [[nodiscard]] Section verify_hertz(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_punch(Extent extent, Progress& progress);
+[[nodiscard]] Section verify_ironing(Extent extent, Progress& progress);
 
 }  // namespace lefort::verify

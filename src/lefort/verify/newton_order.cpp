@@ -79,7 +79,7 @@ Section verify_newton(Extent /*extent*/, Progress& progress) {
     std::vector<double> residuals;
     std::string text;
     report::PlotLine line{.name = shape == mesh::ElementShape::kHex8 ? one.name : text_of(shape)};
-    for (const fem::NewtonIterate& iterate : found->last_increment) {
+    for (const fem::NewtonIterate& iterate : found->attempts.back().history) {
       residuals.push_back(iterate.residual_n / iterate.force_scale_n);
       text += fmt::format("{}{:.1e}", text.empty() ? "" : ", ", residuals.back());
       line.x.push_back(double(line.x.size()));

@@ -15,6 +15,7 @@ constexpr std::array kCases{
     Case{"cook", verify_cook},       Case{"inflation", verify_inflation},
     Case{"torsion", verify_torsion}, Case{"bulging", verify_bulging},
     Case{"bending", verify_bending}, Case{"hertz", verify_hertz},
+    Case{"punch", verify_punch},     Case{"ironing", verify_ironing},
 };
 
 }  // namespace

@@ -47,7 +47,7 @@ bool SurfaceContact::evaluate(Index item, std::span<const Vec3> x_L,
       if (gap.zone == field::Zone::kInside) admissible = false;
       if (gap.zone != field::Zone::kBand || !(gap.gap_mm < 0.0)) return;
       const contact::PenaltyResponse response = contact::penalty_response(
-          -gap.gap_mm, gap.gradient_L, gap.hessian_L, stiffness_mpa_per_mm_);
+          -gap.gap_mm, gap.gradient_L, gap.hessian_L, {stiffness_mpa_per_mm_});
       local.energy_mj += area_mm2 * response.energy_mj_per_mm2;
       for (int a = 0; a < Shape::kNodes; ++a)
         local.residual_n.segment<3>(3 * a) += area_mm2 * N[a] * response.gradient_mpa;
@@ -55,7 +55,7 @@ bool SurfaceContact::evaluate(Index item, std::span<const Vec3> x_L,
       const Mat3 hessian = local.tangent == fem::Tangent::kExact
                                ? response.hessian_mpa_per_mm
                                : contact::convex_hessian(-gap.gap_mm, gap.gradient_L, gap.hessian_L,
-                                                         stiffness_mpa_per_mm_);
+                                                         {stiffness_mpa_per_mm_});
       for (int a = 0; a < Shape::kNodes; ++a)
         for (int b = 0; b < Shape::kNodes; ++b)
           local.stiffness_n_per_mm.block<3, 3>(3 * a, 3 * b) += area_mm2 * N[a] * N[b] * hessian;
@@ -78,7 +78,7 @@ std::vector<SurfaceContact::Point> SurfaceContact::points_in_contact(
             if (gap.zone != field::Zone::kBand || !(gap.gap_mm < 0.0)) return;
             const Vec3 traction_mpa =
                 -contact::penalty_response(-gap.gap_mm, gap.gradient_L, gap.hessian_L,
-                                           stiffness_mpa_per_mm_)
+                                           {stiffness_mpa_per_mm_})
                      .gradient_mpa;
             points.push_back({.x_L = at,
                               .pressure_mpa = traction_mpa.norm(),

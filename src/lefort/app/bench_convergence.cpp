@@ -1,0 +1,69 @@
+#include <lefort/app/output_folder.h>
+#include <lefort/app/pipeline.h>
+#include <lefort/app/prepare_case.h>
+#include <lefort/bench/convergence.h>
+#include <lefort/io/plan_file.h>
+#include <lefort/io/sha256.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace lefort::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<bench::ConvergenceCase> case_of(const fs::path& plan_file, const ConvergenceJob& job,
+                                       Progress& progress) {
+  LEFORT_TRY(io::PlanText text, io::read_plan_text(plan_file));
+  const std::optional<fs::path> ct = job.ct ? job.ct : text.plan.ct;
+  std::error_code error;
+  if (!ct || !fs::exists(*ct, error))
+    return fail(ErrorCode::kFileNotFound,
+                fmt::format("plan {} has no scan, name it by --ct", plan_file.string()));
+  text.plan.contact.detection = contact::Detection::kSmooth;  // Its field serves all methods.
+  LEFORT_TRY(PreparedCase prepared,
+             prepare_case(std::move(text.plan), io::Sha256().add(text.json).hex(), *ct,
+                          StageCache(job.output / "cache"), progress));
+  const io::PlanFile& plan = prepared.plan;
+  return bench::ConvergenceCase{plan_file.stem().string(),
+                                std::move(prepared.model),
+                                plan.path,
+                                {plan.tissue, plan.boundary, plan.contact, plan.solver}};
+}
+
+Result<std::vector<bench::ContactMethod>> choose_methods(const std::vector<std::string>& names) {
+  const std::vector<bench::ContactMethod> known = bench::contact_methods();
+  if (names.empty()) return known;
+  std::vector<bench::ContactMethod> chosen;
+  for (const std::string& name : names) {
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const auto& method) { return method.name == name; });
+    if (found == known.end())
+      return fail(ErrorCode::kInvalidArgument, fmt::format("there is no method {}", name));
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress) {
+  bench::ConvergenceOptions options{.output = job.output};
+  LEFORT_TRY(options.methods, choose_methods(job.methods));
+  LEFORT_TRY_VOID(make_output_folder(job.output));
+  std::vector<bench::ConvergenceCase> cases;
+  if (job.synthetic) {
+    LEFORT_TRY(cases, bench::synthetic_cases(progress));
+  }
+  for (const fs::path& plan : job.plans) {
+    LEFORT_TRY(bench::ConvergenceCase prepared, case_of(plan, job, progress));
+    cases.push_back(std::move(prepared));
+  }
+  LEFORT_TRY(const std::string table, bench::run_convergence(cases, options, progress));
+  return Summary{.text = table, .json = {{"output", job.output.string()}}};
+}
+
+}  // namespace lefort::app

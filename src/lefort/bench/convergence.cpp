@@ -1,0 +1,265 @@
+#include <lefort/bench/convergence.h>
+#include <lefort/bench/stopwatch.h>
+#include <lefort/contact/measure_gap.h>
+#include <lefort/contact/settle_contacts.h>
+#include <lefort/core/version.h>
+#include <lefort/fem/elements/quadrature_rules.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/plan/bone_path.h>
+#include <lefort/predict/tissue_boundary.h>
+#include <lefort/report/plot_lines.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+namespace lefort::bench {
+namespace {
+
+/// A case followed by one method.
+struct Walk {
+  std::string case_name;
+  ContactMethod method{};
+  predict::FacePrediction prediction;
+  int steps_asked = 0;
+  double seconds = 0.0;
+  double detection_seconds = 0.0;  ///< For all points once, where the tissue lies at the end.
+  std::size_t detection_points = 0;
+
+  [[nodiscard]] std::vector<fem::LoadAttempt> attempts() const {
+    std::vector<fem::LoadAttempt> all;
+    for (const predict::PredictionStep& step : prediction.steps)
+      all.insert(all.end(), step.attempts.begin(), step.attempts.end());
+    all.insert(all.end(), prediction.failed_attempts.begin(), prediction.failed_attempts.end());
+    return all;
+  }
+};
+
+double relative(const fem::NewtonIterate& iterate) {
+  return iterate.force_scale_n > 0.0 ? iterate.residual_n / iterate.force_scale_n : 0.0;
+}
+
+/// Where a method asks for gaps: at the nodes of the contact faces, or at the points in them.
+std::vector<Vec3> detection_points(const predict::FaceModel& model, contact::Integration where,
+                                   std::span<const Vec3> x_L) {
+  const auto& faces = model.tissue.face_sets.at(predict::sets::kContact);
+  std::vector<Vec3> points;
+  if (where == contact::Integration::kNodes) {
+    std::set<std::int32_t> nodes;
+    for (const mesh::Face& face : faces)
+      for (const std::int32_t node : mesh::nodes_of(face)) nodes.insert(node);
+    for (const std::int32_t node : nodes) points.push_back(x_L[std::size_t(node)]);
+    return points;
+  }
+  for (const mesh::Face& face : faces)
+    for (const auto& point : fem::triangle_6()) {
+      const double xi = point.xi[0], eta = point.xi[1];
+      points.emplace_back((1.0 - xi - eta) * x_L[std::size_t(face.nodes[0])] +
+                          xi * x_L[std::size_t(face.nodes[1])] +
+                          eta * x_L[std::size_t(face.nodes[2])]);
+    }
+  return points;
+}
+
+Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
+                    const ConvergenceOptions& options, Progress& progress) {
+  predict::PredictionOptions prediction = task.options;
+  prediction.contact.detection = method.detection;
+  prediction.contact.integration = method.integration;
+  prediction.contact.penetration_tolerance_mm = method.penetration_tolerance_mm;
+  prediction.solver.relative_tolerance = options.relative_tolerance;
+  prediction.solver.max_iterations = options.max_iterations;
+
+  Walk walk;
+  walk.case_name = task.name;
+  walk.method = method;
+  walk.steps_asked = task.path.steps;
+  const Stopwatch watch;
+  const auto on_step = [&](const predict::PredictionStep& step) {
+    progress.note(fmt::format("  {}, {}: {:5.1f} %, {} iterations in {} increments, {:.1f} s",
+                              task.name, method.name, 100.0 * step.share, step.newton_iterations(),
+                              step.attempts.size(), watch.seconds()));
+  };
+  LEFORT_TRY(walk.prediction,
+             predict::predict_face(task.model, task.path, prediction,
+                                   {.on_step = on_step, .on_restart = {}}, progress));
+  walk.seconds = watch.seconds();
+
+  std::vector<Vec3> x_L = task.model.tissue.nodes_L;
+  RigidTransform X_LB = RigidTransform::Identity();
+  if (!walk.prediction.steps.empty()) {
+    const predict::PredictionStep& last = walk.prediction.steps.back();
+    for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
+    X_LB = last.X_LB;
+  }
+  LEFORT_TRY(
+      const auto detector_B,
+      predict::detect_segment(task.model.segment_B, task.model.segment_field_B, method.detection));
+  const std::vector<Vec3> points = detection_points(task.model, method.integration, x_L);
+  std::vector<contact::Gap> gaps(points.size());
+  std::vector<double> seconds;
+  for (int n = 0; n < 5; ++n) {
+    const Stopwatch once;
+    contact::measure_gaps({detector_B, X_LB}, points, contact::Derivatives::kSecond, gaps);
+    seconds.push_back(once.seconds());
+  }
+  walk.detection_seconds = *std::min_element(seconds.begin(), seconds.end());
+  walk.detection_points = points.size();
+  return walk;
+}
+
+/// Figures of one walk.
+struct Tally {
+  Index iterations = 0;
+  Index failed_attempts = 0;
+  Index failed_iterations = 0;
+  Index rises = 0;           ///< Iterations after which the residual was larger than before.
+  double worst_final = 0.0;  ///< Relative residual at the end of a step that converged.
+};
+
+Tally tally(const Walk& walk) {
+  Tally sum;
+  for (const fem::LoadAttempt& attempt : walk.attempts()) {
+    const auto iterations = std::max<Index>(Index(attempt.history.size()) - 1, 0);
+    sum.iterations += iterations;
+    if (attempt.stop != fem::NewtonStop::kConverged) {
+      ++sum.failed_attempts;
+      sum.failed_iterations += iterations;
+    }
+    for (std::size_t i = 1; i < attempt.history.size(); ++i)
+      if (relative(attempt.history[i]) > relative(attempt.history[i - 1])) ++sum.rises;
+  }
+  for (const predict::PredictionStep& step : walk.prediction.steps)
+    sum.worst_final = std::max(sum.worst_final, step.relative_residual);
+  return sum;
+}
+
+std::string table(std::span<const Walk> walks) {
+  std::string text =
+      "| case | method | steps converged | increments that failed | iterations (in failed ones) | "
+      "a converged step | residual rose | largest final relative residual | nodes in contact | "
+      "depth P99 / max mm | crept through mm² | µs per point detected | s per detection | "
+      "walk s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  for (const Walk& walk : walks) {
+    const Tally sum = tally(walk);
+    const auto& steps = walk.prediction.steps;
+    const contact::ContactSummary last =
+        steps.empty() ? contact::ContactSummary{} : steps.back().contact;
+    Index in_steps = 0;
+    for (const predict::PredictionStep& step : steps) in_steps += step.newton_iterations();
+    text += fmt::format(
+        "| {} | {} | {} of {} | {} | {} ({}) | {:.1f} | {} | {:.1e} | {} | {:.3f} / {:.3f} | "
+        "{:.0f} "
+        "| {:.3f} | {:.4f} | {:.1f} |\n",
+        walk.case_name, walk.method.name, steps.size(), walk.steps_asked, sum.failed_attempts,
+        sum.iterations, sum.failed_iterations,
+        steps.empty() ? std::nan("") : double(in_steps) / double(steps.size()), sum.rises,
+        sum.worst_final, last.nodes, last.p99_depth_from_rest_mm, last.max_depth_from_rest_mm,
+        last.tunnelled_area_mm2,
+        1e6 * walk.detection_seconds / double(std::max<std::size_t>(walk.detection_points, 1)),
+        walk.detection_seconds, walk.seconds);
+  }
+  return text;
+}
+
+std::string csv(std::span<const Walk> walks) {
+  std::string text =
+      "case,method,attempt,from,to,extrapolated,converged,iteration,residual_n,relative_residual,"
+      "contact_points,step_length,convex_share,shift\n";
+  for (const Walk& walk : walks) {
+    int number = 0;
+    for (const fem::LoadAttempt& attempt : walk.attempts()) {
+      ++number;
+      for (std::size_t i = 0; i < attempt.history.size(); ++i) {
+        const fem::NewtonIterate& at = attempt.history[i];
+        text += fmt::format(
+            "{},{},{},{:.9g},{:.9g},{},{},{},{:.9g},{:.9g},{},{:.9g},{:.9g},{:.9g}\n",
+            walk.case_name, walk.method.name, number, attempt.t_from, attempt.t_to,
+            int(attempt.extrapolated), int(attempt.stop == fem::NewtonStop::kConverged), i,
+            at.residual_n, relative(at), at.contacts, at.step_length, at.convex_share, at.shift);
+      }
+    }
+  }
+  return text;
+}
+
+/// \param attempts  how many of each walk are drawn, one after another.
+std::string plot(std::span<const Walk> walks, const std::string& title, std::size_t attempts,
+                 double tolerance) {
+  report::LinePlot drawing{.title = title,
+                           .x_label = "Newton iteration",
+                           .y_label = "residual over the forces that cancel",
+                           .y_axis = report::Axis::kLog,
+                           .threshold_y = tolerance,
+                           .threshold_name = "converged"};
+  for (const Walk& walk : walks) {
+    report::PlotLine line{.name = std::string(walk.method.name)};
+    double iteration = 0.0;
+    const auto all = walk.attempts();
+    for (std::size_t a = 0; a < std::min(attempts, all.size()); ++a) {
+      for (const fem::NewtonIterate& at : all[a].history) {
+        line.x.push_back(iteration);
+        line.y.push_back(relative(at));
+        iteration += 1.0;
+      }
+      iteration -= 1.0;  // The next increment starts where this one ended.
+      line.x.push_back(iteration);
+      line.y.push_back(std::numeric_limits<double>::quiet_NaN());
+    }
+    drawing.lines.push_back(std::move(line));
+  }
+  return report::plot_lines(drawing);
+}
+
+/// \param of_case  those of the case that was followed last.
+Result<void> write_results(std::span<const Walk> all, std::span<const Walk> of_case,
+                           const ConvergenceOptions& options) {
+  const std::string& name = of_case.front().case_name;
+  LEFORT_TRY_VOID(
+      io::write_text(options.output / (name + "-walk.svg"),
+                     plot(of_case, name + ": the whole way",
+                          std::numeric_limits<std::size_t>::max(), options.relative_tolerance)));
+  LEFORT_TRY_VOID(io::write_text(
+      options.output / (name + "-first-step.svg"),
+      plot(of_case, name + ": the first increment, from rest", 1, options.relative_tolerance)));
+  LEFORT_TRY_VOID(io::write_text(options.output / "convergence.csv", csv(all)));
+  return io::write_text(
+      options.output / "convergence.md",
+      fmt::format("# Convergence of contact\n\nlefort {}, `lefort bench convergence`; relative "
+                  "tolerance {:g}, at most {} iterations an increment.\n\n{}",
+                  kVersion, options.relative_tolerance, options.max_iterations, table(all)));
+}
+
+}  // namespace
+
+std::vector<ContactMethod> contact_methods() {
+  using enum contact::Detection;
+  using enum contact::Integration;
+  constexpr double kTolerance_mm = 0.05;  // What penetration is asked of the multipliers.
+  return {{"bvh-nodal", kBvh, kNodes},
+          {"field-trilinear", kTrilinear, kQuadrature},
+          {"field-smooth", kSmooth, kQuadrature},
+          {"field-smooth-augmented", kSmooth, kQuadrature, kTolerance_mm}};
+}
+
+Result<std::string> run_convergence(std::span<const ConvergenceCase> cases,
+                                    const ConvergenceOptions& options, Progress& progress) {
+  std::vector<Walk> all;
+  for (const ConvergenceCase& task : cases) {
+    const std::size_t first = all.size();
+    for (const ContactMethod& method : options.methods) {
+      progress.begin_stage(fmt::format("{}: {}", task.name, method.name));
+      LEFORT_TRY(Walk walk, follow(task, method, options, progress));
+      all.push_back(std::move(walk));
+      LEFORT_TRY_VOID(  // After every walk: the next may take long.
+          write_results(all, std::span<const Walk>(all).subspan(first), options));
+    }
+  }
+  return table(all);
+}
+
+}  // namespace lefort::bench

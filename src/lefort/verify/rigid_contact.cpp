@@ -1,0 +1,264 @@
+#include <lefort/contact/settle_contacts.h>
+#include <lefort/field/build_distance_field.h>
+#include <lefort/mesh/box_grid.h>
+#include <lefort/verify/case_model.h>
+#include <lefort/verify/cases.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+namespace lefort::verify {
+namespace {
+
+constexpr double kMu_mpa = 0.005;  // Of soft tissue.
+constexpr double kKappa_mpa = 0.1;
+constexpr double kStiffness_mpa_per_mm = 0.06;  // Ten times Young's modulus over an element's edge.
+constexpr double kTolerance = 1e-8;
+/// Newton's quadratic end takes three or four; the rest is for points that come into contact.
+constexpr int kMostIterations = 20;
+constexpr std::array<double, 3> kBlock_mm{24.0, 16.0, 10.0};
+
+/// A box of triangles.
+geometry::TriangleMesh box(const Vec3& low, const Vec3& high) {
+  geometry::TriangleMesh mesh;
+  for (int corner = 0; corner < 8; ++corner)
+    mesh.vertices.emplace_back((corner & 1) != 0 ? high.x() : low.x(),
+                               (corner & 2) != 0 ? high.y() : low.y(),
+                               (corner & 4) != 0 ? high.z() : low.z());
+  constexpr std::array<std::array<std::int32_t, 4>, 6> kSides{
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+  for (const auto& [a, b, c, d] : kSides) {
+    mesh.triangles.push_back({a, b, c});
+    mesh.triangles.push_back({a, c, d});
+  }
+  return mesh;
+}
+
+/// A cylinder along y whose lowest line is z = 0.
+geometry::TriangleMesh roller(double radius_mm, double from_y, double to_y) {
+  constexpr int kAround = 96;
+  geometry::TriangleMesh mesh;
+  for (const double y : {from_y, to_y})
+    for (int n = 0; n < kAround; ++n) {
+      const double angle = 2.0 * std::numbers::pi * n / kAround;
+      mesh.vertices.emplace_back(radius_mm * std::sin(angle), y,
+                                 radius_mm * (1.0 - std::cos(angle)));
+    }
+  mesh.vertices.emplace_back(0.0, from_y, radius_mm);
+  mesh.vertices.emplace_back(0.0, to_y, radius_mm);
+  for (std::int32_t n = 0; n < kAround; ++n) {
+    const std::int32_t m = (n + 1) % kAround;
+    mesh.triangles.push_back({n, kAround + m, m});
+    mesh.triangles.push_back({n, kAround + n, kAround + m});
+    mesh.triangles.push_back({2 * kAround, n, m});
+    mesh.triangles.push_back({2 * kAround + 1, kAround + m, kAround + n});
+  }
+  return mesh;
+}
+
+/// What one increment came to.
+struct Increment {
+  double share = 0.0;
+  Vec3 force_n = Vec3::Zero();  ///< On the body.
+  Index iterations = 0;
+  Index late_rises = 0;  ///< Iterations beyond the third whose residual was larger than before.
+};
+
+struct Followed {
+  std::vector<Increment> increments;
+  Index failed = 0;  ///< Increments that had to be made smaller.
+};
+
+/// Presses a rigid body into a block of hexahedra that is held below.
+Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, int increments,
+                       const std::function<Vec3(double share)>& shift_mm, Progress& progress) {
+  const auto cells = [&](double mm) { return int(std::lround(mm * 0.1 * cells_per_10mm)); };
+  CaseModel model{
+      .mesh = mesh::make_box(mesh::ElementShape::kHex8,
+                             {cells(kBlock_mm[0]), cells(kBlock_mm[1]), cells(kBlock_mm[2])},
+                             Vec3(kBlock_mm[0], kBlock_mm[1], kBlock_mm[2])),
+      .materials = {{0,
+                     fem::Split<fem::IsochoricNeoHookean>{
+                         .shear = {.mu_mpa = kMu_mpa},
+                         .volume = {.form = fem::VolumetricForm::kQuadraticLog,
+                                    .kappa_mpa = kKappa_mpa}}}},
+      .prescribed = {}};
+  std::vector<fem::PrescribedDisplacement> held;
+  for (int axis = 0; axis < 3; ++axis) hold(model.mesh.node_sets.at("z0"), axis, 0.0, held);
+  model.prescribed = [held](double) { return held; };
+
+  LEFORT_TRY(field::DistanceField field,
+             field::build_distance_field(body, {.resolution = 64, .band_mm = 2.5, .smooth = true},
+                                         progress));
+  LEFORT_TRY(
+      const auto detector_B,
+      contact::detect_by_field(std::make_shared<const field::DistanceField>(std::move(field)),
+                               contact::Detection::kSmooth));
+  contact::ContactTerm contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"), {detector_B},
+                               {.stiffness_mpa_per_mm = kStiffness_mpa_per_mm});
+  model.extra.push_back({&contact, [&](double share) {
+                           RigidTransform X_LB = RigidTransform::Identity();
+                           X_LB.translation() = shift_mm(share);
+                           contact.set_pose(X_LB);
+                         }});
+  Followed followed;
+  const auto on_increment = [&](double share, const VectorX& u) {
+    const std::vector<Vec3> x_L = contact::displaced(model.mesh.nodes_L, u);
+    contact.remember(x_L);
+    followed.increments.push_back({.share = share, .force_n = contact.summarise(x_L).force_L_n});
+  };
+  LEFORT_TRY(const Equilibrium found, solve(model,
+                                            {.increments = increments,
+                                             .relative_tolerance = kTolerance,
+                                             .on_increment = on_increment},
+                                            progress));
+  std::size_t n = 0;
+  for (const fem::LoadAttempt& attempt : found.attempts) {
+    if (attempt.stop != fem::NewtonStop::kConverged) {
+      ++followed.failed;
+      continue;
+    }
+    Increment& increment = followed.increments[n++];
+    increment.iterations = Index(attempt.history.size()) - 1;
+    for (std::size_t i = 4; i < attempt.history.size(); ++i)
+      if (attempt.history[i].residual_n > attempt.history[i - 1].residual_n) ++increment.late_rises;
+  }
+  return followed;
+}
+
+/// The checks of every problem here, and the table of its increments.
+void judge(const Followed& followed, Section& section) {
+  Table table{.title = "Force on the body and Newton's iterations, by increment",
+              .header = {"share", "x [N]", "y [N]", "z [N]", "iterations", "late rises"}};
+  Index most = 0, rises = 0;
+  for (const Increment& increment : followed.increments) {
+    most = std::max(most, increment.iterations);
+    rises += increment.late_rises;
+    table.rows.push_back(
+        {fmt::format("{:.3f}", increment.share), fmt::format("{:.4f}", increment.force_n.x()),
+         fmt::format("{:.4f}", increment.force_n.y()), fmt::format("{:.4f}", increment.force_n.z()),
+         fmt::format("{}", increment.iterations), fmt::format("{}", increment.late_rises)});
+  }
+  section.tables.push_back(std::move(table));
+  section.checks.push_back({.name = "increments that failed",
+                            .measured = double(followed.failed),
+                            .asked = Asked::kAtMost,
+                            .expected = 0.0,
+                            .reason = "none needs to be made smaller"});
+  section.checks.push_back({.name = "most iterations of an increment",
+                            .measured = double(most),
+                            .asked = Asked::kAtMost,
+                            .expected = kMostIterations,
+                            .reason = "an oscillating one runs into the hundreds"});
+  section.checks.push_back(
+      {.name = "iterations beyond the third that raised the residual, a share of all increments",
+       .measured = double(rises) / double(followed.increments.size()),
+       .asked = Asked::kAtMost,
+       .expected = 1.0,
+       .reason = "points that come into contact may raise it once in an increment; an oscillation "
+                 "does every second time"});
+}
+
+Section failed_section(Section section, const Error& error) {
+  section.checks.push_back(not_measured("path", error.message));
+  return section;
+}
+
+}  // namespace
+
+Section verify_punch(Extent extent, Progress& progress) {
+  Section section{
+      .name = "punch",
+      .title = "Flat punch",
+      .text =
+          "A rigid box of 8 x 8 mm with sharp edges is pressed 1 mm flat into a soft block (nu "
+          "= 0.475), by the smooth field and the contact term of the product. No closed form; "
+          "asked is that nothing oscillates, that the force rises with depth, and that it is "
+          "as symmetric as the problem."};
+  const Vec3 middle(0.5 * kBlock_mm[0], 0.5 * kBlock_mm[1], kBlock_mm[2]);
+  const auto followed = press(
+      box(middle + Vec3(-4, -4, 0), middle + Vec3(4, 4, 6)), extent == Extent::kShort ? 5 : 10, 10,
+      [](double share) { return Vec3(0.0, 0.0, -share); }, progress);
+  if (!followed) return failed_section(std::move(section), followed.error());
+  judge(*followed, section);
+  double least_rise_n = std::numeric_limits<double>::infinity(), last_n = 0.0, sideways = 0.0;
+  for (const Increment& increment : followed->increments) {
+    least_rise_n = std::min(least_rise_n, -increment.force_n.z() - last_n);
+    last_n = -increment.force_n.z();
+    sideways = std::max(sideways, increment.force_n.head<2>().norm() / last_n);
+  }
+  section.checks.push_back({.name = "least rise of the force from increment to increment",
+                            .measured = least_rise_n,
+                            .asked = Asked::kAtLeast,
+                            .expected = 0.0,
+                            .unit = "N",
+                            .reason = "deeper is harder"});
+  section.checks.push_back({.name = "largest share of the force that points sideways",
+                            .measured = sideways,
+                            .asked = Asked::kAtMost,
+                            .expected = 0.0,
+                            .tolerance = 1e-3,
+                            .reason = "a mirror image of itself, but for the field's lattice"});
+  return section;
+}
+
+Section verify_ironing(Extent extent, Progress& progress) {
+  constexpr double kRadius_mm = 4.0, kPressed_mm = 1.0, kSlid_mm = 10.0, kPressing = 0.2;
+  Section section{
+      .name = "ironing",
+      .title = "Ironing: a roller pressed in and slid along",
+      .text = fmt::format(
+          "A rigid cylinder of {} mm lies across a soft block (nu = 0.475), is pressed {} mm in "
+          "and "
+          "slid {} mm along without friction, by the smooth field and the contact term of the "
+          "product. Nodes come into contact ahead and leave it behind: where normals jump, the "
+          "force does, and Newton cycles. Over the middle of the way the force must be steady.",
+          kRadius_mm, kPressed_mm, kSlid_mm)};
+  geometry::TriangleMesh cylinder = roller(kRadius_mm, -2.0, kBlock_mm[1] + 2.0);
+  for (Vec3& v : cylinder.vertices) v += Vec3(7.0, 0.0, kBlock_mm[2]);
+  const auto followed = press(
+      cylinder, extent == Extent::kShort ? 5 : 10, 25,
+      [&](double share) {
+        const double pressed = std::min(share / kPressing, 1.0);
+        const double slid = std::max(share - kPressing, 0.0) / (1.0 - kPressing);
+        return Vec3(slid * kSlid_mm, 0.0, -pressed * kPressed_mm);
+      },
+      progress);
+  if (!followed) return failed_section(std::move(section), followed.error());
+  judge(*followed, section);
+  report::PlotLine down{.name = "down"}, along{.name = "against the way"};
+  double least_n = std::numeric_limits<double>::infinity(), most_n = 0.0;
+  for (const Increment& increment : followed->increments) {
+    down.x.push_back(increment.share);
+    down.y.push_back(-increment.force_n.z());
+    along.x.push_back(increment.share);
+    along.y.push_back(increment.force_n.x());
+    if (increment.share < 0.4 || increment.share > 0.8) continue;  // Away from the block's ends.
+    least_n = std::min(least_n, -increment.force_n.z());
+    most_n = std::max(most_n, -increment.force_n.z());
+  }
+  section.plots.push_back({.title = "Force on the block",
+                           .x_label = "share of the way",
+                           .y_label = "force [N]",
+                           .lines = {std::move(down), std::move(along)}});
+  section.checks.push_back(
+      {.name = "swing of the force over the middle of the way, to its mean",
+       .measured = (most_n - least_n) / (0.5 * (most_n + least_n)),
+       .asked = Asked::kAtMost,
+       .expected = 0.0,
+       .tolerance = 0.05,
+       .reason = "the block is uniform there; elements as long as a fifth of the contact let it "
+                 "swing a little"});
+  return section;
+}
+
+}  // namespace lefort::verify

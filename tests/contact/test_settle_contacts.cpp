@@ -1,0 +1,135 @@
+#include <lefort/contact/settle_contacts.h>
+#include <lefort/field/build_distance_field.h>
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "support/shapes.h"
+
+namespace lefort::contact {
+namespace {
+
+constexpr double kStiffness = 0.04;  // MPa/mm
+constexpr double kSpring = 0.2;      // N/mm, holds the face down at z = 0.
+
+std::vector<Vec3> face_at(double z) { return {{0.0, 0.0, z}, {0.0, 4.0, z}, {4.0, 0.0, z}}; }
+
+/// A face at rest on a slab of bone that has come up by 1 mm.
+ContactTerm pressed_face(std::optional<double> tolerance_mm) {
+  static const auto field = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(test::make_box({-10.0, -10.0, -8.0}, {10.0, 10.0, 0.0}),
+                                  {.resolution = 64, .band_mm = 3.0, .smooth = true})
+          .value());
+  ContactTerm term(face_at(0.0), {{mesh::FaceShape::kTri3, {0, 1, 2}}},
+                   {detect_by_field(field, Detection::kSmooth).value()},
+                   {.stiffness_mpa_per_mm = kStiffness,
+                    .capture_mm = 0.1,
+                    .penetration_tolerance_mm = tolerance_mm});
+  RigidTransform X_LB = RigidTransform::Identity();
+  X_LB.translation().z() = 1.0;
+  term.set_pose(X_LB);
+  return term;
+}
+
+/// The balance of spring and contact, by bisection.
+fem::NewtonOutcome balance(const ContactTerm& term, const VectorX& start) {
+  double low = -0.5, high = 1.5;
+  for (int n = 0; n < 60; ++n) {
+    const double z = 0.5 * (low + high);
+    (kSpring * z < term.summarise(face_at(z)).force_L_n.z() ? low : high) = z;
+  }
+  fem::NewtonOutcome outcome;
+  outcome.stop = fem::NewtonStop::kConverged;
+  outcome.x = VectorX::Zero(9);
+  for (int node = 0; node < 3; ++node) outcome.x[3 * node + 2] = low;
+  outcome.history = {{.residual_n = start.norm()}, {.residual_n = 0.0}};
+  return outcome;
+}
+
+TEST(SettleContacts, WithoutAToleranceThePenaltyAloneHolds) {
+  std::vector<ContactTerm> contacts{pressed_face(std::nullopt)};
+  int solves = 0;
+  const auto outcome =
+      settle_contacts(contacts, face_at(0.0), VectorX::Zero(9), [&](const VectorX& start) {
+        ++solves;
+        return balance(contacts[0], start);
+      });
+  ASSERT_TRUE(outcome.converged());
+  EXPECT_EQ(solves, 1);
+  // s z = 2 k A (1 - z)
+  EXPECT_NEAR(outcome.x[2], 0.64 / (0.64 + kSpring), 1e-6);
+}
+
+TEST(SettleContacts, AugmentsUntilTheNamedDepthIsReached) {
+  std::vector<ContactTerm> contacts{pressed_face(1e-3)};
+  int solves = 0;
+  const auto outcome =
+      settle_contacts(contacts, face_at(0.0), VectorX::Zero(9), [&](const VectorX& start) {
+        ++solves;
+        return balance(contacts[0], start);
+      });
+  ASSERT_TRUE(outcome.converged());
+  // Each augmentation leaves s / (s + 2 k A) of the depth: 0.238^5 is the first below 1e-3.
+  EXPECT_EQ(solves, 5);
+  EXPECT_EQ(outcome.iterations(), 5);
+  const ContactSummary at_rest = contacts[0].summarise(displaced(face_at(0.0), outcome.x));
+  EXPECT_LE(at_rest.p99_depth_from_rest_mm, 1e-3);
+  EXPECT_NEAR(at_rest.force_L_n.z(), kSpring * 1.0, 2e-4);
+}
+
+TEST(SettleContacts, WhereAugmentingFailsWhatWasFoundBeforeIsKept) {
+  std::vector<ContactTerm> contacts{pressed_face(1e-3)};
+  int solves = 0;
+  double second_z = 0.0;
+  const auto outcome =
+      settle_contacts(contacts, face_at(0.0), VectorX::Zero(9), [&](const VectorX& start) {
+        fem::NewtonOutcome found = balance(contacts[0], start);
+        if (++solves == 2) second_z = found.x[2];
+        if (solves == 3) found.stop = fem::NewtonStop::kStagnated;
+        return found;
+      });
+  ASSERT_TRUE(outcome.converged());
+  EXPECT_EQ(solves, 3);
+  EXPECT_EQ(outcome.x[2], second_z);
+  EXPECT_EQ(outcome.iterations(), 4);  // The third, and the way back.
+  EXPECT_EQ(outcome.history.back().residual_n, 0.0);
+  // In balance with the multipliers that are left.
+  EXPECT_NEAR(contacts[0].summarise(face_at(second_z)).force_L_n.z(), kSpring * second_z, 1e-9);
+  EXPECT_GT(contacts[0].summarise(face_at(second_z)).p99_depth_from_rest_mm, 1e-3);
+}
+
+TEST(SettleContacts, NothingIsRememberedOfAFirstSolveThatFails) {
+  std::vector<ContactTerm> contacts{pressed_face(1e-3)};
+  const auto outcome =
+      settle_contacts(contacts, face_at(0.0), VectorX::Zero(9), [&](const VectorX& start) {
+        fem::NewtonOutcome found = balance(contacts[0], start);
+        found.stop = fem::NewtonStop::kTooManyIterations;
+        return found;
+      });
+  EXPECT_EQ(outcome.stop, fem::NewtonStop::kTooManyIterations);
+  for (const double multiplier_mpa : contacts[0].memory().multipliers_mpa)
+    EXPECT_EQ(multiplier_mpa, 0.0);
+}
+
+TEST(SettleContacts, ItGivesUpWhereMultipliersTakeOffNothing) {
+  std::vector<ContactTerm> contacts{pressed_face(1e-3)};
+  int solves = 0;
+  const auto outcome =  // A body that nothing moves.
+      settle_contacts(contacts, face_at(0.0), VectorX::Zero(9), [&](const VectorX& start) {
+        ++solves;
+        fem::NewtonOutcome stubborn;
+        stubborn.stop = fem::NewtonStop::kConverged;
+        stubborn.x = start;
+        stubborn.history = {{}, {}};
+        return stubborn;
+      });
+  EXPECT_TRUE(outcome.converged());
+  EXPECT_EQ(solves, 4);
+  EXPECT_NEAR(contacts[0].summarise(face_at(0.0)).p99_depth_from_rest_mm, 1.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace lefort::contact
