@@ -1,6 +1,7 @@
 /// \file
 /// `lefort predict` on a small made-up head: a ball of skin around a shell of bone, whose front
 /// moves forward.
+#include <lefort/app/pipeline.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
@@ -8,7 +9,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
@@ -90,7 +93,7 @@ TEST_F(PredictCommand, WritesTheFaceAndAllThatDocumentsIt) {
   EXPECT_LT(result["skin"]["largest_shift_mm"], 3.5);
   EXPECT_EQ(result["inputs"]["labels_source"], "segmented");
   EXPECT_EQ(result["inputs"]["labels_sha256"].get<std::string>().size(), 64U);
-  EXPECT_EQ(result["parameters"]["reconstruction"], "smooth");
+  EXPECT_EQ(result["parameters"]["detection"], "smooth");
   EXPECT_EQ(result["parameters"]["stiffness_factor"], 10.0);
 }
 
@@ -139,6 +142,62 @@ TEST_F(PredictCommand, GivesTheSameBytesForAnyNumberOfThreadsWithoutACache) {
     return io::read_text(folder_ / file, 1 << 28).value();
   };
   EXPECT_EQ(skin("one/predicted_skin.stl"), skin("two/predicted_skin.stl"));
+}
+
+/// Asks to stop once a step has converged.
+class StopAfterAStep final : public Progress {
+ public:
+  void note(std::string_view text) override {
+    if (text.find("% of the path") != std::string_view::npos) stop_ = true;
+  }
+  [[nodiscard]] bool stop_requested() const override { return stop_; }
+
+ private:
+  bool stop_ = false;
+};
+
+TEST_F(PredictCommand, StoppedAndRunAgainItWritesTheBytesOfARunThatWasNot) {
+  ASSERT_EQ(predict("whole", "--no-pictures").exit_code, 0);
+  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "stopped", false};
+  StopAfterAStep stop;
+  const auto stopped = predict_case(job, stop);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+  EXPECT_FALSE(there_is("stopped/prediction.json"));
+  const auto rest = predict("stopped", "--no-pictures");
+  ASSERT_EQ(rest.exit_code, 0) << rest.error;
+  EXPECT_NE(rest.error.find("1 of 2 steps were found by an earlier run"), std::string::npos)
+      << rest.error;
+  json whole = read_json("whole/prediction.json"), resumed = read_json("stopped/prediction.json");
+  whole.erase("timing");
+  resumed.erase("timing");
+  EXPECT_EQ(whole.dump(), resumed.dump());
+  for (const char* file : {"predicted_skin.vtp", "predicted_skin.stl", "paraview/step_0002.vtu"})
+    EXPECT_EQ(io::read_text(folder_ / "whole" / file, 1 << 28).value(),
+              io::read_text(folder_ / "stopped" / file, 1 << 28).value())
+        << file;
+}
+
+TEST_F(PredictCommand, APathThatDrivesBoneThroughBoneIsTold) {
+  json plan = small_plan();
+  plan["segments"][0]["path"] = {{"steps", 2}, {"keyframes", {{{"translation_mm", {0, 3, 0}}}}}};
+  write_plan(plan);
+  const auto run = predict("out", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_NE(run.error.find("the path drives bone through bone: at 100.0 %"), std::string::npos)
+      << run.error;
+  const json overlaps = read_json("out/prediction.json")["bone_overlap"];
+  ASSERT_EQ(overlaps.size(), 2U);
+  EXPECT_GT(overlaps[1]["volume_ml"], overlaps[0]["volume_ml"]);
+  EXPECT_NEAR(overlaps[1]["deepest_mm"].get<double>(), 3.0, 0.8);
+  EXPECT_TRUE(there_is("out/bone_overlap.vtp"));
+  const std::string report = io::read_text(folder_ / "out/report.html", 1 << 26).value();
+  EXPECT_NE(report.find("drives bone through bone"), std::string::npos);
+
+  write_plan(small_plan());  // Forward it touches nothing.
+  ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);
+  EXPECT_EQ(read_json("out/prediction.json")["bone_overlap"][1]["deepest_mm"], 0.0);
+  EXPECT_FALSE(there_is("out/bone_overlap.vtp"));
 }
 
 TEST_F(PredictCommand, ACachedStageIsTimedAsSuch) {
