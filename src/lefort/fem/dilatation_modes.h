@@ -57,26 +57,26 @@ template <class Element>
   return L.template triangularView<Eigen::Lower>().solve(raw.transpose()).transpose();
 }
 
-/// Whether a part of U stays at the points, since one mean does not see what is linear in an element.
+/// Bulk modulus that stays at the points, in shear moduli, since one mean does not see what is
+/// linear in an element.
 template <class Element>
-inline constexpr bool kKeepsAtPoints = false;
+inline constexpr double kBulkAtPoints = 0.0;
 template <>
-inline constexpr bool kKeepsAtPoints<Tet10> = true;
+inline constexpr double kBulkAtPoints<Tet10> = 0.25;
 template <>
-inline constexpr bool kKeepsAtPoints<Wedge15> = true;
+inline constexpr double kBulkAtPoints<Wedge15> = 0.5;
 
 /// U in two parts: of the mean, and at the points.
 struct SharedVolume {
   Volumetric of_mean;
-  Volumetric at_points;  ///< Bulk modulus 0 unless kKeepsAtPoints.
+  Volumetric at_points;  ///< Bulk modulus 0 where kBulkAtPoints is.
 };
 
 /// \param shear_mpa  the law's shear modulus at rest.
 template <class Element>
 [[nodiscard]] SharedVolume share_volume(const Volumetric& volume, double shear_mpa) {
   SharedVolume shared{volume, volume};
-  shared.at_points.kappa_mpa =
-      kKeepsAtPoints<Element> ? std::min(volume.kappa_mpa, kBulkAtPoints * shear_mpa) : 0.0;
+  shared.at_points.kappa_mpa = std::min(volume.kappa_mpa, kBulkAtPoints<Element> * shear_mpa);
   shared.of_mean.kappa_mpa -= shared.at_points.kappa_mpa;
   return shared;
 }
@@ -117,7 +117,7 @@ template <class Element>
   }
   response.pressure = modes * pressure;
   response.curvature_at_points.setZero();
-  if constexpr (kKeepsAtPoints<Element>)
+  if constexpr (kBulkAtPoints < Element >> 0.0)
     for (int q = 0; q < Element::kPoints; ++q) {
       response.energy_mj +=
           points[std::size_t(q)].volume_mm3 * volume.at_points.energy_of_change(change[q]);

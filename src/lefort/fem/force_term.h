@@ -59,8 +59,8 @@ class ForceTerm {
 
   /// Whether the residual, summed over all items, is the gradient of the energy by the free
   /// components. If not (a pressure that follows a surface with a free rim), it still is the force;
-  /// the energy is ignored, and the stiffness is that part of the residual's derivative, symmetric or
-  /// antisymmetric, which is asked for.
+  /// the energy is ignored, and the stiffness is that part of the residual's derivative, symmetric
+  /// or antisymmetric, which is asked for.
   [[nodiscard]] virtual bool is_conservative(const DofMap& /*dofs*/) const { return true; }
 };
 

@@ -26,8 +26,8 @@ enum class LawPart {
 /// dP/dF [MPa].
 [[nodiscard]] Mat9 tangent(const Material& material, LawPart part, const Mat3& F);
 
-/// The shear modulus at rest [MPa]: the mean over the three planes of the axes, where the law is not
-/// isotropic.
+/// The shear modulus at rest [MPa]; of a law that is not isotropic the mean over the planes of the
+/// axes.
 [[nodiscard]] double shear_modulus_at_rest(const Material& material);
 
 }  // namespace lefort::fem

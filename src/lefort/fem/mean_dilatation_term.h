@@ -77,7 +77,7 @@ class MeanDilatationTerm final : public ForceTerm {
         add_stiffness(response->pressure[Index(q)] * cofactor_tangent(F[q]), points[q].volume_mm3,
                       points[q], local);
       dtheta += points[q].volume_mm3 * dJ.reshaped() * modes.row(Index(q));
-      if constexpr (kKeepsAtPoints<Element>) {
+      if constexpr (kBulkAtPoints < Element >> 0.0) {
         const double curvature = points[q].volume_mm3 * response->curvature_at_points[Index(q)];
         stiffness_of(local).noalias() += (curvature * dJ.reshaped()) * dJ.reshaped().transpose();
       }

@@ -40,7 +40,7 @@ class NonlinearSystem {
   /// \pre x is admissible.
   [[nodiscard]] virtual SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
 
-  /// \returns the strictly lower triangle L of the antisymmetric part L - L^T of dr/dx; 0 by 0 where
+  /// \returns the strictly lower triangle L of the antisymmetric part L - L^T of dr/dx; 0 by 0 if
   ///   r is the gradient of an energy. \pre x is admissible.
   [[nodiscard]] virtual SparseMatrix antisymmetric_tangent(const VectorX& /*x*/) const {
     return {};
@@ -124,9 +124,9 @@ struct NewtonOutcome {
 ///
 /// Where a part of r is no energy's gradient, minus its work along the straight step, by the
 /// trapezoidal rule, takes its place in W; and dr/dx is K + A with an antisymmetric A. The step is
-/// then solved for by GMRES, preconditioned by what was factorised, and taken if it lowers that W or
-/// |r|. If it does neither, a step by K alone is tried: it goes down that W, since along a straight
-/// line only the symmetric part of dr/dx does work (dx . A dx = 0).
+/// then solved for by GMRES, preconditioned by what was factorised, and taken if it lowers that W
+/// or |r|. If it does neither, a step by K alone is tried: it goes down that W, since along a
+/// straight line only the symmetric part of dr/dx does work (dx . A dx = 0).
 ///
 /// A step makes headway if |r| falls notably or the energy clearly; a shifted step, which may creep
 /// downhill without end, only if it gains a notable part of what was gained so far.

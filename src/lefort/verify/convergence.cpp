@@ -107,8 +107,8 @@ Orders full_orders(mesh::ElementShape shape) {
   return {degree(shape) + 1.0, double(degree(shape))};
 }
 
-/// Those of the pressure's polynomials where they are fewer: constants in tet10 and wedge15 cost one
-/// order (\cite boffi2013).
+/// Those of the pressure's polynomials where they are fewer: constants in tet10 and wedge15 cost
+/// one order (\cite boffi2013).
 Orders averaged_orders(mesh::ElementShape shape) {
   const bool is_constant =
       shape == mesh::ElementShape::kTet10 || shape == mesh::ElementShape::kWedge15;

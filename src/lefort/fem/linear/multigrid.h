@@ -37,8 +37,8 @@ class Multigrid {
   Multigrid& operator=(Multigrid&&) noexcept;
 
   /// Says that A has got other values. The smoother of the finest level is made for them; coarser
-  /// levels stay those of the matrix it was built for, so that a cycle is worth the less the further
-  /// A is from that one.
+  /// levels stay those of the matrix it was built for, so that a cycle is worth less the further A
+  /// is from that one.
   ///
   /// \returns false if a diagonal block of A is not positive definite.
   [[nodiscard]] bool follow();
