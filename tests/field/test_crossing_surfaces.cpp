@@ -132,7 +132,8 @@ TEST(CrossingSurfaces, NoSampleOfTheBandContradictsAFarOne) {
       const float d = cell.corners[0];
       if (!std::isfinite(d) || std::abs(d) <= field.cell_mm() || ++asked % 20 != 0) continue;
       const Vec3 p = test::place_of(field.frame(), c % n, c / n % n, c / (n * n));
-      ASSERT_EQ(test::winding_number(mesh, p) > 0.5, d < 0) << int(method) << ": " << p.transpose();
+      ASSERT_EQ(geometry::winding_number(mesh, p) > 0.5, d < 0)
+          << int(method) << ": " << p.transpose();
     }
     EXPECT_GT(beside_far, 10'000);
     EXPECT_GT(asked, 10'000);
