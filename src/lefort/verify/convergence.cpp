@@ -100,6 +100,7 @@ struct Problem {
   Orders (*orders)(mesh::ElementShape);
   Asked asked;  ///< Of the orders.
   std::string reason;
+  std::string miss = "";  ///< Why orders are known to be missed; or empty.
 };
 
 /// p + 1 and p.
@@ -155,7 +156,8 @@ void measure(const Problem<Law>& problem, const std::vector<int>& cells, Section
            .asked = problem.asked,
            .expected = expected,
            .tolerance = 0.2,
-           .reason = problem.reason});
+           .reason = problem.reason,
+           .miss = problem.miss});
     };
     judge("L2", found.l2, wanted.l2);
     judge("H1", found.h1, wanted.h1);
@@ -204,7 +206,10 @@ Section verify_convergence(Extent extent, Progress& progress) {
           .orders = averaged_orders,
           .asked = Asked::kAtLeast,
           .reason = "at least those of displacement and pressure, less 0.2 on meshes that a "
-                    "test can afford"},
+                    "test can afford",
+          .miss = extent == Extent::kFull
+                      ? ""
+                      : "meshes as coarse as the short form's do not show it yet"},
       cells, section, progress);
   return section;
 }

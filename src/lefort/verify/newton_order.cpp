@@ -12,8 +12,8 @@
 namespace lefort::verify {
 namespace {
 
-/// Relative residuals below this are round-off.
-constexpr double kRoundOff = 1e-14;
+/// Relative residuals below this are round-off, and Newton stops.
+constexpr double kRoundOff = 3e-14;
 
 /// A cube of 2 x 2 x 2 cells, 1 mm a side, its base held, its top moved.
 CaseModel sheared_block(mesh::ElementShape shape, const fem::Material& law) {
@@ -32,7 +32,12 @@ CaseModel sheared_block(mesh::ElementShape shape, const fem::Material& law) {
 
 /// The exponent p of r_(k+1) = C r_k^p, by least squares over all residuals near the solution and
 /// above round-off; NaN if there are not three.
-double exponent(const std::vector<double>& r) {
+struct Fit {
+  double exponent = NAN;
+  int pairs = 0;  ///< Of residuals, one after the other.
+};
+
+Fit fit(const std::vector<double>& r) {
   constexpr double kNear = 0.1;
   double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
   for (std::size_t k = 0; k + 1 < r.size(); ++k) {
@@ -44,7 +49,8 @@ double exponent(const std::vector<double>& r) {
     sum_xx += x * x;
     sum_xy += x * y;
   }
-  return n < 2.0 ? NAN : (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
+  if (n < 2.0) return {};
+  return {(n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x), int(n)};
 }
 
 }  // namespace
@@ -55,11 +61,11 @@ Section verify_newton(Extent /*extent*/, Progress& progress) {
       .title = "Newton's method converges quadratically",
       .text =
           "A cube of 2 x 2 x 2 cells is sheared by 0.3 and 0.1 and compressed by 0.15 of its "
-          "height in two increments; bulk modulus 20 times the shear modulus, change of volume "
+          "height in one increment; bulk modulus 20 times the shear modulus, change of volume "
           "averaged. Near the solution each residual must go with the square of the one before, "
           "if the tangent is the derivative of the forces (Nocedal and Wright, Numerical "
           "Optimization, theorem 3.5). The exponent is the slope of ln r_(k+1) over ln r_k by "
-          "least squares, over all residuals of the last increment between 0.1 and 1e-14 of the "
+          "least squares, over all residuals of the last increment between 0.1 and 3e-14 of the "
           "forces, three at least; for a linear law there is nothing to iterate. Every law with "
           "hex8, and every shape with the isochoric neo-Hookean law."};
   Table table{.title = "Relative residuals of the last increment",
@@ -71,7 +77,7 @@ Section verify_newton(Extent /*extent*/, Progress& progress) {
   const auto measure = [&](const NamedLaw& one, mesh::ElementShape shape) {
     const std::string name = fmt::format("{}, {}", one.name, text_of(shape));
     const auto found = solve(sheared_block(shape, one.law),
-                             {.increments = 2, .relative_tolerance = 3e-14}, progress);
+                             {.increments = 1, .relative_tolerance = kRoundOff}, progress);
     if (!found) {
       section.checks.push_back(not_measured(name, found.error().message));
       return;
@@ -95,14 +101,19 @@ Section verify_newton(Extent /*extent*/, Progress& progress) {
                                 .reason = "one step solves a linear problem"});
       return;
     }
-    const double p = exponent(residuals);
-    table.rows.push_back({one.name, text_of(shape), text, fmt::format("{:.2f}", p)});
+    const Fit found_fit = fit(residuals);
+    table.rows.push_back(
+        {one.name, text_of(shape), text, fmt::format("{:.2f}", found_fit.exponent)});
     section.checks.push_back({.name = fmt::format("{}: exponent", name),
-                              .measured = p,
+                              .measured = found_fit.exponent,
                               .asked = Asked::kAtLeast,
                               .expected = 2.0,
                               .tolerance = 0.2,
-                              .reason = "the exponent is 2 in the limit; a wrong tangent gives 1"});
+                              .reason = "the exponent is 2 in the limit; a wrong tangent gives 1",
+                              .miss = found_fit.pairs > 2 ? ""
+                                                          : "three residuals alone lie near the "
+                                                            "solution and above round-off, the "
+                                                            "first of them not near enough"});
   };
   for (const NamedLaw& one : example_laws(20.0)) {
     measure(one, mesh::ElementShape::kHex8);
