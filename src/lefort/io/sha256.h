@@ -42,7 +42,7 @@ class Sha256 {
   std::unique_ptr<Context> context_;
 };
 
-/// SHA-256 of a file's bytes, as `sha256sum` tells it; takes a megabyte of memory whatever the size.
+/// SHA-256 of a file's bytes, as `sha256sum` tells it; takes a megabyte of memory.
 ///
 /// \returns 64 hexadecimal digits, or kFileNotFound or kFileCorrupt where it cannot be read.
 [[nodiscard]] Result<std::string> sha256_of_file(const std::filesystem::path& file);

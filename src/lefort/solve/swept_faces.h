@@ -16,8 +16,8 @@ namespace lefort::solve {
 /// Contact looks at states. An obstacle that lies before a body at one and behind it at the next
 /// has touched nothing in between, and both are in balance. So the way of each face is looked at,
 /// too: relative to the obstacle, straight from one state to the next. What begins clear of it may
-/// not have been deeper in it on the way than it is at the end, by more than twice what
-/// its detector resolves: an increment in which it slides that far round a bulge is too large as well.
+/// not have been deeper in it on the way than it is at the end, by more than twice what its
+/// detector resolves: an increment in which it slides that far round a bulge is too large as well.
 class SweptFaces {
  public:
   /// \param nodes_L  all nodes at rest [mm].

@@ -31,8 +31,8 @@ inline constexpr std::array<std::uint8_t, 4> kFaceCellTypes{5, 9, 22, 23};
   return std::nullopt;
 }
 
-/// Points and lines, straight, quadratic or many in one: exports of mesh generators hold them beside
-/// the elements, and nothing is solved on them.
+/// Points and lines, straight, quadratic or many in one: exports of mesh generators hold them
+/// beside the elements, and nothing is solved on them.
 [[nodiscard]] constexpr bool is_point_or_line_cell(double cell_type) {
   return (cell_type >= 1.0 && cell_type <= 4.0) || cell_type == 21.0;
 }
