@@ -27,8 +27,8 @@ namespace lefort::app {
 
 /// Takes an earlier run's results out of a folder, solve.json first.
 ///
-/// Its own are the steps that solve.pvd or solve_incomplete.pvd lists, and what stands beside such a
-/// list. A file of a result's name that is not one of them is somebody's own and not touched.
+/// Its own are the steps that solve.pvd or solve_incomplete.pvd lists, and what stands beside such
+/// a list. A file of a result's name that is not one of them is somebody's own and not touched.
 ///
 /// \returns nothing, or kFileUnwritable: there is such a file, or a result cannot be removed.
 [[nodiscard]] Result<void> remove_solve_results(const std::filesystem::path& folder);

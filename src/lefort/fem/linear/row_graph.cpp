@@ -95,8 +95,8 @@ std::optional<std::vector<std::int32_t>> dissection_order(const RowGraph& graph)
   std::vector<idx_t> options(METIS_NOPTIONS);
   METIS_SetDefaultOptions(options.data());
   options[METIS_OPTION_COMPRESS] = 0;  // Done by row_graph().
-  // Debian's METIS draws from rand(), which it seeds at the start of a call: two calls at once would
-  // take each other's numbers and give other orders.
+  // Debian's METIS draws from rand(), which it seeds at the start of a call: two calls at once
+  // would take each other's numbers and give other orders.
   static std::mutex one_at_a_time;
   const std::scoped_lock lock(one_at_a_time);
   const int outcome = METIS_NodeND(&count, start.data(), neighbour.data(), weight.data(),
