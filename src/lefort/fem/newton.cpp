@@ -88,6 +88,13 @@ struct Direction {
   std::optional<VectorX> unsymmetric_dx = {};  ///< By K + A, where there is an A and it was found.
 };
 
+/// Whether there is more in A than the rounding of parts that cancel, as on a rim that slides in a
+/// plane.
+bool is_unsymmetric(const SparseMatrix& K, const SparseMatrix& A) {
+  constexpr double kRoundOff = 1e-10;  // Of the stiffness.
+  return A.nonZeros() > 0 && A.coeffs().abs().maxCoeff() > kRoundOff * K.coeffs().abs().maxCoeff();
+}
+
 /// Solves (K + A) dx = b, K given by its lower triangle and A by the one below its diagonal; with
 /// what `solver` has prepared as preconditioner.
 std::optional<VectorX> solve_unsymmetric(const SparseMatrix& K, const SparseMatrix& A,
@@ -136,7 +143,7 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
   const SparseMatrix A = system.antisymmetric_tangent(at.x);
   const auto direction = [&](VectorX dx, const Model& model) {
     Direction found{std::move(dx), model};
-    if (A.nonZeros() > 0) {
+    if (is_unsymmetric(exact, A)) {
       enter(SolvePhase::kSolve, options);
       found.unsymmetric_dx = solve_unsymmetric(exact, A, right_side, tolerance, solver);
       enter(SolvePhase::kAssembly, options);

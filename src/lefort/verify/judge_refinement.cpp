@@ -28,7 +28,8 @@ void judge_refinement(const std::string& name, std::span<const double> values, c
                               .asked = Asked::kAtLeast,
                               .expected = known.order,
                               .tolerance = known.order_slack,
-                              .reason = known.order_reason});
+                              .reason = known.order_reason,
+                              .miss = known.miss});
   }
   const std::string predicted = "the error that the last three meshes predict, times Roache's 1.25";
   section.checks.push_back(
@@ -39,7 +40,8 @@ void judge_refinement(const std::string& name, std::span<const double> values, c
        .reason = known.allowance_reason.empty()
                      ? predicted
                      : fmt::format("{}; besides {:.2g}, as {}", predicted, known.allowance,
-                                   known.allowance_reason)});
+                                   known.allowance_reason),
+       .miss = known.miss});
 }
 
 }  // namespace lefort::verify

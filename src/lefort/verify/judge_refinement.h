@@ -19,6 +19,7 @@ struct Known {
   std::string order_reason;
   double allowance = 0.0;  ///< By how much `value` may itself be wrong, >= 0.
   std::string allowance_reason = "";
+  std::string miss = "";  ///< Why both checks are known to be missed; or empty.
 };
 
 /// Adds two checks: "NAME: order", or "NAME: spread" (at most 1 %) where the values go to and fro
