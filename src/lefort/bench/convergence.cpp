@@ -212,7 +212,7 @@ std::string plot(std::span<const Walk> walks, const std::string& title, std::siz
     }
     drawing.lines.push_back(std::move(line));
   }
-  return report::plot_lines(drawing);
+  return report::plot_file(drawing);
 }
 
 /// \param of_case  those of the case that was followed last.

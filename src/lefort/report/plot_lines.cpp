@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <regex>
 #include <string_view>
 
 namespace lefort::report {
@@ -247,6 +248,11 @@ std::string plot_lines(const LinePlot& plot) {
              -legend.height(), kWidth, kHeight + legend.height(), escaped(plot.title),
              escaped(plot.title)) +
          svg + legend.svg() + "</svg>\n";
+}
+
+std::string plot_file(const LinePlot& plot) {
+  static const std::regex kVariable(R"(var\(--[a-z0-9-]+, (#[0-9a-f]+)\))");
+  return std::regex_replace(plot_lines(plot), kVariable, "$1");
 }
 
 }  // namespace lefort::report

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <regex>
 
 namespace lefort::verify {
 namespace {
@@ -18,12 +17,6 @@ std::string cell(const std::string& text) {
     safe += c == '\n' ? ' ' : c;
   }
   return safe;
-}
-
-/// Colours that a page may set become the plot's own: programs that draw files do not know them.
-std::string standalone(const std::string& svg) {
-  static const std::regex kVariable(R"(var\(--[a-z0-9-]+, (#[0-9a-f]+)\))");
-  return std::regex_replace(svg, kVariable, "$1");
 }
 
 std::string line_of(const std::vector<std::string>& cells) {
@@ -85,7 +78,7 @@ std::string text_of(const Section& section, std::vector<ReportFile>& files) {
   for (const Table& table : section.tables) text += text_of(table);
   for (std::size_t k = 0; k < section.plots.size(); ++k) {
     files.push_back({.name = fmt::format("verification-{}-{}.svg", section.name, k + 1),
-                     .content = standalone(report::plot_lines(section.plots[k]))});
+                     .content = report::plot_file(section.plots[k])});
     text += fmt::format("![{}]({})\n\n", section.plots[k].title, files.back().name);
   }
   text += line_of({"check", "measured", "asked", "because", ""});
