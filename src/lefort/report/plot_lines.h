@@ -30,8 +30,8 @@ struct LinePlot {
   std::string threshold_name{};
 };
 
-/// \returns one <svg> element, 720 units wide, well-formed whatever the texts and numbers are. A page
-///   around it may set its colours.
+/// \returns one <svg> element, 720 units wide, well-formed whatever the texts and numbers are. A
+///   page around it may set its colours.
 [[nodiscard]] std::string plot_lines(const LinePlot& plot);
 
 /// plot_lines() as a file of its own: programs that draw files know no colours of a page.
