@@ -107,7 +107,7 @@ TEST(QueryMany, EveryProcessorGivesTheSameBits) {
 TEST(QueryMany, GivesTheBitsOfSingleQueries) {
   for (const TriangleMesh& mesh : {test::make_torus(20, 8, 60, 30), test::make_sheet(20, 4)})
     for (const DistanceField& field : fields_of(mesh))
-      for (const int count : {0, 1, 31, 32, 33, 20'000}) {
+      for (const int count : {0, 1, 31, 32, 33, 512, 513, 20'000}) {
         const std::vector<Vec3> points = all_kinds_of_points(field, count, unsigned(count));
         std::vector<FieldSample> together(points.size());
         field.sample(points, together);
