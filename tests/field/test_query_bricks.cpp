@@ -140,6 +140,24 @@ TEST(QueryMany, GivesTheBitsOfSingleQueries) {
       }
 }
 
+TEST(QueryMany, SmoothGivesTheBitsOfSingleQueries) {
+  for (const TriangleMesh& mesh : {test::make_torus(20, 8, 60, 30), test::make_sheet(20, 4)}) {
+    const DistanceField field =
+        build_distance_field(mesh, {.resolution = 32, .smooth = true}).value();
+    for (const int count : {0, 1, 15, 16, 17, 64, 65, 5'000}) {
+      const std::vector<Vec3> points = all_kinds_of_points(field, count, unsigned(count));
+      std::vector<SmoothSample> together(points.size());
+      field.sample_smooth(points, together);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const SmoothSample alone = field.sample_smooth(points[i]);
+        ASSERT_TRUE(same_bits({alone.zone, alone.distance_mm, alone.gradient_B},
+                              {together[i].zone, together[i].distance_mm, together[i].gradient_B}));
+        ASSERT_EQ(alone.hessian_B, together[i].hessian_B);
+      }
+    }
+  }
+}
+
 TEST(QueryMany, BeyondTheBandTheDistanceIsTheBandAndTheGradientZero) {
   for (const DistanceField& field : fields_of(test::make_torus(20, 8, 60, 30)))
     for (const Vec3& p : all_kinds_of_points(field, 20'000, 9)) {
