@@ -33,7 +33,7 @@ constexpr std::size_t kLanes = 16;
 constexpr std::size_t kGroup = 512;
 constexpr std::size_t kCorners = 8;
 /// Points whose codes are read together: few enough that they are in the first cache when worked on.
-constexpr std::size_t kChunk = 64;
+constexpr std::size_t kChunk = 32;
 /// Of the second cache of most cores; where there is less to read, fetching ahead only takes time.
 constexpr std::size_t kCacheBytes = 2 << 20;
 constexpr int kAll = 0xFFFF;
@@ -125,25 +125,32 @@ LEFORT_STEP void locate(const Lookup& lookup, const double* p, std::size_t first
                         ByKind<Points>& points) {
   std::array<__m256i, 6> cells;
   std::array<__m256, 6> shares;
-  std::uint64_t within = 0;
   for (std::size_t i = 0; i < 6; ++i) {
     const __m512d u = _mm512_mul_pd(
         _mm512_sub_pd(_mm512_loadu_pd(p + 8 * i), _mm512_loadu_pd(&lookup.origin[8 * (i % 3)])),
         _mm512_set1_pd(lookup.cells_per_mm));
-    const __mmask8 in = _mm512_mask_cmp_pd_mask(
-        _mm512_cmp_pd_mask(u, _mm512_setzero_pd(), _CMP_GE_OQ), u, _mm512_set1_pd(lookup.most),
-        _CMP_LE_OQ);  // NaN is not.
-    within |= std::uint64_t(in) << (8 * i);
-    cells[i] =
-        _mm256_min_epi32(_mm512_maskz_cvttpd_epi32(in, u), _mm256_set1_epi32(lookup.last_cell));
+    cells[i] = _mm512_cvt_roundpd_epi32(u, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
     shares[i] = _mm512_cvtpd_ps(_mm512_sub_pd(u, _mm512_cvtepi32_pd(cells[i])));
   }
   std::array<__m512i, 3> cell, t;
   by_axis(join(cells[0], cells[1]), join(cells[2], cells[3]), join(cells[4], cells[5]), cell);
   by_axis(join(shares[0], shares[1]), join(shares[2], shares[3]), join(shares[4], shares[5]), t);
 
-  constexpr std::uint64_t kEveryThird = 0x249249249249;
-  const auto in_cube = __mmask16(_pext_u64(within & within >> 1 & within >> 2, kEveryThird));
+  // Below the cube a cell is negative, and of what is no number or too large it is the most
+  // negative: without sign all of them are large.
+  const __m512i last_cell = _mm512_set1_epi32(lookup.last_cell);
+  auto in_cube = __mmask16(kAll);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const __mmask16 beyond = _mm512_cmpgt_epu32_mask(cell[k], last_cell);
+    if (beyond != 0) [[unlikely]] {  // The upper face of the cube belongs to its last cell.
+      const __mmask16 on_face = _mm512_mask_cmpeq_epi32_mask(
+          _mm512_mask_cmpeq_epi32_mask(beyond, t[k], _mm512_setzero_si512()), cell[k],
+          _mm512_add_epi32(last_cell, _mm512_set1_epi32(1)));
+      cell[k] = _mm512_mask_mov_epi32(cell[k], on_face, last_cell);
+      t[k] = _mm512_mask_mov_epi32(t[k], on_face, _mm512_castps_si512(_mm512_set1_ps(1.0F)));
+      in_cube &= __mmask16(~(beyond & ~on_face));
+    }
+  }
   const __m512i three = _mm512_set1_epi32(3), seven = _mm512_set1_epi32(7);
   const __mmask16 in_row = _mm512_cmpneq_epi32_mask(_mm512_and_si512(cell[0], three), three);
   const __mmask16 in_brick = _mm512_cmpneq_epi32_mask(_mm512_and_si512(cell[0], seven), seven) &
@@ -349,6 +356,12 @@ LEFORT_STEP void interpolate(const Lookup& lookup, const Points& points, const P
   }
 }
 
+/// A bit for each of sixteen points that have no distance.
+LEFORT_STEP unsigned missing(const std::array<float, kGroup>& distances, std::size_t first) {
+  const __m512 d = _mm512_load_ps(&distances[first]);
+  return _mm512_cmp_ps_mask(d, d, _CMP_UNORD_Q);
+}
+
 /// The side of a point without a distance.
 float side_at(const BrickSamples& samples, const FieldFrame& frame, const Lookup& lookup,
               const Vec3& p_B) {
@@ -410,9 +423,12 @@ __attribute__((target(LEFORT_TARGET))) void distances_avx512(const BrickSamples&
     interpolate<true>(lookup, points.paired, places.paired, quantum_mm, found);
     interpolate<false>(lookup, points.in_brick, places.in_brick, quantum_mm, found);
     interpolate<false>(lookup, points.others, places.others, quantum_mm, found);
-    for (std::size_t n = 0; n < count; ++n)
-      distances_mm[begin + n] =
-          found[n] == found[n] ? found[n] : side_at(samples, frame, lookup, p_B[begin + n]);
+    std::copy_n(found.begin(), count, distances_mm.begin() + std::ptrdiff_t(begin));
+    for (std::size_t n = 0; n < count; n += kLanes)
+      for (unsigned none = missing(found, n); none != 0; none &= none - 1) {
+        const std::size_t i = n + std::size_t(std::countr_zero(none));
+        if (i < count) distances_mm[begin + i] = side_at(samples, frame, lookup, p_B[begin + i]);
+      }
   }
 }
 
