@@ -69,7 +69,7 @@ Result<ProcessRun> run_measured_process(const std::vector<std::string>& argument
   if (stopped) return fail(ErrorCode::kCancelled, "the benchmark was not finished");
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} ended with {}", arguments.size() > 1 ? arguments[1] : arguments[0],
+                fmt::format("'{}' ended with {}", fmt::join(arguments, " "),
                             WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status)));
   constexpr std::size_t kUnit = 1024;  // Of ru_maxrss.
   return ProcessRun{.output = std::move(output),

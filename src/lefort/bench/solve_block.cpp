@@ -59,6 +59,12 @@ struct Tables {
   }
 };
 
+Result<void> write(const Tables& tables, const fs::path& folder) {
+  LEFORT_TRY_VOID(io::write_text(folder / "solve.md", tables.markdown));
+  LEFORT_TRY_VOID(io::write_text(folder / "solve.csv", tables.csv));
+  return io::write_text(folder / "solve.json", tables.json.dump(1) + "\n");
+}
+
 Result<VectorX> read_displacements(const fs::path& file) {
   constexpr std::uintmax_t kMaxBytes = std::uintmax_t(1) << 30;
   LEFORT_TRY(const std::string bytes, io::read_text(file, kMaxBytes));
@@ -142,8 +148,9 @@ Result<void> compare_with_calculix(const SolveOptions& options, Tables& tables,
       "## Beside CalculiX\n\nA cube of {0}³ cells of six tet10 / C3D10, {1:.0f} unknowns, pressed "
       "by a fifth of its height and sheared by as much in {2} increments; neo-Hookean, mu {3} MPa, "
       "kappa {4} MPa; {5} threads each, by turns. Wall time is of the whole process, CalculiX's "
-      "reading of its input (below a second) included; CalculiX with both of its linear "
-      "solvers. Both stop at relative residuals of {7:.0e}, each by its own measure; the last "
+      "reading of its input included. CalculiX with both linear solvers of Debian's package: "
+      "SPOOLES, a direct one, and conjugate gradients; it has neither PARDISO nor PaStiX. Both "
+      "stop at relative residuals of {7:.0e}, each by its own measure; the last "
       "column tells what "
       "was left.\n\n"
       "| turn | solver | s | over lefort | systems solved | GB | largest residual N |\n"
@@ -167,9 +174,10 @@ Result<void> compare_with_calculix(const SolveOptions& options, Tables& tables,
 /// One linear system after another, larger and larger.
 Result<void> measure_growth(const SolveOptions& options, Tables& tables, Progress& progress) {
   tables.markdown += fmt::format(
-      "## Growth\n\nOne linear system: a cube of hex8 at rest, its upper side moved; to 1e-8 of "
-      "the right side by multigrid. {} threads.\n\n",
-      options.threads);
+      "## Growth\n\nOne linear system: a cube of hex8 at rest, volume ratios not averaged, its "
+      "upper side moved; neo-Hookean, mu {} MPa, kappa {} MPa; to 1e-8 of the right side by "
+      "multigrid. {} threads.\n\n",
+      BlockProblem::kMu_mpa, BlockProblem::kKappa_mpa, options.threads);
   for (const fem::LinearSolverKind kind :
        {fem::LinearSolverKind::kDirect, fem::LinearSolverKind::kMultigrid}) {
     std::vector<double> dofs, seconds, bytes, assembly;
@@ -242,12 +250,17 @@ Result<std::string> run_solve_bench(const SolveOptions& options, Progress& progr
                 fmt::format("cannot make {}: {}", options.output.string(), error.message()));
   Tables tables;
   tables.markdown = fmt::format("# The solver\n\nlefort {}, `lefort bench solve`.\n\n", kVersion);
-  if (options.repeats > 0) LEFORT_TRY_VOID(compare_with_calculix(options, tables, progress));
-  if (!options.growth_cells.empty()) LEFORT_TRY_VOID(measure_growth(options, tables, progress));
+  // Each part takes minutes; what is known is written before the next begins.
+  if (options.repeats > 0) {
+    LEFORT_TRY_VOID(compare_with_calculix(options, tables, progress));
+    LEFORT_TRY_VOID(write(tables, options.output));
+  }
+  if (!options.growth_cells.empty()) {
+    LEFORT_TRY_VOID(measure_growth(options, tables, progress));
+    LEFORT_TRY_VOID(write(tables, options.output));
+  }
   if (options.large) LEFORT_TRY_VOID(solve_large(options, tables, progress));
-  LEFORT_TRY_VOID(io::write_text(options.output / "solve.md", tables.markdown));
-  LEFORT_TRY_VOID(io::write_text(options.output / "solve.csv", tables.csv));
-  LEFORT_TRY_VOID(io::write_text(options.output / "solve.json", tables.json.dump(1) + "\n"));
+  LEFORT_TRY_VOID(write(tables, options.output));
   return tables.markdown;
 }
 
