@@ -219,18 +219,21 @@ Result<void> measure_growth(const SolveOptions& options, Tables& tables, Progres
 
 /// A million unknowns, a nonlinear equilibrium by multigrid.
 Result<void> solve_large(const SolveOptions& options, Tables& tables, Progress& progress) {
-  constexpr int kCells = 69;
+  constexpr int kCells = 70;
+  constexpr double kHalf = 0.5;  // Towards the whole, meshes so fine take ever more Newton steps.
   const BlockProblem block{.cells = kCells, .shape = mesh::ElementShape::kHex8};
   progress.begin_stage("a million unknowns");
   LEFORT_TRY(Json result, solve_in_process({.block = block,
                                             .solver = fem::LinearSolverKind::kMultigrid,
                                             .threads = options.threads,
-                                            .increments = options.increments},
+                                            .increments = options.increments,
+                                            .load = kHalf},
                                            progress));
   const double dofs = result.at("dofs").get<double>();
   tables.add_row("large", "multigrid", block, dofs, options.threads, 1, result);
   tables.markdown += fmt::format(
-      "## A million unknowns\n\nA cube of {}³ hex8, {:.0f} unknowns, the same load, by multigrid: "
+      "## A million unknowns\n\nA cube of {}³ hex8, {:.0f} unknowns, half of CalculiX's load "
+      "(towards the whole, meshes so fine take ever more Newton steps), by multigrid: "
       "**{:.0f} s**, {} increments ({} were too large and halved), {} Newton steps, {} linear "
       "iterations in all, {:.1f} GB.\n\n",
       kCells, dofs, result.at("wall_seconds").get<double>(), result.at("load_levels").size(),

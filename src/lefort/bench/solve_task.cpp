@@ -55,6 +55,7 @@ Result<SolveTask> parse(const std::string& text) {
     task.block.cells = json.at("cells").get<int>();
     task.threads = json.at("threads").get<int>();
     task.increments = json.at("increments").get<int>();
+    task.load = json.at("load").get<double>();
     task.relative_tolerance = json.at("relative_tolerance").get<double>();
     task.displacements = json.at("displacements").get<std::string>();
   } catch (const Json::exception& wrong) {
@@ -126,11 +127,11 @@ Result<Json> solve_system(const SolveTask& task, const Body& body) {
               {"relative_residual", residual.norm() / b.norm()}};
 }
 
-/// The whole load, in increments as large as converge.
+/// The load, in increments as large as converge.
 Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
   const fem::Assembler& assembler = *body.assembler;
   fem::LinearSolver solver({.kind = task.solver});
-  const double increment = 1.0 / task.increments;
+  const double increment = task.load / task.increments;
   fem::LoadStepper stepper(
       {0.0, VectorX::Zero(3 * body.mesh.node_count())},
       [&](double t, const VectorX& start) {
@@ -138,7 +139,7 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
                                      solver, {.relative_tolerance = task.relative_tolerance});
       },
       {.first_increment = increment, .min_increment = increment / 64, .max_increment = increment});
-  const Result<void> advanced = stepper.advance_to(1.0);
+  const Result<void> advanced = stepper.advance_to(task.load);
   if (!advanced) return tl::unexpected(advanced.error());
   const VectorX& u = stepper.state().u;
   const auto forces = assembler.forces(u);
@@ -178,6 +179,7 @@ Json to_json(const SolveTask& task) {
           {"solver", name_of(task.solver)},
           {"threads", task.threads},
           {"increments", task.increments},
+          {"load", task.load},
           {"relative_tolerance", task.relative_tolerance},
           {"displacements", task.displacements.string()}};
 }
