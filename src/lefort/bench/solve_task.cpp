@@ -56,6 +56,8 @@ Result<SolveTask> parse(const std::string& text) {
     task.threads = json.at("threads").get<int>();
     task.increments = json.at("increments").get<int>();
     task.load = json.at("load").get<double>();
+    if (!(task.load > 0.0 && task.load <= 1.0))
+      return fail(ErrorCode::kInvalidArgument, "the task's load must be > 0 and <= 1");
     task.relative_tolerance = json.at("relative_tolerance").get<double>();
     task.displacements = json.at("displacements").get<std::string>();
   } catch (const Json::exception& wrong) {
@@ -159,6 +161,7 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
       ++failed;
   }
   return Json{{"solver", name_of(solver.kind())},
+              {"load", task.load},
               {"load_levels", levels},
               {"failed_attempts", failed},
               {"newton_iterations", iterations},
@@ -203,6 +206,9 @@ Result<Json> solve_in_process(const SolveTask& task, Progress& progress) {
   LEFORT_TRY(const ProcessRun run, run_measured_process({"/proc/self/exe", "bench", "solve-task",
                                                          to_json(task).dump(), "--quiet", "--json"},
                                                         progress));
+  if (run.exit_code != 0)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the task {} ended with {}", to_json(task).dump(), run.exit_code));
   Json result = Json::parse(run.output, nullptr, false);
   if (result.is_discarded())
     return fail(ErrorCode::kFileCorrupt,

@@ -122,7 +122,7 @@ std::string ratio_table(const std::vector<Cell>& cells, const std::vector<int>& 
     table += "| " + title + " |";
     for (const int n : resolutions) {
       const std::optional<double> r = ratio(n);
-      table += r ? fmt::format(" {:.3g} |", *r) : " – |";
+      table += r ? fmt::format(" {:.{}f} |", *r, *r < 10.0 ? 2 : 1) : " – |";
     }
     table += "\n";
   };
@@ -152,7 +152,7 @@ std::string ratio_table(const std::vector<Cell>& cells, const std::vector<int>& 
     };
   };
   row("one thread, by two: time", one_by_two("/seconds"));
-  row("one thread, by two: processor time", one_by_two("/user_seconds"));
+  row("one thread, by two: user time", one_by_two("/user_seconds"));
   return table;
 }
 

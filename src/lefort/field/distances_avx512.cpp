@@ -3,6 +3,7 @@
 
 #if defined(__x86_64__)
 
+#include <lefort/core/check.h>
 #include <lefort/field/cell_samples.h>
 #include <lefort/field/field_sample.h>
 #include <lefort/field/trilinear.h>
@@ -25,14 +26,14 @@ namespace lefort::field::internal {
 
 namespace {
 
-#define LEFORT_TARGET "avx512f,avx512vl,avx512bw,avx512dq,popcnt,bmi2,prefer-vector-width=512"
+#define LEFORT_TARGET "avx512f,avx512vl,avx512bw,avx512dq,popcnt,prefer-vector-width=512"
 #define LEFORT_STEP inline __attribute__((always_inline, target(LEFORT_TARGET)))
 
 constexpr std::size_t kLanes = 16;
 /// Points worked on together: enough that few lanes stay empty, few enough for the first cache.
 constexpr std::size_t kGroup = 512;
 constexpr std::size_t kCorners = 8;
-/// Points whose codes are read together: few enough that they are in the first cache when worked on.
+/// Points whose codes are read together: few enough that these are near when worked on.
 constexpr std::size_t kChunk = 32;
 /// Of the second cache of most cores; where there is less to read, fetching ahead only takes time.
 constexpr std::size_t kCacheBytes = 2 << 20;
@@ -57,14 +58,15 @@ struct Lookup {
 constexpr unsigned kCellBits = 11;
 constexpr int kMostCells = 1 << kCellBits;
 static_assert(kGroup <= std::size_t(1) << (32 - 2 * kCellBits));
+static_assert(kGroup % kLanes == 0 && kGroup % kChunk == 0 && kChunk % kLanes == 0);  // Aligned.
 
 /// Points of one kind.
 struct Points {
   std::size_t count = 0;
-  // Room for a vector behind the last. What lies there is a cell, too: the first, or an earlier one.
+  // Room for a vector behind the last.
   using Row = std::array<std::int32_t, kGroup + kLanes>;
-  alignas(64) Row number_yx{};  ///< In the group, and of the cell, kCellBits each.
-  alignas(64) Row z{};          ///< Of the cell.
+  alignas(64) Row number_yx;  ///< In the group, and of the cell, kCellBits each.
+  alignas(64) Row z;          ///< Of the cell.
   alignas(64) std::array<std::array<float, kGroup + kLanes>, 3> t;
 };
 
@@ -89,6 +91,14 @@ LEFORT_STEP void append(Points& points, __mmask16 which, const __m512i& number_y
   for (std::size_t k = 0; k < 3; ++k)
     _mm512_storeu_si512(&points.t[k][to], _mm512_maskz_compress_epi32(which, t[k]));
   points.count += std::size_t(std::popcount(unsigned(which)));
+}
+
+/// Fills the last vector up: what lies behind the last point is in the first cell.
+LEFORT_STEP void close(Points& points) {
+  const std::size_t to = points.count;
+  _mm512_storeu_si512(&points.number_yx[to], _mm512_setzero_si512());
+  _mm512_storeu_si512(&points.z[to], _mm512_setzero_si512());
+  for (auto& t : points.t) _mm512_storeu_ps(&t[to], _mm512_setzero_ps());
 }
 
 LEFORT_STEP std::array<__m512i, 3> cells_of(const Points& points, std::size_t first) {
@@ -276,8 +286,8 @@ LEFORT_STEP void find_samples(const Lookup& lookup, const Points& points, Places
   }
 }
 
-/// Words of whole vectors, one after another: processors that split a gather into many steps (AMD's)
-/// read by plain loads sooner. Not inlined, or the compiler makes gathers of them again.
+/// Words of whole vectors, one after another: processors that split a gather into many steps
+/// (AMD's) read by plain loads sooner. Not inlined, or the compiler makes gathers of them again.
 ///
 /// \param count  of points; as many words as fill their last vector are read.
 template <class Word>
@@ -289,7 +299,12 @@ template <class Word>
       std::memcpy(words + i + l, first + bytes[i + l], sizeof(Word));
 }
 
-/// Codes of sixteen pairs, in the upper three bytes of each lane; the lowest is zero.
+/// The code in the lower three bytes of each lane.
+LEFORT_STEP __m512i code_in(const __m512i& words) {
+  return _mm512_srai_epi32(_mm512_slli_epi32(words, 8), 8);
+}
+
+/// Codes of sixteen pairs.
 ///
 /// \param shift  in bits, of each half: 16 where the bytes begin early.
 LEFORT_STEP void codes_of_pairs(const std::uint64_t* words, const std::array<__m512i, 2>& shift,
@@ -298,17 +313,15 @@ LEFORT_STEP void codes_of_pairs(const std::uint64_t* words, const std::array<__m
   std::array<__m512i, 2> pairs;
   for (std::size_t half = 0; half < 2; ++half)
     pairs[half] = _mm512_srlv_epi64(_mm512_load_si512(words + half * kLanes / 2), shift[half]);
-  low = _mm512_slli_epi32(_mm512_permutex2var_epi32(pairs[0], even, pairs[1]), 8);
-  high = _mm512_slli_epi32(_mm512_permutex2var_epi32(_mm512_srli_epi64(pairs[0], 24), even,
-                                                     _mm512_srli_epi64(pairs[1], 24)),
-                           8);
+  low = code_in(_mm512_permutex2var_epi32(pairs[0], even, pairs[1]));
+  high = code_in(_mm512_permutex2var_epi32(_mm512_srli_epi64(pairs[0], 24), even,
+                                           _mm512_srli_epi64(pairs[1], 24)));
 }
 
 /// Distances of all points of a kind by their numbers; leaves those that have none as they are.
 template <bool are_paired>
 LEFORT_STEP void interpolate(const Lookup& lookup, const Points& points, const Places& places,
                              float quantum_mm, std::array<float, kGroup>& distances) {
-  constexpr int kScale = 1 << 8;  // Of codes in the upper bytes.
   using Word = std::conditional_t<are_paired, std::uint64_t, std::uint32_t>;
   constexpr std::size_t kWords = are_paired ? kCorners / 2 : kCorners;
   alignas(64) std::array<std::array<Word, kChunk>, kWords> words;
@@ -332,21 +345,20 @@ LEFORT_STEP void interpolate(const Lookup& lookup, const Points& points, const P
     } else {
 #pragma GCC unroll 8
       for (std::size_t corner = 0; corner < kCorners; ++corner)
-        codes[corner] =
-            _mm512_slli_epi32(_mm512_load_si512(words[corner].data() + first % kChunk), 8);
+        codes[corner] = code_in(_mm512_load_si512(words[corner].data() + first % kChunk));
     }
     std::array<Floats, kCorners> corners;
     __m512i largest = _mm512_setzero_si512();
     for (std::size_t corner = 0; corner < kCorners; ++corner) {
       corners[corner] = Floats(_mm512_cvtepi32_ps(codes[corner]));
-      largest = _mm512_max_epu32(largest, _mm512_abs_epi32(codes[corner]));
+      largest = _mm512_max_epi32(largest, _mm512_abs_epi32(codes[corner]));
     }
     std::array<Floats, 3> t;
     for (std::size_t k = 0; k < 3; ++k) t[k] = Floats(_mm512_load_ps(&points.t[k][first]));
-    const Floats distance = trilinear(corners, t) * (quantum_mm / kScale);
-    const auto known = __mmask16(
-        places.stored[first / kLanes] &
-        _mm512_cmplt_epu32_mask(largest, _mm512_set1_epi32(BrickSamples::kBeyond * kScale)));
+    const Floats distance = trilinear(corners, t) * quantum_mm;
+    const auto known =
+        __mmask16(places.stored[first / kLanes] &
+                  _mm512_cmplt_epi32_mask(largest, _mm512_set1_epi32(BrickSamples::kBeyond)));
     alignas(64) std::array<float, kLanes> found;
     _mm512_store_ps(found.data(),
                     _mm512_mask_mov_ps(_mm512_set1_ps(kNone), known, __m512(distance)));
@@ -387,6 +399,7 @@ __attribute__((target(LEFORT_TARGET))) void distances_avx512(const BrickSamples&
                                                              std::span<const Vec3> p_B,
                                                              std::span<float> distances_mm) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  LEFORT_CHECK(fits_avx512(samples) && samples.resolution() == frame.resolution);
   Lookup lookup{samples.bricks().data(),
                 samples.codes().data(),
                 SparseLattice::bricks_per_side(samples.resolution()),
@@ -399,21 +412,23 @@ __attribute__((target(LEFORT_TARGET))) void distances_avx512(const BrickSamples&
     lookup.origin[i] = frame.origin_B[Index(i % 3)];
   ByKind<Points> points;
   ByKind<Places> places;
-  std::array<Vec3, kGroup> last;
+  std::array<Vec3, kGroup + kLanes> last;
   alignas(64) std::array<float, kGroup> found;
   const float quantum_mm = samples.quantum_mm();
   for (std::size_t begin = 0; begin < p_B.size(); begin += kGroup) {
     const std::size_t count = std::min(kGroup, p_B.size() - begin);
     const double* p = p_B.data()[begin].data();
     if (count < kGroup) {
-      last.fill(p_B[begin]);
       std::copy_n(p_B.begin() + std::ptrdiff_t(begin), count, last.begin());
+      std::fill_n(last.begin() + std::ptrdiff_t(count), kLanes - 1, p_B[begin]);
       p = last.data()->data();
     }
     points.paired_in_brick.count = points.paired.count = points.in_brick.count =
         points.others.count = 0;
     for (std::size_t n = 0; n < count; n += kLanes) locate(lookup, p + 3 * n, n, points);
     fetch_points(p_B.subspan(begin + count));
+    for (Points* kind : {&points.paired_in_brick, &points.paired, &points.in_brick, &points.others})
+      close(*kind);
     find_samples<true, true>(lookup, points.paired_in_brick, places.paired_in_brick);
     find_samples<true, false>(lookup, points.paired, places.paired);
     find_samples<false, true>(lookup, points.in_brick, places.in_brick);

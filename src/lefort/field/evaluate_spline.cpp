@@ -9,8 +9,8 @@
 #include <cstring>
 #include <limits>
 
-// The tensor product is summed axis after axis: of 16 rows of four coefficients along x, first along
-// z, then along y, a row to a vector; what is left are ten sums of four.
+// The tensor product is summed axis after axis: of 16 rows of four coefficients along x, first
+// along z, then along y, a row to a vector; what is left are ten sums of four.
 
 namespace lefort::field {
 
@@ -65,7 +65,7 @@ LEFORT_INLINE void locate(const SparseLattice& coefficients, const Vec3& u, Plac
   LatticePoint low{};
   for (std::size_t k = 0; k < 3; ++k) {
     const double at = u[Index(k)];
-    const int cell = std::clamp(int(at), 0, last);
+    const int cell = int(std::clamp(at, 0.0, double(last)));
     place.t[k] = at - cell;
     low[k] = cell - 1;
     place.first[k] = (low[k] + kSide) % kSide;
@@ -77,12 +77,13 @@ LEFORT_INLINE void locate(const SparseLattice& coefficients, const Vec3& u, Plac
     place.bricks[std::size_t(i)] =
         slot == SparseLattice::kNoBrick ? kAbsent.data() : coefficients.brick(slot).data();
   }
-  // Four rows of a brick follow one another in two or three lines of the cache.
+  // Four rows of a brick are 128 bytes and lie in three lines of the cache, whatever they begin at.
   const int y = place.first[1];
   for (int z = place.first[2]; z < place.first[2] + int(kRow); ++z)
     for (int x = 0; x <= int(is_split(place)); ++x) {
       __builtin_prefetch(row_at(place, y, z, x));
-      __builtin_prefetch(row_at(place, y + int(kRow) - 1, z, x));
+      __builtin_prefetch(row_at(place, y + 2, z, x));
+      __builtin_prefetch(row_at(place, y + 3, z, x) + kSide - 1);
     }
 }
 
@@ -104,14 +105,14 @@ LEFORT_INLINE void read_rows(const Place& place, std::array<Row, kRow * kRow>& r
     return;
   }
   // The second half of one brick's rows and the first of the next's, side by side.
-  std::array<std::array<StoredRow, 2>, kRow * kRow> halves;
+  std::array<std::array<float, 2 * kRow>, kRow * kRow> halves;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const int y = place.first[1] + int(i % kRow), z = place.first[2] + int(i / kRow);
-    halves[i] = {load(row_at(place, y, z, 0) + kRow), load(row_at(place, y, z, 1))};
+    std::copy_n(row_at(place, y, z, 0) + kRow, kRow, halves[i].begin());
+    std::copy_n(row_at(place, y, z, 1), kRow, halves[i].begin() + kRow);
   }
   for (std::size_t i = 0; i < rows.size(); ++i)
-    rows[i] = __builtin_convertvector(
-        load(reinterpret_cast<const float*>(halves[i].data()) + (x - int(kRow))), Row);
+    rows[i] = __builtin_convertvector(load(&halves[i][std::size_t(x) - kRow]), Row);
 }
 
 /// Sum of four vectors, each by its weight.
