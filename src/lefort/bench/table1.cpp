@@ -152,7 +152,7 @@ std::string ratio_table(const std::vector<Cell>& cells, const std::vector<int>& 
     };
   };
   row("one thread, by two: time", one_by_two("/seconds"));
-  row("one thread, by two: user time", one_by_two("/user_seconds"));
+  row("one thread, by two: processor time", one_by_two("/processor_seconds"));
   return table;
 }
 
@@ -171,7 +171,7 @@ std::string paper_table() {
 
 std::string csv(const std::vector<Cell>& cells) {
   static constexpr std::array kColumns = {"/seconds",
-                                          "/user_seconds",
+                                          "/processor_seconds",
                                           "/retained_bytes",
                                           "/peak_bytes",
                                           "/samples",
