@@ -19,6 +19,20 @@ namespace {
 
 constexpr double kStiffness = 0.04;
 
+ContactTerm::Options options(double capture_mm,
+                             Integration integration = Integration::kQuadrature) {
+  return {.name = "the plate",
+          .stiffness_mpa_per_mm = kStiffness,
+          .capture_mm = capture_mm,
+          .integration = integration};
+}
+
+ContactTerm::Options with_depth(double tolerance_mm) {
+  ContactTerm::Options asked = options(0.5);
+  asked.penetration_tolerance_mm = tolerance_mm;
+  return asked;
+}
+
 /// A slab of bone whose upper side is z = 0.
 BoneObstacle slab() {
   static const auto field = std::make_shared<const field::DistanceField>(
@@ -77,7 +91,7 @@ Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>&
 }
 
 TEST(ContactTerm, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {
-  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(1.5));
   const Evaluated at_rest = evaluate(term, 0, flat_face(0.0));
   ASSERT_TRUE(at_rest.admissible);
@@ -88,7 +102,7 @@ TEST(ContactTerm, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {
 }
 
 TEST(ContactTerm, IsFrictionless) {
-  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(1.0));
   const Evaluated pressed = evaluate(term, 0, flat_face(0.0));
   for (int corner = 0; corner < 3; ++corner) {
@@ -99,14 +113,14 @@ TEST(ContactTerm, IsFrictionless) {
 
 TEST(ContactTerm, TissueAtRestFeelsNothingHoweverTheMeshMeetsTheBone) {
   for (const double z : {-0.4, -0.1, 0.0, 0.3}) {
-    const ContactTerm term(flat_face(z), kFace, slab(), {kStiffness, 0.5});
+    const ContactTerm term(flat_face(z), kFace, slab(), options(0.5));
     const Evaluated at_rest = evaluate(term, 0, flat_face(z));
     EXPECT_EQ(at_rest.energy_mj, 0.0) << "rest at z = " << z;
   }
 }
 
 TEST(ContactTerm, TissueFurtherThanTheCaptureIsTouchedOnlyWhenReached) {
-  ContactTerm term(flat_face(1.0), kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(1.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(0.9));
   EXPECT_EQ(evaluate(term, 0, flat_face(1.0)).energy_mj, 0.0);
   term.set_pose(lifted(1.5));
@@ -115,7 +129,7 @@ TEST(ContactTerm, TissueFurtherThanTheCaptureIsTouchedOnlyWhenReached) {
 
 TEST(ContactTerm, TissueFromBeyondTheBandIsTouchedWhereverItComesFrom) {
   const auto energy_mj = [](double rest_z, double lift_mm, double z) {
-    ContactTerm term(flat_face(rest_z), kFace, slab(), {kStiffness, 0.5});
+    ContactTerm term(flat_face(rest_z), kFace, slab(), options(0.5));
     term.set_pose(lifted(lift_mm));
     return evaluate(term, 0, flat_face(z)).energy_mj;
   };
@@ -128,36 +142,85 @@ TEST(ContactTerm, TissueFromBeyondTheBandIsTouchedWhereverItComesFrom) {
 }
 
 TEST(ContactTerm, ARetreatingBoneDoesNotPull) {
-  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(-1.0));
   EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).residual_n.norm(), 0.0);
 }
 
 TEST(ContactTerm, DeeperThanTheBandIsRefusedNotMissed) {
-  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(3.9));
   EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
 }
 
 TEST(ContactTerm, TellsWhatHasTunnelledThroughAPlate) {
-  ContactTerm term(flat_face(0.0), kFace, plate(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(0.0), kFace, plate(), options(0.5));
   term.set_pose(lifted(0.8));
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
   term.set_pose(lifted(1.5));  // The lower side is nearer now: that way leads through the plate.
   EXPECT_NEAR(term.newly_tunnelled_area_mm2(flat_face(0.0)), kFaceArea_mm2, 1e-9);
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(1.4)), 0.0);
   EXPECT_EQ(term.summarise(flat_face(0.0)).tunnelled_area_mm2, 0.0);
+  EXPECT_EQ(term.keep_sides(flat_face(0.0)), 0);  // No depth is asked for.
+  EXPECT_LT(term.summarise(flat_face(0.0)).force_L_n.z(), 0.0);
   term.remember(flat_face(0.0));
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
   EXPECT_NEAR(term.summarise(flat_face(0.0)).tunnelled_area_mm2, kFaceArea_mm2, 1e-9);
 }
 
+TEST(ContactTerm, PastTheMiddleOfAPlateTheWayBackIsTheWayItCame) {
+  ContactTerm term(flat_face(0.0), kFace, plate(), with_depth(0.1));
+  term.set_pose(lifted(1.5));
+  EXPECT_LT(term.summarise(flat_face(0.0)).force_L_n.z(), 0.0);  // The nearest surface.
+  term.remember(flat_face(0.0));                                 // It is not seen from there.
+  EXPECT_EQ(term.keep_sides(flat_face(0.0)), 6);
+  EXPECT_EQ(term.keep_sides(flat_face(0.0)), 0);
+  const Evaluated kept = evaluate(term, 0, flat_face(0.0));
+  EXPECT_NEAR(kept.energy_mj, kStiffness * 1.5 * 1.5 * kFaceArea_mm2, 1e-5);
+  EXPECT_NEAR(term.summarise(flat_face(0.0)).force_L_n.z(), 2.0 * kStiffness * 1.5 * kFaceArea_mm2,
+              1e-5);
+  EXPECT_NEAR(term.summarise(flat_face(0.0)).p99_depth_from_rest_mm, 1.5, 1e-5);
+  EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
+
+  term.recall();  // As remembered: not held off yet.
+  EXPECT_LT(term.summarise(flat_face(0.0)).force_L_n.z(), 0.0);
+  term.keep_sides(flat_face(0.0));
+  term.remember(flat_face(0.2));
+  term.begin();
+  EXPECT_GT(term.summarise(flat_face(0.2)).force_L_n.z(), 0.0);  // Still past the middle.
+  term.remember(flat_face(1.2));
+  term.set_pose(lifted(3.4));
+  EXPECT_GT(term.summarise(flat_face(1.2)).force_L_n.z(), 0.0);  // Held off until
+  term.begin();                                                  // it sees its side again.
+  EXPECT_EQ(term.summarise(flat_face(1.2)).force_L_n.z(), 0.0);
+}
+
+TEST(ContactTerm, HeldOffByWallsResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
+  constexpr double kStep = 1e-6;
+  ContactTerm term(flat_face(0.0), kFace, plate(), with_depth(0.1));
+  std::vector<Vec3> x_L{{0.1, 0.0, 0.0}, {0.0, 4.2, 0.3}, {4.0, 0.2, 0.5}};
+  term.set_pose(lifted(1.5));
+  ASSERT_GT(term.keep_sides(x_L), 0);
+  const Evaluated at = evaluate(term, 0, x_L);
+  for (Index dof = 0; dof < 9; ++dof) {
+    std::vector<Vec3> plus = x_L, minus = x_L;
+    plus[std::size_t(dof / 3)][dof % 3] += kStep;
+    minus[std::size_t(dof / 3)][dof % 3] -= kStep;
+    const Evaluated above = evaluate(term, 0, plus), below = evaluate(term, 0, minus);
+    EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep), 1e-8);
+    EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              3e-6);
+  }
+}
+
 TEST(ContactTerm, ACaptureThatReachesBeyondTheBandIsABug) {
-  EXPECT_THROW(ContactTerm(flat_face(0.0), kFace, slab(), {kStiffness, 3.0}), LogicError);
+  EXPECT_THROW(ContactTerm(flat_face(0.0), kFace, slab(), options(3.0)), LogicError);
 }
 
 TEST(ContactTerm, PenetrationAndDepthFromRestAreToldApart) {
-  ContactTerm term(flat_face(-0.4), kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(-0.4), kFace, slab(), options(0.5));
   EXPECT_NEAR(term.rest_penetration_mm(), 0.4, 1e-6);
   term.set_pose(lifted(1.0));
   const ContactSummary pressed = term.summarise(flat_face(-0.4));
@@ -208,8 +271,7 @@ Evaluated gather(const ContactTerm& term, const std::vector<Vec3>& x_L) {
 TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   constexpr double kStep = 1e-6;
   const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
-  ContactTerm term(rest, kFace, ball(GetParam().detection),
-                   {kStiffness, 0.1, GetParam().integration});
+  ContactTerm term(rest, kFace, ball(GetParam().detection), options(0.1, GetParam().integration));
   EXPECT_TRUE(term.is_conservative(fem::DofMap::build(3, {}).value()));
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
@@ -258,7 +320,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, ContactTermOnFaces,
 TEST_P(ContactTermOnFaces, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   constexpr double kStep = 1e-6;
   const std::vector<Vec3> rest = warped_face(GetParam());
-  ContactTerm term(rest, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, ball(), {kStiffness, 0.1});
+  ContactTerm term(rest, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, ball(), options(0.1));
   ASSERT_EQ(term.nodes(0).size(), rest.size());
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
@@ -284,7 +346,7 @@ TEST_P(ContactTermOnFaces, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {
   if (corners == 3) x.erase(x.begin() + 2);
   for (std::size_t a = 0; x.size() < std::size_t(mesh::node_count(GetParam())); ++a)
     x.emplace_back(0.5 * (x[a] + x[(a + 1) % corners]));
-  ContactTerm term(x, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, slab(), {kStiffness, 0.5});
+  ContactTerm term(x, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, slab(), options(0.5));
   term.set_pose(lifted(1.5));
   const double area_mm2 = corners == 3 ? 8.0 : 16.0;
   EXPECT_NEAR(evaluate(term, 0, x).energy_mj, kStiffness * 1.5 * 1.5 * area_mm2, 1e-6);
@@ -297,7 +359,7 @@ double smallest_eigenvalue(const Eigen::MatrixXd& A) {
 
 TEST(ContactTerm, TheConvexTangentOnACurvedBoneIsNeverNegative) {
   const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
-  ContactTerm term(rest, kFace, ball(), {kStiffness, 0.1});
+  ContactTerm term(rest, kFace, ball(), options(0.1));
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
   term.set_pose(X_LB);
@@ -313,7 +375,7 @@ TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
   const std::vector<Vec3> nodes{{0.0, 0.0, 0.0}, {0.0, 4.0, 0.0}, {4.0, 0.0, 0.0}, {4.0, 4.0, 0.0}};
   ContactTerm term(nodes,
                    {{mesh::FaceShape::kTri3, {0, 1, 2}}, {mesh::FaceShape::kTri3, {1, 3, 2}}},
-                   slab(), {kStiffness, 0.5});
+                   slab(), options(0.5));
   EXPECT_EQ(term.summarise(nodes).points, 0);
   term.set_pose(lifted(1.0));
   const ContactSummary pressed = term.summarise(nodes);
@@ -329,7 +391,7 @@ TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
 
 TEST(ContactTerm, TellsPressureAndGapOfEveryNode) {
   const std::vector<Vec3> rest{{0, 0, 0}, {0, 4, 0}, {4, 0, 0}, {9, 9, 9}};
-  ContactTerm term(rest, kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(rest, kFace, slab(), options(0.5));
   term.set_pose(lifted(1.0));
   const std::vector<NodalContact> flat = term.at_nodes(rest);
   ASSERT_EQ(flat.size(), 3U);
@@ -353,20 +415,20 @@ TEST(ContactTerm, TellsPressureAndGapOfEveryNode) {
 }
 
 TEST(ContactTerm, RefusesAStateThatAPlateHasJumpedThrough) {
-  ContactTerm term(flat_face(0.0), kFace, plate(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(0.0), kFace, plate(), options(0.5));
   term.set_pose(lifted(0.8));
   EXPECT_FALSE(term.why_refused(flat_face(0.0)));
   term.set_pose(lifted(1.5));
   const auto refusal = term.why_refused(flat_face(0.0));
   ASSERT_TRUE(refusal);
-  EXPECT_NE(refusal->find("have tunnelled through the bone"), std::string::npos) << *refusal;
+  EXPECT_NE(refusal->find("have tunnelled through the plate"), std::string::npos) << *refusal;
 }
 
 TEST(ContactTerm, FeatureNormalsHaveNoPotential) {
   const geometry::TriangleMesh sphere = test::make_icosphere(6.0, 2);
   const ContactTerm term(flat_face(6.0), kFace,
                          {detect_by_bvh(std::make_shared<const geometry::Bvh>(sphere), 2.0)},
-                         {kStiffness, 0.5});
+                         options(0.5));
   EXPECT_FALSE(term.is_conservative(fem::DofMap::build(3, {}).value()));
 }
 
@@ -382,7 +444,7 @@ TEST_P(LumpedFaces, CarryTheForceAndTheMomentOfThePressureOnTheFace) {
   for (std::size_t a = 0; x.size() < std::size_t(mesh::node_count(GetParam())); ++a)
     x.emplace_back(0.5 * (x[a] + x[(a + 1) % corners]));
   ContactTerm term(x, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, slab(),
-                   {kStiffness, 0.5, Integration::kNodes});
+                   options(0.5, Integration::kNodes));
   EXPECT_EQ(term.item_count(), Index(x.size()));
   term.set_pose(lifted(1.5));
   const double area_mm2 = corners == 3 ? 8.0 : 16.0;
@@ -400,7 +462,7 @@ TEST_P(LumpedFaces, CarryTheForceAndTheMomentOfThePressureOnTheFace) {
 }
 
 TEST(ContactTerm, MultipliersBearThePressureWithoutDepthAndNeverPull) {
-  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(1.0));
   const double force_n = 2.0 * kStiffness * 1.0 * kFaceArea_mm2;
   term.augment(flat_face(0.0));
@@ -415,23 +477,39 @@ TEST(ContactTerm, MultipliersBearThePressureWithoutDepthAndNeverPull) {
 }
 
 TEST(ContactTerm, RecallsTheMultipliersThatWereRemembered) {
-  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(1.0));
   term.augment(flat_face(0.0));
   term.remember(flat_face(1.0));
   const double kept_n = term.summarise(flat_face(1.0)).force_L_n.z();
   term.augment(flat_face(0.5));
   EXPECT_GT(term.summarise(flat_face(1.0)).force_L_n.z(), 1.4 * kept_n);
-  term.recall_multipliers();
+  term.recall();
   EXPECT_EQ(term.summarise(flat_face(1.0)).force_L_n.z(), kept_n);
 }
 
 TEST(ContactTerm, RestoredItIsAsItWas) {
-  const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), {kStiffness, 0.5}); };
+  const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), with_depth(0.1)); };
   ContactTerm term = made();
   term.set_pose(lifted(1.5));
   term.augment(flat_face(1.2));
-  term.remember(flat_face(0.0));  // Has tunnelled.
+  ASSERT_EQ(term.keep_sides(flat_face(0.0)), 6);
+  term.remember(flat_face(0.0));
+  ContactTerm other = made();
+  other.set_pose(lifted(1.5));
+  other.restore(term.memory(), flat_face(0.0));
+  const auto summary = term.summarise(flat_face(0.2)), likewise = other.summarise(flat_face(0.2));
+  EXPECT_EQ(summary.force_L_n, likewise.force_L_n);
+  EXPECT_GT(summary.force_L_n.z(), 0.0);
+  EXPECT_EQ(summary.tunnelled_area_mm2, 0.0);  // It keeps its side.
+}
+
+TEST(ContactTerm, RestoredItKnowsWhatHasTunnelled) {
+  const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), options(0.5)); };
+  ContactTerm term = made();
+  term.set_pose(lifted(1.5));
+  term.augment(flat_face(1.2));
+  term.remember(flat_face(0.0));
   ContactTerm other = made();
   other.set_pose(lifted(1.5));
   other.restore(term.memory(), flat_face(0.0));
@@ -452,7 +530,7 @@ TEST(ContactTerm, TheP99OfDepthLeavesOutTheDeepestHundredthOfTheArea) {
     nodes.insert(nodes.end(), {{x, 0.0, z}, {x, 0.03, z}, {x + 0.03, 0.0, z}});
     faces.push_back({mesh::FaceShape::kTri3, {first, first + 1, first + 2}});
   }
-  ContactTerm term(nodes, faces, slab(), {kStiffness, 0.0});
+  ContactTerm term(nodes, faces, slab(), options(0.0));
   for (Vec3& x : nodes) x.z() -= 0.25;
   nodes[150].z() = nodes[151].z() = nodes[152].z() = -1.9;
   const ContactSummary pressed = term.summarise(nodes);
@@ -461,7 +539,7 @@ TEST(ContactTerm, TheP99OfDepthLeavesOutTheDeepestHundredthOfTheArea) {
 }
 
 TEST(ContactTerm, CountsThePointsInContact) {
-  ContactTerm term(flat_face(0.0), kFace, slab(), {kStiffness, 0.5});
+  ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 0);
   term.set_pose(lifted(1.0));
   EXPECT_EQ(evaluate(term, 0, flat_face(0.0)).contacts, 6);

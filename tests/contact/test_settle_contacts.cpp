@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "support/shapes.h"
@@ -17,14 +18,11 @@ constexpr double kSpring = 0.2;      // N/mm, holds the face down at z = 0.
 
 std::vector<Vec3> face_at(double z) { return {{0.0, 0.0, z}, {0.0, 4.0, z}, {4.0, 0.0, z}}; }
 
-/// A face at rest on a slab of bone that has come up by 1 mm.
-ContactTerm pressed_face(std::optional<double> tolerance_mm) {
-  static const auto field = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(test::make_box({-10.0, -10.0, -8.0}, {10.0, 10.0, 0.0}),
-                                  {.resolution = 64, .band_mm = 3.0, .smooth = true})
-          .value());
-  ContactTerm term(face_at(0.0), {{mesh::FaceShape::kTri3, {0, 1, 2}}},
-                   {detect_by_field(field, Detection::kSmooth).value()},
+/// A face at rest on bone whose upper side is z = 0 and that has come up by 1 mm.
+ContactTerm pressed_face(const std::shared_ptr<const field::DistanceField>& bone,
+                         std::span<const Vec3> face_L, std::optional<double> tolerance_mm) {
+  ContactTerm term(face_L, {{mesh::FaceShape::kTri3, {0, 1, 2}}},
+                   {detect_by_field(bone, Detection::kSmooth).value()},
                    {.stiffness_mpa_per_mm = kStiffness,
                     .capture_mm = 0.1,
                     .penetration_tolerance_mm = tolerance_mm});
@@ -34,12 +32,27 @@ ContactTerm pressed_face(std::optional<double> tolerance_mm) {
   return term;
 }
 
+/// A box below z = 0, so wide along x.
+std::shared_ptr<const field::DistanceField> bone(double half_width_mm) {
+  return std::make_shared<const field::DistanceField>(
+      field::build_distance_field(
+          test::make_box({-half_width_mm, -10.0, -8.0}, {half_width_mm, 10.0, 0.0}),
+          {.resolution = 64, .band_mm = 3.0, .smooth = true})
+          .value());
+}
+
+ContactTerm pressed_face(std::optional<double> tolerance_mm) {
+  static const auto slab = bone(10.0);
+  return pressed_face(slab, face_at(0.0), tolerance_mm);
+}
+
 /// The balance of spring and contact, by bisection.
-fem::NewtonOutcome balance(const ContactTerm& term, const VectorX& start) {
+fem::NewtonOutcome balance(const ContactTerm& term, const VectorX& start,
+                           std::vector<Vec3> (*at)(double z) = face_at) {
   double low = -0.5, high = 1.5;
   for (int n = 0; n < 60; ++n) {
     const double z = 0.5 * (low + high);
-    (kSpring * z < term.summarise(face_at(z)).force_L_n.z() ? low : high) = z;
+    (kSpring * z < term.summarise(at(z)).force_L_n.z() ? low : high) = z;
   }
   fem::NewtonOutcome outcome;
   outcome.stop = fem::NewtonStop::kConverged;
@@ -78,6 +91,20 @@ TEST(SettleContacts, AugmentsUntilTheNamedDepthIsReached) {
   const ContactSummary at_rest = contacts[0].summarise(displaced(face_at(0.0), outcome.x));
   EXPECT_LE(at_rest.p99_depth_from_rest_mm, 1e-3);
   EXPECT_NEAR(at_rest.force_L_n.z(), kSpring * 1.0, 2e-4);
+}
+
+/// Astride a ridge along y, of which no flank is further from the middle than the face is wide.
+std::vector<Vec3> astride(double z) { return {{-2.0, -1.0, z}, {0.0, 2.5, z}, {2.0, -1.0, z}}; }
+
+TEST(SettleContacts, AFaceAstrideARidgeGetsOffIt) {
+  std::vector<ContactTerm> contacts{pressed_face(bone(0.75), astride(0.0), 0.05)};
+  const auto solve = [&](const VectorX& start) { return balance(contacts[0], start, astride); };
+  const auto outcome = settle_contacts(contacts, astride(0.0), VectorX::Zero(9), solve);
+  ASSERT_TRUE(outcome.converged());
+  const ContactSummary off = contacts[0].summarise(displaced(astride(0.0), outcome.x));
+  EXPECT_LE(off.p99_depth_from_rest_mm, 0.05);
+  EXPECT_EQ(off.tunnelled_area_mm2, 0.0);
+  EXPECT_NEAR(outcome.x[2], 1.0, 0.05);
 }
 
 TEST(SettleContacts, WhereAugmentingFailsWhatWasFoundBeforeIsKept) {

@@ -17,7 +17,7 @@ namespace {
 
 // To be raised with every change of the solver or of contact that may change what a step finds, and
 // of this file's layout.
-constexpr double kStepsRevision = 1;
+constexpr double kStepsRevision = 2;
 
 constexpr std::string_view kMagic = "lefort restart 1\n";
 constexpr std::size_t kHashDigits = 64;
@@ -167,8 +167,16 @@ void visit(Archive& archive, fem::LoadState& state) {
 }
 
 template <class Archive>
+void visit(Archive& archive, contact::ContactTerm::Memory::Wall& wall) {
+  visit(archive, wall.foot_B);
+  visit(archive, wall.normal_B);
+  archive(wall.keeps_side);
+}
+
+template <class Archive>
 void visit(Archive& archive, contact::ContactTerm::Memory& memory) {
   visit(archive, memory.multipliers_mpa);
+  visit(archive, memory.walls);
   archive(memory.tunnelled_area_mm2);
 }
 

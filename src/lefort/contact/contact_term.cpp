@@ -118,11 +118,11 @@ struct PatchNodes {
 
 /// Gaps at the points of a rule.
 struct RuleGaps {
+  std::array<Vec3, kMaxPoints> p_L;
   std::array<Gap, kMaxPoints> gaps;
 
   RuleGaps(const BoneObstacle& obstacle, const Rule& rule, std::span<const Vec3> x_L,
            Derivatives derivatives) {
-    std::array<Vec3, kMaxPoints> p_L;
     const std::size_t count = rule.points.size();
     for (std::size_t q = 0; q < count; ++q) p_L[q] = interpolate(rule.points[q], x_L);
     measure_gaps(obstacle, std::span(p_L).first(count), derivatives, std::span(gaps).first(count));
@@ -143,9 +143,16 @@ double depth_at_share(std::vector<std::pair<double, double>> depth_and_area, dou
 
 }  // namespace
 
+struct ContactTerm::PointGap {
+  Vec3 p_L;
+  Gap measured;  ///< From the nearest surface.
+  Gap acting;    ///< From what holds the point off.
+};
+
 ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
                          BoneObstacle obstacle, const Options& options)
-    : obstacle_(std::move(obstacle)),
+    : name_(options.name),
+      obstacle_(std::move(obstacle)),
       stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm),
       penetration_tolerance_mm_(options.penetration_tolerance_mm) {
   LEFORT_CHECK(obstacle_.detector_B != nullptr);
@@ -157,11 +164,12 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> 
   else
     add_nodes(nodes_L, faces);
   for (const Patch& patch : patches_)
-    for_each_gap(patch, nodes_L, [&](std::size_t k, const RulePoint&, const Gap& gap) {
-      points_[k].rest_gap_mm = rest_gap_mm(gap, options.capture_mm);
+    for_each_point(patch, nodes_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
+      points_[k].rest_gap_mm = rest_gap_mm(at.measured, options.capture_mm);
+      points_[k].last_sight = look(obstacle_, at.p_L, at.measured);
     });
   last_clearance_.resize(patches_.size());
-  look_around(nodes_L);
+  note_clearances(nodes_L);
 }
 
 void ContactTerm::add_faces(std::span<const Vec3> nodes_L, const std::vector<mesh::Face>& faces) {
@@ -198,13 +206,24 @@ void ContactTerm::add_nodes(std::span<const Vec3> nodes_L, const std::vector<mes
 }
 
 template <class Function>
-void ContactTerm::for_each_gap(const Patch& patch, std::span<const Vec3> x_L,
-                               const Function& f) const {
+void ContactTerm::for_each_point(const Patch& patch, std::span<const Vec3> x_L,
+                                 const Function& f) const {
   const PatchNodes x(patch.span(), x_L);
   const Rule& rule = rule_at(patch.rule);
-  const RuleGaps measured(obstacle_, rule, x.span(), Derivatives::kFirst);
+  const RuleGaps at(obstacle_, rule, x.span(), Derivatives::kFirst);
   for (std::size_t q = 0; q < rule.points.size(); ++q)
-    f(patch.first_point + q, rule.points[q], measured.gaps[q]);
+    f(patch.first_point + q, rule.points[q],
+      PointGap{at.p_L[q], at.gaps[q],
+               acting_gap(points_[patch.first_point + q], at.p_L[q], at.gaps[q])});
+}
+
+double ContactTerm::pressure_at(const Point& point, const Gap& acting) const {
+  if (acting.zone != field::Zone::kBand) return 0.0;
+  return pressure_mpa(point.rest_gap_mm - acting.gap_mm, spring_at(point));
+}
+
+Gap ContactTerm::acting_gap(const Point& point, const Vec3& p_L, const Gap& measured) const {
+  return point.now.keeps_side ? gap_to_wall(obstacle_, p_L, point.last_sight) : measured;
 }
 
 double ContactTerm::rest_gap_mm(const Gap& at_rest, double capture_mm) const {
@@ -213,12 +232,45 @@ double ContactTerm::rest_gap_mm(const Gap& at_rest, double capture_mm) const {
 }
 
 void ContactTerm::remember(std::span<const Vec3> x_L) {
-  tunnelled_area_mm2_ += newly_tunnelled_area_mm2(x_L);
-  for (Point& point : points_) point.kept_multiplier_mpa = point.multiplier_mpa;
-  look_around(x_L);
+  tunnelled_area_mm2_ += deterministic_sum(Index(patches_.size()), 0.0, [&](Index item) {
+    double lost_mm2 = 0.0;
+    for_each_point(
+        patches_[std::size_t(item)], x_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
+          Point& point = points_[k];
+          const bool has_strayed =
+              keeps_sides() && is_past_middle(obstacle_, at.p_L, at.measured, point.last_sight);
+          if (!has_strayed && has_tunnelled(point, at.measured)) lost_mm2 += point.area_mm2;
+          point.remembered = point.now;
+          point.has_strayed = has_strayed;
+          point.sees_its_side = point.now.keeps_side &&
+                                sees_its_side(obstacle_, at.p_L, at.measured, point.last_sight);
+          if (!point.now.keeps_side && !has_strayed)
+            point.last_sight = look(obstacle_, at.p_L, at.measured);
+        });
+    return lost_mm2;
+  });
+  note_clearances(x_L);
 }
 
-void ContactTerm::look_around(std::span<const Vec3> x_L) {
+Index ContactTerm::keep_sides(std::span<const Vec3> x_L) {
+  if (!keeps_sides()) return 0;
+  return deterministic_sum(Index(patches_.size()), Index(0), [&](Index item) {
+    Index kept = 0;
+    for_each_point(patches_[std::size_t(item)], x_L,
+                   [&](std::size_t k, const RulePoint&, const PointGap& at) {
+                     Point& point = points_[k];
+                     if (point.now.keeps_side ||
+                         !is_past_middle(obstacle_, at.p_L, at.measured, point.last_sight))
+                       return;
+                     point.now.keeps_side = true;
+                     last_clearance_[std::size_t(item)].clearance_mm = 0.0;
+                     ++kept;
+                   });
+    return kept;
+  });
+}
+
+void ContactTerm::note_clearances(std::span<const Vec3> x_L) {
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
   const double reach_mm = obstacle_.detector_B->reach_mm();
   parallel_for(Index(patches_.size()), [&](Index item) {
@@ -228,50 +280,69 @@ void ContactTerm::look_around(std::span<const Vec3> x_L) {
     clearance.clearance_mm = reach_mm;
     for (std::size_t a = 0; a < x.count; ++a)
       clearance.nodes_B[a] = R_BL * (x.x_L[a] - obstacle_.X_LB.translation());
-    for_each_gap(patch, x_L, [&](std::size_t k, const RulePoint&, const Gap& gap) {
-      Point& point = points_[k];
-      const bool is_seen = gap.zone == field::Zone::kBand || gap.zone == field::Zone::kOutside;
+    for_each_point(patch, x_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
+      const Point& point = points_[k];
+      const bool is_seen =
+          at.measured.zone == field::Zone::kBand || at.measured.zone == field::Zone::kOutside;
       const double touching_at_mm = std::max(point.rest_gap_mm, 0.0);
-      const bool may_be_clear = is_seen && point.multiplier_mpa == 0.0;
-      clearance.clearance_mm =
-          std::min(clearance.clearance_mm, may_be_clear ? gap.gap_mm - touching_at_mm : 0.0);
-      point.last_sight = {R_BL * gap.gradient_L, gap.zone != field::Zone::kUnknown};
+      const bool may_be_clear = is_seen && point.now.multiplier_mpa == 0.0 && !point.now.keeps_side;
+      clearance.clearance_mm = std::min(clearance.clearance_mm,
+                                        may_be_clear ? at.measured.gap_mm - touching_at_mm : 0.0);
     });
   });
 }
 
 void ContactTerm::augment(std::span<const Vec3> x_L) {
+  constexpr double kEnough = 0.5;  // Of the depth before, that one augmentation should leave.
+  constexpr double kStiffer = 4.0, kStiffest = 64.0;
   parallel_for(Index(patches_.size()), [&](Index item) {
-    for_each_gap(patches_[std::size_t(item)], x_L,
-                 [&](std::size_t k, const RulePoint&, const Gap& gap) {
-                   Point& point = points_[k];
-                   point.multiplier_mpa =
-                       gap.zone == field::Zone::kBand
-                           ? pressure_mpa(point.rest_gap_mm - gap.gap_mm, spring_at(point))
-                           : 0.0;
-                   // A pressure that is borne without depth reaches beyond the clearance.
-                   if (point.multiplier_mpa > 0.0)
-                     last_clearance_[std::size_t(item)].clearance_mm = 0.0;
-                 });
+    for_each_point(patches_[std::size_t(item)], x_L,
+                   [&](std::size_t k, const RulePoint&, const PointGap& at) {
+                     Point& point = points_[k];
+                     const double depth_mm = point.rest_gap_mm - at.acting.gap_mm;
+                     point.now.multiplier_mpa = pressure_at(point, at.acting);
+                     if (depth_mm > penetration_tolerance_mm_.value_or(0.0) &&
+                         depth_mm > kEnough * point.now.depth_mm)
+                       point.now.stiffening = std::min(kStiffer * point.now.stiffening, kStiffest);
+                     point.now.depth_mm = depth_mm;
+                     // A pressure that is borne without depth reaches beyond the clearance.
+                     if (point.now.multiplier_mpa > 0.0)
+                       last_clearance_[std::size_t(item)].clearance_mm = 0.0;
+                   });
   });
 }
 
-void ContactTerm::recall_multipliers() {
-  for (Point& point : points_) point.multiplier_mpa = point.kept_multiplier_mpa;
+void ContactTerm::recall() {
+  for (Point& point : points_) point.now = point.remembered;
+}
+
+void ContactTerm::begin() {
+  for (Point& point : points_)
+    point.now = {.multiplier_mpa = point.remembered.multiplier_mpa,
+                 .keeps_side = point.remembered.keeps_side && !point.sees_its_side};
 }
 
 ContactTerm::Memory ContactTerm::memory() const {
-  Memory memory{.multipliers_mpa = {}, .tunnelled_area_mm2 = tunnelled_area_mm2_};
-  for (const Point& point : points_) memory.multipliers_mpa.push_back(point.kept_multiplier_mpa);
+  Memory memory{.multipliers_mpa = {}, .walls = {}, .tunnelled_area_mm2 = tunnelled_area_mm2_};
+  for (const Point& point : points_) {
+    memory.multipliers_mpa.push_back(point.remembered.multiplier_mpa);
+    memory.walls.push_back({.foot_B = point.last_sight.foot_B,
+                            .normal_B = point.last_sight.normal_B,
+                            .keeps_side = point.remembered.keeps_side});
+  }
   return memory;
 }
 
 void ContactTerm::restore(const Memory& memory, std::span<const Vec3> x_L) {
   LEFORT_CHECK(memory.multipliers_mpa.size() == points_.size());
+  LEFORT_CHECK(memory.walls.size() == points_.size());
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Memory::Wall& wall = memory.walls[k];
+    points_[k].now = {.multiplier_mpa = memory.multipliers_mpa[k], .keeps_side = wall.keeps_side};
+    points_[k].last_sight = {wall.foot_B, wall.normal_B, true};
+  }
+  remember(x_L);
   tunnelled_area_mm2_ = memory.tunnelled_area_mm2;
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    points_[k].multiplier_mpa = points_[k].kept_multiplier_mpa = memory.multipliers_mpa[k];
-  look_around(x_L);
 }
 
 std::optional<std::string> ContactTerm::why_refused(std::span<const Vec3> x_L) const {
@@ -280,9 +351,8 @@ std::optional<std::string> ContactTerm::why_refused(std::span<const Vec3> x_L) c
   const double touching_mm2 = summarise(x_L).area_mm2;
   if (tunnelled_mm2 <= kMostTunnelled * touching_mm2) return std::nullopt;
   return fmt::format(
-      "{:.1f} of {:.1f} mm^2 of tissue in contact have tunnelled through "
-      "the bone in one increment",
-      tunnelled_mm2, touching_mm2);
+      "{:.1f} of {:.1f} mm^2 of tissue in contact have tunnelled through {} in one increment",
+      tunnelled_mm2, touching_mm2, name_);
 }
 
 double ContactTerm::rest_penetration_mm() const {
@@ -292,12 +362,13 @@ double ContactTerm::rest_penetration_mm() const {
 }
 
 bool ContactTerm::is_out_of_reach(std::size_t patch, std::span<const Vec3> x_L) const {
-  constexpr double kSlack_mm = 0.1;  // Errors of the field, many times over.
-  constexpr double kSlope = 1.1;     // Likewise for the length of its gradient.
+  constexpr double kSlack = 0.2;  // Of what the detector resolves: its jumps, many times over.
+  constexpr double kSlope = 1.1;  // Likewise for the length of its gradient.
+  const double slack_mm = kSlack * obstacle_.detector_B->resolution_mm();
   const Clearance& last = last_clearance_[patch];
-  if (last.clearance_mm <= kSlack_mm) return false;
+  if (last.clearance_mm <= slack_mm) return false;
   const double allowed_mm =
-      (last.clearance_mm - kSlack_mm) / (kSlope * rule_at(patches_[patch].rule).reach);
+      (last.clearance_mm - slack_mm) / (kSlope * rule_at(patches_[patch].rule).reach);
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
   for (std::size_t a = 0; a < x_L.size(); ++a) {
     const Vec3 x_B = R_BL * (x_L[a] - obstacle_.X_LB.translation());
@@ -306,21 +377,22 @@ bool ContactTerm::is_out_of_reach(std::size_t patch, std::span<const Vec3> x_L) 
   return true;
 }
 
-bool ContactTerm::has_tunnelled(const Sight& last, const Gap& gap) const {
+bool ContactTerm::has_tunnelled(const Point& point, const Gap& gap) const {
   // Outside the bone, normals turn freely: across a groove one wall takes over from the other.
   constexpr double kFarSide = -0.5;  // Cosine; an edge of over 60 degrees has no far side.
-  return gap.zone == field::Zone::kBand && gap.gap_mm < 0.0 &&
-         (obstacle_.X_LB.linear() * last.normal_B).dot(gap.gradient_L) < kFarSide;
+  return !point.now.keeps_side && !point.has_strayed && gap.zone == field::Zone::kBand &&
+         gap.gap_mm < 0.0 &&
+         (obstacle_.X_LB.linear() * point.last_sight.normal_B).dot(gap.gradient_L) < kFarSide;
 }
 
 double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
   return deterministic_sum(Index(patches_.size()), 0.0, [&](Index item) {
     double tunnelled_mm2 = 0.0;
-    for_each_gap(patches_[std::size_t(item)], x_L,
-                 [&](std::size_t k, const RulePoint&, const Gap& gap) {
-                   if (has_tunnelled(points_[k].last_sight, gap))
-                     tunnelled_mm2 += points_[k].area_mm2;
-                 });
+    for_each_point(patches_[std::size_t(item)], x_L,
+                   [&](std::size_t k, const RulePoint&, const PointGap& at) {
+                     if (has_tunnelled(points_[k], at.measured))
+                       tunnelled_mm2 += points_[k].area_mm2;
+                   });
     return tunnelled_mm2;
   });
 }
@@ -336,10 +408,11 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
   for (std::size_t q = 0; q < rule.points.size(); ++q) {
     const Point& point = points_[patch.first_point + q];
     const auto& N = rule.points[q].N;
-    const Gap& gap = measured.gaps[q];
-    if (gap.zone == field::Zone::kInside) return false;
-    if (gap.zone == field::Zone::kUnknown && point.last_sight.knows_side) return false;
+    const field::Zone zone = measured.gaps[q].zone;
+    if (zone == field::Zone::kInside) return false;
+    if (zone == field::Zone::kUnknown && point.last_sight.knows_side) return false;
 
+    const Gap gap = acting_gap(point, measured.p_L[q], measured.gaps[q]);
     const double depth_mm = point.rest_gap_mm - gap.gap_mm;
     const Spring spring = spring_at(point);
     const PenaltyResponse response =
@@ -370,13 +443,15 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
   std::set<std::int32_t> nodes;
   std::vector<std::pair<double, double>> depth_and_area;
   for (const Patch& patch : patches_) {
-    for_each_gap(patch, x_L, [&](std::size_t k, const RulePoint&, const Gap& gap) {
+    for_each_point(patch, x_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
       const Point& point = points_[k];
-      const double penetration_mm = std::max(-gap.gap_mm, 0.0);
-      const double depth_mm = point.rest_gap_mm - gap.gap_mm;
-      const double p_mpa = pressure_mpa(depth_mm, spring_at(point));
-      if (gap.zone != field::Zone::kBand || !(p_mpa > 0.0)) return;
-      const Vec3 force_n = point.area_mm2 * p_mpa * gap.gradient_L;
+      const double p_mpa = pressure_at(point, at.acting);
+      if (!(p_mpa > 0.0)) return;
+      // Of a point that is held off by a wall, too, the nearest surface tells what is left.
+      const double gap_mm = std::min(at.acting.gap_mm, at.measured.gap_mm);
+      const double penetration_mm = std::max(-gap_mm, 0.0);
+      const double depth_mm = point.rest_gap_mm - gap_mm;
+      const Vec3 force_n = point.area_mm2 * p_mpa * at.acting.gradient_L;
       ++summary.points;
       nodes.insert(patch.span().begin(), patch.span().end());
       summary.area_mm2 += point.area_mm2;
@@ -400,26 +475,36 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
   return summary;
 }
 
+std::vector<TouchedPoint> ContactTerm::touched_points(std::span<const Vec3> x_L) const {
+  std::vector<TouchedPoint> touched;
+  for (const Patch& patch : patches_)
+    for_each_point(patch, x_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
+      const Vec3 traction_mpa = pressure_at(points_[k], at.acting) * at.acting.gradient_L;
+      if (traction_mpa.isZero(0.0)) return;
+      touched.push_back({.x_L = at.p_L,
+                         .pressure_mpa = traction_mpa.norm(),
+                         .force_n = points_[k].area_mm2 * traction_mpa});
+    });
+  return touched;
+}
+
 std::vector<NodalContact> ContactTerm::at_nodes(std::span<const Vec3> x_L) const {
   // Not the pressure at the node itself: flat faces around a ball touch it in their middles alone.
-  std::map<std::int32_t, NodalContact> at;
+  std::map<std::int32_t, NodalContact> of_node;
   std::map<std::int32_t, double> share_mm2;
   for (const Patch& patch : patches_) {
-    for_each_gap(patch, x_L, [&](std::size_t k, const RulePoint& rule, const Gap& gap) {
+    for_each_point(patch, x_L, [&](std::size_t k, const RulePoint& rule, const PointGap& at) {
       const Point& point = points_[k];
-      const double p_mpa = gap.zone == field::Zone::kBand
-                               ? pressure_mpa(point.rest_gap_mm - gap.gap_mm, spring_at(point)) *
-                                     gap.gradient_L.norm()
-                               : 0.0;
+      const double p_mpa = pressure_at(point, at.acting) * at.acting.gradient_L.norm();
       for (std::size_t a = 0; a < patch.count; ++a) {
         const double weight_mm2 = point.area_mm2 * std::abs(rule.N[a]);
-        at[patch.nodes[a]].pressure_mpa += weight_mm2 * p_mpa;
+        of_node[patch.nodes[a]].pressure_mpa += weight_mm2 * p_mpa;
         share_mm2[patch.nodes[a]] += weight_mm2;
       }
     });
   }
   std::vector<NodalContact> touched;
-  for (auto& [node, contact] : at) {
+  for (auto& [node, contact] : of_node) {
     const Gap gap = measure_gap(obstacle_, x_L[std::size_t(node)], Derivatives::kFirst);
     contact.node = node;
     contact.pressure_mpa /= share_mm2.at(node);

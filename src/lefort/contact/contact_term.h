@@ -4,6 +4,7 @@
 #pragma once
 
 #include <lefort/contact/bone_obstacle.h>
+#include <lefort/contact/bone_side.h>
 #include <lefort/contact/measure_gap.h>
 #include <lefort/contact/penalty.h>
 #include <lefort/core/types.h>
@@ -12,6 +13,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -45,8 +47,8 @@ struct ContactSummary {
   double p99_depth_from_rest_mm = 0.0;  ///< All of that area but 1 % lies no deeper; >= 0.
   Vec3 force_L_n = Vec3::Zero();        ///< On the tissue [N].
   double normal_force_n = 0.0;          ///< Sum of the magnitudes [N].
-  /// Of the tissue's surface at rest, what has crept through thin bone since then; a part counts
-  /// each time it does.
+  /// Of the tissue's surface at rest, what has crept through thin bone since then, but for what
+  /// keeps its side; a part counts each time it does.
   double tunnelled_area_mm2 = 0.0;
 };
 
@@ -57,6 +59,13 @@ struct NodalContact {
   double gap_mm = 0.0;        ///< Plus or minus the band beyond it; NaN where the field is torn.
 };
 
+/// What contact does at one point of integration.
+struct TouchedPoint {
+  Vec3 x_L = Vec3::Zero();      ///< Where it is now [mm].
+  double pressure_mpa = 0.0;    ///< > 0.
+  Vec3 force_n = Vec3::Zero();  ///< On the tissue.
+};
+
 /// Faces of the tissue's inner surface, of any shape, against one bone.
 ///
 /// Penetration is measured from how the face lay at rest: the mesh meets the bone's surface only
@@ -64,16 +73,19 @@ struct NodalContact {
 /// `capture_mm` of the bone touches it, and a point that the mesh put deeper starts from there.
 ///
 /// In thin bone the nearest surface may be the far one, and the way out leads through the bone. So
-/// the term remembers on which side of the bone each point was when remember() was last called, and
-/// tells how much of the surface has changed sides since. It has an energy there all the same: as
-/// soft as the penalty is, tissue may creep over a thin edge however small the increments are, and
-/// a wall that no force keeps a point away from would only stop the solver.
+/// the term remembers what each point saw of the bone when remember() was last called. Where a
+/// depth is asked for, a point that has come past the middle since is held off by that
+/// (bone_side.h) once keep_sides() was called, and from then on until it sees its side again and
+/// begin() is called. In between nothing changes sides, so that there is a potential. The penalty
+/// alone is too soft for that: tissue lies in thin bone at most states, and which of it were held
+/// off would depend on the increments.
 ///
 /// A point may carry a multiplier, the pressure that it bears without depth (penalty.h). All are
 /// zero until augment() is called.
 class ContactTerm final : public fem::ForceTerm {
  public:
   struct Options {
+    std::string name = "the bone";      ///< Of the obstacle, for sentences.
     double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
     double capture_mm = 0.0;            ///< >= 0, less than the detector's reach.
     Integration integration = Integration::kQuadrature;
@@ -104,15 +116,31 @@ class ContactTerm final : public fem::ForceTerm {
   [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
                               fem::LocalEquations& local) const override;
 
-  /// Remembers the multipliers, and on which side of the bone, at its present pose, every point
-  /// lies; adds what has changed sides to ContactSummary::tunnelled_area_mm2. To be called at each
-  /// state that is accepted; not while the term is being evaluated.
+  /// Remembers multipliers, sides and what every point sees of the bone at its present pose: where
+  /// sides are kept, of one past the middle what it saw before. Adds what has lost its side to
+  /// ContactSummary::tunnelled_area_mm2. To be called at each state that is accepted; not while the
+  /// term is being evaluated.
   /// \param x_L  current positions of all nodes [mm].
   void remember(std::span<const Vec3> x_L);
 
+  /// Goes back to what was remembered last.
+  void recall();
+
+  /// The same for another load: points that saw their side again are held off by the nearest
+  /// surface anew, and all springs are as stiff as they were made.
+  void begin();
+
+  /// If a depth is asked for: from now on points that have come past the middle of the bone since
+  /// remember() are held off by what they saw then. Not while the term is being evaluated.
+  /// \param x_L  current positions of all nodes [mm].
+  /// \returns how many there are that were not before.
+  Index keep_sides(std::span<const Vec3> x_L);
+
   /// Lets each multiplier bear what the point's pressure is at a converged state, so that the next
   /// one lies less deep (the update of Hestenes and Powell). A point that is pressed no more loses
-  /// its multiplier: nothing ever pulls. Not while the term is being evaluated.
+  /// its multiplier: nothing ever pulls. Where a point lies deeper than the tolerance and half as
+  /// deep as the last time, its spring gets stiffer, up to a bound (\cite bertsekas1982, section
+  /// 2.2): squeezed tissue is stiffer than its modulus says. Not while the term is being evaluated.
   /// \param x_L  current positions of all nodes [mm].
   void augment(std::span<const Vec3> x_L);
 
@@ -120,12 +148,15 @@ class ContactTerm final : public fem::ForceTerm {
     return penetration_tolerance_mm_;
   }
 
-  /// Goes back to the multipliers that remember() kept last.
-  void recall_multipliers();
-
   /// What a run must keep to go on elsewhere as if it had not stopped.
   struct Memory {
+    struct Wall {
+      Vec3 foot_B = Vec3::Zero();    ///< As Sight::foot_B ...
+      Vec3 normal_B = Vec3::Zero();  ///< ... and Sight::normal_B.
+      bool keeps_side = false;       ///< Holds the point off.
+    };
     std::vector<double> multipliers_mpa;  ///< One per point of integration.
+    std::vector<Wall> walls;              ///< Likewise.
     double tunnelled_area_mm2 = 0.0;
   };
   [[nodiscard]] Memory memory() const;
@@ -154,21 +185,31 @@ class ContactTerm final : public fem::ForceTerm {
   /// \returns one entry per node of the faces, ascending.
   [[nodiscard]] std::vector<NodalContact> at_nodes(std::span<const Vec3> x_L) const;
 
+  /// \param x_L  likewise.
+  /// \returns the points of integration in contact, in the order of the faces.
+  [[nodiscard]] std::vector<TouchedPoint> touched_points(std::span<const Vec3> x_L) const;
+
  private:
-  /// What a point saw of the bone when last remembered.
-  struct Sight {
-    Vec3 normal_B = Vec3::Zero();  ///< Out of the bone; zero beyond the band.
-    bool knows_side = false;       ///< The detector said where the point is.
+  /// What holds a point off.
+  struct Hold {
+    double multiplier_mpa = 0.0;
+    bool keeps_side = false;  ///< By what it saw last, not by the nearest surface.
+    double stiffening = 1.0;  ///< Of its spring, since begin().
+    double depth_mm = std::numeric_limits<double>::infinity();  ///< When last augmented, likewise.
   };
 
   /// Where a patch is asked for its gap.
   struct Point {
     double area_mm2 = 0.0;     ///< Of the surface at rest that it stands for.
     double rest_gap_mm = 0.0;  ///< Where penetration starts.
-    double multiplier_mpa = 0.0;
-    double kept_multiplier_mpa = 0.0;  ///< When last remembered.
-    Sight last_sight = {};
+    Hold now = {};
+    Hold remembered = {};
+    Sight last_sight = {};       ///< When last remembered; before it kept its side, if it does.
+    bool sees_its_side = false;  ///< Again, when last remembered.
+    bool has_strayed = false;    ///< Past the middle, when last remembered.
   };
+
+  struct PointGap;
 
   /// A face, or a node that stands for its share of the faces around it.
   struct Patch {
@@ -190,23 +231,27 @@ class ContactTerm final : public fem::ForceTerm {
   void add_faces(std::span<const Vec3> nodes_L, const std::vector<mesh::Face>& faces);
   void add_nodes(std::span<const Vec3> nodes_L, const std::vector<mesh::Face>& faces);
 
-  /// Calls f(where in points_, where in the patch's rule, gap) for every point of a patch; x_L of
-  /// all nodes.
+  /// Calls f(where in points_, where in the patch's rule, PointGap) for every point of a patch; x_L
+  /// of all nodes.
   template <class Function>
-  void for_each_gap(const Patch& patch, std::span<const Vec3> x_L, const Function& f) const;
+  void for_each_point(const Patch& patch, std::span<const Vec3> x_L, const Function& f) const;
 
   [[nodiscard]] Spring spring_at(const Point& point) const {
-    return {stiffness_mpa_per_mm_, point.multiplier_mpa};
+    return {point.now.stiffening * stiffness_mpa_per_mm_, point.now.multiplier_mpa};
   }
+  [[nodiscard]] bool keeps_sides() const { return penetration_tolerance_mm_.has_value(); }
+  [[nodiscard]] Gap acting_gap(const Point& point, const Vec3& p_L, const Gap& measured) const;
+  [[nodiscard]] double pressure_at(const Point& point, const Gap& acting) const;
   [[nodiscard]] double rest_gap_mm(const Gap& at_rest, double capture_mm) const;
   [[nodiscard]] bool is_out_of_reach(std::size_t patch, std::span<const Vec3> x_L) const;
-  [[nodiscard]] bool has_tunnelled(const Sight& last, const Gap& gap) const;
-  void look_around(std::span<const Vec3> x_L);
+  [[nodiscard]] bool has_tunnelled(const Point& point, const Gap& measured) const;
+  void note_clearances(std::span<const Vec3> x_L);
 
   std::vector<Patch> patches_;
   std::vector<Point> points_;
   std::vector<Clearance> last_clearance_;  ///< Of each patch.
   double tunnelled_area_mm2_ = 0.0;
+  std::string name_;
   BoneObstacle obstacle_;
   double stiffness_mpa_per_mm_;
   std::optional<double> penetration_tolerance_mm_;

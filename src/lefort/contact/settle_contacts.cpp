@@ -49,7 +49,7 @@ std::vector<Vec3> displaced(std::span<const Vec3> nodes_L, const VectorX& u) {
 fem::NewtonOutcome settle_contacts(
     std::span<ContactTerm> contacts, std::span<const Vec3> nodes_L, const VectorX& start,
     const std::function<fem::NewtonOutcome(const VectorX& start)>& solve) {
-  for (ContactTerm& contact : contacts) contact.recall_multipliers();
+  for (ContactTerm& contact : contacts) contact.begin();
   fem::NewtonOutcome outcome = solve(start);
   if (!outcome.converged()) return outcome;
   std::vector<Vec3> x_L = displaced(nodes_L, outcome.x);
@@ -64,18 +64,21 @@ fem::NewtonOutcome settle_contacts(
   int idle = 0;
   for (int n = 0; n < kMostAugmentations; ++n) {
     const double now = excess(contacts, x_L);
-    if (now <= 1.0) break;
-    idle = now < kGain * least_excess ? 0 : idle + 1;
+    if (now > 1.0)
+      for (ContactTerm& contact : contacts)
+        if (contact.penetration_tolerance_mm()) contact.augment(x_L);
+    Index strayed = 0;
+    for (ContactTerm& contact : contacts) strayed += contact.keep_sides(x_L);
+    if (strayed == 0 && now <= 1.0) break;
+    idle = strayed > 0 || now < kGain * least_excess ? 0 : idle + 1;
     if (idle == kPatience) break;
     least_excess = std::min(least_excess, now);
-    for (ContactTerm& contact : contacts)
-      if (contact.penetration_tolerance_mm()) contact.augment(x_L);
     fem::NewtonOutcome next = solve(outcome.x);
     if (next.stop == fem::NewtonStop::kCancelled || next.stop == fem::NewtonStop::kOutOfMemory)
       return next;
     if (next.converged()) x_L = displaced(nodes_L, next.x);
     if (!next.converged() || why_refused(contacts, x_L)) {
-      for (ContactTerm& contact : contacts) contact.recall_multipliers();
+      for (ContactTerm& contact : contacts) contact.recall();
       const fem::NewtonIterate kept = outcome.history.back();
       append(next, outcome.history);
       outcome.history.push_back(kept);

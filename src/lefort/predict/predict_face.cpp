@@ -205,7 +205,8 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     contacts.push_back({tissue.nodes_L,
                         tissue.face_sets.at(sets::kContact),
                         {detector_B, RigidTransform::Identity()},
-                        {.stiffness_mpa_per_mm = prediction.contact_stiffness_mpa_per_mm,
+                        {.name = "segment " + path.segment,
+                         .stiffness_mpa_per_mm = prediction.contact_stiffness_mpa_per_mm,
                          .capture_mm = options.boundary.capture_mm,
                          .integration = options.contact.integration,
                          .penetration_tolerance_mm = options.contact.penetration_tolerance_mm}});

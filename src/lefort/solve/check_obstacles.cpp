@@ -29,7 +29,8 @@ contact::ContactTerm make_contact(const PreparedDeck& prepared, std::size_t i,
   return {prepared.mesh.nodes_L,
           prepared.obstacle_faces[i],
           {detector, RigidTransform::Identity()},
-          {.stiffness_mpa_per_mm = prepared.obstacle_stiffness_mpa_per_mm[i],
+          {.name = "obstacle " + obstacle.name,
+           .stiffness_mpa_per_mm = prepared.obstacle_stiffness_mpa_per_mm[i],
            .capture_mm = obstacle.capture_mm,
            .integration = obstacle.integration,
            .penetration_tolerance_mm = obstacle.penetration_tolerance_mm}};
@@ -37,7 +38,7 @@ contact::ContactTerm make_contact(const PreparedDeck& prepared, std::size_t i,
 
 Result<std::vector<std::string>> check_obstacles(const PreparedDeck& prepared,
                                                  const ObstacleDetectors& detectors) {
-  constexpr double kNothing_mm = 0.01;  // What a field and the chords of faces are off by.
+  constexpr double kNothing = 0.02;  // Of what a detector resolves: what it is off by.
   LEFORT_CHECK(detectors.size() == prepared.deck.obstacles.size());
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < detectors.size(); ++i) {
@@ -49,7 +50,8 @@ Result<std::vector<std::string>> check_obstacles(const PreparedDeck& prepared,
     if (overlap_mm >= reach_mm)
       return fail(ErrorCode::kInvalidArgument,
                   fmt::format("{}, its field knows {:.3g} mm", what, reach_mm));
-    if (overlap_mm > kNothing_mm) warnings.push_back(what + " and pushes only as it goes deeper");
+    if (overlap_mm > kNothing * detectors[i]->resolution_mm())
+      warnings.push_back(what + " and pushes only as it goes deeper");
   }
   return warnings;
 }

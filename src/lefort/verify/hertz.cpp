@@ -1,3 +1,5 @@
+#include <lefort/contact/contact_term.h>
+#include <lefort/contact/settle_contacts.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
@@ -6,7 +8,6 @@
 #include <lefort/verify/mapped_mesh.h>
 #include <lefort/verify/refinement.h>
 #include <lefort/verify/shapes.h>
-#include <lefort/verify/surface_contact.h>
 
 #include <fmt/format.h>
 
@@ -104,7 +105,7 @@ geometry::TriangleMesh cap() {
 struct Indented {
   double force_n = 0.0;    ///< On the whole sphere.
   double radius_mm = 0.0;  ///< Of contact.
-  std::vector<SurfaceContact::Point> points = {};
+  std::vector<contact::TouchedPoint> points = {};
 };
 
 Result<Indented> indent(mesh::ElementShape shape, int cells,
@@ -136,8 +137,9 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
     }
     return all;
   };
-  SurfaceContact contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"),
-                         {.detector_B = sphere_B}, kStiffness_mpa_per_mm);
+  contact::ContactTerm contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"),
+                               {.detector_B = sphere_B},
+                               {.stiffness_mpa_per_mm = kStiffness_mpa_per_mm});
   model.extra.push_back({&contact, [&](double share) {
                            RigidTransform X_LB = RigidTransform::Identity();
                            X_LB.translation().z() = -share * kIndentation_mm;
@@ -146,11 +148,10 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
   LEFORT_TRY(const Equilibrium found,
              solve(model, {.increments = 2, .relative_tolerance = 1e-7}, progress));
 
-  std::vector<Vec3> x_L = model.mesh.nodes_L;
-  for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += found.u.segment<3>(3 * Index(n));
-  Indented result{.points = contact.points_in_contact(x_L)};
+  Indented result{.points =
+                      contact.touched_points(contact::displaced(model.mesh.nodes_L, found.u))};
   double moment = 0.0;
-  for (const SurfaceContact::Point& point : result.points) {
+  for (const contact::TouchedPoint& point : result.points) {
     result.force_n -= 4.0 * point.force_n.z();
     moment -= 4.0 * point.force_n.z() * point.x_L.head<2>().squaredNorm();
   }
@@ -162,10 +163,10 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
 /// Mean pressure in rings around the axis: within a face, flatter than the sphere, it goes up and
 /// down from point to point.
 report::PlotLine pressures(const std::string& name,
-                           const std::vector<SurfaceContact::Point>& points) {
+                           const std::vector<contact::TouchedPoint>& points) {
   std::array<double, 7> force_n{};  // On a quarter of each ring; the last lies outside.
   const double width_mm = contact_radius_mm() / 6.0;
-  for (const SurfaceContact::Point& point : points) {
+  for (const contact::TouchedPoint& point : points) {
     const auto n = std::size_t(point.x_L.head<2>().norm() / width_mm);
     if (n < force_n.size()) force_n[n] += point.force_n.norm();
   }
