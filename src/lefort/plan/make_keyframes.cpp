@@ -1,0 +1,71 @@
+#include <lefort/geometry/fit_rigid.h>
+#include <lefort/geometry/rigid_motion.h>
+#include <lefort/plan/make_keyframes.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace lefort::plan {
+
+Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& centre_L) {
+  Keyframe key;
+  key.rotation_rad = geometry::rotation_vector(X_LB.linear());
+  key.centre_L = centre_L;
+  key.translation_mm = X_LB * centre_L - centre_L;
+  return key;
+}
+
+Result<Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
+                                     std::span<const Landmark> targets, double tolerance_mm) {
+  const auto bad = [](std::string what) { return fail(ErrorCode::kPlanInvalid, std::move(what)); };
+  std::vector<Vec3> from, to;
+  Vec3 mean = Vec3::Zero();
+  for (const Landmark& target : targets) {
+    const auto landmark = find_landmark(landmarks, target.name);
+    if (!landmark) return bad(fmt::format("target {} is of no landmark of the plan", target.name));
+    from.push_back(*landmark);
+    to.push_back(target.point_L);
+    mean += *landmark / double(targets.size());
+  }
+  const auto fit = geometry::fit_rigid(from, to);
+  if (!fit) return bad("targets: " + fit.error().message);
+  if (fit->worst_mm > tolerance_mm)
+    return bad(
+        fmt::format("no rigid motion brings all landmarks to their targets: {} would miss "
+                    "its own by {:.2f} mm, at most {:g} mm is allowed",
+                    targets[std::size_t(fit->worst)].name, fit->worst_mm, tolerance_mm));
+  return keyframe_of_pose(fit->X_to_from, mean);
+}
+
+int total_days(std::span<const DistractionPhase> phases) {
+  int days = 0;
+  for (const DistractionPhase& phase : phases) days += phase.days;
+  return days;
+}
+
+Result<std::vector<Keyframe>> distraction_keyframes(std::span<const DistractionPhase> phases) {
+  const auto bad = [](std::string what) { return fail(ErrorCode::kPlanInvalid, std::move(what)); };
+  if (phases.empty()) return bad("`distraction` is empty, must have one phase or more");
+  std::vector<Keyframe> keyframes;
+  Vec3 shift_mm = Vec3::Zero();
+  int days = 0;
+  for (std::size_t i = 0; i < phases.size(); ++i) {
+    const auto& [towards_L, mm_per_day, length] = phases[i];
+    if (!towards_L.allFinite() || !(towards_L.norm() > 1e-9))
+      return bad(fmt::format("distraction phase {}: its direction has no length", i));
+    if (!(mm_per_day > 0.0) || !std::isfinite(mm_per_day))
+      return bad(fmt::format("distraction phase {}: {} mm a day, must be above 0", i, mm_per_day));
+    if (length < 1)
+      return bad(fmt::format("distraction phase {}: {} days, must be 1 or more", i, length));
+    days += length;
+    shift_mm += mm_per_day * double(length) * towards_L.normalized();
+    Keyframe key;
+    key.at = double(days) / double(total_days(phases));
+    key.translation_mm = shift_mm;
+    keyframes.push_back(key);
+  }
+  return keyframes;
+}
+
+}  // namespace lefort::plan
