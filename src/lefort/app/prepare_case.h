@@ -37,7 +37,7 @@ struct StepOverlap {
 
 /// A case before anything moves. Immutable once prepared.
 struct PreparedCase {
-  io::PlanFile plan;
+  io::PlanFile plan;  ///< With one segment.
   Provenance provenance;
   image::Grid scan_grid;
   std::vector<std::pair<std::string, double>> tissue_volumes_ml;
@@ -50,6 +50,9 @@ struct PreparedCase {
 
 /// One sentence.
 [[nodiscard]] std::string describe(const StepOverlap& step);
+
+/// Nothing, or kPlanInvalid: whether the plan moves one segment, which is all a prediction takes.
+[[nodiscard]] Result<void> check_single(const io::PlanFile& plan);
 
 /// \param plan         read from a file whose text hashes to `plan_sha256`.
 /// \param ct           the scan.
