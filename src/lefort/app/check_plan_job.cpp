@@ -128,7 +128,7 @@ json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
 std::string in_words(const predict::PlanCheck& check, const plan::CutSegments& cut) {
   std::string text =
       check.findings.empty()
-          ? std::string("the plan can be done: no bone in bone, no wide gap, support everywhere")
+          ? std::string("nothing was found against the plan")
           : fmt::format("the plan cannot be done as it is, {} finding{}:", check.findings.size(),
                         check.findings.size() == 1 ? "" : "s");
   for (const predict::PlanFinding& finding : check.findings) text += "\n  " + finding.text;
