@@ -2,9 +2,12 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/field/query_bricks.h>
+#include <lefort/field/trilinear.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -104,10 +107,104 @@ TEST(QueryMany, EveryProcessorGivesTheSameBits) {
   }
 }
 
+/// How the leaves of a field made by hand lie.
+enum class Leaves { kAll, kOne, kNone };
+
+/// Bricks of 16^3 cells with origin 0, cells of 1 mm, and codes of every kind, in a buffer that ends
+/// with the last leaf. Leaves follow the table backwards, so that the last in the buffer are used.
+BrickSamples make_by_hand(Leaves leaves, double band_mm, std::mt19937& random) {
+  constexpr int kResolution = 16;
+  const int side = SparseLattice::bricks_per_side(kResolution);
+  std::vector<Brick> bricks(std::size_t(side * side * side));
+  std::uint32_t stored = 0;
+  for (std::size_t b = bricks.size(); b-- > 0;) {
+    bricks[b].inside = std::uint8_t(random());
+    bricks[b].unknown = std::uint8_t(random() & random());
+    const bool is_last_in_cube = b == std::size_t((2 * side + 2) * side + 2);
+    if (leaves == Leaves::kNone || (leaves == Leaves::kOne && !is_last_in_cube)) continue;
+    bricks[b].first_leaf = stored;
+    bricks[b].stored = leaves == Leaves::kAll ? 0xFF : 0x80;
+    stored += std::uint32_t(std::popcount(bricks[b].stored));
+  }
+  std::vector<std::byte> codes(stored * BrickSamples::kLeafBytes + 1);
+  for (std::size_t i = 0; i + 1 < codes.size(); i += BrickSamples::kCodeBytes) {
+    const std::int32_t special[] = {BrickSamples::kBeyond,     -BrickSamples::kBeyond,
+                                    BrickSamples::kUnknown,    BrickSamples::kBeyond - 1,
+                                    1 - BrickSamples::kBeyond, 0};
+    const std::int32_t code = random() % 40 == 0 ? special[random() % std::size(special)]
+                                                 : std::int32_t(random() % 16'000'000) - 8'000'000;
+    BrickSamples::write_code(&codes[i], code);
+  }
+  return {kResolution, band_mm, std::move(bricks), std::move(codes)};
+}
+
+TEST(QueryMany, EveryProcessorReadsHandMadeBricksAlikeToTheirEdges) {
+  std::mt19937 random(23);
+  std::uniform_real_distribution<double> in(-0.5, 16.5);
+  const double odd[] = {0.0,     -0.0,
+                        16.0,    std::nextafter(16.0, 17.0),
+                        -1e-300, 1e-310,
+                        7.0,     8.0,
+                        1e300,   std::numeric_limits<double>::quiet_NaN(),
+                        15.0,    3.0};
+  std::vector<Vec3> points;
+  for (int n = 0; n < 40'000; ++n) {
+    Vec3 p;
+    for (int k = 0; k < 3; ++k)
+      p[k] = random() % 4 == 0 ? odd[random() % std::size(odd)] : in(random);
+    points.push_back(p);
+  }
+  for (const Leaves leaves : {Leaves::kAll, Leaves::kOne, Leaves::kNone})
+    for (const double band_mm : {3.0, 1e7}) {
+      const BrickSamples bricks = make_by_hand(leaves, band_mm, random);
+      FieldFrame frame;
+      frame.origin_B = Vec3::Zero();
+      frame.cell_mm = 1.0;
+      frame.resolution = 16;
+      frame.band_mm = band_mm;
+      frame.closed = true;
+      std::vector<float> expected(points.size()), found(points.size());
+      distances_in_bricks(bricks, frame, points, expected, Simd::kBaseline);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3& p = points[i];
+        if (!(p.array() >= 0.0).all() || !(p.array() <= 16.0).all()) {
+          ASSERT_FALSE(std::isfinite(expected[i])) << p.transpose();
+          continue;
+        }
+        LatticePoint low{};
+        std::array<double, 3> t{};
+        for (std::size_t k = 0; k < 3; ++k) {
+          low[k] = std::min(int(p[Index(k)]), 15);  // The upper face belongs to the last cell.
+          t[k] = p[Index(k)] - low[k];
+        }
+        const CellSamples cell = bricks.cell(low);
+        const bool known =
+            std::ranges::all_of(cell.corners, [](float c) { return std::isfinite(c); });
+        ASSERT_EQ(std::isfinite(expected[i]), known) << p.transpose();
+        std::array<double, 8> corners{};
+        std::copy(cell.corners.begin(), cell.corners.end(), corners.begin());
+        if (known) {
+          ASSERT_NEAR(double(expected[i]), trilinear(corners, t), 1e-6 * band_mm);
+        }
+      }
+      for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
+        if (simd > best_simd()) continue;
+        for (const std::size_t count : {points.size(), std::size_t(129), std::size_t(128)}) {
+          distances_in_bricks(bricks, frame, std::span(points).first(count),
+                              std::span(found).first(count), simd);
+          for (std::size_t i = 0; i < count; ++i)
+            ASSERT_EQ(std::bit_cast<std::uint32_t>(found[i]),
+                      std::bit_cast<std::uint32_t>(expected[i]))
+                << points[i].transpose() << ", band " << band_mm;
+        }
+      }
+    }
+}
+
 TEST(QueryMany, GivesTheBitsOfSingleQueries) {
   for (const TriangleMesh& mesh : {test::make_torus(20, 8, 60, 30), test::make_sheet(20, 4)})
     for (const DistanceField& field : fields_of(mesh))
-      for (const int count : {0, 1, 31, 32, 33, 20'000}) {
+      for (const int count : {0, 1, 31, 32, 33, 127, 128, 129, 512, 513, 20'000}) {
         const std::vector<Vec3> points = all_kinds_of_points(field, count, unsigned(count));
         std::vector<FieldSample> together(points.size());
         field.sample(points, together);
@@ -138,6 +235,24 @@ TEST(QueryMany, GivesTheBitsOfSingleQueries) {
           }
         }
       }
+}
+
+TEST(QueryMany, SmoothGivesTheBitsOfSingleQueries) {
+  for (const TriangleMesh& mesh : {test::make_torus(20, 8, 60, 30), test::make_sheet(20, 4)}) {
+    const DistanceField field =
+        build_distance_field(mesh, {.resolution = 32, .smooth = true}).value();
+    for (const int count : {0, 1, 15, 16, 17, 64, 65, 5'000}) {
+      const std::vector<Vec3> points = all_kinds_of_points(field, count, unsigned(count));
+      std::vector<SmoothSample> together(points.size());
+      field.sample_smooth(points, together);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const SmoothSample alone = field.sample_smooth(points[i]);
+        ASSERT_TRUE(same_bits({alone.zone, alone.distance_mm, alone.gradient_B},
+                              {together[i].zone, together[i].distance_mm, together[i].gradient_B}));
+        ASSERT_EQ(alone.hessian_B, together[i].hessian_B);
+      }
+    }
+  }
 }
 
 TEST(QueryMany, BeyondTheBandTheDistanceIsTheBandAndTheGradientZero) {

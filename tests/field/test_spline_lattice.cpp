@@ -1,10 +1,13 @@
+#include <lefort/field/evaluate_spline.h>
 #include <lefort/field/spline_lattice.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <numeric>
 #include <random>
+#include <vector>
 
 namespace lefort::field {
 namespace {
@@ -111,6 +114,87 @@ TEST(SplineLattice, TearsHaveNoCoefficients) {
   EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(7.5, 4, 4)).value));
   EXPECT_NEAR(evaluate_spline(c, Vec3(2.5, 4, 4)).value, -5.0, 1e-6);
   EXPECT_NEAR(evaluate_spline(c, Vec3(12.5, 4, 4)).value, 5.0, 1e-6);
+}
+
+/// Summed as the formula says, term after term.
+SplineValue plain_sum(const SparseLattice& c, const Vec3& u) {
+  const auto spline = [](double t, int order) {  // Centred at 0.
+    const double a = std::abs(t), sign = t < 0 ? -1 : 1;
+    if (a >= 2) return 0.0;
+    if (order == 0) return a < 1 ? 2.0 / 3 - a * a + a * a * a / 2 : std::pow(2 - a, 3) / 6;
+    if (order == 1) return sign * (a < 1 ? -2 * a + 1.5 * a * a : -std::pow(2 - a, 2) / 2);
+    return a < 1 ? -2 + 3 * a : 2 - a;
+  };
+  SplineValue sum{0, Vec3::Zero(), Mat3::Zero()};
+  for (int z = -2; z <= kResolution + 2; ++z)
+    for (int y = -2; y <= kResolution + 2; ++y)
+      for (int x = -2; x <= kResolution + 2; ++x) {
+        const Vec3 at = u - Vec3(x, y, z);
+        if ((at.array().abs() >= 2).any()) continue;
+        const double coefficient = double(c.at({x, y, z}, std::nanf("")));
+        const auto term = [&](int i, int j, int k) {
+          return coefficient * spline(at[0], i) * spline(at[1], j) * spline(at[2], k);
+        };
+        sum.value += term(0, 0, 0);
+        sum.gradient += Vec3(term(1, 0, 0), term(0, 1, 0), term(0, 0, 1));
+        Mat3 hessian;
+        hessian << term(2, 0, 0), term(1, 1, 0), term(1, 0, 1), term(1, 1, 0), term(0, 2, 0),
+            term(0, 1, 1), term(1, 0, 1), term(0, 1, 1), term(0, 0, 2);
+        sum.hessian += hessian;
+      }
+  return sum;
+}
+
+TEST(SplineLattice, IsTheSumOfItsTermsWhereverBricksEndAndOnEveryProcessor) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> in(0, kResolution), noise(-1, 1);
+  const SparseLattice c =
+      spline_coefficients(tabulate([&](const Vec3&) { return noise(random); }), 10, kHugeCell);
+  std::vector<Vec3> points;
+  for (int n = 0; n < 2001; ++n) points.emplace_back(in(random), in(random), in(random));
+  for (const double edge : {0.0, 7.0, 8.0, 16.0}) points.push_back(Vec3::Constant(edge));
+  std::vector<SplineValue> baseline(points.size()), found(points.size());
+  evaluate_splines(c, points, baseline, Simd::kBaseline);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const SplineValue expected = plain_sum(c, points[i]);
+    ASSERT_NEAR(baseline[i].value, expected.value, 1e-14) << points[i].transpose();
+    ASSERT_LT((baseline[i].gradient - expected.gradient).norm(), 1e-13) << points[i].transpose();
+    ASSERT_LT((baseline[i].hessian - expected.hessian).norm(), 1e-13) << points[i].transpose();
+  }
+  for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
+    if (simd > best_simd()) continue;
+    evaluate_splines(c, points, found, simd);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      ASSERT_EQ(std::memcmp(&found[i], &baseline[i], sizeof(SplineValue)), 0)
+          << points[i].transpose();
+    }
+  }
+}
+
+TEST(SplineLattice, AMissingBrickMattersOnlyWhereItsCoefficientsDo) {
+  std::vector<std::int32_t> all(5 * 5 * 5);
+  std::iota(all.begin(), all.end(), 0);
+  const SparseLattice whole(kResolution, all, 1.0F);
+  std::erase(all, whole.brick_of({8, 0, 0}));
+  const SparseLattice c(kResolution, all, 1.0F);
+  // The cell from 6 takes coefficients 5 to 8, that from 5 none beyond 7.
+  EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(6.5, 3.5, 3.5)).value));
+  EXPECT_NEAR(evaluate_spline(c, Vec3(5.5, 3.5, 3.5)).value, 1.0, 1e-15);
+  EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(9.5, 6.5, 6.5)).value));
+  EXPECT_NEAR(evaluate_spline(c, Vec3(9.5, 9.5, 3.5)).value, 1.0, 1e-15);
+}
+
+TEST(SplineLattice, OneMissingCoefficientMakesAllOfItNoNumber) {
+  SparseLattice c = tabulate([](const Vec3&) { return 1.0; });
+  c.brick(c.slot_of(c.brick_of({9, 4, 7})))[std::size_t(SparseLattice::place_of({9, 4, 7}))] =
+      std::nanf("");
+  for (const Vec3& u : {Vec3(7.5, 4.5, 6.5), Vec3(8.0, 4.0, 7.0), Vec3(10.9, 3.5, 5.1)}) {
+    const SplineValue s = evaluate_spline(c, u);
+    EXPECT_TRUE(std::isnan(s.value));
+    EXPECT_TRUE(s.gradient.array().isNaN().all());
+    EXPECT_TRUE(s.hessian.array().isNaN().all());
+  }
+  EXPECT_NEAR(evaluate_spline(c, Vec3(6.9, 4.5, 6.5)).value, 1.0, 1e-15);
 }
 
 TEST(SplineLattice, BricksFurtherThanTheReachAreDropped) {

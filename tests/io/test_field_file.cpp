@@ -314,7 +314,7 @@ void query(const DistanceField& field, std::mt19937& random) {
   const Box3 box = field.box_B();
   std::uniform_real_distribution<double> in(-0.05, 1.05);
   std::vector<Vec3> points;
-  for (int n = 0; n < 40; ++n)
+  for (int n = 0; n < 200; ++n)  // Enough for the vector kernels.
     points.push_back(box.min() +
                      box.sizes().cwiseProduct(Vec3(in(random), in(random), in(random))));
   points.push_back(box.min());

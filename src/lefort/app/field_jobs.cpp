@@ -60,10 +60,10 @@ Result<Summary> query_field(const QueryFieldJob& job, Progress& progress) {
       "x_mm,y_mm,z_mm,distance_mm,gradient_x,gradient_y,gradient_z,inside_band,zone\n";
   std::vector<field::FieldSample> samples(points.size());
   if (job.smooth) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const field::SmoothSample sample = distance.sample_smooth(points[i]);
-      samples[i] = {sample.zone, sample.distance_mm, sample.gradient_B};
-    }
+    std::vector<field::SmoothSample> smooth(points.size());
+    distance.sample_smooth(points, smooth);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      samples[i] = {smooth[i].zone, smooth[i].distance_mm, smooth[i].gradient_B};
   } else {
     distance.sample(points, samples);
   }

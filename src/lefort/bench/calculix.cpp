@@ -4,8 +4,9 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
+#include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -63,10 +64,17 @@ std::string step_text(const CalculixTask& task) {
 }
 
 /// The number that follows the last `label`.
-double last_number(std::string_view text, std::string_view label) {
-  const std::size_t at = text.rfind(label);
-  if (at == std::string_view::npos) return -1.0;
-  return std::strtod(std::string(text.substr(at + label.size(), 40)).c_str(), nullptr);
+Result<double> last_number(std::string_view text, std::string_view label) {
+  constexpr std::size_t kLongest = 40;
+  if (const std::size_t at = text.rfind(label); at != std::string_view::npos) {
+    const std::string number(text.substr(at + label.size(), kLongest));
+    char* end = nullptr;
+    const double value = std::strtod(number.c_str(), &end);
+    if (end != number.c_str() && std::isfinite(value)) return value;
+  }
+  return fail(
+      ErrorCode::kFileCorrupt,
+      fmt::format("CalculiX's output, block.log, tells no number after the last '{}'", label));
 }
 
 int count_of(std::string_view text, std::string_view label) {
@@ -94,16 +102,22 @@ Result<VectorX> displacements_in(const fs::path& file, Index nodes) {
   return u;
 }
 
-/// In the folder, since ccx leaves files where it is started.
+/// In the folder, since ccx leaves files where it is started. What it printed is kept there.
 Result<ProcessRun> run_ccx(const CalculixTask& task, Progress& progress) {
-  auto run =
-      run_measured_process({"/usr/bin/env", "-C", task.folder.string(),
-                            fmt::format("OMP_NUM_THREADS={}", task.threads), "ccx", "-i", "block"},
-                           progress);
-  if (!run && run.error().code != ErrorCode::kCancelled)
+  constexpr int kNotFound = 127;  // What env says of a program that it cannot find.
+  LEFORT_TRY(ProcessRun run, run_measured_process({"/usr/bin/env", "-C", task.folder.string(),
+                                                   fmt::format("OMP_NUM_THREADS={}", task.threads),
+                                                   "ccx", "-i", "block"},
+                                                  progress));
+  if (run.exit_code == kNotFound)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("CalculiX: {}; ccx must be installed (Debian: calculix-ccx)",
-                            run.error().message));
+                "CalculiX's ccx is not installed (Debian: calculix-ccx); --pairs 0 leaves it out");
+  const fs::path log = task.folder / "block.log";
+  LEFORT_TRY_VOID(io::write_text(log, run.output));
+  if (run.exit_code != 0)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("CalculiX ({}) ended with {}; what it printed is in {}",
+                            name_of(task.solver), run.exit_code, log.string()));
   return run;
 }
 
@@ -114,16 +128,18 @@ const char* name_of(CalculixSolver solver) {
 }
 
 Result<CalculixRun> run_calculix(const CalculixTask& task, Progress& progress) {
+  constexpr std::string_view kResidual = "largest residual force=";
   std::error_code error;
   fs::create_directories(task.folder, error);
   const mesh::VolumeMesh mesh = task.block.mesh();
   LEFORT_TRY_VOID(io::write_text(task.folder / "block.inp", mesh_text(mesh) + step_text(task)));
   LEFORT_TRY(const ProcessRun run, run_ccx(task, progress));
+  LEFORT_TRY(const double residual_n, last_number(run.output, kResidual));
   LEFORT_TRY(VectorX u, displacements_in(task.folder / "block.dat", mesh.node_count()));
   return CalculixRun{.wall_seconds = run.seconds,
                      .peak_bytes = run.peak_bytes,
-                     .iterations = count_of(run.output, "largest residual force="),
-                     .largest_residual_n = last_number(run.output, "largest residual force="),
+                     .iterations = count_of(run.output, kResidual),
+                     .largest_residual_n = residual_n,
                      .displacements_mm = std::move(u)};
 }
 

@@ -78,14 +78,14 @@ auto timed(const FieldTask& task, const Build& build, Json& result) {
     built = {};
     const std::size_t before = resident_bytes();
     reset_peak_memory();
-    const double start = now_seconds(), user_start = user_seconds();
+    const double start = now_seconds(), user_start = processor_seconds();
     built = build();
     seconds.push_back(now_seconds() - start);
-    user.push_back(user_seconds() - user_start);
+    user.push_back(processor_seconds() - user_start);
     if (n == 0) result["peak_bytes"] = peak_resident_bytes() - before;
   }
   result["seconds"] = median(seconds);
-  result["user_seconds"] = median(user);
+  result["processor_seconds"] = median(user);
   return built;
 }
 

@@ -32,7 +32,7 @@ struct FieldTask {
 /// Query points lie up to this far from the surface.
 inline constexpr double kQueryReach_mm = 0.5;
 
-/// Runs the task on `skull` and tells, as far as the method has it: "seconds", "user_seconds",
+/// Runs the task on `skull` and tells, as far as the method has it: "seconds", "processor_seconds",
 /// "retained_bytes", "peak_bytes" (above what was held before), "samples" (known, in the band),
 /// "error_mm" {mean, p99, max} and "wrong_signs" between samples, "lattice_error_mm" and
 /// "lattice_wrong_signs" at samples, "unknown" (query points without an answer), and rates in

@@ -19,6 +19,9 @@ namespace lefort::bench {
 
 Result<std::string> run_process(const std::vector<std::string>& arguments, Progress& progress) {
   LEFORT_TRY(ProcessRun run, run_measured_process(arguments, progress));
+  if (run.exit_code != 0)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("'{}' ended with {}", fmt::join(arguments, " "), run.exit_code));
   return std::move(run.output);
 }
 
@@ -67,14 +70,11 @@ Result<ProcessRun> run_measured_process(const std::vector<std::string>& argument
   while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
   }
   if (stopped) return fail(ErrorCode::kCancelled, "the benchmark was not finished");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} ended with {}", arguments.size() > 1 ? arguments[1] : arguments[0],
-                            WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status)));
   constexpr std::size_t kUnit = 1024;  // Of ru_maxrss.
   return ProcessRun{.output = std::move(output),
                     .seconds = now_seconds() - begin,
-                    .peak_bytes = std::size_t(usage.ru_maxrss) * kUnit};
+                    .peak_bytes = std::size_t(usage.ru_maxrss) * kUnit,
+                    .exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status)};
 }
 
 }  // namespace lefort::bench

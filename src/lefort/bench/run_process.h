@@ -16,9 +16,10 @@ struct ProcessRun {
   std::string output;          ///< Its stdout.
   double seconds = 0.0;        ///< Wall-clock.
   std::size_t peak_bytes = 0;  ///< The most memory it held.
+  int exit_code = 0;           ///< Minus the signal that ended it, if one did.
 };
 
-/// As run_process(), with time and memory.
+/// As run_process(), with time and memory; how it ended is for the caller to judge.
 [[nodiscard]] Result<ProcessRun> run_measured_process(const std::vector<std::string>& arguments,
                                                       Progress& progress);
 

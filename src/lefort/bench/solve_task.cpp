@@ -55,6 +55,9 @@ Result<SolveTask> parse(const std::string& text) {
     task.block.cells = json.at("cells").get<int>();
     task.threads = json.at("threads").get<int>();
     task.increments = json.at("increments").get<int>();
+    task.load = json.at("load").get<double>();
+    if (!(task.load > 0.0 && task.load <= 1.0))
+      return fail(ErrorCode::kInvalidArgument, "the task's load must be > 0 and <= 1");
     task.relative_tolerance = json.at("relative_tolerance").get<double>();
     task.displacements = json.at("displacements").get<std::string>();
   } catch (const Json::exception& wrong) {
@@ -126,11 +129,11 @@ Result<Json> solve_system(const SolveTask& task, const Body& body) {
               {"relative_residual", residual.norm() / b.norm()}};
 }
 
-/// The whole load, in increments as large as converge.
+/// The load, in increments as large as converge.
 Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
   const fem::Assembler& assembler = *body.assembler;
   fem::LinearSolver solver({.kind = task.solver});
-  const double increment = 1.0 / task.increments;
+  const double increment = task.load / task.increments;
   fem::LoadStepper stepper(
       {0.0, VectorX::Zero(3 * body.mesh.node_count())},
       [&](double t, const VectorX& start) {
@@ -138,7 +141,7 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
                                      solver, {.relative_tolerance = task.relative_tolerance});
       },
       {.first_increment = increment, .min_increment = increment / 64, .max_increment = increment});
-  const Result<void> advanced = stepper.advance_to(1.0);
+  const Result<void> advanced = stepper.advance_to(task.load);
   if (!advanced) return tl::unexpected(advanced.error());
   const VectorX& u = stepper.state().u;
   const auto forces = assembler.forces(u);
@@ -158,6 +161,7 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
       ++failed;
   }
   return Json{{"solver", name_of(solver.kind())},
+              {"load", task.load},
               {"load_levels", levels},
               {"failed_attempts", failed},
               {"newton_iterations", iterations},
@@ -178,6 +182,7 @@ Json to_json(const SolveTask& task) {
           {"solver", name_of(task.solver)},
           {"threads", task.threads},
           {"increments", task.increments},
+          {"load", task.load},
           {"relative_tolerance", task.relative_tolerance},
           {"displacements", task.displacements.string()}};
 }
@@ -201,6 +206,9 @@ Result<Json> solve_in_process(const SolveTask& task, Progress& progress) {
   LEFORT_TRY(const ProcessRun run, run_measured_process({"/proc/self/exe", "bench", "solve-task",
                                                          to_json(task).dump(), "--quiet", "--json"},
                                                         progress));
+  if (run.exit_code != 0)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the task {} ended with {}", to_json(task).dump(), run.exit_code));
   Json result = Json::parse(run.output, nullptr, false);
   if (result.is_discarded())
     return fail(ErrorCode::kFileCorrupt,

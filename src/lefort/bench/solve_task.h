@@ -21,6 +21,7 @@ struct SolveTask {
   /// Of the load, as long as they converge; halved where not. None: one linear system, that of the
   /// block at rest, with the forces of its upper side's motion.
   int increments = 1;
+  double load = 1.0;                      ///< Part of it, 0 to 1.
   double relative_tolerance = 1e-8;       ///< Of Newton; of the linear system, 1e-8 always.
   std::filesystem::path displacements{};  ///< Where they are to be written, as doubles; or empty.
 };

@@ -27,8 +27,8 @@ class Stopwatch {
   double lap_ = begin_;
 };
 
-/// Seconds of processor time of all threads of this process, in user mode.
-[[nodiscard]] double user_seconds();
+/// Seconds of processor time of all threads of this process, the system's work for it included.
+[[nodiscard]] double processor_seconds();
 
 /// Memory this process holds now, and the most it held since reset_peak_memory() [bytes].
 [[nodiscard]] std::size_t resident_bytes();

@@ -122,7 +122,7 @@ std::string ratio_table(const std::vector<Cell>& cells, const std::vector<int>& 
     table += "| " + title + " |";
     for (const int n : resolutions) {
       const std::optional<double> r = ratio(n);
-      table += r ? fmt::format(" {:.1f} |", *r) : " – |";
+      table += r ? fmt::format(" {:.{}f} |", *r, *r < 10.0 ? 2 : 1) : " – |";
     }
     table += "\n";
   };
@@ -144,11 +144,15 @@ std::string ratio_table(const std::vector<Cell>& cells, const std::vector<int>& 
       quotient("openvdb", "/rates/value_and_gradient", true));
   row("Embree, value queries", quotient("embree", "/rates/value", true));
   row("CGAL, value queries", quotient("cgal", "/rates/value", true));
-  row("one thread, by two", [&](int n) -> std::optional<double> {
-    const Cell *one = find(cells, "bricks", n), *two = find(cells, "bricks", n, 2);
-    if (one == nullptr || two == nullptr) return std::nullopt;
-    return *one->number("/seconds") / *two->number("/seconds");
-  });
+  const auto one_by_two = [&](const char* pointer) {
+    return [&cells, pointer](int n) -> std::optional<double> {
+      const Cell *one = find(cells, "bricks", n), *two = find(cells, "bricks", n, 2);
+      if (one == nullptr || two == nullptr) return std::nullopt;
+      return *one->number(pointer) / *two->number(pointer);
+    };
+  };
+  row("one thread, by two: time", one_by_two("/seconds"));
+  row("one thread, by two: processor time", one_by_two("/processor_seconds"));
   return table;
 }
 
@@ -167,7 +171,7 @@ std::string paper_table() {
 
 std::string csv(const std::vector<Cell>& cells) {
   static constexpr std::array kColumns = {"/seconds",
-                                          "/user_seconds",
+                                          "/processor_seconds",
                                           "/retained_bytes",
                                           "/peak_bytes",
                                           "/samples",

@@ -113,10 +113,14 @@ class SmoothDetector final : public FieldDetector {
 
   void measure(std::span<const Vec3> p_B, Derivatives derivatives,
                std::span<BoneDistance> answers) const override {
-    for (std::size_t i = 0; i < p_B.size(); ++i) {
-      const SmoothSample sample = field_B().sample_smooth(p_B[i]);
-      answers[i] = {sample.zone, sample.distance_mm, sample.gradient_B,
-                    derivatives == Derivatives::kSecond ? sample.hessian_B : Mat3::Zero()};
+    std::array<SmoothSample, kBlock> samples;
+    for (std::size_t begin = 0; begin < p_B.size(); begin += kBlock) {
+      const auto points = p_B.subspan(begin, std::min(kBlock, p_B.size() - begin));
+      field_B().sample_smooth(points, std::span(samples).first(points.size()));
+      for (std::size_t i = 0; i < points.size(); ++i)
+        answers[begin + i] = {
+            samples[i].zone, samples[i].distance_mm, samples[i].gradient_B,
+            derivatives == Derivatives::kSecond ? samples[i].hessian_B : Mat3::Zero()};
     }
   }
 };

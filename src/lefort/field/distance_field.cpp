@@ -1,11 +1,12 @@
 #include <lefort/core/check.h>
 #include <lefort/field/distance_field.h>
+#include <lefort/field/evaluate_spline.h>
 #include <lefort/field/octree_cells.h>
 #include <lefort/field/query_bricks.h>
-#include <lefort/field/spline_lattice.h>
 #include <lefort/field/trilinear.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -13,6 +14,9 @@
 namespace lefort::field {
 
 namespace {
+
+/// Smooth samples found together: as many as the stack holds with ease.
+constexpr std::size_t kSmoothBlock = 64;
 
 struct Located {
   Vec3 u;  ///< Lattice coordinates.
@@ -96,24 +100,48 @@ std::optional<Vec3> DistanceField::nearest_point(const Vec3& p_B) const {
   return p_B - found.distance_mm / slope * found.gradient_B;
 }
 
-SmoothSample DistanceField::sample_smooth(const Vec3& p_B) const {
-  LEFORT_CHECK(smooth_.has_value());
+void DistanceField::sample_smooth(std::span<const Vec3> p_B,
+                                  std::span<SmoothSample> results) const {
+  LEFORT_CHECK(smooth_.has_value() && p_B.size() == results.size());
+  const double per_mm = 1.0 / frame_.cell_mm;
   const auto beyond = [&](Zone zone) {
     return SmoothSample{zone, zone == Zone::kInside ? -frame_.band_mm : frame_.band_mm,
                         Vec3::Zero(), Mat3::Zero()};
   };
-  const std::optional<Located> at = locate(frame_, p_B);
-  if (!at) return beyond(zone_beyond_box(frame_, p_B));
-  const SplineValue spline = evaluate_spline(*smooth_, at->u);
-  if (std::isfinite(spline.value)) {
-    if (std::abs(spline.value) <= frame_.band_mm)
-      return {Zone::kBand, spline.value, spline.gradient / frame_.cell_mm,
-              spline.hessian / (frame_.cell_mm * frame_.cell_mm)};
-    if (frame_.closed) return beyond(spline.value < 0.0 ? Zone::kInside : Zone::kOutside);
+  std::array<std::optional<Located>, kSmoothBlock> at;
+  std::array<Vec3, kSmoothBlock> u;
+  std::array<SplineValue, kSmoothBlock> splines;
+  for (std::size_t begin = 0; begin < p_B.size(); begin += kSmoothBlock) {
+    const std::size_t count = std::min(kSmoothBlock, p_B.size() - begin);
+    for (std::size_t i = 0; i < count; ++i) {
+      at[i] = locate(frame_, p_B[begin + i]);
+      u[i] = at[i] ? at[i]->u : Vec3::Zero();  // Of no matter.
+    }
+    evaluate_splines(*smooth_, std::span(u).first(count), std::span(splines).first(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      SmoothSample& result = results[begin + i];
+      const SplineValue& spline = splines[i];
+      if (!at[i]) {
+        result = beyond(zone_beyond_box(frame_, p_B[begin + i]));
+      } else if (std::abs(spline.value) <= frame_.band_mm) {  // NaN is not.
+        result.zone = Zone::kBand;
+        result.distance_mm = spline.value;
+        result.gradient_B = per_mm * spline.gradient;
+        result.hessian_B = (per_mm * per_mm) * spline.hessian;
+      } else if (frame_.closed && std::isfinite(spline.value)) {
+        result = beyond(spline.value < 0.0 ? Zone::kInside : Zone::kOutside);
+      } else {
+        const Zone zone = zone_of(cell(at[i]->cell).corners);
+        result = beyond(zone == Zone::kBand ? Zone::kUnknown : zone);
+      }
+    }
   }
-  const CellSamples around = cell(at->cell);
-  const Zone zone = zone_of(around.corners);
-  return beyond(zone == Zone::kBand ? Zone::kUnknown : zone);
+}
+
+SmoothSample DistanceField::sample_smooth(const Vec3& p_B) const {
+  SmoothSample result{};
+  sample_smooth(std::span(&p_B, 1), std::span(&result, 1));
+  return result;
 }
 
 CellSamples DistanceField::cell(const LatticePoint& low) const {

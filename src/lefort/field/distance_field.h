@@ -58,6 +58,8 @@ class DistanceField {
   /// samples are kept. Reproduces cubic polynomials; the error is of order cell_mm^4.
   /// \pre is_smooth().
   [[nodiscard]] SmoothSample sample_smooth(const Vec3& p_B) const;
+  /// The same for many points, faster. \pre as many results as points.
+  void sample_smooth(std::span<const Vec3> p_B, std::span<SmoothSample> results) const;
   [[nodiscard]] bool is_smooth() const { return smooth_.has_value(); }
 
   [[nodiscard]] double band_mm() const { return frame_.band_mm; }

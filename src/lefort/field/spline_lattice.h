@@ -1,6 +1,6 @@
 /// \file
 /// A twice continuously differentiable function over lattice values: the cubic B-spline behind
-/// DistanceField::sample_smooth.
+/// DistanceField::sample_smooth, evaluated by evaluate_spline.h.
 ///
 /// Why a lattice beside the octree: values rebuilt from coalesced cells carry the octree's
 /// tolerance as noise, and second differences divide it by cell^2. On a ball of 20 mm with cells of
@@ -28,16 +28,5 @@ namespace lefort::field {
 /// \param reach  only bricks holding a value of at most this size are kept.
 [[nodiscard]] SparseLattice spline_coefficients(const SparseLattice& values, double cell,
                                                 double reach);
-
-/// Value and derivatives with respect to lattice coordinates.
-struct SplineValue {
-  double value;
-  Vec3 gradient;
-  Mat3 hessian;
-};
-
-/// \param u  in lattice coordinates, within the cube of the lattice.
-/// \returns NaN in all members if a coefficient is missing.
-[[nodiscard]] SplineValue evaluate_spline(const SparseLattice& coefficients, const Vec3& u);
 
 }  // namespace lefort::field
