@@ -155,6 +155,34 @@ TEST(CutBones, HoldsChoosesThePieceAPointLiesOn) {
   expect_error(cut_bones(two, osteotomy), ErrorCode::kCutMissesBone, "which it must hold");
 }
 
+/// A spine behind a chin, both within the cut: what is held is not judged by what is not.
+TEST(CutBones, AHeldPieceMayBeSmallBesideAStrayOne) {
+  const TriangleMesh chin = test::make_box({-5, -20, -5}, {5, 20, 5});
+  const TriangleMesh spine = test::make_box({-30, 40, -200}, {30, 100, 10});
+  Osteotomy osteotomy{"chin", {{{0, 0, -1}, {0, 0, -1}}}};
+  osteotomy.holds_L = {{0, -20, -5}};
+  const auto bones = cut_bones(test::join(chin, spine), osteotomy);
+  expect_conserved(bones);
+  EXPECT_NEAR(bones->segment_volume_mm3, 10.0 * 40.0 * 4.0, 1e-6);
+  // The nearest piece, though a larger one is near enough, too.
+  const TriangleMesh near_spine = test::make_box({-30, 23, -200}, {30, 100, 10});
+  osteotomy.holds_L = {{0, 20, -3}};
+  const auto nearest = cut_bones(test::join(chin, near_spine), osteotomy);
+  expect_conserved(nearest);
+  EXPECT_NEAR(nearest->segment_volume_mm3, 10.0 * 40.0 * 4.0, 1e-6);
+  // But no speck.
+  expect_error(cut_bones(test::join(chin, spine), osteotomy, {.smallest_piece_ml = 2.0}),
+               ErrorCode::kCutMissesBone, "no piece of 2 ml or more within the cut");
+}
+
+TEST(CutBones, ASawThatLeavesNothingIsRefused) {
+  Osteotomy osteotomy{"front", {{{0, 17, 0}, {0, -1, 0}}}};
+  osteotomy.kerf_mm = 5.0;
+  expect_error(cut_bones(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
+  osteotomy.planes = {sheet({0, 17, 0}, {0, -1, 0}, 30, 30)};
+  expect_error(cut_bones(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
+}
+
 TEST(CutBones, RefusesCutsThatAreNone) {
   Osteotomy mixed{"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30), {{0, 0, 0}, {0, 0, 1}}}};
   expect_error(cut_bones(kBar, mixed), ErrorCode::kPlanInvalid, "must stand alone");

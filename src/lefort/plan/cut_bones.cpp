@@ -3,6 +3,7 @@
 #include <lefort/mesh/cut_surface.h>
 #include <lefort/mesh/join_parts.h>
 #include <lefort/plan/bone_bodies.h>
+#include <lefort/plan/check_volumes.h>
 #include <lefort/plan/cut_bones.h>
 #include <lefort/plan/cut_solid.h>
 
@@ -38,15 +39,15 @@ std::vector<bool> find_crumbs(const std::vector<BoneBody>& bodies, const CutBone
   return is_crumb;
 }
 
-/// Of the candidates, those on which the points lie; all of them without points.
-Result<std::vector<bool>> choose_held(const std::vector<BoneBody>& bodies,
-                                      std::vector<bool> candidate, const Osteotomy& osteotomy) {
-  if (osteotomy.holds_L.empty()) return candidate;
+/// The pieces on which the points lie. What else there is does not matter to them, so that pieces
+/// are too small by the bound of volume alone, not by their share of the largest.
+Result<std::vector<bool>> find_held(const std::vector<BoneBody>& bodies, const Osteotomy& osteotomy,
+                                    const CutBonesOptions& options) {
   std::vector<bool> is_held(bodies.size(), false);
   std::vector<double> nearest_mm(osteotomy.holds_L.size(), kHeldWithin_mm);
   std::vector<std::size_t> nearest(osteotomy.holds_L.size(), bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (!candidate[b]) continue;
+    if (bodies[b].outer_volume_mm3 < options.smallest_piece_ml * kMm3PerMl) continue;
     const geometry::Bvh tree(bodies[b].surface);
     for (std::size_t p = 0; p < nearest.size(); ++p) {
       const double distance_mm =
@@ -59,13 +60,28 @@ Result<std::vector<bool>> choose_held(const std::vector<BoneBody>& bodies,
   for (std::size_t p = 0; p < nearest.size(); ++p) {
     const Vec3& point = osteotomy.holds_L[p];
     if (nearest[p] == bodies.size())
-      return misses(osteotomy,
-                    fmt::format("no piece within the cut lies within {:g} mm of ({:.1f}, "
-                                "{:.1f}, {:.1f}) mm, which it must hold",
-                                kHeldWithin_mm, point.x(), point.y(), point.z()));
+      return misses(
+          osteotomy,
+          fmt::format("no piece of {:g} ml or more within the cut lies within {:g} mm of "
+                      "({:.1f}, {:.1f}, {:.1f}) mm, which it must hold",
+                      options.smallest_piece_ml, kHeldWithin_mm, point.x(), point.y(), point.z()));
     is_held[nearest[p]] = true;
   }
   return is_held;
+}
+
+/// The pieces that are no crumbs.
+Result<std::vector<bool>> find_large(const std::vector<BoneBody>& bodies,
+                                     const Osteotomy& osteotomy, const CutBonesOptions& options) {
+  std::vector<bool> is_large = find_crumbs(bodies, options);
+  is_large.flip();
+  if (std::find(is_large.begin(), is_large.end(), true) != is_large.end()) return is_large;
+  double all_mm3 = 0.0;
+  for (const BoneBody& body : bodies) all_mm3 += body.volume_mm3;
+  return misses(osteotomy,
+                fmt::format("its planes hold {} crumbs of {:.2g} ml altogether, must hold a piece "
+                            "of {} ml or more",
+                            bodies.size(), all_mm3 / kMm3PerMl, options.smallest_piece_ml));
 }
 
 using Position = std::array<double, 3>;
@@ -96,17 +112,9 @@ Result<Sorted> sort_pieces(const std::vector<BoneBody>& bodies, std::vector<bool
   std::vector<BoneBody> inside;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     if (within[b]) inside.push_back(bodies[b]);
-  std::vector<bool> is_segment = find_crumbs(inside, options);
-  is_segment.flip();
-  double inside_mm3 = 0.0;
-  for (const BoneBody& body : inside) inside_mm3 += body.volume_mm3;
-  if (std::find(is_segment.begin(), is_segment.end(), true) == is_segment.end())
-    return misses(
-        osteotomy,
-        fmt::format("its planes hold {} crumbs of {:.2g} ml altogether, must hold a piece "
-                    "of {} ml or more",
-                    inside.size(), inside_mm3 / kMm3PerMl, options.smallest_piece_ml));
-  LEFORT_TRY(is_segment, choose_held(inside, std::move(is_segment), osteotomy));
+  LEFORT_TRY(std::vector<bool> is_segment, osteotomy.holds_L.empty()
+                                               ? find_large(inside, osteotomy, options)
+                                               : find_held(inside, osteotomy, options));
   for (std::size_t b = 0; b < inside.size(); ++b) {
     (is_segment[b] ? bones.segment_volume_mm3 : bones.crumb_volume_mm3) += inside[b].volume_mm3;
     ++(is_segment[b] ? bones.segment_pieces : bones.crumbs);
@@ -148,11 +156,16 @@ Result<CutBones> finish(Sorted sorted, TriangleMesh remainder, double kerf_mm3, 
   bones.remainder_L = joined(remainder, sorted.back);
   bones.skull_volume_mm3 = skull_mm3;
   bones.kerf_volume_mm3 = kerf_mm3;
+  if (bones.remainder_L.triangles.empty())
+    return misses(osteotomy, "the saw leaves nothing of the bone it is cut from");
   bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
   if (!geometry::is_closed(bones.remainder_L))
     return fail(ErrorCode::kMeshingFailed,
                 fmt::format("osteotomy of '{}': {} crumbs cannot be joined to the remainder again",
                             osteotomy.segment, bones.crumbs));
+  LEFORT_TRY_VOID(check_volumes(
+      fmt::format("osteotomy of '{}'", osteotomy.segment), skull_mm3,
+      {{bones.segment_volume_mm3, bones.remainder_volume_mm3, bones.kerf_volume_mm3}}));
   return bones;
 }
 

@@ -11,7 +11,8 @@ namespace lefort::plan {
 
 /// What an osteotomy cuts off but does not count as the segment: spicules, stray islands, and bones
 /// that merely reach into it, such as the coronoid process of the mandible into a mid-face. Pieces
-/// smaller than either bound stay with the remainder.
+/// smaller than either bound stay with the remainder; a piece that the osteotomy holds must reach
+/// the volume alone.
 struct CutBonesOptions {
   double smallest_piece_ml = 0.5;      ///< >= 0.
   double smallest_piece_share = 0.05;  ///< Of the largest piece's volume, 0 to 1.
@@ -42,10 +43,11 @@ struct CutBones {
 ///   - kMeshInvalid      the skull is empty or open;
 ///   - kCutMissesBone    no bone (or crumbs alone) lies inside the cut, or none outside; a bounded
 ///     plane does not separate the bone; a point it should hold is further than 5 mm from any piece
-///     within the cut;
-///   - kMeshingFailed    the surface crosses itself along the cut;
+///     of `smallest_piece_ml` within the cut; the saw leaves nothing of the rest;
+///   - kMeshingFailed    the surface crosses itself along the cut, or volumes do not add up;
 ///   - kCancelled        `progress` asked to stop.
-/// \note Volumes add up: |segment + remainder + kerf - skull| <= 0.1 % of the skull.
+/// \note Volumes add up: segment + remainder + kerf are the skull within 0.1 % of it and within 1 %
+///   of the smallest of them.
 [[nodiscard]] Result<CutBones> cut_bones(const geometry::TriangleMesh& skull_L,
                                          const Osteotomy& osteotomy,
                                          const CutBonesOptions& options = {},

@@ -1,4 +1,5 @@
 #include <lefort/geometry/mesh_measures.h>
+#include <lefort/plan/check_volumes.h>
 #include <lefort/plan/cut_segments.h>
 
 #include <fmt/format.h>
@@ -55,6 +56,9 @@ Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
   for (const geometry::TriangleMesh& segment : all.segments_L)
     all.volumes_mm3.push_back(geometry::signed_volume_mm3(segment));
   all.remainder_volume_mm3 = geometry::signed_volume_mm3(all.remainder_L);
+  std::vector<double> parts_mm3 = all.volumes_mm3;
+  parts_mm3.insert(parts_mm3.end(), {all.remainder_volume_mm3, all.kerf_volume_mm3});
+  LEFORT_TRY_VOID(check_volumes("all osteotomies", all.skull_volume_mm3, parts_mm3));
   return all;
 }
 

@@ -39,7 +39,7 @@ struct CutSegments {
 ///
 /// \returns what cut_bones() returns; or kPlanInvalid if two segments have one name, or `from`
 ///   names none that stands before.
-/// \note Volumes add up within 0.1 % of the skull.
+/// \note Volumes add up as those of cut_bones() do.
 [[nodiscard]] Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
                                                std::span<const PlannedSegment> planned,
                                                Progress& progress = Progress::none());
