@@ -33,8 +33,10 @@ Landmarks head() {
           {"Me", {0, 80 - 60, -90 - 60 * std::tan(25 * kDegree)}}};
 }
 
+std::vector<Measurement> table_of(const Landmarks& landmarks) { return measure(landmarks).value(); }
+
 double value(const Landmarks& landmarks, const std::string& name) {
-  for (const Measurement& line : measure(landmarks))
+  for (const Measurement& line : table_of(landmarks))
     if (line.name == name) return line.value.value();
   throw std::runtime_error("no line " + name);
 }
@@ -82,7 +84,7 @@ TEST(Cephalometrics, TurningTheHeadChangesNothing) {
   Landmarks after = before;
   const RigidTransform X = geometry::rigid_motion({10, -20, 30}, {0.1, -0.05, 0.3}, {5, 6, 7});
   for (Landmark& landmark : after) landmark.point_L = X * landmark.point_L;
-  const auto a = measure(before), b = measure(after);
+  const auto a = table_of(before), b = table_of(after);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     ASSERT_EQ(a[i].value.has_value(), b[i].value.has_value()) << a[i].name;
@@ -93,11 +95,58 @@ TEST(Cephalometrics, TurningTheHeadChangesNothing) {
 }
 
 TEST(Cephalometrics, WhatIsNotThereIsNotMeasured) {
-  const auto table = measure(Landmarks{{"N", {0, 0, 0}}, {"A", {0, 0, 0}}, {"S", {0, 1, 0}}});
-  int known = 0;
-  for (const Measurement& line : table) known += line.value.has_value();
-  EXPECT_LE(known, 1);  // SNA of two points in one is no angle; 0 at best.
-  for (const Measurement& line : measure(Landmarks{})) EXPECT_FALSE(line.value) << line.name;
+  for (const Measurement& line : table_of(Landmarks{})) EXPECT_FALSE(line.value) << line.name;
+}
+
+TEST(Cephalometrics, WhatDoesNotExistIsNotMeasured) {
+  Landmarks landmarks = head();
+  const auto without = [&](const char* moved, const char* onto, const char* line) {
+    Landmarks degenerate = landmarks;
+    for (Landmark& one : degenerate)
+      if (one.name == moved) one.point_L = *find_landmark(landmarks, onto);
+    for (const Measurement& measured : table_of(degenerate)) {
+      if (measured.name != line) continue;
+      EXPECT_FALSE(measured.value) << line;
+    }
+  };
+  without("A", "N", "SNA");
+  without("A", "N", "ANB");
+  without("S", "N", "SN-MP");
+  landmarks.push_back({"Or", {0, 10, -30}});  // Without a side it counts alone.
+  landmarks.push_back({"Po", {0, 100, -30}});
+  without("Po", "Or", "overjet");
+  without("Po", "Or", "FH-MP");
+  landmarks.insert(landmarks.end(),
+                   {{"Prn", {0, -20, 0}}, {"Pg'", {0, 0, -60}}, {"Ls", {0, 1, 2}}});
+  without("Pg'", "Prn", "Ls-E");
+}
+
+/// A mid-face that is moved takes its orbits along; overjet must not follow them.
+TEST(Cephalometrics, TheFrameCanBeThatOfBefore) {
+  const Landmarks before = head();
+  Landmarks after = before;
+  for (Landmark& landmark : after)
+    if (landmark.name.starts_with("Or")) landmark.point_L += Vec3(0, -12, -5);
+  const auto of = [](const std::vector<Measurement>& table, const char* name) {
+    for (const Measurement& line : table)
+      if (line.name == name) return line.value.value();
+    return std::nan("");
+  };
+  const auto in_frame = measure(after, before).value();
+  for (const char* name : {"overjet", "overbite", "FH-MP"})
+    EXPECT_EQ(of(in_frame, name), value(before, name)) << name;
+  EXPECT_GT(std::abs(value(after, "FH-MP") - value(before, "FH-MP")), 2.0);
+  after = before;
+  std::erase_if(after, [](const Landmark& one) { return one.name.starts_with("Po"); });
+  EXPECT_EQ(of(measure(after, before).value(), "overjet"), value(before, "overjet"));
+}
+
+TEST(Cephalometrics, ExchangedSidesAreRefused) {
+  Landmarks landmarks = head();
+  std::swap(landmarks[4].point_L, landmarks[5].point_L);
+  const auto table = measure(landmarks);
+  ASSERT_FALSE(table);
+  EXPECT_NE(table.error().message.find("Or-R and Or-L"), std::string::npos);
 }
 
 }  // namespace

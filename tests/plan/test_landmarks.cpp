@@ -24,9 +24,49 @@ TEST(Landmarks, TheMiddleIsOfBothSidesOrOfTheOneThereIs) {
 }
 
 TEST(Landmarks, LeftIsToThePatientsLeftWhateverTheOrder) {
-  EXPECT_EQ(left_of(Landmarks{}), Vec3(1, 0, 0));
-  const Landmarks turned{{"Or-L", {0, 30, 0}}, {"N", {0, 0, 0}}, {"Or-R", {0, -30, 0}}};
-  EXPECT_EQ(left_of(turned), Vec3(0, 1, 0));
+  EXPECT_EQ(left_of(Landmarks{}).value(), Vec3(1, 0, 0));
+  const Landmarks turned{{"Or-L", {24, 18, 0}}, {"N", {0, 0, 0}}, {"Or-R", {-24, -18, 0}}};
+  EXPECT_LT((left_of(turned).value() - Vec3(0.8, 0.6, 0)).norm(), 1e-15);
+  const Landmarks others{{"Or-L", {30, 0, 0}},
+                         {"Or-R", {-30, 0, 0}},  // Not the field's sides.
+                         {"screw-L", {-5, 9, 0}},
+                         {"screw-R", {5, 0, 0}}};
+  EXPECT_EQ(left_of(others).value(), Vec3(1, 0, 0));
+}
+
+/// A face that is askew: no side is the mirror image of the other.
+Landmarks askew() {
+  return {{"N", {1, -66, 30}},      {"ANS", {2, -70, -25}},   {"Or-R", {-32, -55, 2}},
+          {"Or-L", {35, -52, 4}},   {"Po-R", {-58, 15, 2}},   {"Po-L", {61, 19, -1}},
+          {"FZ-R", {-48, -48, 26}}, {"U6-L", {26, -40, -44}}, {"Prn", {3, -90, -10}}};
+}
+
+void expect_refused(const Landmarks& landmarks, const char* words) {
+  const auto left = left_of(landmarks);
+  ASSERT_FALSE(left) << words;
+  EXPECT_EQ(left.error().code, ErrorCode::kPlanInvalid);
+  EXPECT_NE(left.error().message.find(words), std::string::npos) << left.error().message;
+}
+
+TEST(Landmarks, ExchangedSidesAreRefusedByName) {
+  ASSERT_TRUE(left_of(askew())) << left_of(askew()).error().message;
+  Landmarks one = askew();
+  std::swap(one[2].name, one[3].name);
+  expect_refused(one, "landmarks Or-R and Or-L");
+  std::swap(one[4].name, one[5].name);
+  expect_refused(one, "are they exchanged?");
+  Landmarks sideways = askew();
+  sideways[3].point_L = sideways[2].point_L + Vec3(0, 60, 0);
+  expect_refused(sideways, "Or-R and Or-L");
+}
+
+TEST(Landmarks, ASideBeyondTheMiddleIsRefusedByName) {
+  Landmarks one = askew();
+  one[6].name = "FZ-L";
+  expect_refused(one, "landmark FZ-L lies");
+  one = askew();
+  one[7].name = "U6-R";
+  expect_refused(one, "landmark U6-R lies");
 }
 
 TEST(Landmarks, ARepeatedNameIsFound) {

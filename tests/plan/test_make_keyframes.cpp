@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace lefort::plan {
 namespace {
 
@@ -46,6 +48,26 @@ TEST(MakeKeyframes, TargetsThatNoRigidMotionMeetsAreRefusedByName) {
             std::string::npos);
 }
 
+/// Three points are a plane, and a turn by half a circle mirrors what lies in it.
+TEST(MakeKeyframes, TargetsWithExchangedSidesAreRefused) {
+  const Landmarks maxilla{{"ANS", {0, -40, 20}}, {"U6-R", {-25, -15, 2}}, {"U6-L", {26, -15, 2}}};
+  Landmarks targets = maxilla;
+  for (Landmark& target : targets) target.point_L.y() -= 5.0;
+  ASSERT_TRUE(keyframe_to_targets(maxilla, targets, 1.0));
+  std::swap(targets[1].point_L, targets[2].point_L);
+  const auto key = keyframe_to_targets(maxilla, targets, 1.0);
+  ASSERT_FALSE(key);
+  EXPECT_EQ(key.error().code, ErrorCode::kPlanInvalid);
+  EXPECT_EQ(key.error().message,
+            "the targets of ANS, U6-R, U6-L turn the segment by 180 degrees, at most 45 are "
+            "allowed: are -R and -L exchanged?");
+}
+
+TEST(MakeKeyframes, APerfectFitIsWithinNoTolerance) {
+  EXPECT_TRUE(keyframe_to_targets(kMaxilla, kMaxilla, 0.0));
+  EXPECT_FALSE(keyframe_to_targets(kMaxilla, kMaxilla, std::nan("")));
+}
+
 TEST(MakeKeyframes, DistractionGoesAsFarAsItsDays) {
   const std::vector<DistractionPhase> phases{{{0, -2, 0}, 1.0, 6}, {{0, 0, -1}, 0.5, 4}};
   const auto keys = distraction_keyframes(phases);
@@ -66,7 +88,9 @@ TEST(MakeKeyframes, DistractionThatIsNoneIsRefused) {
            {{}, "is empty"},
            {{{{0, 0, 0}, 1.0, 3}}, "phase 0: its direction"},
            {{{{0, 1, 0}, -1.0, 3}}, "-1 mm a day"},
-           {{{{0, 1, 0}, 1.0, 0}}, "0 days"}}) {
+           {{{{0, 1, 0}, 1.0, 0}}, "0 days"},
+           {{{{0, 1, 0}, 1.0, 600}, {{0, 1, 0}, 1.0, 600}}, "phase 1: 600 days"},
+           {{{{0, 1, 0}, 1.0, 2000000000}, {{0, 1, 0}, 1.0, 2000000000}}, "phase 0: 2000000000"}}) {
     const auto keys = distraction_keyframes(phases);
     ASSERT_FALSE(keys) << words;
     EXPECT_EQ(keys.error().code, ErrorCode::kPlanInvalid);

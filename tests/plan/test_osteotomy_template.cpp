@@ -137,6 +137,40 @@ TEST(OsteotomyTemplate, NamesTheLandmarkThatIsMissing) {
             std::string::npos);
 }
 
+/// Exchanged sides or ends would turn the head over, and free the forehead.
+TEST(OsteotomyTemplate, ExchangedNamesAreRefused) {
+  const auto refuse = [](const std::vector<std::pair<std::string, std::string>>& pairs,
+                         const char* words) {
+    Landmarks landmarks = head_landmarks();
+    for (const auto& [a, b] : pairs)
+      for (Landmark& one : landmarks) one.name = one.name == a ? b : one.name == b ? a : one.name;
+    for (const auto kind : {OsteotomyTemplate::kLeFort1, OsteotomyTemplate::kLeFort3}) {
+      const auto cut = make_osteotomy(kind, "face", landmarks);
+      ASSERT_FALSE(cut) << words;
+      EXPECT_EQ(cut.error().code, ErrorCode::kPlanInvalid);
+      EXPECT_NE(cut.error().message.find(words), std::string::npos) << cut.error().message;
+    }
+  };
+  refuse({{"Or-R", "Or-L"}}, "landmarks Or-R and Or-L");
+  refuse({{"Or-R", "Or-L"},
+          {"Po-R", "Po-L"},
+          {"FZ-R", "FZ-L"},
+          {"Go-R", "Go-L"},
+          {"Co-R", "Co-L"},
+          {"L6-R", "L6-L"}},
+         "are they exchanged?");
+  refuse({{"ANS", "PNS"}, {"Or-R", "Po-R"}, {"Or-L", "Po-L"}}, "hind to its front landmarks");
+}
+
+TEST(OsteotomyTemplate, ThePalateMustLeadForwards) {
+  Landmarks landmarks = head_landmarks();
+  landmarks[3].point_L = landmarks[2].point_L + Vec3(30, 0, 0);  // PNS beside ANS.
+  EXPECT_NE(make_osteotomy(OsteotomyTemplate::kLeFort1, "face", landmarks)
+                .error()
+                .message.find("on one line from right to left"),
+            std::string::npos);
+}
+
 TEST(OsteotomyTemplate, NamesGoBothWays) {
   for (const char* name : {"le-fort-1", "le-fort-2", "le-fort-3", "genioplasty", "sagittal-split"})
     EXPECT_EQ(name_of(find_template(name).value()), name);

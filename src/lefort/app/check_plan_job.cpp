@@ -176,7 +176,8 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   plan::Landmarks after;
   if (!plan.landmarks.empty()) {
     after = move_landmarks(plan.landmarks, cut, plan.segments);
-    const auto before_table = plan::measure(plan.landmarks), after_table = plan::measure(after);
+    LEFORT_TRY(const auto before_table, plan::measure(plan.landmarks));
+    LEFORT_TRY(const auto after_table, plan::measure(after, plan.landmarks));
     result["cephalometry"] = cephalometric_json(before_table, after_table);
     text += cephalometric_text(before_table, after_table);
     table = io::cephalometric_csv(before_table, after_table);

@@ -48,9 +48,9 @@ Result<Summary> measure_landmarks(const LandmarksJob& job, Progress&) {
   std::vector<plan::Measurement> after;
   if (job.after) {
     LEFORT_TRY(last, io::read_landmarks(*job.after));
-    after = plan::measure(last);
+    LEFORT_TRY(after, plan::measure(last));
   }
-  const std::vector<plan::Measurement> table = plan::measure(before);
+  LEFORT_TRY(const std::vector<plan::Measurement> table, plan::measure(before));
   if (job.output) LEFORT_TRY_VOID(io::write_text(*job.output, io::cephalometric_csv(table, after)));
   if (job.save) LEFORT_TRY_VOID(io::write_landmarks(*job.save, last));
 

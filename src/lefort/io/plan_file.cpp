@@ -68,6 +68,7 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
 
   if (json.contains("landmarks")) {
     LEFORT_TRY(plan.landmarks, internal::read_plan_landmarks(json["landmarks"], folder));
+    LEFORT_TRY_VOID(plan::left_of(plan.landmarks));  // Whether names and sides fit.
   }
   LEFORT_TRY(plan.segments, internal::read_segments(json["segments"], plan.landmarks, folder));
 

@@ -14,17 +14,24 @@ class Profile {
  public:
   using Point = Eigen::Vector2d;
 
-  explicit Profile(std::span<const Landmark> landmarks)
-      : landmarks_(landmarks), left_(left_of(landmarks)) {
+  /// \param frame  Whose Frankfurt horizontal counts.
+  Profile(std::span<const Landmark> landmarks, std::span<const Landmark> frame, const Vec3& left)
+      : landmarks_(landmarks), frame_(frame), left_(left) {
     anterior_ = left_.cross(Vec3::UnitZ()).normalized();
     up_ = anterior_.cross(left_);
   }
   [[nodiscard]] bool has(const std::string& name) const {
     return find_middle(landmarks_, name).has_value();
   }
+  [[nodiscard]] bool has_horizontal() const {
+    return find_middle(frame_, "Or") && find_middle(frame_, "Po");
+  }
   [[nodiscard]] Point operator()(const std::string& name) const {
-    const Vec3 p = *find_middle(landmarks_, name);
-    return {anterior_.dot(p), up_.dot(p)};
+    return seen(*find_middle(landmarks_, name));
+  }
+  /// From porion to orbitale, unit length; not finite if they lie in one point.
+  [[nodiscard]] Point horizontal() const {
+    return unit(seen(*find_middle(frame_, "Or")) - seen(*find_middle(frame_, "Po")));
   }
   [[nodiscard]] double width(const std::string& name) const {
     return (*find_landmark(landmarks_, name + "-L") - *find_landmark(landmarks_, name + "-R"))
@@ -33,16 +40,26 @@ class Profile {
   [[nodiscard]] bool has_both(const std::string& name) const {
     return find_landmark(landmarks_, name + "-R") && find_landmark(landmarks_, name + "-L");
   }
+  /// Not finite for what has no direction: less than the round-off of coordinates.
+  [[nodiscard]] static Point unit(const Point& v) {
+    constexpr double kShortest_mm = 1e-9;
+    if (!(v.norm() > kShortest_mm)) return Point::Constant(std::nan(""));
+    return v / v.norm();
+  }
 
  private:
-  std::span<const Landmark> landmarks_;
+  [[nodiscard]] Point seen(const Vec3& p) const { return {anterior_.dot(p), up_.dot(p)}; }
+
+  std::span<const Landmark> landmarks_, frame_;
   Vec3 left_, anterior_, up_;
 };
 
 using Point = Profile::Point;
 
 /// From `from` to `to`, positive counter-clockwise where x is anterior and y up; -180 to 180.
-double turn_deg(const Point& from, const Point& to) {
+/// Not finite if one of them has no length.
+double turn_deg(const Point& from_mm, const Point& to_mm) {
+  const Point from = Profile::unit(from_mm), to = Profile::unit(to_mm);
   const double cross = from.x() * to.y() - from.y() * to.x();
   return degrees_from_radians(std::atan2(cross, from.dot(to)));
 }
@@ -54,12 +71,12 @@ double angle_deg(const Point& a, const Point& corner, const Point& b) {
 
 /// How far p lies before the line from `above` to `below`; negative behind it.
 double before_line(const Point& p, const Point& above, const Point& below) {
-  const Point along = (below - above).normalized();
+  const Point along = Profile::unit(below - above);
   const Point from = p - above;
   return along.x() * from.y() - along.y() * from.x();
 }
 
-Point horizontal(const Profile& at) { return (at("Or") - at("Po")).normalized(); }
+constexpr const char* kHorizontal = "";  // Needs the frame's orbitale and porion.
 
 struct Definition {
   const char* name;
@@ -102,13 +119,13 @@ std::vector<Definition> definitions() {
       {"FH-NPg",
        "facial angle: Frankfurt horizontal to N-Pg",
        "deg",
-       {"Or", "Po", "N", "Pg"},
-       [](P at) { return turn_deg(at("Pg") - at("N"), Point(-horizontal(at))) * -1.0; }},
+       {kHorizontal, "N", "Pg"},
+       [](P at) { return turn_deg(at("Pg") - at("N"), Point(-at.horizontal())) * -1.0; }},
       {"FH-MP",
        "Frankfurt horizontal to mandibular plane Go-Me, positive if it falls to the front",
        "deg",
-       {"Or", "Po", "Go", "Me"},
-       [](P at) { return turn_deg(at("Me") - at("Go"), horizontal(at)); }},
+       {kHorizontal, "Go", "Me"},
+       [](P at) { return turn_deg(at("Me") - at("Go"), at.horizontal()); }},
       {"SN-MP",
        "cranial base S-N to mandibular plane Go-Me",
        "deg",
@@ -144,14 +161,14 @@ std::vector<Definition> definitions() {
       {"overjet",
        "U1 before L1, along the Frankfurt horizontal",
        "mm",
-       {"Or", "Po", "U1", "L1"},
-       [](P at) { return horizontal(at).dot(at("U1") - at("L1")); }},
+       {kHorizontal, "U1", "L1"},
+       [](P at) { return at.horizontal().dot(at("U1") - at("L1")); }},
       {"overbite",
        "U1 below L1, across the Frankfurt horizontal",
        "mm",
-       {"Or", "Po", "U1", "L1"},
+       {kHorizontal, "U1", "L1"},
        [](P at) {
-         const Point ahead = horizontal(at);
+         const Point ahead = at.horizontal();
          return Point(-ahead.y(), ahead.x()).dot(at("L1") - at("U1"));
        }},
       {"Ls-E",
@@ -184,13 +201,17 @@ constexpr Width kWidths[] = {{"Zy", "width of the face at the zygomatic arches"}
 
 }  // namespace
 
-std::vector<Measurement> measure(std::span<const Landmark> landmarks) {
-  const Profile profile(landmarks);
+Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks,
+                                         std::span<const Landmark> frame) {
+  LEFORT_TRY(const Vec3 left, left_of(frame));
+  const Profile profile(landmarks, frame, left);
   std::vector<Measurement> table;
   for (const Definition& one : definitions()) {
     Measurement line{one.name, one.meaning, one.unit, std::nullopt};
-    const bool is_known = std::all_of(one.needs.begin(), one.needs.end(),
-                                      [&](const std::string& name) { return profile.has(name); });
+    const bool is_known =
+        std::all_of(one.needs.begin(), one.needs.end(), [&](const std::string& name) {
+          return name == kHorizontal ? profile.has_horizontal() : profile.has(name);
+        });
     if (is_known) line.value = one.value(profile);
     if (line.value && !std::isfinite(*line.value)) line.value.reset();  // Two points in one.
     table.push_back(std::move(line));
@@ -201,6 +222,10 @@ std::vector<Measurement> measure(std::span<const Landmark> landmarks) {
     table.push_back(std::move(line));
   }
   return table;
+}
+
+Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks) {
+  return measure(landmarks, landmarks);
 }
 
 }  // namespace lefort::plan

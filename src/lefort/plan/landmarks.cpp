@@ -1,7 +1,10 @@
 #include <lefort/plan/landmarks.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 
 namespace lefort::plan {
@@ -53,6 +56,60 @@ NameParts split(std::string_view name) {
   return {name.substr(0, name.size() - 2), name.substr(name.size() - 2)};
 }
 
+constexpr double kLeastCosine = 0.5;      // Of 60 degrees: further than heads and faces are askew.
+constexpr double kBeyondMiddle_mm = 5.0;  // A face that is askew may be this far off its middle.
+
+/// Both sides of one kind.
+struct Pair {
+  std::string_view stem;
+  Vec3 to_left;  ///< Unit length.
+  Vec3 middle_L;
+};
+
+std::vector<Pair> pairs_in(std::span<const Landmark> landmarks) {
+  std::vector<Pair> pairs;
+  for (const Landmark& right : landmarks) {
+    const auto [stem, side] = split(right.name);
+    if (side != "-R" || find_kind(right.name) == nullptr) continue;
+    const auto left_L = find_landmark(landmarks, std::string(stem) + "-L");
+    if (left_L && (*left_L - right.point_L).norm() > 0.0)
+      pairs.push_back(
+          {stem, (*left_L - right.point_L).normalized(), 0.5 * (right.point_L + *left_L)});
+  }
+  return pairs;
+}
+
+tl::unexpected<Error> exchanged(std::string_view stem, const char* direction) {
+  return fail(ErrorCode::kPlanInvalid,
+              fmt::format("landmarks {0}-R and {0}-L: the way from right to left runs more than 60 "
+                          "degrees off {1}, are they exchanged?",
+                          stem, direction));
+}
+
+/// What lies on the wrong side of the middle, each by itself.
+Result<void> check_sides(std::span<const Landmark> landmarks, std::span<const Pair> pairs,
+                         const Vec3& left) {
+  std::vector<Vec3> middles;
+  for (const Pair& pair : pairs) middles.push_back(pair.middle_L);
+  for (const Landmark& landmark : landmarks)
+    if (const LandmarkKind* const kind = find_kind(landmark.name); kind && !kind->is_paired)
+      middles.push_back(landmark.point_L);
+  Vec3 middle_L = Vec3::Zero();
+  for (const Vec3& p : middles) middle_L += p / double(middles.size());
+  for (const Landmark& landmark : landmarks) {
+    const std::string_view side = split(landmark.name).side;
+    if (side.empty() || find_kind(landmark.name) == nullptr) continue;
+    const double to_left_mm = left.dot(landmark.point_L - middle_L);
+    if (!((side == "-L" ? -to_left_mm : to_left_mm) <= kBeyondMiddle_mm))
+      return fail(
+          ErrorCode::kPlanInvalid,
+          fmt::format("landmark {} lies {:.1f} mm to the {} of the patient's middle, has it "
+                      "the wrong side?",
+                      landmark.name, std::abs(to_left_mm), side == "-L" ? "right" : "left"));
+  }
+  return {};
+}
+
 }  // namespace
 
 std::span<const LandmarkKind> landmark_kinds() { return kKinds; }
@@ -86,15 +143,20 @@ std::optional<Vec3> find_middle(std::span<const Landmark> landmarks, std::string
   return right ? right : left;
 }
 
-Vec3 left_of(std::span<const Landmark> landmarks) {
+Result<Vec3> left_of(std::span<const Landmark> landmarks) {
+  const std::vector<Pair> pairs = pairs_in(landmarks);
   Vec3 sum = Vec3::Zero();
-  for (const Landmark& right : landmarks) {
-    const auto [stem, side] = split(right.name);
-    if (side != "-R") continue;
-    const auto left = find_landmark(landmarks, std::string(stem) + "-L");
-    if (left && (*left - right.point_L).norm() > 0.0) sum += (*left - right.point_L).normalized();
+  for (const Pair& pair : pairs) {
+    if (!(pair.to_left.x() > kLeastCosine)) return exchanged(pair.stem, "the patient's left");
+    sum += pair.to_left;
   }
-  return sum.norm() > 0.0 ? Vec3(sum.normalized()) : Vec3(Vec3::UnitX());
+  if (pairs.empty()) return Vec3(Vec3::UnitX());
+  const Vec3 left = sum.normalized();
+  for (const Pair& pair : pairs)
+    if (!(left.dot(pair.to_left) > kLeastCosine))
+      return exchanged(pair.stem, "the mean direction of all pairs");
+  LEFORT_TRY_VOID(check_sides(landmarks, pairs, left));
+  return left;
 }
 
 std::optional<std::string> first_repeated_name(std::span<const Landmark> landmarks) {

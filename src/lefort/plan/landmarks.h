@@ -2,6 +2,7 @@
 /// Anatomical points by name: what surgeons measure between, turn about and aim at. A value.
 #pragma once
 
+#include <lefort/core/error.h>
 #include <lefort/core/types.h>
 
 #include <optional>
@@ -47,9 +48,18 @@ struct LandmarkKind {
 [[nodiscard]] std::optional<Vec3> find_middle(std::span<const Landmark> landmarks,
                                               std::string_view name);
 
-/// Towards the patient's left, unit length: the mean direction of the pairs from right to left, or
-/// x if there is no pair.
-[[nodiscard]] Vec3 left_of(std::span<const Landmark> landmarks);
+/// Towards the patient's left, unit length: the mean direction of the field's pairs from right to
+/// left, or x if there is no pair.
+///
+/// Sides exchanged by mistake would turn a head over, so what names say about them is held against
+/// L, whose x runs to the patient's left.
+///
+/// \returns kPlanInvalid, which names the landmarks, if
+///   - a pair runs more than 60 degrees off the patient's left, or off the mean of all pairs;
+///   - there are pairs, and a landmark that has a side lies more than 5 mm beyond the mid-plane,
+///     which goes through the mean of the pairs' middles and of the field's landmarks without a
+///     side.
+[[nodiscard]] Result<Vec3> left_of(std::span<const Landmark> landmarks);
 
 /// The first name that stands twice, if one does.
 [[nodiscard]] std::optional<std::string> first_repeated_name(std::span<const Landmark> landmarks);

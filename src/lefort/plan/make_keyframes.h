@@ -24,7 +24,9 @@ namespace lefort::plan {
 /// \param targets       three or more.
 /// \param tolerance_mm  how far a landmark may miss its target.
 /// \returns kPlanInvalid if a target is of no landmark, they do not fix the motion (see
-///   geometry/fit_rigid.h), or one is missed by more than the tolerance (the message names it).
+///   geometry/fit_rigid.h), one is missed by more than the tolerance (the message names it), or the
+///   motion turns by more than 45 degrees or the targets' sides contradict L (see left_of()), as
+///   they do if sides are exchanged: three points are met by their mirror image, too.
 [[nodiscard]] Result<Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
                                                    std::span<const Landmark> targets,
                                                    double tolerance_mm);
@@ -38,11 +40,12 @@ struct DistractionPhase {
 
 /// One keyframe at the end of each phase, days in proportion to the path.
 ///
-/// \returns kPlanInvalid if there is no phase, or one breaks what its members promise.
+/// \returns kPlanInvalid if there is no phase, one breaks what its members promise, or they last
+///   more than 1000 days together.
 [[nodiscard]] Result<std::vector<Keyframe>> distraction_keyframes(
     std::span<const DistractionPhase> phases);
 
-/// All days together.
+/// All days together, of phases that distraction_keyframes() takes.
 [[nodiscard]] int total_days(std::span<const DistractionPhase> phases);
 
 }  // namespace lefort::plan

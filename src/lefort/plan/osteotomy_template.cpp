@@ -45,10 +45,23 @@ struct Head {
 Vec3 without(const Vec3& v, const Vec3& unit) { return v - unit.dot(v) * unit; }
 
 /// \param backwards, forwards  two points of what counts as horizontal, seen from the side.
-Head head_along(std::span<const Landmark> landmarks, const Vec3& backwards, const Vec3& forwards) {
-  Head head{landmarks, left_of(landmarks), {}, {}};
-  head.anterior = without(forwards - backwards, head.left).normalized();
+/// \returns kPlanInvalid if sides are exchanged, or the points lie on one line from right to left
+///   or do not lead forwards.
+Result<Head> head_along(std::span<const Landmark> landmarks, const Vec3& backwards,
+                        const Vec3& forwards) {
+  constexpr double kShortest_mm = 1.0;  // As for two landmarks in one point.
+  constexpr double kLeastCosine = 0.5;  // Of 60 degrees, as for sides.
+  const auto bad = [](const char* what) { return fail(ErrorCode::kPlanInvalid, what); };
+  LEFORT_TRY(const Vec3 left, left_of(landmarks));
+  const Vec3 ahead = without(forwards - backwards, left);
+  if (!(ahead.norm() >= kShortest_mm))
+    return bad("its landmarks lie on one line from right to left");
+  Head head{landmarks, left, ahead.normalized(), {}};
   head.up = head.anterior.cross(head.left);
+  if (!(-head.anterior.y() > kLeastCosine))
+    return bad(
+        "the way from its hind to its front landmarks runs more than 60 degrees off the "
+        "patient's front, are they exchanged?");
   return head;
 }
 
@@ -195,9 +208,9 @@ Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segm
     backwards = *find_middle(landmarks, "Go");
     forwards = *find_landmark(landmarks, "Me");
   }
-  const Head head = head_along(landmarks, backwards, forwards);
-  if (!head.anterior.allFinite() || !head.up.allFinite())
-    return bad("its landmarks lie on one line from right to left");
+  const Result<Head> found = head_along(landmarks, backwards, forwards);
+  if (!found) return bad(found.error().message);
+  const Head& head = *found;
   Osteotomy cut;
   if (kind == OsteotomyTemplate::kLeFort1) cut = le_fort_1(head, options);
   if (kind == OsteotomyTemplate::kLeFort2) cut = le_fort_2(head, options);

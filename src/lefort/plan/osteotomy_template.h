@@ -45,7 +45,8 @@ struct TemplateOptions {
 /// palate, and the Frankfurt horizontal where it is known.
 ///
 /// \param landmarks  at least those the kind names above.
-/// \returns kPlanInvalid that names the first landmark missing, or two that lie in one point.
+/// \returns kPlanInvalid that names the first landmark missing, or two that lie in one point,
+///   or those whose sides or order contradict L (see left_of()).
 [[nodiscard]] Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segment,
                                                std::span<const Landmark> landmarks,
                                                const TemplateOptions& options = {});
