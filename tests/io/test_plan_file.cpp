@@ -1,9 +1,13 @@
+#include <lefort/geometry/rigid_motion.h>
 #include <lefort/io/plan_file.h>
+#include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/plan/bone_path.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -175,6 +179,64 @@ TEST(PlanFile, NamedFilesAreReadFromThePlansFolder) {
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);
   EXPECT_NE(missing.error().message.find("move.tfm"), std::string::npos) << missing.error().message;
+}
+
+/// Slicer's centre is the scan's origin; a pitch there would be told as a shift of the maxilla.
+TEST(PlanFile, ATransformIsAboutWhatTheSegmentHolds) {
+  const test::TemporaryFolder folder;
+  const RigidTransform X_LB = geometry::rigid_motion(Vec3::Zero(), {0.17, 0, 0}, {0, 60, 20});
+  ASSERT_TRUE(write_transform(folder / "pitch.tfm", X_LB));
+  Json json = good_plan();
+  json["segments"][0]["path"] = {{"keyframes", {{{"transform", "pitch.tfm"}}}}};
+  const auto without = parse_plan(json.dump(), folder.path());
+  ASSERT_FALSE(without);
+  EXPECT_EQ(without.error().code, ErrorCode::kPlanInvalid);
+  EXPECT_NE(without.error().message.find("a transform needs about"), std::string::npos)
+      << without.error().message;
+  json["segments"][0]["osteotomy"]["holds"] = {{-10, 60, 20}, {10, 60, 20}};
+  const auto plan = parse_plan(json.dump(), folder.path());
+  ASSERT_TRUE(plan) << plan.error().message;
+  const plan::Keyframe& key = plan->segments[0].path.keyframes[0];
+  EXPECT_EQ(key.centre_L, Vec3(0, 60, 20));
+  EXPECT_LT(key.translation_mm.norm(), 1e-12);
+  EXPECT_LT((plan::pose_at(plan->segments[0].path, 1.0).matrix() - X_LB.matrix()).norm(), 1e-12);
+}
+
+TEST(PlanFile, LandmarksOfThePlanAreChecked) {
+  const auto refuse = [](const Json& landmarks, const char* words) {
+    Json json = good_plan();
+    json["landmarks"] = landmarks;
+    const auto plan = parse_plan(json.dump(), ".");
+    ASSERT_FALSE(plan) << words;
+    EXPECT_EQ(plan.error().code, ErrorCode::kPlanInvalid);
+    EXPECT_NE(plan.error().message.find(words), std::string::npos) << plan.error().message;
+  };
+  refuse({{"Or-R", {30, 0, 0}}, {"Or-L", {-30, 0, 0}}}, "Or-R and Or-L");
+  refuse({{"", {30, 0, 0}}}, "has no name");
+  refuse({{"A\nB", {30, 0, 0}}}, "control characters");
+}
+
+TEST(PlanFile, ACurveFileHasItsLimit) {
+  const test::TemporaryFolder folder;
+  Json points = Json::array();
+  for (int i = 0; i <= 1000; ++i)
+    points.push_back({{"position", {40 * std::cos(i / 160.0), 40 * std::sin(i / 160.0), 0}}});
+  const auto read = [&] {
+    EXPECT_TRUE(write_text(
+        folder / "curve.mrk.json",
+        Json{{"markups", {{{"type", "ClosedCurve"}, {"controlPoints", points}}}}}.dump()));
+    Json json = good_plan();
+    json["segments"][0]["osteotomy"] = {
+        {"curves", {{{"file", "curve.mrk.json"}, {"along", {0, 0, 1}}}}}};
+    return parse_plan(json.dump(), folder.path());
+  };
+  const auto refused = read();
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("1001 points, at most 1000"), std::string::npos)
+      << refused.error().message;
+  points.erase(1000);
+  const auto plan = read();
+  EXPECT_TRUE(plan) << plan.error().message;
 }
 
 TEST(PlanFile, WhatContradictsItselfIsNamedByItsKey) {

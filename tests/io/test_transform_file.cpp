@@ -24,7 +24,7 @@ TEST(TransformFile, AModelThatSlicerMovesForwardMovesForward) {
   const auto motion =
       parse_transform(tfm("AffineTransform_double_3_3", "1 0 0 0 1 0 0 0 1 0 10 0"));
   ASSERT_TRUE(motion) << motion.error().message;
-  EXPECT_LT((motion->X_LB * Vec3(1, 2, 3) - Vec3(1, -8, 3)).norm(), 1e-14);
+  EXPECT_LT((*motion * Vec3(1, 2, 3) - Vec3(1, -8, 3)).norm(), 1e-14);
 }
 
 /// Turned by +90 degrees about S in Slicer, its R goes to A: in LPS, x goes to y, which is +90
@@ -33,7 +33,7 @@ TEST(TransformFile, ATurnInSlicerIsTheSameTurn) {
   const auto motion =
       parse_transform(tfm("AffineTransform_double_3_3", "0 1 0 -1 0 0 0 0 1 0 0 0"));
   ASSERT_TRUE(motion) << motion.error().message;
-  EXPECT_LT((motion->X_LB * Vec3(1, 0, 0) - Vec3(0, 1, 0)).norm(), 1e-14);
+  EXPECT_LT((*motion * Vec3(1, 0, 0) - Vec3(0, 1, 0)).norm(), 1e-14);
 }
 
 TEST(TransformFile, ItkReadsWhatWeWriteAndUndoesTheMotion) {
@@ -46,7 +46,7 @@ TEST(TransformFile, ItkReadsWhatWeWriteAndUndoesTheMotion) {
   EXPECT_LT((Vec3(back[0], back[1], back[2]) - p_B).norm(), 1e-12);
   const auto ours = read_transform(folder / "move.tfm");
   ASSERT_TRUE(ours) << ours.error().message;
-  EXPECT_LT((ours->X_LB.matrix() - X.matrix()).norm(), 1e-12);
+  EXPECT_LT((ours->matrix() - X.matrix()).norm(), 1e-12);
 }
 
 TEST(TransformFile, WhatItkWritesWithACentreIsReadAsItkAppliesIt) {
@@ -56,9 +56,8 @@ TEST(TransformFile, WhatItkWritesWithACentreIsReadAsItkAppliesIt) {
     test::write_itk_transform(file, kind, {0.6, 0.0, 0.8}, 0.4, {100, 50, 20}, {3, -4, 5});
     const auto motion = read_transform(file);
     ASSERT_TRUE(motion) << motion.error().message;
-    EXPECT_EQ(motion->centre_L, Vec3(100, 50, 20));
     const test::ItkPoint from = test::apply_itk_transform(file, {90, 10, 70});
-    EXPECT_LT((motion->X_LB * Vec3(from[0], from[1], from[2]) - Vec3(90, 10, 70)).norm(), 1e-9);
+    EXPECT_LT((*motion * Vec3(from[0], from[1], from[2]) - Vec3(90, 10, 70)).norm(), 1e-9);
   }
 }
 
@@ -70,7 +69,7 @@ TEST(TransformFile, RefusesWhatIsNoRigidMotion) {
   };
   const std::string affine = "AffineTransform_double_3_3";
   const std::string good = "1 0 0 0 1 0 0 0 1 0 10 0";
-  const std::array<Case, 13> cases{{
+  const std::array<Case, 14> cases{{
       {"", ErrorCode::kFileCorrupt, "names no Transform"},
       {"Transform: x\n", ErrorCode::kFileCorrupt, "line 1 must be"},
       {"#Insight Transform File V1.0\n", ErrorCode::kFileCorrupt, "names no Transform"},
@@ -82,6 +81,8 @@ TEST(TransformFile, RefusesWhatIsNoRigidMotion) {
       {tfm(affine, good) + "Parameters: 1\n", ErrorCode::kFileCorrupt, "stands twice"},
       {tfm(affine, "1.01 0 0 0 1.01 0 0 0 1.01 0 0 0"), ErrorCode::kFileUnsupported,
        "scales or shears by 0.01"},
+      {tfm(affine, "1e200 1e200 0 -1e200 1e200 0 0 0 1 0 0 0"), ErrorCode::kFileUnsupported,
+       "too large"},
       {tfm(affine, "-1 0 0 0 1 0 0 0 1 0 0 0"), ErrorCode::kFileUnsupported, "mirrors"},
       {tfm("BSplineTransform_double_3_3", good), ErrorCode::kFileUnsupported, "BSplineTransform"},
       {tfm(affine, good) + "#Transform 1\nTransform: " + affine + "\n", ErrorCode::kFileUnsupported,

@@ -24,28 +24,12 @@ constexpr double kFarthest_mm = 1e5;                // As in plans.
 bool is_markups(const fs::path& file) { return file.filename().string().ends_with(".mrk.json"); }
 bool is_table(const fs::path& file) { return file.extension() == ".csv"; }
 
-Result<plan::Landmarks> checked(plan::Landmarks landmarks) {
-  const auto bad = [](std::string what) { return fail(ErrorCode::kFileCorrupt, std::move(what)); };
-  if (landmarks.empty()) return bad("no landmark is in it");
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    if (landmarks[i].name.empty()) return bad(fmt::format("landmark {} has no name", i + 1));
-    if (std::any_of(landmarks[i].name.begin(), landmarks[i].name.end(),
-                    [](unsigned char c) { return std::iscntrl(c) != 0; }))
-      return bad(fmt::format("landmark {} has a name with control characters", i + 1));
-    if (!(landmarks[i].point_L.cwiseAbs().maxCoeff() <= kFarthest_mm))
-      return bad(fmt::format("landmark {} lies beyond {:g} mm", landmarks[i].name, kFarthest_mm));
-  }
-  if (const auto repeated = plan::first_repeated_name(landmarks))
-    return bad(fmt::format("landmark {} stands twice", *repeated));
-  return landmarks;
-}
-
 Result<plan::Landmarks> points_of(const std::vector<Markup>& markups) {
   plan::Landmarks landmarks;
   for (const Markup& markup : markups)
     if (markup.type == "Fiducial" || markup.type == "PointList")
       landmarks.insert(landmarks.end(), markup.points.begin(), markup.points.end());
-  return checked(std::move(landmarks));
+  return checked_landmarks(std::move(landmarks));
 }
 
 /// Where a table keeps what; L is lps * the three columns.
@@ -133,6 +117,22 @@ std::string number_text(const std::optional<double>& value) {
 
 }  // namespace
 
+Result<plan::Landmarks> checked_landmarks(plan::Landmarks landmarks) {
+  const auto bad = [](std::string what) { return fail(ErrorCode::kFileCorrupt, std::move(what)); };
+  if (landmarks.empty()) return bad("no landmark is in it");
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    if (landmarks[i].name.empty()) return bad(fmt::format("landmark {} has no name", i + 1));
+    if (std::any_of(landmarks[i].name.begin(), landmarks[i].name.end(),
+                    [](unsigned char c) { return std::iscntrl(c) != 0; }))
+      return bad(fmt::format("landmark {} has a name with control characters", i + 1));
+    if (!(landmarks[i].point_L.cwiseAbs().maxCoeff() <= kFarthest_mm))
+      return bad(fmt::format("landmark {} lies beyond {:g} mm", landmarks[i].name, kFarthest_mm));
+  }
+  if (const auto repeated = plan::first_repeated_name(landmarks))
+    return bad(fmt::format("landmark {} stands twice", *repeated));
+  return landmarks;
+}
+
 Result<plan::Landmarks> parse_landmark_table(std::string_view text) {
   std::optional<Columns> columns;
   plan::Landmarks landmarks;
@@ -158,7 +158,7 @@ Result<plan::Landmarks> parse_landmark_table(std::string_view text) {
     LEFORT_TRY(const auto landmark, read_row(*fields, *columns, number));
     if (landmark) landmarks.push_back(*landmark);
   }
-  return checked(std::move(landmarks));
+  return checked_landmarks(std::move(landmarks));
 }
 
 Result<plan::Landmarks> read_landmarks(const fs::path& file) {

@@ -28,6 +28,12 @@ namespace lefort::io {
 ///     name.
 [[nodiscard]] Result<plan::Landmarks> read_landmarks(const std::filesystem::path& file);
 
+/// Whether landmarks could be of a file.
+///
+/// \returns them; or kFileCorrupt for none, a name that is empty, stands twice or has control
+///   characters, or a point beyond 100 m.
+[[nodiscard]] Result<plan::Landmarks> checked_landmarks(plan::Landmarks landmarks);
+
 /// A CSV's text; messages then name no file.
 [[nodiscard]] Result<plan::Landmarks> parse_landmark_table(std::string_view text);
 

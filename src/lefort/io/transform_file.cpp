@@ -100,8 +100,8 @@ Result<Affine> understand(const Parts& parts) {
   if (!is_matrix && !is_versor && !is_shift)
     return fail(
         ErrorCode::kFileUnsupported,
-        fmt::format("a transform of type {} is not read, must be AffineTransform_double_3_3 "
-                    "or another rigid one",
+        fmt::format("a transform of type {} is not read, must be AffineTransform_double_3_3, or a "
+                    "MatrixOffsetTransformBase, VersorRigid3DTransform or TranslationTransform",
                     parts.type.substr(0, 60)));
   const std::size_t wanted = is_matrix ? 12 : is_versor ? 6 : 3;
   if (parts.parameters.size() != wanted)
@@ -124,21 +124,24 @@ Result<Affine> understand(const Parts& parts) {
 
 /// Nothing, or what keeps it from being rigid.
 std::optional<std::string> not_rigid(const Affine& affine) {
-  if (affine.matrix.determinant() <= 0.0) return "it mirrors, must be a rotation and a translation";
+  if (!affine.matrix.allFinite() || !((affine.matrix.transpose() * affine.matrix).allFinite()))
+    return "its numbers are too large";
+  if (!(affine.matrix.determinant() > 0.0))
+    return "it mirrors, must be a rotation and a translation";
   const double off =
       (affine.matrix.transpose() * affine.matrix - Mat3::Identity()).cwiseAbs().maxCoeff();
-  if (off > kRigid)
+  if (!(off <= kRigid))
     return fmt::format("it scales or shears by {:.2g}, must be a rotation and a translation",
                        0.5 * off);
-  if (std::max(affine.translation.cwiseAbs().maxCoeff(), affine.centre.cwiseAbs().maxCoeff()) >
-      kFarthest_mm)
+  if (!(std::max(affine.translation.cwiseAbs().maxCoeff(), affine.centre.cwiseAbs().maxCoeff()) <=
+        kFarthest_mm))
     return fmt::format("it shifts by more than {:g} mm", kFarthest_mm);
   return std::nullopt;
 }
 
 }  // namespace
 
-Result<FileMotion> parse_transform(std::string_view text) {
+Result<RigidTransform> parse_transform(std::string_view text) {
   LEFORT_TRY(const Parts parts, read_parts(text));
   LEFORT_TRY(const Affine affine, understand(parts));
   if (const auto why = not_rigid(affine)) return fail(ErrorCode::kFileUnsupported, *why);
@@ -146,12 +149,12 @@ Result<FileMotion> parse_transform(std::string_view text) {
   if (affine.matrix != Mat3::Identity())
     X_BL.linear() = Eigen::Quaterniond(affine.matrix).normalized().toRotationMatrix();
   X_BL.translation() = affine.centre + affine.translation - X_BL.linear() * affine.centre;
-  return FileMotion{X_BL.inverse(), affine.centre};
+  return X_BL.inverse();
 }
 
-Result<FileMotion> read_transform(const std::filesystem::path& file) {
+Result<RigidTransform> read_transform(const std::filesystem::path& file) {
   LEFORT_TRY(const std::string text, read_text(file, kLargestTransform));
-  Result<FileMotion> motion = parse_transform(text);
+  Result<RigidTransform> motion = parse_transform(text);
   if (!motion)
     return fail(motion.error().code,
                 fmt::format("transform {}: {}", file.string(), motion.error().message));

@@ -15,24 +15,21 @@
 
 namespace lefort::io {
 
-/// How a file moves a bone.
-struct FileMotion {
-  RigidTransform X_LB = RigidTransform::Identity();
-  Vec3 centre_L = Vec3::Zero();  ///< The file's centre of rotation, where the bone comes to lie.
-};
-
 /// Reads one transform.
 ///
-/// \returns the motion, or
+/// The file's own centre of rotation is of no use to a plan: Slicer always writes the scan's
+/// origin.
+///
+/// \returns X_LB, or
 ///   - kFileNotFound     there is no such file;
 ///   - kFileCorrupt      not of the format, cut short, or a number is not finite;
 ///   - kFileUnsupported  several transforms, one of a type that is no rigid motion of space
 ///     (AffineTransform, MatrixOffsetTransformBase, VersorRigid3DTransform and TranslationTransform
 ///     are read), or a matrix that scales, shears or mirrors by more than 1e-4.
-[[nodiscard]] Result<FileMotion> read_transform(const std::filesystem::path& file);
+[[nodiscard]] Result<RigidTransform> read_transform(const std::filesystem::path& file);
 
 /// The same from text; messages then name no file.
-[[nodiscard]] Result<FileMotion> parse_transform(std::string_view text);
+[[nodiscard]] Result<RigidTransform> parse_transform(std::string_view text);
 
 /// Writes an AffineTransform_double_3_3 that moves a model in Slicer as `X_LB` does here, whole or
 /// not at all.

@@ -17,10 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMostPoints = 1000;  // Of a curve, as in contract/plan.schema.json.
+
 /// What a part of the plan is read with.
 struct Context {
   const plan::Landmarks& landmarks;
   const fs::path& folder;
+  std::optional<Vec3> held_L{};  ///< The middle of what the segment holds.
 };
 
 tl::unexpected<Error> bad(const std::string& key, const std::string& what) {
@@ -70,6 +73,9 @@ Result<std::vector<Vec3>> read_curve_file(const fs::path& file, const std::strin
     curve = &markup;
   }
   if (curve == nullptr) return bad(key, fmt::format("{} holds no closed curve", file.string()));
+  if (curve->points.size() > kMostPoints)
+    return bad(key, fmt::format("{} has {} points, at most {} are read", file.string(),
+                                curve->points.size(), kMostPoints));
   std::vector<Vec3> points;
   for (const plan::Landmark& point : curve->points) points.push_back(point.point_L);
   return points;
@@ -164,10 +170,16 @@ Result<plan::Keyframe> aim(const Json& json, const std::string& key, const Conte
   return keyframe;
 }
 
-Result<plan::Keyframe> read_pose_file(const Json& json, const Context& context) {
-  LEFORT_TRY(const FileMotion motion,
+/// \param centre_L  What the plan says it is about; else what the segment holds.
+Result<plan::Keyframe> read_pose_file(const Json& json, const std::string& key,
+                                      const std::optional<Vec3>& centre_L, const Context& context) {
+  LEFORT_TRY(const RigidTransform X_LB,
              read_transform(context.folder / json["transform"].get<std::string>()));
-  return plan::keyframe_of_pose(motion.X_LB, motion.centre_L);
+  if (!centre_L && !context.held_L)
+    return bad(key,
+               "a transform needs about or about_mm, a point of the segment whose way is straight "
+               "and told, if the osteotomy holds none");
+  return plan::keyframe_of_pose(X_LB, centre_L ? *centre_L : *context.held_L);
 }
 
 Result<plan::Keyframe> read_keyframe(const Json& json, const std::string& key,
@@ -189,12 +201,12 @@ Result<plan::Keyframe> read_keyframe(const Json& json, const std::string& key,
   if (is_aimed) {
     LEFORT_TRY(keyframe, aim(json, key, context));
   } else if (is_file) {
-    LEFORT_TRY(keyframe, read_pose_file(json, context));
+    LEFORT_TRY(keyframe, read_pose_file(json, key, centre_L, context));
   }
-  if (centre_L && (is_aimed || is_file)) {  // The same pose, by another way.
+  if (centre_L && is_aimed) {  // The same pose, by another way.
     const plan::BonePath one{.segment = {}, .keyframes = {keyframe}};
     keyframe = plan::keyframe_of_pose(plan::pose_at(one, keyframe.at), *centre_L);
-  } else if (centre_L) {
+  } else if (centre_L && !is_file) {
     keyframe.centre_L = *centre_L;
   }
   keyframe.at = at;
@@ -207,9 +219,9 @@ Result<std::vector<plan::Keyframe>> read_distraction(const Json& phases, const s
   for (const Json& json : phases)
     read_phases.push_back(
         {as_vector(json["towards"]), json["mm_per_day"].get<double>(), json["days"].get<int>()});
-  days = plan::total_days(read_phases);
   auto keyframes = plan::distraction_keyframes(read_phases);
   if (!keyframes) return bad(key, keyframes.error().message);
+  days = plan::total_days(read_phases);
   return keyframes;
 }
 
@@ -237,13 +249,22 @@ Result<plan::BonePath> read_path(const Json& json, const std::string& name, cons
   return path;
 }
 
+std::optional<Vec3> middle_of(const std::vector<Vec3>& points) {
+  if (points.empty()) return std::nullopt;
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : points) sum += p;
+  return Vec3(sum / double(points.size()));
+}
+
 }  // namespace
 
 Result<plan::Landmarks> read_plan_landmarks(const Json& json, const fs::path& folder) {
   if (json.is_string()) return read_landmarks(folder / json.get<std::string>());
   plan::Landmarks landmarks;
   for (const auto& [name, point] : json.items()) landmarks.push_back({name, as_vector(point)});
-  return landmarks;
+  auto checked = checked_landmarks(std::move(landmarks));
+  if (!checked) return fail(ErrorCode::kPlanInvalid, checked.error().message);
+  return checked;
 }
 
 Result<std::vector<plan::PlannedSegment>> read_segments(const Json& segments,
@@ -259,7 +280,8 @@ Result<std::vector<plan::PlannedSegment>> read_segments(const Json& segments,
     read(json["osteotomy"], "smallest_piece_ml", one.cut.smallest_piece_ml);
     read(json["osteotomy"], "smallest_piece_share", one.cut.smallest_piece_share);
     read(json, "from", one.from);
-    LEFORT_TRY(one.path, read_path(json["path"], name, key + ".path", context));
+    const Context of_segment{landmarks, folder, middle_of(one.osteotomy.holds_L)};
+    LEFORT_TRY(one.path, read_path(json["path"], name, key + ".path", of_segment));
     one.is_distracted = json["path"].contains("distraction");
     planned.push_back(std::move(one));
   }
