@@ -1,4 +1,5 @@
 #include <lefort/app/plan_inputs.h>
+#include <lefort/io/sha256.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -11,29 +12,30 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Names the file of a key, if it holds one, as seen from another folder.
-class Renamer {
- public:
-  Renamer(fs::path from, fs::path to) : from_(std::move(from)), to_(std::move(to)) {}
-
-  void operator()(Json& object, const char* key) const {
+/// Calls `visit` with each string of the plan that names a file, but for the scan's.
+template <class Visit>
+void visit_files(Json& plan, const Visit& visit_string) {
+  const auto visit = [&](Json& object, const char* key) {
     const auto found = object.find(key);
-    if (found != object.end() && found->is_string())
-      *found = seen_from_there(from_ / found->get<std::string>());
+    if (found != object.end() && found->is_string()) visit_string(*found);
+  };
+  const auto visit_curves = [&](Json& region) {
+    if (region.contains("curves"))
+      for (Json& curve : region["curves"]) visit(curve, "file");
+  };
+  visit(plan, "landmarks");
+  if (plan.contains("segmentation")) visit(plan["segmentation"], "labels");
+  for (Json& segment : plan["segments"]) {
+    Json& osteotomy = segment["osteotomy"];
+    visit_curves(osteotomy);
+    if (osteotomy.contains("also"))
+      for (Json& region : osteotomy["also"]) visit_curves(region);
+    if (!segment["path"].contains("keyframes")) continue;
+    for (Json& keyframe : segment["path"]["keyframes"]) {
+      visit(keyframe, "transform");
+      visit(keyframe, "targets");
+    }
   }
-  [[nodiscard]] std::string seen_from_there(const fs::path& file) const {
-    std::error_code error;
-    const fs::path relative = fs::proximate(file, to_, error);
-    return (error ? file : relative).generic_string();
-  }
-
- private:
-  fs::path from_, to_;
-};
-
-void rename_curves(Json& region, const Renamer& rename) {
-  if (region.contains("curves"))
-    for (Json& curve : region["curves"]) rename(curve, "file");
 }
 
 }  // namespace
@@ -50,24 +52,34 @@ Result<fs::path> scan_of(const fs::path& plan_file, const io::PlanFile& plan,
   return ct;
 }
 
+std::vector<std::string> named_files(const std::string& text) {
+  auto json = Json::parse(text);
+  std::vector<std::string> names;
+  visit_files(json, [&](const Json& name) { names.push_back(name.get<std::string>()); });
+  return names;
+}
+
+Result<std::vector<InputFile>> fingerprints(const std::string& text, const fs::path& plan_file) {
+  std::vector<InputFile> files;
+  for (const std::string& name : named_files(text)) {
+    LEFORT_TRY(std::string sha256, io::sha256_of_file(plan_file.parent_path() / name));
+    files.push_back({name, std::move(sha256)});
+  }
+  return files;
+}
+
 std::string portable_plan(const std::string& text, const fs::path& plan_file, const fs::path& ct,
                           const fs::path& folder) {
-  const Renamer rename(plan_file.parent_path(), folder);
+  const auto seen_from_there = [&](const fs::path& file) {
+    std::error_code error;
+    const fs::path relative = fs::proximate(file, folder, error);
+    return (error ? file : relative).generic_string();
+  };
   auto json = Json::parse(text);
-  json["ct"] = rename.seen_from_there(ct);
-  rename(json, "landmarks");
-  if (json.contains("segmentation")) rename(json["segmentation"], "labels");
-  for (Json& segment : json["segments"]) {
-    Json& osteotomy = segment["osteotomy"];
-    rename_curves(osteotomy, rename);
-    if (osteotomy.contains("also"))
-      for (Json& region : osteotomy["also"]) rename_curves(region, rename);
-    if (!segment["path"].contains("keyframes")) continue;
-    for (Json& keyframe : segment["path"]["keyframes"]) {
-      rename(keyframe, "transform");
-      rename(keyframe, "targets");
-    }
-  }
+  json["ct"] = seen_from_there(ct);
+  visit_files(json, [&](Json& name) {
+    name = seen_from_there(plan_file.parent_path() / name.get<std::string>());
+  });
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

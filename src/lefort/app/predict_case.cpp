@@ -144,8 +144,11 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   const std::string plan_copy = portable_plan(text.json, job.plan, ct, job.output);
 
   const StageCache cache(job.output / "cache");
-  LEFORT_TRY(const PreparedCase prepared,
+  LEFORT_TRY(std::vector<InputFile> plan_files, fingerprints(text.json, job.plan));
+  LEFORT_TRY(PreparedCase prepared,
              prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), ct, cache, progress));
+
+  prepared.provenance.plan_files = std::move(plan_files);
 
   LEFORT_TRY_VOID(write_overlaps(job.output, prepared));
 

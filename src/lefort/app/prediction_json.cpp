@@ -162,12 +162,16 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
   for (const predict::PredictionStep& step : prediction.steps) steps.push_back(as_json(step));
   Json overlaps = Json::array();
   for (const StepOverlap& step : prepared.overlaps) overlaps.push_back(as_json(step));
+  Json plan_files = Json::array();
+  for (const auto& [name, sha256] : prepared.provenance.plan_files)
+    plan_files.push_back({{"file", name}, {"sha256", sha256}});
   Json json{{"lefort_prediction", 1},
             {"notice", kNotForClinicalUse},
             {"version", kVersion},
             {"converged", prediction.converged()},
             {"inputs",
              {{"plan_sha256", prepared.provenance.plan_sha256},
+              {"plan_files", plan_files},
               {"ct_sha256", prepared.provenance.ct_sha256},
               {"ct_kind", prepared.provenance.ct_kind},
               {"labels_sha256", prepared.provenance.labels_sha256},

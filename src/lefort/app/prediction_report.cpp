@@ -39,7 +39,10 @@ std::string plan_sentence(const io::PlanFile& plan) {
   std::string sentence =
       fmt::format("Segment \u201c{}\u201d moves {}", path.segment, in_words(end.translation_mm));
   const double angle_deg = degrees_from_radians(end.rotation_rad.norm());
-  if (angle_deg > 0.05) sentence += fmt::format(" and turns by {:.1f}\u00b0", angle_deg);
+  if (angle_deg > 0.05)
+    sentence += fmt::format(
+        " and turns by {:.1f}\u00b0 about the point that lay at ({:.1f}, {:.1f}, {:.1f}) mm",
+        angle_deg, end.centre_L.x(), end.centre_L.y(), end.centre_L.z());
   return sentence + fmt::format(", in {} steps.", path.steps);
 }
 
@@ -187,6 +190,8 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
                        {"kind of scan", prepared.provenance.ct_kind},
                        {"SHA-256 of the labels", prepared.provenance.labels_sha256},
                        {"labels", prepared.provenance.labels_source}};
+  for (const auto& [name, sha256] : prepared.provenance.plan_files)
+    report.provenance.push_back({"SHA-256 of " + name, sha256});
   report.limitations = {
       "Soft tissue is one homogeneous, compressible, elastic material at rest without pre-stress; "
       "skin, fat and muscle are not told apart.",
