@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <string>
+#include <vector>
 
 #include "support/run_program.h"
 #include "support/shapes.h"
@@ -32,7 +33,8 @@ class PlanCommand : public testing::Test {
   static json plan() {
     return json::parse(R"({
       "lefort_plan": 1,
-      "landmarks": {"A": [0, -20, 5], "B": [0, 20, 5], "Prn": [0, -25, 5]},
+      "landmarks": {"A": [0, -20, 5], "B": [0, 20, 5], "Prn": [0, -25, 5], "PNS": [0, -5, 10],
+                    "S": [0, 40, 5], "Ls": [0, -24, 0], "Sn": [0, -23, 2]},
       "segments": [{
         "name": "front",
         "osteotomy": {"planes": [{"point_mm": [0, -5, 0], "towards_segment": [0, -1, 0]}]},
@@ -55,7 +57,7 @@ TEST_F(PlanCommand, AShiftAlongTheCutCanBeDone) {
   const auto run = check(plan());
   ASSERT_EQ(run.exit_code, 0) << run.error << run.out;
   const json found = result();
-  EXPECT_TRUE(found["possible"]);
+  EXPECT_FALSE(found["has_findings"]);
   EXPECT_TRUE(found["findings"].empty());
   const json& segment = found["segments"][0];
   EXPECT_NEAR(segment["volume_ml"].get<double>(), 6.0, 1e-6);
@@ -77,7 +79,125 @@ TEST_F(PlanCommand, LandmarksGoWithTheBoneTheyLieOn) {
   const auto after = io::read_landmarks(folder_ / "out/landmarks_after.mrk.json").value();
   EXPECT_LT((*plan::find_landmark(after, "A") - Vec3(0, -20, 8)).norm(), 1e-9);
   EXPECT_EQ(*plan::find_landmark(after, "B"), Vec3(0, 20, 5));
-  EXPECT_EQ(*plan::find_landmark(after, "Prn"), Vec3(0, -25, 5));  // Skin is for predictions.
+  // On the cut: both sides lie there, the segment takes it.
+  EXPECT_LT((*plan::find_landmark(after, "PNS") - Vec3(0, -5, 13)).norm(), 1e-9);
+}
+
+/// Skin is for predictions, and what lies on no bone for nobody: neither is told as if it stayed.
+TEST_F(PlanCommand, WhatIsNotKnownAfterwardsIsNotTold) {
+  const auto run = check(plan(), "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0);
+  const auto after = io::read_landmarks(folder_ / "out/landmarks_after.csv").value();
+  for (const char* name : {"Prn", "Ls", "Sn", "S"})
+    EXPECT_FALSE(plan::find_landmark(after, name)) << name;
+  const json found = result();
+  EXPECT_EQ(found["landmarks_off_bone"], json::array({"S"}));
+  bool is_there = false;
+  for (const json& line : found["cephalometry"]) {
+    if (line["measurement"] != "PrnSnLs") continue;
+    is_there = true;
+    EXPECT_FALSE(line["before"].is_null());
+    EXPECT_TRUE(line["after"].is_null()) << line;
+  }
+  EXPECT_TRUE(is_there);
+  EXPECT_NE(run.out.find("in the frame of the landmarks before surgery"), std::string::npos)
+      << run.out;
+}
+
+/// What stands in the output folder and is not of a check stays, bit for bit.
+TEST_F(PlanCommand, FilesOfTheUserAreNeverRemoved) {
+  fs::create_directories(folder_ / "out/plan_old");
+  const std::vector<std::string> mine{"plan_anna.json", "segment_midface.vtp", "segment_notes.txt",
+                                      "plan_old/plan_cut_front.png"};
+  for (const std::string& name : mine) ASSERT_TRUE(io::write_text(folder_ / "out" / name, name));
+  for (int run = 0; run < 2; ++run) {
+    ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
+    for (const std::string& name : mine)
+      EXPECT_EQ(io::read_text(folder_ / "out" / name, 100).value_or("gone"), name);
+  }
+  // Nor if a list says that they are ours.
+  json listed = result();
+  listed["files"] = {"plan_anna.json", "../plan.json", "segment_notes.txt", "/etc/passwd",
+                     "pictures/../plan_anna.json"};
+  ASSERT_TRUE(io::write_text(folder_ / "out/check.json", listed.dump()));
+  for (const char* name : {"segment_front.vtp", "segment_front.tfm", "remainder.vtp",
+                           "cephalometry.csv", "landmarks_after.csv", "landmarks_after.mrk.json"})
+    fs::remove(folder_ / "out" / name);
+  ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
+  for (const std::string& name : mine) EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
+  EXPECT_TRUE(fs::exists(folder_ / "plan.json"));
+}
+
+TEST_F(PlanCommand, WhatWouldBeOverwrittenIsNamed) {
+  const auto refuse = [&](const test::ProgramRun& run, const char* name) {
+    EXPECT_EQ(run.exit_code, 1) << name;
+    EXPECT_EQ(run.message_lines(), 1) << run.error;
+    EXPECT_NE(run.error.find(name), std::string::npos) << run.error;
+    EXPECT_NE(run.error.find("choose another output folder"), std::string::npos) << run.error;
+  };
+  fs::create_directories(folder_ / "out");
+  for (const char* name : {"check.json", "segment_front.vtp", "landmarks_after.csv"}) {
+    ASSERT_TRUE(io::write_text(folder_ / "out" / name, "mine"));
+    refuse(check(plan(), "--no-pictures"), name);
+    EXPECT_EQ(io::read_text(folder_ / "out" / name, 100).value(), "mine");
+    fs::remove(folder_ / "out" / name);
+  }
+}
+
+/// Plan, skull and landmarks of the next stage stand where the last one wrote its results.
+TEST_F(PlanCommand, InputsAmongEarlierResultsAreKept) {
+  ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
+  const auto bytes = [&](const char* name) {
+    return io::read_text(folder_ / "out" / name, 1 << 24).value_or("gone");
+  };
+  const std::string skull = bytes("remainder.vtp"), landmarks = bytes("landmarks_after.csv");
+  json second = plan();
+  second["segments"][0]["osteotomy"]["planes"][0]["point_mm"] = {0, 5, 0};
+  ASSERT_TRUE(io::write_text(folder_ / "out/plan_two.json", second.dump()));
+  const std::string here = quoted(folder_ / "out");
+  const auto run = test::run_lefort("--quiet plan check " + quoted(folder_ / "out/plan_two.json") +
+                                    " --skull " + quoted(folder_ / "out/../out/remainder.vtp") +
+                                    " -o " + here + " --no-pictures");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.message_lines(), 1) << run.error;
+  EXPECT_NE(run.error.find("remainder.vtp is read by this check"), std::string::npos) << run.error;
+  second["landmarks"] = "landmarks_after.csv";
+  ASSERT_TRUE(io::write_text(folder_ / "out/plan_two.json", second.dump()));
+  const auto again =
+      test::run_lefort("--quiet plan check " + quoted(folder_ / "out/plan_two.json") + " --skull " +
+                       quoted(folder_ / "bar.stl") + " -o " + here);
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_NE(again.error.find("landmarks_after.csv is read"), std::string::npos) << again.error;
+  EXPECT_EQ(bytes("remainder.vtp"), skull);
+  EXPECT_EQ(bytes("landmarks_after.csv"), landmarks);
+  EXPECT_TRUE(fs::exists(folder_ / "out/check.json"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/plan_two.json"));
+}
+
+TEST_F(PlanCommand, AResultTellsWhatMadeIt) {
+  ASSERT_TRUE(io::write_landmarks(folder_ / "points.csv", plan::Landmarks{{"A", {0, -20, 5}}}));
+  json named = plan();
+  named["landmarks"] = "points.csv";
+  ASSERT_EQ(check(named, "--no-pictures --gap 7").exit_code, 0);
+  const json first = result();
+  EXPECT_NE(first["notice"].get<std::string>().find("linical"), std::string::npos);
+  EXPECT_FALSE(first["version"].get<std::string>().empty());
+  EXPECT_EQ(first["limits"]["gap_mm"], 7.0);
+  EXPECT_EQ(first["inputs"]["plan_files"][0]["file"], "points.csv");
+  EXPECT_EQ(first["inputs"]["skull_sha256"].get<std::string>().size(), 64U);
+  ASSERT_TRUE(io::write_landmarks(folder_ / "points.csv", plan::Landmarks{{"A", {0, -20, 6}}}));
+  ASSERT_EQ(check(named, "--no-pictures --gap 7").exit_code, 0);
+  const json second = result();
+  EXPECT_EQ(first["inputs"]["plan_sha256"], second["inputs"]["plan_sha256"]);
+  EXPECT_NE(first["inputs"]["plan_files"], second["inputs"]["plan_files"]);
+}
+
+/// A run without pictures takes those of the last one away: they would be of another plan.
+TEST_F(PlanCommand, PicturesOfAnEarlierCheckGo) {
+  ASSERT_EQ(check(plan()).exit_code, 0);
+  ASSERT_TRUE(fs::exists(folder_ / "out/pictures/plan_cut_front.png"));
+  ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "out/pictures/plan_cut_front.png"));
 }
 
 TEST_F(PlanCommand, BoneInBoneIsFound) {
@@ -88,7 +208,7 @@ TEST_F(PlanCommand, BoneInBoneIsFound) {
   EXPECT_NE(run.out.find("front and remainder are in each other: at 100.0 %"), std::string::npos)
       << run.out;
   const json found = result();
-  EXPECT_FALSE(found["possible"]);
+  EXPECT_TRUE(found["has_findings"]);
   EXPECT_EQ(found["findings"][0]["kind"], "overlap");
   EXPECT_NEAR(found["overlaps"][0]["deepest_mm"].get<double>(), 2.0, 0.2);
   EXPECT_NEAR(found["overlaps"][0]["volume_ml"].get<double>(), 0.8, 0.1);

@@ -42,17 +42,17 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
       "Example:\n"
       "  lefort plan check examples/le_fort_1.json --ct ct.nrrd -o check/\n"
       "Writes check.json, the bones where they end, their transforms for 3D Slicer, landmarks and\n"
-      "cephalometry if the plan has landmarks, and pictures/. Exit code 1 if the plan cannot be\n"
-      "done. Not for clinical use.");
+      "cephalometry if the plan has landmarks, and pictures/. Exit code 1 if something is\n"
+      "found. Not for clinical use.");
   command->callback([job, no_pictures, &context] {
     job->pictures = !*no_pictures;
-    bool is_possible = true;
+    bool has_findings = false;
     context.run("plan check", [&](Progress& progress) -> Result<Summary> {
       LEFORT_TRY(PlanCheckSummary done, check_plan_file(*job, progress));
-      is_possible = done.is_possible;
+      has_findings = done.has_findings;
       return std::move(done.summary);
     });
-    if (!is_possible) context.exit_code = kExitFailed;
+    if (has_findings) context.exit_code = kExitFailed;
   });
 }
 

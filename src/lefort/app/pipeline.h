@@ -103,7 +103,7 @@ struct CheckPlanJob {
 };
 struct PlanCheckSummary {
   Summary summary;
-  bool is_possible = false;  ///< Nothing was found against it.
+  bool has_findings = false;  ///< Something was found against the plan.
 };
 /// Plan -> cut bones where they end, and what keeps them from going there.
 [[nodiscard]] Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress);

@@ -52,8 +52,8 @@ Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
 void tell_crumbs(const plan::CutBones& bones, Progress& progress) {
   if (bones.crumbs == 0) return;
   progress.note(
-      fmt::format("{} pieces of bone inside the planes, {:.2f} ml together, are smaller than "
-                  "osteotomy.smallest_piece_ml or _share and do not move",
+      fmt::format("{} pieces of bone within the cut, {:.2f} ml together, do not move: they are "
+                  "smaller than osteotomy.smallest_piece_ml or _share, or not what it holds",
                   bones.crumbs, bones.crumb_volume_mm3 * 1e-3));
 }
 

@@ -33,7 +33,7 @@ enum class OsteotomyTemplate {
 struct TemplateOptions {
   double above_palate_mm =
       5.0;  ///< Le Fort I: above ANS, along the palate; roots of teeth end below.
-  double behind_palate_mm = 2.0;  ///< Le Fort I to III: of PNS, which then goes with the maxilla.
+  double behind_palate_mm = 0.0;  ///< Le Fort I to III: of PNS, where maxilla and pterygoid part.
   double behind_rim_mm =
       12.0;  ///< Le Fort III: of FZ, through the orbit's lateral wall and the arch.
   double above_pogonion_mm = 6.0;  ///< Genioplasty.
