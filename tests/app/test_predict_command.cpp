@@ -2,7 +2,9 @@
 /// `lefort predict` on a small made-up head: a ball of skin around a shell of bone, whose front
 /// moves forward.
 #include <lefort/app/pipeline.h>
+#include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>
+#include <lefort/io/transform_file.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
 
@@ -103,6 +105,26 @@ TEST_F(PredictCommand, TheCopiedPlanFindsItsScan) {
   const auto again = test::run_lefort("predict " + quoted(folder_ / "out/plan.json") + " -o " +
                                       quoted(folder_ / "again") + " --no-pictures");
   EXPECT_EQ(again.exit_code, 0) << again.error;
+}
+
+/// A file that the plan names changes the plan, though not its text.
+TEST_F(PredictCommand, TheFilesThatThePlanNamesAreFingerprinted) {
+  RigidTransform forwards = RigidTransform::Identity();
+  forwards.translation().y() = -3.0;
+  ASSERT_TRUE(io::write_transform(folder_ / "move.tfm", forwards));
+  json plan = small_plan();
+  plan["segments"][0]["path"]["keyframes"] = {
+      {{"transform", "move.tfm"}, {"about_mm", {0, -28, 0}}}};
+  plan["segments"][0]["path"]["steps"] = 1;
+  write_plan(plan);
+  const auto run = predict("out", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const json files = read_json("out/prediction.json")["inputs"]["plan_files"];
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_EQ(files[0]["file"], "move.tfm");
+  EXPECT_EQ(files[0]["sha256"], io::sha256_of_file(folder_ / "move.tfm").value());
+  EXPECT_EQ(read_json("out/plan.json")["segments"][0]["path"]["keyframes"][0]["transform"],
+            "../move.tfm");
 }
 
 TEST_F(PredictCommand, AFailedRerunLeavesNoOlderFace) {

@@ -1,6 +1,6 @@
 /// \file
 /// Damaged files, thousands of them, through every reader of surfaces, fields, volume meshes,
-/// decks and points.
+/// decks, points, markups and transforms.
 ///
 /// Whatever a file holds, the answer is a Result: no crash, no hang, and in a field made of it no
 /// distance that is no number. The seed is in every message; the number of files is fixed, and the
@@ -9,9 +9,12 @@
 #include <lefort/field/lattice_samples.h>
 #include <lefort/io/deck_file.h>
 #include <lefort/io/field_file.h>
+#include <lefort/io/landmarks_file.h>
+#include <lefort/io/markups_file.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/point_table.h>
 #include <lefort/io/surface_files.h>
+#include <lefort/io/transform_file.h>
 #include <lefort/io/volume_mesh_files.h>
 #include <lefort/io/vtu.h>
 #include <lefort/mesh/box_grid.h>
@@ -322,6 +325,35 @@ TEST(Fuzz, TablesOfPoints) {
     for (const Vec3& p : *points) ASSERT_TRUE(p.allFinite());
   });
   EXPECT_GT(read, 5);
+}
+
+TEST(Fuzz, LandmarksMarkupsAndTransforms) {
+  const std::string markups =
+      R"({"markups": [{"type": "Fiducial", "coordinateSystem": "RAS", "coordinateUnits": "mm",
+          "controlPoints": [{"label": "A", "position": [1, 2, 3], "positionStatus": "defined"}]}]})";
+  const std::string transform =
+      "#Insight Transform File V1.0\n#Transform 0\nTransform: AffineTransform_double_3_3\n"
+      "Parameters: 1 0 0 0 1 0 0 0 1 3 4 5\nFixedParameters: 0 0 0\n";
+  int read = 0;
+  run_seeds(3000, [&](unsigned seed) {
+    std::mt19937 random(seed);
+    if (const auto marked = parse_markups(damaged(markups, random))) {
+      ++read;
+      for (const Markup& markup : *marked)
+        for (const plan::Landmark& point : markup.points) ASSERT_TRUE(point.point_L.allFinite());
+    }
+    if (const auto table = parse_landmark_table(
+            damaged("name,x_mm,y_mm,z_mm\nA,1,2,3\n\"B, C\",-4.5e1,6,7\n", random))) {
+      ++read;
+      for (const plan::Landmark& point : *table) ASSERT_TRUE(point.point_L.allFinite());
+    }
+    if (const auto motion = parse_transform(damaged(transform, random))) {
+      ++read;
+      ASSERT_TRUE(motion->matrix().allFinite());
+      ASSERT_NEAR(motion->linear().determinant(), 1.0, 1e-9);
+    }
+  });
+  EXPECT_GT(read, 50);
 }
 
 TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {

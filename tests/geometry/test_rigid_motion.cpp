@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 namespace lefort::geometry {
@@ -81,6 +82,36 @@ TEST(InterpolatePose, DoesNotDependOnTheFrameItIsSeenIn) {
   const RigidTransform in_L = interpolate_pose(from, to, 0.3, kCentre);
   const RigidTransform in_M = interpolate_pose(X_ML * from, X_ML * to, 0.3, kCentre);
   EXPECT_LT((in_M.matrix() - (X_ML * in_L).matrix()).norm(), 1e-13);
+}
+
+TEST(InterpolateScrew, MeetsBothEndsAndAScrewInClosedForm) {
+  const RigidTransform from = rigid_motion({1, 2, 3}, {0.3, -0.2, 0.1}, {4, 5, 6});
+  const RigidTransform to = rigid_motion({-5, 8, 1}, {-0.8, 0.5, 1.1}, {-2, 0, 7});
+  EXPECT_LT((interpolate_screw(from, to, 0.0).matrix() - from.matrix()).norm(), 1e-12);
+  EXPECT_LT((interpolate_screw(from, to, 1.0).matrix() - to.matrix()).norm(), 1e-12);
+  // A quarter turn about the line x = 10, y = 0 along z, gliding 8 mm: half-way is an eighth, 4 mm.
+  const RigidTransform whole = rigid_motion({0, 0, 8}, {0, 0, std::acos(0.0)}, {10, 0, 0});
+  const RigidTransform half = rigid_motion({0, 0, 4}, {0, 0, 0.5 * std::acos(0.0)}, {10, 0, 0});
+  EXPECT_LT(
+      (interpolate_screw(RigidTransform::Identity(), whole, 0.5).matrix() - half.matrix()).norm(),
+      1e-13);
+}
+
+TEST(InterpolateScrew, IsTheSameMotionRepeated) {
+  const RigidTransform from = rigid_motion({1, 2, 3}, {0.3, -0.2, 0.1}, {4, 5, 6});
+  const RigidTransform to = rigid_motion({-5, 8, 1}, {-0.8, 0.5, 1.1}, {-2, 0, 7});
+  const RigidTransform step = interpolate_screw(from, to, 0.25) * from.inverse();
+  const RigidTransform made = step * step * step * step * from;
+  EXPECT_LT((made.matrix() - to.matrix()).norm(), 1e-12);
+}
+
+TEST(InterpolateScrew, ATinyTurnIsAsExactAsNone) {
+  const RigidTransform from = RigidTransform::Identity();
+  const RigidTransform shift = rigid_motion({0, -6, 1}, Vec3::Zero(), Vec3::Zero());
+  const RigidTransform turned = rigid_motion({0, -6, 1}, {1e-9, 0, 0}, Vec3::Zero());
+  const Vec3 p(20, -60, 15);
+  EXPECT_LT((interpolate_screw(from, shift, 0.5) * p - (p + Vec3(0, -3, 0.5))).norm(), 1e-13);
+  EXPECT_LT((interpolate_screw(from, turned, 0.5) * p - (p + Vec3(0, -3, 0.5))).norm(), 1e-7);
 }
 
 }  // namespace

@@ -1,9 +1,13 @@
+#include <lefort/geometry/rigid_motion.h>
 #include <lefort/io/plan_file.h>
+#include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/plan/bone_path.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -45,17 +49,18 @@ TEST(PlanFile, EveryKeyArrives) {
   EXPECT_EQ(plan.ct, std::filesystem::path("/cases/one/scans/ct.nrrd"));
   EXPECT_EQ(plan.segmentation.bone_hu, 300.0);
   EXPECT_EQ(plan.segmentation.skin_hu, -200.0);
-  EXPECT_EQ(plan.osteotomy.segment, "midface");
-  ASSERT_EQ(plan.osteotomy.planes.size(), 1U);
-  EXPECT_EQ(plan.osteotomy.planes[0].point_L, Vec3(1.0, 2.0, 3.0));
-  EXPECT_EQ(plan.osteotomy.planes[0].normal_L, Vec3(0.0, -1.0, 0.0));
-  EXPECT_EQ(plan.cut.smallest_piece_ml, 0.25);
-  EXPECT_EQ(plan.cut.smallest_piece_share, 0.125);
-  EXPECT_EQ(plan.path.steps, 7);
-  ASSERT_EQ(plan.path.keyframes.size(), 2U);
-  EXPECT_EQ(plan.path.keyframes[1].translation_mm, Vec3(0.0, -6.0, -1.0));
-  EXPECT_NEAR(plan.path.keyframes[1].rotation_rad.z(), std::numbers::pi / 2.0, 1e-15);
-  EXPECT_EQ(plan.path.keyframes[1].centre_L, Vec3(4.0, 5.0, 6.0));
+  ASSERT_EQ(plan.segments.size(), 1U);
+  EXPECT_EQ(plan.segments[0].osteotomy.segment, "midface");
+  ASSERT_EQ(plan.segments[0].osteotomy.planes.size(), 1U);
+  EXPECT_EQ(plan.segments[0].osteotomy.planes[0].point_L, Vec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(plan.segments[0].osteotomy.planes[0].normal_L, Vec3(0.0, -1.0, 0.0));
+  EXPECT_EQ(plan.segments[0].cut.smallest_piece_ml, 0.25);
+  EXPECT_EQ(plan.segments[0].cut.smallest_piece_share, 0.125);
+  EXPECT_EQ(plan.segments[0].path.steps, 7);
+  ASSERT_EQ(plan.segments[0].path.keyframes.size(), 2U);
+  EXPECT_EQ(plan.segments[0].path.keyframes[1].translation_mm, Vec3(0.0, -6.0, -1.0));
+  EXPECT_NEAR(plan.segments[0].path.keyframes[1].rotation_rad.z(), std::numbers::pi / 2.0, 1e-15);
+  EXPECT_EQ(plan.segments[0].path.keyframes[1].centre_L, Vec3(4.0, 5.0, 6.0));
   EXPECT_NEAR(plan.tissue.young_mpa, 0.02, 1e-15);
   EXPECT_EQ(plan.tissue.poisson, 0.4);
   EXPECT_EQ(plan.tissue.element_size_mm, 3.0);
@@ -86,6 +91,199 @@ TEST(PlanFile, CoarseElementsAloneMakeTheRimAsCoarse) {
   Json json = good_plan();
   json["tissue"]["element_size_mm"] = 9;
   EXPECT_EQ(parse_plan(json.dump(), ".").value().tissue.far_element_size_mm, 9.0);
+}
+
+/// Landmarks, and segments cut and moved in all the other ways.
+Json rich_plan() {
+  return Json::parse(R"({
+    "lefort_plan": 1,
+    "landmarks": {"N": [0, -66, 30], "ANS": [0, -70, -25], "PNS": [0, -25, -28], "Or-R": [-32, -55, 2],
+                  "Or-L": [32, -55, 2]},
+    "segments": [
+      {"name": "maxilla",
+       "osteotomy": {"template": {"kind": "le-fort-1", "above_palate_mm": 7}, "kerf_mm": 0.5},
+       "path": {"interpolation": "screw", "keyframes": [
+         {"at": 0.5, "translation_mm": [0, -2, 0], "rotation_deg": [5, 0, 0], "about": "PNS"},
+         {"targets": {"ANS": [0, -75, -25], "PNS": [0, -30, -28], "N": [0, -71, 30]}}]}},
+      {"name": "right", "from": "maxilla",
+       "osteotomy": {"curves": [{"points_mm": [[0, 0, 0], [0, 9, 0], [0, 0, 9]], "along": [-2, 0, 0],
+                                 "depth_mm": 12}],
+                     "also": [{"planes": [{"point_mm": [0, 0, 0], "towards_segment": [1, 0, 0]}]}],
+                     "holds": ["ANS", [1, 2, 3]]},
+       "path": {"distraction": [{"towards": [0, -3, 0], "mm_per_day": 0.5, "days": 8}]}},
+      {"name": "chin",
+       "osteotomy": {"planes": [{"point_mm": [0, 0, 0], "towards_segment": [0, 0, -2],
+                                 "size_mm": [30, 20], "across": [2, 0, 0]}]},
+       "path": {"keyframes": [{"translation_mm": [0, -4, 0]}]}}]
+  })");
+}
+
+TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
+  const auto plan = parse_plan(rich_plan().dump(), ".");
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_EQ(plan->landmarks.size(), 5U);
+  ASSERT_EQ(plan->segments.size(), 3U);
+  const auto& [maxilla, maxilla_cut, maxilla_from, maxilla_path, is_distracted] = plan->segments[0];
+  EXPECT_EQ(maxilla.segment, "maxilla");
+  EXPECT_EQ(maxilla.kerf_mm, 0.5);
+  EXPECT_EQ(maxilla.planes.size(), 2U);
+  EXPECT_NEAR((maxilla.planes[0].point_L - Vec3(0, -70, -25)).norm(), 7.0, 1e-12);
+  EXPECT_EQ(maxilla_from, "");
+  EXPECT_FALSE(is_distracted);
+  EXPECT_EQ(maxilla_path.interpolation, plan::Interpolation::kScrew);
+  EXPECT_EQ(maxilla_path.keyframes[0].centre_L, Vec3(0, -25, -28));
+  EXPECT_LT((maxilla_path.keyframes[1].translation_mm - Vec3(0, -5, 0)).norm(), 1e-9);
+  EXPECT_EQ(maxilla_path.keyframes[1].at, 1.0);
+
+  const plan::PlannedSegment& right = plan->segments[1];
+  EXPECT_EQ(right.from, "maxilla");
+  EXPECT_EQ(right.osteotomy.curves[0].direction_L, Vec3(-1, 0, 0));
+  EXPECT_EQ(right.osteotomy.curves[0].depth_mm, 12.0);
+  EXPECT_EQ(right.osteotomy.also.size(), 1U);
+  ASSERT_EQ(right.osteotomy.holds_L.size(), 2U);
+  EXPECT_EQ(right.osteotomy.holds_L[0], Vec3(0, -70, -25));
+  EXPECT_TRUE(right.is_distracted);
+  EXPECT_EQ(right.path.steps, 8);
+  EXPECT_EQ(right.path.keyframes[0].translation_mm, Vec3(0, -4, 0));
+
+  ASSERT_TRUE(plan->segments[2].osteotomy.planes[0].bounds);
+  EXPECT_EQ(plan->segments[2].osteotomy.planes[0].bounds->width_mm, 30.0);
+  EXPECT_EQ(plan->segments[2].osteotomy.planes[0].bounds->across_L, Vec3(1, 0, 0));
+}
+
+TEST(PlanFile, NamedFilesAreReadFromThePlansFolder) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(write_text(folder / "points.csv", "name,x_mm,y_mm,z_mm\nANS,1,2,3\n"));
+  ASSERT_TRUE(write_text(folder / "move.tfm",
+                         "#Insight Transform File V1.0\n#Transform 0\n"
+                         "Transform: AffineTransform_double_3_3\n"
+                         "Parameters: 1 0 0 0 1 0 0 0 1 0 10 0\nFixedParameters: 0 0 0\n"));
+  ASSERT_TRUE(write_text(
+      folder / "curve.mrk.json",
+      R"({"markups": [{"type": "ClosedCurve", "coordinateSystem": "RAS", "controlPoints": [
+        {"position": [0, 0, 0]}, {"position": [9, 0, 0]}, {"position": [0, 9, 0]}]}]})"));
+  Json json = good_plan();
+  json["landmarks"] = "points.csv";
+  json["segments"][0]["osteotomy"] = {
+      {"curves", {{{"file", "curve.mrk.json"}, {"along", {0, 0, 1}}}}}};
+  json["segments"][0]["path"] = {{"keyframes", {{{"transform", "move.tfm"}, {"about", "ANS"}}}}};
+  ASSERT_TRUE(write_text(folder / "plan.json", json.dump()));
+  const auto plan = read_plan(folder / "plan.json");
+  ASSERT_TRUE(plan) << plan.error().message;
+  const plan::PlannedSegment& segment = plan->segments[0];
+  EXPECT_LT((segment.path.keyframes[0].translation_mm - Vec3(0, -10, 0)).norm(), 1e-12);
+  EXPECT_EQ(segment.path.keyframes[0].centre_L, Vec3(1, 2, 3));
+  EXPECT_EQ(segment.osteotomy.curves[0].points_L[1], Vec3(-9, 0, 0));
+  std::filesystem::remove(folder / "move.tfm");
+  const auto missing = read_plan(folder / "plan.json");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);
+  EXPECT_NE(missing.error().message.find("move.tfm"), std::string::npos) << missing.error().message;
+}
+
+/// Slicer's centre is the scan's origin; a pitch there would be told as a shift of the maxilla.
+TEST(PlanFile, ATransformIsAboutWhatTheSegmentHolds) {
+  const test::TemporaryFolder folder;
+  const RigidTransform X_LB = geometry::rigid_motion(Vec3::Zero(), {0.17, 0, 0}, {0, 60, 20});
+  ASSERT_TRUE(write_transform(folder / "pitch.tfm", X_LB));
+  Json json = good_plan();
+  json["segments"][0]["path"] = {{"keyframes", {{{"transform", "pitch.tfm"}}}}};
+  const auto without = parse_plan(json.dump(), folder.path());
+  ASSERT_FALSE(without);
+  EXPECT_EQ(without.error().code, ErrorCode::kPlanInvalid);
+  EXPECT_NE(without.error().message.find("a transform needs about"), std::string::npos)
+      << without.error().message;
+  json["segments"][0]["osteotomy"]["holds"] = {{-10, 60, 20}, {10, 60, 20}};
+  const auto plan = parse_plan(json.dump(), folder.path());
+  ASSERT_TRUE(plan) << plan.error().message;
+  const plan::Keyframe& key = plan->segments[0].path.keyframes[0];
+  EXPECT_EQ(key.centre_L, Vec3(0, 60, 20));
+  EXPECT_LT(key.translation_mm.norm(), 1e-12);
+  EXPECT_LT((plan::pose_at(plan->segments[0].path, 1.0).matrix() - X_LB.matrix()).norm(), 1e-12);
+}
+
+TEST(PlanFile, LandmarksOfThePlanAreChecked) {
+  const auto refuse = [](const Json& landmarks, const char* words) {
+    Json json = good_plan();
+    json["landmarks"] = landmarks;
+    const auto plan = parse_plan(json.dump(), ".");
+    ASSERT_FALSE(plan) << words;
+    EXPECT_EQ(plan.error().code, ErrorCode::kPlanInvalid);
+    EXPECT_NE(plan.error().message.find(words), std::string::npos) << plan.error().message;
+  };
+  refuse({{"Or-R", {30, 0, 0}}, {"Or-L", {-30, 0, 0}}}, "Or-R and Or-L");
+  refuse({{"", {30, 0, 0}}}, "has no name");
+  refuse({{"A\nB", {30, 0, 0}}}, "control characters");
+}
+
+TEST(PlanFile, ACurveFileHasItsLimit) {
+  const test::TemporaryFolder folder;
+  Json points = Json::array();
+  for (int i = 0; i <= 1000; ++i)
+    points.push_back({{"position", {40 * std::cos(i / 160.0), 40 * std::sin(i / 160.0), 0}}});
+  const auto read = [&] {
+    EXPECT_TRUE(write_text(
+        folder / "curve.mrk.json",
+        Json{{"markups", {{{"type", "ClosedCurve"}, {"controlPoints", points}}}}}.dump()));
+    Json json = good_plan();
+    json["segments"][0]["osteotomy"] = {
+        {"curves", {{{"file", "curve.mrk.json"}, {"along", {0, 0, 1}}}}}};
+    return parse_plan(json.dump(), folder.path());
+  };
+  const auto refused = read();
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("1001 points, at most 1000"), std::string::npos)
+      << refused.error().message;
+  points.erase(1000);
+  const auto plan = read();
+  EXPECT_TRUE(plan) << plan.error().message;
+}
+
+TEST(PlanFile, WhatContradictsItselfIsNamedByItsKey) {
+  const auto refuse = [](const std::function<void(Json&)>& spoil, const char* words) {
+    Json json = rich_plan();
+    spoil(json["segments"]);
+    const auto plan = parse_plan(json.dump(), ".");
+    ASSERT_FALSE(plan) << words;
+    EXPECT_EQ(plan.error().code, ErrorCode::kPlanInvalid);
+    EXPECT_NE(plan.error().message.find(words), std::string::npos) << plan.error().message;
+    EXPECT_EQ(plan.error().message.find('\n'), std::string::npos);
+  };
+  refuse([](Json& s) { s[0]["osteotomy"]["planes"] = s[2]["osteotomy"]["planes"]; },
+         "segments[0].osteotomy: a template stands beside planes");
+  refuse([](Json& s) { s[0]["osteotomy"]["template"] = "le-fort-9"; }, "template");
+  refuse([](Json& s) { s[0]["osteotomy"]["template"] = "le-fort-3"; }, "landmark FZ-R");
+  refuse([](Json& s) { s[1]["osteotomy"].erase("curves"); },
+         "segments[1].osteotomy: must have planes, curves or a template");
+  refuse([](Json& s) { s[1]["osteotomy"]["holds"] = {"Me"}; },
+         "segments[1].osteotomy.holds: the plan has no landmark Me");
+  refuse(
+      [](Json& s) {
+        s[1]["osteotomy"]["curves"][0]["along"] = {0, 0, 0};
+      },
+      "segments[1].osteotomy.curves[0].along: the vector is zero");
+  refuse([](Json& s) { s[1]["osteotomy"]["curves"][0]["file"] = "c.mrk.json"; },
+         "segments[1].osteotomy.curves[0]: must have either points_mm or file");
+  refuse([](Json& s) { s[2]["osteotomy"]["planes"][0].erase("across"); },
+         "segments[2].osteotomy.planes[0]: size_mm and across");
+  refuse([](Json& s) { s[2]["name"] = "maxilla"; }, "two segments are called 'maxilla'");
+  refuse([](Json& s) { s[1]["from"] = "chin"; }, "is from 'chin'");
+  refuse([](Json& s) { s[1]["path"]["keyframes"] = s[2]["path"]["keyframes"]; },
+         "segments[1].path: must have either keyframes or distraction");
+  refuse(
+      [](Json& s) {
+        s[0]["path"]["keyframes"][1]["translation_mm"] = {0, 0, 0};
+      },
+      "segments[0].path.keyframes[1]: must have one of targets");
+  refuse(
+      [](Json& s) {
+        s[0]["path"]["keyframes"][1]["targets"]["N"] = {0, -60, 50};
+      },
+      "segments[0].path.keyframes[1]: no rigid motion");
+  refuse([](Json& s) { s[0]["path"]["keyframes"][0]["about"] = "Me"; },
+         "segments[0].path.keyframes[0].about: the plan has no landmark Me");
+  refuse([](Json& s) { s[1]["path"]["distraction"][0]["days"] = 0; },
+         "segments[1].path.distraction[0].days");
 }
 
 struct BadPlan {
@@ -196,7 +394,7 @@ TEST(PlanFile, SurvivesAnyDamage) {
     if (i % 3 == 0) bad.resize(generator() % bad.size());
     const auto plan = parse_plan(bad, ".");  // Refused or harmless, never a crash.
     if (plan) {
-      EXPECT_FALSE(plan->path.keyframes.empty());
+      EXPECT_FALSE(plan->segments[0].path.keyframes.empty());
     }
   }
   EXPECT_FALSE(parse_plan(std::string(100'000, '['), "."));

@@ -30,7 +30,7 @@ Result<bench::ConvergenceCase> case_of(const fs::path& plan_file, const Converge
   const io::PlanFile& plan = prepared.plan;
   return bench::ConvergenceCase{plan_file.stem().string(),
                                 std::move(prepared.model),
-                                plan.path,
+                                plan.segments.front().path,
                                 {plan.tissue, plan.boundary, plan.contact, plan.solver}};
 }
 

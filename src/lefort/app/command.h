@@ -32,6 +32,8 @@ void add_import_command(CLI::App& cli, CommandContext& context);
 void add_segment_command(CLI::App& cli, CommandContext& context);
 void add_field_command(CLI::App& cli, CommandContext& context);
 void add_bench_command(CLI::App& cli, CommandContext& context);
+void add_landmarks_command(CLI::App& cli, CommandContext& context);
+void add_plan_command(CLI::App& cli, CommandContext& context);
 void add_predict_command(CLI::App& cli, CommandContext& context);
 void add_solve_command(CLI::App& cli, CommandContext& context);
 void add_verify_command(CLI::App& cli, CommandContext& context);

@@ -25,6 +25,8 @@ int main(int argc, char** argv) {
   add_import_command(cli, context);
   add_segment_command(cli, context);
   add_field_command(cli, context);
+  add_landmarks_command(cli, context);
+  add_plan_command(cli, context);
   add_predict_command(cli, context);
   add_solve_command(cli, context);
   add_bench_command(cli, context);

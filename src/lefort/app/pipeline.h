@@ -7,6 +7,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/field/build_distance_field.h>
+#include <lefort/predict/check_plan.h>
 
 #include <nlohmann/json.hpp>
 
@@ -82,6 +83,30 @@ struct SliceFieldJob {
 /// Field -> what it is, how large, and whether the file is whole.
 [[nodiscard]] Result<Summary> describe_field(const std::filesystem::path& field,
                                              Progress& progress);
+
+struct LandmarksJob {
+  std::filesystem::path before;                 ///< .mrk.json or .csv.
+  std::optional<std::filesystem::path> after;   ///< Likewise.
+  std::optional<std::filesystem::path> output;  ///< .csv.
+  std::optional<std::filesystem::path> save;    ///< .mrk.json or .csv.
+};
+/// Landmarks -> angles and distances between them.
+[[nodiscard]] Result<Summary> measure_landmarks(const LandmarksJob& job, Progress& progress);
+
+struct CheckPlanJob {
+  std::filesystem::path plan;
+  std::optional<std::filesystem::path> ct;     ///< Instead of the plan's.
+  std::optional<std::filesystem::path> skull;  ///< A closed surface, instead of any scan.
+  std::filesystem::path output;                ///< A folder; made if missing.
+  predict::PlanLimits limits;
+  bool pictures = true;
+};
+struct PlanCheckSummary {
+  Summary summary;
+  bool has_findings = false;  ///< Something was found against the plan.
+};
+/// Plan -> cut bones where they end, and what keeps them from going there.
+[[nodiscard]] Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress);
 
 struct PredictJob {
   std::filesystem::path plan;

@@ -1,5 +1,6 @@
 #include <lefort/app/output_folder.h>
 #include <lefort/app/pipeline.h>
+#include <lefort/app/plan_inputs.h>
 #include <lefort/app/prediction_json.h>
 #include <lefort/app/prediction_pictures.h>
 #include <lefort/app/prediction_report.h>
@@ -98,7 +99,7 @@ std::optional<predict::Restart> find_earlier(const fs::path& kept, const io::Pla
     return std::nullopt;
   }
   progress.note(fmt::format("{} of {} steps were found by an earlier run", found->steps.size(),
-                            plan.path.steps));
+                            plan.segments.front().path.steps));
   return *std::move(found);
 }
 
@@ -117,27 +118,6 @@ void tell_contact(const io::PlanFile& plan, Progress& progress) {
                    : ""));
 }
 
-Result<fs::path> scan_of(const PredictJob& job, const io::PlanFile& plan) {
-  if (job.ct) return *job.ct;
-  if (plan.ct) return *plan.ct;
-  return fail(ErrorCode::kPlanInvalid,
-              fmt::format("plan {} names no ct, and --ct was not given", job.plan.string()));
-}
-
-/// The plan's text with its files named as seen from the folder the copy goes to.
-std::string portable_plan(const std::string& text, const io::PlanFile& plan, const fs::path& ct,
-                          const fs::path& folder) {
-  const auto seen_from_there = [&](const fs::path& file) {
-    std::error_code error;
-    const fs::path relative = fs::proximate(file, folder, error);
-    return (error ? file : relative).generic_string();
-  };
-  auto json = nlohmann::ordered_json::parse(text);
-  json["ct"] = seen_from_there(ct);
-  if (plan.labels) json["segmentation"]["labels"] = seen_from_there(*plan.labels);
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
-
 /// A path that could not be followed leaves its history, and no face.
 Result<Summary> give_up(const PredictJob& job, const PreparedCase& prepared,
                         const predict::FacePrediction& prediction, const std::string& plan_text,
@@ -147,7 +127,7 @@ Result<Summary> give_up(const PredictJob& job, const PreparedCase& prepared,
   return fail(prediction.failure->code,
               fmt::format("{} of {} steps converged, then {}; no face is written, the solver's "
                           "history is in {}",
-                          prediction.steps.size(), prepared.plan.path.steps,
+                          prediction.steps.size(), prepared.plan.segments.front().path.steps,
                           prediction.failure->message, (job.output / "failure.json").string()));
 }
 
@@ -157,17 +137,18 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   TimedProgress progress(shown);
   LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
   io::PlanFile plan = text.plan;
-  LEFORT_TRY(const fs::path ct, scan_of(job, plan));
-  std::error_code error;
-  if (!fs::exists(ct, error))
-    return fail(ErrorCode::kFileNotFound, fmt::format("there is no scan at {}", ct.string()));
+  LEFORT_TRY_VOID(check_single(plan));
+  LEFORT_TRY(const fs::path ct, scan_of(job.plan, plan, job.ct));
   LEFORT_TRY_VOID(make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_results(job.output));
-  const std::string plan_copy = portable_plan(text.json, plan, ct, job.output);
+  const std::string plan_copy = portable_plan(text.json, job.plan, ct, job.output);
 
   const StageCache cache(job.output / "cache");
-  LEFORT_TRY(const PreparedCase prepared,
+  LEFORT_TRY(std::vector<InputFile> plan_files, fingerprints(text.json, job.plan));
+  LEFORT_TRY(PreparedCase prepared,
              prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), ct, cache, progress));
+
+  prepared.provenance.plan_files = std::move(plan_files);
 
   LEFORT_TRY_VOID(write_overlaps(job.output, prepared));
 
@@ -178,7 +159,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   StepClock clock(progress);
   LEFORT_TRY(
       const predict::FacePrediction prediction,
-      predict::predict_face(prepared.model, prepared.plan.path,
+      predict::predict_face(prepared.model, prepared.plan.segments.front().path,
                             {prepared.plan.tissue, prepared.plan.boundary, prepared.plan.contact,
                              prepared.plan.solver},
                             {.on_step = std::ref(clock), .on_restart = StepKeeper(kept, progress)},

@@ -79,8 +79,8 @@ Json as_json(const StepOverlap& step) {
 Json parameters(const io::PlanFile& plan, const predict::FacePrediction& prediction) {
   const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
   return {{"title", plan.title},
-          {"segment", plan.osteotomy.segment},
-          {"steps", plan.path.steps},
+          {"segment", plan.segments.front().osteotomy.segment},
+          {"steps", plan.segments.front().path.steps},
           {"bone_hu", plan.segmentation.bone_hu},
           {"skin_hu", plan.segmentation.skin_hu},
           {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
@@ -93,8 +93,8 @@ Json parameters(const io::PlanFile& plan, const predict::FacePrediction& predict
           {"scan_edge", plan.boundary.scan_edge == predict::ScanEdge::kFree ? "free" : "fixed"},
           {"release_mm", plan.boundary.release_mm},
           {"capture_mm", plan.boundary.capture_mm},
-          {"smallest_piece_ml", plan.cut.smallest_piece_ml},
-          {"smallest_piece_share", plan.cut.smallest_piece_share},
+          {"smallest_piece_ml", plan.segments.front().cut.smallest_piece_ml},
+          {"smallest_piece_share", plan.segments.front().cut.smallest_piece_share},
           {"stiffness_factor", plan.contact.stiffness_factor},
           {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
           {"detection", contact::name_of(plan.contact.detection)},
@@ -162,12 +162,16 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
   for (const predict::PredictionStep& step : prediction.steps) steps.push_back(as_json(step));
   Json overlaps = Json::array();
   for (const StepOverlap& step : prepared.overlaps) overlaps.push_back(as_json(step));
+  Json plan_files = Json::array();
+  for (const auto& [name, sha256] : prepared.provenance.plan_files)
+    plan_files.push_back({{"file", name}, {"sha256", sha256}});
   Json json{{"lefort_prediction", 1},
             {"notice", kNotForClinicalUse},
             {"version", kVersion},
             {"converged", prediction.converged()},
             {"inputs",
              {{"plan_sha256", prepared.provenance.plan_sha256},
+              {"plan_files", plan_files},
               {"ct_sha256", prepared.provenance.ct_sha256},
               {"ct_kind", prepared.provenance.ct_kind},
               {"labels_sha256", prepared.provenance.labels_sha256},

@@ -34,12 +34,16 @@ std::string in_words(const Vec3& translation_mm) {
 }
 
 std::string plan_sentence(const io::PlanFile& plan) {
-  const plan::Keyframe& end = plan.path.keyframes.back();
-  std::string sentence = fmt::format("Segment \u201c{}\u201d moves {}", plan.osteotomy.segment,
-                                     in_words(end.translation_mm));
+  const plan::BonePath& path = plan.segments.front().path;
+  const plan::Keyframe& end = path.keyframes.back();
+  std::string sentence =
+      fmt::format("Segment \u201c{}\u201d moves {}", path.segment, in_words(end.translation_mm));
   const double angle_deg = degrees_from_radians(end.rotation_rad.norm());
-  if (angle_deg > 0.05) sentence += fmt::format(" and turns by {:.1f}\u00b0", angle_deg);
-  return sentence + fmt::format(", in {} steps.", plan.path.steps);
+  if (angle_deg > 0.05)
+    sentence += fmt::format(
+        " and turns by {:.1f}\u00b0 about the point that lay at ({:.1f}, {:.1f}, {:.1f}) mm",
+        angle_deg, end.centre_L.x(), end.centre_L.y(), end.centre_L.z());
+  return sentence + fmt::format(", in {} steps.", path.steps);
 }
 
 report::ReportTable step_table(const predict::FacePrediction& prediction) {
@@ -153,13 +157,14 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   add_pictures(pictures, report);
   if (!prediction.steps.empty()) {
     const predict::PredictionStep& last = prediction.steps.back();
-    report.key_numbers = {{"largest shift of the skin", fmt::format("{:.1f} mm", skin.largest_mm)},
-                          {"mean shift where the skin moved over 0.5 mm",
-                           fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
-                          {"largest remaining penetration",
-                           fmt::format("{:.2f} mm", last.contact.max_penetration_mm)},
-                          {"steps converged", fmt::format("{} of {}", prediction.steps.size(),
-                                                          prepared.plan.path.steps)}};
+    report.key_numbers = {
+        {"largest shift of the skin", fmt::format("{:.1f} mm", skin.largest_mm)},
+        {"mean shift where the skin moved over 0.5 mm",
+         fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
+        {"largest remaining penetration",
+         fmt::format("{:.2f} mm", last.contact.max_penetration_mm)},
+        {"steps converged", fmt::format("{} of {}", prediction.steps.size(),
+                                        prepared.plan.segments.front().path.steps)}};
   }
   report.tables = {step_table(prediction), parameter_table(prepared, prediction),
                    timing_table(timing)};
@@ -185,6 +190,8 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
                        {"kind of scan", prepared.provenance.ct_kind},
                        {"SHA-256 of the labels", prepared.provenance.labels_sha256},
                        {"labels", prepared.provenance.labels_source}};
+  for (const auto& [name, sha256] : prepared.provenance.plan_files)
+    report.provenance.push_back({"SHA-256 of " + name, sha256});
   report.limitations = {
       "Soft tissue is one homogeneous, compressible, elastic material at rest without pre-stress; "
       "skin, fat and muscle are not told apart.",

@@ -1,12 +1,11 @@
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/anatomy/tissue_levels.h>
 #include <lefort/app/prepare_case.h>
+#include <lefort/app/scan_head.h>
 #include <lefort/app/stage_keys.h>
 #include <lefort/app/tissue_volumes.h>
 #include <lefort/io/field_file.h>
-#include <lefort/io/import_volume.h>
 #include <lefort/io/read_vtu.h>
-#include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/vtu.h>
 #include <lefort/plan/bone_path.h>
@@ -22,21 +21,6 @@ namespace lefort::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtVolume& ct,
-                                      const std::string& ct_sha256, const StageCache& cache,
-                                      Progress& progress) {
-  progress.begin_stage("segment");
-  if (plan.labels) return io::read_segmentation(*plan.labels, ct.grid, progress);
-  const anatomy::SegmentationOptions& options = plan.segmentation;
-  return cache.get(
-      "labels.seg.nrrd", labels_key(ct_sha256, options), progress,
-      [&](const fs::path& path) { return io::read_segmentation(path, ct.grid); },
-      [&] { return anatomy::segment_tissue(ct, options, progress); },
-      [](const fs::path& path, const anatomy::LabelMap& labels) {
-        return io::write_segmentation(path, labels);
-      });
-}
 
 /// \param name  of the bone, for stage and file.
 Result<std::shared_ptr<const field::DistanceField>> find_field(
@@ -108,45 +92,48 @@ std::string describe(const StepOverlap& step) {
       overlap.deepest_L.y(), overlap.deepest_L.z());
 }
 
+Result<void> check_single(const io::PlanFile& plan) {
+  if (plan.segments.size() == 1) return {};
+  return fail(ErrorCode::kPlanInvalid,
+              fmt::format("the plan moves {} segments, a prediction takes one; `lefort plan check` "
+                          "takes them all",
+                          plan.segments.size()));
+}
+
 Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                   const fs::path& ct_path, const StageCache& cache,
                                   Progress& progress) {
-  progress.begin_stage("import");
-  LEFORT_TRY(io::ImportedVolume scan, io::import_volume(ct_path, progress));
-  for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
+  if (plan.segments.size() != 1)
+    return fail(
+        ErrorCode::kPlanInvalid,
+        fmt::format("the plan moves {} segments, a prediction takes one; `lefort plan check` "
+                    "takes them all",
+                    plan.segments.size()));
+  const plan::PlannedSegment segment = plan.segments.front();
+  LEFORT_TRY(const ScannedHead head, scan_head(plan, ct_path, cache, progress));
+  const io::ImportedVolume& scan = head.scan;
   const image::CtVolume& ct = scan.ct;
-  const std::string ct_sha256 = io::Sha256().add(ct).hex();
-
-  LEFORT_TRY(const anatomy::LabelMap labels, find_labels(plan, ct, ct_sha256, cache, progress));
-
-  progress.begin_stage("extract surfaces");
-  const anatomy::LevelOptions levels{.bone_hu = plan.segmentation.bone_hu,
-                                     .skin_hu = plan.segmentation.skin_hu};
-  LEFORT_TRY(
-      const geometry::TriangleMesh skull_L,
-      anatomy::extract_isosurface(
-          anatomy::bone_level(ct, labels, anatomy::Cavities::kFillSinuses, levels), {}, progress));
+  const std::string& ct_sha256 = head.ct_sha256;
+  const anatomy::LabelMap& labels = head.labels;
+  const anatomy::LevelOptions& levels = head.levels;
   LEFORT_TRY(geometry::TriangleMesh skin_L,
              anatomy::extract_isosurface(anatomy::skin_level(ct, labels, levels), {}, progress));
 
   progress.begin_stage("cut the bone");
-  LEFORT_TRY(plan::CutBones bones, plan::cut_bones(skull_L, plan.osteotomy, plan.cut, progress));
-  if (bones.crumbs > 0)
-    progress.note(
-        fmt::format("{} pieces of bone inside the planes, {:.2f} ml together, are smaller than "
-                    "osteotomy.smallest_piece_ml or _share and do not move",
-                    bones.crumbs, bones.crumb_volume_mm3 * 1e-3));
+  LEFORT_TRY(plan::CutBones bones,
+             plan::cut_bones(head.skull_L, segment.osteotomy, segment.cut, progress));
+  tell_crumbs(bones, progress);
   field::DistanceFieldOptions field_options = plan.field;
   field_options.smooth = plan.contact.detection == contact::Detection::kSmooth;
   LEFORT_TRY(auto segment_field,
              find_field("segment", bones.segment_L, field_options, cache, progress));
   LEFORT_TRY(const auto detector_B,
              predict::detect_segment(bones.segment_L, segment_field, plan.contact.detection));
-  LEFORT_TRY_VOID(predict::check_reach(plan.path, bones.segment_L, *detector_B,
+  LEFORT_TRY_VOID(predict::check_reach(segment.path, bones.segment_L, *detector_B,
                                        plan.boundary));  // Before the costly mesh.
 
   LEFORT_TRY(std::vector<StepOverlap> overlaps,
-             find_overlaps(bones, plan.path, segment_field, field_options, cache, progress));
+             find_overlaps(bones, segment.path, segment_field, field_options, cache, progress));
 
   const predict::TissueDomain domain =
       predict::make_tissue_domain(anatomy::soft_tissue_level(ct, labels, levels, progress), ct.grid,

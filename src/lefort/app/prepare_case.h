@@ -2,6 +2,7 @@
 /// From scan and plan to all that a prediction needs, with costly stages cached.
 #pragma once
 
+#include <lefort/app/plan_inputs.h>
 #include <lefort/app/stage_cache.h>
 #include <lefort/contact/bone_overlap.h>
 #include <lefort/core/error.h>
@@ -21,8 +22,9 @@ namespace lefort::app {
 
 /// What made a result.
 struct Provenance {
-  std::string plan_sha256;  ///< Of the plan file's text.
-  std::string ct_sha256;    ///< Of the imported voxels and their grid.
+  std::string plan_sha256;              ///< Of the plan file's text.
+  std::vector<InputFile> plan_files{};  ///< That the plan names, but for the scan.
+  std::string ct_sha256;                ///< Of the imported voxels and their grid.
   std::string ct_kind;
   std::string labels_sha256;
   std::string labels_source;          ///< "segmented" by us, or a "file" that the plan names.
@@ -37,7 +39,7 @@ struct StepOverlap {
 
 /// A case before anything moves. Immutable once prepared.
 struct PreparedCase {
-  io::PlanFile plan;
+  io::PlanFile plan;  ///< With one segment.
   Provenance provenance;
   image::Grid scan_grid;
   std::vector<std::pair<std::string, double>> tissue_volumes_ml;
@@ -50,6 +52,9 @@ struct PreparedCase {
 
 /// One sentence.
 [[nodiscard]] std::string describe(const StepOverlap& step);
+
+/// Nothing, or kPlanInvalid: whether the plan moves one segment, which is all a prediction takes.
+[[nodiscard]] Result<void> check_single(const io::PlanFile& plan);
 
 /// \param plan         read from a file whose text hashes to `plan_sha256`.
 /// \param ct           the scan.

@@ -225,8 +225,9 @@ std::string restart_key(const PreparedCase& prepared) {
   field.smooth = plan.contact.detection == contact::Detection::kSmooth;
   hash.add(field_key(prepared.model.segment_B, field));
 
-  hash.add(double(plan.path.steps)).add(double(plan.path.keyframes.size()));
-  for (const plan::Keyframe& keyframe : plan.path.keyframes) {
+  const auto& [segment, keyframes, steps, interpolation] = plan.segments.front().path;
+  hash.add(double(steps)).add(double(keyframes.size())).add(double(interpolation));
+  for (const plan::Keyframe& keyframe : keyframes) {
     const auto& [at, translation_mm, rotation_rad, centre_L] = keyframe;
     hash.add(at).add(translation_mm).add(rotation_rad).add(centre_L);
   }

@@ -32,4 +32,19 @@ RigidTransform interpolate_pose(const RigidTransform& from_LB, const RigidTransf
   return rigid_motion(share * (end_L - start_L), share * turn_rad, start_L) * from_LB;
 }
 
+RigidTransform interpolate_screw(const RigidTransform& from_LB, const RigidTransform& to_LB,
+                                 double share) {
+  const Vec3 turn_rad = rotation_vector(to_LB.linear() * from_LB.linear().transpose());
+  const double angle_rad = turn_rad.norm();
+  const Vec3 shift = (to_LB * from_LB.inverse()).translation();
+  if (angle_rad == 0.0) return rigid_motion(share * shift, Vec3::Zero(), Vec3::Zero()) * from_LB;
+  // Chords of the circle about the axis, which may be as far away as it likes.
+  const Vec3 axis = turn_rad / angle_rad;
+  const Vec3 glide = axis.dot(shift) * axis;
+  const double chord = std::sin(0.5 * share * angle_rad) / std::sin(0.5 * angle_rad);
+  const Mat3 lag = Eigen::AngleAxisd(0.5 * (share - 1.0) * angle_rad, axis).toRotationMatrix();
+  const Vec3 shift_now = share * glide + chord * (lag * (shift - glide));
+  return rigid_motion(shift_now, share * turn_rad, Vec3::Zero()) * from_LB;
+}
+
 }  // namespace lefort::geometry

@@ -30,4 +30,13 @@ namespace lefort::geometry {
                                               const RigidTransform& to_LB, double share,
                                               const Vec3& centre_B);
 
+/// The pose a share of the way along the screw from one pose to another: the bone turns steadily
+/// about one axis fixed in L and glides steadily along it (Chasles), by the smaller angle. Needs no
+/// centre; without a turn it is a straight shift.
+///
+/// \param share  0 gives `from_LB`, 1 gives `to_LB`; values outside continue the motion.
+/// \note Half a turn has two shortest ways; one of them is taken.
+[[nodiscard]] RigidTransform interpolate_screw(const RigidTransform& from_LB,
+                                               const RigidTransform& to_LB, double share);
+
 }  // namespace lefort::geometry

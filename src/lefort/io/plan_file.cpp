@@ -1,10 +1,10 @@
 #include <lefort/core/units.h>
 #include <lefort/io/internal/checked_json.h>
 #include <lefort/io/internal/read_contact.h>
+#include <lefort/io/internal/read_segments.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_schema.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/plan/bone_path.h>
 
 #include <fmt/format.h>
 
@@ -21,34 +21,6 @@ using internal::section;
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kLargestPlan = 4 << 20;  // Bytes; a plan is a few kilobytes.
-
-Result<plan::Osteotomy> read_osteotomy(const Json& segment) {
-  plan::Osteotomy osteotomy;
-  read(segment, "name", osteotomy.segment);
-  const Json& planes = segment["osteotomy"]["planes"];
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    plan::CutPlane plane{Vec3::Zero(), Vec3::Zero()};
-    read(planes[i], "point_mm", plane.point_L);
-    read(planes[i], "towards_segment", plane.normal_L);
-    const double length = plane.normal_L.norm();
-    if (!(length > 1e-9))
-      return fail(
-          ErrorCode::kPlanInvalid,
-          fmt::format("segments[0].osteotomy.planes[{}].towards_segment: the vector is zero", i));
-    plane.normal_L /= length;
-    osteotomy.planes.push_back(plane);
-  }
-  return osteotomy;
-}
-
-plan::BonePath read_path(const Json& segment) {
-  plan::BonePath path;
-  read(segment, "name", path.segment);
-  const Json& json = segment["path"];
-  read(json, "steps", path.steps);
-  path.keyframes = internal::read_keyframes(json["keyframes"]);
-  return path;
-}
 
 /// Presets and their sources: docs/materials.md.
 void read_material(const Json& tissue, predict::TissueOptions& options) {
@@ -94,12 +66,11 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   if (segmentation.contains("labels"))
     plan.labels = folder / segmentation["labels"].get<std::string>();
 
-  const Json& segment = json["segments"][0];
-  LEFORT_TRY(plan.osteotomy, read_osteotomy(segment));
-  read(segment["osteotomy"], "smallest_piece_ml", plan.cut.smallest_piece_ml);
-  read(segment["osteotomy"], "smallest_piece_share", plan.cut.smallest_piece_share);
-  plan.path = read_path(segment);
-  LEFORT_TRY_VOID(plan::check_path(plan.path));
+  if (json.contains("landmarks")) {
+    LEFORT_TRY(plan.landmarks, internal::read_plan_landmarks(json["landmarks"], folder));
+    LEFORT_TRY_VOID(plan::left_of(plan.landmarks));  // Whether names and sides fit.
+  }
+  LEFORT_TRY(plan.segments, internal::read_segments(json["segments"], plan.landmarks, folder));
 
   LEFORT_TRY_VOID(read_tissue(section(json, "tissue"), plan.tissue));
   read_boundary(section(json, "boundary"), plan.boundary);

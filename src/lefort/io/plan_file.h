@@ -5,25 +5,25 @@
 #include <lefort/anatomy/segment_tissue.h>
 #include <lefort/core/error.h>
 #include <lefort/field/build_distance_field.h>
-#include <lefort/plan/cut_bones.h>
-#include <lefort/plan/plan.h>
+#include <lefort/plan/cut_segments.h>
+#include <lefort/plan/landmarks.h>
 #include <lefort/predict/prediction_options.h>
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace lefort::io {
 
-/// All that `lefort predict` is told.
+/// All that `lefort predict` and `lefort plan check` are told.
 struct PlanFile {
   std::string title;
   std::optional<std::filesystem::path> ct;      ///< Made absolute by the plan file's folder.
   std::optional<std::filesystem::path> labels;  ///< Likewise.
   anatomy::SegmentationOptions segmentation;
-  plan::Osteotomy osteotomy;
-  plan::CutBonesOptions cut;
-  plan::BonePath path;
+  plan::Landmarks landmarks;                   ///< Before surgery; may be empty.
+  std::vector<plan::PlannedSegment> segments;  ///< One or more.
   predict::TissueOptions tissue;
   predict::BoundaryOptions boundary;
   predict::ContactOptions contact;
@@ -39,7 +39,10 @@ struct PlanText {
 
 /// Reads and checks a plan.
 ///
-/// \returns kFileNotFound; kPlanInvalid with the key and what is wrong with it, as `tissue: unknown
+/// Files that the plan names (landmarks, targets, transforms, curves) are read, too.
+///
+/// \returns kFileNotFound; what reading a named file returns; kPlanInvalid with the key and what is
+/// wrong with it, as `tissue: unknown
 ///   key "colour"`. A key that stands twice in an object is wrong, since parsers differ on it.
 [[nodiscard]] Result<PlanFile> read_plan(const std::filesystem::path& file);
 [[nodiscard]] Result<PlanText> read_plan_text(const std::filesystem::path& file);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
 #include <optional>
 
 namespace lefort::mesh {
@@ -77,10 +78,8 @@ bool is_sound(const SurfaceCut& cut) {
          geometry::is_closed(cut.inside) && geometry::is_closed(cut.outside);
 }
 
-std::optional<SurfaceCut> try_to_cut(const TriangleMesh& whole,
-                                     std::span<const HalfSpace> half_spaces, double shift_mm) {
-  const TriangleMesh solid =
-      convex_solid(shifted_inwards(half_spaces, shift_mm), room_around(whole));
+std::optional<SurfaceCut> try_to_cut(const TriangleMesh& whole, const TriangleMesh& solid,
+                                     double shift_mm) {
   SurfaceCut cut;
   cut.plane_shift_mm = shift_mm;
   cut.whole_volume_mm3 = geometry::signed_volume_mm3(whole);
@@ -98,11 +97,10 @@ std::optional<SurfaceCut> try_to_cut(const TriangleMesh& whole,
   return cut;
 }
 
-}  // namespace
-
-Result<SurfaceCut> cut_surface(const TriangleMesh& surface, std::span<const HalfSpace> half_spaces,
-                               Progress& progress) {
-  LEFORT_TRY_VOID(check_half_spaces(half_spaces));
+/// Cuts by a solid that `solid_at` shifts a little, until one shift succeeds.
+Result<SurfaceCut> cut_by(const TriangleMesh& surface,
+                          const std::function<TriangleMesh(const TriangleMesh&, double)>& solid_at,
+                          Progress& progress) {
   LEFORT_TRY(const TriangleMesh whole, repair_surface(surface));
   const internal::QuietCgal quiet;
   for (std::size_t i = 0; i < kShifts_mm.size(); ++i) {
@@ -110,7 +108,8 @@ Result<SurfaceCut> cut_surface(const TriangleMesh& surface, std::span<const Half
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "cutting the surface was cancelled");
     try {
-      if (auto cut = try_to_cut(whole, half_spaces, kShifts_mm[i])) return std::move(*cut);
+      if (auto cut = try_to_cut(whole, solid_at(whole, kShifts_mm[i]), kShifts_mm[i]))
+        return std::move(*cut);
     } catch (const pmp::Corefinement::Self_intersection_exception&) {  // On the cut.
     } catch (const CGAL::Failure_exception&) {                         // A precondition of CGAL.
     } catch (const std::bad_alloc&) {
@@ -123,6 +122,32 @@ Result<SurfaceCut> cut_surface(const TriangleMesh& surface, std::span<const Half
               fmt::format("the surface of {} triangles cannot be cut: it crosses itself along the "
                           "cut, must not",
                           whole.triangle_count()));
+}
+
+}  // namespace
+
+Result<SurfaceCut> cut_surface(const TriangleMesh& surface, std::span<const HalfSpace> half_spaces,
+                               Progress& progress) {
+  LEFORT_TRY_VOID(check_half_spaces(half_spaces));
+  return cut_by(
+      surface,
+      [&](const TriangleMesh& whole, double shift_mm) {
+        return convex_solid(shifted_inwards(half_spaces, shift_mm), room_around(whole));
+      },
+      progress);
+}
+
+Result<SurfaceCut> cut_surface(const TriangleMesh& surface, const TriangleMesh& solid,
+                               Progress& progress) {
+  return cut_by(
+      surface,
+      [&](const TriangleMesh&, double shift_mm) {
+        TriangleMesh shifted = solid;
+        const Vec3 by = shift_mm * Vec3(0.36, 0.48, 0.8);  // Along none of the usual planes.
+        for (Vec3& vertex : shifted.vertices) vertex += by;
+        return shifted;
+      },
+      progress);
 }
 
 }  // namespace lefort::mesh

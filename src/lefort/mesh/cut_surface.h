@@ -40,4 +40,13 @@ struct SurfaceCut {
                                              std::span<const HalfSpace> half_spaces,
                                              Progress& progress = Progress::none());
 
+/// The same by any closed surface: what lies within `solid`, and the rest.
+///
+/// \param solid  closed, counter-clockwise seen from outside, not crossing itself; may be empty.
+/// \returns as above; where the cut runs through a flaw of the surface the solid is moved by up to
+///   1e-4 mm.
+[[nodiscard]] Result<SurfaceCut> cut_surface(const geometry::TriangleMesh& surface,
+                                             const geometry::TriangleMesh& solid,
+                                             Progress& progress = Progress::none());
+
 }  // namespace lefort::mesh

@@ -56,9 +56,12 @@ RigidTransform pose_at(const BonePath& path, double share) {
   for (const Keyframe& key : path.keyframes) {
     const RigidTransform X_key = pose_of(key);
     if (share == key.at) return X_key;
-    if (share < key.at)
-      return geometry::interpolate_pose(X_before, X_key, (share - at_before) / (key.at - at_before),
-                                        key.centre_L);
+    if (share < key.at) {
+      const double part = (share - at_before) / (key.at - at_before);
+      return path.interpolation == Interpolation::kScrew
+                 ? geometry::interpolate_screw(X_before, X_key, part)
+                 : geometry::interpolate_pose(X_before, X_key, part, key.centre_L);
+    }
     X_before = X_key;
     at_before = key.at;
   }

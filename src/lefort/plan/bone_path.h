@@ -19,7 +19,8 @@ namespace lefort::plan {
 /// The pose of the segment a share of the way along its path.
 ///
 /// Between keyframes the segment turns steadily about one axis by the smaller angle while the later
-/// keyframe's centre moves along a straight line (geometry/rigid_motion.h).
+/// keyframe's centre moves along a straight line, or along the screw between them
+/// (geometry/rigid_motion.h).
 ///
 /// \param path    passes check_path().
 /// \param share   0 to 1; 0 is the segment as scanned, and each keyframe is met exactly.

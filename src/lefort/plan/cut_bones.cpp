@@ -1,13 +1,18 @@
+#include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_measures.h>
-#include <lefort/geometry/winding_number.h>
 #include <lefort/mesh/cut_surface.h>
 #include <lefort/mesh/join_parts.h>
+#include <lefort/plan/bone_bodies.h>
+#include <lefort/plan/check_volumes.h>
 #include <lefort/plan/cut_bones.h>
+#include <lefort/plan/cut_solid.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 namespace lefort::plan {
 namespace {
@@ -15,89 +20,269 @@ namespace {
 using geometry::TriangleMesh;
 
 constexpr double kMm3PerMl = 1000.0;
+constexpr double kHeldWithin_mm =
+    5.0;                            // Landmarks are picked on skins of bone, which may be rough.
+constexpr double kSheet_mm = 0.01;  // A cut without width is this wide until it is glued.
 
-Result<std::vector<mesh::HalfSpace>> half_spaces_of(const Osteotomy& osteotomy) {
-  const auto bad = [&](const std::string& what) {
-    return fail(ErrorCode::kPlanInvalid,
-                fmt::format("osteotomy of '{}': {}", osteotomy.segment, what));
-  };
-  if (osteotomy.planes.empty()) return bad("`planes` is empty, must have one or more");
-  std::vector<mesh::HalfSpace> half_spaces;
-  for (std::size_t i = 0; i < osteotomy.planes.size(); ++i) {
-    const auto& [point_L, normal_L] = osteotomy.planes[i];
-    if (!point_L.allFinite()) return bad(fmt::format("plane {}: its point is not finite", i));
-    if (!normal_L.allFinite() || !(normal_L.norm() > 1e-6))
-      return bad(fmt::format("plane {}: its normal has length {}, must be 1", i, normal_L.norm()));
-    half_spaces.push_back({point_L, normal_L});
-  }
-  return half_spaces;
+tl::unexpected<Error> misses(const Osteotomy& osteotomy, const std::string& what) {
+  return fail(ErrorCode::kCutMissesBone,
+              fmt::format("osteotomy of '{}': {}", osteotomy.segment, what));
 }
 
-/// One shell of a surface: around a body if its volume is positive, around a cavity if not.
-struct Shell {
-  TriangleMesh surface;
-  Box3 box;
-  double volume_mm3;
-
-  [[nodiscard]] bool is_cavity() const { return volume_mm3 < 0.0; }
-  [[nodiscard]] bool contains(const Shell& other) const {
-    return box.contains(other.box) &&
-           geometry::winding_number(surface, other.surface.vertices[0]) > 0.5;
-  }
-};
-
-std::vector<Shell> shells_of(const TriangleMesh& surface) {
-  std::vector<Shell> shells;
-  const geometry::Components components = geometry::connected_components(surface);
-  for (std::int32_t c = 0; c < components.count; ++c) {
-    Shell shell;
-    shell.surface = geometry::keep_triangles(
-        surface, [&](Index t) { return components.of_triangle[std::size_t(t)] == c; });
-    shell.box = geometry::bounding_box(shell.surface);
-    shell.volume_mm3 = geometry::signed_volume_mm3(shell.surface);
-    shells.push_back(std::move(shell));
-  }
-  return shells;
-}
-
-/// Which shells stay with the remainder: small bodies, and the cavities in them.
-std::vector<bool> find_crumbs(const std::vector<Shell>& shells, const CutBonesOptions& options) {
+std::vector<bool> find_crumbs(const std::vector<BoneBody>& bodies, const CutBonesOptions& options) {
   double largest_mm3 = 0.0;
-  for (const Shell& shell : shells) largest_mm3 = std::max(largest_mm3, shell.volume_mm3);
+  for (const BoneBody& body : bodies) largest_mm3 = std::max(largest_mm3, body.outer_volume_mm3);
   const double smallest_mm3 =
       std::max(options.smallest_piece_ml * kMm3PerMl, options.smallest_piece_share * largest_mm3);
-  std::vector<bool> is_crumb(shells.size());
-  for (std::size_t s = 0; s < shells.size(); ++s)
-    is_crumb[s] = !shells[s].is_cavity() && shells[s].volume_mm3 < smallest_mm3;
-  for (std::size_t s = 0; s < shells.size(); ++s)
-    for (std::size_t body = 0; shells[s].is_cavity() && body < shells.size(); ++body)
-      if (is_crumb[body] && !shells[body].is_cavity() && shells[body].contains(shells[s]))
-        is_crumb[s] = true;
+  std::vector<bool> is_crumb;
+  for (const BoneBody& body : bodies) is_crumb.push_back(body.outer_volume_mm3 < smallest_mm3);
   return is_crumb;
 }
 
-void append(TriangleMesh& to, const TriangleMesh& more) {
-  const auto shift = std::int32_t(to.vertices.size());
-  to.vertices.insert(to.vertices.end(), more.vertices.begin(), more.vertices.end());
-  for (const auto& [a, b, c] : more.triangles)
-    to.triangles.push_back({a + shift, b + shift, c + shift});
+/// The pieces on which the points lie. What else there is does not matter to them, so that pieces
+/// are too small by the bound of volume alone, not by their share of the largest.
+Result<std::vector<bool>> find_held(const std::vector<BoneBody>& bodies, const Osteotomy& osteotomy,
+                                    const CutBonesOptions& options) {
+  std::vector<bool> is_held(bodies.size(), false);
+  std::vector<double> nearest_mm(osteotomy.holds_L.size(), kHeldWithin_mm);
+  std::vector<std::size_t> nearest(osteotomy.holds_L.size(), bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b].outer_volume_mm3 < options.smallest_piece_ml * kMm3PerMl) continue;
+    const geometry::Bvh tree(bodies[b].surface);
+    for (std::size_t p = 0; p < nearest.size(); ++p) {
+      const double distance_mm =
+          std::max(tree.signed_distance(osteotomy.holds_L[p]).distance_mm, 0.0);
+      if (!(distance_mm < nearest_mm[p])) continue;
+      nearest_mm[p] = distance_mm;
+      nearest[p] = b;
+    }
+  }
+  for (std::size_t p = 0; p < nearest.size(); ++p) {
+    const Vec3& point = osteotomy.holds_L[p];
+    if (nearest[p] == bodies.size())
+      return misses(
+          osteotomy,
+          fmt::format("no piece of {:g} ml or more within the cut lies within {:g} mm of "
+                      "({:.1f}, {:.1f}, {:.1f}) mm, which it must hold",
+                      options.smallest_piece_ml, kHeldWithin_mm, point.x(), point.y(), point.z()));
+    is_held[nearest[p]] = true;
+  }
+  return is_held;
 }
 
-CutBones sort_pieces(mesh::SurfaceCut cut, const CutBonesOptions& options) {
-  CutBones bones;
-  const std::vector<Shell> shells = shells_of(cut.inside);
-  const std::vector<bool> is_crumb = find_crumbs(shells, options);
-  TriangleMesh crumbs;
-  for (std::size_t s = 0; s < shells.size(); ++s) {
-    append(is_crumb[s] ? crumbs : bones.segment_L, shells[s].surface);
-    (is_crumb[s] ? bones.crumb_volume_mm3 : bones.segment_volume_mm3) += shells[s].volume_mm3;
-    if (!shells[s].is_cavity()) ++(is_crumb[s] ? bones.crumbs : bones.segment_pieces);
+/// The pieces that are no crumbs.
+Result<std::vector<bool>> find_large(const std::vector<BoneBody>& bodies,
+                                     const Osteotomy& osteotomy, const CutBonesOptions& options) {
+  std::vector<bool> is_large = find_crumbs(bodies, options);
+  is_large.flip();
+  if (std::find(is_large.begin(), is_large.end(), true) != is_large.end()) return is_large;
+  double all_mm3 = 0.0;
+  for (const BoneBody& body : bodies) all_mm3 += body.volume_mm3;
+  return misses(osteotomy,
+                fmt::format("its planes hold {} crumbs of {:.2g} ml altogether, must hold a piece "
+                            "of {} ml or more",
+                            bodies.size(), all_mm3 / kMm3PerMl, options.smallest_piece_ml));
+}
+
+using Position = std::array<double, 3>;
+
+std::set<Position> positions_of(const TriangleMesh& mesh) {
+  std::set<Position> positions;
+  for (const Vec3& v : mesh.vertices) positions.insert({v.x(), v.y(), v.z()});
+  return positions;
+}
+
+/// Glues surfaces that were cut apart.
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  if (b.triangles.empty()) return a;
+  if (a.triangles.empty()) return b;
+  return mesh::join_parts(a, b);
+}
+
+/// What lies within a cut, sorted: the segment, and what goes back.
+struct Sorted {
+  CutBones bones;  ///< All but the remainder.
+  TriangleMesh back;
+};
+
+Result<Sorted> sort_pieces(const std::vector<BoneBody>& bodies, std::vector<bool> within,
+                           const Osteotomy& osteotomy, const CutBonesOptions& options) {
+  Sorted sorted;
+  CutBones& bones = sorted.bones;
+  std::vector<BoneBody> inside;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (within[b]) inside.push_back(bodies[b]);
+  LEFORT_TRY(std::vector<bool> is_segment, osteotomy.holds_L.empty()
+                                               ? find_large(inside, osteotomy, options)
+                                               : find_held(inside, osteotomy, options));
+  for (std::size_t b = 0; b < inside.size(); ++b) {
+    (is_segment[b] ? bones.segment_volume_mm3 : bones.crumb_volume_mm3) += inside[b].volume_mm3;
+    ++(is_segment[b] ? bones.segment_pieces : bones.crumbs);
   }
-  bones.skull_volume_mm3 = cut.whole_volume_mm3;
-  bones.remainder_volume_mm3 = cut.outside_volume_mm3 + bones.crumb_volume_mm3;
-  bones.remainder_L =
-      crumbs.triangles.empty() ? std::move(cut.outside) : mesh::join_parts(cut.outside, crumbs);
+  bones.segment_L = gather(inside, is_segment);
+  is_segment.flip();
+  sorted.back = gather(inside, is_segment);
+  return sorted;
+}
+
+/// The bone that remains, with the saw's way beside the segment taken off.
+struct Sawn {
+  TriangleMesh remainder;
+  double kerf_mm3 = 0.0;
+};
+
+Result<Sawn> saw_off(const TriangleMesh& outside, const CutBones& bones, const Osteotomy& osteotomy,
+                     const Box3& box, Progress& progress) {
+  if (osteotomy.kerf_mm == 0.0) return Sawn{outside, 0.0};
+  LEFORT_TRY(const TriangleMesh grown, cut_solid(osteotomy, box, osteotomy.kerf_mm));
+  LEFORT_TRY(const mesh::SurfaceCut cut, mesh::cut_surface(outside, grown, progress));
+  // The saw ran beside the segment, not beside what stayed where it was.
+  const std::set<Position> of_segment = positions_of(bones.segment_L);
+  Sawn sawn{cut.outside, 0.0};
+  for (const BoneBody& body : bodies_of(cut.inside)) {
+    const bool is_dust =
+        std::any_of(body.surface.vertices.begin(), body.surface.vertices.end(), [&](const Vec3& v) {
+          return of_segment.count({v.x(), v.y(), v.z()}) > 0;
+        });
+    if (is_dust) sawn.kerf_mm3 += body.volume_mm3;
+    if (!is_dust) sawn.remainder = joined(sawn.remainder, body.surface);
+  }
+  return sawn;
+}
+
+Result<CutBones> finish(Sorted sorted, TriangleMesh remainder, double kerf_mm3, double skull_mm3,
+                        const Osteotomy& osteotomy) {
+  CutBones bones = std::move(sorted.bones);
+  bones.remainder_L = joined(remainder, sorted.back);
+  bones.skull_volume_mm3 = skull_mm3;
+  bones.kerf_volume_mm3 = kerf_mm3;
+  if (bones.remainder_L.triangles.empty())
+    return misses(osteotomy, "the saw leaves nothing of the bone it is cut from");
+  bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
+  if (!geometry::is_closed(bones.remainder_L))
+    return fail(ErrorCode::kMeshingFailed,
+                fmt::format("osteotomy of '{}': {} crumbs cannot be joined to the remainder again",
+                            osteotomy.segment, bones.crumbs));
+  LEFORT_TRY_VOID(check_volumes(
+      fmt::format("osteotomy of '{}'", osteotomy.segment), skull_mm3,
+      {{bones.segment_volume_mm3, bones.remainder_volume_mm3, bones.kerf_volume_mm3}}));
   return bones;
+}
+
+Box3 room_around(const TriangleMesh& surface) {
+  Box3 box = geometry::bounding_box(surface);
+  const Vec3 margin_mm = Vec3::Constant(10.0 + 0.05 * box.sizes().maxCoeff());
+  box.extend(Vec3(box.min() - margin_mm));
+  box.extend(Vec3(box.max() + margin_mm));
+  return box;
+}
+
+Result<CutBones> cut_by_region(const TriangleMesh& skull_L, const Osteotomy& osteotomy,
+                               const CutBonesOptions& options, Progress& progress) {
+  const Box3 box = room_around(skull_L);
+  mesh::SurfaceCut cut;
+  if (is_of_planes(osteotomy)) {
+    LEFORT_TRY(cut, mesh::cut_surface(skull_L, half_spaces_of(osteotomy.planes), progress));
+  } else {
+    LEFORT_TRY(const TriangleMesh solid, cut_solid(osteotomy, box, 0.0));
+    LEFORT_TRY(cut, mesh::cut_surface(skull_L, solid, progress));
+  }
+  if (cut.inside.triangles.empty())
+    return misses(osteotomy, "no bone lies inside its planes, must some");
+  if (cut.outside.triangles.empty())
+    return misses(osteotomy, "all bone lies inside its planes, some must lie outside");
+  const std::vector<BoneBody> bodies = bodies_of(cut.inside);
+  LEFORT_TRY(Sorted sorted,
+             sort_pieces(bodies, std::vector<bool>(bodies.size(), true), osteotomy, options));
+  LEFORT_TRY(Sawn sawn, saw_off(cut.outside, sorted.bones, osteotomy, box, progress));
+  return finish(std::move(sorted), std::move(sawn.remainder), sawn.kerf_mm3, cut.whole_volume_mm3,
+                osteotomy);
+}
+
+/// How much of a body ends at a sheet.
+struct SheetAreas {
+  double before_mm2 = 0.0;  ///< On the side of the segment.
+  double behind_mm2 = 0.0;
+};
+
+std::vector<SheetAreas> areas_at_sheets(const TriangleMesh& body, const Osteotomy& osteotomy,
+                                        double thickness_mm) {
+  constexpr double kIn_mm = 1e-3;  // A cut may be shifted by 1e-4 mm.
+  std::vector<SheetAreas> areas(osteotomy.planes.size());
+  for (Index t = 0; t < body.triangle_count(); ++t) {
+    const Vec3 &a = body.corner(t, 0), &b = body.corner(t, 1), &c = body.corner(t, 2);
+    const Vec3 twice_area = (b - a).cross(c - a), middle = (a + b + c) / 3.0;
+    for (std::size_t i = 0; i < osteotomy.planes.size(); ++i) {
+      const CutPlane& plane = osteotomy.planes[i];
+      const Vec3 normal = plane.normal_L.normalized();
+      const auto lies_at = [&](double height_mm) {
+        return std::max({std::abs(normal.dot(a - plane.point_L) - height_mm),
+                         std::abs(normal.dot(b - plane.point_L) - height_mm),
+                         std::abs(normal.dot(c - plane.point_L) - height_mm)}) < kIn_mm;
+      };
+      const Vec3 up = normal.cross(plane.bounds->across_L).normalized();
+      const Vec3 from = middle - plane.point_L;
+      if (std::abs(up.dot(from)) > 0.5 * plane.bounds->height_mm ||
+          std::abs(up.cross(normal).dot(from)) > 0.5 * plane.bounds->width_mm)
+        continue;
+      // Bone ends at the sheet: its outside points into it.
+      const double towards_mm2 = 0.5 * twice_area.dot(normal);
+      if (towards_mm2 < 0.0 && lies_at(0.0)) areas[i].before_mm2 -= towards_mm2;
+      if (towards_mm2 > 0.0 && lies_at(-thickness_mm)) areas[i].behind_mm2 += towards_mm2;
+    }
+  }
+  return areas;
+}
+
+/// Where a body lies. Sheets that reach a little into bone beyond the piece they free leave a slit
+/// in it, of the same area on both sides; such a body still lies where nearly all of it ends.
+enum class Side { kBefore, kBehind, kAway };
+
+Result<Side> side_of(const TriangleMesh& body, const Osteotomy& osteotomy, double thickness_mm) {
+  constexpr double kSlit = 0.1;  // Share of what ends on the body's own side.
+  SheetAreas all, largest;
+  std::size_t sheet = 0;
+  const std::vector<SheetAreas> areas = areas_at_sheets(body, osteotomy, thickness_mm);
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const auto& [before_mm2, behind_mm2] = areas[i];
+    all.before_mm2 += before_mm2;
+    all.behind_mm2 += behind_mm2;
+    if (std::min(before_mm2, behind_mm2) <= std::min(largest.before_mm2, largest.behind_mm2))
+      continue;
+    largest = areas[i];
+    sheet = i;
+  }
+  if (all.before_mm2 == 0.0 && all.behind_mm2 == 0.0) return Side::kAway;
+  if (all.behind_mm2 <= kSlit * all.before_mm2) return Side::kBefore;
+  if (all.before_mm2 <= kSlit * all.behind_mm2) return Side::kBehind;
+  return misses(osteotomy, fmt::format("plane {} does not separate the bone: what lies before its "
+                                       "planes hangs together with what lies behind",
+                                       sheet));
+}
+
+Result<CutBones> cut_by_sheets(const TriangleMesh& skull_L, const Osteotomy& osteotomy,
+                               const CutBonesOptions& options, Progress& progress) {
+  const double thickness_mm = std::max(osteotomy.kerf_mm, kSheet_mm);
+  LEFORT_TRY(const TriangleMesh solid, sheet_solid(osteotomy, thickness_mm));
+  LEFORT_TRY(const mesh::SurfaceCut cut, mesh::cut_surface(skull_L, solid, progress));
+  if (cut.inside.triangles.empty()) return misses(osteotomy, "its planes cut no bone, must some");
+  const std::vector<BoneBody> bodies = bodies_of(cut.outside);
+  std::vector<bool> is_before, is_other;
+  for (const BoneBody& body : bodies) {
+    LEFORT_TRY(const Side side, side_of(body.surface, osteotomy, thickness_mm));
+    is_before.push_back(side == Side::kBefore);
+    is_other.push_back(side != Side::kBefore);
+  }
+  if (std::find(is_before.begin(), is_before.end(), true) == is_before.end())
+    return misses(osteotomy, "no bone lies before its planes, must some");
+  LEFORT_TRY(Sorted sorted, sort_pieces(bodies, is_before, osteotomy, options));
+  TriangleMesh remainder = gather(bodies, is_other);
+  double kerf_mm3 = cut.inside_volume_mm3;
+  if (osteotomy.kerf_mm == 0.0) {
+    remainder = joined(remainder, cut.inside);
+    kerf_mm3 = 0.0;
+  }
+  return finish(std::move(sorted), std::move(remainder), kerf_mm3, cut.whole_volume_mm3, osteotomy);
 }
 
 Result<void> check(const CutBonesOptions& options) {
@@ -116,26 +301,9 @@ Result<void> check(const CutBonesOptions& options) {
 Result<CutBones> cut_bones(const TriangleMesh& skull_L, const Osteotomy& osteotomy,
                            const CutBonesOptions& options, Progress& progress) {
   LEFORT_TRY_VOID(check(options));
-  LEFORT_TRY(const auto half_spaces, half_spaces_of(osteotomy));
-  LEFORT_TRY(mesh::SurfaceCut cut, mesh::cut_surface(skull_L, half_spaces, progress));
-  const auto misses = [&](const std::string& what) {
-    return fail(ErrorCode::kCutMissesBone,
-                fmt::format("osteotomy of '{}': {}", osteotomy.segment, what));
-  };
-  if (cut.inside.triangles.empty()) return misses("no bone lies inside its planes, must some");
-  if (cut.outside.triangles.empty())
-    return misses("all bone lies inside its planes, some must lie outside");
-  CutBones bones = sort_pieces(std::move(cut), options);
-  if (bones.segment_pieces == 0)
-    return misses(
-        fmt::format("its planes hold {} crumbs of {:.2g} ml altogether, must hold a piece "
-                    "of {} ml or more",
-                    bones.crumbs, bones.crumb_volume_mm3 / kMm3PerMl, options.smallest_piece_ml));
-  if (!geometry::is_closed(bones.remainder_L))
-    return fail(ErrorCode::kMeshingFailed,
-                fmt::format("osteotomy of '{}': {} crumbs cannot be joined to the remainder again",
-                            osteotomy.segment, bones.crumbs));
-  return bones;
+  LEFORT_TRY_VOID(check_osteotomy(osteotomy));
+  return is_of_sheets(osteotomy) ? cut_by_sheets(skull_L, osteotomy, options, progress)
+                                 : cut_by_region(skull_L, osteotomy, options, progress);
 }
 
 }  // namespace lefort::plan

@@ -9,9 +9,10 @@
 
 namespace lefort::plan {
 
-/// What the planes cut off but does not count as the segment: spicules, stray islands, and bones
+/// What an osteotomy cuts off but does not count as the segment: spicules, stray islands, and bones
 /// that merely reach into it, such as the coronoid process of the mandible into a mid-face. Pieces
-/// smaller than either bound stay with the remainder.
+/// smaller than either bound stay with the remainder; a piece that the osteotomy holds must reach
+/// the volume alone.
 struct CutBonesOptions {
   double smallest_piece_ml = 0.5;      ///< >= 0.
   double smallest_piece_share = 0.05;  ///< Of the largest piece's volume, 0 to 1.
@@ -27,19 +28,26 @@ struct CutBones {
   Index segment_pieces = 0;       ///< Bodies the segment consists of.
   Index crumbs = 0;               ///< Pieces that went back to the remainder.
   double crumb_volume_mm3 = 0.0;  ///< What they hold together; part of remainder_volume_mm3.
+  double kerf_volume_mm3 = 0.0;   ///< What the saw took; in neither part.
 };
 
 /// Frees the segment of `osteotomy` from the skull.
 ///
 /// \param skull_L   closed; several bodies and cavities are fine.
 /// \returns both parts, or
-///   - kPlanInvalid      the osteotomy has no plane, or one that is not finite or has no direction;
+///   - kPlanInvalid      the osteotomy has no plane or curve, or one that is not finite, has no
+///     direction, or crosses itself; bounded planes stand beside other cuts; the kerf is negative
+///     or
+///     above 5 mm;
 ///   - kInvalidArgument  an option lies outside its range;
 ///   - kMeshInvalid      the skull is empty or open;
-///   - kCutMissesBone    no bone (or crumbs alone) lies inside the planes, or none outside;
-///   - kMeshingFailed    the surface crosses itself along the cut;
+///   - kCutMissesBone    no bone (or crumbs alone) lies inside the cut, or none outside; a bounded
+///     plane does not separate the bone; a point it should hold is further than 5 mm from any piece
+///     of `smallest_piece_ml` within the cut; the saw leaves nothing of the rest;
+///   - kMeshingFailed    the surface crosses itself along the cut, or volumes do not add up;
 ///   - kCancelled        `progress` asked to stop.
-/// \note Volumes add up: |segment + remainder - skull| <= 0.1 % of the skull.
+/// \note Volumes add up: segment + remainder + kerf are the skull within 0.1 % of it and within 1 %
+///   of the smallest of them.
 [[nodiscard]] Result<CutBones> cut_bones(const geometry::TriangleMesh& skull_L,
                                          const Osteotomy& osteotomy,
                                          const CutBonesOptions& options = {},

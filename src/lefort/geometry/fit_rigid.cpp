@@ -1,0 +1,70 @@
+#include <lefort/geometry/fit_rigid.h>
+
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lefort::geometry {
+namespace {
+
+constexpr double kThinnest = 0.01;  // Second to first singular value of the points' spread.
+
+Vec3 mean(std::span<const Vec3> points) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : points) sum += p;
+  return sum / double(points.size());
+}
+
+Eigen::MatrixX3d centred(std::span<const Vec3> points, const Vec3& centre) {
+  Eigen::MatrixX3d rows(Index(points.size()), 3);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    rows.row(Index(i)) = (points[i] - centre).transpose();
+  return rows;
+}
+
+bool is_on_a_line(const Eigen::MatrixX3d& rows) {
+  const Vec3 spread = Eigen::JacobiSVD<Eigen::MatrixX3d>(rows).singularValues();
+  return !(spread[1] > kThinnest * spread[0]);
+}
+
+}  // namespace
+
+Result<RigidFit> fit_rigid(std::span<const Vec3> from, std::span<const Vec3> to) {
+  const auto bad = [](std::string what) {
+    return fail(ErrorCode::kInvalidArgument, std::move(what));
+  };
+  if (from.size() != to.size())
+    return bad(fmt::format("{} points for {} targets, must be as many", from.size(), to.size()));
+  if (from.size() < 3) return bad(fmt::format("{} points, must be three or more", from.size()));
+  for (std::size_t i = 0; i < from.size(); ++i)
+    if (!from[i].allFinite() || !to[i].allFinite())
+      return bad(fmt::format("point {} or its target is not finite", i));
+  const Vec3 centre_from = mean(from), centre_to = mean(to);
+  const Eigen::MatrixX3d rows_from = centred(from, centre_from), rows_to = centred(to, centre_to);
+  if (is_on_a_line(rows_from))
+    return bad("the points lie on a line, so that they leave a turn open");
+  if (is_on_a_line(rows_to))
+    return bad("the targets lie on a line, so that they leave a turn open");
+
+  const Mat3 covariance = rows_to.transpose() * rows_from;
+  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vec3 sign = Vec3::Ones();
+  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) sign.z() = -1.0;
+  RigidFit fit;
+  fit.X_to_from.linear() = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+  fit.X_to_from.translation() = centre_to - fit.X_to_from.linear() * centre_from;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const double off_mm = (fit.X_to_from * from[i] - to[i]).norm();
+    sum += off_mm * off_mm;
+    if (off_mm <= fit.worst_mm) continue;
+    fit.worst_mm = off_mm;
+    fit.worst = Index(i);
+  }
+  fit.rms_mm = std::sqrt(sum / double(from.size()));
+  return fit;
+}
+
+}  // namespace lefort::geometry

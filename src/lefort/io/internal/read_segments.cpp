@@ -1,0 +1,292 @@
+#include <lefort/core/units.h>
+#include <lefort/io/internal/read_segments.h>
+#include <lefort/io/landmarks_file.h>
+#include <lefort/io/markups_file.h>
+#include <lefort/io/transform_file.h>
+#include <lefort/plan/bone_path.h>
+#include <lefort/plan/make_keyframes.h>
+#include <lefort/plan/osteotomy_template.h>
+
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+
+namespace lefort::io::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostPoints = 1000;  // Of a curve, as in contract/plan.schema.json.
+
+/// What a part of the plan is read with.
+struct Context {
+  const plan::Landmarks& landmarks;
+  const fs::path& folder;
+  std::optional<Vec3> held_L{};  ///< The middle of what the segment holds.
+};
+
+tl::unexpected<Error> bad(const std::string& key, const std::string& what) {
+  return fail(ErrorCode::kPlanInvalid, fmt::format("{}: {}", key, what));
+}
+
+Result<Vec3> landmark_of(const std::string& name, const std::string& key, const Context& context) {
+  const auto point = plan::find_landmark(context.landmarks, name);
+  if (!point) return bad(key, fmt::format("the plan has no landmark {}", name));
+  return *point;
+}
+
+/// A point, or the name of a landmark.
+Result<Vec3> point_of(const Json& json, const std::string& key, const Context& context) {
+  if (json.is_string()) return landmark_of(json.get<std::string>(), key, context);
+  return as_vector(json);
+}
+
+Result<Vec3> direction_of(const Json& json, const std::string& key) {
+  const Vec3 vector = as_vector(json);
+  const double length = vector.norm();
+  if (!(length > 1e-9)) return bad(key, "the vector is zero");
+  return Vec3(vector / length);
+}
+
+Result<plan::CutPlane> read_plane(const Json& json, const std::string& key) {
+  plan::CutPlane plane{as_vector(json["point_mm"]), Vec3::Zero()};
+  LEFORT_TRY(plane.normal_L, direction_of(json["towards_segment"], key + ".towards_segment"));
+  if (json.contains("size_mm") != json.contains("across"))
+    return bad(key, "size_mm and across bound the plane together, one is missing");
+  if (!json.contains("size_mm")) return plane;
+  plan::PlaneBounds bounds{Vec3::Zero(), json["size_mm"][0].get<double>(),
+                           json["size_mm"][1].get<double>()};
+  LEFORT_TRY(bounds.across_L, direction_of(json["across"], key + ".across"));
+  plane.bounds = bounds;
+  return plane;
+}
+
+/// The one closed curve of a file.
+Result<std::vector<Vec3>> read_curve_file(const fs::path& file, const std::string& key) {
+  LEFORT_TRY(const std::vector<Markup> markups, read_markups(file));
+  const Markup* curve = nullptr;
+  for (const Markup& markup : markups) {
+    if (markup.type != "ClosedCurve") continue;
+    if (curve != nullptr)
+      return bad(key, fmt::format("{} holds several closed curves, must be one", file.string()));
+    curve = &markup;
+  }
+  if (curve == nullptr) return bad(key, fmt::format("{} holds no closed curve", file.string()));
+  if (curve->points.size() > kMostPoints)
+    return bad(key, fmt::format("{} has {} points, at most {} are read", file.string(),
+                                curve->points.size(), kMostPoints));
+  std::vector<Vec3> points;
+  for (const plan::Landmark& point : curve->points) points.push_back(point.point_L);
+  return points;
+}
+
+Result<plan::CutCurve> read_curve(const Json& json, const std::string& key,
+                                  const Context& context) {
+  plan::CutCurve curve{};
+  LEFORT_TRY(curve.direction_L, direction_of(json["along"], key + ".along"));
+  if (json.contains("depth_mm")) curve.depth_mm = json["depth_mm"].get<double>();
+  if (json.contains("points_mm") == json.contains("file"))
+    return bad(key, "must have either points_mm or file");
+  if (json.contains("file")) {
+    LEFORT_TRY(curve.points_L,
+               read_curve_file(context.folder / json["file"].get<std::string>(), key));
+    return curve;
+  }
+  for (const Json& point : json["points_mm"]) curve.points_L.push_back(as_vector(point));
+  return curve;
+}
+
+Result<plan::CutRegion> read_region(const Json& json, const std::string& key,
+                                    const Context& context) {
+  plan::CutRegion region;
+  for (const Json& one : list(json, "planes")) {
+    LEFORT_TRY(const plan::CutPlane plane,
+               read_plane(one, fmt::format("{}.planes[{}]", key, region.planes.size())));
+    region.planes.push_back(plane);
+  }
+  for (const Json& one : list(json, "curves")) {
+    LEFORT_TRY(plan::CutCurve curve,
+               read_curve(one, fmt::format("{}.curves[{}]", key, region.curves.size()), context));
+    region.curves.push_back(std::move(curve));
+  }
+  return region;
+}
+
+Result<plan::Osteotomy> from_template(const Json& json, const std::string& name,
+                                      const std::string& key, const Context& context) {
+  const auto kind = plan::find_template(
+      (json.is_string() ? json : json["kind"]).get<std::string>());  // The schema lists them.
+  if (!kind) return bad(key, "there is no such template");
+  plan::TemplateOptions options;
+  if (json.is_object()) {
+    read(json, "above_palate_mm", options.above_palate_mm);
+    read(json, "behind_palate_mm", options.behind_palate_mm);
+    read(json, "behind_rim_mm", options.behind_rim_mm);
+    read(json, "above_pogonion_mm", options.above_pogonion_mm);
+    read(json, "split_depth_mm", options.split_depth_mm);
+    read(json, "behind_molar_mm", options.behind_molar_mm);
+  }
+  return plan::make_osteotomy(*kind, name, context.landmarks, options);
+}
+
+Result<plan::Osteotomy> read_osteotomy(const Json& json, const std::string& name,
+                                       const std::string& key, const Context& context) {
+  plan::Osteotomy osteotomy;
+  const bool has_cuts = json.contains("planes") || json.contains("curves") || json.contains("also");
+  if (json.contains("template")) {
+    if (has_cuts)
+      return bad(key, "a template stands beside planes, curves or also, must stand alone");
+    LEFORT_TRY(osteotomy, from_template(json["template"], name, key + ".template", context));
+  } else {
+    if (!json.contains("planes") && !json.contains("curves"))
+      return bad(key, "must have planes, curves or a template");
+    LEFORT_TRY(plan::CutRegion first, read_region(json, key, context));
+    osteotomy.planes = std::move(first.planes);
+    osteotomy.curves = std::move(first.curves);
+    for (const Json& one : list(json, "also")) {
+      LEFORT_TRY(plan::CutRegion region,
+                 read_region(one, fmt::format("{}.also[{}]", key, osteotomy.also.size()), context));
+      osteotomy.also.push_back(std::move(region));
+    }
+  }
+  osteotomy.segment = name;
+  read(json, "kerf_mm", osteotomy.kerf_mm);
+  if (json.contains("holds")) osteotomy.holds_L.clear();
+  for (const Json& point : list(json, "holds")) {
+    LEFORT_TRY(const Vec3 held, point_of(point, key + ".holds", context));
+    osteotomy.holds_L.push_back(held);
+  }
+  return osteotomy;
+}
+
+/// Targets by name: in the plan, or a landmarks file.
+Result<plan::Keyframe> aim(const Json& json, const std::string& key, const Context& context) {
+  constexpr double kTolerance_mm = 1.0;
+  LEFORT_TRY(const plan::Landmarks targets, read_plan_landmarks(json["targets"], context.folder));
+  auto keyframe = plan::keyframe_to_targets(context.landmarks, targets,
+                                            json.value("tolerance_mm", kTolerance_mm));
+  if (!keyframe) return bad(key, keyframe.error().message);
+  return keyframe;
+}
+
+/// \param centre_L  What the plan says it is about; else what the segment holds.
+Result<plan::Keyframe> read_pose_file(const Json& json, const std::string& key,
+                                      const std::optional<Vec3>& centre_L, const Context& context) {
+  LEFORT_TRY(const RigidTransform X_LB,
+             read_transform(context.folder / json["transform"].get<std::string>()));
+  if (!centre_L && !context.held_L)
+    return bad(key,
+               "a transform needs about or about_mm, a point of the segment whose way is straight "
+               "and told, if the osteotomy holds none");
+  return plan::keyframe_of_pose(X_LB, centre_L ? *centre_L : *context.held_L);
+}
+
+Result<plan::Keyframe> read_keyframe(const Json& json, const std::string& key,
+                                     const Context& context) {
+  const bool is_aimed = json.contains("targets"), is_file = json.contains("transform");
+  const bool is_stated = json.contains("translation_mm") || json.contains("rotation_deg");
+  if (int(is_aimed) + int(is_file) + int(is_stated) > 1)
+    return bad(key, "must have one of targets, transform, or translation_mm and rotation_deg");
+  if (json.contains("about") && json.contains("about_mm"))
+    return bad(key, "must have one of about and about_mm");
+  if (json.contains("tolerance_mm") && !is_aimed) return bad(key, "tolerance_mm is of targets");
+  plan::Keyframe keyframe = read_keyframes(Json::array({json})).front();
+  const double at = keyframe.at;
+  std::optional<Vec3> centre_L;
+  if (json.contains("about_mm")) centre_L = keyframe.centre_L;
+  if (json.contains("about")) {
+    LEFORT_TRY(centre_L, landmark_of(json["about"].get<std::string>(), key + ".about", context));
+  }
+  if (is_aimed) {
+    LEFORT_TRY(keyframe, aim(json, key, context));
+  } else if (is_file) {
+    LEFORT_TRY(keyframe, read_pose_file(json, key, centre_L, context));
+  }
+  if (centre_L && is_aimed) {  // The same pose, by another way.
+    const plan::BonePath one{.segment = {}, .keyframes = {keyframe}};
+    keyframe = plan::keyframe_of_pose(plan::pose_at(one, keyframe.at), *centre_L);
+  } else if (centre_L && !is_file) {
+    keyframe.centre_L = *centre_L;
+  }
+  keyframe.at = at;
+  return keyframe;
+}
+
+Result<std::vector<plan::Keyframe>> read_distraction(const Json& phases, const std::string& key,
+                                                     int& days) {
+  std::vector<plan::DistractionPhase> read_phases;
+  for (const Json& json : phases)
+    read_phases.push_back(
+        {as_vector(json["towards"]), json["mm_per_day"].get<double>(), json["days"].get<int>()});
+  auto keyframes = plan::distraction_keyframes(read_phases);
+  if (!keyframes) return bad(key, keyframes.error().message);
+  days = plan::total_days(read_phases);
+  return keyframes;
+}
+
+Result<plan::BonePath> read_path(const Json& json, const std::string& name, const std::string& key,
+                                 const Context& context) {
+  plan::BonePath path;
+  path.segment = name;
+  if (json.value("interpolation", "straight") == "screw")
+    path.interpolation = plan::Interpolation::kScrew;
+  if (json.contains("keyframes") == json.contains("distraction"))
+    return bad(key, "must have either keyframes or distraction");
+  if (json.contains("distraction")) {
+    LEFORT_TRY(path.keyframes,
+               read_distraction(json["distraction"], key + ".distraction", path.steps));
+  } else {
+    for (const Json& one : json["keyframes"]) {
+      LEFORT_TRY(
+          const plan::Keyframe keyframe,
+          read_keyframe(one, fmt::format("{}.keyframes[{}]", key, path.keyframes.size()), context));
+      path.keyframes.push_back(keyframe);
+    }
+  }
+  read(json, "steps", path.steps);
+  LEFORT_TRY_VOID(plan::check_path(path));
+  return path;
+}
+
+std::optional<Vec3> middle_of(const std::vector<Vec3>& points) {
+  if (points.empty()) return std::nullopt;
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : points) sum += p;
+  return Vec3(sum / double(points.size()));
+}
+
+}  // namespace
+
+Result<plan::Landmarks> read_plan_landmarks(const Json& json, const fs::path& folder) {
+  if (json.is_string()) return read_landmarks(folder / json.get<std::string>());
+  plan::Landmarks landmarks;
+  for (const auto& [name, point] : json.items()) landmarks.push_back({name, as_vector(point)});
+  auto checked = checked_landmarks(std::move(landmarks));
+  if (!checked) return fail(ErrorCode::kPlanInvalid, checked.error().message);
+  return checked;
+}
+
+Result<std::vector<plan::PlannedSegment>> read_segments(const Json& segments,
+                                                        const plan::Landmarks& landmarks,
+                                                        const fs::path& folder) {
+  const Context context{landmarks, folder};
+  std::vector<plan::PlannedSegment> planned;
+  for (const Json& json : segments) {
+    const std::string key = fmt::format("segments[{}]", planned.size());
+    const auto name = json["name"].get<std::string>();
+    plan::PlannedSegment one;
+    LEFORT_TRY(one.osteotomy, read_osteotomy(json["osteotomy"], name, key + ".osteotomy", context));
+    read(json["osteotomy"], "smallest_piece_ml", one.cut.smallest_piece_ml);
+    read(json["osteotomy"], "smallest_piece_share", one.cut.smallest_piece_share);
+    read(json, "from", one.from);
+    const Context of_segment{landmarks, folder, middle_of(one.osteotomy.holds_L)};
+    LEFORT_TRY(one.path, read_path(json["path"], name, key + ".path", of_segment));
+    one.is_distracted = json["path"].contains("distraction");
+    planned.push_back(std::move(one));
+  }
+  LEFORT_TRY_VOID(plan::check_segments(planned));
+  return planned;
+}
+
+}  // namespace lefort::io::internal

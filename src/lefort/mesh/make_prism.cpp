@@ -1,0 +1,159 @@
+#include <lefort/core/check.h>
+#include <lefort/mesh/combine_solids.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace lefort::mesh {
+namespace {
+
+using geometry::TriangleMesh;
+using Point = Eigen::Vector2d;
+using Polygon = std::vector<Point>;
+
+/// Twice the signed area of a triangle: positive if counter-clockwise.
+double turn(const Point& a, const Point& b, const Point& c) {
+  return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
+}
+
+double twice_area(const Polygon& polygon) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point& p = polygon[i];
+    const Point& q = polygon[(i + 1) % polygon.size()];
+    sum += p.x() * q.y() - p.y() * q.x();
+  }
+  return sum;
+}
+
+bool is_between(const Point& p, const Point& a, const Point& b) {
+  return (p - a).dot(p - b) <= 0.0;
+}
+
+bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
+  const double abc = turn(a, b, c), abd = turn(a, b, d), cda = turn(c, d, a), cdb = turn(c, d, b);
+  if (((abc > 0) != (abd > 0)) && ((cda > 0) != (cdb > 0)) && abc != 0 && abd != 0 && cda != 0 &&
+      cdb != 0)
+    return true;
+  return (abc == 0 && is_between(c, a, b)) || (abd == 0 && is_between(d, a, b)) ||
+         (cda == 0 && is_between(a, c, d)) || (cdb == 0 && is_between(b, c, d));
+}
+
+/// No side crosses or touches another but its neighbours at their common corner.
+bool is_simple(const Polygon& polygon) {
+  const std::size_t n = polygon.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Point &a = polygon[i], &b = polygon[(i + 1) % n];
+    if (a == b) return false;
+    const Point& after = polygon[(i + 2) % n];
+    if (turn(a, b, after) == 0 && (after - b).dot(a - b) > 0) return false;  // Back on itself.
+    for (std::size_t j = i + 2; j < n; ++j) {
+      if ((j + 1) % n == i) continue;
+      if (meet(a, b, polygon[j], polygon[(j + 1) % n])) return false;
+    }
+  }
+  return true;
+}
+
+/// Ears are cut off one by one. \pre Simple and counter-clockwise.
+std::vector<geometry::Triangle> triangulate(const Polygon& polygon) {
+  std::vector<std::int32_t> rest(polygon.size());
+  std::iota(rest.begin(), rest.end(), 0);
+  const auto at = [&](std::int32_t i) { return polygon[std::size_t(i)]; };
+  std::vector<geometry::Triangle> triangles;
+  while (rest.size() > 3) {
+    std::size_t ear = rest.size();
+    double best = 0.0;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      const std::int32_t a = rest[(i + rest.size() - 1) % rest.size()], b = rest[i],
+                         c = rest[(i + 1) % rest.size()];
+      const double area = turn(at(a), at(b), at(c));
+      if (!(area > best)) continue;
+      const bool is_empty = std::none_of(rest.begin(), rest.end(), [&](std::int32_t p) {
+        return p != a && p != b && p != c && turn(at(a), at(b), at(p)) >= 0 &&
+               turn(at(b), at(c), at(p)) >= 0 && turn(at(c), at(a), at(p)) >= 0;
+      });
+      if (!is_empty) continue;
+      best = area;
+      ear = i;
+    }
+    if (ear == rest.size()) {  // Only corners on straight sides are left to cut off.
+      for (ear = 0; ear + 1 < rest.size(); ++ear)
+        if (turn(at(rest[(ear + rest.size() - 1) % rest.size()]), at(rest[ear]),
+                 at(rest[(ear + 1) % rest.size()])) == 0)
+          break;
+    }
+    const std::size_t before = (ear + rest.size() - 1) % rest.size();
+    triangles.push_back({rest[before], rest[ear], rest[(ear + 1) % rest.size()]});
+    rest.erase(rest.begin() + std::ptrdiff_t(ear));
+  }
+  triangles.push_back({rest[0], rest[1], rest[2]});
+  return triangles;
+}
+
+/// Every side moved outwards. \pre Counter-clockwise.
+Polygon grown(const Polygon& polygon, double by_mm) {
+  constexpr double kSharpest = 0.25;  // Cosine of half the turn: mitres get no longer than 4 times.
+  Polygon result;
+  const std::size_t n = polygon.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Point in = (polygon[i] - polygon[(i + n - 1) % n]).normalized();
+    const Point out = (polygon[(i + 1) % n] - polygon[i]).normalized();
+    const Point normal_in(in.y(), -in.x()), normal_out(out.y(), -out.x());
+    const Point sum = normal_in + normal_out;
+    const Point middle = sum.norm() > 1e-9 ? Point(sum.normalized()) : in;
+    result.push_back(polygon[i] + by_mm / std::max(middle.dot(normal_in), kSharpest) * middle);
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<TriangleMesh> make_prism(std::span<const Vec3> curve, const Vec3& direction, double from_mm,
+                                double to_mm, double grow_mm) {
+  LEFORT_CHECK(from_mm < to_mm && grow_mm >= 0.0);
+  const auto bad = [](std::string what) {
+    return fail(ErrorCode::kInvalidArgument, std::move(what));
+  };
+  if (curve.size() < 3)
+    return bad(fmt::format("the curve has {} points, must have three or more", curve.size()));
+  if (!direction.allFinite() || !(direction.norm() > 1e-9))
+    return bad("the curve's direction has no length");
+  const Vec3 up = direction.normalized();
+  const Vec3 across = up.unitOrthogonal(), along = up.cross(across);
+  Polygon polygon;
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    if (!curve[i].allFinite()) return bad(fmt::format("the curve's point {} is not finite", i));
+    polygon.emplace_back(across.dot(curve[i]), along.dot(curve[i]));
+  }
+  if (!is_simple(polygon))
+    return bad("the curve crosses or touches itself, seen along its direction");
+  if (twice_area(polygon) < 0.0) std::reverse(polygon.begin(), polygon.end());
+  if (grow_mm > 0.0) {
+    polygon = grown(polygon, grow_mm);
+    if (!is_simple(polygon))
+      return bad("the curve grown by the saw's width crosses itself, seen along its direction");
+  }
+
+  TriangleMesh prism;
+  const auto n = std::int32_t(polygon.size());
+  for (const double height_mm : {from_mm, to_mm})
+    for (const Point& p : polygon)
+      prism.vertices.push_back(p.x() * across + p.y() * along + height_mm * up);
+  for (const auto& [a, b, c] : triangulate(polygon)) {
+    prism.triangles.push_back({a, c, b});
+    prism.triangles.push_back({a + n, b + n, c + n});
+  }
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t next = (i + 1) % n;
+    prism.triangles.push_back({i, next, next + n});
+    prism.triangles.push_back({i, next + n, i + n});
+  }
+  return prism;
+}
+
+}  // namespace lefort::mesh

@@ -1,0 +1,231 @@
+#include <lefort/core/units.h>
+#include <lefort/plan/cephalometrics.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string_view>
+
+namespace lefort::plan {
+namespace {
+
+/// The landmarks as seen from the patient's right: x to anterior, y up, if the head is upright.
+class Profile {
+ public:
+  using Point = Eigen::Vector2d;
+
+  /// \param frame  Whose Frankfurt horizontal counts.
+  Profile(std::span<const Landmark> landmarks, std::span<const Landmark> frame, const Vec3& left)
+      : landmarks_(landmarks), frame_(frame), left_(left) {
+    anterior_ = left_.cross(Vec3::UnitZ()).normalized();
+    up_ = anterior_.cross(left_);
+  }
+  [[nodiscard]] bool has(const std::string& name) const {
+    return find_middle(landmarks_, name).has_value();
+  }
+  [[nodiscard]] bool has_horizontal() const {
+    return find_middle(frame_, "Or") && find_middle(frame_, "Po");
+  }
+  [[nodiscard]] Point operator()(const std::string& name) const {
+    return seen(*find_middle(landmarks_, name));
+  }
+  /// From porion to orbitale, unit length; not finite if they lie in one point.
+  [[nodiscard]] Point horizontal() const {
+    return unit(seen(*find_middle(frame_, "Or")) - seen(*find_middle(frame_, "Po")));
+  }
+  [[nodiscard]] double width(const std::string& name) const {
+    return (*find_landmark(landmarks_, name + "-L") - *find_landmark(landmarks_, name + "-R"))
+        .norm();
+  }
+  [[nodiscard]] bool has_both(const std::string& name) const {
+    return find_landmark(landmarks_, name + "-R") && find_landmark(landmarks_, name + "-L");
+  }
+  /// Not finite for what has no direction: less than the round-off of coordinates.
+  [[nodiscard]] static Point unit(const Point& v) {
+    constexpr double kShortest_mm = 1e-9;
+    if (!(v.norm() > kShortest_mm)) return Point::Constant(std::nan(""));
+    return v / v.norm();
+  }
+
+ private:
+  [[nodiscard]] Point seen(const Vec3& p) const { return {anterior_.dot(p), up_.dot(p)}; }
+
+  std::span<const Landmark> landmarks_, frame_;
+  Vec3 left_, anterior_, up_;
+};
+
+using Point = Profile::Point;
+
+/// From `from` to `to`, positive counter-clockwise where x is anterior and y up; -180 to 180.
+/// Not finite if one of them has no length.
+double turn_deg(const Point& from_mm, const Point& to_mm) {
+  const Point from = Profile::unit(from_mm), to = Profile::unit(to_mm);
+  const double cross = from.x() * to.y() - from.y() * to.x();
+  return degrees_from_radians(std::atan2(cross, from.dot(to)));
+}
+
+/// Between the rays from `corner`, 0 to 180.
+double angle_deg(const Point& a, const Point& corner, const Point& b) {
+  return std::abs(turn_deg(a - corner, b - corner));
+}
+
+/// How far p lies before the line from `above` to `below`; negative behind it.
+double before_line(const Point& p, const Point& above, const Point& below) {
+  const Point along = Profile::unit(below - above);
+  const Point from = p - above;
+  return along.x() * from.y() - along.y() * from.x();
+}
+
+constexpr const char* kHorizontal = "";  // Needs the frame's orbitale and porion.
+
+struct Definition {
+  const char* name;
+  const char* meaning;
+  const char* unit;
+  std::vector<std::string> needs;  ///< Landmarks, or the middles of pairs.
+  std::function<double(const Profile&)> value;
+};
+
+Definition distance(const char* name, const char* meaning, const char* a, const char* b) {
+  return {
+      name, meaning, "mm", {a, b}, [a, b](const Profile& at) { return (at(b) - at(a)).norm(); }};
+}
+
+std::vector<Definition> definitions() {
+  using P = const Profile&;
+  return {
+      {"SNA",
+       "maxilla to cranial base",
+       "deg",
+       {"S", "N", "A"},
+       [](P at) { return angle_deg(at("S"), at("N"), at("A")); }},
+      {"SNB",
+       "mandible to cranial base",
+       "deg",
+       {"S", "N", "B"},
+       [](P at) { return angle_deg(at("S"), at("N"), at("B")); }},
+      {"ANB",
+       "SNA less SNB, maxilla to mandible",
+       "deg",
+       {"S", "N", "A", "B"},
+       [](P at) {
+         return angle_deg(at("S"), at("N"), at("A")) - angle_deg(at("S"), at("N"), at("B"));
+       }},
+      {"NAPg",
+       "convexity of the bony face, positive if A lies before N-Pg",
+       "deg",
+       {"N", "A", "Pg"},
+       [](P at) { return turn_deg(at("A") - at("N"), at("Pg") - at("A")) * -1.0; }},
+      {"FH-NPg",
+       "facial angle: Frankfurt horizontal to N-Pg",
+       "deg",
+       {kHorizontal, "N", "Pg"},
+       [](P at) { return turn_deg(at("Pg") - at("N"), Point(-at.horizontal())) * -1.0; }},
+      {"FH-MP",
+       "Frankfurt horizontal to mandibular plane Go-Me, positive if it falls to the front",
+       "deg",
+       {kHorizontal, "Go", "Me"},
+       [](P at) { return turn_deg(at("Me") - at("Go"), at.horizontal()); }},
+      {"SN-MP",
+       "cranial base S-N to mandibular plane Go-Me",
+       "deg",
+       {"S", "N", "Go", "Me"},
+       [](P at) { return turn_deg(at("Me") - at("Go"), at("N") - at("S")); }},
+      {"SN-PP",
+       "cranial base S-N to palatal plane PNS-ANS",
+       "deg",
+       {"S", "N", "ANS", "PNS"},
+       [](P at) { return turn_deg(at("ANS") - at("PNS"), at("N") - at("S")); }},
+      {"ArGoMe",
+       "gonial angle",
+       "deg",
+       {"Ar", "Go", "Me"},
+       [](P at) { return angle_deg(at("Ar"), at("Go"), at("Me")); }},
+      {"N'SnPg'",
+       "convexity of the soft profile, positive if Sn lies before N'-Pg'",
+       "deg",
+       {"N'", "Sn", "Pg'"},
+       [](P at) { return turn_deg(at("Sn") - at("N'"), at("Pg'") - at("Sn")) * -1.0; }},
+      {"PrnSnLs",
+       "angle between nose and upper lip",
+       "deg",
+       {"Prn", "Sn", "Ls"},
+       [](P at) { return angle_deg(at("Prn"), at("Sn"), at("Ls")); }},
+      distance("N-ANS", "upper facial height", "N", "ANS"),
+      distance("ANS-Me", "lower facial height", "ANS", "Me"),
+      distance("N-Me", "facial height", "N", "Me"),
+      distance("S-Go", "posterior facial height", "S", "Go"),
+      distance("ANS-PNS", "length of the palate", "ANS", "PNS"),
+      distance("Co-A", "length of the mid-face", "Co", "A"),
+      distance("Co-Gn", "length of the mandible", "Co", "Gn"),
+      {"overjet",
+       "U1 before L1, along the Frankfurt horizontal",
+       "mm",
+       {kHorizontal, "U1", "L1"},
+       [](P at) { return at.horizontal().dot(at("U1") - at("L1")); }},
+      {"overbite",
+       "U1 below L1, across the Frankfurt horizontal",
+       "mm",
+       {kHorizontal, "U1", "L1"},
+       [](P at) {
+         const Point ahead = at.horizontal();
+         return Point(-ahead.y(), ahead.x()).dot(at("L1") - at("U1"));
+       }},
+      {"Ls-E",
+       "upper lip before Ricketts' line Prn-Pg'",
+       "mm",
+       {"Ls", "Prn", "Pg'"},
+       [](P at) { return before_line(at("Ls"), at("Prn"), at("Pg'")); }},
+      {"Li-E",
+       "lower lip before Ricketts' line Prn-Pg'",
+       "mm",
+       {"Li", "Prn", "Pg'"},
+       [](P at) { return before_line(at("Li"), at("Prn"), at("Pg'")); }},
+  };
+}
+
+/// Between the two of a pair.
+struct Width {
+  const char* pair;
+  const char* meaning;
+};
+constexpr Width kWidths[] = {{"Zy", "width of the face at the zygomatic arches"},
+                             {"FZ", "width between the frontozygomatic points"},
+                             {"Or", "width between the lower orbital rims"},
+                             {"Go", "width of the mandible"},
+                             {"U6", "width of the upper dental arch"},
+                             {"En", "width between the inner corners of the eyes"},
+                             {"Ex", "width between the outer corners of the eyes"},
+                             {"Al", "width of the nose"},
+                             {"Ch", "width of the mouth"}};
+
+}  // namespace
+
+Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks,
+                                         std::span<const Landmark> frame) {
+  LEFORT_TRY(const Vec3 left, left_of(frame));
+  const Profile profile(landmarks, frame, left);
+  std::vector<Measurement> table;
+  for (const Definition& one : definitions()) {
+    Measurement line{one.name, one.meaning, one.unit, std::nullopt};
+    const bool is_known =
+        std::all_of(one.needs.begin(), one.needs.end(), [&](const std::string& name) {
+          return name == kHorizontal ? profile.has_horizontal() : profile.has(name);
+        });
+    if (is_known) line.value = one.value(profile);
+    if (line.value && !std::isfinite(*line.value)) line.value.reset();  // Two points in one.
+    table.push_back(std::move(line));
+  }
+  for (const auto& [pair, meaning] : kWidths) {
+    Measurement line{std::string(pair) + "-R-" + pair + "-L", meaning, "mm", std::nullopt};
+    if (profile.has_both(pair)) line.value = profile.width(pair);
+    table.push_back(std::move(line));
+  }
+  return table;
+}
+
+Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks) {
+  return measure(landmarks, landmarks);
+}
+
+}  // namespace lefort::plan

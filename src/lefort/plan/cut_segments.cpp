@@ -1,0 +1,65 @@
+#include <lefort/geometry/mesh_measures.h>
+#include <lefort/plan/check_volumes.h>
+#include <lefort/plan/cut_segments.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace lefort::plan {
+namespace {
+
+/// The place of a segment among those before `end`; `end` if it is not there.
+std::size_t place_of(std::span<const PlannedSegment> planned, std::size_t end,
+                     const std::string& name) {
+  const auto last = planned.begin() + std::ptrdiff_t(end);
+  return std::size_t(
+      std::find_if(planned.begin(), last,
+                   [&](const PlannedSegment& one) { return one.osteotomy.segment == name; }) -
+      planned.begin());
+}
+
+}  // namespace
+
+Result<void> check_segments(std::span<const PlannedSegment> planned) {
+  for (std::size_t k = 0; k < planned.size(); ++k) {
+    const std::string& name = planned[k].osteotomy.segment;
+    if (place_of(planned, k, name) != k)
+      return fail(ErrorCode::kPlanInvalid, fmt::format("two segments are called '{}'", name));
+    const std::string& from = planned[k].from;
+    if (!from.empty() && place_of(planned, k, from) == k)
+      return fail(
+          ErrorCode::kPlanInvalid,
+          fmt::format("segment '{}' is from '{}', which is no segment before it", name, from));
+  }
+  return {};
+}
+
+Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
+                                 std::span<const PlannedSegment> planned, Progress& progress) {
+  LEFORT_TRY_VOID(check_segments(planned));
+  CutSegments all;
+  all.remainder_L = skull_L;
+  for (std::size_t k = 0; k < planned.size(); ++k) {
+    const PlannedSegment& one = planned[k];
+    const std::size_t from = place_of(planned, k, one.from);
+    geometry::TriangleMesh& source = one.from.empty() ? all.remainder_L : all.segments_L[from];
+    LEFORT_TRY(CutBones bones, cut_bones(source, one.osteotomy, one.cut, progress));
+    if (k == 0) all.skull_volume_mm3 = bones.skull_volume_mm3;
+    all.kerf_volume_mm3 += bones.kerf_volume_mm3;
+    source = std::move(bones.remainder_L);
+    all.segments_L.push_back(std::move(bones.segment_L));
+    bones.remainder_L = {};
+    bones.segment_L = {};
+    all.cuts.push_back(std::move(bones));
+  }
+  for (const geometry::TriangleMesh& segment : all.segments_L)
+    all.volumes_mm3.push_back(geometry::signed_volume_mm3(segment));
+  all.remainder_volume_mm3 = geometry::signed_volume_mm3(all.remainder_L);
+  std::vector<double> parts_mm3 = all.volumes_mm3;
+  parts_mm3.insert(parts_mm3.end(), {all.remainder_volume_mm3, all.kerf_volume_mm3});
+  LEFORT_TRY_VOID(check_volumes("all osteotomies", all.skull_volume_mm3, parts_mm3));
+  return all;
+}
+
+}  // namespace lefort::plan

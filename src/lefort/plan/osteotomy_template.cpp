@@ -1,0 +1,225 @@
+#include <lefort/plan/osteotomy_template.h>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace lefort::plan {
+namespace {
+
+constexpr std::array<std::pair<OsteotomyTemplate, std::string_view>, 5> kNames{{
+    {OsteotomyTemplate::kLeFort1, "le-fort-1"},
+    {OsteotomyTemplate::kLeFort2, "le-fort-2"},
+    {OsteotomyTemplate::kLeFort3, "le-fort-3"},
+    {OsteotomyTemplate::kGenioplasty, "genioplasty"},
+    {OsteotomyTemplate::kSagittalSplit, "sagittal-split"},
+}};
+
+std::vector<std::string> landmarks_for(OsteotomyTemplate kind) {
+  switch (kind) {
+    case OsteotomyTemplate::kLeFort1:
+      return {"ANS", "PNS"};
+    case OsteotomyTemplate::kLeFort2:
+      return {"N", "Or-R", "Or-L", "ANS", "PNS"};
+    case OsteotomyTemplate::kLeFort3:
+      return {"N", "Or-R", "Or-L", "FZ-R", "FZ-L", "ANS", "PNS"};
+    case OsteotomyTemplate::kGenioplasty:
+      return {"Me", "Pg", "Go-R", "Go-L"};
+    case OsteotomyTemplate::kSagittalSplit:
+      return {"Me", "Go-R", "Go-L", "Co-R", "Co-L", "L6-R", "L6-L"};
+  }
+  return {};
+}
+
+/// Landmarks, and directions of the head.
+struct Head {
+  std::span<const Landmark> landmarks;
+  Vec3 left, anterior, up;
+
+  [[nodiscard]] Vec3 at(std::string_view name) const { return *find_landmark(landmarks, name); }
+  [[nodiscard]] Vec3 middle(std::string_view name) const { return *find_middle(landmarks, name); }
+};
+
+Vec3 without(const Vec3& v, const Vec3& unit) { return v - unit.dot(v) * unit; }
+
+/// \param backwards, forwards  two points of what counts as horizontal, seen from the side.
+/// \returns kPlanInvalid if sides are exchanged, or the points lie on one line from right to left
+///   or do not lead forwards.
+Result<Head> head_along(std::span<const Landmark> landmarks, const Vec3& backwards,
+                        const Vec3& forwards) {
+  constexpr double kShortest_mm = 1.0;  // As for two landmarks in one point.
+  constexpr double kLeastCosine = 0.5;  // Of 60 degrees, as for sides.
+  const auto bad = [](const char* what) { return fail(ErrorCode::kPlanInvalid, what); };
+  LEFORT_TRY(const Vec3 left, left_of(landmarks));
+  const Vec3 ahead = without(forwards - backwards, left);
+  if (!(ahead.norm() >= kShortest_mm))
+    return bad("its landmarks lie on one line from right to left");
+  Head head{landmarks, left, ahead.normalized(), {}};
+  head.up = head.anterior.cross(head.left);
+  if (!(-head.anterior.y() > kLeastCosine))
+    return bad(
+        "the way from its hind to its front landmarks runs more than 60 degrees off the "
+        "patient's front, are they exchanged?");
+  return head;
+}
+
+Osteotomy le_fort_1(const Head& head, const TemplateOptions& options) {
+  Osteotomy cut;
+  cut.planes = {{head.at("ANS") + options.above_palate_mm * head.up, -head.up},
+                {head.at("PNS") - options.behind_palate_mm * head.anterior, head.anterior}};
+  return cut;
+}
+
+/// From nasion down and back to the top of the fissure behind the maxilla: below the skull's base.
+Vec3 roof_backwards(const Head& head) {
+  constexpr double kFissure = 0.45;  // Of the way up from PNS to the height of N.
+  const Vec3 rise = head.up.dot(head.at("N") - head.at("PNS")) * head.up;
+  return without(head.at("PNS") + kFissure * rise - head.at("N"), head.left).normalized();
+}
+
+Osteotomy le_fort_2(const Head& head, const TemplateOptions& options) {
+  Osteotomy cut;
+  const Vec3 nasion = head.at("N"), backwards = roof_backwards(head);
+  for (const char* const orbitale : {"Or-R", "Or-L"}) {
+    Vec3 normal = backwards.cross(head.at(orbitale) - nasion).normalized();
+    if (normal.dot(head.at("ANS") - nasion) < 0.0) normal = -normal;
+    cut.planes.push_back({nasion, normal});
+  }
+  cut.planes.push_back({head.at("PNS") - options.behind_palate_mm * head.anterior, head.anterior});
+  return cut;
+}
+
+Osteotomy le_fort_3(const Head& head, const TemplateOptions& options) {
+  constexpr double kBeyondOrbitale = 1.3;  // Half-width of the middle part, of that between Or.
+  constexpr double kOverlap_mm = 6.0;      // Of the middle and the lateral parts.
+  Osteotomy cut;
+  const Vec3 nasion = head.at("N");
+  const Vec3 middle = 0.5 * (head.at("Or-R") + head.at("Or-L"));
+  const double half_mm = kBeyondOrbitale * 0.5 * head.left.dot(head.at("Or-L") - head.at("Or-R"));
+  const Vec3 roof = head.left.cross(roof_backwards(head)).normalized();
+  cut.planes = {{nasion, roof.dot(head.up) < 0.0 ? roof : Vec3(-roof)},
+                {head.at("PNS") - options.behind_palate_mm * head.anterior, head.anterior},
+                {middle + half_mm * head.left, -head.left},
+                {middle - half_mm * head.left, head.left}};
+  for (const bool is_left : {false, true}) {
+    const Vec3 outwards = is_left ? head.left : Vec3(-head.left);
+    const Vec3 suture = head.at(is_left ? "FZ-L" : "FZ-R");
+    cut.also.push_back({{{suture, -head.up},
+                         {suture - options.behind_rim_mm * head.anterior, head.anterior},
+                         {middle + (half_mm - kOverlap_mm) * outwards, outwards}},
+                        {}});
+  }
+  return cut;
+}
+
+Osteotomy genioplasty(const Head& head, const TemplateOptions& options) {
+  constexpr double kExit = 0.5;  // Of the way from Me to Go the cut leaves the lower border.
+  Osteotomy cut;
+  const Vec3 front = head.at("Pg") + options.above_pogonion_mm * head.up;
+  const Vec3 exit = head.at("Me") + kExit * (head.middle("Go") - head.at("Me"));
+  Vec3 normal = head.left.cross(exit - front).normalized();
+  if (normal.dot(head.at("Me") - front) < 0.0) normal = -normal;
+  cut.planes = {{front, normal}};
+  cut.holds_L = {head.at("Me")};
+  return cut;
+}
+
+///   from the left side, front to the left        What stays (proximal) is above the medial cut, or
+///                 ) Co                           lateral of the split, and behind the buccal cut.
+///      medial cut -------\   proximal            What moves (distal) is, on each side, either in
+///                        |                       front of the buccal cut, or both below the medial
+///      L6   | buccal cut | split inside Go       cut and medial of the split.
+///     -------------------/ Go
+Osteotomy sagittal_split(const Head& head, const TemplateOptions& options) {
+  constexpr double kMedialCut = 0.5;    // Of the way from Go to Co: above the lingula.
+  constexpr double kStagger_mm = 0.01;  // So that regions do not end in the same plane.
+  struct Side {
+    CutPlane before_buccal, medial, below;
+  };
+  const auto side_of = [&](const char* side, const Vec3& outwards) {
+    const Vec3 go = head.at(std::string("Go") + side), co = head.at(std::string("Co") + side);
+    const Vec3 molar = head.at(std::string("L6") + side);
+    const Vec3 along = without(molar - go, head.up).normalized();
+    Vec3 inwards = without(-outwards, along);
+    inwards = without(inwards, head.up).normalized();
+    return Side{{molar - options.behind_molar_mm * head.anterior, head.anterior},
+                {go + options.split_depth_mm * inwards, inwards},
+                {go + kMedialCut * (co - go), (go - co).normalized()}};
+  };
+  const Side right = side_of("-R", -head.left), left = side_of("-L", head.left);
+  const auto widened = [&](CutRegion region, int times) {
+    for (CutPlane& plane : region.planes) plane.point_L -= times * kStagger_mm * plane.normal_L;
+    return region;
+  };
+  Osteotomy cut;
+  cut.planes = {right.before_buccal, left.before_buccal};
+  cut.also = {widened({{right.before_buccal, left.medial, left.below}, {}}, 1),
+              widened({{right.medial, right.below, left.before_buccal}, {}}, 2),
+              widened({{right.medial, right.below, left.medial, left.below}, {}}, 3)};
+  cut.holds_L = {head.at("Me")};
+  return cut;
+}
+
+}  // namespace
+
+std::string_view name_of(OsteotomyTemplate kind) {
+  for (const auto& [one, name] : kNames)
+    if (one == kind) return name;
+  return {};
+}
+
+std::optional<OsteotomyTemplate> find_template(std::string_view name) {
+  for (const auto& [kind, known] : kNames)
+    if (known == name) return kind;
+  return std::nullopt;
+}
+
+Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segment,
+                                 std::span<const Landmark> landmarks,
+                                 const TemplateOptions& options) {
+  const auto bad = [&](const std::string& what) {
+    return fail(ErrorCode::kPlanInvalid,
+                fmt::format("template {} of '{}': {}", name_of(kind), segment, what));
+  };
+  const std::vector<std::string> needed = landmarks_for(kind);
+  for (const std::string& name : needed)
+    if (!find_landmark(landmarks, name))
+      return bad(fmt::format("landmark {} ({}) is missing", name, full_name(name)));
+  for (std::size_t i = 0; i < needed.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if ((*find_landmark(landmarks, needed[i]) - *find_landmark(landmarks, needed[j])).norm() <
+          1.0)
+        return bad(
+            fmt::format("landmarks {} and {} are less than 1 mm apart", needed[j], needed[i]));
+
+  const bool is_mandible =
+      kind == OsteotomyTemplate::kGenioplasty || kind == OsteotomyTemplate::kSagittalSplit;
+  const auto orbitale = find_middle(landmarks, "Or"), porion = find_middle(landmarks, "Po");
+  Vec3 backwards, forwards;
+  if (kind == OsteotomyTemplate::kLeFort1 || (!is_mandible && !(orbitale && porion))) {
+    backwards = *find_landmark(landmarks, "PNS");
+    forwards = *find_landmark(landmarks, "ANS");
+  } else if (orbitale && porion) {
+    backwards = *porion;
+    forwards = *orbitale;
+  } else {
+    backwards = *find_middle(landmarks, "Go");
+    forwards = *find_landmark(landmarks, "Me");
+  }
+  const Result<Head> found = head_along(landmarks, backwards, forwards);
+  if (!found) return bad(found.error().message);
+  const Head& head = *found;
+  Osteotomy cut;
+  if (kind == OsteotomyTemplate::kLeFort1) cut = le_fort_1(head, options);
+  if (kind == OsteotomyTemplate::kLeFort2) cut = le_fort_2(head, options);
+  if (kind == OsteotomyTemplate::kLeFort3) cut = le_fort_3(head, options);
+  if (kind == OsteotomyTemplate::kGenioplasty) cut = genioplasty(head, options);
+  if (kind == OsteotomyTemplate::kSagittalSplit) cut = sagittal_split(head, options);
+  if (!is_mandible) cut.holds_L = {head.at("ANS")};
+  cut.segment = segment;
+  return cut;
+}
+
+}  // namespace lefort::plan

@@ -1,0 +1,224 @@
+#include <lefort/contact/detector.h>
+#include <lefort/core/check.h>
+#include <lefort/geometry/bvh.h>
+#include <lefort/plan/bone_path.h>
+#include <lefort/predict/check_plan.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+
+namespace lefort::predict {
+namespace {
+
+constexpr const char* kRemainder = "remainder";
+
+/// A bone with all that is asked of it.
+struct Bone {
+  std::string name;
+  const geometry::TriangleMesh* surface_B;
+  const plan::PlannedSegment* planned;  ///< Null for the remainder.
+  std::shared_ptr<const contact::Detector> detector_B;
+  double cell_mm;
+  std::unique_ptr<const geometry::Bvh> tree_B;
+
+  [[nodiscard]] RigidTransform pose_at(double share) const {
+    return planned == nullptr ? RigidTransform::Identity() : plan::pose_at(planned->path, share);
+  }
+};
+
+Result<Bone> make_bone(std::string name, const geometry::TriangleMesh& surface_B,
+                       const plan::PlannedSegment* planned,
+                       const field::DistanceFieldOptions& options, Progress& progress) {
+  LEFORT_TRY(field::DistanceField field, field::build_distance_field(surface_B, options, progress));
+  const auto shared = std::make_shared<const field::DistanceField>(std::move(field));
+  LEFORT_TRY(auto detector_B, contact::detect_by_field(shared, contact::Detection::kTrilinear));
+  return Bone{std::move(name),       &surface_B,        planned,
+              std::move(detector_B), shared->cell_mm(), std::make_unique<geometry::Bvh>(surface_B)};
+}
+
+Result<std::vector<Bone>> make_bones(const plan::CutSegments& cut,
+                                     std::span<const plan::PlannedSegment> planned,
+                                     const field::DistanceFieldOptions& options,
+                                     Progress& progress) {
+  std::vector<Bone> bones;
+  for (std::size_t k = 0; k < planned.size(); ++k) {
+    LEFORT_TRY(Bone bone, make_bone(planned[k].osteotomy.segment, cut.segments_L[k], &planned[k],
+                                    options, progress));
+    bones.push_back(std::move(bone));
+  }
+  LEFORT_TRY(Bone still, make_bone(kRemainder, cut.remainder_L, nullptr, options, progress));
+  bones.push_back(std::move(still));
+  return bones;
+}
+
+/// Steps of the longest path and all keyframes, ascending.
+std::vector<double> moments_of(std::span<const plan::PlannedSegment> planned) {
+  int steps = 1;
+  for (const plan::PlannedSegment& one : planned) steps = std::max(steps, one.path.steps);
+  std::vector<double> moments;
+  for (int step = 1; step <= steps; ++step) moments.push_back(double(step) / steps);
+  for (const plan::PlannedSegment& one : planned)
+    for (const plan::Keyframe& key : one.path.keyframes) moments.push_back(key.at);
+  std::sort(moments.begin(), moments.end());
+  moments.erase(std::unique(moments.begin(), moments.end()), moments.end());
+  return moments;
+}
+
+/// The deepest moment of a pair, if it more than touches at any.
+std::optional<BonePair> deepest_overlap(const Bone& first, const Bone& second,
+                                        std::span<const double> moments, const Progress& progress) {
+  std::optional<BonePair> deepest;
+  for (const double share : moments) {
+    if (progress.stop_requested()) break;
+    const contact::SolidBone a{first.surface_B, {first.detector_B, first.pose_at(share)}};
+    const contact::SolidBone b{second.surface_B, {second.detector_B, second.pose_at(share)}};
+    contact::BoneOverlap overlap =
+        contact::measure_overlap(a, b, std::min(first.cell_mm, second.cell_mm));
+    if (!overlap.overlaps()) continue;
+    if (!deepest || overlap.deepest_mm > deepest->overlap.deepest_mm)
+      deepest = BonePair{first.name, second.name, share, std::move(overlap)};
+  }
+  return deepest;
+}
+
+/// A small part of a cut face.
+struct CutSample {
+  Vec3 point_B;
+  double area_mm2;
+};
+
+/// Where a segment ends that had other bone next to it.
+std::vector<CutSample> cut_samples(const std::vector<Bone>& bones, std::size_t segment) {
+  constexpr double kSpacing_mm = 1.0;
+  const double near_mm = bones[segment].planned->osteotomy.kerf_mm + contact::kTouching_mm;
+  const geometry::TriangleMesh& mesh = *bones[segment].surface_B;
+  const auto has_neighbour = [&](const Vec3& p_L) {
+    for (std::size_t b = 0; b < bones.size(); ++b)
+      if (b != segment && bones[b].tree_B->closest_point(p_L, near_mm)) return true;
+    return false;
+  };
+  std::vector<CutSample> samples;
+  for (Index t = 0; t < mesh.triangle_count(); ++t) {
+    const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
+    const double longest_mm = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    const int parts = std::max(1, int(std::ceil(longest_mm / kSpacing_mm)));
+    const double area_mm2 = 0.5 * (b - a).cross(c - a).norm() / (double(parts) * parts);
+    // Middles of the small triangles, upright ones first.
+    for (int i = 0; i < parts; ++i)
+      for (int j = 0; i + j < parts; ++j)
+        for (int turned = 0; turned < (i + j + 1 < parts ? 2 : 1); ++turned) {
+          const double third = turned == 0 ? 1.0 / 3.0 : 2.0 / 3.0;
+          const Vec3 p = a + (i + third) / parts * (b - a) + (j + third) / parts * (c - a);
+          if (has_neighbour(p)) samples.push_back({p, area_mm2});
+        }
+  }
+  return samples;
+}
+
+SegmentSupport measure_support(const std::vector<Bone>& bones, std::size_t segment,
+                               const PlanLimits& limits) {
+  SegmentSupport support;
+  support.segment = bones[segment].name;
+  const RigidTransform X_end = bones[segment].pose_at(1.0);
+  std::vector<RigidTransform> X_BL;
+  for (const Bone& bone : bones) X_BL.push_back(bone.pose_at(1.0).inverse());
+  double gap_volume_mm3 = 0.0;
+  for (const auto& [point_B, area_mm2] : cut_samples(bones, segment)) {
+    const Vec3 p_L = X_end * point_B;
+    double gap_mm = std::numeric_limits<double>::infinity();
+    for (std::size_t b = 0; b < bones.size(); ++b) {
+      if (b == segment) continue;
+      const auto nearest = bones[b].tree_B->closest_point(X_BL[b] * p_L, gap_mm);
+      if (nearest) gap_mm = std::min(gap_mm, nearest->distance_mm);
+    }
+    support.cut_area_mm2 += area_mm2;
+    gap_volume_mm3 += gap_mm * area_mm2;
+    if (gap_mm <= limits.support_mm) support.supported_area_mm2 += area_mm2;
+    if (gap_mm <= support.largest_gap_mm) continue;
+    support.largest_gap_mm = gap_mm;
+    support.largest_gap_L = p_L;
+  }
+  if (support.cut_area_mm2 > 0.0) support.mean_gap_mm = gap_volume_mm3 / support.cut_area_mm2;
+  return support;
+}
+
+std::string place(const Vec3& p) {
+  return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z());
+}
+
+std::vector<PlanFinding> judge(const PlanCheck& check,
+                               std::span<const plan::PlannedSegment> planned,
+                               const PlanLimits& limits) {
+  std::vector<PlanFinding> findings;
+  for (const BonePair& pair : check.overlaps) {
+    const contact::BoneOverlap& overlap = pair.overlap;
+    if (!(overlap.deepest_mm > limits.overlap_mm)) continue;
+    findings.push_back(
+        {FindingKind::kOverlap, pair.first,
+         fmt::format("{} and {} are in each other: at {:.1f} % of the path they share {:.2f} ml, "
+                     "{}{:.2f} mm deep at {}",
+                     pair.first, pair.second, 100.0 * pair.share, overlap.volume_mm3 * 1e-3,
+                     overlap.is_beyond_reach ? "more than " : "up to ", overlap.deepest_mm,
+                     place(overlap.deepest_L))});
+  }
+  for (std::size_t k = 0; k < planned.size(); ++k) {
+    if (planned[k].is_distracted) continue;
+    const SegmentSupport& support = check.supports[k];
+    if (support.largest_gap_mm > limits.gap_mm)
+      findings.push_back(
+          {FindingKind::kGap, support.segment,
+           fmt::format("a gap of {:.1f} mm opens at a cut face of {}, at {}; at most {:g} mm may",
+                       support.largest_gap_mm, support.segment, place(support.largest_gap_L),
+                       limits.gap_mm)});
+    if (support.supported_share() < limits.support_share)
+      findings.push_back(
+          {FindingKind::kMissingSupport, support.segment,
+           fmt::format("{} has lost its support: {:.0f} of {:.0f} mm2 of its cut faces lie within "
+                       "{:g} mm of other bone, {:.0f} % must",
+                       support.segment, support.supported_area_mm2, support.cut_area_mm2,
+                       limits.support_mm, 100.0 * limits.support_share)});
+  }
+  return findings;
+}
+
+}  // namespace
+
+const char* name_of(FindingKind kind) {
+  switch (kind) {
+    case FindingKind::kOverlap:
+      return "overlap";
+    case FindingKind::kGap:
+      return "gap";
+    case FindingKind::kMissingSupport:
+      return "missing_support";
+  }
+  return "";
+}
+
+Result<PlanCheck> check_plan(const plan::CutSegments& cut,
+                             std::span<const plan::PlannedSegment> planned,
+                             const PlanLimits& limits, field::DistanceFieldOptions field,
+                             Progress& progress) {
+  LEFORT_CHECK(cut.segments_L.size() == planned.size());
+  field.smooth = false;
+  LEFORT_TRY(const std::vector<Bone> bones, make_bones(cut, planned, field, progress));
+  const std::vector<double> moments = moments_of(planned);
+  PlanCheck check;
+  for (std::size_t a = 0; a + 1 < bones.size(); ++a)
+    for (std::size_t b = a + 1; b < bones.size(); ++b)
+      if (auto pair = deepest_overlap(bones[a], bones[b], moments, progress))
+        check.overlaps.push_back(*std::move(pair));
+  for (std::size_t k = 0; k < planned.size(); ++k) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the check was cancelled");
+    check.supports.push_back(measure_support(bones, k, limits));
+  }
+  check.findings = judge(check, planned, limits);
+  return check;
+}
+
+}  // namespace lefort::predict

@@ -1,0 +1,79 @@
+#include <lefort/plan/landmarks.h>
+
+#include <gtest/gtest.h>
+
+namespace lefort::plan {
+namespace {
+
+TEST(Landmarks, NamesHaveSidesWhereTheFieldHasPairs) {
+  EXPECT_EQ(full_name("Or-R"), "right orbitale");
+  EXPECT_EQ(full_name("Or-L"), "left orbitale");
+  EXPECT_EQ(full_name("N'"), "soft-tissue nasion");
+  EXPECT_EQ(find_kind("Or"), nullptr);
+  EXPECT_EQ(find_kind("N-R"), nullptr);
+  EXPECT_EQ(full_name("screw 3"), "screw 3");
+  for (const LandmarkKind& kind : landmark_kinds())
+    EXPECT_EQ(find_kind(std::string(kind.abbreviation) + (kind.is_paired ? "-L" : "")), &kind);
+}
+
+TEST(Landmarks, TheMiddleIsOfBothSidesOrOfTheOneThereIs) {
+  const Landmarks both{{"Or-R", {-30, 0, 0}}, {"Or-L", {32, 4, 2}}};
+  EXPECT_EQ(*find_middle(both, "Or"), Vec3(1, 2, 1));
+  EXPECT_EQ(*find_middle(Landmarks{both[1]}, "Or"), both[1].point_L);
+  EXPECT_FALSE(find_middle(both, "Po"));
+}
+
+TEST(Landmarks, LeftIsToThePatientsLeftWhateverTheOrder) {
+  EXPECT_EQ(left_of(Landmarks{}).value(), Vec3(1, 0, 0));
+  const Landmarks turned{{"Or-L", {24, 18, 0}}, {"N", {0, 0, 0}}, {"Or-R", {-24, -18, 0}}};
+  EXPECT_LT((left_of(turned).value() - Vec3(0.8, 0.6, 0)).norm(), 1e-15);
+  const Landmarks others{{"Or-L", {30, 0, 0}},
+                         {"Or-R", {-30, 0, 0}},  // Not the field's sides.
+                         {"screw-L", {-5, 9, 0}},
+                         {"screw-R", {5, 0, 0}}};
+  EXPECT_EQ(left_of(others).value(), Vec3(1, 0, 0));
+}
+
+/// A face that is askew: no side is the mirror image of the other.
+Landmarks askew() {
+  return {{"N", {1, -66, 30}},      {"ANS", {2, -70, -25}},   {"Or-R", {-32, -55, 2}},
+          {"Or-L", {35, -52, 4}},   {"Po-R", {-58, 15, 2}},   {"Po-L", {61, 19, -1}},
+          {"FZ-R", {-48, -48, 26}}, {"U6-L", {26, -40, -44}}, {"Prn", {3, -90, -10}}};
+}
+
+void expect_refused(const Landmarks& landmarks, const char* words) {
+  const auto left = left_of(landmarks);
+  ASSERT_FALSE(left) << words;
+  EXPECT_EQ(left.error().code, ErrorCode::kPlanInvalid);
+  EXPECT_NE(left.error().message.find(words), std::string::npos) << left.error().message;
+}
+
+TEST(Landmarks, ExchangedSidesAreRefusedByName) {
+  ASSERT_TRUE(left_of(askew())) << left_of(askew()).error().message;
+  Landmarks one = askew();
+  std::swap(one[2].name, one[3].name);
+  expect_refused(one, "landmarks Or-R and Or-L");
+  std::swap(one[4].name, one[5].name);
+  expect_refused(one, "are they exchanged?");
+  Landmarks sideways = askew();
+  sideways[3].point_L = sideways[2].point_L + Vec3(0, 60, 0);
+  expect_refused(sideways, "Or-R and Or-L");
+}
+
+TEST(Landmarks, ASideBeyondTheMiddleIsRefusedByName) {
+  Landmarks one = askew();
+  one[6].name = "FZ-L";
+  expect_refused(one, "landmark FZ-L lies");
+  one = askew();
+  one[7].name = "U6-R";
+  expect_refused(one, "landmark U6-R lies");
+}
+
+TEST(Landmarks, ARepeatedNameIsFound) {
+  EXPECT_FALSE(first_repeated_name(Landmarks{{"A", {0, 0, 0}}, {"B", {0, 0, 0}}}));
+  EXPECT_EQ(first_repeated_name(Landmarks{{"A", {0, 0, 0}}, {"B", {0, 0, 0}}, {"A", {1, 0, 0}}}),
+            "A");
+}
+
+}  // namespace
+}  // namespace lefort::plan
