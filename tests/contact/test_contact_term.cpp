@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <random>
@@ -88,6 +89,27 @@ Evaluated evaluate(const ContactTerm& term, Index item, const std::vector<Vec3>&
   result.energy_mj = local.energy_mj;
   result.contacts = local.contacts;
   return result;
+}
+
+/// Residual and stiffness against central differences of energy and residual.
+///
+/// \param equations  of positions.
+void expect_derivatives_of_energy(
+    const std::function<Evaluated(const std::vector<Vec3>& x_L)>& equations,
+    const std::vector<Vec3>& x_L) {
+  constexpr double kStep = 1e-6;
+  const Evaluated at = equations(x_L);
+  for (Index dof = 0; dof < Index(3 * x_L.size()); ++dof) {
+    std::vector<Vec3> plus = x_L, minus = x_L;
+    plus[std::size_t(dof / 3)][dof % 3] += kStep;
+    minus[std::size_t(dof / 3)][dof % 3] -= kStep;
+    const Evaluated above = equations(plus), below = equations(minus);
+    EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep), 1e-8);
+    EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              3e-6);
+  }
 }
 
 TEST(ContactTerm, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {
@@ -196,23 +218,11 @@ TEST(ContactTerm, PastTheMiddleOfAPlateTheWayBackIsTheWayItCame) {
 }
 
 TEST(ContactTerm, HeldOffByWallsResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
-  constexpr double kStep = 1e-6;
   ContactTerm term(flat_face(0.0), kFace, plate(), with_depth(0.1));
   std::vector<Vec3> x_L{{0.1, 0.0, 0.0}, {0.0, 4.2, 0.3}, {4.0, 0.2, 0.5}};
   term.set_pose(lifted(1.5));
   ASSERT_GT(term.keep_sides(x_L), 0);
-  const Evaluated at = evaluate(term, 0, x_L);
-  for (Index dof = 0; dof < 9; ++dof) {
-    std::vector<Vec3> plus = x_L, minus = x_L;
-    plus[std::size_t(dof / 3)][dof % 3] += kStep;
-    minus[std::size_t(dof / 3)][dof % 3] -= kStep;
-    const Evaluated above = evaluate(term, 0, plus), below = evaluate(term, 0, minus);
-    EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep), 1e-8);
-    EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
-                  .cwiseAbs()
-                  .maxCoeff(),
-              3e-6);
-  }
+  expect_derivatives_of_energy([&](const auto& x) { return evaluate(term, 0, x); }, x_L);
 }
 
 TEST(ContactTerm, ACaptureThatReachesBeyondTheBandIsABug) {
@@ -269,7 +279,6 @@ Evaluated gather(const ContactTerm& term, const std::vector<Vec3>& x_L) {
 }
 
 TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
-  constexpr double kStep = 1e-6;
   const std::vector<Vec3> rest{{6.2, -1.0, -1.0}, {6.2, 1.2, -0.8}, {6.2, 0.1, 1.3}};
   ContactTerm term(rest, kFace, ball(GetParam().detection), options(0.1, GetParam().integration));
   EXPECT_TRUE(term.is_conservative(fem::DofMap::build(3, {}).value()));
@@ -285,17 +294,7 @@ TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
     for (Vec3& x : x_L) x += Vec3(shift_mm(generator), shift_mm(generator), shift_mm(generator));
     const Evaluated at = gather(term, x_L);
     ASSERT_GT(at.residual_n.norm(), 0.0);
-    for (int dof = 0; dof < 9; ++dof) {
-      std::vector<Vec3> plus = x_L, minus = x_L;
-      plus[std::size_t(dof / 3)][dof % 3] += kStep;
-      minus[std::size_t(dof / 3)][dof % 3] -= kStep;
-      const Evaluated above = gather(term, plus), below = gather(term, minus);
-      EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep), 1e-8);
-      EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
-                    .cwiseAbs()
-                    .maxCoeff(),
-                3e-6);
-    }
+    expect_derivatives_of_energy([&](const auto& x) { return gather(term, x); }, x_L);
     EXPECT_LT((at.stiffness - at.stiffness.transpose()).norm(), 1e-12);
   }
   ASSERT_GT(unaugmented_mj, 0.0);
@@ -318,26 +317,14 @@ INSTANTIATE_TEST_SUITE_P(Shapes, ContactTermOnFaces,
                                          mesh::FaceShape::kTri6, mesh::FaceShape::kQuad8));
 
 TEST_P(ContactTermOnFaces, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
-  constexpr double kStep = 1e-6;
   const std::vector<Vec3> rest = warped_face(GetParam());
   ContactTerm term(rest, {{GetParam(), {0, 1, 2, 3, 4, 5, 6, 7}}}, ball(), options(0.1));
   ASSERT_EQ(term.nodes(0).size(), rest.size());
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
   term.set_pose(X_LB);
-  const Evaluated at = evaluate(term, 0, rest);
-  ASSERT_GT(at.energy_mj, 0.0);
-  for (Index dof = 0; dof < Index(3 * rest.size()); ++dof) {
-    std::vector<Vec3> plus = rest, minus = rest;
-    plus[std::size_t(dof / 3)][dof % 3] += kStep;
-    minus[std::size_t(dof / 3)][dof % 3] -= kStep;
-    const Evaluated above = evaluate(term, 0, plus), below = evaluate(term, 0, minus);
-    EXPECT_NEAR(at.residual_n[dof], (above.energy_mj - below.energy_mj) / (2.0 * kStep), 1e-8);
-    EXPECT_LT((at.stiffness.col(dof) - (above.residual_n - below.residual_n) / (2.0 * kStep))
-                  .cwiseAbs()
-                  .maxCoeff(),
-              3e-6);
-  }
+  ASSERT_GT(evaluate(term, 0, rest).energy_mj, 0.0);
+  expect_derivatives_of_energy([&](const auto& x) { return evaluate(term, 0, x); }, rest);
 }
 
 TEST_P(ContactTermOnFaces, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {

@@ -1,8 +1,7 @@
 #include <lefort/contact/contact_term.h>
+#include <lefort/contact/surface_rule.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
-#include <lefort/fem/elements/quadrature_rules.h>
-#include <lefort/fem/faces/all_faces.h>
 #include <lefort/mesh/element_faces.h>
 
 #include <fmt/format.h>
@@ -17,92 +16,6 @@
 
 namespace lefort::contact {
 namespace {
-
-constexpr std::size_t kMaxFaceNodes = 8;
-
-/// A point of a reference face.
-struct RulePoint {
-  double weight = 0.0;
-  std::array<double, kMaxFaceNodes> N{};
-  Eigen::Matrix<double, 2, kMaxFaceNodes> dN_dxi = Eigen::Matrix<double, 2, kMaxFaceNodes>::Zero();
-};
-
-/// Where a face of one shape is asked for its gap.
-struct Rule {
-  std::vector<RulePoint> points;
-  double reach = 1.0;  ///< How much further a point may move than the nodes do, at most.
-};
-
-/// Gaps are no polynomials, and the denser the points the less an edge slips between them: six
-/// points of a triangle, of degree 4 (\cite dunavant1985), and 3 x 3 of a quadrilateral.
-template <class Shape>
-Rule rule_of() {
-  Rule rule;
-  const auto add = [&](const auto& points) {
-    for (const auto& known : fem::at_points<Shape>(points)) {
-      RulePoint& point = rule.points.emplace_back();
-      point.weight = known.weight;
-      for (int a = 0; a < Shape::kNodes; ++a) point.N[std::size_t(a)] = known.N[a];
-      point.dN_dxi.template leftCols<Shape::kNodes>() = known.dN_dxi;
-      rule.reach = std::max(rule.reach, known.N.cwiseAbs().sum());
-    }
-  };
-  if constexpr (mesh::corner_count(Shape::kShape) == 3)
-    add(fem::triangle_6());
-  else
-    add(fem::product(fem::gauss_3(), fem::gauss_3()));
-  return rule;
-}
-
-/// A node alone.
-Rule node_rule() {
-  Rule rule;
-  rule.points.emplace_back().weight = 1.0;
-  rule.points.back().N[0] = 1.0;
-  return rule;
-}
-
-/// By FaceShape; the last is a node's.
-constexpr std::uint8_t kNodeRule = 4;
-const Rule& rule_at(std::size_t number) {
-  static const std::array<Rule, 5> rules{rule_of<fem::Tri3>(), rule_of<fem::Quad4>(),
-                                         rule_of<fem::Tri6>(), rule_of<fem::Quad8>(), node_rule()};
-  return rules[number];
-}
-
-constexpr std::size_t kMaxPoints = 9;
-
-/// The part of a face that its a-th node stands for: that of a corner in the face, or in the
-/// smaller ones that middle nodes cut it into. All positive, and exact for forces that vary
-/// linearly.
-double share_of_node(mesh::FaceShape shape, std::size_t a) {
-  switch (shape) {
-    case mesh::FaceShape::kTri3:
-      return 1.0 / 3.0;
-    case mesh::FaceShape::kQuad4:
-      return 1.0 / 4.0;
-    case mesh::FaceShape::kTri6:
-      return a < 3 ? 1.0 / 12.0 : 1.0 / 4.0;
-    case mesh::FaceShape::kQuad8:
-      return a < 4 ? 1.0 / 12.0 : 1.0 / 6.0;
-  }
-  return 0.0;
-}
-
-/// Where a point is, its patch's nodes being at x.
-Vec3 interpolate(const RulePoint& point, std::span<const Vec3> x_L) {
-  Vec3 p_L = point.N[0] * x_L[0];
-  for (std::size_t a = 1; a < x_L.size(); ++a) p_L += point.N[a] * x_L[a];
-  return p_L;
-}
-
-/// The area a point stands for.
-double area_mm2(const RulePoint& point, std::span<const Vec3> x_L) {
-  Eigen::Matrix<double, 3, 2> tangents = Eigen::Matrix<double, 3, 2>::Zero();
-  for (std::size_t a = 0; a < x_L.size(); ++a)
-    tangents += x_L[a] * point.dN_dxi.col(Index(a)).transpose();
-  return point.weight * tangents.col(0).cross(tangents.col(1)).norm();
-}
 
 /// The nodes of a patch, picked from all.
 struct PatchNodes {
@@ -121,7 +34,7 @@ struct RuleGaps {
   std::array<Vec3, kMaxPoints> p_L;
   std::array<Gap, kMaxPoints> gaps;
 
-  RuleGaps(const BoneObstacle& obstacle, const Rule& rule, std::span<const Vec3> x_L,
+  RuleGaps(const BoneObstacle& obstacle, const SurfaceRule& rule, std::span<const Vec3> x_L,
            Derivatives derivatives) {
     const std::size_t count = rule.points.size();
     for (std::size_t q = 0; q < count; ++q) p_L[q] = interpolate(rule.points[q], x_L);
@@ -181,7 +94,7 @@ void ContactTerm::add_faces(std::span<const Vec3> nodes_L, const std::vector<mes
                 .first_point = points_.size()};
     std::copy(nodes.begin(), nodes.end(), patch.nodes.begin());
     const PatchNodes x(nodes, nodes_L);
-    for (const RulePoint& point : rule_at(patch.rule).points)
+    for (const RulePoint& point : surface_rule(patch.rule).points)
       points_.push_back({.area_mm2 = area_mm2(point, x.span())});
     patches_.push_back(patch);
   }
@@ -193,7 +106,7 @@ void ContactTerm::add_nodes(std::span<const Vec3> nodes_L, const std::vector<mes
     const auto nodes = mesh::nodes_of(face);
     const PatchNodes x(nodes, nodes_L);
     double face_mm2 = 0.0;
-    for (const RulePoint& point : rule_at(std::size_t(face.shape)).points)
+    for (const RulePoint& point : surface_rule(std::size_t(face.shape)).points)
       face_mm2 += area_mm2(point, x.span());
     for (std::size_t a = 0; a < nodes.size(); ++a)
       share_mm2[nodes[a]] += face_mm2 * share_of_node(face.shape, a);
@@ -209,7 +122,7 @@ template <class Function>
 void ContactTerm::for_each_point(const Patch& patch, std::span<const Vec3> x_L,
                                  const Function& f) const {
   const PatchNodes x(patch.span(), x_L);
-  const Rule& rule = rule_at(patch.rule);
+  const SurfaceRule& rule = surface_rule(patch.rule);
   const RuleGaps at(obstacle_, rule, x.span(), Derivatives::kFirst);
   for (std::size_t q = 0; q < rule.points.size(); ++q)
     f(patch.first_point + q, rule.points[q],
@@ -368,7 +281,7 @@ bool ContactTerm::is_out_of_reach(std::size_t patch, std::span<const Vec3> x_L) 
   const Clearance& last = last_clearance_[patch];
   if (last.clearance_mm <= slack_mm) return false;
   const double allowed_mm =
-      (last.clearance_mm - slack_mm) / (kSlope * rule_at(patches_[patch].rule).reach);
+      (last.clearance_mm - slack_mm) / (kSlope * surface_rule(patches_[patch].rule).reach);
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
   for (std::size_t a = 0; a < x_L.size(); ++a) {
     const Vec3 x_B = R_BL * (x_L[a] - obstacle_.X_LB.translation());
@@ -401,7 +314,7 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
                            fem::LocalEquations& local) const {
   if (is_out_of_reach(std::size_t(item), x_L)) return true;
   const Patch& patch = patches_[std::size_t(item)];
-  const Rule& rule = rule_at(patch.rule);
+  const SurfaceRule& rule = surface_rule(patch.rule);
   const RuleGaps measured(obstacle_, rule, x_L,
                           local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
   const auto nodes = Index(x_L.size());
