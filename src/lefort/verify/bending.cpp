@@ -41,11 +41,7 @@ Result<double> deflection(mesh::ElementShape shape, int cells, Progress& progres
   const double kappa_mpa = kYoung_mpa / (3.0 * (1.0 - 2.0 * kPoisson));
   CaseModel model{
       .mesh = mesh::make_box(shape, {5 * cells, cells, cells}, {kLength_mm, kSide_mm, kSide_mm}),
-      .materials = {{0,
-                     fem::Split<fem::IsochoricNeoHookean>{
-                         .shear = {.mu_mpa = shear_mpa},
-                         .volume = {.form = fem::VolumetricForm::kQuadraticLog,
-                                    .kappa_mpa = kappa_mpa}}}},
+      .materials = {{0, split_neo_hookean(shear_mpa, kappa_mpa)}},
       .prescribed = {}};
   std::vector<fem::PrescribedDisplacement> prescribed;
   for (int c = 0; c < 3; ++c) hold(model.mesh.node_sets.at("x0"), c, 0.0, prescribed);

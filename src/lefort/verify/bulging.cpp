@@ -41,11 +41,7 @@ struct Bulge {
 Result<Bulge> compress(mesh::ElementShape shape, int cells, Progress& progress) {
   const double kappa_mpa = 2.0 * kMu_mpa * (1.0 + kPoisson) / (3.0 * (1.0 - 2.0 * kPoisson));
   CaseModel model{.mesh = mesh::make_box(shape, {cells, cells, cells}, Vec3::Constant(kHalf_mm)),
-                  .materials = {{0,
-                                 fem::Split<fem::IsochoricNeoHookean>{
-                                     .shear = {.mu_mpa = kMu_mpa},
-                                     .volume = {.form = fem::VolumetricForm::kQuadraticLog,
-                                                .kappa_mpa = kappa_mpa}}}},
+                  .materials = {{0, split_neo_hookean(kMu_mpa, kappa_mpa)}},
                   .prescribed = {}};
   const auto& sets = model.mesh.node_sets;
   const auto top = sets.at("z1");

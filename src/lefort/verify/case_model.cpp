@@ -9,6 +9,12 @@
 
 namespace lefort::verify {
 
+fem::Material split_neo_hookean(double mu_mpa, double kappa_mpa) {
+  return fem::Split<fem::IsochoricNeoHookean>{
+      .shear = {.mu_mpa = mu_mpa},
+      .volume = {.form = fem::VolumetricForm::kQuadraticLog, .kappa_mpa = kappa_mpa}};
+}
+
 Result<Equilibrium> solve(const CaseModel& model, const SolveOptions& options, Progress& progress) {
   LEFORT_TRY(const auto element_terms,
              fem::make_element_terms(model.mesh, model.materials, model.dilatation));

@@ -19,6 +19,9 @@
 
 namespace lefort::verify {
 
+/// What most cases are made of: isochoric neo-Hookean, the volume by VolumetricForm::kQuadraticLog.
+[[nodiscard]] fem::Material split_neo_hookean(double mu_mpa, double kappa_mpa);
+
 /// A further force whose size follows the load.
 struct ExtraTerm {
   const fem::ForceTerm* term = nullptr;   ///< Not owned.

@@ -3,6 +3,7 @@
 #include <lefort/fem/equilibrium.h>
 #include <lefort/fem/load_steps.h>
 #include <lefort/mesh/box_grid.h>
+#include <lefort/verify/case_model.h>
 #include <lefort/verify/cook_membrane.h>
 
 #include <memory>
@@ -36,10 +37,8 @@ void hold(const std::vector<std::int32_t>& nodes, int component,
 fem::Material cook_material() {
   constexpr double kYoung_mpa = 240.565;
   constexpr double kPoisson = 0.4999;
-  return fem::Split<fem::IsochoricNeoHookean>{
-      .shear = {.mu_mpa = kYoung_mpa / (2.0 * (1.0 + kPoisson))},
-      .volume = {.form = fem::VolumetricForm::kQuadraticLog,
-                 .kappa_mpa = kYoung_mpa / (3.0 * (1.0 - 2.0 * kPoisson))}};
+  return split_neo_hookean(kYoung_mpa / (2.0 * (1.0 + kPoisson)),
+                           kYoung_mpa / (3.0 * (1.0 - 2.0 * kPoisson)));
 }
 
 CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells, Diagonal diagonal) {

@@ -112,11 +112,7 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
                         const std::shared_ptr<const contact::Detector>& sphere_B,
                         Progress& progress) {
   CaseModel model{.mesh = graded_block(shape, cells),
-                  .materials = {{0,
-                                 fem::Split<fem::IsochoricNeoHookean>{
-                                     .shear = {.mu_mpa = kMu_mpa},
-                                     .volume = {.form = fem::VolumetricForm::kQuadraticLog,
-                                                .kappa_mpa = kKappa_mpa}}}},
+                  .materials = {{0, split_neo_hookean(kMu_mpa, kKappa_mpa)}},
                   .prescribed = {}};
   const double side_mm = kReach * contact_radius_mm();
   const auto is_far = [&](const Vec3& p) {

@@ -46,11 +46,7 @@ double pressure_of(Vessel vessel) {
   return vessel == Vessel::kCylinder ? cylinder_pressure(kInflation) : sphere_pressure(kInflation);
 }
 
-fem::Material wall_law() {
-  return fem::Split<fem::IsochoricNeoHookean>{
-      .shear = {.mu_mpa = kMu_mpa},
-      .volume = {.form = fem::VolumetricForm::kQuadraticLog, .kappa_mpa = kKappa_mpa}};
-}
+fem::Material wall_law() { return split_neo_hookean(kMu_mpa, kKappa_mpa); }
 
 /// The ray of a wall: where a point has come to, and its radial nominal stress.
 struct Ray {

@@ -101,9 +101,7 @@ Section verify_patch(Extent /*extent*/, Progress& progress) {
                       "the norm of the "
                       "true stress."};
   const fem::Material compressible = fem::NeoHookean{.mu_mpa = 0.7, .lambda_mpa = 1.3};
-  const fem::Material split = fem::Split<fem::IsochoricNeoHookean>{
-      .shear = {.mu_mpa = 0.7},
-      .volume = {.form = fem::VolumetricForm::kQuadraticLog, .kappa_mpa = 70.0}};
+  const fem::Material split = split_neo_hookean(0.7, 70.0);
   Table table{.title = "Largest errors, relative",
               .header = {"elements", "law", "displacement", "stress"}};
   const std::vector<Patch> all = patches();

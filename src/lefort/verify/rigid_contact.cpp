@@ -86,11 +86,7 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
       .mesh = mesh::make_box(mesh::ElementShape::kHex8,
                              {cells(kBlock_mm[0]), cells(kBlock_mm[1]), cells(kBlock_mm[2])},
                              Vec3(kBlock_mm[0], kBlock_mm[1], kBlock_mm[2])),
-      .materials = {{0,
-                     fem::Split<fem::IsochoricNeoHookean>{
-                         .shear = {.mu_mpa = kMu_mpa},
-                         .volume = {.form = fem::VolumetricForm::kQuadraticLog,
-                                    .kappa_mpa = kKappa_mpa}}}},
+      .materials = {{0, split_neo_hookean(kMu_mpa, kKappa_mpa)}},
       .prescribed = {}};
   std::vector<fem::PrescribedDisplacement> held;
   for (int axis = 0; axis < 3; ++axis) hold(model.mesh.node_sets.at("z0"), axis, 0.0, held);

@@ -36,11 +36,7 @@ EndLoads exact() {
 
 Result<EndLoads> twist(mesh::ElementShape shape, int cells, Progress& progress) {
   CaseModel model{.mesh = round_column(shape, cells, 2 * cells, kRadius_mm, kLength_mm),
-                  .materials = {{0,
-                                 fem::Split<fem::IsochoricNeoHookean>{
-                                     .shear = {.mu_mpa = kMu_mpa},
-                                     .volume = {.form = fem::VolumetricForm::kQuadraticLog,
-                                                .kappa_mpa = kKappa_mpa}}}},
+                  .materials = {{0, split_neo_hookean(kMu_mpa, kKappa_mpa)}},
                   .prescribed = {}};
   const auto bottom = nodes_where(model.mesh, [](const Vec3& p) { return p.z() < 1e-9; });
   const auto top = nodes_where(model.mesh, [](const Vec3& p) { return p.z() > kLength_mm - 1e-9; });
