@@ -34,6 +34,7 @@ predict::Restart some_restart() {
   restart.stepper.before_last->u = VectorX::Ones(6);
   restart.stepper.increment = 0.0625;
   restart.contacts = {{.multipliers_mpa = {0.0, 1e-3},
+                       .stiffenings = {1.0, 16.0},
                        .walls = {{}, {Vec3(1.0, 2.0, 3.0), Vec3::UnitZ(), true}},
                        .tunnelled_area_mm2 = 2.0}};
   return restart;
@@ -49,6 +50,7 @@ TEST(RestartFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->steps[0].attempts[0].reason, "no step lowers the energy");
   EXPECT_EQ(read->stepper.before_last->u, VectorX::Ones(6));
   EXPECT_EQ(read->contacts[0].multipliers_mpa[1], 1e-3);
+  EXPECT_EQ(read->contacts[0].stiffenings[1], 16.0);
   EXPECT_EQ(read->contacts[0].walls[1].foot_B, Vec3(1.0, 2.0, 3.0));
   EXPECT_TRUE(read->contacts[0].walls[1].keeps_side);
   ASSERT_TRUE(write_restart(again, *read));

@@ -128,6 +128,27 @@ TEST(SettleContacts, WhereAugmentingFailsWhatWasFoundBeforeIsKept) {
   EXPECT_GT(contacts[0].summarise(face_at(second_z)).p99_depth_from_rest_mm, 1e-3);
 }
 
+TEST(SettleContacts, ASpringStaysAsStiffAsItsMultiplierIsOld) {
+  ContactTerm term = pressed_face(1e-3);
+  const std::vector<Vec3> pressed = face_at(0.0), off = face_at(2.0);
+  const auto stiffening = [&] { return term.memory().stiffenings[0]; };
+  term.begin();
+  term.augment(pressed);
+  term.augment(pressed);  // It took off nothing.
+  term.remember(pressed);
+  const double stiffer = stiffening();
+  EXPECT_GT(stiffer, 1.0);
+  const double force_n = term.summarise(pressed).force_L_n.z();
+  term.begin();  // Another load does not make it give way.
+  EXPECT_EQ(term.summarise(pressed).force_L_n.z(), force_n);
+  ContactTerm resumed = pressed_face(1e-3);
+  resumed.restore(term.memory(), pressed);
+  EXPECT_EQ(resumed.summarise(pressed).force_L_n.z(), force_n);
+  term.augment(off);
+  term.remember(off);
+  EXPECT_EQ(stiffening(), 1.0);
+}
+
 TEST(SettleContacts, NothingIsRememberedOfAFirstSolveThatFails) {
   std::vector<ContactTerm> contacts{pressed_face(1e-3)};
   const auto outcome =

@@ -288,8 +288,9 @@ TEST(PredictFace, TheFaceDoesNotDependOnTheNumberOfSteps) {
   const auto at_end = [&](int steps) {
     return predict_face(model, straight({1.0, 0.3, 2.0}, steps), options).value().steps.back();
   };
-  const PredictionStep few = at_end(2), many = at_end(8);
+  const PredictionStep few = at_end(2), more = at_end(4), many = at_end(8);
   EXPECT_EQ(few.attempts.size(), 2U);  // 2.26 mm by no more than a quarter of 2.5 mm at once.
+  EXPECT_EQ(few.displacement_mm, more.displacement_mm);  // By the same increments.
   for (std::size_t n = 0; n < few.displacement_mm.size(); ++n)
     EXPECT_LT((few.displacement_mm[n] - many.displacement_mm[n]).norm(), 1e-5);
 }

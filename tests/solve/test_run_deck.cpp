@@ -399,7 +399,7 @@ TEST(RunDeck, ABallDoesNotPassThroughASlabUnseen) {
   EXPECT_FALSE(stopped.completed());
   ASSERT_FALSE(stopped.failed_attempts.empty());
   EXPECT_EQ(stopped.failed_attempts[0].stop, fem::NewtonStop::kRefused);
-  EXPECT_NE(stopped.failed_attempts[0].reason.find("has gone through the obstacle"),
+  EXPECT_NE(stopped.failed_attempts[0].reason.find("has gone through obstacle ball"),
             std::string::npos)
       << stopped.failed_attempts[0].reason;
   // The same way beside the slab is free.

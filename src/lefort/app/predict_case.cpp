@@ -112,7 +112,7 @@ void tell_contact(const io::PlanFile& plan, Progress& progress) {
       "element size, {:g} mm){}",
       contact::name_of(plan.contact.detection),
       kpa_from_mpa(predict::contact_stiffness_mpa_per_mm(plan.tissue, plan.contact)),
-      plan.contact.stiffness_factor, kpa_from_mpa(plan.tissue.young_mpa),
+      predict::stiffness_factor(plan.contact), kpa_from_mpa(plan.tissue.young_mpa),
       plan.tissue.element_size_mm,
       tolerance_mm ? fmt::format(", multipliers until the P99 of depth is {:g} mm", *tolerance_mm)
                    : ""));

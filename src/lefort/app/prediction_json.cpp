@@ -95,7 +95,7 @@ Json parameters(const io::PlanFile& plan, const predict::FacePrediction& predict
           {"capture_mm", plan.boundary.capture_mm},
           {"smallest_piece_ml", plan.segments.front().cut.smallest_piece_ml},
           {"smallest_piece_share", plan.segments.front().cut.smallest_piece_share},
-          {"stiffness_factor", plan.contact.stiffness_factor},
+          {"stiffness_factor", predict::stiffness_factor(plan.contact)},
           {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
           {"detection", contact::name_of(plan.contact.detection)},
           {"integration", contact::name_of(plan.contact.integration)},

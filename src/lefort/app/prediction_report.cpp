@@ -82,11 +82,11 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
        {"Poisson\u2019s ratio", fmt::format("{:.3f}", plan.tissue.poisson)},
        {"tissue on the moved bone",
         is_contact ? "slides without friction (contact)" : "moves with the bone (attached)"},
-       {"contact stiffness k_c",
-        is_contact
-            ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / element size",
-                          prediction.contact_stiffness_mpa_per_mm, plan.contact.stiffness_factor)
-            : std::string("\u2013")},
+       {"contact stiffness k_c", is_contact
+                                     ? fmt::format("{:.4f} MPa/mm = {:g} \u00d7 E / element size",
+                                                   prediction.contact_stiffness_mpa_per_mm,
+                                                   predict::stiffness_factor(plan.contact))
+                                     : std::string("\u2013")},
        {"penetration of the mesh at rest",
         is_contact ? fmt::format("up to {:.2f} mm", prediction.rest_penetration_mm)
                    : std::string("\u2013")},

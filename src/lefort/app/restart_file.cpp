@@ -17,7 +17,7 @@ namespace {
 
 // To be raised with every change of the solver or of contact that may change what a step finds, and
 // of this file's layout.
-constexpr double kStepsRevision = 2;
+constexpr double kStepsRevision = 3;
 
 constexpr std::string_view kMagic = "lefort restart 1\n";
 constexpr std::size_t kHashDigits = 64;
@@ -176,6 +176,7 @@ void visit(Archive& archive, contact::ContactTerm::Memory::Wall& wall) {
 template <class Archive>
 void visit(Archive& archive, contact::ContactTerm::Memory& memory) {
   visit(archive, memory.multipliers_mpa);
+  visit(archive, memory.stiffenings);
   visit(archive, memory.walls);
   archive(memory.tunnelled_area_mm2);
 }
@@ -235,8 +236,8 @@ std::string restart_key(const PreparedCase& prepared) {
   hash.add(young_mpa).add(poisson).add(element_size_mm).add(far_element_size_mm).add(margin_mm);
   const auto& [moved_bone, scan_edge, release_mm, capture_mm] = plan.boundary;
   hash.add(double(moved_bone)).add(double(scan_edge)).add(release_mm).add(capture_mm);
-  const auto& [stiffness_factor, detection, integration, penetration_tolerance_mm] = plan.contact;
-  hash.add(stiffness_factor)
+  const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;
+  hash.add(predict::stiffness_factor(plan.contact))
       .add(double(detection))
       .add(double(integration))
       .add(penetration_tolerance_mm.value_or(0.0));

@@ -214,8 +214,10 @@ void ContactTerm::augment(std::span<const Vec3> x_L) {
                      Point& point = points_[k];
                      const double depth_mm = point.rest_gap_mm - at.acting.gap_mm;
                      point.now.multiplier_mpa = pressure_at(point, at.acting);
-                     if (depth_mm > penetration_tolerance_mm_.value_or(0.0) &&
-                         depth_mm > kEnough * point.now.depth_mm)
+                     if (!(point.now.multiplier_mpa > 0.0))
+                       point.now.stiffening = 1.0;
+                     else if (depth_mm > penetration_tolerance_mm_.value_or(0.0) &&
+                              depth_mm > kEnough * point.now.depth_mm)
                        point.now.stiffening = std::min(kStiffer * point.now.stiffening, kStiffest);
                      point.now.depth_mm = depth_mm;
                      // A pressure that is borne without depth reaches beyond the clearance.
@@ -232,13 +234,18 @@ void ContactTerm::recall() {
 void ContactTerm::begin() {
   for (Point& point : points_)
     point.now = {.multiplier_mpa = point.remembered.multiplier_mpa,
-                 .keeps_side = point.remembered.keeps_side && !point.sees_its_side};
+                 .keeps_side = point.remembered.keeps_side && !point.sees_its_side,
+                 .stiffening = point.remembered.stiffening};
 }
 
 ContactTerm::Memory ContactTerm::memory() const {
-  Memory memory{.multipliers_mpa = {}, .walls = {}, .tunnelled_area_mm2 = tunnelled_area_mm2_};
+  Memory memory{.multipliers_mpa = {},
+                .stiffenings = {},
+                .walls = {},
+                .tunnelled_area_mm2 = tunnelled_area_mm2_};
   for (const Point& point : points_) {
     memory.multipliers_mpa.push_back(point.remembered.multiplier_mpa);
+    memory.stiffenings.push_back(point.remembered.stiffening);
     memory.walls.push_back({.foot_B = point.last_sight.foot_B,
                             .normal_B = point.last_sight.normal_B,
                             .keeps_side = point.remembered.keeps_side});
@@ -248,10 +255,13 @@ ContactTerm::Memory ContactTerm::memory() const {
 
 void ContactTerm::restore(const Memory& memory, std::span<const Vec3> x_L) {
   LEFORT_CHECK(memory.multipliers_mpa.size() == points_.size());
+  LEFORT_CHECK(memory.stiffenings.size() == points_.size());
   LEFORT_CHECK(memory.walls.size() == points_.size());
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Memory::Wall& wall = memory.walls[k];
-    points_[k].now = {.multiplier_mpa = memory.multipliers_mpa[k], .keeps_side = wall.keeps_side};
+    points_[k].now = {.multiplier_mpa = memory.multipliers_mpa[k],
+                      .keeps_side = wall.keeps_side,
+                      .stiffening = memory.stiffenings[k]};
     points_[k].last_sight = {wall.foot_B, wall.normal_B, true};
   }
   remember(x_L);

@@ -127,7 +127,7 @@ class ContactTerm final : public fem::ForceTerm {
   void recall();
 
   /// The same for another load: points that saw their side again are held off by the nearest
-  /// surface anew, and all springs are as stiff as they were made.
+  /// surface anew.
   void begin();
 
   /// If a depth is asked for: from now on points that have come past the middle of the bone since
@@ -140,7 +140,9 @@ class ContactTerm final : public fem::ForceTerm {
   /// one lies less deep (the update of Hestenes and Powell). A point that is pressed no more loses
   /// its multiplier: nothing ever pulls. Where a point lies deeper than the tolerance and half as
   /// deep as the last time, its spring gets stiffer, up to a bound (\cite bertsekas1982, section
-  /// 2.2): squeezed tissue is stiffer than its modulus says. Not while the term is being evaluated.
+  /// 2.2): squeezed tissue is stiffer than its modulus says. It stays so as long as the multiplier:
+  /// under the same pressure a softer spring may have no stable balance. Not while the term is being
+  /// evaluated.
   /// \param x_L  current positions of all nodes [mm].
   void augment(std::span<const Vec3> x_L);
 
@@ -156,6 +158,7 @@ class ContactTerm final : public fem::ForceTerm {
       bool keeps_side = false;       ///< Holds the point off.
     };
     std::vector<double> multipliers_mpa;  ///< One per point of integration.
+    std::vector<double> stiffenings;      ///< Of their springs, likewise.
     std::vector<Wall> walls;              ///< Likewise.
     double tunnelled_area_mm2 = 0.0;
   };
@@ -194,8 +197,9 @@ class ContactTerm final : public fem::ForceTerm {
   struct Hold {
     double multiplier_mpa = 0.0;
     bool keeps_side = false;  ///< By what it saw last, not by the nearest surface.
-    double stiffening = 1.0;  ///< Of its spring, since begin().
-    double depth_mm = std::numeric_limits<double>::infinity();  ///< When last augmented, likewise.
+    double stiffening = 1.0;  ///< Of its spring.
+    /// When last augmented since begin().
+    double depth_mm = std::numeric_limits<double>::infinity();
   };
 
   /// Where a patch is asked for its gap.

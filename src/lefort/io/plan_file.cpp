@@ -76,7 +76,8 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   read_boundary(section(json, "boundary"), plan.boundary);
 
   const Json& contact = section(json, "contact");
-  read(contact, "stiffness_factor", plan.contact.stiffness_factor);
+  if (const auto factor = contact.find("stiffness_factor"); factor != contact.end())
+    plan.contact.stiffness_factor = factor->get<double>();
   internal::read_contact(contact, plan.contact);
 
   const Json& field = section(json, "field");

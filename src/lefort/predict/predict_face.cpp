@@ -29,18 +29,20 @@ namespace {
 
 using NodeList = std::vector<std::int32_t>;
 
-/// Where equilibrium is sought: at every step, and at every keyframe, which the bone must not cut
-/// short.
+/// Where equilibrium is sought: at every increment, and at every keyframe, which the bone must not
+/// cut short.
 struct LoadLevel {
   double share;
   bool is_step;
 };
 
-std::vector<LoadLevel> load_levels(const plan::BonePath& path) {
+/// \param increments  of a step. Six steps of four have the levels of 24 steps of one, bit by bit:
+///   division rounds equal ratios alike.
+std::vector<LoadLevel> load_levels(const plan::BonePath& path, int increments) {
   constexpr double kSame = 1e-9;  // Shares; a keyframe at 0.3333333333 is step 1 of 3.
   std::vector<LoadLevel> levels;
-  for (int step = 1; step <= path.steps; ++step)
-    levels.push_back({double(step) / path.steps, true});
+  for (int n = 1; n <= increments * path.steps; ++n)
+    levels.push_back({double(n) / (increments * path.steps), n % increments == 0});
   for (const plan::Keyframe& keyframe : path.keyframes) {
     const bool known = std::any_of(levels.begin(), levels.end(), [&](const LoadLevel& level) {
       return std::abs(level.share - keyframe.at) <= kSame;
@@ -117,22 +119,23 @@ double speed_mm(const plan::BonePath& path, const geometry::TriangleMesh& segmen
   return fastest_mm;
 }
 
-/// Steps are cut into equal increments, so that plans that differ in their number of steps alone
-/// come down to increments alike.
-fem::LoadStepOptions load_step_options(const PredictionOptions& prediction,
-                                       const plan::BonePath& path,
-                                       const geometry::TriangleMesh& segment_B, double reach_mm) {
+/// Into how many equal increments a step is cut, so that plans that differ in their number of steps
+/// alone come down to increments alike.
+int increments_of_step(const PredictionOptions& prediction, const plan::BonePath& path,
+                       const geometry::TriangleMesh& segment_B, double reach_mm) {
   constexpr double kOfElement = 0.25, kOfReach = 0.5;
   const double largest_mm =
       std::min(kOfElement * prediction.tissue.element_size_mm, kOfReach * reach_mm);
   const double step_mm = speed_mm(path, segment_B) / path.steps;
-  const double parts = std::max(std::ceil(step_mm / largest_mm - 1e-9), 1.0);
+  return int(std::max(std::ceil(step_mm / largest_mm - 1e-9), 1.0));
+}
+
+/// \param increment  share of the path.
+fem::LoadStepOptions load_step_options(const SolverOptions& solver, double increment) {
   fem::LoadStepOptions options;
-  options.first_increment = 1.0 / (parts * path.steps);
-  options.max_increment = options.first_increment;
-  options.min_increment = prediction.solver.smallest_step / path.steps;
-  if (options.min_increment > options.first_increment)
-    options.min_increment = options.first_increment;
+  options.first_increment = increment;
+  options.max_increment = increment;
+  options.min_increment = solver.smallest_step * increment;
   return options;
 }
 
@@ -160,7 +163,7 @@ Result<void> check_reach(const plan::BonePath& path, const geometry::TriangleMes
                             "the segment's distance field reaches",
                             boundary.capture_mm, band_mm));
   double longest_mm = 0.0, mm_per_share = 0.0, from = 0.0;
-  for (const LoadLevel& level : load_levels(path)) {
+  for (const LoadLevel& level : load_levels(path, 1)) {
     const double moved_mm =
         plan::largest_displacement_mm(path, segment_B.vertices, from, level.share);
     longest_mm = std::max(longest_mm, moved_mm);
@@ -175,7 +178,7 @@ Result<void> check_reach(const plan::BonePath& path, const geometry::TriangleMes
 }
 
 double contact_stiffness_mpa_per_mm(const TissueOptions& tissue, const ContactOptions& contact) {
-  return contact.stiffness_factor * tissue.young_mpa / tissue.element_size_mm;
+  return stiffness_factor(contact) * tissue.young_mpa / tissue.element_size_mm;
 }
 
 Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath& path,
@@ -250,15 +253,16 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
       contacts[i].restore(so_far.contacts[i], contact::displaced(tissue.nodes_L, last.u));
     }
   }
+  const int parts = increments_of_step(options, path, model.segment_B, detector_B->reach_mm());
   const fem::LoadStepOptions increments =
-      load_step_options(options, path, model.segment_B, detector_B->reach_mm());
+      load_step_options(options.solver, 1.0 / (parts * path.steps));
   fem::LoadStepper stepper =
       earlier
           ? fem::LoadStepper::resumed(so_far.stepper, solve_at, increments)
           : fem::LoadStepper({0.0, VectorX::Zero(3 * tissue.node_count())}, solve_at, increments);
 
   std::size_t attempts_told = 0;
-  for (const auto& [share, is_step] : load_levels(path)) {
+  for (const auto& [share, is_step] : load_levels(path, parts)) {
     if (share <= stepper.state().t) continue;  // Found by an earlier run.
     // An iterative solver's memory ends with a step, so that nothing depends on earlier ones.
     if (assembler.dofs().free_count() > fem::LinearSolverOptions{}.direct_rows)

@@ -98,7 +98,8 @@ class Problem {
                                             const std::vector<contact::BoneObstacle>& obstacles) {
     std::vector<SweptFaces> swept;
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
-      swept.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i]);
+      swept.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i],
+                         "obstacle " + prepared.deck.obstacles[i].name);
       swept.back().remember(obstacles[i], prepared.mesh.nodes_L);
     }
     return swept;

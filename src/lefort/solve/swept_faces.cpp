@@ -35,8 +35,9 @@ double deepest_mm(const contact::BoneObstacle& at_origin, const Vec3& a, const V
 
 }  // namespace
 
-SweptFaces::SweptFaces(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces)
-    : faces_(std::move(faces)), nodes_(mesh::nodes_of_faces(faces_)) {
+SweptFaces::SweptFaces(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
+                       std::string obstacle)
+    : name_(std::move(obstacle)), faces_(std::move(faces)), nodes_(mesh::nodes_of_faces(faces_)) {
   LEFORT_CHECK(nodes_.empty() || Index(nodes_.back()) < Index(nodes_L.size()));
 }
 
@@ -77,8 +78,8 @@ std::optional<std::string> SweptFaces::why_refused(const contact::BoneObstacle& 
   if (most == passed_mm.end() || *most <= kCells * cell_mm) return std::nullopt;
   const Vec3 at_L = obstacle.X_LB * to_B[std::size_t(most - passed_mm.begin())];
   return fmt::format(
-      "a face, now at ({:.3f}, {:.3f}, {:.3f}) mm, has gone through the obstacle in one increment",
-      at_L.x(), at_L.y(), at_L.z());
+      "a face, now at ({:.3f}, {:.3f}, {:.3f}) mm, has gone through {} in one increment", at_L.x(),
+      at_L.y(), at_L.z(), name_);
 }
 
 }  // namespace lefort::solve

@@ -20,8 +20,9 @@ namespace lefort::solve {
 /// detector resolves: an increment in which it slides that far round a bulge is too large as well.
 class SweptFaces {
  public:
-  /// \param nodes_L  all nodes at rest [mm].
-  SweptFaces(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces);
+  /// \param nodes_L   all nodes at rest [mm].
+  /// \param obstacle  its name, for sentences.
+  SweptFaces(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces, std::string obstacle);
 
   /// Begins the next way here.
   /// \param obstacle  as it lies.
@@ -38,6 +39,7 @@ class SweptFaces {
   [[nodiscard]] std::vector<Vec3> points_B(const contact::BoneObstacle& obstacle,
                                            std::span<const Vec3> x_L) const;
 
+  std::string name_;  ///< Of the obstacle.
   std::vector<mesh::Face> faces_;
   std::vector<std::int32_t> nodes_;  ///< Of the faces, ascending.
   std::vector<Vec3> from_B_;
