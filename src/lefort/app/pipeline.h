@@ -4,6 +4,7 @@
 #pragma once
 
 #include <lefort/anatomy/segment_tissue.h>
+#include <lefort/app/finish_surface.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/field/build_distance_field.h>
@@ -36,6 +37,7 @@ struct SegmentJob {
   std::filesystem::path ct;
   std::filesystem::path output;  ///< A folder; made if missing.
   anatomy::SegmentationOptions options;
+  SurfaceFinish finish;
 };
 /// Scan -> labels.seg.nrrd, skull.vtp, skin.vtp.
 [[nodiscard]] Result<Summary> segment_scan(const SegmentJob& job, Progress& progress);
