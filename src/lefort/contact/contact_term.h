@@ -141,7 +141,7 @@ class ContactTerm final : public fem::ForceTerm {
   /// its multiplier: nothing ever pulls. Where a point lies deeper than the tolerance and half as
   /// deep as the last time, its spring gets stiffer, up to a bound (\cite bertsekas1982, section
   /// 2.2): squeezed tissue is stiffer than its modulus says. It stays so as long as the multiplier:
-  /// under the same pressure a softer spring may have no stable balance. Not while the term is being
+  /// a softer spring may have no stable balance under that pressure. Not while the term is being
   /// evaluated.
   /// \param x_L  current positions of all nodes [mm].
   void augment(std::span<const Vec3> x_L);

@@ -42,8 +42,8 @@ struct ContactOptions {
 };
 
 /// The factor in k_c. Where a depth is asked for, springs are stiffer from the start: multipliers
-/// then get there in two augmentations instead of seven, and tissue does not creep through thin bone
-/// before the first (docs/contact.md).
+/// then get there in fewer Newton iterations, 370 instead of 631 on the way it was measured on
+/// (docs/contact.md).
 [[nodiscard]] inline double stiffness_factor(const ContactOptions& contact) {
   constexpr double kByPenalty = 10.0, kByMultipliers = 160.0;
   return contact.stiffness_factor.value_or(contact.penetration_tolerance_mm ? kByMultipliers
