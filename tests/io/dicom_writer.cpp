@@ -50,6 +50,11 @@ void write_dicom(const std::filesystem::path& file, const DicomSlice& slice) {
   insert(data, 0x0008, 0x0018, VR::UI, slice.instance_uid);
   insert(data, 0x0008, 0x0060, VR::CS, slice.modality);
   insert(data, 0x0010, 0x0010, VR::PN, slice.patient_name);
+  insert(data, 0x0008, 0x0020, VR::DA, slice.birth_date);  // Of the study, too.
+  insert(data, 0x0010, 0x0020, VR::LO, slice.patient_id);
+  insert(data, 0x0010, 0x0030, VR::DA, slice.birth_date);
+  insert(data, 0x0020, 0x4000, VR::LT, slice.comment);
+  insert(data, 0x0018, 0x1210, VR::SH, slice.kernel);
   insert(data, 0x0018, 0x1120, VR::DS, slice.gantry_tilt);
   insert(data, 0x0020, 0x000d, VR::UI, "1.2.826.0.1.3680043.2.1125.9");
   insert(data, 0x0020, 0x000e, VR::UI, slice.series_uid);
@@ -66,9 +71,9 @@ void write_dicom(const std::filesystem::path& file, const DicomSlice& slice) {
     insert(data, 0x0028, 0x0010, VR::US, binary(slice.rows));
     insert(data, 0x0028, 0x0011, VR::US, binary(slice.columns));
     insert(data, 0x0028, 0x0100, VR::US, binary(16));
-    insert(data, 0x0028, 0x0101, VR::US, binary(16));
-    insert(data, 0x0028, 0x0102, VR::US, binary(15));
-    insert(data, 0x0028, 0x0103, VR::US, binary(1));
+    insert(data, 0x0028, 0x0101, VR::US, binary(slice.bits_stored));
+    insert(data, 0x0028, 0x0102, VR::US, binary(std::uint16_t(slice.bits_stored - 1)));
+    insert(data, 0x0028, 0x0103, VR::US, binary(slice.is_signed ? 1 : 0));
     insert(data, 0x7fe0, 0x0010, VR::OW, binary(slice.stored));
   }
   writer.SetFileName(file.c_str());
@@ -108,12 +113,24 @@ void write_dicom_series(const std::filesystem::path& folder,
     write_dicom(folder / fmt::format("slice-{:03}.dcm", n), slices[n]);
 }
 
-void compress_dicom(const std::filesystem::path& file) {
+void compress_dicom(const std::filesystem::path& file, Codec codec) {
+  const auto syntax = [&] {
+    switch (codec) {
+      case Codec::kJpegLs:
+        return gdcm::TransferSyntax::JPEGLSLossless;
+      case Codec::kJpeg2000:
+        return gdcm::TransferSyntax::JPEG2000Lossless;
+      case Codec::kRle:
+        return gdcm::TransferSyntax::RLELossless;
+      default:
+        return gdcm::TransferSyntax::JPEGLosslessProcess14_1;
+    }
+  };
   gdcm::ImageReader reader;
   reader.SetFileName(file.c_str());
   ASSERT_TRUE(reader.Read());
   gdcm::ImageChangeTransferSyntax change;
-  change.SetTransferSyntax(gdcm::TransferSyntax::JPEGLosslessProcess14_1);
+  change.SetTransferSyntax(syntax());
   change.SetInput(reader.GetImage());
   ASSERT_TRUE(change.Change());
   gdcm::ImageWriter writer;

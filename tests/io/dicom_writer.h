@@ -22,6 +22,9 @@ struct DicomSlice {
   std::string instance_number, position, orientation, pixel_spacing;
   std::string slope = "1", intercept = "-1024", gantry_tilt;
   std::uint16_t columns = 0, rows = 0, samples_per_pixel = 1;
+  std::uint16_t bits_stored = 16;
+  bool is_signed = true;
+  std::string kernel, birth_date, patient_id, comment;
   std::string frames;
   std::vector<std::int16_t> stored;  ///< Row by row.
 };
@@ -35,7 +38,9 @@ void write_dicom(const std::filesystem::path& file, const DicomSlice& slice);
 /// Files slice-000.dcm, ... in `folder`, which is made.
 void write_dicom_series(const std::filesystem::path& folder, const std::vector<DicomSlice>& slices);
 
-/// Rewrites a file with lossless JPEG pixels.
-void compress_dicom(const std::filesystem::path& file);
+enum class Codec { kJpegLossless, kJpegLs, kJpeg2000, kRle };
+
+/// Rewrites a file with compressed pixels, without loss.
+void compress_dicom(const std::filesystem::path& file, Codec codec = Codec::kJpegLossless);
 
 }  // namespace lefort::test

@@ -1,5 +1,6 @@
 #include <lefort/io/dicom.h>
 #include <lefort/io/internal/dicom_codec.h>
+#include <lefort/io/volume_files.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -102,15 +103,43 @@ TEST(Dicom, AppliesSlopeAndInterceptOfEachSlice) {
   EXPECT_EQ(found->ct.values, ct.values);
 }
 
-TEST(Dicom, ReadsLosslessJpeg) {
-  const TemporaryFolder folder;
+TEST(Dicom, ReadsEveryLosslessCodecOfSignedAndUnsignedPixels) {
+  using test::Codec;
+  // Codecs want more pixels than the sample scan has.
+  image::CtVolume ct{{.size = {64, 48, 2}, .spacing_mm = {0.5, 0.5, 1.0}}, {}};
+  for (Index n = 0; n < ct.grid.voxel_count(); ++n)
+    ct.values.push_back(static_cast<std::int16_t>(-1000 + (n * n / 7) % 4000));
+  for (const Codec codec : {Codec::kJpegLossless, Codec::kJpegLs, Codec::kJpeg2000, Codec::kRle})
+    for (const bool is_signed : {true, false}) {
+      SCOPED_TRACE(fmt::format("codec {}, {}", int(codec), is_signed ? "signed" : "unsigned"));
+      const TemporaryFolder folder;
+      auto slices = dicom_slices(ct);
+      for (DicomSlice& slice : slices) slice.is_signed = is_signed;
+      write_dicom_series(folder.path(), slices);
+      for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        test::compress_dicom(entry.path(), codec);
+      const auto found = read_dicom_series(folder.path());
+      ASSERT_TRUE(found) << found.error().message;
+      EXPECT_EQ(found->ct.values, ct.values);
+    }
+}
+
+TEST(Dicom, PixelsMayBeUnsignedOrSignedAndOfFewerBits) {
   const auto ct = sample_scan();
-  write_dicom_series(folder.path(), dicom_slices(ct));
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
-    test::compress_dicom(entry.path());
-  const auto found = read_dicom_series(folder.path());
-  ASSERT_TRUE(found) << found.error().message;
-  EXPECT_EQ(found->ct.values, ct.values);
+  for (const bool is_signed : {true, false}) {
+    const TemporaryFolder folder;
+    auto slices = dicom_slices(ct, 1.0, is_signed ? 500.0 : -1024.0);
+    for (DicomSlice& slice : slices) {
+      slice.is_signed = is_signed;
+      slice.bits_stored = 12;  // What lies above them may be anything.
+      for (std::int16_t& value : slice.stored)
+        value = static_cast<std::int16_t>((value & 0x0fff) | 0x5000);
+    }
+    write_dicom_series(folder.path(), slices);
+    const auto found = read_dicom_series(folder.path());
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ(found->ct.values, ct.values) << is_signed;
+  }
 }
 
 TEST(Dicom, NoMessageHasTheNameOfAFileOrFolder) {
@@ -146,6 +175,34 @@ TEST(Dicom, NoMessageHasTheNameOfAFileOrFolder) {
   slices[2].position = "";
   fill(slices);
   expect_discreet("DICOM file 3: the image position is missing");
+}
+
+TEST(Dicom, NothingOfThePatientIsInWhatIsMadeOfTheScan) {
+  const TemporaryFolder folder;
+  auto slices = dicom_slices(sample_scan());
+  for (DicomSlice& slice : slices) {
+    slice.patient_id = "MRN-4711";
+    slice.birth_date = "19610412";
+    slice.comment = "fell off a horse";
+    slice.kernel = "DOE^JANE";
+  }
+  write_dicom_series(folder / "DOE_JANE", slices);
+  const std::vector<std::string> secrets{"DOE", "JANE", "4711", "19610412", "horse", "1.2.826"};
+  ASSERT_TRUE(has(test::bytes_of(folder / "DOE_JANE/slice-000.dcm"), "fell off a horse"));
+  const auto scan = read_dicom_series(folder / "DOE_JANE");
+  ASSERT_TRUE(scan) << scan.error().message;
+  std::string all = scan->source_kind;
+  for (const std::string& warning : scan->warnings) all += warning;
+  const auto list = list_dicom_series(folder / "DOE_JANE");
+  ASSERT_TRUE(list) << list.error().message;
+  for (const DicomSeriesInfo& info : *list)
+    all += info.modality + info.kernel + info.orientation + info.problem;
+  std::filesystem::create_directory(folder / "out");
+  for (const char* const name : {"ct.nrrd", "ct.nii", "ct.mha"}) {
+    ASSERT_TRUE(write_volume(folder / (std::string("out/") + name), scan->ct));
+    all += test::bytes_of(folder / (std::string("out/") + name));
+  }
+  for (const std::string& secret : secrets) EXPECT_FALSE(has(all, secret)) << secret;
 }
 
 TEST(Dicom, ForeignFilesArePassedOverWithAWarning) {
@@ -383,13 +440,133 @@ TEST(Dicom, GridsThatCannotBeAreRefused) {
   }
 }
 
-TEST(Dicom, ATiltedGantryIsRefusedWithItsAngle) {
-  auto ct = sample_scan();
-  auto slices = dicom_slices(ct);
-  for (std::size_t k = 0; k < slices.size(); ++k)  // 12 degrees: tan = 0.2126
+/// The sample scan with every slice `slide_mm` further to posterior than the one below.
+std::vector<DicomSlice> sheared(double slide_mm) {
+  auto slices = dicom_slices(sample_scan());
+  for (std::size_t k = 0; k < slices.size(); ++k)
     slices[k].position =
-        fmt::format("-80.5\\{}\\{}", -31.25 + 0.2126 * 1.25 * double(k), 12.0 + 1.25 * double(k));
-  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileUnsupported), "12.0 degrees"));
+        fmt::format("-80.5\\{}\\{}", -31.25 + slide_mm * double(k), 12.0 + 1.25 * double(k));
+  return slices;
+}
+
+TEST(Dicom, ATiltedGantryIsResampledStraightWithItsAngle) {
+  const TemporaryFolder folder;
+  const auto ct = sample_scan();
+  write_dicom_series(folder.path(), sheared(0.5));  // A pixel: what is resampled stays exact.
+  const auto found = read_dicom_series(folder.path());
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->ct.grid.size, (std::array<Index, 3>{7, 5 + 5, 6}));
+  EXPECT_EQ(found->ct.grid.origin_L, ct.grid.origin_L);
+  for (Index k = 0; k < 6; ++k)
+    for (Index j = 0; j < 10; ++j)
+      for (Index i = 0; i < 7; ++i)
+        EXPECT_EQ(found->ct.at(i, j, k), j >= k && j < k + 5 ? ct.at(i, j - k, k) : -1024)
+            << i << ' ' << j << ' ' << k;
+  ASSERT_GE(found->warnings.size(), 1U);
+  EXPECT_TRUE(has(found->warnings[0], "sheared by 21.8 degrees")) << found->warnings[0];
+  EXPECT_TRUE(has(found->warnings[0], "resampled"));
+  ASSERT_TRUE(found->stack);
+  EXPECT_NEAR(found->stack->tilt_deg, 21.801, 1e-3);
+  EXPECT_TRUE(found->stack->resampled);
+}
+
+TEST(Dicom, WhatIsShearedByMoreThanAGantryTiltsIsRefused) {
+  EXPECT_TRUE(has(complaint(sheared(1.3), ErrorCode::kFileUnsupported), "46.1 degrees"));
+}
+
+/// The sample scan with its slices at these heights [mm].
+std::vector<DicomSlice> at_heights(const std::vector<double>& heights_mm) {
+  auto slices = dicom_slices(sample_scan());
+  slices.resize(heights_mm.size(), slices.back());
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    slices[k].instance_uid += fmt::format(".{}", k);
+    slices[k].instance_number = fmt::format("{}", k + 1);
+    slices[k].position = fmt::format("-80.5\\-31.25\\{}", heights_mm[k]);
+    for (std::int16_t& value : slices[k].stored)
+      value = static_cast<std::int16_t>(1024 + 100.0 * heights_mm[k]);
+  }
+  return slices;
+}
+
+TEST(Dicom, RunsOfSeveralDistancesAreResampled) {
+  const TemporaryFolder folder;
+  write_dicom_series(folder.path(), at_heights({0, 2.5, 5, 7.5, 8.5, 9.5, 10.5, 11.5}));
+  const auto found = read_dicom_series(folder.path());
+  ASSERT_TRUE(found) << found.error().message;
+  // 11.5 mm in 12 steps, the most that are no finer than the finest.
+  ASSERT_EQ(found->ct.grid.size[2], 13);
+  EXPECT_NEAR(found->ct.grid.spacing_mm.z(), 11.5 / 12.0, 1e-12);
+  for (Index k = 0; k < 13; ++k)
+    EXPECT_NEAR(found->ct.at(3, 2, k), 100.0 * 11.5 / 12.0 * double(k), 0.51);
+  EXPECT_TRUE(has(found->warnings.at(0), "1 to 2.5 mm apart; they are resampled"));
+  EXPECT_EQ(found->stack->least_step_mm, 1.0);
+  EXPECT_EQ(found->stack->most_step_mm, 2.5);
+}
+
+TEST(Dicom, RunsThatAreTooShortTooWideOrWithoutTheirSlicesAreRefused) {
+  EXPECT_TRUE(has(complaint(at_heights({0, 1, 2, 3, 4, 6.5, 9}), ErrorCode::kFileCorrupt),
+                  "1 to 2.5 mm apart"));
+  EXPECT_TRUE(has(complaint(at_heights({0, 1, 2, 3, 9, 15, 21}), ErrorCode::kFileUnsupported),
+                  "at most 5 mm"));
+  auto slices = at_heights({0, 1, 2, 3, 5, 7, 9});
+  for (std::size_t k = 4; k < 7; ++k)
+    slices[k].instance_number = fmt::format("{}", 4 + 2 * (k - 3));  // 6, 8, 10.
+  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "1 to 2 mm apart"));
+}
+
+TEST(Dicom, AScanOfWhichMuchCannotBeReadIsRefused) {
+  const TemporaryFolder folder;
+  write_dicom_series(folder.path(), dicom_slices(sample_scan()));
+  for (const char* const name : {"slice-003.dcm", "slice-004.dcm", "slice-005.dcm"})
+    test::write_bytes(folder / name, "");
+  const auto half = read_dicom_series(folder.path());
+  ASSERT_FALSE(half);
+  EXPECT_EQ(half.error().code, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(half.error().message, "3 DICOM files cannot be read beside 3 slices"))
+      << half.error().message;
+  test::expect_one_sentence(half.error().message);
+}
+
+TEST(Dicom, ListsTheSeriesOfAFolderAndItsSubfolders) {
+  const TemporaryFolder folder;
+  auto ct = dicom_slices(sample_scan(oblique()));
+  for (DicomSlice& slice : ct) slice.kernel = "H60s";
+  write_dicom_series(folder / "PAT/ST0/SE0", ct);
+  auto other = sheared(0.3);
+  for (DicomSlice& slice : other) slice.series_uid = "1.2.9", slice.kernel = "JANE DOE";
+  write_dicom_series(folder / "PAT/ST0/SE1", other);
+  DicomSlice plan;
+  plan.series_uid = "1.2.3.4";
+  plan.modality = "RTSTRUCT";
+  write_dicom(folder / "plan.dcm", plan);
+  auto gap = dicom_slices(sample_scan());
+  gap.erase(gap.begin() + 2);
+  for (DicomSlice& slice : gap) slice.series_uid = "1.2.99";
+  write_dicom_series(folder / "gap", gap);
+
+  const auto list = list_dicom_series(folder.path());
+  ASSERT_TRUE(list) << list.error().message;
+  ASSERT_EQ(list->size(), 4U);
+  const DicomSeriesInfo& first = (*list)[1];  // In the order of their identifiers.
+  EXPECT_EQ(first.number, 2);
+  EXPECT_EQ(first.modality, "CT");
+  EXPECT_EQ(first.images, 6);
+  EXPECT_EQ(first.columns, 7);
+  EXPECT_EQ(first.rows, 5);
+  EXPECT_EQ(first.kernel, "H60s");
+  EXPECT_EQ(first.pixel_mm, (std::array{0.4, 0.5}));
+  EXPECT_NEAR(first.step_mm.value(), 1.25, 1e-6);
+  EXPECT_TRUE(first.is_usable && first.warnings.empty());
+  EXPECT_EQ((*list)[0].problem, "no CT");
+  EXPECT_FALSE((*list)[0].is_usable);
+  EXPECT_EQ((*list)[2].kernel, "");
+  EXPECT_TRUE((*list)[2].is_usable);
+  EXPECT_TRUE(has((*list)[2].warnings.at(0), "sheared"));
+  EXPECT_TRUE(has((*list)[3].problem, "missing"));
+  // What is listed under a number is read under it.
+  EXPECT_TRUE(read_dicom_series(folder.path(), 3));
+  EXPECT_TRUE(has(read_dicom_series(folder.path(), 4).error().message, "missing"));
+  EXPECT_FALSE(list_dicom_series(folder / "none"));
 }
 
 TEST(Dicom, AReportedTiltThatTheSlicesDoNotShowIsAWarning) {

@@ -12,12 +12,17 @@ namespace lefort::anatomy {
 /// The values stored in a label map and in our `.seg.nrrd` files.
 enum class Tissue : std::uint8_t {
   kBackground = 0,  ///< Outside the patient: air, table, head holder.
-  kBone = 1,
+  kBone = 1,        ///< All but the mandible, where that is told apart.
   kSoftTissue = 2,  ///< Facial and other soft tissue outside the cranial cavity.
   kAirway = 3,      ///< Air inside the patient that reaches the outside: nose, pharynx.
   kBrain = 4,       ///< Everything soft inside the cranial cavity.
   kSinus = 5,       ///< Air enclosed by bone: maxillary, frontal, sphenoid, mastoid cells.
+  kMandible = 6,    ///< Where the scan shows it apart from the skull.
 };
+
+[[nodiscard]] constexpr bool is_bone(Tissue tissue) {
+  return tissue == Tissue::kBone || tissue == Tissue::kMandible;
+}
 
 /// How a tissue is called and coloured in files and pictures.
 struct TissueStyle {
@@ -26,12 +31,13 @@ struct TissueStyle {
   std::array<double, 3> colour;  ///< RGB, 0 to 1.
 };
 
-inline constexpr std::array<TissueStyle, 5> kTissueStyles{{
+inline constexpr std::array<TissueStyle, 6> kTissueStyles{{
     {Tissue::kBone, "bone", {0.95, 0.84, 0.57}},
     {Tissue::kSoftTissue, "soft tissue", {0.69, 0.48, 0.40}},
     {Tissue::kAirway, "airway", {0.56, 0.80, 0.91}},
     {Tissue::kBrain, "brain", {0.98, 0.98, 0.88}},
     {Tissue::kSinus, "sinus", {0.37, 0.62, 0.76}},
+    {Tissue::kMandible, "mandible", {0.87, 0.72, 0.44}},
 }};
 
 /// One label per voxel of the scan, on the scan's own grid.

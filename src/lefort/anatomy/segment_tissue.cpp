@@ -1,5 +1,6 @@
 #include <lefort/anatomy/find_air_spaces.h>
 #include <lefort/anatomy/find_brain.h>
+#include <lefort/anatomy/find_mandible.h>
 #include <lefort/anatomy/find_outside.h>
 #include <lefort/anatomy/find_patient.h>
 #include <lefort/anatomy/segment_tissue.h>
@@ -102,7 +103,7 @@ Result<LabelMap> segment_tissue(const image::CtVolume& ct, const SegmentationOpt
   LEFORT_TRY_VOID(check_options(options));
   LEFORT_TRY_VOID(check_scan(ct, options.most_memory_gib));
   const image::Grid& grid = ct.grid;
-  Steps steps(progress, 5);
+  Steps steps(progress, 6);
 
   LEFORT_TRY_VOID(steps.next());
   const Mask patient = find_patient(ct, options.skin_hu);
@@ -129,6 +130,9 @@ Result<LabelMap> segment_tissue(const image::CtVolume& ct, const SegmentationOpt
   });
   const Mask brain = find_brain(soft, bone, outside);
 
+  LEFORT_TRY_VOID(steps.next());
+  const Mask mandible = find_mandible(bone);
+
   LabelMap labels{grid, std::vector<Tissue>(ct.values.size(), Tissue::kBackground)};
   const auto mark = [&](const Mask& mask, Tissue tissue) {
     for (std::size_t v = 0; v < mask.values.size(); ++v)
@@ -137,6 +141,7 @@ Result<LabelMap> segment_tissue(const image::CtVolume& ct, const SegmentationOpt
   mark(soft, Tissue::kSoftTissue);
   mark(brain, Tissue::kBrain);
   mark(bone, Tissue::kBone);
+  mark(mandible, Tissue::kMandible);
   mark(air.airway, Tissue::kAirway);
   mark(air.sinus, Tissue::kSinus);
   progress.report(1.0);

@@ -1,6 +1,6 @@
 /// \file
-/// Tells bone, facial tissue, brain, airway and sinuses apart in a head CT, and drops what is not
-/// the patient.
+/// Tells bone, mandible, facial tissue, brain, airway and sinuses apart in a head CT, and drops
+/// what is not the patient.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -30,7 +30,8 @@ struct SegmentationOptions {
 
 /// Labels every voxel of a head CT.
 ///
-/// Bone is what is dense and hangs together, with the marrow it encloses. The brain is found from
+/// Bone is what is dense and hangs together, with the marrow it encloses; the mandible is told from
+/// the rest where the scan shows it apart (find_mandible.h). The brain is found from
 /// the part of the soft tissue that sees bone in nearly all directions; it ends at the narrowest
 /// place of every opening of the skull, be it a foramen or a defect, with a smooth border. A scan
 /// without a cranial cavity has no brain, which is no error.

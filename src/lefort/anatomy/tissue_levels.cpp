@@ -129,7 +129,7 @@ Mask sinus_filling(const PaddedScan& scan) {
   const Mask solid = mask_where(scan.grid(), [&](std::size_t v) {
     const Tissue tissue = scan.labels.values[v];
     const bool lining = tissue == Tissue::kSoftTissue && double(to_sinus.values[v]) <= kLining_mm;
-    return tissue == Tissue::kBone || tissue == Tissue::kSinus || lining;
+    return is_bone(tissue) || tissue == Tissue::kSinus || lining;
   });
   const Mask tight = closed(solid, kLeak_mm);
   const Parts rooms =
@@ -144,7 +144,7 @@ Mask sinus_filling(const PaddedScan& scan) {
   return mask_where(scan.grid(), [&](std::size_t v) {
     const auto room = std::size_t(rooms.part_of.values[v]);
     const bool filled = room != 0 && stays[room] == 0;
-    return (solid.values[v] != 0 || filled) && scan.labels.values[v] != Tissue::kBone;
+    return (solid.values[v] != 0 || filled) && !is_bone(scan.labels.values[v]);
   });
 }
 
@@ -158,7 +158,7 @@ ScalarVolume bone_level(const PaddedScan& scan, Cavities cavities) {
         (double(scan.ct.values[v]) - scan.options.bone_hu) / kBoneSlope_hu_per_mm;
     if (filling.values[v] != 0) return float(kNear_mm);
     // Marrow is bone whatever its density, and what is dense but no bone is none.
-    if (scan.labels.values[v] == Tissue::kBone)
+    if (is_bone(scan.labels.values[v]))
       return clamped(depth_mm >= 0.0 ? depth_mm : kNear_mm, kNear_mm);
     return clamped(std::min(depth_mm, -beside_mm), kNear_mm);
   });
@@ -237,7 +237,7 @@ ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels
   const Mask by_brain = with_surroundings(scan.where(Tissue::kBrain), kBlur_mm);
   const Mask brain_and_table = mask_where(grid, [&](std::size_t v) {
     return scan.labels.values[v] == Tissue::kBrain ||
-           (scan.labels.values[v] == Tissue::kBone && by_brain.values[v] != 0);
+           (is_bone(scan.labels.values[v]) && by_brain.values[v] != 0);
   });
   const ScalarVolume brain =
       without_steps(signed_distance(brain_and_table), kLabelBorder_mm, kBoneSteps_voxels);

@@ -15,12 +15,20 @@ void add_segment_command(CLI::App& cli, CommandContext& context) {
       ->add_option("-o,--output", job->output,
                    "Folder for labels.seg.nrrd (3D Slicer), skull.vtp and skin.vtp")
       ->required();
-  command->add_option("--bone-hu", job->options.bone_hu, "Bone is at least this dense [HU]")
-      ->check(CLI::Range(-200.0, 2000.0))
-      ->capture_default_str();
-  command->add_option("--skin-hu", job->options.skin_hu, "The patient is at least this dense [HU]")
-      ->check(CLI::Range(-900.0, 0.0))
-      ->capture_default_str();
+  CLI::Option* const bone_hu =
+      command->add_option("--bone-hu", job->options.bone_hu, "Bone is at least this dense [HU]")
+          ->check(CLI::Range(-200.0, 2000.0))
+          ->capture_default_str();
+  CLI::Option* const skin_hu =
+      command
+          ->add_option("--skin-hu", job->options.skin_hu, "The patient is at least this dense [HU]")
+          ->check(CLI::Range(-900.0, 0.0))
+          ->capture_default_str();
+  command
+      ->add_flag("--auto-thresholds", job->auto_thresholds,
+                 "Find both in the histogram (Otsu), for values that are no HU")
+      ->excludes(bone_hu)
+      ->excludes(skin_hu);
   command
       ->add_option("--smooth", job->finish.smoothing_passes,
                    "Passes of smoothing, which take the steps of voxels away; 0: the isosurface")

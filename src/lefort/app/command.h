@@ -29,6 +29,7 @@ struct CommandContext {
 };
 
 void add_import_command(CLI::App& cli, CommandContext& context);
+void add_phantom_command(CLI::App& cli, CommandContext& context);
 void add_segment_command(CLI::App& cli, CommandContext& context);
 void add_field_command(CLI::App& cli, CommandContext& context);
 void add_bench_command(CLI::App& cli, CommandContext& context);

@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
     return fmt::format("{}: {} (see {} --help)\n", app->get_name(), error.what(), app->get_name());
   });
   add_import_command(cli, context);
+  add_phantom_command(cli, context);
   add_segment_command(cli, context);
   add_field_command(cli, context);
   add_landmarks_command(cli, context);

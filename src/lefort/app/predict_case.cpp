@@ -1,4 +1,5 @@
 #include <lefort/app/output_folder.h>
+#include <lefort/app/peak_memory.h>
 #include <lefort/app/pipeline.h>
 #include <lefort/app/plan_inputs.h>
 #include <lefort/app/prediction_json.h>

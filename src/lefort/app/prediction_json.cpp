@@ -1,9 +1,8 @@
+#include <lefort/app/peak_memory.h>
 #include <lefort/app/prediction_json.h>
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
 #include <lefort/fem/load_steps.h>
-
-#include <sys/resource.h>
 
 #include <algorithm>
 
@@ -149,12 +148,6 @@ Json timing_json(const Timing& timing) {
 }
 
 }  // namespace
-
-double peak_memory_mb() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return double(usage.ru_maxrss) / 1024.0;  // Linux counts kilobytes.
-}
 
 Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction& prediction,
                      const SkinShift& skin, const Timing& timing) {

@@ -29,7 +29,4 @@ struct SkinShift {
                                                      const predict::FacePrediction& prediction,
                                                      const SkinShift& skin, const Timing& timing);
 
-/// Largest resident memory of this process so far [MB].
-[[nodiscard]] double peak_memory_mb();
-
 }  // namespace lefort::app

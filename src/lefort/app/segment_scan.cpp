@@ -1,7 +1,10 @@
 #include <lefort/anatomy/extract_surface.h>
+#include <lefort/anatomy/histogram_thresholds.h>
 #include <lefort/anatomy/tissue_levels.h>
 #include <lefort/app/output_folder.h>
+#include <lefort/app/peak_memory.h>
 #include <lefort/app/pipeline.h>
+#include <lefort/app/timed_progress.h>
 #include <lefort/app/tissue_volumes.h>
 #include <lefort/io/import_volume.h>
 #include <lefort/io/segmentation_file.h>
@@ -11,17 +14,22 @@
 
 namespace lefort::app {
 
-Result<Summary> segment_scan(const SegmentJob& job, Progress& progress) {
+Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
+  TimedProgress progress(shown);
   progress.begin_stage("import");
   LEFORT_TRY(const io::ImportedVolume scan, io::import_volume(job.ct, progress));
   for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
   LEFORT_TRY_VOID(make_output_folder(job.output));
 
   progress.begin_stage("segment");
-  LEFORT_TRY(const anatomy::LabelMap labels,
-             anatomy::segment_tissue(scan.ct, job.options, progress));
-  const anatomy::LevelOptions levels{.bone_hu = job.options.bone_hu,
-                                     .skin_hu = job.options.skin_hu};
+  anatomy::SegmentationOptions options = job.options;
+  if (job.auto_thresholds) {
+    LEFORT_TRY(const anatomy::HistogramThresholds found, anatomy::find_thresholds(scan.ct));
+    options.bone_hu = found.bone_hu;
+    options.skin_hu = found.skin_hu;
+  }
+  LEFORT_TRY(const anatomy::LabelMap labels, anatomy::segment_tissue(scan.ct, options, progress));
+  const anatomy::LevelOptions levels{.bone_hu = options.bone_hu, .skin_hu = options.skin_hu};
   const double voxel_mm = scan.ct.grid.spacing_mm.minCoeff();
   const auto surface_of = [&](const image::ScalarVolume& level) -> Result<FinishedSurface> {
     progress.begin_stage("extract a surface");
@@ -42,7 +50,12 @@ Result<Summary> segment_scan(const SegmentJob& job, Progress& progress) {
   Summary summary;
   summary.text =
       fmt::format("{}:\n  skull  {}\n  skin   {}", job.output.string(), skull.text(), skin.text());
-  summary.json = {{"output", job.output.string()}, {"skull", skull.json()}, {"skin", skin.json()}};
+  summary.json = {{"output", job.output.string()},
+                  {"thresholds_hu", {{"bone", options.bone_hu}, {"skin", options.skin_hu}}},
+                  {"skull", skull.json()},
+                  {"skin", skin.json()},
+                  {"seconds", progress.seconds_json()},
+                  {"peak_memory_mb", peak_memory_mb()}};
   for (const auto& [name, volume_ml] : tissue_volumes_ml(labels)) {
     summary.text += fmt::format("\n  {:<12} {:8.1f} ml", name, volume_ml);
     summary.json["volumes_ml"][name] = volume_ml;

@@ -1,7 +1,7 @@
 #include <lefort/app/output_folder.h>
+#include <lefort/app/peak_memory.h>
 #include <lefort/app/phase_clock.h>
 #include <lefort/app/pipeline.h>
-#include <lefort/app/prediction_json.h>
 #include <lefort/app/write_solve.h>
 #include <lefort/contact/detector.h>
 #include <lefort/core/units.h>

@@ -1,5 +1,5 @@
 #include <lefort/app/newton_json.h>
-#include <lefort/app/prediction_json.h>
+#include <lefort/app/peak_memory.h>
 #include <lefort/app/solve_json.h>
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>

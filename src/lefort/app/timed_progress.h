@@ -4,6 +4,8 @@
 
 #include <lefort/core/progress.h>
 
+#include <nlohmann/json.hpp>
+
 #include <chrono>
 #include <string>
 #include <utility>
@@ -25,6 +27,18 @@ class TimedProgress final : public Progress {
   void report(double fraction) override { shown_.report(fraction); }
   void note(std::string_view sentence) override { shown_.note(sentence); }
   [[nodiscard]] bool stop_requested() const override { return shown_.stop_requested(); }
+
+  /// The same added up by name, and all of them, as JSON writers want them.
+  [[nodiscard]] nlohmann::ordered_json seconds_json() {
+    nlohmann::ordered_json json;
+    double total = 0.0;
+    for (const auto& [name, seconds] : stages()) {
+      json[name] = json.value(name, 0.0) + seconds;
+      total += seconds;
+    }
+    json["total"] = total;
+    return json;
+  }
 
   /// Name and seconds of every stage so far; closes the current one.
   [[nodiscard]] const std::vector<std::pair<std::string, double>>& stages() {

@@ -1,3 +1,4 @@
+#include <lefort/image/straighten_stack.h>
 #include <lefort/io/dicom.h>
 #include <lefort/io/internal/dicom_header.h>
 #include <lefort/io/internal/dicom_stack.h>
@@ -7,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
 #include <string>
@@ -19,6 +21,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxFiles = 100'000;
+constexpr int kMaxDepth = 8;  // Of folders; discs have four.
+/// As many files may be of no known series, as a share of the slices.
+constexpr double kMaxUnreadable = 0.2;
 
 using Series = std::vector<DicomHeader>;
 
@@ -33,9 +38,10 @@ struct FolderContents {
 Result<std::vector<fs::path>> list_files(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     std::error_code ignored;
+    if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
     if (entry->is_regular_file(ignored)) files.push_back(entry->path());
     if (files.size() > kMaxFiles)
       return fail(ErrorCode::kFileUnsupported,
@@ -87,13 +93,15 @@ std::string list_series(const std::vector<Series>& all) {
   return fmt::format("{}", fmt::join(lines, "; "));
 }
 
+Error no_series(const FolderContents& contents) {
+  if (!contents.unreadable.empty()) return contents.unreadable[0];
+  return {ErrorCode::kFileUnsupported, "the folder holds no DICOM files"};
+}
+
 /// The position of the series that was asked for, or of the only CT.
 Result<std::size_t> choose_series(const FolderContents& contents, int wanted) {
   const std::vector<Series>& all = contents.series;
-  if (all.empty() && !contents.unreadable.empty()) return tl::unexpected(contents.unreadable[0]);
-  if (all.empty())
-    return fail(ErrorCode::kFileUnsupported,
-                "the folder holds no DICOM files (subfolders are not searched)");
+  if (all.empty()) return tl::unexpected(no_series(contents));
   if (wanted != 0) {
     if (wanted < 0 || wanted > std::ssize(all))
       return fail(
@@ -154,7 +162,9 @@ std::vector<std::string> passed_over(const FolderContents& contents, std::size_t
 Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<Rescale>& rescales,
                                     HounsfieldCount& count, Progress& progress) {
   image::CtVolume ct{stack.grid, {}};
-  ct.values.reserve(static_cast<std::size_t>(stack.grid.voxel_count()));
+  ct.grid.size = {stack.slices.front().columns, stack.slices.front().rows,
+                  std::ssize(stack.slices)};
+  ct.values.reserve(static_cast<std::size_t>(ct.grid.voxel_count()));
   for (std::size_t k = 0; k < stack.slices.size(); ++k) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "reading the scan was stopped");
@@ -164,10 +174,62 @@ Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<R
       ct.values.push_back(hounsfield(slope * value + intercept, count));
     progress.report(static_cast<double>(k + 1) / static_cast<double>(stack.slices.size()));
   }
-  return ct;
+  if (stack.origins_L.empty()) return ct;
+  return image::straighten(ct, stack.origins_L, stack.grid, static_cast<std::int16_t>(kLowestHu));
+}
+
+/// Files of which not even the series is known may be any share of the scan. A few are a scout or a
+/// report that was damaged; more may be an end of the head.
+Result<void> check_unreadable(const std::vector<Error>& unreadable, std::size_t slices) {
+  if (static_cast<double>(unreadable.size()) <= kMaxUnreadable * static_cast<double>(slices))
+    return {};
+  return fail(ErrorCode::kFileCorrupt,
+              fmt::format("{} DICOM files cannot be read beside {} slices, expected at most a "
+                          "fifth as many: they may be a part of the head; the first is {}",
+                          unreadable.size(), slices, unreadable[0].message));
+}
+
+/// Of a series, without its pixels.
+DicomSeriesInfo describe(const Series& series, int number) {
+  const DicomHeader& first = series.front();
+  DicomSeriesInfo info{.number = number,
+                       .modality = first.modality,
+                       .images = std::ssize(series),
+                       .columns = first.columns,
+                       .rows = first.rows,
+                       .kernel = first.kernel};
+  if (first.pixel_spacing_mm) info.pixel_mm = *first.pixel_spacing_mm;
+  if (first.axes_L) {
+    Index axis = 0;
+    (*first.axes_L)[0].cross((*first.axes_L)[1]).cwiseAbs().maxCoeff(&axis);
+    info.orientation = std::array{"sagittal", "coronal", "axial"}[std::size_t(axis)];
+  }
+  if (!is_ct(series)) {
+    info.problem = "no CT";
+    return info;
+  }
+  const auto stack = stack_series(series, {});
+  if (!stack) {
+    info.problem = stack.error().message;
+    return info;
+  }
+  info.is_usable = true;
+  info.step_mm = stack->grid.spacing_mm.z();
+  info.warnings = stack->warnings;
+  return info;
 }
 
 }  // namespace
+
+Result<std::vector<DicomSeriesInfo>> list_dicom_series(const fs::path& folder, Progress& progress) {
+  progress.begin_stage("look through the DICOM files");
+  LEFORT_TRY(const FolderContents contents, scan_folder(folder, progress));
+  if (contents.series.empty()) return tl::unexpected(no_series(contents));
+  std::vector<DicomSeriesInfo> infos;
+  for (const Series& series : contents.series)
+    infos.push_back(describe(series, static_cast<int>(infos.size()) + 1));
+  return infos;
+}
 
 Result<ImportedVolume> read_dicom_series(const fs::path& folder, int series, Progress& progress) {
   progress.begin_stage("look through the DICOM files");
@@ -175,11 +237,13 @@ Result<ImportedVolume> read_dicom_series(const fs::path& folder, int series, Pro
   LEFORT_TRY(const std::size_t chosen, choose_series(contents, series));
   LEFORT_TRY(const DicomStack stack,
              stack_series(std::move(contents.series[chosen]), contents.unreadable));
+  LEFORT_TRY_VOID(check_unreadable(contents.unreadable, stack.slices.size()));
 
   progress.begin_stage("read the slices");
   ImportedVolume imported;
   imported.source_kind = "DICOM series";
   imported.warnings = stack.warnings;
+  imported.stack = stack.report;
   LEFORT_TRY(const std::vector<Rescale> rescales, rescales_of(stack.slices, imported.warnings));
   HounsfieldCount count;
   LEFORT_TRY(imported.ct, read_slices(stack, rescales, count, progress));

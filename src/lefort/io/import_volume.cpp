@@ -20,6 +20,8 @@ bool ends_in_inv3(const fs::path& file) {
 
 Result<ImportedVolume> import_volume(const fs::path& source, const ImportOptions& options,
                                      Progress& progress) {
+  if (is_dicomweb(source.string()))
+    return read_dicomweb(source.string(), options.credentials, options.series, progress);
   std::error_code error;
   const fs::file_status status = fs::status(source, error);
   if (!fs::exists(status))
@@ -30,6 +32,18 @@ Result<ImportedVolume> import_volume(const fs::path& source, const ImportOptions
   return fail(ErrorCode::kFileUnsupported,
               "this is not a scan we read, expected a folder of DICOM files, .nrrd, .nhdr, .nii, "
               ".nii.gz, .mha, .mhd or .inv3");
+}
+
+Result<std::vector<DicomSeriesInfo>> list_scans(const fs::path& source,
+                                                const ImportOptions& options, Progress& progress) {
+  if (is_dicomweb(source.string()))
+    return list_dicomweb(source.string(), options.credentials, progress);
+  std::error_code error;
+  if (!fs::is_directory(source, error))
+    return fail(ErrorCode::kFileUnsupported,
+                "the scan is no folder of DICOM files, so it has no "
+                "series to list");
+  return list_dicom_series(source, progress);
 }
 
 Result<ImportedVolume> import_volume(const fs::path& source, Progress& progress) {

@@ -4,6 +4,8 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
+#include <lefort/io/dicom.h>
+#include <lefort/io/dicomweb.h>
 #include <lefort/io/imported_volume.h>
 
 #include <filesystem>
@@ -11,11 +13,12 @@
 namespace lefort::io {
 
 struct ImportOptions {
-  int series = 0;  ///< Of a DICOM folder: counted from 1 as the error lists them; 0: the only CT.
+  int series = 0;             ///< Of DICOM: counted from 1 as list_scans() does; 0: the only CT.
+  Credentials credentials{};  ///< Of a DICOMweb server, unless its address has them.
 };
 
 /// Reads a folder of DICOM files, a NIfTI (.nii, .nii.gz), NRRD (.nrrd, .nhdr) or MetaImage (.mha,
-/// .mhd) file, or an InVesalius project (.inv3).
+/// .mhd) file, an InVesalius project (.inv3), or a study of a DICOMweb server (dicomweb.h).
 ///
 /// The result is in Hounsfield units and in L. Oblique direction cosines are kept; left-handed
 /// ones are made a rotation by reversing the order of slices. Values beyond the 12-bit range of a
@@ -28,10 +31,16 @@ struct ImportOptions {
 ///   - kFileUnsupported  not a scan we read: ending, number of dimensions, colour, modality;
 ///   - kFileCorrupt      truncated, damaged, slices missing, or a grid that cannot be;
 ///   - kInvalidArgument  several series and none chosen (the message lists them);
-///   - kCancelled        `progress` asked to stop.
+///   - kCancelled        `progress` asked to stop;
+///   - those of fetch_dicomweb().
 [[nodiscard]] Result<ImportedVolume> import_volume(const std::filesystem::path& source,
                                                    const ImportOptions& options,
                                                    Progress& progress = Progress::none());
+
+/// The series of a folder of DICOM files, or of a study of a DICOMweb server.
+[[nodiscard]] Result<std::vector<DicomSeriesInfo>> list_scans(
+    const std::filesystem::path& source, const ImportOptions& options,
+    Progress& progress = Progress::none());
 
 /// The same with the options' defaults.
 [[nodiscard]] Result<ImportedVolume> import_volume(const std::filesystem::path& source,

@@ -22,6 +22,7 @@ namespace {
 constexpr DicomTag kImageType = 0x00080008;
 constexpr DicomTag kInstanceUid = 0x00080018;
 constexpr DicomTag kModality = 0x00080060;
+constexpr DicomTag kKernel = 0x00181210;
 constexpr DicomTag kGantryTilt = 0x00181120;
 constexpr DicomTag kSeriesUid = 0x0020000e;
 constexpr DicomTag kInstanceNumber = 0x00200013;
@@ -96,11 +97,22 @@ std::string modality_of(const DicomElements& elements) {
   return is_word ? std::string(text) : "unknown";
 }
 
+/// Scanners call kernels "H60s", "BONE" or "B30f". Anything longer could be a name.
+std::string kernel_of(const DicomElements& elements) {
+  const std::string_view text = text_of(elements, kKernel);
+  const bool is_code =
+      text.size() <= 8 && std::all_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+      });
+  return is_code ? std::string(text) : "";
+}
+
 /// Fills what the elements say into `header`, which knows its file.
 DicomHeader header_from(const DicomElements& elements, DicomHeader header) {
   header.series_uid = text_of(elements, kSeriesUid);
   header.instance_uid = text_of(elements, kInstanceUid);
   header.modality = modality_of(elements);
+  header.kernel = kernel_of(elements);
   header.is_localizer = text_of(elements, kImageType).find("LOCALIZER") != std::string_view::npos;
   header.columns = uint16_of(elements, kColumns, 0);
   header.rows = uint16_of(elements, kRows, 0);

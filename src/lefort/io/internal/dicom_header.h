@@ -22,6 +22,7 @@ struct DicomHeader {
   std::string series_uid;             ///< Groups files; never shown, never kept.
   std::string instance_uid;           ///< Tells copies of one slice; never shown, never kept.
   std::string modality;  ///< "CT", "RTSTRUCT", ...; "unknown" if it is no plain code word.
+  std::string kernel;    ///< Of reconstruction, as "H60s"; empty if it is no plain code.
   bool is_localizer = false;
   Index columns = 0, rows = 0;  ///< 0 for objects that are no images.
   Index frames = 1;

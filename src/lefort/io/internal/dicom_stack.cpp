@@ -1,6 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/core/units.h>
 #include <lefort/image/check_grid.h>
+#include <lefort/image/straighten_stack.h>
 #include <lefort/io/internal/dicom_stack.h>
 
 #include <fmt/format.h>
@@ -25,6 +26,12 @@ constexpr double kUneven = 0.05;
 constexpr double kMaxOffEven = 0.1;
 /// Share of a pixel by which a slice may lie beside the stack.
 constexpr double kMaxSidewaysPixels = 0.5;
+/// Gantries tilt by 30 degrees at most; what is sheared by more is something else.
+constexpr double kMaxTilt_deg = 45.0;
+/// As many equal steps in a row are meant; fewer are an accident.
+constexpr std::size_t kLeastRun = 3;
+/// Wider steps hide too much of a face to be filled from their neighbours.
+constexpr double kWidestStepMm = 5.0;
 
 std::string size_of(const DicomHeader& slice) {
   return fmt::format("{} x {}", slice.columns, slice.rows);
@@ -119,15 +126,44 @@ EvenHeights fit_even_heights(const std::vector<double>& heights_mm) {
   return {from_mm + mean_mm - mean_k * distance_mm, distance_mm};
 }
 
-/// Refuses slices at one place, and gaps of one or more slices.
+std::string between(const std::vector<DicomHeader>& slices, std::size_t step) {
+  return fmt::format("{} and {}", name_of(slices[step]), name_of(slices[step + 1]));
+}
+
+Result<void> check_distinct(const std::vector<DicomHeader>& slices,
+                            const std::vector<double>& steps_mm) {
+  for (std::size_t k = 0; k < steps_mm.size(); ++k)
+    if (steps_mm[k] < 1e-3)
+      return fail(
+          ErrorCode::kFileCorrupt,
+          fmt::format("two slices of the series lie at the same place: {}", between(slices, k)));
+  return {};
+}
+
+/// Whether the stack consists of runs of at least kLeastRun equal steps, of several lengths, and no
+/// number is left out between its slices: a scanner took it so.
+bool has_several_distances(const std::vector<DicomHeader>& slices,
+                           const std::vector<double>& steps_mm) {
+  std::size_t runs = 0;
+  for (std::size_t begin = 0; begin < steps_mm.size(); ++runs) {
+    std::size_t end = begin + 1;
+    while (end < steps_mm.size() && std::abs(steps_mm[end] - steps_mm[begin]) <=
+                                        kUneven * steps_mm[begin] + kPositionToleranceMm)
+      ++end;
+    if (end - begin < kLeastRun) return false;
+    begin = end;
+  }
+  for (std::size_t k = 0; k < steps_mm.size(); ++k)
+    if (const auto a = slices[k].slice_number, b = slices[k + 1].slice_number;
+        a && b && std::abs(*a - *b) > 1)
+      return false;
+  return runs > 1;
+}
+
+/// Refuses gaps of one or more slices.
 Result<void> check_gaps(const std::vector<DicomHeader>& slices, const std::vector<double>& steps_mm,
                         double usual_mm) {
   for (std::size_t k = 0; k < steps_mm.size(); ++k) {
-    const std::string between =
-        fmt::format("{} and {}", name_of(slices[k]), name_of(slices[k + 1]));
-    if (steps_mm[k] < 1e-3)
-      return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("two slices of the series lie at the same place: {}", between));
     const double skipped = std::round(steps_mm[k] / usual_mm) - 1.0;
     const bool is_multiple =
         std::abs(steps_mm[k] - (skipped + 1.0) * usual_mm) <= kUneven * usual_mm;
@@ -135,7 +171,7 @@ Result<void> check_gaps(const std::vector<DicomHeader>& slices, const std::vecto
       return fail(ErrorCode::kFileCorrupt,
                   fmt::format("{} slices are missing between {}: the gap is {:.3g} mm, expected "
                               "{:.3g} mm",
-                              skipped, between, steps_mm[k], usual_mm));
+                              skipped, between(slices, k), steps_mm[k], usual_mm));
   }
   return {};
 }
@@ -144,10 +180,8 @@ Result<void> check_gaps(const std::vector<DicomHeader>& slices, const std::vecto
 /// steps may all be good and yet add up, so both steps and places are judged.
 Result<EvenHeights> even_heights(const std::vector<DicomHeader>& slices,
                                  const std::vector<double>& heights_mm,
+                                 const std::vector<double>& steps_mm,
                                  std::vector<std::string>& warnings) {
-  std::vector<double> steps_mm;
-  for (std::size_t k = 1; k < slices.size(); ++k)
-    steps_mm.push_back(heights_mm[k] - heights_mm[k - 1]);
   std::vector<double> sorted_mm = steps_mm;
   std::sort(sorted_mm.begin(), sorted_mm.end());
   const double usual_mm = sorted_mm[sorted_mm.size() / 2];
@@ -175,40 +209,64 @@ Result<EvenHeights> even_heights(const std::vector<DicomHeader>& slices,
   return even;
 }
 
-/// Slices must lie on top of each other. Those that slide sideways evenly come from a tilted
-/// gantry; any other place is none that a scanner gives.
-Result<void> check_sideways(const DicomStack& stack, std::vector<std::string>& warnings) {
+/// Slices of several distances as a grid as fine as the finest of them.
+Result<EvenHeights> resampled_heights(const std::vector<double>& heights_mm,
+                                      const std::vector<double>& steps_mm,
+                                      std::vector<std::string>& warnings) {
+  const auto [least, most] = std::minmax_element(steps_mm.begin(), steps_mm.end());
+  const std::string range = fmt::format("the slices lie {:.4g} to {:.4g} mm apart", *least, *most);
+  if (*most > kWidestStepMm)
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("{}, expected at most {:.3g} mm", range, kWidestStepMm));
+  const double length_mm = heights_mm.back() - heights_mm.front();
+  const EvenHeights even{heights_mm.front(), length_mm / std::round(length_mm / *least)};
+  warnings.push_back(
+      fmt::format("{}; they are resampled to one distance, {:.4g} mm", range, even.distance_mm));
+  return even;
+}
+
+/// Whether the slices slide sideways evenly, as from a tilted gantry, beyond what may be neglected.
+/// Other places beside the stack are none that a scanner gives, and refused.
+///
+/// \returns the angle of the shear, 0 for an upright stack.
+Result<double> find_tilt_deg(const DicomStack& stack, std::vector<std::string>& warnings) {
   const Vec3 normal = stack.grid.direction.col(2);
+  const Vec3 first_L = *stack.slices.front().position_L;
+  const auto path = [&](std::size_t k) -> Vec3 { return *stack.slices[k].position_L - first_L; };
   const auto sideways_mm = [&](std::size_t k) -> Vec3 {
-    const Vec3 path = *stack.slices[k].position_L - *stack.slices.front().position_L;
-    return path - path.dot(normal) * normal;
+    return path(k) - path(k).dot(normal) * normal;
   };
   const std::size_t last = stack.slices.size() - 1;
   const Vec3 drift_mm = sideways_mm(last);
+  const double height_mm = path(last).dot(normal);
   const double limit_mm = kMaxSidewaysPixels * stack.grid.spacing_mm.head<2>().minCoeff();
   double off_path_mm = 0.0;  // Of a path that slides evenly.
   std::size_t worst = 0;
   for (std::size_t k = 0; k <= last; ++k) {
-    const double share = static_cast<double>(k) / static_cast<double>(last);
+    const double share = path(k).dot(normal) / height_mm;
     off_path_mm = std::max(off_path_mm, (sideways_mm(k) - share * drift_mm).norm());
     if (sideways_mm(k).norm() > sideways_mm(worst).norm()) worst = k;
   }
+  const double said_deg = stack.slices.front().gantry_tilt_deg;
   if (drift_mm.norm() > limit_mm && off_path_mm <= limit_mm) {
-    const double height_mm = stack.grid.spacing_mm.z() * static_cast<double>(last);
-    return fail(ErrorCode::kFileUnsupported,
-                fmt::format("the slices are sheared by {:.1f} degrees, as by a tilted gantry, "
-                            "expected an upright stack",
-                            degrees_from_radians(std::atan2(drift_mm.norm(), height_mm))));
+    const double tilt_deg = degrees_from_radians(std::atan2(drift_mm.norm(), height_mm));
+    const std::string sheared =
+        fmt::format("the slices are sheared by {:.1f} degrees, as by a tilted gantry", tilt_deg);
+    if (tilt_deg > kMaxTilt_deg)
+      return fail(ErrorCode::kFileUnsupported,
+                  fmt::format("{}, expected at most {:.3g}", sheared, kMaxTilt_deg));
+    warnings.push_back(sheared + "; they are resampled to an upright stack");
+    return tilt_deg;
   }
   if (sideways_mm(worst).norm() > limit_mm)
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("{} lies {:.3g} mm beside the first slice, expected at most {:.3g} mm",
                             name_of(stack.slices[worst]), sideways_mm(worst).norm(), limit_mm));
-  if (const double said_deg = stack.slices.front().gantry_tilt_deg; std::abs(said_deg) > 0.1)
+  if (std::abs(said_deg) > 0.1)
     warnings.push_back(fmt::format(
         "the scanner reports a gantry tilt of {:.1f} degrees, but the slices make an upright stack",
         said_deg));
-  return {};
+  return 0.0;
 }
 
 }  // namespace
@@ -235,15 +293,39 @@ Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices) {
   std::sort(slices.begin(), slices.end(), [&](const DicomHeader& a, const DicomHeader& b) {
     return std::pair(height_mm(a), a.file_number) < std::pair(height_mm(b), b.file_number);
   });
-  std::vector<double> heights_mm;
-  heights_mm.reserve(slices.size());
+  std::vector<double> heights_mm, steps_mm;
   for (const DicomHeader& slice : slices) heights_mm.push_back(height_mm(slice));
-  LEFORT_TRY(const EvenHeights even, even_heights(slices, heights_mm, stack.warnings));
+  for (std::size_t k = 1; k < slices.size(); ++k)
+    steps_mm.push_back(heights_mm[k] - heights_mm[k - 1]);
+  LEFORT_TRY_VOID(check_distinct(slices, steps_mm));
+  const bool is_uneven = has_several_distances(slices, steps_mm);
+  LEFORT_TRY(const EvenHeights even,
+             is_uneven ? resampled_heights(heights_mm, steps_mm, stack.warnings)
+                       : even_heights(slices, heights_mm, steps_mm, stack.warnings));
   grid.spacing_mm.z() = even.distance_mm;
   grid.origin_L = *slices.front().position_L + (even.first_mm - heights_mm.front()) * normal;
   stack.slices = std::move(slices);
   LEFORT_TRY_VOID(image::check_grid(grid));
-  LEFORT_TRY_VOID(check_sideways(stack, stack.warnings));
+  LEFORT_TRY(const double tilt_deg, find_tilt_deg(stack, stack.warnings));
+  const auto [least, most] = std::minmax_element(steps_mm.begin(), steps_mm.end());
+  stack.report = {.slices = std::ssize(stack.slices),
+                  .least_step_mm = *least,
+                  .most_step_mm = *most,
+                  .tilt_deg = tilt_deg,
+                  .resampled = is_uneven || tilt_deg > 0.0};
+  if (!stack.report.resampled) return stack;
+
+  for (std::size_t k = 0; k < stack.slices.size(); ++k) {
+    // Heights that are as good as even are made so: mixing neighbours would blur them.
+    const double up_mm = is_uneven ? 0.0 : even.at(k) - heights_mm[k];
+    stack.origins_L.push_back(*stack.slices[k].position_L + up_mm * normal);
+  }
+  const auto count =
+      1 + static_cast<Index>(std::lround((is_uneven ? heights_mm.back() - heights_mm.front()
+                                                    : even.distance_mm * double(grid.size[2] - 1)) /
+                                         even.distance_mm));
+  grid = image::straight_grid(grid, stack.origins_L, even.first_mm, even.distance_mm, count);
+  LEFORT_TRY_VOID(image::check_grid(grid));
   return stack;
 }
 

@@ -1,0 +1,429 @@
+#include <lefort/io/dicomweb.h>
+#include <lefort/io/internal/dicom_header.h>
+#include <lefort/io/internal/http_get.h>
+#include <lefort/io/internal/multipart.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <utility>
+
+namespace lefort::io {
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kPlain = "dicomweb://";
+constexpr std::string_view kEncrypted = "dicomwebs://";
+
+/// What an address says.
+struct Place {
+  HttpServer server;
+  std::string root;  ///< Begins with a slash, or is empty.
+  std::string study_uid;
+  std::string series_uid;  ///< May be empty.
+};
+
+/// A series as the server describes it.
+struct RemoteSeries {
+  std::string uid;
+  std::string modality;
+  Index images = 0;  ///< As many it is to send.
+};
+
+bool is_uid(std::string_view text) {
+  return !text.empty() && text.size() <= 64 && text.find_first_not_of("0123456789.") == text.npos;
+}
+
+tl::unexpected<Error> bad_address(std::string_view why) {
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("the address {}, expected "
+                          "dicomweb://[user:password@]host[:port]/root/studies/UID[/series/UID]",
+                          why));
+}
+
+std::optional<std::string> percent_decoded(std::string_view text) {
+  std::string decoded;
+  for (std::size_t n = 0; n < text.size(); ++n) {
+    if (text[n] != '%') {
+      decoded.push_back(text[n]);
+      continue;
+    }
+    unsigned char byte = 0;
+    const std::string_view digits = text.substr(n + 1, 2);
+    const auto [rest, error] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16);
+    if (error != std::errc() || digits.size() != 2 || rest != digits.data() + 2)
+      return std::nullopt;
+    decoded.push_back(static_cast<char>(byte));
+    n += 2;
+  }
+  return decoded;
+}
+
+/// host, host:port or [v6]:port.
+Result<void> read_host(std::string_view text, HttpServer& server) {
+  const std::size_t bracket = text.find(']');
+  const std::size_t colon = text.find(':', bracket == text.npos ? 0 : bracket);
+  server.host = text.substr(0, colon);
+  const bool is_name = !server.host.empty() && server.host.find_first_not_of(
+                                                   "abcdefghijklmnopqrstuvwxyz"
+                                                   "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                                   "0123456789.-_:[]") == text.npos;
+  if (!is_name) return bad_address("has no host");
+  if (colon == text.npos) return {};
+  const std::string_view digits = text.substr(colon + 1);
+  const auto [rest, error] =
+      std::from_chars(digits.data(), digits.data() + digits.size(), server.port);
+  if (error != std::errc() || rest != digits.data() + digits.size() || server.port < 1 ||
+      server.port > 65535)
+    return bad_address("has a port that is no number from 1 to 65535");
+  return {};
+}
+
+Result<Place> read_address(std::string_view address, const Credentials& credentials) {
+  Place place;
+  place.server.is_encrypted = address.starts_with(kEncrypted);
+  place.server.port = place.server.is_encrypted ? 443 : 80;
+  place.server.user = credentials.user;
+  place.server.password = credentials.password;
+  std::string_view rest = address.substr((place.server.is_encrypted ? kEncrypted : kPlain).size());
+  const std::size_t slash = std::min(rest.find('/'), rest.size());
+  std::string_view host = rest.substr(0, slash);
+  std::string_view path = rest.substr(slash);
+  if (const std::size_t at = host.rfind('@'); at != host.npos) {
+    const std::string_view who = host.substr(0, at);
+    const std::size_t colon = std::min(who.find(':'), who.size());
+    const auto user = percent_decoded(who.substr(0, colon));
+    const auto password = percent_decoded(who.substr(std::min(colon + 1, who.size())));
+    if (!user || !password) return bad_address("has a user or password with a broken %");
+    place.server.user = *user;
+    place.server.password = *password;
+    host.remove_prefix(at + 1);
+  }
+  LEFORT_TRY_VOID(read_host(host, place.server));
+
+  while (path.ends_with('/')) path.remove_suffix(1);
+  const std::size_t studies = path.find("/studies/");
+  if (studies == path.npos) return bad_address("names no study");
+  place.root = path.substr(0, studies);
+  if (place.root.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                   "0123456789.-_~/%") != std::string::npos)
+    return bad_address("has other characters before /studies than a path may");
+  std::string_view uids = path.substr(studies + std::string_view("/studies/").size());
+  const std::size_t series = uids.find("/series/");
+  place.study_uid = uids.substr(0, series);
+  if (series != uids.npos)
+    place.series_uid = uids.substr(series + std::string_view("/series/").size());
+  if (!is_uid(place.study_uid) || (series != uids.npos && !is_uid(place.series_uid)))
+    return bad_address("has identifiers that are not digits and dots");
+  return place;
+}
+
+/// Asks for JSON, at most `limits.list_bytes` of it.
+Result<Json> fetch_json(const Place& place, const std::string& path, Progress& progress,
+                        const DicomWebLimits& limits) {
+  std::string text;
+  HttpRequest request{.path = place.root + path, .accept = "application/dicom+json"};
+  request.silence = limits.silence;
+  request.whole = limits.whole;
+  request.begin = [](const std::string&) -> Result<void> { return {}; };
+  request.receive = [&](std::string_view bytes) -> Result<void> {
+    if (text.size() + bytes.size() > limits.list_bytes)
+      return fail(ErrorCode::kFileCorrupt,
+                  fmt::format("the server's list has more than {} bytes", limits.list_bytes));
+    text += bytes;
+    return {};
+  };
+  LEFORT_TRY_VOID(http_get(place.server, request, progress));
+  if (text.empty()) return Json::array();
+  // Answers are five deep; what is deeper would take the stack of those who walk over it.
+  constexpr int kMaxDepth = 64;
+  bool is_deep = false;
+  Json json = Json::parse(
+      text,
+      [&](int depth, Json::parse_event_t, const Json&) {
+        is_deep |= depth > kMaxDepth;
+        return !is_deep;
+      },
+      false);
+  if (is_deep || !json.is_array())
+    return fail(ErrorCode::kFileUnsupported,
+                "the server's answer is no list in JSON, expected DICOMweb");
+  return json;
+}
+
+/// The first value of a tag of an object in DICOM JSON; null if there is none.
+Json first_value(const Json& object, const char* tag) {
+  if (!object.is_object()) return {};
+  const auto element = object.find(tag);
+  if (element == object.end() || !element->is_object()) return {};
+  const auto values = element->find("Value");
+  if (values == element->end() || !values->is_array() || values->empty()) return {};
+  return values->front();
+}
+
+std::string text_at(const Json& object, const char* tag) {
+  const Json value = first_value(object, tag);
+  return value.is_string() ? value.get<std::string>() : "";
+}
+
+/// Numbers of the kind IS come as numbers or, from some servers, as text.
+std::optional<Index> number_at(const Json& object, const char* tag) {
+  const Json value = first_value(object, tag);
+  double number = -1.0;
+  if (value.is_number()) number = value.get<double>();
+  if (value.is_string()) {
+    const auto& text = value.get_ref<const std::string&>();
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc()) return std::nullopt;
+  }
+  if (!(number >= 0.0 && number < 1e9)) return std::nullopt;
+  return static_cast<Index>(number);
+}
+
+constexpr const char* kModality = "00080060";
+constexpr const char* kSeriesUid = "0020000E";
+constexpr const char* kImages = "00201209";  // Number of Series Related Instances.
+
+/// How many images the server has of a series, if its list of series does not say so.
+Result<Index> count_images(const Place& place, const std::string& series_uid, Progress& progress,
+                           const DicomWebLimits& limits) {
+  LEFORT_TRY(
+      const Json list,
+      fetch_json(place, fmt::format("/studies/{}/series/{}/instances", place.study_uid, series_uid),
+                 progress, limits));
+  return std::ssize(list);
+}
+
+/// The series of the study, or the one the address names, in the order of their identifiers.
+Result<std::vector<RemoteSeries>> find_series(const Place& place, Progress& progress,
+                                              const DicomWebLimits& limits) {
+  LEFORT_TRY(
+      const Json list,
+      fetch_json(place, fmt::format("/studies/{}/series?includefield={}", place.study_uid, kImages),
+                 progress, limits));
+  std::vector<RemoteSeries> all;
+  for (const Json& one : list) {
+    RemoteSeries series{.uid = text_at(one, kSeriesUid), .modality = text_at(one, kModality)};
+    if (!is_uid(series.uid) || (!place.series_uid.empty() && series.uid != place.series_uid))
+      continue;
+    // A code word; anything else could be a name.
+    if (series.modality.size() > 10 ||
+        series.modality.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos)
+      series.modality = "unknown";
+    if (const auto images = number_at(one, kImages)) {
+      series.images = *images;
+    } else {
+      LEFORT_TRY(series.images, count_images(place, series.uid, progress, limits));
+    }
+    all.push_back(series);
+  }
+  if (all.empty()) return fail(ErrorCode::kFileNotFound, "the server has no such study or series");
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.uid < b.uid; });
+  return all;
+}
+
+bool is_ct(const RemoteSeries& series) { return series.modality == "CT" && series.images >= 2; }
+
+Result<RemoteSeries> choose(const std::vector<RemoteSeries>& all, int wanted) {
+  std::string list;
+  for (std::size_t n = 0; n < all.size(); ++n)
+    list += fmt::format("{}{} = {}, {} images", n > 0 ? "; " : "", n + 1, all[n].modality,
+                        all[n].images);
+  if (wanted != 0) {
+    if (wanted < 0 || wanted > std::ssize(all))
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("there is no series {}, expected one of: {}", wanted, list));
+    return all[static_cast<std::size_t>(wanted - 1)];
+  }
+  const auto count = std::count_if(all.begin(), all.end(), is_ct);
+  if (count == 0)
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("the study holds no CT series, only: {}", list));
+  if (count > 1)
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("the study holds several CT series, choose one by its number: {}", list));
+  return *std::find_if(all.begin(), all.end(), is_ct);
+}
+
+/// A folder that nobody else may read, gone with all in it at the end: images carry names.
+class PrivateFolder {
+ public:
+  PrivateFolder() {
+    std::error_code error;
+    std::string name = (fs::temp_directory_path(error) / "lefort-XXXXXX").string();
+    if (!error && ::mkdtemp(name.data()) != nullptr) path_ = name;
+  }
+  ~PrivateFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }  ///< Empty if none could be made.
+
+ private:
+  fs::path path_;
+};
+
+/// Puts each part of an answer into a file of its own.
+class ImageFiles {
+ public:
+  ImageFiles(fs::path folder, const DicomWebLimits& limits)
+      : folder_(std::move(folder)), limits_(limits) {}
+
+  [[nodiscard]] Result<void> begin() {
+    if (count_ == limits_.images) return too_much(fmt::format("{} images", limits_.images));
+    ++count_;
+    image_bytes_ = 0;
+    file_.open(folder_ / fmt::format("{:06}.dcm", count_), std::ios::binary);
+    return file_ ? Result<void>() : full();
+  }
+  [[nodiscard]] Result<void> add(std::string_view bytes) {
+    image_bytes_ += bytes.size();
+    series_bytes_ += bytes.size();
+    if (image_bytes_ > limits_.image_bytes)
+      return too_much(fmt::format("{} bytes in an image", limits_.image_bytes));
+    if (series_bytes_ > limits_.series_bytes)
+      return too_much(fmt::format("{} bytes", limits_.series_bytes));
+    file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    return file_ ? Result<void>() : full();
+  }
+  [[nodiscard]] Result<void> end() {
+    file_.close();
+    return file_ ? Result<void>() : full();
+  }
+  [[nodiscard]] Index count() const { return count_; }
+
+ private:
+  [[nodiscard]] static Result<void> too_much(const std::string& what) {
+    return fail(ErrorCode::kFileCorrupt, fmt::format("the server sends more than {}", what));
+  }
+  [[nodiscard]] static Result<void> full() {
+    return fail(ErrorCode::kFileUnwritable, "the temporary folder cannot hold the images");
+  }
+
+  fs::path folder_;
+  const DicomWebLimits& limits_;
+  std::ofstream file_;
+  Index count_ = 0;
+  std::uint64_t image_bytes_ = 0, series_bytes_ = 0;
+};
+
+/// Fetches all images of a series into a folder.
+Result<void> fetch_images(const Place& place, const RemoteSeries& series, const fs::path& folder,
+                          Progress& progress, const DicomWebLimits& limits) {
+  ImageFiles files(folder, limits);
+  std::optional<MultipartReader> parts;
+  HttpRequest request{
+      .path = fmt::format("{}/studies/{}/series/{}", place.root, place.study_uid, series.uid),
+      .accept = "multipart/related; type=\"application/dicom\"; transfer-syntax=*"};
+  request.silence = limits.silence;
+  request.whole = limits.whole;
+  request.begin = [&](const std::string& content_type) -> Result<void> {
+    const std::string boundary = multipart_boundary(content_type);
+    if (boundary.empty())
+      return fail(ErrorCode::kFileUnsupported,
+                  "the server's answer is not in parts, expected DICOMweb");
+    parts.emplace(
+        boundary,
+        MultipartReader::Sink{
+            [&] { return files.begin(); }, [&](std::string_view bytes) { return files.add(bytes); },
+            [&] {
+              progress.report(static_cast<double>(files.count()) /
+                              static_cast<double>(std::max(series.images, files.count())));
+              return files.end();
+            }});
+    return {};
+  };
+  request.receive = [&](std::string_view bytes) { return parts->feed(bytes); };
+  const Result<void> fetched = http_get(place.server, request, progress);
+  const bool is_whole = fetched && parts && parts->is_complete();
+  if (!fetched && (fetched.error().code != ErrorCode::kFileCorrupt || files.count() == 0))
+    return fetched;
+  if (!is_whole)
+    return fail(
+        ErrorCode::kFileCorrupt,
+        fmt::format("{} after {} of {} images",
+                    fetched ? "the connection to the server was lost" : fetched.error().message,
+                    files.count(), series.images));
+  if (files.count() != series.images)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("the server sent {} images of a series that has {}, expected all",
+                            files.count(), series.images));
+  return {};
+}
+
+/// Whether the images are those that were asked for, each once.
+Result<void> check_images(const fs::path& folder, const RemoteSeries& series) {
+  std::set<std::string> seen;
+  std::error_code error;
+  Index number = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    LEFORT_TRY(const auto header, read_dicom_header(entry.path(), ++number));
+    if (!header || header->series_uid != series.uid)
+      return fail(ErrorCode::kFileCorrupt, "the server sent an image of another series");
+    if (!seen.insert(header->instance_uid).second)
+      return fail(
+          ErrorCode::kFileCorrupt,
+          fmt::format("the server sent an image twice, expected {} different ones", series.images));
+  }
+  return {};
+}
+
+}  // namespace
+
+bool is_dicomweb(std::string_view source) {
+  return source.starts_with(kPlain) || source.starts_with(kEncrypted);
+}
+
+Result<std::vector<DicomSeriesInfo>> list_dicomweb(const std::string& address,
+                                                   const Credentials& credentials,
+                                                   Progress& progress,
+                                                   const DicomWebLimits& limits) {
+  LEFORT_TRY(const Place place, read_address(address, credentials));
+  progress.begin_stage("ask the server for its series");
+  LEFORT_TRY(const std::vector<RemoteSeries> all, find_series(place, progress, limits));
+  std::vector<DicomSeriesInfo> infos;
+  for (const RemoteSeries& series : all)
+    infos.push_back({.number = static_cast<int>(infos.size()) + 1,
+                     .modality = series.modality,
+                     .images = series.images,
+                     .is_usable = is_ct(series),
+                     .problem = is_ct(series) ? "" : "no CT"});
+  return infos;
+}
+
+Result<ImportedVolume> read_dicomweb(const std::string& address, const Credentials& credentials,
+                                     int series, Progress& progress, const DicomWebLimits& limits) {
+  LEFORT_TRY(const Place place, read_address(address, credentials));
+  progress.begin_stage("ask the server for its series");
+  LEFORT_TRY(const std::vector<RemoteSeries> all, find_series(place, progress, limits));
+  LEFORT_TRY(const RemoteSeries chosen, choose(all, series));
+
+  progress.begin_stage("fetch the images");
+  const PrivateFolder folder;
+  if (folder.path().empty())
+    return fail(ErrorCode::kFileUnwritable, "no temporary folder can be made for the images");
+  LEFORT_TRY_VOID(fetch_images(place, chosen, folder.path(), progress, limits));
+  LEFORT_TRY_VOID(check_images(folder.path(), chosen));
+  LEFORT_TRY(ImportedVolume imported, read_dicom_series(folder.path(), 1, progress));
+  imported.source_kind = "DICOMweb";
+  if (all.size() > 1)
+    imported.warnings.push_back(fmt::format("{} other series were passed over", all.size() - 1));
+  return imported;
+}
+
+}  // namespace lefort::io

@@ -1,0 +1,108 @@
+// The whole way from scan to labels and surfaces on a head whose every voxel is known.
+#include <lefort/anatomy/extract_surface.h>
+#include <lefort/anatomy/histogram_thresholds.h>
+#include <lefort/anatomy/segment_tissue.h>
+#include <lefort/anatomy/synthetic_head.h>
+#include <lefort/anatomy/tissue_levels.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace lefort::anatomy {
+namespace {
+
+struct Head {
+  image::CtVolume ct = synthetic_scan(synthetic_grid(1.4));
+  LabelMap truth = synthetic_labels(ct.grid);
+  HistogramThresholds thresholds = find_thresholds(ct).value();
+  SegmentationOptions options = [this] {
+    SegmentationOptions found;
+    found.bone_hu = thresholds.bone_hu;
+    found.skin_hu = thresholds.skin_hu;
+    return found;
+  }();
+  LabelMap labels = segment_tissue(ct, options).value();
+};
+
+const Head& head() {
+  static const Head instance;
+  return instance;
+}
+
+using Belongs = std::function<bool(Tissue)>;
+
+bool is_soft(Tissue tissue) { return tissue == Tissue::kSoftTissue || tissue == Tissue::kBrain; }
+bool is_inner_air(Tissue tissue) { return tissue == Tissue::kAirway || tissue == Tissue::kSinus; }
+Belongs is(Tissue wanted) {
+  return [wanted](Tissue tissue) { return tissue == wanted; };
+}
+
+/// Dice's coefficient: twice what both have in common, over the sum of both.
+double dice(const LabelMap& found, const LabelMap& truth, const Belongs& belongs) {
+  double common = 0.0, sum = 0.0;
+  for (std::size_t v = 0; v < truth.values.size(); ++v) {
+    const bool a = belongs(found.values[v]), b = belongs(truth.values[v]);
+    common += a && b ? 1.0 : 0.0;
+    sum += (a ? 1.0 : 0.0) + (b ? 1.0 : 0.0);
+  }
+  return 2.0 * common / sum;
+}
+
+TEST(SyntheticHead, SegmentationFindsItsTissues) {
+  const std::pair<const char*, Belongs> tissues[] = {
+      {"bone", is_bone},
+      {"skull", is(Tissue::kBone)},
+      {"mandible", is(Tissue::kMandible)},
+      {"soft tissue and brain", is_soft},
+      {"brain", is(Tissue::kBrain)},
+      {"facial soft tissue", is(Tissue::kSoftTissue)},
+      {"inner air", is_inner_air},
+      {"airway", is(Tissue::kAirway)}};
+  for (const auto& [name, belongs] : tissues) {
+    const double found = dice(head().labels, head().truth, belongs);
+    RecordProperty(name, std::to_string(found));
+    EXPECT_GE(found, 0.97) << name;
+  }
+  // A sinus is bordered by bone, where the threshold between air and skin lies beside the middle:
+  // a quarter of a voxel all around the small balls these are.
+  EXPECT_GE(dice(head().labels, head().truth, is(Tissue::kSinus)), 0.95);
+}
+
+/// How far the vertices of a surface lie from the zero of a formula: P99 and the largest [mm].
+std::pair<double, double> deviation(const geometry::TriangleMesh& mesh,
+                                    const std::function<double(const Vec3&)>& formula) {
+  std::vector<double> off_mm;
+  for (const Vec3& p : mesh.vertices) off_mm.push_back(std::abs(formula(p)));
+  std::sort(off_mm.begin(), off_mm.end());
+  return {off_mm[off_mm.size() * 99 / 100], off_mm.back()};
+}
+
+TEST(SyntheticHead, SurfacesLieWithinHalfAVoxelOfItsFormulas) {
+  const image::Grid& grid = head().ct.grid;
+  const LevelOptions levels{.bone_hu = head().options.bone_hu, .skin_hu = head().options.skin_hu};
+  const double half_voxel_mm = 0.5 * grid.spacing_mm.x();
+  const auto above_cut = [&](const Vec3& p) { return p.z() - (grid.origin_L.z() - half_voxel_mm); };
+  const auto bones =
+      extract_isosurface(bone_level(head().ct, head().labels, Cavities::kKeep, levels)).value();
+  const auto [bone_p99, bone_most] = deviation(bones, [&](const Vec3& p) {
+    using namespace synthetic;
+    const double solid = std::max({skull(p), mandible(p), column(p)});
+    return std::min({solid, -airway(p), -sinuses(p), above_cut(p)});
+  });
+  const auto skin = extract_isosurface(skin_level(head().ct, head().labels, levels)).value();
+  // The nostrils are drawn in, which the formula of the skin is not: a few vertices are far.
+  const auto [skin_p99, skin_most] =
+      deviation(skin, [&](const Vec3& p) { return std::min(synthetic::skin(p), above_cut(p)); });
+  RecordProperty("bone_p99_mm", std::to_string(bone_p99));
+  RecordProperty("bone_most_mm", std::to_string(bone_most));
+  RecordProperty("skin_p99_mm", std::to_string(skin_p99));
+  EXPECT_LT(bone_p99, half_voxel_mm);
+  EXPECT_LT(bone_most, 2.0 * half_voxel_mm);
+  EXPECT_LT(skin_p99, half_voxel_mm);
+}
+
+}  // namespace
+}  // namespace lefort::anatomy

@@ -1,0 +1,343 @@
+#include <lefort/io/dicom.h>
+#include <lefort/io/dicomweb.h>
+#include <lefort/io/import_volume.h>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+
+#include "io/dicom_writer.h"
+#include "io/orthanc_server.h"
+#include "io/sample_scan.h"
+#include "support/temporary_folder.h"
+
+namespace lefort::io {
+namespace {
+
+using test::OrthancServer;
+using test::TemporaryFolder;
+
+constexpr const char* kStudy = "1.2.826.0.1.3680043.2.1125.9";  // Of dicom_writer.
+const Credentials kWho{OrthancServer::kUser, OrthancServer::kPassword};
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// The number of folders of ours in the folder for temporary files.
+long temporary_folders() {
+  long count = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::temp_directory_path()))
+    if (entry.path().filename().string().starts_with("lefort-") &&
+        !entry.path().filename().string().starts_with("lefort-test-") &&
+        std::filesystem::is_directory(entry.path()))
+      ++count;
+  return count;
+}
+
+/// One Orthanc for all tests of this program, with two CT series and a plan.
+struct Pacs {
+  OrthancServer server;
+  TemporaryFolder folder;
+  image::CtVolume ct = test::sample_scan(test::oblique());
+
+  Pacs() {
+    auto slices = test::dicom_slices(ct);
+    test::write_dicom_series(folder / "a", slices);
+    for (auto& slice : slices) {
+      slice.series_uid += ".2";
+      slice.instance_uid += ".2";
+      for (std::int16_t& value : slice.stored) value = static_cast<std::int16_t>(value / 2);
+    }
+    test::write_dicom_series(folder / "b", slices);
+    server.store(folder / "a");
+    server.store(folder / "b");
+  }
+  [[nodiscard]] std::string address(const std::string& rest) const {
+    return fmt::format("dicomweb://127.0.0.1:{}/dicom-web{}", server.port(), rest);
+  }
+};
+
+Pacs& pacs() {
+  static Pacs instance;
+  return instance;
+}
+
+class OrthancTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!OrthancServer::is_installed()) GTEST_SKIP() << "Debian's orthanc is not installed";
+    before_ = temporary_folders();
+  }
+  void TearDown() override { EXPECT_EQ(temporary_folders(), before_); }
+  long before_ = 0;
+};
+
+TEST_F(OrthancTest, ImportsTheSameAsFromAFolderBitForBit) {
+  const std::string study = pacs().address(std::string("/studies/") + kStudy);
+  const auto list = list_dicomweb(study, kWho);
+  ASSERT_TRUE(list) << list.error().message;
+  ASSERT_EQ(list->size(), 2U);
+  for (const DicomSeriesInfo& series : *list) {
+    EXPECT_EQ(series.modality, "CT");
+    EXPECT_EQ(series.images, 6);
+    EXPECT_TRUE(series.is_usable);
+  }
+  for (const int series : {1, 2}) {
+    const auto wanted = read_dicom_series(pacs().folder.path(), series);
+    ASSERT_TRUE(wanted) << wanted.error().message;
+    const auto found = read_dicomweb(study, kWho, series);
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ(found->ct.values, wanted->ct.values);
+    EXPECT_EQ(found->ct.grid, wanted->ct.grid);
+    EXPECT_EQ(found->source_kind, "DICOMweb");
+    EXPECT_EQ(found->warnings, wanted->warnings);
+  }
+  EXPECT_NE(read_dicomweb(study, kWho, 1)->ct.values, read_dicomweb(study, kWho, 2)->ct.values);
+
+  // The series in the address; user and password in it, too.
+  const auto named = import_volume(
+      fmt::format("dicomweb://lefort:s3cret%3A%2f%40@localhost:{}/dicom-web/studies/{}/series/"
+                  "1.2.826.0.1.3680043.2.1125.1.2/",
+                  pacs().server.port(), kStudy));
+  ASSERT_TRUE(named) << named.error().message;
+  EXPECT_EQ(named->ct.values, read_dicomweb(study, kWho, 2)->ct.values);
+}
+
+/// The error of reading from an address; checks what all of them have in common.
+Error error_of(const std::string& address, const Credentials& who = kWho, int series = 1,
+               const DicomWebLimits& limits = {}) {
+  const auto result = read_dicomweb(address, who, series, Progress::none(), limits);
+  if (result) {
+    ADD_FAILURE() << "no error";
+    return {ErrorCode::kNotConverged, ""};
+  }
+  const std::string& message = result.error().message;
+  test::expect_one_sentence(message);
+  for (const char* const secret : {"s3cret", "wrong-word", "1.2.826", "DOE"})
+    EXPECT_FALSE(has(message, secret)) << message;
+  return result.error();
+}
+
+TEST_F(OrthancTest, AWrongPasswordAnUnknownStudyAndAWrongChoiceAreToldInOneLine) {
+  const std::string study = pacs().address(std::string("/studies/") + kStudy);
+  const Error wrong = error_of(study, {"lefort", "wrong-word"});
+  EXPECT_EQ(wrong.code, ErrorCode::kFileUnsupported);
+  EXPECT_TRUE(has(wrong.message, "refuses user or password (status 401)")) << wrong.message;
+  EXPECT_TRUE(has(error_of(study, {}).message, "refuses user or password"));
+
+  const Error unknown = error_of(pacs().address("/studies/1.2.3.4"));
+  EXPECT_EQ(unknown.code, ErrorCode::kFileNotFound);
+  EXPECT_TRUE(has(unknown.message, "no such study")) << unknown.message;
+  EXPECT_TRUE(has(error_of(study + "/series/1.2.3").message, "no such study or series"));
+  const Error choice = error_of(study, kWho, 0);
+  EXPECT_EQ(choice.code, ErrorCode::kInvalidArgument);
+  EXPECT_TRUE(has(choice.message, "1 = CT, 6 images; 2 = CT, 6 images")) << choice.message;
+  EXPECT_TRUE(has(error_of(study, kWho, 3).message, "there is no series 3"));
+  EXPECT_EQ(error_of(pacs().address("x/studies/1.2")).code, ErrorCode::kFileNotFound);
+}
+
+TEST_F(OrthancTest, AServerThatIsGoneIsToldInOneLine) {
+  OrthancServer server;
+  server.store(pacs().folder / "a");
+  const std::string study =
+      fmt::format("dicomweb://127.0.0.1:{}/dicom-web/studies/{}", server.port(), kStudy);
+  ASSERT_TRUE(read_dicomweb(study, kWho));
+  server.stop();
+  const Error gone = error_of(study);
+  EXPECT_EQ(gone.code, ErrorCode::kFileNotFound);
+  EXPECT_TRUE(has(gone.message, "no server answers at 127.0.0.1")) << gone.message;
+}
+
+/// A server that says and does what a test wants.
+class FakeServer {
+ public:
+  FakeServer() : port_(http_.bind_to_any_port("127.0.0.1")) {
+    http_.Get(".*/series", [this](const httplib::Request&, httplib::Response& response) {
+      response.set_content(list, "application/dicom+json");
+    });
+    http_.Get(".*/instances", [this](const httplib::Request&, httplib::Response& response) {
+      response.set_content(instances, "application/dicom+json");
+    });
+    http_.Get(".*/series/.*",
+              [this](const httplib::Request&, httplib::Response& response) { images(response); });
+    thread_ = std::thread([this] { http_.listen_after_bind(); });
+  }
+  ~FakeServer() {
+    http_.stop();
+    thread_.join();
+  }
+  FakeServer(const FakeServer&) = delete;
+  FakeServer& operator=(const FakeServer&) = delete;
+
+  [[nodiscard]] std::string study() const {
+    return fmt::format("dicomweb://127.0.0.1:{}/studies/1.2.3", port_);
+  }
+
+  std::string list, instances = "[]";
+  std::function<void(httplib::Response&)> images = [](httplib::Response& r) { r.status = 500; };
+
+ private:
+  httplib::Server http_;
+  int port_;
+  std::thread thread_;
+};
+
+std::string series_list(int images) {
+  return fmt::format(
+      R"([{{"0020000E": {{"vr": "UI", "Value": ["1.2.826.0.1.3680043.2.1125.1"]}},
+           "00080060": {{"vr": "CS", "Value": ["CT"]}},
+           "00201209": {{"vr": "IS", "Value": [{}]}}}}])",
+      images);
+}
+
+/// The sample scan's files as a multipart body; without its end if it is not `whole`.
+std::string body_of(std::size_t files, bool whole = true) {
+  const TemporaryFolder folder;
+  const auto slices = test::dicom_slices(test::sample_scan());
+  test::write_dicom_series(folder.path(), slices);
+  std::string body;
+  for (std::size_t n = 0; n < files; ++n)
+    body += "--cut\r\nContent-Type: application/dicom\r\n\r\n" +
+            test::bytes_of(folder / fmt::format("slice-{:03}.dcm", n % slices.size())) + "\r\n";
+  return body + (whole ? "--cut--\r\n" : "");
+}
+
+constexpr const char* kParts = "multipart/related; type=\"application/dicom\"; boundary=cut";
+
+TEST(DicomWeb, ReadsFromAnyServerThatKeepsToTheStandard) {
+  FakeServer server;
+  server.list = series_list(6);
+  server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
+  const auto found = read_dicomweb(server.study(), {});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->ct.values, test::sample_scan().values);
+  // A server that does not say how many images a series has is asked for their list.
+  server.list = R"([{"0020000E": {"vr": "UI", "Value": ["1.2.826.0.1.3680043.2.1125.1"]},
+                     "00080060": {"vr": "CS", "Value": ["CT"]}}])";
+  server.instances = "[{}, {}, {}, {}, {}, {}]";
+  EXPECT_TRUE(read_dicomweb(server.study(), {}));
+  server.instances = "[{}, {}, {}, {}, {}, {}, {}]";
+  EXPECT_TRUE(has(error_of(server.study()).message, "6 images of a series that has 7"));
+}
+
+TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
+  const long before = temporary_folders();
+  FakeServer server;
+  server.list = series_list(6);
+  // The server knows of six and sends three.
+  server.images = [](httplib::Response& r) { r.set_content(body_of(3), kParts); };
+  Error error = error_of(server.study());
+  EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(error.message, "3 images of a series that has 6")) << error.message;
+  // All parts are there, the closing boundary is not.
+  server.images = [](httplib::Response& r) { r.set_content(body_of(6, false), kParts); };
+  EXPECT_TRUE(has(error_of(server.study()).message, "after 6 of 6 images"));
+  // It hangs up in the middle of a file, having promised more.
+  server.images = [](httplib::Response& r) {
+    r.set_content_provider(
+        body_of(6).size(), kParts,
+        [body = body_of(6)](std::size_t offset, std::size_t, httplib::DataSink& sink) {
+          if (offset > 0) return false;
+          return sink.write(body.data(), body.size() / 2);
+        });
+  };
+  error = error_of(server.study());
+  EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(error.message, "was lost after") && has(error.message, "of 6 images"))
+      << error.message;
+  // One slice twice instead of another, and a slice of another series.
+  server.list = series_list(7);
+  server.images = [](httplib::Response& r) { r.set_content(body_of(7), kParts); };
+  EXPECT_TRUE(has(error_of(server.study()).message, "an image twice"));
+  server.list = R"([{"0020000E": {"Value": ["1.2.9"]}, "00080060": {"Value": ["CT"]},
+                     "00201209": {"Value": ["6"]}}])";
+  server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
+  EXPECT_TRUE(has(error_of(server.study()).message, "of another series"));
+  EXPECT_EQ(temporary_folders(), before);
+}
+
+TEST(DicomWeb, StopsListeningToAServerThatSendsTooMuch) {
+  FakeServer server;
+  server.list = series_list(6);
+  server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
+  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.images = 5}).message, "more than 5 images"));
+  EXPECT_TRUE(
+      has(error_of(server.study(), {}, 0, {.image_bytes = 100}).message, "100 bytes in an image"));
+  EXPECT_TRUE(
+      has(error_of(server.study(), {}, 0, {.series_bytes = 2000}).message, "more than 2000 bytes"));
+  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.list_bytes = 10}).message,
+                  "list has more than 10 bytes"));
+  // Without end: a stream of an image that never closes.
+  server.images = [](httplib::Response& r) {
+    r.set_chunked_content_provider(kParts, [first = true](std::size_t,
+                                                          httplib::DataSink& sink) mutable {
+      const std::string bytes = first ? "--cut\r\n\r\n" : std::string(std::size_t{1} << 16, 'x');
+      first = false;
+      return sink.write(bytes.data(), bytes.size());
+    });
+  };
+  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.image_bytes = 1 << 22}).message,
+                  "4194304 bytes in an image"));
+  // Silence.
+  server.images = [](httplib::Response&) { std::this_thread::sleep_for(std::chrono::seconds(3)); };
+  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.silence = std::chrono::seconds(1)}).message,
+                  "was lost"));
+}
+
+TEST(DicomWeb, OtherServersAreToldApart) {
+  FakeServer server;
+  for (const char* const list : {"<html>", "{}", "7", "[[[[", "\"\xff\"", "{\"a\": [1, 2"})
+    EXPECT_TRUE(has((server.list = list, error_of(server.study()).message), "no list in JSON"))
+        << list;
+  server.list = std::string(100'000, '[');
+  EXPECT_TRUE(has(error_of(server.study()).message, "no list in JSON"));
+  for (const char* const list : {"[]", "[1, null, {}, \"a\"]", "[{\"0020000E\": 7}]",
+                                 R"([{"0020000E": {"Value": ["../etc"]}}])"}) {
+    server.list = list;
+    EXPECT_EQ(error_of(server.study()).code, ErrorCode::kFileNotFound) << list;
+  }
+  server.list = series_list(6);
+  EXPECT_TRUE(has(error_of(server.study()).message, "status 500"));
+  server.images = [](httplib::Response& r) { r.set_content("x", "text/html"); };
+  EXPECT_TRUE(has(error_of(server.study()).message, "not in parts"));
+  server.images = [](httplib::Response& r) { r.set_redirect("/elsewhere"); };
+  EXPECT_TRUE(has(error_of(server.study()).message, "status 302"));
+  // A server without certificate.
+  std::string encrypted = server.study();
+  encrypted.replace(0, 8, "dicomwebs");
+  EXPECT_TRUE(has(error_of(encrypted).message, "cannot be trusted"));
+}
+
+TEST(DicomWeb, AddressesAreUnderstoodOrRefused) {
+  for (const char* const address :
+       {"dicomweb://", "dicomweb:///studies/1.2", "dicomweb://h", "dicomweb://h/dicom-web",
+        "dicomweb://h/studies/", "dicomweb://h/studies/1.2/series/", "dicomweb://h/studies/1.2x",
+        "dicomweb://h:0/studies/1.2", "dicomweb://h:99999/studies/1.2",
+        "dicomweb://h:8o/studies/1.2", "dicomweb://h/a b/studies/1.2",
+        "dicomweb://h/a\r\nHost: x/studies/1.2", "dicomweb://u:p%4@h/studies/1.2",
+        "dicomweb://h/studies/1.2/series/1.2/instances/3"}) {
+    const Error error = error_of(address);
+    EXPECT_EQ(error.code, ErrorCode::kInvalidArgument) << address << ": " << error.message;
+  }
+  EXPECT_TRUE(is_dicomweb("dicomweb://h") && is_dicomweb("dicomwebs://h"));
+  EXPECT_FALSE(is_dicomweb("dicomweb") || is_dicomweb("/data/dicomweb://"));
+}
+
+class StopsAtOnce : public Progress {
+ public:
+  [[nodiscard]] bool stop_requested() const override { return true; }
+};
+
+TEST(DicomWeb, StopsWhenAsked) {
+  FakeServer server;
+  server.list = series_list(6);
+  StopsAtOnce progress;
+  EXPECT_EQ(read_dicomweb(server.study(), {}, 0, progress).error().code, ErrorCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace lefort::io
