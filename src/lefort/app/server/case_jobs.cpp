@@ -83,7 +83,11 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
                                Progress& progress) {
   CaseFolder& folder = context.folder;
   LEFORT_TRY_VOID(check_scan(folder));
-  SegmentJob segment{folder.ct(), folder.anatomy(), {}, {}};
+  SegmentJob segment{.ct = folder.ct(),
+                     .output = folder.anatomy(),
+                     .options = {},
+                     .finish = {},
+                     .labels = {}};
   std::error_code error;
   if (fs::is_regular_file(folder.plan(), error)) {  // Thresholds are the plan's unless given.
     LEFORT_TRY_VOID(check_plan(folder));
