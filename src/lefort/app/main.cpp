@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   add_predict_command(cli, context);
   add_compare_command(cli, context);
   add_solve_command(cli, context);
+  add_serve_command(cli, context);
   add_bench_command(cli, context);
   add_verify_command(cli, context);
 

@@ -28,7 +28,9 @@ Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
     options.bone_hu = found.bone_hu;
     options.skin_hu = found.skin_hu;
   }
-  LEFORT_TRY(const anatomy::LabelMap labels, anatomy::segment_tissue(scan.ct, options, progress));
+  LEFORT_TRY(const anatomy::LabelMap labels,
+             job.labels ? io::read_segmentation(*job.labels, scan.ct.grid, progress)
+                        : anatomy::segment_tissue(scan.ct, options, progress));
   const anatomy::LevelOptions levels{.bone_hu = options.bone_hu, .skin_hu = options.skin_hu};
   const double voxel_mm = scan.ct.grid.spacing_mm.minCoeff();
   const auto surface_of = [&](const image::ScalarVolume& level) -> Result<FinishedSurface> {
