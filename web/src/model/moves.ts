@@ -25,7 +25,7 @@ export function rotationMatrix(rotation_deg: Vec3): Mat3 {
     t * x * x + c, t * x * y - s * z, t * x * z + s * y,
     t * x * y + s * z, t * y * y + c, t * y * z - s * x,
     t * x * z - s * y, t * y * z + s * x, t * z * z + c,
-  ]; // prettier-ignore
+  ];
 }
 
 /** The inverse of rotationMatrix, for angles below 180 degrees. */
@@ -88,33 +88,6 @@ export const moveOf = (keyframe: Keyframe, pivot: Vec3): Move => ({
   rotation_deg: keyframe.rotation_deg ?? [0, 0, 0],
   about_mm: keyframe.about_mm ?? pivot,
 });
-
-/** A move at a share of the way between two keyframes: the later one's fixed point moves straight, the bone turns steadily. */
-export function between(from: Move, to: Move, share: number): Move {
-  const start = aboutPoint(from, to.about_mm);
-  const R_from = rotationMatrix(start.rotation_deg);
-  const inverse = [R_from[0], R_from[3], R_from[6], R_from[1], R_from[4], R_from[7], R_from[2], R_from[5], R_from[8]];
-  const turn = rotationVector(multiply3(rotationMatrix(to.rotation_deg), inverse));
-  return {
-    about_mm: to.about_mm,
-    translation_mm: add(start.translation_mm, scale(sub(to.translation_mm, start.translation_mm), share)),
-    rotation_deg: rotationVector(multiply3(rotationMatrix(scale(turn, share)), R_from)),
-  };
-}
-
-/** The move a path prescribes at a share (0 to 1) of itself; keyframes without `at` are evenly spread. */
-export function moveAt(keyframes: readonly Keyframe[], pivot: Vec3, share: number): Move {
-  let from: Move = { translation_mm: [0, 0, 0], rotation_deg: [0, 0, 0], about_mm: pivot };
-  let fromShare = 0;
-  for (let k = 0; k < keyframes.length; k++) {
-    const to = moveOf(keyframes[k], pivot);
-    const toShare = shareOf(keyframes, k);
-    if (share <= toShare) return between(from, to, (share - fromShare) / (toShare - fromShare));
-    from = to;
-    fromShare = toShare;
-  }
-  return from;
-}
 
 /** Where keyframe k lies on the path. */
 export const shareOf = (keyframes: readonly Keyframe[], k: number): number =>

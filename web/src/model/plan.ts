@@ -149,7 +149,8 @@ export function withoutSegment(plan: Plan, index: number): Plan {
     ...plan,
     segments: rest.map((segment) => {
       if (segment.from !== gone.name) return segment;
-      const { from: _from, ...free } = segment;
+      const free = { ...segment };
+      delete free.from;
       return gone.from === undefined ? free : { ...free, from: gone.from };
     }),
   };
@@ -206,11 +207,17 @@ export const editKeyframe = (plan: Plan, index: number, k: number, keyframe: Key
     path: { ...segment.path, keyframes: keyframesOf(segment).map((old, n) => (n === k ? keyframe : old)) },
   }));
 
+const withoutTime = (keyframe: Keyframe): Keyframe => {
+  const rest = { ...keyframe };
+  delete rest.at;
+  return rest;
+};
+
 /** Spreads keyframes evenly again; the last must be at 1. */
 const spread = (keyframes: Keyframe[]): Keyframe[] =>
   keyframes.map((keyframe, n) =>
     keyframes.length === 1
-      ? (({ at: _at, ...rest }) => rest)(keyframe)
+      ? withoutTime(keyframe)
       : { ...keyframe, at: Math.round(((n + 1) / keyframes.length) * 1e6) / 1e6 },
   );
 
