@@ -39,10 +39,16 @@ export const segmentColour = (index: number): Rgb => SEGMENT_COLOURS[index % SEG
 export const BONE: Rgb = hex('#e3d9c6');
 export const SKIN: Rgb = hex('#d9a88c');
 
-/** Fills RGB per vertex from values; NaN becomes the lowest colour. */
-export function paint(values: ArrayLike<number>, name: ScaleName, from: number, to: number, into: Float32Array): void {
+const linear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+
+/** sRGB as light, which is what is shaded. */
+export const linearOf = (colour: Rgb): Rgb => colour.map(linear) as unknown as Rgb;
+
+/** Fills linear RGB per vertex from values; NaN becomes the lowest colour. `rest`: that of values not above `from`. */
+export function paint(values: ArrayLike<number>, name: ScaleName, from: number, to: number, into: Float32Array, rest?: Rgb): void {
   const steps = 255;
-  const table = Array.from({ length: steps + 1 }, (_, n) => colourAt(name, n / steps));
+  const table = Array.from({ length: steps + 1 }, (_, n) => linearOf(colourAt(name, n / steps)));
+  if (rest) table[0] = linearOf(rest);
   const k = steps / (to - from);
   for (let n = 0; n < values.length; n++) {
     const at = Math.min(steps, Math.max(0, Math.round((values[n] - from) * k))) || 0;

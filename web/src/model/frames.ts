@@ -164,15 +164,15 @@ export const gridCentre = (grid: Grid): Vec3 =>
 
 export type ViewName = 'front' | 'right' | 'left' | 'right three-quarter' | 'left three-quarter' | 'below' | 'above';
 
-/** From the looked-at point to the camera, and what is up; in L. `right` is the patient's right side. */
-export const VIEWS: Record<ViewName, { towardsCamera: Vec3; up: Vec3 }> = {
-  front: { towardsCamera: [0, -1, 0], up: [0, 0, 1] },
-  right: { towardsCamera: [-1, 0, 0], up: [0, 0, 1] },
-  left: { towardsCamera: [1, 0, 0], up: [0, 0, 1] },
-  'right three-quarter': { towardsCamera: [-0.66, -0.74, 0.12], up: [0, 0, 1] },
-  'left three-quarter': { towardsCamera: [0.66, -0.74, 0.12], up: [0, 0, 1] },
-  below: { towardsCamera: [0, -0.05, -1], up: [0, -1, 0] },
-  above: { towardsCamera: [0, -0.05, 1], up: [0, 1, 0] },
+/** From the looked-at point to the camera, in L; z is always up. `right` is the patient's right side. */
+export const VIEWS: Record<ViewName, Vec3> = {
+  front: [0, -1, 0],
+  right: [-1, 0, 0],
+  left: [1, 0, 0],
+  'right three-quarter': [-0.66, -0.74, 0.12],
+  'left three-quarter': [0.66, -0.74, 0.12],
+  below: [0, -0.02, -1],
+  above: [0, -0.02, 1],
 };
 
 /** The sides at the edges of a picture whose camera looks along `forward` with `up` upwards. */

@@ -1,0 +1,4 @@
+import './ui/style.css';
+import { startPlanner } from './ui';
+
+startPlanner(document.getElementById('app')!);
