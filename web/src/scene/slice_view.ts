@@ -287,7 +287,8 @@ export class SliceView {
   }
 
   private drawMarkers(context: CanvasRenderingContext2D): void {
-    for (const marker of this.nearMarkers()) {
+    const taken: [number, number][] = [];
+    for (const marker of this.nearMarkers().sort((a, b) => Number(b.selected) - Number(a.selected))) {
       const [x, y] = this.toScreen(marker.position);
       context.beginPath();
       context.arc(x, y, marker.selected ? 5.5 : 4, 0, 2 * Math.PI);
@@ -296,6 +297,8 @@ export class SliceView {
       context.strokeStyle = '#ffffff';
       context.lineWidth = marker.selected ? 2 : 1.25;
       context.stroke();
+      if (taken.some(([tx, ty]) => Math.abs(tx - x) < 42 && Math.abs(ty - y) < 17)) continue;
+      taken.push([x, y]);
       drawLabel(context, marker.label, x + 10, y, marker.selected);
     }
   }

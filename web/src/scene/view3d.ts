@@ -40,8 +40,8 @@ export interface PlaneMark {
 
 export type Layout =
   | { mode: 'single' }
-  | { mode: 'wipe'; share: number; left: string[]; right: string[] }
-  | { mode: 'beside'; left: string[]; right: string[] };
+  | { mode: 'wipe'; share: number; left: string[]; right: string[]; names: [string, string] }
+  | { mode: 'beside'; left: string[]; right: string[]; names: [string, string] };
 
 export type Phase = 'start' | 'move' | 'end';
 
@@ -375,12 +375,19 @@ export class View3d {
       context.clip();
       for (const { mark } of this.planes) drawPlaneOutline(context, projection, mark);
       for (const line of this.lines) drawLine(context, projection, line);
-      for (const marker of this.markers) this.drawMarker(context, projection, marker);
+      const taken: [number, number][] = [];
+      for (const marker of [...this.markers].sort((a, b) => Number(b.selected ?? false) - Number(a.selected ?? false))) this.drawMarker(context, projection, marker, taken);
       drawSides(context, projection, x, 0, width / halves.length, height, this.ink());
       context.restore();
       if (x === 0) drawScale(context, projection, width / halves.length, height, this.ink());
     }
-    if (this.layout_.mode === 'wipe') drawWipe(context, width * this.layout_.share, height);
+    const layout = this.layout_;
+    if (layout.mode === 'wipe') drawWipe(context, width * layout.share, height);
+    if (layout.mode !== 'single') {
+      const middle = layout.mode === 'wipe' ? width * layout.share : width / 2;
+      drawTag(context, layout.names[0], middle - 12, 'right');
+      drawTag(context, layout.names[1], middle + 12, 'left');
+    }
     if (halves.length === 2) {
       context.fillStyle = this.ink();
       context.globalAlpha = 0.25;
@@ -415,9 +422,10 @@ export class View3d {
     this.canvas.dataset.pxPerMm = projection.px_per_mm.toFixed(4);
   }
 
-  private drawMarker(context: CanvasRenderingContext2D, projection: Projection, marker: Marker): void {
+  private drawMarker(context: CanvasRenderingContext2D, projection: Projection, marker: Marker, taken: [number, number][]): void {
     const [x, y] = projection.toScreen(marker.position);
-    context.globalAlpha = this.behind.has(marker.id) ? 0.35 : 1;
+    const behind = this.behind.has(marker.id);
+    context.globalAlpha = behind ? 0.3 : 1;
     context.beginPath();
     context.arc(x, y, marker.selected ? 6 : 4.5, 0, 2 * Math.PI);
     context.fillStyle = marker.colour;
@@ -430,7 +438,11 @@ export class View3d {
     context.lineWidth = 1;
     context.strokeStyle = 'rgb(0 0 0 / 0.55)';
     context.stroke();
-    if (marker.label) drawLabel(context, marker.label, x + 10, y, marker.selected ?? false);
+    // A label that would lie on another one is left out; so is that of a point behind the bone.
+    if (marker.label && !behind && !taken.some(([tx, ty]) => Math.abs(tx - x) < 42 && Math.abs(ty - y) < 17)) {
+      taken.push([x, y]);
+      drawLabel(context, marker.label, x + 10, y, marker.selected ?? false);
+    }
     context.globalAlpha = 1;
   }
 
@@ -689,6 +701,20 @@ function drawScale(context: CanvasRenderingContext2D, projection: Projection, wi
   context.textAlign = 'left';
   context.textBaseline = 'alphabetic';
   context.fillText(`${mm} mm`, x, y - 8);
+}
+
+/** What a side of a comparison shows. */
+function drawTag(context: CanvasRenderingContext2D, text: string, x: number, align: 'left' | 'right'): void {
+  context.font = '600 12px "Inter Variable", sans-serif';
+  context.textAlign = align;
+  context.textBaseline = 'middle';
+  const width = context.measureText(text).width;
+  context.fillStyle = 'rgb(16 22 28 / 0.78)';
+  context.beginPath();
+  context.roundRect(align === 'left' ? x - 8 : x - width - 8, 44, width + 16, 22, 6);
+  context.fill();
+  context.fillStyle = '#ffffff';
+  context.fillText(text, x, 55.5);
 }
 
 function drawWipe(context: CanvasRenderingContext2D, x: number, height: number): void {

@@ -265,7 +265,10 @@ export class App {
       return;
     }
     const [prediction, files] = await Promise.all([
-      this.client.prediction().catch(() => null),
+      this.client.prediction().catch((error: unknown) => {
+        if (!isMissing(error)) this.toast(sentence(error), 'error');
+        return null;
+      }),
       this.client.files().catch(() => []),
     ]);
     const before = this.model.s.prediction;
@@ -531,10 +534,21 @@ export class App {
     this.listeners.onLabels();
   }
 
-  /** Keeps the painted labels and makes surfaces of them. */
+  /** Tells tissues apart anew. The plan remembers the threshold, so that a prediction sees the same bone. */
+  async segment(bone_hu: number): Promise<void> {
+    const { plan } = this.model.doc;
+    const kept = { ...plan.segmentation, bone_hu };
+    delete kept.labels;
+    if (plan.segmentation?.bone_hu !== bone_hu || plan.segmentation.labels !== undefined) this.edit({ plan: { ...plan, segmentation: kept } });
+    await this.run({ kind: 'segment', bone_hu });
+  }
+
+  /** Keeps the painted labels and makes surfaces of them; the plan names them from now on. */
   async useLabels(): Promise<void> {
     const { model } = this;
     if (!model.labels || !model.labelsEtag) return;
+    const { plan } = model.doc;
+    this.edit({ plan: { ...plan, segmentation: { ...plan.segmentation, labels: 'anatomy/labels.seg.nrrd' } } });
     await this.try_(async () => {
       model.labelsEtag = await this.client.putLabels(model.labels!, model.labelsEtag!);
       await this.run({ kind: 'segment', from_labels: true });

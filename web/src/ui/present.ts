@@ -1,10 +1,10 @@
 import type { Depths } from '../api';
 import {
-  BONE, cssOf, kindOf, length, lengths, roundUp, scale, sectionOf, segmentColour, SKIN, sub, templateKind, unit, withLandmark,
+  BONE, cssOf, kindOf, length, lengths, roundUp, scale, sectionOf, segmentColour, SKIN, sub, summarise, templateKind, unit, withLandmark,
   withPlane, withSegment, editPlane, IDENTITY, planeAt, cross, dot,
-  type DrawnSurface, type Hit, type Move, type Plane, type Vec3,
+  type DrawnSurface, type Hit, type Move, type Plane, type Summary, type Vec3,
 } from '../model';
-import { PATIENT_AXES, planeAxes, SliceView, View3d, type GizmoDrag, type Layout, type Marker, type Phase, type PlaneMark, type SliceLines } from '../scene';
+import { PATIENT_AXES, planeAxes, SliceView, View3d, type GizmoDrag, type Marker, type Phase, type PlaneMark, type SliceLines } from '../scene';
 import { saveBlob, templateKey, type App, type Listeners } from './app';
 import { stageOf, type State } from './state';
 import { LABEL_TINTS } from './steps/anatomy_panel';
@@ -203,7 +203,7 @@ export class Presenter implements Listeners {
       slice.tool = s.tool === 'brush' ? 'brush' : s.tool === 'landmark' ? 'place' : 'none';
       slice.brush_mm = s.brush_mm;
       slice.setLabels(step === 'anatomy' && s.showLabels && s.labelsReady ? this.app.model.labels : null, [...LABEL_TINTS]);
-      slice.markers = step === 'landmarks' || step === 'osteotomy'
+      slice.markers = step === 'landmarks'
         ? doc.landmarks.map((l) => ({ id: l.name, position: l.position_mm, label: l.name, colour: l.name === s.landmark ? '#f2b84b' : '#3fb2c8', selected: l.name === s.landmark }))
         : [];
     }
@@ -229,13 +229,13 @@ export class Presenter implements Listeners {
     }
     const after = ['predicted', ...(s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [])];
     const before = ['skin_before', ...(s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [])];
-    const layout: Layout = s.compareMode === 'slider' ? { mode: 'wipe', share: s.wipe, left: before, right: after }
-      : s.compareMode === 'beside' ? { mode: 'beside', left: before, right: after }
-      : { mode: 'wipe', share: 0, left: [], right: after };
-    if (s.compareMode === 'after') {
+    const names: [string, string] = ['Before', s.compareStep === s.prediction.steps.length ? 'Predicted' : `Step ${s.compareStep}`];
+    if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', share: s.wipe, left: before, right: after, names });
+    else if (s.compareMode === 'beside') view.setLayout({ mode: 'beside', left: before, right: after, names });
+    else {
       view.show(after);
       view.setLayout({ mode: 'single' });
-    } else view.setLayout(layout);
+    }
     this.paintDistance();
   }
 
@@ -293,7 +293,7 @@ export class Presenter implements Listeners {
     const { doc } = this.app.model;
     if (s.curveDraft) return s.curveDraft.points.map((position, n) => ({ id: `curve ${n}`, position, colour: '#f2b84b', draggable: true }));
     if (s.step !== 'landmarks' && s.step !== 'osteotomy') return [];
-    return doc.landmarks.map((l) => ({
+    return doc.landmarks.filter((l) => s.step === 'landmarks' || kindOf(l.name)?.on === 'bone').map((l) => ({
       id: l.name, position: l.position_mm, label: l.name, hides: true, selected: s.step === 'landmarks' && l.name === s.landmark,
       colour: l.name === s.landmark && s.step === 'landmarks' ? '#f2b84b' : '#3fb2c8', draggable: s.step === 'landmarks',
     }));
@@ -338,12 +338,21 @@ export class Presenter implements Listeners {
 
   // Numbers of the comparison
 
-  shifts(): Float32Array | null {
-    return this.shifts_;
+  private statistics_: { of: Float32Array; rows: [string, Summary | null][] } | null = null;
+
+  /** How far the skin moved at the step shown: everywhere, where it moved, and there on the patient's right and left. */
+  statistics(moved_mm: number): [string, Summary | null][] {
+    const shifts = this.shifts_;
+    if (!shifts) return [];
+    if (this.statistics_?.of !== shifts) {
+      const regions: [string, Float32Array][] = [['Whole skin', shifts], [`Moved > ${moved_mm} mm`, shifts.filter((v) => v > moved_mm)], ...this.regions(moved_mm)];
+      this.statistics_ = { of: shifts, rows: regions.map(([name, values]) => [name, summarise(values)]) };
+    }
+    return this.statistics_.rows;
   }
 
-  /** The moved skin on the patient's right and left of the middle, where it lies before. */
-  regions(moved_mm: number): [string, Float32Array][] {
+  /** The moved skin on each side of the middle, by where it lies before. */
+  private regions(moved_mm: number): [string, Float32Array][] {
     const before = this.view.body('skin_before');
     if (!before || !this.shifts_) return [];
     const middle = this.middleX();

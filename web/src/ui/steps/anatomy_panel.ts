@@ -36,7 +36,7 @@ export function anatomyPanel(app: App, s: State): Part {
         label: 'Bone from', value: s.bone_hu, min: 50, max: 800, step: 1, show: (v) => `${fixed(v, 0)} HU`,
         onInput: (v) => app.patch({ bone_hu: v, thresholdOn: true }),
       }),
-      button(busy ? 'Working …' : stage.state === 'missing' ? 'Tell tissues apart' : 'Make surfaces anew', () => void app.run({ kind: 'segment', bone_hu: s.bone_hu }), {
+      button(busy ? 'Working …' : stage.state === 'missing' ? 'Tell tissues apart' : 'Make surfaces anew', () => void app.segment(s.bone_hu), {
         kind: stage.state === 'missing' || stage.state === 'stale' ? 'primary' : 'plain', disabled: busy, id: 'segment',
       }))}
     ${section('Correct by hand',

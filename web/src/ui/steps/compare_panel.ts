@@ -1,5 +1,5 @@
 import { html, nothing } from 'lit-html';
-import { bytes, fixed, gradientOf, mm, summarise } from '../../model';
+import { bytes, fixed, gradientOf } from '../../model';
 import type { App } from '../app';
 import type { Presenter } from '../present';
 import { button, chip, empty, hint, icon, notice, section, segmented, toggle, type Part } from '../parts';
@@ -35,13 +35,6 @@ export function comparePanel(app: App, s: State, view: Presenter): Part {
     return html`<h2>Compare</h2>${empty('No prediction yet', stage.state === 'running' ? 'The face is being solved.' : 'Predict the face first.', button('To the prediction', () => app.setStep('predict')))}`;
   if (!s.prediction.converged)
     return html`<h2>Compare ${chip('unconverged')}</h2>${notice('error', 'Not converged: there is no face to compare', s.prediction.failure)}${button('To the prediction', () => app.setStep('predict'))}`;
-  const shifts = view.shifts();
-  const moved = shifts?.filter((v) => v > MOVED_MM) ?? null;
-  const regions: [string, Float32Array | null][] = [
-    ['Whole skin', shifts],
-    [`Moved > ${MOVED_MM} mm`, moved],
-    ...view.regions(MOVED_MM).map(([name, values]): [string, Float32Array] => [name, values]),
-  ];
   const profile = view.profile();
   return html`
     <h2>Compare ${chip(stage.state)}</h2>
@@ -54,10 +47,9 @@ export function comparePanel(app: App, s: State, view: Presenter): Part {
       toggle('Bones under a clear skin', s.showBones, (on) => app.patch({ showBones: on })))}
     ${section('How far the skin moved',
       html`<table data-id="distance-table"><thead><tr><th></th><th>Mean</th><th>Median</th><th>P90</th><th>P95</th><th>Max</th></tr></thead>
-        <tbody>${regions.map(([name, values]) => {
-          const x = values && summarise(values);
-          return html`<tr><td>${name}</td>${x ? [x.mean, x.median, x.p90, x.p95, x.max].map((v) => html`<td>${fixed(v, 1)}</td>`) : html`<td colspan="5">–</td>`}</tr>`;
-        })}</tbody></table>`,
+        <tbody>${view.statistics(MOVED_MM).map(([name, x]) => html`<tr><td>${name}</td>${x
+          ? [x.mean, x.median, x.p90, x.p95, x.max].map((v) => html`<td>${fixed(v, 1)}</td>`)
+          : html`<td colspan="5">–</td>`}</tr>`)}</tbody></table>`,
       hint('mm, by vertex of the skin, at the step shown. A simulation, not held against this patient’s outcome.'))}
     ${profile ? section('Profile', profilePlot(profile.before, profile.after), hint('In the middle plane, from the right. Dashed: before.')) : nothing}
     ${section('Take along',
@@ -86,5 +78,3 @@ export function compareDock(app: App, s: State): Part {
       <div class="hint" .style=${'min-width:78px;text-align:right'}>step ${s.compareStep} of ${steps}</div>
     </div>`;
 }
-
-export const shiftLabel = (s: State): string => `${mm(s.prediction?.skin_largest_shift_mm ?? null)} at most`;

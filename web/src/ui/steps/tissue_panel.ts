@@ -7,8 +7,8 @@ import type { State } from '../state';
 
 /** Presets and their sources, as docs/materials.md has them. */
 const MATERIALS = [
-  { value: 'face-compressible', title: 'Whole face, compressible', constants: 'E 15 kPa, ν 0.45', source: 'E: Nazari et al. 2010, as in ArtiSynth’s face demo. ν lowered by lefort, so that linear elements lock less. The default.' },
-  { value: 'face-nazari-2010', title: 'Whole face, Nazari 2010', constants: 'E 15 kPa, ν 0.49', source: 'E and ν of the whole-face model of Nazari et al. 2010, as in ArtiSynth’s face demo.' },
+  { value: 'face-compressible', title: 'Face, compressible', constants: 'E 15 kPa, ν 0.45', source: 'E: Nazari et al. 2010, as in ArtiSynth’s face demo. ν lowered by lefort, so that linear elements lock less. The default.' },
+  { value: 'face-nazari-2010', title: 'Face, Nazari 2010', constants: 'E 15 kPa, ν 0.49', source: 'E and ν of the whole-face model of Nazari et al. 2010, as in ArtiSynth’s face demo.' },
 ] as const;
 
 const SIZES = [
