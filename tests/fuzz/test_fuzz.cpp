@@ -40,6 +40,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fuzz/damaged.h"
 #include "io/gmsh_writer.h"
 #include "support/box_mesh.h"
 #include "support/shapes.h"
@@ -49,21 +50,7 @@ namespace lefort::io {
 namespace {
 
 using geometry::TriangleMesh;
-
-/// Of the processor: stops early on a slow machine rather than late. More of them, and then more
-/// files, are had by LEFORT_FUZZ_SECONDS.
-double seconds_per_test() {
-  const char* const wanted = std::getenv("LEFORT_FUZZ_SECONDS");
-  return wanted != nullptr ? std::atof(wanted) : 1.2;
-}
-/// Of the clock, for a single file on a machine that has other work: beyond it something hangs.
-constexpr double kSecondsPerFile = 20.0;
-
-double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+using test::run_seeds;
 
 std::string read_bytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -107,49 +94,8 @@ constexpr std::string_view kTokens[] = {"nan",
                                         "\\\n",
                                         " "};
 
-/// One to a few edits of all kinds.
 std::string damaged(std::string bytes, std::mt19937& random) {
-  const auto place = [&] { return random() % (bytes.size() + 1); };
-  for (auto edits = 1 + random() % 5; edits > 0 && !bytes.empty(); --edits) {
-    const std::size_t at = std::min(place(), bytes.size() - 1);
-    switch (random() % 9) {
-      case 0:
-        bytes[at] = char(random() % 256);
-        break;
-      case 1:
-        bytes[at] = char(bytes[at] ^ char(1 << (random() % 8)));
-        break;
-      case 2:
-        bytes.resize(at);
-        break;
-      case 3:
-        bytes.erase(at, random() % 40);
-        break;
-      case 4:
-        bytes.insert(at, bytes.substr(std::min(place(), bytes.size()), random() % 200));
-        break;
-      case 5:
-      case 6: {
-        const std::string_view token = kTokens[random() % std::size(kTokens)];
-        if (random() % 2 == 0)
-          bytes.insert(at, token);
-        else
-          bytes.replace(at, std::min(token.size(), bytes.size() - at), token);
-        break;
-      }
-      case 7: {  // A number of four bytes, as binary formats count with.
-        constexpr std::uint32_t kNumbers[] = {0,          1,          0x7FFFFFFF, 0x80000000,
-                                              0xFFFFFFFF, 0x7FC00000, 0x7F800000, 0x00000001};
-        const std::uint32_t number = kNumbers[random() % std::size(kNumbers)];
-        std::memcpy(bytes.data() + at, &number, std::min(sizeof(number), bytes.size() - at));
-        break;
-      }
-      default:
-        std::reverse(bytes.begin() + std::ptrdiff_t(at),
-                     bytes.begin() + std::ptrdiff_t(std::min(bytes.size(), at + random() % 30)));
-    }
-  }
-  return bytes;
+  return test::damaged(std::move(bytes), kTokens, random);
 }
 
 void expect_numbers(const field::DistanceField& field, std::mt19937& random) {
@@ -165,23 +111,6 @@ void expect_numbers(const field::DistanceField& field, std::mt19937& random) {
       ASSERT_LE(int(field.sample_smooth(p).zone), int(field::Zone::kUnknown));
     }
   }
-}
-
-/// Runs `attempt` with the seeds from 0 until all are done or the time is up.
-void run_seeds(unsigned count, const std::function<void(unsigned seed)>& attempt) {
-  const double stop = processor_seconds() + seconds_per_test();
-  if (std::getenv("LEFORT_FUZZ_SECONDS") != nullptr) count = ~0U;
-  unsigned seed = 0;
-  for (; seed < count && processor_seconds() < stop; ++seed) {
-    SCOPED_TRACE(seed);
-    const auto begin = std::chrono::steady_clock::now();
-    attempt(seed);
-    EXPECT_LT(seconds_since(begin), kSecondsPerFile);
-    if (testing::Test::HasFatalFailure()) return;
-  }
-  EXPECT_GT(seed, 20U);
-  testing::Test::RecordProperty("files", std::to_string(seed));
-  std::cout << seed << " files\n";
 }
 
 /// A surface of some triangles in all its forms.

@@ -87,7 +87,8 @@ Result<geometry::TriangleMesh> find_skull(const CheckPlanJob& job, const io::Pla
     return io::read_surface(*job.skull);
   }
   LEFORT_TRY(const fs::path ct, scan_of(job.plan, plan, job.ct));
-  LEFORT_TRY(ScannedHead head, scan_head(plan, ct, StageCache(job.output / "cache"), progress));
+  LEFORT_TRY(ScannedHead head,
+             scan_head(plan, ct, StageCache(job.cache.value_or(job.output / "cache")), progress));
   return std::move(head.skull_L);
 }
 

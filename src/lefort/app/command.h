@@ -30,6 +30,7 @@ struct CommandContext {
 
 void add_import_command(CLI::App& cli, CommandContext& context);
 void add_segment_command(CLI::App& cli, CommandContext& context);
+void add_serve_command(CLI::App& cli, CommandContext& context);
 void add_field_command(CLI::App& cli, CommandContext& context);
 void add_bench_command(CLI::App& cli, CommandContext& context);
 void add_landmarks_command(CLI::App& cli, CommandContext& context);

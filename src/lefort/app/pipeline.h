@@ -8,10 +8,12 @@
 #include <lefort/core/progress.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/predict/check_plan.h>
+#include <lefort/predict/face_prediction.h>
 
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +38,7 @@ struct SegmentJob {
   std::filesystem::path ct;
   std::filesystem::path output;  ///< A folder; made if missing.
   anatomy::SegmentationOptions options;
+  std::optional<std::filesystem::path> labels;  ///< Surfaces of these, instead of segmenting.
 };
 /// Scan -> labels.seg.nrrd, skull.vtp, skin.vtp.
 [[nodiscard]] Result<Summary> segment_scan(const SegmentJob& job, Progress& progress);
@@ -98,6 +101,7 @@ struct CheckPlanJob {
   std::optional<std::filesystem::path> ct;     ///< Instead of the plan's.
   std::optional<std::filesystem::path> skull;  ///< A closed surface, instead of any scan.
   std::filesystem::path output;                ///< A folder; made if missing.
+  std::optional<std::filesystem::path> cache;  ///< A folder; cache/ of the output unless given.
   predict::PlanLimits limits;
   bool pictures = true;
 };
@@ -108,11 +112,33 @@ struct PlanCheckSummary {
 /// Plan -> cut bones where they end, and what keeps them from going there.
 [[nodiscard]] Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress);
 
+struct CutJob {
+  std::filesystem::path plan;
+  std::filesystem::path ct;
+  std::filesystem::path cache;   ///< A folder that keeps what stages share.
+  std::filesystem::path output;  ///< A folder; made if missing.
+};
+/// Plan -> its bones where they are before they move, and their distance fields: what a page needs
+/// to move them. cut.json, which is written last, names the files.
+[[nodiscard]] Result<Summary> cut_plan(const CutJob& job, Progress& progress);
+
+struct PreviewJob {
+  std::filesystem::path plan;
+  std::filesystem::path ct;
+  std::filesystem::path cache;   ///< As of CutJob.
+  std::filesystem::path skin;    ///< The surface whose displacement is wanted: segment_scan()'s.
+  std::filesystem::path output;  ///< A folder; made if missing.
+};
+/// Plan -> how the face answers its segment's motion to first order; preview.json is written last.
+[[nodiscard]] Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress);
+
 struct PredictJob {
   std::filesystem::path plan;
   std::optional<std::filesystem::path> ct;  ///< Instead of the plan's.
   std::filesystem::path output;             ///< A folder; made if missing.
   bool pictures = true;
+  /// Told each step of the path as it is found; may be empty.
+  std::function<void(const predict::PredictionStep&, int steps)> on_step{};
 };
 /// Plan -> predicted face, with everything that documents it.
 [[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);

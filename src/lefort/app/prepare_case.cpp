@@ -1,10 +1,10 @@
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/anatomy/tissue_levels.h>
+#include <lefort/app/find_field.h>
 #include <lefort/app/prepare_case.h>
 #include <lefort/app/scan_head.h>
 #include <lefort/app/stage_keys.h>
 #include <lefort/app/tissue_volumes.h>
-#include <lefort/io/field_file.h>
 #include <lefort/io/read_vtu.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/vtu.h>
@@ -21,22 +21,6 @@ namespace lefort::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// \param name  of the bone, for stage and file.
-Result<std::shared_ptr<const field::DistanceField>> find_field(
-    const std::string& name, const geometry::TriangleMesh& surface_B,
-    const field::DistanceFieldOptions& options, const StageCache& cache, Progress& progress) {
-  progress.begin_stage(name + "'s distance field");
-  LEFORT_TRY(field::DistanceField field,
-             cache.get(
-                 name + ".field", field_key(surface_B, options), progress,
-                 [](const fs::path& path) { return io::read_field(path); },
-                 [&] { return field::build_distance_field(surface_B, options, progress); },
-                 [](const fs::path& path, const field::DistanceField& made) {
-                   return io::write_field(path, made);
-                 }));
-  return std::make_shared<const field::DistanceField>(std::move(field));
-}
 
 Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
                                           const geometry::TriangleMesh& segment_L,

@@ -19,7 +19,8 @@ Result<Summary> segment_scan(const SegmentJob& job, Progress& progress) {
 
   progress.begin_stage("segment");
   LEFORT_TRY(const anatomy::LabelMap labels,
-             anatomy::segment_tissue(scan.ct, job.options, progress));
+             job.labels ? io::read_segmentation(*job.labels, scan.ct.grid, progress)
+                        : anatomy::segment_tissue(scan.ct, job.options, progress));
   const anatomy::LevelOptions levels{.bone_hu = job.options.bone_hu,
                                      .skin_hu = job.options.skin_hu};
   progress.begin_stage("extract surfaces");

@@ -250,4 +250,21 @@ Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file, const std::
   return mesh;
 }
 
+Result<std::vector<Vec3>> read_vtu_vectors(const std::filesystem::path& file,
+                                           const std::string& name) {
+  LEFORT_TRY(const std::string bytes, read_text(file, kLargestFile));
+  const std::string subject = "mesh " + file.string();
+  LEFORT_TRY(const XmlArrays arrays,
+             internal::parse_vtk_xml(bytes, subject, "UnstructuredGrid", {{"PointData", name}}));
+  const auto* values = find_array(arrays, 1, "PointData", name);
+  if (arrays.pieces != 1 || values == nullptr || values->size() % 3 != 0 ||
+      !std::all_of(values->begin(), values->end(), [](double v) { return std::isfinite(v); }))
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{}: there is no array {} of three numbers per node", subject, name));
+  std::vector<Vec3> vectors;
+  for (std::size_t n = 0; n < values->size(); n += 3)
+    vectors.emplace_back((*values)[n], (*values)[n + 1], (*values)[n + 2]);
+  return vectors;
+}
+
 }  // namespace lefort::io

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/core/types.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace lefort::io {
 
@@ -30,5 +32,12 @@ namespace lefort::io {
 ///   - kFileUnsupported  shapes the solver does not know, or another byte order or compressor.
 [[nodiscard]] Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file,
                                                 const std::string& regions = {});
+
+/// Reads a vector per node that write_vtu() has written, for example "displacement_mm".
+///
+/// \returns them in the order of the nodes; or kFileNotFound, or kFileCorrupt: no whole VTU, no
+///   node array of that name with three finite numbers each.
+[[nodiscard]] Result<std::vector<Vec3>> read_vtu_vectors(const std::filesystem::path& file,
+                                                         const std::string& name);
 
 }  // namespace lefort::io

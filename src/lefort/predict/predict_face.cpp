@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
@@ -63,16 +62,6 @@ Result<void> check_sets(const FaceModel& model, const plan::BonePath& path) {
     return fail(ErrorCode::kAnatomyMissing,
                 "nothing holds the soft tissue: no cut and no still bone within the region");
   return {};
-}
-
-/// Nodes that move with the segment: on it, and held by nothing else.
-NodeList attached_nodes(const mesh::VolumeMesh& tissue) {
-  const NodeList& on_bone = tissue.node_sets.at(sets::kMovedBone);
-  const NodeList& fixed = tissue.node_sets.at(sets::kFixed);
-  NodeList attached;
-  std::set_difference(on_bone.begin(), on_bone.end(), fixed.begin(), fixed.end(),
-                      std::back_inserter(attached));
-  return attached;
 }
 
 std::vector<Vec3> as_vectors(const VectorX& u) {
@@ -219,7 +208,7 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
           prediction.rest_penetration_mm, options.boundary.capture_mm));
   }
 
-  const NodeList attached = is_contact ? NodeList{} : attached_nodes(tissue);
+  const NodeList attached = is_contact ? NodeList{} : nodes_on_segment(tissue);
   const auto prescribed_at = [&](const RigidTransform& X_LB) {
     auto prescribed = fem::fix(tissue.node_sets.at(sets::kFixed));
     const auto with_bone = fem::move_rigidly(attached, tissue.nodes_L, X_LB);

@@ -106,4 +106,13 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
   return tissue;
 }
 
+std::vector<std::int32_t> nodes_on_segment(const mesh::VolumeMesh& tissue) {
+  const auto& on_bone = tissue.node_sets.at(sets::kMovedBone);
+  const auto& fixed = tissue.node_sets.at(sets::kFixed);
+  std::vector<std::int32_t> nodes;
+  std::set_difference(on_bone.begin(), on_bone.end(), fixed.begin(), fixed.end(),
+                      std::back_inserter(nodes));
+  return nodes;
+}
+
 }  // namespace lefort::predict

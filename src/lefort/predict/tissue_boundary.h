@@ -8,6 +8,9 @@
 #include <lefort/predict/prediction_options.h>
 #include <lefort/predict/tissue_domain.h>
 
+#include <cstdint>
+#include <vector>
+
 namespace lefort::predict {
 
 /// Names of the node sets and face sets that find_tissue_boundary() makes.
@@ -36,5 +39,9 @@ inline constexpr const char* kContact = "contact";  ///< Faces that may meet the
     mesh::VolumeMesh tissue, const TissueDomain& domain, const anatomy::LabelMap& labels,
     const geometry::TriangleMesh& skin_L, const geometry::TriangleMesh& segment_L,
     const geometry::TriangleMesh& remainder_L, const BoundaryOptions& options);
+
+/// Nodes of a mesh with those sets that move with the segment where tissue is attached to it: on
+/// it, and held by nothing else. Ascending.
+[[nodiscard]] std::vector<std::int32_t> nodes_on_segment(const mesh::VolumeMesh& tissue);
 
 }  // namespace lefort::predict

@@ -1,0 +1,77 @@
+#include <lefort/app/output_folder.h>
+#include <lefort/app/pipeline.h>
+#include <lefort/app/plan_inputs.h>
+#include <lefort/app/prepare_case.h>
+#include <lefort/app/preview_file.h>
+#include <lefort/core/version.h>
+#include <lefort/io/plan_file.h>
+#include <lefort/io/sha256.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/predict/linear_response.h>
+#include <lefort/predict/move_skin.h>
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string>
+
+namespace lefort::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Whether displacements of one skin are displacements of the other. Files hold single precision.
+bool is_same_skin(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) {
+  constexpr double kSame_mm = 1e-3;
+  if (a.vertices.size() != b.vertices.size() || a.triangles != b.triangles) return false;
+  for (std::size_t v = 0; v < a.vertices.size(); ++v)
+    if ((a.vertices[v] - b.vertices[v]).lpNorm<Eigen::Infinity>() > kSame_mm) return false;
+  return true;
+}
+
+}  // namespace
+
+Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
+  LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
+  io::PlanFile plan = text.plan;
+  LEFORT_TRY_VOID(check_single(plan));
+  LEFORT_TRY_VOID(make_output_folder(job.output));
+  const fs::path document = job.output / "preview.json", file = job.output / "skin.response";
+  LEFORT_TRY_VOID(remove_earlier_files(std::array{document, file}));
+  // A preview is of any motion: the plan's path neither matters nor may stand in its way.
+  plan.segments.front().path.keyframes = {plan::Keyframe{}};
+  plan.segments.front().path.steps = 1;
+  LEFORT_TRY(const PreparedCase prepared,
+             prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), job.ct,
+                          StageCache(job.cache), progress));
+  LEFORT_TRY(const geometry::TriangleMesh skin_L, io::read_surface(job.skin));
+  if (!is_same_skin(skin_L, prepared.skin_L))
+    return fail(ErrorCode::kPlanInvalid,
+                "the skin was made with other thresholds or labels than the plan's: make the "
+                "anatomy again (segment)");
+  progress.begin_stage("factorise at rest");
+  LEFORT_TRY(predict::LinearResponse response,
+             predict::solve_linear_response(prepared.model, prepared.plan.tissue, progress));
+  const predict::SkinBinding binding = predict::bind_skin(
+      prepared.skin_L, prepared.model.tissue,
+      predict::follow_reach_mm(prepared.plan.tissue, prepared.scan_grid.spacing_mm));
+  for (std::vector<Vec3>& unit : response.unit_mm) unit = predict::skin_displacement(binding, unit);
+  progress.begin_stage("write");
+  LEFORT_TRY_VOID(write_response(file, response));
+  Summary summary;
+  const std::string& segment = prepared.plan.segments.front().osteotomy.segment;
+  summary.json = {{"lefort_preview", 1},
+                  {"notice", kNotForClinicalUse},
+                  {"note", "preview, not a prediction"},
+                  {"version", kVersion},
+                  {"segment", segment},
+                  {"vertices", skin_L.vertex_count()},
+                  {"elements", prepared.model.tissue.element_count()}};
+  summary.text = fmt::format("the face can be previewed for segment {}: {} elements", segment,
+                             prepared.model.tissue.element_count());
+  LEFORT_TRY_VOID(io::write_text(document, summary.json.dump(1) + "\n"));
+  return summary;
+}
+
+}  // namespace lefort::app

@@ -1,0 +1,34 @@
+/// \file
+/// The face's linear response in a file: what a preview is made of in a moment.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/predict/linear_response.h>
+
+#include <filesystem>
+#include <span>
+
+namespace lefort::app {
+
+/// \returns nothing, or kFileUnwritable.
+[[nodiscard]] Result<void> write_response(const std::filesystem::path& file,
+                                          const predict::LinearResponse& response);
+
+/// \returns the response, in single precision; kFileNotFound, or kFileCorrupt if the file is not as
+///   write_response() left it.
+[[nodiscard]] Result<predict::LinearResponse> read_response(const std::filesystem::path& file);
+
+/// How far a preview is from the full solve, where that moves the skin more than 0.5 mm.
+struct PreviewDistance {
+  Index moved_vertices = 0;
+  double p50_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;
+  double largest_shift_mm = 0.0;  ///< Of the full solve.
+};
+
+/// \param preview_mm     displacement of each vertex.
+/// \param before_L       the skin at rest; `after_L` by the full solve. As many.
+[[nodiscard]] PreviewDistance measure_preview(std::span<const Vec3> preview_mm,
+                                              std::span<const Vec3> before_L,
+                                              std::span<const Vec3> after_L);
+
+}  // namespace lefort::app

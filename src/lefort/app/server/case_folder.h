@@ -1,0 +1,89 @@
+/// \file
+/// The folder of one case: where everything of it lies, and what of it matches its inputs.
+#pragma once
+
+#include <lefort/core/error.h>
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace lefort::app::server {
+
+/// A folder that no other server uses while this lives. Safe from many threads.
+class CaseFolder {
+ public:
+  /// Makes the folder if it is missing.
+  ///
+  /// \returns kFileUnwritable: it cannot be made or written, or another server has it.
+  [[nodiscard]] static Result<CaseFolder> open(const std::filesystem::path& folder);
+  ~CaseFolder();
+  CaseFolder(CaseFolder&&) noexcept;
+  CaseFolder& operator=(CaseFolder&&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& root() const { return root_; }
+  [[nodiscard]] std::filesystem::path description() const { return root_ / "case.json"; }
+  [[nodiscard]] std::filesystem::path ct() const { return root_ / "ct.nrrd"; }
+  [[nodiscard]] std::filesystem::path anatomy() const { return root_ / "anatomy"; }
+  [[nodiscard]] std::filesystem::path labels() const { return anatomy() / "labels.seg.nrrd"; }
+  [[nodiscard]] std::filesystem::path landmarks() const { return root_ / "landmarks.mrk.json"; }
+  [[nodiscard]] std::filesystem::path plan() const { return root_ / "plan.json"; }
+  [[nodiscard]] std::filesystem::path cut() const { return root_ / "cut"; }
+  [[nodiscard]] std::filesystem::path check() const { return root_ / "check"; }
+  [[nodiscard]] std::filesystem::path preview() const { return root_ / "preview"; }
+  [[nodiscard]] std::filesystem::path prediction() const { return root_ / "prediction"; }
+  /// What stages share: labels, fields, the tissue's mesh.
+  [[nodiscard]] std::filesystem::path cache() const { return prediction() / "cache"; }
+  [[nodiscard]] std::filesystem::path jobs() const { return root_ / "jobs"; }
+  [[nodiscard]] std::filesystem::path uploads() const { return root_ / "uploads"; }
+
+  /// SHA-256 of a file, remembered while size and time of it stay; nothing if it is not there.
+  [[nodiscard]] std::optional<std::string> fingerprint(const std::filesystem::path& file) const;
+
+  /// As an entity tag, in quotes.
+  [[nodiscard]] std::optional<std::string> etag(const std::filesystem::path& file) const;
+
+  /// Everything a stage was made of, by name, as fingerprints.
+  using Inputs = std::map<std::string, std::string>;
+
+  /// Of what a stage is made now. Nothing where an input is missing.
+  ///
+  /// \param stage  "anatomy", "cut", "check", "preview", "prediction".
+  [[nodiscard]] std::optional<Inputs> inputs_of(std::string_view stage) const;
+
+  /// Remembers of what a stage was made.
+  [[nodiscard]] Result<void> remember(std::string_view stage, const Inputs& inputs);
+
+  /// Whether what is there matches its inputs: contract/openapi.json, Stage, but for jobs.
+  [[nodiscard]] nlohmann::json stage(std::string_view stage) const;
+
+ private:
+  explicit CaseFolder(std::filesystem::path root, int lock);
+
+  struct Known {
+    std::uintmax_t size;
+    std::filesystem::file_time_type time;
+    std::string sha256;
+  };
+  std::filesystem::path root_;
+  int lock_;
+  std::unique_ptr<std::mutex> mutex_;
+  mutable std::map<std::filesystem::path, Known> known_;
+};
+
+/// The stages of a case, in order.
+inline constexpr const char* kStages[] = {"scan",  "anatomy", "landmarks",  "plan",      "cut",
+                                          "check", "preview", "prediction", "comparison"};
+
+/// Nothing, or kPlanInvalid: whether a plan, JSON of an object, names no file but those a case has.
+[[nodiscard]] Result<void> check_files_of_plan(const std::string& text);
+
+}  // namespace lefort::app::server

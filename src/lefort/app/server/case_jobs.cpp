@@ -1,0 +1,233 @@
+#include <lefort/app/pipeline.h>
+#include <lefort/app/server/case_jobs.h>
+#include <lefort/app/server/contract_text.h>
+#include <lefort/io/plan_file.h>
+#include <lefort/io/write_atomically.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <system_error>
+
+namespace lefort::app::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+using Doer = Result<JobOutcome> (*)(const JobContext&, const JobRecord&, Progress&);
+
+JobOutcome told(const Summary& summary) { return {summary.text, summary.json}; }
+
+Result<void> check_scan(const CaseFolder& folder) {
+  std::error_code error;
+  if (fs::is_regular_file(folder.ct(), error)) return {};
+  return fail(ErrorCode::kFileNotFound, "there is no scan yet: import one first");
+}
+
+Result<void> check_plan(const CaseFolder& folder) {
+  LEFORT_TRY_VOID(check_scan(folder));
+  const auto text = io::read_text(folder.plan(), 64 << 20);
+  if (!text) return fail(ErrorCode::kFileNotFound, "there is no plan yet");
+  return check_files_of_plan(*text);
+}
+
+/// Names of files and folders are none of a page's business.
+std::string without_paths(std::string text, const CaseFolder& folder) {
+  const std::string root = folder.root().string() + "/";
+  for (std::size_t at = text.find(root); at != std::string::npos; at = text.find(root, at))
+    text.erase(at, root.size());
+  return text;
+}
+
+Result<JobOutcome> import_job(const JobContext& context, const JobRecord& job, Progress& progress) {
+  const CaseFolder& folder = context.folder;
+  ImportJob import{{}, folder.ct(), job.parameters.value("series", 0)};
+  const bool is_example = job.parameters.contains("example");
+  const std::string upload = job.parameters.value("upload", "");
+  if (is_example) {
+    if (!context.example)
+      return fail(ErrorCode::kFileNotFound,
+                  "the example's scan is not installed (Debian's invesalius-examples)");
+    import.source = *context.example;
+  } else {
+    const auto source = context.uploads.source(upload);
+    if (!source) return fail(ErrorCode::kFileNotFound, "there is no such upload, or it is empty");
+    import.source = *source;
+  }
+  LEFORT_TRY(const Summary summary, import_scan(import, progress));
+  const json description{{"lefort_case", 1},
+                         {"title", is_example ? "Example: Cranium of InVesalius" : ""},
+                         {"scan",
+                          {{"source_kind", summary.json["source_kind"]},
+                           {"size", summary.json["size_voxels"]},
+                           {"spacing_mm", summary.json["spacing_mm"]},
+                           {"warnings", summary.json["warnings"]}}}};
+  LEFORT_TRY_VOID(io::write_text(folder.description(), description.dump(1) + "\n"));
+  std::error_code error;
+  if (is_example && !fs::exists(folder.landmarks(), error))
+    LEFORT_TRY_VOID(io::write_text(folder.landmarks(), kExampleLandmarks));
+  if (!is_example) static_cast<void>(context.uploads.remove(upload));
+  return told(summary);
+}
+
+Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
+                               Progress& progress) {
+  CaseFolder& folder = context.folder;
+  LEFORT_TRY_VOID(check_scan(folder));
+  SegmentJob segment{folder.ct(), folder.anatomy(), {}, {}};
+  std::error_code error;
+  if (fs::is_regular_file(folder.plan(), error)) {  // Thresholds are the plan's unless given.
+    LEFORT_TRY_VOID(check_plan(folder));
+    if (const auto plan = io::read_plan(folder.plan())) segment.options = plan->segmentation;
+  }
+  segment.options.bone_hu = job.parameters.value("bone_hu", segment.options.bone_hu);
+  segment.options.skin_hu = job.parameters.value("skin_hu", segment.options.skin_hu);
+  if (job.parameters.value("from_labels", false)) {
+    if (!fs::is_regular_file(folder.labels(), error))
+      return fail(ErrorCode::kFileNotFound, "there are no labels yet");
+    segment.labels = folder.labels();
+  }
+  LEFORT_TRY(const Summary summary, segment_scan(segment, progress));
+  if (const auto inputs = folder.inputs_of("anatomy"))
+    LEFORT_TRY_VOID(folder.remember("anatomy", *inputs));
+  return told(summary);
+}
+
+/// Runs `work`, which removes earlier results first, and remembers of what the stage is made.
+template <class Work>
+Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Work& work) {
+  LEFORT_TRY_VOID(check_plan(folder));
+  if (const auto inputs = folder.inputs_of(stage)) LEFORT_TRY_VOID(folder.remember(stage, *inputs));
+  return work();
+}
+
+Result<JobOutcome> cut_job(const JobContext& context, const JobRecord&, Progress& progress) {
+  CaseFolder& folder = context.folder;
+  return as_stage(folder, "cut", [&]() -> Result<JobOutcome> {
+    LEFORT_TRY(const Summary summary,
+               cut_plan({folder.plan(), folder.ct(), folder.cache(), folder.cut()}, progress));
+    return told(summary);
+  });
+}
+
+Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progress& progress) {
+  CaseFolder& folder = context.folder;
+  return as_stage(folder, "check", [&]() -> Result<JobOutcome> {
+    CheckPlanJob check{.plan = folder.plan(),
+                       .ct = folder.ct(),
+                       .skull = {},
+                       .output = folder.check(),
+                       .cache = folder.cache(),
+                       .limits = {},
+                       .pictures = false};
+    LEFORT_TRY(const PlanCheckSummary found, check_plan_file(check, progress));
+    JobOutcome outcome = told(found.summary);
+    outcome.has_findings = found.has_findings;
+    return outcome;
+  });
+}
+
+Result<JobOutcome> preview_job(const JobContext& context, const JobRecord&, Progress& progress) {
+  CaseFolder& folder = context.folder;
+  return as_stage(folder, "preview", [&]() -> Result<JobOutcome> {
+    LEFORT_TRY(const Summary summary,
+               prepare_preview({folder.plan(), folder.ct(), folder.cache(),
+                                folder.anatomy() / "skin.vtp", folder.preview()},
+                               progress));
+    return told(summary);
+  });
+}
+
+/// Tells pages how a step was found, iteration by iteration.
+void tell_step(EventLog& events, int job, const predict::PredictionStep& step, int steps) {
+  const int number = std::max(1, int(std::lround(step.share * steps)));
+  int attempt_number = 0;
+  for (const fem::LoadAttempt& attempt : step.attempts) {
+    ++attempt_number;
+    int iteration = 0;
+    for (const fem::NewtonIterate& at : attempt.history)
+      events.publish("newton", {{"job", job},
+                                {"step", number},
+                                {"to_share", attempt.t_to},
+                                {"attempt", attempt_number},
+                                {"iteration", iteration++},
+                                {"residual_n", at.residual_n},
+                                {"relative_residual",
+                                 at.force_scale_n > 0.0 ? at.residual_n / at.force_scale_n : 0.0},
+                                {"contacts", at.contacts}});
+  }
+  events.publish("step", {{"job", job},
+                          {"step", number},
+                          {"steps", steps},
+                          {"share", step.share},
+                          {"newton_iterations", step.newton_iterations()},
+                          {"relative_residual", step.relative_residual},
+                          {"contact_nodes", step.contact.nodes},
+                          {"p99_depth_mm", step.contact.p99_depth_from_rest_mm},
+                          {"max_depth_mm", step.contact.max_depth_from_rest_mm}});
+}
+
+Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
+                               Progress& progress) {
+  CaseFolder& folder = context.folder;
+  return as_stage(folder, "prediction", [&]() -> Result<JobOutcome> {
+    PredictJob predict{.plan = folder.plan(),
+                       .ct = folder.ct(),
+                       .output = folder.prediction(),
+                       .pictures = true,
+                       .on_step = [&](const predict::PredictionStep& step, int steps) {
+                         tell_step(context.events, job.id, step, steps);
+                       }};
+    LEFORT_TRY(const Summary summary, predict_case(predict, progress));
+    // The whole document is GET /prediction's to tell.
+    return JobOutcome{summary.text, {{"skin", summary.json["skin"]}}};
+  });
+}
+
+struct Kind {
+  const char* name;
+  const char* stage;
+  Doer run;
+};
+
+constexpr Kind kKinds[] = {{"import", "scan", import_job},
+                           {"segment", "anatomy", segment_job},
+                           {"cut", "cut", cut_job},
+                           {"check", "check", check_job},
+                           {"preview-factor", "preview", preview_job},
+                           {"predict", "prediction", predict_job}};
+
+}  // namespace
+
+std::vector<std::string> job_kinds() {
+  std::vector<std::string> names;
+  for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  return names;
+}
+
+std::string job_of_stage(std::string_view stage) {
+  for (const Kind& kind : kKinds)
+    if (kind.stage == stage) return kind.name;
+  return "";
+}
+
+Result<JobOutcome> run_job(const JobContext& context, const JobRecord& job, Progress& progress) {
+  for (const Kind& kind : kKinds) {
+    if (job.kind != kind.name) continue;
+    Result<JobOutcome> outcome = kind.run(context, job, progress);
+    if (outcome) {
+      outcome->message = without_paths(std::move(outcome->message), context.folder);
+      return outcome;
+    }
+    return fail(outcome.error().code,
+                without_paths(std::move(outcome.error().message), context.folder));
+  }
+  return fail(ErrorCode::kInvalidArgument, fmt::format("no job of kind {} is known", job.kind));
+}
+
+}  // namespace lefort::app::server

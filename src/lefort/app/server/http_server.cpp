@@ -1,0 +1,491 @@
+#include <lefort/app/server/connection.h>
+#include <lefort/app/server/http_server.h>
+#include <lefort/app/server/page.h>
+#include <lefort/core/check.h>
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <fstream>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace lefort::app::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestPath = 1024;  // Characters.
+constexpr std::size_t kPiece = 256 << 10;   // Bytes of a reply written at a time.
+constexpr std::size_t kRequestsPerConnection = 1000;
+constexpr auto kHeartbeat = std::chrono::seconds(15);   // As the contract says.
+constexpr auto kLook = std::chrono::milliseconds(500);  // How often a listener is looked after.
+
+constexpr const char* kContentSecurityPolicy =
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' "
+    "data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'";
+
+/// Takes as long for any two texts of one length.
+bool is_equal_in_constant_time(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  volatile unsigned difference = 0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    difference = difference | (static_cast<unsigned char>(a[k]) ^ static_cast<unsigned char>(b[k]));
+  return difference == 0;
+}
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return text;
+}
+
+/// The connection that the present thread serves.
+thread_local Connection* current = nullptr;
+/// Whether the present thread sends connections away.
+thread_local bool sends_away = false;
+
+/// Threads for connections. Those that wait for one are ended when there are too many; one that
+/// holds a thread without asking makes room.
+class Workers final : public httplib::TaskQueue {
+ public:
+  explicit Workers(const HttpLimits& limits) : limits_(limits) {
+    for (int n = 0; n < limits.threads; ++n) threads_.emplace_back([this] { work(); });
+    usher_ = std::thread([this] { usher(); });
+  }
+
+  void enqueue(std::function<void()> task) override {
+    {
+      const std::scoped_lock lock(mutex_);
+      if (tasks_.size() < std::size_t(limits_.waiting)) {
+        tasks_.push_back(std::move(task));
+        task = nullptr;
+      }
+    }
+    if (task) {  // No room: a word and good-bye, on the thread that accepts.
+      sends_away = true;
+      task();
+      sends_away = false;
+      return;
+    }
+    wake_.notify_one();
+    wake_usher_.notify_one();
+  }
+
+  void shutdown() override {
+    {
+      const std::scoped_lock lock(mutex_);
+      is_ending_ = true;
+      for (const Connection* connection : connections_) connection->abort();
+    }
+    wake_.notify_all();
+    wake_usher_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+    usher_.join();
+  }
+
+  void enter(const Connection* connection) {
+    const std::scoped_lock lock(mutex_);
+    connections_.insert(connection);
+    if (is_ending_) connection->abort();
+  }
+  void leave(const Connection* connection) {
+    const std::scoped_lock lock(mutex_);
+    connections_.erase(connection);
+  }
+
+ private:
+  void work() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      ++idle_;
+      wake_.wait(lock, [&] { return is_ending_ || !tasks_.empty(); });
+      --idle_;
+      if (tasks_.empty()) return;
+      const std::function<void()> task = std::move(tasks_.front());
+      tasks_.pop_front();
+      sends_away = is_ending_;
+      lock.unlock();
+      task();
+      lock.lock();
+    }
+  }
+
+  /// Ends who is slow while others wait.
+  void usher() {
+    std::unique_lock lock(mutex_);
+    while (!is_ending_) {
+      if (tasks_.empty() || idle_ > 0) {
+        wake_usher_.wait(lock, [&] { return is_ending_ || (!tasks_.empty() && idle_ == 0); });
+        continue;
+      }
+      const auto too_long_ago = Connection::Clock::now() - limits_.patience;
+      for (const Connection* connection : connections_)
+        if (connection->is_waiting() && connection->since() < too_long_ago) connection->abort();
+      wake_usher_.wait_for(lock, limits_.patience);
+    }
+  }
+
+  const HttpLimits& limits_;
+  std::mutex mutex_;
+  std::condition_variable wake_, wake_usher_;
+  std::deque<std::function<void()>> tasks_;
+  std::set<const Connection*> connections_;
+  int idle_ = 0;
+  bool is_ending_ = false;
+  std::vector<std::thread> threads_;
+  std::thread usher_;
+};
+
+/// httplib's server over our connections: it parses and formats, we decide who is heard how long.
+class LimitedServer final : public httplib::Server {
+ public:
+  explicit LimitedServer(const HttpLimits& limits) : limits_(limits) {
+    new_task_queue = [this] { return workers_ = new Workers(limits_); };
+  }
+
+  /// Told each request once its header is there; may change it.
+  std::function<void(httplib::Request&)> on_header;
+
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    if (sends_away) {
+      constexpr std::string_view kBusy =
+          "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 1\r\n"
+          "Connection: close\r\n\r\n";
+      static_cast<void>(::send(socket, kBusy.data(), kBusy.size(), MSG_NOSIGNAL | MSG_DONTWAIT));
+      ::close(socket);
+      return false;
+    }
+    Connection connection(socket, limits_);
+    workers_->enter(&connection);
+    current = &connection;
+    bool is_served = false;
+    for (std::size_t n = 1; n <= kRequestsPerConnection; ++n) {
+      if (!connection.wait_for_request()) break;
+      bool is_closed = false;
+      is_served = process_request(connection, n == kRequestsPerConnection, is_closed, on_header);
+      if (!is_served || is_closed || connection.must_close) break;
+    }
+    current = nullptr;
+    if (connection.must_close) connection.drain();
+    workers_->leave(&connection);
+    ::close(socket);
+    return is_served;
+  }
+
+  const HttpLimits& limits_;
+  Workers* workers_ = nullptr;  ///< httplib owns it while it listens.
+};
+
+/// A reply that was decided before the body was looked at.
+thread_local std::optional<Reply> decided;
+
+Request as_request(const httplib::Request& from) {
+  Request request;
+  request.method = from.method == "HEAD" ? "GET" : from.method;
+  request.path = from.path;
+  for (const auto& [name, value] : from.params) request.query.emplace(name, value);
+  for (const auto& [name, value] : from.headers) request.header.emplace(lower_case(name), value);
+  return request;
+}
+
+}  // namespace
+
+struct HttpServer::Parts {
+  Parts(Api& api_of, HttpOptions options_of)
+      : api(api_of), options(std::move(options_of)), server(options.limits) {}
+
+  Api& api;
+  HttpOptions options;
+  LimitedServer server;
+  int port = 0;
+  std::set<std::string> hosts, origins;  ///< That are ours.
+  std::atomic<int> listeners = 0;
+
+  /// Why a request is not heard, or nothing.
+  [[nodiscard]] std::optional<Reply> judge(const httplib::Request& request) const;
+  void look_at(httplib::Request& request);
+  void answer(const httplib::Request& request, httplib::Response& response, Reply reply);
+  void answer_events(httplib::Response& response, const std::string& last_id);
+  void serve_body(const httplib::Request& request, httplib::Response& response,
+                  const httplib::ContentReader& read);
+  bool serve(const httplib::Request& request, httplib::Response& response);
+};
+
+bool is_loopback(const std::string& host) {
+  if (host == "localhost") return true;
+  in_addr v4{};
+  if (::inet_pton(AF_INET, host.c_str(), &v4) == 1) return (ntohl(v4.s_addr) >> 24) == 127;
+  in6_addr v6{};
+  return ::inet_pton(AF_INET6, host.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
+}
+
+std::optional<Reply> HttpServer::Parts::judge(const httplib::Request& request) const {
+  const auto count = [&](const char* name) { return request.get_header_value_count(name); };
+  if (request.path.size() > kLongestPath || request.target.size() > 4 * kLongestPath)
+    return refusal(414, "bad_request", "the path is too long", "path");
+  if (count("Host") != 1 || !hosts.contains(lower_case(request.get_header_value("Host"))))
+    return refusal(421, "foreign", "this server is not called so", "Host");
+  if (count("Origin") > 1 ||
+      (count("Origin") == 1 && !origins.contains(lower_case(request.get_header_value("Origin")))))
+    return refusal(403, "foreign", "only this server's own page may ask", "Origin");
+  const std::string site = request.get_header_value("Sec-Fetch-Site");
+  const bool is_api = request.path.starts_with(kApiPrefix);
+  if (is_api && !site.empty() && site != "same-origin" && site != "none")
+    return refusal(403, "foreign", "only this server's own page may ask", "Sec-Fetch-Site");
+  if (is_api &&
+      (count("X-Lefort-Token") != 1 ||
+       !is_equal_in_constant_time(request.get_header_value("X-Lefort-Token"), options.token)))
+    return refusal(401, "no_token",
+                   "the token is missing or wrong: open the address that lefort serve has printed",
+                   "X-Lefort-Token");
+  if (count("Transfer-Encoding") > 0)
+    return refusal(411, "length_required", "bodies need a Content-Length", "Transfer-Encoding");
+  if (count("Content-Encoding") > 0)
+    return refusal(415, "wrong_type", "bodies must not be encoded", "Content-Encoding");
+  const std::string length = request.get_header_value("Content-Length");
+  const bool is_number = !length.empty() && length.size() <= 15 &&
+                         length.find_first_not_of("0123456789") == std::string::npos;
+  if (count("Content-Length") > 1 || (count("Content-Length") == 1 && !is_number))
+    return refusal(400, "bad_request", "the length of the body is no number", "Content-Length");
+  const bool has_body = request.method == "POST" || request.method == "PUT";
+  if (!has_body && is_number && length != "0")
+    return refusal(400, "bad_request", "a request of this kind has no body", "Content-Length");
+  if (has_body && !is_number && request.method == "PUT")
+    return refusal(411, "length_required", "bodies need a Content-Length", "Content-Length");
+  if (has_body && !is_number && request.path != "/api/v1/uploads")
+    return refusal(411, "length_required", "bodies need a Content-Length", "Content-Length");
+  if (request.method != "GET" && request.method != "HEAD" && request.method != "DELETE" &&
+      !has_body)
+    return refusal(405, "not_allowed", "this server knows GET, PUT, POST and DELETE", "method");
+  if (!is_api && has_body)
+    return refusal(405, "not_allowed", "there is nothing to change here", "method");
+  if (is_number && length.size() > 12)
+    return refusal(413, "too_large", "the body is too large", "Content-Length");
+  return std::nullopt;
+}
+
+/// Decides before anything is read of the body, and disarms what httplib would do of its own.
+void HttpServer::Parts::look_at(httplib::Request& request) {
+  decided = judge(request);
+  request.ranges.clear();
+  request.headers.erase("Accept-Encoding");  // Nothing is compressed on the way to oneself.
+  request.headers.erase("Expect");
+  if (decided) {
+    request.path = "/";  // What is refused is not matched with anything.
+    request.target = "/";
+    current->must_close = true;
+    request.headers.erase("Connection");
+    request.headers.emplace("Connection", "close");
+  }
+}
+
+void HttpServer::Parts::answer_events(httplib::Response& response, const std::string& last_id) {
+  if (++listeners > options.limits.listeners) {
+    --listeners;
+    answer({}, response, refusal(429, "limit", "too many pages listen already"));
+    return;
+  }
+  EventLog& events = api.events();
+  struct Listener {
+    std::uint64_t heard = 0;
+    std::string first;
+    std::chrono::steady_clock::time_point told = std::chrono::steady_clock::now();
+  };
+  const auto listener = std::make_shared<Listener>();
+  const auto known = events.find(last_id);
+  listener->heard = known.value_or(events.now());
+  // So that a page knows at once that it is heard, and where it is.
+  listener->first = known || last_id.empty() ? ": welcome\n\n" : events.reset_event();
+  response.set_chunked_content_provider(
+      "text/event-stream",
+      [this, &events, listener](std::size_t, httplib::DataSink& sink) {
+        current->begin_events();
+        if (!listener->first.empty()) {
+          const std::string first = std::exchange(listener->first, {});
+          return sink.write(first.data(), first.size());
+        }
+        std::string text = events.wait(listener->heard, kLook);
+        if (events.is_stopped()) {
+          sink.done();
+          return true;
+        }
+        const auto now = std::chrono::steady_clock::now();
+        if (text.empty() && now - listener->told > kHeartbeat) text = ": still here\n\n";
+        if (text.empty()) return sink.is_writable();
+        listener->told = now;
+        return sink.write(text.data(), text.size());
+      },
+      [this](bool) { --listeners; });
+}
+
+void HttpServer::Parts::answer(const httplib::Request& request, httplib::Response& response,
+                               Reply reply) {
+  response.status = reply.status;
+  for (const auto& [name, value] : reply.headers) response.set_header(name, value);
+  response.set_header("X-Content-Type-Options", "nosniff");
+  response.set_header("Referrer-Policy", "no-referrer");
+  response.set_header("Cross-Origin-Opener-Policy", "same-origin");
+  response.set_header("Cross-Origin-Resource-Policy", "same-origin");
+  response.set_header("Content-Security-Policy", kContentSecurityPolicy);
+  response.set_header("X-Frame-Options", "DENY");
+  response.set_header("Cache-Control", request.path.starts_with("/assets/") && reply.status == 200
+                                           ? "private, max-age=31536000, immutable"
+                                           : "no-store");
+  if (reply.events_after) {
+    answer_events(response, *reply.events_after);
+  } else if (reply.file) {
+    const auto file = std::make_shared<std::ifstream>(*reply.file, std::ios::binary);
+    std::error_code error;
+    const auto size = fs::file_size(*reply.file, error);
+    if (error || !*file) {
+      response.status = 404;
+      return;
+    }
+    if (size == 0) return;
+    response.set_content_provider(
+        std::size_t(size), reply.type.c_str(),
+        [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+          std::string piece(std::min(length, kPiece), '\0');
+          file->seekg(std::streamoff(offset));
+          file->read(piece.data(), std::streamsize(piece.size()));
+          return file->gcount() == std::streamsize(piece.size()) &&
+                 sink.write(piece.data(), piece.size());
+        });
+  } else if (reply.bytes && !reply.bytes->bytes.empty()) {
+    const SharedBytes bytes = *reply.bytes;
+    response.set_content_provider(
+        bytes.bytes.size(), reply.type.c_str(),
+        [bytes](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+          return sink.write(bytes.bytes.data() + offset, std::min(length, kPiece));
+        });
+  } else if (reply.status != 204 && reply.status != 304) {
+    response.set_content(reply.text, reply.type.c_str());
+  }
+}
+
+/// Requests without a body, and those that were refused. \returns whether it was one.
+bool HttpServer::Parts::serve(const httplib::Request& request, httplib::Response& response) {
+  if (decided) {
+    answer(request, response, *std::exchange(decided, std::nullopt));
+    return true;
+  }
+  if (request.method == "POST" || request.method == "PUT") return false;
+  current->begin_body();
+  if (request.path.starts_with(kApiPrefix)) {
+    answer(request, response, api.handle(as_request(request)));
+    return true;
+  }
+  Reply reply;
+  if (const PageFile* const file = find_page_file(request.path)) {
+    reply = binary_reply({nullptr, file->bytes});
+    reply.type = file->type;
+  } else {
+    reply = refusal(404, "not_found", "there is nothing of that name", "path");
+  }
+  answer(request, response, std::move(reply));
+  return true;
+}
+
+void HttpServer::Parts::serve_body(const httplib::Request& request, httplib::Response& response,
+                                   const httplib::ContentReader& read) {
+  current->begin_body();
+  Request asked = as_request(request);
+  const std::string length = request.get_header_value("Content-Length");
+  asked.content_length = length.empty() ? 0 : std::stoull(length);
+  bool is_read = asked.content_length == 0;
+  asked.read_body = [&](const BodyTaker& take) {
+    if (is_read) return true;
+    is_read = read([&](const char* bytes, std::size_t count) { return take({bytes, count}); });
+    return is_read;
+  };
+  Reply reply = api.handle(asked);
+  if (!is_read) current->must_close = true;
+  answer(request, response, std::move(reply));
+}
+
+HttpServer::HttpServer(Api& api, HttpOptions options)
+    : parts_(std::make_unique<Parts>(api, std::move(options))) {
+  LEFORT_CHECK(parts_->options.token.size() >= 32);
+  Parts& parts = *parts_;
+  parts.server.on_header = [&parts](httplib::Request& request) { parts.look_at(request); };
+  parts.server.set_payload_max_length(std::size_t(-1));  // The API knows its limits.
+  parts.server.set_tcp_nodelay(true);
+  parts.server.set_pre_routing_handler([&parts](const auto& request, auto& response) {
+    return parts.serve(request, response) ? httplib::Server::HandlerResponse::Handled
+                                          : httplib::Server::HandlerResponse::Unhandled;
+  });
+  const auto with_body = [&parts](const httplib::Request& request, httplib::Response& response,
+                                  const httplib::ContentReader& read) {
+    parts.serve_body(request, response, read);
+  };
+  parts.server.Post(R"([\s\S]*)", with_body);
+  parts.server.Put(R"([\s\S]*)", with_body);
+  parts.server.set_exception_handler(
+      [&parts](const auto& request, auto& response, const std::exception_ptr&) {
+        current->must_close = true;
+        parts.answer(request, response,
+                     refusal(500, "internal",
+                             "an internal error; nothing was "
+                             "changed"));
+      });
+  parts.server.set_error_handler([&parts](const httplib::Request& request,
+                                          httplib::Response& response) {
+    if (!response.body.empty() || response.status == 304) return;
+    current->must_close = true;
+    parts.answer(request, response,
+                 refusal(response.status, "bad_request", "this is no request that can be read"));
+  });
+}
+
+HttpServer::~HttpServer() { stop(); }
+
+Result<int> HttpServer::bind() {
+  Parts& parts = *parts_;
+  const HttpOptions& options = parts.options;
+  // Not SO_REUSEPORT, httplib's default: another program could take half of our requests.
+  parts.server.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  });
+  parts.port = options.port;
+  const bool is_bound = options.port == 0
+                            ? (parts.port = parts.server.bind_to_any_port(options.host)) > 0
+                            : parts.server.bind_to_port(options.host, options.port);
+  if (!is_bound)
+    return fail(ErrorCode::kInvalidArgument,
+                options.port == 0 ? fmt::format("no port of {} can be had", options.host)
+                                  : fmt::format("port {} of {} cannot be had: is it in use?",
+                                                options.port, options.host));
+  std::vector<std::string> names{"127.0.0.1", "localhost", "[::1]"};
+  if (!is_loopback(options.host)) names.push_back(lower_case(options.host));
+  for (const std::string& name : names) {
+    parts.hosts.insert(fmt::format("{}:{}", name, parts.port));
+    parts.origins.insert(fmt::format("http://{}:{}", name, parts.port));
+  }
+  return parts.port;
+}
+
+void HttpServer::run() { parts_->server.listen_after_bind(); }
+
+void HttpServer::stop() {
+  parts_->api.events().stop();
+  parts_->server.stop();
+}
+
+}  // namespace lefort::app::server

@@ -1,0 +1,282 @@
+/// \file
+/// contract/openapi.json against the server: routes, fixtures, and what the server answers.
+#include <lefort/app/server/api.h>
+#include <lefort/app/server/contract.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "support/ask_api.h"
+#include "support/small_head.h"
+
+namespace lefort::app::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::vector<fs::path> fixtures(const char* kind) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(fs::path(LEFORT_CONTRACT) / "fixtures" / kind))
+    files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string schema_of(const fs::path& fixture) {
+  const std::string name = fixture.filename();
+  return name.substr(0, name.find('.'));
+}
+
+std::string text_of(const fs::path& file) { return io::read_text(file, 1 << 20).value(); }
+
+/// Holds a reply against the schema that the contract has for it.
+void expect_by_contract(const std::string& method, const std::string& pattern, const Reply& reply) {
+  SCOPED_TRACE(method + " " + pattern);
+  std::string lower = method;
+  std::transform(lower.begin(), lower.end(), lower.begin(), ::tolower);
+  const json& responses = contract()["paths"][pattern][lower]["responses"];
+  if (reply.status == 304) return;
+  if (reply.status >= 400) {
+    const auto error = parse_by_contract(reply.text, "Error");
+    EXPECT_TRUE(error) << error.error().message << "\n" << reply.text;
+    return;
+  }
+  const auto response = responses.find(std::to_string(reply.status));
+  ASSERT_NE(response, responses.end()) << reply.status;
+  if (!response->contains("content")) {
+    EXPECT_TRUE(body_of(reply).empty());
+    return;
+  }
+  ASSERT_TRUE((*response)["content"].contains(reply.type)) << reply.type;
+  for (const auto& [name, value] : reply.headers)
+    EXPECT_TRUE((*response)["headers"].contains(name) || name == "ETag") << name;
+  if (reply.type != "application/json") return;
+  const std::string ref = (*response)["content"][reply.type]["schema"]["$ref"];
+  const auto checked = parse_by_contract(reply.text, ref.substr(ref.rfind('/') + 1));
+  EXPECT_TRUE(checked) << checked.error().message << "\n" << reply.text.substr(0, 2000);
+}
+
+TEST(ServerContract, EveryValidFixtureIsAcceptedAndEveryInvalidOneRefused) {
+  EXPECT_GT(fixtures("valid").size(), 35U);
+  EXPECT_GT(fixtures("invalid").size(), 30U);
+  for (const fs::path& file : fixtures("valid")) {
+    const auto accepted = parse_by_contract(text_of(file), schema_of(file));
+    EXPECT_TRUE(accepted) << file << ": " << accepted.error().message;
+  }
+  for (const fs::path& file : fixtures("invalid"))
+    EXPECT_FALSE(parse_by_contract(text_of(file), schema_of(file))) << file;
+}
+
+TEST(ServerContract, EverySchemaHasAFixture) {
+  std::set<std::string> shown;
+  for (const fs::path& file : fixtures("valid")) shown.insert(schema_of(file));
+  // Parts of others, which their fixtures show.
+  for (const char* part : {"Stage", "JobKind", "JobState", "JobList", "SurfaceName", "Points",
+                           "Pose", "TemplateKind", "PredictionStep", "FileName"})
+    shown.insert(part);
+  for (const auto& [name, schema] : contract()["components"]["schemas"].items())
+    EXPECT_TRUE(shown.contains(name)) << name;
+}
+
+TEST(ServerContract, TheServerHasTheContractsRoutesAndNoOthers) {
+  std::set<std::string> promised, served;
+  for (const auto& [path, methods] : contract()["paths"].items())
+    for (const auto& [method, operation] : methods.items()) {
+      std::string upper = method;
+      std::transform(upper.begin(), upper.end(), upper.begin(), ::toupper);
+      promised.insert(upper + " " + path);
+    }
+  for (const Api::RouteName& route : Api::routes())
+    served.insert(std::string(route.method) + " " + std::string(route.path));
+  EXPECT_EQ(promised, served);
+}
+
+TEST(ServerContract, TheSchemasRefuseWhatTheServerRefuses) {
+  test::CaseApi api;
+  const std::vector<std::pair<std::string, std::pair<std::string, std::string>>> routes{
+      {"JobRequest", {"POST", "/jobs"}},
+      {"Landmarks", {"PUT", "/landmarks"}},
+      {"MeasurementsRequest", {"POST", "/measurements"}},
+      {"Plan", {"PUT", "/plan"}},
+      {"Poses", {"POST", "/poses"}},
+      {"Poses", {"POST", "/preview"}},
+      {"OsteotomyRequest", {"POST", "/osteotomies"}}};
+  int sent = 0;
+  for (const fs::path& file : fixtures("invalid"))
+    for (const auto& [schema, route] : routes) {
+      if (schema != schema_of(file)) continue;
+      const Reply reply = api.ask(route.first, route.second, text_of(file), {{"if-match", "*"}});
+      EXPECT_EQ(reply.status, 422) << file << reply.text;
+      expect_by_contract(route.first, route.second, reply);
+      ++sent;
+    }
+  EXPECT_GT(sent, 25);
+}
+
+TEST(ServerContract, AnEmptyCaseAnswersByTheContract) {
+  test::CaseApi api;
+  for (const Api::RouteName& route : Api::routes()) {
+    if (route.method != "GET" || route.path == "/events") continue;
+    std::string path(route.path);
+    for (const auto& [parameter, value] :
+         std::vector<std::pair<std::string, std::string>>{{"{job}", "1"},
+                                                          {"{surface}", "skin"},
+                                                          {"{segment}", "front"},
+                                                          {"{step}", "1"},
+                                                          {"{file}", "plan.json"}})
+      if (const auto at = path.find(parameter); at != std::string::npos)
+        path.replace(at, parameter.size(), value);
+    expect_by_contract(std::string(route.method), std::string(route.path), api.ask("GET", path));
+  }
+  EXPECT_EQ(api.get("/case")["stages"]["scan"]["state"], "missing");
+}
+
+/// The whole way of a case, each answer held against the contract.
+TEST(ServerContract, AWholeCaseAnswersByTheContract) {
+  test::CaseApi api;
+  const auto ask = [&](const std::string& method, const std::string& pattern,
+                       const std::string& path, const std::string& body = "",
+                       std::map<std::string, std::string> headers = {}) {
+    const Reply reply = api.ask(method, path, body, std::move(headers));
+    EXPECT_LT(reply.status, 400) << method << " " << path << reply.text;
+    expect_by_contract(method, pattern, reply);
+    return reply;
+  };
+  const auto run = [&](const json& request) {
+    const json job = api.run(request);
+    EXPECT_EQ(job["state"], "done") << job.dump(1);
+    expect_by_contract("GET", "/jobs/{job}",
+                       api.ask("GET", "/jobs/" + std::to_string(job["id"].get<int>())));
+    return job;
+  };
+  const json imported = api.import_volume(test::small_head());
+  EXPECT_EQ(imported["state"], "done") << imported.dump(1);
+  EXPECT_EQ(imported.dump().find("DOE"), std::string::npos);  // What files are called is forgotten.
+  ask("GET", "/case", "/case");
+  const json volume = json::parse(ask("GET", "/volume", "/volume").text);
+  EXPECT_EQ(volume["size"], json({36, 36, 36}));
+  EXPECT_EQ(body_of(ask("GET", "/volume/data", "/volume/data")).size(), 2U * 36 * 36 * 36);
+  run({{"kind", "segment"}});
+  EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "fresh");
+  const Reply labels = ask("GET", "/labels/data", "/labels/data");
+  ask("GET", "/labels", "/labels");
+
+  // The brush: a voxel of bone more.
+  std::string brushed = body_of(labels);
+  ASSERT_EQ(brushed.size(), 36U * 36 * 36);
+  brushed[36 * 36 * 18 + 36 * 18 + 18] = 1;
+  ask("PUT", "/labels/data", "/labels/data", brushed,
+      {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
+  EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "stale");
+  EXPECT_EQ(body_of(ask("GET", "/labels/data", "/labels/data")), brushed);
+  run({{"kind", "segment"}, {"from_labels", true}});
+  EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "fresh");
+  EXPECT_EQ(body_of(ask("GET", "/labels/data", "/labels/data")), brushed);
+  run({{"kind", "segment"}});
+
+  const std::string skin = body_of(ask("GET", "/surfaces/{surface}", "/surfaces/skin"));
+  EXPECT_EQ(skin.substr(0, 8), std::string("LFSURF1\0", 8));
+  std::uint32_t head[3];
+  std::memcpy(head, skin.data() + 8, sizeof(head));
+  EXPECT_EQ(skin.size(), 20U + 12 * head[0] + 12 * head[1]);
+
+  ask("PUT", "/landmarks", "/landmarks", R"({"landmarks":{"N":[0,-47,20],"A":[0,-47,-10]}})",
+      {{"if-match", "*"}});
+  EXPECT_EQ(api.get("/landmarks")["landmarks"]["N"], json({0, -47, 20}));
+  ask("POST", "/measurements", "/measurements", R"({"before":{"N":[0,-47,20],"A":[0,-47,-10]}})");
+  json plan = test::small_plan();
+  plan["landmarks"] = "landmarks.mrk.json";
+  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  ask("GET", "/plan/poses", "/plan/poses");
+  run({{"kind", "cut"}});
+  run({{"kind", "check"}});
+  run({{"kind", "preview-factor"}});
+  const json surfaces = json::parse(ask("GET", "/surfaces", "/surfaces").text);
+  EXPECT_NE(surfaces.dump().find("segments/front"), std::string::npos);
+  ask("GET", "/surfaces/segments/{segment}", "/surfaces/segments/front");
+  const json back{{"poses", {{"front", {1, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1, 0, 0, 0, 0, 1}}}}};
+  const Reply depths = ask("POST", "/poses", "/poses", back.dump());
+  float deepest = 0.0F;
+  const std::string bytes = body_of(depths);
+  for (std::size_t at = 0; at < bytes.size(); at += 4) {
+    float depth = 0.0F;
+    std::memcpy(&depth, bytes.data() + at, 4);
+    deepest = std::max(deepest, depth);
+  }
+  EXPECT_GT(deepest, 1.0F);
+  EXPECT_LT(deepest, 3.5F);
+  EXPECT_EQ(body_of(ask("POST", "/preview", "/preview", back.dump())).size(), 12U * head[0]);
+  run({{"kind", "predict"}});
+  const json stages = api.get("/case")["stages"];
+  for (const char* stage :
+       {"scan", "anatomy", "landmarks", "plan", "cut", "check", "preview", "prediction"})
+    EXPECT_EQ(stages[stage]["state"], "fresh") << stage << stages[stage];
+  const json prediction = json::parse(ask("GET", "/prediction", "/prediction").text);
+  ASSERT_EQ(prediction["steps"].size(), 2U);
+  ask("GET", "/preview/distance", "/preview/distance");
+  const std::string last = body_of(ask("GET", "/prediction/steps/{step}", "/prediction/steps/2"));
+  const std::string before = body_of(ask("GET", "/surfaces/{surface}", "/surfaces/skin_before"));
+  const std::string after = body_of(ask("GET", "/surfaces/{surface}", "/surfaces/predicted"));
+  ASSERT_EQ(last.size(), 12U * head[0]);
+  for (std::size_t at = 0; at < last.size(); at += 4) {  // The last step is the prediction.
+    float u = 0.0F, from = 0.0F, to = 0.0F;
+    std::memcpy(&u, last.data() + at, 4);
+    std::memcpy(&from, before.data() + 20 + at, 4);
+    std::memcpy(&to, after.data() + 20 + at, 4);
+    ASSERT_NEAR(u, to - from, 2e-4F);
+  }
+  EXPECT_EQ(api.ask("GET", "/prediction/steps/3").status, 404);
+  for (const json& file : api.get("/files")["files"])
+    ask("GET", "/files/{file}", "/files/" + file["name"].get<std::string>());
+  ask("GET", "/files", "/files");
+  ask("GET", "/jobs", "/jobs");
+
+  // What was made of other inputs is seen to be so; what was not, is not.
+  plan["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0, -2, 0};
+  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  const json after_move = api.get("/case")["stages"];
+  EXPECT_EQ(after_move["prediction"]["state"], "stale");
+  EXPECT_EQ(after_move["check"]["state"], "stale");
+  EXPECT_EQ(after_move["cut"]["state"], "fresh");
+  EXPECT_EQ(after_move["preview"]["state"], "fresh");
+  plan["segments"][0]["osteotomy"]["planes"][0]["point_mm"] = {0, -17, 0};
+  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  EXPECT_EQ(api.get("/case")["stages"]["cut"]["state"], "stale");
+  EXPECT_EQ(api.get("/case")["stages"]["preview"]["state"], "stale");
+  EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "fresh");
+}
+
+TEST(ServerContract, EventsFitTheContract) {
+  test::CaseApi api;
+  std::uint64_t heard = 0;
+  EXPECT_EQ(api.import_volume(test::small_head())["state"], "done");
+  const std::map<std::string, std::string> schemas{{"job", "JobEvent"},
+                                                   {"newton", "NewtonEvent"},
+                                                   {"step", "StepEvent"},
+                                                   {"case", "CaseEvent"},
+                                                   {"reset", "ResetEvent"}};
+  std::string text = api.api.events().wait(heard, std::chrono::milliseconds(0));
+  text += api.api.events().reset_event();
+  std::size_t events = 0;
+  for (std::size_t at = 0; at < text.size(); ++events) {
+    const std::size_t end = text.find("\n\n", at);
+    const std::string event = text.substr(at, end - at);
+    at = end + 2;
+    const std::size_t type = event.find("\nevent: ") + 8, data = event.find("\ndata: ") + 7;
+    const std::string name = event.substr(type, event.find('\n', type) - type);
+    ASSERT_TRUE(schemas.contains(name)) << event;
+    const auto checked = parse_by_contract(event.substr(data), schemas.at(name));
+    EXPECT_TRUE(checked) << checked.error().message << event;
+  }
+  EXPECT_GT(events, 4U);
+}
+
+}  // namespace
+}  // namespace lefort::app::server

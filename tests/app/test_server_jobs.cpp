@@ -1,0 +1,386 @@
+/// \file
+/// Jobs, events, uploads and the case folder: nothing is lost, nothing leaves the folder.
+#include <lefort/app/server/event_log.h>
+#include <lefort/app/server/jobs.h>
+#include <lefort/io/segmentation_file.h>
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <fstream>
+#include <functional>
+#include <stdexcept>
+
+#include "support/ask_api.h"
+#include "support/run_program.h"
+#include "support/small_head.h"
+
+namespace lefort::app::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using std::chrono::milliseconds;
+
+void nothing() {}
+
+JobRecord wait_for(const Jobs& jobs, int id) {
+  while (!jobs.find(id)->is_over()) std::this_thread::sleep_for(milliseconds(5));
+  return *jobs.find(id);
+}
+
+/// Runs until it is told to stop.
+Result<JobOutcome> run_until_stopped(const JobRecord&, Progress& progress) {
+  progress.begin_stage("wait");
+  while (!progress.stop_requested()) std::this_thread::sleep_for(milliseconds(2));
+  return fail(ErrorCode::kCancelled, "cancelled");
+}
+
+TEST(EventLog, TellsWhatWasMissed) {
+  EventLog log("0123abcd");
+  for (int k = 1; k <= 5; ++k) log.publish("job", {{"k", k}});
+  auto heard = log.find("0123abcd.3");
+  ASSERT_TRUE(heard);
+  const std::string missed = log.wait(*heard, milliseconds(0));
+  EXPECT_EQ(missed,
+            "id: 0123abcd.4\nevent: job\ndata: {\"k\":4}\n\n"
+            "id: 0123abcd.5\nevent: job\ndata: {\"k\":5}\n\n");
+  EXPECT_EQ(log.wait(*heard, milliseconds(0)), "");
+}
+
+TEST(EventLog, KnowsNoIdOfAnotherStartOrOfNone) {
+  EventLog log("0123abcd");
+  log.publish("job", {});
+  for (const char* id : {"", "0123abce.1", "0123abcd", "0123abcd.", "0123abcd.2", "0123abcd.-1",
+                         "0123abcd.1x", "0123abcd.99999999999999999999"})
+    EXPECT_FALSE(log.find(id)) << id;
+  EXPECT_TRUE(log.find("0123abcd.0"));
+  EXPECT_TRUE(log.find("0123abcd.1"));
+}
+
+TEST(EventLog, ForgetsTheOldestAndSaysSo) {
+  EventLog log("0123abcd");
+  std::uint64_t heard = 0;
+  for (int k = 0; k < 5000; ++k) log.publish("job", {{"k", k}});
+  EXPECT_FALSE(log.find("0123abcd.1"));
+  EXPECT_EQ(log.wait(heard, milliseconds(0)), log.reset_event());
+  EXPECT_EQ(heard, 5000U);
+  for (int k = 0; k < 20; ++k) log.publish("job", {{"text", std::string(1 << 20, 'x')}});
+  EXPECT_FALSE(log.find("0123abcd.5010"));  // Bounded in bytes, too.
+}
+
+TEST(Jobs, RunOneAfterTheOther) {
+  const test::TemporaryFolder folder;
+  EventLog log("0123abcd");
+  std::atomic<int> running = 0, most = 0;
+  Jobs jobs(
+      folder.path(), log,
+      [&](const JobRecord& job, Progress& progress) -> Result<JobOutcome> {
+        most = std::max<int>(most, ++running);
+        progress.note("line of " + job.kind);
+        std::this_thread::sleep_for(milliseconds(10));
+        --running;
+        if (job.kind == "bad") return fail(ErrorCode::kPlanInvalid, "it is bad");
+        return JobOutcome{"good", {{"n", 1}}};
+      },
+      nothing);
+  ASSERT_TRUE(jobs.submit("good", json::object()));
+  ASSERT_TRUE(jobs.submit("bad", json::object()));
+  EXPECT_EQ(wait_for(jobs, 2).state, "failed");
+  EXPECT_EQ(jobs.find(2)->message, "it is bad");
+  EXPECT_EQ(jobs.find(1)->state, "done");
+  EXPECT_EQ(jobs.find(1)->lines.front(), "line of good");
+  EXPECT_EQ(most, 1);
+}
+
+TEST(Jobs, AreCancelledWhileTheyWaitAndWhileTheyRun) {
+  const test::TemporaryFolder folder;
+  EventLog log("0123abcd");
+  Jobs jobs(folder.path(), log, run_until_stopped, nothing);
+  ASSERT_TRUE(jobs.submit("first", json::object()));
+  ASSERT_TRUE(jobs.submit("second", json::object()));
+  EXPECT_EQ(jobs.cancel(2)->state, "cancelled");
+  ASSERT_TRUE(jobs.cancel(1));
+  while (jobs.find(1)->state == "queued") {  // It may not have begun.
+  }
+  EXPECT_EQ(wait_for(jobs, 1).state, "cancelled");
+  EXPECT_FALSE(jobs.cancel(3));
+}
+
+TEST(Jobs, ABugInOneEndsNeitherTheWorkerNorTheServer) {
+  const test::TemporaryFolder folder;
+  EventLog log("0123abcd");
+  Jobs jobs(
+      folder.path(), log,
+      [](const JobRecord& job, Progress&) -> Result<JobOutcome> {
+        if (job.kind == "throws") throw std::runtime_error("oops");
+        return JobOutcome{};
+      },
+      nothing);
+  ASSERT_TRUE(jobs.submit("throws", json::object()));
+  ASSERT_TRUE(jobs.submit("works", json::object()));
+  EXPECT_EQ(wait_for(jobs, 2).state, "done");
+  EXPECT_EQ(jobs.find(1)->state, "failed");
+}
+
+TEST(Jobs, ThatAServerLeftAreTold) {
+  const test::TemporaryFolder folder;
+  EventLog log("0123abcd");
+  {
+    Jobs jobs(folder.path(), log, run_until_stopped, nothing);
+    ASSERT_TRUE(jobs.submit("running", json::object()));
+    ASSERT_TRUE(jobs.submit("waiting", json::object()));
+    while (jobs.find(1)->state != "running") std::this_thread::sleep_for(milliseconds(1));
+  }
+  std::ofstream(folder / "7.json") << "not a job";
+  std::ofstream(folder / "8.json") << R"({"id": 9})";
+  Jobs jobs(folder.path(), log, run_until_stopped, nothing);
+  ASSERT_EQ(jobs.all().size(), 2U);
+  EXPECT_EQ(jobs.find(1)->state, "interrupted");
+  EXPECT_EQ(jobs.find(2)->state, "interrupted");
+  EXPECT_EQ(jobs.submit("next", json::object())->id, 3);
+}
+
+TEST(Jobs, TooManyAreRefused) {
+  const test::TemporaryFolder folder;
+  EventLog log("0123abcd");
+  Jobs jobs(folder.path(), log, run_until_stopped, nothing);
+  int taken = 0;
+  while (taken < 100 && jobs.submit("one more", json::object())) ++taken;
+  EXPECT_GE(taken, 8);
+  EXPECT_LE(taken, 9);
+}
+
+TEST(CaseFolder, HasOneServerAtATime) {
+  const test::TemporaryFolder folder;
+  auto first = CaseFolder::open(folder / "case");
+  ASSERT_TRUE(first);
+  const auto second = CaseFolder::open(folder / "case");
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().message.find("in use by another lefort serve"), std::string::npos);
+}
+
+TEST(Uploads, AreKeptUnderOurNamesAndWithinLimits) {
+  test::CaseApi api({.file_bytes = 1000, .all_bytes = 1500, .files = 3, .uploads = 2});
+  const auto begin = [&] {
+    return json::parse(api.ask("POST", "/uploads").text)["id"].get<std::string>();
+  };
+  const auto send = [&](const std::string& id, const std::string& index, const std::string& name,
+                        const std::string& bytes) {
+    Request file = test::api_request("PUT", "/uploads/" + id + "/files/" + index, bytes);
+    file.query["name"] = name;
+    return api.api.handle(file).status;
+  };
+  const std::string id = begin();
+  EXPECT_EQ(send(id, "0", "../../../DOE JOHN.dcm", "abc"), 201);
+  EXPECT_EQ(send(id, "1", "DOE^JOHN", std::string(1000, 'x')), 201);
+  EXPECT_EQ(send(id, "2", "x", std::string(600, 'x')), 413);   // All together.
+  EXPECT_EQ(send(id, "2", "x", std::string(1001, 'x')), 413);  // One.
+  EXPECT_EQ(send(id, "3", "x", "abc"), 422);
+  EXPECT_EQ(send(id, "-1", "x", "abc"), 422);
+  EXPECT_EQ(send(id, "1e0", "x", "abc"), 422);
+  EXPECT_EQ(send(id, "2", "volume.nhdr", "abc"), 422);  // Names other files.
+  EXPECT_EQ(send("0123456789abcdef", "0", "x", "abc"), 404);
+  EXPECT_EQ(send("..", "0", "x", "abc"), 404);
+  for (const auto& entry : fs::recursive_directory_iterator(api.folder.path()))
+    EXPECT_EQ(entry.path().filename().string().find("DOE"), std::string::npos) << entry.path();
+  // A body that ends early leaves nothing.
+  Request cut = test::api_request("PUT", "/uploads/" + id + "/files/2", "abc");
+  cut.query["name"] = "x";
+  cut.content_length = 10;
+  EXPECT_EQ(api.api.handle(cut).status, 400);
+  EXPECT_EQ(std::distance(fs::directory_iterator(api.folder / "case/uploads/" / id), {}), 2);
+  EXPECT_EQ(api.ask("DELETE", "/uploads/" + id).status, 204);
+  EXPECT_FALSE(fs::exists(api.folder / "case/uploads" / id));
+  // A third ends the first.
+  const std::string one = begin(), two = begin(), three = begin();
+  EXPECT_EQ(send(one, "0", "x", "abc"), 404);
+  EXPECT_EQ(send(two, "0", "x", "abc"), 201);
+  EXPECT_EQ(send(three, "0", "x", "abc"), 201);
+}
+
+/// Malformed scans, and headers that name files elsewhere.
+TEST(Uploads, OfWhatIsNoScanGiveOneClearLine) {
+  test::CaseApi api;
+  std::ofstream(api.folder / "secret.raw") << std::string(8, 'S');
+  const std::string nrrd =
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 1 2 2\nencoding: raw\n"
+      "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) "
+      "(0,0,1)\nspace origin: (0,0,0)\nendian: little\n";
+  const std::string outside = (api.folder / "secret.raw").string();
+  const std::string mha =
+      "ObjectType = Image\nNDims = 3\nDimSize = 1 2 2\nElementType = "
+      "MET_SHORT\nElementSpacing = 1 1 1\nBinaryData = True\n"
+      "ElementDataFile = ";
+  for (const auto& [name, bytes] : std::vector<std::pair<std::string, std::string>>{
+           {"empty.nrrd", ""},
+           {"text.nrrd", "hello"},
+           {"elsewhere.nrrd", nrrd + "data file: " + outside + "\n\n"},
+           {"up.nrrd", nrrd + "data file: ../../../secret.raw\n\n"},
+           {"list.nrrd", nrrd + "data file: LIST\n" + outside + "\n"},
+           {"elsewhere.mha", mha + outside + "\n"},
+           {"up.mha", mha + "../../../secret.raw\n"},
+           {"list.mha", mha + "LIST\n" + outside + "\n"},
+           {"bad.nii", std::string(400, 'n')},
+           {"bad.nii.gz", "\x1f\x8b" + std::string(60, 'z')},
+           {"bad.inv3", std::string(1024, 'i')},
+           {"bad.dcm", std::string(128, '\0') + "DICM" + std::string(100, 'd')},
+           {"noname", "noname"}}) {
+    const std::string id = json::parse(api.ask("POST", "/uploads").text)["id"];
+    Request file = test::api_request("PUT", "/uploads/" + id + "/files/0", bytes);
+    file.query["name"] = name;
+    EXPECT_EQ(api.api.handle(file).status, 201) << name;
+    const json job = api.run({{"kind", "import"}, {"upload", id}});
+    EXPECT_EQ(job["state"], "failed") << name;
+    const std::string message = job["message"];
+    EXPECT_FALSE(message.empty()) << name;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_EQ(message.find(api.folder.path().string()), std::string::npos) << message;
+  }
+  EXPECT_EQ(api.get("/case")["stages"]["scan"]["state"], "failed");
+}
+
+TEST(CaseApi, APlanNamesNoFileOutsideTheCase) {
+  test::CaseApi api;
+  std::ofstream(api.folder / "secret.csv") << "name,x_mm,y_mm,z_mm\nSECRET,1,2,3\n";
+  const auto put = [&](const std::function<void(json&)>& change) {
+    json plan = test::small_plan();
+    change(plan);
+    return api.put("/plan", plan);
+  };
+  EXPECT_EQ(put([](json&) {}).status, 200);
+  const std::string before = body_of(api.ask("GET", "/plan"));
+  for (const std::string& name :
+       {std::string("../secret.csv"), (api.folder / "secret.csv").string(),
+        std::string("/etc/passwd"), std::string("anatomy/../../secret.csv"),
+        std::string("landmarks.mrk.json/../../secret.csv"), std::string("%2e%2e/secret.csv"),
+        std::string("file:///etc/passwd"), std::string("jobs/1.json")}) {
+    const auto refused = [&](const std::function<void(json&)>& change) {
+      const Reply reply = put(change);
+      EXPECT_EQ(reply.status, 422) << name << reply.text;
+      EXPECT_EQ(reply.text.find("SECRET"), std::string::npos);
+    };
+    refused([&](json& plan) { plan["landmarks"] = name; });
+    refused([&](json& plan) { plan["ct"] = name; });
+    refused([&](json& plan) { plan["segmentation"]["labels"] = name; });
+    refused([&](json& plan) {
+      plan["segments"][0]["osteotomy"]["curves"] = {{{"file", name}, {"along", {0, 1, 0}}}};
+    });
+    refused([&](json& plan) {
+      plan["segments"][0]["osteotomy"]["also"] = {
+          {{"curves", {{{"file", name}, {"along", {0, 1, 0}}}}}}};
+    });
+    refused([&](json& plan) { plan["segments"][0]["path"]["keyframes"] = {{{"targets", name}}}; });
+    refused([&](json& plan) {
+      plan["segments"][0]["path"]["keyframes"] = {{{"transform", name}}};
+    });
+  }
+  // Nor by a key that stands twice, which parsers read in two ways.
+  std::string twice = test::small_plan().dump();
+  twice.insert(1, R"("landmarks":"/etc/passwd","landmarks":{"N":[1,2,3]},)");
+  EXPECT_EQ(api.ask("PUT", "/plan", twice, {{"if-match", "*"}}).status, 422);
+  EXPECT_EQ(body_of(api.ask("GET", "/plan")), before);
+}
+
+TEST(CaseApi, OnePageDoesNotOverwriteWhatAnotherWrote) {
+  test::CaseApi api;
+  const std::string plan = test::small_plan().dump();
+  EXPECT_EQ(api.ask("PUT", "/plan", plan).status, 428);
+  EXPECT_EQ(api.ask("PUT", "/plan", plan, {{"if-match", "\"0\""}}).status, 412);
+  const Reply first = api.ask("PUT", "/plan", plan, {{"if-match", "*"}});
+  ASSERT_EQ(first.status, 200);
+  const std::string etag = first.headers.front().second;
+  const std::string other = test::small_plan().dump(1);
+  EXPECT_EQ(api.ask("PUT", "/plan", other, {{"if-match", etag}}).status, 200);
+  EXPECT_EQ(api.ask("PUT", "/plan", plan, {{"if-match", etag}}).status, 412);
+  EXPECT_EQ(body_of(api.ask("GET", "/plan")), other);
+  EXPECT_EQ(api.ask("GET", "/plan", "", {{"if-none-match", etag}}).status, 200);
+}
+
+TEST(CaseApi, FilesAndSurfacesComeFromFixedLists) {
+  test::CaseApi api;
+  ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
+  EXPECT_EQ(api.ask("GET", "/files/plan.json").status, 200);
+  for (const char* path : {"/files/..%2fplan.json",
+                           "/files/../plan.json",
+                           "/files//etc/passwd",
+                           "/files/.",
+                           "/files/",
+                           "/files/..",
+                           "/files/lock",
+                           "/files/stages.json",
+                           "/files/jobs",
+                           "/surfaces/../plan.json",
+                           "/surfaces/segments/..",
+                           "/surfaces/segments/../../plan",
+                           "/surfaces/segments/",
+                           "//case",
+                           "/case/",
+                           "/jobs/0",
+                           "/jobs/-1",
+                           "/jobs/1e1",
+                           "/jobs/99999999999999999999",
+                           ""})
+    EXPECT_EQ(api.ask("GET", path).status, 404) << path;
+  EXPECT_EQ(api.ask("DELETE", "/plan").status, 405);
+}
+
+/// The planner is one more face of the command line's folder.
+TEST(CaseApi, PredictsTheBytesOfTheCommandLine) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
+  const json job = api.run({{"kind", "predict"}});
+  ASSERT_EQ(job["state"], "done") << job.dump(1);
+  const fs::path root = api.folder / "case";
+  const auto run =
+      test::run_lefort("predict '" + (root / "plan.json").string() + "' --ct '" +
+                       (root / "ct.nrrd").string() + "' -o '" + (root / "again").string() + "'");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  int compared = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(root / "again")) {
+    const fs::path name = fs::relative(entry.path(), root / "again");
+    if (!entry.is_regular_file() || *name.begin() == "cache") continue;
+    std::string a = io::read_text(entry.path(), 1 << 30).value();
+    std::string b = io::read_text(root / "prediction" / name, 1 << 30).value();
+    if (name == "report.html") continue;  // Tells how long it took, as prediction.json does.
+    if (name == "prediction.json") {
+      json one = json::parse(a), two = json::parse(b);
+      one.erase("timing");
+      two.erase("timing");
+      a = one.dump(), b = two.dump();
+    }
+    EXPECT_EQ(a, b) << name;
+    ++compared;
+  }
+  EXPECT_GT(compared, 10);
+}
+
+/// Stopped by its page and started again, it ends with the same bytes.
+TEST(CaseApi, ACancelledPredictionGoesOnWhereItWas) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
+  ASSERT_EQ(api.run({{"kind", "predict"}})["state"], "done");
+  const std::string whole = body_of(api.ask("GET", "/files/predicted_skin.vtp"));
+  fs::remove_all(api.folder / "case/prediction");
+
+  std::uint64_t heard = api.api.events().now();
+  const int id = json::parse(api.ask("POST", "/jobs", R"({"kind":"predict"})").text)["id"];
+  std::string told;
+  while (told.find("event: step") == std::string::npos &&
+         told.find("\"state\":\"done\"") == std::string::npos)
+    told += api.api.events().wait(heard, milliseconds(1000));
+  EXPECT_EQ(api.ask("DELETE", "/jobs/" + std::to_string(id)).status, 200);
+  const json stopped = api.wait_for(id);
+  if (stopped["state"] == "cancelled") {  // It may have been at its end.
+    EXPECT_EQ(api.get("/case")["stages"]["prediction"]["state"], "missing");
+  }
+  const json again = api.run({{"kind", "predict"}});
+  ASSERT_EQ(again["state"], "done");
+  EXPECT_NE(again["lines"].dump().find("were found by an earlier run"), std::string::npos);
+  EXPECT_EQ(body_of(api.ask("GET", "/files/predicted_skin.vtp")), whole);
+}
+
+}  // namespace
+}  // namespace lefort::app::server

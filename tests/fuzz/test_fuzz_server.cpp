@@ -1,0 +1,166 @@
+/// \file
+/// Damaged requests, thousands of them: to the API as it is, and over sockets as bytes.
+///
+/// Whatever comes, the answer is one of the contract's, the server lives, and nothing but what was
+/// asked for has changed. Seeded; bounded in count and time.
+#include <lefort/app/server/contract.h>
+#include <lefort/app/server/http_server.h>
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "fuzz/damaged.h"
+#include "support/serve_here.h"
+#include "support/small_head.h"
+
+namespace lefort::app::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::string_view kTokens[] = {"../",
+                                        "/",
+                                        "%2e%2e%2f",
+                                        "%00",
+                                        "\\..\\",
+                                        "/etc/passwd",
+                                        "null",
+                                        "-1",
+                                        "1e308",
+                                        "1e999",
+                                        "99999999999999999999",
+                                        "[]",
+                                        "{}",
+                                        "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[",
+                                        "\"\"",
+                                        "\"kind\":",
+                                        "\xff\xfe",
+                                        "\r\n",
+                                        "\r\n\r\n",
+                                        "Content-Length: 5\r\n",
+                                        "Transfer-Encoding: chunked\r\n",
+                                        "Host: evil\r\n",
+                                        " HTTP/1.1\r\n",
+                                        "segments",
+                                        "front",
+                                        "plan.json"};
+
+/// Requests that are right, before they are damaged. None starts long work.
+struct Asked {
+  const char* method;
+  std::string path, body;
+};
+
+std::vector<Asked> some_requests() {
+  const std::string pose = R"({"poses":{"front":[1,0,0,0,0,1,0,3,0,0,1,0,0,0,0,1]}})";
+  return {{"GET", "/case", ""},
+          {"GET", "/jobs/1", ""},
+          {"GET", "/surfaces/skin", ""},
+          {"GET", "/surfaces/segments/front", ""},
+          {"GET", "/files/plan.json", ""},
+          {"GET", "/prediction/steps/1", ""},
+          {"GET", "/plan/poses", ""},
+          {"POST", "/jobs", R"({"kind":"compare","upload":"0123456789abcdef"})"},
+          {"PUT", "/plan", test::small_plan().dump()},
+          {"PUT", "/landmarks", R"({"landmarks":{"N":[0,-47,20],"A":[0,-47,-10]}})"},
+          {"POST", "/measurements", R"({"before":{"N":[0,-47,20],"A":[0,-47,-10],"S":[0,1,2]}})"},
+          {"POST", "/osteotomies",
+           R"({"template":{"kind":"le-fort-1"},"landmarks":{"ANS":[0,-40,0],"PNS":[0,0,0]}})"},
+          {"POST", "/poses", pose},
+          {"POST", "/preview", pose},
+          {"PUT", "/labels/data", std::string(100, '\1')},
+          {"PUT", "/uploads/0123456789abcdef/files/0", "bytes"},
+          {"DELETE", "/jobs/1", ""}};
+}
+
+/// All that a case may hold at its top; nothing else may appear.
+void expect_only_ours(const fs::path& folder) {
+  const std::vector<std::string> ours{"ct.nrrd",   "case.json",   "anatomy",   "landmarks.mrk.json",
+                                      "plan.json", "cut",         "jobs",      "uploads",
+                                      "lock",      "stages.json", "prediction"};
+  for (const auto& entry : fs::directory_iterator(folder))
+    EXPECT_NE(std::find(ours.begin(), ours.end(), entry.path().filename().string()), ours.end())
+        << entry.path();
+}
+
+TEST(FuzzServer, DamagedRequestsToTheApi) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
+  ASSERT_EQ(api.run({{"kind", "cut"}})["state"], "done");
+  const auto requests = some_requests();
+  int done = 0, refused = 0;
+  test::run_seeds(4000, [&](unsigned seed) {
+    std::mt19937 random(seed);
+    Asked asked = requests[seed % requests.size()];
+    switch (seed / requests.size() % 3) {
+      case 0:
+        asked.path = "/" + test::damaged(asked.path.substr(1), kTokens, random);
+        break;
+      case 1:
+        asked.body = test::damaged(asked.body, kTokens, random);
+        break;
+      default: {  // Another value in the place of one: still JSON, perhaps.
+        const std::size_t at = asked.body.empty()
+                                   ? std::string::npos
+                                   : asked.body.find_first_of(":[,", random() % asked.body.size());
+        if (at == std::string::npos) return;
+        const std::size_t end =
+            std::min(asked.body.find_first_of(",]}", at + 1), asked.body.size());
+        asked.body.replace(at + 1, end - at - 1, kTokens[random() % std::size(kTokens)]);
+      }
+    }
+    Request request = test::api_request(asked.method, asked.path, asked.body, {{"if-match", "*"}});
+    request.query = {{"name", "a"}, {"count", asked.body.substr(0, 4)}};
+    const Reply reply = api.api.handle(request);
+    ASSERT_NE(reply.status, 500) << asked.method << asked.path << asked.body;
+    if (reply.status >= 400) {
+      ++refused;
+      ASSERT_TRUE(parse_by_contract(reply.text, "Error")) << reply.text;
+      ASSERT_EQ(reply.text.find("root:"), std::string::npos);
+      ASSERT_EQ(reply.text.find(api.folder.path().string()), std::string::npos) << reply.text;
+    } else {
+      ++done;
+    }
+  });
+  EXPECT_GT(done, 5);
+  EXPECT_GT(refused, 5);
+  expect_only_ours(api.folder / "case");
+  EXPECT_EQ(api.ask("GET", "/case").status, 200);
+}
+
+TEST(FuzzServer, DamagedBytesOverSockets) {
+  HttpLimits limits;
+  limits.header_time = std::chrono::milliseconds(200);
+  limits.stall_time = std::chrono::milliseconds(200);
+  const test::Served served(limits);
+  const auto requests = some_requests();
+  int answered = 0;
+  test::run_seeds(400, [&](unsigned seed) {
+    std::mt19937 random(seed);
+    const Asked& asked = requests[seed % requests.size()];
+    std::string bytes =
+        served.text(std::string(asked.method) + " /api/v1" + asked.path,
+                    "Content-Type: application/json\r\nIf-Match: *\r\n", asked.body);
+    bytes = test::damaged(bytes, kTokens, random);
+    const test::Socket socket(served.port);
+    socket.send(bytes);
+    const std::string reply = socket.receive(3000);
+    ASSERT_EQ(reply.find("root:"), std::string::npos);
+    if (!reply.empty()) {
+      ++answered;
+      ASSERT_TRUE(reply.starts_with("HTTP/1.")) << reply;
+      ASSERT_EQ(reply.find("HTTP/1.1 500"), std::string::npos) << bytes;
+    }
+  });
+  EXPECT_GT(answered, 5);
+  EXPECT_EQ(served.status("GET /api/v1/case"), 200);
+}
+
+}  // namespace
+}  // namespace lefort::app::server

@@ -1,0 +1,42 @@
+/// \file
+/// A made-up head that is solved in seconds: a ball of skin around a shell of bone, whose front moves
+/// forward.
+#pragma once
+
+#include <lefort/image/volume.h>
+
+#include <nlohmann/json.hpp>
+
+namespace lefort::test {
+
+inline image::CtVolume small_head() {
+  constexpr Index kSize = 36;
+  constexpr double kSpacing_mm = 3.0;
+  image::CtVolume ct;
+  ct.grid.size = {kSize, kSize, kSize};
+  ct.grid.spacing_mm = Vec3::Constant(kSpacing_mm);
+  ct.grid.origin_L = Vec3::Constant(-0.5 * kSpacing_mm * double(kSize - 1));
+  for (Index v = 0; v < ct.grid.voxel_count(); ++v) {
+    const Vec3 p_V{double(v % kSize), double(v / kSize % kSize), double(v / (kSize * kSize))};
+    const double r_mm = ct.grid.point_L(p_V).norm();
+    const bool bone = r_mm > 24.0 && r_mm < 32.0;
+    ct.values.push_back(std::int16_t(r_mm > 47.0 ? -1000 : bone ? 1200 : 40));
+  }
+  return ct;
+}
+
+inline nlohmann::json small_plan() {
+  return nlohmann::json::parse(R"({
+    "lefort_plan": 1,
+    "ct": "ct.nrrd",
+    "segments": [{
+      "name": "front",
+      "osteotomy": {"planes": [{"point_mm": [0, -16, 0], "towards_segment": [0, -1, 0]}]},
+      "path": {"steps": 2, "keyframes": [{"translation_mm": [0, -3, 0]}]}
+    }],
+    "tissue": {"element_size_mm": 5, "margin_mm": 10},
+    "field": {"resolution": 64, "band_mm": 4}
+  })");
+}
+
+}  // namespace lefort::test
