@@ -13,7 +13,7 @@ export const id = (name) => `[data-id="${name}"]`;
 
 /** No surface or scan is on its way, and what is drawn has been drawn. */
 export async function settled(page) {
-  await page.waitForFunction(() => !document.querySelector('.view-banner [role=status]'), null, { timeout: 120000 });
+  await page.waitForSelector('main[aria-busy=false]', { timeout: 180000 });
   await page.waitForTimeout(700);
 }
 

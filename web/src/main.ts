@@ -1,4 +1,5 @@
 import './ui/style.css';
 import { startPlanner } from './ui';
 
-startPlanner(document.getElementById('app')!);
+// After the first picture: what draws in 3D takes its time to begin.
+requestAnimationFrame(() => setTimeout(() => startPlanner(document.getElementById('app')!)));

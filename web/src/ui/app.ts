@@ -176,20 +176,23 @@ export class App {
 
   /** Fetches those of the server's surfaces that the step shows and that have changed. */
   private loadSurfaces(): void {
+    this.patch({ surfacesLoading: Math.max(1, this.model.s.surfacesLoading) });
     this.surfaceQueue = this.surfaceQueue.then(() => this.loadSurfacesNow());
   }
 
   private async loadSurfacesNow(): Promise<void> {
     const { model } = this;
     const list = await this.try_(() => this.client.surfaces());
-    if (!list) return;
+    if (!list) {
+      this.patch({ surfacesLoading: 0 });
+      return;
+    }
     for (const name of [...model.surfaces.keys()])
       if (!list.some((entry) => entry.name === name)) {
         model.surfaces.delete(name);
         this.listeners.onSurface(name, null);
       }
     const wanted = list.filter((entry) => WANTED[model.s.step].test(entry.name) && model.surfaces.get(entry.name)?.etag !== entry.etag);
-    if (wanted.length === 0) return;
     this.patch({ surfacesLoading: wanted.length });
     await Promise.all(
       wanted.map(async ({ name, etag }) => {

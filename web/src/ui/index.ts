@@ -21,6 +21,7 @@ function applyTheme(theme: State['theme']): void {
 }
 
 export function startPlanner(root: HTMLElement): void {
+  root.textContent = ''; // What index.html showed until now.
   const view = new Presenter();
   const token = takeToken();
   const app = new App(new Client('api/v1', token ?? ''), view);
@@ -54,6 +55,7 @@ export function startPlanner(root: HTMLElement): void {
     if (app.model.s.saving === 'unsaved' || app.model.s.saving === 'saving') event.preventDefault();
   });
   drawShell(root, app, view);
+  performance.mark('planner shown');
   if (token === null) app.patch({ fatal: 'The address has no token.' });
   else void app.start();
 }

@@ -147,7 +147,7 @@ export function drawShell(root: HTMLElement, app: App, view: Presenter): void {
   render(html`
     <div class="shell">
       ${topBar(app, s)} ${rail(app, s)}
-      <main class="stage" aria-label=${STEPS.find((x) => x.name === s.step)!.title}>
+      <main class="stage" aria-busy=${String(s.case === null || s.volumeLoading || s.surfacesLoading > 0 || (s.case.scan !== null && s.volume === null && !s.fatal))} aria-label=${STEPS.find((x) => x.name === s.step)!.title}>
         <div class="views" data-layout=${LAYOUTS[s.step]}>
           ${LAYOUTS[s.step] === 'slices' ? html`${view.view.element}` : nothing}
           ${view.slices[0].element}
