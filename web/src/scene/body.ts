@@ -98,6 +98,10 @@ export class Body {
     return this.fine.geometry.getAttribute('position').array as Float32Array;
   }
 
+  get coarseSurface(): { points: Float32Array; triangles: Uint32Array } {
+    return { points: this.coarse.geometry.getAttribute('position').array as Float32Array, triangles: this.surface.coarse.triangles };
+  }
+
   /** Shows or hides what must be drawn. */
   update(): void {
     const visible = this.shown && this.opacity_ > 0;

@@ -80,9 +80,11 @@ export class View3d {
   private behind = new Set<string>();
   private frame = 0;
   private idle = 0;
+  private hiddenTimer = 0;
   private lastIdle = 0;
   private coarse = false;
   private dragged: { kind: 'gizmo' | 'marker' | 'wipe'; id: string } | null = null;
+  private markerAtPointer: [number, number] | null = null;
   private pressed: { x: number; y: number; at: number } | null = null;
   private centre = new Vector3(0, 0, 0);
   private radius_mm = 130;
@@ -280,7 +282,7 @@ export class View3d {
     if (this.idle) return;
     const check = () => {
       const left = IDLE_MS - (performance.now() - this.lastIdle);
-      if (left > 0 || this.dragged?.kind === 'gizmo') {
+      if (left > 0 || this.dragged?.kind === 'gizmo' || this.dragged?.kind === 'marker') {
         this.idle = window.setTimeout(check, Math.max(20, left));
         return;
       }
@@ -301,8 +303,17 @@ export class View3d {
     if (this.frame) return;
     this.frame = requestAnimationFrame(() => {
       this.frame = 0;
+      this.dragMarker();
       this.drawNow();
     });
+  }
+
+  /** Once a picture, however many events came: a pick looks at every triangle. */
+  private dragMarker(): void {
+    if (!this.markerAtPointer || this.dragged?.kind !== 'marker') return;
+    const found = this.pick(...this.markerAtPointer);
+    this.markerAtPointer = null;
+    if (found) this.events.onMarkerDrag(this.dragged.id, found.hit, 'move');
   }
 
   drawNow(): void {
@@ -483,7 +494,7 @@ export class View3d {
       const from = transformPoint(inverse, origin);
       const to = transformPoint(inverse, add(origin, direction));
       const along: Vec3 = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
-      const surface = coarse ? coarseSurface(body) : { points: body.points, triangles: body.surface.triangles };
+      const surface = coarse ? body.coarseSurface : { points: body.points, triangles: body.surface.triangles };
       const hit = rayHit(surface, from, along);
       if (!hit || (best && hit.distance >= best.hit.distance)) continue;
       const pose = rows(X);
@@ -532,8 +543,8 @@ export class View3d {
     } else if (this.dragged.kind === 'wipe') {
       this.events.onWipe(Math.min(0.98, Math.max(0.02, x / this.size().width)));
     } else {
-      const found = this.pick(x, y);
-      if (found) this.events.onMarkerDrag(this.dragged.id, found.hit, 'move');
+      this.beBusy();
+      this.markerAtPointer = [x, y];
     }
     this.render();
   };
@@ -574,7 +585,11 @@ export class View3d {
 
   /** Finds anew which markers are hidden, after they or the bodies have changed. */
   refreshMarkers(): void {
-    this.findHidden();
+    clearTimeout(this.hiddenTimer);
+    this.hiddenTimer = window.setTimeout(() => {
+      this.findHidden();
+      this.render();
+    }, IDLE_MS);
     this.render();
   }
 
@@ -601,13 +616,6 @@ export class View3d {
 }
 
 const rows = (m: Matrix4): Mat4 => m.clone().transpose().toArray();
-
-function coarseSurface(body: Body): { points: Float32Array; triangles: Uint32Array } {
-  const { vertex, triangles } = body.surface.coarse;
-  const points = new Float32Array(3 * vertex.length);
-  for (let n = 0; n < vertex.length; n++) points.set(body.points.subarray(3 * vertex[n], 3 * vertex[n] + 3), 3 * n);
-  return { points, triangles };
-}
 
 function isSoftware(renderer: WebGLRenderer): boolean {
   const gl = renderer.getContext();
