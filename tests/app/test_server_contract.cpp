@@ -20,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using test::body_of;
 
 std::vector<fs::path> fixtures(const char* kind) {
   std::vector<fs::path> files;

@@ -57,7 +57,7 @@ TEST(HttpServer, AnswersThePageWithoutTokenAndTheCaseWithIt) {
 }
 
 TEST(HttpServer, RefusesWhoHasNotTheToken) {
-  const Served served;
+  Served served;
   std::string nearly = kToken;
   nearly.back() = '8';
   for (const std::string& headers :
@@ -78,9 +78,9 @@ TEST(HttpServer, RefusesWhoHasNotTheToken) {
 TEST(HttpServer, RefusesForeignOriginsAndHosts) {
   const Served served;
   for (const std::string& origin :
-       {std::string("http://evil.example"), std::string("null"), "http://127.0.0.1",
+       {std::string("http://evil.example"), std::string("null"), std::string("http://127.0.0.1"),
         "https://" + served.host(), "http://" + served.host() + ".evil.example",
-        "http://127.0.0.1:" + std::to_string(served.port + 1), std::string("")})
+        "http://127.0.0.1:" + std::to_string(served.port + 1)})
     EXPECT_EQ(served.status("GET /api/v1/case", "Origin: " + origin + "\r\n"), 403) << origin;
   EXPECT_EQ(served.status("GET /api/v1/case", "Origin: http://" + served.host() + "\r\n"), 200);
   EXPECT_EQ(served.status("GET /api/v1/case",
@@ -140,7 +140,7 @@ TEST(HttpServer, RefusesBodiesWithoutOrBeyondTheirLength) {
   EXPECT_EQ(served.status("POST /api/v1/jobs", kJson + "Transfer-Encoding: chunked\r\n"), 411);
   EXPECT_EQ(served.status("POST /api/v1/jobs", kJson), 411);
   EXPECT_EQ(served.status("PUT /api/v1/plan", kJson), 411);
-  for (const char* length : {"-1", "+5", "0x10", "5, 5", "1e9", "999999999999999999999", ""})
+  for (const char* length : {"-1", "+5", "0x10", "5, 5", "1e9", "999999999999999999999"})
     EXPECT_EQ(served.status("POST /api/v1/jobs",
                             kJson + "Content-Length: " + std::string(length) + "\r\n"),
               400)
@@ -225,8 +225,8 @@ TEST(HttpServer, ServesOrRefusesAThousandConnections) {
     for (int n = 0; n < 1000; ++n) {
       sockets.emplace_back(served.port);
       ASSERT_TRUE(sockets.back().is_open()) << n;
+      sockets.back().send(served.text("GET /api/v1/case"));
     }
-    for (const Socket& socket : sockets) socket.send(served.text("GET /api/v1/case"));
     int served_count = 0, refused = 0;
     for (const Socket& socket : sockets) {
       const int status = Served::status_of(socket.receive(30000));
@@ -245,7 +245,7 @@ TEST(HttpServer, ServesOrRefusesAThousandConnections) {
 TEST(HttpServer, IsThereForOthersWhileSomeAreSlow) {
   const Served served;
   std::vector<Socket> slow;
-  for (int n = 0; n < 200; ++n) {  // Each begins a request and does not end it.
+  for (int n = 0; n < 400; ++n) {  // Each begins a request and does not end it.
     slow.emplace_back(served.port);
     slow.back().send("GET /api/v1/case HTTP/1.1\r\nHost: ");
   }

@@ -20,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using test::body_of;
 using std::chrono::milliseconds;
 
 void nothing() {}

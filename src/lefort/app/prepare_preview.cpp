@@ -8,8 +8,7 @@
 #include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/predict/linear_response.h>
-#include <lefort/predict/move_skin.h>
+#include <lefort/predict/face_preview.h>
 
 #include <fmt/format.h>
 
@@ -37,7 +36,7 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   io::PlanFile plan = text.plan;
   LEFORT_TRY_VOID(check_single(plan));
   LEFORT_TRY_VOID(make_output_folder(job.output));
-  const fs::path document = job.output / "preview.json", file = job.output / "skin.response";
+  const fs::path document = job.output / "preview.json", file = job.output / "face.preview";
   LEFORT_TRY_VOID(remove_earlier_files(std::array{document, file}));
   // A preview is of any motion: the plan's path neither matters nor may stand in its way.
   plan.segments.front().path.keyframes = {plan::Keyframe{}};
@@ -50,15 +49,12 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
     return fail(ErrorCode::kPlanInvalid,
                 "the skin was made with other thresholds or labels than the plan's: make the "
                 "anatomy again (segment)");
-  progress.begin_stage("factorise at rest");
-  LEFORT_TRY(predict::LinearResponse response,
-             predict::solve_linear_response(prepared.model, prepared.plan.tissue, progress));
-  const predict::SkinBinding binding = predict::bind_skin(
-      prepared.skin_L, prepared.model.tissue,
-      predict::follow_reach_mm(prepared.plan.tissue, prepared.scan_grid.spacing_mm));
-  for (std::vector<Vec3>& unit : response.unit_mm) unit = predict::skin_displacement(binding, unit);
+  progress.begin_stage("linearise at rest");
+  LEFORT_TRY(const predict::PreviewModel model,
+             predict::make_preview_model(prepared.model, prepared.skin_L, prepared.plan.tissue,
+                                         prepared.plan.boundary, prepared.scan_grid.spacing_mm));
   progress.begin_stage("write");
-  LEFORT_TRY_VOID(write_response(file, response));
+  LEFORT_TRY_VOID(write_preview_model(file, model));
   Summary summary;
   const std::string& segment = prepared.plan.segments.front().osteotomy.segment;
   summary.json = {{"lefort_preview", 1},

@@ -7,60 +7,122 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace lefort::app {
 namespace {
 
-constexpr std::string_view kMagic = "lefort response 1\n";
-constexpr std::uintmax_t kLargest = std::uintmax_t(4) << 30;  // Bytes.
+constexpr std::string_view kMagic = "lefort preview 1\n";
+constexpr std::uintmax_t kLargest = std::uintmax_t(8) << 30;  // Bytes.
+
+template <class Item>
+void append(std::string& text, const Item* items, std::size_t count) {
+  static_assert(std::is_trivially_copyable_v<Item>);
+  const std::uint64_t length = count;
+  text.append(reinterpret_cast<const char*>(&length), sizeof(length));
+  text.append(reinterpret_cast<const char*>(items), count * sizeof(Item));
+}
+
+/// \returns false if the text ends before the list does.
+template <class Item>
+bool take(std::string_view& text, std::vector<Item>& items) {
+  static_assert(std::is_trivially_copyable_v<Item>);
+  std::uint64_t count = 0;
+  if (text.size() < sizeof(count)) return false;
+  std::memcpy(&count, text.data(), sizeof(count));
+  text.remove_prefix(sizeof(count));
+  if (count > text.size() / sizeof(Item)) return false;
+  items.resize(std::size_t(count));
+  if (!items.empty()) std::memcpy(items.data(), text.data(), items.size() * sizeof(Item));
+  text.remove_prefix(items.size() * sizeof(Item));
+  return true;
+}
+
+/// Three coordinates as they lie in memory; Eigen's vectors are not trivially copyable by name.
+using Numbers = std::vector<double>;
+
+bool is_pattern(const std::vector<int>& columns, const std::vector<int>& rows) {
+  const int count = int(columns.size()) - 1;
+  if (columns.empty() || columns.front() != 0 || columns.back() != int(rows.size())) return false;
+  for (int column = 0; column < count; ++column) {
+    const int begin = columns[std::size_t(column)], end = columns[std::size_t(column) + 1];
+    if (begin >= end || end > int(rows.size()) || rows[std::size_t(begin)] != column) return false;
+    for (int k = begin + 1; k < end; ++k)
+      if (rows[std::size_t(k)] <= rows[std::size_t(k) - 1] || rows[std::size_t(k)] >= count)
+        return false;
+  }
+  return true;
+}
 
 }  // namespace
 
-Result<void> write_response(const std::filesystem::path& file,
-                            const predict::LinearResponse& response) {
+Result<void> write_preview_model(const std::filesystem::path& file,
+                                 const predict::PreviewModel& model) {
+  const fem::SparseMatrix& K = model.stiffness_n_per_mm;
   std::string text(kMagic);
-  const auto append = [&](auto number) {
-    text.append(reinterpret_cast<const char*>(&number), sizeof(number));
-  };
-  append(std::uint64_t(response.unit_mm[0].size()));
-  for (int k = 0; k < 3; ++k) append(response.centre_B[k]);
-  for (const std::vector<Vec3>& unit : response.unit_mm)
-    for (const Vec3& u : unit)
-      for (int k = 0; k < 3; ++k) append(float(u[k]));
+  append(text, K.outerIndexPtr(), std::size_t(K.cols() + 1));
+  append(text, K.innerIndexPtr(), std::size_t(K.nonZeros()));
+  append(text, K.valuePtr(), std::size_t(K.nonZeros()));
+  append(text, model.first_row.data(), model.first_row.size());
+  std::vector<std::int32_t> rows, nodes;
+  Numbers places, weights;
+  for (const auto& support : model.supports) {
+    rows.push_back(support.row);
+    places.insert(places.end(), support.point_L.begin(), support.point_L.end());
+    places.insert(places.end(), support.direction_L.begin(), support.direction_L.end());
+  }
+  for (const auto& follower : model.skin.followers) {
+    nodes.insert(nodes.end(), follower.face.begin(), follower.face.end());
+    weights.insert(weights.end(), follower.weights.begin(), follower.weights.end());
+  }
+  append(text, rows.data(), rows.size());
+  append(text, places.data(), places.size());
+  append(text, nodes.data(), nodes.size());
+  append(text, weights.data(), weights.size());
+  const Numbers rest{model.only_pushes ? 1.0 : 0.0, model.support_n_per_mm};
+  append(text, rest.data(), rest.size());
   return io::write_text(file, text);
 }
 
-Result<predict::LinearResponse> read_response(const std::filesystem::path& file) {
-  LEFORT_TRY(const std::string text, io::read_text(file, kLargest));
-  std::string_view rest = text;
+Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& file) {
+  LEFORT_TRY(const std::string whole, io::read_text(file, kLargest));
+  std::string_view text = whole;
   const auto damaged = [] {
-    return fail(ErrorCode::kFileCorrupt, "the preview's file is damaged");
+    return fail(ErrorCode::kFileCorrupt, "the preview's file is damaged: prepare it again");
   };
-  const std::size_t head = kMagic.size() + sizeof(std::uint64_t) + 3 * sizeof(double);
-  if (rest.size() < head || !rest.starts_with(kMagic)) return damaged();
-  rest.remove_prefix(kMagic.size());
-  const auto take = [&](auto& number) {
-    if (rest.size() < sizeof(number)) return;  // Never: sizes are checked before.
-    std::memcpy(&number, rest.data(), sizeof(number));
-    rest.remove_prefix(sizeof(number));
+  if (!text.starts_with(kMagic)) return damaged();
+  text.remove_prefix(kMagic.size());
+  std::vector<int> columns, inner;
+  std::vector<std::int32_t> rows, nodes;
+  Numbers values, places, weights, rest;
+  predict::PreviewModel model;
+  const bool is_whole = take(text, columns) && take(text, inner) && take(text, values) &&
+                        take(text, model.first_row) && take(text, rows) && take(text, places) &&
+                        take(text, nodes) && take(text, weights) && take(text, rest);
+  const auto is_node = [&](std::int32_t node) {
+    return node >= 0 && std::size_t(node) < model.first_row.size();
   };
-  std::uint64_t count = 0;
-  take(count);
-  predict::LinearResponse response;
-  for (int k = 0; k < 3; ++k) take(response.centre_B[k]);
-  constexpr std::size_t kPerPoint = 12 * 3 * sizeof(float);
-  if (rest.size() % kPerPoint != 0 || count != rest.size() / kPerPoint) return damaged();
-  for (std::vector<Vec3>& unit : response.unit_mm) {
-    unit.resize(std::size_t(count));
-    for (Vec3& u : unit)
-      for (int k = 0; k < 3; ++k) {
-        float number = 0;
-        take(number);
-        u[k] = double(number);
-      }
-  }
-  return response;
+  const auto is_row = [&](std::int32_t row) {
+    return row >= -1 && row + 3 < std::int32_t(columns.size());
+  };
+  if (!is_whole || !text.empty() || values.size() != inner.size() || !is_pattern(columns, inner) ||
+      places.size() != 6 * rows.size() || nodes.size() % 3 != 0 || weights.size() != nodes.size() ||
+      rest.size() != 2 || !std::all_of(nodes.begin(), nodes.end(), is_node) ||
+      !std::all_of(model.first_row.begin(), model.first_row.end(), is_row) ||
+      !std::all_of(rows.begin(), rows.end(),
+                   [&](std::int32_t row) { return row >= 0 && is_row(row); }))
+    return damaged();
+  const Index size = Index(columns.size()) - 1;
+  model.stiffness_n_per_mm = Eigen::Map<const fem::SparseMatrix>(
+      size, size, Index(inner.size()), columns.data(), inner.data(), values.data());
+  for (std::size_t s = 0; s < rows.size(); ++s)
+    model.supports.push_back({rows[s], Vec3(&places[6 * s]), Vec3(&places[6 * s + 3])});
+  for (std::size_t v = 0; v < nodes.size(); v += 3)
+    model.skin.followers.push_back({{nodes[v], nodes[v + 1], nodes[v + 2]}, Vec3(&weights[v])});
+  model.only_pushes = rest[0] != 0.0;
+  model.support_n_per_mm = rest[1];
+  return model;
 }
 
 PreviewDistance measure_preview(std::span<const Vec3> preview_mm, std::span<const Vec3> before_L,

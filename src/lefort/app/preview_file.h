@@ -1,9 +1,9 @@
 /// \file
-/// The face's linear response in a file: what a preview is made of in a moment.
+/// What a preview is computed from, in a file.
 #pragma once
 
 #include <lefort/core/error.h>
-#include <lefort/predict/linear_response.h>
+#include <lefort/predict/face_preview.h>
 
 #include <filesystem>
 #include <span>
@@ -11,12 +11,12 @@
 namespace lefort::app {
 
 /// \returns nothing, or kFileUnwritable.
-[[nodiscard]] Result<void> write_response(const std::filesystem::path& file,
-                                          const predict::LinearResponse& response);
+[[nodiscard]] Result<void> write_preview_model(const std::filesystem::path& file,
+                                               const predict::PreviewModel& model);
 
-/// \returns the response, in single precision; kFileNotFound, or kFileCorrupt if the file is not as
-///   write_response() left it.
-[[nodiscard]] Result<predict::LinearResponse> read_response(const std::filesystem::path& file);
+/// \returns kFileNotFound, or kFileCorrupt if the file is not as write_preview_model() left it.
+/// \note Of this machine: numbers are written as they lie in memory.
+[[nodiscard]] Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& file);
 
 /// How far a preview is from the full solve, where that moves the skin more than 0.5 mm.
 struct PreviewDistance {

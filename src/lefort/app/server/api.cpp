@@ -348,7 +348,7 @@ Api::Api(CaseFolder folder, std::optional<fs::path> example, UploadLimits upload
       events_(random_hex(8)),
       volume_(1),
       bones_(1),
-      response_(1),
+      preview_(1),
       steps_(1),
       surfaces_(kKeptSurfaces),
       jobs_(
@@ -765,11 +765,13 @@ Reply Api::post_poses(const Request& request, const PathValues&) {
   return reply;
 }
 
-Result<std::shared_ptr<const predict::LinearResponse>> Api::response() {
+Result<std::shared_ptr<const predict::FacePreview>> Api::preview() {
   const auto etag = folder_.etag(folder_.preview() / "preview.json");
   if (!etag) return fail(ErrorCode::kFileNotFound, "no preview was prepared yet");
-  return response_.get("response", *etag,
-                       [&] { return read_response(folder_.preview() / "skin.response"); });
+  return preview_.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
+    LEFORT_TRY(predict::PreviewModel model, read_preview_model(folder_.preview() / "face.preview"));
+    return predict::FacePreview(std::move(model));
+  });
 }
 
 Reply Api::post_preview(const Request& request, const PathValues&) {
@@ -784,10 +786,11 @@ Reply Api::post_preview(const Request& request, const PathValues&) {
   if (poses->size() != 1 || !poses->contains(segment))
     return refusal(422, "invalid", fmt::format("the preview is of segment {} alone", segment),
                    "poses");
-  const auto linear = response();
-  if (!linear) return refusal(linear.error());
-  Reply reply = binary_reply(
-      shared_bytes(float_bytes(predict::displacement_at(**linear, poses->at(segment)))));
+  const auto face = preview();
+  if (!face) return refusal(face.error());
+  const auto displacement_mm = (*face)->displacement_mm(poses->at(segment));
+  if (!displacement_mm) return refusal(displacement_mm.error());
+  Reply reply = binary_reply(shared_bytes(float_bytes(*displacement_mm)));
   reply.headers.emplace_back("X-Lefort-Note", kPreviewNote);
   return reply;
 }
@@ -795,8 +798,8 @@ Reply Api::post_preview(const Request& request, const PathValues&) {
 Reply Api::get_preview_distance(const Request&, const PathValues&) {
   if (!folder_.etag(folder_.prediction() / "prediction.json"))
     return refusal(409, "not_ready", "there is no prediction to hold the preview against yet");
-  const auto linear = response();
-  if (!linear) return refusal(409, "not_ready", linear.error().message);
+  const auto face = preview();
+  if (!face) return refusal(409, "not_ready", face.error().message);
   const auto before = io::read_surface(folder_.prediction() / "skin_before.vtp");
   const auto after = io::read_surface(folder_.prediction() / "predicted_skin.vtp");
   const json document = read_object(folder_.prediction() / "prediction.json");
@@ -805,14 +808,15 @@ Reply Api::get_preview_distance(const Request&, const PathValues&) {
                         : document["steps"].back().value("pose_4x4_row_major_mm_lps", json());
   if (!before || !after || before->vertices.size() != after->vertices.size() || last.size() != 4)
     return refusal(422, "invalid", "the prediction's files are damaged: predict again");
-  if (before->vertices.size() != (*linear)->unit_mm[0].size())
+  if (Index(before->vertices.size()) != (*face)->vertex_count())
     return refusal(409, "not_ready", "preview and prediction are of different skins");
   RigidTransform X_LB = RigidTransform::Identity();
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column)
       X_LB.matrix()(row, column) = last[std::size_t(row)][std::size_t(column)].get<double>();
-  const PreviewDistance distance =
-      measure_preview(predict::displacement_at(**linear, X_LB), before->vertices, after->vertices);
+  const auto preview_mm = (*face)->displacement_mm(X_LB);
+  if (!preview_mm) return refusal(preview_mm.error());
+  const PreviewDistance distance = measure_preview(*preview_mm, before->vertices, after->vertices);
   return json_reply({{"note", kPreviewNote},
                      {"moved_vertices", distance.moved_vertices},
                      {"p50_mm", distance.p50_mm},

@@ -13,7 +13,7 @@
 #include <lefort/app/server/uploads.h>
 #include <lefort/app/step_skin.h>
 #include <lefort/image/volume.h>
-#include <lefort/predict/linear_response.h>
+#include <lefort/predict/face_preview.h>
 
 #include <filesystem>
 #include <mutex>
@@ -99,7 +99,7 @@ class Api {
   [[nodiscard]] nlohmann::json stages() const;
   void tell_stages();
   [[nodiscard]] Result<std::shared_ptr<const image::CtVolume>> volume();
-  [[nodiscard]] Result<std::shared_ptr<const predict::LinearResponse>> response();
+  [[nodiscard]] Result<std::shared_ptr<const predict::FacePreview>> preview();
   Reply surface_reply(const Request&, const std::filesystem::path& file);
 
   CaseFolder folder_;
@@ -109,7 +109,7 @@ class Api {
   std::mutex writing_;  ///< One page's change at a time.
   Kept<image::CtVolume> volume_;
   Kept<LiveBones> bones_;
-  Kept<predict::LinearResponse> response_;
+  Kept<predict::FacePreview> preview_;
   Kept<StepSkin> steps_;
   Kept<std::string> surfaces_;
   Jobs jobs_;  ///< Last: its worker uses all above.

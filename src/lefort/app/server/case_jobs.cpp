@@ -21,7 +21,12 @@ using nlohmann::json;
 
 using Doer = Result<JobOutcome> (*)(const JobContext&, const JobRecord&, Progress&);
 
-JobOutcome told(const Summary& summary) { return {summary.text, summary.json}; }
+/// Without where the files are, which is none of a page's business.
+JobOutcome told(const Summary& summary) {
+  JobOutcome outcome{summary.text, summary.json};
+  outcome.result.erase("output");
+  return outcome;
+}
 
 Result<void> check_scan(const CaseFolder& folder) {
   std::error_code error;
@@ -36,7 +41,6 @@ Result<void> check_plan(const CaseFolder& folder) {
   return check_files_of_plan(*text);
 }
 
-/// Names of files and folders are none of a page's business.
 std::string without_paths(std::string text, const CaseFolder& folder) {
   const std::string root = folder.root().string() + "/";
   for (std::size_t at = text.find(root); at != std::string::npos; at = text.find(root, at))
@@ -79,7 +83,11 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
                                Progress& progress) {
   CaseFolder& folder = context.folder;
   LEFORT_TRY_VOID(check_scan(folder));
-  SegmentJob segment{folder.ct(), folder.anatomy(), {}, {}};
+  SegmentJob segment{.ct = folder.ct(),
+                     .output = folder.anatomy(),
+                     .options = {},
+                     .finish = {},
+                     .labels = {}};
   std::error_code error;
   if (fs::is_regular_file(folder.plan(), error)) {  // Thresholds are the plan's unless given.
     LEFORT_TRY_VOID(check_plan(folder));

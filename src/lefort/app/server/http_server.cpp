@@ -158,6 +158,9 @@ class LimitedServer final : public httplib::Server {
     new_task_queue = [this] { return workers_ = new Workers(limits_); };
   }
 
+  /// httplib lets five clients knock at a time; others would wait for a second or more.
+  void let_knock() { ::listen(svr_sock_, limits_.waiting); }
+
   /// Told each request once its header is there; may change it.
   std::function<void(httplib::Request&)> on_header;
 
@@ -426,6 +429,10 @@ HttpServer::HttpServer(Api& api, HttpOptions options)
   parts.server.on_header = [&parts](httplib::Request& request) { parts.look_at(request); };
   parts.server.set_payload_max_length(std::size_t(-1));  // The API knows its limits.
   parts.server.set_tcp_nodelay(true);
+  // We count ourselves; httplib tells clients these.
+  parts.server.set_keep_alive_max_count(kRequestsPerConnection);
+  parts.server.set_keep_alive_timeout(
+      std::chrono::duration_cast<std::chrono::seconds>(parts.options.limits.idle_time).count());
   parts.server.set_pre_routing_handler([&parts](const auto& request, auto& response) {
     return parts.serve(request, response) ? httplib::Server::HandlerResponse::Handled
                                           : httplib::Server::HandlerResponse::Unhandled;
@@ -472,6 +479,7 @@ Result<int> HttpServer::bind() {
                 options.port == 0 ? fmt::format("no port of {} can be had", options.host)
                                   : fmt::format("port {} of {} cannot be had: is it in use?",
                                                 options.port, options.host));
+  parts.server.let_knock();
   std::vector<std::string> names{"127.0.0.1", "localhost", "[::1]"};
   if (!is_loopback(options.host)) names.push_back(lower_case(options.host));
   for (const std::string& name : names) {

@@ -1,0 +1,177 @@
+#include <lefort/contact/measure_gap.h>
+#include <lefort/fem/assemble.h>
+#include <lefort/fem/boundary_conditions.h>
+#include <lefort/fem/dof_map.h>
+#include <lefort/fem/element_term.h>
+#include <lefort/fem/linear_solver.h>
+#include <lefort/predict/face_preview.h>
+#include <lefort/predict/tissue_boundary.h>
+
+#include <algorithm>
+#include <mutex>
+#include <utility>
+
+namespace lefort::predict {
+namespace {
+
+/// A support's stiffness over the mean of the nodes it stands at: so stiff that what it gives way
+/// does not show, so soft that one factor serves whichever supports push.
+constexpr double kSupportStiffness = 10.0;
+/// Where the field's gradient is shorter, it knows no way out of the bone.
+constexpr double kKnowsTheWay = 0.5;
+constexpr double kTolerance = 1e-5;  ///< Of the linear systems: micrometres.
+constexpr int kRounds = 8;           ///< Of finding which supports push, at most.
+constexpr std::size_t kFewOf = 400;  ///< One support in so many may still change.
+constexpr double kAtRest_mm = 1e-9;
+
+Error describe(fem::Factorisation outcome) {
+  if (outcome == fem::Factorisation::kOutOfMemory)
+    return {ErrorCode::kOutOfMemory,
+            "the preview's equations do not fit into memory: ask for a larger "
+            "tissue.element_size_mm"};
+  return {ErrorCode::kNotConverged, "the preview's equations cannot be solved"};
+}
+
+/// Along the bone's normal, or along all axes if the tissue is attached.
+Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
+                                                         const std::vector<std::int32_t>& first_row,
+                                                         bool only_pushes) {
+  LEFORT_TRY(const auto detector_B,
+             contact::detect_by_field(model.segment_field_B, contact::Detection::kTrilinear));
+  std::vector<PreviewModel::Support> supports;
+  for (const std::int32_t node : nodes_on_segment(model.tissue)) {
+    const Vec3& point_L = model.tissue.nodes_L[std::size_t(node)];
+    const std::int32_t row = first_row[std::size_t(node)];
+    if (!only_pushes) {
+      for (int axis = 0; axis < 3; ++axis) supports.push_back({row, point_L, Vec3::Unit(axis)});
+      continue;
+    }
+    const Vec3 gradient_L =
+        contact::measure_gap({detector_B}, point_L, contact::Derivatives::kFirst).gradient_L;
+    if (gradient_L.norm() < kKnowsTheWay) continue;
+    supports.push_back({row, point_L, gradient_L.normalized()});
+  }
+  return supports;
+}
+
+}  // namespace
+
+Result<PreviewModel> make_preview_model(const FaceModel& model,
+                                        const geometry::TriangleMesh& skin_L,
+                                        const TissueOptions& options,
+                                        const BoundaryOptions& boundary, const Vec3& spacing_mm) {
+  const mesh::VolumeMesh& tissue = model.tissue;
+  const std::vector<std::int32_t>& fixed = tissue.node_sets.at(sets::kFixed);
+  if (nodes_on_segment(tissue).empty())
+    return fail(ErrorCode::kAnatomyMissing, "no soft tissue lies on the segment");
+  if (fixed.empty()) return fail(ErrorCode::kAnatomyMissing, "nothing holds the soft tissue");
+  LEFORT_TRY(const fem::NeoHookean material,
+             fem::NeoHookean::from_young_poisson(options.young_mpa, options.poisson));
+  LEFORT_TRY(const auto elements, fem::make_element_terms(tissue, {{0, material}}));
+  std::vector<const fem::ForceTerm*> terms;
+  for (const auto& term : elements) terms.push_back(term.get());
+  LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(), fem::fix(fixed)));
+  const fem::Assembler assembler(tissue.nodes_L, std::move(dofs), terms);
+
+  PreviewModel preview;
+  preview.only_pushes = boundary.moved_bone == MovedBone::kContact;
+  preview.stiffness_n_per_mm = assembler.tangent(VectorX::Zero(3 * tissue.node_count()));
+  for (Index node = 0; node < tissue.node_count(); ++node)
+    preview.first_row.push_back(assembler.dofs().free_number(3 * node));
+  LEFORT_TRY(preview.supports, find_supports(model, preview.first_row, preview.only_pushes));
+  const VectorX diagonal = preview.stiffness_n_per_mm.diagonal();
+  double sum = 0.0;
+  for (const PreviewModel::Support& support : preview.supports)
+    sum += diagonal.segment<3>(support.row).mean();
+  if (!preview.supports.empty())
+    preview.support_n_per_mm = kSupportStiffness * sum / double(preview.supports.size());
+  preview.skin = bind_skin(skin_L, tissue, follow_reach_mm(options, spacing_mm));
+  return preview;
+}
+
+struct FacePreview::Parts {
+  explicit Parts(PreviewModel model_of) : model(std::move(model_of)) {}
+
+  PreviewModel model;
+  std::mutex mutex;
+  fem::LinearSolver solver{{.kind = fem::LinearSolverKind::kLagged}};
+  bool is_factorised = false;
+
+  /// With those supports that push.
+  [[nodiscard]] fem::SparseMatrix stiffness(const std::vector<char>& pushes) const;
+  [[nodiscard]] Result<VectorX> solve(const std::vector<char>& pushes,
+                                      const std::vector<double>& pushed_mm);
+};
+
+fem::SparseMatrix FacePreview::Parts::stiffness(const std::vector<char>& pushes) const {
+  fem::SparseMatrix K = model.stiffness_n_per_mm;
+  for (std::size_t s = 0; s < pushes.size(); ++s) {
+    if (!pushes[s]) continue;
+    const auto& [row, point_L, n] = model.supports[s];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j <= i; ++j)
+        K.coeffRef(row + i, row + j) += model.support_n_per_mm * n[i] * n[j];
+  }
+  return K;
+}
+
+Result<VectorX> FacePreview::Parts::solve(const std::vector<char>& pushes,
+                                          const std::vector<double>& pushed_mm) {
+  VectorX push_n = VectorX::Zero(model.stiffness_n_per_mm.rows());
+  for (std::size_t s = 0; s < pushes.size(); ++s)
+    if (pushes[s])
+      push_n.segment<3>(model.supports[s].row) +=
+          model.support_n_per_mm * pushed_mm[s] * model.supports[s].direction_L;
+  if (const auto done = solver.factorise(stiffness(pushes)); done != fem::Factorisation::kDone)
+    return tl::unexpected(describe(done));
+  auto u = solver.solve(push_n, kTolerance);
+  if (!u) return tl::unexpected(describe(u.error()));
+  return *std::move(u);
+}
+
+FacePreview::FacePreview(PreviewModel model) : parts_(std::make_unique<Parts>(std::move(model))) {}
+FacePreview::~FacePreview() = default;
+FacePreview::FacePreview(FacePreview&&) noexcept = default;
+FacePreview& FacePreview::operator=(FacePreview&&) noexcept = default;
+
+Index FacePreview::vertex_count() const { return Index(parts_->model.skin.followers.size()); }
+
+Result<std::vector<Vec3>> FacePreview::displacement_mm(const RigidTransform& X_LB) const {
+  Parts& parts = *parts_;
+  const PreviewModel& model = parts.model;
+  const std::scoped_lock lock(parts.mutex);
+  const std::size_t count = model.supports.size();
+  if (!parts.is_factorised) {  // With all supports: near to whatever is asked for.
+    const auto done = parts.solver.factorise(parts.stiffness(std::vector<char>(count, 1)));
+    if (done != fem::Factorisation::kDone) return tl::unexpected(describe(done));
+    parts.is_factorised = true;
+  }
+  std::vector<double> pushed_mm(count);
+  std::vector<char> pushes(count, 1);
+  bool is_at_rest = true;
+  for (std::size_t s = 0; s < count; ++s) {
+    const Vec3& p = model.supports[s].point_L;
+    pushed_mm[s] = model.supports[s].direction_L.dot(X_LB * p - p);
+    is_at_rest = is_at_rest && std::abs(pushed_mm[s]) < kAtRest_mm;
+    if (model.only_pushes) pushes[s] = pushed_mm[s] > 0.0;
+  }
+  VectorX u = VectorX::Zero(model.stiffness_n_per_mm.rows());
+  for (int round = 0; round < kRounds && !is_at_rest; ++round) {
+    LEFORT_TRY(u, parts.solve(pushes, pushed_mm));
+    if (!model.only_pushes) break;
+    std::size_t changed = 0;
+    for (std::size_t s = 0; s < count; ++s) {
+      const auto& [row, point_L, n] = model.supports[s];
+      const char should = pushed_mm[s] > n.dot(u.segment<3>(row));
+      changed += should != pushes[s];
+      pushes[s] = should;
+    }
+    if (changed <= count / kFewOf) break;
+  }
+  std::vector<Vec3> nodes_mm(model.first_row.size(), Vec3::Zero());
+  for (std::size_t node = 0; node < nodes_mm.size(); ++node)
+    if (model.first_row[node] >= 0) nodes_mm[node] = u.segment<3>(model.first_row[node]);
+  return skin_displacement(model.skin, nodes_mm);
+}
+
+}  // namespace lefort::predict

@@ -1,0 +1,109 @@
+#include <lefort/predict/face_preview.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "support/tissue_block.h"
+
+namespace lefort::predict {
+namespace {
+
+/// The tissue's own surface.
+geometry::TriangleMesh skin_of(const FaceModel& model) {
+  geometry::TriangleMesh skin;
+  skin.vertices = model.tissue.nodes_L;
+  for (const mesh::Face3& face : mesh::triangles_of(mesh::boundary_faces(model.tissue)))
+    skin.triangles.push_back({face[0], face[1], face[2]});
+  return skin;
+}
+
+FacePreview preview_of(const FaceModel& model, MovedBone moved_bone = MovedBone::kContact) {
+  return FacePreview(
+      make_preview_model(model, skin_of(model), {}, {.moved_bone = moved_bone}, Vec3::Ones())
+          .value());
+}
+
+RigidTransform shift(const Vec3& by_mm) {
+  RigidTransform pose = RigidTransform::Identity();
+  pose.translation() = by_mm;
+  return pose;
+}
+
+/// Largest distance at the surface between a preview and a prediction [mm].
+double distance_mm(const FaceModel& model, MovedBone moved_bone, const Vec3& by_mm) {
+  PredictionOptions options;
+  options.boundary.moved_bone = moved_bone;
+  const auto prediction = predict_face(model, test::straight(by_mm, 2), options).value();
+  EXPECT_TRUE(prediction.converged());
+  const auto preview_mm = preview_of(model, moved_bone).displacement_mm(shift(by_mm)).value();
+  double largest_mm = 0.0;
+  for (const mesh::Face& face : mesh::boundary_faces(model.tissue))
+    for (const std::int32_t node : nodes_of(face))
+      largest_mm = std::max(largest_mm, (preview_mm[std::size_t(node)] -
+                                         prediction.steps.back().displacement_mm[std::size_t(node)])
+                                            .norm());
+  return largest_mm;
+}
+
+TEST(FacePreview, NoMotionMovesNothing) {
+  const auto u_mm =
+      preview_of(test::block_on_slab()).displacement_mm(RigidTransform::Identity()).value();
+  for (const Vec3& u : u_mm) EXPECT_EQ(u, Vec3::Zero());
+}
+
+TEST(FacePreview, OfAttachedTissueIsThePredictionToFirstOrder) {
+  const FaceModel model = test::block_on_slab();
+  const double far_mm = distance_mm(model, MovedBone::kAttached, {0.4, 0.2, 0.4});
+  const double near_mm = distance_mm(model, MovedBone::kAttached, {0.1, 0.05, 0.1});
+  EXPECT_LT(far_mm, 0.1);
+  EXPECT_LT(near_mm, 0.02);
+}
+
+TEST(FacePreview, OfPushedTissueIsNearThePrediction) {
+  // Both give way a little: the penalty of the one, the supports of the other.
+  EXPECT_LT(distance_mm(test::block_on_slab(), MovedBone::kContact, {0.0, 0.0, 0.5}), 0.1);
+}
+
+TEST(FacePreview, TissueSlidesAndComesOff) {
+  const FaceModel model = test::block_on_slab();
+  const FacePreview preview = preview_of(model);
+  for (const Vec3& by_mm : {Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, -2.0)})
+    for (const Vec3& u : preview.displacement_mm(shift(by_mm)).value())
+      EXPECT_LT(u.norm(), 1e-9) << by_mm.transpose();
+}
+
+TEST(FacePreview, TwiceTheMotionIsTwiceTheAnswer) {
+  const FacePreview preview = preview_of(test::block_on_ball());
+  const auto once_mm = preview.displacement_mm(shift({0.3, 0.1, 1.0})).value();
+  const auto twice_mm = preview.displacement_mm(shift({0.6, 0.2, 2.0})).value();
+  for (std::size_t v = 0; v < once_mm.size(); ++v)
+    EXPECT_LT((twice_mm[v] - 2.0 * once_mm[v]).norm(), 1e-3);
+}
+
+/// A factor that is used again leaves no trace.
+TEST(FacePreview, DoesNotDependOnWhatWasAskedBefore) {
+  const FaceModel model = test::block_on_ball();
+  const FacePreview fresh = preview_of(model), used = preview_of(model);
+  for (const double up_mm : {2.0, -1.0, 0.5})
+    ASSERT_TRUE(used.displacement_mm(shift({0.2, 0.0, up_mm})));
+  const auto a_mm = fresh.displacement_mm(shift({0.0, 0.3, 1.0})).value();
+  const auto b_mm = used.displacement_mm(shift({0.0, 0.3, 1.0})).value();
+  for (std::size_t v = 0; v < a_mm.size(); ++v) EXPECT_LT((a_mm[v] - b_mm[v]).norm(), 1e-4);
+}
+
+TEST(FacePreview, RefusesAModelThatNothingTouchesOrHolds) {
+  FaceModel untouched = test::block_on_slab();
+  untouched.tissue.node_sets[sets::kMovedBone].clear();
+  FaceModel loose = test::block_on_slab();
+  loose.tissue.node_sets[sets::kFixed].clear();
+  for (const FaceModel& model : {untouched, loose}) {
+    const auto made = make_preview_model(model, skin_of(model), {}, {}, Vec3::Ones());
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code, ErrorCode::kAnatomyMissing);
+  }
+}
+
+}  // namespace
+}  // namespace lefort::predict

@@ -1,0 +1,71 @@
+/// \file
+/// A block of tissue on a bone: the smallest face there is.
+#pragma once
+
+#include <lefort/field/build_distance_field.h>
+#include <lefort/mesh/boundary_faces.h>
+#include <lefort/plan/plan.h>
+#include <lefort/predict/predict_face.h>
+#include <lefort/predict/tissue_boundary.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "support/box_mesh.h"
+#include "support/shapes.h"
+
+namespace lefort::test {
+
+inline constexpr double kSide_mm = 12.0;
+inline constexpr double kHeight_mm = 9.0;
+
+/// A block of tissue held at its top, lying on a slab of bone:
+///
+///      ////////   z = 9, fixed
+///      | tissue|
+///      |_______|  z = 0
+///    |  segment   |
+inline predict::FaceModel block_on(geometry::TriangleMesh segment_B) {
+  predict::FaceModel model;
+  model.tissue = test::box_mesh({.cells = {6, 6, 5}, .size_mm = {kSide_mm, kSide_mm, kHeight_mm}});
+  auto& node_sets = model.tissue.node_sets;
+  node_sets[predict::sets::kMovedBone] = node_sets.at("z0");
+  node_sets[predict::sets::kFixed] = node_sets.at("z1");
+  for (const mesh::Face& face : mesh::boundary_faces(model.tissue)) {
+    const auto nodes = nodes_of(face);
+    const bool is_low = std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t node) {
+      return model.tissue.nodes_L[std::size_t(node)].z() < 1e-9;
+    });
+    if (is_low) model.tissue.face_sets[predict::sets::kContact].push_back(face);
+  }
+  model.segment_B = std::move(segment_B);
+  model.segment_field_B = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(model.segment_B,
+                                  {.resolution = 64, .band_mm = 3.0, .smooth = true})
+          .value());
+  return model;
+}
+
+inline predict::FaceModel block_on_slab() {
+  return block_on(test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 0.0}));
+}
+
+/// The block lies on top of a ball.
+inline predict::FaceModel block_on_ball() {
+  constexpr double kRadius_mm = 14.0;
+  geometry::TriangleMesh ball = test::make_icosphere(kRadius_mm, 5);
+  for (Vec3& vertex : ball.vertices) vertex += Vec3(6.0, 6.0, -kRadius_mm);
+  return block_on(std::move(ball));
+}
+
+/// A way in one direction.
+inline plan::BonePath straight(const Vec3& by_mm, int steps) {
+  plan::BonePath path;
+  path.segment = "slab";
+  path.steps = steps;
+  path.keyframes = {{.at = 1.0, .translation_mm = by_mm}};
+  return path;
+}
+
+}  // namespace lefort::test
