@@ -61,10 +61,19 @@ export function fault(value: unknown, schema: Schema, root: Schema, at = ''): st
           if (found) return found;
         }
         return null;
+      case 'patternProperties':
+        for (const [pattern, inner] of Object.entries(rule as Record<string, Schema>))
+          for (const key of Object.keys(object ?? {})) {
+            if (!new RegExp(pattern, 'u').test(key)) continue;
+            const found = fault(object![key], inner, root, at === '' ? key : `${at}.${key}`);
+            if (found) return found;
+          }
+        return null;
       case 'additionalProperties': {
         const known = (schema.properties ?? {}) as Record<string, Schema>;
+        const patterns = Object.keys((schema.patternProperties ?? {}) as object).map((pattern) => new RegExp(pattern, 'u'));
         for (const key of Object.keys(object ?? {})) {
-          if (Object.hasOwn(known, key)) continue;
+          if (Object.hasOwn(known, key) || patterns.some((pattern) => pattern.test(key))) continue;
           if (rule === false) return `${here}: has an unknown key ${key}`;
           if (rule === true) continue;
           const found = fault(object![key], rule as Schema, root, at === '' ? key : `${at}.${key}`);

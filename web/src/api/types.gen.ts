@@ -580,8 +580,7 @@ export interface components {
              * @description UTC.
              */
             created: string;
-            /** Format: date-time */
-            ended: string | null;
+            ended: null | string;
         };
         JobList: {
             jobs: components["schemas"]["Job"][];

@@ -141,6 +141,9 @@ export class App {
     const { s } = this.model;
     if (!s.case) return;
     this.patch({ case: { ...s.case, stages } });
+    // What this page is just keeping would look as if another one had changed it.
+    while (this.saveRunning) await this.saveRunning;
+    if (this.model.s.case?.stages !== stages) return; // Newer ones came meanwhile.
     const work: Promise<unknown>[] = [];
     if (stages.scan.etag !== this.volumeEtag) work.push(this.loadVolume(stages.scan.etag));
     if (stages.plan.etag !== null && stages.plan.etag !== this.etags.plan) work.push(this.loadPlan());
@@ -211,7 +214,8 @@ export class App {
   async loadLabels(): Promise<void> {
     const { model } = this;
     const etag = stageOf(model.s, 'anatomy').etag;
-    if (model.labels && model.labelsEtag === etag) return;
+    if (model.labels && this.labelsOf === etag) return;
+    this.labelsOf = etag;
     await this.try_(async () => {
       const [about, data] = await Promise.all([this.client.labels(), this.client.labelsData()]);
       model.labels = data.value;
@@ -225,34 +229,42 @@ export class App {
     });
   }
 
-  private async loadPlan(): Promise<void> {
+  private async loadPlan(replacesMine = false): Promise<void> {
+    // Changes of both pages: keeping this one's finds the conflict, and the person decides.
+    if (!replacesMine && this.isUnsaved()) return;
     try {
       const { value, etag } = await this.client.plan();
       this.etags.plan = etag;
       const plan = value as unknown as Plan;
-      this.stored.plan = plan;
       const { plan: mine } = this.model.doc;
+      this.stored.plan = plan;
       if (mine.segments.length === 0 && this.model.history.value.past.length === 0) {
         this.model.history.set(startHistory({ ...this.model.doc, plan }));
-      } else if (JSON.stringify(mine) !== JSON.stringify(plan)) {
+      } else if (JSON.stringify(this.keptPlan()) !== JSON.stringify(plan)) {
         this.model.history.set(change(this.model.history.value, { ...this.model.doc, plan }));
         this.toast('The plan was changed elsewhere; this page now shows that.');
       }
-      this.patch({ canPredict: plan.segments.length === 1, saving: 'saved' });
+      this.stored.plan = this.model.doc.plan;
+      clearTimeout(this.saveTimer);
+      this.patch({ canPredict: plan.segments.length === 1, saving: 'saved', saveError: null });
       await this.afterPlanSaved();
     } catch (error) {
       if (!isMissing(error)) this.toast(sentence(error), 'error');
     }
   }
 
-  private async loadLandmarks(): Promise<void> {
+  private async loadLandmarks(replacesMine = false): Promise<void> {
+    if (!replacesMine && this.isUnsaved()) return;
     try {
       const { value, etag } = await this.client.landmarks();
       this.etags.landmarks = etag;
       const landmarks = fromPoints(value.landmarks as unknown as Record<string, Vec3>);
-      this.stored.landmarks = landmarks;
       const history = this.model.history.value;
-      if (JSON.stringify(byName(history.present.landmarks)) === JSON.stringify(byName(landmarks))) return;
+      if (JSON.stringify(byName(history.present.landmarks)) === JSON.stringify(byName(landmarks))) {
+        this.stored.landmarks = history.present.landmarks;
+        return;
+      }
+      this.stored.landmarks = landmarks;
       const next = { ...history.present, landmarks };
       this.model.history.set(history.past.length === 0 ? startHistory(next) : change(history, next));
       void this.measure();
@@ -337,7 +349,7 @@ export class App {
 
   private isUnsaved(): boolean {
     const { plan, landmarks } = this.model.doc;
-    return (plan !== this.stored.plan && plan.segments.length > 0) || landmarks !== this.stored.landmarks;
+    return (plan !== this.stored.plan && plan.segments.length > 0) || (landmarks !== this.stored.landmarks && (landmarks.length > 0 || this.stored.landmarks !== null));
   }
 
   /** The plan as it is kept: the landmarks' file is named as soon as there are landmarks. */
@@ -387,8 +399,8 @@ export class App {
     if (!what) return;
     this.patch({ conflict: null });
     if (keep === 'theirs') {
-      if (what === 'plan') await this.loadPlan();
-      else await this.loadLandmarks();
+      if (what === 'plan') await this.loadPlan(true);
+      else await this.loadLandmarks(true);
       return;
     }
     this.etags[what] = '*';
@@ -507,6 +519,8 @@ export class App {
   // Brush
 
   private stroke: LabelEdit | null = null;
+  /** The anatomy that the labels at hand are of. */
+  private labelsOf: string | null = null;
 
   brush(p_L: Vec3, phase: 'start' | 'move' | 'end'): void {
     const { model } = this;
@@ -659,7 +673,11 @@ export class App {
 
   /** Asks for the overlap of these poses; while one answer is on its way only the newest question is kept. */
   wantDepths(poses: Record<string, Mat4>): void {
-    if (stageOf(this.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) return;
+    if (stageOf(this.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
+      this.listeners.onDepths(null);
+      if (this.model.s.depth) this.patch({ depth: null });
+      return;
+    }
     this.depthLoop.wanted = poses;
     if (!this.depthLoop.running) void this.runDepths();
   }

@@ -1,6 +1,6 @@
 import { html, nothing, type TemplateResult } from 'lit-html';
-import { live } from 'lit-html/directives/live.js';
 import { fixed, parseNumber } from '../model';
+import { quietValue } from './quiet_value';
 
 export interface NumberOptions {
   label: string;
@@ -37,13 +37,16 @@ export function numberField(o: NumberOptions): TemplateResult {
           inputmode="decimal"
           data-id=${o.id ?? nothing}
           ?disabled=${o.disabled ?? false}
-          .value=${live(fixed(o.value, digits))}
+          ${quietValue(fixed(o.value, digits))}
+          @input=${(e: Event) => ((e.target as HTMLInputElement).dataset.typing = '')}
           @change=${(e: Event) => {
+            delete (e.target as HTMLInputElement).dataset.typing;
             take(e.target as HTMLInputElement);
             o.onDone?.();
           }}
           @blur=${(e: Event) => {
             const input = e.target as HTMLInputElement;
+            delete input.dataset.typing;
             if (input.getAttribute('aria-invalid') === 'true') input.value = fixed(o.value, digits);
             input.setAttribute('aria-invalid', 'false');
           }}
@@ -52,6 +55,7 @@ export function numberField(o: NumberOptions): TemplateResult {
             const sign = e.key === 'ArrowUp' ? 1 : e.key === 'ArrowDown' ? -1 : 0;
             if (sign === 0) return;
             e.preventDefault();
+            delete (e.target as HTMLInputElement).dataset.typing;
             const now = parseNumber((e.target as HTMLInputElement).value) ?? o.value;
             o.onInput(clamp(Math.round((now + sign * step * (e.shiftKey ? 10 : 1)) * 1e6) / 1e6));
           }}

@@ -160,7 +160,7 @@ export class Presenter implements Listeners {
     });
     if (moving && step !== 'tissue') {
       const cutPoses = this.app.cutPoses();
-      const key = JSON.stringify(cutPoses);
+      const key = JSON.stringify([cutPoses, stageOf(s, 'cut').state, stageOf(s, 'cut').etag]);
       if (key !== this.depthKey) {
         this.depthKey = key;
         this.app.wantDepths(cutPoses);

@@ -140,6 +140,7 @@ export function osteotomyPanel(app: App, s: State): Part {
     <h2>Osteotomy ${plan.segments.length ? chip(busy ? 'running' : stage.state) : nothing}</h2>
     ${stage.state === 'stale' ? notice('warning', 'The cut is out of date', stage.why) : nothing}
     ${failed?.state === 'failed' && stage.state !== 'fresh' ? notice('error', 'The bone could not be cut', failed.message) : nothing}
+    ${plan.segments.length === 0 && stageOf(s, 'plan').state !== 'missing' ? notice('info', 'The last cut is still kept', 'A plan needs one. It is replaced as soon as you add another.') : nothing}
     ${plan.segments.length === 0 ? hint('A cut frees one piece of bone, the segment. Begin with a template, or draw the cut yourself.') : nothing}
     ${plan.segments.length ? html`<div class="group" .style=${'border:0;padding:0'}>${plan.segments.map((segment, index) => segmentCard(app, s, segment, index))}</div>` : nothing}
     ${section('Add a cut',
