@@ -14,7 +14,13 @@ export const id = (name) => `[data-id="${name}"]`;
 /** No surface or scan is on its way, and what is drawn has been drawn. */
 export async function settled(page) {
   await page.waitForSelector('main[aria-busy=false]', { timeout: 180000 });
-  await page.waitForTimeout(700);
+  await drawn(page);
+}
+
+/** The 3D view stands still and is drawn in full. */
+export async function drawn(page) {
+  await page.waitForTimeout(400);
+  await page.waitForSelector('.view3d canvas[data-idle=true]', { timeout: 180000 });
 }
 
 /** No job runs or waits. */
@@ -28,6 +34,7 @@ export async function handles(page) {
 
 /** Presses on a handle of the 3D view and drags it by pixels. Returns how long it took [ms]. */
 export async function dragHandle(page, name, dx, dy, steps = 40) {
+  await drawn(page);
   const found = (await handles(page))[name];
   check(`the view has a handle "${name}"`, found !== undefined);
   const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
@@ -46,7 +53,10 @@ export async function click3d(page, u, v) {
   await page.mouse.click(box.x + u * box.width, box.y + v * box.height);
 }
 
-export const look = (page, title) => page.click(`.view-bar button[title="${title}"]`);
+export async function look(page, title) {
+  await page.click(`.view-bar button[title="${title}"]`);
+  await drawn(page);
+}
 
 /** Types a number into a field and leaves it. */
 export async function type(page, field, value) {

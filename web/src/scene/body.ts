@@ -1,12 +1,13 @@
-import { BufferAttribute, BufferGeometry, Color, Group, Matrix4, Mesh, MeshLambertMaterial, SRGBColorSpace } from 'three';
-import { paint, vertexNormals, type DrawnSurface, type Mat4, type Rgb, type ScaleName } from '../model';
+import { BufferAttribute, BufferGeometry, Group, Matrix4, Mesh, MeshLambertMaterial } from 'three';
+import { linearOf, paint, vertexNormals, type DrawnSurface, type Mat4, type Rgb, type ScaleName } from '../model';
 
 /** One surface on the screen: fine when still, coarse while something moves. */
 export class Body {
   readonly group = new Group();
-  private readonly material = new MeshLambertMaterial();
+  // Always by vertex, so that a change of colouring needs no other shader, which software is slow to make.
+  private readonly material = new MeshLambertMaterial({ vertexColors: true });
   /** Only its depth is drawn, first: a clear face shows no face behind it. */
-  private readonly depthOnly = new MeshLambertMaterial({ colorWrite: false });
+  private readonly depthOnly = new MeshLambertMaterial({ vertexColors: true, colorWrite: false });
   private readonly fine: Mesh;
   private readonly coarse: Mesh;
   private readonly fineDepth: Mesh;
@@ -30,8 +31,19 @@ export class Body {
     this.update();
   }
 
+  /** One colour for all; lost when values are shown. */
   setColour(colour: Rgb): void {
-    this.material.color.setRGB(...colour, SRGBColorSpace);
+    const [r, g, b] = linearOf(colour);
+    for (const array of this.colours()) for (let n = 0; n < array.length; n += 3) array.set([r, g, b], n);
+  }
+
+  /** The colours of both meshes, about to be written. */
+  private colours(): Float32Array[] {
+    return [this.fine, this.coarse].map((mesh) => {
+      const attribute = mesh.geometry.getAttribute('color') as BufferAttribute;
+      attribute.needsUpdate = true;
+      return attribute.array as Float32Array;
+    });
   }
 
   get opacity(): number {
@@ -60,27 +72,11 @@ export class Body {
     this.group.matrixWorldNeedsUpdate = true;
   }
 
-  /** Colours each vertex by a number, `rest` where it is not above `from`; null gives the plain colour back. */
-  setValues(values: Float32Array | null, scale: ScaleName = 'distance', from = 0, to = 1, rest?: Rgb): void {
-    for (const [mesh, vertex] of [[this.fine, null], [this.coarse, this.surface.coarse.vertex]] as const) {
-      const geometry = mesh.geometry;
-      if (values === null) {
-        geometry.deleteAttribute('color');
-        continue;
-      }
-      const count = geometry.getAttribute('position').count;
-      let attribute = geometry.getAttribute('color') as BufferAttribute | undefined;
-      if (!attribute) geometry.setAttribute('color', (attribute = new BufferAttribute(new Float32Array(3 * count), 3)));
-      const own = vertex === null ? values : Float32Array.from(vertex, (v) => values[v]);
-      paint(own, scale, from, to, attribute.array as Float32Array, rest);
-      attribute.needsUpdate = true;
-    }
-    const coloured = values !== null;
-    if (this.material.vertexColors !== coloured) {
-      this.material.vertexColors = coloured;
-      this.material.needsUpdate = true;
-    }
-    if (coloured) this.material.color = new Color(1, 1, 1);
+  /** Colours each vertex by a number; `rest` is the colour of those not above `from`. */
+  setValues(values: Float32Array, scale: ScaleName, from: number, to: number, rest?: Rgb): void {
+    const [fine, coarse] = this.colours();
+    paint(values, scale, from, to, fine, rest);
+    paint(Float32Array.from(this.surface.coarse.vertex, (v) => values[v]), scale, from, to, coarse, rest);
   }
 
   /** Moves each vertex by a vector (flat xyz, mm); null takes all back. */
@@ -125,6 +121,7 @@ function geometryOf(points: Float32Array, normals: Float32Array, triangles: Uint
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(points, 3));
   geometry.setAttribute('normal', new BufferAttribute(normals, 3));
+  geometry.setAttribute('color', new BufferAttribute(new Float32Array(points.length).fill(1), 3));
   geometry.setIndex(new BufferAttribute(triangles, 1));
   geometry.computeBoundingSphere();
   return geometry;

@@ -69,6 +69,8 @@ export class View3d {
   private readonly canvas = document.createElement('canvas');
   private readonly overlay = document.createElement('canvas');
   private readonly renderer: WebGLRenderer;
+  private readonly gl: WebGL2RenderingContext;
+  private fence: WebGLSync | null = null;
   private readonly scene = new Scene();
   private readonly camera = new OrthographicCamera(-1, 1, 1, -1, 1, 4000);
   private readonly controls: OrbitControls;
@@ -101,6 +103,8 @@ export class View3d {
     this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(isSoftware(this.renderer) ? 1 : Math.min(2, devicePixelRatio));
     this.renderer.autoClear = false;
+    this.renderer.debug.checkShaderErrors = false; // Waiting for the compiler's word stops the page for a second in software.
+    this.gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.camera.up.set(0, 0, 1);
     this.scene.add(new AmbientLight(0xffffff, 0.55), new HemisphereLight(0xffffff, 0x9aa4ae, 0.5), this.camera);
     this.scene.children[1].position.set(0, 0, 1); // Light from above is light from superior.
@@ -300,12 +304,19 @@ export class View3d {
   }
 
   render(): void {
+    this.canvas.dataset.idle = 'false';
     if (this.frame) return;
-    this.frame = requestAnimationFrame(() => {
+    const whenReady = (): void => {
+      // One picture at a time: on slow graphics pictures would pile up, and the page would lag behind the hand.
+      if (this.fence && this.gl.getSyncParameter(this.fence, this.gl.SYNC_STATUS) !== this.gl.SIGNALED) {
+        this.frame = requestAnimationFrame(whenReady);
+        return;
+      }
       this.frame = 0;
       this.dragMarker();
       this.drawNow();
-    });
+    };
+    this.frame = requestAnimationFrame(whenReady);
   }
 
   /** Once a picture, however many events came: a pick looks at every triangle. */
@@ -346,8 +357,13 @@ export class View3d {
       this.setFrustum(width / height);
       this.render();
     }
+    if (this.fence) this.gl.deleteSync(this.fence);
+    this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    this.gl.flush();
     this.framesDrawn++;
     this.drawOverlay();
+    // For tests: nothing is still to be drawn.
+    this.canvas.dataset.idle = String(!this.coarse && this.frame === 0);
   }
 
   private renderOnly(names: readonly string[]): void {

@@ -19,6 +19,8 @@ export class Presenter implements Listeners {
   private app!: App;
   private depths: Depths | null = null;
   private previewOn = false;
+  /** How many surfaces have come: colours are painted anew on each. */
+  private surfaceCount = 0;
   private moveAtStart: Move | null = null;
   private planeAtStart: Plane | null = null;
   private gesture = 0;
@@ -72,6 +74,7 @@ export class Presenter implements Listeners {
     const index = name.startsWith('segments/') ? this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name) : -1;
     const colour = name.startsWith('segments/') ? segmentColour(Math.max(0, index)) : /skin|predicted/.test(name) ? SKIN : BONE;
     this.view.setBody(name, surface, colour);
+    this.surfaceCount++;
     this.profile_ = null;
     this.previewKey = this.depthKey = '';
     if (name === 'skin_before') this.shown = null;
@@ -146,6 +149,8 @@ export class Presenter implements Listeners {
     view.setOpacity('skull', step === 'anatomy' ? s.skullOpacity : 1);
     view.setOpacity('skin_before', step === 'compare' && s.showBones ? 0.4 : 1);
     view.setOpacity('predicted', step === 'compare' && s.showBones ? 0.4 : 1);
+    // What a closed skin hides need not be drawn.
+    if (view.body('skin') && bodies.includes('skin') && opacityOfSkin[step] === 1) bodies = ['skin'];
     view.show(bodies);
     view.pickable = (name) => (step === 'landmarks' && s.landmark && kindOf(s.landmark)?.on === 'bone' ? name === 'skull' : step === 'osteotomy' || step === 'movement' ? name !== 'skin' : true);
 
@@ -259,21 +264,30 @@ export class Presenter implements Listeners {
     this.view.render();
   }
 
+  private paintedDistance: unknown[] = [];
+
   private paintDistance(): void {
     const { s } = this.app.model;
     const predicted = this.view.body('predicted');
     if (!predicted) return;
+    const now = [predicted, s.showDistance, this.shifts_];
+    if (now.every((value, n) => value === this.paintedDistance[n])) return;
+    this.paintedDistance = now;
     if (s.showDistance && this.shifts_?.length === predicted.surface.points.length / 3) {
       predicted.setValues(this.shifts_, 'distance', 0, roundUp(s.prediction?.skin_largest_shift_mm ?? 1));
     } else {
-      predicted.setValues(null);
       predicted.setColour(SKIN);
     }
     this.view.render();
   }
 
+  private paintedDepths: { depths: Depths | null; on: boolean; step: string; bodies: number } | null = null;
+
   private paintDepths(): void {
     const { s, doc } = this.app.model;
+    const now = { depths: this.depths, on: s.showOverlap, step: s.step, bodies: this.surfaceCount };
+    if (JSON.stringify({ ...now, depths: null }) === JSON.stringify({ ...this.paintedDepths, depths: null }) && this.paintedDepths?.depths === now.depths) return;
+    this.paintedDepths = now;
     const on = s.showOverlap && (s.step === 'movement' || s.step === 'predict');
     doc.plan.segments.forEach((segment, index) => {
       const body = this.view.body(`segments/${segment.name}`);
@@ -282,7 +296,6 @@ export class Presenter implements Listeners {
       if (depth && depth.length === body.surface.points.length / 3 && (this.depths?.deepest_mm ?? 0) > 0.05) {
         body.setValues(depth, 'depth', 0, DEPTH_TOP_MM, segmentColour(index));
       } else {
-        body.setValues(null);
         body.setColour(segmentColour(index));
       }
     });
