@@ -1,0 +1,72 @@
+// What a person does with the planner, as functions of a page.
+import { check } from './harness.mjs';
+
+export const step = async (page, name) => {
+  await page.click(`[data-step=${name}]`);
+  await page.waitForSelector(`[data-step=${name}][aria-current=step]`);
+};
+
+/** Waits until a stage's chip in the panel, or a dot in the rail, says so. */
+export const dot = (page, name, state, timeout = 600000) => page.waitForSelector(`[data-step=${name}] .dot.${state}`, { timeout, state: 'attached' });
+
+export const id = (name) => `[data-id="${name}"]`;
+
+/** No surface or scan is on its way, and what is drawn has been drawn. */
+export async function settled(page) {
+  await page.waitForSelector('main[aria-busy=false]', { timeout: 180000 });
+  await drawn(page);
+}
+
+/** The 3D view stands still and is drawn in full. */
+export async function drawn(page) {
+  await page.waitForTimeout(400);
+  await page.waitForSelector('.view3d canvas[data-idle=true]', { timeout: 180000 });
+}
+
+/** No job runs or waits. */
+export const idle = (page, timeout = 900000) => page.waitForSelector(id('job'), { state: 'detached', timeout });
+
+export const saved = (page) => page.waitForFunction(() => document.querySelector('[data-id=saving]')?.textContent === 'Saved', null, { timeout: 60000 });
+
+export async function handles(page) {
+  return JSON.parse(await page.getAttribute('.view3d canvas:not(.overlay)', 'data-handles'));
+}
+
+/** Presses on a handle of the 3D view and drags it by pixels. Returns how long it took [ms]. */
+export async function dragHandle(page, name, dx, dy, steps = 40) {
+  await drawn(page);
+  const found = (await handles(page))[name];
+  check(`the view has a handle "${name}"`, found !== undefined);
+  const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
+  const [x, y] = [box.x + found[0], box.y + found[1]];
+  const since = Date.now();
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let n = 1; n <= steps; n++) await page.mouse.move(x + (dx * n) / steps, y + (dy * n) / steps);
+  await page.mouse.up();
+  return Date.now() - since;
+}
+
+/** Clicks in the 3D view, by shares of its size. */
+export async function click3d(page, u, v) {
+  const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
+  await page.mouse.click(box.x + u * box.width, box.y + v * box.height);
+}
+
+export async function look(page, title) {
+  await page.click(`.view-bar button[title="${title}"]`);
+  await drawn(page);
+}
+
+/** Types a number into a field and leaves it. */
+export async function type(page, field, value) {
+  await page.fill(id(field), String(value));
+  await page.press(id(field), 'Enter');
+}
+
+export async function openExample(page) {
+  await page.click(id('open-example'));
+  await dot(page, 'anatomy', 'fresh');
+  await idle(page);
+  await settled(page);
+}

@@ -1,0 +1,50 @@
+import tseslint from 'typescript-eslint';
+
+// api <- model <- scene <- ui: a folder may use only those before it, each through its index.ts.
+const order = ['api', 'model', 'scene', 'ui'];
+const above = (folder) => order.slice(order.indexOf(folder) + 1);
+
+const boundary = (folder, libraries) => ({
+  files: [`src/${folder}/**/*.ts`],
+  rules: {
+    'no-restricted-imports': [
+      'error',
+      {
+        patterns: [
+          {
+            group: above(folder).map((name) => `**/${name}/**`).concat(above(folder).map((name) => `**/${name}`)),
+            message: `${folder} may not use what comes after it (api <- model <- scene <- ui).`,
+          },
+          { group: ['../*/*', '!../*/index', '!../../*'], message: 'Enter a folder through its index.ts.' },
+          ...libraries.map((library) => ({
+            group: [library, `${library}/*`],
+            message: `${library} does not belong into ${folder}.`,
+          })),
+        ].filter((pattern) => pattern.group.length > 0),
+      },
+    ],
+  },
+});
+
+export default tseslint.config(
+  { ignores: ['dist/', 'node_modules/', 'src/api/types.gen.ts'] },
+  ...tseslint.configs.recommended,
+  boundary('api', ['three', 'lit-html']),
+  boundary('model', ['three', 'lit-html']),
+  boundary('scene', ['lit-html']),
+  boundary('ui', ['three']),
+  {
+    files: ['src/model/**/*.ts'],
+    rules: {
+      'no-restricted-globals': ['error', 'window', 'document', 'fetch', 'localStorage', 'sessionStorage', 'navigator'],
+    },
+  },
+  {
+    rules: {
+      eqeqeq: 'error',
+      'prefer-const': 'error',
+      'no-var': 'error',
+      '@typescript-eslint/no-unused-vars': ['error', { argsIgnorePattern: '^_' }],
+    },
+  },
+);

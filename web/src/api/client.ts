@@ -1,0 +1,263 @@
+import { ContractError, parse, type Schemas } from './contract';
+import { EventParser } from './events';
+import { decodeSurface, type WireSurface } from './surface';
+
+/** A request the server refused; the message is one sentence for people. */
+export class ApiError extends Error {
+  constructor(
+    readonly status: number,
+    readonly code: string,
+    message: string,
+    readonly where = '',
+  ) {
+    super(message);
+  }
+}
+
+/** A value with the ETag it must be replaced by. */
+export interface Tagged<T> {
+  value: T;
+  etag: string;
+}
+
+export interface Depths {
+  /** Segment to depth of each of its vertices [mm], 0 outside other bone. */
+  bySegment: Map<string, Float32Array>;
+  deepest_mm: number;
+  beyondReach: boolean;
+}
+
+export type Poses = Record<string, readonly number[]>;
+
+export type CaseEvents = {
+  job: Schemas['JobEvent'];
+  newton: Schemas['NewtonEvent'];
+  step: Schemas['StepEvent'];
+  case: Schemas['CaseEvent'];
+  reset: Schemas['ResetEvent'];
+};
+
+const EVENT_SCHEMA = {
+  job: 'JobEvent',
+  newton: 'NewtonEvent',
+  step: 'StepEvent',
+  case: 'CaseEvent',
+  reset: 'ResetEvent',
+} as const;
+
+export class Client {
+  constructor(
+    private readonly base: string,
+    private readonly token: string,
+  ) {}
+
+  private async send(method: string, path: string, init: RequestInit & { headers?: Record<string, string> } = {}): Promise<Response> {
+    let response: Response;
+    try {
+      response = await fetch(this.base + path, {
+        ...init,
+        method,
+        cache: 'no-store',
+        headers: { 'X-Lefort-Token': this.token, ...init.headers },
+      });
+    } catch (error) {
+      if (init.signal?.aborted) throw error;
+      throw new ApiError(0, 'unreachable', 'The server does not answer. Was lefort serve stopped?');
+    }
+    if (response.ok) return response;
+    let refusal: Schemas['Error']['error'];
+    try {
+      refusal = parse('Error', await response.json()).error;
+    } catch {
+      throw new ApiError(response.status, 'unknown', `The server refused with ${response.status} and did not say why.`);
+    }
+    throw new ApiError(response.status, refusal.code, refusal.message, refusal.where);
+  }
+
+  private async get<Name extends keyof Schemas>(name: Name, path: string): Promise<Schemas[Name]> {
+    return parse(name, await (await this.send('GET', path)).json());
+  }
+
+  private async getTagged<Name extends keyof Schemas>(name: Name, path: string): Promise<Tagged<Schemas[Name]>> {
+    const response = await this.send('GET', path);
+    return { value: parse(name, await response.json()), etag: etagOf(response) };
+  }
+
+  private json(method: string, path: string, body: unknown, headers: Record<string, string> = {}): Promise<Response> {
+    return this.send(method, path, { body: JSON.stringify(body), headers: { 'Content-Type': 'application/json', ...headers } });
+  }
+
+  case = () => this.get('Case', '/case');
+  jobs = async () => (await this.get('JobList', '/jobs')).jobs;
+  job = (id: number) => this.get('Job', `/jobs/${id}`);
+  volume = () => this.get('Volume', '/volume');
+  labels = () => this.get('Labels', '/labels');
+  surfaces = async () => (await this.get('SurfaceList', '/surfaces')).surfaces;
+  prediction = () => this.get('Prediction', '/prediction');
+  previewDistance = () => this.get('PreviewDistance', '/preview/distance');
+  files = async () => (await this.get('FileList', '/files')).files;
+  plan = () => this.getTagged('Plan', '/plan');
+  landmarks = () => this.getTagged('Landmarks', '/landmarks');
+  planPoses = (count: number) => this.get('PlanPoses', `/plan/poses?count=${count}`);
+
+  async startJob(request: Schemas['JobRequest']): Promise<Schemas['Job']> {
+    return parse('Job', await (await this.json('POST', '/jobs', request)).json());
+  }
+
+  async stopJob(id: number): Promise<void> {
+    await this.send('DELETE', `/jobs/${id}`);
+  }
+
+  /** Sends the files of one scan, one after the other; tells how many bytes are there. */
+  async upload(files: readonly File[], onProgress: (sentBytes: number) => void): Promise<string> {
+    const { id } = parse('Upload', await (await this.send('POST', '/uploads')).json());
+    let sent = 0;
+    try {
+      for (let index = 0; index < files.length; index++) {
+        const file = files[index];
+        await this.send('PUT', `/uploads/${id}/files/${index}?name=${encodeURIComponent(endingOnly(file.name, index))}`, {
+          body: file,
+          headers: { 'Content-Type': 'application/octet-stream' },
+        });
+        sent += file.size;
+        onProgress(sent);
+      }
+    } catch (error) {
+      await this.send('DELETE', `/uploads/${id}`).catch(() => undefined);
+      throw error;
+    }
+    return id;
+  }
+
+  async volumeData(): Promise<Int16Array> {
+    return new Int16Array(await (await this.send('GET', '/volume/data')).arrayBuffer());
+  }
+
+  async labelsData(): Promise<Tagged<Uint8Array>> {
+    const response = await this.send('GET', '/labels/data');
+    return { value: new Uint8Array(await response.arrayBuffer()), etag: etagOf(response) };
+  }
+
+  async putLabels(labels: Uint8Array, etag: string): Promise<string> {
+    const body = new Blob([labels as Uint8Array<ArrayBuffer>]);
+    const response = await this.send('PUT', '/labels/data', {
+      body,
+      headers: { 'Content-Type': 'application/octet-stream', 'If-Match': etag },
+    });
+    return etagOf(response);
+  }
+
+  /** `name` as GET /surfaces tells it: skin, or segments/midface. */
+  async surface(name: string): Promise<WireSurface> {
+    const response = await this.send('GET', `/surfaces/${name}`);
+    const scalars = (response.headers.get('X-Lefort-Scalars') ?? '').split(',').filter(Boolean);
+    return decodeSurface(await response.arrayBuffer(), scalars);
+  }
+
+  async putPlan(plan: unknown, etag: string): Promise<Tagged<Schemas['PlanStored']>> {
+    const response = await this.json('PUT', '/plan', plan, { 'If-Match': etag });
+    return { value: parse('PlanStored', await response.json()), etag: etagOf(response) };
+  }
+
+  async putLandmarks(landmarks: Schemas['Landmarks'], etag: string): Promise<string> {
+    return etagOf(await this.json('PUT', '/landmarks', landmarks, { 'If-Match': etag }));
+  }
+
+  async measure(before: Schemas['Points'], after?: Schemas['Points']): Promise<Schemas['Measurements']['measurements']> {
+    const body = after ? { before, after } : { before };
+    return parse('Measurements', await (await this.json('POST', '/measurements', body)).json()).measurements;
+  }
+
+  async placeTemplate(request: Schemas['OsteotomyRequest']): Promise<Schemas['Osteotomy']['osteotomy']> {
+    return parse('Osteotomy', await (await this.json('POST', '/osteotomies', request)).json()).osteotomy;
+  }
+
+  async depths(poses: Poses, signal?: AbortSignal): Promise<Depths> {
+    const response = await this.send('POST', '/poses', {
+      body: JSON.stringify({ poses }),
+      headers: { 'Content-Type': 'application/json' },
+      signal,
+    });
+    const all = new Float32Array(await response.arrayBuffer());
+    const bySegment = new Map<string, Float32Array>();
+    let at = 0;
+    for (const entry of (response.headers.get('X-Lefort-Segments') ?? '').split(',').filter(Boolean)) {
+      const [name, count] = entry.split('=');
+      bySegment.set(name, all.subarray(at, at + Number(count)));
+      at += Number(count);
+    }
+    if (at !== all.length) throw new ContractError('the server sent more depths than it named vertices');
+    return {
+      bySegment,
+      deepest_mm: Number(response.headers.get('X-Lefort-Deepest-Mm') ?? 0),
+      beyondReach: response.headers.get('X-Lefort-Beyond-Reach') === '1',
+    };
+  }
+
+  /** Displacement of each vertex of the skin [mm], flat xyz. A preview, not a prediction. */
+  async preview(poses: Poses, signal?: AbortSignal): Promise<Float32Array> {
+    const response = await this.send('POST', '/preview', {
+      body: JSON.stringify({ poses }),
+      headers: { 'Content-Type': 'application/json' },
+      signal,
+    });
+    return new Float32Array(await response.arrayBuffer());
+  }
+
+  /** Displacement of each vertex of surface skin_before at a step, from 1 [mm], flat xyz. */
+  async predictionStep(step: number): Promise<Float32Array> {
+    return new Float32Array(await (await this.send('GET', `/prediction/steps/${step}`)).arrayBuffer());
+  }
+
+  async file(name: string): Promise<Blob> {
+    return (await this.send('GET', `/files/${encodeURIComponent(name)}`)).blob();
+  }
+
+  /** Listens until the signal is aborted; connects again after a break, from the last event seen. */
+  async listen(
+    on: <Kind extends keyof CaseEvents>(kind: Kind, event: CaseEvents[Kind]) => void,
+    onConnection: (connected: boolean, error: ApiError | null) => void,
+    signal: AbortSignal,
+  ): Promise<void> {
+    let last: string | null = null;
+    let wait_ms = 500;
+    while (!signal.aborted) {
+      try {
+        const headers: Record<string, string> = last === null ? {} : { 'Last-Event-ID': last };
+        const response = await this.send('GET', '/events', { headers, signal });
+        onConnection(true, null);
+        wait_ms = 500;
+        const parser = new EventParser();
+        const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
+        for (;;) {
+          const { done, value } = await reader.read();
+          if (done) break;
+          for (const event of parser.push(value)) {
+            if (event.id !== null) last = event.id;
+            const kind = event.event as keyof CaseEvents;
+            if (!(kind in EVENT_SCHEMA)) continue;
+            on(kind, parse(EVENT_SCHEMA[kind], JSON.parse(event.data)) as never);
+          }
+        }
+      } catch (error) {
+        if (signal.aborted) return;
+        if (!(error instanceof ApiError) && !(error instanceof TypeError)) console.error(error);
+        onConnection(false, error instanceof ApiError ? error : null);
+      }
+      await new Promise((done) => setTimeout(done, wait_ms));
+      wait_ms = Math.min(5000, wait_ms * 2);
+    }
+  }
+}
+
+function etagOf(response: Response): string {
+  const etag = response.headers.get('ETag');
+  if (etag === null) throw new ContractError('the server sent no ETag');
+  return etag;
+}
+
+/** A scan's file name may name the patient: only its ending leaves the page. */
+export function endingOnly(name: string, index: number): string {
+  const ending = /(\.nii\.gz|\.[A-Za-z0-9]{1,8})$/i.exec(name)?.[0].toLowerCase() ?? '';
+  return `file${index}${/^\.\d+$/.test(ending) ? '' : ending}`;
+}

@@ -1,0 +1,67 @@
+/** Colours as 0 to 1, sRGB. */
+export type Rgb = readonly [number, number, number];
+
+const hex = (text: string): Rgb => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255) as unknown as Rgb;
+
+/**
+ * Colour scales with stops from 0 to 1. Distance: magma turned round, light where nothing moved, as the command
+ * line's pictures; readable without red and green. Depth: clear bone to a warning red, for overlap.
+ */
+const SCALES = {
+  distance: ['#fcfdbf', '#fec287', '#fb8761', '#e55064', '#b5367a', '#812581', '#4f127b'].map(hex),
+  depth: ['#e8dcc4', '#f6c46a', '#ee7b30', '#d22c2c', '#8b0f2e'].map(hex),
+  signed: ['#2166ac', '#67a9cf', '#d1e5f0', '#f7f7f7', '#fddbc7', '#ef8a62', '#b2182b'].map(hex),
+} as const;
+
+export type ScaleName = keyof typeof SCALES;
+
+export function colourAt(name: ScaleName, share: number): Rgb {
+  const stops = SCALES[name];
+  if (!(share > 0)) return stops[0];
+  if (share >= 1) return stops[stops.length - 1];
+  const at = share * (stops.length - 1);
+  const n = Math.floor(at);
+  const f = at - n;
+  return [0, 1, 2].map((c) => stops[n][c] * (1 - f) + stops[n + 1][c] * f) as unknown as Rgb;
+}
+
+export const cssOf = ([r, g, b]: Rgb): string =>
+  `rgb(${Math.round(r * 255)} ${Math.round(g * 255)} ${Math.round(b * 255)})`;
+
+/** A CSS gradient of a scale, for its legend. */
+export const gradientOf = (name: ScaleName): string => `linear-gradient(to right, ${SCALES[name].map(cssOf).join(', ')})`;
+
+/** Segments in the order of the plan. Told apart by the colour-blind as well (after Okabe and Ito). */
+export const SEGMENT_COLOURS: readonly Rgb[] = ['#4c8fd6', '#e69f00', '#27a27a', '#cc79a7', '#d55e00', '#8f7ee6', '#a3a02a', '#5ab4e0'].map(hex);
+
+export const segmentColour = (index: number): Rgb => SEGMENT_COLOURS[index % SEGMENT_COLOURS.length];
+
+export const BONE: Rgb = hex('#e3d9c6');
+export const SKIN: Rgb = hex('#d9a88c');
+
+const linear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+
+/** sRGB as light, which is what is shaded. */
+export const linearOf = (colour: Rgb): Rgb => colour.map(linear) as unknown as Rgb;
+
+/** Fills linear RGB per vertex from values; NaN becomes the lowest colour. `rest`: that of values not above `from`. */
+export function paint(values: ArrayLike<number>, name: ScaleName, from: number, to: number, into: Float32Array, rest?: Rgb): void {
+  const steps = 255;
+  const table = Array.from({ length: steps + 1 }, (_, n) => linearOf(colourAt(name, n / steps)));
+  if (rest) table[0] = linearOf(rest);
+  const k = steps / (to - from);
+  for (let n = 0; n < values.length; n++) {
+    const at = Math.min(steps, Math.max(0, Math.round((values[n] - from) * k))) || 0;
+    const colour = table[at];
+    into[3 * n] = colour[0];
+    into[3 * n + 1] = colour[1];
+    into[3 * n + 2] = colour[2];
+  }
+}
+
+/** A round upper end for a legend: 1, 2 or 5 times a power of ten, at least `value`. */
+export function roundUp(value: number): number {
+  if (!(value > 0)) return 1;
+  const power = 10 ** Math.floor(Math.log10(value));
+  return [1, 2, 5, 10].map((m) => m * power).find((v) => v >= value * (1 - 1e-9))!;
+}

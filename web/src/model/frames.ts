@@ -1,0 +1,188 @@
+/**
+ * Frame L: the patient, LPS, mm. x grows to the patient's left, y to posterior, z to superior.
+ * The 3D view uses L as it is (x, y, z are right-handed), with z up.
+ */
+export type Vec3 = readonly [number, number, number];
+
+/** Row-major 4x4, as files and the server have it. */
+export type Mat4 = readonly number[];
+
+export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+export const sub = (a: Vec3, b: Vec3): Vec3 => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+export const scale = (a: Vec3, s: number): Vec3 => [a[0] * s, a[1] * s, a[2] * s];
+export const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const cross = (a: Vec3, b: Vec3): Vec3 => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
+export const length = (a: Vec3): number => Math.hypot(a[0], a[1], a[2]);
+export const distance = (a: Vec3, b: Vec3): number => length(sub(a, b));
+
+/** Unit vector along a; throws on a vector without direction, which no caller may pass. */
+export function unit(a: Vec3): Vec3 {
+  const size = length(a);
+  if (!(size > 0)) throw new RangeError('a direction must not be zero');
+  return scale(a, 1 / size);
+}
+
+/** The two letters of each axis of L: towards minus, towards plus. */
+const LETTERS = [
+  ['R', 'L'],
+  ['A', 'P'],
+  ['I', 'S'],
+] as const;
+
+export type Side = 'R' | 'L' | 'A' | 'P' | 'I' | 'S';
+
+/** The direction of L a letter stands for. */
+export function directionOf(side: Side): Vec3 {
+  for (let axis = 0; axis < 3; axis++) {
+    const sign = LETTERS[axis].indexOf(side as never);
+    if (sign >= 0) {
+      const direction: [number, number, number] = [0, 0, 0];
+      direction[axis] = sign === 0 ? -1 : 1;
+      return direction;
+    }
+  }
+  throw new RangeError(`${side} is no side`);
+}
+
+/** The side a direction runs to most: 'A', or 'RA' if a second axis takes more than 0.35 of it. */
+export function sideName(direction: Vec3): string {
+  const d = unit(direction);
+  return [0, 1, 2]
+    .filter((axis) => Math.abs(d[axis]) > 0.35)
+    .sort((a, b) => Math.abs(d[b]) - Math.abs(d[a]))
+    .slice(0, 2)
+    .map((axis) => LETTERS[axis][d[axis] < 0 ? 0 : 1])
+    .join('');
+}
+
+/** A voxel grid in L. `direction` has the axes of i, j, k as its columns, row-major. */
+export interface Grid {
+  size: Vec3;
+  spacing_mm: Vec3;
+  origin_mm: Vec3;
+  direction: readonly number[];
+}
+
+const column = (grid: Grid, axis: number): Vec3 => [
+  grid.direction[axis],
+  grid.direction[3 + axis],
+  grid.direction[6 + axis],
+];
+
+/** Voxel index (may be fractional) to L. */
+export function indexToL(grid: Grid, index: Vec3): Vec3 {
+  let p = grid.origin_mm;
+  for (let axis = 0; axis < 3; axis++) p = add(p, scale(column(grid, axis), index[axis] * grid.spacing_mm[axis]));
+  return p;
+}
+
+/** L to fractional voxel index; the direction is a rotation, so its inverse is its transpose. */
+export function lToIndex(grid: Grid, p_L: Vec3): Vec3 {
+  const d = sub(p_L, grid.origin_mm);
+  return [0, 1, 2].map((axis) => dot(d, column(grid, axis)) / grid.spacing_mm[axis]) as unknown as Vec3;
+}
+
+export type Orientation = 'axial' | 'coronal' | 'sagittal';
+
+/** How a slice lies on the screen: which voxel axes run right, down and into the depth, and where they point. */
+export interface SliceFrame {
+  orientation: Orientation;
+  right: number;
+  down: number;
+  depth: number;
+  /** True if the index falls along the screen's direction. */
+  flipRight: boolean;
+  flipDown: boolean;
+  /** Sides at the screen's edges. */
+  labels: { left: string; right: string; top: string; bottom: string };
+}
+
+// Radiological: axial from below, coronal from the front, sagittal from the patient's left.
+const SCREEN: Record<Orientation, { right: Side; down: Side }> = {
+  axial: { right: 'L', down: 'P' },
+  coronal: { right: 'L', down: 'I' },
+  sagittal: { right: 'P', down: 'I' },
+};
+
+/** The voxel axis that runs most along a direction of L. */
+function axisAlong(grid: Grid, direction: Vec3, taken: number[]): number {
+  const free = [0, 1, 2].filter((axis) => !taken.includes(axis));
+  return free.reduce((best, axis) =>
+    Math.abs(dot(column(grid, axis), direction)) > Math.abs(dot(column(grid, best), direction)) ? axis : best,
+  );
+}
+
+export function sliceFrame(grid: Grid, orientation: Orientation): SliceFrame {
+  const towardsRight = directionOf(SCREEN[orientation].right);
+  const towardsDown = directionOf(SCREEN[orientation].down);
+  const right = axisAlong(grid, towardsRight, []);
+  const down = axisAlong(grid, towardsDown, [right]);
+  const depth = 3 - right - down;
+  const flipRight = dot(column(grid, right), towardsRight) < 0;
+  const flipDown = dot(column(grid, down), towardsDown) < 0;
+  const sideAlong = (axis: number, flip: boolean) => sideName(scale(column(grid, axis), flip ? -1 : 1));
+  return {
+    orientation,
+    right,
+    down,
+    depth,
+    flipRight,
+    flipDown,
+    labels: {
+      right: sideAlong(right, flipRight),
+      left: sideAlong(right, !flipRight),
+      bottom: sideAlong(down, flipDown),
+      top: sideAlong(down, !flipDown),
+    },
+  };
+}
+
+/** A point of a slice's picture, in pixels from its top left voxel's centre, as a voxel index. */
+export function pixelToIndex(grid: Grid, frame: SliceFrame, column_px: number, row_px: number, slice: number): Vec3 {
+  const index: [number, number, number] = [0, 0, 0];
+  index[frame.right] = frame.flipRight ? grid.size[frame.right] - 1 - column_px : column_px;
+  index[frame.down] = frame.flipDown ? grid.size[frame.down] - 1 - row_px : row_px;
+  index[frame.depth] = slice;
+  return index;
+}
+
+export function indexToPixel(grid: Grid, frame: SliceFrame, index: Vec3): { column: number; row: number; slice: number } {
+  return {
+    column: frame.flipRight ? grid.size[frame.right] - 1 - index[frame.right] : index[frame.right],
+    row: frame.flipDown ? grid.size[frame.down] - 1 - index[frame.down] : index[frame.down],
+    slice: index[frame.depth],
+  };
+}
+
+/** Middle of the grid in L. */
+export const gridCentre = (grid: Grid): Vec3 =>
+  indexToL(grid, [(grid.size[0] - 1) / 2, (grid.size[1] - 1) / 2, (grid.size[2] - 1) / 2]);
+
+export type ViewName = 'front' | 'right' | 'left' | 'right three-quarter' | 'left three-quarter' | 'below' | 'above';
+
+/** From the looked-at point to the camera, in L; z is always up. `right` is the patient's right side. */
+export const VIEWS: Record<ViewName, Vec3> = {
+  front: [0, -1, 0],
+  right: [-1, 0, 0],
+  left: [1, 0, 0],
+  'right three-quarter': [-0.66, -0.74, 0.12],
+  'left three-quarter': [0.66, -0.74, 0.12],
+  below: [0, -0.02, -1],
+  above: [0, -0.02, 1],
+};
+
+/** The sides at the edges of a picture whose camera looks along `forward` with `up` upwards. */
+export function screenSides(forward: Vec3, up: Vec3): { left: string; right: string; top: string; bottom: string } {
+  const right = cross(forward, up);
+  const trueUp = cross(right, forward);
+  return {
+    right: sideName(right),
+    left: sideName(scale(right, -1)),
+    top: sideName(trueUp),
+    bottom: sideName(scale(trueUp, -1)),
+  };
+}

@@ -1,0 +1,55 @@
+import { indexToL, lToIndex, type Grid, type Vec3 } from './frames';
+
+/** What changed where, so that a stroke of the brush can be taken back. */
+export interface LabelEdit {
+  at: Uint32Array;
+  before: Uint8Array;
+  after: number;
+}
+
+/** Paints a ball into labels (x fastest) and tells which voxels changed. Voxels whose centre lies in the ball. */
+export function paintBall(labels: Uint8Array, grid: Grid, centre_L: Vec3, radius_mm: number, label: number): LabelEdit {
+  const centre = lToIndex(grid, centre_L);
+  const [nx, ny, nz] = grid.size;
+  const range = [0, 1, 2].map((axis) => {
+    const reach = radius_mm / grid.spacing_mm[axis];
+    return [Math.max(0, Math.ceil(centre[axis] - reach)), Math.min(grid.size[axis] - 1, Math.floor(centre[axis] + reach))];
+  });
+  const at: number[] = [];
+  const before: number[] = [];
+  for (let k = range[2][0]; k <= range[2][1] && k < nz; k++)
+    for (let j = range[1][0]; j <= range[1][1] && j < ny; j++)
+      for (let i = range[0][0]; i <= range[0][1] && i < nx; i++) {
+        const dx = (i - centre[0]) * grid.spacing_mm[0];
+        const dy = (j - centre[1]) * grid.spacing_mm[1];
+        const dz = (k - centre[2]) * grid.spacing_mm[2];
+        if (dx * dx + dy * dy + dz * dz > radius_mm * radius_mm) continue;
+        const n = i + nx * (j + ny * k);
+        if (labels[n] === label) continue;
+        at.push(n);
+        before.push(labels[n]);
+        labels[n] = label;
+      }
+  return { at: Uint32Array.from(at), before: Uint8Array.from(before), after: label };
+}
+
+export function revert(labels: Uint8Array, edit: LabelEdit): void {
+  // Backwards: a voxel that a stroke passed twice gets its first value last.
+  for (let n = edit.at.length - 1; n >= 0; n--) labels[edit.at[n]] = edit.before[n];
+}
+
+export function repeat(labels: Uint8Array, edit: LabelEdit): void {
+  for (const n of edit.at) labels[n] = edit.after;
+}
+
+export const joinEdits = (first: LabelEdit, second: LabelEdit): LabelEdit => ({
+  at: Uint32Array.from([...first.at, ...second.at]),
+  before: Uint8Array.from([...first.before, ...second.before]),
+  after: second.after,
+});
+
+/** Centre of a voxel in L, by its number. */
+export function voxelCentre(grid: Grid, n: number): Vec3 {
+  const [nx, ny] = grid.size;
+  return indexToL(grid, [n % nx, Math.floor(n / nx) % ny, Math.floor(n / (nx * ny))]);
+}

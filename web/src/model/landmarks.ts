@@ -1,0 +1,83 @@
+import type { Vec3 } from './frames';
+
+export interface Landmark {
+  name: string;
+  position_mm: Vec3;
+}
+
+export interface LandmarkKind {
+  name: string;
+  full: string;
+  on: 'bone' | 'skin';
+}
+
+const paired = (name: string, full: string, on: LandmarkKind['on']): LandmarkKind[] => [
+  { name: `${name}-R`, full: `right ${full}`, on },
+  { name: `${name}-L`, full: `left ${full}`, on },
+];
+
+const bone = (name: string, full: string): LandmarkKind => ({ name, full, on: 'bone' });
+const skin = (name: string, full: string): LandmarkKind => ({ name, full, on: 'skin' });
+
+/** The landmarks that mean something to templates and to the table (docs/landmarks.md), in the order they are placed. */
+export const CATALOGUE: readonly LandmarkKind[] = [
+  bone('N', 'nasion'),
+  bone('S', 'sella'),
+  ...paired('Or', 'orbitale', 'bone'),
+  ...paired('Po', 'porion', 'bone'),
+  bone('ANS', 'anterior nasal spine'),
+  bone('PNS', 'posterior nasal spine'),
+  bone('A', 'A point'),
+  bone('B', 'B point'),
+  bone('Pg', 'pogonion'),
+  bone('Gn', 'gnathion'),
+  bone('Me', 'menton'),
+  ...paired('Go', 'gonion', 'bone'),
+  ...paired('Co', 'condylion', 'bone'),
+  ...paired('Ar', 'articulare', 'bone'),
+  bone('U1', 'upper incisor'),
+  bone('L1', 'lower incisor'),
+  ...paired('U6', 'upper first molar', 'bone'),
+  ...paired('L6', 'lower first molar', 'bone'),
+  ...paired('Zy', 'zygion', 'bone'),
+  ...paired('FZ', 'frontozygomatic point', 'bone'),
+  skin("N'", 'soft-tissue nasion'),
+  skin('Prn', 'pronasale'),
+  skin('Sn', 'subnasale'),
+  skin('Ls', 'labrale superius'),
+  skin('Stm', 'stomion'),
+  skin('Li', 'labrale inferius'),
+  skin("Pg'", 'soft-tissue pogonion'),
+  skin("Me'", 'soft-tissue menton'),
+  ...paired('Ex', 'exocanthion', 'skin'),
+  ...paired('En', 'endocanthion', 'skin'),
+  ...paired('Al', 'alare', 'skin'),
+  ...paired('Ch', 'cheilion', 'skin'),
+];
+
+export const kindOf = (name: string): LandmarkKind | undefined => CATALOGUE.find((kind) => kind.name === name);
+
+export const placed = (landmarks: readonly Landmark[], name: string): Landmark | undefined =>
+  landmarks.find((landmark) => landmark.name === name);
+
+/** Places a landmark, or moves the one that has this name. */
+export const withLandmark = (landmarks: readonly Landmark[], landmark: Landmark): Landmark[] =>
+  landmarks.some((old) => old.name === landmark.name)
+    ? landmarks.map((old) => (old.name === landmark.name ? landmark : old))
+    : [...landmarks, landmark];
+
+export const withoutLandmark = (landmarks: readonly Landmark[], name: string): Landmark[] =>
+  landmarks.filter((landmark) => landmark.name !== name);
+
+/** The next landmark of the catalogue to place after `name`, skipping those placed. */
+export function nextToPlace(landmarks: readonly Landmark[], name: string | null): string | null {
+  const start = name === null ? 0 : CATALOGUE.findIndex((kind) => kind.name === name) + 1;
+  const order = [...CATALOGUE.slice(start), ...CATALOGUE.slice(0, start)];
+  return order.find((kind) => !placed(landmarks, kind.name))?.name ?? null;
+}
+
+export const byName = (landmarks: readonly Landmark[]): Record<string, Vec3> =>
+  Object.fromEntries(landmarks.map((landmark) => [landmark.name, landmark.position_mm]));
+
+export const fromPoints = (points: Record<string, Vec3>): Landmark[] =>
+  Object.entries(points).map(([name, position_mm]) => ({ name, position_mm }));

@@ -1,0 +1,262 @@
+import { sub, unit, type Vec3 } from './frames';
+
+/** The plan file of the command line (contract/plan.schema.json), as far as the page edits it; other keys pass through. */
+export interface Plan {
+  lefort_plan: 1;
+  title?: string;
+  segmentation?: { labels?: string; bone_hu?: number; skin_hu?: number };
+  landmarks?: string | Record<string, Vec3>;
+  segments: Segment[];
+  tissue?: Tissue;
+  boundary?: Boundary;
+  contact?: Contact;
+  field?: { resolution?: number; band_mm?: number; tolerance_mm?: number };
+  solver?: { relative_tolerance?: number; max_iterations?: number; smallest_step?: number };
+}
+
+export interface Segment {
+  name: string;
+  from?: string;
+  osteotomy: Osteotomy;
+  path: Path;
+}
+
+export interface Plane {
+  point_mm: Vec3;
+  towards_segment: Vec3;
+  size_mm?: [number, number];
+  across?: Vec3;
+}
+
+export interface Curve {
+  points_mm?: Vec3[];
+  file?: string;
+  along: Vec3;
+  depth_mm?: number;
+}
+
+export type TemplateKind = 'le-fort-1' | 'le-fort-2' | 'le-fort-3' | 'genioplasty' | 'sagittal-split';
+
+export type Template = TemplateKind | ({ kind: TemplateKind } & Record<string, number | string>);
+
+export interface Osteotomy {
+  planes?: Plane[];
+  curves?: Curve[];
+  also?: { planes?: Plane[]; curves?: Curve[] }[];
+  template?: Template;
+  kerf_mm?: number;
+  holds?: (string | Vec3)[];
+  smallest_piece_ml?: number;
+  smallest_piece_share?: number;
+}
+
+export interface Keyframe {
+  at?: number;
+  translation_mm?: Vec3;
+  rotation_deg?: Vec3;
+  about_mm?: Vec3;
+  about?: string;
+  targets?: string | Record<string, Vec3>;
+  tolerance_mm?: number;
+  transform?: string;
+}
+
+export interface Path {
+  steps?: number;
+  interpolation?: 'straight' | 'screw';
+  distraction?: { towards: Vec3; mm_per_day: number; days: number }[];
+  keyframes?: Keyframe[];
+}
+
+export interface Tissue {
+  material?: string | { law: 'neo-hookean'; young_kpa: number; poisson: number };
+  element_size_mm?: number;
+  far_element_size_mm?: number;
+  margin_mm?: number;
+}
+
+export interface Boundary {
+  moved_bone?: 'contact' | 'attached';
+  scan_edge?: 'free' | 'fixed';
+  release_mm?: number;
+  capture_mm?: number;
+}
+
+export interface Contact {
+  stiffness_factor?: number;
+  detection?: 'smooth' | 'trilinear' | 'bvh';
+  penetration_tolerance_mm?: number;
+}
+
+/** Steps of a path that names none (docs/osteotomies.md). */
+export const DEFAULT_STEPS = 12;
+
+export const TEMPLATES: readonly {
+  kind: TemplateKind;
+  title: string;
+  needs: readonly string[];
+  describes: string;
+}[] = [
+  { kind: 'le-fort-1', title: 'Le Fort I', needs: ['ANS', 'PNS'], describes: 'Along the palate, above the teeth; behind PNS.' },
+  { kind: 'le-fort-2', title: 'Le Fort II', needs: ['N', 'Or-R', 'Or-L', 'ANS', 'PNS'], describes: 'A pyramid through nasion and both orbital rims.' },
+  { kind: 'le-fort-3', title: 'Le Fort III', needs: ['N', 'Or-R', 'Or-L', 'FZ-R', 'FZ-L', 'ANS', 'PNS'], describes: 'The mid-face, through the lateral walls of the orbits.' },
+  { kind: 'sagittal-split', title: 'Sagittal split (BSSO)', needs: ['Me', 'Go-R', 'Go-L', 'Co-R', 'Co-L', 'L6-R', 'L6-L'], describes: 'The tooth-bearing part of the mandible.' },
+  { kind: 'genioplasty', title: 'Genioplasty', needs: ['Me', 'Pg', 'Go-R', 'Go-L'], describes: 'The chin.' },
+];
+
+/** Landmarks a template still lacks. */
+export const missingFor = (kind: TemplateKind, placed: Iterable<string>): string[] => {
+  const names = new Set(placed);
+  return TEMPLATES.find((t) => t.kind === kind)!.needs.filter((name) => !names.has(name));
+};
+
+export const emptyPlan = (): Plan => ({ lefort_plan: 1, segments: [] });
+
+export const templateKind = (osteotomy: Osteotomy): TemplateKind | null =>
+  osteotomy.template === undefined
+    ? null
+    : typeof osteotomy.template === 'string'
+      ? osteotomy.template
+      : osteotomy.template.kind;
+
+/** A name no segment has yet: base, base-2, base-3 ... */
+export function freeName(plan: Plan, base: string): string {
+  const taken = new Set(plan.segments.map((s) => s.name));
+  for (let n = 1; ; n++) {
+    const name = n === 1 ? base : `${base}-${n}`;
+    if (!taken.has(name)) return name;
+  }
+}
+
+/** A path that goes nowhere yet: every segment needs one. */
+const REST: Path = { keyframes: [{ translation_mm: [0, 0, 0] }] };
+
+export const withSegment = (plan: Plan, base: string, osteotomy: Osteotomy): Plan => ({
+  ...plan,
+  segments: [...plan.segments, { name: freeName(plan, base), osteotomy, path: REST }],
+});
+
+export const editSegment = (plan: Plan, index: number, edit: (segment: Segment) => Segment): Plan => ({
+  ...plan,
+  segments: plan.segments.map((segment, n) => (n === index ? edit(segment) : segment)),
+});
+
+/** Removes a segment; those cut out of it are then cut out of what it was cut out of. */
+export function withoutSegment(plan: Plan, index: number): Plan {
+  const gone = plan.segments[index];
+  const rest = plan.segments.filter((_, n) => n !== index);
+  return {
+    ...plan,
+    segments: rest.map((segment) => {
+      if (segment.from !== gone.name) return segment;
+      const free = { ...segment };
+      delete free.from;
+      return gone.from === undefined ? free : { ...free, from: gone.from };
+    }),
+  };
+}
+
+/** Renames a segment wherever it is named. Returns null if the name is taken or not allowed. */
+export function renameSegment(plan: Plan, index: number, name: string): Plan | null {
+  if (!/^[A-Za-z0-9_-]{1,40}$/.test(name)) return null;
+  if (plan.segments.some((segment, n) => n !== index && segment.name === name)) return null;
+  const before = plan.segments[index].name;
+  return {
+    ...plan,
+    segments: plan.segments.map((segment, n) => ({
+      ...segment,
+      ...(n === index ? { name } : {}),
+      ...(segment.from === before ? { from: name } : {}),
+    })),
+  };
+}
+
+export const editOsteotomy = (plan: Plan, index: number, edit: (osteotomy: Osteotomy) => Osteotomy): Plan =>
+  editSegment(plan, index, (segment) => ({ ...segment, osteotomy: edit(segment.osteotomy) }));
+
+export const withPlane = (plan: Plan, index: number, plane: Plane): Plan =>
+  editOsteotomy(plan, index, (o) => ({ ...o, planes: [...(o.planes ?? []), plane] }));
+
+export const editPlane = (plan: Plan, index: number, n: number, plane: Plane): Plan =>
+  editOsteotomy(plan, index, (o) => ({ ...o, planes: o.planes?.map((p, k) => (k === n ? plane : p)) }));
+
+export const withoutPlane = (plan: Plan, index: number, n: number): Plan =>
+  editOsteotomy(plan, index, ({ planes, ...o }) => {
+    const rest = planes?.filter((_, k) => k !== n) ?? [];
+    return rest.length > 0 ? { ...o, planes: rest } : o;
+  });
+
+export const withCurve = (plan: Plan, index: number, curve: Curve): Plan =>
+  editOsteotomy(plan, index, (o) => ({ ...o, curves: [...(o.curves ?? []), curve] }));
+
+export const withoutCurve = (plan: Plan, index: number, n: number): Plan =>
+  editOsteotomy(plan, index, ({ curves, ...o }) => {
+    const rest = curves?.filter((_, k) => k !== n) ?? [];
+    return rest.length > 0 ? { ...o, curves: rest } : o;
+  });
+
+/** True if the cut names nothing yet: the server would refuse it. */
+export const cutsNothing = (o: Osteotomy): boolean =>
+  o.template === undefined && !o.planes?.length && !o.curves?.length;
+
+export const keyframesOf = (segment: Segment): Keyframe[] => segment.path.keyframes ?? [];
+
+export const editKeyframe = (plan: Plan, index: number, k: number, keyframe: Keyframe): Plan =>
+  editSegment(plan, index, (segment) => ({
+    ...segment,
+    path: { ...segment.path, keyframes: keyframesOf(segment).map((old, n) => (n === k ? keyframe : old)) },
+  }));
+
+const withoutTime = (keyframe: Keyframe): Keyframe => {
+  const rest = { ...keyframe };
+  delete rest.at;
+  return rest;
+};
+
+/** Spreads keyframes evenly again; the last must be at 1. */
+const spread = (keyframes: Keyframe[]): Keyframe[] =>
+  keyframes.map((keyframe, n) =>
+    keyframes.length === 1
+      ? withoutTime(keyframe)
+      : { ...keyframe, at: Math.round(((n + 1) / keyframes.length) * 1e6) / 1e6 },
+  );
+
+/** A copy of keyframe k behind it. */
+export const withKeyframeAfter = (plan: Plan, index: number, k: number): Plan =>
+  editSegment(plan, index, (segment) => {
+    const keyframes = keyframesOf(segment);
+    const copy = [...keyframes.slice(0, k + 1), keyframes[k], ...keyframes.slice(k + 1)];
+    return { ...segment, path: { ...segment.path, keyframes: spread(copy) } };
+  });
+
+export const withoutKeyframe = (plan: Plan, index: number, k: number): Plan =>
+  editSegment(plan, index, (segment) => {
+    const keyframes = keyframesOf(segment);
+    if (keyframes.length < 2) return segment;
+    return { ...segment, path: { ...segment.path, keyframes: spread(keyframes.filter((_, n) => n !== k)) } };
+  });
+
+/** Moves keyframe k in time, between its neighbours; the last stays at 1. */
+export const retimeKeyframe = (plan: Plan, index: number, k: number, at: number): Plan =>
+  editSegment(plan, index, (segment) => {
+    const keyframes = keyframesOf(segment);
+    if (k >= keyframes.length - 1) return segment;
+    const before = k === 0 ? 0 : (keyframes[k - 1].at ?? k / keyframes.length);
+    const after = keyframes[k + 1].at ?? (k + 2) / keyframes.length;
+    const gap = 0.01;
+    const clamped = Math.min(after - gap, Math.max(before + gap, at));
+    return {
+      ...segment,
+      path: { ...segment.path, keyframes: keyframes.map((old, n) => (n === k ? { ...old, at: clamped } : old)) },
+    };
+  });
+
+/** True if the page's gizmo can edit the path: keyframes by numbers, not by targets, files or days. */
+export const isEditablePath = (path: Path): boolean =>
+  path.keyframes !== undefined && path.keyframes.every((k) => k.targets === undefined && k.transform === undefined);
+
+/** A plane through a point, its normal towards the viewer's choice of segment. */
+export const planeAt = (point_mm: Vec3, towards: Vec3): Plane => ({ point_mm, towards_segment: unit(towards) });
+
+/** The other side of a plane becomes the segment. */
+export const flipped = (plane: Plane): Plane => ({ ...plane, towards_segment: sub([0, 0, 0], plane.towards_segment) });

@@ -1,0 +1,35 @@
+import type { Vec3 } from './frames';
+
+/** Triangles as the server sends them: xyz and ijk, flat. */
+export interface Surface {
+  points: Float32Array;
+  triangles: Uint32Array;
+}
+
+/**
+ * Where a plane cuts a surface, as line segments: 6 numbers each, mm in L. For drawing outlines, not for measuring.
+ */
+export function sectionOf(surface: Surface, point: Vec3, normal: Vec3): Float32Array {
+  const { points, triangles } = surface;
+  const offset = point[0] * normal[0] + point[1] * normal[1] + point[2] * normal[2];
+  const height = new Float32Array(points.length / 3);
+  for (let n = 0; n < height.length; n++)
+    height[n] = points[3 * n] * normal[0] + points[3 * n + 1] * normal[1] + points[3 * n + 2] * normal[2] - offset;
+  const lines: number[] = [];
+  const cross = (a: number, b: number): void => {
+    const t = height[a] / (height[a] - height[b]);
+    for (let c = 0; c < 3; c++) lines.push(points[3 * a + c] + t * (points[3 * b + c] - points[3 * a + c]));
+  };
+  for (let t = 0; t < triangles.length; t += 3) {
+    const a = triangles[t];
+    const b = triangles[t + 1];
+    const c = triangles[t + 2];
+    const above = (height[a] >= 0 ? 1 : 0) + (height[b] >= 0 ? 2 : 0) + (height[c] >= 0 ? 4 : 0);
+    if (above === 0 || above === 7) continue;
+    // The corner alone on its side, and the other two.
+    if (above === 1 || above === 6) { cross(a, b); cross(a, c); }
+    else if (above === 2 || above === 5) { cross(b, a); cross(b, c); }
+    else { cross(c, a); cross(c, b); }
+  }
+  return Float32Array.from(lines);
+}

@@ -1,0 +1,140 @@
+import { BufferAttribute, BufferGeometry, Group, Matrix4, Mesh, MeshLambertMaterial } from 'three';
+import { linearOf, paint, vertexNormals, type DrawnSurface, type Mat4, type Rgb, type ScaleName } from '../model';
+
+/** One surface on the screen: fine when still, coarse while something moves. */
+export class Body {
+  readonly group = new Group();
+  // Always by vertex, so that a change of colouring needs no other shader, which software is slow to make.
+  private readonly material = new MeshLambertMaterial({ vertexColors: true });
+  /** Only its depth is drawn, first: a clear face shows no face behind it. */
+  private readonly depthOnly = new MeshLambertMaterial({ vertexColors: true, colorWrite: false });
+  private readonly fine: Mesh;
+  private readonly coarse: Mesh;
+  private readonly fineDepth: Mesh;
+  private readonly coarseDepth: Mesh;
+  private opacity_ = 1;
+  private isCoarse = false;
+  shown = true;
+
+  constructor(readonly surface: DrawnSurface, colour: Rgb) {
+    const fine = geometryOf(surface.points, surface.normals, surface.triangles);
+    const { vertex, triangles } = surface.coarse;
+    const coarse = geometryOf(gather(surface.points, vertex), gather(surface.normals, vertex), triangles);
+    this.fine = new Mesh(fine, this.material);
+    this.coarse = new Mesh(coarse, this.material);
+    this.fineDepth = new Mesh(fine, this.depthOnly);
+    this.coarseDepth = new Mesh(coarse, this.depthOnly);
+    this.fineDepth.renderOrder = this.coarseDepth.renderOrder = 1;
+    this.group.add(this.fine, this.coarse, this.fineDepth, this.coarseDepth);
+    this.group.matrixAutoUpdate = false;
+    this.setColour(colour);
+    this.update();
+  }
+
+  /** One colour for all; lost when values are shown. */
+  setColour(colour: Rgb): void {
+    const [r, g, b] = linearOf(colour);
+    for (const array of this.colours()) for (let n = 0; n < array.length; n += 3) array.set([r, g, b], n);
+  }
+
+  /** The colours of both meshes, about to be written. */
+  private colours(): Float32Array[] {
+    return [this.fine, this.coarse].map((mesh) => {
+      const attribute = mesh.geometry.getAttribute('color') as BufferAttribute;
+      attribute.needsUpdate = true;
+      return attribute.array as Float32Array;
+    });
+  }
+
+  get opacity(): number {
+    return this.opacity_;
+  }
+
+  setOpacity(opacity: number): void {
+    this.opacity_ = opacity;
+    this.material.opacity = opacity;
+    const clear = opacity < 1;
+    if (this.material.transparent !== clear) {
+      this.material.transparent = clear;
+      this.material.needsUpdate = true;
+    }
+    this.fine.renderOrder = this.coarse.renderOrder = clear ? 2 : 0;
+    this.update();
+  }
+
+  setCoarse(coarse: boolean): void {
+    this.isCoarse = coarse;
+    this.update();
+  }
+
+  setPose(X_LB: Mat4): void {
+    this.group.matrix = new Matrix4().set(...(X_LB as Parameters<Matrix4['set']>));
+    this.group.matrixWorldNeedsUpdate = true;
+  }
+
+  /** Colours each vertex by a number; `rest` is the colour of those not above `from`. */
+  setValues(values: Float32Array, scale: ScaleName, from: number, to: number, rest?: Rgb): void {
+    const [fine, coarse] = this.colours();
+    paint(values, scale, from, to, fine, rest);
+    paint(Float32Array.from(this.surface.coarse.vertex, (v) => values[v]), scale, from, to, coarse, rest);
+  }
+
+  /** Moves each vertex by a vector (flat xyz, mm); null takes all back. */
+  setDisplacement(xyz: Float32Array | null, share = 1): void {
+    const { points, triangles, normals, coarse } = this.surface;
+    const moved = points.slice();
+    if (xyz) for (let n = 0; n < moved.length; n++) moved[n] += share * xyz[n];
+    const turned = xyz ? vertexNormals({ points: moved, triangles }) : normals;
+    replace(this.fine.geometry, moved, turned);
+    replace(this.coarse.geometry, gather(moved, coarse.vertex), gather(turned, coarse.vertex));
+  }
+
+  /** Where the vertices are now. */
+  get points(): Float32Array {
+    return this.fine.geometry.getAttribute('position').array as Float32Array;
+  }
+
+  get coarseSurface(): { points: Float32Array; triangles: Uint32Array } {
+    return { points: this.coarse.geometry.getAttribute('position').array as Float32Array, triangles: this.surface.coarse.triangles };
+  }
+
+  /** Shows or hides what must be drawn. */
+  update(): void {
+    const visible = this.shown && this.opacity_ > 0;
+    const clear = this.opacity_ < 1;
+    this.fine.visible = visible && !this.isCoarse;
+    this.coarse.visible = visible && this.isCoarse;
+    this.fineDepth.visible = this.fine.visible && clear;
+    this.coarseDepth.visible = this.coarse.visible && clear;
+  }
+
+  dispose(): void {
+    this.fine.geometry.dispose();
+    this.coarse.geometry.dispose();
+    this.material.dispose();
+    this.depthOnly.dispose();
+    this.group.removeFromParent();
+  }
+}
+
+function geometryOf(points: Float32Array, normals: Float32Array, triangles: Uint32Array): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(points, 3));
+  geometry.setAttribute('normal', new BufferAttribute(normals, 3));
+  geometry.setAttribute('color', new BufferAttribute(new Float32Array(points.length).fill(1), 3));
+  geometry.setIndex(new BufferAttribute(triangles, 1));
+  geometry.computeBoundingSphere();
+  return geometry;
+}
+
+function gather(xyz: Float32Array, vertex: Uint32Array): Float32Array {
+  const out = new Float32Array(3 * vertex.length);
+  for (let n = 0; n < vertex.length; n++) out.set(xyz.subarray(3 * vertex[n], 3 * vertex[n] + 3), 3 * n);
+  return out;
+}
+
+function replace(geometry: BufferGeometry, points: Float32Array, normals: Float32Array): void {
+  geometry.setAttribute('position', new BufferAttribute(points, 3));
+  geometry.setAttribute('normal', new BufferAttribute(normals, 3));
+  geometry.computeBoundingSphere();
+}

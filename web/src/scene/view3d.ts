@@ -1,0 +1,766 @@
+import {
+  AmbientLight, Box3, DirectionalLight, DoubleSide, HemisphereLight, Matrix4, Mesh, MeshBasicMaterial, OrthographicCamera,
+  PlaneGeometry, Quaternion, Scene, Vector3, WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import {
+  add, rayHit, screenSides, transformPoint, unit, VIEWS,
+  type DrawnSurface, type Hit, type Mat4, type Rgb, type Vec3, type ViewName,
+} from '../model';
+import { Body } from './body';
+import { Gizmo, type GizmoDrag } from './gizmo';
+import { projectionOf, type Projection } from './projection';
+
+/** A point drawn over the picture: a landmark, a corner of a curve. */
+export interface Marker {
+  id: string;
+  position: Vec3;
+  label?: string;
+  colour: string;
+  selected?: boolean;
+  /** Dim those that lie behind something. */
+  hides?: boolean;
+  draggable?: boolean;
+}
+
+export interface Polyline {
+  points: Vec3[];
+  closed: boolean;
+  colour: string;
+  dashed?: boolean;
+}
+
+export interface PlaneMark {
+  point: Vec3;
+  normal: Vec3;
+  size_mm: number;
+  colour: string;
+  selected: boolean;
+}
+
+export type Layout =
+  | { mode: 'single' }
+  | { mode: 'wipe'; share: number; left: string[]; right: string[]; names: [string, string] }
+  | { mode: 'beside'; left: string[]; right: string[]; names: [string, string] };
+
+export type Phase = 'start' | 'move' | 'end';
+
+export interface View3dEvents {
+  onGizmo(drag: GizmoDrag, phase: Phase): void;
+  /** A click on a body, with a tool that places. */
+  onPick(hit: Hit, body: string): void;
+  onMarkerDrag(id: string, hit: Hit, phase: Phase): void;
+  onMarkerSelect(id: string): void;
+  onWipe(share: number): void;
+}
+
+const IDLE_MS = 180;
+
+export class View3d {
+  readonly element = document.createElement('div');
+  readonly gizmo = new Gizmo();
+  markers: Marker[] = [];
+  lines: Polyline[] = [];
+  /** True if a click places something: the cursor says so. */
+  placing = false;
+  /** The bodies a tool works on; others are looked through. */
+  pickable: (name: string) => boolean = () => true;
+
+  private readonly canvas = document.createElement('canvas');
+  private readonly overlay = document.createElement('canvas');
+  private readonly renderer: WebGLRenderer;
+  private readonly gl: WebGL2RenderingContext;
+  private fence: WebGLSync | null = null;
+  private readonly scene = new Scene();
+  private readonly camera = new OrthographicCamera(-1, 1, 1, -1, 1, 4000);
+  private readonly controls: OrbitControls;
+  private readonly headlight = new DirectionalLight(0xffffff, 2.1);
+  private readonly bodies = new Map<string, Body>();
+  private readonly planes: { mark: PlaneMark; mesh: Mesh }[] = [];
+  private layout_: Layout = { mode: 'single' };
+  private hidden = new Set<string>();
+  private behind = new Set<string>();
+  private frame = 0;
+  private idle = 0;
+  private hiddenTimer = 0;
+  private lastIdle = 0;
+  private coarse = false;
+  private dragged: { kind: 'gizmo' | 'marker' | 'wipe'; id: string } | null = null;
+  private markerAtPointer: [number, number] | null = null;
+  private pressed: { x: number; y: number; at: number } | null = null;
+  private centre = new Vector3(0, 0, 0);
+  private radius_mm = 130;
+  /** Frames drawn since the page began, for measuring. */
+  framesDrawn = 0;
+
+  constructor(private readonly events: View3dEvents) {
+    this.element.className = 'view3d';
+    this.overlay.className = 'overlay';
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute('role', 'img');
+    this.canvas.setAttribute('aria-label', '3D view of bone and skin. Drag to turn, wheel to zoom, right button to shift.');
+    this.element.append(this.canvas, this.overlay);
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
+    this.renderer.setPixelRatio(isSoftware(this.renderer) ? 1 : Math.min(2, devicePixelRatio));
+    this.renderer.autoClear = false;
+    this.renderer.debug.checkShaderErrors = false; // Waiting for the compiler's word stops the page for a second in software.
+    this.gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.camera.up.set(0, 0, 1);
+    this.scene.add(new AmbientLight(0xffffff, 0.55), new HemisphereLight(0xffffff, 0x9aa4ae, 0.5), this.camera);
+    this.scene.children[1].position.set(0, 0, 1); // Light from above is light from superior.
+    this.camera.add(this.headlight);
+    this.headlight.position.set(-0.35, 0.45, 1);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.enableDamping = false;
+    this.controls.zoomToCursor = true;
+    this.controls.addEventListener('start', () => this.beBusy());
+    this.controls.addEventListener('change', () => {
+      this.beBusy();
+      this.render();
+    });
+    this.controls.addEventListener('end', () => this.beBusy());
+    this.canvas.addEventListener('pointerdown', this.onDown, { capture: true });
+    this.canvas.addEventListener('pointermove', this.onMove);
+    this.canvas.addEventListener('pointerup', this.onUp);
+    this.canvas.addEventListener('pointercancel', this.onUp);
+    this.canvas.addEventListener('pointerleave', () => this.hover(null));
+    this.canvas.addEventListener('contextmenu', (event) => event.preventDefault());
+    new ResizeObserver(() => this.resize()).observe(this.element);
+    this.look('right three-quarter');
+  }
+
+  // Bodies
+
+  setBody(name: string, surface: DrawnSurface, colour: Rgb): Body {
+    const old = this.bodies.get(name);
+    const body = new Body(surface, colour);
+    if (old) {
+      body.setOpacity(old.opacity);
+      old.dispose();
+    }
+    body.setCoarse(this.coarse);
+    body.shown = !this.hidden.has(name);
+    body.update();
+    this.bodies.set(name, body);
+    this.scene.add(body.group);
+    if (this.bodies.size === 1) this.frameAll();
+    this.render();
+    return body;
+  }
+
+  removeBody(name: string): void {
+    this.bodies.get(name)?.dispose();
+    this.bodies.delete(name);
+    this.render();
+  }
+
+  body(name: string): Body | undefined {
+    return this.bodies.get(name);
+  }
+
+  bodyNames(): string[] {
+    return [...this.bodies.keys()];
+  }
+
+  /** Shows these bodies and no others. */
+  show(names: readonly string[]): void {
+    this.hidden = new Set(this.bodies.keys());
+    for (const name of names) this.hidden.delete(name);
+    for (const [name, body] of this.bodies) {
+      body.shown = !this.hidden.has(name);
+      body.update();
+    }
+    this.render();
+  }
+
+  setOpacity(name: string, opacity: number): void {
+    this.bodies.get(name)?.setOpacity(opacity);
+    this.render();
+  }
+
+  setPose(name: string, X_LB: Mat4): void {
+    this.bodies.get(name)?.setPose(X_LB);
+    this.render();
+  }
+
+  setPlanes(marks: PlaneMark[]): void {
+    for (const { mesh } of this.planes) {
+      mesh.geometry.dispose();
+      (mesh.material as MeshBasicMaterial).dispose();
+      mesh.removeFromParent();
+    }
+    this.planes.length = 0;
+    for (const mark of marks) {
+      const material = new MeshBasicMaterial({
+        color: mark.colour, transparent: true, opacity: mark.selected ? 0.34 : 0.16, side: DoubleSide, depthWrite: false,
+      });
+      const mesh = new Mesh(new PlaneGeometry(mark.size_mm, mark.size_mm), material);
+      mesh.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...unit(mark.normal))));
+      mesh.position.set(...mark.point);
+      mesh.renderOrder = 3;
+      this.planes.push({ mark, mesh });
+      this.scene.add(mesh);
+    }
+    this.render();
+  }
+
+  setLayout(layout: Layout): void {
+    this.layout_ = layout;
+    this.render();
+  }
+
+  get layout(): Layout {
+    return this.layout_;
+  }
+
+  // Looking
+
+  look(name: ViewName): void {
+    const towards = unit(VIEWS[name]);
+    this.controls.target.copy(this.centre);
+    this.camera.position.copy(this.centre).addScaledVector(new Vector3(...towards), 1000);
+    this.camera.lookAt(this.centre);
+    this.controls.update();
+    this.render();
+  }
+
+  /** Brings all bodies into view. */
+  frameAll(): void {
+    const box = new Box3();
+    for (const body of this.bodies.values()) box.expandByObject(body.group);
+    if (box.isEmpty()) return;
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    box.getCenter(this.centre);
+    this.radius_mm = box.getSize(new Vector3()).length() / 2;
+    this.controls.target.copy(this.centre);
+    this.camera.position.copy(this.centre).add(offset);
+    this.camera.zoom = 1;
+    this.resize();
+    this.controls.update();
+  }
+
+  /** The projection of the half that a point of the view lies in. */
+  projection(x = 0): Projection {
+    const { width, height } = this.size();
+    const beside = this.layout_.mode === 'beside';
+    const centre: [number, number] = beside
+      ? [x < width / 2 ? width / 4 : (3 * width) / 4, height / 2]
+      : [width / 2, height / 2];
+    const forward = new Vector3();
+    this.camera.getWorldDirection(forward);
+    const up = new Vector3(0, 1, 0).applyQuaternion(this.camera.quaternion);
+    const px_per_mm = (this.camera.zoom * height) / (this.camera.top - this.camera.bottom);
+    return projectionOf(this.controls.target.toArray() as Vec3, forward.toArray() as Vec3, up.toArray() as Vec3, px_per_mm, centre);
+  }
+
+  private size(): { width: number; height: number } {
+    return { width: this.element.clientWidth || 1, height: this.element.clientHeight || 1 };
+  }
+
+  private resize(): void {
+    const { width, height } = this.size();
+    this.renderer.setSize(width, height, false);
+    const ratio = Math.min(2, devicePixelRatio);
+    this.overlay.width = width * ratio;
+    this.overlay.height = height * ratio;
+    this.setFrustum(width / height);
+    this.drawNow();
+  }
+
+  private setFrustum(aspect: number): void {
+    // Room for the head in both directions; a face seen from the side is about as wide as high.
+    const half = this.radius_mm * 0.82 * Math.max(1, 1 / aspect);
+    this.camera.top = half;
+    this.camera.bottom = -half;
+    this.camera.left = -half * aspect;
+    this.camera.right = half * aspect;
+    this.camera.updateProjectionMatrix();
+  }
+
+  // Drawing
+
+  /** While something moves, surfaces are coarse; they become fine again when it has stopped. */
+  beBusy(): void {
+    this.lastIdle = performance.now();
+    if (!this.coarse) this.setCoarse(true);
+    if (this.idle) return;
+    const check = () => {
+      const left = IDLE_MS - (performance.now() - this.lastIdle);
+      if (left > 0 || this.dragged?.kind === 'gizmo' || this.dragged?.kind === 'marker') {
+        this.idle = window.setTimeout(check, Math.max(20, left));
+        return;
+      }
+      this.idle = 0;
+      this.setCoarse(false);
+      this.findHidden();
+      this.render();
+    };
+    this.idle = window.setTimeout(check, IDLE_MS);
+  }
+
+  private setCoarse(coarse: boolean): void {
+    this.coarse = coarse;
+    for (const body of this.bodies.values()) body.setCoarse(coarse);
+  }
+
+  render(): void {
+    this.canvas.dataset.idle = 'false';
+    if (this.frame) return;
+    const whenReady = (): void => {
+      // One picture at a time: on slow graphics pictures would pile up, and the page would lag behind the hand.
+      if (this.fence && this.gl.getSyncParameter(this.fence, this.gl.SYNC_STATUS) !== this.gl.SIGNALED) {
+        this.frame = requestAnimationFrame(whenReady);
+        return;
+      }
+      this.frame = 0;
+      this.dragMarker();
+      this.drawNow();
+    };
+    this.frame = requestAnimationFrame(whenReady);
+  }
+
+  /** Once a picture, however many events came: a pick looks at every triangle. */
+  private dragMarker(): void {
+    if (!this.markerAtPointer || this.dragged?.kind !== 'marker') return;
+    const found = this.pick(...this.markerAtPointer);
+    this.markerAtPointer = null;
+    if (found) this.events.onMarkerDrag(this.dragged.id, found.hit, 'move');
+  }
+
+  drawNow(): void {
+    const { width, height } = this.size();
+    const renderer = this.renderer;
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, width, height);
+    renderer.clear();
+    const layout = this.layout_;
+    if (layout.mode === 'single') {
+      renderer.render(this.scene, this.camera);
+    } else if (layout.mode === 'wipe') {
+      const at = Math.round(width * layout.share);
+      renderer.setScissorTest(true);
+      renderer.setScissor(0, 0, at, height);
+      this.renderOnly(layout.left);
+      renderer.setScissor(at, 0, width - at, height);
+      this.renderOnly(layout.right);
+    } else {
+      const half = Math.floor(width / 2);
+      this.setFrustum(half / height);
+      renderer.setScissorTest(true);
+      for (const [x, names] of [[0, layout.left], [half, layout.right]] as const) {
+        renderer.setViewport(x, 0, half, height);
+        renderer.setScissor(x, 0, half, height);
+        this.renderOnly(names);
+      }
+    }
+    if (layout.mode !== 'beside' && Math.abs(this.camera.right / this.camera.top - width / height) > 1e-6) {
+      this.setFrustum(width / height);
+      this.render();
+    }
+    if (this.fence) this.gl.deleteSync(this.fence);
+    this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    this.gl.flush();
+    this.framesDrawn++;
+    this.drawOverlay();
+    // For tests: nothing is still to be drawn.
+    this.canvas.dataset.idle = String(!this.coarse && this.frame === 0);
+  }
+
+  private renderOnly(names: readonly string[]): void {
+    for (const [name, body] of this.bodies) body.group.visible = names.includes(name);
+    this.renderer.render(this.scene, this.camera);
+    for (const body of this.bodies.values()) body.group.visible = true;
+  }
+
+  /** Which markers lie behind a body that is shown and not clear. */
+  private findHidden(): void {
+    this.behind.clear();
+    const projection = this.projection();
+    for (const marker of this.markers) {
+      if (!marker.hides) continue;
+      const [x, y] = projection.toScreen(marker.position);
+      const { origin, direction } = projection.rayAt(x, y);
+      const hit = this.pickAlong(origin, direction, () => true, true);
+      const depth = (p: Vec3) => (p[0] - origin[0]) * direction[0] + (p[1] - origin[1]) * direction[1] + (p[2] - origin[2]) * direction[2];
+      if (hit && hit.hit.distance < depth(marker.position) - 4) this.behind.add(marker.id);
+    }
+  }
+
+  /** Markers, gizmo, sides and scale: crisp, and the same on any graphics. */
+  private drawOverlay(): void {
+    const context = this.overlay.getContext('2d')!;
+    const ratio = this.overlay.width / this.size().width;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    const { width, height } = this.size();
+    context.clearRect(0, 0, width, height);
+    const halves = this.layout_.mode === 'beside' ? [0, width / 2] : [0];
+    for (const x of halves) {
+      const projection = this.projection(x + 1);
+      context.save();
+      context.beginPath();
+      context.rect(x, 0, width / halves.length, height);
+      context.clip();
+      for (const { mark } of this.planes) drawPlaneOutline(context, projection, mark);
+      for (const line of this.lines) drawLine(context, projection, line);
+      const taken: [number, number][] = [];
+      for (const marker of [...this.markers].sort((a, b) => Number(b.selected ?? false) - Number(a.selected ?? false))) this.drawMarker(context, projection, marker, taken);
+      drawSides(context, projection, x, 0, width / halves.length, height, this.ink());
+      context.restore();
+      if (x === 0) drawScale(context, projection, width / halves.length, height, this.ink());
+    }
+    const layout = this.layout_;
+    if (layout.mode === 'wipe') drawWipe(context, width * layout.share, height);
+    if (layout.mode !== 'single') {
+      const middle = layout.mode === 'wipe' ? width * layout.share : width / 2;
+      drawTag(context, layout.names[0], middle - 12, 'right');
+      drawTag(context, layout.names[1], middle + 12, 'left');
+    }
+    if (halves.length === 2) {
+      context.fillStyle = this.ink();
+      context.globalAlpha = 0.25;
+      context.fillRect(width / 2 - 0.5, 0, 1, height);
+      context.globalAlpha = 1;
+    }
+    this.gizmo.draw(context, this.projection());
+    this.tellHandles();
+  }
+
+  private ink(): string {
+    return getComputedStyle(this.element).getPropertyValue('--view-ink').trim() || '#333';
+  }
+
+  /** Where handles and markers are on the screen, for tests and assistive scripts. */
+  private tellHandles(): void {
+    const projection = this.projection();
+    const handles: Record<string, [number, number]> = {};
+    for (const handle of this.gizmo.handles(projection)) {
+      const [x, y] = handle.kind === 'shift' ? handle.line[1] : handle.line[8];
+      const along = projection.directionOnScreen(handle.axis.direction);
+      const towards = handle.line[1][0] - handle.line[0][0];
+      const down = handle.line[1][1] - handle.line[0][1];
+      const positive = along[0] * towards + along[1] * down > 0;
+      handles[`${handle.kind} ${handle.axis.name}${handle.kind === 'shift' ? (positive ? ' +' : ' -') : ''}`] = [Math.round(x), Math.round(y)];
+    }
+    for (const marker of this.markers) {
+      const [x, y] = projection.toScreen(marker.position);
+      handles[`marker ${marker.id}`] = [Math.round(x), Math.round(y)];
+    }
+    this.canvas.dataset.handles = JSON.stringify(handles);
+    this.canvas.dataset.pxPerMm = projection.px_per_mm.toFixed(4);
+  }
+
+  private drawMarker(context: CanvasRenderingContext2D, projection: Projection, marker: Marker, taken: [number, number][]): void {
+    const [x, y] = projection.toScreen(marker.position);
+    const behind = this.behind.has(marker.id);
+    context.globalAlpha = behind ? 0.3 : 1;
+    context.beginPath();
+    context.arc(x, y, marker.selected ? 6 : 4.5, 0, 2 * Math.PI);
+    context.fillStyle = marker.colour;
+    context.fill();
+    context.lineWidth = marker.selected ? 2.5 : 1.5;
+    context.strokeStyle = marker.selected ? '#ffffff' : 'rgb(255 255 255 / 0.9)';
+    context.stroke();
+    context.beginPath();
+    context.arc(x, y, marker.selected ? 7.5 : 5.5, 0, 2 * Math.PI);
+    context.lineWidth = 1;
+    context.strokeStyle = 'rgb(0 0 0 / 0.55)';
+    context.stroke();
+    // A label that would lie on another one is left out; so is that of a point behind the bone.
+    if (marker.label && !behind && !taken.some(([tx, ty]) => Math.abs(tx - x) < 42 && Math.abs(ty - y) < 17)) {
+      taken.push([x, y]);
+      drawLabel(context, marker.label, x + 10, y, marker.selected ?? false);
+    }
+    context.globalAlpha = 1;
+  }
+
+  // Pointer
+
+  private at(event: PointerEvent): [number, number] {
+    const box = this.canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  }
+
+  private markerAt(x: number, y: number): Marker | null {
+    const projection = this.projection(x);
+    let best: Marker | null = null;
+    let nearest = 10;
+    for (const marker of this.markers) {
+      const [mx, my] = projection.toScreen(marker.position);
+      const d = Math.hypot(mx - x, my - y);
+      if (d < nearest && !this.behind.has(marker.id)) {
+        nearest = d;
+        best = marker;
+      }
+    }
+    return best;
+  }
+
+  /** First shown body along the ray of a point of the view. */
+  pick(x: number, y: number): { hit: Hit; body: string } | null {
+    const { origin, direction } = this.projection(x).rayAt(x, y);
+    return this.pickAlong(origin, direction, this.pickable, false);
+  }
+
+  private pickAlong(origin: Vec3, direction: Vec3, wanted: (name: string) => boolean, coarse: boolean): { hit: Hit; body: string } | null {
+    let best: { hit: Hit; body: string } | null = null;
+    for (const [name, body] of this.bodies) {
+      if (!body.shown || body.opacity < 0.3 || !wanted(name)) continue;
+      const X = body.group.matrix;
+      const inverse = rows(new Matrix4().copy(X).invert());
+      const from = transformPoint(inverse, origin);
+      const to = transformPoint(inverse, add(origin, direction));
+      const along: Vec3 = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+      const surface = coarse ? body.coarseSurface : { points: body.points, triangles: body.surface.triangles };
+      const hit = rayHit(surface, from, along);
+      if (!hit || (best && hit.distance >= best.hit.distance)) continue;
+      const pose = rows(X);
+      const tip = transformPoint(pose, add(hit.point, hit.normal));
+      const point = transformPoint(pose, hit.point);
+      best = { body: name, hit: { ...hit, point, normal: [tip[0] - point[0], tip[1] - point[1], tip[2] - point[2]] } };
+    }
+    return best;
+  }
+
+  private onDown = (event: PointerEvent): void => {
+    const [x, y] = this.at(event);
+    this.controls.enabled = true;
+    this.pressed = { x, y, at: performance.now() };
+    if (event.button !== 0) return;
+    const layout = this.layout_;
+    if (layout.mode === 'wipe' && Math.abs(x - layout.share * this.size().width) < 14) {
+      this.dragged = { kind: 'wipe', id: '' };
+    } else if (this.gizmo.begin(this.projection(x), x, y)) {
+      this.dragged = { kind: 'gizmo', id: '' };
+      this.beBusy();
+      this.events.onGizmo(this.gizmo.drag(this.projection(x), x, y)!, 'start');
+    } else {
+      const marker = this.markerAt(x, y);
+      if (marker) {
+        this.events.onMarkerSelect(marker.id);
+        if (marker.draggable) this.dragged = { kind: 'marker', id: marker.id };
+      }
+    }
+    if (this.dragged) {
+      this.controls.enabled = false;
+      this.canvas.setPointerCapture(event.pointerId);
+    }
+  };
+
+  private onMove = (event: PointerEvent): void => {
+    const [x, y] = this.at(event);
+    if (!this.dragged) {
+      if (event.buttons === 0) this.hover([x, y]);
+      return;
+    }
+    if (this.dragged.kind === 'gizmo') {
+      this.beBusy();
+      const drag = this.gizmo.drag(this.projection(x), x, y);
+      if (drag) this.events.onGizmo(drag, 'move');
+    } else if (this.dragged.kind === 'wipe') {
+      this.events.onWipe(Math.min(0.98, Math.max(0.02, x / this.size().width)));
+    } else {
+      this.beBusy();
+      this.markerAtPointer = [x, y];
+    }
+    this.render();
+  };
+
+  private onUp = (event: PointerEvent): void => {
+    const [x, y] = this.at(event);
+    const dragged = this.dragged;
+    this.dragged = null;
+    this.controls.enabled = true;
+    if (dragged?.kind === 'gizmo') {
+      const drag = this.gizmo.drag(this.projection(x), x, y);
+      this.gizmo.end();
+      if (drag) this.events.onGizmo(drag, 'end');
+    } else if (dragged?.kind === 'marker') {
+      const found = this.pick(x, y);
+      if (found) this.events.onMarkerDrag(dragged.id, found.hit, 'end');
+    } else if (!dragged && event.button === 0 && this.pressed && this.placing) {
+      // A click, not the end of turning the head.
+      if (Math.hypot(x - this.pressed.x, y - this.pressed.y) < 4 && !this.markerAt(x, y)) {
+        const found = this.pick(x, y);
+        if (found) this.events.onPick(found.hit, found.body);
+      }
+    }
+    this.pressed = null;
+    this.beBusy();
+    this.render();
+  };
+
+  private hover(at: [number, number] | null): void {
+    const before = this.gizmo.hovered;
+    this.gizmo.hovered = at ? this.gizmo.find(this.projection(at[0]), ...at) : null;
+    const layout = this.layout_;
+    const onWipe = at !== null && layout.mode === 'wipe' && Math.abs(at[0] - layout.share * this.size().width) < 14;
+    const overMarker = at !== null && this.markerAt(...at) !== null;
+    this.canvas.style.cursor = onWipe ? 'ew-resize' : this.gizmo.hovered || overMarker ? 'grab' : this.placing ? 'crosshair' : '';
+    if (before?.axis !== this.gizmo.hovered?.axis || before?.kind !== this.gizmo.hovered?.kind) this.render();
+  }
+
+  /** Finds anew which markers are hidden, after they or the bodies have changed. */
+  refreshMarkers(): void {
+    clearTimeout(this.hiddenTimer);
+    this.hiddenTimer = window.setTimeout(() => {
+      this.findHidden();
+      this.render();
+    }, IDLE_MS);
+    this.render();
+  }
+
+  /** The picture as it is, with a line of text below it. */
+  snapshot(caption: string, background: string): HTMLCanvasElement {
+    this.setCoarse(false);
+    this.drawNow();
+    const { width, height } = this.size();
+    const picture = document.createElement('canvas');
+    const foot = 28;
+    picture.width = width;
+    picture.height = height + foot;
+    const context = picture.getContext('2d')!;
+    context.fillStyle = background;
+    context.fillRect(0, 0, width, height + foot);
+    context.drawImage(this.canvas, 0, 0, width, height);
+    context.drawImage(this.overlay, 0, 0, width, height);
+    context.fillStyle = this.ink();
+    context.font = '12px "Inter Variable", sans-serif';
+    context.textBaseline = 'middle';
+    context.fillText(caption, 12, height + foot / 2);
+    return picture;
+  }
+}
+
+const rows = (m: Matrix4): Mat4 => m.clone().transpose().toArray();
+
+function isSoftware(renderer: WebGLRenderer): boolean {
+  const gl = renderer.getContext();
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
+function drawLine(context: CanvasRenderingContext2D, projection: Projection, line: Polyline): void {
+  if (line.points.length < 2) return;
+  context.beginPath();
+  line.points.forEach((p, n) => {
+    const [x, y] = projection.toScreen(p);
+    if (n === 0) context.moveTo(x, y);
+    else context.lineTo(x, y);
+  });
+  if (line.closed) context.closePath();
+  context.setLineDash(line.dashed ? [5, 5] : []);
+  context.lineJoin = 'round';
+  context.lineWidth = 4;
+  context.strokeStyle = 'rgb(0 0 0 / 0.35)';
+  context.stroke();
+  context.lineWidth = 2;
+  context.strokeStyle = line.colour;
+  context.stroke();
+  context.setLineDash([]);
+}
+
+function drawPlaneOutline(context: CanvasRenderingContext2D, projection: Projection, mark: PlaneMark): void {
+  const n = new Vector3(...unit(mark.normal));
+  const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), n);
+  const h = mark.size_mm / 2;
+  const corners = [[-h, -h], [h, -h], [h, h], [-h, h]].map(([a, b]) =>
+    new Vector3(a, b, 0).applyQuaternion(turn).add(new Vector3(...mark.point)).toArray() as Vec3,
+  );
+  context.beginPath();
+  corners.forEach((corner, k) => {
+    const [x, y] = projection.toScreen(corner);
+    if (k === 0) context.moveTo(x, y);
+    else context.lineTo(x, y);
+  });
+  context.closePath();
+  context.lineWidth = mark.selected ? 2 : 1.25;
+  context.strokeStyle = mark.colour;
+  context.globalAlpha = mark.selected ? 1 : 0.7;
+  context.stroke();
+  context.globalAlpha = 1;
+}
+
+export function drawLabel(context: CanvasRenderingContext2D, text: string, x: number, y: number, strong: boolean): void {
+  context.font = `${strong ? 600 : 500} 11.5px "Inter Variable", sans-serif`;
+  context.textAlign = 'left';
+  context.textBaseline = 'middle';
+  const width = context.measureText(text).width;
+  context.fillStyle = strong ? 'rgb(15 95 115 / 0.95)' : 'rgb(16 22 28 / 0.72)';
+  context.beginPath();
+  context.roundRect(x - 4, y - 8.5, width + 8, 17, 4);
+  context.fill();
+  context.fillStyle = '#ffffff';
+  context.fillText(text, x, y + 0.5);
+}
+
+function drawSides(
+  context: CanvasRenderingContext2D, projection: Projection, x: number, y: number, width: number, height: number, ink: string,
+): void {
+  const sides = screenSides(projection.forward, projection.up);
+  context.font = '600 14px "Inter Variable", sans-serif';
+  context.fillStyle = ink;
+  context.textBaseline = 'middle';
+  context.textAlign = 'center';
+  context.fillText(sides.left, x + 16, y + height / 2);
+  context.fillText(sides.right, x + width - 16, y + height / 2);
+  context.fillText(sides.top, x + width / 2, y + 18);
+  context.fillText(sides.bottom, x + width / 2, y + height - 18);
+}
+
+function drawScale(context: CanvasRenderingContext2D, projection: Projection, width: number, height: number, ink: string): void {
+  const mm = [100, 50, 20, 10, 5, 2, 1].find((step) => step * projection.px_per_mm < Math.min(160, width / 4)) ?? 1;
+  const size = mm * projection.px_per_mm;
+  const [x, y] = [16, height - 16];
+  context.strokeStyle = ink;
+  context.lineWidth = 1.5;
+  context.beginPath();
+  context.moveTo(x, y - 4);
+  context.lineTo(x, y);
+  context.lineTo(x + size, y);
+  context.lineTo(x + size, y - 4);
+  context.stroke();
+  context.font = '500 11px "Inter Variable", sans-serif';
+  context.fillStyle = ink;
+  context.textAlign = 'left';
+  context.textBaseline = 'alphabetic';
+  context.fillText(`${mm} mm`, x, y - 8);
+}
+
+/** What a side of a comparison shows. */
+function drawTag(context: CanvasRenderingContext2D, text: string, x: number, align: 'left' | 'right'): void {
+  context.font = '600 12px "Inter Variable", sans-serif';
+  context.textAlign = align;
+  context.textBaseline = 'middle';
+  const width = context.measureText(text).width;
+  context.fillStyle = 'rgb(16 22 28 / 0.78)';
+  context.beginPath();
+  context.roundRect(align === 'left' ? x - 8 : x - width - 8, 44, width + 16, 22, 6);
+  context.fill();
+  context.fillStyle = '#ffffff';
+  context.fillText(text, x, 55.5);
+}
+
+function drawWipe(context: CanvasRenderingContext2D, x: number, height: number): void {
+  context.fillStyle = 'rgb(0 0 0 / 0.35)';
+  context.fillRect(x - 2, 0, 4, height);
+  context.fillStyle = '#ffffff';
+  context.fillRect(x - 1, 0, 2, height);
+  context.beginPath();
+  context.arc(x, height / 2, 15, 0, 2 * Math.PI);
+  context.fillStyle = '#ffffff';
+  context.fill();
+  context.lineWidth = 1;
+  context.strokeStyle = 'rgb(0 0 0 / 0.35)';
+  context.stroke();
+  context.beginPath();
+  for (const sign of [-1, 1]) {
+    context.moveTo(x + sign * 4, height / 2 - 5);
+    context.lineTo(x + sign * 9, height / 2);
+    context.lineTo(x + sign * 4, height / 2 + 5);
+  }
+  context.strokeStyle = '#0f5f73';
+  context.lineWidth = 2;
+  context.stroke();
+}
+

@@ -1,0 +1,765 @@
+import { ApiError, type Client, type Depths, type Schemas } from '../api';
+import {
+  change, fromPoints, byName, joinEdits, lengths, moveOf, paintBall, poseOf, redo, repeat, revert, settle, startHistory,
+  undo, gridCentre, shifted, turned, aboutPoint, editKeyframe, keyframesOf, isEditablePath, templateKind,
+  type DrawnSurface, type Grid, type History, type LabelEdit, type Landmark, type Mat4, type Move, type Plan, type Vec3,
+} from '../model';
+import { prepareSurfaceAside } from '../workers';
+import { Model, runningJob, stageOf, type Doc, type StepName } from './state';
+
+/** How deep bones may overlap before a plan is marked: the limit of `lefort plan check` [mm]. */
+export const OVERLAP_LIMIT_MM = 0.5;
+
+const SAVE_AFTER_MS = 300;
+
+/** Surfaces a step shows; others are fetched when they are first needed. */
+const WANTED: Record<StepName, RegExp> = {
+  case: /^(skull|skin)$/,
+  anatomy: /^(skull|skin)$/,
+  landmarks: /^(skull|skin)$/,
+  osteotomy: /^(skull|skin|remainder|segments\/.+)$/,
+  movement: /^(skull|skin|remainder|segments\/.+)$/,
+  tissue: /^(skull|skin|remainder|segments\/.+)$/,
+  predict: /^(skull|skin|remainder|segments\/.+)$/,
+  compare: /^(skin_before|predicted|remainder|segments\/.+)$/,
+};
+
+export interface Listeners {
+  /** A surface came or went. */
+  onSurface(name: string, surface: DrawnSurface | null): void;
+  onDepths(depths: Depths | null): void;
+  /** Displacement of the skin; null takes it back. */
+  onPreview(xyz: Float32Array | null): void;
+  onLabels(): void;
+}
+
+/** What a person can do, and what the server says. The only place that calls the server. */
+export class App {
+  readonly model = new Model();
+  private readonly aborter = new AbortController();
+  private etags: { plan: string; landmarks: string } = { plan: '*', landmarks: '*' };
+  private stored: { plan: Plan | null; landmarks: readonly Landmark[] | null } = { plan: null, landmarks: null };
+  private saveTimer = 0;
+  private saveRunning: Promise<void> | null = null;
+  private appliedStrokes: readonly LabelEdit[] = [];
+  private volumeEtag: string | null = null;
+  private toastId = 0;
+  private readonly whenDone = new Map<number, () => void>();
+  private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = { wanted: null, running: false, times: [] };
+  private previewAborter: AbortController | null = null;
+  private stepData = new Map<number, Float32Array>();
+  private surfaceQueue: Promise<void> = Promise.resolve();
+
+  constructor(
+    readonly client: Client,
+    private readonly listeners: Listeners,
+  ) {}
+
+  // The life of the page
+
+  async start(): Promise<void> {
+    const { model } = this;
+    model.history.subscribe((history, before) => this.onDocChanged(history, before));
+    model.state.subscribe((state, before) => {
+      if (state.step !== before.step) {
+        this.loadSurfaces();
+        if (state.step === 'compare' || state.step === 'predict') void this.loadPrediction();
+        if (state.step === 'landmarks') void this.measure();
+      }
+    });
+    await this.refresh();
+    void this.client.listen(
+      (kind, event) => {
+        if (kind === 'job') this.onJob(event as Schemas['JobEvent']);
+        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, event as Schemas['NewtonEvent']] });
+        else if (kind === 'step') this.patch({ steps: [...model.s.steps, event as Schemas['StepEvent']] });
+        else if (kind === 'case') this.onStages((event as Schemas['CaseEvent']).stages as Schemas['Case']['stages']);
+        else void this.refresh();
+      },
+      (connected, error) => {
+        if (error?.status === 401 || error?.status === 403) this.patch({ fatal: error.message });
+        const was = model.s.connection;
+        this.patch({ connection: connected ? 'on' : 'lost' });
+        if (connected && was === 'lost') void this.refresh();
+      },
+      this.aborter.signal,
+    );
+  }
+
+  stop(): void {
+    this.aborter.abort();
+  }
+
+  patch(part: Parameters<Model['state']['patch']>[0]): void {
+    this.model.state.patch(part);
+  }
+
+  toast(text: string, kind: 'info' | 'error' = 'info'): void {
+    const id = ++this.toastId;
+    this.patch({ toasts: [...this.model.s.toasts, { id, kind, text }].slice(-4) });
+    setTimeout(() => this.dismiss(id), kind === 'error' ? 12000 : 4500);
+  }
+
+  dismiss(id: number): void {
+    this.patch({ toasts: this.model.s.toasts.filter((toast) => toast.id !== id) });
+  }
+
+  /** Runs something that may be refused; the refusal is shown. */
+  async try_<T>(work: () => Promise<T>): Promise<T | null> {
+    try {
+      return await work();
+    } catch (error) {
+      this.toast(sentence(error), 'error');
+      return null;
+    }
+  }
+
+  private async refresh(): Promise<void> {
+    try {
+      const [case_, jobs] = await Promise.all([this.client.case(), this.client.jobs()]);
+      this.patch({ case: case_, jobs, connection: 'on', fatal: null });
+      this.restoreStep(case_);
+      await this.onStages(case_.stages);
+      if (runningJob(this.model.s)?.kind === 'predict') this.patch({ newton: [], steps: [] });
+    } catch (error) {
+      if (error instanceof ApiError && error.status === 0) this.patch({ connection: 'lost' });
+      else this.patch({ fatal: sentence(error) });
+    }
+  }
+
+  private restoreStep(case_: Schemas['Case']): void {
+    const kept = sessionStorage.getItem('lefort-step') as StepName | null;
+    if (kept && case_.scan) this.patch({ step: kept });
+  }
+
+  setStep(step: StepName): void {
+    sessionStorage.setItem('lefort-step', step);
+    this.patch({ step, tool: 'none', curveDraft: null, scrub: null, thresholdOn: step === 'anatomy' ? this.model.s.thresholdOn : false });
+  }
+
+  private async onStages(stages: Schemas['Case']['stages']): Promise<void> {
+    const { s } = this.model;
+    if (!s.case) return;
+    this.patch({ case: { ...s.case, stages } });
+    // What this page is just keeping would look as if another one had changed it.
+    while (this.saveRunning) await this.saveRunning;
+    if (this.model.s.case?.stages !== stages) return; // Newer ones came meanwhile.
+    const work: Promise<unknown>[] = [];
+    if (stages.scan.etag !== this.volumeEtag) work.push(this.loadVolume(stages.scan.etag));
+    if (stages.plan.etag !== null && stages.plan.etag !== this.etags.plan) work.push(this.loadPlan());
+    if (stages.landmarks.etag !== null && stages.landmarks.etag !== this.etags.landmarks) work.push(this.loadLandmarks());
+    await Promise.all(work);
+    this.loadSurfaces();
+    if (this.model.s.step === 'compare' || this.model.s.step === 'predict') void this.loadPrediction();
+  }
+
+  // What the server has
+
+  private async loadVolume(etag: string | null): Promise<void> {
+    this.volumeEtag = etag;
+    this.model.labels = null;
+    this.model.labelsEtag = null;
+    this.patch({ volume: null, volumeLoading: etag !== null, labelsReady: false });
+    if (etag === null) return;
+    try {
+      const [volume, data, case_] = await Promise.all([this.client.volume(), this.client.volumeData(), this.client.case()]);
+      if (this.volumeEtag !== etag) return;
+      const grid: Grid = {
+        size: volume.size as unknown as Vec3,
+        spacing_mm: volume.spacing_mm as unknown as Vec3,
+        origin_mm: volume.origin_mm as unknown as Vec3,
+        direction: volume.direction,
+      };
+      this.patch({ case: case_, volume: { grid, data, presets: volume.presets }, volumeLoading: false, cursor_L: gridCentre(grid) });
+    } catch (error) {
+      this.patch({ volumeLoading: false });
+      if (!(error instanceof ApiError && error.code === 'not_ready')) this.toast(sentence(error), 'error');
+    }
+  }
+
+  /** Fetches those of the server's surfaces that the step shows and that have changed. */
+  private loadSurfaces(): void {
+    this.patch({ surfacesLoading: Math.max(1, this.model.s.surfacesLoading) });
+    this.surfaceQueue = this.surfaceQueue.then(() => this.loadSurfacesNow());
+  }
+
+  private async loadSurfacesNow(): Promise<void> {
+    const { model } = this;
+    const list = await this.try_(() => this.client.surfaces());
+    if (!list) {
+      this.patch({ surfacesLoading: 0 });
+      return;
+    }
+    for (const name of [...model.surfaces.keys()])
+      if (!list.some((entry) => entry.name === name)) {
+        model.surfaces.delete(name);
+        this.listeners.onSurface(name, null);
+      }
+    const wanted = list.filter((entry) => WANTED[model.s.step].test(entry.name) && model.surfaces.get(entry.name)?.etag !== entry.etag);
+    this.patch({ surfacesLoading: wanted.length });
+    await Promise.all(
+      wanted.map(async ({ name, etag }) => {
+        await this.try_(async () => {
+          const { points, triangles } = await this.client.surface(name);
+          const surface = await prepareSurfaceAside({ points, triangles });
+          model.surfaces.set(name, { etag, surface });
+          this.listeners.onSurface(name, surface);
+        });
+        this.patch({ surfacesLoading: Math.max(0, model.s.surfacesLoading - 1) });
+      }),
+    );
+    this.patch({ surfacesLoading: 0 });
+  }
+
+  async loadLabels(): Promise<void> {
+    const { model } = this;
+    const etag = stageOf(model.s, 'anatomy').etag;
+    if (model.labels && this.labelsOf === etag) return;
+    this.labelsOf = etag;
+    await this.try_(async () => {
+      const [about, data] = await Promise.all([this.client.labels(), this.client.labelsData()]);
+      model.labels = data.value;
+      model.labelsEtag = data.etag;
+      this.appliedStrokes = [];
+      const bare = (doc: Doc): Doc => ({ ...doc, strokes: [] });
+      const { past, present, future } = model.history.value;
+      model.history.set({ past: past.map(bare), present: bare(present), future: future.map(bare), gesture: null });
+      this.patch({ labelNames: about.names, labelsReady: true });
+      this.listeners.onLabels();
+    });
+  }
+
+  private async loadPlan(replacesMine = false): Promise<void> {
+    // Changes of both pages: keeping this one's finds the conflict, and the person decides.
+    if (!replacesMine && this.isUnsaved()) return;
+    try {
+      const { value, etag } = await this.client.plan();
+      this.etags.plan = etag;
+      const plan = value as unknown as Plan;
+      const { plan: mine } = this.model.doc;
+      this.stored.plan = plan;
+      if (mine.segments.length === 0 && this.model.history.value.past.length === 0) {
+        this.model.history.set(startHistory({ ...this.model.doc, plan }));
+      } else if (JSON.stringify(this.keptPlan()) !== JSON.stringify(plan)) {
+        this.model.history.set(change(this.model.history.value, { ...this.model.doc, plan }));
+        this.toast('The plan was changed elsewhere; this page now shows that.');
+      }
+      this.stored.plan = this.model.doc.plan;
+      clearTimeout(this.saveTimer);
+      this.patch({ canPredict: plan.segments.length === 1, saving: 'saved', saveError: null });
+      await this.afterPlanSaved();
+    } catch (error) {
+      if (!isMissing(error)) this.toast(sentence(error), 'error');
+    }
+  }
+
+  private async loadLandmarks(replacesMine = false): Promise<void> {
+    if (!replacesMine && this.isUnsaved()) return;
+    try {
+      const { value, etag } = await this.client.landmarks();
+      this.etags.landmarks = etag;
+      const landmarks = fromPoints(value.landmarks as unknown as Record<string, Vec3>);
+      const history = this.model.history.value;
+      if (JSON.stringify(byName(history.present.landmarks)) === JSON.stringify(byName(landmarks))) {
+        this.stored.landmarks = history.present.landmarks;
+        return;
+      }
+      this.stored.landmarks = landmarks;
+      const next = { ...history.present, landmarks };
+      this.model.history.set(history.past.length === 0 ? startHistory(next) : change(history, next));
+      void this.measure();
+    } catch (error) {
+      if (!isMissing(error)) this.toast(sentence(error), 'error');
+    }
+  }
+
+  async loadPrediction(): Promise<void> {
+    const stage = stageOf(this.model.s, 'prediction');
+    if (stage.state === 'missing') {
+      this.patch({ prediction: null, files: [] });
+      return;
+    }
+    const [prediction, files] = await Promise.all([
+      this.client.prediction().catch((error: unknown) => {
+        if (!isMissing(error)) this.toast(sentence(error), 'error');
+        return null;
+      }),
+      this.client.files().catch(() => []),
+    ]);
+    const before = this.model.s.prediction;
+    if (JSON.stringify(before?.document) !== JSON.stringify(prediction?.document)) this.stepData.clear();
+    const last = prediction?.steps.length ?? 0;
+    this.patch({
+      prediction,
+      files,
+      compareStep: before && this.model.s.compareStep <= last && this.model.s.compareStep > 0 ? this.model.s.compareStep : last,
+    });
+    if (prediction?.converged && stage.state === 'fresh')
+      this.patch({ previewDistance: await this.client.previewDistance().catch(() => null) });
+  }
+
+  /** Displacement of the skin at a step of the kept prediction; 0 is before surgery. */
+  async displacementAt(step: number): Promise<Float32Array | null> {
+    if (step === 0) return null;
+    const known = this.stepData.get(step);
+    if (known) return known;
+    const data = await this.client.predictionStep(step);
+    this.stepData.set(step, data);
+    return data;
+  }
+
+  // Undo and redo
+
+  edit(next: Partial<Doc>, gesture: string | null = null): void {
+    this.model.history.set(change(this.model.history.value, { ...this.model.doc, ...next }, gesture));
+  }
+
+  settle(): void {
+    this.model.history.set(settle(this.model.history.value));
+  }
+
+  undo(): void {
+    this.model.history.set(undo(this.model.history.value));
+  }
+
+  redo(): void {
+    this.model.history.set(redo(this.model.history.value));
+  }
+
+  private onDocChanged({ present }: History<Doc>, { present: before }: History<Doc>): void {
+    if (present.strokes !== before.strokes) this.applyStrokes(present.strokes);
+    if (present.plan !== before.plan || present.landmarks !== before.landmarks) {
+      this.patch({ scrub: null });
+      clearTimeout(this.saveTimer);
+      if (this.isUnsaved()) {
+        if (this.model.s.saving === 'saved') this.patch({ saving: 'unsaved' });
+        this.saveTimer = window.setTimeout(() => void this.save(), SAVE_AFTER_MS);
+      }
+    }
+    if (present.landmarks !== before.landmarks) void this.measure();
+    const count = present.plan.segments.length;
+    if (this.model.s.segment >= count) this.patch({ segment: Math.max(0, count - 1), plane: null, keyframe: 0 });
+    const segment = present.plan.segments[this.model.s.segment];
+    const keyframes = segment ? keyframesOf(segment).length : 0;
+    if (this.model.s.keyframe >= Math.max(1, keyframes)) this.patch({ keyframe: Math.max(0, keyframes - 1) });
+    if (this.model.s.plane !== null && this.model.s.plane >= (segment?.osteotomy.planes?.length ?? 0)) this.patch({ plane: null });
+  }
+
+  // Keeping
+
+  private isUnsaved(): boolean {
+    const { plan, landmarks } = this.model.doc;
+    return (plan !== this.stored.plan && plan.segments.length > 0) || (landmarks !== this.stored.landmarks && (landmarks.length > 0 || this.stored.landmarks !== null));
+  }
+
+  /** The plan as it is kept: the landmarks' file is named as soon as there are landmarks. */
+  private keptPlan(): Plan {
+    const { plan, landmarks } = this.model.doc;
+    return landmarks.length > 0 && plan.landmarks === undefined ? { ...plan, landmarks: 'landmarks.mrk.json' } : plan;
+  }
+
+  /** Sends what has changed; a second call waits for the first. */
+  async save(): Promise<boolean> {
+    clearTimeout(this.saveTimer);
+    while (this.saveRunning) await this.saveRunning;
+    if (!this.isUnsaved() || this.model.s.conflict) return !this.isUnsaved();
+    this.saveRunning = this.saveNow();
+    await this.saveRunning;
+    this.saveRunning = null;
+    return this.model.s.saving === 'saved';
+  }
+
+  private async saveNow(): Promise<void> {
+    this.patch({ saving: 'saving' });
+    let what: 'plan' | 'landmarks' = 'landmarks';
+    try {
+      const { landmarks, plan } = this.model.doc;
+      if (landmarks !== this.stored.landmarks && !(landmarks.length === 0 && this.stored.landmarks === null)) {
+        this.etags.landmarks = await this.client.putLandmarks({ landmarks: byName(landmarks) as never }, this.etags.landmarks);
+      }
+      this.stored.landmarks = landmarks;
+      what = 'plan';
+      if (plan !== this.stored.plan && plan.segments.length > 0) {
+        const answer = await this.client.putPlan(this.keptPlan(), this.etags.plan);
+        this.etags.plan = answer.etag;
+        this.stored.plan = plan;
+        this.patch({ canPredict: answer.value.can_predict });
+        await this.afterPlanSaved();
+      }
+      this.patch({ saving: 'saved', saveError: null });
+    } catch (error) {
+      if (error instanceof ApiError && error.status === 412) this.patch({ saving: 'unsaved', conflict: what });
+      else this.patch({ saving: 'error', saveError: sentence(error) });
+    }
+  }
+
+  /** Two pages changed the same: the person says whose stays. */
+  async resolveConflict(keep: 'mine' | 'theirs'): Promise<void> {
+    const what = this.model.s.conflict;
+    if (!what) return;
+    this.patch({ conflict: null });
+    if (keep === 'theirs') {
+      if (what === 'plan') await this.loadPlan(true);
+      else await this.loadLandmarks(true);
+      return;
+    }
+    this.etags[what] = '*';
+    await this.save();
+  }
+
+  private async afterPlanSaved(): Promise<void> {
+    const { segments } = this.model.doc.plan;
+    const steps = segments.length > 0 ? 60 : 0;
+    if (steps) this.patch({ planPoses: await this.client.planPoses(steps).catch(() => null) });
+  }
+
+  // Jobs
+
+  async run(request: Schemas['JobRequest'], then?: () => void): Promise<void> {
+    await this.try_(async () => {
+      if (!(await this.save()) && this.model.doc.plan.segments.length > 0 && request.kind !== 'import' && request.kind !== 'segment') {
+        throw new Error(this.model.s.saveError ?? 'The plan could not be kept, so nothing was started.');
+      }
+      if (request.kind === 'predict') this.patch({ newton: [], steps: [] });
+      const job = await this.client.startJob(request);
+      if (then) this.whenDone.set(job.id, then);
+      this.putJob(job);
+    });
+  }
+
+  async stopJob(id: number): Promise<void> {
+    await this.try_(() => this.client.stopJob(id));
+  }
+
+  private putJob(job: Schemas['Job']): void {
+    const others = this.model.s.jobs.filter((old) => old.id !== job.id);
+    this.patch({ jobs: [...others, job].sort((a, b) => a.id - b.id) });
+  }
+
+  private onJob(event: Schemas['JobEvent']): void {
+    const old = this.model.s.jobs.find((job) => job.id === event.id);
+    if (old)
+      this.putJob({
+        ...old,
+        state: event.state,
+        stage: event.stage,
+        fraction: event.fraction,
+        message: event.message,
+        lines: event.line === null ? old.lines : [...old.lines, event.line].slice(-200),
+      });
+    if (event.state === 'running' && old?.state !== 'running' && event.kind === 'predict') this.patch({ newton: [], steps: [] });
+    const ended = event.state !== 'queued' && event.state !== 'running';
+    if (!old || ended) {
+      void this.try_(async () => {
+        this.putJob(await this.client.job(event.id));
+        if (!ended) return;
+        if (event.state === 'failed') this.toast(`${JOB_NAMES[event.kind]} failed: ${event.message}`, 'error');
+        const then = this.whenDone.get(event.id);
+        this.whenDone.delete(event.id);
+        const case_ = await this.client.case();
+        this.patch({ case: case_ });
+        await this.onStages(case_.stages);
+        if (event.state === 'done') then?.();
+      });
+    }
+  }
+
+  async importFiles(files: readonly File[]): Promise<void> {
+    const limits = this.model.s.case?.limits;
+    if (files.length === 0) return;
+    const tooLarge = files.find((file) => limits && file.size > limits.upload_file_bytes);
+    if (limits && files.length > limits.upload_files) {
+      this.toast(`These are ${files.length} files; a scan may have ${limits.upload_files}.`, 'error');
+      return;
+    }
+    if (tooLarge) {
+      this.toast('One of the files is larger than the server takes.', 'error');
+      return;
+    }
+    const total = files.reduce((sum, file) => sum + file.size, 0) || 1;
+    const name = files.length === 1 ? 'one file' : `${files.length} files`;
+    await this.try_(async () => {
+      this.patch({ upload: { name, share: 0 } });
+      const id = await this.client.upload(files, (sent) => this.patch({ upload: { name, share: sent / total } }));
+      await this.run({ kind: 'import', upload: id }, () => this.afterImport());
+    });
+    this.patch({ upload: null });
+  }
+
+  openExample(): Promise<void> {
+    return this.run({ kind: 'import', example: true }, () => this.afterImport());
+  }
+
+  /** A scan is of use when its tissues are told apart, so that is begun at once. */
+  private afterImport(): void {
+    if (stageOf(this.model.s, 'anatomy').state !== 'fresh') void this.run({ kind: 'segment' });
+    this.setStep('anatomy');
+  }
+
+  // Landmarks
+
+  private measureTimer = 0;
+
+  private async measure(): Promise<void> {
+    clearTimeout(this.measureTimer);
+    this.measureTimer = window.setTimeout(async () => {
+      const { landmarks } = this.model.doc;
+      if (landmarks.length === 0) {
+        this.patch({ measurements: null, measurementError: null });
+        return;
+      }
+      try {
+        this.patch({ measurements: await this.client.measure(byName(landmarks) as never), measurementError: null });
+      } catch (error) {
+        this.patch({ measurements: null, measurementError: sentence(error) });
+      }
+    }, 250);
+  }
+
+  // Brush
+
+  private stroke: LabelEdit | null = null;
+  /** The anatomy that the labels at hand are of. */
+  private labelsOf: string | null = null;
+
+  brush(p_L: Vec3, phase: 'start' | 'move' | 'end'): void {
+    const { model } = this;
+    const { volume, brush_mm, brushLabel } = model.s;
+    if (!volume || !model.labels) return;
+    if (phase !== 'end') {
+      const dab = paintBall(model.labels, volume.grid, p_L, brush_mm, brushLabel);
+      this.stroke = this.stroke ? joinEdits(this.stroke, dab) : dab;
+      this.listeners.onLabels();
+      return;
+    }
+    if (this.stroke && this.stroke.at.length > 0) {
+      const strokes = [...model.doc.strokes, this.stroke];
+      this.appliedStrokes = strokes; // They are painted already.
+      this.edit({ strokes });
+    }
+    this.stroke = null;
+  }
+
+  private applyStrokes(strokes: readonly LabelEdit[]): void {
+    const labels = this.model.labels;
+    if (!labels || strokes === this.appliedStrokes) return;
+    let common = 0;
+    while (common < strokes.length && strokes[common] === this.appliedStrokes[common]) common++;
+    for (const stroke of this.appliedStrokes.slice(common).reverse()) revert(labels, stroke);
+    for (const stroke of strokes.slice(common)) repeat(labels, stroke);
+    this.appliedStrokes = strokes;
+    this.listeners.onLabels();
+  }
+
+  /** Tells tissues apart anew. The plan remembers the threshold, so that a prediction sees the same bone. */
+  async segment(bone_hu: number): Promise<void> {
+    const { plan } = this.model.doc;
+    const kept = { ...plan.segmentation, bone_hu };
+    delete kept.labels;
+    if (plan.segmentation?.bone_hu !== bone_hu || plan.segmentation.labels !== undefined) this.edit({ plan: { ...plan, segmentation: kept } });
+    await this.run({ kind: 'segment', bone_hu });
+  }
+
+  /** Keeps the painted labels and makes surfaces of them; the plan names them from now on. */
+  async useLabels(): Promise<void> {
+    const { model } = this;
+    if (!model.labels || !model.labelsEtag) return;
+    const { plan } = model.doc;
+    this.edit({ plan: { ...plan, segmentation: { ...plan.segmentation, labels: 'anatomy/labels.seg.nrrd' } } });
+    await this.try_(async () => {
+      model.labelsEtag = await this.client.putLabels(model.labels!, model.labelsEtag!);
+      await this.run({ kind: 'segment', from_labels: true });
+    });
+  }
+
+  // Osteotomies
+
+  async placeTemplates(): Promise<void> {
+    const { plan, landmarks } = this.model.doc;
+    const points = byName(landmarks);
+    for (const segment of plan.segments) {
+      const { template } = segment.osteotomy;
+      if (template === undefined || templateKind(segment.osteotomy) === null) continue;
+      const key = templateKey(segment.osteotomy.template, landmarks);
+      if (this.model.s.templatePlanes.has(key)) continue;
+      const answer = await this.client
+        .placeTemplate({ template: template as never, landmarks: points as never })
+        .catch((error: unknown) => sentence(error));
+      this.patch({ templatePlanes: new Map(this.model.s.templatePlanes).set(key, answer) });
+    }
+  }
+
+  // Movement
+
+  /** Where a segment turns unless told otherwise: the middle of its bone. */
+  pivotOf(name: string): Vec3 {
+    const known = this.model.surfaces.get(`segments/${name}`)?.surface.points;
+    if (!known || known.length === 0) return this.model.s.volume ? gridCentre(this.model.s.volume.grid) : [0, 0, 0];
+    const sum = [0, 0, 0];
+    for (let n = 0; n < known.length; n++) sum[n % 3] += known[n];
+    return sum.map((c) => Math.round((10 * c * 3) / known.length) / 10) as unknown as Vec3;
+  }
+
+  /** The move of a segment at the keyframe in hand; null if numbers cannot say it. */
+  move(index = this.model.s.segment): Move | null {
+    const segment = this.model.doc.plan.segments[index];
+    if (!segment || !isEditablePath(segment.path)) return null;
+    const keyframes = keyframesOf(segment);
+    const k = index === this.model.s.segment ? this.model.s.keyframe : keyframes.length - 1;
+    const keyframe = keyframes[Math.min(k, keyframes.length - 1)];
+    if (!keyframe) return null;
+    const named = keyframe.about ? this.model.doc.landmarks.find((l) => l.name === keyframe.about)?.position_mm : undefined;
+    return moveOf(named ? { ...keyframe, about_mm: named } : keyframe, this.pivotOf(segment.name));
+  }
+
+  setMove(move: Move, gesture: string | null): void {
+    const { plan } = this.model.doc;
+    const { segment, keyframe } = this.model.s;
+    const old = keyframesOf(plan.segments[segment])[keyframe];
+    const round = (v: Vec3): Vec3 => v.map((c) => Math.round(c * 1000) / 1000 + 0) as unknown as Vec3;
+    const next = { ...old, translation_mm: round(move.translation_mm) };
+    const turns = move.rotation_deg.some((c) => Math.abs(c) > 5e-4);
+    if (turns) Object.assign(next, { rotation_deg: round(move.rotation_deg) });
+    else delete next.rotation_deg;
+    if (old.about !== undefined && move.about_mm === this.move()?.about_mm) delete next.about_mm;
+    else if (turns || old.about_mm !== undefined) {
+      delete next.about;
+      next.about_mm = round(move.about_mm);
+    }
+    this.edit({ plan: editKeyframe(plan, segment, keyframe, next) }, gesture);
+  }
+
+  /** Tells the same motion about another point. */
+  setPivot(about: Vec3 | string): void {
+    const move = this.move();
+    if (!move) return;
+    const { plan, landmarks } = this.model.doc;
+    const { segment, keyframe } = this.model.s;
+    const point = typeof about === 'string' ? landmarks.find((l) => l.name === about)?.position_mm : about;
+    if (!point) return;
+    const next = aboutPoint(move, point);
+    const old = { ...keyframesOf(plan.segments[segment])[keyframe], translation_mm: next.translation_mm };
+    delete old.about;
+    delete old.about_mm;
+    this.edit({ plan: editKeyframe(plan, segment, keyframe, { ...old, ...(typeof about === 'string' ? { about } : { about_mm: point }) }) });
+  }
+
+  gizmoMove(from: Move, kind: 'shift' | 'turn', axis: Vec3, amount: number): Move {
+    const rounded = Math.round(amount * 10) / 10;
+    const by = axis.map((c) => c * rounded) as unknown as Vec3;
+    return kind === 'shift' ? shifted(from, by) : turned(from, by);
+  }
+
+  /** Poses of all segments as they stand on the screen. */
+  poses(): Record<string, Mat4> {
+    const { scrub, planPoses } = this.model.s;
+    const out: Record<string, Mat4> = {};
+    this.model.doc.plan.segments.forEach((segment, index) => {
+      const kept = planPoses?.segments[segment.name];
+      if (scrub !== null && kept && planPoses) out[segment.name] = kept[Math.round(scrub * planPoses.count)];
+      else {
+        const move = this.move(index);
+        if (move) out[segment.name] = poseOf(move);
+        else if (kept) out[segment.name] = kept[kept.length - 1];
+      }
+    });
+    return out;
+  }
+
+  /** Only those whose bone is cut: the server knows no others. */
+  cutPoses(): Record<string, Mat4> {
+    return Object.fromEntries(Object.entries(this.poses()).filter(([name]) => this.model.surfaces.has(`segments/${name}`)));
+  }
+
+  /** Asks for the overlap of these poses; while one answer is on its way only the newest question is kept. */
+  wantDepths(poses: Record<string, Mat4>): void {
+    if (stageOf(this.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
+      this.listeners.onDepths(null);
+      if (this.model.s.depth) this.patch({ depth: null });
+      return;
+    }
+    this.depthLoop.wanted = poses;
+    if (!this.depthLoop.running) void this.runDepths();
+  }
+
+  private async runDepths(): Promise<void> {
+    const loop = this.depthLoop;
+    loop.running = true;
+    while (loop.wanted) {
+      const poses = loop.wanted;
+      loop.wanted = null;
+      try {
+        const depths = await this.client.depths(poses);
+        const now = performance.now();
+        loop.times = [...loop.times.filter((t) => now - t < 1000), now];
+        this.listeners.onDepths(depths);
+        const span = now - loop.times[0];
+        const perSecond = loop.times.length > 2 ? ((loop.times.length - 1) * 1000) / span : 0;
+        this.patch({ depth: { deepest_mm: depths.deepest_mm, beyondReach: depths.beyondReach, perSecond } });
+      } catch {
+        this.listeners.onDepths(null);
+        this.patch({ depth: null });
+      }
+    }
+    loop.running = false;
+  }
+
+  /** The linearised face for where the bones are; `since` is when the drag ended. */
+  async wantPreview(since: number): Promise<void> {
+    const { s } = this.model;
+    this.previewAborter?.abort();
+    if (!s.showPreview || stageOf(s, 'preview').state !== 'fresh') {
+      this.dropPreview();
+      return;
+    }
+    const aborter = (this.previewAborter = new AbortController());
+    this.patch({ preview: { ...s.preview, state: 'waiting' } });
+    try {
+      const xyz = await this.client.preview(this.cutPoses(), aborter.signal);
+      this.listeners.onPreview(xyz);
+      const largest_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
+      requestAnimationFrame(() =>
+        this.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', largest_mm } }),
+      );
+    } catch (error) {
+      if (aborter.signal.aborted) return;
+      this.listeners.onPreview(null);
+      this.patch({ preview: { state: 'failed', latency_ms: null, why: sentence(error), largest_mm: 0 } });
+    }
+  }
+
+  dropPreview(): void {
+    this.listeners.onPreview(null);
+    if (this.model.s.preview.state !== 'none') this.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
+  }
+
+  async download(name: string): Promise<void> {
+    await this.try_(async () => saveBlob(await this.client.file(name), name));
+  }
+
+}
+
+export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
+  import: 'Reading the scan',
+  segment: 'Telling tissues apart',
+  cut: 'Cutting the bone',
+  check: 'Checking the plan',
+  'preview-factor': 'Preparing the preview',
+  predict: 'Predicting the face',
+  compare: 'Comparing',
+};
+
+export const templateKey = (template: unknown, landmarks: readonly Landmark[]): string => JSON.stringify([template, byName(landmarks)]);
+
+export const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
+const isMissing = (error: unknown): boolean =>
+  error instanceof ApiError && (error.code === 'not_found' || error.code === 'not_ready');
+
+export function saveBlob(blob: Blob, name: string): void {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}

@@ -1,0 +1,61 @@
+import { Client } from '../api';
+import { App } from './app';
+import { listenToKeys } from './keyboard';
+import { Presenter } from './present';
+import { drawShell } from './shell';
+import type { State } from './state';
+
+/** The token stands behind # in the address; it is kept for reloads of this tab and taken out of sight. */
+function takeToken(): string | null {
+  const given = new URLSearchParams(location.hash.slice(1)).get('token');
+  if (given) {
+    sessionStorage.setItem('lefort-token', given);
+    history.replaceState(null, '', location.pathname);
+  }
+  return sessionStorage.getItem('lefort-token');
+}
+
+function applyTheme(theme: State['theme']): void {
+  const dark = theme === 'dark' || (theme === 'system' && matchMedia('(prefers-color-scheme: dark)').matches);
+  document.documentElement.dataset.theme = dark ? 'dark' : 'light';
+}
+
+export function startPlanner(root: HTMLElement): void {
+  root.textContent = ''; // What index.html showed until now.
+  const view = new Presenter();
+  const token = takeToken();
+  const app = new App(new Client('api/v1', token ?? ''), view);
+  view.attach(app);
+  const theme = localStorage.getItem('lefort-theme');
+  if (theme === 'light' || theme === 'dark') app.patch({ theme });
+  applyTheme(app.model.s.theme);
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    applyTheme(app.model.s.theme);
+    view.view.render();
+  });
+
+  let frame = 0;
+  const draw = (): void => {
+    if (frame) return;
+    frame = requestAnimationFrame(() => {
+      frame = 0;
+      drawShell(root, app, view);
+    });
+  };
+  app.model.state.subscribe((state, before) => {
+    if (state.theme !== before.theme) {
+      applyTheme(state.theme);
+      view.view.render();
+    }
+    draw();
+  });
+  app.model.history.subscribe(draw);
+  listenToKeys(app, view);
+  addEventListener('beforeunload', (event) => {
+    if (app.model.s.saving === 'unsaved' || app.model.s.saving === 'saving') event.preventDefault();
+  });
+  drawShell(root, app, view);
+  performance.mark('planner shown');
+  if (token === null) app.patch({ fatal: 'The address has no token.' });
+  else void app.start();
+}

@@ -1,0 +1,41 @@
+import { withoutKeyframe, withoutLandmark, withoutPlane } from '../model';
+import type { App } from './app';
+import type { Presenter } from './present';
+import { STEPS } from './state';
+import { closeCurve } from './steps/osteotomy_panel';
+
+/** Keys that mean the same wherever the focus is, but for fields where they are typed. */
+export function listenToKeys(app: App, view: Presenter): void {
+  addEventListener('keydown', (event) => {
+    const { s, doc } = app.model;
+    const typing = event.target instanceof HTMLInputElement && event.target.type !== 'range' && event.target.type !== 'checkbox';
+    const field = typing || event.target instanceof HTMLSelectElement;
+    const command = event.ctrlKey || event.metaKey;
+    const done = (): void => event.preventDefault();
+    if (command && event.key.toLowerCase() === 'z' && !typing) {
+      done();
+      if (event.shiftKey) app.redo();
+      else app.undo();
+    } else if (command && event.key.toLowerCase() === 'y' && !typing) {
+      done();
+      app.redo();
+    } else if (command || event.altKey || field) {
+      return;
+    } else if (/^[1-8]$/.test(event.key)) {
+      app.setStep(STEPS[Number(event.key) - 1].name);
+    } else if (event.key === '?') {
+      app.patch({ help: !s.help });
+    } else if (event.key === 'Escape') {
+      app.patch({ help: false, tool: 'none', curveDraft: null, plane: null, scrub: null });
+    } else if (event.key === 'Enter' && s.tool === 'curve') {
+      closeCurve(app);
+    } else if (event.key === 'Delete' || event.key === 'Backspace') {
+      if (s.step === 'landmarks' && s.landmark) app.edit({ landmarks: withoutLandmark(doc.landmarks, s.landmark) });
+      else if (s.step === 'osteotomy' && s.plane !== null) app.edit({ plan: withoutPlane(doc.plan, s.segment, s.plane) });
+      else if (s.step === 'movement' && doc.plan.segments[s.segment]) app.edit({ plan: withoutKeyframe(doc.plan, s.segment, s.keyframe) });
+    } else {
+      const look = ({ f: 'front', r: 'right', l: 'left', b: 'below' } as const)[event.key.toLowerCase()];
+      if (look) view.view.look(look);
+    }
+  });
+}

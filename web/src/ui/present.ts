@@ -1,0 +1,526 @@
+import type { Depths } from '../api';
+import {
+  BONE, cssOf, kindOf, length, lengths, roundUp, scale, sectionOf, segmentColour, SKIN, sub, summarise, templateKind, unit, withLandmark,
+  withPlane, withSegment, editPlane, IDENTITY, planeAt, cross, dot,
+  type DrawnSurface, type Hit, type Move, type Plane, type Summary, type Vec3,
+} from '../model';
+import { PATIENT_AXES, planeAxes, SliceView, View3d, type GizmoDrag, type Marker, type Phase, type PlaneMark, type SliceLines } from '../scene';
+import { saveBlob, templateKey, type App, type Listeners } from './app';
+import { stageOf, type State } from './state';
+import { LABEL_TINTS } from './steps/anatomy_panel';
+
+/** Depth of overlap that is drawn in the strongest colour [mm]. */
+const DEPTH_TOP_MM = 2;
+
+/** Draws what the app knows, and tells the app what the hand does in the views. */
+export class Presenter implements Listeners {
+  readonly view: View3d;
+  readonly slices: readonly SliceView[];
+  private app!: App;
+  private depths: Depths | null = null;
+  private previewOn = false;
+  /** How many surfaces have come: colours are painted anew on each. */
+  private surfaceCount = 0;
+  private moveAtStart: Move | null = null;
+  private planeAtStart: Plane | null = null;
+  private gesture = 0;
+  private shifts_: Float32Array | null = null;
+  private shown: { step: number; document: unknown } | null = null;
+  private profile_: { before: Float32Array; after: Float32Array } | null = null;
+  /** When the last drag ended, for the preview's latency. */
+  private changedAt = 0;
+  private previewKey = '';
+  private previewTimer = 0;
+  private depthKey = '';
+
+  constructor() {
+    this.view = new View3d({
+      onGizmo: (drag, phase) => this.onGizmo(drag, phase),
+      onPick: (hit) => this.onPick(hit),
+      onMarkerDrag: (id, hit, phase) => this.onMarkerDrag(id, hit.point, phase === 'end' ? 'end' : 'move'),
+      onMarkerSelect: (id) => this.onMarkerSelect(id),
+      onWipe: (share) => this.app.patch({ wipe: share }),
+    });
+    this.slices = (['axial', 'coronal', 'sagittal'] as const).map((orientation) => {
+      const slice: SliceView = new SliceView(orientation, {
+        onCursor: (cursor_L) => this.app.patch({ cursor_L }),
+        onWindow: (window) => this.app.patch({ window }),
+        onMarkerDrag: (id, p_L, phase) => this.onMarkerDrag(id, p_L, phase),
+        onMarkerSelect: (id) => this.onMarkerSelect(id),
+        onTool: (p_L, phase) => {
+          if (this.app.model.s.tool === 'brush') this.app.brush(p_L, phase);
+          else if (phase === 'end') this.place(p_L, [0, 0, 0]);
+        },
+      });
+      slice.outlines = (at) => this.outlines(at);
+      return slice;
+    });
+  }
+
+  attach(app: App): void {
+    this.app = app;
+    app.model.state.subscribe((state, before) => this.onState(state, before));
+    app.model.history.subscribe(() => this.present());
+  }
+
+  // What the app found
+
+  onSurface(name: string, surface: DrawnSurface | null): void {
+    if (!surface) {
+      this.view.removeBody(name);
+      this.present();
+      return;
+    }
+    const index = name.startsWith('segments/') ? this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name) : -1;
+    const colour = name.startsWith('segments/') ? segmentColour(Math.max(0, index)) : /skin|predicted/.test(name) ? SKIN : BONE;
+    this.view.setBody(name, surface, colour);
+    this.surfaceCount++;
+    this.profile_ = null;
+    this.previewKey = this.depthKey = '';
+    if (name === 'skin_before') this.shown = null;
+    this.present();
+  }
+
+  onDepths(depths: Depths | null): void {
+    this.depths = depths;
+    this.paintDepths();
+  }
+
+  onPreview(xyz: Float32Array | null): void {
+    const skin = this.view.body('skin');
+    if (!skin || (!xyz && !this.previewOn)) return;
+    skin.setDisplacement(xyz && xyz.length === skin.points.length ? xyz : null);
+    this.previewOn = xyz !== null;
+    this.view.render();
+  }
+
+  onLabels(): void {
+    for (const slice of this.slices) slice.labelsChanged();
+    this.present();
+  }
+
+  // From state to pictures
+
+  private onState(state: State, before: State): void {
+    if (state.volume !== before.volume)
+      for (const slice of this.slices) slice.setVolume(state.volume?.grid ?? null, state.volume?.data ?? null);
+    const threshold_hu = state.thresholdOn ? state.bone_hu : null;
+    if (state.window !== before.window || state.cursor_L !== before.cursor_L || state.thresholdOn !== before.thresholdOn || state.bone_hu !== before.bone_hu || state.volume !== before.volume)
+      for (const slice of this.slices) slice.set({ window: state.window, cursor_L: state.cursor_L, threshold_hu });
+    // Only these concern the picture; job progress and numbers do not.
+    const keys = ['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm', 'landmark', 'segment', 'plane', 'curveDraft', 'templatePlanes',
+      'keyframe', 'scrub', 'planPoses', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'showDistance', 'showBones', 'wipe'] as const;
+    if (keys.some((key) => state[key] !== before[key])) this.present();
+  }
+
+  private pending = 0;
+
+  present(): void {
+    if (this.pending) return;
+    this.pending = requestAnimationFrame(() => {
+      this.pending = 0;
+      this.presentNow();
+    });
+  }
+
+  private presentNow(): void {
+    const { s, doc } = this.app.model;
+    const { view } = this;
+    const { step } = s;
+    const cut = s.case !== null && view.body('remainder') !== undefined && doc.plan.segments.some((x) => view.body(`segments/${x.name}`));
+    const segments = doc.plan.segments.map((x) => `segments/${x.name}`);
+    const face = step === 'compare' ? [] : ['skin'];
+    const moving = step === 'movement' || step === 'predict' || step === 'tissue';
+
+    if (step === 'osteotomy' || step === 'movement' || step === 'predict' || step === 'tissue') void this.app.placeTemplates();
+
+    // Which bodies
+    let bodies: string[];
+    if (step === 'compare') bodies = ['skin_before', 'predicted', ...(s.showBones ? ['remainder', ...segments] : [])];
+    else if (cut && (moving || (step === 'osteotomy' && stageOf(s, 'cut').state === 'fresh'))) bodies = ['remainder', ...segments, ...face];
+    else bodies = ['skull', ...face];
+    const opacityOfSkin: Record<string, number> = {
+      case: 1, anatomy: s.skinOpacity, osteotomy: 0, tissue: 0.35,
+      landmarks: s.landmark && kindOf(s.landmark)?.on === 'skin' ? 1 : 0.0,
+      movement: s.showPreview && s.preview.state === 'shown' ? 0.45 : 0,
+      predict: s.showPreview ? 1 : 0.45,
+    };
+    view.setOpacity('skin', opacityOfSkin[step] ?? 1);
+    view.setOpacity('skull', step === 'anatomy' ? s.skullOpacity : 1);
+    view.setOpacity('skin_before', step === 'compare' && s.showBones ? 0.4 : 1);
+    view.setOpacity('predicted', step === 'compare' && s.showBones ? 0.4 : 1);
+    // What a closed skin hides need not be drawn.
+    if (view.body('skin') && bodies.includes('skin') && opacityOfSkin[step] === 1) bodies = ['skin'];
+    view.show(bodies);
+    view.pickable = (name) => (step === 'landmarks' && s.landmark && kindOf(s.landmark)?.on === 'bone' ? name === 'skull' : step === 'osteotomy' || step === 'movement' ? name !== 'skin' : true);
+
+    // Where the segments are
+    const poses = this.app.poses();
+    doc.plan.segments.forEach((segment, index) => {
+      const name = `segments/${segment.name}`;
+      if (!view.body(name)) return;
+      const compared = s.prediction?.steps[s.compareStep - 1]?.pose;
+      const pose = step === 'compare' ? (index === 0 && compared ? compared : IDENTITY) : moving ? (poses[segment.name] ?? IDENTITY) : IDENTITY;
+      view.setPose(name, pose);
+    });
+    if (moving && step !== 'tissue') {
+      const cutPoses = this.app.cutPoses();
+      const key = JSON.stringify([cutPoses, stageOf(s, 'cut').state, stageOf(s, 'cut').etag]);
+      if (key !== this.depthKey) {
+        this.depthKey = key;
+        this.app.wantDepths(cutPoses);
+      }
+      const previewKey = `${key} ${stageOf(s, 'preview').etag} ${stageOf(s, 'preview').state} ${s.showPreview}`;
+      if (previewKey !== this.previewKey && !view.gizmo.isDragging) {
+        this.previewKey = previewKey;
+        const since = Math.max(this.changedAt, performance.now() - 50);
+        clearTimeout(this.previewTimer);
+        this.previewTimer = window.setTimeout(() => void this.app.wantPreview(since), 30);
+      }
+    } else if (this.previewOn && step !== 'compare') {
+      this.app.dropPreview();
+      this.previewKey = '';
+    }
+    this.paintDepths();
+
+    // Marks
+    view.markers = this.markers(s);
+    view.lines = s.curveDraft ? [{ points: s.curveDraft.points, closed: s.curveDraft.points.length > 2, colour: '#f2b84b', dashed: true }] : step === 'osteotomy'
+      ? doc.plan.segments.flatMap((x, index) => (x.osteotomy.curves ?? []).filter((c) => c.points_mm).map((c) => ({ points: c.points_mm!, closed: true, colour: cssOf(segmentColour(index)) })))
+      : [];
+    view.setPlanes(step === 'osteotomy' && !(stageOf(s, 'cut').state === 'fresh' && s.plane === null) ? this.planes(s) : []);
+    view.placing = s.tool === 'landmark' || s.tool === 'plane' || s.tool === 'curve' || s.tool === 'pivot';
+
+    // Gizmo
+    const move = this.app.move();
+    const segment = doc.plan.segments[s.segment];
+    const plane = step === 'osteotomy' && s.plane !== null ? segment?.osteotomy.planes?.[s.plane] : undefined;
+    if (step === 'movement' && move && segment && view.body(`segments/${segment.name}`) && s.scrub === null) {
+      view.gizmo.at_L = [0, 1, 2].map((c) => move.about_mm[c] + move.translation_mm[c]) as unknown as Vec3;
+      view.gizmo.axes = PATIENT_AXES;
+    } else if (plane) {
+      view.gizmo.at_L = plane.point_mm;
+      if (!view.gizmo.isDragging) view.gizmo.axes = planeAxes(plane.towards_segment);
+    } else view.gizmo.at_L = null;
+
+    // Slices
+    for (const slice of this.slices) {
+      slice.tool = s.tool === 'brush' ? 'brush' : s.tool === 'landmark' ? 'place' : 'none';
+      slice.brush_mm = s.brush_mm;
+      slice.setLabels(step === 'anatomy' && s.showLabels && s.labelsReady ? this.app.model.labels : null, [...LABEL_TINTS]);
+      slice.markers = step === 'landmarks'
+        ? doc.landmarks.map((l) => ({ id: l.name, position: l.position_mm, label: l.name, colour: l.name === s.landmark ? '#f2b84b' : '#3fb2c8', selected: l.name === s.landmark }))
+        : [];
+    }
+    this.presentCompare(s);
+    view.refreshMarkers();
+  }
+
+  private presentCompare(s: State): void {
+    const { view } = this;
+    if (s.step !== 'compare' || !view.body('skin_before') || !view.body('predicted') || !s.prediction?.converged) {
+      view.setLayout({ mode: 'single' });
+      if (s.step === 'compare') view.show([]);
+      return;
+    }
+    if (this.shown?.step !== s.compareStep || this.shown.document !== s.prediction.document) {
+      const step = s.compareStep;
+      this.shown = { step, document: s.prediction.document };
+      void this.app.try_(async () => {
+        const xyz = await this.app.displacementAt(step);
+        if (this.app.model.s.compareStep !== step) return;
+        this.showStep(xyz);
+      });
+    }
+    const after = ['predicted', ...(s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [])];
+    const before = ['skin_before', ...(s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [])];
+    const names: [string, string] = ['Before', s.compareStep === s.prediction.steps.length ? 'Predicted' : `Step ${s.compareStep}`];
+    if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', share: s.wipe, left: before, right: after, names });
+    else if (s.compareMode === 'beside') view.setLayout({ mode: 'beside', left: before, right: after, names });
+    else {
+      view.show(after);
+      view.setLayout({ mode: 'single' });
+    }
+    this.paintDistance();
+  }
+
+  /** Puts the predicted skin where it is at a step: the scanned skin and its displacement. */
+  private showStep(xyz: Float32Array | null): void {
+    const before = this.view.body('skin_before');
+    const predicted = this.view.body('predicted');
+    if (!before || !predicted) return;
+    const base = before.surface.points;
+    const wanted = base.slice();
+    if (xyz && xyz.length === base.length) for (let n = 0; n < base.length; n++) wanted[n] += xyz[n];
+    if (wanted.length === predicted.surface.points.length) {
+      // The predicted surface is drawn as itself plus the way from it to this step.
+      const from = predicted.surface.points;
+      predicted.setDisplacement(wanted.map((v, n) => v - from[n]));
+    }
+    this.shifts_ = xyz ? lengths(xyz) : new Float32Array(base.length / 3);
+    this.profile_ = null;
+    this.paintDistance();
+    this.app.patch({ distanceTop_mm: roundUp(this.app.model.s.prediction?.skin_largest_shift_mm ?? 1) });
+    this.view.render();
+  }
+
+  private paintedDistance: unknown[] = [];
+
+  private paintDistance(): void {
+    const { s } = this.app.model;
+    const predicted = this.view.body('predicted');
+    if (!predicted) return;
+    const now = [predicted, s.showDistance, this.shifts_];
+    if (now.every((value, n) => value === this.paintedDistance[n])) return;
+    this.paintedDistance = now;
+    if (s.showDistance && this.shifts_?.length === predicted.surface.points.length / 3) {
+      predicted.setValues(this.shifts_, 'distance', 0, roundUp(s.prediction?.skin_largest_shift_mm ?? 1));
+    } else {
+      predicted.setColour(SKIN);
+    }
+    this.view.render();
+  }
+
+  private paintedDepths: { depths: Depths | null; on: boolean; step: string; bodies: number } | null = null;
+
+  private paintDepths(): void {
+    const { s, doc } = this.app.model;
+    const now = { depths: this.depths, on: s.showOverlap, step: s.step, bodies: this.surfaceCount };
+    if (JSON.stringify({ ...now, depths: null }) === JSON.stringify({ ...this.paintedDepths, depths: null }) && this.paintedDepths?.depths === now.depths) return;
+    this.paintedDepths = now;
+    const on = s.showOverlap && (s.step === 'movement' || s.step === 'predict');
+    doc.plan.segments.forEach((segment, index) => {
+      const body = this.view.body(`segments/${segment.name}`);
+      if (!body) return;
+      const depth = on ? this.depths?.bySegment.get(segment.name) : undefined;
+      if (depth && depth.length === body.surface.points.length / 3 && (this.depths?.deepest_mm ?? 0) > 0.05) {
+        body.setValues(depth, 'depth', 0, DEPTH_TOP_MM, segmentColour(index));
+      } else {
+        body.setColour(segmentColour(index));
+      }
+    });
+    this.view.render();
+  }
+
+  private markers(s: State): Marker[] {
+    const { doc } = this.app.model;
+    if (s.curveDraft) return s.curveDraft.points.map((position, n) => ({ id: `curve ${n}`, position, colour: '#f2b84b', draggable: true }));
+    if (s.step !== 'landmarks' && s.step !== 'osteotomy') return [];
+    return doc.landmarks.filter((l) => s.step === 'landmarks' || kindOf(l.name)?.on === 'bone').map((l) => ({
+      id: l.name, position: l.position_mm, label: l.name, hides: true, selected: s.step === 'landmarks' && l.name === s.landmark,
+      colour: l.name === s.landmark && s.step === 'landmarks' ? '#f2b84b' : '#3fb2c8', draggable: s.step === 'landmarks',
+    }));
+  }
+
+  /** Planes of all cuts, those of templates too. */
+  private planes(s: State): PlaneMark[] {
+    const { doc } = this.app.model;
+    const radius_mm = 110;
+    return doc.plan.segments.flatMap((segment, index) => {
+      const colour = cssOf(segmentColour(index));
+      const placed = templateKind(segment.osteotomy) ? s.templatePlanes.get(templateKey(segment.osteotomy.template, doc.landmarks)) : undefined;
+      const own = (segment.osteotomy.planes ?? []).map((plane, n) => ({ plane, selected: index === s.segment && n === s.plane }));
+      const template = placed && typeof placed !== 'string'
+        ? [...placed.planes, ...(placed.also ?? []).flatMap((region) => region.planes)].map((p) => ({ plane: p as unknown as Plane, selected: false }))
+        : [];
+      return [...own, ...template].map(({ plane, selected }) => ({ point: plane.point_mm, normal: plane.towards_segment, size_mm: plane.size_mm ? Math.max(...plane.size_mm) : radius_mm, colour, selected }));
+    });
+  }
+
+  /** What is drawn on a slice: planes as lines, moved bones and the compared faces as outlines. */
+  private outlines(at: { point: Vec3; normal: Vec3 }): SliceLines[] {
+    const { s } = this.app.model;
+    const found: SliceLines[] = [];
+    if (s.step === 'osteotomy')
+      for (const mark of this.planes(s)) {
+        const n = unit(mark.normal);
+        const direction = cross(n, at.normal);
+        if (length(direction) < 0.05) continue;
+        const d = unit(direction);
+        // The point of the plane's middle that lies in the slice: along the plane, towards it.
+        const into = unit(cross(d, n));
+        const reach = dot(sub(at.point, mark.point), at.normal) / dot(into, at.normal);
+        if (Math.abs(reach) > mark.size_mm / 2) continue;
+        const middle = [0, 1, 2].map((c) => mark.point[c] + reach * into[c]);
+        const half = mark.size_mm / 2;
+        const ends = [-half, half].flatMap((t) => middle.map((c, k) => c + t * d[k]));
+        found.push({ lines: Float32Array.from(ends), colour: mark.colour });
+      }
+    return found;
+  }
+
+  // Numbers of the comparison
+
+  private statistics_: { of: Float32Array; rows: [string, Summary | null][] } | null = null;
+
+  /** How far the skin moved at the step shown: everywhere, where it moved, and there on the patient's right and left. */
+  statistics(moved_mm: number): [string, Summary | null][] {
+    const shifts = this.shifts_;
+    if (!shifts) return [];
+    if (this.statistics_?.of !== shifts) {
+      const regions: [string, Float32Array][] = [['Whole skin', shifts], [`Moved > ${moved_mm} mm`, shifts.filter((v) => v > moved_mm)], ...this.regions(moved_mm)];
+      this.statistics_ = { of: shifts, rows: regions.map(([name, values]) => [name, summarise(values)]) };
+    }
+    return this.statistics_.rows;
+  }
+
+  /** The moved skin on each side of the middle, by where it lies before. */
+  private regions(moved_mm: number): [string, Float32Array][] {
+    const before = this.view.body('skin_before');
+    if (!before || !this.shifts_) return [];
+    const middle = this.middleX();
+    const sides: [string, number[]][] = [['Moved, right', []], ['Moved, left', []]];
+    this.shifts_.forEach((v, n) => {
+      if (v > moved_mm) sides[before.surface.points[3 * n] < middle ? 0 : 1][1].push(v);
+    });
+    return sides.map(([name, values]) => [name, Float32Array.from(values)]);
+  }
+
+  /** Where the middle is: by landmarks on it, else the middle of the skin. */
+  private middleX(): number {
+    const middle = this.app.model.doc.landmarks.filter((l) => ['N', 'ANS', 'A', 'S', 'PNS'].includes(l.name));
+    if (middle.length > 0) return middle.reduce((sum, l) => sum + l.position_mm[0], 0) / middle.length;
+    const points = this.view.body('skin_before')!.surface.points;
+    let [low, high] = [Infinity, -Infinity];
+    for (let n = 0; n < points.length; n += 3) {
+      low = Math.min(low, points[n]);
+      high = Math.max(high, points[n]);
+    }
+    return (low + high) / 2;
+  }
+
+  profile(): { before: Float32Array; after: Float32Array } | null {
+    const before = this.view.body('skin_before');
+    const after = this.view.body('predicted');
+    if (!before || !after) return null;
+    if (!this.profile_) {
+      const point: Vec3 = [this.middleX(), 0, 0];
+      this.profile_ = {
+        before: sectionOf(before.surface, point, [1, 0, 0]),
+        after: sectionOf({ points: after.points, triangles: after.surface.triangles }, point, [1, 0, 0]),
+      };
+    }
+    return this.profile_;
+  }
+
+  savePicture(): void {
+    const { s } = this.app.model;
+    const what = { slider: 'Before and predicted', beside: 'Before, predicted', after: 'Predicted' }[s.compareMode];
+    const ground = getComputedStyle(document.documentElement).getPropertyValue('--view-top').trim();
+    const stale = stageOf(s, 'prediction').state === 'stale' ? ' OUT OF DATE.' : '';
+    this.view.snapshot(`${what}, step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}.${stale} Research software. A simulation, not for clinical use.`, ground)
+      .toBlob((blob) => blob && saveBlob(blob, 'planner.png'), 'image/png');
+  }
+
+  // From the hand to the app
+
+  private onGizmo(drag: GizmoDrag, phase: Phase): void {
+    const { app } = this;
+    const { s, doc } = app.model;
+    if (s.step === 'osteotomy') {
+      if (s.plane === null) return;
+      const plane = doc.plan.segments[s.segment]?.osteotomy.planes?.[s.plane];
+      if (!plane) return;
+      if (phase === 'start') {
+        this.planeAtStart = plane;
+        this.gesture++;
+      }
+      const from = this.planeAtStart ?? plane;
+      const by = scale(drag.axis.direction, Math.round(drag.amount * 10) / 10);
+      const next: Plane = drag.kind === 'shift'
+        ? { ...from, point_mm: [0, 1, 2].map((c) => round3(from.point_mm[c] + by[c])) as unknown as Vec3 }
+        : { ...from, towards_segment: tilted(from.towards_segment, drag.axis.direction, drag.amount) };
+      if (phase !== 'start') app.edit({ plan: editPlane(doc.plan, s.segment, s.plane, next) }, `gizmo-${this.gesture}`);
+    } else {
+      if (phase === 'start') {
+        this.moveAtStart = app.move();
+        this.gesture++;
+        return;
+      }
+      if (!this.moveAtStart) return;
+      app.setMove(app.gizmoMove(this.moveAtStart, drag.kind, drag.axis.direction, drag.amount), `gizmo-${this.gesture}`);
+    }
+    if (phase === 'end') {
+      app.settle();
+      this.changedAt = performance.now();
+      this.moveAtStart = this.planeAtStart = null;
+      this.present();
+    }
+  }
+
+  private onPick(hit: Hit): void {
+    this.place(hit.point, hit.normal);
+  }
+
+  /** A tool was used at a point. */
+  private place(point: Vec3, normal: Vec3): void {
+    const { app } = this;
+    const { s, doc } = app.model;
+    const at = point.map((c) => Math.round(c * 10) / 10) as unknown as Vec3;
+    if (s.tool === 'landmark' && s.landmark) {
+      app.edit({ landmarks: withLandmark(doc.landmarks, { name: s.landmark, position_mm: at }) });
+      app.patch({ cursor_L: at, tool: 'none' });
+    } else if (s.tool === 'plane') {
+      const segment = doc.plan.segments[s.segment];
+      const plane = planeAt(at, [0, 0, -1]);
+      if (segment && templateKind(segment.osteotomy) === null) {
+        app.edit({ plan: withPlane(doc.plan, s.segment, plane) });
+        app.patch({ tool: 'none', plane: segment.osteotomy.planes?.length ?? 0 });
+      } else {
+        const plan = withSegment(doc.plan, 'segment', { planes: [plane] });
+        app.edit({ plan });
+        app.patch({ tool: 'none', segment: plan.segments.length - 1, plane: 0 });
+      }
+    } else if (s.tool === 'curve' && s.curveDraft) {
+      app.patch({ curveDraft: { points: [...s.curveDraft.points, at], normals: [...s.curveDraft.normals, normal] } });
+    } else if (s.tool === 'pivot') {
+      // The bone stands where the plan has put it; a pivot is told in the bone as scanned.
+      const move = app.move();
+      if (!move) return;
+      const back = inversePoint(this.app.poses()[doc.plan.segments[s.segment].name], at);
+      app.setPivot(back.map((c) => Math.round(c * 10) / 10) as unknown as Vec3);
+      app.patch({ tool: 'none' });
+    }
+  }
+
+  private onMarkerSelect(id: string): void {
+    const { s } = this.app.model;
+    if (id.startsWith('curve ') || s.step !== 'landmarks') return;
+    const landmark = this.app.model.doc.landmarks.find((l) => l.name === id);
+    this.app.patch({ landmark: id, tool: 'none', ...(landmark ? { cursor_L: landmark.position_mm } : {}) });
+    this.gesture++;
+  }
+
+  private onMarkerDrag(id: string, point: Vec3, phase: 'move' | 'end'): void {
+    const { app } = this;
+    const { s, doc } = app.model;
+    const at = point.map((c) => Math.round(c * 10) / 10) as unknown as Vec3;
+    if (id.startsWith('curve ') && s.curveDraft) {
+      const n = Number(id.slice(6));
+      app.patch({ curveDraft: { ...s.curveDraft, points: s.curveDraft.points.map((p, k) => (k === n ? at : p)) } });
+      return;
+    }
+    app.edit({ landmarks: withLandmark(doc.landmarks, { name: id, position_mm: at }) }, `landmark-${this.gesture}`);
+    if (phase === 'end') {
+      app.settle();
+      app.patch({ cursor_L: at });
+    }
+  }
+}
+
+const round3 = (v: number): number => Math.round(v * 1000) / 1000 + 0;
+
+/** A direction turned about an axis. */
+function tilted(direction: Vec3, axis: Vec3, deg: number): Vec3 {
+  const k = unit(axis);
+  const c = Math.cos((deg * Math.PI) / 180);
+  const s = Math.sin((deg * Math.PI) / 180);
+  const turned = cross(k, direction);
+  const along = dot(k, direction) * (1 - c);
+  return [0, 1, 2].map((n) => Math.round((direction[n] * c + turned[n] * s + k[n] * along) * 1e5) / 1e5 + 0) as unknown as Vec3;
+}
+
+function inversePoint(X: readonly number[], p: Vec3): Vec3 {
+  const d = [p[0] - X[3], p[1] - X[7], p[2] - X[11]];
+  return [0, 1, 2].map((c) => X[c] * d[0] + X[4 + c] * d[1] + X[8 + c] * d[2]) as unknown as Vec3;
+}

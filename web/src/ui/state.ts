@@ -1,0 +1,192 @@
+import type { Schemas } from '../api';
+import {
+  startHistory, Store, emptyPlan,
+  type DrawnSurface, type Grid, type History, type LabelEdit, type Landmark, type Plan, type Vec3, type Window, WINDOW_PRESETS,
+} from '../model';
+
+export const STEPS = [
+  { name: 'case', title: 'Case' },
+  { name: 'anatomy', title: 'Anatomy' },
+  { name: 'landmarks', title: 'Landmarks' },
+  { name: 'osteotomy', title: 'Osteotomy' },
+  { name: 'movement', title: 'Movement' },
+  { name: 'tissue', title: 'Tissue & solver' },
+  { name: 'predict', title: 'Predict' },
+  { name: 'compare', title: 'Compare' },
+] as const;
+
+export type StepName = (typeof STEPS)[number]['name'];
+
+/** What undo and redo act on. */
+export interface Doc {
+  readonly plan: Plan;
+  readonly landmarks: readonly Landmark[];
+  /** Strokes of the label brush since the labels were read. */
+  readonly strokes: readonly LabelEdit[];
+}
+
+export interface Volume {
+  grid: Grid;
+  data: Int16Array;
+  presets: readonly (Window & { name: string })[];
+}
+
+export interface Toast {
+  id: number;
+  kind: 'info' | 'error';
+  text: string;
+}
+
+/** One try of the solver at one increment, as it comes in. */
+export type NewtonPoint = Schemas['NewtonEvent'];
+
+export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush';
+
+export interface State {
+  connection: 'connecting' | 'on' | 'lost';
+  /** Nothing can be done: no token, or a server that speaks otherwise. */
+  fatal: string | null;
+  step: StepName;
+  case: Schemas['Case'] | null;
+  jobs: readonly Schemas['Job'][];
+  upload: { name: string; share: number } | null;
+  saving: 'saved' | 'saving' | 'unsaved' | 'error';
+  saveError: string | null;
+  conflict: 'plan' | 'landmarks' | null;
+  canPredict: boolean;
+
+  volume: Volume | null;
+  volumeLoading: boolean;
+  surfacesLoading: number;
+  window: Window;
+  cursor_L: Vec3;
+  skullOpacity: number;
+  skinOpacity: number;
+  showLabels: boolean;
+  labelNames: Schemas['Labels']['names'];
+  labelsReady: boolean;
+  brushLabel: number;
+  brush_mm: number;
+  thresholdOn: boolean;
+  bone_hu: number;
+
+  tool: Tool;
+  landmark: string | null;
+  measurements: Schemas['Measurements']['measurements'] | null;
+  measurementError: string | null;
+  segment: number;
+  plane: number | null;
+  curveDraft: { points: Vec3[]; normals: Vec3[] } | null;
+  templatePlanes: ReadonlyMap<string, Schemas['Osteotomy']['osteotomy'] | string>;
+  keyframe: number;
+  /** While the timeline is scrubbed: share of the path. */
+  scrub: number | null;
+  planPoses: Schemas['PlanPoses'] | null;
+  depth: { deepest_mm: number; beyondReach: boolean; perSecond: number } | null;
+  showOverlap: boolean;
+  preview: { state: 'none' | 'waiting' | 'shown' | 'failed'; latency_ms: number | null; why: string; largest_mm: number };
+  showPreview: boolean;
+
+  prediction: Schemas['Prediction'] | null;
+  newton: readonly NewtonPoint[];
+  steps: readonly Schemas['StepEvent'][];
+  previewDistance: Schemas['PreviewDistance'] | null;
+  files: Schemas['FileList']['files'];
+  compareMode: 'slider' | 'beside' | 'after';
+  compareStep: number;
+  showDistance: boolean;
+  showBones: boolean;
+  wipe: number;
+  distanceTop_mm: number;
+
+  toasts: readonly Toast[];
+  help: boolean;
+  theme: 'system' | 'light' | 'dark';
+}
+
+export const initialState = (): State => ({
+  connection: 'connecting',
+  fatal: null,
+  step: 'case',
+  case: null,
+  jobs: [],
+  upload: null,
+  saving: 'saved',
+  saveError: null,
+  conflict: null,
+  canPredict: false,
+  volume: null,
+  volumeLoading: false,
+  surfacesLoading: 0,
+  window: { level_hu: WINDOW_PRESETS[0].level_hu, window_hu: WINDOW_PRESETS[0].window_hu },
+  cursor_L: [0, 0, 0],
+  skullOpacity: 1,
+  skinOpacity: 0.35,
+  showLabels: false,
+  labelNames: [],
+  labelsReady: false,
+  brushLabel: 1,
+  brush_mm: 3,
+  thresholdOn: false,
+  bone_hu: 226,
+  tool: 'none',
+  landmark: null,
+  measurements: null,
+  measurementError: null,
+  segment: 0,
+  plane: null,
+  curveDraft: null,
+  templatePlanes: new Map(),
+  keyframe: 0,
+  scrub: null,
+  planPoses: null,
+  depth: null,
+  showOverlap: true,
+  preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 },
+  showPreview: true,
+  prediction: null,
+  newton: [],
+  steps: [],
+  previewDistance: null,
+  files: [],
+  compareMode: 'slider',
+  compareStep: 0,
+  showDistance: false,
+  showBones: false,
+  wipe: 0.5,
+  distanceTop_mm: 1,
+  toasts: [],
+  help: false,
+  theme: 'system',
+});
+
+export const emptyDoc = (): Doc => ({ plan: emptyPlan(), landmarks: [], strokes: [] });
+
+/** All that the page knows. Big arrays lie beside the state, since they never show as text. */
+export class Model {
+  readonly state = new Store<State>(initialState());
+  readonly history = new Store<History<Doc>>(startHistory(emptyDoc()));
+  readonly surfaces = new Map<string, { etag: string; surface: DrawnSurface }>();
+  labels: Uint8Array | null = null;
+  labelsEtag: string | null = null;
+
+  get s(): State {
+    return this.state.value;
+  }
+
+  get doc(): Doc {
+    return this.history.value.present;
+  }
+}
+
+export const stageOf = (state: State, name: keyof Schemas['Case']['stages']): Schemas['Stage'] =>
+  state.case?.stages[name] ?? { state: 'missing', why: '', etag: null };
+
+export const runningJob = (state: State): Schemas['Job'] | null =>
+  state.jobs.find((job) => job.state === 'running') ?? state.jobs.find((job) => job.state === 'queued') ?? null;
+
+export const lastJob = (state: State, kind: Schemas['JobKind']): Schemas['Job'] | null =>
+  [...state.jobs].reverse().find((job) => job.kind === kind) ?? null;
+
+export const isBusyWith = (state: State, kind: Schemas['JobKind']): boolean =>
+  state.jobs.some((job) => job.kind === kind && (job.state === 'running' || job.state === 'queued'));

@@ -1,0 +1,125 @@
+import { describe, expect, it } from 'vitest';
+import { decodeSurface, endingOnly, EventParser } from '../src/api';
+import { coarsen, percentile, rayHit, sectionOf, summarise, vertexNormals, type Surface } from '../src/model';
+
+/** A box from 0 to 10 mm, triangles counter-clockwise from outside. */
+const box: Surface = {
+  points: Float32Array.from([0, 0, 0, 10, 0, 0, 10, 10, 0, 0, 10, 0, 0, 0, 10, 10, 0, 10, 10, 10, 10, 0, 10, 10]),
+  triangles: Uint32Array.from([0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7]),
+};
+
+function encode({ points, triangles }: Surface, scalars: Float32Array[] = []): ArrayBuffer {
+  const head = new ArrayBuffer(20);
+  new Uint8Array(head).set([...'LFSURF1\0'].map((c) => c.charCodeAt(0)));
+  const view = new DataView(head);
+  [points.length / 3, triangles.length / 3, scalars.length].forEach((n, k) => view.setUint32(8 + 4 * k, n, true));
+  const parts = [head, points.buffer, triangles.buffer, ...scalars.map((s) => s.buffer)].map((b) => new Uint8Array(b as ArrayBuffer));
+  const all = new Uint8Array(parts.reduce((n, p) => n + p.length, 0));
+  let at = 0;
+  for (const part of parts) {
+    all.set(part, at);
+    at += part.length;
+  }
+  return all.buffer;
+}
+
+describe('LFSURF1', () => {
+  it('is read with its scalars', () => {
+    const depth = Float32Array.from({ length: 8 }, (_, n) => n / 2);
+    const surface = decodeSurface(encode(box, [depth]), ['depth_mm']);
+    expect(surface.points).toEqual(box.points);
+    expect(surface.triangles).toEqual(box.triangles);
+    expect(surface.scalars.get('depth_mm')).toEqual(depth);
+  });
+
+  it('is refused if cut off, too long, of another kind, or with a triangle that names no vertex', () => {
+    const good = encode(box);
+    expect(() => decodeSurface(good.slice(0, 10))).toThrow(/cut off/);
+    expect(() => decodeSurface(good.slice(0, good.byteLength - 4))).toThrow(/bytes/);
+    expect(() => decodeSurface(encode(box, [new Float32Array(7)]))).toThrow(/bytes/);
+    const other = good.slice(0);
+    new Uint8Array(other)[6] = 50;
+    expect(() => decodeSurface(other)).toThrow(/format/);
+    expect(() => decodeSurface(encode({ ...box, triangles: Uint32Array.from([0, 1, 8]) }))).toThrow(/vertex 8/);
+  });
+});
+
+describe('a ray', () => {
+  it('hits the side it comes from, with its normal towards it', () => {
+    const hit = rayHit(box, [5, -100, 5], [0, 1, 0])!;
+    expect(hit.point).toEqual([5, 0, 5]);
+    expect(hit.normal).toEqual([0, -1, 0]);
+    expect(rayHit(box, [5, 5, 100], [0, 0, -1])!.point[2]).toBe(10);
+  });
+
+  it('misses what is beside or behind it, and leaves from within unseen', () => {
+    expect(rayHit(box, [11, -100, 5], [0, 1, 0])).toBeNull();
+    expect(rayHit(box, [5, -100, 5], [0, -1, 0])).toBeNull();
+    expect(rayHit(box, [5, 5, 5], [0, 1, 0])).toBeNull();
+  });
+});
+
+describe('a section', () => {
+  it('of a box is a square', () => {
+    const lines = sectionOf(box, [4, 0, 0], [1, 0, 0]);
+    let around = 0;
+    for (let n = 0; n < lines.length; n += 6) {
+      expect(lines[n]).toBeCloseTo(4, 5);
+      around += Math.hypot(lines[n + 1] - lines[n + 4], lines[n + 2] - lines[n + 5]);
+    }
+    expect(around).toBeCloseTo(40, 4);
+  });
+
+  it('beside the box is empty', () => {
+    expect(sectionOf(box, [11, 0, 0], [1, 0, 0])).toHaveLength(0);
+  });
+});
+
+describe('drawing', () => {
+  it('has normals out of the body', () => {
+    const normals = vertexNormals(box);
+    for (let n = 0; n < 24; n++) expect(Math.sign(normals[n])).toBe(box.points[n] === 0 ? -1 : 1);
+  });
+
+  it('coarsens to vertices of the surface itself', () => {
+    const fine = coarsen(box, 1);
+    expect(fine.vertex).toHaveLength(8);
+    expect(fine.triangles).toHaveLength(36);
+    const one = coarsen(box, 100);
+    expect(one.vertex).toHaveLength(1);
+    expect(one.triangles).toHaveLength(0);
+  });
+});
+
+describe('statistics', () => {
+  it('are nearest-rank percentiles', () => {
+    const values = Float32Array.from({ length: 100 }, (_, n) => 100 - n);
+    expect(summarise(values)).toEqual({ count: 100, mean: 50.5, median: 50, p90: 90, p95: 95, max: 100 });
+    expect(percentile([1], 99)).toBe(1);
+    expect(summarise(new Float32Array(0))).toBeNull();
+  });
+});
+
+describe('server-sent events', () => {
+  it('are put together however they are cut', () => {
+    const text = ': hello\n\nid: 7\nevent: job\ndata: {"a":\ndata: 1}\n\nid: 8\r\nevent: case\r\ndata: {}\r\n\r\n';
+    for (let size = 1; size < text.length; size++) {
+      const parser = new EventParser();
+      const events = [];
+      for (let at = 0; at < text.length; at += size) events.push(...parser.push(text.slice(at, at + size)));
+      expect(events).toEqual([
+        { id: '7', event: 'job', data: '{"a":\n1}' },
+        { id: '8', event: 'case', data: '{}' },
+      ]);
+    }
+  });
+});
+
+describe('names of uploaded files', () => {
+  it('keep their ending and nothing else', () => {
+    expect(endingOnly('Mustermann_Max_1960.NII.GZ', 0)).toBe('file0.nii.gz');
+    expect(endingOnly('Doe^Jane.dcm', 3)).toBe('file3.dcm');
+    expect(endingOnly('IM0001', 1)).toBe('file1');
+    expect(endingOnly('1.2.840.113619.2', 2)).toBe('file2');
+  });
+});
