@@ -93,6 +93,32 @@ TEST(CommandLine, SegmentWritesLabelsAndClosedSurfaces) {
   EXPECT_GT(nlohmann::json::parse(run.out)["volumes_ml"]["brain"], 0.0);
 }
 
+/// What a surface lost on its way from the isosurface is told, and is less than half a voxel.
+TEST(CommandLine, SegmentSmoothsAndDecimatesAndSaysWhatThatCost) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_volume(folder / "ct.nrrd", ball_scan()));
+  const auto surfaces = [&](const std::string& options) {
+    const auto run = run_lefort("segment " + quoted(folder / "ct.nrrd") + " -o " +
+                                quoted(folder / "anatomy") + " --json --quiet " + options);
+    EXPECT_EQ(run.exit_code, 0) << run.error;
+    return nlohmann::json::parse(run.out);
+  };
+  const double half_voxel_mm = 0.5 * ball_scan().grid.spacing_mm.minCoeff();
+  const auto raw = surfaces("--smooth 0");
+  EXPECT_EQ(raw["skull"]["max_off_isosurface_mm"], 0.0);
+  const auto coarse = surfaces("--triangles 1000");
+  for (const char* name : {"skull", "skin"}) {
+    EXPECT_LE(coarse[name]["triangles"], 1000);
+    EXPECT_GT(raw[name]["triangles"], 1000);
+    EXPECT_TRUE(coarse[name]["closed"]);
+    EXPECT_EQ(coarse[name]["self_intersections"], 0);
+    EXPECT_GT(coarse[name]["p99_off_isosurface_mm"], 0.0);
+    EXPECT_LT(coarse[name]["p99_off_isosurface_mm"].get<double>(), half_voxel_mm);
+  }
+  for (const char* wrong : {"--triangles 3", "--triangles many", "--smooth -1"})
+    EXPECT_EQ(run_lefort("segment x -o y " + std::string(wrong)).exit_code, 2) << wrong;
+}
+
 TEST(CommandLine, FieldIsBuiltAndQueried) {
   const TemporaryFolder folder;
   ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(10.0, 5)));

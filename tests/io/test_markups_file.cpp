@@ -108,5 +108,42 @@ TEST(MarkupsFile, MessagesNameTheFile) {
             std::string::npos);
 }
 
+TEST(MarkupsFile, APlaneIsToldByItsCentreNormalAndSize) {
+  const auto markups = parse_markups(R"({"markups": [{"type": "Plane", "coordinateSystem": "RAS",
+    "center": [10, 20, 30], "normal": [0, 0, 5], "size": [8, 6, 0],
+    "orientation": [0, -1, 0, 1, 0, 0, 0, 0, 1]}]})");
+  ASSERT_TRUE(markups) << markups.error().message;
+  const auto& plane = markups->front().plane;
+  ASSERT_TRUE(plane);
+  EXPECT_EQ(plane->centre_L, Vec3(-10, -20, 30));
+  EXPECT_EQ(plane->normal_L, Vec3(0, 0, 1));
+  EXPECT_EQ(plane->across_L, Vec3(0, -1, 0)) << "the first column, in L";
+  EXPECT_EQ(plane->width_mm, 8.0);
+  EXPECT_EQ(plane->height_mm, 6.0);
+}
+
+TEST(MarkupsFile, AWidthThatIsNotToldLiesInThePlane) {
+  const auto markups = parse_markups(
+      R"({"markups": [{"type": "Plane", "center": [0, 0, 0], "normal": [1, 2, 3]}]})");
+  ASSERT_TRUE(markups) << markups.error().message;
+  const auto& plane = markups->front().plane;
+  ASSERT_TRUE(plane);
+  EXPECT_NEAR(plane->across_L.dot(plane->normal_L), 0.0, 1e-15);
+  EXPECT_NEAR(plane->across_L.norm(), 1.0, 1e-15);
+  EXPECT_EQ(plane->width_mm, 0.0);
+}
+
+TEST(MarkupsFile, APlaneWithoutANormalIsRefused) {
+  for (const char* normal : {"[0, 0, 0]", "[0, 0]", "\"up\"", "[1e300, 0, 0]"}) {
+    const auto markups = parse_markups(
+        std::string(R"({"markups": [{"type": "Plane", "center": [0, 0, 0], "normal": )") + normal +
+        "}]}");
+    ASSERT_FALSE(markups) << normal;
+    EXPECT_EQ(markups.error().code, ErrorCode::kFileCorrupt);
+    EXPECT_NE(markups.error().message.find("markups[0].normal"), std::string::npos)
+        << markups.error().message;
+  }
+}
+
 }  // namespace
 }  // namespace lefort::io

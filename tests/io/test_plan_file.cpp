@@ -205,6 +205,62 @@ TEST(PlanFile, NamedFilesAreReadFromThePlansFolder) {
   EXPECT_NE(missing.error().message.find("move.tfm"), std::string::npos) << missing.error().message;
 }
 
+/// A plane drawn in Slicer cuts as it is drawn: which side is the segment's is the normal's say.
+TEST(PlanFile, PlanesMayComeFromSlicer) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(write_text(folder / "cuts.mrk.json", R"({"markups": [
+    {"type": "Plane", "name": "coronal", "coordinateSystem": "LPS",
+     "center": [1, 2, 3], "normal": [0, -2, 0], "orientation": [1, 0, 0, 0, 0, -1, 0, 1, 0],
+     "size": [40, 30, 0]},
+    {"type": "Plane", "name": "axial", "coordinateSystem": "RAS", "center": [1, 2, 3],
+     "normal": [0, 1, 1]},
+    {"type": "Plane", "name": "old", "controlPoints": [{"position": [0, 0, 0]}]}]})"));
+  const auto read = [&](const Json& plane) {
+    Json json = good_plan();
+    json["segments"][0]["osteotomy"] = {{"planes", {plane}}};
+    return parse_plan(json.dump(), folder.path());
+  };
+  const auto cut = [&](const Json& plane) {
+    const auto plan = read(plane);
+    EXPECT_TRUE(plan) << plan.error().message;
+    return plan->segments[0].osteotomy.planes[0];
+  };
+  const plan::CutPlane coronal = cut({{"file", "cuts.mrk.json"}, {"name", "coronal"}});
+  EXPECT_EQ(coronal.point_L, Vec3(1, 2, 3));
+  EXPECT_EQ(coronal.normal_L, Vec3(0, -1, 0));
+  EXPECT_FALSE(coronal.bounds);
+  const plan::CutPlane bounded =
+      cut({{"file", "cuts.mrk.json"}, {"name", "coronal"}, {"flip", true}, {"bounded", true}});
+  EXPECT_EQ(bounded.normal_L, Vec3(0, 1, 0));
+  ASSERT_TRUE(bounded.bounds);
+  EXPECT_EQ(bounded.bounds->across_L, Vec3(1, 0, 0));
+  EXPECT_EQ(bounded.bounds->width_mm, 40.0);
+  EXPECT_EQ(bounded.bounds->height_mm, 30.0);
+  const plan::CutPlane axial = cut({{"file", "cuts.mrk.json"}, {"name", "axial"}});
+  EXPECT_EQ(axial.point_L, Vec3(-1, -2, 3));
+  EXPECT_LT((axial.normal_L - Vec3(0, -1, 1).normalized()).norm(), 1e-15);
+
+  const auto refuse = [&](const Json& plane, const char* words) {
+    const auto plan = read(plane);
+    ASSERT_FALSE(plan) << words;
+    EXPECT_NE(plan.error().message.find(words), std::string::npos) << plan.error().message;
+    EXPECT_NE(plan.error().message.find("osteotomy.planes[0]"), std::string::npos);
+  };
+  const Json file{{"file", "cuts.mrk.json"}};
+  const auto with = [](Json json, const char* key, const Json& value) {
+    json[key] = value;
+    return json;
+  };
+  refuse(file, "several planes, must be one");
+  refuse(with(file, "name", "sagittal"), "no plane of that name");
+  refuse(with(file, "name", "old"), "no center and normal");
+  refuse(with(with(file, "name", "axial"), "bounded", true), "no size");
+  refuse(with(file, "point_mm", {0, 0, 0}), "file and point_mm stand together");
+  refuse({{"point_mm", {0, 0, 0}}, {"towards_segment", {0, 0, 1}}, {"flip", true}},
+         "flip is of planes from a file");
+  refuse({{"point_mm", {0, 0, 0}}}, "must have either point_mm and towards_segment, or file");
+}
+
 /// Slicer's centre is the scan's origin; a pitch there would be told as a shift of the maxilla.
 TEST(PlanFile, ATransformIsAboutWhatTheSegmentHolds) {
   const test::TemporaryFolder folder;

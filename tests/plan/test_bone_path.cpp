@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
 
 namespace lefort::plan {
@@ -93,6 +94,19 @@ TEST(CheckPath, RefusesWhatCannotBeFollowedAndNamesIt) {
     EXPECT_NE(checked.error().message.find("'midface'"), std::string::npos);
     EXPECT_NE(checked.error().message.find(c.named), std::string::npos) << checked.error().message;
   }
+}
+
+/// Each keyframe is below half a turn, the way between them is not.
+TEST(BonePath, RefusesHalfATurnBetweenKeyframes) {
+  BonePath path = two_leg_path();
+  path.keyframes[0].rotation_rad = {0.0, 0.0, 1.6};
+  path.keyframes[1].rotation_rad = {0.0, 0.0, 1.6 - std::numbers::pi};
+  const auto refused = check_path(path);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("keyframe 1: half a turn"), std::string::npos)
+      << refused.error().message;
+  path.keyframes[1].rotation_rad.z() += 0.01;
+  EXPECT_TRUE(check_path(path)) << "shorter one way round";
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include <lefort/app/command.h>
 
+#include <map>
 #include <memory>
+#include <string>
 
 namespace lefort::app {
 
@@ -19,9 +21,22 @@ void add_segment_command(CLI::App& cli, CommandContext& context) {
   command->add_option("--skin-hu", job->options.skin_hu, "The patient is at least this dense [HU]")
       ->check(CLI::Range(-900.0, 0.0))
       ->capture_default_str();
+  command
+      ->add_option("--smooth", job->finish.smoothing_passes,
+                   "Passes of smoothing, which take the steps of voxels away; 0: the isosurface")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  // As many as the paper's skull has (Table 1).
+  static const std::map<std::string, std::string> kPresets{{"paper", "96190"}};
+  command
+      ->add_option("--triangles", job->finish.triangles,
+                   "At most so many in each surface; \"paper\": 96190")
+      ->transform(CLI::Transformer(kPresets, CLI::ignore_case))
+      ->check(CLI::Range(4, 100'000'000));
   command->footer(
       "Examples:\n"
       "  lefort segment ct.nrrd -o anatomy/\n"
+      "  lefort segment ct.nrrd -o anatomy/ --triangles paper\n"
       "  lefort segment ct.nrrd -o anatomy/ --bone-hu 300");
   command->callback([job, &context] {
     context.run("segment", [&](Progress& progress) { return segment_scan(*job, progress); });

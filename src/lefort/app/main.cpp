@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   add_landmarks_command(cli, context);
   add_plan_command(cli, context);
   add_predict_command(cli, context);
+  add_compare_command(cli, context);
   add_solve_command(cli, context);
   add_bench_command(cli, context);
   add_verify_command(cli, context);

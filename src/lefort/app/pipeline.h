@@ -4,6 +4,7 @@
 #pragma once
 
 #include <lefort/anatomy/segment_tissue.h>
+#include <lefort/app/finish_surface.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/field/build_distance_field.h>
@@ -36,6 +37,7 @@ struct SegmentJob {
   std::filesystem::path ct;
   std::filesystem::path output;  ///< A folder; made if missing.
   anatomy::SegmentationOptions options;
+  SurfaceFinish finish;
 };
 /// Scan -> labels.seg.nrrd, skull.vtp, skin.vtp.
 [[nodiscard]] Result<Summary> segment_scan(const SegmentJob& job, Progress& progress);
@@ -116,6 +118,19 @@ struct PredictJob {
 };
 /// Plan -> predicted face, with everything that documents it.
 [[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);
+
+struct CompareJob {
+  std::filesystem::path face;                      ///< A surface, or the folder of a prediction.
+  std::optional<std::filesystem::path> other;      ///< Likewise: what it is held against.
+  std::optional<std::filesystem::path> after_ct;   ///< Instead: a scan after surgery.
+  std::optional<std::filesystem::path> before;     ///< The skin before surgery, for the baseline.
+  std::optional<std::filesystem::path> landmarks;  ///< Before surgery: they tell the regions.
+  std::filesystem::path output;                    ///< A folder; made if missing.
+  bool pictures = true;
+};
+/// Two faces -> how far they are apart, by region; with a scan after surgery also how each segment
+/// was moved.
+[[nodiscard]] Result<Summary> compare_faces(const CompareJob& job, Progress& progress);
 
 struct SolveJob {
   bool quiet = false;  ///< Do not tell each increment.

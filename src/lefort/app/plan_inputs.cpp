@@ -19,17 +19,18 @@ void visit_files(Json& plan, const Visit& visit_string) {
     const auto found = object.find(key);
     if (found != object.end() && found->is_string()) visit_string(*found);
   };
-  const auto visit_curves = [&](Json& region) {
-    if (region.contains("curves"))
-      for (Json& curve : region["curves"]) visit(curve, "file");
+  const auto visit_cuts = [&](Json& region) {
+    for (const char* cuts : {"planes", "curves"})
+      if (region.contains(cuts))
+        for (Json& cut : region[cuts]) visit(cut, "file");
   };
   visit(plan, "landmarks");
   if (plan.contains("segmentation")) visit(plan["segmentation"], "labels");
   for (Json& segment : plan["segments"]) {
     Json& osteotomy = segment["osteotomy"];
-    visit_curves(osteotomy);
+    visit_cuts(osteotomy);
     if (osteotomy.contains("also"))
-      for (Json& region : osteotomy["also"]) visit_curves(region);
+      for (Json& region : osteotomy["also"]) visit_cuts(region);
     if (!segment["path"].contains("keyframes")) continue;
     for (Json& keyframe : segment["path"]["keyframes"]) {
       visit(keyframe, "transform");

@@ -22,26 +22,27 @@ Result<Summary> segment_scan(const SegmentJob& job, Progress& progress) {
              anatomy::segment_tissue(scan.ct, job.options, progress));
   const anatomy::LevelOptions levels{.bone_hu = job.options.bone_hu,
                                      .skin_hu = job.options.skin_hu};
-  progress.begin_stage("extract surfaces");
-  LEFORT_TRY(
-      const geometry::TriangleMesh skull_L,
-      anatomy::extract_isosurface(
-          anatomy::bone_level(scan.ct, labels, anatomy::Cavities::kKeep, levels), {}, progress));
-  LEFORT_TRY(
-      const geometry::TriangleMesh skin_L,
-      anatomy::extract_isosurface(anatomy::skin_level(scan.ct, labels, levels), {}, progress));
+  const double voxel_mm = scan.ct.grid.spacing_mm.minCoeff();
+  const auto surface_of = [&](const image::ScalarVolume& level) -> Result<FinishedSurface> {
+    progress.begin_stage("extract a surface");
+    LEFORT_TRY(const geometry::TriangleMesh isosurface_L,
+               anatomy::extract_isosurface(level, {}, progress));
+    progress.begin_stage("smooth and check it");
+    return finish_surface(isosurface_L, voxel_mm, job.finish, progress);
+  };
+  LEFORT_TRY(const FinishedSurface skull,
+             surface_of(anatomy::bone_level(scan.ct, labels, anatomy::Cavities::kKeep, levels)));
+  LEFORT_TRY(const FinishedSurface skin, surface_of(anatomy::skin_level(scan.ct, labels, levels)));
 
   progress.begin_stage("write");
   LEFORT_TRY_VOID(io::write_segmentation(job.output / "labels.seg.nrrd", labels));
-  LEFORT_TRY_VOID(io::write_surface(job.output / "skull.vtp", skull_L));
-  LEFORT_TRY_VOID(io::write_surface(job.output / "skin.vtp", skin_L));
+  LEFORT_TRY_VOID(io::write_surface(job.output / "skull.vtp", skull.mesh_L));
+  LEFORT_TRY_VOID(io::write_surface(job.output / "skin.vtp", skin.mesh_L));
 
   Summary summary;
-  summary.text = fmt::format("{}: skull {} triangles, skin {} triangles", job.output.string(),
-                             skull_L.triangle_count(), skin_L.triangle_count());
-  summary.json = {{"output", job.output.string()},
-                  {"skull_triangles", skull_L.triangle_count()},
-                  {"skin_triangles", skin_L.triangle_count()}};
+  summary.text =
+      fmt::format("{}:\n  skull  {}\n  skin   {}", job.output.string(), skull.text(), skin.text());
+  summary.json = {{"output", job.output.string()}, {"skull", skull.json()}, {"skin", skin.json()}};
   for (const auto& [name, volume_ml] : tissue_volumes_ml(labels)) {
     summary.text += fmt::format("\n  {:<12} {:8.1f} ml", name, volume_ml);
     summary.json["volumes_ml"][name] = volume_ml;

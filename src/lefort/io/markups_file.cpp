@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <optional>
 
 namespace lefort::io {
@@ -22,17 +23,23 @@ constexpr const char* kSchema = R"({
       "type": {"type": "string"},
       "name": {"type": "string"},
       "coordinateSystem": {"enum": ["LPS", "RAS"]},
+      "center": {"$ref": "#/definitions/vector"},
+      "normal": {"$ref": "#/definitions/vector"},
+      "orientation": {"type": "array", "minItems": 9, "maxItems": 9,
+                      "items": {"type": "number", "minimum": -1e8, "maximum": 1e8}},
+      "size": {"$ref": "#/definitions/vector"},
       "controlPoints": {"type": "array", "items": {
         "type": "object",
         "properties": {
           "label": {"type": "string"},
-          "position": {"type": "array", "minItems": 3, "maxItems": 3,
-                       "items": {"type": "number", "minimum": -1e8, "maximum": 1e8}},
+          "position": {"$ref": "#/definitions/vector"},
           "positionStatus": {"type": "string"}
         }
       }}
     }
-  }}}
+  }}},
+  "definitions": {"vector": {"type": "array", "minItems": 3, "maxItems": 3,
+                             "items": {"type": "number", "minimum": -1e8, "maximum": 1e8}}}
 })";
 constexpr const char* kWrittenSchema =
     "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
@@ -52,6 +59,31 @@ bool is_placed(const Json& point) {
   return point.contains("position") && point.value("positionStatus", "defined") == "defined";
 }
 
+Vec3 in_L(const Vec3& v, bool is_ras) { return is_ras ? Vec3(-v.x(), -v.y(), v.z()) : v; }
+
+/// Nothing for planes of before Slicer 5, which are told by three points alone.
+Result<std::optional<MarkupPlane>> read_plane(const Json& json, double mm, bool is_ras,
+                                              std::size_t number) {
+  if (!json.contains("center") || !json.contains("normal")) return std::nullopt;
+  MarkupPlane plane{mm * in_L(internal::as_vector(json["center"]), is_ras),
+                    in_L(internal::as_vector(json["normal"]), is_ras), Vec3::Zero()};
+  if (!(plane.normal_L.norm() > 1e-9))
+    return fail(ErrorCode::kFileCorrupt, fmt::format("markups[{}].normal: it is zero", number));
+  plane.normal_L.normalize();
+  // The first column is the width's direction; without it, any that lies in the plane.
+  if (const auto& axes = internal::list(json, "orientation"); axes.size() == 9)
+    plane.across_L =
+        in_L({axes[0].get<double>(), axes[3].get<double>(), axes[6].get<double>()}, is_ras);
+  plane.across_L -= plane.across_L.dot(plane.normal_L) * plane.normal_L;
+  if (!(plane.across_L.norm() > 1e-9)) plane.across_L = plane.normal_L.unitOrthogonal();
+  plane.across_L.normalize();
+  if (const auto& size = internal::list(json, "size"); size.size() == 3) {
+    plane.width_mm = mm * std::abs(size[0].get<double>());
+    plane.height_mm = mm * std::abs(size[1].get<double>());
+  }
+  return plane;
+}
+
 Result<Markup> read_markup(const Json& json, std::size_t number) {
   Markup markup;
   markup.type = json["type"].get<std::string>();
@@ -63,9 +95,11 @@ Result<Markup> read_markup(const Json& json, std::size_t number) {
   const bool is_ras = json.value("coordinateSystem", "LPS") == "RAS";
   for (const Json& point : internal::list(json, "controlPoints")) {
     if (!is_placed(point)) continue;
-    Vec3 p = *mm * internal::as_vector(point["position"]);
-    if (is_ras) p = Vec3(-p.x(), -p.y(), p.z());
-    markup.points.push_back({point.value("label", std::string()), p});
+    markup.points.push_back({point.value("label", std::string()),
+                             *mm * in_L(internal::as_vector(point["position"]), is_ras)});
+  }
+  if (markup.type == "Plane") {
+    LEFORT_TRY(markup.plane, read_plane(json, *mm, is_ras, number));
   }
   return markup;
 }

@@ -1,11 +1,12 @@
 /// \file
-/// Points and curves of 3D Slicer: `.mrk.json`.
+/// Points, curves and planes of 3D Slicer: `.mrk.json`.
 #pragma once
 
 #include <lefort/core/error.h>
 #include <lefort/plan/landmarks.h>
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,11 +14,20 @@
 
 namespace lefort::io {
 
+/// A plane as Slicer draws it: a rectangle about its centre.
+struct MarkupPlane {
+  Vec3 centre_L;
+  Vec3 normal_L;                           ///< Unit length.
+  Vec3 across_L;                           ///< Along the width; unit length, across the normal.
+  double width_mm = 0.0, height_mm = 0.0;  ///< 0 where the file does not tell.
+};
+
 /// One node of Slicer's Markups module.
 struct Markup {
-  std::string type;        ///< "Fiducial", "ClosedCurve", "Plane", ...
-  std::string name;        ///< May be empty.
-  plan::Landmarks points;  ///< Control points that are placed, with their labels, in L.
+  std::string type;                    ///< "Fiducial", "ClosedCurve", "Plane", ...
+  std::string name;                    ///< May be empty.
+  plan::Landmarks points;              ///< Control points that are placed, with their labels, in L.
+  std::optional<MarkupPlane> plane{};  ///< Of a "Plane" whose centre and normal are told.
 };
 
 /// Reads all markups of a file.
@@ -29,7 +39,8 @@ struct Markup {
 /// \returns the markups, or
 ///   - kFileNotFound     there is no such file;
 ///   - kFileUnsupported  lengths in anything but mm and um;
-///   - kFileCorrupt      not JSON, or not of Slicer's Markups schema (the message names the key).
+///   - kFileCorrupt      not JSON, or not of Slicer's Markups schema (the message names the key); a
+///     plane's normal is zero.
 [[nodiscard]] Result<std::vector<Markup>> read_markups(const std::filesystem::path& file);
 
 /// The same from text; messages then name no file.

@@ -36,7 +36,10 @@ Result<void> check_path(const BonePath& path) {
   };
   if (path.steps < 1) return bad(fmt::format("`steps` is {}, must be at least 1", path.steps));
   if (path.keyframes.empty()) return bad("`keyframes` is empty, must have one or more");
+  // Nearer to half a turn, rounding would choose which of two ways the bone goes.
+  constexpr double kMostBetween_rad = std::numbers::pi - 1e-6;
   double before = 0.0;
+  Mat3 R_before = Mat3::Identity();
   for (std::size_t k = 0; k < path.keyframes.size(); ++k) {
     const Keyframe& key = path.keyframes[k];
     if (const std::string complaint = complaint_about(key); !complaint.empty())
@@ -44,6 +47,14 @@ Result<void> check_path(const BonePath& path) {
     if (key.at <= before)
       return bad(fmt::format("keyframe {}: `at` is {}, must be above {}", k, key.at, before));
     before = key.at;
+    const Mat3 R_key = pose_of(key).linear();
+    const double turn_rad = geometry::rotation_vector(R_key * R_before.transpose()).norm();
+    if (turn_rad > kMostBetween_rad)
+      return bad(
+          fmt::format("keyframe {}: half a turn from the one before, which leaves two ways "
+                      "to go; add a keyframe between them",
+                      k));
+    R_before = R_key;
   }
   if (before != 1.0) return bad(fmt::format("the last keyframe is at {}, must be at 1", before));
   return {};

@@ -13,7 +13,8 @@ namespace lefort::plan {
 ///
 /// \returns nothing, or kPlanInvalid naming the segment and the offending value: no keyframe, `at`
 ///   not ascending within (0, 1] or not ending at 1, a number that is not finite, a rotation of
-///   half a turn or more (its way would be ambiguous), fewer than one step.
+///   half a turn or more, by itself or from the keyframe before (its way would be ambiguous),
+///   fewer than one step.
 [[nodiscard]] Result<void> check_path(const BonePath& path);
 
 /// The pose of the segment a share of the way along its path.

@@ -49,7 +49,58 @@ Result<Vec3> direction_of(const Json& json, const std::string& key) {
   return Vec3(vector / length);
 }
 
-Result<plan::CutPlane> read_plane(const Json& json, const std::string& key) {
+/// The markup of a type in a file: the one there is, or the one of that name.
+Result<Markup> read_one(const fs::path& file, const char* type, const char* in_words,
+                        const std::optional<std::string>& name, const std::string& key) {
+  LEFORT_TRY(std::vector<Markup> markups, read_markups(file));
+  Markup* found = nullptr;
+  for (Markup& markup : markups) {
+    if (markup.type != type || (name && markup.name != *name)) continue;
+    if (found != nullptr)
+      return bad(key, fmt::format("{} holds several {}s{}, must be one", file.string(), in_words,
+                                  name ? " of that name" : ""));
+    found = &markup;
+  }
+  if (found == nullptr)
+    return bad(
+        key, fmt::format("{} holds no {}{}", file.string(), in_words, name ? " of that name" : ""));
+  return std::move(*found);
+}
+
+std::optional<std::string> name_in(const Json& json) {
+  if (!json.contains("name")) return std::nullopt;
+  return json["name"].get<std::string>();
+}
+
+/// A plane of Slicer: its normal points to the segment unless it is turned round.
+Result<plan::CutPlane> read_plane_file(const Json& json, const std::string& key,
+                                       const Context& context) {
+  for (const char* of_numbers : {"point_mm", "towards_segment", "size_mm", "across"})
+    if (json.contains(of_numbers))
+      return bad(key, fmt::format("file and {} stand together, must be one of them", of_numbers));
+  const fs::path file = context.folder / json["file"].get<std::string>();
+  LEFORT_TRY(const Markup markup, read_one(file, "Plane", "plane", name_in(json), key));
+  if (!markup.plane)
+    return bad(key, fmt::format("the plane in {} has no center and normal; save it with Slicer 5",
+                                file.string()));
+  const MarkupPlane& told = *markup.plane;
+  plan::CutPlane plane{told.centre_L,
+                       json.value("flip", false) ? Vec3(-told.normal_L) : told.normal_L};
+  if (!json.value("bounded", false)) return plane;
+  if (!(told.width_mm > 0.0 && told.height_mm > 0.0))
+    return bad(key, fmt::format("the plane in {} has no size to bound it", file.string()));
+  plane.bounds = plan::PlaneBounds{told.across_L, told.width_mm, told.height_mm};
+  return plane;
+}
+
+Result<plan::CutPlane> read_plane(const Json& json, const std::string& key,
+                                  const Context& context) {
+  if (json.contains("file")) return read_plane_file(json, key, context);
+  for (const char* of_file : {"name", "flip", "bounded"})
+    if (json.contains(of_file))
+      return bad(key, fmt::format("{} is of planes from a file", of_file));
+  if (!json.contains("point_mm") || !json.contains("towards_segment"))
+    return bad(key, "must have either point_mm and towards_segment, or file");
   plan::CutPlane plane{as_vector(json["point_mm"]), Vec3::Zero()};
   LEFORT_TRY(plane.normal_L, direction_of(json["towards_segment"], key + ".towards_segment"));
   if (json.contains("size_mm") != json.contains("across"))
@@ -62,22 +113,15 @@ Result<plan::CutPlane> read_plane(const Json& json, const std::string& key) {
   return plane;
 }
 
-/// The one closed curve of a file.
-Result<std::vector<Vec3>> read_curve_file(const fs::path& file, const std::string& key) {
-  LEFORT_TRY(const std::vector<Markup> markups, read_markups(file));
-  const Markup* curve = nullptr;
-  for (const Markup& markup : markups) {
-    if (markup.type != "ClosedCurve") continue;
-    if (curve != nullptr)
-      return bad(key, fmt::format("{} holds several closed curves, must be one", file.string()));
-    curve = &markup;
-  }
-  if (curve == nullptr) return bad(key, fmt::format("{} holds no closed curve", file.string()));
-  if (curve->points.size() > kMostPoints)
+Result<std::vector<Vec3>> read_curve_file(const Json& json, const std::string& key,
+                                          const Context& context) {
+  const fs::path file = context.folder / json["file"].get<std::string>();
+  LEFORT_TRY(const Markup curve, read_one(file, "ClosedCurve", "closed curve", name_in(json), key));
+  if (curve.points.size() > kMostPoints)
     return bad(key, fmt::format("{} has {} points, at most {} are read", file.string(),
-                                curve->points.size(), kMostPoints));
+                                curve.points.size(), kMostPoints));
   std::vector<Vec3> points;
-  for (const plan::Landmark& point : curve->points) points.push_back(point.point_L);
+  for (const plan::Landmark& point : curve.points) points.push_back(point.point_L);
   return points;
 }
 
@@ -89,10 +133,10 @@ Result<plan::CutCurve> read_curve(const Json& json, const std::string& key,
   if (json.contains("points_mm") == json.contains("file"))
     return bad(key, "must have either points_mm or file");
   if (json.contains("file")) {
-    LEFORT_TRY(curve.points_L,
-               read_curve_file(context.folder / json["file"].get<std::string>(), key));
+    LEFORT_TRY(curve.points_L, read_curve_file(json, key, context));
     return curve;
   }
+  if (json.contains("name")) return bad(key, "name is of curves from a file");
   for (const Json& point : json["points_mm"]) curve.points_L.push_back(as_vector(point));
   return curve;
 }
@@ -102,7 +146,7 @@ Result<plan::CutRegion> read_region(const Json& json, const std::string& key,
   plan::CutRegion region;
   for (const Json& one : list(json, "planes")) {
     LEFORT_TRY(const plan::CutPlane plane,
-               read_plane(one, fmt::format("{}.planes[{}]", key, region.planes.size())));
+               read_plane(one, fmt::format("{}.planes[{}]", key, region.planes.size()), context));
     region.planes.push_back(plane);
   }
   for (const Json& one : list(json, "curves")) {

@@ -1,0 +1,65 @@
+#include <lefort/compare/compare_by_region.h>
+
+#include <cmath>
+#include <functional>
+#include <utility>
+
+namespace lefort::compare {
+namespace {
+
+using geometry::TriangleMesh;
+
+constexpr double kMoved_mm = 0.5;
+
+std::vector<char> find_moved(const TriangleMesh& face_L, const TriangleMesh& before_L) {
+  std::vector<char> is_moved(face_L.vertices.size(), 0);
+  if (face_L.triangles == before_L.triangles &&
+      face_L.vertices.size() == before_L.vertices.size()) {
+    for (std::size_t v = 0; v < is_moved.size(); ++v)
+      is_moved[v] = (face_L.vertices[v] - before_L.vertices[v]).norm() > kMoved_mm;
+    return is_moved;
+  }
+  const SurfaceDifference shift = measure_difference(face_L, geometry::Bvh(before_L));
+  for (std::size_t v = 0; v < is_moved.size(); ++v)
+    is_moved[v] = std::abs(shift.signed_mm[v]) > kMoved_mm;
+  return is_moved;
+}
+
+/// Figures of the parts of one surface; those without area, too, so that two lists match.
+std::vector<std::pair<std::string, DifferenceStatistics>> describe_parts(
+    const TriangleMesh& face_L, const SurfaceDifference& difference,
+    const TriangleMesh* counterpart_L, const FaceRegions& regions) {
+  std::vector<std::pair<std::string, DifferenceStatistics>> parts;
+  parts.emplace_back("whole", describe(difference, [](Index) { return true; }));
+  if (counterpart_L != nullptr) {
+    const std::vector<char> is_moved = find_moved(face_L, *counterpart_L);
+    parts.emplace_back(
+        "moved", describe(difference, [&](Index v) { return is_moved[std::size_t(v)] != 0; }));
+  }
+  for (const FaceRegion region : kFaceRegions)
+    parts.emplace_back(name_of(region), describe(difference, [&](Index v) {
+                         return regions.at(face_L.vertices[std::size_t(v)]) == region;
+                       }));
+  return parts;
+}
+
+}  // namespace
+
+std::vector<RegionDifference> compare_by_region(const TriangleMesh& face_L,
+                                                const SurfaceDifference& difference,
+                                                const geometry::Bvh& other,
+                                                const TriangleMesh* before_L,
+                                                const FaceRegions& regions) {
+  const auto now = describe_parts(face_L, difference, before_L, regions);
+  std::vector<RegionDifference> rows;
+  for (const auto& [name, face] : now) rows.push_back({name, face, std::nullopt});
+  if (before_L != nullptr) {
+    const auto then =
+        describe_parts(*before_L, measure_difference(*before_L, other), &face_L, regions);
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].if_unchanged = then[k].second;
+  }
+  std::erase_if(rows, [](const RegionDifference& row) { return row.face.area_mm2 == 0.0; });
+  return rows;
+}
+
+}  // namespace lefort::compare

@@ -1,0 +1,35 @@
+/// \file
+/// The difference between two faces, part by part, beside "nothing changed".
+#pragma once
+
+#include <lefort/compare/difference_statistics.h>
+#include <lefort/compare/face_regions.h>
+#include <lefort/compare/surface_difference.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lefort::compare {
+
+/// One part of the face and its figures.
+struct RegionDifference {
+  std::string region;
+  DifferenceStatistics face;
+  std::optional<DifferenceStatistics> if_unchanged;  ///< Of the face before surgery, likewise.
+};
+
+/// Figures for the whole face, the part that moved, and the regions that landmarks tell.
+///
+/// Whole-face figures are flattered by skin that never moves, so the moved part stands apart: what
+/// lies more than 0.5 mm from the face before surgery; vertex from vertex if both are one surface
+/// at two moments, else from the nearest point.
+///
+/// \param difference  of `face_L` to `other`.
+/// \param before_L    the face before surgery; null: then there is neither moved part nor baseline.
+/// \returns parts that `face_L` has any area in, the whole first.
+[[nodiscard]] std::vector<RegionDifference> compare_by_region(
+    const geometry::TriangleMesh& face_L, const SurfaceDifference& difference,
+    const geometry::Bvh& other, const geometry::TriangleMesh* before_L, const FaceRegions& regions);
+
+}  // namespace lefort::compare

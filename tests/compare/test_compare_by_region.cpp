@@ -1,0 +1,63 @@
+#include <lefort/compare/compare_by_region.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "support/shapes.h"
+
+namespace lefort::compare {
+namespace {
+
+/// A face is a sheet that looks up. Of 40 x 40 mm the half x > 0 was to be lifted by 3 mm; a
+/// prediction lifts it by 2.5 mm.
+geometry::TriangleMesh lifted_by(double height_mm) {
+  geometry::TriangleMesh sheet = test::make_sheet(40.0, 40);
+  for (Vec3& v : sheet.vertices)
+    if (v.x() > 0.1) v.z() = height_mm;
+  return sheet;
+}
+
+const RegionDifference& row(const std::vector<RegionDifference>& rows, const char* region) {
+  const auto found = std::find_if(rows.begin(), rows.end(),
+                                  [&](const RegionDifference& r) { return r.region == region; });
+  EXPECT_NE(found, rows.end()) << region;
+  return *found;
+}
+
+TEST(CompareByRegion, TheMovedPartIsNotFlatteredByTheRest) {
+  const auto before = lifted_by(0.0), predicted = lifted_by(2.5);
+  const geometry::Bvh actual(lifted_by(3.0));
+  const auto regions = FaceRegions::from({}).value();
+  const auto rows =
+      compare_by_region(predicted, measure_difference(predicted, actual), actual, &before, regions);
+  ASSERT_EQ(rows.size(), 2U) << "no landmarks, no regions";
+  EXPECT_EQ(rows[0].region, "whole");
+  EXPECT_NEAR(row(rows, "moved").face.median_mm, 0.5, 1e-9);
+  EXPECT_NEAR(row(rows, "moved").if_unchanged->median_mm, 3.0, 1e-9);
+  EXPECT_LT(row(rows, "whole").face.mean_mm, 0.3);
+  EXPECT_LT(row(rows, "whole").if_unchanged->mean_mm, 1.6);
+}
+
+/// Another triangulation of the face before surgery gives the same moved part, but for its edge.
+TEST(CompareByRegion, TheMovedPartIsFoundOnOtherTriangulationsToo) {
+  const auto predicted = lifted_by(2.5);
+  const geometry::Bvh actual(lifted_by(3.0));
+  const auto before = test::make_sheet(40.0, 23);
+  const auto rows = compare_by_region(predicted, measure_difference(predicted, actual), actual,
+                                      &before, FaceRegions::from({}).value());
+  EXPECT_NEAR(row(rows, "moved").face.area_mm2, 800.0, 40.0);
+  EXPECT_NEAR(row(rows, "moved").face.median_mm, 0.5, 1e-9);
+}
+
+TEST(CompareByRegion, WithoutAFaceBeforeThereIsNeitherBaselineNorMovedPart) {
+  const auto predicted = lifted_by(2.5);
+  const geometry::Bvh actual(lifted_by(3.0));
+  const auto rows = compare_by_region(predicted, measure_difference(predicted, actual), actual,
+                                      nullptr, FaceRegions::from({}).value());
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_FALSE(rows[0].if_unchanged);
+}
+
+}  // namespace
+}  // namespace lefort::compare
