@@ -118,6 +118,31 @@ TEST_F(RealCase, MidfaceForwardGivesAFaceThatFollowsTheBone) {
   EXPECT_NEAR(right.forward_mm, left.forward_mm, 0.25 * right.forward_mm);
 }
 
+TEST_F(RealCase, SkinOfItsOwnIsWedgesOverTetrahedra) {
+  json plan = demo_plan();
+  plan["tissue"]["skin"] = {{"thickness_mm", 1.5}, {"layers", 1}};
+  const auto run = predict(plan);
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const json result = prediction();
+  ASSERT_TRUE(result["converged"]);
+  const json& mesh = result["mesh"];
+  EXPECT_EQ(mesh["inverted_elements"], 0);
+  EXPECT_GE(mesh["min_scaled_jacobian"], 0.05);
+  EXPECT_GT(mesh["by_shape"]["wedge6"]["elements"], 500);
+  EXPECT_GT(mesh["by_shape"]["tet4"]["elements"], 5000);
+  EXPECT_GT(mesh["skin"]["covered_share"], 0.8);
+  EXPECT_NEAR(mesh["skin"]["mean_thickness_mm"].get<double>(), 1.5, 0.2);
+  EXPECT_EQ(result["parameters"]["skin"]["layers"], 1);
+
+  // The mixed mesh goes through the cache, and the steps through the restart file, unchanged.
+  json first = result;
+  ASSERT_EQ(predict(plan).exit_code, 0);
+  json second = prediction();
+  first.erase("timing");
+  second.erase("timing");
+  EXPECT_EQ(first.dump(), second.dump());
+}
+
 TEST_F(RealCase, ReadingFromTheCacheGivesTheSameBytes) {  // Without: test_predict_command.cpp.
   std::error_code ignored;
   fs::remove_all(out(), ignored);

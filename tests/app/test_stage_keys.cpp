@@ -48,8 +48,9 @@ TEST(StageKeys, AFieldDependsOnTheBoneAndEveryOption) {
 TEST(StageKeys, TissueDependsOnAllThatShapesItAndNotOnItsStiffness) {
   const auto key = [](const std::string& scan, anatomy::Tissue tissue,
                       const anatomy::LevelOptions& levels, const predict::TissueOptions& options,
-                      const geometry::TriangleMesh& segment_L = kBox) {
-    return tissue_key(scan, labels(tissue), levels, segment_L, options);
+                      const geometry::TriangleMesh& segment_L = kBox,
+                      const geometry::TriangleMesh& remainder_L = kBox, double capture_mm = 0.8) {
+    return tissue_key(scan, labels(tissue), levels, segment_L, remainder_L, options, capture_mm);
   };
   constexpr auto kBone = anatomy::Tissue::kBone;
   const std::set<std::string> keys{key("scan", kBone, {}, {}),
@@ -67,6 +68,21 @@ TEST(StageKeys, TissueDependsOnAllThatShapesItAndNotOnItsStiffness) {
                                    key("scan", kBone, {}, {}, kOtherBox)};
   EXPECT_EQ(keys.size(), 13U);
   EXPECT_EQ(key("scan", kBone, {}, {.young_mpa = 1.0}), key("scan", kBone, {}, {}));
+  EXPECT_EQ(key("scan", kBone, {}, {}, kBox, kOtherBox, 1.0), key("scan", kBone, {}, {}));
+
+  const auto with = [](const predict::SkinOptions& skin) {
+    predict::TissueOptions options;
+    options.skin = skin;
+    return options;
+  };
+  const std::set<std::string> of_skin{key("scan", kBone, {}, {}),
+                                      key("scan", kBone, {}, with({})),
+                                      key("scan", kBone, {}, with({.thickness_mm = 2.0})),
+                                      key("scan", kBone, {}, with({.layers = 3})),
+                                      key("scan", kBone, {}, with({}), kBox, kOtherBox),
+                                      key("scan", kBone, {}, with({}), kBox, kBox, 1.0)};
+  EXPECT_EQ(of_skin.size(), 6U);
+  EXPECT_EQ(key("scan", kBone, {}, with({.young_mpa = 1.0})), key("scan", kBone, {}, with({})));
 }
 
 }  // namespace

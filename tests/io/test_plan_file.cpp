@@ -87,6 +87,30 @@ TEST(PlanFile, WhatIsNotSaidHasItsDefault) {
   EXPECT_EQ(plan.boundary.moved_bone, predict::MovedBone::kContact);
 }
 
+TEST(PlanFile, SkinIsThereOnlyIfItIsAskedFor) {
+  Json json = good_plan();
+  EXPECT_FALSE(parse_plan(json.dump(), ".").value().tissue.skin);
+  json["tissue"]["skin"] = Json::object();
+  const predict::SkinOptions defaults;
+  const auto skin = parse_plan(json.dump(), ".").value().tissue.skin;
+  ASSERT_TRUE(skin);
+  EXPECT_EQ(skin->thickness_mm, defaults.thickness_mm);
+  EXPECT_EQ(skin->layers, defaults.layers);
+  EXPECT_EQ(skin->young_mpa, defaults.young_mpa);
+  json["tissue"]["skin"] = {
+      {"thickness_mm", 1.8},
+      {"layers", 3},
+      {"material", {{"law", "neo-hookean"}, {"young_kpa", 40}, {"poisson", 0.3}}}};
+  const predict::TissueOptions all = parse_plan(json.dump(), ".").value().tissue;
+  EXPECT_EQ(all.skin->thickness_mm, 1.8);
+  EXPECT_EQ(all.skin->layers, 3);
+  EXPECT_NEAR(all.skin->young_mpa, 0.04, 1e-15);
+  EXPECT_EQ(all.skin->poisson, 0.3);
+  EXPECT_NEAR(all.young_mpa, 0.02, 1e-15);
+  json["tissue"]["skin"]["material"] = "skin-barbarino-2011";
+  EXPECT_EQ(parse_plan(json.dump(), ".").value().tissue.skin->young_mpa, defaults.young_mpa);
+}
+
 TEST(PlanFile, CoarseElementsAloneMakeTheRimAsCoarse) {
   Json json = good_plan();
   json["tissue"]["element_size_mm"] = 9;
@@ -399,6 +423,16 @@ INSTANTIATE_TEST_SUITE_P(
                 "tissue.material.poisson"},
         BadPlan{"UnknownMaterial", [](Json& j) { j["tissue"]["material"] = "stone"; },
                 "tissue.material"},
+        BadPlan{"ThickSkin",
+                [](Json& j) {
+                  j["tissue"]["skin"] = {{"thickness_mm", 15}};
+                },
+                "tissue.skin.thickness_mm"},
+        BadPlan{"HalfALayer",
+                [](Json& j) {
+                  j["tissue"]["skin"] = {{"layers", 1.5}};
+                },
+                "tissue.skin.layers"},
         BadPlan{"OddResolution", [](Json& j) { j["field"]["resolution"] = 100; },
                 "field.resolution"},
         BadPlan{"NotAnObject", [](Json& j) { j = Json::array(); }, "plan"}),

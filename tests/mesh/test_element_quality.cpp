@@ -175,6 +175,53 @@ TEST(MeshQuality, NamesInvertedElementsThroughAllBlocks) {
   EXPECT_EQ(measure_quality(mesh).inverted, (std::vector<Index>{8}));
 }
 
+TEST(DihedralRange, OfRegularShapesIsTheTextbooks) {
+  const auto range = [](ElementShape shape) { return dihedral_range_deg(shape, ideal(shape)); };
+  const double tet_deg = degrees_from_radians(std::acos(1.0 / 3.0));
+  EXPECT_NEAR(range(ElementShape::kTet4)[0], tet_deg, 1e-10);
+  EXPECT_NEAR(range(ElementShape::kTet4)[1], tet_deg, 1e-10);
+  EXPECT_NEAR(range(ElementShape::kWedge6)[0], 60.0, 1e-10);
+  EXPECT_NEAR(range(ElementShape::kWedge6)[1], 90.0, 1e-10);
+  EXPECT_NEAR(range(ElementShape::kHex8)[0], 90.0, 1e-10);
+  EXPECT_NEAR(range(ElementShape::kHex8)[1], 90.0, 1e-10);
+  // Half an octahedron, whose faces meet at 109.47 degrees; at the base at half of that.
+  EXPECT_NEAR(range(ElementShape::kPyramid5)[0], (180.0 - tet_deg) / 2.0, 1e-10);
+  EXPECT_NEAR(range(ElementShape::kPyramid5)[1], 180.0 - tet_deg, 1e-10);
+}
+
+TEST(ElementVolume, OfABilinearFaceIsExact) {
+  // The cube whose upper face is z = 1 + x y / 2, a bilinear patch: 1 + 1/8.
+  std::vector<Vec3> hex = ideal(ElementShape::kHex8);
+  ASSERT_EQ(hex[6], Vec3(1, 1, 1));
+  hex[6].z() = 1.5;
+  EXPECT_NEAR(volume_of(ElementShape::kHex8, hex), 1.125, 1e-14);
+  std::swap(hex[0], hex[4]);
+  std::swap(hex[1], hex[5]);
+  std::swap(hex[2], hex[6]);
+  std::swap(hex[3], hex[7]);
+  EXPECT_NEAR(volume_of(ElementShape::kHex8, hex), -1.125, 1e-14);
+}
+
+TEST(MeshQuality, SumsUpEachShapeOfAMixedMesh) {
+  const VolumeMesh mesh = make_mixed_box(BoxMix::kAllLinear, {4, 1, 1}, {4, 1, 1});
+  const MeshQuality quality = measure_quality(mesh);
+  EXPECT_EQ(quality.elements, mesh.element_count());
+  EXPECT_NEAR(quality.volume_mm3, 4.0, 1e-13);
+  EXPECT_TRUE(quality.inverted.empty());
+  ASSERT_EQ(quality.by_shape.size(), 4U);
+  Index elements = 0;
+  double volume_mm3 = 0.0;
+  for (const auto& [shape, summary] : quality.by_shape) {
+    elements += summary.elements;
+    volume_mm3 += summary.volume_mm3;
+    EXPECT_GE(summary.min_scaled_jacobian, quality.min_scaled_jacobian);
+    const auto& bins = summary.jacobian_histogram;
+    EXPECT_EQ(std::accumulate(bins.begin(), bins.end(), Index(0)), summary.elements);
+  }
+  EXPECT_EQ(elements, quality.elements);
+  EXPECT_NEAR(volume_mm3, 4.0, 1e-13);
+}
+
 TEST(MeshQuality, OfNothingIsZero) { EXPECT_EQ(measure_quality({}).elements, 0); }
 
 }  // namespace

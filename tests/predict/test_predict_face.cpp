@@ -4,6 +4,7 @@
 #include <lefort/fem/element_term.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/mesh/boundary_faces.h>
+#include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
 
@@ -271,6 +272,47 @@ TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
   }));
   detour.keyframes[0].translation_mm.z() = 4.0;  // Beyond the band, though it ends where it began.
   EXPECT_EQ(predict_face(block_on_slab(), detour, {}).error().code, ErrorCode::kStepBeyondBand);
+}
+
+/// The upper half of the block is of the region of skin.
+FaceModel layered_block() {
+  FaceModel model = block_on_slab();
+  for (mesh::ElementBlock& block : model.tissue.blocks)
+    for (Index e = 0; e < block.element_count(); ++e) {
+      Vec3 centre = Vec3::Zero();
+      for (int n = 0; n < node_count(block.shape); ++n)
+        centre += model.tissue.nodes_L[std::size_t(block.element(e)[n])] / node_count(block.shape);
+      if (centre.z() > kHeight_mm / 2.0) block.region[std::size_t(e)] = regions::kSkin;
+    }
+  return model;
+}
+
+TEST(PredictFace, SkinIsMadeOfWhatItsRegionIs) {
+  const plan::BonePath path = straight({0.0, 0.0, 1.5}, 3);
+  PredictionOptions options;
+  const auto whole = predict_face(block_on_slab(), path, options).value();
+  options.tissue.skin =
+      SkinOptions{.young_mpa = options.tissue.young_mpa, .poisson = options.tissue.poisson};
+  const auto same = predict_face(layered_block(), path, options).value();
+  options.tissue.skin->young_mpa *= 20.0;
+  const auto stiff = predict_face(layered_block(), path, options).value();
+  ASSERT_TRUE(whole.converged() && same.converged() && stiff.converged());
+  EXPECT_EQ(whole.steps.back().displacement_mm, same.steps.back().displacement_mm);
+  // Held at its top and pressed from below, the soft half gives way for both.
+  double middle_mm = 0.0, stiff_middle_mm = 0.0;
+  const FaceModel model = layered_block();
+  for (std::size_t n = 0; n < model.tissue.nodes_L.size(); ++n) {
+    if (model.tissue.nodes_L[n].z() < 0.6 * kHeight_mm) continue;
+    middle_mm = std::max(middle_mm, whole.steps.back().displacement_mm[n].norm());
+    stiff_middle_mm = std::max(stiff_middle_mm, stiff.steps.back().displacement_mm[n].norm());
+  }
+  EXPECT_GT(middle_mm, 0.3);
+  EXPECT_LT(stiff_middle_mm, 0.3 * middle_mm);
+}
+
+TEST(PredictFace, ARegionWithoutAMaterialIsRefused) {
+  const auto refused = predict_face(layered_block(), straight({0.0, 0.0, 1.0}, 1), {});
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST(PredictFace, OnlyContactIsBoundToTheFieldsReach) {

@@ -201,7 +201,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   const auto json = prediction_json(prepared, prediction, skin, timing);
   LEFORT_TRY_VOID(write_documents(job.output,
                                   prediction_report(prepared, prediction, pictures, skin, timing),
-                                  pictures, plan_copy, json));
+                                  pictures, prepared.quality, plan_copy, json));
 
   Summary summary;
   summary.text = fmt::format(

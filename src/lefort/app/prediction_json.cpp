@@ -75,6 +75,14 @@ Json as_json(const StepOverlap& step) {
           {"deeper_than_told", step.overlap.is_beyond_reach}};
 }
 
+Json skin_parameters(const predict::TissueOptions& tissue) {
+  if (!tissue.skin) return nullptr;
+  return {{"thickness_mm", tissue.skin->thickness_mm},
+          {"layers", tissue.skin->layers},
+          {"young_kpa", kpa_from_mpa(tissue.skin->young_mpa)},
+          {"poisson", tissue.skin->poisson}};
+}
+
 Json parameters(const io::PlanFile& plan, const predict::FacePrediction& prediction) {
   const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
   return {{"title", plan.title},
@@ -85,6 +93,7 @@ Json parameters(const io::PlanFile& plan, const predict::FacePrediction& predict
           {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
           {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
           {"poisson", plan.tissue.poisson},
+          {"skin", skin_parameters(plan.tissue)},
           {"element_size_mm", plan.tissue.element_size_mm},
           {"far_element_size_mm", plan.tissue.far_element_size_mm},
           {"margin_mm", plan.tissue.margin_mm},
@@ -112,8 +121,32 @@ Json volumes(const PreparedCase& prepared) {
   return json;
 }
 
+Json as_json(const mesh::QualitySummary& quality) {
+  return {{"elements", quality.elements},
+          {"volume_ml", quality.volume_mm3 * 1e-3},
+          {"min_scaled_jacobian", quality.min_scaled_jacobian},
+          {"mean_scaled_jacobian", quality.mean_scaled_jacobian},
+          {"min_dihedral_deg", quality.min_dihedral_deg},
+          {"max_dihedral_deg", quality.max_dihedral_deg},
+          {"scaled_jacobian_histogram", quality.jacobian_histogram},
+          {"dihedral_histogram", quality.dihedral_histogram}};
+}
+
+Json as_json(const std::optional<mesh::LayerThickness>& skin) {
+  if (!skin) return nullptr;
+  Json thin = Json::array();
+  for (const mesh::ThinPatch& patch : skin->thin)
+    thin.push_back({{"area_mm2", patch.area_mm2}, {"centre_mm_lps", as_json(patch.centre_L)}});
+  return {{"area_mm2", skin->area_mm2},         {"covered_share", skin->covered_share},
+          {"mean_thickness_mm", skin->mean_mm}, {"p05_thickness_mm", skin->p05_mm},
+          {"full_share", skin->full_share},     {"thin_patches", thin}};
+}
+
 Json mesh_summary(const PreparedCase& prepared) {
   const mesh::VolumeMesh& tissue = prepared.model.tissue;
+  Json by_shape = Json::object();
+  for (const auto& [shape, quality] : prepared.quality.by_shape)
+    by_shape[std::string(mesh::name_of(shape))] = as_json(quality);
   Json sets = Json::object();
   for (const auto& [name, nodes] : tissue.node_sets) sets[name] = nodes.size();
   return {{"nodes", tissue.node_count()},
@@ -121,6 +154,8 @@ Json mesh_summary(const PreparedCase& prepared) {
           {"volume_ml", prepared.quality.volume_mm3 * 1e-3},
           {"min_dihedral_deg", prepared.quality.min_dihedral_deg},
           {"min_scaled_jacobian", prepared.quality.min_scaled_jacobian},
+          {"by_shape", by_shape},
+          {"skin", as_json(prepared.skin_layer)},
           {"inverted_elements", prepared.quality.inverted.size()},
           {"contact_faces", tissue.face_sets.at("contact").size()},
           {"node_sets", sets}};

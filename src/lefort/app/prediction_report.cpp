@@ -67,6 +67,26 @@ report::ReportTable step_table(const predict::FacePrediction& prediction) {
   return table;
 }
 
+/// "79719 tet4, 352 pyramid5, 7718 wedge6"
+std::string shapes_in_words(const mesh::MeshQuality& quality) {
+  std::string words;
+  for (const auto& [shape, summary] : quality.by_shape)
+    words +=
+        fmt::format("{}{} {}", words.empty() ? "" : ", ", summary.elements, mesh::name_of(shape));
+  return words;
+}
+
+std::string skin_in_words(const PreparedCase& prepared) {
+  const auto& skin = prepared.plan.tissue.skin;
+  if (!skin || !prepared.skin_layer) return "as what is inside";
+  return fmt::format(
+      "{} layers, {:g} mm asked for, {:.2f} mm on average under {:.0f} % of it; E {:.1f} kPa, "
+      "\u03bd "
+      "{:.3f}",
+      skin->layers, skin->thickness_mm, prepared.skin_layer->mean_mm,
+      100.0 * prepared.skin_layer->covered_share, kpa_from_mpa(skin->young_mpa), skin->poisson);
+}
+
 report::ReportTable parameter_table(const PreparedCase& prepared,
                                     const predict::FacePrediction& prediction) {
   const io::PlanFile& plan = prepared.plan;
@@ -74,12 +94,14 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
   return {
       "Model",
       {"quantity", "value"},
-      {{"elements (linear tetrahedra)", fmt::format("{}", prepared.model.tissue.element_count())},
+      {{"elements", shapes_in_words(prepared.quality)},
        {"nodes", fmt::format("{}", prepared.model.tissue.node_count())},
        {"smallest dihedral angle", fmt::format("{:.1f}\u00b0", prepared.quality.min_dihedral_deg)},
+       {"smallest scaled Jacobian", fmt::format("{:.3f}", prepared.quality.min_scaled_jacobian)},
        {"soft tissue law", "compressible neo-Hookean"},
        {"Young\u2019s modulus", fmt::format("{:.1f} kPa", kpa_from_mpa(plan.tissue.young_mpa))},
        {"Poisson\u2019s ratio", fmt::format("{:.3f}", plan.tissue.poisson)},
+       {"skin", skin_in_words(prepared)},
        {"tissue on the moved bone",
         is_contact ? "slides without friction (contact)" : "moves with the bone (attached)"},
        {"contact stiffness k_c", is_contact
@@ -193,8 +215,13 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   for (const auto& [name, sha256] : prepared.provenance.plan_files)
     report.provenance.push_back({"SHA-256 of " + name, sha256});
   report.limitations = {
-      "Soft tissue is one homogeneous, compressible, elastic material at rest without pre-stress; "
-      "skin, fat and muscle are not told apart.",
+      prepared.plan.tissue.skin ? "Skin and what lies under it are two homogeneous, compressible, "
+                                  "elastic materials at rest "
+                                  "without pre-stress; fat and muscle are not told apart, nor is "
+                                  "skin thinner at the lids."
+                                : "Soft tissue is one homogeneous, compressible, elastic material "
+                                  "at rest without pre-stress; "
+                                  "skin, fat and muscle are not told apart.",
       "Linear tetrahedra are too stiff for nearly incompressible tissue; Poisson\u2019s ratio is "
       "chosen lower than measured for that reason.",
       "Tissue outside the meshed region does not move, and where the scan ends tissue has no "

@@ -23,14 +23,20 @@ namespace {
 namespace fs = std::filesystem;
 
 Result<mesh::VolumeMesh> find_tissue_mesh(const predict::TissueDomain& domain,
-                                          const geometry::TriangleMesh& segment_L,
-                                          const predict::TissueOptions& options,
+                                          const geometry::TriangleMesh& skin_L,
+                                          const plan::CutBones& bones,
+                                          const predict::TissueOptions& options, double capture_mm,
                                           const std::string& key, const StageCache& cache,
                                           Progress& progress) {
   progress.begin_stage("mesh the soft tissue");
   return cache.get(
       "tissue.vtu", key, progress, [](const fs::path& path) { return io::read_vtu(path); },
-      [&] { return predict::mesh_tissue(domain, segment_L, options, progress); },
+      [&] {
+        return options.skin
+                   ? predict::mesh_tissue_and_skin(domain, skin_L, bones.segment_L,
+                                                   bones.remainder_L, options, capture_mm, progress)
+                   : predict::mesh_tissue(domain, bones.segment_L, options, progress);
+      },
       [](const fs::path& path, const mesh::VolumeMesh& made) { return io::write_vtu(path, made); });
 }
 
@@ -122,13 +128,26 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   const predict::TissueDomain domain =
       predict::make_tissue_domain(anatomy::soft_tissue_level(ct, labels, levels, progress), ct.grid,
                                   bones.segment_L, plan.tissue);
-  const std::string key = tissue_key(ct_sha256, labels, levels, bones.segment_L, plan.tissue);
+  const std::string key = tissue_key(ct_sha256, labels, levels, bones.segment_L, bones.remainder_L,
+                                     plan.tissue, plan.boundary.capture_mm);
   LEFORT_TRY(mesh::VolumeMesh tissue,
-             find_tissue_mesh(domain, bones.segment_L, plan.tissue, key, cache, progress));
+             find_tissue_mesh(domain, skin_L, bones, plan.tissue, plan.boundary.capture_mm, key,
+                              cache, progress));
   progress.begin_stage("find boundaries");
   tissue = predict::find_tissue_boundary(std::move(tissue), domain, labels, skin_L, bones.segment_L,
                                          bones.remainder_L, plan.boundary);
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
+  std::optional<mesh::LayerThickness> skin_layer;
+  if (const auto& skin = plan.tissue.skin) {
+    skin_layer = mesh::measure_layer(tissue, predict::regions::kSkin,
+                                     tissue.face_sets.at(predict::sets::kSkin), skin->layers,
+                                     skin->thickness_mm);
+    progress.note(
+        fmt::format("skin: {:.2f} mm thick on average, wedges under {:.1f} % of {:.0f} mm2; {} "
+                    "elements, smallest scaled Jacobian {:.3f}",
+                    skin_layer->mean_mm, 100.0 * skin_layer->covered_share, skin_layer->area_mm2,
+                    quality.elements, quality.min_scaled_jacobian));
+  }
   predict::FaceModel model{std::move(tissue), bones.segment_L, std::move(segment_field)};
   Provenance provenance{.plan_sha256 = plan_sha256,
                         .ct_sha256 = ct_sha256,
@@ -138,7 +157,8 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                         .warnings = scan.warnings};
   return PreparedCase{std::move(plan),           std::move(provenance), ct.grid,
                       tissue_volumes_ml(labels), std::move(skin_L),     std::move(bones),
-                      std::move(model),          std::move(quality),    std::move(overlaps)};
+                      std::move(model),          std::move(quality),    std::move(skin_layer),
+                      std::move(overlaps)};
 }
 
 }  // namespace lefort::app

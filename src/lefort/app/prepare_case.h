@@ -10,10 +10,12 @@
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/mesh/element_quality.h>
+#include <lefort/mesh/layer_thickness.h>
 #include <lefort/plan/cut_bones.h>
 #include <lefort/predict/predict_face.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,7 +49,8 @@ struct PreparedCase {
   plan::CutBones bones;
   predict::FaceModel model;
   mesh::MeshQuality quality;
-  std::vector<StepOverlap> overlaps;  ///< One for each step.
+  std::optional<mesh::LayerThickness> skin_layer;  ///< If the plan has skin of its own.
+  std::vector<StepOverlap> overlaps;               ///< One for each step.
 };
 
 /// One sentence.

@@ -202,6 +202,7 @@ void add(io::Sha256& hash, const mesh::VolumeMesh& tissue) {
   for (const mesh::ElementBlock& block : tissue.blocks) {
     hash.add(double(block.shape)).add(double(block.nodes.size()));
     for (const std::int32_t node : block.nodes) hash.add(double(node));
+    for (const std::int32_t region : block.region) hash.add(double(region));
   }
   for (const char* set : {predict::sets::kMovedBone, predict::sets::kFixed}) {
     const auto& nodes = tissue.node_sets.at(set);
@@ -232,8 +233,13 @@ std::string restart_key(const PreparedCase& prepared) {
     const auto& [at, translation_mm, rotation_rad, centre_L] = keyframe;
     hash.add(at).add(translation_mm).add(rotation_rad).add(centre_L);
   }
-  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm] = plan.tissue;
+  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin] =
+      plan.tissue;
   hash.add(young_mpa).add(poisson).add(element_size_mm).add(far_element_size_mm).add(margin_mm);
+  if (skin) {
+    const auto& [thickness_mm, layers, skin_young_mpa, skin_poisson] = *skin;
+    hash.add(thickness_mm).add(layers).add(skin_young_mpa).add(skin_poisson);
+  }
   const auto& [moved_bone, scan_edge, release_mm, capture_mm] = plan.boundary;
   hash.add(double(moved_bone)).add(double(scan_edge)).add(release_mm).add(capture_mm);
   const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;

@@ -10,6 +10,7 @@ namespace {
 constexpr double kLabelsRevision = 3;
 constexpr double kFieldRevision = 4;
 constexpr double kTissueRevision = 3;
+constexpr double kSkinRevision = 1;
 
 }  // namespace
 
@@ -53,13 +54,14 @@ std::string field_key(const geometry::TriangleMesh& segment_B,
 
 std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& labels,
                        const anatomy::LevelOptions& levels, const geometry::TriangleMesh& segment_L,
-                       const predict::TissueOptions& options) {
+                       const geometry::TriangleMesh& remainder_L,
+                       const predict::TissueOptions& options, double capture_mm) {
   const auto& [bone_hu, skin_hu, bone_smoothing_mm, skin_smoothing_mm, thinnest_tissue_mm,
                nostril_depth_mm] = levels;
   // The material is none of the mesh's business.
-  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm] = options;
-  return io::Sha256()
-      .add(kVersion)
+  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin] = options;
+  io::Sha256 hash;
+  hash.add(kVersion)
       .add(kTissueRevision)
       .add(ct_sha256)
       .add(labels)
@@ -73,8 +75,12 @@ std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& la
       .add(element_size_mm)
       .add(far_element_size_mm)
       .add(margin_mm)
-      .add(predict::kSurfaceDistanceShare)
-      .hex();
+      .add(predict::kSurfaceDistanceShare);
+  if (skin) {
+    const auto& [thickness_mm, layers, skin_young_mpa, skin_poisson] = *skin;
+    hash.add(kSkinRevision).add(remainder_L).add(capture_mm).add(thickness_mm).add(layers);
+  }
+  return hash.hex();
 }
 
 }  // namespace lefort::app

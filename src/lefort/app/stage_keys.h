@@ -20,10 +20,12 @@ namespace lefort::app {
 [[nodiscard]] std::string field_key(const geometry::TriangleMesh& segment_B,
                                     const field::DistanceFieldOptions& options);
 
-/// \param segment_L  where it lies decides which tissue is meshed, and how finely.
+/// \param segment_L    where it lies decides which tissue is meshed, and how finely.
+/// \param remainder_L, capture_mm  count where options.skin does: bone is not skin.
 [[nodiscard]] std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& labels,
                                      const anatomy::LevelOptions& levels,
                                      const geometry::TriangleMesh& segment_L,
-                                     const predict::TissueOptions& options);
+                                     const geometry::TriangleMesh& remainder_L,
+                                     const predict::TissueOptions& options, double capture_mm);
 
 }  // namespace lefort::app

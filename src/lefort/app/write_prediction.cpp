@@ -1,3 +1,4 @@
+#include <lefort/app/mesh_plots.h>
 #include <lefort/app/output_folder.h>
 #include <lefort/app/write_prediction.h>
 #include <lefort/geometry/transform_mesh.h>
@@ -71,6 +72,8 @@ Result<void> remove_results(const fs::path& folder) {
   for (const char* kind : {"before_", "after_", "displacement_", "bones_"})
     for (const fs::path& picture : earlier_files(folder / kPictures, kind, ".png"))
       files.push_back(picture);
+  for (const fs::path& plot : earlier_files(folder / kPictures, "mesh_", ".svg"))
+    files.push_back(plot);
   return remove_earlier_files(files);
 }
 
@@ -101,8 +104,13 @@ Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCas
 
 Result<void> write_documents(const fs::path& folder, const report::CaseReport& report,
                              std::span<const PredictionPicture> pictures,
-                             std::string_view plan_text, const nlohmann::ordered_json& prediction) {
-  if (!pictures.empty()) LEFORT_TRY_VOID(make_output_folder(folder / kPictures));
+                             const mesh::MeshQuality& quality, std::string_view plan_text,
+                             const nlohmann::ordered_json& prediction) {
+  if (!pictures.empty()) {
+    LEFORT_TRY_VOID(make_output_folder(folder / kPictures));
+    for (const auto& [name, svg] : mesh_plots(quality))
+      LEFORT_TRY_VOID(io::write_text(folder / kPictures / name, svg));
+  }
   for (const PredictionPicture& picture : pictures)
     LEFORT_TRY_VOID(io::write_text(folder / kPictures / picture.file, picture.png));
   LEFORT_TRY_VOID(io::write_text(folder / "report.html", report::report_html(report)));

@@ -34,10 +34,11 @@ namespace lefort::app {
                                                      const predict::FacePrediction& prediction,
                                                      std::span<const Vec3> skin_displacement_mm);
 
-/// pictures/, report.html, plan.json and, last, prediction.json: where it is, all the rest is.
+/// pictures/ with the mesh's plots, report.html, plan.json, last prediction.json: then all is in.
 [[nodiscard]] Result<void> write_documents(const std::filesystem::path& folder,
                                            const report::CaseReport& report,
                                            std::span<const PredictionPicture> pictures,
+                                           const mesh::MeshQuality& quality,
                                            std::string_view plan_text,
                                            const nlohmann::ordered_json& prediction);
 

@@ -22,21 +22,40 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kLargestPlan = 4 << 20;  // Bytes; a plan is a few kilobytes.
 
-/// Presets and their sources: docs/materials.md.
-void read_material(const Json& tissue, predict::TissueOptions& options) {
-  const auto material = tissue.find("material");
-  if (material == tissue.end()) return;
-  if (material->is_string()) {
-    options.young_mpa = mpa_from_kpa(15.0);
-    options.poisson = material->get<std::string>() == "face-nazari-2010" ? 0.49 : 0.45;
-    return;
+/// Young's modulus and Poisson's ratio of a law.
+struct Elasticity {
+  double young_mpa;
+  double poisson;
+};
+
+/// Presets and their sources: docs/materials.md. The schema knows no others.
+Elasticity read_material(const Json& material) {
+  if (!material.is_string())
+    return {mpa_from_kpa(material["young_kpa"].get<double>()), material["poisson"].get<double>()};
+  const auto name = material.get<std::string>();
+  if (name == "skin-barbarino-2011") {
+    const predict::SkinOptions preset;
+    return {preset.young_mpa, preset.poisson};
   }
-  options.young_mpa = mpa_from_kpa((*material)["young_kpa"].get<double>());
-  options.poisson = (*material)["poisson"].get<double>();
+  return {mpa_from_kpa(15.0), name == "face-nazari-2010" ? 0.49 : 0.45};
+}
+
+void read_skin(const Json& skin, predict::SkinOptions& options) {
+  read(skin, "thickness_mm", options.thickness_mm);
+  read(skin, "layers", options.layers);
+  if (!skin.contains("material")) return;
+  const auto [young_mpa, poisson] = read_material(skin["material"]);
+  options.young_mpa = young_mpa;
+  options.poisson = poisson;
 }
 
 Result<void> read_tissue(const Json& tissue, predict::TissueOptions& options) {
-  read_material(tissue, options);
+  if (tissue.contains("material")) {
+    const auto [young_mpa, poisson] = read_material(tissue["material"]);
+    options.young_mpa = young_mpa;
+    options.poisson = poisson;
+  }
+  if (tissue.contains("skin")) read_skin(tissue["skin"], options.skin.emplace());
   read(tissue, "element_size_mm", options.element_size_mm);
   options.far_element_size_mm = std::max(options.far_element_size_mm, options.element_size_mm);
   read(tissue, "far_element_size_mm", options.far_element_size_mm);

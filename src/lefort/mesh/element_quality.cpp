@@ -135,33 +135,112 @@ TetQuality tet_quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
   return quality;
 }
 
+std::array<double, 2> dihedral_range_deg(ElementShape shape, std::span<const Vec3> nodes) {
+  LEFORT_CHECK(node_count(shape) == corner_count(shape));
+  LEFORT_CHECK(nodes.size() == std::size_t(node_count(shape)));
+  std::array<double, 2> range_deg{180.0, 0.0};
+  const std::span<const Neighbours> corners = corner_table(shape).corners;
+  for (std::size_t corner = 0; corner < corners.size(); ++corner)
+    for (std::size_t n = 0; n < 3; ++n) {
+      const auto end = [&](std::size_t k) { return nodes[std::size_t(corners[corner][k % 3])]; };
+      const double angle_deg = dihedral_deg(nodes[corner], end(n), end(n + 1), end(n + 2));
+      range_deg = {std::min(range_deg[0], angle_deg), std::max(range_deg[1], angle_deg)};
+    }
+  return range_deg;
+}
+
+double volume_of(ElementShape shape, std::span<const Vec3> nodes) {
+  LEFORT_CHECK(node_count(shape) == corner_count(shape));
+  LEFORT_CHECK(nodes.size() == std::size_t(node_count(shape)));
+  // Six times the volume between a face and the first node; under a bilinear face it is the mean of
+  // those under its two pairs of triangles.
+  double sixfold = 0.0;
+  for (const LocalFace& face : faces_of(shape)) {
+    const auto at = [&](std::size_t k) {
+      return Vec3(nodes[std::size_t(face.nodes[k])] - nodes[0]);
+    };
+    const auto under = [&](std::size_t a, std::size_t b, std::size_t c) {
+      return at(a).cross(at(b)).dot(at(c));
+    };
+    sixfold += face.shape == FaceShape::kTri3
+                   ? under(0, 1, 2)
+                   : 0.5 * (under(0, 1, 2) + under(0, 2, 3) + under(0, 1, 3) + under(1, 2, 3));
+  }
+  return sixfold / 6.0;
+}
+
+namespace {
+
+struct ElementQuality {
+  double volume_mm3, min_dihedral_deg, max_dihedral_deg, scaled_jacobian;
+};
+
+QualitySummary empty_summary() {
+  QualitySummary summary;
+  summary.smallest_volume_mm3 = summary.min_dihedral_deg = summary.min_scaled_jacobian =
+      std::numeric_limits<double>::infinity();
+  return summary;
+}
+
+/// Until finish() the mean is a sum.
+void add(QualitySummary& all, const ElementQuality& one) {
+  const auto bin = [](double share, std::size_t bins) {
+    return std::size_t(std::clamp(share * double(bins), 0.0, double(bins) - 1.0));
+  };
+  all.volume_mm3 += one.volume_mm3;
+  all.smallest_volume_mm3 = std::min(all.smallest_volume_mm3, one.volume_mm3);
+  all.min_dihedral_deg = std::min(all.min_dihedral_deg, one.min_dihedral_deg);
+  all.max_dihedral_deg = std::max(all.max_dihedral_deg, one.max_dihedral_deg);
+  all.min_scaled_jacobian = std::min(all.min_scaled_jacobian, one.scaled_jacobian);
+  all.mean_scaled_jacobian += one.scaled_jacobian;
+  ++all.jacobian_histogram[bin(one.scaled_jacobian, all.jacobian_histogram.size())];
+  ++all.dihedral_histogram[bin(one.min_dihedral_deg / 90.0, all.dihedral_histogram.size())];
+  ++all.elements;
+}
+
+void finish(QualitySummary& all) { all.mean_scaled_jacobian /= double(all.elements); }
+
+}  // namespace
+
 MeshQuality measure_quality(const VolumeMesh& mesh) {
+  if (mesh.element_count() == 0) return {};
   MeshQuality all;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  all.smallest_volume_mm3 = all.min_dihedral_deg = kInfinity;
-  all.min_scaled_jacobian = all.min_radius_ratio = kInfinity;
+  static_cast<QualitySummary&>(all) = empty_summary();
+  double radius_ratios = 0.0;
+  Index tets = 0;
+  std::vector<Vec3> nodes;
   for (const ElementBlock& block : mesh.blocks) {
-    LEFORT_CHECK(block.shape == ElementShape::kTet4);
+    if (block.element_count() == 0) continue;
+    auto of_shape = std::find_if(all.by_shape.begin(), all.by_shape.end(),
+                                 [&](const auto& entry) { return entry.first == block.shape; });
+    if (of_shape == all.by_shape.end())
+      of_shape = all.by_shape.insert(of_shape, {block.shape, empty_summary()});
     for (Index e = 0; e < block.element_count(); ++e) {
-      const auto node = [&](int n) { return mesh.nodes_L[std::size_t(block.element(e)[n])]; };
-      const TetQuality one = tet_quality(node(0), node(1), node(2), node(3));
-      all.volume_mm3 += one.volume_mm3;
-      all.smallest_volume_mm3 = std::min(all.smallest_volume_mm3, one.volume_mm3);
-      all.min_dihedral_deg = std::min(all.min_dihedral_deg, one.min_dihedral_deg);
-      all.max_dihedral_deg = std::max(all.max_dihedral_deg, one.max_dihedral_deg);
-      all.min_scaled_jacobian = std::min(all.min_scaled_jacobian, one.scaled_jacobian);
-      all.mean_scaled_jacobian += one.scaled_jacobian;
-      all.min_radius_ratio = std::min(all.min_radius_ratio, one.radius_ratio);
-      all.mean_radius_ratio += one.radius_ratio;
-      const auto bin = std::size_t(std::clamp(one.min_dihedral_deg / 10.0, 0.0, 7.0));
-      ++all.dihedral_histogram[bin];
-      if (!(one.volume_mm3 > 0.0)) all.inverted.push_back(all.elements);
-      ++all.elements;
+      nodes.clear();
+      for (int n = 0; n < node_count(block.shape); ++n)
+        nodes.push_back(mesh.nodes_L[std::size_t(block.element(e)[n])]);
+      ElementQuality one{};
+      if (block.shape == ElementShape::kTet4) {
+        const TetQuality tet = tet_quality(nodes[0], nodes[1], nodes[2], nodes[3]);
+        one = {tet.volume_mm3, tet.min_dihedral_deg, tet.max_dihedral_deg, tet.scaled_jacobian};
+        all.min_radius_ratio =
+            tets == 0 ? tet.radius_ratio : std::min(all.min_radius_ratio, tet.radius_ratio);
+        radius_ratios += tet.radius_ratio;
+        ++tets;
+      } else {
+        const auto [smallest_deg, largest_deg] = dihedral_range_deg(block.shape, nodes);
+        one = {volume_of(block.shape, nodes), smallest_deg, largest_deg,
+               scaled_jacobian(block.shape, nodes)};
+      }
+      if (!(one.volume_mm3 > 0.0 && one.scaled_jacobian > 0.0))
+        all.inverted.push_back(all.elements);
+      add(all, one);
+      add(of_shape->second, one);
     }
   }
-  if (all.elements == 0) return {};
-  all.mean_scaled_jacobian /= double(all.elements);
-  all.mean_radius_ratio /= double(all.elements);
+  finish(all);
+  for (auto& [shape, summary] : all.by_shape) finish(summary);
+  if (tets > 0) all.mean_radius_ratio = radius_ratios / double(tets);
   return all;
 }
 

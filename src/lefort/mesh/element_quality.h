@@ -8,6 +8,7 @@
 
 #include <array>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace lefort::mesh {
@@ -47,8 +48,20 @@ struct TetQuality {
 /// which abc is counter-clockwise.
 [[nodiscard]] TetQuality tet_quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-/// The measures of a whole mesh.
-struct MeshQuality {
+/// The smallest and the largest dihedral angle [degrees] of an element of linear shape: those
+/// between the directions of the edges at its corners, as curved faces have no other. Of a pyramid
+/// the corners of the base count, which every edge has. Regular wedge: 60 and 90; cube: 90.
+///
+/// \param nodes  positions of the element's nodes, in their order.
+[[nodiscard]] std::array<double, 2> dihedral_range_deg(ElementShape shape,
+                                                       std::span<const Vec3> nodes);
+
+/// The volume of an element of linear shape [mm^3], its quadrilaterals being bilinear; negative if
+/// it is inverted.
+[[nodiscard]] double volume_of(ElementShape shape, std::span<const Vec3> nodes);
+
+/// The measures of some elements.
+struct QualitySummary {
   Index elements = 0;
   double volume_mm3 = 0.0;
   double smallest_volume_mm3 = 0.0;
@@ -56,14 +69,22 @@ struct MeshQuality {
   double max_dihedral_deg = 0.0;
   double min_scaled_jacobian = 0.0;
   double mean_scaled_jacobian = 0.0;
-  double min_radius_ratio = 0.0;
-  double mean_radius_ratio = 0.0;
-  /// Elements by smallest dihedral angle, ten degrees per bin, 0 to 80.
-  std::array<Index, 8> dihedral_histogram{};
-  std::vector<Index> inverted;  ///< Elements without positive volume, counted through the blocks.
+  /// Elements by scaled Jacobian, 0.05 per bin, 0 to 1; those below in the first.
+  std::array<Index, 20> jacobian_histogram{};
+  /// Elements by smallest dihedral angle, ten degrees per bin, 0 to 90.
+  std::array<Index, 9> dihedral_histogram{};
 };
 
-/// \pre Every block is kTet4.
+/// The measures of a whole mesh.
+struct MeshQuality : QualitySummary {
+  double min_radius_ratio = 0.0;  ///< Of the tetrahedra; so is the mean.
+  double mean_radius_ratio = 0.0;
+  /// Elements without positive volume or inside out at a corner, counted through the blocks.
+  std::vector<Index> inverted;
+  std::vector<std::pair<ElementShape, QualitySummary>> by_shape;  ///< Of those that occur.
+};
+
+/// \pre Every block is of a linear shape.
 [[nodiscard]] MeshQuality measure_quality(const VolumeMesh& mesh);
 
 }  // namespace lefort::mesh

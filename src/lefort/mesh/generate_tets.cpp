@@ -1,3 +1,4 @@
+#include <lefort/mesh/collapse_edges.h>
 #include <lefort/mesh/element_quality.h>
 #include <lefort/mesh/fit_boundary.h>
 #include <lefort/mesh/generate_tets.h>
@@ -157,6 +158,7 @@ Result<void> check(const Box3& box_L, const TetOptions& options) {
   LEFORT_TRY_VOID(within("facet_angle_deg", options.facet_angle_deg, 0.0, 30.0));
   LEFORT_TRY_VOID(within("cell_radius_edge", options.cell_radius_edge, 2.0, 100.0));
   LEFORT_TRY_VOID(within("sliver_angle_deg", options.sliver_angle_deg, 0.0, 20.0));
+  LEFORT_TRY_VOID(within("smallest_jacobian", options.smallest_jacobian, 0.0, 0.5));
   return within("level_tolerance_mm", options.level_tolerance_mm, 1e-6, largest_size_mm);
 }
 
@@ -261,7 +263,14 @@ Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOption
     progress.note(
         fmt::format("{} nodes stay off the surface so as not to squash an element", held_back));
   progress.report(0.8);
-  improve_tets(mesh, inside, {.angle_deg = options.sliver_angle_deg, .tolerance_mm = tolerance_mm});
+  ImproveOptions improvement{.angle_deg = options.sliver_angle_deg, .tolerance_mm = tolerance_mm};
+  improve_tets(mesh, inside, improvement);
+  improvement.with_jacobian = true;
+  constexpr int kMostRounds = 4;
+  for (int round = 0; options.smallest_jacobian > 0.0 && round < kMostRounds; ++round) {
+    if (collapse_edges(mesh, options.smallest_jacobian) == 0) break;
+    improve_tets(mesh, inside, improvement);
+  }
   return mesh;
 }
 

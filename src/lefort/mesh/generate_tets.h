@@ -19,6 +19,9 @@ struct TetOptions {
   double facet_angle_deg = 25.0;     ///< Smallest angle of boundary faces, 0 to 30.
   double cell_radius_edge = 2.5;     ///< Circumradius over shortest edge, >= 2.
   double sliver_angle_deg = 15.0;    ///< Smallest dihedral angle that is aimed at, 0 to 20.
+  /// Scaled; elements below it lose an edge (mesh/collapse_edges.h) where that betters them, 0 to
+  /// 0.5; with 0 all stay.
+  double smallest_jacobian = 0.0;
   double level_tolerance_mm = 0.01;  ///< How far boundary nodes may lie off the level, > 0.
 };
 

@@ -1,9 +1,12 @@
 #include <lefort/core/check.h>
 #include <lefort/core/units.h>
 #include <lefort/mesh/boundary_faces.h>
+#include <lefort/mesh/element_quality.h>
 #include <lefort/mesh/improve_tets.h>
+#include <lefort/mesh/internal/users_of_nodes.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -36,30 +39,10 @@ double shape_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return std::isfinite(shape) ? shape : 0.0;
 }
 
+using internal::Lists;
+using internal::users_of_nodes;
+
 constexpr double kLargestTurn_deg = 20.0;
-
-/// Lists of lists, one after another.
-struct Lists {
-  std::vector<std::size_t> first;
-  std::vector<Index> items;
-  [[nodiscard]] std::span<const Index> of(std::size_t node) const {
-    return std::span(items).subspan(first[node], first[node + 1] - first[node]);
-  }
-};
-
-template <class Nodes>
-Lists users_of_nodes(Index node_count, Index user_count, const Nodes& nodes_of) {
-  Lists lists;
-  lists.first.assign(std::size_t(node_count) + 1, 0);
-  for (Index user = 0; user < user_count; ++user)
-    for (const std::int32_t node : nodes_of(user)) ++lists.first[std::size_t(node) + 1];
-  for (std::size_t n = 1; n < lists.first.size(); ++n) lists.first[n] += lists.first[n - 1];
-  lists.items.resize(lists.first.back());
-  std::vector<std::size_t> next = lists.first;
-  for (Index user = 0; user < user_count; ++user)
-    for (const std::int32_t node : nodes_of(user)) lists.items[next[std::size_t(node)]++] = user;
-  return lists;
-}
 
 class Improver {
  public:
@@ -87,7 +70,9 @@ class Improver {
       for (const std::int32_t node : nodes_of(e)) nodes.push_back(node);
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    for (const std::int32_t node : nodes) improve(std::size_t(node));
+    for (const std::int32_t node : nodes)
+      if (options_.held.empty() || options_.held[std::size_t(node)] == 0)
+        improve(std::size_t(node));
   }
 
  private:
@@ -99,7 +84,10 @@ class Improver {
   }
   [[nodiscard]] double shape(Index e) const {
     const auto nodes = nodes_of(e);
-    return shape_of(at(nodes[0]), at(nodes[1]), at(nodes[2]), at(nodes[3]));
+    const std::array<Vec3, 4> p{at(nodes[0]), at(nodes[1]), at(nodes[2]), at(nodes[3])};
+    const double shape = shape_of(p[0], p[1], p[2], p[3]);
+    return options_.with_jacobian ? std::min(shape, 2.0 * scaled_jacobian(ElementShape::kTet4, p))
+                                  : shape;
   }
   [[nodiscard]] double worst_around(std::size_t node) const {
     double worst = 1.0;
@@ -204,6 +192,7 @@ class Improver {
 
 Index improve_tets(VolumeMesh& mesh, const InsideTest& is_inside_L, const ImproveOptions& options) {
   LEFORT_CHECK(mesh.blocks.size() == 1 && mesh.blocks[0].shape == ElementShape::kTet4);
+  LEFORT_CHECK(options.held.empty() || Index(options.held.size()) == mesh.node_count());
   Improver improver(mesh, is_inside_L, options);
   std::vector<Index> bad = improver.bad_elements();
   for (int i = 0; i < options.sweeps && !bad.empty(); ++i) {

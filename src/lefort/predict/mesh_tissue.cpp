@@ -1,14 +1,27 @@
+#include <lefort/core/check.h>
 #include <lefort/geometry/bvh.h>
+#include <lefort/mesh/element_quality.h>
 #include <lefort/mesh/generate_tets.h>
+#include <lefort/mesh/skin_layer.h>
 #include <lefort/predict/mesh_tissue.h>
+#include <lefort/predict/skin_faces.h>
+
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace lefort::predict {
 
-Result<mesh::VolumeMesh> mesh_tissue(const TissueDomain& domain,
-                                     const geometry::TriangleMesh& segment_L,
-                                     const TissueOptions& options, Progress& progress) {
+namespace {
+
+/// Better than must be: the layer above squeezes them.
+constexpr double kJacobianBeforeSkin = 0.12;
+
+Result<mesh::VolumeMesh> fill(const TissueDomain& domain, const geometry::TriangleMesh& segment_L,
+                              const TissueOptions& options, double smallest_jacobian,
+                              Progress& progress) {
   const geometry::Bvh segment(segment_L);
   mesh::TetOptions tets;
   tets.element_size_mm = std::max(options.element_size_mm, options.far_element_size_mm);
@@ -17,11 +30,58 @@ Result<mesh::VolumeMesh> mesh_tissue(const TissueDomain& domain,
     const double share = nearest ? nearest->distance_mm / options.margin_mm : 1.0;
     return options.element_size_mm + share * (tets.element_size_mm - options.element_size_mm);
   };
+  tets.smallest_jacobian = smallest_jacobian;
   tets.surface_distance_mm = kSurfaceDistanceShare * options.element_size_mm;
   const auto level = [&domain](const Vec3& p_L) { return domain.level(p_L); };
   // The level ends at the box; a little beyond it is outside for certain.
   const Box3 box(domain.box_L.min() - Vec3::Ones(), domain.box_L.max() + Vec3::Ones());
   return mesh::generate_tets(level, box, tets, progress);
+}
+
+}  // namespace
+
+Result<mesh::VolumeMesh> mesh_tissue(const TissueDomain& domain,
+                                     const geometry::TriangleMesh& segment_L,
+                                     const TissueOptions& options, Progress& progress) {
+  LEFORT_CHECK(!options.skin);
+  return fill(domain, segment_L, options, 0.0, progress);
+}
+
+Result<mesh::VolumeMesh> mesh_tissue_and_skin(const TissueDomain& domain,
+                                              const geometry::TriangleMesh& skin_L,
+                                              const geometry::TriangleMesh& segment_L,
+                                              const geometry::TriangleMesh& remainder_L,
+                                              const TissueOptions& options, double capture_mm,
+                                              Progress& progress) {
+  LEFORT_CHECK(options.skin);
+  LEFORT_TRY(const mesh::VolumeMesh tets,
+             fill(domain, segment_L, options, kJacobianBeforeSkin, progress));
+  const std::vector<mesh::Face> faces =
+      skin_faces(tets, domain, skin_L, segment_L, remainder_L, capture_mm);
+  if (faces.empty())
+    return fail(ErrorCode::kAnatomyMissing, "no skin bounds the tissue around the segment");
+  std::vector<mesh::HalfSpace> sides = domain.cuts_L;
+  sides.insert(sides.end(), domain.scan_edges_L.begin(), domain.scan_edges_L.end());
+  LEFORT_TRY(mesh::VolumeMesh mixed,
+             mesh::add_skin_layer(tets, faces, sides,
+                                  {.thickness_mm = options.skin->thickness_mm,
+                                   .layers = options.skin->layers,
+                                   .region = regions::kSkin},
+                                  progress));
+  if (const auto poor = mesh::poor_elements(mixed, kSmallestJacobian); !poor.empty()) {
+    const mesh::PoorElement& worst = *std::min_element(
+        poor.begin(), poor.end(), [](const mesh::PoorElement& a, const mesh::PoorElement& b) {
+          return a.scaled_jacobian < b.scaled_jacobian;
+        });
+    return fail(
+        ErrorCode::kMeshingFailed,
+        fmt::format("{} of {} elements have a scaled Jacobian below {}, the worst {:.3f} (a {} "
+                    "at ({:.1f}, {:.1f}, {:.1f}) mm): ask for another tissue.element_size_mm",
+                    poor.size(), mixed.element_count(), kSmallestJacobian, worst.scaled_jacobian,
+                    mesh::name_of(worst.shape), worst.centre_L.x(), worst.centre_L.y(),
+                    worst.centre_L.z()));
+  }
+  return mixed;
 }
 
 }  // namespace lefort::predict

@@ -8,15 +8,41 @@
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/predict/tissue_domain.h>
 
+#include <cstdint>
+
 namespace lefort::predict {
 
 /// How far the mesh may be from the level's surface, as a part of the element size.
 inline constexpr double kSurfaceDistanceShare = 0.15;
 
+/// What the elements' numbers of regions mean.
+namespace regions {
+inline constexpr std::int32_t kInside = 0;  ///< Connective tissue, fat and all that is not told.
+inline constexpr std::int32_t kSkin = 1;
+}  // namespace regions
+
+/// No element of a mesh with skin may have a smaller scaled Jacobian.
+inline constexpr double kSmallestJacobian = 0.05;
+
 /// \returns tetrahedra without sets, or as mesh::generate_tets.
+/// \pre !options.skin
 [[nodiscard]] Result<mesh::VolumeMesh> mesh_tissue(const TissueDomain& domain,
                                                    const geometry::TriangleMesh& segment_L,
                                                    const TissueOptions& options,
                                                    Progress& progress = Progress::none());
+
+/// The same under layers of wedges for skin (mesh/skin_layer.h): tetrahedra, pyramids, wedges.
+///
+/// \param skin_L, remainder_L  where skin is, and where bone: skin_faces().
+/// \param capture_mm           likewise.
+/// \returns a mesh without sets, no element below kSmallestJacobian; or as mesh::generate_tets and
+///   mesh::add_skin_layer, or
+///   - kAnatomyMissing  no skin bounds the tissue;
+///   - kMeshingFailed   an element is worse than that; its place is told.
+/// \pre options.skin
+[[nodiscard]] Result<mesh::VolumeMesh> mesh_tissue_and_skin(
+    const TissueDomain& domain, const geometry::TriangleMesh& skin_L,
+    const geometry::TriangleMesh& segment_L, const geometry::TriangleMesh& remainder_L,
+    const TissueOptions& options, double capture_mm, Progress& progress = Progress::none());
 
 }  // namespace lefort::predict

@@ -10,6 +10,7 @@
 #include <lefort/fem/load_steps.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/plan/bone_path.h>
+#include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
 
@@ -70,6 +71,18 @@ std::vector<Vec3> as_vectors(const VectorX& u) {
   std::vector<Vec3> vectors(std::size_t(u.size() / 3));
   for (std::size_t n = 0; n < vectors.size(); ++n) vectors[n] = u.segment<3>(Index(3 * n));
   return vectors;
+}
+
+/// What the regions of mesh_tissue.h are made of.
+Result<fem::RegionMaterials> materials_of(const TissueOptions& tissue) {
+  fem::RegionMaterials materials;
+  LEFORT_TRY(materials[regions::kInside],
+             fem::NeoHookean::from_young_poisson(tissue.young_mpa, tissue.poisson));
+  if (const auto& skin = tissue.skin) {
+    LEFORT_TRY(materials[regions::kSkin],
+               fem::NeoHookean::from_young_poisson(skin->young_mpa, skin->poisson));
+  }
+  return materials;
 }
 
 /// Least ratio of an element's volume to its volume at rest.
@@ -181,9 +194,7 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
   const mesh::VolumeMesh& tissue = model.tissue;
   const bool is_contact = options.boundary.moved_bone == MovedBone::kContact;
 
-  LEFORT_TRY(const fem::NeoHookean material,
-             fem::NeoHookean::from_young_poisson(options.tissue.young_mpa, options.tissue.poisson));
-  const fem::RegionMaterials materials{{0, material}};
+  LEFORT_TRY(const fem::RegionMaterials materials, materials_of(options.tissue));
   LEFORT_TRY(const auto elements, fem::make_element_terms(tissue, materials));
   std::vector<const fem::ForceTerm*> terms;
   for (const auto& term : elements) terms.push_back(term.get());

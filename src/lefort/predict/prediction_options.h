@@ -17,12 +17,21 @@ enum class MovedBone {
 /// What holds tissue that ends only because the scan does.
 enum class ScanEdge { kFree, kFixed };
 
+/// Skin of its own over the tissue inside. Constants and their sources: docs/materials.md.
+struct SkinOptions {
+  double thickness_mm = 1.5;  ///< Of epidermis and dermis, > 0 (0.8 to 2: \cite chopra2015).
+  int layers = 2;             ///< Of wedges, 1 to 8.
+  double young_mpa = 0.0545;  ///< > 0. Barbarino 2011 at small strain.
+  double poisson = 0.45;      ///< 0 <= nu < 0.5.
+};
+
 struct TissueOptions {
   double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/materials.md).
   double poisson = 0.45;             ///< 0 <= nu < 0.5. Linear tetrahedra lock nearer to 0.5.
   double element_size_mm = 2.5;      ///< Edge near the moved segment.
   double far_element_size_mm = 5.0;  ///< Edge at the rim of the region, >= element_size_mm.
   double margin_mm = 30.0;           ///< Tissue is meshed this far beyond the segment's box.
+  std::optional<SkinOptions> skin = std::nullopt;  ///< Without, skin is made as what is inside.
 };
 
 struct BoundaryOptions {

@@ -1,6 +1,7 @@
 #include <lefort/geometry/bvh.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/boundary_regions.h>
+#include <lefort/predict/skin_faces.h>
 #include <lefort/predict/tissue_boundary.h>
 
 #include <algorithm>
@@ -73,7 +74,6 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
                                       const geometry::TriangleMesh& segment_L,
                                       const geometry::TriangleMesh& remainder_L,
                                       const BoundaryOptions& options) {
-  constexpr double kPlaneTolerance_mm = 0.05;  // Nodes lie on the level within 0.01 mm.
   const geometry::Bvh segment(segment_L);
   const geometry::Bvh remainder(remainder_L);
   const geometry::Bvh skin(skin_L);
