@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using test::body_of;
 using std::chrono::milliseconds;
+using test::body_of;
 
 void nothing() {}
 
@@ -267,6 +267,7 @@ TEST(CaseApi, APlanNamesNoFileOutsideTheCase) {
     refused([&](json& plan) {
       plan["segments"][0]["osteotomy"]["curves"] = {{{"file", name}, {"along", {0, 1, 0}}}};
     });
+    refused([&](json& plan) { plan["segments"][0]["osteotomy"]["planes"] = {{{"file", name}}}; });
     refused([&](json& plan) {
       plan["segments"][0]["osteotomy"]["also"] = {
           {{"curves", {{{"file", name}, {"along", {0, 1, 0}}}}}}};

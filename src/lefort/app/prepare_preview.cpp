@@ -20,12 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether displacements of one skin are displacements of the other. Files hold single precision.
-bool is_same_skin(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b) {
-  constexpr double kSame_mm = 1e-3;
+/// Whether displacements of one skin are displacements of the other: the same vertices, smoothed by
+/// no more than half a voxel (geometry/smooth_surface.h) or not at all.
+bool is_same_skin(const geometry::TriangleMesh& a, const geometry::TriangleMesh& b,
+                  double voxel_mm) {
   if (a.vertices.size() != b.vertices.size() || a.triangles != b.triangles) return false;
   for (std::size_t v = 0; v < a.vertices.size(); ++v)
-    if ((a.vertices[v] - b.vertices[v]).lpNorm<Eigen::Infinity>() > kSame_mm) return false;
+    if ((a.vertices[v] - b.vertices[v]).norm() > 0.51 * voxel_mm) return false;
   return true;
 }
 
@@ -45,7 +46,7 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
              prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), job.ct,
                           StageCache(job.cache), progress));
   LEFORT_TRY(const geometry::TriangleMesh skin_L, io::read_surface(job.skin));
-  if (!is_same_skin(skin_L, prepared.skin_L))
+  if (!is_same_skin(skin_L, prepared.skin_L, prepared.scan_grid.spacing_mm.maxCoeff()))
     return fail(ErrorCode::kPlanInvalid,
                 "the skin was made with other thresholds or labels than the plan's: make the "
                 "anatomy again (segment)");

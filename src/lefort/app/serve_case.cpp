@@ -1,9 +1,11 @@
 #include <lefort/app/serve_case.h>
 #include <lefort/app/server/http_server.h>
+#include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -30,11 +32,20 @@ void allow_descriptors() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-void open_browser(const std::string& address, Progress& progress) {
-  std::string program = "xdg-open", argument = address;
+/// By a file that only this user can read: others could see an address among a program's arguments.
+void open_browser(const std::string& address, const fs::path& file, Progress& progress) {
+  const std::string page = fmt::format(
+      "<!doctype html><meta charset=\"utf-8\"><title>lefort</title>"
+      "<meta http-equiv=\"refresh\" content=\"0;url={}\">",
+      address);
+  const mode_t others = ::umask(0077);
+  const Result<void> written = io::write_text(file, page);
+  ::umask(others);
+  std::string program = "xdg-open", argument = file.string();
   char* const arguments[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;
-  if (::posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0)
+  if (!written ||
+      ::posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0)
     progress.note("no browser could be opened (xdg-open): open the address yourself");
 }
 
@@ -52,9 +63,8 @@ Result<Summary> serve_case(const ServeJob& job, Progress& progress) {
   server::HttpServer http(api, {.host = job.host, .port = job.port, .token = token, .limits = {}});
   LEFORT_TRY(const int port, http.bind());
   const bool is_own = server::is_loopback(job.host);
-  const bool is_v6 = job.host.find(':') != std::string::npos;
   const std::string address =
-      fmt::format("http://{}:{}/#token={}", is_v6 ? "[" + job.host + "]" : job.host, port, token);
+      fmt::format("http://{}:{}/#token={}", server::in_address(job.host), port, token);
   if (!is_own)
     progress.note(fmt::format(
         "warning: {} is not this machine's own address: others in the network can reach this "
@@ -62,12 +72,14 @@ Result<Summary> serve_case(const ServeJob& job, Progress& progress) {
         job.host));
   fmt::print("{}\n", address);
   std::fflush(stdout);
-  if (job.open) open_browser(address, progress);
+  const fs::path opener = api.folder() / "open.html";
+  if (job.open) open_browser(address, opener, progress);
 
   std::thread listening([&] { http.run(); });
   while (!progress.stop_requested()) std::this_thread::sleep_for(kLook);
   http.stop();
   listening.join();
+  fs::remove(opener, error);
   api.stop();
   Summary summary;
   summary.text = "ended";

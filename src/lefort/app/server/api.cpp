@@ -61,7 +61,11 @@ const NamedFile kFiles[] = {
     {"skin_before.vtp", "prediction", LEFORT_IN(prediction, "skin_before.vtp")},
     {"bone_remainder.vtp", "prediction", LEFORT_IN(prediction, "bone_remainder.vtp")},
     {"bone_segment_moved.vtp", "prediction", LEFORT_IN(prediction, "bone_segment_moved.vtp")},
-    {"bone_overlap.vtp", "prediction", LEFORT_IN(prediction, "bone_overlap.vtp")}};
+    {"bone_overlap.vtp", "prediction", LEFORT_IN(prediction, "bone_overlap.vtp")},
+    {"compare.json", "comparison", LEFORT_IN(comparison, "compare.json")},
+    {"regions.csv", "comparison", LEFORT_IN(comparison, "regions.csv")},
+    {"landmark_shifts.csv", "comparison", LEFORT_IN(comparison, "landmark_shifts.csv")},
+    {"difference.vtp", "comparison", LEFORT_IN(comparison, "difference.vtp")}};
 
 const NamedFile kSurfaces[] = {
     {"skin", "anatomy", LEFORT_IN(anatomy, "skin.vtp")},

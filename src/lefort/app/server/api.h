@@ -43,6 +43,8 @@ class Api {
   /// \pre request.path begins with kApiPrefix.
   [[nodiscard]] Reply handle(const Request& request);
 
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_.root(); }
+
   /// Events of pages that listen.
   [[nodiscard]] EventLog& events() { return events_; }
 

@@ -78,6 +78,7 @@ std::string plan_mismatch(const json& inputs, const CaseFolder& folder) {
 const char* in_words(const std::string& input) {
   if (input == "ct") return "the scan was replaced since";
   if (input == "labels") return "the labels were edited since: make the surfaces again";
+  if (input == "prediction") return "the prediction was made anew since";
   if (input == "cut") return "the plan's cuts, landmarks or thresholds were changed since";
   return "the plan's tissue or boundaries were changed since";
 }
@@ -149,6 +150,12 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
     inputs["labels"] = *labels_sha256;
     return inputs;
   }
+  if (stage == "comparison") {
+    const auto prediction_sha256 = fingerprint(prediction() / "prediction.json");
+    if (!prediction_sha256) return std::nullopt;
+    inputs["prediction"] = *prediction_sha256;
+    return inputs;
+  }
   const auto text = io::read_text(plan(), kLargestJson);
   if (!text) return std::nullopt;
   const json plan_json = json::parse(*text, nullptr, false);
@@ -188,12 +195,11 @@ json CaseFolder::stage(std::string_view stage) const {
       const fs::path failure = prediction() / "failure.json";
       return there_is(failure) ? failure : prediction() / "prediction.json";
     }
-    return root_ / "comparison" / "comparison.json";
+    return comparison() / "compare.json";
   }();
   if (!there_is(document)) return state("missing", kNothing, std::nullopt);
   const auto tag = etag(document);
   if (stage == "scan" || stage == "landmarks" || stage == "plan") return state("fresh", "", tag);
-  if (stage == "comparison") return state("fresh", "", tag);
 
   const json remembered = read_object(root_ / "stages.json");
   if (const json& then = member(remembered, std::string(stage).c_str()); then.is_object()) {

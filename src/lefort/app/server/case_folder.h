@@ -40,6 +40,7 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path check() const { return root_ / "check"; }
   [[nodiscard]] std::filesystem::path preview() const { return root_ / "preview"; }
   [[nodiscard]] std::filesystem::path prediction() const { return root_ / "prediction"; }
+  [[nodiscard]] std::filesystem::path comparison() const { return root_ / "comparison"; }
   /// What stages share: labels, fields, the tissue's mesh.
   [[nodiscard]] std::filesystem::path cache() const { return prediction() / "cache"; }
   [[nodiscard]] std::filesystem::path jobs() const { return root_ / "jobs"; }
@@ -56,7 +57,7 @@ class CaseFolder {
 
   /// Of what a stage is made now. Nothing where an input is missing.
   ///
-  /// \param stage  "anatomy", "cut", "check", "preview", "prediction".
+  /// \param stage  "anatomy", "cut", "check", "preview", "prediction", "comparison".
   [[nodiscard]] std::optional<Inputs> inputs_of(std::string_view stage) const;
 
   /// Remembers of what a stage was made.

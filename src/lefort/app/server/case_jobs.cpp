@@ -83,11 +83,8 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
                                Progress& progress) {
   CaseFolder& folder = context.folder;
   LEFORT_TRY_VOID(check_scan(folder));
-  SegmentJob segment{.ct = folder.ct(),
-                     .output = folder.anatomy(),
-                     .options = {},
-                     .finish = {},
-                     .labels = {}};
+  SegmentJob segment{
+      .ct = folder.ct(), .output = folder.anatomy(), .options = {}, .finish = {}, .labels = {}};
   std::error_code error;
   if (fs::is_regular_file(folder.plan(), error)) {  // Thresholds are the plan's unless given.
     LEFORT_TRY_VOID(check_plan(folder));
@@ -197,6 +194,36 @@ Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
   });
 }
 
+/// Else it is a scan.
+bool is_surface(const fs::path& upload) {
+  for (const char* ending : {".vtp", ".stl", ".ply", ".obj"})
+    if (upload.extension() == ending) return true;
+  return false;
+}
+
+Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
+                               Progress& progress) {
+  CaseFolder& folder = context.folder;
+  const auto other = context.uploads.source(job.parameters.value("upload", ""));
+  if (!other) return fail(ErrorCode::kFileNotFound, "there is no such upload, or it is empty");
+  std::error_code error;
+  if (!fs::is_regular_file(folder.prediction() / "prediction.json", error))
+    return fail(ErrorCode::kFileNotFound, "there is no prediction yet");
+  const auto inputs = folder.inputs_of("comparison");
+  CompareJob compare{.face = folder.prediction(),
+                     .other = {},
+                     .after_ct = {},
+                     .before = {},
+                     .landmarks = {},
+                     .output = folder.comparison(),
+                     .pictures = true};
+  (is_surface(*other) ? compare.other : compare.after_ct) = *other;
+  if (fs::is_regular_file(folder.landmarks(), error)) compare.landmarks = folder.landmarks();
+  LEFORT_TRY(const Summary summary, compare_faces(compare, progress));
+  if (inputs) LEFORT_TRY_VOID(folder.remember("comparison", *inputs));
+  return told(summary);
+}
+
 struct Kind {
   const char* name;
   const char* stage;
@@ -208,7 +235,8 @@ constexpr Kind kKinds[] = {{"import", "scan", import_job},
                            {"cut", "cut", cut_job},
                            {"check", "check", check_job},
                            {"preview-factor", "preview", preview_job},
-                           {"predict", "prediction", predict_job}};
+                           {"predict", "prediction", predict_job},
+                           {"compare", "comparison", compare_job}};
 
 }  // namespace
 

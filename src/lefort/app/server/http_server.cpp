@@ -238,6 +238,10 @@ bool is_loopback(const std::string& host) {
   return ::inet_pton(AF_INET6, host.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
 }
 
+std::string in_address(const std::string& host) {
+  return host.find(':') == std::string::npos ? host : "[" + host + "]";
+}
+
 std::optional<Reply> HttpServer::Parts::judge(const httplib::Request& request) const {
   const auto count = [&](const char* name) { return request.get_header_value_count(name); };
   if (request.path.size() > kLongestPath || request.target.size() > 4 * kLongestPath)
@@ -288,8 +292,8 @@ void HttpServer::Parts::look_at(httplib::Request& request) {
   decided = judge(request);
   request.ranges.clear();
   request.headers.erase("Accept-Encoding");  // Nothing is compressed on the way to oneself.
-  request.headers.erase("Expect");
   if (decided) {
+    request.headers.erase("Expect");
     request.path = "/";  // What is refused is not matched with anything.
     request.target = "/";
     current->must_close = true;
@@ -465,6 +469,11 @@ HttpServer::~HttpServer() { stop(); }
 Result<int> HttpServer::bind() {
   Parts& parts = *parts_;
   const HttpOptions& options = parts.options;
+  if (options.host == "0.0.0.0" || options.host == "::")
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("--host {} is no address by which this server can be told from others: "
+                            "name the one that browsers shall use",
+                            options.host));
   // Not SO_REUSEPORT, httplib's default: another program could take half of our requests.
   parts.server.set_socket_options([](socket_t socket) {
     const int yes = 1;
@@ -481,7 +490,7 @@ Result<int> HttpServer::bind() {
                                                 options.port, options.host));
   parts.server.let_knock();
   std::vector<std::string> names{"127.0.0.1", "localhost", "[::1]"};
-  if (!is_loopback(options.host)) names.push_back(lower_case(options.host));
+  if (!is_loopback(options.host)) names.push_back(lower_case(in_address(options.host)));
   for (const std::string& name : names) {
     parts.hosts.insert(fmt::format("{}:{}", name, parts.port));
     parts.origins.insert(fmt::format("http://{}:{}", name, parts.port));

@@ -40,6 +40,9 @@ struct HttpOptions {
 /// Whether an address is this machine's own alone.
 [[nodiscard]] bool is_loopback(const std::string& host);
 
+/// An address as it stands in a URL: that of IPv6 in brackets.
+[[nodiscard]] std::string in_address(const std::string& host);
+
 class HttpServer {
  public:
   /// \param api  outlives the server.
@@ -50,7 +53,8 @@ class HttpServer {
 
   /// Takes the port.
   ///
-  /// \returns the port, or kInvalidArgument: it is in use, or the address is not this machine's.
+  /// \returns the port, or kInvalidArgument: it is in use, the address is not this machine's, or it
+  ///   stands for all addresses.
   [[nodiscard]] Result<int> bind();
 
   /// Serves until stop(). \pre bind() succeeded.
