@@ -1,14 +1,10 @@
-// What we write for 3D Slicer, read back by others: ITK, which Slicer itself reads with, and Python's
-// standard library, by the letter of the formats.
-#include <lefort/io/markups_file.h>
+// What we write for 3D Slicer, read back by Python's standard library, by the letter of the format.
 #include <lefort/io/segmentation_file.h>
-#include <lefort/io/volume_files.h>
 
 #include <gtest/gtest.h>
-#include <itkImage.h>
-#include <itkImageFileReader.h>
-#include <itkMetaDataObject.h>
-#include <itkNrrdImageIO.h>
+
+#include <algorithm>
+#include <string>
 
 #include "io/sample_scan.h"
 #include "support/run_python.h"
@@ -28,51 +24,8 @@ LabelMap sample_labels() {
   return labels;
 }
 
-/// ITK is LPS, as we are.
-template <class Pixel>
-typename itk::Image<Pixel, 3>::Pointer read_by_itk(const std::filesystem::path& file) {
-  auto reader = itk::ImageFileReader<itk::Image<Pixel, 3>>::New();
-  reader->SetImageIO(itk::NrrdImageIO::New());
-  reader->SetFileName(file.string());
-  reader->Update();
-  return reader->GetOutput();
-}
-
-template <class Pixel, class Volume>
-void expect_same(const itk::Image<Pixel, 3>& image, const Volume& volume) {
-  const image::Grid& grid = volume.grid;
-  for (Index k = 0; k < grid.size[2]; ++k)
-    for (Index j = 0; j < grid.size[1]; ++j)
-      for (Index i = 0; i < grid.size[0]; ++i) {
-        const itk::Index<3> index{{i, j, k}};
-        ASSERT_EQ(image.GetPixel(index), static_cast<Pixel>(volume.at(i, j, k)));
-        itk::Point<double, 3> point;
-        image.TransformIndexToPhysicalPoint(index, point);
-        const Vec3 p_L = grid.point_L({double(i), double(j), double(k)});
-        ASSERT_LT((Vec3(point[0], point[1], point[2]) - p_L).norm(), 1e-6);
-      }
-}
-
-TEST(SlicerFiles, ItkReadsLabelsWhereTheyLieInThePatient) {
-  const TemporaryFolder folder;
-  const LabelMap labels = sample_labels();
-  ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", labels));
-  const auto image = read_by_itk<std::uint8_t>(folder / "a.seg.nrrd");
-  expect_same(*image, labels);
-  std::string name;
-  itk::ExposeMetaData(image->GetMetaDataDictionary(), "Segment5_Name", name);
-  EXPECT_EQ(name, "mandible");
-}
-
-TEST(SlicerFiles, ItkReadsTheScanWhereItLiesInThePatient) {
-  const TemporaryFolder folder;
-  const image::CtVolume ct = test::sample_scan(test::oblique());
-  ASSERT_TRUE(write_volume(folder / "ct.nrrd", ct));
-  expect_same(*read_by_itk<std::int16_t>(folder / "ct.nrrd"), ct);
-}
-
 /// Checks a NRRD file line by line, without any library that knows the format.
-constexpr const char* kReadNrrd = R"(
+constexpr const char* kReadNrrd = R"py(
 import gzip, re, sys
 head, voxels = open(sys.argv[1], "rb").read().split(b"\n\n", 1)
 lines = head.decode("utf-8").split("\n")
@@ -99,7 +52,7 @@ while f"Segment{n}_ID" in pairs:
     names[value] = pairs[f"Segment{n}_Name"]
     n += 1
 for value in sorted(names): print(names[value], voxels.count(bytes([value])))
-)";
+)py";
 
 TEST(SlicerFiles, PythonReadsLabelsByTheLetterOfTheFormat) {
   const TemporaryFolder folder;

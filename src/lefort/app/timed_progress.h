@@ -30,7 +30,7 @@ class TimedProgress final : public Progress {
 
   /// The same added up by name, and all of them, as JSON writers want them.
   [[nodiscard]] nlohmann::ordered_json seconds_json() {
-    nlohmann::ordered_json json;
+    nlohmann::ordered_json json = nlohmann::ordered_json::object();
     double total = 0.0;
     for (const auto& [name, seconds] : stages()) {
       json[name] = json.value(name, 0.0) + seconds;
