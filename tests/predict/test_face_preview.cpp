@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -69,7 +70,8 @@ TEST(FacePreview, OfPushedTissueIsNearThePrediction) {
 TEST(FacePreview, TissueSlidesAndComesOff) {
   const FaceModel model = test::block_on_slab();
   const FacePreview preview = preview_of(model);
-  for (const Vec3& by_mm : {Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, -2.0)}) {
+  const std::array<Vec3, 2> away_mm{Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, -2.0)};
+  for (const Vec3& by_mm : away_mm) {
     const auto u_mm = preview.displacement_mm(shift(by_mm)).value();
     for (const Vec3& u : u_mm) EXPECT_LT(u.norm(), 1e-9) << by_mm.transpose();
   }

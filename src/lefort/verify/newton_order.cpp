@@ -84,7 +84,8 @@ Residuals residuals_of(const fem::LoadAttempt& attempt) {
   return residuals;
 }
 
-/// The first sequence is that of the whole load at once, the others are of the runs' last increment.
+/// The first sequence is that of the whole load at once, the others are of the last increments of
+/// the runs.
 Result<std::vector<Residuals>> residuals_of(const CaseModel& model, Progress& progress) {
   LEFORT_TRY(const Equilibrium whole, solve(model, {.relative_tolerance = kRoundOff}, progress));
   std::vector<Residuals> sequences{residuals_of(whole.attempts.back())};
