@@ -358,7 +358,9 @@ Api::Api(CaseFolder folder, std::optional<fs::path> example, UploadLimits upload
       jobs_(
           folder_.jobs(), events_,
           [this](const JobRecord& job, Progress& progress) {
-            return run_job({folder_, uploads_, events_, example_}, job, progress);
+            auto outcome = run_job({folder_, uploads_, events_, example_}, job, progress);
+            if (outcome && job.kind == "preview-factor") warm_preview();
+            return outcome;
           },
           [this] { tell_stages(); }) {}
 
@@ -776,6 +778,13 @@ Result<std::shared_ptr<const predict::FacePreview>> Api::preview() {
     LEFORT_TRY(predict::PreviewModel model, read_preview_model(folder_.preview() / "face.preview"));
     return predict::FacePreview(std::move(model));
   });
+}
+
+void Api::warm_preview() {
+  RigidTransform little = RigidTransform::Identity();
+  little.translation().y() = -1.0;
+  // What is wrong with it, if anything, the first who asks is told.
+  if (const auto face = preview()) static_cast<void>((*face)->displacement_mm(little));
 }
 
 Reply Api::post_preview(const Request& request, const PathValues&) {

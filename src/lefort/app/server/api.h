@@ -102,6 +102,8 @@ class Api {
   void tell_stages();
   [[nodiscard]] Result<std::shared_ptr<const image::CtVolume>> volume();
   [[nodiscard]] Result<std::shared_ptr<const predict::FacePreview>> preview();
+  /// Factorises, so that the first preview is as quick as the next.
+  void warm_preview();
   Reply surface_reply(const Request&, const std::filesystem::path& file);
 
   CaseFolder folder_;
