@@ -6,6 +6,7 @@ import {
 } from '../model';
 import { PATIENT_AXES, planeAxes, SliceView, View3d, type GizmoDrag, type Marker, type Phase, type PlaneMark, type SliceLines } from '../scene';
 import { saveBlob, templateKey, type App, type Listeners } from './app';
+import { soon } from './soon';
 import { stageOf, type State } from './state';
 import { LABEL_TINTS } from './steps/anatomy_panel';
 
@@ -113,12 +114,13 @@ export class Presenter implements Listeners {
     if (keys.some((key) => state[key] !== before[key])) this.present();
   }
 
-  private pending = 0;
+  private pending = false;
 
   present(): void {
     if (this.pending) return;
-    this.pending = requestAnimationFrame(() => {
-      this.pending = 0;
+    this.pending = true;
+    soon(() => {
+      this.pending = false;
       this.presentNow();
     });
   }
