@@ -110,7 +110,7 @@ export class Presenter implements Listeners {
       for (const slice of this.slices) slice.set({ window: state.window, cursor_L: state.cursor_L, threshold_hu });
     // Only these concern the picture; job progress and numbers do not.
     const keys = ['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm', 'landmark', 'segment', 'plane', 'curveDraft', 'templatePlanes',
-      'keyframe', 'scrub', 'planPoses', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'showDistance', 'showBones', 'wipe'] as const;
+      'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'showDistance', 'showBones', 'wipe'] as const;
     if (keys.some((key) => state[key] !== before[key])) this.present();
   }
 

@@ -106,7 +106,7 @@ export function previewState(app: App, s: State): Part {
     return html`${hint(stage.state === 'stale' ? stage.why : 'The preview must be prepared once for this cut and these tissues.')}
       ${button('Prepare the preview', () => void app.run({ kind: 'preview-factor' }), { disabled: stageOf(s, 'cut').state !== 'fresh', id: 'prepare-preview' })}`;
   if (s.preview.state === 'failed') return notice('error', 'No preview', s.preview.why);
-  return hint('Preview, not a prediction: linear, with tissue carried along instead of sliding on the bone.');
+  return hint('Preview, not a prediction: linearised about the scanned face, so it errs more the further bone moves.');
 }
 
 /** Keyframes of the segment on their path. */
