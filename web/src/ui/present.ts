@@ -37,6 +37,7 @@ export class Presenter implements Listeners {
   constructor() {
     this.view = new View3d({
       onGizmo: (drag, phase) => this.onGizmo(drag, phase),
+      isPlacing: () => ['landmark', 'plane', 'curve', 'pivot'].includes(this.app.model.s.tool),
       onPick: (hit) => this.onPick(hit),
       onMarkerDrag: (id, hit, phase) => this.onMarkerDrag(id, hit.point, phase === 'end' ? 'end' : 'move'),
       onMarkerSelect: (id) => this.onMarkerSelect(id),
@@ -191,7 +192,6 @@ export class Presenter implements Listeners {
       ? doc.plan.segments.flatMap((x, index) => (x.osteotomy.curves ?? []).filter((c) => c.points_mm).map((c) => ({ points: c.points_mm!, closed: true, colour: cssOf(segmentColour(index)) })))
       : [];
     view.setPlanes(step === 'osteotomy' && !(stageOf(s, 'cut').state === 'fresh' && s.plane === null) ? this.planes(s) : []);
-    view.placing = s.tool === 'landmark' || s.tool === 'plane' || s.tool === 'curve' || s.tool === 'pivot';
 
     // Gizmo
     const move = this.app.move();
