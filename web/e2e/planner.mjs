@@ -1,6 +1,4 @@
 // What a person does with the planner, as functions of a page.
-import { check } from './harness.mjs';
-
 export const step = async (page, name) => {
   await page.click(`[data-step=${name}]`);
   await page.waitForSelector(`[data-step=${name}][aria-current=step]`);
@@ -32,11 +30,21 @@ export async function handles(page) {
   return JSON.parse(await page.getAttribute('.view3d canvas:not(.overlay)', 'data-handles'));
 }
 
+/** Waits until a handle is where `holds` says; gives its place. */
+export async function handleWhere(page, name, holds = () => true) {
+  const until = Date.now() + 60000;
+  for (;;) {
+    const at = (await handles(page))[name];
+    if (at && holds(at)) return at;
+    if (Date.now() > until) throw new Error(`the view has no handle "${name}" where it should be: ${at}`);
+    await page.waitForTimeout(100);
+  }
+}
+
 /** Presses on a handle of the 3D view and drags it by pixels. Returns how long it took [ms]. */
 export async function dragHandle(page, name, dx, dy, steps = 40) {
   await drawn(page);
-  const found = (await handles(page))[name];
-  check(`the view has a handle "${name}"`, found !== undefined);
+  const found = await handleWhere(page, name);
   const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
   const [x, y] = [box.x + found[0], box.y + found[1]];
   const since = Date.now();

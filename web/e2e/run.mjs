@@ -5,7 +5,7 @@ import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { check, freshFolder, lefort, openPage, root, runTests, serve, test } from './harness.mjs';
 import { shrinkPng } from './shrink_png.mjs';
-import { click3d, dot, dragHandle, handles, id, idle, look, openExample, saved, settled, step, type } from './planner.mjs';
+import { click3d, dot, dragHandle, drawn, handleWhere, id, idle, look, openExample, saved, settled, step, type } from './planner.mjs';
 
 const args = process.argv.slice(2);
 const all = args.includes('--all');
@@ -79,7 +79,7 @@ test('opening the example by one click gives scan and surfaces', () => withShare
   const since = Date.now();
   await openExample(page);
   console.log(`     from the click to surfaces ${((Date.now() - since) / 1000).toFixed(1)} s`);
-  check('the anatomy is shown', (await page.getAttribute('[data-step=anatomy]', 'aria-current')) === 'step');
+  await page.waitForSelector('[data-step=anatomy][aria-current=step]');
 }));
 
 test('anatomy: slices, window, linked cursor, threshold, brush and undo', () => withShared(async (page) => {
@@ -101,7 +101,7 @@ test('anatomy: slices, window, linked cursor, threshold, brush and undo', () => 
   await page.mouse.down({ button: 'right' });
   await page.mouse.move(coronal.x + 150, coronal.y + 130);
   await page.mouse.up({ button: 'right' });
-  check('dragging with the right button changes the window', !(await page.getByText('Level 50, width 400 HU').isVisible()));
+  await page.getByText('Level 50, width 400 HU').waitFor({ state: 'detached' });
   await page.getByRole('button', { name: 'Bone', exact: true }).first().click();
   await page.getByText('Show on the slices what counts as bone').click();
   await picture(page, 'anatomy');
@@ -135,9 +135,9 @@ test('landmarks: placed, dragged, removed, undone, measured', () => withShared(a
   await page.waitForFunction(([sel, old]) => [...document.querySelectorAll(`${sel} tr`)].some((r) => r.innerText === old), [id('cephalometry'), before]);
   await page.click(id('landmark-Zy-R'));
   await page.keyboard.press('Delete');
-  check('Delete removes it', await page.locator('.list-row.unplaced', { hasText: 'Zy-R' }).isVisible());
+  await page.locator('.list-row.unplaced', { hasText: 'Zy-R' }).waitFor();
   await page.keyboard.press('Control+z');
-  check('undo brings it back', !(await page.locator('.list-row.unplaced', { hasText: 'Zy-R' }).isVisible()));
+  await page.locator('.list-row.unplaced', { hasText: 'Zy-R' }).waitFor({ state: 'detached' });
   await page.click(id('landmark-Gn'));
   await click3d(page, 0.6, 0.6);
   await page.waitForFunction(() => ![...document.querySelectorAll('.list-row.unplaced')].some((r) => r.textContent.includes('gnathion')));
@@ -153,16 +153,12 @@ test('osteotomy: a plane and a curve by hand, then Le Fort III by its landmarks'
   await page.click(id('add-plane'));
   await click3d(page, 0.6, 0.6);
   await page.waitForSelector(id('plane-0-0'));
-  const normal = async () => (await handles(page))['shift normal +'];
-  await page.waitForTimeout(300);
-  const at = await normal();
-  check('the plane has an arrow', at !== undefined);
+  await drawn(page);
+  const at = await handleWhere(page, 'shift normal +');
   await dragHandle(page, 'shift normal +', 0, 25, 10);
-  await page.waitForTimeout(300);
-  check('dragging the arrow shifts the plane', Math.abs((await normal())[1] - at[1] - 25) < 6);
+  await handleWhere(page, 'shift normal +', (now) => Math.abs(now[1] - at[1] - 25) < 6);
   await page.keyboard.press('Control+z');
-  await page.waitForTimeout(300);
-  check('undo shifts it back', Math.abs((await normal())[1] - at[1]) < 2);
+  await handleWhere(page, 'shift normal +', (now) => Math.abs(now[1] - at[1]) < 2);
   await page.keyboard.press('Escape');
   await page.click(id('add-curve'));
   for (const [u, v] of [[0.42, 0.34], [0.48, 0.3], [0.53, 0.34], [0.52, 0.42], [0.45, 0.43]]) await click3d(page, u, v);
@@ -189,10 +185,9 @@ test('movement: 12 mm forward and 5 mm down by dragging, overlap all the while',
   await step(page, 'movement');
   await settled(page);
   await look(page, 'From the patient’s right');
-  await page.waitForTimeout(400);
   const px = Number(await page.getAttribute('.view3d canvas:not(.overlay)', 'data-px-per-mm'));
   // Slowly, as a hand does it: 3 s for 12 mm.
-  const found = (await handles(page))['shift AP +'];
+  const found = await handleWhere(page, 'shift AP +');
   const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
   await page.mouse.move(box.x + found[0], box.y + found[1]);
   await page.mouse.down();
@@ -201,7 +196,7 @@ test('movement: 12 mm forward and 5 mm down by dragging, overlap all the while',
   for (let share = 0; share < 1; ) {
     share = Math.min(1, 1 - (until - Date.now()) / 3000);
     await page.mouse.move(box.x + found[0] + 12 * px * share, box.y + found[1]);
-    rates.push(Number(await page.locator(id('update-rate')).first().getAttribute('data-rate').catch(() => 0)));
+    rates.push(Number(await page.locator(id('update-rate')).first().getAttribute('data-rate', { timeout: 50 }).catch(() => 0)));
   }
   await page.mouse.up();
   const rate = Math.max(...rates);
@@ -209,7 +204,7 @@ test('movement: 12 mm forward and 5 mm down by dragging, overlap all the while',
   await type(page, 'move-anterior', 12);
   await dragHandle(page, 'shift SI -', 0, 5 * px, 10);
   await type(page, 'move-superior', -5);
-  check('the move is told in words', (await page.locator(id('in-words')).innerText()) === '12.0 mm anterior, 5.0 mm inferior');
+  await page.getByText('12.0 mm anterior, 5.0 mm inferior').waitFor();
   await saved(page);
   await page.click(id('add-keyframe'));
   await page.waitForFunction(() => document.querySelectorAll('.keyframe').length === 3);

@@ -62,6 +62,7 @@ export class SliceView {
     this.element.dataset.orientation = orientation;
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('role', 'img');
+    this.canvas.setAttribute('aria-label', `${orientation} slice`);
     this.readout.className = 'slice-readout';
     const name = document.createElement('div');
     name.className = 'slice-name';

@@ -47,6 +47,8 @@ export type Phase = 'start' | 'move' | 'end';
 
 export interface View3dEvents {
   onGizmo(drag: GizmoDrag, phase: Phase): void;
+  /** True if a click places something now; the cursor says so. */
+  isPlacing(): boolean;
   /** A click on a body, with a tool that places. */
   onPick(hit: Hit, body: string): void;
   onMarkerDrag(id: string, hit: Hit, phase: Phase): void;
@@ -61,8 +63,6 @@ export class View3d {
   readonly gizmo = new Gizmo();
   markers: Marker[] = [];
   lines: Polyline[] = [];
-  /** True if a click places something: the cursor says so. */
-  placing = false;
   /** The bodies a tool works on; others are looked through. */
   pickable: (name: string) => boolean = () => true;
 
@@ -577,7 +577,7 @@ export class View3d {
     } else if (dragged?.kind === 'marker') {
       const found = this.pick(x, y);
       if (found) this.events.onMarkerDrag(dragged.id, found.hit, 'end');
-    } else if (!dragged && event.button === 0 && this.pressed && this.placing) {
+    } else if (!dragged && event.button === 0 && this.pressed && this.events.isPlacing()) {
       // A click, not the end of turning the head.
       if (Math.hypot(x - this.pressed.x, y - this.pressed.y) < 4 && !this.markerAt(x, y)) {
         const found = this.pick(x, y);
@@ -595,7 +595,7 @@ export class View3d {
     const layout = this.layout_;
     const onWipe = at !== null && layout.mode === 'wipe' && Math.abs(at[0] - layout.share * this.size().width) < 14;
     const overMarker = at !== null && this.markerAt(...at) !== null;
-    this.canvas.style.cursor = onWipe ? 'ew-resize' : this.gizmo.hovered || overMarker ? 'grab' : this.placing ? 'crosshair' : '';
+    this.canvas.style.cursor = onWipe ? 'ew-resize' : this.gizmo.hovered || overMarker ? 'grab' : this.events.isPlacing() ? 'crosshair' : '';
     if (before?.axis !== this.gizmo.hovered?.axis || before?.kind !== this.gizmo.hovered?.kind) this.render();
   }
 

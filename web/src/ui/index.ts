@@ -3,6 +3,7 @@ import { App } from './app';
 import { listenToKeys } from './keyboard';
 import { Presenter } from './present';
 import { drawShell } from './shell';
+import { soon } from './soon';
 import type { State } from './state';
 
 /** The token stands behind # in the address; it is kept for reloads of this tab and taken out of sight. */
@@ -34,11 +35,12 @@ export function startPlanner(root: HTMLElement): void {
     view.view.render();
   });
 
-  let frame = 0;
+  let waiting = false;
   const draw = (): void => {
-    if (frame) return;
-    frame = requestAnimationFrame(() => {
-      frame = 0;
+    if (waiting) return;
+    waiting = true;
+    soon(() => {
+      waiting = false;
       drawShell(root, app, view);
     });
   };

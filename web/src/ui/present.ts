@@ -6,6 +6,7 @@ import {
 } from '../model';
 import { PATIENT_AXES, planeAxes, SliceView, View3d, type GizmoDrag, type Marker, type Phase, type PlaneMark, type SliceLines } from '../scene';
 import { saveBlob, templateKey, type App, type Listeners } from './app';
+import { soon } from './soon';
 import { stageOf, type State } from './state';
 import { LABEL_TINTS } from './steps/anatomy_panel';
 
@@ -36,6 +37,7 @@ export class Presenter implements Listeners {
   constructor() {
     this.view = new View3d({
       onGizmo: (drag, phase) => this.onGizmo(drag, phase),
+      isPlacing: () => ['landmark', 'plane', 'curve', 'pivot'].includes(this.app.model.s.tool),
       onPick: (hit) => this.onPick(hit),
       onMarkerDrag: (id, hit, phase) => this.onMarkerDrag(id, hit.point, phase === 'end' ? 'end' : 'move'),
       onMarkerSelect: (id) => this.onMarkerSelect(id),
@@ -109,16 +111,17 @@ export class Presenter implements Listeners {
       for (const slice of this.slices) slice.set({ window: state.window, cursor_L: state.cursor_L, threshold_hu });
     // Only these concern the picture; job progress and numbers do not.
     const keys = ['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm', 'landmark', 'segment', 'plane', 'curveDraft', 'templatePlanes',
-      'keyframe', 'scrub', 'planPoses', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'showDistance', 'showBones', 'wipe'] as const;
+      'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'showDistance', 'showBones', 'wipe'] as const;
     if (keys.some((key) => state[key] !== before[key])) this.present();
   }
 
-  private pending = 0;
+  private pending = false;
 
   present(): void {
     if (this.pending) return;
-    this.pending = requestAnimationFrame(() => {
-      this.pending = 0;
+    this.pending = true;
+    soon(() => {
+      this.pending = false;
       this.presentNow();
     });
   }
@@ -189,7 +192,6 @@ export class Presenter implements Listeners {
       ? doc.plan.segments.flatMap((x, index) => (x.osteotomy.curves ?? []).filter((c) => c.points_mm).map((c) => ({ points: c.points_mm!, closed: true, colour: cssOf(segmentColour(index)) })))
       : [];
     view.setPlanes(step === 'osteotomy' && !(stageOf(s, 'cut').state === 'fresh' && s.plane === null) ? this.planes(s) : []);
-    view.placing = s.tool === 'landmark' || s.tool === 'plane' || s.tool === 'curve' || s.tool === 'pivot';
 
     // Gizmo
     const move = this.app.move();

@@ -1,5 +1,5 @@
 import { html, nothing } from 'lit-html';
-import { cssOf, fixed, keyframesOf, mm, PARTS, partOf, retimeKeyframe, segmentColour, shareOf, withKeyframeAfter, withoutKeyframe, withPart, type Move } from '../../model';
+import { cssOf, fixed, keyframesOf, mm, PARTS, partOf, retimeKeyframe, segmentColour, shareOf, withKeyframeAfter, withoutKeyframe, withPart, type Move, type PartKey } from '../../model';
 import { OVERLAP_LIMIT_MM, type App } from '../app';
 import { numberField } from '../number_field';
 import { button, chip, empty, hint, iconButton, notice, section, segmented, select, toggle, type Part } from '../parts';
@@ -54,7 +54,11 @@ export function movementPanel(app: App, s: State): Part {
   const cut = stageOf(s, 'cut');
   const move = app.move();
   const keyframe = keyframesOf(segment)[s.keyframe];
-  const set = (next: Move, gesture: string) => { app.setMove(next, gesture); };
+  // Of the move as it is then: another field may have changed it since this was drawn.
+  const set = (key: PartKey, value: number): void => {
+    const now = app.move();
+    if (now) app.setMove(withPart(now, key, value), `move-${key}`);
+  };
   const pivots = [{ value: '', text: keyframe?.about_mm ? 'A point' : 'Middle of the segment' }, ...landmarks.map((l) => ({ value: l.name, text: l.name }))];
   return html`
     <h2>Movement</h2>
@@ -71,11 +75,11 @@ export function movementPanel(app: App, s: State): Part {
         ${overlapNotice(s)}
         ${section('Shift', html`<div class="numbers">${PARTS.filter((p) => p.kind === 'shift').map((part) => numberField({
           label: TITLES[part.key], hint: `− is ${part.minus}`, value: partOf(move, part.key), unit: 'mm', step: 0.5, min: -60, max: 60, id: `move-${part.key}`,
-          onInput: (v) => set(withPart(move, part.key, v), `move-${part.key}`), onDone: () => app.settle(),
+          onInput: (v) => set(part.key, v), onDone: () => app.settle(),
         }))}</div>`)}
         ${section('Turn', html`<div class="numbers">${PARTS.filter((p) => p.kind === 'turn').map((part) => numberField({
           label: TITLES[part.key], hint: `+ is ${part.plus}`, value: partOf(move, part.key), unit: '°', step: 0.5, min: -90, max: 90, id: `move-${part.key}`,
-          onInput: (v) => set(withPart(move, part.key, v), `move-${part.key}`), onDone: () => app.settle(),
+          onInput: (v) => set(part.key, v), onDone: () => app.settle(),
         }))}</div>`,
           html`<div class="row"><div class="grow">${select('About', pivots, keyframe?.about ?? '', (v) => app.setPivot(v || app.pivotOf(segment.name)))}</div>
             ${button('Pick', () => app.patch({ tool: s.tool === 'pivot' ? 'none' : 'pivot' }), { icon: 'target', pressed: s.tool === 'pivot', title: 'Click on the bone to turn about that point' })}</div>`)}`
@@ -102,7 +106,7 @@ export function previewState(app: App, s: State): Part {
     return html`${hint(stage.state === 'stale' ? stage.why : 'The preview must be prepared once for this cut and these tissues.')}
       ${button('Prepare the preview', () => void app.run({ kind: 'preview-factor' }), { disabled: stageOf(s, 'cut').state !== 'fresh', id: 'prepare-preview' })}`;
   if (s.preview.state === 'failed') return notice('error', 'No preview', s.preview.why);
-  return hint('Preview, not a prediction: linear, with tissue carried along instead of sliding on the bone.');
+  return hint('Preview, not a prediction: linearised about the scanned face, so it errs more the further bone moves.');
 }
 
 /** Keyframes of the segment on their path. */

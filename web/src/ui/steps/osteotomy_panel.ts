@@ -10,8 +10,8 @@ import { isBusyWith, lastJob, stageOf, type State } from '../state';
 
 /** Volume of each segment, as the cut told it. */
 export function volumesOf(s: State): Map<string, number> {
-  const result = lastJob(s, 'cut')?.result as { segments?: { name?: string; volume_ml?: number }[] } | null | undefined;
-  return new Map((result?.segments ?? []).filter((x) => x.name !== undefined && x.volume_ml !== undefined).map((x) => [x.name!, x.volume_ml!]));
+  const result = lastJob(s, 'cut')?.result as { bones?: { name?: string; volume_ml?: number }[] } | null | undefined;
+  return new Map((result?.bones ?? []).filter((x) => x.name && x.volume_ml !== undefined).map((x) => [x.name!, x.volume_ml!]));
 }
 
 /** Closes the curve that is being drawn: it cuts inwards, against the mean of the surface's normals. */
