@@ -25,6 +25,7 @@ namespace {
 using test::block_on;
 using test::block_on_ball;
 using test::block_on_slab;
+using test::kHeight_mm;
 using test::straight;
 
 class PredictFaceWith : public testing::TestWithParam<contact::Detection> {
