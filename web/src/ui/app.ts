@@ -334,7 +334,7 @@ export class App {
       if (this.isUnsaved()) {
         if (this.model.s.saving === 'saved') this.patch({ saving: 'unsaved' });
         this.saveTimer = window.setTimeout(() => void this.save(), SAVE_AFTER_MS);
-      }
+      } else if (this.model.s.saving === 'unsaved') this.patch({ saving: 'saved' }); // Undone before it was kept.
     }
     if (present.landmarks !== before.landmarks) void this.measure();
     const count = present.plan.segments.length;
