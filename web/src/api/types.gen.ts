@@ -553,7 +553,7 @@ export interface components {
         } | {
             /** @constant */
             kind: "compare";
-            /** @description A surface: the face after surgery. */
+            /** @description The face after surgery, a surface; or a scan after surgery. */
             upload: string;
         };
         /** @enum {unknown} */
@@ -777,7 +777,7 @@ export interface components {
             document: Record<string, never>;
         };
         /** @enum {unknown} */
-        FileName: "ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp";
+        FileName: "ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp";
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];
@@ -849,7 +849,7 @@ export interface operations {
     putUploadFile: {
         parameters: {
             query: {
-                /** @description What the file was called: only its ending is used (.dcm, none, .nii, .nii.gz, .nrrd, .mha, .inv3). */
+                /** @description What the file was called: only its ending is used: scans (.dcm, none, .nii, .nii.gz, .nrrd, .mha, .inv3), surfaces (.vtp, .stl, .ply, .obj). */
                 name: string;
             };
             header?: never;
