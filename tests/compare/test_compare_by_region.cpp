@@ -50,6 +50,26 @@ TEST(CompareByRegion, TheMovedPartIsFoundOnOtherTriangulationsToo) {
   EXPECT_NEAR(row(rows, "moved").face.median_mm, 0.5, 1e-9);
 }
 
+/// Skin that surgery carries down from the upper lip is still that of the upper lip.
+TEST(CompareByRegion, SkinStaysInItsRegion) {
+  const plan::Landmarks landmarks{{"N'", {0, -100, 50}},
+                                  {"Sn", {0, -100, 5}},
+                                  {"Stm", {0, -100, -5}},
+                                  {"Ch-R", {-10, -100, -5}},
+                                  {"Ch-L", {10, -100, -5}}};
+  geometry::TriangleMesh before = test::make_sheet(40.0, 40);
+  for (Vec3& v : before.vertices) v = Vec3(v.x(), -100.0, v.y());  // Upright.
+  geometry::TriangleMesh after = before;
+  for (Vec3& v : after.vertices) v.z() -= 8.0;
+  const auto regions = FaceRegions::from(landmarks).value();
+  const geometry::Bvh other(after);
+  const auto rows =
+      compare_by_region(after, measure_difference(after, other), other, &before, regions);
+  const RegionDifference& lip = row(rows, "upper lip");
+  EXPECT_GT(lip.face.area_mm2, 150.0);
+  EXPECT_DOUBLE_EQ(lip.face.area_mm2, lip.if_unchanged->area_mm2);
+}
+
 TEST(CompareByRegion, WithoutAFaceBeforeThereIsNeitherBaselineNorMovedPart) {
   const auto predicted = lifted_by(2.5);
   const geometry::Bvh actual(lifted_by(3.0));

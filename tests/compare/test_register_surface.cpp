@@ -75,6 +75,17 @@ TEST(RegisterSurface, ToldWhereNothingFits) {
   EXPECT_EQ(found.error().code, ErrorCode::kNotConverged) << found.error().message;
 }
 
+/// Of about the same size, and it comes to rest; but another's bone.
+TEST(RegisterSurface, AnotherBodyIsNotTakenForTheSame) {
+  const auto from = test::make_blob(Vec3::Zero(), kRadii_mm, 4);
+  const geometry::Bvh other(test::make_box({-52, -70, -44}, {55, 66, 47}));
+  const auto found = register_surface(from, other, likely_starts(from, other.mesh()));
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, ErrorCode::kNotConverged);
+  EXPECT_NE(found.error().message.find("do both show the same bone"), std::string::npos)
+      << found.error().message;
+}
+
 TEST(RegisterSurface, ASphereCanTurnInItself) {
   const geometry::Bvh onto(test::make_icosphere(50.0, 5));
   const auto found = register_surface(test::make_icosphere(50.0, 4, {1, 2, 3}), onto, kAsItIs);
@@ -90,6 +101,8 @@ TEST(RegisterSurface, RefusesTooLittle) {
   EXPECT_EQ(register_surface(blob, onto, kAsItIs, {.most_points = 99}).error().code,
             ErrorCode::kInvalidArgument);
   EXPECT_EQ(register_surface(blob, onto, kAsItIs, {.most_iterations = 0}).error().code,
+            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(register_surface(blob, onto, kAsItIs, {.worst_median_mm = 0.0}).error().code,
             ErrorCode::kInvalidArgument);
 }
 

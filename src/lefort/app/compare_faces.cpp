@@ -234,7 +234,8 @@ Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
   LEFORT_TRY_VOID(io::write_text(job.output / kRegions, regions_csv(rows)));
   if (!shifts.empty()) LEFORT_TRY_VOID(io::write_text(job.output / kLandmarks, shifts_csv(shifts)));
   std::vector<double> region_of;
-  for (const Vec3& v : face_L.vertices) region_of.push_back(double(regions.at(v)));
+  for (const auto region : compare::regions_of(face_L, before_L ? &*before_L : nullptr, regions))
+    region_of.push_back(double(region));
   LEFORT_TRY_VOID(io::write_surface(
       job.output / kMap, face_L, {{"difference_mm", difference.signed_mm}, {"region", region_of}}));
   LEFORT_TRY_VOID(write_pictures(job.output, pictures));

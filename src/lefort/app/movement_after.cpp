@@ -5,9 +5,10 @@
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/surface_files.h>
-#include <lefort/plan/bone_path.h>
+#include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <span>
 #include <system_error>
@@ -36,6 +37,32 @@ bool is_file(const fs::path& file) {
   return fs::is_regular_file(file, error);
 }
 
+/// Where the prediction left the segment. Not what its plan says now: files that it names may have
+/// changed since.
+Result<RigidTransform> final_pose(const fs::path& file) {
+  constexpr std::uintmax_t kLargest = 256 << 20;  // Bytes.
+  LEFORT_TRY(const std::string text, io::read_text(file, kLargest));
+  const auto damaged = [&] {
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{} does not tell where the segment ends", file.string()));
+  };
+  try {
+    const auto json = nlohmann::json::parse(text);
+    const auto& rows =
+        json.at("steps").at(json.at("steps").size() - 1).at("pose_4x4_row_major_mm_lps");
+    RigidTransform X_LB;
+    for (std::size_t row = 0; row < 4; ++row)
+      for (std::size_t column = 0; column < 4; ++column)
+        X_LB.matrix()(Index(row), Index(column)) = rows.at(row).at(column).get<double>();
+    const Mat3 turn = X_LB.linear();
+    if (!X_LB.matrix().allFinite() || (turn.transpose() * turn - Mat3::Identity()).norm() > 1e-6)
+      return damaged();
+    return X_LB;
+  } catch (const nlohmann::json::exception&) {
+    return damaged();
+  }
+}
+
 Result<PlannedBones> read_planned(const fs::path& prediction) {
   if (!is_file(prediction / "prediction.json") || !is_file(prediction / "plan.json"))
     return fail(ErrorCode::kInvalidArgument,
@@ -50,7 +77,7 @@ Result<PlannedBones> read_planned(const fs::path& prediction) {
   LEFORT_TRY(planned.remainder_L, io::read_surface(prediction / "bone_remainder.vtp"));
   LEFORT_TRY(geometry::TriangleMesh moved_L,
              io::read_surface(prediction / "bone_segment_moved.vtp"));
-  const RigidTransform X_LB = plan::pose_at(planned.plan.segments.front().path, 1.0);
+  LEFORT_TRY(const RigidTransform X_LB, final_pose(prediction / "prediction.json"));
   planned.segments_B.push_back(geometry::transformed(std::move(moved_L), X_LB.inverse()));
   planned.planned_LB.push_back(X_LB);
   return planned;

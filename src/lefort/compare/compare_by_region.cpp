@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <span>
 #include <utility>
 
 namespace lefort::compare {
@@ -11,10 +12,14 @@ using geometry::TriangleMesh;
 
 constexpr double kMoved_mm = 0.5;
 
+/// The same surface at two moments.
+bool is_one_surface(const TriangleMesh& a, const TriangleMesh& b) {
+  return a.vertices.size() == b.vertices.size() && a.triangles == b.triangles;
+}
+
 std::vector<char> find_moved(const TriangleMesh& face_L, const TriangleMesh& before_L) {
   std::vector<char> is_moved(face_L.vertices.size(), 0);
-  if (face_L.triangles == before_L.triangles &&
-      face_L.vertices.size() == before_L.vertices.size()) {
+  if (is_one_surface(face_L, before_L)) {
     for (std::size_t v = 0; v < is_moved.size(); ++v)
       is_moved[v] = (face_L.vertices[v] - before_L.vertices[v]).norm() > kMoved_mm;
     return is_moved;
@@ -28,7 +33,7 @@ std::vector<char> find_moved(const TriangleMesh& face_L, const TriangleMesh& bef
 /// Figures of the parts of one surface; those without area, too, so that two lists match.
 std::vector<std::pair<std::string, DifferenceStatistics>> describe_parts(
     const TriangleMesh& face_L, const SurfaceDifference& difference,
-    const TriangleMesh* counterpart_L, const FaceRegions& regions) {
+    const TriangleMesh* counterpart_L, std::span<const FaceRegion> region_of) {
   std::vector<std::pair<std::string, DifferenceStatistics>> parts;
   parts.emplace_back("whole", describe(difference, [](Index) { return true; }));
   if (counterpart_L != nullptr) {
@@ -38,24 +43,35 @@ std::vector<std::pair<std::string, DifferenceStatistics>> describe_parts(
   }
   for (const FaceRegion region : kFaceRegions)
     parts.emplace_back(name_of(region), describe(difference, [&](Index v) {
-                         return regions.at(face_L.vertices[std::size_t(v)]) == region;
+                         return region_of[std::size_t(v)] == region;
                        }));
   return parts;
 }
 
 }  // namespace
 
+std::vector<FaceRegion> regions_of(const TriangleMesh& face_L, const TriangleMesh* before_L,
+                                   const FaceRegions& regions) {
+  const bool is_carried = before_L != nullptr && is_one_surface(face_L, *before_L);
+  std::vector<FaceRegion> region_of;
+  region_of.reserve(face_L.vertices.size());
+  for (const Vec3& v : is_carried ? before_L->vertices : face_L.vertices)
+    region_of.push_back(regions.at(v));
+  return region_of;
+}
+
 std::vector<RegionDifference> compare_by_region(const TriangleMesh& face_L,
                                                 const SurfaceDifference& difference,
                                                 const geometry::Bvh& other,
                                                 const TriangleMesh* before_L,
                                                 const FaceRegions& regions) {
-  const auto now = describe_parts(face_L, difference, before_L, regions);
+  const std::vector<FaceRegion> region_now = regions_of(face_L, before_L, regions);
+  const auto now = describe_parts(face_L, difference, before_L, region_now);
   std::vector<RegionDifference> rows;
   for (const auto& [name, face] : now) rows.push_back({name, face, std::nullopt});
   if (before_L != nullptr) {
-    const auto then =
-        describe_parts(*before_L, measure_difference(*before_L, other), &face_L, regions);
+    const auto then = describe_parts(*before_L, measure_difference(*before_L, other), &face_L,
+                                     regions_of(*before_L, nullptr, regions));
     for (std::size_t k = 0; k < rows.size(); ++k) rows[k].if_unchanged = then[k].second;
   }
   std::erase_if(rows, [](const RegionDifference& row) { return row.face.area_mm2 == 0.0; });

@@ -19,6 +19,14 @@ struct RegionDifference {
   std::optional<DifferenceStatistics> if_unchanged;  ///< Of the face before surgery, likewise.
 };
 
+/// The region of each vertex. Landmarks are of the face before surgery: where `face_L` is that face
+/// at another moment, skin stays in its region wherever it goes.
+///
+/// \param before_L  null if there is none.
+[[nodiscard]] std::vector<FaceRegion> regions_of(const geometry::TriangleMesh& face_L,
+                                                 const geometry::TriangleMesh* before_L,
+                                                 const FaceRegions& regions);
+
 /// Figures for the whole face, the part that moved, and the regions that landmarks tell.
 ///
 /// Whole-face figures are flattered by skin that never moves, so the moved part stands apart: what

@@ -208,10 +208,13 @@ Result<Registration> register_surface(const TriangleMesh& from, const Bvh& onto,
                                       std::span<const RigidTransform> starts,
                                       const RegisterOptions& options, Progress& progress) {
   constexpr Index kFewest = 100;
-  if (options.most_points < kFewest || options.most_iterations < 1)
+  if (options.most_points < kFewest || options.most_iterations < 1 ||
+      !(options.worst_median_mm > 0.0))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} points and {} iterations, must be {} and 1 or more",
-                            options.most_points, options.most_iterations, kFewest));
+                fmt::format("{} points, {} iterations and a median of {} mm, must be {} and 1 or "
+                            "more, and above 0",
+                            options.most_points, options.most_iterations, options.worst_median_mm,
+                            kFewest));
   if (starts.empty()) return fail(ErrorCode::kInvalidArgument, "no start is given");
   const std::vector<Sample> all = samples_of(from, options.most_points);
   if (Index(all.size()) < kFewest)
@@ -241,6 +244,11 @@ Result<Registration> register_surface(const TriangleMesh& from, const Bvh& onto,
                     100.0 * found.kept_share, 100.0 * kLeastKept));
   if (!(found.firmness > kLeastFirmness))
     return not_converged("the surface can slide along the other, so that no motion is told");
+  if (best.median_mm > options.worst_median_mm)
+    return not_converged(fmt::format(
+        "half of the surface stays {:.1f} mm or more from the other, must be below {:g} "
+        "mm; do both show the same bone?",
+        best.median_mm, options.worst_median_mm));
   if (!best.is_settled)
     return not_converged(
         fmt::format("the registration does not settle in {} iterations", options.most_iterations));

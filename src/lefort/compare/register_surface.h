@@ -15,6 +15,9 @@ namespace lefort::compare {
 struct RegisterOptions {
   Index most_points = 20000;  ///< Vertices that take part in the last iterations; >= 100.
   int most_iterations = 200;  ///< >= 1.
+  /// Half of the points must come to lie nearer than this; > 0. Bone in two scans of one patient
+  /// lies within parts of a voxel.
+  double worst_median_mm = 1.5;
 };
 
 struct Registration {
@@ -37,7 +40,8 @@ struct Registration {
 /// \returns the motion, or
 ///   - kInvalidArgument  fewer than 100 vertices, an option out of range, no start;
 ///   - kNotConverged     the iterations do not settle, fewer than a third of the points find a
-///     counterpart, or a motion is not held at all (firmness below 1e-4);
+///     counterpart, half of them stay further off than asked, or a motion is not held at all
+///     (firmness below 1e-4);
 ///   - kCancelled.
 /// \note Same bits for any number of threads.
 [[nodiscard]] Result<Registration> register_surface(const geometry::TriangleMesh& from,

@@ -71,7 +71,11 @@ fem::NewtonOutcome settle_contacts(
     for (ContactTerm& contact : contacts) strayed += contact.keep_sides(x_L);
     if (strayed == 0 && now <= 1.0) break;
     idle = strayed > 0 || now < kGain * least_excess ? 0 : idle + 1;
-    if (idle == kPatience) break;
+    if (idle == kPatience) {
+      // Nothing was solved with what was added last: what is told must be in balance.
+      for (ContactTerm& contact : contacts) contact.recall();
+      break;
+    }
     least_excess = std::min(least_excess, now);
     fem::NewtonOutcome next = solve(outcome.x);
     if (next.stop == fem::NewtonStop::kCancelled || next.stop == fem::NewtonStop::kOutOfMemory)

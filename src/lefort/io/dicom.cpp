@@ -38,7 +38,11 @@ struct FolderContents {
 Result<std::vector<fs::path>> list_files(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+  if (const fs::directory_iterator first(folder, error); error)
+    return fail(ErrorCode::kFileNotFound,
+                fmt::format("the folder cannot be listed: {}", error.message()));
+  constexpr auto kSkip = fs::directory_options::skip_permission_denied;  // As of lost+found.
+  for (fs::recursive_directory_iterator entry(folder, kSkip, error), end; !error && entry != end;
        entry.increment(error)) {
     std::error_code ignored;
     if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
@@ -175,7 +179,9 @@ Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<R
     progress.report(static_cast<double>(k + 1) / static_cast<double>(stack.slices.size()));
   }
   if (stack.origins_L.empty()) return ct;
-  return image::straighten(ct, stack.origins_L, stack.grid, static_cast<std::int16_t>(kLowestHu));
+  // With the scan's own lowest value, so that one whose values are no HU is still told.
+  const std::int16_t outside = *std::min_element(ct.values.begin(), ct.values.end());
+  return image::straighten(ct, stack.origins_L, stack.grid, outside);
 }
 
 /// Files of which not even the series is known may be any share of the scan. A few are a scout or a

@@ -302,6 +302,7 @@ class LayerMaker {
     laplacian_.resize(Index(outer_L_.size()), Index(outer_L_.size()));
     laplacian_.setFromTriplets(entries.begin(), entries.end());
     diagonal_ = laplacian_.diagonal();
+    diagonal_ = (diagonal_.array() > 0.0).select(diagonal_, 1.0);  // Nodes of no element.
   }
 
   [[nodiscard]] Shifts times_laplacian(const Shifts& shift) const {
@@ -455,14 +456,18 @@ Result<VolumeMesh> add_skin_layer(const VolumeMesh& tets, std::span<const Face> 
   LEFORT_TRY_VOID(check(options));
   LayerMaker maker(tets, skin, sides, options);
   constexpr int kMostRounds = 30;
-  for (int round = 0; round < kMostRounds; ++round) {
+  bool is_settled = false;
+  for (int round = 0; round < kMostRounds && !is_settled; ++round) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "meshing the skin was cancelled");
     progress.report(double(round) / kMostRounds);
     maker.squeeze();  // Anew: where nothing is left of the layer the mesh is what it was.
     maker.improve();
-    if (maker.thin() == 0) break;
+    is_settled = maker.thin() == 0;
   }
+  if (!is_settled)
+    return fail(ErrorCode::kMeshingFailed,
+                fmt::format("the layer of skin still gets thinner after {} rounds", kMostRounds));
   VolumeMesh mesh = maker.result();
   if (const auto bad = poor_elements(mesh, 0.0); !bad.empty())
     return fail(ErrorCode::kMeshingFailed,

@@ -6,6 +6,7 @@
 #include <lefort/fem/linear_solver.h>
 #include <lefort/predict/face_preview.h>
 #include <lefort/predict/tissue_boundary.h>
+#include <lefort/predict/tissue_materials.h>
 
 #include <algorithm>
 #include <mutex>
@@ -65,9 +66,8 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   if (nodes_on_segment(tissue).empty())
     return fail(ErrorCode::kAnatomyMissing, "no soft tissue lies on the segment");
   if (fixed.empty()) return fail(ErrorCode::kAnatomyMissing, "nothing holds the soft tissue");
-  LEFORT_TRY(const fem::NeoHookean material,
-             fem::NeoHookean::from_young_poisson(options.young_mpa, options.poisson));
-  LEFORT_TRY(const auto elements, fem::make_element_terms(tissue, {{0, material}}));
+  LEFORT_TRY(const fem::RegionMaterials materials, materials_of(options));
+  LEFORT_TRY(const auto elements, fem::make_element_terms(tissue, materials));
   std::vector<const fem::ForceTerm*> terms;
   for (const auto& term : elements) terms.push_back(term.get());
   LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(), fem::fix(fixed)));
@@ -79,6 +79,9 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   for (Index node = 0; node < tissue.node_count(); ++node)
     preview.first_row.push_back(assembler.dofs().free_number(3 * node));
   LEFORT_TRY(preview.supports, find_supports(model, preview.first_row, preview.only_pushes));
+  if (preview.supports.empty())
+    return fail(ErrorCode::kAnatomyMissing,
+                "the segment's field tells no way out of the bone where tissue lies on it");
   const VectorX diagonal = preview.stiffness_n_per_mm.diagonal();
   double sum = 0.0;
   for (const PreviewModel::Support& support : preview.supports)

@@ -13,6 +13,7 @@
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
+#include <lefort/predict/tissue_materials.h>
 
 #include <fmt/format.h>
 
@@ -71,18 +72,6 @@ std::vector<Vec3> as_vectors(const VectorX& u) {
   std::vector<Vec3> vectors(std::size_t(u.size() / 3));
   for (std::size_t n = 0; n < vectors.size(); ++n) vectors[n] = u.segment<3>(Index(3 * n));
   return vectors;
-}
-
-/// What the regions of mesh_tissue.h are made of.
-Result<fem::RegionMaterials> materials_of(const TissueOptions& tissue) {
-  fem::RegionMaterials materials;
-  LEFORT_TRY(materials[regions::kInside],
-             fem::NeoHookean::from_young_poisson(tissue.young_mpa, tissue.poisson));
-  if (const auto& skin = tissue.skin) {
-    LEFORT_TRY(materials[regions::kSkin],
-               fem::NeoHookean::from_young_poisson(skin->young_mpa, skin->poisson));
-  }
-  return materials;
 }
 
 /// Least ratio of an element's volume to its volume at rest.

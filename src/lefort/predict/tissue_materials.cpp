@@ -1,0 +1,17 @@
+#include <lefort/predict/mesh_tissue.h>
+#include <lefort/predict/tissue_materials.h>
+
+namespace lefort::predict {
+
+Result<fem::RegionMaterials> materials_of(const TissueOptions& tissue) {
+  fem::RegionMaterials materials;
+  LEFORT_TRY(materials[regions::kInside],
+             fem::NeoHookean::from_young_poisson(tissue.young_mpa, tissue.poisson));
+  if (const auto& skin = tissue.skin) {
+    LEFORT_TRY(materials[regions::kSkin],
+               fem::NeoHookean::from_young_poisson(skin->young_mpa, skin->poisson));
+  }
+  return materials;
+}
+
+}  // namespace lefort::predict
