@@ -54,6 +54,27 @@ TEST(FacePreview, NoMotionMovesNothing) {
   for (const Vec3& u : u_mm) EXPECT_EQ(u, Vec3::Zero());
 }
 
+/// Skin has a law of its own: of the same stiffness it changes nothing, stiffer it gives way less.
+TEST(FacePreview, KnowsSkin) {
+  TissueOptions options;
+  const auto answer = [&](const FaceModel& model) {
+    return FacePreview(make_preview_model(model, skin_of(model), options, {}, Vec3::Ones()).value())
+        .displacement_mm(shift({0.0, 0.0, 1.0}))
+        .value();
+  };
+  const auto whole = answer(test::block_on_slab());
+  options.skin = SkinOptions{.young_mpa = options.young_mpa, .poisson = options.poisson};
+  const auto same = answer(test::layered_block());
+  options.skin->young_mpa *= 20.0;
+  const auto stiff = answer(test::layered_block());
+  double change_mm = 0.0;
+  for (std::size_t n = 0; n < whole.size(); ++n) {
+    EXPECT_LT((same[n] - whole[n]).norm(), 1e-9);
+    change_mm = std::max(change_mm, (stiff[n] - whole[n]).norm());
+  }
+  EXPECT_GT(change_mm, 0.01);
+}
+
 TEST(FacePreview, OfAttachedTissueIsThePredictionToFirstOrder) {
   const FaceModel model = test::block_on_slab();
   const double far_mm = distance_mm(model, MovedBone::kAttached, {0.4, 0.2, 0.4});

@@ -26,6 +26,7 @@ using test::block_on;
 using test::block_on_ball;
 using test::block_on_slab;
 using test::kHeight_mm;
+using test::layered_block;
 using test::straight;
 
 class PredictFaceWith : public testing::TestWithParam<contact::Detection> {
@@ -273,19 +274,6 @@ TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
   }));
   detour.keyframes[0].translation_mm.z() = 4.0;  // Beyond the band, though it ends where it began.
   EXPECT_EQ(predict_face(block_on_slab(), detour, {}).error().code, ErrorCode::kStepBeyondBand);
-}
-
-/// The upper half of the block is of the region of skin.
-FaceModel layered_block() {
-  FaceModel model = block_on_slab();
-  for (mesh::ElementBlock& block : model.tissue.blocks)
-    for (Index e = 0; e < block.element_count(); ++e) {
-      Vec3 centre = Vec3::Zero();
-      for (int n = 0; n < node_count(block.shape); ++n)
-        centre += model.tissue.nodes_L[std::size_t(block.element(e)[n])] / node_count(block.shape);
-      if (centre.z() > kHeight_mm / 2.0) block.region[std::size_t(e)] = regions::kSkin;
-    }
-  return model;
 }
 
 TEST(PredictFace, SkinIsMadeOfWhatItsRegionIs) {

@@ -5,6 +5,7 @@
 #include <lefort/field/build_distance_field.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/plan/plan.h>
+#include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
 
@@ -49,6 +50,19 @@ inline predict::FaceModel block_on(geometry::TriangleMesh segment_B) {
 
 inline predict::FaceModel block_on_slab() {
   return block_on(test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 0.0}));
+}
+
+/// The upper half of the block is of the region of skin.
+inline predict::FaceModel layered_block() {
+  predict::FaceModel model = block_on_slab();
+  for (mesh::ElementBlock& block : model.tissue.blocks)
+    for (Index e = 0; e < block.element_count(); ++e) {
+      Vec3 centre = Vec3::Zero();
+      for (int n = 0; n < node_count(block.shape); ++n)
+        centre += model.tissue.nodes_L[std::size_t(block.element(e)[n])] / node_count(block.shape);
+      if (centre.z() > kHeight_mm / 2.0) block.region[std::size_t(e)] = predict::regions::kSkin;
+    }
+  return model;
 }
 
 /// The block lies on top of a ball.
