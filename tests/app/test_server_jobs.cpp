@@ -327,6 +327,28 @@ TEST(CaseApi, FilesAndSurfacesComeFromFixedLists) {
   EXPECT_EQ(api.ask("DELETE", "/plan").status, 405);
 }
 
+TEST(CaseApi, AJobThatFailsMakesNoOlderResultFresh) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  json plan = test::small_plan();
+  plan["segments"].push_back(plan["segments"][0]);
+  plan["segments"][1]["name"] = "other";
+  ASSERT_EQ(api.put("/plan", plan).status, 200);
+  const fs::path preview = api.folder / "case/preview", prediction = api.folder / "case/prediction";
+  for (const fs::path& file : {preview / "preview.json", preview / "face.preview",
+                               prediction / "prediction.json", prediction / "failure.json"}) {
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << "{}";
+  }
+  for (const auto& [kind, stage] : std::vector<std::pair<std::string, std::string>>{
+           {"preview-factor", "preview"}, {"predict", "prediction"}}) {
+    EXPECT_EQ(api.run({{"kind", kind}})["state"], "failed");
+    EXPECT_EQ(api.get("/case")["stages"][stage]["state"], "failed") << stage;
+  }
+  EXPECT_EQ(api.ask("GET", "/prediction").status, 404);
+  EXPECT_FALSE(fs::exists(preview / "face.preview"));
+}
+
 /// The planner is one more face of the command line's folder.
 TEST(CaseApi, PredictsTheBytesOfTheCommandLine) {
   test::CaseApi api;

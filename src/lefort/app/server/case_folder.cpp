@@ -181,6 +181,16 @@ Result<void> CaseFolder::remember(std::string_view stage, const Inputs& inputs) 
   return io::write_text(root_ / "stages.json", all.dump(1) + "\n");
 }
 
+Result<void> CaseFolder::forget_result(std::string_view stage) const {
+  std::vector<fs::path> documents;
+  if (stage == "cut") documents = {cut() / "cut.json"};
+  if (stage == "check") documents = {check() / "check.json"};
+  if (stage == "preview") documents = {preview() / "preview.json", preview() / "face.preview"};
+  if (stage == "prediction")
+    documents = {prediction() / "prediction.json", prediction() / "failure.json"};
+  return remove_earlier_files(documents);
+}
+
 json CaseFolder::stage(std::string_view stage) const {
   constexpr const char* kNothing = "nothing was made yet";
   const auto document = [&]() -> fs::path {

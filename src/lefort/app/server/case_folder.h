@@ -63,6 +63,12 @@ class CaseFolder {
   /// Remembers of what a stage was made.
   [[nodiscard]] Result<void> remember(std::string_view stage, const Inputs& inputs);
 
+  /// Removes the documents by which a stage is known to be made, so that none of an earlier job
+  /// passes for one of the inputs that are remembered next.
+  ///
+  /// \param stage  "cut", "check", "preview", "prediction"; of others nothing is removed.
+  [[nodiscard]] Result<void> forget_result(std::string_view stage) const;
+
   /// Whether what is there matches its inputs: contract/openapi.json, Stage, but for jobs.
   [[nodiscard]] nlohmann::json stage(std::string_view stage) const;
 

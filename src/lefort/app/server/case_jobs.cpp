@@ -103,10 +103,12 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   return told(summary);
 }
 
-/// Runs `work`, which removes earlier results first, and remembers of what the stage is made.
+/// Runs `work` and remembers of what the stage is made. `work` may fail before it removes earlier
+/// results: their documents, which would pass for new ones, go first.
 template <class Work>
 Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Work& work) {
   LEFORT_TRY_VOID(check_plan(folder));
+  LEFORT_TRY_VOID(folder.forget_result(stage));
   if (const auto inputs = folder.inputs_of(stage)) LEFORT_TRY_VOID(folder.remember(stage, *inputs));
   return work();
 }
