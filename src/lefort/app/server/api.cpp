@@ -772,8 +772,10 @@ Reply Api::post_poses(const Request& request, const PathValues&) {
 }
 
 Result<std::shared_ptr<const predict::FacePreview>> Api::preview() {
-  const auto etag = folder_.etag(folder_.preview() / "preview.json");
-  if (!etag) return fail(ErrorCode::kFileNotFound, "no preview was prepared yet");
+  // By the model: preview.json says the same of one with other materials.
+  const auto etag = folder_.etag(folder_.preview() / "face.preview");
+  if (!etag || !there_is(folder_.preview() / "preview.json"))
+    return fail(ErrorCode::kFileNotFound, "no preview was prepared yet");
   return preview_.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
     LEFORT_TRY(predict::PreviewModel model, read_preview_model(folder_.preview() / "face.preview"));
     return predict::FacePreview(std::move(model));
