@@ -498,6 +498,8 @@ Result<int> HttpServer::bind() {
   return parts.port;
 }
 
+bool HttpServer::is_running() const { return parts_->server.is_running(); }
+
 void HttpServer::run() { parts_->server.listen_after_bind(); }
 
 void HttpServer::stop() {
