@@ -299,6 +299,27 @@ TEST(CaseApi, OnePageDoesNotOverwriteWhatAnotherWrote) {
   EXPECT_EQ(api.ask("GET", "/plan", "", {{"if-none-match", etag}}).status, 200);
 }
 
+TEST(CaseApi, LabelsOfAScanThatWasReplacedMeanwhileAreRefused) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  image::CtVolume other = test::small_head();
+  other.values[0] = 7;
+  const auto put = [&](const std::function<void()>& meanwhile) {
+    const std::string body(other.values.size(), '\0');
+    Request request =
+        test::api_request("PUT", "/labels/data", body,
+                          {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
+    request.read_body = [body, meanwhile](const BodyTaker& take) {
+      meanwhile();
+      return take(body);
+    };
+    return api.api.handle(request).status;
+  };
+  EXPECT_EQ(put([&] { ASSERT_TRUE(io::write_volume(api.folder / "case/ct.nrrd", other)); }), 409);
+  EXPECT_FALSE(fs::exists(api.folder / "case/anatomy/labels.seg.nrrd"));
+  EXPECT_EQ(put(nothing), 204);
+}
+
 TEST(CaseApi, FilesAndSurfacesComeFromFixedLists) {
   test::CaseApi api;
   ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
