@@ -161,6 +161,22 @@ TEST(CaseFolder, HasOneServerAtATime) {
   EXPECT_NE(second.error().message.find("in use by another lefort serve"), std::string::npos);
 }
 
+TEST(CaseFolder, SeesAFileThatWasReplacedWithinItsSizeAndTime) {
+  const test::TemporaryFolder folder;
+  const auto opened = CaseFolder::open(folder / "case");
+  ASSERT_TRUE(opened);
+  const fs::path file = opened->plan(), other = folder / "case/other";
+  std::ofstream(file) << "one";
+  const auto first = opened->fingerprint(file);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(opened->fingerprint(file), first);
+  std::ofstream(other) << "two";
+  fs::last_write_time(other, fs::last_write_time(file));
+  fs::rename(other, file);
+  EXPECT_NE(opened->fingerprint(file), first);
+  EXPECT_FALSE(opened->fingerprint(folder.path()));
+}
+
 TEST(Uploads, AreKeptUnderOurNamesAndWithinLimits) {
   test::CaseApi api({.file_bytes = 1000, .all_bytes = 1500, .files = 3, .uploads = 2});
   const auto begin = [&] {

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -119,18 +120,24 @@ CaseFolder::~CaseFolder() {
 }
 
 std::optional<std::string> CaseFolder::fingerprint(const fs::path& file) const {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) return std::nullopt;
-  const auto size = fs::file_size(file, error);
-  const auto time = fs::last_write_time(file, error);
-  if (error) return std::nullopt;
-  const std::scoped_lock lock(*mutex_);
-  const auto found = known_.find(file);
-  if (found != known_.end() && found->second.size == size && found->second.time == time)
-    return found->second.sha256;
-  auto sha256 = io::sha256_of_file(file);
+  struct stat found {};
+  if (::stat(file.c_str(), &found) != 0 || !S_ISREG(found.st_mode)) return std::nullopt;
+  const Identity identity{.device = found.st_dev,
+                          .inode = found.st_ino,
+                          .size = std::uintmax_t(found.st_size),
+                          .modified_s = found.st_mtim.tv_sec,
+                          .modified_ns = found.st_mtim.tv_nsec,
+                          .changed_s = found.st_ctim.tv_sec,
+                          .changed_ns = found.st_ctim.tv_nsec};
+  {
+    const std::scoped_lock lock(*mutex_);
+    const auto known = known_.find(file);
+    if (known != known_.end() && known->second.identity == identity) return known->second.sha256;
+  }
+  auto sha256 = io::sha256_of_file(file);  // Others need not wait for a large file.
   if (!sha256) return std::nullopt;
-  known_[file] = {size, time, *sha256};
+  const std::scoped_lock lock(*mutex_);
+  known_[file] = {identity, *sha256};
   return *std::move(sha256);
 }
 

@@ -46,7 +46,7 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path jobs() const { return root_ / "jobs"; }
   [[nodiscard]] std::filesystem::path uploads() const { return root_ / "uploads"; }
 
-  /// SHA-256 of a file, remembered while size and time of it stay; nothing if it is not there.
+  /// SHA-256 of a file, remembered while it stays the same by stat(); nothing if it is not there.
   [[nodiscard]] std::optional<std::string> fingerprint(const std::filesystem::path& file) const;
 
   /// As an entity tag, in quotes.
@@ -75,9 +75,14 @@ class CaseFolder {
  private:
   explicit CaseFolder(std::filesystem::path root, int lock);
 
+  /// By what a file is known to be the same: a time alone can be set back, or be too coarse.
+  struct Identity {
+    std::uintmax_t device = 0, inode = 0, size = 0;
+    std::int64_t modified_s = 0, modified_ns = 0, changed_s = 0, changed_ns = 0;
+    bool operator==(const Identity&) const = default;
+  };
   struct Known {
-    std::uintmax_t size;
-    std::filesystem::file_time_type time;
+    Identity identity;
     std::string sha256;
   };
   std::filesystem::path root_;
