@@ -122,6 +122,22 @@ TEST(Jobs, ABugInOneEndsNeitherTheWorkerNorTheServer) {
   ASSERT_TRUE(jobs.submit("works", json::object()));
   EXPECT_EQ(wait_for(jobs, 2).state, "done");
   EXPECT_EQ(jobs.find(1)->state, "failed");
+  EXPECT_EQ(jobs.find(1)->message, "an internal error");
+}
+
+TEST(Jobs, ABugInWhoIsToldEndsNotTheWorker) {
+  const test::TemporaryFolder folder;
+  EventLog log("0123abcd");
+  const auto here = std::this_thread::get_id();
+  Jobs jobs(
+      folder.path(), log,
+      [](const JobRecord&, Progress&) -> Result<JobOutcome> { return JobOutcome{}; },
+      [here] {
+        if (std::this_thread::get_id() != here) throw std::runtime_error("oops");
+      });
+  ASSERT_TRUE(jobs.submit("one", json::object()));
+  ASSERT_TRUE(jobs.submit("two", json::object()));
+  EXPECT_EQ(wait_for(jobs, 2).state, "done");
 }
 
 TEST(Jobs, ThatAServerLeftAreTold) {
