@@ -193,6 +193,19 @@ TEST(CaseFolder, SeesAFileThatWasReplacedWithinItsSizeAndTime) {
   EXPECT_FALSE(opened->fingerprint(folder.path()));
 }
 
+TEST(Uploads, ABodyThatThrowsGivesItsRoomBack) {
+  test::CaseApi api({.file_bytes = 1000, .all_bytes = 1000, .files = 3, .uploads = 2});
+  const std::string id = json::parse(api.ask("POST", "/uploads").text)["id"];
+  Request file = test::api_request("PUT", "/uploads/" + id + "/files/0", std::string(1000, 'x'));
+  file.query["name"] = "x";
+  Request broken = file;
+  broken.read_body = [](const BodyTaker&) -> bool { throw std::runtime_error("oops"); };
+  EXPECT_THROW(static_cast<void>(api.api.handle(broken)), std::runtime_error);
+  EXPECT_EQ(std::distance(fs::directory_iterator(api.folder / "case/uploads"), {}), 1);
+  EXPECT_EQ(api.api.handle(file).status, 201);
+  EXPECT_EQ(std::distance(fs::directory_iterator(api.folder / "case/uploads"), {}), 1);
+}
+
 TEST(Uploads, AreKeptUnderOurNamesAndWithinLimits) {
   test::CaseApi api({.file_bytes = 1000, .all_bytes = 1500, .files = 3, .uploads = 2});
   const auto begin = [&] {
