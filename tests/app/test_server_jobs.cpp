@@ -177,6 +177,19 @@ TEST(CaseFolder, HasOneServerAtATime) {
   EXPECT_NE(second.error().message.find("in use by another lefort serve"), std::string::npos);
 }
 
+TEST(CaseFolder, IsItsOwnersAloneAndEndsWithItsUploads) {
+  const test::TemporaryFolder folder;
+  const auto mode = [&](const char* name) { return fs::status(folder / name).permissions(); };
+  {
+    test::CaseApi api({}, folder / "case");
+    EXPECT_EQ(api.ask("POST", "/uploads").status, 201);
+    EXPECT_EQ(mode("case"), fs::perms::owner_all);
+    EXPECT_EQ(mode("case/uploads"), fs::perms::owner_all);
+  }
+  EXPECT_TRUE(fs::exists(folder / "case"));
+  EXPECT_FALSE(fs::exists(folder / "case/uploads"));
+}
+
 TEST(CaseFolder, SeesAFileThatWasReplacedWithinItsSizeAndTime) {
   const test::TemporaryFolder folder;
   const auto opened = CaseFolder::open(folder / "case");

@@ -87,8 +87,10 @@ const char* in_words(const std::string& input) {
 }  // namespace
 
 Result<CaseFolder> CaseFolder::open(const fs::path& folder) {
-  LEFORT_TRY_VOID(make_output_folder(folder));
   std::error_code error;
+  const bool is_new = !fs::exists(folder, error);
+  LEFORT_TRY_VOID(make_output_folder(folder));
+  if (is_new) fs::permissions(folder, fs::perms::owner_all, error);  // A patient's: nobody else's.
   const fs::path root = fs::canonical(folder, error);
   if (error)
     return fail(ErrorCode::kFileUnwritable, fmt::format("case folder {} cannot be opened: {}",
@@ -116,7 +118,10 @@ CaseFolder::CaseFolder(CaseFolder&& other) noexcept
       known_(std::move(other.known_)) {}
 
 CaseFolder::~CaseFolder() {
-  if (lock_ >= 0) ::close(lock_);
+  if (lock_ < 0) return;
+  std::error_code error;
+  fs::remove_all(uploads(), error);  // While no other server can be at it.
+  ::close(lock_);
 }
 
 std::optional<std::string> CaseFolder::fingerprint(const fs::path& file) const {

@@ -21,7 +21,7 @@ namespace lefort::app::server {
 /// A folder that no other server uses while this lives. Safe from many threads.
 class CaseFolder {
  public:
-  /// Makes the folder if it is missing.
+  /// Makes the folder if it is missing, for its owner alone; ends with its uploads.
   ///
   /// \returns kFileUnwritable: it cannot be made or written, or another server has it.
   [[nodiscard]] static Result<CaseFolder> open(const std::filesystem::path& folder);

@@ -55,7 +55,9 @@ Reply Uploads::begin() {
          })->first);
   const std::string id = random_hex(16);
   std::error_code error;
-  fs::create_directories(folder_ / id, error);
+  fs::create_directories(folder_, error);
+  if (!error) fs::permissions(folder_, fs::perms::owner_all, error);  // A patient's.
+  if (!error) fs::create_directory(folder_ / id, error);
   if (error)
     return refusal(507, "unavailable", "the case folder takes no upload: " + error.message());
   uploads_[id].order = ++begun_;
