@@ -1,5 +1,6 @@
 /// \file
 /// `lefort serve` as a program: how it begins, ends, and is killed.
+#include <lefort/app/serve_case.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
 
@@ -103,6 +104,21 @@ TEST(ServeCommand, EndsCleanlyAndHasAnotherTokenEachTime) {
     token = program.token;
     EXPECT_EQ(program.get("/case")["lefort_case"], 1);
     EXPECT_EQ(program.end(signal), 0);
+  }
+}
+
+TEST(ServeCommand, EndsIfInterruptedBeforeItListens) {
+  class Interrupted final : public Progress {
+   public:
+    [[nodiscard]] bool stop_requested() const override { return true; }
+  };
+  for (int n = 0; n < 20; ++n) {
+    const test::TemporaryFolder folder;
+    Interrupted progress;
+    ServeJob job;
+    job.folder = folder / "case";
+    job.port = 0;
+    EXPECT_TRUE(serve_case(job, progress));
   }
 }
 

@@ -213,7 +213,16 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   }
   EXPECT_GT(deepest, 1.0F);
   EXPECT_LT(deepest, 3.5F);
-  EXPECT_EQ(body_of(ask("POST", "/preview", "/preview", back.dump())).size(), 12U * head[0]);
+  const std::string preview = body_of(ask("POST", "/preview", "/preview", back.dump()));
+  EXPECT_EQ(preview.size(), 12U * head[0]);
+  plan["boundary"] = {{"moved_bone", "attached"}};
+  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  run({{"kind", "preview-factor"}});
+  EXPECT_NE(body_of(ask("POST", "/preview", "/preview", back.dump())), preview);
+  plan.erase("boundary");
+  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  run({{"kind", "preview-factor"}});
+  EXPECT_EQ(body_of(ask("POST", "/preview", "/preview", back.dump())), preview);
   run({{"kind", "predict"}});
   const json stages = api.get("/case")["stages"];
   for (const char* stage :

@@ -1,10 +1,13 @@
 /// \file
 /// The server against others: on 127.0.0.1 alone, bounded in count and time.
+#include <lefort/app/server/connection.h>
 #include <lefort/app/server/http_server.h>
 #include <lefort/app/server/page.h>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -254,6 +257,23 @@ TEST(HttpServer, IsThereForOthersWhileSomeAreSlow) {
   const std::chrono::duration<double> waited = steady_clock::now() - begin;
   std::cout << "answered after " << waited.count() << " s\n";
   EXPECT_LT(waited.count(), 5.0);
+}
+
+TEST(HttpServer, WhoBeginsToWaitIsNotTakenForOneWhoWaitsSinceLongAgo) {
+  int ends[2];
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends), 0);
+  {
+    const HttpLimits limits;
+    Connection kept_alive(ends[0], limits);
+    std::this_thread::sleep_for(milliseconds(20));
+    ASSERT_EQ(::send(ends[1], "G", 1, MSG_NOSIGNAL), 1);
+    const auto now = Connection::Clock::now();
+    EXPECT_TRUE(kept_alive.wait_for_request());
+    EXPECT_TRUE(kept_alive.is_waiting());
+    EXPECT_GE(kept_alive.since(), now);
+  }
+  ::close(ends[0]);
+  ::close(ends[1]);
 }
 
 TEST(HttpServer, EndsWhoIsSlow) {

@@ -122,6 +122,22 @@ TEST(Jobs, ABugInOneEndsNeitherTheWorkerNorTheServer) {
   ASSERT_TRUE(jobs.submit("works", json::object()));
   EXPECT_EQ(wait_for(jobs, 2).state, "done");
   EXPECT_EQ(jobs.find(1)->state, "failed");
+  EXPECT_EQ(jobs.find(1)->message, "an internal error");
+}
+
+TEST(Jobs, ABugInWhoIsToldEndsNotTheWorker) {
+  const test::TemporaryFolder folder;
+  EventLog log("0123abcd");
+  const auto here = std::this_thread::get_id();
+  Jobs jobs(
+      folder.path(), log,
+      [](const JobRecord&, Progress&) -> Result<JobOutcome> { return JobOutcome{}; },
+      [here] {
+        if (std::this_thread::get_id() != here) throw std::runtime_error("oops");
+      });
+  ASSERT_TRUE(jobs.submit("one", json::object()));
+  ASSERT_TRUE(jobs.submit("two", json::object()));
+  EXPECT_EQ(wait_for(jobs, 2).state, "done");
 }
 
 TEST(Jobs, ThatAServerLeftAreTold) {
@@ -159,6 +175,48 @@ TEST(CaseFolder, HasOneServerAtATime) {
   const auto second = CaseFolder::open(folder / "case");
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find("in use by another lefort serve"), std::string::npos);
+}
+
+TEST(CaseFolder, IsItsOwnersAloneAndEndsWithItsUploads) {
+  const test::TemporaryFolder folder;
+  const auto mode = [&](const char* name) { return fs::status(folder / name).permissions(); };
+  {
+    test::CaseApi api({}, folder / "case");
+    EXPECT_EQ(api.ask("POST", "/uploads").status, 201);
+    EXPECT_EQ(mode("case"), fs::perms::owner_all);
+    EXPECT_EQ(mode("case/uploads"), fs::perms::owner_all);
+  }
+  EXPECT_TRUE(fs::exists(folder / "case"));
+  EXPECT_FALSE(fs::exists(folder / "case/uploads"));
+}
+
+TEST(CaseFolder, SeesAFileThatWasReplacedWithinItsSizeAndTime) {
+  const test::TemporaryFolder folder;
+  const auto opened = CaseFolder::open(folder / "case");
+  ASSERT_TRUE(opened);
+  const fs::path file = opened->plan(), other = folder / "case/other";
+  std::ofstream(file) << "one";
+  const auto first = opened->fingerprint(file);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(opened->fingerprint(file), first);
+  std::ofstream(other) << "two";
+  fs::last_write_time(other, fs::last_write_time(file));
+  fs::rename(other, file);
+  EXPECT_NE(opened->fingerprint(file), first);
+  EXPECT_FALSE(opened->fingerprint(folder.path()));
+}
+
+TEST(Uploads, ABodyThatThrowsGivesItsRoomBack) {
+  test::CaseApi api({.file_bytes = 1000, .all_bytes = 1000, .files = 3, .uploads = 2});
+  const std::string id = json::parse(api.ask("POST", "/uploads").text)["id"];
+  Request file = test::api_request("PUT", "/uploads/" + id + "/files/0", std::string(1000, 'x'));
+  file.query["name"] = "x";
+  Request broken = file;
+  broken.read_body = [](const BodyTaker&) -> bool { throw std::runtime_error("oops"); };
+  EXPECT_THROW(static_cast<void>(api.api.handle(broken)), std::runtime_error);
+  EXPECT_EQ(std::distance(fs::directory_iterator(api.folder / "case/uploads"), {}), 1);
+  EXPECT_EQ(api.api.handle(file).status, 201);
+  EXPECT_EQ(std::distance(fs::directory_iterator(api.folder / "case/uploads"), {}), 1);
 }
 
 TEST(Uploads, AreKeptUnderOurNamesAndWithinLimits) {
@@ -299,6 +357,27 @@ TEST(CaseApi, OnePageDoesNotOverwriteWhatAnotherWrote) {
   EXPECT_EQ(api.ask("GET", "/plan", "", {{"if-none-match", etag}}).status, 200);
 }
 
+TEST(CaseApi, LabelsOfAScanThatWasReplacedMeanwhileAreRefused) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  image::CtVolume other = test::small_head();
+  other.values[0] = 7;
+  const auto put = [&](const std::function<void()>& meanwhile) {
+    const std::string body(other.values.size(), '\0');
+    Request request =
+        test::api_request("PUT", "/labels/data", body,
+                          {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
+    request.read_body = [body, meanwhile](const BodyTaker& take) {
+      meanwhile();
+      return take(body);
+    };
+    return api.api.handle(request).status;
+  };
+  EXPECT_EQ(put([&] { ASSERT_TRUE(io::write_volume(api.folder / "case/ct.nrrd", other)); }), 409);
+  EXPECT_FALSE(fs::exists(api.folder / "case/anatomy/labels.seg.nrrd"));
+  EXPECT_EQ(put(nothing), 204);
+}
+
 TEST(CaseApi, FilesAndSurfacesComeFromFixedLists) {
   test::CaseApi api;
   ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
@@ -325,6 +404,28 @@ TEST(CaseApi, FilesAndSurfacesComeFromFixedLists) {
                            ""})
     EXPECT_EQ(api.ask("GET", path).status, 404) << path;
   EXPECT_EQ(api.ask("DELETE", "/plan").status, 405);
+}
+
+TEST(CaseApi, AJobThatFailsMakesNoOlderResultFresh) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  json plan = test::small_plan();
+  plan["segments"].push_back(plan["segments"][0]);
+  plan["segments"][1]["name"] = "other";
+  ASSERT_EQ(api.put("/plan", plan).status, 200);
+  const fs::path preview = api.folder / "case/preview", prediction = api.folder / "case/prediction";
+  for (const fs::path& file : {preview / "preview.json", preview / "face.preview",
+                               prediction / "prediction.json", prediction / "failure.json"}) {
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << "{}";
+  }
+  for (const auto& [kind, stage] : std::vector<std::pair<std::string, std::string>>{
+           {"preview-factor", "preview"}, {"predict", "prediction"}}) {
+    EXPECT_EQ(api.run({{"kind", kind}})["state"], "failed");
+    EXPECT_EQ(api.get("/case")["stages"][stage]["state"], "failed") << stage;
+  }
+  EXPECT_EQ(api.ask("GET", "/prediction").status, 404);
+  EXPECT_FALSE(fs::exists(preview / "face.preview"));
 }
 
 /// The planner is one more face of the command line's folder.

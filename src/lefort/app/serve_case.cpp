@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kTokenDigits = 64;  // 256 bits.
 constexpr rlim_t kDescriptors = 4096;     // Connections that wait, and the case's files.
 constexpr auto kLook = std::chrono::milliseconds(100);
+constexpr auto kMoment = std::chrono::milliseconds(1);
 
 /// As many as are allowed, up to what we want.
 void allow_descriptors() {
@@ -75,12 +77,21 @@ Result<Summary> serve_case(const ServeJob& job, Progress& progress) {
   const fs::path opener = api.folder() / "open.html";
   if (job.open) open_browser(address, opener, progress);
 
-  std::thread listening([&] { http.run(); });
-  while (!progress.stop_requested()) std::this_thread::sleep_for(kLook);
+  std::atomic<bool> ended = false;
+  std::thread listening([&] {
+    http.run();
+    ended = true;
+  });
+  while (!progress.stop_requested() && !ended) std::this_thread::sleep_for(kLook);
+  const bool is_asked = progress.stop_requested();
+  while (!http.is_running() && !ended) std::this_thread::sleep_for(kMoment);
   http.stop();
   listening.join();
   fs::remove(opener, error);
   api.stop();
+  if (!is_asked)
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("nothing more can be heard at port {} of {}", port, job.host));
   Summary summary;
   summary.text = "ended";
   summary.json = {{"ended", true}};

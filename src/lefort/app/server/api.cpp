@@ -467,6 +467,7 @@ Reply Api::post_job(const Request& request, const PathValues&) {
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
     return refusal(501, "unavailable", fmt::format("this lefort cannot {} yet", kind), "kind");
   body.value->erase("kind");
+  const std::scoped_lock lock(writing_);  // Not amid a change that waits for jobs to be done.
   const auto job = jobs_.submit(kind, *std::move(body.value));
   if (!job) return refusal(429, "limit", job.error().message);
   return json_reply(server::as_json(*job), 202);
@@ -561,6 +562,7 @@ Reply Api::get_labels_data(const Request& request, const PathValues&) {
 }
 
 Reply Api::put_labels_data(const Request& request, const PathValues&) {
+  const auto ct_etag = folder_.etag(folder_.ct());
   const auto ct = volume();
   if (!ct) return refusal(ct.error());
   const auto voxels = std::uint64_t((*ct)->grid.voxel_count());
@@ -581,6 +583,8 @@ Reply Api::put_labels_data(const Request& request, const PathValues&) {
   const std::scoped_lock lock(writing_);
   if (!jobs_.is_idle())
     return refusal(409, "busy", "a job is at work: labels can be changed when it is done");
+  if (folder_.etag(folder_.ct()) != ct_etag)
+    return refusal(409, "stale", "the scan was replaced meanwhile: fetch it again");
   if (auto refused = check_precondition(request, folder_.etag(folder_.labels()))) return *refused;
   std::error_code error;
   fs::create_directories(folder_.anatomy(), error);
@@ -772,8 +776,10 @@ Reply Api::post_poses(const Request& request, const PathValues&) {
 }
 
 Result<std::shared_ptr<const predict::FacePreview>> Api::preview() {
-  const auto etag = folder_.etag(folder_.preview() / "preview.json");
-  if (!etag) return fail(ErrorCode::kFileNotFound, "no preview was prepared yet");
+  // By the model: preview.json says the same of one with other materials.
+  const auto etag = folder_.etag(folder_.preview() / "face.preview");
+  if (!etag || !there_is(folder_.preview() / "preview.json"))
+    return fail(ErrorCode::kFileNotFound, "no preview was prepared yet");
   return preview_.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
     LEFORT_TRY(predict::PreviewModel model, read_preview_model(folder_.preview() / "face.preview"));
     return predict::FacePreview(std::move(model));

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -86,8 +87,10 @@ const char* in_words(const std::string& input) {
 }  // namespace
 
 Result<CaseFolder> CaseFolder::open(const fs::path& folder) {
-  LEFORT_TRY_VOID(make_output_folder(folder));
   std::error_code error;
+  const bool is_new = !fs::exists(folder, error);
+  LEFORT_TRY_VOID(make_output_folder(folder));
+  if (is_new) fs::permissions(folder, fs::perms::owner_all, error);  // A patient's: nobody else's.
   const fs::path root = fs::canonical(folder, error);
   if (error)
     return fail(ErrorCode::kFileUnwritable, fmt::format("case folder {} cannot be opened: {}",
@@ -115,22 +118,31 @@ CaseFolder::CaseFolder(CaseFolder&& other) noexcept
       known_(std::move(other.known_)) {}
 
 CaseFolder::~CaseFolder() {
-  if (lock_ >= 0) ::close(lock_);
+  if (lock_ < 0) return;
+  std::error_code error;
+  fs::remove_all(uploads(), error);  // While no other server can be at it.
+  ::close(lock_);
 }
 
 std::optional<std::string> CaseFolder::fingerprint(const fs::path& file) const {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) return std::nullopt;
-  const auto size = fs::file_size(file, error);
-  const auto time = fs::last_write_time(file, error);
-  if (error) return std::nullopt;
-  const std::scoped_lock lock(*mutex_);
-  const auto found = known_.find(file);
-  if (found != known_.end() && found->second.size == size && found->second.time == time)
-    return found->second.sha256;
-  auto sha256 = io::sha256_of_file(file);
+  struct stat found {};
+  if (::stat(file.c_str(), &found) != 0 || !S_ISREG(found.st_mode)) return std::nullopt;
+  const Identity identity{.device = found.st_dev,
+                          .inode = found.st_ino,
+                          .size = std::uintmax_t(found.st_size),
+                          .modified_s = found.st_mtim.tv_sec,
+                          .modified_ns = found.st_mtim.tv_nsec,
+                          .changed_s = found.st_ctim.tv_sec,
+                          .changed_ns = found.st_ctim.tv_nsec};
+  {
+    const std::scoped_lock lock(*mutex_);
+    const auto known = known_.find(file);
+    if (known != known_.end() && known->second.identity == identity) return known->second.sha256;
+  }
+  auto sha256 = io::sha256_of_file(file);  // Others need not wait for a large file.
   if (!sha256) return std::nullopt;
-  known_[file] = {size, time, *sha256};
+  const std::scoped_lock lock(*mutex_);
+  known_[file] = {identity, *sha256};
   return *std::move(sha256);
 }
 
@@ -179,6 +191,16 @@ Result<void> CaseFolder::remember(std::string_view stage, const Inputs& inputs) 
   json all = read_object(root_ / "stages.json");
   all[std::string(stage)] = inputs;
   return io::write_text(root_ / "stages.json", all.dump(1) + "\n");
+}
+
+Result<void> CaseFolder::forget_result(std::string_view stage) const {
+  std::vector<fs::path> documents;
+  if (stage == "cut") documents = {cut() / "cut.json"};
+  if (stage == "check") documents = {check() / "check.json"};
+  if (stage == "preview") documents = {preview() / "preview.json", preview() / "face.preview"};
+  if (stage == "prediction")
+    documents = {prediction() / "prediction.json", prediction() / "failure.json"};
+  return remove_earlier_files(documents);
 }
 
 json CaseFolder::stage(std::string_view stage) const {

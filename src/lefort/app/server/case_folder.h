@@ -21,7 +21,7 @@ namespace lefort::app::server {
 /// A folder that no other server uses while this lives. Safe from many threads.
 class CaseFolder {
  public:
-  /// Makes the folder if it is missing.
+  /// Makes the folder if it is missing, for its owner alone; ends with its uploads.
   ///
   /// \returns kFileUnwritable: it cannot be made or written, or another server has it.
   [[nodiscard]] static Result<CaseFolder> open(const std::filesystem::path& folder);
@@ -46,7 +46,7 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path jobs() const { return root_ / "jobs"; }
   [[nodiscard]] std::filesystem::path uploads() const { return root_ / "uploads"; }
 
-  /// SHA-256 of a file, remembered while size and time of it stay; nothing if it is not there.
+  /// SHA-256 of a file, remembered while it stays the same by stat(); nothing if it is not there.
   [[nodiscard]] std::optional<std::string> fingerprint(const std::filesystem::path& file) const;
 
   /// As an entity tag, in quotes.
@@ -63,15 +63,26 @@ class CaseFolder {
   /// Remembers of what a stage was made.
   [[nodiscard]] Result<void> remember(std::string_view stage, const Inputs& inputs);
 
+  /// Removes the documents by which a stage is known to be made, so that none of an earlier job
+  /// passes for one of the inputs that are remembered next.
+  ///
+  /// \param stage  "cut", "check", "preview", "prediction"; of others nothing is removed.
+  [[nodiscard]] Result<void> forget_result(std::string_view stage) const;
+
   /// Whether what is there matches its inputs: contract/openapi.json, Stage, but for jobs.
   [[nodiscard]] nlohmann::json stage(std::string_view stage) const;
 
  private:
   explicit CaseFolder(std::filesystem::path root, int lock);
 
+  /// By what a file is known to be the same: a time alone can be set back, or be too coarse.
+  struct Identity {
+    std::uintmax_t device = 0, inode = 0, size = 0;
+    std::int64_t modified_s = 0, modified_ns = 0, changed_s = 0, changed_ns = 0;
+    bool operator==(const Identity&) const = default;
+  };
   struct Known {
-    std::uintmax_t size;
-    std::filesystem::file_time_type time;
+    Identity identity;
     std::string sha256;
   };
   std::filesystem::path root_;

@@ -103,10 +103,12 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   return told(summary);
 }
 
-/// Runs `work`, which removes earlier results first, and remembers of what the stage is made.
+/// Runs `work` and remembers of what the stage is made. `work` may fail before it removes earlier
+/// results: their documents, which would pass for new ones, go first.
 template <class Work>
 Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Work& work) {
   LEFORT_TRY_VOID(check_plan(folder));
+  LEFORT_TRY_VOID(folder.forget_result(stage));
   if (const auto inputs = folder.inputs_of(stage)) LEFORT_TRY_VOID(folder.remember(stage, *inputs));
   return work();
 }
@@ -204,7 +206,8 @@ bool is_surface(const fs::path& upload) {
 Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
                                Progress& progress) {
   CaseFolder& folder = context.folder;
-  const auto other = context.uploads.source(job.parameters.value("upload", ""));
+  const std::string upload = job.parameters.value("upload", "");
+  const auto other = context.uploads.source(upload);
   if (!other) return fail(ErrorCode::kFileNotFound, "there is no such upload, or it is empty");
   std::error_code error;
   if (!fs::is_regular_file(folder.prediction() / "prediction.json", error))
@@ -221,6 +224,7 @@ Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
   if (fs::is_regular_file(folder.landmarks(), error)) compare.landmarks = folder.landmarks();
   LEFORT_TRY(const Summary summary, compare_faces(compare, progress));
   if (inputs) LEFORT_TRY_VOID(folder.remember("comparison", *inputs));
+  static_cast<void>(context.uploads.remove(upload));
   return told(summary);
 }
 

@@ -25,9 +25,11 @@ Connection::Connection(int socket, const HttpLimits& limits) : socket_(socket), 
 bool Connection::wait_for_request() {
   phase_ = Phase::kHeader;
   moved_ = 0.0;
+  since_ = Clock::now();  // Before it waits: not since a request of long ago.
   is_waiting_ = true;
   const bool is_here = at_ < buffer_.size() || wait_for(POLLIN, Clock::now() + limits_.idle_time);
   begun_ = Clock::now();
+  since_ = begun_;
   return is_here;
 }
 

@@ -34,7 +34,7 @@ class Connection final : public httplib::Stream {
 
   /// Whether it holds a thread without having asked for anything, and since when.
   [[nodiscard]] bool is_waiting() const { return is_waiting_; }
-  [[nodiscard]] Clock::time_point since() const { return since_; }
+  [[nodiscard]] Clock::time_point since() const { return since_.load(); }
 
   /// From another thread: ends it. \pre the socket is open.
   void abort() const;
@@ -65,7 +65,7 @@ class Connection final : public httplib::Stream {
   Clock::time_point begun_ = Clock::now();  ///< The phase.
   double moved_ = 0.0;                      ///< Bytes in the phase.
   std::atomic<bool> is_waiting_ = true;
-  Clock::time_point since_ = Clock::now();
+  std::atomic<Clock::time_point> since_ = Clock::now();
   std::string buffer_;
   std::size_t at_ = 0;
 };

@@ -26,8 +26,6 @@
 namespace lefort::app::server {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::size_t kLongestPath = 1024;  // Characters.
 constexpr std::size_t kPiece = 256 << 10;   // Bytes of a reply written at a time.
 constexpr std::size_t kRequestsPerConnection = 1000;
@@ -358,9 +356,9 @@ void HttpServer::Parts::answer(const httplib::Request& request, httplib::Respons
     answer_events(response, *reply.events_after);
   } else if (reply.file) {
     const auto file = std::make_shared<std::ifstream>(*reply.file, std::ios::binary);
-    std::error_code error;
-    const auto size = fs::file_size(*reply.file, error);
-    if (error || !*file) {
+    // Of what was opened: a job may put another file in its place.
+    const std::streamoff size = file->seekg(0, std::ios::end).tellg();
+    if (size < 0) {
       response.status = 404;
       return;
     }
@@ -499,6 +497,8 @@ Result<int> HttpServer::bind() {
 }
 
 void HttpServer::run() { parts_->server.listen_after_bind(); }
+
+bool HttpServer::is_running() const { return parts_->server.is_running(); }
 
 void HttpServer::stop() {
   parts_->api.events().stop();

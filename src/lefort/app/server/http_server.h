@@ -60,6 +60,9 @@ class HttpServer {
   /// Serves until stop(). \pre bind() succeeded.
   void run();
 
+  /// Whether run() listens already: a stop() before it does has no effect.
+  [[nodiscard]] bool is_running() const;
+
   /// From any thread; not from a signal handler.
   void stop();
 

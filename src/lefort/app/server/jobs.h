@@ -81,6 +81,7 @@ class Jobs {
  private:
   class Listener;
   void work_on();
+  void tell_change() const;
   void keep(const JobRecord& job) const;
   void tell(const JobRecord& job, const std::optional<std::string>& line = std::nullopt);
 

@@ -55,7 +55,9 @@ Reply Uploads::begin() {
          })->first);
   const std::string id = random_hex(16);
   std::error_code error;
-  fs::create_directories(folder_ / id, error);
+  fs::create_directories(folder_, error);
+  if (!error) fs::permissions(folder_, fs::perms::owner_all, error);  // A patient's.
+  if (!error) fs::create_directory(folder_ / id, error);
   if (error)
     return refusal(507, "unavailable", "the case folder takes no upload: " + error.message());
   uploads_[id].order = ++begun_;
@@ -85,7 +87,21 @@ Reply Uploads::put(const std::string& id, int index, const std::string& name,
                      fmt::format("uploads have at most {} bytes together", limits_.all_bytes));
     reserved_ += request.content_length;
   }
-  const fs::path temporary = folder_ / id / ("part-" + random_hex(16));
+  // Beside the upload's folder: a job that reads that one sees whole files alone.
+  const fs::path temporary = folder_ / ("part-" + random_hex(16));
+  struct Part {  // Given back however this ends.
+    ~Part() {
+      std::error_code error;
+      fs::remove(file, error);
+      const std::scoped_lock lock(mutex);
+      reserved -= bytes;
+    }
+    const fs::path& file;
+    std::mutex& mutex;
+    std::uint64_t& reserved;
+    std::uint64_t bytes;
+  };
+  const Part part{temporary, mutex_, reserved_, request.content_length};
   std::ofstream file(temporary, std::ios::binary);
   std::uint64_t received = 0;
   const bool is_whole = request.read_body && request.read_body([&](std::string_view piece) {
@@ -97,11 +113,9 @@ Reply Uploads::put(const std::string& id, int index, const std::string& name,
   file.close();
   const bool is_written = bool(file);
   const std::scoped_lock lock(mutex_);
-  reserved_ -= request.content_length;
   std::error_code error;
   const auto upload = uploads_.find(id);
   if (!is_whole || !is_written || received != request.content_length || upload == uploads_.end()) {
-    fs::remove(temporary, error);
     if (!is_written)
       return refusal(507, "unavailable", "the file could not be kept: is the disk full?");
     return refusal(400, "bad_request", "the body did not arrive whole");
@@ -109,10 +123,7 @@ Reply Uploads::put(const std::string& id, int index, const std::string& name,
   if (const auto older = upload->second.files.find(index); older != upload->second.files.end())
     fs::remove(folder_ / id / older->second.first, error);
   fs::rename(temporary, folder_ / id / kept, error);
-  if (error) {
-    fs::remove(temporary, error);
-    return refusal(507, "unavailable", "the file could not be kept");
-  }
+  if (error) return refusal(507, "unavailable", "the file could not be kept");
   upload->second.files[index] = {kept, received};
   return json_reply({{"index", index}, {"bytes", received}}, 201);
 }
