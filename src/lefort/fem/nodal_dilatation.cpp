@@ -30,10 +30,11 @@ bool belong_together(const Corner& a, const Corner& b) {
   return a.node == b.node && a.region == b.region;
 }
 
-/// Where a node lies, by the solid angle of the elements around it: the means of those further in
-/// count. Halfway between what a cube's corner, its edge, its face and its inside have.
+/// Where a node lies, by the solid angle of the elements around it.
 enum class Site : std::uint8_t { kCorner, kEdge, kFace, kInside };
 
+/// Halfway between what a cube has in a corner (1/8), on an edge (1/4) and on a face (1/2) of the
+/// full angle; inside there is all of it, but for round-off.
 Site site_of(double solid_angle) {
   const double share = solid_angle / (4.0 * std::numbers::pi);
   if (share < 0.1875) return Site::kCorner;

@@ -55,8 +55,8 @@ class NodalDilatation final : public ForceTerm {
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] State state(Index item, std::span<const Vec3> x_L) const;
 
-  /// For each node of element `number` (through the blocks) the patch around it to which the element
-  /// belongs, or -1; empty if it takes no part. Shares in them are equal.
+  /// For each node of element `number` (through the blocks) the patch around it to which the
+  /// element belongs, or -1; empty if it takes no part. Shares in them are equal.
   [[nodiscard]] std::span<const std::int32_t> patches_of(Index number) const;
 
  private:
