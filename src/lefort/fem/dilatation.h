@@ -46,6 +46,6 @@ enum class Dilatation {
 
 /// Of that shear part, what stays with the elements: without it nothing would keep a single one
 /// from being crushed.
-inline constexpr double kRetainedShare = 0.1;
+inline constexpr double kRetainedShare = 0.05;
 
 }  // namespace lefort::fem

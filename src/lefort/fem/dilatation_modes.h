@@ -69,7 +69,7 @@ inline constexpr double kBulkAtPoints<Wedge15> = 0.5;
 
 /// Likewise of shapes with means around nodes, where the shear part is taken: those means do not
 /// see what changes sign from one side of a node to the other.
-inline constexpr double kBulkBesideNodes = 0.4;
+inline constexpr double kBulkBesideNodes = 1.0;
 
 /// U in two parts: of the mean, and at the points.
 struct SharedVolume {
