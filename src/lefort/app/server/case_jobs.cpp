@@ -29,8 +29,7 @@ JobOutcome told(const Summary& summary) {
 }
 
 Result<void> check_scan(const CaseFolder& folder) {
-  std::error_code error;
-  if (fs::is_regular_file(folder.ct(), error)) return {};
+  if (there_is(folder.ct())) return {};
   return fail(ErrorCode::kFileNotFound, "there is no scan yet: import one first");
 }
 
@@ -85,15 +84,14 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   LEFORT_TRY_VOID(check_scan(folder));
   SegmentJob segment{
       .ct = folder.ct(), .output = folder.anatomy(), .options = {}, .finish = {}, .labels = {}};
-  std::error_code error;
-  if (fs::is_regular_file(folder.plan(), error)) {  // Thresholds are the plan's unless given.
+  if (there_is(folder.plan())) {  // Thresholds are the plan's unless given.
     LEFORT_TRY_VOID(check_plan(folder));
     if (const auto plan = io::read_plan(folder.plan())) segment.options = plan->segmentation;
   }
   segment.options.bone_hu = job.parameters.value("bone_hu", segment.options.bone_hu);
   segment.options.skin_hu = job.parameters.value("skin_hu", segment.options.skin_hu);
   if (job.parameters.value("from_labels", false)) {
-    if (!fs::is_regular_file(folder.labels(), error))
+    if (!there_is(folder.labels()))
       return fail(ErrorCode::kFileNotFound, "there are no labels yet");
     segment.labels = folder.labels();
   }
@@ -209,8 +207,7 @@ Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
   const std::string upload = job.parameters.value("upload", "");
   const auto other = context.uploads.source(upload);
   if (!other) return fail(ErrorCode::kFileNotFound, "there is no such upload, or it is empty");
-  std::error_code error;
-  if (!fs::is_regular_file(folder.prediction() / "prediction.json", error))
+  if (!there_is(folder.prediction() / "prediction.json"))
     return fail(ErrorCode::kFileNotFound, "there is no prediction yet");
   const auto inputs = folder.inputs_of("comparison");
   CompareJob compare{.face = folder.prediction(),
@@ -221,7 +218,7 @@ Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
                      .output = folder.comparison(),
                      .pictures = true};
   (is_surface(*other) ? compare.other : compare.after_ct) = *other;
-  if (fs::is_regular_file(folder.landmarks(), error)) compare.landmarks = folder.landmarks();
+  if (there_is(folder.landmarks())) compare.landmarks = folder.landmarks();
   LEFORT_TRY(const Summary summary, compare_faces(compare, progress));
   if (inputs) LEFORT_TRY_VOID(folder.remember("comparison", *inputs));
   static_cast<void>(context.uploads.remove(upload));
