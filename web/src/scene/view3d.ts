@@ -480,14 +480,16 @@ export class View3d {
     return [event.clientX - box.left, event.clientY - box.top];
   }
 
+  /** The marker at the pointer. While a click places something, only those that can be dragged meanwhile: placing wins. */
   private markerAt(x: number, y: number): Marker | null {
     const projection = this.projection(x);
+    const placing = this.events.isPlacing();
     let best: Marker | null = null;
     let nearest = 10;
     for (const marker of this.markers) {
       const [mx, my] = projection.toScreen(marker.position);
       const d = Math.hypot(mx - x, my - y);
-      if (d < nearest && !this.behind.has(marker.id)) {
+      if (d < nearest && !this.behind.has(marker.id) && (marker.draggable || !placing)) {
         nearest = d;
         best = marker;
       }

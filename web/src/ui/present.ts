@@ -310,7 +310,7 @@ export class Presenter implements Listeners {
     if (s.step !== 'landmarks' && s.step !== 'osteotomy') return [];
     return doc.landmarks.filter((l) => s.step === 'landmarks' || kindOf(l.name)?.on === 'bone').map((l) => ({
       id: l.name, position: l.position_mm, label: l.name, hides: true, selected: s.step === 'landmarks' && l.name === s.landmark,
-      colour: l.name === s.landmark && s.step === 'landmarks' ? '#f2b84b' : '#3fb2c8', draggable: s.step === 'landmarks',
+      colour: l.name === s.landmark && s.step === 'landmarks' ? '#f2b84b' : '#3fb2c8', draggable: s.step === 'landmarks' && s.tool !== 'landmark',
     }));
   }
 
