@@ -25,7 +25,12 @@ async function withShared(run, size) {
   })();
   const page = await openPage(shared.server.address, size);
   try {
-    await run(page, shared);
+    await run(page, shared).catch(async (error) => {
+      const path = join(output, 'failed.png');
+      await page.screenshot({ path, timeout: 180000 }).catch(() => undefined);
+      console.log(`     what was on the screen: ${path}`);
+      throw error;
+    });
     check(`no errors in the page: ${page.faults.join('; ')}`, page.faults.length === 0);
   } finally {
     await page.context().close();
@@ -161,7 +166,7 @@ test('osteotomy: a plane and a curve by hand, then Le Fort III by its landmarks'
   await handleWhere(page, 'shift normal +', (now) => Math.abs(now[1] - at[1]) < 2);
   await page.keyboard.press('Escape');
   await page.click(id('add-curve'));
-  for (const [u, v] of [[0.42, 0.34], [0.48, 0.3], [0.53, 0.34], [0.52, 0.42], [0.45, 0.43]]) await click3d(page, u, v);
+  for (const [u, v] of [[0.42, 0.4], [0.48, 0.36], [0.53, 0.4], [0.52, 0.46], [0.45, 0.47]]) await click3d(page, u, v);
   await page.getByText('point by point (5)').waitFor();
   await page.keyboard.press('Enter');
   await page.getByText('Curve 1').waitFor();
