@@ -71,7 +71,7 @@ export class App {
     void this.client.listen(
       (kind, event) => {
         if (kind === 'job') this.onJob(event as Schemas['JobEvent']);
-        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, event as Schemas['NewtonEvent']] });
+        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, ...(event as Schemas['NewtonEvent']).iterates] });
         else if (kind === 'step') this.patch({ steps: [...model.s.steps, event as Schemas['StepEvent']] });
         else if (kind === 'case') this.onStages((event as Schemas['CaseEvent']).stages as Schemas['Case']['stages']);
         else void this.refresh();

@@ -37,8 +37,8 @@ export interface Toast {
   text: string;
 }
 
-/** One try of the solver at one increment, as it comes in. */
-export type NewtonPoint = Schemas['NewtonEvent'];
+/** One of Newton's iterations, as it comes in. */
+export type NewtonPoint = Schemas['NewtonIterate'];
 
 export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush';
 
