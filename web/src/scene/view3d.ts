@@ -10,6 +10,7 @@ import {
 import { Body } from './body';
 import { Gizmo, type GizmoDrag } from './gizmo';
 import { projectionOf, type Projection } from './projection';
+import { drawsInSoftware } from './software';
 
 /** A point drawn over the picture: a landmark, a corner of a curve. */
 export interface Marker {
@@ -58,6 +59,12 @@ export interface View3dEvents {
 
 const IDLE_MS = 180;
 
+/**
+ * Pixels drawn per pixel shown, by the processor: the multisampling of a graphics card takes it four times as long, so
+ * edges are smoothed by drawing larger once all stands still.
+ */
+const SOFTWARE_RATIO = { moving: 0.75, still: 2 };
+
 export class View3d {
   readonly element = document.createElement('div');
   readonly gizmo = new Gizmo();
@@ -100,8 +107,9 @@ export class View3d {
     this.canvas.setAttribute('role', 'img');
     this.canvas.setAttribute('aria-label', '3D view of bone and skin. Drag to turn, wheel to zoom, right button to shift.');
     this.element.append(this.canvas, this.overlay);
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
-    this.renderer.setPixelRatio(isSoftware(this.renderer) ? 1 : Math.min(2, devicePixelRatio));
+    this.renderer = new WebGLRenderer({
+      canvas: this.canvas, antialias: !drawsInSoftware(), alpha: true, powerPreference: 'high-performance',
+    });
     this.renderer.autoClear = false;
     this.renderer.debug.checkShaderErrors = false; // Waiting for the compiler's word stops the page for a second in software.
     this.gl = this.renderer.getContext() as WebGL2RenderingContext;
@@ -330,6 +338,8 @@ export class View3d {
   drawNow(): void {
     const { width, height } = this.size();
     const renderer = this.renderer;
+    const ratio = drawsInSoftware() ? SOFTWARE_RATIO[this.coarse ? 'moving' : 'still'] : Math.min(2, devicePixelRatio);
+    if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio); // Empties the picture, so not before.
     renderer.setScissorTest(false);
     renderer.setViewport(0, 0, width, height);
     renderer.clear();
@@ -634,13 +644,6 @@ export class View3d {
 }
 
 const rows = (m: Matrix4): Mat4 => m.clone().transpose().toArray();
-
-function isSoftware(renderer: WebGLRenderer): boolean {
-  const gl = renderer.getContext();
-  const info = gl.getExtension('WEBGL_debug_renderer_info');
-  const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
-  return /swiftshader|llvmpipe|software|basic render/i.test(name);
-}
 
 function drawLine(context: CanvasRenderingContext2D, projection: Projection, line: Polyline): void {
   if (line.points.length < 2) return;
