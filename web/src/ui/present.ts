@@ -59,6 +59,10 @@ export class Presenter implements Listeners {
     });
   }
 
+  get isDragging(): boolean {
+    return this.view.gizmo.isDragging;
+  }
+
   attach(app: App): void {
     this.app = app;
     app.model.state.subscribe((state, before) => this.onState(state, before));
@@ -213,6 +217,8 @@ export class Presenter implements Listeners {
       slice.markers = step === 'landmarks'
         ? doc.landmarks.map((l) => ({ id: l.name, position: l.position_mm, label: l.name, colour: l.name === s.landmark ? '#f2b84b' : '#3fb2c8', selected: l.name === s.landmark }))
         : [];
+      // A segment that is dragged leaves no trace on the scan.
+      if (step !== 'movement' || !view.gizmo.isDragging) slice.draw();
     }
     this.presentCompare(s);
     view.refreshMarkers();
