@@ -464,7 +464,8 @@ void expect_iterates_told(const std::string& events, const json& document) {
     if (event.find("event: newton") != std::string::npos) {
       ++newton;
       EXPECT_TRUE(parse_by_contract(data, "NewtonEvent")) << data;
-      for (const json& iterate : json::parse(data)["iterates"]) {
+      const json batch = json::parse(data);
+      for (const json& iterate : batch["iterates"]) {
         EXPECT_EQ(iterate["step"], steps + 1);
         told.push_back(iterate["residual_n"]);
       }
