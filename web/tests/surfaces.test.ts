@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { decodeSurface, endingOnly, EventParser } from '../src/api';
-import { coarsen, percentile, posedSectionOf, rayHit, sectionOf, poseOf, transformPoint, summarise, vertexNormals, type Surface } from '../src/model';
+import { coarsen, posedSectionOf, rayHit, sectionOf, poseOf, transformPoint, vertexNormals, type Surface } from '../src/model';
 
 /** A box from 0 to 10 mm, triangles counter-clockwise from outside. */
 const box: Surface = {
@@ -114,15 +114,6 @@ describe('drawing', () => {
     const one = coarsen(box, 100);
     expect(one.vertex).toHaveLength(1);
     expect(one.triangles).toHaveLength(0);
-  });
-});
-
-describe('statistics', () => {
-  it('are nearest-rank percentiles', () => {
-    const values = Float32Array.from({ length: 100 }, (_, n) => 100 - n);
-    expect(summarise(values)).toEqual({ count: 100, mean: 50.5, median: 50, p90: 90, p95: 95, max: 100 });
-    expect(percentile([1], 99)).toBe(1);
-    expect(summarise(new Float32Array(0))).toBeNull();
   });
 });
 

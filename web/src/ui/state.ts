@@ -96,7 +96,18 @@ export interface State {
   files: Schemas['FileList']['files'];
   compareMode: 'slider' | 'beside' | 'after';
   compareStep: number;
-  showDistance: boolean;
+  /** What the face compared with is, in the left half. */
+  against: 'before' | 'after_surgery';
+  /** How far the skin moved, or how far it is from the face after surgery. */
+  skinPaint: 'none' | 'moved' | 'error';
+  bonePaint: 'none' | 'pressure' | 'depth';
+  /** Upper end of the bone's legend, kPa or mm; null where nothing is painted. */
+  boneTop: number | null;
+  regionShifts: Schemas['RegionShifts'] | null;
+  comparison: Schemas['Comparison'] | null;
+  /** Of each vertex of the predicted face, from the one after surgery. */
+  difference_mm: Float32Array | null;
+  errorTop_mm: number;
   showBones: boolean;
   wipe: number;
   distanceTop_mm: number;
@@ -154,7 +165,14 @@ export const initialState = (): State => ({
   files: [],
   compareMode: 'slider',
   compareStep: 0,
-  showDistance: false,
+  against: 'before',
+  skinPaint: 'none',
+  bonePaint: 'none',
+  boneTop: null,
+  regionShifts: null,
+  comparison: null,
+  difference_mm: null,
+  errorTop_mm: 1,
   showBones: false,
   wipe: 0.5,
   distanceTop_mm: 1,

@@ -31,14 +31,17 @@ const NamedFile kFiles[] = {
     {"compare.json", "comparison", LEFORT_IN(comparison, "compare.json")},
     {"regions.csv", "comparison", LEFORT_IN(comparison, "regions.csv")},
     {"landmark_shifts.csv", "comparison", LEFORT_IN(comparison, "landmark_shifts.csv")},
-    {"difference.vtp", "comparison", LEFORT_IN(comparison, "difference.vtp")}};
+    {"difference.vtp", "comparison", LEFORT_IN(comparison, "difference.vtp")},
+    {"movements.csv", "comparison", LEFORT_IN(comparison, "movements.csv")},
+    {"skin_after.vtp", "comparison", LEFORT_IN(comparison, "skin_after.vtp")}};
 
 const NamedFile kSurfaces[] = {
     {"skin", "anatomy", LEFORT_IN(anatomy, "skin.vtp")},
     {"skull", "anatomy", LEFORT_IN(anatomy, "skull.vtp")},
     {"remainder", "cut", LEFORT_IN(cut, "remainder.vtp")},
     {"skin_before", "prediction", LEFORT_IN(prediction, "skin_before.vtp")},
-    {"predicted", "prediction", LEFORT_IN(prediction, "predicted_skin.vtp")}};
+    {"predicted", "prediction", LEFORT_IN(prediction, "predicted_skin.vtp")},
+    {"after_surgery", "comparison", LEFORT_IN(comparison, "skin_after.vtp")}};
 #undef LEFORT_IN
 
 }  // namespace

@@ -1,15 +1,24 @@
+#include <lefort/app/compare_tables.h>
 #include <lefort/app/server/request_parts.h>
 #include <lefort/app/server/route.h>
 #include <lefort/app/server/served_case.h>
 #include <lefort/app/server/surface_bytes.h>
+#include <lefort/compare/compare_by_region.h>
+#include <lefort/io/landmarks_file.h>
+#include <lefort/io/surface_files.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 namespace lefort::app::server {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+constexpr int kMostSteps = 1000;  // As the contract says.
+constexpr const char* kNoStep = "there is no such step";
 
 Reply get_prediction(ServedCase& served, const Request& request, const PathValues&) {
   const fs::path failure = served.folder.prediction() / "failure.json";
@@ -56,30 +65,69 @@ Reply get_prediction(ServedCase& served, const Request& request, const PathValue
   }
 }
 
-Reply get_prediction_step(ServedCase& served, const Request&, const PathValues& values) {
-  const auto step = number_of(values[0], 1, 1000);
+/// kFileNotFound if there is no such step.
+Result<std::vector<Vec3>> step_displacement(ServedCase& served, const std::string& step) {
+  const auto number = number_of(step, 1, kMostSteps);
   const auto etag = served.folder.etag(served.folder.prediction() / "prediction.json");
-  if (!step || !etag) return not_there("there is no such step");
-  const auto ct = served.volume();
-  if (!ct) return refusal(ct.error());
-  const auto steps = served.kept_steps.get("steps", *etag, [&] {
-    return StepSkin::read(served.folder.prediction(), (*ct)->grid.spacing_mm);
-  });
-  if (!steps) return refusal(steps.error());
-  const auto displacement_mm = (*steps)->displacement_mm(*step);
-  if (!displacement_mm) {
-    if (displacement_mm.error().code == ErrorCode::kFileNotFound)
-      return not_there("there is no such step");
-    return refusal(displacement_mm.error());
-  }
+  if (!number || !etag) return fail(ErrorCode::kFileNotFound, kNoStep);
+  LEFORT_TRY(const auto ct, served.volume());
+  LEFORT_TRY(const auto steps, served.kept_steps.get("steps", *etag, [&] {
+    return StepSkin::read(served.folder.prediction(), ct->grid.spacing_mm);
+  }));
+  return steps->displacement_mm(*number);
+}
+
+Reply refusal_of_step(const Error& error) {
+  return error.code == ErrorCode::kFileNotFound ? not_there(kNoStep) : refusal(error);
+}
+
+Reply get_prediction_step(ServedCase& served, const Request&, const PathValues& values) {
+  const auto displacement_mm = step_displacement(served, values[0]);
+  if (!displacement_mm) return refusal_of_step(displacement_mm.error());
   return binary_reply(shared_bytes(float_bytes(*displacement_mm)));
+}
+
+/// The face's regions by the case's landmarks, and what is left out for want of them.
+struct RegionsFound {
+  compare::FaceRegions regions;
+  std::vector<std::string> missing;
+};
+
+Result<RegionsFound> find_regions(const CaseFolder& folder) {
+  plan::Landmarks landmarks;
+  if (there_is(folder.landmarks())) {
+    LEFORT_TRY(landmarks, io::read_landmarks(folder.landmarks()));
+  }
+  auto regions = compare::FaceRegions::from(landmarks);
+  if (regions) return RegionsFound{*regions, regions->missing()};
+  // Of landmarks that contradict each other: the whole face can be told all the same.
+  LEFORT_TRY(const auto none, compare::FaceRegions::from({}));
+  return RegionsFound{none, {regions.error().message}};
+}
+
+Reply get_prediction_step_regions(ServedCase& served, const Request&, const PathValues& values) {
+  const auto displacement_mm = step_displacement(served, values[0]);
+  if (!displacement_mm) return refusal_of_step(displacement_mm.error());
+  const auto found = find_regions(served.folder);
+  if (!found) return refusal(found.error());
+  const auto before = io::read_surface(served.folder.prediction() / "skin_before.vtp");
+  if (!before || before->vertices.size() != displacement_mm->size())
+    return refusal(422, "invalid", "the prediction's files are damaged: predict again");
+  json regions = json::array();
+  for (const auto& row : compare::movement_by_region(*before, *displacement_mm, found->regions))
+    regions.push_back({{"region", row.region}, {"shift", statistics_json(row.face)}});
+  return json_reply({{"step", *number_of(values[0], 1, kMostSteps)},
+                     {"regions", regions},
+                     {"missing", found->missing}});
 }
 
 }  // namespace
 
 std::span<const Route> prediction_routes() {
-  static constexpr Route kRoutes[] = {{"GET", "/prediction", get_prediction},
-                                      {"GET", "/prediction/steps/{step}", get_prediction_step}};
+  static constexpr Route kRoutes[] = {
+      {"GET", "/prediction", get_prediction},
+      {"GET", "/prediction/steps/{step}", get_prediction_step},
+      {"GET", "/prediction/steps/{step}/regions", get_prediction_step_regions}};
   return kRoutes;
 }
 

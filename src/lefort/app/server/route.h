@@ -30,6 +30,7 @@ struct Route {
 [[nodiscard]] std::span<const Route> plan_routes();        ///< The plan, its path, templates.
 [[nodiscard]] std::span<const Route> movement_routes();    ///< Overlap and preview while dragging.
 [[nodiscard]] std::span<const Route> prediction_routes();  ///< What was solved, step by step.
+[[nodiscard]] std::span<const Route> comparison_routes();  ///< The face after surgery.
 [[nodiscard]] std::span<const Route> file_routes();        ///< Files to be taken home.
 
 }  // namespace lefort::app::server

@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kKeptSurfaces = 24;  // All there are: five, and those of 16 segments.
+constexpr std::size_t kKeptSurfaces = 24;  // All there are: six, and those of 16 segments.
 
 }  // namespace
 
