@@ -245,6 +245,7 @@ test('preview: a face after the end of a drag', () => withShared(async (page) =>
   measured('preview after the drag', ms / 1000, 's', 'at most', 2);
   check('it says what it is', await page.getByText('Preview, not a prediction').first().isVisible());
   await page.keyboard.press('Control+z');
+  await page.getByText('12.0 mm anterior, 5.0 mm inferior').waitFor();
   await saved(page);
 }));
 
