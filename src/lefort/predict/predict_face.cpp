@@ -223,11 +223,14 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
   const fem::Assembler assembler(tissue.nodes_L, std::move(dofs), terms);
 
   std::optional<fem::LinearSolver> linear_solver(std::in_place);
-  PredictionIterate seen{.attempt = 0};
+  PredictionIterate seen;
+  seen.attempt = 0;
   const auto solve_at = [&](double share, const VectorX& start) {
     const RigidTransform X_LB = plan::pose_at(path, share);
     for (contact::ContactTerm& contact : contacts) contact.set_pose(X_LB);
-    seen = {.to_share = share, .attempt = seen.attempt + 1, .iteration = -1};
+    seen.to_share = share;
+    ++seen.attempt;
+    seen.iteration = -1;
     const auto solve_from = [&](const VectorX& from) {
       fem::NewtonOptions newton = newton_options(options.solver, options.tissue);
       // As in the history: what follows an augmentation goes on without a start of its own.
