@@ -245,6 +245,7 @@ test('preview: a face after the end of a drag', () => withShared(async (page) =>
   measured('preview after the drag', ms / 1000, 's', 'at most', 2);
   check('it says what it is', await page.getByText('Preview, not a prediction').first().isVisible());
   await page.keyboard.press('Control+z');
+  await page.getByText('12.0 mm anterior, 5.0 mm inferior').waitFor();
   await saved(page);
 }));
 
@@ -311,6 +312,31 @@ test('prediction: started, reloaded, stopped', () => withShared(async (page) => 
   await page.click(id('stop-predict'));
   await page.getByText('Stopped', { exact: true }).waitFor({ timeout: 300000 });
 }));
+
+test('a server killed during a solve: the next one goes on from the last step', () => withShared(async (page, kept) => {
+  const newest = async (of, least) => {
+    const cell = of.locator(`${id('step-table')} tbody td`).first();
+    await of.waitForFunction(([sel, n]) => Number(document.querySelector(sel)?.textContent) >= n, [`${id('step-table')} tbody td`, least], { timeout: 900000 });
+    return Number(await cell.innerText());
+  };
+  await step(page, 'predict');
+  await page.click(id('predict'));
+  await page.waitForSelector(id('stop-predict'));
+  const done = await newest(page, 2);
+  await kept.server.kill('SIGKILL');
+  await page.getByText('The server does not answer').waitFor();
+  kept.server = await serve(kept.folder);
+  const next = await openPage(kept.server.address);
+  await step(next, 'predict');
+  await next.getByText('Interrupted', { exact: true }).waitFor();
+  await next.getByRole('button', { name: 'Go on predicting' }).click();
+  await next.waitForSelector(id('stop-predict'));
+  const first = await newest(next, 1);
+  check(`it goes on at step ${done}, not at ${first}`, first >= done);
+  await next.click(id('stop-predict'));
+  await next.getByText('Stopped', { exact: true }).waitFor({ timeout: 300000 });
+  await next.context().close();
+}), { slow: true });
 
 test('the whole way: the face of the page is that of the command line, bit for bit', () => withShared(async (page, { folder }) => {
   await step(page, 'predict');
