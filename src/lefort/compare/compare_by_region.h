@@ -41,7 +41,7 @@ struct RegionDifference {
     const geometry::TriangleMesh& face_L, const SurfaceDifference& difference,
     const geometry::Bvh& other, const geometry::TriangleMesh* before_L, const FaceRegions& regions);
 
-/// How far each part of a face moved, vertex from vertex: the figures are of displacements' lengths.
+/// How far each part of a face moved, vertex from vertex: figures of the lengths of displacements.
 ///
 /// \param displacement_mm  one per vertex of `before_L`.
 /// \returns as compare_by_region(), without a baseline.
