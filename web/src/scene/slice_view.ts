@@ -2,7 +2,7 @@ import {
   draggedWindow, greyTable, indexToL, indexToPixel, lToIndex, pixelToIndex, sliceFrame,
   type Grid, type Orientation, type SliceFrame, type Vec3, type Window,
 } from '../model';
-import { drawLabel } from './view3d';
+import { drawLabel } from './overlay';
 
 export interface SliceMarker {
   id: string;

@@ -1,10 +1,12 @@
 import { ApiError, type Client, type Depths, type Schemas } from '../api';
 import {
-  change, fromPoints, byName, joinEdits, lengths, moveOf, paintBall, poseOf, redo, repeat, revert, settle, startHistory,
+  change, fromPoints, byName, moveOf, poseOf, redo, settle, startHistory,
   undo, gridCentre, transformPoint, IDENTITY, shifted, turned, aboutPoint, editKeyframe, keyframesOf, isEditablePath, templateKind,
-  type DrawnSurface, type Grid, type History, type LabelEdit, type Landmark, type Mat4, type Move, type Plan, type Vec3,
+  type DrawnSurface, type Grid, type History, type Landmark, type Mat4, type Move, type Plan, type Vec3,
 } from '../model';
 import { prepareSurfaceAside } from '../workers';
+import { LabelBrush } from './label_brush';
+import { LiveAnswers } from './live_answers';
 import { Outcome } from './outcome';
 import { Model, runningJob, stageOf, type Doc, type StepName } from './state';
 
@@ -38,23 +40,25 @@ export interface Listeners {
 export class App {
   readonly model = new Model();
   readonly outcome = new Outcome(this);
+  readonly live: LiveAnswers;
+  readonly labelBrush: LabelBrush;
   private readonly aborter = new AbortController();
   private etags: { plan: string; landmarks: string } = { plan: '*', landmarks: '*' };
   private stored: { plan: Plan | null; landmarks: readonly Landmark[] | null } = { plan: null, landmarks: null };
   private saveTimer = 0;
   private saveRunning: Promise<void> | null = null;
-  private appliedStrokes: readonly LabelEdit[] = [];
   private volumeEtag: string | null = null;
   private toastId = 0;
   private readonly whenDone = new Map<number, () => void>();
-  private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = { wanted: null, running: false, times: [] };
-  private previewAborter: AbortController | null = null;
   private surfaceQueue: Promise<void> = Promise.resolve();
 
   constructor(
     readonly client: Client,
     private readonly listeners: Listeners,
-  ) {}
+  ) {
+    this.live = new LiveAnswers(this, listeners);
+    this.labelBrush = new LabelBrush(this, listeners);
+  }
 
   // The life of the page
 
@@ -212,23 +216,6 @@ export class App {
     this.patch({ surfacesLoading: 0 });
   }
 
-  async loadLabels(): Promise<void> {
-    const { model } = this;
-    const etag = stageOf(model.s, 'anatomy').etag;
-    if (model.labels && this.labelsOf === etag) return;
-    this.labelsOf = etag;
-    await this.try_(async () => {
-      const [about, data] = await Promise.all([this.client.labels(), this.client.labelsData()]);
-      model.labels = data.value;
-      model.labelsEtag = data.etag;
-      this.appliedStrokes = [];
-      const bare = (doc: Doc): Doc => ({ ...doc, strokes: [] });
-      const { past, present, future } = model.history.value;
-      model.history.set({ past: past.map(bare), present: bare(present), future: future.map(bare), gesture: null });
-      this.patch({ labelNames: about.names, labelsReady: true });
-      this.listeners.onLabels();
-    });
-  }
 
   private async loadPlan(replacesMine = false): Promise<void> {
     // Changes of both pages: keeping this one's finds the conflict, and the person decides.
@@ -293,7 +280,7 @@ export class App {
   }
 
   private onDocChanged({ present }: History<Doc>, { present: before }: History<Doc>): void {
-    if (present.strokes !== before.strokes) this.applyStrokes(present.strokes);
+    if (present.strokes !== before.strokes) this.labelBrush.apply(present.strokes);
     if (present.plan !== before.plan || present.landmarks !== before.landmarks) {
       this.patch({ scrub: null });
       clearTimeout(this.saveTimer);
@@ -486,40 +473,7 @@ export class App {
     }, 250);
   }
 
-  // Brush
-
-  private stroke: LabelEdit | null = null;
-  /** The anatomy that the labels at hand are of. */
-  private labelsOf: string | null = null;
-
-  brush(p_L: Vec3, phase: 'start' | 'move' | 'end'): void {
-    const { model } = this;
-    const { volume, brush_mm, brushLabel } = model.s;
-    if (!volume || !model.labels) return;
-    if (phase !== 'end') {
-      const dab = paintBall(model.labels, volume.grid, p_L, brush_mm, brushLabel);
-      this.stroke = this.stroke ? joinEdits(this.stroke, dab) : dab;
-      this.listeners.onLabels();
-      return;
-    }
-    if (this.stroke && this.stroke.at.length > 0) {
-      const strokes = [...model.doc.strokes, this.stroke];
-      this.appliedStrokes = strokes; // They are painted already.
-      this.edit({ strokes });
-    }
-    this.stroke = null;
-  }
-
-  private applyStrokes(strokes: readonly LabelEdit[]): void {
-    const labels = this.model.labels;
-    if (!labels || strokes === this.appliedStrokes) return;
-    let common = 0;
-    while (common < strokes.length && strokes[common] === this.appliedStrokes[common]) common++;
-    for (const stroke of this.appliedStrokes.slice(common).reverse()) revert(labels, stroke);
-    for (const stroke of strokes.slice(common)) repeat(labels, stroke);
-    this.appliedStrokes = strokes;
-    this.listeners.onLabels();
-  }
+  // Tissues
 
   /** Tells tissues apart anew. The plan remembers the threshold, so that a prediction sees the same bone. */
   async segment(bone_hu: number): Promise<void> {
@@ -528,18 +482,6 @@ export class App {
     delete kept.labels;
     if (plan.segmentation?.bone_hu !== bone_hu || plan.segmentation.labels !== undefined) this.edit({ plan: { ...plan, segmentation: kept } });
     await this.run({ kind: 'segment', bone_hu });
-  }
-
-  /** Keeps the painted labels and makes surfaces of them; the plan names them from now on. */
-  async useLabels(): Promise<void> {
-    const { model } = this;
-    if (!model.labels || !model.labelsEtag) return;
-    const { plan } = model.doc;
-    this.edit({ plan: { ...plan, segmentation: { ...plan.segmentation, labels: 'anatomy/labels.seg.nrrd' } } });
-    await this.try_(async () => {
-      model.labelsEtag = await this.client.putLabels(model.labels!, model.labelsEtag!);
-      await this.run({ kind: 'segment', from_labels: true });
-    });
   }
 
   // Osteotomies
@@ -645,68 +587,6 @@ export class App {
   /** Only those whose bone is cut: the server knows no others. */
   cutPoses(): Record<string, Mat4> {
     return Object.fromEntries(Object.entries(this.poses()).filter(([name]) => this.model.surfaces.has(`segments/${name}`)));
-  }
-
-  /** Asks for the overlap of these poses; while one answer is on its way only the newest question is kept. */
-  wantDepths(poses: Record<string, Mat4>): void {
-    if (stageOf(this.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
-      this.listeners.onDepths(null);
-      if (this.model.s.depth) this.patch({ depth: null });
-      return;
-    }
-    this.depthLoop.wanted = poses;
-    if (!this.depthLoop.running) void this.runDepths();
-  }
-
-  private async runDepths(): Promise<void> {
-    const loop = this.depthLoop;
-    loop.running = true;
-    while (loop.wanted) {
-      const poses = loop.wanted;
-      loop.wanted = null;
-      try {
-        const depths = await this.client.depths(poses);
-        const now = performance.now();
-        loop.times = [...loop.times.filter((t) => now - t < 1000), now];
-        this.listeners.onDepths(depths);
-        const span = now - loop.times[0];
-        const perSecond = loop.times.length > 2 ? ((loop.times.length - 1) * 1000) / span : 0;
-        this.patch({ depth: { deepest_mm: depths.deepest_mm, beyondReach: depths.beyondReach, perSecond } });
-      } catch {
-        this.listeners.onDepths(null);
-        this.patch({ depth: null });
-      }
-    }
-    loop.running = false;
-  }
-
-  /** The linearised face for where the bones are; `since` is when the drag ended. */
-  async wantPreview(since: number): Promise<void> {
-    const { s } = this.model;
-    this.previewAborter?.abort();
-    if (!s.showPreview || stageOf(s, 'preview').state !== 'fresh') {
-      this.dropPreview();
-      return;
-    }
-    const aborter = (this.previewAborter = new AbortController());
-    this.patch({ preview: { ...s.preview, state: 'waiting' } });
-    try {
-      const xyz = await this.client.preview(this.cutPoses(), aborter.signal);
-      this.listeners.onPreview(xyz);
-      const largest_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
-      requestAnimationFrame(() =>
-        this.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', largest_mm } }),
-      );
-    } catch (error) {
-      if (aborter.signal.aborted) return;
-      this.listeners.onPreview(null);
-      this.patch({ preview: { state: 'failed', latency_ms: null, why: sentence(error), largest_mm: 0 } });
-    }
-  }
-
-  dropPreview(): void {
-    this.listeners.onPreview(null);
-    if (this.model.s.preview.state !== 'none') this.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
   }
 
   async download(name: string): Promise<void> {

@@ -49,7 +49,7 @@ export class Presenter implements Listeners {
         onMarkerDrag: (id, p_L, phase) => this.onMarkerDrag(id, p_L, phase),
         onMarkerSelect: (id) => this.onMarkerSelect(id),
         onTool: (p_L, phase) => {
-          if (this.app.model.s.tool === 'brush') this.app.brush(p_L, phase);
+          if (this.app.model.s.tool === 'brush') this.app.labelBrush.brush(p_L, phase);
           else if (phase === 'end') this.place(p_L, [0, 0, 0]);
         },
       });
@@ -171,17 +171,17 @@ export class Presenter implements Listeners {
       const key = JSON.stringify([cutPoses, stageOf(s, 'cut').state, stageOf(s, 'cut').etag]);
       if (key !== this.depthKey) {
         this.depthKey = key;
-        this.app.wantDepths(cutPoses);
+        this.app.live.wantDepths(cutPoses);
       }
       const previewKey = `${key} ${stageOf(s, 'preview').etag} ${stageOf(s, 'preview').state} ${s.showPreview}`;
       if (previewKey !== this.previewKey && !view.gizmo.isDragging) {
         this.previewKey = previewKey;
         const since = Math.max(this.changedAt, performance.now() - 50);
         clearTimeout(this.previewTimer);
-        this.previewTimer = window.setTimeout(() => void this.app.wantPreview(since), 30);
+        this.previewTimer = window.setTimeout(() => void this.app.live.wantPreview(since), 30);
       }
     } else if (this.previewOn && step !== 'compare') {
-      this.app.dropPreview();
+      this.app.live.dropPreview();
       this.previewKey = '';
     }
     this.paintDepths();

@@ -121,6 +121,7 @@ const KEYS: [string, string][] = [
   ['F, R, L, B', 'Look from the front, the right, the left, below'],
   ['↑ ↓, PgUp PgDn', 'Slices, when one has the focus'],
   ['↑ ↓ in a number', 'One step; with Shift ten'],
+  ['[ and ]', 'Shift the border between before and after'],
   ['Delete', 'Remove the chosen landmark, plane or keyframe'],
   ['Enter, Escape', 'Close the curve; leave a tool'],
   ['?', 'This list'],
