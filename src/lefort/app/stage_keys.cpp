@@ -10,7 +10,7 @@ namespace {
 constexpr double kLabelsRevision = 5;
 constexpr double kFieldRevision = 4;
 constexpr double kTissueRevision = 4;
-constexpr double kSkinRevision = 1;
+constexpr double kSkinRevision = 2;
 
 }  // namespace
 
