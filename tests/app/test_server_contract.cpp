@@ -80,7 +80,8 @@ TEST(ServerContract, EverySchemaHasAFixture) {
   for (const fs::path& file : fixtures("valid")) shown.insert(schema_of(file));
   // Parts of others, which their fixtures show.
   for (const char* part : {"Stage", "JobKind", "JobState", "JobList", "SurfaceName", "Points",
-                           "Pose", "TemplateKind", "PredictionStep", "FileName"})
+                           "Pose", "TemplateKind", "PredictionStep", "FileName", "NewtonIterate",
+                           "DifferenceStatistics", "MovementDifference"})
     shown.insert(part);
   for (const auto& [name, schema] : contract()["components"]["schemas"].items())
     EXPECT_TRUE(shown.contains(name)) << name;

@@ -159,19 +159,21 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   progress.begin_stage("solve");
   tell_contact(prepared.plan, progress);
   StepClock clock(progress);
+  const int steps = prepared.plan.segments.front().path.steps;
+  predict::PredictionWatch watch{.on_iterate = {},
+                                 .on_step =
+                                     [&](const predict::PredictionStep& step) {
+                                       clock(step);
+                                       if (job.on_step) job.on_step(step, steps);
+                                     },
+                                 .on_restart = StepKeeper(kept, progress)};
+  if (job.on_iterate)
+    watch.on_iterate = [&](const predict::PredictionIterate& at) { job.on_iterate(at, steps); };
   LEFORT_TRY(const predict::FacePrediction prediction,
              predict::predict_face(prepared.model, prepared.plan.segments.front().path,
                                    {prepared.plan.tissue, prepared.plan.boundary,
                                     prepared.plan.contact, prepared.plan.solver},
-                                   {.on_step =
-                                        [&](const predict::PredictionStep& step) {
-                                          clock(step);
-                                          if (job.on_step)
-                                            job.on_step(step,
-                                                        prepared.plan.segments.front().path.steps);
-                                        },
-                                    .on_restart = StepKeeper(kept, progress)},
-                                   progress, std::move(earlier)));
+                                   watch, progress, std::move(earlier)));
   if (!prediction.converged())
     return give_up(job, prepared, prediction, plan_copy, {progress.stages(), clock.seconds()});
 

@@ -597,15 +597,23 @@ export interface components {
         };
         NewtonEvent: {
             job: number;
-            /** @description Of the path, from 1. */
+            /** @description Those since the last event, in their order; events come at most ten times a second. */
+            iterates: components["schemas"]["NewtonIterate"][];
+        };
+        NewtonIterate: {
+            /** @description Of the path, from 1: the one being sought. */
             step: number;
             to_share: number;
             /** @description Of this step, from 1: increments that were halved are several. */
             attempt: number;
+            /** @description Of this attempt; 0 is its start. */
             iteration: number;
             residual_n: number;
             relative_residual: number;
+            /** @description Points of integration in contact. */
             contacts: number;
+            /** @description How much deeper than at rest one of them lies in the bone, at most. */
+            deepest_mm: number;
         };
         StepEvent: {
             job: number;

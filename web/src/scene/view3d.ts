@@ -4,12 +4,13 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import {
-  add, rayHit, screenSides, transformPoint, unit, VIEWS,
+  add, COARSE_CELL_MM, rayHit, screenSides, transformPoint, unit, VIEWS,
   type DrawnSurface, type Hit, type Mat4, type Rgb, type Vec3, type ViewName,
 } from '../model';
 import { Body } from './body';
 import { Gizmo, type GizmoDrag } from './gizmo';
 import { projectionOf, type Projection } from './projection';
+import { drawsInSoftware } from './software';
 
 /** A point drawn over the picture: a landmark, a corner of a curve. */
 export interface Marker {
@@ -58,6 +59,12 @@ export interface View3dEvents {
 
 const IDLE_MS = 180;
 
+/**
+ * Pixels drawn per pixel shown, by the processor: the multisampling of a graphics card takes it four times as long, so
+ * edges are smoothed by drawing larger once all stands still.
+ */
+const SOFTWARE_RATIO = { moving: 0.5, still: 2 };
+
 export class View3d {
   readonly element = document.createElement('div');
   readonly gizmo = new Gizmo();
@@ -100,8 +107,9 @@ export class View3d {
     this.canvas.setAttribute('role', 'img');
     this.canvas.setAttribute('aria-label', '3D view of bone and skin. Drag to turn, wheel to zoom, right button to shift.');
     this.element.append(this.canvas, this.overlay);
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
-    this.renderer.setPixelRatio(isSoftware(this.renderer) ? 1 : Math.min(2, devicePixelRatio));
+    this.renderer = new WebGLRenderer({
+      canvas: this.canvas, antialias: !drawsInSoftware(), alpha: true, powerPreference: 'high-performance',
+    });
     this.renderer.autoClear = false;
     this.renderer.debug.checkShaderErrors = false; // Waiting for the compiler's word stops the page for a second in software.
     this.gl = this.renderer.getContext() as WebGL2RenderingContext;
@@ -279,10 +287,10 @@ export class View3d {
 
   // Drawing
 
-  /** While something moves, surfaces are coarse; they become fine again when it has stopped. */
+  /** While something moves, the processor draws coarse surfaces; they become fine again when it has stopped. */
   beBusy(): void {
     this.lastIdle = performance.now();
-    if (!this.coarse) this.setCoarse(true);
+    if (drawsInSoftware() && !this.coarse) this.setCoarse(true);
     if (this.idle) return;
     const check = () => {
       const left = IDLE_MS - (performance.now() - this.lastIdle);
@@ -330,6 +338,8 @@ export class View3d {
   drawNow(): void {
     const { width, height } = this.size();
     const renderer = this.renderer;
+    const ratio = drawsInSoftware() ? SOFTWARE_RATIO[this.coarse ? 'moving' : 'still'] : Math.min(2, devicePixelRatio);
+    if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio); // Empties the picture, so not before.
     renderer.setScissorTest(false);
     renderer.setViewport(0, 0, width, height);
     renderer.clear();
@@ -382,13 +392,13 @@ export class View3d {
       const { origin, direction } = projection.rayAt(x, y);
       const hit = this.pickAlong(origin, direction, () => true, true);
       const depth = (p: Vec3) => (p[0] - origin[0]) * direction[0] + (p[1] - origin[1]) * direction[1] + (p[2] - origin[2]) * direction[2];
-      if (hit && hit.hit.distance < depth(marker.position) - 4) this.behind.add(marker.id);
+      if (hit && hit.hit.distance < depth(marker.position) - COARSE_CELL_MM) this.behind.add(marker.id);
     }
   }
 
   /** Markers, gizmo, sides and scale: crisp, and the same on any graphics. */
   private drawOverlay(): void {
-    const context = this.overlay.getContext('2d')!;
+    const context = this.overlay.getContext('2d', { willReadFrequently: drawsInSoftware() })!;
     const ratio = this.overlay.width / this.size().width;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const { width, height } = this.size();
@@ -634,13 +644,6 @@ export class View3d {
 }
 
 const rows = (m: Matrix4): Mat4 => m.clone().transpose().toArray();
-
-function isSoftware(renderer: WebGLRenderer): boolean {
-  const gl = renderer.getContext();
-  const info = gl.getExtension('WEBGL_debug_renderer_info');
-  const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
-  return /swiftshader|llvmpipe|software|basic render/i.test(name);
-}
 
 function drawLine(context: CanvasRenderingContext2D, projection: Projection, line: Polyline): void {
   if (line.points.length < 2) return;

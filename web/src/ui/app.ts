@@ -1,7 +1,7 @@
 import { ApiError, type Client, type Depths, type Schemas } from '../api';
 import {
   change, fromPoints, byName, joinEdits, lengths, moveOf, paintBall, poseOf, redo, repeat, revert, settle, startHistory,
-  undo, gridCentre, shifted, turned, aboutPoint, editKeyframe, keyframesOf, isEditablePath, templateKind,
+  undo, gridCentre, transformPoint, IDENTITY, shifted, turned, aboutPoint, editKeyframe, keyframesOf, isEditablePath, templateKind,
   type DrawnSurface, type Grid, type History, type LabelEdit, type Landmark, type Mat4, type Move, type Plan, type Vec3,
 } from '../model';
 import { prepareSurfaceAside } from '../workers';
@@ -71,7 +71,7 @@ export class App {
     void this.client.listen(
       (kind, event) => {
         if (kind === 'job') this.onJob(event as Schemas['JobEvent']);
-        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, event as Schemas['NewtonEvent']] });
+        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, ...(event as Schemas['NewtonEvent']).iterates] });
         else if (kind === 'step') this.patch({ steps: [...model.s.steps, event as Schemas['StepEvent']] });
         else if (kind === 'case') this.onStages((event as Schemas['CaseEvent']).stages as Schemas['Case']['stages']);
         else void this.refresh();
@@ -598,6 +598,12 @@ export class App {
     const sum = [0, 0, 0];
     for (let n = 0; n < known.length; n++) sum[n % 3] += known[n];
     return sum.map((c) => Math.round((10 * c * 3) / known.length) / 10) as unknown as Vec3;
+  }
+
+  /** Slices beside the bones, through the one in hand. */
+  showSlices(on: boolean): void {
+    const segment = this.model.doc.plan.segments[this.model.s.segment];
+    this.patch({ showSlices: on, ...(on && segment ? { cursor_L: transformPoint(this.poses()[segment.name] ?? IDENTITY, this.pivotOf(segment.name)) } : {}) });
   }
 
   /** The move of a segment at the keyframe in hand; null if numbers cannot say it. */

@@ -1,6 +1,6 @@
 import type { Depths } from '../api';
 import {
-  BONE, cssOf, kindOf, length, lengths, roundUp, scale, sectionOf, segmentColour, SKIN, sub, summarise, templateKind, unit, withLandmark,
+  BONE, cssOf, posedSectionOf, kindOf, length, lengths, roundUp, scale, sectionOf, segmentColour, SKIN, sub, summarise, templateKind, unit, withLandmark,
   withPlane, withSegment, editPlane, IDENTITY, planeAt, cross, dot,
   type DrawnSurface, type Hit, type Move, type Plane, type Summary, type Vec3,
 } from '../model';
@@ -57,6 +57,10 @@ export class Presenter implements Listeners {
       slice.outlines = (at) => this.outlines(at);
       return slice;
     });
+  }
+
+  get isDragging(): boolean {
+    return this.view.gizmo.isDragging;
   }
 
   attach(app: App): void {
@@ -213,6 +217,8 @@ export class Presenter implements Listeners {
       slice.markers = step === 'landmarks'
         ? doc.landmarks.map((l) => ({ id: l.name, position: l.position_mm, label: l.name, colour: l.name === s.landmark ? '#f2b84b' : '#3fb2c8', selected: l.name === s.landmark }))
         : [];
+      // A segment that is dragged leaves no trace on the scan.
+      if (step !== 'movement' || !view.gizmo.isDragging) slice.draw();
     }
     this.presentCompare(s);
     view.refreshMarkers();
@@ -329,9 +335,9 @@ export class Presenter implements Listeners {
     });
   }
 
-  /** What is drawn on a slice: planes as lines, moved bones and the compared faces as outlines. */
+  /** What is drawn on a slice: planes as lines, bones where they move as outlines, where they were dashed. */
   private outlines(at: { point: Vec3; normal: Vec3 }): SliceLines[] {
-    const { s } = this.app.model;
+    const { s, doc } = this.app.model;
     const found: SliceLines[] = [];
     if (s.step === 'osteotomy')
       for (const mark of this.planes(s)) {
@@ -348,6 +354,17 @@ export class Presenter implements Listeners {
         const ends = [-half, half].flatMap((t) => middle.map((c, k) => c + t * d[k]));
         found.push({ lines: Float32Array.from(ends), colour: mark.colour });
       }
+    if (s.step === 'movement') {
+      const poses = this.app.poses();
+      doc.plan.segments.forEach((segment, index) => {
+        const body = this.view.body(`segments/${segment.name}`);
+        if (!body) return;
+        const colour = cssOf(segmentColour(index));
+        const pose = poses[segment.name] ?? IDENTITY;
+        if (pose.some((v, n) => v !== IDENTITY[n])) found.push({ lines: sectionOf(body.surface, at.point, at.normal), colour, dashed: true });
+        found.push({ lines: posedSectionOf(body.surface, pose, at.point, at.normal), colour });
+      });
+    }
     return found;
   }
 

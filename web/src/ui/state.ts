@@ -37,8 +37,8 @@ export interface Toast {
   text: string;
 }
 
-/** One try of the solver at one increment, as it comes in. */
-export type NewtonPoint = Schemas['NewtonEvent'];
+/** One of Newton's iterations, as it comes in. */
+export type NewtonPoint = Schemas['NewtonIterate'];
 
 export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush';
 
@@ -84,6 +84,8 @@ export interface State {
   planPoses: Schemas['PlanPoses'] | null;
   depth: { deepest_mm: number; beyondReach: boolean; perSecond: number } | null;
   showOverlap: boolean;
+  /** Slices beside the bones while they are moved. */
+  showSlices: boolean;
   preview: { state: 'none' | 'waiting' | 'shown' | 'failed'; latency_ms: number | null; why: string; largest_mm: number };
   showPreview: boolean;
 
@@ -142,6 +144,7 @@ export const initialState = (): State => ({
   planPoses: null,
   depth: null,
   showOverlap: true,
+  showSlices: false,
   preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 },
   showPreview: true,
   prediction: null,
