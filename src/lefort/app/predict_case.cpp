@@ -140,6 +140,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   io::PlanFile plan = text.plan;
   LEFORT_TRY_VOID(check_single(plan));
   LEFORT_TRY(const fs::path ct, scan_of(job.plan, plan, job.ct));
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_results(job.output));
   const std::string plan_copy = portable_plan(text.json, job.plan, ct, job.output);
