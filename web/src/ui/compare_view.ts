@@ -42,7 +42,8 @@ export class CompareView {
       if (s.step === 'compare') view.show([]);
       return;
     }
-    for (const skin of ['skin_before', 'predicted', 'after_surgery']) view.setOpacity(skin, s.showBones ? 0.4 : 1);
+    const clear = this.showsContact(s) ? 0.2 : 0.4;
+    for (const skin of ['skin_before', 'predicted', 'after_surgery']) view.setOpacity(skin, s.showBones ? clear : 1);
     if (this.shown?.step !== s.compareStep || this.shown.document !== s.prediction.document) {
       const step = s.compareStep;
       this.shown = { step, document: s.prediction.document };
@@ -70,6 +71,9 @@ export class CompareView {
   private bones(s: State): string[] {
     return s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [];
   }
+
+  /** Then the skin stays plain: two maps over one another could not be read. */
+  private showsContact = (s: State): boolean => s.showBones && s.bonePaint !== 'none' && this.isAtEnd(s);
 
   private isAtEnd = (s: State): boolean => s.compareStep === s.prediction?.steps.length;
 
@@ -99,11 +103,13 @@ export class CompareView {
     const predicted = this.view.body('predicted');
     if (!predicted) return;
     const error = s.skinPaint === 'error' && this.isAtEnd(s) ? s.difference_mm : null;
-    const now = [predicted, s.skinPaint, this.shifts, error, s.errorTop_mm];
+    const plain = this.showsContact(s);
+    const now = [predicted, s.skinPaint, this.shifts, error, s.errorTop_mm, plain];
     if (now.every((value, n) => value === this.paintedSkin[n])) return;
     this.paintedSkin = now;
     const count = predicted.surface.points.length / 3;
-    if (error?.length === count) predicted.setValues(error.map(Math.abs), 'distance', 0, s.errorTop_mm);
+    if (plain) predicted.setColour(SKIN);
+    else if (error?.length === count) predicted.setValues(error.map(Math.abs), 'distance', 0, s.errorTop_mm);
     else if (s.skinPaint === 'moved' && this.shifts?.length === count)
       predicted.setValues(this.shifts, 'distance', 0, roundUp(s.prediction?.skin_largest_shift_mm ?? 1));
     else predicted.setColour(SKIN);
@@ -115,7 +121,7 @@ export class CompareView {
     const { s, doc } = this.app.model;
     const body = doc.plan.segments[0] && this.view.body(`segments/${doc.plan.segments[0].name}`);
     if (!body) return;
-    const wanted = s.bonePaint !== 'none' && s.showBones && this.isAtEnd(s) ? s.bonePaint : 'none';
+    const wanted = this.showsContact(s) ? s.bonePaint : 'none';
     const now = [body, wanted, stageOf(s, 'prediction').etag];
     if (now.every((value, n) => value === this.paintedBone[n])) return;
     this.paintedBone = now;
