@@ -16,8 +16,8 @@ using image::ScalarVolume;
 constexpr Index kPadding = 2;
 // Levels made of labels end this far from their zero.
 constexpr double kFar_mm = 3.0;
-// Levels made of CT numbers end here at least, on both sides alike: the Gaussian then weighs voxels,
-// not how dense they are, and neither cortical bone nor air pulls at a surface.
+// Levels made of CT numbers end here at least, on both sides alike: the Gaussian then weighs
+// voxels, not how dense they are, and neither cortical bone nor air pulls at a surface.
 constexpr double kNear_mm = 0.8;
 // The CT numbers of the plateaus beside a threshold.
 constexpr double kAir_hu = -1000.0;

@@ -33,6 +33,8 @@ export type Layout =
 export type Phase = 'start' | 'move' | 'end';
 
 export interface View3dEvents {
+  /** A press comes: what is shown must be of the state as it is, also if the last change of it waits to be drawn. */
+  onPress(): void;
   onGizmo(drag: GizmoDrag, phase: Phase): void;
   /** True if a click places something now; the cursor says so. */
   isPlacing(): boolean;
@@ -520,6 +522,7 @@ export class View3d {
   }
 
   private onDown = (event: PointerEvent): void => {
+    this.events.onPress();
     const [x, y] = this.at(event);
     this.controls.enabled = true;
     this.pressed = { x, y, at: performance.now() };

@@ -35,6 +35,7 @@ export class Presenter implements Listeners {
 
   constructor() {
     this.view = new View3d({
+      onPress: () => this.presentPending(),
       onGizmo: (drag, phase) => this.onGizmo(drag, phase),
       isPlacing: () => ['landmark', 'plane', 'curve', 'pivot'].includes(this.app.model.s.tool),
       onPick: (hit) => this.onPick(hit),
@@ -123,10 +124,13 @@ export class Presenter implements Listeners {
   present(): void {
     if (this.pending) return;
     this.pending = true;
-    soon(() => {
-      this.pending = false;
-      this.presentNow();
-    });
+    soon(() => this.presentPending());
+  }
+
+  private presentPending(): void {
+    if (!this.pending) return;
+    this.pending = false;
+    this.presentNow();
   }
 
   private presentNow(): void {
