@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -253,6 +254,27 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
               prediction["skin_largest_shift_mm"].get<double>(), 1e-3);
   EXPECT_FALSE(shifts["missing"].empty());
   EXPECT_EQ(api.ask("GET", "/prediction/steps/3/regions").status, 404);
+
+  const std::string bone =
+      body_of(ask("GET", "/surfaces/segments/{segment}", "/surfaces/segments/front"));
+  std::uint32_t bone_vertices = 0;
+  std::memcpy(&bone_vertices, bone.data() + 8, sizeof(bone_vertices));
+  for (const auto& [name, most] : std::vector<std::pair<std::string, double>>{
+           {"contact-pressure", std::numeric_limits<double>::infinity()},
+           {"contact-depth", prediction["steps"][1]["max_depth_mm"].get<double>()}}) {
+    const std::string values = body_of(ask("GET", "/values/{values}", "/values/" + name));
+    ASSERT_EQ(values.size(), 4U * bone_vertices) << name;
+    float largest = 0.0F, smallest = 0.0F;
+    for (std::size_t at = 0; at < values.size(); at += 4) {
+      float value = 0.0F;
+      std::memcpy(&value, values.data() + at, 4);
+      largest = std::max(largest, value);
+      smallest = std::min(smallest, value);
+    }
+    EXPECT_GT(largest, 0.0F) << name;
+    EXPECT_LE(largest, most + 1e-6) << name;
+    EXPECT_EQ(smallest, 0.0F) << name;
+  }
 
   // As if surgery had changed nothing: the baseline is right and the prediction off.
   EXPECT_EQ(api.ask("GET", "/comparison").status, 404);

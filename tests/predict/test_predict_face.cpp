@@ -237,7 +237,17 @@ TEST(PredictFace, StoppedAfterAnyStepTheRestIsFoundWithTheSameBits) {
       EXPECT_EQ(a.newton_iterations(), b.newton_iterations());
       EXPECT_EQ(a.residual_n, b.residual_n);
     }
+    ASSERT_EQ(rest.touched.size(), whole.touched.size());
+    for (std::size_t n = 0; n < whole.touched.size(); ++n) {
+      EXPECT_EQ(rest.touched[n].pressure_mpa, whole.touched[n].pressure_mpa) << "node " << n;
+      EXPECT_EQ(rest.touched[n].depth_mm, whole.touched[n].depth_mm) << "node " << n;
+    }
   }
+  double deepest_mm = 0.0;
+  for (const contact::NodalContact& node : whole.touched)
+    deepest_mm = std::max(deepest_mm, node.depth_mm);
+  EXPECT_GT(deepest_mm, 0.0);
+  EXPECT_EQ(deepest_mm, whole.steps.back().contact.max_depth_from_rest_mm);
 }
 
 TEST(PredictFace, TellsEachIterationOnceAndChangesNothingByIt) {

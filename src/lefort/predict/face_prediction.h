@@ -48,6 +48,9 @@ struct FacePrediction {
   std::vector<PredictionStep> steps;  ///< Converged ones alone; all of them if nothing failed.
   std::optional<Error> failure;       ///< Why the path was not followed to its end.
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged step.
+  /// Of the nodes of set `contact` after the last step; empty if tissue is attached or the path was
+  /// not followed to its end.
+  std::vector<contact::NodalContact> touched;
 
   [[nodiscard]] bool converged() const { return !failure.has_value(); }
 };

@@ -314,6 +314,9 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     watch.on_restart(so_far);
   }
   prediction.steps = std::move(so_far.steps);
+  if (is_contact)
+    prediction.touched =
+        contacts[0].at_nodes(contact::displaced(tissue.nodes_L, stepper.state().u));
   return prediction;
 }
 
