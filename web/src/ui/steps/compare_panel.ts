@@ -61,13 +61,15 @@ function regionTable(regions: Schemas['RegionShifts']): Part {
 const REGION_WORDS: Record<string, string> = { whole: 'Whole skin', moved: 'Moved > 0.5 mm', 'right cheek': 'Cheek, right', 'left cheek': 'Cheek, left' };
 
 /** A movement of bone as the comparison tells it, in words. */
-const wordsOf = (d: Schemas['MovementDifference']): string =>
-  inWords({ translation_mm: d.shift_mm as never, rotation_deg: d.turn_deg as never, about_mm: [0, 0, 0] });
+function wordsOf({ shift_mm, turn_deg, largest_mm }: Schemas['MovementDifference']): string {
+  if (largest_mm < 0.05) return 'has not moved';
+  return `went ${inWords({ translation_mm: shift_mm as never, rotation_deg: turn_deg as never, about_mm: [0, 0, 0] })}`;
+}
 
 function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Part {
   return html`
     ${found.warnings.map((text) => notice('warning', 'About this scan', text))}
-    ${found.movements.map((one) => html`<p data-id="achieved"><strong>${one.segment}</strong> went ${wordsOf(one.achieved)}.
+    ${found.movements.map((one) => html`<p data-id="achieved"><strong>${one.segment}</strong> ${wordsOf(one.achieved)}.
       <span class="hint">From the plan it is ${mm(one.from_plan_to_achieved.shift_length_mm)} and ${fixed(one.from_plan_to_achieved.turn_angle_deg, 1)}° away.</span></p>`)}
     ${found.registration ? hint(`Bone that did not move lies ${mm(found.registration.rms_mm, 2)} apart in the two scans; ${fixed(100 * found.registration.kept_share, 0)} % of it was found again.`) : nothing}
     <table data-id="error-table"><thead><tr><th></th><th colspan="2">Predicted face is off</th><th colspan="2">Had nothing changed</th></tr>
