@@ -254,6 +254,43 @@ TEST(PredictFace, LikewiseUnderSkinOfItsOwn) {
   expect_same_after_a_stop(layered_block(), straight({0.2, 0.0, 1.5}, 3), options);
 }
 
+TEST(PredictFace, TellsEachIterationOnceAndChangesNothingByIt) {
+  const FaceModel model = block_on_ball();
+  PredictionOptions options;
+  options.contact.penetration_tolerance_mm = 0.02;  // So that there are augmentations.
+  const plan::BonePath path = straight({0.8, 0.0, 1.2}, 3);
+  std::vector<std::vector<PredictionIterate>> told(1);
+  const PredictionWatch watch{
+      .on_iterate = [&](const PredictionIterate& at) { told.back().push_back(at); },
+      .on_step = [&](const PredictionStep&) { told.emplace_back(); },
+      .on_restart = {}};
+  const auto seen = predict_face(model, path, options, watch).value();
+  const auto alone = predict_face(model, path, options).value();
+  ASSERT_TRUE(seen.converged() && alone.converged());
+  EXPECT_EQ(seen.steps.back().displacement_mm, alone.steps.back().displacement_mm);
+  ASSERT_EQ(told.size(), seen.steps.size() + 1);
+  EXPECT_TRUE(told.back().empty());
+  for (std::size_t n = 0; n < seen.steps.size(); ++n) {
+    std::size_t k = 0;
+    int number = 0;
+    for (const fem::LoadAttempt& attempt : seen.steps[n].attempts) {
+      ++number;
+      ASSERT_LE(k + attempt.history.size(), told[n].size());
+      for (std::size_t line = 0; line < attempt.history.size(); ++line, ++k) {
+        const PredictionIterate& at = told[n][k];
+        EXPECT_EQ(at.to_share, attempt.t_to);
+        EXPECT_EQ(at.attempt, number);
+        EXPECT_EQ(at.iteration, int(line));
+        EXPECT_EQ(at.line.residual_n, attempt.history[line].residual_n);
+        EXPECT_EQ(at.line.contacts, attempt.history[line].contacts);
+        EXPECT_EQ(at.deepest_mm > 0.0, at.line.contacts > 0);
+      }
+    }
+    EXPECT_EQ(k, told[n].size());
+    EXPECT_NEAR(told[n].back().deepest_mm, seen.steps[n].contact.max_depth_from_rest_mm, 1e-12);
+  }
+}
+
 TEST(PredictFace, TheFaceDoesNotDependOnTheNumberOfSteps) {
   const FaceModel model = block_on_ball();
   PredictionOptions options;

@@ -70,6 +70,7 @@ Result<std::vector<bench::ContactMethod>> choose_methods(const std::vector<std::
 Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress) {
   bench::ConvergenceOptions options{.output = job.output};
   LEFORT_TRY(options.methods, choose_methods(job.methods));
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
   std::vector<bench::ConvergenceCase> cases;
   if (job.synthetic) {

@@ -157,6 +157,8 @@ struct PredictJob {
   bool pictures = true;
   /// Told each step of the path as it is found; may be empty.
   std::function<void(const predict::PredictionStep&, int steps)> on_step{};
+  /// Likewise each of Newton's iterations.
+  std::function<void(const predict::PredictionIterate&, int steps)> on_iterate{};
 };
 /// Plan -> predicted face, with everything that documents it.
 [[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);

@@ -344,6 +344,7 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
     if (gap.zone != field::Zone::kBand || !(pressure_mpa(depth_mm, spring) > 0.0)) continue;
 
     ++local.contacts;
+    local.deepest_mm = std::max(local.deepest_mm, depth_mm);
     for (Index a = 0; a < nodes; ++a)
       local.residual_n.segment<3>(3 * a) +=
           point.area_mm2 * N[std::size_t(a)] * response.gradient_mpa;

@@ -33,6 +33,15 @@ struct PredictionStep {
   }
 };
 
+/// A line of Newton's history while its step is being sought.
+struct PredictionIterate {
+  double to_share = 0.0;  ///< Of the path: where equilibrium is sought.
+  int attempt = 1;        ///< Of this step, as PredictionStep::attempts counts them, from 1.
+  int iteration = 0;      ///< Of this attempt; 0 is its start.
+  fem::NewtonIterate line;
+  double deepest_mm = 0.0;  ///< How much deeper than at rest tissue in contact lies, at most.
+};
+
 struct FacePrediction {
   double contact_stiffness_mpa_per_mm = 0.0;  ///< k_c; 0 where tissue is attached.
   double rest_penetration_mm = 0.0;   ///< Of the tissue's mesh into the segment before it moves.

@@ -89,6 +89,7 @@ export class SliceView {
   }
 
   setLabels(labels: Uint8Array | null, colours: (readonly [number, number, number] | null)[]): void {
+    if (labels === this.labels) return; // What is painted into the same labels is told by labelsChanged().
     this.labels = labels;
     this.labelColours = colours;
     this.labelsChanged();

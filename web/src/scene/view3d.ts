@@ -4,7 +4,7 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import {
-  add, rayHit, screenSides, transformPoint, unit, VIEWS,
+  add, COARSE_CELL_MM, rayHit, screenSides, transformPoint, unit, VIEWS,
   type DrawnSurface, type Hit, type Mat4, type Rgb, type Vec3, type ViewName,
 } from '../model';
 import { Body } from './body';
@@ -47,6 +47,8 @@ export type Layout =
 export type Phase = 'start' | 'move' | 'end';
 
 export interface View3dEvents {
+  /** A press comes: what is shown must be of the state as it is, also if the last change of it waits to be drawn. */
+  onPress(): void;
   onGizmo(drag: GizmoDrag, phase: Phase): void;
   /** True if a click places something now; the cursor says so. */
   isPlacing(): boolean;
@@ -63,7 +65,7 @@ const IDLE_MS = 180;
  * Pixels drawn per pixel shown, by the processor: the multisampling of a graphics card takes it four times as long, so
  * edges are smoothed by drawing larger once all stands still.
  */
-const SOFTWARE_RATIO = { moving: 0.75, still: 2 };
+const SOFTWARE_RATIO = { moving: 0.5, still: 2 };
 
 export class View3d {
   readonly element = document.createElement('div');
@@ -287,10 +289,10 @@ export class View3d {
 
   // Drawing
 
-  /** While something moves, surfaces are coarse; they become fine again when it has stopped. */
+  /** While something moves, the processor draws coarse surfaces; they become fine again when it has stopped. */
   beBusy(): void {
     this.lastIdle = performance.now();
-    if (!this.coarse) this.setCoarse(true);
+    if (drawsInSoftware() && !this.coarse) this.setCoarse(true);
     if (this.idle) return;
     const check = () => {
       const left = IDLE_MS - (performance.now() - this.lastIdle);
@@ -392,13 +394,13 @@ export class View3d {
       const { origin, direction } = projection.rayAt(x, y);
       const hit = this.pickAlong(origin, direction, () => true, true);
       const depth = (p: Vec3) => (p[0] - origin[0]) * direction[0] + (p[1] - origin[1]) * direction[1] + (p[2] - origin[2]) * direction[2];
-      if (hit && hit.hit.distance < depth(marker.position) - 4) this.behind.add(marker.id);
+      if (hit && hit.hit.distance < depth(marker.position) - COARSE_CELL_MM) this.behind.add(marker.id);
     }
   }
 
   /** Markers, gizmo, sides and scale: crisp, and the same on any graphics. */
   private drawOverlay(): void {
-    const context = this.overlay.getContext('2d')!;
+    const context = this.overlay.getContext('2d', { willReadFrequently: drawsInSoftware() })!;
     const ratio = this.overlay.width / this.size().width;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const { width, height } = this.size();
@@ -534,6 +536,7 @@ export class View3d {
   }
 
   private onDown = (event: PointerEvent): void => {
+    this.events.onPress();
     const [x, y] = this.at(event);
     this.controls.enabled = true;
     this.pressed = { x, y, at: performance.now() };

@@ -1,10 +1,11 @@
 import { ApiError, type Client, type Depths, type Schemas } from '../api';
 import {
   change, fromPoints, byName, joinEdits, lengths, moveOf, paintBall, poseOf, redo, repeat, revert, settle, startHistory,
-  undo, gridCentre, shifted, turned, aboutPoint, editKeyframe, keyframesOf, isEditablePath, templateKind,
+  undo, gridCentre, transformPoint, IDENTITY, shifted, turned, aboutPoint, editKeyframe, keyframesOf, isEditablePath, templateKind,
   type DrawnSurface, type Grid, type History, type LabelEdit, type Landmark, type Mat4, type Move, type Plan, type Vec3,
 } from '../model';
 import { prepareSurfaceAside } from '../workers';
+import { Outcome } from './outcome';
 import { Model, runningJob, stageOf, type Doc, type StepName } from './state';
 
 /** How deep bones may overlap before a plan is marked: the limit of `lefort plan check` [mm]. */
@@ -21,7 +22,7 @@ const WANTED: Record<StepName, RegExp> = {
   movement: /^(skull|skin|remainder|segments\/.+)$/,
   tissue: /^(skull|skin|remainder|segments\/.+)$/,
   predict: /^(skull|skin|remainder|segments\/.+)$/,
-  compare: /^(skin_before|predicted|remainder|segments\/.+)$/,
+  compare: /^(skin_before|predicted|after_surgery|remainder|segments\/.+)$/,
 };
 
 export interface Listeners {
@@ -36,6 +37,7 @@ export interface Listeners {
 /** What a person can do, and what the server says. The only place that calls the server. */
 export class App {
   readonly model = new Model();
+  readonly outcome = new Outcome(this);
   private readonly aborter = new AbortController();
   private etags: { plan: string; landmarks: string } = { plan: '*', landmarks: '*' };
   private stored: { plan: Plan | null; landmarks: readonly Landmark[] | null } = { plan: null, landmarks: null };
@@ -47,7 +49,6 @@ export class App {
   private readonly whenDone = new Map<number, () => void>();
   private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = { wanted: null, running: false, times: [] };
   private previewAborter: AbortController | null = null;
-  private stepData = new Map<number, Float32Array>();
   private surfaceQueue: Promise<void> = Promise.resolve();
 
   constructor(
@@ -63,7 +64,7 @@ export class App {
     model.state.subscribe((state, before) => {
       if (state.step !== before.step) {
         this.loadSurfaces();
-        if (state.step === 'compare' || state.step === 'predict') void this.loadPrediction();
+        if (state.step === 'compare' || state.step === 'predict') void this.outcome.load();
         if (state.step === 'landmarks') void this.measure();
       }
     });
@@ -71,7 +72,7 @@ export class App {
     void this.client.listen(
       (kind, event) => {
         if (kind === 'job') this.onJob(event as Schemas['JobEvent']);
-        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, event as Schemas['NewtonEvent']] });
+        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, ...(event as Schemas['NewtonEvent']).iterates] });
         else if (kind === 'step') this.patch({ steps: [...model.s.steps, event as Schemas['StepEvent']] });
         else if (kind === 'case') this.onStages((event as Schemas['CaseEvent']).stages as Schemas['Case']['stages']);
         else void this.refresh();
@@ -150,7 +151,7 @@ export class App {
     if (stages.landmarks.etag !== null && stages.landmarks.etag !== this.etags.landmarks) work.push(this.loadLandmarks());
     await Promise.all(work);
     this.loadSurfaces();
-    if (this.model.s.step === 'compare' || this.model.s.step === 'predict') void this.loadPrediction();
+    if (this.model.s.step === 'compare' || this.model.s.step === 'predict') void this.outcome.load();
   }
 
   // What the server has
@@ -271,41 +272,6 @@ export class App {
     } catch (error) {
       if (!isMissing(error)) this.toast(sentence(error), 'error');
     }
-  }
-
-  async loadPrediction(): Promise<void> {
-    const stage = stageOf(this.model.s, 'prediction');
-    if (stage.state === 'missing') {
-      this.patch({ prediction: null, files: [] });
-      return;
-    }
-    const [prediction, files] = await Promise.all([
-      this.client.prediction().catch((error: unknown) => {
-        if (!isMissing(error)) this.toast(sentence(error), 'error');
-        return null;
-      }),
-      this.client.files().catch(() => []),
-    ]);
-    const before = this.model.s.prediction;
-    if (JSON.stringify(before?.document) !== JSON.stringify(prediction?.document)) this.stepData.clear();
-    const last = prediction?.steps.length ?? 0;
-    this.patch({
-      prediction,
-      files,
-      compareStep: before && this.model.s.compareStep <= last && this.model.s.compareStep > 0 ? this.model.s.compareStep : last,
-    });
-    if (prediction?.converged && stage.state === 'fresh')
-      this.patch({ previewDistance: await this.client.previewDistance().catch(() => null) });
-  }
-
-  /** Displacement of the skin at a step of the kept prediction; 0 is before surgery. */
-  async displacementAt(step: number): Promise<Float32Array | null> {
-    if (step === 0) return null;
-    const known = this.stepData.get(step);
-    if (known) return known;
-    const data = await this.client.predictionStep(step);
-    this.stepData.set(step, data);
-    return data;
   }
 
   // Undo and redo
@@ -464,26 +430,30 @@ export class App {
     }
   }
 
-  async importFiles(files: readonly File[]): Promise<void> {
+  /** Hands files over to the server; null if that was refused, which has been shown. */
+  async upload(files: readonly File[]): Promise<string | null> {
     const limits = this.model.s.case?.limits;
-    if (files.length === 0) return;
+    if (files.length === 0) return null;
     const tooLarge = files.find((file) => limits && file.size > limits.upload_file_bytes);
     if (limits && files.length > limits.upload_files) {
       this.toast(`These are ${files.length} files; a scan may have ${limits.upload_files}.`, 'error');
-      return;
+      return null;
     }
     if (tooLarge) {
       this.toast('One of the files is larger than the server takes.', 'error');
-      return;
+      return null;
     }
     const total = files.reduce((sum, file) => sum + file.size, 0) || 1;
     const name = files.length === 1 ? 'one file' : `${files.length} files`;
-    await this.try_(async () => {
-      this.patch({ upload: { name, share: 0 } });
-      const id = await this.client.upload(files, (sent) => this.patch({ upload: { name, share: sent / total } }));
-      await this.run({ kind: 'import', upload: id }, () => this.afterImport());
-    });
+    this.patch({ upload: { name, share: 0 } });
+    const id = await this.try_(() => this.client.upload(files, (sent) => this.patch({ upload: { name, share: sent / total } })));
     this.patch({ upload: null });
+    return id;
+  }
+
+  async importFiles(files: readonly File[]): Promise<void> {
+    const upload = await this.upload(files);
+    if (upload !== null) await this.run({ kind: 'import', upload }, () => this.afterImport());
   }
 
   openExample(): Promise<void> {
@@ -598,6 +568,12 @@ export class App {
     const sum = [0, 0, 0];
     for (let n = 0; n < known.length; n++) sum[n % 3] += known[n];
     return sum.map((c) => Math.round((10 * c * 3) / known.length) / 10) as unknown as Vec3;
+  }
+
+  /** Slices beside the bones, through the one in hand. */
+  showSlices(on: boolean): void {
+    const segment = this.model.doc.plan.segments[this.model.s.segment];
+    this.patch({ showSlices: on, ...(on && segment ? { cursor_L: transformPoint(this.poses()[segment.name] ?? IDENTITY, this.pivotOf(segment.name)) } : {}) });
   }
 
   /** The move of a segment at the keyframe in hand; null if numbers cannot say it. */
@@ -753,7 +729,7 @@ export const templateKey = (template: unknown, landmarks: readonly Landmark[]): 
 
 export const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
-const isMissing = (error: unknown): boolean =>
+export const isMissing = (error: unknown): boolean =>
   error instanceof ApiError && (error.code === 'not_found' || error.code === 'not_ready');
 
 export function saveBlob(blob: Blob, name: string): void {
