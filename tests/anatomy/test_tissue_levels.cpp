@@ -103,10 +103,11 @@ TEST(TissueLevels, BoneAndSkinLieWhereTheirThresholdsAre) {
     worst_skin = std::max(worst_skin,
                           std::abs(end_along(levels().skin, {0, 0, 0}, d, 30.0, 90.0) - skin_mm));
   }
-  // Measured 0.57 and 0.74 mm at voxels of up to 2.2 mm; a quarter of a voxel is the aim.
-  const double half_voxel_mm = 0.5 * levels().ct.grid.spacing_mm.maxCoeff();
-  EXPECT_LT(worst_bone, half_voxel_mm);
-  EXPECT_LT(worst_skin, half_voxel_mm);
+  const double quarter_voxel_mm = 0.25 * levels().ct.grid.spacing_mm.maxCoeff();
+  RecordProperty("bone_mm", std::to_string(worst_bone));
+  RecordProperty("skin_mm", std::to_string(worst_skin));
+  EXPECT_LT(worst_bone, quarter_voxel_mm);
+  EXPECT_LT(worst_skin, quarter_voxel_mm);
 }
 
 TEST(TissueLevels, SoftTissueEndsExactlyWhereBoneAndOutsideBegin) {
@@ -289,8 +290,12 @@ TEST(TissueLevels, StairStepsAreGone) {
     return std::sqrt(sum / count) * 180.0 / M_PI;
   };
   const Levels& l = levels();
-  EXPECT_LT(roughness_deg(l.skin), 4.0);
-  EXPECT_GT(roughness_deg(skin_level(l.ct, l.labels, {.skin_smoothing_mm = 0.0})), 6.0);
+  EXPECT_LT(roughness_deg(l.skin), 2.0);
+  EXPECT_GT(roughness_deg(skin_level(l.ct, l.labels, {.skin_smoothing_mm = 0.0})), 5.0);
+  // A scan without partial volume is nothing but steps.
+  image::CtVolume steps = l.ct;
+  for (std::int16_t& hu : steps.values) hu = hu < -300 ? -1000 : 40;
+  EXPECT_GT(roughness_deg(skin_level(steps, l.labels, {.skin_smoothing_mm = 0.0})), 6.0);
 }
 
 }  // namespace

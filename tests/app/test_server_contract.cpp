@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -56,8 +57,9 @@ void expect_by_contract(const std::string& method, const std::string& pattern, c
     return;
   }
   ASSERT_TRUE((*response)["content"].contains(reply.type)) << reply.type;
+  const json headers = response->value("headers", json::object());
   for (const auto& [name, value] : reply.headers)
-    EXPECT_TRUE((*response)["headers"].contains(name) || name == "ETag") << name;
+    EXPECT_TRUE(headers.contains(name) || name == "ETag") << name;
   if (reply.type != "application/json") return;
   const std::string ref = (*response)["content"][reply.type]["schema"]["$ref"];
   const auto checked = parse_by_contract(reply.text, ref.substr(ref.rfind('/') + 1));
@@ -80,7 +82,8 @@ TEST(ServerContract, EverySchemaHasAFixture) {
   for (const fs::path& file : fixtures("valid")) shown.insert(schema_of(file));
   // Parts of others, which their fixtures show.
   for (const char* part : {"Stage", "JobKind", "JobState", "JobList", "SurfaceName", "Points",
-                           "Pose", "TemplateKind", "PredictionStep", "FileName"})
+                           "Pose", "TemplateKind", "PredictionStep", "FileName", "NewtonIterate",
+                           "ValuesName", "DifferenceStatistics", "MovementDifference"})
     shown.insert(part);
   for (const auto& [name, schema] : contract()["components"]["schemas"].items())
     EXPECT_TRUE(shown.contains(name)) << name;
@@ -131,6 +134,7 @@ TEST(ServerContract, AnEmptyCaseAnswersByTheContract) {
                                                           {"{surface}", "skin"},
                                                           {"{segment}", "front"},
                                                           {"{step}", "1"},
+                                                          {"{values}", "difference"},
                                                           {"{file}", "plan.json"}})
       if (const auto at = path.find(parameter); at != std::string::npos)
         path.replace(at, parameter.size(), value);
@@ -243,6 +247,52 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
     ASSERT_NEAR(u, to - from, 2e-4F);
   }
   EXPECT_EQ(api.ask("GET", "/prediction/steps/3").status, 404);
+  const json shifts = json::parse(
+      ask("GET", "/prediction/steps/{step}/regions", "/prediction/steps/2/regions").text);
+  EXPECT_EQ(shifts["regions"][0]["region"], "whole");
+  EXPECT_NEAR(shifts["regions"][0]["shift"]["max_mm"].get<double>(),
+              prediction["skin_largest_shift_mm"].get<double>(), 1e-3);
+  EXPECT_FALSE(shifts["missing"].empty());
+  EXPECT_EQ(api.ask("GET", "/prediction/steps/3/regions").status, 404);
+
+  const std::string bone =
+      body_of(ask("GET", "/surfaces/segments/{segment}", "/surfaces/segments/front"));
+  std::uint32_t bone_vertices = 0;
+  std::memcpy(&bone_vertices, bone.data() + 8, sizeof(bone_vertices));
+  for (const auto& [name, most] : std::vector<std::pair<std::string, double>>{
+           {"contact-pressure", std::numeric_limits<double>::infinity()},
+           {"contact-depth", prediction["steps"][1]["max_depth_mm"].get<double>()}}) {
+    const std::string values = body_of(ask("GET", "/values/{values}", "/values/" + name));
+    ASSERT_EQ(values.size(), 4U * bone_vertices) << name;
+    float largest = 0.0F, smallest = 0.0F;
+    for (std::size_t at = 0; at < values.size(); at += 4) {
+      float value = 0.0F;
+      std::memcpy(&value, values.data() + at, 4);
+      largest = std::max(largest, value);
+      smallest = std::min(smallest, value);
+    }
+    EXPECT_GT(largest, 0.0F) << name;
+    EXPECT_LE(largest, most + 1e-6) << name;
+    EXPECT_EQ(smallest, 0.0F) << name;
+  }
+
+  // As if surgery had changed nothing: the baseline is right and the prediction off.
+  EXPECT_EQ(api.ask("GET", "/comparison").status, 404);
+  const std::string upload = json::parse(api.ask("POST", "/uploads").text)["id"];
+  Request surface = test::api_request("PUT", "/uploads/" + upload + "/files/0",
+                                      body_of(api.ask("GET", "/files/skin_before.vtp")));
+  surface.query["name"] = "after.vtp";
+  EXPECT_EQ(api.api.handle(surface).status, 201);
+  run({{"kind", "compare"}, {"upload", upload}});
+  const json found = json::parse(ask("GET", "/comparison", "/comparison").text);
+  EXPECT_EQ(found["regions"][0]["if_unchanged"]["max_mm"], 0.0);
+  EXPECT_GT(found["regions"][0]["face"]["max_mm"], 0.5);
+  EXPECT_TRUE(found["movements"].empty());
+  EXPECT_TRUE(found["registration"].is_null());
+  const std::string difference = body_of(ask("GET", "/values/{values}", "/values/difference"));
+  EXPECT_EQ(difference.size(), 4U * head[0]);
+  EXPECT_EQ(api.ask("GET", "/values/pressure").status, 404);
+  EXPECT_EQ(api.get("/case")["stages"]["comparison"]["state"], "fresh");
   for (const json& file : api.get("/files")["files"])
     ask("GET", "/files/{file}", "/files/" + file["name"].get<std::string>());
   ask("GET", "/files", "/files");

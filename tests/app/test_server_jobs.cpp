@@ -1,6 +1,8 @@
 /// \file
 /// Jobs, events, uploads and the case folder: nothing is lost, nothing leaves the folder.
+#include <lefort/app/server/contract.h>
 #include <lefort/app/server/event_log.h>
+#include <lefort/app/server/iterate_batches.h>
 #include <lefort/app/server/jobs.h>
 #include <lefort/io/segmentation_file.h>
 
@@ -258,6 +260,27 @@ TEST(Uploads, AreKeptUnderOurNamesAndWithinLimits) {
   EXPECT_EQ(send(three, "0", "x", "abc"), 201);
 }
 
+TEST(IterateBatches, TellAllInOrderAtMostTenTimesASecond) {
+  std::vector<json> batches;
+  IterateBatches iterates([&](json batch) { batches.push_back(std::move(batch)); });
+  const auto start = IterateBatches::Clock::now();
+  for (int k = 0; k < 1000; ++k) iterates.add(k, start + milliseconds(2 * k));  // For two seconds.
+  EXPECT_EQ(batches.front(), json::array({0}));  // The first at once.
+  EXPECT_LE(batches.size(), 20U);
+  EXPECT_GE(batches.size(), 19U);
+  iterates.flush(start + milliseconds(2000));
+  iterates.flush(start + milliseconds(2001));  // Nothing is left to tell.
+  json all = json::array();
+  for (const json& batch : batches) {
+    EXPECT_FALSE(batch.empty());
+    all.insert(all.end(), batch.begin(), batch.end());
+  }
+  ASSERT_EQ(all.size(), 1000U);
+  for (int k = 0; k < 1000; ++k) EXPECT_EQ(all[std::size_t(k)], k);
+  iterates.add("late", start + milliseconds(5000));
+  EXPECT_EQ(batches.back(), json::array({"late"}));
+}
+
 /// Malformed scans, and headers that name files elsewhere.
 TEST(Uploads, OfWhatIsNoScanGiveOneClearLine) {
   test::CaseApi api;
@@ -428,13 +451,47 @@ TEST(CaseApi, AJobThatFailsMakesNoOlderResultFresh) {
   EXPECT_FALSE(fs::exists(preview / "face.preview"));
 }
 
+/// Whether events tell the iterations that the document holds, each before its step's end, and as
+/// the contract has them.
+void expect_iterates_told(const std::string& events, const json& document) {
+  std::vector<double> told, held;
+  std::size_t newton = 0, steps = 0;
+  for (std::size_t at = 0; at < events.size();) {
+    const std::size_t end = events.find("\n\n", at);
+    const std::string event = events.substr(at, end - at);
+    at = end + 2;
+    const std::string data = event.substr(event.find("\ndata: ") + 7);
+    if (event.find("event: newton") != std::string::npos) {
+      ++newton;
+      EXPECT_TRUE(parse_by_contract(data, "NewtonEvent")) << data;
+      const json batch = json::parse(data);
+      for (const json& iterate : batch["iterates"]) {
+        EXPECT_EQ(iterate["step"], steps + 1);
+        told.push_back(iterate["residual_n"]);
+      }
+    } else if (event.find("event: step") != std::string::npos) {
+      ++steps;
+      EXPECT_TRUE(parse_by_contract(data, "StepEvent")) << data;
+      EXPECT_GT(newton, 0U);
+    }
+  }
+  for (const json& step : document["steps"])
+    for (const json& attempt : step["attempts"])
+      for (const json& line : attempt["newton"]) held.push_back(line["residual_n"]);
+  EXPECT_EQ(told, held);
+  EXPECT_EQ(steps, document["steps"].size());
+}
+
 /// The planner is one more face of the command line's folder.
 TEST(CaseApi, PredictsTheBytesOfTheCommandLine) {
   test::CaseApi api;
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
+  std::uint64_t heard = api.api.events().now();
   const json job = api.run({{"kind", "predict"}});
   ASSERT_EQ(job["state"], "done") << job.dump(1);
+  expect_iterates_told(api.api.events().wait(heard, milliseconds(0)),
+                       api.get("/prediction")["document"]);
   const fs::path root = api.folder / "case";
   const auto run =
       test::run_lefort("predict '" + (root / "plan.json").string() + "' --ct '" +

@@ -83,6 +83,21 @@ TEST(StageKeys, TissueDependsOnAllThatShapesItAndNotOnItsStiffness) {
                                       key("scan", kBone, {}, with({}), kBox, kBox, 1.0)};
   EXPECT_EQ(of_skin.size(), 6U);
   EXPECT_EQ(key("scan", kBone, {}, with({.young_mpa = 1.0})), key("scan", kBone, {}, with({})));
+
+  const auto face = [](const predict::FaceSize& size) {
+    predict::TissueOptions options;
+    options.face = size;
+    return options;
+  };
+  const std::set<std::string> of_face{key("scan", kBone, {}, {}),
+                                      key("scan", kBone, {}, face({2.0, {}})),
+                                      key("scan", kBone, {}, face({1.5, {}})),
+                                      key("scan", kBone, {}, face({2.0, {Vec3(1, 2, 3)}}))};
+  EXPECT_EQ(of_face.size(), 4U);
+  // Mucosa is named in the mesh when that is there.
+  predict::TissueOptions mucosa;
+  mucosa.mucosa = predict::MucosaOptions{2.0, 0.03, 0.4};
+  EXPECT_EQ(key("scan", kBone, {}, mucosa), key("scan", kBone, {}, {}));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "support/shapes.h"
 
@@ -68,6 +70,30 @@ TEST(CompareByRegion, SkinStaysInItsRegion) {
   const RegionDifference& lip = row(rows, "upper lip");
   EXPECT_GT(lip.face.area_mm2, 150.0);
   EXPECT_DOUBLE_EQ(lip.face.area_mm2, lip.if_unchanged->area_mm2);
+}
+
+/// Sliding along itself is movement, too, which distances between surfaces do not see.
+TEST(MovementByRegion, IsTheWayOfEachVertex) {
+  const plan::Landmarks landmarks{{"N'", {0, -100, 50}},
+                                  {"Sn", {0, -100, 5}},
+                                  {"Stm", {0, -100, -5}},
+                                  {"Ch-R", {-10, -100, -5}},
+                                  {"Ch-L", {10, -100, -5}}};
+  geometry::TriangleMesh before = test::make_sheet(40.0, 40);
+  for (Vec3& v : before.vertices) v = Vec3(v.x(), -100.0, v.y());  // Upright.
+  std::vector<Vec3> displacement_mm;
+  for (const Vec3& v : before.vertices)
+    displacement_mm.push_back(std::abs(v.x()) < 12.0 && std::abs(v.z()) < 7.0 ? Vec3(0.0, -3.0, 4.0)
+                                                                              : Vec3::Zero());
+  const auto rows =
+      movement_by_region(before, displacement_mm, FaceRegions::from(landmarks).value());
+  EXPECT_EQ(rows[0].region, "whole");
+  EXPECT_DOUBLE_EQ(row(rows, "whole").face.median_mm, 0.0);
+  EXPECT_DOUBLE_EQ(row(rows, "upper lip").face.median_mm, 5.0);
+  EXPECT_DOUBLE_EQ(row(rows, "upper lip").face.p99_mm, 5.0);
+  EXPECT_DOUBLE_EQ(row(rows, "moved").face.max_mm, 5.0);
+  EXPECT_NEAR(row(rows, "moved").face.area_mm2, 24.0 * 14.0, 40.0);
+  for (const RegionDifference& one : rows) EXPECT_FALSE(one.if_unchanged);
 }
 
 TEST(CompareByRegion, WithoutAFaceBeforeThereIsNeitherBaselineNorMovedPart) {

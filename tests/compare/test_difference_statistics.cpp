@@ -22,9 +22,17 @@ TEST(DifferenceStatistics, AreOverAreaAndNotOverVertices) {
   EXPECT_DOUBLE_EQ(told.median_mm, 1.0);
   EXPECT_DOUBLE_EQ(told.p90_mm, 1.0);
   EXPECT_DOUBLE_EQ(told.p95_mm, 3.0);
+  EXPECT_DOUBLE_EQ(told.p99_mm, 3.0);
   EXPECT_DOUBLE_EQ(told.max_mm, 3.0);
   EXPECT_DOUBLE_EQ(told.share_below_1mm, 0.0);
   EXPECT_DOUBLE_EQ(told.share_below_2mm, 0.9);
+}
+
+TEST(DifferenceStatistics, TellTheLastHundredthApart) {
+  const DifferenceStatistics told = describe({{1.0, 2.0, 5.0}, {96.0, 3.5, 0.5}}, everywhere);
+  EXPECT_DOUBLE_EQ(told.p95_mm, 1.0);
+  EXPECT_DOUBLE_EQ(told.p99_mm, 2.0);
+  EXPECT_DOUBLE_EQ(told.max_mm, 5.0);
 }
 
 TEST(DifferenceStatistics, WhatIsNotComparedIsCountedApart) {
@@ -40,8 +48,9 @@ TEST(DifferenceStatistics, OfNothingAreNoNumbers) {
   const DifferenceStatistics told = describe({{kNaN}, {2.0}}, everywhere);
   EXPECT_DOUBLE_EQ(told.area_mm2, 2.0);
   EXPECT_DOUBLE_EQ(told.compared_share, 0.0);
-  for (const double d : {told.mean_mm, told.median_mm, told.p90_mm, told.p95_mm, told.max_mm,
-                         told.share_below_1mm, told.share_below_2mm, told.mean_signed_mm})
+  for (const double d :
+       {told.mean_mm, told.median_mm, told.p90_mm, told.p95_mm, told.p99_mm, told.max_mm,
+        told.share_below_1mm, told.share_below_2mm, told.mean_signed_mm})
     EXPECT_TRUE(std::isnan(d));
 }
 

@@ -386,6 +386,7 @@ TEST(ContactTerm, TellsPressureAndGapOfEveryNode) {
     EXPECT_EQ(flat[n].node, std::int32_t(n));
     EXPECT_NEAR(flat[n].pressure_mpa, 2.0 * kStiffness * 1.0, 1e-6);
     EXPECT_NEAR(flat[n].gap_mm, -1.0, 1e-6);
+    EXPECT_NEAR(flat[n].depth_mm, 1.0, 1e-6);
   }
   std::vector<Vec3> tilted = rest;
   tilted[1].z() = 0.6;

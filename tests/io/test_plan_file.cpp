@@ -87,6 +87,31 @@ TEST(PlanFile, WhatIsNotSaidHasItsDefault) {
   EXPECT_EQ(plan.boundary.moved_bone, predict::MovedBone::kContact);
 }
 
+TEST(PlanFile, MucosaAndLipsAndNoseAreThereOnlyIfTheyAreAskedFor) {
+  Json json = good_plan();
+  const auto tissue = [&] { return parse_plan(json.dump(), ".").value().tissue; };
+  EXPECT_FALSE(tissue().mucosa);
+  EXPECT_FALSE(tissue().face);
+  json["tissue"]["mucosa"] = {
+      {"thickness_mm", 1.5},
+      {"material", {{"law", "neo-hookean"}, {"young_kpa", 40}, {"poisson", 0.3}}}};
+  json["tissue"]["lips_and_nose_element_size_mm"] = 1.25;
+  json["landmarks"] = {{"Prn", {1, -20, 3}}, {"A", {0, 0, 0}}, {"Ls", {2, -19, -4}}};
+  EXPECT_EQ(tissue().mucosa->thickness_mm, 1.5);
+  EXPECT_NEAR(tissue().mucosa->young_mpa, 0.04, 1e-15);
+  EXPECT_EQ(tissue().mucosa->poisson, 0.3);
+  EXPECT_EQ(tissue().face->element_size_mm, 1.25);
+  EXPECT_EQ(tissue().face->points_L, (std::vector<Vec3>{{1, -20, 3}, {2, -19, -4}}));
+  json["tissue"]["mucosa"].erase("material");
+  EXPECT_FALSE(parse_plan(json.dump(), "."));
+  json["tissue"].erase("mucosa");
+  json["tissue"]["lips_and_nose_element_size_mm"] = 19.5;
+  const auto coarse = parse_plan(json.dump(), ".");
+  ASSERT_FALSE(coarse);
+  EXPECT_NE(coarse.error().message.find("lips_and_nose_element_size_mm: 19.5 is more than"),
+            std::string::npos);
+}
+
 TEST(PlanFile, SkinIsThereOnlyIfItIsAskedFor) {
   Json json = good_plan();
   EXPECT_FALSE(parse_plan(json.dump(), ".").value().tissue.skin);

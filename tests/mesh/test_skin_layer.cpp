@@ -115,6 +115,20 @@ TEST(SkinLayer, OfAFlatTopIsAPlateOfWedgesThatEndsInTheSides) {
   EXPECT_EQ(top_faces, 2 * 36);
 }
 
+TEST(SkinLayer, IsAsThickAtSidesThatAreButRoughlyPlanes) {
+  VolumeMesh rough = cube();
+  int n = 0;
+  for (Vec3& p : rough.nodes_L)
+    for (const Index axis : {0, 1})
+      if (p[axis] == 0.0 || p[axis] == kSide_mm) p[axis] += 0.03 * (n++ % 3 - 1);
+  const std::vector<Face> skin =
+      faces_where(rough, [](const Vec3& p) { return p.z() == kSide_mm; });
+  const VolumeMesh mesh =
+      add_skin_layer(rough, skin, upright_sides(), {.thickness_mm = 1.5, .layers = 1}).value();
+  EXPECT_EQ(count_shapes(mesh)[ElementShape::kWedge6], std::ssize(skin));
+  EXPECT_NEAR(volume_of_region(mesh, 1), 1.5 * kSide_mm * kSide_mm, 0.5);
+}
+
 TEST(SkinLayer, RunsOutInPyramidsAndTetrahedraWhereOtherBoundaryBegins) {
   const VolumeMesh mesh = add_skin_layer(cube(), top(), {}, {.thickness_mm = 0.8}).value();
   const auto counts = count_shapes(mesh);

@@ -214,19 +214,21 @@ TEST(PredictFace, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one.steps.back().displacement_mm, two.steps.back().displacement_mm);
 }
 
-TEST(PredictFace, StoppedAfterAnyStepTheRestIsFoundWithTheSameBits) {
-  const FaceModel model = block_on_ball();
-  plan::BonePath path = straight({0.8, 0.0, 1.2}, 4);
-  path.keyframes[0].rotation_rad = Vec3(0.0, 0.1, 0.1);
-  PredictionOptions options;
-  options.contact.penetration_tolerance_mm = 0.02;
+/// Stopped after any step of this path, the rest is found with the same bits.
+void expect_same_after_a_stop(const FaceModel& model, const plan::BonePath& path,
+                              PredictionOptions options) {
+  options.contact.penetration_tolerance_mm = 1e-3;
+  options.contact.stiffness_factor = 10.0;  // So soft that it takes multipliers.
   std::vector<Restart> kept;
   const PredictionWatch watch{
       .on_step = {}, .on_restart = [&](const Restart& restart) { kept.push_back(restart); }};
   const auto whole = predict_face(model, path, options, watch).value();
   ASSERT_TRUE(whole.converged()) << whole.failure->message;
-  ASSERT_EQ(kept.size(), 4U);
+  ASSERT_EQ(kept.size(), std::size_t(path.steps));
   for (const Restart& restart : kept) {
+    const std::vector<double>& multipliers_mpa = restart.contacts[0].multipliers_mpa;
+    ASSERT_GT(*std::max_element(multipliers_mpa.begin(), multipliers_mpa.end()), 0.0)
+        << restart.steps.back().contact.p99_depth_from_rest_mm << " mm";
     const auto rest = predict_face(model, path, options, {}, Progress::none(), restart).value();
     ASSERT_EQ(rest.steps.size(), whole.steps.size());
     for (std::size_t n = 0; n < whole.steps.size(); ++n) {
@@ -237,6 +239,65 @@ TEST(PredictFace, StoppedAfterAnyStepTheRestIsFoundWithTheSameBits) {
       EXPECT_EQ(a.newton_iterations(), b.newton_iterations());
       EXPECT_EQ(a.residual_n, b.residual_n);
     }
+    ASSERT_EQ(rest.touched.size(), whole.touched.size());
+    for (std::size_t n = 0; n < whole.touched.size(); ++n) {
+      EXPECT_EQ(rest.touched[n].pressure_mpa, whole.touched[n].pressure_mpa) << "node " << n;
+      EXPECT_EQ(rest.touched[n].depth_mm, whole.touched[n].depth_mm) << "node " << n;
+    }
+  }
+  double deepest_mm = 0.0;
+  for (const contact::NodalContact& node : whole.touched)
+    deepest_mm = std::max(deepest_mm, node.depth_mm);
+  EXPECT_GT(deepest_mm, 0.0);
+  EXPECT_EQ(deepest_mm, whole.steps.back().contact.max_depth_from_rest_mm);
+}
+
+TEST(PredictFace, StoppedAfterAnyStepTheRestIsFoundWithTheSameBits) {
+  plan::BonePath path = straight({0.8, 0.0, 1.2}, 4);
+  path.keyframes[0].rotation_rad = Vec3(0.0, 0.1, 0.1);
+  expect_same_after_a_stop(block_on_ball(), path, {});
+}
+
+TEST(PredictFace, LikewiseUnderSkinOfItsOwn) {
+  PredictionOptions options;
+  options.tissue.skin = SkinOptions{};
+  expect_same_after_a_stop(layered_block(), straight({0.2, 0.0, 1.5}, 3), options);
+}
+
+TEST(PredictFace, TellsEachIterationOnceAndChangesNothingByIt) {
+  const FaceModel model = block_on_ball();
+  PredictionOptions options;
+  options.contact.penetration_tolerance_mm = 0.02;  // So that there are augmentations.
+  const plan::BonePath path = straight({0.8, 0.0, 1.2}, 3);
+  std::vector<std::vector<PredictionIterate>> told(1);
+  const PredictionWatch watch{
+      .on_iterate = [&](const PredictionIterate& at) { told.back().push_back(at); },
+      .on_step = [&](const PredictionStep&) { told.emplace_back(); },
+      .on_restart = {}};
+  const auto seen = predict_face(model, path, options, watch).value();
+  const auto alone = predict_face(model, path, options).value();
+  ASSERT_TRUE(seen.converged() && alone.converged());
+  EXPECT_EQ(seen.steps.back().displacement_mm, alone.steps.back().displacement_mm);
+  ASSERT_EQ(told.size(), seen.steps.size() + 1);
+  EXPECT_TRUE(told.back().empty());
+  for (std::size_t n = 0; n < seen.steps.size(); ++n) {
+    std::size_t k = 0;
+    int number = 0;
+    for (const fem::LoadAttempt& attempt : seen.steps[n].attempts) {
+      ++number;
+      ASSERT_LE(k + attempt.history.size(), told[n].size());
+      for (std::size_t line = 0; line < attempt.history.size(); ++line, ++k) {
+        const PredictionIterate& at = told[n][k];
+        EXPECT_EQ(at.to_share, attempt.t_to);
+        EXPECT_EQ(at.attempt, number);
+        EXPECT_EQ(at.iteration, int(line));
+        EXPECT_EQ(at.line.residual_n, attempt.history[line].residual_n);
+        EXPECT_EQ(at.line.contacts, attempt.history[line].contacts);
+        EXPECT_EQ(at.deepest_mm > 0.0, at.line.contacts > 0);
+      }
+    }
+    EXPECT_EQ(k, told[n].size());
+    EXPECT_NEAR(told[n].back().deepest_mm, seen.steps[n].contact.max_depth_from_rest_mm, 1e-12);
   }
 }
 

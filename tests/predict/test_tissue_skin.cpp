@@ -129,5 +129,43 @@ TEST(SkinFaces, AreNeitherBoneNorSide) {
   EXPECT_NEAR(area_mm2, (35.0 - 0.5) * 39.0, 0.03 * 35.0 * 39.0);
 }
 
+/// Mean edge of the elements that have a node within 4 mm of `at_L`.
+double edge_mm_near(const mesh::VolumeMesh& mesh, const Vec3& at_L) {
+  double sum = 0.0;
+  int count = 0;
+  const mesh::ElementBlock& block = mesh.blocks[0];
+  for (Index e = 0; e < block.element_count(); ++e) {
+    const auto at = [&](int n) { return mesh.nodes_L[std::size_t(block.element(e)[n])]; };
+    bool is_near = false;
+    for (int n = 0; n < 4; ++n) is_near |= (at(n) - at_L).norm() < 4.0;
+    for (int a = 0; is_near && a < 4; ++a)
+      for (int b = 0; b < a; ++b, ++count) sum += (at(a) - at(b)).norm();
+  }
+  return sum / count;
+}
+
+TEST(TissueSize, IsFinerAtLipsAndNose) {
+  const test::FacePhantom& phantom = mixed().phantom;
+  TissueOptions plain{.element_size_mm = 4.0, .far_element_size_mm = 4.0, .margin_mm = 15.0};
+  const auto made = [&](const TissueOptions& options) {
+    return mesh_tissue(mixed().domain, phantom.segment_L, options).value();
+  };
+  const Vec3 lip_L(25.0, 28.0, 19.0);
+  const mesh::VolumeMesh even = made(plain);
+  TissueOptions by_landmark = plain;
+  by_landmark.face = FaceSize{1.5, {lip_L}};
+  const mesh::VolumeMesh finer = made(by_landmark);
+  EXPECT_LT(edge_mm_near(finer, lip_L), 0.65 * edge_mm_near(even, lip_L));
+  // Without landmarks by the foremost point, which is on the side at y = 0.5 here.
+  TissueOptions by_rule = plain;
+  by_rule.face = FaceSize{1.5, {}};
+  const mesh::VolumeMesh front = made(by_rule);
+  const auto count_in_front = [](const mesh::VolumeMesh& mesh) {
+    return std::count_if(mesh.nodes_L.begin(), mesh.nodes_L.end(),
+                         [](const Vec3& p) { return p.y() < 8.0; });
+  };
+  EXPECT_GT(double(count_in_front(front)), 1.5 * double(count_in_front(even)));
+}
+
 }  // namespace
 }  // namespace lefort::predict

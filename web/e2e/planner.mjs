@@ -24,7 +24,11 @@ export async function drawn(page) {
 /** No job runs or waits. */
 export const idle = (page, timeout = 900000) => page.waitForSelector(id('job'), { state: 'detached', timeout });
 
-export const saved = (page) => page.waitForFunction(() => document.querySelector('[data-id=saving]')?.textContent === 'Saved', null, { timeout: 60000 });
+/** All is kept. What was just done is first given time to be shown as not kept yet. */
+export async function saved(page) {
+  await page.waitForTimeout(300);
+  await page.waitForFunction(() => document.querySelector('[data-id=saving]')?.textContent === 'Saved', null, { timeout: 60000 });
+}
 
 export async function handles(page) {
   return JSON.parse(await page.getAttribute('.view3d canvas:not(.overlay)', 'data-handles'));

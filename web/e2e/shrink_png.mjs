@@ -1,8 +1,18 @@
 // Makes a PNG small: browsers write them quickly instead. The lowest bit of each colour goes, which in a scan is noise
 // and in a page nothing that can be seen. RFC 2083.
-import { crc32 as crc, deflateSync, inflateSync } from 'node:zlib';
+import { deflateSync, inflateSync } from 'node:zlib';
 
 const BYTES = { 2: 3, 6: 4 };
+
+/** CRC of a PNG's chunks (RFC 2083, appendix 15); Node.js 18, which Debian 12 has, brings none. */
+function crc(bytes) {
+  let c = 0xffffffff;
+  for (const byte of bytes) {
+    c ^= byte;
+    for (let k = 0; k < 8; k++) c = c & 1 ? 0xedb88320 ^ (c >>> 1) : c >>> 1;
+  }
+  return (c ^ 0xffffffff) >>> 0;
+}
 
 function chunk(type, data) {
   const out = Buffer.alloc(12 + data.length);

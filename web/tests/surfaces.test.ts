@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { decodeSurface, endingOnly, EventParser } from '../src/api';
-import { coarsen, percentile, rayHit, sectionOf, summarise, vertexNormals, type Surface } from '../src/model';
+import { coarsen, posedSectionOf, rayHit, sectionOf, poseOf, transformPoint, vertexNormals, type Surface } from '../src/model';
 
 /** A box from 0 to 10 mm, triangles counter-clockwise from outside. */
 const box: Surface = {
@@ -75,6 +75,32 @@ describe('a section', () => {
   });
 });
 
+describe('a section of a bone that was moved', () => {
+  const move = { translation_mm: [3, -2, 5], rotation_deg: [10, -20, 35], about_mm: [5, 5, 5] } as const;
+  const pose = poseOf(move);
+
+  it('is that of its surface moved point by point', () => {
+    const moved = box.points.slice();
+    for (let n = 0; n < moved.length; n += 3) moved.set(transformPoint(pose, [moved[n], moved[n + 1], moved[n + 2]]), n);
+    for (const normal of [[1, 0, 0], [0, 1, 0], [0.6, 0, 0.8]] as const) {
+      const lines = posedSectionOf(box, pose, [8, 3, 10], normal);
+      const expected = sectionOf({ points: moved, triangles: box.triangles }, [8, 3, 10], normal);
+      expect(lines.length).toBeGreaterThan(0);
+      expect(lines.length).toBe(expected.length);
+      lines.forEach((v, n) => expect(v).toBeCloseTo(expected[n], 4));
+      for (let n = 0; n < lines.length; n += 3) {
+        const height = (lines[n] - 8) * normal[0] + (lines[n + 1] - 3) * normal[1] + (lines[n + 2] - 10) * normal[2];
+        expect(height).toBeCloseTo(0, 4);
+      }
+    }
+  });
+
+  it('is nothing where the bone has left the slice', () => {
+    expect(sectionOf(box, [0, 0, 1], [0, 0, 1]).length).toBeGreaterThan(0);
+    expect(posedSectionOf(box, poseOf({ ...move, translation_mm: [0, 0, 20] }), [0, 0, 1], [0, 0, 1])).toHaveLength(0);
+  });
+});
+
 describe('drawing', () => {
   it('has normals out of the body', () => {
     const normals = vertexNormals(box);
@@ -88,15 +114,6 @@ describe('drawing', () => {
     const one = coarsen(box, 100);
     expect(one.vertex).toHaveLength(1);
     expect(one.triangles).toHaveLength(0);
-  });
-});
-
-describe('statistics', () => {
-  it('are nearest-rank percentiles', () => {
-    const values = Float32Array.from({ length: 100 }, (_, n) => 100 - n);
-    expect(summarise(values)).toEqual({ count: 100, mean: 50.5, median: 50, p90: 90, p95: 95, max: 100 });
-    expect(percentile([1], 99)).toBe(1);
-    expect(summarise(new Float32Array(0))).toBeNull();
   });
 });
 

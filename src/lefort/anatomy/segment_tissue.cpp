@@ -1,3 +1,4 @@
+#include <lefort/anatomy/air_at_bone.h>
 #include <lefort/anatomy/find_air_spaces.h>
 #include <lefort/anatomy/find_brain.h>
 #include <lefort/anatomy/find_mandible.h>
@@ -77,6 +78,18 @@ Result<void> check_found(const char* what, const Mask& found, const std::string&
                           kLeastTissue_ml));
 }
 
+/// Extends airway and sinuses to bare bone, but not through a wall to other air.
+void add_air_at_bone(const image::CtVolume& ct, const Mask& bone, const Mask& outside,
+                     AirSpaces& air) {
+  const Mask by_airway = air_at_bone(ct, air.airway, bone);
+  const Mask by_sinus = air_at_bone(ct, air.sinus, bone);
+  for (std::size_t v = 0; v < ct.values.size(); ++v) {
+    if (outside.values[v] != 0 || by_airway.values[v] == by_sinus.values[v]) continue;
+    if (by_airway.values[v] != 0 && air.sinus.values[v] == 0) air.airway.values[v] = 1;
+    if (by_sinus.values[v] != 0 && air.airway.values[v] == 0) air.sinus.values[v] = 1;
+  }
+}
+
 /// Tells how far the segmentation is, and whether to go on.
 class Steps {
  public:
@@ -121,7 +134,9 @@ Result<LabelMap> segment_tissue(const image::CtVolume& ct, const SegmentationOpt
   LEFORT_TRY_VOID(steps.next());
   const Mask inner_air = mask_where(
       grid, [&](std::size_t v) { return patient.values[v] == 0 && outside.values[v] == 0; });
-  const AirSpaces air = find_air_spaces(inner_air, bone, outside, options);
+  AirSpaces air = find_air_spaces(inner_air, bone, outside, options);
+  // Only now: a thin wall between two rooms stays whole while they are told apart.
+  add_air_at_bone(ct, bone, outside, air);
 
   LEFORT_TRY_VOID(steps.next());
   const Mask soft = mask_where(grid, [&](std::size_t v) {

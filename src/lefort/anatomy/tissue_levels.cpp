@@ -16,9 +16,12 @@ using image::ScalarVolume;
 constexpr Index kPadding = 2;
 // Levels made of labels end this far from their zero.
 constexpr double kFar_mm = 3.0;
-// Levels made of CT numbers end here, on both sides alike: the Gaussian then weighs voxels, not how
-// dense they are, and neither cortical bone nor air pulls at a surface.
+// Levels made of CT numbers end here at least, on both sides alike: the Gaussian then weighs
+// voxels, not how dense they are, and neither cortical bone nor air pulls at a surface.
 constexpr double kNear_mm = 0.8;
+// The CT numbers of the plateaus beside a threshold.
+constexpr double kAir_hu = -1000.0;
+constexpr double kSoft_hu = 40.0;
 // Typical slopes of CT numbers at a border, which turn HU into mm: soft tissue to cortical bone,
 // and air to soft tissue, blurred over about 2 mm.
 constexpr double kBoneSlope_hu_per_mm = 300.0;
@@ -44,8 +47,20 @@ ScalarVolume without_steps(const ScalarVolume& values, double sigma_mm, double s
   return smoothed(values, (steps_voxels * values.grid.spacing_mm).cwiseMax(sigma_mm));
 }
 
+/// Where a level made of CT numbers ends: at a voxel, so that partial volume is not cut to a step,
+/// but no further than the nearer plateau allows, so that both sides end alike.
+double level_end_mm(const image::Grid& grid, double to_plateau_hu, double slope_hu_per_mm) {
+  return std::max(kNear_mm, std::min(grid.spacing_mm.maxCoeff(), to_plateau_hu / slope_hu_per_mm));
+}
+
 float clamped(double value_mm, double limit_mm) {
   return float(std::clamp(value_mm, -limit_mm, limit_mm));
+}
+
+/// Depth in a tissue of a voxel that does not belong to it: where its CT number says otherwise, it
+/// is beside the tissue by half a voxel.
+double outside_mm(const image::Grid& grid, double depth_mm) {
+  return depth_mm < 0.0 ? depth_mm : -0.5 * grid.spacing_mm.minCoeff();
 }
 
 /// The scan and its labels on the wider grid: the scan goes on as at its faces, so that the cut
@@ -152,22 +167,24 @@ ScalarVolume bone_level(const PaddedScan& scan, Cavities cavities) {
   const Mask filling = cavities == Cavities::kFillSinuses
                            ? sinus_filling(scan)
                            : mask_where(scan.grid(), [](std::size_t) { return false; });
-  const double beside_mm = 0.5 * scan.grid().spacing_mm.minCoeff();
+  const double end_mm =
+      level_end_mm(scan.grid(), scan.options.bone_hu - kSoft_hu, kBoneSlope_hu_per_mm);
   const ScalarVolume raw = volume_of(scan.grid(), [&](std::size_t v) {
     const double depth_mm =
         (double(scan.ct.values[v]) - scan.options.bone_hu) / kBoneSlope_hu_per_mm;
-    if (filling.values[v] != 0) return float(kNear_mm);
+    if (filling.values[v] != 0) return float(end_mm);
     // Marrow is bone whatever its density, and what is dense but no bone is none.
-    if (is_bone(scan.labels.values[v]))
-      return clamped(depth_mm >= 0.0 ? depth_mm : kNear_mm, kNear_mm);
-    return clamped(std::min(depth_mm, -beside_mm), kNear_mm);
+    if (is_bone(scan.labels.values[v])) return clamped(depth_mm >= 0.0 ? depth_mm : end_mm, end_mm);
+    return clamped(outside_mm(scan.grid(), depth_mm), end_mm);
   });
   return without_steps(raw, scan.options.bone_smoothing_mm, kBoneSteps_voxels);
 }
 
 /// Positive in what is not air; sinuses and airway are air too.
 ScalarVolume flesh_level(const PaddedScan& scan) {
-  const double beside_mm = 0.5 * scan.grid().spacing_mm.minCoeff();
+  const double end_mm = level_end_mm(
+      scan.grid(), std::min(scan.options.skin_hu - kAir_hu, kSoft_hu - scan.options.skin_hu),
+      kSkinSlope_hu_per_mm);
   const ScalarVolume raw = volume_of(scan.grid(), [&](std::size_t v) {
     const double depth_mm =
         (double(scan.ct.values[v]) - scan.options.skin_hu) / kSkinSlope_hu_per_mm;
@@ -175,9 +192,9 @@ ScalarVolume flesh_level(const PaddedScan& scan) {
       case Tissue::kBackground:
       case Tissue::kAirway:
       case Tissue::kSinus:
-        return clamped(std::min(depth_mm, -beside_mm), kNear_mm);
+        return clamped(outside_mm(scan.grid(), depth_mm), end_mm);
       default:
-        return clamped(depth_mm, kNear_mm);
+        return clamped(depth_mm, end_mm);
     }
   });
   return without_steps(raw, scan.options.skin_smoothing_mm, kSkinSteps_voxels);

@@ -15,8 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<bench::ConvergenceCase> case_of(const fs::path& plan_file, const ConvergenceJob& job,
-                                       Progress& progress) {
+/// A plan once for each number of steps.
+Result<std::vector<bench::ConvergenceCase>> cases_of(const fs::path& plan_file,
+                                                     const ConvergenceJob& job,
+                                                     Progress& progress) {
   LEFORT_TRY(io::PlanText text, io::read_plan_text(plan_file));
   const std::optional<fs::path> ct = job.ct ? job.ct : text.plan.ct;
   std::error_code error;
@@ -24,14 +26,29 @@ Result<bench::ConvergenceCase> case_of(const fs::path& plan_file, const Converge
     return fail(ErrorCode::kFileNotFound,
                 fmt::format("plan {} has no scan, name it by --ct", plan_file.string()));
   text.plan.contact.detection = contact::Detection::kSmooth;  // Its field serves all methods.
+  if (job.element_size_mm) {
+    predict::TissueOptions& tissue = text.plan.tissue;
+    tissue.far_element_size_mm *= *job.element_size_mm / tissue.element_size_mm;
+    tissue.element_size_mm = *job.element_size_mm;
+  }
   LEFORT_TRY(PreparedCase prepared,
              prepare_case(std::move(text.plan), io::Sha256().add(text.json).hex(), *ct,
                           StageCache(job.output / "cache"), progress));
   const io::PlanFile& plan = prepared.plan;
-  return bench::ConvergenceCase{plan_file.stem().string(),
-                                std::move(prepared.model),
-                                plan.segments.front().path,
-                                {plan.tissue, plan.boundary, plan.contact, plan.solver}};
+  const std::string name = plan_file.stem().string();
+  bench::ConvergenceCase task{.name = name,
+                              .mesh_name = name,
+                              .model = std::move(prepared.model),
+                              .path = plan.segments.front().path,
+                              .options = {plan.tissue, plan.boundary, plan.contact, plan.solver}};
+  if (job.steps.empty()) return std::vector{std::move(task)};
+  std::vector<bench::ConvergenceCase> cases;
+  for (const int steps : job.steps) {
+    task.name = fmt::format("{}-{}-steps", name, steps);
+    task.path.steps = steps;
+    cases.push_back(task);
+  }
+  return cases;
 }
 
 Result<std::vector<bench::ContactMethod>> choose_methods(const std::vector<std::string>& names) {
@@ -53,14 +70,15 @@ Result<std::vector<bench::ContactMethod>> choose_methods(const std::vector<std::
 Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress) {
   bench::ConvergenceOptions options{.output = job.output};
   LEFORT_TRY(options.methods, choose_methods(job.methods));
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
   std::vector<bench::ConvergenceCase> cases;
   if (job.synthetic) {
     LEFORT_TRY(cases, bench::synthetic_cases(progress));
   }
   for (const fs::path& plan : job.plans) {
-    LEFORT_TRY(bench::ConvergenceCase prepared, case_of(plan, job, progress));
-    cases.push_back(std::move(prepared));
+    LEFORT_TRY(const std::vector<bench::ConvergenceCase> prepared, cases_of(plan, job, progress));
+    cases.insert(cases.end(), prepared.begin(), prepared.end());
   }
   LEFORT_TRY(const std::string table, bench::run_convergence(cases, options, progress));
   return Summary{.text = table, .json = {{"output", job.output.string()}}};

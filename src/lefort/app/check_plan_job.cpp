@@ -218,6 +218,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY(const io::PlanText plan_text, io::read_plan_text(job.plan));
   const io::PlanFile& plan = plan_text.plan;
   std::vector<std::string> names = names_of(plan);
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
   LEFORT_TRY(const geometry::TriangleMesh skull_L, find_skull(job, plan, progress));
 

@@ -87,6 +87,16 @@ void add_convergence(CLI::App& bench, CommandContext& context) {
                    "Folder for convergence.md, .csv, plots, and the cache of prepared cases")
       ->required();
   command->add_option("--method", job->methods, "Which to run, by name; all unless given");
+  command
+      ->add_option("--element-size", job->element_size_mm,
+                   "Edge of elements near the moved bone [mm], instead of the plans'; those far "
+                   "away are scaled alike")
+      ->check(CLI::Range(0.5, 20.0));
+  command
+      ->add_option("--steps", job->steps,
+                   "Numbers of steps to run each plan with, instead of its own; tells how far "
+                   "apart the faces are")
+      ->check(CLI::Range(1, 1000));
   command->add_flag("--no-synthetic", *no_synthetic, "The plans alone");
   command->footer(
       "Example:\n  lefort bench convergence examples/midface_forward.json "

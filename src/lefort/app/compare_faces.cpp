@@ -182,6 +182,7 @@ Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
   }
   LEFORT_TRY(const plan::Landmarks landmarks, find_landmarks(job));
   LEFORT_TRY(const FaceRegions regions, FaceRegions::from(landmarks));
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, inputs));
 
   std::optional<SurgeryFound> surgery;

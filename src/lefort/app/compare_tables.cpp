@@ -12,23 +12,10 @@ using nlohmann::json;
 
 json number(double value) { return std::isfinite(value) ? json(value) : json(); }
 
-json as_json(const compare::DifferenceStatistics& s) {
-  return {{"area_mm2", s.area_mm2},
-          {"compared_share", s.compared_share},
-          {"mean_mm", number(s.mean_mm)},
-          {"median_mm", number(s.median_mm)},
-          {"p90_mm", number(s.p90_mm)},
-          {"p95_mm", number(s.p95_mm)},
-          {"max_mm", number(s.max_mm)},
-          {"share_below_1mm", number(s.share_below_1mm)},
-          {"share_below_2mm", number(s.share_below_2mm)},
-          {"mean_signed_mm", number(s.mean_signed_mm)}};
-}
-
 std::string csv_line(const std::string& region, const char* what,
                      const compare::DifferenceStatistics& s) {
   std::string line = fmt::format("{},{},{:.1f},{:.4f}", region, what, s.area_mm2, s.compared_share);
-  for (const double value : {s.mean_mm, s.median_mm, s.p90_mm, s.p95_mm, s.max_mm,
+  for (const double value : {s.mean_mm, s.median_mm, s.p90_mm, s.p95_mm, s.p99_mm, s.max_mm,
                              s.share_below_1mm, s.share_below_2mm, s.mean_signed_mm})
     line += std::isfinite(value) ? fmt::format(",{:.4f}", value) : ",";
   return line + "\n";
@@ -55,18 +42,32 @@ std::string anatomical(const Vec3& shift_mm) {
 
 }  // namespace
 
+json statistics_json(const compare::DifferenceStatistics& s) {
+  return {{"area_mm2", s.area_mm2},
+          {"compared_share", s.compared_share},
+          {"mean_mm", number(s.mean_mm)},
+          {"median_mm", number(s.median_mm)},
+          {"p90_mm", number(s.p90_mm)},
+          {"p95_mm", number(s.p95_mm)},
+          {"p99_mm", number(s.p99_mm)},
+          {"max_mm", number(s.max_mm)},
+          {"share_below_1mm", number(s.share_below_1mm)},
+          {"share_below_2mm", number(s.share_below_2mm)},
+          {"mean_signed_mm", number(s.mean_signed_mm)}};
+}
+
 json regions_json(std::span<const compare::RegionDifference> rows) {
   json lines = json::array();
   for (const compare::RegionDifference& row : rows) {
-    lines.push_back({{"region", row.region}, {"face", as_json(row.face)}});
-    if (row.if_unchanged) lines.back()["if_unchanged"] = as_json(*row.if_unchanged);
+    lines.push_back({{"region", row.region}, {"face", statistics_json(row.face)}});
+    if (row.if_unchanged) lines.back()["if_unchanged"] = statistics_json(*row.if_unchanged);
   }
   return lines;
 }
 
 std::string regions_csv(std::span<const compare::RegionDifference> rows) {
   std::string csv =
-      "region,face,area_mm2,compared_share,mean_mm,median_mm,p90_mm,p95_mm,max_mm,"
+      "region,face,area_mm2,compared_share,mean_mm,median_mm,p90_mm,p95_mm,p99_mm,max_mm,"
       "share_below_1mm,share_below_2mm,mean_signed_mm\n";
   for (const compare::RegionDifference& row : rows) {
     csv += csv_line(row.region, "compared", row.face);
@@ -76,12 +77,13 @@ std::string regions_csv(std::span<const compare::RegionDifference> rows) {
 }
 
 std::string regions_text(std::span<const compare::RegionDifference> rows) {
-  std::string text = fmt::format("  {:<16} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}", "[mm]",
-                                 "mean", "median", "P90", "P95", "max", "< 1 mm", "< 2 mm");
+  std::string text = fmt::format("  {:<16} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}", "[mm]",
+                                 "mean", "median", "P90", "P95", "P99", "max", "< 1 mm", "< 2 mm");
   const auto add = [&](const std::string& name, const compare::DifferenceStatistics& s) {
-    text += fmt::format("\n  {:<16} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:5.0f} % {:5.0f} %",
-                        name, s.mean_mm, s.median_mm, s.p90_mm, s.p95_mm, s.max_mm,
-                        100.0 * s.share_below_1mm, 100.0 * s.share_below_2mm);
+    text += fmt::format(
+        "\n  {:<16} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:5.0f} % {:5.0f} %", name,
+        s.mean_mm, s.median_mm, s.p90_mm, s.p95_mm, s.p99_mm, s.max_mm, 100.0 * s.share_below_1mm,
+        100.0 * s.share_below_2mm);
     if (s.compared_share < 0.95)
       text += fmt::format("  of {:.0f} % of the area", 100.0 * s.compared_share);
   };

@@ -13,6 +13,9 @@
 
 namespace lefort::app {
 
+/// Null where a figure is none.
+[[nodiscard]] nlohmann::json statistics_json(const compare::DifferenceStatistics& s);
+
 [[nodiscard]] nlohmann::json regions_json(std::span<const compare::RegionDifference> rows);
 [[nodiscard]] std::string regions_csv(std::span<const compare::RegionDifference> rows);
 [[nodiscard]] std::string regions_text(std::span<const compare::RegionDifference> rows);

@@ -45,6 +45,7 @@ std::vector<Bone> bones_of(const plan::CutSegments& cut,
 
 Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanFile plan, io::read_plan(job.plan));
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
   const fs::path document = job.output / "cut.json";
   LEFORT_TRY_VOID(remove_earlier_files(std::array{document}));

@@ -24,6 +24,22 @@ Result<void> make_output_folder(const fs::path& folder) {
                                                       folder.string(), written.error().message));
 }
 
+EmptyFolders::EmptyFolders(const fs::path& folder) {
+  std::error_code error;
+  for (fs::path at = fs::absolute(folder, error).lexically_normal();
+       !at.empty() && !fs::exists(fs::symlink_status(at, error)); at = at.parent_path()) {
+    if (at.has_filename()) new_.push_back(at);  // "a/" and "a" are one.
+    if (at == at.parent_path()) break;
+  }
+}
+
+EmptyFolders::~EmptyFolders() {
+  std::error_code error;
+  for (const fs::path& folder : new_)
+    if (fs::is_directory(fs::symlink_status(folder, error)) && fs::is_empty(folder, error))
+      fs::remove(folder, error);
+}
+
 Result<void> remove_earlier_files(std::span<const fs::path> files) {
   std::error_code error;
   for (const fs::path& file : files) {

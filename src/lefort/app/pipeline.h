@@ -157,6 +157,8 @@ struct PredictJob {
   bool pictures = true;
   /// Told each step of the path as it is found; may be empty.
   std::function<void(const predict::PredictionStep&, int steps)> on_step{};
+  /// Likewise each of Newton's iterations.
+  std::function<void(const predict::PredictionIterate&, int steps)> on_iterate{};
 };
 /// Plan -> predicted face, with everything that documents it.
 [[nodiscard]] Result<Summary> predict_case(const PredictJob& job, Progress& progress);
@@ -187,6 +189,8 @@ struct ConvergenceJob {
   std::optional<std::filesystem::path> ct;  ///< Instead of the plans'.
   std::filesystem::path output;             ///< A folder; made if missing.
   std::vector<std::string> methods;         ///< Names; empty: all.
+  std::optional<double> element_size_mm;    ///< Instead of the plans'; far elements likewise.
+  std::vector<int> steps;                   ///< Each plan with each of them; empty: its own.
   bool synthetic = true;                    ///< Also the cases that need no scan.
 };
 /// Plans -> how Newton's residual falls by each way of detecting contact (the paper's Figure 5).

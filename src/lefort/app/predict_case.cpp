@@ -140,6 +140,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   io::PlanFile plan = text.plan;
   LEFORT_TRY_VOID(check_single(plan));
   LEFORT_TRY(const fs::path ct, scan_of(job.plan, plan, job.ct));
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_results(job.output));
   const std::string plan_copy = portable_plan(text.json, job.plan, ct, job.output);
@@ -158,19 +159,21 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   progress.begin_stage("solve");
   tell_contact(prepared.plan, progress);
   StepClock clock(progress);
+  const int steps = prepared.plan.segments.front().path.steps;
+  predict::PredictionWatch watch{.on_iterate = {},
+                                 .on_step =
+                                     [&](const predict::PredictionStep& step) {
+                                       clock(step);
+                                       if (job.on_step) job.on_step(step, steps);
+                                     },
+                                 .on_restart = StepKeeper(kept, progress)};
+  if (job.on_iterate)
+    watch.on_iterate = [&](const predict::PredictionIterate& at) { job.on_iterate(at, steps); };
   LEFORT_TRY(const predict::FacePrediction prediction,
              predict::predict_face(prepared.model, prepared.plan.segments.front().path,
                                    {prepared.plan.tissue, prepared.plan.boundary,
                                     prepared.plan.contact, prepared.plan.solver},
-                                   {.on_step =
-                                        [&](const predict::PredictionStep& step) {
-                                          clock(step);
-                                          if (job.on_step)
-                                            job.on_step(step,
-                                                        prepared.plan.segments.front().path.steps);
-                                        },
-                                    .on_restart = StepKeeper(kept, progress)},
-                                   progress, std::move(earlier)));
+                                   watch, progress, std::move(earlier)));
   if (!prediction.converged())
     return give_up(job, prepared, prediction, plan_copy, {progress.stages(), clock.seconds()});
 

@@ -75,6 +75,18 @@ Json as_json(const StepOverlap& step) {
           {"deeper_than_told", step.overlap.is_beyond_reach}};
 }
 
+Json mucosa_parameters(const predict::TissueOptions& tissue) {
+  if (!tissue.mucosa) return nullptr;
+  return {{"thickness_mm", tissue.mucosa->thickness_mm},
+          {"young_kpa", kpa_from_mpa(tissue.mucosa->young_mpa)},
+          {"poisson", tissue.mucosa->poisson}};
+}
+
+Json face_size(const predict::TissueOptions& tissue) {
+  if (!tissue.face) return nullptr;
+  return tissue.face->element_size_mm;
+}
+
 Json skin_parameters(const predict::TissueOptions& tissue) {
   if (!tissue.skin) return nullptr;
   return {{"thickness_mm", tissue.skin->thickness_mm},
@@ -94,6 +106,8 @@ Json parameters(const io::PlanFile& plan, const predict::FacePrediction& predict
           {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
           {"poisson", plan.tissue.poisson},
           {"skin", skin_parameters(plan.tissue)},
+          {"mucosa", mucosa_parameters(plan.tissue)},
+          {"lips_and_nose_element_size_mm", face_size(plan.tissue)},
           {"element_size_mm", plan.tissue.element_size_mm},
           {"far_element_size_mm", plan.tissue.far_element_size_mm},
           {"margin_mm", plan.tissue.margin_mm},

@@ -10,6 +10,7 @@
 #include <lefort/io/vtu.h>
 #include <lefort/plan/bone_path.h>
 #include <lefort/predict/mesh_tissue.h>
+#include <lefort/predict/name_mucosa.h>
 #include <lefort/predict/tissue_boundary.h>
 
 #include <fmt/format.h>
@@ -133,6 +134,8 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(mesh::VolumeMesh tissue,
              find_tissue_mesh(domain, skin_L, bones, plan.tissue, plan.boundary.capture_mm, key,
                               cache, progress));
+  if (const auto& mucosa = plan.tissue.mucosa)
+    tissue = predict::name_mucosa(std::move(tissue), labels, mucosa->thickness_mm);
   progress.begin_stage("find boundaries");
   tissue = predict::find_tissue_boundary(std::move(tissue), domain, labels, skin_L, bones.segment_L,
                                          bones.remainder_L, plan.boundary);

@@ -36,6 +36,7 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
   io::PlanFile plan = text.plan;
   LEFORT_TRY_VOID(check_single(plan));
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
   const fs::path document = job.output / "preview.json", file = job.output / "face.preview";
   LEFORT_TRY_VOID(remove_earlier_files(std::array{document, file}));

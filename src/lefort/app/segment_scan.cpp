@@ -19,6 +19,7 @@ Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
   progress.begin_stage("import");
   LEFORT_TRY(const io::ImportedVolume scan, io::import_volume(job.ct, progress));
   for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
 
   progress.begin_stage("segment");

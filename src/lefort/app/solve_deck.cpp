@@ -202,6 +202,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   clock.begin("read");
 
   LEFORT_TRY(const SolveInputs inputs, fingerprints(job, file));
+  const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_solve_results(job.output));
   SolveWriter writer(job.output, file, prepared);

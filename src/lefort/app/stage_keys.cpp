@@ -7,10 +7,10 @@ namespace lefort::app {
 namespace {
 
 // To be raised with every change of a stage's code that may change what it makes.
-constexpr double kLabelsRevision = 4;
+constexpr double kLabelsRevision = 5;
 constexpr double kFieldRevision = 4;
-constexpr double kTissueRevision = 3;
-constexpr double kSkinRevision = 1;
+constexpr double kTissueRevision = 4;
+constexpr double kSkinRevision = 2;
 
 }  // namespace
 
@@ -59,7 +59,9 @@ std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& la
   const auto& [bone_hu, skin_hu, bone_smoothing_mm, skin_smoothing_mm, thinnest_tissue_mm,
                nostril_depth_mm] = levels;
   // The material is none of the mesh's business.
-  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin] = options;
+  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin, mucosa,
+               face] = options;
+  static_cast<void>(mucosa);  // Named in the mesh when it is there.
   io::Sha256 hash;
   hash.add(kVersion)
       .add(kTissueRevision)
@@ -76,6 +78,11 @@ std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& la
       .add(far_element_size_mm)
       .add(margin_mm)
       .add(predict::kSurfaceDistanceShare);
+  if (face) {
+    const auto& [face_size_mm, points_L] = *face;
+    hash.add(std::string_view("face")).add(face_size_mm).add(double(points_L.size()));
+    for (const Vec3& p_L : points_L) hash.add(p_L);
+  }
   if (skin) {
     const auto& [thickness_mm, layers, skin_young_mpa, skin_poisson] = *skin;
     hash.add(kSkinRevision).add(remainder_L).add(capture_mm).add(thickness_mm).add(layers);

@@ -1,11 +1,14 @@
 #include <lefort/app/mesh_plots.h>
 #include <lefort/app/output_folder.h>
 #include <lefort/app/write_prediction.h>
+#include <lefort/contact/bone_load.h>
+#include <lefort/core/units.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/predict/move_skin.h>
+#include <lefort/predict/tissue_boundary.h>
 #include <lefort/report/report_html.h>
 
 #include <fmt/format.h>
@@ -58,6 +61,26 @@ Result<void> write_paraview(const fs::path& folder, const PreparedCase& prepared
   return io::write_pvd(folder / "prediction.pvd", series);
 }
 
+/// Where it went, and what the tissue does to it there.
+Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepared,
+                                 const predict::FacePrediction& prediction) {
+  const predict::PredictionStep& last = prediction.steps.back();
+  const geometry::TriangleMesh segment_L =
+      geometry::transformed(prepared.bones.segment_L, last.X_LB);
+  if (prediction.touched.empty()) return io::write_surface(file, segment_L);
+  const mesh::VolumeMesh& tissue = prepared.model.tissue;
+  std::vector<Vec3> x_L = tissue.nodes_L;
+  for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
+  // What rests within capture_mm of the bone touches it there.
+  const double near_mm = prepared.plan.boundary.capture_mm + last.contact.max_depth_from_rest_mm;
+  contact::BoneLoad load = contact::load_on_bone(
+      segment_L, x_L, tissue.face_sets.at(predict::sets::kContact), prediction.touched, near_mm);
+  for (double& pressure : load.pressure_mpa) pressure = kpa_from_mpa(pressure);
+  return io::write_surface(
+      file, segment_L,
+      {{"contact_pressure_kpa", load.pressure_mpa}, {"contact_depth_mm", load.depth_mm}});
+}
+
 }  // namespace
 
 Result<void> remove_results(const fs::path& folder) {
@@ -96,9 +119,7 @@ Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCas
   LEFORT_TRY_VOID(io::write_surface(folder / "predicted_skin.stl", after_L));
   LEFORT_TRY_VOID(io::write_surface(folder / "skin_before.vtp", prepared.skin_L));
   LEFORT_TRY_VOID(io::write_surface(folder / "bone_remainder.vtp", prepared.bones.remainder_L));
-  LEFORT_TRY_VOID(io::write_surface(
-      folder / "bone_segment_moved.vtp",
-      geometry::transformed(prepared.bones.segment_L, prediction.steps.back().X_LB)));
+  LEFORT_TRY_VOID(write_moved_segment(folder / "bone_segment_moved.vtp", prepared, prediction));
   return write_paraview(folder / kParaview, prepared, prediction);
 }
 

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <utility>
@@ -23,13 +24,19 @@ namespace {
 /// A case followed by one method.
 struct Walk {
   std::string case_name;
+  std::string mesh_name;  ///< Of the case, whatever the number of its steps.
   ContactMethod method{};
   predict::FacePrediction prediction;
   int steps_asked = 0;
+  std::vector<std::int32_t> skin;  ///< Nodes; none in a synthetic case.
   double seconds = 0.0;
-  double detection_seconds = 0.0;  ///< For all points once, where the tissue lies at the end.
+  /// For all points once, where the tissue lies at the end; not a number before.
+  double detection_seconds = std::numeric_limits<double>::quiet_NaN();
   std::size_t detection_points = 0;
 
+  [[nodiscard]] bool is_whole() const {
+    return std::ssize(prediction.steps) == std::ptrdiff_t(steps_asked);
+  }
   [[nodiscard]] std::vector<fem::LoadAttempt> attempts() const {
     std::vector<fem::LoadAttempt> all;
     for (const predict::PredictionStep& step : prediction.steps)
@@ -65,8 +72,11 @@ std::vector<Vec3> detection_points(const predict::FaceModel& model, contact::Int
   return points;
 }
 
+/// What a step that converged leaves to be written; an error there ends the walk.
+using OnWalk = std::function<Result<void>(const Walk& so_far)>;
+
 Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
-                    const ConvergenceOptions& options, Progress& progress) {
+                    const ConvergenceOptions& options, const OnWalk& on_walk, Progress& progress) {
   predict::PredictionOptions prediction = task.options;
   prediction.contact.detection = method.detection;
   prediction.contact.integration = method.integration;
@@ -76,18 +86,26 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
 
   Walk walk;
   walk.case_name = task.name;
+  walk.mesh_name = task.mesh_name;
   walk.method = method;
   walk.steps_asked = task.path.steps;
+  const auto skin = task.model.tissue.node_sets.find(predict::sets::kSkin);
+  if (skin != task.model.tissue.node_sets.end()) walk.skin = skin->second;
   const Stopwatch watch;
+  Result<void> written;
   const auto on_step = [&](const predict::PredictionStep& step) {
     progress.note(fmt::format("  {}, {}: {:5.1f} %, {} iterations in {} increments, {:.1f} s",
                               task.name, method.name, 100.0 * step.share, step.newton_iterations(),
                               step.attempts.size(), watch.seconds()));
+    walk.prediction.steps.push_back(step);
+    walk.seconds = watch.seconds();
+    if (written) written = on_walk(walk);
   };
   LEFORT_TRY(walk.prediction,
              predict::predict_face(task.model, task.path, prediction,
                                    {.on_step = on_step, .on_restart = {}}, progress));
   walk.seconds = watch.seconds();
+  LEFORT_TRY_VOID(written);
 
   std::vector<Vec3> x_L = task.model.tissue.nodes_L;
   RigidTransform X_LB = RigidTransform::Identity();
@@ -171,6 +189,62 @@ std::string table(std::span<const Walk> walks) {
   return text;
 }
 
+/// How far the faces at the ends of two walks on one mesh are apart [mm].
+struct FaceDifference {
+  double p99_mm = 0.0;         ///< Of all nodes of the skin.
+  double p99_moving_mm = 0.0;  ///< Of those that either walk moves, see kMoves_mm.
+  double max_mm = 0.0;
+};
+
+/// Below it skin counts as still.
+constexpr double kMoves_mm = 0.5;
+
+/// \param values  at least one.
+double p99(std::vector<double> values) {
+  const std::size_t at = (values.size() - 1) * 99 / 100;
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(at), values.end());
+  return values[at];
+}
+
+FaceDifference difference(const Walk& a, const Walk& b) {
+  const auto& u_a = a.prediction.steps.back().displacement_mm;
+  const auto& u_b = b.prediction.steps.back().displacement_mm;
+  std::vector<double> all_mm{0.0}, moving_mm{0.0};
+  for (const std::int32_t node : a.skin) {
+    const Vec3 &there = u_a[std::size_t(node)], &here = u_b[std::size_t(node)];
+    all_mm.push_back((there - here).norm());
+    if (std::max(there.norm(), here.norm()) > kMoves_mm) moving_mm.push_back(all_mm.back());
+  }
+  return {p99(all_mm), p99(moving_mm), *std::max_element(all_mm.begin(), all_mm.end())};
+}
+
+/// Walks by the same method that came to their end, each against the one with the most steps; empty
+/// if a method went only one way.
+std::string face_table(std::span<const Walk> walks) {
+  std::string text;
+  for (const Walk& walk : walks) {
+    const auto is_like = [&](const Walk& other) {
+      return other.mesh_name == walk.mesh_name && other.method.name == walk.method.name &&
+             !other.skin.empty() && other.is_whole();
+    };
+    const Walk* finest = nullptr;
+    for (const Walk& other : walks)
+      if (is_like(other) && (!finest || other.steps_asked > finest->steps_asked)) finest = &other;
+    if (!finest || finest == &walk || !is_like(walk)) continue;
+    const auto [p99_mm, p99_moving_mm, max_mm] = difference(walk, *finest);
+    text += fmt::format("| {} | {} | {} | {} | {:.3f} | {:.3f} | {:.3f} |\n", walk.mesh_name,
+                        walk.method.name, walk.steps_asked, finest->steps_asked, p99_mm,
+                        p99_moving_mm, max_mm);
+  }
+  if (text.empty()) return text;
+  return fmt::format(
+             "\nHow far the faces are apart, where the skin's nodes come to lie at the end:\n\n"
+             "| case | method | steps | against | P99 mm | P99 mm of what moves over {:g} mm | max "
+             "mm |\n|---|---|---|---|---|---|---|\n",
+             kMoves_mm) +
+         text;
+}
+
 std::string csv(std::span<const Walk> walks) {
   std::string text =
       "case,method,attempt,from,to,extrapolated,converged,iteration,residual_n,relative_residual,"
@@ -236,7 +310,8 @@ Result<void> write_results(std::span<const Walk> all, std::span<const Walk> of_c
       options.output / "convergence.md",
       fmt::format("# Convergence of contact\n\nlefort {}, `lefort bench convergence`; relative "
                   "tolerance {:g}, at most {} iterations an increment.\n\n{}",
-                  kVersion, options.relative_tolerance, options.max_iterations, table(all)));
+                  kVersion, options.relative_tolerance, options.max_iterations,
+                  table(all) + face_table(all)));
 }
 
 }  // namespace
@@ -258,13 +333,17 @@ Result<std::string> run_convergence(std::span<const ConvergenceCase> cases,
     const std::size_t first = all.size();
     for (const ContactMethod& method : options.methods) {
       progress.begin_stage(fmt::format("{}: {}", task.name, method.name));
-      LEFORT_TRY(Walk walk, follow(task, method, options, progress));
-      all.push_back(std::move(walk));
-      LEFORT_TRY_VOID(  // After every walk: the next may take long.
-          write_results(all, std::span<const Walk>(all).subspan(first), options));
+      all.emplace_back();
+      // After every step: the next may take long, and a run that is stopped keeps its figures.
+      const auto write = [&](const Walk& so_far) {
+        all.back() = so_far;
+        return write_results(all, std::span<const Walk>(all).subspan(first), options);
+      };
+      LEFORT_TRY(const Walk walk, follow(task, method, options, write, progress));
+      LEFORT_TRY_VOID(write(walk));
     }
   }
-  return table(all);
+  return table(all) + face_table(all);
 }
 
 }  // namespace lefort::bench

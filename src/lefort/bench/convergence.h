@@ -19,6 +19,8 @@ namespace lefort::bench {
 /// A body, a bone and its way.
 struct ConvergenceCase {
   std::string name;
+  /// Cases of one name here share the mesh and differ in the number of steps alone.
+  std::string mesh_name;
   predict::FaceModel model;
   plan::BonePath path;
   predict::PredictionOptions options;  ///< How contact is detected is the method's.
@@ -49,8 +51,10 @@ struct ConvergenceOptions {
 /// Follows each case by each method: same mesh, from rest, by the same rules for increments and for
 /// stopping.
 ///
-/// Writes convergence.csv (every Newton iteration), convergence.md (table), and for each case two
-/// plots, NAME-walk.svg and NAME-first-step.svg, into the output folder.
+/// Writes convergence.csv (every Newton iteration), convergence.md (table; how far apart the faces
+/// of one mesh are after different numbers of steps), and for each case two plots, NAME-walk.svg
+/// and NAME-first-step.svg, into the output folder; all of them anew after every step, so that a
+/// run that is stopped keeps what it has found.
 /// \returns the table as Markdown; kFileUnwritable, kCancelled, or what predict_face() refuses.
 [[nodiscard]] Result<std::string> run_convergence(std::span<const ConvergenceCase> cases,
                                                   const ConvergenceOptions& options,

@@ -71,7 +71,7 @@ TriangleMesh coarse_sphere() {
 Result<ConvergenceCase> pressed_and_slid(std::string name, TriangleMesh bone, Progress& progress) {
   constexpr double kPressed_mm = 2.5, kSlid_mm = 5.0;
   ConvergenceCase task;
-  task.name = std::move(name);
+  task.name = task.mesh_name = std::move(name);
   const auto cells = [](double size_mm) { return int(std::lround(size_mm / kElement_mm)); };
   const Vec3 size_mm = kBlock_mm();
   task.model.tissue =

@@ -1,4 +1,5 @@
 #include <lefort/compare/compare_by_region.h>
+#include <lefort/core/check.h>
 
 #include <cmath>
 #include <functional>
@@ -48,6 +49,10 @@ std::vector<std::pair<std::string, DifferenceStatistics>> describe_parts(
   return parts;
 }
 
+void drop_empty(std::vector<RegionDifference>& rows) {
+  std::erase_if(rows, [](const RegionDifference& row) { return row.face.area_mm2 == 0.0; });
+}
+
 }  // namespace
 
 std::vector<FaceRegion> regions_of(const TriangleMesh& face_L, const TriangleMesh* before_L,
@@ -74,7 +79,25 @@ std::vector<RegionDifference> compare_by_region(const TriangleMesh& face_L,
                                      regions_of(*before_L, nullptr, regions));
     for (std::size_t k = 0; k < rows.size(); ++k) rows[k].if_unchanged = then[k].second;
   }
-  std::erase_if(rows, [](const RegionDifference& row) { return row.face.area_mm2 == 0.0; });
+  drop_empty(rows);
+  return rows;
+}
+
+std::vector<RegionDifference> movement_by_region(const TriangleMesh& before_L,
+                                                 std::span<const Vec3> displacement_mm,
+                                                 const FaceRegions& regions) {
+  LEFORT_CHECK(displacement_mm.size() == before_L.vertices.size());
+  TriangleMesh after_L = before_L;
+  SurfaceDifference moved{.signed_mm = {}, .area_mm2 = vertex_areas(before_L)};
+  for (std::size_t v = 0; v < displacement_mm.size(); ++v) {
+    after_L.vertices[v] += displacement_mm[v];
+    moved.signed_mm.push_back(displacement_mm[v].norm());
+  }
+  std::vector<RegionDifference> rows;
+  for (const auto& [name, face] :
+       describe_parts(before_L, moved, &after_L, regions_of(before_L, nullptr, regions)))
+    rows.push_back({name, face, std::nullopt});
+  drop_empty(rows);
   return rows;
 }
 

@@ -7,6 +7,7 @@
 #include <lefort/compare/surface_difference.h>
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,5 +40,13 @@ struct RegionDifference {
 [[nodiscard]] std::vector<RegionDifference> compare_by_region(
     const geometry::TriangleMesh& face_L, const SurfaceDifference& difference,
     const geometry::Bvh& other, const geometry::TriangleMesh* before_L, const FaceRegions& regions);
+
+/// How far each part of a face moved, vertex from vertex: figures of the lengths of displacements.
+///
+/// \param displacement_mm  one per vertex of `before_L`.
+/// \returns as compare_by_region(), without a baseline.
+[[nodiscard]] std::vector<RegionDifference> movement_by_region(
+    const geometry::TriangleMesh& before_L, std::span<const Vec3> displacement_mm,
+    const FaceRegions& regions);
 
 }  // namespace lefort::compare

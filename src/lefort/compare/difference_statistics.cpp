@@ -48,7 +48,7 @@ DifferenceStatistics describe(const SurfaceDifference& difference,
   }
   if (ascending.empty()) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    told.mean_mm = told.median_mm = told.p90_mm = told.p95_mm = told.max_mm = kNone;
+    told.mean_mm = told.median_mm = told.p90_mm = told.p95_mm = told.p99_mm = told.max_mm = kNone;
     told.share_below_1mm = told.share_below_2mm = told.mean_signed_mm = kNone;
     return told;
   }
@@ -59,6 +59,7 @@ DifferenceStatistics describe(const SurfaceDifference& difference,
   told.median_mm = percentile(ascending, compared_mm2, 0.5);
   told.p90_mm = percentile(ascending, compared_mm2, 0.9);
   told.p95_mm = percentile(ascending, compared_mm2, 0.95);
+  told.p99_mm = percentile(ascending, compared_mm2, 0.99);
   told.max_mm = ascending.back().first;
   told.share_below_1mm = share_below(ascending, compared_mm2, 1.0);
   told.share_below_2mm = share_below(ascending, compared_mm2, 2.0);

@@ -17,6 +17,7 @@ struct DifferenceStatistics {
   double median_mm = 0.0;
   double p90_mm = 0.0;
   double p95_mm = 0.0;
+  double p99_mm = 0.0;
   double max_mm = 0.0;
   double share_below_1mm = 0.0;  ///< Of the compared area, 0 to 1.
   double share_below_2mm = 0.0;

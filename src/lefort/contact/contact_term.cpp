@@ -344,6 +344,7 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
     if (gap.zone != field::Zone::kBand || !(pressure_mpa(depth_mm, spring) > 0.0)) continue;
 
     ++local.contacts;
+    local.deepest_mm = std::max(local.deepest_mm, depth_mm);
     for (Index a = 0; a < nodes; ++a)
       local.residual_n.segment<3>(3 * a) +=
           point.area_mm2 * N[std::size_t(a)] * response.gradient_mpa;
@@ -419,9 +420,13 @@ std::vector<NodalContact> ContactTerm::at_nodes(std::span<const Vec3> x_L) const
     for_each_point(patch, x_L, [&](std::size_t k, const RulePoint& rule, const PointGap& at) {
       const Point& point = points_[k];
       const double p_mpa = pressure_at(point, at.acting) * at.acting.gradient_L.norm();
+      const double depth_mm =
+          p_mpa > 0.0 ? point.rest_gap_mm - std::min(at.acting.gap_mm, at.measured.gap_mm) : 0.0;
       for (std::size_t a = 0; a < patch.count; ++a) {
         const double weight_mm2 = point.area_mm2 * std::abs(rule.N[a]);
-        of_node[patch.nodes[a]].pressure_mpa += weight_mm2 * p_mpa;
+        NodalContact& node = of_node[patch.nodes[a]];
+        node.pressure_mpa += weight_mm2 * p_mpa;
+        node.depth_mm = std::max(node.depth_mm, depth_mm);
         share_mm2[patch.nodes[a]] += weight_mm2;
       }
     });

@@ -57,6 +57,8 @@ struct NodalContact {
   std::int32_t node = 0;
   double pressure_mpa = 0.0;  ///< Mean over the points around it, weighted by the node's share.
   double gap_mm = 0.0;        ///< Plus or minus the band beyond it; NaN where the field is torn.
+  /// How much nearer to the bone than at rest the deepest point around it in contact lies; >= 0.
+  double depth_mm = 0.0;
 };
 
 /// What contact does at one point of integration.

@@ -25,6 +25,7 @@ void pick(const VectorX& values, std::span<const std::int32_t> nodes, Vec3* pick
 struct ItemState {
   double energy_mj = 0.0;  ///< Or kInadmissible.
   Index contacts = 0;
+  double deepest_mm = 0.0;
 };
 
 /// Evaluates one item into zeroed memory; `stiffness`, of the kind `tangent`, may be null.
@@ -42,7 +43,7 @@ ItemState evaluate_item(const ForceTerm& term, Index item, const VectorX& x_L, d
   local.residual_n.setZero();
   local.stiffness_n_per_mm.setZero();
   const bool admissible = term.evaluate(item, {local_x_L.data(), nodes.size()}, local);
-  return {admissible ? local.energy_mj : kInadmissible, local.contacts};
+  return {admissible ? local.energy_mj : kInadmissible, local.contacts, local.deepest_mm};
 }
 
 /// Adds what the chunk's items push on each node; and their magnitudes, if asked.
@@ -172,6 +173,7 @@ std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
     for (std::size_t k = 0; k < states.size(); ++k) {
       if (std::isnan(states[k].energy_mj)) return std::nullopt;
       sum.contacts += states[k].contacts;
+      sum.deepest_mm = std::max(sum.deepest_mm, states[k].deepest_mm);
       if (!plan_->is_conservative(chunk.items[k])) continue;
       sum.energy_mj += states[k].energy_mj;
       energy_magnitude += std::abs(states[k].energy_mj);

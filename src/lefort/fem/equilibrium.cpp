@@ -22,7 +22,8 @@ class HeldBody final : public NonlinearSystem {
                                      : assembler_.dofs().free_part(forces->follower_n),
                    .force_scale_n = forces->force_scale_n,
                    .energy_round_off_mj = forces->energy_round_off_mj,
-                   .contacts = forces->contacts};
+                   .contacts = forces->contacts,
+                   .deepest_mm = forces->deepest_mm};
   }
 
   [[nodiscard]] SparseMatrix tangent(const VectorX& x, Tangent kind) const override {

@@ -23,7 +23,8 @@ struct LocalEquations {
   /// Which stiffness is wanted. Instead of a convex one the exact one is allowed; the antisymmetric
   /// one is asked for only where is_conservative() says no.
   Tangent tangent = Tangent::kExact;
-  Index contacts = 0;  ///< Points at which a body is touched now, for the history.
+  Index contacts = 0;       ///< Points at which a body is touched now, for the history.
+  double deepest_mm = 0.0;  ///< How deep one of them lies, for who watches [mm].
 
   /// False on the cheaper path: energy and residual only.
   [[nodiscard]] bool wants_stiffness() const { return stiffness_n_per_mm.size() > 0; }

@@ -383,7 +383,11 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
   Headway headway(at);
   ForcingTerm forcing;
   Model model;
-  outcome.history.push_back(history_line(at, 0.0, model));
+  const auto note = [&](double step_length) {
+    outcome.history.push_back(history_line(at, step_length, model));
+    if (options.on_iterate) options.on_iterate(outcome.history.back(), at.balance);
+  };
+  note(0.0);
   const auto stop = [&](NewtonStop why, const std::string& what) {
     outcome.stop = why;
     outcome.reason =
@@ -418,7 +422,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
 
     const int idle = headway.steps_without(at, step->to, model.shift > 0.0);
     at = std::move(step->to);
-    outcome.history.push_back(history_line(at, step->length, model));
+    note(step->length);
     if (idle >= options.stagnation_iterations && !is_converged(at, outcome.iterations(), options))
       return stop(NewtonStop::kStagnated, fmt::format("no headway for {} iterations", idle));
   }

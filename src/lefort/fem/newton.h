@@ -25,6 +25,7 @@ struct Balance {
   double force_scale_n = 0.0;        ///< Size of the forces that cancel in r [N]; see Assembler.
   double energy_round_off_mj = 0.0;  ///< Differences of W below this say nothing [mJ].
   Index contacts = 0;                ///< Points in contact, for the history.
+  double deepest_mm = 0.0;           ///< How deep one of them lies, for who watches [mm].
 };
 
 /// r(x) = 0. x holds the free displacements [mm].
@@ -47,6 +48,17 @@ class NonlinearSystem {
   }
 };
 
+/// One line of the history.
+struct NewtonIterate {
+  double residual_n = 0.0;     ///< |r| [N].
+  double force_scale_n = 0.0;  ///< [N]; residual_n / force_scale_n is the relative residual.
+  double energy_mj = 0.0;      ///< Of followers: minus their work on the way from the start.
+  double step_length = 0.0;    ///< Taken to come here, in Newton steps; 0 at the start.
+  double convex_share = 0.0;   ///< Of the convex tangent in the one the step was taken by.
+  double shift = 0.0;          ///< tau: tau times its diagonal was added to it.
+  Index contacts = 0;          ///< Points in contact here.
+};
+
 /// What a solve spends its time on.
 enum class SolvePhase { kAssembly, kFactorisation, kSolve, kNone };
 
@@ -66,6 +78,8 @@ struct NewtonOptions {
   int stagnation_iterations = 8;      ///< Stop when so many steps in a row make no headway; >= 1.
   /// Told what comes next, from the calling thread: for who looks at the clock. May be empty.
   std::function<void(SolvePhase)> on_phase{};
+  /// Told each line of the history as it is found, likewise: for who watches. May be empty.
+  std::function<void(const NewtonIterate&, const Balance&)> on_iterate{};
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
@@ -86,17 +100,6 @@ enum class NewtonStop {
   kInadmissibleStart,  ///< The start itself turns an element inside out, or is not finite.
   kRefused,            ///< Converged to a state that the caller does not accept.
   kCancelled           ///< Progress asked to stop.
-};
-
-/// One line of the history.
-struct NewtonIterate {
-  double residual_n = 0.0;     ///< |r| [N].
-  double force_scale_n = 0.0;  ///< [N]; residual_n / force_scale_n is the relative residual.
-  double energy_mj = 0.0;      ///< Of followers: minus their work on the way from the start.
-  double step_length = 0.0;    ///< Taken to come here, in Newton steps; 0 at the start.
-  double convex_share = 0.0;   ///< Of the convex tangent in the one the step was taken by.
-  double shift = 0.0;          ///< tau: tau times its diagonal was added to it.
-  Index contacts = 0;          ///< Points in contact here.
 };
 
 /// What came out, whether or not it converged.

@@ -49,17 +49,41 @@ void read_skin(const Json& skin, predict::SkinOptions& options) {
   options.poisson = poisson;
 }
 
-Result<void> read_tissue(const Json& tissue, predict::TissueOptions& options) {
+void read_mucosa(const Json& mucosa, predict::MucosaOptions& options) {
+  read(mucosa, "thickness_mm", options.thickness_mm);
+  const auto [young_mpa, poisson] = read_material(mucosa["material"]);
+  options.young_mpa = young_mpa;
+  options.poisson = poisson;
+}
+
+/// Landmarks of the skin on lips and nose (docs/landmarks.md).
+std::vector<Vec3> lips_and_nose(const plan::Landmarks& landmarks) {
+  std::vector<Vec3> points_L;
+  for (const char* const name : {"Prn", "Al-R", "Al-L", "Sn", "Ls", "Stm", "Ch-R", "Ch-L", "Li"})
+    if (const auto p_L = plan::find_landmark(landmarks, name)) points_L.push_back(*p_L);
+  return points_L;
+}
+
+Result<void> read_tissue(const Json& tissue, const plan::Landmarks& landmarks,
+                         predict::TissueOptions& options) {
   if (tissue.contains("material")) {
     const auto [young_mpa, poisson] = read_material(tissue["material"]);
     options.young_mpa = young_mpa;
     options.poisson = poisson;
   }
   if (tissue.contains("skin")) read_skin(tissue["skin"], options.skin.emplace());
+  if (tissue.contains("mucosa")) read_mucosa(tissue["mucosa"], options.mucosa.emplace());
+  if (const auto size = tissue.find("lips_and_nose_element_size_mm"); size != tissue.end())
+    options.face = {size->get<double>(), lips_and_nose(landmarks)};
   read(tissue, "element_size_mm", options.element_size_mm);
   options.far_element_size_mm = std::max(options.far_element_size_mm, options.element_size_mm);
   read(tissue, "far_element_size_mm", options.far_element_size_mm);
   read(tissue, "margin_mm", options.margin_mm);
+  if (options.face && options.face->element_size_mm > options.far_element_size_mm)
+    return fail(ErrorCode::kPlanInvalid,
+                fmt::format("tissue.lips_and_nose_element_size_mm: {:g} is more than "
+                            "far_element_size_mm, {:g}",
+                            options.face->element_size_mm, options.far_element_size_mm));
   if (options.far_element_size_mm >= options.element_size_mm) return {};
   return fail(ErrorCode::kPlanInvalid,
               fmt::format("tissue.far_element_size_mm: {:g} is less than element_size_mm, {:g}",
@@ -91,7 +115,7 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   }
   LEFORT_TRY(plan.segments, internal::read_segments(json["segments"], plan.landmarks, folder));
 
-  LEFORT_TRY_VOID(read_tissue(section(json, "tissue"), plan.tissue));
+  LEFORT_TRY_VOID(read_tissue(section(json, "tissue"), plan.landmarks, plan.tissue));
   read_boundary(section(json, "boundary"), plan.boundary);
 
   const Json& contact = section(json, "contact");

@@ -30,6 +30,9 @@ Result<ImportedVolume> read_volume(const std::filesystem::path& file, Progress& 
     for (const auto value : values)
       imported.ct.values.push_back(hounsfield(static_cast<double>(value), count));
   });
+  if (count.not_a_number == std::ssize(imported.ct.values))
+    return fail(ErrorCode::kFileCorrupt,
+                imported.source_kind + " file: none of the voxels is a number");
   imported.warnings = hounsfield_warnings(count, imported.ct);
   if (imported.ct.grid.direction.determinant() < 0.0) reverse_axis(imported.ct, 2);
   progress.report(1.0);

@@ -389,8 +389,11 @@ class LayerMaker {
       const auto node = std::size_t(n);
       if (faces_of_node_.of(node).empty() || is_rim_[node] != 0 || inwards_[node].isZero()) return;
       const double start_mm = 0.1 * options_.thickness_mm;
-      const auto other_side =
-          body.first_hit(outer_L_[node] + start_mm * inwards_[node], inwards_[node]);
+      // A ray along a side would meet the side itself, whose faces lie in their plane but roughly.
+      Vec3 from_L = outer_L_[node] + start_mm * inwards_[node];
+      for (const Vec3& inside : across_[node])
+        from_L += std::max(start_mm, 2.0 * kOnSide_mm) * inside;
+      const auto other_side = body.first_hit(from_L, inwards_[node]);
       const double room_mm = other_side ? other_side->distance_mm + start_mm : 0.0;
       thickness_mm_[node] = std::min(options_.thickness_mm, kShareOfRoom * room_mm);
     });

@@ -33,12 +33,24 @@ struct PredictionStep {
   }
 };
 
+/// A line of Newton's history while its step is being sought.
+struct PredictionIterate {
+  double to_share = 0.0;  ///< Of the path: where equilibrium is sought.
+  int attempt = 1;        ///< Of this step, as PredictionStep::attempts counts them, from 1.
+  int iteration = 0;      ///< Of this attempt; 0 is its start.
+  fem::NewtonIterate line;
+  double deepest_mm = 0.0;  ///< How much deeper than at rest tissue in contact lies, at most.
+};
+
 struct FacePrediction {
   double contact_stiffness_mpa_per_mm = 0.0;  ///< k_c; 0 where tissue is attached.
   double rest_penetration_mm = 0.0;   ///< Of the tissue's mesh into the segment before it moves.
   std::vector<PredictionStep> steps;  ///< Converged ones alone; all of them if nothing failed.
   std::optional<Error> failure;       ///< Why the path was not followed to its end.
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged step.
+  /// Of the nodes of set `contact` after the last step; empty if tissue is attached or the path was
+  /// not followed to its end.
+  std::vector<contact::NodalContact> touched;
 
   [[nodiscard]] bool converged() const { return !failure.has_value(); }
 };

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -19,19 +20,51 @@ namespace {
 /// Better than must be: the layer above squeezes them.
 constexpr double kJacobianBeforeSkin = 0.12;
 
+/// The foremost voxel of the tissue, which is the tip of the nose: L's y runs to posterior.
+Vec3 foremost(const TissueDomain& domain) {
+  const image::ScalarVolume& level = domain.soft_tissue_level;
+  Vec3 found_L = Vec3::Zero();
+  double least_y_mm = std::numeric_limits<double>::max();
+  for (Index k = 0; k < level.grid.size[2]; ++k)
+    for (Index j = 0; j < level.grid.size[1]; ++j)
+      for (Index i = 0; i < level.grid.size[0]; ++i) {
+        if (!(level.at(i, j, k) > 0.0F)) continue;
+        const Vec3 p_L = level.grid.point_L({double(i), double(j), double(k)});
+        if (!(p_L.y() < least_y_mm) || !domain.box_L.contains(p_L)) continue;
+        least_y_mm = p_L.y();
+        found_L = p_L;
+      }
+  return found_L;
+}
+
 Result<mesh::VolumeMesh> fill(const TissueDomain& domain, const geometry::TriangleMesh& segment_L,
                               const TissueOptions& options, double smallest_jacobian,
                               Progress& progress) {
   const geometry::Bvh segment(segment_L);
   mesh::TetOptions tets;
   tets.element_size_mm = std::max(options.element_size_mm, options.far_element_size_mm);
+  std::vector<Vec3> face_points_L;
+  if (options.face) face_points_L = options.face->points_L;
+  if (options.face && face_points_L.empty()) face_points_L.push_back(foremost(domain));
+  // From the finest size to that of the rim, over the margin.
+  const auto size_mm = [&](double finest_mm, double distance_mm) {
+    const double share = std::min(1.0, distance_mm / options.margin_mm);
+    return finest_mm + share * (tets.element_size_mm - finest_mm);
+  };
   tets.size_at_mm = [&](const Vec3& p_L) {
     const auto nearest = segment.closest_point(p_L, options.margin_mm);
-    const double share = nearest ? nearest->distance_mm / options.margin_mm : 1.0;
-    return options.element_size_mm + share * (tets.element_size_mm - options.element_size_mm);
+    double wanted_mm =
+        size_mm(options.element_size_mm, nearest ? nearest->distance_mm : options.margin_mm);
+    for (const Vec3& point_L : face_points_L)
+      wanted_mm =
+          std::min(wanted_mm, size_mm(options.face->element_size_mm, (p_L - point_L).norm()));
+    return wanted_mm;
   };
   tets.smallest_jacobian = smallest_jacobian;
-  tets.surface_distance_mm = kSurfaceDistanceShare * options.element_size_mm;
+  const double finest_mm = options.face
+                               ? std::min(options.element_size_mm, options.face->element_size_mm)
+                               : options.element_size_mm;
+  tets.surface_distance_mm = kSurfaceDistanceShare * finest_mm;
   const auto level = [&domain](const Vec3& p_L) { return domain.level(p_L); };
   // The level ends at the box; a little beyond it is outside for certain.
   const Box3 box(domain.box_L.min() - Vec3::Ones(), domain.box_L.max() + Vec3::Ones());

@@ -19,6 +19,7 @@ inline constexpr double kSurfaceDistanceShare = 0.15;
 namespace regions {
 inline constexpr std::int32_t kInside = 0;  ///< Connective tissue, fat and all that is not told.
 inline constexpr std::int32_t kSkin = 1;
+inline constexpr std::int32_t kMucosa = 2;
 }  // namespace regions
 
 /// No element of a mesh with skin may have a smaller scaled Jacobian.

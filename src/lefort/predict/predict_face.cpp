@@ -223,12 +223,28 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
   const fem::Assembler assembler(tissue.nodes_L, std::move(dofs), terms);
 
   std::optional<fem::LinearSolver> linear_solver(std::in_place);
+  PredictionIterate seen;
+  seen.attempt = 0;
   const auto solve_at = [&](double share, const VectorX& start) {
     const RigidTransform X_LB = plan::pose_at(path, share);
     for (contact::ContactTerm& contact : contacts) contact.set_pose(X_LB);
+    seen.to_share = share;
+    ++seen.attempt;
+    seen.iteration = -1;
     const auto solve_from = [&](const VectorX& from) {
-      return fem::find_equilibrium(assembler, prescribed_at(X_LB), from, *linear_solver,
-                                   newton_options(options.solver, options.tissue), progress);
+      fem::NewtonOptions newton = newton_options(options.solver, options.tissue);
+      // As in the history: what follows an augmentation goes on without a start of its own.
+      bool is_told = watch.on_iterate && seen.iteration < 0;
+      if (watch.on_iterate)
+        newton.on_iterate = [&](const fem::NewtonIterate& line, const fem::Balance& balance) {
+          if (!std::exchange(is_told, true)) return;
+          ++seen.iteration;
+          seen.line = line;
+          seen.deepest_mm = balance.deepest_mm;
+          watch.on_iterate(seen);
+        };
+      return fem::find_equilibrium(assembler, prescribed_at(X_LB), from, *linear_solver, newton,
+                                   progress);
     };
     return contact::settle_contacts(contacts, tissue.nodes_L, start, solve_from);
   };
@@ -262,6 +278,7 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     std::vector<fem::LoadAttempt> new_attempts(attempts.begin() + std::ptrdiff_t(attempts_told),
                                                attempts.end());
     attempts_told = attempts.size();
+    seen.attempt = 0;
     if (!advanced) {
       if (advanced.error().code == ErrorCode::kCancelled) return tl::unexpected(advanced.error());
       if (advanced.error().code == ErrorCode::kOutOfMemory)
@@ -297,6 +314,9 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     watch.on_restart(so_far);
   }
   prediction.steps = std::move(so_far.steps);
+  if (is_contact)
+    prediction.touched =
+        contacts[0].at_nodes(contact::displaced(tissue.nodes_L, stepper.state().u));
   return prediction;
 }
 

@@ -68,8 +68,9 @@ struct Restart {
 
 /// Who watches a prediction; each may be empty.
 struct PredictionWatch {
-  std::function<void(const PredictionStep&)> on_step;  ///< Told each once it has converged.
-  std::function<void(const Restart&)> on_restart;      ///< Likewise, with all there is to keep.
+  std::function<void(const PredictionIterate&)> on_iterate{};  ///< Told each as it is found.
+  std::function<void(const PredictionStep&)> on_step;          ///< Told each once it has converged.
+  std::function<void(const Restart&)> on_restart;  ///< Likewise, with all there is to keep.
 };
 
 /// Follows the path step by step; the bone passes through every keyframe between.

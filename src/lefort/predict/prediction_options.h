@@ -3,8 +3,10 @@
 #pragma once
 
 #include <lefort/contact/contact_term.h>
+#include <lefort/core/types.h>
 
 #include <optional>
+#include <vector>
 
 namespace lefort::predict {
 
@@ -25,13 +27,29 @@ struct SkinOptions {
   double poisson = 0.45;      ///< 0 <= nu < 0.5.
 };
 
+/// Mucosa: what is under no skin and nearer than this to the air of airway and sinuses.
+struct MucosaOptions {
+  double thickness_mm = 0.0;  ///< > 0.
+  double young_mpa = 0.0;     ///< > 0.
+  double poisson = 0.0;       ///< 0 <= nu < 0.5.
+};
+
+/// Finer elements at lips and nose.
+struct FaceSize {
+  double element_size_mm = 0.0;  ///< Edge at the points; grows from there as from the segment.
+  /// Of lips and nose; if empty the foremost point of the tissue, which is the tip of the nose.
+  std::vector<Vec3> points_L = {};
+};
+
 struct TissueOptions {
   double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/materials.md).
   double poisson = 0.45;             ///< 0 <= nu < 0.5. Linear tetrahedra lock nearer to 0.5.
   double element_size_mm = 2.5;      ///< Edge near the moved segment.
   double far_element_size_mm = 5.0;  ///< Edge at the rim of the region, >= element_size_mm.
   double margin_mm = 30.0;           ///< Tissue is meshed this far beyond the segment's box.
-  std::optional<SkinOptions> skin = std::nullopt;  ///< Without, skin is made as what is inside.
+  std::optional<SkinOptions> skin = std::nullopt;      ///< Without, skin is made as what is inside.
+  std::optional<MucosaOptions> mucosa = std::nullopt;  ///< Without, likewise.
+  std::optional<FaceSize> face = std::nullopt;
 };
 
 struct BoundaryOptions {

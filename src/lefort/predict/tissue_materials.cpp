@@ -11,6 +11,10 @@ Result<fem::RegionMaterials> materials_of(const TissueOptions& tissue) {
     LEFORT_TRY(materials[regions::kSkin],
                fem::NeoHookean::from_young_poisson(skin->young_mpa, skin->poisson));
   }
+  if (const auto& mucosa = tissue.mucosa) {
+    LEFORT_TRY(materials[regions::kMucosa],
+               fem::NeoHookean::from_young_poisson(mucosa->young_mpa, mucosa->poisson));
+  }
   return materials;
 }
 

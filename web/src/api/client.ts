@@ -95,6 +95,8 @@ export class Client {
   surfaces = async () => (await this.get('SurfaceList', '/surfaces')).surfaces;
   prediction = () => this.get('Prediction', '/prediction');
   previewDistance = () => this.get('PreviewDistance', '/preview/distance');
+  comparison = () => this.get('Comparison', '/comparison');
+  stepRegions = (step: number) => this.get('RegionShifts', `/prediction/steps/${step}/regions`);
   files = async () => (await this.get('FileList', '/files')).files;
   plan = () => this.getTagged('Plan', '/plan');
   landmarks = () => this.getTagged('Landmarks', '/landmarks');
@@ -207,6 +209,11 @@ export class Client {
   /** Displacement of each vertex of surface skin_before at a step, from 1 [mm], flat xyz. */
   async predictionStep(step: number): Promise<Float32Array> {
     return new Float32Array(await (await this.send('GET', `/prediction/steps/${step}`)).arrayBuffer());
+  }
+
+  /** A number for each vertex of a surface; NaN where there is none. */
+  async values(name: Schemas['ValuesName']): Promise<Float32Array> {
+    return new Float32Array(await (await this.send('GET', `/values/${name}`)).arrayBuffer());
   }
 
   async file(name: string): Promise<Blob> {

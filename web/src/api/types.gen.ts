@@ -417,6 +417,57 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/prediction/steps/{step}/regions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** How far the parts of the face have moved at a step, vertex from vertex, over area */
+        get: operations["getPredictionStepRegions"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/comparison": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What the job compare has found: the predicted face against one after surgery, beside nothing changed */
+        get: operations["getComparison"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/values/{values}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** A number for each vertex of a surface, float32; NaN where there is none */
+        get: operations["getValues"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/files": {
         parameters: {
             query?: never;
@@ -597,15 +648,23 @@ export interface components {
         };
         NewtonEvent: {
             job: number;
-            /** @description Of the path, from 1. */
+            /** @description Those since the last event, in their order; events come at most ten times a second. */
+            iterates: components["schemas"]["NewtonIterate"][];
+        };
+        NewtonIterate: {
+            /** @description Of the path, from 1: the one being sought. */
             step: number;
             to_share: number;
             /** @description Of this step, from 1: increments that were halved are several. */
             attempt: number;
+            /** @description Of this attempt; 0 is its start. */
             iteration: number;
             residual_n: number;
             relative_residual: number;
+            /** @description Points of integration in contact. */
             contacts: number;
+            /** @description How much deeper than at rest one of them lies in the bone, at most. */
+            deepest_mm: number;
         };
         StepEvent: {
             job: number;
@@ -650,8 +709,16 @@ export interface components {
                 name: string;
             }[];
         };
-        /** @enum {unknown} */
-        SurfaceName: "skin" | "skull" | "remainder" | "skin_before" | "predicted";
+        /**
+         * @description after_surgery: the skin of a scan after surgery, laid onto the head before it by bone that did not move.
+         * @enum {unknown}
+         */
+        SurfaceName: "skin" | "skull" | "remainder" | "skin_before" | "predicted" | "after_surgery";
+        /**
+         * @description contact-pressure [kPa] and contact-depth [mm, how much deeper than at rest tissue lies there]: of the segment's surface, after the last step. difference: of surface predicted, its distance from the face after surgery [mm], positive outside of it.
+         * @enum {unknown}
+         */
+        ValuesName: "contact-pressure" | "contact-depth" | "difference";
         SurfaceList: {
             surfaces: {
                 /** @description skin, or segments/midface. */
@@ -752,6 +819,66 @@ export interface components {
             /** @description Of the full solve. */
             largest_shift_mm: number;
         };
+        RegionShifts: {
+            step: number;
+            /** @description The whole face, the part that has moved more than 0.5 mm, and the regions that landmarks tell. */
+            regions: {
+                region: string;
+                shift: components["schemas"]["DifferenceStatistics"];
+            }[];
+            /** @description What is left out for want of landmarks. */
+            missing: string[];
+        };
+        /** @description Over area. Null where nothing is compared. */
+        DifferenceStatistics: {
+            area_mm2: number;
+            /** @description Of that area. */
+            compared_share: number;
+            mean_mm: number | null;
+            median_mm: number | null;
+            p90_mm: number | null;
+            p95_mm: number | null;
+            p99_mm: number | null;
+            max_mm: number | null;
+            share_below_1mm: number | null;
+            share_below_2mm: number | null;
+            mean_signed_mm: number | null;
+        };
+        /** @description Of a bone, in L. */
+        MovementDifference: {
+            /** @description Of its centre. */
+            shift_mm: number[];
+            shift_length_mm: number;
+            /** @description Rotation vector. */
+            turn_deg: number[];
+            turn_angle_deg: number;
+            /** @description Of the way of a vertex. */
+            largest_mm: number;
+        };
+        Comparison: {
+            /** @description The whole face, the part that moved, and the regions that landmarks tell. */
+            regions: {
+                region: string;
+                /** @description Of the predicted face. */
+                face: components["schemas"]["DifferenceStatistics"];
+                /** @description Of the face before surgery, likewise: the baseline; null if there is none. */
+                if_unchanged: components["schemas"]["DifferenceStatistics"] | null;
+            }[];
+            /** @description What is left out for want of landmarks. */
+            missing: string[];
+            /** @description Of each segment, where the comparison was with a scan. */
+            movements: {
+                segment: string;
+                achieved: components["schemas"]["MovementDifference"];
+                from_plan_to_achieved: components["schemas"]["MovementDifference"];
+            }[];
+            /** @description How well still bone of the two scans lies together; null if a surface was compared. */
+            registration: {
+                rms_mm: number;
+                kept_share: number;
+            } | null;
+            warnings: string[];
+        };
         PredictionStep: {
             step: number;
             share: number;
@@ -777,7 +904,7 @@ export interface components {
             document: Record<string, never>;
         };
         /** @enum {unknown} */
-        FileName: "ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp";
+        FileName: "ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp";
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];
@@ -1519,6 +1646,79 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getPredictionStepRegions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description From 1. */
+                step: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegionShifts"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getComparison: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description Of what is there now. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Comparison"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getValues: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Which ones. */
+                values: components["schemas"]["ValuesName"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description Of what is there now. */
+                    ETag?: string;
                     [name: string]: unknown;
                 };
                 content: {

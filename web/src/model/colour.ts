@@ -65,3 +65,9 @@ export function roundUp(value: number): number {
   const power = 10 ** Math.floor(Math.log10(value));
   return [1, 2, 5, 10].map((m) => m * power).find((v) => v >= value * (1 - 1e-9))!;
 }
+
+/** Words under a legend from 0 to `top`: with as many digits as tell five of them apart. */
+export function ticksOf(top: number): string[] {
+  const digits = Math.max(0, Math.min(6, 1 - Math.floor(Math.log10(top))));
+  return [0, 0.25, 0.5, 0.75, 1].map((share) => (share * top).toFixed(digits));
+}

@@ -186,3 +186,10 @@ export function screenSides(forward: Vec3, up: Vec3): { left: string; right: str
     bottom: sideName(scale(trueUp, -1)),
   };
 }
+
+/** Length of each vector of a flat xyz array. */
+export function lengths(xyz: Float32Array): Float32Array {
+  const out = new Float32Array(xyz.length / 3);
+  for (let n = 0; n < out.length; n++) out[n] = Math.hypot(xyz[3 * n], xyz[3 * n + 1], xyz[3 * n + 2]);
+  return out;
+}

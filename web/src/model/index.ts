@@ -8,7 +8,6 @@ export * from './plan';
 export * from './prepare';
 export * from './ray';
 export * from './section';
-export * from './statistics';
 export * from './store';
 export * from './units';
 export * from './window';

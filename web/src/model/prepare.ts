@@ -78,8 +78,8 @@ export function coarsen({ points, triangles }: Surface, cell_mm: number): DrawnS
   return { vertex: Uint32Array.from(vertex), triangles: Uint32Array.from(kept) };
 }
 
-/** Edge of the cubes [mm]: a head becomes some 30,000 triangles, which software draws in time. */
-const COARSE_CELL_MM = 3;
+/** Edge of the cubes [mm]: a head becomes some 35,000 triangles, which software draws in time. */
+export const COARSE_CELL_MM = 5;
 
 export const prepareSurface = (surface: Surface): DrawnSurface => ({
   ...surface,

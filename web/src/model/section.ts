@@ -1,4 +1,4 @@
-import type { Vec3 } from './frames';
+import type { Mat4, Vec3 } from './frames';
 
 /** Triangles as the server sends them: xyz and ijk, flat. */
 export interface Surface {
@@ -32,4 +32,19 @@ export function sectionOf(surface: Surface, point: Vec3, normal: Vec3): Float32A
     else { cross(c, a); cross(c, b); }
   }
   return Float32Array.from(lines);
+}
+
+/** Likewise of a surface that stands at X_LB; the plane and the lines in L. */
+export function posedSectionOf(surface: Surface, X_LB: Mat4, point: Vec3, normal: Vec3): Float32Array {
+  const [r00, r01, r02, tx, r10, r11, r12, ty, r20, r21, r22, tz] = X_LB;
+  const [dx, dy, dz] = [point[0] - tx, point[1] - ty, point[2] - tz];
+  const back = (x: number, y: number, z: number): Vec3 => [r00 * x + r10 * y + r20 * z, r01 * x + r11 * y + r21 * z, r02 * x + r12 * y + r22 * z];
+  const lines = sectionOf(surface, back(dx, dy, dz), back(...normal));
+  for (let n = 0; n < lines.length; n += 3) {
+    const [x, y, z] = [lines[n], lines[n + 1], lines[n + 2]];
+    lines[n] = r00 * x + r01 * y + r02 * z + tx;
+    lines[n + 1] = r10 * x + r11 * y + r12 * z + ty;
+    lines[n + 2] = r20 * x + r21 * y + r22 * z + tz;
+  }
+  return lines;
 }

@@ -1,3 +1,4 @@
 export { PATIENT_AXES, planeAxes, type GizmoDrag } from './gizmo';
+export { type PlaneMark, type Polyline } from './overlay';
 export { SliceView, type SliceLines, type SliceMarker } from './slice_view';
-export { View3d, type Layout, type Marker, type Phase, type PlaneMark, type Polyline } from './view3d';
+export { View3d, type Layout, type Marker, type Phase } from './view3d';

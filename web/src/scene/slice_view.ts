@@ -2,7 +2,7 @@ import {
   draggedWindow, greyTable, indexToL, indexToPixel, lToIndex, pixelToIndex, sliceFrame,
   type Grid, type Orientation, type SliceFrame, type Vec3, type Window,
 } from '../model';
-import { drawLabel } from './view3d';
+import { drawLabel } from './overlay';
 
 export interface SliceMarker {
   id: string;
@@ -89,6 +89,7 @@ export class SliceView {
   }
 
   setLabels(labels: Uint8Array | null, colours: (readonly [number, number, number] | null)[]): void {
+    if (labels === this.labels) return; // What is painted into the same labels is told by labelsChanged().
     this.labels = labels;
     this.labelColours = colours;
     this.labelsChanged();

@@ -4,12 +4,14 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import {
-  add, rayHit, screenSides, transformPoint, unit, VIEWS,
+  add, COARSE_CELL_MM, rayHit, transformPoint, unit, VIEWS,
   type DrawnSurface, type Hit, type Mat4, type Rgb, type Vec3, type ViewName,
 } from '../model';
 import { Body } from './body';
 import { Gizmo, type GizmoDrag } from './gizmo';
+import { drawLabel, drawLine, drawPlaneOutline, drawScale, drawSides, drawTag, drawWipe, type PlaneMark, type Polyline } from './overlay';
 import { projectionOf, type Projection } from './projection';
+import { drawsInSoftware } from './software';
 
 /** A point drawn over the picture: a landmark, a corner of a curve. */
 export interface Marker {
@@ -23,21 +25,6 @@ export interface Marker {
   draggable?: boolean;
 }
 
-export interface Polyline {
-  points: Vec3[];
-  closed: boolean;
-  colour: string;
-  dashed?: boolean;
-}
-
-export interface PlaneMark {
-  point: Vec3;
-  normal: Vec3;
-  size_mm: number;
-  colour: string;
-  selected: boolean;
-}
-
 export type Layout =
   | { mode: 'single' }
   | { mode: 'wipe'; share: number; left: string[]; right: string[]; names: [string, string] }
@@ -46,6 +33,8 @@ export type Layout =
 export type Phase = 'start' | 'move' | 'end';
 
 export interface View3dEvents {
+  /** A press comes: what is shown must be of the state as it is, also if the last change of it waits to be drawn. */
+  onPress(): void;
   onGizmo(drag: GizmoDrag, phase: Phase): void;
   /** True if a click places something now; the cursor says so. */
   isPlacing(): boolean;
@@ -57,6 +46,12 @@ export interface View3dEvents {
 }
 
 const IDLE_MS = 180;
+
+/**
+ * Pixels drawn per pixel shown, by the processor: the multisampling of a graphics card takes it four times as long, so
+ * edges are smoothed by drawing larger once all stands still.
+ */
+const SOFTWARE_RATIO = { moving: 0.5, still: 2 };
 
 export class View3d {
   readonly element = document.createElement('div');
@@ -100,8 +95,9 @@ export class View3d {
     this.canvas.setAttribute('role', 'img');
     this.canvas.setAttribute('aria-label', '3D view of bone and skin. Drag to turn, wheel to zoom, right button to shift.');
     this.element.append(this.canvas, this.overlay);
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
-    this.renderer.setPixelRatio(isSoftware(this.renderer) ? 1 : Math.min(2, devicePixelRatio));
+    this.renderer = new WebGLRenderer({
+      canvas: this.canvas, antialias: !drawsInSoftware(), alpha: true, powerPreference: 'high-performance',
+    });
     this.renderer.autoClear = false;
     this.renderer.debug.checkShaderErrors = false; // Waiting for the compiler's word stops the page for a second in software.
     this.gl = this.renderer.getContext() as WebGL2RenderingContext;
@@ -279,10 +275,10 @@ export class View3d {
 
   // Drawing
 
-  /** While something moves, surfaces are coarse; they become fine again when it has stopped. */
+  /** While something moves, the processor draws coarse surfaces; they become fine again when it has stopped. */
   beBusy(): void {
     this.lastIdle = performance.now();
-    if (!this.coarse) this.setCoarse(true);
+    if (drawsInSoftware() && !this.coarse) this.setCoarse(true);
     if (this.idle) return;
     const check = () => {
       const left = IDLE_MS - (performance.now() - this.lastIdle);
@@ -330,6 +326,8 @@ export class View3d {
   drawNow(): void {
     const { width, height } = this.size();
     const renderer = this.renderer;
+    const ratio = drawsInSoftware() ? SOFTWARE_RATIO[this.coarse ? 'moving' : 'still'] : Math.min(2, devicePixelRatio);
+    if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio); // Empties the picture, so not before.
     renderer.setScissorTest(false);
     renderer.setViewport(0, 0, width, height);
     renderer.clear();
@@ -382,13 +380,13 @@ export class View3d {
       const { origin, direction } = projection.rayAt(x, y);
       const hit = this.pickAlong(origin, direction, () => true, true);
       const depth = (p: Vec3) => (p[0] - origin[0]) * direction[0] + (p[1] - origin[1]) * direction[1] + (p[2] - origin[2]) * direction[2];
-      if (hit && hit.hit.distance < depth(marker.position) - 4) this.behind.add(marker.id);
+      if (hit && hit.hit.distance < depth(marker.position) - COARSE_CELL_MM) this.behind.add(marker.id);
     }
   }
 
   /** Markers, gizmo, sides and scale: crisp, and the same on any graphics. */
   private drawOverlay(): void {
-    const context = this.overlay.getContext('2d')!;
+    const context = this.overlay.getContext('2d', { willReadFrequently: drawsInSoftware() })!;
     const ratio = this.overlay.width / this.size().width;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const { width, height } = this.size();
@@ -524,6 +522,7 @@ export class View3d {
   }
 
   private onDown = (event: PointerEvent): void => {
+    this.events.onPress();
     const [x, y] = this.at(event);
     this.controls.enabled = true;
     this.pressed = { x, y, at: performance.now() };
@@ -634,135 +633,3 @@ export class View3d {
 }
 
 const rows = (m: Matrix4): Mat4 => m.clone().transpose().toArray();
-
-function isSoftware(renderer: WebGLRenderer): boolean {
-  const gl = renderer.getContext();
-  const info = gl.getExtension('WEBGL_debug_renderer_info');
-  const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
-  return /swiftshader|llvmpipe|software|basic render/i.test(name);
-}
-
-function drawLine(context: CanvasRenderingContext2D, projection: Projection, line: Polyline): void {
-  if (line.points.length < 2) return;
-  context.beginPath();
-  line.points.forEach((p, n) => {
-    const [x, y] = projection.toScreen(p);
-    if (n === 0) context.moveTo(x, y);
-    else context.lineTo(x, y);
-  });
-  if (line.closed) context.closePath();
-  context.setLineDash(line.dashed ? [5, 5] : []);
-  context.lineJoin = 'round';
-  context.lineWidth = 4;
-  context.strokeStyle = 'rgb(0 0 0 / 0.35)';
-  context.stroke();
-  context.lineWidth = 2;
-  context.strokeStyle = line.colour;
-  context.stroke();
-  context.setLineDash([]);
-}
-
-function drawPlaneOutline(context: CanvasRenderingContext2D, projection: Projection, mark: PlaneMark): void {
-  const n = new Vector3(...unit(mark.normal));
-  const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), n);
-  const h = mark.size_mm / 2;
-  const corners = [[-h, -h], [h, -h], [h, h], [-h, h]].map(([a, b]) =>
-    new Vector3(a, b, 0).applyQuaternion(turn).add(new Vector3(...mark.point)).toArray() as Vec3,
-  );
-  context.beginPath();
-  corners.forEach((corner, k) => {
-    const [x, y] = projection.toScreen(corner);
-    if (k === 0) context.moveTo(x, y);
-    else context.lineTo(x, y);
-  });
-  context.closePath();
-  context.lineWidth = mark.selected ? 2 : 1.25;
-  context.strokeStyle = mark.colour;
-  context.globalAlpha = mark.selected ? 1 : 0.7;
-  context.stroke();
-  context.globalAlpha = 1;
-}
-
-export function drawLabel(context: CanvasRenderingContext2D, text: string, x: number, y: number, strong: boolean): void {
-  context.font = `${strong ? 600 : 500} 11.5px "Inter Variable", sans-serif`;
-  context.textAlign = 'left';
-  context.textBaseline = 'middle';
-  const width = context.measureText(text).width;
-  context.fillStyle = strong ? 'rgb(15 95 115 / 0.95)' : 'rgb(16 22 28 / 0.72)';
-  context.beginPath();
-  context.roundRect(x - 4, y - 8.5, width + 8, 17, 4);
-  context.fill();
-  context.fillStyle = '#ffffff';
-  context.fillText(text, x, y + 0.5);
-}
-
-function drawSides(
-  context: CanvasRenderingContext2D, projection: Projection, x: number, y: number, width: number, height: number, ink: string,
-): void {
-  const sides = screenSides(projection.forward, projection.up);
-  context.font = '600 14px "Inter Variable", sans-serif';
-  context.fillStyle = ink;
-  context.textBaseline = 'middle';
-  context.textAlign = 'center';
-  context.fillText(sides.left, x + 16, y + height / 2);
-  context.fillText(sides.right, x + width - 16, y + height / 2);
-  context.fillText(sides.top, x + width / 2, y + 18);
-  context.fillText(sides.bottom, x + width / 2, y + height - 18);
-}
-
-function drawScale(context: CanvasRenderingContext2D, projection: Projection, width: number, height: number, ink: string): void {
-  const mm = [100, 50, 20, 10, 5, 2, 1].find((step) => step * projection.px_per_mm < Math.min(160, width / 4)) ?? 1;
-  const size = mm * projection.px_per_mm;
-  const [x, y] = [16, height - 16];
-  context.strokeStyle = ink;
-  context.lineWidth = 1.5;
-  context.beginPath();
-  context.moveTo(x, y - 4);
-  context.lineTo(x, y);
-  context.lineTo(x + size, y);
-  context.lineTo(x + size, y - 4);
-  context.stroke();
-  context.font = '500 11px "Inter Variable", sans-serif';
-  context.fillStyle = ink;
-  context.textAlign = 'left';
-  context.textBaseline = 'alphabetic';
-  context.fillText(`${mm} mm`, x, y - 8);
-}
-
-/** What a side of a comparison shows. */
-function drawTag(context: CanvasRenderingContext2D, text: string, x: number, align: 'left' | 'right'): void {
-  context.font = '600 12px "Inter Variable", sans-serif';
-  context.textAlign = align;
-  context.textBaseline = 'middle';
-  const width = context.measureText(text).width;
-  context.fillStyle = 'rgb(16 22 28 / 0.78)';
-  context.beginPath();
-  context.roundRect(align === 'left' ? x - 8 : x - width - 8, 44, width + 16, 22, 6);
-  context.fill();
-  context.fillStyle = '#ffffff';
-  context.fillText(text, x, 55.5);
-}
-
-function drawWipe(context: CanvasRenderingContext2D, x: number, height: number): void {
-  context.fillStyle = 'rgb(0 0 0 / 0.35)';
-  context.fillRect(x - 2, 0, 4, height);
-  context.fillStyle = '#ffffff';
-  context.fillRect(x - 1, 0, 2, height);
-  context.beginPath();
-  context.arc(x, height / 2, 15, 0, 2 * Math.PI);
-  context.fillStyle = '#ffffff';
-  context.fill();
-  context.lineWidth = 1;
-  context.strokeStyle = 'rgb(0 0 0 / 0.35)';
-  context.stroke();
-  context.beginPath();
-  for (const sign of [-1, 1]) {
-    context.moveTo(x + sign * 4, height / 2 - 5);
-    context.lineTo(x + sign * 9, height / 2);
-    context.lineTo(x + sign * 4, height / 2 + 5);
-  }
-  context.strokeStyle = '#0f5f73';
-  context.lineWidth = 2;
-  context.stroke();
-}
-

@@ -1,10 +1,13 @@
 import { ApiError, type Client, type Depths, type Schemas } from '../api';
 import {
-  change, fromPoints, byName, joinEdits, lengths, moveOf, paintBall, poseOf, redo, repeat, revert, settle, startHistory,
-  undo, gridCentre, shifted, turned, aboutPoint, editKeyframe, keyframesOf, isEditablePath, templateKind,
-  type DrawnSurface, type Grid, type History, type LabelEdit, type Landmark, type Mat4, type Move, type Plan, type Vec3,
+  change, fromPoints, byName, moveOf, poseOf, redo, settle, startHistory,
+  undo, gridCentre, transformPoint, IDENTITY, shifted, turned, aboutPoint, editKeyframe, keyframesOf, isEditablePath, templateKind,
+  type DrawnSurface, type Grid, type History, type Landmark, type Mat4, type Move, type Plan, type Vec3,
 } from '../model';
 import { prepareSurfaceAside } from '../workers';
+import { LabelBrush } from './label_brush';
+import { LiveAnswers } from './live_answers';
+import { Outcome } from './outcome';
 import { Model, runningJob, stageOf, type Doc, type StepName } from './state';
 
 /** How deep bones may overlap before a plan is marked: the limit of `lefort plan check` [mm]. */
@@ -21,7 +24,7 @@ const WANTED: Record<StepName, RegExp> = {
   movement: /^(skull|skin|remainder|segments\/.+)$/,
   tissue: /^(skull|skin|remainder|segments\/.+)$/,
   predict: /^(skull|skin|remainder|segments\/.+)$/,
-  compare: /^(skin_before|predicted|remainder|segments\/.+)$/,
+  compare: /^(skin_before|predicted|after_surgery|remainder|segments\/.+)$/,
 };
 
 export interface Listeners {
@@ -36,24 +39,26 @@ export interface Listeners {
 /** What a person can do, and what the server says. The only place that calls the server. */
 export class App {
   readonly model = new Model();
+  readonly outcome = new Outcome(this);
+  readonly live: LiveAnswers;
+  readonly labelBrush: LabelBrush;
   private readonly aborter = new AbortController();
   private etags: { plan: string; landmarks: string } = { plan: '*', landmarks: '*' };
   private stored: { plan: Plan | null; landmarks: readonly Landmark[] | null } = { plan: null, landmarks: null };
   private saveTimer = 0;
   private saveRunning: Promise<void> | null = null;
-  private appliedStrokes: readonly LabelEdit[] = [];
   private volumeEtag: string | null = null;
   private toastId = 0;
   private readonly whenDone = new Map<number, () => void>();
-  private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = { wanted: null, running: false, times: [] };
-  private previewAborter: AbortController | null = null;
-  private stepData = new Map<number, Float32Array>();
   private surfaceQueue: Promise<void> = Promise.resolve();
 
   constructor(
     readonly client: Client,
     private readonly listeners: Listeners,
-  ) {}
+  ) {
+    this.live = new LiveAnswers(this, listeners);
+    this.labelBrush = new LabelBrush(this, listeners);
+  }
 
   // The life of the page
 
@@ -63,7 +68,7 @@ export class App {
     model.state.subscribe((state, before) => {
       if (state.step !== before.step) {
         this.loadSurfaces();
-        if (state.step === 'compare' || state.step === 'predict') void this.loadPrediction();
+        if (state.step === 'compare' || state.step === 'predict') void this.outcome.load();
         if (state.step === 'landmarks') void this.measure();
       }
     });
@@ -71,7 +76,7 @@ export class App {
     void this.client.listen(
       (kind, event) => {
         if (kind === 'job') this.onJob(event as Schemas['JobEvent']);
-        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, event as Schemas['NewtonEvent']] });
+        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, ...(event as Schemas['NewtonEvent']).iterates] });
         else if (kind === 'step') this.patch({ steps: [...model.s.steps, event as Schemas['StepEvent']] });
         else if (kind === 'case') this.onStages((event as Schemas['CaseEvent']).stages as Schemas['Case']['stages']);
         else void this.refresh();
@@ -150,7 +155,7 @@ export class App {
     if (stages.landmarks.etag !== null && stages.landmarks.etag !== this.etags.landmarks) work.push(this.loadLandmarks());
     await Promise.all(work);
     this.loadSurfaces();
-    if (this.model.s.step === 'compare' || this.model.s.step === 'predict') void this.loadPrediction();
+    if (this.model.s.step === 'compare' || this.model.s.step === 'predict') void this.outcome.load();
   }
 
   // What the server has
@@ -211,23 +216,6 @@ export class App {
     this.patch({ surfacesLoading: 0 });
   }
 
-  async loadLabels(): Promise<void> {
-    const { model } = this;
-    const etag = stageOf(model.s, 'anatomy').etag;
-    if (model.labels && this.labelsOf === etag) return;
-    this.labelsOf = etag;
-    await this.try_(async () => {
-      const [about, data] = await Promise.all([this.client.labels(), this.client.labelsData()]);
-      model.labels = data.value;
-      model.labelsEtag = data.etag;
-      this.appliedStrokes = [];
-      const bare = (doc: Doc): Doc => ({ ...doc, strokes: [] });
-      const { past, present, future } = model.history.value;
-      model.history.set({ past: past.map(bare), present: bare(present), future: future.map(bare), gesture: null });
-      this.patch({ labelNames: about.names, labelsReady: true });
-      this.listeners.onLabels();
-    });
-  }
 
   private async loadPlan(replacesMine = false): Promise<void> {
     // Changes of both pages: keeping this one's finds the conflict, and the person decides.
@@ -273,41 +261,6 @@ export class App {
     }
   }
 
-  async loadPrediction(): Promise<void> {
-    const stage = stageOf(this.model.s, 'prediction');
-    if (stage.state === 'missing') {
-      this.patch({ prediction: null, files: [] });
-      return;
-    }
-    const [prediction, files] = await Promise.all([
-      this.client.prediction().catch((error: unknown) => {
-        if (!isMissing(error)) this.toast(sentence(error), 'error');
-        return null;
-      }),
-      this.client.files().catch(() => []),
-    ]);
-    const before = this.model.s.prediction;
-    if (JSON.stringify(before?.document) !== JSON.stringify(prediction?.document)) this.stepData.clear();
-    const last = prediction?.steps.length ?? 0;
-    this.patch({
-      prediction,
-      files,
-      compareStep: before && this.model.s.compareStep <= last && this.model.s.compareStep > 0 ? this.model.s.compareStep : last,
-    });
-    if (prediction?.converged && stage.state === 'fresh')
-      this.patch({ previewDistance: await this.client.previewDistance().catch(() => null) });
-  }
-
-  /** Displacement of the skin at a step of the kept prediction; 0 is before surgery. */
-  async displacementAt(step: number): Promise<Float32Array | null> {
-    if (step === 0) return null;
-    const known = this.stepData.get(step);
-    if (known) return known;
-    const data = await this.client.predictionStep(step);
-    this.stepData.set(step, data);
-    return data;
-  }
-
   // Undo and redo
 
   edit(next: Partial<Doc>, gesture: string | null = null): void {
@@ -327,7 +280,7 @@ export class App {
   }
 
   private onDocChanged({ present }: History<Doc>, { present: before }: History<Doc>): void {
-    if (present.strokes !== before.strokes) this.applyStrokes(present.strokes);
+    if (present.strokes !== before.strokes) this.labelBrush.apply(present.strokes);
     if (present.plan !== before.plan || present.landmarks !== before.landmarks) {
       this.patch({ scrub: null });
       clearTimeout(this.saveTimer);
@@ -464,26 +417,30 @@ export class App {
     }
   }
 
-  async importFiles(files: readonly File[]): Promise<void> {
+  /** Hands files over to the server; null if that was refused, which has been shown. */
+  async upload(files: readonly File[]): Promise<string | null> {
     const limits = this.model.s.case?.limits;
-    if (files.length === 0) return;
+    if (files.length === 0) return null;
     const tooLarge = files.find((file) => limits && file.size > limits.upload_file_bytes);
     if (limits && files.length > limits.upload_files) {
       this.toast(`These are ${files.length} files; a scan may have ${limits.upload_files}.`, 'error');
-      return;
+      return null;
     }
     if (tooLarge) {
       this.toast('One of the files is larger than the server takes.', 'error');
-      return;
+      return null;
     }
     const total = files.reduce((sum, file) => sum + file.size, 0) || 1;
     const name = files.length === 1 ? 'one file' : `${files.length} files`;
-    await this.try_(async () => {
-      this.patch({ upload: { name, share: 0 } });
-      const id = await this.client.upload(files, (sent) => this.patch({ upload: { name, share: sent / total } }));
-      await this.run({ kind: 'import', upload: id }, () => this.afterImport());
-    });
+    this.patch({ upload: { name, share: 0 } });
+    const id = await this.try_(() => this.client.upload(files, (sent) => this.patch({ upload: { name, share: sent / total } })));
     this.patch({ upload: null });
+    return id;
+  }
+
+  async importFiles(files: readonly File[]): Promise<void> {
+    const upload = await this.upload(files);
+    if (upload !== null) await this.run({ kind: 'import', upload }, () => this.afterImport());
   }
 
   openExample(): Promise<void> {
@@ -516,40 +473,7 @@ export class App {
     }, 250);
   }
 
-  // Brush
-
-  private stroke: LabelEdit | null = null;
-  /** The anatomy that the labels at hand are of. */
-  private labelsOf: string | null = null;
-
-  brush(p_L: Vec3, phase: 'start' | 'move' | 'end'): void {
-    const { model } = this;
-    const { volume, brush_mm, brushLabel } = model.s;
-    if (!volume || !model.labels) return;
-    if (phase !== 'end') {
-      const dab = paintBall(model.labels, volume.grid, p_L, brush_mm, brushLabel);
-      this.stroke = this.stroke ? joinEdits(this.stroke, dab) : dab;
-      this.listeners.onLabels();
-      return;
-    }
-    if (this.stroke && this.stroke.at.length > 0) {
-      const strokes = [...model.doc.strokes, this.stroke];
-      this.appliedStrokes = strokes; // They are painted already.
-      this.edit({ strokes });
-    }
-    this.stroke = null;
-  }
-
-  private applyStrokes(strokes: readonly LabelEdit[]): void {
-    const labels = this.model.labels;
-    if (!labels || strokes === this.appliedStrokes) return;
-    let common = 0;
-    while (common < strokes.length && strokes[common] === this.appliedStrokes[common]) common++;
-    for (const stroke of this.appliedStrokes.slice(common).reverse()) revert(labels, stroke);
-    for (const stroke of strokes.slice(common)) repeat(labels, stroke);
-    this.appliedStrokes = strokes;
-    this.listeners.onLabels();
-  }
+  // Tissues
 
   /** Tells tissues apart anew. The plan remembers the threshold, so that a prediction sees the same bone. */
   async segment(bone_hu: number): Promise<void> {
@@ -558,18 +482,6 @@ export class App {
     delete kept.labels;
     if (plan.segmentation?.bone_hu !== bone_hu || plan.segmentation.labels !== undefined) this.edit({ plan: { ...plan, segmentation: kept } });
     await this.run({ kind: 'segment', bone_hu });
-  }
-
-  /** Keeps the painted labels and makes surfaces of them; the plan names them from now on. */
-  async useLabels(): Promise<void> {
-    const { model } = this;
-    if (!model.labels || !model.labelsEtag) return;
-    const { plan } = model.doc;
-    this.edit({ plan: { ...plan, segmentation: { ...plan.segmentation, labels: 'anatomy/labels.seg.nrrd' } } });
-    await this.try_(async () => {
-      model.labelsEtag = await this.client.putLabels(model.labels!, model.labelsEtag!);
-      await this.run({ kind: 'segment', from_labels: true });
-    });
   }
 
   // Osteotomies
@@ -598,6 +510,12 @@ export class App {
     const sum = [0, 0, 0];
     for (let n = 0; n < known.length; n++) sum[n % 3] += known[n];
     return sum.map((c) => Math.round((10 * c * 3) / known.length) / 10) as unknown as Vec3;
+  }
+
+  /** Slices beside the bones, through the one in hand. */
+  showSlices(on: boolean): void {
+    const segment = this.model.doc.plan.segments[this.model.s.segment];
+    this.patch({ showSlices: on, ...(on && segment ? { cursor_L: transformPoint(this.poses()[segment.name] ?? IDENTITY, this.pivotOf(segment.name)) } : {}) });
   }
 
   /** The move of a segment at the keyframe in hand; null if numbers cannot say it. */
@@ -671,68 +589,6 @@ export class App {
     return Object.fromEntries(Object.entries(this.poses()).filter(([name]) => this.model.surfaces.has(`segments/${name}`)));
   }
 
-  /** Asks for the overlap of these poses; while one answer is on its way only the newest question is kept. */
-  wantDepths(poses: Record<string, Mat4>): void {
-    if (stageOf(this.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
-      this.listeners.onDepths(null);
-      if (this.model.s.depth) this.patch({ depth: null });
-      return;
-    }
-    this.depthLoop.wanted = poses;
-    if (!this.depthLoop.running) void this.runDepths();
-  }
-
-  private async runDepths(): Promise<void> {
-    const loop = this.depthLoop;
-    loop.running = true;
-    while (loop.wanted) {
-      const poses = loop.wanted;
-      loop.wanted = null;
-      try {
-        const depths = await this.client.depths(poses);
-        const now = performance.now();
-        loop.times = [...loop.times.filter((t) => now - t < 1000), now];
-        this.listeners.onDepths(depths);
-        const span = now - loop.times[0];
-        const perSecond = loop.times.length > 2 ? ((loop.times.length - 1) * 1000) / span : 0;
-        this.patch({ depth: { deepest_mm: depths.deepest_mm, beyondReach: depths.beyondReach, perSecond } });
-      } catch {
-        this.listeners.onDepths(null);
-        this.patch({ depth: null });
-      }
-    }
-    loop.running = false;
-  }
-
-  /** The linearised face for where the bones are; `since` is when the drag ended. */
-  async wantPreview(since: number): Promise<void> {
-    const { s } = this.model;
-    this.previewAborter?.abort();
-    if (!s.showPreview || stageOf(s, 'preview').state !== 'fresh') {
-      this.dropPreview();
-      return;
-    }
-    const aborter = (this.previewAborter = new AbortController());
-    this.patch({ preview: { ...s.preview, state: 'waiting' } });
-    try {
-      const xyz = await this.client.preview(this.cutPoses(), aborter.signal);
-      this.listeners.onPreview(xyz);
-      const largest_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
-      requestAnimationFrame(() =>
-        this.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', largest_mm } }),
-      );
-    } catch (error) {
-      if (aborter.signal.aborted) return;
-      this.listeners.onPreview(null);
-      this.patch({ preview: { state: 'failed', latency_ms: null, why: sentence(error), largest_mm: 0 } });
-    }
-  }
-
-  dropPreview(): void {
-    this.listeners.onPreview(null);
-    if (this.model.s.preview.state !== 'none') this.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
-  }
-
   async download(name: string): Promise<void> {
     await this.try_(async () => saveBlob(await this.client.file(name), name));
   }
@@ -753,7 +609,7 @@ export const templateKey = (template: unknown, landmarks: readonly Landmark[]): 
 
 export const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
-const isMissing = (error: unknown): boolean =>
+export const isMissing = (error: unknown): boolean =>
   error instanceof ApiError && (error.code === 'not_found' || error.code === 'not_ready');
 
 export function saveBlob(blob: Blob, name: string): void {

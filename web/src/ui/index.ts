@@ -3,7 +3,7 @@ import { App } from './app';
 import { listenToKeys } from './keyboard';
 import { Presenter } from './present';
 import { drawShell } from './shell';
-import { soon } from './soon';
+import { later, soon } from './soon';
 import type { State } from './state';
 
 /** The token stands behind # in the address; it is kept for reloads of this tab and taken out of sight. */
@@ -39,10 +39,13 @@ export function startPlanner(root: HTMLElement): void {
   const draw = (): void => {
     if (waiting) return;
     waiting = true;
-    soon(() => {
+    const now = (): void => {
       waiting = false;
       drawShell(root, app, view);
-    });
+    };
+    // What is dragged comes before the numbers beside it.
+    if (view.isDragging) later(now);
+    else soon(now);
   };
   app.model.state.subscribe((state, before) => {
     if (state.theme !== before.theme) {

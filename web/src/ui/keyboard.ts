@@ -33,6 +33,8 @@ export function listenToKeys(app: App, view: Presenter): void {
       if (s.step === 'landmarks' && s.landmark) app.edit({ landmarks: withoutLandmark(doc.landmarks, s.landmark) });
       else if (s.step === 'osteotomy' && s.plane !== null) app.edit({ plan: withoutPlane(doc.plan, s.segment, s.plane) });
       else if (s.step === 'movement' && doc.plan.segments[s.segment]) app.edit({ plan: withoutKeyframe(doc.plan, s.segment, s.keyframe) });
+    } else if ((event.key === '[' || event.key === ']') && s.step === 'compare') {
+      app.patch({ wipe: Math.min(1, Math.max(0, s.wipe + (event.key === '[' ? -0.05 : 0.05))) });
     } else {
       const look = ({ f: 'front', r: 'right', l: 'left', b: 'below' } as const)[event.key.toLowerCase()];
       if (look) view.view.look(look);

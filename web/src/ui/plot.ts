@@ -3,7 +3,7 @@ import type { NewtonPoint } from './state';
 
 const W = 300;
 const H = 150;
-const LEFT = 34;
+const LEFT = 40;
 const BOTTOM = 20;
 
 /** Relative residual of every Newton iteration, on a logarithmic scale; a line for each try at an increment. */
@@ -28,7 +28,7 @@ export function residualPlot(points: readonly NewtonPoint[], tolerance: number):
       <text x=${LEFT - 6} y=${y(log) + 3.5} text-anchor="end">1e${String(log).replace('-', '−')}</text>`)}
     ${svg`<line x1=${LEFT} x2=${W - 8} y1=${y(Math.log10(tolerance))} y2=${y(Math.log10(tolerance))} stroke="var(--good)" stroke-dasharray="4 3"></line>`}
     ${svg`<path d=${paths.join('')} fill="none" stroke="var(--accent)" stroke-width="1.5" stroke-linejoin="round"></path>`}
-    ${svg`<text x=${(W + LEFT) / 2} y=${H - 5} text-anchor="middle">iterations; a line for each increment, converged below the dashes</text>`}
+    ${svg`<text x=${(W + LEFT) / 2} y=${H - 5} text-anchor="middle">iterations, a line each increment; dashes: converged</text>`}
   </svg>`;
 }
 

@@ -1,11 +1,12 @@
 import type { Depths } from '../api';
 import {
-  BONE, cssOf, kindOf, length, lengths, roundUp, scale, sectionOf, segmentColour, SKIN, sub, summarise, templateKind, unit, withLandmark,
+  BONE, cssOf, posedSectionOf, kindOf, length, scale, sectionOf, segmentColour, SKIN, sub, templateKind, unit, withLandmark,
   withPlane, withSegment, editPlane, IDENTITY, planeAt, cross, dot,
-  type DrawnSurface, type Hit, type Move, type Plane, type Summary, type Vec3,
+  type DrawnSurface, type Hit, type Move, type Plane, type Vec3,
 } from '../model';
 import { PATIENT_AXES, planeAxes, SliceView, View3d, type GizmoDrag, type Marker, type Phase, type PlaneMark, type SliceLines } from '../scene';
-import { saveBlob, templateKey, type App, type Listeners } from './app';
+import { templateKey, type App, type Listeners } from './app';
+import { CompareView } from './compare_view';
 import { soon } from './soon';
 import { stageOf, type State } from './state';
 import { LABEL_TINTS } from './steps/anatomy_panel';
@@ -17,6 +18,7 @@ const DEPTH_TOP_MM = 2;
 export class Presenter implements Listeners {
   readonly view: View3d;
   readonly slices: readonly SliceView[];
+  compare!: CompareView;
   private app!: App;
   private depths: Depths | null = null;
   private previewOn = false;
@@ -25,9 +27,6 @@ export class Presenter implements Listeners {
   private moveAtStart: Move | null = null;
   private planeAtStart: Plane | null = null;
   private gesture = 0;
-  private shifts_: Float32Array | null = null;
-  private shown: { step: number; document: unknown } | null = null;
-  private profile_: { before: Float32Array; after: Float32Array } | null = null;
   /** When the last drag ended, for the preview's latency. */
   private changedAt = 0;
   private previewKey = '';
@@ -36,6 +35,7 @@ export class Presenter implements Listeners {
 
   constructor() {
     this.view = new View3d({
+      onPress: () => this.presentPending(),
       onGizmo: (drag, phase) => this.onGizmo(drag, phase),
       isPlacing: () => ['landmark', 'plane', 'curve', 'pivot'].includes(this.app.model.s.tool),
       onPick: (hit) => this.onPick(hit),
@@ -50,7 +50,7 @@ export class Presenter implements Listeners {
         onMarkerDrag: (id, p_L, phase) => this.onMarkerDrag(id, p_L, phase),
         onMarkerSelect: (id) => this.onMarkerSelect(id),
         onTool: (p_L, phase) => {
-          if (this.app.model.s.tool === 'brush') this.app.brush(p_L, phase);
+          if (this.app.model.s.tool === 'brush') this.app.labelBrush.brush(p_L, phase);
           else if (phase === 'end') this.place(p_L, [0, 0, 0]);
         },
       });
@@ -59,8 +59,13 @@ export class Presenter implements Listeners {
     });
   }
 
+  get isDragging(): boolean {
+    return this.view.gizmo.isDragging;
+  }
+
   attach(app: App): void {
     this.app = app;
+    this.compare = new CompareView(this.view, app);
     app.model.state.subscribe((state, before) => this.onState(state, before));
     app.model.history.subscribe(() => this.present());
   }
@@ -74,12 +79,11 @@ export class Presenter implements Listeners {
       return;
     }
     const index = name.startsWith('segments/') ? this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name) : -1;
-    const colour = name.startsWith('segments/') ? segmentColour(Math.max(0, index)) : /skin|predicted/.test(name) ? SKIN : BONE;
+    const colour = name.startsWith('segments/') ? segmentColour(Math.max(0, index)) : /skin|predicted|after_surgery/.test(name) ? SKIN : BONE;
     this.view.setBody(name, surface, colour);
     this.surfaceCount++;
-    this.profile_ = null;
     this.previewKey = this.depthKey = '';
-    if (name === 'skin_before') this.shown = null;
+    this.compare.surfaceChanged(name);
     this.present();
   }
 
@@ -111,7 +115,7 @@ export class Presenter implements Listeners {
       for (const slice of this.slices) slice.set({ window: state.window, cursor_L: state.cursor_L, threshold_hu });
     // Only these concern the picture; job progress and numbers do not.
     const keys = ['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm', 'landmark', 'segment', 'plane', 'curveDraft', 'templatePlanes',
-      'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'showDistance', 'showBones', 'wipe'] as const;
+      'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint', 'showBones', 'wipe'] as const;
     if (keys.some((key) => state[key] !== before[key])) this.present();
   }
 
@@ -120,10 +124,13 @@ export class Presenter implements Listeners {
   present(): void {
     if (this.pending) return;
     this.pending = true;
-    soon(() => {
-      this.pending = false;
-      this.presentNow();
-    });
+    soon(() => this.presentPending());
+  }
+
+  private presentPending(): void {
+    if (!this.pending) return;
+    this.pending = false;
+    this.presentNow();
   }
 
   private presentNow(): void {
@@ -139,7 +146,7 @@ export class Presenter implements Listeners {
 
     // Which bodies
     let bodies: string[];
-    if (step === 'compare') bodies = ['skin_before', 'predicted', ...(s.showBones ? ['remainder', ...segments] : [])];
+    if (step === 'compare') bodies = this.compare.bodies(s);
     else if (cut && (moving || (step === 'osteotomy' && stageOf(s, 'cut').state === 'fresh'))) bodies = ['remainder', ...segments, ...face];
     else bodies = ['skull', ...face];
     const opacityOfSkin: Record<string, number> = {
@@ -150,8 +157,6 @@ export class Presenter implements Listeners {
     };
     view.setOpacity('skin', opacityOfSkin[step] ?? 1);
     view.setOpacity('skull', step === 'anatomy' ? s.skullOpacity : 1);
-    view.setOpacity('skin_before', step === 'compare' && s.showBones ? 0.4 : 1);
-    view.setOpacity('predicted', step === 'compare' && s.showBones ? 0.4 : 1);
     // What a closed skin hides need not be drawn.
     if (view.body('skin') && bodies.includes('skin') && opacityOfSkin[step] === 1) bodies = ['skin'];
     view.show(bodies);
@@ -162,8 +167,7 @@ export class Presenter implements Listeners {
     doc.plan.segments.forEach((segment, index) => {
       const name = `segments/${segment.name}`;
       if (!view.body(name)) return;
-      const compared = s.prediction?.steps[s.compareStep - 1]?.pose;
-      const pose = step === 'compare' ? (index === 0 && compared ? compared : IDENTITY) : moving ? (poses[segment.name] ?? IDENTITY) : IDENTITY;
+      const pose = step === 'compare' ? this.compare.poseOf(s, index) : moving ? (poses[segment.name] ?? IDENTITY) : IDENTITY;
       view.setPose(name, pose);
     });
     if (moving && step !== 'tissue') {
@@ -171,17 +175,17 @@ export class Presenter implements Listeners {
       const key = JSON.stringify([cutPoses, stageOf(s, 'cut').state, stageOf(s, 'cut').etag]);
       if (key !== this.depthKey) {
         this.depthKey = key;
-        this.app.wantDepths(cutPoses);
+        this.app.live.wantDepths(cutPoses);
       }
       const previewKey = `${key} ${stageOf(s, 'preview').etag} ${stageOf(s, 'preview').state} ${s.showPreview}`;
       if (previewKey !== this.previewKey && !view.gizmo.isDragging) {
         this.previewKey = previewKey;
         const since = Math.max(this.changedAt, performance.now() - 50);
         clearTimeout(this.previewTimer);
-        this.previewTimer = window.setTimeout(() => void this.app.wantPreview(since), 30);
+        this.previewTimer = window.setTimeout(() => void this.app.live.wantPreview(since), 30);
       }
     } else if (this.previewOn && step !== 'compare') {
-      this.app.dropPreview();
+      this.app.live.dropPreview();
       this.previewKey = '';
     }
     this.paintDepths();
@@ -213,74 +217,11 @@ export class Presenter implements Listeners {
       slice.markers = step === 'landmarks'
         ? doc.landmarks.map((l) => ({ id: l.name, position: l.position_mm, label: l.name, colour: l.name === s.landmark ? '#f2b84b' : '#3fb2c8', selected: l.name === s.landmark }))
         : [];
+      // A segment that is dragged leaves no trace on the scan.
+      if (step !== 'movement' || !view.gizmo.isDragging) slice.draw();
     }
-    this.presentCompare(s);
+    this.compare.present(s);
     view.refreshMarkers();
-  }
-
-  private presentCompare(s: State): void {
-    const { view } = this;
-    if (s.step !== 'compare' || !view.body('skin_before') || !view.body('predicted') || !s.prediction?.converged) {
-      view.setLayout({ mode: 'single' });
-      if (s.step === 'compare') view.show([]);
-      return;
-    }
-    if (this.shown?.step !== s.compareStep || this.shown.document !== s.prediction.document) {
-      const step = s.compareStep;
-      this.shown = { step, document: s.prediction.document };
-      void this.app.try_(async () => {
-        const xyz = await this.app.displacementAt(step);
-        if (this.app.model.s.compareStep !== step) return;
-        this.showStep(xyz);
-      });
-    }
-    const after = ['predicted', ...(s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [])];
-    const before = ['skin_before', ...(s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [])];
-    const names: [string, string] = ['Before', s.compareStep === s.prediction.steps.length ? 'Predicted' : `Step ${s.compareStep}`];
-    if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', share: s.wipe, left: before, right: after, names });
-    else if (s.compareMode === 'beside') view.setLayout({ mode: 'beside', left: before, right: after, names });
-    else {
-      view.show(after);
-      view.setLayout({ mode: 'single' });
-    }
-    this.paintDistance();
-  }
-
-  /** Puts the predicted skin where it is at a step: the scanned skin and its displacement. */
-  private showStep(xyz: Float32Array | null): void {
-    const before = this.view.body('skin_before');
-    const predicted = this.view.body('predicted');
-    if (!before || !predicted) return;
-    const base = before.surface.points;
-    const wanted = base.slice();
-    if (xyz && xyz.length === base.length) for (let n = 0; n < base.length; n++) wanted[n] += xyz[n];
-    if (wanted.length === predicted.surface.points.length) {
-      // The predicted surface is drawn as itself plus the way from it to this step.
-      const from = predicted.surface.points;
-      predicted.setDisplacement(wanted.map((v, n) => v - from[n]));
-    }
-    this.shifts_ = xyz ? lengths(xyz) : new Float32Array(base.length / 3);
-    this.profile_ = null;
-    this.paintDistance();
-    this.app.patch({ distanceTop_mm: roundUp(this.app.model.s.prediction?.skin_largest_shift_mm ?? 1) });
-    this.view.render();
-  }
-
-  private paintedDistance: unknown[] = [];
-
-  private paintDistance(): void {
-    const { s } = this.app.model;
-    const predicted = this.view.body('predicted');
-    if (!predicted) return;
-    const now = [predicted, s.showDistance, this.shifts_];
-    if (now.every((value, n) => value === this.paintedDistance[n])) return;
-    this.paintedDistance = now;
-    if (s.showDistance && this.shifts_?.length === predicted.surface.points.length / 3) {
-      predicted.setValues(this.shifts_, 'distance', 0, roundUp(s.prediction?.skin_largest_shift_mm ?? 1));
-    } else {
-      predicted.setColour(SKIN);
-    }
-    this.view.render();
   }
 
   private paintedDepths: { depths: Depths | null; on: boolean; step: string; bodies: number } | null = null;
@@ -329,9 +270,9 @@ export class Presenter implements Listeners {
     });
   }
 
-  /** What is drawn on a slice: planes as lines, moved bones and the compared faces as outlines. */
+  /** What is drawn on a slice: planes as lines, bones where they move as outlines, where they were dashed. */
   private outlines(at: { point: Vec3; normal: Vec3 }): SliceLines[] {
-    const { s } = this.app.model;
+    const { s, doc } = this.app.model;
     const found: SliceLines[] = [];
     if (s.step === 'osteotomy')
       for (const mark of this.planes(s)) {
@@ -348,70 +289,18 @@ export class Presenter implements Listeners {
         const ends = [-half, half].flatMap((t) => middle.map((c, k) => c + t * d[k]));
         found.push({ lines: Float32Array.from(ends), colour: mark.colour });
       }
+    if (s.step === 'movement') {
+      const poses = this.app.poses();
+      doc.plan.segments.forEach((segment, index) => {
+        const body = this.view.body(`segments/${segment.name}`);
+        if (!body) return;
+        const colour = cssOf(segmentColour(index));
+        const pose = poses[segment.name] ?? IDENTITY;
+        if (pose.some((v, n) => v !== IDENTITY[n])) found.push({ lines: sectionOf(body.surface, at.point, at.normal), colour, dashed: true });
+        found.push({ lines: posedSectionOf(body.surface, pose, at.point, at.normal), colour });
+      });
+    }
     return found;
-  }
-
-  // Numbers of the comparison
-
-  private statistics_: { of: Float32Array; rows: [string, Summary | null][] } | null = null;
-
-  /** How far the skin moved at the step shown: everywhere, where it moved, and there on the patient's right and left. */
-  statistics(moved_mm: number): [string, Summary | null][] {
-    const shifts = this.shifts_;
-    if (!shifts) return [];
-    if (this.statistics_?.of !== shifts) {
-      const regions: [string, Float32Array][] = [['Whole skin', shifts], [`Moved > ${moved_mm} mm`, shifts.filter((v) => v > moved_mm)], ...this.regions(moved_mm)];
-      this.statistics_ = { of: shifts, rows: regions.map(([name, values]) => [name, summarise(values)]) };
-    }
-    return this.statistics_.rows;
-  }
-
-  /** The moved skin on each side of the middle, by where it lies before. */
-  private regions(moved_mm: number): [string, Float32Array][] {
-    const before = this.view.body('skin_before');
-    if (!before || !this.shifts_) return [];
-    const middle = this.middleX();
-    const sides: [string, number[]][] = [['Moved, right', []], ['Moved, left', []]];
-    this.shifts_.forEach((v, n) => {
-      if (v > moved_mm) sides[before.surface.points[3 * n] < middle ? 0 : 1][1].push(v);
-    });
-    return sides.map(([name, values]) => [name, Float32Array.from(values)]);
-  }
-
-  /** Where the middle is: by landmarks on it, else the middle of the skin. */
-  private middleX(): number {
-    const middle = this.app.model.doc.landmarks.filter((l) => ['N', 'ANS', 'A', 'S', 'PNS'].includes(l.name));
-    if (middle.length > 0) return middle.reduce((sum, l) => sum + l.position_mm[0], 0) / middle.length;
-    const points = this.view.body('skin_before')!.surface.points;
-    let [low, high] = [Infinity, -Infinity];
-    for (let n = 0; n < points.length; n += 3) {
-      low = Math.min(low, points[n]);
-      high = Math.max(high, points[n]);
-    }
-    return (low + high) / 2;
-  }
-
-  profile(): { before: Float32Array; after: Float32Array } | null {
-    const before = this.view.body('skin_before');
-    const after = this.view.body('predicted');
-    if (!before || !after) return null;
-    if (!this.profile_) {
-      const point: Vec3 = [this.middleX(), 0, 0];
-      this.profile_ = {
-        before: sectionOf(before.surface, point, [1, 0, 0]),
-        after: sectionOf({ points: after.points, triangles: after.surface.triangles }, point, [1, 0, 0]),
-      };
-    }
-    return this.profile_;
-  }
-
-  savePicture(): void {
-    const { s } = this.app.model;
-    const what = { slider: 'Before and predicted', beside: 'Before, predicted', after: 'Predicted' }[s.compareMode];
-    const ground = getComputedStyle(document.documentElement).getPropertyValue('--view-top').trim();
-    const stale = stageOf(s, 'prediction').state === 'stale' ? ' OUT OF DATE.' : '';
-    this.view.snapshot(`${what}, step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}.${stale} Research software. A simulation, not for clinical use.`, ground)
-      .toBlob((blob) => blob && saveBlob(blob, 'planner.png'), 'image/png');
   }
 
   // From the hand to the app

@@ -25,6 +25,8 @@ const LAYOUTS: Record<StepName, 'four' | 'slices' | 'three'> = {
   case: 'four', anatomy: 'four', landmarks: 'four', osteotomy: 'slices', movement: 'three', tissue: 'three', predict: 'three', compare: 'three',
 };
 
+const layoutOf = (s: State): 'four' | 'slices' | 'three' => (s.step === 'movement' && s.showSlices ? 'slices' : LAYOUTS[s.step]);
+
 const VIEWS: { value: ViewName; text: string; title: string }[] = [
   { value: 'front', text: 'Front', title: 'From the front' },
   { value: 'right', text: 'R', title: 'From the patient’s right' },
@@ -119,6 +121,7 @@ const KEYS: [string, string][] = [
   ['F, R, L, B', 'Look from the front, the right, the left, below'],
   ['↑ ↓, PgUp PgDn', 'Slices, when one has the focus'],
   ['↑ ↓ in a number', 'One step; with Shift ten'],
+  ['[ and ]', 'Shift the border between before and after'],
   ['Delete', 'Remove the chosen landmark, plane or keyframe'],
   ['Enter, Escape', 'Close the curve; leave a tool'],
   ['?', 'This list'],
@@ -141,6 +144,7 @@ function dialogs(app: App, s: State): Part {
 
 export function drawShell(root: HTMLElement, app: App, view: Presenter): void {
   const { s } = app.model;
+  const layout = layoutOf(s);
   const panel = PANELS[s.step](app, s, view);
   const foot = FEET[s.step]?.(app, s) ?? nothing;
   const dock = s.step === 'movement' ? timeline(app, s) : s.step === 'compare' ? compareDock(app, s) : nothing;
@@ -148,14 +152,14 @@ export function drawShell(root: HTMLElement, app: App, view: Presenter): void {
     <div class="shell">
       ${topBar(app, s)} ${rail(app, s)}
       <main class="stage" aria-busy=${String(s.case === null || s.volumeLoading || s.surfacesLoading > 0 || (s.case.scan !== null && s.volume === null && !s.fatal))} aria-label=${STEPS.find((x) => x.name === s.step)!.title}>
-        <div class="views" data-layout=${LAYOUTS[s.step]}>
-          ${LAYOUTS[s.step] === 'slices' ? html`${view.view.element}` : nothing}
+        <div class="views" data-layout=${layout}>
+          ${layout === 'slices' ? html`${view.view.element}` : nothing}
           ${view.slices[0].element}
-          ${LAYOUTS[s.step] !== 'slices' ? html`${view.view.element}` : nothing}
+          ${layout !== 'slices' ? html`${view.view.element}` : nothing}
           ${view.slices[1].element}${view.slices[2].element}
         </div>
         ${dock} ${banners(s)}
-        <div class="view-bar">${LAYOUTS[s.step] !== 'four' ? segmented('Look from', VIEWS, null, (name) => view.view.look(name)) : nothing}</div>
+        <div class="view-bar">${layout !== 'four' ? segmented('Look from', VIEWS, null, (name) => view.view.look(name)) : nothing}</div>
         ${covers(app, s)}
       </main>
       <aside class="panel" aria-label="Tools of this step">

@@ -16,3 +16,10 @@ export function soon(work: () => void): void {
   const frame = requestAnimationFrame(once);
   const timer = setTimeout(once, LATEST_MS);
 }
+
+/** For numbers that nobody reads digit by digit as they run. */
+const READABLE_MS = 120;
+
+export function later(work: () => void): void {
+  setTimeout(work, READABLE_MS);
+}

@@ -37,8 +37,8 @@ export interface Toast {
   text: string;
 }
 
-/** One try of the solver at one increment, as it comes in. */
-export type NewtonPoint = Schemas['NewtonEvent'];
+/** One of Newton's iterations, as it comes in. */
+export type NewtonPoint = Schemas['NewtonIterate'];
 
 export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush';
 
@@ -84,6 +84,8 @@ export interface State {
   planPoses: Schemas['PlanPoses'] | null;
   depth: { deepest_mm: number; beyondReach: boolean; perSecond: number } | null;
   showOverlap: boolean;
+  /** Slices beside the bones while they are moved. */
+  showSlices: boolean;
   preview: { state: 'none' | 'waiting' | 'shown' | 'failed'; latency_ms: number | null; why: string; largest_mm: number };
   showPreview: boolean;
 
@@ -94,7 +96,18 @@ export interface State {
   files: Schemas['FileList']['files'];
   compareMode: 'slider' | 'beside' | 'after';
   compareStep: number;
-  showDistance: boolean;
+  /** What the face compared with is, in the left half. */
+  against: 'before' | 'after_surgery';
+  /** How far the skin moved, or how far it is from the face after surgery. */
+  skinPaint: 'none' | 'moved' | 'error';
+  bonePaint: 'none' | 'pressure' | 'depth';
+  /** Upper end of the bone's legend, kPa or mm; null where nothing is painted. */
+  boneTop: number | null;
+  regionShifts: Schemas['RegionShifts'] | null;
+  comparison: Schemas['Comparison'] | null;
+  /** Of each vertex of the predicted face, from the one after surgery. */
+  difference_mm: Float32Array | null;
+  errorTop_mm: number;
   showBones: boolean;
   wipe: number;
   distanceTop_mm: number;
@@ -142,6 +155,7 @@ export const initialState = (): State => ({
   planPoses: null,
   depth: null,
   showOverlap: true,
+  showSlices: false,
   preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 },
   showPreview: true,
   prediction: null,
@@ -151,7 +165,14 @@ export const initialState = (): State => ({
   files: [],
   compareMode: 'slider',
   compareStep: 0,
-  showDistance: false,
+  against: 'before',
+  skinPaint: 'none',
+  bonePaint: 'none',
+  boneTop: null,
+  regionShifts: null,
+  comparison: null,
+  difference_mm: null,
+  errorTop_mm: 1,
   showBones: false,
   wipe: 0.5,
   distanceTop_mm: 1,

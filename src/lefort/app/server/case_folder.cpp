@@ -20,20 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::uintmax_t kLargestJson = 256 << 20;  // Bytes; prediction.json is some MB.
 constexpr std::size_t kEtagDigits = 16;
-
-bool there_is(const fs::path& file) {
-  std::error_code error;
-  return fs::is_regular_file(file, error);
-}
-
-/// A JSON object in a file; an empty one if there is none.
-json read_object(const fs::path& file) {
-  const auto text = io::read_text(file, kLargestJson);
-  json object = text ? json::parse(*text, nullptr, false) : json::object();
-  return object.is_object() ? object : json::object();
-}
 
 json state(const char* name, std::string why, const std::optional<std::string>& etag) {
   return {{"state", name}, {"why", std::move(why)}, {"etag", etag ? json(*etag) : json()}};
@@ -63,7 +50,7 @@ json cutting_part(const json& plan) {
 std::string plan_mismatch(const json& inputs, const CaseFolder& folder) {
   const auto now = folder.fingerprint(folder.plan());
   if (!now) return "the plan is gone";
-  const auto text = io::read_text(folder.plan(), kLargestJson);
+  const auto text = io::read_text(folder.plan(), kLargestDocument);
   if (!text || member(inputs, "plan_sha256") != io::Sha256().add(*text).hex())
     return "the plan was changed since";
   for (const json& file : member(inputs, "plan_files")) {
@@ -85,6 +72,17 @@ const char* in_words(const std::string& input) {
 }
 
 }  // namespace
+
+bool there_is(const fs::path& file) {
+  std::error_code error;
+  return fs::is_regular_file(file, error);
+}
+
+json read_object(const fs::path& file) {
+  const auto text = io::read_text(file, kLargestDocument);
+  json object = text ? json::parse(*text, nullptr, false) : json();
+  return object.is_object() ? object : json::object();
+}
 
 Result<CaseFolder> CaseFolder::open(const fs::path& folder) {
   std::error_code error;
@@ -168,7 +166,7 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
     inputs["prediction"] = *prediction_sha256;
     return inputs;
   }
-  const auto text = io::read_text(plan(), kLargestJson);
+  const auto text = io::read_text(plan(), kLargestDocument);
   if (!text) return std::nullopt;
   const json plan_json = json::parse(*text, nullptr, false);
   if (!check_files_of_plan(*text)) return std::nullopt;

@@ -91,6 +91,15 @@ class CaseFolder {
   mutable std::map<std::filesystem::path, Known> known_;
 };
 
+/// Bytes of a document of ours that is read; prediction.json is some MB.
+inline constexpr std::uintmax_t kLargestDocument = 256 << 20;
+
+/// Whether there is a regular file of that name.
+[[nodiscard]] bool there_is(const std::filesystem::path& file);
+
+/// The object that a file of ours holds; an empty one if it is not there or damaged.
+[[nodiscard]] nlohmann::json read_object(const std::filesystem::path& file);
+
 /// The stages of a case, in order.
 inline constexpr const char* kStages[] = {"scan",  "anatomy", "landmarks",  "plan",      "cut",
                                           "check", "preview", "prediction", "comparison"};

@@ -1,6 +1,7 @@
 #include <lefort/app/pipeline.h>
 #include <lefort/app/server/case_jobs.h>
 #include <lefort/app/server/contract_text.h>
+#include <lefort/app/server/iterate_batches.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/write_atomically.h>
 
@@ -12,6 +13,7 @@
 #include <functional>
 #include <map>
 #include <system_error>
+#include <utility>
 
 namespace lefort::app::server {
 namespace {
@@ -29,8 +31,7 @@ JobOutcome told(const Summary& summary) {
 }
 
 Result<void> check_scan(const CaseFolder& folder) {
-  std::error_code error;
-  if (fs::is_regular_file(folder.ct(), error)) return {};
+  if (there_is(folder.ct())) return {};
   return fail(ErrorCode::kFileNotFound, "there is no scan yet: import one first");
 }
 
@@ -85,15 +86,14 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   LEFORT_TRY_VOID(check_scan(folder));
   SegmentJob segment{
       .ct = folder.ct(), .output = folder.anatomy(), .options = {}, .finish = {}, .labels = {}};
-  std::error_code error;
-  if (fs::is_regular_file(folder.plan(), error)) {  // Thresholds are the plan's unless given.
+  if (there_is(folder.plan())) {  // Thresholds are the plan's unless given.
     LEFORT_TRY_VOID(check_plan(folder));
     if (const auto plan = io::read_plan(folder.plan())) segment.options = plan->segmentation;
   }
   segment.options.bone_hu = job.parameters.value("bone_hu", segment.options.bone_hu);
   segment.options.skin_hu = job.parameters.value("skin_hu", segment.options.skin_hu);
   if (job.parameters.value("from_labels", false)) {
-    if (!fs::is_regular_file(folder.labels(), error))
+    if (!there_is(folder.labels()))
       return fail(ErrorCode::kFileNotFound, "there are no labels yet");
     segment.labels = folder.labels();
   }
@@ -150,26 +150,28 @@ Result<JobOutcome> preview_job(const JobContext& context, const JobRecord&, Prog
   });
 }
 
-/// Tells pages how a step was found, iteration by iteration.
+/// Which step of the path a share of it lies in, from 1.
+int step_of(double share, int steps) {
+  constexpr double kSame = 1e-9;  // Shares: a keyframe at 0.3333333333 is the end of step 1 of 3.
+  return std::clamp(int(std::ceil(share * steps - kSame)), 1, steps);
+}
+
+json iterate_json(const predict::PredictionIterate& at, int steps) {
+  const fem::NewtonIterate& line = at.line;
+  return {
+      {"step", step_of(at.to_share, steps)},
+      {"to_share", at.to_share},
+      {"attempt", at.attempt},
+      {"iteration", at.iteration},
+      {"residual_n", line.residual_n},
+      {"relative_residual", line.force_scale_n > 0.0 ? line.residual_n / line.force_scale_n : 0.0},
+      {"contacts", line.contacts},
+      {"deepest_mm", at.deepest_mm}};
+}
+
 void tell_step(EventLog& events, int job, const predict::PredictionStep& step, int steps) {
-  const int number = std::max(1, int(std::lround(step.share * steps)));
-  int attempt_number = 0;
-  for (const fem::LoadAttempt& attempt : step.attempts) {
-    ++attempt_number;
-    int iteration = 0;
-    for (const fem::NewtonIterate& at : attempt.history)
-      events.publish("newton", {{"job", job},
-                                {"step", number},
-                                {"to_share", attempt.t_to},
-                                {"attempt", attempt_number},
-                                {"iteration", iteration++},
-                                {"residual_n", at.residual_n},
-                                {"relative_residual",
-                                 at.force_scale_n > 0.0 ? at.residual_n / at.force_scale_n : 0.0},
-                                {"contacts", at.contacts}});
-  }
   events.publish("step", {{"job", job},
-                          {"step", number},
+                          {"step", step_of(step.share, steps)},
                           {"steps", steps},
                           {"share", step.share},
                           {"newton_iterations", step.newton_iterations()},
@@ -183,16 +185,25 @@ Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
                                Progress& progress) {
   CaseFolder& folder = context.folder;
   return as_stage(folder, "prediction", [&]() -> Result<JobOutcome> {
+    IterateBatches iterates([&](json batch) {
+      context.events.publish("newton", {{"job", job.id}, {"iterates", std::move(batch)}});
+    });
     PredictJob predict{.plan = folder.plan(),
                        .ct = folder.ct(),
                        .output = folder.prediction(),
                        .pictures = true,
-                       .on_step = [&](const predict::PredictionStep& step, int steps) {
-                         tell_step(context.events, job.id, step, steps);
-                       }};
-    LEFORT_TRY(const Summary summary, predict_case(predict, progress));
+                       .on_step =
+                           [&](const predict::PredictionStep& step, int steps) {
+                             iterates.flush();
+                             tell_step(context.events, job.id, step, steps);
+                           },
+                       .on_iterate = [&](const predict::PredictionIterate& at,
+                                         int steps) { iterates.add(iterate_json(at, steps)); }};
+    auto summary = predict_case(predict, progress);
+    iterates.flush();  // Of a step that was not found, too.
+    if (!summary) return tl::unexpected(summary.error());
     // The whole document is GET /prediction's to tell.
-    return JobOutcome{summary.text, {{"skin", summary.json["skin"]}}};
+    return JobOutcome{summary->text, {{"skin", summary->json["skin"]}}};
   });
 }
 
@@ -209,8 +220,7 @@ Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
   const std::string upload = job.parameters.value("upload", "");
   const auto other = context.uploads.source(upload);
   if (!other) return fail(ErrorCode::kFileNotFound, "there is no such upload, or it is empty");
-  std::error_code error;
-  if (!fs::is_regular_file(folder.prediction() / "prediction.json", error))
+  if (!there_is(folder.prediction() / "prediction.json"))
     return fail(ErrorCode::kFileNotFound, "there is no prediction yet");
   const auto inputs = folder.inputs_of("comparison");
   CompareJob compare{.face = folder.prediction(),
@@ -221,7 +231,7 @@ Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
                      .output = folder.comparison(),
                      .pictures = true};
   (is_surface(*other) ? compare.other : compare.after_ct) = *other;
-  if (fs::is_regular_file(folder.landmarks(), error)) compare.landmarks = folder.landmarks();
+  if (there_is(folder.landmarks())) compare.landmarks = folder.landmarks();
   LEFORT_TRY(const Summary summary, compare_faces(compare, progress));
   if (inputs) LEFORT_TRY_VOID(folder.remember("comparison", *inputs));
   static_cast<void>(context.uploads.remove(upload));

@@ -5,6 +5,8 @@
 #include <lefort/app/server/http_server.h>
 
 #include <httplib.h>
+// A macro of <resolv.h>, which httplib.h brings; Eigen has parameters of that name.
+#undef _res
 
 #include <atomic>
 #include <chrono>

@@ -98,6 +98,8 @@ Error describe(const valijson::ValidationResults& results, const std::string& su
   std::string what = cause->description;
   if (!what.empty()) what.front() = char(std::tolower(what.front()));
   while (what.ends_with('.')) what.pop_back();
+  if (what.find("enum values") != std::string::npos || what.find("'const'") != std::string::npos)
+    what = "the value is none of those allowed";
   return {ErrorCode::kPlanInvalid,
           fmt::format("{}: {}", readable_path(cause->context, subject), what)};
 }

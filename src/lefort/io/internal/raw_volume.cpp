@@ -219,7 +219,8 @@ Result<RawVolume> read_raw_volume(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error))
     return tl::unexpected(
-        in_file(ending.format, {ErrorCode::kFileNotFound, "there is no such file"}));
+        in_file(ending.format,
+                {ErrorCode::kFileNotFound, "there is no such file, or it is no regular one"}));
   const std::uintmax_t file_bytes = fs::file_size(file, error);
 
   const LibrarySilence silence;

@@ -99,7 +99,7 @@ Result<std::string> read_from_tar(const fs::path& archive, std::string_view name
                                   std::uint64_t max_bytes, Progress& progress) {
   std::error_code error;
   if (!fs::is_regular_file(archive, error))
-    return fail(ErrorCode::kFileNotFound, "there is no such file");
+    return fail(ErrorCode::kFileNotFound, "there is no such file, or it is no regular one");
   Stream stream(archive);
   for (Block block; stream.read(block.data(), kBlock);) {
     if (std::all_of(block.begin(), block.end(), [](char c) { return c == '\0'; })) break;

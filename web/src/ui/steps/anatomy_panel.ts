@@ -45,7 +45,7 @@ export function anatomyPanel(app: App, s: State): Part {
         : html`
           ${toggle('Show labels on the slices', s.showLabels, (on) => {
             app.patch({ showLabels: on, tool: on ? s.tool : 'none' });
-            if (on) void app.loadLabels();
+            if (on) void app.labelBrush.load();
           })}
           ${s.showLabels && s.labelsReady
             ? html`
@@ -56,7 +56,7 @@ export function anatomyPanel(app: App, s: State): Part {
                 </button>`)}</div>
               ${numberField({ label: 'Brush radius', value: s.brush_mm, unit: 'mm', digits: 1, step: 0.5, min: 0.5, max: 30, onInput: (v) => app.patch({ brush_mm: v }) })}
               ${s.tool === 'brush' ? hint('Paint on any slice. The brush is a ball: it reaches the neighbouring slices too.') : hint('Pick a tissue to paint it.')}
-              ${strokes > 0 ? button(`Use ${strokes} ${strokes === 1 ? 'stroke' : 'strokes'}`, () => void app.useLabels(), { kind: 'primary', disabled: busy, id: 'use-labels' }) : nothing}`
+              ${strokes > 0 ? button(`Use ${strokes} ${strokes === 1 ? 'stroke' : 'strokes'}`, () => void app.labelBrush.use(), { kind: 'primary', disabled: busy, id: 'use-labels' }) : nothing}`
             : nothing}`)}
   `;
 }

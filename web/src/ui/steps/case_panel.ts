@@ -1,37 +1,9 @@
 import { html, nothing } from 'lit-html';
 import { fixed } from '../../model';
 import type { App } from '../app';
+import { chooseFiles, filesOf } from '../choose_files';
 import { button, chip, hint, notice, progressBar, section, type Part } from '../parts';
 import { runningJob, stageOf, isBusyWith, type State } from '../state';
-
-/** Files of a drop, folders opened. */
-async function filesOf(items: DataTransferItemList): Promise<File[]> {
-  const found: File[] = [];
-  const walk = async (entry: FileSystemEntry): Promise<void> => {
-    if (entry.isFile) {
-      found.push(await new Promise<File>((done, fail) => (entry as FileSystemFileEntry).file(done, fail)));
-      return;
-    }
-    const reader = (entry as FileSystemDirectoryEntry).createReader();
-    for (;;) {
-      const part = await new Promise<FileSystemEntry[]>((done, fail) => reader.readEntries(done, fail));
-      if (part.length === 0) return;
-      for (const inner of part) await walk(inner);
-    }
-  };
-  const entries = [...items].map((item) => item.webkitGetAsEntry()).filter((entry) => entry !== null);
-  for (const entry of entries) await walk(entry);
-  return found.filter((file) => !file.name.startsWith('.'));
-}
-
-function choose(app: App, folder: boolean): void {
-  const input = document.createElement('input');
-  input.type = 'file';
-  input.multiple = true;
-  input.webkitdirectory = folder;
-  input.onchange = () => void app.importFiles([...(input.files ?? [])]);
-  input.click();
-}
 
 const importing = (s: State): boolean => isBusyWith(s, 'import') || s.upload !== null;
 
@@ -66,8 +38,8 @@ export function welcome(app: App, s: State): Part {
             : html`<strong>Drop a scan here</strong>
                 <span class="hint">A DICOM folder, NIfTI, NRRD, MetaImage, or an InVesalius project (.inv3)</span>
                 <div class="row">
-                  ${button('Choose a folder', () => choose(app, true), { icon: 'folder' })}
-                  ${button('Choose files', () => choose(app, false))}
+                  ${button('Choose a folder', () => chooseFiles(true, (files) => void app.importFiles(files)), { icon: 'folder' })}
+                  ${button('Choose files', () => chooseFiles(false, (files) => void app.importFiles(files)))}
                 </div>`}
         </div>
         ${failed?.kind === 'import' && failed.state === 'failed' && !importing(s)
@@ -112,8 +84,8 @@ export function casePanel(app: App, s: State): Part {
     ${section('Open another scan',
       hint('It replaces this one. Landmarks and plan stay, and are out of date.'),
       html`<div class="row wrap">
-        ${button('Folder', () => choose(app, true), { icon: 'folder', disabled: importing(s) })}
-        ${button('Files', () => choose(app, false), { disabled: importing(s) })}
+        ${button('Folder', () => chooseFiles(true, (files) => void app.importFiles(files)), { icon: 'folder', disabled: importing(s) })}
+        ${button('Files', () => chooseFiles(false, (files) => void app.importFiles(files)), { disabled: importing(s) })}
         ${s.case?.example_available ? button('Example', () => void app.openExample(), { disabled: importing(s) }) : nothing}
       </div>`)}
     ${section('Privacy', hint('Names, dates and numbers of the patient are not read into the case. A face in 3D can still be recognised: treat pictures as you treat the scan.'))}

@@ -1,13 +1,13 @@
 import { html, nothing } from 'lit-html';
-import { bytes, fixed, gradientOf } from '../../model';
+import type { Schemas } from '../../api';
+import { bytes, fixed, gradientOf, mm, ticksOf, type ScaleName } from '../../model';
 import type { App } from '../app';
+import { chooseFiles } from '../choose_files';
 import type { Presenter } from '../present';
-import { button, chip, empty, hint, icon, notice, section, segmented, toggle, type Part } from '../parts';
+import { button, chip, empty, hint, icon, notice, progressBar, section, segmented, toggle, type Part } from '../parts';
 import { profilePlot } from '../plot';
-import { stageOf, type State } from '../state';
-
-/** Skin that moves less is "not moved" in means, as the command line has it [mm]. */
-const MOVED_MM = 0.5;
+import { isBusyWith, lastJob, stageOf, type State } from '../state';
+import { inWords } from './movement_panel';
 
 const FILE_WORDS: Record<string, string> = {
   'report.html': 'Report, one page with pictures and numbers',
@@ -21,6 +21,11 @@ const FILE_WORDS: Record<string, string> = {
   'landmarks.mrk.json': 'Landmarks',
   'check.json': 'Check of the plan',
   'cephalometry.csv': 'Cephalometry after the move',
+  'compare.json': 'Every number of the comparison',
+  'regions.csv': 'The comparison by region',
+  'difference.vtp': 'Predicted face with its distance from the face after surgery',
+  'movements.csv': 'Where the segments went',
+  'skin_after.vtp': 'Face after surgery, laid onto the head before it',
 };
 
 export const MODES = [
@@ -29,32 +34,107 @@ export const MODES = [
   { value: 'after', text: 'After' },
 ] as const;
 
+const BONE_PAINTS = [
+  { value: 'none', text: 'Plain' },
+  { value: 'pressure', text: 'Pressure', title: 'What the tissue presses with on the moved bone' },
+  { value: 'depth', text: 'Depth', title: 'How much deeper in the bone tissue lies than at rest: what contact lets through' },
+] as const;
+
+/** The colours of a map, from 0 to `top`. */
+const legend = (scale: ScaleName, top: number, unit: string, id: string): Part => html`
+  <div class="legend" data-id=${id}><div class="ramp" .style=${`background:${gradientOf(scale)}`}></div>
+    <div class="ticks">${ticksOf(top).map((text) => html`<span>${text}</span>`)}<span>${unit}</span></div></div>`;
+
+/** What is missing for the regions that are not told. */
+const missingRegions = (missing: readonly string[]): Part =>
+  missing.length ? html`<details><summary>Regions not told apart: ${missing.length}</summary><div class="hint">Landmarks are wanting. ${missing.join('; ')}.</div></details>` : nothing;
+
+const capital = (text: string): string => text[0].toUpperCase() + text.slice(1);
+
+function regionTable(regions: Schemas['RegionShifts']): Part {
+  return html`<table data-id="distance-table"><thead><tr><th></th><th title="Half of the area moved less">P50</th><th title="99 % of the area moved less">P99</th><th>Max</th></tr></thead>
+    <tbody>${regions.regions.map(({ region, shift }) => html`<tr><td>${REGION_WORDS[region] ?? capital(region)}</td>
+      ${[shift.median_mm, shift.p99_mm, shift.max_mm].map((v) => html`<td>${v === null ? '–' : fixed(v, 1)}</td>`)}</tr>`)}</tbody></table>
+    ${missingRegions(regions.missing)}`;
+}
+
+const REGION_WORDS: Record<string, string> = { whole: 'Whole skin', moved: 'Moved > 0.5 mm', 'right cheek': 'Cheek, right', 'left cheek': 'Cheek, left' };
+
+/** A movement of bone as the comparison tells it, in words. */
+function wordsOf({ shift_mm, turn_deg, largest_mm }: Schemas['MovementDifference']): string {
+  if (largest_mm < 0.05) return 'has not moved';
+  return `went ${inWords({ translation_mm: shift_mm as never, rotation_deg: turn_deg as never, about_mm: [0, 0, 0] })}`;
+}
+
+function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Part {
+  return html`
+    ${found.warnings.map((text) => notice('warning', 'About this scan', text))}
+    ${found.movements.map((one) => html`<p data-id="achieved"><strong>${one.segment}</strong> ${wordsOf(one.achieved)}.
+      <span class="hint">From the plan it is ${mm(one.from_plan_to_achieved.shift_length_mm)} and ${fixed(one.from_plan_to_achieved.turn_angle_deg, 1)}° away.</span></p>`)}
+    ${found.registration ? hint(`Bone that did not move lies ${mm(found.registration.rms_mm, 2)} apart in the two scans; ${fixed(100 * found.registration.kept_share, 0)} % of it was found again.`) : nothing}
+    <table data-id="error-table"><thead><tr><th></th><th colspan="2">Predicted face is off</th><th colspan="2">Had nothing changed</th></tr>
+      <tr><th></th><th>P50</th><th>P99</th><th>P50</th><th>P99</th></tr></thead>
+      <tbody>${found.regions.map((row) => html`<tr><td>${REGION_WORDS[row.region] ?? capital(row.region)}</td>
+        ${[row.face.median_mm, row.face.p99_mm, row.if_unchanged?.median_mm ?? null, row.if_unchanged?.p99_mm ?? null].map((v) => html`<td>${v === null ? '–' : fixed(v, 1)}</td>`)}</tr>`)}</tbody></table>
+    ${hint('mm, over area. A prediction is of use where it is nearer than “had nothing changed”.')}
+    ${missingRegions(found.missing)}
+    ${toggle('Colour the face by it', s.skinPaint === 'error', (on) => app.patch({ skinPaint: on ? 'error' : 'none', ...(on ? { compareStep: s.prediction?.steps.length ?? 0 } : {}) }))}
+    ${s.skinPaint === 'error' ? legend('distance', s.errorTop_mm, 'mm', 'error-legend') : nothing}
+    ${app.model.surfaces.has('after_surgery')
+      ? segmented('Left', [{ value: 'before', text: 'Before' }, { value: 'after_surgery', text: 'After surgery' }] as const, s.against, (v) => app.patch({ against: v }))
+      : nothing}`;
+}
+
+/** The face after surgery, where there is one. */
+function afterSurgery(app: App, s: State): Part {
+  const stage = stageOf(s, 'comparison');
+  const job = lastJob(s, 'compare');
+  const running = isBusyWith(s, 'compare');
+  const send = (files: File[]): void => void app.outcome.compareWith(files);
+  return section('After surgery',
+    running || s.upload
+      ? html`<div class="row"><span class="grow" data-id="compare-stage">${s.upload ? `Handing over ${s.upload.name}` : (job?.stage || 'waiting')}</span>
+          ${job && running ? button('Stop', () => void app.stopJob(job.id), { kind: 'danger', icon: 'stop', id: 'stop-compare' }) : nothing}</div>
+          ${progressBar(s.upload?.share ?? job?.fraction ?? 0, 'Comparison')}`
+      : html`
+          ${stage.state === 'stale' ? notice('warning', 'This comparison is of an earlier prediction', stage.why) : nothing}
+          ${job?.state === 'failed' ? notice('error', 'Not compared', job.message) : nothing}
+          ${s.comparison ? comparisonResult(app, s, s.comparison) : hint('A scan after surgery tells where the bone went and how far the predicted face is off; a surface of the face (VTP, STL, PLY, OBJ, in the frame of the scan) how far it is off.')}
+          <div class="row wrap">
+            ${button('Scan folder', () => chooseFiles(true, send), { icon: 'folder', id: 'compare-folder' })}
+            ${button('Scan or surface', () => chooseFiles(false, send), { id: 'compare-files' })}</div>`);
+}
+
 export function comparePanel(app: App, s: State, view: Presenter): Part {
   const stage = stageOf(s, 'prediction');
   if (stage.state === 'missing' || stage.state === 'running' || !s.prediction)
     return html`<h2>Compare</h2>${empty('No prediction yet', stage.state === 'running' ? 'The face is being solved.' : 'Predict the face first.', button('To the prediction', () => app.setStep('predict')))}`;
   if (!s.prediction.converged)
     return html`<h2>Compare ${chip('unconverged')}</h2>${notice('error', 'Not converged: there is no face to compare', s.prediction.failure)}${button('To the prediction', () => app.setStep('predict'))}`;
-  const profile = view.profile();
+  const profile = view.compare.profile();
+  const isAtEnd = s.compareStep === s.prediction.steps.length;
   return html`
     <h2>Compare ${chip(stage.state)}</h2>
     ${stage.state === 'stale' ? notice('warning', 'Out of date: this face is of an earlier plan', stage.why) : nothing}
     ${segmented('How to compare', MODES, s.compareMode, (v) => app.patch({ compareMode: v }))}
     ${section('Show',
-      toggle('How far the skin moved', s.showDistance, (on) => app.patch({ showDistance: on })),
-      s.showDistance ? html`<div class="legend" data-id="legend"><div class="ramp" .style=${`background:${gradientOf('distance')}`}></div>
-        <div class="ticks">${[0, 0.25, 0.5, 0.75, 1].map((share) => html`<span>${fixed(share * s.distanceTop_mm, s.distanceTop_mm < 4 ? 2 : 1)}</span>`)}<span>mm</span></div></div>` : nothing,
-      toggle('Bones under a clear skin', s.showBones, (on) => app.patch({ showBones: on })))}
+      toggle('How far the skin moved', s.skinPaint === 'moved', (on) => app.patch({ skinPaint: on ? 'moved' : 'none' })),
+      s.skinPaint === 'moved' ? legend('distance', s.distanceTop_mm, 'mm', 'legend') : nothing,
+      toggle('Bones under a clear skin', s.showBones, (on) => app.patch({ showBones: on })),
+      s.showBones
+        ? html`${segmented('Contact on the moved bone', BONE_PAINTS, s.bonePaint, (v) => app.patch({ bonePaint: v }))}
+          ${s.bonePaint === 'none' ? nothing
+            : s.boneTop !== null ? legend('depth', s.boneTop, s.bonePaint === 'pressure' ? 'kPa' : 'mm', 'bone-legend')
+              : hint(isAtEnd ? 'This prediction holds no contact: tissue sticks to the bone, or it was made by an earlier lefort.' : 'Contact is kept for the last step alone.')}`
+        : nothing)}
     ${section('How far the skin moved',
-      html`<table data-id="distance-table"><thead><tr><th></th><th>Mean</th><th>Median</th><th>P90</th><th>P95</th><th>Max</th></tr></thead>
-        <tbody>${view.statistics(MOVED_MM).map(([name, x]) => html`<tr><td>${name}</td>${x
-          ? [x.mean, x.median, x.p90, x.p95, x.max].map((v) => html`<td>${fixed(v, 1)}</td>`)
-          : html`<td colspan="5">–</td>`}</tr>`)}</tbody></table>`,
-      hint('mm, by vertex of the skin, at the step shown. A simulation, not held against this patient’s outcome.'))}
+      s.regionShifts ? regionTable(s.regionShifts) : hint(s.compareStep === 0 ? 'Before surgery nothing has moved.' : 'Being measured …'),
+      hint('mm, over area, at the step shown. A simulation, not held against this patient’s outcome.'))}
+    ${afterSurgery(app, s)}
     ${profile ? section('Profile', profilePlot(profile.before, profile.after), hint('In the middle plane, from the right. Dashed: before.')) : nothing}
     ${section('Take along',
       html`<div class="row wrap">
-        ${button('Picture', () => view.savePicture(), { icon: 'camera', id: 'snapshot' })}
+        ${button('Picture', () => view.compare.savePicture(), { icon: 'camera', id: 'snapshot' })}
         ${stage.state === 'fresh' ? button('Report', () => void app.download('report.html'), { icon: 'download', kind: 'primary', id: 'report' }) : nothing}</div>`,
       stage.state === 'fresh'
         ? html`<details><summary>All files</summary><div class="list">${s.files.map((file) => html`

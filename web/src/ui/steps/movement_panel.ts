@@ -91,6 +91,7 @@ export function movementPanel(app: App, s: State): Part {
         onInput: (v) => app.edit({ plan: { ...plan, segments: plan.segments.map((x, n) => (n === s.segment ? { ...x, path: { ...x.path, steps: Math.round(v) } } : x)) } }, 'steps') }))}
     ${checkPart(app, s)}
     ${section('Show',
+      toggle('Slices with the moved outline', s.showSlices, (on) => app.showSlices(on)),
       toggle('Overlap of bones', s.showOverlap, (on) => app.patch({ showOverlap: on })),
       toggle('Preview of the face', s.showPreview, (on) => app.patch({ showPreview: on })),
       previewState(app, s))}

@@ -3,7 +3,7 @@ import { fixed, mm } from '../../model';
 import type { App } from '../app';
 import { button, chip, empty, hint, notice, progressBar, section, type Part } from '../parts';
 import { residualPlot } from '../plot';
-import { isBusyWith, lastJob, stageOf, type State } from '../state';
+import { isBusyWith, lastJob, stageOf, type NewtonPoint, type State } from '../state';
 import { overlapNotice, previewState } from './movement_panel';
 import { toggle } from '../parts';
 
@@ -21,6 +21,13 @@ interface StepRow {
 const stepTable = (steps: readonly StepRow[]): Part => html`
   <table data-id="step-table"><thead><tr><th>Step</th><th>Iterations</th><th>Contacts</th><th title="99 % of the contact lies less deep in the bone">P99 depth</th><th>Deepest</th></tr></thead>
     <tbody>${[...steps].reverse().map((x) => html`<tr><td>${x.step}</td><td>${x.newton_iterations}</td><td>${x.contact_nodes}</td><td>${mm(x.p99_depth_mm, 2)}</td><td>${mm(x.max_depth_mm, 2)}</td></tr>`)}</tbody></table>`;
+
+/** Where the solver is at this moment. */
+const iterateNow = (at: NewtonPoint): Part => html`
+  <div class="stats" data-id="iterate-now">
+    <div><div class="big-number">${at.iteration}</div><div class="hint">iterations of try ${at.attempt} for step ${at.step}</div></div>
+    <div><div class="big-number">${at.contacts}</div><div class="hint">points in contact</div></div>
+    <div><div class="big-number">${fixed(at.deepest_mm, 2)} <small>mm</small></div><div class="hint">deepest in the bone</div></div></div>`;
 
 export function predictPanel(app: App, s: State): Part {
   const { plan } = app.model.doc;
@@ -47,7 +54,7 @@ export function predictPanel(app: App, s: State): Part {
             <span class="hint">${done ? `step ${done.step} of ${done.steps}` : `${fixed((job?.fraction ?? 0) * 100, 0)} %`}</span></div>`,
           progressBar(done ? done.step / done.steps : (job?.fraction ?? 0), 'Along the path'),
           button('Stop', () => job && void app.stopJob(job.id), { kind: 'danger', icon: 'stop', id: 'stop-predict' }))}
-        ${section('Residual', s.newton.length ? residualPlot(s.newton, tolerance) : hint('Appears when the equations are being solved; meshing comes first.'))}
+        ${section('Residual', s.newton.length ? html`${residualPlot(s.newton, tolerance)}${iterateNow(s.newton[s.newton.length - 1])}` : hint('Appears when the equations are being solved; meshing comes first.'))}
         ${s.steps.length ? section('Steps', stepTable(s.steps)) : nothing}`
       : html`
         ${section('Preview', overlapNotice(s), toggle('Preview of the face', s.showPreview, (on) => app.patch({ showPreview: on })), previewState(app, s),

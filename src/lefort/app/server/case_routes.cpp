@@ -1,0 +1,37 @@
+#include <lefort/app/server/case_jobs.h>
+#include <lefort/app/server/request_parts.h>
+#include <lefort/app/server/route.h>
+#include <lefort/app/server/served_case.h>
+#include <lefort/core/version.h>
+
+namespace lefort::app::server {
+namespace {
+
+using nlohmann::json;
+
+Reply get_case(ServedCase& served, const Request&, const PathValues&) {
+  const json description = read_object(served.folder.description());
+  const bool has_scan = there_is(served.folder.ct()) && description.contains("scan");
+  return json_reply({{"lefort_case", 1},
+                     {"title", description.value("title", "")},
+                     {"version", kVersion},
+                     {"notice", kNotForClinicalUse},
+                     {"start", served.events.start()},
+                     {"scan", has_scan ? description["scan"] : json()},
+                     {"stages", served.stages()},
+                     {"example_available", served.example.has_value()},
+                     {"job_kinds", job_kinds()},
+                     {"limits",
+                      {{"upload_file_bytes", served.uploads.limits().file_bytes},
+                       {"upload_files", served.uploads.limits().files},
+                       {"json_bytes", kLargestBody}}}});
+}
+
+}  // namespace
+
+std::span<const Route> case_routes() {
+  static constexpr Route kRoutes[] = {{"GET", "/case", get_case}};
+  return kRoutes;
+}
+
+}  // namespace lefort::app::server

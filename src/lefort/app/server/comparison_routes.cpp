@@ -1,0 +1,84 @@
+#include <lefort/app/server/request_parts.h>
+#include <lefort/app/server/route.h>
+#include <lefort/app/server/served_case.h>
+#include <lefort/app/server/surface_bytes.h>
+#include <lefort/io/vertex_array.h>
+
+#include <string>
+
+namespace lefort::app::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// A number per vertex of a surface that pages may have.
+struct NamedValues {
+  std::string_view name;
+  fs::path (*file)(const CaseFolder&);
+  const char* array;  ///< In the file.
+};
+
+const NamedValues kValues[] = {
+    {"contact-pressure",
+     [](const CaseFolder& c) { return c.prediction() / "bone_segment_moved.vtp"; },
+     "contact_pressure_kpa"},
+    {"contact-depth", [](const CaseFolder& c) { return c.prediction() / "bone_segment_moved.vtp"; },
+     "contact_depth_mm"},
+    {"difference", [](const CaseFolder& c) { return c.comparison() / "difference.vtp"; },
+     "difference_mm"}};
+
+Reply get_values(ServedCase& served, const Request& request, const PathValues& values) {
+  for (const NamedValues& named : kValues) {
+    if (named.name != values[0]) continue;
+    const fs::path file = named.file(served.folder);
+    const auto etag = served.folder.etag(file);
+    if (!etag) return not_there("there are no such values yet");
+    if (is_known(request, etag)) return not_modified(etag);
+    const auto numbers = io::read_vertex_array(file, named.array);
+    if (!numbers)
+      return not_there("there are no such values: they were not made, or predict again");
+    return with_etag(binary_reply(shared_bytes(float_bytes(*numbers))), etag);
+  }
+  return not_there("there are no values of that name");
+}
+
+Reply get_comparison(ServedCase& served, const Request& request, const PathValues&) {
+  const fs::path file = served.folder.comparison() / "compare.json";
+  const auto etag = served.folder.etag(file);
+  if (!etag) return not_there("nothing was compared yet");
+  if (is_known(request, etag)) return not_modified(etag);
+  const json found = read_object(file);
+  try {
+    json regions = json::array(), movements = json::array(), registration;
+    for (const json& row : found.at("regions"))
+      regions.push_back({{"region", row.at("region")},
+                         {"face", row.at("face")},
+                         {"if_unchanged", row.value("if_unchanged", json())}});
+    for (const json& one : found.value("movements", json::array()))
+      movements.push_back({{"segment", one.at("segment")},
+                           {"achieved", one.at("achieved")},
+                           {"from_plan_to_achieved", one.at("from_plan_to_achieved")}});
+    if (found.contains("registration"))
+      registration = {{"rms_mm", found["registration"].at("rms_mm")},
+                      {"kept_share", found["registration"].at("kept_share")}};
+    return with_etag(json_reply({{"regions", regions},
+                                 {"missing", found.at("regions_missing")},
+                                 {"movements", movements},
+                                 {"registration", registration},
+                                 {"warnings", found.value("warnings", json::array())}}),
+                     etag);
+  } catch (const json::exception&) {
+    return refusal(422, "invalid", "compare.json is damaged: compare again");
+  }
+}
+
+}  // namespace
+
+std::span<const Route> comparison_routes() {
+  static constexpr Route kRoutes[] = {{"GET", "/comparison", get_comparison},
+                                      {"GET", "/values/{values}", get_values}};
+  return kRoutes;
+}
+
+}  // namespace lefort::app::server

@@ -1,0 +1,32 @@
+#include <lefort/io/internal/vtk_xml.h>
+#include <lefort/io/vertex_array.h>
+#include <lefort/io/write_atomically.h>
+
+#include <fmt/format.h>
+
+#include <cstdint>
+
+namespace lefort::io {
+namespace {
+
+constexpr std::uintmax_t kLargestFile = std::uintmax_t(4) << 30;  // Bytes.
+
+}  // namespace
+
+Result<std::vector<double>> read_vertex_array(const std::filesystem::path& file,
+                                              const std::string& name) {
+  LEFORT_TRY(const std::string bytes, read_text(file, kLargestFile));
+  const std::string subject = "surface " + file.string();
+  LEFORT_TRY(
+      const internal::XmlArrays arrays,
+      internal::parse_vtk_xml(bytes, subject, "PolyData", {{"Points", ""}, {"PointData", name}}));
+  const auto* const points = internal::find_array(arrays, 1, "Points", "");
+  const auto* const values = internal::find_array(arrays, 1, "PointData", name);
+  if (arrays.pieces != 1 || points == nullptr || values == nullptr ||
+      points->size() != 3 * values->size())
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{}: there is no array {} of a number per vertex", subject, name));
+  return *values;
+}
+
+}  // namespace lefort::io

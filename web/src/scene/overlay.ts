@@ -1,0 +1,145 @@
+import { Quaternion, Vector3 } from 'three';
+import { screenSides, unit, type Vec3 } from '../model';
+import type { Projection } from './projection';
+
+// What lies over the picture, drawn flat: sharp and cheap on any graphics.
+
+export interface Polyline {
+  points: Vec3[];
+  closed: boolean;
+  colour: string;
+  dashed?: boolean;
+}
+
+export interface PlaneMark {
+  point: Vec3;
+  normal: Vec3;
+  size_mm: number;
+  colour: string;
+  selected: boolean;
+}
+
+export function drawLine(context: CanvasRenderingContext2D, projection: Projection, line: Polyline): void {
+  if (line.points.length < 2) return;
+  context.beginPath();
+  line.points.forEach((p, n) => {
+    const [x, y] = projection.toScreen(p);
+    if (n === 0) context.moveTo(x, y);
+    else context.lineTo(x, y);
+  });
+  if (line.closed) context.closePath();
+  context.setLineDash(line.dashed ? [5, 5] : []);
+  context.lineJoin = 'round';
+  context.lineWidth = 4;
+  context.strokeStyle = 'rgb(0 0 0 / 0.35)';
+  context.stroke();
+  context.lineWidth = 2;
+  context.strokeStyle = line.colour;
+  context.stroke();
+  context.setLineDash([]);
+}
+
+export function drawPlaneOutline(context: CanvasRenderingContext2D, projection: Projection, mark: PlaneMark): void {
+  const n = new Vector3(...unit(mark.normal));
+  const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), n);
+  const h = mark.size_mm / 2;
+  const corners = [[-h, -h], [h, -h], [h, h], [-h, h]].map(([a, b]) =>
+    new Vector3(a, b, 0).applyQuaternion(turn).add(new Vector3(...mark.point)).toArray() as Vec3,
+  );
+  context.beginPath();
+  corners.forEach((corner, k) => {
+    const [x, y] = projection.toScreen(corner);
+    if (k === 0) context.moveTo(x, y);
+    else context.lineTo(x, y);
+  });
+  context.closePath();
+  context.lineWidth = mark.selected ? 2 : 1.25;
+  context.strokeStyle = mark.colour;
+  context.globalAlpha = mark.selected ? 1 : 0.7;
+  context.stroke();
+  context.globalAlpha = 1;
+}
+
+export function drawLabel(context: CanvasRenderingContext2D, text: string, x: number, y: number, strong: boolean): void {
+  context.font = `${strong ? 600 : 500} 11.5px "Inter Variable", sans-serif`;
+  context.textAlign = 'left';
+  context.textBaseline = 'middle';
+  const width = context.measureText(text).width;
+  context.fillStyle = strong ? 'rgb(15 95 115 / 0.95)' : 'rgb(16 22 28 / 0.72)';
+  context.beginPath();
+  context.roundRect(x - 4, y - 8.5, width + 8, 17, 4);
+  context.fill();
+  context.fillStyle = '#ffffff';
+  context.fillText(text, x, y + 0.5);
+}
+
+export function drawSides(
+  context: CanvasRenderingContext2D, projection: Projection, x: number, y: number, width: number, height: number, ink: string,
+): void {
+  const sides = screenSides(projection.forward, projection.up);
+  context.font = '600 14px "Inter Variable", sans-serif';
+  context.fillStyle = ink;
+  context.textBaseline = 'middle';
+  context.textAlign = 'center';
+  context.fillText(sides.left, x + 16, y + height / 2);
+  context.fillText(sides.right, x + width - 16, y + height / 2);
+  context.fillText(sides.top, x + width / 2, y + 18);
+  context.fillText(sides.bottom, x + width / 2, y + height - 18);
+}
+
+export function drawScale(context: CanvasRenderingContext2D, projection: Projection, width: number, height: number, ink: string): void {
+  const mm = [100, 50, 20, 10, 5, 2, 1].find((step) => step * projection.px_per_mm < Math.min(160, width / 4)) ?? 1;
+  const size = mm * projection.px_per_mm;
+  const [x, y] = [16, height - 16];
+  context.strokeStyle = ink;
+  context.lineWidth = 1.5;
+  context.beginPath();
+  context.moveTo(x, y - 4);
+  context.lineTo(x, y);
+  context.lineTo(x + size, y);
+  context.lineTo(x + size, y - 4);
+  context.stroke();
+  context.font = '500 11px "Inter Variable", sans-serif';
+  context.fillStyle = ink;
+  context.textAlign = 'left';
+  context.textBaseline = 'alphabetic';
+  context.fillText(`${mm} mm`, x, y - 8);
+}
+
+/** What a side of a comparison shows. */
+export function drawTag(context: CanvasRenderingContext2D, text: string, x: number, align: 'left' | 'right'): void {
+  context.font = '600 12px "Inter Variable", sans-serif';
+  context.textAlign = align;
+  context.textBaseline = 'middle';
+  const width = context.measureText(text).width;
+  context.fillStyle = 'rgb(16 22 28 / 0.78)';
+  context.beginPath();
+  context.roundRect(align === 'left' ? x - 8 : x - width - 8, 44, width + 16, 22, 6);
+  context.fill();
+  context.fillStyle = '#ffffff';
+  context.fillText(text, x, 55.5);
+}
+
+export function drawWipe(context: CanvasRenderingContext2D, x: number, height: number): void {
+  context.fillStyle = 'rgb(0 0 0 / 0.35)';
+  context.fillRect(x - 2, 0, 4, height);
+  context.fillStyle = '#ffffff';
+  context.fillRect(x - 1, 0, 2, height);
+  context.beginPath();
+  context.arc(x, height / 2, 15, 0, 2 * Math.PI);
+  context.fillStyle = '#ffffff';
+  context.fill();
+  context.lineWidth = 1;
+  context.strokeStyle = 'rgb(0 0 0 / 0.35)';
+  context.stroke();
+  context.beginPath();
+  for (const sign of [-1, 1]) {
+    context.moveTo(x + sign * 4, height / 2 - 5);
+    context.lineTo(x + sign * 9, height / 2);
+    context.lineTo(x + sign * 4, height / 2 + 5);
+  }
+  context.strokeStyle = '#0f5f73';
+  context.lineWidth = 2;
+  context.stroke();
+}
+

@@ -1,0 +1,177 @@
+import {
+  IDENTITY, lengths, roundUp, sectionOf, segmentColour, SKIN,
+  type Mat4, type Vec3,
+} from '../model';
+import type { View3d } from '../scene';
+import { saveBlob, type App } from './app';
+import { stageOf, type State } from './state';
+
+/** Draws the comparison: the face before, or after surgery, beside the predicted one at any step, and what presses on bone. */
+export class CompareView {
+  private shifts: Float32Array | null = null;
+  private shown: { step: number; document: unknown } | null = null;
+  private profile_: { before: Float32Array; after: Float32Array } | null = null;
+  private paintedSkin: unknown[] = [];
+  private paintedBone: unknown[] = [];
+
+  constructor(
+    private readonly view: View3d,
+    private readonly app: App,
+  ) {}
+
+  surfaceChanged(name: string): void {
+    this.profile_ = null;
+    this.paintedBone = [];
+    if (name === 'skin_before') this.shown = null;
+  }
+
+  /** Bodies that are shown. */
+  bodies(s: State): string[] {
+    return ['skin_before', 'predicted', 'after_surgery', ...this.bones(s)];
+  }
+
+  poseOf(s: State, index: number): Mat4 {
+    const compared = s.prediction?.steps[s.compareStep - 1]?.pose;
+    return index === 0 && compared ? compared : IDENTITY;
+  }
+
+  present(s: State): void {
+    const { view } = this;
+    if (s.step !== 'compare' || !view.body('skin_before') || !view.body('predicted') || !s.prediction?.converged) {
+      view.setLayout({ mode: 'single' });
+      if (s.step === 'compare') view.show([]);
+      return;
+    }
+    const clear = this.showsContact(s) ? 0.2 : 0.4;
+    for (const skin of ['skin_before', 'predicted', 'after_surgery']) view.setOpacity(skin, s.showBones ? clear : 1);
+    if (this.shown?.step !== s.compareStep || this.shown.document !== s.prediction.document) {
+      const step = s.compareStep;
+      this.shown = { step, document: s.prediction.document };
+      void this.app.try_(async () => {
+        const xyz = await this.app.outcome.displacementAt(step);
+        if (this.app.model.s.compareStep !== step) return;
+        this.showStep(xyz);
+      });
+      void this.app.outcome.loadRegions(step);
+    }
+    const afterSurgery = s.against === 'after_surgery' && view.body('after_surgery') !== undefined;
+    const right = ['predicted', ...this.bones(s)];
+    const left = [afterSurgery ? 'after_surgery' : 'skin_before', ...this.bones(s)];
+    const names: [string, string] = [afterSurgery ? 'After surgery' : 'Before', this.isAtEnd(s) ? 'Predicted' : `Step ${s.compareStep}`];
+    if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', share: s.wipe, left, right, names });
+    else if (s.compareMode === 'beside') view.setLayout({ mode: 'beside', left, right, names });
+    else {
+      view.show(right);
+      view.setLayout({ mode: 'single' });
+    }
+    this.paintSkin();
+    void this.paintBone();
+  }
+
+  private bones(s: State): string[] {
+    return s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [];
+  }
+
+  /** Then the skin stays plain: two maps over one another could not be read. */
+  private showsContact = (s: State): boolean => s.showBones && s.bonePaint !== 'none' && this.isAtEnd(s);
+
+  private isAtEnd = (s: State): boolean => s.compareStep === s.prediction?.steps.length;
+
+  /** Puts the predicted skin where it is at a step: the scanned skin and its displacement. */
+  private showStep(xyz: Float32Array | null): void {
+    const before = this.view.body('skin_before');
+    const predicted = this.view.body('predicted');
+    if (!before || !predicted) return;
+    const base = before.surface.points;
+    const wanted = base.slice();
+    if (xyz && xyz.length === base.length) for (let n = 0; n < base.length; n++) wanted[n] += xyz[n];
+    if (wanted.length === predicted.surface.points.length) {
+      // The predicted surface is drawn as itself plus the way from it to this step.
+      const from = predicted.surface.points;
+      predicted.setDisplacement(wanted.map((v, n) => v - from[n]));
+    }
+    this.shifts = xyz ? lengths(xyz) : new Float32Array(base.length / 3);
+    this.profile_ = null;
+    this.paintSkin();
+    this.app.patch({ distanceTop_mm: roundUp(this.app.model.s.prediction?.skin_largest_shift_mm ?? 1) });
+    this.view.render();
+  }
+
+  /** How far the skin moved, how far it is from the face after surgery, or plain. */
+  private paintSkin(): void {
+    const { s } = this.app.model;
+    const predicted = this.view.body('predicted');
+    if (!predicted) return;
+    const error = s.skinPaint === 'error' && this.isAtEnd(s) ? s.difference_mm : null;
+    const plain = this.showsContact(s);
+    const now = [predicted, s.skinPaint, this.shifts, error, s.errorTop_mm, plain];
+    if (now.every((value, n) => value === this.paintedSkin[n])) return;
+    this.paintedSkin = now;
+    const count = predicted.surface.points.length / 3;
+    if (plain) predicted.setColour(SKIN);
+    else if (error?.length === count) predicted.setValues(error.map(Math.abs), 'distance', 0, s.errorTop_mm);
+    else if (s.skinPaint === 'moved' && this.shifts?.length === count)
+      predicted.setValues(this.shifts, 'distance', 0, roundUp(s.prediction?.skin_largest_shift_mm ?? 1));
+    else predicted.setColour(SKIN);
+    this.view.render();
+  }
+
+  /** What the tissue does to the moved bone: told of the last step alone. */
+  private async paintBone(): Promise<void> {
+    const { s, doc } = this.app.model;
+    const body = doc.plan.segments[0] && this.view.body(`segments/${doc.plan.segments[0].name}`);
+    if (!body) return;
+    const wanted = this.showsContact(s) ? s.bonePaint : 'none';
+    const now = [body, wanted, stageOf(s, 'prediction').etag];
+    if (now.every((value, n) => value === this.paintedBone[n])) return;
+    this.paintedBone = now;
+    const values = wanted === 'none' ? null : await this.app.outcome.values(wanted === 'pressure' ? 'contact-pressure' : 'contact-depth');
+    if (this.paintedBone !== now) return; // Something else is wanted meanwhile.
+    if (values?.length === body.surface.points.length / 3) {
+      const top = roundUp(values.reduce((a, b) => Math.max(a, b), 0));
+      body.setValues(values, 'depth', 0, top, segmentColour(0));
+      this.app.patch({ boneTop: top });
+    } else {
+      body.setColour(segmentColour(0));
+      this.app.patch({ boneTop: null });
+    }
+    this.view.render();
+  }
+
+  /** Where the middle is: by landmarks on it, else the middle of the skin. */
+  private middleX(): number {
+    const middle = this.app.model.doc.landmarks.filter((l) => ['N', 'ANS', 'A', 'S', 'PNS'].includes(l.name));
+    if (middle.length > 0) return middle.reduce((sum, l) => sum + l.position_mm[0], 0) / middle.length;
+    const points = this.view.body('skin_before')!.surface.points;
+    let [low, high] = [Infinity, -Infinity];
+    for (let n = 0; n < points.length; n += 3) {
+      low = Math.min(low, points[n]);
+      high = Math.max(high, points[n]);
+    }
+    return (low + high) / 2;
+  }
+
+  profile(): { before: Float32Array; after: Float32Array } | null {
+    const before = this.view.body('skin_before');
+    const after = this.view.body('predicted');
+    if (!before || !after) return null;
+    if (!this.profile_) {
+      const point: Vec3 = [this.middleX(), 0, 0];
+      this.profile_ = {
+        before: sectionOf(before.surface, point, [1, 0, 0]),
+        after: sectionOf({ points: after.points, triangles: after.surface.triangles }, point, [1, 0, 0]),
+      };
+    }
+    return this.profile_;
+  }
+
+  savePicture(): void {
+    const { s } = this.app.model;
+    const left = s.against === 'after_surgery' && this.view.body('after_surgery') ? 'After surgery' : 'Before';
+    const what = { slider: `${left} and predicted`, beside: `${left}, predicted`, after: 'Predicted' }[s.compareMode];
+    const ground = getComputedStyle(document.documentElement).getPropertyValue('--view-top').trim();
+    const stale = stageOf(s, 'prediction').state === 'stale' ? ' OUT OF DATE.' : '';
+    this.view.snapshot(`${what}, step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}.${stale} Research software. A simulation, not for clinical use.`, ground)
+      .toBlob((blob) => blob && saveBlob(blob, 'planner.png'), 'image/png');
+  }
+}

@@ -1,0 +1,76 @@
+import { joinEdits, paintBall, repeat, revert, type LabelEdit, type Vec3 } from '../model';
+import type { App, Listeners } from './app';
+import { stageOf, type Doc } from './state';
+
+/** Labels of the voxels, and strokes of the brush on them, which undo takes back. */
+export class LabelBrush {
+  private stroke: LabelEdit | null = null;
+  /** Strokes that the labels at hand have. */
+  private appliedStrokes: readonly LabelEdit[] = [];
+  /** The anatomy that they are of. */
+  private labelsOf: string | null = null;
+
+  constructor(
+    private readonly app: App,
+    private readonly listeners: Listeners,
+  ) {}
+
+  async load(): Promise<void> {
+    const { model } = this.app;
+    const etag = stageOf(model.s, 'anatomy').etag;
+    if (model.labels && this.labelsOf === etag) return;
+    this.labelsOf = etag;
+    await this.app.try_(async () => {
+      const [about, data] = await Promise.all([this.app.client.labels(), this.app.client.labelsData()]);
+      model.labels = data.value;
+      model.labelsEtag = data.etag;
+      this.appliedStrokes = [];
+      const bare = (doc: Doc): Doc => ({ ...doc, strokes: [] });
+      const { past, present, future } = model.history.value;
+      model.history.set({ past: past.map(bare), present: bare(present), future: future.map(bare), gesture: null });
+      this.app.patch({ labelNames: about.names, labelsReady: true });
+      this.listeners.onLabels();
+    });
+  }
+
+  brush(p_L: Vec3, phase: 'start' | 'move' | 'end'): void {
+    const { model } = this.app;
+    const { volume, brush_mm, brushLabel } = model.s;
+    if (!volume || !model.labels) return;
+    if (phase !== 'end') {
+      const dab = paintBall(model.labels, volume.grid, p_L, brush_mm, brushLabel);
+      this.stroke = this.stroke ? joinEdits(this.stroke, dab) : dab;
+      this.listeners.onLabels();
+      return;
+    }
+    if (this.stroke && this.stroke.at.length > 0) {
+      const strokes = [...model.doc.strokes, this.stroke];
+      this.appliedStrokes = strokes; // They are painted already.
+      this.app.edit({ strokes });
+    }
+    this.stroke = null;
+  }
+
+  apply(strokes: readonly LabelEdit[]): void {
+    const labels = this.app.model.labels;
+    if (!labels || strokes === this.appliedStrokes) return;
+    let common = 0;
+    while (common < strokes.length && strokes[common] === this.appliedStrokes[common]) common++;
+    for (const stroke of this.appliedStrokes.slice(common).reverse()) revert(labels, stroke);
+    for (const stroke of strokes.slice(common)) repeat(labels, stroke);
+    this.appliedStrokes = strokes;
+    this.listeners.onLabels();
+  }
+
+  /** Keeps the painted labels and makes surfaces of them; the plan names them from now on. */
+  async use(): Promise<void> {
+    const { model } = this.app;
+    if (!model.labels || !model.labelsEtag) return;
+    const { plan } = model.doc;
+    this.app.edit({ plan: { ...plan, segmentation: { ...plan.segmentation, labels: 'anatomy/labels.seg.nrrd' } } });
+    await this.app.try_(async () => {
+      model.labelsEtag = await this.app.client.putLabels(model.labels!, model.labelsEtag!);
+      await this.app.run({ kind: 'segment', from_labels: true });
+    });
+  }
+}

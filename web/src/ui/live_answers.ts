@@ -1,0 +1,76 @@
+import { lengths, type Mat4 } from '../model';
+import { sentence, type App, type Listeners } from './app';
+import { stageOf } from './state';
+
+/** What is asked of the server while bone is dragged: overlap at once, the preview of the face when the hand rests. */
+export class LiveAnswers {
+  private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = { wanted: null, running: false, times: [] };
+  private previewAborter: AbortController | null = null;
+
+  constructor(
+    private readonly app: App,
+    private readonly listeners: Listeners,
+  ) {}
+
+  /** Asks for the overlap of these poses; while one answer is on its way only the newest question is kept. */
+  wantDepths(poses: Record<string, Mat4>): void {
+    if (stageOf(this.app.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
+      this.listeners.onDepths(null);
+      if (this.app.model.s.depth) this.app.patch({ depth: null });
+      return;
+    }
+    this.depthLoop.wanted = poses;
+    if (!this.depthLoop.running) void this.runDepths();
+  }
+
+  private async runDepths(): Promise<void> {
+    const loop = this.depthLoop;
+    loop.running = true;
+    while (loop.wanted) {
+      const poses = loop.wanted;
+      loop.wanted = null;
+      try {
+        const depths = await this.app.client.depths(poses);
+        const now = performance.now();
+        loop.times = [...loop.times.filter((t) => now - t < 1000), now];
+        this.listeners.onDepths(depths);
+        const span = now - loop.times[0];
+        const perSecond = loop.times.length > 2 ? ((loop.times.length - 1) * 1000) / span : 0;
+        this.app.patch({ depth: { deepest_mm: depths.deepest_mm, beyondReach: depths.beyondReach, perSecond } });
+      } catch {
+        this.listeners.onDepths(null);
+        this.app.patch({ depth: null });
+      }
+    }
+    loop.running = false;
+  }
+
+  /** The linearised face for where the bones are; `since` is when the drag ended. */
+  async wantPreview(since: number): Promise<void> {
+    const { s } = this.app.model;
+    this.previewAborter?.abort();
+    if (!s.showPreview || stageOf(s, 'preview').state !== 'fresh') {
+      this.dropPreview();
+      return;
+    }
+    const aborter = (this.previewAborter = new AbortController());
+    this.app.patch({ preview: { ...s.preview, state: 'waiting' } });
+    try {
+      const xyz = await this.app.client.preview(this.app.cutPoses(), aborter.signal);
+      this.listeners.onPreview(xyz);
+      const largest_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
+      requestAnimationFrame(() =>
+        this.app.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', largest_mm } }),
+      );
+    } catch (error) {
+      if (aborter.signal.aborted) return;
+      this.listeners.onPreview(null);
+      this.app.patch({ preview: { state: 'failed', latency_ms: null, why: sentence(error), largest_mm: 0 } });
+    }
+  }
+
+  dropPreview(): void {
+    this.listeners.onPreview(null);
+    if (this.app.model.s.preview.state !== 'none') this.app.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
+  }
+}
