@@ -237,7 +237,13 @@ Section verify_inflation(Extent extent, Progress& progress) {
       for (double& error : errors) error += 1.0;  // Differences are taken relative to the truth, 1.
       judge_refinement(
           fmt::format("{}: radius", name), errors,
-          {.order = double(wanted_order(shape)), .order_reason = "that of displacements"}, section);
+          {.order = double(wanted_order(shape)),
+           .order_reason = "that of displacements",
+           .miss = degree(shape) == 2
+                       ? "the coarsest of three meshes is not in the order's range yet; the error "
+                         "of the last two falls by it, see above"
+                       : ""},
+          section);
     }
     section.tables.push_back(std::move(table));
     section.plots.push_back(std::move(plot));
