@@ -4,6 +4,7 @@
 #include <lefort/fem/element_state.h>
 #include <lefort/fem/element_term.h>
 #include <lefort/fem/nodal_dilatation.h>
+#include <lefort/fem/smoothed_shear_term.h>
 #include <lefort/mesh/box_grid.h>
 
 #include <Eigen/Eigenvalues>
@@ -277,7 +278,8 @@ TEST(NodalDilatation, AroundANodeOfTooManyElementsTheyAreSharedOutOverSeveralPat
   }
   const auto term = NodalDilatation::build(mesh, {{0, kModerate}});
   ASSERT_NE(term, nullptr);
-  EXPECT_EQ(term->item_count(), Index(count) + 4);  // Two patches on either end of the axis.
+  // Node 0 lies on a face, all others on edges or corners: two patches around it.
+  EXPECT_EQ(term->item_count(), 2);
   for (Index item = 0; item < term->item_count(); ++item)
     EXPECT_LE(term->nodes(item).size(), std::size_t(kMaxLocalNodes));
   const test::Body body(mesh, {{0, kModerate}}, {});
@@ -285,6 +287,31 @@ TEST(NodalDilatation, AroundANodeOfTooManyElementsTheyAreSharedOutOverSeveralPat
   const double volume_mm3 = count * 0.5 * std::sin(2.0 * std::numbers::pi / count) / 3.0;
   EXPECT_NEAR(body.assembler.forces(affine(mesh, F - Mat3::Identity(), Vec3::Zero()))->energy_mj,
               volume_mm3 * law_of(0.5, 5.0).energy(F), 1e-12);
+}
+
+TEST(NodalDilatation, MeansAreTakenAroundTheInmostNodesOfEachElement) {
+  for (const ElementShape shape : {ElementShape::kTet4, ElementShape::kWedge6}) {
+    // 27 nodes lie inside; a few elements, at edges and in corners, have none of them.
+    const auto inner = NodalDilatation::build(
+        box_mesh({.cells = {4, 4, 4}, .distortion = 0.15, .shape = shape}), {{0, kModerate}});
+    EXPECT_GE(inner->item_count(), 27);
+    EXPECT_LT(inner->item_count(), 125 / 2);
+    // One layer: those on its faces take the place of those inside.
+    const auto layer =
+        NodalDilatation::build(box_mesh({.cells = {4, 4, 1}, .shape = shape}), {{0, kModerate}});
+    EXPECT_GE(layer->item_count(), 18);
+    EXPECT_LT(layer->item_count(), 50 * 2 / 3);
+  }
+}
+
+TEST(SmoothedShear, TwoWedgesShareTheirStrainAcrossAnUprightFaceAlone) {
+  const auto items = [](std::array<int, 3> cells) {
+    const auto mesh = box_mesh({.cells = cells, .shape = ElementShape::kWedge6});
+    return SmoothedShearTerm::build(mesh, {{0, kModerate}})->item_count();
+  };
+  EXPECT_EQ(items({1, 1, 1}), 2 * 5);  // Two triangles have five sides, at two heights.
+  EXPECT_EQ(items({2, 1, 1}), 2 * 9);
+  EXPECT_EQ(items({1, 1, 2}), 2 * 2 * 5);  // Layers do not mix.
 }
 
 /// The force that bends a beam of one layer, over that of Timoshenko's: L^3 / (3 E I) + L / (k G A)

@@ -9,14 +9,12 @@
 
 namespace lefort::fem {
 
-/// W = sum over elements and points of Psi(F) dV.
+/// W = sum over elements and points of Psi(F) dV, of laws in split form a share of it.
 template <class Element>
 class ContinuumTerm final : public ForceTerm {
  public:
-  /// \param part   of laws in split form what makes up Psi.
-  /// \param share  what that is multiplied by.
-  ContinuumTerm(ElementData<Element> data, LawPart part, double share)
-      : data_(std::move(data)), part_(part), share_(share) {}
+  /// \param share  what Psi is multiplied by if the law is in split form.
+  ContinuumTerm(ElementData<Element> data, double share) : data_(std::move(data)), share_(share) {}
 
   [[nodiscard]] Index item_count() const override { return data_.count(); }
 
@@ -29,13 +27,12 @@ class ContinuumTerm final : public ForceTerm {
     const Eigen::Map<const ElementNodes<Element>> x(x_L.data()->data());
     const Material& material = data_.material_of(item);
     const double share = volumetric_part(material) == nullptr ? 1.0 : share_;
-    return add_strain_energy<Element>(material, part_, share, data_.points[std::size_t(item)], x,
-                                      local);
+    return add_strain_energy<Element>(material, LawPart::kWhole, share,
+                                      data_.points[std::size_t(item)], x, local);
   }
 
  private:
   ElementData<Element> data_;
-  LawPart part_;
   double share_;
 };
 

@@ -17,13 +17,13 @@
 ///                       part of U that stays at the points
 ///     hex20             linear in X per element            1 (4 per element)
 ///     tet4, wedge6,     over the elements around a node,   1
-///       pyramid5        weighted by its N_a
+///       pyramid5        but for a part of U
 ///
 /// Three freedoms per node stand against them. A constant per element would not do for the last
 /// three: of tetrahedra there are five or six per node. Averaging around nodes is Bonet and
-/// Burton's (\cite bonet1998), with the mean taken by N_a, which for tet4 is the same; shear that
-/// stays with smaller cells than the nodes' keeps it stable \cite gee2009. Wedge15 with a linear
-/// mean locks (tests/verify), and hex20 with a constant one is less accurate.
+/// Burton's (\cite bonet1998), here around the inmost nodes of each element (nodal_dilatation.h).
+/// A part of U, kBulkBesideNodes times the shear modulus, stays with the shear part, which keeps
+/// it stable (\cite gee2009). Wedge15 with a linear mean locks, hex20 with a constant is worse.
 ///
 /// One mean per tet10 or wedge15 does not see a change of volume that is linear in the element: a
 /// single layer of them would bend far too easily. So a part of the bulk modulus, kBulkAtPoints
@@ -31,9 +31,9 @@
 /// lambda alone from them and leaves 2/3 of the shear modulus (\cite malkus1978). Less stays here:
 /// so much that a block between sticking plates is as right as without (tests/fem).
 ///
-/// Tet4 is too stiff in bending even where volume may change. So it takes its shear part, too, at a
-/// mean F: that of the elements around each edge, all but a share kRetainedShare
-/// (\cite onishi2014, there without the share).
+/// Tet4 and wedge6 bend too stiffly even where volume may change. So their shear part is taken at
+/// means of F, around each edge and over each upright face (smoothed_shear_term.h), all but a share
+/// kRetainedShare (\cite onishi2014 and \cite liu2009, there without it and with faces in 2-D).
 #pragma once
 
 namespace lefort::fem {
@@ -44,8 +44,8 @@ enum class Dilatation {
   kPointwise  ///< At each integration point: locks; for comparison.
 };
 
-/// Of the shear part of tet4, what stays with the elements: without it nothing would keep a single
-/// one from being crushed.
-inline constexpr double kRetainedShare = 0.1;
+/// Of that shear part, what stays with the elements: without it nothing would keep a single one
+/// from being crushed.
+inline constexpr double kRetainedShare = 0.05;
 
 }  // namespace lefort::fem

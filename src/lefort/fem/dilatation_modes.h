@@ -5,6 +5,7 @@
 #include <lefort/core/types.h>
 #include <lefort/fem/dilatation.h>
 #include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/material_response.h>
 #include <lefort/fem/materials/volumetric.h>
 #include <lefort/fem/reference_element.h>
 
@@ -66,19 +67,34 @@ inline constexpr double kBulkAtPoints<Tet10> = 0.25;
 template <>
 inline constexpr double kBulkAtPoints<Wedge15> = 0.5;
 
+/// Likewise of shapes with means around nodes, where the shear part is taken: those means do not
+/// see what changes sign from one side of a node to the other.
+inline constexpr double kBulkBesideNodes = 1.0;
+
 /// U in two parts: of the mean, and at the points.
 struct SharedVolume {
   Volumetric of_mean;
-  Volumetric at_points;  ///< Bulk modulus 0 where kBulkAtPoints is.
+  Volumetric at_points;  ///< Bulk modulus 0 where `bulk_at_points` is.
 };
 
-/// \param shear_mpa  the law's shear modulus at rest.
-template <class Element>
-[[nodiscard]] SharedVolume share_volume(const Volumetric& volume, double shear_mpa) {
+/// \param shear_mpa       the law's shear modulus at rest.
+/// \param bulk_at_points  in shear moduli, >= 0.
+[[nodiscard]] inline SharedVolume share_volume(const Volumetric& volume, double shear_mpa,
+                                               double bulk_at_points) {
   SharedVolume shared{volume, volume};
-  shared.at_points.kappa_mpa = std::min(volume.kappa_mpa, kBulkAtPoints<Element> * shear_mpa);
+  shared.at_points.kappa_mpa = std::min(volume.kappa_mpa, bulk_at_points * shear_mpa);
   shared.of_mean.kappa_mpa -= shared.at_points.kappa_mpa;
   return shared;
+}
+
+/// What shapes with means around nodes ask of a law at the strain of elements and their neighbours:
+/// all but the volume's part of the means. Laws that are not in split form are whole.
+[[nodiscard]] inline Material law_beside_nodes(const Material& material) {
+  const Volumetric* volume = volumetric_part(material);
+  if (volume == nullptr) return material;
+  const double shear_mpa = shear_modulus_at_rest(material);
+  return with_bulk_modulus(material,
+                           share_volume(*volume, shear_mpa, kBulkBesideNodes).at_points.kappa_mpa);
 }
 
 /// How an element answers to a change of its volume.

@@ -1,12 +1,13 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 #include <lefort/fem/dilatation_modes.h>
-#include <lefort/fem/edge_strain_term.h>
 #include <lefort/fem/element_state.h>
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/material_response.h>
 #include <lefort/fem/nodal_dilatation.h>
 #include <lefort/fem/reference_element.h>
+#include <lefort/fem/shear_sides.h>
+#include <lefort/fem/smoothed_shear_term.h>
 
 #include <Eigen/SVD>
 
@@ -14,7 +15,6 @@
 #include <limits>
 #include <memory>
 #include <span>
-#include <type_traits>
 
 namespace lefort::fem {
 namespace {
@@ -25,8 +25,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 struct Averages {
   std::unique_ptr<NodalDilatation> volume;  ///< Or null.
   std::vector<NodalDilatation::State> of_patch;
-  std::unique_ptr<EdgeStrainTerm> shear;  ///< Or null.
-  std::vector<EdgeStrainTerm::State> of_edge;
+  std::unique_ptr<SmoothedShearTerm> shear;  ///< Or null.
+  std::vector<SmoothedShearTerm::State> of_group;
 };
 
 template <class Term>
@@ -43,17 +43,18 @@ Averages averages_of(const mesh::VolumeMesh& mesh, const RegionMaterials& materi
   for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += u.segment<3>(3 * Index(n));
   Averages averages{.volume = NodalDilatation::build(mesh, materials),
                     .of_patch = {},
-                    .shear = EdgeStrainTerm::build(mesh, materials),
-                    .of_edge = {}};
+                    .shear = SmoothedShearTerm::build(mesh, materials),
+                    .of_group = {}};
   averages.of_patch = states_of(averages.volume.get(), x_L);
-  averages.of_edge = states_of(averages.shear.get(), x_L);
+  averages.of_group = states_of(averages.shear.get(), x_L);
   return averages;
 }
 
 /// What an averaged change of volume adds to the state of one element.
 template <class Element>
 struct VolumeShare {
-  Eigen::Matrix<double, Element::kPoints, 1> pressure;  ///< At its points [MPa].
+  using PerPoint = Eigen::Matrix<double, Element::kPoints, 1>;
+  PerPoint pressure;  ///< At its points [MPa].
   double energy_mj = 0.0;
 };
 
@@ -63,46 +64,47 @@ VolumeShare<Element> volume_share(const Material& material, const ElementNodes<E
                                   const ReferenceElement<Element>& points,
                                   const Eigen::Matrix<double, Element::kPoints, 1>& change,
                                   const Averages& averages, Index number) {
-  VolumeShare<Element> share;
-  share.pressure.setConstant(kNan);
   if constexpr (kDilatationModes < Element >> 0) {
     const auto response = volume_response<Element>(
-        share_volume<Element>(*volumetric_part(material), shear_modulus_at_rest(material)), points,
-        dilatation_modes<Element>(X, points), change);
-    if (!response) return {share.pressure, kNan};
+        share_volume(*volumetric_part(material), shear_modulus_at_rest(material),
+                     kBulkAtPoints<Element>),
+        points, dilatation_modes<Element>(X, points), change);
+    if (!response) return {VolumeShare<Element>::PerPoint::Constant(kNan), kNan};
     return {response->pressure, response->energy_mj};
   } else {
-    share.pressure.setZero();
-    const std::span patches = averages.volume->patches_of(number);
-    const auto quadrature = Element::quadrature();
-    for (std::size_t q = 0; q < points.size(); ++q)
-      for (int a = 0; a < Element::kNodes; ++a) {
-        const NodalDilatation::State& state =
-            averages.of_patch[std::size_t(patches[std::size_t(a)])];
-        share.pressure[Index(q)] += quadrature[q].N[a] * state.pressure_mpa;
-        share.energy_mj += quadrature[q].N[a] * points[q].volume_mm3 * state.energy_density_mpa;
-      }
-    return share;
+    double volume_mm3 = 0.0;
+    for (const ReferencePoint<Element>& point : points) volume_mm3 += point.volume_mm3;
+    double pressure_mpa = 0.0;
+    double density_mpa = 0.0;
+    int count = 0;
+    for (const std::int32_t patch : averages.volume->patches_of(number)) {
+      if (patch < 0) continue;
+      const NodalDilatation::State& state = averages.of_patch[std::size_t(patch)];
+      pressure_mpa += state.pressure_mpa;
+      density_mpa += state.energy_density_mpa;
+      ++count;
+    }
+    return {VolumeShare<Element>::PerPoint::Constant(pressure_mpa / count),
+            density_mpa / count * volume_mm3};
   }
 }
 
-/// Puts the mean around the edges of an element in the place of all but a share of its shear part.
-void mix_in_edges(const Averages& averages, Index number, ElementState& state) {
-  const std::span edges = averages.shear->edges_of(number);
-  const double share = (1.0 - kRetainedShare) / double(edges.size());
+/// Puts the means over neighbours in the place of all but a share of an element's shear part.
+void mix_in_neighbours(const Averages& averages, Index number, ElementState& state) {
   state.cauchy_mpa *= kRetainedShare;
   state.energy_density_mpa *= kRetainedShare;
-  for (const std::int32_t edge : edges) {
-    const EdgeStrainTerm::State& of_edge = averages.of_edge[std::size_t(edge)];
-    state.cauchy_mpa += share * of_edge.cauchy_mpa;
-    state.energy_density_mpa += share * of_edge.energy_density_mpa;
+  for (const SmoothedShearTerm::ElementSide& side : averages.shear->sides_of(number)) {
+    const double share = (1.0 - kRetainedShare) * side.share;
+    const SmoothedShearTerm::State& of_group = averages.of_group[std::size_t(side.item)];
+    state.cauchy_mpa += share * of_group.cauchy_mpa;
+    state.energy_density_mpa += share * of_group.energy_density_mpa;
   }
 }
 
 /// \param averages  null if the change of volume is taken at the points.
 template <class Element>
 ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
-                      const Material& material, const VectorX& u, const Averages* averages,
+                      const Material& whole, const VectorX& u, const Averages* averages,
                       Index number) {
   ElementNodes<Element> X;
   ElementNodes<Element> x;
@@ -113,8 +115,10 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
   const auto reference = reference_element<Element>(X);
   LEFORT_CHECK(reference.has_value());
 
-  const Volumetric* averaged = averages == nullptr ? nullptr : volumetric_part(material);
-  const LawPart part = averaged == nullptr ? LawPart::kWhole : LawPart::kShear;
+  const bool is_averaged = averages != nullptr && volumetric_part(whole) != nullptr;
+  constexpr bool kHasModes = kDilatationModes < Element >> 0;
+  const LawPart part = is_averaged && kHasModes ? LawPart::kShear : LawPart::kWhole;
+  const Material material = is_averaged && !kHasModes ? law_beside_nodes(whole) : whole;
   ElementState state{.min_volume_ratio = std::numeric_limits<double>::infinity(),
                      .stretches = Vec3::Zero()};
   Eigen::Matrix<double, Element::kPoints, 1> change;
@@ -135,10 +139,10 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
   state.cauchy_mpa /= volume_mm3;
   state.stretches /= volume_mm3;
   state.energy_density_mpa /= volume_mm3;
-  if (averaged == nullptr) return state;
+  if (!is_averaged) return state;
 
-  if constexpr (std::is_same_v<Element, Tet4>) mix_in_edges(*averages, number, state);
-  const auto share = volume_share<Element>(material, X, *reference, change, *averages, number);
+  if constexpr (kShearSides < Element >> 0) mix_in_neighbours(*averages, number, state);
+  const auto share = volume_share<Element>(whole, X, *reference, change, *averages, number);
   for (std::size_t q = 0; q < reference->size(); ++q)
     state.cauchy_mpa.diagonal().array() +=
         (*reference)[q].volume_mm3 / volume_mm3 * share.pressure[Index(q)];

@@ -1,16 +1,16 @@
 #include <lefort/core/check.h>
 #include <lefort/fem/continuum_term.h>
-#include <lefort/fem/edge_strain_term.h>
 #include <lefort/fem/element_term.h>
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/mean_dilatation_term.h>
 #include <lefort/fem/nodal_dilatation.h>
+#include <lefort/fem/shear_sides.h>
+#include <lefort/fem/smoothed_shear_term.h>
 #include <lefort/mesh/element_quality.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <type_traits>
 #include <utility>
 
 namespace lefort::fem {
@@ -105,6 +105,9 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
       X.col(a) = mesh.nodes_L[std::size_t(block.element(e)[a])];
     const auto reference = reference_element<Element>(X);
     if (!reference) return fault_of(mesh, block, e, first_number, reference.error());
+    if constexpr (kShearSides < Element >> 0)
+      if (averages && !shear_sides<Element>(X))
+        return fault_of(mesh, block, e, first_number, ElementFault{});
     points.push_back(*reference);
     if constexpr (kModes > 0)
       if (averages) modes.push_back(dilatation_modes<Element>(X, *reference));
@@ -113,13 +116,13 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
                             .points = std::move(points),
                             .materials = std::move(materials.laws),
                             .material = std::move(materials.of_element)};
-  if (!averages)
-    return std::make_unique<const ContinuumTerm<Element>>(std::move(data), LawPart::kWhole, 1.0);
+  if (!averages) return std::make_unique<const ContinuumTerm<Element>>(std::move(data), 1.0);
   if constexpr (kModes > 0) {
     return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data), std::move(modes));
   } else {
-    constexpr double kShare = std::is_same_v<Element, Tet4> ? kRetainedShare : 1.0;
-    return std::make_unique<const ContinuumTerm<Element>>(std::move(data), LawPart::kShear, kShare);
+    constexpr double kShare = kShearSides < Element >> 0 ? kRetainedShare : 1.0;
+    for (Material& law : data.materials) law = law_beside_nodes(law);
+    return std::make_unique<const ContinuumTerm<Element>>(std::move(data), kShare);
   }
 }
 
@@ -150,7 +153,8 @@ Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
   }
   if (terms.empty()) return fail(ErrorCode::kMeshInvalid, "volume mesh has no element");
   if (dilatation == Dilatation::kAveraged) {
-    if (TermPtr shear = EdgeStrainTerm::build(mesh, materials)) terms.push_back(std::move(shear));
+    if (TermPtr shear = SmoothedShearTerm::build(mesh, materials))
+      terms.push_back(std::move(shear));
     if (TermPtr volume = NodalDilatation::build(mesh, materials))
       terms.push_back(std::move(volume));
   }

@@ -17,6 +17,9 @@ enum class LawPart {
 /// U(J) of a law in split form; null for others. Points into `material`.
 [[nodiscard]] const Volumetric* volumetric_part(const Material& material);
 
+/// A law in split form with another bulk modulus, >= 0; others as they are.
+[[nodiscard]] Material with_bulk_modulus(Material material, double kappa_mpa);
+
 /// Psi [MPa = mJ/mm^3]. \pre det F > 0, here and below.
 [[nodiscard]] double energy(const Material& material, LawPart part, const Mat3& F);
 

@@ -26,9 +26,9 @@ class MeanDilatationTerm final : public ForceTerm {
       : data_(std::move(data)), modes_(std::move(modes)) {
     for (const Material& material : data_.materials) {
       const Volumetric* volume = volumetric_part(material);
-      volumes_.push_back(volume == nullptr
-                             ? SharedVolume{}
-                             : share_volume<Element>(*volume, shear_modulus_at_rest(material)));
+      volumes_.push_back(volume == nullptr ? SharedVolume{}
+                                           : share_volume(*volume, shear_modulus_at_rest(material),
+                                                          kBulkAtPoints<Element>));
     }
   }
 

@@ -8,8 +8,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <tuple>
+#include <type_traits>
 
 namespace lefort::fem {
 namespace {
@@ -19,16 +22,47 @@ struct Corner {
   std::int32_t node;
   std::int32_t region;
   std::int32_t part;
-  std::int32_t own_node;
+  std::size_t place;         ///< Among the nodes of all parts.
+  double solid_angle = 0.0;  ///< At this node, in this element.
 };
 
 bool belong_together(const Corner& a, const Corner& b) {
   return a.node == b.node && a.region == b.region;
 }
 
-bool averages_around_nodes(mesh::ElementShape shape) {
-  return std::visit([]<class Element>(const Element&) { return kDilatationModes<Element> == 0; },
-                    element_of(shape));
+/// Where a node lies, by the solid angle of the elements around it.
+enum class Site : std::uint8_t { kCorner, kEdge, kFace, kInside };
+
+/// Halfway between what a cube has in a corner (1/8), on an edge (1/4) and on a face (1/2) of the
+/// full angle; inside there is all of it, but for round-off.
+Site site_of(double solid_angle) {
+  const double share = solid_angle / (4.0 * std::numbers::pi);
+  if (share < 0.1875) return Site::kCorner;
+  if (share < 0.375) return Site::kEdge;
+  return share < 0.999 ? Site::kFace : Site::kInside;
+}
+
+/// Of the corner that three edges span (\cite vanoosterom1983).
+double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double la = a.norm(), lb = b.norm(), lc = c.norm();
+  return 2.0 * std::atan2(std::abs(a.dot(b.cross(c))),
+                          la * lb * lc + a.dot(b) * lc + a.dot(c) * lb + b.dot(c) * la);
+}
+
+/// At node a, by the edges that meet there: neighbours leave no gap.
+template <class Element>
+double solid_angle_at(const ElementNodes<Element>& X, int a) {
+  const auto to = [&](int b) -> Vec3 { return X.col(b) - X.col(a); };
+  if constexpr (std::is_same_v<Element, Tet4>) {
+    return solid_angle(to((a + 1) % 4), to((a + 2) % 4), to((a + 3) % 4));
+  } else if constexpr (std::is_same_v<Element, Wedge6>) {
+    const int first = a < 3 ? 0 : 3;
+    return solid_angle(to(first + (a + 1) % 3), to(first + (a + 2) % 3), to((a + 3) % 6));
+  } else {
+    static_assert(std::is_same_v<Element, Pyramid5>);
+    if (a < 4) return solid_angle(to((a + 1) % 4), to((a + 3) % 4), to(4));
+    return solid_angle(to(0), to(1), to(2)) + solid_angle(to(0), to(2), to(3));
+  }
 }
 
 /// Adds factor * d2J/dx2: moving node b by v changes dJ/dx_a by v x (F (g_a x g_b)).
@@ -55,37 +89,38 @@ class NodalDilatation::Builder {
     for (int a = 0; a < Element::kNodes; ++a) X.col(a) = mesh.nodes_L[std::size_t(nodes[a])];
     const auto points = reference_element<Element>(X);
     LEFORT_CHECK(points.has_value());
-    const auto quadrature = Element::quadrature();
     const auto part = std::int32_t(term_->parts_.size());
     term_->parts_.push_back({.points = Element::kPoints,
                              .nodes = Element::kNodes,
-                             .first_gradient = Index(term_->gradients_.size())});
-    for (std::size_t q = 0; q < points->size(); ++q)
-      for (int a = 0; a < Element::kNodes; ++a) {
-        term_->gradients_.emplace_back((*points)[q].dN_dX.col(a));
-        term_->weights_.push_back(quadrature[q].N[a] * (*points)[q].volume_mm3);
-      }
+                             .first_gradient = Index(term_->gradients_.size()),
+                             .first_volume = Index(term_->volumes_mm3_.size())});
+    for (const ReferencePoint<Element>& point : *points) {
+      term_->volumes_mm3_.push_back(point.volume_mm3);
+      for (int a = 0; a < Element::kNodes; ++a) term_->gradients_.emplace_back(point.dN_dX.col(a));
+    }
+    first_node_.push_back(element_nodes_.size());
     for (int a = 0; a < Element::kNodes; ++a) {
-      corners_.push_back({nodes[a], region, part, a});
+      corners_.push_back(
+          {nodes[a], region, part, element_nodes_.size(), solid_angle_at<Element>(X, a)});
       element_nodes_.push_back(nodes[a]);
     }
-    first_node_.push_back(std::int32_t(element_nodes_.size()) - Element::kNodes);
   }
 
   /// To be called after each element of the mesh, whether or not it was added.
-  void end_element() { term_->end_of_corners_.push_back(std::int32_t(corners_.size())); }
+  void end_element() { term_->end_of_corners_.push_back(std::int32_t(element_nodes_.size())); }
 
   std::unique_ptr<NodalDilatation> build(const RegionMaterials& materials) {
     if (corners_.empty()) return nullptr;
     std::ranges::stable_sort(corners_, [](const Corner& a, const Corner& b) {
       return std::tie(a.node, a.region) < std::tie(b.node, b.region);
     });
-    term_->patch_of_corner_.resize(corners_.size());
+    drop_outer_corners();
+    term_->patch_of_corner_.assign(element_nodes_.size(), -1);
     for (std::size_t k = 0; k < corners_.size(); ++k) {
       const Corner& corner = corners_[k];
       if (k == 0 || !belong_together(corners_[k - 1], corner) ||
-          !nodes_.has_room_for(nodes_of(corner)))
-        open_patch(*volumetric_part(materials.at(corner.region)));
+          !nodes_.has_room_for(nodes_of(corner.part)))
+        open_patch(materials.at(corner.region));
       add_member(corner);
     }
     term_->patch_nodes_ = nodes_.take();
@@ -93,40 +128,65 @@ class NodalDilatation::Builder {
   }
 
  private:
-  [[nodiscard]] std::span<const std::int32_t> nodes_of(const Corner& corner) const {
-    return {element_nodes_.data() + first_node_[std::size_t(corner.part)],
-            std::size_t(term_->parts_[std::size_t(corner.part)].nodes)};
+  [[nodiscard]] std::span<const std::int32_t> nodes_of(std::int32_t part) const {
+    return {element_nodes_.data() + first_node_[std::size_t(part)],
+            std::size_t(term_->parts_[std::size_t(part)].nodes)};
   }
 
-  void open_patch(const Volumetric& volume) {
+  /// Leaves each element those of its nodes that lie furthest in. \pre Corners are sorted.
+  void drop_outer_corners() {
+    std::vector<Site> sites(element_nodes_.size());
+    for (auto first = corners_.begin(); first != corners_.end();) {
+      const auto last = std::find_if_not(
+          first, corners_.end(), [&](const Corner& c) { return belong_together(*first, c); });
+      double sum = 0.0;
+      for (auto corner = first; corner != last; ++corner) sum += corner->solid_angle;
+      for (; first != last; ++first) sites[first->place] = site_of(sum);
+    }
+    inner_nodes_.resize(first_node_.size());
+    std::vector<Site> inmost(first_node_.size());
+    for (std::size_t part = 0; part < first_node_.size(); ++part) {
+      const std::span of_part(sites.data() + first_node_[part],
+                              std::size_t(term_->parts_[part].nodes));
+      inmost[part] = std::ranges::max(of_part);
+      inner_nodes_[part] = double(std::ranges::count(of_part, inmost[part]));
+    }
+    std::erase_if(corners_, [&](const Corner& corner) {
+      return sites[corner.place] < inmost[std::size_t(corner.part)];
+    });
+  }
+
+  void open_patch(const Material& material) {
     nodes_.open();
-    term_->patches_.push_back({.volume = volume,
-                               .nodes = nodes_.last(),
-                               .first_member = std::int32_t(term_->members_.size())});
+    term_->patches_.push_back(
+        {.volume = share_volume(*volumetric_part(material), shear_modulus_at_rest(material),
+                                kBulkBesideNodes)
+                       .of_mean,
+         .nodes = nodes_.last(),
+         .first_member = std::int32_t(term_->members_.size())});
   }
 
   void add_member(const Corner& corner) {
     Patch& patch = term_->patches_.back();
     const Part& part = term_->parts_[std::size_t(corner.part)];
-    term_->members_.push_back({.part = corner.part,
-                               .own_node = corner.own_node,
-                               .first_place = std::int32_t(term_->places_.size())});
+    const double share = 1.0 / inner_nodes_[std::size_t(corner.part)];
+    term_->members_.push_back(
+        {.part = corner.part, .first_place = std::int32_t(term_->places_.size()), .share = share});
     ++patch.members;
-    for (const std::int32_t node : nodes_of(corner))
+    for (const std::int32_t node : nodes_of(corner.part))
       term_->places_.push_back(std::uint8_t(nodes_.add(node)));
     patch.nodes = nodes_.last();
     for (std::int32_t q = 0; q < part.points; ++q)
-      patch.volume_mm3 +=
-          term_->weights_[std::size_t(part.first_gradient + q * part.nodes + corner.own_node)];
-    term_->patch_of_corner_[std::size_t(first_node_[std::size_t(corner.part)] + corner.own_node)] =
-        std::int32_t(term_->patches_.size()) - 1;
+      patch.volume_mm3 += share * term_->volumes_mm3_[std::size_t(part.first_volume + q)];
+    term_->patch_of_corner_[corner.place] = std::int32_t(term_->patches_.size()) - 1;
   }
 
   std::unique_ptr<NodalDilatation> term_{new NodalDilatation()};
   PatchNodes nodes_;
   std::vector<Corner> corners_;
   std::vector<std::int32_t> element_nodes_;  ///< Of each part, ...
-  std::vector<std::int32_t> first_node_;     ///< ... from here.
+  std::vector<std::size_t> first_node_;      ///< ... from here.
+  std::vector<double> inner_nodes_;          ///< Of each part: how many of its nodes have a mean.
 };
 
 std::unique_ptr<NodalDilatation> NodalDilatation::build(const mesh::VolumeMesh& mesh,
@@ -137,10 +197,11 @@ std::unique_ptr<NodalDilatation> NodalDilatation::build(const mesh::VolumeMesh& 
       const std::int32_t region = block.region[std::size_t(e)];
       const auto material = materials.find(region);
       LEFORT_CHECK(material != materials.end());
-      if (averages_around_nodes(block.shape) && volumetric_part(material->second) != nullptr)
+      if (volumetric_part(material->second) != nullptr)
         std::visit(
             [&]<class Element>(const Element&) {
-              builder.add_element<Element>(mesh, block.element(e), region);
+              if constexpr (kDilatationModes<Element> == 0)
+                builder.add_element<Element>(mesh, block.element(e), region);
             },
             element_of(block.shape));
       builder.end_element();
@@ -172,7 +233,7 @@ void NodalDilatation::for_each_point(const Patch& patch, std::span<const Vec3> x
       Mat3 F = Mat3::Zero();
       for (std::size_t a = 0; a < gradients.size(); ++a)
         F.noalias() += x_L[places[a]] * gradients[a].transpose();
-      f(F, weights_[std::size_t(first + member.own_node)], gradients, places);
+      f(F, member.share * volumes_mm3_[std::size_t(part.first_volume + q)], gradients, places);
     }
   }
 }

@@ -16,15 +16,23 @@
 
 namespace lefort::fem {
 
-/// W = sum over patches of V U(v / V),   V = sum over points of N_a dV,   v = sum of N_a J dV .
+/// W = sum over patches of V U(v / V),   V = sum of s V_e,   v = sum of s v_e ,
 ///
-/// A patch is a node a with the elements around it that are of one region, have a law in split form
-/// and are of a shape that averages around nodes. An item is a patch: it couples all nodes of its
-/// elements. Where that would be more than kMaxLocalNodes, the elements around the node are shared
-/// out over several patches.
+/// V_e and v_e being the volumes of an element, now and at rest, and U that part of the law's which
+/// the elements do not keep (kBulkBesideNodes).
 ///
-/// dW = sum of p cof F : dF dV with p = sum of N_a p_a, p_a = U'(v / V): the pressure is
-/// continuous.
+/// A patch is a node with the elements around it that are of one region, have a law in split form
+/// and are of a shape that averages around nodes. Each element belongs, in equal shares s, to the
+/// patches of those of its nodes that lie furthest inside such elements: inside before on a face,
+/// on a face before on an edge, on an edge before in a corner. An item is a patch: it couples all
+/// nodes of its elements. Where that would be more than kMaxLocalNodes, the elements around the
+/// node are shared out over several patches.
+///
+/// Two things lock otherwise. Means on the border as well are one more than there are layers of
+/// elements to change volume: what they ask of each layer alternates through the whole body. And
+/// weights that vary within an element tell apart, in each, more than its volume.
+///
+/// dW = sum of p cof F : dF dV, p = sum of s p_a, p_a = U'(v / V).
 class NodalDilatation final : public ForceTerm {
  public:
   /// \param mesh, materials  accepted by make_element_terms(); the term does not refer to them any
@@ -47,8 +55,8 @@ class NodalDilatation final : public ForceTerm {
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] State state(Index item, std::span<const Vec3> x_L) const;
 
-  /// The patches around the nodes of element `number` (through the blocks), in their order; empty
-  /// if it has none.
+  /// For each node of element `number` (through the blocks) the patch around it to which the
+  /// element belongs, or -1; empty if it takes no part. Shares in them are equal.
   [[nodiscard]] std::span<const std::int32_t> patches_of(Index number) const;
 
  private:
@@ -56,14 +64,15 @@ class NodalDilatation final : public ForceTerm {
   struct Part {
     std::int32_t points = 0;
     std::int32_t nodes = 0;
-    Index first_gradient = 0;  ///< In gradients_ and weights_: for each point, for each node.
+    Index first_gradient = 0;  ///< In gradients_: for each point, for each node.
+    Index first_volume = 0;    ///< In volumes_mm3_: for each point.
   };
 
   /// One element within a patch.
   struct Member {
     std::int32_t part = 0;
-    std::int32_t own_node = 0;     ///< Which of its nodes the patch is around.
     std::int32_t first_place = 0;  ///< In places_: for each of its nodes, its place in the patch.
+    double share = 0.0;            ///< s.
   };
 
   struct Patch {
@@ -78,7 +87,7 @@ class NodalDilatation final : public ForceTerm {
 
   NodalDilatation() = default;
 
-  /// Calls f(F, N_a dV, gradients of the nodes, their places) for every point of the patch.
+  /// Calls f(F, s dV, gradients of the nodes, their places) for every point of the patch.
   template <class Function>
   void for_each_point(const Patch& patch, std::span<const Vec3> x_L, const Function& f) const;
 
@@ -86,8 +95,8 @@ class NodalDilatation final : public ForceTerm {
   [[nodiscard]] std::optional<double> mean_change(const Patch& patch,
                                                   std::span<const Vec3> x_L) const;
 
-  std::vector<Vec3> gradients_;  ///< dN_a/dX.
-  std::vector<double> weights_;  ///< N_a dV.
+  std::vector<Vec3> gradients_;      ///< dN_a/dX.
+  std::vector<double> volumes_mm3_;  ///< dV.
   std::vector<Part> parts_;
   std::vector<Member> members_;
   std::vector<std::uint8_t> places_;
