@@ -288,6 +288,17 @@ const BadInput kBadInput[] = {
     {"labels that are missing",
      plan(R"([{"op": "add", "path": "/segmentation", "value": {"labels": "a.seg.nrrd"}}])"),
      kPredict, "a.seg.nrrd is not a file"},
+    {"boundary labels of another scan",
+     plan(R"([{"op": "add", "path": "/boundary", "value": {"labels": "a.seg.nrrd"}}])") +
+         "sed 's/Name:=bone/Name:=fixed/; /^Segment[1-9]_/d' $good/labels.seg.nrrd > a.seg.nrrd",
+     kPredict, "boundary.labels: the voxels do not lie on those of the scan"},
+    {"boundary labels of tissues",
+     plan(R"([{"op": "add", "path": "/boundary", "value": {"labels": "a.seg.nrrd"}}])") +
+         "cp $good/labels.seg.nrrd a.seg.nrrd",
+     kPredict, "segment 0 is called \"bone\", expected fixed, free or with segment"},
+    {"boundary labels that are missing",
+     plan(R"([{"op": "add", "path": "/boundary", "value": {"labels": "a.seg.nrrd"}}])"), kPredict,
+     "a.seg.nrrd is not a file"},
     {"a scan that is missing", "cp $good/plan.json .", "predict plan.json -o out",
      "there is no scan at"},
     {"a plane beside the head",

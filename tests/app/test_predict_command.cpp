@@ -2,6 +2,7 @@
 /// `lefort predict` on a small made-up head: a ball of skin around a shell of bone, whose front
 /// moves forward.
 #include <lefort/app/pipeline.h>
+#include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/transform_file.h>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -172,6 +174,64 @@ TEST_F(PredictCommand, StoppedAndRunAgainItWritesTheBytesOfARunThatWasNot) {
     EXPECT_EQ(io::read_text(folder_ / "whole" / file, 1 << 28).value(),
               io::read_text(folder_ / "stopped" / file, 1 << 28).value())
         << file;
+}
+
+/// A ball at the front of the bone, which is the segment, painted with one label.
+void paint(const fs::path& file, const std::string& label) {
+  const image::Grid grid = small_head().grid;
+  anatomy::LabelMap painted{grid, {}};
+  for (Index k = 0; k < grid.size[2]; ++k)
+    for (Index j = 0; j < grid.size[1]; ++j)
+      for (Index i = 0; i < grid.size[0]; ++i) {
+        const Vec3 p_L = grid.point_L(Vec3(double(i), double(j), double(k)));
+        const bool is_near = (p_L - Vec3(0.0, -30.0, 0.0)).norm() < 12.0;
+        painted.values.push_back(is_near ? anatomy::Tissue::kBone : anatomy::Tissue::kBackground);
+      }
+  ASSERT_TRUE(io::write_segmentation(file, painted));
+  std::string bytes = io::read_text(file, 1 << 20).value();
+  const std::string name = "Segment0_Name:=bone", others = "Segment1_ID";
+  bytes.replace(bytes.find(name), name.size(), "Segment0_Name:=" + label);
+  bytes.replace(bytes.find(others), others.size(), "Another1_ID");  // The list ends before it.
+  ASSERT_TRUE(io::write_text(file, bytes));
+}
+
+TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted) {
+  ASSERT_EQ(predict("by_rule", "--no-pictures").exit_code, 0);
+  const json by_rule = read_json("by_rule/prediction.json");
+  EXPECT_TRUE(by_rule["mesh"]["boundary"]["painted"].is_null());
+  EXPECT_EQ(by_rule["mesh"]["boundary"]["release_mm"], 8.0);
+  Index nodes = 0;
+  for (const json& rule : by_rule["mesh"]["boundary"]["rules"]) {
+    nodes +=
+        rule["fixed"].get<Index>() + rule["with_segment"].get<Index>() + rule["free"].get<Index>();
+    EXPECT_EQ(rule["painted_over"], 0);
+  }
+  EXPECT_EQ(nodes, by_rule["mesh"]["node_sets"]["boundary"]);
+
+  paint(folder_ / "painted.seg.nrrd", "fixed");
+  json plan = small_plan();
+  plan["boundary"]["labels"] = "painted.seg.nrrd";
+  write_plan(plan);
+  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "fixed", false};
+  StopAfterAStep stop;
+  EXPECT_EQ(predict_case(job, stop).error().code, ErrorCode::kCancelled);
+  paint(folder_ / "painted.seg.nrrd", "with segment");  // What was found is of no use now.
+  const auto run = predict("fixed", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.error.find("found by an earlier run"), std::string::npos) << run.error;
+  EXPECT_NE(run.error.find("painted: fixed 0, free 0, with segment "), std::string::npos)
+      << run.error;
+  const json painted = read_json("fixed/prediction.json");
+  const json& told = painted["mesh"]["boundary"]["painted"];
+  EXPECT_EQ(told["painted_fixed"], 0);
+  EXPECT_GT(told["painted_with_segment"], 0);
+  EXPECT_NEAR(told["within_mm"].get<double>(), 1.5 * std::sqrt(3.0), 1e-12);
+  EXPECT_EQ(painted["inputs"]["plan_files"][0]["file"], "painted.seg.nrrd");
+  EXPECT_EQ(painted["inputs"]["plan_files"][0]["sha256"],
+            io::sha256_of_file(folder_ / "painted.seg.nrrd").value());
+  EXPECT_EQ(read_json("fixed/plan.json")["boundary"]["labels"], "../painted.seg.nrrd");
+  EXPECT_NE(painted["skin"]["mean_shift_where_moved_mm"],
+            by_rule["skin"]["mean_shift_where_moved_mm"]);
 }
 
 TEST_F(PredictCommand, APathThatDrivesBoneThroughBoneIsTold) {

@@ -35,7 +35,8 @@ Json good_plan() {
     }],
     "tissue": {"material": {"law": "neo-hookean", "young_kpa": 20, "poisson": 0.4},
                "element_size_mm": 3},
-    "boundary": {"moved_bone": "attached", "scan_edge": "fixed", "release_mm": 5},
+    "boundary": {"moved_bone": "attached", "scan_edge": "fixed", "release_mm": 5,
+                 "labels": "painted.seg.nrrd"},
     "contact": {"stiffness_factor": 30, "detection": "bvh", "integration": "nodes",
                 "penetration_tolerance_mm": 0.05},
     "field": {"resolution": 64, "band_mm": 4},
@@ -67,6 +68,7 @@ TEST(PlanFile, EveryKeyArrives) {
   EXPECT_EQ(plan.boundary.moved_bone, predict::MovedBone::kAttached);
   EXPECT_EQ(plan.boundary.scan_edge, predict::ScanEdge::kFixed);
   EXPECT_EQ(plan.boundary.release_mm, 5.0);
+  EXPECT_EQ(plan.boundary_labels, std::filesystem::path("/cases/one/painted.seg.nrrd"));
   EXPECT_EQ(plan.contact.stiffness_factor, 30.0);
   EXPECT_EQ(plan.contact.detection, contact::Detection::kBvh);
   EXPECT_EQ(plan.contact.integration, contact::Integration::kNodes);
@@ -83,6 +85,7 @@ TEST(PlanFile, WhatIsNotSaidHasItsDefault) {
     json.erase(key);
   const PlanFile plan = parse_plan(json.dump(), ".").value();
   EXPECT_FALSE(plan.ct);
+  EXPECT_FALSE(plan.boundary_labels);
   EXPECT_EQ(plan.tissue.poisson, predict::TissueOptions{}.poisson);
   EXPECT_EQ(plan.boundary.moved_bone, predict::MovedBone::kContact);
 }

@@ -172,6 +172,63 @@ TEST(SegmentationFile, RefusesLabelsBesideTheScanAndTellsOfThoseThatReachBeyondI
   EXPECT_EQ(code(scan), ErrorCode::kFileCorrupt);
 }
 
+/// On the four voxels of slicer_file(), which lie at (2, 1, 2) to (3, 2, 2) of it.
+const image::Grid kScan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
+
+TEST(SegmentationFile, BoundaryLabelsAreReadByNameOnTheScan) {
+  using predict::BoundaryLabel;
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.seg.nrrd",
+              slicer_file("Segment0_ID:=a\nSegment0_Name:=Fixed\nSegment0_LabelValue:=1\n"
+                          "Segment0_Layer:=0\n"
+                          "Segment1_ID:=free\nSegment1_LabelValue:=2\nSegment1_Layer:=0\n"
+                          "Segment2_ID:=c\nSegment2_Name:=with_segment\nSegment2_LabelValue:=1\n"
+                          "Segment2_Layer:=1\n",
+                          std::string("\1\0\2\0\1\1\0\0", 8)));
+  const auto painted = read_boundary_labels(folder / "a.seg.nrrd", kScan);
+  ASSERT_TRUE(painted) << painted.error().message;
+  EXPECT_EQ(painted->grid, kScan);
+  EXPECT_EQ(painted->at(2, 1, 2), BoundaryLabel::kFixed);
+  EXPECT_EQ(painted->at(3, 1, 2), BoundaryLabel::kFree);
+  EXPECT_EQ(painted->at(2, 2, 2), BoundaryLabel::kWithSegment);  // Over fixed.
+  EXPECT_EQ(std::count(painted->values.begin(), painted->values.end(), BoundaryLabel::kNone), 57);
+}
+
+TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& segments, const image::Grid& grid = kScan,
+                           char voxel = '\1') {
+    write_bytes(folder / "a.seg.nrrd", slicer_file(segments, std::string(8, voxel)));
+    const auto result = read_boundary_labels(folder / "a.seg.nrrd", grid);
+    if (result) return std::string("read");
+    test::expect_one_sentence(result.error().message);
+    return result.error().message;
+  };
+  const std::string fixed = "Segment0_ID:=a\nSegment0_Name:=fixed\n";
+  EXPECT_EQ(refusal(fixed), "read");
+  EXPECT_EQ(
+      refusal(fixed + "Segment1_ID:=b\nSegment1_Name:=Sliding\n"),
+      "boundary.labels: segment 1 is called \"Sliding\", expected fixed, free or with segment");
+  EXPECT_NE(refusal("Segment0_ID:=a\\nb" + std::string(5000, 'c') + "\n").find("bccc"),
+            std::string::npos);
+  EXPECT_NE(refusal("Segment0_ID:=Segment_1\n").find("\"Segment_1\""), std::string::npos);
+  EXPECT_NE(refusal("").find("no segment has the name of a boundary label"), std::string::npos);
+  EXPECT_NE(refusal(fixed + "Segment0_Layer:=2\n").find("no label value"), std::string::npos);
+  EXPECT_NE(refusal(fixed, kScan, '\0').find("none of its 0"), std::string::npos);
+  image::Grid shifted = kScan;
+  shifted.origin_L.x() += 0.2;
+  EXPECT_NE(refusal(fixed, shifted).find("do not lie on those of the scan"), std::string::npos);
+  image::Grid beside = kScan;
+  beside.origin_L.x() += 5.0;
+  EXPECT_NE(refusal(fixed, beside).find("lies within the scan"), std::string::npos);
+  write_bytes(folder / "a.seg.nrrd", "NRRD0004\n");
+  EXPECT_FALSE(read_boundary_labels(folder / "a.seg.nrrd", kScan));
+  EXPECT_EQ(read_boundary_labels(folder / "none.seg.nrrd", kScan).error().code,
+            ErrorCode::kFileNotFound);
+  EXPECT_EQ(read_boundary_labels(folder / "a.nrrd", kScan).error().code,
+            ErrorCode::kFileUnsupported);
+}
+
 TEST(SegmentationFile, RefusesFilesWithoutTissuesOrWithWrongSegments) {
   const TemporaryFolder folder;
   const auto code = [&](const std::string& segments) {

@@ -26,6 +26,7 @@ void visit_files(Json& plan, const Visit& visit_string) {
   };
   visit(plan, "landmarks");
   if (plan.contains("segmentation")) visit(plan["segmentation"], "labels");
+  if (plan.contains("boundary")) visit(plan["boundary"], "labels");
   for (Json& segment : plan["segments"]) {
     Json& osteotomy = segment["osteotomy"];
     visit_cuts(osteotomy);

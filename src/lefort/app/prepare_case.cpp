@@ -6,6 +6,7 @@
 #include <lefort/app/stage_keys.h>
 #include <lefort/app/tissue_volumes.h>
 #include <lefort/io/read_vtu.h>
+#include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/vtu.h>
 #include <lefort/plan/bone_path.h>
@@ -16,6 +17,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace lefort::app {
@@ -107,6 +109,10 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   const std::string& ct_sha256 = head.ct_sha256;
   const anatomy::LabelMap& labels = head.labels;
   const anatomy::LevelOptions& levels = head.levels;
+  std::optional<predict::BoundaryLabelMap> painted;
+  if (plan.boundary_labels) {
+    LEFORT_TRY(painted, io::read_boundary_labels(*plan.boundary_labels, ct.grid, progress));
+  }
   LEFORT_TRY(geometry::TriangleMesh skin_L,
              anatomy::extract_isosurface(anatomy::skin_level(ct, labels, levels), {}, progress));
 
@@ -138,7 +144,13 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
     tissue = predict::name_mucosa(std::move(tissue), labels, mucosa->thickness_mm);
   progress.begin_stage("find boundaries");
   tissue = predict::find_tissue_boundary(std::move(tissue), domain, labels, skin_L, bones.segment_L,
-                                         bones.remainder_L, plan.boundary);
+                                         bones.remainder_L, plan.boundary,
+                                         painted ? &*painted : nullptr);
+  progress.note(predict::describe_boundary(tissue, plan.boundary));
+  if (painted && predict::all_painted_nodes(tissue).empty())
+    progress.note(
+        "warning: boundary.labels decides nothing: no node of the tissue's boundary lies "
+        "where it is painted");
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
   std::optional<mesh::LayerThickness> skin_layer;
   if (const auto& skin = plan.tissue.skin) {

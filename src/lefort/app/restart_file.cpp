@@ -209,6 +209,12 @@ void add(io::Sha256& hash, const mesh::VolumeMesh& tissue) {
     hash.add(double(nodes.size()));
     for (const std::int32_t node : nodes) hash.add(double(node));
   }
+  for (const predict::BoundaryLabelStyle& label : predict::kBoundaryLabelStyles) {
+    const auto set = tissue.node_sets.find(label.set);
+    if (set == tissue.node_sets.end()) continue;  // Nothing was painted.
+    hash.add(std::string_view(label.set)).add(double(set->second.size()));
+    for (const std::int32_t node : set->second) hash.add(double(node));
+  }
   const auto& faces = tissue.face_sets.at(predict::sets::kContact);
   hash.add(double(faces.size()));
   for (const mesh::Face& face : faces)

@@ -116,7 +116,10 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   LEFORT_TRY(plan.segments, internal::read_segments(json["segments"], plan.landmarks, folder));
 
   LEFORT_TRY_VOID(read_tissue(section(json, "tissue"), plan.landmarks, plan.tissue));
-  read_boundary(section(json, "boundary"), plan.boundary);
+  const Json& boundary = section(json, "boundary");
+  read_boundary(boundary, plan.boundary);
+  if (boundary.contains("labels"))
+    plan.boundary_labels = folder / boundary["labels"].get<std::string>();
 
   const Json& contact = section(json, "contact");
   if (const auto factor = contact.find("stiffness_factor"); factor != contact.end())

@@ -26,6 +26,7 @@ struct PlanFile {
   std::vector<plan::PlannedSegment> segments;  ///< One or more.
   predict::TissueOptions tissue;
   predict::BoundaryOptions boundary;
+  std::optional<std::filesystem::path> boundary_labels;  ///< Absolute likewise; painted.
   predict::ContactOptions contact;
   field::DistanceFieldOptions field;
   predict::SolverOptions solver;

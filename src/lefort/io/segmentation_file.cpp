@@ -11,12 +11,14 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lefort::io {
 namespace fs = std::filesystem;
 using anatomy::LabelMap;
 using anatomy::Tissue;
+using predict::BoundaryLabel;
 
 namespace {
 
@@ -58,20 +60,56 @@ Fields slicer_fields(const image::Grid& grid) {
   return fields;
 }
 
-/// Which values of one layer mean which tissue.
-struct LabelledTissue {
-  Index layer;
-  std::int64_t value;
-  Tissue tissue;
+/// What the segments of a file may be called.
+template <class Label>
+struct Naming {
+  const char* file;   ///< What messages begin with.
+  const char* thing;  ///< What its segments are.
+  const char* known;  ///< The names, as a message tells them.
+  /// \param name  in lower case, with blanks.
+  std::optional<Label> (*label_called)(std::string_view name);
+  enum class Others { kIgnored, kRefused } others;
 };
 
-std::optional<Tissue> tissue_called(std::string name) {
+constexpr Naming<Tissue> kTissueNaming{
+    "segmentation", "tissue", "bone, soft tissue or another",
+    [](std::string_view name) -> std::optional<Tissue> {
+      for (const anatomy::TissueStyle& style : anatomy::kTissueStyles)
+        if (name == style.name) return style.tissue;
+      return std::nullopt;
+    },
+    Naming<Tissue>::Others::kIgnored};
+
+constexpr Naming<BoundaryLabel> kBoundaryNaming{
+    "boundary.labels", "boundary label", "fixed, free or with segment",
+    [](std::string_view name) -> std::optional<BoundaryLabel> {
+      for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
+        if (name == style.name) return style.label;
+      return std::nullopt;
+    },
+    Naming<BoundaryLabel>::Others::kRefused};
+
+std::string plain_name(std::string name) {
   for (char& c : name)
     c = c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  for (const anatomy::TissueStyle& style : anatomy::kTissueStyles)
-    if (name == style.name) return style.tissue;
-  return std::nullopt;
+  return name;
 }
+
+/// A name out of a file, fit for one line of a message.
+std::string in_a_message(std::string name) {
+  constexpr std::size_t kLongest = 40;
+  for (char& c : name)
+    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
+  return name.size() <= kLongest ? name : name.substr(0, kLongest) + "...";
+}
+
+/// Which values of one layer mean what.
+template <class Label>
+struct Segment {
+  Index layer;
+  std::int64_t value;
+  Label label;
+};
 
 std::optional<std::int64_t> whole_number(const std::string& text) {
   std::int64_t number = 0;
@@ -82,28 +120,35 @@ std::optional<std::int64_t> whole_number(const std::string& text) {
 }
 
 /// Finds out what the labels mean; sorted by layer.
-Result<std::vector<LabelledTissue>> read_segments(const RawVolume& raw) {
-  std::vector<LabelledTissue> segments;
+template <class Label>
+Result<std::vector<Segment<Label>>> read_segments(const RawVolume& raw,
+                                                  const Naming<Label>& naming) {
+  std::vector<Segment<Label>> segments;
   const auto field = [&](Index segment, const char* key, const std::string& otherwise) {
     const auto found = raw.fields.find(fmt::format("Segment{}_{}", segment, key));
     return found == raw.fields.end() ? otherwise : found->second;
   };
   for (Index segment = 0; raw.fields.contains(fmt::format("Segment{}_ID", segment)); ++segment) {
-    const auto tissue = tissue_called(field(segment, "Name", field(segment, "ID", "")));
-    if (!tissue) continue;
+    const std::string name = field(segment, "Name", field(segment, "ID", ""));
+    const auto label = naming.label_called(plain_name(name));
+    if (!label && naming.others == Naming<Label>::Others::kRefused)
+      return fail(ErrorCode::kFileUnsupported,
+                  fmt::format("{}: segment {} is called \"{}\", expected {}", naming.file, segment,
+                              in_a_message(name), naming.known));
+    if (!label) continue;
     // Files of older Slicers have one layer of zeros and ones for each segment.
     const auto layer = whole_number(field(segment, "Layer", std::to_string(segment)));
     const auto value = whole_number(field(segment, "LabelValue", "1"));
     if (!layer || *layer < 0 || *layer >= raw.components || !value)
       return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("segmentation: segment {} has no label value in one of the {} layers",
-                              segment, raw.components));
-    segments.push_back({*layer, *value, *tissue});
+                  fmt::format("{}: segment {} has no label value in one of the {} layers",
+                              naming.file, segment, raw.components));
+    segments.push_back({*layer, *value, *label});
   }
   if (segments.empty())
     return fail(ErrorCode::kFileUnsupported,
-                "segmentation: no segment has the name of a tissue, expected bone, soft tissue or "
-                "another");
+                fmt::format("{}: no segment has the name of a {}, expected {}", naming.file,
+                            naming.thing, naming.known));
   std::stable_sort(segments.begin(), segments.end(),
                    [](const auto& a, const auto& b) { return a.layer < b.layer; });
   return segments;
@@ -126,6 +171,67 @@ std::optional<std::array<Index, 3>> place_in(const image::Grid& grid, const imag
                     static_cast<Index>(first_V[2])};
 }
 
+/// On the file's own grid.
+template <class Label>
+Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<Label>& naming) {
+  if (!is_segmentation_file(source))
+    return fail(ErrorCode::kFileUnsupported,
+                fmt::format("{}: the file does not end in .seg.nrrd", naming.file));
+  LEFORT_TRY(const RawVolume raw, read_raw_volume(source));
+  LEFORT_TRY(const std::vector<Segment<Label>> segments, read_segments(raw, naming));
+
+  image::Volume<Label> labels{
+      raw.grid, std::vector<Label>(static_cast<std::size_t>(raw.grid.voxel_count()), Label{})};
+  with_values(raw, [&](const auto values) {
+    for (std::size_t voxel = 0; voxel < labels.values.size(); ++voxel)
+      for (const auto& [layer, value, label] : segments) {
+        const std::size_t at =
+            voxel * static_cast<std::size_t>(raw.components) + static_cast<std::size_t>(layer);
+        if (static_cast<double>(values[at]) == static_cast<double>(value))
+          labels.values[voxel] = label;
+      }
+  });
+  if (labels.grid.direction.determinant() < 0.0) reverse_axis(labels, 2);
+  return labels;
+}
+
+/// On the grid of the scan.
+template <class Label>
+Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<Label>& naming,
+                                         const image::Grid& grid, Progress& progress) {
+  LEFORT_TRY(const image::Volume<Label> part, read_labels(source, naming));
+  const auto first = place_in(grid, part.grid);
+  if (!first)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{}: the voxels do not lie on those of the scan", naming.file));
+
+  image::Volume<Label> labels{
+      grid, std::vector<Label>(static_cast<std::size_t>(grid.voxel_count()), Label{})};
+  const auto [i0, j0, k0] = *first;
+  Index within = 0, labelled = 0;
+  for (Index k = 0; k < part.grid.size[2]; ++k)
+    for (Index j = 0; j < part.grid.size[1]; ++j)
+      for (Index i = 0; i < part.grid.size[0]; ++i) {
+        const Label label = part.at(i, j, k);
+        if (label == Label{}) continue;
+        ++labelled;
+        if (!grid.contains(i + i0, j + j0, k + k0)) continue;
+        ++within;
+        labels.at(i + i0, j + j0, k + k0) = label;
+      }
+  if (within == 0)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{}: none of its {} labelled voxels lies within the scan, expected "
+                            "some",
+                            naming.file, labelled));
+  if (within < labelled)
+    progress.note(
+        fmt::format("{:.2g} % of the labelled voxels lie outside the scan and are left "
+                    "out",
+                    100.0 * double(labelled - within) / double(labelled)));
+  return labels;
+}
+
 }  // namespace
 
 Result<void> write_segmentation(const fs::path& target, const LabelMap& labels) {
@@ -138,59 +244,18 @@ Result<void> write_segmentation(const fs::path& target, const LabelMap& labels) 
 }
 
 Result<LabelMap> read_segmentation(const fs::path& source) {
-  if (!is_segmentation_file(source))
-    return fail(ErrorCode::kFileUnsupported, "segmentation: the file does not end in .seg.nrrd");
-  LEFORT_TRY(const RawVolume raw, read_raw_volume(source));
-  LEFORT_TRY(const std::vector<LabelledTissue> segments, read_segments(raw));
-
-  LabelMap labels{raw.grid, std::vector<Tissue>(static_cast<std::size_t>(raw.grid.voxel_count()),
-                                                Tissue::kBackground)};
-  with_values(raw, [&](const auto values) {
-    for (std::size_t voxel = 0; voxel < labels.values.size(); ++voxel)
-      for (const auto& [layer, value, tissue] : segments) {
-        const std::size_t at =
-            voxel * static_cast<std::size_t>(raw.components) + static_cast<std::size_t>(layer);
-        if (static_cast<double>(values[at]) == static_cast<double>(value))
-          labels.values[voxel] = tissue;
-      }
-  });
-  if (labels.grid.direction.determinant() < 0.0) reverse_axis(labels, 2);
-  return labels;
+  return read_labels(source, kTissueNaming);
 }
 
 Result<LabelMap> read_segmentation(const fs::path& source, const image::Grid& grid,
                                    Progress& progress) {
-  LEFORT_TRY(const LabelMap part, read_segmentation(source));
-  const auto first = place_in(grid, part.grid);
-  if (!first)
-    return fail(ErrorCode::kFileCorrupt,
-                "segmentation: the voxels do not lie on those of the scan");
+  return read_labels(source, kTissueNaming, grid, progress);
+}
 
-  LabelMap labels{
-      grid, std::vector<Tissue>(static_cast<std::size_t>(grid.voxel_count()), Tissue::kBackground)};
-  const auto [i0, j0, k0] = *first;
-  Index within = 0, labelled = 0;
-  for (Index k = 0; k < part.grid.size[2]; ++k)
-    for (Index j = 0; j < part.grid.size[1]; ++j)
-      for (Index i = 0; i < part.grid.size[0]; ++i) {
-        const Tissue tissue = part.at(i, j, k);
-        if (tissue == Tissue::kBackground) continue;
-        ++labelled;
-        if (!grid.contains(i + i0, j + j0, k + k0)) continue;
-        ++within;
-        labels.at(i + i0, j + j0, k + k0) = tissue;
-      }
-  if (within == 0)
-    return fail(ErrorCode::kFileCorrupt,
-                fmt::format("segmentation: none of its {} labelled voxels lies within the scan, "
-                            "expected some",
-                            labelled));
-  if (within < labelled)
-    progress.note(
-        fmt::format("{:.2g} % of the labelled voxels lie outside the scan and are left "
-                    "out",
-                    100.0 * double(labelled - within) / double(labelled)));
-  return labels;
+Result<predict::BoundaryLabelMap> read_boundary_labels(const fs::path& source,
+                                                       const image::Grid& grid,
+                                                       Progress& progress) {
+  return read_labels(source, kBoundaryNaming, grid, progress);
 }
 
 }  // namespace lefort::io

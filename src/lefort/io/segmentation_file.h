@@ -6,6 +6,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/image/volume.h>
+#include <lefort/predict/boundary_labels.h>
 
 #include <filesystem>
 
@@ -39,5 +40,13 @@ namespace lefort::io {
 [[nodiscard]] Result<anatomy::LabelMap> read_segmentation(const std::filesystem::path& source,
                                                           const image::Grid& grid,
                                                           Progress& progress = Progress::none());
+
+/// Reads what was painted on the tissue's boundary: a `.seg.nrrd` whose segments are called as in
+/// predict::kBoundaryLabelStyles, in any case, on the grid of the scan as above.
+///
+/// \returns as above, and kFileUnsupported for a segment of any other name.
+[[nodiscard]] Result<predict::BoundaryLabelMap> read_boundary_labels(
+    const std::filesystem::path& source, const image::Grid& grid,
+    Progress& progress = Progress::none());
 
 }  // namespace lefort::io

@@ -40,7 +40,9 @@ Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
   LEFORT_TRY(const auto detector_B,
              contact::detect_by_field(model.segment_field_B, contact::Detection::kTrilinear));
   std::vector<PreviewModel::Support> supports;
-  for (const std::int32_t node : nodes_on_segment(model.tissue)) {
+  for (const std::int32_t node : only_pushes
+                                     ? nodes_on_segment(model.tissue)
+                                     : nodes_with_segment(model.tissue, MovedBone::kAttached)) {
     const Vec3& point_L = model.tissue.nodes_L[std::size_t(node)];
     const std::int32_t row = first_row[std::size_t(node)];
     if (!only_pushes) {
@@ -63,6 +65,9 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
                                         const BoundaryOptions& boundary, const Vec3& spacing_mm) {
   const mesh::VolumeMesh& tissue = model.tissue;
   const std::vector<std::int32_t>& fixed = tissue.node_sets.at(sets::kFixed);
+  if (!nodes_with_segment(tissue, MovedBone::kContact).empty())
+    return fail(ErrorCode::kPlanInvalid,
+                "boundary.labels: the preview knows no tissue painted to move with the segment");
   if (nodes_on_segment(tissue).empty())
     return fail(ErrorCode::kAnatomyMissing, "no soft tissue lies on the segment");
   if (fixed.empty()) return fail(ErrorCode::kAnatomyMissing, "nothing holds the soft tissue");

@@ -55,11 +55,12 @@ std::vector<LoadLevel> load_levels(const plan::BonePath& path, int increments) {
   return levels;
 }
 
-Result<void> check_sets(const FaceModel& model, const plan::BonePath& path) {
+Result<void> check_sets(const FaceModel& model, const plan::BonePath& path, MovedBone moved_bone) {
   for (const char* set : {sets::kMovedBone, sets::kFixed})
     LEFORT_CHECK(model.tissue.node_sets.count(set) > 0);
   LEFORT_CHECK(model.tissue.face_sets.count(sets::kContact) > 0);
-  if (model.tissue.node_sets.at(sets::kMovedBone).empty())
+  if (model.tissue.node_sets.at(sets::kMovedBone).empty() &&
+      nodes_with_segment(model.tissue, moved_bone).empty())
     return fail(ErrorCode::kAnatomyMissing,
                 fmt::format("no soft tissue lies on segment {}", path.segment));
   if (model.tissue.node_sets.at(sets::kFixed).empty())
@@ -179,7 +180,7 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
   LEFORT_TRY(const auto detector_B,
              detect_segment(model.segment_B, model.segment_field_B, options.contact.detection));
   LEFORT_TRY_VOID(check_reach(path, model.segment_B, *detector_B, options.boundary));
-  LEFORT_TRY_VOID(check_sets(model, path));
+  LEFORT_TRY_VOID(check_sets(model, path, options.boundary.moved_bone));
   const mesh::VolumeMesh& tissue = model.tissue;
   const bool is_contact = options.boundary.moved_bone == MovedBone::kContact;
 
@@ -211,7 +212,7 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
           prediction.rest_penetration_mm, options.boundary.capture_mm));
   }
 
-  const NodeList attached = is_contact ? NodeList{} : nodes_on_segment(tissue);
+  const NodeList attached = nodes_with_segment(tissue, options.boundary.moved_bone);
   const auto prescribed_at = [&](const RigidTransform& X_LB) {
     auto prescribed = fem::fix(tissue.node_sets.at(sets::kFixed));
     const auto with_bone = fem::move_rigidly(attached, tissue.nodes_L, X_LB);

@@ -1,12 +1,16 @@
+#include <lefort/core/parallel.h>
 #include <lefort/geometry/bvh.h>
+#include <lefort/image/voxels_near.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/boundary_regions.h>
 #include <lefort/predict/skin_faces.h>
 #include <lefort/predict/tissue_boundary.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <functional>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -21,24 +25,14 @@ constexpr double kBrainReach_mm = 2.0;  // A layer of blurred voxels between bra
 /// Distance to the nearest voxel labelled brain, up to kBrainReach_mm; beyond it, far.
 double distance_to_brain(const anatomy::LabelMap& labels, const Vec3& p_L) {
   constexpr double kFar_mm = 1e3;
-  const Vec3& spacing_mm = labels.grid.spacing_mm;
   const Vec3 p_V = labels.grid.index_V(p_L);
-  std::array<Index, 3> low{}, high{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double reach_V = kBrainReach_mm / spacing_mm[Index(axis)];
-    low[axis] = std::max<Index>(std::lround(p_V[Index(axis)] - reach_V), 0);
-    high[axis] =
-        std::min(Index(std::lround(p_V[Index(axis)] + reach_V)), labels.grid.size[axis] - 1);
-  }
   double nearest_mm = kFar_mm;
-  for (Index k = low[2]; k <= high[2]; ++k)
-    for (Index j = low[1]; j <= high[1]; ++j)
-      for (Index i = low[0]; i <= high[0]; ++i) {
-        if (labels.at(i, j, k) != anatomy::Tissue::kBrain) continue;
-        const Vec3 beyond_V =
-            ((p_V - Vec3(double(i), double(j), double(k))).cwiseAbs().array() - 0.5).cwiseMax(0.0);
-        nearest_mm = std::min(nearest_mm, beyond_V.cwiseProduct(spacing_mm).norm());
-      }
+  image::visit_voxels_near(labels.grid, p_L, kBrainReach_mm, [&](Index i, Index j, Index k) {
+    if (labels.at(i, j, k) != anatomy::Tissue::kBrain) return;
+    const Vec3 beyond_V =
+        ((p_V - Vec3(double(i), double(j), double(k))).cwiseAbs().array() - 0.5).cwiseMax(0.0);
+    nearest_mm = std::min(nearest_mm, beyond_V.cwiseProduct(labels.grid.spacing_mm).norm());
+  });
   return nearest_mm;
 }
 
@@ -48,12 +42,62 @@ NodeList united(const NodeList& a, const NodeList& b) {
   return both;
 }
 
+NodeList without(const NodeList& a, const NodeList& b) {
+  NodeList rest;
+  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(rest));
+  return rest;
+}
+
+Index count_in(const NodeList& a, const NodeList& b) {
+  return std::ssize(a) - std::ssize(without(a, b));
+}
+
+/// Of nodes that a label decided; none if nothing was painted.
+NodeList nodes_painted(const mesh::VolumeMesh& tissue, BoundaryLabel label) {
+  for (const BoundaryLabelStyle& style : kBoundaryLabelStyles)
+    if (const auto set = tissue.node_sets.find(style.set);
+        style.label == label && set != tissue.node_sets.end())
+      return set->second;
+  return {};
+}
+
+/// Names the nodes that each label decides, and has them fixed or not.
+void paint_over(mesh::VolumeMesh& tissue, const BoundaryLabelMap& painted) {
+  const NodeList& boundary = tissue.node_sets.at("boundary");
+  std::vector<BoundaryLabel> labels(boundary.size());
+  parallel_for(std::ssize(boundary), [&](Index n) {
+    const auto node = std::size_t(boundary[std::size_t(n)]);
+    labels[std::size_t(n)] = painted_at(painted, tissue.nodes_L[node]);
+  });
+  NodeList fixed = tissue.node_sets.at(sets::kFixed);
+  for (const BoundaryLabelStyle& style : kBoundaryLabelStyles) {
+    NodeList nodes;
+    for (std::size_t n = 0; n < boundary.size(); ++n)
+      if (labels[n] == style.label) nodes.push_back(boundary[n]);
+    fixed = style.label == BoundaryLabel::kFixed ? united(fixed, nodes) : without(fixed, nodes);
+    tissue.node_sets[style.set] = std::move(nodes);
+  }
+  tissue.node_sets[sets::kFixed] = std::move(fixed);
+}
+
+/// How near a node must be to belong to a set, in the order of asking; all others are free.
+std::array<std::pair<const char*, double>, 6> rule_distances_mm(const BoundaryOptions& options) {
+  return {{{sets::kCut, kPlaneTolerance_mm},
+           {sets::kScanEdge, kPlaneTolerance_mm},
+           {sets::kMovedBone, options.capture_mm},
+           {sets::kStillBone, options.capture_mm},
+           {sets::kBrain, kBrainReach_mm},
+           {sets::kSkin, options.capture_mm}}};
+}
+
 /// Inner faces that can move: tissue that the segment could run into.
 std::vector<mesh::Face> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
-  std::vector<char> is_outer(tissue.nodes_L.size(), 0), is_fixed(tissue.nodes_L.size(), 0);
+  std::vector<char> is_outer(tissue.nodes_L.size(), 0), is_held(tissue.nodes_L.size(), 0);
   for (const char* set : {sets::kSkin, sets::kCut, sets::kScanEdge})
     for (const std::int32_t node : tissue.node_sets.at(set)) is_outer[std::size_t(node)] = 1;
-  for (const std::int32_t node : tissue.node_sets.at(sets::kFixed)) is_fixed[std::size_t(node)] = 1;
+  for (const std::int32_t node : united(tissue.node_sets.at(sets::kFixed),
+                                        nodes_painted(tissue, BoundaryLabel::kWithSegment)))
+    is_held[std::size_t(node)] = 1;
 
   std::vector<mesh::Face> faces;
   for (const mesh::Face& face : tissue.face_sets.at("boundary")) {
@@ -61,7 +105,7 @@ std::vector<mesh::Face> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
       return std::all_of(nodes.begin(), nodes.end(),
                          [&](std::int32_t node) { return flag[std::size_t(node)] != 0; });
     };
-    if (!all(is_outer) && !all(is_fixed)) faces.push_back(face);
+    if (!all(is_outer) && !all(is_held)) faces.push_back(face);
   }
   return faces;
 }
@@ -73,7 +117,8 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
                                       const geometry::TriangleMesh& skin_L,
                                       const geometry::TriangleMesh& segment_L,
                                       const geometry::TriangleMesh& remainder_L,
-                                      const BoundaryOptions& options) {
+                                      const BoundaryOptions& options,
+                                      const BoundaryLabelMap* painted) {
   const geometry::Bvh segment(segment_L);
   const geometry::Bvh remainder(remainder_L);
   const geometry::Bvh skin(skin_L);
@@ -81,15 +126,16 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
     return [&surface](const Vec3& p_L) { return surface.closest_point(p_L)->distance_mm; };
   };
 
-  const std::vector<mesh::BoundaryRule> rules{
-      {sets::kCut, [&](const Vec3& p) { return domain.distance_to_cut(p); }, kPlaneTolerance_mm},
-      {sets::kScanEdge, [&](const Vec3& p) { return domain.distance_to_scan_edge(p); },
-       kPlaneTolerance_mm},
-      {sets::kMovedBone, distance_to(segment), options.capture_mm},
-      {sets::kStillBone, distance_to(remainder), options.capture_mm},
-      {sets::kBrain, [&](const Vec3& p) { return distance_to_brain(labels, p); }, kBrainReach_mm},
-      {sets::kSkin, distance_to(skin), options.capture_mm},
-  };
+  const std::array<std::function<double(const Vec3&)>, 6> distances_mm{
+      [&](const Vec3& p_L) { return domain.distance_to_cut(p_L); },
+      [&](const Vec3& p_L) { return domain.distance_to_scan_edge(p_L); },
+      distance_to(segment),
+      distance_to(remainder),
+      [&](const Vec3& p_L) { return distance_to_brain(labels, p_L); },
+      distance_to(skin)};
+  std::vector<mesh::BoundaryRule> rules;
+  for (const auto& [set, within_mm] : rule_distances_mm(options))
+    rules.push_back({set, distances_mm[rules.size()], within_mm});
   tissue = mesh::name_boundary(std::move(tissue), rules, sets::kFree);
 
   // Held by their neighbour, but elevated from it where the segment is near.
@@ -102,17 +148,74 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
   if (options.scan_edge == ScanEdge::kFixed)
     fixed = united(fixed, tissue.node_sets.at(sets::kScanEdge));
   tissue.node_sets[sets::kFixed] = std::move(fixed);
+  if (painted != nullptr) paint_over(tissue, *painted);
   tissue.face_sets[sets::kContact] = faces_that_may_touch(tissue);
   return tissue;
 }
 
-std::vector<std::int32_t> nodes_on_segment(const mesh::VolumeMesh& tissue) {
-  const auto& on_bone = tissue.node_sets.at(sets::kMovedBone);
-  const auto& fixed = tissue.node_sets.at(sets::kFixed);
-  std::vector<std::int32_t> nodes;
-  std::set_difference(on_bone.begin(), on_bone.end(), fixed.begin(), fixed.end(),
-                      std::back_inserter(nodes));
-  return nodes;
+NodeList nodes_on_segment(const mesh::VolumeMesh& tissue) {
+  return without(tissue.node_sets.at(sets::kMovedBone), tissue.node_sets.at(sets::kFixed));
+}
+
+NodeList nodes_with_segment(const mesh::VolumeMesh& tissue, MovedBone moved_bone) {
+  const NodeList painted = nodes_painted(tissue, BoundaryLabel::kWithSegment);
+  if (moved_bone == MovedBone::kContact) return painted;
+  return united(painted,
+                without(nodes_on_segment(tissue), nodes_painted(tissue, BoundaryLabel::kFree)));
+}
+
+NodeList all_painted_nodes(const mesh::VolumeMesh& tissue) {
+  NodeList painted;
+  for (const BoundaryLabelStyle& style : kBoundaryLabelStyles)
+    painted = united(painted, nodes_painted(tissue, style.label));
+  return painted;
+}
+
+std::vector<RuleDecision> rule_decisions(const mesh::VolumeMesh& tissue,
+                                         const BoundaryOptions& options) {
+  const NodeList painted = all_painted_nodes(tissue);
+  const NodeList with_segment = nodes_with_segment(tissue, options.moved_bone);
+  std::vector<RuleDecision> decisions;
+  const auto add = [&](const char* set, std::optional<double> within_mm) {
+    const NodeList& taken = tissue.node_sets.at(set);
+    const NodeList decided = without(taken, painted);
+    RuleDecision decision{.set = set, .within_mm = within_mm};
+    decision.fixed = count_in(decided, tissue.node_sets.at(sets::kFixed));
+    decision.with_segment = count_in(decided, with_segment);
+    decision.free = std::ssize(decided) - decision.fixed - decision.with_segment;
+    decision.painted = std::ssize(taken) - std::ssize(decided);
+    decisions.push_back(std::move(decision));
+  };
+  for (const auto& [set, within_mm] : rule_distances_mm(options)) add(set, within_mm);
+  add(sets::kFree, std::nullopt);
+  return decisions;
+}
+
+std::optional<Index> painted_nodes(const mesh::VolumeMesh& tissue,
+                                   const BoundaryLabelStyle& label) {
+  const auto set = tissue.node_sets.find(label.set);
+  if (set == tissue.node_sets.end()) return std::nullopt;
+  return std::ssize(set->second);
+}
+
+std::string describe_boundary(const mesh::VolumeMesh& tissue, const BoundaryOptions& options) {
+  std::string text =
+      fmt::format("boundary nodes by rule (fixed / with segment / free), elevated within {:g} mm:",
+                  options.release_mm);
+  const char* separator = " ";
+  for (const RuleDecision& rule : rule_decisions(tissue, options)) {
+    text += fmt::format("{}{} {} / {} / {}", separator, rule.set, rule.fixed, rule.with_segment,
+                        rule.free);
+    if (rule.within_mm) text += fmt::format(" within {:g} mm", *rule.within_mm);
+    separator = ", ";
+  }
+  separator = "; painted: ";
+  for (const BoundaryLabelStyle& label : kBoundaryLabelStyles)
+    if (const auto nodes = painted_nodes(tissue, label)) {
+      text += fmt::format("{}{} {}", separator, label.name, *nodes);
+      separator = ", ";
+    }
+  return text;
 }
 
 }  // namespace lefort::predict

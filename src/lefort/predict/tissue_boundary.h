@@ -5,10 +5,13 @@
 #include <lefort/anatomy/label_map.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/mesh/volume_mesh.h>
+#include <lefort/predict/boundary_labels.h>
 #include <lefort/predict/prediction_options.h>
 #include <lefort/predict/tissue_domain.h>
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace lefort::predict {
@@ -35,13 +38,46 @@ inline constexpr const char* kContact = "contact";  ///< Faces that may meet the
 /// \param skin_L       the skin's surface. Its level would not do: levels end near their zero, and
 ///   deep inside look no further than the skin's neighbourhood.
 /// \param segment_L, remainder_L  the bones.
+/// \param painted      if there is one, decides which nodes are fixed where it says anything; each
+///   of its labels gets a set of those nodes (kBoundaryLabelStyles). The other sets tell where a
+///   node lies, whatever is painted there.
 [[nodiscard]] mesh::VolumeMesh find_tissue_boundary(
     mesh::VolumeMesh tissue, const TissueDomain& domain, const anatomy::LabelMap& labels,
     const geometry::TriangleMesh& skin_L, const geometry::TriangleMesh& segment_L,
-    const geometry::TriangleMesh& remainder_L, const BoundaryOptions& options);
+    const geometry::TriangleMesh& remainder_L, const BoundaryOptions& options,
+    const BoundaryLabelMap* painted = nullptr);
 
-/// Nodes of a mesh with those sets that move with the segment where tissue is attached to it: on
-/// it, and held by nothing else. Ascending.
+/// Nodes of a mesh with those sets that lie on the segment and are not fixed. Ascending.
 [[nodiscard]] std::vector<std::int32_t> nodes_on_segment(const mesh::VolumeMesh& tissue);
+
+/// Nodes that move with the segment: those painted so, and where `moved_bone` says so all on it
+/// that are not painted free. Ascending.
+[[nodiscard]] std::vector<std::int32_t> nodes_with_segment(const mesh::VolumeMesh& tissue,
+                                                           MovedBone moved_bone);
+
+/// What became of the boundary's nodes that one rule decided.
+struct RuleDecision {
+  std::string set;                  ///< Of the nodes that the rule takes.
+  std::optional<double> within_mm;  ///< Nodes nearer than this are taken; without, all the rest.
+  Index fixed = 0;
+  Index with_segment = 0;
+  Index free = 0;     ///< The segment may push them.
+  Index painted = 0;  ///< Taken by the rule, but decided by a label.
+};
+
+/// For each rule in the order in which they are asked.
+[[nodiscard]] std::vector<RuleDecision> rule_decisions(const mesh::VolumeMesh& tissue,
+                                                       const BoundaryOptions& options);
+
+/// How many nodes a label decided; nothing if the mesh was not painted.
+[[nodiscard]] std::optional<Index> painted_nodes(const mesh::VolumeMesh& tissue,
+                                                 const BoundaryLabelStyle& label);
+
+/// Nodes that any label decided. Ascending.
+[[nodiscard]] std::vector<std::int32_t> all_painted_nodes(const mesh::VolumeMesh& tissue);
+
+/// All that as one sentence.
+[[nodiscard]] std::string describe_boundary(const mesh::VolumeMesh& tissue,
+                                            const BoundaryOptions& options);
 
 }  // namespace lefort::predict

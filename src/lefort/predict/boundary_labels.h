@@ -1,0 +1,43 @@
+/// \file
+/// What somebody painted that the tissue's boundary shall do, where the rule has it wrong.
+#pragma once
+
+#include <lefort/image/volume.h>
+
+#include <array>
+#include <cstdint>
+
+namespace lefort::predict {
+
+/// No label for sliding: tissue slides on the segment alone, and does so wherever it is free.
+enum class BoundaryLabel : std::uint8_t {
+  kNone = 0,  ///< Not painted: by rule.
+  kFixed = 1,
+  kFree = 2,         ///< Held by nothing; the segment may push it.
+  kWithSegment = 3,  ///< Moves with the segment, wherever it lies.
+};
+
+/// How a label is called in files, and the set of the nodes that it decides.
+struct BoundaryLabelStyle {
+  BoundaryLabel label;
+  const char* name;
+  const char* set;
+};
+
+inline constexpr std::array<BoundaryLabelStyle, 3> kBoundaryLabelStyles{{
+    {BoundaryLabel::kFixed, "fixed", "painted_fixed"},
+    {BoundaryLabel::kFree, "free", "painted_free"},
+    {BoundaryLabel::kWithSegment, "with segment", "painted_with_segment"},
+}};
+
+/// One label per voxel of the scan.
+using BoundaryLabelMap = image::Volume<BoundaryLabel>;
+
+/// How far a painted voxel's centre may be from what it decides: half a voxel's diagonal [mm].
+[[nodiscard]] double paint_reach_mm(const image::Grid& grid);
+
+/// \returns the label of the nearest painted voxel, by its centre, that is no further away than
+///   paint_reach_mm(); kNone if there is none. Of several equally near the first of the map.
+[[nodiscard]] BoundaryLabel painted_at(const BoundaryLabelMap& painted, const Vec3& p_L);
+
+}  // namespace lefort::predict

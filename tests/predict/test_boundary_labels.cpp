@@ -1,0 +1,207 @@
+#include <lefort/field/build_distance_field.h>
+#include <lefort/predict/boundary_labels.h>
+#include <lefort/predict/mesh_tissue.h>
+#include <lefort/predict/predict_face.h>
+#include <lefort/predict/tissue_boundary.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "support/face_phantom.h"
+#include "support/tissue_block.h"
+
+namespace lefort::predict {
+namespace {
+
+using NodeList = std::vector<std::int32_t>;
+
+const TissueOptions kOptions{.element_size_mm = 4.0, .far_element_size_mm = 4.0, .margin_mm = 15.0};
+const Vec3 kUp_mm{0.0, 0.0, 1.5};
+
+using Painting = std::function<BoundaryLabel(const Vec3&)>;
+
+BoundaryLabelMap paint(const image::Grid& grid, const Painting& label_at) {
+  BoundaryLabelMap painted{grid, {}};
+  for (Index k = 0; k < grid.size[2]; ++k)
+    for (Index j = 0; j < grid.size[1]; ++j)
+      for (Index i = 0; i < grid.size[0]; ++i)
+        painted.values.push_back(label_at(grid.point_L(Vec3(double(i), double(j), double(k)))));
+  return painted;
+}
+
+/// On the lower side, for x from `from` to `to`; far from where the tissue was cut out.
+Painting below(double from, double to, BoundaryLabel label) {
+  return [=](const Vec3& p) {
+    return p.x() >= from && p.x() <= to && p.y() >= 10.0 && p.y() <= 30.0 && p.z() < 11.0
+               ? label
+               : BoundaryLabel::kNone;
+  };
+}
+
+FaceModel phantom_face(const BoundaryOptions& options, const Painting& label_at = {}) {
+  const test::FacePhantom phantom = test::make_face_phantom();
+  const TissueDomain domain =
+      make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
+  static const mesh::VolumeMesh bare = mesh_tissue(domain, phantom.segment_L, kOptions).value();
+  const BoundaryLabelMap painted = label_at ? paint(phantom.grid, label_at) : BoundaryLabelMap{};
+  FaceModel model;
+  model.tissue =
+      find_tissue_boundary(bare, domain, phantom.labels, phantom.skin_L, phantom.segment_L,
+                           phantom.remainder_L, options, label_at ? &painted : nullptr);
+  model.segment_B = phantom.segment_L;
+  static const auto field = std::make_shared<const field::DistanceField>(
+      field::build_distance_field(phantom.segment_L,
+                                  {.resolution = 64, .band_mm = 4.0, .smooth = true})
+          .value());
+  model.segment_field_B = field;
+  return model;
+}
+
+/// What nodes of a set below 9 mm, well within the painted patch, do when the segment rises.
+struct Moved {
+  double least_mm = 1e9, largest_mm = 0.0;
+  double off_the_bone_mm = 0.0;  ///< Furthest from where the segment would have taken it.
+  int nodes = 0;
+};
+
+Moved moved_nodes(const FaceModel& model, const BoundaryOptions& boundary, double from, double to) {
+  PredictionOptions options;
+  options.tissue = kOptions;
+  options.boundary = boundary;
+  const auto prediction = predict_face(model, test::straight(kUp_mm, 1), options);
+  EXPECT_TRUE(prediction && prediction->converged());
+  Moved moved;
+  if (!prediction || !prediction->converged()) return moved;
+  for (const std::int32_t node : model.tissue.node_sets.at("boundary")) {
+    const Vec3& p = model.tissue.nodes_L[std::size_t(node)];
+    if (below(from, to, BoundaryLabel::kFree)(p) != BoundaryLabel::kFree || p.z() > 9.0) continue;
+    const Vec3& u = prediction->steps.back().displacement_mm[std::size_t(node)];
+    moved.least_mm = std::min(moved.least_mm, u.norm());
+    moved.largest_mm = std::max(moved.largest_mm, u.norm());
+    moved.off_the_bone_mm = std::max(moved.off_the_bone_mm, (u - kUp_mm).norm());
+    ++moved.nodes;
+  }
+  EXPECT_GT(moved.nodes, 3);
+  return moved;
+}
+
+TEST(BoundaryLabels, TheNearestPaintedVoxelWithinHalfADiagonalCounts) {
+  image::Grid grid;
+  grid.size = {4, 4, 3};
+  grid.spacing_mm = Vec3(0.5, 0.5, 2.0);
+  grid.origin_L = Vec3(10.0, 20.0, 30.0);
+  BoundaryLabelMap painted{grid, std::vector<BoundaryLabel>(48, BoundaryLabel::kNone)};
+  painted.at(1, 1, 1) = BoundaryLabel::kFixed;
+  painted.at(3, 1, 1) = BoundaryLabel::kFree;
+  const double reach_mm = paint_reach_mm(grid);
+  EXPECT_NEAR(reach_mm, 0.5 * std::sqrt(4.5), 1e-12);
+  const Vec3 fixed_L = grid.point_L(Vec3(1, 1, 1)), free_L = grid.point_L(Vec3(3, 1, 1));
+  EXPECT_EQ(painted_at(painted, fixed_L), BoundaryLabel::kFixed);
+  EXPECT_EQ(painted_at(painted, free_L), BoundaryLabel::kFree);
+  EXPECT_EQ(painted_at(painted, fixed_L + Vec3(0.45, 0, 0)), BoundaryLabel::kFixed);
+  EXPECT_EQ(painted_at(painted, fixed_L + Vec3(0.55, 0, 0)), BoundaryLabel::kFree);
+  EXPECT_EQ(painted_at(painted, fixed_L + Vec3(0.5, 0, 0)), BoundaryLabel::kFixed);  // As near.
+  EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0.25, 0.25, 1.0)), BoundaryLabel::kFixed);
+  EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0, 0, reach_mm - 1e-6)), BoundaryLabel::kFixed);
+  EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0, 0, reach_mm + 1e-6)), BoundaryLabel::kNone);
+  EXPECT_EQ(painted_at(painted, free_L + Vec3(reach_mm - 1e-6, 0, 0)),
+            BoundaryLabel::kFree);  // Outside the scan.
+  EXPECT_EQ(painted_at(painted, Vec3(1e9, -1e9, 0)), BoundaryLabel::kNone);
+}
+
+TEST(BoundaryLabels, WhatIsNotPaintedIsAsTheRuleHasIt) {
+  const FaceModel by_rule = phantom_face({});
+  const FaceModel painted = phantom_face({}, below(20.0, 26.0, BoundaryLabel::kFixed));
+  const FaceModel blank = phantom_face({}, [](const Vec3&) { return BoundaryLabel::kNone; });
+  for (const auto& [set, nodes] : by_rule.tissue.node_sets) {
+    EXPECT_EQ(blank.tissue.node_sets.at(set), nodes) << set;
+    if (set != sets::kFixed) {
+      EXPECT_EQ(painted.tissue.node_sets.at(set), nodes) << set;
+    }
+  }
+  EXPECT_EQ(by_rule.tissue.node_sets.count("painted_fixed"), 0U);
+  const NodeList& before = by_rule.tissue.node_sets.at(sets::kFixed);
+  const NodeList& after = painted.tissue.node_sets.at(sets::kFixed);
+  const NodeList& patch = painted.tissue.node_sets.at("painted_fixed");
+  EXPECT_GT(after.size(), before.size());
+  EXPECT_TRUE(std::includes(after.begin(), after.end(), patch.begin(), patch.end()));
+  for (const std::int32_t node : after)
+    EXPECT_TRUE(std::binary_search(before.begin(), before.end(), node) ||
+                std::binary_search(patch.begin(), patch.end(), node));
+  for (const std::int32_t node : patch) {
+    const Vec3& p = by_rule.tissue.nodes_L[std::size_t(node)];
+    EXPECT_GE(p.x(), 19.1);  // Half a diagonal of a voxel of 1 mm.
+    EXPECT_LE(p.x(), 26.9);
+  }
+}
+
+TEST(BoundaryLabels, FixedHoldsTissueThatTheRuleLetsMove) {
+  const BoundaryOptions boundary{.release_mm = 9.0};
+  EXPECT_GT(moved_nodes(phantom_face(boundary), boundary, 22.0, 28.0).largest_mm, 0.1);
+  const FaceModel painted = phantom_face(boundary, below(21.0, 29.0, BoundaryLabel::kFixed));
+  EXPECT_EQ(moved_nodes(painted, boundary, 22.0, 28.0).largest_mm, 0.0);
+}
+
+TEST(BoundaryLabels, FreeLetsGoOfTissueThatTheRuleHolds) {
+  const BoundaryOptions boundary{.release_mm = 0.0};
+  EXPECT_EQ(moved_nodes(phantom_face(boundary), boundary, 23.0, 28.0).largest_mm, 0.0);
+  const FaceModel painted = phantom_face(boundary, below(21.0, 30.0, BoundaryLabel::kFree));
+  EXPECT_GT(moved_nodes(painted, boundary, 23.0, 28.0).least_mm, 0.01);
+}
+
+TEST(BoundaryLabels, WithSegmentMovesExactlyAsTheBoneThoughOtherTissueSlides) {
+  const BoundaryOptions boundary{.release_mm = 0.0};
+  const FaceModel painted = phantom_face(boundary, below(4.0, 16.0, BoundaryLabel::kWithSegment));
+  EXPECT_LT(moved_nodes(painted, boundary, 5.0, 15.0).off_the_bone_mm, 1e-12);
+  EXPECT_GT(moved_nodes(phantom_face(boundary), boundary, 5.0, 15.0).off_the_bone_mm, 1e-6);
+  // Beside it, on still bone that the rule holds.
+  const FaceModel beside = phantom_face(boundary, below(23.0, 33.0, BoundaryLabel::kWithSegment));
+  EXPECT_LT(moved_nodes(beside, boundary, 24.0, 32.0).off_the_bone_mm, 1e-12);
+}
+
+TEST(BoundaryLabels, FreeIsNotAttachedWhereTheRestOfTheBoneIs) {
+  const BoundaryOptions boundary{.moved_bone = MovedBone::kAttached, .release_mm = 0.0};
+  EXPECT_LT(moved_nodes(phantom_face(boundary), boundary, 5.0, 15.0).off_the_bone_mm, 1e-12);
+  const FaceModel painted = phantom_face(boundary, below(4.0, 16.0, BoundaryLabel::kFree));
+  EXPECT_GT(moved_nodes(painted, boundary, 5.0, 15.0).off_the_bone_mm, 0.01);
+}
+
+TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
+  const BoundaryOptions boundary{.release_mm = 4.0};
+  const auto label_at = [](const Vec3& p) {
+    if (p.x() < 10.0) return below(4.0, 10.0, BoundaryLabel::kWithSegment)(p);
+    return p.x() < 25.0 ? below(20.0, 25.0, BoundaryLabel::kFixed)(p)
+                        : below(26.0, 32.0, BoundaryLabel::kFree)(p);
+  };
+  const mesh::VolumeMesh tissue = phantom_face(boundary, label_at).tissue;
+  Index decided = 0, painted_over = 0, painted = 0, fixed = 0;
+  for (const RuleDecision& rule : rule_decisions(tissue, boundary)) {
+    decided += rule.fixed + rule.with_segment + rule.free;
+    painted_over += rule.painted;
+    fixed += rule.fixed;
+    EXPECT_EQ(rule.with_segment, 0);  // It slides where it is not painted.
+    EXPECT_EQ(rule.within_mm.has_value(), rule.set != sets::kFree);
+    if (rule.set == sets::kStillBone) {
+      EXPECT_EQ(rule.within_mm, boundary.capture_mm);
+      EXPECT_GT(rule.painted, 0);
+    }
+  }
+  for (const BoundaryLabelStyle& label : kBoundaryLabelStyles) {
+    EXPECT_GT(painted_nodes(tissue, label).value(), 0) << label.name;
+    painted += painted_nodes(tissue, label).value();
+  }
+  EXPECT_EQ(painted, painted_over);
+  EXPECT_EQ(decided + painted, Index(tissue.node_sets.at("boundary").size()));
+  EXPECT_EQ(fixed + painted_nodes(tissue, kBoundaryLabelStyles[0]).value(),
+            Index(tissue.node_sets.at(sets::kFixed).size()));
+  const std::string told = describe_boundary(tissue, boundary);
+  EXPECT_NE(told.find("within 4 mm"), std::string::npos) << told;
+  EXPECT_NE(told.find("with segment "), std::string::npos) << told;
+  EXPECT_FALSE(painted_nodes(phantom_face(boundary).tissue, kBoundaryLabelStyles[0]));
+}
+
+}  // namespace
+}  // namespace lefort::predict
