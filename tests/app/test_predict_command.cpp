@@ -177,14 +177,14 @@ TEST_F(PredictCommand, StoppedAndRunAgainItWritesTheBytesOfARunThatWasNot) {
 }
 
 /// A ball at the front of the bone, which is the segment, painted with one label.
-void paint(const fs::path& file, const std::string& label) {
+void paint(const fs::path& file, const std::string& label, double at_x_mm = 0.0) {
   const image::Grid grid = small_head().grid;
   anatomy::LabelMap painted{grid, {}};
   for (Index k = 0; k < grid.size[2]; ++k)
     for (Index j = 0; j < grid.size[1]; ++j)
       for (Index i = 0; i < grid.size[0]; ++i) {
         const Vec3 p_L = grid.point_L(Vec3(double(i), double(j), double(k)));
-        const bool is_near = (p_L - Vec3(0.0, -30.0, 0.0)).norm() < 12.0;
+        const bool is_near = (p_L - Vec3(at_x_mm, -30.0, 0.0)).norm() < 12.0;
         painted.values.push_back(is_near ? anatomy::Tissue::kBone : anatomy::Tissue::kBackground);
       }
   ASSERT_TRUE(io::write_segmentation(file, painted));
@@ -232,6 +232,21 @@ TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted
   EXPECT_EQ(read_json("fixed/plan.json")["boundary"]["labels"], "../painted.seg.nrrd");
   EXPECT_NE(painted["skin"]["mean_shift_where_moved_mm"],
             by_rule["skin"]["mean_shift_where_moved_mm"]);
+}
+
+/// Where tissue is attached, paint that lets go of it changes no other set than its own.
+TEST_F(PredictCommand, WhatWasFoundWithOtherPaintIsNotGoneOnWith) {
+  json plan = small_plan();
+  plan["boundary"] = {{"moved_bone", "attached"}, {"labels", "painted.seg.nrrd"}};
+  write_plan(plan);
+  paint(folder_ / "painted.seg.nrrd", "free");
+  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "out", false};
+  StopAfterAStep stop;
+  ASSERT_EQ(predict_case(job, stop).error().code, ErrorCode::kCancelled);
+  paint(folder_ / "painted.seg.nrrd", "free", 6.0);
+  const auto run = predict("out", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.error.find("found by an earlier run"), std::string::npos) << run.error;
 }
 
 TEST_F(PredictCommand, APathThatDrivesBoneThroughBoneIsTold) {
