@@ -5,6 +5,7 @@
 #include <lefort/fem/material_response.h>
 #include <lefort/fem/nodal_dilatation.h>
 #include <lefort/fem/reference_element.h>
+#include <lefort/fem/split_elements.h>
 
 #include <algorithm>
 #include <array>
@@ -192,20 +193,13 @@ class NodalDilatation::Builder {
 std::unique_ptr<NodalDilatation> NodalDilatation::build(const mesh::VolumeMesh& mesh,
                                                         const RegionMaterials& materials) {
   Builder builder;
-  for (const mesh::ElementBlock& block : mesh.blocks)
-    for (Index e = 0; e < block.element_count(); ++e) {
-      const std::int32_t region = block.region[std::size_t(e)];
-      const auto material = materials.find(region);
-      LEFORT_CHECK(material != materials.end());
-      if (volumetric_part(material->second) != nullptr)
-        std::visit(
-            [&]<class Element>(const Element&) {
-              if constexpr (kDilatationModes<Element> == 0)
-                builder.add_element<Element>(mesh, block.element(e), region);
-            },
-            element_of(block.shape));
-      builder.end_element();
-    }
+  for_each_split_element(
+      mesh, materials,
+      [&]<class Element>(const Element&, auto nodes, std::int32_t region) {
+        if constexpr (kDilatationModes<Element> == 0)
+          builder.template add_element<Element>(mesh, nodes, region);
+      },
+      [&] { builder.end_element(); });
   return builder.build(materials);
 }
 

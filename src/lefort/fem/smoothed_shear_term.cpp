@@ -5,6 +5,7 @@
 #include <lefort/fem/material_response.h>
 #include <lefort/fem/shear_sides.h>
 #include <lefort/fem/smoothed_shear_term.h>
+#include <lefort/fem/split_elements.h>
 
 #include <algorithm>
 #include <array>
@@ -12,7 +13,6 @@
 #include <map>
 #include <tuple>
 #include <utility>
-#include <variant>
 
 namespace lefort::fem {
 namespace {
@@ -135,20 +135,13 @@ class SmoothedShearTerm::Builder {
 std::unique_ptr<SmoothedShearTerm> SmoothedShearTerm::build(const mesh::VolumeMesh& mesh,
                                                             const RegionMaterials& materials) {
   Builder builder;
-  for (const mesh::ElementBlock& block : mesh.blocks)
-    for (Index e = 0; e < block.element_count(); ++e) {
-      const std::int32_t region = block.region[std::size_t(e)];
-      const auto material = materials.find(region);
-      LEFORT_CHECK(material != materials.end());
-      if (volumetric_part(material->second) != nullptr)
-        std::visit(
-            [&]<class Element>(const Element&) {
-              if constexpr (kShearSides < Element >> 0)
-                builder.add_element<Element>(mesh, block.element(e), region);
-            },
-            element_of(block.shape));
-      builder.end_element();
-    }
+  for_each_split_element(
+      mesh, materials,
+      [&]<class Element>(const Element&, auto nodes, std::int32_t region) {
+        if constexpr (0 < kShearSides<Element>)
+          builder.template add_element<Element>(mesh, nodes, region);
+      },
+      [&] { builder.end_element(); });
   return builder.build(materials);
 }
 
