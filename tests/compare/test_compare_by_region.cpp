@@ -27,6 +27,22 @@ const RegionDifference& row(const std::vector<RegionDifference>& rows, const cha
   return *found;
 }
 
+/// Of a nose and an upper lip in the plane of upright_sheet().
+plan::Landmarks lip_landmarks() {
+  return {{"N'", {0, -100, 50}},
+          {"Sn", {0, -100, 5}},
+          {"Stm", {0, -100, -5}},
+          {"Ch-R", {-10, -100, -5}},
+          {"Ch-L", {10, -100, -5}}};
+}
+
+/// 40 mm wide and high, 100 mm before the origin.
+geometry::TriangleMesh upright_sheet() {
+  geometry::TriangleMesh sheet = test::make_sheet(40.0, 40);
+  for (Vec3& v : sheet.vertices) v = Vec3(v.x(), -100.0, v.y());
+  return sheet;
+}
+
 TEST(CompareByRegion, TheMovedPartIsNotFlatteredByTheRest) {
   const auto before = lifted_by(0.0), predicted = lifted_by(2.5);
   const geometry::Bvh actual(lifted_by(3.0));
@@ -54,16 +70,10 @@ TEST(CompareByRegion, TheMovedPartIsFoundOnOtherTriangulationsToo) {
 
 /// Skin that surgery carries down from the upper lip is still that of the upper lip.
 TEST(CompareByRegion, SkinStaysInItsRegion) {
-  const plan::Landmarks landmarks{{"N'", {0, -100, 50}},
-                                  {"Sn", {0, -100, 5}},
-                                  {"Stm", {0, -100, -5}},
-                                  {"Ch-R", {-10, -100, -5}},
-                                  {"Ch-L", {10, -100, -5}}};
-  geometry::TriangleMesh before = test::make_sheet(40.0, 40);
-  for (Vec3& v : before.vertices) v = Vec3(v.x(), -100.0, v.y());  // Upright.
+  const geometry::TriangleMesh before = upright_sheet();
   geometry::TriangleMesh after = before;
   for (Vec3& v : after.vertices) v.z() -= 8.0;
-  const auto regions = FaceRegions::from(landmarks).value();
+  const auto regions = FaceRegions::from(lip_landmarks()).value();
   const geometry::Bvh other(after);
   const auto rows =
       compare_by_region(after, measure_difference(after, other), other, &before, regions);
@@ -74,19 +84,13 @@ TEST(CompareByRegion, SkinStaysInItsRegion) {
 
 /// Sliding along itself is movement, too, which distances between surfaces do not see.
 TEST(MovementByRegion, IsTheWayOfEachVertex) {
-  const plan::Landmarks landmarks{{"N'", {0, -100, 50}},
-                                  {"Sn", {0, -100, 5}},
-                                  {"Stm", {0, -100, -5}},
-                                  {"Ch-R", {-10, -100, -5}},
-                                  {"Ch-L", {10, -100, -5}}};
-  geometry::TriangleMesh before = test::make_sheet(40.0, 40);
-  for (Vec3& v : before.vertices) v = Vec3(v.x(), -100.0, v.y());  // Upright.
+  const geometry::TriangleMesh before = upright_sheet();
   std::vector<Vec3> displacement_mm;
   for (const Vec3& v : before.vertices)
     displacement_mm.push_back(std::abs(v.x()) < 12.0 && std::abs(v.z()) < 7.0 ? Vec3(0.0, -3.0, 4.0)
                                                                               : Vec3::Zero());
   const auto rows =
-      movement_by_region(before, displacement_mm, FaceRegions::from(landmarks).value());
+      movement_by_region(before, displacement_mm, FaceRegions::from(lip_landmarks()).value());
   EXPECT_EQ(rows[0].region, "whole");
   EXPECT_DOUBLE_EQ(row(rows, "whole").face.median_mm, 0.0);
   EXPECT_DOUBLE_EQ(row(rows, "upper lip").face.median_mm, 5.0);

@@ -23,6 +23,7 @@
 
 #include "io/itk_images.h"
 #include "io/sample_scan.h"
+#include "io/sample_surface.h"
 #include "support/run_python.h"
 #include "support/temporary_folder.h"
 
@@ -31,12 +32,7 @@ namespace {
 
 using geometry::TriangleMesh;
 using test::TemporaryFolder;
-
-/// A tetrahedron without symmetry, its coordinates exact in float.
-TriangleMesh tetrahedron() {
-  return {{{1.0, 0.5, 0.25}, {4.0, 1.0, 0.0}, {0.0, 7.0, 2.0}, {1.5, 2.0, 9.0}},
-          {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
-}
+using test::tetrahedron;
 
 template <class Reader>
 vtkSmartPointer<vtkPolyData> read_by(const std::filesystem::path& path) {

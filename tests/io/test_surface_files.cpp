@@ -9,6 +9,7 @@
 #include <limits>
 #include <string>
 
+#include "io/sample_surface.h"
 #include "support/temporary_folder.h"
 
 namespace lefort::io {
@@ -16,12 +17,7 @@ namespace {
 
 using geometry::TriangleMesh;
 using test::TemporaryFolder;
-
-/// A tetrahedron without symmetry, so that no axis can be taken for another; exact in float.
-TriangleMesh tetrahedron() {
-  return {{{1.0, 0.5, 0.25}, {4.0, 1.0, 0.0}, {0.0, 7.0, 2.0}, {1.5, 2.0, 9.0}},
-          {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
-}
+using test::tetrahedron;
 
 double volume(const TriangleMesh& mesh) {
   double six_volumes = 0.0;
