@@ -48,7 +48,7 @@ export interface View3dEvents {
 const IDLE_MS = 180;
 
 /**
- * Pixels drawn per pixel shown, by the processor: the multisampling of a graphics card takes it four times as long, so
+ * Pixels drawn per pixel shown, by the processor: multisampling would have it pay for four samples of every pixel, so
  * edges are smoothed by drawing larger once all stands still.
  */
 const SOFTWARE_RATIO = { moving: 0.5, still: 2 };
