@@ -267,16 +267,23 @@ TEST(PredictFace, LikewiseUnderSkinOfItsOwn) {
 TEST(PredictFace, TellsEachIterationOnceAndChangesNothingByIt) {
   const FaceModel model = block_on_ball();
   PredictionOptions options;
-  options.contact.penetration_tolerance_mm = 0.02;  // So that there are augmentations.
+  options.contact.penetration_tolerance_mm = 1e-3;
+  options.contact.stiffness_factor = 10.0;  // So soft that it takes multipliers.
   const plan::BonePath path = straight({0.8, 0.0, 1.2}, 3);
   std::vector<std::vector<PredictionIterate>> told(1);
+  double largest_multiplier_mpa = 0.0;
   const PredictionWatch watch{
       .on_iterate = [&](const PredictionIterate& at) { told.back().push_back(at); },
       .on_step = [&](const PredictionStep&) { told.emplace_back(); },
-      .on_restart = {}};
+      .on_restart =
+          [&](const Restart& restart) {
+            for (const double multiplier_mpa : restart.contacts[0].multipliers_mpa)
+              largest_multiplier_mpa = std::max(largest_multiplier_mpa, multiplier_mpa);
+          }};
   const auto seen = predict_face(model, path, options, watch).value();
   const auto alone = predict_face(model, path, options).value();
   ASSERT_TRUE(seen.converged() && alone.converged());
+  ASSERT_GT(largest_multiplier_mpa, 0.0) << "nothing was augmented";
   EXPECT_EQ(seen.steps.back().displacement_mm, alone.steps.back().displacement_mm);
   ASSERT_EQ(told.size(), seen.steps.size() + 1);
   EXPECT_TRUE(told.back().empty());
