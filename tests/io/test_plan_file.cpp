@@ -502,6 +502,16 @@ TEST(PlanFile, RefusesAKeyThatStandsTwice) {
   EXPECT_EQ(complaint("\"translation_mm\"", "\"at\": 0.25, "), "key at stands twice");
 }
 
+TEST(PlanFile, RefusesMoreValuesThanTheirComplaintsHaveRoomFor) {
+  const auto complaint = [](int values) {
+    std::string many = "[1";
+    for (int n = 1; n < values; ++n) many += ",1";
+    return parse_plan(R"({"lefort_plan": 1, "segments": )" + many + "]}", ".").error().message;
+  };
+  EXPECT_EQ(complaint(999'990).find("more than"), std::string::npos);
+  EXPECT_EQ(complaint(1'000'000), "more than 1000000 values, must be less");
+}
+
 TEST(PlanFile, SurvivesAnyDamage) {
   const std::string good = good_plan().dump();
   std::mt19937 generator(11);
