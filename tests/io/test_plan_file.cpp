@@ -115,6 +115,24 @@ TEST(PlanFile, MucosaAndLipsAndNoseAreThereOnlyIfTheyAreAskedFor) {
             std::string::npos);
 }
 
+TEST(PlanFile, MuscleIsThereOnlyIfItIsAskedForAndHasAMaterial) {
+  Json json = good_plan();
+  EXPECT_FALSE(parse_plan(json.dump(), ".").value().tissue.muscle);
+  json["tissue"]["muscle"] = {
+      {"material", {{"law", "neo-hookean"}, {"young_kpa", 60}, {"poisson", 0.4}}}};
+  const predict::TissueOptions tissue = parse_plan(json.dump(), ".").value().tissue;
+  EXPECT_NEAR(tissue.muscle->young_mpa, 0.06, 1e-15);
+  EXPECT_EQ(tissue.muscle->poisson, 0.4);
+  EXPECT_NEAR(tissue.young_mpa, 0.02, 1e-15);
+  json["tissue"]["muscle"]["thickness_mm"] = 2;
+  EXPECT_FALSE(parse_plan(json.dump(), "."));
+  json["tissue"]["muscle"] = Json::object();
+  EXPECT_NE(parse_plan(json.dump(), ".").error().message.find("tissue.muscle"), std::string::npos);
+  json["tissue"]["muscle"] = {{"material", "stone"}};
+  EXPECT_NE(parse_plan(json.dump(), ".").error().message.find("tissue.muscle.material"),
+            std::string::npos);
+}
+
 TEST(PlanFile, SkinIsThereOnlyIfItIsAskedFor) {
   Json json = good_plan();
   EXPECT_FALSE(parse_plan(json.dump(), ".").value().tissue.skin);
