@@ -52,6 +52,10 @@ struct ContactSummary {
   double tunnelled_area_mm2 = 0.0;
 };
 
+/// What contact with two bones does: sums, maxima, means over both areas. Tissue that touches both
+/// counts twice. The P99 is the larger one; that of the area of both is no larger.
+[[nodiscard]] ContactSummary together(const ContactSummary& a, const ContactSummary& b);
+
 /// What contact does at one node of its faces.
 struct NodalContact {
   std::int32_t node = 0;

@@ -37,7 +37,7 @@ inline constexpr const char* kContact = "contact";  ///< Faces that may meet the
 /// \param labels       the scan's labels: where the brain is.
 /// \param skin_L       the skin's surface. Its level would not do: levels end near their zero, and
 ///   deep inside look no further than the skin's neighbourhood.
-/// \param segment_L, remainder_L  the bones.
+/// \param segment_L, remainder_L  the bones; several segments as one mesh (plan::append).
 /// \param painted      if there is one, decides which nodes are fixed where it says anything; each
 ///   of its labels gets a set of those nodes (kBoundaryLabelStyles). The other sets tell where a
 ///   node lies, whatever is painted there.
