@@ -178,14 +178,15 @@ TEST_F(PredictCommand, StoppedAndRunAgainItWritesTheBytesOfARunThatWasNot) {
 }
 
 /// A ball at the front of the bone, which is the segment, painted with one label.
-void paint(const fs::path& file, const std::string& label, double at_x_mm = 0.0) {
+void paint(const fs::path& file, const std::string& label, double at_x_mm = 0.0,
+           double at_y_mm = -30.0) {
   const image::Grid grid = small_head().grid;
   anatomy::LabelMap painted{grid, {}};
   for (Index k = 0; k < grid.size[2]; ++k)
     for (Index j = 0; j < grid.size[1]; ++j)
       for (Index i = 0; i < grid.size[0]; ++i) {
         const Vec3 p_L = grid.point_L(Vec3(double(i), double(j), double(k)));
-        const bool is_near = (p_L - Vec3(at_x_mm, -30.0, 0.0)).norm() < 12.0;
+        const bool is_near = (p_L - Vec3(at_x_mm, at_y_mm, 0.0)).norm() < 12.0;
         painted.values.push_back(is_near ? anatomy::Tissue::kBone : anatomy::Tissue::kBackground);
       }
   ASSERT_TRUE(io::write_segmentation(file, painted));
@@ -285,6 +286,26 @@ TEST_F(PredictCommand, LabelledMuscleIsARegionOfItsOwnMaterial) {
   ASSERT_EQ(vain.exit_code, 0) << vain.error;
   EXPECT_NE(vain.error.find("warning: tissue.muscle changes nothing"), std::string::npos)
       << vain.error;
+}
+
+TEST_F(PredictCommand, TissuePaintedToSlideMeetsStillBone) {
+  json plan = small_plan();
+  plan["boundary"]["labels"] = "painted.seg.nrrd";
+  write_plan(plan);
+  paint(folder_ / "painted.seg.nrrd", "slides", 28.0, -10.0);  // Beside the segment.
+  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "out", false};
+  StopAfterAStep stop;
+  ASSERT_EQ(predict_case(job, stop).error().code, ErrorCode::kCancelled);
+  const auto run = predict("out", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_NE(run.error.find("found by an earlier run"), std::string::npos) << run.error;
+  const json told = read_json("out/prediction.json");
+  EXPECT_TRUE(told["converged"].get<bool>());
+  EXPECT_GT(told["mesh"]["boundary"]["painted"]["painted_slides"], 5);
+  for (const json& step : told["steps"]) {
+    EXPECT_GT(step["still_bone_contact"]["contact_area_mm2"], 1.0);
+    EXPECT_LT(step["still_bone_contact"]["max_depth_from_rest_mm"], 1.0);
+  }
 }
 
 /// Where tissue is attached, paint that lets go of it changes no other set than its own.

@@ -1,6 +1,7 @@
 /// \file
 /// Two segments under one block of tissue.
 #include <lefort/core/parallel.h>
+#include <lefort/plan/bone_path.h>
 #include <lefort/predict/face_preview.h>
 #include <lefort/predict/predict_face.h>
 

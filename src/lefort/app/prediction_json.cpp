@@ -296,8 +296,11 @@ Json timing_json(const Timing& timing) {
 Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction& prediction,
                      const SkinShift& skin, const Timing& timing) {
   Json steps = Json::array();
-  for (const predict::PredictionStep& step : prediction.steps)
+  for (const predict::PredictionStep& step : prediction.steps) {
     steps.push_back(as_json(step, prepared.plan));
+    if (prepared.model.still_bone)
+      add_contact(step.still_contact, steps.back()["still_bone_contact"]);
+  }
   Json overlaps = Json::array();
   for (const predict::BonePair& pair : prepared.overlaps)
     overlaps.push_back(as_json(pair, prepared.plan));

@@ -200,6 +200,11 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
                     quality.elements, quality.min_scaled_jacobian));
   }
   predict::FaceModel model{std::move(tissue), std::move(segments)};
+  if (model.tissue.face_sets.contains(predict::sets::kStillContact)) {
+    LEFORT_TRY(auto still_field,
+               find_field("remainder", cut.remainder_L, field_options, cache, progress));
+    model.still_bone = predict::MovedSegment{cut.remainder_L, std::move(still_field)};
+  }
   Provenance provenance{.plan_sha256 = plan_sha256,
                         .ct_sha256 = ct_sha256,
                         .ct_kind = scan.source_kind,

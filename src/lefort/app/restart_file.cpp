@@ -17,9 +17,9 @@ namespace {
 
 // To be raised with every change of the solver or of contact that may change what a step finds, and
 // of this file's layout.
-constexpr double kStepsRevision = 4;
+constexpr double kStepsRevision = 5;
 
-constexpr std::string_view kMagic = "lefort restart 2\n";
+constexpr std::string_view kMagic = "lefort restart 3\n";
 constexpr std::size_t kHashDigits = 64;
 constexpr std::uintmax_t kLargest = std::uintmax_t(64) << 30;
 
@@ -155,11 +155,12 @@ void visit(Archive& archive, predict::SegmentStep& segment) {
 
 template <class Archive>
 void visit(Archive& archive, predict::PredictionStep& step) {
-  auto& [share, segments, displacement_mm, smallest_J, residual_n, relative_residual, attempts] =
-      step;
+  auto& [share, segments, displacement_mm, still_contact, smallest_J, residual_n, relative_residual,
+         attempts] = step;
   archive(share);
   visit(archive, segments);
   visit(archive, displacement_mm);
+  visit(archive, still_contact);
   archive(smallest_J);
   archive(residual_n);
   archive(relative_residual);
@@ -240,6 +241,7 @@ std::string restart_key(const PreparedCase& prepared) {
   hash.add(double(plan.segments.size()));
   for (const predict::MovedSegment& segment : prepared.model.segments)
     hash.add(field_key(segment.surface_B, field));
+  if (prepared.model.still_bone) hash.add(field_key(prepared.model.still_bone->surface_B, field));
   for (const plan::BonePath& path : prepared.paths()) {
     const auto& [name, keyframes, steps, interpolation] = path;
     hash.add(double(steps)).add(double(keyframes.size())).add(double(interpolation));

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace lefort::predict {
@@ -21,6 +22,8 @@ struct MovedSegment {
 struct FaceModel {
   mesh::VolumeMesh tissue;             ///< With the sets of tissue_boundary.h.
   std::vector<MovedSegment> segments;  ///< One or more, in the order of the plan.
+  /// Bone that does not move; needed where tissue is painted to slide on it.
+  std::optional<MovedSegment> still_bone = std::nullopt;
 };
 
 /// Which nodes go by which segment: each by the one whose surface is nearest to it at rest, of

@@ -21,9 +21,11 @@ struct SegmentStep {
 
 /// The equilibrium at one of the asked-for moments of the path.
 struct PredictionStep {
-  double share = 0.0;                      ///< Of the path, 0 to 1.
-  std::vector<SegmentStep> segments;       ///< In the order of the plan.
-  std::vector<Vec3> displacement_mm;       ///< One per node of the tissue.
+  double share = 0.0;                 ///< Of the path, 0 to 1.
+  std::vector<SegmentStep> segments;  ///< In the order of the plan.
+  std::vector<Vec3> displacement_mm;  ///< One per node of the tissue.
+  /// Of the tissue that slides on still bone; zero unless some is painted so.
+  contact::ContactSummary still_contact = {};
   double smallest_J = 1.0;                 ///< Least volume ratio of an element; positive.
   double residual_n = 0.0;                 ///< Of the unbalanced forces, last iteration.
   double relative_residual = 0.0;          ///< To the forces that cancel (fem/assemble.h).

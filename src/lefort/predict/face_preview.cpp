@@ -71,6 +71,9 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
                                         const BoundaryOptions& boundary, const Vec3& spacing_mm) {
   const mesh::VolumeMesh& tissue = model.tissue;
   const std::vector<std::int32_t>& fixed = tissue.node_sets.at(sets::kFixed);
+  if (tissue.face_sets.contains(sets::kStillContact))
+    return fail(ErrorCode::kPlanInvalid,
+                "boundary.labels: the preview knows no tissue painted to slide on still bone");
   if (!nodes_with_segment(tissue, MovedBone::kContact).empty())
     return fail(ErrorCode::kPlanInvalid,
                 "boundary.labels: the preview knows no tissue painted to move with the segment");

@@ -153,6 +153,19 @@ Result<Detectors> detect_all(const std::vector<MovedSegment>& segments,
   return detectors_B;
 }
 
+/// Whether contact with still bone can be told where tissue is painted to slide on it.
+Result<void> check_still_bone(const contact::Detector& detector_L, double capture_mm) {
+  if (!detector_L.is_closed())
+    return fail(ErrorCode::kMeshInvalid,
+                "the still bone is an open surface, tissue that slides on it needs a closed one");
+  if (capture_mm < detector_L.reach_mm()) return {};
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("boundary.capture_mm is {:g} mm, must be less than the {:.2f} mm that the "
+                  "still bone's distance field reaches",
+                  capture_mm, detector_L.reach_mm()));
+}
+
 /// Of one segment, see check_reach().
 Result<void> check_reach_of(const plan::BonePath& path, const std::vector<LoadLevel>& levels,
                             const MovedSegment& segment, const contact::Detector& detector_B,
@@ -245,20 +258,27 @@ Result<FacePrediction> predict_face(const FaceModel& model,
 
   FacePrediction prediction;
   std::vector<contact::ContactTerm> contacts;
-  contacts.reserve(paths.size());  // The assembler points to them.
-  if (is_contact)
+  contacts.reserve(paths.size() + 1);  // The assembler points to them.
+  const auto sliding = tissue.face_sets.find(sets::kStillContact);
+  const bool slides = sliding != tissue.face_sets.end();
+  if (is_contact || slides)
     prediction.contact_stiffness_mpa_per_mm =
         contact_stiffness_mpa_per_mm(options.tissue, options.contact);
-  for (std::size_t k = 0; is_contact && k < paths.size(); ++k) {
+  const auto add_contact = [&](const std::string& name, const std::vector<mesh::Face>& faces,
+                               const std::shared_ptr<const contact::Detector>& detector_B) {
     contacts.push_back({tissue.nodes_L,
-                        tissue.face_sets.at(sets::kContact),
-                        {detectors_B[k], RigidTransform::Identity()},
-                        {.name = "segment " + paths[k].segment,
+                        faces,
+                        {detector_B, RigidTransform::Identity()},
+                        {.name = name,
                          .stiffness_mpa_per_mm = prediction.contact_stiffness_mpa_per_mm,
                          .capture_mm = options.boundary.capture_mm,
                          .integration = options.contact.integration,
                          .penetration_tolerance_mm = options.contact.penetration_tolerance_mm}});
-    terms.push_back(&contacts[k]);
+    terms.push_back(&contacts.back());
+  };
+  const std::size_t of_segments = is_contact ? paths.size() : 0;  // The first so many contacts.
+  for (std::size_t k = 0; k < of_segments; ++k) {
+    add_contact("segment " + paths[k].segment, tissue.face_sets.at(sets::kContact), detectors_B[k]);
     const double inside_mm = contacts[k].rest_penetration_mm();
     prediction.rest_penetration_mm = std::max(prediction.rest_penetration_mm, inside_mm);
     if (inside_mm > options.boundary.capture_mm)
@@ -266,6 +286,12 @@ Result<FacePrediction> predict_face(const FaceModel& model,
           "warning: the tissue's mesh lies up to {:.2f} mm inside the segment {} before it moves, "
           "deeper than boundary.capture_mm = {:g} mm",
           inside_mm, paths[k].segment, options.boundary.capture_mm));
+  }
+  if (slides) {
+    LEFORT_CHECK(model.still_bone);
+    LEFORT_TRY(const auto detector_L, detect_segment(*model.still_bone, options.contact.detection));
+    LEFORT_TRY_VOID(check_still_bone(*detector_L, options.boundary.capture_mm));
+    add_contact("still bone", sliding->second, detector_L);
   }
 
   const auto prescribed_at = [&](const std::vector<RigidTransform>& X_LB) {
@@ -277,7 +303,7 @@ Result<FacePrediction> predict_face(const FaceModel& model,
     return prescribed;
   };
   const auto pose_contacts = [&](const std::vector<RigidTransform>& X_LB) {
-    for (std::size_t k = 0; k < contacts.size(); ++k) contacts[k].set_pose(X_LB[k]);
+    for (std::size_t k = 0; k < of_segments; ++k) contacts[k].set_pose(X_LB[k]);
   };
   LEFORT_TRY(fem::DofMap dofs,
              fem::DofMap::build(tissue.node_count(), prescribed_at(plan::poses_at(paths, 0.0))));
@@ -359,9 +385,10 @@ Result<FacePrediction> predict_face(const FaceModel& model,
     for (const RigidTransform& X_LB : plan::poses_at(paths, share))
       result.segments.push_back({.X_LB = X_LB, .contact = {}});
     result.displacement_mm = as_vectors(stepper.state().u);
-    for (std::size_t k = 0; k < contacts.size(); ++k)
-      result.segments[k].contact =
-          contacts[k].summarise(contact::displaced(tissue.nodes_L, stepper.state().u));
+    const std::vector<Vec3> at_L = contact::displaced(tissue.nodes_L, stepper.state().u);
+    for (std::size_t k = 0; k < of_segments; ++k)
+      result.segments[k].contact = contacts[k].summarise(at_L);
+    if (slides) result.still_contact = contacts.back().summarise(at_L);
     result.smallest_J = smallest_volume_ratio(tissue, materials, stepper.state().u);
     const fem::NewtonIterate& last = new_attempts.back().history.back();
     result.residual_n = last.residual_n;
@@ -378,9 +405,9 @@ Result<FacePrediction> predict_face(const FaceModel& model,
     watch.on_restart(so_far);
   }
   prediction.steps = std::move(so_far.steps);
-  for (const contact::ContactTerm& contact : contacts)
+  for (std::size_t k = 0; k < of_segments; ++k)
     prediction.touched.push_back(
-        contact.at_nodes(contact::displaced(tissue.nodes_L, stepper.state().u)));
+        contacts[k].at_nodes(contact::displaced(tissue.nodes_L, stepper.state().u)));
   return prediction;
 }
 

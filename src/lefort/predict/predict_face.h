@@ -54,7 +54,8 @@ struct PredictionOptions {
 struct Restart {
   std::vector<PredictionStep> steps;  ///< Converged.
   fem::LoadStepper::Memory stepper;
-  std::vector<contact::ContactTerm::Memory> contacts;  ///< One a segment; none if attached.
+  std::vector<contact::ContactTerm::Memory>
+      contacts;  ///< One a segment, none if attached; still bone's.
 };
 
 /// Who watches a prediction; each may be empty.
