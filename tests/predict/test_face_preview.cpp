@@ -61,7 +61,7 @@ TEST(FacePreview, KnowsSkin) {
   TissueOptions options;
   const auto answer = [&](const FaceModel& model) {
     return FacePreview(make_preview_model(model, skin_of(model), options, {}, Vec3::Ones()).value())
-        .displacement_mm(shift({0.0, 0.0, 1.0}))
+        .displacement_mm(std::array{shift({0.0, 0.0, 1.0})})
         .value();
   };
   const auto whole = answer(test::block_on_slab());

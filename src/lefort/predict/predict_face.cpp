@@ -250,6 +250,9 @@ Result<FacePrediction> predict_face(const FaceModel& model,
     prediction.contact_stiffness_mpa_per_mm =
         contact_stiffness_mpa_per_mm(options.tissue, options.contact);
   for (std::size_t k = 0; is_contact && k < paths.size(); ++k) {
+    std::vector<contact::BoneObstacle> beside;
+    for (std::size_t other = 0; other < paths.size(); ++other)
+      if (other != k) beside.push_back({detectors_B[other], RigidTransform::Identity()});
     contacts.push_back({tissue.nodes_L,
                         tissue.face_sets.at(sets::kContact),
                         {detectors_B[k], RigidTransform::Identity()},
@@ -257,7 +260,8 @@ Result<FacePrediction> predict_face(const FaceModel& model,
                          .stiffness_mpa_per_mm = prediction.contact_stiffness_mpa_per_mm,
                          .capture_mm = options.boundary.capture_mm,
                          .integration = options.contact.integration,
-                         .penetration_tolerance_mm = options.contact.penetration_tolerance_mm}});
+                         .penetration_tolerance_mm = options.contact.penetration_tolerance_mm},
+                        beside});
     terms.push_back(&contacts[k]);
     const double inside_mm = contacts[k].rest_penetration_mm();
     prediction.rest_penetration_mm = std::max(prediction.rest_penetration_mm, inside_mm);
