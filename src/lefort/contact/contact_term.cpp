@@ -81,7 +81,8 @@ struct ContactTerm::PointGap {
 };
 
 ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
-                         BoneObstacle obstacle, const Options& options)
+                         BoneObstacle obstacle, const Options& options,
+                         std::span<const BoneObstacle> beside)
     : name_(options.name),
       obstacle_(std::move(obstacle)),
       stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm),
@@ -96,7 +97,11 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> 
     add_nodes(nodes_L, faces);
   for (const Patch& patch : patches_)
     for_each_point(patch, nodes_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
-      points_[k].rest_gap_mm = rest_gap_mm(at.measured, options.capture_mm);
+      const bool rests_beside =
+          std::any_of(beside.begin(), beside.end(), [&](const BoneObstacle& other) {
+            return measure_gap(other, at.p_L, Derivatives::kFirst).gap_mm < at.measured.gap_mm;
+          });
+      points_[k].rest_gap_mm = rest_gap_mm(at.measured, rests_beside ? 0.0 : options.capture_mm);
       points_[k].last_sight = look(obstacle_, at.p_L, at.measured);
     });
   last_clearance_.resize(patches_.size());

@@ -264,21 +264,33 @@ Result<FacePrediction> predict_face(const FaceModel& model,
   if (is_contact || slides)
     prediction.contact_stiffness_mpa_per_mm =
         contact_stiffness_mpa_per_mm(options.tissue, options.contact);
-  const auto add_contact = [&](const std::string& name, const std::vector<mesh::Face>& faces,
-                               const std::shared_ptr<const contact::Detector>& detector_B) {
+  std::vector<contact::BoneObstacle> bones;  // At rest: the segments, and what tissue slides on.
+  for (const auto& detector_B : detectors_B)
+    bones.push_back({detector_B, RigidTransform::Identity()});
+  if (slides) {
+    LEFORT_CHECK(model.still_bone);
+    LEFORT_TRY(auto detector_L, detect_segment(*model.still_bone, options.contact.detection));
+    LEFORT_TRY_VOID(check_still_bone(*detector_L, options.boundary.capture_mm));
+    bones.push_back({std::move(detector_L), RigidTransform::Identity()});
+  }
+  const auto add_contact = [&](std::size_t bone, const std::string& name,
+                               const std::vector<mesh::Face>& faces) {
+    std::vector<contact::BoneObstacle> beside = bones;
+    beside.erase(beside.begin() + std::ptrdiff_t(bone));
     contacts.push_back({tissue.nodes_L,
                         faces,
-                        {detector_B, RigidTransform::Identity()},
+                        bones[bone],
                         {.name = name,
                          .stiffness_mpa_per_mm = prediction.contact_stiffness_mpa_per_mm,
                          .capture_mm = options.boundary.capture_mm,
                          .integration = options.contact.integration,
-                         .penetration_tolerance_mm = options.contact.penetration_tolerance_mm}});
+                         .penetration_tolerance_mm = options.contact.penetration_tolerance_mm},
+                        beside});
     terms.push_back(&contacts.back());
   };
   const std::size_t of_segments = is_contact ? paths.size() : 0;  // The first so many contacts.
   for (std::size_t k = 0; k < of_segments; ++k) {
-    add_contact("segment " + paths[k].segment, tissue.face_sets.at(sets::kContact), detectors_B[k]);
+    add_contact(k, "segment " + paths[k].segment, tissue.face_sets.at(sets::kContact));
     const double inside_mm = contacts[k].rest_penetration_mm();
     prediction.rest_penetration_mm = std::max(prediction.rest_penetration_mm, inside_mm);
     if (inside_mm > options.boundary.capture_mm)
@@ -287,12 +299,7 @@ Result<FacePrediction> predict_face(const FaceModel& model,
           "deeper than boundary.capture_mm = {:g} mm",
           inside_mm, paths[k].segment, options.boundary.capture_mm));
   }
-  if (slides) {
-    LEFORT_CHECK(model.still_bone);
-    LEFORT_TRY(const auto detector_L, detect_segment(*model.still_bone, options.contact.detection));
-    LEFORT_TRY_VOID(check_still_bone(*detector_L, options.boundary.capture_mm));
-    add_contact("still bone", sliding->second, detector_L);
-  }
+  if (slides) add_contact(paths.size(), "still bone", sliding->second);
 
   const auto prescribed_at = [&](const std::vector<RigidTransform>& X_LB) {
     auto prescribed = fem::fix(tissue.node_sets.at(sets::kFixed));

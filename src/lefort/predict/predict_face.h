@@ -70,12 +70,13 @@ struct PredictionWatch {
 ///
 /// Between two steps no part of a segment moves further at once than a quarter of an element, nor
 /// than half its detector's reach: the increments, not the steps, decide what is found.
+/// \pre model.still_bone, where the tissue has a set sets::kStillContact.
 /// \param paths    one for each of the model's segments.
 /// \param earlier  where a run of the same model, paths and options was stopped; the rest of the
 ///   way is found with the same bits as without the stop.
 /// \returns the steps that converged, and why it ended early if it did; or
 ///   - kPlanInvalid      a path cannot be followed (plan::check_path);
-///   - what check_reach() returns;
+///   - what check_reach() returns, and of still bone kMeshInvalid and kInvalidArgument likewise;
 ///   - kAnatomyMissing   no tissue lies on a segment, or nothing is fixed;
 ///   - kInvalidArgument  a material constant lies outside its range;
 ///   - kOutOfMemory      the tissue's mesh is too fine for this machine;

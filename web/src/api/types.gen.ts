@@ -358,7 +358,7 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** A preview, not a prediction: displacement of each vertex of surface skin [mm], linearised at rest; needs job preview-factor */
+        /** A preview, not a prediction: displacement of each vertex of surface skin [mm], linearised at rest; needs job preview-factor and the pose of each of its segments */
         post: operations["postPreview"];
         delete?: never;
         options?: never;
