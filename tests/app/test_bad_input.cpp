@@ -298,7 +298,7 @@ const BadInput kBadInput[] = {
     {"boundary labels of tissues",
      plan(R"([{"op": "add", "path": "/boundary", "value": {"labels": "a.seg.nrrd"}}])") +
          "cp $good/labels.seg.nrrd a.seg.nrrd",
-     kPredict, "segment 0 is called \"bone\", expected fixed, free or with segment"},
+     kPredict, "segment 0 is called \"bone\", expected fixed, free, slides or with segment"},
     {"boundary labels that are missing",
      plan(R"([{"op": "add", "path": "/boundary", "value": {"labels": "a.seg.nrrd"}}])"), kPredict,
      "a.seg.nrrd is not a file"},

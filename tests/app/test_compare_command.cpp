@@ -14,7 +14,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "support/run_program.h"
@@ -90,6 +92,7 @@ TEST_F(CompareCommand, BadInputGetsOneLineAndLosesNothing) {
 /// A head without symmetry: skin around a shell of bone.
 struct Head {
   RigidTransform X_LB = RigidTransform::Identity();  ///< Of the bone in front of y = -20.
+  std::optional<RigidTransform> X_left_LB{};  ///< Of what of it is on the left, if it is cut off.
 
   /// Roughly how far beyond an uneven ellipsoid, 0.8 and 1.2 times as wide and as deep as high.
   static double beyond_mm(const Vec3& p, double radius_mm) {
@@ -108,9 +111,17 @@ struct Head {
     const auto share = [&](double depth_mm) {
       return std::clamp(0.5 + depth_mm / voxel_mm, 0.0, 1.0);
     };
+    const auto depth_in_front_mm = [](const Vec3& p_B) {
+      return std::min(depth_in_shell_mm(p_B), -20.0 - p_B.y());
+    };
     const Vec3 p_B = X_LB.inverse() * p_L;
     const double still_mm = std::min(depth_in_shell_mm(p_L), p_L.y() + 20.0);
-    const double moved_mm = std::min(depth_in_shell_mm(p_B), -20.0 - p_B.y());
+    double moved_mm = depth_in_front_mm(p_B);
+    if (X_left_LB) {
+      const Vec3 left_B = X_left_LB->inverse() * p_L;
+      moved_mm =
+          std::max(std::min(moved_mm, -p_B.x()), std::min(depth_in_front_mm(left_B), left_B.x()));
+    }
     const double bone = share(std::max(still_mm, moved_mm));
     const double skin = share(-beyond_mm(p_L, 70.0));
     return -1000.0 + 1040.0 * skin + 1160.0 * bone;
@@ -183,6 +194,60 @@ TEST_F(CompareCommand, FindsTheMovementThatWasAchieved) {
   const double unchanged_mm = found["regions"][0]["if_unchanged"]["p95_mm"];
   EXPECT_LT(unchanged_mm, 0.25 * 1.5);
   EXPECT_GT(found["regions"][1]["face"]["median_mm"].get<double>(), unchanged_mm);
+}
+
+TEST_F(CompareCommand, FindsTheMovementOfEachOfSeveralSegments) {
+  ASSERT_TRUE(
+      io::write_volume(folder_ / "before.nrrd", Head{}.scan(128, 1.5, RigidTransform::Identity())));
+  const std::array achieved{
+      geometry::rigid_motion({1.6, -2.6, 0.4}, {0.0, 0.02, -0.04}, {20, -40, 0}),
+      geometry::rigid_motion({-1.5, -3.5, -0.5}, {0.03, 0.0, 0.03}, {-20, -40, 0})};
+  ASSERT_TRUE(io::write_volume(folder_ / "after.nrrd", Head{achieved[1], achieved[0]}.scan(
+                                                           128, 1.5, RigidTransform::Identity())));
+  ASSERT_TRUE(io::write_text(folder_ / "plan.json", R"({
+    "lefort_plan": 1, "ct": "before.nrrd",
+    "segments": [{
+      "name": "left",
+      "osteotomy": {"planes": [{"point_mm": [0, -20, 0], "towards_segment": [0, -1, 0]},
+                               {"point_mm": [0, 0, 0], "towards_segment": [1, 0, 0]}]},
+      "path": {"steps": 2, "keyframes": [{"translation_mm": [1.5, -3, 0]}]}
+    }, {
+      "name": "right",
+      "osteotomy": {"planes": [{"point_mm": [0, -20, 0], "towards_segment": [0, -1, 0]}]},
+      "path": {"steps": 2, "keyframes": [{"translation_mm": [-1.5, -3, 0]}]}
+    }],
+    "tissue": {"element_size_mm": 8, "margin_mm": 10},
+    "field": {"resolution": 64, "band_mm": 4}
+  })"));
+  const auto predicted = test::run_lefort("--quiet predict " + quoted(folder_ / "plan.json") +
+                                          " --no-pictures -o " + quoted(folder_ / "prediction"));
+  ASSERT_EQ(predicted.exit_code, 0) << predicted.error;
+  const auto run = compare(quoted(folder_ / "prediction") + " --after-ct " +
+                           quoted(folder_ / "after.nrrd") + " --no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const json found = result();
+  ASSERT_EQ(found["movements"].size(), 2U);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const json& movement = found["movements"][k];
+    EXPECT_EQ(movement["segment"], k == 0 ? "left" : "right");
+    RigidTransform X_LB;
+    for (Index i = 0; i < 16; ++i)
+      X_LB.matrix()(i / 4, i % 4) = movement["registration"]["matrix"][std::size_t(i)];
+    const RigidTransform error = X_LB * achieved[k].inverse();
+    const Vec3 front(k == 0 ? 20 : -20, -40, 0);
+    EXPECT_LT((error * front - front).norm(), 0.15) << run.out;
+    EXPECT_LT(degrees_from_radians(geometry::rotation_vector(error.linear()).norm()), 0.3);
+  }
+
+  // A folder whose files are of different plans is no prediction.
+  json plan = json::parse(io::read_text(folder_ / "prediction/plan.json", 1 << 20).value());
+  plan["segments"].erase(1);
+  ASSERT_TRUE(io::write_text(folder_ / "prediction/plan.json", plan.dump()));
+  const auto refused = compare(quoted(folder_ / "prediction") + " --after-ct " +
+                               quoted(folder_ / "after.nrrd") + " --no-pictures");
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_EQ(refused.message_lines(), 1) << refused.error;
+  EXPECT_NE(refused.error.find("of different plans"), std::string::npos) << refused.error;
 }
 
 }  // namespace

@@ -261,20 +261,6 @@ TEST_F(PlanCommand, WhatFailsIsOneLineAndLeavesNothingOlder) {
     EXPECT_FALSE(fs::exists(folder_ / "out" / file)) << file;
 }
 
-TEST_F(PlanCommand, APredictionOfSeveralSegmentsIsRefused) {
-  json two = plan();
-  two["segments"].push_back(two["segments"][0]);
-  two["segments"][1]["name"] = "other";
-  ASSERT_TRUE(io::write_text(folder_ / "plan.json", two.dump()));
-  const auto run =
-      test::run_lefort("predict " + quoted(folder_ / "plan.json") + " --ct " +
-                       quoted(folder_ / "plan.json") + " -o " + quoted(folder_ / "out"));
-  EXPECT_EQ(run.exit_code, 1);
-  EXPECT_EQ(run.message_lines(), 1) << run.error;
-  EXPECT_NE(run.error.find("moves 2 segments, a prediction takes one"), std::string::npos)
-      << run.error;
-}
-
 TEST_F(PlanCommand, LandmarksAreMeasuredAndConverted) {
   const plan::Landmarks before{{"S", {0, 70, 0}}, {"N", {0, 0, 0}}, {"A", {0, 0, -50}}};
   plan::Landmarks after = before;

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -177,14 +178,15 @@ TEST_F(PredictCommand, StoppedAndRunAgainItWritesTheBytesOfARunThatWasNot) {
 }
 
 /// A ball at the front of the bone, which is the segment, painted with one label.
-void paint(const fs::path& file, const std::string& label, double at_x_mm = 0.0) {
+void paint(const fs::path& file, const std::string& label, double at_x_mm = 0.0,
+           double at_y_mm = -30.0) {
   const image::Grid grid = small_head().grid;
   anatomy::LabelMap painted{grid, {}};
   for (Index k = 0; k < grid.size[2]; ++k)
     for (Index j = 0; j < grid.size[1]; ++j)
       for (Index i = 0; i < grid.size[0]; ++i) {
         const Vec3 p_L = grid.point_L(Vec3(double(i), double(j), double(k)));
-        const bool is_near = (p_L - Vec3(at_x_mm, -30.0, 0.0)).norm() < 12.0;
+        const bool is_near = (p_L - Vec3(at_x_mm, at_y_mm, 0.0)).norm() < 12.0;
         painted.values.push_back(is_near ? anatomy::Tissue::kBone : anatomy::Tissue::kBackground);
       }
   ASSERT_TRUE(io::write_segmentation(file, painted));
@@ -286,6 +288,26 @@ TEST_F(PredictCommand, LabelledMuscleIsARegionOfItsOwnMaterial) {
       << vain.error;
 }
 
+TEST_F(PredictCommand, TissuePaintedToSlideMeetsStillBone) {
+  json plan = small_plan();
+  plan["boundary"]["labels"] = "painted.seg.nrrd";
+  write_plan(plan);
+  paint(folder_ / "painted.seg.nrrd", "slides", 28.0, -10.0);  // Beside the segment.
+  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "out", false};
+  StopAfterAStep stop;
+  ASSERT_EQ(predict_case(job, stop).error().code, ErrorCode::kCancelled);
+  const auto run = predict("out", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_NE(run.error.find("found by an earlier run"), std::string::npos) << run.error;
+  const json told = read_json("out/prediction.json");
+  EXPECT_TRUE(told["converged"].get<bool>());
+  EXPECT_GT(told["mesh"]["boundary"]["painted"]["painted_slides"], 5);
+  for (const json& step : told["steps"]) {
+    EXPECT_GT(step["still_bone_contact"]["contact_area_mm2"], 1.0);
+    EXPECT_LT(step["still_bone_contact"]["max_depth_from_rest_mm"], 1.0);
+  }
+}
+
 /// Where tissue is attached, paint that lets go of it changes no other set than its own.
 TEST_F(PredictCommand, WhatWasFoundWithOtherPaintIsNotGoneOnWith) {
   json plan = small_plan();
@@ -329,6 +351,145 @@ TEST_F(PredictCommand, ACachedStageIsTimedAsSuch) {
   ASSERT_EQ(again.exit_code, 0) << again.error;
   const json stages = read_json("out/prediction.json")["timing"]["stage_seconds"];
   EXPECT_TRUE(stages.contains("read segment.field from the cache")) << stages.dump();
+}
+
+/// Mean of a surface's vertices.
+Vec3 middle_of(const fs::path& surface) {
+  const auto mesh = io::read_surface(surface);
+  EXPECT_TRUE(mesh) << surface;
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& v : mesh->vertices) sum += v;
+  return sum / double(mesh->vertices.size());
+}
+
+TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsTold) {
+  ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);  // Of one: its files must go.
+  json plan = test::two_piece_plan({1, -4, 0}, {-1, -1, 0});
+  plan["segments"][1]["path"]["steps"] = 1;
+  write_plan(plan);
+  const auto run = predict("out");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const json result = read_json("out/prediction.json");
+  EXPECT_TRUE(result["converged"]);
+  EXPECT_EQ(result["parameters"]["segment"], json({"left", "right"}));
+  EXPECT_EQ(result["parameters"]["steps"], 2);
+  EXPECT_GT(result["bones"]["segment_volume_ml"]["left"], 1.0);
+  EXPECT_NEAR(result["bones"]["segment_volume_ml"]["left"].get<double>(),
+              result["bones"]["segment_volume_ml"]["right"].get<double>(), 0.5);
+  EXPECT_GT(result["field"]["right"]["cell_mm"], 0.0);
+  ASSERT_EQ(result["steps"].size(), 2U);
+  const json& last = result["steps"][1];
+  EXPECT_EQ(last["pose_4x4_row_major_mm_lps"]["left"][1][3], -4.0);
+  EXPECT_EQ(last["pose_4x4_row_major_mm_lps"]["right"][0][3], -1.0);
+  EXPECT_EQ(result["steps"][0]["pose_4x4_row_major_mm_lps"]["right"][0][3], -0.5);
+  const json &left = last["contact_by_segment"]["left"],
+             &right = last["contact_by_segment"]["right"];
+  EXPECT_GT(left["contact_normal_force_n"], right["contact_normal_force_n"]);
+  EXPECT_GT(right["contact_nodes"], 0);
+  EXPECT_EQ(last["contact_nodes"],
+            left["contact_nodes"].get<int>() + right["contact_nodes"].get<int>());
+  EXPECT_EQ(last["max_depth_from_rest_mm"], left["max_depth_from_rest_mm"]);
+  EXPECT_EQ(result["bone_overlap"].size(), 2U * 3U);  // Each with the other and with what stays.
+
+  for (const char* gone : {"out/bone_segment_moved.vtp", "out/bone_overlap.vtp"})
+    EXPECT_FALSE(there_is(gone)) << gone;
+  EXPECT_TRUE(there_is("out/pictures/bones_front.png"));
+  const Vec3 left_L = middle_of(folder_ / "out/bone_segment_moved_left.vtp");
+  const Vec3 right_L = middle_of(folder_ / "out/bone_segment_moved_right.vtp");
+  EXPECT_GT(left_L.x(), 3.0);
+  EXPECT_LT(right_L.x(), -3.0);
+  EXPECT_NEAR(left_L.y() - right_L.y(), -3.0, 0.5);
+  const std::string report = io::read_text(folder_ / "out/report.html", 1 << 26).value();
+  EXPECT_NE(report.find("4.0 mm forward"), std::string::npos);
+  EXPECT_NE(report.find("1.0 mm forward"), std::string::npos);
+  EXPECT_NE(report.find("Segments at the end of the path"), std::string::npos);
+
+  const auto before = io::read_surface(folder_ / "out/skin_before.vtp").value();
+  const auto after = io::read_surface(folder_ / "out/predicted_skin.vtp").value();
+  double left_mm = 0.0, right_mm = 0.0;  // The largest way forward of each half of the skin.
+  for (std::size_t v = 0; v < before.vertices.size(); ++v) {
+    double& most_mm = before.vertices[v].x() > 0.0 ? left_mm : right_mm;
+    most_mm = std::max(most_mm, before.vertices[v].y() - after.vertices[v].y());
+  }
+  EXPECT_GT(left_mm, right_mm + 0.5);
+
+  write_plan(small_plan());
+  ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);
+  EXPECT_FALSE(there_is("out/bone_segment_moved_left.vtp"));
+  EXPECT_TRUE(there_is("out/bone_segment_moved.vtp"));
+}
+
+TEST_F(PredictCommand, ABoneInTwoPiecesThatMoveAlikeIsAsGoodAsWhole) {
+  ASSERT_EQ(predict("one", "--no-pictures").exit_code, 0);
+  write_plan(test::two_piece_plan({0, -3, 0}, {0, -3, 0}));
+  const auto run = predict("two", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const auto one = io::read_surface(folder_ / "one/predicted_skin.vtp").value();
+  const auto two = io::read_surface(folder_ / "two/predicted_skin.vtp").value();
+  ASSERT_EQ(one.vertices.size(), two.vertices.size());
+  double largest_mm = 0.0;
+  for (std::size_t v = 0; v < one.vertices.size(); ++v)
+    largest_mm = std::max(largest_mm, (one.vertices[v] - two.vertices[v]).norm());
+  EXPECT_LT(largest_mm, 0.1);  // Of the 3 mm.
+}
+
+TEST_F(PredictCommand, SeveralSegmentsStoppedAndRunAgainGiveTheSameBytesOnAnyThreads) {
+  write_plan(test::two_piece_plan({1, -3, 0}, {-1, -2, 0}));
+  ASSERT_EQ(predict("whole", "--no-pictures", "--threads 2 ").exit_code, 0);
+  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "stopped", false};
+  StopAfterAStep stop;
+  ASSERT_EQ(predict_case(job, stop).error().code, ErrorCode::kCancelled);
+  const auto rest = predict("stopped", "--no-pictures", "--threads 1 ");
+  ASSERT_EQ(rest.exit_code, 0) << rest.error;
+  EXPECT_NE(rest.error.find("1 of 2 steps were found by an earlier run"), std::string::npos)
+      << rest.error;
+  json whole = read_json("whole/prediction.json"), resumed = read_json("stopped/prediction.json");
+  whole.erase("timing");
+  resumed.erase("timing");
+  EXPECT_EQ(whole.dump(), resumed.dump());
+  for (const char* file : {"predicted_skin.stl", "bone_segment_moved_left.vtp",
+                           "bone_segment_moved_right.vtp", "paraview/step_0002.vtu"})
+    EXPECT_EQ(io::read_text(folder_ / "whole" / file, 1 << 28).value(),
+              io::read_text(folder_ / "stopped" / file, 1 << 28).value())
+        << file;
+  // Another way of one of them is another prediction.
+  write_plan(test::two_piece_plan({1, -3, 0}, {-1, -2.5, 0}));
+  const auto other = predict("stopped", "--no-pictures");
+  ASSERT_EQ(other.exit_code, 0) << other.error;
+  EXPECT_EQ(other.error.find("found by an earlier run"), std::string::npos) << other.error;
+}
+
+TEST_F(PredictCommand, SegmentsThatAreDrivenIntoEachOtherAreTold) {
+  write_plan(test::two_piece_plan({-2, -2, 0}, {0, -2, 0}));
+  const auto run = predict("out", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_NE(run.error.find("at 100.0 % segment left and segment right share"), std::string::npos)
+      << run.error;
+  double deepest_mm = 0.0;
+  for (const json& pair : read_json("out/prediction.json")["bone_overlap"]) {
+    if (pair["first"] != "left" || pair["second"] != "right") continue;
+    deepest_mm = std::max(deepest_mm, pair["deepest_mm"].get<double>());
+  }
+  EXPECT_NEAR(deepest_mm, 2.0, 0.5);
+  for (const char* file : {"out/bone_overlap_left.vtp", "out/bone_overlap_right.vtp"})
+    EXPECT_TRUE(there_is(file)) << file;
+}
+
+TEST_F(PredictCommand, SeveralSegmentsThatCannotBeCutOrFollowedGetOneLineThatNamesThem) {
+  const auto refused = [&](const json& plan, const std::string& says) {
+    write_plan(plan);
+    const auto run = predict("out", "--no-pictures");
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_EQ(run.message_lines(), 1) << run.error;
+    EXPECT_NE(run.error.find(says), std::string::npos) << run.error;
+    EXPECT_FALSE(there_is("out/prediction.json"));
+  };
+  json twice = small_plan();
+  twice["segments"].push_back(twice["segments"][0]);
+  refused(twice, "two segments are called 'front'");
+  twice["segments"][1]["name"] = "other";
+  refused(twice, "osteotomy of 'other'");
+  refused(test::two_piece_plan({0, -3, 0}, {0, -9, 0}), "segment right moves 4.50 mm in one step");
 }
 
 }  // namespace

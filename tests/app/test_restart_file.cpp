@@ -14,11 +14,12 @@ predict::Restart some_restart() {
   predict::Restart restart;
   predict::PredictionStep step;
   step.share = 0.25;
-  step.X_LB = RigidTransform::Identity();
-  step.X_LB.translation() = Vec3(1.0, -2.0, 3.5);
+  step.segments.resize(2);
+  for (predict::SegmentStep& segment : step.segments) segment.X_LB = RigidTransform::Identity();
+  step.segments[1].X_LB.translation() = Vec3(1.0, -2.0, 3.5);
   step.displacement_mm = {Vec3(0.1, 0.2, 0.3), Vec3(-1e-300, 0.0, 1.0 / 3.0)};
-  step.contact.points = 17;
-  step.contact.p99_depth_from_rest_mm = 0.04;
+  step.segments[1].contact.points = 17;
+  step.segments[1].contact.p99_depth_from_rest_mm = 0.04;
   step.smallest_J = 0.9;
   fem::LoadAttempt attempt;
   attempt.t_to = 0.25;
@@ -47,6 +48,8 @@ TEST(RestartFile, IsReadAsItWasWritten) {
   const auto read = read_restart(path);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->steps[1].displacement_mm, some_restart().steps[1].displacement_mm);
+  EXPECT_EQ(read->steps[1].segments[1].X_LB.translation(), Vec3(1.0, -2.0, 3.5));
+  EXPECT_EQ(read->steps[1].segments[1].contact.points, 17);
   EXPECT_EQ(read->steps[0].attempts[0].reason, "no step lowers the energy");
   EXPECT_EQ(read->stepper.before_last->u, VectorX::Ones(6));
   EXPECT_EQ(read->contacts[0].multipliers_mpa[1], 1e-3);

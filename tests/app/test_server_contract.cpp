@@ -342,5 +342,56 @@ TEST(ServerContract, EventsFitTheContract) {
   EXPECT_GT(events, 4U);
 }
 
+TEST(ServerContract, ACaseOfTwoSegmentsIsPreviewedAndPredicted) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
+  const Reply stored = api.put("/plan", test::two_piece_plan({1, -3, 0}, {-1, -2, 0}));
+  EXPECT_EQ(json::parse(stored.text)["can_predict"], true);
+  for (const char* kind : {"cut", "preview-factor", "predict"}) {
+    const json job = api.run({{"kind", kind}});
+    ASSERT_EQ(job["state"], "done") << job.dump(1);
+  }
+  const json prediction = api.get("/prediction");
+  ASSERT_TRUE(parse_by_contract(prediction.dump(), "Prediction"));
+  const json& poses = prediction["steps"][1]["poses"];
+  EXPECT_EQ(poses["left"][7], -3.0);
+  EXPECT_EQ(poses["right"][7], -2.0);
+  EXPECT_EQ(prediction["steps"][1]["pose"], poses["left"]);
+
+  const auto preview = [&](const json& some) {
+    return api.ask("POST", "/preview", json{{"poses", some}}.dump());
+  };
+  const Reply one = preview({{"left", poses["left"]}});
+  EXPECT_EQ(one.status, 422);
+  EXPECT_NE(one.text.find("left and right"), std::string::npos) << one.text;
+  const Reply both = preview(poses);
+  EXPECT_EQ(both.status, 200) << both.text;
+  json swapped = poses;
+  std::swap(swapped["left"], swapped["right"]);
+  EXPECT_NE(body_of(preview(swapped)), body_of(both));
+  const json distance = api.get("/preview/distance");
+  EXPECT_GT(distance["moved_vertices"], 0);
+  EXPECT_LT(distance["p50_mm"], 1.0);
+
+  const json files = api.get("/files");
+  EXPECT_TRUE(parse_by_contract(files.dump(), "FileList")) << files.dump();
+  for (const std::string side : {"left", "right"}) {
+    const std::string name = "bone_segment_moved_" + side + ".vtp";
+    EXPECT_NE(files.dump().find(name), std::string::npos) << files.dump();
+    EXPECT_EQ(api.ask("GET", "/files/" + name).status, 200);
+    Request values = test::api_request("GET", "/values/contact-depth", "");
+    values.query["segment"] = side;
+    const std::string surface = body_of(api.ask("GET", "/surfaces/segments/" + side));
+    std::uint32_t vertices = 0;
+    std::memcpy(&vertices, surface.data() + 8, sizeof(vertices));
+    EXPECT_EQ(body_of(api.api.handle(values)).size(), 4U * vertices) << side;
+    values.query["segment"] = "../" + side;
+    EXPECT_EQ(api.api.handle(values).status, 404);
+  }
+  EXPECT_EQ(api.ask("GET", "/values/contact-depth").status, 404);
+  EXPECT_EQ(api.ask("GET", "/files/bone_segment_moved_..vtp").status, 404);
+}
+
 }  // namespace
 }  // namespace lefort::app::server

@@ -278,9 +278,9 @@ TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {
   };
   const std::string fixed = "Segment0_ID:=a\nSegment0_Name:=fixed\n";
   EXPECT_EQ(refusal(fixed), "read");
-  EXPECT_EQ(
-      refusal(fixed + "Segment1_ID:=b\nSegment1_Name:=Sliding\n"),
-      "boundary.labels: segment 1 is called \"Sliding\", expected fixed, free or with segment");
+  EXPECT_EQ(refusal(fixed + "Segment1_ID:=b\nSegment1_Name:=Sliding\n"),
+            "boundary.labels: segment 1 is called \"Sliding\", expected fixed, free, slides or "
+            "with segment");
   EXPECT_NE(refusal("Segment0_ID:=a\\nb" + std::string(5000, 'c') + "\n").find("bccc"),
             std::string::npos);
   EXPECT_NE(refusal("Segment0_ID:=Segment_1\n").find("\"Segment_1\""), std::string::npos);

@@ -51,12 +51,11 @@ FaceModel phantom_face(const BoundaryOptions& options, const Painting& label_at 
   model.tissue =
       find_tissue_boundary(bare, domain, phantom.labels, phantom.skin_L, phantom.segment_L,
                            phantom.remainder_L, options, label_at ? &painted : nullptr);
-  model.segment_B = phantom.segment_L;
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(phantom.segment_L,
                                   {.resolution = 64, .band_mm = 4.0, .smooth = true})
           .value());
-  model.segment_field_B = field;
+  model.segments = {{phantom.segment_L, field}};
   return model;
 }
 
@@ -71,7 +70,7 @@ Moved moved_nodes(const FaceModel& model, const BoundaryOptions& boundary, doubl
   PredictionOptions options;
   options.tissue = kOptions;
   options.boundary = boundary;
-  const auto prediction = predict_face(model, test::straight(kUp_mm, 1), options);
+  const auto prediction = predict_face(model, {test::straight(kUp_mm, 1)}, options);
   EXPECT_TRUE(prediction && prediction->converged());
   Moved moved;
   if (!prediction || !prediction->converged()) return moved;

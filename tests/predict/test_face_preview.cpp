@@ -36,9 +36,10 @@ RigidTransform shift(const Vec3& by_mm) {
 double distance_mm(const FaceModel& model, MovedBone moved_bone, const Vec3& by_mm) {
   PredictionOptions options;
   options.boundary.moved_bone = moved_bone;
-  const auto prediction = predict_face(model, test::straight(by_mm, 2), options).value();
+  const auto prediction = predict_face(model, {test::straight(by_mm, 2)}, options).value();
   EXPECT_TRUE(prediction.converged());
-  const auto preview_mm = preview_of(model, moved_bone).displacement_mm(shift(by_mm)).value();
+  const auto preview_mm =
+      preview_of(model, moved_bone).displacement_mm(std::array{shift(by_mm)}).value();
   double largest_mm = 0.0;
   for (const mesh::Face& face : mesh::boundary_faces(model.tissue))
     for (const std::int32_t node : nodes_of(face))
@@ -49,8 +50,9 @@ double distance_mm(const FaceModel& model, MovedBone moved_bone, const Vec3& by_
 }
 
 TEST(FacePreview, NoMotionMovesNothing) {
-  const auto u_mm =
-      preview_of(test::block_on_slab()).displacement_mm(RigidTransform::Identity()).value();
+  const auto u_mm = preview_of(test::block_on_slab())
+                        .displacement_mm(std::array{RigidTransform::Identity()})
+                        .value();
   for (const Vec3& u : u_mm) EXPECT_EQ(u, Vec3::Zero());
 }
 
@@ -59,7 +61,7 @@ TEST(FacePreview, KnowsSkin) {
   TissueOptions options;
   const auto answer = [&](const FaceModel& model) {
     return FacePreview(make_preview_model(model, skin_of(model), options, {}, Vec3::Ones()).value())
-        .displacement_mm(shift({0.0, 0.0, 1.0}))
+        .displacement_mm(std::array{shift({0.0, 0.0, 1.0})})
         .value();
   };
   const auto whole = answer(test::block_on_slab());
@@ -93,15 +95,15 @@ TEST(FacePreview, TissueSlidesAndComesOff) {
   const FacePreview preview = preview_of(model);
   const std::array<Vec3, 2> away_mm{Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, -2.0)};
   for (const Vec3& by_mm : away_mm) {
-    const auto u_mm = preview.displacement_mm(shift(by_mm)).value();
+    const auto u_mm = preview.displacement_mm(std::array{shift(by_mm)}).value();
     for (const Vec3& u : u_mm) EXPECT_LT(u.norm(), 1e-9) << by_mm.transpose();
   }
 }
 
 TEST(FacePreview, TwiceTheMotionIsTwiceTheAnswer) {
   const FacePreview preview = preview_of(test::block_on_ball());
-  const auto once_mm = preview.displacement_mm(shift({0.3, 0.1, 1.0})).value();
-  const auto twice_mm = preview.displacement_mm(shift({0.6, 0.2, 2.0})).value();
+  const auto once_mm = preview.displacement_mm(std::array{shift({0.3, 0.1, 1.0})}).value();
+  const auto twice_mm = preview.displacement_mm(std::array{shift({0.6, 0.2, 2.0})}).value();
   for (std::size_t v = 0; v < once_mm.size(); ++v)
     EXPECT_LT((twice_mm[v] - 2.0 * once_mm[v]).norm(), 1e-3);
 }
@@ -111,9 +113,9 @@ TEST(FacePreview, DoesNotDependOnWhatWasAskedBefore) {
   const FaceModel model = test::block_on_ball();
   const FacePreview fresh = preview_of(model), used = preview_of(model);
   for (const double up_mm : {2.0, -1.0, 0.5})
-    ASSERT_TRUE(used.displacement_mm(shift({0.2, 0.0, up_mm})));
-  const auto a_mm = fresh.displacement_mm(shift({0.0, 0.3, 1.0})).value();
-  const auto b_mm = used.displacement_mm(shift({0.0, 0.3, 1.0})).value();
+    ASSERT_TRUE(used.displacement_mm(std::array{shift({0.2, 0.0, up_mm})}));
+  const auto a_mm = fresh.displacement_mm(std::array{shift({0.0, 0.3, 1.0})}).value();
+  const auto b_mm = used.displacement_mm(std::array{shift({0.0, 0.3, 1.0})}).value();
   for (std::size_t v = 0; v < a_mm.size(); ++v) EXPECT_LT((a_mm[v] - b_mm[v]).norm(), 1e-4);
 }
 

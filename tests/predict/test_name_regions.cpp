@@ -142,7 +142,7 @@ TEST(NameMuscle, AStiffMuscleStrainsLessInAPrediction) {
     PredictionOptions options;
     options.boundary.moved_bone = MovedBone::kAttached;
     options.tissue.muscle = MuscleOptions{young_mpa, options.tissue.poisson};
-    const auto found = predict_face(model, test::straight({0.0, 0.0, -0.2}, 1), options).value();
+    const auto found = predict_face(model, {test::straight({0.0, 0.0, -0.2}, 1)}, options).value();
     EXPECT_TRUE(found.converged());
     double zu = 0.0, zz = 0.0;
     for (std::size_t n = 0; n < model.tissue.nodes_L.size(); ++n) {

@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <array>
+
 namespace lefort::test {
 
 inline image::CtVolume small_head() {
@@ -37,6 +39,21 @@ inline nlohmann::json small_plan() {
     "tissue": {"element_size_mm": 5, "margin_mm": 10},
     "field": {"resolution": 64, "band_mm": 4}
   })");
+}
+
+/// The same front in two pieces, cut apart in the middle.
+inline nlohmann::json two_piece_plan(const std::array<double, 3>& left_mm,
+                                     const std::array<double, 3>& right_mm) {
+  nlohmann::json plan = small_plan();
+  nlohmann::json& segments = plan["segments"];
+  segments.push_back(segments[0]);
+  segments[0]["name"] = "left";
+  segments[0]["osteotomy"]["planes"].push_back(
+      {{"point_mm", {0, 0, 0}}, {"towards_segment", {1, 0, 0}}});
+  segments[0]["path"]["keyframes"][0]["translation_mm"] = left_mm;
+  segments[1]["name"] = "right";
+  segments[1]["path"]["keyframes"][0]["translation_mm"] = right_mm;
+  return plan;
 }
 
 }  // namespace lefort::test

@@ -21,6 +21,12 @@ namespace lefort::test {
 inline constexpr double kSide_mm = 12.0;
 inline constexpr double kHeight_mm = 9.0;
 
+inline predict::MovedSegment moved(geometry::TriangleMesh surface_B) {
+  auto field =
+      field::build_distance_field(surface_B, {.resolution = 64, .band_mm = 3.0, .smooth = true});
+  return {std::move(surface_B), std::make_shared<const field::DistanceField>(*std::move(field))};
+}
+
 /// A block of tissue held at its top, lying on a slab of bone:
 ///
 ///      ////////   z = 9, fixed
@@ -40,11 +46,7 @@ inline predict::FaceModel block_on(geometry::TriangleMesh segment_B) {
     });
     if (is_low) model.tissue.face_sets[predict::sets::kContact].push_back(face);
   }
-  model.segment_B = std::move(segment_B);
-  model.segment_field_B = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(model.segment_B,
-                                  {.resolution = 64, .band_mm = 3.0, .smooth = true})
-          .value());
+  model.segments = {moved(std::move(segment_B))};
   return model;
 }
 

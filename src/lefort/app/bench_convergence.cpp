@@ -39,13 +39,13 @@ Result<std::vector<bench::ConvergenceCase>> cases_of(const fs::path& plan_file,
   bench::ConvergenceCase task{.name = name,
                               .mesh_name = name,
                               .model = std::move(prepared.model),
-                              .path = plan.segments.front().path,
+                              .paths = prepared.paths(),
                               .options = {plan.tissue, plan.boundary, plan.contact, plan.solver}};
   if (job.steps.empty()) return std::vector{std::move(task)};
   std::vector<bench::ConvergenceCase> cases;
   for (const int steps : job.steps) {
     task.name = fmt::format("{}-{}-steps", name, steps);
-    task.path.steps = steps;
+    for (plan::BonePath& path : task.paths) path.steps = steps;
     cases.push_back(task);
   }
   return cases;

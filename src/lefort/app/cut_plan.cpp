@@ -27,8 +27,7 @@ struct Bone {
   double volume_mm3;
 };
 
-/// In the order of the plan, the remainder last. A plan of one segment shares its fields with its
-/// prediction.
+/// In the order of the plan, the remainder last. They share their fields with the prediction.
 std::vector<Bone> bones_of(const plan::CutSegments& cut,
                            const std::vector<plan::PlannedSegment>& planned) {
   std::vector<Bone> bones;

@@ -1,7 +1,9 @@
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/anatomy/tissue_levels.h>
 #include <lefort/app/movement_after.h>
+#include <lefort/app/predicted_poses.h>
 #include <lefort/app/scan_head.h>
+#include <lefort/app/write_prediction.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/surface_files.h>
@@ -10,7 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <span>
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -37,30 +39,20 @@ bool is_file(const fs::path& file) {
   return fs::is_regular_file(file, error);
 }
 
-/// Where the prediction left the segment. Not what its plan says now: files that it names may have
+/// Where the prediction left the segments. Not what its plan says now: files that it names may have
 /// changed since.
-Result<RigidTransform> final_pose(const fs::path& file) {
+Result<std::vector<SegmentPose>> final_poses(const fs::path& file) {
   constexpr std::uintmax_t kLargest = 256 << 20;  // Bytes.
   LEFORT_TRY(const std::string text, io::read_text(file, kLargest));
-  const auto damaged = [&] {
+  const auto document = nlohmann::json::parse(text, nullptr, false);
+  const auto steps = document.find("steps");
+  auto poses = steps != document.end() && steps->is_array() && !steps->empty()
+                   ? predicted_poses(document, steps->back())
+                   : fail(ErrorCode::kFileCorrupt, "the prediction has no steps");
+  if (!poses)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{} does not tell where the segment ends", file.string()));
-  };
-  try {
-    const auto json = nlohmann::json::parse(text);
-    const auto& rows =
-        json.at("steps").at(json.at("steps").size() - 1).at("pose_4x4_row_major_mm_lps");
-    RigidTransform X_LB;
-    for (std::size_t row = 0; row < 4; ++row)
-      for (std::size_t column = 0; column < 4; ++column)
-        X_LB.matrix()(Index(row), Index(column)) = rows.at(row).at(column).get<double>();
-    const Mat3 turn = X_LB.linear();
-    if (!X_LB.matrix().allFinite() || (turn.transpose() * turn - Mat3::Identity()).norm() > 1e-6)
-      return damaged();
-    return X_LB;
-  } catch (const nlohmann::json::exception&) {
-    return damaged();
-  }
+                fmt::format("{} does not tell where the segments end", file.string()));
+  return poses;
 }
 
 Result<PlannedBones> read_planned(const fs::path& prediction) {
@@ -70,16 +62,19 @@ Result<PlannedBones> read_planned(const fs::path& prediction) {
                             prediction.string()));
   PlannedBones planned;
   LEFORT_TRY(planned.plan, io::read_plan(prediction / "plan.json"));
-  if (planned.plan.segments.size() != 1)
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the prediction in {} moves {} segments, movements are found for one",
-                            prediction.string(), planned.plan.segments.size()));
   LEFORT_TRY(planned.remainder_L, io::read_surface(prediction / "bone_remainder.vtp"));
-  LEFORT_TRY(geometry::TriangleMesh moved_L,
-             io::read_surface(prediction / "bone_segment_moved.vtp"));
-  LEFORT_TRY(const RigidTransform X_LB, final_pose(prediction / "prediction.json"));
-  planned.segments_B.push_back(geometry::transformed(std::move(moved_L), X_LB.inverse()));
-  planned.planned_LB.push_back(X_LB);
+  LEFORT_TRY(const std::vector<SegmentPose> poses, final_poses(prediction / "prediction.json"));
+  if (poses.size() != planned.plan.segments.size())
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("plan.json and prediction.json in {} are of different plans",
+                            prediction.string()));
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    LEFORT_TRY(geometry::TriangleMesh moved_L,
+               io::read_surface(prediction / segment_file(kMovedSegment, planned.plan, k)));
+    planned.segments_B.push_back(
+        geometry::transformed(std::move(moved_L), poses[k].X_LB.inverse()));
+    planned.planned_LB.push_back(poses[k].X_LB);
+  }
   return planned;
 }
 
@@ -113,9 +108,14 @@ Result<SurgeryFound> find_surgery(const fs::path& prediction, const fs::path& af
   const geometry::Bvh after_L(found.bone_L);
   for (std::size_t k = 0; k < planned.segments_B.size(); ++k) {
     const geometry::TriangleMesh& segment_B = planned.segments_B[k];
+    double kerf_mm = 0.0;  // A cut face may be another segment's saw's.
+    for (const plan::PlannedSegment& one : planned.plan.segments)
+      kerf_mm = std::max(kerf_mm, one.osteotomy.kerf_mm);
+    std::vector<geometry::TriangleMesh> others_L{planned.remainder_L};
+    for (std::size_t other = 0; other < planned.segments_B.size(); ++other)
+      if (other != k) others_L.push_back(planned.segments_B[other]);
     const geometry::TriangleMesh grown_B =
-        compare::untouched_part(segment_B, std::span(&planned.remainder_L, 1),
-                                kCutFaces_mm + planned.plan.segments[k].osteotomy.kerf_mm);
+        compare::untouched_part(segment_B, others_L, kCutFaces_mm + kerf_mm);
     LEFORT_TRY(compare::Registration achieved,
                compare::recover_movement(grown_B, after_L, planned.planned_LB[k], progress));
     found.movements.push_back(

@@ -1,4 +1,5 @@
 #include <lefort/app/plan_pictures.h>
+#include <lefort/app/segment_colours.h>
 #include <lefort/geometry/mesh_measures.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/plan/bone_path.h>
@@ -16,13 +17,6 @@ namespace {
 using report::StandardView;
 
 constexpr report::PictureSize kSize{.width = 900, .height = 900, .supersampling = 2};
-/// Okabe and Ito's colours, told apart by those who are colour-blind.
-constexpr std::array<report::Rgb, 6> kSegmentColours{{{0.34, 0.71, 0.91},
-                                                      {0.90, 0.62, 0.00},
-                                                      {0.00, 0.62, 0.45},
-                                                      {0.80, 0.47, 0.65},
-                                                      {0.94, 0.89, 0.26},
-                                                      {0.84, 0.37, 0.00}}};
 constexpr std::array<StandardView, 4> kViews{StandardView::kFront, StandardView::kRightThreeQuarter,
                                              StandardView::kRightProfile,
                                              StandardView::kLeftProfile};

@@ -54,12 +54,13 @@ class StepClock {
     const auto now = std::chrono::steady_clock::now();
     seconds_.push_back(std::chrono::duration<double>(now - last_).count());
     last_ = now;
+    const contact::ContactSummary contact = step.contact();
     progress_.note(fmt::format(
         "  {:5.1f} % of the path: {} Newton iterations in {} increments, relative residual {:.1e}, "
         "{} nodes in contact, depth P99 {:.3f} mm, at most {:.3f} mm, {:.1f} s",
         100.0 * step.share, step.newton_iterations(), step.attempts.size(), step.relative_residual,
-        step.contact.nodes, step.contact.p99_depth_from_rest_mm,
-        step.contact.max_depth_from_rest_mm, seconds_.back()));
+        contact.nodes, contact.p99_depth_from_rest_mm, contact.max_depth_from_rest_mm,
+        seconds_.back()));
   }
   [[nodiscard]] const std::vector<double>& seconds() const { return seconds_; }
 
@@ -89,8 +90,7 @@ class StepKeeper {
 };
 
 /// What an earlier run of the same has found, if it was stopped, or is run again.
-std::optional<predict::Restart> find_earlier(const fs::path& kept, const io::PlanFile& plan,
-                                             Progress& progress) {
+std::optional<predict::Restart> find_earlier(const fs::path& kept, int steps, Progress& progress) {
   std::error_code error;
   if (!fs::exists(kept, error)) return std::nullopt;
   progress.begin_stage("read steps from the cache");
@@ -99,8 +99,8 @@ std::optional<predict::Restart> find_earlier(const fs::path& kept, const io::Pla
     progress.note(fmt::format("{}; the path is followed anew", found.error().message));
     return std::nullopt;
   }
-  progress.note(fmt::format("{} of {} steps were found by an earlier run", found->steps.size(),
-                            plan.segments.front().path.steps));
+  progress.note(
+      fmt::format("{} of {} steps were found by an earlier run", found->steps.size(), steps));
   return *std::move(found);
 }
 
@@ -128,8 +128,8 @@ Result<Summary> give_up(const PredictJob& job, const PreparedCase& prepared,
   return fail(prediction.failure->code,
               fmt::format("{} of {} steps converged, then {}; no face is written, the solver's "
                           "history is in {}",
-                          prediction.steps.size(), prepared.plan.segments.front().path.steps,
-                          prediction.failure->message, (job.output / "failure.json").string()));
+                          prediction.steps.size(), prepared.steps(), prediction.failure->message,
+                          (job.output / "failure.json").string()));
 }
 
 }  // namespace
@@ -138,7 +138,6 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   TimedProgress progress(shown);
   LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
   io::PlanFile plan = text.plan;
-  LEFORT_TRY_VOID(check_single(plan));
   LEFORT_TRY(const fs::path ct, scan_of(job.plan, plan, job.ct));
   const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
@@ -155,11 +154,11 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   LEFORT_TRY_VOID(write_overlaps(job.output, prepared));
 
   const fs::path kept = cache.file("steps.restart", restart_key(prepared));
-  std::optional<predict::Restart> earlier = find_earlier(kept, prepared.plan, progress);
+  const int steps = prepared.steps();
+  std::optional<predict::Restart> earlier = find_earlier(kept, steps, progress);
   progress.begin_stage("solve");
   tell_contact(prepared.plan, progress);
   StepClock clock(progress);
-  const int steps = prepared.plan.segments.front().path.steps;
   predict::PredictionWatch watch{.on_iterate = {},
                                  .on_step =
                                      [&](const predict::PredictionStep& step) {
@@ -170,7 +169,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   if (job.on_iterate)
     watch.on_iterate = [&](const predict::PredictionIterate& at) { job.on_iterate(at, steps); };
   LEFORT_TRY(const predict::FacePrediction prediction,
-             predict::predict_face(prepared.model, prepared.plan.segments.front().path,
+             predict::predict_face(prepared.model, prepared.paths(),
                                    {prepared.plan.tissue, prepared.plan.boundary,
                                     prepared.plan.contact, prepared.plan.solver},
                                    watch, progress, std::move(earlier)));
@@ -178,9 +177,11 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
     return give_up(job, prepared, prediction, plan_copy, {progress.stages(), clock.seconds()});
 
   if (const auto& tolerance_mm = prepared.plan.contact.penetration_tolerance_mm)
-    if (const auto deep = std::count_if(
-            prediction.steps.begin(), prediction.steps.end(),
-            [&](const auto& step) { return step.contact.p99_depth_from_rest_mm > *tolerance_mm; });
+    if (const auto deep = std::count_if(prediction.steps.begin(), prediction.steps.end(),
+                                        [&](const auto& step) {
+                                          return step.contact().p99_depth_from_rest_mm >
+                                                 *tolerance_mm;
+                                        });
         deep > 0)
       progress.note(
           fmt::format("warning: after {} of {} steps tissue in contact lies deeper (P99) than "
@@ -196,7 +197,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   std::vector<PredictionPicture> pictures;
   if (job.pictures) {
     progress.begin_stage("draw");
-    LEFORT_TRY(pictures, draw_prediction(prepared, skin_mm, last.X_LB, progress));
+    LEFORT_TRY(pictures, draw_prediction(prepared, skin_mm, last.segments, progress));
   }
   progress.begin_stage("write");
   LEFORT_TRY_VOID(write_surfaces_and_fields(job.output, prepared, prediction, skin_mm));

@@ -45,36 +45,64 @@ Json as_json(const std::vector<fem::LoadAttempt>& attempts) {
   return list;
 }
 
-Json as_json(const predict::PredictionStep& step) {
-  double largest_mm = 0.0;
-  for (const Vec3& u : step.displacement_mm) largest_mm = std::max(largest_mm, u.norm());
-  return {{"share", step.share},
-          {"pose_4x4_row_major_mm_lps", as_json(step.X_LB)},
-          {"contact_points", step.contact.points},
-          {"contact_nodes", step.contact.nodes},
-          {"contact_area_mm2", step.contact.area_mm2},
-          {"max_penetration_mm", step.contact.max_penetration_mm},
-          {"mean_penetration_mm", step.contact.mean_penetration_mm},
-          {"max_depth_from_rest_mm", step.contact.max_depth_from_rest_mm},
-          {"mean_depth_from_rest_mm", step.contact.mean_depth_from_rest_mm},
-          {"p99_depth_from_rest_mm", step.contact.p99_depth_from_rest_mm},
-          {"tunnelled_area_mm2", step.contact.tunnelled_area_mm2},
-          {"contact_force_n", as_json(step.contact.force_L_n)},
-          {"contact_normal_force_n", step.contact.normal_force_n},
-          {"largest_displacement_mm", largest_mm},
-          {"smallest_volume_ratio", step.smallest_J},
-          {"residual_n", step.residual_n},
-          {"relative_residual", step.relative_residual},
-          {"attempts", as_json(step.attempts)}};
+/// What each segment has of its own: of a plan of one it stands alone, of one of several as an
+/// object by the segments' names.
+template <class Function>
+Json of_segments(const io::PlanFile& plan, const Function& of_segment) {
+  if (plan.segments.size() == 1) return of_segment(std::size_t(0));
+  Json json = Json::object();
+  for (std::size_t k = 0; k < plan.segments.size(); ++k)
+    json[plan.segments[k].osteotomy.segment] = of_segment(k);
+  return json;
 }
 
-Json as_json(const StepOverlap& step) {
-  return {{"share", step.share},
-          {"volume_ml", step.overlap.volume_mm3 * 1e-3},
-          {"deepest_mm", step.overlap.deepest_mm},
-          {"deepest_at_mm_lps",
-           step.overlap.overlaps() ? as_json(step.overlap.deepest_L) : Json(nullptr)},
-          {"deeper_than_told", step.overlap.is_beyond_reach}};
+void add_contact(const contact::ContactSummary& contact, Json& json) {
+  json["contact_points"] = contact.points;
+  json["contact_nodes"] = contact.nodes;
+  json["contact_area_mm2"] = contact.area_mm2;
+  json["max_penetration_mm"] = contact.max_penetration_mm;
+  json["mean_penetration_mm"] = contact.mean_penetration_mm;
+  json["max_depth_from_rest_mm"] = contact.max_depth_from_rest_mm;
+  json["mean_depth_from_rest_mm"] = contact.mean_depth_from_rest_mm;
+  json["p99_depth_from_rest_mm"] = contact.p99_depth_from_rest_mm;
+  json["tunnelled_area_mm2"] = contact.tunnelled_area_mm2;
+  json["contact_force_n"] = as_json(contact.force_L_n);
+  json["contact_normal_force_n"] = contact.normal_force_n;
+}
+
+Json as_json(const predict::PredictionStep& step, const io::PlanFile& plan) {
+  double largest_mm = 0.0;
+  for (const Vec3& u : step.displacement_mm) largest_mm = std::max(largest_mm, u.norm());
+  Json json{{"share", step.share}};
+  json["pose_4x4_row_major_mm_lps"] =
+      of_segments(plan, [&](std::size_t k) { return as_json(step.segments[k].X_LB); });
+  add_contact(step.contact(), json);
+  if (plan.segments.size() > 1)
+    json["contact_by_segment"] = of_segments(plan, [&](std::size_t k) {
+      Json one;
+      add_contact(step.segments[k].contact, one);
+      return one;
+    });
+  json["largest_displacement_mm"] = largest_mm;
+  json["smallest_volume_ratio"] = step.smallest_J;
+  json["residual_n"] = step.residual_n;
+  json["relative_residual"] = step.relative_residual;
+  json["attempts"] = as_json(step.attempts);
+  return json;
+}
+
+Json as_json(const predict::BonePair& pair, const io::PlanFile& plan) {
+  Json json{{"share", pair.share}};
+  if (plan.segments.size() > 1) {
+    json["first"] = pair.first;
+    json["second"] = pair.second;
+  }
+  json["volume_ml"] = pair.overlap.volume_mm3 * 1e-3;
+  json["deepest_mm"] = pair.overlap.deepest_mm;
+  json["deepest_at_mm_lps"] =
+      pair.overlap.overlaps() ? as_json(pair.overlap.deepest_L) : Json(nullptr);
+  json["deeper_than_told"] = pair.overlap.is_beyond_reach;
+  return json;
 }
 
 Json mucosa_parameters(const predict::TissueOptions& tissue) {
@@ -103,11 +131,22 @@ Json skin_parameters(const predict::TissueOptions& tissue) {
           {"poisson", tissue.skin->poisson}};
 }
 
-Json parameters(const io::PlanFile& plan, const predict::FacePrediction& prediction) {
+Json segment_names(const io::PlanFile& plan) {
+  if (plan.segments.size() == 1) return plan.segments.front().osteotomy.segment;
+  Json names = Json::array();
+  for (const plan::PlannedSegment& one : plan.segments) names.push_back(one.osteotomy.segment);
+  return names;
+}
+
+Json parameters(const PreparedCase& prepared, const predict::FacePrediction& prediction) {
+  const io::PlanFile& plan = prepared.plan;
   const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
+  const auto of_cut = [&](double plan::CutBonesOptions::*option) {
+    return of_segments(plan, [&](std::size_t k) -> Json { return plan.segments[k].cut.*option; });
+  };
   return {{"title", plan.title},
-          {"segment", plan.segments.front().osteotomy.segment},
-          {"steps", plan.segments.front().path.steps},
+          {"segment", segment_names(plan)},
+          {"steps", prepared.steps()},
           {"bone_hu", plan.segmentation.bone_hu},
           {"skin_hu", plan.segmentation.skin_hu},
           {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
@@ -124,8 +163,8 @@ Json parameters(const io::PlanFile& plan, const predict::FacePrediction& predict
           {"scan_edge", plan.boundary.scan_edge == predict::ScanEdge::kFree ? "free" : "fixed"},
           {"release_mm", plan.boundary.release_mm},
           {"capture_mm", plan.boundary.capture_mm},
-          {"smallest_piece_ml", plan.segments.front().cut.smallest_piece_ml},
-          {"smallest_piece_share", plan.segments.front().cut.smallest_piece_share},
+          {"smallest_piece_ml", of_cut(&plan::CutBonesOptions::smallest_piece_ml)},
+          {"smallest_piece_share", of_cut(&plan::CutBonesOptions::smallest_piece_share)},
           {"stiffness_factor", predict::stiffness_factor(plan.contact)},
           {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
           {"detection", contact::name_of(plan.contact.detection)},
@@ -223,6 +262,22 @@ Json field_summary(const field::DistanceField& field) {
           {"smooth_bytes", field.smooth_bytes()}};
 }
 
+Json bones_summary(const PreparedCase& prepared) {
+  const plan::CutSegments& cut = prepared.cut;
+  const auto of_each = [&](const auto& value) {
+    return of_segments(prepared.plan, [&](std::size_t k) -> Json { return value(k); });
+  };
+  return {{"skull_volume_ml", cut.skull_volume_mm3 * 1e-3},
+          {"segment_volume_ml", of_each([&](std::size_t k) { return cut.volumes_mm3[k] * 1e-3; })},
+          {"remainder_volume_ml", cut.remainder_volume_mm3 * 1e-3},
+          {"segment_pieces", of_each([&](std::size_t k) { return cut.cuts[k].segment_pieces; })},
+          {"pieces_left_behind", of_each([&](std::size_t k) { return cut.cuts[k].crumbs; })},
+          {"volume_left_behind_ml",
+           of_each([&](std::size_t k) { return cut.cuts[k].crumb_volume_mm3 * 1e-3; })},
+          {"segment_triangles",
+           of_each([&](std::size_t k) { return cut.segments_L[k].triangle_count(); })}};
+}
+
 Json timing_json(const Timing& timing) {
   Json stages = Json::object();
   double total = 0.0;
@@ -241,9 +296,14 @@ Json timing_json(const Timing& timing) {
 Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction& prediction,
                      const SkinShift& skin, const Timing& timing) {
   Json steps = Json::array();
-  for (const predict::PredictionStep& step : prediction.steps) steps.push_back(as_json(step));
+  for (const predict::PredictionStep& step : prediction.steps) {
+    steps.push_back(as_json(step, prepared.plan));
+    if (prepared.model.still_bone)
+      add_contact(step.still_contact, steps.back()["still_bone_contact"]);
+  }
   Json overlaps = Json::array();
-  for (const StepOverlap& step : prepared.overlaps) overlaps.push_back(as_json(step));
+  for (const predict::BonePair& pair : prepared.overlaps)
+    overlaps.push_back(as_json(pair, prepared.plan));
   Json plan_files = Json::array();
   for (const auto& [name, sha256] : prepared.provenance.plan_files)
     plan_files.push_back({{"file", name}, {"sha256", sha256}});
@@ -259,17 +319,13 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
               {"labels_sha256", prepared.provenance.labels_sha256},
               {"labels_source", prepared.provenance.labels_source},
               {"warnings", prepared.provenance.warnings}}},
-            {"parameters", parameters(prepared.plan, prediction)},
+            {"parameters", parameters(prepared, prediction)},
             {"tissue_volumes_ml", volumes(prepared)},
-            {"bones",
-             {{"skull_volume_ml", prepared.bones.skull_volume_mm3 * 1e-3},
-              {"segment_volume_ml", prepared.bones.segment_volume_mm3 * 1e-3},
-              {"remainder_volume_ml", prepared.bones.remainder_volume_mm3 * 1e-3},
-              {"segment_pieces", prepared.bones.segment_pieces},
-              {"pieces_left_behind", prepared.bones.crumbs},
-              {"volume_left_behind_ml", prepared.bones.crumb_volume_mm3 * 1e-3},
-              {"segment_triangles", prepared.bones.segment_L.triangle_count()}}},
-            {"field", field_summary(*prepared.model.segment_field_B)},
+            {"bones", bones_summary(prepared)},
+            {"field", of_segments(prepared.plan,
+                                  [&](std::size_t k) {
+                                    return field_summary(*prepared.model.segments[k].field_B);
+                                  })},
             {"mesh", mesh_summary(prepared)},
             {"bone_overlap", overlaps},
             {"rest_penetration_mm", prediction.rest_penetration_mm},

@@ -1,4 +1,5 @@
 #include <lefort/app/prediction_pictures.h>
+#include <lefort/app/segment_colours.h>
 #include <lefort/geometry/mesh_measures.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/predict/move_skin.h>
@@ -18,7 +19,7 @@ namespace {
 using report::StandardView;
 
 constexpr report::PictureSize kSize{.width = 1000, .height = 900, .supersampling = 2};
-constexpr report::Rgb kSegmentColour{0.36, 0.55, 0.80};
+constexpr report::Rgb kFirstSegment{0.36, 0.55, 0.80};  ///< Others as in pictures of plans.
 
 /// One kind of picture, from several sides.
 struct Series {
@@ -46,12 +47,19 @@ double scale_end_mm(std::span<const double> lengths_mm) {
 
 }  // namespace
 
-Result<std::vector<PredictionPicture>> draw_prediction(const PreparedCase& prepared,
-                                                       std::span<const Vec3> skin_displacement_mm,
-                                                       const RigidTransform& X_LB,
-                                                       Progress& progress) {
+Result<std::vector<PredictionPicture>> draw_prediction(
+    const PreparedCase& prepared, std::span<const Vec3> skin_displacement_mm,
+    std::span<const predict::SegmentStep> segments, Progress& progress) {
   const geometry::TriangleMesh after_L = predict::displaced(prepared.skin_L, skin_displacement_mm);
-  const geometry::TriangleMesh segment_L = geometry::transformed(prepared.bones.segment_L, X_LB);
+  std::vector<geometry::TriangleMesh> moved_L;
+  for (std::size_t k = 0; k < segments.size(); ++k)
+    moved_L.push_back(geometry::transformed(prepared.cut.segments_L[k], segments[k].X_LB));
+  std::vector<report::SurfaceLayer> bones{
+      {.mesh_L = &prepared.cut.remainder_L, .colour = report::kBoneColour}};
+  for (std::size_t k = 0; k < moved_L.size(); ++k)
+    bones.push_back(
+        {.mesh_L = &moved_L[k],
+         .colour = k == 0 ? kFirstSegment : kSegmentColours[k % kSegmentColours.size()]});
   std::vector<double> lengths_mm;
   for (const Vec3& u : skin_displacement_mm) lengths_mm.push_back(u.norm());
   const report::ColourScale scale{report::ColourMap::kSequential, 0.0, scale_end_mm(lengths_mm)};
@@ -70,8 +78,7 @@ Result<std::vector<PredictionPicture>> draw_prediction(const PreparedCase& prepa
       {PictureKind::kBones,
        "bones",
        "Bones at the end of the path",
-       {{.mesh_L = &prepared.bones.remainder_L, .colour = report::kBoneColour},
-        {.mesh_L = &segment_L, .colour = kSegmentColour}},
+       bones,
        {StandardView::kFront, StandardView::kRightThreeQuarter},
        {}},
   };

@@ -24,9 +24,9 @@ struct PredictionPicture {
 /// Draws before and after from the same cameras, the displacement in colours, and the cut skull.
 ///
 /// \param skin_displacement_mm  one per vertex of prepared.skin_L.
-/// \param X_LB                  where the segment ended.
+/// \param segments              where they ended.
 [[nodiscard]] Result<std::vector<PredictionPicture>> draw_prediction(
     const PreparedCase& prepared, std::span<const Vec3> skin_displacement_mm,
-    const RigidTransform& X_LB, Progress& progress);
+    std::span<const predict::SegmentStep> segments, Progress& progress);
 
 }  // namespace lefort::app

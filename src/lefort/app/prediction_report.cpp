@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace lefort::app {
@@ -34,17 +36,24 @@ std::string in_words(const Vec3& translation_mm) {
   return words.empty() ? "no translation" : words;
 }
 
-std::string plan_sentence(const io::PlanFile& plan) {
-  const plan::BonePath& path = plan.segments.front().path;
+/// "Segment “maxilla” moves 6.0 mm forward"
+std::string move_in_words(const plan::BonePath& path) {
   const plan::Keyframe& end = path.keyframes.back();
-  std::string sentence =
+  std::string words =
       fmt::format("Segment \u201c{}\u201d moves {}", path.segment, in_words(end.translation_mm));
   const double angle_deg = degrees_from_radians(end.rotation_rad.norm());
   if (angle_deg > 0.05)
-    sentence += fmt::format(
+    words += fmt::format(
         " and turns by {:.1f}\u00b0 about the point that lay at ({:.1f}, {:.1f}, {:.1f}) mm",
         angle_deg, end.centre_L.x(), end.centre_L.y(), end.centre_L.z());
-  return sentence + fmt::format(", in {} steps.", path.steps);
+  return words;
+}
+
+std::string plan_sentence(const PreparedCase& prepared) {
+  std::string sentence;
+  for (const plan::BonePath& path : prepared.paths())
+    sentence += (sentence.empty() ? "" : "; ") + move_in_words(path);
+  return sentence + fmt::format(", in {} steps.", prepared.steps());
 }
 
 report::ReportTable step_table(const predict::FacePrediction& prediction) {
@@ -55,15 +64,35 @@ report::ReportTable step_table(const predict::FacePrediction& prediction) {
        "contact force [N]", "smallest volume ratio"},
       {}};
   for (const predict::PredictionStep& step : prediction.steps) {
+    const contact::ContactSummary contact = step.contact();
     table.rows.push_back(
         {fmt::format("{:.1f}", 100.0 * step.share), fmt::format("{}", step.newton_iterations()),
-         fmt::format("{:.1e}", step.relative_residual), fmt::format("{}", step.contact.nodes),
-         fmt::format("{:.3f}", step.contact.max_penetration_mm),
-         fmt::format("{:.3f}", step.contact.mean_penetration_mm),
-         fmt::format("{:.3f}", step.contact.max_depth_from_rest_mm),
-         fmt::format("{:.3f}", step.contact.p99_depth_from_rest_mm),
-         fmt::format("{:.3f}", step.contact.force_L_n.norm()),
-         fmt::format("{:.3f}", step.smallest_J)});
+         fmt::format("{:.1e}", step.relative_residual), fmt::format("{}", contact.nodes),
+         fmt::format("{:.3f}", contact.max_penetration_mm),
+         fmt::format("{:.3f}", contact.mean_penetration_mm),
+         fmt::format("{:.3f}", contact.max_depth_from_rest_mm),
+         fmt::format("{:.3f}", contact.p99_depth_from_rest_mm),
+         fmt::format("{:.3f}", contact.force_L_n.norm()), fmt::format("{:.3f}", step.smallest_J)});
+  }
+  return table;
+}
+
+/// Of a plan of several segments: each after the last step.
+report::ReportTable segment_table(const PreparedCase& prepared,
+                                  const predict::PredictionStep& last) {
+  report::ReportTable table{
+      "Segments at the end of the path",
+      {"segment", "volume [ml]", "nodes in contact", "contact area [mm\u00b2]",
+       "max depth from rest [mm]", "its P99 [mm]", "contact force [N]"},
+      {}};
+  for (std::size_t k = 0; k < last.segments.size(); ++k) {
+    const contact::ContactSummary& contact = last.segments[k].contact;
+    table.rows.push_back({prepared.plan.segments[k].osteotomy.segment,
+                          fmt::format("{:.1f}", prepared.cut.volumes_mm3[k] * 1e-3),
+                          fmt::format("{}", contact.nodes), fmt::format("{:.0f}", contact.area_mm2),
+                          fmt::format("{:.3f}", contact.max_depth_from_rest_mm),
+                          fmt::format("{:.3f}", contact.p99_depth_from_rest_mm),
+                          fmt::format("{:.3f}", contact.force_L_n.norm())});
   }
   return table;
 }
@@ -123,6 +152,16 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
                                     const predict::FacePrediction& prediction) {
   const io::PlanFile& plan = prepared.plan;
   const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
+  double segments_mm3 = 0.0, crumbs_mm3 = 0.0, cell_mm = 0.0;
+  double band_mm = std::numeric_limits<double>::infinity();
+  Index crumbs = 0;
+  for (std::size_t k = 0; k < plan.segments.size(); ++k) {
+    segments_mm3 += prepared.cut.volumes_mm3[k];
+    crumbs_mm3 += prepared.cut.cuts[k].crumb_volume_mm3;
+    crumbs += prepared.cut.cuts[k].crumbs;
+    cell_mm = std::max(cell_mm, prepared.model.segments[k].field_B->cell_mm());
+    band_mm = std::min(band_mm, prepared.model.segments[k].field_B->band_mm());
+  }
   return {
       "Model",
       {"quantity", "value"},
@@ -150,12 +189,10 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
        {"tissue elevated from still bone",
         fmt::format("within {:.1f} mm of the segment", plan.boundary.release_mm)},
        {"distance field of the segment",
-        fmt::format("cell {:.3f} mm, band {:.2f} mm", prepared.model.segment_field_B->cell_mm(),
-                    prepared.model.segment_field_B->band_mm())},
-       {"segment volume", fmt::format("{:.1f} ml", prepared.bones.segment_volume_mm3 * 1e-3)},
+        fmt::format("cell {:.3f} mm, band {:.2f} mm", cell_mm, band_mm)},
+       {"segment volume", fmt::format("{:.1f} ml", segments_mm3 * 1e-3)},
        {"bone inside the planes that does not move",
-        fmt::format("{:.2f} ml in {} pieces", prepared.bones.crumb_volume_mm3 * 1e-3,
-                    prepared.bones.crumbs)}}};
+        fmt::format("{:.2f} ml in {} pieces", crumbs_mm3 * 1e-3, crumbs)}}};
 }
 
 report::ReportTable timing_table(const Timing& timing) {
@@ -170,8 +207,9 @@ std::vector<report::SolverStep> solver_steps(const predict::FacePrediction& pred
   for (const predict::PredictionStep& step : prediction.steps) {
     report::SolverStep& shown = steps.emplace_back();
     shown.path_share = step.share;
-    shown.max_penetration_mm = step.contact.max_penetration_mm;
-    shown.mean_penetration_mm = step.contact.mean_penetration_mm;
+    const contact::ContactSummary contact = step.contact();
+    shown.max_penetration_mm = contact.max_penetration_mm;
+    shown.mean_penetration_mm = contact.mean_penetration_mm;
     for (const fem::LoadAttempt& attempt : step.attempts)
       for (const fem::NewtonIterate& iterate : attempt.history)
         if (iterate.force_scale_n > 0.0)
@@ -208,7 +246,7 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   report::CaseReport report;
   report.title = prepared.plan.title.empty() ? "Predicted face" : prepared.plan.title;
   report.subtitle = "Simulated soft-tissue response to a planned bone movement";
-  report.plan = plan_sentence(prepared.plan);
+  report.plan = plan_sentence(prepared);
   report.converged = prediction.converged();
   if (prediction.failure) report.failure = prediction.failure->message;
   add_pictures(pictures, report);
@@ -219,28 +257,30 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
         {"mean shift where the skin moved over 0.5 mm",
          fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
         {"largest remaining penetration",
-         fmt::format("{:.2f} mm", last.contact.max_penetration_mm)},
-        {"steps converged", fmt::format("{} of {}", prediction.steps.size(),
-                                        prepared.plan.segments.front().path.steps)}};
+         fmt::format("{:.2f} mm", last.contact().max_penetration_mm)},
+        {"steps converged", fmt::format("{} of {}", prediction.steps.size(), prepared.steps())}};
   }
   report.tables = {step_table(prediction), parameter_table(prepared, prediction),
                    timing_table(timing)};
+  if (prepared.plan.segments.size() > 1 && !prediction.steps.empty())
+    report.tables.insert(report.tables.begin(), segment_table(prepared, prediction.steps.back()));
   report.steps = solver_steps(prediction);
   report.residual_tolerance = prepared.plan.solver.relative_tolerance;
   report.notes = prepared.provenance.warnings;
   const auto deepest = std::max_element(prepared.overlaps.begin(), prepared.overlaps.end(),
-                                        [](const StepOverlap& a, const StepOverlap& b) {
+                                        [](const predict::BonePair& a, const predict::BonePair& b) {
                                           return a.overlap.deepest_mm < b.overlap.deepest_mm;
                                         });
   if (deepest != prepared.overlaps.end() && deepest->overlap.overlaps())
-    report.notes.push_back(describe(*deepest) +
+    report.notes.push_back(describe(*deepest, prepared.plan) +
                            "; depths of all steps are in bone_overlap.vtp and prediction.json.");
-  if (!prediction.steps.empty() && prediction.steps.back().contact.tunnelled_area_mm2 > 0.0)
-    report.notes.push_back(
-        fmt::format("Contact is as soft as its stiffness: {:.1f} mm\u00b2 of tissue, of {:.0f} "
-                    "mm\u00b2 in contact, crept through thin bone.",
-                    prediction.steps.back().contact.tunnelled_area_mm2,
-                    prediction.steps.back().contact.area_mm2));
+  if (!prediction.steps.empty())
+    if (const contact::ContactSummary contact = prediction.steps.back().contact();
+        contact.tunnelled_area_mm2 > 0.0)
+      report.notes.push_back(
+          fmt::format("Contact is as soft as its stiffness: {:.1f} mm\u00b2 of tissue, of {:.0f} "
+                      "mm\u00b2 in contact, crept through thin bone.",
+                      contact.tunnelled_area_mm2, contact.area_mm2));
   report.provenance = {{"lefort version", kVersion},
                        {"SHA-256 of the plan", prepared.provenance.plan_sha256},
                        {"SHA-256 of the scan\u2019s voxels", prepared.provenance.ct_sha256},
@@ -255,8 +295,12 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
       "chosen lower than measured for that reason.",
       "Tissue outside the meshed region does not move, and where the scan ends tissue has no "
       "neighbour: near the scan\u2019s edge the prediction is not to be trusted.",
-      "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it; tissue "
-      "does not meet still bone anew.",
+      prepared.model.still_bone
+          ? "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it "
+            "but "
+            "for what is painted free or to slide; only that which slides meets still bone."
+          : "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it; "
+            "tissue does not meet still bone anew.",
       "Not validated against post-operative scans."};
   return report;
 }

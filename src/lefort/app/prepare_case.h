@@ -4,14 +4,15 @@
 
 #include <lefort/app/plan_inputs.h>
 #include <lefort/app/stage_cache.h>
-#include <lefort/contact/bone_overlap.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/mesh/element_quality.h>
 #include <lefort/mesh/layer_thickness.h>
-#include <lefort/plan/cut_bones.h>
+#include <lefort/plan/bone_path.h>
+#include <lefort/plan/cut_segments.h>
+#include <lefort/predict/bone_pairs.h>
 #include <lefort/predict/predict_face.h>
 
 #include <filesystem>
@@ -33,31 +34,27 @@ struct Provenance {
   std::vector<std::string> warnings;  ///< Of the import.
 };
 
-/// Where the plan moves the segment into still bone, at one step of its path.
-struct StepOverlap {
-  double share = 0.0;
-  contact::BoneOverlap overlap;  ///< Depths are of the vertices of bones.segment_L.
-};
-
 /// A case before anything moves. Immutable once prepared.
 struct PreparedCase {
-  io::PlanFile plan;  ///< With one segment.
+  io::PlanFile plan;
   Provenance provenance;
   image::Grid scan_grid;
   std::vector<std::pair<std::string, double>> tissue_volumes_ml;
   geometry::TriangleMesh skin_L;
-  plan::CutBones bones;
+  plan::CutSegments cut;
   predict::FaceModel model;
   mesh::MeshQuality quality;
   std::optional<mesh::LayerThickness> skin_layer;  ///< If the plan has skin of its own.
-  std::vector<StepOverlap> overlaps;               ///< One for each step.
+  /// Where the plan moves bone into bone: for each step each segment with those after it and with
+  /// the bone that stays. Of that bone no vertices' depths.
+  std::vector<predict::BonePair> overlaps;
+
+  [[nodiscard]] std::vector<plan::BonePath> paths() const { return plan::paths_of(plan.segments); }
+  [[nodiscard]] int steps() const { return plan::steps_of(paths()); }
 };
 
-/// One sentence.
-[[nodiscard]] std::string describe(const StepOverlap& step);
-
-/// Nothing, or kPlanInvalid: whether the plan moves one segment, which is all a prediction takes.
-[[nodiscard]] Result<void> check_single(const io::PlanFile& plan);
+/// One sentence on where the path drives bone through bone; `pair` is one of prepared.overlaps.
+[[nodiscard]] std::string describe(const predict::BonePair& pair, const io::PlanFile& plan);
 
 /// \param plan         read from a file whose text hashes to `plan_sha256`.
 /// \param ct           the scan.

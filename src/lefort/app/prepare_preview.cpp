@@ -14,6 +14,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 namespace lefort::app {
 namespace {
@@ -35,14 +36,15 @@ bool is_same_skin(const geometry::TriangleMesh& a, const geometry::TriangleMesh&
 Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
   io::PlanFile plan = text.plan;
-  LEFORT_TRY_VOID(check_single(plan));
   const EmptyFolders none_left(job.output);
   LEFORT_TRY_VOID(make_output_folder(job.output));
   const fs::path document = job.output / "preview.json", file = job.output / "face.preview";
   LEFORT_TRY_VOID(remove_earlier_files(std::array{document, file}));
-  // A preview is of any motion: the plan's path neither matters nor may stand in its way.
-  plan.segments.front().path.keyframes = {plan::Keyframe{}};
-  plan.segments.front().path.steps = 1;
+  // A preview is of any motion: the plan's paths neither matter nor may stand in its way.
+  for (plan::PlannedSegment& segment : plan.segments) {
+    segment.path.keyframes = {plan::Keyframe{}};
+    segment.path.steps = 1;
+  }
   LEFORT_TRY(const PreparedCase prepared,
              prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), job.ct,
                           StageCache(job.cache), progress));
@@ -58,16 +60,18 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   progress.begin_stage("write");
   LEFORT_TRY_VOID(write_preview_model(file, model));
   Summary summary;
-  const std::string& segment = prepared.plan.segments.front().osteotomy.segment;
+  std::vector<std::string> segments;
+  for (const plan::PlannedSegment& segment : prepared.plan.segments)
+    segments.push_back(segment.osteotomy.segment);
   summary.json = {{"lefort_preview", 1},
                   {"notice", kNotForClinicalUse},
                   {"note", "preview, not a prediction"},
                   {"version", kVersion},
-                  {"segment", segment},
+                  {"segments", segments},
                   {"vertices", skin_L.vertex_count()},
                   {"elements", prepared.model.tissue.element_count()}};
-  summary.text = fmt::format("the face can be previewed for segment {}: {} elements", segment,
-                             prepared.model.tissue.element_count());
+  summary.text = fmt::format("the face can be previewed for segment {}: {} elements",
+                             fmt::join(segments, ", "), prepared.model.tissue.element_count());
   LEFORT_TRY_VOID(io::write_text(document, summary.json.dump(1) + "\n"));
   return summary;
 }

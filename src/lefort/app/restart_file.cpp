@@ -17,9 +17,9 @@ namespace {
 
 // To be raised with every change of the solver or of contact that may change what a step finds, and
 // of this file's layout.
-constexpr double kStepsRevision = 3;
+constexpr double kStepsRevision = 5;
 
-constexpr std::string_view kMagic = "lefort restart 1\n";
+constexpr std::string_view kMagic = "lefort restart 3\n";
 constexpr std::size_t kHashDigits = 64;
 constexpr std::uintmax_t kLargest = std::uintmax_t(64) << 30;
 
@@ -147,13 +147,20 @@ void visit(Archive& archive, contact::ContactSummary& summary) {
 }
 
 template <class Archive>
+void visit(Archive& archive, predict::SegmentStep& segment) {
+  auto& [X_LB, contact] = segment;
+  visit(archive, X_LB);
+  visit(archive, contact);
+}
+
+template <class Archive>
 void visit(Archive& archive, predict::PredictionStep& step) {
-  auto& [share, X_LB, displacement_mm, contact, smallest_J, residual_n, relative_residual,
+  auto& [share, segments, displacement_mm, still_contact, smallest_J, residual_n, relative_residual,
          attempts] = step;
   archive(share);
-  visit(archive, X_LB);
+  visit(archive, segments);
   visit(archive, displacement_mm);
-  visit(archive, contact);
+  visit(archive, still_contact);
   archive(smallest_J);
   archive(residual_n);
   archive(relative_residual);
@@ -231,13 +238,17 @@ std::string restart_key(const PreparedCase& prepared) {
   add(hash, prepared.model.tissue);
   field::DistanceFieldOptions field = plan.field;
   field.smooth = plan.contact.detection == contact::Detection::kSmooth;
-  hash.add(field_key(prepared.model.segment_B, field));
-
-  const auto& [segment, keyframes, steps, interpolation] = plan.segments.front().path;
-  hash.add(double(steps)).add(double(keyframes.size())).add(double(interpolation));
-  for (const plan::Keyframe& keyframe : keyframes) {
-    const auto& [at, translation_mm, rotation_rad, centre_L] = keyframe;
-    hash.add(at).add(translation_mm).add(rotation_rad).add(centre_L);
+  hash.add(double(plan.segments.size()));
+  for (const predict::MovedSegment& segment : prepared.model.segments)
+    hash.add(field_key(segment.surface_B, field));
+  if (prepared.model.still_bone) hash.add(field_key(prepared.model.still_bone->surface_B, field));
+  for (const plan::BonePath& path : prepared.paths()) {
+    const auto& [name, keyframes, steps, interpolation] = path;
+    hash.add(double(steps)).add(double(keyframes.size())).add(double(interpolation));
+    for (const plan::Keyframe& keyframe : keyframes) {
+      const auto& [at, translation_mm, rotation_rad, centre_L] = keyframe;
+      hash.add(at).add(translation_mm).add(rotation_rad).add(centre_L);
+    }
   }
   const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin, mucosa,
                muscle, face] = plan.tissue;

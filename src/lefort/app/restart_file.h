@@ -11,7 +11,8 @@
 
 namespace lefort::app {
 
-/// Hash of all that the steps of a prediction depend on: tissue, bone and its field, path, options.
+/// Hash of all that the steps of a prediction depend on: tissue, bones with their fields and paths,
+/// options.
 [[nodiscard]] std::string restart_key(const PreparedCase& prepared);
 
 /// \returns nothing, or kFileUnwritable.

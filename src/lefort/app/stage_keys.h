@@ -20,7 +20,8 @@ namespace lefort::app {
 [[nodiscard]] std::string field_key(const geometry::TriangleMesh& segment_B,
                                     const field::DistanceFieldOptions& options);
 
-/// \param segment_L    where it lies decides which tissue is meshed, and how finely.
+/// \param segment_L    the segment, or several as one mesh: where it lies decides which tissue is
+///   meshed, and how finely.
 /// \param remainder_L, capture_mm  count where options.skin does: bone is not skin.
 [[nodiscard]] std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& labels,
                                      const anatomy::LevelOptions& levels,

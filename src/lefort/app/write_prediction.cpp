@@ -13,6 +13,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -24,6 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPictures = "pictures";
 constexpr const char* kParaview = "paraview";
+constexpr const char* kBoneOverlap = "bone_overlap";
 
 std::string as_text(const nlohmann::ordered_json& json) {
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
@@ -63,18 +66,20 @@ Result<void> write_paraview(const fs::path& folder, const PreparedCase& prepared
 
 /// Where it went, and what the tissue does to it there.
 Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepared,
-                                 const predict::FacePrediction& prediction) {
+                                 const predict::FacePrediction& prediction, std::size_t segment) {
   const predict::PredictionStep& last = prediction.steps.back();
+  const auto& [X_LB, contact] = last.segments[segment];
   const geometry::TriangleMesh segment_L =
-      geometry::transformed(prepared.bones.segment_L, last.X_LB);
+      geometry::transformed(prepared.cut.segments_L[segment], X_LB);
   if (prediction.touched.empty()) return io::write_surface(file, segment_L);
   const mesh::VolumeMesh& tissue = prepared.model.tissue;
   std::vector<Vec3> x_L = tissue.nodes_L;
   for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
   // What rests within capture_mm of the bone touches it there.
-  const double near_mm = prepared.plan.boundary.capture_mm + last.contact.max_depth_from_rest_mm;
-  contact::BoneLoad load = contact::load_on_bone(
-      segment_L, x_L, tissue.face_sets.at(predict::sets::kContact), prediction.touched, near_mm);
+  const double near_mm = prepared.plan.boundary.capture_mm + contact.max_depth_from_rest_mm;
+  contact::BoneLoad load =
+      contact::load_on_bone(segment_L, x_L, tissue.face_sets.at(predict::sets::kContact),
+                            prediction.touched[segment], near_mm);
   for (double& pressure : load.pressure_mpa) pressure = kpa_from_mpa(pressure);
   return io::write_surface(
       file, segment_L,
@@ -85,10 +90,12 @@ Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepa
 
 Result<void> remove_results(const fs::path& folder) {
   std::vector<fs::path> files;
-  for (const char* name : {"prediction.json", "failure.json", "report.html", "plan.json",
-                           "predicted_skin.vtp", "predicted_skin.stl", "skin_before.vtp",
-                           "bone_remainder.vtp", "bone_segment_moved.vtp", "bone_overlap.vtp"})
+  for (const char* name :
+       {"prediction.json", "failure.json", "report.html", "plan.json", "predicted_skin.vtp",
+        "predicted_skin.stl", "skin_before.vtp", "bone_remainder.vtp"})
     files.push_back(folder / name);
+  for (const char* bone : {kMovedSegment, kBoneOverlap})
+    for (const fs::path& file : earlier_files(folder, bone, ".vtp")) files.push_back(file);
   files.push_back(folder / kParaview / "prediction.pvd");
   for (const fs::path& step : earlier_files(folder / kParaview, "step_", ".vtu"))
     files.push_back(step);
@@ -100,13 +107,31 @@ Result<void> remove_results(const fs::path& folder) {
   return remove_earlier_files(files);
 }
 
+std::string segment_file(std::string_view name, const io::PlanFile& plan, std::size_t segment) {
+  if (plan.segments.size() == 1) return fmt::format("{}.vtp", name);
+  return fmt::format("{}_{}.vtp", name, plan.segments[segment].osteotomy.segment);
+}
+
 Result<void> write_overlaps(const fs::path& folder, const PreparedCase& prepared) {
-  std::vector<io::VertexArray> arrays;
-  for (const StepOverlap& step : prepared.overlaps)
-    if (step.overlap.overlaps())
-      arrays.push_back({fmt::format("overlap_mm_at_{:.4f}", step.share), step.overlap.depth_mm});
-  if (arrays.empty()) return {};
-  return io::write_surface(folder / "bone_overlap.vtp", prepared.bones.segment_L, arrays);
+  for (std::size_t k = 0; k < prepared.plan.segments.size(); ++k) {
+    const std::string& name = prepared.plan.segments[k].osteotomy.segment;
+    std::map<double, std::vector<double>> deepest_mm;  // Of each vertex, for each share.
+    for (const predict::BonePair& pair : prepared.overlaps) {
+      const bool is_first = pair.first == name;
+      if (!pair.overlap.overlaps() || (!is_first && pair.second != name)) continue;
+      const std::vector<double>& depth_mm =
+          is_first ? pair.overlap.depth_mm : pair.overlap.depth_of_second_mm;
+      std::vector<double>& all_mm = deepest_mm.try_emplace(pair.share, depth_mm).first->second;
+      for (std::size_t v = 0; v < all_mm.size(); ++v) all_mm[v] = std::max(all_mm[v], depth_mm[v]);
+    }
+    if (deepest_mm.empty()) continue;
+    std::vector<io::VertexArray> arrays;
+    for (auto& [share, depth_mm] : deepest_mm)
+      arrays.push_back({fmt::format("overlap_mm_at_{:.4f}", share), std::move(depth_mm)});
+    LEFORT_TRY_VOID(io::write_surface(folder / segment_file(kBoneOverlap, prepared.plan, k),
+                                      prepared.cut.segments_L[k], arrays));
+  }
+  return {};
 }
 
 Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCase& prepared,
@@ -118,8 +143,10 @@ Result<void> write_surfaces_and_fields(const fs::path& folder, const PreparedCas
       io::write_surface(folder / "predicted_skin.vtp", after_L, {{"displacement_mm", shift}}));
   LEFORT_TRY_VOID(io::write_surface(folder / "predicted_skin.stl", after_L));
   LEFORT_TRY_VOID(io::write_surface(folder / "skin_before.vtp", prepared.skin_L));
-  LEFORT_TRY_VOID(io::write_surface(folder / "bone_remainder.vtp", prepared.bones.remainder_L));
-  LEFORT_TRY_VOID(write_moved_segment(folder / "bone_segment_moved.vtp", prepared, prediction));
+  LEFORT_TRY_VOID(io::write_surface(folder / "bone_remainder.vtp", prepared.cut.remainder_L));
+  for (std::size_t k = 0; k < prepared.plan.segments.size(); ++k)
+    LEFORT_TRY_VOID(write_moved_segment(folder / segment_file(kMovedSegment, prepared.plan, k),
+                                        prepared, prediction, k));
   return write_paraview(folder / kParaview, prepared, prediction);
 }
 

@@ -12,6 +12,7 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace lefort::app {
@@ -22,13 +23,20 @@ namespace lefort::app {
 /// \returns nothing, or kFileUnwritable: a result could not be removed.
 [[nodiscard]] Result<void> remove_results(const std::filesystem::path& folder);
 
-/// bone_overlap.vtp, the segment at rest with the depth of each vertex in still bone for each step
-/// that drives it there; nothing if none does.
+/// "bone_overlap.vtp"; of a plan of several segments with the segment's name,
+/// "bone_overlap_maxilla.vtp".
+[[nodiscard]] std::string segment_file(std::string_view name, const io::PlanFile& plan,
+                                       std::size_t segment);
+
+inline constexpr const char* kMovedSegment = "bone_segment_moved";
+
+/// bone_overlap.vtp for each segment that is driven into other bone: at rest, with the depth of each
+/// vertex there for each step that does.
 [[nodiscard]] Result<void> write_overlaps(const std::filesystem::path& folder,
                                           const PreparedCase& prepared);
 
-/// predicted_skin.vtp and .stl, skin_before.vtp, bones, and paraview/prediction.pvd with a VTU for
-/// rest and for each step.
+/// predicted_skin.vtp and .stl, skin_before.vtp, bone_remainder.vtp, bone_segment_moved.vtp for each
+/// segment, and paraview/prediction.pvd with a VTU for rest and for each step.
 [[nodiscard]] Result<void> write_surfaces_and_fields(const std::filesystem::path& folder,
                                                      const PreparedCase& prepared,
                                                      const predict::FacePrediction& prediction,

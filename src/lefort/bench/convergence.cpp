@@ -88,7 +88,7 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
   walk.case_name = task.name;
   walk.mesh_name = task.mesh_name;
   walk.method = method;
-  walk.steps_asked = task.path.steps;
+  walk.steps_asked = plan::steps_of(task.paths);
   const auto skin = task.model.tissue.node_sets.find(predict::sets::kSkin);
   if (skin != task.model.tissue.node_sets.end()) walk.skin = skin->second;
   const Stopwatch watch;
@@ -102,31 +102,33 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
     if (written) written = on_walk(walk);
   };
   LEFORT_TRY(walk.prediction,
-             predict::predict_face(task.model, task.path, prediction,
+             predict::predict_face(task.model, task.paths, prediction,
                                    {.on_step = on_step, .on_restart = {}}, progress));
   walk.seconds = watch.seconds();
   LEFORT_TRY_VOID(written);
 
   std::vector<Vec3> x_L = task.model.tissue.nodes_L;
-  RigidTransform X_LB = RigidTransform::Identity();
+  std::vector<contact::BoneObstacle> bones;
+  for (const predict::MovedSegment& segment : task.model.segments) {
+    LEFORT_TRY(auto detector_B, predict::detect_segment(segment, method.detection));
+    bones.push_back({std::move(detector_B)});
+  }
   if (!walk.prediction.steps.empty()) {
     const predict::PredictionStep& last = walk.prediction.steps.back();
     for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
-    X_LB = last.X_LB;
+    for (std::size_t k = 0; k < bones.size(); ++k) bones[k].X_LB = last.segments[k].X_LB;
   }
-  LEFORT_TRY(
-      const auto detector_B,
-      predict::detect_segment(task.model.segment_B, task.model.segment_field_B, method.detection));
   const std::vector<Vec3> points = detection_points(task.model, method.integration, x_L);
   std::vector<contact::Gap> gaps(points.size());
   std::vector<double> seconds;
   for (int n = 0; n < 5; ++n) {
     const Stopwatch once;
-    contact::measure_gaps({detector_B, X_LB}, points, contact::Derivatives::kSecond, gaps);
+    for (const contact::BoneObstacle& bone : bones)
+      contact::measure_gaps(bone, points, contact::Derivatives::kSecond, gaps);
     seconds.push_back(once.seconds());
   }
   walk.detection_seconds = *std::min_element(seconds.begin(), seconds.end());
-  walk.detection_points = points.size();
+  walk.detection_points = points.size() * bones.size();
   return walk;
 }
 
@@ -154,7 +156,7 @@ Tally tally(const Walk& walk) {
   }
   for (const predict::PredictionStep& step : walk.prediction.steps) {
     sum.worst_final = std::max(sum.worst_final, step.relative_residual);
-    sum.worst_p99_mm = std::max(sum.worst_p99_mm, step.contact.p99_depth_from_rest_mm);
+    sum.worst_p99_mm = std::max(sum.worst_p99_mm, step.contact().p99_depth_from_rest_mm);
   }
   return sum;
 }
@@ -170,7 +172,7 @@ std::string table(std::span<const Walk> walks) {
     const Tally sum = tally(walk);
     const auto& steps = walk.prediction.steps;
     const contact::ContactSummary last =
-        steps.empty() ? contact::ContactSummary{} : steps.back().contact;
+        steps.empty() ? contact::ContactSummary{} : steps.back().contact();
     Index in_steps = 0;
     for (const predict::PredictionStep& step : steps) in_steps += step.newton_iterations();
     text += fmt::format(

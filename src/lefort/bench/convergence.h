@@ -16,13 +16,13 @@
 
 namespace lefort::bench {
 
-/// A body, a bone and its way.
+/// A body, bones and their ways.
 struct ConvergenceCase {
   std::string name;
   /// Cases of one name here share the mesh and differ in the number of steps alone.
   std::string mesh_name;
   predict::FaceModel model;
-  plan::BonePath path;
+  std::vector<plan::BonePath> paths;
   predict::PredictionOptions options;  ///< How contact is detected is the method's.
 };
 

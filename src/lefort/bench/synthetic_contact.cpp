@@ -88,12 +88,12 @@ Result<ConvergenceCase> pressed_and_slid(std::string name, TriangleMesh bone, Pr
   LEFORT_TRY(field::DistanceField field,
              field::build_distance_field(bone, {.resolution = 64, .band_mm = 3.0, .smooth = true},
                                          progress));
-  task.model.segment_B = std::move(bone);
-  task.model.segment_field_B = std::make_shared<const field::DistanceField>(std::move(field));
-  task.path = {.segment = task.name,
-               .keyframes = {{.at = 0.4, .translation_mm = {0.0, 0.0, -kPressed_mm}},
-                             {.at = 1.0, .translation_mm = {kSlid_mm, 0.4, -kPressed_mm}}},
-               .steps = 20};
+  task.model.segments.push_back(
+      {std::move(bone), std::make_shared<const field::DistanceField>(std::move(field))});
+  task.paths = {{.segment = task.name,
+                 .keyframes = {{.at = 0.4, .translation_mm = {0.0, 0.0, -kPressed_mm}},
+                               {.at = 1.0, .translation_mm = {kSlid_mm, 0.4, -kPressed_mm}}},
+                 .steps = 20}};
   task.options.tissue.element_size_mm = kElement_mm;
   task.options.boundary.capture_mm = 0.05;
   return task;

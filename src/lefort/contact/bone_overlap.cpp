@@ -93,7 +93,7 @@ BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& still,
     return depth_mm;
   };
   overlap.depth_mm = look(moved, still.obstacle);
-  look(still, moved.obstacle);
+  overlap.depth_of_second_mm = look(still, moved.obstacle);
   if (overlap.overlaps())
     overlap.volume_mm3 = volume_in_both_mm3(moved.obstacle, still.obstacle, box_L);
   return overlap;

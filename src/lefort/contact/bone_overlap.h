@@ -23,6 +23,7 @@ struct BoneOverlap {
   Vec3 deepest_L = Vec3::Zero();  ///< Where that is.
   bool is_beyond_reach = false;   ///< Somewhere deeper than a detector can tell.
   std::vector<double> depth_mm;   ///< Of each vertex of the first bone in the second; 0 outside.
+  std::vector<double> depth_of_second_mm;  ///< The other way round.
 
   [[nodiscard]] bool overlaps() const { return deepest_mm > 0.0; }
 };

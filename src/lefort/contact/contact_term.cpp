@@ -56,6 +56,24 @@ double depth_at_share(std::vector<std::pair<double, double>> depth_and_area, dou
 
 }  // namespace
 
+ContactSummary together(const ContactSummary& a, const ContactSummary& b) {
+  const double area_mm2 = a.area_mm2 + b.area_mm2;
+  const auto mean = [&](double of_a, double of_b) {
+    return area_mm2 > 0.0 ? (a.area_mm2 * of_a + b.area_mm2 * of_b) / area_mm2 : 0.0;
+  };
+  return {.points = a.points + b.points,
+          .nodes = a.nodes + b.nodes,
+          .area_mm2 = area_mm2,
+          .max_penetration_mm = std::max(a.max_penetration_mm, b.max_penetration_mm),
+          .mean_penetration_mm = mean(a.mean_penetration_mm, b.mean_penetration_mm),
+          .max_depth_from_rest_mm = std::max(a.max_depth_from_rest_mm, b.max_depth_from_rest_mm),
+          .mean_depth_from_rest_mm = mean(a.mean_depth_from_rest_mm, b.mean_depth_from_rest_mm),
+          .p99_depth_from_rest_mm = std::max(a.p99_depth_from_rest_mm, b.p99_depth_from_rest_mm),
+          .force_L_n = a.force_L_n + b.force_L_n,
+          .normal_force_n = a.normal_force_n + b.normal_force_n,
+          .tunnelled_area_mm2 = a.tunnelled_area_mm2 + b.tunnelled_area_mm2};
+}
+
 struct ContactTerm::PointGap {
   Vec3 p_L;
   Gap measured;  ///< From the nearest surface.
@@ -63,7 +81,8 @@ struct ContactTerm::PointGap {
 };
 
 ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
-                         BoneObstacle obstacle, const Options& options)
+                         BoneObstacle obstacle, const Options& options,
+                         std::span<const BoneObstacle> beside)
     : name_(options.name),
       obstacle_(std::move(obstacle)),
       stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm),
@@ -78,7 +97,11 @@ ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> 
     add_nodes(nodes_L, faces);
   for (const Patch& patch : patches_)
     for_each_point(patch, nodes_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
-      points_[k].rest_gap_mm = rest_gap_mm(at.measured, options.capture_mm);
+      const bool rests_beside =
+          std::any_of(beside.begin(), beside.end(), [&](const BoneObstacle& other) {
+            return measure_gap(other, at.p_L, Derivatives::kFirst).gap_mm < at.measured.gap_mm;
+          });
+      points_[k].rest_gap_mm = rest_gap_mm(at.measured, rests_beside ? 0.0 : options.capture_mm);
       points_[k].last_sight = look(obstacle_, at.p_L, at.measured);
     });
   last_clearance_.resize(patches_.size());

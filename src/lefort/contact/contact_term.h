@@ -52,6 +52,10 @@ struct ContactSummary {
   double tunnelled_area_mm2 = 0.0;
 };
 
+/// What contact with two bones does: sums, maxima, means over both areas. Tissue that touches both
+/// counts twice. The P99 is the larger one; that of the area of both is no larger.
+[[nodiscard]] ContactSummary together(const ContactSummary& a, const ContactSummary& b);
+
 /// What contact does at one node of its faces.
 struct NodalContact {
   std::int32_t node = 0;
@@ -99,8 +103,11 @@ class ContactTerm final : public fem::ForceTerm {
   /// \param nodes_L   all nodes at rest [mm].
   /// \param faces     counter-clockwise seen from outside the tissue.
   /// \param obstacle  the bone, at rest.
+  /// \param beside    other bones, at rest. A point that is nearer to one of them rests on that one,
+  ///   and touches this bone only where it would enter it: else a bone whose edge lies flush with
+  ///   another's would drag along what lies on the other.
   ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces, BoneObstacle obstacle,
-              const Options& options);
+              const Options& options, std::span<const BoneObstacle> beside = {});
 
   /// Moves the bone. Not while the term is being evaluated.
   void set_pose(const RigidTransform& X_LB) { obstacle_.X_LB = X_LB; }

@@ -104,7 +104,7 @@ constexpr Naming<Tissue> kTissueNaming{"segmentation",
 constexpr Naming<BoundaryLabel> kBoundaryNaming{
     "boundary.labels",
     "boundary label",
-    "fixed, free or with segment",
+    "fixed, free, slides or with segment",
     [](std::string_view name, std::string_view) -> std::optional<BoundaryLabel> {
       for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
         if (name == style.name) return style.label;

@@ -79,6 +79,19 @@ RigidTransform pose_at(const BonePath& path, double share) {
   return X_before;
 }
 
+std::vector<RigidTransform> poses_at(std::span<const BonePath> paths, double share) {
+  std::vector<RigidTransform> poses;
+  for (const BonePath& path : paths) poses.push_back(pose_at(path, share));
+  return poses;
+}
+
+int steps_of(std::span<const BonePath> paths) {
+  LEFORT_CHECK(!paths.empty());
+  int steps = 1;
+  for (const BonePath& path : paths) steps = std::max(steps, path.steps);
+  return steps;
+}
+
 double largest_displacement_mm(const BonePath& path, std::span<const Vec3> points_B,
                                double from_share, double to_share) {
   const RigidTransform X_from = pose_at(path, from_share);

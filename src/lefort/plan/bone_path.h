@@ -6,6 +6,7 @@
 #include <lefort/plan/plan.h>
 
 #include <span>
+#include <vector>
 
 namespace lefort::plan {
 
@@ -27,6 +28,14 @@ namespace lefort::plan {
 /// \param share   0 to 1; 0 is the segment as scanned, and each keyframe is met exactly.
 /// \returns X_LB of the segment.
 [[nodiscard]] RigidTransform pose_at(const BonePath& path, double share);
+
+/// Of several segments that move together: one pose a path.
+[[nodiscard]] std::vector<RigidTransform> poses_at(std::span<const BonePath> paths, double share);
+
+/// Into how many steps the way of several segments is cut, which all move at once: as many as the
+/// path with the most asks for.
+/// \param paths  one or more.
+[[nodiscard]] int steps_of(std::span<const BonePath> paths);
 
 /// How far the farthest of some points moves from one moment of the path to another, as the crow
 /// flies: what a distance field's band must cover when the solver takes both in one step.

@@ -21,6 +21,12 @@ std::size_t place_of(std::span<const PlannedSegment> planned, std::size_t end,
 
 }  // namespace
 
+std::vector<BonePath> paths_of(std::span<const PlannedSegment> planned) {
+  std::vector<BonePath> paths;
+  for (const PlannedSegment& one : planned) paths.push_back(one.path);
+  return paths;
+}
+
 Result<void> check_segments(std::span<const PlannedSegment> planned) {
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const std::string& name = planned[k].osteotomy.segment;
@@ -48,13 +54,13 @@ Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
     if (k == 0) all.skull_volume_mm3 = bones.skull_volume_mm3;
     all.kerf_volume_mm3 += bones.kerf_volume_mm3;
     source = std::move(bones.remainder_L);
+    if (!one.from.empty()) all.volumes_mm3[from] = bones.remainder_volume_mm3;
+    all.volumes_mm3.push_back(bones.segment_volume_mm3);
     all.segments_L.push_back(std::move(bones.segment_L));
     bones.remainder_L = {};
     bones.segment_L = {};
     all.cuts.push_back(std::move(bones));
   }
-  for (const geometry::TriangleMesh& segment : all.segments_L)
-    all.volumes_mm3.push_back(geometry::signed_volume_mm3(segment));
   all.remainder_volume_mm3 = geometry::signed_volume_mm3(all.remainder_L);
   std::vector<double> parts_mm3 = all.volumes_mm3;
   parts_mm3.insert(parts_mm3.end(), {all.remainder_volume_mm3, all.kerf_volume_mm3});

@@ -23,6 +23,8 @@ struct PlannedSegment {
   bool is_distracted = false;  ///< New bone grows where it leaves: gaps are meant.
 };
 
+[[nodiscard]] std::vector<BonePath> paths_of(std::span<const PlannedSegment> planned);
+
 /// The skull in closed parts.
 struct CutSegments {
   std::vector<geometry::TriangleMesh> segments_L;  ///< As many as planned, in their order.

@@ -9,12 +9,13 @@
 
 namespace lefort::predict {
 
-/// No label for sliding: tissue slides on the segment alone, and does so wherever it is free.
+/// Sliding on a segment needs no label: tissue does so wherever it is free.
 enum class BoundaryLabel : std::uint8_t {
   kNone = 0,  ///< Not painted: by rule.
   kFixed = 1,
   kFree = 2,         ///< Held by nothing; the segment may push it.
   kWithSegment = 3,  ///< Moves with the segment, wherever it lies.
+  kSlides = 4,       ///< Free, but does not enter still bone: slides on it, and may come off.
 };
 
 /// How a label is called in files, and the set of the nodes that it decides.
@@ -24,10 +25,11 @@ struct BoundaryLabelStyle {
   const char* set;
 };
 
-inline constexpr std::array<BoundaryLabelStyle, 3> kBoundaryLabelStyles{{
+inline constexpr std::array<BoundaryLabelStyle, 4> kBoundaryLabelStyles{{
     {BoundaryLabel::kFixed, "fixed", "painted_fixed"},
     {BoundaryLabel::kFree, "free", "painted_free"},
     {BoundaryLabel::kWithSegment, "with segment", "painted_with_segment"},
+    {BoundaryLabel::kSlides, "slides", "painted_slides"},
 }};
 
 /// One label per voxel of the scan.

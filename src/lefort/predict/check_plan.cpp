@@ -15,20 +15,10 @@
 namespace lefort::predict {
 namespace {
 
-constexpr const char* kRemainder = "remainder";
-
 /// A bone with all that is asked of it.
-struct Bone {
-  std::string name;
-  const geometry::TriangleMesh* surface_B;
+struct Bone : PathBone {
   const plan::PlannedSegment* planned;  ///< Null for the remainder.
-  std::shared_ptr<const contact::Detector> detector_B;
-  double cell_mm;
   std::unique_ptr<const geometry::Bvh> tree_B;
-
-  [[nodiscard]] RigidTransform pose_at(double share) const {
-    return planned == nullptr ? RigidTransform::Identity() : plan::pose_at(planned->path, share);
-  }
 };
 
 Result<Bone> make_bone(std::string name, const geometry::TriangleMesh& surface_B,
@@ -37,8 +27,10 @@ Result<Bone> make_bone(std::string name, const geometry::TriangleMesh& surface_B
   LEFORT_TRY(field::DistanceField field, field::build_distance_field(surface_B, options, progress));
   const auto shared = std::make_shared<const field::DistanceField>(std::move(field));
   LEFORT_TRY(auto detector_B, contact::detect_by_field(shared, contact::Detection::kTrilinear));
-  return Bone{std::move(name),       &surface_B,        planned,
-              std::move(detector_B), shared->cell_mm(), std::make_unique<geometry::Bvh>(surface_B)};
+  return Bone{{std::move(name), &surface_B, planned == nullptr ? nullptr : &planned->path,
+               std::move(detector_B), shared->cell_mm()},
+              planned,
+              std::make_unique<geometry::Bvh>(surface_B)};
 }
 
 Result<std::vector<Bone>> make_bones(const plan::CutSegments& cut,
@@ -58,8 +50,7 @@ Result<std::vector<Bone>> make_bones(const plan::CutSegments& cut,
 
 /// Steps of the longest path and all keyframes, ascending.
 std::vector<double> moments_of(std::span<const plan::PlannedSegment> planned) {
-  int steps = 1;
-  for (const plan::PlannedSegment& one : planned) steps = std::max(steps, one.path.steps);
+  const int steps = plan::steps_of(plan::paths_of(planned));
   std::vector<double> moments;
   for (int step = 1; step <= steps; ++step) moments.push_back(double(step) / steps);
   for (const plan::PlannedSegment& one : planned)
@@ -75,13 +66,10 @@ std::optional<BonePair> deepest_overlap(const Bone& first, const Bone& second,
   std::optional<BonePair> deepest;
   for (const double share : moments) {
     if (progress.stop_requested()) break;
-    const contact::SolidBone a{first.surface_B, {first.detector_B, first.pose_at(share)}};
-    const contact::SolidBone b{second.surface_B, {second.detector_B, second.pose_at(share)}};
-    contact::BoneOverlap overlap =
-        contact::measure_overlap(a, b, std::min(first.cell_mm, second.cell_mm));
-    if (!overlap.overlaps()) continue;
-    if (!deepest || overlap.deepest_mm > deepest->overlap.deepest_mm)
-      deepest = BonePair{first.name, second.name, share, std::move(overlap)};
+    BonePair pair = overlap_at(share, first, second);
+    if (!pair.overlap.overlaps()) continue;
+    if (!deepest || pair.overlap.deepest_mm > deepest->overlap.deepest_mm)
+      deepest = std::move(pair);
   }
   return deepest;
 }

@@ -2,11 +2,11 @@
 /// Whether bones can go where a plan sends them: told in seconds, before anything is solved.
 #pragma once
 
-#include <lefort/contact/bone_overlap.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/field/build_distance_field.h>
 #include <lefort/plan/cut_segments.h>
+#include <lefort/predict/bone_pairs.h>
 
 #include <span>
 #include <string>
@@ -20,13 +20,6 @@ struct PlanLimits {
   double gap_mm = 10.0;        ///< Cut faces may come to lie this far from other bone.
   double support_mm = 1.0;     ///< Bone nearer than this to a cut face supports it.
   double support_share = 0.1;  ///< This part of a segment's cut faces must be supported.
-};
-
-/// Bones that are in each other at one moment.
-struct BonePair {
-  std::string first, second;     ///< Names; "remainder" is the bone that stays.
-  double share = 0.0;            ///< Of the path.
-  contact::BoneOverlap overlap;  ///< Depths are of the first's vertices.
 };
 
 /// How a segment's cut faces lie at the end of its path.

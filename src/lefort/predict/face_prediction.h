@@ -1,5 +1,5 @@
 /// \file
-/// What a prediction found, step by step along the bone's path. A value.
+/// What a prediction found, step by step along the bones' paths. A value.
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -13,16 +13,27 @@
 
 namespace lefort::predict {
 
+/// One segment at a step.
+struct SegmentStep {
+  RigidTransform X_LB;
+  contact::ContactSummary contact;  ///< Of the tissue with it; zero where tissue is attached.
+};
+
 /// The equilibrium at one of the asked-for moments of the path.
 struct PredictionStep {
   double share = 0.0;                 ///< Of the path, 0 to 1.
-  RigidTransform X_LB;                ///< The segment's pose.
+  std::vector<SegmentStep> segments;  ///< In the order of the plan.
   std::vector<Vec3> displacement_mm;  ///< One per node of the tissue.
-  contact::ContactSummary contact;
+  /// Of the tissue that slides on still bone; zero unless some is painted so.
+  contact::ContactSummary still_contact = {};
   double smallest_J = 1.0;                 ///< Least volume ratio of an element; positive.
   double residual_n = 0.0;                 ///< Of the unbalanced forces, last iteration.
   double relative_residual = 0.0;          ///< To the forces that cancel (fem/assemble.h).
   std::vector<fem::LoadAttempt> attempts;  ///< All that was tried to come here.
+
+  /// With all segments. Tissue that touches two counts for both; the P99 is that of the segment
+  /// where it is largest, so that of all tissue in contact is no larger.
+  [[nodiscard]] contact::ContactSummary contact() const;
 
   /// Of all attempts.
   [[nodiscard]] Index newton_iterations() const {
@@ -44,13 +55,13 @@ struct PredictionIterate {
 
 struct FacePrediction {
   double contact_stiffness_mpa_per_mm = 0.0;  ///< k_c; 0 where tissue is attached.
-  double rest_penetration_mm = 0.0;   ///< Of the tissue's mesh into the segment before it moves.
+  double rest_penetration_mm = 0.0;   ///< Of the tissue's mesh into segments before they move.
   std::vector<PredictionStep> steps;  ///< Converged ones alone; all of them if nothing failed.
   std::optional<Error> failure;       ///< Why the path was not followed to its end.
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged step.
-  /// Of the nodes of set `contact` after the last step; empty if tissue is attached or the path was
-  /// not followed to its end.
-  std::vector<contact::NodalContact> touched;
+  /// Of the nodes of set `contact` after the last step, for each segment; empty if tissue is
+  /// attached or the path was not followed to its end.
+  std::vector<std::vector<contact::NodalContact>> touched;
 
   [[nodiscard]] bool converged() const { return !failure.has_value(); }
 };

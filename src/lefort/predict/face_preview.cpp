@@ -1,4 +1,5 @@
 #include <lefort/contact/measure_gap.h>
+#include <lefort/core/check.h>
 #include <lefort/fem/assemble.h>
 #include <lefort/fem/boundary_conditions.h>
 #include <lefort/fem/dof_map.h>
@@ -37,22 +38,27 @@ Error describe(fem::Factorisation outcome) {
 Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
                                                          const std::vector<std::int32_t>& first_row,
                                                          bool only_pushes) {
-  LEFORT_TRY(const auto detector_B,
-             contact::detect_by_field(model.segment_field_B, contact::Detection::kTrilinear));
   std::vector<PreviewModel::Support> supports;
-  for (const std::int32_t node : only_pushes
-                                     ? nodes_on_segment(model.tissue)
-                                     : nodes_with_segment(model.tissue, MovedBone::kAttached)) {
-    const Vec3& point_L = model.tissue.nodes_L[std::size_t(node)];
-    const std::int32_t row = first_row[std::size_t(node)];
-    if (!only_pushes) {
-      for (int axis = 0; axis < 3; ++axis) supports.push_back({row, point_L, Vec3::Unit(axis)});
-      continue;
+  const auto lists =
+      nodes_by_segment(model, only_pushes ? nodes_on_segment(model.tissue)
+                                          : nodes_with_segment(model.tissue, MovedBone::kAttached));
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    const auto segment = std::int32_t(k);
+    LEFORT_TRY(const auto detector_B,
+               contact::detect_by_field(model.segments[k].field_B, contact::Detection::kTrilinear));
+    for (const std::int32_t node : lists[k]) {
+      const Vec3& point_L = model.tissue.nodes_L[std::size_t(node)];
+      const std::int32_t row = first_row[std::size_t(node)];
+      if (!only_pushes) {
+        for (int axis = 0; axis < 3; ++axis)
+          supports.push_back({segment, row, point_L, Vec3::Unit(axis)});
+        continue;
+      }
+      const Vec3 gradient_L =
+          contact::measure_gap({detector_B}, point_L, contact::Derivatives::kFirst).gradient_L;
+      if (gradient_L.norm() < kKnowsTheWay) continue;
+      supports.push_back({segment, row, point_L, gradient_L.normalized()});
     }
-    const Vec3 gradient_L =
-        contact::measure_gap({detector_B}, point_L, contact::Derivatives::kFirst).gradient_L;
-    if (gradient_L.norm() < kKnowsTheWay) continue;
-    supports.push_back({row, point_L, gradient_L.normalized()});
   }
   return supports;
 }
@@ -65,6 +71,9 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
                                         const BoundaryOptions& boundary, const Vec3& spacing_mm) {
   const mesh::VolumeMesh& tissue = model.tissue;
   const std::vector<std::int32_t>& fixed = tissue.node_sets.at(sets::kFixed);
+  if (tissue.face_sets.contains(sets::kStillContact))
+    return fail(ErrorCode::kPlanInvalid,
+                "boundary.labels: the preview knows no tissue painted to slide on still bone");
   if (!nodes_with_segment(tissue, MovedBone::kContact).empty())
     return fail(ErrorCode::kPlanInvalid,
                 "boundary.labels: the preview knows no tissue painted to move with the segment");
@@ -80,6 +89,7 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
 
   PreviewModel preview;
   preview.only_pushes = boundary.moved_bone == MovedBone::kContact;
+  preview.segment_count = std::int32_t(model.segments.size());
   preview.stiffness_n_per_mm = assembler.tangent(VectorX::Zero(3 * tissue.node_count()));
   for (Index node = 0; node < tissue.node_count(); ++node)
     preview.first_row.push_back(assembler.dofs().free_number(3 * node));
@@ -115,7 +125,7 @@ fem::SparseMatrix FacePreview::Parts::stiffness(const std::vector<char>& pushes)
   fem::SparseMatrix K = model.stiffness_n_per_mm;
   for (std::size_t s = 0; s < pushes.size(); ++s) {
     if (!pushes[s]) continue;
-    const auto& [row, point_L, n] = model.supports[s];
+    const auto& [segment, row, point_L, n] = model.supports[s];
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j <= i; ++j)
         K.coeffRef(row + i, row + j) += model.support_n_per_mm * n[i] * n[j];
@@ -144,9 +154,12 @@ FacePreview& FacePreview::operator=(FacePreview&&) noexcept = default;
 
 Index FacePreview::vertex_count() const { return Index(parts_->model.skin.followers.size()); }
 
-Result<std::vector<Vec3>> FacePreview::displacement_mm(const RigidTransform& X_LB) const {
+std::size_t FacePreview::segment_count() const { return std::size_t(parts_->model.segment_count); }
+
+Result<std::vector<Vec3>> FacePreview::displacement_mm(std::span<const RigidTransform> X_LB) const {
   Parts& parts = *parts_;
   const PreviewModel& model = parts.model;
+  LEFORT_CHECK(X_LB.size() == segment_count());
   const std::scoped_lock lock(parts.mutex);
   const std::size_t count = model.supports.size();
   if (!parts.is_factorised) {  // With all supports: near to whatever is asked for.
@@ -159,7 +172,8 @@ Result<std::vector<Vec3>> FacePreview::displacement_mm(const RigidTransform& X_L
   bool is_at_rest = true;
   for (std::size_t s = 0; s < count; ++s) {
     const Vec3& p = model.supports[s].point_L;
-    pushed_mm[s] = model.supports[s].direction_L.dot(X_LB * p - p);
+    const RigidTransform& X = X_LB[std::size_t(model.supports[s].segment)];
+    pushed_mm[s] = model.supports[s].direction_L.dot(X * p - p);
     is_at_rest = is_at_rest && std::abs(pushed_mm[s]) < kAtRest_mm;
     if (model.only_pushes) pushes[s] = pushed_mm[s] > 0.0;
   }
@@ -169,7 +183,7 @@ Result<std::vector<Vec3>> FacePreview::displacement_mm(const RigidTransform& X_L
     if (!model.only_pushes) break;
     std::size_t changed = 0;
     for (std::size_t s = 0; s < count; ++s) {
-      const auto& [row, point_L, n] = model.supports[s];
+      const auto& [segment, row, point_L, n] = model.supports[s];
       const char should = pushed_mm[s] > n.dot(u.segment<3>(row));
       changed += should != pushes[s];
       pushes[s] = should;

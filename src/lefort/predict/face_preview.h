@@ -1,5 +1,5 @@
 /// \file
-/// How the face answers a motion of the segment, in a moment: a preview, not a prediction.
+/// How the face answers a motion of the segments, in a moment: a preview, not a prediction.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace lefort::predict {
@@ -22,8 +23,9 @@ struct PreviewModel {
   fem::SparseMatrix stiffness_n_per_mm;
   std::vector<std::int32_t> first_row;  ///< Of each node's three rows; -1 where it is fixed.
 
-  /// A point of the tissue on the segment, held off it along one direction.
+  /// A point of the tissue on a segment, held off it along one direction.
   struct Support {
+    std::int32_t segment = 0;         ///< Which, in the order of the plan.
     std::int32_t row = 0;             ///< The first of its three.
     Vec3 point_L = Vec3::Zero();      ///< At rest.
     Vec3 direction_L = Vec3::Zero();  ///< Unit length, out of the bone.
@@ -31,19 +33,20 @@ struct PreviewModel {
   std::vector<Support> supports;
   bool only_pushes = true;  ///< Tissue slides and comes off; else it is attached.
   double support_n_per_mm = 0.0;
+  std::int32_t segment_count = 1;
   SkinBinding skin;
 };
 
 /// \param skin_L      the surface whose displacement is wanted.
 /// \param spacing_mm  of the scan.
-/// \returns kAnatomyMissing if no tissue lies on the segment, or nothing holds it.
+/// \returns kAnatomyMissing if no tissue lies on a segment, or nothing holds it.
 [[nodiscard]] Result<PreviewModel> make_preview_model(const FaceModel& model,
                                                       const geometry::TriangleMesh& skin_L,
                                                       const TissueOptions& tissue,
                                                       const BoundaryOptions& boundary,
                                                       const Vec3& spacing_mm);
 
-/// Small-strain elasticity with the stiffness at rest. Tissue that lies on the segment is pushed
+/// Small-strain elasticity with the stiffness at rest. Tissue that lies on a segment is pushed
 /// along the bone's normal at rest, slides, and comes off where the bone leaves it; attached tissue
 /// goes with the bone. Nothing turns or stretches by more than the first order, and no tissue
 /// meets bone that it did not lie on: how far that is from a prediction grows with the motion.
@@ -56,13 +59,15 @@ class FacePreview {
   FacePreview(FacePreview&&) noexcept;
   FacePreview& operator=(FacePreview&&) noexcept;
 
-  /// \param X_LB  of the segment.
+  /// \param X_LB  of each segment, in the order of the plan.
   /// \returns the displacement of each skin vertex [mm]; kOutOfMemory or kNotConverged if the
   ///   equations cannot be solved.
   /// \note The first call factorises. All others iterate with that factor.
-  [[nodiscard]] Result<std::vector<Vec3>> displacement_mm(const RigidTransform& X_LB) const;
+  [[nodiscard]] Result<std::vector<Vec3>> displacement_mm(
+      std::span<const RigidTransform> X_LB) const;
 
   [[nodiscard]] Index vertex_count() const;
+  [[nodiscard]] std::size_t segment_count() const;
 
  private:
   struct Parts;

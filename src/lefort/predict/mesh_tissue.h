@@ -35,6 +35,7 @@ inline constexpr std::array<RegionName, 4> kNames{
 /// No element of a mesh with skin may have a smaller scaled Jacobian.
 inline constexpr double kSmallestJacobian = 0.05;
 
+/// \param segment_L  as make_tissue_domain() has it.
 /// \returns tetrahedra without sets, or as mesh::generate_tets.
 /// \pre !options.skin
 [[nodiscard]] Result<mesh::VolumeMesh> mesh_tissue(const TissueDomain& domain,

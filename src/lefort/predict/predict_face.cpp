@@ -30,8 +30,8 @@ namespace {
 
 using NodeList = std::vector<std::int32_t>;
 
-/// Where equilibrium is sought: at every increment, and at every keyframe, which the bone must not
-/// cut short.
+/// Where equilibrium is sought: at every increment, and at every keyframe, which no bone must cut
+/// short.
 struct LoadLevel {
   double share;
   bool is_step;
@@ -39,30 +39,35 @@ struct LoadLevel {
 
 /// \param increments  of a step. Six steps of four have the levels of 24 steps of one, bit by bit:
 ///   division rounds equal ratios alike.
-std::vector<LoadLevel> load_levels(const plan::BonePath& path, int increments) {
+std::vector<LoadLevel> load_levels(const std::vector<plan::BonePath>& paths, int increments) {
   constexpr double kSame = 1e-9;  // Shares; a keyframe at 0.3333333333 is step 1 of 3.
+  const int count = increments * plan::steps_of(paths);
   std::vector<LoadLevel> levels;
-  for (int n = 1; n <= increments * path.steps; ++n)
-    levels.push_back({double(n) / (increments * path.steps), n % increments == 0});
-  for (const plan::Keyframe& keyframe : path.keyframes) {
-    const bool known = std::any_of(levels.begin(), levels.end(), [&](const LoadLevel& level) {
-      return std::abs(level.share - keyframe.at) <= kSame;
-    });
-    if (!known) levels.push_back({keyframe.at, false});
-  }
+  for (int n = 1; n <= count; ++n) levels.push_back({double(n) / count, n % increments == 0});
+  for (const plan::BonePath& path : paths)
+    for (const plan::Keyframe& keyframe : path.keyframes) {
+      const bool known = std::any_of(levels.begin(), levels.end(), [&](const LoadLevel& level) {
+        return std::abs(level.share - keyframe.at) <= kSame;
+      });
+      if (!known) levels.push_back({keyframe.at, false});
+    }
   std::sort(levels.begin(), levels.end(),
             [](const LoadLevel& a, const LoadLevel& b) { return a.share < b.share; });
   return levels;
 }
 
-Result<void> check_sets(const FaceModel& model, const plan::BonePath& path, MovedBone moved_bone) {
+/// \param attached  to each segment.
+Result<void> check_sets(const FaceModel& model, const std::vector<plan::BonePath>& paths,
+                        const std::vector<NodeList>& attached) {
   for (const char* set : {sets::kMovedBone, sets::kFixed})
     LEFORT_CHECK(model.tissue.node_sets.count(set) > 0);
   LEFORT_CHECK(model.tissue.face_sets.count(sets::kContact) > 0);
-  if (model.tissue.node_sets.at(sets::kMovedBone).empty() &&
-      nodes_with_segment(model.tissue, moved_bone).empty())
-    return fail(ErrorCode::kAnatomyMissing,
-                fmt::format("no soft tissue lies on segment {}", path.segment));
+  const std::vector<NodeList> on_bone =
+      nodes_by_segment(model, model.tissue.node_sets.at(sets::kMovedBone));
+  for (std::size_t k = 0; k < paths.size(); ++k)
+    if (on_bone[k].empty() && attached[k].empty())
+      return fail(ErrorCode::kAnatomyMissing,
+                  fmt::format("no soft tissue lies on segment {}", paths[k].segment));
   if (model.tissue.node_sets.at(sets::kFixed).empty())
     return fail(ErrorCode::kAnatomyMissing,
                 "nothing holds the soft tissue: no cut and no still bone within the region");
@@ -99,26 +104,31 @@ fem::NewtonOptions newton_options(const SolverOptions& solver, const TissueOptio
   return options;
 }
 
-/// How far the segment moves per share of its path, at most.
-double speed_mm(const plan::BonePath& path, const geometry::TriangleMesh& segment_B) {
-  double fastest_mm = 0.0, from = 0.0;
-  for (const plan::Keyframe& keyframe : path.keyframes) {
-    const double moved_mm =
-        plan::largest_displacement_mm(path, segment_B.vertices, from, keyframe.at);
-    fastest_mm = std::max(fastest_mm, moved_mm / (keyframe.at - from));
-    from = keyframe.at;
+/// How far the fastest segment moves per share of its path, at most.
+double speed_mm(const std::vector<plan::BonePath>& paths,
+                const std::vector<MovedSegment>& segments) {
+  double fastest_mm = 0.0;
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    double from = 0.0;
+    for (const plan::Keyframe& keyframe : paths[k].keyframes) {
+      const double moved_mm = plan::largest_displacement_mm(
+          paths[k], segments[k].surface_B.vertices, from, keyframe.at);
+      fastest_mm = std::max(fastest_mm, moved_mm / (keyframe.at - from));
+      from = keyframe.at;
+    }
   }
   return fastest_mm;
 }
 
 /// Into how many equal increments a step is cut, so that plans that differ in their number of steps
 /// alone come down to increments alike.
-int increments_of_step(const PredictionOptions& prediction, const plan::BonePath& path,
-                       const geometry::TriangleMesh& segment_B, double reach_mm) {
+int increments_of_step(const PredictionOptions& prediction,
+                       const std::vector<plan::BonePath>& paths,
+                       const std::vector<MovedSegment>& segments, double reach_mm) {
   constexpr double kOfElement = 0.25, kOfReach = 0.5;
   const double largest_mm =
       std::min(kOfElement * prediction.tissue.element_size_mm, kOfReach * reach_mm);
-  const double step_mm = speed_mm(path, segment_B) / path.steps;
+  const double step_mm = speed_mm(paths, segments) / plan::steps_of(paths);
   return int(std::max(std::ceil(step_mm / largest_mm - 1e-9), 1.0));
 }
 
@@ -131,33 +141,49 @@ fem::LoadStepOptions load_step_options(const SolverOptions& solver, double incre
   return options;
 }
 
-}  // namespace
+using Detectors = std::vector<std::shared_ptr<const contact::Detector>>;
 
-Result<std::shared_ptr<const contact::Detector>> detect_segment(
-    const geometry::TriangleMesh& segment_B,
-    const std::shared_ptr<const field::DistanceField>& field_B, contact::Detection detection) {
-  if (detection != contact::Detection::kBvh) return contact::detect_by_field(field_B, detection);
-  return contact::detect_by_bvh(std::make_shared<const geometry::Bvh>(segment_B),
-                                field_B->band_mm());
+Result<Detectors> detect_all(const std::vector<MovedSegment>& segments,
+                             contact::Detection detection) {
+  Detectors detectors_B;
+  for (const MovedSegment& segment : segments) {
+    LEFORT_TRY(auto detector_B, detect_segment(segment, detection));
+    detectors_B.push_back(std::move(detector_B));
+  }
+  return detectors_B;
 }
 
-Result<void> check_reach(const plan::BonePath& path, const geometry::TriangleMesh& segment_B,
-                         const contact::Detector& detector_B, const BoundaryOptions& boundary) {
-  if (boundary.moved_bone != MovedBone::kContact) return {};
+/// Whether contact with still bone can be told where tissue is painted to slide on it.
+Result<void> check_still_bone(const contact::Detector& detector_L, double capture_mm) {
+  if (!detector_L.is_closed())
+    return fail(ErrorCode::kMeshInvalid,
+                "the still bone is an open surface, tissue that slides on it needs a closed one");
+  if (capture_mm < detector_L.reach_mm()) return {};
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("boundary.capture_mm is {:g} mm, must be less than the {:.2f} mm that the "
+                  "still bone's distance field reaches",
+                  capture_mm, detector_L.reach_mm()));
+}
+
+/// Of one segment, see check_reach().
+Result<void> check_reach_of(const plan::BonePath& path, const std::vector<LoadLevel>& levels,
+                            const MovedSegment& segment, const contact::Detector& detector_B,
+                            double capture_mm) {
   const double band_mm = detector_B.reach_mm();
   if (!detector_B.is_closed())
     return fail(
         ErrorCode::kMeshInvalid,
         fmt::format("segment {} is an open surface, contact needs a closed one", path.segment));
-  if (!(boundary.capture_mm < band_mm))
+  if (!(capture_mm < band_mm))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("boundary.capture_mm is {:g} mm, must be less than the {:.2f} mm that "
                             "the segment's distance field reaches",
-                            boundary.capture_mm, band_mm));
+                            capture_mm, band_mm));
   double longest_mm = 0.0, mm_per_share = 0.0, from = 0.0;
-  for (const LoadLevel& level : load_levels(path, 1)) {
+  for (const LoadLevel& level : levels) {
     const double moved_mm =
-        plan::largest_displacement_mm(path, segment_B.vertices, from, level.share);
+        plan::largest_displacement_mm(path, segment.surface_B.vertices, from, level.share);
     longest_mm = std::max(longest_mm, moved_mm);
     mm_per_share = std::max(mm_per_share, moved_mm / (level.share - from));
     from = level.share;
@@ -169,19 +195,60 @@ Result<void> check_reach(const plan::BonePath& path, const geometry::TriangleMes
                           path.segment, longest_mm, band_mm, int(mm_per_share / band_mm) + 1));
 }
 
+Result<void> check_reaches(const std::vector<plan::BonePath>& paths,
+                           const std::vector<MovedSegment>& segments, const Detectors& detectors_B,
+                           const BoundaryOptions& boundary) {
+  if (boundary.moved_bone != MovedBone::kContact) return {};
+  const std::vector<LoadLevel> levels = load_levels(paths, 1);
+  for (std::size_t k = 0; k < paths.size(); ++k)
+    LEFORT_TRY_VOID(
+        check_reach_of(paths[k], levels, segments[k], *detectors_B[k], boundary.capture_mm));
+  return {};
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const contact::Detector>> detect_segment(const MovedSegment& segment,
+                                                                contact::Detection detection) {
+  if (detection != contact::Detection::kBvh)
+    return contact::detect_by_field(segment.field_B, detection);
+  return contact::detect_by_bvh(std::make_shared<const geometry::Bvh>(segment.surface_B),
+                                segment.field_B->band_mm());
+}
+
+Result<void> check_reach(const std::vector<plan::BonePath>& paths,
+                         const std::vector<MovedSegment>& segments, contact::Detection detection,
+                         const BoundaryOptions& boundary) {
+  LEFORT_CHECK(paths.size() == segments.size());
+  LEFORT_TRY(const Detectors detectors_B, detect_all(segments, detection));
+  return check_reaches(paths, segments, detectors_B, boundary);
+}
+
+contact::ContactSummary PredictionStep::contact() const {
+  contact::ContactSummary all;
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const contact::ContactSummary& one = segments[k].contact;
+    all = k == 0 ? one : contact::together(all, one);
+  }
+  return all;
+}
+
 double contact_stiffness_mpa_per_mm(const TissueOptions& tissue, const ContactOptions& contact) {
   return stiffness_factor(contact) * tissue.young_mpa / tissue.element_size_mm;
 }
 
-Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath& path,
+Result<FacePrediction> predict_face(const FaceModel& model,
+                                    const std::vector<plan::BonePath>& paths,
                                     const PredictionOptions& options, const PredictionWatch& watch,
                                     Progress& progress, std::optional<Restart> earlier) {
-  LEFORT_TRY_VOID(plan::check_path(path));
-  LEFORT_TRY(const auto detector_B,
-             detect_segment(model.segment_B, model.segment_field_B, options.contact.detection));
-  LEFORT_TRY_VOID(check_reach(path, model.segment_B, *detector_B, options.boundary));
-  LEFORT_TRY_VOID(check_sets(model, path, options.boundary.moved_bone));
+  LEFORT_CHECK(paths.size() == model.segments.size());
+  for (const plan::BonePath& path : paths) LEFORT_TRY_VOID(plan::check_path(path));
+  LEFORT_TRY(const Detectors detectors_B, detect_all(model.segments, options.contact.detection));
+  LEFORT_TRY_VOID(check_reaches(paths, model.segments, detectors_B, options.boundary));
   const mesh::VolumeMesh& tissue = model.tissue;
+  const std::vector<NodeList> attached =
+      nodes_by_segment(model, nodes_with_segment(tissue, options.boundary.moved_bone));
+  LEFORT_TRY_VOID(check_sets(model, paths, attached));
   const bool is_contact = options.boundary.moved_bone == MovedBone::kContact;
 
   LEFORT_TRY(const fem::RegionMaterials materials, materials_of(options.tissue));
@@ -191,44 +258,70 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
 
   FacePrediction prediction;
   std::vector<contact::ContactTerm> contacts;
-  contacts.reserve(1);  // The assembler points to it.
-  if (is_contact) {
+  contacts.reserve(paths.size() + 1);  // The assembler points to them.
+  const auto sliding = tissue.face_sets.find(sets::kStillContact);
+  const bool slides = sliding != tissue.face_sets.end();
+  if (is_contact || slides)
     prediction.contact_stiffness_mpa_per_mm =
         contact_stiffness_mpa_per_mm(options.tissue, options.contact);
+  std::vector<contact::BoneObstacle> bones;  // At rest: the segments, and what tissue slides on.
+  for (const auto& detector_B : detectors_B)
+    bones.push_back({detector_B, RigidTransform::Identity()});
+  if (slides) {
+    LEFORT_CHECK(model.still_bone);
+    LEFORT_TRY(auto detector_L, detect_segment(*model.still_bone, options.contact.detection));
+    LEFORT_TRY_VOID(check_still_bone(*detector_L, options.boundary.capture_mm));
+    bones.push_back({std::move(detector_L), RigidTransform::Identity()});
+  }
+  const auto add_contact = [&](std::size_t bone, const std::string& name,
+                               const std::vector<mesh::Face>& faces) {
+    std::vector<contact::BoneObstacle> beside = bones;
+    beside.erase(beside.begin() + std::ptrdiff_t(bone));
     contacts.push_back({tissue.nodes_L,
-                        tissue.face_sets.at(sets::kContact),
-                        {detector_B, RigidTransform::Identity()},
-                        {.name = "segment " + path.segment,
+                        faces,
+                        bones[bone],
+                        {.name = name,
                          .stiffness_mpa_per_mm = prediction.contact_stiffness_mpa_per_mm,
                          .capture_mm = options.boundary.capture_mm,
                          .integration = options.contact.integration,
-                         .penetration_tolerance_mm = options.contact.penetration_tolerance_mm}});
-    terms.push_back(&contacts[0]);
-    prediction.rest_penetration_mm = contacts[0].rest_penetration_mm();
-    if (prediction.rest_penetration_mm > options.boundary.capture_mm)
+                         .penetration_tolerance_mm = options.contact.penetration_tolerance_mm},
+                        beside});
+    terms.push_back(&contacts.back());
+  };
+  const std::size_t of_segments = is_contact ? paths.size() : 0;  // The first so many contacts.
+  for (std::size_t k = 0; k < of_segments; ++k) {
+    add_contact(k, "segment " + paths[k].segment, tissue.face_sets.at(sets::kContact));
+    const double inside_mm = contacts[k].rest_penetration_mm();
+    prediction.rest_penetration_mm = std::max(prediction.rest_penetration_mm, inside_mm);
+    if (inside_mm > options.boundary.capture_mm)
       progress.note(fmt::format(
-          "warning: the tissue's mesh lies up to {:.2f} mm inside the segment before it moves, "
+          "warning: the tissue's mesh lies up to {:.2f} mm inside the segment {} before it moves, "
           "deeper than boundary.capture_mm = {:g} mm",
-          prediction.rest_penetration_mm, options.boundary.capture_mm));
+          inside_mm, paths[k].segment, options.boundary.capture_mm));
   }
+  if (slides) add_contact(paths.size(), "still bone", sliding->second);
 
-  const NodeList attached = nodes_with_segment(tissue, options.boundary.moved_bone);
-  const auto prescribed_at = [&](const RigidTransform& X_LB) {
+  const auto prescribed_at = [&](const std::vector<RigidTransform>& X_LB) {
     auto prescribed = fem::fix(tissue.node_sets.at(sets::kFixed));
-    const auto with_bone = fem::move_rigidly(attached, tissue.nodes_L, X_LB);
-    prescribed.insert(prescribed.end(), with_bone.begin(), with_bone.end());
+    for (std::size_t k = 0; k < X_LB.size(); ++k) {
+      const auto with_bone = fem::move_rigidly(attached[k], tissue.nodes_L, X_LB[k]);
+      prescribed.insert(prescribed.end(), with_bone.begin(), with_bone.end());
+    }
     return prescribed;
   };
+  const auto pose_contacts = [&](const std::vector<RigidTransform>& X_LB) {
+    for (std::size_t k = 0; k < of_segments; ++k) contacts[k].set_pose(X_LB[k]);
+  };
   LEFORT_TRY(fem::DofMap dofs,
-             fem::DofMap::build(tissue.node_count(), prescribed_at(RigidTransform::Identity())));
+             fem::DofMap::build(tissue.node_count(), prescribed_at(plan::poses_at(paths, 0.0))));
   const fem::Assembler assembler(tissue.nodes_L, std::move(dofs), terms);
 
   std::optional<fem::LinearSolver> linear_solver(std::in_place);
   PredictionIterate seen;
   seen.attempt = 0;
   const auto solve_at = [&](double share, const VectorX& start) {
-    const RigidTransform X_LB = plan::pose_at(path, share);
-    for (contact::ContactTerm& contact : contacts) contact.set_pose(X_LB);
+    const std::vector<RigidTransform> X_LB = plan::poses_at(paths, share);
+    pose_contacts(X_LB);
     seen.to_share = share;
     ++seen.attempt;
     seen.iteration = -1;
@@ -254,21 +347,22 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     so_far = *std::move(earlier);
     LEFORT_CHECK(so_far.contacts.size() == contacts.size());
     const fem::LoadState& last = so_far.stepper.last;
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-      contacts[i].set_pose(plan::pose_at(path, last.t));
-      contacts[i].restore(so_far.contacts[i], contact::displaced(tissue.nodes_L, last.u));
-    }
+    pose_contacts(plan::poses_at(paths, last.t));
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      contacts[k].restore(so_far.contacts[k], contact::displaced(tissue.nodes_L, last.u));
   }
-  const int parts = increments_of_step(options, path, model.segment_B, detector_B->reach_mm());
+  double reach_mm = std::numeric_limits<double>::infinity();
+  for (const auto& detector_B : detectors_B) reach_mm = std::min(reach_mm, detector_B->reach_mm());
+  const int parts = increments_of_step(options, paths, model.segments, reach_mm);
   const fem::LoadStepOptions increments =
-      load_step_options(options.solver, 1.0 / (parts * path.steps));
+      load_step_options(options.solver, 1.0 / (parts * plan::steps_of(paths)));
   fem::LoadStepper stepper =
       earlier
           ? fem::LoadStepper::resumed(so_far.stepper, solve_at, increments)
           : fem::LoadStepper({0.0, VectorX::Zero(3 * tissue.node_count())}, solve_at, increments);
 
   std::size_t attempts_told = 0;
-  for (const auto& [share, is_step] : load_levels(path, parts)) {
+  for (const auto& [share, is_step] : load_levels(paths, parts)) {
     if (share <= stepper.state().t) continue;  // Found by an earlier run.
     // An iterative solver's memory ends with a step, so that nothing depends on earlier ones.
     if (assembler.dofs().free_count() > fem::LinearSolverOptions{}.direct_rows)
@@ -295,10 +389,13 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
 
     PredictionStep result;
     result.share = share;
-    result.X_LB = plan::pose_at(path, share);
+    for (const RigidTransform& X_LB : plan::poses_at(paths, share))
+      result.segments.push_back({.X_LB = X_LB, .contact = {}});
     result.displacement_mm = as_vectors(stepper.state().u);
-    if (is_contact)
-      result.contact = contacts[0].summarise(contact::displaced(tissue.nodes_L, stepper.state().u));
+    const std::vector<Vec3> at_L = contact::displaced(tissue.nodes_L, stepper.state().u);
+    for (std::size_t k = 0; k < of_segments; ++k)
+      result.segments[k].contact = contacts[k].summarise(at_L);
+    if (slides) result.still_contact = contacts.back().summarise(at_L);
     result.smallest_J = smallest_volume_ratio(tissue, materials, stepper.state().u);
     const fem::NewtonIterate& last = new_attempts.back().history.back();
     result.residual_n = last.residual_n;
@@ -315,9 +412,9 @@ Result<FacePrediction> predict_face(const FaceModel& model, const plan::BonePath
     watch.on_restart(so_far);
   }
   prediction.steps = std::move(so_far.steps);
-  if (is_contact)
-    prediction.touched =
-        contacts[0].at_nodes(contact::displaced(tissue.nodes_L, stepper.state().u));
+  for (std::size_t k = 0; k < of_segments; ++k)
+    prediction.touched.push_back(
+        contacts[k].at_nodes(contact::displaced(tissue.nodes_L, stepper.state().u)));
   return prediction;
 }
 

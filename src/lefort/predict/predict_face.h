@@ -1,15 +1,13 @@
 /// \file
-/// The story: the segment moves, tissue is pushed or pulled along, and comes to rest at every step.
+/// The story: segments move, tissue is pushed or pulled along, and comes to rest at every step.
 #pragma once
 
 #include <lefort/contact/detector.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/fem/load_steps.h>
-#include <lefort/field/distance_field.h>
-#include <lefort/geometry/triangle_mesh.h>
-#include <lefort/mesh/volume_mesh.h>
 #include <lefort/plan/plan.h>
+#include <lefort/predict/face_model.h>
 #include <lefort/predict/face_prediction.h>
 #include <lefort/predict/prediction_options.h>
 
@@ -20,13 +18,6 @@
 
 namespace lefort::predict {
 
-/// All that is there before anything moves.
-struct FaceModel {
-  mesh::VolumeMesh tissue;  ///< With the sets of tissue_boundary.h.
-  geometry::TriangleMesh segment_B;
-  std::shared_ptr<const field::DistanceField> segment_field_B;
-};
-
 struct PredictionOptions {
   TissueOptions tissue;
   BoundaryOptions boundary;
@@ -36,23 +27,23 @@ struct PredictionOptions {
 
 /// Who tells how far the segment is.
 ///
-/// \param field_B  of the segment; a tree of boxes reaches as far as its band.
+/// A tree of boxes reaches as far as the field's band.
 /// \returns as contact::detect_by_field().
 [[nodiscard]] Result<std::shared_ptr<const contact::Detector>> detect_segment(
-    const geometry::TriangleMesh& segment_B,
-    const std::shared_ptr<const field::DistanceField>& field_B, contact::Detection detection);
+    const MovedSegment& segment, contact::Detection detection);
 
-/// Whether contact with a bone along this path can be told by its detector; nothing is asked of it
-/// where tissue is attached.
+/// Whether contact with bones along these paths can be told by their detectors; nothing is asked of
+/// them where tissue is attached.
 ///
-/// \returns nothing, or
-///   - kMeshInvalid      the surface is open: it has no inside;
-///   - kInvalidArgument  boundary.capture_mm is not less than the detector's reach;
-///   - kStepBeyondBand   the segment moves further from one load level to the next (steps and
-///     keyframes) than the detector reaches.
-[[nodiscard]] Result<void> check_reach(const plan::BonePath& path,
-                                       const geometry::TriangleMesh& segment_B,
-                                       const contact::Detector& detector_B,
+/// \param paths  one a segment.
+/// \returns nothing, or what detect_segment() returns, or
+///   - kMeshInvalid      a surface is open: it has no inside;
+///   - kInvalidArgument  boundary.capture_mm is not less than a detector's reach;
+///   - kStepBeyondBand   a segment moves further from one load level to the next (steps and
+///     keyframes of all) than its detector reaches.
+[[nodiscard]] Result<void> check_reach(const std::vector<plan::BonePath>& paths,
+                                       const std::vector<MovedSegment>& segments,
+                                       contact::Detection detection,
                                        const BoundaryOptions& boundary);
 
 /// k_c [MPa/mm] of a plan.
@@ -63,7 +54,8 @@ struct PredictionOptions {
 struct Restart {
   std::vector<PredictionStep> steps;  ///< Converged.
   fem::LoadStepper::Memory stepper;
-  std::vector<contact::ContactTerm::Memory> contacts;
+  std::vector<contact::ContactTerm::Memory>
+      contacts;  ///< One a segment, none if attached; still bone's.
 };
 
 /// Who watches a prediction; each may be empty.
@@ -73,21 +65,24 @@ struct PredictionWatch {
   std::function<void(const Restart&)> on_restart;  ///< Likewise, with all there is to keep.
 };
 
-/// Follows the path step by step; the bone passes through every keyframe between.
+/// Follows the paths step by step, all segments moving together; each passes through every keyframe
+/// of its own. There are as many steps as plan::steps_of() says.
 ///
-/// Between two steps no part of the segment moves further at once than a quarter of an element,
-/// nor than half its detector's reach: the increments, not the steps, decide what is found.
-/// \param earlier  where a run of the same model, path and options was stopped; the rest of the
+/// Between two steps no part of a segment moves further at once than a quarter of an element, nor
+/// than half its detector's reach: the increments, not the steps, decide what is found.
+/// \pre model.still_bone, where the tissue has a set sets::kStillContact.
+/// \param paths    one for each of the model's segments.
+/// \param earlier  where a run of the same model, paths and options was stopped; the rest of the
 ///   way is found with the same bits as without the stop.
 /// \returns the steps that converged, and why it ended early if it did; or
-///   - kPlanInvalid      the path cannot be followed (plan::check_path);
-///   - what detect_segment() and check_reach() return;
-///   - kAnatomyMissing   no tissue lies on the segment, or nothing is fixed;
+///   - kPlanInvalid      a path cannot be followed (plan::check_path);
+///   - what check_reach() returns, and of still bone kMeshInvalid and kInvalidArgument likewise;
+///   - kAnatomyMissing   no tissue lies on a segment, or nothing is fixed;
 ///   - kInvalidArgument  a material constant lies outside its range;
 ///   - kOutOfMemory      the tissue's mesh is too fine for this machine;
 ///   - kCancelled        `progress` asked to stop.
 [[nodiscard]] Result<FacePrediction> predict_face(const FaceModel& model,
-                                                  const plan::BonePath& path,
+                                                  const std::vector<plan::BonePath>& paths,
                                                   const PredictionOptions& options,
                                                   const PredictionWatch& watch = {},
                                                   Progress& progress = Progress::none(),

@@ -110,6 +110,20 @@ std::vector<mesh::Face> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
   return faces;
 }
 
+/// Faces with a node that is painted to slide.
+std::vector<mesh::Face> faces_that_slide(const mesh::VolumeMesh& tissue) {
+  const NodeList slides = nodes_painted(tissue, BoundaryLabel::kSlides);
+  std::vector<mesh::Face> faces;
+  for (const mesh::Face& face : tissue.face_sets.at("boundary")) {
+    const auto nodes = nodes_of(face);
+    if (std::any_of(nodes.begin(), nodes.end(), [&](std::int32_t node) {
+          return std::binary_search(slides.begin(), slides.end(), node);
+        }))
+      faces.push_back(face);
+  }
+  return faces;
+}
+
 }  // namespace
 
 mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomain& domain,
@@ -150,6 +164,8 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
   tissue.node_sets[sets::kFixed] = std::move(fixed);
   if (painted != nullptr) paint_over(tissue, *painted);
   tissue.face_sets[sets::kContact] = faces_that_may_touch(tissue);
+  if (auto faces = faces_that_slide(tissue); !faces.empty())
+    tissue.face_sets[sets::kStillContact] = std::move(faces);
   return tissue;
 }
 
@@ -160,8 +176,7 @@ NodeList nodes_on_segment(const mesh::VolumeMesh& tissue) {
 NodeList nodes_with_segment(const mesh::VolumeMesh& tissue, MovedBone moved_bone) {
   const NodeList painted = nodes_painted(tissue, BoundaryLabel::kWithSegment);
   if (moved_bone == MovedBone::kContact) return painted;
-  return united(painted,
-                without(nodes_on_segment(tissue), nodes_painted(tissue, BoundaryLabel::kFree)));
+  return united(painted, without(nodes_on_segment(tissue), all_painted_nodes(tissue)));
 }
 
 NodeList all_painted_nodes(const mesh::VolumeMesh& tissue) {

@@ -27,6 +27,8 @@ inline constexpr const char* kSkin = "skin";
 inline constexpr const char* kFree = "free";        ///< Airway and the rest.
 inline constexpr const char* kFixed = "fixed";      ///< Nodes that do not move.
 inline constexpr const char* kContact = "contact";  ///< Faces that may meet the segment.
+/// Faces that slide on still bone. Not there unless something is painted so.
+inline constexpr const char* kStillContact = "still_contact";
 }  // namespace sets
 
 /// Adds those sets to a mesh of the domain.
@@ -37,7 +39,7 @@ inline constexpr const char* kContact = "contact";  ///< Faces that may meet the
 /// \param labels       the scan's labels: where the brain is.
 /// \param skin_L       the skin's surface. Its level would not do: levels end near their zero, and
 ///   deep inside look no further than the skin's neighbourhood.
-/// \param segment_L, remainder_L  the bones.
+/// \param segment_L, remainder_L  the bones; several segments as one mesh (plan::append).
 /// \param painted      if there is one, decides which nodes are fixed where it says anything; each
 ///   of its labels gets a set of those nodes (kBoundaryLabelStyles). The other sets tell where a
 ///   node lies, whatever is painted there.
@@ -51,7 +53,7 @@ inline constexpr const char* kContact = "contact";  ///< Faces that may meet the
 [[nodiscard]] std::vector<std::int32_t> nodes_on_segment(const mesh::VolumeMesh& tissue);
 
 /// Nodes that move with the segment: those painted so, and where `moved_bone` says so all on it
-/// that are not painted free. Ascending.
+/// that are not painted otherwise. Ascending.
 [[nodiscard]] std::vector<std::int32_t> nodes_with_segment(const mesh::VolumeMesh& tissue,
                                                            MovedBone moved_bone);
 

@@ -32,7 +32,7 @@ struct TissueDomain {
 
 /// \param soft_tissue_level  see anatomy/tissue_levels.h.
 /// \param scan_grid          of the scan itself.
-/// \param segment_L          the bone that moves.
+/// \param segment_L          the bone that moves; several segments as one mesh (plan::append).
 [[nodiscard]] TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,
                                               const image::Grid& scan_grid,
                                               const geometry::TriangleMesh& segment_L,

@@ -211,9 +211,10 @@ export class Client {
     return new Float32Array(await (await this.send('GET', `/prediction/steps/${step}`)).arrayBuffer());
   }
 
-  /** A number for each vertex of a surface; NaN where there is none. */
-  async values(name: Schemas['ValuesName']): Promise<Float32Array> {
-    return new Float32Array(await (await this.send('GET', `/values/${name}`)).arrayBuffer());
+  /** A number for each vertex of a surface; NaN where there is none. Of contact of several segments each has its own. */
+  async values(name: Schemas['ValuesName'], segment?: string): Promise<Float32Array> {
+    const query = segment === undefined ? '' : `?segment=${encodeURIComponent(segment)}`;
+    return new Float32Array(await (await this.send('GET', `/values/${name}${query}`)).arrayBuffer());
   }
 
   async file(name: string): Promise<Blob> {

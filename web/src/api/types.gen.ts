@@ -358,7 +358,7 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** A preview, not a prediction: displacement of each vertex of surface skin [mm], linearised at rest; needs job preview-factor */
+        /** A preview, not a prediction: displacement of each vertex of surface skin [mm], linearised at rest; needs job preview-factor and the pose of each of its segments */
         post: operations["postPreview"];
         delete?: never;
         options?: never;
@@ -754,7 +754,7 @@ export interface components {
         };
         PlanStored: {
             segments: string[];
-            /** @description A prediction takes plans of one segment. */
+            /** @description Whether a prediction takes the plan. */
             can_predict: boolean;
         };
         /** @description 4 by 4, row-major, rigid, from the bone as scanned to where it is [mm, LPS]. */
@@ -883,6 +883,10 @@ export interface components {
             step: number;
             share: number;
             pose: components["schemas"]["Pose"];
+            /** @description Of each segment by its name; pose is that of the plan's first. What else is told of contact is of all segments together. */
+            poses: {
+                [key: string]: components["schemas"]["Pose"];
+            };
             newton_iterations: number;
             relative_residual: number;
             contact_nodes: number;
@@ -903,8 +907,7 @@ export interface components {
             /** @description prediction.json or failure.json as it is. */
             document: Record<string, never>;
         };
-        /** @enum {unknown} */
-        FileName: "ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp";
+        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp") | string;
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];
@@ -1704,7 +1707,10 @@ export interface operations {
     };
     getValues: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Of contact: which segment's, if the plan has several; left out if it has one. */
+                segment?: string;
+            };
             header?: never;
             path: {
                 /** @description Which ones. */

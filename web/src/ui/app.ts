@@ -234,7 +234,7 @@ export class App {
       }
       this.stored.plan = this.model.doc.plan;
       clearTimeout(this.saveTimer);
-      this.patch({ canPredict: plan.segments.length === 1, saving: 'saved', saveError: null });
+      this.patch({ canPredict: plan.segments.length > 0, saving: 'saved', saveError: null });
       await this.afterPlanSaved();
     } catch (error) {
       if (!isMissing(error)) this.toast(sentence(error), 'error');

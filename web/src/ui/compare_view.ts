@@ -31,8 +31,8 @@ export class CompareView {
   }
 
   poseOf(s: State, index: number): Mat4 {
-    const compared = s.prediction?.steps[s.compareStep - 1]?.pose;
-    return index === 0 && compared ? compared : IDENTITY;
+    const name = this.app.model.doc.plan.segments[index]?.name ?? '';
+    return s.prediction?.steps[s.compareStep - 1]?.poses[name] ?? IDENTITY;
   }
 
   present(s: State): void {
@@ -116,25 +116,33 @@ export class CompareView {
     this.view.render();
   }
 
-  /** What the tissue does to the moved bone: told of the last step alone. */
+  /** What the tissue does to the moved bones, on one scale: told of the last step alone. */
   private async paintBone(): Promise<void> {
     const { s, doc } = this.app.model;
-    const body = doc.plan.segments[0] && this.view.body(`segments/${doc.plan.segments[0].name}`);
-    if (!body) return;
+    const { segments } = doc.plan;
+    const bodies = segments.flatMap(({ name }, index) => {
+      const body = this.view.body(`segments/${name}`);
+      return body ? [{ body, name, colour: segmentColour(index) }] : [];
+    });
+    if (bodies.length === 0) return;
     const wanted = this.showsContact(s) ? s.bonePaint : 'none';
-    const now = [body, wanted, stageOf(s, 'prediction').etag];
-    if (now.every((value, n) => value === this.paintedBone[n])) return;
+    const now = [wanted, stageOf(s, 'prediction').etag, segments.length, ...bodies.map(({ body }) => body)];
+    if (now.length === this.paintedBone.length && now.every((value, n) => value === this.paintedBone[n])) return;
     this.paintedBone = now;
-    const values = wanted === 'none' ? null : await this.app.outcome.values(wanted === 'pressure' ? 'contact-pressure' : 'contact-depth');
+    const kind = wanted === 'pressure' ? 'contact-pressure' : 'contact-depth';
+    const all = await Promise.all(
+      bodies.map(({ name }) => (wanted === 'none' ? null : this.app.outcome.values(kind, segments.length > 1 ? name : undefined))),
+    );
     if (this.paintedBone !== now) return; // Something else is wanted meanwhile.
-    if (values?.length === body.surface.points.length / 3) {
-      const top = roundUp(values.reduce((a, b) => Math.max(a, b), 0));
-      body.setValues(values, 'depth', 0, top, segmentColour(0));
-      this.app.patch({ boneTop: top });
-    } else {
-      body.setColour(segmentColour(0));
-      this.app.patch({ boneTop: null });
-    }
+    const fits = all.map((values, n) => (values?.length === bodies[n].body.surface.points.length / 3 ? values : null));
+    const told = fits.filter((values) => values !== null);
+    const top = told.length > 0 ? roundUp(Math.max(...told.map((values) => values.reduce((a, b) => Math.max(a, b), 0)))) : null;
+    bodies.forEach(({ body, colour }, n) => {
+      const values = fits[n];
+      if (values && top !== null) body.setValues(values, 'depth', 0, top, colour);
+      else body.setColour(colour);
+    });
+    this.app.patch({ boneTop: top });
     this.view.render();
   }
 

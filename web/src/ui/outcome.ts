@@ -7,7 +7,7 @@ import { stageOf } from './state';
 export class Outcome {
   private stepData = new Map<number, Float32Array>();
   private readonly regions = new Map<string, Schemas['RegionShifts']>();
-  private readonly kept = new Map<Schemas['ValuesName'], { etag: string | null; data: Float32Array | null }>();
+  private readonly kept = new Map<string, { etag: string | null; data: Float32Array | null }>();
 
   constructor(private readonly app: App) {}
 
@@ -76,15 +76,16 @@ export class Outcome {
   }
 
   /** Numbers for the vertices of a surface; null where there are none. */
-  async values(name: Schemas['ValuesName']): Promise<Float32Array | null> {
+  async values(name: Schemas['ValuesName'], segment?: string): Promise<Float32Array | null> {
     const { etag } = stageOf(this.app.model.s, name === 'difference' ? 'comparison' : 'prediction');
-    const known = this.kept.get(name);
+    const key = `${name} ${segment ?? ''}`;
+    const known = this.kept.get(key);
     if (known && known.etag === etag) return known.data;
-    const data = await this.app.client.values(name).catch((error: unknown) => {
+    const data = await this.app.client.values(name, segment).catch((error: unknown) => {
       if (!isMissing(error)) this.app.toast(sentence(error), 'error');
       return null;
     });
-    this.kept.set(name, { etag, data });
+    this.kept.set(key, { etag, data });
     return data;
   }
 

@@ -176,9 +176,9 @@ void tell_step(EventLog& events, int job, const predict::PredictionStep& step, i
                           {"share", step.share},
                           {"newton_iterations", step.newton_iterations()},
                           {"relative_residual", step.relative_residual},
-                          {"contact_nodes", step.contact.nodes},
-                          {"p99_depth_mm", step.contact.p99_depth_from_rest_mm},
-                          {"max_depth_mm", step.contact.max_depth_from_rest_mm}});
+                          {"contact_nodes", step.contact().nodes},
+                          {"p99_depth_mm", step.contact().p99_depth_from_rest_mm},
+                          {"max_depth_mm", step.contact().max_depth_from_rest_mm}});
 }
 
 Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,

@@ -1,10 +1,15 @@
+#include <lefort/app/server/named_files.h>
 #include <lefort/app/server/request_parts.h>
 #include <lefort/app/server/route.h>
 #include <lefort/app/server/served_case.h>
 #include <lefort/app/server/surface_bytes.h>
 #include <lefort/io/vertex_array.h>
 
+#include <fmt/format.h>
+
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace lefort::app::server {
 namespace {
@@ -15,27 +20,36 @@ using nlohmann::json;
 /// A number per vertex of a surface that pages may have.
 struct NamedValues {
   std::string_view name;
-  fs::path (*file)(const CaseFolder&);
+  /// Nothing if no segment can be called so.
+  std::optional<fs::path> (*file)(const CaseFolder&, std::string_view segment);
   const char* array;  ///< In the file.
 };
 
-const NamedValues kValues[] = {
-    {"contact-pressure",
-     [](const CaseFolder& c) { return c.prediction() / "bone_segment_moved.vtp"; },
-     "contact_pressure_kpa"},
-    {"contact-depth", [](const CaseFolder& c) { return c.prediction() / "bone_segment_moved.vtp"; },
-     "contact_depth_mm"},
-    {"difference", [](const CaseFolder& c) { return c.comparison() / "difference.vtp"; },
-     "difference_mm"}};
+/// \param segment  empty for the only one.
+std::optional<fs::path> of_moved_segment(const CaseFolder& folder, std::string_view segment) {
+  if (segment.empty()) return folder.prediction() / "bone_segment_moved.vtp";
+  return segment_result(folder, fmt::format("bone_segment_moved_{}.vtp", segment));
+}
+
+const NamedValues kValues[] = {{"contact-pressure", of_moved_segment, "contact_pressure_kpa"},
+                               {"contact-depth", of_moved_segment, "contact_depth_mm"},
+                               {"difference",
+                                [](const CaseFolder& c, std::string_view) {
+                                  return std::optional(c.comparison() / "difference.vtp");
+                                },
+                                "difference_mm"}};
 
 Reply get_values(ServedCase& served, const Request& request, const PathValues& values) {
   for (const NamedValues& named : kValues) {
     if (named.name != values[0]) continue;
-    const fs::path file = named.file(served.folder);
-    const auto etag = served.folder.etag(file);
+    const auto segment = request.query.find("segment");
+    const auto file =
+        named.file(served.folder, segment == request.query.end() ? "" : segment->second);
+    if (!file) return not_there("no segment is called so");
+    const auto etag = served.folder.etag(*file);
     if (!etag) return not_there("there are no such values yet");
     if (is_known(request, etag)) return not_modified(etag);
-    const auto numbers = io::read_vertex_array(file, named.array);
+    const auto numbers = io::read_vertex_array(*file, named.array);
     if (!numbers)
       return not_there("there are no such values: they were not made, or predict again");
     return with_etag(binary_reply(shared_bytes(float_bytes(*numbers))), etag);

@@ -1,3 +1,4 @@
+#include <lefort/app/predicted_poses.h>
 #include <lefort/app/preview_file.h>
 #include <lefort/app/server/request_parts.h>
 #include <lefort/app/server/route.h>
@@ -7,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace lefort::app::server {
 namespace {
@@ -64,21 +67,36 @@ Reply post_poses(ServedCase& served, const Request& request, const PathValues&) 
   return reply;
 }
 
+/// In the plan's order; none if there is no preview.
+std::vector<std::string> previewed_segments(ServedCase& served) {
+  const json document = read_object(served.folder.preview() / "preview.json");
+  std::vector<std::string> names;
+  if (const auto list = document.find("segments"); list != document.end() && list->is_array())
+    for (const json& name : *list)
+      if (name.is_string()) names.push_back(name.get<std::string>());
+  return names;
+}
+
 Reply post_preview(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "Poses");
   if (!body.value) return body.refused;
   const auto poses = as_poses((*body.value)["poses"]);
   if (!poses) return refusal(poses.error(), "poses");
-  const json document = read_object(served.folder.preview() / "preview.json");
-  const std::string segment = document.value("segment", "");
-  if (segment.empty())
+  const auto segments = previewed_segments(served);
+  if (segments.empty())
     return refusal(409, "not_ready", "no preview was prepared yet: run the job preview-factor");
-  if (poses->size() != 1 || !poses->contains(segment))
-    return refusal(422, "invalid", fmt::format("the preview is of segment {} alone", segment),
+  std::vector<RigidTransform> X_LB;
+  for (const std::string& segment : segments)
+    if (const auto pose = poses->find(segment); pose != poses->end()) X_LB.push_back(pose->second);
+  if (poses->size() != segments.size() || X_LB.size() != segments.size())
+    return refusal(422, "invalid",
+                   fmt::format("the preview is of segment {} alone", fmt::join(segments, " and ")),
                    "poses");
   const auto face = served.preview();
   if (!face) return refusal(face.error());
-  const auto displacement_mm = (*face)->displacement_mm(poses->at(segment));
+  if ((*face)->segment_count() != segments.size())
+    return refusal(422, "invalid", "the preview's files are damaged: prepare it again");
+  const auto displacement_mm = (*face)->displacement_mm(X_LB);
   if (!displacement_mm) return refusal(displacement_mm.error());
   Reply reply = binary_reply(shared_bytes(float_bytes(*displacement_mm)));
   reply.headers.emplace_back("X-Lefort-Note", kPreviewNote);
@@ -93,17 +111,22 @@ Reply get_preview_distance(ServedCase& served, const Request&, const PathValues&
   const auto before = io::read_surface(served.folder.prediction() / "skin_before.vtp");
   const auto after = io::read_surface(served.folder.prediction() / "predicted_skin.vtp");
   const json document = read_object(served.folder.prediction() / "prediction.json");
-  const auto last = document.find("steps") == document.end() || document["steps"].empty()
+  const json last = document.find("steps") == document.end() || document["steps"].empty()
                         ? json()
-                        : document["steps"].back().value("pose_4x4_row_major_mm_lps", json());
-  if (!before || !after || before->vertices.size() != after->vertices.size() || last.size() != 4)
+                        : document["steps"].back();
+  const auto poses = predicted_poses(document, last);
+  if (!before || !after || before->vertices.size() != after->vertices.size() || !poses)
     return refusal(422, "invalid", "the prediction's files are damaged: predict again");
+  std::vector<std::string> segments;
+  std::vector<RigidTransform> X_LB;
+  for (const auto& [segment, pose] : *poses) {
+    segments.push_back(segment);
+    X_LB.push_back(pose);
+  }
   if (Index(before->vertices.size()) != (*face)->vertex_count())
     return refusal(409, "not_ready", "preview and prediction are of different skins");
-  RigidTransform X_LB = RigidTransform::Identity();
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column)
-      X_LB.matrix()(row, column) = last[std::size_t(row)][std::size_t(column)].get<double>();
+  if (segments != previewed_segments(served) || X_LB.size() != (*face)->segment_count())
+    return refusal(409, "not_ready", "preview and prediction are of different segments");
   const auto preview_mm = (*face)->displacement_mm(X_LB);
   if (!preview_mm) return refusal(preview_mm.error());
   const PreviewDistance distance = measure_preview(*preview_mm, before->vertices, after->vertices);

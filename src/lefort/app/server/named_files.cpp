@@ -50,6 +50,24 @@ std::span<const NamedFile> named_files() { return kFiles; }
 
 std::span<const NamedFile> named_surfaces() { return kSurfaces; }
 
+bool is_segment_name(std::string_view name) {
+  return !name.empty() && name.size() <= 40 &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) {
+           return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                  c == '_' || c == '-';
+         });
+}
+
+std::optional<fs::path> segment_result(const CaseFolder& folder, std::string_view name) {
+  constexpr std::string_view kEnding = ".vtp";
+  for (const std::string_view beginning : {"bone_segment_moved_", "bone_overlap_"})
+    if (name.starts_with(beginning) && name.ends_with(kEnding) &&
+        is_segment_name(
+            name.substr(beginning.size(), name.size() - beginning.size() - kEnding.size())))
+      return folder.prediction() / name;
+  return std::nullopt;
+}
+
 const NamedFile* find_named(std::span<const NamedFile> files, std::string_view name) {
   const auto found =
       std::find_if(files.begin(), files.end(), [&](const auto& file) { return file.name == name; });

@@ -6,6 +6,7 @@
 #include <lefort/app/server/case_folder.h>
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -23,6 +24,14 @@ struct NamedFile {
 
 /// What pages may show.
 [[nodiscard]] std::span<const NamedFile> named_surfaces();
+
+/// Whether a page may name a segment so: as in contract/plan.schema.json.
+[[nodiscard]] bool is_segment_name(std::string_view name);
+
+/// Where the prediction of several segments keeps a file that each of them has one of, whether it
+/// is there or not; nothing if `name` is called like none.
+[[nodiscard]] std::optional<std::filesystem::path> segment_result(const CaseFolder& folder,
+                                                                  std::string_view name);
 
 /// The one of that name, or null.
 [[nodiscard]] const NamedFile* find_named(std::span<const NamedFile> files, std::string_view name);

@@ -1,4 +1,6 @@
 #include <lefort/app/compare_tables.h>
+#include <lefort/app/predicted_poses.h>
+#include <lefort/app/server/json_values.h>
 #include <lefort/app/server/request_parts.h>
 #include <lefort/app/server/route.h>
 #include <lefort/app/server/served_case.h>
@@ -31,15 +33,17 @@ Reply get_prediction(ServedCase& served, const Request& request, const PathValue
   json steps = json::array();
   try {
     for (const json& step : document.at("steps")) {
-      json pose = json::array();
-      for (const json& row : step.at("pose_4x4_row_major_mm_lps"))
-        for (const json& number : row) pose.push_back(number);
+      const auto where = predicted_poses(document, step);
+      if (!where) return refusal(422, "invalid", where.error().message + ": predict again");
+      json poses = json::object();
+      for (const auto& [segment, X_LB] : *where) poses[segment] = as_json(X_LB);
       std::size_t iterations = 0;
       for (const json& attempt : step.at("attempts"))
         iterations += std::max<std::size_t>(attempt.at("newton").size(), 1) - 1;
       steps.push_back({{"step", steps.size() + 1},
                        {"share", step.at("share")},
-                       {"pose", pose},
+                       {"pose", as_json(where->front().X_LB)},
+                       {"poses", poses},
                        {"newton_iterations", iterations},
                        {"relative_residual", step.at("relative_residual")},
                        {"contact_nodes", step.at("contact_nodes")},

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 namespace lefort::app::server {
@@ -15,15 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-/// Whether a page may name a segment so: as in contract/plan.schema.json.
-bool is_segment_name(std::string_view name) {
-  return !name.empty() && name.size() <= 40 &&
-         std::all_of(name.begin(), name.end(), [](unsigned char c) {
-           return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
-                  c == '_' || c == '-';
-         });
-}
 
 Reply surface_reply(ServedCase& served, const Request& request, const fs::path& file) {
   const auto etag = served.folder.etag(file);

@@ -59,7 +59,6 @@ export function predictPanel(app: App, s: State): Part {
       : html`
         ${section('Preview', overlapNotice(s), toggle('Preview of the face', s.showPreview, (on) => app.patch({ showPreview: on })), previewState(app, s),
           s.preview.state === 'shown' ? html`<p class="hint">Skin moves by up to <b>${mm(s.preview.largest_mm)}</b>. Shown <span data-id="preview-latency" data-ms=${(s.preview.latency_ms ?? 0).toFixed(0)}>${fixed((s.preview.latency_ms ?? 0) / 1000, 2)} s</span> after the change.</p>` : nothing)}
-        ${!s.canPredict && plan.segments.length > 1 ? notice('warning', 'A prediction takes one segment', 'This plan has several. It can be checked, and each segment predicted alone.') : nothing}
         ${check.state === 'fresh' && checkJob?.has_findings ? notice('warning', 'Something was found against this plan', 'The face can be predicted all the same. See step 5, Movement.') : nothing}
         ${s.prediction && (stage.state === 'fresh' || stage.state === 'stale' || stage.state === 'unconverged')
           ? section('Last solve',

@@ -1,0 +1,37 @@
+/// \file
+/// Bones of a plan on their way, two by two.
+#pragma once
+
+#include <lefort/contact/bone_overlap.h>
+#include <lefort/contact/detector.h>
+#include <lefort/plan/plan.h>
+
+#include <memory>
+#include <string>
+
+namespace lefort::predict {
+
+/// What the bone that stays is called.
+inline constexpr const char* kRemainder = "remainder";
+
+/// A bone that follows a path, or stays.
+struct PathBone {
+  std::string name;
+  const geometry::TriangleMesh* surface_B = nullptr;  ///< Closed. Not owned.
+  const plan::BonePath* path = nullptr;               ///< Null: it stays. Not owned.
+  std::shared_ptr<const contact::Detector> detector_B;
+  double cell_mm = 0.0;  ///< Of its field: what is thinner may be missed.
+
+  [[nodiscard]] RigidTransform pose_at(double share) const;
+};
+
+/// Bones that are in each other at one moment.
+struct BonePair {
+  std::string first, second;     ///< Names; kRemainder is the bone that stays.
+  double share = 0.0;            ///< Of the path.
+  contact::BoneOverlap overlap;  ///< Depths are of the first's vertices.
+};
+
+[[nodiscard]] BonePair overlap_at(double share, const PathBone& first, const PathBone& second);
+
+}  // namespace lefort::predict
