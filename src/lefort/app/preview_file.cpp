@@ -13,7 +13,7 @@
 namespace lefort::app {
 namespace {
 
-constexpr std::string_view kMagic = "lefort preview 1\n";
+constexpr std::string_view kMagic = "lefort preview 2\n";
 constexpr std::uintmax_t kLargest = std::uintmax_t(8) << 30;  // Bytes.
 
 template <class Item>
@@ -66,9 +66,11 @@ Result<void> write_preview_model(const std::filesystem::path& file,
   append(text, K.valuePtr(), std::size_t(K.nonZeros()));
   append(text, model.first_row.data(), model.first_row.size());
   std::vector<std::int32_t> rows, nodes;
+  std::vector<std::uint8_t> holds;
   Numbers places, weights;
   for (const auto& support : model.supports) {
     rows.push_back(support.row);
+    holds.push_back(support.holds ? 1 : 0);
     places.insert(places.end(), support.point_L.begin(), support.point_L.end());
     places.insert(places.end(), support.direction_L.begin(), support.direction_L.end());
   }
@@ -77,11 +79,11 @@ Result<void> write_preview_model(const std::filesystem::path& file,
     weights.insert(weights.end(), follower.weights.begin(), follower.weights.end());
   }
   append(text, rows.data(), rows.size());
+  append(text, holds.data(), holds.size());
   append(text, places.data(), places.size());
   append(text, nodes.data(), nodes.size());
   append(text, weights.data(), weights.size());
-  const Numbers rest{model.only_pushes ? 1.0 : 0.0, model.support_n_per_mm};
-  append(text, rest.data(), rest.size());
+  append(text, &model.support_n_per_mm, 1);
   return io::write_text(file, text);
 }
 
@@ -95,11 +97,13 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
   text.remove_prefix(kMagic.size());
   std::vector<int> columns, inner;
   std::vector<std::int32_t> rows, nodes;
-  Numbers values, places, weights, rest;
+  std::vector<std::uint8_t> holds;
+  Numbers values, places, weights, stiffness;
   predict::PreviewModel model;
   const bool is_whole = take(text, columns) && take(text, inner) && take(text, values) &&
-                        take(text, model.first_row) && take(text, rows) && take(text, places) &&
-                        take(text, nodes) && take(text, weights) && take(text, rest);
+                        take(text, model.first_row) && take(text, rows) && take(text, holds) &&
+                        take(text, places) && take(text, nodes) && take(text, weights) &&
+                        take(text, stiffness);
   const auto is_node = [&](std::int32_t node) {
     return node >= 0 && std::size_t(node) < model.first_row.size();
   };
@@ -107,8 +111,9 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
     return row >= -1 && row + 3 < std::int32_t(columns.size());
   };
   if (!is_whole || !text.empty() || values.size() != inner.size() || !is_pattern(columns, inner) ||
-      places.size() != 6 * rows.size() || nodes.size() % 3 != 0 || weights.size() != nodes.size() ||
-      rest.size() != 2 || !std::all_of(nodes.begin(), nodes.end(), is_node) ||
+      holds.size() != rows.size() || places.size() != 6 * rows.size() || nodes.size() % 3 != 0 ||
+      weights.size() != nodes.size() || stiffness.size() != 1 ||
+      !std::all_of(nodes.begin(), nodes.end(), is_node) ||
       !std::all_of(model.first_row.begin(), model.first_row.end(), is_row) ||
       !std::all_of(rows.begin(), rows.end(),
                    [&](std::int32_t row) { return row >= 0 && is_row(row); }))
@@ -117,11 +122,11 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
   model.stiffness_n_per_mm = Eigen::Map<const fem::SparseMatrix>(
       size, size, Index(inner.size()), columns.data(), inner.data(), values.data());
   for (std::size_t s = 0; s < rows.size(); ++s)
-    model.supports.push_back({rows[s], Vec3(&places[6 * s]), Vec3(&places[6 * s + 3])});
+    model.supports.push_back(
+        {rows[s], Vec3(&places[6 * s]), Vec3(&places[6 * s + 3]), holds[s] != 0});
   for (std::size_t v = 0; v < nodes.size(); v += 3)
     model.skin.followers.push_back({{nodes[v], nodes[v + 1], nodes[v + 2]}, Vec3(&weights[v])});
-  model.only_pushes = rest[0] != 0.0;
-  model.support_n_per_mm = rest[1];
+  model.support_n_per_mm = stiffness.front();
   return model;
 }
 
