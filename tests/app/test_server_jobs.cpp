@@ -15,6 +15,7 @@
 #include <fstream>
 #include <functional>
 #include <stdexcept>
+#include <thread>
 
 #include "support/ask_api.h"
 #include "support/run_program.h"
@@ -630,6 +631,27 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   ASSERT_EQ(paint(api, kWithSegment).status, 204);  // As it was: all that was made fits again.
   EXPECT_EQ(api.get("/case")["stages"]["prediction"]["state"], "fresh");
   EXPECT_EQ(api.get("/case")["stages"]["preview"]["state"], "fresh");
+}
+
+/// Which of the two it has read is not known, so it is of neither.
+TEST(CaseApi, WhatIsPaintedWhileAJobReadsItMakesItStale) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
+  ASSERT_EQ(paint(api, 3).status, 204);
+  json plan = test::small_plan();
+  plan["boundary"]["labels"] = "boundary.seg.nrrd";
+  ASSERT_EQ(api.put("/plan", plan).status, 200);
+  const int id = json::parse(api.ask("POST", "/jobs", R"({"kind":"preview-factor"})").text)["id"];
+  const std::string path = "/jobs/" + std::to_string(id);
+  while (api.get(path)["stage"] == "") std::this_thread::sleep_for(milliseconds(2));
+  ASSERT_EQ(paint(api, 1).status, 204);
+  const bool is_amid = api.get(path)["state"] == "running";
+  ASSERT_EQ(api.wait_for(id)["state"], "done");
+  ASSERT_EQ(paint(api, 3).status, 204);
+  if (is_amid) {  // Else it was quicker than this test.
+    EXPECT_EQ(api.get("/case")["stages"]["preview"]["state"], "stale");
+  }
 }
 
 TEST(CaseApi, WhatIsPaintedIsReplacedByWhoKnowsIt) {

@@ -3,8 +3,8 @@
 import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { check, runTests, test } from './harness.mjs';
-import { idle, id, settled, step } from './planner.mjs';
-import { endSmallCase, planned, predicted, smallHead, withPage } from './small_case.mjs';
+import { handleWhere, idle, id, look, saved, settled, step } from './planner.mjs';
+import { endSmallCase, PLAN, planned, predicted, smallHead, withPage } from './small_case.mjs';
 
 const args = process.argv.slice(2);
 const only = args.includes('--only') ? args[args.indexOf('--only') + 1] : null;
@@ -91,6 +91,67 @@ test('slices show where the bone is and was, by keys alone', () => withPage(plan
     return count;
   });
   check(`the outline is drawn: ${blue} pixels`, blue > 200);
+}));
+
+test('slices follow a bone while it is dragged', () => withPage(planned, async (page) => {
+  await step(page, 'movement');
+  await page.getByText('Slices with the moved outline').click();
+  await page.waitForSelector('.views[data-layout=slices]');
+  await look(page, 'From the patient’s right');
+  await settled(page);
+  const sagittal = page.locator('.slice[data-orientation=sagittal] canvas');
+  const shown = () => sagittal.evaluate((canvas) => canvas.toDataURL());
+  const [u, v] = await handleWhere(page, 'shift AP +');
+  const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
+  const before = await shown();
+  await page.mouse.move(box.x + u, box.y + v);
+  await page.mouse.down();
+  for (let n = 1; n <= 20; n++) await page.mouse.move(box.x + u + 2 * n, box.y + v);
+  await page.waitForTimeout(500);
+  const amid = await shown();
+  await page.mouse.up();
+  check('the outline has moved before the bone is let go', amid !== before);
+  await settled(page);
+  await page.keyboard.press('Control+z');
+  await saved(page);
+}));
+
+test('a page that is reloaded in a solve, or after it, shows the iterations of before', () => withPage(planned, async (page, { put }) => {
+  await put('/plan', { ...PLAN, segments: [{ ...PLAN.segments[0], path: { steps: 8, keyframes: [{ at: 1, translation_mm: [0, -3.5, 0] }] } }] });
+  await step(page, 'predict');
+  await page.click(id('predict'));
+  await page.waitForSelector(id('iterate-now'), { timeout: 120000 });
+  const points = () => page.getAttribute(id('residual-plot'), 'data-points').then(Number);
+  const steps = () => page.locator(`${id('step-table')} tbody tr`).count();
+  const before = await points();
+  await page.reload();
+  await page.waitForSelector(id('residual-plot'), { timeout: 60000 });
+  check(`as many iterations as before: ${before}, ${await points()}`, (await points()) >= before);
+  await page.waitForSelector(id('to-compare'), { timeout: 120000 });
+  await idle(page);
+  const all = await points();
+  await page.reload();
+  await page.waitForFunction(([sel, n]) => Number(document.querySelector(sel)?.dataset.points) === n, [id('residual-plot'), all]);
+  check('each step once', (await steps()) === 8);
+  await put('/plan', PLAN);
+}));
+
+test('a solve that goes on after a stop shows at once how far it is', () => withPage(planned, async (page, { put }) => {
+  await put('/plan', { ...PLAN, segments: [{ ...PLAN.segments[0], path: { steps: 40, keyframes: [{ at: 1, translation_mm: [0, -3.7, 0] }] } }] });
+  await step(page, 'predict');
+  await page.click(id('predict'));
+  const rowsOf = `${id('step-table')} tbody tr`;
+  await page.waitForFunction(([sel, n]) => document.querySelectorAll(sel).length >= n, [rowsOf, 3], { timeout: 120000 });
+  await page.click(id('stop-predict'));
+  await page.getByText('Stopped', { exact: true }).waitFor({ timeout: 60000 });
+  await page.getByRole('button', { name: /predict/i }).last().click();
+  await page.waitForSelector(id('stop-predict'));
+  await page.waitForSelector(id('step-table'), { timeout: 120000 });
+  const first = (await page.locator(rowsOf).allInnerTexts()).map((row) => Number(row.split(/\s/)[0]));
+  check(`all steps of before are there: ${first}`, first.length >= 3 && first.at(-1) === 1);
+  await page.click(id('stop-predict')).catch(() => undefined);
+  await idle(page);
+  await put('/plan', PLAN);
 }));
 
 const ok = await runTests({ all: false, only });

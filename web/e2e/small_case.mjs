@@ -25,7 +25,7 @@ const LANDMARKS = {
   'Al-R': [-10, -46, 5], 'Al-L': [10, -46, 5], 'En-R': [-10, -43, 18], 'En-L': [10, -43, 18],
 };
 
-const PLAN = {
+export const PLAN = {
   lefort_plan: 1, ct: 'ct.nrrd', landmarks: 'landmarks.mrk.json',
   segments: [{
     name: 'front',

@@ -109,11 +109,16 @@ template <class Work>
 Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Work& work) {
   LEFORT_TRY_VOID(check_plan(folder));
   LEFORT_TRY_VOID(folder.forget_result(stage));
-  const auto inputs = folder.inputs_of(stage);
+  auto inputs = folder.inputs_of(stage);
   if (inputs) LEFORT_TRY_VOID(folder.remember(stage, *inputs));
   Result<JobOutcome> outcome = work();
-  // What was changed meanwhile may or may not have been read: it fits nothing.
-  if (inputs && folder.inputs_of(stage) != inputs) LEFORT_TRY_VOID(folder.remember(stage, {}));
+  if (const auto now = folder.inputs_of(stage); inputs && now != inputs) {
+    // What was changed meanwhile may or may not have been read: it fits nothing, not even if it is
+    // changed back.
+    for (auto& [name, sha256] : *inputs)
+      if (!now || now->at(name) != sha256) sha256.clear();
+    LEFORT_TRY_VOID(folder.remember(stage, *inputs));
+  }
   return outcome;
 }
 
