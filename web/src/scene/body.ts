@@ -79,6 +79,13 @@ export class Body {
     paint(Float32Array.from(this.surface.coarse.vertex, (v) => values[v]), scale, from, to, coarse, rest);
   }
 
+  /** Colours each vertex by its label; `palette`: linear RGB by label. */
+  setLabels(labels: Uint8Array, palette: readonly Rgb[]): void {
+    const [fine, coarse] = this.colours();
+    labels.forEach((label, v) => fine.set(palette[label] ?? palette[0], 3 * v));
+    this.surface.coarse.vertex.forEach((v, n) => coarse.set(palette[labels[v]] ?? palette[0], 3 * n));
+  }
+
   /** Moves each vertex by a vector (flat xyz, mm); null takes all back. */
   setDisplacement(xyz: Float32Array | null, share = 1): void {
     const { points, triangles, normals, coarse } = this.surface;
