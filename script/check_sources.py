@@ -18,7 +18,7 @@ MAY_TOUCH_OUTSIDE = {"io", "report", "bench", "app"}
 LIBRARIES = {
     "tbb/": {"core"}, "CGAL/": {"mesh", "plan", "bench"}, "itk": {"anatomy", "io"},
     "vtk": {"anatomy", "io", "bench"}, "metis.h": {"fem"},
-    "nlohmann/": {"io", "bench", "app"}, "valijson/": {"io"}, "CLI/": {"app"}, "httplib.h": {"io", "app"},
+    "nlohmann/": {"io", "bench", "app"}, "valijson/": {"io"}, "CLI/": {"app"}, "httplib.h": {"app"}, "curl/": {"io"},
     "embree3/": {"report", "bench"}, "openvdb/": {"io", "bench"}, "cairo": {"report"}, "zlib.h": {"io"}, "expat.h": {"io"}, "openssl/": {"io"},
 }
 MAY_SHOW_LIBRARIES = {"core/parallel.h", "mesh/internal/cgal_surface.h",

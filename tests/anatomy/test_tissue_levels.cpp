@@ -249,6 +249,20 @@ TEST(TissueLevels, SoftTissueEndsAtBoneAndSkinOnVoxelsOfAnyShape) {
   }
 }
 
+TEST(TissueLevels, DoNotMindWhichSoftTissueIsMuscle) {
+  LabelMap labels = levels().labels;
+  std::size_t painted = 0;
+  for (std::size_t v = 0; v < labels.values.size(); ++v)
+    if (labels.values[v] == Tissue::kSoftTissue && ++painted % 3 != 0)
+      labels.values[v] = Tissue::kMuscle;
+  EXPECT_GT(painted, 1000U);
+  const image::CtVolume& ct = levels().ct;
+  EXPECT_EQ(bone_level(ct, labels, Cavities::kKeep).values, levels().bone.values);
+  EXPECT_EQ(bone_level(ct, labels, Cavities::kFillSinuses).values, levels().solid.values);
+  EXPECT_EQ(skin_level(ct, labels).values, levels().skin.values);
+  EXPECT_EQ(soft_tissue_level(ct, labels).values, levels().soft.values);
+}
+
 TEST(TissueLevels, SoftTissueThatHangsLooseIsToldAndLeftOut) {
   class Notes : public Progress {
    public:

@@ -288,6 +288,9 @@ const BadInput kBadInput[] = {
     {"labels that are missing",
      plan(R"([{"op": "add", "path": "/segmentation", "value": {"labels": "a.seg.nrrd"}}])"),
      kPredict, "a.seg.nrrd is not a file"},
+    {"muscle that nobody labelled", plan(R"([{"op": "add", "path": "/tissue/muscle", "value":
+       {"material": {"law": "neo-hookean", "young_kpa": 60, "poisson": 0.45}}}])"),
+     kPredict, "tissue.muscle: no voxel of the labels is muscle"},
     {"boundary labels of another scan",
      plan(R"([{"op": "add", "path": "/boundary", "value": {"labels": "a.seg.nrrd"}}])") +
          "sed 's/Name:=bone/Name:=fixed/; /^Segment[1-9]_/d' $good/labels.seg.nrrd > a.seg.nrrd",

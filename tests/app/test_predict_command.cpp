@@ -234,6 +234,58 @@ TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted
             by_rule["skin"]["mean_shift_where_moved_mm"]);
 }
 
+TEST_F(PredictCommand, LabelledMuscleIsARegionOfItsOwnMaterial) {
+  json plan = small_plan();
+  write_plan(plan);
+  ASSERT_EQ(predict("plain", "--no-pictures").exit_code, 0);
+  EXPECT_EQ(read_json("plain/prediction.json")["mesh"]["regions"].size(), 1U);
+
+  // A ball of soft tissue in front of the bone is muscle, as if painted in Slicer.
+  ASSERT_EQ(test::run_lefort("segment " + quoted(folder_ / "ct.nrrd") + " -o " +
+                             quoted(folder_ / "anatomy"))
+                .exit_code,
+            0);
+  const fs::path file = folder_ / "anatomy/labels.seg.nrrd";
+  anatomy::LabelMap labels = io::read_segmentation(file).value();
+  const Vec3 centre_L(0.0, -39.5, 0.0);
+  for (Index k = 0; k < labels.grid.size[2]; ++k)
+    for (Index j = 0; j < labels.grid.size[1]; ++j)
+      for (Index i = 0; i < labels.grid.size[0]; ++i) {
+        const Vec3 p_L = labels.grid.point_L(Vec3(double(i), double(j), double(k)));
+        anatomy::Tissue& label = labels.at(i, j, k);
+        if (label == anatomy::Tissue::kSoftTissue && (p_L - centre_L).norm() < 12.0)
+          label = anatomy::Tissue::kMuscle;
+      }
+  ASSERT_TRUE(io::write_segmentation(folder_ / "painted.seg.nrrd", labels));
+  plan["segmentation"] = {{"labels", "painted.seg.nrrd"}};
+  plan["tissue"]["muscle"] = {
+      {"material", {{"law", "neo-hookean"}, {"young_kpa", 300}, {"poisson", 0.45}}}};
+  write_plan(plan);
+  const auto run = predict("muscle", "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_NE(run.error.find("; muscle "), std::string::npos) << run.error;
+  const json told = read_json("muscle/prediction.json");
+  const json& regions = told["mesh"]["regions"];
+  EXPECT_GT(regions["muscle"]["elements"], 20);
+  EXPECT_NEAR(
+      regions["muscle"]["volume_ml"].get<double>() + regions["inside"]["volume_ml"].get<double>(),
+      told["mesh"]["volume_ml"].get<double>(), 1e-9);
+  EXPECT_EQ(told["parameters"]["muscle"]["young_kpa"], 300.0);
+  EXPECT_GT(told["tissue_volumes_ml"]["muscle"], 1.0);
+  EXPECT_EQ(told["mesh"]["nodes"], read_json("plain/prediction.json")["mesh"]["nodes"]);
+  // It differs from what was predicted without, and is painted in vain far away.
+  EXPECT_NE(told["skin"], read_json("plain/prediction.json")["skin"]);
+
+  for (anatomy::Tissue& label : labels.values)
+    if (label == anatomy::Tissue::kMuscle) label = anatomy::Tissue::kSoftTissue;
+  labels.at(18, 31, 18) = anatomy::Tissue::kMuscle;  // At the back of the head.
+  ASSERT_TRUE(io::write_segmentation(folder_ / "painted.seg.nrrd", labels));
+  const auto vain = predict("vain", "--no-pictures");
+  ASSERT_EQ(vain.exit_code, 0) << vain.error;
+  EXPECT_NE(vain.error.find("warning: tissue.muscle changes nothing"), std::string::npos)
+      << vain.error;
+}
+
 /// Where tissue is attached, paint that lets go of it changes no other set than its own.
 TEST_F(PredictCommand, WhatWasFoundWithOtherPaintIsNotGoneOnWith) {
   json plan = small_plan();

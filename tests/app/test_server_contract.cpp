@@ -171,12 +171,16 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   run({{"kind", "segment"}});
   EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "fresh");
   const Reply labels = ask("GET", "/labels/data", "/labels/data");
-  ask("GET", "/labels", "/labels");
+  const json named = json::parse(ask("GET", "/labels", "/labels").text);
+  EXPECT_EQ(named["names"].back(), json({{"value", 7}, {"name", "muscle"}}));
 
   // The brush: a voxel of bone more.
   std::string brushed = body_of(labels);
   ASSERT_EQ(brushed.size(), 36U * 36 * 36);
   brushed[36 * 36 * 18 + 36 * 18 + 18] = 1;
+  const auto soft = brushed.find('\2');  // And one of muscle.
+  ASSERT_NE(soft, std::string::npos);
+  brushed[soft] = 7;
   ask("PUT", "/labels/data", "/labels/data", brushed,
       {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
   EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "stale");

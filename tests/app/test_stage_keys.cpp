@@ -98,6 +98,9 @@ TEST(StageKeys, TissueDependsOnAllThatShapesItAndNotOnItsStiffness) {
   predict::TissueOptions mucosa;
   mucosa.mucosa = predict::MucosaOptions{2.0, 0.03, 0.4};
   EXPECT_EQ(key("scan", kBone, {}, mucosa), key("scan", kBone, {}, {}));
+  predict::TissueOptions muscle;
+  muscle.muscle = predict::MuscleOptions{0.03, 0.4};
+  EXPECT_EQ(key("scan", kBone, {}, muscle), key("scan", kBone, {}, {}));
 }
 
 }  // namespace

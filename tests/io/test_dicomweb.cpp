@@ -2,11 +2,15 @@
 #include <lefort/io/dicomweb.h>
 #include <lefort/io/import_volume.h>
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <functional>
+#include <thread>
 
 #include "io/dicom_writer.h"
 #include "io/orthanc_server.h"
@@ -165,6 +169,8 @@ class FakeServer {
     http_.Get(".*/series/.*",
               [this](const httplib::Request&, httplib::Response& response) { images(response); });
     thread_ = std::thread([this] { http_.listen_after_bind(); });
+    // One that does not listen yet cannot be stopped.
+    while (!http_.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   ~FakeServer() {
     http_.stop();
@@ -288,6 +294,56 @@ TEST(DicomWeb, StopsListeningToAServerThatSendsTooMuch) {
                   "was lost"));
 }
 
+/// Sends `first`, and then `again` for as long as anybody listens, whatever it is asked for.
+class FloodingServer {
+ public:
+  FloodingServer(std::string first, std::string again)
+      : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in place{};
+    place.sin_family = AF_INET;
+    place.sin_addr.s_addr = ::htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof(place);
+    auto* const address = reinterpret_cast<sockaddr*>(&place);
+    if (::bind(socket_, address, size) != 0 || ::listen(socket_, 8) != 0 ||
+        ::getsockname(socket_, address, &size) != 0)
+      throw std::runtime_error("no socket");
+    port_ = ntohs(place.sin_port);
+    thread_ = std::thread([this, first = std::move(first), again = std::move(again)] {
+      for (int peer = 0; (peer = ::accept(socket_, nullptr, nullptr)) >= 0; ::close(peer)) {
+        const std::string* text = &first;
+        while (::send(peer, text->data(), text->size(), MSG_NOSIGNAL) > 0) text = &again;
+      }
+    });
+  }
+  ~FloodingServer() {
+    ::shutdown(socket_, SHUT_RDWR);
+    thread_.join();
+    ::close(socket_);
+  }
+  FloodingServer(const FloodingServer&) = delete;
+  FloodingServer& operator=(const FloodingServer&) = delete;
+
+  [[nodiscard]] std::string study() const {
+    return fmt::format("dicomweb://127.0.0.1:{}/studies/1.2.3", port_);
+  }
+
+ private:
+  int socket_;
+  int port_ = 0;
+  std::thread thread_;
+};
+
+TEST(DicomWeb, HeadersWithoutEndAreRefused) {
+  const std::string ok = "HTTP/1.1 200 OK\r\n", line = "X-More: and more\r\n";
+  EXPECT_TRUE(has(error_of(FloodingServer(ok, line).study()).message, "headers have more than"));
+  const std::string carry_on = "HTTP/1.1 100 Continue\r\n\r\n";
+  EXPECT_TRUE(
+      has(error_of(FloodingServer(carry_on, carry_on).study()).message, "headers have more than"));
+  // One line without end; the library has a limit of its own.
+  EXPECT_EQ(error_of(FloodingServer(ok + "X-Long: ", std::string(1000, 'x')).study()).code,
+            ErrorCode::kFileCorrupt);
+}
+
 TEST(DicomWeb, OtherServersAreToldApart) {
   FakeServer server;
   for (const char* const list : {"<html>", "{}", "7", "[[[[", "\"\xff\"", "{\"a\": [1, 2"})
@@ -337,6 +393,29 @@ TEST(DicomWeb, StopsWhenAsked) {
   server.list = series_list(6);
   StopsAtOnce progress;
   EXPECT_EQ(read_dicomweb(server.study(), {}, 0, progress).error().code, ErrorCode::kCancelled);
+}
+
+/// Is asked to stop once it has been waiting for a while.
+class StopsLater : public Progress {
+ public:
+  [[nodiscard]] bool stop_requested() const override {
+    return std::chrono::steady_clock::now() > begin_ + std::chrono::milliseconds(300);
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+TEST(DicomWeb, StopsWhenAskedThoughTheServerSaysNothing) {
+  std::atomic<bool> is_over{false};
+  FakeServer server;
+  server.list = series_list(6);
+  server.images = [&](httplib::Response&) {
+    while (!is_over) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  };
+  StopsLater progress;  // Long before the server would be given up as silent, after 30 s.
+  EXPECT_EQ(read_dicomweb(server.study(), {}, 0, progress).error().code, ErrorCode::kCancelled);
+  is_over = true;
 }
 
 }  // namespace

@@ -115,6 +115,24 @@ TEST(PlanFile, MucosaAndLipsAndNoseAreThereOnlyIfTheyAreAskedFor) {
             std::string::npos);
 }
 
+TEST(PlanFile, MuscleIsThereOnlyIfItIsAskedForAndHasAMaterial) {
+  Json json = good_plan();
+  EXPECT_FALSE(parse_plan(json.dump(), ".").value().tissue.muscle);
+  json["tissue"]["muscle"] = {
+      {"material", {{"law", "neo-hookean"}, {"young_kpa", 60}, {"poisson", 0.4}}}};
+  const predict::TissueOptions tissue = parse_plan(json.dump(), ".").value().tissue;
+  EXPECT_NEAR(tissue.muscle->young_mpa, 0.06, 1e-15);
+  EXPECT_EQ(tissue.muscle->poisson, 0.4);
+  EXPECT_NEAR(tissue.young_mpa, 0.02, 1e-15);
+  json["tissue"]["muscle"]["thickness_mm"] = 2;
+  EXPECT_FALSE(parse_plan(json.dump(), "."));
+  json["tissue"]["muscle"] = Json::object();
+  EXPECT_NE(parse_plan(json.dump(), ".").error().message.find("tissue.muscle"), std::string::npos);
+  json["tissue"]["muscle"] = {{"material", "stone"}};
+  EXPECT_NE(parse_plan(json.dump(), ".").error().message.find("tissue.muscle.material"),
+            std::string::npos);
+}
+
 TEST(PlanFile, SkinIsThereOnlyIfItIsAskedFor) {
   Json json = good_plan();
   EXPECT_FALSE(parse_plan(json.dump(), ".").value().tissue.skin);
@@ -500,6 +518,16 @@ TEST(PlanFile, RefusesAKeyThatStandsTwice) {
   EXPECT_EQ(complaint("\"title\"", "\"title\": \"other\", "), "key title stands twice");
   EXPECT_EQ(complaint("\"bone_hu\"", "\"bone_hu\": 500, "), "key bone_hu stands twice");
   EXPECT_EQ(complaint("\"translation_mm\"", "\"at\": 0.25, "), "key at stands twice");
+}
+
+TEST(PlanFile, RefusesMoreValuesThanTheirComplaintsHaveRoomFor) {
+  const auto complaint = [](int values) {
+    std::string many = "[1";
+    for (int n = 1; n < values; ++n) many += ",1";
+    return parse_plan(R"({"lefort_plan": 1, "segments": )" + many + "]}", ".").error().message;
+  };
+  EXPECT_EQ(complaint(999'990).find("more than"), std::string::npos);
+  EXPECT_EQ(complaint(1'000'000), "more than 1000000 values, must be less");
 }
 
 TEST(PlanFile, SurvivesAnyDamage) {

@@ -17,7 +17,7 @@ using test::write_bytes;
 LabelMap sample_labels() {
   LabelMap labels{test::sample_scan(test::oblique()).grid, {}};
   for (Index n = 0; n < labels.grid.voxel_count(); ++n)
-    labels.values.push_back(static_cast<Tissue>((n * n / 7) % 7));
+    labels.values.push_back(static_cast<Tissue>((n * n / 7) % 8));
   return labels;
 }
 
@@ -69,9 +69,11 @@ TEST(SegmentationFile, HasTheHeaderThatSlicerReads) {
                                  "\nSegment4_Name:=sinus",
                                  "\nSegment4_LabelValue:=5",
                                  "\nSegment5_Name:=mandible",
-                                 "\nSegment5_LabelValue:=6"})
+                                 "\nSegment5_LabelValue:=6",
+                                 "\nSegment6_Name:=muscle",
+                                 "\nSegment6_LabelValue:=7"})
     EXPECT_NE(header.find(line), std::string::npos) << line << header;
-  EXPECT_EQ(header.find("Segment6"), std::string::npos);
+  EXPECT_EQ(header.find("Segment7"), std::string::npos);
 }
 
 /// A file as Slicer writes it: two layers first in the list, its own label values, cropped.
@@ -122,6 +124,76 @@ TEST(SegmentationFile, ReadsTheOldFormOfOneLayerPerSegment) {
   const std::vector<Tissue> wanted{Tissue::kAirway, Tissue::kBone, Tissue::kBone,
                                    Tissue::kBackground};
   EXPECT_EQ(part->values, wanted);
+}
+
+/// One segment a layer, with one of them in each of the four voxels.
+std::vector<Tissue> tissues_of(const std::string& first, const std::string& second,
+                               const std::string& voxels = std::string("\1\0\0\1\1\1\0\0", 8)) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "a.seg.nrrd",
+              slicer_file("Segment0_ID:=a\n" + first + "Segment1_ID:=b\n" + second, voxels));
+  const auto part = read_segmentation(folder / "a.seg.nrrd");
+  EXPECT_TRUE(part) << part.error().message;
+  return part ? part->values : std::vector<Tissue>();
+}
+
+TEST(SegmentationFile, MuscleIsKnownByAWordOfItsNameOrByItsTerminology) {
+  const std::string soft = "Segment1_Name:=soft tissue\n";
+  const auto tags = [](const std::string& type) {
+    return "Segment0_Tags:=Segmentation.Status:inprogress|TerminologyEntry:Segmentation category "
+           "and "
+           "type - 3D Slicer General Anatomy list~SCT^85756007^Tissue~" +
+           type + "~^^~Anatomic codes - DICOM master list~^^~^^|\n";
+  };
+  const std::vector<Tissue> muscle{Tissue::kMuscle, Tissue::kSoftTissue, Tissue::kMuscle,
+                                   Tissue::kBackground};
+  for (const std::string& name : {std::string("Segment0_Name:=Muscle\n"),
+                                  std::string("Segment0_Name:=left_masseter_muscle\n"),
+                                  "Segment0_Name:=Segment_1\n" + tags("SCT^71616004^Muscle"),
+                                  "Segment0_Name:=masseter\n" + tags("SCT^1^Masseter muscle")})
+    EXPECT_EQ(tissues_of(name, soft), muscle) << name;
+  const std::vector<Tissue> none{Tissue::kBackground, Tissue::kSoftTissue, Tissue::kSoftTissue,
+                                 Tissue::kBackground};
+  for (const std::string& name :
+       {std::string("Segment0_Name:=musclelike\n"),
+        "Segment0_Name:=a\n" + tags("SCT^85756007^Tissue"),
+        std::string("Segment0_Name:=a\nSegment0_Tags:=TerminologyEntry:muscle\n")})
+    EXPECT_EQ(tissues_of(name, soft), none) << name;
+  // A name that is known counts more than the terminology.
+  EXPECT_EQ(tissues_of("Segment0_Name:=airway\n" + tags("SCT^71616004^Muscle"), soft)[0],
+            Tissue::kAirway);
+}
+
+TEST(SegmentationFile, MuscleWinsOverSoftTissueAndNothingElseWhateverTheLayers) {
+  const auto both = [](const std::string& other, Tissue tissue) {
+    const std::string a = "Segment0_Name:=", b = "Segment1_Name:=";
+    const Tissue above = tissues_of(a + other + "\n", b + "muscle\n")[2];
+    const Tissue below = tissues_of(a + "muscle\n", b + other + "\n")[2];
+    EXPECT_EQ(above, tissue) << other;
+    EXPECT_EQ(below, tissue) << other;
+  };
+  both("soft tissue", Tissue::kMuscle);
+  both("bone", Tissue::kBone);
+  both("mandible", Tissue::kMandible);
+  both("airway", Tissue::kAirway);
+  both("sinus", Tissue::kSinus);
+  both("brain", Tissue::kBrain);
+}
+
+TEST(SegmentationFile, TellsOfVoxelsWhoseSegmentIsNoTissue) {
+  const TemporaryFolder folder;
+  class Notes : public Progress {
+   public:
+    void note(std::string_view sentence) override { sentences.emplace_back(sentence); }
+    std::vector<std::string> sentences;
+  } notes;
+  write_bytes(folder / "a.seg.nrrd",
+              slicer_file(kSlicerSegments, std::string("\1\0\2\0\1\3\0\0", 8)));
+  const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
+  ASSERT_TRUE(read_segmentation(folder / "a.seg.nrrd", scan, notes));
+  EXPECT_EQ(notes.sentences,
+            std::vector<std::string>{"warning: segmentation: no tissue is called \"tumour\": its "
+                                     "voxels count as not painted"});
 }
 
 TEST(SegmentationFile, RefusesLabelsThatLieBetweenTheVoxelsOfTheScan) {

@@ -1,9 +1,11 @@
 // What we write for 3D Slicer, read back by Python's standard library, by the letter of the format.
 #include <lefort/io/segmentation_file.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 
 #include "io/sample_scan.h"
@@ -20,7 +22,7 @@ using test::TemporaryFolder;
 LabelMap sample_labels() {
   LabelMap labels{test::sample_scan(test::oblique()).grid, {}};
   for (Index n = 0; n < labels.grid.voxel_count(); ++n)
-    labels.values.push_back(static_cast<Tissue>((n * n / 7) % 7));
+    labels.values.push_back(static_cast<Tissue>((n * n / 7) % 8));
   return labels;
 }
 
@@ -67,10 +69,56 @@ TEST(SlicerFiles, PythonReadsLabelsByTheLetterOfTheFormat) {
                                                              {Tissue::kAirway, "airway"},
                                                              {Tissue::kBrain, "brain"},
                                                              {Tissue::kSinus, "sinus"},
-                                                             {Tissue::kMandible, "mandible"}})
+                                                             {Tissue::kMandible, "mandible"},
+                                                             {Tissue::kMuscle, "muscle"}})
     wanted += std::string(name) + " " +
               std::to_string(std::count(labels.values.begin(), labels.values.end(), tissue)) + "\n";
   EXPECT_EQ(out, wanted);
+}
+
+TEST(SlicerFiles, WhatAnotherProgramPaintsComesBackAndTheRestIsAsItWas) {
+  const TemporaryFolder folder;
+  LabelMap labels = sample_labels();
+  for (Tissue& label : labels.values)
+    if (label == Tissue::kMuscle) label = Tissue::kSoftTissue;
+  ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", labels));
+  const Vec3 centre_L = labels.grid.point_L(Vec3(3.0, 2.0, 2.0));
+  constexpr double kRadius_mm = 1.5;
+  const auto paint = [&](const std::string& source, const std::string& target,
+                         const std::string& how) {
+    const std::string command = std::string("python3 " LEFORT_SCRIPTS "/paint_segment '") +
+                                (folder / source).string() + "' '" + (folder / target).string() +
+                                "' " + how + " >/dev/null 2>&1";
+    return std::system(command.c_str()) == 0;
+  };
+  const std::string ball =
+      fmt::format(" --ball {} {} {} {}", centre_L.x(), centre_L.y(), centre_L.z(), kRadius_mm);
+  ASSERT_TRUE(paint("a.seg.nrrd", "b.seg.nrrd", "muscle --only \"soft tissue\"" + ball));
+  const auto found = read_segmentation(folder / "b.seg.nrrd", labels.grid);
+  ASSERT_TRUE(found) << found.error().message;
+  Index painted = 0;
+  for (Index v = 0; v < labels.grid.voxel_count(); ++v) {
+    const auto [nx, ny, nz] = labels.grid.size;
+    const Vec3 p_L =
+        labels.grid.point_L(Vec3(double(v % nx), double(v / nx % ny), double(v / (nx * ny))));
+    const bool is_in = (p_L - centre_L).norm() <= kRadius_mm;
+    const Tissue before = labels.values[std::size_t(v)], after = found->values[std::size_t(v)];
+    EXPECT_EQ(after, is_in && before == Tissue::kSoftTissue ? Tissue::kMuscle : before) << v;
+    painted += after == Tissue::kMuscle;
+  }
+  EXPECT_GT(painted, 2);
+  EXPECT_FALSE(paint("a.seg.nrrd", "c.seg.nrrd", "muscle --only fat" + ball));
+
+  // A boundary of two labels, on the grid of the labels.
+  ASSERT_TRUE(paint("a.seg.nrrd", "c.seg.nrrd", "fixed --empty" + ball));
+  ASSERT_TRUE(paint("c.seg.nrrd", "c.seg.nrrd",
+                    fmt::format("\"with segment\" --ball {} {} {} 0.1", centre_L.x(), centre_L.y(),
+                                centre_L.z())));
+  const auto boundary = read_boundary_labels(folder / "c.seg.nrrd", labels.grid);
+  ASSERT_TRUE(boundary) << boundary.error().message;
+  EXPECT_EQ(boundary->at(3, 2, 2), predict::BoundaryLabel::kWithSegment);
+  EXPECT_EQ(boundary->at(2, 2, 2), predict::BoundaryLabel::kFixed);
+  EXPECT_EQ(boundary->at(0, 0, 0), predict::BoundaryLabel::kNone);
 }
 
 }  // namespace

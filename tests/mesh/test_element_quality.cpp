@@ -2,6 +2,7 @@
 #include <lefort/mesh/box_grid.h>
 #include <lefort/mesh/element_faces.h>
 #include <lefort/mesh/element_quality.h>
+#include <lefort/mesh/region_sizes.h>
 
 #include <gtest/gtest.h>
 
@@ -13,6 +14,30 @@
 
 namespace lefort::mesh {
 namespace {
+
+TEST(RegionSizes, AreCountsAndVolumesOfEachRegionThatOccurs) {
+  for (const ElementShape shape :
+       {ElementShape::kTet4, ElementShape::kHex8, ElementShape::kWedge6}) {
+    VolumeMesh mesh = make_box(shape, {4, 3, 2}, {8.0, 3.0, 5.0});
+    const Index elements = mesh.element_count();
+    const auto whole = region_sizes(mesh);
+    ASSERT_EQ(whole.size(), 1U);
+    EXPECT_EQ(whole.at(0).elements, elements);
+    EXPECT_NEAR(whole.at(0).volume_mm3, 120.0, 1e-12);
+    ElementBlock& block = mesh.blocks.front();
+    for (Index e = 0; e < block.element_count(); ++e) {
+      double x_mm = 0.0;
+      for (int n = 0; n < node_count(shape); ++n)
+        x_mm += mesh.nodes_L[std::size_t(block.element(e)[n])].x() / node_count(shape);
+      if (x_mm > 6.0) block.region[std::size_t(e)] = 7;
+    }
+    const auto parts = region_sizes(mesh);
+    ASSERT_EQ(parts.size(), 2U);
+    EXPECT_EQ(parts.at(7).elements, elements / 4);
+    EXPECT_NEAR(parts.at(7).volume_mm3, 30.0, 1e-12);
+    EXPECT_NEAR(parts.at(0).volume_mm3, 90.0, 1e-12);
+  }
+}
 
 TetQuality quality_of(const VolumeMesh& mesh) {
   const auto& p = mesh.nodes_L;

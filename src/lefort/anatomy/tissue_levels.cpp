@@ -143,7 +143,7 @@ Mask sinus_filling(const PaddedScan& scan) {
   const ScalarVolume to_sinus = distance_to(sinus);
   const Mask solid = mask_where(scan.grid(), [&](std::size_t v) {
     const Tissue tissue = scan.labels.values[v];
-    const bool lining = tissue == Tissue::kSoftTissue && double(to_sinus.values[v]) <= kLining_mm;
+    const bool lining = is_soft_tissue(tissue) && double(to_sinus.values[v]) <= kLining_mm;
     return is_bone(tissue) || tissue == Tissue::kSinus || lining;
   });
   const Mask tight = closed(solid, kLeak_mm);
@@ -151,10 +151,9 @@ Mask sinus_filling(const PaddedScan& scan) {
       connected_parts(mask_where(scan.grid(), [&](std::size_t v) { return tight.values[v] == 0; }),
                       Neighbours::kFaces);
   // A room that holds something else, or the largest one, which is the rest of the patient, stays.
-  std::vector<std::uint8_t> stays =
-      parts_touching(rooms, mask_where(scan.grid(), [&](std::size_t v) {
-                       return scan.labels.values[v] != Tissue::kSoftTissue;
-                     }));
+  std::vector<std::uint8_t> stays = parts_touching(
+      rooms, mask_where(scan.grid(),
+                        [&](std::size_t v) { return !is_soft_tissue(scan.labels.values[v]); }));
   stays[std::size_t(rooms.largest())] = 1;
   return mask_where(scan.grid(), [&](std::size_t v) {
     const auto room = std::size_t(rooms.part_of.values[v]);

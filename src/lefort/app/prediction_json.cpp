@@ -3,6 +3,7 @@
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
 #include <lefort/fem/load_steps.h>
+#include <lefort/predict/name_regions.h>
 #include <lefort/predict/tissue_boundary.h>
 
 #include <algorithm>
@@ -83,6 +84,12 @@ Json mucosa_parameters(const predict::TissueOptions& tissue) {
           {"poisson", tissue.mucosa->poisson}};
 }
 
+Json muscle_parameters(const predict::TissueOptions& tissue) {
+  if (!tissue.muscle) return nullptr;
+  return {{"young_kpa", kpa_from_mpa(tissue.muscle->young_mpa)},
+          {"poisson", tissue.muscle->poisson}};
+}
+
 Json face_size(const predict::TissueOptions& tissue) {
   if (!tissue.face) return nullptr;
   return tissue.face->element_size_mm;
@@ -108,6 +115,7 @@ Json parameters(const io::PlanFile& plan, const predict::FacePrediction& predict
           {"poisson", plan.tissue.poisson},
           {"skin", skin_parameters(plan.tissue)},
           {"mucosa", mucosa_parameters(plan.tissue)},
+          {"muscle", muscle_parameters(plan.tissue)},
           {"lips_and_nose_element_size_mm", face_size(plan.tissue)},
           {"element_size_mm", plan.tissue.element_size_mm},
           {"far_element_size_mm", plan.tissue.far_element_size_mm},
@@ -178,6 +186,14 @@ Json boundary_summary(const PreparedCase& prepared) {
       {"release_mm", prepared.plan.boundary.release_mm}, {"rules", rules}, {"painted", painted}};
 }
 
+Json regions_summary(const PreparedCase& prepared) {
+  Json regions = Json::object();
+  for (const auto& [name, size] :
+       predict::named_regions(prepared.model.tissue, prepared.plan.tissue))
+    regions[name] = {{"elements", size.elements}, {"volume_ml", size.volume_mm3 * 1e-3}};
+  return regions;
+}
+
 Json mesh_summary(const PreparedCase& prepared) {
   const mesh::VolumeMesh& tissue = prepared.model.tissue;
   Json by_shape = Json::object();
@@ -191,6 +207,7 @@ Json mesh_summary(const PreparedCase& prepared) {
           {"min_dihedral_deg", prepared.quality.min_dihedral_deg},
           {"min_scaled_jacobian", prepared.quality.min_scaled_jacobian},
           {"by_shape", by_shape},
+          {"regions", regions_summary(prepared)},
           {"skin", as_json(prepared.skin_layer)},
           {"inverted_elements", prepared.quality.inverted.size()},
           {"contact_faces", tissue.face_sets.at("contact").size()},

@@ -2,6 +2,7 @@
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
 #include <lefort/plan/bone_path.h>
+#include <lefort/predict/name_regions.h>
 
 #include <fmt/format.h>
 
@@ -76,15 +77,46 @@ std::string shapes_in_words(const mesh::MeshQuality& quality) {
   return words;
 }
 
+std::string law_in_words(double young_mpa, double poisson) {
+  return fmt::format("E {:.1f} kPa, \u03bd {:.3f}", kpa_from_mpa(young_mpa), poisson);
+}
+
+std::string mucosa_in_words(const predict::TissueOptions& tissue) {
+  if (!tissue.mucosa) return "as what is inside";
+  return fmt::format("within {:g} mm of the air inside; {}", tissue.mucosa->thickness_mm,
+                     law_in_words(tissue.mucosa->young_mpa, tissue.mucosa->poisson));
+}
+
+std::string muscle_in_words(const predict::TissueOptions& tissue) {
+  if (!tissue.muscle) return "as what is inside";
+  return "as labelled; " + law_in_words(tissue.muscle->young_mpa, tissue.muscle->poisson);
+}
+
+/// What the tissue is taken for, and what of it is not told apart.
+std::string material_limits(const predict::TissueOptions& tissue) {
+  if (!tissue.skin && !tissue.mucosa && !tissue.muscle)
+    return "Soft tissue is one homogeneous, compressible, elastic material at rest without "
+           "pre-stress; skin, fat and muscle are not told apart.";
+  std::string text = "What lies inside";
+  if (tissue.skin) text += ", skin";
+  if (tissue.mucosa) text += ", mucosa";
+  if (tissue.muscle) text += ", muscle";
+  text += " are each one homogeneous, compressible, elastic material at rest without pre-stress; ";
+  if (tissue.muscle) text += "muscle has no fibres and does not contract; ";
+  if (tissue.skin) text += "skin is no thinner at the lids; ";
+  text += "fat";
+  if (!tissue.skin) text += ", skin";
+  if (!tissue.muscle) text += ", muscle";
+  return text + " and the rest are not told apart.";
+}
+
 std::string skin_in_words(const PreparedCase& prepared) {
   const auto& skin = prepared.plan.tissue.skin;
   if (!skin || !prepared.skin_layer) return "as what is inside";
-  return fmt::format(
-      "{} layers, {:g} mm asked for, {:.2f} mm on average under {:.0f} % of it; E {:.1f} kPa, "
-      "\u03bd "
-      "{:.3f}",
-      skin->layers, skin->thickness_mm, prepared.skin_layer->mean_mm,
-      100.0 * prepared.skin_layer->covered_share, kpa_from_mpa(skin->young_mpa), skin->poisson);
+  return fmt::format("{} layers, {:g} mm asked for, {:.2f} mm on average under {:.0f} % of it; {}",
+                     skin->layers, skin->thickness_mm, prepared.skin_layer->mean_mm,
+                     100.0 * prepared.skin_layer->covered_share,
+                     law_in_words(skin->young_mpa, skin->poisson));
 }
 
 report::ReportTable parameter_table(const PreparedCase& prepared,
@@ -102,6 +134,9 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
        {"Young\u2019s modulus", fmt::format("{:.1f} kPa", kpa_from_mpa(plan.tissue.young_mpa))},
        {"Poisson\u2019s ratio", fmt::format("{:.3f}", plan.tissue.poisson)},
        {"skin", skin_in_words(prepared)},
+       {"mucosa", mucosa_in_words(plan.tissue)},
+       {"muscle", muscle_in_words(plan.tissue)},
+       {"regions", predict::describe_regions(prepared.model.tissue, plan.tissue)},
        {"tissue on the moved bone",
         is_contact ? "slides without friction (contact)" : "moves with the bone (attached)"},
        {"contact stiffness k_c", is_contact
@@ -215,13 +250,7 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   for (const auto& [name, sha256] : prepared.provenance.plan_files)
     report.provenance.push_back({"SHA-256 of " + name, sha256});
   report.limitations = {
-      prepared.plan.tissue.skin ? "Skin and what lies under it are two homogeneous, compressible, "
-                                  "elastic materials at rest "
-                                  "without pre-stress; fat and muscle are not told apart, nor is "
-                                  "skin thinner at the lids."
-                                : "Soft tissue is one homogeneous, compressible, elastic material "
-                                  "at rest without pre-stress; "
-                                  "skin, fat and muscle are not told apart.",
+      material_limits(prepared.plan.tissue),
       "Linear tetrahedra are too stiff for nearly incompressible tissue; Poisson\u2019s ratio is "
       "chosen lower than measured for that reason.",
       "Tissue outside the meshed region does not move, and where the scan ends tissue has no "

@@ -11,11 +11,12 @@
 #include <lefort/io/vtu.h>
 #include <lefort/plan/bone_path.h>
 #include <lefort/predict/mesh_tissue.h>
-#include <lefort/predict/name_mucosa.h>
+#include <lefort/predict/name_regions.h>
 #include <lefort/predict/tissue_boundary.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -73,6 +74,31 @@ Result<std::vector<StepOverlap>> find_overlaps(
   return overlaps;
 }
 
+/// Whether the labels have what the plan has a material for.
+Result<void> check_muscle(const predict::TissueOptions& options, const anatomy::LabelMap& labels) {
+  const bool is_there = std::find(labels.values.begin(), labels.values.end(),
+                                  anatomy::Tissue::kMuscle) != labels.values.end();
+  if (!options.muscle || is_there) return {};
+  return fail(ErrorCode::kPlanInvalid,
+              "tissue.muscle: no voxel of the labels is muscle; paint a segment called muscle and "
+              "name its file as segmentation.labels");
+}
+
+/// Muscle first: what somebody painted wins over the rule.
+mesh::VolumeMesh name_regions(mesh::VolumeMesh tissue, const predict::TissueOptions& options,
+                              const anatomy::LabelMap& labels, Progress& progress) {
+  if (!options.muscle && !options.mucosa) return tissue;
+  if (options.muscle) tissue = predict::name_muscle(std::move(tissue), labels);
+  if (options.mucosa)
+    tissue = predict::name_mucosa(std::move(tissue), labels, options.mucosa->thickness_mm);
+  progress.note(predict::describe_regions(tissue, options));
+  for (const auto& [name, size] : predict::named_regions(tissue, options))
+    if (size.elements == 0)
+      progress.note(
+          fmt::format("warning: tissue.{} changes nothing: no element is {}", name, name));
+  return tissue;
+}
+
 }  // namespace
 
 std::string describe(const StepOverlap& step) {
@@ -109,6 +135,7 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   const std::string& ct_sha256 = head.ct_sha256;
   const anatomy::LabelMap& labels = head.labels;
   const anatomy::LevelOptions& levels = head.levels;
+  LEFORT_TRY_VOID(check_muscle(plan.tissue, labels));
   std::optional<predict::BoundaryLabelMap> painted;
   if (plan.boundary_labels) {
     LEFORT_TRY(painted, io::read_boundary_labels(*plan.boundary_labels, ct.grid, progress));
@@ -140,8 +167,7 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(mesh::VolumeMesh tissue,
              find_tissue_mesh(domain, skin_L, bones, plan.tissue, plan.boundary.capture_mm, key,
                               cache, progress));
-  if (const auto& mucosa = plan.tissue.mucosa)
-    tissue = predict::name_mucosa(std::move(tissue), labels, mucosa->thickness_mm);
+  tissue = name_regions(std::move(tissue), plan.tissue, labels, progress);
   progress.begin_stage("find boundaries");
   tissue = predict::find_tissue_boundary(std::move(tissue), domain, labels, skin_L, bones.segment_L,
                                          bones.remainder_L, plan.boundary,

@@ -240,7 +240,7 @@ std::string restart_key(const PreparedCase& prepared) {
     hash.add(at).add(translation_mm).add(rotation_rad).add(centre_L);
   }
   const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin, mucosa,
-               face] = plan.tissue;
+               muscle, face] = plan.tissue;
   static_cast<void>(face);  // The mesh itself is above.
   hash.add(young_mpa).add(poisson).add(element_size_mm).add(far_element_size_mm).add(margin_mm);
   if (skin) {
@@ -248,6 +248,7 @@ std::string restart_key(const PreparedCase& prepared) {
     hash.add(thickness_mm).add(layers).add(skin_young_mpa).add(skin_poisson);
   }
   if (mucosa) hash.add(mucosa->young_mpa).add(mucosa->poisson);
+  if (muscle) hash.add(std::string_view("muscle")).add(muscle->young_mpa).add(muscle->poisson);
   const auto& [moved_bone, scan_edge, release_mm, capture_mm] = plan.boundary;
   hash.add(double(moved_bone)).add(double(scan_edge)).add(release_mm).add(capture_mm);
   const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;

@@ -60,8 +60,9 @@ std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& la
                nostril_depth_mm] = levels;
   // The material is none of the mesh's business.
   const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin, mucosa,
-               face] = options;
+               muscle, face] = options;
   static_cast<void>(mucosa);  // Named in the mesh when it is there.
+  static_cast<void>(muscle);  // Likewise.
   io::Sha256 hash;
   hash.add(kVersion)
       .add(kTissueRevision)

@@ -40,20 +40,24 @@ Elasticity read_material(const Json& material) {
   return {mpa_from_kpa(15.0), name == "face-nazari-2010" ? 0.49 : 0.45};
 }
 
-void read_skin(const Json& skin, predict::SkinOptions& options) {
-  read(skin, "thickness_mm", options.thickness_mm);
-  read(skin, "layers", options.layers);
-  if (!skin.contains("material")) return;
-  const auto [young_mpa, poisson] = read_material(skin["material"]);
+/// Into the options of a tissue; they stay as they are where it names no material.
+template <class Options>
+void read_material_of(const Json& tissue, Options& options) {
+  if (!tissue.contains("material")) return;
+  const auto [young_mpa, poisson] = read_material(tissue["material"]);
   options.young_mpa = young_mpa;
   options.poisson = poisson;
 }
 
+void read_skin(const Json& skin, predict::SkinOptions& options) {
+  read(skin, "thickness_mm", options.thickness_mm);
+  read(skin, "layers", options.layers);
+  read_material_of(skin, options);
+}
+
 void read_mucosa(const Json& mucosa, predict::MucosaOptions& options) {
   read(mucosa, "thickness_mm", options.thickness_mm);
-  const auto [young_mpa, poisson] = read_material(mucosa["material"]);
-  options.young_mpa = young_mpa;
-  options.poisson = poisson;
+  read_material_of(mucosa, options);
 }
 
 /// Landmarks of the skin on lips and nose (docs/landmarks.md).
@@ -66,13 +70,10 @@ std::vector<Vec3> lips_and_nose(const plan::Landmarks& landmarks) {
 
 Result<void> read_tissue(const Json& tissue, const plan::Landmarks& landmarks,
                          predict::TissueOptions& options) {
-  if (tissue.contains("material")) {
-    const auto [young_mpa, poisson] = read_material(tissue["material"]);
-    options.young_mpa = young_mpa;
-    options.poisson = poisson;
-  }
+  read_material_of(tissue, options);
   if (tissue.contains("skin")) read_skin(tissue["skin"], options.skin.emplace());
   if (tissue.contains("mucosa")) read_mucosa(tissue["mucosa"], options.mucosa.emplace());
+  if (tissue.contains("muscle")) read_material_of(tissue["muscle"], options.muscle.emplace());
   if (const auto size = tissue.find("lips_and_nose_element_size_mm"); size != tissue.end())
     options.face = {size->get<double>(), lips_and_nose(landmarks)};
   read(tissue, "element_size_mm", options.element_size_mm);

@@ -67,26 +67,50 @@ struct Naming {
   const char* thing;  ///< What its segments are.
   const char* known;  ///< The names, as a message tells them.
   /// \param name  in lower case, with blanks.
-  std::optional<Label> (*label_called)(std::string_view name);
+  /// \param type  likewise, what the segment's terminology calls it; empty if that is not told.
+  std::optional<Label> (*label_called)(std::string_view name, std::string_view type);
+  /// Whether, of two layers, what the higher says wins over what the lower says.
+  bool (*higher_wins)(Label higher, Label lower);
   enum class Others { kIgnored, kRefused } others;
 };
 
-constexpr Naming<Tissue> kTissueNaming{
-    "segmentation", "tissue", "bone, soft tissue or another",
-    [](std::string_view name) -> std::optional<Tissue> {
-      for (const anatomy::TissueStyle& style : anatomy::kTissueStyles)
-        if (name == style.name) return style.tissue;
-      return std::nullopt;
-    },
-    Naming<Tissue>::Others::kIgnored};
+bool has_word(std::string_view text, std::string_view word) {
+  const std::string spaced = fmt::format(" {} ", text);
+  return spaced.find(fmt::format(" {} ", word)) != std::string::npos;
+}
+
+std::optional<Tissue> tissue_called(std::string_view name) {
+  for (const anatomy::TissueStyle& style : anatomy::kTissueStyles)
+    if (name == style.name) return style.tissue;
+  if (has_word(name, "muscle") || has_word(name, "muscles")) return Tissue::kMuscle;
+  return std::nullopt;
+}
+
+constexpr Naming<Tissue> kTissueNaming{"segmentation",
+                                       "tissue",
+                                       "bone, soft tissue or another",
+                                       [](std::string_view name, std::string_view type) {
+                                         const auto tissue = tissue_called(name);
+                                         return tissue ? tissue : tissue_called(type);
+                                       },
+                                       [](Tissue higher, Tissue lower) {
+                                         if (higher == Tissue::kMuscle)
+                                           return lower == Tissue::kSoftTissue;
+                                         return lower != Tissue::kMuscle ||
+                                                higher != Tissue::kSoftTissue;
+                                       },
+                                       Naming<Tissue>::Others::kIgnored};
 
 constexpr Naming<BoundaryLabel> kBoundaryNaming{
-    "boundary.labels", "boundary label", "fixed, free or with segment",
-    [](std::string_view name) -> std::optional<BoundaryLabel> {
+    "boundary.labels",
+    "boundary label",
+    "fixed, free or with segment",
+    [](std::string_view name, std::string_view) -> std::optional<BoundaryLabel> {
       for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
         if (name == style.name) return style.label;
       return std::nullopt;
     },
+    [](BoundaryLabel, BoundaryLabel) { return true; },
     Naming<BoundaryLabel>::Others::kRefused};
 
 std::string plain_name(std::string name) {
@@ -103,12 +127,33 @@ std::string in_a_message(std::string name) {
   return name.size() <= kLongest ? name : name.substr(0, kLongest) + "...";
 }
 
+/// "Muscle" out of "...|TerminologyEntry:list~SCT^85756007^Tissue~SCT^...^Muscle~^^~...|": after
+/// the list's name come category and type, each of a scheme, a code and a meaning.
+std::string terminology_type(const std::string& tags) {
+  constexpr std::string_view kEntry = "TerminologyEntry:";
+  const auto begin = tags.find(kEntry);
+  if (begin == std::string::npos) return {};
+  const std::string_view all(tags);
+  std::string_view entry = all.substr(begin + kEntry.size());
+  entry = entry.substr(0, entry.find('|'));
+  const auto field = [](std::string_view text, char separator, int number) -> std::string_view {
+    for (; number > 0; --number) {
+      const auto end = text.find(separator);
+      if (end == std::string_view::npos) return {};
+      text.remove_prefix(end + 1);
+    }
+    return text.substr(0, text.find(separator));
+  };
+  return std::string(field(field(entry, '~', 2), '^', 2));
+}
+
 /// Which values of one layer mean what.
 template <class Label>
 struct Segment {
   Index layer;
   std::int64_t value;
-  Label label;
+  std::optional<Label> label;  ///< Nothing if its name is nobody's.
+  std::string name;            ///< Fit for a message.
 };
 
 std::optional<std::int64_t> whole_number(const std::string& text) {
@@ -124,28 +169,32 @@ template <class Label>
 Result<std::vector<Segment<Label>>> read_segments(const RawVolume& raw,
                                                   const Naming<Label>& naming) {
   std::vector<Segment<Label>> segments;
+  bool has_label = false;
   const auto field = [&](Index segment, const char* key, const std::string& otherwise) {
     const auto found = raw.fields.find(fmt::format("Segment{}_{}", segment, key));
     return found == raw.fields.end() ? otherwise : found->second;
   };
   for (Index segment = 0; raw.fields.contains(fmt::format("Segment{}_ID", segment)); ++segment) {
     const std::string name = field(segment, "Name", field(segment, "ID", ""));
-    const auto label = naming.label_called(plain_name(name));
+    const auto label = naming.label_called(
+        plain_name(name), plain_name(terminology_type(field(segment, "Tags", ""))));
     if (!label && naming.others == Naming<Label>::Others::kRefused)
       return fail(ErrorCode::kFileUnsupported,
                   fmt::format("{}: segment {} is called \"{}\", expected {}", naming.file, segment,
                               in_a_message(name), naming.known));
-    if (!label) continue;
     // Files of older Slicers have one layer of zeros and ones for each segment.
     const auto layer = whole_number(field(segment, "Layer", std::to_string(segment)));
     const auto value = whole_number(field(segment, "LabelValue", "1"));
-    if (!layer || *layer < 0 || *layer >= raw.components || !value)
+    const bool is_there = layer && *layer >= 0 && *layer < raw.components && value;
+    if (!is_there && !label) continue;
+    if (!is_there)
       return fail(ErrorCode::kFileCorrupt,
                   fmt::format("{}: segment {} has no label value in one of the {} layers",
                               naming.file, segment, raw.components));
-    segments.push_back({*layer, *value, *label});
+    segments.push_back({*layer, *value, label, in_a_message(name)});
+    has_label = has_label || label;
   }
-  if (segments.empty())
+  if (!has_label)
     return fail(ErrorCode::kFileUnsupported,
                 fmt::format("{}: no segment has the name of a {}, expected {}", naming.file,
                             naming.thing, naming.known));
@@ -173,7 +222,8 @@ std::optional<std::array<Index, 3>> place_in(const image::Grid& grid, const imag
 
 /// On the file's own grid.
 template <class Label>
-Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<Label>& naming) {
+Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<Label>& naming,
+                                         Progress& progress) {
   if (!is_segmentation_file(source))
     return fail(ErrorCode::kFileUnsupported,
                 fmt::format("{}: the file does not end in .seg.nrrd", naming.file));
@@ -182,15 +232,25 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
 
   image::Volume<Label> labels{
       raw.grid, std::vector<Label>(static_cast<std::size_t>(raw.grid.voxel_count()), Label{})};
+  std::vector<char> is_seen(segments.size(), 0);
   with_values(raw, [&](const auto values) {
     for (std::size_t voxel = 0; voxel < labels.values.size(); ++voxel)
-      for (const auto& [layer, value, label] : segments) {
-        const std::size_t at =
-            voxel * static_cast<std::size_t>(raw.components) + static_cast<std::size_t>(layer);
-        if (static_cast<double>(values[at]) == static_cast<double>(value))
-          labels.values[voxel] = label;
+      for (std::size_t s = 0; s < segments.size(); ++s) {
+        const Segment<Label>& segment = segments[s];
+        const std::size_t at = voxel * static_cast<std::size_t>(raw.components) +
+                               static_cast<std::size_t>(segment.layer);
+        if (static_cast<double>(values[at]) != static_cast<double>(segment.value)) continue;
+        is_seen[s] = 1;
+        if (!segment.label) continue;
+        Label& here = labels.values[voxel];
+        if (here == Label{} || naming.higher_wins(*segment.label, here)) here = *segment.label;
       }
   });
+  for (std::size_t s = 0; s < segments.size(); ++s)
+    if (is_seen[s] != 0 && !segments[s].label)
+      progress.note(
+          fmt::format("warning: {}: no {} is called \"{}\": its voxels count as not painted",
+                      naming.file, naming.thing, segments[s].name));
   if (labels.grid.direction.determinant() < 0.0) reverse_axis(labels, 2);
   return labels;
 }
@@ -199,7 +259,7 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
 template <class Label>
 Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<Label>& naming,
                                          const image::Grid& grid, Progress& progress) {
-  LEFORT_TRY(const image::Volume<Label> part, read_labels(source, naming));
+  LEFORT_TRY(const image::Volume<Label> part, read_labels(source, naming, progress));
   const auto first = place_in(grid, part.grid);
   if (!first)
     return fail(ErrorCode::kFileCorrupt,
@@ -244,7 +304,7 @@ Result<void> write_segmentation(const fs::path& target, const LabelMap& labels) 
 }
 
 Result<LabelMap> read_segmentation(const fs::path& source) {
-  return read_labels(source, kTissueNaming);
+  return read_labels(source, kTissueNaming, Progress::none());
 }
 
 Result<LabelMap> read_segmentation(const fs::path& source, const image::Grid& grid,

@@ -22,9 +22,12 @@ namespace lefort::io {
 
 /// Reads a `.seg.nrrd`, ours or one edited in Slicer, on the grid of the file.
 ///
-/// Segments are matched to tissues by name, in any case; their label values and layers are free.
-/// Where segments of several layers overlap, the higher layer wins. Voxels of no segment, or of one
-/// that has no tissue's name, are background. Slicer crops files: see the other overload.
+/// Segments are matched to tissues by name, in any case, else by what their terminology calls their
+/// type; any with the word muscle are muscle, such as left_masseter_muscle. Label values and layers
+/// are free. Where segments of several layers overlap, the higher layer wins; but muscle, a part of
+/// the soft tissue, wins over soft tissue and over nothing else, whatever the layers. Voxels of no
+/// segment, or of one that has no tissue's name, are background. Slicer crops files: see the other
+/// overload.
 ///
 /// \returns the labels, or, with a message that does not name the file,
 ///   - kFileNotFound     there is no such file;
@@ -34,7 +37,8 @@ namespace lefort::io {
 
 /// The same on the grid of the scan it belongs to: what the file leaves out is background.
 ///
-/// \param progress  is told as a note which share of the labelled voxels lies outside the scan.
+/// \param progress  is told as notes which segments have no tissue's name, and which share of the
+///   labelled voxels lies outside the scan.
 /// \returns also kFileCorrupt when the file's voxels do not lie on voxels of `grid`, or none that
 ///   is labelled lies within it: then it belongs to another scan.
 [[nodiscard]] Result<anatomy::LabelMap> read_segmentation(const std::filesystem::path& source,

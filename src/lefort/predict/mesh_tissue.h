@@ -8,6 +8,7 @@
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/predict/tissue_domain.h>
 
+#include <array>
 #include <cstdint>
 
 namespace lefort::predict {
@@ -20,6 +21,15 @@ namespace regions {
 inline constexpr std::int32_t kInside = 0;  ///< Connective tissue, fat and all that is not told.
 inline constexpr std::int32_t kSkin = 1;
 inline constexpr std::int32_t kMucosa = 2;
+inline constexpr std::int32_t kMuscle = 3;
+
+struct RegionName {
+  std::int32_t region;
+  const char* name;
+};
+
+inline constexpr std::array<RegionName, 4> kNames{
+    {{kInside, "inside"}, {kSkin, "skin"}, {kMucosa, "mucosa"}, {kMuscle, "muscle"}}};
 }  // namespace regions
 
 /// No element of a mesh with skin may have a smaller scaled Jacobian.

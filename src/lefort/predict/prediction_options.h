@@ -34,6 +34,12 @@ struct MucosaOptions {
   double poisson = 0.0;       ///< 0 <= nu < 0.5.
 };
 
+/// Muscle, where the labels name it.
+struct MuscleOptions {
+  double young_mpa = 0.0;  ///< > 0.
+  double poisson = 0.0;    ///< 0 <= nu < 0.5.
+};
+
 /// Finer elements at lips and nose.
 struct FaceSize {
   double element_size_mm = 0.0;  ///< Edge at the points; grows from there as from the segment.
@@ -49,6 +55,7 @@ struct TissueOptions {
   double margin_mm = 30.0;           ///< Tissue is meshed this far beyond the segment's box.
   std::optional<SkinOptions> skin = std::nullopt;      ///< Without, skin is made as what is inside.
   std::optional<MucosaOptions> mucosa = std::nullopt;  ///< Without, likewise.
+  std::optional<MuscleOptions> muscle = std::nullopt;  ///< Without, likewise.
   std::optional<FaceSize> face = std::nullopt;
 };
 

@@ -15,6 +15,10 @@ Result<fem::RegionMaterials> materials_of(const TissueOptions& tissue) {
     LEFORT_TRY(materials[regions::kMucosa],
                fem::NeoHookean::from_young_poisson(mucosa->young_mpa, mucosa->poisson));
   }
+  if (const auto& muscle = tissue.muscle) {
+    LEFORT_TRY(materials[regions::kMuscle],
+               fem::NeoHookean::from_young_poisson(muscle->young_mpa, muscle->poisson));
+  }
   return materials;
 }
 

@@ -17,13 +17,20 @@ namespace {
 
 constexpr int kDeepest = 32;
 
-/// Listens to the parser, which takes the last of two equal keys without a word, and any depth.
+/// The validator keeps a message of some 400 bytes for each value that is wrong, so it may be asked
+/// about no more of them than memory has room for. A curve of 10,000 points has 150,000.
+constexpr Index kMostValues = 1'000'000;
+
+/// Listens to the parser, which takes the last of two equal keys without a word, any depth and any
+/// number of values.
 class Listener {
  public:
-  /// \returns false where nesting is too deep: what is there is dropped.
+  /// \returns false where there is too much: what is there is dropped.
   bool operator()(int depth, Json::parse_event_t event, const Json& value) {
     using Event = Json::parse_event_t;
-    if (too_deep_) return false;
+    if (too_deep_ || has_too_many_values()) return false;
+    if (event == Event::value || event == Event::object_start || event == Event::array_start)
+      ++values_;
     if ((event == Event::object_start || event == Event::array_start) && depth >= kDeepest) {
       too_deep_ = true;
       return false;
@@ -36,10 +43,12 @@ class Listener {
   }
   [[nodiscard]] const std::optional<std::string>& repeated() const { return repeated_; }
   [[nodiscard]] bool is_too_deep() const { return too_deep_; }
+  [[nodiscard]] bool has_too_many_values() const { return values_ > kMostValues; }
 
  private:
   std::vector<std::set<std::string>> open_;  ///< Keys of the objects begun and not ended.
   std::optional<std::string> repeated_;
+  Index values_ = 0;
   bool too_deep_ = false;
 };
 
@@ -50,6 +59,8 @@ Result<Json> parse_json(std::string_view text) {
     Json json = Json::parse(text, std::ref(listener));
     if (listener.is_too_deep())
       return refuse(fmt::format("nested more than {} deep, must be less", kDeepest));
+    if (listener.has_too_many_values())
+      return refuse(fmt::format("more than {} values, must be less", kMostValues));
     if (listener.repeated())
       return refuse(fmt::format("key {} stands twice", *listener.repeated()));
     return json;

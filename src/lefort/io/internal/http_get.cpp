@@ -1,12 +1,16 @@
 #include <lefort/io/internal/http_get.h>
 
+#include <curl/curl.h>
 #include <fmt/format.h>
-#include <httplib.h>
 #include <pthread.h>
 #include <signal.h>
 #include <time.h>
 
+#include <exception>
+#include <memory>
+#include <new>
 #include <optional>
+#include <utility>
 
 namespace lefort::io {
 
@@ -45,63 +49,159 @@ tl::unexpected<Error> refused(int status) {
               fmt::format("the server answers with status {}, expected 200", status));
 }
 
-tl::unexpected<Error> lost(const HttpServer& server, httplib::Error error) {
+tl::unexpected<Error> lost(const HttpServer& server, CURLcode why, bool is_connected) {
   const std::string place = fmt::format("{}:{}", server.host, server.port);
-  switch (error) {
-    case httplib::Error::Connection:
-    case httplib::Error::ConnectionTimeout:
-      return fail(ErrorCode::kFileNotFound, fmt::format("no server answers at {}", place));
-    case httplib::Error::SSLConnection:
-    case httplib::Error::SSLLoadingCerts:
-    case httplib::Error::SSLServerVerification:
+  switch (why) {
+    case CURLE_SSL_CONNECT_ERROR:
+    case CURLE_SSL_CERTPROBLEM:
+    case CURLE_SSL_CIPHER:
+    case CURLE_SSL_CACERT_BADFILE:
+    case CURLE_SSL_ISSUER_ERROR:
+    case CURLE_PEER_FAILED_VERIFICATION:
       return fail(ErrorCode::kFileUnsupported,
                   fmt::format("the server at {} cannot be trusted, or does not encrypt", place));
     default:
+      if (!is_connected)
+        return fail(ErrorCode::kFileNotFound, fmt::format("no server answers at {}", place));
       return fail(ErrorCode::kFileCorrupt,
                   fmt::format("the connection to the server at {} was lost", place));
   }
 }
 
+/// What libcurl calls while it waits and reads. All of it runs in the thread that asked.
+class Listener {
+ public:
+  Listener(const HttpRequest& request, Progress& progress)
+      : request_(request), progress_(progress), deadline_(Clock::now() + request.whole) {}
+
+  void listen_to(CURL* transfer) {
+    transfer_ = transfer;
+    ::curl_easy_setopt(transfer, CURLOPT_HEADERDATA, this);
+    ::curl_easy_setopt(
+        transfer, CURLOPT_HEADERFUNCTION,
+        +[](char* bytes, std::size_t, std::size_t count, void* self) {
+          return static_cast<Listener*>(self)->hear(&Listener::header, bytes, count);
+        });
+    ::curl_easy_setopt(transfer, CURLOPT_WRITEDATA, this);
+    ::curl_easy_setopt(
+        transfer, CURLOPT_WRITEFUNCTION,
+        +[](char* bytes, std::size_t, std::size_t count, void* self) {
+          return static_cast<Listener*>(self)->hear(&Listener::body, bytes, count);
+        });
+    ::curl_easy_setopt(transfer, CURLOPT_NOPROGRESS, 0L);
+    ::curl_easy_setopt(transfer, CURLOPT_XFERINFODATA, this);
+    ::curl_easy_setopt(
+        transfer, CURLOPT_XFERINFOFUNCTION,
+        +[](void* self, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+          return static_cast<Listener*>(self)->may_go_on() ? 0 : 1;
+        });
+  }
+
+  /// Why we stopped listening, if it was us.
+  [[nodiscard]] const std::optional<Error>& stopped() const { return stopped_; }
+
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+  [[nodiscard]] int status() const {
+    long status = 0;
+    ::curl_easy_getinfo(transfer_, CURLINFO_RESPONSE_CODE, &status);
+    return static_cast<int>(status);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Part = Result<void> (Listener::*)(std::string_view);
+
+  /// \returns `count`, or 0 to stop. No exception may pass through libcurl.
+  std::size_t hear(Part part, const char* bytes, std::size_t count) {
+    try {
+      if (!stopped_)
+        if (Result<void> heard = (this->*part)({bytes, count}); !heard)
+          stopped_ = std::move(heard).error();
+    } catch (...) {
+      thrown_ = std::current_exception();
+    }
+    return !thrown_ && may_go_on() ? count : 0;
+  }
+
+  Result<void> header(std::string_view line) {
+    header_bytes_ += line.size();
+    if (header_bytes_ > request_.header_bytes)
+      return fail(
+          ErrorCode::kFileCorrupt,
+          fmt::format("the server's headers have more than {} bytes", request_.header_bytes));
+    const bool is_last = line == "\r\n" || line == "\n";
+    if (!is_last || has_begun_ || status() != 200) return {};
+    has_begun_ = true;  // What looks like headers after the body is none of theirs.
+    const char* type = nullptr;
+    ::curl_easy_getinfo(transfer_, CURLINFO_CONTENT_TYPE, &type);
+    return request_.begin(type == nullptr ? "" : type);
+  }
+
+  Result<void> body(std::string_view bytes) {
+    if (status() != 200) return refused(status());
+    return request_.receive(bytes);
+  }
+
+  bool may_go_on() {
+    if (progress_.stop_requested())
+      stopped_ = Error{ErrorCode::kCancelled, "fetching the scan was stopped"};
+    else if (!stopped_ && Clock::now() > deadline_)
+      stopped_ = Error{ErrorCode::kFileCorrupt,
+                       fmt::format("the server takes longer than {} s", request_.whole.count())};
+    return !stopped_;
+  }
+
+  const HttpRequest& request_;
+  Progress& progress_;
+  Clock::time_point deadline_;
+  CURL* transfer_ = nullptr;
+  std::uint64_t header_bytes_ = 0;
+  bool has_begun_ = false;
+  std::optional<Error> stopped_;
+  std::exception_ptr thrown_;
+};
+
 }  // namespace
 
 Result<void> http_get(const HttpServer& server, const HttpRequest& request, Progress& progress) {
-  using Clock = std::chrono::steady_clock;
   const NoBrokenPipe no_broken_pipe;
-  httplib::Client client(
-      fmt::format("{}://{}:{}", server.is_encrypted ? "https" : "http", server.host, server.port));
-  if (!client.is_valid())
-    return fail(ErrorCode::kFileNotFound,
-                fmt::format("no server answers at {}:{}", server.host, server.port));
-  client.set_connection_timeout(request.silence);
-  client.set_read_timeout(request.silence);
-  client.set_write_timeout(request.silence);
-  if (!server.user.empty() || !server.password.empty())
-    client.set_basic_auth(server.user, server.password);
+  const std::unique_ptr<CURL, void (*)(CURL*)> transfer(::curl_easy_init(), ::curl_easy_cleanup);
+  const std::unique_ptr<curl_slist, void (*)(curl_slist*)> headers(
+      ::curl_slist_append(nullptr, ("Accept: " + request.accept).c_str()), ::curl_slist_free_all);
+  if (transfer == nullptr || headers == nullptr) throw std::bad_alloc();
+  CURL* const curl = transfer.get();
+  ::curl_easy_setopt(curl, CURLOPT_URL,
+                     fmt::format("{}://{}:{}{}", server.is_encrypted ? "https" : "http",
+                                 server.host, server.port, request.path)
+                         .c_str());
+  ::curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers.get());
+  ::curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
+  ::curl_easy_setopt(curl, CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});
+  ::curl_easy_setopt(curl, CURLOPT_PATH_AS_IS, 1L);
+  ::curl_easy_setopt(curl, CURLOPT_PROXY, "");  // Passwords and scans go to the server alone.
+  ::curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
+  const long silence = static_cast<long>(request.silence.count());
+  ::curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, silence);
+  ::curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);  // Bytes a second.
+  ::curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, silence);
+  if (!server.user.empty() || !server.password.empty()) {
+    ::curl_easy_setopt(curl, CURLOPT_HTTPAUTH, CURLAUTH_BASIC);
+    ::curl_easy_setopt(curl, CURLOPT_USERNAME, server.user.c_str());
+    ::curl_easy_setopt(curl, CURLOPT_PASSWORD, server.password.c_str());
+  }
+  Listener listener(request, progress);
+  listener.listen_to(curl);
 
-  const auto deadline = Clock::now() + request.whole;
-  std::optional<Error> stopped;  // Why we stopped listening.
-  const auto goes_on = [&](Result<void> result) {
-    if (!result) stopped = std::move(result).error();
-    if (progress.stop_requested())
-      stopped = Error{ErrorCode::kCancelled, "fetching the scan was stopped"};
-    else if (!stopped && Clock::now() > deadline)
-      stopped = Error{ErrorCode::kFileCorrupt,
-                      fmt::format("the server takes longer than {} s", request.whole.count())};
-    return !stopped;
-  };
-  int status = 0;
-  const auto answer = client.Get(
-      request.path, httplib::Headers{{"Accept", request.accept}},
-      [&](const httplib::Response& response) {
-        status = response.status;
-        return status == 200 && goes_on(request.begin(response.get_header_value("Content-Type")));
-      },
-      [&](const char* bytes, std::size_t count) {
-        return goes_on(request.receive(std::string_view(bytes, count)));
-      });
-  if (stopped) return tl::unexpected(*std::move(stopped));
-  if (status != 0 && status != 200) return refused(status);
-  if (!answer) return lost(server, answer.error());
+  const CURLcode answer = ::curl_easy_perform(curl);
+  listener.rethrow();
+  if (listener.stopped()) return tl::unexpected(*listener.stopped());
+  curl_off_t connected_us = 0;
+  ::curl_easy_getinfo(curl, CURLINFO_CONNECT_TIME_T, &connected_us);
+  if (answer != CURLE_OK) return lost(server, answer, connected_us > 0);
+  if (listener.status() != 200) return refused(listener.status());
   return {};
 }
 
