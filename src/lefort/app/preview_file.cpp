@@ -105,8 +105,8 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
   predict::PreviewModel model;
   const bool is_whole = take(text, columns) && take(text, inner) && take(text, values) &&
                         take(text, model.first_row) && take(text, segments) && take(text, rows) &&
-                        take(text, holds) && take(text, places) && take(text, nodes) && take(text, weights) &&
-                        take(text, rest);
+                        take(text, holds) && take(text, places) && take(text, nodes) &&
+                        take(text, weights) && take(text, rest);
   const auto is_node = [&](std::int32_t node) {
     return node >= 0 && std::size_t(node) < model.first_row.size();
   };
