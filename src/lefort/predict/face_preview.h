@@ -44,9 +44,10 @@ struct PreviewModel {
                                                       const Vec3& spacing_mm);
 
 /// Small-strain elasticity with the stiffness at rest. Tissue that lies on the segment is pushed
-/// along the bone's normal at rest, slides, and comes off where the bone leaves it; attached tissue,
-/// and what was painted to move with the segment, goes with the bone. Nothing turns or stretches by more than the first order, and no tissue
-/// meets bone that it did not lie on: how far that is from a prediction grows with the motion.
+/// along the bone's normal at rest, slides, and comes off where the bone leaves it; attached
+/// tissue, and what was painted to move with the segment, goes with the bone. Nothing turns or
+/// stretches by more than the first order, and no tissue meets bone that it did not lie on: how far
+/// that is from a prediction grows with the motion.
 ///
 /// Safe from many threads, which wait for one another.
 class FacePreview {
