@@ -44,6 +44,44 @@ export function triangleDistance2(p: Vec3, a: Vec3, b: Vec3, c: Vec3): number {
   return (height * height) / dot(n, n);
 }
 
+/** Triangles of a surface by the cube that their first corner lies in, so that a dab need not look at all of them. */
+class TriangleCubes {
+  private static readonly known = new WeakMap<Surface, TriangleCubes>();
+  private readonly cubes = new Map<number, number[]>();
+  private longest = 0;
+
+  static of(surface: Surface): TriangleCubes {
+    let cubes = TriangleCubes.known.get(surface);
+    if (!cubes) TriangleCubes.known.set(surface, (cubes = new TriangleCubes(surface)));
+    return cubes;
+  }
+
+  private constructor({ points, triangles }: Surface) {
+    for (let t = 0; t < triangles.length; t += 3) {
+      const a = 3 * triangles[t];
+      for (const other of [3 * triangles[t + 1], 3 * triangles[t + 2]])
+        for (let c = 0; c < 3; c++) this.longest = Math.max(this.longest, Math.abs(points[other + c] - points[a + c]));
+      const key = keyOf(cubeOf(points[a]), cubeOf(points[a + 1]), cubeOf(points[a + 2]));
+      const there = this.cubes.get(key);
+      if (there) there.push(t);
+      else this.cubes.set(key, [t]);
+    }
+  }
+
+  /** Visits each triangle that may have a point within `reach` of one along each axis, and some others. */
+  visit(p: Vec3, reach: number, see: (t: number) => void): void {
+    const far = reach + this.longest;
+    for (let k = cubeOf(p[2] - far); k <= cubeOf(p[2] + far); k++)
+      for (let j = cubeOf(p[1] - far); j <= cubeOf(p[1] + far); j++)
+        for (let i = cubeOf(p[0] - far); i <= cubeOf(p[0] + far); i++) this.cubes.get(keyOf(i, j, k))?.forEach(see);
+  }
+}
+
+const CUBE_MM = 8;
+const cubeOf = (mm: number): number => Math.floor(mm / CUBE_MM);
+/** One number for a cube: a head is some dozens of them wide, 1024 are 8 m. */
+const keyOf = (i: number, j: number, k: number): number => i + 512 + 1024 * (j + 512 + 1024 * (k + 512));
+
 /** Where and how widely the brush is put on a surface. */
 export interface Dab {
   centre_L: Vec3;
@@ -57,7 +95,8 @@ export interface Dab {
 }
 
 /** Paints the voxels within the brush and near the surface, and tells which changed. The surface stands as scanned. */
-export function paintSurface(labels: Uint8Array, grid: Grid, { points, triangles }: Surface, dab: Dab): LabelEdit {
+export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, dab: Dab): LabelEdit {
+  const { points, triangles } = surface;
   const { centre_L, normal, radius_mm, thickness_mm, label } = dab;
   const [nx, ny, nz] = grid.size;
   const [sx, sy, sz] = grid.spacing_mm;
@@ -67,7 +106,7 @@ export function paintSurface(labels: Uint8Array, grid: Grid, { points, triangles
   const at: number[] = [];
   const before: number[] = [];
   const corner = (v: number): Vec3 => [points[3 * v], points[3 * v + 1], points[3 * v + 2]];
-  for (let t = 0; t < triangles.length; t += 3) {
+  TriangleCubes.of(surface).visit(centre_L, reach, (t) => {
     let isNear = true;
     for (let axis = 0; axis < 3 && isNear; axis++) {
       const x = points[3 * triangles[t] + axis];
@@ -75,9 +114,9 @@ export function paintSurface(labels: Uint8Array, grid: Grid, { points, triangles
       const z = points[3 * triangles[t + 2] + axis];
       isNear = Math.min(x, y, z) <= centre_L[axis] + reach && Math.max(x, y, z) >= centre_L[axis] - reach;
     }
-    if (!isNear) continue;
+    if (!isNear) return;
     const [p, q, r] = [corner(triangles[t]), corner(triangles[t + 1]), corner(triangles[t + 2])];
-    if (dot(cross(sub(q, p), sub(r, p)), normal) <= 0) continue;
+    if (dot(cross(sub(q, p), sub(r, p)), normal) <= 0) return;
     const [a, b, c] = [inGrid(...p), inGrid(...q), inGrid(...r)];
     const low = (axis: number): number => Math.min(a[axis], b[axis], c[axis]) - thickness_mm;
     const high = (axis: number): number => Math.max(a[axis], b[axis], c[axis]) + thickness_mm;
@@ -95,7 +134,7 @@ export function paintSurface(labels: Uint8Array, grid: Grid, { points, triangles
           before.push(labels[n]);
           labels[n] = label;
         }
-  }
+  });
   return { at: Uint32Array.from(at), before: Uint8Array.from(before), after: label };
 }
 
@@ -125,18 +164,22 @@ export function paintReader(labels: Uint8Array, grid: Grid): (x: number, y: numb
   };
 }
 
-/** Finds the label of each vertex, or of those within a ball alone. */
-export function labelVertices(labels: Uint8Array, grid: Grid, points: Float32Array, into: Uint8Array, within?: { centre: Vec3; radius_mm: number }): void {
+/** Finds the label of each vertex, or of those within a ball alone. Returns whether any has changed. */
+export function labelVertices(labels: Uint8Array, grid: Grid, points: Float32Array, into: Uint8Array, within?: { centre: Vec3; radius_mm: number }): boolean {
   const read = paintReader(labels, grid);
   const reach2 = within ? within.radius_mm ** 2 : 0;
+  let hasChanged = false;
   for (let v = 0; v < into.length; v++) {
     const [x, y, z] = [points[3 * v], points[3 * v + 1], points[3 * v + 2]];
     if (within) {
       const [dx, dy, dz] = [x - within.centre[0], y - within.centre[1], z - within.centre[2]];
       if (dx * dx + dy * dy + dz * dz > reach2) continue;
     }
-    into[v] = read(x, y, z);
+    const label = read(x, y, z);
+    hasChanged ||= label !== into[v];
+    into[v] = label;
   }
+  return hasChanged;
 }
 
 /** Area by label, each triangle shared equally by its corners [mm²]. */

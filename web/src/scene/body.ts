@@ -82,8 +82,15 @@ export class Body {
   /** Colours each vertex by its label; `palette`: linear RGB by label. */
   setLabels(labels: Uint8Array, palette: readonly Rgb[]): void {
     const [fine, coarse] = this.colours();
-    labels.forEach((label, v) => fine.set(palette[label] ?? palette[0], 3 * v));
-    this.surface.coarse.vertex.forEach((v, n) => coarse.set(palette[labels[v]] ?? palette[0], 3 * n));
+    const colour = (into: Float32Array, n: number, label: number): void => {
+      const rgb = palette[label] ?? palette[0];
+      into[3 * n] = rgb[0];
+      into[3 * n + 1] = rgb[1];
+      into[3 * n + 2] = rgb[2];
+    };
+    for (let v = 0; v < labels.length; v++) colour(fine, v, labels[v]);
+    const { vertex } = this.surface.coarse;
+    for (let n = 0; n < vertex.length; n++) colour(coarse, n, labels[vertex[n]]);
   }
 
   /** Moves each vertex by a vector (flat xyz, mm); null takes all back. */

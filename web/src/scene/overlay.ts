@@ -115,6 +115,20 @@ export function drawLabels(context: CanvasRenderingContext2D, tags: readonly Tag
   });
 }
 
+/** A stroke of the brush that the bodies do not show yet. */
+export function drawStroke(context: CanvasRenderingContext2D, dabs: readonly [number, number][], radius_px: number, colour: string): void {
+  if (dabs.length === 0) return;
+  context.beginPath();
+  for (const [x, y] of dabs) {
+    context.moveTo(x + radius_px, y);
+    context.arc(x, y, radius_px, 0, 2 * Math.PI);
+  }
+  context.globalAlpha = 0.6;
+  context.fillStyle = colour;
+  context.fill();
+  context.globalAlpha = 1;
+}
+
 /** How widely the brush paints. */
 export function drawBrush(context: CanvasRenderingContext2D, [x, y]: [number, number], radius_px: number): void {
   for (const [width, colour] of [[3.5, 'rgb(0 0 0 / 0.45)'], [1.5, '#ffffff']] as const) {

@@ -9,7 +9,7 @@ import {
 } from '../model';
 import { Body } from './body';
 import { Gizmo, type GizmoDrag } from './gizmo';
-import { drawBrush, drawLabels, drawLine, drawPlaneOutline, drawScale, drawSides, drawTag, drawWipe, type PlaneMark, type Polyline, type Tag } from './overlay';
+import { drawBrush, drawStroke, drawLabels, drawLine, drawPlaneOutline, drawScale, drawSides, drawTag, drawWipe, type PlaneMark, type Polyline, type Tag } from './overlay';
 import { projectionOf, type Projection } from './projection';
 import { drawsInSoftware } from './software';
 
@@ -65,8 +65,11 @@ export class View3d {
   readonly gizmo = new Gizmo();
   markers: Marker[] = [];
   lines: Polyline[] = [];
+  /** Called once, before the next picture. */
+  beforePicture: (() => void) | null = null;
   /** Radius of the brush. */
   brush_mm = 4;
+  brushColour = '#ffffff';
   /** The bodies a tool works on; others are looked through. */
   pickable: (name: string) => boolean = () => true;
 
@@ -93,6 +96,8 @@ export class View3d {
   /** Where the brush is to go: the pointer's way since the last picture. */
   private brushWay: [number, number][] = [];
   private brushAt: [number, number] | null = null;
+  /** Where it was put since the bodies were drawn last. */
+  private brushTrace: [number, number][] = [];
   private markerAtPointer: [number, number] | null = null;
   private pressed: { x: number; y: number; at: number } | null = null;
   private centre = new Vector3(0, 0, 0);
@@ -290,7 +295,6 @@ export class View3d {
   /** While something moves, the processor draws coarse surfaces; they become fine again when it has stopped. */
   beBusy(): void {
     this.lastIdle = performance.now();
-    // Paint is fine, so what is painted stays fine.
     if (drawsInSoftware() && !this.coarse && this.dragged?.kind !== 'paint') this.setCoarse(true);
     if (this.idle) return;
     const check = () => {
@@ -315,6 +319,15 @@ export class View3d {
   render(): void {
     this.canvas.dataset.idle = 'false';
     if (this.frame) return;
+    if (drawsInSoftware() && this.dragged?.kind === 'paint') {
+      // The bodies in full would take the processor too long: the stroke is drawn over them until it has ended.
+      this.frame = requestAnimationFrame(() => {
+        this.frame = 0;
+        this.dragBrush(DABS_A_PICTURE);
+        this.drawOverlay();
+      });
+      return;
+    }
     const whenReady = (): void => {
       // One picture at a time: on slow graphics pictures would pile up, and the page would lag behind the hand.
       if (this.fence && this.gl.getSyncParameter(this.fence, this.gl.SYNC_STATUS) !== this.gl.SIGNALED) {
@@ -324,6 +337,9 @@ export class View3d {
       this.frame = 0;
       this.dragMarker();
       this.dragBrush(DABS_A_PICTURE);
+      const prepare = this.beforePicture;
+      this.beforePicture = null;
+      prepare?.();
       this.drawNow();
     };
     this.frame = requestAnimationFrame(whenReady);
@@ -341,24 +357,35 @@ export class View3d {
   private dragBrush(most: number): void {
     if (this.dragged?.kind !== 'paint') return;
     const step = Math.max(2, 0.5 * this.brush_mm * this.projection().px_per_mm);
-    for (let n = 0; n < most && this.brushWay.length > 1; n++) {
+    const isLast = most === Infinity;
+    let n = 0;
+    while (n < most && this.brushWay.length > 1) {
       const [from, to] = this.brushWay;
       const far = Math.hypot(to[0] - from[0], to[1] - from[1]);
+      // A hand that is slower than the brush is wide leaves one dab, not one for each of its moves.
+      if (far < step && (this.brushWay.length > 2 || !isLast)) {
+        if (this.brushWay.length === 2) break;
+        this.brushWay.splice(1, 1);
+        continue;
+      }
       const share = Math.min(1, step / (far || 1));
       const at: [number, number] = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
       if (share < 1) this.brushWay[0] = at;
       else this.brushWay.shift();
       const found = this.pick(...at);
-      if (found) this.events.onPaint(found, 'move');
+      if (found) {
+        this.brushTrace.push(at);
+        this.events.onPaint(found, 'move');
+      }
+      n++;
     }
-    if (this.brushWay.length > 1) this.render();
+    if (n === most) this.render(); // There may be more.
   }
 
   drawNow(): void {
     const { width, height } = this.size();
     const renderer = this.renderer;
-    const isMoving = this.coarse || this.dragged?.kind === 'paint';
-    const ratio = drawsInSoftware() ? SOFTWARE_RATIO[isMoving ? 'moving' : 'still'] : Math.min(2, devicePixelRatio);
+    const ratio = drawsInSoftware() ? SOFTWARE_RATIO[this.coarse ? 'moving' : 'still'] : Math.min(2, devicePixelRatio);
     if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio); // Empties the picture, so not before.
     renderer.setScissorTest(false);
     renderer.setViewport(0, 0, width, height);
@@ -391,9 +418,10 @@ export class View3d {
     this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     this.gl.flush();
     this.framesDrawn++;
+    this.brushTrace = [];
     this.drawOverlay();
     // For tests: nothing is still to be drawn.
-    this.canvas.dataset.idle = String(!isMoving && this.frame === 0);
+    this.canvas.dataset.idle = String(!this.coarse && this.frame === 0);
   }
 
   private renderOnly(names: readonly string[]): void {
@@ -451,7 +479,9 @@ export class View3d {
       context.globalAlpha = 1;
     }
     this.gizmo.draw(context, this.projection());
-    if (this.brushAt && this.events.isPainting()) drawBrush(context, this.brushAt, this.brush_mm * this.projection().px_per_mm);
+    const radius_px = this.brush_mm * this.projection().px_per_mm;
+    drawStroke(context, this.brushTrace, radius_px, this.brushColour);
+    if (this.brushAt && this.events.isPainting()) drawBrush(context, this.brushAt, radius_px);
     this.tellHandles();
   }
 
@@ -579,6 +609,7 @@ export class View3d {
       if (found) {
         this.dragged = { kind: 'paint', id: found.body };
         this.brushWay = [[x, y]];
+        this.brushTrace = [[x, y]];
         this.brushAt = [x, y];
         this.beBusy();
         this.events.onPaint(found, 'start');

@@ -18,7 +18,9 @@ export class BoundaryBrush {
   private etag: string | null = null;
   /** The strokes that the server has. */
   private stored: readonly LabelEdit[] = [];
-  private readonly vertices = new Map<string, { surface: Surface; label: Uint8Array }>();
+  /** `version`: another one whenever a label has changed. */
+  private readonly vertices = new Map<string, { surface: Surface; label: Uint8Array; version: number }>();
+  private versions = 0;
 
   constructor(
     private readonly app: App,
@@ -150,20 +152,22 @@ export class BoundaryBrush {
   // Showing
 
   /** The label of each vertex of a surface that stands as scanned. */
-  labelsOf(name: string, surface: Surface): Uint8Array | null {
+  labelsOf(name: string, surface: Surface): { label: Uint8Array; version: number } | null {
     const { volume } = this.app.model.s;
     if (!this.labels || !volume) return null;
     const known = this.vertices.get(name);
-    if (known?.surface === surface) return known.label;
+    if (known?.surface === surface) return known;
     const label = new Uint8Array(surface.points.length / 3);
     labelVertices(this.labels, volume.grid, surface.points, label);
-    this.vertices.set(name, { surface, label });
-    return label;
+    const made = { surface, label, version: ++this.versions };
+    this.vertices.set(name, made);
+    return made;
   }
 
   private show(within: { centre: Vec3; radius_mm: number }): void {
     const { grid } = this.app.model.s.volume!;
-    for (const { surface, label } of this.vertices.values()) labelVertices(this.labels!, grid, surface.points, label, within);
+    for (const known of this.vertices.values())
+      if (labelVertices(this.labels!, grid, known.surface.points, known.label, within)) known.version = ++this.versions;
     this.listeners.onPaint();
   }
 
@@ -177,8 +181,8 @@ export class BoundaryBrush {
   measure(): void {
     const areas: number[] = [];
     for (const [name, { surface }] of this.app.boundarySurfaces()) {
-      const label = this.labelsOf(name, surface);
-      if (label) areasByLabel(surface, label, areas);
+      const found = this.labelsOf(name, surface);
+      if (found) areasByLabel(surface, found.label, areas);
     }
     this.app.patch({ paintedAreas: areas });
   }

@@ -7,18 +7,11 @@ import type { State } from './state';
 export class BoundaryView {
   /** What was coloured, of which paint. */
   private readonly coloured = new Map<string, { body: Body; version: number }>();
-  private version = 0;
 
   constructor(
     private readonly view: View3d,
     private readonly app: App,
   ) {}
-
-  /** The paint has changed. */
-  changed(): void {
-    this.version++;
-    this.present(this.app.model.s);
-  }
 
   /** What the brush is put on: what is drawn opaque. */
   isPaintable(s: State, name: string): boolean {
@@ -33,12 +26,12 @@ export class BoundaryView {
     for (const [name, { surface }] of isOn ? app.boundarySurfaces() : []) {
       const body = view.body(name);
       const before = this.coloured.get(name);
-      if (!body || (before?.body === body && before.version === this.version)) continue;
-      const labels = app.boundaryBrush.labelsOf(name, surface);
-      if (!labels || labels.length !== body.surface.points.length / 3) continue;
+      const labels = body ? app.boundaryBrush.labelsOf(name, surface) : null;
+      if (!body || !labels || labels.label.length !== body.surface.points.length / 3) continue;
+      if (before?.body === body && before.version === labels.version) continue;
       palette[0] = this.plain(name);
-      body.setLabels(labels, palette.map(linearOf));
-      this.coloured.set(name, { body, version: this.version });
+      body.setLabels(labels.label, palette.map(linearOf));
+      this.coloured.set(name, { body, version: labels.version });
       hasChanged = true;
     }
     if (!isOn)

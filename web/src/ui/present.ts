@@ -2,7 +2,7 @@ import type { Depths } from '../api';
 import {
   BONE, cssOf, posedSectionOf, kindOf, length, scale, sectionOf, segmentColour, SKIN, sub, templateKind, unit, withLandmark,
   withPlane, withSegment, editPlane, IDENTITY, planeAt, cross, dot,
-  type DrawnSurface, type Hit, type Move, type Plane, type Vec3,
+  type DrawnSurface, type Hit, type Move, type Plane, type Rgb, type Vec3,
 } from '../model';
 import { PATIENT_AXES, planeAxes, SliceView, View3d, type GizmoDrag, type Marker, type Phase, type PlaneMark, type SliceLines } from '../scene';
 import { templateKey, type App, type Listeners } from './app';
@@ -115,7 +115,9 @@ export class Presenter implements Listeners {
   }
 
   onPaint(): void {
-    this.boundary.changed();
+    // With the next picture: several dabs come before one.
+    this.view.beforePicture = () => this.boundary.present(this.app.model.s);
+    this.view.render();
   }
 
   // From state to pictures
@@ -127,7 +129,7 @@ export class Presenter implements Listeners {
     if (state.window !== before.window || state.cursor_L !== before.cursor_L || state.thresholdOn !== before.thresholdOn || state.bone_hu !== before.bone_hu || state.volume !== before.volume)
       for (const slice of this.slices) slice.set({ window: state.window, cursor_L: state.cursor_L, threshold_hu });
     // Only these concern the picture; job progress and numbers do not.
-    const keys = ['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm', 'boundary', 'paintOn', 'paint_mm', 'landmark', 'segment', 'plane', 'curveDraft', 'templatePlanes',
+    const keys = ['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm', 'boundary', 'paintOn', 'paint_mm', 'paintLabel', 'landmark', 'segment', 'plane', 'curveDraft', 'templatePlanes',
       'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint', 'showBones', 'wipe'] as const;
     if (keys.some((key) => state[key] !== before[key])) this.present();
   }
@@ -204,6 +206,7 @@ export class Presenter implements Listeners {
     this.paintDepths();
     this.boundary.present(s);
     view.brush_mm = s.paint_mm;
+    view.brushColour = cssOf((s.boundary?.names.find((x) => x.value === s.paintLabel)?.colour as unknown as Rgb | undefined) ?? BONE);
 
     // Marks
     view.markers = this.markers(s);
