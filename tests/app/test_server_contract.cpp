@@ -309,7 +309,8 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   EXPECT_EQ(difference.size(), 4U * head[0]);
   EXPECT_EQ(api.ask("GET", "/values/pressure").status, 404);
   EXPECT_EQ(api.get("/case")["stages"]["comparison"]["state"], "fresh");
-  for (const json& file : api.get("/files")["files"])
+  const json files = api.get("/files")["files"];
+  for (const json& file : files)
     ask("GET", "/files/{file}", "/files/" + file["name"].get<std::string>());
   ask("GET", "/files", "/files");
   ask("GET", "/jobs", "/jobs");
