@@ -173,8 +173,8 @@ TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
   const BoundaryOptions boundary{.release_mm = 4.0};
   const auto label_at = [](const Vec3& p) {
     if (p.x() < 10.0) return below(4.0, 10.0, BoundaryLabel::kWithSegment)(p);
-    return p.x() < 25.0 ? below(20.0, 25.0, BoundaryLabel::kFixed)(p)
-                        : below(26.0, 32.0, BoundaryLabel::kFree)(p);
+    if (p.x() < 25.0) return below(20.0, 25.0, BoundaryLabel::kFixed)(p);
+    return below(26.0, 32.0, p.y() < 20.0 ? BoundaryLabel::kFree : BoundaryLabel::kSlides)(p);
   };
   const mesh::VolumeMesh tissue = phantom_face(boundary, label_at).tissue;
   Index decided = 0, painted_over = 0, painted = 0, fixed = 0;
