@@ -104,10 +104,11 @@ TEST(FacePreview, OfTissuePaintedToMoveWithTheSegmentIsNearThePrediction) {
   ASSERT_GT(painted.size(), 5U);
   const Vec3 by_mm{0.2, 0.3, 0.3};
   EXPECT_LT(distance_mm(model, MovedBone::kContact, by_mm), 0.08);
-  const auto unpainted_mm = preview_of(test::block_on_slab()).displacement_mm(shift(by_mm)).value();
+  const auto unpainted_mm =
+      preview_of(test::block_on_slab()).displacement_mm(std::array{shift(by_mm)}).value();
   // It is pulled, too, where tissue that is pushed alone comes off.
   for (const double share : {1.0, -1.0}) {
-    const auto u_mm = preview_of(model).displacement_mm(shift(share * by_mm)).value();
+    const auto u_mm = preview_of(model).displacement_mm(std::array{shift(share * by_mm)}).value();
     double largest_mm = 0.0;
     for (const std::int32_t node : painted) {
       EXPECT_LT((u_mm[std::size_t(node)] - share * by_mm).norm(), 0.05);
@@ -120,7 +121,7 @@ TEST(FacePreview, OfTissuePaintedToMoveWithTheSegmentIsNearThePrediction) {
 TEST(FacePreview, TissueThatTouchesNoSegmentMayBePaintedToMoveWithIt) {
   FaceModel model = painted_block();
   model.tissue.node_sets[sets::kMovedBone].clear();
-  const auto u_mm = preview_of(model).displacement_mm(shift({0.0, 0.5, 0.0})).value();
+  const auto u_mm = preview_of(model).displacement_mm(std::array{shift({0.0, 0.5, 0.0})}).value();
   for (const std::int32_t node : model.tissue.node_sets.at("painted_with_segment"))
     EXPECT_NEAR(u_mm[std::size_t(node)].y(), 0.5, 0.05);
 }
