@@ -4,6 +4,7 @@
 #include <lefort/io/import_volume.h>
 
 #include <utility>
+#include <vector>
 
 namespace lefort::app::server {
 namespace {
@@ -82,7 +83,9 @@ void ServedCase::warm_preview() {
   RigidTransform little = RigidTransform::Identity();
   little.translation().y() = -1.0;
   // What is wrong with it, if anything, the first who asks is told.
-  if (const auto face = preview()) static_cast<void>((*face)->displacement_mm(little));
+  if (const auto face = preview())
+    static_cast<void>(
+        (*face)->displacement_mm(std::vector<RigidTransform>((*face)->segment_count(), little)));
 }
 
 }  // namespace lefort::app::server
