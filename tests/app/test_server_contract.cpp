@@ -223,6 +223,18 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   EXPECT_LT(deepest, 3.5F);
   const std::string preview = body_of(ask("POST", "/preview", "/preview", back.dump()));
   EXPECT_EQ(preview.size(), 12U * head[0]);
+  Request painted =
+      test::api_request("PUT", "/boundary/data", std::string(64, '\1'),
+                        {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
+  painted.query["box"] = "16,2,16,4,4,4";
+  expect_by_contract("PUT", "/boundary/data", api.api.handle(painted));
+  EXPECT_EQ(body_of(ask("GET", "/boundary/data", "/boundary/data")), std::string(64, '\1'));
+  ask("PUT", "/boundary/file", "/boundary/file",
+      body_of(ask("GET", "/files/{file}", "/files/boundary.seg.nrrd")),
+      {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
+  ask("DELETE", "/boundary/data", "/boundary/data", "", {{"if-match", "*"}});
+  const json boundary = json::parse(ask("GET", "/boundary", "/boundary").text);
+  EXPECT_EQ(boundary["areas"]["stage"], "preview");
   plan["boundary"] = {{"moved_bone", "attached"}};
   ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
   run({{"kind", "preview-factor"}});
@@ -297,7 +309,8 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   EXPECT_EQ(difference.size(), 4U * head[0]);
   EXPECT_EQ(api.ask("GET", "/values/pressure").status, 404);
   EXPECT_EQ(api.get("/case")["stages"]["comparison"]["state"], "fresh");
-  for (const json& file : api.get("/files")["files"])
+  const json files = api.get("/files")["files"];
+  for (const json& file : files)
     ask("GET", "/files/{file}", "/files/" + file["name"].get<std::string>());
   ask("GET", "/files", "/files");
   ask("GET", "/jobs", "/jobs");

@@ -4,14 +4,18 @@
 #include <lefort/app/server/event_log.h>
 #include <lefort/app/server/iterate_batches.h>
 #include <lefort/app/server/jobs.h>
+#include <lefort/app/server/solve_history.h>
 #include <lefort/io/segmentation_file.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <functional>
 #include <stdexcept>
+#include <thread>
 
 #include "support/ask_api.h"
 #include "support/run_program.h"
@@ -345,6 +349,7 @@ TEST(CaseApi, APlanNamesNoFileOutsideTheCase) {
     refused([&](json& plan) { plan["landmarks"] = name; });
     refused([&](json& plan) { plan["ct"] = name; });
     refused([&](json& plan) { plan["segmentation"]["labels"] = name; });
+    refused([&](json& plan) { plan["boundary"]["labels"] = name; });
     refused([&](json& plan) {
       plan["segments"][0]["osteotomy"]["curves"] = {{{"file", name}, {"along", {0, 1, 0}}}};
     });
@@ -358,6 +363,11 @@ TEST(CaseApi, APlanNamesNoFileOutsideTheCase) {
       plan["segments"][0]["path"]["keyframes"] = {{{"transform", name}}};
     });
   }
+  // Nor one of the case's own in the place of another, or before there is one.
+  for (const char* name : {"anatomy/labels.seg.nrrd", "landmarks.mrk.json", "boundary.seg.nrrd"})
+    EXPECT_EQ(put([&](json& plan) { plan["boundary"]["labels"] = name; }).status, 422) << name;
+  EXPECT_EQ(put([](json& plan) { plan["segmentation"]["labels"] = "boundary.seg.nrrd"; }).status,
+            422);
   // Nor by a key that stands twice, which parsers read in two ways.
   std::string twice = test::small_plan().dump();
   twice.insert(1, R"("landmarks":"/etc/passwd","landmarks":{"N":[1,2,3]},)");
@@ -482,21 +492,64 @@ void expect_iterates_told(const std::string& events, const json& document) {
   EXPECT_EQ(steps, document["steps"].size());
 }
 
-/// The planner is one more face of the command line's folder.
-TEST(CaseApi, PredictsTheBytesOfTheCommandLine) {
-  test::CaseApi api;
-  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
-  ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
-  std::uint64_t heard = api.api.events().now();
-  const json job = api.run({{"kind", "predict"}});
-  ASSERT_EQ(job["state"], "done") << job.dump(1);
-  expect_iterates_told(api.api.events().wait(heard, milliseconds(0)),
-                       api.get("/prediction")["document"]);
-  const fs::path root = api.folder / "case";
+/// What is told to a page that comes late is what the events have told, numbered alike.
+void expect_history(const std::string& events, const json& history) {
+  EXPECT_EQ(history["from"], 0);
+  json iterates = json::array(), steps = json::array();
+  for (std::size_t at = events.find("\ndata: "); at != std::string::npos;
+       at = events.find("\ndata: ", at + 1)) {
+    const json data = json::parse(events.substr(at + 7, events.find('\n', at + 1) - at - 7));
+    if (data.contains("iterates")) {
+      EXPECT_EQ(data["from"], iterates.size());
+      for (const json& iterate : data["iterates"]) iterates.push_back(iterate);
+    } else if (data.contains("share")) {
+      steps.push_back(data);
+    }
+  }
+  EXPECT_GT(iterates.size(), 5U);
+  EXPECT_EQ(history["iterates"], iterates);
+  EXPECT_EQ(history["steps"], steps);
+}
+
+TEST(SolveHistory, KeepsTheNewestAndTellsHowManyItForgot) {
+  SolveHistory history;
+  EXPECT_FALSE(history.of(1));
+  history.begin(1);
+  EXPECT_EQ(history.add_iterates(json::array({0, 1, 2})), 0U);
+  json many = json::array();
+  for (std::size_t n = 3; n < SolveHistory::kMostIterates + 2; ++n) many.push_back(n);
+  EXPECT_EQ(history.add_iterates(many), 3U);
+  const json now = history.of(1).value();
+  EXPECT_EQ(now["from"], 2);
+  EXPECT_EQ(now["iterates"].size(), SolveHistory::kMostIterates);
+  EXPECT_EQ(now["iterates"][0], 2);
+  EXPECT_EQ(history.add_iterates(json::array({7})), SolveHistory::kMostIterates + 2);
+  history.begin(2);
+  EXPECT_FALSE(history.of(1));
+  EXPECT_TRUE(history.of(2)->at("iterates").empty());
+}
+
+/// Paints a ball about the front of the small head.
+Reply paint(test::CaseApi& api, char label, const char* if_match = "*") {
+  constexpr int kSide = 12;
+  std::string bytes(kSide * kSide * kSide, '\0');
+  for (int n = 0; n < std::ssize(bytes); ++n) {
+    const int i = n % kSide - 6, j = n / kSide % kSide - 6, k = n / (kSide * kSide) - 6;
+    if (i * i + j * j + k * k < 30) bytes[std::size_t(n)] = label;
+  }
+  Request request =
+      test::api_request("PUT", "/boundary/data", bytes,
+                        {{"if-match", if_match}, {"content-type", "application/octet-stream"}});
+  request.query["box"] = fmt::format("12,2,12,{0},{0},{0}", kSide);
+  return api.api.handle(request);
+}
+
+/// \returns how many files the page's prediction and the command line's have alike.
+int expect_the_command_lines_bytes(const fs::path& root) {
   const auto run =
       test::run_lefort("predict '" + (root / "plan.json").string() + "' --ct '" +
                        (root / "ct.nrrd").string() + "' -o '" + (root / "again").string() + "'");
-  ASSERT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(run.exit_code, 0) << run.error;
   int compared = 0;
   for (const auto& entry : fs::recursive_directory_iterator(root / "again")) {
     const fs::path name = fs::relative(entry.path(), root / "again");
@@ -513,7 +566,155 @@ TEST(CaseApi, PredictsTheBytesOfTheCommandLine) {
     EXPECT_EQ(a, b) << name;
     ++compared;
   }
-  EXPECT_GT(compared, 10);
+  return compared;
+}
+
+/// The planner is one more face of the command line's folder.
+TEST(CaseApi, PredictsTheBytesOfTheCommandLine) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
+  std::uint64_t heard = api.api.events().now();
+  const json job = api.run({{"kind", "predict"}});
+  ASSERT_EQ(job["state"], "done") << job.dump(1);
+  const std::string told = api.api.events().wait(heard, milliseconds(0));
+  expect_iterates_told(told, api.get("/prediction")["document"]);
+  const std::string id = std::to_string(job["id"].get<int>());
+  expect_history(told, api.get("/jobs/" + id + "/iterates"));
+  EXPECT_EQ(api.ask("GET", "/jobs/99/iterates").status, 404);
+  EXPECT_GT(expect_the_command_lines_bytes(api.folder / "case"), 10);
+}
+
+/// What is painted through the API is what the command line reads, and changes the face.
+TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
+  json plan = test::small_plan();
+  ASSERT_EQ(api.put("/plan", plan).status, 200);
+  ASSERT_EQ(api.run({{"kind", "cut"}})["state"], "done");
+  ASSERT_EQ(api.run({{"kind", "preview-factor"}})["state"], "done");
+  ASSERT_EQ(api.run({{"kind", "predict"}})["state"], "done");
+  const std::string pose = R"({"poses":{"front":[1,0,0,0,0,1,0,-2,0,0,1,0,0,0,0,1]}})";
+  const std::string by_rule = body_of(api.ask("GET", "/files/predicted_skin.vtp"));
+  const std::string preview = body_of(api.ask("POST", "/preview", pose));
+  EXPECT_TRUE(api.get("/boundary")["areas"]["painted"].empty());
+
+  constexpr char kWithSegment = 3;
+  ASSERT_EQ(paint(api, kWithSegment).status, 204);
+  EXPECT_EQ(api.get("/case")["stages"]["prediction"]["state"], "fresh");  // No plan names it.
+  plan["boundary"]["labels"] = "boundary.seg.nrrd";
+  ASSERT_EQ(api.put("/plan", plan).status, 200);
+  json stages = api.get("/case")["stages"];
+  EXPECT_EQ(stages["prediction"]["state"], "stale");
+  EXPECT_EQ(stages["preview"]["state"], "stale");
+  EXPECT_EQ(stages["cut"]["state"], "fresh");
+  EXPECT_TRUE(api.get("/boundary")["areas"].is_null());
+  ASSERT_EQ(api.run({{"kind", "preview-factor"}})["state"], "done");
+  EXPECT_NE(body_of(api.ask("POST", "/preview", pose)), preview);
+  const json areas = api.get("/boundary")["areas"];
+  EXPECT_EQ(areas["stage"], "preview");
+  EXPECT_EQ(areas["painted"][2]["name"], "with segment");
+  EXPECT_GT(areas["painted"][2]["mm2"].get<double>(), 10.0);
+  const json job = api.run({{"kind", "predict"}});
+  ASSERT_EQ(job["state"], "done") << job.dump(1);
+  EXPECT_NE(body_of(api.ask("GET", "/files/predicted_skin.vtp")), by_rule);
+  EXPECT_GT(expect_the_command_lines_bytes(api.folder / "case"), 10);
+
+  // Another stroke of the brush makes stale what was made of the one before, but no cut.
+  ASSERT_EQ(paint(api, 1).status, 204);
+  stages = api.get("/case")["stages"];
+  EXPECT_EQ(stages["prediction"]["state"], "stale");
+  EXPECT_EQ(stages["prediction"]["why"], "boundary.seg.nrrd was changed since");
+  EXPECT_EQ(stages["preview"]["state"], "stale");
+  EXPECT_EQ(stages["cut"]["state"], "fresh");
+  ASSERT_EQ(paint(api, kWithSegment).status, 204);  // As it was: all that was made fits again.
+  EXPECT_EQ(api.get("/case")["stages"]["prediction"]["state"], "fresh");
+  EXPECT_EQ(api.get("/case")["stages"]["preview"]["state"], "fresh");
+}
+
+/// Which of the two it has read is not known, so it is of neither.
+TEST(CaseApi, WhatIsPaintedWhileAJobReadsItMakesItStale) {
+  test::CaseApi api;
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
+  ASSERT_EQ(paint(api, 3).status, 204);
+  json plan = test::small_plan();
+  plan["boundary"]["labels"] = "boundary.seg.nrrd";
+  ASSERT_EQ(api.put("/plan", plan).status, 200);
+  const int id = json::parse(api.ask("POST", "/jobs", R"({"kind":"preview-factor"})").text)["id"];
+  const std::string path = "/jobs/" + std::to_string(id);
+  while (api.get(path)["stage"] == "") std::this_thread::sleep_for(milliseconds(2));
+  ASSERT_EQ(paint(api, 1).status, 204);
+  const bool is_amid = api.get(path)["state"] == "running";
+  ASSERT_EQ(api.wait_for(id)["state"], "done");
+  ASSERT_EQ(paint(api, 3).status, 204);
+  if (is_amid) {  // Else it was quicker than this test.
+    EXPECT_EQ(api.get("/case")["stages"]["preview"]["state"], "stale");
+  }
+}
+
+TEST(CaseApi, WhatIsPaintedIsReplacedByWhoKnowsIt) {
+  test::CaseApi api;
+  const auto send = [&](const std::string& method, const std::string& path, std::string body,
+                        const std::string& box = "", const std::string& if_match = "*") {
+    Request request =
+        test::api_request(method, path, std::move(body),
+                          {{"if-match", if_match}, {"content-type", "application/octet-stream"}});
+    if (!box.empty()) request.query["box"] = box;
+    return api.api.handle(request);
+  };
+  EXPECT_EQ(paint(api, 1).status, 404);  // There is no scan.
+  ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
+  EXPECT_EQ(api.ask("GET", "/boundary/data").status, 404);
+  ASSERT_EQ(paint(api, 1).status, 204);
+  const Reply reply = api.ask("GET", "/boundary/data");
+  const std::string kept = body_of(reply);
+  std::string etag, box;
+  for (const auto& [name, value] : reply.headers)
+    (name == "ETag" ? etag : name == "X-Lefort-Box" ? box : etag) = value;
+  EXPECT_EQ(box, "13,3,13,11,11,11");  // The smallest that holds the ball.
+  EXPECT_EQ(std::count(kept.begin(), kept.end(), '\1'), 691);
+  EXPECT_EQ(paint(api, 2, "\"0\"").status, 412);
+  EXPECT_EQ(paint(api, 2, "").status, 428);
+  EXPECT_EQ(send("PUT", "/boundary/data", kept, box, etag).status, 204);
+  EXPECT_EQ(body_of(api.ask("GET", "/boundary/data")), kept);  // And so is the file.
+  EXPECT_EQ(api.ask("GET", "/boundary/data", "", {{"if-none-match", etag}}).status, 304);
+
+  for (const char* wrong : {"", "0,0,0,1,1", "0,0,0,1,1,1,1", "-1,0,0,2,1,1", "0,0,0,0,1,1",
+                            "36,0,0,1,1,1", "0,0,0,37,1,1", "0,0,0,1,1,1 ", "0,0,0,1,1,x",
+                            "1,0,0,9223372036854775807,1,1", "99999999999999999999,0,0,1,1,1"})
+    EXPECT_EQ(send("PUT", "/boundary/data", "\1", wrong).status, 422) << wrong;
+  EXPECT_EQ(send("PUT", "/boundary/data", "\1\1", "0,0,0,1,1,1").status, 413);
+  EXPECT_EQ(send("PUT", "/boundary/data", "\1", "0,0,0,2,1,1").status, 422);
+  EXPECT_EQ(send("PUT", "/boundary/data", "\4", "0,0,0,1,1,1").status, 422);
+  EXPECT_EQ(send("PUT", "/boundary/data", std::string(1, '\0'), "0,0,0,1,1,1").status, 422);
+  EXPECT_EQ(body_of(api.ask("GET", "/boundary/data")), kept);
+
+  // The file of another program, and what is none.
+  const std::string file = body_of(api.ask("GET", "/files/boundary.seg.nrrd"));
+  ASSERT_EQ(paint(api, 2).status, 204);
+  EXPECT_EQ(send("PUT", "/boundary/file", file).status, 204);
+  EXPECT_EQ(body_of(api.ask("GET", "/files/boundary.seg.nrrd")), file);
+  for (const std::string& wrong : {std::string("NRRD0004\n"), file.substr(0, file.size() / 2),
+                                   std::string(), std::string("/etc/passwd")}) {
+    const Reply refused = send("PUT", "/boundary/file", wrong);
+    EXPECT_EQ(refused.status, 422) << refused.text;
+    EXPECT_EQ(refused.text.find(api.folder.path().string()), std::string::npos) << refused.text;
+  }
+  EXPECT_EQ(body_of(api.ask("GET", "/files/boundary.seg.nrrd")), file);
+  EXPECT_TRUE(fs::is_empty(api.folder / "case/uploads"));
+
+  // It goes when no plan names it.
+  json plan = test::small_plan();
+  plan["boundary"]["labels"] = "boundary.seg.nrrd";
+  ASSERT_EQ(api.put("/plan", plan).status, 200);
+  EXPECT_EQ(send("DELETE", "/boundary/data", "").status, 409);
+  ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
+  EXPECT_EQ(send("DELETE", "/boundary/data", "", "", "\"0\"").status, 412);
+  EXPECT_EQ(send("DELETE", "/boundary/data", "").status, 204);
+  EXPECT_EQ(send("DELETE", "/boundary/data", "").status, 404);
+  EXPECT_EQ(api.get("/case")["stages"]["boundary"]["state"], "missing");
 }
 
 /// Stopped by its page and started again, it ends with the same bytes.
@@ -539,6 +740,10 @@ TEST(CaseApi, ACancelledPredictionGoesOnWhereItWas) {
   const json again = api.run({{"kind", "predict"}});
   ASSERT_EQ(again["state"], "done");
   EXPECT_NE(again["lines"].dump().find("were found by an earlier run"), std::string::npos);
+  // Its history begins with what the earlier run found, each step once.
+  const json history = api.get("/jobs/" + std::to_string(again["id"].get<int>()) + "/iterates");
+  ASSERT_EQ(history["steps"].size(), 2U);
+  for (int step : {1, 2}) EXPECT_EQ(history["steps"][std::size_t(step - 1)]["step"], step);
   EXPECT_EQ(body_of(api.ask("GET", "/files/predicted_skin.vtp")), whole);
 }
 

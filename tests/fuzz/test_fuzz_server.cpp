@@ -5,6 +5,8 @@
 /// asked for has changed. Seeded; bounded in count and time.
 #include <lefort/app/server/contract.h>
 #include <lefort/app/server/http_server.h>
+#include <lefort/io/segmentation_file.h>
+#include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>
 
@@ -56,6 +58,16 @@ struct Asked {
   std::string path, body;
 };
 
+/// A file of painted boundaries on the small head.
+std::string painted_file() {
+  predict::BoundaryLabelMap painted{test::small_head().grid, {}};
+  painted.grid.size = {3, 3, 3};
+  painted.values.assign(27, predict::BoundaryLabel::kFixed);
+  const test::TemporaryFolder folder;
+  EXPECT_TRUE(io::write_boundary_labels(folder / "a.seg.nrrd", painted));
+  return io::read_text(folder / "a.seg.nrrd", 1 << 20).value();
+}
+
 std::vector<Asked> some_requests() {
   const std::string pose = R"({"poses":{"front":[1,0,0,0,0,1,0,3,0,0,1,0,0,0,0,1]}})";
   return {{"GET", "/case", ""},
@@ -74,15 +86,19 @@ std::vector<Asked> some_requests() {
           {"POST", "/poses", pose},
           {"POST", "/preview", pose},
           {"PUT", "/labels/data", std::string(100, '\1')},
+          {"GET", "/boundary", ""},
+          {"PUT", "/boundary/data", std::string(27, '\1')},
+          {"PUT", "/boundary/file", painted_file()},
+          {"DELETE", "/boundary/data", ""},
           {"PUT", "/uploads/0123456789abcdef/files/0", "bytes"},
           {"DELETE", "/jobs/1", ""}};
 }
 
 /// All that a case may hold at its top; nothing else may appear.
 void expect_only_ours(const fs::path& folder) {
-  const std::vector<std::string> ours{"ct.nrrd",   "case.json",   "anatomy",   "landmarks.mrk.json",
-                                      "plan.json", "cut",         "jobs",      "uploads",
-                                      "lock",      "stages.json", "prediction"};
+  const std::vector<std::string> ours{
+      "ct.nrrd", "case.json", "anatomy", "landmarks.mrk.json", "plan.json",  "cut",
+      "jobs",    "uploads",   "lock",    "stages.json",        "prediction", "boundary.seg.nrrd"};
   for (const auto& entry : fs::directory_iterator(folder))
     EXPECT_NE(std::find(ours.begin(), ours.end(), entry.path().filename().string()), ours.end())
         << entry.path();
@@ -115,8 +131,13 @@ TEST(FuzzServer, DamagedRequestsToTheApi) {
         asked.body.replace(at + 1, end - at - 1, kTokens[random() % std::size(kTokens)]);
       }
     }
-    Request request = test::api_request(asked.method, asked.path, asked.body, {{"if-match", "*"}});
-    request.query = {{"name", "a"}, {"count", asked.body.substr(0, 4)}};
+    const char* const type =
+        asked.path.starts_with("/boundary") ? "application/octet-stream" : "application/json";
+    Request request = test::api_request(asked.method, asked.path, asked.body,
+                                        {{"if-match", "*"}, {"content-type", type}});
+    std::string box = "1,2,3,3,3,3";
+    if (random() % 2 == 0) box = test::damaged(box, kTokens, random);
+    request.query = {{"name", "a"}, {"count", asked.body.substr(0, 4)}, {"box", box}};
     const Reply reply = api.api.handle(request);
     ASSERT_NE(reply.status, 500) << asked.method << asked.path << asked.body;
     if (reply.status >= 400) {

@@ -1,4 +1,5 @@
 #include <lefort/io/segmentation_file.h>
+#include <lefort/io/write_atomically.h>
 
 #include <gtest/gtest.h>
 
@@ -264,6 +265,28 @@ TEST(SegmentationFile, BoundaryLabelsAreReadByNameOnTheScan) {
   EXPECT_EQ(painted->at(3, 1, 2), BoundaryLabel::kFree);
   EXPECT_EQ(painted->at(2, 2, 2), BoundaryLabel::kWithSegment);  // Over fixed.
   EXPECT_EQ(std::count(painted->values.begin(), painted->values.end(), BoundaryLabel::kNone), 57);
+}
+
+TEST(SegmentationFile, BoundaryLabelsOfAPartOfTheScanComeBackOnTheScan) {
+  using predict::BoundaryLabel;
+  const TemporaryFolder folder;
+  predict::BoundaryLabelMap part{kScan, {}};
+  part.grid.size = {2, 1, 2};
+  part.grid.origin_L = kScan.point_L(Vec3(1, 2, 1));
+  part.values = {BoundaryLabel::kFixed, BoundaryLabel::kNone, BoundaryLabel::kFree,
+                 BoundaryLabel::kWithSegment};
+  ASSERT_TRUE(write_boundary_labels(folder / "a.seg.nrrd", part));
+  const auto painted = read_boundary_labels(folder / "a.seg.nrrd", kScan);
+  ASSERT_TRUE(painted) << painted.error().message;
+  EXPECT_EQ(painted->at(1, 2, 1), BoundaryLabel::kFixed);
+  EXPECT_EQ(painted->at(1, 2, 2), BoundaryLabel::kFree);
+  EXPECT_EQ(painted->at(2, 2, 2), BoundaryLabel::kWithSegment);
+  EXPECT_EQ(std::count(painted->values.begin(), painted->values.end(), BoundaryLabel::kNone),
+            kScan.voxel_count() - 3);
+  ASSERT_TRUE(write_boundary_labels(folder / "b.seg.nrrd", part));
+  EXPECT_EQ(read_text(folder / "a.seg.nrrd", 1 << 20).value(),
+            read_text(folder / "b.seg.nrrd", 1 << 20).value());
+  EXPECT_FALSE(write_boundary_labels(folder / "a.nrrd", part));
 }
 
 TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {

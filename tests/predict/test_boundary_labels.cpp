@@ -1,4 +1,5 @@
 #include <lefort/field/build_distance_field.h>
+#include <lefort/mesh/boundary_faces.h>
 #include <lefort/predict/boundary_labels.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>
@@ -196,6 +197,25 @@ TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
   EXPECT_EQ(decided + painted, Index(tissue.node_sets.at("boundary").size()));
   EXPECT_EQ(fixed + painted_nodes(tissue, kBoundaryLabelStyles[0]).value(),
             Index(tissue.node_sets.at(sets::kFixed).size()));
+
+  // Likewise of the area, which is that of the boundary's triangles.
+  double area_mm2 = 0.0, by_rule_mm2 = 0.0, over_mm2 = 0.0, painted_mm2 = 0.0;
+  for (const mesh::Face3& face : mesh::triangles_of(tissue.face_sets.at("boundary"))) {
+    const auto p = [&](std::size_t n) { return tissue.nodes_L[std::size_t(face[n])]; };
+    area_mm2 += 0.5 * (p(1) - p(0)).cross(p(2) - p(0)).norm();
+  }
+  for (const RuleDecision& rule : rule_decisions(tissue, boundary)) {
+    by_rule_mm2 += rule.areas.fixed_mm2 + rule.areas.with_segment_mm2 + rule.areas.free_mm2;
+    over_mm2 += rule.areas.painted_mm2;
+    EXPECT_EQ(rule.areas.fixed_mm2 > 0.0, rule.fixed > 0) << rule.set;
+  }
+  for (const BoundaryLabelStyle& label : kBoundaryLabelStyles) {
+    EXPECT_GT(painted_area_mm2(tissue, label), 0.0) << label.name;
+    painted_mm2 += painted_area_mm2(tissue, label);
+  }
+  EXPECT_NEAR(painted_mm2, over_mm2, 1e-9 * area_mm2);
+  EXPECT_NEAR(by_rule_mm2 + painted_mm2, area_mm2, 1e-9 * area_mm2);
+
   const std::string told = describe_boundary(tissue, boundary);
   EXPECT_NE(told.find("within 4 mm"), std::string::npos) << told;
   EXPECT_NE(told.find("with segment "), std::string::npos) << told;

@@ -85,6 +85,47 @@ TEST(FacePreview, OfAttachedTissueIsThePredictionToFirstOrder) {
   EXPECT_LT(near_mm, 0.02);
 }
 
+/// Part of a side, away from the segment, is painted to move with it; the rest slides.
+FaceModel painted_block() {
+  FaceModel model = test::block_on_slab();
+  auto& sets_of = model.tissue.node_sets;
+  for (const BoundaryLabelStyle& label : kBoundaryLabelStyles) sets_of[label.set];
+  for (std::size_t n = 0; n < model.tissue.nodes_L.size(); ++n) {
+    const Vec3& p = model.tissue.nodes_L[n];
+    if (p.x() < 1e-9 && p.z() > 2.0 && p.z() < 5.0)
+      sets_of["painted_with_segment"].push_back(std::int32_t(n));
+  }
+  return model;
+}
+
+TEST(FacePreview, OfTissuePaintedToMoveWithTheSegmentIsNearThePrediction) {
+  const FaceModel model = painted_block();
+  const auto& painted = model.tissue.node_sets.at("painted_with_segment");
+  ASSERT_GT(painted.size(), 5U);
+  const Vec3 by_mm{0.2, 0.3, 0.3};
+  EXPECT_LT(distance_mm(model, MovedBone::kContact, by_mm), 0.08);
+  const auto unpainted_mm =
+      preview_of(test::block_on_slab()).displacement_mm(std::array{shift(by_mm)}).value();
+  // It is pulled, too, where tissue that is pushed alone comes off.
+  for (const double share : {1.0, -1.0}) {
+    const auto u_mm = preview_of(model).displacement_mm(std::array{shift(share * by_mm)}).value();
+    double largest_mm = 0.0;
+    for (const std::int32_t node : painted) {
+      EXPECT_LT((u_mm[std::size_t(node)] - share * by_mm).norm(), 0.05);
+      largest_mm = std::max(largest_mm, unpainted_mm[std::size_t(node)].x());
+    }
+    EXPECT_LT(largest_mm, 0.1);  // By rule it would not follow sideways.
+  }
+}
+
+TEST(FacePreview, TissueThatTouchesNoSegmentMayBePaintedToMoveWithIt) {
+  FaceModel model = painted_block();
+  model.tissue.node_sets[sets::kMovedBone].clear();
+  const auto u_mm = preview_of(model).displacement_mm(std::array{shift({0.0, 0.5, 0.0})}).value();
+  for (const std::int32_t node : model.tissue.node_sets.at("painted_with_segment"))
+    EXPECT_NEAR(u_mm[std::size_t(node)].y(), 0.5, 0.05);
+}
+
 TEST(FacePreview, OfPushedTissueIsNearThePrediction) {
   // Both give way a little: the penalty of the one, the supports of the other.
   EXPECT_LT(distance_mm(test::block_on_slab(), MovedBone::kContact, {0.0, 0.0, 0.5}), 0.1);

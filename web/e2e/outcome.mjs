@@ -2,112 +2,15 @@
 // on the bone, the face after surgery, outlines on slices. node e2e/outcome.mjs [--only WORDS]; LEFORT names the program.
 import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { join } from 'node:path';
-import { check, freshFolder, openPage, runTests, serve, test } from './harness.mjs';
-import { idle, id, settled, step } from './planner.mjs';
+import { check, runTests, test } from './harness.mjs';
+import { handleWhere, idle, id, look, saved, settled, step } from './planner.mjs';
+import { endSmallCase, PLAN, planned, predicted, smallHead, withPage } from './small_case.mjs';
 
 const args = process.argv.slice(2);
 const only = args.includes('--only') ? args[args.indexOf('--only') + 1] : null;
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const output = new URL('output/', import.meta.url).pathname;
 mkdirSync(output, { recursive: true });
-
-/** A ball of skin around a shell of bone: tests/support/small_head.h. */
-function smallHead() {
-  const n = 36;
-  const spacing = 3;
-  const origin = -0.5 * spacing * (n - 1);
-  const values = new Int16Array(n * n * n);
-  for (let v = 0; v < values.length; v++) {
-    const r = Math.hypot(...[v % n, Math.floor(v / n) % n, Math.floor(v / (n * n))].map((c) => origin + spacing * c));
-    values[v] = r > 47 ? -1000 : r > 24 && r < 32 ? 1200 : 40;
-  }
-  const header = `NRRD0004\ntype: short\ndimension: 3\nsizes: ${n} ${n} ${n}\nencoding: raw\nspace: left-posterior-superior\n`
-    + `space directions: (${spacing},0,0) (0,${spacing},0) (0,0,${spacing})\nspace origin: (${origin},${origin},${origin})\nendian: little\n\n`;
-  return Buffer.concat([Buffer.from(header), Buffer.from(values.buffer)]);
-}
-
-const LANDMARKS = {
-  "N'": [0, -45, 20], Sn: [0, -47, 5], Stm: [0, -47, -6], 'Ch-R': [-12, -45, -6], 'Ch-L': [12, -45, -6],
-  'Al-R': [-10, -46, 5], 'Al-L': [10, -46, 5], 'En-R': [-10, -43, 18], 'En-L': [10, -43, 18],
-};
-
-const PLAN = {
-  lefort_plan: 1, ct: 'ct.nrrd', landmarks: 'landmarks.mrk.json',
-  segments: [{
-    name: 'front',
-    osteotomy: { planes: [{ point_mm: [0, -16, 0], towards_segment: [0, -1, 0] }] },
-    path: { steps: 4, keyframes: [{ at: 1, translation_mm: [0, -3, 0] }] },
-  }],
-  tissue: { element_size_mm: 5, far_element_size_mm: 5, margin_mm: 10 },
-  field: { resolution: 64, band_mm: 4 },
-};
-
-/** The server's API as the page uses it, for what is made by hand elsewhere. */
-function api(address) {
-  const [base, token] = address.split('#token=');
-  const ask = async (method, path, body, headers = {}) => {
-    const response = await fetch(`${base}api/v1${path}`, { method, body, headers: { 'X-Lefort-Token': token, ...headers } });
-    check(`${method} ${path} is answered: ${response.status}`, response.ok);
-    return response;
-  };
-  const put = (path, value) => ask('PUT', path, JSON.stringify(value), { 'Content-Type': 'application/json', 'If-Match': '*' });
-  const run = async (job) => {
-    let now = await (await ask('POST', '/jobs', JSON.stringify(job), { 'Content-Type': 'application/json' })).json();
-    while (now.state === 'queued' || now.state === 'running') {
-      await new Promise((done) => setTimeout(done, 100));
-      now = await (await ask('GET', `/jobs/${now.id}`)).json();
-    }
-    check(`${job.kind} is done: ${now.message}`, now.state === 'done');
-  };
-  const upload = async (bytes, name) => {
-    const { id: upload } = await (await ask('POST', '/uploads')).json();
-    await ask('PUT', `/uploads/${upload}/files/0?name=${name}`, bytes, { 'Content-Type': 'application/octet-stream' });
-    return upload;
-  };
-  return { ask, put, run, upload };
-}
-
-let made = null;
-/** The head, cut and planned, and its server. */
-async function planned() {
-  made ??= await (async () => {
-    const case_ = freshFolder('outcome');
-    const server = await serve(case_.folder);
-    const { put, run, upload } = api(server.address);
-    await run({ kind: 'import', upload: await upload(smallHead(), 'head.nrrd') });
-    await run({ kind: 'segment' });
-    await put('/landmarks', { landmarks: LANDMARKS });
-    await put('/plan', PLAN);
-    await run({ kind: 'cut' });
-    return { ...case_, server, ...api(server.address) };
-  })();
-  return made;
-}
-
-/** The same with its face predicted. */
-async function predicted() {
-  const here = await planned();
-  const { stages } = await (await here.ask('GET', '/case')).json();
-  if (stages.prediction.state !== 'fresh') await here.run({ kind: 'predict' });
-  return here;
-}
-
-async function withPage(find, run, options) {
-  const here = await find();
-  const page = await openPage(here.server.address, options);
-  try {
-    await settled(page);
-    await run(page, here).catch(async (error) => {
-      await page.screenshot({ path: join(output, 'failed.png') });
-      throw error;
-    });
-    check(`no errors in the page: ${page.faults.join('; ')}`, page.faults.length === 0);
-    check('the page as a whole never scrolls', (await page.evaluate(() => document.scrollingElement.scrollTop)) === 0);
-  } finally {
-    await page.context().close();
-  }
-}
 
 async function chooseFile(page, button, name, buffer) {
   const choosing = page.waitForEvent('filechooser');
@@ -190,7 +93,67 @@ test('slices show where the bone is and was, by keys alone', () => withPage(plan
   check(`the outline is drawn: ${blue} pixels`, blue > 200);
 }));
 
+test('slices follow a bone while it is dragged', () => withPage(planned, async (page) => {
+  await step(page, 'movement');
+  await page.getByText('Slices with the moved outline').click();
+  await page.waitForSelector('.views[data-layout=slices]');
+  await look(page, 'From the patient’s right');
+  await settled(page);
+  const sagittal = page.locator('.slice[data-orientation=sagittal] canvas');
+  const shown = () => sagittal.evaluate((canvas) => canvas.toDataURL());
+  const [u, v] = await handleWhere(page, 'shift AP +');
+  const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
+  const before = await shown();
+  await page.mouse.move(box.x + u, box.y + v);
+  await page.mouse.down();
+  for (let n = 1; n <= 20; n++) await page.mouse.move(box.x + u + 2 * n, box.y + v);
+  await page.waitForTimeout(500);
+  const amid = await shown();
+  await page.mouse.up();
+  check('the outline has moved before the bone is let go', amid !== before);
+  await settled(page);
+  await page.keyboard.press('Control+z');
+  await saved(page);
+}));
+
+test('a page that is reloaded in a solve, or after it, shows the iterations of before', () => withPage(planned, async (page, { put }) => {
+  await put('/plan', { ...PLAN, segments: [{ ...PLAN.segments[0], path: { steps: 8, keyframes: [{ at: 1, translation_mm: [0, -3.5, 0] }] } }] });
+  await step(page, 'predict');
+  await page.click(id('predict'));
+  await page.waitForSelector(id('iterate-now'), { timeout: 120000 });
+  const points = () => page.getAttribute(id('residual-plot'), 'data-points').then(Number);
+  const steps = () => page.locator(`${id('step-table')} tbody tr`).count();
+  const before = await points();
+  await page.reload();
+  await page.waitForSelector(id('residual-plot'), { timeout: 60000 });
+  check(`as many iterations as before: ${before}, ${await points()}`, (await points()) >= before);
+  await page.waitForSelector(id('to-compare'), { timeout: 120000 });
+  await idle(page);
+  const all = await points();
+  await page.reload();
+  await page.waitForFunction(([sel, n]) => Number(document.querySelector(sel)?.dataset.points) === n, [id('residual-plot'), all]);
+  check('each step once', (await steps()) === 8);
+  await put('/plan', PLAN);
+}));
+
+test('a solve that goes on after a stop shows at once how far it is', () => withPage(planned, async (page, { put }) => {
+  await put('/plan', { ...PLAN, segments: [{ ...PLAN.segments[0], path: { steps: 40, keyframes: [{ at: 1, translation_mm: [0, -3.7, 0] }] } }] });
+  await step(page, 'predict');
+  await page.click(id('predict'));
+  const rowsOf = `${id('step-table')} tbody tr`;
+  await page.waitForFunction(([sel, n]) => document.querySelectorAll(sel).length >= n, [rowsOf, 3], { timeout: 120000 });
+  await page.click(id('stop-predict'));
+  await page.getByText('Stopped', { exact: true }).waitFor({ timeout: 60000 });
+  await page.getByRole('button', { name: /predict/i }).last().click();
+  await page.waitForSelector(id('stop-predict'));
+  await page.waitForSelector(id('step-table'), { timeout: 120000 });
+  const first = (await page.locator(rowsOf).allInnerTexts()).map((row) => Number(row.split(/\s/)[0]));
+  check(`all steps of before are there: ${first}`, first.length >= 3 && first.at(-1) === 1);
+  await page.click(id('stop-predict')).catch(() => undefined);
+  await idle(page);
+  await put('/plan', PLAN);
+}));
+
 const ok = await runTests({ all: false, only });
-await made?.server.kill();
-made?.remove();
+await endSmallCase();
 process.exit(ok ? 0 : 1);

@@ -259,6 +259,38 @@ test('tissue and solver: presets with sources, undone', () => withShared(async (
   await accessible(page, 'tissue and solver');
 }));
 
+test('boundary painted on a skull: how quick the brush is', () => withShared(async (page) => {
+  await step(page, 'tissue');
+  await look(page, 'From the front');
+  await settled(page);
+  const painted = (set) => page.getAttribute(`${id('painted-areas')} [data-set="${set}"]`, 'data-mm2').then(Number);
+  const stroke = async (from, to) => {
+    const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
+    const at = (p) => [box.x + p[0] * box.width, box.y + p[1] * box.height];
+    await page.mouse.move(...at(from));
+    const since = Date.now();
+    await page.mouse.down();
+    for (let n = 1; n <= 20; n++) await page.mouse.move(...at([from[0] + (n / 20) * (to[0] - from[0]), from[1] + (n / 20) * (to[1] - from[1])]));
+    await page.mouse.up();
+    return Date.now() - since;
+  };
+  await page.click(id('paint-fixed'));
+  await drawn(page);
+  const took = await stroke([0.42, 0.62], [0.58, 0.62]);
+  await page.waitForFunction((sel) => Number(document.querySelector(sel)?.dataset.mm2) > 100, `${id('painted-areas')} [data-set="fixed"]`);
+  console.log(`     a stroke of 20 moves over ${(await painted('fixed')).toFixed(0)} mm2 took ${took} ms`);
+  await page.click(id('paint-with-segment'));
+  await drawn(page);
+  await stroke([0.45, 0.72], [0.55, 0.72]);
+  await drawn(page);
+  await page.locator(id('painted-areas')).scrollIntoViewIfNeeded();
+  await picture(page, 'boundary');
+  await accessible(page, 'the brush');
+  await page.click(id('paint-erase-all'));
+  await saved(page);
+  check('nothing is left', (await painted('fixed')) === 0);
+}));
+
 test('keyboard and colours', () => withShared(async (page) => {
   await settled(page);
   for (const [key, name] of [['2', 'anatomy'], ['5', 'movement'], ['1', 'case']]) {

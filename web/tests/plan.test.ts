@@ -3,7 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { fault } from '../src/api';
 import {
   cutsNothing, editKeyframe, emptyPlan, keyframesOf, missingFor, renameSegment, retimeKeyframe, withCurve, withKeyframeAfter, withoutKeyframe, withoutPlane,
-  withoutSegment, withPlane, withSegment, type Plan,
+  withoutSegment, withPaintedBoundary, withPlane, withSegment, type Plan,
 } from '../src/model';
 
 const schema = JSON.parse(readFileSync(new URL('../../contract/plan.schema.json', import.meta.url), 'utf8'));
@@ -51,6 +51,15 @@ describe('edits of a plan', () => {
     expect(times(retimeKeyframe(three, 0, 0, 5))[0]).toBeLessThan(times(three)[1]!);
     expect(times(retimeKeyframe(three, 0, 2, 0.1))[2]).toBe(1);
     expect(keyframesOf(withoutKeyframe(one, 0, 0).segments[0])).toHaveLength(1);
+  });
+
+  it('name the file of what is painted, and forget it', () => {
+    const named = withPaintedBoundary({ ...one, boundary: { release_mm: 4 } }, 'boundary.seg.nrrd');
+    isPlan(named);
+    expect(named.boundary).toEqual({ release_mm: 4, labels: 'boundary.seg.nrrd' });
+    expect(withPaintedBoundary(named, 'boundary.seg.nrrd')).toBe(named);
+    expect(withPaintedBoundary(named, null).boundary).toEqual({ release_mm: 4 });
+    expect(withPaintedBoundary(one, null)).toBe(one);
   });
 
   it('know a cut that cuts nothing', () => {

@@ -23,6 +23,7 @@ namespace lefort::app {
 struct InputFile {
   std::string name;    ///< As the plan has it.
   std::string sha256;  ///< 64 hexadecimal digits.
+  bool operator==(const InputFile&) const = default;
 };
 
 /// The files that a plan which was read names, but for the scan; relative to the plan's folder.

@@ -145,11 +145,14 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   const std::string plan_copy = portable_plan(text.json, job.plan, ct, job.output);
 
   const StageCache cache(job.output / "cache");
-  LEFORT_TRY(std::vector<InputFile> plan_files, fingerprints(text.json, job.plan));
+  LEFORT_TRY(const std::vector<InputFile> plan_files, fingerprints(text.json, job.plan));
   LEFORT_TRY(PreparedCase prepared,
              prepare_case(std::move(plan), io::Sha256().add(text.json).hex(), ct, cache, progress));
 
-  prepared.provenance.plan_files = std::move(plan_files);
+  LEFORT_TRY(prepared.provenance.plan_files, fingerprints(text.json, job.plan));
+  if (prepared.provenance.plan_files != plan_files)
+    return fail(ErrorCode::kPlanInvalid,
+                "a file that the plan names was changed while it was read: predict again");
 
   LEFORT_TRY_VOID(write_overlaps(job.output, prepared));
 
@@ -166,6 +169,11 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
                                        if (job.on_step) job.on_step(step, steps);
                                      },
                                  .on_restart = StepKeeper(kept, progress)};
+  if (earlier) {  // Those who watch see at once how far it is.
+    for (const predict::PredictionStep& step : earlier->steps)
+      if (job.on_step) job.on_step(step, steps);
+    progress.report(earlier->stepper.last.t);
+  }
   if (job.on_iterate)
     watch.on_iterate = [&](const predict::PredictionIterate& at) { job.on_iterate(at, steps); };
   LEFORT_TRY(const predict::FacePrediction prediction,

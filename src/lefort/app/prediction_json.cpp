@@ -1,10 +1,10 @@
+#include <lefort/app/boundary_json.h>
 #include <lefort/app/peak_memory.h>
 #include <lefort/app/prediction_json.h>
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
 #include <lefort/fem/load_steps.h>
 #include <lefort/predict/name_regions.h>
-#include <lefort/predict/tissue_boundary.h>
 
 #include <algorithm>
 
@@ -204,27 +204,6 @@ Json as_json(const std::optional<mesh::LayerThickness>& skin) {
           {"full_share", skin->full_share},     {"thin_patches", thin}};
 }
 
-/// Which rule and which painted label decided how many of the boundary's nodes.
-Json boundary_summary(const PreparedCase& prepared) {
-  const mesh::VolumeMesh& tissue = prepared.model.tissue;
-  Json rules = Json::array();
-  for (const predict::RuleDecision& rule : predict::rule_decisions(tissue, prepared.plan.boundary))
-    rules.push_back({{"set", rule.set},
-                     {"within_mm", rule.within_mm ? Json(*rule.within_mm) : Json(nullptr)},
-                     {"fixed", rule.fixed},
-                     {"with_segment", rule.with_segment},
-                     {"free", rule.free},
-                     {"painted_over", rule.painted}});
-  Json painted = nullptr;
-  if (prepared.plan.boundary_labels) {
-    painted = {{"within_mm", predict::paint_reach_mm(prepared.scan_grid)}};
-    for (const predict::BoundaryLabelStyle& label : predict::kBoundaryLabelStyles)
-      painted[label.set] = predict::painted_nodes(tissue, label).value_or(0);
-  }
-  return {
-      {"release_mm", prepared.plan.boundary.release_mm}, {"rules", rules}, {"painted", painted}};
-}
-
 Json regions_summary(const PreparedCase& prepared) {
   Json regions = Json::object();
   for (const auto& [name, size] :
@@ -251,7 +230,7 @@ Json mesh_summary(const PreparedCase& prepared) {
           {"inverted_elements", prepared.quality.inverted.size()},
           {"contact_faces", tissue.face_sets.at("contact").size()},
           {"node_sets", sets},
-          {"boundary", boundary_summary(prepared)}};
+          {"boundary", boundary_json(prepared)}};
 }
 
 Json field_summary(const field::DistanceField& field) {

@@ -1,3 +1,4 @@
+#include <lefort/app/boundary_json.h>
 #include <lefort/app/output_folder.h>
 #include <lefort/app/pipeline.h>
 #include <lefort/app/plan_inputs.h>
@@ -69,7 +70,8 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
                   {"version", kVersion},
                   {"segments", segments},
                   {"vertices", skin_L.vertex_count()},
-                  {"elements", prepared.model.tissue.element_count()}};
+                  {"elements", prepared.model.tissue.element_count()},
+                  {"boundary", boundary_json(prepared)}};
   summary.text = fmt::format("the face can be previewed for segment {}: {} elements",
                              fmt::join(segments, ", "), prepared.model.tissue.element_count());
   LEFORT_TRY_VOID(io::write_text(document, summary.json.dump(1) + "\n"));

@@ -66,10 +66,12 @@ Result<void> write_preview_model(const std::filesystem::path& file,
   append(text, K.valuePtr(), std::size_t(K.nonZeros()));
   append(text, model.first_row.data(), model.first_row.size());
   std::vector<std::int32_t> segments, rows, nodes;
+  std::vector<std::uint8_t> holds;
   Numbers places, weights;
   for (const auto& support : model.supports) {
     segments.push_back(support.segment);
     rows.push_back(support.row);
+    holds.push_back(support.holds ? 1 : 0);
     places.insert(places.end(), support.point_L.begin(), support.point_L.end());
     places.insert(places.end(), support.direction_L.begin(), support.direction_L.end());
   }
@@ -79,11 +81,11 @@ Result<void> write_preview_model(const std::filesystem::path& file,
   }
   append(text, segments.data(), segments.size());
   append(text, rows.data(), rows.size());
+  append(text, holds.data(), holds.size());
   append(text, places.data(), places.size());
   append(text, nodes.data(), nodes.size());
   append(text, weights.data(), weights.size());
-  const Numbers rest{model.only_pushes ? 1.0 : 0.0, model.support_n_per_mm,
-                     double(model.segment_count)};
+  const Numbers rest{model.support_n_per_mm, double(model.segment_count)};
   append(text, rest.data(), rest.size());
   return io::write_text(file, text);
 }
@@ -98,12 +100,13 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
   text.remove_prefix(kMagic.size());
   std::vector<int> columns, inner;
   std::vector<std::int32_t> segments, rows, nodes;
+  std::vector<std::uint8_t> holds;
   Numbers values, places, weights, rest;
   predict::PreviewModel model;
   const bool is_whole = take(text, columns) && take(text, inner) && take(text, values) &&
                         take(text, model.first_row) && take(text, segments) && take(text, rows) &&
-                        take(text, places) && take(text, nodes) && take(text, weights) &&
-                        take(text, rest);
+                        take(text, holds) && take(text, places) && take(text, nodes) &&
+                        take(text, weights) && take(text, rest);
   const auto is_node = [&](std::int32_t node) {
     return node >= 0 && std::size_t(node) < model.first_row.size();
   };
@@ -111,10 +114,11 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
     return row >= -1 && row + 3 < std::int32_t(columns.size());
   };
   if (!is_whole || !text.empty() || values.size() != inner.size() || !is_pattern(columns, inner) ||
-      places.size() != 6 * rows.size() || nodes.size() % 3 != 0 || weights.size() != nodes.size() ||
-      rest.size() != 3 || !(rest[2] >= 1.0 && rest[2] < 1e6) || segments.size() != rows.size() ||
+      holds.size() != rows.size() || places.size() != 6 * rows.size() || nodes.size() % 3 != 0 ||
+      weights.size() != nodes.size() || rest.size() != 2 || !(rest[1] >= 1.0 && rest[1] < 1e6) ||
+      segments.size() != rows.size() ||
       !std::all_of(segments.begin(), segments.end(),
-                   [&](std::int32_t k) { return k >= 0 && k < std::int32_t(rest[2]); }) ||
+                   [&](std::int32_t k) { return k >= 0 && k < std::int32_t(rest[1]); }) ||
       !std::all_of(nodes.begin(), nodes.end(), is_node) ||
       !std::all_of(model.first_row.begin(), model.first_row.end(), is_row) ||
       !std::all_of(rows.begin(), rows.end(),
@@ -125,12 +129,11 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
       size, size, Index(inner.size()), columns.data(), inner.data(), values.data());
   for (std::size_t s = 0; s < rows.size(); ++s)
     model.supports.push_back(
-        {segments[s], rows[s], Vec3(&places[6 * s]), Vec3(&places[6 * s + 3])});
+        {segments[s], rows[s], Vec3(&places[6 * s]), Vec3(&places[6 * s + 3]), holds[s] != 0});
   for (std::size_t v = 0; v < nodes.size(); v += 3)
     model.skin.followers.push_back({{nodes[v], nodes[v + 1], nodes[v + 2]}, Vec3(&weights[v])});
-  model.only_pushes = rest[0] != 0.0;
-  model.support_n_per_mm = rest[1];
-  model.segment_count = std::int32_t(rest[2]);
+  model.support_n_per_mm = rest[0];
+  model.segment_count = std::int32_t(rest[1]);
   return model;
 }
 

@@ -30,13 +30,13 @@ namespace lefort::app {
 
 inline constexpr const char* kMovedSegment = "bone_segment_moved";
 
-/// bone_overlap.vtp for each segment that is driven into other bone: at rest, with the depth of each
-/// vertex there for each step that does.
+/// bone_overlap.vtp for each segment that is driven into other bone: at rest, with the depth of
+/// each vertex there for each step that does.
 [[nodiscard]] Result<void> write_overlaps(const std::filesystem::path& folder,
                                           const PreparedCase& prepared);
 
-/// predicted_skin.vtp and .stl, skin_before.vtp, bone_remainder.vtp, bone_segment_moved.vtp for each
-/// segment, and paraview/prediction.pvd with a VTU for rest and for each step.
+/// predicted_skin.vtp and .stl, skin_before.vtp, bone_remainder.vtp, bone_segment_moved.vtp for
+/// each segment, and paraview/prediction.pvd with a VTU for rest and for each step.
 [[nodiscard]] Result<void> write_surfaces_and_fields(const std::filesystem::path& folder,
                                                      const PreparedCase& prepared,
                                                      const predict::FacePrediction& prediction,

@@ -103,9 +103,9 @@ class ContactTerm final : public fem::ForceTerm {
   /// \param nodes_L   all nodes at rest [mm].
   /// \param faces     counter-clockwise seen from outside the tissue.
   /// \param obstacle  the bone, at rest.
-  /// \param beside    other bones, at rest. A point that is nearer to one of them rests on that one,
-  ///   and touches this bone only where it would enter it: else a bone whose edge lies flush with
-  ///   another's would drag along what lies on the other.
+  /// \param beside    other bones, at rest. A point that is nearer to one of them rests on that
+  ///   one, and touches this bone only where it would enter it: else a bone whose edge lies flush
+  ///   with another's would drag along what lies on the other.
   ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces, BoneObstacle obstacle,
               const Options& options, std::span<const BoneObstacle> beside = {});
 

@@ -45,6 +45,11 @@ namespace lefort::io {
                                                           const image::Grid& grid,
                                                           Progress& progress = Progress::none());
 
+/// The same of what was painted on the tissue's boundary, with one segment per label of
+/// predict::kBoundaryLabelStyles; read_boundary_labels() takes any part of the scan's grid.
+[[nodiscard]] Result<void> write_boundary_labels(const std::filesystem::path& target,
+                                                 const predict::BoundaryLabelMap& painted);
+
 /// Reads what was painted on the tissue's boundary: a `.seg.nrrd` whose segments are called as in
 /// predict::kBoundaryLabelStyles, in any case, on the grid of the scan as above.
 ///

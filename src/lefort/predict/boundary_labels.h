@@ -18,18 +18,19 @@ enum class BoundaryLabel : std::uint8_t {
   kSlides = 4,       ///< Free, but does not enter still bone: slides on it, and may come off.
 };
 
-/// How a label is called in files, and the set of the nodes that it decides.
+/// How a label is called and coloured in files, and the set of the nodes that it decides.
 struct BoundaryLabelStyle {
   BoundaryLabel label;
   const char* name;
   const char* set;
+  std::array<double, 3> colour;  ///< RGB, 0 to 1; told apart by the colour-blind as well.
 };
 
 inline constexpr std::array<BoundaryLabelStyle, 4> kBoundaryLabelStyles{{
-    {BoundaryLabel::kFixed, "fixed", "painted_fixed"},
-    {BoundaryLabel::kFree, "free", "painted_free"},
-    {BoundaryLabel::kWithSegment, "with segment", "painted_with_segment"},
-    {BoundaryLabel::kSlides, "slides", "painted_slides"},
+    {BoundaryLabel::kFixed, "fixed", "painted_fixed", {0.80, 0.25, 0.20}},
+    {BoundaryLabel::kFree, "free", "painted_free", {0.06, 0.50, 0.47}},
+    {BoundaryLabel::kWithSegment, "with segment", "painted_with_segment", {0.60, 0.35, 0.80}},
+    {BoundaryLabel::kSlides, "slides", "painted_slides", {0.90, 0.60, 0.00}},
 }};
 
 /// One label per voxel of the scan.

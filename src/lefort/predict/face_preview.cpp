@@ -34,30 +34,36 @@ Error describe(fem::Factorisation outcome) {
   return {ErrorCode::kNotConverged, "the preview's equations cannot be solved"};
 }
 
-/// Along the bone's normal, or along all axes if the tissue is attached.
+/// Along the bone's normal, or along all axes where tissue moves with the segment.
 Result<std::vector<PreviewModel::Support>> find_supports(const FaceModel& model,
                                                          const std::vector<std::int32_t>& first_row,
-                                                         bool only_pushes) {
+                                                         MovedBone moved_bone) {
+  const mesh::VolumeMesh& tissue = model.tissue;
+  const std::vector<std::int32_t> attached = nodes_with_segment(tissue, moved_bone);
+  const auto held = nodes_by_segment(model, attached);
+  const auto near = nodes_by_segment(model, nodes_on_segment(tissue));
   std::vector<PreviewModel::Support> supports;
-  const auto lists =
-      nodes_by_segment(model, only_pushes ? nodes_on_segment(model.tissue)
-                                          : nodes_with_segment(model.tissue, MovedBone::kAttached));
-  for (std::size_t k = 0; k < lists.size(); ++k) {
-    const auto segment = std::int32_t(k);
+  for (std::size_t k = 0; k < model.segments.size(); ++k) {
+    for (const std::int32_t node : held[k])
+      for (int axis = 0; axis < 3; ++axis)
+        supports.push_back({.segment = std::int32_t(k),
+                            .row = first_row[std::size_t(node)],
+                            .point_L = tissue.nodes_L[std::size_t(node)],
+                            .direction_L = Vec3::Unit(axis),
+                            .holds = true});
+    if (moved_bone == MovedBone::kAttached) continue;
     LEFORT_TRY(const auto detector_B,
                contact::detect_by_field(model.segments[k].field_B, contact::Detection::kTrilinear));
-    for (const std::int32_t node : lists[k]) {
-      const Vec3& point_L = model.tissue.nodes_L[std::size_t(node)];
-      const std::int32_t row = first_row[std::size_t(node)];
-      if (!only_pushes) {
-        for (int axis = 0; axis < 3; ++axis)
-          supports.push_back({segment, row, point_L, Vec3::Unit(axis)});
-        continue;
-      }
+    for (const std::int32_t node : near[k]) {
+      if (std::binary_search(attached.begin(), attached.end(), node)) continue;
+      const Vec3& point_L = tissue.nodes_L[std::size_t(node)];
       const Vec3 gradient_L =
           contact::measure_gap({detector_B}, point_L, contact::Derivatives::kFirst).gradient_L;
       if (gradient_L.norm() < kKnowsTheWay) continue;
-      supports.push_back({segment, row, point_L, gradient_L.normalized()});
+      supports.push_back({.segment = std::int32_t(k),
+                          .row = first_row[std::size_t(node)],
+                          .point_L = point_L,
+                          .direction_L = gradient_L.normalized()});
     }
   }
   return supports;
@@ -74,10 +80,7 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   if (tissue.face_sets.contains(sets::kStillContact))
     return fail(ErrorCode::kPlanInvalid,
                 "boundary.labels: the preview knows no tissue painted to slide on still bone");
-  if (!nodes_with_segment(tissue, MovedBone::kContact).empty())
-    return fail(ErrorCode::kPlanInvalid,
-                "boundary.labels: the preview knows no tissue painted to move with the segment");
-  if (nodes_on_segment(tissue).empty())
+  if (nodes_on_segment(tissue).empty() && nodes_with_segment(tissue, boundary.moved_bone).empty())
     return fail(ErrorCode::kAnatomyMissing, "no soft tissue lies on the segment");
   if (fixed.empty()) return fail(ErrorCode::kAnatomyMissing, "nothing holds the soft tissue");
   LEFORT_TRY(const fem::RegionMaterials materials, materials_of(options));
@@ -88,12 +91,11 @@ Result<PreviewModel> make_preview_model(const FaceModel& model,
   const fem::Assembler assembler(tissue.nodes_L, std::move(dofs), terms);
 
   PreviewModel preview;
-  preview.only_pushes = boundary.moved_bone == MovedBone::kContact;
   preview.segment_count = std::int32_t(model.segments.size());
   preview.stiffness_n_per_mm = assembler.tangent(VectorX::Zero(3 * tissue.node_count()));
   for (Index node = 0; node < tissue.node_count(); ++node)
     preview.first_row.push_back(assembler.dofs().free_number(3 * node));
-  LEFORT_TRY(preview.supports, find_supports(model, preview.first_row, preview.only_pushes));
+  LEFORT_TRY(preview.supports, find_supports(model, preview.first_row, boundary.moved_bone));
   if (preview.supports.empty())
     return fail(ErrorCode::kAnatomyMissing,
                 "the segment's field tells no way out of the bone where tissue lies on it");
@@ -125,7 +127,7 @@ fem::SparseMatrix FacePreview::Parts::stiffness(const std::vector<char>& pushes)
   fem::SparseMatrix K = model.stiffness_n_per_mm;
   for (std::size_t s = 0; s < pushes.size(); ++s) {
     if (!pushes[s]) continue;
-    const auto& [segment, row, point_L, n] = model.supports[s];
+    const auto& [segment, row, point_L, n, holds] = model.supports[s];
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j <= i; ++j)
         K.coeffRef(row + i, row + j) += model.support_n_per_mm * n[i] * n[j];
@@ -175,16 +177,15 @@ Result<std::vector<Vec3>> FacePreview::displacement_mm(std::span<const RigidTran
     const RigidTransform& X = X_LB[std::size_t(model.supports[s].segment)];
     pushed_mm[s] = model.supports[s].direction_L.dot(X * p - p);
     is_at_rest = is_at_rest && std::abs(pushed_mm[s]) < kAtRest_mm;
-    if (model.only_pushes) pushes[s] = pushed_mm[s] > 0.0;
+    pushes[s] = model.supports[s].holds || pushed_mm[s] > 0.0;
   }
   VectorX u = VectorX::Zero(model.stiffness_n_per_mm.rows());
   for (int round = 0; round < kRounds && !is_at_rest; ++round) {
     LEFORT_TRY(u, parts.solve(pushes, pushed_mm));
-    if (!model.only_pushes) break;
     std::size_t changed = 0;
     for (std::size_t s = 0; s < count; ++s) {
-      const auto& [segment, row, point_L, n] = model.supports[s];
-      const char should = pushed_mm[s] > n.dot(u.segment<3>(row));
+      const auto& [segment, row, point_L, n, holds] = model.supports[s];
+      const char should = holds || pushed_mm[s] > n.dot(u.segment<3>(row));
       changed += should != pushes[s];
       pushes[s] = should;
     }

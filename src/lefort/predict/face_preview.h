@@ -23,15 +23,15 @@ struct PreviewModel {
   fem::SparseMatrix stiffness_n_per_mm;
   std::vector<std::int32_t> first_row;  ///< Of each node's three rows; -1 where it is fixed.
 
-  /// A point of the tissue on a segment, held off it along one direction.
+  /// A point of the tissue that a segment takes along one direction.
   struct Support {
     std::int32_t segment = 0;         ///< Which, in the order of the plan.
     std::int32_t row = 0;             ///< The first of its three.
     Vec3 point_L = Vec3::Zero();      ///< At rest.
-    Vec3 direction_L = Vec3::Zero();  ///< Unit length, out of the bone.
+    Vec3 direction_L = Vec3::Zero();  ///< Unit length; out of the bone where it only pushes.
+    bool holds = false;               ///< Also pulls: attached tissue has three of these.
   };
   std::vector<Support> supports;
-  bool only_pushes = true;  ///< Tissue slides and comes off; else it is attached.
   double support_n_per_mm = 0.0;
   std::int32_t segment_count = 1;
   SkinBinding skin;
@@ -47,9 +47,10 @@ struct PreviewModel {
                                                       const Vec3& spacing_mm);
 
 /// Small-strain elasticity with the stiffness at rest. Tissue that lies on a segment is pushed
-/// along the bone's normal at rest, slides, and comes off where the bone leaves it; attached tissue
-/// goes with the bone. Nothing turns or stretches by more than the first order, and no tissue
-/// meets bone that it did not lie on: how far that is from a prediction grows with the motion.
+/// along the bone's normal at rest, slides, and comes off where the bone leaves it; attached
+/// tissue, and what was painted to move with a segment, goes with the bone. Nothing turns or
+/// stretches by more than the first order, and no tissue meets bone that it did not lie on: how far
+/// that is from a prediction grows with the motion.
 ///
 /// Safe from many threads, which wait for one another.
 class FacePreview {

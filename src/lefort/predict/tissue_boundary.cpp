@@ -48,8 +48,29 @@ NodeList without(const NodeList& a, const NodeList& b) {
   return rest;
 }
 
-Index count_in(const NodeList& a, const NodeList& b) {
-  return std::ssize(a) - std::ssize(without(a, b));
+NodeList common(const NodeList& a, const NodeList& b) {
+  NodeList both;
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
+}
+
+/// Of each node [mm2]: a third of every triangle of the boundary that it is a corner of.
+std::vector<double> boundary_areas_mm2(const mesh::VolumeMesh& tissue) {
+  std::vector<double> areas_mm2(tissue.nodes_L.size(), 0.0);
+  for (const mesh::Face3& face : mesh::triangles_of(tissue.face_sets.at("boundary"))) {
+    const auto corner = [&](std::size_t n) -> const Vec3& {
+      return tissue.nodes_L[std::size_t(face[n])];
+    };
+    const double area_mm2 = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+    for (const std::int32_t node : face) areas_mm2[std::size_t(node)] += area_mm2 / 3.0;
+  }
+  return areas_mm2;
+}
+
+double sum_over(const NodeList& nodes, const std::vector<double>& of_node) {
+  double sum = 0.0;
+  for (const std::int32_t node : nodes) sum += of_node[std::size_t(node)];
+  return sum;
 }
 
 /// Of nodes that a label decided; none if nothing was painted.
@@ -78,16 +99,6 @@ void paint_over(mesh::VolumeMesh& tissue, const BoundaryLabelMap& painted) {
     tissue.node_sets[style.set] = std::move(nodes);
   }
   tissue.node_sets[sets::kFixed] = std::move(fixed);
-}
-
-/// How near a node must be to belong to a set, in the order of asking; all others are free.
-std::array<std::pair<const char*, double>, 6> rule_distances_mm(const BoundaryOptions& options) {
-  return {{{sets::kCut, kPlaneTolerance_mm},
-           {sets::kScanEdge, kPlaneTolerance_mm},
-           {sets::kMovedBone, options.capture_mm},
-           {sets::kStillBone, options.capture_mm},
-           {sets::kBrain, kBrainReach_mm},
-           {sets::kSkin, options.capture_mm}}};
 }
 
 /// Inner faces that can move: tissue that the segment could run into.
@@ -126,6 +137,16 @@ std::vector<mesh::Face> faces_that_slide(const mesh::VolumeMesh& tissue) {
 
 }  // namespace
 
+std::vector<RuleDistance> boundary_rules(const BoundaryOptions& options) {
+  return {{sets::kCut, kPlaneTolerance_mm},
+          {sets::kScanEdge, kPlaneTolerance_mm},
+          {sets::kMovedBone, options.capture_mm},
+          {sets::kStillBone, options.capture_mm},
+          {sets::kBrain, kBrainReach_mm},
+          {sets::kSkin, options.capture_mm},
+          {sets::kFree, std::nullopt}};
+}
+
 mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomain& domain,
                                       const anatomy::LabelMap& labels,
                                       const geometry::TriangleMesh& skin_L,
@@ -148,8 +169,8 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
       [&](const Vec3& p_L) { return distance_to_brain(labels, p_L); },
       distance_to(skin)};
   std::vector<mesh::BoundaryRule> rules;
-  for (const auto& [set, within_mm] : rule_distances_mm(options))
-    rules.push_back({set, distances_mm[rules.size()], within_mm});
+  for (const auto& [set, within_mm] : boundary_rules(options))
+    if (within_mm) rules.push_back({set, distances_mm[rules.size()], *within_mm});
   tissue = mesh::name_boundary(std::move(tissue), rules, sets::kFree);
 
   // Held by their neighbour, but elevated from it where the segment is near.
@@ -190,19 +211,25 @@ std::vector<RuleDecision> rule_decisions(const mesh::VolumeMesh& tissue,
                                          const BoundaryOptions& options) {
   const NodeList painted = all_painted_nodes(tissue);
   const NodeList with_segment = nodes_with_segment(tissue, options.moved_bone);
+  const std::vector<double> areas_mm2 = boundary_areas_mm2(tissue);
   std::vector<RuleDecision> decisions;
-  const auto add = [&](const char* set, std::optional<double> within_mm) {
+  for (const auto& [set, within_mm] : boundary_rules(options)) {
     const NodeList& taken = tissue.node_sets.at(set);
     const NodeList decided = without(taken, painted);
-    RuleDecision decision{.set = set, .within_mm = within_mm};
-    decision.fixed = count_in(decided, tissue.node_sets.at(sets::kFixed));
-    decision.with_segment = count_in(decided, with_segment);
-    decision.free = std::ssize(decided) - decision.fixed - decision.with_segment;
-    decision.painted = std::ssize(taken) - std::ssize(decided);
-    decisions.push_back(std::move(decision));
-  };
-  for (const auto& [set, within_mm] : rule_distances_mm(options)) add(set, within_mm);
-  add(sets::kFree, std::nullopt);
+    const NodeList fixed = common(decided, tissue.node_sets.at(sets::kFixed));
+    const NodeList moved = common(decided, with_segment);
+    const NodeList free = without(without(decided, fixed), moved);
+    decisions.push_back({.set = set,
+                         .within_mm = within_mm,
+                         .fixed = std::ssize(fixed),
+                         .with_segment = std::ssize(moved),
+                         .free = std::ssize(free),
+                         .painted = std::ssize(taken) - std::ssize(decided),
+                         .areas = {.fixed_mm2 = sum_over(fixed, areas_mm2),
+                                   .with_segment_mm2 = sum_over(moved, areas_mm2),
+                                   .free_mm2 = sum_over(free, areas_mm2),
+                                   .painted_mm2 = sum_over(common(taken, painted), areas_mm2)}});
+  }
   return decisions;
 }
 
@@ -211,6 +238,10 @@ std::optional<Index> painted_nodes(const mesh::VolumeMesh& tissue,
   const auto set = tissue.node_sets.find(label.set);
   if (set == tissue.node_sets.end()) return std::nullopt;
   return std::ssize(set->second);
+}
+
+double painted_area_mm2(const mesh::VolumeMesh& tissue, const BoundaryLabelStyle& label) {
+  return sum_over(nodes_painted(tissue, label.label), boundary_areas_mm2(tissue));
 }
 
 std::string describe_boundary(const mesh::VolumeMesh& tissue, const BoundaryOptions& options) {

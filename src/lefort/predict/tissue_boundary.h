@@ -65,7 +65,20 @@ struct RuleDecision {
   Index with_segment = 0;
   Index free = 0;     ///< The segment may push them.
   Index painted = 0;  ///< Taken by the rule, but decided by a label.
+  /// Of the tissue's boundary, each face shared equally by its corners.
+  struct Areas {
+    double fixed_mm2 = 0.0, with_segment_mm2 = 0.0, free_mm2 = 0.0, painted_mm2 = 0.0;
+  } areas;
 };
+
+/// A set, and how near a node must be to belong to it; without a distance all the rest do.
+struct RuleDistance {
+  const char* set;
+  std::optional<double> within_mm;
+};
+
+/// The rules in the order in which they are asked.
+[[nodiscard]] std::vector<RuleDistance> boundary_rules(const BoundaryOptions& options);
 
 /// For each rule in the order in which they are asked.
 [[nodiscard]] std::vector<RuleDecision> rule_decisions(const mesh::VolumeMesh& tissue,
@@ -74,6 +87,10 @@ struct RuleDecision {
 /// How many nodes a label decided; nothing if the mesh was not painted.
 [[nodiscard]] std::optional<Index> painted_nodes(const mesh::VolumeMesh& tissue,
                                                  const BoundaryLabelStyle& label);
+
+/// Of the tissue's boundary, what a label decided, each face shared equally by its corners [mm2].
+[[nodiscard]] double painted_area_mm2(const mesh::VolumeMesh& tissue,
+                                      const BoundaryLabelStyle& label);
 
 /// Nodes that any label decided. Ascending.
 [[nodiscard]] std::vector<std::int32_t> all_painted_nodes(const mesh::VolumeMesh& tissue);

@@ -8,6 +8,25 @@
 #include <cmath>
 
 namespace lefort::verify {
+namespace {
+
+/// \param predicted  the last value's error.
+void add_difference(const std::string& name, double last, double predicted, const Known& known,
+                    Section& section) {
+  const std::string reason = "the error that the last three meshes predict, times Roache's 1.25";
+  section.checks.push_back(
+      {.name = fmt::format("{}: difference over the predicted one", name),
+       .measured = std::abs(last - known.value) / (predicted + known.allowance),
+       .asked = Asked::kAtMost,
+       .expected = 1.0,
+       .reason = known.allowance_reason.empty()
+                     ? reason
+                     : fmt::format("{}; besides {:.2g}, as {}", reason, known.allowance,
+                                   known.allowance_reason),
+       .miss = known.miss});
+}
+
+}  // namespace
 
 void judge_refinement(const std::string& name, std::span<const double> values, const Known& known,
                       Section& section) {
@@ -31,17 +50,36 @@ void judge_refinement(const std::string& name, std::span<const double> values, c
                               .reason = known.order_reason,
                               .miss = known.miss});
   }
-  const std::string predicted = "the error that the last three meshes predict, times Roache's 1.25";
+  add_difference(name, last[2], found.error, known, section);
+}
+
+void judge_difference(const std::string& name, const std::array<double, 3>& values,
+                      double norm_order, const Known& known, Section& section) {
+  const double order = std::min(norm_order, known.order);
+  add_difference(name, values[2], predicted_error(values, order), known, section);
+}
+
+void judge_errors(const std::string& name, std::span<const double> errors, const Known& known,
+                  Section& section) {
+  LEFORT_CHECK(errors.size() >= 2);
+  const auto order_to = [&](std::size_t k) { return std::log2(errors[k - 1] / errors[k]); };
+  const std::size_t last = errors.size() - 1;
+  section.checks.push_back({.name = fmt::format("{}: order of the error", name),
+                            .measured = order_to(last),
+                            .asked = Asked::kAtLeast,
+                            .expected = known.order,
+                            .tolerance = known.order_slack,
+                            .reason = known.order_reason,
+                            .miss = known.miss});
+  if (last < 2) return;
+  const double fall = std::exp2(std::min(order_to(last - 1), known.order));
   section.checks.push_back(
-      {.name = fmt::format("{}: difference over the predicted one", name),
-       .measured = std::abs(last[2] - known.value) / (found.error + known.allowance),
+      {.name = fmt::format("{}: error over the predicted one", name),
+       .measured = errors[last] * fall / (kRefinementSafety * errors[last - 1]),
        .asked = Asked::kAtMost,
        .expected = 1.0,
-       .reason = known.allowance_reason.empty()
-                     ? predicted
-                     : fmt::format("{}; besides {:.2g}, as {}", predicted, known.allowance,
-                                   known.allowance_reason),
-       .miss = known.miss});
+       .reason = "what the two meshes before and their order predict, times "
+                 "Roache's 1.25"});
 }
 
 }  // namespace lefort::verify

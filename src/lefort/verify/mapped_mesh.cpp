@@ -78,6 +78,21 @@ mesh::VolumeMesh welded(const std::vector<mesh::VolumeMesh>& parts) {
   return whole;
 }
 
+double graded_corner(int i, int cells, double grading) {
+  return 1.0 - std::pow(1.0 - double(i) / cells, grading);
+}
+
+mesh::VolumeMesh graded_cube(mesh::ElementShape shape, int cells, double side_mm, double grading) {
+  const auto corner = [&](int i) { return graded_corner(i, cells, grading); };
+  const auto moved = [&](double x) {  // Linear from corner to corner: a middle node stays halfway.
+    const int before = std::min(cells - 1, int(std::floor(x * cells + 1e-6)));
+    const double share = x * cells - before;
+    return side_mm * ((1.0 - share) * corner(before) + share * corner(before + 1));
+  };
+  return mapped(mesh::make_box(shape, {cells, cells, cells}, Vec3::Ones()),
+                [&](const Vec3& p) { return Vec3(moved(p.x()), moved(p.y()), moved(p.z())); });
+}
+
 mesh::VolumeMesh quarter_ring(mesh::ElementShape shape, int cells, double a_mm, double b_mm,
                               double thickness_mm) {
   mesh::VolumeMesh ring = mapped(

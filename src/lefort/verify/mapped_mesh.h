@@ -1,5 +1,5 @@
 /// \file
-/// Rings, shells and columns from boxes: bent and welded.
+/// Rings, shells and columns from boxes, bent and welded; boxes graded towards singular edges.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -18,6 +18,15 @@ namespace lefort::verify {
 /// Nodes nearer to each other than a millionth of a mm become one. Face sets are joined by name;
 /// node sets are dropped.
 [[nodiscard]] mesh::VolumeMesh welded(const std::vector<mesh::VolumeMesh>& parts);
+
+/// Where the i-th of the corners lies, 0 to `cells`, as a share of the side: 1 - (1 - i / cells)^g.
+/// \param grading  g >= 1; 1 is regular.
+[[nodiscard]] double graded_corner(int i, int cells, double grading);
+
+/// A cube from the origin whose cells, `cells` a side, get smaller towards its sides x1, y1 and z1
+/// as graded_corner() says. Edges stay straight; sets are those of make_box().
+[[nodiscard]] mesh::VolumeMesh graded_cube(mesh::ElementShape shape, int cells, double side_mm,
+                                           double grading);
 
 /// x, y >= 0, a <= sqrt(x^2 + y^2) <= b, 0 <= z <= thickness: `cells` across the wall and twice as
 /// many around, one layer. Face set "inner".

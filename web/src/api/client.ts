@@ -27,6 +27,9 @@ export interface Depths {
   beyondReach: boolean;
 }
 
+/** First voxel along i, j, k, then how many. */
+export type VoxelBox = readonly [number, number, number, number, number, number];
+
 export type Poses = Record<string, readonly number[]>;
 
 export type CaseEvents = {
@@ -90,8 +93,10 @@ export class Client {
   case = () => this.get('Case', '/case');
   jobs = async () => (await this.get('JobList', '/jobs')).jobs;
   job = (id: number) => this.get('Job', `/jobs/${id}`);
+  solveHistory = (job: number) => this.get('SolveHistory', `/jobs/${job}/iterates`);
   volume = () => this.get('Volume', '/volume');
   labels = () => this.get('Labels', '/labels');
+  boundary = () => this.get('Boundary', '/boundary');
   surfaces = async () => (await this.get('SurfaceList', '/surfaces')).surfaces;
   prediction = () => this.get('Prediction', '/prediction');
   previewDistance = () => this.get('PreviewDistance', '/preview/distance');
@@ -147,6 +152,31 @@ export class Client {
       headers: { 'Content-Type': 'application/octet-stream', 'If-Match': etag },
     });
     return etagOf(response);
+  }
+
+  /** What is painted on the tissue's boundary, within the smallest box that holds it. */
+  async boundaryData(): Promise<Tagged<Uint8Array> & { box: VoxelBox }> {
+    const response = await this.send('GET', '/boundary/data');
+    const box = (response.headers.get('X-Lefort-Box') ?? '').split(',').map(Number) as unknown as VoxelBox;
+    const value = new Uint8Array(await response.arrayBuffer());
+    if (box.length !== 6 || value.length !== box[3] * box[4] * box[5]) throw new ContractError('the server sent a painted box that is none');
+    return { value, etag: etagOf(response), box };
+  }
+
+  async putBoundaryData(labels: Uint8Array, box: VoxelBox, etag: string): Promise<string> {
+    const response = await this.send('PUT', `/boundary/data?box=${box.join(',')}`, {
+      body: new Blob([labels as Uint8Array<ArrayBuffer>]),
+      headers: { 'Content-Type': 'application/octet-stream', 'If-Match': etag },
+    });
+    return etagOf(response);
+  }
+
+  async putBoundaryFile(file: File, etag: string): Promise<void> {
+    await this.send('PUT', '/boundary/file', { body: file, headers: { 'Content-Type': 'application/octet-stream', 'If-Match': etag } });
+  }
+
+  async deleteBoundaryData(etag: string): Promise<void> {
+    await this.send('DELETE', '/boundary/data', { headers: { 'If-Match': etag } });
   }
 
   /** `name` as GET /surfaces tells it: skin, or segments/midface. */

@@ -108,6 +108,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/jobs/{job}/iterates": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What the events newton and step of a prediction have told so far; of the last one since the server was started */
+        get: operations["getJobIterates"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/events": {
         parameters: {
             query?: never;
@@ -187,6 +204,59 @@ export interface paths {
         get: operations["getLabelsData"];
         /** Replaces all labels (the brush); the anatomy's surfaces are stale until a job segment with from_labels */
         put: operations["putLabelsData"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/boundary": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What tissue's boundary does by rule, and what may be painted on it */
+        get: operations["getBoundary"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/boundary/data": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What is painted on the boundary: values of /boundary, uint8, x fastest, of the smallest box that holds all */
+        get: operations["getBoundaryData"];
+        /** Replaces all that is painted; boundary.seg.nrrd, which a plan names as boundary.labels */
+        put: operations["putBoundaryData"];
+        post?: never;
+        /** Forgets all that is painted; refused while the plan names it */
+        delete: operations["deleteBoundaryData"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/boundary/file": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /** Replaces all that is painted by a .seg.nrrd of another program, at most 256 MB */
+        put: operations["putBoundaryFile"];
         post?: never;
         delete?: never;
         options?: never;
@@ -547,6 +617,7 @@ export interface components {
                 anatomy: components["schemas"]["Stage"];
                 landmarks: components["schemas"]["Stage"];
                 plan: components["schemas"]["Stage"];
+                boundary: components["schemas"]["Stage"];
                 cut: components["schemas"]["Stage"];
                 check: components["schemas"]["Stage"];
                 preview: components["schemas"]["Stage"];
@@ -648,6 +719,8 @@ export interface components {
         };
         NewtonEvent: {
             job: number;
+            /** @description How many of this solve came before these. */
+            from: number;
             /** @description Those since the last event, in their order; events come at most ten times a second. */
             iterates: components["schemas"]["NewtonIterate"][];
         };
@@ -665,6 +738,14 @@ export interface components {
             contacts: number;
             /** @description How much deeper than at rest one of them lies in the bone, at most. */
             deepest_mm: number;
+        };
+        SolveHistory: {
+            job: number;
+            /** @description How many iterates are forgotten: the newest 50,000 are kept. */
+            from: number;
+            iterates: components["schemas"]["NewtonIterate"][];
+            /** @description Those that an earlier job has found, too. */
+            steps: components["schemas"]["StepEvent"][];
         };
         StepEvent: {
             job: number;
@@ -708,6 +789,41 @@ export interface components {
                 value: number;
                 name: string;
             }[];
+        };
+        Boundary: {
+            /** @description What can be painted; 0 is nothing. */
+            names: {
+                value: number;
+                name: string;
+                /** @description RGB. */
+                colour: number[];
+            }[];
+            /** @description Boundary nearer than this to a bone lies on it. */
+            capture_mm: number;
+            /** @description Tissue on still bone nearer than this to the segment is elevated. */
+            release_mm: number;
+            /** @description In the order in which they are asked, by the plan. */
+            rules: {
+                set: string;
+                /** @description Nodes nearer than this are taken; null takes all the rest. */
+                within_mm: number | null;
+            }[];
+            /** @description What the rules and what is painted hold of the tissue's mesh, by the newest preview or prediction that is up to date; null if there is none. */
+            areas: null | {
+                /** @enum {unknown} */
+                stage: "preview" | "prediction";
+                rules: {
+                    set: string;
+                    fixed: number;
+                    with_segment: number;
+                    free: number;
+                    painted_over: number;
+                }[];
+                painted: {
+                    name: string;
+                    mm2: number;
+                }[];
+            };
         };
         /**
          * @description after_surgery: the skin of a scan after surgery, laid onto the head before it by bone that did not move.
@@ -907,7 +1023,7 @@ export interface components {
             /** @description prediction.json or failure.json as it is. */
             document: Record<string, never>;
         };
-        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp") | string;
+        FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp") | string;
         FileList: {
             files: {
                 name: components["schemas"]["FileName"];
@@ -1125,6 +1241,30 @@ export interface operations {
             default: components["responses"]["Refused"];
         };
     };
+    getJobIterates: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Number of the job. */
+                job: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SolveHistory"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
     getEvents: {
         parameters: {
             query?: never;
@@ -1250,6 +1390,133 @@ export interface operations {
         };
     };
     putLabelsData: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description The ETag of what this replaces, or * ; 412 if it has changed since (another page was first), 428 if it is not sent. */
+                "If-Match": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/octet-stream": string;
+            };
+        };
+        responses: {
+            /** @description Kept. */
+            204: {
+                headers: {
+                    /** @description Of what is there now; for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getBoundary: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Boundary"];
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    getBoundaryData: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Done. */
+            200: {
+                headers: {
+                    /** @description First voxel of the box along i, j, k, then how many along each: six numbers with commas. */
+                    "X-Lefort-Box"?: string;
+                    /** @description Of what is there now; for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/octet-stream": string;
+                };
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    putBoundaryData: {
+        parameters: {
+            query: {
+                /** @description As X-Lefort-Box: what lies outside is not painted. Something within must be. */
+                box: string;
+            };
+            header: {
+                /** @description The ETag of what this replaces, or * ; 412 if it has changed since (another page was first), 428 if it is not sent. */
+                "If-Match": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/octet-stream": string;
+            };
+        };
+        responses: {
+            /** @description Kept. */
+            204: {
+                headers: {
+                    /** @description Of what is there now; for If-Match. */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    deleteBoundaryData: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description The ETag of what this replaces, or * ; 412 if it has changed since (another page was first), 428 if it is not sent. */
+                "If-Match": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Gone. */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            default: components["responses"]["Refused"];
+        };
+    };
+    putBoundaryFile: {
         parameters: {
             query?: never;
             header: {

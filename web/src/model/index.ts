@@ -1,3 +1,4 @@
+export * from './boundary_paint';
 export * from './colour';
 export * from './frames';
 export * from './history';
@@ -8,6 +9,7 @@ export * from './plan';
 export * from './prepare';
 export * from './ray';
 export * from './section';
+export * from './solve';
 export * from './store';
 export * from './units';
 export * from './window';

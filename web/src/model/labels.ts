@@ -48,6 +48,27 @@ export const joinEdits = (first: LabelEdit, second: LabelEdit): LabelEdit => ({
   after: second.after,
 });
 
+/** Which strokes labels have: those of the history, after undo and redo as well. */
+export class AppliedStrokes {
+  private applied: readonly LabelEdit[] = [];
+
+  /** The labels are these strokes' already. */
+  are(strokes: readonly LabelEdit[]): void {
+    this.applied = strokes;
+  }
+
+  /** Takes back what is not in `strokes`, and does what is. Returns whether anything changed. */
+  apply(labels: Uint8Array, strokes: readonly LabelEdit[]): boolean {
+    if (strokes === this.applied) return false;
+    let common = 0;
+    while (common < strokes.length && strokes[common] === this.applied[common]) common++;
+    for (const stroke of this.applied.slice(common).reverse()) revert(labels, stroke);
+    for (const stroke of strokes.slice(common)) repeat(labels, stroke);
+    this.applied = strokes;
+    return true;
+  }
+}
+
 /** Centre of a voxel in L, by its number. */
 export function voxelCentre(grid: Grid, n: number): Vec3 {
   const [nx, ny] = grid.size;

@@ -68,8 +68,15 @@ export interface Path {
   keyframes?: Keyframe[];
 }
 
+/** A preset's name, or constants. */
+export type Material = string | { law: 'neo-hookean'; young_kpa: number; poisson: number };
+
 export interface Tissue {
-  material?: string | { law: 'neo-hookean'; young_kpa: number; poisson: number };
+  material?: Material;
+  skin?: { thickness_mm?: number; layers?: number; material?: Material };
+  mucosa?: { thickness_mm: number; material: Material };
+  muscle?: { material: Material };
+  lips_and_nose_element_size_mm?: number;
   element_size_mm?: number;
   far_element_size_mm?: number;
   margin_mm?: number;
@@ -80,6 +87,7 @@ export interface Boundary {
   scan_edge?: 'free' | 'fixed';
   release_mm?: number;
   capture_mm?: number;
+  labels?: string;
 }
 
 export interface Contact {
@@ -254,6 +262,15 @@ export const retimeKeyframe = (plan: Plan, index: number, k: number, at: number)
 /** True if the page's gizmo can edit the path: keyframes by numbers, not by targets, files or days. */
 export const isEditablePath = (path: Path): boolean =>
   path.keyframes !== undefined && path.keyframes.every((k) => k.targets === undefined && k.transform === undefined);
+
+/** Names the file of what is painted on the tissue's boundary, or none. */
+export function withPaintedBoundary(plan: Plan, file: string | null): Plan {
+  if (file !== null) return plan.boundary?.labels === file ? plan : { ...plan, boundary: { ...plan.boundary, labels: file } };
+  if (plan.boundary?.labels === undefined) return plan;
+  const boundary = { ...plan.boundary };
+  delete boundary.labels;
+  return { ...plan, boundary };
+}
 
 /** A plane through a point, its normal towards the viewer's choice of segment. */
 export const planeAt = (point_mm: Vec3, towards: Vec3): Plane => ({ point_mm, towards_segment: unit(towards) });

@@ -79,6 +79,20 @@ export class Body {
     paint(Float32Array.from(this.surface.coarse.vertex, (v) => values[v]), scale, from, to, coarse, rest);
   }
 
+  /** Colours each vertex by its label; `palette`: linear RGB by label. */
+  setLabels(labels: Uint8Array, palette: readonly Rgb[]): void {
+    const [fine, coarse] = this.colours();
+    const colour = (into: Float32Array, n: number, label: number): void => {
+      const rgb = palette[label] ?? palette[0];
+      into[3 * n] = rgb[0];
+      into[3 * n + 1] = rgb[1];
+      into[3 * n + 2] = rgb[2];
+    };
+    for (let v = 0; v < labels.length; v++) colour(fine, v, labels[v]);
+    const { vertex } = this.surface.coarse;
+    for (let n = 0; n < vertex.length; n++) colour(coarse, n, labels[vertex[n]]);
+  }
+
   /** Moves each vertex by a vector (flat xyz, mm); null takes all back. */
   setDisplacement(xyz: Float32Array | null, share = 1): void {
     const { points, triangles, normals, coarse } = this.surface;

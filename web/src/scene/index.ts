@@ -1,3 +1,4 @@
+export { type Body } from './body';
 export { PATIENT_AXES, planeAxes, type GizmoDrag } from './gizmo';
 export { type PlaneMark, type Polyline } from './overlay';
 export { SliceView, type SliceLines, type SliceMarker } from './slice_view';

@@ -60,17 +60,84 @@ export function drawPlaneOutline(context: CanvasRenderingContext2D, projection: 
   context.globalAlpha = 1;
 }
 
-export function drawLabel(context: CanvasRenderingContext2D, text: string, x: number, y: number, strong: boolean): void {
-  context.font = `${strong ? 600 : 500} 11.5px "Inter Variable", sans-serif`;
-  context.textAlign = 'left';
-  context.textBaseline = 'middle';
-  const width = context.measureText(text).width;
-  context.fillStyle = strong ? 'rgb(15 95 115 / 0.95)' : 'rgb(16 22 28 / 0.72)';
+/** A point with a name. */
+export interface Tag {
+  x: number;
+  y: number;
+  text: string;
+  strong: boolean;
+}
+
+type Rect = readonly [left: number, top: number, right: number, bottom: number];
+
+const LABEL_HEIGHT = 17;
+
+/**
+ * Where labels of these widths go: beside, else above or below their points, over no dot and no label that came before;
+ * null where there is no room. `dots`: of all points, with their radius.
+ */
+export function placeLabels(tags: readonly Tag[], widths: readonly number[], dots: readonly (readonly [number, number])[], dotRadius: number): (readonly [left: number, middle: number] | null)[] {
+  const taken: Rect[] = [];
+  const gap = dotRadius + 1;
+  return tags.map(({ x, y }, n) => {
+    const width = widths[n];
+    for (const [left, middle] of [[x + gap, y], [x - gap - width, y], [x - width / 2, y - gap - LABEL_HEIGHT / 2], [x - width / 2, y + gap + LABEL_HEIGHT / 2]] as const) {
+      const rect: Rect = [left, middle - LABEL_HEIGHT / 2, left + width, middle + LABEL_HEIGHT / 2];
+      const coversDot = dots.some(([dx, dy]) => Math.hypot(dx - Math.min(rect[2], Math.max(rect[0], dx)), dy - Math.min(rect[3], Math.max(rect[1], dy))) < dotRadius);
+      const coversLabel = taken.some((other) => rect[0] < other[2] && other[0] < rect[2] && rect[1] < other[3] && other[1] < rect[3]);
+      if (coversDot || coversLabel) continue;
+      taken.push(rect);
+      return [left, middle] as const;
+    }
+    return null;
+  });
+}
+
+/** Draws the names of points where they cover no point and no other name; the first come first. */
+export function drawLabels(context: CanvasRenderingContext2D, tags: readonly Tag[], dots: readonly (readonly [number, number])[], dotRadius: number): void {
+  const font = (strong: boolean): string => `${strong ? 600 : 500} 11.5px "Inter Variable", sans-serif`;
+  const widths = tags.map(({ text, strong }) => {
+    context.font = font(strong);
+    return context.measureText(text).width + 8;
+  });
+  placeLabels(tags, widths, dots, dotRadius).forEach((at, n) => {
+    if (!at) return;
+    const { text, strong } = tags[n];
+    context.font = font(strong);
+    context.textAlign = 'left';
+    context.textBaseline = 'middle';
+    context.fillStyle = strong ? 'rgb(15 95 115 / 0.95)' : 'rgb(16 22 28 / 0.72)';
+    context.beginPath();
+    context.roundRect(at[0], at[1] - LABEL_HEIGHT / 2, widths[n], LABEL_HEIGHT, 4);
+    context.fill();
+    context.fillStyle = '#ffffff';
+    context.fillText(text, at[0] + 4, at[1] + 0.5);
+  });
+}
+
+/** A stroke of the brush that the bodies do not show yet. */
+export function drawStroke(context: CanvasRenderingContext2D, dabs: readonly [number, number][], radius_px: number, colour: string): void {
+  if (dabs.length === 0) return;
   context.beginPath();
-  context.roundRect(x - 4, y - 8.5, width + 8, 17, 4);
+  for (const [x, y] of dabs) {
+    context.moveTo(x + radius_px, y);
+    context.arc(x, y, radius_px, 0, 2 * Math.PI);
+  }
+  context.globalAlpha = 0.6;
+  context.fillStyle = colour;
   context.fill();
-  context.fillStyle = '#ffffff';
-  context.fillText(text, x, y + 0.5);
+  context.globalAlpha = 1;
+}
+
+/** How widely the brush paints. */
+export function drawBrush(context: CanvasRenderingContext2D, [x, y]: [number, number], radius_px: number): void {
+  for (const [width, colour] of [[3.5, 'rgb(0 0 0 / 0.45)'], [1.5, '#ffffff']] as const) {
+    context.beginPath();
+    context.arc(x, y, radius_px, 0, 2 * Math.PI);
+    context.lineWidth = width;
+    context.strokeStyle = colour;
+    context.stroke();
+  }
 }
 
 export function drawSides(

@@ -2,7 +2,7 @@ import {
   draggedWindow, greyTable, indexToL, indexToPixel, lToIndex, pixelToIndex, sliceFrame,
   type Grid, type Orientation, type SliceFrame, type Vec3, type Window,
 } from '../model';
-import { drawLabel } from './overlay';
+import { drawLabels } from './overlay';
 
 export interface SliceMarker {
   id: string;
@@ -289,8 +289,8 @@ export class SliceView {
   }
 
   private drawMarkers(context: CanvasRenderingContext2D): void {
-    const taken: [number, number][] = [];
-    for (const marker of this.nearMarkers().sort((a, b) => Number(b.selected) - Number(a.selected))) {
+    const markers = this.nearMarkers().sort((a, b) => Number(b.selected) - Number(a.selected));
+    for (const marker of markers) {
       const [x, y] = this.toScreen(marker.position);
       context.beginPath();
       context.arc(x, y, marker.selected ? 5.5 : 4, 0, 2 * Math.PI);
@@ -299,10 +299,12 @@ export class SliceView {
       context.strokeStyle = '#ffffff';
       context.lineWidth = marker.selected ? 2 : 1.25;
       context.stroke();
-      if (taken.some(([tx, ty]) => Math.abs(tx - x) < 42 && Math.abs(ty - y) < 17)) continue;
-      taken.push([x, y]);
-      drawLabel(context, marker.label, x + 10, y, marker.selected);
     }
+    const tags = markers.map((marker) => {
+      const [x, y] = this.toScreen(marker.position);
+      return { x, y, text: marker.label, strong: marker.selected };
+    });
+    drawLabels(context, tags, tags.map(({ x, y }) => [x, y] as const), 6.5);
   }
 
   private drawSides(context: CanvasRenderingContext2D, width: number, height: number): void {

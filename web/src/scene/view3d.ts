@@ -9,7 +9,7 @@ import {
 } from '../model';
 import { Body } from './body';
 import { Gizmo, type GizmoDrag } from './gizmo';
-import { drawLabel, drawLine, drawPlaneOutline, drawScale, drawSides, drawTag, drawWipe, type PlaneMark, type Polyline } from './overlay';
+import { drawBrush, drawStroke, drawLabels, drawLine, drawPlaneOutline, drawScale, drawSides, drawTag, drawWipe, type PlaneMark, type Polyline, type Tag } from './overlay';
 import { projectionOf, type Projection } from './projection';
 import { drawsInSoftware } from './software';
 
@@ -40,12 +40,19 @@ export interface View3dEvents {
   isPlacing(): boolean;
   /** A click on a body, with a tool that places. */
   onPick(hit: Hit, body: string): void;
+  /** True if a drag over a body paints it now. */
+  isPainting(): boolean;
+  /** The brush is put on a body, once a picture or more often; it ends off any. */
+  onPaint(at: { hit: Hit; body: string } | null, phase: Phase): void;
   onMarkerDrag(id: string, hit: Hit, phase: Phase): void;
   onMarkerSelect(id: string): void;
   onWipe(share: number): void;
 }
 
 const IDLE_MS = 180;
+
+/** A dab looks at every triangle: more of them would make a picture late. */
+const DABS_A_PICTURE = 4;
 
 /**
  * Pixels drawn per pixel shown, by the processor: multisampling would have it pay for four samples of every pixel, so
@@ -58,6 +65,11 @@ export class View3d {
   readonly gizmo = new Gizmo();
   markers: Marker[] = [];
   lines: Polyline[] = [];
+  /** Called once, before the next picture. */
+  beforePicture: (() => void) | null = null;
+  /** Radius of the brush. */
+  brush_mm = 4;
+  brushColour = '#ffffff';
   /** The bodies a tool works on; others are looked through. */
   pickable: (name: string) => boolean = () => true;
 
@@ -80,7 +92,12 @@ export class View3d {
   private hiddenTimer = 0;
   private lastIdle = 0;
   private coarse = false;
-  private dragged: { kind: 'gizmo' | 'marker' | 'wipe'; id: string } | null = null;
+  private dragged: { kind: 'gizmo' | 'marker' | 'wipe' | 'paint'; id: string } | null = null;
+  /** Where the brush is to go: the pointer's way since the last picture. */
+  private brushWay: [number, number][] = [];
+  private brushAt: [number, number] | null = null;
+  /** Where it was put since the bodies were drawn last. */
+  private brushTrace: [number, number][] = [];
   private markerAtPointer: [number, number] | null = null;
   private pressed: { x: number; y: number; at: number } | null = null;
   private centre = new Vector3(0, 0, 0);
@@ -278,11 +295,11 @@ export class View3d {
   /** While something moves, the processor draws coarse surfaces; they become fine again when it has stopped. */
   beBusy(): void {
     this.lastIdle = performance.now();
-    if (drawsInSoftware() && !this.coarse) this.setCoarse(true);
+    if (drawsInSoftware() && !this.coarse && this.dragged?.kind !== 'paint') this.setCoarse(true);
     if (this.idle) return;
     const check = () => {
       const left = IDLE_MS - (performance.now() - this.lastIdle);
-      if (left > 0 || this.dragged?.kind === 'gizmo' || this.dragged?.kind === 'marker') {
+      if (left > 0 || (this.dragged && this.dragged.kind !== 'wipe')) {
         this.idle = window.setTimeout(check, Math.max(20, left));
         return;
       }
@@ -302,6 +319,15 @@ export class View3d {
   render(): void {
     this.canvas.dataset.idle = 'false';
     if (this.frame) return;
+    if (drawsInSoftware() && this.dragged?.kind === 'paint') {
+      // The bodies in full would take the processor too long: the stroke is drawn over them until it has ended.
+      this.frame = requestAnimationFrame(() => {
+        this.frame = 0;
+        this.dragBrush(DABS_A_PICTURE);
+        this.drawOverlay();
+      });
+      return;
+    }
     const whenReady = (): void => {
       // One picture at a time: on slow graphics pictures would pile up, and the page would lag behind the hand.
       if (this.fence && this.gl.getSyncParameter(this.fence, this.gl.SYNC_STATUS) !== this.gl.SIGNALED) {
@@ -310,6 +336,10 @@ export class View3d {
       }
       this.frame = 0;
       this.dragMarker();
+      this.dragBrush(DABS_A_PICTURE);
+      const prepare = this.beforePicture;
+      this.beforePicture = null;
+      prepare?.();
       this.drawNow();
     };
     this.frame = requestAnimationFrame(whenReady);
@@ -321,6 +351,35 @@ export class View3d {
     const found = this.pick(...this.markerAtPointer);
     this.markerAtPointer = null;
     if (found) this.events.onMarkerDrag(this.dragged.id, found.hit, 'move');
+  }
+
+  /** Puts the brush along the pointer's way, so closely that dabs join; what is not reached waits for the next picture. */
+  private dragBrush(most: number): void {
+    if (this.dragged?.kind !== 'paint') return;
+    const step = Math.max(2, 0.5 * this.brush_mm * this.projection().px_per_mm);
+    const isLast = most === Infinity;
+    let n = 0;
+    while (n < most && this.brushWay.length > 1) {
+      const [from, to] = this.brushWay;
+      const far = Math.hypot(to[0] - from[0], to[1] - from[1]);
+      // A hand that is slower than the brush is wide leaves one dab, not one for each of its moves.
+      if (far < step && (this.brushWay.length > 2 || !isLast)) {
+        if (this.brushWay.length === 2) break;
+        this.brushWay.splice(1, 1);
+        continue;
+      }
+      const share = Math.min(1, step / (far || 1));
+      const at: [number, number] = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
+      if (share < 1) this.brushWay[0] = at;
+      else this.brushWay.shift();
+      const found = this.pick(...at);
+      if (found) {
+        this.brushTrace.push(at);
+        this.events.onPaint(found, 'move');
+      }
+      n++;
+    }
+    if (n === most) this.render(); // There may be more.
   }
 
   drawNow(): void {
@@ -359,6 +418,7 @@ export class View3d {
     this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     this.gl.flush();
     this.framesDrawn++;
+    this.brushTrace = [];
     this.drawOverlay();
     // For tests: nothing is still to be drawn.
     this.canvas.dataset.idle = String(!this.coarse && this.frame === 0);
@@ -400,8 +460,7 @@ export class View3d {
       context.clip();
       for (const { mark } of this.planes) drawPlaneOutline(context, projection, mark);
       for (const line of this.lines) drawLine(context, projection, line);
-      const taken: [number, number][] = [];
-      for (const marker of [...this.markers].sort((a, b) => Number(b.selected ?? false) - Number(a.selected ?? false))) this.drawMarker(context, projection, marker, taken);
+      this.drawMarkers(context, projection);
       drawSides(context, projection, x, 0, width / halves.length, height, this.ink());
       context.restore();
       if (x === 0) drawScale(context, projection, width / halves.length, height, this.ink());
@@ -420,6 +479,9 @@ export class View3d {
       context.globalAlpha = 1;
     }
     this.gizmo.draw(context, this.projection());
+    const radius_px = this.brush_mm * this.projection().px_per_mm;
+    drawStroke(context, this.brushTrace, radius_px, this.brushColour);
+    if (this.brushAt && this.events.isPainting()) drawBrush(context, this.brushAt, radius_px);
     this.tellHandles();
   }
 
@@ -447,7 +509,19 @@ export class View3d {
     this.canvas.dataset.pxPerMm = projection.px_per_mm.toFixed(4);
   }
 
-  private drawMarker(context: CanvasRenderingContext2D, projection: Projection, marker: Marker, taken: [number, number][]): void {
+  private drawMarkers(context: CanvasRenderingContext2D, projection: Projection): void {
+    const inOrder = [...this.markers].sort((a, b) => Number(b.selected ?? false) - Number(a.selected ?? false));
+    for (const marker of inOrder) this.drawMarker(context, projection, marker);
+    // A point behind the bone has no label, and its dim dot is in nobody's way.
+    const shown = inOrder.filter((marker) => !this.behind.has(marker.id));
+    const tags = shown.filter((marker) => marker.label).map((marker): Tag => {
+      const [x, y] = projection.toScreen(marker.position);
+      return { x, y, text: marker.label!, strong: marker.selected ?? false };
+    });
+    drawLabels(context, tags, shown.map((marker) => projection.toScreen(marker.position)), 7.5);
+  }
+
+  private drawMarker(context: CanvasRenderingContext2D, projection: Projection, marker: Marker): void {
     const [x, y] = projection.toScreen(marker.position);
     const behind = this.behind.has(marker.id);
     context.globalAlpha = behind ? 0.3 : 1;
@@ -463,11 +537,6 @@ export class View3d {
     context.lineWidth = 1;
     context.strokeStyle = 'rgb(0 0 0 / 0.55)';
     context.stroke();
-    // A label that would lie on another one is left out; so is that of a point behind the bone.
-    if (marker.label && !behind && !taken.some(([tx, ty]) => Math.abs(tx - x) < 42 && Math.abs(ty - y) < 17)) {
-      taken.push([x, y]);
-      drawLabel(context, marker.label, x + 10, y, marker.selected ?? false);
-    }
     context.globalAlpha = 1;
   }
 
@@ -535,7 +604,16 @@ export class View3d {
       this.beBusy();
       this.events.onGizmo(this.gizmo.drag(this.projection(x), x, y)!, 'start');
     } else {
-      const marker = this.markerAt(x, y);
+      const found = this.events.isPainting() ? this.pick(x, y) : null;
+      const marker = found ? null : this.markerAt(x, y);
+      if (found) {
+        this.dragged = { kind: 'paint', id: found.body };
+        this.brushWay = [[x, y]];
+        this.brushTrace = [[x, y]];
+        this.brushAt = [x, y];
+        this.beBusy();
+        this.events.onPaint(found, 'start');
+      }
       if (marker) {
         this.events.onMarkerSelect(marker.id);
         if (marker.draggable) this.dragged = { kind: 'marker', id: marker.id };
@@ -557,6 +635,10 @@ export class View3d {
       this.beBusy();
       const drag = this.gizmo.drag(this.projection(x), x, y);
       if (drag) this.events.onGizmo(drag, 'move');
+    } else if (this.dragged.kind === 'paint') {
+      this.beBusy();
+      this.brushWay.push([x, y]);
+      this.brushAt = [x, y];
     } else if (this.dragged.kind === 'wipe') {
       this.events.onWipe(Math.min(0.98, Math.max(0.02, x / this.size().width)));
     } else {
@@ -568,6 +650,10 @@ export class View3d {
 
   private onUp = (event: PointerEvent): void => {
     const [x, y] = this.at(event);
+    if (this.dragged?.kind === 'paint') {
+      this.dragBrush(Infinity);
+      this.events.onPaint(null, 'end');
+    }
     const dragged = this.dragged;
     this.dragged = null;
     this.controls.enabled = true;
@@ -586,7 +672,7 @@ export class View3d {
       }
     }
     this.pressed = null;
-    this.beBusy();
+    if (dragged?.kind !== 'paint') this.beBusy();
     this.render();
   };
 
@@ -596,7 +682,10 @@ export class View3d {
     const layout = this.layout_;
     const onWipe = at !== null && layout.mode === 'wipe' && Math.abs(at[0] - layout.share * this.size().width) < 14;
     const overMarker = at !== null && this.markerAt(...at) !== null;
-    this.canvas.style.cursor = onWipe ? 'ew-resize' : this.gizmo.hovered || overMarker ? 'grab' : this.events.isPlacing() ? 'crosshair' : '';
+    this.canvas.style.cursor = onWipe ? 'ew-resize' : this.gizmo.hovered || overMarker ? 'grab' : this.events.isPlacing() || this.events.isPainting() ? 'crosshair' : '';
+    const brushed = this.brushAt;
+    this.brushAt = this.events.isPainting() ? at : null;
+    if ((brushed || this.brushAt) && this.frame === 0) this.drawOverlay(); // The ring alone: the picture stays.
     if (before?.axis !== this.gizmo.hovered?.axis || before?.kind !== this.gizmo.hovered?.kind) this.render();
   }
 

@@ -1,14 +1,16 @@
 import { ApiError, type Client, type Depths, type Schemas } from '../api';
 import {
   change, fromPoints, byName, moveOf, poseOf, redo, settle, startHistory,
-  undo, gridCentre, transformPoint, IDENTITY, shifted, turned, aboutPoint, editKeyframe, keyframesOf, isEditablePath, templateKind,
+  undo, gridCentre, transformPoint, IDENTITY, shifted, turned, aboutPoint, editKeyframe, keyframesOf, withPaintedBoundary, isEditablePath, templateKind,
   type DrawnSurface, type Grid, type History, type Landmark, type Mat4, type Move, type Plan, type Vec3,
 } from '../model';
 import { prepareSurfaceAside } from '../workers';
+import { BOUNDARY_FILE, BoundaryBrush } from './boundary_brush';
 import { LabelBrush } from './label_brush';
 import { LiveAnswers } from './live_answers';
 import { Outcome } from './outcome';
-import { Model, runningJob, stageOf, type Doc, type StepName } from './state';
+import { SolveWatch } from './solve_watch';
+import { Model, stageOf, type Doc, type StepName } from './state';
 
 /** How deep bones may overlap before a plan is marked: the limit of `lefort plan check` [mm]. */
 export const OVERLAP_LIMIT_MM = 0.5;
@@ -34,20 +36,26 @@ export interface Listeners {
   /** Displacement of the skin; null takes it back. */
   onPreview(xyz: Float32Array | null): void;
   onLabels(): void;
+  /** What is painted on the tissue's boundary has changed. */
+  onPaint(): void;
 }
 
 /** What a person can do, and what the server says. The only place that calls the server. */
 export class App {
   readonly model = new Model();
   readonly outcome = new Outcome(this);
+  private readonly solve = new SolveWatch(this);
   readonly live: LiveAnswers;
   readonly labelBrush: LabelBrush;
+  readonly boundaryBrush: BoundaryBrush;
   private readonly aborter = new AbortController();
   private etags: { plan: string; landmarks: string } = { plan: '*', landmarks: '*' };
   private stored: { plan: Plan | null; landmarks: readonly Landmark[] | null } = { plan: null, landmarks: null };
   private saveTimer = 0;
   private saveRunning: Promise<void> | null = null;
   private volumeEtag: string | null = null;
+  /** What another page painted was seen, and is to be replaced. */
+  private overwrites = false;
   private toastId = 0;
   private readonly whenDone = new Map<number, () => void>();
   private surfaceQueue: Promise<void> = Promise.resolve();
@@ -58,6 +66,7 @@ export class App {
   ) {
     this.live = new LiveAnswers(this, listeners);
     this.labelBrush = new LabelBrush(this, listeners);
+    this.boundaryBrush = new BoundaryBrush(this, listeners);
   }
 
   // The life of the page
@@ -70,14 +79,15 @@ export class App {
         this.loadSurfaces();
         if (state.step === 'compare' || state.step === 'predict') void this.outcome.load();
         if (state.step === 'landmarks') void this.measure();
+        if (state.step === 'tissue') void this.boundaryBrush.load();
       }
     });
     await this.refresh();
     void this.client.listen(
       (kind, event) => {
         if (kind === 'job') this.onJob(event as Schemas['JobEvent']);
-        else if (kind === 'newton') this.patch({ newton: [...model.s.newton, ...(event as Schemas['NewtonEvent']).iterates] });
-        else if (kind === 'step') this.patch({ steps: [...model.s.steps, event as Schemas['StepEvent']] });
+        else if (kind === 'newton') this.solve.onIterates(event as Schemas['NewtonEvent']);
+        else if (kind === 'step') this.solve.onStep(event as Schemas['StepEvent']);
         else if (kind === 'case') this.onStages((event as Schemas['CaseEvent']).stages as Schemas['Case']['stages']);
         else void this.refresh();
       },
@@ -125,7 +135,7 @@ export class App {
       this.patch({ case: case_, jobs, connection: 'on', fatal: null });
       this.restoreStep(case_);
       await this.onStages(case_.stages);
-      if (runningJob(this.model.s)?.kind === 'predict') this.patch({ newton: [], steps: [] });
+      await this.solve.load();
     } catch (error) {
       if (error instanceof ApiError && error.status === 0) this.patch({ connection: 'lost' });
       else this.patch({ fatal: sentence(error) });
@@ -156,6 +166,14 @@ export class App {
     await Promise.all(work);
     this.loadSurfaces();
     if (this.model.s.step === 'compare' || this.model.s.step === 'predict') void this.outcome.load();
+    if (this.model.s.step === 'tissue' || this.boundaryBrush.labels) void this.boundaryBrush.load();
+  }
+
+  /** Looks at everything anew, after something was changed past the page's own ways. */
+  async reload(): Promise<void> {
+    const case_ = await this.client.case();
+    this.patch({ case: case_ });
+    await this.onStages(case_.stages);
   }
 
   // What the server has
@@ -164,6 +182,7 @@ export class App {
     this.volumeEtag = etag;
     this.model.labels = null;
     this.model.labelsEtag = null;
+    this.boundaryBrush.forget();
     this.patch({ volume: null, volumeLoading: etag !== null, labelsReady: false });
     if (etag === null) return;
     try {
@@ -214,8 +233,15 @@ export class App {
       }),
     );
     this.patch({ surfacesLoading: 0 });
+    if (wanted.length > 0 && this.boundaryBrush.labels) this.boundaryBrush.measure();
   }
 
+  /** Where the tissue's boundary is painted: bones as cut, else the skull, and the skin. */
+  boundarySurfaces(): [string, { surface: DrawnSurface }][] {
+    const { surfaces } = this.model;
+    const isCut = surfaces.has('remainder');
+    return [...surfaces].filter(([name]) => name === 'skin' || (isCut ? name === 'remainder' || name.startsWith('segments/') : name === 'skull'));
+  }
 
   private async loadPlan(replacesMine = false): Promise<void> {
     // Changes of both pages: keeping this one's finds the conflict, and the person decides.
@@ -281,7 +307,8 @@ export class App {
 
   private onDocChanged({ present }: History<Doc>, { present: before }: History<Doc>): void {
     if (present.strokes !== before.strokes) this.labelBrush.apply(present.strokes);
-    if (present.plan !== before.plan || present.landmarks !== before.landmarks) {
+    if (present.paint !== before.paint) this.boundaryBrush.apply(present.paint);
+    if (present.plan !== before.plan || present.landmarks !== before.landmarks || present.paint !== before.paint) {
       this.patch({ scrub: null });
       clearTimeout(this.saveTimer);
       if (this.isUnsaved()) {
@@ -302,12 +329,13 @@ export class App {
 
   private isUnsaved(): boolean {
     const { plan, landmarks } = this.model.doc;
-    return (plan !== this.stored.plan && plan.segments.length > 0) || (landmarks !== this.stored.landmarks && (landmarks.length > 0 || this.stored.landmarks !== null));
+    return this.boundaryBrush.isUnsaved() || (plan !== this.stored.plan && plan.segments.length > 0) || (landmarks !== this.stored.landmarks && (landmarks.length > 0 || this.stored.landmarks !== null));
   }
 
-  /** The plan as it is kept: the landmarks' file is named as soon as there are landmarks. */
+  /** The plan as it is kept: the files of landmarks and of what is painted are named as soon as there are any. */
   private keptPlan(): Plan {
-    const { plan, landmarks } = this.model.doc;
+    const { plan: bare, landmarks } = this.model.doc;
+    const plan = this.boundaryBrush.labels ? withPaintedBoundary(bare, this.boundaryBrush.isPainted ? BOUNDARY_FILE : null) : bare;
     return landmarks.length > 0 && plan.landmarks === undefined ? { ...plan, landmarks: 'landmarks.mrk.json' } : plan;
   }
 
@@ -324,21 +352,27 @@ export class App {
 
   private async saveNow(): Promise<void> {
     this.patch({ saving: 'saving' });
-    let what: 'plan' | 'landmarks' = 'landmarks';
+    let what: 'plan' | 'landmarks' | 'boundary' = 'landmarks';
     try {
       const { landmarks, plan } = this.model.doc;
       if (landmarks !== this.stored.landmarks && !(landmarks.length === 0 && this.stored.landmarks === null)) {
         this.etags.landmarks = await this.client.putLandmarks({ landmarks: byName(landmarks) as never }, this.etags.landmarks);
       }
       this.stored.landmarks = landmarks;
+      what = 'boundary';
+      const isPaintNew = this.boundaryBrush.isUnsaved();
+      if (isPaintNew) await this.boundaryBrush.save(this.overwrites);
       what = 'plan';
-      if (plan !== this.stored.plan && plan.segments.length > 0) {
+      if ((plan !== this.stored.plan || isPaintNew) && plan.segments.length > 0) {
         const answer = await this.client.putPlan(this.keptPlan(), this.etags.plan);
         this.etags.plan = answer.etag;
         this.stored.plan = plan;
         this.patch({ canPredict: answer.value.can_predict });
         await this.afterPlanSaved();
       }
+      what = 'boundary';
+      if (this.boundaryBrush.isUnsaved() && !this.boundaryBrush.isPainted) await this.boundaryBrush.removeIfEmpty();
+      this.overwrites = false;
       this.patch({ saving: 'saved', saveError: null });
     } catch (error) {
       if (error instanceof ApiError && error.status === 412) this.patch({ saving: 'unsaved', conflict: what });
@@ -353,14 +387,17 @@ export class App {
     this.patch({ conflict: null });
     if (keep === 'theirs') {
       if (what === 'plan') await this.loadPlan(true);
+      else if (what === 'boundary') await this.boundaryBrush.load(true);
       else await this.loadLandmarks(true);
       return;
     }
-    this.etags[what] = '*';
+    if (what === 'boundary') this.overwrites = true;
+    else this.etags[what] = '*';
     await this.save();
   }
 
   private async afterPlanSaved(): Promise<void> {
+    if (this.model.s.step === 'tissue') void this.boundaryBrush.loadRules();
     const { segments } = this.model.doc.plan;
     const steps = segments.length > 0 ? 60 : 0;
     if (steps) this.patch({ planPoses: await this.client.planPoses(steps).catch(() => null) });
@@ -373,7 +410,6 @@ export class App {
       if (!(await this.save()) && this.model.doc.plan.segments.length > 0 && request.kind !== 'import' && request.kind !== 'segment') {
         throw new Error(this.model.s.saveError ?? 'The plan could not be kept, so nothing was started.');
       }
-      if (request.kind === 'predict') this.patch({ newton: [], steps: [] });
       const job = await this.client.startJob(request);
       if (then) this.whenDone.set(job.id, then);
       this.putJob(job);
@@ -400,7 +436,7 @@ export class App {
         message: event.message,
         lines: event.line === null ? old.lines : [...old.lines, event.line].slice(-200),
       });
-    if (event.state === 'running' && old?.state !== 'running' && event.kind === 'predict') this.patch({ newton: [], steps: [] });
+    if (event.state === 'running' && old?.state !== 'running' && event.kind === 'predict') this.solve.begin(event.id);
     const ended = event.state !== 'queued' && event.state !== 'running';
     if (!old || ended) {
       void this.try_(async () => {

@@ -2,6 +2,7 @@ import { withoutKeyframe, withoutLandmark, withoutPlane } from '../model';
 import type { App } from './app';
 import type { Presenter } from './present';
 import { STEPS } from './state';
+import { setPaintRadius } from './steps/boundary_section';
 import { closeCurve } from './steps/osteotomy_panel';
 
 /** Keys that mean the same wherever the focus is, but for fields where they are typed. */
@@ -35,6 +36,10 @@ export function listenToKeys(app: App, view: Presenter): void {
       else if (s.step === 'movement' && doc.plan.segments[s.segment]) app.edit({ plan: withoutKeyframe(doc.plan, s.segment, s.keyframe) });
     } else if ((event.key === '[' || event.key === ']') && s.step === 'compare') {
       app.patch({ wipe: Math.min(1, Math.max(0, s.wipe + (event.key === '[' ? -0.05 : 0.05))) });
+    } else if ((event.key === '[' || event.key === ']') && s.step === 'tissue') {
+      setPaintRadius(app, s.paint_mm + (event.key === '[' ? -0.5 : 0.5));
+    } else if (event.key.toLowerCase() === 'e' && s.step === 'tissue' && s.tool === 'paint') {
+      app.patch({ paintLabel: s.paintLabel === 0 ? 1 : 0 });
     } else {
       const look = ({ f: 'front', r: 'right', l: 'left', b: 'below' } as const)[event.key.toLowerCase()];
       if (look) view.view.look(look);

@@ -1,12 +1,11 @@
-import { joinEdits, paintBall, repeat, revert, type LabelEdit, type Vec3 } from '../model';
+import { AppliedStrokes, joinEdits, paintBall, type LabelEdit, type Vec3 } from '../model';
 import type { App, Listeners } from './app';
 import { stageOf, type Doc } from './state';
 
 /** Labels of the voxels, and strokes of the brush on them, which undo takes back. */
 export class LabelBrush {
   private stroke: LabelEdit | null = null;
-  /** Strokes that the labels at hand have. */
-  private appliedStrokes: readonly LabelEdit[] = [];
+  private readonly strokes = new AppliedStrokes();
   /** The anatomy that they are of. */
   private labelsOf: string | null = null;
 
@@ -24,7 +23,7 @@ export class LabelBrush {
       const [about, data] = await Promise.all([this.app.client.labels(), this.app.client.labelsData()]);
       model.labels = data.value;
       model.labelsEtag = data.etag;
-      this.appliedStrokes = [];
+      this.strokes.are([]);
       const bare = (doc: Doc): Doc => ({ ...doc, strokes: [] });
       const { past, present, future } = model.history.value;
       model.history.set({ past: past.map(bare), present: bare(present), future: future.map(bare), gesture: null });
@@ -45,21 +44,15 @@ export class LabelBrush {
     }
     if (this.stroke && this.stroke.at.length > 0) {
       const strokes = [...model.doc.strokes, this.stroke];
-      this.appliedStrokes = strokes; // They are painted already.
+      this.strokes.are(strokes);
       this.app.edit({ strokes });
     }
     this.stroke = null;
   }
 
   apply(strokes: readonly LabelEdit[]): void {
-    const labels = this.app.model.labels;
-    if (!labels || strokes === this.appliedStrokes) return;
-    let common = 0;
-    while (common < strokes.length && strokes[common] === this.appliedStrokes[common]) common++;
-    for (const stroke of this.appliedStrokes.slice(common).reverse()) revert(labels, stroke);
-    for (const stroke of strokes.slice(common)) repeat(labels, stroke);
-    this.appliedStrokes = strokes;
-    this.listeners.onLabels();
+    const { labels } = this.app.model;
+    if (labels && this.strokes.apply(labels, strokes)) this.listeners.onLabels();
   }
 
   /** Keeps the painted labels and makes surfaces of them; the plan names them from now on. */

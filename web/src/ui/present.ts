@@ -2,10 +2,11 @@ import type { Depths } from '../api';
 import {
   BONE, cssOf, posedSectionOf, kindOf, length, scale, sectionOf, segmentColour, SKIN, sub, templateKind, unit, withLandmark,
   withPlane, withSegment, editPlane, IDENTITY, planeAt, cross, dot,
-  type DrawnSurface, type Hit, type Move, type Plane, type Vec3,
+  type DrawnSurface, type Hit, type Move, type Plane, type Rgb, type Vec3,
 } from '../model';
 import { PATIENT_AXES, planeAxes, SliceView, View3d, type GizmoDrag, type Marker, type Phase, type PlaneMark, type SliceLines } from '../scene';
 import { templateKey, type App, type Listeners } from './app';
+import { BoundaryView } from './boundary_view';
 import { CompareView } from './compare_view';
 import { soon } from './soon';
 import { stageOf, type State } from './state';
@@ -14,11 +15,15 @@ import { LABEL_TINTS } from './steps/anatomy_panel';
 /** Depth of overlap that is drawn in the strongest colour [mm]. */
 const DEPTH_TOP_MM = 2;
 
+/** How often slices follow a bone that is dragged: three pictures of the scan take as long as one of the bones. */
+const SLICES_EVERY_MS = 100;
+
 /** Draws what the app knows, and tells the app what the hand does in the views. */
 export class Presenter implements Listeners {
   readonly view: View3d;
   readonly slices: readonly SliceView[];
   compare!: CompareView;
+  private boundary!: BoundaryView;
   private app!: App;
   private depths: Depths | null = null;
   private previewOn = false;
@@ -32,6 +37,7 @@ export class Presenter implements Listeners {
   private previewKey = '';
   private previewTimer = 0;
   private depthKey = '';
+  private slicesDrawnAt = 0;
 
   constructor() {
     this.view = new View3d({
@@ -39,6 +45,8 @@ export class Presenter implements Listeners {
       onGizmo: (drag, phase) => this.onGizmo(drag, phase),
       isPlacing: () => ['landmark', 'plane', 'curve', 'pivot'].includes(this.app.model.s.tool),
       onPick: (hit) => this.onPick(hit),
+      isPainting: () => this.app.model.s.tool === 'paint',
+      onPaint: (at, phase) => this.onBrush(at, phase),
       onMarkerDrag: (id, hit, phase) => this.onMarkerDrag(id, hit.point, phase === 'end' ? 'end' : 'move'),
       onMarkerSelect: (id) => this.onMarkerSelect(id),
       onWipe: (share) => this.app.patch({ wipe: share }),
@@ -66,6 +74,7 @@ export class Presenter implements Listeners {
   attach(app: App): void {
     this.app = app;
     this.compare = new CompareView(this.view, app);
+    this.boundary = new BoundaryView(this.view, app);
     app.model.state.subscribe((state, before) => this.onState(state, before));
     app.model.history.subscribe(() => this.present());
   }
@@ -105,6 +114,12 @@ export class Presenter implements Listeners {
     this.present();
   }
 
+  onPaint(): void {
+    // With the next picture: several dabs come before one.
+    this.view.beforePicture = () => this.boundary.present(this.app.model.s);
+    this.view.render();
+  }
+
   // From state to pictures
 
   private onState(state: State, before: State): void {
@@ -114,7 +129,7 @@ export class Presenter implements Listeners {
     if (state.window !== before.window || state.cursor_L !== before.cursor_L || state.thresholdOn !== before.thresholdOn || state.bone_hu !== before.bone_hu || state.volume !== before.volume)
       for (const slice of this.slices) slice.set({ window: state.window, cursor_L: state.cursor_L, threshold_hu });
     // Only these concern the picture; job progress and numbers do not.
-    const keys = ['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm', 'landmark', 'segment', 'plane', 'curveDraft', 'templatePlanes',
+    const keys = ['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm', 'boundary', 'paintOn', 'paint_mm', 'paintLabel', 'landmark', 'segment', 'plane', 'curveDraft', 'templatePlanes',
       'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint', 'showBones', 'wipe'] as const;
     if (keys.some((key) => state[key] !== before[key])) this.present();
   }
@@ -150,7 +165,7 @@ export class Presenter implements Listeners {
     else if (cut && (moving || (step === 'osteotomy' && stageOf(s, 'cut').state === 'fresh'))) bodies = ['remainder', ...segments, ...face];
     else bodies = ['skull', ...face];
     const opacityOfSkin: Record<string, number> = {
-      case: 1, anatomy: s.skinOpacity, osteotomy: 0, tissue: 0.35,
+      case: 1, anatomy: s.skinOpacity, osteotomy: 0, tissue: s.tool !== 'paint' ? 0.35 : s.paintOn === 'skin' ? 1 : 0,
       landmarks: s.landmark && kindOf(s.landmark)?.on === 'skin' ? 1 : 0.0,
       movement: s.showPreview && s.preview.state === 'shown' ? 0.45 : 0,
       predict: s.showPreview ? 1 : 0.45,
@@ -160,14 +175,14 @@ export class Presenter implements Listeners {
     // What a closed skin hides need not be drawn.
     if (view.body('skin') && bodies.includes('skin') && opacityOfSkin[step] === 1) bodies = ['skin'];
     view.show(bodies);
-    view.pickable = (name) => (step === 'landmarks' && s.landmark && kindOf(s.landmark)?.on === 'bone' ? name === 'skull' : step === 'osteotomy' || step === 'movement' ? name !== 'skin' : true);
+    view.pickable = (name) => (step === 'landmarks' && s.landmark && kindOf(s.landmark)?.on === 'bone' ? name === 'skull' : step === 'osteotomy' || step === 'movement' ? name !== 'skin' : step === 'tissue' ? this.boundary.isPaintable(s, name) : true);
 
     // Where the segments are
     const poses = this.app.poses();
     doc.plan.segments.forEach((segment, index) => {
       const name = `segments/${segment.name}`;
       if (!view.body(name)) return;
-      const pose = step === 'compare' ? this.compare.poseOf(s, index) : moving ? (poses[segment.name] ?? IDENTITY) : IDENTITY;
+      const pose = step === 'compare' ? this.compare.poseOf(s, index) : moving && step !== 'tissue' ? (poses[segment.name] ?? IDENTITY) : IDENTITY;
       view.setPose(name, pose);
     });
     if (moving && step !== 'tissue') {
@@ -189,6 +204,9 @@ export class Presenter implements Listeners {
       this.previewKey = '';
     }
     this.paintDepths();
+    this.boundary.present(s);
+    view.brush_mm = s.paint_mm;
+    view.brushColour = cssOf((s.boundary?.names.find((x) => x.value === s.paintLabel)?.colour as unknown as Rgb | undefined) ?? BONE);
 
     // Marks
     view.markers = this.markers(s);
@@ -209,7 +227,10 @@ export class Presenter implements Listeners {
       if (!view.gizmo.isDragging) view.gizmo.axes = planeAxes(plane.towards_segment);
     } else view.gizmo.at_L = null;
 
-    // Slices
+    // Slices: where bone is dragged they follow it, but not with every picture.
+    const now = performance.now();
+    const drawsSlices = step !== 'movement' || !view.gizmo.isDragging || now - this.slicesDrawnAt > SLICES_EVERY_MS;
+    if (drawsSlices) this.slicesDrawnAt = now;
     for (const slice of this.slices) {
       slice.tool = s.tool === 'brush' ? 'brush' : s.tool === 'landmark' ? 'place' : 'none';
       slice.brush_mm = s.brush_mm;
@@ -217,8 +238,7 @@ export class Presenter implements Listeners {
       slice.markers = step === 'landmarks'
         ? doc.landmarks.map((l) => ({ id: l.name, position: l.position_mm, label: l.name, colour: l.name === s.landmark ? '#f2b84b' : '#3fb2c8', selected: l.name === s.landmark }))
         : [];
-      // A segment that is dragged leaves no trace on the scan.
-      if (step !== 'movement' || !view.gizmo.isDragging) slice.draw();
+      if (drawsSlices) slice.draw();
     }
     this.compare.present(s);
     view.refreshMarkers();
@@ -337,6 +357,13 @@ export class Presenter implements Listeners {
       this.moveAtStart = this.planeAtStart = null;
       this.present();
     }
+  }
+
+  private onBrush(at: { hit: Hit; body: string } | null, phase: Phase): void {
+    const { boundaryBrush } = this.app;
+    const surface = at && this.view.body(at.body)?.surface;
+    if (at && surface) boundaryBrush.dab(at.hit, surface);
+    if (phase === 'end') boundaryBrush.endStroke();
   }
 
   private onPick(hit: Hit): void {

@@ -121,7 +121,8 @@ const KEYS: [string, string][] = [
   ['F, R, L, B', 'Look from the front, the right, the left, below'],
   ['↑ ↓, PgUp PgDn', 'Slices, when one has the focus'],
   ['↑ ↓ in a number', 'One step; with Shift ten'],
-  ['[ and ]', 'Shift the border between before and after'],
+  ['[ and ]', 'Shift the border between before and after; the radius of the brush on the boundary'],
+  ['E', 'Rub out what is painted on the boundary, and back'],
   ['Delete', 'Remove the chosen landmark, plane or keyframe'],
   ['Enter, Escape', 'Close the curve; leave a tool'],
   ['?', 'This list'],
@@ -130,7 +131,7 @@ const KEYS: [string, string][] = [
 function dialogs(app: App, s: State): Part {
   if (s.conflict)
     return html`<div class="scrim"><div class="dialog" role="alertdialog" aria-modal="true" aria-labelledby="conflict-title" data-id="conflict">
-      <h2 id="conflict-title">Another page changed the ${s.conflict} first</h2>
+      <h2 id="conflict-title">Another page changed ${{ plan: 'the plan', landmarks: 'the landmarks', boundary: 'what is painted' }[s.conflict]} first</h2>
       <p>This page has changes that are not saved. Only one of the two can stay; the other can be had back with undo here.</p>
       <div class="row">${button('Take theirs', () => void app.resolveConflict('theirs'), { id: 'take-theirs' })}${button('Keep mine', () => void app.resolveConflict('mine'), { kind: 'primary', id: 'keep-mine' })}</div></div></div>`;
   if (s.help)

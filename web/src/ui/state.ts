@@ -23,6 +23,8 @@ export interface Doc {
   readonly landmarks: readonly Landmark[];
   /** Strokes of the label brush since the labels were read. */
   readonly strokes: readonly LabelEdit[];
+  /** Strokes on the tissue's boundary since it was read. */
+  readonly paint: readonly LabelEdit[];
 }
 
 export interface Volume {
@@ -40,7 +42,7 @@ export interface Toast {
 /** One of Newton's iterations, as it comes in. */
 export type NewtonPoint = Schemas['NewtonIterate'];
 
-export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush';
+export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush' | 'paint';
 
 export interface State {
   connection: 'connecting' | 'on' | 'lost';
@@ -52,7 +54,7 @@ export interface State {
   upload: { name: string; share: number } | null;
   saving: 'saved' | 'saving' | 'unsaved' | 'error';
   saveError: string | null;
-  conflict: 'plan' | 'landmarks' | null;
+  conflict: 'plan' | 'landmarks' | 'boundary' | null;
   canPredict: boolean;
 
   volume: Volume | null;
@@ -69,6 +71,14 @@ export interface State {
   brush_mm: number;
   thresholdOn: boolean;
   bone_hu: number;
+
+  boundary: Schemas['Boundary'] | null;
+  /** What the brush paints on the boundary; 0 rubs out. */
+  paintLabel: number;
+  paint_mm: number;
+  paintOn: 'bone' | 'skin';
+  /** mm² of bone and skin by label; null until known. */
+  paintedAreas: readonly number[] | null;
 
   tool: Tool;
   landmark: string | null;
@@ -142,6 +152,11 @@ export const initialState = (): State => ({
   brush_mm: 3,
   thresholdOn: false,
   bone_hu: 226,
+  boundary: null,
+  paintLabel: 1,
+  paint_mm: 4,
+  paintOn: 'bone',
+  paintedAreas: null,
   tool: 'none',
   landmark: null,
   measurements: null,
@@ -181,7 +196,7 @@ export const initialState = (): State => ({
   theme: 'system',
 });
 
-export const emptyDoc = (): Doc => ({ plan: emptyPlan(), landmarks: [], strokes: [] });
+export const emptyDoc = (): Doc => ({ plan: emptyPlan(), landmarks: [], strokes: [], paint: [] });
 
 /** All that the page knows. Big arrays lie beside the state, since they never show as text. */
 export class Model {

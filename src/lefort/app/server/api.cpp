@@ -43,8 +43,9 @@ std::optional<PathValues> match(std::string_view pattern, std::string_view path)
 
 /// All groups of routes, in the order in which a case is worked on.
 constexpr std::span<const Route> (*kGroups[])() = {
-    case_routes, job_routes,      scan_routes,       surface_routes,    landmark_routes,
-    plan_routes, movement_routes, prediction_routes, comparison_routes, file_routes};
+    case_routes,       job_routes,        scan_routes, boundary_routes,
+    surface_routes,    landmark_routes,   plan_routes, movement_routes,
+    prediction_routes, comparison_routes, file_routes};
 
 }  // namespace
 

@@ -174,14 +174,15 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
     io::Sha256 sum;
     sum.add(cutting_part(plan_json).dump());
     for (const std::string& name : named_files(*text))
-      sum.add(name).add(fingerprint(root_ / name).value_or(""));
+      if (name != kBoundaryFile) sum.add(name).add(fingerprint(root_ / name).value_or(""));
     inputs["cut"] = sum.hex();
   }
-  if (stage == "preview")
-    inputs["tissue"] = io::Sha256()
-                           .add(member(plan_json, "tissue").dump())
-                           .add(member(plan_json, "boundary").dump())
-                           .hex();
+  if (stage == "preview") {
+    io::Sha256 sum;
+    sum.add(member(plan_json, "tissue").dump()).add(member(plan_json, "boundary").dump());
+    if (names_boundary(plan_json)) sum.add(fingerprint(boundary()).value_or(""));
+    inputs["tissue"] = sum.hex();
+  }
   return inputs;
 }
 
@@ -208,6 +209,7 @@ json CaseFolder::stage(std::string_view stage) const {
     if (stage == "anatomy") return anatomy() / "skin.vtp";
     if (stage == "landmarks") return landmarks();
     if (stage == "plan") return plan();
+    if (stage == "boundary") return boundary();
     if (stage == "cut") return cut() / "cut.json";
     if (stage == "check") return check() / "check.json";
     if (stage == "preview") return preview() / "preview.json";
@@ -219,7 +221,8 @@ json CaseFolder::stage(std::string_view stage) const {
   }();
   if (!there_is(document)) return state("missing", kNothing, std::nullopt);
   const auto tag = etag(document);
-  if (stage == "scan" || stage == "landmarks" || stage == "plan") return state("fresh", "", tag);
+  if (stage == "scan" || stage == "landmarks" || stage == "plan" || stage == "boundary")
+    return state("fresh", "", tag);
 
   const json remembered = read_object(root_ / "stages.json");
   if (const json& then = member(remembered, std::string(stage).c_str()); then.is_object()) {
@@ -239,16 +242,26 @@ json CaseFolder::stage(std::string_view stage) const {
   return state("fresh", "", tag);
 }
 
+bool names_boundary(const json& plan) {
+  return member(member(plan, "boundary"), "labels") == kBoundaryFile;
+}
+
 Result<void> check_files_of_plan(const std::string& text) {
-  const json plan = json::parse(text, nullptr, false);
+  json plan = json::parse(text, nullptr, false);
   if (!plan.is_object() || !member(plan, "segments").is_array())
     return fail(ErrorCode::kPlanInvalid, "the plan is no JSON object with segments");
   for (const json& segment : plan["segments"])
     if (!segment.is_object())
       return fail(ErrorCode::kPlanInvalid, "segments: what stands there is no object");
+  if (const json& labels = member(member(plan, "boundary"), "labels"); labels.is_string()) {
+    if (!names_boundary(plan))
+      return fail(ErrorCode::kPlanInvalid,
+                  fmt::format("boundary.labels: in a case it is {}", kBoundaryFile));
+    plan["boundary"].erase("labels");
+  }
   std::vector<std::string> names;
   try {
-    names = named_files(text);
+    names = named_files(plan.dump());
   } catch (const json::exception&) {
     return fail(ErrorCode::kPlanInvalid, "the plan breaks its schema");
   }

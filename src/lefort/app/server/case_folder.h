@@ -18,6 +18,9 @@
 
 namespace lefort::app::server {
 
+/// What a plan of a case calls the boundary that was painted.
+inline constexpr const char* kBoundaryFile = "boundary.seg.nrrd";
+
 /// A folder that no other server uses while this lives. Safe from many threads.
 class CaseFolder {
  public:
@@ -36,6 +39,8 @@ class CaseFolder {
   [[nodiscard]] std::filesystem::path labels() const { return anatomy() / "labels.seg.nrrd"; }
   [[nodiscard]] std::filesystem::path landmarks() const { return root_ / "landmarks.mrk.json"; }
   [[nodiscard]] std::filesystem::path plan() const { return root_ / "plan.json"; }
+  /// What was painted on the tissue's boundary; a plan names it so.
+  [[nodiscard]] std::filesystem::path boundary() const { return root_ / kBoundaryFile; }
   [[nodiscard]] std::filesystem::path cut() const { return root_ / "cut"; }
   [[nodiscard]] std::filesystem::path check() const { return root_ / "check"; }
   [[nodiscard]] std::filesystem::path preview() const { return root_ / "preview"; }
@@ -101,8 +106,12 @@ inline constexpr std::uintmax_t kLargestDocument = 256 << 20;
 [[nodiscard]] nlohmann::json read_object(const std::filesystem::path& file);
 
 /// The stages of a case, in order.
-inline constexpr const char* kStages[] = {"scan",  "anatomy", "landmarks",  "plan",      "cut",
-                                          "check", "preview", "prediction", "comparison"};
+inline constexpr const char* kStages[] = {"scan",       "anatomy",   "landmarks", "plan",
+                                          "boundary",   "cut",       "check",     "preview",
+                                          "prediction", "comparison"};
+
+/// Whether a plan, JSON that check_files_of_plan() has passed, names what was painted.
+[[nodiscard]] bool names_boundary(const nlohmann::json& plan);
 
 /// Nothing, or kPlanInvalid: whether a plan, JSON of an object, names no file but those a case has.
 [[nodiscard]] Result<void> check_files_of_plan(const std::string& text);

@@ -109,8 +109,17 @@ template <class Work>
 Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Work& work) {
   LEFORT_TRY_VOID(check_plan(folder));
   LEFORT_TRY_VOID(folder.forget_result(stage));
-  if (const auto inputs = folder.inputs_of(stage)) LEFORT_TRY_VOID(folder.remember(stage, *inputs));
-  return work();
+  auto inputs = folder.inputs_of(stage);
+  if (inputs) LEFORT_TRY_VOID(folder.remember(stage, *inputs));
+  Result<JobOutcome> outcome = work();
+  if (const auto now = folder.inputs_of(stage); inputs && now != inputs) {
+    // What was changed meanwhile may or may not have been read: it fits nothing, not even if it is
+    // changed back.
+    for (auto& [name, sha256] : *inputs)
+      if (!now || now->at(name) != sha256) sha256.clear();
+    LEFORT_TRY_VOID(folder.remember(stage, *inputs));
+  }
+  return outcome;
 }
 
 Result<JobOutcome> cut_job(const JobContext& context, const JobRecord&, Progress& progress) {
@@ -169,24 +178,28 @@ json iterate_json(const predict::PredictionIterate& at, int steps) {
       {"deepest_mm", at.deepest_mm}};
 }
 
-void tell_step(EventLog& events, int job, const predict::PredictionStep& step, int steps) {
-  events.publish("step", {{"job", job},
-                          {"step", step_of(step.share, steps)},
-                          {"steps", steps},
-                          {"share", step.share},
-                          {"newton_iterations", step.newton_iterations()},
-                          {"relative_residual", step.relative_residual},
-                          {"contact_nodes", step.contact().nodes},
-                          {"p99_depth_mm", step.contact().p99_depth_from_rest_mm},
-                          {"max_depth_mm", step.contact().max_depth_from_rest_mm}});
+json step_json(int job, const predict::PredictionStep& step, int steps) {
+  return {{"job", job},
+          {"step", step_of(step.share, steps)},
+          {"steps", steps},
+          {"share", step.share},
+          {"newton_iterations", step.newton_iterations()},
+          {"relative_residual", step.relative_residual},
+          {"contact_nodes", step.contact().nodes},
+          {"p99_depth_mm", step.contact().p99_depth_from_rest_mm},
+          {"max_depth_mm", step.contact().max_depth_from_rest_mm}};
 }
 
 Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
                                Progress& progress) {
   CaseFolder& folder = context.folder;
   return as_stage(folder, "prediction", [&]() -> Result<JobOutcome> {
+    context.history.begin(job.id);
+    // First into the history: who hears of something finds it there.
     IterateBatches iterates([&](json batch) {
-      context.events.publish("newton", {{"job", job.id}, {"iterates", std::move(batch)}});
+      const std::size_t from = context.history.add_iterates(batch);
+      context.events.publish("newton",
+                             {{"job", job.id}, {"from", from}, {"iterates", std::move(batch)}});
     });
     PredictJob predict{.plan = folder.plan(),
                        .ct = folder.ct(),
@@ -195,7 +208,9 @@ Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
                        .on_step =
                            [&](const predict::PredictionStep& step, int steps) {
                              iterates.flush();
-                             tell_step(context.events, job.id, step, steps);
+                             const json told = step_json(job.id, step, steps);
+                             context.history.add_step(told);
+                             context.events.publish("step", told);
                            },
                        .on_iterate = [&](const predict::PredictionIterate& at,
                                          int steps) { iterates.add(iterate_json(at, steps)); }};

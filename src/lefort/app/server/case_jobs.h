@@ -6,6 +6,7 @@
 #include <lefort/app/server/case_folder.h>
 #include <lefort/app/server/event_log.h>
 #include <lefort/app/server/jobs.h>
+#include <lefort/app/server/solve_history.h>
 #include <lefort/app/server/uploads.h>
 
 #include <filesystem>
@@ -20,6 +21,7 @@ struct JobContext {
   CaseFolder& folder;
   Uploads& uploads;
   EventLog& events;
+  SolveHistory& history;
   std::optional<std::filesystem::path> example;  ///< The scan that an import of it reads.
 };
 

@@ -1,6 +1,8 @@
 #include <lefort/app/server/connection.h>
 #include <lefort/app/server/http_server.h>
+#include <lefort/app/server/judge_request.h>
 #include <lefort/app/server/page.h>
+#include <lefort/app/server/workers.h>
 #include <lefort/core/check.h>
 
 #include <arpa/inet.h>
@@ -10,24 +12,16 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <condition_variable>
-#include <deque>
 #include <fstream>
-#include <list>
-#include <mutex>
 #include <optional>
-#include <set>
-#include <thread>
 #include <utility>
 #include <vector>
 
 namespace lefort::app::server {
 namespace {
 
-constexpr std::size_t kLongestPath = 1024;  // Characters.
-constexpr std::size_t kPiece = 256 << 10;   // Bytes of a reply written at a time.
+constexpr std::size_t kPiece = 256 << 10;  // Bytes of a reply written at a time.
 constexpr std::size_t kRequestsPerConnection = 1000;
 constexpr auto kHeartbeat = std::chrono::seconds(15);   // As the contract says.
 constexpr auto kLook = std::chrono::milliseconds(500);  // How often a listener is looked after.
@@ -37,117 +31,8 @@ constexpr const char* kContentSecurityPolicy =
     "data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
 
-/// Takes as long for any two texts of one length.
-bool is_equal_in_constant_time(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  volatile unsigned difference = 0;
-  for (std::size_t k = 0; k < a.size(); ++k)
-    difference = difference | (static_cast<unsigned char>(a[k]) ^ static_cast<unsigned char>(b[k]));
-  return difference == 0;
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
-}
-
 /// The connection that the present thread serves.
 thread_local Connection* current = nullptr;
-/// Whether the present thread sends connections away.
-thread_local bool sends_away = false;
-
-/// Threads for connections. Those that wait for one are ended when there are too many; one that
-/// holds a thread without asking makes room.
-class Workers final : public httplib::TaskQueue {
- public:
-  explicit Workers(const HttpLimits& limits) : limits_(limits) {
-    for (int n = 0; n < limits.threads; ++n) threads_.emplace_back([this] { work(); });
-    usher_ = std::thread([this] { usher(); });
-  }
-
-  void enqueue(std::function<void()> task) override {
-    {
-      const std::scoped_lock lock(mutex_);
-      if (tasks_.size() < std::size_t(limits_.waiting)) {
-        tasks_.push_back(std::move(task));
-        task = nullptr;
-      }
-    }
-    if (task) {  // No room: a word and good-bye, on the thread that accepts.
-      sends_away = true;
-      task();
-      sends_away = false;
-      return;
-    }
-    wake_.notify_one();
-    wake_usher_.notify_one();
-  }
-
-  void shutdown() override {
-    {
-      const std::scoped_lock lock(mutex_);
-      is_ending_ = true;
-      for (const Connection* connection : connections_) connection->abort();
-    }
-    wake_.notify_all();
-    wake_usher_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
-    usher_.join();
-  }
-
-  void enter(const Connection* connection) {
-    const std::scoped_lock lock(mutex_);
-    connections_.insert(connection);
-    if (is_ending_) connection->abort();
-  }
-  void leave(const Connection* connection) {
-    const std::scoped_lock lock(mutex_);
-    connections_.erase(connection);
-  }
-
- private:
-  void work() {
-    std::unique_lock lock(mutex_);
-    while (true) {
-      ++idle_;
-      wake_.wait(lock, [&] { return is_ending_ || !tasks_.empty(); });
-      --idle_;
-      if (tasks_.empty()) return;
-      const std::function<void()> task = std::move(tasks_.front());
-      tasks_.pop_front();
-      sends_away = is_ending_;
-      lock.unlock();
-      task();
-      lock.lock();
-    }
-  }
-
-  /// Ends who is slow while others wait.
-  void usher() {
-    std::unique_lock lock(mutex_);
-    while (!is_ending_) {
-      if (tasks_.empty() || idle_ > 0) {
-        wake_usher_.wait(lock, [&] { return is_ending_ || (!tasks_.empty() && idle_ == 0); });
-        continue;
-      }
-      const auto too_long_ago = Connection::Clock::now() - limits_.patience;
-      for (const Connection* connection : connections_)
-        if (connection->is_waiting() && connection->since() < too_long_ago) connection->abort();
-      wake_usher_.wait_for(lock, limits_.patience);
-    }
-  }
-
-  const HttpLimits& limits_;
-  std::mutex mutex_;
-  std::condition_variable wake_, wake_usher_;
-  std::deque<std::function<void()>> tasks_;
-  std::set<const Connection*> connections_;
-  int idle_ = 0;
-  bool is_ending_ = false;
-  std::vector<std::thread> threads_;
-  std::thread usher_;
-};
 
 /// httplib's server over our connections: it parses and formats, we decide who is heard how long.
 class LimitedServer final : public httplib::Server {
@@ -164,7 +49,7 @@ class LimitedServer final : public httplib::Server {
 
  private:
   bool process_and_close_socket(socket_t socket) override {
-    if (sends_away) {
+    if (Workers::sends_away()) {
       constexpr std::string_view kBusy =
           "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 1\r\n"
           "Connection: close\r\n\r\n";
@@ -209,17 +94,18 @@ Request as_request(const httplib::Request& from) {
 
 struct HttpServer::Parts {
   Parts(Api& api_of, HttpOptions options_of)
-      : api(api_of), options(std::move(options_of)), server(options.limits) {}
+      : api(api_of),
+        options(std::move(options_of)),
+        server(options.limits),
+        ours{.hosts = {}, .origins = {}, .token = options.token} {}
 
   Api& api;
   HttpOptions options;
   LimitedServer server;
   int port = 0;
-  std::set<std::string> hosts, origins;  ///< That are ours.
+  Credentials ours;
   std::atomic<int> listeners = 0;
 
-  /// Why a request is not heard, or nothing.
-  [[nodiscard]] std::optional<Reply> judge(const httplib::Request& request) const;
   void look_at(httplib::Request& request);
   void answer(const httplib::Request& request, httplib::Response& response, Reply reply);
   void answer_events(httplib::Response& response, const std::string& last_id);
@@ -237,63 +123,18 @@ bool is_loopback(const std::string& host) {
 }
 
 std::string in_address(const std::string& host) {
-  return host.find(':') == std::string::npos ? host : "[" + host + "]";
-}
-
-std::optional<Reply> HttpServer::Parts::judge(const httplib::Request& request) const {
-  const auto count = [&](const char* name) { return request.get_header_value_count(name); };
-  if (request.path.size() > kLongestPath || request.target.size() > 4 * kLongestPath)
-    return refusal(414, "bad_request", "the path is too long", "path");
-  if (count("Host") != 1 || !hosts.contains(lower_case(request.get_header_value("Host"))))
-    return refusal(421, "foreign", "this server is not called so", "Host");
-  if (count("Origin") > 1 ||
-      (count("Origin") == 1 && !origins.contains(lower_case(request.get_header_value("Origin")))))
-    return refusal(403, "foreign", "only this server's own page may ask", "Origin");
-  const std::string site = request.get_header_value("Sec-Fetch-Site");
-  const bool is_api = request.path.starts_with(kApiPrefix);
-  if (is_api && !site.empty() && site != "same-origin" && site != "none")
-    return refusal(403, "foreign", "only this server's own page may ask", "Sec-Fetch-Site");
-  if (is_api &&
-      (count("X-Lefort-Token") != 1 ||
-       !is_equal_in_constant_time(request.get_header_value("X-Lefort-Token"), options.token)))
-    return refusal(401, "no_token",
-                   "the token is missing or wrong: open the address that lefort serve has printed",
-                   "X-Lefort-Token");
-  if (count("Transfer-Encoding") > 0)
-    return refusal(411, "length_required", "bodies need a Content-Length", "Transfer-Encoding");
-  if (count("Content-Encoding") > 0)
-    return refusal(415, "wrong_type", "bodies must not be encoded", "Content-Encoding");
-  const std::string length = request.get_header_value("Content-Length");
-  const bool is_number = !length.empty() && length.size() <= 15 &&
-                         length.find_first_not_of("0123456789") == std::string::npos;
-  if (count("Content-Length") > 1 || (count("Content-Length") == 1 && !is_number))
-    return refusal(400, "bad_request", "the length of the body is no number", "Content-Length");
-  const bool has_body = request.method == "POST" || request.method == "PUT";
-  if (!has_body && is_number && length != "0")
-    return refusal(400, "bad_request", "a request of this kind has no body", "Content-Length");
-  if (has_body && !is_number && request.method == "PUT")
-    return refusal(411, "length_required", "bodies need a Content-Length", "Content-Length");
-  if (has_body && !is_number && request.path != "/api/v1/uploads")
-    return refusal(411, "length_required", "bodies need a Content-Length", "Content-Length");
-  if (request.method != "GET" && request.method != "HEAD" && request.method != "DELETE" &&
-      !has_body)
-    return refusal(405, "not_allowed", "this server knows GET, PUT, POST and DELETE", "method");
-  if (!is_api && has_body)
-    return refusal(405, "not_allowed", "there is nothing to change here", "method");
-  if (is_number && length.size() > 12)
-    return refusal(413, "too_large", "the body is too large", "Content-Length");
-  return std::nullopt;
+  return host.find(':') == std::string::npos ? host : fmt::format("[{}]", host);
 }
 
 /// Decides before anything is read of the body, and disarms what httplib would do of its own.
 void HttpServer::Parts::look_at(httplib::Request& request) {
-  decided = judge(request);
+  decided = judge_request(request, ours);
   request.ranges.clear();
   request.headers.erase("Accept-Encoding");  // Nothing is compressed on the way to oneself.
   if (decided) {
     request.headers.erase("Expect");
-    request.path = "/";  // What is refused is not matched with anything.
-    request.target = "/";
+    request.path.assign(1, '/');  // What is refused is not matched with anything.
+    request.target = request.path;
     current->must_close = true;
     request.headers.erase("Connection");
     request.headers.emplace("Connection", "close");
@@ -490,8 +331,8 @@ Result<int> HttpServer::bind() {
   std::vector<std::string> names{"127.0.0.1", "localhost", "[::1]"};
   if (!is_loopback(options.host)) names.push_back(lower_case(in_address(options.host)));
   for (const std::string& name : names) {
-    parts.hosts.insert(fmt::format("{}:{}", name, parts.port));
-    parts.origins.insert(fmt::format("http://{}:{}", name, parts.port));
+    parts.ours.hosts.insert(fmt::format("{}:{}", name, parts.port));
+    parts.ours.origins.insert(fmt::format("http://{}:{}", name, parts.port));
   }
   return parts.port;
 }

@@ -56,6 +56,12 @@ Reply get_job(ServedCase& served, const Request&, const PathValues& values) {
   return job ? json_reply(as_json(*job)) : not_there("there is no such job");
 }
 
+Reply get_job_iterates(ServedCase& served, const Request&, const PathValues& values) {
+  const auto id = number_of(values[0], 1, 1'000'000'000);
+  const auto history = id ? served.solve_history.of(*id) : std::nullopt;
+  return history ? json_reply(*history) : not_there("that job is not this server's last solve");
+}
+
 Reply delete_job(ServedCase& served, const Request&, const PathValues& values) {
   const auto id = number_of(values[0], 1, 1'000'000'000);
   const auto job = id ? served.jobs.cancel(*id) : std::nullopt;
@@ -79,6 +85,7 @@ std::span<const Route> job_routes() {
                                       {"POST", "/jobs", post_job},
                                       {"GET", "/jobs/{job}", get_job},
                                       {"DELETE", "/jobs/{job}", delete_job},
+                                      {"GET", "/jobs/{job}/iterates", get_job_iterates},
                                       {"GET", "/events", get_events}};
   return kRoutes;
 }

@@ -84,6 +84,7 @@ class Jobs::Listener final : public Progress {
       job.stage = name;
       job.fraction = 0.0;
     });
+    told_ = {};  // How far the stage is at its beginning is news.
   }
   void report(double fraction) override {
     const auto now = Clock::now();

@@ -15,6 +15,7 @@ const NamedFile kFiles[] = {
     {"skin.vtp", "anatomy", LEFORT_IN(anatomy, "skin.vtp")},
     {"landmarks.mrk.json", "landmarks", [](const CaseFolder& c) { return c.landmarks(); }},
     {"plan.json", "plan", [](const CaseFolder& c) { return c.plan(); }},
+    {kBoundaryFile, "boundary", [](const CaseFolder& c) { return c.boundary(); }},
     {"check.json", "check", LEFORT_IN(check, "check.json")},
     {"cephalometry.csv", "check", LEFORT_IN(check, "cephalometry.csv")},
     {"landmarks_after.mrk.json", "check", LEFORT_IN(check, "landmarks_after.mrk.json")},

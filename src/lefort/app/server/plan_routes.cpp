@@ -31,6 +31,8 @@ Reply put_plan(ServedCase& served, const Request& request, const PathValues&) {
   const auto plan = io::parse_plan(body.text, served.folder.root());
   if (!plan) return refusal(422, "invalid", plan.error().message, "plan");
   const std::scoped_lock lock(served.writing);
+  if (names_boundary(*body.value) && !there_is(served.folder.boundary()))
+    return refusal(422, "invalid", "boundary.labels: nothing was painted yet", "plan");
   if (auto refused = check_precondition(request, served.folder.etag(served.folder.plan())))
     return *refused;
   if (const auto written = io::write_text(served.folder.plan(), body.text); !written)

@@ -25,6 +25,7 @@ struct Route {
 [[nodiscard]] std::span<const Route> case_routes();        ///< What there is, and how it stands.
 [[nodiscard]] std::span<const Route> job_routes();         ///< Uploads, jobs, events.
 [[nodiscard]] std::span<const Route> scan_routes();        ///< Voxels and their labels.
+[[nodiscard]] std::span<const Route> boundary_routes();    ///< What is painted on the tissue.
 [[nodiscard]] std::span<const Route> surface_routes();     ///< Skin, skull, bones as cut.
 [[nodiscard]] std::span<const Route> landmark_routes();    ///< Landmarks and what they measure.
 [[nodiscard]] std::span<const Route> plan_routes();        ///< The plan, its path, templates.

@@ -4,6 +4,7 @@
 #include <lefort/io/import_volume.h>
 
 #include <utility>
+#include <vector>
 
 namespace lefort::app::server {
 namespace {
@@ -29,7 +30,8 @@ ServedCase::ServedCase(CaseFolder folder_of, std::optional<fs::path> example_of,
       jobs(
           folder.jobs(), events,
           [this](const JobRecord& job, Progress& progress) {
-            auto outcome = run_job({folder, uploads, events, example}, job, progress);
+            auto outcome =
+                run_job({folder, uploads, events, solve_history, example}, job, progress);
             if (outcome && job.kind == "preview-factor") warm_preview();
             return outcome;
           },
@@ -82,7 +84,8 @@ void ServedCase::warm_preview() {
   RigidTransform little = RigidTransform::Identity();
   little.translation().y() = -1.0;
   // What is wrong with it, if anything, the first who asks is told.
-  if (const auto face = preview()) static_cast<void>((*face)->displacement_mm(little));
+  if (const auto face = preview())
+    static_cast<void>((*face)->displacement_mm(std::vector((*face)->segment_count(), little)));
 }
 
 }  // namespace lefort::app::server

@@ -7,6 +7,7 @@
 #include <lefort/app/server/jobs.h>
 #include <lefort/app/server/kept.h>
 #include <lefort/app/server/live_bones.h>
+#include <lefort/app/server/solve_history.h>
 #include <lefort/app/server/uploads.h>
 #include <lefort/app/step_skin.h>
 #include <lefort/image/volume.h>
@@ -34,6 +35,7 @@ struct ServedCase {
   Uploads uploads;
   const std::optional<std::filesystem::path> example;
   EventLog events;
+  SolveHistory solve_history;
   std::mutex writing;  ///< One page's change at a time.
   Kept<image::CtVolume> kept_volume;
   Kept<LiveBones> kept_bones;

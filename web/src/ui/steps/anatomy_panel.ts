@@ -6,7 +6,7 @@ import { button, chip, empty, hint, notice, section, slider, toggle, type Part }
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
 
 export const LABEL_TINTS: readonly (readonly [number, number, number] | null)[] = [
-  null, [242, 184, 75], [224, 128, 110], [90, 180, 224], [167, 139, 230], [96, 190, 140],
+  null, [242, 184, 75], [224, 128, 110], [90, 180, 224], [167, 139, 230], [96, 190, 140], [214, 140, 40], [196, 48, 96],
 ];
 
 const percent = (value: number): string => `${Math.round(value * 100)} %`;

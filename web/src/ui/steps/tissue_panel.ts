@@ -4,12 +4,11 @@ import type { App } from '../app';
 import { numberField } from '../number_field';
 import { hint, section, segmented, select, type Part } from '../parts';
 import type { State } from '../state';
+import { boundarySection } from './boundary_section';
+import { layersSection } from './layers_section';
+import { MATERIALS, OWN_MATERIAL, ownConstants, type Preset } from './material_field';
 
-/** Presets and their sources, as docs/materials.md has them. */
-const MATERIALS = [
-  { value: 'face-compressible', title: 'Face, compressible', constants: 'E 15 kPa, ν 0.45', source: 'E: Nazari et al. 2010, as in ArtiSynth’s face demo. ν lowered by lefort, so that linear elements lock less. The default.' },
-  { value: 'face-nazari-2010', title: 'Face, Nazari 2010', constants: 'E 15 kPa, ν 0.49', source: 'E and ν of the whole-face model of Nazari et al. 2010, as in ArtiSynth’s face demo.' },
-] as const;
+const INSIDE: readonly Preset[] = ['face-compressible', 'face-nazari-2010'];
 
 const SIZES = [
   { value: 'coarse', text: 'Coarse', near: 3.5, far: 7 },
@@ -17,7 +16,7 @@ const SIZES = [
   { value: 'fine', text: 'Fine', near: 1.8, far: 4 },
 ] as const;
 
-export function tissuePanel(app: App, _s: State): Part {
+export function tissuePanel(app: App, s: State): Part {
   const { plan } = app.model.doc;
   const set = (part: Partial<Plan>, gesture: string | null = null) => app.edit({ plan: { ...plan, ...part } }, gesture);
   const { tissue = {}, boundary = {}, contact = {}, solver = {}, field = {} } = plan;
@@ -29,19 +28,19 @@ export function tissuePanel(app: App, _s: State): Part {
     <h2>Tissue &amp; solver</h2>
     ${hint('With the bone’s motion given, a uniform tissue’s shape depends on how compressible it is (ν) and not on its stiffness.')}
     ${section('Material',
-      MATERIALS.map((m) => html`<button type="button" class="choice" aria-pressed=${String(material === m.value)} @click=${() => set({ tissue: { ...tissue, material: m.value } })}>
-        <strong>${m.title}<span>${m.constants}</span></strong><small>${m.source}</small></button>`),
-      html`<button type="button" class="choice" aria-pressed=${String(own !== null)} @click=${() => own || set({ tissue: { ...tissue, material: { law: 'neo-hookean', young_kpa: 15, poisson: 0.45 } } })}>
+      INSIDE.map((name) => html`<button type="button" class="choice" aria-pressed=${String(material === name)} @click=${() => set({ tissue: { ...tissue, material: name } })}>
+        <strong>${MATERIALS[name].title}<span>${MATERIALS[name].constants}</span></strong><small>${MATERIALS[name].source}</small></button>`),
+      html`<button type="button" class="choice" aria-pressed=${String(own !== null)} @click=${() => own || set({ tissue: { ...tissue, material: OWN_MATERIAL } })}>
         <strong>Constants of your own</strong><small>The same law, neo-Hookean. State where they come from.</small></button>`,
-      own ? html`<div class="numbers">
-        ${numberField({ label: 'Young’s modulus', value: own.young_kpa, unit: 'kPa', min: 0.01, max: 1e6, step: 1, onInput: (v) => set({ tissue: { ...tissue, material: { ...own, young_kpa: v } } }, 'young') })}
-        ${numberField({ label: 'Poisson’s ratio', value: own.poisson, unit: '', digits: 3, min: 0, max: 0.499, step: 0.01, onInput: (v) => set({ tissue: { ...tissue, material: { ...own, poisson: v } } }, 'poisson') })}</div>` : '')}
+      own ? ownConstants(own, 'tissue', (next, gesture) => set({ tissue: { ...tissue, material: next } }, gesture)) : '')}
+    ${layersSection(app)}
     ${section('Moved bone and its tissue',
       segmented('Tissue on the moved bone', [{ value: 'contact', text: 'Slides on it' }, { value: 'attached', text: 'Sticks to it' }] as const, boundary.moved_bone ?? 'contact', (v) => set({ boundary: { ...boundary, moved_bone: v } })),
       hint('Sliding finds contact and keeps tissue out of bone. Sticking is faster and pulls everything along.'),
       numberField({ label: 'Elevated nearby', hint: 'tissue on still bone let go near the cut', value: boundary.release_mm ?? 8, unit: 'mm', min: 0, max: 100, step: 1, onInput: (v) => set({ boundary: { ...boundary, release_mm: v } }, 'release') }))}
     ${section('Where the scan ends',
       segmented('Tissue at the edge of the scan', [{ value: 'free', text: 'Free' }, { value: 'fixed', text: 'Fixed' }] as const, boundary.scan_edge ?? 'free', (v) => set({ boundary: { ...boundary, scan_edge: v } })))}
+    ${boundarySection(app, s)}
     ${section('Resolution',
       segmented('Element size', SIZES.map((x) => ({ value: x.value, text: x.text, title: `${x.near} mm near the bone, ${x.far} mm at the rim` })), size?.value ?? null, (v) => {
         const chosen = SIZES.find((x) => x.value === v)!;
