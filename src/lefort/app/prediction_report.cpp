@@ -296,9 +296,8 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
       "Tissue outside the meshed region does not move, and where the scan ends tissue has no "
       "neighbour: near the scan\u2019s edge the prediction is not to be trusted.",
       prepared.model.still_bone
-          ? "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it "
-            "but "
-            "for what is painted free or to slide; only that which slides meets still bone."
+          ? "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it, "
+            "but not what is painted free or to slide; only what slides meets still bone."
           : "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it; "
             "tissue does not meet still bone anew.",
       "Not validated against post-operative scans."};

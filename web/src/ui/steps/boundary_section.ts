@@ -20,6 +20,7 @@ const SET_WORDS: Record<string, string> = {
 const DOES: Record<string, string> = {
   fixed: 'Held where it is',
   free: 'Held by nothing; moved bone may push it',
+  slides: 'Slides on still bone without entering it',
   'with segment': 'Goes with the moved bone, wherever it lies',
 };
 
@@ -58,7 +59,7 @@ export function boundarySection(app: App, s: State): Part {
           ${areas ? html`<td>${mm2(areas.painted.find((x) => x.name === name)?.mm2 ?? 0)}</td>` : nothing}</tr>`)}</tbody></table>`,
       html`<div class="row wrap">
         ${isPainted ? button('Rub out all', () => app.boundaryBrush.eraseAll(), { kind: 'quiet', id: 'paint-erase-all' }) : nothing}
-        ${button('Open a .seg.nrrd …', () => chooseFiles(false, ([file]) => file && void app.boundaryBrush.upload(file)), { kind: 'quiet', title: 'Painted in another program, with segments called fixed, free or with segment' })}
+        ${button('Open a .seg.nrrd …', () => chooseFiles(false, ([file]) => file && void app.boundaryBrush.upload(file)), { kind: 'quiet', title: 'Painted in another program, with segments called fixed, free, slides or with segment' })}
         ${isPainted ? button('Save it', () => void app.download('boundary.seg.nrrd'), { kind: 'quiet', icon: 'download' }) : nothing}</div>`,
       preview.state === 'stale' && stageOf(s, 'cut').state === 'fresh'
         ? notice('warning', 'The preview is out of date', preview.why, button('Prepare it anew', () => void app.run({ kind: 'preview-factor' }), { disabled: isBusyWith(s, 'preview-factor'), id: 'prepare-preview' }))
