@@ -30,7 +30,8 @@ ServedCase::ServedCase(CaseFolder folder_of, std::optional<fs::path> example_of,
       jobs(
           folder.jobs(), events,
           [this](const JobRecord& job, Progress& progress) {
-            auto outcome = run_job({folder, uploads, events, example}, job, progress);
+            auto outcome =
+                run_job({folder, uploads, events, solve_history, example}, job, progress);
             if (outcome && job.kind == "preview-factor") warm_preview();
             return outcome;
           },
