@@ -3,6 +3,7 @@
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -179,7 +180,13 @@ TEST_F(RealCase, AStepBeyondTheBandIsOneLineThatSaysHowManyStepsItTakes) {
 TEST_F(RealCase, AnInterruptEndsItCleanly) {
   std::error_code ignored;
   fs::remove_all(out(), ignored);
-  const auto run = predict(demo_plan(), "& pid=\\$!; sleep 4; kill -INT \\$pid; wait \\$pid", "");
+  // In the middle of its work, however long a busy machine takes to begin it.
+  const std::string begun = fmt::format("[ -d '{}' ]", (out() / "cache").string());
+  const auto run = predict(demo_plan(),
+                           "& pid=\\$!; until " + begun +
+                               " || ! kill -0 \\$pid; do sleep 0.1; done; sleep 3; "
+                               "kill -INT \\$pid; wait \\$pid",
+                           "");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.message_lines(), 1) << run.error;
   EXPECT_FALSE(fs::exists(out() / "prediction.json"));
