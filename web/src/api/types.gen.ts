@@ -870,8 +870,6 @@ export interface components {
         };
         PlanStored: {
             segments: string[];
-            /** @description Whether a prediction takes the plan. */
-            can_predict: boolean;
         };
         /** @description 4 by 4, row-major, rigid, from the bone as scanned to where it is [mm, LPS]. */
         Pose: number[];

@@ -260,7 +260,7 @@ export class App {
       }
       this.stored.plan = this.model.doc.plan;
       clearTimeout(this.saveTimer);
-      this.patch({ canPredict: plan.segments.length > 0, saving: 'saved', saveError: null });
+      this.patch({ saving: 'saved', saveError: null });
       await this.afterPlanSaved();
     } catch (error) {
       if (!isMissing(error)) this.toast(sentence(error), 'error');
@@ -367,7 +367,6 @@ export class App {
         const answer = await this.client.putPlan(this.keptPlan(), this.etags.plan);
         this.etags.plan = answer.etag;
         this.stored.plan = plan;
-        this.patch({ canPredict: answer.value.can_predict });
         await this.afterPlanSaved();
       }
       what = 'boundary';

@@ -55,7 +55,6 @@ export interface State {
   saving: 'saved' | 'saving' | 'unsaved' | 'error';
   saveError: string | null;
   conflict: 'plan' | 'landmarks' | 'boundary' | null;
-  canPredict: boolean;
 
   volume: Volume | null;
   volumeLoading: boolean;
@@ -137,7 +136,6 @@ export const initialState = (): State => ({
   saving: 'saved',
   saveError: null,
   conflict: null,
-  canPredict: false,
   volume: null,
   volumeLoading: false,
   surfacesLoading: 0,

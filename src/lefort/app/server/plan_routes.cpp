@@ -41,7 +41,7 @@ Reply put_plan(ServedCase& served, const Request& request, const PathValues&) {
   json names = json::array();
   for (const plan::PlannedSegment& segment : plan->segments)
     names.push_back(segment.osteotomy.segment);
-  return with_etag(json_reply({{"segments", names}, {"can_predict", true}}),
+  return with_etag(json_reply({{"segments", names}}),
                    served.folder.etag(served.folder.plan()));
 }
 

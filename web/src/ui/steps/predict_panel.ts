@@ -79,6 +79,6 @@ export function predictFoot(app: App, s: State): Part {
   const fresh = stage.state === 'fresh';
   const resumes = ['cancelled', 'interrupted'].includes(lastJob(s, 'predict')?.state ?? '');
   return html`
-    ${button(fresh ? 'Predict again' : resumes ? 'Go on predicting' : 'Predict the face', () => void app.run({ kind: 'predict' }), { kind: fresh ? 'plain' : 'primary', disabled: !s.canPredict || s.saving === 'error', id: 'predict' })}
+    ${button(fresh ? 'Predict again' : resumes ? 'Go on predicting' : 'Predict the face', () => void app.run({ kind: 'predict' }), { kind: fresh ? 'plain' : 'primary', disabled: s.saving === 'error', id: 'predict' })}
     ${fresh ? button('Compare before and after', () => app.setStep('compare'), { kind: 'primary', id: 'to-compare' }) : nothing}`;
 }
