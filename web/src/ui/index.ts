@@ -35,17 +35,20 @@ export function startPlanner(root: HTMLElement): void {
     view.view.render();
   });
 
-  let waiting = false;
+  let waits = false;
+  const drawNow = (): void => {
+    waits = false;
+    drawShell(root, app, view);
+  };
+  const drawWaiting = (): void => {
+    if (waits) drawNow();
+  };
   const draw = (): void => {
-    if (waiting) return;
-    waiting = true;
-    const now = (): void => {
-      waiting = false;
-      drawShell(root, app, view);
-    };
+    if (waits) return;
+    waits = true;
     // What is dragged comes before the numbers beside it.
-    if (view.isDragging) later(now);
-    else soon(now);
+    if (view.isDragging) later(drawWaiting);
+    else soon(drawWaiting);
   };
   app.model.state.subscribe((state, before) => {
     if (state.theme !== before.theme) {
@@ -54,7 +57,11 @@ export function startPlanner(root: HTMLElement): void {
     }
     draw();
   });
-  app.model.history.subscribe(draw);
+  // At once: a control edits the plan that it was drawn with, and must not undo the edit before.
+  app.model.history.subscribe(() => {
+    if (view.isDragging) draw();
+    else drawNow();
+  });
   listenToKeys(app, view);
   addEventListener('beforeunload', (event) => {
     if (app.model.s.saving === 'unsaved' || app.model.s.saving === 'saving') event.preventDefault();
