@@ -189,14 +189,15 @@ TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
       EXPECT_GT(rule.painted, 0);
     }
   }
-  for (const BoundaryLabelStyle& label : kBoundaryLabelStyles) {
-    EXPECT_GT(painted_nodes(tissue, label).value(), 0) << label.name;
-    painted += painted_nodes(tissue, label).value();
+  const std::vector<LabelDecision> by_label = label_decisions(tissue);
+  ASSERT_EQ(by_label.size(), std::size(kBoundaryLabelStyles));
+  for (const LabelDecision& decision : by_label) {
+    EXPECT_GT(decision.nodes, 0) << decision.label.name;
+    painted += decision.nodes;
   }
   EXPECT_EQ(painted, painted_over);
   EXPECT_EQ(decided + painted, Index(tissue.node_sets.at("boundary").size()));
-  EXPECT_EQ(fixed + painted_nodes(tissue, kBoundaryLabelStyles[0]).value(),
-            Index(tissue.node_sets.at(sets::kFixed).size()));
+  EXPECT_EQ(fixed + by_label[0].nodes, Index(tissue.node_sets.at(sets::kFixed).size()));
 
   // Likewise of the area, which is that of the boundary's triangles.
   double area_mm2 = 0.0, by_rule_mm2 = 0.0, over_mm2 = 0.0, painted_mm2 = 0.0;
@@ -209,9 +210,9 @@ TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
     over_mm2 += rule.areas.painted_mm2;
     EXPECT_EQ(rule.areas.fixed_mm2 > 0.0, rule.fixed > 0) << rule.set;
   }
-  for (const BoundaryLabelStyle& label : kBoundaryLabelStyles) {
-    EXPECT_GT(painted_area_mm2(tissue, label), 0.0) << label.name;
-    painted_mm2 += painted_area_mm2(tissue, label);
+  for (const LabelDecision& decision : by_label) {
+    EXPECT_GT(decision.area_mm2, 0.0) << decision.label.name;
+    painted_mm2 += decision.area_mm2;
   }
   EXPECT_NEAR(painted_mm2, over_mm2, 1e-9 * area_mm2);
   EXPECT_NEAR(by_rule_mm2 + painted_mm2, area_mm2, 1e-9 * area_mm2);
@@ -219,7 +220,7 @@ TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
   const std::string told = describe_boundary(tissue, boundary);
   EXPECT_NE(told.find("within 4 mm"), std::string::npos) << told;
   EXPECT_NE(told.find("with segment "), std::string::npos) << told;
-  EXPECT_FALSE(painted_nodes(phantom_face(boundary).tissue, kBoundaryLabelStyles[0]));
+  EXPECT_TRUE(label_decisions(phantom_face(boundary).tissue).empty());
 }
 
 }  // namespace

@@ -27,9 +27,9 @@ Json boundary_json(const PreparedCase& prepared) {
   if (prepared.plan.boundary_labels) {
     painted = {{"within_mm", predict::paint_reach_mm(prepared.scan_grid)},
                {"area_mm2", Json::object()}};
-    for (const predict::BoundaryLabelStyle& label : predict::kBoundaryLabelStyles) {
-      painted[label.set] = predict::painted_nodes(tissue, label).value_or(0);
-      painted["area_mm2"][label.name] = predict::painted_area_mm2(tissue, label);
+    for (const predict::LabelDecision& decision : predict::label_decisions(tissue)) {
+      painted[decision.label.set] = decision.nodes;
+      painted["area_mm2"][decision.label.name] = decision.area_mm2;
     }
   }
   return {

@@ -233,15 +233,13 @@ std::vector<RuleDecision> rule_decisions(const mesh::VolumeMesh& tissue,
   return decisions;
 }
 
-std::optional<Index> painted_nodes(const mesh::VolumeMesh& tissue,
-                                   const BoundaryLabelStyle& label) {
-  const auto set = tissue.node_sets.find(label.set);
-  if (set == tissue.node_sets.end()) return std::nullopt;
-  return std::ssize(set->second);
-}
-
-double painted_area_mm2(const mesh::VolumeMesh& tissue, const BoundaryLabelStyle& label) {
-  return sum_over(nodes_painted(tissue, label.label), boundary_areas_mm2(tissue));
+std::vector<LabelDecision> label_decisions(const mesh::VolumeMesh& tissue) {
+  const std::vector<double> areas_mm2 = boundary_areas_mm2(tissue);
+  std::vector<LabelDecision> decisions;
+  for (const BoundaryLabelStyle& label : kBoundaryLabelStyles)
+    if (const auto set = tissue.node_sets.find(label.set); set != tissue.node_sets.end())
+      decisions.push_back({label, std::ssize(set->second), sum_over(set->second, areas_mm2)});
+  return decisions;
 }
 
 std::string describe_boundary(const mesh::VolumeMesh& tissue, const BoundaryOptions& options) {
@@ -256,11 +254,10 @@ std::string describe_boundary(const mesh::VolumeMesh& tissue, const BoundaryOpti
     separator = ", ";
   }
   separator = "; painted: ";
-  for (const BoundaryLabelStyle& label : kBoundaryLabelStyles)
-    if (const auto nodes = painted_nodes(tissue, label)) {
-      text += fmt::format("{}{} {}", separator, label.name, *nodes);
-      separator = ", ";
-    }
+  for (const LabelDecision& painted : label_decisions(tissue)) {
+    text += fmt::format("{}{} {}", separator, painted.label.name, painted.nodes);
+    separator = ", ";
+  }
   return text;
 }
 

@@ -84,13 +84,15 @@ struct RuleDistance {
 [[nodiscard]] std::vector<RuleDecision> rule_decisions(const mesh::VolumeMesh& tissue,
                                                        const BoundaryOptions& options);
 
-/// How many nodes a label decided; nothing if the mesh was not painted.
-[[nodiscard]] std::optional<Index> painted_nodes(const mesh::VolumeMesh& tissue,
-                                                 const BoundaryLabelStyle& label);
+/// What one label decided.
+struct LabelDecision {
+  BoundaryLabelStyle label;
+  Index nodes = 0;
+  double area_mm2 = 0.0;  ///< Of the tissue's boundary, each face shared equally by its corners.
+};
 
-/// Of the tissue's boundary, what a label decided, each face shared equally by its corners [mm2].
-[[nodiscard]] double painted_area_mm2(const mesh::VolumeMesh& tissue,
-                                      const BoundaryLabelStyle& label);
+/// For each of kBoundaryLabelStyles; nothing if the mesh was not painted.
+[[nodiscard]] std::vector<LabelDecision> label_decisions(const mesh::VolumeMesh& tissue);
 
 /// Nodes that any label decided. Ascending.
 [[nodiscard]] std::vector<std::int32_t> all_painted_nodes(const mesh::VolumeMesh& tissue);
