@@ -106,11 +106,11 @@ Result<SurgeryFound> find_surgery(const fs::path& prediction, const fs::path& af
 
   progress.begin_stage("find the movements");
   const geometry::Bvh after_L(found.bone_L);
+  double kerf_mm = 0.0;  // Of all: a cut face may be another segment's saw's.
+  for (const plan::PlannedSegment& one : planned.plan.segments)
+    kerf_mm = std::max(kerf_mm, one.osteotomy.kerf_mm);
   for (std::size_t k = 0; k < planned.segments_B.size(); ++k) {
     const geometry::TriangleMesh& segment_B = planned.segments_B[k];
-    double kerf_mm = 0.0;  // A cut face may be another segment's saw's.
-    for (const plan::PlannedSegment& one : planned.plan.segments)
-      kerf_mm = std::max(kerf_mm, one.osteotomy.kerf_mm);
     std::vector<geometry::TriangleMesh> others_L{planned.remainder_L};
     for (std::size_t other = 0; other < planned.segments_B.size(); ++other)
       if (other != k) others_L.push_back(planned.segments_B[other]);

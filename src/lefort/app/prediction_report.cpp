@@ -1,4 +1,5 @@
 #include <lefort/app/prediction_report.h>
+#include <lefort/app/write_prediction.h>
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
 #include <lefort/plan/bone_path.h>
@@ -273,7 +274,9 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
                                         });
   if (deepest != prepared.overlaps.end() && deepest->overlap.overlaps())
     report.notes.push_back(describe(*deepest, prepared.plan) +
-                           "; depths of all steps are in bone_overlap.vtp and prediction.json.");
+                           fmt::format("; depths of all steps are in prediction.json and, of each "
+                                       "segment, in {}*.vtp.",
+                                       kBoneOverlap));
   if (!prediction.steps.empty())
     if (const contact::ContactSummary contact = prediction.steps.back().contact();
         contact.tunnelled_area_mm2 > 0.0)

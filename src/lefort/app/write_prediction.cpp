@@ -26,7 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kPictures = "pictures";
 constexpr const char* kParaview = "paraview";
-constexpr const char* kBoneOverlap = "bone_overlap";
 
 std::string as_text(const nlohmann::ordered_json& json) {
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

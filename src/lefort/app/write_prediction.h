@@ -29,6 +29,7 @@ namespace lefort::app {
                                        std::size_t segment);
 
 inline constexpr const char* kMovedSegment = "bone_segment_moved";
+inline constexpr const char* kBoneOverlap = "bone_overlap";
 
 /// bone_overlap.vtp for each segment that is driven into other bone: at rest, with the depth of
 /// each vertex there for each step that does.
