@@ -39,6 +39,21 @@ class CompareCommand : public testing::Test {
   test::ProgramRun compare(const std::string& arguments) {
     return test::run_lefort("--quiet compare " + arguments + " -o " + quoted(folder_ / "out"));
   }
+  /// compare.json of the scan after.nrrd with the face that is predicted from before.nrrd.
+  json compared(const std::string& segments) {
+    EXPECT_TRUE(io::write_text(folder_ / "plan.json",
+                               R"({"lefort_plan": 1, "ct": "before.nrrd", "segments": )" +
+                                   segments +
+                                   R"(, "tissue": {"element_size_mm": 8, "margin_mm": 10},
+                                      "field": {"resolution": 64, "band_mm": 4}})"));
+    const auto predicted = test::run_lefort("--quiet predict " + quoted(folder_ / "plan.json") +
+                                            " --no-pictures -o " + quoted(folder_ / "prediction"));
+    EXPECT_EQ(predicted.exit_code, 0) << predicted.error;
+    const auto run = compare(quoted(folder_ / "prediction") + " --after-ct " +
+                             quoted(folder_ / "after.nrrd") + " --no-pictures");
+    EXPECT_EQ(run.exit_code, 0) << run.error;
+    return run.exit_code == 0 ? result() : json{{"movements", json::array()}};
+  }
   test::TemporaryFolder folder_;
 };
 
@@ -143,6 +158,13 @@ struct Head {
   }
 };
 
+RigidTransform registered(const json& movement) {
+  RigidTransform X_LB;
+  for (Index i = 0; i < 16; ++i)
+    X_LB.matrix()(i / 4, i % 4) = movement["registration"]["matrix"][std::size_t(i)];
+  return X_LB;
+}
+
 /// The surgeon did not quite what was planned, and the patient lay otherwise in the scanner.
 TEST_F(CompareCommand, FindsTheMovementThatWasAchieved) {
   ASSERT_TRUE(
@@ -152,31 +174,15 @@ TEST_F(CompareCommand, FindsTheMovementThatWasAchieved) {
   const RigidTransform other_scan =
       geometry::rigid_motion({3.0, -2.0, 1.5}, {0.12, -0.08, 0.2}, {0, 0, 0});
   ASSERT_TRUE(io::write_volume(folder_ / "after.nrrd", Head{achieved}.scan(140, 1.4, other_scan)));
-  ASSERT_TRUE(io::write_text(folder_ / "plan.json", R"({
-    "lefort_plan": 1, "ct": "before.nrrd",
-    "segments": [{
+  const json found = compared(R"([{
       "name": "front",
       "osteotomy": {"planes": [{"point_mm": [0, -20, 0], "towards_segment": [0, -1, 0]}]},
       "path": {"steps": 2, "keyframes": [{"translation_mm": [0, -3, 0]}]}
-    }],
-    "tissue": {"element_size_mm": 8, "margin_mm": 10},
-    "field": {"resolution": 64, "band_mm": 4}
-  })"));
-  const auto predicted = test::run_lefort("--quiet predict " + quoted(folder_ / "plan.json") +
-                                          " --no-pictures -o " + quoted(folder_ / "prediction"));
-  ASSERT_EQ(predicted.exit_code, 0) << predicted.error;
-  const auto run = compare(quoted(folder_ / "prediction") + " --after-ct " +
-                           quoted(folder_ / "after.nrrd") + " --no-pictures");
-  ASSERT_EQ(run.exit_code, 0) << run.error;
-  const json found = result();
+    }])");
   ASSERT_EQ(found["movements"].size(), 1U);
-
-  RigidTransform X_LB;
-  for (Index i = 0; i < 16; ++i)
-    X_LB.matrix()(i / 4, i % 4) = found["movements"][0]["registration"]["matrix"][std::size_t(i)];
-  const RigidTransform error = X_LB * achieved.inverse();
+  const RigidTransform error = registered(found["movements"][0]) * achieved.inverse();
   const Vec3 front(0, -45, 0);
-  EXPECT_LT((error * front - front).norm(), 0.1) << run.out;
+  EXPECT_LT((error * front - front).norm(), 0.1) << found["movements"];
   EXPECT_LT(degrees_from_radians(geometry::rotation_vector(error.linear()).norm()), 0.1);
   const auto laid_on = io::read_transform(folder_ / "out/registration.tfm");
   ASSERT_TRUE(laid_on) << laid_on.error().message;
@@ -204,9 +210,7 @@ TEST_F(CompareCommand, FindsTheMovementOfEachOfSeveralSegments) {
       geometry::rigid_motion({-1.5, -3.5, -0.5}, {0.03, 0.0, 0.03}, {-20, -40, 0})};
   ASSERT_TRUE(io::write_volume(folder_ / "after.nrrd", Head{achieved[1], achieved[0]}.scan(
                                                            128, 1.5, RigidTransform::Identity())));
-  ASSERT_TRUE(io::write_text(folder_ / "plan.json", R"({
-    "lefort_plan": 1, "ct": "before.nrrd",
-    "segments": [{
+  const json found = compared(R"([{
       "name": "left",
       "osteotomy": {"planes": [{"point_mm": [0, -20, 0], "towards_segment": [0, -1, 0]},
                                {"point_mm": [0, 0, 0], "towards_segment": [1, 0, 0]}]},
@@ -215,27 +219,14 @@ TEST_F(CompareCommand, FindsTheMovementOfEachOfSeveralSegments) {
       "name": "right",
       "osteotomy": {"planes": [{"point_mm": [0, -20, 0], "towards_segment": [0, -1, 0]}]},
       "path": {"steps": 2, "keyframes": [{"translation_mm": [-1.5, -3, 0]}]}
-    }],
-    "tissue": {"element_size_mm": 8, "margin_mm": 10},
-    "field": {"resolution": 64, "band_mm": 4}
-  })"));
-  const auto predicted = test::run_lefort("--quiet predict " + quoted(folder_ / "plan.json") +
-                                          " --no-pictures -o " + quoted(folder_ / "prediction"));
-  ASSERT_EQ(predicted.exit_code, 0) << predicted.error;
-  const auto run = compare(quoted(folder_ / "prediction") + " --after-ct " +
-                           quoted(folder_ / "after.nrrd") + " --no-pictures");
-  ASSERT_EQ(run.exit_code, 0) << run.error;
-  const json found = result();
+    }])");
   ASSERT_EQ(found["movements"].size(), 2U);
   for (std::size_t k = 0; k < 2; ++k) {
     const json& movement = found["movements"][k];
     EXPECT_EQ(movement["segment"], k == 0 ? "left" : "right");
-    RigidTransform X_LB;
-    for (Index i = 0; i < 16; ++i)
-      X_LB.matrix()(i / 4, i % 4) = movement["registration"]["matrix"][std::size_t(i)];
-    const RigidTransform error = X_LB * achieved[k].inverse();
+    const RigidTransform error = registered(movement) * achieved[k].inverse();
     const Vec3 front(k == 0 ? 20 : -20, -40, 0);
-    EXPECT_LT((error * front - front).norm(), 0.15) << run.out;
+    EXPECT_LT((error * front - front).norm(), 0.15) << movement;
     EXPECT_LT(degrees_from_radians(geometry::rotation_vector(error.linear()).norm()), 0.3);
   }
 

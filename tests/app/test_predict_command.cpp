@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -52,6 +53,18 @@ class PredictCommand : public testing::Test {
     const auto text = io::read_text(folder_ / file, 1 << 28);
     EXPECT_TRUE(text) << file;
     return text ? json::parse(*text) : json();
+  }
+  /// Of what two folders tell, but for how long it took, and of those files.
+  void expect_same_bytes(const fs::path& one, const fs::path& other,
+                         std::initializer_list<const char*> files) {
+    json first = read_json(one / "prediction.json"), second = read_json(other / "prediction.json");
+    first.erase("timing");
+    second.erase("timing");
+    EXPECT_EQ(first.dump(), second.dump());
+    for (const char* file : files)
+      EXPECT_EQ(io::read_text(folder_ / one / file, 1 << 28).value(),
+                io::read_text(folder_ / other / file, 1 << 28).value())
+          << file;
   }
   [[nodiscard]] bool there_is(const fs::path& file) const { return fs::exists(folder_ / file); }
 
@@ -167,14 +180,8 @@ TEST_F(PredictCommand, StoppedAndRunAgainItWritesTheBytesOfARunThatWasNot) {
   ASSERT_EQ(rest.exit_code, 0) << rest.error;
   EXPECT_NE(rest.error.find("1 of 2 steps were found by an earlier run"), std::string::npos)
       << rest.error;
-  json whole = read_json("whole/prediction.json"), resumed = read_json("stopped/prediction.json");
-  whole.erase("timing");
-  resumed.erase("timing");
-  EXPECT_EQ(whole.dump(), resumed.dump());
-  for (const char* file : {"predicted_skin.vtp", "predicted_skin.stl", "paraview/step_0002.vtu"})
-    EXPECT_EQ(io::read_text(folder_ / "whole" / file, 1 << 28).value(),
-              io::read_text(folder_ / "stopped" / file, 1 << 28).value())
-        << file;
+  expect_same_bytes("whole", "stopped",
+                    {"predicted_skin.vtp", "predicted_skin.stl", "paraview/step_0002.vtu"});
 }
 
 /// A ball at the front of the bone, which is the segment, painted with one label.
@@ -443,15 +450,9 @@ TEST_F(PredictCommand, SeveralSegmentsStoppedAndRunAgainGiveTheSameBytesOnAnyThr
   ASSERT_EQ(rest.exit_code, 0) << rest.error;
   EXPECT_NE(rest.error.find("1 of 2 steps were found by an earlier run"), std::string::npos)
       << rest.error;
-  json whole = read_json("whole/prediction.json"), resumed = read_json("stopped/prediction.json");
-  whole.erase("timing");
-  resumed.erase("timing");
-  EXPECT_EQ(whole.dump(), resumed.dump());
-  for (const char* file : {"predicted_skin.stl", "bone_segment_moved_left.vtp",
-                           "bone_segment_moved_right.vtp", "paraview/step_0002.vtu"})
-    EXPECT_EQ(io::read_text(folder_ / "whole" / file, 1 << 28).value(),
-              io::read_text(folder_ / "stopped" / file, 1 << 28).value())
-        << file;
+  expect_same_bytes("whole", "stopped",
+                    {"predicted_skin.stl", "bone_segment_moved_left.vtp",
+                     "bone_segment_moved_right.vtp", "paraview/step_0002.vtu"});
   // Another way of one of them is another prediction.
   write_plan(test::two_piece_plan({1, -3, 0}, {-1, -2.5, 0}));
   const auto other = predict("stopped", "--no-pictures");

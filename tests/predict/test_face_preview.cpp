@@ -11,19 +11,10 @@
 namespace lefort::predict {
 namespace {
 
-/// The tissue's own surface.
-geometry::TriangleMesh skin_of(const FaceModel& model) {
-  geometry::TriangleMesh skin;
-  skin.vertices = model.tissue.nodes_L;
-  for (const mesh::Face3& face : mesh::triangles_of(mesh::boundary_faces(model.tissue)))
-    skin.triangles.push_back({face[0], face[1], face[2]});
-  return skin;
-}
-
 FacePreview preview_of(const FaceModel& model, MovedBone moved_bone = MovedBone::kContact) {
-  return FacePreview(
-      make_preview_model(model, skin_of(model), {}, {.moved_bone = moved_bone}, Vec3::Ones())
-          .value());
+  return FacePreview(make_preview_model(model, test::surface_of(model), {},
+                                        {.moved_bone = moved_bone}, Vec3::Ones())
+                         .value());
 }
 
 RigidTransform shift(const Vec3& by_mm) {
@@ -60,7 +51,8 @@ TEST(FacePreview, NoMotionMovesNothing) {
 TEST(FacePreview, KnowsSkin) {
   TissueOptions options;
   const auto answer = [&](const FaceModel& model) {
-    return FacePreview(make_preview_model(model, skin_of(model), options, {}, Vec3::Ones()).value())
+    return FacePreview(make_preview_model(model, test::surface_of(model), options, {}, Vec3::Ones())
+                           .value())
         .displacement_mm(std::array{shift({0.0, 0.0, 1.0})})
         .value();
   };
@@ -166,7 +158,7 @@ TEST(FacePreview, RefusesAModelThatNothingTouchesOrHolds) {
   FaceModel loose = test::block_on_slab();
   loose.tissue.node_sets[sets::kFixed].clear();
   for (const FaceModel& model : {untouched, loose}) {
-    const auto made = make_preview_model(model, skin_of(model), {}, {}, Vec3::Ones());
+    const auto made = make_preview_model(model, test::surface_of(model), {}, {}, Vec3::Ones());
     ASSERT_FALSE(made);
     EXPECT_EQ(made.error().code, ErrorCode::kAnatomyMissing);
   }

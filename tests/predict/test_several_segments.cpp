@@ -252,18 +252,9 @@ TEST(SeveralSegments, TheOneAtFaultIsNamed) {
   refused(open, kUp, ErrorCode::kMeshInvalid, "segment right is an open surface");
 }
 
-/// The tissue's own surface.
-geometry::TriangleMesh skin_of(const FaceModel& model) {
-  geometry::TriangleMesh skin;
-  skin.vertices = model.tissue.nodes_L;
-  for (const mesh::Face3& face : mesh::triangles_of(mesh::boundary_faces(model.tissue)))
-    skin.triangles.push_back({face[0], face[1], face[2]});
-  return skin;
-}
-
 TEST(SeveralSegments, ThePreviewMovesEach) {
   const FaceModel model = two_apart();
-  const geometry::TriangleMesh skin_L = skin_of(model);
+  const geometry::TriangleMesh skin_L = test::surface_of(model);
   const FacePreview preview(make_preview_model(model, skin_L, {}, {}, Vec3::Ones()).value());
   ASSERT_EQ(preview.segment_count(), 2U);
   const auto shifted = [](const Vec3& by_mm) {

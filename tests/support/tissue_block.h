@@ -75,6 +75,15 @@ inline predict::FaceModel block_on_ball() {
   return block_on(std::move(ball));
 }
 
+/// The tissue's own surface, over all of its nodes.
+inline geometry::TriangleMesh surface_of(const predict::FaceModel& model) {
+  geometry::TriangleMesh surface;
+  surface.vertices = model.tissue.nodes_L;
+  for (const mesh::Face3& face : mesh::triangles_of(mesh::boundary_faces(model.tissue)))
+    surface.triangles.push_back({face[0], face[1], face[2]});
+  return surface;
+}
+
 /// A way in one direction.
 inline plan::BonePath straight(const Vec3& by_mm, int steps) {
   plan::BonePath path;
