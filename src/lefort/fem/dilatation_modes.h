@@ -60,12 +60,20 @@ template <class Element>
 
 /// Bulk modulus that stays at the points, in shear moduli, since one mean does not see what is
 /// linear in an element.
+struct BulkAtPoints {
+  double inside = 0.0;  ///< Where the body is more than a layer thick (reach_inside.h).
+  double in_layer =
+      0.0;  ///< In a single layer, without means above and below that bending tells apart.
+};
 template <class Element>
-inline constexpr double kBulkAtPoints = 0.0;
+inline constexpr BulkAtPoints kBulkAtPoints{};
 template <>
-inline constexpr double kBulkAtPoints<Tet10> = 0.25;
+inline constexpr BulkAtPoints kBulkAtPoints<Tet10>{0.25, 1.0};
 template <>
-inline constexpr double kBulkAtPoints<Wedge15> = 0.5;
+inline constexpr BulkAtPoints kBulkAtPoints<Wedge15>{0.5, 2.5};
+
+template <class Element>
+inline constexpr bool kHasBulkAtPoints = kBulkAtPoints<Element>.in_layer > 0.0;
 
 /// Likewise of shapes with means around nodes, where the shear part is taken: those means do not
 /// see what changes sign from one side of a node to the other.
@@ -85,6 +93,16 @@ struct SharedVolume {
   shared.at_points.kappa_mpa = std::min(volume.kappa_mpa, bulk_at_points * shear_mpa);
   shared.of_mean.kappa_mpa -= shared.at_points.kappa_mpa;
   return shared;
+}
+
+/// What an element with means of its own asks of a law.
+template <class Element>
+[[nodiscard]] SharedVolume share_volume(const Material& material, bool reaches_inside) {
+  const Volumetric* volume = volumetric_part(material);
+  if (volume == nullptr) return {};
+  constexpr BulkAtPoints kBulk = kBulkAtPoints<Element>;
+  return share_volume(*volume, shear_modulus_at_rest(material),
+                      reaches_inside ? kBulk.inside : kBulk.in_layer);
 }
 
 /// What shapes with means around nodes ask of a law at the strain of elements and their neighbours:
@@ -133,7 +151,7 @@ template <class Element>
   }
   response.pressure = modes * pressure;
   response.curvature_at_points.setZero();
-  if constexpr (kBulkAtPoints < Element >> 0.0)
+  if constexpr (kHasBulkAtPoints<Element>)
     for (int q = 0; q < Element::kPoints; ++q) {
       response.energy_mj +=
           points[std::size_t(q)].volume_mm3 * volume.at_points.energy_of_change(change[q]);

@@ -5,6 +5,7 @@
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/material_response.h>
 #include <lefort/fem/nodal_dilatation.h>
+#include <lefort/fem/reach_inside.h>
 #include <lefort/fem/reference_element.h>
 #include <lefort/fem/shear_sides.h>
 #include <lefort/fem/smoothed_shear_term.h>
@@ -27,6 +28,7 @@ struct Averages {
   std::vector<NodalDilatation::State> of_patch;
   std::unique_ptr<SmoothedShearTerm> shear;  ///< Or null.
   std::vector<SmoothedShearTerm::State> of_group;
+  std::vector<char> reaches_inside;  ///< Of each element.
 };
 
 template <class Term>
@@ -44,7 +46,8 @@ Averages averages_of(const mesh::VolumeMesh& mesh, const RegionMaterials& materi
   Averages averages{.volume = NodalDilatation::build(mesh, materials),
                     .of_patch = {},
                     .shear = SmoothedShearTerm::build(mesh, materials),
-                    .of_group = {}};
+                    .of_group = {},
+                    .reaches_inside = reach_inside(mesh)};
   averages.of_patch = states_of(averages.volume.get(), x_L);
   averages.of_group = states_of(averages.shear.get(), x_L);
   return averages;
@@ -66,9 +69,8 @@ VolumeShare<Element> volume_share(const Material& material, const ElementNodes<E
                                   const Averages& averages, Index number) {
   if constexpr (kDilatationModes < Element >> 0) {
     const auto response = volume_response<Element>(
-        share_volume(*volumetric_part(material), shear_modulus_at_rest(material),
-                     kBulkAtPoints<Element>),
-        points, dilatation_modes<Element>(X, points), change);
+        share_volume<Element>(material, averages.reaches_inside[std::size_t(number)] != 0), points,
+        dilatation_modes<Element>(X, points), change);
     if (!response) return {VolumeShare<Element>::PerPoint::Constant(kNan), kNan};
     return {response->pressure, response->energy_mj};
   } else {

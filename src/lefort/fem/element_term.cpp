@@ -4,6 +4,7 @@
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/mean_dilatation_term.h>
 #include <lefort/fem/nodal_dilatation.h>
+#include <lefort/fem/reach_inside.h>
 #include <lefort/fem/shear_sides.h>
 #include <lefort/fem/smoothed_shear_term.h>
 #include <lefort/mesh/element_quality.h>
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace lefort::fem {
@@ -89,7 +91,8 @@ tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::Element
 
 template <class Element>
 Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
-                             BlockMaterials materials, Index first_number, Dilatation dilatation) {
+                             BlockMaterials materials, Index first_number, Dilatation dilatation,
+                             std::span<const char> reaches_inside) {
   LEFORT_CHECK(block.shape == Element::kShape);
   const bool averages = dilatation == Dilatation::kAveraged &&
                         std::ranges::any_of(materials.laws, [](const Material& law) {
@@ -118,7 +121,8 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
                             .material = std::move(materials.of_element)};
   if (!averages) return std::make_unique<const ContinuumTerm<Element>>(std::move(data), 1.0);
   if constexpr (kModes > 0) {
-    return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data), std::move(modes));
+    return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data), std::move(modes),
+                                                               reaches_inside);
   } else {
     constexpr double kShare = kShearSides < Element >> 0 ? kRetainedShare : 1.0;
     for (Material& law : data.materials) law = law_beside_nodes(law);
@@ -127,12 +131,19 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
 }
 
 Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
-                              BlockMaterials materials, Index first_number, Dilatation dilatation) {
+                              BlockMaterials materials, Index first_number, Dilatation dilatation,
+                              std::span<const char> reaches_inside) {
   return std::visit(
       [&]<class Element>(const Element&) {
-        return element_term<Element>(mesh, block, std::move(materials), first_number, dilatation);
+        return element_term<Element>(mesh, block, std::move(materials), first_number, dilatation,
+                                     reaches_inside);
       },
       element_of(block.shape));
+}
+
+bool asks_what_reaches_inside(const mesh::ElementBlock& block) {
+  return std::visit([]<class Element>(const Element&) { return kHasBulkAtPoints<Element>; },
+                    element_of(block.shape));
 }
 
 }  // namespace
@@ -140,16 +151,25 @@ Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementB
 Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
                                                 const RegionMaterials& materials,
                                                 Dilatation dilatation) {
+  for (const mesh::ElementBlock& block : mesh.blocks) LEFORT_TRY_VOID(check_block(mesh, block));
+  std::vector<char> inside;
+  if (dilatation == Dilatation::kAveraged &&
+      std::ranges::any_of(mesh.blocks, asks_what_reaches_inside))
+    inside = reach_inside(mesh);
   std::vector<TermPtr> terms;
   Index first_number = 0;
   for (const mesh::ElementBlock& block : mesh.blocks) {
-    if (block.region.empty() && block.nodes.empty()) continue;
-    LEFORT_TRY_VOID(check_block(mesh, block));
+    const Index count = block.element_count();
+    if (count == 0) continue;
     LEFORT_TRY(BlockMaterials of_block, block_materials(block, materials));
-    LEFORT_TRY(TermPtr term,
-               term_of_block(mesh, block, std::move(of_block), first_number, dilatation));
+    const auto inside_of_block =
+        inside.empty()
+            ? std::span<const char>()
+            : std::span<const char>(inside).subspan(std::size_t(first_number), std::size_t(count));
+    LEFORT_TRY(TermPtr term, term_of_block(mesh, block, std::move(of_block), first_number,
+                                           dilatation, inside_of_block));
     terms.push_back(std::move(term));
-    first_number += block.element_count();
+    first_number += count;
   }
   if (terms.empty()) return fail(ErrorCode::kMeshInvalid, "volume mesh has no element");
   if (dilatation == Dilatation::kAveraged) {

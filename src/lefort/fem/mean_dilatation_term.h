@@ -21,15 +21,15 @@ namespace lefort::fem {
 template <class Element>
 class MeanDilatationTerm final : public ForceTerm {
  public:
-  /// \param modes  one per element.
-  MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes)
+  /// \param modes             one per element.
+  /// \param reaches_inside  one per element, or empty where the shape does not ask.
+  MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes,
+                     std::span<const char> reaches_inside)
       : data_(std::move(data)), modes_(std::move(modes)) {
-    for (const Material& material : data_.materials) {
-      const Volumetric* volume = volumetric_part(material);
-      volumes_.push_back(volume == nullptr ? SharedVolume{}
-                                           : share_volume(*volume, shear_modulus_at_rest(material),
-                                                          kBulkAtPoints<Element>));
-    }
+    volumes_.reserve(modes_.size());
+    for (Index e = 0; e < data_.count(); ++e)
+      volumes_.push_back(share_volume<Element>(
+          data_.material_of(e), !reaches_inside.empty() && reaches_inside[std::size_t(e)] != 0));
   }
 
   [[nodiscard]] Index item_count() const override { return data_.count(); }
@@ -45,8 +45,7 @@ class MeanDilatationTerm final : public ForceTerm {
     if (volumetric_part(material) == nullptr)
       return add_strain_energy<Element>(material, LawPart::kWhole, 1.0, points, x, local);
     if (!add_strain_energy<Element>(material, LawPart::kShear, 1.0, points, x, local)) return false;
-    const SharedVolume& volume = volumes_[std::size_t(data_.material[std::size_t(item)])];
-    return add_volume(volume, points, modes_[std::size_t(item)], x, local);
+    return add_volume(volumes_[std::size_t(item)], points, modes_[std::size_t(item)], x, local);
   }
 
  private:
@@ -77,7 +76,7 @@ class MeanDilatationTerm final : public ForceTerm {
         add_stiffness(response->pressure[Index(q)] * cofactor_tangent(F[q]), points[q].volume_mm3,
                       points[q], local);
       dtheta += points[q].volume_mm3 * dJ.reshaped() * modes.row(Index(q));
-      if constexpr (kBulkAtPoints < Element >> 0.0) {
+      if constexpr (kHasBulkAtPoints<Element>) {
         const double curvature = points[q].volume_mm3 * response->curvature_at_points[Index(q)];
         stiffness_of(local).noalias() += (curvature * dJ.reshaped()) * dJ.reshaped().transpose();
       }
@@ -93,7 +92,7 @@ class MeanDilatationTerm final : public ForceTerm {
   }
 
   ElementData<Element> data_;
-  std::vector<SharedVolume> volumes_;  ///< One per law.
+  std::vector<SharedVolume> volumes_;  ///< One per element.
   std::vector<DilatationModes<Element>> modes_;
 };
 

@@ -12,8 +12,7 @@
 namespace lefort::fem {
 
 /// Calls `take(Element{}, nodes, region)` for each element whose law has a volumetric part, and
-/// `end()` after every
-/// element of the mesh, whatever its law. Each region must have a material.
+/// `end()` after every element of the mesh, whatever its law. Each region must have a material.
 template <class Take, class End>
 void for_each_split_element(const mesh::VolumeMesh& mesh, const RegionMaterials& materials,
                             const Take& take, const End& end) {

@@ -1,0 +1,17 @@
+/// \file
+/// Which elements lie where a body is more than a layer thick.
+#pragma once
+
+#include <lefort/mesh/volume_mesh.h>
+
+#include <vector>
+
+namespace lefort::fem {
+
+/// For each element, through the blocks: whether a corner of its own, or of an element that it
+/// shares a corner with, is inside, on no face that belongs to one element alone. In a single layer
+/// there is no such corner.
+/// \pre the blocks name nodes of the mesh.
+[[nodiscard]] std::vector<char> reach_inside(const mesh::VolumeMesh& mesh);
+
+}  // namespace lefort::fem
