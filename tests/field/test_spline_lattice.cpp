@@ -29,12 +29,12 @@ SparseLattice tabulate(const Function& f) {
   return lattice;
 }
 
-TEST(SplineLattice, ReproducesCubicPolynomialsWithTheirDerivatives) {
+TEST(SplineLattice, ReproducesQuadraticPolynomialsWithTheirDerivatives) {
   const auto f = [](const Vec3& u) {
     const double x = u.x() / 8, y = u.y() / 8, z = u.z() / 8;
-    return x * x * x - 2 * x * y * z + y * y - 0.5 * z * z * z + 3 * x - 1;
+    return x * x - 2 * x * y * z + y * y - 0.5 * z * z + 3 * x - 1;
   };
-  const SparseLattice c = spline_coefficients(tabulate(f), kHugeCell, kHugeCell);
+  const SparseLattice c = spline_lattice(tabulate(f), kHugeCell, kHugeCell);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> in(0, kResolution);
   for (int n = 0; n < 200; ++n) {
@@ -42,22 +42,31 @@ TEST(SplineLattice, ReproducesCubicPolynomialsWithTheirDerivatives) {
     const double x = u.x() / 8, y = u.y() / 8, z = u.z() / 8;
     const SplineValue s = evaluate_spline(c, u);
     EXPECT_NEAR(s.value, f(u), 1e-5);
-    EXPECT_LT((s.gradient -
-               Vec3(3 * x * x - 2 * y * z + 3, -2 * x * z + 2 * y, -2 * x * y - 1.5 * z * z) / 8)
-                  .norm(),
-              1e-5);
+    EXPECT_LT(
+        (s.gradient - Vec3(2 * x - 2 * y * z + 3, -2 * x * z + 2 * y, -2 * x * y - z) / 8).norm(),
+        1e-5);
     Mat3 hessian;
-    hessian << 6 * x, -2 * z, -2 * y, -2 * z, 2, -2 * x, -2 * y, -2 * x, -3 * z;
+    hessian << 2, -2 * z, -2 * y, -2 * z, 2, -2 * x, -2 * y, -2 * x, -1;
     EXPECT_LT((s.hessian - hessian / 64).norm(), 1e-5);
   }
 }
 
-TEST(SplineLattice, ErrorFallsWithTheFourthPowerOfTheCell) {
+TEST(SplineLattice, KeepsEveryValue) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> noise(-1, 1);
+  const SparseLattice values = tabulate([&](const Vec3&) { return noise(random); });
+  const SparseLattice c = spline_lattice(values, 10, kHugeCell);
+  for (const LatticePoint& at :
+       {LatticePoint{0, 0, 0}, LatticePoint{7, 8, 9}, LatticePoint{16, 3, 16}})
+    EXPECT_EQ(evaluate_spline(c, Vec3(at[0], at[1], at[2])).value, double(values.at(at, 0.0F)));
+}
+
+TEST(SplineLattice, ErrorFallsWithTheThirdPowerOfTheCell) {
   const auto largest_error = [](double wave) {
     const auto f = [&](const Vec3& u) {
       return std::sin(wave * u.x()) * std::cos(wave * u.y()) + std::sin(wave * u.z());
     };
-    const SparseLattice c = spline_coefficients(tabulate(f), kHugeCell, kHugeCell);
+    const SparseLattice c = spline_lattice(tabulate(f), kHugeCell, kHugeCell);
     std::mt19937 random(2);
     std::uniform_real_distribution<double> in(0, kResolution);
     double largest = 0.0;
@@ -68,15 +77,15 @@ TEST(SplineLattice, ErrorFallsWithTheFourthPowerOfTheCell) {
     return largest;
   };
   const double ratio = largest_error(0.6) / largest_error(0.3);
-  EXPECT_GT(ratio, 11.0);
-  EXPECT_LT(ratio, 20.0);
+  EXPECT_GT(ratio, 7.0);
+  EXPECT_LT(ratio, 11.0);
 }
 
 TEST(SplineLattice, DerivativesAreThoseOfTheValue) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> in(0, kResolution), noise(-1, 1);
   const SparseLattice c =
-      spline_coefficients(tabulate([&](const Vec3&) { return noise(random); }), 10, kHugeCell);
+      spline_lattice(tabulate([&](const Vec3&) { return noise(random); }), 10, kHugeCell);
   constexpr double kStep = 1e-4;
   for (int n = 0; n < 200; ++n) {
     const Vec3 u(in(random), in(random), in(random));
@@ -91,11 +100,11 @@ TEST(SplineLattice, DerivativesAreThoseOfTheValue) {
   }
 }
 
-TEST(SplineLattice, SecondDerivativesAreContinuousAcrossCellsAndBricks) {
+TEST(SplineLattice, FirstDerivativesAreContinuousAcrossCellsAndBricks) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> in(0, kResolution), noise(-1, 1);
   const SparseLattice c =
-      spline_coefficients(tabulate([&](const Vec3&) { return noise(random); }), 10, kHugeCell);
+      spline_lattice(tabulate([&](const Vec3&) { return noise(random); }), 10, kHugeCell);
   for (int n = 0; n < 300; ++n) {
     Vec3 u(in(random), in(random), in(random));
     const int axis = n % 3;
@@ -104,13 +113,12 @@ TEST(SplineLattice, SecondDerivativesAreContinuousAcrossCellsAndBricks) {
     const SplineValue before = evaluate_spline(c, u - step), after = evaluate_spline(c, u + step);
     EXPECT_NEAR(before.value, after.value, 1e-7);
     EXPECT_LT((before.gradient - after.gradient).norm(), 1e-7);
-    EXPECT_LT((before.hessian - after.hessian).norm(), 1e-7);
   }
 }
 
-TEST(SplineLattice, TearsHaveNoCoefficients) {
+TEST(SplineLattice, ThereIsNothingBesideATear) {
   const auto torn = [](const Vec3& u) { return u.x() < 7.5 ? -5.0 : 5.0; };
-  const SparseLattice c = spline_coefficients(tabulate(torn), 1.0, kHugeCell);
+  const SparseLattice c = spline_lattice(tabulate(torn), 1.0, kHugeCell);
   EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(7.5, 4, 4)).value));
   EXPECT_NEAR(evaluate_spline(c, Vec3(2.5, 4, 4)).value, -5.0, 1e-6);
   EXPECT_NEAR(evaluate_spline(c, Vec3(12.5, 4, 4)).value, 5.0, 1e-6);
@@ -121,9 +129,10 @@ SplineValue plain_sum(const SparseLattice& c, const Vec3& u) {
   const auto spline = [](double t, int order) {  // Centred at 0.
     const double a = std::abs(t), sign = t < 0 ? -1 : 1;
     if (a >= 2) return 0.0;
-    if (order == 0) return a < 1 ? 2.0 / 3 - a * a + a * a * a / 2 : std::pow(2 - a, 3) / 6;
-    if (order == 1) return sign * (a < 1 ? -2 * a + 1.5 * a * a : -std::pow(2 - a, 2) / 2);
-    return a < 1 ? -2 + 3 * a : 2 - a;
+    if (order == 0)
+      return a < 1 ? 1 - 2.5 * a * a + 1.5 * a * a * a : 2 - 4 * a + 2.5 * a * a - 0.5 * a * a * a;
+    if (order == 1) return sign * (a < 1 ? -5 * a + 4.5 * a * a : -4 + 5 * a - 1.5 * a * a);
+    return a < 1 ? -5 + 9 * a : 5 - 3 * a;
   };
   SplineValue sum{0, Vec3::Zero(), Mat3::Zero()};
   for (int z = -2; z <= kResolution + 2; ++z)
@@ -131,9 +140,9 @@ SplineValue plain_sum(const SparseLattice& c, const Vec3& u) {
       for (int x = -2; x <= kResolution + 2; ++x) {
         const Vec3 at = u - Vec3(x, y, z);
         if ((at.array().abs() >= 2).any()) continue;
-        const double coefficient = double(c.at({x, y, z}, std::nanf("")));
+        const double value = double(c.at({x, y, z}, std::nanf("")));
         const auto term = [&](int i, int j, int k) {
-          return coefficient * spline(at[0], i) * spline(at[1], j) * spline(at[2], k);
+          return value * spline(at[0], i) * spline(at[1], j) * spline(at[2], k);
         };
         sum.value += term(0, 0, 0);
         sum.gradient += Vec3(term(1, 0, 0), term(0, 1, 0), term(0, 0, 1));
@@ -149,7 +158,7 @@ TEST(SplineLattice, IsTheSumOfItsTermsWhereverBricksEndAndOnEveryProcessor) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> in(0, kResolution), noise(-1, 1);
   const SparseLattice c =
-      spline_coefficients(tabulate([&](const Vec3&) { return noise(random); }), 10, kHugeCell);
+      spline_lattice(tabulate([&](const Vec3&) { return noise(random); }), 10, kHugeCell);
   std::vector<Vec3> points;
   for (int n = 0; n < 2001; ++n) points.emplace_back(in(random), in(random), in(random));
   for (const double edge : {0.0, 7.0, 8.0, 16.0}) points.push_back(Vec3::Constant(edge));
@@ -159,6 +168,8 @@ TEST(SplineLattice, IsTheSumOfItsTermsWhereverBricksEndAndOnEveryProcessor) {
     const SplineValue expected = plain_sum(c, points[i]);
     ASSERT_NEAR(baseline[i].value, expected.value, 1e-14) << points[i].transpose();
     ASSERT_LT((baseline[i].gradient - expected.gradient).norm(), 1e-13) << points[i].transpose();
+    // On faces of cells the second derivative has two values.
+    if ((points[i].array() == points[i].array().round()).any()) continue;
     ASSERT_LT((baseline[i].hessian - expected.hessian).norm(), 1e-13) << points[i].transpose();
   }
   for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
@@ -171,20 +182,20 @@ TEST(SplineLattice, IsTheSumOfItsTermsWhereverBricksEndAndOnEveryProcessor) {
   }
 }
 
-TEST(SplineLattice, AMissingBrickMattersOnlyWhereItsCoefficientsDo) {
+TEST(SplineLattice, AMissingBrickMattersOnlyWhereItsValuesDo) {
   std::vector<std::int32_t> all(5 * 5 * 5);
   std::iota(all.begin(), all.end(), 0);
   const SparseLattice whole(kResolution, all, 1.0F);
   std::erase(all, whole.brick_of({8, 0, 0}));
   const SparseLattice c(kResolution, all, 1.0F);
-  // The cell from 6 takes coefficients 5 to 8, that from 5 none beyond 7.
+  // The cell from 6 takes values 5 to 8, that from 5 none beyond 7.
   EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(6.5, 3.5, 3.5)).value));
   EXPECT_NEAR(evaluate_spline(c, Vec3(5.5, 3.5, 3.5)).value, 1.0, 1e-15);
   EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(9.5, 6.5, 6.5)).value));
   EXPECT_NEAR(evaluate_spline(c, Vec3(9.5, 9.5, 3.5)).value, 1.0, 1e-15);
 }
 
-TEST(SplineLattice, OneMissingCoefficientMakesAllOfItNoNumber) {
+TEST(SplineLattice, OneMissingValueMakesAllOfItNoNumber) {
   SparseLattice c = tabulate([](const Vec3&) { return 1.0; });
   c.brick(c.slot_of(c.brick_of({9, 4, 7})))[std::size_t(SparseLattice::place_of({9, 4, 7}))] =
       std::nanf("");
@@ -199,7 +210,7 @@ TEST(SplineLattice, OneMissingCoefficientMakesAllOfItNoNumber) {
 
 TEST(SplineLattice, BricksFurtherThanTheReachAreDropped) {
   const auto height = [](const Vec3& u) { return u.z(); };
-  const SparseLattice c = spline_coefficients(tabulate(height), 1.0, 3.0);
+  const SparseLattice c = spline_lattice(tabulate(height), 1.0, 3.0);
   EXPECT_EQ(c.brick_count(), 2 * 25);  // z = -8 .. -1 and 0 .. 7.
 }
 

@@ -146,7 +146,7 @@ TEST(FieldFile, AnOpenSurfaceStaysOpen) {
 TEST(FieldFile, IsLaidOutAsDocumented) {
   const std::string bytes = encode_field(small_field());
   EXPECT_EQ(bytes.substr(0, 8), "lefortDF");
-  EXPECT_EQ(value_at<std::uint32_t>(bytes, kVersionAt), 2U);
+  EXPECT_EQ(value_at<std::uint32_t>(bytes, kVersionAt), 3U);
   EXPECT_EQ(value_at<std::uint32_t>(bytes, kStorageAt), 1U);
   EXPECT_EQ(value_at<std::int32_t>(bytes, kResolutionAt), 16);
   for (std::size_t k = 0; k < 3; ++k)
@@ -267,7 +267,7 @@ TEST(FieldFile, AReplacedFileDoesNotChangeAFieldThatWasRead) {
 }
 
 TEST(FieldFile, RefusesAnotherVersion) {
-  for (const std::uint32_t version : {0U, 1U, 3U}) {
+  for (const std::uint32_t version : {0U, 2U, 4U}) {
     const auto other = decode(with(encode_field(small_field()), kVersionAt, version));
     ASSERT_FALSE(other);
     EXPECT_EQ(other.error().code, ErrorCode::kFileUnsupported);
@@ -515,7 +515,7 @@ TEST(FieldFile, RefusesBricksOutOfOrderAndValuesThatAreNone) {
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()})
     EXPECT_TRUE(has(complaint(with(good, samples + 4, bad)), "sample 1"));
   for (const float bad : {std::numeric_limits<float>::infinity(), 1e30F, -1e30F})
-    EXPECT_TRUE(has(complaint(with(good, values, bad)), "coefficient 0 is"));
+    EXPECT_TRUE(has(complaint(with(good, values, bad)), "smooth value 0 is"));
   // Beyond the band there are no distances.
   EXPECT_TRUE(has(complaint(with(good, samples + 4, 3.0001F)), "sample 1 is 3.0001"));
   const std::string dense = encode_field(small_fields()[4]);

@@ -64,7 +64,7 @@ void add_build(CLI::App& field, CommandContext& context) {
                                               {"uniform", field::FieldMethod::kUniform}}))
       ->type_name("TEXT");
   command->add_flag("--smooth", job->options.smooth,
-                    "Also prepare the twice differentiable reconstruction");
+                    "Also prepare the differentiable reconstruction");
   command->footer("Example:\n  lefort field build skull.vtp -o skull.field --resolution 256");
   command->callback([job, &context] {
     context.run("field build", [&](Progress& progress) { return build_field(*job, progress); });
@@ -82,7 +82,7 @@ void add_query(CLI::App& field, CommandContext& context) {
       ->required();
   command->add_option("-o,--output", job->output, "Table to write: .csv")->required();
   command->add_flag("--smooth", job->smooth,
-                    "Use the twice differentiable reconstruction instead of the trilinear one");
+                    "Use the differentiable reconstruction instead of the trilinear one");
   command->footer("Example:\n  lefort field query skull.field points.csv -o distances.csv");
   command->callback([job, &context] {
     context.run("field query", [&](Progress& progress) { return query_field(*job, progress); });
@@ -144,7 +144,7 @@ void add_slice(CLI::App& field, CommandContext& context) {
   command->add_option("--mesh", job->mesh,
                       "Surface whose section is drawn, too: .vtp, .stl, .ply or .obj");
   command->add_flag("--smooth", job->smooth,
-                    "Use the twice differentiable reconstruction instead of the trilinear one");
+                    "Use the differentiable reconstruction instead of the trilinear one");
   command->footer(
       "Axial planes are seen from the feet, coronal ones from the front, sagittal ones from the\n"
       "left. --json tells distances, areas and the length of the zero line.\n"

@@ -17,7 +17,7 @@ namespace {
 
 // To be raised with every change of the solver or of contact that may change what a step finds, and
 // of this file's layout.
-constexpr double kStepsRevision = 5;
+constexpr double kStepsRevision = 6;
 
 constexpr std::string_view kMagic = "lefort restart 3\n";
 constexpr std::size_t kHashDigits = 64;

@@ -8,7 +8,7 @@ namespace {
 
 // To be raised with every change of a stage's code that may change what it makes.
 constexpr double kLabelsRevision = 5;
-constexpr double kFieldRevision = 4;
+constexpr double kFieldRevision = 5;
 constexpr double kTissueRevision = 4;
 constexpr double kSkinRevision = 2;
 

@@ -29,9 +29,9 @@ constexpr double kMaxLength_mm = 1e4;
 constexpr double kMinExtent_mm = 1e-3;
 constexpr Index kMaxTriangles = 100'000'000;
 
-// What sample_smooth() needs beyond the band, in cells: the coefficients around a cell lie up to
-// two cells along each axis from its corners, of which one may be a cell's diagonal beyond the
-// band; and each coefficient needs its neighbours.
+// What sample_smooth() needs beyond the band, in cells: the values around a cell lie up to two
+// cells along each axis from its corners, of which one may be a cell's diagonal beyond the band;
+// and each is looked at beside its neighbours.
 constexpr double kStencilReach = 4.4;
 constexpr double kSampleReach = kStencilReach + 1.0001;
 static_assert(kSampleReach < SparseLattice::kSide, "the lattice must hold what it needs");
@@ -143,8 +143,8 @@ Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface
     LEFORT_TRY(const SparseLattice distances,
                sample_narrow_band(surface, frame, frame.band_mm + kSampleReach * frame.cell_mm,
                                   winding, progress));
-    smooth = spline_coefficients(distances, frame.cell_mm,
-                                 frame.band_mm + kStencilReach * frame.cell_mm);
+    smooth =
+        spline_lattice(distances, frame.cell_mm, frame.band_mm + kStencilReach * frame.cell_mm);
   }
   progress.report(1.0);
   return DistanceField(frame, std::move(samples), std::move(smooth),

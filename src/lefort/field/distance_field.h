@@ -31,7 +31,7 @@ class DistanceField {
   using Samples = std::variant<BrickSamples, Octree, DenseSamples>;
 
   /// Takes the parts apart or together, for building and for files.
-  /// \param smooth  coefficients of the cubic B-spline (spline_lattice.h), if it is wanted.
+  /// \param smooth  what sample_smooth() reads (spline_lattice.h), if it is wanted.
   /// \param source  told by source(); queries do not need it.
   DistanceField(const FieldFrame& frame, Samples samples,
                 std::optional<SparseLattice> smooth = std::nullopt,
@@ -54,8 +54,8 @@ class DistanceField {
   /// before flat faces; nothing where sample() is not kBand.
   [[nodiscard]] std::optional<Vec3> nearest_point(const Vec3& p_B) const;
 
-  /// Twice continuously differentiable: a cubic B-spline over the finest lattice, however the
-  /// samples are kept. Reproduces cubic polynomials; the error is of order cell_mm^4.
+  /// Continuously differentiable: piecewise cubic through the values of the finest lattice, however
+  /// the samples are kept (evaluate_spline.h). The error is of order cell_mm^3.
   /// \pre is_smooth().
   [[nodiscard]] SmoothSample sample_smooth(const Vec3& p_B) const;
   /// The same for many points, faster. \pre as many results as points.

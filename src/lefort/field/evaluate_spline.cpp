@@ -9,7 +9,7 @@
 #include <cstring>
 #include <limits>
 
-// The tensor product is summed axis after axis: of 16 rows of four coefficients along x, first
+// The tensor product is summed axis after axis: of 16 rows of four values along x, first
 // along z, then along y, a row to a vector; what is left are ten sums of four.
 
 namespace lefort::field {
@@ -17,8 +17,8 @@ namespace lefort::field {
 namespace {
 
 constexpr int kSide = SparseLattice::kSide;
-constexpr std::size_t kRow = 4;  ///< Splines that do not vanish in a cell, along an axis.
-/// Points whose coefficients are fetched ahead.
+constexpr std::size_t kRow = 4;  ///< Values that count in a cell, along an axis.
+/// Points whose values are fetched ahead.
 constexpr std::size_t kGroup = 16;
 
 using Row = double __attribute__((vector_size(kRow * sizeof(double))));
@@ -31,20 +31,21 @@ constexpr auto kAbsent = [] {
   return brick;
 }();
 
-/// The four cubic B-splines that do not vanish at 0 <= t <= 1, and their derivatives.
+/// Of the values at -1, 0, 1 and 2 for the spline at 0 <= t <= 1, and for its derivatives.
 struct Weights {
   std::array<double, kRow> value, slope, curvature;
 };
 
 LEFORT_INLINE Weights weights_at(double t) {
   const double s = 1.0 - t;
-  return {{s * s * s / 6.0, (4.0 - 3.0 * t * t * (2.0 - t)) / 6.0,
-           (4.0 - 3.0 * s * s * (2.0 - s)) / 6.0, t * t * t / 6.0},
-          {-0.5 * s * s, 0.5 * t * (3.0 * t - 4.0), -0.5 * s * (3.0 * s - 4.0), 0.5 * t * t},
-          {s, 3.0 * t - 2.0, 3.0 * s - 2.0, t}};
+  return {{-0.5 * t * s * s, 1.0 + t * t * (1.5 * t - 2.5), 1.0 + s * s * (1.5 * s - 2.5),
+           -0.5 * s * t * t},
+          {0.5 * s * (3.0 * t - 1.0), t * (4.5 * t - 5.0), -s * (4.5 * s - 5.0),
+           -0.5 * t * (3.0 * s - 1.0)},
+          {2.0 - 3.0 * t, 9.0 * t - 5.0, 9.0 * s - 5.0, 2.0 - 3.0 * s}};
 }
 
-/// Where the 4 x 4 x 4 coefficients around a point lie: from `first` on in the first of at most
+/// Where the 4 x 4 x 4 values around a point lie: from `first` on in the first of at most
 /// eight bricks.
 struct Place {
   std::array<const float*, 8> bricks;  ///< x fastest.
@@ -60,8 +61,8 @@ LEFORT_INLINE const float* row_at(const Place& place, int y, int z, int x_brick)
   return place.bricks[std::size_t(brick)] + ((z % kSide) * kSide + y % kSide) * kSide;
 }
 
-LEFORT_INLINE void locate(const SparseLattice& coefficients, const Vec3& u, Place& place) {
-  const int n = coefficients.bricks_per_side(), last = coefficients.resolution() - 1;
+LEFORT_INLINE void locate(const SparseLattice& lattice, const Vec3& u, Place& place) {
+  const int n = lattice.bricks_per_side(), last = lattice.resolution() - 1;
   LatticePoint low{};
   for (std::size_t k = 0; k < 3; ++k) {
     const double at = u[Index(k)];
@@ -70,12 +71,12 @@ LEFORT_INLINE void locate(const SparseLattice& coefficients, const Vec3& u, Plac
     low[k] = cell - 1;
     place.first[k] = (low[k] + kSide) % kSide;
   }
-  const std::int32_t brick = coefficients.brick_of(low);
+  const std::int32_t brick = lattice.brick_of(low);
   for (int i = 0; i < 8; ++i) {
     const std::int32_t slot =
-        coefficients.slot_of(brick + (i & 1) + (i >> 1 & 1) * n + (i >> 2) * n * n);
+        lattice.slot_of(brick + (i & 1) + (i >> 1 & 1) * n + (i >> 2) * n * n);
     place.bricks[std::size_t(i)] =
-        slot == SparseLattice::kNoBrick ? kAbsent.data() : coefficients.brick(slot).data();
+        slot == SparseLattice::kNoBrick ? kAbsent.data() : lattice.brick(slot).data();
   }
   // Four rows of a brick are 128 bytes and lie in three lines of the cache, whatever they begin at.
   const int y = place.first[1];
@@ -159,37 +160,37 @@ LEFORT_INLINE void evaluate(const Place& place, SplineValue& result) {
   hessian(1, 2) = hessian(2, 1) = sum(x.value, dyz);
 }
 
-LEFORT_INLINE void evaluate_all(const SparseLattice& coefficients, std::span<const Vec3> u,
+LEFORT_INLINE void evaluate_all(const SparseLattice& lattice, std::span<const Vec3> u,
                                 std::span<SplineValue> values) {
   std::array<Place, kGroup> places;
   for (std::size_t begin = 0; begin < u.size(); begin += kGroup) {
     const std::size_t count = std::min(kGroup, u.size() - begin);
-    for (std::size_t i = 0; i < count; ++i) locate(coefficients, u[begin + i], places[i]);
+    for (std::size_t i = 0; i < count; ++i) locate(lattice, u[begin + i], places[i]);
     for (std::size_t i = 0; i < count; ++i) evaluate(places[i], values[begin + i]);
   }
 }
 
 #if defined(__x86_64__)
-LEFORT_AVX2 void evaluate_avx2(const SparseLattice& coefficients, std::span<const Vec3> u,
+LEFORT_AVX2 void evaluate_avx2(const SparseLattice& lattice, std::span<const Vec3> u,
                                std::span<SplineValue> values) {
-  evaluate_all(coefficients, u, values);
+  evaluate_all(lattice, u, values);
 }
 #endif
 
 }  // namespace
 
-void evaluate_splines(const SparseLattice& coefficients, std::span<const Vec3> u,
+void evaluate_splines(const SparseLattice& lattice, std::span<const Vec3> u,
                       std::span<SplineValue> values, Simd simd) {
   LEFORT_CHECK(u.size() == values.size());
 #if defined(__x86_64__)
-  if (simd != Simd::kBaseline) return evaluate_avx2(coefficients, u, values);
+  if (simd != Simd::kBaseline) return evaluate_avx2(lattice, u, values);
 #endif
-  evaluate_all(coefficients, u, values);
+  evaluate_all(lattice, u, values);
 }
 
-SplineValue evaluate_spline(const SparseLattice& coefficients, const Vec3& u) {
+SplineValue evaluate_spline(const SparseLattice& lattice, const Vec3& u) {
   SplineValue value{};
-  evaluate_splines(coefficients, std::span(&u, 1), std::span(&value, 1));
+  evaluate_splines(lattice, std::span(&u, 1), std::span(&value, 1));
   return value;
 }
 

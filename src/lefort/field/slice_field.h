@@ -16,7 +16,7 @@ struct SliceOptions {
   double at_mm = 0.0;              ///< Coordinate of the plane along the axis.
   std::optional<Box3> region_B{};  ///< What is shown; its extent along the axis does not matter.
   double pixel_mm = 1.0;           ///< Side of a pixel, > 0.
-  bool smooth = false;             ///< The twice differentiable reconstruction.
+  bool smooth = false;             ///< The differentiable reconstruction.
 };
 
 /// Distances on a plane, rows from the top. Sides are as in radiology: seen from the patient's feet

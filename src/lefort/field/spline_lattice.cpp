@@ -14,29 +14,27 @@ namespace lefort::field {
 namespace {
 
 constexpr int kSide = SparseLattice::kSide;
-constexpr float kNoCoefficient = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
-float coefficient_at(const SparseLattice& values, const LatticePoint& point, double cell) {
+float value_beside_no_tear(const SparseLattice& values, const LatticePoint& point, double cell) {
   const int last = values.resolution() + 2 * kSide - 1;
-  const float here = values.at(point, kNoCoefficient);
-  if (std::isnan(here)) return kNoCoefficient;
-  double differences = 0.0;
+  const float here = values.at(point, kNoValue);
+  if (std::isnan(here)) return kNoValue;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const int step : {-1, 1}) {
       LatticePoint neighbour = point;
       neighbour[axis] += step;
-      if (neighbour[axis] < -kSide || neighbour[axis] > last) return kNoCoefficient;
-      const float there = values.at(neighbour, kNoCoefficient);
-      if (std::isnan(there) || is_torn(here, there, float(cell))) return kNoCoefficient;
-      differences += double(there) - double(here);
+      if (neighbour[axis] < -kSide || neighbour[axis] > last) return kNoValue;
+      const float there = values.at(neighbour, kNoValue);
+      if (std::isnan(there) || is_torn(here, there, float(cell))) return kNoValue;
     }
   }
-  return float(double(here) - differences / 6.0);
+  return here;
 }
 
 }  // namespace
 
-SparseLattice spline_coefficients(const SparseLattice& values, double cell, double reach) {
+SparseLattice spline_lattice(const SparseLattice& values, double cell, double reach) {
   std::vector<std::int32_t> bricks;
   for (Index slot = 0; slot < values.brick_count(); ++slot) {
     const auto brick = values.brick(slot);
@@ -44,18 +42,18 @@ SparseLattice spline_coefficients(const SparseLattice& values, double cell, doub
     if (std::any_of(brick.begin(), brick.end(), is_near))
       bricks.push_back(values.brick_number(slot));
   }
-  SparseLattice coefficients(values.resolution(), std::move(bricks), kNoCoefficient);
+  SparseLattice kept(values.resolution(), std::move(bricks), kNoValue);
   const auto fill_brick = [&](Index slot) {
-    const LatticePoint first = coefficients.first_point(coefficients.brick_number(slot));
-    const auto brick = coefficients.brick(slot);
+    const LatticePoint first = kept.first_point(kept.brick_number(slot));
+    const auto brick = kept.brick(slot);
     for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
       const LatticePoint point = {first[0] + i % kSide, first[1] + i / kSide % kSide,
                                   first[2] + i / (kSide * kSide)};
-      brick[std::size_t(i)] = coefficient_at(values, point, cell);
+      brick[std::size_t(i)] = value_beside_no_tear(values, point, cell);
     }
   };
-  parallel_for(coefficients.brick_count(), fill_brick, 8);
-  return coefficients;
+  parallel_for(kept.brick_count(), fill_brick, 8);
+  return kept;
 }
 
 }  // namespace lefort::field

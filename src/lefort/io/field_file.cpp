@@ -34,7 +34,7 @@ static_assert(std::endian::native == std::endian::little,
               "values are copied as they lie in memory");
 
 constexpr std::string_view kMagic = "lefortDF";
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr int kMaxResolution = 2048;
 constexpr double kMaxCoordinate_mm = 1e7;
 constexpr double kMinCell_mm = 1e-7;       // A fifth of the finest that can be built.
@@ -53,7 +53,7 @@ enum Block : std::size_t {
   kTree,          ///< Letters of the octree.
   kSamples,       ///< float [mm]: octree corners in the order of sample_points(), or dense.
   kSmoothBricks,  ///< int32, numbers of the bricks of the smooth lattice, ascending.
-  kSmoothValues,  ///< float, coefficients of each.
+  kSmoothValues,  ///< float, of each.
   kBlockCount
 };
 
@@ -246,9 +246,9 @@ Result<field::DistanceField::Samples> read_samples(const Header& header, const F
   return read_dense(frame, blocks);
 }
 
-// A coefficient is at most 27 times the largest sample, three along each axis; samples reach some
-// cells beyond the band.
-constexpr double kLargestGain = 27.0, kSplineReach = 8.0;
+/// How far beyond the band values may reach [cells]: a brick of 8 cells a side of which one sample
+/// lies some 4 cells beyond it is kept whole.
+constexpr double kSplineReach = 20.0;
 
 Result<SparseLattice> read_lattice(const FieldFrame& frame, const Blocks& blocks) {
   const std::span<const std::int32_t> numbers = values_of<std::int32_t>(blocks[kSmoothBricks]);
@@ -266,10 +266,10 @@ Result<SparseLattice> read_lattice(const FieldFrame& frame, const Blocks& blocks
     previous = brick;
   }
   SparseLattice lattice(frame.resolution, {numbers.begin(), numbers.end()}, 0.0F);
-  const auto most_mm = float(kLargestGain * (frame.band_mm + kSplineReach * frame.cell_mm));
-  for (std::size_t i = 0; i < values.size(); ++i) {  // NaN says that there is no coefficient.
+  const auto most_mm = float(frame.band_mm + kSplineReach * frame.cell_mm);
+  for (std::size_t i = 0; i < values.size(); ++i) {  // NaN says that there is none.
     if (std::abs(values[i]) > most_mm)
-      return corrupt(fmt::format("coefficient {} is {}", i, values[i]));
+      return corrupt(fmt::format("smooth value {} is {}", i, values[i]));
     lattice.values()[i] = values[i];
   }
   return lattice;
