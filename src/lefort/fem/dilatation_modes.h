@@ -61,9 +61,8 @@ template <class Element>
 /// Bulk modulus that stays at the points, in shear moduli, since one mean does not see what is
 /// linear in an element.
 struct BulkAtPoints {
-  double inside = 0.0;  ///< Where the body is more than a layer thick (reach_inside.h).
-  double in_layer =
-      0.0;  ///< In a single layer, without means above and below that bending tells apart.
+  double inside = 0.0;    ///< Where the body is more than a layer thick (reach_inside.h).
+  double in_layer = 0.0;  ///< Where it is not: no means above and below, which bending tells apart.
 };
 template <class Element>
 inline constexpr BulkAtPoints kBulkAtPoints{};

@@ -28,7 +28,7 @@ struct Averages {
   std::vector<NodalDilatation::State> of_patch;
   std::unique_ptr<SmoothedShearTerm> shear;  ///< Or null.
   std::vector<SmoothedShearTerm::State> of_group;
-  std::vector<char> reaches_inside;  ///< Of each element.
+  std::vector<char> reaches_inside;  ///< Of each element, or empty (reach_inside.h).
 };
 
 template <class Term>
@@ -68,9 +68,12 @@ VolumeShare<Element> volume_share(const Material& material, const ElementNodes<E
                                   const Eigen::Matrix<double, Element::kPoints, 1>& change,
                                   const Averages& averages, Index number) {
   if constexpr (kDilatationModes < Element >> 0) {
-    const auto response = volume_response<Element>(
-        share_volume<Element>(material, averages.reaches_inside[std::size_t(number)] != 0), points,
-        dilatation_modes<Element>(X, points), change);
+    bool reaches_inside = false;
+    if constexpr (kHasBulkAtPoints<Element>)
+      reaches_inside = averages.reaches_inside[std::size_t(number)] != 0;
+    const auto response =
+        volume_response<Element>(share_volume<Element>(material, reaches_inside), points,
+                                 dilatation_modes<Element>(X, points), change);
     if (!response) return {VolumeShare<Element>::PerPoint::Constant(kNan), kNan};
     return {response->pressure, response->energy_mj};
   } else {

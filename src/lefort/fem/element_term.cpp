@@ -141,21 +141,14 @@ Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementB
       element_of(block.shape));
 }
 
-bool asks_what_reaches_inside(const mesh::ElementBlock& block) {
-  return std::visit([]<class Element>(const Element&) { return kHasBulkAtPoints<Element>; },
-                    element_of(block.shape));
-}
-
 }  // namespace
 
 Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
                                                 const RegionMaterials& materials,
                                                 Dilatation dilatation) {
   for (const mesh::ElementBlock& block : mesh.blocks) LEFORT_TRY_VOID(check_block(mesh, block));
-  std::vector<char> inside;
-  if (dilatation == Dilatation::kAveraged &&
-      std::ranges::any_of(mesh.blocks, asks_what_reaches_inside))
-    inside = reach_inside(mesh);
+  const std::vector<char> inside =
+      dilatation == Dilatation::kAveraged ? reach_inside(mesh) : std::vector<char>();
   std::vector<TermPtr> terms;
   Index first_number = 0;
   for (const mesh::ElementBlock& block : mesh.blocks) {

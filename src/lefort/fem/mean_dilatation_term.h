@@ -21,8 +21,8 @@ namespace lefort::fem {
 template <class Element>
 class MeanDilatationTerm final : public ForceTerm {
  public:
-  /// \param modes             one per element.
-  /// \param reaches_inside  one per element, or empty where the shape does not ask.
+  /// \param modes           one per element.
+  /// \param reaches_inside  one per element (reach_inside.h), or none if the shape does not ask.
   MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes,
                      std::span<const char> reaches_inside)
       : data_(std::move(data)), modes_(std::move(modes)) {

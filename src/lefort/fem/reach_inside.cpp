@@ -1,9 +1,12 @@
+#include <lefort/fem/dilatation_modes.h>
+#include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/reach_inside.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/element_faces.h>
 
 #include <algorithm>
 #include <span>
+#include <variant>
 
 namespace lefort::fem {
 namespace {
@@ -35,9 +38,15 @@ NodeFlags corners_of(const mesh::VolumeMesh& mesh, const std::vector<char>& elem
   return is_marked;
 }
 
+bool asks(const mesh::ElementBlock& block) {
+  return std::visit([]<class Element>(const Element&) { return kHasBulkAtPoints<Element>; },
+                    element_of(block.shape));
+}
+
 }  // namespace
 
 std::vector<char> reach_inside(const mesh::VolumeMesh& mesh) {
+  if (!std::ranges::any_of(mesh.blocks, asks)) return {};
   NodeFlags is_inner(mesh.nodes_L.size(), 1);
   for (const std::int32_t node : mesh::nodes_of_faces(mesh::boundary_faces(mesh)))
     is_inner[std::size_t(node)] = 0;

@@ -10,7 +10,9 @@ namespace lefort::fem {
 
 /// For each element, through the blocks: whether a corner of its own, or of an element that it
 /// shares a corner with, is inside, on no face that belongs to one element alone. In a single layer
-/// there is no such corner.
+/// there is no such corner; nor is there in a plane model, one element thick.
+///
+/// \returns one flag per element; none at all if no shape in the mesh asks (kHasBulkAtPoints).
 /// \pre the blocks name nodes of the mesh.
 [[nodiscard]] std::vector<char> reach_inside(const mesh::VolumeMesh& mesh);
 
