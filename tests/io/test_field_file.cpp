@@ -516,6 +516,10 @@ TEST(FieldFile, RefusesBricksOutOfOrderAndValuesThatAreNone) {
     EXPECT_TRUE(has(complaint(with(good, samples + 4, bad)), "sample 1"));
   for (const float bad : {std::numeric_limits<float>::infinity(), 1e30F, -1e30F})
     EXPECT_TRUE(has(complaint(with(good, values, bad)), "smooth value 0 is"));
+  const field::FieldFrame& frame = small_octree().frame();
+  const auto most_mm = float(frame.band_mm + 4.5 * frame.cell_mm);
+  EXPECT_TRUE(decode(with(good, values, most_mm)));
+  EXPECT_TRUE(has(complaint(with(good, values, 1.001F * most_mm)), "smooth value 0 is"));
   // Beyond the band there are no distances.
   EXPECT_TRUE(has(complaint(with(good, samples + 4, 3.0001F)), "sample 1 is 3.0001"));
   const std::string dense = encode_field(small_fields()[4]);

@@ -19,7 +19,7 @@ namespace lefort::contact {
 
 /// Who answers.
 enum class Detection : std::uint8_t {
-  kSmooth,     ///< The field read cubically: continuously differentiable, with its Hessian.
+  kSmooth,     ///< The field read cubically: continuously differentiable; its Hessian may jump.
   kTrilinear,  ///< The field as in the paper, section 2.2. Its gradient jumps at cell faces.
   kBvh,        ///< A tree of boxes over the triangles; the paper's conventional baseline.
 };

@@ -30,11 +30,9 @@ constexpr double kMinExtent_mm = 1e-3;
 constexpr Index kMaxTriangles = 100'000'000;
 
 // What sample_smooth() needs beyond the band, in cells: the values around a cell lie up to two
-// cells along each axis from its corners, of which one may be a cell's diagonal beyond the band;
-// and each is looked at beside its neighbours.
+// cells along each axis from its corners, of which one may be a cell's diagonal beyond the band.
 constexpr double kStencilReach = 4.4;
-constexpr double kSampleReach = kStencilReach + 1.0001;
-static_assert(kSampleReach < SparseLattice::kSide, "the lattice must hold what it needs");
+static_assert(kStencilReach < SparseLattice::kSide, "the lattice must hold what it needs");
 
 Result<void> check_options(const DistanceFieldOptions& options) {
   const auto refuse = [](std::string message) {
@@ -140,11 +138,10 @@ Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface
   std::optional<SparseLattice> smooth;
   if (options.smooth) {
     progress.begin_stage("smooth distances");
+    const double reach_mm = frame.band_mm + kStencilReach * frame.cell_mm;
     LEFORT_TRY(const SparseLattice distances,
-               sample_narrow_band(surface, frame, frame.band_mm + kSampleReach * frame.cell_mm,
-                                  winding, progress));
-    smooth =
-        spline_lattice(distances, frame.cell_mm, frame.band_mm + kStencilReach * frame.cell_mm);
+               sample_narrow_band(surface, frame, reach_mm, winding, progress));
+    smooth = spline_lattice(distances, frame.cell_mm, reach_mm);
   }
   progress.report(1.0);
   return DistanceField(frame, std::move(samples), std::move(smooth),

@@ -55,7 +55,7 @@ class DistanceField {
   [[nodiscard]] std::optional<Vec3> nearest_point(const Vec3& p_B) const;
 
   /// Continuously differentiable: piecewise cubic through the values of the finest lattice, however
-  /// the samples are kept (evaluate_spline.h). The error is of order cell_mm^3.
+  /// the samples are kept (evaluate_spline.h). Away from kinks the error is of order cell_mm^3.
   /// \pre is_smooth().
   [[nodiscard]] SmoothSample sample_smooth(const Vec3& p_B) const;
   /// The same for many points, faster. \pre as many results as points.

@@ -2,11 +2,12 @@
 /// Cubic convolution (\cite keys1981): the piecewise cubic of Catmull and Rom along each axis,
 /// through the values of a lattice, with the slopes of central differences.
 ///
-/// Continuously differentiable; second derivatives jump at cell faces, by no more than a third
-/// difference of the values. Reproduces quadratic polynomials: the error is of order cell^3. It
-/// keeps every value and looks no further than two cells for it. Of the splines that were tried for
-/// contact the C2 one through the values swings beside kinks of the distance, and the C2 one that
-/// smooths them tells depths wrong there, by 0.1 mm at P99 (docs/contact.md).
+/// Continuously differentiable. At a cell face the second derivative across it jumps, by the sum of
+/// the third differences on both sides; no other does. Reproduces quadratic polynomials: where the
+/// values are smooth the error is of order cell^3, that of the second derivatives of order cell.
+/// Every value is kept. Of the splines that were tried for contact the C2 one through the values
+/// swings beside kinks of the distance, and the C2 one that smooths them tells depths wrong there,
+/// by 0.1 mm at P99 (docs/contact.md).
 #pragma once
 
 #include <lefort/core/types.h>

@@ -16,7 +16,8 @@ struct FieldSample {
   Vec3 gradient_B;  ///< Derivative of distance_mm; about, not exactly, of unit length.
 };
 
-/// Distance with continuous first and second derivatives. Beyond the band as in FieldSample.
+/// Distance with continuous first derivatives; the second may jump at faces of cells. Beyond the
+/// band as in FieldSample.
 struct SmoothSample {
   Zone zone;
   double distance_mm;

@@ -24,9 +24,8 @@ float value_beside_no_tear(const SparseLattice& values, const LatticePoint& poin
     for (const int step : {-1, 1}) {
       LatticePoint neighbour = point;
       neighbour[axis] += step;
-      if (neighbour[axis] < -kSide || neighbour[axis] > last) return kNoValue;
-      const float there = values.at(neighbour, kNoValue);
-      if (std::isnan(there) || is_torn(here, there, float(cell))) return kNoValue;
+      if (neighbour[axis] < -kSide || neighbour[axis] > last) continue;
+      if (is_torn(here, values.at(neighbour, kNoValue), float(cell))) return kNoValue;
     }
   }
   return here;

@@ -15,7 +15,7 @@ namespace lefort::field {
 ///
 /// \param cell   spacing of the lattice; also the largest difference between neighbours of a
 ///   distance field. Larger ones are tears of the sign behind the rim of an open surface: the
-///   points on both sides of a tear, and those without all neighbours, become NaN.
+///   points on both sides of a tear become NaN.
 /// \param reach  only bricks holding a value of at most this size are kept.
 [[nodiscard]] SparseLattice spline_lattice(const SparseLattice& values, double cell, double reach);
 

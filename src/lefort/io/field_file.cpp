@@ -246,9 +246,8 @@ Result<field::DistanceField::Samples> read_samples(const Header& header, const F
   return read_dense(frame, blocks);
 }
 
-/// How far beyond the band values may reach [cells]: a brick of 8 cells a side of which one sample
-/// lies some 4 cells beyond it is kept whole.
-constexpr double kSplineReach = 20.0;
+/// How far beyond the band values reach [cells]: 4.4 (build_distance_field.cpp), and some rounding.
+constexpr double kSplineReach = 4.5;
 
 Result<SparseLattice> read_lattice(const FieldFrame& frame, const Blocks& blocks) {
   const std::span<const std::int32_t> numbers = values_of<std::int32_t>(blocks[kSmoothBricks]);
