@@ -67,13 +67,14 @@ export class App {
     this.live = new LiveAnswers(this, listeners);
     this.labelBrush = new LabelBrush(this, listeners);
     this.boundaryBrush = new BoundaryBrush(this, listeners);
+    // Before whoever draws it: what is selected must be there.
+    this.model.history.subscribe((history, before) => this.onDocChanged(history, before));
   }
 
   // The life of the page
 
   async start(): Promise<void> {
     const { model } = this;
-    model.history.subscribe((history, before) => this.onDocChanged(history, before));
     model.state.subscribe((state, before) => {
       if (state.step !== before.step) {
         this.loadSurfaces();

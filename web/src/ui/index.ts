@@ -36,9 +36,15 @@ export function startPlanner(root: HTMLElement): void {
   });
 
   let waits = false;
+  let isDrawing = false;
   const drawNow = (): void => {
     waits = false;
-    drawShell(root, app, view);
+    isDrawing = true;
+    try {
+      drawShell(root, app, view);
+    } finally {
+      isDrawing = false;
+    }
   };
   const drawWaiting = (): void => {
     if (waits) drawNow();
@@ -57,9 +63,10 @@ export function startPlanner(root: HTMLElement): void {
     }
     draw();
   });
-  // At once: a control edits the plan that it was drawn with, and must not undo the edit before.
+  // At once: a control edits the plan that it was drawn with, and must not undo the edit before. A field that drawing takes
+  // away may tell its last value meanwhile.
   app.model.history.subscribe(() => {
-    if (view.isDragging) draw();
+    if (view.isDragging || isDrawing) draw();
     else drawNow();
   });
   listenToKeys(app, view);

@@ -54,7 +54,7 @@ export function movementPanel(app: App, s: State): Part {
   const cut = stageOf(s, 'cut');
   const move = app.move();
   const keyframe = keyframesOf(segment)[s.keyframe];
-  // Of the move as it is then: another field may have changed it since this was drawn.
+  // Of the move as it is then: what is dragged is drawn later here.
   const set = (key: PartKey, value: number): void => {
     const now = app.move();
     if (now) app.setMove(withPart(now, key, value), `move-${key}`);
