@@ -9,6 +9,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,15 +26,17 @@ constexpr double kKappa_mpa = 1e4;
 constexpr double kTwist_rad_per_mm = 0.6;
 constexpr double kCompressibility = 3.0 * kMu_mpa / kKappa_mpa;
 
+/// The error of a load goes with the product of two errors of strain: of the solution, and of the
+/// displacement by which that load does work (\cite babuska1984). A twist more, for the torque, is
+/// as smooth as the solution. A stretch between held ends, for the axial force, has a stress that
+/// is singular at their rims: on regular meshes its strains come with order 0.595 (bulging.cpp).
+constexpr double kTorqueOrder = 2.0;
+constexpr double kAxialOrder = 1.595;
+
 /// The volume changes by at most mu tau^2 a^2 / 2, the pressure on the axis, over kappa; so do
 /// displacements. At five times that the order is right to a few hundredths.
 constexpr double kLeastError = 5.0 * 0.5 * kMu_mpa * kTwist_rad_per_mm * kTwist_rad_per_mm *
                                kRadius_mm * kRadius_mm / kKappa_mpa;
-
-/// Of the end loads. The stretch by which the axial force does work is held at both ends, too, so
-/// that its stress is singular at their rims: on regular meshes its strains come with order 0.595
-/// (bulging.cpp), those of the twist with 1, and the force with the sum (\cite babuska1984).
-constexpr double kLoadOrder = 1.595;
 
 struct EndLoads {
   double torque_nmm = 0.0;
@@ -93,12 +97,30 @@ Result<Twisted> twist(mesh::ElementShape shape, int cells, Progress& progress) {
 }
 
 /// Meshes that halve, by cells in the section of each quarter: the core and the ring around it.
-/// None where seconds do not suffice for an order: tet4 needs 6 cells, tet10 and wedge15 need 4.
+/// None where seconds do not suffice for an order: tet4 and tet10 need 6 cells, wedge15 needs 4.
+/// On coarser ones tet10's torque has yet to come to its order: 0.3, 1.6 and 1.8 from 1, 2 and 3
+/// cells.
 std::vector<int> meshes(mesh::ElementShape shape, Extent extent) {
   using enum mesh::ElementShape;
+  if (extent == Extent::kFull && shape == kTet10) return {3, 6};
   if (extent == Extent::kFull) return degree(shape) == 1 ? std::vector{3, 6} : std::vector{1, 2, 4};
   if (shape == kTet4 || shape == kTet10 || shape == kWedge15) return {};
   return shape == kHex20 ? std::vector{1, 2} : std::vector{2, 4};
+}
+
+/// Of an end load's error; one no larger than what the material's own compressibility makes, three
+/// times mu over kappa, has no order left.
+void judge_load(const std::string& name, std::span<const double> errors, double order,
+                const std::string& order_reason, Section& section) {
+  if (errors.back() < kCompressibility)
+    section.checks.push_back({.name = name + ": error",
+                              .measured = errors.back(),
+                              .asked = Asked::kAtMost,
+                              .tolerance = kCompressibility,
+                              .reason = "as much as the material's own compressibility, three "
+                                        "times mu over kappa, makes: no order is left"});
+  else
+    judge_errors(name, errors, {.order = order, .order_reason = order_reason}, section);
 }
 
 }  // namespace
@@ -115,15 +137,16 @@ Section verify_torsion(Extent extent, Progress& progress) {
           "1949) found that every section turns rigidly, whatever the size of the twist; the ends "
           "need the torque pi mu tau a^4 / 2 = {:.5f} N mm and, which no linear theory knows, the "
           "axial force -pi mu tau^2 a^4 / 4 = {:.5f} N. Orders expected: of the displacement "
-          "in the L2 norm 3 for hex20, 2 for all others; of the loads 1.595 at least, as "
-          "the stretch by which the axial force does work is singular at the rims of the ends.",
+          "in the L2 norm 3 for hex20, 2 for all others; of the torque 2; of the axial force "
+          "1.595, since the stretch by which it does work is singular at the rims of the held "
+          "ends, with strains of order 0.595.",
           kLength_mm, kRadius_mm, kKappa_mpa, kTwist_rad_per_mm, wanted.torque_nmm,
           wanted.axial_n)};
   Table table{.title =
                   "Errors of the end loads and, in the L2 norm, of the displacement, by cells "
                   "from the axis to the core's side and from there to the rim",
-              .header = {"shape", "cells", "torque", "axial force", "both", "order", "displacement",
-                         "order"}};
+              .header = {"shape", "cells", "torque", "order", "axial force", "order",
+                         "displacement", "order"}};
   report::LinePlot plot{.title = "Twisted column: error of torque and axial force",
                         .x_label = "refinement: log2 of the cells",
                         .y_label = "relative error",
@@ -132,7 +155,7 @@ Section verify_torsion(Extent extent, Progress& progress) {
   for (const mesh::ElementShape shape : kAllShapes) {
     if (meshes(shape, extent).empty()) continue;
     report::PlotLine line{.name = text_of(shape)};
-    std::vector<double> of_loads;
+    std::vector<double> of_torque, of_axial;
     std::vector<double> of_displacement;
     const auto last_order = [](const std::vector<double>& errors) {
       return errors.size() < 2 ? ""
@@ -145,14 +168,15 @@ Section verify_torsion(Extent extent, Progress& progress) {
       if (!found) break;
       const double torque = found->loads.torque_nmm / wanted.torque_nmm - 1.0;
       const double axial = found->loads.axial_n / wanted.axial_n - 1.0;
-      of_loads.push_back(std::hypot(torque, axial));
+      of_torque.push_back(std::abs(torque));
+      of_axial.push_back(std::abs(axial));
       if (found->l2 >= kLeastError) of_displacement.push_back(found->l2);
       table.rows.push_back({text_of(shape), fmt::format("{}", n), fmt::format("{:+.2e}", torque),
-                            fmt::format("{:+.2e}", axial), fmt::format("{:.2e}", of_loads.back()),
-                            last_order(of_loads), fmt::format("{:.2e}", found->l2),
+                            last_order(of_torque), fmt::format("{:+.2e}", axial),
+                            last_order(of_axial), fmt::format("{:.2e}", found->l2),
                             found->l2 >= kLeastError ? last_order(of_displacement) : ""});
       line.x.push_back(std::log2(n));
-      line.y.push_back(of_loads.back());
+      line.y.push_back(std::hypot(torque, axial));
     }
     progress.report(++done / double(kAllShapes.size()));
     plot.lines.push_back(std::move(line));
@@ -161,19 +185,12 @@ Section verify_torsion(Extent extent, Progress& progress) {
       continue;
     }
     const std::string name = text_of(shape);
-    if (of_loads.back() < kCompressibility)
-      section.checks.push_back({.name = fmt::format("{}: end loads: error", name),
-                                .measured = of_loads.back(),
-                                .asked = Asked::kAtMost,
-                                .tolerance = kCompressibility,
-                                .reason = "as much as the material's own compressibility, three "
-                                          "times mu over kappa, makes: no order is left"});
-    else
-      judge_errors(fmt::format("{}: end loads", name), of_loads,
-                   {.order = kLoadOrder,
-                    .order_reason = "1 of the twist's strains and 0.595 of a stretch's, which is "
-                                    "singular at the rims of the ends; faster is welcome"},
-                   section);
+    judge_load(name + ": torque", of_torque, kTorqueOrder,
+               "twice that of the strains, 1 at least; faster is welcome", section);
+    judge_load(name + ": axial force", of_axial, kAxialOrder,
+               "1 of the strains and 0.595 of a stretch's, which is singular at the rims of the "
+               "held ends; faster is welcome",
+               section);
     judge_errors(fmt::format("{}: displacement, L2", name), of_displacement,
                  {.order = averaged_order(shape),
                   .order_reason = "p + 1, or one less for constant pressures; faster is welcome"},
