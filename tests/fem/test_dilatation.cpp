@@ -341,10 +341,13 @@ double stiffness_of_one_layer(ElementShape shape, double poisson) {
 }
 
 TEST(MeanDilatation, ASingleLayerResistsBending) {
-  // One mean of J alone leaves two thirds of it for tet10 and a hundredth for wedge15.
+  // One mean of J alone leaves two thirds of it for tet10 and a hundredth for wedge15. More at the
+  // points would make wedge15 right at any nu, and Cook's membrane worse (docs/locking.md).
   for (const double poisson : {0.3, 0.45, 0.4999}) {
     EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kTet10, poisson), 1.0, 0.1) << poisson;
-    EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kWedge15, poisson), 1.0, 0.1) << poisson;
+    EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kWedge15, poisson),
+                poisson < 0.4 ? 0.93 : 0.82, 0.03)
+        << poisson;
     EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kHex20, poisson), 1.0, 0.03) << poisson;
   }
 }

@@ -69,7 +69,7 @@ inline constexpr BulkAtPoints kBulkAtPoints{};
 template <>
 inline constexpr BulkAtPoints kBulkAtPoints<Tet10>{0.25, 1.0};
 template <>
-inline constexpr BulkAtPoints kBulkAtPoints<Wedge15>{0.5, 2.5};
+inline constexpr BulkAtPoints kBulkAtPoints<Wedge15>{0.5, 1.25};
 
 template <class Element>
 inline constexpr bool kHasBulkAtPoints = kBulkAtPoints<Element>.in_layer > 0.0;

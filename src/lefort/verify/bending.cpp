@@ -81,8 +81,9 @@ Section verify_bending(Extent extent, Progress& progress) {
                         .y_label = "deflection over beam's"};
   for (const mesh::ElementShape shape : kAllShapes) {
     // A single layer of these says nothing of how finer ones converge.
+    using enum mesh::ElementShape;
     const bool is_fine =
-        full || shape == mesh::ElementShape::kHex8 || shape == mesh::ElementShape::kWedge6;
+        full || shape == kHex8 || shape == kWedge6 || shape == kTet10 || shape == kWedge15;
     std::vector<std::string> row{text_of(shape)};
     report::PlotLine line{.name = text_of(shape)};
     std::vector<double> stiffness;
