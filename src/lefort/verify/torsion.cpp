@@ -24,7 +24,13 @@ constexpr double kLength_mm = 1.0;
 constexpr double kMu_mpa = 1.0;
 constexpr double kKappa_mpa = 1e4;
 constexpr double kTwist_rad_per_mm = 0.6;
-constexpr double kCompressibility = 3.0 * kMu_mpa / kKappa_mpa;
+
+/// What the material's own compressibility makes of the loads, relative: of the axial force, which
+/// is the pressure's, three times mu over kappa; of the torque, which goes with the fourth power of
+/// the radius, four times the change of volume, at most mu tau^2 a^2 / 2 over kappa.
+constexpr double kAxialChange = 3.0 * kMu_mpa / kKappa_mpa;
+constexpr double kTorqueChange = 4.0 * 0.5 * kMu_mpa * kTwist_rad_per_mm * kTwist_rad_per_mm *
+                                 kRadius_mm * kRadius_mm / kKappa_mpa;
 
 /// The error of a load goes with the product of two errors of strain: of the solution, and of the
 /// displacement by which that load does work (\cite babuska1984). A twist more, for the torque, is
@@ -108,19 +114,19 @@ std::vector<int> meshes(mesh::ElementShape shape, Extent extent) {
   return shape == kHex20 ? std::vector{1, 2} : std::vector{2, 4};
 }
 
-/// Of an end load's error; one no larger than what the material's own compressibility makes, three
-/// times mu over kappa, has no order left.
-void judge_load(const std::string& name, std::span<const double> errors, double order,
-                const std::string& order_reason, Section& section) {
-  if (errors.back() < kCompressibility)
+/// Of an end load's error; one no larger than what the material's own compressibility makes has no
+/// order left.
+void judge_load(const std::string& name, std::span<const double> errors, double compressibility,
+                const Known& known, Section& section) {
+  if (errors.back() < compressibility)
     section.checks.push_back({.name = name + ": error",
                               .measured = errors.back(),
                               .asked = Asked::kAtMost,
-                              .tolerance = kCompressibility,
-                              .reason = "as much as the material's own compressibility, three "
-                                        "times mu over kappa, makes: no order is left"});
+                              .tolerance = compressibility,
+                              .reason = "as much as the material's own compressibility makes: no "
+                                        "order is left"});
   else
-    judge_errors(name, errors, {.order = order, .order_reason = order_reason}, section);
+    judge_errors(name, errors, known, section);
 }
 
 }  // namespace
@@ -185,11 +191,18 @@ Section verify_torsion(Extent extent, Progress& progress) {
       continue;
     }
     const std::string name = text_of(shape);
-    judge_load(name + ": torque", of_torque, kTorqueOrder,
-               "twice that of the strains, 1 at least; faster is welcome", section);
-    judge_load(name + ": axial force", of_axial, kAxialOrder,
-               "1 of the strains and 0.595 of a stretch's, which is singular at the rims of the "
-               "held ends; faster is welcome",
+    const bool is_slow = extent == Extent::kFull && shape == mesh::ElementShape::kTet10;
+    judge_load(name + ": torque", of_torque, kTorqueChange,
+               {.order = kTorqueOrder,
+                .order_reason = "twice that of the strains, 1 at least; faster is welcome",
+                .miss = is_slow ? "from 1, 2 and 3 cells on it comes with 0.3, 1.6 and 1.8: not "
+                                  "yet as in the limit"
+                                : ""},
+               section);
+    judge_load(name + ": axial force", of_axial, kAxialChange,
+               {.order = kAxialOrder,
+                .order_reason = "1 of the strains and 0.595 of a stretch's, which is singular at "
+                                "the rims of the held ends; faster is welcome"},
                section);
     judge_errors(fmt::format("{}: displacement, L2", name), of_displacement,
                  {.order = averaged_order(shape),
