@@ -36,7 +36,7 @@ struct Body {
   [[nodiscard]] VectorX at_rest() const { return VectorX::Zero(3 * mesh.node_count()); }
 
   [[nodiscard]] fem::NewtonOutcome solve(const fem::NewtonOptions& options = {}) const {
-    fem::LinearSolver solver;
+    linear::LinearSolver solver;
     return fem::find_equilibrium(assembler, prescribed, at_rest(), solver, options);
   }
 

@@ -112,7 +112,7 @@ TEST_F(Assembly, EqualsPlainSumsOverAllItems) {
   EXPECT_NEAR(forces->energy_mj, expected.energy_mj, 1e-11 * expected.energy_mj);
   EXPECT_LT((forces->residual_n - expected.residual_n).norm(), 1e-12 * forces->force_scale_n);
 
-  const SparseMatrix K = body_.assembler.tangent(u);
+  const linear::SparseMatrix K = body_.assembler.tangent(u);
   const DofMap& dofs = body_.assembler.dofs();
   ASSERT_EQ(K.rows(), dofs.free_count());
   Eigen::MatrixXd free(K.rows(), K.cols());
@@ -127,7 +127,7 @@ TEST_F(Assembly, EqualsPlainSumsOverAllItems) {
 TEST_F(Assembly, TangentIsTheDerivativeOfTheResidual) {
   const VectorX u = deformed();
   const DofMap& dofs = body_.assembler.dofs();
-  const SparseMatrix K = body_.assembler.tangent(u);
+  const linear::SparseMatrix K = body_.assembler.tangent(u);
   test::RandomDeformation random(8);
   VectorX direction(dofs.free_count());
   for (Index i = 0; i < direction.size(); ++i) direction[i] = random.number();
@@ -166,7 +166,7 @@ TEST_F(Assembly, SameBitsForAnyNumberOfThreads) {
   const auto with_threads = [&](int threads) {
     const ThreadLimit limit(threads);
     const auto forces = body_.assembler.forces(u).value();
-    const SparseMatrix K = body_.assembler.tangent(u);
+    const linear::SparseMatrix K = body_.assembler.tangent(u);
     VectorX all(2 + forces.residual_n.size() + K.nonZeros() + u.size());
     all << forces.energy_mj, forces.force_scale_n, forces.residual_n,
         Eigen::Map<const VectorX>(K.valuePtr(), K.nonZeros()), body_.assembler.tangent_times(u, u);
@@ -178,18 +178,18 @@ TEST_F(Assembly, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST_F(Assembly, PatternIsLowerSortedAndTheSameEverywhere) {
-  const SparseMatrix at_rest = body_.assembler.tangent(body_.at_rest());
-  const SparseMatrix deformed_tangent = body_.assembler.tangent(deformed());
+  const linear::SparseMatrix at_rest = body_.assembler.tangent(body_.at_rest());
+  const linear::SparseMatrix deformed_tangent = body_.assembler.tangent(deformed());
   ASSERT_EQ(at_rest.nonZeros(), deformed_tangent.nonZeros());
   for (Index j = 0; j < at_rest.cols(); ++j) {
     Index previous = j - 1;
-    SparseMatrix::InnerIterator b(deformed_tangent, j);
-    for (SparseMatrix::InnerIterator a(at_rest, j); a; ++a, ++b) {
+    linear::SparseMatrix::InnerIterator b(deformed_tangent, j);
+    for (linear::SparseMatrix::InnerIterator a(at_rest, j); a; ++a, ++b) {
       EXPECT_GT(a.row(), previous);
       EXPECT_EQ(a.row(), b.row());
       previous = a.row();
     }
-    EXPECT_EQ(SparseMatrix::InnerIterator(at_rest, j).row(), j);  // The diagonal is there.
+    EXPECT_EQ(linear::SparseMatrix::InnerIterator(at_rest, j).row(), j);  // The diagonal is there.
   }
 }
 
@@ -217,7 +217,7 @@ TEST_F(Assembly, ForceScaleMeasuresWhatCancels) {
 
 TEST(Assembler, NodesOfNoItemStillHaveADiagonal) {
   const Assembler assembler(std::vector<Vec3>(2, Vec3::Zero()), DofMap::build(2, {}).value(), {});
-  const SparseMatrix K = assembler.tangent(VectorX::Zero(6));
+  const linear::SparseMatrix K = assembler.tangent(VectorX::Zero(6));
   EXPECT_EQ(K.rows(), 6);
   EXPECT_EQ(K.coeff(5, 5), 0.0);
   EXPECT_EQ(assembler.forces(VectorX::Zero(6))->residual_n.norm(), 0.0);

@@ -235,7 +235,7 @@ TEST_P(Dilatations, SameBitsForAnyNumberOfThreads) {
     const ThreadLimit limit(threads);
     const test::Body body(mesh, {{0, kModerate}}, {});
     VectorX all = body.assembler.forces(u)->residual_n;
-    const SparseMatrix K = body.assembler.tangent(u);
+    const linear::SparseMatrix K = body.assembler.tangent(u);
     const auto states = element_states(mesh, {{0, kModerate}}, u);
     all.conservativeResize(u.size() + K.nonZeros() + 1);
     all.tail(K.nonZeros() + 1) << Eigen::Map<const VectorX>(K.valuePtr(), K.nonZeros()),

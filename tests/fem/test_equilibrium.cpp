@@ -232,7 +232,7 @@ TEST(Equilibrium, AResponseThatLeadsUphillIsNotFollowed) {
       {.node = 0, .component = 1},
       {.node = 0, .component = 2}};
   const Assembler assembler(nodes_L, DofMap::build(2, moved).value(), {&spring});
-  LinearSolver solver;
+  linear::LinearSolver solver;
   // At its end the spring is slack: nothing is left to compare the residual with.
   const auto outcome =
       find_equilibrium(assembler, moved, VectorX::Zero(6), solver, {.absolute_tolerance_n = 1e-10});
@@ -282,8 +282,8 @@ TEST(Equilibrium, ABucklingBlockIsCarriedOverItsIndefiniteTangent) {
   double largest_shift = 0.0;
   for (const auto& line : outcome.history) largest_shift = std::max(largest_shift, line.shift);
   EXPECT_GT(largest_shift, 0.0);
-  LinearSolver solver;  // The end is a stable state: its tangent is positive definite.
-  EXPECT_EQ(solver.factorise(body.assembler.tangent(outcome.x)), Factorisation::kDone);
+  linear::LinearSolver solver;  // The end is a stable state: its tangent is positive definite.
+  EXPECT_EQ(solver.factorise(body.assembler.tangent(outcome.x)), linear::Factorisation::kDone);
 }
 
 TEST(Equilibrium, EveryLinearSolverLeadsThereAsFast) {
@@ -293,15 +293,16 @@ TEST(Equilibrium, EveryLinearSolverLeadsThereAsFast) {
               prescribe_component(mesh.node_sets.at("x1"), 1, 0.1),
               prescribe_component(mesh.node_sets.at("x1"), 2, 0.0)});
   const Body body(std::move(mesh), {{0, kLaw}}, std::move(conditions));
-  const auto solved_by = [&](LinearSolverKind kind) {
-    LinearSolver solver({.kind = kind});
+  const auto solved_by = [&](linear::LinearSolverKind kind) {
+    linear::LinearSolver solver({.kind = kind});
     auto outcome = find_equilibrium(body.assembler, body.prescribed, body.at_rest(), solver);
     EXPECT_EQ(solver.kind(), kind);
     return outcome;
   };
-  const auto direct = solved_by(LinearSolverKind::kDirect);
+  const auto direct = solved_by(linear::LinearSolverKind::kDirect);
   ASSERT_TRUE(direct.converged()) << direct.reason;
-  for (const auto kind : {LinearSolverKind::kLagged, LinearSolverKind::kMultigrid}) {
+  for (const auto kind :
+       {linear::LinearSolverKind::kLagged, linear::LinearSolverKind::kMultigrid}) {
     const auto outcome = solved_by(kind);
     ASSERT_TRUE(outcome.converged()) << outcome.reason;
     EXPECT_LE(outcome.iterations(), direct.iterations() + 2);

@@ -302,7 +302,7 @@ TEST(LoadSteps, ABlockTwistedInOneGoIsHalvedUntilNoElementTurnsInsideOut) {
         {fix(mesh.node_sets.at("z0")), move_rigidly(mesh.node_sets.at("z1"), mesh.nodes_L, turn)});
   };
   const test::Body body(mesh, {{0, NeoHookean{.mu_mpa = 0.5, .lambda_mpa = 2.0}}}, at(1.0));
-  LinearSolver solver;
+  linear::LinearSolver solver;
   LoadStepper stepper({.t = 0.0, .u = body.at_rest()}, [&](double t, const VectorX& start) {
     return find_equilibrium(body.assembler, at(t), start, solver);
   });

@@ -7,13 +7,13 @@
 #include <functional>
 #include <limits>
 
-#include "fem/little_memory.h"
+#include "linear/little_memory.h"
 
 namespace lefort::fem {
 namespace {
 
-SparseMatrix sparse(const Eigen::MatrixXd& A) {
-  SparseMatrix S(A.rows(), A.cols());
+linear::SparseMatrix sparse(const Eigen::MatrixXd& A) {
+  linear::SparseMatrix S(A.rows(), A.cols());
   for (Index j = 0; j < A.cols(); ++j)
     for (Index i = j; i < A.rows(); ++i) S.insert(i, j) = A(i, j);
   S.makeCompressed();
@@ -39,7 +39,7 @@ class Scalar final : public NonlinearSystem {
                    .force_scale_n = 1.0,
                    .energy_round_off_mj = 1e-15};
   }
-  SparseMatrix tangent(const VectorX& x, Tangent) const override {
+  linear::SparseMatrix tangent(const VectorX& x, Tangent) const override {
     LEFORT_CHECK(domain_(x[0]));
     return sparse(Eigen::MatrixXd::Constant(1, 1, curvature_(x[0])));
   }
@@ -51,7 +51,7 @@ class Scalar final : public NonlinearSystem {
 
 NewtonOutcome solve(const NonlinearSystem& system, double start, const NewtonOptions& options = {},
                     Progress& progress = Progress::none()) {
-  LinearSolver solver;
+  linear::LinearSolver solver;
   return solve_newton(system, VectorX::Constant(1, start), solver, options, progress);
 }
 
@@ -131,7 +131,7 @@ class WellAndSpring final : public NonlinearSystem {
                    .force_scale_n = 1.0,
                    .energy_round_off_mj = 1e-13};
   }
-  SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
+  linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
     const double exact = 3.0 * x[0] * x[0] - 1.0;
     const double curvature = kind == Tangent::kExact ? exact : convex_curvature_;
     return sparse(Eigen::Vector2d(curvature, 100.0).asDiagonal());
@@ -142,7 +142,7 @@ class WellAndSpring final : public NonlinearSystem {
 };
 
 TEST(Newton, AConvexTangentServesBeforeAnyShiftAndSlowsNothingElse) {
-  LinearSolver solver;
+  linear::LinearSolver solver;
   const auto outcome = solve_newton(WellAndSpring(2.0), Eigen::Vector2d(0.3, 0.0), solver);
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
   EXPECT_NEAR(outcome.x[0], 1.0, 1e-6);
@@ -154,7 +154,7 @@ TEST(Newton, AConvexTangentServesBeforeAnyShiftAndSlowsNothingElse) {
 
 TEST(Newton, LeavesASaddleInFewStepsHoweverStiffTheConvexTangent) {
   // Unlengthened, a step multiplies x by 1.02 at most.
-  LinearSolver solver;
+  linear::LinearSolver solver;
   const auto outcome = solve_newton(WellAndSpring(200.0), Eigen::Vector2d(1e-3, 2.0), solver);
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
   EXPECT_NEAR(outcome.x[0], 1.0, 1e-6);
@@ -176,7 +176,7 @@ class Swirl final : public NonlinearSystem {
                    .force_scale_n = 1.0,
                    .energy_round_off_mj = 1e-14};
   }
-  SparseMatrix tangent(const VectorX& x, Tangent) const override {
+  linear::SparseMatrix tangent(const VectorX& x, Tangent) const override {
     return sparse((1.0 + x.squaredNorm()) * Eigen::Matrix2d::Identity() + 2.0 * x * x.transpose());
   }
 
@@ -186,7 +186,7 @@ class Swirl final : public NonlinearSystem {
 };
 
 TEST(Newton, ForcesWithoutEnergyAreJudgedByTheirWorkAlongTheStep) {
-  LinearSolver solver;
+  linear::LinearSolver solver;
   for (const double pull : {1.0, 100.0}) {
     const auto outcome = solve_newton(Swirl(0.5, {pull, 0.0}), Eigen::Vector2d(0.0, 5.0), solver);
     ASSERT_TRUE(outcome.converged()) << outcome.reason;
@@ -201,7 +201,7 @@ TEST(Newton, ForcesWithoutEnergyAreJudgedByTheirWorkAlongTheStep) {
 }
 
 TEST(Newton, AFollowerThatDrivesRoundFasterThanTheTangentHoldsIsNotCalledConverged) {
-  LinearSolver solver;
+  linear::LinearSolver solver;
   const auto outcome = solve_newton(Swirl(20.0, {1.0, 0.0}), Eigen::Vector2d(0.0, 1.0), solver);
   EXPECT_FALSE(outcome.converged());
 }
@@ -292,7 +292,7 @@ class StopAfter final : public Progress {
 };
 
 TEST(Newton, LackOfMemoryIsNoVerdictOnThePhysics) {
-  LinearSolver solver(test::little_memory());
+  linear::LinearSolver solver(test::little_memory());
   const auto outcome = solve_newton(barrier(), VectorX::Constant(1, 0.5), solver);
   EXPECT_EQ(outcome.stop, NewtonStop::kOutOfMemory);
   EXPECT_NE(outcome.reason.find("out of memory after 0 iterations"), std::string::npos)

@@ -272,7 +272,7 @@ TEST_P(Pressures, WithAFreeRimABlockFollowsTheClosedFormQuadratically) {
   for (const double part : {0.25, 0.5, 1.0, 2.0}) {
     const double p = part * young_mpa;
     term->set_pressure_mpa(p);
-    LinearSolver solver;
+    linear::LinearSolver solver;
     const auto outcome = find_equilibrium(body.assembler, held, u, solver,
                                           {.relative_tolerance = 1e-12, .max_iterations = 30});
     ASSERT_TRUE(outcome.converged()) << part << " of E: " << outcome.reason;

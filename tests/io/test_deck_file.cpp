@@ -108,7 +108,7 @@ TEST(DeckFile, EveryKeyArrives) {
   EXPECT_EQ(deck.newton.relative_tolerance, 1e-7);
   EXPECT_EQ(deck.newton.max_iterations, 12);
   EXPECT_EQ(deck.newton.absolute_tolerance_n, 1e-9);
-  EXPECT_EQ(deck.linear_solver.kind, fem::LinearSolverKind::kLagged);
+  EXPECT_EQ(deck.linear_solver.kind, linear::LinearSolverKind::kLagged);
   EXPECT_EQ(std::get<std::int32_t>(deck.probes[0].at), 5);
   EXPECT_EQ(std::get<Vec3>(deck.probes[1].at), Vec3(7, 8, 9));
   EXPECT_EQ(file.every, WriteEvery::kAskedTime);

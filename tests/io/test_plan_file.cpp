@@ -1,8 +1,8 @@
 #include <lefort/geometry/rigid_motion.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/plan/bone_path.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -200,7 +200,7 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
   EXPECT_NEAR((maxilla.planes[0].point_L - Vec3(0, -70, -25)).norm(), 7.0, 1e-12);
   EXPECT_EQ(maxilla_from, "");
   EXPECT_FALSE(is_distracted);
-  EXPECT_EQ(maxilla_path.interpolation, plan::Interpolation::kScrew);
+  EXPECT_EQ(maxilla_path.interpolation, geometry::Interpolation::kScrew);
   EXPECT_EQ(maxilla_path.keyframes[0].centre_L, Vec3(0, -25, -28));
   EXPECT_LT((maxilla_path.keyframes[1].translation_mm - Vec3(0, -5, 0)).norm(), 1e-9);
   EXPECT_EQ(maxilla_path.keyframes[1].at, 1.0);
@@ -322,10 +322,11 @@ TEST(PlanFile, ATransformIsAboutWhatTheSegmentHolds) {
   json["segments"][0]["osteotomy"]["holds"] = {{-10, 60, 20}, {10, 60, 20}};
   const auto plan = parse_plan(json.dump(), folder.path());
   ASSERT_TRUE(plan) << plan.error().message;
-  const plan::Keyframe& key = plan->segments[0].path.keyframes[0];
+  const geometry::Keyframe& key = plan->segments[0].path.keyframes[0];
   EXPECT_EQ(key.centre_L, Vec3(0, 60, 20));
   EXPECT_LT(key.translation_mm.norm(), 1e-12);
-  EXPECT_LT((plan::pose_at(plan->segments[0].path, 1.0).matrix() - X_LB.matrix()).norm(), 1e-12);
+  EXPECT_LT((geometry::pose_at(plan->segments[0].path, 1.0).matrix() - X_LB.matrix()).norm(),
+            1e-12);
 }
 
 TEST(PlanFile, LandmarksOfThePlanAreChecked) {

@@ -1,5 +1,5 @@
 #include <lefort/geometry/rigid_motion.h>
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/plan/make_keyframes.h>
 
 #include <gtest/gtest.h>
@@ -14,9 +14,9 @@ const Landmarks kMaxilla{
 
 TEST(MakeKeyframes, AKeyframeHasThePoseItWasMadeFrom) {
   const RigidTransform X = geometry::rigid_motion({1, -6, 2}, {0.1, 0.2, -0.3}, {10, 20, 30});
-  const Keyframe key = keyframe_of_pose(X, {5, 6, 7});
-  const BonePath path{.segment = "s", .keyframes = {key}};
-  EXPECT_LT((pose_at(path, 1.0).matrix() - X.matrix()).norm(), 1e-12);
+  const geometry::Keyframe key = keyframe_of_pose(X, {5, 6, 7});
+  const geometry::RigidPath path{.segment = "s", .keyframes = {key}};
+  EXPECT_LT((geometry::pose_at(path, 1.0).matrix() - X.matrix()).norm(), 1e-12);
   EXPECT_EQ(key.centre_L, Vec3(5, 6, 7));
 }
 
@@ -28,8 +28,8 @@ TEST(MakeKeyframes, LandmarksMeetTheirTargets) {
   targets.erase(targets.begin());
   const auto key = keyframe_to_targets(kMaxilla, targets, 0.5);
   ASSERT_TRUE(key) << key.error().message;
-  const BonePath path{.segment = "s", .keyframes = {*key}};
-  EXPECT_LT((pose_at(path, 1.0).matrix() - X.matrix()).norm(), 1e-10);
+  const geometry::RigidPath path{.segment = "s", .keyframes = {*key}};
+  EXPECT_LT((geometry::pose_at(path, 1.0).matrix() - X.matrix()).norm(), 1e-10);
 }
 
 TEST(MakeKeyframes, TargetsThatNoRigidMotionMeetsAreRefusedByName) {
@@ -76,10 +76,11 @@ TEST(MakeKeyframes, DistractionGoesAsFarAsItsDays) {
   EXPECT_EQ((*keys)[0].at, 0.6);
   EXPECT_EQ((*keys)[1].at, 1.0);
   EXPECT_EQ(total_days(phases), 10);
-  const BonePath path{.segment = "s", .keyframes = *keys, .steps = 10};
-  ASSERT_TRUE(check_path(path));
-  EXPECT_LT((pose_at(path, 0.1).translation() - Vec3(0, -1, 0)).norm(), 1e-12);  // After a day.
-  EXPECT_LT((pose_at(path, 1.0).translation() - Vec3(0, -6, -2)).norm(), 1e-12);
+  const geometry::RigidPath path{.segment = "s", .keyframes = *keys, .steps = 10};
+  ASSERT_TRUE(geometry::check_path(path));
+  EXPECT_LT((geometry::pose_at(path, 0.1).translation() - Vec3(0, -1, 0)).norm(),
+            1e-12);  // After a day.
+  EXPECT_LT((geometry::pose_at(path, 1.0).translation() - Vec3(0, -6, -2)).norm(), 1e-12);
 }
 
 TEST(MakeKeyframes, DistractionThatIsNoneIsRefused) {
@@ -98,20 +99,24 @@ TEST(MakeKeyframes, DistractionThatIsNoneIsRefused) {
   }
 }
 
-TEST(BonePath, TheScrewTurnsAboutOneFixedAxis) {
-  Keyframe key;
+TEST(geometry::RigidPath, TheScrewTurnsAboutOneFixedAxis) {
+  geometry::Keyframe key;
   key.rotation_rad = {0, 0, 1.0};
   key.centre_L = {10, 0, 0};
   key.translation_mm = {0, 0, 6};
-  BonePath path{.segment = "s", .keyframes = {key}, .interpolation = Interpolation::kScrew};
-  const Vec3 on_axis_B(10, 0, 3), half_way = pose_at(path, 0.5) * on_axis_B;
+  geometry::RigidPath path{
+      .segment = "s", .keyframes = {key}, .interpolation = geometry::Interpolation::kScrew};
+  const Vec3 on_axis_B(10, 0, 3), half_way = geometry::pose_at(path, 0.5) * on_axis_B;
   EXPECT_LT((half_way - Vec3(10, 0, 6)).norm(), 1e-12);
   // About another centre the same end is reached by another way, but not by the screw.
-  const Keyframe same = keyframe_of_pose(pose_at(path, 1.0), {-50, 0, 0});
-  BonePath other{.segment = "s", .keyframes = {same}, .interpolation = Interpolation::kScrew};
-  EXPECT_LT((pose_at(other, 0.5).matrix() - pose_at(path, 0.5).matrix()).norm(), 1e-12);
-  other.interpolation = Interpolation::kStraight;
-  EXPECT_GT((pose_at(other, 0.5).matrix() - pose_at(path, 0.5).matrix()).norm(), 1.0);
+  const geometry::Keyframe same = keyframe_of_pose(geometry::pose_at(path, 1.0), {-50, 0, 0});
+  geometry::RigidPath other{
+      .segment = "s", .keyframes = {same}, .interpolation = geometry::Interpolation::kScrew};
+  EXPECT_LT((geometry::pose_at(other, 0.5).matrix() - geometry::pose_at(path, 0.5).matrix()).norm(),
+            1e-12);
+  other.interpolation = geometry::Interpolation::kStraight;
+  EXPECT_GT((geometry::pose_at(other, 0.5).matrix() - geometry::pose_at(path, 0.5).matrix()).norm(),
+            1.0);
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST(PredictFace, MultipliersReachThePenetrationThatIsNamed) {
   const FaceModel model = block_on_ball();
   PredictionOptions options;
   options.solver.relative_tolerance = 1e-8;
-  const plan::BonePath path = straight({0.3, 0.0, 1.5}, 3);
+  const geometry::RigidPath path = straight({0.3, 0.0, 1.5}, 3);
   const auto penalty = predict_face(model, {path}, options).value();
   options.contact.penetration_tolerance_mm = 0.01;
   const auto augmented = predict_face(model, {path}, options).value();
@@ -129,7 +129,7 @@ TEST(PredictFace, StiffnessOfHomogeneousTissueDoesNotMatter) {  // domain: only 
 
 TEST_P(PredictFaceWith, PressedTissueDoesNotFollowABoneThatSlides) {
   const FaceModel model = block_on_slab();
-  plan::BonePath path = straight({2.0, 0.0, 1.0}, 4);  // Up, then to the left.
+  geometry::RigidPath path = straight({2.0, 0.0, 1.0}, 4);  // Up, then to the left.
   path.keyframes.insert(path.keyframes.begin(), {.at = 0.5, .translation_mm = {0.0, 0.0, 1.0}});
   const auto prediction = predict_face(model, {path}, options()).value();
   ASSERT_TRUE(prediction.converged());
@@ -145,7 +145,7 @@ TEST_P(PredictFaceWith, PressedTissueDoesNotFollowABoneThatSlides) {
 
 TEST_P(PredictFaceWith, ContactOnARoundBoneThatTurnsBalancesWhatHoldsTheTissue) {
   const FaceModel model = block_on_ball();
-  plan::BonePath path = straight({0.3, 0.0, 1.5}, 4);
+  geometry::RigidPath path = straight({0.3, 0.0, 1.5}, 4);
   path.keyframes[0].rotation_rad = Vec3(0.15, 0.1, 0.2);
   path.keyframes[0].centre_L = Vec3(0.0, 0.0, -10.0);
   const auto prediction = predict_face(model, {path}, options()).value();
@@ -190,7 +190,7 @@ TEST(PredictFace, AttachedTissueMovesExactlyWithTheBone) {
   const FaceModel model = block_on_slab();
   PredictionOptions options;
   options.boundary.moved_bone = MovedBone::kAttached;
-  plan::BonePath path = straight({0.5, 0.0, -1.0}, 3);
+  geometry::RigidPath path = straight({0.5, 0.0, -1.0}, 3);
   path.keyframes[0].rotation_rad = Vec3(0.0, 0.0, 0.1);
   path.keyframes[0].centre_L = Vec3(6.0, 6.0, 0.0);
   const auto prediction = predict_face(model, {path}, options).value();
@@ -216,7 +216,7 @@ TEST(PredictFace, SameBitsForAnyNumberOfThreads) {
 }
 
 /// Stopped after any step of this path, the rest is found with the same bits.
-void expect_same_after_a_stop(const FaceModel& model, const plan::BonePath& path,
+void expect_same_after_a_stop(const FaceModel& model, const geometry::RigidPath& path,
                               PredictionOptions options) {
   options.contact.penetration_tolerance_mm = 1e-3;
   options.contact.stiffness_factor = 10.0;  // So soft that it takes multipliers.
@@ -257,7 +257,7 @@ void expect_same_after_a_stop(const FaceModel& model, const plan::BonePath& path
 }
 
 TEST(PredictFace, StoppedAfterAnyStepTheRestIsFoundWithTheSameBits) {
-  plan::BonePath path = straight({0.8, 0.0, 1.2}, 4);
+  geometry::RigidPath path = straight({0.8, 0.0, 1.2}, 4);
   path.keyframes[0].rotation_rad = Vec3(0.0, 0.1, 0.1);
   expect_same_after_a_stop(block_on_ball(), path, {});
 }
@@ -273,7 +273,7 @@ TEST(PredictFace, TellsEachIterationOnceAndChangesNothingByIt) {
   PredictionOptions options;
   options.contact.penetration_tolerance_mm = 1e-3;
   options.contact.stiffness_factor = 10.0;  // So soft that it takes multipliers.
-  const plan::BonePath path = straight({0.8, 0.0, 1.2}, 3);
+  const geometry::RigidPath path = straight({0.8, 0.0, 1.2}, 3);
   std::vector<std::vector<PredictionIterate>> told(1);
   double largest_multiplier_mpa = 0.0;
   const PredictionWatch watch{
@@ -335,7 +335,7 @@ TEST(PredictFace, RefusesAStepTheFieldCannotSee) {
 }
 
 TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
-  plan::BonePath detour = straight(Vec3::Zero(), 1);
+  geometry::RigidPath detour = straight(Vec3::Zero(), 1);
   detour.keyframes.insert(detour.keyframes.begin(), {.at = 0.4, .translation_mm = {0.0, 0.0, 2.0}});
   const auto prediction = predict_face(block_on_slab(), {detour}, {}).value();
   ASSERT_TRUE(prediction.converged());
@@ -349,7 +349,7 @@ TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
 }
 
 TEST(PredictFace, SkinIsMadeOfWhatItsRegionIs) {
-  const plan::BonePath path = straight({0.0, 0.0, 1.5}, 3);
+  const geometry::RigidPath path = straight({0.0, 0.0, 1.5}, 3);
   PredictionOptions options;
   const auto whole = predict_face(block_on_slab(), {path}, options).value();
   options.tissue.skin =
@@ -378,7 +378,7 @@ TEST(PredictFace, ARegionWithoutAMaterialIsRefused) {
 
 TEST(PredictFace, OnlyContactIsBoundToTheFieldsReach) {
   const FaceModel model = block_on_slab();
-  const plan::BonePath far = straight({0.0, 0.0, 7.0}, 2);
+  const geometry::RigidPath far = straight({0.0, 0.0, 7.0}, 2);
   BoundaryOptions boundary;
   const auto smooth = contact::Detection::kSmooth;
   EXPECT_FALSE(check_reach({far}, model.segments, smooth, boundary));
@@ -407,7 +407,7 @@ class Notes final : public Progress {
 };
 
 TEST(PredictFace, WarnsOfTissueThatRestsInsideTheBone) {
-  const plan::BonePath path = straight({0.0, 0.0, 0.5}, 1);
+  const geometry::RigidPath path = straight({0.0, 0.0, 0.5}, 1);
   Notes quiet, warned;
   ASSERT_TRUE(predict_face(block_on_slab(), {path}, {}, {}, quiet));
   EXPECT_EQ(quiet.all, "");

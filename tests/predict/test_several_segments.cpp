@@ -1,7 +1,7 @@
 /// \file
 /// Two segments under one block of tissue.
 #include <lefort/core/parallel.h>
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/predict/face_preview.h>
 #include <lefort/predict/predict_face.h>
 
@@ -56,8 +56,8 @@ FaceModel long_block(const std::vector<std::pair<double, double>>& slabs_mm) {
 FaceModel two_apart() { return long_block({{-4.0, 8.0}, {55.0, 67.0}}); }
 FaceModel two_that_meet() { return long_block({{-4.0, 31.5}, {31.5, 67.0}}); }
 
-plan::BonePath named(const std::string& segment, const Vec3& by_mm, int steps = 2) {
-  plan::BonePath path = straight(by_mm, steps);
+geometry::RigidPath named(const std::string& segment, const Vec3& by_mm, int steps = 2) {
+  geometry::RigidPath path = straight(by_mm, steps);
   path.segment = segment;
   return path;
 }
@@ -66,7 +66,7 @@ const Vec3 kStill = Vec3::Zero();
 const Vec3 kUp(0.0, 0.0, 1.5);
 const Vec3 kUpAndAside(0.4, 0.2, 0.8);
 
-std::vector<Vec3> face(const FaceModel& model, const std::vector<plan::BonePath>& paths,
+std::vector<Vec3> face(const FaceModel& model, const std::vector<geometry::RigidPath>& paths,
                        const PredictionOptions& options = {}) {
   const auto prediction = predict_face(model, paths, options).value();
   EXPECT_TRUE(prediction.converged()) << prediction.failure->message;
@@ -133,7 +133,8 @@ TEST(SeveralSegments, AttachedTissueGoesWithTheSegmentThatIsNearest) {
   const FaceModel model = two_that_meet();
   PredictionOptions options;
   options.boundary.moved_bone = MovedBone::kAttached;
-  plan::BonePath left = named("left", {-0.3, 0.0, 0.5}), right = named("right", {0.3, 0.0, -0.5});
+  geometry::RigidPath left = named("left", {-0.3, 0.0, 0.5}),
+                      right = named("right", {0.3, 0.0, -0.5});
   right.keyframes[0].rotation_rad = Vec3(0.0, 0.02, 0.0);
   right.keyframes[0].centre_L = Vec3(45.0, 6.0, 0.0);
   const auto prediction = predict_face(model, {left, right}, options).value();
@@ -172,16 +173,16 @@ TEST(SeveralSegments, EachTellsItsContact) {
 }
 
 TEST(SeveralSegments, ThePathWithTheMostStepsCutsThemAllAndEachPassesItsKeyframes) {
-  plan::BonePath left = named("left", {0.0, 0.0, 0.4}, 2);
+  geometry::RigidPath left = named("left", {0.0, 0.0, 0.4}, 2);
   left.keyframes.insert(left.keyframes.begin(), {.at = 0.6, .translation_mm = {0.0, 0.0, 0.9}});
-  plan::BonePath right = named("right", {0.0, 0.0, 0.6}, 4);
+  geometry::RigidPath right = named("right", {0.0, 0.0, 0.6}, 4);
   right.keyframes.insert(right.keyframes.begin(), {.at = 0.3, .translation_mm = {0.0, 0.0, 0.1}});
   const auto prediction = predict_face(two_apart(), {left, right}, {}).value();
   ASSERT_TRUE(prediction.converged());
   ASSERT_EQ(prediction.steps.size(), 4U);
   for (const PredictionStep& step : prediction.steps) {
-    EXPECT_EQ(step.segments[0].X_LB.matrix(), plan::pose_at(left, step.share).matrix());
-    EXPECT_EQ(step.segments[1].X_LB.matrix(), plan::pose_at(right, step.share).matrix());
+    EXPECT_EQ(step.segments[0].X_LB.matrix(), geometry::pose_at(left, step.share).matrix());
+    EXPECT_EQ(step.segments[1].X_LB.matrix(), geometry::pose_at(right, step.share).matrix());
   }
   const auto passes = [&](double share) {
     for (const PredictionStep& step : prediction.steps)
@@ -195,7 +196,8 @@ TEST(SeveralSegments, ThePathWithTheMostStepsCutsThemAllAndEachPassesItsKeyframe
 
 TEST(SeveralSegments, SameBitsForAnyNumberOfThreadsAndAfterAStop) {
   const FaceModel model = two_that_meet();
-  const std::vector<plan::BonePath> paths{named("left", kUp, 3), named("right", kUpAndAside, 3)};
+  const std::vector<geometry::RigidPath> paths{named("left", kUp, 3),
+                                               named("right", kUpAndAside, 3)};
   PredictionOptions options;
   options.contact.penetration_tolerance_mm = 1e-2;
   options.contact.stiffness_factor = 10.0;  // So soft that it takes multipliers.

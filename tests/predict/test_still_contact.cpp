@@ -75,7 +75,7 @@ Bottom bottom_of(const FaceModel& model, const PredictionStep& step) {
 
 TEST(StillContact, TissueSpreadsOnStillBoneWithoutEnteringIt) {
   const FaceModel loose = pressed_block(), slides = sliding_block();
-  const plan::BonePath path = test::straight({0.0, 0.0, -kPressed_mm}, 2);
+  const geometry::RigidPath path = test::straight({0.0, 0.0, -kPressed_mm}, 2);
   const auto fallen = predict_face(loose, {path}, attached()).value();
   PredictionOptions options = attached();
   const auto pressed = predict_face(slides, {path}, options).value();
@@ -102,7 +102,7 @@ TEST(StillContact, TissueSpreadsOnStillBoneWithoutEnteringIt) {
 
 TEST(StillContact, ComesOffWhereItIsPulled) {
   const FaceModel model = sliding_block();
-  const plan::BonePath path = test::straight({0.0, 0.0, 0.5}, 1);
+  const geometry::RigidPath path = test::straight({0.0, 0.0, 0.5}, 1);
   const auto pulled = predict_face(model, {path}, attached()).value();
   ASSERT_TRUE(pulled.converged());
   double highest_mm = 0.0;
@@ -113,7 +113,7 @@ TEST(StillContact, ComesOffWhereItIsPulled) {
 
 TEST(StillContact, StoppedAfterAStepTheRestIsFoundWithTheSameBits) {
   const FaceModel model = sliding_block();
-  const plan::BonePath path = test::straight({0.2, 0.0, -kPressed_mm}, 3);
+  const geometry::RigidPath path = test::straight({0.2, 0.0, -kPressed_mm}, 3);
   std::vector<Restart> restarts;
   PredictionWatch watch;
   watch.on_restart = [&](const Restart& restart) { restarts.push_back(restart); };
@@ -135,7 +135,7 @@ TEST(StillContact, RefusesOpenBoneAndACaptureBeyondItsField) {
   geometry::TriangleMesh open = model.still_bone->surface_B;
   open.triangles.pop_back();
   model.still_bone = test::moved(open);
-  const plan::BonePath path = test::straight({0.0, 0.0, -0.5}, 1);
+  const geometry::RigidPath path = test::straight({0.0, 0.0, -0.5}, 1);
   EXPECT_EQ(predict_face(model, {path}, attached()).error().code, ErrorCode::kMeshInvalid);
   model = sliding_block();
   PredictionOptions wide = attached();

@@ -162,7 +162,7 @@ TEST(PrepareDeck, OnlyTractionsMayActInsideTheBody) {
   Deck touched = test::clamped_deck();
   Obstacle obstacle;
   obstacle.faces = "cut";
-  obstacle.path.keyframes = {plan::Keyframe{}};
+  obstacle.path.keyframes = {geometry::Keyframe{}};
   obstacle.path.steps = 1;
   touched.obstacles.push_back(obstacle);
   EXPECT_SAYS(refusal_of(mesh, touched), "obstacles[0]: faces cut hold one between elements 0");
@@ -187,7 +187,7 @@ TEST(PrepareDeck, AContactIsAsStiffAsTheElementsOfItsFaces) {
   Deck deck = test::clamped_deck();
   Obstacle obstacle;
   obstacle.faces = "z1";
-  obstacle.path.keyframes = {plan::Keyframe{}};
+  obstacle.path.keyframes = {geometry::Keyframe{}};
   obstacle.path.steps = 1;
   deck.obstacles.push_back(obstacle);
   const auto stiffness = [&](double mu_mpa) {
@@ -255,7 +255,7 @@ TEST(PrepareDeck, EveryNameThatIsNotThereIsToldWithItsKey) {
   EXPECT_SAYS(refusal([](Deck& d) {
                 Obstacle obstacle;
                 obstacle.faces = "lid";
-                obstacle.path.keyframes = {plan::Keyframe{}};
+                obstacle.path.keyframes = {geometry::Keyframe{}};
                 obstacle.path.steps = 1;
                 d.obstacles.push_back(obstacle);
               }),

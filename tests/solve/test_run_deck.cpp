@@ -432,7 +432,7 @@ std::shared_ptr<const contact::Detector> plate_at(double z) {
 }
 
 Obstacle plate(const std::string& name, const std::string& faces,
-               std::vector<plan::Keyframe> keyframes) {
+               std::vector<geometry::Keyframe> keyframes) {
   Obstacle obstacle;
   obstacle.name = name;
   obstacle.faces = faces;
@@ -441,7 +441,7 @@ Obstacle plate(const std::string& name, const std::string& faces,
   return obstacle;
 }
 
-plan::Keyframe lifted(double at, double by_mm) {
+geometry::Keyframe lifted(double at, double by_mm) {
   return {.at = at, .translation_mm = {0.0, 0.0, by_mm}};
 }
 

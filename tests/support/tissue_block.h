@@ -3,6 +3,7 @@
 #pragma once
 
 #include <lefort/field/build_distance_field.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/plan/plan.h>
 #include <lefort/predict/mesh_tissue.h>
@@ -85,8 +86,8 @@ inline geometry::TriangleMesh surface_of(const predict::FaceModel& model) {
 }
 
 /// A way in one direction.
-inline plan::BonePath straight(const Vec3& by_mm, int steps) {
-  plan::BonePath path;
+inline geometry::RigidPath straight(const Vec3& by_mm, int steps) {
+  geometry::RigidPath path;
   path.segment = "slab";
   path.steps = steps;
   path.keyframes = {{.at = 1.0, .translation_mm = by_mm}};

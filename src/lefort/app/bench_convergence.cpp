@@ -45,7 +45,7 @@ Result<std::vector<bench::ConvergenceCase>> cases_of(const fs::path& plan_file,
   std::vector<bench::ConvergenceCase> cases;
   for (const int steps : job.steps) {
     task.name = fmt::format("{}-{}-steps", name, steps);
-    for (plan::BonePath& path : task.paths) path.steps = steps;
+    for (geometry::RigidPath& path : task.paths) path.steps = steps;
     cases.push_back(task);
   }
   return cases;

@@ -7,6 +7,7 @@
 #include <lefort/app/scan_head.h>
 #include <lefort/core/version.h>
 #include <lefort/geometry/bvh.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/plan_file.h>
@@ -14,7 +15,6 @@
 #include <lefort/io/surface_files.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/plan/bone_path.h>
 #include <lefort/plan/cephalometrics.h>
 #include <lefort/predict/check_plan.h>
 
@@ -124,7 +124,7 @@ MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegm
       continue;
     }
     if (*bone < planned.size())
-      landmark.point_L = plan::pose_at(planned[*bone].path, 1.0) * landmark.point_L;
+      landmark.point_L = geometry::pose_at(planned[*bone].path, 1.0) * landmark.point_L;
     after.known.push_back(std::move(landmark));
   }
   return after;
@@ -149,7 +149,7 @@ json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
                         {"is_deeper", pair.overlap.is_beyond_reach}});
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const predict::SegmentSupport& support = check.supports[k];
-    const RigidTransform X_LB = plan::pose_at(planned[k].path, 1.0);
+    const RigidTransform X_LB = geometry::pose_at(planned[k].path, 1.0);
     json pose = json::array();
     for (Index row = 0; row < 4; ++row)
       for (Index column = 0; column < 4; ++column) pose.push_back(X_LB.matrix()(row, column));
@@ -204,7 +204,7 @@ Result<void> write_bones(const fs::path& folder, const plan::CutSegments& cut,
                          const std::vector<plan::PlannedSegment>& planned) {
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const std::string& name = planned[k].osteotomy.segment;
-    const RigidTransform X_LB = plan::pose_at(planned[k].path, 1.0);
+    const RigidTransform X_LB = geometry::pose_at(planned[k].path, 1.0);
     LEFORT_TRY_VOID(io::write_surface(folder / surface_name(name),
                                       geometry::transformed(cut.segments_L[k], X_LB)));
     LEFORT_TRY_VOID(io::write_transform(folder / transform_name(name), X_LB));

@@ -1,8 +1,8 @@
 #include <lefort/app/plan_pictures.h>
 #include <lefort/app/segment_colours.h>
 #include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/geometry/transform_mesh.h>
-#include <lefort/plan/bone_path.h>
 #include <lefort/report/annotate.h>
 #include <lefort/report/picture.h>
 #include <lefort/report/render_surfaces.h>
@@ -29,7 +29,8 @@ Result<std::vector<PlanPicture>> draw_plan(const plan::CutSegments& cut,
   Box3 focus_L = geometry::bounding_box(cut.remainder_L);
   std::vector<geometry::TriangleMesh> ends_L;
   for (std::size_t k = 0; k < planned.size(); ++k) {
-    ends_L.push_back(geometry::transformed(cut.segments_L[k], plan::pose_at(planned[k].path, 1.0)));
+    ends_L.push_back(
+        geometry::transformed(cut.segments_L[k], geometry::pose_at(planned[k].path, 1.0)));
     focus_L.extend(geometry::bounding_box(cut.segments_L[k]));
     focus_L.extend(geometry::bounding_box(ends_L[k]));
   }

@@ -2,7 +2,7 @@
 #include <lefort/app/write_prediction.h>
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/predict/name_regions.h>
 
 #include <fmt/format.h>
@@ -38,8 +38,8 @@ std::string in_words(const Vec3& translation_mm) {
 }
 
 /// "Segment “maxilla” moves 6.0 mm forward"
-std::string move_in_words(const plan::BonePath& path) {
-  const plan::Keyframe& end = path.keyframes.back();
+std::string move_in_words(const geometry::RigidPath& path) {
+  const geometry::Keyframe& end = path.keyframes.back();
   std::string words =
       fmt::format("Segment \u201c{}\u201d moves {}", path.segment, in_words(end.translation_mm));
   const double angle_deg = degrees_from_radians(end.rotation_rad.norm());
@@ -52,7 +52,7 @@ std::string move_in_words(const plan::BonePath& path) {
 
 std::string plan_sentence(const PreparedCase& prepared) {
   std::string sentence;
-  for (const plan::BonePath& path : prepared.paths())
+  for (const geometry::RigidPath& path : prepared.paths())
     sentence += (sentence.empty() ? "" : "; ") + move_in_words(path);
   return sentence + fmt::format(", in {} steps.", prepared.steps());
 }

@@ -5,12 +5,12 @@
 #include <lefort/app/scan_head.h>
 #include <lefort/app/stage_keys.h>
 #include <lefort/app/tissue_volumes.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/io/read_vtu.h>
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/vtu.h>
 #include <lefort/plan/bone_bodies.h>
-#include <lefort/plan/bone_path.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/name_regions.h>
 #include <lefort/predict/tissue_boundary.h>
@@ -59,7 +59,7 @@ Result<std::vector<predict::MovedSegment>> find_segments(const plan::CutSegments
 
 /// \param field_options  of the segments' fields.
 Result<std::vector<predict::BonePair>> find_overlaps(
-    const plan::CutSegments& cut, const std::vector<plan::BonePath>& paths,
+    const plan::CutSegments& cut, const std::vector<geometry::RigidPath>& paths,
     const std::vector<predict::MovedSegment>& segments, const io::PlanFile& plan,
     field::DistanceFieldOptions field_options, const StageCache& cache, Progress& progress) {
   field_options.smooth = false;
@@ -71,7 +71,7 @@ Result<std::vector<predict::BonePair>> find_overlaps(
         "warning: the still bone is an open surface, so that the segment may overlap it unseen");
   std::vector<predict::PathBone> bones;
   const auto add = [&](std::string name, const geometry::TriangleMesh& surface_B,
-                       const plan::BonePath* path,
+                       const geometry::RigidPath* path,
                        const std::shared_ptr<const field::DistanceField>& field) -> Result<void> {
     LEFORT_TRY(auto detector_B, contact::detect_by_field(field, contact::Detection::kTrilinear));
     bones.push_back({std::move(name), &surface_B, path, std::move(detector_B), field->cell_mm()});
@@ -81,7 +81,7 @@ Result<std::vector<predict::BonePair>> find_overlaps(
     LEFORT_TRY_VOID(add(paths[k].segment, segments[k].surface_B, &paths[k], segments[k].field_B));
   LEFORT_TRY_VOID(add(predict::kRemainder, cut.remainder_L, nullptr, still_field));
   std::vector<predict::BonePair> overlaps;
-  const int steps = plan::steps_of(paths);
+  const int steps = geometry::steps_of(paths);
   for (int step = 1; step <= steps; ++step)
     for (std::size_t a = 0; a < segments.size(); ++a)
       for (std::size_t b = a + 1; b < bones.size(); ++b) {
@@ -140,7 +140,7 @@ std::string describe(const predict::BonePair& pair, const io::PlanFile& plan) {
 Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
                                   const fs::path& ct_path, const StageCache& cache,
                                   Progress& progress) {
-  const std::vector<plan::BonePath> paths = plan::paths_of(plan.segments);
+  const std::vector<geometry::RigidPath> paths = plan::paths_of(plan.segments);
   LEFORT_TRY(const ScannedHead head, scan_head(plan, ct_path, cache, progress));
   const io::ImportedVolume& scan = head.scan;
   const image::CtVolume& ct = scan.ct;

@@ -6,11 +6,11 @@
 #include <lefort/app/stage_cache.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/mesh/element_quality.h>
 #include <lefort/mesh/layer_thickness.h>
-#include <lefort/plan/bone_path.h>
 #include <lefort/plan/cut_segments.h>
 #include <lefort/predict/bone_pairs.h>
 #include <lefort/predict/predict_face.h>
@@ -49,8 +49,10 @@ struct PreparedCase {
   /// the bone that stays. Of that bone no vertices' depths.
   std::vector<predict::BonePair> overlaps;
 
-  [[nodiscard]] std::vector<plan::BonePath> paths() const { return plan::paths_of(plan.segments); }
-  [[nodiscard]] int steps() const { return plan::steps_of(paths()); }
+  [[nodiscard]] std::vector<geometry::RigidPath> paths() const {
+    return plan::paths_of(plan.segments);
+  }
+  [[nodiscard]] int steps() const { return geometry::steps_of(paths()); }
 };
 
 /// One sentence on where the path drives bone through bone; `pair` is one of prepared.overlaps.

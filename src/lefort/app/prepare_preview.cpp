@@ -43,7 +43,7 @@ Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   LEFORT_TRY_VOID(remove_earlier_files(std::array{document, file}));
   // A preview is of any motion: the plan's paths neither matter nor may stand in its way.
   for (plan::PlannedSegment& segment : plan.segments) {
-    segment.path.keyframes = {plan::Keyframe{}};
+    segment.path.keyframes = {geometry::Keyframe{}};
     segment.path.steps = 1;
   }
   LEFORT_TRY(const PreparedCase prepared,

@@ -59,7 +59,7 @@ bool is_pattern(const std::vector<int>& columns, const std::vector<int>& rows) {
 
 Result<void> write_preview_model(const std::filesystem::path& file,
                                  const predict::PreviewModel& model) {
-  const fem::SparseMatrix& K = model.stiffness_n_per_mm;
+  const linear::SparseMatrix& K = model.stiffness_n_per_mm;
   std::string text(kMagic);
   append(text, K.outerIndexPtr(), std::size_t(K.cols() + 1));
   append(text, K.innerIndexPtr(), std::size_t(K.nonZeros()));
@@ -125,7 +125,7 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
                    [&](std::int32_t row) { return row >= 0 && is_row(row); }))
     return damaged();
   const Index size = Index(columns.size()) - 1;
-  model.stiffness_n_per_mm = Eigen::Map<const fem::SparseMatrix>(
+  model.stiffness_n_per_mm = Eigen::Map<const linear::SparseMatrix>(
       size, size, Index(inner.size()), columns.data(), inner.data(), values.data());
   for (std::size_t s = 0; s < rows.size(); ++s)
     model.supports.push_back(

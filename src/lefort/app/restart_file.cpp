@@ -242,10 +242,10 @@ std::string restart_key(const PreparedCase& prepared) {
   for (const predict::MovedSegment& segment : prepared.model.segments)
     hash.add(field_key(segment.surface_B, field));
   if (prepared.model.still_bone) hash.add(field_key(prepared.model.still_bone->surface_B, field));
-  for (const plan::BonePath& path : prepared.paths()) {
+  for (const geometry::RigidPath& path : prepared.paths()) {
     const auto& [name, keyframes, steps, interpolation] = path;
     hash.add(double(steps)).add(double(keyframes.size())).add(double(interpolation));
-    for (const plan::Keyframe& keyframe : keyframes) {
+    for (const geometry::Keyframe& keyframe : keyframes) {
       const auto& [at, translation_mm, rotation_rad, centre_L] = keyframe;
       hash.add(at).add(translation_mm).add(rotation_rad).add(centre_L);
     }

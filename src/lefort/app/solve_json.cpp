@@ -83,15 +83,15 @@ Json seconds_json(const PhaseClock& clock) {
       {"total_seconds", total}, {"phase_seconds", phases}, {"peak_memory_mb", peak_memory_mb()}};
 }
 
-std::string name_of(fem::LinearSolverKind kind) {
+std::string name_of(linear::LinearSolverKind kind) {
   switch (kind) {
-    case fem::LinearSolverKind::kAutomatic:
+    case linear::LinearSolverKind::kAutomatic:
       return "automatic";
-    case fem::LinearSolverKind::kDirect:
+    case linear::LinearSolverKind::kDirect:
       return "direct";
-    case fem::LinearSolverKind::kLagged:
+    case linear::LinearSolverKind::kLagged:
       return "lagged";
-    case fem::LinearSolverKind::kMultigrid:
+    case linear::LinearSolverKind::kMultigrid:
       break;
   }
   return "multigrid";

@@ -4,8 +4,8 @@
 #include <lefort/contact/settle_contacts.h>
 #include <lefort/core/version.h>
 #include <lefort/fem/elements/quadrature_rules.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/plan/bone_path.h>
 #include <lefort/predict/tissue_boundary.h>
 #include <lefort/report/plot_lines.h>
 
@@ -88,7 +88,7 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
   walk.case_name = task.name;
   walk.mesh_name = task.mesh_name;
   walk.method = method;
-  walk.steps_asked = plan::steps_of(task.paths);
+  walk.steps_asked = geometry::steps_of(task.paths);
   const auto skin = task.model.tissue.node_sets.find(predict::sets::kSkin);
   if (skin != task.model.tissue.node_sets.end()) walk.skin = skin->second;
   const Stopwatch watch;

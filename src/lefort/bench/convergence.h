@@ -4,6 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/plan/plan.h>
 #include <lefort/predict/predict_face.h>
 
@@ -22,7 +23,7 @@ struct ConvergenceCase {
   /// Cases of one name here share the mesh and differ in the number of steps alone.
   std::string mesh_name;
   predict::FaceModel model;
-  std::vector<plan::BonePath> paths;
+  std::vector<geometry::RigidPath> paths;
   predict::PredictionOptions options;  ///< How contact is detected is the method's.
 };
 

@@ -179,8 +179,8 @@ Result<void> measure_growth(const SolveOptions& options, Tables& tables, Progres
       "upper side moved; neo-Hookean, mu {} MPa, kappa {} MPa; to 1e-8 of the right side by "
       "multigrid. {} threads.\n\n",
       BlockProblem::kMu_mpa, BlockProblem::kKappa_mpa, options.threads);
-  for (const fem::LinearSolverKind kind :
-       {fem::LinearSolverKind::kDirect, fem::LinearSolverKind::kMultigrid}) {
+  for (const linear::LinearSolverKind kind :
+       {linear::LinearSolverKind::kDirect, linear::LinearSolverKind::kMultigrid}) {
     std::vector<double> dofs, seconds, bytes, assembly;
     std::string rows;
     for (const int cells : options.growth_cells) {
@@ -225,7 +225,7 @@ Result<void> solve_large(const SolveOptions& options, Tables& tables, Progress& 
   const BlockProblem block{.cells = kCells, .shape = mesh::ElementShape::kHex8};
   progress.begin_stage("a million unknowns");
   LEFORT_TRY(Json result, solve_in_process({.block = block,
-                                            .solver = fem::LinearSolverKind::kMultigrid,
+                                            .solver = linear::LinearSolverKind::kMultigrid,
                                             .threads = options.threads,
                                             .increments = options.increments,
                                             .load = kHalf},

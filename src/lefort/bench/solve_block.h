@@ -4,7 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
-#include <lefort/fem/linear_solver.h>
+#include <lefort/linear/linear_solver.h>
 
 #include <filesystem>
 #include <string>

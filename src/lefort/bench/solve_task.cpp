@@ -23,11 +23,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<std::pair<mesh::ElementShape, const char*>, 2> kShapes{
     {{mesh::ElementShape::kTet10, "tet10"}, {mesh::ElementShape::kHex8, "hex8"}}};
-constexpr std::array<std::pair<fem::LinearSolverKind, const char*>, 4> kSolvers{
-    {{fem::LinearSolverKind::kAutomatic, "automatic"},
-     {fem::LinearSolverKind::kDirect, "direct"},
-     {fem::LinearSolverKind::kLagged, "lagged"},
-     {fem::LinearSolverKind::kMultigrid, "multigrid"}}};
+constexpr std::array<std::pair<linear::LinearSolverKind, const char*>, 4> kSolvers{
+    {{linear::LinearSolverKind::kAutomatic, "automatic"},
+     {linear::LinearSolverKind::kDirect, "direct"},
+     {linear::LinearSolverKind::kLagged, "lagged"},
+     {linear::LinearSolverKind::kMultigrid, "multigrid"}}};
 
 template <class Names, class Value>
 const char* name_in(const Names& names, Value value) {
@@ -51,7 +51,7 @@ Result<SolveTask> parse(const std::string& text) {
     LEFORT_TRY(task.block.shape,
                value_in<mesh::ElementShape>(kShapes, json.at("shape").get<std::string>()));
     LEFORT_TRY(task.solver,
-               value_in<fem::LinearSolverKind>(kSolvers, json.at("solver").get<std::string>()));
+               value_in<linear::LinearSolverKind>(kSolvers, json.at("solver").get<std::string>()));
     task.block.cells = json.at("cells").get<int>();
     task.threads = json.at("threads").get<int>();
     task.increments = json.at("increments").get<int>();
@@ -87,11 +87,11 @@ Result<Body> make_body(const BlockProblem& block) {
   return body;
 }
 
-Error why_not(fem::Factorisation outcome) {
+Error why_not(linear::Factorisation outcome) {
   switch (outcome) {
-    case fem::Factorisation::kOutOfMemory:
+    case linear::Factorisation::kOutOfMemory:
       return {ErrorCode::kOutOfMemory, "the factor does not fit into memory"};
-    case fem::Factorisation::kNotConverged:
+    case linear::Factorisation::kNotConverged:
       return {ErrorCode::kNotConverged, "the linear iterations did not converge"};
     default:
       return {ErrorCode::kNotConverged, "the stiffness is not positive definite"};
@@ -105,16 +105,16 @@ Result<Json> solve_system(const SolveTask& task, const Body& body) {
   const fem::DofMap& dofs = assembler.dofs();
   const VectorX at_rest = VectorX::Zero(3 * dofs.node_count());
   Stopwatch watch;
-  const fem::SparseMatrix K = assembler.tangent(at_rest);
+  const linear::SparseMatrix K = assembler.tangent(at_rest);
   const double assembly = watch.lap();
   const VectorX moved = dofs.with_prescribed(at_rest, BlockProblem::prescribed(body.mesh, 0.01));
   const VectorX b = -dofs.free_part(assembler.tangent_times(at_rest, moved));
 
-  fem::LinearSolver solver({.kind = task.solver});
-  solver.describe(assembler.nodes_L(), dofs);
+  linear::LinearSolver solver({.kind = task.solver});
+  fem::set_near_null_space(solver, assembler);
   watch.lap();
-  const fem::Factorisation prepared = solver.factorise(K);
-  if (prepared != fem::Factorisation::kDone) return tl::unexpected(why_not(prepared));
+  const linear::Factorisation prepared = solver.factorise(K);
+  if (prepared != linear::Factorisation::kDone) return tl::unexpected(why_not(prepared));
   const double preparation = watch.lap();
   const auto x = solver.solve(b, kTolerance);
   if (!x) return tl::unexpected(why_not(x.error()));
@@ -132,7 +132,7 @@ Result<Json> solve_system(const SolveTask& task, const Body& body) {
 /// The load, in increments as large as converge.
 Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
   const fem::Assembler& assembler = *body.assembler;
-  fem::LinearSolver solver({.kind = task.solver});
+  linear::LinearSolver solver({.kind = task.solver});
   const double increment = task.load / task.increments;
   fem::LoadStepper stepper(
       {0.0, VectorX::Zero(3 * body.mesh.node_count())},
@@ -174,7 +174,7 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
 
 }  // namespace
 
-const char* name_of(fem::LinearSolverKind kind) { return name_in(kSolvers, kind); }
+const char* name_of(linear::LinearSolverKind kind) { return name_in(kSolvers, kind); }
 
 Json to_json(const SolveTask& task) {
   return {{"shape", mesh::name_of(task.block.shape)},

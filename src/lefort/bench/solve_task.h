@@ -5,7 +5,7 @@
 #include <lefort/bench/block_problem.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
-#include <lefort/fem/linear_solver.h>
+#include <lefort/linear/linear_solver.h>
 
 #include <nlohmann/json.hpp>
 
@@ -16,7 +16,7 @@ namespace lefort::bench {
 
 struct SolveTask {
   BlockProblem block;
-  fem::LinearSolverKind solver = fem::LinearSolverKind::kAutomatic;
+  linear::LinearSolverKind solver = linear::LinearSolverKind::kAutomatic;
   int threads = 2;
   /// Of the load, as long as they converge; halved where not. None: one linear system, that of the
   /// block at rest, with the forces of its upper side's motion.
@@ -27,7 +27,7 @@ struct SolveTask {
 };
 
 /// The name of a solver in options and results.
-[[nodiscard]] const char* name_of(fem::LinearSolverKind kind);
+[[nodiscard]] const char* name_of(linear::LinearSolverKind kind);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const SolveTask& task);
 

@@ -189,9 +189,9 @@ std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
   return sum;
 }
 
-SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
+linear::SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
   const VectorX x_L = plan_->positions_L(u);
-  SparseMatrix K = plan_->layout.pattern;
+  linear::SparseMatrix K = plan_->layout.pattern;
   std::vector<double> forces(std::size_t(plan_->layout.force_buffer_size));
   std::vector<double> stiffness(std::size_t(plan_->layout.stiffness_buffer_size));
   std::vector<double> energies;
@@ -213,7 +213,7 @@ SparseMatrix Assembler::tangent(const VectorX& u, Tangent kind) const {
   return K;
 }
 
-SparseMatrix Assembler::antisymmetric_tangent(const VectorX& u) const {
+linear::SparseMatrix Assembler::antisymmetric_tangent(const VectorX& u) const {
   const Plan& plan = *plan_;
   if (!plan.has_followers()) return {};
   const VectorX x_L = plan.positions_L(u);
@@ -240,7 +240,7 @@ SparseMatrix Assembler::antisymmetric_tangent(const VectorX& u) const {
             entries.emplace_back(number(i), number(j), A(i, j));
     }
   }
-  SparseMatrix lower(plan.dofs.free_count(), plan.dofs.free_count());
+  linear::SparseMatrix lower(plan.dofs.free_count(), plan.dofs.free_count());
   lower.setFromTriplets(entries.begin(), entries.end());
   return lower;
 }

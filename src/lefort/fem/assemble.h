@@ -5,8 +5,8 @@
 #include <lefort/core/types.h>
 #include <lefort/fem/dof_map.h>
 #include <lefort/fem/force_term.h>
-#include <lefort/fem/sparse_matrix.h>
 #include <lefort/fem/tangent.h>
+#include <lefort/linear/sparse_matrix.h>
 
 #include <memory>
 #include <optional>
@@ -62,12 +62,13 @@ class Assembler {
 
   /// \returns the lower triangle of the tangent on the free components [N/mm]; its pattern is
   ///   always the same, whatever the kind. \pre u is admissible.
-  [[nodiscard]] SparseMatrix tangent(const VectorX& u, Tangent kind = Tangent::kExact) const;
+  [[nodiscard]] linear::SparseMatrix tangent(const VectorX& u,
+                                             Tangent kind = Tangent::kExact) const;
 
   /// \returns the strictly lower triangle L of the antisymmetric part L - L^T of the derivative of
   ///   forces() by the free components [N/mm]; 0 by 0 if all terms are conservative.
   /// \pre u is admissible.
-  [[nodiscard]] SparseMatrix antisymmetric_tangent(const VectorX& u) const;
+  [[nodiscard]] linear::SparseMatrix antisymmetric_tangent(const VectorX& u) const;
 
   /// \returns (tangent on all components) * du [N], without building that tangent.
   /// \pre u is admissible.

@@ -137,9 +137,9 @@ void lay_out_tangent(const DofMap& dofs, AssemblyPlan& plan) {
     }
   }
   const std::vector<double> zeros(rows.size(), 0.0);
-  plan.pattern =
-      Eigen::Map<const SparseMatrix>(dofs.free_count(), dofs.free_count(), Index(rows.size()),
-                                     starts.data(), rows.data(), zeros.data());
+  plan.pattern = Eigen::Map<const linear::SparseMatrix>(dofs.free_count(), dofs.free_count(),
+                                                        Index(rows.size()), starts.data(),
+                                                        rows.data(), zeros.data());
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 #include <lefort/core/types.h>
 #include <lefort/fem/dof_map.h>
 #include <lefort/fem/force_term.h>
-#include <lefort/fem/sparse_matrix.h>
+#include <lefort/linear/sparse_matrix.h>
 
 #include <array>
 #include <cstdint>
@@ -65,7 +65,7 @@ struct AssemblyPlan {
   Index force_buffer_size = 0;
   Index stiffness_buffer_size = 0;
   std::vector<TangentBlock> blocks;  ///< By column, then row.
-  SparseMatrix pattern;              ///< Lower triangle on the free components, all zero.
+  linear::SparseMatrix pattern;      ///< Lower triangle on the free components, all zero.
 };
 
 /// \pre the nodes of all items exist in `dofs`.

@@ -1,8 +1,11 @@
 #include <lefort/core/check.h>
 #include <lefort/fem/equilibrium.h>
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace lefort::fem {
 namespace {
@@ -26,11 +29,11 @@ class HeldBody final : public NonlinearSystem {
                    .deepest_mm = forces->deepest_mm};
   }
 
-  [[nodiscard]] SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
+  [[nodiscard]] linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
     return assembler_.tangent(all(x), kind);
   }
 
-  [[nodiscard]] SparseMatrix antisymmetric_tangent(const VectorX& x) const override {
+  [[nodiscard]] linear::SparseMatrix antisymmetric_tangent(const VectorX& x) const override {
     return assembler_.antisymmetric_tangent(all(x));
   }
 
@@ -52,13 +55,13 @@ constexpr double kFollowingTolerance = 1e-3;
 /// `moved`, the start with its boundary moved, with the free nodes following to first order:
 /// K_ff du_f = -r_f - K_fp du_p, everything at `start`. `moved` itself where that is no better.
 VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const VectorX& moved,
-                        LinearSolver& linear_solver, const NewtonOptions& options) {
+                        linear::LinearSolver& linear_solver, const NewtonOptions& options) {
   const DofMap& dofs = assembler.dofs();
   enter(SolvePhase::kAssembly, options);
   const auto forces = assembler.forces(start);
   if (!forces) return moved;
   const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
-  const SparseMatrix K = assembler.tangent(start);
+  const linear::SparseMatrix K = assembler.tangent(start);
   enter(SolvePhase::kFactorisation, options);
   const auto du = linear_solver.solve(K, -dofs.free_part(unbalanced), kFollowingTolerance,
                                       [&] { enter(SolvePhase::kSolve, options); });
@@ -76,13 +79,28 @@ VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const 
 
 }  // namespace
 
+void set_near_null_space(linear::LinearSolver& linear_solver, const Assembler& assembler) {
+  const DofMap& dofs = assembler.dofs();
+  const std::span<const Vec3> nodes_L = assembler.nodes_L();
+  LEFORT_CHECK(Index(nodes_L.size()) == dofs.node_count());
+  std::vector<Vec3> points_L;
+  std::vector<std::int32_t> components;
+  for (Index node = 0; node < dofs.node_count(); ++node)
+    for (std::int32_t c = 0; c < 3; ++c) {
+      if (dofs.free_number(3 * node + c) < 0) continue;
+      points_L.push_back(nodes_L[std::size_t(node)]);
+      components.push_back(c);
+    }
+  linear_solver.set_near_null_space(std::move(points_L), std::move(components));
+}
+
 NewtonOutcome find_equilibrium(const Assembler& assembler,
                                std::span<const PrescribedDisplacement> prescribed,
-                               const VectorX& start, LinearSolver& linear_solver,
+                               const VectorX& start, linear::LinearSolver& linear_solver,
                                const NewtonOptions& options, Progress& progress) {
   const DofMap& dofs = assembler.dofs();
   LEFORT_CHECK(start.size() == 3 * dofs.node_count());
-  linear_solver.describe(assembler.nodes_L(), dofs);
+  set_near_null_space(linear_solver, assembler);
   const VectorX moved = dofs.with_prescribed(start, prescribed);
   const bool stands_still =
       dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kStandstill_mm;

@@ -6,12 +6,15 @@
 #include <lefort/core/types.h>
 #include <lefort/fem/assemble.h>
 #include <lefort/fem/boundary_conditions.h>
-#include <lefort/fem/linear_solver.h>
 #include <lefort/fem/newton.h>
+#include <lefort/linear/linear_solver.h>
 
 #include <span>
 
 namespace lefort::fem {
+
+/// Prepares multigrid for the free components of `assembler`: their nodes and axes.
+void set_near_null_space(linear::LinearSolver& linear_solver, const Assembler& assembler);
 
 /// Finds the equilibrium next to `start`.
 ///
@@ -26,7 +29,8 @@ namespace lefort::fem {
 /// \returns as solve_newton(); x holds the displacements of all components.
 [[nodiscard]] NewtonOutcome find_equilibrium(const Assembler& assembler,
                                              std::span<const PrescribedDisplacement> prescribed,
-                                             const VectorX& start, LinearSolver& linear_solver,
+                                             const VectorX& start,
+                                             linear::LinearSolver& linear_solver,
                                              const NewtonOptions& options = {},
                                              Progress& progress = Progress::none());
 

@@ -1,6 +1,6 @@
 #include <lefort/core/check.h>
-#include <lefort/fem/linear/gmres.h>
 #include <lefort/fem/newton.h>
+#include <lefort/linear/gmres.h>
 
 #include <fmt/format.h>
 
@@ -65,18 +65,19 @@ struct Model {
 };
 
 /// (1 - share) A + share B, both of one pattern.
-SparseMatrix blend(const SparseMatrix& A, const SparseMatrix& B, double share) {
-  SparseMatrix sum = A;
+linear::SparseMatrix blend(const linear::SparseMatrix& A, const linear::SparseMatrix& B,
+                           double share) {
+  linear::SparseMatrix sum = A;
   sum.coeffs() += share * (B.coeffs() - A.coeffs());
   return sum;
 }
 
 /// K + tau D, D the magnitudes of the diagonal of K, none nearly zero beside the others.
-SparseMatrix shifted(const SparseMatrix& K, double tau) {
+linear::SparseMatrix shifted(const linear::SparseMatrix& K, double tau) {
   constexpr double kLeast = 1e-3;
   const VectorX diagonal = K.diagonal().cwiseAbs();
   const VectorX D = diagonal.cwiseMax(kLeast * diagonal.mean());
-  SparseMatrix sum = K;
+  linear::SparseMatrix sum = K;
   sum.diagonal() += tau * D;
   return sum;
 }
@@ -90,15 +91,16 @@ struct Direction {
 
 /// Whether there is more in A than the rounding of parts that cancel, as on a rim that slides in a
 /// plane.
-bool is_unsymmetric(const SparseMatrix& K, const SparseMatrix& A) {
+bool is_unsymmetric(const linear::SparseMatrix& K, const linear::SparseMatrix& A) {
   constexpr double kRoundOff = 1e-10;  // Of the stiffness.
   return A.nonZeros() > 0 && A.coeffs().abs().maxCoeff() > kRoundOff * K.coeffs().abs().maxCoeff();
 }
 
 /// Solves (K + A) dx = b, K given by its lower triangle and A by the one below its diagonal; with
 /// what `solver` has prepared as preconditioner.
-std::optional<VectorX> solve_unsymmetric(const SparseMatrix& K, const SparseMatrix& A,
-                                         const VectorX& b, double tolerance, LinearSolver& solver) {
+std::optional<VectorX> solve_unsymmetric(const linear::SparseMatrix& K,
+                                         const linear::SparseMatrix& A, const VectorX& b,
+                                         double tolerance, linear::LinearSolver& solver) {
   constexpr int kMaxIterations = 200;
   constexpr double kUseful = 0.1;  // A step that leaves less is better than one by K alone.
   constexpr double kCloser =
@@ -115,7 +117,8 @@ std::optional<VectorX> solve_unsymmetric(const SparseMatrix& K, const SparseMatr
     if (!z) return std::nullopt;
     return *std::move(z);
   };
-  auto found = solve_by_gmres(multiply, precondition, b, kCloser * tolerance, kMaxIterations);
+  auto found =
+      linear::solve_by_gmres(multiply, precondition, b, kCloser * tolerance, kMaxIterations);
   if (!found || found->left > kUseful) return std::nullopt;
   return std::move(found->x);
 }
@@ -129,18 +132,18 @@ std::optional<VectorX> solve_unsymmetric(const SparseMatrix& K, const SparseMatr
 /// \returns the step, or why there is none.
 tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system, const Iterate& at,
                                                    const Model& last, double tolerance,
-                                                   LinearSolver& solver,
+                                                   linear::LinearSolver& solver,
                                                    const NewtonOptions& options,
                                                    const Progress& progress) {
   const VectorX right_side = -at.balance.residual_n;
-  const auto solve = [&](const SparseMatrix& A) {
+  const auto solve = [&](const linear::SparseMatrix& A) {
     enter(SolvePhase::kFactorisation, options);
     auto dx = solver.solve(A, right_side, tolerance, [&] { enter(SolvePhase::kSolve, options); });
     enter(SolvePhase::kAssembly, options);
     return dx;
   };
-  const SparseMatrix exact = system.tangent(at.x, Tangent::kExact);
-  const SparseMatrix A = system.antisymmetric_tangent(at.x);
+  const linear::SparseMatrix exact = system.tangent(at.x, Tangent::kExact);
+  const linear::SparseMatrix A = system.antisymmetric_tangent(at.x);
   const auto direction = [&](VectorX dx, const Model& model) {
     Direction found{std::move(dx), model};
     if (is_unsymmetric(exact, A)) {
@@ -153,9 +156,10 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
   auto dx = solve(exact);
   if (dx) return direction(*std::move(dx), {});
 
-  SparseMatrix convex;
+  linear::SparseMatrix convex;
   Model model;
-  while (!dx && dx.error() == Factorisation::kNotPositiveDefinite && model.shift <= kLastShift) {
+  while (!dx && dx.error() == linear::Factorisation::kNotPositiveDefinite &&
+         model.shift <= kLastShift) {
     if (progress.stop_requested()) return tl::unexpected(NewtonStop::kCancelled);
     if (model.convex_share == 0.0) {
       convex = system.tangent(at.x, Tangent::kConvex);
@@ -174,9 +178,9 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
   }
   if (dx) return direction(*std::move(dx), model);
   switch (dx.error()) {
-    case Factorisation::kOutOfMemory:
+    case linear::Factorisation::kOutOfMemory:
       return tl::unexpected(NewtonStop::kOutOfMemory);
-    case Factorisation::kNotConverged:
+    case linear::Factorisation::kNotConverged:
       return tl::unexpected(NewtonStop::kLinearNotConverged);
     default:
       return tl::unexpected(NewtonStop::kSingularTangent);
@@ -365,7 +369,7 @@ Result<void> validate(const NewtonOptions& options) {
 }
 
 NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
-                           LinearSolver& linear_solver, const NewtonOptions& options,
+                           linear::LinearSolver& linear_solver, const NewtonOptions& options,
                            Progress& progress) {
   LEFORT_CHECK(validate(options).has_value());
   LEFORT_CHECK(options.round_off_n.size() == 0 || options.round_off_n.size() == start.size());

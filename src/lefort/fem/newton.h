@@ -6,9 +6,9 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/linear_solver.h>
-#include <lefort/fem/sparse_matrix.h>
 #include <lefort/fem/tangent.h>
+#include <lefort/linear/linear_solver.h>
+#include <lefort/linear/sparse_matrix.h>
 
 #include <functional>
 #include <optional>
@@ -39,11 +39,11 @@ class NonlinearSystem {
   /// \returns the symmetric part of dr/dx [N/mm] or its convex stand-in, lower triangle with the
   ///   whole diagonal, always with the same pattern.
   /// \pre x is admissible.
-  [[nodiscard]] virtual SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
+  [[nodiscard]] virtual linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const = 0;
 
   /// \returns the strictly lower triangle L of the antisymmetric part L - L^T of dr/dx; 0 by 0 if
   ///   r is the gradient of an energy. \pre x is admissible.
-  [[nodiscard]] virtual SparseMatrix antisymmetric_tangent(const VectorX& /*x*/) const {
+  [[nodiscard]] virtual linear::SparseMatrix antisymmetric_tangent(const VectorX& /*x*/) const {
     return {};
   }
 };
@@ -140,7 +140,7 @@ struct NewtonOutcome {
 /// \param linear_solver  keeps its symbolic analysis from one call to the next.
 /// \param progress       asked before every iteration and factorisation whether to stop.
 [[nodiscard]] NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
-                                         LinearSolver& linear_solver,
+                                         linear::LinearSolver& linear_solver,
                                          const NewtonOptions& options = {},
                                          Progress& progress = Progress::none());
 

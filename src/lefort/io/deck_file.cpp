@@ -1,11 +1,11 @@
 #include <lefort/core/units.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/io/deck_file.h>
 #include <lefort/io/deck_schema.h>
 #include <lefort/io/internal/checked_json.h>
 #include <lefort/io/internal/read_contact.h>
 #include <lefort/io/internal/read_law.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/plan/bone_path.h>
 
 #include <fmt/format.h>
 
@@ -57,14 +57,15 @@ Result<solve::LoadCurve> read_curve(const Json& object, const std::string& key) 
 }
 
 /// Standing still unless keyframes are given.
-Result<plan::BonePath> read_path(const Json& object, const std::string& name,
-                                 const std::string& key) {
-  plan::BonePath path;
+Result<geometry::RigidPath> read_path(const Json& object, const std::string& name,
+                                      const std::string& key) {
+  geometry::RigidPath path;
   path.segment = name;
   path.steps = 1;
-  path.keyframes = object.contains("keyframes") ? internal::read_keyframes(object["keyframes"])
-                                                : std::vector<plan::Keyframe>{plan::Keyframe{}};
-  if (const auto checked = plan::check_path(path); !checked)
+  path.keyframes = object.contains("keyframes")
+                       ? internal::read_keyframes(object["keyframes"])
+                       : std::vector<geometry::Keyframe>{geometry::Keyframe{}};
+  if (const auto checked = geometry::check_path(path); !checked)
     return refuse(key + ".keyframes", checked.error().message);
   return path;
 }
@@ -215,7 +216,7 @@ Result<void> read_control(const Json& json, DeckFile& file) {
     return refuse("steps.initial", fmt::format("{:g} is more than steps.largest, {:g}",
                                                options.first_increment, options.max_increment));
 
-  using fem::LinearSolverKind;
+  using linear::LinearSolverKind;
   const std::map<std::string, LinearSolverKind> kinds{{"automatic", LinearSolverKind::kAutomatic},
                                                       {"direct", LinearSolverKind::kDirect},
                                                       {"lagged", LinearSolverKind::kLagged},

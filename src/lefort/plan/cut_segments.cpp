@@ -21,8 +21,8 @@ std::size_t place_of(std::span<const PlannedSegment> planned, std::size_t end,
 
 }  // namespace
 
-std::vector<BonePath> paths_of(std::span<const PlannedSegment> planned) {
-  std::vector<BonePath> paths;
+std::vector<geometry::RigidPath> paths_of(std::span<const PlannedSegment> planned) {
+  std::vector<geometry::RigidPath> paths;
   for (const PlannedSegment& one : planned) paths.push_back(one.path);
   return paths;
 }

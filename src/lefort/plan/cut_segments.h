@@ -4,6 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/plan/cut_bones.h>
 #include <lefort/plan/plan.h>
@@ -19,11 +20,11 @@ struct PlannedSegment {
   Osteotomy osteotomy;
   CutBonesOptions cut;
   std::string from{};  ///< The earlier segment it is cut out of; empty: the bone that remains.
-  BonePath path{};
+  geometry::RigidPath path{};
   bool is_distracted = false;  ///< New bone grows where it leaves: gaps are meant.
 };
 
-[[nodiscard]] std::vector<BonePath> paths_of(std::span<const PlannedSegment> planned);
+[[nodiscard]] std::vector<geometry::RigidPath> paths_of(std::span<const PlannedSegment> planned);
 
 /// The skull in closed parts.
 struct CutSegments {

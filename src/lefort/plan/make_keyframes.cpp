@@ -17,16 +17,17 @@ constexpr int kLongest_days = 1000;  // As steps in contract/plan.schema.json.
 
 }  // namespace
 
-Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& centre_L) {
-  Keyframe key;
+geometry::Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& centre_L) {
+  geometry::Keyframe key;
   key.rotation_rad = geometry::rotation_vector(X_LB.linear());
   key.centre_L = centre_L;
   key.translation_mm = X_LB * centre_L - centre_L;
   return key;
 }
 
-Result<Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
-                                     std::span<const Landmark> targets, double tolerance_mm) {
+Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
+                                               std::span<const Landmark> targets,
+                                               double tolerance_mm) {
   const auto bad = [](std::string what) { return fail(ErrorCode::kPlanInvalid, std::move(what)); };
   std::vector<Vec3> from, to;
   Vec3 mean = Vec3::Zero();
@@ -46,7 +47,7 @@ Result<Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
         fmt::format("no rigid motion brings all landmarks to their targets: {} would miss "
                     "its own by {:.2f} mm, at most {:g} mm is allowed",
                     targets[std::size_t(fit->worst)].name, fit->worst_mm, tolerance_mm));
-  const Keyframe key = keyframe_of_pose(fit->X_to_from, mean);
+  const geometry::Keyframe key = keyframe_of_pose(fit->X_to_from, mean);
   const double turn_deg = degrees_from_radians(key.rotation_rad.norm());
   if (!(turn_deg <= kLargestTurn_deg))
     return bad(
@@ -58,10 +59,11 @@ Result<Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
   return key;
 }
 
-Result<std::vector<Keyframe>> distraction_keyframes(std::span<const DistractionPhase> phases) {
+Result<std::vector<geometry::Keyframe>> distraction_keyframes(
+    std::span<const DistractionPhase> phases) {
   const auto bad = [](std::string what) { return fail(ErrorCode::kPlanInvalid, std::move(what)); };
   if (phases.empty()) return bad("`distraction` is empty, must have one phase or more");
-  std::vector<Keyframe> keyframes;
+  std::vector<geometry::Keyframe> keyframes;
   Vec3 shift_mm = Vec3::Zero();
   int days = 0;
   for (std::size_t i = 0; i < phases.size(); ++i) {
@@ -77,12 +79,12 @@ Result<std::vector<Keyframe>> distraction_keyframes(std::span<const DistractionP
                       i, length, kLongest_days));
     days += length;
     shift_mm += mm_per_day * double(length) * towards_L.normalized();
-    Keyframe key;
+    geometry::Keyframe key;
     key.at = double(days);
     key.translation_mm = shift_mm;
     keyframes.push_back(key);
   }
-  for (Keyframe& key : keyframes) key.at /= double(days);
+  for (geometry::Keyframe& key : keyframes) key.at /= double(days);
   return keyframes;
 }
 

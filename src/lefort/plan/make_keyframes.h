@@ -4,6 +4,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/plan/landmarks.h>
 #include <lefort/plan/plan.h>
 
@@ -15,7 +16,7 @@ namespace lefort::plan {
 /// The keyframe at which the segment has this pose.
 ///
 /// \param centre_L  the point whose way between keyframes is straight [mm].
-[[nodiscard]] Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& centre_L);
+[[nodiscard]] geometry::Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& centre_L);
 
 /// The keyframe that brings landmarks nearest to their targets, by least squares; its centre is the
 /// landmarks' mean.
@@ -27,9 +28,9 @@ namespace lefort::plan {
 ///   geometry/fit_rigid.h), one is missed by more than the tolerance (the message names it), or the
 ///   motion turns by more than 45 degrees or the targets' sides contradict L (see left_of()), as
 ///   they do if sides are exchanged: three points are met by their mirror image, too.
-[[nodiscard]] Result<Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
-                                                   std::span<const Landmark> targets,
-                                                   double tolerance_mm);
+[[nodiscard]] Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
+                                                             std::span<const Landmark> targets,
+                                                             double tolerance_mm);
 
 /// Days of distraction along one direction.
 struct DistractionPhase {
@@ -42,7 +43,7 @@ struct DistractionPhase {
 ///
 /// \returns kPlanInvalid if there is no phase, one breaks what its members promise, or they last
 ///   more than 1000 days together.
-[[nodiscard]] Result<std::vector<Keyframe>> distraction_keyframes(
+[[nodiscard]] Result<std::vector<geometry::Keyframe>> distraction_keyframes(
     std::span<const DistractionPhase> phases);
 
 /// All days together, of phases that distraction_keyframes() takes.

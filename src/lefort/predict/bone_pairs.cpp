@@ -1,4 +1,4 @@
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/predict/bone_pairs.h>
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 namespace lefort::predict {
 
 RigidTransform PathBone::pose_at(double share) const {
-  return path == nullptr ? RigidTransform::Identity() : plan::pose_at(*path, share);
+  return path == nullptr ? RigidTransform::Identity() : geometry::pose_at(*path, share);
 }
 
 BonePair overlap_at(double share, const PathBone& first, const PathBone& second) {

@@ -4,6 +4,7 @@
 
 #include <lefort/contact/bone_overlap.h>
 #include <lefort/contact/detector.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/plan/plan.h>
 
 #include <memory>
@@ -18,7 +19,7 @@ inline constexpr const char* kRemainder = "remainder";
 struct PathBone {
   std::string name;
   const geometry::TriangleMesh* surface_B = nullptr;  ///< Closed. Not owned.
-  const plan::BonePath* path = nullptr;               ///< Null: it stays. Not owned.
+  const geometry::RigidPath* path = nullptr;          ///< Null: it stays. Not owned.
   std::shared_ptr<const contact::Detector> detector_B;
   double cell_mm = 0.0;  ///< Of its field: what is thinner may be missed.
 

@@ -1,7 +1,7 @@
 #include <lefort/contact/detector.h>
 #include <lefort/core/check.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/predict/check_plan.h>
 
 #include <fmt/format.h>
@@ -50,11 +50,11 @@ Result<std::vector<Bone>> make_bones(const plan::CutSegments& cut,
 
 /// Steps of the longest path and all keyframes, ascending.
 std::vector<double> moments_of(std::span<const plan::PlannedSegment> planned) {
-  const int steps = plan::steps_of(plan::paths_of(planned));
+  const int steps = geometry::steps_of(plan::paths_of(planned));
   std::vector<double> moments;
   for (int step = 1; step <= steps; ++step) moments.push_back(double(step) / steps);
   for (const plan::PlannedSegment& one : planned)
-    for (const plan::Keyframe& key : one.path.keyframes) moments.push_back(key.at);
+    for (const geometry::Keyframe& key : one.path.keyframes) moments.push_back(key.at);
   std::sort(moments.begin(), moments.end());
   moments.erase(std::unique(moments.begin(), moments.end()), moments.end());
   return moments;

@@ -4,7 +4,7 @@
 #include <lefort/fem/boundary_conditions.h>
 #include <lefort/fem/dof_map.h>
 #include <lefort/fem/element_term.h>
-#include <lefort/fem/linear_solver.h>
+#include <lefort/linear/linear_solver.h>
 #include <lefort/predict/face_preview.h>
 #include <lefort/predict/tissue_boundary.h>
 #include <lefort/predict/tissue_materials.h>
@@ -26,8 +26,8 @@ constexpr int kRounds = 8;           ///< Of finding which supports push, at mos
 constexpr std::size_t kFewOf = 400;  ///< One support in so many may still change.
 constexpr double kAtRest_mm = 1e-9;
 
-Error describe(fem::Factorisation outcome) {
-  if (outcome == fem::Factorisation::kOutOfMemory)
+Error describe(linear::Factorisation outcome) {
+  if (outcome == linear::Factorisation::kOutOfMemory)
     return {ErrorCode::kOutOfMemory,
             "the preview's equations do not fit into memory: ask for a larger "
             "tissue.element_size_mm"};
@@ -114,17 +114,17 @@ struct FacePreview::Parts {
 
   PreviewModel model;
   std::mutex mutex;
-  fem::LinearSolver solver{{.kind = fem::LinearSolverKind::kLagged}};
+  linear::LinearSolver solver{{.kind = linear::LinearSolverKind::kLagged}};
   bool is_factorised = false;
 
   /// With those supports that push.
-  [[nodiscard]] fem::SparseMatrix stiffness(const std::vector<char>& pushes) const;
+  [[nodiscard]] linear::SparseMatrix stiffness(const std::vector<char>& pushes) const;
   [[nodiscard]] Result<VectorX> solve(const std::vector<char>& pushes,
                                       const std::vector<double>& pushed_mm);
 };
 
-fem::SparseMatrix FacePreview::Parts::stiffness(const std::vector<char>& pushes) const {
-  fem::SparseMatrix K = model.stiffness_n_per_mm;
+linear::SparseMatrix FacePreview::Parts::stiffness(const std::vector<char>& pushes) const {
+  linear::SparseMatrix K = model.stiffness_n_per_mm;
   for (std::size_t s = 0; s < pushes.size(); ++s) {
     if (!pushes[s]) continue;
     const auto& [segment, row, point_L, n, holds] = model.supports[s];
@@ -142,7 +142,7 @@ Result<VectorX> FacePreview::Parts::solve(const std::vector<char>& pushes,
     if (pushes[s])
       push_n.segment<3>(model.supports[s].row) +=
           model.support_n_per_mm * pushed_mm[s] * model.supports[s].direction_L;
-  if (const auto done = solver.factorise(stiffness(pushes)); done != fem::Factorisation::kDone)
+  if (const auto done = solver.factorise(stiffness(pushes)); done != linear::Factorisation::kDone)
     return tl::unexpected(describe(done));
   auto u = solver.solve(push_n, kTolerance);
   if (!u) return tl::unexpected(describe(u.error()));
@@ -166,7 +166,7 @@ Result<std::vector<Vec3>> FacePreview::displacement_mm(std::span<const RigidTran
   const std::size_t count = model.supports.size();
   if (!parts.is_factorised) {  // With all supports: near to whatever is asked for.
     const auto done = parts.solver.factorise(parts.stiffness(std::vector<char>(count, 1)));
-    if (done != fem::Factorisation::kDone) return tl::unexpected(describe(done));
+    if (done != linear::Factorisation::kDone) return tl::unexpected(describe(done));
     parts.is_factorised = true;
   }
   std::vector<double> pushed_mm(count);

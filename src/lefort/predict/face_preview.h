@@ -4,7 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/sparse_matrix.h>
+#include <lefort/linear/sparse_matrix.h>
 #include <lefort/predict/move_skin.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/prediction_options.h>
@@ -20,7 +20,7 @@ namespace lefort::predict {
 /// A face to first order about rest: what a preview is computed from. A value.
 struct PreviewModel {
   /// Of the tissue at rest on its free components, lower triangle [N/mm].
-  fem::SparseMatrix stiffness_n_per_mm;
+  linear::SparseMatrix stiffness_n_per_mm;
   std::vector<std::int32_t> first_row;  ///< Of each node's three rows; -1 where it is fixed.
 
   /// A point of the tissue that a segment takes along one direction.

@@ -6,10 +6,10 @@
 #include <lefort/fem/element_state.h>
 #include <lefort/fem/element_term.h>
 #include <lefort/fem/equilibrium.h>
-#include <lefort/fem/linear_solver.h>
 #include <lefort/fem/load_steps.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
+#include <lefort/linear/linear_solver.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
@@ -39,13 +39,13 @@ struct LoadLevel {
 
 /// \param increments  of a step. Six steps of four have the levels of 24 steps of one, bit by bit:
 ///   division rounds equal ratios alike.
-std::vector<LoadLevel> load_levels(const std::vector<plan::BonePath>& paths, int increments) {
+std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths, int increments) {
   constexpr double kSame = 1e-9;  // Shares; a keyframe at 0.3333333333 is step 1 of 3.
-  const int count = increments * plan::steps_of(paths);
+  const int count = increments * geometry::steps_of(paths);
   std::vector<LoadLevel> levels;
   for (int n = 1; n <= count; ++n) levels.push_back({double(n) / count, n % increments == 0});
-  for (const plan::BonePath& path : paths)
-    for (const plan::Keyframe& keyframe : path.keyframes) {
+  for (const geometry::RigidPath& path : paths)
+    for (const geometry::Keyframe& keyframe : path.keyframes) {
       const bool known = std::any_of(levels.begin(), levels.end(), [&](const LoadLevel& level) {
         return std::abs(level.share - keyframe.at) <= kSame;
       });
@@ -57,7 +57,7 @@ std::vector<LoadLevel> load_levels(const std::vector<plan::BonePath>& paths, int
 }
 
 /// \param attached  to each segment.
-Result<void> check_sets(const FaceModel& model, const std::vector<plan::BonePath>& paths,
+Result<void> check_sets(const FaceModel& model, const std::vector<geometry::RigidPath>& paths,
                         const std::vector<NodeList>& attached) {
   for (const char* set : {sets::kMovedBone, sets::kFixed})
     LEFORT_CHECK(model.tissue.node_sets.count(set) > 0);
@@ -105,13 +105,13 @@ fem::NewtonOptions newton_options(const SolverOptions& solver, const TissueOptio
 }
 
 /// How far the fastest segment moves per share of its path, at most.
-double speed_mm(const std::vector<plan::BonePath>& paths,
+double speed_mm(const std::vector<geometry::RigidPath>& paths,
                 const std::vector<MovedSegment>& segments) {
   double fastest_mm = 0.0;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     double from = 0.0;
-    for (const plan::Keyframe& keyframe : paths[k].keyframes) {
-      const double moved_mm = plan::largest_displacement_mm(
+    for (const geometry::Keyframe& keyframe : paths[k].keyframes) {
+      const double moved_mm = geometry::largest_displacement_mm(
           paths[k], segments[k].surface_B.vertices, from, keyframe.at);
       fastest_mm = std::max(fastest_mm, moved_mm / (keyframe.at - from));
       from = keyframe.at;
@@ -123,12 +123,12 @@ double speed_mm(const std::vector<plan::BonePath>& paths,
 /// Into how many equal increments a step is cut, so that plans that differ in their number of steps
 /// alone come down to increments alike.
 int increments_of_step(const PredictionOptions& prediction,
-                       const std::vector<plan::BonePath>& paths,
+                       const std::vector<geometry::RigidPath>& paths,
                        const std::vector<MovedSegment>& segments, double reach_mm) {
   constexpr double kOfElement = 0.25, kOfReach = 0.5;
   const double largest_mm =
       std::min(kOfElement * prediction.tissue.element_size_mm, kOfReach * reach_mm);
-  const double step_mm = speed_mm(paths, segments) / plan::steps_of(paths);
+  const double step_mm = speed_mm(paths, segments) / geometry::steps_of(paths);
   return int(std::max(std::ceil(step_mm / largest_mm - 1e-9), 1.0));
 }
 
@@ -167,7 +167,7 @@ Result<void> check_still_bone(const contact::Detector& detector_L, double captur
 }
 
 /// Of one segment, see check_reach().
-Result<void> check_reach_of(const plan::BonePath& path, const std::vector<LoadLevel>& levels,
+Result<void> check_reach_of(const geometry::RigidPath& path, const std::vector<LoadLevel>& levels,
                             const MovedSegment& segment, const contact::Detector& detector_B,
                             double capture_mm) {
   const double band_mm = detector_B.reach_mm();
@@ -183,7 +183,7 @@ Result<void> check_reach_of(const plan::BonePath& path, const std::vector<LoadLe
   double longest_mm = 0.0, mm_per_share = 0.0, from = 0.0;
   for (const LoadLevel& level : levels) {
     const double moved_mm =
-        plan::largest_displacement_mm(path, segment.surface_B.vertices, from, level.share);
+        geometry::largest_displacement_mm(path, segment.surface_B.vertices, from, level.share);
     longest_mm = std::max(longest_mm, moved_mm);
     mm_per_share = std::max(mm_per_share, moved_mm / (level.share - from));
     from = level.share;
@@ -195,7 +195,7 @@ Result<void> check_reach_of(const plan::BonePath& path, const std::vector<LoadLe
                           path.segment, longest_mm, band_mm, int(mm_per_share / band_mm) + 1));
 }
 
-Result<void> check_reaches(const std::vector<plan::BonePath>& paths,
+Result<void> check_reaches(const std::vector<geometry::RigidPath>& paths,
                            const std::vector<MovedSegment>& segments, const Detectors& detectors_B,
                            const BoundaryOptions& boundary) {
   if (boundary.moved_bone != MovedBone::kContact) return {};
@@ -216,7 +216,7 @@ Result<std::shared_ptr<const contact::Detector>> detect_segment(const MovedSegme
                                 segment.field_B->band_mm());
 }
 
-Result<void> check_reach(const std::vector<plan::BonePath>& paths,
+Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
                          const std::vector<MovedSegment>& segments, contact::Detection detection,
                          const BoundaryOptions& boundary) {
   LEFORT_CHECK(paths.size() == segments.size());
@@ -238,11 +238,11 @@ double contact_stiffness_mpa_per_mm(const TissueOptions& tissue, const ContactOp
 }
 
 Result<FacePrediction> predict_face(const FaceModel& model,
-                                    const std::vector<plan::BonePath>& paths,
+                                    const std::vector<geometry::RigidPath>& paths,
                                     const PredictionOptions& options, const PredictionWatch& watch,
                                     Progress& progress, std::optional<Restart> earlier) {
   LEFORT_CHECK(paths.size() == model.segments.size());
-  for (const plan::BonePath& path : paths) LEFORT_TRY_VOID(plan::check_path(path));
+  for (const geometry::RigidPath& path : paths) LEFORT_TRY_VOID(geometry::check_path(path));
   LEFORT_TRY(const Detectors detectors_B, detect_all(model.segments, options.contact.detection));
   LEFORT_TRY_VOID(check_reaches(paths, model.segments, detectors_B, options.boundary));
   const mesh::VolumeMesh& tissue = model.tissue;
@@ -312,15 +312,15 @@ Result<FacePrediction> predict_face(const FaceModel& model,
   const auto pose_contacts = [&](const std::vector<RigidTransform>& X_LB) {
     for (std::size_t k = 0; k < of_segments; ++k) contacts[k].set_pose(X_LB[k]);
   };
-  LEFORT_TRY(fem::DofMap dofs,
-             fem::DofMap::build(tissue.node_count(), prescribed_at(plan::poses_at(paths, 0.0))));
+  LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),
+                                                  prescribed_at(geometry::poses_at(paths, 0.0))));
   const fem::Assembler assembler(tissue.nodes_L, std::move(dofs), terms);
 
-  std::optional<fem::LinearSolver> linear_solver(std::in_place);
+  std::optional<linear::LinearSolver> linear_solver(std::in_place);
   PredictionIterate seen;
   seen.attempt = 0;
   const auto solve_at = [&](double share, const VectorX& start) {
-    const std::vector<RigidTransform> X_LB = plan::poses_at(paths, share);
+    const std::vector<RigidTransform> X_LB = geometry::poses_at(paths, share);
     pose_contacts(X_LB);
     seen.to_share = share;
     ++seen.attempt;
@@ -347,7 +347,7 @@ Result<FacePrediction> predict_face(const FaceModel& model,
     so_far = *std::move(earlier);
     LEFORT_CHECK(so_far.contacts.size() == contacts.size());
     const fem::LoadState& last = so_far.stepper.last;
-    pose_contacts(plan::poses_at(paths, last.t));
+    pose_contacts(geometry::poses_at(paths, last.t));
     for (std::size_t k = 0; k < contacts.size(); ++k)
       contacts[k].restore(so_far.contacts[k], contact::displaced(tissue.nodes_L, last.u));
   }
@@ -355,7 +355,7 @@ Result<FacePrediction> predict_face(const FaceModel& model,
   for (const auto& detector_B : detectors_B) reach_mm = std::min(reach_mm, detector_B->reach_mm());
   const int parts = increments_of_step(options, paths, model.segments, reach_mm);
   const fem::LoadStepOptions increments =
-      load_step_options(options.solver, 1.0 / (parts * plan::steps_of(paths)));
+      load_step_options(options.solver, 1.0 / (parts * geometry::steps_of(paths)));
   fem::LoadStepper stepper =
       earlier
           ? fem::LoadStepper::resumed(so_far.stepper, solve_at, increments)
@@ -365,7 +365,7 @@ Result<FacePrediction> predict_face(const FaceModel& model,
   for (const auto& [share, is_step] : load_levels(paths, parts)) {
     if (share <= stepper.state().t) continue;  // Found by an earlier run.
     // An iterative solver's memory ends with a step, so that nothing depends on earlier ones.
-    if (assembler.dofs().free_count() > fem::LinearSolverOptions{}.direct_rows)
+    if (assembler.dofs().free_count() > linear::LinearSolverOptions{}.direct_rows)
       linear_solver.emplace();
     const Result<void> advanced = stepper.advance_to(share, progress);
     if (advanced && !is_step) continue;
@@ -389,7 +389,7 @@ Result<FacePrediction> predict_face(const FaceModel& model,
 
     PredictionStep result;
     result.share = share;
-    for (const RigidTransform& X_LB : plan::poses_at(paths, share))
+    for (const RigidTransform& X_LB : geometry::poses_at(paths, share))
       result.segments.push_back({.X_LB = X_LB, .contact = {}});
     result.displacement_mm = as_vectors(stepper.state().u);
     const std::vector<Vec3> at_L = contact::displaced(tissue.nodes_L, stepper.state().u);

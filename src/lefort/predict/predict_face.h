@@ -6,6 +6,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/fem/load_steps.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/plan/plan.h>
 #include <lefort/predict/face_model.h>
 #include <lefort/predict/face_prediction.h>
@@ -41,7 +42,7 @@ struct PredictionOptions {
 ///   - kInvalidArgument  boundary.capture_mm is not less than a detector's reach;
 ///   - kStepBeyondBand   a segment moves further from one load level to the next (steps and
 ///     keyframes of all) than its detector reaches.
-[[nodiscard]] Result<void> check_reach(const std::vector<plan::BonePath>& paths,
+[[nodiscard]] Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
                                        const std::vector<MovedSegment>& segments,
                                        contact::Detection detection,
                                        const BoundaryOptions& boundary);
@@ -66,7 +67,7 @@ struct PredictionWatch {
 };
 
 /// Follows the paths step by step, all segments moving together; each passes through every keyframe
-/// of its own. There are as many steps as plan::steps_of() says.
+/// of its own. There are as many steps as geometry::steps_of() says.
 ///
 /// Between two steps no part of a segment moves further at once than a quarter of an element, nor
 /// than half its detector's reach: the increments, not the steps, decide what is found.
@@ -75,14 +76,14 @@ struct PredictionWatch {
 /// \param earlier  where a run of the same model, paths and options was stopped; the rest of the
 ///   way is found with the same bits as without the stop.
 /// \returns the steps that converged, and why it ended early if it did; or
-///   - kPlanInvalid      a path cannot be followed (plan::check_path);
+///   - kPlanInvalid      a path cannot be followed (geometry::check_path);
 ///   - what check_reach() returns, and of still bone kMeshInvalid and kInvalidArgument likewise;
 ///   - kAnatomyMissing   no tissue lies on a segment, or nothing is fixed;
 ///   - kInvalidArgument  a material constant lies outside its range;
 ///   - kOutOfMemory      the tissue's mesh is too fine for this machine;
 ///   - kCancelled        `progress` asked to stop.
 [[nodiscard]] Result<FacePrediction> predict_face(const FaceModel& model,
-                                                  const std::vector<plan::BonePath>& paths,
+                                                  const std::vector<geometry::RigidPath>& paths,
                                                   const PredictionOptions& options,
                                                   const PredictionWatch& watch = {},
                                                   Progress& progress = Progress::none(),

@@ -5,11 +5,11 @@
 
 #include <lefort/contact/contact_term.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/linear_solver.h>
 #include <lefort/fem/load_steps.h>
 #include <lefort/fem/material.h>
 #include <lefort/fem/newton.h>
-#include <lefort/plan/plan.h>
+#include <lefort/geometry/rigid_path.h>
+#include <lefort/linear/linear_solver.h>
 #include <lefort/solve/load_curve.h>
 
 #include <array>
@@ -71,7 +71,7 @@ struct PrescribedSet {
 /// A set that moves with a rigid body.
 struct RigidlyMovedSet {
   std::string set;
-  plan::BonePath path;
+  geometry::RigidPath path;
 };
 
 /// Force per area of the face at rest, of fixed direction.
@@ -99,7 +99,7 @@ struct BodyForce {
 struct Obstacle {
   std::string name;
   std::string faces;
-  plan::BonePath path;  ///< One keyframe without motion if it stands still.
+  geometry::RigidPath path;  ///< One keyframe without motion if it stands still.
   /// k_c; unless given, stiffness_factor times Young's modulus of the stiffest region behind the
   /// faces, divided by the mean edge of the faces.
   std::optional<double> stiffness_mpa_per_mm;
@@ -130,7 +130,7 @@ struct Deck {
   std::vector<double> times;  ///< In (0, 1): increments end there.
   fem::LoadStepOptions steps{.first_increment = 0.1, .min_increment = 1e-4};
   fem::NewtonOptions newton;
-  fem::LinearSolverOptions linear_solver;
+  linear::LinearSolverOptions linear_solver;
 };
 
 }  // namespace lefort::solve

@@ -1,4 +1,4 @@
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/solve/about_key.h>
 #include <lefort/solve/find_held.h>
 #include <lefort/solve/find_sets.h>
@@ -89,7 +89,7 @@ Result<std::vector<HeldComponent>> find_held(const mesh::VolumeMesh& mesh, const
   }
   for (std::size_t m = 0; m < deck.motions.size(); ++m) {
     const std::string key = indexed("motions", m);
-    LEFORT_TRY_VOID(about(plan::check_path(deck.motions[m].path), key));
+    LEFORT_TRY_VOID(about(geometry::check_path(deck.motions[m].path), key));
     LEFORT_TRY(const NodeList nodes, about(find_nodes(mesh, deck.motions[m].set), key));
     for (int component = 0; component < 3; ++component)
       LEFORT_TRY_VOID(held.add(nodes, component, int(deck.displacements.size() + m)));
@@ -110,7 +110,8 @@ std::vector<fem::PrescribedDisplacement> prescribed_at(
   std::vector<double> factors;
   for (const PrescribedSet& set : deck.displacements) factors.push_back(factor_at(set.curve, time));
   std::vector<RigidTransform> poses;
-  for (const RigidlyMovedSet& set : deck.motions) poses.push_back(plan::pose_at(set.path, time));
+  for (const RigidlyMovedSet& set : deck.motions)
+    poses.push_back(geometry::pose_at(set.path, time));
 
   std::vector<fem::PrescribedDisplacement> prescribed;
   prescribed.reserve(held_components.size());

@@ -1,4 +1,4 @@
-#include <lefort/fem/linear_solver.h>
+#include <lefort/linear/linear_solver.h>
 #include <lefort/solve/find_soft_spot.h>
 
 #include <cmath>
@@ -24,21 +24,22 @@ std::optional<SoftSpot> find_soft_spot(const fem::Assembler& assembler, const Ve
                                        Progress& progress) {
   const fem::DofMap& dofs = assembler.dofs();
   if (dofs.free_count() == 0 || !assembler.forces(u)) return std::nullopt;
-  fem::SparseMatrix K = assembler.tangent(u);
-  fem::LinearSolver solver({.kind = fem::LinearSolverKind::kDirect});  // It alone sees each pivot.
+  linear::SparseMatrix K = assembler.tangent(u);
+  linear::LinearSolver solver(
+      {.kind = linear::LinearSolverKind::kDirect});  // It alone sees each pivot.
   if (progress.stop_requested()) return std::nullopt;
-  fem::Factorisation outcome = solver.factorise(K);
+  linear::Factorisation outcome = solver.factorise(K);
   const double scale = K.diagonal().cwiseAbs().mean();
   double shift = 0.0;
   for (double next = kFirstShift;
-       outcome == fem::Factorisation::kNotPositiveDefinite && next <= kLastShift;
+       outcome == linear::Factorisation::kNotPositiveDefinite && next <= kLastShift;
        next *= kShiftGrowth) {
     if (progress.stop_requested()) return std::nullopt;
     K.diagonal().array() += (next - shift) * scale;
     shift = next;
     outcome = solver.factorise(K);
   }
-  if (outcome != fem::Factorisation::kDone) return std::nullopt;
+  if (outcome != linear::Factorisation::kDone) return std::nullopt;
 
   VectorX motion = irregular(dofs.free_count());
   for (int n = 0; n < kIterations; ++n) {

@@ -1,5 +1,5 @@
 #include <lefort/fem/element_term.h>
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/solve/about_key.h>
 #include <lefort/solve/find_sets.h>
 #include <lefort/solve/loose_parts.h>
@@ -166,7 +166,7 @@ Result<void> find_obstacles(PreparedDeck& prepared, const MeshIndex& index) {
   for (std::size_t i = 0; i < prepared.deck.obstacles.size(); ++i) {
     const Obstacle& obstacle = prepared.deck.obstacles[i];
     const std::string key = indexed("obstacles", i);
-    LEFORT_TRY_VOID(about(plan::check_path(obstacle.path), key));
+    LEFORT_TRY_VOID(about(geometry::check_path(obstacle.path), key));
     LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, obstacle.faces), key));
     LEFORT_TRY_VOID(about(check_outside(prepared, index, faces, obstacle.faces), key));
     prepared.obstacle_stiffness_mpa_per_mm.push_back(obstacle.stiffness_mpa_per_mm.value_or(
@@ -185,8 +185,8 @@ void find_levels(PreparedDeck& prepared) {
   const auto add_curve = [&](const LoadCurve& curve) {
     for (const CurvePoint& point : curve.points) levels.insert(point.time);
   };
-  const auto add_path = [&](const plan::BonePath& path) {
-    for (const plan::Keyframe& key : path.keyframes) levels.insert(key.at);
+  const auto add_path = [&](const geometry::RigidPath& path) {
+    for (const geometry::Keyframe& key : path.keyframes) levels.insert(key.at);
   };
   for (const PrescribedSet& set : deck.displacements) add_curve(set.curve);
   for (const Traction& load : deck.tractions) add_curve(load.curve);

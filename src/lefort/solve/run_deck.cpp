@@ -4,8 +4,8 @@
 #include <lefort/fem/dof_map.h>
 #include <lefort/fem/element_term.h>
 #include <lefort/fem/equilibrium.h>
-#include <lefort/fem/linear_solver.h>
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
+#include <lefort/linear/linear_solver.h>
 #include <lefort/solve/deck_loads.h>
 #include <lefort/solve/find_soft_spot.h>
 #include <lefort/solve/run_deck.h>
@@ -40,7 +40,7 @@ class Problem {
   void set_time(double time) {
     loads_.set_time(time);
     for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      obstacles_[i].X_LB = plan::pose_at(prepared_.deck.obstacles[i].path, time);
+      obstacles_[i].X_LB = geometry::pose_at(prepared_.deck.obstacles[i].path, time);
       contacts_[i].set_pose(obstacles_[i].X_LB);
     }
   }
@@ -202,9 +202,9 @@ std::string most_compressed(const PreparedDeck& prepared, const VectorX& u) {
 
 /// What resists least, unless looking for it takes a factor that the solver itself would avoid.
 std::optional<SoftSpot> soft_spot(const Problem& problem, const VectorX& u, Progress& progress) {
-  const fem::LinearSolverOptions& solver = problem.prepared().deck.linear_solver;
+  const linear::LinearSolverOptions& solver = problem.prepared().deck.linear_solver;
   const bool is_small = problem.assembler().dofs().free_count() <= solver.direct_rows;
-  if (!is_small && solver.kind != fem::LinearSolverKind::kDirect) return std::nullopt;
+  if (!is_small && solver.kind != linear::LinearSolverKind::kDirect) return std::nullopt;
   return find_soft_spot(problem.assembler(), u, progress);
 }
 
@@ -296,7 +296,7 @@ Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleDetectors& 
                          const DeckWatch& watch, Progress& progress) {
   LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, detectors));
   fem::NewtonOptions newton = newton_options(*problem, watch);
-  fem::LinearSolver linear_solver(prepared.deck.linear_solver);
+  linear::LinearSolver linear_solver(prepared.deck.linear_solver);
   const auto solve_at = [&](double time, const VectorX& start) {
     problem->set_time(time);
     newton.may_start_at_rest = is_at_rest(prepared, time);

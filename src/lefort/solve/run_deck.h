@@ -6,8 +6,8 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/fem/element_state.h>
-#include <lefort/fem/linear_solver.h>
 #include <lefort/fem/load_steps.h>
+#include <lefort/linear/linear_solver.h>
 #include <lefort/solve/check_obstacles.h>
 #include <lefort/solve/prepare_deck.h>
 
@@ -50,7 +50,7 @@ struct DeckRun {
   std::optional<Increment> last;  ///< The last that converged; none if not even the first did.
   std::optional<Error> failure;   ///< Why time 1 was not reached; kCancelled if it was stopped.
   /// What `automatic` took for the last that converged; none if nothing had to be solved for.
-  std::optional<fem::LinearSolverKind> linear_solver;
+  std::optional<linear::LinearSolverKind> linear_solver;
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged increment.
 
   [[nodiscard]] bool completed() const { return !failure.has_value(); }

@@ -26,7 +26,7 @@ Result<Equilibrium> solve(const CaseModel& model, const SolveOptions& options, P
 
   LEFORT_TRY(auto dofs, fem::DofMap::build(model.mesh.node_count(), model.prescribed(1.0)));
   const fem::Assembler assembler(model.mesh.nodes_L, std::move(dofs), terms);
-  fem::LinearSolver linear_solver;
+  linear::LinearSolver linear_solver;
   fem::NewtonOptions newton;
   newton.relative_tolerance = options.relative_tolerance;
   newton.absolute_tolerance_n = options.absolute_tolerance_n;

@@ -73,7 +73,7 @@ Result<Vec3> solve_cook_membrane(const CookMembrane& membrane, const fem::Materi
   for (const auto& term : terms) all.push_back(term.get());
   const fem::Assembler assembler(membrane.mesh.nodes_L, std::move(dofs), all);
 
-  fem::LinearSolver solver;
+  linear::LinearSolver solver;
   fem::LoadStepper stepper({.t = 0.0, .u = VectorX::Zero(3 * membrane.mesh.node_count())},
                            [&](double t, const VectorX& start) {
                              load.set_factor(t);

@@ -4,7 +4,7 @@
 #include <lefort/app/server/served_case.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/plan/bone_path.h>
+#include <lefort/geometry/rigid_path.h>
 
 #include <utility>
 
@@ -57,7 +57,7 @@ Reply get_plan_poses(ServedCase& served, const Request& request, const PathValue
   for (const plan::PlannedSegment& segment : plan->segments) {
     json poses = json::array();
     for (int k = 0; k <= *count; ++k)
-      poses.push_back(as_json(plan::pose_at(segment.path, double(k) / *count)));
+      poses.push_back(as_json(geometry::pose_at(segment.path, double(k) / *count)));
     segments[segment.osteotomy.segment] = std::move(poses);
   }
   return json_reply({{"count", *count}, {"segments", segments}});

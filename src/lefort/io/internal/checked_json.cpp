@@ -148,10 +148,10 @@ const Json& list(const Json& whole, const char* key) {
   return found == whole.end() ? empty : *found;
 }
 
-std::vector<plan::Keyframe> read_keyframes(const Json& keyframes) {
-  std::vector<plan::Keyframe> frames;
+std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes) {
+  std::vector<geometry::Keyframe> frames;
   for (const Json& json : keyframes) {
-    plan::Keyframe frame;
+    geometry::Keyframe frame;
     Vec3 rotation_deg = Vec3::Zero();
     read(json, "at", frame.at);
     read(json, "translation_mm", frame.translation_mm);

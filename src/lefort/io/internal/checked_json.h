@@ -4,6 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/plan/plan.h>
 
 #include <nlohmann/json.hpp>
@@ -49,6 +50,6 @@ inline void read(const Json& object, const char* key, Vec3& value) {
 [[nodiscard]] const Json& list(Json&& whole, const char* key) = delete;
 
 /// A bone's or an obstacle's way.
-[[nodiscard]] std::vector<plan::Keyframe> read_keyframes(const Json& keyframes);
+[[nodiscard]] std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes);
 
 }  // namespace lefort::io::internal

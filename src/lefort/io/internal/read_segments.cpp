@@ -1,9 +1,9 @@
 #include <lefort/core/units.h>
+#include <lefort/geometry/rigid_path.h>
 #include <lefort/io/internal/read_segments.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/markups_file.h>
 #include <lefort/io/transform_file.h>
-#include <lefort/plan/bone_path.h>
 #include <lefort/plan/make_keyframes.h>
 #include <lefort/plan/osteotomy_template.h>
 
@@ -205,7 +205,7 @@ Result<plan::Osteotomy> read_osteotomy(const Json& json, const std::string& name
 }
 
 /// Targets by name: in the plan, or a landmarks file.
-Result<plan::Keyframe> aim(const Json& json, const std::string& key, const Context& context) {
+Result<geometry::Keyframe> aim(const Json& json, const std::string& key, const Context& context) {
   constexpr double kTolerance_mm = 1.0;
   LEFORT_TRY(const plan::Landmarks targets, read_plan_landmarks(json["targets"], context.folder));
   auto keyframe = plan::keyframe_to_targets(context.landmarks, targets,
@@ -215,8 +215,9 @@ Result<plan::Keyframe> aim(const Json& json, const std::string& key, const Conte
 }
 
 /// \param centre_L  What the plan says it is about; else what the segment holds.
-Result<plan::Keyframe> read_pose_file(const Json& json, const std::string& key,
-                                      const std::optional<Vec3>& centre_L, const Context& context) {
+Result<geometry::Keyframe> read_pose_file(const Json& json, const std::string& key,
+                                          const std::optional<Vec3>& centre_L,
+                                          const Context& context) {
   LEFORT_TRY(const RigidTransform X_LB,
              read_transform(context.folder / json["transform"].get<std::string>()));
   if (!centre_L && !context.held_L)
@@ -226,8 +227,8 @@ Result<plan::Keyframe> read_pose_file(const Json& json, const std::string& key,
   return plan::keyframe_of_pose(X_LB, centre_L ? *centre_L : *context.held_L);
 }
 
-Result<plan::Keyframe> read_keyframe(const Json& json, const std::string& key,
-                                     const Context& context) {
+Result<geometry::Keyframe> read_keyframe(const Json& json, const std::string& key,
+                                         const Context& context) {
   const bool is_aimed = json.contains("targets"), is_file = json.contains("transform");
   const bool is_stated = json.contains("translation_mm") || json.contains("rotation_deg");
   if (int(is_aimed) + int(is_file) + int(is_stated) > 1)
@@ -235,7 +236,7 @@ Result<plan::Keyframe> read_keyframe(const Json& json, const std::string& key,
   if (json.contains("about") && json.contains("about_mm"))
     return bad(key, "must have one of about and about_mm");
   if (json.contains("tolerance_mm") && !is_aimed) return bad(key, "tolerance_mm is of targets");
-  plan::Keyframe keyframe = read_keyframes(Json::array({json})).front();
+  geometry::Keyframe keyframe = read_keyframes(Json::array({json})).front();
   const double at = keyframe.at;
   std::optional<Vec3> centre_L;
   if (json.contains("about_mm")) centre_L = keyframe.centre_L;
@@ -248,8 +249,8 @@ Result<plan::Keyframe> read_keyframe(const Json& json, const std::string& key,
     LEFORT_TRY(keyframe, read_pose_file(json, key, centre_L, context));
   }
   if (centre_L && is_aimed) {  // The same pose, by another way.
-    const plan::BonePath one{.segment = {}, .keyframes = {keyframe}};
-    keyframe = plan::keyframe_of_pose(plan::pose_at(one, keyframe.at), *centre_L);
+    const geometry::RigidPath one{.segment = {}, .keyframes = {keyframe}};
+    keyframe = plan::keyframe_of_pose(geometry::pose_at(one, keyframe.at), *centre_L);
   } else if (centre_L && !is_file) {
     keyframe.centre_L = *centre_L;
   }
@@ -257,8 +258,8 @@ Result<plan::Keyframe> read_keyframe(const Json& json, const std::string& key,
   return keyframe;
 }
 
-Result<std::vector<plan::Keyframe>> read_distraction(const Json& phases, const std::string& key,
-                                                     int& days) {
+Result<std::vector<geometry::Keyframe>> read_distraction(const Json& phases, const std::string& key,
+                                                         int& days) {
   std::vector<plan::DistractionPhase> read_phases;
   for (const Json& json : phases)
     read_phases.push_back(
@@ -269,12 +270,12 @@ Result<std::vector<plan::Keyframe>> read_distraction(const Json& phases, const s
   return keyframes;
 }
 
-Result<plan::BonePath> read_path(const Json& json, const std::string& name, const std::string& key,
-                                 const Context& context) {
-  plan::BonePath path;
+Result<geometry::RigidPath> read_path(const Json& json, const std::string& name,
+                                      const std::string& key, const Context& context) {
+  geometry::RigidPath path;
   path.segment = name;
   if (json.value("interpolation", "straight") == "screw")
-    path.interpolation = plan::Interpolation::kScrew;
+    path.interpolation = geometry::Interpolation::kScrew;
   if (json.contains("keyframes") == json.contains("distraction"))
     return bad(key, "must have either keyframes or distraction");
   if (json.contains("distraction")) {
@@ -283,13 +284,13 @@ Result<plan::BonePath> read_path(const Json& json, const std::string& name, cons
   } else {
     for (const Json& one : json["keyframes"]) {
       LEFORT_TRY(
-          const plan::Keyframe keyframe,
+          const geometry::Keyframe keyframe,
           read_keyframe(one, fmt::format("{}.keyframes[{}]", key, path.keyframes.size()), context));
       path.keyframes.push_back(keyframe);
     }
   }
   read(json, "steps", path.steps);
-  LEFORT_TRY_VOID(plan::check_path(path));
+  LEFORT_TRY_VOID(geometry::check_path(path));
   return path;
 }
 

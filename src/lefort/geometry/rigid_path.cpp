@@ -1,0 +1,105 @@
+#include <lefort/core/check.h>
+#include <lefort/geometry/rigid_motion.h>
+#include <lefort/geometry/rigid_path.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace lefort::geometry {
+namespace {
+
+RigidTransform pose_of(const Keyframe& key) {
+  return rigid_motion(key.translation_mm, key.rotation_rad, key.centre_L);
+}
+
+/// What is wrong with a keyframe by itself, or nothing.
+std::string complaint_about(const Keyframe& key) {
+  if (!key.translation_mm.allFinite()) return "its translation is not a finite vector";
+  if (!key.rotation_rad.allFinite()) return "its rotation is not a finite vector";
+  if (!key.centre_L.allFinite()) return "its centre is not a finite point";
+  if (!(key.at > 0.0 && key.at <= 1.0))
+    return fmt::format("`at` is {}, must be above 0 and at most 1", key.at);
+  if (key.rotation_rad.norm() >= std::numbers::pi)
+    return fmt::format("its rotation is {:.4g} rad, must be below half a turn",
+                       key.rotation_rad.norm());
+  return {};
+}
+
+}  // namespace
+
+Result<void> check_path(const RigidPath& path) {
+  const auto bad = [&](const std::string& what) {
+    return fail(ErrorCode::kPlanInvalid, fmt::format("path of '{}': {}", path.segment, what));
+  };
+  if (path.steps < 1) return bad(fmt::format("`steps` is {}, must be at least 1", path.steps));
+  if (path.keyframes.empty()) return bad("`keyframes` is empty, must have one or more");
+  // Nearer to half a turn, rounding would choose which of two ways the bone goes.
+  constexpr double kMostBetween_rad = std::numbers::pi - 1e-6;
+  double before = 0.0;
+  Mat3 R_before = Mat3::Identity();
+  for (std::size_t k = 0; k < path.keyframes.size(); ++k) {
+    const Keyframe& key = path.keyframes[k];
+    if (const std::string complaint = complaint_about(key); !complaint.empty())
+      return bad(fmt::format("keyframe {}: {}", k, complaint));
+    if (key.at <= before)
+      return bad(fmt::format("keyframe {}: `at` is {}, must be above {}", k, key.at, before));
+    before = key.at;
+    const Mat3 R_key = pose_of(key).linear();
+    const double turn_rad = rotation_vector(R_key * R_before.transpose()).norm();
+    if (turn_rad > kMostBetween_rad)
+      return bad(
+          fmt::format("keyframe {}: half a turn from the one before, which leaves two ways "
+                      "to go; add a keyframe between them",
+                      k));
+    R_before = R_key;
+  }
+  if (before != 1.0) return bad(fmt::format("the last keyframe is at {}, must be at 1", before));
+  return {};
+}
+
+RigidTransform pose_at(const RigidPath& path, double share) {
+  LEFORT_CHECK(share >= 0.0 && share <= 1.0);
+  RigidTransform X_before = RigidTransform::Identity();
+  double at_before = 0.0;
+  for (const Keyframe& key : path.keyframes) {
+    const RigidTransform X_key = pose_of(key);
+    if (share == key.at) return X_key;
+    if (share < key.at) {
+      const double part = (share - at_before) / (key.at - at_before);
+      return path.interpolation == Interpolation::kScrew
+                 ? interpolate_screw(X_before, X_key, part)
+                 : interpolate_pose(X_before, X_key, part, key.centre_L);
+    }
+    X_before = X_key;
+    at_before = key.at;
+  }
+  return X_before;
+}
+
+std::vector<RigidTransform> poses_at(std::span<const RigidPath> paths, double share) {
+  std::vector<RigidTransform> poses;
+  for (const RigidPath& path : paths) poses.push_back(pose_at(path, share));
+  return poses;
+}
+
+int steps_of(std::span<const RigidPath> paths) {
+  LEFORT_CHECK(!paths.empty());
+  int steps = 1;
+  for (const RigidPath& path : paths) steps = std::max(steps, path.steps);
+  return steps;
+}
+
+double largest_displacement_mm(const RigidPath& path, std::span<const Vec3> points_B,
+                               double from_share, double to_share) {
+  const RigidTransform X_from = pose_at(path, from_share);
+  const RigidTransform X_to = pose_at(path, to_share);
+  double largest_mm = 0.0;
+  for (const Vec3& p_B : points_B)
+    largest_mm = std::max(largest_mm, (X_to * p_B - X_from * p_B).norm());
+  return largest_mm;
+}
+
+}  // namespace lefort::geometry

@@ -1,0 +1,88 @@
+/// \file
+/// Sparse matrices of small dense blocks, row by row: what iterative solvers multiply with.
+#pragma once
+
+#include <lefort/core/check.h>
+#include <lefort/core/parallel.h>
+#include <lefort/core/types.h>
+#include <lefort/linear/sparse_matrix.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lefort::linear {
+
+/// Row i holds the blocks start[i] to start[i + 1], their columns ascending.
+template <int kRows, int kColumns>
+struct BlockMatrix {
+  using Block = Eigen::Matrix<double, kRows, kColumns>;
+  static constexpr Index kSize = kRows * kColumns;
+
+  std::int32_t columns = 0;  ///< In blocks.
+  std::vector<std::int32_t> start = {0};
+  std::vector<std::int32_t> column;
+  std::vector<double> values;  ///< kSize for each block, column by column.
+
+  [[nodiscard]] std::int32_t rows() const { return std::int32_t(start.size()) - 1; }
+  [[nodiscard]] Index row_begin(Index i) const { return start[std::size_t(i)]; }
+  [[nodiscard]] Index row_end(Index i) const { return start[std::size_t(i) + 1]; }
+  [[nodiscard]] Eigen::Map<const Block> block(Index k) const {
+    return Eigen::Map<const Block>(values.data() + k * kSize);
+  }
+  [[nodiscard]] Eigen::Map<Block> block(Index k) {
+    return Eigen::Map<Block>(values.data() + k * kSize);
+  }
+};
+
+/// Rows multiplied by one task.
+inline constexpr Index kBlockRowsPerTask = 512;
+
+/// y = A x.
+template <int kRows, int kColumns>
+void multiply(const BlockMatrix<kRows, kColumns>& A, const VectorX& x, VectorX& y) {
+  LEFORT_CHECK(x.size() == Index(kColumns) * A.columns);
+  y.resize(Index(kRows) * A.rows());
+  parallel_for(
+      A.rows(),
+      [&](Index i) {
+        Eigen::Matrix<double, kRows, 1> sum = Eigen::Matrix<double, kRows, 1>::Zero();
+        for (Index k = A.row_begin(i); k < A.row_end(i); ++k)
+          sum.noalias() +=
+              A.block(k) * x.segment<kColumns>(Index(kColumns) * A.column[std::size_t(k)]);
+        y.segment<kRows>(kRows * i) = sum;
+      },
+      kBlockRowsPerTask);
+}
+
+/// The transpose.
+template <int kRows, int kColumns>
+[[nodiscard]] BlockMatrix<kColumns, kRows> transposed(const BlockMatrix<kRows, kColumns>& A);
+
+/// A symmetric matrix, rows of one pattern in blocks of up to three: three displacements of a node,
+/// or what is free of them. Smaller blocks are filled up with rows of the unit matrix.
+class SymmetricBlocks {
+ public:
+  /// \param A  lower triangle with the whole diagonal, compressed.
+  explicit SymmetricBlocks(const SparseMatrix& A);
+
+  /// Takes the values of another matrix of the same pattern.
+  void set_values(std::span<const double> values);
+
+  [[nodiscard]] const BlockMatrix<3, 3>& matrix() const { return matrix_; }
+
+  /// Where row i of A is among the rows of the blocks.
+  [[nodiscard]] std::int32_t block_row(Index i) const { return block_row_[std::size_t(i)]; }
+
+  /// From a vector of A's rows to one of the blocks' rows, zero where they are filled up; and back.
+  [[nodiscard]] VectorX to_blocks(const VectorX& x) const;
+  [[nodiscard]] VectorX from_blocks(const VectorX& x) const;
+
+ private:
+  BlockMatrix<3, 3> matrix_;
+  std::vector<std::int32_t> block_row_;
+  std::vector<std::int32_t> place_;         ///< Of each value of A among those of the blocks,
+  std::vector<std::int32_t> mirror_place_;  ///< and where it is above the diagonal.
+};
+
+}  // namespace lefort::linear

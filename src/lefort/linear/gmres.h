@@ -1,0 +1,74 @@
+/// \file
+/// Linear systems without symmetry, by a preconditioner that need not be the same twice.
+#pragma once
+
+#include <lefort/core/check.h>
+#include <lefort/core/types.h>
+#include <lefort/linear/conjugate_gradients.h>
+
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace lefort::linear {
+
+struct GmresOutcome {
+  VectorX x;
+  double left = 0.0;  ///< |b - A x| / |b|.
+};
+
+/// Solves A x = b from zero until |b - A x| <= tolerance |b| or for so many iterations, by flexible
+/// GMRES without restart (\cite saad2003, algorithm 9.6). Keeps two vectors per iteration.
+///
+/// \param multiply      multiply(x): A x.
+/// \param precondition  precondition(r): about A^-1 r, or nothing if it failed.
+/// \returns nothing if an iteration failed.
+template <class Multiply, class Precondition>
+[[nodiscard]] std::optional<GmresOutcome> solve_by_gmres(const Multiply& multiply,
+                                                         const Precondition& precondition,
+                                                         const VectorX& b, double tolerance,
+                                                         int max_iterations) {
+  LEFORT_CHECK(max_iterations >= 1);
+  const double size = std::sqrt(inner_product(b, b));
+  if (size == 0.0) return GmresOutcome{VectorX::Zero(b.size())};
+  std::vector<VectorX> V{b / size}, Z;
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(max_iterations + 1, max_iterations);
+  std::vector<std::pair<double, double>> turns;  // Cosine and sine that clear each subdiagonal.
+  VectorX g = VectorX::Zero(max_iterations + 1);
+  g[0] = size;
+  for (int j = 0;; ++j) {
+    std::optional<VectorX> z = precondition(V.back());
+    if (!z) return std::nullopt;
+    Z.push_back(*std::move(z));
+    VectorX w = multiply(Z.back());
+    for (int i = 0; i <= j; ++i) {
+      R(i, j) = inner_product(w, V[std::size_t(i)]);
+      w -= R(i, j) * V[std::size_t(i)];
+    }
+    const double next = std::sqrt(inner_product(w, w));
+    for (int i = 0; i < j; ++i) {
+      const auto [c, s] = turns[std::size_t(i)];
+      const double upper = R(i, j);
+      R(i, j) = c * upper + s * R(i + 1, j);
+      R(i + 1, j) = c * R(i + 1, j) - s * upper;
+    }
+    const double pivot = std::hypot(R(j, j), next);
+    if (!(pivot > 0.0) || !std::isfinite(pivot)) return std::nullopt;
+    turns.emplace_back(R(j, j) / pivot, next / pivot);
+    R(j, j) = pivot;
+    g[j + 1] = -turns.back().second * g[j];
+    g[j] *= turns.back().first;
+    const double left = std::abs(g[j + 1]) / size;
+    const int n = j + 1;
+    if (left <= tolerance || n == max_iterations) {
+      const VectorX y = R.topLeftCorner(n, n).triangularView<Eigen::Upper>().solve(g.head(n));
+      VectorX x = VectorX::Zero(b.size());
+      for (int i = 0; i < n; ++i) x += y[i] * Z[std::size_t(i)];
+      return GmresOutcome{std::move(x), left};
+    }
+    V.push_back(w / next);
+  }
+}
+
+}  // namespace lefort::linear
