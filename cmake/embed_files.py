@@ -27,13 +27,13 @@ def literal(data: bytes) -> str:
 
 
 def text(output: Path, pairs: list[str]) -> None:
-    source = HEAD + "#include <lefort/app/server/contract_text.h>\n\nnamespace lefort::app::server {\n\n"
+    source = HEAD + "#include <lefort/server/api/contract_text.h>\n\nnamespace lefort::server {\n\n"
     for pair in pairs:
         name, file = pair.split("=", 1)
         data = Path(file).read_bytes()
         source += f"static const char {name}Bytes[] = {literal(data)};\n"
         source += f"const std::string_view {name}({name}Bytes, {len(data)});\n\n"
-    output.write_text(source + "}  // namespace lefort::app::server\n")
+    output.write_text(source + "}  // namespace lefort::server\n")
 
 
 def page(output: Path, folder: Path) -> None:
@@ -41,13 +41,13 @@ def page(output: Path, folder: Path) -> None:
              for f in sorted(folder.rglob("*")) if f.is_file() and f.suffix in TYPES} if folder.is_dir() else {}
     if "/index.html" not in files:
         files = {"/index.html": NOT_BUILT}
-    source = HEAD + "#include <lefort/app/server/page.h>\n\nnamespace lefort::app::server {\n\n"
+    source = HEAD + "#include <lefort/server/http/page.h>\n\nnamespace lefort::server {\n\n"
     for number, data in enumerate(files.values()):
         source += f"static const char kFile{number}[] = {literal(data)};\n"
     source += "\nstd::span<const PageFile> page_files() {\n  static const PageFile files[] = {\n"
     for number, (path, data) in enumerate(files.items()):
         source += f'      {{"{path}", "{TYPES[Path(path).suffix]}", {{kFile{number}, {len(data)}}}}},\n'
-    output.write_text(source + "  };\n  return files;\n}\n\n}  // namespace lefort::app::server\n")
+    output.write_text(source + "  };\n  return files;\n}\n\n}  // namespace lefort::server\n")
 
 
 if __name__ == "__main__":

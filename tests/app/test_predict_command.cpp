@@ -1,13 +1,13 @@
 /// \file
 /// `lefort predict` on a small made-up head: a ball of skin around a shell of bone, whose front
 /// moves forward.
-#include <lefort/app/pipeline.h>
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/transform_file.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/predict.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -170,9 +170,9 @@ class StopAfterAStep final : public Progress {
 
 TEST_F(PredictCommand, StoppedAndRunAgainItWritesTheBytesOfARunThatWasNot) {
   ASSERT_EQ(predict("whole", "--no-pictures").exit_code, 0);
-  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "stopped", false};
+  const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "stopped", false};
   StopAfterAStep stop;
-  const auto stopped = predict_case(job, stop);
+  const auto stopped = pipeline::predict_case(job, stop);
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
   EXPECT_FALSE(there_is("stopped/prediction.json"));
@@ -221,9 +221,9 @@ TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted
   json plan = small_plan();
   plan["boundary"]["labels"] = "painted.seg.nrrd";
   write_plan(plan);
-  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "fixed", false};
+  const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "fixed", false};
   StopAfterAStep stop;
-  EXPECT_EQ(predict_case(job, stop).error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(pipeline::predict_case(job, stop).error().code, ErrorCode::kCancelled);
   paint(folder_ / "painted.seg.nrrd", "with segment");  // What was found is of no use now.
   const auto run = predict("fixed", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
@@ -300,9 +300,9 @@ TEST_F(PredictCommand, TissuePaintedToSlideMeetsStillBone) {
   plan["boundary"]["labels"] = "painted.seg.nrrd";
   write_plan(plan);
   paint(folder_ / "painted.seg.nrrd", "slides", 28.0, -10.0);  // Beside the segment.
-  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "out", false};
+  const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "out", false};
   StopAfterAStep stop;
-  ASSERT_EQ(predict_case(job, stop).error().code, ErrorCode::kCancelled);
+  ASSERT_EQ(pipeline::predict_case(job, stop).error().code, ErrorCode::kCancelled);
   const auto run = predict("out", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
   EXPECT_NE(run.error.find("found by an earlier run"), std::string::npos) << run.error;
@@ -321,9 +321,9 @@ TEST_F(PredictCommand, WhatWasFoundWithOtherPaintIsNotGoneOnWith) {
   plan["boundary"] = {{"moved_bone", "attached"}, {"labels", "painted.seg.nrrd"}};
   write_plan(plan);
   paint(folder_ / "painted.seg.nrrd", "free");
-  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "out", false};
+  const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "out", false};
   StopAfterAStep stop;
-  ASSERT_EQ(predict_case(job, stop).error().code, ErrorCode::kCancelled);
+  ASSERT_EQ(pipeline::predict_case(job, stop).error().code, ErrorCode::kCancelled);
   paint(folder_ / "painted.seg.nrrd", "free", 6.0);
   const auto run = predict("out", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
@@ -443,9 +443,9 @@ TEST_F(PredictCommand, ABoneInTwoPiecesThatMoveAlikeIsAsGoodAsWhole) {
 TEST_F(PredictCommand, SeveralSegmentsStoppedAndRunAgainGiveTheSameBytesOnAnyThreads) {
   write_plan(test::two_piece_plan({1, -3, 0}, {-1, -2, 0}));
   ASSERT_EQ(predict("whole", "--no-pictures", "--threads 2 ").exit_code, 0);
-  const PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "stopped", false};
+  const pipeline::PredictJob job{folder_ / "plan.json", std::nullopt, folder_ / "stopped", false};
   StopAfterAStep stop;
-  ASSERT_EQ(predict_case(job, stop).error().code, ErrorCode::kCancelled);
+  ASSERT_EQ(pipeline::predict_case(job, stop).error().code, ErrorCode::kCancelled);
   const auto rest = predict("stopped", "--no-pictures", "--threads 1 ");
   ASSERT_EQ(rest.exit_code, 0) << rest.error;
   EXPECT_NE(rest.error.find("1 of 2 steps were found by an earlier run"), std::string::npos)

@@ -3,10 +3,10 @@
 ///
 /// Whatever comes, the answer is one of the contract's, the server lives, and nothing but what was
 /// asked for has changed. Seeded; bounded in count and time.
-#include <lefort/app/server/contract.h>
-#include <lefort/app/server/http_server.h>
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/server/api/contract.h>
+#include <lefort/server/http/http_server.h>
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@
 #include "support/serve_here.h"
 #include "support/small_head.h"
 
-namespace lefort::app::server {
+namespace lefort::server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -184,4 +184,4 @@ TEST(FuzzServer, DamagedBytesOverSockets) {
 }
 
 }  // namespace
-}  // namespace lefort::app::server
+}  // namespace lefort::server

@@ -2,9 +2,9 @@
 /// Asks the planner's API without a socket, over a case folder of its own.
 #pragma once
 
-#include <lefort/app/server/api.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
+#include <lefort/server/api/api.h>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -21,23 +21,23 @@
 namespace lefort::test {
 
 /// A request as http_server.cpp makes them.
-inline app::server::Request api_request(const std::string& method, const std::string& path,
-                                        std::string body = "",
-                                        std::map<std::string, std::string> headers = {}) {
-  app::server::Request request;
+inline server::Request api_request(const std::string& method, const std::string& path,
+                                   std::string body = "",
+                                   std::map<std::string, std::string> headers = {}) {
+  server::Request request;
   request.method = method;
-  request.path = std::string(app::server::kApiPrefix) + path;
+  request.path = std::string(server::kApiPrefix) + path;
   request.header = std::move(headers);
   request.header.try_emplace("content-type", "application/json");
   request.content_length = body.size();
-  request.read_body = [body = std::move(body)](const app::server::BodyTaker& take) {
+  request.read_body = [body = std::move(body)](const server::BodyTaker& take) {
     return take(body);
   };
   return request;
 }
 
 /// The body, whatever it is made of.
-inline std::string body_of(const app::server::Reply& reply) {
+inline std::string body_of(const server::Reply& reply) {
   if (reply.bytes) return std::string(reply.bytes->bytes);
   if (reply.file) return io::read_text(*reply.file, std::uintmax_t(1) << 32).value();
   return reply.text;
@@ -46,20 +46,18 @@ inline std::string body_of(const app::server::Reply& reply) {
 /// An API over a folder that ends with it.
 class CaseApi {
  public:
-  explicit CaseApi(app::server::UploadLimits limits = {},
-                   std::optional<std::filesystem::path> at = {})
-      : api(app::server::CaseFolder::open(at.value_or(folder / "case")).value(), std::nullopt,
-            limits) {}
+  explicit CaseApi(server::UploadLimits limits = {}, std::optional<std::filesystem::path> at = {})
+      : api(server::CaseFolder::open(at.value_or(folder / "case")).value(), std::nullopt, limits) {}
 
-  app::server::Reply ask(const std::string& method, const std::string& path, std::string body = "",
-                         std::map<std::string, std::string> headers = {}) {
+  server::Reply ask(const std::string& method, const std::string& path, std::string body = "",
+                    std::map<std::string, std::string> headers = {}) {
     return api.handle(api_request(method, path, std::move(body), std::move(headers)));
   }
   nlohmann::json get(const std::string& path) {
     return nlohmann::json::parse(ask("GET", path).text);
   }
   /// Replaces whatever is there.
-  app::server::Reply put(const std::string& path, const nlohmann::json& body) {
+  server::Reply put(const std::string& path, const nlohmann::json& body) {
     return ask("PUT", path, body.dump(), {{"if-match", "*"}});
   }
   /// Uploads a volume and imports it.
@@ -67,8 +65,8 @@ class CaseApi {
     EXPECT_TRUE(io::write_volume(folder / "scan.nrrd", ct));
     const std::string id =
         nlohmann::json::parse(ask("POST", "/uploads").text)["id"].get<std::string>();
-    app::server::Request file = api_request("PUT", "/uploads/" + id + "/files/0",
-                                            io::read_text(folder / "scan.nrrd", 1 << 28).value());
+    server::Request file = api_request("PUT", "/uploads/" + id + "/files/0",
+                                       io::read_text(folder / "scan.nrrd", 1 << 28).value());
     file.query["name"] = "DOE^JOHN.nrrd";
     EXPECT_EQ(api.handle(file).status, 201);
     return run({{"kind", "import"}, {"upload", id}});
@@ -89,7 +87,7 @@ class CaseApi {
   }
 
   TemporaryFolder folder;
-  app::server::Api api;
+  server::Api api;
 };
 
 }  // namespace lefort::test

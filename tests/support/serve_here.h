@@ -2,7 +2,7 @@
 /// The planner's server on a port of this machine, and plain sockets that talk to it.
 #pragma once
 
-#include <lefort/app/server/http_server.h>
+#include <lefort/server/http/http_server.h>
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -75,7 +75,7 @@ class Socket {
 /// An API with a server before it.
 class Served {
  public:
-  explicit Served(app::server::HttpLimits limits = {}, app::server::UploadLimits uploads = {})
+  explicit Served(server::HttpLimits limits = {}, server::UploadLimits uploads = {})
       : own(uploads),
         http(own.api, {.host = "127.0.0.1", .port = 0, .token = kToken, .limits = limits}) {
     port = http.bind().value();
@@ -118,7 +118,7 @@ class Served {
   }
 
   CaseApi own;
-  app::server::HttpServer http;
+  server::HttpServer http;
   int port = 0;
 
  private:

@@ -1,4 +1,4 @@
-#include <lefort/app/command.h>
+#include <lefort/app/commands/command.h>
 #include <lefort/core/version.h>
 
 #include <fmt/format.h>

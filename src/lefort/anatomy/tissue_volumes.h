@@ -1,0 +1,16 @@
+/// \file
+/// How much of each tissue a scan holds.
+#pragma once
+
+#include <lefort/anatomy/label_map.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lefort::anatomy {
+
+/// Name and volume [ml] of every tissue but the background, in the order of kTissueStyles.
+[[nodiscard]] std::vector<std::pair<std::string, double>> tissue_volumes_ml(const LabelMap& labels);
+
+}  // namespace lefort::anatomy

@@ -1,0 +1,212 @@
+#include <lefort/app/commands/command.h>
+#include <lefort/bench/detection.h>
+#include <lefort/bench/field_process.h>
+#include <lefort/bench/field_scaling.h>
+#include <lefort/bench/solve_block.h>
+#include <lefort/bench/solve_task.h>
+#include <lefort/bench/table1.h>
+
+#include <memory>
+#include <string>
+
+namespace lefort::app {
+namespace {
+
+void add_table1(CLI::App& bench, CommandContext& context) {
+  const auto options = std::make_shared<bench::Table1Options>();
+  CLI::App* const command = bench.add_subcommand(
+      "table1", "Rerun the paper's Table 1: distance fields of a skull, beside today's peers");
+  command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "Folder for skull.vtp (used again if there) and table1.md, .csv, .json, .html")
+      ->required();
+  command->add_option("--resolution", options->resolutions, "Cells along each side of the cube")
+      ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048}))
+      ->capture_default_str();
+  command->add_option("--method", options->methods, "Which to run")
+      ->check(
+          CLI::IsMember({"bricks", "hybrid", "adaptive", "uniform", "openvdb", "embree", "cgal"}))
+      ->capture_default_str();
+  command->add_option("--repeats", options->repeats, "Builds; their median is told")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->footer("Example:\n  lefort bench table1 ct.nrrd -o table1/");
+  command->callback([options, &context] {
+    context.run("bench table1", [&](Progress& progress) -> Result<pipeline::Summary> {
+      LEFORT_TRY(const std::string table, bench::run_table1(*options, progress));
+      return pipeline::Summary{.text = table, .json = {{"output", options->output.string()}}};
+    });
+  });
+}
+
+void add_scaling(CLI::App& bench, CommandContext& context) {
+  const auto options = std::make_shared<bench::ScalingOptions>();
+  const auto without_peer = std::make_shared<bool>(false);
+  CLI::App* const command = bench.add_subcommand(
+      "scaling", "How distance fields of a skull grow with band, resolution and triangles");
+  command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "Folder for skull.vtp (used again if there) and scaling.md, .csv, .json, .html")
+      ->required();
+  command->add_option("--band", options->bands, "Half widths of the band, in cells")
+      ->check(CLI::Range(2, 24))
+      ->capture_default_str();
+  command->add_option("--resolution", options->resolutions, "Cells along each side of the cube")
+      ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048}))
+      ->capture_default_str();
+  command
+      ->add_option("--parts", options->parts,
+                   "Cuts of the sides of triangles: 11 makes 11.6 million of them")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
+  command->add_flag("--without-openvdb", *without_peer, "Ours alone");
+  command->add_option("--repeats", options->repeats, "Builds; their median is told")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->footer("Example:\n  lefort bench scaling ct.nrrd -o scaling/");
+  command->callback([options, without_peer, &context] {
+    context.run("bench scaling", [&](Progress& progress) -> Result<pipeline::Summary> {
+      options->with_openvdb = !*without_peer;
+      LEFORT_TRY(const std::string table, bench::run_field_scaling(*options, progress));
+      return pipeline::Summary{.text = table, .json = {{"output", options->output.string()}}};
+    });
+  });
+}
+
+void add_convergence(CLI::App& bench, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::ConvergenceJob>();
+  const auto no_synthetic = std::make_shared<bool>(false);
+  CLI::App* const command = bench.add_subcommand(
+      "convergence", "Rerun the paper's Figure 5: contact found by fields and by a tree of boxes");
+  command->add_option("plans", job->plans, "Plan files; none: the synthetic cases alone");
+  command->add_option("--ct", job->ct, "The scan, instead of the ones the plans name");
+  command
+      ->add_option("-o,--output", job->output,
+                   "Folder for convergence.md, .csv, plots, and the cache of prepared cases")
+      ->required();
+  command->add_option("--method", job->methods, "Which to run, by name; all unless given");
+  command
+      ->add_option("--element-size", job->element_size_mm,
+                   "Edge of elements near the moved bone [mm], instead of the plans'; those far "
+                   "away are scaled alike")
+      ->check(CLI::Range(0.5, 20.0));
+  command
+      ->add_option("--steps", job->steps,
+                   "Numbers of steps to run each plan with, instead of its own; tells how far "
+                   "apart the faces are")
+      ->check(CLI::Range(1, 1000));
+  command->add_flag("--no-synthetic", *no_synthetic, "The plans alone");
+  command->footer(
+      "Example:\n  lefort bench convergence examples/midface_forward.json "
+      "examples/midface_forward_down.json --ct ct.nrrd -o convergence/\n"
+      "What was found: docs/contact.md.");
+  command->callback([job, no_synthetic, &context] {
+    job->synthetic = !*no_synthetic;
+    context.run("bench convergence",
+                [&](Progress& progress) { return pipeline::bench_convergence(*job, progress); });
+  });
+}
+
+void add_detection(CLI::App& bench, CommandContext& context) {
+  const auto options = std::make_shared<bench::DetectionOptions>();
+  CLI::App* const command = bench.add_subcommand(
+      "detection", "How fast contact with a skull is detected: fields beside trees of boxes");
+  command->add_option("ct", options->ct, "The scan: anything `lefort import` reads")->required();
+  command
+      ->add_option("-o,--output", options->output,
+                   "Folder for skull.vtp (used again if there) and detection.md")
+      ->required();
+  command->add_option("--points", options->points, "Points asked for at once")
+      ->check(CLI::Range(1, 100'000'000))
+      ->capture_default_str();
+  command->add_option("--resolution", options->resolution, "Cells along a side of the field")
+      ->check(CLI::IsMember({64, 128, 256, 512, 1024}))
+      ->capture_default_str();
+  command->footer("Example:\n  lefort bench detection ct.nrrd -o detection/");
+  command->callback([options, &context] {
+    if (context.threads > 0) options->threads = context.threads;
+    context.run("bench detection", [&](Progress& progress) -> Result<pipeline::Summary> {
+      LEFORT_TRY(const std::string table, bench::run_detection(*options, progress));
+      return pipeline::Summary{.text = table, .json = {{"output", options->output.string()}}};
+    });
+  });
+}
+
+void add_solve(CLI::App& bench, CommandContext& context) {
+  const auto options = std::make_shared<bench::SolveOptions>();
+  CLI::App* const command = bench.add_subcommand(
+      "solve", "Solve blocks of soft tissue: beside CalculiX, and larger and larger");
+  command->add_option("-o,--output", options->output, "Folder for solve.md, .csv, .json")
+      ->required();
+  command->add_option("--pairs", options->repeats, "Runs of each, CalculiX and lefort; 0: none")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  command->add_option("--pair-cells", options->pair_cells, "Cells along a side of their block")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--increments", options->increments, "Of the load")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_option("--cells", options->growth_cells, "Cells along a side of ever larger blocks")
+      ->check(CLI::Range(1, 80))
+      ->capture_default_str();
+  command->add_flag("--large", options->large, "Also a block of a million unknowns");
+  command->footer("Example:\n  lefort bench solve -o solve/");
+  command->callback([options, &context] {
+    if (context.threads > 0) options->threads = context.threads;
+    context.run("bench solve", [&](Progress& progress) -> Result<pipeline::Summary> {
+      LEFORT_TRY(const std::string table, bench::run_solve_bench(*options, progress));
+      return pipeline::Summary{.text = table, .json = {{"output", options->output.string()}}};
+    });
+  });
+}
+
+/// A single measurement, in a process that `bench solve` starts.
+void add_solve_task(CLI::App& bench, CommandContext& context) {
+  const auto task = std::make_shared<std::string>();
+  CLI::App* const command = bench.add_subcommand("solve-task", "One measurement, as JSON");
+  command->group("");  // Not listed.
+  command->add_option("task", *task)->required();
+  command->callback([task, &context] {
+    context.run("bench solve-task", [&](Progress&) -> Result<pipeline::Summary> {
+      LEFORT_TRY(const auto result, bench::run_solve_task(*task));
+      return pipeline::Summary{.text = result.dump(1), .json = result};
+    });
+  });
+}
+
+/// A single measurement, in a process that the others start.
+void add_field_task(CLI::App& bench, CommandContext& context) {
+  struct Job {
+    std::string surface, task;
+  };
+  const auto job = std::make_shared<Job>();
+  CLI::App* const command = bench.add_subcommand("field-task", "One measurement, as JSON");
+  command->group("");  // Not listed.
+  command->add_option("surface", job->surface)->required();
+  command->add_option("task", job->task)->required();
+  command->callback([job, &context] {
+    context.run("bench field-task", [&](Progress&) -> Result<pipeline::Summary> {
+      LEFORT_TRY(const auto result, bench::run_field_task(job->surface, job->task));
+      return pipeline::Summary{.text = result.dump(1), .json = result};
+    });
+  });
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& cli, CommandContext& context) {
+  CLI::App* const bench = cli.add_subcommand("bench", "Measurements anyone can rerun");
+  bench->require_subcommand(1);
+  add_table1(*bench, context);
+  add_scaling(*bench, context);
+  add_convergence(*bench, context);
+  add_detection(*bench, context);
+  add_field_task(*bench, context);
+  add_solve(*bench, context);
+  add_solve_task(*bench, context);
+}
+
+}  // namespace lefort::app

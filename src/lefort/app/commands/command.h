@@ -1,0 +1,45 @@
+/// \file
+/// What every sub-command shares: options, how it runs, how it ends.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/pipeline/summary.h>
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string>
+
+namespace lefort::app {
+
+/// Exit codes of the program.
+enum ExitCode : int { kExitDone = 0, kExitFailed = 1, kExitUsage = 2 };
+
+/// The options all commands have, and the exit code.
+struct CommandContext {
+  int threads = 0;  ///< 0: as many as the machine has.
+  bool json = false;
+  bool quiet = false;
+  int exit_code = kExitDone;
+
+  /// Runs `work` with progress on stderr, prints its summary on stdout or its error on stderr, and
+  /// sets the exit code.
+  void run(const std::string& command,
+           const std::function<Result<pipeline::Summary>(Progress&)>& work);
+};
+
+void add_import_command(CLI::App& cli, CommandContext& context);
+void add_phantom_command(CLI::App& cli, CommandContext& context);
+void add_segment_command(CLI::App& cli, CommandContext& context);
+void add_serve_command(CLI::App& cli, CommandContext& context);
+void add_field_command(CLI::App& cli, CommandContext& context);
+void add_bench_command(CLI::App& cli, CommandContext& context);
+void add_landmarks_command(CLI::App& cli, CommandContext& context);
+void add_plan_command(CLI::App& cli, CommandContext& context);
+void add_compare_command(CLI::App& cli, CommandContext& context);
+void add_predict_command(CLI::App& cli, CommandContext& context);
+void add_solve_command(CLI::App& cli, CommandContext& context);
+void add_verify_command(CLI::App& cli, CommandContext& context);
+
+}  // namespace lefort::app

@@ -1,0 +1,45 @@
+#include <lefort/app/commands/command.h>
+
+#include <memory>
+
+namespace lefort::app {
+
+void add_compare_command(CLI::App& cli, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::CompareJob>();
+  const auto no_pictures = std::make_shared<bool>(false);
+  CLI::App* const command =
+      cli.add_subcommand("compare", "How far two faces are apart, and what surgery has moved");
+  command
+      ->add_option("face", job->face,
+                   "A face: .vtp, .stl, .ply, .obj, or the folder of a prediction")
+      ->required();
+  CLI::Option* const other =
+      command->add_option("other", job->other, "What it is held against, likewise");
+  command
+      ->add_option("--after-ct", job->after_ct,
+                   "Instead, a scan after surgery, in any position: it is laid onto the bone that "
+                   "did not move, and each segment's movement is found")
+      ->excludes(other);
+  command->add_option("-o,--output", job->output, "Folder for the results")->required();
+  command->add_option("--before", job->before,
+                      "The face before surgery: \"nothing changed\", which every prediction must "
+                      "beat (of a prediction's folder: its own)");
+  command->add_option("--landmarks", job->landmarks,
+                      "Landmarks before surgery, .mrk.json or .csv: those of the skin tell nose, "
+                      "lips, chin and cheeks apart (of a prediction's folder: its plan's)");
+  command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
+  command->footer(
+      "Examples:\n"
+      "  lefort compare forward/ forward_down/ -o between_plans/\n"
+      "  lefort compare forward/ --after-ct after.nrrd -o error/\n"
+      "  lefort compare predicted.stl scanned.ply --before before.stl -o error/\n"
+      "Writes compare.json, regions.csv, difference.vtp and pictures/: docs/compare.md.\n"
+      "Not for clinical use.");
+  command->callback([job, no_pictures, &context] {
+    job->pictures = !*no_pictures;
+    context.run("compare",
+                [&](Progress& progress) { return pipeline::compare_faces(*job, progress); });
+  });
+}
+
+}  // namespace lefort::app

@@ -1,0 +1,188 @@
+#include <lefort/app/commands/command.h>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lefort::app {
+namespace {
+
+/// Takes names alone; CLI11's own transformer shows, and takes, the numbers behind them, too.
+template <class Value>
+CLI::Validator one_of(const std::map<std::string, Value>& values) {
+  std::string names;
+  for (const auto& [name, value] : values) names += (names.empty() ? "{" : ",") + name;
+  names += "}";
+  return {[values, names](std::string& input) -> std::string {
+            const auto found = values.find(input);
+            if (found == values.end()) return input + " not in " + names;
+            input = std::to_string(int(found->second));
+            return {};
+          },
+          names};
+}
+
+void add_build(CLI::App& field, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::BuildFieldJob>();
+  CLI::App* const command =
+      field.add_subcommand("build", "Compute the signed distance field of a surface");
+  command->add_option("surface", job->surface, "Bone surface: .vtp, .stl, .ply or .obj")
+      ->required();
+  command->add_option("-o,--output", job->output, "Field to write: .field")->required();
+  command
+      ->add_option("--resolution", job->options.resolution,
+                   "Cells along each side of the cube around the surface")
+      ->check(CLI::IsMember({16, 32, 64, 128, 256, 512, 1024, 2048}))
+      ->capture_default_str();
+  command
+      ->add_option("--band", job->options.band_mm,
+                   "Samples up to this far from the surface are kept [mm]; 0 takes five cells")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--tolerance", job->options.tolerance_mm,
+                   "Octrees unite cells while every sample is kept to this [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--relative-tolerance", job->options.relative_tolerance,
+                   "The same as a share of the cube's side, instead")
+      ->check(CLI::Range(0.0, 1.0));
+  command
+      ->add_option("--side", job->options.side_mm,
+                   "Side of the cube [mm]; 0 lays it close around the surface")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--method", job->options.method,
+                   "bricks (fastest and smallest), hybrid (the paper's octree), adaptive "
+                   "(Frisken's octree), uniform (Fuhrmann's grid)")
+      ->transform(one_of<field::FieldMethod>({{"bricks", field::FieldMethod::kBricks},
+                                              {"hybrid", field::FieldMethod::kHybrid},
+                                              {"adaptive", field::FieldMethod::kAdaptive},
+                                              {"uniform", field::FieldMethod::kUniform}}))
+      ->type_name("TEXT");
+  command->add_flag("--smooth", job->options.smooth,
+                    "Also prepare the differentiable reconstruction");
+  command->footer("Example:\n  lefort field build skull.vtp -o skull.field --resolution 256");
+  command->callback([job, &context] {
+    context.run("field build",
+                [&](Progress& progress) { return pipeline::build_field(*job, progress); });
+  });
+}
+
+void add_query(CLI::App& field, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::QueryFieldJob>();
+  CLI::App* const command =
+      field.add_subcommand("query", "Distance, gradient and zone of points in a field");
+  command->add_option("field", job->field, "Field made by `lefort field build`")->required();
+  command
+      ->add_option("points", job->points,
+                   "Text file: x y z [mm, LPS] a line, separated by commas or spaces")
+      ->required();
+  command->add_option("-o,--output", job->output, "Table to write: .csv")->required();
+  command->add_flag("--smooth", job->smooth,
+                    "Use the differentiable reconstruction instead of the trilinear one");
+  command->footer("Example:\n  lefort field query skull.field points.csv -o distances.csv");
+  command->callback([job, &context] {
+    context.run("field query",
+                [&](Progress& progress) { return pipeline::query_field(*job, progress); });
+  });
+}
+
+void add_region(CLI::App& command, std::vector<double>& region_mm) {
+  command
+      .add_option("--region", region_mm,
+                  "Only this box [mm, LPS]: from and to along x, y and z, six numbers")
+      ->expected(6);
+}
+
+void add_export(CLI::App& field, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::ExportFieldJob>();
+  CLI::App* const command =
+      field.add_subcommand("export", "The field as an OpenVDB level set or an NRRD volume");
+  command->add_option("field", job->field, "Field made by `lefort field build`")->required();
+  command
+      ->add_option("-o,--output", job->output,
+                   "File to write: .vdb (sparse) or .nrrd (every sample of the box)")
+      ->required();
+  add_region(*command, job->region_mm);
+  command->add_option("--every", job->every, "Each n-th sample along each axis")
+      ->check(CLI::Range(1, 2048))
+      ->capture_default_str();
+  command->footer(
+      "Beyond the band samples are +band outside and -band inside; unknown ones are inactive in\n"
+      ".vdb and NaN in .nrrd. Keys in the file say so (docs/field-format.md).\n"
+      "Examples:\n"
+      "  lefort field export skull.field -o skull.vdb\n"
+      "  lefort field export skull.field -o skull.nrrd --every 2\n"
+      "  lefort field export skull.field -o orbit.nrrd --region 80 130 20 70 30 80");
+  command->callback([job, &context] {
+    context.run("field export",
+                [&](Progress& progress) { return pipeline::export_field(*job, progress); });
+  });
+}
+
+void add_slice(CLI::App& field, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::SliceFieldJob>();
+  CLI::App* const command = field.add_subcommand("slice", "A picture of a plane through the field");
+  command->add_option("field", job->field, "Field made by `lefort field build`")->required();
+  command->add_option("-o,--output", job->output, "Picture to write: .png")->required();
+  command
+      ->add_option("--axis", job->axis,
+                   "Axis across the plane: x (sagittal), y (coronal) or z (axial)")
+      ->required()
+      ->transform(one_of<int>({{"x", 0}, {"y", 1}, {"z", 2}}))
+      ->type_name("TEXT");
+  command->add_option("--at", job->at_mm, "Where the plane cuts the axis [mm, LPS]")->required();
+  CLI::Option* const width =
+      command->add_option("--width", job->width_px, "Pixels across the plane")
+          ->check(CLI::Range(64, 12000))
+          ->capture_default_str();
+  command->add_option("--every", job->every, "Instead: pixels of n cells of the field")
+      ->check(CLI::Range(1, 2048))
+      ->excludes(width);
+  add_region(*command, job->region_mm);
+  command->add_option("--mesh", job->mesh,
+                      "Surface whose section is drawn, too: .vtp, .stl, .ply or .obj");
+  command->add_flag("--smooth", job->smooth,
+                    "Use the differentiable reconstruction instead of the trilinear one");
+  command->footer(
+      "Axial planes are seen from the feet, coronal ones from the front, sagittal ones from the\n"
+      "left. --json tells distances, areas and the length of the zero line.\n"
+      "Examples:\n"
+      "  lefort field slice skull.field -o axial.png --axis z --at 40\n"
+      "  lefort field slice skull.field -o orbit.png --axis y --at 50 --mesh skull.vtp \\\n"
+      "    --region 80 130 20 70 30 80");
+  command->callback([job, &context] {
+    context.run("field slice",
+                [&](Progress& progress) { return pipeline::slice_field(*job, progress); });
+  });
+}
+
+void add_info(CLI::App& field, CommandContext& context) {
+  const auto file = std::make_shared<std::filesystem::path>();
+  CLI::App* const command =
+      field.add_subcommand("info", "What a field is, how large, and whether its file is whole");
+  command->add_option("field", *file, "Field made by `lefort field build`")->required();
+  command->footer("Example:\n  lefort field info skull.field --json");
+  command->callback([file, &context] {
+    context.run("field info",
+                [&](Progress& progress) { return pipeline::describe_field(*file, progress); });
+  });
+}
+
+}  // namespace
+
+void add_field_command(CLI::App& cli, CommandContext& context) {
+  CLI::App* const field = cli.add_subcommand("field", "Signed distance fields of bones");
+  field->require_subcommand(1);
+  add_build(*field, context);
+  add_query(*field, context);
+  add_export(*field, context);
+  add_slice(*field, context);
+  add_info(*field, context);
+}
+
+}  // namespace lefort::app

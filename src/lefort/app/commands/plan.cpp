@@ -1,0 +1,59 @@
+#include <lefort/app/commands/command.h>
+
+#include <memory>
+
+namespace lefort::app {
+
+void add_plan_command(CLI::App& cli, CommandContext& context) {
+  CLI::App* const plan = cli.add_subcommand("plan", "Cut bones and move them, without the face");
+  plan->require_subcommand(1);
+  const auto job = std::make_shared<pipeline::CheckPlanJob>();
+  const auto no_pictures = std::make_shared<bool>(false);
+  CLI::App* const command = plan->add_subcommand(
+      "check", "Find bone in bone, gaps, and segments without support, before anything is solved");
+  command->add_option("plan", job->plan, "Plan file (contract/plan.schema.json)")->required();
+  command->add_option("-o,--output", job->output, "Folder for the results")->required();
+  CLI::Option* const ct =
+      command->add_option("--ct", job->ct, "The scan, instead of the one the plan names");
+  command
+      ->add_option("--skull", job->skull,
+                   "A closed surface of the bone instead: .vtp, .stl, .ply or .obj")
+      ->excludes(ct);
+  command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
+  command->add_option("--overlap", job->limits.overlap_mm, "Bone may be this deep in bone [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--gap", job->limits.gap_mm,
+                   "Cut faces may come to lie this far from other bone [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--support", job->limits.support_mm,
+                   "Bone nearer than this to a cut face supports it [mm]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--support-share", job->limits.support_share,
+                   "This part of a segment's cut faces must be supported")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->footer(
+      "Example:\n"
+      "  lefort plan check examples/le_fort_1.json --ct ct.nrrd -o check/\n"
+      "Writes check.json, the bones where they end, their transforms for 3D Slicer, landmarks and\n"
+      "cephalometry if the plan has landmarks, and pictures/. Exit code 1 if something is\n"
+      "found. Not for clinical use.");
+  command->callback([job, no_pictures, &context] {
+    job->pictures = !*no_pictures;
+    bool has_findings = false;
+    context.run("plan check", [&](Progress& progress) -> Result<pipeline::Summary> {
+      LEFORT_TRY(pipeline::PlanCheckSummary done, pipeline::check_plan_file(*job, progress));
+      has_findings = done.has_findings;
+      return std::move(done.summary);
+    });
+    if (has_findings) context.exit_code = kExitFailed;
+  });
+}
+
+}  // namespace lefort::app

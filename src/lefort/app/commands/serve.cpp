@@ -1,0 +1,39 @@
+#include <lefort/app/commands/command.h>
+#include <lefort/server/serve_case.h>
+
+#include <fmt/format.h>
+
+#include <memory>
+
+namespace lefort::app {
+
+void add_serve_command(CLI::App& cli, CommandContext& context) {
+  const auto job = std::make_shared<server::ServeJob>();
+  CLI::App* const command =
+      cli.add_subcommand("serve", "Plan in a browser: a local page over a case folder");
+  command->add_option("case", job->folder, "The case's folder; made if missing")
+      ->capture_default_str();
+  command->add_option("--port", job->port, "Port to listen at; 0 takes one that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command
+      ->add_option("--host", job->host,
+                   "Address to listen at; others than this machine's own "
+                   "let the network in")
+      ->capture_default_str();
+  command->add_flag("--open", job->open, "Open the page in the default browser");
+  command->add_flag("--demo", job->demo,
+                    "Begin with the bundled example, unless the case has a scan");
+  command->add_option("--example", job->example, "The scan of the bundled example")
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  lefort serve my-case --open\n"
+      "Prints the page's address, which holds a secret of this start: who has it can see and\n"
+      "change the case. Ctrl-C ends it. See docs/planner.md. Not for clinical use.");
+  command->callback([job, &context] {
+    context.run("serve", [&](Progress& progress) { return server::serve_case(*job, progress); });
+  });
+}
+
+}  // namespace lefort::app

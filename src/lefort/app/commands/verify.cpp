@@ -1,0 +1,32 @@
+#include <lefort/app/commands/command.h>
+#include <lefort/verify/run_suite.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lefort::app {
+
+void add_verify_command(CLI::App& cli, CommandContext& context) {
+  const auto job = std::make_shared<pipeline::VerifyJob>();
+  CLI::App* const command =
+      cli.add_subcommand("verify", "Hold the finite element solver against closed forms");
+  command->add_option("-o,--output", job->output,
+                      "Folder for verification.md and its plots; none: the checks alone");
+  command->add_flag("--full", job->full, "Finer meshes: minutes instead of seconds");
+  std::vector<std::string> names;
+  for (const verify::Case& one : verify::all_cases()) names.emplace_back(one.name);
+  command->add_option("--only", job->only, "One case alone")->check(CLI::IsMember(names));
+  command->footer("Example:\n  lefort verify --full -o docs");
+  command->callback([job, &context] {
+    bool passed = true;
+    context.run("verify", [&](Progress& progress) -> Result<pipeline::Summary> {
+      LEFORT_TRY(const pipeline::VerifySummary done, pipeline::verify_solver(*job, progress));
+      passed = done.passed;
+      return done.summary;
+    });
+    if (!passed) context.exit_code = kExitFailed;
+  });
+}
+
+}  // namespace lefort::app

@@ -1,0 +1,88 @@
+#include <lefort/io/plan_inputs.h>
+#include <lefort/io/sha256.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <system_error>
+
+namespace lefort::io {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Calls `visit` with each string of the plan that names a file, but for the scan's.
+template <class Visit>
+void visit_files(Json& plan, const Visit& visit_string) {
+  const auto visit = [&](Json& object, const char* key) {
+    const auto found = object.find(key);
+    if (found != object.end() && found->is_string()) visit_string(*found);
+  };
+  const auto visit_cuts = [&](Json& region) {
+    for (const char* cuts : {"planes", "curves"})
+      if (region.contains(cuts))
+        for (Json& cut : region[cuts]) visit(cut, "file");
+  };
+  visit(plan, "landmarks");
+  if (plan.contains("segmentation")) visit(plan["segmentation"], "labels");
+  if (plan.contains("boundary")) visit(plan["boundary"], "labels");
+  for (Json& segment : plan["segments"]) {
+    Json& osteotomy = segment["osteotomy"];
+    visit_cuts(osteotomy);
+    if (osteotomy.contains("also"))
+      for (Json& region : osteotomy["also"]) visit_cuts(region);
+    if (!segment["path"].contains("keyframes")) continue;
+    for (Json& keyframe : segment["path"]["keyframes"]) {
+      visit(keyframe, "transform");
+      visit(keyframe, "targets");
+    }
+  }
+}
+
+}  // namespace
+
+Result<fs::path> scan_of(const fs::path& plan_file, const PlanFile& plan,
+                         const std::optional<fs::path>& given) {
+  if (!given && !plan.ct)
+    return fail(ErrorCode::kPlanInvalid,
+                fmt::format("plan {} names no ct, and --ct was not given", plan_file.string()));
+  const fs::path ct = given ? *given : *plan.ct;
+  std::error_code error;
+  if (!fs::exists(ct, error))
+    return fail(ErrorCode::kFileNotFound, fmt::format("there is no scan at {}", ct.string()));
+  return ct;
+}
+
+std::vector<std::string> named_files(const std::string& text) {
+  auto json = Json::parse(text);
+  std::vector<std::string> names;
+  visit_files(json, [&](const Json& name) { names.push_back(name.get<std::string>()); });
+  return names;
+}
+
+Result<std::vector<InputFile>> fingerprints(const std::string& text, const fs::path& plan_file) {
+  std::vector<InputFile> files;
+  for (const std::string& name : named_files(text)) {
+    LEFORT_TRY(std::string sha256, sha256_of_file(plan_file.parent_path() / name));
+    files.push_back({name, std::move(sha256)});
+  }
+  return files;
+}
+
+std::string portable_plan(const std::string& text, const fs::path& plan_file, const fs::path& ct,
+                          const fs::path& folder) {
+  const auto seen_from_there = [&](const fs::path& file) {
+    std::error_code error;
+    const fs::path relative = fs::proximate(file, folder, error);
+    return (error ? file : relative).generic_string();
+  };
+  auto json = Json::parse(text);
+  json["ct"] = seen_from_there(ct);
+  visit_files(json, [&](Json& name) {
+    name = seen_from_there(plan_file.parent_path() / name.get<std::string>());
+  });
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace lefort::io

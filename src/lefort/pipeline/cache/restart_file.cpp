@@ -1,0 +1,301 @@
+#include <lefort/core/version.h>
+#include <lefort/io/sha256.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/cache/restart_file.h>
+#include <lefort/pipeline/cache/stage_keys.h>
+#include <lefort/predict/tissue_boundary.h>
+
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace lefort::pipeline {
+namespace {
+
+// To be raised with every change of the solver or of contact that may change what a step finds, and
+// of this file's layout.
+constexpr double kStepsRevision = 6;
+
+constexpr std::string_view kMagic = "lefort restart 3\n";
+constexpr std::size_t kHashDigits = 64;
+constexpr std::uintmax_t kLargest = std::uintmax_t(64) << 30;
+
+/// Appends values; the same visit() below reads them.
+class Writer {
+ public:
+  template <class Number>
+  requires std::is_arithmetic_v<Number> || std::is_enum_v<Number>
+  void operator()(Number& number) {
+    text_.append(reinterpret_cast<const char*>(&number), sizeof(number));
+  }
+  void raw(void* data, std::size_t bytes) { text_.append(static_cast<const char*>(data), bytes); }
+  template <class List>
+  void size_of(List& list) {
+    auto size = std::uint64_t(list.size());
+    (*this)(size);
+  }
+  [[nodiscard]] std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+/// The reverse; what is not there reads as zero, and is_whole() says so.
+class Reader {
+ public:
+  explicit Reader(std::string_view text) : text_(text) {}
+  template <class Number>
+  requires std::is_arithmetic_v<Number> || std::is_enum_v<Number>
+  void operator()(Number& number) { raw(&number, sizeof(number)); }
+  void raw(void* data, std::size_t bytes) {
+    is_whole_ = is_whole_ && bytes <= text_.size();
+    if (!is_whole_ || bytes == 0) return;
+    std::memcpy(data, text_.data(), bytes);
+    text_.remove_prefix(bytes);
+  }
+  template <class List>
+  void size_of(List& list) {
+    std::uint64_t size = 0;
+    (*this)(size);
+    is_whole_ = is_whole_ && size <= text_.size();  // An entry is a byte at least.
+    if (is_whole_) list.resize(static_cast<decltype(list.size())>(size));
+  }
+  [[nodiscard]] bool is_whole() const { return is_whole_ && text_.empty(); }
+
+ private:
+  std::string_view text_;
+  bool is_whole_ = true;
+};
+
+// What a restart is made of, member by member, to be written or to be read.
+
+template <class Archive>
+void visit(Archive& archive, std::string& text) {
+  archive.size_of(text);
+  archive.raw(text.data(), text.size());
+}
+
+template <class Archive>
+void visit(Archive& archive, VectorX& vector) {
+  archive.size_of(vector);
+  archive.raw(vector.data(), std::size_t(vector.size()) * sizeof(double));
+}
+
+template <class Archive>
+void visit(Archive& archive, std::vector<double>& list) {
+  archive.size_of(list);
+  archive.raw(list.data(), list.size() * sizeof(double));
+}
+
+template <class Archive>
+void visit(Archive& archive, Vec3& vector) {
+  archive.raw(vector.data(), 3 * sizeof(double));
+}
+
+template <class Archive, class Item>
+void visit(Archive& archive, std::vector<Item>& list) {
+  archive.size_of(list);
+  for (Item& item : list) visit(archive, item);
+}
+
+template <class Archive>
+void visit(Archive& archive, RigidTransform& pose) {
+  archive.raw(pose.matrix().data(), std::size_t(pose.matrix().size()) * sizeof(double));
+}
+
+template <class Archive>
+void visit(Archive& archive, fem::NewtonIterate& at) {
+  auto& [residual_n, force_scale_n, energy_mj, step_length, convex_share, shift, contacts] = at;
+  archive(residual_n);
+  archive(force_scale_n);
+  archive(energy_mj);
+  archive(step_length);
+  archive(convex_share);
+  archive(shift);
+  archive(contacts);
+}
+
+template <class Archive>
+void visit(Archive& archive, fem::LoadAttempt& attempt) {
+  auto& [t_from, t_to, extrapolated, stop, reason, history] = attempt;
+  archive(t_from);
+  archive(t_to);
+  archive(extrapolated);
+  archive(stop);
+  visit(archive, reason);
+  visit(archive, history);
+}
+
+template <class Archive>
+void visit(Archive& archive, contact::ContactSummary& summary) {
+  auto& [points, nodes, area_mm2, max_mm, mean_mm, max_from_rest_mm, mean_from_rest_mm,
+         p99_from_rest_mm, force_L_n, normal_force_n, tunnelled_area_mm2] = summary;
+  archive(points);
+  archive(nodes);
+  archive(area_mm2);
+  archive(max_mm);
+  archive(mean_mm);
+  archive(max_from_rest_mm);
+  archive(mean_from_rest_mm);
+  archive(p99_from_rest_mm);
+  visit(archive, force_L_n);
+  archive(normal_force_n);
+  archive(tunnelled_area_mm2);
+}
+
+template <class Archive>
+void visit(Archive& archive, predict::SegmentStep& segment) {
+  auto& [X_LB, contact] = segment;
+  visit(archive, X_LB);
+  visit(archive, contact);
+}
+
+template <class Archive>
+void visit(Archive& archive, predict::PredictionStep& step) {
+  auto& [share, segments, displacement_mm, still_contact, smallest_J, residual_n, relative_residual,
+         attempts] = step;
+  archive(share);
+  visit(archive, segments);
+  visit(archive, displacement_mm);
+  visit(archive, still_contact);
+  archive(smallest_J);
+  archive(residual_n);
+  archive(relative_residual);
+  visit(archive, attempts);
+}
+
+template <class Archive>
+void visit(Archive& archive, fem::LoadState& state) {
+  archive(state.t);
+  visit(archive, state.u);
+}
+
+template <class Archive>
+void visit(Archive& archive, contact::ContactTerm::Memory::Wall& wall) {
+  visit(archive, wall.foot_B);
+  visit(archive, wall.normal_B);
+  archive(wall.keeps_side);
+}
+
+template <class Archive>
+void visit(Archive& archive, contact::ContactTerm::Memory& memory) {
+  visit(archive, memory.multipliers_mpa);
+  visit(archive, memory.stiffenings);
+  visit(archive, memory.walls);
+  archive(memory.tunnelled_area_mm2);
+}
+
+template <class Archive>
+void visit(Archive& archive, predict::Restart& restart) {
+  auto& [steps, stepper, contacts] = restart;
+  visit(archive, steps);
+  visit(archive, stepper.last);
+  bool has_before = stepper.before_last.has_value();
+  archive(has_before);
+  if (has_before) {
+    if (!stepper.before_last) stepper.before_last.emplace();
+    visit(archive, *stepper.before_last);
+  }
+  archive(stepper.increment);
+  visit(archive, contacts);
+}
+
+void add(io::Sha256& hash, const mesh::VolumeMesh& tissue) {
+  hash.add(double(tissue.nodes_L.size()));
+  for (const Vec3& p_L : tissue.nodes_L) hash.add(p_L);
+  for (const mesh::ElementBlock& block : tissue.blocks) {
+    hash.add(double(block.shape)).add(double(block.nodes.size()));
+    for (const std::int32_t node : block.nodes) hash.add(double(node));
+    for (const std::int32_t region : block.region) hash.add(double(region));
+  }
+  for (const char* set : {predict::sets::kMovedBone, predict::sets::kFixed}) {
+    const auto& nodes = tissue.node_sets.at(set);
+    hash.add(double(nodes.size()));
+    for (const std::int32_t node : nodes) hash.add(double(node));
+  }
+  for (const predict::BoundaryLabelStyle& label : predict::kBoundaryLabelStyles) {
+    const auto set = tissue.node_sets.find(label.set);
+    if (set == tissue.node_sets.end()) continue;  // Nothing was painted.
+    hash.add(std::string_view(label.set)).add(double(set->second.size()));
+    for (const std::int32_t node : set->second) hash.add(double(node));
+  }
+  const auto& faces = tissue.face_sets.at(predict::sets::kContact);
+  hash.add(double(faces.size()));
+  for (const mesh::Face& face : faces)
+    for (const std::int32_t node : mesh::nodes_of(face)) hash.add(double(node));
+}
+
+}  // namespace
+
+// Structured bindings name every member: a new one breaks the build here, not the cache.
+std::string restart_key(const PreparedCase& prepared) {
+  const io::PlanFile& plan = prepared.plan;
+  io::Sha256 hash;
+  hash.add(kVersion).add(kStepsRevision);
+  add(hash, prepared.model.tissue);
+  field::DistanceFieldOptions field = plan.field;
+  field.smooth = plan.contact.detection == contact::Detection::kSmooth;
+  hash.add(double(plan.segments.size()));
+  for (const predict::MovedSegment& segment : prepared.model.segments)
+    hash.add(field_key(segment.surface_B, field));
+  if (prepared.model.still_bone) hash.add(field_key(prepared.model.still_bone->surface_B, field));
+  for (const geometry::RigidPath& path : prepared.paths()) {
+    const auto& [name, keyframes, steps, interpolation] = path;
+    hash.add(double(steps)).add(double(keyframes.size())).add(double(interpolation));
+    for (const geometry::Keyframe& keyframe : keyframes) {
+      const auto& [at, translation_mm, rotation_rad, centre_L] = keyframe;
+      hash.add(at).add(translation_mm).add(rotation_rad).add(centre_L);
+    }
+  }
+  const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin, mucosa,
+               muscle, face] = plan.tissue;
+  static_cast<void>(face);  // The mesh itself is above.
+  hash.add(young_mpa).add(poisson).add(element_size_mm).add(far_element_size_mm).add(margin_mm);
+  if (skin) {
+    const auto& [thickness_mm, layers, skin_young_mpa, skin_poisson] = *skin;
+    hash.add(thickness_mm).add(layers).add(skin_young_mpa).add(skin_poisson);
+  }
+  if (mucosa) hash.add(mucosa->young_mpa).add(mucosa->poisson);
+  if (muscle) hash.add(std::string_view("muscle")).add(muscle->young_mpa).add(muscle->poisson);
+  const auto& [moved_bone, scan_edge, release_mm, capture_mm] = plan.boundary;
+  hash.add(double(moved_bone)).add(double(scan_edge)).add(release_mm).add(capture_mm);
+  const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;
+  hash.add(predict::stiffness_factor(plan.contact))
+      .add(double(detection))
+      .add(double(integration))
+      .add(penetration_tolerance_mm.value_or(0.0));
+  const auto& [relative_tolerance, max_iterations, smallest_step] = plan.solver;
+  hash.add(relative_tolerance).add(double(max_iterations)).add(smallest_step);
+  return hash.hex();
+}
+
+Result<void> write_restart(const std::filesystem::path& path, const predict::Restart& restart) {
+  Writer writer;
+  predict::Restart copy = restart;  // One visit() for both ways takes what it may change.
+  visit(writer, copy);
+  const std::string body = writer.take();
+  return io::write_text(
+      path, std::string(kMagic) + io::Sha256().add(std::string_view(body)).hex() + body);
+}
+
+Result<predict::Restart> read_restart(const std::filesystem::path& path) {
+  LEFORT_TRY(const std::string text, io::read_text(path, kLargest));
+  const auto damaged = [&] {
+    return fail(ErrorCode::kFileCorrupt, path.string() + " is no restart file, or is damaged");
+  };
+  const std::string_view view(text);
+  if (!view.starts_with(kMagic) || view.size() < kMagic.size() + kHashDigits) return damaged();
+  const std::string_view body = view.substr(kMagic.size() + kHashDigits);
+  if (io::Sha256().add(std::string_view(body)).hex() != view.substr(kMagic.size(), kHashDigits))
+    return damaged();
+  predict::Restart restart;
+  Reader reader(body);
+  visit(reader, restart);
+  if (!reader.is_whole()) return damaged();
+  return restart;
+}
+
+}  // namespace lefort::pipeline

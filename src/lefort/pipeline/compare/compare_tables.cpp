@@ -1,0 +1,150 @@
+#include <lefort/core/units.h>
+#include <lefort/pipeline/compare/compare_tables.h>
+#include <lefort/pipeline/json/json_values.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace lefort::pipeline {
+namespace {
+
+using nlohmann::json;
+
+json number(double value) { return std::isfinite(value) ? json(value) : json(); }
+
+std::string csv_line(const std::string& region, const char* what,
+                     const compare::DifferenceStatistics& s) {
+  std::string line = fmt::format("{},{},{:.1f},{:.4f}", region, what, s.area_mm2, s.compared_share);
+  for (const double value : {s.mean_mm, s.median_mm, s.p90_mm, s.p95_mm, s.p99_mm, s.max_mm,
+                             s.share_below_1mm, s.share_below_2mm, s.mean_signed_mm})
+    line += std::isfinite(value) ? fmt::format(",{:.4f}", value) : ",";
+  return line + "\n";
+}
+
+using pipeline::as_json;
+
+json as_json(const compare::MovementDifference& d) {
+  const Vec3 turn_deg = d.turn_rad * degrees_from_radians(1.0);
+  return {{"shift_mm", as_json(d.shift_mm)},
+          {"shift_length_mm", d.shift_mm.norm()},
+          {"turn_deg", as_json(turn_deg)},
+          {"turn_angle_deg", turn_deg.norm()},
+          {"largest_mm", d.largest_mm}};
+}
+
+/// "1.20 mm left, 6.01 mm forward, 0.33 mm up": L has x to the left, y back, z up.
+std::string anatomical(const Vec3& shift_mm) {
+  return fmt::format("{:.2f} mm {}, {:.2f} mm {}, {:.2f} mm {}", std::abs(shift_mm.x()),
+                     shift_mm.x() < 0.0 ? "right" : "left", std::abs(shift_mm.y()),
+                     shift_mm.y() < 0.0 ? "forward" : "back", std::abs(shift_mm.z()),
+                     shift_mm.z() < 0.0 ? "down" : "up");
+}
+
+}  // namespace
+
+json statistics_json(const compare::DifferenceStatistics& s) {
+  return {{"area_mm2", s.area_mm2},
+          {"compared_share", s.compared_share},
+          {"mean_mm", number(s.mean_mm)},
+          {"median_mm", number(s.median_mm)},
+          {"p90_mm", number(s.p90_mm)},
+          {"p95_mm", number(s.p95_mm)},
+          {"p99_mm", number(s.p99_mm)},
+          {"max_mm", number(s.max_mm)},
+          {"share_below_1mm", number(s.share_below_1mm)},
+          {"share_below_2mm", number(s.share_below_2mm)},
+          {"mean_signed_mm", number(s.mean_signed_mm)}};
+}
+
+json regions_json(std::span<const compare::RegionDifference> rows) {
+  json lines = json::array();
+  for (const compare::RegionDifference& row : rows) {
+    lines.push_back({{"region", row.region}, {"face", statistics_json(row.face)}});
+    if (row.if_unchanged) lines.back()["if_unchanged"] = statistics_json(*row.if_unchanged);
+  }
+  return lines;
+}
+
+std::string regions_csv(std::span<const compare::RegionDifference> rows) {
+  std::string csv =
+      "region,face,area_mm2,compared_share,mean_mm,median_mm,p90_mm,p95_mm,p99_mm,max_mm,"
+      "share_below_1mm,share_below_2mm,mean_signed_mm\n";
+  for (const compare::RegionDifference& row : rows) {
+    csv += csv_line(row.region, "compared", row.face);
+    if (row.if_unchanged) csv += csv_line(row.region, "nothing changed", *row.if_unchanged);
+  }
+  return csv;
+}
+
+std::string regions_text(std::span<const compare::RegionDifference> rows) {
+  std::string text = fmt::format("  {:<16} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}", "[mm]",
+                                 "mean", "median", "P90", "P95", "P99", "max", "< 1 mm", "< 2 mm");
+  const auto add = [&](const std::string& name, const compare::DifferenceStatistics& s) {
+    text += fmt::format(
+        "\n  {:<16} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:5.0f} % {:5.0f} %", name,
+        s.mean_mm, s.median_mm, s.p90_mm, s.p95_mm, s.p99_mm, s.max_mm, 100.0 * s.share_below_1mm,
+        100.0 * s.share_below_2mm);
+    if (s.compared_share < 0.95)
+      text += fmt::format("  of {:.0f} % of the area", 100.0 * s.compared_share);
+  };
+  for (const compare::RegionDifference& row : rows) {
+    add(row.region, row.face);
+    if (row.if_unchanged) add("  if unchanged", *row.if_unchanged);
+  }
+  return text;
+}
+
+json registration_json(const compare::Registration& r) {
+  json matrix = json::array();
+  for (Index row = 0; row < 4; ++row)
+    for (Index column = 0; column < 4; ++column)
+      matrix.push_back(r.X_onto_from.matrix()(row, column));
+  return {{"matrix", matrix},
+          {"rms_mm", r.rms_mm},
+          {"kept_share", r.kept_share},
+          {"firmness", r.firmness}};
+}
+
+json movements_json(const SurgeryFound& surgery) {
+  json lines = json::array();
+  for (const AchievedMovement& one : surgery.movements)
+    lines.push_back({{"segment", one.segment},
+                     {"registration", registration_json(one.achieved)},
+                     {"achieved", as_json(one.movement)},
+                     {"from_plan_to_achieved", as_json(one.error)}});
+  return lines;
+}
+
+std::string movements_csv(const SurgeryFound& surgery) {
+  std::string csv =
+      "segment,what,left_mm,back_mm,up_mm,length_mm,turn_x_deg,turn_y_deg,turn_z_deg,turn_deg,"
+      "largest_mm\n";
+  const auto add = [&](const std::string& segment, const char* what,
+                       const compare::MovementDifference& d) {
+    const Vec3 turn_deg = d.turn_rad * degrees_from_radians(1.0);
+    csv += fmt::format("{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n",
+                       segment, what, d.shift_mm.x(), d.shift_mm.y(), d.shift_mm.z(),
+                       d.shift_mm.norm(), turn_deg.x(), turn_deg.y(), turn_deg.z(), turn_deg.norm(),
+                       d.largest_mm);
+  };
+  for (const AchievedMovement& one : surgery.movements) {
+    add(one.segment, "achieved", one.movement);
+    add(one.segment, "from plan to achieved", one.error);
+  }
+  return csv;
+}
+
+std::string movements_text(const SurgeryFound& surgery) {
+  std::string text =
+      fmt::format("\n  registered on still bone: {:.2f} mm off (rms), {:.0f} % of it found",
+                  surgery.base.rms_mm, 100.0 * surgery.base.kept_share);
+  for (const AchievedMovement& one : surgery.movements)
+    text += fmt::format(
+        "\n  {}: moved {}, turned {:.2f} deg; {:.2f} mm and {:.2f} deg from the plan", one.segment,
+        anatomical(one.movement.shift_mm), degrees_from_radians(one.movement.turn_rad.norm()),
+        one.error.shift_mm.norm(), degrees_from_radians(one.error.turn_rad.norm()));
+  return text;
+}
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,29 @@
+/// \file
+/// Comparisons as JSON, CSV and words.
+#pragma once
+
+#include <lefort/compare/compare_by_region.h>
+#include <lefort/pipeline/compare/register_after_surgery.h>
+
+#include <nlohmann/json.hpp>
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lefort::pipeline {
+
+/// Null where a figure is none.
+[[nodiscard]] nlohmann::json statistics_json(const compare::DifferenceStatistics& s);
+
+[[nodiscard]] nlohmann::json regions_json(std::span<const compare::RegionDifference> rows);
+[[nodiscard]] std::string regions_csv(std::span<const compare::RegionDifference> rows);
+[[nodiscard]] std::string regions_text(std::span<const compare::RegionDifference> rows);
+
+[[nodiscard]] nlohmann::json registration_json(const compare::Registration& registration);
+[[nodiscard]] nlohmann::json movements_json(const SurgeryFound& surgery);
+[[nodiscard]] std::string movements_csv(const SurgeryFound& surgery);
+/// Lines, each with a line feed before it.
+[[nodiscard]] std::string movements_text(const SurgeryFound& surgery);
+
+}  // namespace lefort::pipeline

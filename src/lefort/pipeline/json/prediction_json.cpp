@@ -1,0 +1,324 @@
+#include <lefort/core/units.h>
+#include <lefort/core/version.h>
+#include <lefort/fem/load_steps.h>
+#include <lefort/pipeline/json/boundary_json.h>
+#include <lefort/pipeline/json/json_values.h>
+#include <lefort/pipeline/json/prediction_json.h>
+#include <lefort/pipeline/timing/peak_memory.h>
+#include <lefort/predict/name_regions.h>
+
+#include <algorithm>
+
+namespace lefort::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+using pipeline::as_json;
+
+Json as_json(const RigidTransform& pose) {
+  Json rows = Json::array();
+  const Eigen::Matrix4d matrix = pose.matrix();
+  for (int i = 0; i < 4; ++i)
+    rows.push_back({matrix(i, 0), matrix(i, 1), matrix(i, 2), matrix(i, 3)});
+  return rows;
+}
+
+Json as_json(const fem::LoadAttempt& attempt) {
+  Json iterations = Json::array();
+  for (const fem::NewtonIterate& iterate : attempt.history)
+    iterations.push_back({{"residual_n", iterate.residual_n},
+                          {"force_scale_n", iterate.force_scale_n},
+                          {"energy_mj", iterate.energy_mj},
+                          {"step_length", iterate.step_length},
+                          {"convex_share", iterate.convex_share},
+                          {"shift", iterate.shift}});
+  return {{"from_share", attempt.t_from},
+          {"to_share", attempt.t_to},
+          {"converged", attempt.stop == fem::NewtonStop::kConverged},
+          {"reason", attempt.reason},
+          {"newton", iterations}};
+}
+
+Json as_json(const std::vector<fem::LoadAttempt>& attempts) {
+  Json list = Json::array();
+  for (const fem::LoadAttempt& attempt : attempts) list.push_back(as_json(attempt));
+  return list;
+}
+
+/// What each segment has of its own: of a plan of one it stands alone, of one of several as an
+/// object by the segments' names.
+template <class Function>
+Json of_segments(const io::PlanFile& plan, const Function& of_segment) {
+  if (plan.segments.size() == 1) return of_segment(std::size_t(0));
+  Json json = Json::object();
+  for (std::size_t k = 0; k < plan.segments.size(); ++k)
+    json[plan.segments[k].osteotomy.segment] = of_segment(k);
+  return json;
+}
+
+void add_contact(const contact::ContactSummary& contact, Json& json) {
+  json["contact_points"] = contact.points;
+  json["contact_nodes"] = contact.nodes;
+  json["contact_area_mm2"] = contact.area_mm2;
+  json["max_penetration_mm"] = contact.max_penetration_mm;
+  json["mean_penetration_mm"] = contact.mean_penetration_mm;
+  json["max_depth_from_rest_mm"] = contact.max_depth_from_rest_mm;
+  json["mean_depth_from_rest_mm"] = contact.mean_depth_from_rest_mm;
+  json["p99_depth_from_rest_mm"] = contact.p99_depth_from_rest_mm;
+  json["tunnelled_area_mm2"] = contact.tunnelled_area_mm2;
+  json["contact_force_n"] = as_json(contact.force_L_n);
+  json["contact_normal_force_n"] = contact.normal_force_n;
+}
+
+Json as_json(const predict::PredictionStep& step, const io::PlanFile& plan) {
+  double largest_mm = 0.0;
+  for (const Vec3& u : step.displacement_mm) largest_mm = std::max(largest_mm, u.norm());
+  Json json{{"share", step.share}};
+  json["pose_4x4_row_major_mm_lps"] =
+      of_segments(plan, [&](std::size_t k) { return as_json(step.segments[k].X_LB); });
+  add_contact(step.contact(), json);
+  if (plan.segments.size() > 1)
+    json["contact_by_segment"] = of_segments(plan, [&](std::size_t k) {
+      Json one;
+      add_contact(step.segments[k].contact, one);
+      return one;
+    });
+  json["largest_displacement_mm"] = largest_mm;
+  json["smallest_volume_ratio"] = step.smallest_J;
+  json["residual_n"] = step.residual_n;
+  json["relative_residual"] = step.relative_residual;
+  json["attempts"] = as_json(step.attempts);
+  return json;
+}
+
+Json as_json(const predict::BonePair& pair, const io::PlanFile& plan) {
+  Json json{{"share", pair.share}};
+  if (plan.segments.size() > 1) {
+    json["first"] = pair.first;
+    json["second"] = pair.second;
+  }
+  json["volume_ml"] = pair.overlap.volume_mm3 * 1e-3;
+  json["deepest_mm"] = pair.overlap.deepest_mm;
+  json["deepest_at_mm_lps"] =
+      pair.overlap.overlaps() ? as_json(pair.overlap.deepest_L) : Json(nullptr);
+  json["deeper_than_told"] = pair.overlap.is_beyond_reach;
+  return json;
+}
+
+Json mucosa_parameters(const predict::TissueOptions& tissue) {
+  if (!tissue.mucosa) return nullptr;
+  return {{"thickness_mm", tissue.mucosa->thickness_mm},
+          {"young_kpa", kpa_from_mpa(tissue.mucosa->young_mpa)},
+          {"poisson", tissue.mucosa->poisson}};
+}
+
+Json muscle_parameters(const predict::TissueOptions& tissue) {
+  if (!tissue.muscle) return nullptr;
+  return {{"young_kpa", kpa_from_mpa(tissue.muscle->young_mpa)},
+          {"poisson", tissue.muscle->poisson}};
+}
+
+Json face_size(const predict::TissueOptions& tissue) {
+  if (!tissue.face) return nullptr;
+  return tissue.face->element_size_mm;
+}
+
+Json skin_parameters(const predict::TissueOptions& tissue) {
+  if (!tissue.skin) return nullptr;
+  return {{"thickness_mm", tissue.skin->thickness_mm},
+          {"layers", tissue.skin->layers},
+          {"young_kpa", kpa_from_mpa(tissue.skin->young_mpa)},
+          {"poisson", tissue.skin->poisson}};
+}
+
+Json segment_names(const io::PlanFile& plan) {
+  if (plan.segments.size() == 1) return plan.segments.front().osteotomy.segment;
+  Json names = Json::array();
+  for (const plan::PlannedSegment& one : plan.segments) names.push_back(one.osteotomy.segment);
+  return names;
+}
+
+Json parameters(const PreparedCase& prepared, const predict::FacePrediction& prediction) {
+  const io::PlanFile& plan = prepared.plan;
+  const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
+  const auto of_cut = [&](double plan::CutBonesOptions::*option) {
+    return of_segments(plan, [&](std::size_t k) -> Json { return plan.segments[k].cut.*option; });
+  };
+  return {{"title", plan.title},
+          {"segment", segment_names(plan)},
+          {"steps", prepared.steps()},
+          {"bone_hu", plan.segmentation.bone_hu},
+          {"skin_hu", plan.segmentation.skin_hu},
+          {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
+          {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
+          {"poisson", plan.tissue.poisson},
+          {"skin", skin_parameters(plan.tissue)},
+          {"mucosa", mucosa_parameters(plan.tissue)},
+          {"muscle", muscle_parameters(plan.tissue)},
+          {"lips_and_nose_element_size_mm", face_size(plan.tissue)},
+          {"element_size_mm", plan.tissue.element_size_mm},
+          {"far_element_size_mm", plan.tissue.far_element_size_mm},
+          {"margin_mm", plan.tissue.margin_mm},
+          {"moved_bone", is_contact ? "contact" : "attached"},
+          {"scan_edge", plan.boundary.scan_edge == predict::ScanEdge::kFree ? "free" : "fixed"},
+          {"release_mm", plan.boundary.release_mm},
+          {"capture_mm", plan.boundary.capture_mm},
+          {"smallest_piece_ml", of_cut(&plan::CutBonesOptions::smallest_piece_ml)},
+          {"smallest_piece_share", of_cut(&plan::CutBonesOptions::smallest_piece_share)},
+          {"stiffness_factor", predict::stiffness_factor(plan.contact)},
+          {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
+          {"detection", contact::name_of(plan.contact.detection)},
+          {"integration", contact::name_of(plan.contact.integration)},
+          {"penetration_tolerance_mm", plan.contact.penetration_tolerance_mm
+                                           ? Json(*plan.contact.penetration_tolerance_mm)
+                                           : Json(nullptr)},
+          {"relative_tolerance", plan.solver.relative_tolerance},
+          {"max_iterations", plan.solver.max_iterations},
+          {"smallest_step", plan.solver.smallest_step}};
+}
+
+Json volumes(const PreparedCase& prepared) {
+  Json json = Json::object();
+  for (const auto& [name, ml] : prepared.tissue_volumes_ml) json[name] = ml;
+  return json;
+}
+
+Json as_json(const mesh::QualitySummary& quality) {
+  return {{"elements", quality.elements},
+          {"volume_ml", quality.volume_mm3 * 1e-3},
+          {"min_scaled_jacobian", quality.min_scaled_jacobian},
+          {"mean_scaled_jacobian", quality.mean_scaled_jacobian},
+          {"min_dihedral_deg", quality.min_dihedral_deg},
+          {"max_dihedral_deg", quality.max_dihedral_deg},
+          {"scaled_jacobian_histogram", quality.jacobian_histogram},
+          {"dihedral_histogram", quality.dihedral_histogram}};
+}
+
+Json as_json(const std::optional<mesh::LayerThickness>& skin) {
+  if (!skin) return nullptr;
+  Json thin = Json::array();
+  for (const mesh::ThinPatch& patch : skin->thin)
+    thin.push_back({{"area_mm2", patch.area_mm2}, {"centre_mm_lps", as_json(patch.centre_L)}});
+  return {{"area_mm2", skin->area_mm2},         {"covered_share", skin->covered_share},
+          {"mean_thickness_mm", skin->mean_mm}, {"p05_thickness_mm", skin->p05_mm},
+          {"full_share", skin->full_share},     {"thin_patches", thin}};
+}
+
+Json regions_summary(const PreparedCase& prepared) {
+  Json regions = Json::object();
+  for (const auto& [name, size] :
+       predict::named_regions(prepared.model.tissue, prepared.plan.tissue))
+    regions[name] = {{"elements", size.elements}, {"volume_ml", size.volume_mm3 * 1e-3}};
+  return regions;
+}
+
+Json mesh_summary(const PreparedCase& prepared) {
+  const mesh::VolumeMesh& tissue = prepared.model.tissue;
+  Json by_shape = Json::object();
+  for (const auto& [shape, quality] : prepared.quality.by_shape)
+    by_shape[std::string(mesh::name_of(shape))] = as_json(quality);
+  Json sets = Json::object();
+  for (const auto& [name, nodes] : tissue.node_sets) sets[name] = nodes.size();
+  return {{"nodes", tissue.node_count()},
+          {"elements", tissue.element_count()},
+          {"volume_ml", prepared.quality.volume_mm3 * 1e-3},
+          {"min_dihedral_deg", prepared.quality.min_dihedral_deg},
+          {"min_scaled_jacobian", prepared.quality.min_scaled_jacobian},
+          {"by_shape", by_shape},
+          {"regions", regions_summary(prepared)},
+          {"skin", as_json(prepared.skin_layer)},
+          {"inverted_elements", prepared.quality.inverted.size()},
+          {"contact_faces", tissue.face_sets.at("contact").size()},
+          {"node_sets", sets},
+          {"boundary", boundary_json(prepared)}};
+}
+
+Json field_summary(const field::DistanceField& field) {
+  return {{"resolution", field.frame().resolution},
+          {"cell_mm", field.cell_mm()},
+          {"band_mm", field.band_mm()},
+          {"sample_bytes", field.sample_bytes()},
+          {"smooth_bytes", field.smooth_bytes()}};
+}
+
+Json bones_summary(const PreparedCase& prepared) {
+  const plan::CutSegments& cut = prepared.cut;
+  const auto of_each = [&](const auto& value) {
+    return of_segments(prepared.plan, [&](std::size_t k) -> Json { return value(k); });
+  };
+  return {{"skull_volume_ml", cut.skull_volume_mm3 * 1e-3},
+          {"segment_volume_ml", of_each([&](std::size_t k) { return cut.volumes_mm3[k] * 1e-3; })},
+          {"remainder_volume_ml", cut.remainder_volume_mm3 * 1e-3},
+          {"segment_pieces", of_each([&](std::size_t k) { return cut.cuts[k].segment_pieces; })},
+          {"pieces_left_behind", of_each([&](std::size_t k) { return cut.cuts[k].crumbs; })},
+          {"volume_left_behind_ml",
+           of_each([&](std::size_t k) { return cut.cuts[k].crumb_volume_mm3 * 1e-3; })},
+          {"segment_triangles",
+           of_each([&](std::size_t k) { return cut.segments_L[k].triangle_count(); })}};
+}
+
+Json timing_json(const Timing& timing) {
+  Json stages = Json::object();
+  double total = 0.0;
+  for (const auto& [name, seconds] : timing.stage_seconds) {
+    stages[name] = stages.value(name, 0.0) + seconds;
+    total += seconds;
+  }
+  return {{"total_seconds", total},
+          {"stage_seconds", stages},
+          {"step_seconds", timing.step_seconds},
+          {"peak_memory_mb", peak_memory_mb()}};
+}
+
+}  // namespace
+
+Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction& prediction,
+                     const SkinShift& skin, const Timing& timing) {
+  Json steps = Json::array();
+  for (const predict::PredictionStep& step : prediction.steps) {
+    steps.push_back(as_json(step, prepared.plan));
+    if (prepared.model.still_bone)
+      add_contact(step.still_contact, steps.back()["still_bone_contact"]);
+  }
+  Json overlaps = Json::array();
+  for (const predict::BonePair& pair : prepared.overlaps)
+    overlaps.push_back(as_json(pair, prepared.plan));
+  Json plan_files = Json::array();
+  for (const auto& [name, sha256] : prepared.provenance.plan_files)
+    plan_files.push_back({{"file", name}, {"sha256", sha256}});
+  Json json{{"lefort_prediction", 1},
+            {"notice", kNotForClinicalUse},
+            {"version", kVersion},
+            {"converged", prediction.converged()},
+            {"inputs",
+             {{"plan_sha256", prepared.provenance.plan_sha256},
+              {"plan_files", plan_files},
+              {"ct_sha256", prepared.provenance.ct_sha256},
+              {"ct_kind", prepared.provenance.ct_kind},
+              {"labels_sha256", prepared.provenance.labels_sha256},
+              {"labels_source", prepared.provenance.labels_source},
+              {"warnings", prepared.provenance.warnings}}},
+            {"parameters", parameters(prepared, prediction)},
+            {"tissue_volumes_ml", volumes(prepared)},
+            {"bones", bones_summary(prepared)},
+            {"field", of_segments(prepared.plan,
+                                  [&](std::size_t k) {
+                                    return field_summary(*prepared.model.segments[k].field_B);
+                                  })},
+            {"mesh", mesh_summary(prepared)},
+            {"bone_overlap", overlaps},
+            {"rest_penetration_mm", prediction.rest_penetration_mm},
+            {"skin",
+             {{"largest_shift_mm", skin.largest_mm},
+              {"mean_shift_where_moved_mm", skin.mean_over_moved_mm}}},
+            {"steps", steps}};
+  if (!prediction.converged()) {
+    json["failure"] = prediction.failure->message;
+    json["failed_attempts"] = as_json(prediction.failed_attempts);
+  }
+  json["timing"] = timing_json(timing);
+  return json;
+}
+
+}  // namespace lefort::pipeline

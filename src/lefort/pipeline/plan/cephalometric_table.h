@@ -1,0 +1,22 @@
+/// \file
+/// The cephalometric table as commands print it.
+#pragma once
+
+#include <lefort/plan/cephalometrics.h>
+
+#include <nlohmann/json.hpp>
+
+#include <span>
+#include <string>
+
+namespace lefort::pipeline {
+
+/// \param after  empty, or the lines of `before` again.
+[[nodiscard]] nlohmann::json cephalometric_json(std::span<const plan::Measurement> before,
+                                                std::span<const plan::Measurement> after);
+
+/// A line for each measurement that is known, each with a line feed before it.
+[[nodiscard]] std::string cephalometric_text(std::span<const plan::Measurement> before,
+                                             std::span<const plan::Measurement> after);
+
+}  // namespace lefort::pipeline

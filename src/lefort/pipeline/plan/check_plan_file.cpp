@@ -1,0 +1,274 @@
+#include <lefort/core/version.h>
+#include <lefort/geometry/bvh.h>
+#include <lefort/geometry/rigid_path.h>
+#include <lefort/geometry/transform_mesh.h>
+#include <lefort/io/landmarks_file.h>
+#include <lefort/io/output_folder.h>
+#include <lefort/io/owned_files.h>
+#include <lefort/io/plan_file.h>
+#include <lefort/io/plan_inputs.h>
+#include <lefort/io/sha256.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/io/transform_file.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/json/json_values.h>
+#include <lefort/pipeline/plan.h>
+#include <lefort/pipeline/plan/cephalometric_table.h>
+#include <lefort/pipeline/prepare/load_head.h>
+#include <lefort/plan/cephalometrics.h>
+#include <lefort/predict/check_plan.h>
+#include <lefort/report/plan_pictures.h>
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lefort::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kTable = "cephalometry.csv";
+constexpr const char* kAboutLandmarks =
+    "seen in the frame of the landmarks before surgery; after it only landmarks on bone and teeth "
+    "are known, those on the skin are for a prediction";
+
+std::string surface_name(const std::string& segment) { return "segment_" + segment + ".vtp"; }
+std::string transform_name(const std::string& segment) { return "segment_" + segment + ".tfm"; }
+
+/// What a check writes, but for check.json and pictures; relative to its folder.
+std::vector<std::string> names_of(const io::PlanFile& plan) {
+  std::vector<std::string> names{"remainder.vtp"};
+  for (const plan::PlannedSegment& one : plan.segments) {
+    names.push_back(surface_name(one.osteotomy.segment));
+    names.push_back(transform_name(one.osteotomy.segment));
+  }
+  if (!plan.landmarks.empty())
+    names.insert(names.end(), {"landmarks_after.mrk.json", "landmarks_after.csv", kTable});
+  return names;
+}
+
+/// Makes room for results: removes those of an earlier check, so that nothing stale stands beside
+/// new findings, and nothing else.
+Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
+                            std::span<const std::string> names) {
+  LEFORT_TRY(const std::vector<fs::path> earlier, io::earlier_check_files(job.output));
+  LEFORT_TRY_VOID(io::check_none_in_the_way(job.output, names, earlier));
+  std::vector<fs::path> inputs{job.plan};
+  if (job.skull) inputs.push_back(*job.skull);
+  if (const auto& ct = job.ct ? job.ct : text.plan.ct) inputs.push_back(*ct);
+  for (const std::string& name : io::named_files(text.json))
+    inputs.push_back(job.plan.parent_path() / name);
+  LEFORT_TRY_VOID(io::check_inputs_are_apart(inputs, earlier));
+  LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  return io::remove_earlier_files(earlier);
+}
+
+/// What the check was made of and by.
+Result<json> provenance(const CheckPlanJob& job, const io::PlanText& text,
+                        const geometry::TriangleMesh& skull_L) {
+  json files = json::array();
+  LEFORT_TRY(const std::vector<io::InputFile> named, io::fingerprints(text.json, job.plan));
+  for (const auto& [name, sha256] : named) files.push_back({{"file", name}, {"sha256", sha256}});
+  return json{{"plan_sha256", io::Sha256().add(text.json).hex()},
+              {"plan_files", files},
+              {"skull_sha256", io::Sha256().add(skull_L).hex()}};
+}
+
+/// The skull that is to be cut: a surface, or the bone of a scan.
+Result<geometry::TriangleMesh> find_skull(const CheckPlanJob& job, const io::PlanFile& plan,
+                                          Progress& progress) {
+  if (job.skull) {
+    progress.begin_stage("read the skull");
+    return io::read_surface(*job.skull);
+  }
+  LEFORT_TRY(const fs::path ct, io::scan_of(job.plan, plan, job.ct));
+  LEFORT_TRY(ScannedHead head,
+             scan_head(plan, ct, StageCache(job.cache.value_or(job.output / "cache")), progress));
+  return std::move(head.skull_L);
+}
+
+/// Landmarks after surgery, as far as bones tell.
+struct MovedLandmarks {
+  plan::Landmarks known;              ///< On bone and teeth.
+  std::vector<std::string> off_bone;  ///< Hard ones that lie on no bone: not known.
+};
+
+/// Landmarks on bone and teeth go with the bone they lie on. One on a cut is as near to both sides
+/// and goes with the segment; with the first in the plan, if there are several.
+MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegments& cut,
+                              const std::vector<plan::PlannedSegment>& planned) {
+  constexpr double kOnBone_mm = 5.0;  // How far a landmark that was picked may be off.
+  constexpr double kOnCut_mm = 0.5;   // As near to both sides, within half of what picking tells.
+  std::vector<geometry::Bvh> trees;
+  for (const geometry::TriangleMesh& segment : cut.segments_L) trees.emplace_back(segment);
+  trees.emplace_back(cut.remainder_L);
+  MovedLandmarks after;
+  for (plan::Landmark landmark : before) {
+    const plan::LandmarkKind* const kind = plan::find_kind(landmark.name);
+    if (kind != nullptr && kind->is_soft) continue;
+    double nearest_mm = kOnBone_mm;
+    std::optional<std::size_t> bone;
+    for (std::size_t k = 0; k < trees.size(); ++k) {
+      const auto on_bone = trees[k].closest_point(landmark.point_L, kOnBone_mm);
+      if (!on_bone || !(on_bone->distance_mm < nearest_mm - (bone ? kOnCut_mm : 0.0))) continue;
+      nearest_mm = on_bone->distance_mm;
+      bone = k;
+    }
+    if (!bone) {
+      after.off_bone.push_back(landmark.name);
+      continue;
+    }
+    if (*bone < planned.size())
+      landmark.point_L = geometry::pose_at(planned[*bone].path, 1.0) * landmark.point_L;
+    after.known.push_back(std::move(landmark));
+  }
+  return after;
+}
+
+using pipeline::as_json;
+
+json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
+             const std::vector<plan::PlannedSegment>& planned, const predict::PlanLimits& limits) {
+  json findings = json::array(), overlaps = json::array(), segments = json::array();
+  for (const predict::PlanFinding& finding : check.findings)
+    findings.push_back({{"kind", predict::name_of(finding.kind)},
+                        {"segment", finding.segment},
+                        {"text", finding.text}});
+  for (const predict::BonePair& pair : check.overlaps)
+    overlaps.push_back({{"first", pair.first},
+                        {"second", pair.second},
+                        {"share", pair.share},
+                        {"volume_ml", pair.overlap.volume_mm3 * 1e-3},
+                        {"deepest_mm", pair.overlap.deepest_mm},
+                        {"deepest_at_mm", as_json(pair.overlap.deepest_L)},
+                        {"is_deeper", pair.overlap.is_beyond_reach}});
+  for (std::size_t k = 0; k < planned.size(); ++k) {
+    const predict::SegmentSupport& support = check.supports[k];
+    const RigidTransform X_LB = geometry::pose_at(planned[k].path, 1.0);
+    json pose = json::array();
+    for (Index row = 0; row < 4; ++row)
+      for (Index column = 0; column < 4; ++column) pose.push_back(X_LB.matrix()(row, column));
+    segments.push_back({{"name", support.segment},
+                        {"volume_ml", cut.volumes_mm3[k] * 1e-3},
+                        {"pieces", cut.cuts[k].segment_pieces},
+                        {"pieces_left_behind", cut.cuts[k].crumbs},
+                        {"kerf_ml", cut.cuts[k].kerf_volume_mm3 * 1e-3},
+                        {"pose", pose},
+                        {"cut_area_mm2", support.cut_area_mm2},
+                        {"supported_area_mm2", support.supported_area_mm2},
+                        {"mean_gap_mm", support.mean_gap_mm},
+                        {"largest_gap_mm", support.largest_gap_mm},
+                        {"largest_gap_at_mm", as_json(support.largest_gap_L)}});
+  }
+  return {{"lefort_plan_check", 1},
+          {"notice", kNotForClinicalUse},
+          {"version", kVersion},
+          {"limits",
+           {{"overlap_mm", limits.overlap_mm},
+            {"gap_mm", limits.gap_mm},
+            {"support_mm", limits.support_mm},
+            {"support_share", limits.support_share}}},
+          {"has_findings", !check.findings.empty()},
+          {"findings", findings},
+          {"overlaps", overlaps},
+          {"segments", segments},
+          {"skull_volume_ml", cut.skull_volume_mm3 * 1e-3},
+          {"remainder_volume_ml", cut.remainder_volume_mm3 * 1e-3},
+          {"kerf_volume_ml", cut.kerf_volume_mm3 * 1e-3}};
+}
+
+std::string in_words(const predict::PlanCheck& check, const plan::CutSegments& cut) {
+  std::string text =
+      check.findings.empty()
+          ? std::string("nothing was found against the plan")
+          : fmt::format("the plan cannot be done as it is, {} finding{}:", check.findings.size(),
+                        check.findings.size() == 1 ? "" : "s");
+  for (const predict::PlanFinding& finding : check.findings) text += "\n  " + finding.text;
+  for (std::size_t k = 0; k < check.supports.size(); ++k) {
+    const predict::SegmentSupport& support = check.supports[k];
+    text += fmt::format(
+        "\n  {:<16} {:7.1f} ml, {:6.0f} mm2 of cut faces, {:3.0f} % supported, gap {:.1f} mm at "
+        "most, {:.1f} mm in the mean",
+        support.segment, cut.volumes_mm3[k] * 1e-3, support.cut_area_mm2,
+        100.0 * support.supported_share(), support.largest_gap_mm, support.mean_gap_mm);
+  }
+  return text;
+}
+
+Result<void> write_bones(const fs::path& folder, const plan::CutSegments& cut,
+                         const std::vector<plan::PlannedSegment>& planned) {
+  for (std::size_t k = 0; k < planned.size(); ++k) {
+    const std::string& name = planned[k].osteotomy.segment;
+    const RigidTransform X_LB = geometry::pose_at(planned[k].path, 1.0);
+    LEFORT_TRY_VOID(io::write_surface(folder / surface_name(name),
+                                      geometry::transformed(cut.segments_L[k], X_LB)));
+    LEFORT_TRY_VOID(io::write_transform(folder / transform_name(name), X_LB));
+  }
+  return io::write_surface(folder / "remainder.vtp", cut.remainder_L);
+}
+
+}  // namespace
+
+Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress) {
+  LEFORT_TRY(const io::PlanText plan_text, io::read_plan_text(job.plan));
+  const io::PlanFile& plan = plan_text.plan;
+  std::vector<std::string> names = names_of(plan);
+  const io::EmptyFolders none_left(job.output);
+  LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
+  LEFORT_TRY(const geometry::TriangleMesh skull_L, find_skull(job, plan, progress));
+
+  progress.begin_stage("cut the bone");
+  LEFORT_TRY(const plan::CutSegments cut, plan::cut_segments(skull_L, plan.segments, progress));
+  for (const plan::CutBones& bones : cut.cuts) tell_crumbs(bones, progress);
+  progress.begin_stage("bone against bone");
+  LEFORT_TRY(const predict::PlanCheck check,
+             predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));
+
+  json result = as_json(check, cut, plan.segments, job.limits);
+  LEFORT_TRY(result["inputs"], provenance(job, plan_text, skull_L));
+  std::string text = in_words(check, cut);
+  std::string table;
+  const MovedLandmarks after = move_landmarks(plan.landmarks, cut, plan.segments);
+  if (!plan.landmarks.empty()) {
+    LEFORT_TRY(const auto before_table, plan::measure(plan.landmarks));
+    LEFORT_TRY(const auto after_table, plan::measure(after.known, plan.landmarks));
+    result["cephalometry"] = cephalometric_json(before_table, after_table);
+    result["cephalometry_is"] = kAboutLandmarks;
+    result["landmarks_off_bone"] = after.off_bone;
+    text += fmt::format("\n  cephalometry, {}:", kAboutLandmarks);
+    text += cephalometric_text(before_table, after_table);
+    table = io::cephalometric_csv(before_table, after_table);
+  }
+  for (const std::string& name : after.off_bone)
+    progress.note(fmt::format("landmark {} lies on no bone; where it goes is not told", name));
+  std::vector<report::PlanPicture> pictures;
+  if (job.pictures) {
+    progress.begin_stage("draw");
+    LEFORT_TRY(pictures, report::draw_plan(cut, plan.segments, progress));
+  }
+
+  progress.begin_stage("write");
+  for (const report::PlanPicture& picture : pictures) names.push_back("pictures/" + picture.file);
+  LEFORT_TRY_VOID(io::check_none_in_the_way(job.output, names, {}));
+  result["files"] = names;
+  // First, since it lists what the next check may replace, should this one be cut short.
+  LEFORT_TRY_VOID(io::write_text(job.output / "check.json", result.dump(2) + "\n"));
+  LEFORT_TRY_VOID(write_bones(job.output, cut, plan.segments));
+  if (!plan.landmarks.empty()) {
+    LEFORT_TRY_VOID(io::write_landmarks(job.output / "landmarks_after.mrk.json", after.known));
+    LEFORT_TRY_VOID(io::write_landmarks(job.output / "landmarks_after.csv", after.known));
+    LEFORT_TRY_VOID(io::write_text(job.output / kTable, table));
+  }
+  if (!pictures.empty()) LEFORT_TRY_VOID(io::make_output_folder(job.output / "pictures"));
+  for (const report::PlanPicture& picture : pictures)
+    LEFORT_TRY_VOID(io::write_text(job.output / "pictures" / picture.file, picture.png));
+  return PlanCheckSummary{{std::move(text), std::move(result)}, !check.findings.empty()};
+}
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,110 @@
+#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/transform_mesh.h>
+#include <lefort/pipeline/predict/prediction_pictures.h>
+#include <lefort/predict/move_skin.h>
+#include <lefort/report/annotate.h>
+#include <lefort/report/picture.h>
+#include <lefort/report/render_surfaces.h>
+#include <lefort/report/segment_colours.h>
+#include <lefort/report/view.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace lefort::pipeline {
+namespace {
+
+using report::StandardView;
+
+constexpr report::PictureSize kSize{.width = 1000, .height = 900, .supersampling = 2};
+constexpr report::Rgb kFirstSegment{0.36, 0.55, 0.80};  ///< Others as in pictures of plans.
+
+/// One kind of picture, from several sides.
+struct Series {
+  PictureKind kind;
+  std::string file;
+  std::string title;
+  std::vector<report::SurfaceLayer> layers;
+  std::vector<StandardView> views;
+  std::optional<report::ColourBar> colour_bar;
+};
+
+std::string file_part(StandardView view) {
+  std::string name = report::name_of(view);
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
+  return name;
+}
+
+/// A round upper end for the colour scale.
+double scale_end_mm(std::span<const double> lengths_mm) {
+  const double largest =
+      lengths_mm.empty() ? 0.0 : *std::max_element(lengths_mm.begin(), lengths_mm.end());
+  return std::max(1.0, std::ceil(largest));
+}
+
+}  // namespace
+
+Result<std::vector<PredictionPicture>> draw_prediction(
+    const PreparedCase& prepared, std::span<const Vec3> skin_displacement_mm,
+    std::span<const predict::SegmentStep> segments, Progress& progress) {
+  const geometry::TriangleMesh after_L = predict::displaced(prepared.skin_L, skin_displacement_mm);
+  std::vector<geometry::TriangleMesh> moved_L;
+  for (std::size_t k = 0; k < segments.size(); ++k)
+    moved_L.push_back(geometry::transformed(prepared.cut.segments_L[k], segments[k].X_LB));
+  std::vector<report::SurfaceLayer> bones{
+      {.mesh_L = &prepared.cut.remainder_L, .colour = report::kBoneColour}};
+  for (std::size_t k = 0; k < moved_L.size(); ++k)
+    bones.push_back({.mesh_L = &moved_L[k],
+                     .colour = k == 0
+                                   ? kFirstSegment
+                                   : report::kSegmentColours[k % report::kSegmentColours.size()]});
+  std::vector<double> lengths_mm;
+  for (const Vec3& u : skin_displacement_mm) lengths_mm.push_back(u.norm());
+  const report::ColourScale scale{report::ColourMap::kSequential, 0.0, scale_end_mm(lengths_mm)};
+
+  const std::vector<StandardView> face_views{StandardView::kFront, StandardView::kRightThreeQuarter,
+                                             StandardView::kRightProfile};
+  const std::vector<Series> all{
+      {PictureKind::kBefore, "before", "Before", {{.mesh_L = &prepared.skin_L}}, face_views, {}},
+      {PictureKind::kAfter, "after", "Predicted", {{.mesh_L = &after_L}}, face_views, {}},
+      {PictureKind::kDisplacement,
+       "displacement",
+       "Displacement of the skin",
+       {{.mesh_L = &after_L, .scalars = lengths_mm, .scale = scale}},
+       {StandardView::kFront, StandardView::kRightThreeQuarter},
+       report::ColourBar{scale, "displacement", "mm"}},
+      {PictureKind::kBones,
+       "bones",
+       "Bones at the end of the path",
+       bones,
+       {StandardView::kFront, StandardView::kRightThreeQuarter},
+       {}},
+  };
+
+  Box3 focus_L = geometry::bounding_box(prepared.skin_L);
+  focus_L.extend(geometry::bounding_box(after_L));
+  std::vector<PredictionPicture> pictures;
+  double drawn = 0.0;
+  for (const Series& series : all) {
+    LEFORT_TRY(const report::SurfaceScene scene,
+               report::SurfaceScene::build(series.layers, progress));
+    for (const StandardView side : series.views) {
+      const report::View view =
+          report::standard_view(side, focus_L, double(kSize.width) / kSize.height);
+      LEFORT_TRY(const report::Picture raw, scene.render(view, kSize, progress));
+      const std::string title = series.title + ", " + report::name_of(side);
+      LEFORT_TRY(const report::Picture picture,
+                 report::annotate(raw, {title, series.colour_bar, view}));
+      LEFORT_TRY(std::string png, report::encode_png(picture));
+      pictures.push_back(
+          {series.kind, series.file + "_" + file_part(side) + ".png", title, std::move(png)});
+      progress.report(++drawn / 10.0);
+    }
+  }
+  return pictures;
+}
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,28 @@
+/// \file
+/// A bone's distance field, from the cache or built.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/field/build_distance_field.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/pipeline/cache/stage_cache.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace lefort::pipeline {
+
+/// \param name  of the bone, for stage and file.
+[[nodiscard]] Result<std::shared_ptr<const field::DistanceField>> find_field(
+    const std::string& name, const geometry::TriangleMesh& surface_B,
+    const field::DistanceFieldOptions& options, const StageCache& cache, Progress& progress);
+
+/// Where the cache keeps it.
+[[nodiscard]] std::filesystem::path field_file(const std::string& name,
+                                               const geometry::TriangleMesh& surface_B,
+                                               const field::DistanceFieldOptions& options,
+                                               const StageCache& cache);
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,60 @@
+#include <lefort/anatomy/extract_surface.h>
+#include <lefort/anatomy/segment_tissue.h>
+#include <lefort/io/import_volume.h>
+#include <lefort/io/segmentation_file.h>
+#include <lefort/io/sha256.h>
+#include <lefort/pipeline/cache/stage_keys.h>
+#include <lefort/pipeline/prepare/load_head.h>
+
+#include <fmt/format.h>
+
+namespace lefort::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<anatomy::LabelMap> find_labels(const io::PlanFile& plan, const image::CtVolume& ct,
+                                      const std::string& ct_sha256, const StageCache& cache,
+                                      Progress& progress) {
+  progress.begin_stage("segment");
+  if (plan.labels) return io::read_segmentation(*plan.labels, ct.grid, progress);
+  const anatomy::SegmentationOptions& options = plan.segmentation;
+  return cache.get(
+      "labels.seg.nrrd", labels_key(ct_sha256, options), progress,
+      [&](const fs::path& path) { return io::read_segmentation(path, ct.grid); },
+      [&] { return anatomy::segment_tissue(ct, options, progress); },
+      [](const fs::path& path, const anatomy::LabelMap& labels) {
+        return io::write_segmentation(path, labels);
+      });
+}
+
+}  // namespace
+
+Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
+                              const StageCache& cache, Progress& progress) {
+  progress.begin_stage("import");
+  LEFORT_TRY(io::ImportedVolume scan, io::import_volume(ct_path, progress));
+  for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
+  std::string ct_sha256 = io::Sha256().add(scan.ct).hex();
+  LEFORT_TRY(anatomy::LabelMap labels, find_labels(plan, scan.ct, ct_sha256, cache, progress));
+
+  progress.begin_stage("extract surfaces");
+  const anatomy::LevelOptions levels{.bone_hu = plan.segmentation.bone_hu,
+                                     .skin_hu = plan.segmentation.skin_hu};
+  LEFORT_TRY(geometry::TriangleMesh skull_L,
+             anatomy::extract_isosurface(
+                 anatomy::bone_level(scan.ct, labels, anatomy::Cavities::kFillSinuses, levels), {},
+                 progress));
+  return ScannedHead{std::move(scan), std::move(ct_sha256), std::move(labels), levels,
+                     std::move(skull_L)};
+}
+
+void tell_crumbs(const plan::CutBones& bones, Progress& progress) {
+  if (bones.crumbs == 0) return;
+  progress.note(
+      fmt::format("{} pieces of bone within the cut, {:.2f} ml together, do not move: they are "
+                  "smaller than osteotomy.smallest_piece_ml or _share, or not what it holds",
+                  bones.crumbs, bones.crumb_volume_mm3 * 1e-3));
+}
+
+}  // namespace lefort::pipeline

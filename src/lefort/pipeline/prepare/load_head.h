@@ -1,0 +1,37 @@
+/// \file
+/// From scan to labels and skull: what cutting bones starts from.
+#pragma once
+
+#include <lefort/anatomy/label_map.h>
+#include <lefort/anatomy/tissue_levels.h>
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/geometry/triangle_mesh.h>
+#include <lefort/io/imported_volume.h>
+#include <lefort/io/plan_file.h>
+#include <lefort/pipeline/cache/stage_cache.h>
+
+#include <filesystem>
+#include <string>
+
+namespace lefort::pipeline {
+
+/// A head before anything is cut.
+struct ScannedHead {
+  io::ImportedVolume scan;
+  std::string ct_sha256;
+  anatomy::LabelMap labels;
+  anatomy::LevelOptions levels;
+  geometry::TriangleMesh skull_L;
+};
+
+/// \param plan  says which labels, or how to find them.
+/// \param ct    the scan.
+[[nodiscard]] Result<ScannedHead> scan_head(const io::PlanFile& plan,
+                                            const std::filesystem::path& ct,
+                                            const StageCache& cache, Progress& progress);
+
+/// Tells of bone within an osteotomy that does not move, if there is any.
+void tell_crumbs(const plan::CutBones& bones, Progress& progress);
+
+}  // namespace lefort::pipeline

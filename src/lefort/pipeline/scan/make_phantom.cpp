@@ -1,0 +1,105 @@
+#include <lefort/anatomy/synthetic_head.h>
+#include <lefort/core/units.h>
+#include <lefort/io/output_folder.h>
+#include <lefort/io/segmentation_file.h>
+#include <lefort/io/write_dicom.h>
+#include <lefort/pipeline/import.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace lefort::pipeline {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kGantryTilt_deg = 15.0;   // Gantries tilt by up to 30.
+const Vec3 kOblique_deg(-11.0, 5.0, 8.0);  // Turned about x, y, z; the chin stays in view.
+
+/// `grid` with its axes turned about the middle of its voxels.
+image::Grid turned(image::Grid grid, const Mat3& rotation) {
+  const Vec3 last(double(grid.size[0] - 1), double(grid.size[1] - 1), double(grid.size[2] - 1));
+  const Vec3 middle_L = grid.point_L(0.5 * last);
+  grid.direction = rotation * grid.direction;
+  grid.origin_L = middle_L - grid.direction * (0.5 * last).cwiseProduct(grid.spacing_mm);
+  return grid;
+}
+
+/// The grid of each slice, in the order of the scanner.
+std::vector<image::Grid> slices_of(PhantomVariant variant, double voxel_mm) {
+  image::Grid grid = anatomy::synthetic_grid(voxel_mm);
+  const auto about = [](double angle_deg, const Vec3& axis) {
+    return Eigen::AngleAxisd(radians_from_degrees(angle_deg), axis).toRotationMatrix();
+  };
+  if (variant == PhantomVariant::kOblique)
+    grid = turned(grid, about(kOblique_deg.z(), Vec3::UnitZ()) *
+                            about(kOblique_deg.y(), Vec3::UnitY()) *
+                            about(kOblique_deg.x(), Vec3::UnitX()));
+  if (variant == PhantomVariant::kFeetFirst) grid = turned(grid, about(180.0, Vec3::UnitY()));
+  const Vec3 feed_mm = grid.direction.col(2) * grid.spacing_mm.z();
+  // The gantry tilts, the table still moves along the patient: the slices slide sideways.
+  if (variant == PhantomVariant::kTilted)
+    grid = turned(grid, about(kGantryTilt_deg, Vec3::UnitX()));
+  std::vector<image::Grid> slices;
+  const Index count = grid.size[2];
+  const Vec3 middle_L = grid.point_L({0.0, 0.0, 0.5 * double(count - 1)});
+  for (Index k = 0; k < count; ++k) {
+    image::Grid slice = grid;
+    slice.size[2] = 1;
+    slice.origin_L = middle_L + (double(k) - 0.5 * double(count - 1)) * feed_mm;
+    slices.push_back(slice);
+  }
+  return slices;
+}
+
+/// Shuffled names have no ending and another order than the slices.
+std::string name_of(PhantomVariant variant, Index k, Index count) {
+  if (variant != PhantomVariant::kShuffled) return fmt::format("slice-{:04}.dcm", k + 1);
+  Index step = count / 2 + 1;  // Coprime to the count, so that no two names are alike.
+  while (std::gcd(step, count) != 1) ++step;
+  return fmt::format("IM{:06}", k * step % count);
+}
+
+}  // namespace
+
+Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
+  const fs::path dicom = job.output / "dicom";
+  std::error_code error;
+  if (fs::exists(dicom, error) && !fs::is_empty(dicom, error))
+    return fail(ErrorCode::kFileUnwritable,
+                fmt::format("{} holds files already, expected an empty folder", dicom.string()));
+  const io::EmptyFolders none_left(dicom);
+  LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  LEFORT_TRY_VOID(io::make_output_folder(dicom));
+
+  progress.begin_stage("scan the synthetic head");
+  const std::vector<image::Grid> slices = slices_of(job.variant, job.voxel_mm);
+  const io::DicomSeriesText text{.patient_name = "SYNTHETIC^HEAD",
+                                 .description = "computed, not a patient",
+                                 .number = 1 + std::uint64_t(job.variant)};
+  anatomy::SyntheticMaterials materials;
+  materials.noise_hu = job.noise_hu;
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the phantom was stopped");
+    progress.report(double(k) / double(slices.size()));
+    const std::string name = name_of(job.variant, Index(k), std::ssize(slices));
+    LEFORT_TRY_VOID(io::write_dicom_slice(
+        dicom / name, anatomy::synthetic_scan(slices[k], materials, k + 1), Index(k + 1), text));
+  }
+  progress.begin_stage("write the labels");
+  LEFORT_TRY_VOID(
+      io::write_segmentation(job.output / "labels.seg.nrrd",
+                             anatomy::synthetic_labels(anatomy::synthetic_grid(job.voxel_mm))));
+  Summary summary;
+  summary.text = fmt::format("{}: {} slices in dicom, and what they show in labels.seg.nrrd",
+                             job.output.string(), slices.size());
+  summary.json = {{"output", job.output.string()}, {"slices", slices.size()}};
+  return summary;
+}
+
+}  // namespace lefort::pipeline

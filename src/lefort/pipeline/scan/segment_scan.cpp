@@ -1,0 +1,71 @@
+#include <lefort/anatomy/extract_surface.h>
+#include <lefort/anatomy/histogram_thresholds.h>
+#include <lefort/anatomy/tissue_levels.h>
+#include <lefort/anatomy/tissue_volumes.h>
+#include <lefort/io/import_volume.h>
+#include <lefort/io/output_folder.h>
+#include <lefort/io/segmentation_file.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/pipeline/scan/surface_summary.h>
+#include <lefort/pipeline/segment.h>
+#include <lefort/pipeline/timing/peak_memory.h>
+#include <lefort/pipeline/timing/timed_progress.h>
+
+#include <fmt/format.h>
+
+namespace lefort::pipeline {
+
+Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
+  TimedProgress progress(shown);
+  progress.begin_stage("import");
+  LEFORT_TRY(const io::ImportedVolume scan, io::import_volume(job.ct, progress));
+  for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
+  const io::EmptyFolders none_left(job.output);
+  LEFORT_TRY_VOID(io::make_output_folder(job.output));
+
+  progress.begin_stage("segment");
+  anatomy::SegmentationOptions options = job.options;
+  if (job.auto_thresholds) {
+    LEFORT_TRY(const anatomy::HistogramThresholds found, anatomy::find_thresholds(scan.ct));
+    options.bone_hu = found.bone_hu;
+    options.skin_hu = found.skin_hu;
+  }
+  LEFORT_TRY(const anatomy::LabelMap labels,
+             job.labels ? io::read_segmentation(*job.labels, scan.ct.grid, progress)
+                        : anatomy::segment_tissue(scan.ct, options, progress));
+  const anatomy::LevelOptions levels{.bone_hu = options.bone_hu, .skin_hu = options.skin_hu};
+  const double voxel_mm = scan.ct.grid.spacing_mm.minCoeff();
+  const auto surface_of = [&](const image::ScalarVolume& level) -> Result<mesh::FinishedSurface> {
+    progress.begin_stage("extract a surface");
+    LEFORT_TRY(const geometry::TriangleMesh isosurface_L,
+               anatomy::extract_isosurface(level, {}, progress));
+    progress.begin_stage("smooth and check it");
+    return mesh::finish_surface(isosurface_L, voxel_mm, job.finish, progress);
+  };
+  LEFORT_TRY(const mesh::FinishedSurface skull,
+             surface_of(anatomy::bone_level(scan.ct, labels, anatomy::Cavities::kKeep, levels)));
+  LEFORT_TRY(const mesh::FinishedSurface skin,
+             surface_of(anatomy::skin_level(scan.ct, labels, levels)));
+
+  progress.begin_stage("write");
+  LEFORT_TRY_VOID(io::write_segmentation(job.output / "labels.seg.nrrd", labels));
+  LEFORT_TRY_VOID(io::write_surface(job.output / "skull.vtp", skull.mesh_L));
+  LEFORT_TRY_VOID(io::write_surface(job.output / "skin.vtp", skin.mesh_L));
+
+  Summary summary;
+  summary.text = fmt::format("{}:\n  skull  {}\n  skin   {}", job.output.string(), text_of(skull),
+                             text_of(skin));
+  summary.json = {{"output", job.output.string()},
+                  {"thresholds_hu", {{"bone", options.bone_hu}, {"skin", options.skin_hu}}},
+                  {"skull", json_of(skull)},
+                  {"skin", json_of(skin)},
+                  {"seconds", progress.seconds_json()},
+                  {"peak_memory_mb", peak_memory_mb()}};
+  for (const auto& [name, volume_ml] : anatomy::tissue_volumes_ml(labels)) {
+    summary.text += fmt::format("\n  {:<12} {:8.1f} ml", name, volume_ml);
+    summary.json["volumes_ml"][name] = volume_ml;
+  }
+  return summary;
+}
+
+}  // namespace lefort::pipeline

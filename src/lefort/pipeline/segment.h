@@ -1,0 +1,27 @@
+/// \file
+/// From a scan to its tissues and their surfaces.
+#pragma once
+
+#include <lefort/anatomy/segment_tissue.h>
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/mesh/finish_surface.h>
+#include <lefort/pipeline/summary.h>
+
+#include <filesystem>
+#include <optional>
+
+namespace lefort::pipeline {
+
+struct SegmentJob {
+  std::filesystem::path ct;
+  std::filesystem::path output;  ///< A folder; made if missing.
+  anatomy::SegmentationOptions options;
+  mesh::SurfaceFinish finish;
+  bool auto_thresholds = false;  ///< From the histogram, instead of those of the options.
+  std::optional<std::filesystem::path> labels;  ///< Surfaces of these, instead of segmenting.
+};
+/// Scan -> labels.seg.nrrd, skull.vtp, skin.vtp.
+[[nodiscard]] Result<Summary> segment_scan(const SegmentJob& job, Progress& progress);
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,242 @@
+#include <lefort/contact/detector.h>
+#include <lefort/core/units.h>
+#include <lefort/field/build_distance_field.h>
+#include <lefort/io/deck_file.h>
+#include <lefort/io/field_file.h>
+#include <lefort/io/output_folder.h>
+#include <lefort/io/sha256.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/io/volume_mesh_files.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/solve.h>
+#include <lefort/pipeline/solve/write_solve.h>
+#include <lefort/pipeline/timing/peak_memory.h>
+#include <lefort/pipeline/timing/phase_clock.h>
+#include <lefort/solve/check_obstacles.h>
+#include <lefort/solve/run_deck.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lefort::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* name_of(fem::SolvePhase phase) {
+  switch (phase) {
+    case fem::SolvePhase::kAssembly:
+      return "assembly";
+    case fem::SolvePhase::kFactorisation:
+      return "factorisation";
+    case fem::SolvePhase::kSolve:
+      return "solve";
+    case fem::SolvePhase::kNone:
+      break;
+  }
+  return "evaluation";
+}
+
+Result<mesh::VolumeMesh> read_mesh(const io::DeckFile& file) {
+  LEFORT_TRY(mesh::VolumeMesh mesh, io::read_volume_mesh(file.mesh, file.regions));
+  for (Vec3& p_L : mesh.nodes_L) p_L *= file.mm_per_unit;
+  return mesh;
+}
+
+Result<SolveInputs> fingerprints(const SolveJob& job, const io::DeckFile& file) {
+  SolveInputs inputs;
+  LEFORT_TRY(inputs.deck_sha256, io::sha256_of_file(job.deck));
+  LEFORT_TRY(inputs.mesh_sha256, io::sha256_of_file(file.mesh));
+  for (const io::ObstacleFile& obstacle : file.obstacles) {
+    LEFORT_TRY(inputs.obstacle_sha256.emplace_back(), io::sha256_of_file(obstacle.file));
+  }
+  return inputs;
+}
+
+Result<void> check_obstacle_files(const io::DeckFile& file) {
+  for (std::size_t i = 0; i < file.obstacles.size(); ++i) {
+    std::error_code error;
+    if (!fs::is_regular_file(file.obstacles[i].file, error))
+      return fail(ErrorCode::kFileNotFound, fmt::format("obstacles[{}]: there is no file {}", i,
+                                                        file.obstacles[i].file.string()));
+  }
+  return {};
+}
+
+/// All files that a deck is made of.
+std::vector<fs::path> input_files(const SolveJob& job, const io::DeckFile& file) {
+  std::vector<fs::path> files{job.deck, file.mesh};
+  for (const io::ObstacleFile& obstacle : file.obstacles) files.push_back(obstacle.file);
+  return files;
+}
+
+/// A tree of boxes reaches everywhere unless told otherwise.
+constexpr double kNoEnd_mm = std::numeric_limits<double>::infinity();
+
+using DetectorPtr = std::shared_ptr<const contact::Detector>;
+
+Result<DetectorPtr> detect_obstacle(const io::ObstacleFile& file, contact::Detection detection,
+                                    Progress& progress) {
+  const bool is_field = file.file.extension() == ".field";
+  if (detection == contact::Detection::kBvh) {
+    if (is_field)
+      return fail(ErrorCode::kInvalidArgument,
+                  "detection bvh needs the surface, not its distance field");
+    LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file));
+    LEFORT_TRY(field::PreparedSurface prepared, field::prepare_surface(surface));
+    return contact::detect_by_bvh(std::make_shared<const geometry::Bvh>(std::move(prepared.mesh_B)),
+                                  file.options.band_mm > 0.0 ? file.options.band_mm : kNoEnd_mm);
+  }
+  const auto shared = [&](field::DistanceField field) {
+    return contact::detect_by_field(std::make_shared<const field::DistanceField>(std::move(field)),
+                                    detection);
+  };
+  if (is_field) {
+    LEFORT_TRY(field::DistanceField read, io::read_field(file.file));
+    return shared(std::move(read));
+  }
+  LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file));
+  LEFORT_TRY(field::DistanceField built,
+             field::build_distance_field(surface, file.options, progress));
+  return shared(std::move(built));
+}
+
+Result<solve::ObstacleDetectors> detect_obstacles(const io::DeckFile& file, Progress& progress) {
+  solve::ObstacleDetectors detectors;
+  for (std::size_t i = 0; i < file.obstacles.size(); ++i) {
+    const solve::Obstacle& obstacle = file.deck.obstacles[i];
+    auto detector = detect_obstacle(file.obstacles[i], obstacle.detection, progress);
+    if (!detector)
+      return fail(detector.error().code,
+                  fmt::format("obstacle {}: {}", obstacle.name, detector.error().message));
+    detectors.push_back(*std::move(detector));
+  }
+  return detectors;
+}
+
+std::string described(const solve::Increment& increment, const solve::Deck& deck) {
+  std::string line = fmt::format(
+      "  time {:.4f}: {} Newton iterations in {} increments tried, relative residual {:.1e}, moved "
+      "up to {:.3f} mm",
+      increment.time, increment.newton_iterations(), increment.attempts.size(),
+      increment.relative_residual, increment.largest_displacement_mm);
+  for (std::size_t i = 0; i < increment.contacts.size(); ++i) {
+    const contact::ContactSummary& contact = increment.contacts[i];
+    line += fmt::format(", {} nodes in contact", contact.nodes);
+    const auto& tolerance_mm = deck.obstacles[i].penetration_tolerance_mm;
+    if (tolerance_mm && contact.p99_depth_from_rest_mm > *tolerance_mm)
+      line += fmt::format(" {:.3g} mm deep (P99), deeper than {:g} mm",
+                          contact.p99_depth_from_rest_mm, *tolerance_mm);
+  }
+  return line;
+}
+
+/// A run that ended early has its results written; how it is told.
+tl::unexpected<Error> ended_early(const SolveJob& job, const solve::DeckRun& run,
+                                  const SolveWriter& writer) {
+  const Error& failure = *run.failure;
+  const std::string kept =
+      run.last ? fmt::format("{} increments converged, to time {:.6g}, the last is kept in {}",
+                             run.last->number, run.last->time, writer.last_step().string())
+               : std::string("no increment converged");
+  const std::string json = (job.output / "solve.json").string();
+  if (failure.code == ErrorCode::kCancelled)
+    return fail(failure.code, fmt::format("stopped when asked to; {}; see {}", kept, json));
+  return fail(failure.code,
+              fmt::format("{}; {}; the solver's history is in {}", failure.message, kept, json));
+}
+
+Summary summary_of_check(const SolveJob& job, const solve::PreparedDeck& prepared) {
+  Summary summary;
+  summary.text = fmt::format(
+      "{}: {} nodes, {} elements, {} components held; nothing is wrong with it", job.deck.string(),
+      prepared.mesh.node_count(), prepared.mesh.element_count(), prepared.held.size());
+  summary.json = {{"deck", job.deck.string()},
+                  {"nodes", prepared.mesh.node_count()},
+                  {"elements", prepared.mesh.element_count()},
+                  {"held_components", prepared.held.size()},
+                  {"warnings", prepared.warnings}};
+  return summary;
+}
+
+}  // namespace
+
+Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
+  PhaseClock clock;
+  clock.begin("read");
+  progress.begin_stage("read");
+  LEFORT_TRY(const io::DeckText text, io::read_deck(job.deck));
+  const io::DeckFile& file = text.file;
+  LEFORT_TRY_VOID(check_obstacle_files(file));
+  LEFORT_TRY_VOID(spare_inputs(job.output, input_files(job, file)));
+  LEFORT_TRY(mesh::VolumeMesh mesh, read_mesh(file));
+  Result<solve::PreparedDeck> checked = solve::prepare_deck(std::move(mesh), file.deck);
+  if (!checked)
+    return fail(checked.error().code,
+                fmt::format("deck {}: {}", job.deck.string(), checked.error().message));
+  solve::PreparedDeck prepared = *std::move(checked);
+
+  clock.begin("obstacles");
+  if (!file.obstacles.empty()) progress.begin_stage("build the obstacles' fields");
+  LEFORT_TRY(const solve::ObstacleDetectors detectors, detect_obstacles(file, progress));
+  const auto overlaps = solve::check_obstacles(prepared, detectors);
+  if (!overlaps)
+    return fail(overlaps.error().code,
+                fmt::format("deck {}: {}", job.deck.string(), overlaps.error().message));
+  prepared.warnings.insert(prepared.warnings.end(), overlaps->begin(), overlaps->end());
+  for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
+  if (!job.quiet)
+    for (std::size_t i = 0; i < detectors.size(); ++i)
+      progress.note(fmt::format("obstacle {}: {} detection, k_c = {:.4g} kPa/mm",
+                                prepared.deck.obstacles[i].name,
+                                contact::name_of(prepared.deck.obstacles[i].detection),
+                                kpa_from_mpa(prepared.obstacle_stiffness_mpa_per_mm[i])));
+  if (job.check_only) return summary_of_check(job, prepared);
+
+  clock.begin("read");
+
+  LEFORT_TRY(const SolveInputs inputs, fingerprints(job, file));
+  const io::EmptyFolders none_left(job.output);
+  LEFORT_TRY_VOID(io::make_output_folder(job.output));
+  LEFORT_TRY_VOID(remove_solve_results(job.output));
+  SolveWriter writer(job.output, file, prepared);
+  LEFORT_TRY_VOID(writer.begin());
+
+  progress.begin_stage("solve");
+  clock.begin(name_of(fem::SolvePhase::kNone));
+  solve::DeckWatch watch;
+  watch.on_phase = [&](fem::SolvePhase phase) { clock.begin(name_of(phase)); };
+  watch.on_increment = [&](const solve::Increment& increment) {
+    clock.begin("output");
+    if (!job.quiet) progress.note(described(increment, prepared.deck));
+    Result<void> added = writer.add(increment);
+    clock.begin(name_of(fem::SolvePhase::kNone));
+    return added;
+  };
+  watch.on_failure = [&](const solve::DeckRun& run) -> Result<void> {
+    clock.begin("output");
+    LEFORT_TRY_VOID(writer.finish(inputs, run, clock));
+    clock.begin("diagnosis");
+    return {};
+  };
+  LEFORT_TRY(const solve::DeckRun run, solve::run_deck(prepared, detectors, watch, progress));
+  clock.begin("output");
+  LEFORT_TRY(const auto json, writer.finish(inputs, run, clock));
+  if (!run.completed()) return ended_early(job, run, writer);
+
+  Summary summary;
+  summary.text = fmt::format(
+      "{}: {} increments, largest displacement {:.4f} mm, {} elements, {:.0f} MB at most",
+      job.output.string(), run.last->number, run.last->largest_displacement_mm,
+      prepared.mesh.element_count(), peak_memory_mb());
+  summary.json = json;
+  return summary;
+}
+
+}  // namespace lefort::pipeline

@@ -1,0 +1,13 @@
+#include <lefort/pipeline/timing/peak_memory.h>
+
+#include <sys/resource.h>
+
+namespace lefort::pipeline {
+
+double peak_memory_mb() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return double(usage.ru_maxrss) / 1024.0;  // Linux counts kilobytes.
+}
+
+}  // namespace lefort::pipeline

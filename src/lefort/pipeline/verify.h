@@ -1,0 +1,40 @@
+/// \file
+/// What the solver is verified by, and how it converges.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/pipeline/summary.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lefort::pipeline {
+
+struct ConvergenceJob {
+  std::vector<std::filesystem::path> plans;
+  std::optional<std::filesystem::path> ct;  ///< Instead of the plans'.
+  std::filesystem::path output;             ///< A folder; made if missing.
+  std::vector<std::string> methods;         ///< Names; empty: all.
+  std::optional<double> element_size_mm;    ///< Instead of the plans'; far elements likewise.
+  std::vector<int> steps;                   ///< Each plan with each of them; empty: its own.
+  bool synthetic = true;                    ///< Also the cases that need no scan.
+};
+/// Plans -> how Newton's residual falls by each way of detecting contact (the paper's Figure 5).
+[[nodiscard]] Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress);
+
+struct VerifyJob {
+  std::filesystem::path output;  ///< A folder, made if missing; empty: no report.
+  bool full = false;
+  std::string only;  ///< Name of one case; empty for all.
+};
+struct VerifySummary {
+  Summary summary;
+  bool passed = false;  ///< Every check.
+};
+/// Runs the solver's verification suite; writes verification.md and its plots.
+[[nodiscard]] Result<VerifySummary> verify_solver(const VerifyJob& job, Progress& progress);
+
+}  // namespace lefort::pipeline

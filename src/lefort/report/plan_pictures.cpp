@@ -1,0 +1,61 @@
+#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/rigid_path.h>
+#include <lefort/geometry/transform_mesh.h>
+#include <lefort/report/annotate.h>
+#include <lefort/report/picture.h>
+#include <lefort/report/plan_pictures.h>
+#include <lefort/report/render_surfaces.h>
+#include <lefort/report/segment_colours.h>
+#include <lefort/report/view.h>
+
+#include <algorithm>
+#include <array>
+
+namespace lefort::report {
+namespace {
+
+using StandardView;
+
+constexpr PictureSize kSize{.width = 900, .height = 900, .supersampling = 2};
+constexpr std::array<StandardView, 4> kViews{StandardView::kFront, StandardView::kRightThreeQuarter,
+                                             StandardView::kRightProfile,
+                                             StandardView::kLeftProfile};
+
+}  // namespace
+
+Result<std::vector<PlanPicture>> draw_plan(const plan::CutSegments& cut,
+                                           std::span<const plan::PlannedSegment> planned,
+                                           Progress& progress) {
+  Box3 focus_L = geometry::bounding_box(cut.remainder_L);
+  std::vector<geometry::TriangleMesh> ends_L;
+  for (std::size_t k = 0; k < planned.size(); ++k) {
+    ends_L.push_back(
+        geometry::transformed(cut.segments_L[k], geometry::pose_at(planned[k].path, 1.0)));
+    focus_L.extend(geometry::bounding_box(cut.segments_L[k]));
+    focus_L.extend(geometry::bounding_box(ends_L[k]));
+  }
+  std::vector<PlanPicture> pictures;
+  for (const bool is_after : {false, true}) {
+    std::vector<SurfaceLayer> layers{{.mesh_L = &cut.remainder_L, .colour = kBoneColour}};
+    for (std::size_t k = 0; k < planned.size(); ++k)
+      layers.push_back({.mesh_L = is_after ? &ends_L[k] : &cut.segments_L[k],
+                        .colour = kSegmentColours[k % kSegmentColours.size()]});
+    LEFORT_TRY(const SurfaceScene scene, SurfaceScene::build(layers, progress));
+    for (const StandardView side : kViews) {
+      const View view = standard_view(side, focus_L, double(kSize.width) / kSize.height);
+      LEFORT_TRY(const Picture raw, scene.render(view, kSize, progress));
+      const std::string title = std::string(is_after ? "Planned" : "Cut") + ", " + name_of(side);
+      LEFORT_TRY(const Picture picture, annotate(raw, {.caption = title, .view = view}));
+      LEFORT_TRY(std::string png, encode_png(picture));
+      std::string file =
+          std::string(is_after ? "plan_after_" : "plan_cut_") + name_of(side) + ".png";
+      std::replace_if(
+          file.begin(), file.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
+      pictures.push_back({std::move(file), std::move(png)});
+      progress.report(double(pictures.size()) / double(2 * kViews.size()));
+    }
+  }
+  return pictures;
+}
+
+}  // namespace lefort::report

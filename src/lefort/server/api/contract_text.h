@@ -1,0 +1,12 @@
+/// \file
+/// Files that travel inside the program; cmake/embed_files.py writes their texts.
+#pragma once
+
+#include <string_view>
+
+namespace lefort::server {
+
+extern const std::string_view kContract;          ///< contract/openapi.json.
+extern const std::string_view kExampleLandmarks;  ///< examples/cranium_landmarks.mrk.json.
+
+}  // namespace lefort::server

@@ -1,0 +1,93 @@
+#include <lefort/server/api/contract.h>
+#include <lefort/server/api/request_parts.h>
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <system_error>
+#include <utility>
+
+namespace lefort::server {
+
+Reply empty_reply() {
+  Reply reply;
+  reply.status = 204;
+  return reply;
+}
+
+Reply with_etag(Reply reply, const std::optional<std::string>& etag) {
+  if (etag) reply.headers.emplace_back("ETag", *etag);
+  return reply;
+}
+
+bool is_known(const Request& request, const std::optional<std::string>& etag) {
+  return etag && request.header_or_empty("if-none-match") == *etag;
+}
+
+Reply not_modified(const std::optional<std::string>& etag) {
+  Reply reply;
+  reply.status = 304;
+  return with_etag(std::move(reply), etag);
+}
+
+Reply not_there(std::string_view what) {
+  return refusal(404, "not_found", fmt::format("{}", what));
+}
+
+std::optional<int> number_of(std::string_view text, int lowest, int highest) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || number < lowest ||
+      number > highest)
+    return std::nullopt;
+  return number;
+}
+
+Result<int> query_number(const Request& request, const std::string& name, int otherwise, int lowest,
+                         int highest) {
+  const auto found = request.query.find(name);
+  if (found == request.query.end()) return otherwise;
+  if (const auto number = number_of(found->second, lowest, highest)) return *number;
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("{} must be a whole number from {} to {}", name, lowest, highest));
+}
+
+Body read_body(const Request& request, std::uint64_t most_bytes, std::string_view type) {
+  const std::string& sent = request.header_or_empty("content-type");
+  if (sent.substr(0, sent.find(';')) != type)
+    return {std::nullopt,
+            refusal(415, "wrong_type", fmt::format("the body must be {}", type), "Content-Type")};
+  if (request.content_length > most_bytes)
+    return {std::nullopt, refusal(413, "too_large",
+                                  fmt::format("the body must have at most {} bytes", most_bytes))};
+  std::string text;
+  const bool is_whole = request.read_body && request.read_body([&](std::string_view piece) {
+    if (text.size() + piece.size() > request.content_length) return false;
+    text += piece;
+    return true;
+  });
+  if (!is_whole || text.size() != request.content_length)
+    return {std::nullopt, refusal(400, "bad_request", "the body did not arrive whole")};
+  return {std::move(text), {}};
+}
+
+JsonBody read_json(const Request& request, const std::string& schema) {
+  Body body = read_body(request, kLargestBody, "application/json");
+  if (!body.text) return {std::nullopt, {}, std::move(body.refused)};
+  auto value = parse_by_contract(*body.text, schema);
+  if (!value) return {std::nullopt, {}, refusal(value.error(), "body")};
+  return {*std::move(value), *std::move(body.text), {}};
+}
+
+std::optional<Reply> check_precondition(const Request& request,
+                                        const std::optional<std::string>& etag) {
+  const std::string& sent = request.header_or_empty("if-match");
+  if (sent.empty())
+    return refusal(428, "no_precondition", "If-Match must say what this replaces", "If-Match");
+  if (sent == "*" || sent == etag) return std::nullopt;
+  return with_etag(
+      refusal(412, "stale", "another page has changed this since: fetch it again", "If-Match"),
+      etag);
+}
+
+}  // namespace lefort::server

@@ -1,0 +1,250 @@
+#include <lefort/io/plan_file.h>
+#include <lefort/io/segmentation_file.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/json/json_values.h>
+#include <lefort/predict/tissue_boundary.h>
+#include <lefort/server/api/request_parts.h>
+#include <lefort/server/api/route.h>
+#include <lefort/server/case/served_case.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+namespace lefort::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using predict::BoundaryLabel;
+using predict::BoundaryLabelMap;
+
+constexpr std::uint64_t kLargestFile = 256
+                                       << 20;  // Bytes of a compressed file, as the contract says.
+
+/// Voxels of the scan from `first` on.
+struct Box {
+  std::array<Index, 3> first{}, size{};
+
+  [[nodiscard]] std::uint64_t voxels() const { return std::uint64_t(size[0] * size[1] * size[2]); }
+  [[nodiscard]] std::string text() const {
+    return fmt::format("{},{},{},{},{},{}", first[0], first[1], first[2], size[0], size[1],
+                       size[2]);
+  }
+  /// The voxels, where they are.
+  [[nodiscard]] image::Grid of(image::Grid grid) const {
+    grid.origin_L = grid.point_L(Vec3(double(first[0]), double(first[1]), double(first[2])));
+    grid.size = size;
+    return grid;
+  }
+};
+
+/// The box that a query names, within the scan; else nothing.
+std::optional<Box> box_of(const Request& request, const image::Grid& grid) {
+  const auto found = request.query.find("box");
+  if (found == request.query.end()) return std::nullopt;
+  std::array<Index, 6> numbers{};
+  const char* at = found->second.data();
+  const char* const end = at + found->second.size();
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    if (n > 0 && (at == end || *at++ != ',')) return std::nullopt;
+    const auto [rest, error] = std::from_chars(at, end, numbers[n]);
+    if (error != std::errc()) return std::nullopt;
+    at = rest;
+  }
+  if (at != end) return std::nullopt;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Index first = numbers[axis], size = numbers[axis + 3], all = grid.size[axis];
+    if (first < 0 || first >= all || size < 1 || size > all - first) return std::nullopt;
+  }
+  return Box{{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
+}
+
+/// The smallest box with all that is painted. \pre something is.
+Box painted_box(const BoundaryLabelMap& painted) {
+  std::array<Index, 3> first = painted.grid.size, last{};
+  for (Index k = 0; k < painted.grid.size[2]; ++k)
+    for (Index j = 0; j < painted.grid.size[1]; ++j)
+      for (Index i = 0; i < painted.grid.size[0]; ++i) {
+        if (painted.at(i, j, k) == BoundaryLabel::kNone) continue;
+        const std::array<Index, 3> at{i, j, k};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          first[axis] = std::min(first[axis], at[axis]);
+          last[axis] = std::max(last[axis], at[axis]);
+        }
+      }
+  return {first, {last[0] - first[0] + 1, last[1] - first[1] + 1, last[2] - first[2] + 1}};
+}
+
+/// What is painted and no more, so that equal paint gives equal files.
+BoundaryLabelMap cropped(const BoundaryLabelMap& painted) {
+  const Box box = painted_box(painted);
+  BoundaryLabelMap part{box.of(painted.grid), {}};
+  part.values.reserve(box.voxels());
+  for (Index k = 0; k < box.size[2]; ++k)
+    for (Index j = 0; j < box.size[1]; ++j)
+      for (Index i = 0; i < box.size[0]; ++i)
+        part.values.push_back(painted.at(i + box.first[0], j + box.first[1], k + box.first[2]));
+  return part;
+}
+
+json rules_json(const predict::BoundaryOptions& options) {
+  json rules = json::array();
+  for (const auto& [set, within_mm] : predict::boundary_rules(options))
+    rules.push_back({{"set", set}, {"within_mm", within_mm ? json(*within_mm) : json()}});
+  return rules;
+}
+
+/// What the boundary of the newest mesh of this plan came to hold; null if there is none.
+json areas_json(const CaseFolder& folder) {
+  const auto areas = [](const char* stage, const json& boundary) -> json {
+    json rules = json::array();
+    for (const json& rule : boundary.at("rules")) {
+      json row = rule.at("area_mm2");
+      row["set"] = rule.at("set");
+      rules.push_back(std::move(row));
+    }
+    json painted = json::array();
+    if (boundary.at("painted").is_object())
+      for (const auto& [name, mm2] : boundary["painted"].at("area_mm2").items())
+        painted.push_back({{"name", name}, {"mm2", mm2}});
+    return {{"stage", stage}, {"rules", rules}, {"painted", painted}};
+  };
+  try {
+    if (folder.stage("preview")["state"] == "fresh")
+      return areas("preview", read_object(folder.preview() / "preview.json").at("boundary"));
+    if (folder.stage("prediction")["state"] == "fresh")
+      return areas("prediction",
+                   read_object(folder.prediction() / "prediction.json").at("mesh").at("boundary"));
+  } catch (const json::exception&) {  // Of an older version: as if there were none.
+  }
+  return nullptr;
+}
+
+Reply get_boundary(ServedCase& served, const Request&, const PathValues&) {
+  json names = json::array();
+  for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
+    names.push_back({{"value", int(style.label)}, {"name", style.name}, {"colour", style.colour}});
+  const auto plan = io::read_plan(served.folder.plan());
+  const predict::BoundaryOptions options = plan ? plan->boundary : predict::BoundaryOptions{};
+  return json_reply({{"names", names},
+                     {"capture_mm", options.capture_mm},
+                     {"release_mm", options.release_mm},
+                     {"rules", rules_json(options)},
+                     {"areas", areas_json(served.folder)}});
+}
+
+Reply get_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
+  const auto etag = served.folder.etag(served.folder.boundary());
+  if (!etag) return not_there("nothing is painted");
+  if (is_known(request, etag)) return not_modified(etag);
+  const auto ct = served.volume();
+  if (!ct) return refusal(ct.error());
+  const auto painted = io::read_boundary_labels(served.folder.boundary(), (*ct)->grid);
+  if (!painted) return refusal(painted.error());
+  const auto part = std::make_shared<const BoundaryLabelMap>(cropped(*painted));
+  Reply reply = binary_reply(
+      {part, {reinterpret_cast<const char*>(part->values.data()), part->values.size()}});
+  reply.headers.emplace_back("X-Lefort-Box", painted_box(*painted).text());
+  return with_etag(std::move(reply), etag);
+}
+
+/// Keeps what was painted, if the page knows what it replaces.
+///
+/// \param ct_etag  of the scan that it was painted on.
+Reply keep(ServedCase& served, const Request& request, const BoundaryLabelMap& painted,
+           const std::optional<std::string>& ct_etag) {
+  const bool is_painted =
+      std::any_of(painted.values.begin(), painted.values.end(),
+                  [](BoundaryLabel label) { return label != BoundaryLabel::kNone; });
+  if (!is_painted)
+    return refusal(422, "invalid", "nothing is painted there: DELETE what there was instead");
+  const std::scoped_lock lock(served.writing);
+  if (served.folder.etag(served.folder.ct()) != ct_etag)
+    return refusal(409, "stale", "the scan was replaced meanwhile: fetch it again");
+  if (auto refused = check_precondition(request, served.folder.etag(served.folder.boundary())))
+    return *refused;
+  if (const auto written = io::write_boundary_labels(served.folder.boundary(), cropped(painted));
+      !written)
+    return refusal(written.error());
+  served.tell_stages();
+  return with_etag(empty_reply(), served.folder.etag(served.folder.boundary()));
+}
+
+Reply put_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
+  const auto ct_etag = served.folder.etag(served.folder.ct());
+  const auto ct = served.volume();
+  if (!ct) return refusal(ct.error());
+  const auto box = box_of(request, (*ct)->grid);
+  if (!box)
+    return refusal(422, "invalid",
+                   "box must be six whole numbers, the first voxel and how many along each axis, "
+                   "within the scan",
+                   "box");
+  Body body = read_body(request, box->voxels(), "application/octet-stream");
+  if (!body.text) return body.refused;
+  if (body.text->size() != box->voxels())
+    return refusal(422, "invalid",
+                   fmt::format("the body must have {} bytes, one per voxel of the box, it has {}",
+                               box->voxels(), body.text->size()));
+  BoundaryLabelMap painted{box->of((*ct)->grid), {}};
+  painted.values.reserve(body.text->size());
+  for (const char c : *body.text) {
+    if (static_cast<unsigned char>(c) > predict::kBoundaryLabelStyles.size())
+      return refusal(422, "invalid", fmt::format("label {} is none", int(std::uint8_t(c))));
+    painted.values.push_back(BoundaryLabel(c));
+  }
+  return keep(served, request, painted, ct_etag);
+}
+
+/// As another program has painted it.
+Reply put_boundary_file(ServedCase& served, const Request& request, const PathValues&) {
+  const auto ct_etag = served.folder.etag(served.folder.ct());
+  const auto ct = served.volume();
+  if (!ct) return refusal(ct.error());
+  Body body = read_body(request, kLargestFile, "application/octet-stream");
+  if (!body.text) return body.refused;
+  std::error_code error;
+  fs::create_directories(served.folder.uploads(), error);
+  const fs::path file =
+      served.folder.uploads() / fmt::format("painted-{}.seg.nrrd", random_hex(16));
+  if (const auto written = io::write_text(file, *body.text); !written)
+    return refusal(written.error());
+  const auto painted = io::read_boundary_labels(file, (*ct)->grid);
+  fs::remove(file, error);
+  if (!painted) return refusal(422, "invalid", painted.error().message);
+  return keep(served, request, *painted, ct_etag);
+}
+
+Reply delete_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
+  const std::scoped_lock lock(served.writing);
+  const auto etag = served.folder.etag(served.folder.boundary());
+  if (!etag) return not_there("nothing is painted");
+  if (auto refused = check_precondition(request, etag)) return *refused;
+  if (names_boundary(read_object(served.folder.plan())))
+    return refusal(409, "not_allowed",
+                   "the plan names what was painted: take boundary.labels out first");
+  std::error_code error;
+  fs::remove(served.folder.boundary(), error);
+  if (error) return refusal(500, "internal", "what was painted cannot be removed");
+  served.tell_stages();
+  return empty_reply();
+}
+
+}  // namespace
+
+std::span<const Route> boundary_routes() {
+  static constexpr Route kRoutes[] = {{"GET", "/boundary", get_boundary},
+                                      {"GET", "/boundary/data", get_boundary_data},
+                                      {"PUT", "/boundary/data", put_boundary_data},
+                                      {"DELETE", "/boundary/data", delete_boundary_data},
+                                      {"PUT", "/boundary/file", put_boundary_file}};
+  return kRoutes;
+}
+
+}  // namespace lefort::server

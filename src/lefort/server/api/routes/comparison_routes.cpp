@@ -1,0 +1,98 @@
+#include <lefort/io/vertex_array.h>
+#include <lefort/server/api/request_parts.h>
+#include <lefort/server/api/route.h>
+#include <lefort/server/case/named_files.h>
+#include <lefort/server/case/served_case.h>
+#include <lefort/server/case/surface_bytes.h>
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace lefort::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// A number per vertex of a surface that pages may have.
+struct NamedValues {
+  std::string_view name;
+  /// Nothing if no segment can be called so.
+  std::optional<fs::path> (*file)(const CaseFolder&, std::string_view segment);
+  const char* array;  ///< In the file.
+};
+
+/// \param segment  empty for the only one.
+std::optional<fs::path> of_moved_segment(const CaseFolder& folder, std::string_view segment) {
+  if (segment.empty()) return folder.prediction() / "bone_segment_moved.vtp";
+  return segment_result(folder, fmt::format("bone_segment_moved_{}.vtp", segment));
+}
+
+const NamedValues kValues[] = {{"contact-pressure", of_moved_segment, "contact_pressure_kpa"},
+                               {"contact-depth", of_moved_segment, "contact_depth_mm"},
+                               {"difference",
+                                [](const CaseFolder& c, std::string_view) {
+                                  return std::optional(c.comparison() / "difference.vtp");
+                                },
+                                "difference_mm"}};
+
+Reply get_values(ServedCase& served, const Request& request, const PathValues& values) {
+  for (const NamedValues& named : kValues) {
+    if (named.name != values[0]) continue;
+    const auto segment = request.query.find("segment");
+    const auto file =
+        named.file(served.folder, segment == request.query.end() ? "" : segment->second);
+    if (!file) return not_there("no segment is called so");
+    const auto etag = served.folder.etag(*file);
+    if (!etag) return not_there("there are no such values yet");
+    if (is_known(request, etag)) return not_modified(etag);
+    const auto numbers = io::read_vertex_array(*file, named.array);
+    if (!numbers)
+      return not_there("there are no such values: they were not made, or predict again");
+    return with_etag(binary_reply(shared_bytes(float_bytes(*numbers))), etag);
+  }
+  return not_there("there are no values of that name");
+}
+
+Reply get_comparison(ServedCase& served, const Request& request, const PathValues&) {
+  const fs::path file = served.folder.comparison() / "compare.json";
+  const auto etag = served.folder.etag(file);
+  if (!etag) return not_there("nothing was compared yet");
+  if (is_known(request, etag)) return not_modified(etag);
+  const json found = read_object(file);
+  try {
+    json regions = json::array(), movements = json::array(), registration;
+    for (const json& row : found.at("regions"))
+      regions.push_back({{"region", row.at("region")},
+                         {"face", row.at("face")},
+                         {"if_unchanged", row.value("if_unchanged", json())}});
+    for (const json& one : found.value("movements", json::array()))
+      movements.push_back({{"segment", one.at("segment")},
+                           {"achieved", one.at("achieved")},
+                           {"from_plan_to_achieved", one.at("from_plan_to_achieved")}});
+    if (found.contains("registration"))
+      registration = {{"rms_mm", found["registration"].at("rms_mm")},
+                      {"kept_share", found["registration"].at("kept_share")}};
+    return with_etag(json_reply({{"regions", regions},
+                                 {"missing", found.at("regions_missing")},
+                                 {"movements", movements},
+                                 {"registration", registration},
+                                 {"warnings", found.value("warnings", json::array())}}),
+                     etag);
+  } catch (const json::exception&) {
+    return refusal(422, "invalid", "compare.json is damaged: compare again");
+  }
+}
+
+}  // namespace
+
+std::span<const Route> comparison_routes() {
+  static constexpr Route kRoutes[] = {{"GET", "/comparison", get_comparison},
+                                      {"GET", "/values/{values}", get_values}};
+  return kRoutes;
+}
+
+}  // namespace lefort::server

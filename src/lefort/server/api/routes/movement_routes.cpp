@@ -1,0 +1,151 @@
+#include <lefort/io/predicted_poses.h>
+#include <lefort/io/preview_file.h>
+#include <lefort/io/surface_files.h>
+#include <lefort/server/api/request_parts.h>
+#include <lefort/server/api/route.h>
+#include <lefort/server/case/served_case.h>
+#include <lefort/server/case/surface_bytes.h>
+
+#include <fmt/format.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lefort::server {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kPreviewNote = "preview, not a prediction";
+
+/// Poses of a body that fits the contract; or why they are none.
+Result<Poses> as_poses(const json& poses) {
+  constexpr double kRigid = 1e-5;  // Pages send what they multiplied in single precision.
+  Poses result;
+  for (const auto& [name, numbers] : poses.items()) {
+    Eigen::Matrix4d matrix;
+    for (int k = 0; k < 16; ++k) matrix(k / 4, k % 4) = numbers[std::size_t(k)].get<double>();
+    const Mat3 turn = matrix.topLeftCorner<3, 3>();
+    const bool is_rigid = matrix.allFinite() &&
+                          (turn.transpose() * turn - Mat3::Identity()).norm() < kRigid &&
+                          turn.determinant() > 0.0 &&
+                          (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < kRigid &&
+                          matrix.topRightCorner<3, 1>().norm() < 1e5;
+    if (!is_rigid)
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("poses.{} is no rigid motion: rows of a 4 by 4 matrix, translation "
+                              "in the last column",
+                              name));
+    RigidTransform pose = RigidTransform::Identity();
+    pose.linear() = turn;
+    pose.translation() = matrix.topRightCorner<3, 1>();
+    result.emplace(name, pose);
+  }
+  return result;
+}
+
+Reply post_poses(ServedCase& served, const Request& request, const PathValues&) {
+  JsonBody body = read_json(request, "Poses");
+  if (!body.value) return body.refused;
+  const auto poses = as_poses((*body.value)["poses"]);
+  if (!poses) return refusal(poses.error(), "poses");
+  const auto etag = served.folder.etag(served.folder.cut() / "cut.json");
+  if (!etag) return refusal(409, "not_ready", "no bone was cut yet: run the job cut first");
+  const auto bones = served.kept_bones.get(
+      "bones", *etag, [&] { return LiveBones::read(served.folder.cut(), served.folder.cache()); });
+  if (!bones) return refusal(bones.error());
+  const auto depths = (*bones)->depths(*poses);
+  if (!depths) return refusal(depths.error(), "poses");
+  Reply reply = binary_reply(shared_bytes(float_bytes(depths->depth_mm)));
+  std::string segments;
+  for (const auto& [name, vertices] : depths->segments)
+    segments += fmt::format("{}{}={}", segments.empty() ? "" : ",", name, vertices);
+  reply.headers.emplace_back("X-Lefort-Segments", segments);
+  reply.headers.emplace_back("X-Lefort-Deepest-Mm", fmt::format("{:.3f}", depths->deepest_mm));
+  reply.headers.emplace_back("X-Lefort-Beyond-Reach", depths->is_beyond_reach ? "1" : "0");
+  return reply;
+}
+
+/// In the plan's order; none if there is no preview.
+std::vector<std::string> previewed_segments(ServedCase& served) {
+  const json document = read_object(served.folder.preview() / "preview.json");
+  std::vector<std::string> names;
+  if (const auto list = document.find("segments"); list != document.end() && list->is_array())
+    for (const json& name : *list)
+      if (name.is_string()) names.push_back(name.get<std::string>());
+  return names;
+}
+
+Reply post_preview(ServedCase& served, const Request& request, const PathValues&) {
+  JsonBody body = read_json(request, "Poses");
+  if (!body.value) return body.refused;
+  const auto poses = as_poses((*body.value)["poses"]);
+  if (!poses) return refusal(poses.error(), "poses");
+  const auto segments = previewed_segments(served);
+  if (segments.empty())
+    return refusal(409, "not_ready", "no preview was prepared yet: run the job preview-factor");
+  std::vector<RigidTransform> X_LB;
+  for (const std::string& segment : segments)
+    if (const auto pose = poses->find(segment); pose != poses->end()) X_LB.push_back(pose->second);
+  if (poses->size() != segments.size() || X_LB.size() != segments.size())
+    return refusal(422, "invalid",
+                   fmt::format("the preview is of segment {} alone", fmt::join(segments, " and ")),
+                   "poses");
+  const auto face = served.preview();
+  if (!face) return refusal(face.error());
+  if ((*face)->segment_count() != segments.size())
+    return refusal(422, "invalid", "the preview's files are damaged: prepare it again");
+  const auto displacement_mm = (*face)->displacement_mm(X_LB);
+  if (!displacement_mm) return refusal(displacement_mm.error());
+  Reply reply = binary_reply(shared_bytes(float_bytes(*displacement_mm)));
+  reply.headers.emplace_back("X-Lefort-Note", kPreviewNote);
+  return reply;
+}
+
+Reply get_preview_distance(ServedCase& served, const Request&, const PathValues&) {
+  if (!served.folder.etag(served.folder.prediction() / "prediction.json"))
+    return refusal(409, "not_ready", "there is no prediction to hold the preview against yet");
+  const auto face = served.preview();
+  if (!face) return refusal(409, "not_ready", face.error().message);
+  const auto before = io::read_surface(served.folder.prediction() / "skin_before.vtp");
+  const auto after = io::read_surface(served.folder.prediction() / "predicted_skin.vtp");
+  const json document = read_object(served.folder.prediction() / "prediction.json");
+  const json last = document.find("steps") == document.end() || document["steps"].empty()
+                        ? json()
+                        : document["steps"].back();
+  const auto poses = io::predicted_poses(document, last);
+  if (!before || !after || before->vertices.size() != after->vertices.size() || !poses)
+    return refusal(422, "invalid", "the prediction's files are damaged: predict again");
+  std::vector<std::string> segments;
+  std::vector<RigidTransform> X_LB;
+  for (const auto& [segment, pose] : *poses) {
+    segments.push_back(segment);
+    X_LB.push_back(pose);
+  }
+  if (Index(before->vertices.size()) != (*face)->vertex_count())
+    return refusal(409, "not_ready", "preview and prediction are of different skins");
+  if (segments != previewed_segments(served) || X_LB.size() != (*face)->segment_count())
+    return refusal(409, "not_ready", "preview and prediction are of different segments");
+  const auto preview_mm = (*face)->displacement_mm(X_LB);
+  if (!preview_mm) return refusal(preview_mm.error());
+  const io::PreviewDistance distance =
+      io::measure_preview(*preview_mm, before->vertices, after->vertices);
+  return json_reply({{"note", kPreviewNote},
+                     {"moved_vertices", distance.moved_vertices},
+                     {"p50_mm", distance.p50_mm},
+                     {"p99_mm", distance.p99_mm},
+                     {"max_mm", distance.max_mm},
+                     {"largest_shift_mm", distance.largest_shift_mm}});
+}
+
+}  // namespace
+
+std::span<const Route> movement_routes() {
+  static constexpr Route kRoutes[] = {{"POST", "/poses", post_poses},
+                                      {"POST", "/preview", post_preview},
+                                      {"GET", "/preview/distance", get_preview_distance}};
+  return kRoutes;
+}
+
+}  // namespace lefort::server

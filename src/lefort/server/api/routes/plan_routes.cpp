@@ -1,0 +1,102 @@
+#include <lefort/geometry/rigid_path.h>
+#include <lefort/io/plan_file.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/json/json_values.h>
+#include <lefort/server/api/request_parts.h>
+#include <lefort/server/api/route.h>
+#include <lefort/server/case/served_case.h>
+
+#include <utility>
+
+namespace lefort::server {
+namespace {
+
+using nlohmann::json;
+
+Reply get_plan(ServedCase& served, const Request& request, const PathValues&) {
+  const auto etag = served.folder.etag(served.folder.plan());
+  if (!etag) return not_there("there is no plan yet");
+  if (is_known(request, etag)) return not_modified(etag);
+  auto text = io::read_text(served.folder.plan(), kLargestDocument);
+  if (!text) return refusal(text.error());
+  Reply reply;
+  reply.text = *std::move(text);
+  return with_etag(std::move(reply), etag);
+}
+
+Reply put_plan(ServedCase& served, const Request& request, const PathValues&) {
+  JsonBody body = read_json(request, "Plan");
+  if (!body.value) return body.refused;
+  if (const auto files = check_files_of_plan(body.text); !files) return refusal(files.error());
+  const auto plan = io::parse_plan(body.text, served.folder.root());
+  if (!plan) return refusal(422, "invalid", plan.error().message, "plan");
+  const std::scoped_lock lock(served.writing);
+  if (names_boundary(*body.value) && !there_is(served.folder.boundary()))
+    return refusal(422, "invalid", "boundary.labels: nothing was painted yet", "plan");
+  if (auto refused = check_precondition(request, served.folder.etag(served.folder.plan())))
+    return *refused;
+  if (const auto written = io::write_text(served.folder.plan(), body.text); !written)
+    return refusal(written.error());
+  served.tell_stages();
+  json names = json::array();
+  for (const plan::PlannedSegment& segment : plan->segments)
+    names.push_back(segment.osteotomy.segment);
+  return with_etag(json_reply({{"segments", names}}), served.folder.etag(served.folder.plan()));
+}
+
+Reply get_plan_poses(ServedCase& served, const Request& request, const PathValues&) {
+  const auto count = query_number(request, "count", 12, 1, 1000);
+  if (!count) return refusal(count.error(), "count");
+  const auto text = io::read_text(served.folder.plan(), kLargestDocument);
+  if (!text) return not_there("there is no plan yet");
+  if (const auto files = check_files_of_plan(*text); !files) return refusal(files.error());
+  const auto plan = io::parse_plan(*text, served.folder.root());
+  if (!plan) return refusal(plan.error(), "plan");
+  json segments = json::object();
+  for (const plan::PlannedSegment& segment : plan->segments) {
+    json poses = json::array();
+    for (int k = 0; k <= *count; ++k)
+      poses.push_back(pipeline::as_json(geometry::pose_at(segment.path, double(k) / *count)));
+    segments[segment.osteotomy.segment] = std::move(poses);
+  }
+  return json_reply({{"count", *count}, {"segments", segments}});
+}
+
+Reply post_osteotomy(ServedCase& served, const Request& request, const PathValues&) {
+  JsonBody body = read_json(request, "OsteotomyRequest");
+  if (!body.value) return body.refused;
+  // As a plan that has it would be read.
+  const json plan_json{{"lefort_plan", 1},
+                       {"landmarks", (*body.value)["landmarks"]},
+                       {"segments",
+                        {{{"name", "segment"},
+                          {"osteotomy", {{"template", (*body.value)["template"]}}},
+                          {"path", {{"keyframes", {{{"at", 1}}}}}}}}}};
+  const auto plan = io::parse_plan(plan_json.dump(), served.folder.root());
+  if (!plan) return refusal(422, "invalid", plan.error().message, "template");
+  const auto as_planes = [](const std::vector<plan::CutPlane>& planes) {
+    json list = json::array();
+    for (const plan::CutPlane& plane : planes)
+      list.push_back({{"point_mm", pipeline::as_json(plane.point_L)},
+                      {"towards_segment", pipeline::as_json(plane.normal_L)}});
+    return list;
+  };
+  const plan::Osteotomy& cut = plan->segments.front().osteotomy;
+  json osteotomy{{"planes", as_planes(cut.planes)}};
+  for (const plan::CutRegion& region : cut.also)
+    osteotomy["also"].push_back({{"planes", as_planes(region.planes)}});
+  for (const Vec3& point : cut.holds_L) osteotomy["holds"].push_back(pipeline::as_json(point));
+  return json_reply({{"osteotomy", osteotomy}});
+}
+
+}  // namespace
+
+std::span<const Route> plan_routes() {
+  static constexpr Route kRoutes[] = {{"GET", "/plan", get_plan},
+                                      {"PUT", "/plan", put_plan},
+                                      {"GET", "/plan/poses", get_plan_poses},
+                                      {"POST", "/osteotomies", post_osteotomy}};
+  return kRoutes;
+}
+
+}  // namespace lefort::server

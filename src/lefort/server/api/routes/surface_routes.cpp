@@ -1,0 +1,71 @@
+#include <lefort/io/surface_files.h>
+#include <lefort/server/api/request_parts.h>
+#include <lefort/server/api/route.h>
+#include <lefort/server/case/named_files.h>
+#include <lefort/server/case/served_case.h>
+#include <lefort/server/case/surface_bytes.h>
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace lefort::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+Reply surface_reply(ServedCase& served, const Request& request, const fs::path& file) {
+  const auto etag = served.folder.etag(file);
+  if (!etag) return not_there("there is no such surface yet");
+  if (is_known(request, etag)) return not_modified(etag);
+  const auto bytes = served.kept_surfaces.get(file.string(), *etag, [&]() -> Result<std::string> {
+    LEFORT_TRY(const geometry::TriangleMesh mesh, io::read_surface(file));
+    return surface_bytes(mesh);
+  });
+  if (!bytes) return refusal(bytes.error());
+  Reply reply = binary_reply({*bytes, **bytes});
+  reply.headers.emplace_back("X-Lefort-Scalars", "");
+  return with_etag(std::move(reply), etag);
+}
+
+Reply get_surfaces(ServedCase& served, const Request&, const PathValues&) {
+  json list = json::array();
+  for (const NamedFile& surface : named_surfaces())
+    if (const auto etag = served.folder.etag(surface.path(served.folder)))
+      list.push_back({{"name", surface.name}, {"etag", *etag}});
+  const json cut = read_object(served.folder.cut() / "cut.json");
+  if (cut.contains("bones") && cut["bones"].is_array())
+    for (const json& bone : cut["bones"]) {
+      if (!bone.is_object()) continue;
+      const std::string name = bone.value("name", "");
+      if (!is_segment_name(name)) continue;
+      if (const auto etag =
+              served.folder.etag(served.folder.cut() / fmt::format("segment_{}.vtp", name)))
+        list.push_back({{"name", "segments/" + name}, {"etag", *etag}});
+    }
+  return json_reply({{"surfaces", list}});
+}
+
+Reply get_surface(ServedCase& served, const Request& request, const PathValues& values) {
+  const NamedFile* const surface = find_named(named_surfaces(), values[0]);
+  if (surface == nullptr) return not_there("there is no surface of that name");
+  return surface_reply(served, request, surface->path(served.folder));
+}
+
+Reply get_segment_surface(ServedCase& served, const Request& request, const PathValues& values) {
+  if (!is_segment_name(values[0])) return not_there("no segment is called so");
+  return surface_reply(served, request,
+                       served.folder.cut() / fmt::format("segment_{}.vtp", values[0]));
+}
+
+}  // namespace
+
+std::span<const Route> surface_routes() {
+  static constexpr Route kRoutes[] = {{"GET", "/surfaces", get_surfaces},
+                                      {"GET", "/surfaces/{surface}", get_surface},
+                                      {"GET", "/surfaces/segments/{segment}", get_segment_surface}};
+  return kRoutes;
+}
+
+}  // namespace lefort::server

@@ -1,0 +1,279 @@
+#include <lefort/io/output_folder.h>
+#include <lefort/io/plan_inputs.h>
+#include <lefort/io/sha256.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/server/case/case_folder.h>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <system_error>
+#include <vector>
+
+namespace lefort::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr std::size_t kEtagDigits = 16;
+
+json state(const char* name, std::string why, const std::optional<std::string>& etag) {
+  return {{"state", name}, {"why", std::move(why)}, {"etag", etag ? json(*etag) : json()}};
+}
+
+const json& member(const json& object, const char* key) {
+  static const json nothing;
+  if (!object.is_object()) return nothing;
+  const auto found = object.find(key);
+  return found == object.end() ? nothing : *found;
+}
+
+/// The parts of a plan that decide how bones are cut.
+json cutting_part(const json& plan) {
+  json part{{"segmentation", member(plan, "segmentation")},
+            {"landmarks", member(plan, "landmarks")},
+            {"field", member(plan, "field")},
+            {"segments", json::array()}};
+  for (const json& segment : member(plan, "segments"))
+    part["segments"].push_back({{"name", member(segment, "name")},
+                                {"from", member(segment, "from")},
+                                {"osteotomy", member(segment, "osteotomy")}});
+  return part;
+}
+
+/// What made a document of a check or a prediction says of the plan; empty if all fits.
+std::string plan_mismatch(const json& inputs, const CaseFolder& folder) {
+  const auto now = folder.fingerprint(folder.plan());
+  if (!now) return "the plan is gone";
+  const auto text = io::read_text(folder.plan(), kLargestDocument);
+  if (!text || member(inputs, "plan_sha256") != io::Sha256().add(*text).hex())
+    return "the plan was changed since";
+  for (const json& file : member(inputs, "plan_files")) {
+    const json& name = member(file, "file");
+    if (!name.is_string()) continue;
+    const auto sha256 = folder.fingerprint(folder.root() / name.get<std::string>());
+    if (!sha256 || member(file, "sha256") != *sha256)
+      return fmt::format("{} was changed since", name.get<std::string>());
+  }
+  return "";
+}
+
+const char* in_words(const std::string& input) {
+  if (input == "ct") return "the scan was replaced since";
+  if (input == "labels") return "the labels were edited since: make the surfaces again";
+  if (input == "prediction") return "the prediction was made anew since";
+  if (input == "cut") return "the plan's cuts, landmarks or thresholds were changed since";
+  return "the plan's tissue or boundaries were changed since";
+}
+
+}  // namespace
+
+bool there_is(const fs::path& file) {
+  std::error_code error;
+  return fs::is_regular_file(file, error);
+}
+
+json read_object(const fs::path& file) {
+  const auto text = io::read_text(file, kLargestDocument);
+  json object = text ? json::parse(*text, nullptr, false) : json();
+  return object.is_object() ? object : json::object();
+}
+
+Result<CaseFolder> CaseFolder::open(const fs::path& folder) {
+  std::error_code error;
+  const bool is_new = !fs::exists(folder, error);
+  LEFORT_TRY_VOID(io::make_output_folder(folder));
+  if (is_new) fs::permissions(folder, fs::perms::owner_all, error);  // A patient's: nobody else's.
+  const fs::path root = fs::canonical(folder, error);
+  if (error)
+    return fail(ErrorCode::kFileUnwritable, fmt::format("case folder {} cannot be opened: {}",
+                                                        folder.string(), error.message()));
+  const int lock = ::open((root / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (lock < 0)
+    return fail(ErrorCode::kFileUnwritable,
+                fmt::format("case folder {} cannot be locked", folder.string()));
+  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
+    ::close(lock);
+    return fail(ErrorCode::kFileUnwritable,
+                fmt::format("case folder {} is in use by another lefort serve", folder.string()));
+  }
+  fs::remove_all(root / "uploads", error);  // Of a server that was killed.
+  return CaseFolder(root, lock);
+}
+
+CaseFolder::CaseFolder(fs::path root, int lock)
+    : root_(std::move(root)), lock_(lock), mutex_(std::make_unique<std::mutex>()) {}
+
+CaseFolder::CaseFolder(CaseFolder&& other) noexcept
+    : root_(std::move(other.root_)),
+      lock_(std::exchange(other.lock_, -1)),
+      mutex_(std::move(other.mutex_)),
+      known_(std::move(other.known_)) {}
+
+CaseFolder::~CaseFolder() {
+  if (lock_ < 0) return;
+  std::error_code error;
+  fs::remove_all(uploads(), error);  // While no other server can be at it.
+  ::close(lock_);
+}
+
+std::optional<std::string> CaseFolder::fingerprint(const fs::path& file) const {
+  struct stat found {};
+  if (::stat(file.c_str(), &found) != 0 || !S_ISREG(found.st_mode)) return std::nullopt;
+  const Identity identity{.device = found.st_dev,
+                          .inode = found.st_ino,
+                          .size = std::uintmax_t(found.st_size),
+                          .modified_s = found.st_mtim.tv_sec,
+                          .modified_ns = found.st_mtim.tv_nsec,
+                          .changed_s = found.st_ctim.tv_sec,
+                          .changed_ns = found.st_ctim.tv_nsec};
+  {
+    const std::scoped_lock lock(*mutex_);
+    const auto known = known_.find(file);
+    if (known != known_.end() && known->second.identity == identity) return known->second.sha256;
+  }
+  auto sha256 = io::sha256_of_file(file);  // Others need not wait for a large file.
+  if (!sha256) return std::nullopt;
+  const std::scoped_lock lock(*mutex_);
+  known_[file] = {identity, *sha256};
+  return *std::move(sha256);
+}
+
+std::optional<std::string> CaseFolder::etag(const fs::path& file) const {
+  const auto sha256 = fingerprint(file);
+  if (!sha256) return std::nullopt;
+  return '"' + sha256->substr(0, kEtagDigits) + '"';
+}
+
+std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) const {
+  const auto ct_sha256 = fingerprint(ct());
+  if (!ct_sha256) return std::nullopt;
+  Inputs inputs{{"ct", *ct_sha256}};
+  if (stage == "anatomy") {
+    const auto labels_sha256 = fingerprint(labels());
+    if (!labels_sha256) return std::nullopt;
+    inputs["labels"] = *labels_sha256;
+    return inputs;
+  }
+  if (stage == "comparison") {
+    const auto prediction_sha256 = fingerprint(prediction() / "prediction.json");
+    if (!prediction_sha256) return std::nullopt;
+    inputs["prediction"] = *prediction_sha256;
+    return inputs;
+  }
+  const auto text = io::read_text(plan(), kLargestDocument);
+  if (!text) return std::nullopt;
+  const json plan_json = json::parse(*text, nullptr, false);
+  if (!check_files_of_plan(*text)) return std::nullopt;
+  if (stage == "cut" || stage == "preview") {
+    io::Sha256 sum;
+    sum.add(cutting_part(plan_json).dump());
+    for (const std::string& name : io::named_files(*text))
+      if (name != kBoundaryFile) sum.add(name).add(fingerprint(root_ / name).value_or(""));
+    inputs["cut"] = sum.hex();
+  }
+  if (stage == "preview") {
+    io::Sha256 sum;
+    sum.add(member(plan_json, "tissue").dump()).add(member(plan_json, "boundary").dump());
+    if (names_boundary(plan_json)) sum.add(fingerprint(boundary()).value_or(""));
+    inputs["tissue"] = sum.hex();
+  }
+  return inputs;
+}
+
+Result<void> CaseFolder::remember(std::string_view stage, const Inputs& inputs) {
+  json all = read_object(root_ / "stages.json");
+  all[std::string(stage)] = inputs;
+  return io::write_text(root_ / "stages.json", all.dump(1) + "\n");
+}
+
+Result<void> CaseFolder::forget_result(std::string_view stage) const {
+  std::vector<fs::path> documents;
+  if (stage == "cut") documents = {cut() / "cut.json"};
+  if (stage == "check") documents = {check() / "check.json"};
+  if (stage == "preview") documents = {preview() / "preview.json", preview() / "face.preview"};
+  if (stage == "prediction")
+    documents = {prediction() / "prediction.json", prediction() / "failure.json"};
+  return io::remove_earlier_files(documents);
+}
+
+json CaseFolder::stage(std::string_view stage) const {
+  constexpr const char* kNothing = "nothing was made yet";
+  const auto document = [&]() -> fs::path {
+    if (stage == "scan") return ct();
+    if (stage == "anatomy") return anatomy() / "skin.vtp";
+    if (stage == "landmarks") return landmarks();
+    if (stage == "plan") return plan();
+    if (stage == "boundary") return boundary();
+    if (stage == "cut") return cut() / "cut.json";
+    if (stage == "check") return check() / "check.json";
+    if (stage == "preview") return preview() / "preview.json";
+    if (stage == "prediction") {
+      const fs::path failure = prediction() / "failure.json";
+      return there_is(failure) ? failure : prediction() / "prediction.json";
+    }
+    return comparison() / "compare.json";
+  }();
+  if (!there_is(document)) return state("missing", kNothing, std::nullopt);
+  const auto tag = etag(document);
+  if (stage == "scan" || stage == "landmarks" || stage == "plan" || stage == "boundary")
+    return state("fresh", "", tag);
+
+  const json remembered = read_object(root_ / "stages.json");
+  if (const json& then = member(remembered, std::string(stage).c_str()); then.is_object()) {
+    const auto now = inputs_of(stage);
+    if (!now) return state("stale", "what it was made of is gone", tag);
+    for (const auto& [input, sha256] : *now)
+      if (member(then, input.c_str()) != sha256) return state("stale", in_words(input), tag);
+  } else if (stage != "check" && stage != "prediction") {
+    return state("stale", "it is not known of what it was made", tag);
+  }
+  if (stage == "check" || stage == "prediction") {
+    const std::string why = plan_mismatch(member(read_object(document), "inputs"), *this);
+    if (!why.empty()) return state("stale", why, tag);
+    if (document.filename() == "failure.json")
+      return state("unconverged", "the solver found no equilibrium on the way", tag);
+  }
+  return state("fresh", "", tag);
+}
+
+bool names_boundary(const json& plan) {
+  return member(member(plan, "boundary"), "labels") == kBoundaryFile;
+}
+
+Result<void> check_files_of_plan(const std::string& text) {
+  json plan = json::parse(text, nullptr, false);
+  if (!plan.is_object() || !member(plan, "segments").is_array())
+    return fail(ErrorCode::kPlanInvalid, "the plan is no JSON object with segments");
+  for (const json& segment : plan["segments"])
+    if (!segment.is_object())
+      return fail(ErrorCode::kPlanInvalid, "segments: what stands there is no object");
+  if (const json& labels = member(member(plan, "boundary"), "labels"); labels.is_string()) {
+    if (!names_boundary(plan))
+      return fail(ErrorCode::kPlanInvalid,
+                  fmt::format("boundary.labels: in a case it is {}", kBoundaryFile));
+    plan["boundary"].erase("labels");
+  }
+  std::vector<std::string> names;
+  try {
+    names = io::named_files(plan.dump());
+  } catch (const json::exception&) {
+    return fail(ErrorCode::kPlanInvalid, "the plan breaks its schema");
+  }
+  if (const json& ct = member(plan, "ct"); ct.is_string() && ct != "ct.nrrd")
+    return fail(ErrorCode::kPlanInvalid, "ct: in a case it is ct.nrrd");
+  for (const std::string& name : names)
+    if (name != "landmarks.mrk.json" && name != "anatomy/labels.seg.nrrd")
+      return fail(ErrorCode::kPlanInvalid,
+                  fmt::format("the plan names the file {}; in a case it may name "
+                              "landmarks.mrk.json and anatomy/labels.seg.nrrd",
+                              name));
+  return {};
+}
+
+}  // namespace lefort::server

@@ -1,0 +1,304 @@
+#include <lefort/io/plan_file.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/compare.h>
+#include <lefort/pipeline/import.h>
+#include <lefort/pipeline/plan.h>
+#include <lefort/pipeline/predict.h>
+#include <lefort/pipeline/segment.h>
+#include <lefort/server/api/contract_text.h>
+#include <lefort/server/case/case_jobs.h>
+#include <lefort/server/case/iterate_batches.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <system_error>
+#include <utility>
+
+namespace lefort::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+using Doer = Result<JobOutcome> (*)(const JobContext&, const JobRecord&, Progress&);
+
+/// Without where the files are, which is none of a page's business.
+JobOutcome told(const pipeline::Summary& summary) {
+  JobOutcome outcome{summary.text, summary.json};
+  outcome.result.erase("output");
+  return outcome;
+}
+
+Result<void> check_scan(const CaseFolder& folder) {
+  if (there_is(folder.ct())) return {};
+  return fail(ErrorCode::kFileNotFound, "there is no scan yet: import one first");
+}
+
+Result<void> check_plan(const CaseFolder& folder) {
+  LEFORT_TRY_VOID(check_scan(folder));
+  const auto text = io::read_text(folder.plan(), 64 << 20);
+  if (!text) return fail(ErrorCode::kFileNotFound, "there is no plan yet");
+  return check_files_of_plan(*text);
+}
+
+std::string without_paths(std::string text, const CaseFolder& folder) {
+  const std::string root = folder.root().string() + "/";
+  for (std::size_t at = text.find(root); at != std::string::npos; at = text.find(root, at))
+    text.erase(at, root.size());
+  return text;
+}
+
+Result<JobOutcome> import_job(const JobContext& context, const JobRecord& job, Progress& progress) {
+  const CaseFolder& folder = context.folder;
+  pipeline::ImportJob import{{}, folder.ct(), job.parameters.value("series", 0)};
+  const bool is_example = job.parameters.contains("example");
+  const std::string upload = job.parameters.value("upload", "");
+  if (is_example) {
+    if (!context.example)
+      return fail(ErrorCode::kFileNotFound,
+                  "the example's scan is not installed (Debian's invesalius-examples)");
+    import.source = *context.example;
+  } else {
+    const auto source = context.uploads.source(upload);
+    if (!source) return fail(ErrorCode::kFileNotFound, "there is no such upload, or it is empty");
+    import.source = *source;
+  }
+  LEFORT_TRY(const pipeline::Summary summary, pipeline::import_scan(import, progress));
+  const json description{{"lefort_case", 1},
+                         {"title", is_example ? "Example: Cranium of InVesalius" : ""},
+                         {"scan",
+                          {{"source_kind", summary.json["source_kind"]},
+                           {"size", summary.json["size_voxels"]},
+                           {"spacing_mm", summary.json["spacing_mm"]},
+                           {"warnings", summary.json["warnings"]}}}};
+  LEFORT_TRY_VOID(io::write_text(folder.description(), description.dump(1) + "\n"));
+  std::error_code error;
+  if (is_example && !fs::exists(folder.landmarks(), error))
+    LEFORT_TRY_VOID(io::write_text(folder.landmarks(), kExampleLandmarks));
+  if (!is_example) static_cast<void>(context.uploads.remove(upload));
+  return told(summary);
+}
+
+Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
+                               Progress& progress) {
+  CaseFolder& folder = context.folder;
+  LEFORT_TRY_VOID(check_scan(folder));
+  pipeline::SegmentJob segment{
+      .ct = folder.ct(), .output = folder.anatomy(), .options = {}, .finish = {}, .labels = {}};
+  if (there_is(folder.plan())) {  // Thresholds are the plan's unless given.
+    LEFORT_TRY_VOID(check_plan(folder));
+    if (const auto plan = io::read_plan(folder.plan())) segment.options = plan->segmentation;
+  }
+  segment.options.bone_hu = job.parameters.value("bone_hu", segment.options.bone_hu);
+  segment.options.skin_hu = job.parameters.value("skin_hu", segment.options.skin_hu);
+  if (job.parameters.value("from_labels", false)) {
+    if (!there_is(folder.labels()))
+      return fail(ErrorCode::kFileNotFound, "there are no labels yet");
+    segment.labels = folder.labels();
+  }
+  LEFORT_TRY(const pipeline::Summary summary, pipeline::segment_scan(segment, progress));
+  if (const auto inputs = folder.inputs_of("anatomy"))
+    LEFORT_TRY_VOID(folder.remember("anatomy", *inputs));
+  return told(summary);
+}
+
+/// Runs `work` and remembers of what the stage is made. `work` may fail before it removes earlier
+/// results: their documents, which would pass for new ones, go first.
+template <class Work>
+Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Work& work) {
+  LEFORT_TRY_VOID(check_plan(folder));
+  LEFORT_TRY_VOID(folder.forget_result(stage));
+  auto inputs = folder.inputs_of(stage);
+  if (inputs) LEFORT_TRY_VOID(folder.remember(stage, *inputs));
+  Result<JobOutcome> outcome = work();
+  if (const auto now = folder.inputs_of(stage); inputs && now != inputs) {
+    // What was changed meanwhile may or may not have been read: it fits nothing, not even if it is
+    // changed back.
+    for (auto& [name, sha256] : *inputs)
+      if (!now || now->at(name) != sha256) sha256.clear();
+    LEFORT_TRY_VOID(folder.remember(stage, *inputs));
+  }
+  return outcome;
+}
+
+Result<JobOutcome> cut_job(const JobContext& context, const JobRecord&, Progress& progress) {
+  CaseFolder& folder = context.folder;
+  return as_stage(folder, "cut", [&]() -> Result<JobOutcome> {
+    LEFORT_TRY(
+        const pipeline::Summary summary,
+        pipeline::cut_plan({folder.plan(), folder.ct(), folder.cache(), folder.cut()}, progress));
+    return told(summary);
+  });
+}
+
+Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progress& progress) {
+  CaseFolder& folder = context.folder;
+  return as_stage(folder, "check", [&]() -> Result<JobOutcome> {
+    pipeline::CheckPlanJob check{.plan = folder.plan(),
+                                 .ct = folder.ct(),
+                                 .skull = {},
+                                 .output = folder.check(),
+                                 .cache = folder.cache(),
+                                 .limits = {},
+                                 .pictures = false};
+    LEFORT_TRY(const pipeline::PlanCheckSummary found, pipeline::check_plan_file(check, progress));
+    JobOutcome outcome = told(found.summary);
+    outcome.has_findings = found.has_findings;
+    return outcome;
+  });
+}
+
+Result<JobOutcome> preview_job(const JobContext& context, const JobRecord&, Progress& progress) {
+  CaseFolder& folder = context.folder;
+  return as_stage(folder, "preview", [&]() -> Result<JobOutcome> {
+    LEFORT_TRY(const pipeline::Summary summary,
+               pipeline::prepare_preview({folder.plan(), folder.ct(), folder.cache(),
+                                          folder.anatomy() / "skin.vtp", folder.preview()},
+                                         progress));
+    return told(summary);
+  });
+}
+
+/// Which step of the path a share of it lies in, from 1.
+int step_of(double share, int steps) {
+  constexpr double kSame = 1e-9;  // Shares: a keyframe at 0.3333333333 is the end of step 1 of 3.
+  return std::clamp(int(std::ceil(share * steps - kSame)), 1, steps);
+}
+
+json iterate_json(const predict::PredictionIterate& at, int steps) {
+  const fem::NewtonIterate& line = at.line;
+  return {
+      {"step", step_of(at.to_share, steps)},
+      {"to_share", at.to_share},
+      {"attempt", at.attempt},
+      {"iteration", at.iteration},
+      {"residual_n", line.residual_n},
+      {"relative_residual", line.force_scale_n > 0.0 ? line.residual_n / line.force_scale_n : 0.0},
+      {"contacts", line.contacts},
+      {"deepest_mm", at.deepest_mm}};
+}
+
+json step_json(int job, const predict::PredictionStep& step, int steps) {
+  return {{"job", job},
+          {"step", step_of(step.share, steps)},
+          {"steps", steps},
+          {"share", step.share},
+          {"newton_iterations", step.newton_iterations()},
+          {"relative_residual", step.relative_residual},
+          {"contact_nodes", step.contact().nodes},
+          {"p99_depth_mm", step.contact().p99_depth_from_rest_mm},
+          {"max_depth_mm", step.contact().max_depth_from_rest_mm}};
+}
+
+Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
+                               Progress& progress) {
+  CaseFolder& folder = context.folder;
+  return as_stage(folder, "prediction", [&]() -> Result<JobOutcome> {
+    context.history.begin(job.id);
+    // First into the history: who hears of something finds it there.
+    IterateBatches iterates([&](json batch) {
+      const std::size_t from = context.history.add_iterates(batch);
+      context.events.publish("newton",
+                             {{"job", job.id}, {"from", from}, {"iterates", std::move(batch)}});
+    });
+    pipeline::PredictJob predict{
+        .plan = folder.plan(),
+        .ct = folder.ct(),
+        .output = folder.prediction(),
+        .pictures = true,
+        .on_step =
+            [&](const predict::PredictionStep& step, int steps) {
+              iterates.flush();
+              const json told = step_json(job.id, step, steps);
+              context.history.add_step(told);
+              context.events.publish("step", told);
+            },
+        .on_iterate = [&](const predict::PredictionIterate& at,
+                          int steps) { iterates.add(iterate_json(at, steps)); }};
+    auto summary = pipeline::predict_case(predict, progress);
+    iterates.flush();  // Of a step that was not found, too.
+    if (!summary) return tl::unexpected(summary.error());
+    // The whole document is GET /prediction's to tell.
+    return JobOutcome{summary->text, {{"skin", summary->json["skin"]}}};
+  });
+}
+
+/// Else it is a scan.
+bool is_surface(const fs::path& upload) {
+  for (const char* ending : {".vtp", ".stl", ".ply", ".obj"})
+    if (upload.extension() == ending) return true;
+  return false;
+}
+
+Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
+                               Progress& progress) {
+  CaseFolder& folder = context.folder;
+  const std::string upload = job.parameters.value("upload", "");
+  const auto other = context.uploads.source(upload);
+  if (!other) return fail(ErrorCode::kFileNotFound, "there is no such upload, or it is empty");
+  if (!there_is(folder.prediction() / "prediction.json"))
+    return fail(ErrorCode::kFileNotFound, "there is no prediction yet");
+  const auto inputs = folder.inputs_of("comparison");
+  pipeline::CompareJob compare{.face = folder.prediction(),
+                               .other = {},
+                               .after_ct = {},
+                               .before = {},
+                               .landmarks = {},
+                               .output = folder.comparison(),
+                               .pictures = true};
+  (is_surface(*other) ? compare.other : compare.after_ct) = *other;
+  if (there_is(folder.landmarks())) compare.landmarks = folder.landmarks();
+  LEFORT_TRY(const pipeline::Summary summary, pipeline::compare_faces(compare, progress));
+  if (inputs) LEFORT_TRY_VOID(folder.remember("comparison", *inputs));
+  static_cast<void>(context.uploads.remove(upload));
+  return told(summary);
+}
+
+struct Kind {
+  const char* name;
+  const char* stage;
+  Doer run;
+};
+
+constexpr Kind kKinds[] = {{"import", "scan", import_job},
+                           {"segment", "anatomy", segment_job},
+                           {"cut", "cut", cut_job},
+                           {"check", "check", check_job},
+                           {"preview-factor", "preview", preview_job},
+                           {"predict", "prediction", predict_job},
+                           {"compare", "comparison", compare_job}};
+
+}  // namespace
+
+std::vector<std::string> job_kinds() {
+  std::vector<std::string> names;
+  for (const Kind& kind : kKinds) names.emplace_back(kind.name);
+  return names;
+}
+
+std::string job_of_stage(std::string_view stage) {
+  for (const Kind& kind : kKinds)
+    if (kind.stage == stage) return kind.name;
+  return "";
+}
+
+Result<JobOutcome> run_job(const JobContext& context, const JobRecord& job, Progress& progress) {
+  for (const Kind& kind : kKinds) {
+    if (job.kind != kind.name) continue;
+    Result<JobOutcome> outcome = kind.run(context, job, progress);
+    if (outcome) {
+      outcome->message = without_paths(std::move(outcome->message), context.folder);
+      return outcome;
+    }
+    return fail(outcome.error().code,
+                without_paths(std::move(outcome.error().message), context.folder));
+  }
+  return fail(ErrorCode::kInvalidArgument, fmt::format("no job of kind {} is known", job.kind));
+}
+
+}  // namespace lefort::server

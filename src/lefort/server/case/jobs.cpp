@@ -1,0 +1,305 @@
+#include <lefort/core/check.h>
+#include <lefort/io/write_atomically.h>
+#include <lefort/server/case/jobs.h>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <utility>
+
+namespace lefort::server {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kMostLines = 200;  // As the contract says.
+constexpr std::size_t kMostWaiting = 8;
+constexpr std::size_t kMostKept = 100;               // Records on disk; the oldest go.
+constexpr std::size_t kLongestLine = 2000;           // Characters.
+constexpr std::uintmax_t kLargestRecord = 64 << 20;  // Bytes.
+constexpr auto kTellEvery = std::chrono::milliseconds(100);
+
+std::string utc_now() {
+  return fmt::format(
+      "{:%Y-%m-%dT%H:%M:%SZ}",
+      fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+}
+
+std::optional<JobRecord> read_record(const fs::path& file) {
+  const auto text = io::read_text(file, kLargestRecord);
+  if (!text) return std::nullopt;
+  const json stored = json::parse(*text, nullptr, false);
+  if (!stored.is_object()) return std::nullopt;
+  try {
+    JobRecord job;
+    job.id = stored.at("id").get<int>();
+    job.kind = stored.at("kind").get<std::string>();
+    job.parameters = stored.at("parameters");
+    job.state = stored.at("state").get<std::string>();
+    job.stage = stored.at("stage").get<std::string>();
+    job.fraction = stored.at("fraction").get<double>();
+    job.lines = stored.at("lines").get<std::deque<std::string>>();
+    job.message = stored.at("message").get<std::string>();
+    job.result = stored.at("result");
+    if (stored.contains("has_findings")) job.has_findings = stored["has_findings"].get<bool>();
+    job.created = stored.at("created").get<std::string>();
+    if (stored.at("ended").is_string()) job.ended = stored["ended"].get<std::string>();
+    if (job.id > 0 && file.filename() == fmt::format("{}.json", job.id)) return job;
+  } catch (const json::exception&) {  // Not one of ours: left alone.
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+json pipeline::as_json(const JobRecord& job) {
+  json result{{"id", job.id},
+              {"kind", job.kind},
+              {"parameters", job.parameters},
+              {"state", job.state},
+              {"stage", job.stage},
+              {"fraction", job.fraction},
+              {"lines", job.lines},
+              {"message", job.message},
+              {"result", job.result},
+              {"created", job.created},
+              {"ended", job.ended.empty() ? json() : json(job.ended)}};
+  if (job.has_findings) result["has_findings"] = *job.has_findings;
+  return result;
+}
+
+/// Puts what a job says into its record and into the log.
+class Jobs::Listener final : public Progress {
+ public:
+  Listener(Jobs& jobs, int id) : jobs_(jobs), id_(id) {}
+
+  void begin_stage(std::string_view name) override {
+    change([&](JobRecord& job) {
+      job.stage = name;
+      job.fraction = 0.0;
+    });
+    told_ = {};  // How far the stage is at its beginning is news.
+  }
+  void report(double fraction) override {
+    const auto now = Clock::now();
+    if (now - told_ < kTellEvery) return;
+    told_ = now;
+    change([&](JobRecord& job) { job.fraction = std::clamp(fraction, 0.0, 1.0); });
+  }
+  void note(std::string_view sentence) override {
+    std::string line(sentence.substr(0, kLongestLine));
+    change(
+        [&](JobRecord& job) {
+          job.lines.push_back(line);
+          if (job.lines.size() > kMostLines) job.lines.pop_front();
+        },
+        line);
+  }
+  [[nodiscard]] bool stop_requested() const override { return jobs_.stop_running_; }
+
+ private:
+  template <class Change>
+  void change(const Change& change_job, const std::optional<std::string>& line = std::nullopt) {
+    const std::scoped_lock lock(jobs_.mutex_);
+    JobRecord& job = jobs_.jobs_.at(id_);
+    change_job(job);
+    jobs_.tell(job, line);
+  }
+
+  Jobs& jobs_;
+  int id_;
+  Clock::time_point told_{};
+};
+
+Jobs::Jobs(fs::path folder, EventLog& events, Work work, Changed changed)
+    : folder_(std::move(folder)),
+      events_(events),
+      work_(std::move(work)),
+      changed_(std::move(changed)) {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  for (const auto& entry : fs::directory_iterator(folder_, error))
+    if (auto job = read_record(entry.path())) jobs_.emplace(job->id, *std::move(job));
+  for (auto& [id, job] : jobs_) {
+    if (job.is_over()) continue;
+    job.state = "interrupted";
+    job.message =
+        "the server ended before this was done; the next job of its kind goes on from "
+        "what was found";
+    job.ended = utc_now();
+    keep(job);
+  }
+  worker_ = std::thread([this] { work_on(); });
+}
+
+Jobs::~Jobs() { stop(); }
+
+Result<JobRecord> Jobs::submit(std::string kind, json parameters) {
+  JobRecord job;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (queue_.size() >= kMostWaiting)
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{} jobs wait already, no more are taken", queue_.size()));
+    job.id = jobs_.empty() ? 1 : jobs_.rbegin()->first + 1;
+    job.kind = std::move(kind);
+    job.parameters = std::move(parameters);
+    job.state = "queued";
+    job.created = utc_now();
+    while (jobs_.size() >= kMostKept && jobs_.begin()->second.is_over()) {
+      std::error_code error;
+      fs::remove(folder_ / fmt::format("{}.json", jobs_.begin()->first), error);
+      jobs_.erase(jobs_.begin());
+    }
+    jobs_.emplace(job.id, job);
+    queue_.push_back(job.id);
+    keep(job);
+    tell(job);
+  }
+  wake_.notify_all();
+  changed_();
+  return job;
+}
+
+std::vector<JobRecord> Jobs::all() const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<JobRecord> list;
+  for (const auto& [id, job] : jobs_) list.push_back(job);
+  return list;
+}
+
+std::optional<JobRecord> Jobs::find(int id) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = jobs_.find(id);
+  return found == jobs_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<JobRecord> Jobs::last_of(std::string_view kind) const {
+  const std::scoped_lock lock(mutex_);
+  for (auto job = jobs_.rbegin(); job != jobs_.rend(); ++job)
+    if (job->second.kind == kind) return job->second;
+  return std::nullopt;
+}
+
+bool Jobs::is_idle() const {
+  const std::scoped_lock lock(mutex_);
+  return running_ == 0 && queue_.empty();
+}
+
+std::optional<JobRecord> Jobs::cancel(int id) {
+  std::optional<JobRecord> cancelled;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = jobs_.find(id);
+    if (found == jobs_.end()) return std::nullopt;
+    JobRecord& job = found->second;
+    if (running_ == id) {
+      stop_running_ = true;
+    } else if (job.state == "queued") {
+      std::erase(queue_, id);
+      job.state = "cancelled";
+      job.message = "cancelled before it began";
+      job.ended = utc_now();
+      keep(job);
+      tell(job);
+    }
+    cancelled = job;
+  }
+  changed_();
+  return cancelled;
+}
+
+void Jobs::stop() {
+  {
+    const std::scoped_lock lock(mutex_);
+    is_ending_ = true;
+    stop_running_ = true;
+  }
+  wake_.notify_all();
+  if (worker_.joinable()) worker_.join();
+}
+
+void Jobs::keep(const JobRecord& job) const {
+  // What cannot be remembered is no reason not to do it; the case's folder is told about elsewhere.
+  static_cast<void>(
+      io::write_text(folder_ / fmt::format("{}.json", job.id),
+                     as_json(job).dump(1, ' ', false, json::error_handler_t::replace) + "\n"));
+}
+
+void Jobs::tell(const JobRecord& job, const std::optional<std::string>& line) {
+  events_.publish("job", {{"id", job.id},
+                          {"kind", job.kind},
+                          {"state", job.state},
+                          {"stage", job.stage},
+                          {"fraction", job.fraction},
+                          {"line", line ? json(*line) : json()},
+                          {"message", job.message}});
+}
+
+/// On the worker, which a bug of ours must not end.
+void Jobs::tell_change() const {
+  try {
+    changed_();
+  } catch (const std::exception&) {  // Pages ask again.
+  }
+}
+
+void Jobs::work_on() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    wake_.wait(lock, [&] { return is_ending_ || !queue_.empty(); });
+    if (is_ending_) return;  // Those in the queue stay "queued" on disk: the next server tells.
+    const int id = queue_.front();
+    queue_.pop_front();
+    running_ = id;
+    stop_running_ = false;
+    jobs_.at(id).state = "running";
+    keep(jobs_.at(id));
+    tell(jobs_.at(id));
+    const JobRecord begun = jobs_.at(id);
+    lock.unlock();
+    tell_change();
+    Listener listener(*this, id);
+    const Result<JobOutcome> outcome = [&]() -> Result<JobOutcome> {
+      try {
+        return work_(begun, listener);
+      } catch (const std::bad_alloc&) {
+        return fail(ErrorCode::kOutOfMemory, "this does not fit into memory");
+      } catch (const std::exception&) {  // A bug of ours must not end the server; its words may
+        // tell what no page need know.
+        return fail(ErrorCode::kInvalidArgument, "an internal error");
+      }
+    }();
+    lock.lock();
+    running_ = 0;
+    JobRecord& job = jobs_.at(id);
+    if (is_ending_ && !outcome) return;  // Stays "running" on disk: interrupted.
+    job.ended = utc_now();
+    if (outcome) {
+      job.state = "done";
+      job.fraction = 1.0;
+      job.message = outcome->message;
+      job.result = outcome->result;
+      job.has_findings = outcome->has_findings;
+    } else if (outcome.error().code == ErrorCode::kCancelled) {
+      job.state = "cancelled";
+      job.message = "cancelled";
+    } else {
+      job.state = "failed";
+      job.message = outcome.error().message;
+    }
+    keep(job);
+    tell(job);
+    lock.unlock();
+    tell_change();
+    lock.lock();
+  }
+}
+
+}  // namespace lefort::server

@@ -1,0 +1,102 @@
+/// \file
+/// Long work, one job at a time: queued, told about, cancelled, remembered on disk.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
+#include <lefort/server/case/event_log.h>
+
+#include <nlohmann/json.hpp>
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace lefort::server {
+
+/// What is known of a job; as in contract/openapi.json, Job.
+struct JobRecord {
+  int id = 0;
+  std::string kind;
+  nlohmann::json parameters = nlohmann::json::object();
+  std::string state;  ///< "queued", "running", "done", "failed", "cancelled", "interrupted".
+  std::string stage;
+  double fraction = 0.0;
+  std::deque<std::string> lines;
+  std::string message;
+  nlohmann::json result;
+  std::optional<bool> has_findings;
+  std::string created, ended;
+
+  [[nodiscard]] bool is_over() const { return state != "queued" && state != "running"; }
+};
+
+[[nodiscard]] nlohmann::json pipeline::as_json(const JobRecord& job);
+
+/// What a job that is done leaves to tell.
+struct JobOutcome {
+  std::string message;
+  nlohmann::json result = nlohmann::json::object();
+  std::optional<bool> has_findings = std::nullopt;
+};
+
+/// Safe from many threads.
+class Jobs {
+ public:
+  /// Does the work of a job, on the one worker.
+  using Work = std::function<Result<JobOutcome>(const JobRecord& job, Progress& progress)>;
+  /// Told, on any thread, whenever a job has begun or ended.
+  using Changed = std::function<void()>;
+
+  /// Reads what an earlier server has left: jobs that had not ended are `interrupted`.
+  Jobs(std::filesystem::path folder, EventLog& events, Work work, Changed changed);
+  ~Jobs();
+  Jobs(const Jobs&) = delete;
+  Jobs& operator=(const Jobs&) = delete;
+
+  /// \returns the job as queued; kInvalidArgument if too many wait.
+  [[nodiscard]] Result<JobRecord> submit(std::string kind, nlohmann::json parameters);
+
+  [[nodiscard]] std::vector<JobRecord> all() const;
+  [[nodiscard]] std::optional<JobRecord> find(int id) const;
+  /// The last one of its kind, if there was one.
+  [[nodiscard]] std::optional<JobRecord> last_of(std::string_view kind) const;
+  [[nodiscard]] bool is_idle() const;
+
+  /// Asks a job to stop; one that is over stays as it is. Nothing if there is no such job.
+  [[nodiscard]] std::optional<JobRecord> cancel(int id);
+
+  /// Ends: what runs is stopped and, like what waits, told as interrupted by the next server.
+  void stop();
+
+ private:
+  class Listener;
+  void work_on();
+  void tell_change() const;
+  void keep(const JobRecord& job) const;
+  void tell(const JobRecord& job, const std::optional<std::string>& line = std::nullopt);
+
+  const std::filesystem::path folder_;
+  EventLog& events_;
+  const Work work_;
+  const Changed changed_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::map<int, JobRecord> jobs_;
+  std::deque<int> queue_;
+  int running_ = 0;
+  std::atomic<bool> stop_running_ = false;
+  bool is_ending_ = false;
+  std::thread worker_;
+};
+
+}  // namespace lefort::server

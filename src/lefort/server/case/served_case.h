@@ -1,0 +1,64 @@
+/// \file
+/// What all routes work on: one case's folder, its jobs, and what of it is in memory.
+#pragma once
+
+#include <lefort/image/volume.h>
+#include <lefort/io/step_skin.h>
+#include <lefort/predict/face_preview.h>
+#include <lefort/server/case/case_folder.h>
+#include <lefort/server/case/event_log.h>
+#include <lefort/server/case/jobs.h>
+#include <lefort/server/case/kept.h>
+#include <lefort/server/case/live_bones.h>
+#include <lefort/server/case/solve_history.h>
+#include <lefort/server/case/uploads.h>
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace lefort::server {
+
+/// Safe from many threads.
+struct ServedCase {
+  /// \param example  the scan that is imported on wish.
+  ServedCase(CaseFolder folder, std::optional<std::filesystem::path> example,
+             UploadLimits upload_limits);
+  ServedCase(const ServedCase&) = delete;
+  ServedCase& operator=(const ServedCase&) = delete;
+
+  CaseFolder folder;
+  Uploads uploads;
+  const std::optional<std::filesystem::path> example;
+  EventLog events;
+  SolveHistory solve_history;
+  std::mutex writing;  ///< One page's change at a time.
+  Kept<image::CtVolume> kept_volume;
+  Kept<LiveBones> kept_bones;
+  Kept<predict::FacePreview> kept_preview;
+  Kept<io::StepSkin> kept_steps;
+  Kept<std::string> kept_surfaces;
+  Jobs jobs;  ///< Last: its worker uses all above.
+
+  /// The scan.
+  [[nodiscard]] Result<std::shared_ptr<const image::CtVolume>> volume();
+
+  /// What preview-factor has prepared.
+  [[nodiscard]] Result<std::shared_ptr<const predict::FacePreview>> preview();
+
+  /// Every stage by its name: contract/openapi.json, Stage.
+  [[nodiscard]] nlohmann::json stages() const;
+
+  /// Tells pages that listen.
+  void tell_stages();
+
+ private:
+  /// Factorises, so that the first preview is as quick as the next.
+  void warm_preview();
+};
+
+}  // namespace lefort::server

@@ -1,0 +1,163 @@
+#include <lefort/core/check.h>
+#include <lefort/server/case/uploads.h>
+
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <system_error>
+#include <vector>
+
+namespace lefort::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The ending that our name for a file gets: of those we read, each file by itself. .nhdr and .mhd,
+/// which name other files, are not among them.
+std::optional<std::string> kept_ending(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  for (const char* ending : {".nii.gz", ".nii", ".seg.nrrd", ".nrrd", ".mha", ".inv3", ".dcm",
+                             ".vtp", ".stl", ".ply", ".obj"})
+    if (name.ends_with(ending)) return ending == std::string(".seg.nrrd") ? ".nrrd" : ending;
+  for (const char* ending : {".nhdr", ".mhd", ".zip", ".tar", ".gz", ".json", ".txt", ".exe"})
+    if (name.ends_with(ending)) return std::nullopt;
+  return "";  // DICOM files are called anything.
+}
+
+}  // namespace
+
+std::string random_hex(std::size_t digits) {
+  std::vector<unsigned char> bytes((digits + 1) / 2);
+  for (std::size_t filled = 0; filled < bytes.size();) {
+    const ssize_t count = ::getrandom(bytes.data() + filled, bytes.size() - filled, 0);
+    LEFORT_CHECK(count > 0);
+    filled += std::size_t(count);
+  }
+  std::string hex;
+  for (const unsigned char byte : bytes) hex += fmt::format("{:02x}", byte);
+  hex.resize(digits);
+  return hex;
+}
+
+Uploads::Uploads(fs::path folder, UploadLimits limits)
+    : folder_(std::move(folder)), limits_(limits) {}
+
+Reply Uploads::begin() {
+  const std::scoped_lock lock(mutex_);
+  while (uploads_.size() >= std::size_t(limits_.uploads))
+    drop(std::min_element(uploads_.begin(), uploads_.end(), [](const auto& a, const auto& b) {
+           return a.second.order < b.second.order;
+         })->first);
+  const std::string id = random_hex(16);
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (!error) fs::permissions(folder_, fs::perms::owner_all, error);  // A patient's.
+  if (!error) fs::create_directory(folder_ / id, error);
+  if (error)
+    return refusal(507, "unavailable", "the case folder takes no upload: " + error.message());
+  uploads_[id].order = ++begun_;
+  return json_reply({{"id", id}}, 201);
+}
+
+Reply Uploads::put(const std::string& id, int index, const std::string& name,
+                   const Request& request) {
+  const auto ending = kept_ending(name);
+  if (!ending)
+    return refusal(422, "invalid",
+                   "files of this kind are not read; send DICOM files, .nii, .nii.gz, .nrrd, .mha "
+                   "or .inv3",
+                   "name");
+  if (index < 0 || index >= limits_.files)
+    return refusal(413, "too_large", fmt::format("an upload has at most {} files", limits_.files),
+                   "index");
+  if (request.content_length > limits_.file_bytes)
+    return refusal(413, "too_large",
+                   fmt::format("a file has at most {} bytes", limits_.file_bytes));
+  const std::string kept = fmt::format("f{:05d}{}", index, *ending);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!uploads_.contains(id)) return refusal(404, "not_found", "there is no such upload");
+    if (bytes() + reserved_ + request.content_length > limits_.all_bytes)
+      return refusal(413, "too_large",
+                     fmt::format("uploads have at most {} bytes together", limits_.all_bytes));
+    reserved_ += request.content_length;
+  }
+  // Beside the upload's folder: a job that reads that one sees whole files alone.
+  const fs::path temporary = folder_ / ("part-" + random_hex(16));
+  struct Part {  // Given back however this ends.
+    ~Part() {
+      std::error_code error;
+      fs::remove(file, error);
+      const std::scoped_lock lock(mutex);
+      reserved -= bytes;
+    }
+    const fs::path& file;
+    std::mutex& mutex;
+    std::uint64_t& reserved;
+    std::uint64_t bytes;
+  };
+  const Part part{temporary, mutex_, reserved_, request.content_length};
+  std::ofstream file(temporary, std::ios::binary);
+  std::uint64_t received = 0;
+  const bool is_whole = request.read_body && request.read_body([&](std::string_view piece) {
+    received += piece.size();
+    if (received > request.content_length) return false;
+    file.write(piece.data(), std::streamsize(piece.size()));
+    return bool(file);
+  });
+  file.close();
+  const bool is_written = bool(file);
+  const std::scoped_lock lock(mutex_);
+  std::error_code error;
+  const auto upload = uploads_.find(id);
+  if (!is_whole || !is_written || received != request.content_length || upload == uploads_.end()) {
+    if (!is_written)
+      return refusal(507, "unavailable", "the file could not be kept: is the disk full?");
+    return refusal(400, "bad_request", "the body did not arrive whole");
+  }
+  if (const auto older = upload->second.files.find(index); older != upload->second.files.end())
+    fs::remove(folder_ / id / older->second.first, error);
+  fs::rename(temporary, folder_ / id / kept, error);
+  if (error) return refusal(507, "unavailable", "the file could not be kept");
+  upload->second.files[index] = {kept, received};
+  return json_reply({{"index", index}, {"bytes", received}}, 201);
+}
+
+Reply Uploads::remove(const std::string& id) {
+  const std::scoped_lock lock(mutex_);
+  if (!uploads_.contains(id)) return refusal(404, "not_found", "there is no such upload");
+  drop(id);
+  Reply reply;
+  reply.status = 204;
+  return reply;
+}
+
+std::optional<fs::path> Uploads::source(const std::string& id) const {
+  const std::scoped_lock lock(mutex_);
+  const auto upload = uploads_.find(id);
+  if (upload == uploads_.end() || upload->second.files.empty()) return std::nullopt;
+  const auto& files = upload->second.files;
+  const std::string& first = files.begin()->second.first;
+  const bool is_dicom = first.find('.') == std::string::npos || first.ends_with(".dcm");
+  return files.size() == 1 && !is_dicom ? folder_ / id / first : folder_ / id;
+}
+
+void Uploads::drop(const std::string& id) {
+  std::error_code error;
+  fs::remove_all(folder_ / id, error);
+  uploads_.erase(id);
+}
+
+std::uint64_t Uploads::bytes() const {
+  std::uint64_t sum = 0;
+  for (const auto& [id, upload] : uploads_)
+    for (const auto& [index, file] : upload.files) sum += file.second;
+  return sum;
+}
+
+}  // namespace lefort::server

@@ -1,0 +1,130 @@
+#include <lefort/server/http/connection.h>
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace lefort::server {
+namespace {
+
+constexpr std::size_t kBuffer = 16 << 10;    // Bytes read at a time.
+constexpr std::size_t kDrained = 256 << 10;  // Bytes of a refused body that are taken.
+constexpr auto kDrainTime = std::chrono::milliseconds(500);
+
+std::chrono::milliseconds time_for(double bytes, double bytes_per_s) {
+  return std::chrono::milliseconds(std::int64_t(1000.0 * bytes / bytes_per_s));
+}
+
+}  // namespace
+
+Connection::Connection(int socket, const HttpLimits& limits) : socket_(socket), limits_(limits) {}
+
+bool Connection::wait_for_request() {
+  phase_ = Phase::kHeader;
+  moved_ = 0.0;
+  since_ = Clock::now();  // Before it waits: not since a request of long ago.
+  is_waiting_ = true;
+  const bool is_here = at_ < buffer_.size() || wait_for(POLLIN, Clock::now() + limits_.idle_time);
+  begun_ = Clock::now();
+  since_ = begun_;
+  return is_here;
+}
+
+void Connection::begin_body() {
+  is_waiting_ = false;
+  phase_ = Phase::kBody;
+  begun_ = Clock::now();
+  moved_ = 0.0;
+}
+
+void Connection::abort() const { ::shutdown(socket_, SHUT_RDWR); }
+
+void Connection::drain() {
+  ::shutdown(socket_, SHUT_WR);
+  const auto until = Clock::now() + kDrainTime;
+  char nothing[4096];
+  for (std::size_t taken = 0; taken < kDrained && wait_for(POLLIN, until);) {
+    const ssize_t count = ::recv(socket_, nothing, sizeof(nothing), MSG_DONTWAIT);
+    if (count <= 0) return;
+    taken += std::size_t(count);
+  }
+}
+
+Connection::Clock::time_point Connection::deadline() const {
+  const auto now = Clock::now();
+  if (phase_ == Phase::kHeader) return begun_ + limits_.header_time;
+  const auto stalled = now + limits_.stall_time;
+  if (phase_ == Phase::kEvents) return stalled;
+  const auto too_slow = begun_ + limits_.stall_time + time_for(moved_, limits_.slowest_bytes_per_s);
+  return std::min(stalled, too_slow);
+}
+
+bool Connection::wait_for(short events, Clock::time_point until) const {
+  while (true) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
+    if (left < 0) return false;
+    pollfd descriptor{socket_, events, 0};
+    const int ready = ::poll(&descriptor, 1, int(std::min<std::int64_t>(left + 1, 60'000)));
+    if (ready > 0) return (descriptor.revents & (events | POLLHUP)) != 0;
+    if (ready < 0 && errno != EINTR) return false;
+  }
+}
+
+bool Connection::is_readable() const {
+  return at_ < buffer_.size() || wait_for(POLLIN, deadline());
+}
+
+bool Connection::is_writable() const {
+  if (phase_ == Phase::kEvents) {  // Asked again and again: whether the page is still there.
+    pollfd descriptor{socket_, POLLRDHUP, 0};
+    if (::poll(&descriptor, 1, 0) > 0) return false;
+  }
+  return wait_for(POLLOUT, Clock::now() + limits_.stall_time);
+}
+
+ssize_t Connection::read(char* to, size_t size) {
+  if (at_ == buffer_.size()) {
+    if (!wait_for(POLLIN, deadline())) return -1;
+    buffer_.resize(kBuffer);
+    const ssize_t count = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
+    buffer_.resize(std::size_t(std::max<ssize_t>(count, 0)));
+    at_ = 0;
+    if (count <= 0) return count;
+  }
+  const std::size_t taken = std::min(size, buffer_.size() - at_);
+  moved_ += double(taken);
+  if (phase_ == Phase::kHeader && moved_ > double(limits_.header_bytes)) return -1;
+  std::memcpy(to, buffer_.data() + at_, taken);
+  at_ += taken;
+  return ssize_t(taken);
+}
+
+ssize_t Connection::write(const char* from, size_t size) {
+  if (phase_ == Phase::kHeader || phase_ == Phase::kBody) {
+    is_waiting_ = false;
+    phase_ = Phase::kReply;
+    begun_ = Clock::now();
+    moved_ = 0.0;
+  }
+  if (!wait_for(POLLOUT, deadline())) return -1;
+  const ssize_t count = ::send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (count > 0) moved_ += double(count);
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
+  return count;
+}
+
+void Connection::get_remote_ip_and_port(std::string& ip, int& port) const {
+  ip.clear();  // Nobody is told.
+  port = 0;
+}
+
+void Connection::get_local_ip_and_port(std::string& ip, int& port) const {
+  ip.clear();
+  port = 0;
+}
+
+}  // namespace lefort::server

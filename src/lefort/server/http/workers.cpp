@@ -1,0 +1,91 @@
+#include <lefort/server/http/workers.h>
+
+#include <utility>
+
+namespace lefort::server {
+namespace {
+
+thread_local bool is_sending_away = false;
+
+}  // namespace
+
+Workers::Workers(const HttpLimits& limits) : limits_(limits) {
+  for (int n = 0; n < limits.threads; ++n) threads_.emplace_back([this] { work(); });
+  usher_ = std::thread([this] { usher(); });
+}
+
+bool Workers::sends_away() { return is_sending_away; }
+
+void Workers::enqueue(std::function<void()> task) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (tasks_.size() < std::size_t(limits_.waiting)) {
+      tasks_.push_back(std::move(task));
+      task = nullptr;
+    }
+  }
+  if (task) {  // No room: a word and good-bye, on the thread that accepts.
+    is_sending_away = true;
+    task();
+    is_sending_away = false;
+    return;
+  }
+  wake_.notify_one();
+  wake_usher_.notify_one();
+}
+
+void Workers::shutdown() {
+  {
+    const std::scoped_lock lock(mutex_);
+    is_ending_ = true;
+    for (const Connection* connection : connections_) connection->abort();
+  }
+  wake_.notify_all();
+  wake_usher_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+  usher_.join();
+}
+
+void Workers::enter(const Connection* connection) {
+  const std::scoped_lock lock(mutex_);
+  connections_.insert(connection);
+  if (is_ending_) connection->abort();
+}
+
+void Workers::leave(const Connection* connection) {
+  const std::scoped_lock lock(mutex_);
+  connections_.erase(connection);
+}
+
+void Workers::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    ++idle_;
+    wake_.wait(lock, [&] { return is_ending_ || !tasks_.empty(); });
+    --idle_;
+    if (tasks_.empty()) return;
+    const std::function<void()> task = std::move(tasks_.front());
+    tasks_.pop_front();
+    is_sending_away = is_ending_;
+    lock.unlock();
+    task();
+    lock.lock();
+  }
+}
+
+/// Ends who is slow while others wait.
+void Workers::usher() {
+  std::unique_lock lock(mutex_);
+  while (!is_ending_) {
+    if (tasks_.empty() || idle_ > 0) {
+      wake_usher_.wait(lock, [&] { return is_ending_ || (!tasks_.empty() && idle_ == 0); });
+      continue;
+    }
+    const auto too_long_ago = Connection::Clock::now() - limits_.patience;
+    for (const Connection* connection : connections_)
+      if (connection->is_waiting() && connection->since() < too_long_ago) connection->abort();
+    wake_usher_.wait_for(lock, limits_.patience);
+  }
+}
+
+}  // namespace lefort::server

@@ -1,0 +1,25 @@
+/// \file
+/// The planner's server from start to end.
+#pragma once
+
+#include <lefort/pipeline/summary.h>
+
+#include <filesystem>
+#include <string>
+
+namespace lefort::server {
+
+struct ServeJob {
+  std::filesystem::path folder = "lefort-case";
+  std::string host = "127.0.0.1";
+  int port = 8765;
+  bool open = false;
+  bool demo = false;  ///< Begins with the example, unless the case has a scan.
+  /// Where Debian's invesalius-examples puts it.
+  std::filesystem::path example = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
+};
+
+/// Serves until `progress` asks to stop. Prints the page's address on stdout when it can be opened.
+[[nodiscard]] Result<pipeline::Summary> serve_case(const ServeJob& job, Progress& progress);
+
+}  // namespace lefort::server

@@ -1,0 +1,81 @@
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/cache/restart_file.h>
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "support/temporary_folder.h"
+
+namespace lefort::pipeline {
+namespace {
+
+predict::Restart some_restart() {
+  predict::Restart restart;
+  predict::PredictionStep step;
+  step.share = 0.25;
+  step.segments.resize(2);
+  for (predict::SegmentStep& segment : step.segments) segment.X_LB = RigidTransform::Identity();
+  step.segments[1].X_LB.translation() = Vec3(1.0, -2.0, 3.5);
+  step.displacement_mm = {Vec3(0.1, 0.2, 0.3), Vec3(-1e-300, 0.0, 1.0 / 3.0)};
+  step.segments[1].contact.points = 17;
+  step.segments[1].contact.p99_depth_from_rest_mm = 0.04;
+  step.smallest_J = 0.9;
+  fem::LoadAttempt attempt;
+  attempt.t_to = 0.25;
+  attempt.extrapolated = true;
+  attempt.stop = fem::NewtonStop::kStagnated;
+  attempt.reason = "no step lowers the energy";
+  attempt.history = {{.residual_n = 1.0}, {.residual_n = 1e-9, .contacts = 3}};
+  step.attempts = {attempt};
+  restart.steps = {step, step};
+  restart.stepper.last.t = 0.25;
+  restart.stepper.last.u = VectorX::LinSpaced(6, 0.0, 1.0);
+  restart.stepper.before_last.emplace();
+  restart.stepper.before_last->u = VectorX::Ones(6);
+  restart.stepper.increment = 0.0625;
+  restart.contacts = {{.multipliers_mpa = {0.0, 1e-3},
+                       .stiffenings = {1.0, 16.0},
+                       .walls = {{}, {Vec3(1.0, 2.0, 3.0), Vec3::UnitZ(), true}},
+                       .tunnelled_area_mm2 = 2.0}};
+  return restart;
+}
+
+TEST(RestartFile, IsReadAsItWasWritten) {
+  const test::TemporaryFolder folder;
+  const auto path = folder / "steps.restart", again = folder / "again.restart";
+  ASSERT_TRUE(write_restart(path, some_restart()));
+  const auto read = read_restart(path);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->steps[1].displacement_mm, some_restart().steps[1].displacement_mm);
+  EXPECT_EQ(read->steps[1].segments[1].X_LB.translation(), Vec3(1.0, -2.0, 3.5));
+  EXPECT_EQ(read->steps[1].segments[1].contact.points, 17);
+  EXPECT_EQ(read->steps[0].attempts[0].reason, "no step lowers the energy");
+  EXPECT_EQ(read->stepper.before_last->u, VectorX::Ones(6));
+  EXPECT_EQ(read->contacts[0].multipliers_mpa[1], 1e-3);
+  EXPECT_EQ(read->contacts[0].stiffenings[1], 16.0);
+  EXPECT_EQ(read->contacts[0].walls[1].foot_B, Vec3(1.0, 2.0, 3.0));
+  EXPECT_TRUE(read->contacts[0].walls[1].keeps_side);
+  ASSERT_TRUE(write_restart(again, *read));
+  EXPECT_EQ(io::read_text(path, 1 << 20).value(), io::read_text(again, 1 << 20).value());
+}
+
+TEST(RestartFile, OneThatIsCutOrDamagedIsRefused) {
+  const test::TemporaryFolder folder;
+  const auto path = folder / "steps.restart";
+  ASSERT_TRUE(write_restart(path, some_restart()));
+  const std::string whole = io::read_text(path, 1 << 20).value();
+  std::string flipped = whole;
+  flipped[whole.size() / 2] = char(flipped[whole.size() / 2] ^ 1);
+  for (const std::string& text : {std::string(), whole.substr(0, 30), whole.substr(0, 100),
+                                  whole.substr(0, whole.size() - 1), whole + "x", flipped}) {
+    ASSERT_TRUE(io::write_text(path, text));
+    const auto read = read_restart(path);
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().code, ErrorCode::kFileCorrupt);
+  }
+  EXPECT_EQ(read_restart(folder / "none").error().code, ErrorCode::kFileNotFound);
+}
+
+}  // namespace
+}  // namespace lefort::pipeline

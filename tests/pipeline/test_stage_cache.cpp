@@ -1,0 +1,85 @@
+#include <lefort/io/write_atomically.h>
+#include <lefort/pipeline/cache/stage_cache.h>
+
+#include <gtest/gtest.h>
+
+#include "support/temporary_folder.h"
+
+namespace lefort::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A stage that makes a text and counts how often it had to.
+struct TextStage {
+  StageCache cache;
+  int made = 0;
+
+  Result<std::string> get(const std::string& key, Progress& progress = Progress::none()) {
+    return cache.get(
+        "text.txt", key, progress, [](const fs::path& path) { return io::read_text(path, 100); },
+        [&]() -> Result<std::string> {
+          ++made;
+          return "made for " + key;
+        },
+        [](const fs::path& path, const std::string& text) { return io::write_text(path, text); });
+  }
+};
+
+const std::string kKey(64, 'a');
+const std::string kOtherKey(64, 'b');
+
+TEST(StageCache, MakesOnceAndReadsAfterwards) {
+  const test::TemporaryFolder folder;
+  TextStage stage{StageCache(folder / "cache")};
+  EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
+  EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
+  EXPECT_EQ(stage.made, 1);
+}
+
+TEST(StageCache, OtherInputsAreMadeAnew) {
+  const test::TemporaryFolder folder;
+  TextStage stage{StageCache(folder / "cache")};
+  EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
+  EXPECT_EQ(stage.get(kOtherKey).value(), "made for " + kOtherKey);
+  EXPECT_EQ(stage.made, 2);
+}
+
+TEST(StageCache, ADamagedFileIsMadeAnew) {
+  const test::TemporaryFolder folder;
+  TextStage stage{StageCache(folder / "cache")};
+  ASSERT_TRUE(stage.get(kKey));
+  ASSERT_TRUE(io::write_text(stage.cache.file("text.txt", kKey), std::string(200, 'x')));
+  EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
+  EXPECT_EQ(stage.made, 2);
+}
+
+/// Remembers what it was told.
+class Told final : public Progress {
+ public:
+  void begin_stage(std::string_view name) override { stages += name; }
+  void note(std::string_view sentence) override { notes += sentence; }
+  std::string stages, notes;
+};
+
+TEST(StageCache, SaysWhetherItReadOrMade) {
+  const test::TemporaryFolder folder;
+  TextStage stage{StageCache(folder / "cache")};
+  Told first, second;
+  ASSERT_TRUE(stage.get(kKey, first));
+  EXPECT_EQ(first.stages, "");
+  ASSERT_TRUE(stage.get(kKey, second));
+  EXPECT_EQ(second.stages, "read text.txt from the cache");
+}
+
+TEST(StageCache, AResultThatCannotBeKeptServesAllTheSame) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(io::write_text(folder / "cache", "a file in the way of the folder"));
+  TextStage stage{StageCache(folder / "cache")};
+  Told told;
+  EXPECT_EQ(stage.get(kKey, told).value(), "made for " + kKey);
+  EXPECT_NE(told.notes.find("text.txt is not kept"), std::string::npos) << told.notes;
+}
+
+}  // namespace
+}  // namespace lefort::pipeline
