@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 using pipeline::as_json;
 
-Json as_json(const RigidTransform& pose) {
+Json matrix_json(const RigidTransform& pose) {
   Json rows = Json::array();
   const Eigen::Matrix4d matrix = pose.matrix();
   for (int i = 0; i < 4; ++i)
@@ -76,7 +76,7 @@ Json as_json(const predict::PredictionStep& step, const io::PlanFile& plan) {
   for (const Vec3& u : step.displacement_mm) largest_mm = std::max(largest_mm, u.norm());
   Json json{{"share", step.share}};
   json["pose_4x4_row_major_mm_lps"] =
-      of_segments(plan, [&](std::size_t k) { return as_json(step.segments[k].X_LB); });
+      of_segments(plan, [&](std::size_t k) { return matrix_json(step.segments[k].X_LB); });
   add_contact(step.contact(), json);
   if (plan.segments.size() > 1)
     json["contact_by_segment"] = of_segments(plan, [&](std::size_t k) {
@@ -101,7 +101,7 @@ Json as_json(const predict::BonePair& pair, const io::PlanFile& plan) {
   json["volume_ml"] = pair.overlap.volume_mm3 * 1e-3;
   json["deepest_mm"] = pair.overlap.deepest_mm;
   json["deepest_at_mm_lps"] =
-      pair.overlap.overlaps() ? as_json(pair.overlap.deepest_L) : Json(nullptr);
+      pair.overlap.overlaps() ? Json(as_json(pair.overlap.deepest_L)) : Json(nullptr);
   json["deeper_than_told"] = pair.overlap.is_beyond_reach;
   return json;
 }

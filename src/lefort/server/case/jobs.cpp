@@ -58,7 +58,7 @@ std::optional<JobRecord> read_record(const fs::path& file) {
 
 }  // namespace
 
-json pipeline::as_json(const JobRecord& job) {
+json as_json(const JobRecord& job) {
   json result{{"id", job.id},
               {"kind", job.kind},
               {"parameters", job.parameters},

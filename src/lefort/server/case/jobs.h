@@ -40,7 +40,7 @@ struct JobRecord {
   [[nodiscard]] bool is_over() const { return state != "queued" && state != "running"; }
 };
 
-[[nodiscard]] nlohmann::json pipeline::as_json(const JobRecord& job);
+[[nodiscard]] nlohmann::json as_json(const JobRecord& job);
 
 /// What a job that is done leaves to tell.
 struct JobOutcome {

@@ -47,13 +47,13 @@ Reply post_job(ServedCase& served, const Request& request, const PathValues&) {
   const std::scoped_lock lock(served.writing);  // Not amid a change that waits for jobs to be done.
   const auto job = served.jobs.submit(kind, *std::move(body.value));
   if (!job) return refusal(429, "limit", job.error().message);
-  return json_reply(pipeline::as_json(*job), 202);
+  return json_reply(as_json(*job), 202);
 }
 
 Reply get_job(ServedCase& served, const Request&, const PathValues& values) {
   const auto id = number_of(values[0], 1, 1'000'000'000);
   const auto job = id ? served.jobs.find(*id) : std::nullopt;
-  return job ? json_reply(pipeline::as_json(*job)) : not_there("there is no such job");
+  return job ? json_reply(as_json(*job)) : not_there("there is no such job");
 }
 
 Reply get_job_iterates(ServedCase& served, const Request&, const PathValues& values) {
@@ -65,7 +65,7 @@ Reply get_job_iterates(ServedCase& served, const Request&, const PathValues& val
 Reply delete_job(ServedCase& served, const Request&, const PathValues& values) {
   const auto id = number_of(values[0], 1, 1'000'000'000);
   const auto job = id ? served.jobs.cancel(*id) : std::nullopt;
-  return job ? json_reply(pipeline::as_json(*job)) : not_there("there is no such job");
+  return job ? json_reply(as_json(*job)) : not_there("there is no such job");
 }
 
 Reply get_events(ServedCase&, const Request& request, const PathValues&) {
