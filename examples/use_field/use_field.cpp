@@ -1,5 +1,5 @@
 // The distance field without the rest of lefort: how deep is a point in a box?
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 
 #include <cstdio>
 

@@ -1,6 +1,6 @@
 #include <lefort/contact/bone_overlap.h>
 #include <lefort/core/parallel.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include <lefort/contact/contact_term.h>
 #include <lefort/core/check.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/element_faces.h>
 
 #include <Eigen/Eigenvalues>

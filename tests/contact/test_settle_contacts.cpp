@@ -1,5 +1,5 @@
 #include <lefort/contact/settle_contacts.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 
 #include <gtest/gtest.h>
 

@@ -2,9 +2,9 @@
 /// A mesh, its element terms and an assembler over them, kept alive together.
 #pragma once
 
-#include <lefort/fem/assemble.h>
-#include <lefort/fem/element_term.h>
-#include <lefort/fem/equilibrium.h>
+#include <lefort/fem/assembly/assemble.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/fem/solve/equilibrium.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 /// One example of every law, and what is known of it: what the tests of all laws run through.
 #pragma once
 
-#include <lefort/fem/material.h>
+#include <lefort/fem/materials/material.h>
 
 #include <gtest/gtest.h>
 

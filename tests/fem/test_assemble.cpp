@@ -1,6 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
-#include <lefort/fem/assemble.h>
+#include <lefort/fem/assembly/assemble.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <lefort/fem/boundary_conditions.h>
+#include <lefort/fem/assembly/boundary_conditions.h>
 
 #include <gtest/gtest.h>
 

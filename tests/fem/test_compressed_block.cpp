@@ -1,6 +1,6 @@
 /// A nearly incompressible block pressed between two plates it sticks to: its sides bulge.
-#include <lefort/fem/element_term.h>
-#include <lefort/fem/pressure.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/fem/loads/pressure.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <lefort/fem/dead_load.h>
+#include <lefort/fem/loads/dead_load.h>
 
 #include <gtest/gtest.h>
 

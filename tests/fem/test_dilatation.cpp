@@ -1,10 +1,10 @@
 /// What elements of laws in split form must do when they average the change of volume.
 #include <lefort/core/parallel.h>
-#include <lefort/fem/dilatation_modes.h>
-#include <lefort/fem/element_state.h>
-#include <lefort/fem/element_term.h>
-#include <lefort/fem/nodal_dilatation.h>
-#include <lefort/fem/smoothed_shear_term.h>
+#include <lefort/fem/assembly/element_state.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/fem/locking/dilatation_modes.h>
+#include <lefort/fem/locking/nodal_dilatation.h>
+#include <lefort/fem/locking/smoothed_shear_term.h>
 #include <lefort/mesh/box_grid.h>
 
 #include <Eigen/Eigenvalues>

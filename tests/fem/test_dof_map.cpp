@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/fem/dof_map.h>
+#include <lefort/fem/assembly/dof_map.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <lefort/fem/element_state.h>
+#include <lefort/fem/assembly/element_state.h>
 
 #include <gtest/gtest.h>
 

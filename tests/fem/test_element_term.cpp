@@ -1,4 +1,4 @@
-#include <lefort/fem/element_term.h>
+#include <lefort/fem/assembly/element_term.h>
 #include <lefort/mesh/element_faces.h>
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/elements/fine_quadrature.h>
+#include <lefort/fem/elements/reference_element.h>
 #include <lefort/fem/faces/all_faces.h>
-#include <lefort/fem/reference_element.h>
 #include <lefort/mesh/element_faces.h>
 
 #include <gtest/gtest.h>

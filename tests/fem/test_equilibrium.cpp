@@ -1,5 +1,5 @@
 #include <lefort/core/parallel.h>
-#include <lefort/fem/equilibrium.h>
+#include <lefort/fem/solve/equilibrium.h>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include <lefort/core/check.h>
-#include <lefort/fem/equilibrium.h>
-#include <lefort/fem/load_steps.h>
+#include <lefort/fem/solve/equilibrium.h>
+#include <lefort/fem/solve/load_steps.h>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Every law against the formulas of the textbooks for stretching in one and in two directions, and for
 // simple shear.
-#include <lefort/fem/material.h>
+#include <lefort/fem/materials/material.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-#include <lefort/fem/material.h>
 #include <lefort/fem/materials/constants.h>
+#include <lefort/fem/materials/material.h>
 
 #include <gtest/gtest.h>
 

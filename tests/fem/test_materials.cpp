@@ -1,4 +1,4 @@
-#include <lefort/fem/material.h>
+#include <lefort/fem/materials/material.h>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <gtest/gtest.h>

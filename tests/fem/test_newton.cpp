@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/fem/newton.h>
+#include <lefort/fem/solve/newton.h>
 
 #include <gtest/gtest.h>
 

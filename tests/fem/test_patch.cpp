@@ -1,5 +1,5 @@
 /// What elements of all shapes must do alone and side by side: the patch test.
-#include <lefort/fem/element_term.h>
+#include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/faces/all_faces.h>
 #include <lefort/mesh/box_grid.h>
 

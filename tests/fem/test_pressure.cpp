@@ -1,5 +1,5 @@
 #include <lefort/fem/faces/all_faces.h>
-#include <lefort/fem/pressure.h>
+#include <lefort/fem/loads/pressure.h>
 #include <lefort/mesh/element_faces.h>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include <lefort/fem/reach_inside.h>
+#include <lefort/fem/locking/reach_inside.h>
 
 #include <gtest/gtest.h>
 

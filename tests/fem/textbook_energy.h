@@ -4,7 +4,7 @@
 /// from Boost.
 #pragma once
 
-#include <lefort/fem/material.h>
+#include <lefort/fem/materials/material.h>
 
 #include <array>
 #include <cmath>

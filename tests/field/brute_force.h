@@ -4,7 +4,7 @@
 
 #include <lefort/core/types.h>
 #include <lefort/field/distance_field.h>
-#include <lefort/field/trilinear.h>
+#include <lefort/field/query/trilinear.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/closest_point.h>
 #include <lefort/geometry/triangle_mesh.h>

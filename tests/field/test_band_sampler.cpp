@@ -1,4 +1,4 @@
-#include <lefort/field/band_sampler.h>
+#include <lefort/field/build/band_sampler.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_measures.h>
 #include <lefort/geometry/winding_number.h>

@@ -1,7 +1,7 @@
 #include <lefort/core/check.h>
-#include <lefort/field/brick_samples.h>
-#include <lefort/field/build_bricks.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_bricks.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/storage/brick_samples.h>
 
 #include <gtest/gtest.h>
 

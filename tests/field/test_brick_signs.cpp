@@ -1,4 +1,4 @@
-#include <lefort/field/brick_signs.h>
+#include <lefort/field/sign/brick_signs.h>
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include <lefort/field/bricks_reached.h>
+#include <lefort/field/build/bricks_reached.h>
 #include <lefort/field/field_frame.h>
-#include <lefort/field/sparse_lattice.h>
+#include <lefort/field/storage/sparse_lattice.h>
 #include <lefort/geometry/closest_point.h>
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-#include <lefort/field/build_distance_field.h>
-#include <lefort/field/coalesce.h>
-#include <lefort/field/trilinear.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/build/coalesce.h>
+#include <lefort/field/query/trilinear.h>
 
 #include <gtest/gtest.h>
 

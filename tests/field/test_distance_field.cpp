@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_measures.h>
 

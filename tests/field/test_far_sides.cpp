@@ -1,5 +1,5 @@
-#include <lefort/field/band_sampler.h>
-#include <lefort/field/far_sides.h>
+#include <lefort/field/build/band_sampler.h>
+#include <lefort/field/sign/far_sides.h>
 #include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>

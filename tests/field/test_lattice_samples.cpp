@@ -1,5 +1,5 @@
-#include <lefort/field/build_distance_field.h>
-#include <lefort/field/lattice_samples.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/query/lattice_samples.h>
 
 #include <gtest/gtest.h>
 

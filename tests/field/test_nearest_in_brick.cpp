@@ -1,4 +1,4 @@
-#include <lefort/field/nearest_in_brick.h>
+#include <lefort/field/build/nearest_in_brick.h>
 #include <lefort/geometry/closest_point.h>
 
 #include <gtest/gtest.h>

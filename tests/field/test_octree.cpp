@@ -1,4 +1,4 @@
-#include <lefort/field/octree.h>
+#include <lefort/field/storage/octree.h>
 
 #include <gtest/gtest.h>
 

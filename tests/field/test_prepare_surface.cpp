@@ -1,5 +1,5 @@
-#include <lefort/field/build_distance_field.h>
-#include <lefort/field/prepare_surface.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/build/prepare_surface.h>
 #include <lefort/geometry/mesh_measures.h>
 #include <lefort/geometry/winding_number.h>
 

@@ -1,8 +1,8 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
-#include <lefort/field/build_distance_field.h>
-#include <lefort/field/query_bricks.h>
-#include <lefort/field/trilinear.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/query/query_bricks.h>
+#include <lefort/field/query/trilinear.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <lefort/field/sample_index.h>
+#include <lefort/field/storage/sample_index.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-#include <lefort/field/build_distance_field.h>
-#include <lefort/field/slice_field.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/query/slice_field.h>
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 /// \file
 /// Two thousand of the smallest surfaces, by every method, at every sample: where what is special
 /// is not rare.
-#include <lefort/field/build_distance_field.h>
-#include <lefort/field/lattice_samples.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/query/lattice_samples.h>
 #include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/field/sparse_lattice.h>
+#include <lefort/field/storage/sparse_lattice.h>
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-#include <lefort/field/evaluate_spline.h>
-#include <lefort/field/spline_lattice.h>
+#include <lefort/field/query/evaluate_spline.h>
+#include <lefort/field/storage/spline_lattice.h>
 
 #include <gtest/gtest.h>
 

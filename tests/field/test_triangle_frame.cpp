@@ -1,5 +1,5 @@
-#include <lefort/field/build_distance_field.h>
-#include <lefort/field/triangle_frame.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/build/triangle_frame.h>
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <lefort/field/triangle_tree.h>
+#include <lefort/field/build/triangle_tree.h>
 
 #include <gtest/gtest.h>
 

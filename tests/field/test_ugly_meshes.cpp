@@ -1,4 +1,4 @@
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
 
 #include <gtest/gtest.h>

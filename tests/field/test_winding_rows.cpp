@@ -1,5 +1,5 @@
 #include <lefort/core/parallel.h>
-#include <lefort/field/winding_rows.h>
+#include <lefort/field/sign/winding_rows.h>
 #include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>

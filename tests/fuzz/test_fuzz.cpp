@@ -5,8 +5,8 @@
 /// Whatever a file holds, the answer is a Result: no crash, no hang, and in a field made of it no
 /// distance that is no number. The seed is in every message; the number of files is fixed, and the
 /// time a test may take is bounded.
-#include <lefort/field/build_distance_field.h>
-#include <lefort/field/lattice_samples.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/query/lattice_samples.h>
 #include <lefort/io/deck_file.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/landmarks_file.h>

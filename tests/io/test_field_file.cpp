@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/write_atomically.h>
 

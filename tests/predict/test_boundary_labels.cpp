@@ -1,4 +1,4 @@
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/predict/boundary_labels.h>
 #include <lefort/predict/mesh_tissue.h>

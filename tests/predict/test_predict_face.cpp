@@ -1,8 +1,8 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
-#include <lefort/fem/assemble.h>
-#include <lefort/fem/element_term.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/fem/assembly/assemble.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>

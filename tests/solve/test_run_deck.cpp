@@ -1,5 +1,5 @@
 #include <lefort/core/parallel.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/solve/run_deck.h>
 
 #include <gtest/gtest.h>

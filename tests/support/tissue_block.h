@@ -2,7 +2,7 @@
 /// A block of tissue on a bone: the smallest face there is.
 #pragma once
 
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/plan/plan.h>

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <lefort/core/types.h>
-#include <lefort/fem/boundary_conditions.h>
-#include <lefort/fem/material.h>
+#include <lefort/fem/assembly/boundary_conditions.h>
+#include <lefort/fem/materials/material.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <vector>

@@ -6,7 +6,7 @@
 #include <lefort/contact/measure_gap.h>
 #include <lefort/core/parallel.h>
 #include <lefort/core/version.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
 

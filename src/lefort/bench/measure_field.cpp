@@ -3,7 +3,7 @@
 #include <lefort/bench/stopwatch.h>
 #include <lefort/bench/surface_points.h>
 #include <lefort/core/parallel.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_measures.h>
 #include <lefort/geometry/winding_number.h>

@@ -2,11 +2,11 @@
 #include <lefort/bench/solve_task.h>
 #include <lefort/bench/stopwatch.h>
 #include <lefort/core/parallel.h>
-#include <lefort/fem/assemble.h>
-#include <lefort/fem/dilatation.h>
-#include <lefort/fem/element_term.h>
-#include <lefort/fem/equilibrium.h>
-#include <lefort/fem/load_steps.h>
+#include <lefort/fem/assembly/assemble.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/fem/locking/dilatation.h>
+#include <lefort/fem/solve/equilibrium.h>
+#include <lefort/fem/solve/load_steps.h>
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>

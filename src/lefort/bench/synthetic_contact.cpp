@@ -1,5 +1,5 @@
 #include <lefort/bench/convergence.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/predict/tissue_boundary.h>
 

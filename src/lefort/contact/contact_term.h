@@ -8,7 +8,7 @@
 #include <lefort/contact/measure_gap.h>
 #include <lefort/contact/penalty.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/force_term.h>
+#include <lefort/fem/assembly/force_term.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <array>

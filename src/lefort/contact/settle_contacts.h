@@ -5,7 +5,7 @@
 
 #include <lefort/contact/contact_term.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/newton.h>
+#include <lefort/fem/solve/newton.h>
 
 #include <functional>
 #include <span>

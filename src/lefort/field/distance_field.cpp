@@ -1,9 +1,9 @@
 #include <lefort/core/check.h>
 #include <lefort/field/distance_field.h>
-#include <lefort/field/evaluate_spline.h>
-#include <lefort/field/octree_cells.h>
-#include <lefort/field/query_bricks.h>
-#include <lefort/field/trilinear.h>
+#include <lefort/field/query/evaluate_spline.h>
+#include <lefort/field/query/query_bricks.h>
+#include <lefort/field/query/trilinear.h>
+#include <lefort/field/storage/octree_cells.h>
 
 #include <algorithm>
 #include <array>

@@ -6,12 +6,12 @@
 #pragma once
 
 #include <lefort/core/types.h>
-#include <lefort/field/brick_samples.h>
-#include <lefort/field/dense_samples.h>
 #include <lefort/field/field_frame.h>
 #include <lefort/field/field_sample.h>
-#include <lefort/field/octree.h>
-#include <lefort/field/sparse_lattice.h>
+#include <lefort/field/storage/brick_samples.h>
+#include <lefort/field/storage/dense_samples.h>
+#include <lefort/field/storage/octree.h>
+#include <lefort/field/storage/sparse_lattice.h>
 #include <lefort/field/surface_report.h>
 
 #include <cstddef>

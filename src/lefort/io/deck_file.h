@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/solve/deck.h>
 
 #include <filesystem>

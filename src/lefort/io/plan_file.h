@@ -4,7 +4,7 @@
 
 #include <lefort/anatomy/segment_tissue.h>
 #include <lefort/core/error.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/plan/cut_segments.h>
 #include <lefort/plan/landmarks.h>
 #include <lefort/predict/prediction_options.h>

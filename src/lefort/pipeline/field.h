@@ -4,7 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/pipeline/summary.h>
 
 #include <filesystem>

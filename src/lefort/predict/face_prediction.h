@@ -5,7 +5,7 @@
 #include <lefort/contact/contact_term.h>
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/load_steps.h>
+#include <lefort/fem/solve/load_steps.h>
 
 #include <algorithm>
 #include <optional>
@@ -28,7 +28,7 @@ struct PredictionStep {
   contact::ContactSummary still_contact = {};
   double smallest_J = 1.0;                 ///< Least volume ratio of an element; positive.
   double residual_n = 0.0;                 ///< Of the unbalanced forces, last iteration.
-  double relative_residual = 0.0;          ///< To the forces that cancel (fem/assemble.h).
+  double relative_residual = 0.0;          ///< To the forces that cancel (fem/assembly/assemble.h).
   std::vector<fem::LoadAttempt> attempts;  ///< All that was tried to come here.
 
   /// With all segments. Tissue that touches two counts for both; the P99 is that of the segment

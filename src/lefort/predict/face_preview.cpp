@@ -1,9 +1,9 @@
 #include <lefort/contact/measure_gap.h>
 #include <lefort/core/check.h>
-#include <lefort/fem/assemble.h>
-#include <lefort/fem/boundary_conditions.h>
-#include <lefort/fem/dof_map.h>
-#include <lefort/fem/element_term.h>
+#include <lefort/fem/assembly/assemble.h>
+#include <lefort/fem/assembly/boundary_conditions.h>
+#include <lefort/fem/assembly/dof_map.h>
+#include <lefort/fem/assembly/element_term.h>
 #include <lefort/linear/linear_solver.h>
 #include <lefort/predict/face_preview.h>
 #include <lefort/predict/tissue_boundary.h>

@@ -5,7 +5,7 @@
 #include <lefort/contact/detector.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
-#include <lefort/fem/load_steps.h>
+#include <lefort/fem/solve/load_steps.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/plan/plan.h>
 #include <lefort/predict/face_model.h>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
-#include <lefort/fem/material.h>
+#include <lefort/fem/materials/material.h>
 #include <lefort/predict/prediction_options.h>
 
 namespace lefort::predict {

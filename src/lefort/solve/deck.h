@@ -5,9 +5,9 @@
 
 #include <lefort/contact/contact_term.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/load_steps.h>
-#include <lefort/fem/material.h>
-#include <lefort/fem/newton.h>
+#include <lefort/fem/materials/material.h>
+#include <lefort/fem/solve/load_steps.h>
+#include <lefort/fem/solve/newton.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/linear/linear_solver.h>
 #include <lefort/solve/load_curve.h>

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <lefort/core/error.h>
-#include <lefort/fem/dead_load.h>
-#include <lefort/fem/pressure.h>
+#include <lefort/fem/loads/dead_load.h>
+#include <lefort/fem/loads/pressure.h>
 #include <lefort/solve/prepare_deck.h>
 
 #include <memory>

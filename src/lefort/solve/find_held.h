@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
-#include <lefort/fem/boundary_conditions.h>
+#include <lefort/fem/assembly/boundary_conditions.h>
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/solve/deck.h>
 

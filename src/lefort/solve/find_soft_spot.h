@@ -4,7 +4,7 @@
 
 #include <lefort/core/progress.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/assemble.h>
+#include <lefort/fem/assembly/assemble.h>
 
 #include <cstdint>
 #include <optional>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <lefort/core/types.h>
-#include <lefort/fem/boundary_conditions.h>
+#include <lefort/fem/assembly/boundary_conditions.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include <lefort/fem/element_term.h>
+#include <lefort/fem/assembly/element_term.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/solve/about_key.h>
 #include <lefort/solve/find_sets.h>

@@ -4,8 +4,8 @@
 #pragma once
 
 #include <lefort/core/error.h>
-#include <lefort/fem/boundary_conditions.h>
-#include <lefort/fem/material.h>
+#include <lefort/fem/assembly/boundary_conditions.h>
+#include <lefort/fem/materials/material.h>
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/solve/deck.h>
 #include <lefort/solve/find_held.h>

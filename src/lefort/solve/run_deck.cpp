@@ -1,9 +1,9 @@
 #include <lefort/contact/settle_contacts.h>
 #include <lefort/core/check.h>
-#include <lefort/fem/assemble.h>
-#include <lefort/fem/dof_map.h>
-#include <lefort/fem/element_term.h>
-#include <lefort/fem/equilibrium.h>
+#include <lefort/fem/assembly/assemble.h>
+#include <lefort/fem/assembly/dof_map.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/fem/solve/equilibrium.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/linear/linear_solver.h>
 #include <lefort/solve/deck_loads.h>

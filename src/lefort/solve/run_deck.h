@@ -5,8 +5,8 @@
 #include <lefort/contact/contact_term.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
-#include <lefort/fem/element_state.h>
-#include <lefort/fem/load_steps.h>
+#include <lefort/fem/assembly/element_state.h>
+#include <lefort/fem/solve/load_steps.h>
 #include <lefort/linear/linear_solver.h>
 #include <lefort/solve/check_obstacles.h>
 #include <lefort/solve/prepare_deck.h>
@@ -28,7 +28,7 @@ struct Increment {
   /// worked depends on the way and is not counted.
   double energy_mj = 0.0;
   double residual_n = 0.0;
-  double relative_residual = 0.0;  ///< To the forces that cancel (fem/assemble.h).
+  double relative_residual = 0.0;  ///< To the forces that cancel (fem/assembly/assemble.h).
   double smallest_J = 1.0;
   double largest_displacement_mm = 0.0;
   /// What each condition exerts on the body [N]: Deck::displacements, then Deck::motions. A

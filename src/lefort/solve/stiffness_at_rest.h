@@ -2,7 +2,7 @@
 /// How stiff a law is at small strain: what penalties and tolerances are measured by.
 #pragma once
 
-#include <lefort/fem/material.h>
+#include <lefort/fem/materials/material.h>
 
 namespace lefort::solve {
 

@@ -1,7 +1,7 @@
 #include <lefort/core/check.h>
-#include <lefort/fem/element_term.h>
-#include <lefort/fem/equilibrium.h>
-#include <lefort/fem/load_steps.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/fem/solve/equilibrium.h>
+#include <lefort/fem/solve/load_steps.h>
 #include <lefort/verify/case_model.h>
 
 #include <optional>

@@ -5,13 +5,13 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/boundary_conditions.h>
-#include <lefort/fem/dead_load.h>
-#include <lefort/fem/dilatation.h>
-#include <lefort/fem/force_term.h>
-#include <lefort/fem/load_steps.h>
-#include <lefort/fem/material.h>
-#include <lefort/fem/newton.h>
+#include <lefort/fem/assembly/boundary_conditions.h>
+#include <lefort/fem/assembly/force_term.h>
+#include <lefort/fem/loads/dead_load.h>
+#include <lefort/fem/locking/dilatation.h>
+#include <lefort/fem/materials/material.h>
+#include <lefort/fem/solve/load_steps.h>
+#include <lefort/fem/solve/newton.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <functional>

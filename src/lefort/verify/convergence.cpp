@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/fem/material.h>
+#include <lefort/fem/materials/material.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>

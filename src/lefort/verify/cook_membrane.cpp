@@ -1,7 +1,7 @@
-#include <lefort/fem/assemble.h>
-#include <lefort/fem/element_term.h>
-#include <lefort/fem/equilibrium.h>
-#include <lefort/fem/load_steps.h>
+#include <lefort/fem/assembly/assemble.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/fem/solve/equilibrium.h>
+#include <lefort/fem/solve/load_steps.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cook_membrane.h>

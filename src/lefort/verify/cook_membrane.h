@@ -14,10 +14,10 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/core/types.h>
-#include <lefort/fem/boundary_conditions.h>
-#include <lefort/fem/dead_load.h>
-#include <lefort/fem/dilatation.h>
-#include <lefort/fem/material.h>
+#include <lefort/fem/assembly/boundary_conditions.h>
+#include <lefort/fem/loads/dead_load.h>
+#include <lefort/fem/locking/dilatation.h>
+#include <lefort/fem/materials/material.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <vector>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/core/types.h>
-#include <lefort/fem/dead_load.h>
+#include <lefort/fem/loads/dead_load.h>
 #include <lefort/mesh/volume_mesh.h>
 
 #include <functional>

@@ -2,7 +2,7 @@
 /// One example of every law, with its constants, for the cases that run through all.
 #pragma once
 
-#include <lefort/fem/material.h>
+#include <lefort/fem/materials/material.h>
 
 #include <string>
 #include <vector>

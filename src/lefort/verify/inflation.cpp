@@ -1,4 +1,4 @@
-#include <lefort/fem/pressure.h>
+#include <lefort/fem/loads/pressure.h>
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>
 #include <lefort/verify/judge_refinement.h>

@@ -1,5 +1,5 @@
+#include <lefort/fem/assembly/element_state.h>
 #include <lefort/fem/deformation.h>
-#include <lefort/fem/element_state.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>

@@ -11,7 +11,7 @@
 #pragma once
 
 #include <lefort/core/types.h>
-#include <lefort/fem/material.h>
+#include <lefort/fem/materials/material.h>
 
 namespace lefort::verify {
 

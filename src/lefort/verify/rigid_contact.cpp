@@ -1,5 +1,5 @@
 #include <lefort/contact/settle_contacts.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>

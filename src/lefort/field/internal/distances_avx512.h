@@ -2,8 +2,8 @@
 /// Distances in bricks for processors with AVX-512.
 #pragma once
 
-#include <lefort/field/brick_samples.h>
 #include <lefort/field/field_frame.h>
+#include <lefort/field/storage/brick_samples.h>
 
 #include <span>
 

@@ -5,9 +5,9 @@
 /// give the same bits.
 #pragma once
 
+#include <lefort/field/build/nearest_in_brick.h>
+#include <lefort/field/build/triangle_frame.h>
 #include <lefort/field/internal/simd.h>
-#include <lefort/field/nearest_in_brick.h>
-#include <lefort/field/triangle_frame.h>
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
-#include <lefort/field/lattice_samples.h>
+#include <lefort/field/query/lattice_samples.h>
 
 #include <filesystem>
 #include <map>

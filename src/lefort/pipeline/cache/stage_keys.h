@@ -5,7 +5,7 @@
 #include <lefort/anatomy/label_map.h>
 #include <lefort/anatomy/segment_tissue.h>
 #include <lefort/anatomy/tissue_levels.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/predict/prediction_options.h>
 

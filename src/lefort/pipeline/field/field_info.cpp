@@ -1,4 +1,4 @@
-#include <lefort/field/lattice_samples.h>
+#include <lefort/field/query/lattice_samples.h>
 #include <lefort/io/field_file.h>
 #include <lefort/pipeline/field.h>
 

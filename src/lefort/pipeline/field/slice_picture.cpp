@@ -1,4 +1,4 @@
-#include <lefort/field/slice_field.h>
+#include <lefort/field/query/slice_field.h>
 #include <lefort/geometry/plane_section.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/surface_files.h>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/contact/contact_term.h>
-#include <lefort/fem/load_steps.h>
+#include <lefort/fem/solve/load_steps.h>
 
 #include <nlohmann/json.hpp>
 

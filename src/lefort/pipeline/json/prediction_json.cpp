@@ -1,6 +1,6 @@
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
-#include <lefort/fem/load_steps.h>
+#include <lefort/fem/solve/load_steps.h>
 #include <lefort/pipeline/json/boundary_json.h>
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/pipeline/json/prediction_json.h>

@@ -4,7 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/triangle_mesh.h>
 #include <lefort/pipeline/cache/stage_cache.h>
 

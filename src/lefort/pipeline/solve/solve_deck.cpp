@@ -1,6 +1,6 @@
 #include <lefort/contact/detector.h>
 #include <lefort/core/units.h>
-#include <lefort/field/build_distance_field.h>
+#include <lefort/field/build/build_distance_field.h>
 #include <lefort/io/deck_file.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/output_folder.h>

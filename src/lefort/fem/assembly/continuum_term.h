@@ -1,0 +1,39 @@
+/// \file
+/// The strain energy of elements of one shape: the kernel behind element_term.h.
+#pragma once
+
+#include <lefort/fem/assembly/element_energy.h>
+
+#include <span>
+#include <utility>
+
+namespace lefort::fem {
+
+/// W = sum over elements and points of Psi(F) dV, of laws in split form a share of it.
+template <class Element>
+class ContinuumTerm final : public ForceTerm {
+ public:
+  /// \param share  what Psi is multiplied by if the law is in split form.
+  ContinuumTerm(ElementData<Element> data, double share) : data_(std::move(data)), share_(share) {}
+
+  [[nodiscard]] Index item_count() const override { return data_.count(); }
+
+  [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
+    return data_.nodes_of(item);
+  }
+
+  [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
+                              LocalEquations& local) const override {
+    const Eigen::Map<const ElementNodes<Element>> x(x_L.data()->data());
+    const Material& material = data_.material_of(item);
+    const double share = volumetric_part(material) == nullptr ? 1.0 : share_;
+    return add_strain_energy<Element>(material, LawPart::kWhole, share,
+                                      data_.points[std::size_t(item)], x, local);
+  }
+
+ private:
+  ElementData<Element> data_;
+  double share_;
+};
+
+}  // namespace lefort::fem

@@ -1,0 +1,54 @@
+/// \file
+/// Which displacement components are solved for, and their numbers.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/types.h>
+#include <lefort/fem/assembly/boundary_conditions.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lefort::fem {
+
+/// Numbers all components 3 * node + component, and the free ones in the same order without gaps.
+///
+/// "All" vectors have length 3 * node_count(), "free" vectors free_count().
+class DofMap {
+ public:
+  /// Which components are prescribed; their values do not matter here, so one map serves a whole
+  /// path.
+  ///
+  /// \returns the map, or kInvalidArgument if a node or component does not exist, a displacement is
+  ///   not finite, or one component is prescribed twice with different displacements.
+  [[nodiscard]] static Result<DofMap> build(Index node_count,
+                                            std::span<const PrescribedDisplacement> prescribed);
+
+  [[nodiscard]] Index node_count() const { return Index(free_from_all_.size()) / 3; }
+  [[nodiscard]] Index free_count() const { return Index(all_from_free_.size()); }
+
+  /// The free number of component `all`, or -1 if it is prescribed.
+  [[nodiscard]] std::int32_t free_number(Index all) const {
+    return free_from_all_[std::size_t(all)];
+  }
+
+  /// The free entries of an all vector.
+  [[nodiscard]] VectorX free_part(const VectorX& all) const;
+
+  /// `all` with its free entries replaced by those of `free`.
+  [[nodiscard]] VectorX with_free_part(const VectorX& all, const VectorX& free) const;
+
+  /// `all` with the given displacements written in.
+  /// \pre `prescribed` names components that are prescribed in this map.
+  [[nodiscard]] VectorX with_prescribed(const VectorX& all,
+                                        std::span<const PrescribedDisplacement> prescribed) const;
+
+ private:
+  DofMap() = default;
+
+  std::vector<std::int32_t> free_from_all_;
+  std::vector<std::int32_t> all_from_free_;
+};
+
+}  // namespace lefort::fem

@@ -1,0 +1,75 @@
+/// \file
+/// Elements of one shape and their laws, and the strain energy of one: what the element terms
+/// share.
+#pragma once
+
+#include <lefort/fem/assembly/force_term.h>
+#include <lefort/fem/deformation.h>
+#include <lefort/fem/elements/reference_element.h>
+#include <lefort/fem/materials/material_response.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lefort::fem {
+
+/// Some elements of one shape.
+template <class Element>
+struct ElementData {
+  std::vector<std::int32_t> nodes;                ///< Element::kNodes per element.
+  std::vector<ReferenceElement<Element>> points;  ///< One per element.
+  std::vector<Material> materials;                ///< The laws that occur.
+  std::vector<std::int32_t> material;             ///< For each element, its place in `materials`.
+
+  [[nodiscard]] Index count() const { return Index(points.size()); }
+  [[nodiscard]] std::span<const std::int32_t> nodes_of(Index element) const {
+    return {nodes.data() + element * Element::kNodes, std::size_t(Element::kNodes)};
+  }
+  [[nodiscard]] const Material& material_of(Index element) const {
+    return materials[std::size_t(material[std::size_t(element)])];
+  }
+};
+
+/// K_ab += dN_a/dX . A . dN_b/dX * dV, the second index of P and of F contracted.
+template <class Element>
+void add_stiffness(const Mat9& A, double dV, const ReferencePoint<Element>& point,
+                   LocalEquations& local) {
+  constexpr int kSize = 3 * Element::kNodes;
+  Eigen::Map<Eigen::Matrix<double, kSize, kSize>> K(local.stiffness_n_per_mm.data());
+  for (int b = 0; b < Element::kNodes; ++b) {
+    const Vec3 g_b = dV * point.dN_dX.col(b);
+    const Eigen::Matrix<double, 9, 3> dP =
+        g_b[0] * A.leftCols<3>() + g_b[1] * A.middleCols<3>(3) + g_b[2] * A.rightCols<3>();
+    for (int a = b; a < Element::kNodes; ++a) {
+      const Vec3 g_a = point.dN_dX.col(a);
+      const Mat3 K_ab =
+          g_a[0] * dP.topRows<3>() + g_a[1] * dP.middleRows<3>(3) + g_a[2] * dP.bottomRows<3>();
+      K.template block<3, 3>(3 * a, 3 * b) += K_ab;
+      if (a != b) K.template block<3, 3>(3 * b, 3 * a) += K_ab.transpose();
+    }
+  }
+}
+
+/// Adds share * (sum over points of Psi(F) dV), Psi being that part of the law.
+///
+/// \param x  where the nodes are [mm].
+/// \returns false if a point is inside out, or NaN.
+template <class Element>
+bool add_strain_energy(const Material& material, LawPart part, double share,
+                       const ReferenceElement<Element>& points,
+                       const Eigen::Map<const ElementNodes<Element>>& x, LocalEquations& local) {
+  Eigen::Map<ElementNodes<Element>> residual(local.residual_n.data());
+  for (const ReferencePoint<Element>& point : points) {
+    const Mat3 F = deformation_gradient<Element>(x, point);
+    if (!(volume_ratio(F) > 0.0)) return false;  // Also if NaN.
+    const Mat3 P = stress(material, part, F);
+    const double dV = share * point.volume_mm3;
+    local.energy_mj += dV * energy(material, part, F);
+    residual.noalias() += dV * P * point.dN_dX;
+    if (local.wants_stiffness()) add_stiffness(tangent(material, part, F), dV, point, local);
+  }
+  return true;
+}
+
+}  // namespace lefort::fem

@@ -1,0 +1,177 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/assembly/continuum_term.h>
+#include <lefort/fem/assembly/element_term.h>
+#include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/locking/mean_dilatation_term.h>
+#include <lefort/fem/locking/nodal_dilatation.h>
+#include <lefort/fem/locking/reach_inside.h>
+#include <lefort/fem/locking/shear_sides.h>
+#include <lefort/fem/locking/smoothed_shear_term.h>
+#include <lefort/mesh/element_quality.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+namespace lefort::fem {
+namespace {
+
+using TermPtr = std::unique_ptr<const ForceTerm>;
+
+/// Checks what all shapes share, so that the rest may index freely.
+Result<void> check_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block) {
+  const std::size_t wanted = block.region.size() * std::size_t(mesh::node_count(block.shape));
+  if (block.nodes.size() != wanted)
+    return fail(ErrorCode::kMeshInvalid,
+                fmt::format("volume mesh: a block of {} elements lists {} nodes, must be {}",
+                            block.region.size(), block.nodes.size(), wanted));
+  for (std::size_t k = 0; k < block.nodes.size(); ++k) {
+    const std::int32_t node = block.nodes[k];
+    if (node < 0 || node >= mesh.node_count())
+      return fail(ErrorCode::kMeshInvalid,
+                  fmt::format("volume mesh: an element names node {}, must be 0 to {}", node,
+                              mesh.node_count() - 1));
+    if (!mesh.nodes_L[std::size_t(node)].allFinite())
+      return fail(ErrorCode::kMeshInvalid,
+                  fmt::format("volume mesh: node {} has a coordinate that is not finite", node));
+  }
+  return {};
+}
+
+/// The laws of one block, and for each element which one is its own.
+struct BlockMaterials {
+  std::vector<Material> laws;
+  std::vector<std::int32_t> of_element;
+};
+
+Result<BlockMaterials> block_materials(const mesh::ElementBlock& block,
+                                       const RegionMaterials& materials) {
+  BlockMaterials found;
+  std::map<std::int32_t, std::int32_t> place;
+  for (const std::int32_t region : block.region) {
+    const auto [known, is_new] = place.try_emplace(region, std::int32_t(found.laws.size()));
+    if (is_new) {
+      const auto material = materials.find(region);
+      if (material == materials.end())
+        return fail(ErrorCode::kInvalidArgument,
+                    fmt::format("region {} of the volume mesh has no material", region));
+      LEFORT_TRY_VOID(std::visit([](const auto& law) { return law.validate(); }, material->second));
+      found.laws.push_back(material->second);
+    }
+    found.of_element.push_back(known->second);
+  }
+  return found;
+}
+
+/// Says which element of which block is at fault.
+tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
+                               Index e, Index first_number, const ElementFault& fault) {
+  const int count = mesh::node_count(block.shape);
+  std::vector<Vec3> X_L;
+  Vec3 at = Vec3::Zero();
+  for (int a = 0; a < count; ++a) {
+    X_L.push_back(mesh.nodes_L[std::size_t(block.element(e)[a])]);
+    at += X_L.back() / count;
+  }
+  const std::string which = fmt::format("element {} at ({:.3f}, {:.3f}, {:.3f}) mm",
+                                        first_number + e, at.x(), at.y(), at.z());
+  if (fault.node >= 0)
+    return fail(ErrorCode::kElementInverted,
+                fmt::format("{} is folded at its node {}, number {} of the mesh, its volume must "
+                            "be > 0 everywhere",
+                            which, fault.node, block.element(e)[fault.node]));
+  return fail(
+      ErrorCode::kElementInverted,
+      fmt::format("{} is flat or inside out, its volume must be > 0; its scaled Jacobian is "
+                  "{:.3g}",
+                  which, mesh::scaled_jacobian(block.shape, X_L)));
+}
+
+template <class Element>
+Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
+                             BlockMaterials materials, Index first_number, Dilatation dilatation,
+                             std::span<const char> reaches_inside) {
+  LEFORT_CHECK(block.shape == Element::kShape);
+  const bool averages = dilatation == Dilatation::kAveraged &&
+                        std::ranges::any_of(materials.laws, [](const Material& law) {
+                          return volumetric_part(law) != nullptr;
+                        });
+  constexpr int kModes = kDilatationModes<Element>;
+  std::vector<ReferenceElement<Element>> points;
+  std::vector<DilatationModes<Element>> modes;
+  points.reserve(block.region.size());
+  for (Index e = 0; e < block.element_count(); ++e) {
+    ElementNodes<Element> X;
+    for (int a = 0; a < Element::kNodes; ++a)
+      X.col(a) = mesh.nodes_L[std::size_t(block.element(e)[a])];
+    const auto reference = reference_element<Element>(X);
+    if (!reference) return fault_of(mesh, block, e, first_number, reference.error());
+    if constexpr (kShearSides < Element >> 0)
+      if (averages && !shear_sides<Element>(X))
+        return fault_of(mesh, block, e, first_number, ElementFault{});
+    points.push_back(*reference);
+    if constexpr (kModes > 0)
+      if (averages) modes.push_back(dilatation_modes<Element>(X, *reference));
+  }
+  ElementData<Element> data{.nodes = block.nodes,
+                            .points = std::move(points),
+                            .materials = std::move(materials.laws),
+                            .material = std::move(materials.of_element)};
+  if (!averages) return std::make_unique<const ContinuumTerm<Element>>(std::move(data), 1.0);
+  if constexpr (kModes > 0) {
+    return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data), std::move(modes),
+                                                               reaches_inside);
+  } else {
+    constexpr double kShare = kShearSides < Element >> 0 ? kRetainedShare : 1.0;
+    for (Material& law : data.materials) law = law_beside_nodes(law);
+    return std::make_unique<const ContinuumTerm<Element>>(std::move(data), kShare);
+  }
+}
+
+Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
+                              BlockMaterials materials, Index first_number, Dilatation dilatation,
+                              std::span<const char> reaches_inside) {
+  return std::visit(
+      [&]<class Element>(const Element&) {
+        return element_term<Element>(mesh, block, std::move(materials), first_number, dilatation,
+                                     reaches_inside);
+      },
+      element_of(block.shape));
+}
+
+}  // namespace
+
+Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
+                                                const RegionMaterials& materials,
+                                                Dilatation dilatation) {
+  for (const mesh::ElementBlock& block : mesh.blocks) LEFORT_TRY_VOID(check_block(mesh, block));
+  const std::vector<char> inside =
+      dilatation == Dilatation::kAveraged ? reach_inside(mesh) : std::vector<char>();
+  std::vector<TermPtr> terms;
+  Index first_number = 0;
+  for (const mesh::ElementBlock& block : mesh.blocks) {
+    const Index count = block.element_count();
+    if (count == 0) continue;
+    LEFORT_TRY(BlockMaterials of_block, block_materials(block, materials));
+    const auto inside_of_block =
+        inside.empty()
+            ? std::span<const char>()
+            : std::span<const char>(inside).subspan(std::size_t(first_number), std::size_t(count));
+    LEFORT_TRY(TermPtr term, term_of_block(mesh, block, std::move(of_block), first_number,
+                                           dilatation, inside_of_block));
+    terms.push_back(std::move(term));
+    first_number += count;
+  }
+  if (terms.empty()) return fail(ErrorCode::kMeshInvalid, "volume mesh has no element");
+  if (dilatation == Dilatation::kAveraged) {
+    if (TermPtr shear = SmoothedShearTerm::build(mesh, materials))
+      terms.push_back(std::move(shear));
+    if (TermPtr volume = NodalDilatation::build(mesh, materials))
+      terms.push_back(std::move(volume));
+  }
+  return terms;
+}
+
+}  // namespace lefort::fem

@@ -1,0 +1,73 @@
+/// \file
+/// Forces that keep their size and direction however the body deforms.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/core/types.h>
+#include <lefort/fem/assembly/force_term.h>
+#include <lefort/mesh/volume_mesh.h>
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace lefort::fem {
+
+/// A force on one node.
+struct NodalForce {
+  std::int32_t node = 0;
+  Vec3 force_n = Vec3::Zero();
+};
+
+/// What does the same work on the nodes as a traction, constant per reference area, on `faces`:
+/// f_a = t * (integral of N_a dA).
+///
+/// \param nodes_L       reference positions of all nodes [mm].
+/// \param faces         of the mesh's boundary.
+/// \param traction_mpa  t [MPa], in L, on the body.
+/// \returns one force per node of `faces`, ascending; or kMeshInvalid if a face names a node that
+///   does not exist or has no finite position, or kInvalidArgument if t is not finite.
+[[nodiscard]] Result<std::vector<NodalForce>> traction_forces(std::span<const Vec3> nodes_L,
+                                                              std::span<const mesh::Face> faces,
+                                                              const Vec3& traction_mpa);
+
+/// What regions bear per reference volume [N/mm^3], in L. Weight is density times gravity: t/mm^3
+/// times mm/s^2.
+using RegionBodyForces = std::map<std::int32_t, Vec3>;
+
+/// What does the same work on the nodes as body forces: f_a = b * (integral of N_a dV).
+///
+/// \param mesh         accepted by make_element_terms().
+/// \param body_forces  regions that are not named bear nothing.
+/// \returns one force per node of those regions, ascending; or kElementInverted if one of their
+///   elements has no positive reference volume, or kInvalidArgument if a force is not finite or a
+///   region does not occur in `mesh`.
+[[nodiscard]] Result<std::vector<NodalForce>> body_forces(const mesh::VolumeMesh& mesh,
+                                                          const RegionBodyForces& body_forces);
+
+/// W = -factor * (sum over nodes of f_a . u_a). An item is a node.
+class DeadLoad final : public ForceTerm {
+ public:
+  /// \param nodes_L  reference positions of all nodes [mm].
+  /// \param forces   at factor 1; a node may occur more than once. \pre their nodes exist.
+  DeadLoad(std::span<const Vec3> nodes_L, std::span<const NodalForce> forces);
+
+  /// Starts at 1. Not while the term is being evaluated.
+  void set_factor(double factor) { factor_ = factor; }
+
+  [[nodiscard]] Index item_count() const override { return Index(nodes_.size()); }
+  [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
+    return {nodes_.data() + item, 1};
+  }
+  [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
+                              LocalEquations& local) const override;
+
+ private:
+  std::vector<std::int32_t> nodes_;
+  std::vector<Vec3> rest_L_;
+  std::vector<Vec3> force_n_;
+  double factor_ = 1.0;
+};
+
+}  // namespace lefort::fem

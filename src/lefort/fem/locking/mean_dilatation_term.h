@@ -1,0 +1,99 @@
+/// \file
+/// The strain energy of elements of one shape, laws in split form seeing the mean change of volume.
+#pragma once
+
+#include <lefort/fem/assembly/element_energy.h>
+#include <lefort/fem/locking/dilatation_modes.h>
+
+#include <array>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace lefort::fem {
+
+/// W = sum over elements of (sum over points of shear(F) dV + sum of U(J_mean) dV), a part of U
+/// staying at the points where the shape needs it (SharedVolume); elements of other laws as in
+/// ContinuumTerm.
+///
+/// With theta_i = sum of psi_i J dV the mean is J_mean = sum of psi_i theta_i, so that
+///   dW = sum (dshear/dF + p cof F) : dF dV,   p = sum of psi_i p_i,   p_i = sum of psi_i U' dV .
+template <class Element>
+class MeanDilatationTerm final : public ForceTerm {
+ public:
+  /// \param modes           one per element.
+  /// \param reaches_inside  one per element (reach_inside.h), or none if the shape does not ask.
+  MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes,
+                     std::span<const char> reaches_inside)
+      : data_(std::move(data)), modes_(std::move(modes)) {
+    volumes_.reserve(modes_.size());
+    for (Index e = 0; e < data_.count(); ++e)
+      volumes_.push_back(share_volume<Element>(
+          data_.material_of(e), !reaches_inside.empty() && reaches_inside[std::size_t(e)] != 0));
+  }
+
+  [[nodiscard]] Index item_count() const override { return data_.count(); }
+  [[nodiscard]] std::span<const std::int32_t> nodes(Index item) const override {
+    return data_.nodes_of(item);
+  }
+
+  [[nodiscard]] bool evaluate(Index item, std::span<const Vec3> x_L,
+                              LocalEquations& local) const override {
+    const Material& material = data_.material_of(item);
+    const Eigen::Map<const ElementNodes<Element>> x(x_L.data()->data());
+    const ReferenceElement<Element>& points = data_.points[std::size_t(item)];
+    if (volumetric_part(material) == nullptr)
+      return add_strain_energy<Element>(material, LawPart::kWhole, 1.0, points, x, local);
+    if (!add_strain_energy<Element>(material, LawPart::kShear, 1.0, points, x, local)) return false;
+    return add_volume(volumes_[std::size_t(item)], points, modes_[std::size_t(item)], x, local);
+  }
+
+ private:
+  static bool add_volume(const SharedVolume& volume, const ReferenceElement<Element>& points,
+                         const DilatationModes<Element>& modes,
+                         const Eigen::Map<const ElementNodes<Element>>& x, LocalEquations& local) {
+    constexpr int kSize = 3 * Element::kNodes;
+    std::array<Mat3, Element::kPoints> F;
+    Eigen::Matrix<double, Element::kPoints, 1> change;
+    for (std::size_t q = 0; q < F.size(); ++q) {
+      F[q] = deformation_gradient<Element>(x, points[q]);
+      change[Index(q)] = volume_change(F[q]);
+    }
+    const auto response = volume_response<Element>(volume, points, modes, change);
+    if (!response) return false;
+    local.energy_mj += response->energy_mj;
+
+    Eigen::Map<ElementNodes<Element>> residual(local.residual_n.data());
+    // Column i: dtheta_i/dx.
+    Eigen::Matrix<double, kSize, kDilatationModes<Element>> dtheta;
+    dtheta.setZero();
+    for (std::size_t q = 0; q < F.size(); ++q) {
+      const double p_dV = points[q].volume_mm3 * response->pressure[Index(q)];
+      const ElementNodes<Element> dJ = cofactor(F[q]) * points[q].dN_dX;
+      residual += p_dV * dJ;
+      if (!local.wants_stiffness()) continue;
+      if (local.tangent == Tangent::kExact)
+        add_stiffness(response->pressure[Index(q)] * cofactor_tangent(F[q]), points[q].volume_mm3,
+                      points[q], local);
+      dtheta += points[q].volume_mm3 * dJ.reshaped() * modes.row(Index(q));
+      if constexpr (kHasBulkAtPoints<Element>) {
+        const double curvature = points[q].volume_mm3 * response->curvature_at_points[Index(q)];
+        stiffness_of(local).noalias() += (curvature * dJ.reshaped()) * dJ.reshaped().transpose();
+      }
+    }
+    if (local.wants_stiffness())
+      stiffness_of(local).noalias() += (dtheta * response->curvature) * dtheta.transpose();
+    return true;
+  }
+
+  static auto stiffness_of(LocalEquations& local) {
+    constexpr int kSize = 3 * Element::kNodes;
+    return Eigen::Map<Eigen::Matrix<double, kSize, kSize>>(local.stiffness_n_per_mm.data());
+  }
+
+  ElementData<Element> data_;
+  std::vector<SharedVolume> volumes_;  ///< One per element.
+  std::vector<DilatationModes<Element>> modes_;
+};
+
+}  // namespace lefort::fem

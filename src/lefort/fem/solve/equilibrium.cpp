@@ -1,0 +1,119 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/solve/equilibrium.h>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace lefort::fem {
+namespace {
+
+/// The balance of the free components, the prescribed ones being held where they are in u.
+class HeldBody final : public NonlinearSystem {
+ public:
+  HeldBody(const Assembler& assembler, VectorX u) : assembler_(assembler), u_(std::move(u)) {}
+
+  [[nodiscard]] std::optional<Balance> balance(const VectorX& x) const override {
+    std::optional<AssembledForces> forces = assembler_.forces(all(x));
+    if (!forces) return std::nullopt;
+    return Balance{.energy_mj = forces->energy_mj,
+                   .residual_n = assembler_.dofs().free_part(forces->residual_n),
+                   .follower_n = forces->follower_n.size() == 0
+                                     ? VectorX()
+                                     : assembler_.dofs().free_part(forces->follower_n),
+                   .force_scale_n = forces->force_scale_n,
+                   .energy_round_off_mj = forces->energy_round_off_mj,
+                   .contacts = forces->contacts,
+                   .deepest_mm = forces->deepest_mm};
+  }
+
+  [[nodiscard]] linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
+    return assembler_.tangent(all(x), kind);
+  }
+
+  [[nodiscard]] linear::SparseMatrix antisymmetric_tangent(const VectorX& x) const override {
+    return assembler_.antisymmetric_tangent(all(x));
+  }
+
+  [[nodiscard]] VectorX all(const VectorX& x) const {
+    return assembler_.dofs().with_free_part(u_, x);
+  }
+
+ private:
+  const Assembler& assembler_;
+  VectorX u_;
+};
+
+/// A boundary that moves less does not need the free nodes to follow [mm].
+constexpr double kStandstill_mm = 1e-9;
+
+/// How exactly the free nodes follow: Newton corrects what is left.
+constexpr double kFollowingTolerance = 1e-3;
+
+/// `moved`, the start with its boundary moved, with the free nodes following to first order:
+/// K_ff du_f = -r_f - K_fp du_p, everything at `start`. `moved` itself where that is no better.
+VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const VectorX& moved,
+                        linear::LinearSolver& linear_solver, const NewtonOptions& options) {
+  const DofMap& dofs = assembler.dofs();
+  enter(SolvePhase::kAssembly, options);
+  const auto forces = assembler.forces(start);
+  if (!forces) return moved;
+  const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
+  const linear::SparseMatrix K = assembler.tangent(start);
+  enter(SolvePhase::kFactorisation, options);
+  const auto du = linear_solver.solve(K, -dofs.free_part(unbalanced), kFollowingTolerance,
+                                      [&] { enter(SolvePhase::kSolve, options); });
+  enter(SolvePhase::kAssembly, options);
+  if (!du) return moved;
+
+  VectorX followed = dofs.with_free_part(moved, dofs.free_part(start) + *du);
+  const auto after = assembler.forces(followed);
+  if (!after) return moved;
+  const auto boundary_alone = assembler.forces(moved);
+  return boundary_alone && energy_change_mj(*boundary_alone, moved, *after, followed) > 0.0
+             ? moved
+             : followed;
+}
+
+}  // namespace
+
+void set_near_null_space(linear::LinearSolver& linear_solver, const Assembler& assembler) {
+  const DofMap& dofs = assembler.dofs();
+  const std::span<const Vec3> nodes_L = assembler.nodes_L();
+  LEFORT_CHECK(Index(nodes_L.size()) == dofs.node_count());
+  std::vector<Vec3> points_L;
+  std::vector<std::int32_t> components;
+  for (Index node = 0; node < dofs.node_count(); ++node)
+    for (std::int32_t c = 0; c < 3; ++c) {
+      if (dofs.free_number(3 * node + c) < 0) continue;
+      points_L.push_back(nodes_L[std::size_t(node)]);
+      components.push_back(c);
+    }
+  linear_solver.set_near_null_space(std::move(points_L), std::move(components));
+}
+
+NewtonOutcome find_equilibrium(const Assembler& assembler,
+                               std::span<const PrescribedDisplacement> prescribed,
+                               const VectorX& start, linear::LinearSolver& linear_solver,
+                               const NewtonOptions& options, Progress& progress) {
+  const DofMap& dofs = assembler.dofs();
+  LEFORT_CHECK(start.size() == 3 * dofs.node_count());
+  set_near_null_space(linear_solver, assembler);
+  const VectorX moved = dofs.with_prescribed(start, prescribed);
+  const bool stands_still =
+      dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kStandstill_mm;
+  const VectorX guess =
+      stands_still ? moved : follow_boundary(assembler, start, moved, linear_solver, options);
+  const HeldBody body(assembler, guess);
+  NewtonOptions of_free_part = options;
+  if (options.round_off_n.size() > 0)
+    of_free_part.round_off_n = dofs.free_part(options.round_off_n);
+  NewtonOutcome outcome =
+      solve_newton(body, dofs.free_part(guess), linear_solver, of_free_part, progress);
+  outcome.x = body.all(outcome.x);
+  return outcome;
+}
+
+}  // namespace lefort::fem

@@ -1,0 +1,130 @@
+#include <lefort/core/check.h>
+#include <lefort/fem/solve/load_steps.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lefort::fem {
+namespace {
+
+constexpr double kRounding = 1e-9;
+
+/// Steps so short, beside the increment that was wanted, were cut off by a level.
+constexpr double kRemnant = 0.1;
+
+/// Whether a failure may be the extrapolated start's own. A solve that ran long has left its start
+/// behind; running as long from the last state would find no more.
+bool worth_a_nearer_start(const NewtonOutcome& outcome, const LoadStepOptions& options) {
+  return outcome.stop == NewtonStop::kInadmissibleStart || outcome.stop == NewtonStop::kRefused ||
+         (outcome.stop == NewtonStop::kStagnated &&
+          outcome.iterations() <= options.easy_iterations);
+}
+
+}  // namespace
+
+Result<void> validate(const LoadStepOptions& options) {
+  const auto refuse = [](const char* what, auto value, const char* wanted) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("load steps: {} is {}, must be {}", what, value, wanted));
+  };
+  if (!(options.first_increment > 0.0) || !std::isfinite(options.first_increment))
+    return refuse("first_increment", options.first_increment, "> 0");
+  if (!(options.min_increment > 0.0 && options.min_increment <= options.first_increment))
+    return refuse("min_increment", options.min_increment, "> 0 and <= first_increment");
+  if (!(options.max_increment >= options.first_increment))
+    return refuse("max_increment", options.max_increment, ">= first_increment");
+  if (!(options.growth >= 1.0) || !std::isfinite(options.growth))
+    return refuse("growth", options.growth, ">= 1");
+  if (options.easy_iterations < 0)
+    return refuse("easy_iterations", options.easy_iterations, ">= 0");
+  if (options.max_attempts < 1) return refuse("max_attempts", options.max_attempts, ">= 1");
+  return {};
+}
+
+LoadStepper::LoadStepper(LoadState start, SolveAtLoad solve, const LoadStepOptions& options)
+    : last_(std::move(start)),
+      solve_(std::move(solve)),
+      options_(options),
+      increment_(options.first_increment) {
+  LEFORT_CHECK(solve_ != nullptr);
+  LEFORT_CHECK(validate(options).has_value());
+}
+
+LoadStepper LoadStepper::resumed(Memory memory, SolveAtLoad solve, const LoadStepOptions& options) {
+  LoadStepper stepper(std::move(memory.last), std::move(solve), options);
+  stepper.before_last_ = std::move(memory.before_last);
+  stepper.increment_ = memory.increment;
+  return stepper;
+}
+
+VectorX LoadStepper::extrapolated(double t) const {
+  constexpr double kFarthest = 10.0;  // A step that was cut short magnifies what Newton left over.
+  const double ratio = std::min((t - last_.t) / (last_.t - before_last_->t), kFarthest);
+  return last_.u + ratio * (last_.u - before_last_->u);
+}
+
+NewtonOutcome LoadStepper::attempt(double t, bool extrapolate) {
+  NewtonOutcome outcome = solve_(t, extrapolate ? extrapolated(t) : last_.u);
+  attempts_.push_back({.t_from = last_.t,
+                       .t_to = t,
+                       .extrapolated = extrapolate,
+                       .stop = outcome.stop,
+                       .reason = outcome.reason,
+                       .history = outcome.history});
+  return outcome;
+}
+
+Result<void> LoadStepper::advance_to(double t_end, Progress& progress,
+                                     const OnLoadState& on_state) {
+  if (!std::isfinite(t_end) || !(t_end > last_.t))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("load level {} does not lie ahead of {}", t_end, last_.t));
+  const auto cancelled = [&] {
+    return fail(ErrorCode::kCancelled, fmt::format("cancelled at load level {:.6g}", last_.t));
+  };
+
+  const auto stuck_at = [&](double t, const char* why, const std::string& reason) {
+    return fail(ErrorCode::kNotConverged,
+                fmt::format("no equilibrium from load level {:.6g} to {:.6g}, {}: {}", last_.t, t,
+                            why, reason));
+  };
+
+  increment_ = std::max(increment_, options_.first_increment);
+  const std::size_t attempts_allowed = attempts_.size() + std::size_t(options_.max_attempts);
+  while (last_.t < t_end) {
+    if (progress.stop_requested()) return cancelled();
+    // What rounding leaves over is not worth a step of its own.
+    const bool is_last = last_.t + (1.0 + kRounding) * increment_ >= t_end;
+    const double t = is_last ? t_end : last_.t + increment_;
+    // Asked for, not t - last_.t: a difference of levels carries their rounding.
+    const double asked = is_last ? std::min(increment_, t_end - last_.t) : increment_;
+
+    NewtonOutcome outcome = attempt(t, before_last_.has_value());
+    if (before_last_ && worth_a_nearer_start(outcome, options_)) outcome = attempt(t, false);
+    if (outcome.stop == NewtonStop::kCancelled) return cancelled();
+    if (outcome.stop == NewtonStop::kOutOfMemory)
+      return fail(ErrorCode::kOutOfMemory, outcome.reason);
+
+    if (outcome.converged()) {
+      before_last_ = std::exchange(last_, {t, std::move(outcome.x)});
+      // A remnant before a level proves nothing for whole increments.
+      if (outcome.iterations() <= options_.easy_iterations && asked >= kRemnant * increment_)
+        increment_ =
+            std::min(std::max(increment_, asked) * options_.growth, options_.max_increment);
+      if (on_state) LEFORT_TRY_VOID(on_state(last_));
+    } else if (asked <= (1.0 + kRounding) * options_.min_increment) {
+      return stuck_at(t, "the smallest increment", outcome.reason);
+    } else {
+      increment_ = std::max(0.5 * asked, options_.min_increment);
+    }
+    if (last_.t < t_end && attempts_.size() >= attempts_allowed)
+      return stuck_at(t_end, fmt::format("{} attempts", options_.max_attempts).c_str(),
+                      outcome.reason);
+  }
+  return {};
+}
+
+}  // namespace lefort::fem

@@ -1,0 +1,321 @@
+#include <lefort/core/parallel.h>
+#include <lefort/field/build/band_sampler.h>
+#include <lefort/field/build/bricks_reached.h>
+#include <lefort/field/build/nearest_by_tree.h>
+#include <lefort/field/sign/far_sides.h>
+#include <lefort/field/sign/settle_sides.h>
+#include <lefort/field/sign/tear.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+namespace lefort::field {
+
+namespace {
+
+constexpr int kSide = SparseLattice::kSide;
+constexpr Index kMaxLatticePoints = Index(1) << 31;  // 8 GiB.
+/// Of triangles with bricks: twelve bytes each.
+constexpr std::int64_t kMaxPairs = std::int64_t(1) << 29;
+/// Triangles, and bricks, that a thread takes at a time.
+constexpr Index kTriangleBlock = 1024;
+constexpr Index kBrickBlock = 8;
+constexpr Index kProgressSteps = 20;
+/// Wider bands than the first, in cells, are sampled by triangles up to the second and by a tree
+/// beyond. `lefort bench scaling` is where they cross.
+constexpr double kWideCells = 6.0;
+constexpr double kNearCells = 3.0;
+/// BrickSigns::apart, but for rounding; less than half of kTearCells.
+constexpr double kApartCells = 0.5003;
+static_assert(2.0 * kApartCells > 1.0 && 2.0 * kApartCells < double(kTearCells));
+/// Widens boxes and planes against rounding, as a share of a cell.
+constexpr double kSlack = 1e-4;
+
+double binned_reach_mm(double reach_mm, double cell_mm) {
+  return reach_mm > kWideCells * cell_mm ? kNearCells * cell_mm : reach_mm;
+}
+
+/// The top bits of 64 numbers after moving them to the left.
+std::uint64_t top_bits(std::span<const std::int32_t, 64> numbers, int shift) {
+  std::uint64_t bits = 0;
+#if defined(__SSE2__)
+  for (std::size_t i = 0; i < 64; i += 4) {
+    const __m128i four = _mm_slli_epi32(
+        _mm_loadu_si128(reinterpret_cast<const __m128i*>(numbers.data() + i)), shift);
+    bits |= std::uint64_t(unsigned(_mm_movemask_ps(_mm_castsi128_ps(four)))) << i;
+  }
+#else
+  for (std::size_t i = 0; i < 64; ++i)
+    bits |= std::uint64_t(std::uint32_t(numbers[i]) << shift >> 31) << i;
+#endif
+  return bits;
+}
+
+/// Which of 64 numbers are larger than a limit.
+std::uint64_t bits_above(std::span<const float, 64> numbers, float limit) {
+  std::array<std::int32_t, 64> above;
+  for (std::size_t i = 0; i < 64; ++i) above[i] = numbers[i] > limit ? -1 : 0;
+  return top_bits(above, 0);
+}
+
+/// Distances for their squares, negative below the nearest face, kFar without a triangle. For the
+/// vectoriser.
+void signed_distances(std::span<const std::int32_t, 64> codes, std::span<float, 64> distances) {
+  for (std::size_t i = 0; i < 64; ++i) {
+    const std::uint32_t sign = std::uint32_t(codes[i]) << 31;
+    const std::uint32_t size = std::bit_cast<std::uint32_t>(std::sqrt(distances[i]));
+    distances[i] = codes[i] < 0 ? kFar : std::bit_cast<float>(size | sign);
+  }
+}
+
+std::uint64_t with_bit(std::uint64_t word, int bit, bool value) {
+  return (word & ~(std::uint64_t(1) << bit)) | std::uint64_t(value) << bit;
+}
+
+tl::unexpected<Error> too_many_pairs(std::int64_t pairs) {
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("the band brings {} triangles together with bricks of samples, at most "
+                          "{} are possible; lower the resolution or the band",
+                          pairs, kMaxPairs));
+}
+
+tl::unexpected<Error> too_many_points(Index most_bricks) {
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("the band takes more than {} points of the lattice; lower the resolution "
+                          "or the band",
+                          most_bricks * SparseLattice::kBrickPoints));
+}
+
+}  // namespace
+
+BandSampler::BandSampler(const PreparedSurface& surface, const FieldFrame& frame, double reach_mm,
+                         Simd simd)
+    : surface_(&surface),
+      origin_(frame.origin_B),
+      cell_mm_(frame.cell_mm),
+      resolution_(frame.resolution),
+      reach_mm_(reach_mm),
+      near_mm_(binned_reach_mm(reach_mm, frame.cell_mm)),
+      simd_(simd) {}
+
+Result<BandSampler> BandSampler::create(const PreparedSurface& surface, const FieldFrame& frame,
+                                        double reach_mm, Index most_points, Progress& progress,
+                                        Simd simd) {
+  BandSampler sampler(surface, frame, reach_mm, simd);
+  LEFORT_TRY_VOID(sampler.bin_triangles());
+  const Index most_bricks = most_points / SparseLattice::kBrickPoints;
+  if (Index(sampler.bricks_.size()) > most_bricks) return too_many_points(most_bricks);
+  if (sampler.near_mm_ < sampler.reach_mm_) {
+    sampler.far_ = build_triangle_tree(surface.mesh_B, frame.origin_B);
+    LEFORT_TRY_VOID(sampler.add_far_bricks(most_bricks, progress));
+  }
+  return sampler;
+}
+
+Result<void> BandSampler::bin_triangles() {
+  const geometry::TriangleMesh& mesh = surface_->mesh_B;
+  const int n = SparseLattice::bricks_per_side(resolution_);
+  const BrickGrid grid = {origin_, cell_mm_, n};
+  const double reach_mm = near_mm_ + kSlack * cell_mm_;
+
+  PairCount pairs(kMaxPairs);
+  const auto blocks = std::size_t((mesh.triangle_count() + kTriangleBlock - 1) / kTriangleBlock);
+  std::vector<BricksReached> visits(blocks);
+  parallel_for_blocks(
+      mesh.triangle_count(),
+      [&](Index begin, Index end) {
+        BricksReached& block = visits[std::size_t(begin / kTriangleBlock)];
+        block = bricks_reached(mesh, begin, end, grid, reach_mm, pairs, simd_);
+        block.bricks.shrink_to_fit();
+      },
+      kTriangleBlock);
+  if (pairs.too_many()) return too_many_pairs(pairs.count());
+
+  std::vector<std::uint32_t> next(std::size_t(n) * std::size_t(n) * std::size_t(n), 0);
+  for (const auto& [reached, ends] : visits)
+    for (const std::int32_t brick : reached) ++next[std::size_t(brick)];
+  std::uint32_t total = 0;
+  for (std::size_t b = 0; b < next.size(); ++b) {
+    if (next[b] == 0) continue;
+    bricks_.push_back(std::int32_t(b));
+    first_.push_back(total);
+    total += std::exchange(next[b], total);
+  }
+  first_.push_back(total);
+  triangles_.resize(total);
+  std::int32_t triangle = 0;
+  for (BricksReached& block : visits) {
+    std::uint32_t i = 0;
+    for (const std::uint32_t end : block.ends) {
+      for (; i < end; ++i) triangles_[next[std::size_t(block.bricks[i])]++] = triangle;
+      ++triangle;
+    }
+    block = {};
+  }
+  return {};
+}
+
+/// Goes from brick to brick, from those of the surface outward, as long as the surface is within
+/// reach of some point of them.
+Result<void> BandSampler::add_far_bricks(Index most_bricks, Progress& progress) {
+  const int n = SparseLattice::bricks_per_side(resolution_);
+  const double brick_mm = kSide * cell_mm_;
+  // Of a brick with all its cells, so that no step over a corner is missed.
+  const double limit_mm = reach_mm_ + 0.5 * std::sqrt(3.0) * brick_mm;
+  std::vector<bool> is_seen(std::size_t(n) * std::size_t(n) * std::size_t(n), false);
+  std::vector<std::int32_t> far, front = bricks_;
+  for (const std::int32_t b : front) is_seen[std::size_t(b)] = true;
+  while (!front.empty()) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
+    std::vector<std::int32_t> around;
+    for (const std::int32_t b : front) {
+      const std::array<int, 3> at = {b % n, b / n % n, b / (n * n)};
+      for (int z = std::max(at[2] - 1, 0); z <= std::min(at[2] + 1, n - 1); ++z)
+        for (int y = std::max(at[1] - 1, 0); y <= std::min(at[1] + 1, n - 1); ++y)
+          for (int x = std::max(at[0] - 1, 0); x <= std::min(at[0] + 1, n - 1); ++x) {
+            const std::int32_t next = (z * n + y) * n + x;
+            if (is_seen[std::size_t(next)]) continue;
+            is_seen[std::size_t(next)] = true;
+            around.push_back(next);
+          }
+    }
+    const auto keep = [&](Index i, std::vector<std::int32_t>& reached) {
+      const std::int32_t b = around[std::size_t(i)];
+      const LatticePoint p = SparseLattice::first_point_of(b, resolution_);
+      const Vec3 centre =
+          origin_ + cell_mm_ * Vec3(p[0], p[1], p[2]) + Vec3::Constant(brick_mm / 2);
+      if (std::isfinite(squared_distance(surface_->mesh_B, *far_, centre, limit_mm)))
+        reached.push_back(b);
+    };
+    front = parallel_collect<std::int32_t>(Index(around.size()), keep);
+    far.insert(far.end(), front.begin(), front.end());
+    if (Index(far.size() + bricks_.size()) > most_bricks) return too_many_points(most_bricks);
+  }
+  std::sort(far.begin(), far.end());
+
+  std::vector<std::int32_t> bricks(bricks_.size() + far.size());
+  std::merge(bricks_.begin(), bricks_.end(), far.begin(), far.end(), bricks.begin());
+  std::vector<std::uint32_t> first;
+  std::size_t binned = 0;
+  for (const std::int32_t b : bricks) {
+    first.push_back(first_[binned]);
+    if (binned < bricks_.size() && bricks_[binned] == b) ++binned;
+  }
+  first.push_back(first_.back());
+  bricks_ = std::move(bricks);
+  first_ = std::move(first);
+  return {};
+}
+
+/// Whether a point is inside, whatever part of the triangle of a code (NearestInBrick) is nearest.
+bool BandSampler::is_inside(std::int32_t code, const Vec3& p) const {
+  const geometry::TriangleMesh& mesh = surface_->mesh_B;
+  const std::int32_t triangle = code >> 2;
+  if ((code & 2) != 0)
+    return (code & 1) != 0 &&
+           (surface_->is_double.empty() || !surface_->is_double[std::size_t(triangle)]);
+  const geometry::TrianglePoint nearest = geometry::closest_point_on_triangle(
+      p, mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2));
+  return surface_->normals.at(mesh, triangle, nearest.feature).dot(p - nearest.point) < 0.0;
+}
+
+BrickSigns BandSampler::sample(Index slot,
+                               std::span<float, SparseLattice::kBrickPoints> distances) const {
+  const geometry::TriangleMesh& mesh = surface_->mesh_B;
+  const LatticePoint first_point =
+      SparseLattice::first_point_of(bricks_[std::size_t(slot)], resolution_);
+  const Vec3 low = origin_ + cell_mm_ * Vec3(first_point[0], first_point[1], first_point[2]);
+  const double reach_mm = near_mm_ + kSlack * cell_mm_;
+
+  const auto apart_mm = float(kApartCells * cell_mm_);
+  const bool has_doubles = !surface_->is_double.empty();
+
+  NearestInBrick nearest;
+  nearest.clear(float(near_mm_));
+  const std::uint32_t first = first_[std::size_t(slot)];
+  visit_triangles(mesh, std::span(triangles_).subspan(first, first_[std::size_t(slot) + 1] - first),
+                  low, cell_mm_, reach_mm, simd_, nearest);
+  if (far_) {
+    for (std::size_t i = 0; i < nearest.code.size(); ++i)
+      if (nearest.code[i] == NearestInBrick::kNone)
+        nearest.squared_mm2[i] = float(reach_mm_) * float(reach_mm_);
+    find_nearest(mesh, *far_, low, cell_mm_, reach_mm_, simd_, nearest);
+  }
+
+  BrickSigns signs;
+  // Where an edge or a corner is nearest, the plane of a triangle does not tell the side.
+  BrickBits to_find;
+  std::array<std::int32_t, SparseLattice::kBrickPoints> codes;
+  for (std::size_t z = 0; z < std::size_t(kSide); ++z) {
+    const std::span slice_codes = std::span(codes).subspan(64 * z).first<64>();
+    const std::span slice = distances.subspan(64 * z).first<64>();
+    for (int i = 0; i < 64; i += int(NearestInBrick::kTileX)) {
+      const std::size_t from = NearestInBrick::place_of(i % kSide, i / kSide, int(z));
+      std::copy_n(nearest.code.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
+                  slice_codes.begin() + i);
+      std::copy_n(nearest.squared_mm2.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
+                  slice.begin() + i);
+    }
+    signs.known[z] = ~top_bits(slice_codes, 0);  // kNone alone is negative.
+    const std::uint64_t on_face = top_bits(slice_codes, 30), below = top_bits(slice_codes, 31);
+    signs.inside[z] = signs.known[z] & on_face & below;
+    signs.apart[z] = signs.known[z] & bits_above(slice, apart_mm * apart_mm);
+    to_find[z] = signs.known[z] & (has_doubles ? ~std::uint64_t(0) : ~on_face);
+    signed_distances(slice_codes, slice);
+  }
+
+  const BrickBits off_face = to_find;
+  if (surface_->closed && !has_doubles) hand_on_sides(signs, to_find);
+  for (std::size_t z = 0; z < std::size_t(kSide); ++z) {
+    for (std::uint64_t left = to_find[z]; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      const Vec3 p = low + cell_mm_ * Vec3(bit % kSide, bit / kSide, double(z));
+      const bool inside = is_inside(codes[64 * z + std::size_t(bit)], p);
+      signs.inside[z] = with_bit(signs.inside[z], bit, inside);
+    }
+    for (std::uint64_t left = off_face[z]; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      float& distance = distances[64 * z + std::size_t(bit)];
+      distance = std::copysign(distance, (signs.inside[z] >> bit & 1) != 0 ? -1.0F : 1.0F);
+    }
+  }
+  return signs;
+}
+
+Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const FieldFrame& frame,
+                                         double reach_mm, const WindingRows* winding,
+                                         Progress& progress) {
+  LEFORT_TRY(const BandSampler sampler,
+             BandSampler::create(surface, frame, reach_mm, kMaxLatticePoints, progress));
+  const std::span<const std::int32_t> bricks = sampler.bricks();
+  SparseLattice distances(frame.resolution, {bricks.begin(), bricks.end()}, kFar);
+  const Index count = distances.brick_count();
+  for (Index step = 0; step < kProgressSteps; ++step) {
+    const Index begin = count * step / kProgressSteps, end = count * (step + 1) / kProgressSteps;
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
+    parallel_for(
+        end - begin,
+        [&](Index offset) {
+          const Index slot = begin + offset;
+          BrickSigns signs = sampler.sample(slot, distances.brick(slot));
+          if (winding == nullptr || !signs.any_known()) return;
+          const std::int32_t brick = bricks[std::size_t(slot)];
+          settle_sides(distances.brick(slot), signs, inside_with_far(signs, *winding, brick, frame),
+                       winding, brick, frame);
+        },
+        kBrickBlock);
+    progress.report(double(step + 1) / kProgressSteps);
+  }
+  return distances;
+}
+
+}  // namespace lefort::field

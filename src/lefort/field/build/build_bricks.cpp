@@ -1,0 +1,245 @@
+#include <lefort/core/parallel.h>
+#include <lefort/field/build/build_bricks.h>
+#include <lefort/field/sign/brick_signs.h>
+#include <lefort/field/sign/far_sides.h>
+#include <lefort/field/sign/settle_sides.h>
+#include <lefort/field/sign/tear.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace lefort::field {
+
+namespace {
+
+constexpr int kSide = SparseLattice::kSide;
+constexpr int kLeafSide = BrickSamples::kLeafSide;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// Bricks sampled before their leaves join the others: few enough to stay in the cache.
+constexpr Index kWave = 256;
+constexpr Index kBlock = 8;
+/// Bricks whose leaves a thread puts in place at a time.
+constexpr Index kCopyBlock = 32;
+
+using Distances = std::array<float, SparseLattice::kBrickPoints>;
+
+/// Signs at the six faces of a brick, to be compared with those of its neighbours.
+struct FaceSigns {
+  std::array<std::array<std::uint64_t, 2>, 3> known{};  ///< By axis, lowest and highest points.
+  std::array<std::array<std::uint64_t, 2>, 3> inside{};
+  std::array<std::array<std::uint64_t, 2>, 3> apart{};
+};
+
+/// A brick as it will be stored.
+struct EncodedBrick {
+  Brick brick;
+  bool empty = true;
+  FaceSigns faces;
+  std::array<std::byte, 8 * BrickSamples::kLeafBytes + 1> codes;
+
+  [[nodiscard]] std::size_t bytes() const {
+    return std::size_t(std::popcount(brick.stored)) * BrickSamples::kLeafBytes;
+  }
+};
+
+using Codes = std::array<std::int32_t, SparseLattice::kBrickPoints>;
+
+/// Rounds to the nearest code; +-infinity becomes kBeyond, NaN kUnknown. For the vectoriser.
+void quantise(const Distances& distances, float codes_per_mm, Codes& codes) {
+  constexpr auto kMost = float(BrickSamples::kBeyond);
+  for (std::size_t i = 0; i < codes.size(); ++i) {
+    const float scaled = distances[i] * codes_per_mm;
+    const float rounded = scaled < 0.0F ? scaled - 0.5F : scaled + 0.5F;
+    const float upper = rounded < kMost ? rounded : kMost;  // kMost, too, if NaN.
+    const float within = upper > -kMost ? upper : -kMost;
+    codes[i] = scaled == scaled ? std::int32_t(within) : BrickSamples::kUnknown;
+  }
+}
+
+/// Writes the leaf's codes and says so, or its side.
+void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick& encoded) {
+  const int x_low = (leaf & 1) * kLeafSide, y_low = (leaf >> 1 & 1) * kLeafSide,
+            z_low = (leaf >> 2) * kLeafSide;
+  const std::int32_t* const first = codes.data() + (z_low * kSide + y_low) * kSide + x_low;
+  const auto bit = std::uint8_t(1U << leaf);
+  if (known == 0) {
+    // All of it lies on the side of any of its points.
+    if (*first == BrickSamples::kUnknown) encoded.brick.unknown |= bit;
+    if (*first == -BrickSamples::kBeyond) encoded.brick.inside |= bit;
+    return;
+  }
+  std::byte* place = encoded.codes.data() + encoded.bytes();
+  encoded.brick.stored |= bit;
+  for (int z = 0; z < kLeafSide; ++z)
+    for (int y = 0; y < kLeafSide; ++y)
+      for (int x = 0; x < kLeafSide; ++x) {
+        // Four bytes each, of which the next overwrites the last.
+        std::memcpy(place, first + (z * kSide + y) * kSide + x, sizeof(std::int32_t));
+        place += BrickSamples::kCodeBytes;
+      }
+}
+
+void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
+            const WindingRows* winding, std::int32_t number, EncodedBrick& encoded) {
+  encoded.brick = {};
+  encoded.empty = !signs.any_known();
+  if (encoded.empty) return;
+  const BrickBits inside =
+      winding == nullptr ? signs.inside : inside_with_far(signs, *winding, number, frame);
+  const std::vector<std::size_t> torn =
+      settle_sides(distances, signs, inside, winding, number, frame);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool highest : {false, true}) {
+      const auto a = std::size_t(axis);
+      encoded.faces.known[a][std::size_t(highest)] = face_bits(signs.known, axis, highest);
+      encoded.faces.inside[a][std::size_t(highest)] = face_bits(signs.inside, axis, highest);
+      encoded.faces.apart[a][std::size_t(highest)] = face_bits(signs.apart, axis, highest);
+    }
+  if (winding != nullptr) {
+    for (std::size_t z = 0; z < std::size_t(kSide); ++z)
+      for (std::uint64_t far = ~signs.known[z]; far != 0; far &= far - 1) {
+        const int bit = std::countr_zero(far);
+        distances[z * 64 + std::size_t(bit)] = (inside[z] >> bit & 1) != 0 ? -kInfinity : kInfinity;
+      }
+  }
+  for (const std::size_t i : torn) distances[i] = kNaN;
+  Codes codes;
+  quantise(distances, float(BrickSamples::kLargest / frame.band_mm), codes);
+  for (int leaf = 0; leaf < 8; ++leaf) {
+    std::uint64_t known = 0;
+    for (int z = 0; z < kLeafSide; ++z)
+      known |= signs.known[std::size_t((leaf >> 2) * kLeafSide + z)] & octant_columns(leaf);
+    encode_leaf(codes, known, leaf, encoded);
+  }
+}
+
+/// Neighbours in different bricks that contradict each other.
+std::vector<LatticePoint> torn_across_faces(const BrickSamples& samples,
+                                            std::span<const std::int32_t> bricks,
+                                            std::span<const FaceSigns> faces, float cell_mm) {
+  const int n = SparseLattice::bricks_per_side(samples.resolution());
+  const std::array<int, 3> stride = {1, n, n * n};
+  std::vector<std::int32_t> slots(samples.bricks().size(), SparseLattice::kNoBrick);
+  for (std::size_t slot = 0; slot < bricks.size(); ++slot)
+    slots[std::size_t(bricks[slot])] = std::int32_t(slot);
+  const auto find_torn = [&](Index slot, std::vector<LatticePoint>& torn) {
+    const std::int32_t number = bricks[std::size_t(slot)];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = std::size_t(axis);
+      const std::int32_t next = slots[std::size_t(number + stride[a])];
+      if (next == SparseLattice::kNoBrick) continue;
+      const FaceSigns &here = faces[std::size_t(slot)], &there = faces[std::size_t(next)];
+      std::uint64_t changes = (here.inside[a][1] ^ there.inside[a][0]) & here.known[a][1] &
+                              there.known[a][0] & (here.apart[a][1] | there.apart[a][0]);
+      for (; changes != 0; changes &= changes - 1) {
+        const int bit = std::countr_zero(changes);
+        const LatticePoint p = point_at(SparseLattice::first_point_of(number, samples.resolution()),
+                                        face_place(bit, axis, true));
+        LatticePoint q = p;
+        ++q[a];
+        const float d = samples.distance_of(BrickSamples::read_code(samples.place_of(p)));
+        const float e = samples.distance_of(BrickSamples::read_code(samples.place_of(q)));
+        if (is_torn(d, e, cell_mm)) torn.insert(torn.end(), {p, q});
+      }
+    }
+  };
+  return parallel_collect<LatticePoint>(Index(bricks.size()), find_torn);
+}
+
+}  // namespace
+
+Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& frame,
+                                  const WindingRows* winding, Progress& progress) {
+  const std::span<const std::int32_t> candidates = sampler.bricks();
+  const auto side = std::size_t(SparseLattice::bricks_per_side(frame.resolution));
+  std::vector<Brick> table(side * side * side);
+  std::vector<std::int32_t> bricks;
+  std::vector<FaceSigns> faces;
+  bricks.reserve(candidates.size());
+  faces.reserve(candidates.size());
+  // Memory is only taken where it is written, so room for all leaves of all bricks costs nothing.
+  auto codes = std::make_unique_for_overwrite<std::byte[]>(
+      candidates.size() * 8 * BrickSamples::kLeafBytes + 1);
+  std::size_t leaves = 0;
+
+  std::vector<EncodedBrick> wave(std::size_t(std::min<Index>(kWave, Index(candidates.size()))));
+  for (Index begin = 0; begin < Index(candidates.size()); begin += kWave) {
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
+    const Index count = std::min(kWave, Index(candidates.size()) - begin);
+    parallel_for(
+        count,
+        [&](Index i) {
+          Distances distances;
+          BrickSigns signs = sampler.sample(begin + i, distances);
+          encode(distances, signs, frame, winding, candidates[std::size_t(begin + i)],
+                 wave[std::size_t(i)]);
+        },
+        kBlock);
+    for (Index i = 0; i < count; ++i) {
+      EncodedBrick& encoded = wave[std::size_t(i)];
+      if (encoded.empty) continue;
+      if (leaves > std::numeric_limits<std::uint32_t>::max() - 8)
+        return fail(ErrorCode::kInvalidArgument,
+                    "the band holds more than 2^32 leaves; lower the resolution or the band");
+      encoded.brick.first_leaf = std::uint32_t(leaves);
+      leaves += std::size_t(std::popcount(encoded.brick.stored));
+      const std::int32_t number = candidates[std::size_t(begin + i)];
+      table[std::size_t(number)] = encoded.brick;
+      bricks.push_back(number);
+      faces.push_back(encoded.faces);
+    }
+    parallel_for(
+        count,
+        [&](Index i) {
+          const EncodedBrick& encoded = wave[std::size_t(i)];
+          std::copy_n(encoded.codes.begin(), encoded.bytes(),
+                      codes.get() + encoded.brick.first_leaf * BrickSamples::kLeafBytes);
+        },
+        kCopyBlock);
+    progress.report(double(begin + count) / double(candidates.size()));
+  }
+  const std::size_t bytes = leaves * BrickSamples::kLeafBytes + 1;
+  codes[bytes - 1] = std::byte(0);  // Codes are read four bytes at a time.
+
+  std::vector<bool> is_empty(table.size(), true);
+  for (const std::int32_t b : bricks) is_empty[std::size_t(b)] = false;
+  parallel_for(
+      Index(table.size()),
+      [&](Index b) {
+        Brick& brick = table[std::size_t(b)];
+        if (!is_empty[std::size_t(b)]) return;
+        const Zone zone = winding == nullptr
+                              ? Zone::kUnknown
+                              : side_of_empty_brick(*winding, std::int32_t(b), frame.resolution);
+        if (zone == Zone::kInside) brick.inside = 0xFF;
+        if (zone == Zone::kUnknown) brick.unknown = 0xFF;
+      },
+      4096);
+
+  struct Owner {
+    std::vector<Brick> table;
+    std::unique_ptr<std::byte[]> codes;
+  };
+  std::byte* const first_code = codes.get();
+  auto owner = std::make_shared<const Owner>(Owner{std::move(table), std::move(codes)});
+  const std::span<const Brick> all_bricks = owner->table;
+  BrickSamples samples(frame.resolution, frame.band_mm, all_bricks,
+                       std::span<const std::byte>(first_code, bytes), std::move(owner));
+  const std::vector<LatticePoint> torn =
+      torn_across_faces(samples, bricks, faces, float(frame.cell_mm));
+  std::vector<std::ptrdiff_t> places;
+  for (const LatticePoint& p : torn) places.push_back(samples.place_of(p) - first_code);
+  for (const std::ptrdiff_t place : places)
+    BrickSamples::write_code(first_code + place, BrickSamples::kUnknown);
+  return samples;
+}
+
+}  // namespace lefort::field

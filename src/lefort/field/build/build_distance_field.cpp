@@ -1,0 +1,151 @@
+#include <lefort/field/build/build_bricks.h>
+#include <lefort/field/build/build_distance_field.h>
+#include <lefort/field/build/coalesce.h>
+#include <lefort/field/build/top_down.h>
+#include <lefort/field/sign/far_sides.h>
+#include <lefort/field/sign/winding_rows.h>
+#include <lefort/field/storage/dense_samples.h>
+#include <lefort/field/storage/spline_lattice.h>
+#include <lefort/geometry/mesh_measures.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+#include <utility>
+
+namespace lefort::field {
+
+namespace {
+
+constexpr int kMinResolution = 16;
+constexpr int kMaxResolution = 2048;
+constexpr int kMaxDenseResolution = 1024;
+constexpr int kDefaultBandCells = 5;
+constexpr int kMinBandCells = 2;
+constexpr int kMaxBandShare = 4;  // The band is at most the cube's side divided by this.
+constexpr double kMaxLength_mm = 1e4;
+constexpr double kMinExtent_mm = 1e-3;
+constexpr Index kMaxTriangles = 100'000'000;
+
+// What sample_smooth() needs beyond the band, in cells: the values around a cell lie up to two
+// cells along each axis from its corners, of which one may be a cell's diagonal beyond the band.
+constexpr double kStencilReach = 4.4;
+static_assert(kStencilReach < SparseLattice::kSide, "the lattice must hold what it needs");
+
+Result<void> check_options(const DistanceFieldOptions& options) {
+  const auto refuse = [](std::string message) {
+    return fail(ErrorCode::kInvalidArgument, std::move(message));
+  };
+  const int most = options.method == FieldMethod::kUniform ? kMaxDenseResolution : kMaxResolution;
+  if (options.resolution < kMinResolution || options.resolution > most ||
+      !std::has_single_bit(unsigned(options.resolution)))
+    return refuse(fmt::format("resolution is {}, it must be a power of two from {} to {}",
+                              options.resolution, kMinResolution, most));
+  const auto check_length = [&](const char* name, double length) -> Result<void> {
+    if (length >= 0.0 && length <= kMaxLength_mm) return {};
+    return refuse(fmt::format("{} is {}, it must be from 0 to {}", name, length, kMaxLength_mm));
+  };
+  LEFORT_TRY_VOID(check_length("margin_mm", options.margin_mm));
+  LEFORT_TRY_VOID(check_length("side_mm", options.side_mm));
+  LEFORT_TRY_VOID(check_length("band_mm", options.band_mm));
+  LEFORT_TRY_VOID(check_length("tolerance_mm", options.tolerance_mm));
+  if (!(options.relative_tolerance >= 0.0 && options.relative_tolerance <= 1.0))
+    return refuse(fmt::format("relative_tolerance is {}, it must be from 0 to 1",
+                              options.relative_tolerance));
+  return {};
+}
+
+/// Lays the cube around the surface so that the band fits into it.
+Result<FieldFrame> lay_cube(const geometry::TriangleMesh& mesh,
+                            const DistanceFieldOptions& options) {
+  const Box3 box = geometry::bounding_box(mesh);
+  const double extent = box.sizes().maxCoeff();
+  if (!(extent >= kMinExtent_mm))
+    return fail(
+        ErrorCode::kMeshInvalid,
+        fmt::format("the surface is {} mm wide, it must be at least {} mm", extent, kMinExtent_mm));
+  FieldFrame frame;
+  frame.resolution = options.resolution;
+  frame.tolerance_mm = options.tolerance_mm;
+  const int default_band_cells = std::min(kDefaultBandCells, options.resolution / kMaxBandShare);
+  if (options.side_mm > 0.0) {
+    frame.cell_mm = options.side_mm / options.resolution;
+  } else if (options.band_mm > 0.0) {
+    frame.cell_mm = (extent + 2.0 * (options.band_mm + options.margin_mm)) / options.resolution;
+  } else {
+    frame.cell_mm =
+        (extent + 2.0 * options.margin_mm) / (options.resolution - 2 * default_band_cells);
+  }
+  frame.band_mm = options.band_mm > 0.0 ? options.band_mm : default_band_cells * frame.cell_mm;
+  const double least = kMinBandCells * frame.cell_mm;
+  const double most = options.resolution / kMaxBandShare * frame.cell_mm;
+  if (!(frame.band_mm >= least && frame.band_mm <= most))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("band_mm is {}, it must be from {:.3g} ({} cells) to {:.3g} (a quarter "
+                            "of the cube) at resolution {}",
+                            frame.band_mm, least, kMinBandCells, most, options.resolution));
+  const double side = frame.cell_mm * frame.resolution;
+  if (options.relative_tolerance > 0.0) frame.tolerance_mm = options.relative_tolerance * side;
+  if (side < (extent + 2.0 * frame.band_mm) * (1.0 - 1e-12))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("side_mm is {}, it must be at least {:.4g}: the surface and the band "
+                            "on both sides",
+                            options.side_mm, extent + 2.0 * frame.band_mm));
+  frame.origin_B = box.center() - Vec3::Constant(0.5 * side);
+  return frame;
+}
+
+Result<DistanceField::Samples> build_samples(const PreparedSurface& surface,
+                                             const FieldFrame& frame, FieldMethod method,
+                                             const WindingRows* winding, Progress& progress) {
+  if (method == FieldMethod::kAdaptive) return split_top_down(surface, frame, winding, progress);
+  if (method == FieldMethod::kHybrid) {
+    LEFORT_TRY(SparseLattice distances,
+               sample_narrow_band(surface, frame, frame.band_mm, winding, progress));
+    const SidedDistances sided = fill_far_sides(std::move(distances), frame, winding);
+    progress.begin_stage("unite cells of the distance field");
+    return coalesce(sided, frame, progress);
+  }
+  LEFORT_TRY(const BandSampler sampler, BandSampler::create(surface, frame, frame.band_mm,
+                                                            BandSampler::kMostPoints, progress));
+  if (method == FieldMethod::kUniform) return build_dense(sampler, frame, winding, progress);
+  return build_bricks(sampler, frame, winding, progress);
+}
+
+}  // namespace
+
+Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface_B,
+                                           const DistanceFieldOptions& options,
+                                           Progress& progress) {
+  LEFORT_TRY_VOID(check_options(options));
+  if (surface_B.triangle_count() > kMaxTriangles)
+    return fail(ErrorCode::kMeshInvalid,
+                fmt::format("the surface has {} triangles, at most {} are possible",
+                            surface_B.triangle_count(), kMaxTriangles));
+  LEFORT_TRY(const PreparedSurface surface, prepare_surface(surface_B));
+  for (const std::string& sentence : describe(surface.report)) progress.note(sentence);
+  LEFORT_TRY(FieldFrame frame, lay_cube(surface.mesh_B, options));
+  frame.closed = surface.closed;
+
+  progress.begin_stage("distances near the bone");
+  std::optional<WindingRows> rows;
+  if (surface.closed) rows.emplace(surface.mesh_B, frame);
+  const WindingRows* const winding = rows ? &*rows : nullptr;
+  LEFORT_TRY(DistanceField::Samples samples,
+             build_samples(surface, frame, options.method, winding, progress));
+  std::optional<SparseLattice> smooth;
+  if (options.smooth) {
+    progress.begin_stage("smooth distances");
+    const double reach_mm = frame.band_mm + kStencilReach * frame.cell_mm;
+    LEFORT_TRY(const SparseLattice distances,
+               sample_narrow_band(surface, frame, reach_mm, winding, progress));
+    smooth = spline_lattice(distances, frame.cell_mm, reach_mm);
+  }
+  progress.report(1.0);
+  return DistanceField(frame, std::move(samples), std::move(smooth),
+                       FieldSource{surface.mesh_B.triangle_count(), surface.parts, surface.report});
+}
+
+}  // namespace lefort::field

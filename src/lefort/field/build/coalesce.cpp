@@ -1,0 +1,145 @@
+#include <lefort/core/check.h>
+#include <lefort/core/parallel.h>
+#include <lefort/field/build/coalesce.h>
+#include <lefort/field/storage/octree_cells.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace lefort::field {
+
+namespace {
+
+constexpr int kSide = SparseLattice::kSide;
+
+/// Unites the subtree that begins at `begin` if its eight children are leaves of one kind, and
+/// those within the band can be reconstructed.
+template <class Reproduces>
+void unite(std::string& codes, std::size_t begin, const Reproduces& reproduces) {
+  const std::string_view children = std::string_view(codes).substr(begin + 1);
+  const char first = children.front();
+  if (children.size() != 8 || children.find_first_not_of(first) != std::string_view::npos) return;
+  if (first == char(NodeCode::kBand) && !reproduces()) return;
+  codes.resize(begin);
+  codes += first;
+}
+
+/// A cube of kSide^3 cells with its own copy of the samples: nearly all the work happens here.
+class Block {
+ public:
+  Block(const SidedDistances& distances, const LatticePoint& low, const FieldFrame& frame)
+      : frame_(frame) {
+    for (int k = 0; k <= kSide; ++k)
+      for (int j = 0; j <= kSide; ++j)
+        for (int i = 0; i <= kSide; ++i)
+          values_[place({i, j, k})] = distances.at({low[0] + i, low[1] + j, low[2] + k});
+  }
+
+  void append(std::string& codes, const LatticePoint& low, int cells) const {
+    const auto value_at = [&](const LatticePoint& p) { return values_[place(p)]; };
+    if (cells == 2) {
+      append_pair(codes, low);
+      return;
+    }
+    const std::size_t begin = codes.size();
+    codes += char(NodeCode::kBranch);
+    for (int child = 0; child < 8; ++child)
+      append(codes, corner_point(low, child, cells / 2), cells / 2);
+    unite(codes, begin,
+          [&] { return corners_reproduce(value_at, low, cells, frame_.tolerance_mm); });
+  }
+
+ private:
+  static std::size_t place(const LatticePoint& p) {
+    return std::size_t((p[2] * (kSide + 1) + p[1]) * (kSide + 1) + p[0]);
+  }
+
+  /// The smallest group of cells.
+  void append_pair(std::string& codes, const LatticePoint& low) const {
+    const auto value_at = [&](const LatticePoint& p) { return values_[place(p)]; };
+    const FineCells cells = classify_fine_cells(value_at, low, float(frame_.cell_mm));
+    if (cells.band == 0xFF && corners_reproduce(value_at, low, 2, frame_.tolerance_mm)) {
+      codes += char(NodeCode::kBand);
+    } else if (cells.band == 0) {
+      codes += char(code_of(cells.others));
+    } else {
+      codes += char(NodeCode::kBranch);
+      append_fine_cells(codes, cells);
+    }
+  }
+
+  const FieldFrame& frame_;
+  std::array<float, (kSide + 1) * (kSide + 1) * (kSide + 1)> values_;
+};
+
+/// Subtree of the cube of kSide^3 cells whose lowest corner begins a brick.
+std::string block_codes(const SidedDistances& distances, const LatticePoint& low,
+                        const FieldFrame& frame) {
+  const SparseLattice& near = distances.near;
+  bool empty = true;  // Of this brick and those that hold the far sides of its last cells.
+  for (int corner = 0; corner < 8; ++corner)
+    empty = empty && near.slot_of(near.brick_of(corner_point(low, corner, kSide))) ==
+                         SparseLattice::kNoBrick;
+  std::string codes;
+  if (empty) {
+    codes += char(code_of(distances.brick_sides[std::size_t(near.brick_of(low))]));
+  } else {
+    Block(distances, low, frame).append(codes, {0, 0, 0}, kSide);
+  }
+  return codes;
+}
+
+/// Joins blocks to larger cubes, up to the root.
+void append_upper(std::string& codes, const std::vector<std::string>& blocks,
+                  const SidedDistances& distances, const LatticePoint& low, int cells,
+                  double tolerance_mm) {
+  if (cells == kSide) {
+    const int n = distances.near.resolution() / kSide;
+    codes += blocks[std::size_t((low[2] / kSide * n + low[1] / kSide) * n + low[0] / kSide)];
+    return;
+  }
+  const std::size_t begin = codes.size();
+  codes += char(NodeCode::kBranch);
+  for (int child = 0; child < 8; ++child)
+    append_upper(codes, blocks, distances, corner_point(low, child, cells / 2), cells / 2,
+                 tolerance_mm);
+  unite(codes, begin, [&] {
+    return corners_reproduce([&](const LatticePoint& p) { return distances.at(p); }, low, cells,
+                             tolerance_mm);
+  });
+}
+
+}  // namespace
+
+Result<Octree> coalesce(const SidedDistances& distances, const FieldFrame& frame,
+                        Progress& progress) {
+  const int n = frame.resolution / kSide;
+  std::vector<std::string> blocks(std::size_t(n) * std::size_t(n) * std::size_t(n));
+  parallel_for(
+      Index(blocks.size()),
+      [&](Index b) {
+        if (progress.stop_requested()) return;
+        const LatticePoint low = {int(b % n) * kSide, int(b / n % n) * kSide,
+                                  int(b / (Index(n) * n)) * kSide};
+        blocks[std::size_t(b)] = block_codes(distances, low, frame);
+      },
+      16);
+  if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
+
+  std::string codes;
+  append_upper(codes, blocks, distances, {0, 0, 0}, frame.resolution, frame.tolerance_mm);
+  blocks = {};
+  LEFORT_TRY(Octree octree, Octree::decode(frame.resolution, codes));
+  const std::vector<LatticePoint> points = octree.sample_points();
+  for (std::size_t s = 0; s < points.size(); ++s) {
+    octree.samples()[s] = distances.at(points[s]);
+    LEFORT_CHECK(std::isfinite(octree.samples()[s]));
+  }
+  return octree;
+}
+
+}  // namespace lefort::field

@@ -1,0 +1,403 @@
+#include <lefort/core/parallel.h>
+#include <lefort/field/build/prepare_surface.h>
+#include <lefort/field/sign/turn_in_yz.h>
+#include <lefort/geometry/mesh_measures.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace lefort::field {
+
+namespace {
+
+using geometry::SideOfTriangle;
+using geometry::SidesByEdge;
+using geometry::Triangle;
+using geometry::TriangleMesh;
+
+/// An edge with other than two triangles that run against each other.
+struct OddEdge {
+  std::vector<SideOfTriangle> sides;
+};
+
+bool runs_against(const TriangleMesh& mesh, const SideOfTriangle& a, const SideOfTriangle& b) {
+  return runs_forward(mesh, a) != runs_forward(mesh, b);
+}
+
+std::int32_t opposite_corner(const TriangleMesh& mesh, const SideOfTriangle& s) {
+  return mesh.triangles[std::size_t(s.triangle())][std::size_t((s.side() + 2) % 3)];
+}
+
+/// Edges that are no plain seam, in order.
+std::vector<OddEdge> odd_edges(const TriangleMesh& mesh, const SidesByEdge& sides) {
+  return parallel_collect<OddEdge>(mesh.vertex_count(), [&](Index v, std::vector<OddEdge>& odd) {
+    sides.for_each_edge_at(std::int32_t(v), [&](std::int32_t, std::int32_t, auto there) {
+      const bool plain = there.size() == 2 && runs_against(mesh, there[0], there[1]) &&
+                         opposite_corner(mesh, there[0]) != opposite_corner(mesh, there[1]);
+      if (!plain) odd.push_back({{there.begin(), there.end()}});
+    });
+  });
+}
+
+/// Corners in ascending order, and whether that is an even permutation.
+std::pair<Triangle, bool> sorted_corners(Triangle t) {
+  bool even = true;
+  const auto order = [&](std::size_t i, std::size_t j) {
+    if (t[i] <= t[j]) return;
+    std::swap(t[i], t[j]);
+    even = !even;
+  };
+  order(0, 1);
+  order(1, 2);
+  order(0, 1);
+  return {t, even};
+}
+
+/// Drops triangles that repeat an earlier one and marks those with an opposite twin.
+void find_repeated(PreparedSurface& surface, const std::vector<OddEdge>& odd) {
+  TriangleMesh& mesh = surface.mesh_B;
+  std::vector<std::int32_t> candidates;
+  for (const OddEdge& edge : odd)
+    for (const SideOfTriangle& s : edge.sides) candidates.push_back(std::int32_t(s.triangle()));
+  std::sort(candidates.begin(), candidates.end());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+
+  std::map<Triangle, std::array<std::int32_t, 2>> first;  // Of each sense, or -1.
+  std::vector<std::int32_t> repeated;
+  for (const std::int32_t t : candidates) {
+    const auto [corners, even] = sorted_corners(mesh.triangles[std::size_t(t)]);
+    auto& [odd_one, even_one] = first.try_emplace(corners, std::array{-1, -1}).first->second;
+    std::int32_t& same = even ? even_one : odd_one;
+    if (same >= 0) {
+      repeated.push_back(t);
+    } else {
+      same = t;
+    }
+  }
+  std::vector<bool> is_double(mesh.triangles.size(), false);
+  for (const auto& [corners, twins] : first) {
+    if (twins[0] < 0 || twins[1] < 0) continue;
+    for (const std::int32_t t : twins) is_double[std::size_t(t)] = true;
+    surface.report.double_triangles += 2;
+  }
+  surface.report.repeated_triangles = Index(repeated.size());
+  std::size_t kept = 0, next = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (next < repeated.size() && repeated[next] == std::int32_t(t)) {
+      ++next;
+      continue;
+    }
+    mesh.triangles[kept] = mesh.triangles[t];
+    is_double[kept++] = is_double[t];
+  }
+  mesh.triangles.resize(kept);
+  is_double.resize(kept);
+  if (surface.report.double_triangles > 0) surface.is_double = std::move(is_double);
+}
+
+double area_mm2(const TriangleMesh& mesh, Index t) {
+  const Vec3& a = mesh.corner(t, 0);
+  return 0.5 * (mesh.corner(t, 1) - a).cross(mesh.corner(t, 2) - a).norm();
+}
+
+/// Turns triangles to agree with their neighbours. \returns how many edges still clash.
+Index turn_to_agree(PreparedSurface& surface, const SidesByEdge& sides) {
+  TriangleMesh& mesh = surface.mesh_B;
+  struct Seam {
+    std::int32_t other = -1;
+    bool agrees = true;
+  };
+  std::vector<std::array<Seam, 3>> seams(mesh.triangles.size());
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
+    sides.for_each_edge_at(v, [&](std::int32_t, std::int32_t, auto there) {
+      if (there.size() != 2) return;
+      const bool agrees = runs_against(mesh, there[0], there[1]);
+      for (std::size_t i = 0; i < 2; ++i)
+        seams[std::size_t(there[i].triangle())][std::size_t(there[i].side())] = {
+            std::int32_t(there[1 - i].triangle()), agrees};
+    });
+
+  enum : std::int8_t { kNew, kKeep, kTurn };
+  std::vector<std::int8_t> sense(mesh.triangles.size(), kNew);
+  std::vector<std::int32_t> patch;
+  Index clashes = 0;
+  for (std::int32_t seed = 0; seed < std::int32_t(mesh.triangles.size()); ++seed) {
+    if (sense[std::size_t(seed)] != kNew) continue;
+    patch.assign(1, seed);
+    sense[std::size_t(seed)] = kKeep;
+    double keep_mm2 = 0.0, turn_mm2 = 0.0;
+    Index patch_clashes = 0;
+    for (std::size_t i = 0; i < patch.size(); ++i) {
+      const auto t = std::size_t(patch[i]);
+      (sense[t] == kKeep ? keep_mm2 : turn_mm2) += area_mm2(mesh, Index(t));
+      for (const Seam& seam : seams[t]) {
+        if (seam.other < 0) continue;
+        const auto wanted = seam.agrees ? sense[t] : std::int8_t(sense[t] == kKeep ? kTurn : kKeep);
+        std::int8_t& other = sense[std::size_t(seam.other)];
+        if (other == kNew) {
+          other = wanted;
+          patch.push_back(seam.other);
+        } else if (other != wanted) {
+          ++patch_clashes;  // Seen from both sides.
+        }
+      }
+    }
+    const std::int8_t minority = keep_mm2 >= turn_mm2 ? kTurn : kKeep;
+    if (patch_clashes > 0) {
+      clashes += patch_clashes / 2;
+      continue;  // Not orientable: there is no right way to turn it.
+    }
+    for (const std::int32_t t : patch) {
+      if (sense[std::size_t(t)] != minority) continue;
+      Triangle& triangle = mesh.triangles[std::size_t(t)];
+      std::swap(triangle[1], triangle[2]);
+      ++surface.report.turned_triangles;
+    }
+  }
+  return clashes;
+}
+
+/// Parts of a surface that hang together by edges.
+struct Parts {
+  std::vector<std::int32_t> of_triangle;
+  std::vector<double> volume_mm3;
+  std::vector<double> area_mm2;
+  std::vector<std::int32_t> largest;  ///< Triangle.
+
+  [[nodiscard]] std::size_t count() const { return volume_mm3.size(); }
+  /// Clearly less than nothing: the two sides of a sheet enclose rounding.
+  [[nodiscard]] bool is_inside_out(std::size_t part) const {
+    return volume_mm3[part] < -1e-9 * std::pow(area_mm2[part], 1.5);
+  }
+};
+
+Parts find_parts(const TriangleMesh& mesh, const SidesByEdge& sides) {
+  std::vector<std::int32_t> parent(mesh.triangles.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root_of = [&](std::int32_t t) {
+    while (parent[std::size_t(t)] != t) {
+      parent[std::size_t(t)] = parent[std::size_t(parent[std::size_t(t)])];
+      t = parent[std::size_t(t)];
+    }
+    return t;
+  };
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
+    sides.for_each_edge_at(v, [&](std::int32_t, std::int32_t, auto there) {
+      for (std::size_t i = 1; i < there.size(); ++i) {
+        const std::int32_t a = root_of(std::int32_t(there[0].triangle())),
+                           b = root_of(std::int32_t(there[i].triangle()));
+        parent[std::size_t(std::max(a, b))] = std::min(a, b);
+      }
+    });
+
+  Parts parts;
+  parts.of_triangle.resize(mesh.triangles.size());
+  std::vector<double> largest_mm2;
+  const Vec3 origin = mesh.corner(0, 0);  // Near the surface: less cancellation.
+  for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
+    const std::int32_t root = root_of(t);
+    if (root == t) {
+      parts.of_triangle[std::size_t(t)] = std::int32_t(parts.count());
+      parts.volume_mm3.push_back(0.0);
+      parts.area_mm2.push_back(0.0);
+      parts.largest.push_back(t);
+      largest_mm2.push_back(0.0);
+    }
+    // A root comes before the rest of its part.
+    const std::int32_t part = parts.of_triangle[std::size_t(t)] =
+        parts.of_triangle[std::size_t(root)];
+    const Vec3 a = mesh.corner(t, 0) - origin, b = mesh.corner(t, 1) - origin;
+    parts.volume_mm3[std::size_t(part)] += a.dot(b.cross(mesh.corner(t, 2) - origin)) / 6.0;
+    const double area = area_mm2(mesh, t);
+    parts.area_mm2[std::size_t(part)] += area;
+    if (area > largest_mm2[std::size_t(part)]) {
+      largest_mm2[std::size_t(part)] = area;
+      parts.largest[std::size_t(part)] = t;
+    }
+  }
+  return parts;
+}
+
+/// Finds which parts a point lies in, by the triangles that a ray along x from it crosses.
+class Surroundings {
+ public:
+  Surroundings(const TriangleMesh& mesh, const Parts& parts) : mesh_(mesh), parts_(parts) {
+    box_ = geometry::bounding_box(mesh);
+    side_ = std::clamp(int(std::sqrt(double(mesh.triangle_count()))), 1, kMaxSide);
+    first_.assign(std::size_t(side_) * std::size_t(side_) + 1, 0);
+    for_each_bin([&](std::size_t bin, std::int32_t) { ++first_[bin + 1]; });
+    for (std::size_t bin = 0; bin + 1 < first_.size(); ++bin) first_[bin + 1] += first_[bin];
+    triangles_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for_each_bin([&](std::size_t bin, std::int32_t t) { triangles_[next[bin]++] = t; });
+  }
+
+  /// Parts around the middle of the largest triangle of `part`, without it. At its corners another
+  /// part may begin.
+  [[nodiscard]] std::vector<std::int32_t> of(std::size_t part) const {
+    const std::int32_t from = parts_.largest[part];
+    const Vec3 p = (mesh_.corner(from, 0) + mesh_.corner(from, 1) + mesh_.corner(from, 2)) / 3.0;
+    const std::size_t bin =
+        std::size_t(bin_at(p.z(), 2)) * std::size_t(side_) + std::size_t(bin_at(p.y(), 1));
+    std::vector<std::int32_t> crossed;
+    for (std::size_t i = first_[bin]; i < first_[bin + 1]; ++i) {
+      const std::int32_t t = triangles_[i];
+      const std::int32_t other = parts_.of_triangle[std::size_t(t)];
+      if (std::size_t(other) != part && crosses(t, p)) crossed.push_back(other);
+    }
+    std::sort(crossed.begin(), crossed.end());
+    std::vector<std::int32_t> around;  // Those that were crossed an odd number of times.
+    for (const std::int32_t other : crossed) {
+      if (!around.empty() && around.back() == other) {
+        around.pop_back();
+      } else {
+        around.push_back(other);
+      }
+    }
+    return around;
+  }
+
+ private:
+  static constexpr int kMaxSide = 1024;
+
+  [[nodiscard]] int bin_at(double coordinate, int axis) const {
+    const double share = (coordinate - box_.min()[axis]) / (box_.sizes()[axis] + 1e-300);
+    return std::clamp(int(share * side_), 0, side_ - 1);
+  }
+
+  template <class Body>
+  void for_each_bin(const Body& body) const {
+    for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
+      std::array<int, 2> low{}, high{};
+      for (int axis = 1; axis < 3; ++axis) {
+        const auto [least, most] = std::minmax(
+            {mesh_.corner(t, 0)[axis], mesh_.corner(t, 1)[axis], mesh_.corner(t, 2)[axis]});
+        low[std::size_t(axis - 1)] = bin_at(least, axis);
+        high[std::size_t(axis - 1)] = bin_at(most, axis);
+      }
+      for (int z = low[1]; z <= high[1]; ++z)
+        for (int y = low[0]; y <= high[0]; ++y)
+          body(std::size_t(z) * std::size_t(side_) + std::size_t(y), t);
+    }
+  }
+
+  /// Whether the ray from `p` along +x crosses a triangle.
+  [[nodiscard]] bool crosses(std::int32_t t, const Vec3& p) const {
+    const Vec3 &a = mesh_.corner(t, 0), &b = mesh_.corner(t, 1), &c = mesh_.corner(t, 2);
+    const double u = EdgeInYz(b, c).turn(p.y(), p.z()), v = EdgeInYz(c, a).turn(p.y(), p.z()),
+                 w = EdgeInYz(a, b).turn(p.y(), p.z());
+    const bool all_left = u > 0.0 && v > 0.0 && w > 0.0;
+    const bool all_right = u < 0.0 && v < 0.0 && w < 0.0;
+    if (!all_left && !all_right) return false;
+    return (u * a.x() + v * b.x() + w * c.x()) / (u + v + w) > p.x();
+  }
+
+  const TriangleMesh& mesh_;
+  const Parts& parts_;
+  Box3 box_;
+  int side_ = 1;
+  std::vector<std::size_t> first_;
+  std::vector<std::int32_t> triangles_;
+};
+
+/// Turns closed parts that are inside out and that nothing surrounds, with all that is in them.
+void turn_inside_out_parts(PreparedSurface& surface, const Parts& parts) {
+  TriangleMesh& mesh = surface.mesh_B;
+  std::vector<std::size_t> candidates;
+  for (std::size_t part = 0; part < parts.count(); ++part)
+    if (parts.is_inside_out(part)) candidates.push_back(part);
+  if (candidates.empty()) return;
+
+  const Surroundings surroundings(mesh, parts);
+  std::vector<bool> turn(parts.count(), false);
+  bool any = false;
+  for (const std::size_t part : candidates) {
+    turn[part] = surroundings.of(part).empty();
+    any = any || turn[part];
+  }
+  if (!any) return;
+  const std::vector<bool> outermost = turn;
+  for (std::size_t part = 0; part < parts.count(); ++part)
+    for (const std::int32_t around : surroundings.of(part))
+      if (outermost[std::size_t(around)]) turn[part] = true;
+
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!turn[std::size_t(parts.of_triangle[t])]) continue;
+    std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+    ++surface.report.turned_triangles;
+  }
+}
+
+bool is_balanced(const TriangleMesh& mesh, const OddEdge& edge) {
+  Index forward = 0;
+  for (const SideOfTriangle& s : edge.sides) forward += runs_forward(mesh, s) ? 1 : 0;
+  return 2 * forward == Index(edge.sides.size());
+}
+
+}  // namespace
+
+std::vector<std::string> describe(const SurfaceReport& report) {
+  std::vector<std::string> sentences;
+  const auto tell = [&](Index count, std::string_view one, std::string_view many,
+                        std::string_view what) {
+    if (count > 0)
+      sentences.push_back(fmt::format("{} {} {}", count, count == 1 ? one : many, what));
+  };
+  tell(report.collapsed_triangles, "triangle", "triangles", "without length dropped");
+  tell(report.repeated_triangles, "triangle", "triangles", "written more than once dropped");
+  tell(report.double_triangles, "triangle", "triangles",
+       "with a twin of the opposite sense: nothing is inside between them");
+  tell(report.turned_triangles, "triangle", "triangles", "turned to face outward");
+  tell(report.rim_edges, "edge", "edges",
+       "at a rim: the surface is open, sides beyond the band are unknown");
+  tell(report.branching_edges, "edge", "edges", "with more than two triangles");
+  tell(report.clashing_edges, "edge", "edges",
+       "where neighbours face opposite ways and cannot be turned: signs may be wrong near them");
+  return sentences;
+}
+
+Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B) {
+  LEFORT_TRY_VOID(geometry::check_surface(surface_B));
+  PreparedSurface surface;
+  surface.mesh_B = geometry::weld_vertices(surface_B);
+  TriangleMesh& mesh = surface.mesh_B;
+  if (mesh.triangles.empty())
+    return fail(ErrorCode::kMeshInvalid,
+                "all triangles of the surface are points or lines, one must have three corners");
+  surface.report.repeated_vertices = surface_B.vertex_count() - mesh.vertex_count();
+  surface.report.collapsed_triangles = surface_B.triangle_count() - mesh.triangle_count();
+
+  SidesByEdge sides(mesh);
+  std::vector<OddEdge> odd = odd_edges(mesh, sides);
+  if (!odd.empty()) {
+    find_repeated(surface, odd);
+    if (surface.report.repeated_triangles > 0) sides = SidesByEdge(mesh);
+    surface.report.clashing_edges = turn_to_agree(surface, sides);
+    sides = SidesByEdge(mesh);
+    odd = odd_edges(mesh, sides);
+  }
+  surface.closed = true;
+  for (const OddEdge& edge : odd) {
+    surface.closed = surface.closed && is_balanced(mesh, edge);
+    if (edge.sides.size() == 1) ++surface.report.rim_edges;
+    if (edge.sides.size() > 2) ++surface.report.branching_edges;
+  }
+  const Parts parts = find_parts(mesh, sides);
+  surface.parts = Index(parts.count());
+  if (surface.closed) {
+    const Index before = surface.report.turned_triangles;
+    turn_inside_out_parts(surface, parts);
+    if (surface.report.turned_triangles != before) sides = SidesByEdge(mesh);
+  }
+  surface.normals = geometry::Pseudonormals(mesh, sides);
+  return surface;
+}
+
+}  // namespace lefort::field

@@ -1,0 +1,328 @@
+#include <lefort/core/check.h>
+#include <lefort/field/internal/distances_avx512.h>
+#include <lefort/field/internal/simd.h>
+#include <lefort/field/query/query_bricks.h>
+#include <lefort/field/query/trilinear.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+namespace lefort::field {
+
+namespace {
+
+/// Points worked on together: enough for memory to arrive, few enough to stay in the first cache.
+constexpr std::size_t kGroup = 32;
+/// Fewer are not worth putting in order.
+constexpr std::size_t kFewPoints = 128;
+constexpr std::size_t kLanes = 16;
+constexpr std::size_t kCorners = 8;
+
+using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
+using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
+using Doubles = double __attribute__((vector_size(kLanes * sizeof(double))));
+
+/// What a lookup needs again and again.
+struct Lookup {
+  const Brick* bricks;
+  const std::byte* codes;
+  std::int32_t side;  ///< Bricks along a side of the table.
+  std::int32_t last_cell;
+  double most;  ///< Cells along a side of the cube.
+  double cells_per_mm;
+  /// Of the cube, x, y, z again and again: positions are worked on as one long row of numbers.
+  std::array<double, 3 * kGroup> origin;
+
+  Lookup(const BrickSamples& samples, const FieldFrame& frame)
+      : bricks(samples.bricks().data()),
+        codes(samples.codes().data()),
+        side(SparseLattice::bricks_per_side(samples.resolution())),
+        last_cell(frame.resolution - 1),
+        most(frame.resolution),
+        cells_per_mm(1.0 / frame.cell_mm) {
+    for (std::size_t i = 0; i < origin.size(); ++i) origin[i] = frame.origin_B[Index(i % 3)];
+  }
+};
+
+/// Points on their way through the three stages.
+template <class Real>
+struct Group {
+  std::array<std::int32_t, 3 * kGroup> cell;
+  std::array<Real, 3 * kGroup> t;               ///< Positions in the cells.
+  std::array<std::int32_t, 3 * kGroup> within;  ///< 0 beyond the cube, or if no number; else -1.
+  std::array<const std::byte*, kCorners * kGroup> corners;  ///< Codes, point after point.
+};
+
+LEFORT_INLINE void prefetch(const void* place) { __builtin_prefetch(place); }
+
+/// Stage 1: which cells.
+///
+/// \param p  x, y, z of the points of a group, one after another.
+template <class Real>
+LEFORT_INLINE void locate(const Lookup& lookup, const double* p, Group<Real>& group) {
+  for (std::size_t i = 0; i < 3 * kGroup; ++i) {
+    const double u = (p[i] - lookup.origin[i]) * lookup.cells_per_mm;
+    const bool within = u >= 0.0 && u <= lookup.most;  // NaN is not.
+    const std::int32_t cell = std::min(std::int32_t(within ? u : 0.0), lookup.last_cell);
+    group.within[i] = within ? -1 : 0;
+    group.cell[i] = cell;
+    group.t[i] = Real(u - cell);
+  }
+  for (std::size_t n = 0; n < kGroup; ++n) {
+    const std::int32_t* const c = group.cell.data() + 3 * n;
+    prefetch(lookup.bricks + ((c[2] / 8 + 1) * lookup.side + c[1] / 8 + 1) * lookup.side +
+             c[0] / 8 + 1);
+  }
+}
+
+/// Where a coordinate lies: its share of the number of a brick, of a leaf, and of a place in it.
+struct AxisPlace {
+  std::int32_t brick;
+  std::uint32_t leaf;
+  std::uint32_t offset;
+
+  LEFORT_INLINE AxisPlace(std::int32_t coordinate, std::int32_t brick_stride, unsigned axis) {
+    const auto c = std::uint32_t(coordinate);
+    brick = std::int32_t(c / 8U + 1U) * brick_stride;
+    leaf = (c >> 2 & 1U) << axis;
+    offset = (c & 3U) * (std::uint32_t(BrickSamples::kCodeBytes) << (2U * axis));
+  }
+};
+
+/// Stands for a leaf that is not stored: no distances, which send their points the slow way.
+constexpr auto kNoLeaf = [] {
+  std::array<std::byte, BrickSamples::kLeafBytes + 1> leaf{};
+  for (std::size_t i = 2; i < leaf.size(); i += BrickSamples::kCodeBytes) leaf[i] = std::byte(0x80);
+  return leaf;
+}();
+
+/// Stage 2: where the samples are. Seven cells in twelve have their corners in more than one leaf,
+/// which no processor can foresee; so there is a branch along x alone, where it pays.
+LEFORT_INLINE void find_corners(const Lookup& lookup, const std::int32_t* cells,
+                                const std::byte** corners) {
+  static_assert(SparseLattice::kSide == 8 && BrickSamples::kLeafSide == 4);
+  const std::int32_t row = lookup.side, slice = lookup.side * lookup.side;
+  const Brick* const bricks = lookup.bricks;
+  const std::byte* const codes = lookup.codes;
+  for (std::size_t n = 0; n < kGroup; ++n, cells += 3, corners += kCorners) {
+    const AxisPlace x(cells[0], 1, 0), y0(cells[1], row, 1), y1(cells[1] + 1, row, 1),
+        z0(cells[2], slice, 2), z1(cells[2] + 1, slice, 2);
+    const std::array<std::int32_t, 4> brick = {y0.brick + z0.brick, y1.brick + z0.brick,
+                                               y0.brick + z1.brick, y1.brick + z1.brick};
+    const std::array<std::uint32_t, 4> leaf = {y0.leaf | z0.leaf, y1.leaf | z0.leaf,
+                                               y0.leaf | z1.leaf, y1.leaf | z1.leaf};
+    const std::array<std::uint32_t, 4> offset = {y0.offset + z0.offset, y1.offset + z0.offset,
+                                                 y0.offset + z1.offset, y1.offset + z1.offset};
+    const auto place = [&](std::size_t i, const AxisPlace& at) __attribute__((always_inline)) {
+      const Brick& found = bricks[brick[i] + at.brick];
+      const std::uint32_t which = leaf[i] | at.leaf, stored = found.stored;
+      const std::size_t position =
+          found.first_leaf + std::size_t(std::popcount(stored & ((1U << which) - 1U)));
+      const std::byte* const first = (stored >> which & 1U) != 0
+                                         ? codes + position * BrickSamples::kLeafBytes
+                                         : kNoLeaf.data();
+      return first + (offset[i] + at.offset);
+    };
+    for (std::size_t i = 0; i < 4; ++i) {
+      corners[2 * i] = place(i, x);
+      prefetch(corners[2 * i]);
+    }
+    if ((cells[0] & 3) != 3) {
+      for (std::size_t i = 0; i < 4; ++i)
+        corners[2 * i + 1] = corners[2 * i] + BrickSamples::kCodeBytes;
+    } else {
+      const AxisPlace next(cells[0] + 1, 1, 0);
+      for (std::size_t i = 0; i < 4; ++i) {
+        corners[2 * i + 1] = place(i, next);
+        prefetch(corners[2 * i + 1]);
+      }
+    }
+  }
+}
+
+using FindCorners = void(const Lookup&, const std::int32_t*, const std::byte**);
+
+// Not inlined: among vectors the compiler keeps addresses in the wrong registers.
+[[gnu::noinline]] void find_corners_baseline(const Lookup& lookup, const std::int32_t* cells,
+                                             const std::byte** corners) {
+  find_corners(lookup, cells, corners);
+}
+
+#if defined(__x86_64__)
+[[gnu::noinline]] __attribute__((target("popcnt,bmi,bmi2"))) void find_corners_popcnt(
+    const Lookup& lookup, const std::int32_t* cells, const std::byte** corners) {
+  find_corners(lookup, cells, corners);
+}
+#endif
+
+/// Samples and positions of sixteen points, by lane.
+template <class Lanes>
+struct Cells {
+  std::array<Lanes, kCorners> corners;  ///< In units of the quantum.
+  std::array<Lanes, 3> t;
+  std::array<std::int32_t, kLanes> is_known;  ///< Not zero if all corners are distances.
+};
+
+/// Stage 3: the samples.
+template <class Lanes, class Real>
+LEFORT_INLINE void read_cells(const Group<Real>& group, std::size_t first, Cells<Lanes>& cells) {
+  alignas(64) std::array<std::array<std::int32_t, kLanes>, kCorners> codes;
+  alignas(64) std::array<std::array<Real, kLanes>, 3> t;
+  alignas(64) std::array<std::int32_t, kLanes> within;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const std::size_t n = first + l;
+    for (std::size_t corner = 0; corner < kCorners; ++corner)
+      std::memcpy(&codes[corner][l], group.corners[kCorners * n + corner], sizeof(std::int32_t));
+    for (std::size_t k = 0; k < 3; ++k) t[k][l] = group.t[3 * n + k];
+    within[l] = group.within[3 * n] & group.within[3 * n + 1] & group.within[3 * n + 2];
+  }
+  Floats largest{};  // Of the magnitudes, all of which single precision holds.
+  for (std::size_t corner = 0; corner < kCorners; ++corner) {
+    Ints code;
+    std::memcpy(&code, codes[corner].data(), sizeof(code));
+    code = code << 8 >> 8;  // The fourth byte belongs to another sample.
+    const Floats value = __builtin_convertvector(code, Floats), negative = -value;
+    const Floats magnitude = value > negative ? value : negative;
+    largest = magnitude > largest ? magnitude : largest;
+    cells.corners[corner] = __builtin_convertvector(code, Lanes);
+  }
+  Ints known;
+  std::memcpy(&known, within.data(), sizeof(known));
+  known = largest < float(BrickSamples::kBeyond) ? known : Ints{};
+  std::memcpy(cells.is_known.data(), &known, sizeof(known));
+  for (std::size_t k = 0; k < 3; ++k) std::memcpy(&cells.t[k], t[k].data(), sizeof(cells.t[k]));
+}
+
+/// Where a point is that has no distance.
+template <class Real>
+Zone zone_at(const BrickSamples& samples, const FieldFrame& frame, const Vec3& p_B,
+             const Group<Real>& group, std::size_t n) {
+  const std::int32_t* const within = group.within.data() + 3 * n;
+  if ((within[0] & within[1] & within[2]) == 0) return zone_beyond_box(frame, p_B);
+  const std::int32_t* const c = group.cell.data() + 3 * n;
+  std::array<float, kCorners> corners;
+  for (int i = 0; i < int(kCorners); ++i)
+    corners[std::size_t(i)] = samples.distance_of(BrickSamples::read_code(
+        samples.place_of({c[0] + (i & 1), c[1] + (i >> 1 & 1), c[2] + (i >> 2)})));
+  return zone_of(corners);
+}
+
+/// Calls finish(first, count, cells, group, place) for all points, at most kLanes at a time:
+/// `first` among the points, and `place` in the group.
+template <class Lanes, class Real, class Finish>
+LEFORT_INLINE void for_all(const BrickSamples& samples, const FieldFrame& frame,
+                           std::span<const Vec3> p_B, FindCorners find_corners_of,
+                           const Finish& finish) {
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  const Lookup lookup(samples, frame);
+  Group<Real> group;
+  Cells<Lanes> cells;
+  std::array<Vec3, kGroup> last;
+  for (std::size_t begin = 0; begin < p_B.size(); begin += kGroup) {
+    const std::size_t count = std::min(kGroup, p_B.size() - begin);
+    const double* p = p_B.data()[begin].data();
+    if (count < kGroup) {
+      last.fill(p_B[begin]);
+      std::copy_n(p_B.begin() + std::ptrdiff_t(begin), count, last.begin());
+      p = last.data()->data();
+    }
+    locate(lookup, p, group);
+    find_corners_of(lookup, group.cell.data(), group.corners.data());
+    for (std::size_t place = 0; place < count; place += kLanes) {
+      read_cells(group, place, cells);
+      finish(begin + place, std::min(kLanes, count - place), cells, group, place);
+    }
+  }
+}
+
+struct Query {
+  const BrickSamples& samples;
+  const FieldFrame& frame;
+  std::span<const Vec3> p_B;
+  FindCorners* find_corners;
+};
+
+LEFORT_INLINE void sample_all(const Query& query, std::span<FieldSample> results) {
+  // In double precision: solvers take differences of these.
+  const double quantum_mm = double(query.samples.quantum_mm());
+  const double slope = quantum_mm / query.frame.cell_mm;
+  for_all<Doubles, double>(
+      query.samples, query.frame, query.p_B, *query.find_corners,
+      [&](std::size_t first, std::size_t count, const Cells<Doubles>& cells,
+          const Group<double>& group, std::size_t place) __attribute__((always_inline)) {
+        const Doubles distance = trilinear(cells.corners, cells.t) * quantum_mm;
+        const std::array<Doubles, 3> gradient = trilinear_gradient(cells.corners, cells.t);
+        const Doubles x = gradient[0] * slope, y = gradient[1] * slope, z = gradient[2] * slope;
+        for (std::size_t l = 0; l < count; ++l) {
+          if (cells.is_known[l] == 0) [[unlikely]] {
+            results[first + l] = beyond_band(
+                zone_at(query.samples, query.frame, query.p_B[first + l], group, place + l),
+                query.frame.band_mm);
+          } else {
+            results[first + l] = {Zone::kBand, distance[l], Vec3(x[l], y[l], z[l])};
+          }
+        }
+      });
+}
+
+LEFORT_INLINE void distances_all(const Query& query, std::span<float> distances_mm) {
+  const float quantum_mm = query.samples.quantum_mm();
+  for_all<Floats, float>(
+      query.samples, query.frame, query.p_B, *query.find_corners,
+      [&](std::size_t first, std::size_t count, const Cells<Floats>& cells,
+          const Group<float>& group, std::size_t place) __attribute__((always_inline)) {
+        const Floats distance = trilinear(cells.corners, cells.t) * quantum_mm;
+        for (std::size_t l = 0; l < count; ++l)
+          distances_mm[first + l] =
+              cells.is_known[l] != 0 ? distance[l]
+                                     : side_value(zone_at(query.samples, query.frame,
+                                                          query.p_B[first + l], group, place + l));
+      });
+}
+
+#if defined(__x86_64__)
+LEFORT_AVX512 void sample_avx512(const Query& query, std::span<FieldSample> results) {
+  sample_all(query, results);
+}
+LEFORT_AVX2 void sample_avx2(const Query& query, std::span<FieldSample> results) {
+  sample_all(query, results);
+}
+LEFORT_AVX512 void distances_avx512(const Query& query, std::span<float> distances_mm) {
+  distances_all(query, distances_mm);
+}
+LEFORT_AVX2 void distances_avx2(const Query& query, std::span<float> distances_mm) {
+  distances_all(query, distances_mm);
+}
+#endif
+
+}  // namespace
+
+void sample_bricks(const BrickSamples& samples, const FieldFrame& frame, std::span<const Vec3> p_B,
+                   std::span<FieldSample> results, Simd simd) {
+  LEFORT_CHECK(p_B.size() == results.size());
+  Query query{samples, frame, p_B, find_corners_baseline};
+#if defined(__x86_64__)
+  if (simd != Simd::kBaseline) query.find_corners = find_corners_popcnt;
+  if (simd == Simd::kAvx512) return sample_avx512(query, results);
+  if (simd == Simd::kAvx2) return sample_avx2(query, results);
+#endif
+  sample_all(query, results);
+}
+
+void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
+                         std::span<const Vec3> p_B, std::span<float> distances_mm, Simd simd) {
+  LEFORT_CHECK(p_B.size() == distances_mm.size());
+  Query query{samples, frame, p_B, find_corners_baseline};
+#if defined(__x86_64__)
+  if (simd != Simd::kBaseline) query.find_corners = find_corners_popcnt;
+  if (simd == Simd::kAvx512 && p_B.size() >= kFewPoints && internal::fits_avx512(samples))
+    return internal::distances_avx512(samples, frame, p_B, distances_mm);
+  if (simd == Simd::kAvx512) return distances_avx512(query, distances_mm);
+  if (simd == Simd::kAvx2) return distances_avx2(query, distances_mm);
+#endif
+  distances_all(query, distances_mm);
+}
+
+}  // namespace lefort::field

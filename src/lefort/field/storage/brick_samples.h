@@ -1,0 +1,130 @@
+/// \file
+/// Samples near a surface, three bytes each, in small cubes where there are any: the smallest and
+/// fastest way to keep a distance field, and the default.
+///
+/// A leaf is 4 x 4 x 4 samples. Eight leaves make a brick, the unit that fields are built in; a
+/// table of all bricks says which of their leaves exist and where. A leaf beyond the band is one
+/// bit, inside or outside. So memory follows the area of the surface, the table (1/64 byte per
+/// cell) apart.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/field/query/cell_samples.h>
+#include <lefort/field/storage/sparse_lattice.h>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace lefort::field {
+
+/// Eight leaves, x fastest. One bit each says whether a leaf is stored, and if not its side.
+struct Brick {
+  std::uint32_t first_leaf = 0;  ///< Position of its first leaf; the others follow.
+  std::uint8_t stored = 0;
+  std::uint8_t inside = 0;
+  std::uint8_t unknown = 0;
+  std::uint8_t unused = 0;
+};
+
+/// How many bits of a byte are set. A table: the baseline of x86-64 has no instruction for it.
+inline constexpr std::array<std::uint8_t, 256> kBitCount = [] {
+  std::array<std::uint8_t, 256> count{};
+  for (unsigned byte = 0; byte < 256; ++byte) count[byte] = std::uint8_t(std::popcount(byte));
+  return count;
+}();
+
+class BrickSamples {
+ public:
+  static constexpr int kLeafSide = 4;
+  static constexpr int kLeafPoints = kLeafSide * kLeafSide * kLeafSide;
+  static constexpr std::size_t kCodeBytes = 3;
+  static constexpr std::size_t kLeafBytes = std::size_t(kLeafPoints) * kCodeBytes;
+
+  // Codes are 24-bit integers, little-endian: distances in units of quantum_mm().
+  static constexpr std::int32_t kBeyond = (1 << 23) - 1;  ///< Outside the band; -kBeyond inside.
+  static constexpr std::int32_t kUnknown = -(1 << 23);
+  static constexpr std::int32_t kLargest =
+      kBeyond - 8;  ///< The edge of the band, but for rounding.
+
+  BrickSamples() = default;
+
+  /// \param bricks  by SparseLattice brick number.
+  /// \param codes   kLeafBytes per leaf, and one byte more.
+  BrickSamples(int resolution, double band_mm, std::vector<Brick> bricks,
+               std::vector<std::byte> codes);
+
+  /// The same without a copy, for files mapped into memory.
+  ///
+  /// \param owner  keeps `bricks` and `codes` alive.
+  /// \pre every leaf that a brick says is stored lies within `codes`.
+  BrickSamples(int resolution, double band_mm, std::span<const Brick> bricks,
+               std::span<const std::byte> codes, std::shared_ptr<const void> owner);
+
+  [[nodiscard]] CellSamples cell(const LatticePoint& low) const;
+
+  /// \pre, here and below, that coordinates are from 0 to resolution.
+
+  /// Where the code of a sample lies; that of its side if its leaf is not stored. Four bytes may be
+  /// read there.
+  [[nodiscard]] const std::byte* place_of(const LatticePoint& point) const {
+    const Brick& brick = bricks_[std::size_t(brick_of(point))];
+    const unsigned leaf = leaf_of(point);
+    if ((brick.stored >> leaf & 1U) == 0) return side_of(brick, leaf);
+    return codes_.data() + position_of(brick, leaf) * kLeafBytes + offset_of(point);
+  }
+
+  [[nodiscard]] static std::int32_t read_code(const std::byte* place) {
+    std::int32_t word = 0;
+    std::memcpy(&word, place, sizeof(word));
+    return std::int32_t(std::uint32_t(word) << 8) >> 8;
+  }
+  static void write_code(std::byte* place, std::int32_t code) {
+    std::memcpy(place, &code, kCodeBytes);
+  }
+  [[nodiscard]] static bool is_distance(std::int32_t code) {
+    return code > -kBeyond && code < kBeyond;
+  }
+
+  /// +-infinity or NaN if the code is no distance.
+  [[nodiscard]] float distance_of(std::int32_t code) const;
+
+  [[nodiscard]] std::int32_t brick_of(const LatticePoint& p) const {
+    constexpr int kSide = SparseLattice::kSide;
+    return ((p[2] / kSide + 1) * side_ + p[1] / kSide + 1) * side_ + p[0] / kSide + 1;
+  }
+  [[nodiscard]] static unsigned leaf_of(const LatticePoint& p) {
+    return (unsigned(p[2]) & 4U) | (unsigned(p[1]) & 4U) >> 1 | (unsigned(p[0]) & 4U) >> 2;
+  }
+  /// Bytes from the start of a point's leaf.
+  [[nodiscard]] static std::size_t offset_of(const LatticePoint& p) {
+    return std::size_t(((p[2] & 3) * kLeafSide + (p[1] & 3)) * kLeafSide + (p[0] & 3)) * kCodeBytes;
+  }
+  [[nodiscard]] static std::size_t position_of(const Brick& brick, unsigned leaf) {
+    return brick.first_leaf + kBitCount[brick.stored & ((1U << leaf) - 1U)];
+  }
+
+  [[nodiscard]] int resolution() const { return resolution_; }
+  [[nodiscard]] float quantum_mm() const { return quantum_mm_; }
+  [[nodiscard]] std::span<const Brick> bricks() const { return bricks_; }
+  [[nodiscard]] std::span<const std::byte> codes() const { return codes_; }
+  [[nodiscard]] Index leaf_count() const { return Index(codes_.size() / kLeafBytes); }
+  [[nodiscard]] std::size_t bytes() const { return bricks_.size() * sizeof(Brick) + codes_.size(); }
+
+ private:
+  [[nodiscard]] static const std::byte* side_of(const Brick& brick, unsigned leaf);
+
+  int resolution_ = 0;
+  int side_ = 0;  ///< Bricks along a side of the table.
+  float quantum_mm_ = 0.0F;
+  std::span<const Brick> bricks_;
+  std::span<const std::byte> codes_;
+  std::shared_ptr<const void> owner_;
+};
+
+}  // namespace lefort::field

@@ -1,0 +1,93 @@
+/// \file
+/// What both ways to an octree, bottom-up and top-down, ask of lattice samples.
+#pragma once
+
+#include <lefort/field/query/cell_samples.h>
+#include <lefort/field/query/trilinear.h>
+#include <lefort/field/sign/tear.h>
+#include <lefort/field/storage/octree.h>
+
+#include <array>
+#include <cmath>
+
+namespace lefort::field {
+
+[[nodiscard]] inline LatticePoint corner_point(const LatticePoint& low, int corner, int cells) {
+  return {low[0] + (corner & 1) * cells, low[1] + (corner >> 1 & 1) * cells,
+          low[2] + (corner >> 2) * cells};
+}
+
+/// Zone of a finest cell by its corners; kUnknown, too, where they contradict each other.
+[[nodiscard]] inline Zone zone_of_fine_cell(const std::array<float, 8>& corners, float cell_mm) {
+  const Zone zone = zone_of(corners);
+  if (zone != Zone::kBand) return zone;
+  for (std::size_t corner = 0; corner < 8; ++corner)
+    for (std::size_t axis = 1; axis < 8; axis *= 2)
+      if (is_torn(corners[corner], corners[corner ^ axis], cell_mm)) return Zone::kUnknown;
+  return Zone::kBand;
+}
+
+/// The eight finest cells of a cube of two.
+///
+/// \param value_at  float(LatticePoint), +-infinity or NaN beyond the band.
+template <class ValueAt>
+[[nodiscard]] FineCells classify_fine_cells(const ValueAt& value_at, const LatticePoint& low,
+                                            float cell_mm) {
+  FineCells cells;
+  bool first = true;
+  for (int child = 0; child < 8; ++child) {
+    std::array<float, 8> corners{};
+    for (int corner = 0; corner < 8; ++corner)
+      corners[std::size_t(corner)] = value_at(corner_point(corner_point(low, child, 1), corner, 1));
+    const Zone zone = zone_of_fine_cell(corners, cell_mm);
+    if (zone == Zone::kBand) {
+      cells.band = std::uint8_t(cells.band | 1U << child);
+    } else {
+      cells.others = first || cells.others == zone ? zone : Zone::kUnknown;
+      first = false;
+    }
+  }
+  return cells;
+}
+
+/// True if the corners of a cube reproduce all the samples in it. The middle is looked at first:
+/// there most cubes that fail do.
+template <class ValueAt>
+[[nodiscard]] bool corners_reproduce(const ValueAt& value_at, const LatticePoint& low, int cells,
+                                     double tolerance_mm) {
+  std::array<double, 8> corners{};
+  for (int corner = 0; corner < 8; ++corner) {
+    corners[std::size_t(corner)] = double(value_at(corner_point(low, corner, cells)));
+    if (!std::isfinite(corners[std::size_t(corner)])) return false;
+  }
+  const auto reproduces = [&](int i, int j, int k) {
+    const double sample = double(value_at(LatticePoint{low[0] + i, low[1] + j, low[2] + k}));
+    const std::array<double, 3> t = {double(i) / cells, double(j) / cells, double(k) / cells};
+    return std::abs(trilinear(corners, t) - sample) <= tolerance_mm;  // NaN is not.
+  };
+  if (!reproduces(cells / 2, cells / 2, cells / 2)) return false;
+  for (int k = 0; k <= cells; ++k)
+    for (int j = 0; j <= cells; ++j)
+      for (int i = 0; i <= cells; ++i)
+        if (!reproduces(i, j, k)) return false;
+  return true;
+}
+
+/// True if neighbours in a cube of known samples contradict each other.
+template <class ValueAt>
+[[nodiscard]] bool has_tear(const ValueAt& value_at, const LatticePoint& low, int cells,
+                            float cell_mm) {
+  for (int k = 0; k <= cells; ++k)
+    for (int j = 0; j <= cells; ++j)
+      for (int i = 0; i <= cells; ++i) {
+        const LatticePoint p = {low[0] + i, low[1] + j, low[2] + k};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          LatticePoint next = p;
+          if (++next[axis] > low[axis] + cells) continue;
+          if (is_torn(value_at(p), value_at(next), cell_mm)) return true;
+        }
+      }
+  return false;
+}
+
+}  // namespace lefort::field

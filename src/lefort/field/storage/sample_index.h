@@ -1,0 +1,68 @@
+/// \file
+/// Which lattice points carry a sample of the octree, and the sample's number.
+#pragma once
+
+#include <lefort/field/storage/sparse_lattice.h>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace lefort::field {
+
+/// One bit per lattice point, in bricks; a sample's number is the count of bits before its own. So
+/// leaves need not hold the numbers of their corners, which would take eight times the memory of
+/// the samples themselves.
+class SampleIndex {
+ public:
+  SampleIndex() = default;
+
+  /// \param resolution  a multiple of SparseLattice::kSide.
+  explicit SampleIndex(int resolution);
+
+  /// Gives a lattice point a sample. \pre finish() was not called yet.
+  /// \returns false if it had one.
+  bool mark(const LatticePoint& point);
+
+  /// Numbers the marked points: by brick, and x fastest inside it.
+  void finish();
+
+  [[nodiscard]] Index count() const { return count_; }
+
+  /// \pre the point was marked.
+  [[nodiscard]] std::uint32_t number_of(const LatticePoint& point) const {
+    const Brick& brick = bricks_[std::size_t(slots_[position_of(point)])];
+    const int place = SparseLattice::place_of(point);
+    const auto word = std::size_t(place / 64);
+    const std::uint64_t before = (std::uint64_t(1) << (place % 64)) - 1;
+    return brick.first[word] + std::uint32_t(std::popcount(brick.marked[word] & before));
+  }
+
+  /// All marked points, by number.
+  [[nodiscard]] std::vector<LatticePoint> points() const;
+
+  [[nodiscard]] std::size_t bytes() const {
+    return slots_.size() * sizeof(slots_[0]) + bricks_.size() * sizeof(Brick);
+  }
+
+ private:
+  static constexpr std::size_t kWords = SparseLattice::kBrickPoints / 64;
+  struct Brick {
+    std::array<std::uint64_t, kWords> marked;
+    std::array<std::uint32_t, kWords> first;  ///< Number of the first sample of each word.
+  };
+
+  /// Points of the octree are 0 .. resolution along each side.
+  [[nodiscard]] std::size_t position_of(const LatticePoint& p) const {
+    constexpr int kSide = SparseLattice::kSide;
+    return std::size_t((p[2] / kSide * side_ + p[1] / kSide) * side_ + p[0] / kSide);
+  }
+
+  int side_ = 0;  ///< Bricks along a side.
+  Index count_ = 0;
+  std::vector<std::int32_t> slots_;
+  std::vector<Brick> bricks_;
+};
+
+}  // namespace lefort::field
