@@ -5,6 +5,7 @@
 #include <lefort/bench/solve_block.h>
 #include <lefort/bench/solve_task.h>
 #include <lefort/bench/table1.h>
+#include <lefort/pipeline/verify.h>
 
 #include <memory>
 #include <string>

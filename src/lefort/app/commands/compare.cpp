@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/pipeline/compare.h>
 
 #include <memory>
 

@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/pipeline/plan.h>
 
 #include <memory>
 

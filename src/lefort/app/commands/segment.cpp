@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/pipeline/segment.h>
 
 #include <map>
 #include <memory>

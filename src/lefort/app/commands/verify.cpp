@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/pipeline/verify.h>
 #include <lefort/verify/run_suite.h>
 
 #include <memory>

@@ -39,7 +39,7 @@ struct PreparedCase {
   io::PlanFile plan;
   Provenance provenance;
   image::Grid scan_grid;
-  std::vector<std::pair<std::string, double>> anatomy::tissue_volumes_ml;
+  std::vector<std::pair<std::string, double>> tissue_volumes_ml;
   geometry::TriangleMesh skin_L;
   plan::CutSegments cut;
   predict::FaceModel model;
