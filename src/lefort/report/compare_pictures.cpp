@@ -10,8 +10,6 @@
 namespace lefort::report {
 namespace {
 
-using StandardView;
-
 constexpr PictureSize kSize{.width = 1000, .height = 900, .supersampling = 2};
 
 struct NamedView {

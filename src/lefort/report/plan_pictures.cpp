@@ -14,8 +14,6 @@
 namespace lefort::report {
 namespace {
 
-using StandardView;
-
 constexpr PictureSize kSize{.width = 900, .height = 900, .supersampling = 2};
 constexpr std::array<StandardView, 4> kViews{StandardView::kFront, StandardView::kRightThreeQuarter,
                                              StandardView::kRightProfile,
