@@ -2,6 +2,8 @@
 /// The planner's server from start to end.
 #pragma once
 
+#include <lefort/core/error.h>
+#include <lefort/core/progress.h>
 #include <lefort/pipeline/summary.h>
 
 #include <filesystem>
