@@ -70,13 +70,13 @@ struct HeadPhantom {
   }
 
   [[nodiscard]] std::int16_t hu(const Vec3& p) const {
-    const auto share = [](double d) { return std::clamp(0.5 + 0.5 * d / kBlur_mm, 0.0, 1.0); };
+    const auto fraction = [](double d) { return std::clamp(0.5 + 0.5 * d / kBlur_mm, 0.0, 1.0); };
     const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
-    double value = mix(-1000.0, 40.0, share(skin(p)));
-    value = std::max(value, mix(-1000.0, 300.0, share(has_table ? table(p) : holder(p))));
-    value = mix(value, 900.0, share(std::max(bone(p), 1.8 - (p - island).norm())));
+    double value = mix(-1000.0, 40.0, fraction(skin(p)));
+    value = std::max(value, mix(-1000.0, 300.0, fraction(has_table ? table(p) : holder(p))));
+    value = mix(value, 900.0, fraction(std::max(bone(p), 1.8 - (p - island).norm())));
     const double ostium = tube(p, sinus, pharynx, 1.2);
-    value = mix(value, -1000.0, share(std::max({airway(p), sinus_air(p), ostium})));
+    value = mix(value, -1000.0, fraction(std::max({airway(p), sinus_air(p), ostium})));
     return std::int16_t(std::lround(value));
   }
 

@@ -14,7 +14,7 @@ namespace {
 using geometry::TriangleMesh;
 using image::ScalarVolume;
 
-/// level(p) on a grid of `count` voxels each way with centre 0.
+/// level(p) on a grid of `count` voxels each way with center 0.
 template <class Level>
 ScalarVolume sampled(Index count, double spacing_mm, const Level& level,
                      const Mat3& direction = Mat3::Identity()) {
@@ -107,12 +107,11 @@ TEST(ExtractIsosurface, SmallPartsAndSmallCavitiesAreLeftOut) {
   const ScalarVolume level = sampled(64, 0.5, balls);
   const double ball = 4.0 / 3.0 * M_PI;
   EXPECT_NEAR(test::volume(extract_isosurface(level).value()), ball * (1000 - 27 + 8), 20.0);
-  EXPECT_NEAR(test::volume(extract_isosurface(level, {.smallest_part_ml = 0.05}).value()),
+  EXPECT_NEAR(test::volume(extract_isosurface(level, {.min_part_ml = 0.05}).value()),
               ball * (1000 - 27), 20.0);
-  EXPECT_NEAR(test::volume(extract_isosurface(level, {.smallest_part_ml = 0.2}).value()),
-              ball * 1000, 20.0);
-  EXPECT_EQ(extract_isosurface(level, {.smallest_part_ml = 10.0}).error().code,
-            ErrorCode::kMeshInvalid);
+  EXPECT_NEAR(test::volume(extract_isosurface(level, {.min_part_ml = 0.2}).value()), ball * 1000,
+              20.0);
+  EXPECT_EQ(extract_isosurface(level, {.min_part_ml = 10.0}).error().code, ErrorCode::kMeshInvalid);
 }
 
 TEST(ExtractIsosurface, RefusesLevelsThatAreNotClosedNotFiniteOrNotPositiveAnywhere) {
@@ -130,7 +129,7 @@ TEST(ExtractIsosurface, RefusesLevelsThatAreNotClosedNotFiniteOrNotPositiveAnywh
   EXPECT_EQ(extract_isosurface(level).error().message,
             "level is nan at voxel (13, 12, 11), must be finite");
   level = sampled(26, 1.0, sphere_level);
-  EXPECT_EQ(extract_isosurface(level, {.smallest_part_ml = -1.0}).error().code,
+  EXPECT_EQ(extract_isosurface(level, {.min_part_ml = -1.0}).error().code,
             ErrorCode::kInvalidArgument);
 }
 

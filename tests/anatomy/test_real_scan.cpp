@@ -70,7 +70,7 @@ TEST(RealScan, TheHeadHolderIsGone) {
   NEED_SCAN();
   const Case& head = *real_case();
   // It runs along all slices, at least 10 mm behind and beside the head: dense voxels that far from
-  // any labelled ones exist, and in the outermost columns none is labelled.
+  // any labeled ones exist, and in the outermost columns none is labeled.
   Index dense_background = 0;
   for (Index k = 0; k < 108; ++k)
     for (Index j = 0; j < 256; ++j)
@@ -89,7 +89,7 @@ TEST(RealScan, TheFrontalDefectIsOnThePatientsRight) {
   NEED_SCAN();
   // Rays from inside the forehead to the front, right and left of the middle: which meet bone?
   const LabelMap& labels = real_case()->labels;
-  const auto share_without_bone = [&](Index from, Index to) {
+  const auto fraction_without_bone = [&](Index from, Index to) {
     int open = 0;
     int rays = 0;
     for (Index k = 55; k < 75; ++k)
@@ -100,8 +100,8 @@ TEST(RealScan, TheFrontalDefectIsOnThePatientsRight) {
       }
     return double(open) / rays;
   };
-  EXPECT_GT(share_without_bone(80, 100), 0.3);  // x to the left: low i is the right side.
-  EXPECT_EQ(share_without_bone(156, 176), 0.0);
+  EXPECT_GT(fraction_without_bone(80, 100), 0.3);  // x to the left: low i is the right side.
+  EXPECT_EQ(fraction_without_bone(156, 176), 0.0);
 }
 
 TEST(RealScan, SurfacesAreClosedAndTheSkinIsOne) {
@@ -110,17 +110,17 @@ TEST(RealScan, SurfacesAreClosedAndTheSkinIsOne) {
   const auto skin = extract_isosurface(skin_level(head.ct, head.labels));
   ASSERT_TRUE(skin);
   EXPECT_EQ(test::count_bad_edges(*skin), 0);
-  const auto without_crumbs =
-      extract_isosurface(skin_level(head.ct, head.labels), {.smallest_part_ml = 100.0});
-  EXPECT_EQ(skin->triangle_count(), without_crumbs->triangle_count());
+  const auto without_fragments =
+      extract_isosurface(skin_level(head.ct, head.labels), {.min_part_ml = 100.0});
+  EXPECT_EQ(skin->triangle_count(), without_fragments->triangle_count());
   EXPECT_NEAR(test::volume(*skin) * 1e-3, 3200.0, 100.0);
 
   const auto bone = extract_isosurface(bone_level(head.ct, head.labels, Cavities::kFillSinuses),
-                                       {.smallest_part_ml = 0.1});
+                                       {.min_part_ml = 0.1});
   ASSERT_TRUE(bone);
   EXPECT_EQ(test::count_bad_edges(*bone), 0);
   const auto soft =
-      extract_isosurface(soft_tissue_level(head.ct, head.labels), {.smallest_part_ml = 0.1});
+      extract_isosurface(soft_tissue_level(head.ct, head.labels), {.min_part_ml = 0.1});
   ASSERT_TRUE(soft);
   EXPECT_EQ(test::count_bad_edges(*soft), 0);
   EXPECT_NEAR(test::volume(*soft) * 1e-3, 1000.0, 100.0);

@@ -208,11 +208,11 @@ TEST(SegmentTissue, RefusesOptionsOutOfRangeAndGridsThatContradictTheirValues) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const SegmentationOptions& options :
        {SegmentationOptions{.bone_hu = -400.0}, SegmentationOptions{.bone_hu = nan},
-        SegmentationOptions{.skin_hu = 300.0}, SegmentationOptions{.smallest_bone_ml = -1.0},
+        SegmentationOptions{.skin_hu = 300.0}, SegmentationOptions{.min_bone_ml = -1.0},
         SegmentationOptions{.nostril_radius_mm = 0.0},
         SegmentationOptions{.nostril_radius_mm = 1e9}, SegmentationOptions{.ostium_radius_mm = nan},
-        SegmentationOptions{.smallest_air_ml = -0.1}, SegmentationOptions{.most_memory_gib = 0.0},
-        SegmentationOptions{.most_memory_gib = nan}})
+        SegmentationOptions{.min_air_ml = -0.1}, SegmentationOptions{.max_memory_gib = 0.0},
+        SegmentationOptions{.max_memory_gib = nan}})
     EXPECT_EQ(error_of(scan(), options).code, ErrorCode::kInvalidArgument);
   image::CtVolume ct = block(0);
   ct.values.pop_back();
@@ -227,8 +227,8 @@ TEST(SegmentTissue, RefusesOptionsOutOfRangeAndGridsThatContradictTheirValues) {
 
 TEST(SegmentTissue, RefusesAScanThatNeedsMoreMemoryThanIsAllowed) {
   const double needed_gib = kPromisedBytes * double(scan().grid.voxel_count()) / double(1 << 30);
-  ASSERT_TRUE(segment_tissue(scan(), {.most_memory_gib = 1.01 * needed_gib}));
-  const Error error = error_of(scan(), {.most_memory_gib = 0.99 * needed_gib});
+  ASSERT_TRUE(segment_tissue(scan(), {.max_memory_gib = 1.01 * needed_gib}));
+  const Error error = error_of(scan(), {.max_memory_gib = 0.99 * needed_gib});
   EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
   EXPECT_NE(error.message.find("GiB of memory"), std::string::npos) << error.message;
 }

@@ -73,20 +73,20 @@ TEST(SyntheticHead, SurfacesLieWithinHalfAVoxelOfItsFormulas) {
   const auto above_cut = [&](const Vec3& p) { return p.z() - (grid.origin_L.z() - half_voxel_mm); };
   const auto bones =
       extract_isosurface(bone_level(head().ct, head().labels, Cavities::kKeep, levels)).value();
-  const auto [bone_p99, bone_most] = deviation(bones, [&](const Vec3& p) {
+  const auto [bone_p99, max_bone] = deviation(bones, [&](const Vec3& p) {
     using namespace synthetic;
     const double solid = std::max({skull(p), mandible(p), column(p)});
     return std::min({solid, -airway(p), -sinuses(p), above_cut(p)});
   });
   const auto skin = extract_isosurface(skin_level(head().ct, head().labels, levels)).value();
   // The nostrils are drawn in, which the formula of the skin is not: a few vertices are far.
-  const auto [skin_p99, skin_most] =
+  const auto [skin_p99, max_skin] =
       deviation(skin, [&](const Vec3& p) { return std::min(synthetic::skin(p), above_cut(p)); });
   RecordProperty("bone_p99_mm", std::to_string(bone_p99));
-  RecordProperty("bone_most_mm", std::to_string(bone_most));
+  RecordProperty("bone_most_mm", std::to_string(max_bone));
   RecordProperty("skin_p99_mm", std::to_string(skin_p99));
   EXPECT_LT(bone_p99, half_voxel_mm);
-  EXPECT_LT(bone_most, 2.0 * half_voxel_mm);
+  EXPECT_LT(max_bone, 2.0 * half_voxel_mm);
   EXPECT_LT(skin_p99, half_voxel_mm);
 }
 

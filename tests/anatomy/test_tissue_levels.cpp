@@ -162,12 +162,12 @@ TEST(TissueLevels, TheNostrilIsOpenInFrontAndClosedWithin) {
 TEST(TissueLevels, SurfacesAreClosedAndTheSkinIsOnePart) {
   for (const ScalarVolume* level :
        {&levels().bone, &levels().solid, &levels().skin, &levels().soft}) {
-    const auto mesh = extract_isosurface(*level, {.smallest_part_ml = 0.01});
+    const auto mesh = extract_isosurface(*level, {.min_part_ml = 0.01});
     ASSERT_TRUE(mesh) << mesh.error().message;
     EXPECT_EQ(test::count_bad_edges(*mesh), 0);
     EXPECT_GT(test::volume(*mesh), 0.0);
   }
-  const auto skin = extract_isosurface(levels().skin, {.smallest_part_ml = 0.01});
+  const auto skin = extract_isosurface(levels().skin, {.min_part_ml = 0.01});
   EXPECT_EQ(test::euler_number(*skin), 2);
 }
 
@@ -263,7 +263,7 @@ TEST(TissueLevels, DoNotMindWhichSoftTissueIsMuscle) {
   EXPECT_EQ(soft_tissue_level(ct, labels).values, levels().soft.values);
 }
 
-TEST(TissueLevels, SoftTissueThatHangsLooseIsToldAndLeftOut) {
+TEST(TissueLevels, SoftTissueThatHangsLooseIsReportedAndLeftOut) {
   class Notes : public Progress {
    public:
     void note(std::string_view sentence) override { sentences.emplace_back(sentence); }
@@ -288,7 +288,7 @@ TEST(TissueLevels, SoftTissueThatHangsLooseIsToldAndLeftOut) {
 }
 
 TEST(TissueLevels, StairStepsAreGone) {
-  // On a ball, normals of neighbours turn by edge length / radius, about a degree. Without the
+  // On a ball, normals of neighbors turn by edge length / radius, about a degree. Without the
   // Gaussian, voxels show.
   const auto roughness_deg = [](const ScalarVolume& level) {
     const auto mesh = extract_isosurface(level).value();

@@ -1,5 +1,5 @@
-#include <lefort/anatomy/flood_basins.h>
 #include <lefort/anatomy/pad_volume.h>
+#include <lefort/anatomy/seeded_watershed.h>
 #include <lefort/anatomy/voxel_mask.h>
 
 #include <gtest/gtest.h>
@@ -16,9 +16,9 @@ image::Grid grid_of(Index nx, Index ny, Index nz) {
   return {{nx, ny, nz}, {0.9, 1.1, 2.0}, {3.0, 4.0, 5.0}, Mat3::Identity()};
 }
 
-Mask random_mask(const image::Grid& grid, double share, unsigned seed) {
+Mask random_mask(const image::Grid& grid, double fraction, unsigned seed) {
   std::mt19937 generator(seed);
-  std::bernoulli_distribution set(share);
+  std::bernoulli_distribution set(fraction);
   Mask mask{grid, {}};
   for (Index v = 0; v < grid.voxel_count(); ++v) mask.values.push_back(set(generator) ? 1 : 0);
   return mask;
@@ -31,8 +31,8 @@ Vec3 place(const image::Grid& grid, Index v) {
 }
 
 TEST(DistanceTo, EqualsBruteForce) {
-  for (const double share : {0.003, 0.1, 0.9}) {
-    const Mask mask = random_mask(grid_of(11, 9, 13), share, 7);
+  for (const double fraction : {0.003, 0.1, 0.9}) {
+    const Mask mask = random_mask(grid_of(11, 9, 13), fraction, 7);
     ASSERT_GT(voxel_count(mask), 0);
     const image::ScalarVolume distance = distance_to(mask);
     for (Index v = 0; v < mask.grid.voxel_count(); ++v) {
@@ -67,14 +67,14 @@ TEST(VoxelMask, OpeningTakesThinSheetsAndKeepsThickOnes) {
 TEST(VoxelMask, PartsAreNumberedInTheOrderOfTheirFirstVoxels) {
   Mask mask = random_mask(grid_of(5, 5, 3), 0.0, 1);
   mask.at(4, 0, 0) = mask.at(0, 2, 0) = mask.at(1, 2, 0) = mask.at(2, 3, 0) = 1;
-  const Parts by_faces = connected_parts(mask, Neighbours::kFaces);
+  const Parts by_faces = connected_parts(mask, Neighbors::kFaces);
   ASSERT_EQ(by_faces.count(), 3);
   EXPECT_EQ(by_faces.part_of.at(4, 0, 0), 1);
   EXPECT_EQ(by_faces.part_of.at(1, 2, 0), 2);
   EXPECT_EQ(by_faces.part_of.at(2, 3, 0), 3);
   EXPECT_EQ(by_faces.voxels, (std::vector<Index>{71, 1, 2, 1}));
   EXPECT_EQ(by_faces.largest(), 2);
-  EXPECT_EQ(connected_parts(mask, Neighbours::kFacesEdgesCorners).count(), 2);
+  EXPECT_EQ(connected_parts(mask, Neighbors::kFacesEdgesCorners).count(), 2);
 }
 
 TEST(Smoothed, KeepsConstantsAndLinearRampsAndSums) {
@@ -129,7 +129,7 @@ TEST(VoxelMask, SurroundingsAreALengthAndTheNextVoxelAtLeast) {
   Mask dot{{{21, 21, 21}, {0.4, 0.4, 3.0}, {0, 0, 0}, Mat3::Identity()}, {}};
   dot.values.assign(21 * 21 * 21, 0);
   dot.at(10, 10, 10) = 1;
-  const Mask around = with_surroundings(dot, 1.5);
+  const Mask around = dilated_by_one_voxel_or_more(dot, 1.5);
   for (Index k = 0; k < 21; ++k)
     for (Index j = 0; j < 21; ++j)
       for (Index i = 0; i < 21; ++i) {
@@ -158,7 +158,7 @@ TEST(FloodBasins, SeedsMeetAtTheNarrowestPlace) {
   seeds.at(20, 2, 0) = 2;
   const image::ScalarVolume width =
       distance_to(mask_where(room.grid, [&](std::size_t v) { return room.values[v] == 0; }));
-  const auto basins = flood_basins(seeds, room, width);
+  const auto basins = seeded_watershed(seeds, room, width);
   EXPECT_EQ(basins.at(5, 2, 0), 1);
   EXPECT_EQ(basins.at(15, 2, 0), 2);
   EXPECT_EQ(basins.at(0, 0, 0), 0) << "walls stay";

@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/volume_files.h>
 #include <lefort/io/write_atomically.h>
@@ -175,9 +175,9 @@ TEST(CommandLine, AFieldIsExportedSlicedAndDescribed) {
   EXPECT_EQ(info["surface"]["turned_triangles"], 0);
   EXPECT_GT(info["memory_bytes"]["codes"], 10'000);
   EXPECT_GT(info["memory_bytes"]["smooth_lattice"], 10'000);
-  const auto told = run_lefort("field info " + field);
-  EXPECT_NE(told.out.find("checksum ok"), std::string::npos);
-  EXPECT_NE(told.out.find("closed"), std::string::npos);
+  const auto reported = run_lefort("field info " + field);
+  EXPECT_NE(reported.out.find("checksum ok"), std::string::npos);
+  EXPECT_NE(reported.out.find("closed"), std::string::npos);
 
   for (const char* name : {"ball.vdb", "ball.nrrd"}) {
     const auto exported =

@@ -57,7 +57,7 @@ class CompareCommand : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(CompareCommand, TellsHowFarTwoSurfacesAreApart) {
+TEST_F(CompareCommand, ReportsHowFarTwoSurfacesAreApart) {
   ASSERT_TRUE(io::write_surface(folder_ / "a.stl", test::make_icosphere(52.0, 4)));
   ASSERT_TRUE(io::write_surface(folder_ / "b.ply", test::make_icosphere(50.0, 4)));
   ASSERT_TRUE(io::write_surface(folder_ / "before.vtp", test::make_icosphere(47.0, 4)));
@@ -123,22 +123,22 @@ struct Head {
   }
   /// HU; a voxel on a border has a share of both sides, as in a scanner.
   [[nodiscard]] double hu(const Vec3& p_L, double voxel_mm) const {
-    const auto share = [&](double depth_mm) {
+    const auto fraction = [&](double depth_mm) {
       return std::clamp(0.5 + depth_mm / voxel_mm, 0.0, 1.0);
     };
     const auto depth_in_front_mm = [](const Vec3& p_B) {
       return std::min(depth_in_shell_mm(p_B), -20.0 - p_B.y());
     };
     const Vec3 p_B = X_LB.inverse() * p_L;
-    const double still_mm = std::min(depth_in_shell_mm(p_L), p_L.y() + 20.0);
+    const double stationary_mm = std::min(depth_in_shell_mm(p_L), p_L.y() + 20.0);
     double moved_mm = depth_in_front_mm(p_B);
     if (X_left_LB) {
       const Vec3 left_B = X_left_LB->inverse() * p_L;
       moved_mm =
           std::max(std::min(moved_mm, -p_B.x()), std::min(depth_in_front_mm(left_B), left_B.x()));
     }
-    const double bone = share(std::max(still_mm, moved_mm));
-    const double skin = share(-beyond_mm(p_L, 70.0));
+    const double bone = fraction(std::max(stationary_mm, moved_mm));
+    const double skin = fraction(-beyond_mm(p_L, 70.0));
     return -1000.0 + 1040.0 * skin + 1160.0 * bone;
   }
   [[nodiscard]] image::CtVolume scan(Index size, double spacing_mm,

@@ -1,5 +1,5 @@
-// One synthetic head, scanned in several ways, from DICOM files to surfaces: the surfaces must be the
-// same in the patient, whatever the scanner did, and the labels those that the formulas know.
+// One synthetic head, scanned in several ways, from DICOM files to surfaces: the surfaces must be
+// the same in the patient, whatever the scanner did, and the labels those that the formulas know.
 #include <lefort/anatomy/synthetic_head.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/io/segmentation_file.h>
@@ -67,7 +67,7 @@ const Scanned& head(const std::string& variant) {
 }
 
 struct Deviation {
-  double mean, p99, most;
+  double mean, p99, maximum;
 };
 
 /// Of sorted distances.
@@ -98,7 +98,8 @@ TEST_P(Phantom, GivesTheSameSurfacesHoweverItIsScanned) {
     const Deviation there = between(*a, tree_b), back = between(*b, tree_a);
     RecordProperty(std::string(name) + "_mean_mm", std::to_string(std::max(there.mean, back.mean)));
     RecordProperty(std::string(name) + "_p99_mm", std::to_string(std::max(there.p99, back.p99)));
-    RecordProperty(std::string(name) + "_most_mm", std::to_string(std::max(there.most, back.most)));
+    RecordProperty(std::string(name) + "_most_mm",
+                   std::to_string(std::max(there.maximum, back.maximum)));
     EXPECT_LT(std::max(there.mean, back.mean), 0.1) << name;
     EXPECT_LT(std::max(there.p99, back.p99), 0.2) << name;
   }
@@ -123,7 +124,7 @@ TEST_P(Phantom, EveryTissueIsFoundWhereItTrulyIs) {
 INSTANTIATE_TEST_SUITE_P(Variants, Phantom,
                          ::testing::Values("plain", "shuffled", "feet-first", "tilted", "oblique"));
 
-TEST(PhantomCommand, ImportTellsHowTheSlicesLay) {
+TEST(PhantomCommand, ImportReportsHowTheSlicesLay) {
   const auto tilted = head("tilted").import_json["geometry"]["slices"];
   EXPECT_NEAR(tilted["tilt_deg"].get<double>(), 15.0, 1e-3);
   EXPECT_TRUE(tilted["resampled"]);

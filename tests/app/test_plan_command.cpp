@@ -1,6 +1,6 @@
 /// \file
 /// `lefort plan check` and `lefort landmarks`, as a user runs them.
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/surface_files.h>
 #include <lefort/io/write_atomically.h>
@@ -84,7 +84,7 @@ TEST_F(PlanCommand, LandmarksGoWithTheBoneTheyLieOn) {
 }
 
 /// Skin is for predictions, and what lies on no bone for nobody: neither is told as if it stayed.
-TEST_F(PlanCommand, WhatIsNotKnownAfterwardsIsNotTold) {
+TEST_F(PlanCommand, WhatIsNotKnownAfterwardsIsNotReported) {
   const auto run = check(plan(), "--no-pictures");
   ASSERT_EQ(run.exit_code, 0);
   const auto after = io::read_landmarks(folder_ / "out/landmarks_after.csv").value();
@@ -174,7 +174,7 @@ TEST_F(PlanCommand, InputsAmongEarlierResultsAreKept) {
   EXPECT_TRUE(fs::exists(folder_ / "out/plan_two.json"));
 }
 
-TEST_F(PlanCommand, AResultTellsWhatMadeIt) {
+TEST_F(PlanCommand, AResultNamesItsInputs) {
   ASSERT_TRUE(io::write_landmarks(folder_ / "points.csv", plan::Landmarks{{"A", {0, -20, 5}}}));
   json named = plan();
   named["landmarks"] = "points.csv";

@@ -231,10 +231,10 @@ TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted
   EXPECT_NE(run.error.find("painted: fixed 0, free 0, with segment "), std::string::npos)
       << run.error;
   const json painted = read_json("fixed/prediction.json");
-  const json& told = painted["mesh"]["boundary"]["painted"];
-  EXPECT_EQ(told["painted_fixed"], 0);
-  EXPECT_GT(told["painted_with_segment"], 0);
-  EXPECT_NEAR(told["within_mm"].get<double>(), 1.5 * std::sqrt(3.0), 1e-12);
+  const json& reported = painted["mesh"]["boundary"]["painted"];
+  EXPECT_EQ(reported["painted_fixed"], 0);
+  EXPECT_GT(reported["painted_with_segment"], 0);
+  EXPECT_NEAR(reported["within_mm"].get<double>(), 1.5 * std::sqrt(3.0), 1e-12);
   EXPECT_EQ(painted["inputs"]["plan_files"][0]["file"], "painted.seg.nrrd");
   EXPECT_EQ(painted["inputs"]["plan_files"][0]["sha256"],
             io::sha256_of_file(folder_ / "painted.seg.nrrd").value());
@@ -243,7 +243,7 @@ TEST_F(PredictCommand, APaintedBoundaryOverridesTheRuleAndIsToldAndFingerprinted
             by_rule["skin"]["mean_shift_where_moved_mm"]);
 }
 
-TEST_F(PredictCommand, LabelledMuscleIsARegionOfItsOwnMaterial) {
+TEST_F(PredictCommand, LabeledMuscleIsARegionOfItsOwnMaterial) {
   json plan = small_plan();
   write_plan(plan);
   ASSERT_EQ(predict("plain", "--no-pictures").exit_code, 0);
@@ -256,13 +256,13 @@ TEST_F(PredictCommand, LabelledMuscleIsARegionOfItsOwnMaterial) {
             0);
   const fs::path file = folder_ / "anatomy/labels.seg.nrrd";
   anatomy::LabelMap labels = io::read_segmentation(file).value();
-  const Vec3 centre_L(0.0, -39.5, 0.0);
+  const Vec3 center_L(0.0, -39.5, 0.0);
   for (Index k = 0; k < labels.grid.size[2]; ++k)
     for (Index j = 0; j < labels.grid.size[1]; ++j)
       for (Index i = 0; i < labels.grid.size[0]; ++i) {
         const Vec3 p_L = labels.grid.point_L(Vec3(double(i), double(j), double(k)));
         anatomy::Tissue& label = labels.at(i, j, k);
-        if (label == anatomy::Tissue::kSoftTissue && (p_L - centre_L).norm() < 12.0)
+        if (label == anatomy::Tissue::kSoftTissue && (p_L - center_L).norm() < 12.0)
           label = anatomy::Tissue::kMuscle;
       }
   ASSERT_TRUE(io::write_segmentation(folder_ / "painted.seg.nrrd", labels));
@@ -273,17 +273,17 @@ TEST_F(PredictCommand, LabelledMuscleIsARegionOfItsOwnMaterial) {
   const auto run = predict("muscle", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
   EXPECT_NE(run.error.find("; muscle "), std::string::npos) << run.error;
-  const json told = read_json("muscle/prediction.json");
-  const json& regions = told["mesh"]["regions"];
+  const json reported = read_json("muscle/prediction.json");
+  const json& regions = reported["mesh"]["regions"];
   EXPECT_GT(regions["muscle"]["elements"], 20);
   EXPECT_NEAR(
       regions["muscle"]["volume_ml"].get<double>() + regions["inside"]["volume_ml"].get<double>(),
-      told["mesh"]["volume_ml"].get<double>(), 1e-9);
-  EXPECT_EQ(told["parameters"]["muscle"]["young_kpa"], 300.0);
-  EXPECT_GT(told["tissue_volumes_ml"]["muscle"], 1.0);
-  EXPECT_EQ(told["mesh"]["nodes"], read_json("plain/prediction.json")["mesh"]["nodes"]);
+      reported["mesh"]["volume_ml"].get<double>(), 1e-9);
+  EXPECT_EQ(reported["parameters"]["muscle"]["young_kpa"], 300.0);
+  EXPECT_GT(reported["tissue_volumes_ml"]["muscle"], 1.0);
+  EXPECT_EQ(reported["mesh"]["nodes"], read_json("plain/prediction.json")["mesh"]["nodes"]);
   // It differs from what was predicted without, and is painted in vain far away.
-  EXPECT_NE(told["skin"], read_json("plain/prediction.json")["skin"]);
+  EXPECT_NE(reported["skin"], read_json("plain/prediction.json")["skin"]);
 
   for (anatomy::Tissue& label : labels.values)
     if (label == anatomy::Tissue::kMuscle) label = anatomy::Tissue::kSoftTissue;
@@ -295,7 +295,7 @@ TEST_F(PredictCommand, LabelledMuscleIsARegionOfItsOwnMaterial) {
       << vain.error;
 }
 
-TEST_F(PredictCommand, TissuePaintedToSlideMeetsStillBone) {
+TEST_F(PredictCommand, TissuePaintedToSlideMeetsStationaryBone) {
   json plan = small_plan();
   plan["boundary"]["labels"] = "painted.seg.nrrd";
   write_plan(plan);
@@ -306,10 +306,10 @@ TEST_F(PredictCommand, TissuePaintedToSlideMeetsStillBone) {
   const auto run = predict("out", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;
   EXPECT_NE(run.error.find("found by an earlier run"), std::string::npos) << run.error;
-  const json told = read_json("out/prediction.json");
-  EXPECT_TRUE(told["converged"].get<bool>());
-  EXPECT_GT(told["mesh"]["boundary"]["painted"]["painted_slides"], 5);
-  for (const json& step : told["steps"]) {
+  const json reported = read_json("out/prediction.json");
+  EXPECT_TRUE(reported["converged"].get<bool>());
+  EXPECT_GT(reported["mesh"]["boundary"]["painted"]["painted_slides"], 5);
+  for (const json& step : reported["steps"]) {
     EXPECT_GT(step["still_bone_contact"]["contact_area_mm2"], 1.0);
     EXPECT_LT(step["still_bone_contact"]["max_depth_from_rest_mm"], 1.0);
   }
@@ -369,7 +369,7 @@ Vec3 middle_of(const fs::path& surface) {
   return sum / double(mesh->vertices.size());
 }
 
-TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsTold) {
+TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsReported) {
   ASSERT_EQ(predict("out", "--no-pictures").exit_code, 0);  // Of one: its files must go.
   json plan = test::two_piece_plan({1, -4, 0}, {-1, -1, 0});
   plan["segments"][1]["path"]["steps"] = 1;
@@ -415,8 +415,8 @@ TEST_F(PredictCommand, SeveralSegmentsMoveTogetherAndEachIsTold) {
   const auto after = io::read_surface(folder_ / "out/predicted_skin.vtp").value();
   double left_mm = 0.0, right_mm = 0.0;  // The largest way forward of each half of the skin.
   for (std::size_t v = 0; v < before.vertices.size(); ++v) {
-    double& most_mm = before.vertices[v].x() > 0.0 ? left_mm : right_mm;
-    most_mm = std::max(most_mm, before.vertices[v].y() - after.vertices[v].y());
+    double& max_mm = before.vertices[v].x() > 0.0 ? left_mm : right_mm;
+    max_mm = std::max(max_mm, before.vertices[v].y() - after.vertices[v].y());
   }
   EXPECT_GT(left_mm, right_mm + 0.5);
 
@@ -434,10 +434,10 @@ TEST_F(PredictCommand, ABoneInTwoPiecesThatMoveAlikeIsAsGoodAsWhole) {
   const auto one = io::read_surface(folder_ / "one/predicted_skin.vtp").value();
   const auto two = io::read_surface(folder_ / "two/predicted_skin.vtp").value();
   ASSERT_EQ(one.vertices.size(), two.vertices.size());
-  double largest_mm = 0.0;
+  double max_mm = 0.0;
   for (std::size_t v = 0; v < one.vertices.size(); ++v)
-    largest_mm = std::max(largest_mm, (one.vertices[v] - two.vertices[v]).norm());
-  EXPECT_LT(largest_mm, 0.1);  // Of the 3 mm.
+    max_mm = std::max(max_mm, (one.vertices[v] - two.vertices[v]).norm());
+  EXPECT_LT(max_mm, 0.1);  // Of the 3 mm.
 }
 
 TEST_F(PredictCommand, SeveralSegmentsStoppedAndRunAgainGiveTheSameBytesOnAnyThreads) {
@@ -460,7 +460,7 @@ TEST_F(PredictCommand, SeveralSegmentsStoppedAndRunAgainGiveTheSameBytesOnAnyThr
   EXPECT_EQ(other.error.find("found by an earlier run"), std::string::npos) << other.error;
 }
 
-TEST_F(PredictCommand, SegmentsThatAreDrivenIntoEachOtherAreTold) {
+TEST_F(PredictCommand, SegmentsThatAreDrivenIntoEachOtherAreReported) {
   write_plan(test::two_piece_plan({-2, -2, 0}, {0, -2, 0}));
   const auto run = predict("out", "--no-pictures");
   ASSERT_EQ(run.exit_code, 0) << run.error;

@@ -92,11 +92,11 @@ TEST_F(RealCase, MidfaceForwardGivesAFaceThatFollowsTheBone) {
     double forward_mm = 0.0;
     int vertices = 0;
   } right, left;
-  double most_forward_mm = 0.0;
+  double max_forward_mm = 0.0;
   for (std::size_t v = 0; v < before.vertices.size(); ++v) {
     const Vec3& p = before.vertices[v];
     const Vec3 u = after.vertices[v] - p;
-    most_forward_mm = std::max(most_forward_mm, -u.y());
+    max_forward_mm = std::max(max_forward_mm, -u.y());
     if (p.z() > 110.0) {
       EXPECT_LT(u.norm(), 0.05) << "forehead at " << p.transpose();
     }
@@ -112,8 +112,8 @@ TEST_F(RealCase, MidfaceForwardGivesAFaceThatFollowsTheBone) {
   ASSERT_GT(left.vertices, 500);
   right.forward_mm /= right.vertices;
   left.forward_mm /= left.vertices;
-  EXPECT_GT(most_forward_mm, 0.5 * kForward_mm);
-  EXPECT_LT(most_forward_mm, kForward_mm + 0.5);
+  EXPECT_GT(max_forward_mm, 0.5 * kForward_mm);
+  EXPECT_LT(max_forward_mm, kForward_mm + 0.5);
   EXPECT_GT(right.forward_mm, 0.25 * kForward_mm);
   EXPECT_LT(right.forward_mm, kForward_mm);
   EXPECT_NEAR(right.forward_mm, left.forward_mm, 0.25 * right.forward_mm);

@@ -245,7 +245,7 @@ TEST_F(SolveCommand, FieldsAreThoseOfTheUniformState) {
   }
 }
 
-TEST_F(SolveCommand, OnlyTheFieldsAndTimesThatAreAskedForAreWritten) {
+TEST_F(SolveCommand, OnlyTheFieldsAndTimesThatAreRequestedAreWritten) {
   json deck = stretch();
   deck["output"] = {{"every", "last"}, {"fields", {"displacement"}}};
   ASSERT_EQ(solve(deck).exit_code, 0);
@@ -317,13 +317,13 @@ TEST_F(SolveCommand, ALoadWithoutEquilibriumKeepsTheLastStateAndSaysSo) {
 
 TEST_F(SolveCommand, ALoadBeyondALimitPointNamesWhereItGivesWayAndKeepsTheLastState) {
   // In uniaxial strain s the law bears mu (s^3 - s), which is least at 1 / sqrt 3.
-  const double most_kpa = 2.0 * 10.0 / (3.0 * std::sqrt(3.0));
+  const double max_kpa = 2.0 * 10.0 / (3.0 * std::sqrt(3.0));
   json deck = clamped();
   deck["sets"]["all"]["region"] = 0;
   deck["materials"] = {{{"law", "st-venant-kirchhoff"}, {"mu_kpa", 10}, {"lambda_kpa", 0}}};
   deck["displacements"] = {{{"set", "all"}, {"x_mm", 0}, {"y_mm", 0}},
                            {{"set", "Z0"}, {"z_mm", 0}}};
-  deck["tractions"] = {{{"faces", "Z1"}, {"traction_kpa", {0, 0, -2.0 * most_kpa}}}};
+  deck["tractions"] = {{{"faces", "Z1"}, {"traction_kpa", {0, 0, -2.0 * max_kpa}}}};
   const auto run = solve(deck);
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.message_lines(), 1) << run.error;
@@ -491,8 +491,8 @@ TEST_F(SolveCommand, AFieldFileIsTheObstacleItWasBuiltOf) {
 TEST_F(SolveCommand, AnObstacleThatSitsInTheBodyIsFoundBeforeEarlierResultsGo) {
   ASSERT_EQ(solve(stretch()).exit_code, 0);
   const auto with_ball = [&](double overlap_mm) {
-    const Vec3 centre(5, 5, 24.0 - overlap_mm);
-    EXPECT_TRUE(io::write_surface(folder_ / "ball.stl", test::make_icosphere(4.0, 3, centre)));
+    const Vec3 center(5, 5, 24.0 - overlap_mm);
+    EXPECT_TRUE(io::write_surface(folder_ / "ball.stl", test::make_icosphere(4.0, 3, center)));
     json deck = clamped();
     deck["obstacles"] = {
         {{"name", "ball"},
@@ -571,14 +571,14 @@ TEST_F(SolveCommand, BadMeshesAreOneLineAndLeaveNothing) {
   write_mesh(nan);
   expect_refusal(stretch(), "node 7 is not finite");
 
-  mesh::VolumeMesh apart = test::box_mesh(box_);
-  const Index count = apart.node_count();
+  mesh::VolumeMesh separate = test::box_mesh(box_);
+  const Index count = separate.node_count();
   for (Index n = 0; n < count; ++n)
-    apart.nodes_L.emplace_back(apart.nodes_L[std::size_t(n)] + Vec3(0, 0, 50));
+    separate.nodes_L.emplace_back(separate.nodes_L[std::size_t(n)] + Vec3(0, 0, 50));
   for (std::size_t n = 0; n < 4 * 96; ++n)
-    apart.blocks[0].nodes.push_back(apart.blocks[0].nodes[n] + std::int32_t(count));
-  apart.blocks[0].region.resize(192, 0);
-  write_mesh(apart);
+    separate.blocks[0].nodes.push_back(separate.blocks[0].nodes[n] + std::int32_t(count));
+  separate.blocks[0].region.resize(192, 0);
+  write_mesh(separate);
   expect_refusal(stretch(), "the part of 96 elements around element 96 at (");
 
   mesh::VolumeMesh flat = test::box_mesh(box_);

@@ -31,12 +31,12 @@ TEST(Convergence, ARunThatIsStoppedKeepsWhatItHasFound) {
   const auto table = run_convergence(std::span(*cases).subspan(1), options, second);
   ASSERT_FALSE(table);
   EXPECT_EQ(table.error().code, ErrorCode::kCancelled);
-  constexpr std::uintmax_t kMost = 1 << 20;
-  const auto written = io::read_text(folder.path() / "convergence.md", kMost);
+  constexpr std::uintmax_t kMaximum = 1 << 20;
+  const auto written = io::read_text(folder.path() / "convergence.md", kMaximum);
   ASSERT_TRUE(written) << written.error().message;
   EXPECT_NE(written->find("| coarse-sphere | field-smooth | 2 of 20 |"), std::string::npos)
       << *written;
-  const auto csv = io::read_text(folder.path() / "convergence.csv", kMost);
+  const auto csv = io::read_text(folder.path() / "convergence.csv", kMaximum);
   ASSERT_TRUE(csv) << csv.error().message;
   EXPECT_NE(csv->find("\ncoarse-sphere,field-smooth,4,0.075,0.1,"), std::string::npos) << *csv;
 }

@@ -12,7 +12,7 @@
 namespace lefort::test {
 
 /// An uneven ellipsoid. `twist` turns the triangulation, not the body.
-[[nodiscard]] inline geometry::TriangleMesh make_blob(const Vec3& centre, const Vec3& radii_mm,
+[[nodiscard]] inline geometry::TriangleMesh make_blob(const Vec3& center, const Vec3& radii_mm,
                                                       int subdivisions,
                                                       const Mat3& twist = Mat3::Identity()) {
   geometry::TriangleMesh mesh = make_icosphere(1.0, subdivisions);
@@ -20,7 +20,7 @@ namespace lefort::test {
     const Vec3 d = twist * v;
     const double height = 1.0 + 0.08 * std::sin(4.0 * d.x() + 1.0) +
                           0.06 * std::cos(5.0 * d.y() + 3.0 * d.z()) + 0.1 * d.x() * d.z();
-    v = centre + height * radii_mm.cwiseProduct(d);
+    v = center + height * radii_mm.cwiseProduct(d);
   }
   return mesh;
 }

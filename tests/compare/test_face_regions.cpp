@@ -53,7 +53,7 @@ TEST(FaceRegions, TurnWithTheHead) {
     EXPECT_EQ(upright.at(p), leaning.at(turn * p + Vec3(5, 6, 7))) << p.transpose();
 }
 
-TEST(FaceRegions, AreLeftOutAndToldWhereLandmarksAreMissing) {
+TEST(FaceRegions, AreLeftOutAndReportedWhereLandmarksAreMissing) {
   plan::Landmarks landmarks = face();
   std::erase_if(landmarks,
                 [](const plan::Landmark& l) { return l.name == "Stm" || l.name == "En-R"; });

@@ -1,7 +1,7 @@
 #include <lefort/compare/register_surface.h>
 #include <lefort/core/parallel.h>
 #include <lefort/core/units.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/geometry/transform_mesh.h>
 
@@ -22,11 +22,12 @@ const Vec3 kRadii_mm(60.0, 80.0, 50.0);
 const std::array<RigidTransform, 1> kAsItIs{RigidTransform::Identity()};
 
 /// Largest distance between where two motions bring a vertex.
-double largest_miss_mm(const RigidTransform& a, const RigidTransform& b,
-                       const geometry::TriangleMesh& mesh) {
-  double worst_mm = 0.0;
-  for (const Vec3& v : mesh.vertices) worst_mm = std::max(worst_mm, (a * v - b * v).norm());
-  return worst_mm;
+double max_miss_mm(const RigidTransform& a, const RigidTransform& b,
+                   const geometry::TriangleMesh& mesh) {
+  double max_residual_mm = 0.0;
+  for (const Vec3& v : mesh.vertices)
+    max_residual_mm = std::max(max_residual_mm, (a * v - b * v).norm());
+  return max_residual_mm;
 }
 
 TEST(RegisterSurface, FindsAKnownMotionOnAnotherTriangulation) {
@@ -37,9 +38,9 @@ TEST(RegisterSurface, FindsAKnownMotionOnAnotherTriangulation) {
   const auto found = register_surface(from, onto, kAsItIs);
   ASSERT_TRUE(found) << found.error().message;
   // Chords of 2.5 mm on radii of 60 mm lie 0.01 mm below the body.
-  EXPECT_LT(largest_miss_mm(found->X_onto_from, X, from), 0.02);
+  EXPECT_LT(max_miss_mm(found->X_onto_from, X, from), 0.02);
   EXPECT_LT(found->rms_mm, 0.02);
-  EXPECT_GT(found->kept_share, 0.5);
+  EXPECT_GT(found->inlier_fraction, 0.5);
 }
 
 TEST(RegisterSurface, FindsHeadsThatLieTheOtherWayRound) {
@@ -48,9 +49,10 @@ TEST(RegisterSurface, FindsHeadsThatLieTheOtherWayRound) {
     const RigidTransform X = rigid_motion({300.0, -150.0, 80.0}, turn, Vec3::Zero());
     const auto there =
         transformed(test::make_blob(Vec3::Zero(), kRadii_mm, 4, test::some_twist()), X);
-    const auto found = register_surface(from, geometry::Bvh(there), likely_starts(from, there));
+    const auto found =
+        register_surface(from, geometry::Bvh(there), initial_alignments(from, there));
     ASSERT_TRUE(found) << found.error().message;
-    EXPECT_LT(largest_miss_mm(found->X_onto_from, X, from), 0.1) << turn.transpose();
+    EXPECT_LT(max_miss_mm(found->X_onto_from, X, from), 0.1) << turn.transpose();
   }
 }
 
@@ -64,10 +66,10 @@ TEST(RegisterSurface, IsNotDrawnByAPartThatMoved) {
   const RigidTransform X = rigid_motion({5, 2, -4}, {0.05, 0.02, -0.1}, {});
   const auto found = register_surface(before, geometry::Bvh(transformed(after, X)), kAsItIs);
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_LT(largest_miss_mm(found->X_onto_from, X, before), 0.02);
+  EXPECT_LT(max_miss_mm(found->X_onto_from, X, before), 0.02);
 }
 
-TEST(RegisterSurface, ToldWhereNothingFits) {
+TEST(RegisterSurface, ReportedWhereNothingFits) {
   const auto from = test::make_blob(Vec3::Zero(), kRadii_mm, 3);
   const geometry::Bvh elsewhere(test::make_box({-500, -500, -500}, {500, 500, -490}));
   const auto found = register_surface(from, elsewhere, kAsItIs);
@@ -79,7 +81,7 @@ TEST(RegisterSurface, ToldWhereNothingFits) {
 TEST(RegisterSurface, AnotherBodyIsNotTakenForTheSame) {
   const auto from = test::make_blob(Vec3::Zero(), kRadii_mm, 4);
   const geometry::Bvh other(test::make_box({-52, -70, -44}, {55, 66, 47}));
-  const auto found = register_surface(from, other, likely_starts(from, other.mesh()));
+  const auto found = register_surface(from, other, initial_alignments(from, other.mesh()));
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, ErrorCode::kNotConverged);
   EXPECT_NE(found.error().message.find("do both show the same bone"), std::string::npos)
@@ -98,11 +100,11 @@ TEST(RegisterSurface, RefusesTooLittle) {
   EXPECT_EQ(register_surface(onto.mesh(), onto, kAsItIs).error().code, ErrorCode::kInvalidArgument);
   const auto blob = test::make_blob(Vec3::Zero(), kRadii_mm, 3);
   EXPECT_EQ(register_surface(blob, onto, {}).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(register_surface(blob, onto, kAsItIs, {.most_points = 99}).error().code,
+  EXPECT_EQ(register_surface(blob, onto, kAsItIs, {.max_points = 99}).error().code,
             ErrorCode::kInvalidArgument);
-  EXPECT_EQ(register_surface(blob, onto, kAsItIs, {.most_iterations = 0}).error().code,
+  EXPECT_EQ(register_surface(blob, onto, kAsItIs, {.max_iterations = 0}).error().code,
             ErrorCode::kInvalidArgument);
-  EXPECT_EQ(register_surface(blob, onto, kAsItIs, {.worst_median_mm = 0.0}).error().code,
+  EXPECT_EQ(register_surface(blob, onto, kAsItIs, {.max_median_mm = 0.0}).error().code,
             ErrorCode::kInvalidArgument);
 }
 

@@ -1,6 +1,6 @@
 #include <lefort/compare/surface_difference.h>
 #include <lefort/core/parallel.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 
 #include <gtest/gtest.h>
 
@@ -52,10 +52,10 @@ TEST(SurfaceDifference, NeitherFarSheetsNorOnesThatFaceAwayAreCompared) {
   geometry::TriangleMesh above = test::make_sheet(10.0, 10);
   for (Vec3& v : above.vertices) v.z() = 3.0;
   const geometry::TriangleMesh below = test::make_sheet(20.0, 20);
-  EXPECT_NEAR(measure_difference(above, geometry::Bvh(below), {.most_mm = 3.5}).signed_mm[60], 3.0,
+  EXPECT_NEAR(measure_difference(above, geometry::Bvh(below), {.max_mm = 3.5}).signed_mm[60], 3.0,
               1e-12);
   EXPECT_TRUE(
-      std::isnan(measure_difference(above, geometry::Bvh(below), {.most_mm = 2.5}).signed_mm[60]));
+      std::isnan(measure_difference(above, geometry::Bvh(below), {.max_mm = 2.5}).signed_mm[60]));
   for (auto& triangle : above.triangles) std::swap(triangle[0], triangle[1]);
   EXPECT_TRUE(std::isnan(measure_difference(above, geometry::Bvh(below)).signed_mm[60]));
 }

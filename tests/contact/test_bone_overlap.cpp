@@ -16,20 +16,21 @@ namespace {
 /// A surface with its field, kept alive.
 struct Bone {
   geometry::TriangleMesh surface_B;
-  std::shared_ptr<const Detector> detector_B;
+  std::shared_ptr<const DistanceQuery> distance_query_B;
 
   explicit Bone(geometry::TriangleMesh surface) : surface_B(std::move(surface)) {
-    detector_B = detect_by_field(
-                     std::make_shared<const field::DistanceField>(
-                         field::build_distance_field(surface_B, {.resolution = 128, .band_mm = 2.5})
-                             .value()),
-                     Detection::kTrilinear)
-                     .value();
+    distance_query_B =
+        field_distance_query(
+            std::make_shared<const field::DistanceField>(
+                field::build_distance_field(surface_B, {.resolution = 128, .band_mm = 2.5})
+                    .value()),
+            DetectionMethod::kTrilinear)
+            .value();
   }
   [[nodiscard]] SolidBone at(const Vec3& shift) const {
     RigidTransform X_LB = RigidTransform::Identity();
     X_LB.translation() = shift;
-    return {&surface_B, {detector_B, X_LB}};
+    return {&surface_B, {distance_query_B, X_LB}};
   }
 };
 
@@ -39,22 +40,23 @@ const Bone& ball() {
 }
 
 TEST(BoneOverlap, OfTwoBallsIsTheirLens) {
-  constexpr double kApart_mm = 10.0, kRadius_mm = 6.0;
+  constexpr double kDistance_mm = 10.0, kRadius_mm = 6.0;
   const BoneOverlap found =
-      measure_overlap(ball().at(Vec3(kApart_mm, 0.0, 0.0)), ball().at(Vec3::Zero()), 0.3);
-  const double height = 2.0 * kRadius_mm - kApart_mm;
+      measure_overlap(ball().at(Vec3(kDistance_mm, 0.0, 0.0)), ball().at(Vec3::Zero()), 0.3);
+  const double height = 2.0 * kRadius_mm - kDistance_mm;
   const double lens_mm3 = std::numbers::pi / 12.0 * height * height *
-                          (kApart_mm * kApart_mm + 4.0 * kApart_mm * kRadius_mm) / kApart_mm;
+                          (kDistance_mm * kDistance_mm + 4.0 * kDistance_mm * kRadius_mm) /
+                          kDistance_mm;
   EXPECT_NEAR(found.volume_mm3, lens_mm3, 0.03 * lens_mm3);
   EXPECT_NEAR(found.deepest_mm, 2.0, 0.03);
   EXPECT_LT(
       std::min((found.deepest_L - Vec3(4, 0, 0)).norm(), (found.deepest_L - Vec3(6, 0, 0)).norm()),
       0.3);
-  EXPECT_FALSE(found.is_beyond_reach);
+  EXPECT_FALSE(found.depth_is_lower_bound);
   ASSERT_EQ(found.depth_mm.size(), ball().surface_B.vertices.size());
   for (std::size_t v = 0; v < found.depth_mm.size(); ++v) {
     const double in_mm =
-        kRadius_mm - (ball().surface_B.vertices[v] + Vec3(kApart_mm, 0.0, 0.0)).norm();
+        kRadius_mm - (ball().surface_B.vertices[v] + Vec3(kDistance_mm, 0.0, 0.0)).norm();
     EXPECT_NEAR(found.depth_mm[v], in_mm > kTouching_mm ? in_mm : 0.0,
                 std::abs(in_mm - kTouching_mm) < 0.02 ? 0.13 : 0.03);
   }
@@ -89,12 +91,12 @@ TEST(BoneOverlap, AWallThatOnlyEdgesPierceIsFound) {
   EXPECT_LT(std::abs(found.deepest_L.z()), 0.3);
 }
 
-TEST(BoneOverlap, DeeperThanTheDetectorTellsIsTold) {
+TEST(BoneOverlap, DeeperThanTheDetectorReportsIsReported) {
   const Bone small(test::make_icosphere(3.0, 4));
   const Bone large(test::make_icosphere(10.0, 5));
   const BoneOverlap found =
       measure_overlap(small.at(Vec3(1.0, 0.0, 0.0)), large.at(Vec3::Zero()), 0.3);
-  EXPECT_TRUE(found.is_beyond_reach);
+  EXPECT_TRUE(found.depth_is_lower_bound);
   EXPECT_NEAR(found.deepest_mm, 2.5, 0.01);
   EXPECT_NEAR(found.volume_mm3, 36.0 * std::numbers::pi, 3.0);
 }

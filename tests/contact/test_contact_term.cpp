@@ -29,35 +29,35 @@ ContactTerm::Options options(double capture_mm,
 }
 
 ContactTerm::Options with_depth(double tolerance_mm) {
-  ContactTerm::Options asked = options(0.5);
-  asked.penetration_tolerance_mm = tolerance_mm;
-  return asked;
+  ContactTerm::Options requested = options(0.5);
+  requested.penetration_tolerance_mm = tolerance_mm;
+  return requested;
 }
 
 /// A slab of bone whose upper side is z = 0.
-BoneObstacle slab() {
+RigidObstacle slab() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -8.0}, {10.0, 10.0, 0.0}),
                                   {.resolution = 64, .band_mm = 3.0, .smooth = true})
           .value());
-  return {detect_by_field(field, Detection::kSmooth).value()};
+  return {field_distance_query(field, DetectionMethod::kSmooth).value()};
 }
 
-BoneObstacle ball(Detection detection = Detection::kSmooth) {
+RigidObstacle ball(DetectionMethod detection = DetectionMethod::kSmooth) {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_icosphere(6.0, 5),
                                   {.resolution = 64, .band_mm = 2.0, .smooth = true})
           .value());
-  return {detect_by_field(field, detection).value()};
+  return {field_distance_query(field, detection).value()};
 }
 
 /// A plate 2 mm thick whose upper side is z = 0.
-BoneObstacle plate() {
+RigidObstacle plate() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-10.0, -10.0, -2.0}, {10.0, 10.0, 0.0}),
                                   {.resolution = 64, .band_mm = 3.0, .smooth = true})
           .value());
-  return {detect_by_field(field, Detection::kSmooth).value()};
+  return {field_distance_query(field, DetectionMethod::kSmooth).value()};
 }
 
 /// The tissue above the slab has its lower face, which looks down, at `z`.
@@ -175,53 +175,53 @@ TEST(ContactTerm, DeeperThanTheBandIsRefusedNotMissed) {
   EXPECT_FALSE(evaluate(term, 0, flat_face(0.0)).admissible);
 }
 
-TEST(ContactTerm, TellsWhatHasTunnelledThroughAPlate) {
+TEST(ContactTerm, ReportsWhatHasTunnelledThroughAPlate) {
   ContactTerm term(flat_face(0.0), kFace, plate(), options(0.5));
   term.set_pose(lifted(0.8));
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
   term.set_pose(lifted(1.5));  // The lower side is nearer now: that way leads through the plate.
   EXPECT_NEAR(term.newly_tunnelled_area_mm2(flat_face(0.0)), kFaceArea_mm2, 1e-9);
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(1.4)), 0.0);
-  EXPECT_EQ(term.summarise(flat_face(0.0)).tunnelled_area_mm2, 0.0);
-  EXPECT_EQ(term.keep_sides(flat_face(0.0)), 0);  // No depth is asked for.
-  EXPECT_LT(term.summarise(flat_face(0.0)).force_L_n.z(), 0.0);
-  term.remember(flat_face(0.0));
+  EXPECT_EQ(term.summarize(flat_face(0.0)).tunnelled_area_mm2, 0.0);
+  EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 0);  // No depth is asked for.
+  EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);
+  term.commit(flat_face(0.0));
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
-  EXPECT_NEAR(term.summarise(flat_face(0.0)).tunnelled_area_mm2, kFaceArea_mm2, 1e-9);
+  EXPECT_NEAR(term.summarize(flat_face(0.0)).tunnelled_area_mm2, kFaceArea_mm2, 1e-9);
 }
 
 TEST(ContactTerm, PastTheMiddleOfAPlateTheWayBackIsTheWayItCame) {
   ContactTerm term(flat_face(0.0), kFace, plate(), with_depth(0.1));
   term.set_pose(lifted(1.5));
-  EXPECT_LT(term.summarise(flat_face(0.0)).force_L_n.z(), 0.0);  // The nearest surface.
-  term.remember(flat_face(0.0));                                 // It is not seen from there.
-  EXPECT_EQ(term.keep_sides(flat_face(0.0)), 6);
-  EXPECT_EQ(term.keep_sides(flat_face(0.0)), 0);
+  EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);  // The nearest surface.
+  term.commit(flat_face(0.0));                                   // It is not seen from there.
+  EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 6);
+  EXPECT_EQ(term.activate_tangent_planes(flat_face(0.0)), 0);
   const Evaluated kept = evaluate(term, 0, flat_face(0.0));
   EXPECT_NEAR(kept.energy_mj, kStiffness * 1.5 * 1.5 * kFaceArea_mm2, 1e-5);
-  EXPECT_NEAR(term.summarise(flat_face(0.0)).force_L_n.z(), 2.0 * kStiffness * 1.5 * kFaceArea_mm2,
+  EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 2.0 * kStiffness * 1.5 * kFaceArea_mm2,
               1e-5);
-  EXPECT_NEAR(term.summarise(flat_face(0.0)).p99_depth_from_rest_mm, 1.5, 1e-5);
+  EXPECT_NEAR(term.summarize(flat_face(0.0)).p99_depth_from_rest_mm, 1.5, 1e-5);
   EXPECT_EQ(term.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
 
-  term.recall();  // As remembered: not held off yet.
-  EXPECT_LT(term.summarise(flat_face(0.0)).force_L_n.z(), 0.0);
-  term.keep_sides(flat_face(0.0));
-  term.remember(flat_face(0.2));
-  term.begin();
-  EXPECT_GT(term.summarise(flat_face(0.2)).force_L_n.z(), 0.0);  // Still past the middle.
-  term.remember(flat_face(1.2));
+  term.rollback();  // As remembered: not held off yet.
+  EXPECT_LT(term.summarize(flat_face(0.0)).force_L_n.z(), 0.0);
+  term.activate_tangent_planes(flat_face(0.0));
+  term.commit(flat_face(0.2));
+  term.begin_step();
+  EXPECT_GT(term.summarize(flat_face(0.2)).force_L_n.z(), 0.0);  // Still past the middle.
+  term.commit(flat_face(1.2));
   term.set_pose(lifted(3.4));
-  EXPECT_GT(term.summarise(flat_face(1.2)).force_L_n.z(), 0.0);  // Held off until
-  term.begin();                                                  // it sees its side again.
-  EXPECT_EQ(term.summarise(flat_face(1.2)).force_L_n.z(), 0.0);
+  EXPECT_GT(term.summarize(flat_face(1.2)).force_L_n.z(), 0.0);  // Held off until
+  term.begin_step();                                             // it sees its side again.
+  EXPECT_EQ(term.summarize(flat_face(1.2)).force_L_n.z(), 0.0);
 }
 
 TEST(ContactTerm, HeldOffByWallsResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   ContactTerm term(flat_face(0.0), kFace, plate(), with_depth(0.1));
   std::vector<Vec3> x_L{{0.1, 0.0, 0.0}, {0.0, 4.2, 0.3}, {4.0, 0.2, 0.5}};
   term.set_pose(lifted(1.5));
-  ASSERT_GT(term.keep_sides(x_L), 0);
+  ASSERT_GT(term.activate_tangent_planes(x_L), 0);
   expect_derivatives_of_energy([&](const auto& x) { return evaluate(term, 0, x); }, x_L);
 }
 
@@ -229,11 +229,11 @@ TEST(ContactTerm, ACaptureThatReachesBeyondTheBandIsABug) {
   EXPECT_THROW(ContactTerm(flat_face(0.0), kFace, slab(), options(3.0)), LogicError);
 }
 
-TEST(ContactTerm, PenetrationAndDepthFromRestAreToldApart) {
+TEST(ContactTerm, PenetrationAndDepthFromRestAreDistinguished) {
   ContactTerm term(flat_face(-0.4), kFace, slab(), options(0.5));
   EXPECT_NEAR(term.rest_penetration_mm(), 0.4, 1e-6);
   term.set_pose(lifted(1.0));
-  const ContactSummary pressed = term.summarise(flat_face(-0.4));
+  const ContactStatistics pressed = term.summarize(flat_face(-0.4));
   EXPECT_NEAR(pressed.max_penetration_mm, 1.4, 1e-6);
   EXPECT_NEAR(pressed.mean_penetration_mm, 1.4, 1e-6);
   EXPECT_NEAR(pressed.max_depth_from_rest_mm, 1.0, 1e-6);
@@ -241,7 +241,7 @@ TEST(ContactTerm, PenetrationAndDepthFromRestAreToldApart) {
 }
 
 struct Tested {
-  Detection detection;
+  DetectionMethod detection;
   Integration integration;
   bool augmented;
 };
@@ -249,13 +249,13 @@ struct Tested {
 class ContactTermOnABall : public testing::TestWithParam<Tested> {};
 INSTANTIATE_TEST_SUITE_P(
     ThatClaimAPotential, ContactTermOnABall,
-    testing::Values(Tested{Detection::kTrilinear, Integration::kQuadrature, false},
-                    Tested{Detection::kSmooth, Integration::kQuadrature, false},
-                    Tested{Detection::kTrilinear, Integration::kNodes, false},
-                    Tested{Detection::kSmooth, Integration::kNodes, false},
-                    Tested{Detection::kTrilinear, Integration::kQuadrature, true},
-                    Tested{Detection::kSmooth, Integration::kQuadrature, true},
-                    Tested{Detection::kSmooth, Integration::kNodes, true}));
+    testing::Values(Tested{DetectionMethod::kTrilinear, Integration::kQuadrature, false},
+                    Tested{DetectionMethod::kSmooth, Integration::kQuadrature, false},
+                    Tested{DetectionMethod::kTrilinear, Integration::kNodes, false},
+                    Tested{DetectionMethod::kSmooth, Integration::kNodes, false},
+                    Tested{DetectionMethod::kTrilinear, Integration::kQuadrature, true},
+                    Tested{DetectionMethod::kSmooth, Integration::kQuadrature, true},
+                    Tested{DetectionMethod::kSmooth, Integration::kNodes, true}));
 
 /// What all items say at a state, gathered by node.
 Evaluated gather(const ContactTerm& term, const std::vector<Vec3>& x_L) {
@@ -286,7 +286,7 @@ TEST_P(ContactTermOnABall, ResidualAndStiffnessAreTheDerivativesOfTheEnergy) {
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
   term.set_pose(X_LB);
   const double unaugmented_mj = gather(term, rest).energy_mj;
-  if (GetParam().augmented) term.augment(rest);
+  if (GetParam().augmented) term.update_multipliers(rest);
   std::mt19937 generator(7);
   std::uniform_real_distribution<double> shift_mm(-0.15, 0.15);
   for (int state = 0; state < 5; ++state) {
@@ -337,10 +337,10 @@ TEST_P(ContactTermOnFaces, AFlatFacePressedFlatFeelsTwiceStiffnessDepthArea) {
   term.set_pose(lifted(1.5));
   const double area_mm2 = corners == 3 ? 8.0 : 16.0;
   EXPECT_NEAR(evaluate(term, 0, x).energy_mj, kStiffness * 1.5 * 1.5 * area_mm2, 1e-6);
-  EXPECT_NEAR(term.summarise(x).force_L_n.z(), 2.0 * kStiffness * 1.5 * area_mm2, 1e-6);
+  EXPECT_NEAR(term.summarize(x).force_L_n.z(), 2.0 * kStiffness * 1.5 * area_mm2, 1e-6);
 }
 
-double smallest_eigenvalue(const Eigen::MatrixXd& A) {
+double min_eigenvalue(const Eigen::MatrixXd& A) {
   return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A).eigenvalues().minCoeff();
 }
 
@@ -351,9 +351,9 @@ TEST(ContactTerm, TheConvexTangentOnACurvedBoneIsNeverNegative) {
   X_LB.translation() = Vec3(0.9, 0.2, -0.1);
   term.set_pose(X_LB);
   const Evaluated exact = evaluate(term, 0, rest);
-  const Evaluated convex = evaluate(term, 0, rest, fem::Tangent::kConvex);
-  EXPECT_LT(smallest_eigenvalue(exact.stiffness), -1e-4);
-  EXPECT_GT(smallest_eigenvalue(convex.stiffness), -1e-12);
+  const Evaluated convex = evaluate(term, 0, rest, fem::Tangent::kPsdProjected);
+  EXPECT_LT(min_eigenvalue(exact.stiffness), -1e-4);
+  EXPECT_GT(min_eigenvalue(convex.stiffness), -1e-12);
   EXPECT_EQ(convex.energy_mj, exact.energy_mj);
   EXPECT_EQ(convex.residual_n, exact.residual_n);
 }
@@ -363,9 +363,9 @@ TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
   ContactTerm term(nodes,
                    {{mesh::FaceShape::kTri3, {0, 1, 2}}, {mesh::FaceShape::kTri3, {1, 3, 2}}},
                    slab(), options(0.5));
-  EXPECT_EQ(term.summarise(nodes).points, 0);
+  EXPECT_EQ(term.summarize(nodes).points, 0);
   term.set_pose(lifted(1.0));
-  const ContactSummary pressed = term.summarise(nodes);
+  const ContactStatistics pressed = term.summarize(nodes);
   EXPECT_EQ(pressed.points, 12);
   EXPECT_EQ(pressed.nodes, 4);
   EXPECT_NEAR(pressed.area_mm2, 16.0, 1e-9);
@@ -376,7 +376,7 @@ TEST(ContactTerm, SummaryAddsUpWhatTheItemsSay) {
   EXPECT_NEAR(pressed.normal_force_n, pressed.force_L_n.z(), 1e-9);
 }
 
-TEST(ContactTerm, TellsPressureAndGapOfEveryNode) {
+TEST(ContactTerm, ReportsPressureAndGapOfEveryNode) {
   const std::vector<Vec3> rest{{0, 0, 0}, {0, 4, 0}, {4, 0, 0}, {9, 9, 9}};
   ContactTerm term(rest, kFace, slab(), options(0.5));
   term.set_pose(lifted(1.0));
@@ -397,7 +397,7 @@ TEST(ContactTerm, TellsPressureAndGapOfEveryNode) {
   // A third of the face belongs to each of its corners.
   const double sum_mpa =
       touched[0].pressure_mpa + touched[1].pressure_mpa + touched[2].pressure_mpa;
-  EXPECT_NEAR(sum_mpa * kFaceArea_mm2 / 3.0, term.summarise(tilted).normal_force_n, 1e-9);
+  EXPECT_NEAR(sum_mpa * kFaceArea_mm2 / 3.0, term.summarize(tilted).normal_force_n, 1e-9);
   term.set_pose(lifted(-1.0));
   EXPECT_EQ(term.at_nodes(rest)[0].pressure_mpa, 0.0);
 }
@@ -405,9 +405,9 @@ TEST(ContactTerm, TellsPressureAndGapOfEveryNode) {
 TEST(ContactTerm, RefusesAStateThatAPlateHasJumpedThrough) {
   ContactTerm term(flat_face(0.0), kFace, plate(), options(0.5));
   term.set_pose(lifted(0.8));
-  EXPECT_FALSE(term.why_refused(flat_face(0.0)));
+  EXPECT_FALSE(term.rejection_reason(flat_face(0.0)));
   term.set_pose(lifted(1.5));
-  const auto refusal = term.why_refused(flat_face(0.0));
+  const auto refusal = term.rejection_reason(flat_face(0.0));
   ASSERT_TRUE(refusal);
   EXPECT_NE(refusal->find("have tunnelled through the plate"), std::string::npos) << *refusal;
 }
@@ -415,7 +415,7 @@ TEST(ContactTerm, RefusesAStateThatAPlateHasJumpedThrough) {
 TEST(ContactTerm, FeatureNormalsHaveNoPotential) {
   const geometry::TriangleMesh sphere = test::make_icosphere(6.0, 2);
   const ContactTerm term(flat_face(6.0), kFace,
-                         {detect_by_bvh(std::make_shared<const geometry::Bvh>(sphere), 2.0)},
+                         {bvh_distance_query(std::make_shared<const geometry::Bvh>(sphere), 2.0)},
                          options(0.5));
   EXPECT_FALSE(term.is_conservative(fem::DofMap::build(3, {}).value()));
 }
@@ -438,56 +438,56 @@ TEST_P(LumpedFaces, CarryTheForceAndTheMomentOfThePressureOnTheFace) {
   const double area_mm2 = corners == 3 ? 8.0 : 16.0;
   const double force_n = 2.0 * kStiffness * 1.5 * area_mm2;
   const VectorX residual_n = gather(term, x).residual_n;
-  Vec3 sum_n = Vec3::Zero(), moment = Vec3::Zero(), centre = Vec3::Zero();
+  Vec3 sum_n = Vec3::Zero(), moment = Vec3::Zero(), center = Vec3::Zero();
   for (std::size_t a = 0; a < x.size(); ++a) {
     sum_n -= residual_n.segment<3>(3 * Index(a));
     moment -= x[a].cross(Vec3(residual_n.segment<3>(3 * Index(a))));
-    if (a < corners) centre += x[a] / double(corners);
+    if (a < corners) center += x[a] / double(corners);
   }
   EXPECT_LT((sum_n - Vec3(0.0, 0.0, force_n)).norm(), 1e-6);
-  EXPECT_LT((moment - centre.cross(Vec3(0.0, 0.0, force_n))).norm(), 1e-5);
-  EXPECT_NEAR(term.summarise(x).area_mm2, area_mm2, 1e-9);
+  EXPECT_LT((moment - center.cross(Vec3(0.0, 0.0, force_n))).norm(), 1e-5);
+  EXPECT_NEAR(term.summarize(x).area_mm2, area_mm2, 1e-9);
 }
 
 TEST(ContactTerm, MultipliersBearThePressureWithoutDepthAndNeverPull) {
   ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(1.0));
   const double force_n = 2.0 * kStiffness * 1.0 * kFaceArea_mm2;
-  term.augment(flat_face(0.0));
-  EXPECT_NEAR(term.summarise(flat_face(1.0)).force_L_n.z(), force_n, 1e-6);
-  EXPECT_NEAR(term.summarise(flat_face(1.0)).max_depth_from_rest_mm, 0.0, 1e-6);
-  EXPECT_NEAR(term.summarise(flat_face(0.0)).force_L_n.z(), 2.0 * force_n, 1e-6);
+  term.update_multipliers(flat_face(0.0));
+  EXPECT_NEAR(term.summarize(flat_face(1.0)).force_L_n.z(), force_n, 1e-6);
+  EXPECT_NEAR(term.summarize(flat_face(1.0)).max_depth_from_rest_mm, 0.0, 1e-6);
+  EXPECT_NEAR(term.summarize(flat_face(0.0)).force_L_n.z(), 2.0 * force_n, 1e-6);
   // Half of it, where the face has lifted half as far; nothing at all beyond.
-  EXPECT_NEAR(term.summarise(flat_face(1.5)).force_L_n.z(), 0.5 * force_n, 1e-6);
+  EXPECT_NEAR(term.summarize(flat_face(1.5)).force_L_n.z(), 0.5 * force_n, 1e-6);
   EXPECT_EQ(evaluate(term, 0, flat_face(2.1)).residual_n.norm(), 0.0);
-  term.augment(flat_face(2.1));  // Pressed no more: the multiplier is gone.
-  EXPECT_EQ(term.summarise(flat_face(1.01)).points, 0);
+  term.update_multipliers(flat_face(2.1));  // Pressed no more: the multiplier is gone.
+  EXPECT_EQ(term.summarize(flat_face(1.01)).points, 0);
 }
 
 TEST(ContactTerm, RecallsTheMultipliersThatWereRemembered) {
   ContactTerm term(flat_face(0.0), kFace, slab(), options(0.5));
   term.set_pose(lifted(1.0));
-  term.augment(flat_face(0.0));
-  term.remember(flat_face(1.0));
-  const double kept_n = term.summarise(flat_face(1.0)).force_L_n.z();
-  term.augment(flat_face(0.5));
-  EXPECT_GT(term.summarise(flat_face(1.0)).force_L_n.z(), 1.4 * kept_n);
-  term.recall();
-  EXPECT_EQ(term.summarise(flat_face(1.0)).force_L_n.z(), kept_n);
+  term.update_multipliers(flat_face(0.0));
+  term.commit(flat_face(1.0));
+  const double kept_n = term.summarize(flat_face(1.0)).force_L_n.z();
+  term.update_multipliers(flat_face(0.5));
+  EXPECT_GT(term.summarize(flat_face(1.0)).force_L_n.z(), 1.4 * kept_n);
+  term.rollback();
+  EXPECT_EQ(term.summarize(flat_face(1.0)).force_L_n.z(), kept_n);
 }
 
 TEST(ContactTerm, RestoredItIsAsItWas) {
   const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), with_depth(0.1)); };
   ContactTerm term = made();
   term.set_pose(lifted(1.5));
-  term.augment(flat_face(1.2));
-  ASSERT_EQ(term.keep_sides(flat_face(0.0)), 6);
-  term.remember(flat_face(0.0));
+  term.update_multipliers(flat_face(1.2));
+  ASSERT_EQ(term.activate_tangent_planes(flat_face(0.0)), 6);
+  term.commit(flat_face(0.0));
   ContactTerm other = made();
   other.set_pose(lifted(1.5));
-  other.restore(term.memory(), flat_face(0.0));
-  const auto summary = term.summarise(flat_face(0.2)), likewise = other.summarise(flat_face(0.2));
-  EXPECT_EQ(summary.force_L_n, likewise.force_L_n);
+  other.restore(term.checkpoint(), flat_face(0.0));
+  const auto summary = term.summarize(flat_face(0.2)), expected = other.summarize(flat_face(0.2));
+  EXPECT_EQ(summary.force_L_n, expected.force_L_n);
   EXPECT_GT(summary.force_L_n.z(), 0.0);
   EXPECT_EQ(summary.tunnelled_area_mm2, 0.0);  // It keeps its side.
 }
@@ -496,15 +496,15 @@ TEST(ContactTerm, RestoredItKnowsWhatHasTunnelled) {
   const auto made = [] { return ContactTerm(flat_face(0.0), kFace, plate(), options(0.5)); };
   ContactTerm term = made();
   term.set_pose(lifted(1.5));
-  term.augment(flat_face(1.2));
-  term.remember(flat_face(0.0));
+  term.update_multipliers(flat_face(1.2));
+  term.commit(flat_face(0.0));
   ContactTerm other = made();
   other.set_pose(lifted(1.5));
-  other.restore(term.memory(), flat_face(0.0));
-  const auto summary = term.summarise(flat_face(1.2)), likewise = other.summarise(flat_face(1.2));
-  EXPECT_EQ(summary.force_L_n, likewise.force_L_n);
+  other.restore(term.checkpoint(), flat_face(0.0));
+  const auto summary = term.summarize(flat_face(1.2)), expected = other.summarize(flat_face(1.2));
+  EXPECT_EQ(summary.force_L_n, expected.force_L_n);
   EXPECT_GT(summary.tunnelled_area_mm2, 0.0);
-  EXPECT_EQ(summary.tunnelled_area_mm2, likewise.tunnelled_area_mm2);
+  EXPECT_EQ(summary.tunnelled_area_mm2, expected.tunnelled_area_mm2);
   EXPECT_EQ(other.newly_tunnelled_area_mm2(flat_face(0.0)), 0.0);
 }
 
@@ -521,7 +521,7 @@ TEST(ContactTerm, TheP99OfDepthLeavesOutTheDeepestHundredthOfTheArea) {
   ContactTerm term(nodes, faces, slab(), options(0.0));
   for (Vec3& x : nodes) x.z() -= 0.25;
   nodes[150].z() = nodes[151].z() = nodes[152].z() = -1.9;
-  const ContactSummary pressed = term.summarise(nodes);
+  const ContactStatistics pressed = term.summarize(nodes);
   EXPECT_NEAR(pressed.max_depth_from_rest_mm, 0.9, 1e-6);
   EXPECT_NEAR(pressed.p99_depth_from_rest_mm, 0.25, 1e-6);
 }

@@ -20,23 +20,23 @@ using field::Zone;
 constexpr double kRadius_mm = 10.0;
 constexpr double kBand_mm = 3.0;
 
-using DetectorPtr = std::shared_ptr<const Detector>;
+using DistanceQueryPtr = std::shared_ptr<const DistanceQuery>;
 
-DetectorPtr detect(const geometry::TriangleMesh& surface, Detection detection) {
-  if (detection == Detection::kBvh)
-    return detect_by_bvh(std::make_shared<const geometry::Bvh>(surface), kBand_mm);
+DistanceQueryPtr detect(const geometry::TriangleMesh& surface, DetectionMethod detection) {
+  if (detection == DetectionMethod::kBvh)
+    return bvh_distance_query(std::make_shared<const geometry::Bvh>(surface), kBand_mm);
   const field::DistanceFieldOptions options{.resolution = 64, .band_mm = kBand_mm, .smooth = true};
-  return detect_by_field(std::make_shared<const field::DistanceField>(
-                             field::build_distance_field(surface, options).value()),
-                         detection)
+  return field_distance_query(std::make_shared<const field::DistanceField>(
+                                  field::build_distance_field(surface, options).value()),
+                              detection)
       .value();
 }
 
-DetectorPtr sphere_by(Detection detection) {
+DistanceQueryPtr sphere_by(DetectionMethod detection) {
   static const geometry::TriangleMesh sphere = test::make_icosphere(kRadius_mm, 5);
-  static const std::array<DetectorPtr, 3> all{detect(sphere, Detection::kSmooth),
-                                              detect(sphere, Detection::kTrilinear),
-                                              detect(sphere, Detection::kBvh)};
+  static const std::array<DistanceQueryPtr, 3> all{detect(sphere, DetectionMethod::kSmooth),
+                                                   detect(sphere, DetectionMethod::kTrilinear),
+                                                   detect(sphere, DetectionMethod::kBvh)};
   return all[std::size_t(detection)];
 }
 
@@ -56,20 +56,20 @@ RigidTransform some_pose() {
   return X_LB;
 }
 
-class MeasureGap : public testing::TestWithParam<Detection> {};
+class MeasureGap : public testing::TestWithParam<DetectionMethod> {};
 INSTANTIATE_TEST_SUITE_P(All, MeasureGap,
-                         testing::Values(Detection::kSmooth, Detection::kTrilinear,
-                                         Detection::kBvh),
+                         testing::Values(DetectionMethod::kSmooth, DetectionMethod::kTrilinear,
+                                         DetectionMethod::kBvh),
                          [](const auto& tested) { return std::string(name_of(tested.param)); });
 
 TEST_P(MeasureGap, OfASphereIsTheDistanceToIt) {
-  const BoneObstacle sphere{sphere_by(GetParam())};
+  const RigidObstacle sphere{sphere_by(GetParam())};
   int in_band = 0;
   for (const Vec3& p_L : random_points(2000, 1)) {
     const Gap gap = measure_gap(sphere, p_L);
     const double exact_mm = p_L.norm() - kRadius_mm;
     if (gap.zone != Zone::kBand) {
-      EXPECT_GT(std::abs(exact_mm), 0.95 * sphere.detector_B->reach_mm() - 0.03);
+      EXPECT_GT(std::abs(exact_mm), 0.95 * sphere.distance_query_B->max_distance_mm() - 0.03);
       EXPECT_EQ(gap.zone, exact_mm > 0.0 ? Zone::kOutside : Zone::kInside);
       EXPECT_NEAR(std::abs(gap.gap_mm), kBand_mm, 1e-9);
       continue;
@@ -82,8 +82,8 @@ TEST_P(MeasureGap, OfASphereIsTheDistanceToIt) {
 }
 
 TEST_P(MeasureGap, MovingBoneAndPointsTogetherTurnsNormalsAndNothingElse) {
-  const BoneObstacle resting{sphere_by(GetParam())};
-  BoneObstacle moved = resting;
+  const RigidObstacle resting{sphere_by(GetParam())};
+  RigidObstacle moved = resting;
   moved.X_LB = some_pose();
   for (const Vec3& p : random_points(500, 2)) {
     const Gap before = measure_gap(resting, p);
@@ -97,8 +97,8 @@ TEST_P(MeasureGap, MovingBoneAndPointsTogetherTurnsNormalsAndNothingElse) {
 }
 
 TEST_P(MeasureGap, DerivativesAreThoseOfTheGapInThePatientsFrame) {
-  const BoneObstacle sphere{sphere_by(GetParam()), some_pose()};
-  if (!sphere.detector_B->has_exact_derivatives()) GTEST_SKIP() << "claims no derivatives";
+  const RigidObstacle sphere{sphere_by(GetParam()), some_pose()};
+  if (!sphere.distance_query_B->has_exact_derivatives()) GTEST_SKIP() << "claims no derivatives";
   constexpr double kStep = 1e-6;  // No point lies so near to the face of a cell.
   int compared = 0;
   for (const Vec3& p : random_points(300, 3)) {
@@ -117,19 +117,19 @@ TEST_P(MeasureGap, DerivativesAreThoseOfTheGapInThePatientsFrame) {
   EXPECT_GT(compared, 30);
 }
 
-TEST_P(MeasureGap, TheSecondDerivativeIsLeftOutWhereItIsNotAskedFor) {
-  const BoneObstacle sphere{sphere_by(GetParam()), some_pose()};
+TEST_P(MeasureGap, TheSecondDerivativeIsLeftOutWhereItIsNotRequested) {
+  const RigidObstacle sphere{sphere_by(GetParam()), some_pose()};
   const Vec3 p_L = sphere.X_LB * Vec3(5.0, 5.0, 6.8);
   const Gap full = measure_gap(sphere, p_L);
   const Gap first = measure_gap(sphere, p_L, Derivatives::kFirst);
   EXPECT_EQ(first.gap_mm, full.gap_mm);
   EXPECT_EQ(first.gradient_L, full.gradient_L);
-  EXPECT_EQ(full.hessian_L.norm() > 0.0, sphere.detector_B->has_exact_derivatives());
+  EXPECT_EQ(full.hessian_L.norm() > 0.0, sphere.distance_query_B->has_exact_derivatives());
   EXPECT_EQ(first.hessian_L, Mat3::Zero());
 }
 
 TEST_P(MeasureGap, ManyPointsInParallelGetTheBitsOfEachAlone) {
-  const BoneObstacle sphere{sphere_by(GetParam()), some_pose()};
+  const RigidObstacle sphere{sphere_by(GetParam()), some_pose()};
   std::vector<Vec3> p_L = random_points(3000, 4);
   for (Vec3& p : p_L) p = sphere.X_LB * p;
   std::vector<Gap> gaps(p_L.size());
@@ -144,8 +144,8 @@ TEST_P(MeasureGap, ManyPointsInParallelGetTheBitsOfEachAlone) {
 }
 
 TEST_P(MeasureGap, DepthsOfAllDetectorsAreTheSame) {
-  const BoneObstacle sphere{sphere_by(GetParam()), some_pose()};
-  const BoneObstacle exact{sphere_by(Detection::kBvh), some_pose()};
+  const RigidObstacle sphere{sphere_by(GetParam()), some_pose()};
+  const RigidObstacle exact{sphere_by(DetectionMethod::kBvh), some_pose()};
   for (const Vec3& p : random_points(2000, 5)) {
     const Gap gap = measure_gap(sphere, sphere.X_LB * p, Derivatives::kFirst);
     const Gap truth = measure_gap(exact, sphere.X_LB * p, Derivatives::kFirst);
@@ -156,17 +156,17 @@ TEST_P(MeasureGap, DepthsOfAllDetectorsAreTheSame) {
 }
 
 TEST_P(MeasureGap, WhatIsNoPointAndWhatAnOpenSurfaceHidesIsUnknown) {
-  const BoneObstacle sphere{sphere_by(GetParam())};
-  EXPECT_TRUE(sphere.detector_B->is_closed());
+  const RigidObstacle sphere{sphere_by(GetParam())};
+  EXPECT_TRUE(sphere.distance_query_B->is_closed());
   EXPECT_EQ(measure_gap(sphere, Vec3(0.0, std::nan(""), 0.0)).zone, Zone::kUnknown);
-  const BoneObstacle sheet{detect(test::make_sheet(10.0, 4), GetParam())};
-  EXPECT_FALSE(sheet.detector_B->is_closed());
+  const RigidObstacle sheet{detect(test::make_sheet(10.0, 4), GetParam())};
+  EXPECT_FALSE(sheet.distance_query_B->is_closed());
   EXPECT_EQ(measure_gap(sheet, Vec3(0.0, 0.0, 9.0)).zone, Zone::kUnknown);
 }
 
 TEST(DetectByBvh, TheNormalBeforeAnEdgeIsTheFeaturesAndDoesNotTurn) {
-  const BoneObstacle box{
-      detect(test::make_box(Vec3::Constant(-5.0), Vec3::Constant(5.0)), Detection::kBvh)};
+  const RigidObstacle box{
+      detect(test::make_box(Vec3::Constant(-5.0), Vec3::Constant(5.0)), DetectionMethod::kBvh)};
   const Vec3 diagonal = Vec3(1.0, 1.0, 0.0).normalized();
   for (const Vec3& p : {Vec3(6.0, 6.0, 1.0), Vec3(6.0, 5.1, 1.0)})
     EXPECT_LT((measure_gap(box, p).gradient_L - diagonal).norm(), 1e-12);
@@ -177,8 +177,8 @@ TEST(DetectByBvh, TheNormalBeforeAnEdgeIsTheFeaturesAndDoesNotTurn) {
 TEST(DetectByField, TheSmoothReadingNeedsASmoothField) {
   const auto rough = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_icosphere(3.0, 2), {.resolution = 16}).value());
-  EXPECT_TRUE(detect_by_field(rough, Detection::kTrilinear));
-  const auto refused = detect_by_field(rough, Detection::kSmooth);
+  EXPECT_TRUE(field_distance_query(rough, DetectionMethod::kTrilinear));
+  const auto refused = field_distance_query(rough, DetectionMethod::kSmooth);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("without --smooth"), std::string::npos);
 }

@@ -59,18 +59,19 @@ TEST(Penalty, ConvexHessianLeavesOutWhereTissueWantsToSlideOffABulge) {
   const Mat3 bulge = curved(0.0, 0.5, 0.25);
   EXPECT_LT(penalty_response(1.0, n, bulge, {kStiffness}).hessian_mpa_per_mm(1, 1), 0.0);
   EXPECT_LT(
-      (convex_hessian(1.0, n, bulge, {kStiffness}) - 2.0 * kStiffness * n * n.transpose()).norm(),
+      (psd_projected_hessian(1.0, n, bulge, {kStiffness}) - 2.0 * kStiffness * n * n.transpose())
+          .norm(),
       1e-15);
 }
 
 TEST(Penalty, ConvexHessianIsExactWhereTheBoneIsHollow) {
   const Vec3 n = Vec3::UnitX();
   const Mat3 hollow = curved(0.0, -0.5, -0.25);
-  EXPECT_LT((convex_hessian(1.0, n, hollow, {kStiffness}) -
+  EXPECT_LT((psd_projected_hessian(1.0, n, hollow, {kStiffness}) -
              penalty_response(1.0, n, hollow, {kStiffness}).hessian_mpa_per_mm)
                 .norm(),
             1e-15);
-  EXPECT_EQ(convex_hessian(-0.1, n, hollow, {kStiffness}), Mat3::Zero());
+  EXPECT_EQ(psd_projected_hessian(-0.1, n, hollow, {kStiffness}), Mat3::Zero());
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include <lefort/core/error.h>
-#include <lefort/core/loop_by_threads.h>
 #include <lefort/core/parallel.h>
+#include <lefort/core/thread_loop.h>
 
 #include <gtest/gtest.h>
 
@@ -47,10 +47,10 @@ TEST(Parallel, ForVisitsEveryIndexOnce) {
 TEST(LoopByThreads, CallsEveryIndexOnceWithinLoopsToo) {
   constexpr Index kOuter = 5, kMiddle = 3, kInner = 4;
   std::vector<int> calls(std::size_t(kOuter * kMiddle * kInner), 0);
-  loop_by_threads(kOuter, 3, [&](Index i) {
-    loop_by_threads(kMiddle, 2, [&](Index j) {
-      loop_by_threads(kInner, 2,
-                      [&](Index k) { ++calls[std::size_t((i * kMiddle + j) * kInner + k)]; });
+  thread_loop(kOuter, 3, [&](Index i) {
+    thread_loop(kMiddle, 2, [&](Index j) {
+      thread_loop(kInner, 2,
+                  [&](Index k) { ++calls[std::size_t((i * kMiddle + j) * kInner + k)]; });
     });
   });
   EXPECT_EQ(calls, std::vector<int>(calls.size(), 1));
@@ -58,14 +58,14 @@ TEST(LoopByThreads, CallsEveryIndexOnceWithinLoopsToo) {
 
 TEST(LoopByThreads, RunsOnSeveralThreadsAndNoMoreThanAsked) {
   std::vector<std::thread::id> ids(100);
-  loop_by_threads(Index(ids.size()), 3,
-                  [&](Index i) { ids[std::size_t(i)] = std::this_thread::get_id(); });
+  thread_loop(Index(ids.size()), 3,
+              [&](Index i) { ids[std::size_t(i)] = std::this_thread::get_id(); });
   EXPECT_EQ(std::set(ids.begin(), ids.end()).size(), 3);
 }
 
 TEST(LoopByThreads, HandsOnWhatABodyThrows) {
   const auto throw_in = [](Index one) {
-    loop_by_threads(8, 2, [one](Index i) {
+    thread_loop(8, 2, [one](Index i) {
       if (i == one) throw std::runtime_error("body");
     });
   };

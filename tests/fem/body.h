@@ -27,10 +27,11 @@ struct Body {
   Body(mesh::VolumeMesh volume, const fem::RegionMaterials& materials,
        std::vector<fem::PrescribedDisplacement> conditions,
        const std::vector<const fem::ForceTerm*>& extra = {},
-       fem::Dilatation dilatation = fem::Dilatation::kAveraged)
+       fem::VolumetricIntegration volumetric_integration =
+           fem::VolumetricIntegration::kMeanDilatation)
       : mesh(std::move(volume)),
         prescribed(std::move(conditions)),
-        terms(fem::make_element_terms(mesh, materials, dilatation).value()),
+        terms(fem::make_element_terms(mesh, materials, volumetric_integration).value()),
         assembler(make_assembler(extra)) {}
 
   [[nodiscard]] VectorX at_rest() const { return VectorX::Zero(3 * mesh.node_count()); }

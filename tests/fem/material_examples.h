@@ -14,8 +14,8 @@
 namespace lefort::test {
 
 /// For each law: law(), an example whose constants all differ; small_strain_energy(law, eps), to
-/// second order in the symmetric eps; symmetry(law, random), a rotation at rest that the law does not
-/// see.
+/// second order in the symmetric eps; symmetry(law, random), a rotation at rest that the law does
+/// not see.
 template <class Law>
 struct Example;
 
@@ -101,36 +101,36 @@ struct Example<fem::HolzapfelGasserOgden> {
             .k2 = 0.11,
             .dispersion = 0.1,
             .family_count = 2,
-            .fibre = {Vec3(2.0, 1.0, -2.0) / 3.0, Vec3(0.6, 0.0, 0.8)}};
+            .fiber = {Vec3(2.0, 1.0, -2.0) / 3.0, Vec3(0.6, 0.0, 0.8)}};
   }
   static double small_strain_energy(const fem::HolzapfelGasserOgden& law, const Mat3& eps) {
     const Mat3 e = deviator(eps);
     double energy = law.mu_mpa * e.squaredNorm();
-    for (const Vec3& a : law.fibre)
+    for (const Vec3& a : law.fiber)
       energy += 0.5 * law.k1_mpa *
                 square(std::max(0.0, (1.0 - 3.0 * law.dispersion) * 2.0 * a.dot(e * a)));
     return energy;
   }
   /// Half a turn about the normal of both families, or about their bisector, which swaps them.
   static Mat3 symmetry(const fem::HolzapfelGasserOgden& law, RandomDeformation& random) {
-    const Vec3 axis = random.number() < 0.0 ? law.fibre[0].cross(law.fibre[1]).normalized()
-                                            : (law.fibre[0] + law.fibre[1]).normalized();
+    const Vec3 axis = random.number() < 0.0 ? law.fiber[0].cross(law.fiber[1]).normalized()
+                                            : (law.fiber[0] + law.fiber[1]).normalized();
     return 2.0 * axis * axis.transpose() - Mat3::Identity();
   }
 };
 
 template <class Shear>
-struct Example<fem::Split<Shear>> {
-  static fem::Split<Shear> law() {
-    return {.shear = Example<Shear>::law(),
+struct Example<fem::DecoupledLaw<Shear>> {
+  static fem::DecoupledLaw<Shear> law() {
+    return {.isochoric = Example<Shear>::law(),
             .volume = {.form = fem::VolumetricForm::kQuadraticLog, .kappa_mpa = 3.1}};
   }
-  static double small_strain_energy(const fem::Split<Shear>& law, const Mat3& eps) {
-    return Example<Shear>::small_strain_energy(law.shear, eps) +
+  static double small_strain_energy(const fem::DecoupledLaw<Shear>& law, const Mat3& eps) {
+    return Example<Shear>::small_strain_energy(law.isochoric, eps) +
            0.5 * law.volume.kappa_mpa * square(eps.trace());
   }
-  static Mat3 symmetry(const fem::Split<Shear>& law, RandomDeformation& random) {
-    return Example<Shear>::symmetry(law.shear, random);
+  static Mat3 symmetry(const fem::DecoupledLaw<Shear>& law, RandomDeformation& random) {
+    return Example<Shear>::symmetry(law.isochoric, random);
   }
 };
 

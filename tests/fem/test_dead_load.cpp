@@ -43,9 +43,9 @@ TEST_P(DeadLoads, ATractionDoesTheWorkOfItsIntegralInALinearField) {
   const Vec3 t(0.3, -0.2, 0.7);
   const auto forces = traction_forces(mesh.nodes_L, mesh.face_sets.at("x1"), t).value();
   const double area = kSize_mm[1] * kSize_mm[2];
-  const Vec3 centre(kSize_mm[0], 0.5 * kSize_mm[1], 0.5 * kSize_mm[2]);
+  const Vec3 center(kSize_mm[0], 0.5 * kSize_mm[1], 0.5 * kSize_mm[2]);
   EXPECT_LT((resultant(forces) - area * t).norm(), 1e-13);
-  EXPECT_LT((first_moment(mesh, forces) - area * centre * t.transpose()).norm(), 1e-12);
+  EXPECT_LT((first_moment(mesh, forces) - area * center * t.transpose()).norm(), 1e-12);
   for (const NodalForce& force : forces)
     EXPECT_EQ(mesh.nodes_L[std::size_t(force.node)].x(), kSize_mm[0]);
 }
@@ -64,9 +64,9 @@ TEST_P(DeadLoads, AHangingBarStretchesUnderItsWeightAsInTheTextbook) {
   const double E = 2.0, L = 4.0, weight = 1e-4;
   auto mesh = box_mesh({.cells = {1, 1, 4}, .size_mm = {1, 1, L}, .shape = GetParam()});
   const DeadLoad load(mesh.nodes_L, body_forces(mesh, {{0, Vec3(0, 0, weight)}}).value());
-  auto held = fix(mesh.node_sets.at("z0"));
+  auto prescribed = prescribe_zero(mesh.node_sets.at("z0"));
   const test::Body body(std::move(mesh), {{0, NeoHookean::from_young_poisson(E, 0.0).value()}},
-                        std::move(held), {&load});
+                        std::move(prescribed), {&load});
   const auto outcome = body.solve();
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
   const std::vector<std::int32_t>& end = body.mesh.node_sets.at("z1");

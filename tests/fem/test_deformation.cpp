@@ -32,7 +32,7 @@ TEST(Deformation, InvariantsDoNotSeeARotation) {
 TEST(Deformation, ASmallChangeOfVolumeKeepsItsDigits) {
   const double h = 1.0 / 1073741824.0;  // 2^-30, so that F holds it exactly.
   const Mat3 F = (1.0 + h) * Mat3::Identity();
-  EXPECT_NEAR(volume_change(F), 3.0 * h + 3.0 * h * h + h * h * h, 1e-15 * h);
+  EXPECT_NEAR(jacobian_minus_one(F), 3.0 * h + 3.0 * h * h + h * h * h, 1e-15 * h);
 }
 
 TEST(Deformation, TheCofactorIsTheDerivativeOfTheVolume) {

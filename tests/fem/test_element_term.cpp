@@ -149,7 +149,7 @@ TEST(ElementTerm, NamesTheInvertedElementAndItsPlace) {
             "its scaled Jacobian is -1");
 }
 
-/// A corner pushed beyond the plane of its neighbours: the integration points do not see it.
+/// A corner pushed beyond the plane of its neighbors: the integration points do not see it.
 TEST(ElementTerm, NamesTheNodeWhereAnElementFolds) {
   auto mesh = box_mesh({.cells = {1, 1, 1}, .size_mm = {2, 2, 2}, .shape = ElementShape::kHex8});
   mesh.nodes_L[7] = Vec3::Constant(1.4);

@@ -52,7 +52,7 @@ TEST(LoadSteps, AnEasyLoadTakesOneStep) {
 }
 
 TEST(LoadSteps, AFailedIncrementIsHalvedAndNothingOfItIsKept) {
-  LoadStepper stepper(rest(), parabola(0.1), {.growth = 1.0});
+  LoadStepper stepper(rest(), parabola(0.1), {.growth_factor = 1.0});
   ASSERT_TRUE(stepper.advance_to(1.0).has_value());
   const auto& attempts = stepper.attempts();
   EXPECT_EQ(attempts[0].t_to, 1.0);
@@ -65,7 +65,7 @@ TEST(LoadSteps, AFailedIncrementIsHalvedAndNothingOfItIsKept) {
 
 TEST(LoadSteps, LaterStepsStartFromAnExtrapolation) {
   // Increments h from t: the extrapolation is off by 2 h^2, the last state by 2 t h + h^2.
-  LoadStepper stepper(rest(), parabola(0.13), {.first_increment = 0.25, .growth = 1.0});
+  LoadStepper stepper(rest(), parabola(0.13), {.first_increment = 0.25, .growth_factor = 1.0});
   ASSERT_TRUE(stepper.advance_to(2.0).has_value());
   EXPECT_EQ(stepper.attempts().size(), 8U);
   for (std::size_t k = 1; k < 8; ++k) EXPECT_TRUE(stepper.attempts()[k].extrapolated);
@@ -95,7 +95,8 @@ TEST(LoadSteps, WhereTheExtrapolationFailsTheLastStateServes) {
 }
 
 TEST(LoadSteps, IncrementsGrowWhenEasyAndOnlyThen) {
-  const LoadStepOptions options{.first_increment = 0.125, .growth = 2.0, .easy_iterations = 3};
+  const LoadStepOptions options{
+      .first_increment = 0.125, .growth_factor = 2.0, .target_iterations = 3};
   LoadStepper easy(rest(), parabola(100.0, 3), options);
   ASSERT_TRUE(easy.advance_to(1.0).has_value());
   ASSERT_EQ(easy.attempts().size(), 4U);  // 1/8, 2/8, 4/8, the rest.
@@ -107,7 +108,7 @@ TEST(LoadSteps, IncrementsGrowWhenEasyAndOnlyThen) {
 
 TEST(LoadSteps, IncrementsStayBelowTheLargest) {
   LoadStepper stepper(rest(), parabola(100.0),
-                      {.first_increment = 0.125, .max_increment = 0.25, .growth = 2.0});
+                      {.first_increment = 0.125, .max_increment = 0.25, .growth_factor = 2.0});
   ASSERT_TRUE(stepper.advance_to(1.0).has_value());
   ASSERT_EQ(stepper.attempts().size(), 5U);  // 1/8, 2/8, 2/8, 2/8, the rest.
   EXPECT_EQ(stepper.attempts()[3].t_to, 0.875);
@@ -123,7 +124,8 @@ TEST(LoadSteps, ATinyStepBeforeALevelNeitherLetsTheIncrementGrowNorIsExtrapolate
     outcome.x = VectorX::Constant(1, t < 0.2 ? t : t + 1e-3);  // Newton's leavings.
     return outcome;
   };
-  LoadStepper stepper(rest(), solve, {.first_increment = 0.2, .min_increment = 1e-6, .growth = 2});
+  LoadStepper stepper(rest(), solve,
+                      {.first_increment = 0.2, .min_increment = 1e-6, .growth_factor = 2});
   ASSERT_TRUE(stepper.advance_to(0.2 - 1e-6).has_value());
   ASSERT_TRUE(stepper.advance_to(0.2).has_value());
   ASSERT_TRUE(stepper.advance_to(1.0).has_value());
@@ -131,24 +133,24 @@ TEST(LoadSteps, ATinyStepBeforeALevelNeitherLetsTheIncrementGrowNorIsExtrapolate
   EXPECT_LT(std::abs(starts[2] - 0.2), 0.02);
 }
 
-TEST(LoadSteps, EveryConvergedStateIsToldAndAnErrorThereEndsTheWalk) {
-  std::vector<double> told;
-  const OnLoadState tell = [&](const LoadState& state) -> Result<void> {
-    told.push_back(state.t);
-    if (told.size() == 2) return fail(ErrorCode::kFileUnwritable, "the disk is full");
+TEST(LoadSteps, EveryConvergedStateIsReportedAndAnErrorThereEndsTheWalk) {
+  std::vector<double> reported;
+  const OnLoadState notify = [&](const LoadState& state) -> Result<void> {
+    reported.push_back(state.t);
+    if (reported.size() == 2) return fail(ErrorCode::kFileUnwritable, "the disk is full");
     return {};
   };
-  LoadStepper stepper(rest(), parabola(0.13), {.growth = 1.0});
-  const auto walked = stepper.advance_to(1.0, Progress::none(), tell);
+  LoadStepper stepper(rest(), parabola(0.13), {.growth_factor = 1.0});
+  const auto walked = stepper.advance_to(1.0, Progress::none(), notify);
   ASSERT_FALSE(walked);
   EXPECT_EQ(walked.error().message, "the disk is full");
-  EXPECT_EQ(told, (std::vector<double>{0.25, 0.5}));
+  EXPECT_EQ(reported, (std::vector<double>{0.25, 0.5}));
   EXPECT_EQ(stepper.state().t, 0.5);
   EXPECT_EQ(stepper.attempts().back().t_to, 0.5);
 }
 
 TEST(LoadSteps, RoundOffLeavesNoTinyLastStep) {
-  LoadStepper stepper(rest(), parabola(100.0), {.first_increment = 0.1, .growth = 1.0});
+  LoadStepper stepper(rest(), parabola(100.0), {.first_increment = 0.1, .growth_factor = 1.0});
   ASSERT_TRUE(stepper.advance_to(1.0).has_value());
   EXPECT_EQ(stepper.attempts().size(), 10U);
   EXPECT_EQ(stepper.state().t, 1.0);
@@ -187,7 +189,7 @@ TEST(LoadSteps, GivesUpAfterFewAttemptsWhereverTheWallStands) {
 }
 
 TEST(LoadSteps, TriesNoMoreOftenThanAllowed) {
-  LoadStepper stepper(rest(), parabola(1e-3), {.growth = 1.0, .max_attempts = 7});
+  LoadStepper stepper(rest(), parabola(1e-3), {.growth_factor = 1.0, .max_attempts = 7});
   const auto result = stepper.advance_to(1.0);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::kNotConverged);
@@ -230,7 +232,7 @@ TEST(LoadSteps, AStartThatWasNotAtFaultIsNotReplaced) {
     return stepper.attempts().size() - 1;
   };
   EXPECT_EQ(starts_tried(NewtonStop::kInadmissibleStart, 0), 2U);
-  EXPECT_EQ(starts_tried(NewtonStop::kRefused, 20), 2U);
+  EXPECT_EQ(starts_tried(NewtonStop::kRejected, 20), 2U);
   EXPECT_EQ(starts_tried(NewtonStop::kStagnated, 3), 2U);
   EXPECT_EQ(starts_tried(NewtonStop::kStagnated, 20), 1U);
   EXPECT_EQ(starts_tried(NewtonStop::kTooManyIterations, 30), 1U);
@@ -285,10 +287,10 @@ TEST(LoadSteps, NamesTheOptionThatIsOutOfRange) {
   EXPECT_NE(message_of({.min_increment = 0.0}).find("min_increment"), std::string::npos);
   EXPECT_NE(message_of({.min_increment = 2.0}).find("min_increment"), std::string::npos);
   EXPECT_NE(message_of({.max_increment = 0.5}).find("max_increment"), std::string::npos);
-  EXPECT_NE(message_of({.growth = 0.9}).find("growth"), std::string::npos);
-  EXPECT_NE(message_of({.easy_iterations = -1}).find("easy_iterations"), std::string::npos);
+  EXPECT_NE(message_of({.growth_factor = 0.9}).find("growth"), std::string::npos);
+  EXPECT_NE(message_of({.target_iterations = -1}).find("easy_iterations"), std::string::npos);
   EXPECT_NE(message_of({.max_attempts = 0}).find("max_attempts"), std::string::npos);
-  EXPECT_THROW(LoadStepper(rest(), parabola(1.0), {.growth = 0.0}), LogicError);
+  EXPECT_THROW(LoadStepper(rest(), parabola(1.0), {.growth_factor = 0.0}), LogicError);
 }
 
 TEST(LoadSteps, ABlockTwistedInOneGoIsHalvedUntilNoElementTurnsInsideOut) {
@@ -298,8 +300,8 @@ TEST(LoadSteps, ABlockTwistedInOneGoIsHalvedUntilNoElementTurnsInsideOut) {
     RigidTransform turn = RigidTransform::Identity();
     turn.translate(Vec3(5, 5, 0)).rotate(Eigen::AngleAxisd(2.6 * t, Vec3::UnitZ()));
     turn.translate(Vec3(-5, -5, 0));
-    return test::joined(
-        {fix(mesh.node_sets.at("z0")), move_rigidly(mesh.node_sets.at("z1"), mesh.nodes_L, turn)});
+    return test::joined({prescribe_zero(mesh.node_sets.at("z0")),
+                         prescribe_rigid_motion(mesh.node_sets.at("z1"), mesh.nodes_L, turn)});
   };
   const test::Body body(mesh, {{0, NeoHookean{.mu_mpa = 0.5, .lambda_mpa = 2.0}}}, at(1.0));
   linear::LinearSolver solver;
@@ -316,28 +318,28 @@ TEST(LoadSteps, ABlockTwistedInOneGoIsHalvedUntilNoElementTurnsInsideOut) {
     EXPECT_EQ(stepper.state().u[3 * Index(p.node) + p.component], p.displacement_mm);
 }
 
-TEST(LoadStepper, GoesOnFromItsMemoryAsIfItHadNotStopped) {
-  std::vector<double> asked;
+TEST(LoadStepper, ResumesFromItsMemoryAsIfItHadNotStopped) {
+  std::vector<double> requested;
   const SolveAtLoad solve = [&](double t, const VectorX& start) {
-    asked.push_back(t);
-    asked.push_back(start[0]);
+    requested.push_back(t);
+    requested.push_back(start[0]);
     NewtonOutcome outcome;
     outcome.stop = NewtonStop::kConverged;
     outcome.x = VectorX::Constant(1, t * t);
-    outcome.history.resize(asked.size() % 3 == 0 ? 9 : 2);  // Some are easy.
+    outcome.history.resize(requested.size() % 3 == 0 ? 9 : 2);  // Some are easy.
     return outcome;
   };
   const LoadStepOptions options{.first_increment = 0.05, .max_increment = 0.4};
   LoadStepper whole({0.0, VectorX::Zero(1)}, solve, options);
   ASSERT_TRUE(whole.advance_to(0.5));
-  const LoadStepper::Memory memory = whole.memory();
-  asked.clear();
+  const LoadStepper::Checkpoint checkpoint = whole.checkpoint();
+  requested.clear();
   ASSERT_TRUE(whole.advance_to(1.0));
-  const std::vector<double> without_stop = std::exchange(asked, {});
-  LoadStepper other = LoadStepper::resumed(memory, solve, options);
+  const std::vector<double> without_stop = std::exchange(requested, {});
+  LoadStepper other = LoadStepper::resumed(checkpoint, solve, options);
   EXPECT_EQ(other.state().t, 0.5);
   ASSERT_TRUE(other.advance_to(1.0));
-  EXPECT_EQ(asked, without_stop);
+  EXPECT_EQ(requested, without_stop);
 }
 
 }  // namespace

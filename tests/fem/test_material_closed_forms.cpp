@@ -1,5 +1,5 @@
-// Every law against the formulas of the textbooks for stretching in one and in two directions, and for
-// simple shear.
+// Every law against the formulas of the textbooks for stretching in one and in two directions, and
+// for simple shear.
 #include <lefort/fem/materials/material.h>
 
 #include <gtest/gtest.h>
@@ -131,7 +131,7 @@ double free_stretch_across(const Law& law, double s) {
 }
 
 TYPED_TEST(ClosedForms, AreWhatASplitLawTendsToAsItsBulkModulusGrows) {
-  Split<TypeParam> law{.shear = Example<TypeParam>::law()};
+  DecoupledLaw<TypeParam> law{.isochoric = Example<TypeParam>::law()};
   for (const VolumetricForm form :
        {VolumetricForm::kQuadratic, VolumetricForm::kQuadraticLog, VolumetricForm::kLogSquared}) {
     for (const double kappa_mpa : {1e3, 1e5}) {
@@ -140,7 +140,7 @@ TYPED_TEST(ClosedForms, AreWhatASplitLawTendsToAsItsBulkModulusGrows) {
         const double t = free_stretch_across(law, s);
         const Mat3 F = Vec3(s, t, t).asDiagonal();
         const double sigma = cauchy_stress(law.stress(F), F)(0, 0);
-        const double limit = ClosedForm<TypeParam>::uniaxial(law.shear, s);
+        const double limit = ClosedForm<TypeParam>::uniaxial(law.isochoric, s);
         EXPECT_NEAR(sigma, limit, 20.0 * limit * limit / kappa_mpa) << "at " << s;
         // The pressure sigma/3 is kappa times the change of volume.
         EXPECT_NEAR(volume_ratio(F) - 1.0, limit / 3.0 / kappa_mpa,
@@ -304,9 +304,9 @@ TEST(FungOrthotropic, WithEqualConstantsIsIsotropicAndStiffensFromHookesLaw) {
   EXPECT_GT(law.energy(uniaxial(1.4)), 1.1 * soft);
 }
 
-/// The true stress of one taut family, but for pressure: 2 k1 e exp(k2 e^2) (d B + (1 - 3 d) a a^T),
-/// where a = F a0.
-Mat3 fibre_stress(const HolzapfelGasserOgden& law, const Mat3& F, const Vec3& a0) {
+/// The true stress of one taut family, but for pressure: 2 k1 e exp(k2 e^2) (d B + (1 - 3 d) a
+/// a^T), where a = F a0.
+Mat3 fiber_stress(const HolzapfelGasserOgden& law, const Mat3& F, const Vec3& a0) {
   const Mat3 B = F * F.transpose();
   const Vec3 a = F * a0;
   const double d = law.dispersion;
@@ -315,30 +315,30 @@ Mat3 fibre_stress(const HolzapfelGasserOgden& law, const Mat3& F, const Vec3& a0
          (d * B + (1.0 - 3.0 * d) * a * a.transpose());
 }
 
-TEST(HolzapfelGasserOgden, AlongParallelFibresTheyBearAndAcrossTheyDoNot) {
+TEST(HolzapfelGasserOgden, AlongParallelFibersTheyBearAndAcrossTheyDoNot) {
   const HolzapfelGasserOgden law{.mu_mpa = 0.7, .k1_mpa = 0.9, .k2 = 0.4};
   ASSERT_TRUE(law.validate().has_value());
   for (const double s : {1.001, 1.1, 1.5}) {
     const double matrix = 0.7 * (s * s - 1.0 / s);
     const double e = s * s - 1.0;
-    const double fibres = 2.0 * 0.9 * s * s * e * std::exp(0.4 * e * e);
-    expect_near(true_stress_free_in_z(law, uniaxial(s)), in_plane(matrix + fibres, 0.0, 0.0), s);
-    // Shortened fibres are slack: along y when stretched along x, along x when pressed there.
+    const double fibers = 2.0 * 0.9 * s * s * e * std::exp(0.4 * e * e);
+    expect_near(true_stress_free_in_z(law, uniaxial(s)), in_plane(matrix + fibers, 0.0, 0.0), s);
+    // Shortened fibers are slack: along y when stretched along x, along x when pressed there.
     HolzapfelGasserOgden across = law;
-    across.fibre[0] = Vec3::UnitY();
+    across.fiber[0] = Vec3::UnitY();
     expect_near(true_stress_free_in_z(across, uniaxial(s)), in_plane(matrix, 0.0, 0.0), s);
     expect_near(true_stress_free_in_z(law, uniaxial(1.0 / s)),
                 in_plane(0.7 * (1.0 / (s * s) - s), 0.0, 0.0), s);
   }
 }
 
-TEST(HolzapfelGasserOgden, ShearAcrossFibresStretchesThemAndAlongThemDoesNot) {
+TEST(HolzapfelGasserOgden, ShearAcrossFibersStretchesThemAndAlongThemDoesNot) {
   HolzapfelGasserOgden law{.mu_mpa = 0.7, .k1_mpa = 0.9, .k2 = 0.4};
   for (const double gamma : {-0.8, 0.1, 1.1}) {
     const Mat3 matrix = in_plane(0.7 * gamma * gamma, 0.0, 0.7 * gamma);
-    law.fibre[0] = Vec3::UnitX();
+    law.fiber[0] = Vec3::UnitX();
     expect_near(true_stress_free_in_z(law, simple_shear(gamma)), matrix, gamma);
-    law.fibre[0] = Vec3::UnitY();  // Becomes (gamma, 1, 0): e = gamma^2.
+    law.fiber[0] = Vec3::UnitY();  // Becomes (gamma, 1, 0): e = gamma^2.
     const double tension = 2.0 * 0.9 * gamma * gamma * std::exp(0.4 * std::pow(gamma, 4));
     expect_near(true_stress_free_in_z(law, simple_shear(gamma)),
                 matrix + tension * in_plane(gamma * gamma, 1.0, gamma), gamma);
@@ -352,27 +352,27 @@ TEST(HolzapfelGasserOgden, TwoDispersedFamiliesAddUp) {
                                  .k2 = 0.4,
                                  .dispersion = 0.2,
                                  .family_count = 2,
-                                 .fibre = {Vec3(std::cos(theta), std::sin(theta), 0.0),
+                                 .fiber = {Vec3(std::cos(theta), std::sin(theta), 0.0),
                                            Vec3(std::cos(theta), -std::sin(theta), 0.0)}};
   for (const double s : {1.05, 1.3, 1.6}) {
     const Mat3 F = uniaxial(s);
-    Mat3 sigma = 0.7 * F * F.transpose() + fibre_stress(law, F, law.fibre[0]) +
-                 fibre_stress(law, F, law.fibre[1]);
+    Mat3 sigma = 0.7 * F * F.transpose() + fiber_stress(law, F, law.fiber[0]) +
+                 fiber_stress(law, F, law.fiber[1]);
     sigma -= sigma(2, 2) * Mat3::Identity();
     expect_near(true_stress_free_in_z(law, F), sigma, s);
     EXPECT_NEAR(sigma(0, 1), 0.0, 1e-14);  // The families mirror each other.
   }
 }
 
-TEST(HolzapfelGasserOgden, FullyDispersedFibresPreferNoDirection) {
+TEST(HolzapfelGasserOgden, FullyDispersedFibersPreferNoDirection) {
   HolzapfelGasserOgden law{.mu_mpa = 0.7, .k1_mpa = 0.9, .k2 = 0.4, .dispersion = 1.0 / 3.0};
   ASSERT_TRUE(law.validate().has_value());
   test::RandomDeformation random(34);
   for (int n = 0; n < 1000; ++n) {
     const Mat3 F = random.kind(n);
-    law.fibre[0] = random.rotation().col(0);
+    law.fiber[0] = random.rotation().col(0);
     const double energy = law.energy(F);
-    law.fibre[0] = random.rotation().col(0);
+    law.fiber[0] = random.rotation().col(0);
     ASSERT_NEAR(law.energy(F), energy, 1e-13 * (1.0 + energy)) << "sample " << n;
   }
   const double s = 1.4;  // e = (I1 - 3)/3.
@@ -381,10 +381,10 @@ TEST(HolzapfelGasserOgden, FullyDispersedFibresPreferNoDirection) {
   expect_near(true_stress_free_in_z(law, uniaxial(s)), in_plane(sigma, 0.0, 0.0), s);
 }
 
-TEST(HolzapfelGasserOgden, TheSignOfAFibreDoesNotMatter) {
+TEST(HolzapfelGasserOgden, TheSignOfAFiberDoesNotMatter) {
   const auto law = Example<HolzapfelGasserOgden>::law();
   HolzapfelGasserOgden turned = law;
-  turned.fibre[0] *= -1.0;
+  turned.fiber[0] *= -1.0;
   test::RandomDeformation random(35);
   for (int n = 0; n < 100; ++n) {
     const Mat3 F = random.kind(n);
@@ -395,13 +395,13 @@ TEST(HolzapfelGasserOgden, TheSignOfAFibreDoesNotMatter) {
 
 TEST(ExponentialLaws, AnswerInfinityOrNanWhereTheExponentOverflows) {
   const FungOrthotropic fung{.mu_mpa = {1.0, 1.0, 1.0}, .c_mpa = 0.1};
-  const HolzapfelGasserOgden fibres{.mu_mpa = 1.0, .k1_mpa = 1.0, .k2 = 40.0};
+  const HolzapfelGasserOgden fibers{.mu_mpa = 1.0, .k1_mpa = 1.0, .k2 = 40.0};
   for (const double s : {5.0, 1e3, 1e30}) {
     const Mat3 F = uniaxial(s);
     EXPECT_FALSE(std::isfinite(fung.energy(F))) << s;
-    EXPECT_FALSE(std::isfinite(fibres.energy(F))) << s;
+    EXPECT_FALSE(std::isfinite(fibers.energy(F))) << s;
     EXPECT_FALSE(fung.stress(F).allFinite()) << s;
-    EXPECT_FALSE(fibres.stress(F).allFinite()) << s;
+    EXPECT_FALSE(fibers.stress(F).allFinite()) << s;
   }
 }
 

@@ -69,12 +69,12 @@ TEST(NeoHookean, RefusesANegativePoissonsRatio) {
   EXPECT_TRUE(LinearElastic::from_young_poisson(1.0, -0.1).has_value());
 }
 
-TEST(Split, RefusesWhatEitherPartRefuses) {
-  auto law = test::Example<Split<Yeoh>>::law();
+TEST(DecoupledLaw, RefusesWhatEitherPartRefuses) {
+  auto law = test::Example<DecoupledLaw<Yeoh>>::law();
   EXPECT_TRUE(law.validate().has_value());
   law.volume.kappa_mpa = 0.0;
   expect_refused(law.validate(), "volumetric: kappa is 0 MPa, must be > 0");
-  law.shear.c10_mpa = kNan;
+  law.isochoric.c10_mpa = kNan;
   expect_refused(law.validate(), "yeoh: c10 is");
 }
 
@@ -91,14 +91,14 @@ TEST(ShearParts, RefuseConstantsOutsideTheirRange) {
 }
 
 TEST(Yeoh, RefusesExactlyTheConstantsThatGiveWay) {
-  const double least = -std::sqrt(3.0 * 0.3 * 0.02);
-  EXPECT_TRUE((Yeoh{0.3, 0.999 * least, 0.02}.validate().has_value()));
-  expect_refused(Yeoh{0.3, 1.001 * least, 0.02}.validate(), "c20 is");
+  const double minimum = -std::sqrt(3.0 * 0.3 * 0.02);
+  EXPECT_TRUE((Yeoh{0.3, 0.999 * minimum, 0.02}.validate().has_value()));
+  expect_refused(Yeoh{0.3, 1.001 * minimum, 0.02}.validate(), "c20 is");
   EXPECT_TRUE((Yeoh{0.3, 0.0, 0.0}.validate().has_value()));
   expect_refused(Yeoh{0.3, -1e-9, 0.0}.validate(), "c20 is");
   // At the bound the slope dPsi/dx touches zero.
-  const double x = -least / (3.0 * 0.02);
-  EXPECT_NEAR(0.3 + 2.0 * least * x + 3.0 * 0.02 * x * x, 0.0, 1e-15);
+  const double x = -minimum / (3.0 * 0.02);
+  EXPECT_NEAR(0.3 + 2.0 * minimum * x + 3.0 * 0.02 * x * x, 0.0, 1e-15);
 }
 
 TEST(Ogden, NamesTheTermThatIsWrong) {
@@ -155,11 +155,11 @@ TEST(HolzapfelGasserOgden, RefusesConstantsOutsideTheirRange) {
     expect_refused(law.validate(), "family_count is");
   }
   law.family_count = 2;
-  law.fibre[1] = Vec3(1.0, 1.0, 0.0);
+  law.fiber[1] = Vec3(1.0, 1.0, 0.0);
   expect_refused(law.validate(), "fibre 2 is (1, 1, 0) of length 1.41");
   law.family_count = 1;  // Then the second is of no account.
   EXPECT_TRUE(law.validate().has_value());
-  law.fibre[0].setConstant(kNan);
+  law.fiber[0].setConstant(kNan);
   expect_refused(law.validate(), "fibre 1 is");
 }
 

@@ -32,12 +32,12 @@ class Scalar final : public NonlinearSystem {
         curvature_(std::move(curvature)),
         domain_(std::move(domain)) {}
 
-  std::optional<Balance> balance(const VectorX& x) const override {
+  std::optional<ResidualState> residual_state(const VectorX& x) const override {
     if (!domain_(x[0])) return std::nullopt;
-    return Balance{.energy_mj = energy_(x[0]),
-                   .residual_n = VectorX::Constant(1, slope_(x[0])),
-                   .force_scale_n = 1.0,
-                   .energy_round_off_mj = 1e-15};
+    return ResidualState{.energy_mj = energy_(x[0]),
+                         .residual_n = VectorX::Constant(1, slope_(x[0])),
+                         .residual_reference_n = 1.0,
+                         .energy_round_off_mj = 1e-15};
   }
   linear::SparseMatrix tangent(const VectorX& x, Tangent) const override {
     LEFORT_CHECK(domain_(x[0]));
@@ -115,8 +115,8 @@ TEST(Newton, ShiftsAnIndefiniteTangentAndFindsAMinimum) {
   const auto outcome = solve(double_well(), 0.3);
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
   EXPECT_NEAR(outcome.x[0], 1.0, 1e-8);
-  EXPECT_GT(outcome.history[1].shift, 1.0);  // Curvature there is -0.73.
-  EXPECT_EQ(outcome.history.back().shift, 0.0);
+  EXPECT_GT(outcome.history[1].diagonal_shift, 1.0);  // Curvature there is -0.73.
+  EXPECT_EQ(outcome.history.back().diagonal_shift, 0.0);
 }
 
 /// A double well in x beside a spring in y; the convex tangent stiffens x alone.
@@ -124,12 +124,12 @@ class WellAndSpring final : public NonlinearSystem {
  public:
   explicit WellAndSpring(double convex_curvature) : convex_curvature_(convex_curvature) {}
 
-  std::optional<Balance> balance(const VectorX& x) const override {
+  std::optional<ResidualState> residual_state(const VectorX& x) const override {
     const double well = x[0] * x[0] - 1.0, spring = x[1] - 2.0;
-    return Balance{.energy_mj = 0.25 * well * well + 50.0 * spring * spring,
-                   .residual_n = Eigen::Vector2d(x[0] * well, 100.0 * spring),
-                   .force_scale_n = 1.0,
-                   .energy_round_off_mj = 1e-13};
+    return ResidualState{.energy_mj = 0.25 * well * well + 50.0 * spring * spring,
+                         .residual_n = Eigen::Vector2d(x[0] * well, 100.0 * spring),
+                         .residual_reference_n = 1.0,
+                         .energy_round_off_mj = 1e-13};
   }
   linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
     const double exact = 3.0 * x[0] * x[0] - 1.0;
@@ -147,9 +147,9 @@ TEST(Newton, AConvexTangentServesBeforeAnyShiftAndSlowsNothingElse) {
   ASSERT_TRUE(outcome.converged()) << outcome.reason;
   EXPECT_NEAR(outcome.x[0], 1.0, 1e-6);
   EXPECT_NEAR(outcome.x[1], 2.0, 1e-12);
-  EXPECT_EQ(outcome.history[1].convex_share, 0.5);  // -0.73 and 2: a quarter does not help.
-  for (const NewtonIterate& line : outcome.history) EXPECT_EQ(line.shift, 0.0);
-  EXPECT_EQ(outcome.history.back().convex_share, 0.0);
+  EXPECT_EQ(outcome.history[1].tangent_blend, 0.5);  // -0.73 and 2: a quarter does not help.
+  for (const NewtonIterate& line : outcome.history) EXPECT_EQ(line.diagonal_shift, 0.0);
+  EXPECT_EQ(outcome.history.back().tangent_blend, 0.0);
 }
 
 TEST(Newton, LeavesASaddleInFewStepsHoweverStiffTheConvexTangent) {
@@ -167,14 +167,14 @@ class Swirl final : public NonlinearSystem {
  public:
   Swirl(double swirl, Eigen::Vector2d pull) : swirl_(swirl), pull_(std::move(pull)) {}
 
-  std::optional<Balance> balance(const VectorX& x) const override {
+  std::optional<ResidualState> residual_state(const VectorX& x) const override {
     const double square = x.squaredNorm();
     const Eigen::Vector2d follower = swirl_ * Eigen::Vector2d(-x[1], x[0]);
-    return Balance{.energy_mj = 0.5 * square + 0.25 * square * square - pull_.dot(x),
-                   .residual_n = (1.0 + square) * x - pull_ + follower,
-                   .follower_n = follower,
-                   .force_scale_n = 1.0,
-                   .energy_round_off_mj = 1e-14};
+    return ResidualState{.energy_mj = 0.5 * square + 0.25 * square * square - pull_.dot(x),
+                         .residual_n = (1.0 + square) * x - pull_ + follower,
+                         .follower_n = follower,
+                         .residual_reference_n = 1.0,
+                         .energy_round_off_mj = 1e-14};
   }
   linear::SparseMatrix tangent(const VectorX& x, Tangent) const override {
     return sparse((1.0 + x.squaredNorm()) * Eigen::Matrix2d::Identity() + 2.0 * x * x.transpose());

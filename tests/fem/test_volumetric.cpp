@@ -28,13 +28,13 @@ TEST(Volumetric, SlopeAndCurvatureAreDerivatives) {
     const Volumetric volume{form, 4.0};
     for (double J = 0.2; J < 4.0; J += 0.01) {
       const double slope = (volume.energy(J + kStep) - volume.energy(J - kStep)) / 2 / kStep;
-      const double curvature = (volume.slope(J + kStep) - volume.slope(J - kStep)) / 2 / kStep;
-      EXPECT_NEAR(volume.slope(J), slope, 1e-6 * (1.0 + std::abs(slope)));
-      EXPECT_NEAR(volume.curvature(J), curvature, 1e-6 * (1.0 + std::abs(curvature)));
+      const double curvature = (volume.dU_dJ(J + kStep) - volume.dU_dJ(J - kStep)) / 2 / kStep;
+      EXPECT_NEAR(volume.dU_dJ(J), slope, 1e-6 * (1.0 + std::abs(slope)));
+      EXPECT_NEAR(volume.d2U_dJ2(J), curvature, 1e-6 * (1.0 + std::abs(curvature)));
     }
     EXPECT_EQ(volume.energy(1.0), 0.0);
-    EXPECT_EQ(volume.slope(1.0), 0.0);
-    EXPECT_EQ(volume.curvature(1.0), 4.0);
+    EXPECT_EQ(volume.dU_dJ(1.0), 0.0);
+    EXPECT_EQ(volume.d2U_dJ2(1.0), 4.0);
   }
 }
 
@@ -47,7 +47,7 @@ TEST(Volumetric, EveryFormIsHalfKappaTimesTheSquareOfASmallChange) {
                                                                  : -3.0;
     for (const double change : {1e-4, -1e-5, 1e-8, -1e-12, 1e-100}) {
       const double expected = 2.0 * change * change * (1.0 + third / 3.0 * change);
-      EXPECT_NEAR(volume.energy_of_change(change), expected,
+      EXPECT_NEAR(volume.energy_minus_one(change), expected,
                   expected * (2.0 * change * change + 1e-15));
     }
   }
@@ -56,8 +56,8 @@ TEST(Volumetric, EveryFormIsHalfKappaTimesTheSquareOfASmallChange) {
 TEST(Volumetric, TheSeriesOfASmallChangeMeetsTheLogarithm) {
   const Volumetric volume{VolumetricForm::kQuadraticLog, 4.0};
   for (const double change : {-0.1, 0.1}) {  // Where the series ends.
-    const double within = volume.energy_of_change(change * (1.0 - 1e-15));
-    EXPECT_NEAR(within, volume.energy_of_change(change), 2e-14 * within);
+    const double within = volume.energy_minus_one(change * (1.0 - 1e-15));
+    EXPECT_NEAR(within, volume.energy_minus_one(change), 2e-14 * within);
   }
 }
 

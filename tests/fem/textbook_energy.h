@@ -172,7 +172,8 @@ T trace_of_power(const Matrix<T>& eighth_root, int n) {
   return trace(result);
 }
 
-/// The sum of l_i^alpha is tr C^(alpha/2): no principal stretches needed, for alpha a multiple of 1/4.
+/// The sum of l_i^alpha is tr C^(alpha/2): no principal stretches needed, for alpha a multiple of
+/// 1/4.
 template <class T>
 T textbook_energy(const fem::Ogden& law, const Matrix<T>& F) {
   const Matrix<T> root = square_root(square_root(square_root(isochoric_cauchy_green(F))));
@@ -211,9 +212,9 @@ T textbook_energy(const fem::FungOrthotropic& law, const Matrix<T>& F) {
 
 /// <= 0 where the family is slack.
 template <class T>
-T textbook_fibre_strain(const fem::HolzapfelGasserOgden& law, int family, const Matrix<T>& F) {
+T textbook_fiber_strain(const fem::HolzapfelGasserOgden& law, int family, const Matrix<T>& F) {
   const Matrix<T> C = isochoric_cauchy_green(F);
-  const Vec3& a = law.fibre[std::size_t(family)];
+  const Vec3& a = law.fiber[std::size_t(family)];
   // Over a . a, which is 1 but for its rounding.
   const T I4 = form(C, a, a) / form(identity<T>(), a, a);
   return T(law.dispersion) * (trace(C) - T(3.0)) +
@@ -225,7 +226,7 @@ T textbook_energy(const fem::HolzapfelGasserOgden& law, const Matrix<T>& F) {
   using std::exp;
   T energy = T(0.5 * law.mu_mpa) * (trace(isochoric_cauchy_green(F)) - T(3.0));
   for (int n = 0; n < law.family_count; ++n) {
-    const T e = textbook_fibre_strain(law, n, F);
+    const T e = textbook_fiber_strain(law, n, F);
     if (e > T(0.0))
       energy = energy + T(law.k1_mpa) / T(2.0 * law.k2) * (exp(T(law.k2) * e * e) - T(1.0));
   }
@@ -247,8 +248,8 @@ T textbook_energy(const fem::Volumetric& volume, const T& J) {
 }
 
 template <class Shear, class T>
-T textbook_energy(const fem::Split<Shear>& law, const Matrix<T>& F) {
-  return textbook_energy(law.shear, F) + textbook_energy(law.volume, determinant(F));
+T textbook_energy(const fem::DecoupledLaw<Shear>& law, const Matrix<T>& F) {
+  return textbook_energy(law.isochoric, F) + textbook_energy(law.volume, determinant(F));
 }
 
 }  // namespace lefort::test

@@ -20,16 +20,16 @@ namespace lefort::test {
 
 /// Unsigned [mm].
 [[nodiscard]] inline double brute_distance(const geometry::TriangleMesh& mesh, const Vec3& p) {
-  double least = std::numeric_limits<double>::infinity();
+  double minimum = std::numeric_limits<double>::infinity();
   for (Index t = 0; t < mesh.triangle_count(); ++t)
-    least = std::min(least, geometry::closest_point_on_triangle(
-                                p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))
-                                .squared_distance_mm2);
-  return std::sqrt(least);
+    minimum = std::min(minimum, geometry::closest_point_on_triangle(
+                                    p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))
+                                    .squared_distance_mm2);
+  return std::sqrt(minimum);
 }
 
 /// Place of a lattice point.
-[[nodiscard]] inline Vec3 place_of(const field::FieldFrame& frame, int i, int j, int k) {
+[[nodiscard]] inline Vec3 position_of(const field::FieldFrame& frame, int i, int j, int k) {
   return frame.origin_B + frame.cell_mm * Vec3(i, j, k);
 }
 
@@ -48,8 +48,8 @@ inline constexpr double kFloatError_mm = 2e-5;
 
 /// Largest error [mm] at the samples of all finest cells whose samples are within the band; and
 /// each such cell must be within the band of the field.
-[[nodiscard]] inline double largest_error_at_samples(const field::DistanceField& field,
-                                                     const geometry::TriangleMesh& mesh) {
+[[nodiscard]] inline double max_error_at_samples(const field::DistanceField& field,
+                                                 const geometry::TriangleMesh& mesh) {
   const field::FieldFrame& frame = field.frame();
   const geometry::Bvh bvh(mesh);
   const int n = frame.resolution + 1;
@@ -57,7 +57,7 @@ inline constexpr double kFloatError_mm = 2e-5;
   for (int k = 0; k < n; ++k)
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i)
-        exact.push_back(bvh.signed_distance(place_of(frame, i, j, k)).distance_mm);
+        exact.push_back(bvh.signed_distance(position_of(frame, i, j, k)).distance_mm);
   const auto exact_at = [&](const field::LatticePoint& p) {
     return exact[std::size_t((p[2] * n + p[1]) * n + p[0])];
   };

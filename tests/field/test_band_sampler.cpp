@@ -1,6 +1,6 @@
 #include <lefort/field/build/band_sampler.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
@@ -49,8 +49,8 @@ void expect_exact_within(double reach_cells, const TriangleMesh& mesh, int resol
   for (int k = -3; k <= resolution + 3; ++k)
     for (int j = -3; j <= resolution + 3; ++j)
       for (int i = -3; i <= resolution + 3; ++i) {
-        const Vec3 p = test::place_of(frame, i, j, k);
-        const float found = sampled->at({i, j, k}, kFar);
+        const Vec3 p = test::position_of(frame, i, j, k);
+        const float found = sampled->at({i, j, k}, kUnsampled);
         const double distance = bvh.closest_point(p)->distance_mm;
         if (distance > reach * (1 + 1e-6)) {
           ASSERT_TRUE(std::isnan(found)) << p.transpose();
@@ -123,7 +123,7 @@ TEST(BandSampler, IsExactAroundAHeapOfTriangles) {
 std::vector<float> samples_with(const PreparedSurface& surface, const FieldFrame& frame,
                                 double reach_cells, Simd simd) {
   const BandSampler sampler = BandSampler::create(surface, frame, reach_cells * frame.cell_mm,
-                                                  BandSampler::kMostPoints, Progress::none(), simd)
+                                                  BandSampler::kMaxPoints, Progress::none(), simd)
                                   .value();
   std::vector<float> samples(sampler.bricks().size() * SparseLattice::kBrickPoints);
   for (std::size_t slot = 0; slot < sampler.bricks().size(); ++slot)
@@ -169,7 +169,7 @@ TEST(BandSampler, BricksAscendAndHoldEverySampleWithinReach) {
     const SparseLattice lattice(64, {sampler.bricks().begin(), sampler.bricks().end()}, 0.0F);
     for (int n = 0; n < 20'000; ++n) {
       const LatticePoint p = {int(random() % 65), int(random() % 65), int(random() % 65)};
-      if (!bvh.closest_point(test::place_of(frame, p[0], p[1], p[2]),
+      if (!bvh.closest_point(test::position_of(frame, p[0], p[1], p[2]),
                              (reach_cells - 0.001) * frame.cell_mm))
         continue;
       EXPECT_NE(lattice.slot_of(lattice.brick_of(p)), SparseLattice::kNoBrick);
@@ -190,9 +190,9 @@ TEST(BandSampler, AWiderBandChangesNoSampleOfANarrowOne) {
     for (int k = 0; k <= 64; ++k)
       for (int j = 0; j <= 64; ++j)
         for (int i = 0; i <= 64; ++i) {
-          const float near = narrow->at({i, j, k}, kFar);
+          const float near = narrow->at({i, j, k}, kUnsampled);
           if (!std::isnan(near)) {
-            ASSERT_EQ(near, wide->at({i, j, k}, kFar));
+            ASSERT_EQ(near, wide->at({i, j, k}, kUnsampled));
           }
         }
   }
@@ -216,8 +216,8 @@ TEST(BandSampler, IsExactAroundRandomSoups) {
       for (int j = 0; j <= 16; ++j)
         for (int i = 0; i <= 16; ++i) {
           const double distance =
-              test::brute_distance(surface->mesh_B, test::place_of(frame, i, j, k));
-          const float found = sampled->at({i, j, k}, kFar);
+              test::brute_distance(surface->mesh_B, test::position_of(frame, i, j, k));
+          const float found = sampled->at({i, j, k}, kUnsampled);
           if (distance > reach * (1 + 1e-6)) {
             ASSERT_TRUE(std::isnan(found));
           }
@@ -229,7 +229,7 @@ TEST(BandSampler, IsExactAroundRandomSoups) {
   }
 }
 
-TEST(BandSampler, RefusesABandOfMorePointsThanAskedFor) {
+TEST(BandSampler, RefusesABandOfMorePointsThanRequested) {
   const TriangleMesh torus = test::make_torus(8, 3, 24, 12);
   const FieldFrame frame = frame_around(torus, 128);
   const PreparedSurface surface = prepare_surface(torus).value();

@@ -53,7 +53,7 @@ TEST(BrickSamples, EveryPointHasAPlaceOfItsOwn) {
   for (int k = 0; k < 24; ++k)
     for (int j = 0; j < 24; ++j)
       for (int i = 0; i < 24; ++i) {
-        const std::ptrdiff_t at = samples.place_of({i, j, k}) - samples.codes().data();
+        const std::ptrdiff_t at = samples.linear_offset({i, j, k}) - samples.codes().data();
         ASSERT_EQ(at % 3, 0);
         ASSERT_EQ(visits[std::size_t(at / 3)]++, 0) << i << ' ' << j << ' ' << k;
       }
@@ -130,8 +130,8 @@ TEST(BuildBricks, AClosedSurfaceLeavesNothingUnknownHoweverTheBandIsRounded) {
       unknown += zone_of(field.cell(at).corners) == Zone::kUnknown;
       for (int corner = 0; corner < 8; ++corner) {
         const float d = field.cell(at).corners[std::size_t(corner)];
-        const Vec3 p = test::place_of(field.frame(), at[0] + (corner & 1),
-                                      at[1] + (corner >> 1 & 1), at[2] + (corner >> 2));
+        const Vec3 p = test::position_of(field.frame(), at[0] + (corner & 1),
+                                         at[1] + (corner >> 1 & 1), at[2] + (corner >> 2));
         const bool inside = ((p - low).array() > 0).all() && ((p - low).array() < side).all();
         wrong += std::abs(d) > 1e-3 * side && inside != (d < 0);
       }
@@ -159,10 +159,10 @@ TEST(BuildBricks, NoDistanceOverflowsItsCode) {
     const PreparedSurface surface =
         prepare_surface(test::make_box(Vec3(-half, -half, -half), Vec3(half, half, z))).value();
     const BandSampler sampler = BandSampler::create(surface, frame, frame.band_mm).value();
-    const WindingRows winding(surface.mesh_B, frame);
+    const WindingScanlines winding(surface.mesh_B, frame);
     const auto samples = build_bricks(sampler, frame, &winding, Progress::none());
     ASSERT_TRUE(samples);
-    const std::int32_t code = BrickSamples::read_code(samples->place_of({8, 8, 11}));
+    const std::int32_t code = BrickSamples::read_code(samples->linear_offset({8, 8, 11}));
     EXPECT_GE(code, BrickSamples::kLargest - 8) << frame.band_mm;  // Not unknown, not inside.
     near_the_edge += BrickSamples::is_distance(code) ? 1 : 0;
   }
@@ -170,9 +170,9 @@ TEST(BuildBricks, NoDistanceOverflowsItsCode) {
 }
 
 TEST(BuildBricks, ALeafWhoseOnlySampleIsTornIsUnknownThere) {
-  // A speck inside a box, so placed that one lattice point of a leaf is within its band and all else
-  // of the leaf in none; that point is torn against a neighbour in its brick and against one in the
-  // next brick, both of which the box is nearest to.
+  // A speck inside a box, so placed that one lattice point of a leaf is within its band and all
+  // else of the leaf in none; that point is torn against a neighbor in its brick and against one in
+  // the next brick, both of which the box is nearest to.
   FieldFrame frame;
   frame.resolution = 32;
   frame.cell_mm = 1.0;
@@ -187,7 +187,7 @@ TEST(BuildBricks, ALeafWhoseOnlySampleIsTornIsUnknownThere) {
   ASSERT_TRUE(samples);
   for (const LatticePoint& p :
        {LatticePoint{15, 11, 11}, LatticePoint{15, 12, 11}, LatticePoint{16, 11, 11}}) {
-    EXPECT_EQ(BrickSamples::read_code(samples->place_of(p)), BrickSamples::kUnknown)
+    EXPECT_EQ(BrickSamples::read_code(samples->linear_offset(p)), BrickSamples::kUnknown)
         << p[0] << ' ' << p[1] << ' ' << p[2];
   }
 }
@@ -204,30 +204,30 @@ TEST(BuildBricks, WhereSignsContradictTheWindingNumberDecides) {
       prepare_surface(test::join(test::make_box(Vec3(2.5, 2.5, 2.5), Vec3(17.9, 13.9, 28)), speck))
           .value();
   ASSERT_TRUE(surface.closed);
-  const WindingRows winding(surface.mesh_B, frame);
+  const WindingScanlines winding(surface.mesh_B, frame);
   const auto samples = build_bricks(BandSampler::create(surface, frame, 2.0).value(), frame,
                                     &winding, Progress::none());
   ASSERT_TRUE(samples);
-  const std::int32_t code = BrickSamples::read_code(samples->place_of({16, 11, 11}));
+  const std::int32_t code = BrickSamples::read_code(samples->linear_offset({16, 11, 11}));
   ASSERT_TRUE(BrickSamples::is_distance(code));
   EXPECT_LT(code, 0);
 }
 
-TEST(BuildBricks, KeepsBothSidesOfATearUnknown) {
+TEST(BuildBricks, KeepsBothSidesOfASignConflictUnknown) {
   const TriangleMesh sheet = test::make_sheet(20, 4);
   const DistanceField field = build_distance_field(sheet, {.resolution = 64}).value();
   const int n = field.frame().resolution;
-  int torn = 0;
+  int in_conflict = 0;
   for (int c = 0; c < n * n * n; ++c) {
     const CellSamples cell = field.cell({c % n, c / n % n, c / (n * n)});
-    if (zone_of(cell.corners) == Zone::kUnknown) ++torn;
+    if (zone_of(cell.corners) == Zone::kUnknown) ++in_conflict;
     if (zone_of(cell.corners) != Zone::kBand) continue;
     for (std::size_t corner = 0; corner < 8; ++corner)
       for (std::size_t axis = 1; axis < 8; axis *= 2)
         ASSERT_LE(std::abs(cell.corners[corner] - cell.corners[corner ^ axis]),
                   1.002 * field.cell_mm());
   }
-  EXPECT_GT(torn, 100);
+  EXPECT_GT(in_conflict, 100);
 }
 
 }  // namespace

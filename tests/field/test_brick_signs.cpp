@@ -47,7 +47,7 @@ TEST(BrickSigns, SayWhatIsKnownAndWhatIsInside) {
   EXPECT_FALSE(signs_of(none).any_known());
 }
 
-TEST(BrickSigns, FacesOfNeighboursMatchBitByBit) {
+TEST(BrickSigns, FacesOfNeighborsMatchBitByBit) {
   for (unsigned seed = 0; seed < 100; ++seed) {
     std::mt19937 random(seed);
     const BrickSigns signs = signs_of(any_distances(random));
@@ -77,7 +77,7 @@ BrickSigns any_signs(std::mt19937& random) {
       if (random() % 4 == 0) continue;
       signs.known[z] |= bit;
       if (random() % 2 == 0) signs.inside[z] |= bit;
-      if (random() % 3 != 0) signs.apart[z] |= bit;
+      if (random() % 3 != 0) signs.clear_of_surface[z] |= bit;
     }
   return signs;
 }
@@ -89,29 +89,30 @@ int next_place(int place, int axis, int step = 1) {
   return at < 0 || at >= kSide ? -1 : place + step * kStride[std::size_t(axis)];
 }
 
-TEST(BrickSigns, NeighboursOnDifferentSidesMayBeTornUnlessBothAreNear) {
+TEST(BrickSigns, NeighborsOnDifferentSidesMayBeInConflictUnlessBothAreNear) {
   std::mt19937 random(7);
   for (int round = 0; round < 50; ++round) {
     const BrickSigns signs = any_signs(random);
-    const std::array<BrickBits, 3> tears = possible_tears(signs);
+    const std::array<BrickBits, 3> tears = possible_conflicts(signs);
     for (int axis = 0; axis < 3; ++axis)
       for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
         const int j = next_place(i, axis);
-        const bool expected = j >= 0 && bit_of(signs.known, i) && bit_of(signs.known, j) &&
-                              bit_of(signs.inside, i) != bit_of(signs.inside, j) &&
-                              (bit_of(signs.apart, i) || bit_of(signs.apart, j));
+        const bool expected =
+            j >= 0 && bit_of(signs.known, i) && bit_of(signs.known, j) &&
+            bit_of(signs.inside, i) != bit_of(signs.inside, j) &&
+            (bit_of(signs.clear_of_surface, i) || bit_of(signs.clear_of_surface, j));
         ASSERT_EQ(bit_of(tears[std::size_t(axis)], i), expected) << "axis " << axis << ", " << i;
       }
   }
 }
 
-TEST(BrickSigns, FarPointsContradictKnownNeighboursOnTheOtherSide) {
+TEST(BrickSigns, FarPointsContradictKnownNeighborsOnTheOtherSide) {
   // Along each axis a pair, and the last point of a row with the first of the next, which are none.
   const auto contradict = [](std::size_t known_place, std::size_t far_place, bool far_is_inside) {
     BrickBits known{}, inside{};
     known[known_place / 64] |= std::uint64_t(1) << (known_place % 64);
     if (far_is_inside) inside[far_place / 64] |= std::uint64_t(1) << (far_place % 64);
-    return far_contradict(known, inside);
+    return unsampled_contradict(known, inside);
   };
   for (const std::size_t stride : {1, 8, 64}) {
     EXPECT_TRUE(contradict(9 + 64, 9 + 64 + stride, true)) << stride;
@@ -133,25 +134,25 @@ TEST(BrickSigns, SidesAreHandedOnAsFarAsNoSurfacePasses) {
       to_find[z] = signs.known[z] & (std::uint64_t(random()) << 32 | random());
       signs.inside[z] &= ~to_find[z];
     }
-    const BrickBits asked = to_find;
+    const BrickBits requested = to_find;
     const BrickSigns before = signs;
-    hand_on_sides(signs, to_find);
+    propagate_signs(signs, to_find);
     for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
-      if (!bit_of(asked, i)) {
+      if (!bit_of(requested, i)) {
         ASSERT_EQ(bit_of(signs.inside, i), bit_of(before.inside, i)) << "told before: " << i;
         ASSERT_FALSE(bit_of(to_find, i));
         continue;
       }
-      // One step earlier its neighbours agreed; at the end those left have none, or contradictions.
+      // One step earlier its neighbors agreed; at the end those left have none, or contradictions.
       int in = 0, out = 0;
       for (int axis = 0; axis < 3; ++axis)
         for (const int step : {-1, 1}) {
           const int j = next_place(i, axis, step);
-          if (j < 0 || !bit_of(signs.apart, j) || bit_of(to_find, j)) continue;
+          if (j < 0 || !bit_of(signs.clear_of_surface, j) || bit_of(to_find, j)) continue;
           ++(bit_of(signs.inside, j) ? in : out);
         }
       const bool found = !bit_of(to_find, i);
-      if (!bit_of(signs.apart, i)) {
+      if (!bit_of(signs.clear_of_surface, i)) {
         ASSERT_FALSE(found) << "near the surface: " << i;
       } else if (found) {
         ASSERT_GT(bit_of(signs.inside, i) ? in : out, 0) << i;
@@ -165,11 +166,11 @@ TEST(BrickSigns, SidesAreHandedOnAsFarAsNoSurfacePasses) {
 TEST(BrickSigns, ASideReachesTheOtherEndOfTheBrick) {
   BrickSigns signs;
   signs.known.fill(~std::uint64_t(0));
-  signs.apart = signs.known;
+  signs.clear_of_surface = signs.known;
   signs.inside[0] = 1;
   BrickBits to_find = signs.known;
   to_find[0] &= ~std::uint64_t(1);
-  hand_on_sides(signs, to_find);
+  propagate_signs(signs, to_find);
   EXPECT_EQ(to_find, BrickBits{});
   EXPECT_EQ(signs.inside, signs.known);
 }

@@ -1,7 +1,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 
 #include <gtest/gtest.h>
 
@@ -189,10 +189,11 @@ TEST(BuildDistanceField, TheBandFitsIntoTheBox) {
   const auto five_cells = build_distance_field(kTorus, {.resolution = 64});
   EXPECT_DOUBLE_EQ(five_cells->band_mm(), 5.0 * five_cells->cell_mm());
   EXPECT_NEAR(five_cells->box_B().sizes().x(), 56 + 2 * five_cells->band_mm(), 1e-9);
-  const auto asked = build_distance_field(kTorus, {.resolution = 64, .band_mm = 6, .margin_mm = 2});
-  EXPECT_EQ(asked->band_mm(), 6.0);
-  EXPECT_NEAR(asked->box_B().sizes().x(), 56 + 2 * (6 + 2), 1e-9);
-  EXPECT_TRUE(asked->box_B().contains(geometry::bounding_box(kTorus)));
+  const auto requested =
+      build_distance_field(kTorus, {.resolution = 64, .band_mm = 6, .margin_mm = 2});
+  EXPECT_EQ(requested->band_mm(), 6.0);
+  EXPECT_NEAR(requested->box_B().sizes().x(), 56 + 2 * (6 + 2), 1e-9);
+  EXPECT_TRUE(requested->box_B().contains(geometry::bounding_box(kTorus)));
 }
 
 TEST(BuildDistanceField, TheSideOfTheCubeCanBeGiven) {
@@ -239,7 +240,7 @@ class Notes : public Progress {
   std::vector<std::string> sentences;
 };
 
-TEST(BuildDistanceField, SaysWhatItMended) {
+TEST(BuildDistanceField, SaysWhatItRepaired) {
   Notes clean;
   ASSERT_TRUE(build_distance_field(kTorus, {.resolution = 16}, clean));
   EXPECT_TRUE(clean.sentences.empty());
@@ -326,12 +327,12 @@ TEST(BuildDistanceField, StopsWheneverItIsAsked) {
     const DistanceFieldOptions options{.method = method, .resolution = 64, .smooth = true};
     StopAt never(kMany);
     ASSERT_TRUE(build_distance_field(kTorus, options, never));
-    const int asked = kMany - never.left();
-    EXPECT_GE(asked, 4) << int(method);
-    for (int times = 0; times < asked; times += 1 + asked / 12) {
+    const int requested = kMany - never.left();
+    EXPECT_GE(requested, 4) << int(method);
+    for (int times = 0; times < requested; times += 1 + requested / 12) {
       StopAt progress(times);
       const auto field = build_distance_field(kTorus, options, progress);
-      ASSERT_FALSE(field) << int(method) << ": " << times << " of " << asked;
+      ASSERT_FALSE(field) << int(method) << ": " << times << " of " << requested;
       EXPECT_EQ(field.error().code, ErrorCode::kCancelled);
     }
   }

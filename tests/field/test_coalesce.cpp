@@ -31,15 +31,15 @@ const Octree& octree_of(const DistanceField& field) { return std::get<Octree>(fi
 TEST(Coalesce, KeepsTheToleranceAtEverySampleOfTheBand) {
   const TriangleMesh torus = test::make_torus(20, 8, 60, 30);
   for (const double tolerance : {0.0, 0.01, 0.1, 1.0})
-    EXPECT_LE(test::largest_error_at_samples(build(torus, tolerance, 32), torus),
+    EXPECT_LE(test::max_error_at_samples(build(torus, tolerance, 32), torus),
               tolerance + test::kFloatError_mm);
 }
 
 TEST(Coalesce, KeepsTheToleranceAtSharpCorners) {
   const TriangleMesh spike = test::make_spike(3, 40, 4);
-  EXPECT_LE(test::largest_error_at_samples(build(spike, 0.05), spike), 0.05 + test::kFloatError_mm);
+  EXPECT_LE(test::max_error_at_samples(build(spike, 0.05), spike), 0.05 + test::kFloatError_mm);
   const TriangleMesh box = test::make_box(Vec3(-20, -9, -5), Vec3(20, 8, 7));
-  EXPECT_LE(test::largest_error_at_samples(build(box, 0.02), box), 0.02 + test::kFloatError_mm);
+  EXPECT_LE(test::max_error_at_samples(build(box, 0.02), box), 0.02 + test::kFloatError_mm);
 }
 
 TEST(Coalesce, ErrorsDoNotAddUpFromLevelToLevel) {
@@ -54,8 +54,8 @@ TEST(Coalesce, ErrorsDoNotAddUpFromLevelToLevel) {
   frame.closed = true;
   std::vector<std::int32_t> all(5 * 5 * 5);
   std::iota(all.begin(), all.end(), 0);
-  SidedDistances distances{SparseLattice(frame.resolution, all, 0.0F),
-                           std::vector<Zone>(all.size(), Zone::kOutside)};
+  SignedDistances distances{SparseLattice(frame.resolution, all, 0.0F),
+                            std::vector<Zone>(all.size(), Zone::kOutside)};
   for (std::size_t i = 0; i < distances.near.values().size(); ++i)
     distances.near.values()[i] = 0.1F * std::array{0.0F, 1.35F, 0.9F, 0.45F}[i % 4];
   const auto octree = coalesce(distances, frame, Progress::none());

@@ -109,14 +109,14 @@ TEST(CrossingSurfaces, WrongSignsInsideDoNotSpreadIntoOpenSpace) {
 }
 
 TEST(CrossingSurfaces, NoSampleOfTheBandContradictsAFarOne) {
-  // No surface passes between two neighbours of which one is further than the band. In the part that
+  // No surface passes between two neighbors of which one is further than the band. In the part that
   // both balls share, far samples are inside; those near a ball's surface were outside once.
   const TriangleMesh mesh = two_balls();
   for (const FieldMethod method : {FieldMethod::kBricks, FieldMethod::kUniform}) {
     const DistanceField field =
         build_distance_field(mesh, {.method = method, .resolution = 64, .band_mm = 3.0}).value();
     const int n = field.frame().resolution;
-    int beside_far = 0, asked = 0;
+    int beside_far = 0, requested = 0;
     for (int c = 0; c < n * n * n; ++c) {
       const CellSamples cell = field.cell({c % n, c / n % n, c / (n * n)});
       for (std::size_t corner = 0; corner < 8; ++corner) {
@@ -130,17 +130,17 @@ TEST(CrossingSurfaces, NoSampleOfTheBandContradictsAFarOne) {
         }
       }
       const float d = cell.corners[0];
-      if (!std::isfinite(d) || std::abs(d) <= field.cell_mm() || ++asked % 20 != 0) continue;
-      const Vec3 p = test::place_of(field.frame(), c % n, c / n % n, c / (n * n));
+      if (!std::isfinite(d) || std::abs(d) <= field.cell_mm() || ++requested % 20 != 0) continue;
+      const Vec3 p = test::position_of(field.frame(), c % n, c / n % n, c / (n * n));
       ASSERT_EQ(geometry::winding_number(mesh, p) > 0.5, d < 0)
           << int(method) << ": " << p.transpose();
     }
     EXPECT_GT(beside_far, 10'000);
-    EXPECT_GT(asked, 10'000);
+    EXPECT_GT(requested, 10'000);
   }
 }
 
-TEST(CrossingSurfaces, ContradictingNeighboursAreUnknownNotAFalseSurface) {
+TEST(CrossingSurfaces, ContradictingNeighborsAreUnknownNotAFalseSurface) {
   const TriangleMesh mesh = two_balls();
   const geometry::Bvh bvh(mesh);
   for (const FieldMethod method : kMethods) {

@@ -1,7 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 
 #include <gtest/gtest.h>
 
@@ -56,7 +56,7 @@ std::vector<Vec3> points_in_shell(double inner, double outer, int count, unsigne
 
 TEST(DistanceField, OfABallIsThatOfTheFormula) {
   // Trilinear: cell^2 / 8 * (2 / radius) = 0.002 mm at the surface, 0.005 mm with the tolerance.
-  ASSERT_GT(ball().told_mm(), 2.37);
+  ASSERT_GT(ball().guaranteed_mm(), 2.37);
   for (const DistanceField* field : {&ball(), &ball_of_bricks()})
     for (const Vec3& p : points_in_shell(kRadius - 2.37, kRadius + 2.37, 5000, 1)) {
       const FieldSample sample = field->sample(p);
@@ -125,7 +125,7 @@ TEST(DistanceField, OfABoxIsExactBeforeItsFaces) {
 constexpr FieldMethod kMethods[] = {FieldMethod::kBricks, FieldMethod::kHybrid,
                                     FieldMethod::kAdaptive, FieldMethod::kUniform};
 
-TEST(DistanceField, EveryPointNearerThanItSaysIsTold) {
+TEST(DistanceField, EveryPointNearerThanItSaysIsReported) {
   // At corners, edges and tips too, where prisms over triangles leave gaps.
   for (const TriangleMesh& mesh :
        {test::make_spike(2, 20, 4), test::make_box(Vec3(-9, -2, -5), Vec3(9, 3, 4))})
@@ -142,7 +142,7 @@ TEST(DistanceField, EveryPointNearerThanItSaysIsTold) {
       for (int n = 0; n < 10'000; ++n) {
         const Vec3 p =
             box.center() + 0.5 * box.sizes().cwiseProduct(Vec3(in(random), in(random), in(random)));
-        if (bvh.closest_point(p, field->told_mm())) {
+        if (bvh.closest_point(p, field->guaranteed_mm())) {
           EXPECT_EQ(field->sample(p).zone, Zone::kBand);
         }
         if (bvh.closest_point(p, field->band_mm() - 0.5 * field->cell_mm())) {
@@ -173,13 +173,13 @@ TEST(DistanceField, NoCellThatThePromiseOnlyGrazesIsLeftOut) {
       const Vec3 low = field->box_B().min() + field->cell_mm() * Vec3(at[0], at[1], at[2]);
       for (int side = 0; side < 6; ++side) {
         const Vec3 on_face = Vec3::Constant(0.5) + (side % 2 - 0.5) * Vec3(Vec3::Unit(side / 2));
-        EXPECT_FALSE(
-            bvh.closest_point(low + field->cell_mm() * on_face, field->told_mm() * (1 - 1e-9)));
+        EXPECT_FALSE(bvh.closest_point(low + field->cell_mm() * on_face,
+                                       field->guaranteed_mm() * (1 - 1e-9)));
       }
       for (int corner = 0; corner < 8; ++corner) {
         const Vec3 at_corner(corner & 1, corner >> 1 & 1, corner >> 2);
-        EXPECT_FALSE(
-            bvh.closest_point(low + field->cell_mm() * at_corner, field->told_mm() * (1 - 1e-9)));
+        EXPECT_FALSE(bvh.closest_point(low + field->cell_mm() * at_corner,
+                                       field->guaranteed_mm() * (1 - 1e-9)));
       }
     }
   }
@@ -302,7 +302,7 @@ TEST(DistanceField, SmoothIsDifferentiableWhereOctreeCellsOfDifferentSizeMeet) {
 TEST(DistanceField, JumpsBetweenOctreeCellsStayWithinTwiceTheTolerance) {
   const FieldFrame& frame = ball().frame();
   for (const DistanceField* field : {&ball(), &ball_of_bricks()}) {
-    const double most = (field == &ball() ? 2.0 * frame.tolerance_mm : 0.0) + 1e-6;
+    const double maximum = (field == &ball() ? 2.0 * frame.tolerance_mm : 0.0) + 1e-6;
     std::mt19937 random(10);
     int within = 0;
     for (int n = 0; n < 20'000; ++n) {
@@ -313,12 +313,12 @@ TEST(DistanceField, JumpsBetweenOctreeCellsStayWithinTwiceTheTolerance) {
       const Vec3 step = 1e-10 * Vec3::Unit(n % 3);
       const FieldSample before = field->sample(p - step), after = field->sample(p + step);
       if (before.zone == Zone::kBand && after.zone == Zone::kBand) {
-        EXPECT_NEAR(before.distance_mm, after.distance_mm, most);
+        EXPECT_NEAR(before.distance_mm, after.distance_mm, maximum);
         ++within;
       } else if (before.zone == Zone::kBand || after.zone == Zone::kBand) {
         // The edge of the band: nowhere nearer than told.
         const FieldSample& known = before.zone == Zone::kBand ? before : after;
-        EXPECT_GE(std::abs(known.distance_mm), field->told_mm() - 0.006);
+        EXPECT_GE(std::abs(known.distance_mm), field->guaranteed_mm() - 0.006);
       } else {
         EXPECT_EQ(before.zone, after.zone);
       }

@@ -82,15 +82,15 @@ TEST(FieldMethods, GiveTheSameZonesAndDistances) {
         ASSERT_EQ(field.frame().origin_B, uniform.frame().origin_B);
         // A tolerance at the samples is one between them: both sides are trilinear there. Bricks
         // have none, they round to 2^-23 of the band.
-        const double most = method == FieldMethod::kBricks ? field.band_mm() / (1 << 23) + 1e-6
-                                                           : tolerance_mm + test::kFloatError_mm;
+        const double maximum = method == FieldMethod::kBricks ? field.band_mm() / (1 << 23) + 1e-6
+                                                              : tolerance_mm + test::kFloatError_mm;
         for (const Vec3& p : points) {
           const FieldSample a = uniform.sample(p), b = field.sample(p);
           if (a.zone != b.zone) {
             ASSERT_TRUE(at_edge_of_band(field, bvh, p))
                 << "method " << int(method) << ": " << int(b.zone) << ", not " << int(a.zone);
           } else {
-            ASSERT_NEAR(a.distance_mm, b.distance_mm, most) << "method " << int(method);
+            ASSERT_NEAR(a.distance_mm, b.distance_mm, maximum) << "method " << int(method);
           }
         }
       }
@@ -102,7 +102,7 @@ TEST(FieldMethods, OctreesKeepTheToleranceAtEverySample) {
     SCOPED_TRACE(name);
     for (const double tolerance_mm : {0.0, 0.003, 0.03, 0.3})
       for (const FieldMethod method : {FieldMethod::kHybrid, FieldMethod::kAdaptive})
-        EXPECT_LE(test::largest_error_at_samples(build(mesh, method, tolerance_mm, 16), mesh),
+        EXPECT_LE(test::max_error_at_samples(build(mesh, method, tolerance_mm, 16), mesh),
                   tolerance_mm + test::kFloatError_mm);
   }
 }
@@ -113,7 +113,7 @@ TEST(FieldMethods, BricksAndUniformKeepEverySample) {
     for (const FieldMethod method : {FieldMethod::kBricks, FieldMethod::kUniform}) {
       // The tolerance is for octrees; here it must not matter.
       const DistanceField field = build(mesh, method, 1.0);
-      EXPECT_LE(test::largest_error_at_samples(field, mesh),
+      EXPECT_LE(test::max_error_at_samples(field, mesh),
                 field.band_mm() / (1 << 23) + test::kFloatError_mm);
     }
   }
@@ -124,18 +124,18 @@ TEST(FieldMethods, BricksKeepTheSamplesOfTheUniformFieldToTheirRounding) {
     SCOPED_TRACE(name);
     const DistanceField uniform = build(mesh, FieldMethod::kUniform, 0.0);
     const DistanceField bricks = build(mesh, FieldMethod::kBricks, 0.0);
-    const double most = uniform.band_mm() / (1 << 23) + 1e-6;
+    const double maximum = uniform.band_mm() / (1 << 23) + 1e-6;
     for (int c = 0; c < 32 * 32 * 32; ++c) {
       const LatticePoint low = {c % 32, c / 32 % 32, c / 1024};
       const CellSamples a = uniform.cell(low), b = bricks.cell(low);
       for (std::size_t corner = 0; corner < 8; ++corner) {
         const double exact = double(a.corners[corner]), kept = double(b.corners[corner]);
         if (std::isfinite(exact) && std::isfinite(kept)) {
-          ASSERT_NEAR(kept, exact, most);
+          ASSERT_NEAR(kept, exact, maximum);
         } else if (std::isfinite(exact) || std::isfinite(kept)) {
           // Rounded out of the band.
           const double known = std::isfinite(exact) ? exact : kept;
-          ASSERT_NEAR(std::abs(known), uniform.band_mm(), most);
+          ASSERT_NEAR(std::abs(known), uniform.band_mm(), maximum);
           ASSERT_EQ(std::signbit(exact), std::signbit(kept));
         } else {
           ASSERT_EQ(exact, kept);
@@ -145,18 +145,18 @@ TEST(FieldMethods, BricksKeepTheSamplesOfTheUniformFieldToTheirRounding) {
   }
 }
 
-TEST(FieldMethods, AnswerAllWithinToldMm) {
+TEST(FieldMethods, AnswerAllWithinReportedMm) {
   for (const auto& [name, mesh] : solid_shapes()) {
     SCOPED_TRACE(name);
     const geometry::Bvh bvh(mesh);
     for (const FieldMethod method : kMethods)
       for (const double tolerance_mm : {0.0, 0.1}) {
         const DistanceField field = build(mesh, method, tolerance_mm);
-        EXPECT_DOUBLE_EQ(field.told_mm(), field.band_mm() - std::sqrt(3.0) * field.cell_mm());
+        EXPECT_DOUBLE_EQ(field.guaranteed_mm(), field.band_mm() - std::sqrt(3.0) * field.cell_mm());
         for (const Vec3& p : points_in_box(field, 5000, 2)) {
           const double distance = bvh.closest_point(p)->distance_mm;
           const Zone zone = field.sample(p).zone;
-          if (distance < field.told_mm()) {
+          if (distance < field.guaranteed_mm()) {
             ASSERT_EQ(zone, Zone::kBand) << int(method);
           }
           if (distance > field.band_mm() + field.cell_mm()) {
@@ -187,7 +187,7 @@ TEST(FieldMethods, ASampleExactlyAtTheEdgeOfTheBandLiesBeyondItForAll) {
         const LatticePoint p = {block.first[0] + place % 8, block.first[1] + place / 8 % 8,
                                 block.first[2] + place / 64};
         if (!all.find(p)) continue;
-        const Vec3 from_middle = test::place_of(field.frame(), p[0], p[1], p[2]).cwiseAbs();
+        const Vec3 from_middle = test::position_of(field.frame(), p[0], p[1], p[2]).cwiseAbs();
         const Vec3 out = (from_middle - Vec3::Constant(8.0)).cwiseMax(0.0);
         const double distance = out.norm() > 0.0 ? out.norm() : 8.0 - from_middle.maxCoeff();
         // Before an edge or a corner of the box rounding decides.

@@ -53,7 +53,7 @@ TEST(LatticeSamples, AreWhatQueriesFindThere) {
     const DistanceField field = build(test::make_torus(8, 3, 40, 20), method, 0.01);
     int in_band = 0;
     for (const auto& [p, value] : samples_of(field)) {
-      const FieldSample found = field.sample(test::place_of(field.frame(), p[0], p[1], p[2]));
+      const FieldSample found = field.sample(test::position_of(field.frame(), p[0], p[1], p[2]));
       if (found.zone != Zone::kBand) continue;
       ++in_band;
       // Cells of different size that meet differ by the tolerance.
@@ -71,22 +71,23 @@ TEST(LatticeSamples, AreTheDistancesWhateverKeepsThem) {
     for (const FieldMethod method : kMethods)
       for (const double tolerance_mm : {0.0, 0.05}) {
         const DistanceField field = build(mesh, method, tolerance_mm);
-        const double most = field.band_mm() / (1 << 23) + test::kFloatError_mm +
-                            (std::holds_alternative<Octree>(field.samples()) ? tolerance_mm : 0.0);
+        const double maximum =
+            field.band_mm() / (1 << 23) + test::kFloatError_mm +
+            (std::holds_alternative<Octree>(field.samples()) ? tolerance_mm : 0.0);
         Index far = 0;
         for (const auto& [p, value] : samples_of(field)) {
           const double exact =
-              bvh.signed_distance(test::place_of(field.frame(), p[0], p[1], p[2])).distance_mm;
+              bvh.signed_distance(test::position_of(field.frame(), p[0], p[1], p[2])).distance_mm;
           if (std::isfinite(value)) {
-            ASSERT_NEAR(double(value), exact, most);
+            ASSERT_NEAR(double(value), exact, maximum);
           } else {
             ASSERT_FALSE(std::isnan(value));
             ASSERT_EQ(value < 0.0F, exact < 0.0);
             // What no leaf of an octree needs is left out at the edge of the band.
-            const double least = std::holds_alternative<Octree>(field.samples())
-                                     ? field.told_mm()
-                                     : field.band_mm() - test::kFloatError_mm;
-            ASSERT_GE(std::abs(exact), least);
+            const double minimum = std::holds_alternative<Octree>(field.samples())
+                                       ? field.guaranteed_mm()
+                                       : field.band_mm() - test::kFloatError_mm;
+            ASSERT_GE(std::abs(exact), minimum);
             ++far;
           }
         }
@@ -96,7 +97,7 @@ TEST(LatticeSamples, AreTheDistancesWhateverKeepsThem) {
 }
 
 TEST(LatticeSamples, ContradictionsAreUnknownWhateverKeepsThem) {
-  int torn = 0;
+  int in_conflict = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
@@ -120,11 +121,11 @@ TEST(LatticeSamples, ContradictionsAreUnknownWhateverKeepsThem) {
       if (std::isfinite(value) && std::isnan(dense) && std::any_of(p.begin(), p.end(), at_face))
         continue;
       const LatticePoint low = {std::min(p[0], 15), std::min(p[1], 15), std::min(p[2], 15)};
-      torn += std::isnan(value) && std::isfinite(uniform.cell(low).corners[0]) ? 1 : 0;
+      in_conflict += std::isnan(value) && std::isfinite(uniform.cell(low).corners[0]) ? 1 : 0;
       ASSERT_TRUE(same(value, dense, slack)) << value << ", not " << dense;
     }
   }
-  EXPECT_GT(torn, 100);
+  EXPECT_GT(in_conflict, 100);
 }
 
 TEST(LatticeSamples, OfAnOpenSurfaceAreUnknownBeyondTheBand) {

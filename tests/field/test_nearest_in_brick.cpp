@@ -52,10 +52,10 @@ NearestInBrick visited(const Setting& s, Simd simd) {
 
 /// Where point `i`, x fastest, is kept.
 std::size_t at(int i) {
-  return NearestInBrick::place_of(i % kSide, i / kSide % kSide, i / (kSide * kSide));
+  return NearestInBrick::linear_offset(i % kSide, i / kSide % kSide, i / (kSide * kSide));
 }
 
-Vec3 place_of(const Setting& s, int i) {
+Vec3 position_of(const Setting& s, int i) {
   return s.low + s.cell_mm * Vec3(i % kSide, i / kSide % kSide, i / (kSide * kSide));
 }
 
@@ -77,16 +77,16 @@ TEST(NearestInBrick, IsTheNearestOfAllTriangles) {
     const Setting s = any_setting(random, 1 + seed % 20);  // Not only whole batches.
     const NearestInBrick nearest = visited(s, best_simd());
     for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
-      const Vec3 p = place_of(s, i);
-      double least = 1e9;
+      const Vec3 p = linear_offset(s, i);
+      double minimum = 1e9;
       for (Index t = 0; t < s.mesh.triangle_count(); ++t)
-        least = std::min(least, distance_to(s, t, p));
+        minimum = std::min(minimum, distance_to(s, t, p));
       const std::int32_t code = nearest.code[at(i)];
-      if (least < kReach_mm - 1e-4) {
+      if (minimum < kReach_mm - 1e-4) {
         ASSERT_NE(code, NearestInBrick::kNone) << seed;
-        ASSERT_NEAR(std::sqrt(nearest.squared_mm2[at(i)]), least, 1e-5) << seed;
-        ASSERT_NEAR(distance_to(s, code >> 2, p), least, 1e-5) << seed;
-      } else if (least > kReach_mm + 1e-4) {
+        ASSERT_NEAR(std::sqrt(nearest.squared_mm2[at(i)]), minimum, 1e-5) << seed;
+        ASSERT_NEAR(distance_to(s, code >> 2, p), minimum, 1e-5) << seed;
+      } else if (minimum > kReach_mm + 1e-4) {
         ASSERT_EQ(code, NearestInBrick::kNone) << seed;
       }
     }
@@ -109,16 +109,16 @@ TEST(NearestInBrick, SaysWhetherTheFaceIsNearestAndOnWhichSide) {
         continue;
       }
       // Away from where the answer changes, it is right.
-      const Vec3 p = place_of(s, i);
+      const Vec3 p = linear_offset(s, i);
       const double height = normal.dot(p - a);
       if (std::abs(height) > 1e-4) {
         ASSERT_EQ((code & 1) != 0, height < 0.0) << seed;
       }
-      double least = 1e9;
+      double minimum = 1e9;
       for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
-        least = std::min(least, normal.cross(to - from).normalized().dot(p - from));
-      if (std::abs(least) > 1e-4) {
-        ASSERT_EQ((code & 2) != 0, least > 0.0) << seed;
+        minimum = std::min(minimum, normal.cross(to - from).normalized().dot(p - from));
+      if (std::abs(minimum) > 1e-4) {
+        ASSERT_EQ((code & 2) != 0, minimum > 0.0) << seed;
       }
     }
   }

@@ -1,6 +1,6 @@
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/field/build/prepare_surface.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
@@ -19,16 +19,16 @@ namespace {
 
 using geometry::TriangleMesh;
 
-void expect_report(const PreparedSurface& surface, const SurfaceReport& wanted) {
-  const SurfaceReport& found = surface.report;
+void expect_report(const PreparedSurface& surface, const MeshRepairReport& wanted) {
+  const MeshRepairReport& found = surface.report;
   EXPECT_EQ(found.repeated_vertices, wanted.repeated_vertices);
   EXPECT_EQ(found.collapsed_triangles, wanted.collapsed_triangles);
   EXPECT_EQ(found.repeated_triangles, wanted.repeated_triangles);
-  EXPECT_EQ(found.double_triangles, wanted.double_triangles);
-  EXPECT_EQ(found.turned_triangles, wanted.turned_triangles);
-  EXPECT_EQ(found.rim_edges, wanted.rim_edges);
-  EXPECT_EQ(found.branching_edges, wanted.branching_edges);
-  EXPECT_EQ(found.clashing_edges, wanted.clashing_edges);
+  EXPECT_EQ(found.opposite_duplicates, wanted.opposite_duplicates);
+  EXPECT_EQ(found.flipped_triangles, wanted.flipped_triangles);
+  EXPECT_EQ(found.boundary_edges, wanted.boundary_edges);
+  EXPECT_EQ(found.non_manifold_edges, wanted.non_manifold_edges);
+  EXPECT_EQ(found.inconsistent_edges, wanted.inconsistent_edges);
 }
 
 const TriangleMesh kTorus = test::make_torus(20, 8, 24, 12);
@@ -46,7 +46,7 @@ double volume_mm3(const PreparedSurface& surface) {
 TEST(PrepareSurface, LeavesACleanSurfaceAsItIs) {
   const PreparedSurface surface = prepare_surface(kTorus).value();
   EXPECT_TRUE(surface.closed);
-  expect_report(surface, SurfaceReport{});
+  expect_report(surface, MeshRepairReport{});
   EXPECT_TRUE(describe(surface.report).empty());
   EXPECT_TRUE(surface.is_double.empty());
   EXPECT_EQ(surface.mesh_B.triangles, kTorus.triangles);
@@ -57,8 +57,8 @@ TEST(PrepareSurface, WeldsASoupAndCountsWhatItWelded) {
   const PreparedSurface surface = prepare_surface(test::unwelded(kTorus)).value();
   EXPECT_TRUE(surface.closed);
   EXPECT_EQ(surface.mesh_B.vertex_count(), kTorus.vertex_count());
-  expect_report(surface, (SurfaceReport{.repeated_vertices =
-                                            3 * kTorus.triangle_count() - kTorus.vertex_count()}));
+  expect_report(surface, (MeshRepairReport{.repeated_vertices = 3 * kTorus.triangle_count() -
+                                                                kTorus.vertex_count()}));
   EXPECT_TRUE(describe(surface.report).empty());  // As every STL is: not worth a word.
 }
 
@@ -68,7 +68,7 @@ TEST(PrepareSurface, DropsWhatIsWrittenTwice) {
   mesh.triangles.insert(mesh.triangles.begin() + 40, {b, c, a});
   mesh.triangles.push_back({c, a, b});
   const PreparedSurface surface = prepare_surface(mesh).value();
-  expect_report(surface, SurfaceReport{.repeated_triangles = 2});
+  expect_report(surface, MeshRepairReport{.repeated_triangles = 2});
   EXPECT_EQ(describe(surface.report),
             std::vector<std::string>{"2 triangles written more than once dropped"});
   EXPECT_TRUE(surface.closed);
@@ -79,7 +79,7 @@ TEST(PrepareSurface, DropsTrianglesThatArePoints) {
   TriangleMesh mesh = kTorus;
   mesh.triangles.push_back({5, 5, 9});
   const PreparedSurface surface = prepare_surface(mesh).value();
-  expect_report(surface, SurfaceReport{.collapsed_triangles = 1});
+  expect_report(surface, MeshRepairReport{.collapsed_triangles = 1});
   EXPECT_EQ(describe(surface.report),
             std::vector<std::string>{"1 triangle without length dropped"});
 }
@@ -97,7 +97,7 @@ TEST(PrepareSurface, NothingIsInsideBetweenOppositeTwins) {
     sheet.triangles.push_back(back);
   }
   const PreparedSurface surface = prepare_surface(sheet).value();
-  expect_report(surface, (SurfaceReport{.double_triangles = 64, .branching_edges = 40}));
+  expect_report(surface, (MeshRepairReport{.opposite_duplicates = 64, .non_manifold_edges = 40}));
   EXPECT_EQ(describe(surface.report),
             (std::vector<std::string>{
                 "64 triangles with a twin of the opposite sense: nothing is inside between them",
@@ -129,7 +129,7 @@ TEST(PrepareSurface, AFlapOfTwinsOnABoneDoesNotTurnTheBone) {
   mesh.triangles.push_back({7, 4, 8});
   const PreparedSurface surface = prepare_surface(mesh).value();
   EXPECT_TRUE(surface.closed);
-  expect_report(surface, (SurfaceReport{.double_triangles = 2, .branching_edges = 1}));
+  expect_report(surface, (MeshRepairReport{.opposite_duplicates = 2, .non_manifold_edges = 1}));
   const DistanceField field = build_distance_field(mesh, {.resolution = 64}).value();
   const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(10, 10, 10));
   std::mt19937 random(1);
@@ -145,7 +145,7 @@ TEST(PrepareSurface, AFlapOfTwinsOnABoneDoesNotTurnTheBone) {
 TEST(PrepareSurface, TurnsOneTriangleToAgreeWithTheOthers) {
   for (const std::size_t t : {std::size_t(0), std::size_t(17), kTorus.triangles.size() - 1}) {
     const PreparedSurface surface = prepare_surface(flipped(kTorus, t)).value();
-    expect_report(surface, SurfaceReport{.turned_triangles = 1});
+    expect_report(surface, MeshRepairReport{.flipped_triangles = 1});
     EXPECT_EQ(describe(surface.report),
               std::vector<std::string>{"1 triangle turned to face outward"});
     EXPECT_TRUE(surface.closed);
@@ -167,7 +167,7 @@ TEST(PrepareSurface, TurnsTheSmallerAreaToTheLarger) {
     ++turned;
   }
   const PreparedSurface surface = prepare_surface(sheet).value();
-  expect_report(surface, (SurfaceReport{.turned_triangles = turned, .rim_edges = 24}));
+  expect_report(surface, (MeshRepairReport{.flipped_triangles = turned, .boundary_edges = 24}));
   EXPECT_FALSE(surface.closed);
   for (Index t = 0; t < surface.mesh_B.triangle_count(); ++t)
     EXPECT_GT(geometry::face_normal(surface.mesh_B, t).z(), 0.0);
@@ -175,7 +175,7 @@ TEST(PrepareSurface, TurnsTheSmallerAreaToTheLarger) {
 
 TEST(PrepareSurface, TurnsASurfaceThatIsInsideOut) {
   const PreparedSurface surface = prepare_surface(test::turn_inside_out(kTorus)).value();
-  expect_report(surface, SurfaceReport{.turned_triangles = kTorus.triangle_count()});
+  expect_report(surface, MeshRepairReport{.flipped_triangles = kTorus.triangle_count()});
   EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(kTorus), 1e-9);
 }
 
@@ -183,7 +183,7 @@ TEST(PrepareSurface, ACavityStaysACavity) {
   const TriangleMesh hollow =
       test::join(test::make_icosphere(29, 2), test::turn_inside_out(test::make_icosphere(20, 2)));
   const PreparedSurface surface = prepare_surface(hollow).value();
-  expect_report(surface, SurfaceReport{});
+  expect_report(surface, MeshRepairReport{});
   EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(hollow), 1e-9);
 }
 
@@ -193,7 +193,7 @@ TEST(PrepareSurface, AHollowBallInsideOutIsTurnedAsAWhole) {
       test::join(test::make_icosphere(29, 2), test::turn_inside_out(test::make_icosphere(20, 2)));
   const PreparedSurface surface = prepare_surface(test::turn_inside_out(hollow)).value();
   EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(hollow), 1e-6);
-  expect_report(surface, SurfaceReport{.turned_triangles = hollow.triangle_count()});
+  expect_report(surface, MeshRepairReport{.flipped_triangles = hollow.triangle_count()});
 }
 
 TEST(PrepareSurface, TurnsTheOneOfTwoShellsThatIsInsideOut) {
@@ -202,7 +202,7 @@ TEST(PrepareSurface, TurnsTheOneOfTwoShellsThatIsInsideOut) {
         test::join(test::make_icosphere(5, 2),
                    test::turn_inside_out(test::make_icosphere(bad_radius, 2, Vec3(30, 0, 0))));
     const PreparedSurface surface = prepare_surface(mesh).value();
-    expect_report(surface, SurfaceReport{.turned_triangles = 320});
+    expect_report(surface, MeshRepairReport{.flipped_triangles = 320});
     EXPECT_NEAR(volume_mm3(surface),
                 geometry::signed_volume_mm3(test::make_icosphere(5, 2)) +
                     geometry::signed_volume_mm3(test::make_icosphere(bad_radius, 2)),
@@ -215,7 +215,7 @@ TEST(PrepareSurface, TurnsAPartThatTouchesAnotherAtAPoint) {
   const TriangleMesh bad =
       test::turn_inside_out(test::make_box(Vec3(10, 10, 10), Vec3(15, 15, 15)));
   const PreparedSurface surface = prepare_surface(test::join(good, bad)).value();
-  expect_report(surface, (SurfaceReport{.repeated_vertices = 1, .turned_triangles = 12}));
+  expect_report(surface, (MeshRepairReport{.repeated_vertices = 1, .flipped_triangles = 12}));
   EXPECT_NEAR(volume_mm3(surface), 1000 + 125, 1e-9);
 }
 
@@ -239,7 +239,7 @@ TEST(PrepareSurface, AMoebiusStripClashesAndIsLeftAlone) {
   const TriangleMesh strip = test::make_moebius_strip(20, 8, 40);
   const PreparedSurface surface = prepare_surface(strip).value();
   EXPECT_FALSE(surface.closed);
-  expect_report(surface, (SurfaceReport{.rim_edges = 80, .clashing_edges = 1}));
+  expect_report(surface, (MeshRepairReport{.boundary_edges = 80, .inconsistent_edges = 1}));
   EXPECT_EQ(surface.mesh_B.triangles, strip.triangles);
   const std::vector<std::string> sentences = describe(surface.report);
   ASSERT_EQ(sentences.size(), 2U);
@@ -253,13 +253,13 @@ TEST(PrepareSurface, AMoebiusStripClashesAndIsLeftAlone) {
 TEST(PrepareSurface, CountsRimsAndBranches) {
   TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(10, 10, 10));
   box.triangles.pop_back();
-  expect_report(*prepare_surface(box), {.rim_edges = 3});
+  expect_report(*prepare_surface(box), {.boundary_edges = 3});
 
   const TriangleMesh two = test::join(test::make_box(Vec3(0, 0, 0), Vec3(5, 5, 5)),
                                       test::make_box(Vec3(5, 5, 0), Vec3(10, 10, 5)));
   const PreparedSurface surface = prepare_surface(two).value();
   EXPECT_TRUE(surface.closed);
-  expect_report(surface, (SurfaceReport{.repeated_vertices = 2, .branching_edges = 1}));
+  expect_report(surface, (MeshRepairReport{.repeated_vertices = 2, .non_manifold_edges = 1}));
   EXPECT_EQ(describe(surface.report),
             std::vector<std::string>{"1 edge with more than two triangles"});
 
@@ -268,10 +268,10 @@ TEST(PrepareSurface, CountsRimsAndBranches) {
   fan.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
   const PreparedSurface wings = prepare_surface(fan).value();
   EXPECT_FALSE(wings.closed);
-  expect_report(wings, (SurfaceReport{.rim_edges = 6, .branching_edges = 1}));
+  expect_report(wings, (MeshRepairReport{.boundary_edges = 6, .non_manifold_edges = 1}));
 }
 
-TEST(PrepareSurface, RandomFlipsOfABoneAreAllMended) {
+TEST(PrepareSurface, RandomFlipsOfABoneAreAllRepaired) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     std::mt19937 random(seed);
     TriangleMesh mesh = test::make_crumpled_ball(seed, 6, 14);
@@ -295,9 +295,9 @@ TEST(PrepareSurface, DoesItsWorkOnceOnly) {
     EXPECT_EQ(twice->closed, once->closed) << seed;
     EXPECT_EQ(twice->report.repeated_triangles, 0) << seed;
     EXPECT_EQ(twice->report.collapsed_triangles, 0) << seed;
-    EXPECT_EQ(twice->report.turned_triangles, 0) << seed;
-    EXPECT_EQ(twice->report.clashing_edges, once->report.clashing_edges) << seed;
-    EXPECT_EQ(twice->report.rim_edges, once->report.rim_edges) << seed;
+    EXPECT_EQ(twice->report.flipped_triangles, 0) << seed;
+    EXPECT_EQ(twice->report.inconsistent_edges, once->report.inconsistent_edges) << seed;
+    EXPECT_EQ(twice->report.boundary_edges, once->report.boundary_edges) << seed;
     EXPECT_EQ(twice->mesh_B.triangles, once->mesh_B.triangles) << seed;
   }
 }

@@ -110,8 +110,9 @@ TEST(QueryMany, EveryProcessorGivesTheSameBits) {
 /// How the leaves of a field made by hand lie.
 enum class Leaves { kAll, kOne, kNone };
 
-/// Bricks of 16^3 cells with origin 0, cells of 1 mm, and codes of every kind, in a buffer that ends
-/// with the last leaf. Leaves follow the table backwards, so that the last in the buffer are used.
+/// Bricks of 16^3 cells with origin 0, cells of 1 mm, and codes of every kind, in a buffer that
+/// ends with the last leaf. Leaves follow the table backwards, so that the last in the buffer are
+/// used.
 BrickSamples make_by_hand(Leaves leaves, double band_mm, std::mt19937& random) {
   constexpr int kResolution = 16;
   const int side = SparseLattice::bricks_per_side(kResolution);
@@ -279,7 +280,7 @@ TEST(QueryMany, OnASampleIsTheSample) {
       const CellSamples cell = field.cell(low);
       if (zone_of(cell.corners) != Zone::kBand || cell.low != low) continue;
       // The lattice plane as computed may lie a hair below the cell.
-      const Vec3 p = test::place_of(field.frame(), low[0], low[1], low[2]);
+      const Vec3 p = test::position_of(field.frame(), low[0], low[1], low[2]);
       const FieldSample sample = field.sample(p);
       if (sample.zone != Zone::kBand) continue;
       ASSERT_NEAR(sample.distance_mm, double(cell.corners[0]), field.frame().tolerance_mm + 1e-6);

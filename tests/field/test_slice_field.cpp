@@ -68,16 +68,16 @@ TEST(SliceField, ShowsARegionOnly) {
 TEST(SliceField, SummaryIsThatOfACircle) {
   const DistanceField field = ball();
   const SliceSummary summary =
-      summarise(slice_field(field, {.axis = 2, .at_mm = 9.0, .pixel_mm = 0.05}).value());
+      summarize(slice_field(field, {.axis = 2, .at_mm = 9.0, .pixel_mm = 0.05}).value());
   EXPECT_NEAR(summary.inside_mm2, std::numbers::pi * 64.0, 0.5);
   EXPECT_NEAR(summary.zero_line_mm, 2 * std::numbers::pi * 8.0, 0.1);
   EXPECT_GT(summary.pixels.inside, 0);
   EXPECT_GT(summary.pixels.outside, 0);
   EXPECT_EQ(summary.pixels.unknown, 0);
-  EXPECT_GE(summary.least_mm, -field.band_mm());
-  EXPECT_LT(summary.least_mm, -field.told_mm() + 0.1);
-  EXPECT_GT(summary.largest_mm, field.told_mm() - 0.1);
-  EXPECT_EQ(summarise({.corner_B = Vec3::Zero(),
+  EXPECT_GE(summary.min_mm, -field.band_mm());
+  EXPECT_LT(summary.min_mm, -field.guaranteed_mm() + 0.1);
+  EXPECT_GT(summary.max_mm, field.guaranteed_mm() - 0.1);
+  EXPECT_EQ(summarize({.corner_B = Vec3::Zero(),
                        .right_B = Vec3::UnitX(),
                        .down_B = Vec3::UnitY(),
                        .pixel_mm = 1.0,

@@ -60,7 +60,7 @@ class Truth {
     for (int k = 0; k <= kResolution; ++k)
       for (int j = 0; j <= kResolution; ++j)
         for (int i = 0; i <= kResolution; ++i)
-          distances_.push_back(test::brute_distance(surface, test::place_of(frame, i, j, k)));
+          distances_.push_back(test::brute_distance(surface, test::position_of(frame, i, j, k)));
   }
   [[nodiscard]] double distance(const LatticePoint& p) const {
     return distances_[std::size_t((p[2] * (kResolution + 1) + p[1]) * (kResolution + 1) + p[0])];
@@ -88,12 +88,12 @@ void expect_samples_right(const DistanceField& field, const Case& of, const Trut
   const double rounding_mm = 2e-6 * of.size_mm;
   const bool is_octree = std::holds_alternative<Octree>(field.samples());
   // What no leaf of an octree needs is not kept.
-  const double kept_mm = is_octree ? field.told_mm() : field.band_mm();
+  const double kept_mm = is_octree ? field.guaranteed_mm() : field.band_mm();
   const LatticeWindow all = window_of(frame, std::nullopt, 1).value();
   // Nothing is wrong with a sample; a sentence otherwise.
   const auto fault = [&](const LatticePoint& p, float sample) -> const char* {
     const double exact = truth.distance(p);
-    const Vec3 place = test::place_of(frame, p[0], p[1], p[2]);
+    const Vec3 place = test::position_of(frame, p[0], p[1], p[2]);
     if (std::isfinite(sample)) {
       if (!(std::abs(double(std::abs(sample)) - exact) <= tolerance_mm + rounding_mm))
         return "is not the distance";
@@ -210,7 +210,7 @@ TEST(SmallestMeshes, SoupsOfThreeToSixTriangles) {
   EXPECT_GT(check_all(meshes_of(soups)), 500);
 }
 
-TEST(SmallestMeshes, SolidsHaveTheirInsideWhatWasMendedOfThem) {
+TEST(SmallestMeshes, SolidsHaveTheirInsideWhatWasRepairedOfThem) {
   EXPECT_EQ(check_all(test::small_solids(400)), 400);
 }
 

@@ -14,7 +14,7 @@ TEST(SparseLattice, EveryPointHasOnePlace) {
     for (int j = -8; j < 32; ++j)
       for (int i = -8; i < 32; ++i) {
         const std::int32_t slot = lattice.slot_of(lattice.brick_of({i, j, k}));
-        lattice.brick(slot)[std::size_t(SparseLattice::place_of({i, j, k}))] += 1.0F;
+        lattice.brick(slot)[std::size_t(SparseLattice::linear_offset({i, j, k}))] += 1.0F;
       }
   for (const float visits : lattice.values()) ASSERT_EQ(visits, 1.0F);
 }
@@ -23,7 +23,7 @@ TEST(SparseLattice, FirstPointOfABrickLiesInItAtPlaceZero) {
   const SparseLattice lattice(16, {}, 0.0F);
   for (std::int32_t brick = 0; brick < 125; ++brick) {
     EXPECT_EQ(lattice.brick_of(lattice.first_point(brick)), brick);
-    EXPECT_EQ(SparseLattice::place_of(lattice.first_point(brick)), 0);
+    EXPECT_EQ(SparseLattice::linear_offset(lattice.first_point(brick)), 0);
   }
 }
 

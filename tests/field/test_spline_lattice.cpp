@@ -62,7 +62,7 @@ TEST(SplineLattice, KeepsEveryValue) {
 }
 
 TEST(SplineLattice, ErrorFallsWithTheThirdPowerOfTheCell) {
-  const auto largest_error = [](double wave) {
+  const auto max_error = [](double wave) {
     const auto f = [&](const Vec3& u) {
       return std::sin(wave * u.x()) * std::cos(wave * u.y()) + std::sin(wave * u.z());
     };
@@ -76,7 +76,7 @@ TEST(SplineLattice, ErrorFallsWithTheThirdPowerOfTheCell) {
     }
     return largest;
   };
-  const double ratio = largest_error(0.6) / largest_error(0.3);
+  const double ratio = max_error(0.6) / max_error(0.3);
   EXPECT_GT(ratio, 7.0);
   EXPECT_LT(ratio, 11.0);
 }
@@ -127,9 +127,9 @@ TEST(SplineLattice, AcrossCellsAndBricksTheSecondDerivativeJumpsByThirdDifferenc
   }
 }
 
-TEST(SplineLattice, ThereIsNothingBesideATear) {
-  const auto torn = [](const Vec3& u) { return u.x() < 7.5 ? -5.0 : 5.0; };
-  const SparseLattice c = spline_lattice(tabulate(torn), 1.0, kHugeCell);
+TEST(SplineLattice, ThereIsNothingBesideASignConflict) {
+  const auto in_conflict = [](const Vec3& u) { return u.x() < 7.5 ? -5.0 : 5.0; };
+  const SparseLattice c = spline_lattice(tabulate(in_conflict), 1.0, kHugeCell);
   EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(7.5, 4, 4)).value));
   EXPECT_NEAR(evaluate_spline(c, Vec3(2.5, 4, 4)).value, -5.0, 1e-6);
   EXPECT_NEAR(evaluate_spline(c, Vec3(12.5, 4, 4)).value, 5.0, 1e-6);
@@ -137,7 +137,7 @@ TEST(SplineLattice, ThereIsNothingBesideATear) {
 
 /// Summed as the formula says, term after term.
 SplineValue plain_sum(const SparseLattice& c, const Vec3& u) {
-  const auto spline = [](double t, int order) {  // Centred at 0.
+  const auto spline = [](double t, int order) {  // Centered at 0.
     const double a = std::abs(t), sign = t < 0 ? -1 : 1;
     if (a >= 2) return 0.0;
     if (order == 0)
@@ -208,7 +208,7 @@ TEST(SplineLattice, AMissingBrickMattersOnlyWhereItsValuesDo) {
 
 TEST(SplineLattice, OneMissingValueMakesAllOfItNoNumber) {
   SparseLattice c = tabulate([](const Vec3&) { return 1.0; });
-  c.brick(c.slot_of(c.brick_of({9, 4, 7})))[std::size_t(SparseLattice::place_of({9, 4, 7}))] =
+  c.brick(c.slot_of(c.brick_of({9, 4, 7})))[std::size_t(SparseLattice::linear_offset({9, 4, 7}))] =
       std::nanf("");
   for (const Vec3& u : {Vec3(7.5, 4.5, 6.5), Vec3(8.0, 4.0, 7.0), Vec3(10.9, 3.5, 5.1)}) {
     const SplineValue s = evaluate_spline(c, u);

@@ -26,16 +26,15 @@ DistanceField build(const TriangleMesh& mesh, double tolerance_mm, int resolutio
 TEST(TopDown, KeepsTheToleranceAtEverySampleOfTheBand) {
   const TriangleMesh torus = test::make_torus(20, 8, 60, 30);
   for (const double tolerance : {0.0, 0.01, 0.1, 1.0})
-    EXPECT_LE(test::largest_error_at_samples(build(torus, tolerance, 32, 4.0), torus),
+    EXPECT_LE(test::max_error_at_samples(build(torus, tolerance, 32, 4.0), torus),
               tolerance + test::kFloatError_mm);
 }
 
 TEST(TopDown, KeepsTheToleranceAtSharpCorners) {
   const TriangleMesh spike = test::make_spike(3, 40, 4);
-  EXPECT_LE(test::largest_error_at_samples(build(spike, 0.05, 64), spike),
-            0.05 + test::kFloatError_mm);
+  EXPECT_LE(test::max_error_at_samples(build(spike, 0.05, 64), spike), 0.05 + test::kFloatError_mm);
   const TriangleMesh box = test::make_box(Vec3(-20, -9, -5), Vec3(20, 8, 7));
-  EXPECT_LE(test::largest_error_at_samples(build(box, 0.02, 32), box), 0.02 + test::kFloatError_mm);
+  EXPECT_LE(test::max_error_at_samples(build(box, 0.02, 32), box), 0.02 + test::kFloatError_mm);
 }
 
 TEST(TopDown, LargerToleranceNeedsFewerSamples) {

@@ -45,14 +45,14 @@ void expect_right(const Vec3& a, const Vec3& b, const Vec3& c) {
   }
 }
 
-TEST(TriangleFrame, TellsTheDistanceOfAnyTriangle) {
+TEST(TriangleFrame, ReportsTheDistanceOfAnyTriangle) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> in(-1, 1);
   const auto point = [&] { return Vec3(in(random), in(random), in(random)); };
   for (int n = 0; n < 200; ++n) expect_right(point(), point(), point());
 }
 
-TEST(TriangleFrame, TellsTheDistanceWhereAreaOrLengthIsMissing) {
+TEST(TriangleFrame, ReportsTheDistanceWhereAreaOrLengthIsMissing) {
   const Vec3 a(0.1, 0.2, -0.3), b(1, 0.5, 0.5);
   expect_right(a, b, 0.3 * a + 0.7 * b);  // A line.
   expect_right(a, b, 2.0 * b - a);
@@ -63,7 +63,7 @@ TEST(TriangleFrame, TellsTheDistanceWhereAreaOrLengthIsMissing) {
   expect_right(Vec3::Zero(), Vec3::Zero(), Vec3::Zero());
 }
 
-TEST(TriangleFrame, TellsTheDistanceWhereSquaresUnderflow) {
+TEST(TriangleFrame, ReportsTheDistanceWhereSquaresUnderflow) {
   for (const double tiny : {1e-100, 1e-140, 1e-149, 1e-151, 1e-160, 1e-162, 1e-170, 1e-300, 5e-324})
     for (const Vec3& at : {Vec3(0, 0, 0), Vec3(0.5, 0, 0)}) {
       SCOPED_TRACE(tiny);
@@ -88,8 +88,8 @@ TEST(TriangleFrame, FieldsHaveSpecksThatAreTooSmallForTheirDistanceToTheCorner) 
     std::mt19937 random(3);
     std::uniform_real_distribution<double> in(-1, 1);
     for (int n = 0; n < 200; ++n) {
-      const Vec3 p = Vec3(0, 0, 7) +
-                     0.8 * field.told_mm() * Vec3(in(random), in(random), in(random)).normalized();
+      const Vec3 p = Vec3(0, 0, 7) + 0.8 * field.guaranteed_mm() *
+                                         Vec3(in(random), in(random), in(random)).normalized();
       const FieldSample sample = field.sample(p);
       // Its sign may tear, as that of a sheet does at its rim.
       if (sample.zone == Zone::kUnknown) continue;
@@ -99,10 +99,10 @@ TEST(TriangleFrame, FieldsHaveSpecksThatAreTooSmallForTheirDistanceToTheCorner) 
       const Vec3 u = (Vec3(0, 0, 7) - field.frame().origin_B) / field.cell_mm();
       return LatticePoint{int(u.x()), int(u.y()), int(u.z())};
     }();
-    float least = std::numeric_limits<float>::infinity();
+    float minimum = std::numeric_limits<float>::infinity();
     for (const float d : field.cell(near_speck).corners)
-      if (std::isfinite(d)) least = std::min(least, std::abs(d));
-    EXPECT_LE(least, std::sqrt(3.0) * field.cell_mm()) << int(method);
+      if (std::isfinite(d)) minimum = std::min(minimum, std::abs(d));
+    EXPECT_LE(minimum, std::sqrt(3.0) * field.cell_mm()) << int(method);
   }
 }
 

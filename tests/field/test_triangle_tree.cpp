@@ -56,7 +56,7 @@ TEST(TriangleTree, HoldsEveryTriangleOnceWithinItsBoxes) {
   }
 }
 
-TEST(TriangleTree, TellsTheDistanceOfTheNearestTriangle) {
+TEST(TriangleTree, ReportsTheDistanceOfTheNearestTriangle) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> in(-3, 3);
   for (int round = 0; round < 30; ++round) {

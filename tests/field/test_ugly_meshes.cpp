@@ -23,7 +23,7 @@ constexpr FieldMethod kMethods[] = {FieldMethod::kBricks, FieldMethod::kHybrid,
 /// diagonal at most. Where corners disagree on the side, as they may where a soup's triangles turn
 /// against each other, two along an edge have distances that sum to a cell at most, so one has half
 /// a cell, and the point another diagonal.
-double largest_error_cells(const CellSamples& cell) {
+double max_error_cells(const CellSamples& cell) {
   const auto inside = [](float d) { return d < 0.0F; };
   const auto count = std::count_if(cell.corners.begin(), cell.corners.end(), inside);
   const double half_diagonal = 0.5 * std::sqrt(3.0);
@@ -48,7 +48,7 @@ void expect_harmless(const DistanceField& field, const TriangleMesh& surface, do
     const CellSamples cell = test::cell_around(field, p);
     for (const float d : cell.corners) ASSERT_LE(double(std::abs(d)), field.band_mm() * (1 + 1e-6));
     ASSERT_NEAR(std::abs(sample.distance_mm), test::brute_distance(surface, p),
-                largest_error_cells(cell) * cell.cells * field.cell_mm() + slack_mm);
+                max_error_cells(cell) * cell.cells * field.cell_mm() + slack_mm);
   }
 }
 
@@ -131,9 +131,9 @@ TEST(UglyMeshes, SoupsAreExactAtEverySampleOfAField) {
       for (int corner = 0; corner < 8; ++corner) {
         const float d = cell.corners[std::size_t(corner)];
         if (!std::isfinite(d)) continue;
-        const Vec3 p = test::place_of(field->frame(), cell.low[0] + cell.cells * (corner & 1),
-                                      cell.low[1] + cell.cells * (corner >> 1 & 1),
-                                      cell.low[2] + cell.cells * (corner >> 2));
+        const Vec3 p = test::position_of(field->frame(), cell.low[0] + cell.cells * (corner & 1),
+                                         cell.low[1] + cell.cells * (corner >> 1 & 1),
+                                         cell.low[2] + cell.cells * (corner >> 2));
         // Some 2 mm wide; the error is a share of the size.
         ASSERT_NEAR(std::abs(double(d)), test::brute_distance(surface, p), 2e-6);
       }

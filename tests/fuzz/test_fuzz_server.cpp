@@ -113,33 +113,34 @@ TEST(FuzzServer, DamagedRequestsToTheApi) {
   int done = 0, refused = 0;
   test::run_seeds(1000, [&](unsigned seed) {
     std::mt19937 random(seed);
-    Asked asked = requests[seed % requests.size()];
+    Asked requested = requests[seed % requests.size()];
     switch (seed / requests.size() % 3) {
       case 0:
-        asked.path = "/" + test::damaged(asked.path.substr(1), kTokens, random);
+        requested.path = "/" + test::damaged(requested.path.substr(1), kTokens, random);
         break;
       case 1:
-        asked.body = test::damaged(asked.body, kTokens, random);
+        requested.body = test::damaged(requested.body, kTokens, random);
         break;
       default: {  // Another value in the place of one: still JSON, perhaps.
-        const std::size_t at = asked.body.empty()
-                                   ? std::string::npos
-                                   : asked.body.find_first_of(":[,", random() % asked.body.size());
+        const std::size_t at =
+            requested.body.empty()
+                ? std::string::npos
+                : requested.body.find_first_of(":[,", random() % requested.body.size());
         if (at == std::string::npos) return;
         const std::size_t end =
-            std::min(asked.body.find_first_of(",]}", at + 1), asked.body.size());
-        asked.body.replace(at + 1, end - at - 1, kTokens[random() % std::size(kTokens)]);
+            std::min(requested.body.find_first_of(",]}", at + 1), requested.body.size());
+        requested.body.replace(at + 1, end - at - 1, kTokens[random() % std::size(kTokens)]);
       }
     }
     const char* const type =
-        asked.path.starts_with("/boundary") ? "application/octet-stream" : "application/json";
-    Request request = test::api_request(asked.method, asked.path, asked.body,
+        requested.path.starts_with("/boundary") ? "application/octet-stream" : "application/json";
+    Request request = test::api_request(requested.method, requested.path, requested.body,
                                         {{"if-match", "*"}, {"content-type", type}});
     std::string box = "1,2,3,3,3,3";
     if (random() % 2 == 0) box = test::damaged(box, kTokens, random);
-    request.query = {{"name", "a"}, {"count", asked.body.substr(0, 4)}, {"box", box}};
-    const Reply reply = api.api.handle(request);
-    ASSERT_NE(reply.status, 500) << asked.method << asked.path << asked.body;
+    request.query = {{"name", "a"}, {"count", requested.body.substr(0, 4)}, {"box", box}};
+    const Response reply = api.api.handle(request);
+    ASSERT_NE(reply.status, 500) << requested.method << requested.path << requested.body;
     if (reply.status >= 400) {
       ++refused;
       ASSERT_TRUE(parse_by_contract(reply.text, "Error")) << reply.text;
@@ -152,7 +153,7 @@ TEST(FuzzServer, DamagedRequestsToTheApi) {
   EXPECT_GT(done, 5);
   EXPECT_GT(refused, 5);
   expect_only_ours(api.folder / "case");
-  EXPECT_EQ(api.ask("GET", "/case").status, 200);
+  EXPECT_EQ(api.call_api("GET", "/case").status, 200);
 }
 
 TEST(FuzzServer, DamagedBytesOverSockets) {
@@ -164,10 +165,10 @@ TEST(FuzzServer, DamagedBytesOverSockets) {
   int answered = 0;
   test::run_seeds(300, [&](unsigned seed) {
     std::mt19937 random(seed);
-    const Asked& asked = requests[seed % requests.size()];
+    const Asked& requested = requests[seed % requests.size()];
     std::string bytes =
-        served.text(std::string(asked.method) + " /api/v1" + asked.path,
-                    "Content-Type: application/json\r\nIf-Match: *\r\n", asked.body);
+        served.text(std::string(requested.method) + " /api/v1" + requested.path,
+                    "Content-Type: application/json\r\nIf-Match: *\r\n", requested.body);
     bytes = test::damaged(bytes, kTokens, random);
     const test::Socket socket(served.port);
     socket.send(bytes);

@@ -33,7 +33,7 @@ TEST(FitRigid, FindsTheMotionThatWasMade) {
     const auto fit = fit_rigid(from, moved(from, X));
     ASSERT_TRUE(fit) << fit.error().message;
     EXPECT_LT((fit->X_to_from.matrix() - X.matrix()).norm(), 1e-10) << "seed " << seed;
-    EXPECT_LT(fit->worst_mm, 1e-10);
+    EXPECT_LT(fit->max_residual_mm, 1e-10);
   }
 }
 
@@ -51,7 +51,7 @@ TEST(FitRigid, NoNearbyMotionIsBetter) {
   auto to = moved(from, rigid_motion({1, 2, 3}, {0.3, 0.2, -0.4}, {0, 0, 0}));
   to[2] += Vec3(4, 0, 0);
   const auto fit = fit_rigid(from, to).value();
-  EXPECT_EQ(fit.worst, 2);
+  EXPECT_EQ(fit.max_residual_index, 2);
   const auto sum_of_squares = [&](const RigidTransform& X) {
     double sum = 0.0;
     for (std::size_t i = 0; i < from.size(); ++i) sum += (X * from[i] - to[i]).squaredNorm();

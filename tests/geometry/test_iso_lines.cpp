@@ -61,7 +61,7 @@ TEST(IsoLines, AreClosedUnlessTheyLeaveTheGrid) {
   for (const auto& [at, count] : begun_less_ended) EXPECT_EQ(count, 0);
 }
 
-TEST(IsoLines, AtASaddleTheMeanDecidesWhatHangsTogether) {
+TEST(IsoLines, AtASaddleTheMeanDecidesWhatIsConnected) {
   // High at two opposite corners.
   const auto cut_corner = [](double high) {
     const std::vector<double> values = {high, -1.0, -1.0, high};

@@ -8,16 +8,16 @@
 namespace lefort::geometry {
 namespace {
 
-const Vec3 kCentre(3.0, -40.0, 12.0);
+const Vec3 kCenter(3.0, -40.0, 12.0);
 const Vec3 kShift(1.0, -6.0, -2.5);
 
 RigidTransform some_pose(const Vec3& rotation_rad) {
-  return rigid_motion(kShift, rotation_rad, kCentre);
+  return rigid_motion(kShift, rotation_rad, kCenter);
 }
 
-TEST(RigidMotion, ShiftsTheCentreByTheTranslationWhateverTheRotation) {
+TEST(RigidMotion, ShiftsTheCenterByTheTranslationWhateverTheRotation) {
   const RigidTransform X_LB = some_pose({0.2, -0.4, 0.9});
-  EXPECT_LT((X_LB * kCentre - (kCentre + kShift)).norm(), 1e-13);
+  EXPECT_LT((X_LB * kCenter - (kCenter + kShift)).norm(), 1e-13);
 }
 
 TEST(RigidMotion, TurnsCounterClockwiseSeenFromTheTipOfTheAxis) {
@@ -54,16 +54,16 @@ TEST(RotationVector, TakesTheSmallerAngle) {
 TEST(InterpolatePose, MeetsBothEnds) {
   const RigidTransform from = some_pose({0.1, 0.7, 0.0});
   const RigidTransform to = rigid_motion({4.0, 4.0, 0.0}, {-0.5, 0.0, 1.0}, {9.0, 9.0, 9.0});
-  EXPECT_LT((interpolate_pose(from, to, 0.0, kCentre).matrix() - from.matrix()).norm(), 1e-13);
-  EXPECT_LT((interpolate_pose(from, to, 1.0, kCentre).matrix() - to.matrix()).norm(), 1e-13);
+  EXPECT_LT((interpolate_pose(from, to, 0.0, kCenter).matrix() - from.matrix()).norm(), 1e-13);
+  EXPECT_LT((interpolate_pose(from, to, 1.0, kCenter).matrix() - to.matrix()).norm(), 1e-13);
 }
 
-TEST(InterpolatePose, MovesTheCentreStraightAndSteadily) {
+TEST(InterpolatePose, MovesTheCenterStraightAndSteadily) {
   const RigidTransform from = some_pose({0.1, 0.7, 0.0});
   const RigidTransform to = rigid_motion({4.0, 4.0, 0.0}, {-0.5, 0.0, 1.0}, {9.0, 9.0, 9.0});
-  for (const double share : {0.25, 0.5, 0.8}) {
-    const Vec3 expected = (1.0 - share) * (from * kCentre) + share * (to * kCentre);
-    EXPECT_LT((interpolate_pose(from, to, share, kCentre) * kCentre - expected).norm(), 1e-13);
+  for (const double fraction : {0.25, 0.5, 0.8}) {
+    const Vec3 expected = (1.0 - fraction) * (from * kCenter) + fraction * (to * kCenter);
+    EXPECT_LT((interpolate_pose(from, to, fraction, kCenter) * kCenter - expected).norm(), 1e-13);
   }
 }
 
@@ -71,7 +71,7 @@ TEST(InterpolatePose, TurnsSteadilyAboutOneAxis) {
   const Vec3 axis = Vec3(2.0, 1.0, 1.0).normalized();
   const RigidTransform from = some_pose(0.3 * axis);
   const RigidTransform to = some_pose(1.1 * axis);
-  const Vec3 half = rotation_vector(interpolate_pose(from, to, 0.5, kCentre).linear());
+  const Vec3 half = rotation_vector(interpolate_pose(from, to, 0.5, kCenter).linear());
   EXPECT_LT((half - 0.7 * axis).norm(), 1e-14);
 }
 
@@ -79,8 +79,8 @@ TEST(InterpolatePose, DoesNotDependOnTheFrameItIsSeenIn) {
   const RigidTransform from = some_pose({0.1, 0.7, 0.0});
   const RigidTransform to = some_pose({-0.4, 0.2, 0.6});
   const RigidTransform X_ML = rigid_motion({10.0, 0.0, -3.0}, {0.0, 1.0, 0.4}, Vec3::Zero());
-  const RigidTransform in_L = interpolate_pose(from, to, 0.3, kCentre);
-  const RigidTransform in_M = interpolate_pose(X_ML * from, X_ML * to, 0.3, kCentre);
+  const RigidTransform in_L = interpolate_pose(from, to, 0.3, kCenter);
+  const RigidTransform in_M = interpolate_pose(X_ML * from, X_ML * to, 0.3, kCenter);
   EXPECT_LT((in_M.matrix() - (X_ML * in_L).matrix()).norm(), 1e-13);
 }
 

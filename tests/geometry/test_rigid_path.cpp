@@ -20,12 +20,12 @@ RigidPath two_leg_path() {
                         {.at = 1.0,
                          .translation_mm = {0.0, -12.0, -5.0},
                          .rotation_rad = {0.2, 0.0, 0.0},
-                         .centre_L = {0.0, -60.0, -20.0}}},
+                         .center_L = {0.0, -60.0, -20.0}}},
           .steps = 12};
 }
 
 RigidTransform pose_of(const Keyframe& key) {
-  return rigid_motion(key.translation_mm, key.rotation_rad, key.centre_L);
+  return rigid_motion(key.translation_mm, key.rotation_rad, key.center_L);
 }
 
 TEST(RigidPath, StartsAtRestExactly) {
@@ -43,11 +43,11 @@ TEST(RigidPath, AShiftIsDoneInProportionToTheShare) {
   EXPECT_LT((pose_at(two_leg_path(), 0.1) * p_B - (p_B + Vec3(0.0, -1.5, 0.0))).norm(), 1e-13);
 }
 
-TEST(RigidPath, MovesTheLaterCentreStraightWhileItTurns) {
+TEST(RigidPath, MovesTheLaterCenterStraightWhileItTurns) {
   const RigidPath path = two_leg_path();
-  const Vec3 centre_B = path.keyframes[1].centre_L;
+  const Vec3 center_B = path.keyframes[1].center_L;
   const RigidTransform half_way = pose_at(path, 0.7);
-  EXPECT_LT((half_way * centre_B - (centre_B + Vec3(0.0, -9.0, -2.5))).norm(), 1e-13);
+  EXPECT_LT((half_way * center_B - (center_B + Vec3(0.0, -9.0, -2.5))).norm(), 1e-13);
   EXPECT_LT((rotation_vector(half_way.linear()) - Vec3(0.1, 0.0, 0.0)).norm(), 1e-14);
 }
 
@@ -61,8 +61,8 @@ TEST(RigidPath, LargestDisplacementIsThatOfTheFarthestPoint) {
   RigidPath path{.segment = "midface", .keyframes = {{.at = 1.0, .rotation_rad = {0.0, 0.0, 0.5}}}};
   const std::array<Vec3, 3> points_B{Vec3(1.0, 0.0, 0.0), Vec3(0.0, 8.0, 3.0), Vec3(2.0, 2.0, 0.0)};
   // A chord of the circle of radius 8 over a quarter of the angle.
-  EXPECT_NEAR(largest_displacement_mm(path, points_B, 0.5, 0.75), 16.0 * std::sin(0.0625), 1e-13);
-  EXPECT_EQ(largest_displacement_mm(path, {}, 0.0, 1.0), 0.0);
+  EXPECT_NEAR(max_displacement_mm(path, points_B, 0.5, 0.75), 16.0 * std::sin(0.0625), 1e-13);
+  EXPECT_EQ(max_displacement_mm(path, {}, 0.0, 1.0), 0.0);
 }
 
 TEST(CheckPath, AcceptsASoundPath) { EXPECT_TRUE(check_path(two_leg_path())); }
@@ -84,7 +84,7 @@ TEST(CheckPath, RefusesWhatCannotBeFollowedAndNamesIt) {
        {[](RigidPath& p) { p.keyframes[1].at = 0.9; }, "last keyframe is at 0.9"},
        {[](RigidPath& p) { p.keyframes[0].translation_mm.y() = kNan; },
         "keyframe 0: its translation"},
-       {[](RigidPath& p) { p.keyframes[1].centre_L.x() = kNan; }, "keyframe 1: its centre"},
+       {[](RigidPath& p) { p.keyframes[1].center_L.x() = kNan; }, "keyframe 1: its centre"},
        {[](RigidPath& p) { p.keyframes[1].rotation_rad.z() = 3.2; }, "half a turn"}}};
   for (const Case& c : cases) {
     RigidPath path = two_leg_path();

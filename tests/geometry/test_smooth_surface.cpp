@@ -1,5 +1,5 @@
 #include <lefort/core/parallel.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/smooth_surface.h>
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(SmoothSurface, TakesRoughnessAwayAndKeepsTheVolume) {
   EXPECT_EQ(smooth.triangles, rough.triangles);
 }
 
-/// The mean of neighbours alone would take 2 % off the volume by now.
+/// The mean of neighbors alone would take 2 % off the volume by now.
 TEST(SmoothSurface, DoesNotShrinkWhatIsSmooth) {
   const TriangleMesh sphere = test::make_icosphere(30.0, 4);
   const TriangleMesh smooth = smooth_surface(sphere, {.passes = 50});
@@ -44,7 +44,7 @@ TEST(SmoothSurface, DoesNotShrinkWhatIsSmooth) {
 
 TEST(SmoothSurface, NoVertexGoesFurtherThanAllowed) {
   const TriangleMesh box = test::make_box({0, 0, 0}, {10, 10, 1});
-  const TriangleMesh smooth = smooth_surface(box, {.passes = 100, .most_mm = 0.2});
+  const TriangleMesh smooth = smooth_surface(box, {.passes = 100, .max_mm = 0.2});
   double furthest_mm = 0.0;
   for (std::size_t v = 0; v < box.vertices.size(); ++v)
     furthest_mm = std::max(furthest_mm, (smooth.vertices[v] - box.vertices[v]).norm());

@@ -1,8 +1,8 @@
 /// \file
-/// The pseudonormal's sign where surfaces touch themselves: vertices with several fans of triangles,
-/// edges with four triangles.
+/// The pseudonormal's sign where surfaces touch themselves: vertices with several fans of
+/// triangles, edges with four triangles.
 #include <lefort/geometry/bvh.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/winding_number.h>
 
 #include <gtest/gtest.h>
@@ -56,8 +56,8 @@ TriangleMesh surface_of(const Blocks& blocks) {
 
 Blocks random_blocks(std::mt19937& random) {
   Blocks blocks;
-  const auto share = 1 + random() % 7;
-  for (int n = 0; n < kSide * kSide * kSide; ++n) blocks.filled.push_back(random() % 8 < share);
+  const auto fraction = 1 + random() % 7;
+  for (int n = 0; n < kSide * kSide * kSide; ++n) blocks.filled.push_back(random() % 8 < fraction);
   blocks.filled[13] = true;
   return blocks;
 }

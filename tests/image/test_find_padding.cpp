@@ -20,8 +20,8 @@ CtVolume round_scan(double view_mm, std::int16_t padding_hu, double head_mm = 60
     for (Index j = 0; j < 141; ++j)
       for (Index i = 0; i < 141; ++i) {
         const double r_mm = std::hypot(double(i - 70), double(j - 70));
-        const double share = std::clamp(0.5 + (head_mm - r_mm) / 3.0, 0.0, 1.0);
-        const double hu = -1000.0 + 1040.0 * share + double((7 * i + 5 * j + k) % 11);
+        const double fraction = std::clamp(0.5 + (head_mm - r_mm) / 3.0, 0.0, 1.0);
+        const double hu = -1000.0 + 1040.0 * fraction + double((7 * i + 5 * j + k) % 11);
         ct.values.push_back(r_mm > view_mm ? padding_hu : std::int16_t(std::lround(hu)));
       }
   return ct;
@@ -31,7 +31,7 @@ TEST(FindPadding, ARoundFieldOfViewAroundTheWholeHeadCutsNothing) {
   for (const std::int16_t hu : {std::int16_t(-2000), std::int16_t(-1024), std::int16_t(-1000)}) {
     const Padding padding = find_padding(round_scan(69.0, hu), kTissueHu);
     EXPECT_EQ(padding.hu, hu);
-    EXPECT_NEAR(padding.share, 1.0 - std::numbers::pi * 69.0 * 69.0 / (141.0 * 141.0), 0.01);
+    EXPECT_NEAR(padding.fraction, 1.0 - std::numbers::pi * 69.0 * 69.0 / (141.0 * 141.0), 0.01);
     EXPECT_EQ(padding.cut_mm2, 0.0);
   }
 }
@@ -47,12 +47,12 @@ TEST(FindPadding, AFieldOfViewWithinTheHeadCutsItAllAround) {
 
 TEST(FindPadding, AScanWithoutPaddingHasNone) {
   CtVolume ct = round_scan(200.0, 0);
-  EXPECT_LT(find_padding(ct, kTissueHu).share, 0.02);  // Of the grid's faces only.
+  EXPECT_LT(find_padding(ct, kTissueHu).fraction, 0.02);  // Of the grid's faces only.
   EXPECT_EQ(find_padding(ct, kTissueHu).cut_mm2, 0.0);
   // A head that fills the grid is cut off by the grid, which everybody sees.
   ct = round_scan(200.0, 0, 150.0);
   EXPECT_EQ(find_padding(ct, kTissueHu).cut_mm2, 0.0);
-  EXPECT_EQ(find_padding({}, kTissueHu).share, 0.0);
+  EXPECT_EQ(find_padding({}, kTissueHu).fraction, 0.0);
 }
 
 }  // namespace

@@ -30,15 +30,15 @@ Volume<T> sampled(const Grid& grid, const Function& f_L) {
   return volume;
 }
 
-/// Points among the outermost voxel centres.
+/// Points among the outermost voxel centers.
 std::vector<Vec3> points_within(const Grid& grid, int count) {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> share(0.0, 1.0);
+  std::uniform_real_distribution<double> fraction(0.0, 1.0);
   std::vector<Vec3> points_L;
   for (int n = 0; n < count; ++n) {
     Vec3 p_V;
     for (int a = 0; a < 3; ++a)
-      p_V[a] = share(random) * static_cast<double>(grid.size[static_cast<std::size_t>(a)] - 1);
+      p_V[a] = fraction(random) * static_cast<double>(grid.size[static_cast<std::size_t>(a)] - 1);
     points_L.push_back(grid.point_L(p_V));
   }
   return points_L;
@@ -54,14 +54,14 @@ TEST(Interpolate, IsExactForALinearFunctionOnAnObliqueGrid) {
   }
 }
 
-TEST(Interpolate, GivesTheVoxelAtItsCentre) {
+TEST(Interpolate, GivesTheVoxelAtItsCenter) {
   const Grid grid = oblique_grid();
   const auto volume = sampled<std::int16_t>(grid, [](const Vec3& p_L) { return 100.0 * p_L.x(); });
   for (Index k = 0; k < grid.size[2]; ++k)
     for (Index j = 0; j < grid.size[1]; ++j)
       for (Index i = 0; i < grid.size[0]; ++i) {
-        const Vec3 centre_V(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
-        EXPECT_NEAR(interpolate(volume, grid.point_L(centre_V), kOutside), volume.at(i, j, k),
+        const Vec3 center_V(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
+        EXPECT_NEAR(interpolate(volume, grid.point_L(center_V), kOutside), volume.at(i, j, k),
                     1e-9);
       }
 }
@@ -96,8 +96,8 @@ TEST(Interpolate, ABorderVoxelReachesHalfASpacingFurtherAndNoMore) {
       Vec3 border_V(1.0, 2.0, 3.0);
       border_V[a] = side < 0.0 ? 0.0 : last;
       const double value = interpolate(volume, grid.point_L(border_V), kOutside);
-      const auto beyond = [&](double share) -> Vec3 {
-        return grid.point_L(border_V + share * side * Vec3::Unit(a));
+      const auto beyond = [&](double fraction) -> Vec3 {
+        return grid.point_L(border_V + fraction * side * Vec3::Unit(a));
       };
       EXPECT_NEAR(interpolate(volume, beyond(0.499), kOutside), value, 1e-6);
       EXPECT_EQ(interpolate(volume, beyond(0.501), kOutside), kOutside);

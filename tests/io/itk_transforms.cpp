@@ -36,10 +36,10 @@ ItkPoint apply_itk_transform(const std::string& file, const ItkPoint& point) {
 }
 
 void write_itk_transform(const std::string& file, ItkKind kind, const ItkPoint& axis,
-                         double angle_rad, const ItkPoint& centre, const ItkPoint& translation) {
+                         double angle_rad, const ItkPoint& center, const ItkPoint& translation) {
   itk::TxtTransformIOFactory::RegisterOneFactory();
   const auto versor = Versor::New();
-  versor->SetCenter(itk::Point<double, 3>(centre.data()));
+  versor->SetCenter(itk::Point<double, 3>(center.data()));
   versor->SetRotation(as_vector(axis), angle_rad);
   versor->SetTranslation(as_vector(translation));
   const auto affine = Affine::New();

@@ -17,8 +17,8 @@ using ItkPoint = std::array<double, 3>;
 /// How a rigid transform is stored.
 enum class ItkKind { kVersor, kAffine };
 
-/// Writes a rotation about an axis and a centre, then a translation, as ITK does.
+/// Writes a rotation about an axis and a center, then a translation, as ITK does.
 void write_itk_transform(const std::string& file, ItkKind kind, const ItkPoint& axis,
-                         double angle_rad, const ItkPoint& centre, const ItkPoint& translation);
+                         double angle_rad, const ItkPoint& center, const ItkPoint& translation);
 
 }  // namespace lefort::test

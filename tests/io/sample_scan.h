@@ -42,7 +42,7 @@ inline void expect_same_in_patient(const image::CtVolume& found, const image::Ct
       for (Index i = 0; i < wanted.grid.size[0]; ++i) {
         const Vec3 p_L = wanted.grid.point_L(
             {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-        // Neighbours differ by 14 HU at least: a shift of 0.1 voxel would show.
+        // Neighbors differ by 14 HU at least: a shift of 0.1 voxel would show.
         ASSERT_NEAR(image::interpolate(found, p_L, -9999.0), wanted.at(i, j, k), 0.2)
             << i << ' ' << j << ' ' << k;
       }

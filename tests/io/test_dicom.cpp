@@ -500,8 +500,8 @@ TEST(Dicom, RunsOfSeveralDistancesAreResampled) {
   for (Index k = 0; k < 13; ++k)
     EXPECT_NEAR(found->ct.at(3, 2, k), 100.0 * 11.5 / 12.0 * double(k), 0.51);
   EXPECT_TRUE(has(found->warnings.at(0), "1 to 2.5 mm apart; they are resampled"));
-  EXPECT_EQ(found->stack->least_step_mm, 1.0);
-  EXPECT_EQ(found->stack->most_step_mm, 2.5);
+  EXPECT_EQ(found->stack->min_step_mm, 1.0);
+  EXPECT_EQ(found->stack->max_step_mm, 2.5);
 }
 
 TEST(Dicom, RunsThatAreTooShortTooWideOrWithoutTheirSlicesAreRefused) {
@@ -606,7 +606,7 @@ TEST(Dicom, AMissingSlopeIsAWarning) {
             std::vector<std::string>{"the files give no rescale slope, 1 was taken"});
 }
 
-TEST(Dicom, ASliceOnAnotherScaleThanItsNeighboursIsRefused) {
+TEST(Dicom, ASliceOnAnotherScaleThanItsNeighborsIsRefused) {
   const auto fresh = dicom_slices(sample_scan());
   auto slices = fresh;
   slices[3].intercept = "";

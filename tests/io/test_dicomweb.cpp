@@ -24,7 +24,7 @@ using test::OrthancServer;
 using test::TemporaryFolder;
 
 constexpr const char* kStudy = "1.2.826.0.1.3680043.2.1125.9";  // Of dicom_writer.
-const Credentials kWho{OrthancServer::kUser, OrthancServer::kPassword};
+const Credentials kCredentials{OrthancServer::kUser, OrthancServer::kPassword};
 
 bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -82,7 +82,7 @@ class OrthancTest : public ::testing::Test {
 
 TEST_F(OrthancTest, ImportsTheSameAsFromAFolderBitForBit) {
   const std::string study = pacs().address(std::string("/studies/") + kStudy);
-  const auto list = list_dicomweb(study, kWho);
+  const auto list = list_dicomweb(study, kCredentials);
   ASSERT_TRUE(list) << list.error().message;
   ASSERT_EQ(list->size(), 2U);
   for (const DicomSeriesInfo& series : *list) {
@@ -93,14 +93,15 @@ TEST_F(OrthancTest, ImportsTheSameAsFromAFolderBitForBit) {
   for (const int series : {1, 2}) {
     const auto wanted = read_dicom_series(pacs().folder.path(), series);
     ASSERT_TRUE(wanted) << wanted.error().message;
-    const auto found = read_dicomweb(study, kWho, series);
+    const auto found = read_dicomweb(study, kCredentials, series);
     ASSERT_TRUE(found) << found.error().message;
     EXPECT_EQ(found->ct.values, wanted->ct.values);
     EXPECT_EQ(found->ct.grid, wanted->ct.grid);
     EXPECT_EQ(found->source_kind, "DICOMweb");
     EXPECT_EQ(found->warnings, wanted->warnings);
   }
-  EXPECT_NE(read_dicomweb(study, kWho, 1)->ct.values, read_dicomweb(study, kWho, 2)->ct.values);
+  EXPECT_NE(read_dicomweb(study, kCredentials, 1)->ct.values,
+            read_dicomweb(study, kCredentials, 2)->ct.values);
 
   // The series in the address; user and password in it, too.
   const auto named = import_volume(
@@ -108,11 +109,11 @@ TEST_F(OrthancTest, ImportsTheSameAsFromAFolderBitForBit) {
                   "1.2.826.0.1.3680043.2.1125.1.2/",
                   pacs().server.port(), kStudy));
   ASSERT_TRUE(named) << named.error().message;
-  EXPECT_EQ(named->ct.values, read_dicomweb(study, kWho, 2)->ct.values);
+  EXPECT_EQ(named->ct.values, read_dicomweb(study, kCredentials, 2)->ct.values);
 }
 
 /// The error of reading from an address; checks what all of them have in common.
-Error error_of(const std::string& address, const Credentials& who = kWho, int series = 1,
+Error error_of(const std::string& address, const Credentials& who = kCredentials, int series = 1,
                const DicomWebLimits& limits = {}) {
   const auto result = read_dicomweb(address, who, series, Progress::none(), limits);
   if (result) {
@@ -137,10 +138,10 @@ TEST_F(OrthancTest, AWrongPasswordAnUnknownStudyAndAWrongChoiceAreToldInOneLine)
   EXPECT_EQ(unknown.code, ErrorCode::kFileNotFound);
   EXPECT_TRUE(has(unknown.message, "no such study")) << unknown.message;
   EXPECT_TRUE(has(error_of(study + "/series/1.2.3").message, "no such study or series"));
-  const Error choice = error_of(study, kWho, 0);
+  const Error choice = error_of(study, kCredentials, 0);
   EXPECT_EQ(choice.code, ErrorCode::kInvalidArgument);
   EXPECT_TRUE(has(choice.message, "1 = CT, 6 images; 2 = CT, 6 images")) << choice.message;
-  EXPECT_TRUE(has(error_of(study, kWho, 3).message, "there is no series 3"));
+  EXPECT_TRUE(has(error_of(study, kCredentials, 3).message, "there is no series 3"));
   EXPECT_EQ(error_of(pacs().address("x/studies/1.2")).code, ErrorCode::kFileNotFound);
 }
 
@@ -149,7 +150,7 @@ TEST_F(OrthancTest, AServerThatIsGoneIsToldInOneLine) {
   server.store(pacs().folder / "a");
   const std::string study =
       fmt::format("dicomweb://127.0.0.1:{}/dicom-web/studies/{}", server.port(), kStudy);
-  ASSERT_TRUE(read_dicomweb(study, kWho));
+  ASSERT_TRUE(read_dicomweb(study, kCredentials));
   server.stop();
   const Error gone = error_of(study);
   EXPECT_EQ(gone.code, ErrorCode::kFileNotFound);
@@ -290,8 +291,9 @@ TEST(DicomWeb, StopsListeningToAServerThatSendsTooMuch) {
                   "4194304 bytes in an image"));
   // Silence.
   server.images = [](httplib::Response&) { std::this_thread::sleep_for(std::chrono::seconds(3)); };
-  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.silence = std::chrono::seconds(1)}).message,
-                  "was lost"));
+  EXPECT_TRUE(
+      has(error_of(server.study(), {}, 0, {.idle_timeout = std::chrono::seconds(1)}).message,
+          "was lost"));
 }
 
 /// Sends `first`, and then `again` for as long as anybody listens, whatever it is asked for.
@@ -344,7 +346,7 @@ TEST(DicomWeb, HeadersWithoutEndAreRefused) {
             ErrorCode::kFileCorrupt);
 }
 
-TEST(DicomWeb, OtherServersAreToldApart) {
+TEST(DicomWeb, OtherServersAreDistinguished) {
   FakeServer server;
   for (const char* const list : {"<html>", "{}", "7", "[[[[", "\"\xff\"", "{\"a\": [1, 2"})
     EXPECT_TRUE(has((server.list = list, error_of(server.study()).message), "no list in JSON"))

@@ -78,8 +78,8 @@ class Samples {
 float exported(float sample, double band_mm) {
   const auto band = float(band_mm);
   if (std::isinf(sample)) return std::copysign(band, sample);
-  const float most = std::nextafter(band, 0.0F);
-  return std::clamp(sample, -most, most);
+  const float maximum = std::nextafter(band, 0.0F);
+  return std::clamp(sample, -maximum, maximum);
 }
 
 TEST(ExportField, OpenVdbReadsBackEverySampleBitForBit) {

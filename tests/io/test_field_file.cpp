@@ -176,7 +176,7 @@ TEST(FieldFile, IsLaidOutAsDocumented) {
   EXPECT_NEAR(code * 3.0 / 8388606, small_field().cell(p).corners[0], 1e-6);
 }
 
-TEST(FieldFile, TellsWhatItWasMadeOf) {
+TEST(FieldFile, ReportsWhatItWasMadeOf) {
   // One finding of each kind that a soup can have at once.
   geometry::TriangleMesh mesh = test::join(test::make_icosphere(9, 2), test::make_sheet(4, 1));
   std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
@@ -188,11 +188,11 @@ TEST(FieldFile, TellsWhatItWasMadeOf) {
   const field::FieldSource& source = *field.source();
   EXPECT_EQ(source.triangles, 320 + 2);
   EXPECT_EQ(source.parts, 2);
-  EXPECT_EQ(source.report.turned_triangles, 1);
+  EXPECT_EQ(source.report.flipped_triangles, 1);
   EXPECT_EQ(source.report.collapsed_triangles, 1);
   EXPECT_EQ(source.report.repeated_triangles, 1);
   EXPECT_EQ(source.report.repeated_vertices, 1);
-  EXPECT_EQ(source.report.rim_edges, 4);
+  EXPECT_EQ(source.report.boundary_edges, 4);
 
   std::string bytes = encode_field(field);
   EXPECT_EQ(decode(bytes)->source(), field.source());
@@ -202,7 +202,7 @@ TEST(FieldFile, TellsWhatItWasMadeOf) {
   for (std::size_t n = 0; n < findings.size(); ++n)
     EXPECT_EQ(value_at<std::uint32_t>(bytes, kFindingsAt + 4 * n), findings[n]) << n;
   for (std::uint32_t n = 0; n < 8; ++n) bytes = with(bytes, kFindingsAt + 4 * n, n + 1);
-  EXPECT_EQ(decode(bytes)->source()->report, (field::SurfaceReport{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(decode(bytes)->source()->report, (field::MeshRepairReport{1, 2, 3, 4, 5, 6, 7, 8}));
 
   // Files from before this was told hold zeros there.
   std::memset(bytes.data() + kFindingsAt, 0, 64);
@@ -517,9 +517,9 @@ TEST(FieldFile, RefusesBricksOutOfOrderAndValuesThatAreNone) {
   for (const float bad : {std::numeric_limits<float>::infinity(), 1e30F, -1e30F})
     EXPECT_TRUE(has(complaint(with(good, values, bad)), "smooth value 0 is"));
   const field::FieldFrame& frame = small_octree().frame();
-  const auto most_mm = float(frame.band_mm + 4.5 * frame.cell_mm);
-  EXPECT_TRUE(decode(with(good, values, most_mm)));
-  EXPECT_TRUE(has(complaint(with(good, values, 1.001F * most_mm)), "smooth value 0 is"));
+  const auto max_mm = float(frame.band_mm + 4.5 * frame.cell_mm);
+  EXPECT_TRUE(decode(with(good, values, max_mm)));
+  EXPECT_TRUE(has(complaint(with(good, values, 1.001F * max_mm)), "smooth value 0 is"));
   // Beyond the band there are no distances.
   EXPECT_TRUE(has(complaint(with(good, samples + 4, 3.0001F)), "sample 1 is 3.0001"));
   const std::string dense = encode_field(small_fields()[4]);

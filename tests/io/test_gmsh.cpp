@@ -123,9 +123,10 @@ TEST(Gmsh, NamesElementTypesThatAreNotSolvedWith) {
       "elements of Gmsh type 12 (27-node hexahedron) are not solved with; quadratic ones must "
       "have nodes on their edges alone, Mesh.SecondOrderIncomplete = 1");
   for (const char* pyramid : {"3 1 14 1", "3 1 19 1"}) {
-    const std::string told = refusal(replaced(kOneTet, "3 1 4 1", pyramid), code);
-    EXPECT_NE(told.find("with pyramids must be linear, Mesh.ElementOrder = 1"), std::string::npos)
-        << told;
+    const std::string reported = refusal(replaced(kOneTet, "3 1 4 1", pyramid), code);
+    EXPECT_NE(reported.find("with pyramids must be linear, Mesh.ElementOrder = 1"),
+              std::string::npos)
+        << reported;
   }
   const std::string cubic = refusal(replaced(kOneTet, "3 1 4 1", "3 1 29 1"), code);
   EXPECT_NE(cubic.find("order must be 2 at most"), std::string::npos) << cubic;
@@ -178,8 +179,8 @@ TEST(Gmsh, RefusesNamedGroupsThatHoldNothing) {
   std::string text = test::gmsh_file(some_meshes()[0], GmshForm::kText);
   const std::size_t from = text.find("$Entities"), to = text.find("$Nodes");
   text.erase(from, to - from);
-  const std::string told = refusal(text, ErrorCode::kMeshInvalid);
-  EXPECT_EQ(told.substr(0, 25), "it names physical groups,") << told;
+  const std::string reported = refusal(text, ErrorCode::kMeshInvalid);
+  EXPECT_EQ(reported.substr(0, 25), "it names physical groups,") << reported;
   const std::size_t names = text.find("$PhysicalNames");
   text.erase(names, text.find("$Nodes") - names);
   EXPECT_TRUE(read_bytes(text));  // One region, no set: nothing was promised.

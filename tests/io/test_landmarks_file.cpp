@@ -83,7 +83,7 @@ TEST(LandmarksFile, AnotherEndingIsRefusedAndNothingIsWritten) {
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-TEST(CephalometricCsv, TellsBeforeAfterAndChange) {
+TEST(CephalometricCsv, ReportsBeforeAfterAndChange) {
   const std::array<plan::Measurement, 2> before{
       {{"SNA", "a, b", "deg", 80.0}, {"SNB", "", "deg", {}}}};
   std::array<plan::Measurement, 2> after = before;

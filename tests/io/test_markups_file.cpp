@@ -108,14 +108,14 @@ TEST(MarkupsFile, MessagesNameTheFile) {
             std::string::npos);
 }
 
-TEST(MarkupsFile, APlaneIsToldByItsCentreNormalAndSize) {
+TEST(MarkupsFile, APlaneIsToldByItsCenterNormalAndSize) {
   const auto markups = parse_markups(R"({"markups": [{"type": "Plane", "coordinateSystem": "RAS",
     "center": [10, 20, 30], "normal": [0, 0, 5], "size": [8, 6, 0],
     "orientation": [0, -1, 0, 1, 0, 0, 0, 0, 1]}]})");
   ASSERT_TRUE(markups) << markups.error().message;
   const auto& plane = markups->front().plane;
   ASSERT_TRUE(plane);
-  EXPECT_EQ(plane->centre_L, Vec3(-10, -20, 30));
+  EXPECT_EQ(plane->center_L, Vec3(-10, -20, 30));
   EXPECT_EQ(plane->normal_L, Vec3(0, 0, 1));
   EXPECT_EQ(plane->across_L, Vec3(0, -1, 0)) << "the first column, in L";
   EXPECT_EQ(plane->width_mm, 8.0);

@@ -55,22 +55,22 @@ TEST(PlanFile, EveryKeyArrives) {
   ASSERT_EQ(plan.segments[0].osteotomy.planes.size(), 1U);
   EXPECT_EQ(plan.segments[0].osteotomy.planes[0].point_L, Vec3(1.0, 2.0, 3.0));
   EXPECT_EQ(plan.segments[0].osteotomy.planes[0].normal_L, Vec3(0.0, -1.0, 0.0));
-  EXPECT_EQ(plan.segments[0].cut.smallest_piece_ml, 0.25);
-  EXPECT_EQ(plan.segments[0].cut.smallest_piece_share, 0.125);
+  EXPECT_EQ(plan.segments[0].cut.min_piece_ml, 0.25);
+  EXPECT_EQ(plan.segments[0].cut.min_piece_fraction, 0.125);
   EXPECT_EQ(plan.segments[0].path.steps, 7);
   ASSERT_EQ(plan.segments[0].path.keyframes.size(), 2U);
   EXPECT_EQ(plan.segments[0].path.keyframes[1].translation_mm, Vec3(0.0, -6.0, -1.0));
   EXPECT_NEAR(plan.segments[0].path.keyframes[1].rotation_rad.z(), std::numbers::pi / 2.0, 1e-15);
-  EXPECT_EQ(plan.segments[0].path.keyframes[1].centre_L, Vec3(4.0, 5.0, 6.0));
+  EXPECT_EQ(plan.segments[0].path.keyframes[1].center_L, Vec3(4.0, 5.0, 6.0));
   EXPECT_NEAR(plan.tissue.young_mpa, 0.02, 1e-15);
   EXPECT_EQ(plan.tissue.poisson, 0.4);
   EXPECT_EQ(plan.tissue.element_size_mm, 3.0);
-  EXPECT_EQ(plan.boundary.moved_bone, predict::MovedBone::kAttached);
-  EXPECT_EQ(plan.boundary.scan_edge, predict::ScanEdge::kFixed);
-  EXPECT_EQ(plan.boundary.release_mm, 5.0);
+  EXPECT_EQ(plan.boundary.segment_interface, predict::SegmentInterface::kBonded);
+  EXPECT_EQ(plan.boundary.scan_boundary, predict::ScanBoundary::kFixed);
+  EXPECT_EQ(plan.boundary.elevation_margin_mm, 5.0);
   EXPECT_EQ(plan.boundary_labels, std::filesystem::path("/cases/one/painted.seg.nrrd"));
   EXPECT_EQ(plan.contact.stiffness_factor, 30.0);
-  EXPECT_EQ(plan.contact.detection, contact::Detection::kBvh);
+  EXPECT_EQ(plan.contact.detection, contact::DetectionMethod::kBvh);
   EXPECT_EQ(plan.contact.integration, contact::Integration::kNodes);
   EXPECT_EQ(plan.contact.penetration_tolerance_mm, 0.05);
   EXPECT_EQ(plan.field.resolution, 64);
@@ -87,10 +87,10 @@ TEST(PlanFile, WhatIsNotSaidHasItsDefault) {
   EXPECT_FALSE(plan.ct);
   EXPECT_FALSE(plan.boundary_labels);
   EXPECT_EQ(plan.tissue.poisson, predict::TissueOptions{}.poisson);
-  EXPECT_EQ(plan.boundary.moved_bone, predict::MovedBone::kContact);
+  EXPECT_EQ(plan.boundary.segment_interface, predict::SegmentInterface::kSliding);
 }
 
-TEST(PlanFile, MucosaAndLipsAndNoseAreThereOnlyIfTheyAreAskedFor) {
+TEST(PlanFile, MucosaAndLipsAndNoseAreThereOnlyIfTheyAreRequested) {
   Json json = good_plan();
   const auto tissue = [&] { return parse_plan(json.dump(), ".").value().tissue; };
   EXPECT_FALSE(tissue().mucosa);
@@ -115,7 +115,7 @@ TEST(PlanFile, MucosaAndLipsAndNoseAreThereOnlyIfTheyAreAskedFor) {
             std::string::npos);
 }
 
-TEST(PlanFile, MuscleIsThereOnlyIfItIsAskedForAndHasAMaterial) {
+TEST(PlanFile, MuscleIsThereOnlyIfItIsRequestedAndHasAMaterial) {
   Json json = good_plan();
   EXPECT_FALSE(parse_plan(json.dump(), ".").value().tissue.muscle);
   json["tissue"]["muscle"] = {
@@ -133,7 +133,7 @@ TEST(PlanFile, MuscleIsThereOnlyIfItIsAskedForAndHasAMaterial) {
             std::string::npos);
 }
 
-TEST(PlanFile, SkinIsThereOnlyIfItIsAskedFor) {
+TEST(PlanFile, SkinIsThereOnlyIfItIsRequested) {
   Json json = good_plan();
   EXPECT_FALSE(parse_plan(json.dump(), ".").value().tissue.skin);
   json["tissue"]["skin"] = Json::object();
@@ -201,7 +201,7 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
   EXPECT_EQ(maxilla_from, "");
   EXPECT_FALSE(is_distracted);
   EXPECT_EQ(maxilla_path.interpolation, geometry::Interpolation::kScrew);
-  EXPECT_EQ(maxilla_path.keyframes[0].centre_L, Vec3(0, -25, -28));
+  EXPECT_EQ(maxilla_path.keyframes[0].center_L, Vec3(0, -25, -28));
   EXPECT_LT((maxilla_path.keyframes[1].translation_mm - Vec3(0, -5, 0)).norm(), 1e-9);
   EXPECT_EQ(maxilla_path.keyframes[1].at, 1.0);
 
@@ -209,9 +209,9 @@ TEST(PlanFile, SegmentsAreCutAndMovedInEveryWay) {
   EXPECT_EQ(right.from, "maxilla");
   EXPECT_EQ(right.osteotomy.curves[0].direction_L, Vec3(-1, 0, 0));
   EXPECT_EQ(right.osteotomy.curves[0].depth_mm, 12.0);
-  EXPECT_EQ(right.osteotomy.also.size(), 1U);
-  ASSERT_EQ(right.osteotomy.holds_L.size(), 2U);
-  EXPECT_EQ(right.osteotomy.holds_L[0], Vec3(0, -70, -25));
+  EXPECT_EQ(right.osteotomy.additional_regions.size(), 1U);
+  ASSERT_EQ(right.osteotomy.anchor_points_L.size(), 2U);
+  EXPECT_EQ(right.osteotomy.anchor_points_L[0], Vec3(0, -70, -25));
   EXPECT_TRUE(right.is_distracted);
   EXPECT_EQ(right.path.steps, 8);
   EXPECT_EQ(right.path.keyframes[0].translation_mm, Vec3(0, -4, 0));
@@ -242,7 +242,7 @@ TEST(PlanFile, NamedFilesAreReadFromThePlansFolder) {
   ASSERT_TRUE(plan) << plan.error().message;
   const plan::PlannedSegment& segment = plan->segments[0];
   EXPECT_LT((segment.path.keyframes[0].translation_mm - Vec3(0, -10, 0)).norm(), 1e-12);
-  EXPECT_EQ(segment.path.keyframes[0].centre_L, Vec3(1, 2, 3));
+  EXPECT_EQ(segment.path.keyframes[0].center_L, Vec3(1, 2, 3));
   EXPECT_EQ(segment.osteotomy.curves[0].points_L[1], Vec3(-9, 0, 0));
   std::filesystem::remove(folder / "move.tfm");
   const auto missing = read_plan(folder / "plan.json");
@@ -307,7 +307,7 @@ TEST(PlanFile, PlanesMayComeFromSlicer) {
   refuse({{"point_mm", {0, 0, 0}}}, "must have either point_mm and towards_segment, or file");
 }
 
-/// Slicer's centre is the scan's origin; a pitch there would be told as a shift of the maxilla.
+/// Slicer's center is the scan's origin; a pitch there would be told as a shift of the maxilla.
 TEST(PlanFile, ATransformIsAboutWhatTheSegmentHolds) {
   const test::TemporaryFolder folder;
   const RigidTransform X_LB = geometry::rigid_motion(Vec3::Zero(), {0.17, 0, 0}, {0, 60, 20});
@@ -323,7 +323,7 @@ TEST(PlanFile, ATransformIsAboutWhatTheSegmentHolds) {
   const auto plan = parse_plan(json.dump(), folder.path());
   ASSERT_TRUE(plan) << plan.error().message;
   const geometry::Keyframe& key = plan->segments[0].path.keyframes[0];
-  EXPECT_EQ(key.centre_L, Vec3(0, 60, 20));
+  EXPECT_EQ(key.center_L, Vec3(0, 60, 20));
   EXPECT_LT(key.translation_mm.norm(), 1e-12);
   EXPECT_LT((geometry::pose_at(plan->segments[0].path, 1.0).matrix() - X_LB.matrix()).norm(),
             1e-12);

@@ -181,7 +181,7 @@ TEST(SegmentationFile, MuscleWinsOverSoftTissueAndNothingElseWhateverTheLayers) 
   both("brain", Tissue::kBrain);
 }
 
-TEST(SegmentationFile, TellsOfVoxelsWhoseSegmentIsNoTissue) {
+TEST(SegmentationFile, ReportsOfVoxelsWhoseSegmentIsNoTissue) {
   const TemporaryFolder folder;
   class Notes : public Progress {
    public:
@@ -214,7 +214,7 @@ TEST(SegmentationFile, RefusesLabelsThatLieBetweenTheVoxelsOfTheScan) {
   }
 }
 
-TEST(SegmentationFile, RefusesLabelsBesideTheScanAndTellsOfThoseThatReachBeyondIt) {
+TEST(SegmentationFile, RefusesLabelsBesideTheScanAndReportsOfThoseThatReachBeyondIt) {
   const TemporaryFolder folder;
   const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
   class Notes : public Progress {

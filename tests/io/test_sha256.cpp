@@ -24,7 +24,7 @@ TEST(Sha256, OfAFileIsWhatSha256sumTells) {
   EXPECT_EQ(sha256_of_file(folder / "none").error().code, ErrorCode::kFileNotFound);
 }
 
-TEST(Sha256, TellsWhereOneTextEndsAndTheNextBegins) {
+TEST(Sha256, ReportsWhereOneTextEndsAndTheNextBegins) {
   EXPECT_NE(Sha256().add("ab").add("c").hex(), Sha256().add("a").add("bc").hex());
   EXPECT_EQ(Sha256().add("ab").add("c").hex(), Sha256().add("ab").add("c").hex());
 }

@@ -82,7 +82,7 @@ TEST(SlicerFiles, WhatAnotherProgramPaintsComesBackAndTheRestIsAsItWas) {
   for (Tissue& label : labels.values)
     if (label == Tissue::kMuscle) label = Tissue::kSoftTissue;
   ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", labels));
-  const Vec3 centre_L = labels.grid.point_L(Vec3(3.0, 2.0, 2.0));
+  const Vec3 center_L = labels.grid.point_L(Vec3(3.0, 2.0, 2.0));
   constexpr double kRadius_mm = 1.5;
   const auto paint = [&](const std::string& source, const std::string& target,
                          const std::string& how) {
@@ -92,7 +92,7 @@ TEST(SlicerFiles, WhatAnotherProgramPaintsComesBackAndTheRestIsAsItWas) {
     return std::system(command.c_str()) == 0;
   };
   const std::string ball =
-      fmt::format(" --ball {} {} {} {}", centre_L.x(), centre_L.y(), centre_L.z(), kRadius_mm);
+      fmt::format(" --ball {} {} {} {}", center_L.x(), center_L.y(), center_L.z(), kRadius_mm);
   ASSERT_TRUE(paint("a.seg.nrrd", "b.seg.nrrd", "muscle --only \"soft tissue\"" + ball));
   const auto found = read_segmentation(folder / "b.seg.nrrd", labels.grid);
   ASSERT_TRUE(found) << found.error().message;
@@ -101,7 +101,7 @@ TEST(SlicerFiles, WhatAnotherProgramPaintsComesBackAndTheRestIsAsItWas) {
     const auto [nx, ny, nz] = labels.grid.size;
     const Vec3 p_L =
         labels.grid.point_L(Vec3(double(v % nx), double(v / nx % ny), double(v / (nx * ny))));
-    const bool is_in = (p_L - centre_L).norm() <= kRadius_mm;
+    const bool is_in = (p_L - center_L).norm() <= kRadius_mm;
     const Tissue before = labels.values[std::size_t(v)], after = found->values[std::size_t(v)];
     EXPECT_EQ(after, is_in && before == Tissue::kSoftTissue ? Tissue::kMuscle : before) << v;
     painted += after == Tissue::kMuscle;
@@ -112,8 +112,8 @@ TEST(SlicerFiles, WhatAnotherProgramPaintsComesBackAndTheRestIsAsItWas) {
   // A boundary of two labels, on the grid of the labels.
   ASSERT_TRUE(paint("a.seg.nrrd", "c.seg.nrrd", "fixed --empty" + ball));
   ASSERT_TRUE(paint("c.seg.nrrd", "c.seg.nrrd",
-                    fmt::format("\"with segment\" --ball {} {} {} 0.1", centre_L.x(), centre_L.y(),
-                                centre_L.z())));
+                    fmt::format("\"with segment\" --ball {} {} {} 0.1", center_L.x(), center_L.y(),
+                                center_L.z())));
   const auto boundary = read_boundary_labels(folder / "c.seg.nrrd", labels.grid);
   ASSERT_TRUE(boundary) << boundary.error().message;
   EXPECT_EQ(boundary->at(3, 2, 2), predict::BoundaryLabel::kWithSegment);

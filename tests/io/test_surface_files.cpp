@@ -285,7 +285,7 @@ TEST(SurfaceFiles, NoCountInAHeaderIsBelieved) {
 }
 
 /// A surface whose points are `count` zeros in one block of zlib, `copies` times.
-std::string vtp_of_zeros(std::size_t count, int copies, bool shares) {
+std::string vtp_of_zeros(std::size_t count, int copies, bool fractions) {
   const std::string zeros(count, '\0');
   std::string packed(count / 500 + 1000, '\0');
   uLongf length = packed.size();
@@ -297,7 +297,7 @@ std::string vtp_of_zeros(std::size_t count, int copies, bool shares) {
   std::string pieces;
   for (int n = 0; n < copies; ++n) {
     pieces += "<Piece><Points><DataArray type=\"Int8\" format=\"appended\" offset=\"" +
-              std::to_string(shares ? 0 : data.size()) + "\"/></Points></Piece>";
+              std::to_string(fractions ? 0 : data.size()) + "\"/></Points></Piece>";
     for (const std::size_t size : {std::size_t(1), count, std::size_t(0), packed.size()})
       data.append(reinterpret_cast<const char*>(&size), 4);
     data += packed;

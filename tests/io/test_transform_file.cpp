@@ -49,7 +49,7 @@ TEST(TransformFile, ItkReadsWhatWeWriteAndUndoesTheMotion) {
   EXPECT_LT((ours->matrix() - X.matrix()).norm(), 1e-12);
 }
 
-TEST(TransformFile, WhatItkWritesWithACentreIsReadAsItkAppliesIt) {
+TEST(TransformFile, WhatItkWritesWithACenterIsReadAsItkAppliesIt) {
   const test::TemporaryFolder folder;
   const std::string file = (folder / "itk.tfm").string();
   for (const test::ItkKind kind : {test::ItkKind::kVersor, test::ItkKind::kAffine}) {

@@ -201,7 +201,7 @@ TEST(ReadVtu, GivesBackEveryShapeNodeAndRegion) {
 }
 
 /// VTK's own writer, compressed, as ParaView saves.
-TEST(ReadVtu, TakesRegionsFromTheArrayThatIsAskedFor) {
+TEST(ReadVtu, TakesRegionsFromTheArrayThatIsRequested) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = mesh::make_box(ElementShape::kHex8, {3, 1, 1}, {3, 1, 1});
   const std::vector<double> material{4, 5, 4};

@@ -40,7 +40,7 @@ namespace lefort::test {
 [[nodiscard]] inline linear::SparseMatrix block_stiffness(
     int cells, double poisson, mesh::ElementShape shape = mesh::ElementShape::kTet4) {
   mesh::VolumeMesh mesh = box_mesh({.cells = {cells, cells, cells}, .shape = shape});
-  auto held = fem::fix(mesh.node_sets.at("x0"));
+  auto held = fem::prescribe_zero(mesh.node_sets.at("x0"));
   const Body body(std::move(mesh), {{0, fem::NeoHookean::from_young_poisson(1.0, poisson).value()}},
                   std::move(held));
   return body.assembler.tangent(body.at_rest());

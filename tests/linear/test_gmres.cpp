@@ -24,7 +24,7 @@ TEST(Gmres, SolvesWithoutSymmetryByTheSymmetricPart) {
   const Eigen::LLT<Eigen::MatrixXd> factor(K);
   const VectorX b = VectorX::LinSpaced(kSize, -1.0, 2.0);
   int products = 0;
-  const auto solve = [&](double tolerance, int most) {
+  const auto solve = [&](double tolerance, int maximum) {
     products = 0;
     return solve_by_gmres(
         [&](const VectorX& x) {
@@ -32,7 +32,7 @@ TEST(Gmres, SolvesWithoutSymmetryByTheSymmetricPart) {
           return VectorX(A * x);
         },
         [&](const VectorX& r) { return std::optional<VectorX>(factor.solve(r)); }, b, tolerance,
-        most);
+        maximum);
   };
   const auto rough = solve(1e-3, kSize);
   ASSERT_TRUE(rough.has_value());

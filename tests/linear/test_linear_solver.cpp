@@ -23,10 +23,10 @@ SparseMatrix lower(const Eigen::MatrixXd& A) { return test::lower_triangle(A); }
 
 VectorX right_side() { return VectorX::LinSpaced(kSize, -1.0, 2.0); }
 
-TEST(LinearSolver, SolvesLikeADenseFactorisation) {
+TEST(LinearSolver, SolvesLikeADenseFactorization) {
   const Eigen::MatrixXd A = example(1);
   LinearSolver solver;
-  ASSERT_EQ(solver.factorise(lower(A)), Factorisation::kDone);
+  ASSERT_EQ(solver.factorize(lower(A)), LinearSolveStatus::kDone);
   EXPECT_GT(solver.statistics().factor_entries, double(kSize));
   const VectorX x = A.llt().solve(right_side());
   EXPECT_LT((*solver.solve(right_side()) - x).norm(), 1e-11 * x.norm());
@@ -37,7 +37,7 @@ TEST(LinearSolver, TakesNewValuesAndNewPatterns) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Eigen::MatrixXd A = example(seed);
     for (const double factor : {1.0, 2.0}) {
-      ASSERT_EQ(solver.factorise(lower(factor * A)), Factorisation::kDone);
+      ASSERT_EQ(solver.factorize(lower(factor * A)), LinearSolveStatus::kDone);
       EXPECT_LT((factor * A * *solver.solve(right_side()) - right_side()).norm(), 1e-10);
     }
   }
@@ -46,10 +46,10 @@ TEST(LinearSolver, TakesNewValuesAndNewPatterns) {
 TEST(LinearSolver, SaysWhenTheMatrixIsNotPositiveDefinite) {
   const Eigen::MatrixXd A = example(1) - 1.0 * Eigen::MatrixXd::Identity(kSize, kSize);
   LinearSolver solver;
-  ASSERT_EQ(solver.factorise(lower(A)), Factorisation::kNotPositiveDefinite);
+  ASSERT_EQ(solver.factorize(lower(A)), LinearSolveStatus::kNotPositiveDefinite);
   EXPECT_THROW((void)solver.solve(right_side()), LogicError);
   const Eigen::MatrixXd shifted = A + 2.0 * Eigen::MatrixXd::Identity(kSize, kSize);
-  ASSERT_EQ(solver.factorise(lower(shifted)), Factorisation::kDone);
+  ASSERT_EQ(solver.factorize(lower(shifted)), LinearSolveStatus::kDone);
   EXPECT_LT((shifted * *solver.solve(right_side()) - right_side()).norm(), 1e-10);
 }
 
@@ -61,34 +61,34 @@ TEST(LinearSolver, ASingularMatrixIsNotPositiveDefinite) {
   sparse.coeffRef(7, 7) = 0.0;
   sparse.makeCompressed();
   LinearSolver solver;
-  EXPECT_EQ(solver.factorise(sparse), Factorisation::kNotPositiveDefinite);
+  EXPECT_EQ(solver.factorize(sparse), LinearSolveStatus::kNotPositiveDefinite);
   sparse.coeffRef(7, 7) = 1e-18;  // Positive, but nothing beside the others.
-  EXPECT_EQ(solver.factorise(sparse), Factorisation::kNotPositiveDefinite);
+  EXPECT_EQ(solver.factorize(sparse), LinearSolveStatus::kNotPositiveDefinite);
 }
 
 TEST(LinearSolver, RefusesNaN) {
   Eigen::MatrixXd A = example(1);
   A(5, 5) = std::numeric_limits<double>::quiet_NaN();
   LinearSolver solver;
-  EXPECT_EQ(solver.factorise(lower(A)), Factorisation::kNotFinite);
+  EXPECT_EQ(solver.factorize(lower(A)), LinearSolveStatus::kNotFinite);
 }
 
 TEST(LinearSolver, AWrongCallIsABug) {
   LinearSolver solver;
   EXPECT_EQ(solver.statistics().factor_entries, 0.0);
   EXPECT_THROW((void)solver.solve(right_side()), LogicError);
-  EXPECT_THROW((void)solver.factorise(SparseMatrix(2, 3)), LogicError);
+  EXPECT_THROW((void)solver.factorize(SparseMatrix(2, 3)), LogicError);
 }
 
 TEST(LinearSolver, SaysWhenMemoryRunsOut) {
   LinearSolver solver(test::little_memory());
-  EXPECT_EQ(solver.factorise(lower(example(1))), Factorisation::kOutOfMemory);
+  EXPECT_EQ(solver.factorize(lower(example(1))), LinearSolveStatus::kOutOfMemory);
   EXPECT_THROW((void)solver.solve(right_side()), LogicError);
 }
 
 TEST(LinearSolver, CanBeMoved) {
   LinearSolver first;
-  ASSERT_EQ(first.factorise(lower(example(1))), Factorisation::kDone);
+  ASSERT_EQ(first.factorize(lower(example(1))), LinearSolveStatus::kDone);
   const VectorX x = first.solve(right_side()).value();
   LinearSolver second = std::move(first);
   EXPECT_EQ(second.solve(right_side()).value(), x);
@@ -113,7 +113,7 @@ class Cube {
  private:
   static test::Body make_body(int cells, double poisson) {
     mesh::VolumeMesh mesh = test::box_mesh({.cells = {cells, cells, cells}});
-    auto held = fem::fix(mesh.node_sets.at("x0"));
+    auto held = fem::prescribe_zero(mesh.node_sets.at("x0"));
     return {std::move(mesh),
             {{0, fem::NeoHookean::from_young_poisson(1.0, poisson).value()}},
             std::move(held)};
@@ -121,7 +121,7 @@ class Cube {
   test::Body body_;
 };
 
-constexpr LinearSolverOptions kLagged{.kind = LinearSolverKind::kLagged};
+constexpr LinearSolverOptions kReusedFactor{.kind = LinearSolverKind::kReusedFactor};
 constexpr LinearSolverOptions kMultigrid{.kind = LinearSolverKind::kMultigrid};
 
 VectorX some_forces(Index size) {
@@ -132,7 +132,7 @@ VectorX some_forces(Index size) {
 TEST(LinearSolver, AllKindsFindTheSame) {
   const Cube cube(12);
   LinearSolver direct = cube.solver({.kind = LinearSolverKind::kDirect});
-  LinearSolver lagged = cube.solver(kLagged), multigrid = cube.solver(kMultigrid);
+  LinearSolver lagged = cube.solver(kReusedFactor), multigrid = cube.solver(kMultigrid);
   for (const double stretch : {0.0, 0.02, 0.04}) {
     const SparseMatrix A = cube.tangent(stretch);
     const VectorX b = some_forces(A.cols());
@@ -145,7 +145,7 @@ TEST(LinearSolver, AllKindsFindTheSame) {
     }
   }
   EXPECT_EQ(multigrid.kind(), LinearSolverKind::kMultigrid);
-  EXPECT_EQ(multigrid.statistics().analyses, 1);
+  EXPECT_EQ(multigrid.statistics().analyzes, 1);
   EXPECT_GT(multigrid.statistics().iterations, 0);
 }
 
@@ -159,19 +159,19 @@ SparseMatrix unevenly_scaled(SparseMatrix A) {
 
 TEST(LinearSolver, LaggedKeepsAFactorWhileItServes) {
   const Cube cube(10);
-  LinearSolver solver = cube.solver(kLagged);
+  LinearSolver solver = cube.solver(kReusedFactor);
   const VectorX b = some_forces(cube.tangent(0.0).cols());
   ASSERT_TRUE(solver.solve(cube.tangent(0.0), b).has_value());
   EXPECT_EQ(solver.statistics().iterations, 0);  // With its own factor there is nothing to iterate.
   ASSERT_TRUE(solver.solve(cube.tangent(0.01), b, 1e-4).has_value());
-  EXPECT_EQ(solver.statistics().factorisations, 1);
+  EXPECT_EQ(solver.statistics().factorizations, 1);
   EXPECT_GT(solver.statistics().iterations, 0);
   // In the end a new factor serves.
   const SparseMatrix far = unevenly_scaled(cube.tangent(0.0));
   const auto x = solver.solve(far, b);
   ASSERT_TRUE(x.has_value());
   EXPECT_LT((far.selfadjointView<Eigen::Lower>() * *x - b).norm(), 1e-9 * b.norm());
-  EXPECT_EQ(solver.statistics().factorisations, 2);
+  EXPECT_EQ(solver.statistics().factorizations, 2);
 }
 
 TEST(LinearSolver, MultigridKeepsItsHierarchyWhileItServes) {
@@ -186,13 +186,13 @@ TEST(LinearSolver, MultigridKeepsItsHierarchyWhileItServes) {
   const int iterations = solver.statistics().iterations;
   for (const double stretch : {0.02, 0.04, 0.06})
     EXPECT_LT(residual(cube.tangent(stretch)), 1.01e-8);
-  EXPECT_EQ(solver.statistics().factorisations, 1);
+  EXPECT_EQ(solver.statistics().factorizations, 1);
   EXPECT_LT(solver.statistics().iterations, 5 * iterations);
   // Far away the old one still leads to the solution, but slowly: the next time there is a new one.
   const SparseMatrix far = unevenly_scaled(cube.tangent(0.0));
   EXPECT_LT(residual(far), 1.01e-8);
   EXPECT_LT(residual(far), 1.01e-8);
-  EXPECT_EQ(solver.statistics().factorisations, 2);
+  EXPECT_EQ(solver.statistics().factorizations, 2);
 }
 
 TEST(LinearSolver, IterationsSeeWhatIsIndefinite) {
@@ -201,12 +201,12 @@ TEST(LinearSolver, IterationsSeeWhatIsIndefinite) {
   SparseMatrix indefinite = A;
   indefinite.diagonal() *= 0.5;
   const VectorX b = some_forces(A.cols());
-  for (const LinearSolverOptions& options : {kLagged, kMultigrid}) {
+  for (const LinearSolverOptions& options : {kReusedFactor, kMultigrid}) {
     LinearSolver solver = cube.solver(options);
     ASSERT_TRUE(solver.solve(A, b).has_value());
     const auto refused = solver.solve(indefinite, b);
     ASSERT_FALSE(refused.has_value());
-    EXPECT_EQ(refused.error(), Factorisation::kNotPositiveDefinite);
+    EXPECT_EQ(refused.error(), LinearSolveStatus::kNotPositiveDefinite);
     EXPECT_TRUE(solver.solve(A, b).has_value());
   }
 }
@@ -215,7 +215,7 @@ TEST(LinearSolver, AutomaticIsDirectWhileSmallOrUndescribed) {
   const Cube cube(12);
   const SparseMatrix A = cube.tangent(0.0);
   const auto kind_of = [&](LinearSolver solver) {
-    EXPECT_EQ(solver.factorise(A), Factorisation::kDone);
+    EXPECT_EQ(solver.factorize(A), LinearSolveStatus::kDone);
     return solver.kind();
   };
   EXPECT_EQ(kind_of(cube.solver({})), LinearSolverKind::kDirect);
@@ -228,10 +228,10 @@ TEST(LinearSolver, AutomaticSolvesDirectlyWhatMultigridCannot) {
   const SparseMatrix A = cube.tangent(0.0);
   const VectorX b = some_forces(A.cols());
   LinearSolver patient = cube.solver({.direct_rows = 5000, .max_iterations = 2});
-  ASSERT_EQ(patient.factorise(A), Factorisation::kDone);
+  ASSERT_EQ(patient.factorize(A), LinearSolveStatus::kDone);
   const auto gave_up = patient.solve(b);
   ASSERT_FALSE(gave_up.has_value());
-  EXPECT_EQ(gave_up.error(), Factorisation::kNotConverged);
+  EXPECT_EQ(gave_up.error(), LinearSolveStatus::kNotConverged);
   LinearSolver solver = cube.solver({.direct_rows = 5000, .max_iterations = 2});
   const auto x = solver.solve(A, b);
   ASSERT_TRUE(x.has_value());
@@ -241,7 +241,7 @@ TEST(LinearSolver, AutomaticSolvesDirectlyWhatMultigridCannot) {
 
 TEST(LinearSolver, AllKindsTakeMatricesOfNothingAndOfOne) {
   for (const auto kind :
-       {LinearSolverKind::kAutomatic, LinearSolverKind::kDirect, LinearSolverKind::kLagged}) {
+       {LinearSolverKind::kAutomatic, LinearSolverKind::kDirect, LinearSolverKind::kReusedFactor}) {
     LinearSolver solver({.kind = kind});
     EXPECT_EQ(solver.solve(SparseMatrix(0, 0), VectorX(0)).value().size(), 0);
     const Eigen::MatrixXd four = Eigen::MatrixXd::Constant(1, 1, 4.0);

@@ -49,7 +49,7 @@ Example block(int cells, double poisson, Hold hold = Hold::kFixed,
               mesh::ElementShape shape = mesh::ElementShape::kTet4) {
   auto mesh = test::box_mesh({.cells = {cells, cells, cells}, .shape = shape});
   std::vector<fem::PrescribedDisplacement> held;
-  if (hold == Hold::kFixed) held = fem::fix(mesh.node_sets.at("x0"));
+  if (hold == Hold::kFixed) held = fem::prescribe_zero(mesh.node_sets.at("x0"));
   if (hold == Hold::kSliding)
     held = test::joined({test::prescribe_component(mesh.node_sets.at("x0"), 0, 0.0),
                          test::prescribe_component(mesh.node_sets.at("y0"), 1, 0.0),
@@ -152,7 +152,7 @@ TEST(Multigrid, IterationsHardlyGrowWithTheMesh) {
     double poisson;
     mesh::ElementShape shape;
     std::vector<int> cells;
-    int most;
+    int maximum;
   };
   for (const Case& c : {Case{0.3, mesh::ElementShape::kTet4, {8, 16, 24}, 22},
                         Case{0.45, mesh::ElementShape::kTet4, {8, 16, 24}, 40},
@@ -165,7 +165,7 @@ TEST(Multigrid, IterationsHardlyGrowWithTheMesh) {
       const VectorX b = example.blocks.to_blocks(some_vector(example.A.cols()));
       const CgOutcome outcome = solve(example, multigrid, b);
       EXPECT_EQ(outcome.stop, CgStop::kConverged);
-      EXPECT_LE(outcome.iterations, c.most) << cells << " cells, nu " << c.poisson;
+      EXPECT_LE(outcome.iterations, c.maximum) << cells << " cells, nu " << c.poisson;
       RecordProperty("iterations_" + std::to_string(cells), outcome.iterations);
       VectorX product;
       multiply(example.blocks.matrix(), outcome.x, product);

@@ -1,5 +1,5 @@
 #include <lefort/core/parallel.h>
-#include <lefort/linear/row_graph.h>
+#include <lefort/linear/pattern_graph.h>
 #include <lefort/linear/sparse_cholesky.h>
 
 #include <Eigen/Cholesky>
@@ -31,7 +31,7 @@ std::span<const double> values(const SparseMatrix& A) {
 
 SparseCholesky factor_of(const SparseMatrix& A, TileSimd simd = best_tile_simd()) {
   SparseCholesky cholesky(plan_cholesky(A).value(), kPlenty, simd);
-  EXPECT_EQ(cholesky.factorise(values(A)), Factorisation::kDone);
+  EXPECT_EQ(cholesky.factorize(values(A)), LinearSolveStatus::kDone);
   return cholesky;
 }
 
@@ -75,29 +75,29 @@ TEST(RowGraph, RowsOfOnePatternAreOneVertex) {
   Eigen::MatrixXd A = Eigen::MatrixXd::Identity(7, 7);
   A.topLeftCorner(5, 5).setOnes();
   A(6, 4) = 1.0;
-  const RowGraph graph = row_graph(lower_triangle(A));
+  const RowGraph graph = pattern_graph(lower_triangle(A));
   EXPECT_EQ(graph.first_row, (std::vector<std::int32_t>{0, 4, 5, 6, 7}));
   EXPECT_EQ(graph.start, (std::vector<std::int32_t>{0, 1, 3, 3, 4}));
-  EXPECT_EQ(graph.neighbour, (std::vector<std::int32_t>{1, 0, 3, 1}));
+  EXPECT_EQ(graph.neighbor, (std::vector<std::int32_t>{1, 0, 3, 1}));
 }
 
 TEST(RowGraph, OfAMeshIsThatOfItsFreeNodes) {
   const SparseMatrix A = block_stiffness(3, 0.3);
-  const RowGraph graph = row_graph(A);
+  const RowGraph graph = pattern_graph(A);
   EXPECT_EQ(graph.vertex_count(), 3 * 4 * 4);  // Sixteen of the four layers' nodes are held.
   for (std::int32_t v = 0; v < graph.vertex_count(); ++v) {
     EXPECT_EQ(graph.rows(v), 3);
-    const auto list = graph.neighbours(v);
+    const auto list = graph.neighbors(v);
     EXPECT_TRUE(std::is_sorted(list.begin(), list.end()));
     for (const std::int32_t u : list) {
-      const auto back = graph.neighbours(u);
+      const auto back = graph.neighbors(u);
       EXPECT_TRUE(std::binary_search(back.begin(), back.end(), v));
     }
   }
 }
 
 TEST(RowGraph, OrdersThatAreMadeAtOnceAreThoseMadeAlone) {
-  const RowGraph graph = row_graph(block_stiffness(9, 0.3));
+  const RowGraph graph = pattern_graph(block_stiffness(9, 0.3));
   const auto alone = dissection_order(graph).value();
   std::vector<std::vector<std::int32_t>> orders(8);
   {
@@ -109,8 +109,9 @@ TEST(RowGraph, OrdersThatAreMadeAtOnceAreThoseMadeAlone) {
 }
 
 TEST(RowGraph, TheOrderHoldsEveryVertexOnce) {
-  for (const RowGraph& graph : {row_graph(block_stiffness(4, 0.3)), row_graph(SparseMatrix(0, 0)),
-                                row_graph(lower_triangle(Eigen::MatrixXd::Identity(5, 5)))}) {
+  for (const RowGraph& graph :
+       {pattern_graph(block_stiffness(4, 0.3)), pattern_graph(SparseMatrix(0, 0)),
+        pattern_graph(lower_triangle(Eigen::MatrixXd::Identity(5, 5)))}) {
     std::vector<std::int32_t> order = dissection_order(graph).value();
     std::sort(order.begin(), order.end());
     std::vector<std::int32_t> all(std::size_t(graph.vertex_count()));
@@ -143,7 +144,7 @@ TEST(CholeskyPlan, AFrontOfEveryRowAndAPlaceForEveryEntry) {
   EXPECT_EQ(Index(entries.size()), A.nonZeros());
 }
 
-TEST(SparseCholesky, SolvesLikeADenseFactorisation) {
+TEST(SparseCholesky, SolvesLikeADenseFactorization) {
   for (unsigned seed = 1; seed <= 20; ++seed)
     for (const Index size : {1, 2, 7, 8, 9, 60, 200}) {
       const double filled = seed % 4 == 0 ? 0.5 : 3.0 / double(size);
@@ -178,16 +179,16 @@ TEST(SparseCholesky, BitsDoNotDependOnThreadsOrRegisters) {
   }
 }
 
-TEST(SparseCholesky, FactorisesAgainWithNewValues) {
+TEST(SparseCholesky, FactorizesAgainWithNewValues) {
   const SparseMatrix A = block_stiffness(5, 0.3);
   SparseCholesky cholesky = factor_of(A);
   const VectorX b = some_vector(A.cols());
   const VectorX x = cholesky.solve(b).value();
   SparseMatrix indefinite = A;
   indefinite.diagonal()[A.cols() / 2] *= -1.0;
-  EXPECT_EQ(cholesky.factorise(values(indefinite)), Factorisation::kNotPositiveDefinite);
+  EXPECT_EQ(cholesky.factorize(values(indefinite)), LinearSolveStatus::kNotPositiveDefinite);
   const SparseMatrix fourfold = 4.0 * A;
-  EXPECT_EQ(cholesky.factorise(values(fourfold)), Factorisation::kDone);
+  EXPECT_EQ(cholesky.factorize(values(fourfold)), LinearSolveStatus::kDone);
   EXPECT_EQ(cholesky.solve(b).value(), 0.25 * x);  // Powers of two are exact.
 }
 
@@ -197,7 +198,7 @@ TEST(SparseCholesky, FindsANegativeDirectionAnywhere) {
   for (Index i = 0; i < A.cols(); i += 17) {
     SparseMatrix indefinite = A;
     indefinite.coeffRef(i, i) = -1e-3;
-    EXPECT_EQ(cholesky.factorise(values(indefinite)), Factorisation::kNotPositiveDefinite) << i;
+    EXPECT_EQ(cholesky.factorize(values(indefinite)), LinearSolveStatus::kNotPositiveDefinite) << i;
   }
 }
 
@@ -205,13 +206,13 @@ TEST(SparseCholesky, AMatrixOfNothingHasASolutionOfNothing) {
   EXPECT_EQ(factor_of(SparseMatrix(0, 0)).solve(VectorX(0)).value().size(), 0);
 }
 
-TEST(SparseCholesky, TellsTheMemoryItNeedsBeforehand) {
+TEST(SparseCholesky, ReportsTheMemoryItNeedsBeforehand) {
   const SparseMatrix A = block_stiffness(6, 0.3);
   const CholeskyPlan plan = plan_cholesky(A).value();
   const std::int64_t needed = 8 * (plan.factor_numbers + plan.peak_rest);
-  EXPECT_EQ(SparseCholesky(plan, needed - 1).factorise(values(A)), Factorisation::kOutOfMemory);
+  EXPECT_EQ(SparseCholesky(plan, needed - 1).factorize(values(A)), LinearSolveStatus::kOutOfMemory);
   const ThreadLimit one(1);  // Others would begin subtrees of their own.
-  EXPECT_EQ(SparseCholesky(plan, needed).factorise(values(A)), Factorisation::kDone);
+  EXPECT_EQ(SparseCholesky(plan, needed).factorize(values(A)), LinearSolveStatus::kDone);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/box_grid.h>
 

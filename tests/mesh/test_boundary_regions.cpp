@@ -30,7 +30,7 @@ TEST(NameBoundary, TheFirstRuleThatTakesANodeKeepsIt) {
   EXPECT_TRUE(mesh.node_sets.at("nowhere").empty());
 }
 
-TEST(NameBoundary, SetsShareOutTheBoundary) {
+TEST(NameBoundary, SetsFractionOutTheBoundary) {
   const VolumeMesh mesh = named_cube();
   std::size_t nodes = 0, faces = 0;
   for (const char* name : {"floor", "wall", "nowhere", "skin"}) {

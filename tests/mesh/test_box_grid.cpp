@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/mesh/element_faces.h>
@@ -50,20 +50,20 @@ TEST(BoxGrid, UsesEveryNodeAndNoElementIsPoor) {
 }
 
 TEST(BoxGrid, MixesAllShapesThatItNames) {
-  const auto shares = [](BoxMix mix, std::array<int, 3> cells) {
+  const auto fractions = [](BoxMix mix, std::array<int, 3> cells) {
     std::map<ElementShape, Index> count;
     for (const ElementBlock& block : make_mixed_box(mix, cells, kSize_mm).blocks)
       count[block.shape] += block.element_count();
     return count;
   };
   using Counts = std::map<ElementShape, Index>;
-  EXPECT_EQ(shares(BoxMix::kAllLinear, {4, 1, 1}), (Counts{{ElementShape::kHex8, 1},
-                                                           {ElementShape::kWedge6, 2},
-                                                           {ElementShape::kPyramid5, 5},
-                                                           {ElementShape::kTet4, 2 + 6}}));
-  EXPECT_EQ(shares(BoxMix::kHex20Wedge15, {2, 1, 1}),
+  EXPECT_EQ(fractions(BoxMix::kAllLinear, {4, 1, 1}), (Counts{{ElementShape::kHex8, 1},
+                                                              {ElementShape::kWedge6, 2},
+                                                              {ElementShape::kPyramid5, 5},
+                                                              {ElementShape::kTet4, 2 + 6}}));
+  EXPECT_EQ(fractions(BoxMix::kHex20Wedge15, {2, 1, 1}),
             (Counts{{ElementShape::kHex20, 1}, {ElementShape::kWedge15, 2}}));
-  EXPECT_EQ(shares(BoxMix::kWedge15Tet10, {1, 1, 2}),
+  EXPECT_EQ(fractions(BoxMix::kWedge15Tet10, {1, 1, 2}),
             (Counts{{ElementShape::kWedge15, 2}, {ElementShape::kTet10, 6}}));
 }
 

@@ -1,7 +1,7 @@
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/collapse_edges.h>
 #include <lefort/mesh/element_quality.h>
-#include <lefort/mesh/solid_part.h>
+#include <lefort/mesh/largest_face_connected_part.h>
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ TEST(CollapseEdges, TakesNeedlesOutOfTheInside) {
   EXPECT_TRUE(poor_elements(mesh, kPoor).empty());
   EXPECT_NEAR(measure_quality(mesh).volume_mm3, 64.0, 1e-12);
   EXPECT_EQ(triangles_of(boundary_faces(mesh)).size(), surface.size());
-  EXPECT_EQ(solid_part(mesh).element_count(), mesh.element_count());
+  EXPECT_EQ(largest_face_connected_part(mesh).element_count(), mesh.element_count());
 }
 
 TEST(CollapseEdges, TakesNeedlesOutOfAFlatBoundary) {
@@ -41,7 +41,7 @@ TEST(CollapseEdges, TakesNeedlesOutOfAFlatBoundary) {
   EXPECT_NEAR(measure_quality(mesh).volume_mm3, 64.0, 1e-12);
   EXPECT_TRUE(poor_elements(mesh, kPoor).empty());
   EXPECT_EQ(boundary_faces(mesh).size(), before - 2);
-  EXPECT_EQ(solid_part(mesh).element_count(), mesh.element_count());
+  EXPECT_EQ(largest_face_connected_part(mesh).element_count(), mesh.element_count());
 }
 
 TEST(CollapseEdges, KeepsCornersAndRidges) {
@@ -73,14 +73,14 @@ TEST(CollapseEdges, DoesNotCloseATunnel) {
   ElementBlock& block = ring.blocks.emplace_back();
   for (Index e = 0; e < all.element_count(); ++e) {
     const std::int32_t* tet = all.blocks[0].element(e);
-    Vec3 centre = Vec3::Zero();
-    for (int n = 0; n < 4; ++n) centre += all.nodes_L[std::size_t(tet[n])] / 4.0;
-    const bool is_core = centre.x() > 1 && centre.x() < 2 && centre.y() > 1 && centre.y() < 2;
-    if (is_core || centre.z() > 1) continue;
+    Vec3 center = Vec3::Zero();
+    for (int n = 0; n < 4; ++n) center += all.nodes_L[std::size_t(tet[n])] / 4.0;
+    const bool is_core = center.x() > 1 && center.x() < 2 && center.y() > 1 && center.y() < 2;
+    if (is_core || center.z() > 1) continue;
     block.nodes.insert(block.nodes.end(), tet, tet + 4);
     block.region.push_back(0);
   }
-  ring = solid_part(ring);
+  ring = largest_face_connected_part(ring);
   const auto euler = [](const VolumeMesh& mesh) {  // Of the boundary: 0 for a torus.
     const auto faces = boundary_faces(mesh);
     return Index(nodes_of_faces(faces).size()) - Index(faces.size()) / 2;

@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/convex_solid.h>
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ TEST(ConvexSolid, IsTheBoxWithoutHalfSpaces) {
   EXPECT_NEAR(geometry::signed_volume_mm3(solid), 192.0, 1e-12);
 }
 
-TEST(ConvexSolid, HalvesTheBoxByAnyPlaneThroughItsCentre) {
+TEST(ConvexSolid, HalvesTheBoxByAnyPlaneThroughItsCenter) {
   for (const Vec3& normal : {Vec3(0, 0, 1), Vec3(1, 2, 3), Vec3(-5, 0.1, 0.2), Vec3(3, 2, 0)}) {
     const std::array half_spaces{HalfSpace{Vec3::Zero(), normal}};
     EXPECT_NEAR(geometry::signed_volume_mm3(convex_solid(half_spaces, kBox)), 96.0, 1e-9);
@@ -38,9 +38,9 @@ TEST(ConvexSolid, DoesNotMindTheSamePlaneTwice) {
 }
 
 TEST(ConvexSolid, IsEmptyIfTheHalfSpacesExcludeEachOtherOrTheBox) {
-  const std::array apart{HalfSpace{Vec3(1, 0, 0), Vec3(1, 0, 0)},
-                         HalfSpace{Vec3(0, 0, 0), Vec3(-1, 0, 0)}};
-  EXPECT_TRUE(convex_solid(apart, kBox).triangles.empty());
+  const std::array separate{HalfSpace{Vec3(1, 0, 0), Vec3(1, 0, 0)},
+                            HalfSpace{Vec3(0, 0, 0), Vec3(-1, 0, 0)}};
+  EXPECT_TRUE(convex_solid(separate, kBox).triangles.empty());
   const std::array sheet{HalfSpace{Vec3(1, 0, 0), Vec3(1, 0, 0)},
                          HalfSpace{Vec3(1, 0, 0), Vec3(-1, 0, 0)}};
   EXPECT_TRUE(convex_solid(sheet, kBox).triangles.empty());

@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/cut_surface.h>
 
 #include <gtest/gtest.h>
@@ -185,7 +185,8 @@ TEST(CutSurface, RefusesAnOpenSurface) {
 TEST(CutSurface, RefusesHalfSpacesThatAreNone) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const TriangleMesh box = test::make_box({0, 0, 0}, {1, 1, 1});
-  expect_error(cut_surface(box, std::span<const HalfSpace>()), ErrorCode::kInvalidArgument, "no half-space");
+  expect_error(cut_surface(box, std::span<const HalfSpace>()), ErrorCode::kInvalidArgument,
+               "no half-space");
   expect_error(cut_surface(box, std::array{HalfSpace{{0, 0, 0}, {0, 0, 0}}}),
                ErrorCode::kInvalidArgument, "half-space 0");
   expect_error(cut_surface(box, std::array{HalfSpace{{0, kNan, 0}, {0, 0, 1}}}),

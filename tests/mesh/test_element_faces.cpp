@@ -1,8 +1,8 @@
-#include <lefort/geometry/mesh_measures.h>
-#include <lefort/mesh/attach_faces.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/mesh/element_faces.h>
+#include <lefort/mesh/match_faces_to_elements.h>
 
 #include <gtest/gtest.h>
 
@@ -71,7 +71,7 @@ TEST(AttachFaces, TurnsThemOutWhicheverWayTheyWereGiven) {
     std::vector<Face> turned = boundary;
     for (Face& face : turned)
       std::reverse(face.nodes.begin(), face.nodes.begin() + corner_count(face.shape));
-    EXPECT_EQ(attach_faces(mesh, turned).value(), boundary) << name_of(shape);
+    EXPECT_EQ(match_faces_to_elements(mesh, turned).value(), boundary) << name_of(shape);
   }
 }
 
@@ -80,7 +80,7 @@ TEST(AttachFaces, KeepsTheSideOfAnInnerFace) {
   const Face towards_x{.shape = FaceShape::kQuad4, .nodes = {1, 4, 10, 7}};
   const Face back{.shape = FaceShape::kQuad4, .nodes = {1, 7, 10, 4}};
   for (const Face& given : {towards_x, back}) {
-    const Face face = attach_faces(mesh, {&given, 1}).value()[0];
+    const Face face = match_faces_to_elements(mesh, {&given, 1}).value()[0];
     const auto x = [&](std::size_t n) { return mesh.nodes_L[std::size_t(face.nodes[n])]; };
     const double direction = (x(1) - x(0)).cross(x(2) - x(0)).x();
     EXPECT_GT(given == towards_x ? direction : -direction, 0.0);
@@ -90,11 +90,11 @@ TEST(AttachFaces, KeepsTheSideOfAnInnerFace) {
 TEST(AttachFaces, RefusesFacesOfNoElementAndThoseThereTwice) {
   const VolumeMesh mesh = make_box(ElementShape::kHex8, {1, 1, 1}, Vec3::Ones());
   const Face loose{.shape = FaceShape::kTri3, .nodes = {0, 1, 2}};
-  EXPECT_EQ(attach_faces(mesh, {&loose, 1}).error().message,
+  EXPECT_EQ(match_faces_to_elements(mesh, {&loose, 1}).error().message,
             "the face with corners 0, 1, 2 lies on no element");
   const Face bottom{.shape = FaceShape::kQuad4, .nodes = {0, 1, 3, 2}};
   const std::vector<Face> twice{bottom, bottom};
-  EXPECT_EQ(attach_faces(mesh, twice).error().message,
+  EXPECT_EQ(match_faces_to_elements(mesh, twice).error().message,
             "the face with corners 0, 1, 3, 2 is there twice");
 }
 

@@ -85,7 +85,7 @@ TEST(TetQuality, OfASliverIsNearlyZeroThoughItsEdgesAreFine) {
   EXPECT_LT(quality.radius_ratio, 0.01);
 }
 
-TEST(TetQuality, TellsTheInvertedAndTheFlat) {
+TEST(TetQuality, ReportsTheInvertedAndTheFlat) {
   const TetQuality inverted = tet_quality({0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1});
   EXPECT_LT(inverted.volume_mm3, 0.0);
   EXPECT_LT(inverted.scaled_jacobian, 0.0);
@@ -162,7 +162,7 @@ TEST(ScaledJacobian, IsTheSmallestOfAllCorners) {
   }
 }
 
-TEST(PoorElements, AreToldWithNumberShapeAndPlace) {
+TEST(PoorElements, AreReportedWithNumberShapeAndPlace) {
   VolumeMesh mesh = make_mixed_box(BoxMix::kAllLinear, {4, 1, 1}, {4, 1, 1});
   EXPECT_TRUE(poor_elements(mesh, 0.0).empty());
   // Blocks: one hex8, two wedge6, pyramids and tets. The second wedge is turned inside out.
@@ -172,7 +172,7 @@ TEST(PoorElements, AreToldWithNumberShapeAndPlace) {
   ASSERT_EQ(poor.size(), 1U);
   EXPECT_EQ(poor[0].number, 2);
   EXPECT_EQ(poor[0].shape, ElementShape::kWedge6);
-  EXPECT_LT((poor[0].centre_L - Vec3(1.0 + 1.0 / 3, 2.0 / 3, 0.5)).norm(), 1e-14);
+  EXPECT_LT((poor[0].center_L - Vec3(1.0 + 1.0 / 3, 2.0 / 3, 0.5)).norm(), 1e-14);
   EXPECT_LT(poor[0].scaled_jacobian, 0.0);
   EXPECT_EQ(Index(poor_elements(mesh, 2.0).size()), mesh.element_count());
 }
@@ -182,7 +182,7 @@ TEST(MeshQuality, SumsUpAMesh) {
   const MeshQuality quality = measure_quality(mesh);
   EXPECT_EQ(quality.elements, 48);
   EXPECT_NEAR(quality.volume_mm3, 8.0, 1e-14);
-  EXPECT_NEAR(quality.smallest_volume_mm3, 1.0 / 6.0, 1e-15);
+  EXPECT_NEAR(quality.min_volume_mm3, 1.0 / 6.0, 1e-15);
   EXPECT_NEAR(quality.min_dihedral_deg, 45.0, 1e-12);
   EXPECT_NEAR(quality.max_dihedral_deg, 90.0, 1e-12);
   EXPECT_NEAR(quality.mean_scaled_jacobian, quality.min_scaled_jacobian, 1e-14);

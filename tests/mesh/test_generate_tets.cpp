@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/element_quality.h>
 #include <lefort/mesh/generate_tets.h>
@@ -24,8 +24,8 @@ Box3 cube(double half_mm) {
   return {Vec3(-half_mm, -half_mm, -half_mm), Vec3(half_mm, half_mm, half_mm)};
 }
 
-Level ball(double radius_mm, const Vec3& centre = Vec3::Zero()) {
-  return [=](const Vec3& p) { return radius_mm - (p - centre).norm(); };
+Level ball(double radius_mm, const Vec3& center = Vec3::Zero()) {
+  return [=](const Vec3& p) { return radius_mm - (p - center).norm(); };
 }
 
 Level torus(double major_mm, double minor_mm) {
@@ -124,7 +124,7 @@ TEST(GenerateTets, KeepTheLargestPartAloneAndSayWhatWasLeftOut) {
   EXPECT_NE(notes.sentences[0].find("of tissue (3"), std::string::npos) << notes.sentences[0];
 }
 
-TEST(GenerateTets, RefuseToLeaveOutMoreThanCrumbs) {
+TEST(GenerateTets, RefuseToLeaveOutMoreThanFragments) {
   const auto mesh = generate_tets(two_balls(5.0), cube(25.0), {.element_size_mm = 2.0});
   ASSERT_FALSE(mesh);  // 125 of 1125 parts of volume.
   EXPECT_EQ(mesh.error().code, ErrorCode::kMeshingFailed);

@@ -61,7 +61,7 @@ TEST(ImproveTets, LeavesNodesOfGoodElementsAlone) {
   EXPECT_EQ(mesh.nodes_L, before);
 }
 
-TEST(ImproveTets, SaysHowManyItCannotMend) {
+TEST(ImproveTets, SaysHowManyItCannotRepair) {
   const double h = 1e-3;  // Flat, and its faces may not turn as far as it takes.
   VolumeMesh mesh = test::tets({{1, 0, 0}, {0, 1, h}, {-1, 0, 0}, {0, -1, h}}, {0, 1, 2, 3});
   if (measure_quality(mesh).volume_mm3 < 0.0)

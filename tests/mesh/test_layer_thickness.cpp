@@ -1,6 +1,6 @@
 #include <lefort/mesh/boundary_faces.h>
+#include <lefort/mesh/boundary_layer.h>
 #include <lefort/mesh/layer_thickness.h>
-#include <lefort/mesh/skin_layer.h>
 
 #include <gtest/gtest.h>
 
@@ -29,32 +29,33 @@ TEST(LayerThickness, OfAPlateIsItsOwn) {
                                      {Vec3::Constant(6.0), -Vec3::UnitX()},
                                      {Vec3::Constant(6.0), -Vec3::UnitY()}};
   const VolumeMesh mesh =
-      add_skin_layer(cube, top_of(cube), sides, {.thickness_mm = 1.2, .layers = 3}).value();
-  const LayerThickness layer = measure_layer(mesh, 1, top_of(mesh), 3, 1.2);
+      add_boundary_layer(cube, top_of(cube), sides, {.thickness_mm = 1.2, .layers = 3}).value();
+  const LayerThickness layer = layer_thickness_statistics(mesh, 1, top_of(mesh), 3, 1.2);
   EXPECT_NEAR(layer.area_mm2, 36.0, 1e-12);
-  EXPECT_NEAR(layer.covered_share, 1.0, 1e-12);
+  EXPECT_NEAR(layer.covered_fraction, 1.0, 1e-12);
   EXPECT_NEAR(layer.mean_mm, 1.2, 1e-12);
   EXPECT_NEAR(layer.p05_mm, 1.2, 1e-12);
-  EXPECT_NEAR(layer.full_share, 1.0, 1e-12);
+  EXPECT_NEAR(layer.full_thickness_fraction, 1.0, 1e-12);
   EXPECT_TRUE(layer.thin.empty());
 
-  const LayerThickness wanted_more = measure_layer(mesh, 1, top_of(mesh), 3, 2.5);
-  EXPECT_EQ(wanted_more.full_share, 0.0);
+  const LayerThickness wanted_more = layer_thickness_statistics(mesh, 1, top_of(mesh), 3, 2.5);
+  EXPECT_EQ(wanted_more.full_thickness_fraction, 0.0);
   ASSERT_EQ(wanted_more.thin.size(), 1U);  // All of it.
   EXPECT_NEAR(wanted_more.thin[0].area_mm2, 36.0, 1e-12);
-  EXPECT_LT((wanted_more.thin[0].centre_L - Vec3(3.0, 3.0, 6.0)).norm(), 1e-12);
+  EXPECT_LT((wanted_more.thin[0].center_L - Vec3(3.0, 3.0, 6.0)).norm(), 1e-12);
 }
 
-TEST(LayerThickness, TellsTheRimThatIsNotCovered) {
+TEST(LayerThickness, ReportsTheRimThatIsNotCovered) {
   const VolumeMesh cube = test::cube_of_tets(6);
-  const VolumeMesh mesh = add_skin_layer(cube, top_of(cube), {}, {.thickness_mm = 0.5}).value();
-  const LayerThickness layer = measure_layer(mesh, 1, top_of(mesh), 2, 0.5);
-  EXPECT_NEAR(layer.covered_share, 16.0 / 36.0, 1e-12);  // Without the outer ring of squares.
+  const VolumeMesh mesh = add_boundary_layer(cube, top_of(cube), {}, {.thickness_mm = 0.5}).value();
+  const LayerThickness layer = layer_thickness_statistics(mesh, 1, top_of(mesh), 2, 0.5);
+  EXPECT_NEAR(layer.covered_fraction, 16.0 / 36.0, 1e-12);  // Without the outer ring of squares.
   EXPECT_NEAR(layer.mean_mm, 0.5, 1e-12);
   ASSERT_EQ(layer.thin.size(), 1U);
   EXPECT_NEAR(layer.thin[0].area_mm2, 20.0, 1e-12);
-  EXPECT_LT((layer.thin[0].centre_L - Vec3(3.0, 3.0, 6.0)).norm(), 1e-12);
-  EXPECT_EQ(measure_layer(mesh, 5, top_of(mesh), 2, 0.5).covered_share, 0.0);  // Another region.
+  EXPECT_LT((layer.thin[0].center_L - Vec3(3.0, 3.0, 6.0)).norm(), 1e-12);
+  EXPECT_EQ(layer_thickness_statistics(mesh, 5, top_of(mesh), 2, 0.5).covered_fraction,
+            0.0);  // Another region.
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #include <lefort/geometry/bvh.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/self_intersections.h>
 #include <lefort/mesh/simplify_surface.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 using geometry::TriangleMesh;
 
-TEST(SimplifySurface, LeavesTheNumberAskedForOnAClosedSurfaceOfTheSameShape) {
+TEST(SimplifySurface, LeavesTheNumberRequestedOnAClosedSurfaceOfTheSameShape) {
   const TriangleMesh fine = test::make_icosphere(30.0, 5);
   const auto coarse = simplify_surface(fine, 2000);
   ASSERT_TRUE(coarse) << coarse.error().message;

@@ -13,14 +13,14 @@ namespace {
 predict::Restart some_restart() {
   predict::Restart restart;
   predict::PredictionStep step;
-  step.share = 0.25;
+  step.path_fraction = 0.25;
   step.segments.resize(2);
   for (predict::SegmentStep& segment : step.segments) segment.X_LB = RigidTransform::Identity();
   step.segments[1].X_LB.translation() = Vec3(1.0, -2.0, 3.5);
   step.displacement_mm = {Vec3(0.1, 0.2, 0.3), Vec3(-1e-300, 0.0, 1.0 / 3.0)};
   step.segments[1].contact.points = 17;
   step.segments[1].contact.p99_depth_from_rest_mm = 0.04;
-  step.smallest_J = 0.9;
+  step.min_J = 0.9;
   fem::LoadAttempt attempt;
   attempt.t_to = 0.25;
   attempt.extrapolated = true;
@@ -35,8 +35,8 @@ predict::Restart some_restart() {
   restart.stepper.before_last->u = VectorX::Ones(6);
   restart.stepper.increment = 0.0625;
   restart.contacts = {{.multipliers_mpa = {0.0, 1e-3},
-                       .stiffenings = {1.0, 16.0},
-                       .walls = {{}, {Vec3(1.0, 2.0, 3.0), Vec3::UnitZ(), true}},
+                       .penalty_scales = {1.0, 16.0},
+                       .tangent_planes = {{}, {Vec3(1.0, 2.0, 3.0), Vec3::UnitZ(), true}},
                        .tunnelled_area_mm2 = 2.0}};
   return restart;
 }
@@ -53,9 +53,9 @@ TEST(RestartFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read->steps[0].attempts[0].reason, "no step lowers the energy");
   EXPECT_EQ(read->stepper.before_last->u, VectorX::Ones(6));
   EXPECT_EQ(read->contacts[0].multipliers_mpa[1], 1e-3);
-  EXPECT_EQ(read->contacts[0].stiffenings[1], 16.0);
-  EXPECT_EQ(read->contacts[0].walls[1].foot_B, Vec3(1.0, 2.0, 3.0));
-  EXPECT_TRUE(read->contacts[0].walls[1].keeps_side);
+  EXPECT_EQ(read->contacts[0].penalty_scales[1], 16.0);
+  EXPECT_EQ(read->contacts[0].tangent_planes[1].foot_B, Vec3(1.0, 2.0, 3.0));
+  EXPECT_TRUE(read->contacts[0].tangent_planes[1].is_plane_constrained);
   ASSERT_TRUE(write_restart(again, *read));
   EXPECT_EQ(io::read_text(path, 1 << 20).value(), io::read_text(again, 1 << 20).value());
 }

@@ -37,7 +37,7 @@ TEST(StageCache, MakesOnceAndReadsAfterwards) {
   EXPECT_EQ(stage.made, 1);
 }
 
-TEST(StageCache, OtherInputsAreMadeAnew) {
+TEST(StageCache, OtherInputsAreRebuilt) {
   const test::TemporaryFolder folder;
   TextStage stage{StageCache(folder / "cache")};
   EXPECT_EQ(stage.get(kKey).value(), "made for " + kKey);
@@ -45,7 +45,7 @@ TEST(StageCache, OtherInputsAreMadeAnew) {
   EXPECT_EQ(stage.made, 2);
 }
 
-TEST(StageCache, ADamagedFileIsMadeAnew) {
+TEST(StageCache, ADamagedFileIsRebuilt) {
   const test::TemporaryFolder folder;
   TextStage stage{StageCache(folder / "cache")};
   ASSERT_TRUE(stage.get(kKey));
@@ -55,7 +55,7 @@ TEST(StageCache, ADamagedFileIsMadeAnew) {
 }
 
 /// Remembers what it was told.
-class Told final : public Progress {
+class RecordedProgress final : public Progress {
  public:
   void begin_stage(std::string_view name) override { stages += name; }
   void note(std::string_view sentence) override { notes += sentence; }
@@ -65,7 +65,7 @@ class Told final : public Progress {
 TEST(StageCache, SaysWhetherItReadOrMade) {
   const test::TemporaryFolder folder;
   TextStage stage{StageCache(folder / "cache")};
-  Told first, second;
+  RecordedProgress first, second;
   ASSERT_TRUE(stage.get(kKey, first));
   EXPECT_EQ(first.stages, "");
   ASSERT_TRUE(stage.get(kKey, second));
@@ -76,9 +76,9 @@ TEST(StageCache, AResultThatCannotBeKeptServesAllTheSame) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(io::write_text(folder / "cache", "a file in the way of the folder"));
   TextStage stage{StageCache(folder / "cache")};
-  Told told;
-  EXPECT_EQ(stage.get(kKey, told).value(), "made for " + kKey);
-  EXPECT_NE(told.notes.find("text.txt is not kept"), std::string::npos) << told.notes;
+  RecordedProgress reported;
+  EXPECT_EQ(stage.get(kKey, reported).value(), "made for " + kKey);
+  EXPECT_NE(reported.notes.find("text.txt is not kept"), std::string::npos) << reported.notes;
 }
 
 }  // namespace

@@ -25,10 +25,10 @@ TEST(StageKeys, LabelsDependOnTheScanAndEveryOption) {
                                    labels_key("other", {}),
                                    labels_key("scan", {.bone_hu = 300.0}),
                                    labels_key("scan", {.skin_hu = -200.0}),
-                                   labels_key("scan", {.smallest_bone_ml = 0.3}),
+                                   labels_key("scan", {.min_bone_ml = 0.3}),
                                    labels_key("scan", {.nostril_radius_mm = 4.0}),
                                    labels_key("scan", {.ostium_radius_mm = 1.0}),
-                                   labels_key("scan", {.smallest_air_ml = 0.1})};
+                                   labels_key("scan", {.min_air_ml = 0.1})};
   EXPECT_EQ(keys.size(), 8U);
   EXPECT_EQ(labels_key("scan", {}), labels_key("scan", {}));
 }

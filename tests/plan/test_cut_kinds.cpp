@@ -1,8 +1,8 @@
 /// \file
 /// Cuts other than by unbounded planes: sheets, curves, several regions, saws with a width.
-#include <lefort/geometry/mesh_measures.h>
-#include <lefort/plan/cut_bones.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/plan/cut_segments.h>
+#include <lefort/plan/perform_osteotomy.h>
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ CutPlane sheet(const Vec3& point, const Vec3& normal, double width_mm, double he
   return {point, normal, PlaneBounds{{1, 0, 0}, width_mm, height_mm}};
 }
 
-void expect_conserved(const Result<CutBones>& bones) {
+void expect_conserved(const Result<OsteotomyResult>& bones) {
   ASSERT_TRUE(bones) << bones.error().message;
   EXPECT_TRUE(geometry::is_closed(bones->segment_L));
   EXPECT_TRUE(geometry::is_closed(bones->remainder_L));
@@ -37,14 +37,14 @@ void expect_conserved(const Result<CutBones>& bones) {
               bones->skull_volume_mm3, 1e-3 * bones->skull_volume_mm3);
 }
 
-void expect_error(const Result<CutBones>& bones, ErrorCode code, const std::string& words) {
+void expect_error(const Result<OsteotomyResult>& bones, ErrorCode code, const std::string& words) {
   ASSERT_FALSE(bones) << words;
   EXPECT_EQ(bones.error().code, code) << bones.error().message;
   EXPECT_NE(bones.error().message.find(words), std::string::npos) << bones.error().message;
 }
 
 TEST(CutBySheets, ASheetThroughAllOfTheBarSeparatesIt) {
-  const auto bones = cut_bones(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30)}});
+  const auto bones = perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30)}});
   expect_conserved(bones);
   EXPECT_NEAR(bones->segment_volume_mm3, 6000.0, 1e-3);
   EXPECT_NEAR(bones->remainder_volume_mm3, 10000.0, 1e-3);
@@ -54,28 +54,28 @@ TEST(CutBySheets, ASheetThroughAllOfTheBarSeparatesIt) {
 }
 
 TEST(CutBySheets, OneThatIsTooSmallSaysSo) {
-  expect_error(cut_bones(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 18)}}),
+  expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 18)}}),
                ErrorCode::kCutMissesBone, "plane 0 does not separate the bone");
-  expect_error(cut_bones(kBar, {"front", {sheet({0, -50, 0}, {0, -1, 0}, 30, 18)}}),
+  expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -50, 0}, {0, -1, 0}, 30, 18)}}),
                ErrorCode::kCutMissesBone, "cut no bone");
 }
 
 TEST(CutBySheets, ItCutsOnlyWhatItReaches) {
   // Two bars side by side; the sheet reaches one, an unbounded plane would cut both.
   const TriangleMesh two = test::join(kBar, test::make_box({30, -20, -10}, {50, 20, 10}));
-  const auto bones = cut_bones(two, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30)}});
+  const auto bones = perform_osteotomy(two, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30)}});
   expect_conserved(bones);
   EXPECT_NEAR(bones->segment_volume_mm3, 6000.0, 1e-3);
-  const auto both = cut_bones(two, {"front", {{{0, -5, 0}, {0, -1, 0}}}});
+  const auto both = perform_osteotomy(two, {"front", {{{0, -5, 0}, {0, -1, 0}}}});
   ASSERT_TRUE(both);
   EXPECT_NEAR(both->segment_volume_mm3, 12000.0, 1e-6);
 }
 
 TEST(CutBySheets, SeveralSheetsFreeOnePieceTogether) {
   // A piece out of the bar's end: below z = 0 and in front of y = -5, in two sheets.
-  const auto bones = cut_bones(kBar, {"corner",
-                                      {sheet({0, -12.5, 0}, {0, 0, -1}, 30, 15.2),
-                                       sheet({0, -5, -5}, {0, -1, 0}, 30, 10.2)}});
+  const auto bones = perform_osteotomy(kBar, {"corner",
+                                              {sheet({0, -12.5, 0}, {0, 0, -1}, 30, 15.2),
+                                               sheet({0, -5, -5}, {0, -1, 0}, 30, 10.2)}});
   expect_conserved(bones);
   EXPECT_NEAR(bones->segment_volume_mm3, 20.0 * 15.0 * 10.0, 3.0);
 }
@@ -83,7 +83,7 @@ TEST(CutBySheets, SeveralSheetsFreeOnePieceTogether) {
 TEST(CutBySheets, TheSawTakesItsWidth) {
   Osteotomy osteotomy{"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30)}};
   osteotomy.kerf_mm = 0.8;
-  const auto bones = cut_bones(kBar, osteotomy);
+  const auto bones = perform_osteotomy(kBar, osteotomy);
   expect_conserved(bones);
   EXPECT_NEAR(bones->kerf_volume_mm3, 20.0 * 20.0 * 0.8, 1e-3);
   EXPECT_NEAR(bones->segment_volume_mm3, 6000.0, 1e-3);
@@ -92,7 +92,7 @@ TEST(CutBySheets, TheSawTakesItsWidth) {
 TEST(CutByPlanes, TheSawTakesItsWidthOffTheRemainder) {
   Osteotomy osteotomy{"front", {{{0, -5, 0}, {0, -1, 0}}}};
   osteotomy.kerf_mm = 1.5;
-  const auto bones = cut_bones(kBar, osteotomy);
+  const auto bones = perform_osteotomy(kBar, osteotomy);
   expect_conserved(bones);
   EXPECT_NEAR(bones->segment_volume_mm3, 6000.0, 1e-6);
   EXPECT_NEAR(bones->kerf_volume_mm3, 400.0 * 1.5, 1e-6);
@@ -103,20 +103,20 @@ TEST(CutByPlanes, TheSawLeavesAloneWhatDoesNotMove) {
   const TriangleMesh with_spur = test::join(kBar, test::make_box({12, -7, 0}, {14, 18, 2}));
   Osteotomy osteotomy{"front", {{{0, -5, 0}, {0, -1, 0}}}};
   osteotomy.kerf_mm = 1.0;
-  const auto bones = cut_bones(with_spur, osteotomy);
+  const auto bones = perform_osteotomy(with_spur, osteotomy);
   expect_conserved(bones);
-  EXPECT_EQ(bones->crumbs, 1);
+  EXPECT_EQ(bones->fragments, 1);
   EXPECT_NEAR(bones->kerf_volume_mm3, 400.0, 1e-6);
   EXPECT_EQ(geometry::connected_components(bones->remainder_L).count, 2);  // The spur is whole.
 }
 
 TEST(CutByCurve, AWindowOutOfAShellHasTheDepthThatWasAsked) {
   CutCurve window{{{-15, -80, -10}, {15, -80, -10}, {15, -80, 10}, {-15, -80, 10}}, {0, 1, 0}};
-  const auto through = cut_bones(shell(), {"both", {}, {window}});
+  const auto through = perform_osteotomy(shell(), {"both", {}, {window}});
   expect_conserved(through);
   EXPECT_EQ(through->segment_pieces, 2);  // Front and back of the shell.
   window.depth_mm = 60.0;
-  const auto front = cut_bones(shell(), {"front", {}, {window}});
+  const auto front = perform_osteotomy(shell(), {"front", {}, {window}});
   expect_conserved(front);
   EXPECT_EQ(front->segment_pieces, 1);
   EXPECT_NEAR(front->segment_volume_mm3, 0.5 * through->segment_volume_mm3,
@@ -128,7 +128,7 @@ TEST(CutByCurve, TheSawGoesAroundTheWindow) {
   const CutCurve window{{{-5, -80, -5}, {5, -80, -5}, {5, -80, 5}, {-5, -80, 5}}, {0, 1, 0}};
   Osteotomy osteotomy{"core", {}, {window}};
   osteotomy.kerf_mm = 1.0;
-  const auto bones = cut_bones(kBar, osteotomy);
+  const auto bones = perform_osteotomy(kBar, osteotomy);
   expect_conserved(bones);
   EXPECT_NEAR(bones->segment_volume_mm3, 100.0 * 40.0, 1e-6);
   EXPECT_NEAR(bones->kerf_volume_mm3, 44.0 * 40.0, 1e-6);
@@ -136,65 +136,65 @@ TEST(CutByCurve, TheSawGoesAroundTheWindow) {
 
 TEST(CutByRegions, AlsoAddsWhatLiesInEither) {
   Osteotomy osteotomy{"step", {{{0, -10, 0}, {0, -1, 0}}}};
-  osteotomy.also = {{{{{0, 0, 0}, {0, -1, 0}}, {{0, 0, 0}, {0, 0, -1}}}, {}}};
-  const auto bones = cut_bones(kBar, osteotomy);
+  osteotomy.additional_regions = {{{{{0, 0, 0}, {0, -1, 0}}, {{0, 0, 0}, {0, 0, -1}}}, {}}};
+  const auto bones = perform_osteotomy(kBar, osteotomy);
   expect_conserved(bones);
   EXPECT_EQ(bones->segment_pieces, 1);
   EXPECT_NEAR(bones->segment_volume_mm3, 4000.0 + 2000.0, 1e-6);
 }
 
-TEST(CutBones, HoldsChoosesThePieceAPointLiesOn) {
+TEST(OsteotomyResult, HoldsChoosesThePieceAPointLiesOn) {
   const TriangleMesh two = test::join(kBar, test::make_box({30, -20, -10}, {50, 20, 10}));
   Osteotomy osteotomy{"front", {{{0, -5, 0}, {0, -1, 0}}}};
-  osteotomy.holds_L = {{40, -21, 0}};
-  const auto bones = cut_bones(two, osteotomy);
+  osteotomy.anchor_points_L = {{40, -21, 0}};
+  const auto bones = perform_osteotomy(two, osteotomy);
   expect_conserved(bones);
   EXPECT_NEAR(bones->segment_volume_mm3, 6000.0, 1e-6);
   EXPECT_GT(geometry::bounding_box(bones->segment_L).min().x(), 29.0);
-  osteotomy.holds_L = {{100, 0, 0}};
-  expect_error(cut_bones(two, osteotomy), ErrorCode::kCutMissesBone, "which it must hold");
+  osteotomy.anchor_points_L = {{100, 0, 0}};
+  expect_error(perform_osteotomy(two, osteotomy), ErrorCode::kCutMissesBone, "which it must hold");
 }
 
 /// A spine behind a chin, both within the cut: what is held is not judged by what is not.
-TEST(CutBones, AHeldPieceMayBeSmallBesideAStrayOne) {
+TEST(OsteotomyResult, AHeldPieceMayBeSmallBesideAStrayOne) {
   const TriangleMesh chin = test::make_box({-5, -20, -5}, {5, 20, 5});
   const TriangleMesh spine = test::make_box({-30, 40, -200}, {30, 100, 10});
   Osteotomy osteotomy{"chin", {{{0, 0, -1}, {0, 0, -1}}}};
-  osteotomy.holds_L = {{0, -20, -5}};
-  const auto bones = cut_bones(test::join(chin, spine), osteotomy);
+  osteotomy.anchor_points_L = {{0, -20, -5}};
+  const auto bones = perform_osteotomy(test::join(chin, spine), osteotomy);
   expect_conserved(bones);
   EXPECT_NEAR(bones->segment_volume_mm3, 10.0 * 40.0 * 4.0, 1e-6);
   // The nearest piece, though a larger one is near enough, too.
   const TriangleMesh near_spine = test::make_box({-30, 23, -200}, {30, 100, 10});
-  osteotomy.holds_L = {{0, 20, -3}};
-  const auto nearest = cut_bones(test::join(chin, near_spine), osteotomy);
+  osteotomy.anchor_points_L = {{0, 20, -3}};
+  const auto nearest = perform_osteotomy(test::join(chin, near_spine), osteotomy);
   expect_conserved(nearest);
   EXPECT_NEAR(nearest->segment_volume_mm3, 10.0 * 40.0 * 4.0, 1e-6);
   // But no speck.
-  expect_error(cut_bones(test::join(chin, spine), osteotomy, {.smallest_piece_ml = 2.0}),
+  expect_error(perform_osteotomy(test::join(chin, spine), osteotomy, {.min_piece_ml = 2.0}),
                ErrorCode::kCutMissesBone, "no piece of 2 ml or more within the cut");
 }
 
-TEST(CutBones, ASawThatLeavesNothingIsRefused) {
+TEST(OsteotomyResult, ASawThatLeavesNothingIsRefused) {
   Osteotomy osteotomy{"front", {{{0, 17, 0}, {0, -1, 0}}}};
   osteotomy.kerf_mm = 5.0;
-  expect_error(cut_bones(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
+  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
   osteotomy.planes = {sheet({0, 17, 0}, {0, -1, 0}, 30, 30)};
-  expect_error(cut_bones(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
+  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
 }
 
-TEST(CutBones, RefusesCutsThatAreNone) {
+TEST(OsteotomyResult, RefusesCutsThatAreNone) {
   Osteotomy mixed{"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30), {{0, 0, 0}, {0, 0, 1}}}};
-  expect_error(cut_bones(kBar, mixed), ErrorCode::kPlanInvalid, "must stand alone");
-  expect_error(cut_bones(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 0, 30)}}),
+  expect_error(perform_osteotomy(kBar, mixed), ErrorCode::kPlanInvalid, "must stand alone");
+  expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 0, 30)}}),
                ErrorCode::kPlanInvalid, "its size is 0 x 30 mm");
-  expect_error(cut_bones(kBar, {"front", {sheet({0, -5, 0}, {1, 0, 0}, 5, 30)}}),
+  expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {1, 0, 0}, 5, 30)}}),
                ErrorCode::kPlanInvalid, "its width runs along its normal");
-  expect_error(cut_bones(kBar, {"front", {}, {{{{0, 0, 0}, {1, 0, 0}}, {0, 1, 0}}}}),
+  expect_error(perform_osteotomy(kBar, {"front", {}, {{{{0, 0, 0}, {1, 0, 0}}, {0, 1, 0}}}}),
                ErrorCode::kPlanInvalid, "curve 0: the curve has 2 points");
   Osteotomy wide{"front", {{{0, -5, 0}, {0, -1, 0}}}};
   wide.kerf_mm = 9.0;
-  expect_error(cut_bones(kBar, wide), ErrorCode::kPlanInvalid, "the saw's kerf is 9 mm");
+  expect_error(perform_osteotomy(kBar, wide), ErrorCode::kPlanInvalid, "the saw's kerf is 9 mm");
 }
 
 PlannedSegment planned(Osteotomy osteotomy, std::string from = "") {

@@ -9,29 +9,30 @@ TEST(Landmarks, NamesHaveSidesWhereTheFieldHasPairs) {
   EXPECT_EQ(full_name("Or-R"), "right orbitale");
   EXPECT_EQ(full_name("Or-L"), "left orbitale");
   EXPECT_EQ(full_name("N'"), "soft-tissue nasion");
-  EXPECT_EQ(find_kind("Or"), nullptr);
-  EXPECT_EQ(find_kind("N-R"), nullptr);
+  EXPECT_EQ(landmark_definition("Or"), nullptr);
+  EXPECT_EQ(landmark_definition("N-R"), nullptr);
   EXPECT_EQ(full_name("screw 3"), "screw 3");
   for (const LandmarkKind& kind : landmark_kinds())
-    EXPECT_EQ(find_kind(std::string(kind.abbreviation) + (kind.is_paired ? "-L" : "")), &kind);
+    EXPECT_EQ(landmark_definition(std::string(kind.abbreviation) + (kind.is_paired ? "-L" : "")),
+              &kind);
 }
 
 TEST(Landmarks, TheMiddleIsOfBothSidesOrOfTheOneThereIs) {
   const Landmarks both{{"Or-R", {-30, 0, 0}}, {"Or-L", {32, 4, 2}}};
-  EXPECT_EQ(*find_middle(both, "Or"), Vec3(1, 2, 1));
-  EXPECT_EQ(*find_middle(Landmarks{both[1]}, "Or"), both[1].point_L);
-  EXPECT_FALSE(find_middle(both, "Po"));
+  EXPECT_EQ(*pair_midpoint(both, "Or"), Vec3(1, 2, 1));
+  EXPECT_EQ(*pair_midpoint(Landmarks{both[1]}, "Or"), both[1].point_L);
+  EXPECT_FALSE(pair_midpoint(both, "Po"));
 }
 
 TEST(Landmarks, LeftIsToThePatientsLeftWhateverTheOrder) {
-  EXPECT_EQ(left_of(Landmarks{}).value(), Vec3(1, 0, 0));
+  EXPECT_EQ(patient_left_axis(Landmarks{}).value(), Vec3(1, 0, 0));
   const Landmarks turned{{"Or-L", {24, 18, 0}}, {"N", {0, 0, 0}}, {"Or-R", {-24, -18, 0}}};
-  EXPECT_LT((left_of(turned).value() - Vec3(0.8, 0.6, 0)).norm(), 1e-15);
+  EXPECT_LT((patient_left_axis(turned).value() - Vec3(0.8, 0.6, 0)).norm(), 1e-15);
   const Landmarks others{{"Or-L", {30, 0, 0}},
                          {"Or-R", {-30, 0, 0}},  // Not the field's sides.
                          {"screw-L", {-5, 9, 0}},
                          {"screw-R", {5, 0, 0}}};
-  EXPECT_EQ(left_of(others).value(), Vec3(1, 0, 0));
+  EXPECT_EQ(patient_left_axis(others).value(), Vec3(1, 0, 0));
 }
 
 /// A face that is askew: no side is the mirror image of the other.
@@ -42,14 +43,14 @@ Landmarks askew() {
 }
 
 void expect_refused(const Landmarks& landmarks, const char* words) {
-  const auto left = left_of(landmarks);
+  const auto left = patient_left_axis(landmarks);
   ASSERT_FALSE(left) << words;
   EXPECT_EQ(left.error().code, ErrorCode::kPlanInvalid);
   EXPECT_NE(left.error().message.find(words), std::string::npos) << left.error().message;
 }
 
 TEST(Landmarks, ExchangedSidesAreRefusedByName) {
-  ASSERT_TRUE(left_of(askew())) << left_of(askew()).error().message;
+  ASSERT_TRUE(patient_left_axis(askew())) << patient_left_axis(askew()).error().message;
   Landmarks one = askew();
   std::swap(one[2].name, one[3].name);
   expect_refused(one, "landmarks Or-R and Or-L");

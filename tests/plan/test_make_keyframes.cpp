@@ -17,7 +17,7 @@ TEST(MakeKeyframes, AKeyframeHasThePoseItWasMadeFrom) {
   const geometry::Keyframe key = keyframe_of_pose(X, {5, 6, 7});
   const geometry::RigidPath path{.segment = "s", .keyframes = {key}};
   EXPECT_LT((geometry::pose_at(path, 1.0).matrix() - X.matrix()).norm(), 1e-12);
-  EXPECT_EQ(key.centre_L, Vec3(5, 6, 7));
+  EXPECT_EQ(key.center_L, Vec3(5, 6, 7));
 }
 
 TEST(MakeKeyframes, LandmarksMeetTheirTargets) {
@@ -102,13 +102,13 @@ TEST(MakeKeyframes, DistractionThatIsNoneIsRefused) {
 TEST(geometry::RigidPath, TheScrewTurnsAboutOneFixedAxis) {
   geometry::Keyframe key;
   key.rotation_rad = {0, 0, 1.0};
-  key.centre_L = {10, 0, 0};
+  key.center_L = {10, 0, 0};
   key.translation_mm = {0, 0, 6};
   geometry::RigidPath path{
       .segment = "s", .keyframes = {key}, .interpolation = geometry::Interpolation::kScrew};
   const Vec3 on_axis_B(10, 0, 3), half_way = geometry::pose_at(path, 0.5) * on_axis_B;
   EXPECT_LT((half_way - Vec3(10, 0, 6)).norm(), 1e-12);
-  // About another centre the same end is reached by another way, but not by the screw.
+  // About another center the same end is reached by another way, but not by the screw.
   const geometry::Keyframe same = keyframe_of_pose(geometry::pose_at(path, 1.0), {-50, 0, 0});
   geometry::RigidPath other{
       .segment = "s", .keyframes = {same}, .interpolation = geometry::Interpolation::kScrew};

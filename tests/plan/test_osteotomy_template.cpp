@@ -1,7 +1,7 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/rigid_motion.h>
-#include <lefort/plan/cut_bones.h>
 #include <lefort/plan/osteotomy_template.h>
+#include <lefort/plan/perform_osteotomy.h>
 
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ bool is_within(const std::vector<CutPlane>& planes, const Vec3& p) {
 
 bool is_within(const Osteotomy& cut, const Vec3& p) {
   if (is_within(cut.planes, p)) return true;
-  for (const CutRegion& region : cut.also)
+  for (const CutRegion& region : cut.additional_regions)
     if (is_within(region.planes, p)) return true;
   return false;
 }
@@ -90,15 +90,15 @@ TEST(OsteotomyTemplate, EveryKindCutsAHeadInClosedPartsThatAddUp) {
        {OsteotomyTemplate::kLeFort1, OsteotomyTemplate::kLeFort2, OsteotomyTemplate::kLeFort3,
         OsteotomyTemplate::kGenioplasty, OsteotomyTemplate::kSagittalSplit}) {
     Osteotomy cut = made(kind);
-    cut.holds_L.clear();  // Landmarks of a head are not all on an ellipsoid.
-    const auto bones = cut_bones(solid_head(), cut);
+    cut.anchor_points_L.clear();  // Landmarks of a head are not all on an ellipsoid.
+    const auto bones = perform_osteotomy(solid_head(), cut);
     ASSERT_TRUE(bones) << name_of(kind) << ": " << bones.error().message;
     EXPECT_TRUE(geometry::is_closed(bones->segment_L)) << name_of(kind);
     EXPECT_TRUE(geometry::is_closed(bones->remainder_L)) << name_of(kind);
     EXPECT_NEAR(bones->segment_volume_mm3 + bones->remainder_volume_mm3, bones->skull_volume_mm3,
                 1e-3 * bones->skull_volume_mm3);
     cut.kerf_mm = 1.0;
-    const auto sawn = cut_bones(solid_head(), cut);
+    const auto sawn = perform_osteotomy(solid_head(), cut);
     ASSERT_TRUE(sawn) << name_of(kind) << ": " << sawn.error().message;
     EXPECT_NEAR(sawn->segment_volume_mm3, bones->segment_volume_mm3, 1e-6);
     EXPECT_GT(sawn->kerf_volume_mm3, 100.0);

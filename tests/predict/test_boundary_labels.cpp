@@ -61,26 +61,27 @@ FaceModel phantom_face(const BoundaryOptions& options, const Painting& label_at 
 }
 
 /// What nodes of a set below 9 mm, well within the painted patch, do when the segment rises.
-struct Moved {
-  double least_mm = 1e9, largest_mm = 0.0;
+struct MovedNodes {
+  double min_mm = 1e9, max_mm = 0.0;
   double off_the_bone_mm = 0.0;  ///< Furthest from where the segment would have taken it.
   int nodes = 0;
 };
 
-Moved moved_nodes(const FaceModel& model, const BoundaryOptions& boundary, double from, double to) {
+MovedNodes moved_nodes(const FaceModel& model, const BoundaryOptions& boundary, double from,
+                       double to) {
   PredictionOptions options;
   options.tissue = kOptions;
   options.boundary = boundary;
   const auto prediction = predict_face(model, {test::straight(kUp_mm, 1)}, options);
   EXPECT_TRUE(prediction && prediction->converged());
-  Moved moved;
+  MovedNodes moved;
   if (!prediction || !prediction->converged()) return moved;
   for (const std::int32_t node : model.tissue.node_sets.at("boundary")) {
     const Vec3& p = model.tissue.nodes_L[std::size_t(node)];
     if (below(from, to, BoundaryLabel::kFree)(p) != BoundaryLabel::kFree || p.z() > 9.0) continue;
     const Vec3& u = prediction->steps.back().displacement_mm[std::size_t(node)];
-    moved.least_mm = std::min(moved.least_mm, u.norm());
-    moved.largest_mm = std::max(moved.largest_mm, u.norm());
+    moved.min_mm = std::min(moved.min_mm, u.norm());
+    moved.max_mm = std::max(moved.max_mm, u.norm());
     moved.off_the_bone_mm = std::max(moved.off_the_bone_mm, (u - kUp_mm).norm());
     ++moved.nodes;
   }
@@ -139,21 +140,21 @@ TEST(BoundaryLabels, WhatIsNotPaintedIsAsTheRuleHasIt) {
 }
 
 TEST(BoundaryLabels, FixedHoldsTissueThatTheRuleLetsMove) {
-  const BoundaryOptions boundary{.release_mm = 9.0};
-  EXPECT_GT(moved_nodes(phantom_face(boundary), boundary, 22.0, 28.0).largest_mm, 0.1);
+  const BoundaryOptions boundary{.elevation_margin_mm = 9.0};
+  EXPECT_GT(moved_nodes(phantom_face(boundary), boundary, 22.0, 28.0).max_mm, 0.1);
   const FaceModel painted = phantom_face(boundary, below(21.0, 29.0, BoundaryLabel::kFixed));
-  EXPECT_EQ(moved_nodes(painted, boundary, 22.0, 28.0).largest_mm, 0.0);
+  EXPECT_EQ(moved_nodes(painted, boundary, 22.0, 28.0).max_mm, 0.0);
 }
 
 TEST(BoundaryLabels, FreeLetsGoOfTissueThatTheRuleHolds) {
-  const BoundaryOptions boundary{.release_mm = 0.0};
-  EXPECT_EQ(moved_nodes(phantom_face(boundary), boundary, 23.0, 28.0).largest_mm, 0.0);
+  const BoundaryOptions boundary{.elevation_margin_mm = 0.0};
+  EXPECT_EQ(moved_nodes(phantom_face(boundary), boundary, 23.0, 28.0).max_mm, 0.0);
   const FaceModel painted = phantom_face(boundary, below(21.0, 30.0, BoundaryLabel::kFree));
-  EXPECT_GT(moved_nodes(painted, boundary, 23.0, 28.0).least_mm, 0.01);
+  EXPECT_GT(moved_nodes(painted, boundary, 23.0, 28.0).min_mm, 0.01);
 }
 
 TEST(BoundaryLabels, WithSegmentMovesExactlyAsTheBoneThoughOtherTissueSlides) {
-  const BoundaryOptions boundary{.release_mm = 0.0};
+  const BoundaryOptions boundary{.elevation_margin_mm = 0.0};
   const FaceModel painted = phantom_face(boundary, below(4.0, 16.0, BoundaryLabel::kWithSegment));
   EXPECT_LT(moved_nodes(painted, boundary, 5.0, 15.0).off_the_bone_mm, 1e-12);
   EXPECT_GT(moved_nodes(phantom_face(boundary), boundary, 5.0, 15.0).off_the_bone_mm, 1e-6);
@@ -163,14 +164,15 @@ TEST(BoundaryLabels, WithSegmentMovesExactlyAsTheBoneThoughOtherTissueSlides) {
 }
 
 TEST(BoundaryLabels, FreeIsNotAttachedWhereTheRestOfTheBoneIs) {
-  const BoundaryOptions boundary{.moved_bone = MovedBone::kAttached, .release_mm = 0.0};
+  const BoundaryOptions boundary{.segment_interface = SegmentInterface::kBonded,
+                                 .elevation_margin_mm = 0.0};
   EXPECT_LT(moved_nodes(phantom_face(boundary), boundary, 5.0, 15.0).off_the_bone_mm, 1e-12);
   const FaceModel painted = phantom_face(boundary, below(4.0, 16.0, BoundaryLabel::kFree));
   EXPECT_GT(moved_nodes(painted, boundary, 5.0, 15.0).off_the_bone_mm, 0.01);
 }
 
 TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
-  const BoundaryOptions boundary{.release_mm = 4.0};
+  const BoundaryOptions boundary{.elevation_margin_mm = 4.0};
   const auto label_at = [](const Vec3& p) {
     if (p.x() < 10.0) return below(4.0, 10.0, BoundaryLabel::kWithSegment)(p);
     if (p.x() < 25.0) return below(20.0, 25.0, BoundaryLabel::kFixed)(p);
@@ -178,20 +180,20 @@ TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
   };
   const mesh::VolumeMesh tissue = phantom_face(boundary, label_at).tissue;
   Index decided = 0, painted_over = 0, painted = 0, fixed = 0;
-  for (const RuleDecision& rule : rule_decisions(tissue, boundary)) {
+  for (const BoundaryRuleStatistics& rule : boundary_rule_statistics(tissue, boundary)) {
     decided += rule.fixed + rule.with_segment + rule.free;
     painted_over += rule.painted;
     fixed += rule.fixed;
     EXPECT_EQ(rule.with_segment, 0);  // It slides where it is not painted.
     EXPECT_EQ(rule.within_mm.has_value(), rule.set != sets::kFree);
-    if (rule.set == sets::kStillBone) {
+    if (rule.set == sets::kStationaryBone) {
       EXPECT_EQ(rule.within_mm, boundary.capture_mm);
       EXPECT_GT(rule.painted, 0);
     }
   }
-  const std::vector<LabelDecision> by_label = label_decisions(tissue);
+  const std::vector<BoundaryLabelStatistics> by_label = boundary_label_statistics(tissue);
   ASSERT_EQ(by_label.size(), std::size(kBoundaryLabelStyles));
-  for (const LabelDecision& decision : by_label) {
+  for (const BoundaryLabelStatistics& decision : by_label) {
     EXPECT_GT(decision.nodes, 0) << decision.label.name;
     painted += decision.nodes;
   }
@@ -205,22 +207,22 @@ TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
     const auto p = [&](std::size_t n) { return tissue.nodes_L[std::size_t(face[n])]; };
     area_mm2 += 0.5 * (p(1) - p(0)).cross(p(2) - p(0)).norm();
   }
-  for (const RuleDecision& rule : rule_decisions(tissue, boundary)) {
+  for (const BoundaryRuleStatistics& rule : boundary_rule_statistics(tissue, boundary)) {
     by_rule_mm2 += rule.areas.fixed_mm2 + rule.areas.with_segment_mm2 + rule.areas.free_mm2;
     over_mm2 += rule.areas.painted_mm2;
     EXPECT_EQ(rule.areas.fixed_mm2 > 0.0, rule.fixed > 0) << rule.set;
   }
-  for (const LabelDecision& decision : by_label) {
+  for (const BoundaryLabelStatistics& decision : by_label) {
     EXPECT_GT(decision.area_mm2, 0.0) << decision.label.name;
     painted_mm2 += decision.area_mm2;
   }
   EXPECT_NEAR(painted_mm2, over_mm2, 1e-9 * area_mm2);
   EXPECT_NEAR(by_rule_mm2 + painted_mm2, area_mm2, 1e-9 * area_mm2);
 
-  const std::string told = describe_boundary(tissue, boundary);
-  EXPECT_NE(told.find("within 4 mm"), std::string::npos) << told;
-  EXPECT_NE(told.find("with segment "), std::string::npos) << told;
-  EXPECT_TRUE(label_decisions(phantom_face(boundary).tissue).empty());
+  const std::string reported = describe_boundary(tissue, boundary);
+  EXPECT_NE(reported.find("within 4 mm"), std::string::npos) << reported;
+  EXPECT_NE(reported.find("with segment "), std::string::npos) << reported;
+  EXPECT_TRUE(boundary_label_statistics(phantom_face(boundary).tissue).empty());
 }
 
 }  // namespace

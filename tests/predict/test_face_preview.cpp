@@ -11,9 +11,10 @@
 namespace lefort::predict {
 namespace {
 
-FacePreview preview_of(const FaceModel& model, MovedBone moved_bone = MovedBone::kContact) {
+FacePreview preview_of(const FaceModel& model,
+                       SegmentInterface segment_interface = SegmentInterface::kSliding) {
   return FacePreview(make_preview_model(model, test::surface_of(model), {},
-                                        {.moved_bone = moved_bone}, Vec3::Ones())
+                                        {.segment_interface = segment_interface}, Vec3::Ones())
                          .value());
 }
 
@@ -24,20 +25,20 @@ RigidTransform shift(const Vec3& by_mm) {
 }
 
 /// Largest distance at the surface between a preview and a prediction [mm].
-double distance_mm(const FaceModel& model, MovedBone moved_bone, const Vec3& by_mm) {
+double distance_mm(const FaceModel& model, SegmentInterface segment_interface, const Vec3& by_mm) {
   PredictionOptions options;
-  options.boundary.moved_bone = moved_bone;
+  options.boundary.segment_interface = segment_interface;
   const auto prediction = predict_face(model, {test::straight(by_mm, 2)}, options).value();
   EXPECT_TRUE(prediction.converged());
   const auto preview_mm =
-      preview_of(model, moved_bone).displacement_mm(std::array{shift(by_mm)}).value();
-  double largest_mm = 0.0;
+      preview_of(model, segment_interface).displacement_mm(std::array{shift(by_mm)}).value();
+  double max_mm = 0.0;
   for (const mesh::Face& face : mesh::boundary_faces(model.tissue))
     for (const std::int32_t node : nodes_of(face))
-      largest_mm = std::max(largest_mm, (preview_mm[std::size_t(node)] -
-                                         prediction.steps.back().displacement_mm[std::size_t(node)])
-                                            .norm());
-  return largest_mm;
+      max_mm = std::max(max_mm, (preview_mm[std::size_t(node)] -
+                                 prediction.steps.back().displacement_mm[std::size_t(node)])
+                                    .norm());
+  return max_mm;
 }
 
 TEST(FacePreview, NoMotionMovesNothing) {
@@ -71,8 +72,8 @@ TEST(FacePreview, KnowsSkin) {
 
 TEST(FacePreview, OfAttachedTissueIsThePredictionToFirstOrder) {
   const FaceModel model = test::block_on_slab();
-  const double far_mm = distance_mm(model, MovedBone::kAttached, {0.4, 0.2, 0.4});
-  const double near_mm = distance_mm(model, MovedBone::kAttached, {0.1, 0.05, 0.1});
+  const double far_mm = distance_mm(model, SegmentInterface::kBonded, {0.4, 0.2, 0.4});
+  const double near_mm = distance_mm(model, SegmentInterface::kBonded, {0.1, 0.05, 0.1});
   EXPECT_LT(far_mm, 0.1);
   EXPECT_LT(near_mm, 0.02);
 }
@@ -95,24 +96,25 @@ TEST(FacePreview, OfTissuePaintedToMoveWithTheSegmentIsNearThePrediction) {
   const auto& painted = model.tissue.node_sets.at("painted_with_segment");
   ASSERT_GT(painted.size(), 5U);
   const Vec3 by_mm{0.2, 0.3, 0.3};
-  EXPECT_LT(distance_mm(model, MovedBone::kContact, by_mm), 0.08);
+  EXPECT_LT(distance_mm(model, SegmentInterface::kSliding, by_mm), 0.08);
   const auto unpainted_mm =
       preview_of(test::block_on_slab()).displacement_mm(std::array{shift(by_mm)}).value();
   // It is pulled, too, where tissue that is pushed alone comes off.
-  for (const double share : {1.0, -1.0}) {
-    const auto u_mm = preview_of(model).displacement_mm(std::array{shift(share * by_mm)}).value();
-    double largest_mm = 0.0;
+  for (const double fraction : {1.0, -1.0}) {
+    const auto u_mm =
+        preview_of(model).displacement_mm(std::array{shift(fraction * by_mm)}).value();
+    double max_mm = 0.0;
     for (const std::int32_t node : painted) {
-      EXPECT_LT((u_mm[std::size_t(node)] - share * by_mm).norm(), 0.05);
-      largest_mm = std::max(largest_mm, unpainted_mm[std::size_t(node)].x());
+      EXPECT_LT((u_mm[std::size_t(node)] - fraction * by_mm).norm(), 0.05);
+      max_mm = std::max(max_mm, unpainted_mm[std::size_t(node)].x());
     }
-    EXPECT_LT(largest_mm, 0.1);  // By rule it would not follow sideways.
+    EXPECT_LT(max_mm, 0.1);  // By rule it would not follow sideways.
   }
 }
 
 TEST(FacePreview, TissueThatTouchesNoSegmentMayBePaintedToMoveWithIt) {
   FaceModel model = painted_block();
-  model.tissue.node_sets[sets::kMovedBone].clear();
+  model.tissue.node_sets[sets::kMobilizedSegment].clear();
   const auto u_mm = preview_of(model).displacement_mm(std::array{shift({0.0, 0.5, 0.0})}).value();
   for (const std::int32_t node : model.tissue.node_sets.at("painted_with_segment"))
     EXPECT_NEAR(u_mm[std::size_t(node)].y(), 0.5, 0.05);
@@ -120,7 +122,7 @@ TEST(FacePreview, TissueThatTouchesNoSegmentMayBePaintedToMoveWithIt) {
 
 TEST(FacePreview, OfPushedTissueIsNearThePrediction) {
   // Both give way a little: the penalty of the one, the supports of the other.
-  EXPECT_LT(distance_mm(test::block_on_slab(), MovedBone::kContact, {0.0, 0.0, 0.5}), 0.1);
+  EXPECT_LT(distance_mm(test::block_on_slab(), SegmentInterface::kSliding, {0.0, 0.0, 0.5}), 0.1);
 }
 
 TEST(FacePreview, TissueSlidesAndComesOff) {
@@ -154,7 +156,7 @@ TEST(FacePreview, DoesNotDependOnWhatWasAskedBefore) {
 
 TEST(FacePreview, RefusesAModelThatNothingTouchesOrHolds) {
   FaceModel untouched = test::block_on_slab();
-  untouched.tissue.node_sets[sets::kMovedBone].clear();
+  untouched.tissue.node_sets[sets::kMobilizedSegment].clear();
   FaceModel loose = test::block_on_slab();
   loose.tissue.node_sets[sets::kFixed].clear();
   for (const FaceModel& model : {untouched, loose}) {

@@ -29,7 +29,7 @@ using test::kHeight_mm;
 using test::layered_block;
 using test::straight;
 
-class PredictFaceWith : public testing::TestWithParam<contact::Detection> {
+class PredictFaceWith : public testing::TestWithParam<contact::DetectionMethod> {
  protected:
   [[nodiscard]] static PredictionOptions options() {
     PredictionOptions options;
@@ -38,8 +38,8 @@ class PredictFaceWith : public testing::TestWithParam<contact::Detection> {
   }
 };
 INSTANTIATE_TEST_SUITE_P(Both, PredictFaceWith,
-                         testing::Values(contact::Detection::kTrilinear,
-                                         contact::Detection::kSmooth));
+                         testing::Values(contact::DetectionMethod::kTrilinear,
+                                         contact::DetectionMethod::kSmooth));
 
 TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneButForTheStatedPenetration) {
   const FaceModel model = block_on_slab();
@@ -48,7 +48,7 @@ TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneButForTheStatedPenetration) {
   ASSERT_EQ(prediction.steps.size(), 4U);
   for (const PredictionStep& step : prediction.steps) {
     EXPECT_LE(step.relative_residual, 1e-6);
-    EXPECT_GT(step.smallest_J, 0.0);
+    EXPECT_GT(step.min_J, 0.0);
     EXPECT_GT(step.contact().normal_force_n, 0.0);
     for (const std::int32_t node : model.tissue.node_sets.at(sets::kFixed))
       EXPECT_EQ(step.displacement_mm[std::size_t(node)], Vec3::Zero());
@@ -56,7 +56,7 @@ TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneButForTheStatedPenetration) {
   const PredictionStep& last = prediction.steps.back();
   EXPECT_GT(last.contact().max_penetration_mm, 0.0);
   EXPECT_LT(last.contact().max_penetration_mm, 0.5);
-  for (const std::int32_t node : model.tissue.node_sets.at(sets::kMovedBone)) {
+  for (const std::int32_t node : model.tissue.node_sets.at(sets::kMobilizedSegment)) {
     const double up_mm = last.displacement_mm[std::size_t(node)].z();
     EXPECT_LT(up_mm, 2.0 + 0.1);
     EXPECT_GT(up_mm, 2.0 - 0.6);
@@ -69,7 +69,7 @@ TEST(PredictFace, OnASlabItDoesNotMatterWhoDetectsContactAndWhereItIsIntegrated)
   ASSERT_TRUE(reference.converged());
   for (const auto integration : {contact::Integration::kQuadrature, contact::Integration::kNodes}) {
     PredictionOptions options;
-    options.contact.detection = contact::Detection::kBvh;
+    options.contact.detection = contact::DetectionMethod::kBvh;
     options.contact.integration = integration;
     const auto other = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, options).value();
     ASSERT_TRUE(other.converged()) << other.failure->message;
@@ -135,19 +135,19 @@ TEST_P(PredictFaceWith, PressedTissueDoesNotFollowABoneThatSlides) {
   ASSERT_TRUE(prediction.converged());
   const auto& pressed = prediction.steps[1].displacement_mm;
   const auto& slid = prediction.steps[3].displacement_mm;
-  double largest_mm = 0.0;
+  double max_mm = 0.0;
   for (std::size_t n = 0; n < pressed.size(); ++n) {
     EXPECT_LT((slid[n] - pressed[n]).norm(), 2e-3);
-    largest_mm = std::max(largest_mm, pressed[n].norm());
+    max_mm = std::max(max_mm, pressed[n].norm());
   }
-  EXPECT_GT(largest_mm, 0.5);
+  EXPECT_GT(max_mm, 0.5);
 }
 
 TEST_P(PredictFaceWith, ContactOnARoundBoneThatTurnsBalancesWhatHoldsTheTissue) {
   const FaceModel model = block_on_ball();
   geometry::RigidPath path = straight({0.3, 0.0, 1.5}, 4);
   path.keyframes[0].rotation_rad = Vec3(0.15, 0.1, 0.2);
-  path.keyframes[0].centre_L = Vec3(0.0, 0.0, -10.0);
+  path.keyframes[0].center_L = Vec3(0.0, 0.0, -10.0);
   const auto prediction = predict_face(model, {path}, options()).value();
   ASSERT_TRUE(prediction.converged());
 
@@ -157,7 +157,8 @@ TEST_P(PredictFaceWith, ContactOnARoundBoneThatTurnsBalancesWhatHoldsTheTissue) 
   const auto elements = fem::make_element_terms(model.tissue, {{0, law}}).value();
   const fem::Assembler assembler(
       model.tissue.nodes_L,
-      fem::DofMap::build(model.tissue.node_count(), fem::fix(model.tissue.node_sets.at("fixed")))
+      fem::DofMap::build(model.tissue.node_count(),
+                         fem::prescribe_zero(model.tissue.node_sets.at("fixed")))
           .value(),
       {elements[0].get()});
   VectorX u(3 * model.tissue.node_count());
@@ -175,7 +176,7 @@ TEST_P(PredictFaceWith, TissueDoesNotTunnelThroughAThinBone) {
   const FaceModel model = block_on(test::make_box({-4.0, -4.0, -2.0}, {16.0, 16.0, 0.0}));
   const auto prediction = predict_face(model, {straight({0.0, 0.0, 3.0}, 2)}, options()).value();
   ASSERT_TRUE(prediction.converged()) << prediction.failure->message;
-  for (const std::int32_t node : model.tissue.node_sets.at(sets::kMovedBone))
+  for (const std::int32_t node : model.tissue.node_sets.at(sets::kMobilizedSegment))
     EXPECT_GT(prediction.steps.back().displacement_mm[std::size_t(node)].z(), 3.0 - 0.9);
 }
 
@@ -189,15 +190,15 @@ TEST(PredictFace, ARetreatingBoneLeavesTissueWhereItIs) {
 TEST(PredictFace, AttachedTissueMovesExactlyWithTheBone) {
   const FaceModel model = block_on_slab();
   PredictionOptions options;
-  options.boundary.moved_bone = MovedBone::kAttached;
+  options.boundary.segment_interface = SegmentInterface::kBonded;
   geometry::RigidPath path = straight({0.5, 0.0, -1.0}, 3);
   path.keyframes[0].rotation_rad = Vec3(0.0, 0.0, 0.1);
-  path.keyframes[0].centre_L = Vec3(6.0, 6.0, 0.0);
+  path.keyframes[0].center_L = Vec3(6.0, 6.0, 0.0);
   const auto prediction = predict_face(model, {path}, options).value();
   ASSERT_TRUE(prediction.converged());
   EXPECT_EQ(prediction.contact_stiffness_mpa_per_mm, 0.0);
   const PredictionStep& last = prediction.steps.back();
-  for (const std::int32_t node : model.tissue.node_sets.at(sets::kMovedBone)) {
+  for (const std::int32_t node : model.tissue.node_sets.at(sets::kMobilizedSegment)) {
     const Vec3& X = model.tissue.nodes_L[std::size_t(node)];
     EXPECT_LT((X + last.displacement_mm[std::size_t(node)] - last.segments[0].X_LB * X).norm(),
               1e-12);
@@ -268,38 +269,38 @@ TEST(PredictFace, LikewiseUnderSkinOfItsOwn) {
   expect_same_after_a_stop(layered_block(), straight({0.2, 0.0, 1.5}, 3), options);
 }
 
-TEST(PredictFace, TellsEachIterationOnceAndChangesNothingByIt) {
+TEST(PredictFace, ReportsEachIterationOnceAndChangesNothingByIt) {
   const FaceModel model = block_on_ball();
   PredictionOptions options;
   options.contact.penetration_tolerance_mm = 1e-3;
   options.contact.stiffness_factor = 10.0;  // So soft that it takes multipliers.
   const geometry::RigidPath path = straight({0.8, 0.0, 1.2}, 3);
-  std::vector<std::vector<PredictionIterate>> told(1);
-  double largest_multiplier_mpa = 0.0;
+  std::vector<std::vector<PredictionIterate>> reported(1);
+  double max_multiplier_mpa = 0.0;
   const PredictionWatch watch{
-      .on_iterate = [&](const PredictionIterate& at) { told.back().push_back(at); },
-      .on_step = [&](const PredictionStep&) { told.emplace_back(); },
+      .on_iterate = [&](const PredictionIterate& at) { reported.back().push_back(at); },
+      .on_step = [&](const PredictionStep&) { reported.emplace_back(); },
       .on_restart =
           [&](const Restart& restart) {
             for (const double multiplier_mpa : restart.contacts[0].multipliers_mpa)
-              largest_multiplier_mpa = std::max(largest_multiplier_mpa, multiplier_mpa);
+              max_multiplier_mpa = std::max(max_multiplier_mpa, multiplier_mpa);
           }};
   const auto seen = predict_face(model, {path}, options, watch).value();
   const auto alone = predict_face(model, {path}, options).value();
   ASSERT_TRUE(seen.converged() && alone.converged());
-  ASSERT_GT(largest_multiplier_mpa, 0.0) << "nothing was augmented";
+  ASSERT_GT(max_multiplier_mpa, 0.0) << "nothing was augmented";
   EXPECT_EQ(seen.steps.back().displacement_mm, alone.steps.back().displacement_mm);
-  ASSERT_EQ(told.size(), seen.steps.size() + 1);
-  EXPECT_TRUE(told.back().empty());
+  ASSERT_EQ(reported.size(), seen.steps.size() + 1);
+  EXPECT_TRUE(reported.back().empty());
   for (std::size_t n = 0; n < seen.steps.size(); ++n) {
     std::size_t k = 0;
     int number = 0;
     for (const fem::LoadAttempt& attempt : seen.steps[n].attempts) {
       ++number;
-      ASSERT_LE(k + attempt.history.size(), told[n].size());
+      ASSERT_LE(k + attempt.history.size(), reported[n].size());
       for (std::size_t line = 0; line < attempt.history.size(); ++line, ++k) {
-        const PredictionIterate& at = told[n][k];
-        EXPECT_EQ(at.to_share, attempt.t_to);
+        const PredictionIterate& at = reported[n][k];
+        EXPECT_EQ(at.to_fraction, attempt.t_to);
         EXPECT_EQ(at.attempt, number);
         EXPECT_EQ(at.iteration, int(line));
         EXPECT_EQ(at.line.residual_n, attempt.history[line].residual_n);
@@ -307,8 +308,9 @@ TEST(PredictFace, TellsEachIterationOnceAndChangesNothingByIt) {
         EXPECT_EQ(at.deepest_mm > 0.0, at.line.contacts > 0);
       }
     }
-    EXPECT_EQ(k, told[n].size());
-    EXPECT_NEAR(told[n].back().deepest_mm, seen.steps[n].contact().max_depth_from_rest_mm, 1e-12);
+    EXPECT_EQ(k, reported[n].size());
+    EXPECT_NEAR(reported[n].back().deepest_mm, seen.steps[n].contact().max_depth_from_rest_mm,
+                1e-12);
   }
 }
 
@@ -380,13 +382,13 @@ TEST(PredictFace, OnlyContactIsBoundToTheFieldsReach) {
   const FaceModel model = block_on_slab();
   const geometry::RigidPath far = straight({0.0, 0.0, 7.0}, 2);
   BoundaryOptions boundary;
-  const auto smooth = contact::Detection::kSmooth;
+  const auto smooth = contact::DetectionMethod::kSmooth;
   EXPECT_FALSE(check_reach({far}, model.segments, smooth, boundary));
-  boundary.moved_bone = MovedBone::kAttached;
+  boundary.segment_interface = SegmentInterface::kBonded;
   EXPECT_TRUE(check_reach({far}, model.segments, smooth, boundary));
 }
 
-TEST(PredictFace, RefusesAFieldThatCannotTellContact) {
+TEST(PredictFace, RefusesAFieldThatCannotReportContact) {
   PredictionOptions far_capture;
   far_capture.boundary.capture_mm = 3.0;
   const auto beyond = predict_face(block_on_slab(), {straight({0.0, 0.0, 1.0}, 1)}, far_capture);
@@ -420,7 +422,7 @@ TEST(PredictFace, WarnsOfTissueThatRestsInsideTheBone) {
 
 TEST(PredictFace, RefusesAModelThatNothingTouchesOrHolds) {
   FaceModel untouched = block_on_slab();
-  untouched.tissue.node_sets[sets::kMovedBone].clear();
+  untouched.tissue.node_sets[sets::kMobilizedSegment].clear();
   EXPECT_EQ(predict_face(untouched, {straight({0.0, 0.0, 1.0}, 1)}, {}).error().code,
             ErrorCode::kAnatomyMissing);
   FaceModel unnamed = block_on_slab();
@@ -434,7 +436,7 @@ TEST(PredictFace, RefusesAModelThatNothingTouchesOrHolds) {
 
 TEST(PredictFace, APathThatCannotBeSolvedFailsWithoutAFace) {
   PredictionOptions hurried;
-  hurried.solver.smallest_step = 1.0;
+  hurried.solver.min_increment_ratio = 1.0;
   hurried.solver.max_iterations = 1;
   const auto prediction =
       predict_face(block_on_slab(), {straight({0.0, 0.0, 2.0}, 2)}, hurried).value();

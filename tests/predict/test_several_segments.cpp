@@ -45,7 +45,7 @@ FaceModel long_block(const std::vector<std::pair<double, double>>& slabs_mm) {
     const double x = model.tissue.nodes_L[std::size_t(node)].x();
     if (std::any_of(slabs_mm.begin(), slabs_mm.end(),
                     [&](const auto& slab) { return slab.first <= x && x <= slab.second; }))
-      node_sets[sets::kMovedBone].push_back(node);
+      node_sets[sets::kMobilizedSegment].push_back(node);
   }
   for (const auto& [from_mm, to_mm] : slabs_mm)
     model.segments.push_back(
@@ -53,7 +53,7 @@ FaceModel long_block(const std::vector<std::pair<double, double>>& slabs_mm) {
   return model;
 }
 
-FaceModel two_apart() { return long_block({{-4.0, 8.0}, {55.0, 67.0}}); }
+FaceModel two_separate() { return long_block({{-4.0, 8.0}, {55.0, 67.0}}); }
 FaceModel two_that_meet() { return long_block({{-4.0, 31.5}, {31.5, 67.0}}); }
 
 geometry::RigidPath named(const std::string& segment, const Vec3& by_mm, int steps = 2) {
@@ -74,7 +74,7 @@ std::vector<Vec3> face(const FaceModel& model, const std::vector<geometry::Rigid
 }
 
 TEST(SeveralSegments, FarApartEachMovesItsTissueAsItDoesAlone) {
-  const FaceModel model = two_apart();
+  const FaceModel model = two_separate();
   const auto both = face(model, {named("left", kUp), named("right", kUpAndAside)});
   const auto left = face(model, {named("left", kUp), named("right", kStill)});
   const auto right = face(model, {named("left", kStill), named("right", kUpAndAside)});
@@ -96,7 +96,7 @@ TEST(SeveralSegments, FarApartEachMovesItsTissueAsItDoesAlone) {
 }
 
 TEST(SeveralSegments, AMirroredPairGivesAMirroredFace) {
-  const FaceModel model = two_apart();
+  const FaceModel model = two_separate();
   PredictionOptions options;
   options.solver.relative_tolerance = 1e-9;
   const auto u =
@@ -115,16 +115,17 @@ TEST(SeveralSegments, AMirroredPairGivesAMirroredFace) {
 }
 
 TEST(SeveralSegments, ABoneSawnInTwoThatMovesAsOneMovesTheFaceAsOne) {
-  for (const MovedBone moved_bone : {MovedBone::kContact, MovedBone::kAttached}) {
+  for (const SegmentInterface segment_interface :
+       {SegmentInterface::kSliding, SegmentInterface::kBonded}) {
     PredictionOptions options;
-    options.boundary.moved_bone = moved_bone;
+    options.boundary.segment_interface = segment_interface;
     options.contact.penetration_tolerance_mm = 0.01;
     const auto one = face(long_block({{-4.0, 67.0}}), {named("whole", kUpAndAside)}, options);
     const auto two =
         face(two_that_meet(), {named("left", kUpAndAside), named("right", kUpAndAside)}, options);
     // Multipliers stop at their tolerance, and each bone has its own field. Were tissue along the
     // cut to rest on both, the one's edge would drag it along by 0.4 mm.
-    const double far_mm = moved_bone == MovedBone::kContact ? 0.1 : 1e-12;
+    const double far_mm = segment_interface == SegmentInterface::kSliding ? 0.1 : 1e-12;
     for (std::size_t n = 0; n < one.size(); ++n) EXPECT_LT((one[n] - two[n]).norm(), far_mm);
   }
 }
@@ -132,15 +133,15 @@ TEST(SeveralSegments, ABoneSawnInTwoThatMovesAsOneMovesTheFaceAsOne) {
 TEST(SeveralSegments, AttachedTissueGoesWithTheSegmentThatIsNearest) {
   const FaceModel model = two_that_meet();
   PredictionOptions options;
-  options.boundary.moved_bone = MovedBone::kAttached;
+  options.boundary.segment_interface = SegmentInterface::kBonded;
   geometry::RigidPath left = named("left", {-0.3, 0.0, 0.5}),
                       right = named("right", {0.3, 0.0, -0.5});
   right.keyframes[0].rotation_rad = Vec3(0.0, 0.02, 0.0);
-  right.keyframes[0].centre_L = Vec3(45.0, 6.0, 0.0);
+  right.keyframes[0].center_L = Vec3(45.0, 6.0, 0.0);
   const auto prediction = predict_face(model, {left, right}, options).value();
   ASSERT_TRUE(prediction.converged());
   const PredictionStep& last = prediction.steps.back();
-  for (const std::int32_t node : model.tissue.node_sets.at(sets::kMovedBone)) {
+  for (const std::int32_t node : model.tissue.node_sets.at(sets::kMobilizedSegment)) {
     const Vec3& X = model.tissue.nodes_L[std::size_t(node)];
     const std::size_t k = X.x() <= 31.5 ? 0 : 1;  // In the cut by the first.
     EXPECT_LT((X + last.displacement_mm[std::size_t(node)] - last.segments[k].X_LB * X).norm(),
@@ -148,17 +149,18 @@ TEST(SeveralSegments, AttachedTissueGoesWithTheSegmentThatIsNearest) {
   }
 }
 
-TEST(SeveralSegments, EachTellsItsContact) {
-  const FaceModel model = two_apart();
+TEST(SeveralSegments, EachReportsItsContact) {
+  const FaceModel model = two_separate();
   const auto prediction =
       predict_face(model, {named("left", kUp), named("right", {0.0, 0.0, 0.5})}, {}).value();
   ASSERT_TRUE(prediction.converged());
   const PredictionStep& last = prediction.steps.back();
-  const contact::ContactSummary &left = last.segments[0].contact, &right = last.segments[1].contact;
+  const contact::ContactStatistics &left = last.segments[0].contact,
+                                   &right = last.segments[1].contact;
   EXPECT_GT(left.force_L_n.z(), 2.0 * right.force_L_n.z());
   EXPECT_GT(right.force_L_n.z(), 0.0);
   EXPECT_GT(left.max_depth_from_rest_mm, right.max_depth_from_rest_mm);
-  const contact::ContactSummary both = last.contact();
+  const contact::ContactStatistics both = last.contact();
   EXPECT_EQ(both.nodes, left.nodes + right.nodes);
   EXPECT_EQ(both.force_L_n, left.force_L_n + right.force_L_n);
   EXPECT_EQ(both.max_depth_from_rest_mm, left.max_depth_from_rest_mm);
@@ -177,17 +179,19 @@ TEST(SeveralSegments, ThePathWithTheMostStepsCutsThemAllAndEachPassesItsKeyframe
   left.keyframes.insert(left.keyframes.begin(), {.at = 0.6, .translation_mm = {0.0, 0.0, 0.9}});
   geometry::RigidPath right = named("right", {0.0, 0.0, 0.6}, 4);
   right.keyframes.insert(right.keyframes.begin(), {.at = 0.3, .translation_mm = {0.0, 0.0, 0.1}});
-  const auto prediction = predict_face(two_apart(), {left, right}, {}).value();
+  const auto prediction = predict_face(two_separate(), {left, right}, {}).value();
   ASSERT_TRUE(prediction.converged());
   ASSERT_EQ(prediction.steps.size(), 4U);
   for (const PredictionStep& step : prediction.steps) {
-    EXPECT_EQ(step.segments[0].X_LB.matrix(), geometry::pose_at(left, step.share).matrix());
-    EXPECT_EQ(step.segments[1].X_LB.matrix(), geometry::pose_at(right, step.share).matrix());
+    EXPECT_EQ(step.segments[0].X_LB.matrix(), geometry::pose_at(left, step.path_fraction).matrix());
+    EXPECT_EQ(step.segments[1].X_LB.matrix(),
+              geometry::pose_at(right, step.path_fraction).matrix());
   }
-  const auto passes = [&](double share) {
+  const auto passes = [&](double path_fraction) {
     for (const PredictionStep& step : prediction.steps)
       for (const fem::LoadAttempt& attempt : step.attempts)
-        if (attempt.t_to == share && attempt.stop == fem::NewtonStop::kConverged) return true;
+        if (attempt.t_to == path_fraction && attempt.stop == fem::NewtonStop::kConverged)
+          return true;
     return false;
   };
   EXPECT_TRUE(passes(0.3));
@@ -242,20 +246,20 @@ TEST(SeveralSegments, TheOneAtFaultIsNamed) {
     EXPECT_NE(prediction.error().message.find(says), std::string::npos)
         << prediction.error().message;
   };
-  refused(two_apart(), {0.0, 0.0, 7.0}, ErrorCode::kStepBeyondBand, "segment right moves");
-  FaceModel bare = two_apart();
-  std::erase_if(bare.tissue.node_sets.at(sets::kMovedBone), [&](std::int32_t node) {
+  refused(two_separate(), {0.0, 0.0, 7.0}, ErrorCode::kStepBeyondBand, "segment right moves");
+  FaceModel bare = two_separate();
+  std::erase_if(bare.tissue.node_sets.at(sets::kMobilizedSegment), [&](std::int32_t node) {
     return bare.tissue.nodes_L[std::size_t(node)].x() > 20.0;
   });
   refused(bare, kUp, ErrorCode::kAnatomyMissing, "lies on segment right");
-  FaceModel open = two_apart();
+  FaceModel open = two_separate();
   open.segments[1].surface_B.triangles.pop_back();
   open.segments[1] = test::moved(open.segments[1].surface_B);
   refused(open, kUp, ErrorCode::kMeshInvalid, "segment right is an open surface");
 }
 
 TEST(SeveralSegments, ThePreviewMovesEach) {
-  const FaceModel model = two_apart();
+  const FaceModel model = two_separate();
   const geometry::TriangleMesh skin_L = test::surface_of(model);
   const FacePreview preview(make_preview_model(model, skin_L, {}, {}, Vec3::Ones()).value());
   ASSERT_EQ(preview.segment_count(), 2U);
@@ -268,14 +272,14 @@ TEST(SeveralSegments, ThePreviewMovesEach) {
   const auto both =
       preview.displacement_mm(std::array{shifted(left_mm), shifted(right_mm)}).value();
   const auto full = face(model, {named("left", left_mm), named("right", right_mm)});
-  double largest_mm = 0.0;
+  double max_mm = 0.0;
   const double left_end_mm = 6.0, right_end_mm = kLength_mm - left_end_mm;  // Off the slabs' edges.
   for (const geometry::Triangle& t : skin_L.triangles)
     for (const std::int32_t v : t) {
       const double x = skin_L.vertices[std::size_t(v)].x();
       if (x > left_end_mm && x < right_end_mm) continue;
       EXPECT_LT((both[std::size_t(v)] - full[std::size_t(v)]).norm(), 0.1) << "x = " << x;
-      largest_mm = std::max(largest_mm, full[std::size_t(v)].norm());
+      max_mm = std::max(max_mm, full[std::size_t(v)].norm());
     }
   const auto right =
       preview.displacement_mm(std::array{RigidTransform::Identity(), shifted(right_mm)}).value();

@@ -36,7 +36,7 @@ FaceModel pressed_block() {
   FaceModel model;
   model.tissue = test::box_mesh({.cells = {6, 6, 5}, .size_mm = {kSide_mm, kSide_mm, kHeight_mm}});
   auto& node_sets = model.tissue.node_sets;
-  node_sets[sets::kMovedBone] = node_sets.at("z1");
+  node_sets[sets::kMobilizedSegment] = node_sets.at("z1");
   for (const std::int32_t node : node_sets.at("z0"))
     if (is_held(model.tissue.nodes_L[std::size_t(node)])) node_sets[sets::kFixed].push_back(node);
   model.tissue.face_sets[sets::kContact] = {};
@@ -47,14 +47,14 @@ FaceModel pressed_block() {
 
 FaceModel sliding_block() {
   FaceModel model = pressed_block();
-  model.tissue.face_sets[sets::kStillContact] = model.tissue.face_sets.at("z0");
-  model.still_bone = test::moved(test::make_box({-6.0, -6.0, -10.0}, {18.0, 18.0, 0.0}));
+  model.tissue.face_sets[sets::kStationaryContact] = model.tissue.face_sets.at("z0");
+  model.stationary_bone = test::moved(test::make_box({-6.0, -6.0, -10.0}, {18.0, 18.0, 0.0}));
   return model;
 }
 
 PredictionOptions attached() {
   PredictionOptions options;
-  options.boundary.moved_bone = MovedBone::kAttached;
+  options.boundary.segment_interface = SegmentInterface::kBonded;
   return options;
 }
 
@@ -73,20 +73,20 @@ Bottom bottom_of(const FaceModel& model, const PredictionStep& step) {
   return bottom;
 }
 
-TEST(StillContact, TissueSpreadsOnStillBoneWithoutEnteringIt) {
+TEST(StationaryContact, TissueSpreadsOnStationaryBoneWithoutEnteringIt) {
   const FaceModel loose = pressed_block(), slides = sliding_block();
   const geometry::RigidPath path = test::straight({0.0, 0.0, -kPressed_mm}, 2);
   const auto fallen = predict_face(loose, {path}, attached()).value();
   PredictionOptions options = attached();
   const auto pressed = predict_face(slides, {path}, options).value();
   ASSERT_TRUE(fallen.converged() && pressed.converged());
-  EXPECT_EQ(fallen.steps.back().still_contact.points, 0);
+  EXPECT_EQ(fallen.steps.back().stationary_contact.points, 0);
   EXPECT_LT(bottom_of(loose, fallen.steps.back()).lowest_mm, -0.7 * kPressed_mm);
 
   const Bottom bottom = bottom_of(slides, pressed.steps.back());
   EXPECT_GT(bottom.lowest_mm, -0.25 * kPressed_mm);  // What the penalty gives way.
   EXPECT_GT(bottom.furthest_mm, 0.1 * kPressed_mm);
-  const contact::ContactSummary& contact = pressed.steps.back().still_contact;
+  const contact::ContactStatistics& contact = pressed.steps.back().stationary_contact;
   EXPECT_GT(contact.area_mm2, 0.8 * kSide_mm * kSide_mm);
   EXPECT_GT(contact.force_L_n.z(), 0.99 * contact.normal_force_n);  // Up, without friction.
   EXPECT_TRUE(pressed.touched.empty());                             // No segment is touched.
@@ -96,11 +96,11 @@ TEST(StillContact, TissueSpreadsOnStillBoneWithoutEnteringIt) {
   options.contact.penetration_tolerance_mm = 0.01;
   const auto augmented = predict_face(slides, {path}, options).value();
   ASSERT_TRUE(augmented.converged());
-  EXPECT_LE(augmented.steps.back().still_contact.p99_depth_from_rest_mm, 0.01);
+  EXPECT_LE(augmented.steps.back().stationary_contact.p99_depth_from_rest_mm, 0.01);
   EXPECT_GT(bottom_of(slides, augmented.steps.back()).lowest_mm, -0.05);
 }
 
-TEST(StillContact, ComesOffWhereItIsPulled) {
+TEST(StationaryContact, ComesOffWhereItIsPulled) {
   const FaceModel model = sliding_block();
   const geometry::RigidPath path = test::straight({0.0, 0.0, 0.5}, 1);
   const auto pulled = predict_face(model, {path}, attached()).value();
@@ -111,7 +111,7 @@ TEST(StillContact, ComesOffWhereItIsPulled) {
   EXPECT_GT(highest_mm, 0.3);
 }
 
-TEST(StillContact, StoppedAfterAStepTheRestIsFoundWithTheSameBits) {
+TEST(StationaryContact, StoppedAfterAStepTheRestIsFoundWithTheSameBits) {
   const FaceModel model = sliding_block();
   const geometry::RigidPath path = test::straight({0.2, 0.0, -kPressed_mm}, 3);
   std::vector<Restart> restarts;
@@ -126,15 +126,15 @@ TEST(StillContact, StoppedAfterAStepTheRestIsFoundWithTheSameBits) {
       predict_face(model, {path}, options, {}, Progress::none(), restarts[0]).value();
   ASSERT_TRUE(resumed.converged());
   EXPECT_EQ(resumed.steps.back().displacement_mm, whole.steps.back().displacement_mm);
-  EXPECT_EQ(resumed.steps.back().still_contact.normal_force_n,
-            whole.steps.back().still_contact.normal_force_n);
+  EXPECT_EQ(resumed.steps.back().stationary_contact.normal_force_n,
+            whole.steps.back().stationary_contact.normal_force_n);
 }
 
-TEST(StillContact, RefusesOpenBoneAndACaptureBeyondItsField) {
+TEST(StationaryContact, RefusesOpenBoneAndACaptureBeyondItsField) {
   FaceModel model = sliding_block();
-  geometry::TriangleMesh open = model.still_bone->surface_B;
+  geometry::TriangleMesh open = model.stationary_bone->surface_B;
   open.triangles.pop_back();
-  model.still_bone = test::moved(open);
+  model.stationary_bone = test::moved(open);
   const geometry::RigidPath path = test::straight({0.0, 0.0, -0.5}, 1);
   EXPECT_EQ(predict_face(model, {path}, attached()).error().code, ErrorCode::kMeshInvalid);
   model = sliding_block();
@@ -143,7 +143,7 @@ TEST(StillContact, RefusesOpenBoneAndACaptureBeyondItsField) {
   EXPECT_EQ(predict_face(model, {path}, wide).error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(StillContact, IsNamedByTheLabelAndNotFixed) {
+TEST(StationaryContact, IsNamedByTheLabelAndNotFixed) {
   const test::FacePhantom phantom = test::make_face_phantom();
   const TissueOptions options{
       .element_size_mm = 3.0, .far_element_size_mm = 3.0, .margin_mm = 15.0};
@@ -157,10 +157,10 @@ TEST(StillContact, IsNamedByTheLabelAndNotFixed) {
       for (Index i = 27; i < 33; ++i) painted.at(i, j, k) = BoundaryLabel::kSlides;
   const auto named = [&](const BoundaryLabelMap* labels) {
     return find_tissue_boundary(mesh, domain, phantom.labels, phantom.skin_L, phantom.segment_L,
-                                phantom.remainder_L, {.release_mm = 4.0}, labels);
+                                phantom.remainder_L, {.elevation_margin_mm = 4.0}, labels);
   };
   const mesh::VolumeMesh by_rule = named(nullptr), with_paint = named(&painted);
-  EXPECT_FALSE(by_rule.face_sets.contains(sets::kStillContact));
+  EXPECT_FALSE(by_rule.face_sets.contains(sets::kStationaryContact));
   const auto& slides = with_paint.node_sets.at("painted_slides");
   EXPECT_GT(slides.size(), 10U);
   const auto is_in = [](const mesh::VolumeMesh& tissue, std::int32_t node) {
@@ -171,7 +171,7 @@ TEST(StillContact, IsNamedByTheLabelAndNotFixed) {
     EXPECT_TRUE(is_in(by_rule, node));
     EXPECT_FALSE(is_in(with_paint, node));
   }
-  const auto& faces = with_paint.face_sets.at(sets::kStillContact);
+  const auto& faces = with_paint.face_sets.at(sets::kStationaryContact);
   EXPECT_GE(faces.size(), slides.size());
   for (const mesh::Face& face : faces) {
     const auto nodes = nodes_of(face);
@@ -181,7 +181,7 @@ TEST(StillContact, IsNamedByTheLabelAndNotFixed) {
   }
 }
 
-TEST(StillContact, IsNotPreviewed) {
+TEST(StationaryContact, IsNotPreviewed) {
   const FaceModel model = sliding_block();
   const auto preview =
       make_preview_model(model, test::make_box({0, 0, 0}, {1, 1, 1}), {}, {}, Vec3::Ones());

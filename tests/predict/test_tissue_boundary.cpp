@@ -30,11 +30,11 @@ std::set<std::int32_t> nodes_where(const mesh::VolumeMesh& mesh, const char* set
 }
 
 TEST(TissueBoundary, NamesEverySideOfThePhantom) {
-  const mesh::VolumeMesh tissue = phantom_tissue({.release_mm = 4.0});
+  const mesh::VolumeMesh tissue = phantom_tissue({.elevation_margin_mm = 4.0});
   const auto far_inside = [](const Vec3& p) {
     return p.x() > 2.0 && p.x() < 33.0 && p.y() > 2.0 && p.y() < 38.0;
   };
-  int moved = 0, still = 0, skin = 0;
+  int moved = 0, stationary = 0, skin = 0;
   for (const std::int32_t node : tissue.node_sets.at("boundary")) {
     const Vec3& p = tissue.nodes_L[std::size_t(node)];
     if (!far_inside(p)) continue;
@@ -42,8 +42,8 @@ TEST(TissueBoundary, NamesEverySideOfThePhantom) {
       EXPECT_TRUE(nodes_where(tissue, sets::kSkin).count(node)) << p.transpose();
       ++skin;
     } else if (p.z() < 8.1) {
-      const bool on_segment = nodes_where(tissue, sets::kMovedBone).count(node) > 0;
-      const bool on_remainder = nodes_where(tissue, sets::kStillBone).count(node) > 0;
+      const bool on_segment = nodes_where(tissue, sets::kMobilizedSegment).count(node) > 0;
+      const bool on_remainder = nodes_where(tissue, sets::kStationaryBone).count(node) > 0;
       EXPECT_NE(on_segment, on_remainder) << p.transpose();
       if (p.x() < 19.0) {
         EXPECT_TRUE(on_segment) << p.transpose();
@@ -52,42 +52,42 @@ TEST(TissueBoundary, NamesEverySideOfThePhantom) {
         EXPECT_TRUE(on_remainder) << p.transpose();
       }
       moved += on_segment;
-      still += on_remainder;
+      stationary += on_remainder;
     }
   }
   EXPECT_GT(moved, 20);
-  EXPECT_GT(still, 10);
+  EXPECT_GT(stationary, 10);
   EXPECT_GT(skin, 40);
   EXPECT_FALSE(tissue.node_sets.at(sets::kCut).empty());
-  EXPECT_FALSE(tissue.node_sets.at(sets::kScanEdge).empty());
+  EXPECT_FALSE(tissue.node_sets.at(sets::kScanBoundary).empty());
 }
 
 TEST(TissueBoundary, ReleasesTissueNearTheSegmentAndFixesTheRest) {
-  const mesh::VolumeMesh tissue = phantom_tissue({.release_mm = 4.0});
+  const mesh::VolumeMesh tissue = phantom_tissue({.elevation_margin_mm = 4.0});
   const auto fixed = nodes_where(tissue, sets::kFixed);
-  for (const std::int32_t node : tissue.node_sets.at(sets::kStillBone)) {
+  for (const std::int32_t node : tissue.node_sets.at(sets::kStationaryBone)) {
     const Vec3& p = tissue.nodes_L[std::size_t(node)];
     EXPECT_EQ(fixed.count(node) > 0, p.x() >= 24.0) << p.transpose();
   }
   for (const std::int32_t node : tissue.node_sets.at(sets::kCut)) EXPECT_TRUE(fixed.count(node));
-  for (const std::int32_t node : tissue.node_sets.at(sets::kMovedBone))
+  for (const std::int32_t node : tissue.node_sets.at(sets::kMobilizedSegment))
     EXPECT_FALSE(fixed.count(node));
   for (const std::int32_t node : tissue.node_sets.at(sets::kSkin)) EXPECT_FALSE(fixed.count(node));
 }
 
 TEST(TissueBoundary, HoldsTheScansEdgeOnlyWhenAskedTo) {
-  const auto held = [](ScanEdge edge) {
-    const mesh::VolumeMesh tissue = phantom_tissue({.scan_edge = edge});
+  const auto prescribed = [](ScanBoundary edge) {
+    const mesh::VolumeMesh tissue = phantom_tissue({.scan_boundary = edge});
     const auto fixed = nodes_where(tissue, sets::kFixed);
-    const auto& nodes = tissue.node_sets.at(sets::kScanEdge);
+    const auto& nodes = tissue.node_sets.at(sets::kScanBoundary);
     return std::all_of(nodes.begin(), nodes.end(), [&](auto n) { return fixed.count(n) > 0; });
   };
-  EXPECT_TRUE(held(ScanEdge::kFixed));
-  EXPECT_FALSE(held(ScanEdge::kFree));
+  EXPECT_TRUE(prescribed(ScanBoundary::kFixed));
+  EXPECT_FALSE(prescribed(ScanBoundary::kFree));
 }
 
 TEST(TissueBoundary, MayTouchTheSegmentOnlyFromInside) {
-  const mesh::VolumeMesh tissue = phantom_tissue({.release_mm = 4.0});
+  const mesh::VolumeMesh tissue = phantom_tissue({.elevation_margin_mm = 4.0});
   const auto& contact = tissue.face_sets.at(sets::kContact);
   EXPECT_GT(contact.size(), 50U);
   for (const mesh::Face& face : contact) {
@@ -117,7 +117,7 @@ TEST(TissueBoundary, DeepInsideIsNoSkinHoweverNearToItsZeroALevelEnds) {
   EXPECT_GT(in_airway, 20);
 }
 
-TEST(TissueBoundary, BrainIsFeltTwoMillimetresFarWhateverTheVoxels) {
+TEST(TissueBoundary, BrainIsFeltTwoMillimetersFarWhateverTheVoxels) {
   const auto brain_nodes = [](double spacing_mm) {
     test::FacePhantom phantom = test::make_face_phantom();
     anatomy::LabelMap labels;  // The same brain, below z = 3 mm, in voxels of another size.
@@ -154,7 +154,7 @@ TEST(TissueBoundary, TissueOnTheBrainIsFixed) {
       make_tissue_domain(phantom.soft_tissue_level, phantom.grid, phantom.segment_L, kOptions);
   const mesh::VolumeMesh tissue = find_tissue_boundary(
       mesh_tissue(domain, phantom.segment_L, kOptions).value(), domain, phantom.labels,
-      phantom.skin_L, phantom.segment_L, phantom.remainder_L, {.release_mm = 0.0});
+      phantom.skin_L, phantom.segment_L, phantom.remainder_L, {.elevation_margin_mm = 0.0});
   const auto fixed = nodes_where(tissue, sets::kFixed);
   EXPECT_GT(tissue.node_sets.at(sets::kBrain).size(), 50U);
   for (const std::int32_t node : tissue.node_sets.at(sets::kBrain)) EXPECT_TRUE(fixed.count(node));

@@ -25,7 +25,7 @@ TEST(TissueDomain, IsSoftTissueWithinTheMarginAndTheScan) {
   EXPECT_LT(domain.level({1e6, 0.0, 0.0}), 0.0);
 }
 
-TEST(TissueDomain, TellsACutFromTheScansEdge) {
+TEST(TissueDomain, ReportsACutFromTheScansEdge) {
   const TissueDomain domain = phantom_domain(6.0);
   EXPECT_NEAR(domain.distance_to_cut({26.0, 20.0, 11.0}), 0.0, 1e-12);
   EXPECT_NEAR(domain.distance_to_cut({10.0, 20.0, 11.0}), 3.0, 1e-12);  // the box's top, z = 14

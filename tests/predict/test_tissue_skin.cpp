@@ -45,17 +45,18 @@ TEST(TissueSkin, IsALayerOfWedgesOfItsThickness) {
   const mesh::VolumeMesh& mesh = mixed().mesh;
   const mesh::MeshQuality quality = mesh::measure_quality(mesh);
   EXPECT_NEAR(quality.volume_mm3, phantom_volume_mm3(), 0.02 * phantom_volume_mm3());
-  EXPECT_GE(quality.min_scaled_jacobian, kSmallestJacobian);
+  EXPECT_GE(quality.min_scaled_jacobian, kMinJacobian);
   EXPECT_TRUE(quality.inverted.empty());
 
-  const auto named = find_tissue_boundary(mesh, mixed().domain, mixed().phantom.labels,
-                                          mixed().phantom.skin_L, mixed().phantom.segment_L,
-                                          mixed().phantom.remainder_L, {.release_mm = 4.0});
+  const auto named = find_tissue_boundary(
+      mesh, mixed().domain, mixed().phantom.labels, mixed().phantom.skin_L,
+      mixed().phantom.segment_L, mixed().phantom.remainder_L, {.elevation_margin_mm = 4.0});
   const auto measure = [&](const std::vector<mesh::Face>& faces) {
-    return mesh::measure_layer(named, regions::kSkin, faces, 2, options().skin->thickness_mm);
+    return mesh::layer_thickness_statistics(named, regions::kSkin, faces, 2,
+                                            options().skin->thickness_mm);
   };
   const std::vector<mesh::Face>& skin = named.face_sets.at(sets::kSkin);
-  EXPECT_GT(measure(skin).covered_share, 0.75);  // The rest: beside bevels along the sides.
+  EXPECT_GT(measure(skin).covered_fraction, 0.75);  // The rest: beside bevels along the sides.
   std::vector<mesh::Face> middle;
   std::copy_if(skin.begin(), skin.end(), std::back_inserter(middle), [&](const mesh::Face& face) {
     const auto nodes = nodes_of(face);
@@ -66,15 +67,15 @@ TEST(TissueSkin, IsALayerOfWedgesOfItsThickness) {
   });
   const mesh::LayerThickness layer = measure(middle);
   EXPECT_GT(layer.area_mm2, 300.0);
-  EXPECT_EQ(layer.covered_share, 1.0);
+  EXPECT_EQ(layer.covered_fraction, 1.0);
   EXPECT_NEAR(layer.mean_mm, 1.5, 0.01);
-  EXPECT_GT(layer.full_share, 0.98);
+  EXPECT_GT(layer.full_thickness_fraction, 0.98);
 }
 
 TEST(TissueSkin, LeavesTheBoundarysSetsWhereTheyWere) {
   const mesh::VolumeMesh tissue = find_tissue_boundary(
       mixed().mesh, mixed().domain, mixed().phantom.labels, mixed().phantom.skin_L,
-      mixed().phantom.segment_L, mixed().phantom.remainder_L, {.release_mm = 4.0});
+      mixed().phantom.segment_L, mixed().phantom.remainder_L, {.elevation_margin_mm = 4.0});
   const auto is_in = [&](const char* set, std::int32_t node) {
     const auto& nodes = tissue.node_sets.at(set);
     return std::binary_search(nodes.begin(), nodes.end(), node);

@@ -10,14 +10,14 @@
 namespace lefort::report::test {
 
 /// A sphere of `rings` by 2 `rings` facets with its poles on z, corners on the sphere.
-inline geometry::TriangleMesh sphere(const Vec3& centre_L, double radius_mm, int rings) {
+inline geometry::TriangleMesh sphere(const Vec3& center_L, double radius_mm, int rings) {
   const int around = 2 * rings;
   geometry::TriangleMesh mesh;
   for (int i = 0; i <= rings; ++i) {
     const double polar = std::numbers::pi * double(i) / rings;
     for (int j = 0; j < around; ++j) {
       const double azimuth = 2.0 * std::numbers::pi * double(j) / around;
-      mesh.vertices.push_back(centre_L + radius_mm * Vec3(std::sin(polar) * std::cos(azimuth),
+      mesh.vertices.push_back(center_L + radius_mm * Vec3(std::sin(polar) * std::cos(azimuth),
                                                           std::sin(polar) * std::sin(azimuth),
                                                           std::cos(polar)));
     }

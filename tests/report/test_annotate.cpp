@@ -8,7 +8,7 @@
 namespace lefort::report {
 namespace {
 
-Picture grey(int width, int height) {
+Picture gray(int width, int height) {
   Picture picture{width, height,
                   std::vector<std::uint8_t>(4 * std::size_t(width) * std::size_t(height), 200)};
   for (std::size_t i = 3; i < picture.rgba.size(); i += 4) picture.rgba[i] = 255;
@@ -29,7 +29,7 @@ bool is_dark(const std::uint8_t* rgba) { return rgba[0] < 170 && rgba[1] < 170 &
 bool is_red(const std::uint8_t* rgba) { return rgba[0] > 140 && rgba[1] < 60 && rgba[2] < 60; }
 
 TEST(Annotate, EveryPictureSaysThatItIsNotForClinicalUse) {
-  const Picture plain = grey(600, 400);
+  const Picture plain = gray(600, 400);
   const Picture annotated = annotate(plain, {}).value();
   EXPECT_EQ(annotated.width, plain.width);
   ASSERT_GT(annotated.height, plain.height);
@@ -37,14 +37,14 @@ TEST(Annotate, EveryPictureSaysThatItIsNotForClinicalUse) {
 }
 
 TEST(Annotate, WithoutWordsThePictureItselfStaysAsItIs) {
-  const Picture plain = grey(600, 400);
+  const Picture plain = gray(600, 400);
   const Picture annotated = annotate(plain, {}).value();
   EXPECT_TRUE(std::equal(plain.rgba.begin(), plain.rgba.end(), annotated.rgba.begin()));
 }
 
 TEST(Annotate, ScaleBarIsAsLongAsItSays) {
   // 0.5 mm per pixel; the longest round length within 16 % of 600 pixels, 48 mm, is 20 mm.
-  const Picture plain = grey(600, 400);
+  const Picture plain = gray(600, 400);
   const Picture annotated = annotate(plain, {.view = View{.height_mm = 200.0}}).value();
   int longest = 0;
   for (int row = plain.height; row < annotated.height; ++row) {
@@ -58,7 +58,7 @@ TEST(Annotate, ScaleBarIsAsLongAsItSays) {
 }
 
 TEST(Annotate, LettersOfThePatientsSidesStandInTheLowerCorners) {
-  const Picture plain = grey(600, 400);
+  const Picture plain = gray(600, 400);
   const auto dark_in = [&](const View& view, int left, int right) {
     return count(annotate(plain, {.view = view}).value(), left, 350, right, 400, is_dark);
   };
@@ -71,24 +71,24 @@ TEST(Annotate, LettersOfThePatientsSidesStandInTheLowerCorners) {
   EXPECT_LT(dark_in(behind, 0, 60), dark_in(behind, 540, 600) - 10);
 }
 
-TEST(Annotate, ColourBarShowsTheColoursOfItsScale) {
-  const Picture plain = grey(600, 400);
-  const ColourBar bar{{ColourMap::kDiverging, -3.0, 3.0}, "change", "mm"};
-  const Picture annotated = annotate(plain, {.colour_bar = bar}).value();
-  const auto has = [&](const Rgb& colour) {
+TEST(Annotate, ColorBarShowsTheColorsOfItsScale) {
+  const Picture plain = gray(600, 400);
+  const ColorBar bar{{ColorMap::kDiverging, -3.0, 3.0}, "change", "mm"};
+  const Picture annotated = annotate(plain, {.color_bar = bar}).value();
+  const auto has = [&](const Rgb& color) {
     return count(annotated, 0, plain.height, 600, annotated.height, [&](const auto* rgba) {
-             return std::abs(rgba[0] - 255.0 * colour[0]) < 4.0 &&
-                    std::abs(rgba[1] - 255.0 * colour[1]) < 4.0 &&
-                    std::abs(rgba[2] - 255.0 * colour[2]) < 4.0;
+             return std::abs(rgba[0] - 255.0 * color[0]) < 4.0 &&
+                    std::abs(rgba[1] - 255.0 * color[1]) < 4.0 &&
+                    std::abs(rgba[2] - 255.0 * color[2]) < 4.0;
            }) > 3;
   };
   for (const double value : {-2.9, -1.5, 0.0, 1.5, 2.9})
-    EXPECT_TRUE(has(bar.scale.colour(value))) << value;
+    EXPECT_TRUE(has(bar.scale.color(value))) << value;
   EXPECT_GT(annotated.height, annotate(plain, {}).value().height);
 }
 
 TEST(Annotate, UnconvergedPicturesAreCrossedByRedBands) {
-  const Picture plain = grey(600, 400);
+  const Picture plain = gray(600, 400);
   const auto red_in = [&](bool converged, int top, int bottom) {
     return count(annotate(plain, {.converged = converged}).value(), 0, top, 600, bottom, is_red);
   };
@@ -98,7 +98,7 @@ TEST(Annotate, UnconvergedPicturesAreCrossedByRedBands) {
 }
 
 TEST(Annotate, HostileTextDrawsSomethingAndDoesNotFail) {
-  const Picture plain = grey(300, 200);
+  const Picture plain = gray(300, 200);
   for (const std::string& caption :
        {std::string("\xff\xfe broken \x80 bytes"), std::string("line\nbreak\tand\0zero", 19),
         std::string(20'000, 'W'), std::string("\xf0\x9f\x98\x80 \xd7\xa9\xd7\x9c")}) {
@@ -109,29 +109,29 @@ TEST(Annotate, HostileTextDrawsSomethingAndDoesNotFail) {
 }
 
 TEST(Annotate, TinyPicturesAndExtremeScalesAreAnnotatedToo) {
-  EXPECT_TRUE(annotate(grey(1, 1), {.caption = "a", .view = View{}, .converged = false}));
+  EXPECT_TRUE(annotate(gray(1, 1), {.caption = "a", .view = View{}, .converged = false}));
   for (const double height_mm : {1e-6, 1e9})
-    EXPECT_TRUE(annotate(grey(64, 64), {.view = View{.height_mm = height_mm}}));
+    EXPECT_TRUE(annotate(gray(64, 64), {.view = View{.height_mm = height_mm}}));
   for (const auto& [low, high] : {std::pair{-1e300, 1e300}, {1.0, 1.0 + 1e-15}, {0.0, 1e-300}}) {
-    const ColourBar bar{{ColourMap::kSequential, low, high}, "t", ""};
-    EXPECT_TRUE(annotate(grey(64, 64), {.colour_bar = bar})) << low << " to " << high;
+    const ColorBar bar{{ColorMap::kSequential, low, high}, "t", ""};
+    EXPECT_TRUE(annotate(gray(64, 64), {.color_bar = bar})) << low << " to " << high;
   }
 }
 
 TEST(Annotate, RefusesWhatItCannotExplain) {
-  const Picture plain = grey(64, 64);
+  const Picture plain = gray(64, 64);
   EXPECT_EQ(annotate({3, 3, {}}, {}).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(annotate(plain, {.view = View{.height_mm = 0.0}}).error().code,
             ErrorCode::kInvalidArgument);
-  const ColourBar bar{{ColourMap::kSequential, 1.0, 0.0}, "t", ""};
-  EXPECT_EQ(annotate(plain, {.colour_bar = bar}).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(annotate(grey(1, kMaxPictureSide), {}).error().code, ErrorCode::kInvalidArgument);
+  const ColorBar bar{{ColorMap::kSequential, 1.0, 0.0}, "t", ""};
+  EXPECT_EQ(annotate(plain, {.color_bar = bar}).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(annotate(gray(1, kMaxPictureSide), {}).error().code, ErrorCode::kInvalidArgument);
 }
 
 TEST(SideBySide, KeepsEveryPictureUnderItsTitle) {
-  Picture red = grey(100, 80);
+  Picture red = gray(100, 80);
   for (std::size_t i = 0; i < red.rgba.size(); i += 4) red.rgba[i + 1] = red.rgba[i + 2] = 0;
-  const std::vector<Picture> pair{grey(120, 60), red};
+  const std::vector<Picture> pair{gray(120, 60), red};
   const std::vector<std::string> titles{"before", "after"};
   const Picture row = side_by_side(pair, titles).value();
   EXPECT_GT(row.height, 80);
@@ -143,10 +143,10 @@ TEST(SideBySide, KeepsEveryPictureUnderItsTitle) {
 
 TEST(SideBySide, RefusesNothingAndMismatchedTitles) {
   const std::vector<std::string> one_title{"before"};
-  const std::vector<Picture> pair{grey(10, 10), grey(10, 10)};
+  const std::vector<Picture> pair{gray(10, 10), gray(10, 10)};
   EXPECT_EQ(side_by_side({}, {}).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(side_by_side(pair, one_title).error().code, ErrorCode::kInvalidArgument);
-  const std::vector<Picture> wide(3, grey(6000, 1));
+  const std::vector<Picture> wide(3, gray(6000, 1));
   EXPECT_EQ(side_by_side(wide, {}).error().code, ErrorCode::kInvalidArgument);
 }
 

@@ -1,4 +1,4 @@
-#include <lefort/report/colour_map.h>
+#include <lefort/report/color_map.h>
 #include <lefort/report/draw_slice.h>
 
 #include <gtest/gtest.h>
@@ -33,25 +33,25 @@ SliceDrawing circle() {
   return drawing;
 }
 
-/// Colour of the pixel `right_px` to the right of the middle of the circle.
-std::array<int, 3> colour(const Picture& picture, double right_px) {
+/// Color of the pixel `right_px` to the right of the middle of the circle.
+std::array<int, 3> color(const Picture& picture, double right_px) {
   const std::uint8_t* const rgb =
       picture.pixel(kMargin + int(std::lround(359.5 + right_px)), kTop + 360);
   return {rgb[0], rgb[1], rgb[2]};
 }
 int darkness(const std::array<int, 3>& rgb) { return 765 - rgb[0] - rgb[1] - rgb[2]; }
 
-TEST(DrawSlice, InsideIsBlueOutsideIsRedAndBeyondTheBandGrey) {
+TEST(DrawSlice, InsideIsBlueOutsideIsRedAndBeyondTheBandGray) {
   const Picture picture = draw_slice(circle()).value();
   EXPECT_EQ(picture.width, kSize + 2 * kMargin);
   EXPECT_GT(picture.height, kSize + kTop + 100);
-  const auto inside = colour(picture, 185), outside = colour(picture, 215);
+  const auto inside = color(picture, 185), outside = color(picture, 215);
   EXPECT_GT(inside[2], inside[0] + 40);
   EXPECT_GT(outside[0], outside[2] + 40);
-  const auto far_inside = colour(picture, 60), far_outside = colour(picture, 300);
-  for (const auto& grey : {far_inside, far_outside})
+  const auto far_inside = color(picture, 60), far_outside = color(picture, 300);
+  for (const auto& gray : {far_inside, far_outside})
     EXPECT_LT(
-        *std::max_element(grey.begin(), grey.end()) - *std::min_element(grey.begin(), grey.end()),
+        *std::max_element(gray.begin(), gray.end()) - *std::min_element(gray.begin(), gray.end()),
         10);
   EXPECT_GT(darkness(far_inside), darkness(far_outside) + 100);
 }
@@ -62,8 +62,8 @@ TEST(DrawSlice, ZeroIsAThickLineAndStepsAreThinOnes) {
   const auto ink = [&](int at) {
     double sum = 0.0;
     for (int off = -3; off <= 3; ++off)
-      sum += darkness(colour(picture, at + off)) -
-             0.5 * (darkness(colour(picture, at - 4)) + darkness(colour(picture, at + 4)));
+      sum += darkness(color(picture, at + off)) -
+             0.5 * (darkness(color(picture, at - 4)) + darkness(color(picture, at + 4)));
     return sum;
   };
   for (const int step : {190, 210}) {
@@ -80,29 +80,30 @@ TEST(DrawSlice, AStepAddsItsLines) {
   drawing.step_mm = 1.0;
   const Picture with = draw_slice(drawing).value();
   for (const double at : {180.0, 190.0, 210.0, 220.0}) {
-    int most = 0;
+    int maximum = 0;
     for (int off = -1; off <= 1; ++off)
-      most = std::max(most, darkness(colour(with, at + off)) - darkness(colour(without, at + off)));
-    EXPECT_GT(most, 40) << at;
+      maximum =
+          std::max(maximum, darkness(color(with, at + off)) - darkness(color(without, at + off)));
+    EXPECT_GT(maximum, 40) << at;
   }
-  EXPECT_EQ(colour(with, 185), colour(without, 185));
+  EXPECT_EQ(color(with, 185), color(without, 185));
 }
 
-TEST(DrawSlice, TheColourBarHasTheColoursOfThePanel) {
-  const ColourScale scale{ColourMap::kDiverging, -kBand, kBand};
+TEST(DrawSlice, TheColorBarHasTheColorsOfThePanel) {
+  const ColorScale scale{ColorMap::kDiverging, -kBand, kBand};
   for (const int columns : {kSize, kSize - 1, kSize - 2, kSize - 3}) {
     SliceDrawing drawing{.columns = columns, .rows = 100, .band_mm = kBand};
     drawing.distances_mm.assign(std::size_t(columns) * 100, 0.5);
     const Picture picture = draw_slice(drawing).value();
     const auto is_in_legend = [&](double distance_mm) {
-      const Rgb wanted = scale.colour(distance_mm);
+      const Rgb wanted = scale.color(distance_mm);
       for (int row = kTop + 100; row < picture.height; ++row)
         for (int column = 0; column < picture.width; ++column) {
-          double most = 0.0;
+          double maximum = 0.0;
           for (int c = 0; c < 3; ++c)
-            most = std::max(
-                most, std::abs(picture.pixel(column, row)[c] - 255.0 * wanted[std::size_t(c)]));
-          if (most < 3.0) return true;
+            maximum = std::max(
+                maximum, std::abs(picture.pixel(column, row)[c] - 255.0 * wanted[std::size_t(c)]));
+          if (maximum < 3.0) return true;
         }
       return false;
     };
@@ -116,16 +117,16 @@ TEST(DrawSlice, WhatIsNotKnownIsHatched) {
   for (double& d : drawing.distances_mm)
     if (d > kBand) d = std::numeric_limits<double>::quiet_NaN();
   const Picture picture = draw_slice(drawing).value();
-  std::set<std::array<int, 3>> colours;
-  for (int at = 280; at < 340; ++at) colours.insert(colour(picture, at));
-  EXPECT_EQ(colours.size(), 2U);
+  std::set<std::array<int, 3>> colors;
+  for (int at = 280; at < 340; ++at) colors.insert(color(picture, at));
+  EXPECT_EQ(colors.size(), 2U);
 }
 
 TEST(DrawSlice, TheOutlineLiesOnTheZeroItMeets) {
   SliceDrawing drawing = circle();
   drawing.outline = {{{559.5, -500.0}, {559.5, 1500.0}}};  // From beyond the panel to beyond it.
   const Picture plain = draw_slice(circle()).value(), picture = draw_slice(drawing).value();
-  const auto green = colour(picture, 200);
+  const auto green = color(picture, 200);
   EXPECT_GT(green[1], green[0] + 40);
   // Nothing of it above or below the panel but the entry in the legend.
   const int column = kMargin + 559;

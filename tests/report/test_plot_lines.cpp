@@ -63,7 +63,7 @@ TEST(PlotLines, WhatCannotBeDrawnBreaksTheLine) {
   EXPECT_EQ(count(svg, "inf"), 0U);
 }
 
-TEST(PlotLines, AFileKnowsItsColoursWithoutAPage) {
+TEST(PlotLines, AFileKnowsItsColorsWithoutAPage) {
   const LinePlot plot{.title = "t", .lines = {{.name = "a", .x = {0, 1}, .y = {1, 2}}}};
   EXPECT_NE(plot_lines(plot).find("var(--"), std::string::npos);
   EXPECT_EQ(plot_file(plot).find("var("), std::string::npos);

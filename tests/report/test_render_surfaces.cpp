@@ -19,7 +19,7 @@ using test::square_facing_front;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr PictureSize kSmall{200, 200, 1};
-const View kFrontView{.height_mm = 100.0};  // Half a millimetre per pixel of kSmall.
+const View kFrontView{.height_mm = 100.0};  // Half a millimeter per pixel of kSmall.
 
 class StopAtOnce final : public Progress {
  public:
@@ -110,7 +110,7 @@ TEST(RenderSurfaces, SameBitsForAnyNumberOfThreads) {
   const TriangleMesh other = sphere(Vec3(-20.0, -20.0, 1.0), 15.0, 30);
   const auto render_with = [&](int threads) {
     const ThreadLimit limit(threads);
-    return render({{&ball, kBoneColour}, {.mesh_L = &other, .opacity = 0.5}});
+    return render({{&ball, kBoneColor}, {.mesh_L = &other, .opacity = 0.5}});
   };
   const Picture one = render_with(1);
   EXPECT_EQ(one, render_with(2));
@@ -139,11 +139,11 @@ TEST(RenderSurfaces, BackSidesAreDarker) {
             brightness(render({{&front}}), 100, 100) - 100);
 }
 
-TEST(RenderSurfaces, ScalarsColourTheSurfaceAndNanIsGrey) {
+TEST(RenderSurfaces, ScalarsColorTheSurfaceAndNanIsGray) {
   const TriangleMesh square = square_facing_front(30.0, 0.0);
   const auto middle = [&](double value) {
     SurfaceLayer layer{.mesh_L = &square, .scalars = std::vector<double>(4, value)};
-    layer.scale = {ColourMap::kDiverging, -1.0, 1.0};
+    layer.scale = {ColorMap::kDiverging, -1.0, 1.0};
     const Picture picture = render({layer});
     const std::uint8_t* rgba = picture.pixel(100, 100);
     return std::array<int, 3>{rgba[0], rgba[1], rgba[2]};
@@ -159,7 +159,7 @@ TEST(RenderSurfaces, GlassShowsWhatIsBehindIt) {
   const TriangleMesh ball = sphere(Vec3::Zero(), 15.0, 30);
   const auto seen = [&](double opacity) {
     const SurfaceLayer pane{.mesh_L = &glass, .opacity = opacity};
-    return difference(render({pane, {&ball, kBoneColour}}), render({pane})).count;
+    return difference(render({pane, {&ball, kBoneColor}}), render({pane})).count;
   };
   EXPECT_EQ(seen(1.0), 0);
   EXPECT_NEAR(double(seen(0.3)), std::numbers::pi * 900.0, 40.0);
@@ -197,7 +197,7 @@ TEST(RenderSurfaces, RefusesStylesOutOfRange) {
   EXPECT_EQ(refusal({.mesh_L = &mesh, .opacity = 1.5}), ErrorCode::kInvalidArgument);
   EXPECT_EQ(refusal({.mesh_L = &mesh, .opacity = kNan}), ErrorCode::kInvalidArgument);
   SurfaceLayer flat{.mesh_L = &mesh, .scalars = {1.0, 2.0, 3.0, 4.0}};
-  flat.scale = {ColourMap::kSequential, 2.0, 2.0};
+  flat.scale = {ColorMap::kSequential, 2.0, 2.0};
   EXPECT_EQ(refusal(flat), ErrorCode::kInvalidArgument);
 }
 

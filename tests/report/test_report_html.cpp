@@ -137,17 +137,17 @@ double luminance(const std::string& hex) {
 TEST(ReportHtml, TextHasTheContrastOfWcagAa) {
   const std::string html = report_html(example());
   const std::vector<std::string> schemes = between(html, ":root {", "}");
-  ASSERT_EQ(schemes.size(), 3U);               // Light, dark, paper.
-  std::map<std::string, std::string> colours;  // A later scheme keeps what it does not change.
+  ASSERT_EQ(schemes.size(), 3U);              // Light, dark, paper.
+  std::map<std::string, std::string> colors;  // A later scheme keeps what it does not change.
   for (const std::string& scheme : schemes) {
     for (const std::string& variable : between(scheme, "--", ";"))
-      colours[variable.substr(0, variable.find(':'))] = variable.substr(variable.find('#'));
+      colors[variable.substr(0, variable.find(':'))] = variable.substr(variable.find('#'));
     const std::pair<const char*, const char*> pairs[] = {
         {"ink", "ground"},  {"muted", "ground"},           {"ink", "panel"},
         {"muted", "panel"}, {"alarm-ink", "alarm-ground"}, {"caution-ink", "caution-ground"}};
     for (const auto& [ink, ground] : pairs) {
-      const double a = luminance(colours.at(ink));
-      const double b = luminance(colours.at(ground));
+      const double a = luminance(colors.at(ink));
+      const double b = luminance(colors.at(ground));
       EXPECT_GE((std::max(a, b) + 0.05) / (std::min(a, b) + 0.05), 4.5)
           << ink << " on " << ground << " in" << scheme;
     }

@@ -67,7 +67,7 @@ TEST(View, RefusesAViewThatLooksNowhere) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(check_view(View{}));
   for (const View& view : {View{.direction_L = Vec3::Zero()}, View{.up_L = Vec3(0.0, -3.0, 0.0)},
-                           View{.height_mm = 0.0}, View{.centre_L = Vec3(kNan, 0.0, 0.0)}})
+                           View{.height_mm = 0.0}, View{.center_L = Vec3(kNan, 0.0, 0.0)}})
     EXPECT_EQ(check_view(view).error().code, ErrorCode::kInvalidArgument);
 }
 

@@ -63,7 +63,7 @@ class Program {
   }
 
   /// The body of a reply.
-  [[nodiscard]] std::string ask(const std::string& line, const std::string& body = "") const {
+  [[nodiscard]] std::string call_api(const std::string& line, const std::string& body = "") const {
     const test::Socket socket(port);
     socket.send(line + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port) +
                 "\r\nConnection: close\r\nX-Lefort-Token: " + token +
@@ -75,10 +75,10 @@ class Program {
     return at == std::string::npos ? "" : reply.substr(at + 4);
   }
   [[nodiscard]] json get(const std::string& path) const {
-    return json::parse(ask("GET /api/v1" + path), nullptr, false);
+    return json::parse(call_api("GET /api/v1" + path), nullptr, false);
   }
   [[nodiscard]] json run(const std::string& request) const {
-    const int id = json::parse(ask("POST /api/v1/jobs", request))["id"];
+    const int id = json::parse(call_api("POST /api/v1/jobs", request))["id"];
     while (true) {
       const json job = get("/jobs/" + std::to_string(id));
       if (job["state"] != "queued" && job["state"] != "running") return job;
@@ -152,7 +152,7 @@ TEST(ServeCommand, APredictionWhoseServerWasKilledEndsWithTheSameBytes) {
   {
     Program program(root);
     ASSERT_GT(program.port, 0);
-    id = json::parse(program.ask("POST /api/v1/jobs", R"({"kind":"predict"})"))["id"];
+    id = json::parse(program.call_api("POST /api/v1/jobs", R"({"kind":"predict"})"))["id"];
     while (true) {  // Until the second step is found: the first is kept then.
       const json job = program.get("/jobs/" + std::to_string(id));
       int steps = 0;

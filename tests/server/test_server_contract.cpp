@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "support/ask_api.h"
+#include "support/call_api.h"
 #include "support/small_head.h"
 
 namespace lefort::server {
@@ -39,7 +39,8 @@ std::string schema_of(const fs::path& fixture) {
 std::string text_of(const fs::path& file) { return io::read_text(file, 1 << 20).value(); }
 
 /// Holds a reply against the schema that the contract has for it.
-void expect_by_contract(const std::string& method, const std::string& pattern, const Reply& reply) {
+void expect_by_contract(const std::string& method, const std::string& pattern,
+                        const Response& reply) {
   SCOPED_TRACE(method + " " + pattern);
   std::string lower = method;
   std::transform(lower.begin(), lower.end(), lower.begin(), ::tolower);
@@ -116,7 +117,8 @@ TEST(ServerContract, TheSchemasRefuseWhatTheServerRefuses) {
   for (const fs::path& file : fixtures("invalid"))
     for (const auto& [schema, route] : routes) {
       if (schema != schema_of(file)) continue;
-      const Reply reply = api.ask(route.first, route.second, text_of(file), {{"if-match", "*"}});
+      const Response reply =
+          api.call_api(route.first, route.second, text_of(file), {{"if-match", "*"}});
       EXPECT_EQ(reply.status, 422) << file << reply.text;
       expect_by_contract(route.first, route.second, reply);
       ++sent;
@@ -138,7 +140,8 @@ TEST(ServerContract, AnEmptyCaseAnswersByTheContract) {
                                                           {"{file}", "plan.json"}})
       if (const auto at = path.find(parameter); at != std::string::npos)
         path.replace(at, parameter.size(), value);
-    expect_by_contract(std::string(route.method), std::string(route.path), api.ask("GET", path));
+    expect_by_contract(std::string(route.method), std::string(route.path),
+                       api.call_api("GET", path));
   }
   EXPECT_EQ(api.get("/case")["stages"]["scan"]["state"], "missing");
 }
@@ -146,10 +149,10 @@ TEST(ServerContract, AnEmptyCaseAnswersByTheContract) {
 /// The whole way of a case, each answer held against the contract.
 TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   test::CaseApi api;
-  const auto ask = [&](const std::string& method, const std::string& pattern,
-                       const std::string& path, const std::string& body = "",
-                       std::map<std::string, std::string> headers = {}) {
-    const Reply reply = api.ask(method, path, body, std::move(headers));
+  const auto call_api = [&](const std::string& method, const std::string& pattern,
+                            const std::string& path, const std::string& body = "",
+                            std::map<std::string, std::string> headers = {}) {
+    const Response reply = api.call_api(method, path, body, std::move(headers));
     EXPECT_LT(reply.status, 400) << method << " " << path << reply.text;
     expect_by_contract(method, pattern, reply);
     return reply;
@@ -158,20 +161,20 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
     const json job = api.run(request);
     EXPECT_EQ(job["state"], "done") << job.dump(1);
     expect_by_contract("GET", "/jobs/{job}",
-                       api.ask("GET", "/jobs/" + std::to_string(job["id"].get<int>())));
+                       api.call_api("GET", "/jobs/" + std::to_string(job["id"].get<int>())));
     return job;
   };
   const json imported = api.import_volume(test::small_head());
   EXPECT_EQ(imported["state"], "done") << imported.dump(1);
   EXPECT_EQ(imported.dump().find("DOE"), std::string::npos);  // What files are called is forgotten.
-  ask("GET", "/case", "/case");
-  const json volume = json::parse(ask("GET", "/volume", "/volume").text);
+  call_api("GET", "/case", "/case");
+  const json volume = json::parse(call_api("GET", "/volume", "/volume").text);
   EXPECT_EQ(volume["size"], json({36, 36, 36}));
-  EXPECT_EQ(body_of(ask("GET", "/volume/data", "/volume/data")).size(), 2U * 36 * 36 * 36);
+  EXPECT_EQ(body_of(call_api("GET", "/volume/data", "/volume/data")).size(), 2U * 36 * 36 * 36);
   run({{"kind", "segment"}});
   EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "fresh");
-  const Reply labels = ask("GET", "/labels/data", "/labels/data");
-  const json named = json::parse(ask("GET", "/labels", "/labels").text);
+  const Response labels = call_api("GET", "/labels/data", "/labels/data");
+  const json named = json::parse(call_api("GET", "/labels", "/labels").text);
   EXPECT_EQ(named["names"].back(), json({{"value", 7}, {"name", "muscle"}}));
 
   // The brush: a voxel of bone more.
@@ -181,37 +184,38 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   const auto soft = brushed.find('\2');  // And one of muscle.
   ASSERT_NE(soft, std::string::npos);
   brushed[soft] = 7;
-  ask("PUT", "/labels/data", "/labels/data", brushed,
-      {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
+  call_api("PUT", "/labels/data", "/labels/data", brushed,
+           {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
   EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "stale");
-  EXPECT_EQ(body_of(ask("GET", "/labels/data", "/labels/data")), brushed);
+  EXPECT_EQ(body_of(call_api("GET", "/labels/data", "/labels/data")), brushed);
   run({{"kind", "segment"}, {"from_labels", true}});
   EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "fresh");
-  EXPECT_EQ(body_of(ask("GET", "/labels/data", "/labels/data")), brushed);
+  EXPECT_EQ(body_of(call_api("GET", "/labels/data", "/labels/data")), brushed);
   run({{"kind", "segment"}});
 
-  const std::string skin = body_of(ask("GET", "/surfaces/{surface}", "/surfaces/skin"));
+  const std::string skin = body_of(call_api("GET", "/surfaces/{surface}", "/surfaces/skin"));
   EXPECT_EQ(skin.substr(0, 8), std::string("LFSURF1\0", 8));
   std::uint32_t head[3];
   std::memcpy(head, skin.data() + 8, sizeof(head));
   EXPECT_EQ(skin.size(), 20U + 12 * head[0] + 12 * head[1]);
 
-  ask("PUT", "/landmarks", "/landmarks", R"({"landmarks":{"N":[0,-47,20],"A":[0,-47,-10]}})",
-      {{"if-match", "*"}});
+  call_api("PUT", "/landmarks", "/landmarks", R"({"landmarks":{"N":[0,-47,20],"A":[0,-47,-10]}})",
+           {{"if-match", "*"}});
   EXPECT_EQ(api.get("/landmarks")["landmarks"]["N"], json({0, -47, 20}));
-  ask("POST", "/measurements", "/measurements", R"({"before":{"N":[0,-47,20],"A":[0,-47,-10]}})");
+  call_api("POST", "/measurements", "/measurements",
+           R"({"before":{"N":[0,-47,20],"A":[0,-47,-10]}})");
   json plan = test::small_plan();
   plan["landmarks"] = "landmarks.mrk.json";
-  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
-  ask("GET", "/plan/poses", "/plan/poses");
+  call_api("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  call_api("GET", "/plan/poses", "/plan/poses");
   run({{"kind", "cut"}});
   run({{"kind", "check"}});
   run({{"kind", "preview-factor"}});
-  const json surfaces = json::parse(ask("GET", "/surfaces", "/surfaces").text);
+  const json surfaces = json::parse(call_api("GET", "/surfaces", "/surfaces").text);
   EXPECT_NE(surfaces.dump().find("segments/front"), std::string::npos);
-  ask("GET", "/surfaces/segments/{segment}", "/surfaces/segments/front");
+  call_api("GET", "/surfaces/segments/{segment}", "/surfaces/segments/front");
   const json back{{"poses", {{"front", {1, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1, 0, 0, 0, 0, 1}}}}};
-  const Reply depths = ask("POST", "/poses", "/poses", back.dump());
+  const Response depths = call_api("POST", "/poses", "/poses", back.dump());
   float deepest = 0.0F;
   const std::string bytes = body_of(depths);
   for (std::size_t at = 0; at < bytes.size(); at += 4) {
@@ -221,39 +225,41 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   }
   EXPECT_GT(deepest, 1.0F);
   EXPECT_LT(deepest, 3.5F);
-  const std::string preview = body_of(ask("POST", "/preview", "/preview", back.dump()));
+  const std::string preview = body_of(call_api("POST", "/preview", "/preview", back.dump()));
   EXPECT_EQ(preview.size(), 12U * head[0]);
   Request painted =
       test::api_request("PUT", "/boundary/data", std::string(64, '\1'),
                         {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
   painted.query["box"] = "16,2,16,4,4,4";
   expect_by_contract("PUT", "/boundary/data", api.api.handle(painted));
-  EXPECT_EQ(body_of(ask("GET", "/boundary/data", "/boundary/data")), std::string(64, '\1'));
-  ask("PUT", "/boundary/file", "/boundary/file",
-      body_of(ask("GET", "/files/{file}", "/files/boundary.seg.nrrd")),
-      {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
-  ask("DELETE", "/boundary/data", "/boundary/data", "", {{"if-match", "*"}});
-  const json boundary = json::parse(ask("GET", "/boundary", "/boundary").text);
+  EXPECT_EQ(body_of(call_api("GET", "/boundary/data", "/boundary/data")), std::string(64, '\1'));
+  call_api("PUT", "/boundary/file", "/boundary/file",
+           body_of(call_api("GET", "/files/{file}", "/files/boundary.seg.nrrd")),
+           {{"if-match", "*"}, {"content-type", "application/octet-stream"}});
+  call_api("DELETE", "/boundary/data", "/boundary/data", "", {{"if-match", "*"}});
+  const json boundary = json::parse(call_api("GET", "/boundary", "/boundary").text);
   EXPECT_EQ(boundary["areas"]["stage"], "preview");
   plan["boundary"] = {{"moved_bone", "attached"}};
-  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  call_api("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
   run({{"kind", "preview-factor"}});
-  EXPECT_NE(body_of(ask("POST", "/preview", "/preview", back.dump())), preview);
+  EXPECT_NE(body_of(call_api("POST", "/preview", "/preview", back.dump())), preview);
   plan.erase("boundary");
-  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  call_api("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
   run({{"kind", "preview-factor"}});
-  EXPECT_EQ(body_of(ask("POST", "/preview", "/preview", back.dump())), preview);
+  EXPECT_EQ(body_of(call_api("POST", "/preview", "/preview", back.dump())), preview);
   run({{"kind", "predict"}});
   const json stages = api.get("/case")["stages"];
   for (const char* stage :
        {"scan", "anatomy", "landmarks", "plan", "cut", "check", "preview", "prediction"})
     EXPECT_EQ(stages[stage]["state"], "fresh") << stage << stages[stage];
-  const json prediction = json::parse(ask("GET", "/prediction", "/prediction").text);
+  const json prediction = json::parse(call_api("GET", "/prediction", "/prediction").text);
   ASSERT_EQ(prediction["steps"].size(), 2U);
-  ask("GET", "/preview/distance", "/preview/distance");
-  const std::string last = body_of(ask("GET", "/prediction/steps/{step}", "/prediction/steps/2"));
-  const std::string before = body_of(ask("GET", "/surfaces/{surface}", "/surfaces/skin_before"));
-  const std::string after = body_of(ask("GET", "/surfaces/{surface}", "/surfaces/predicted"));
+  call_api("GET", "/preview/distance", "/preview/distance");
+  const std::string last =
+      body_of(call_api("GET", "/prediction/steps/{step}", "/prediction/steps/2"));
+  const std::string before =
+      body_of(call_api("GET", "/surfaces/{surface}", "/surfaces/skin_before"));
+  const std::string after = body_of(call_api("GET", "/surfaces/{surface}", "/surfaces/predicted"));
   ASSERT_EQ(last.size(), 12U * head[0]);
   for (std::size_t at = 0; at < last.size(); at += 4) {  // The last step is the prediction.
     float u = 0.0F, from = 0.0F, to = 0.0F;
@@ -262,23 +268,23 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
     std::memcpy(&to, after.data() + 20 + at, 4);
     ASSERT_NEAR(u, to - from, 2e-4F);
   }
-  EXPECT_EQ(api.ask("GET", "/prediction/steps/3").status, 404);
+  EXPECT_EQ(api.call_api("GET", "/prediction/steps/3").status, 404);
   const json shifts = json::parse(
-      ask("GET", "/prediction/steps/{step}/regions", "/prediction/steps/2/regions").text);
+      call_api("GET", "/prediction/steps/{step}/regions", "/prediction/steps/2/regions").text);
   EXPECT_EQ(shifts["regions"][0]["region"], "whole");
   EXPECT_NEAR(shifts["regions"][0]["shift"]["max_mm"].get<double>(),
               prediction["skin_largest_shift_mm"].get<double>(), 1e-3);
   EXPECT_FALSE(shifts["missing"].empty());
-  EXPECT_EQ(api.ask("GET", "/prediction/steps/3/regions").status, 404);
+  EXPECT_EQ(api.call_api("GET", "/prediction/steps/3/regions").status, 404);
 
   const std::string bone =
-      body_of(ask("GET", "/surfaces/segments/{segment}", "/surfaces/segments/front"));
+      body_of(call_api("GET", "/surfaces/segments/{segment}", "/surfaces/segments/front"));
   std::uint32_t bone_vertices = 0;
   std::memcpy(&bone_vertices, bone.data() + 8, sizeof(bone_vertices));
-  for (const auto& [name, most] : std::vector<std::pair<std::string, double>>{
+  for (const auto& [name, maximum] : std::vector<std::pair<std::string, double>>{
            {"contact-pressure", std::numeric_limits<double>::infinity()},
            {"contact-depth", prediction["steps"][1]["max_depth_mm"].get<double>()}}) {
-    const std::string values = body_of(ask("GET", "/values/{values}", "/values/" + name));
+    const std::string values = body_of(call_api("GET", "/values/{values}", "/values/" + name));
     ASSERT_EQ(values.size(), 4U * bone_vertices) << name;
     float largest = 0.0F, smallest = 0.0F;
     for (std::size_t at = 0; at < values.size(); at += 4) {
@@ -288,43 +294,43 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
       smallest = std::min(smallest, value);
     }
     EXPECT_GT(largest, 0.0F) << name;
-    EXPECT_LE(largest, most + 1e-6) << name;
+    EXPECT_LE(largest, maximum + 1e-6) << name;
     EXPECT_EQ(smallest, 0.0F) << name;
   }
 
   // As if surgery had changed nothing: the baseline is right and the prediction off.
-  EXPECT_EQ(api.ask("GET", "/comparison").status, 404);
-  const std::string upload = json::parse(api.ask("POST", "/uploads").text)["id"];
+  EXPECT_EQ(api.call_api("GET", "/comparison").status, 404);
+  const std::string upload = json::parse(api.call_api("POST", "/uploads").text)["id"];
   Request surface = test::api_request("PUT", "/uploads/" + upload + "/files/0",
-                                      body_of(api.ask("GET", "/files/skin_before.vtp")));
+                                      body_of(api.call_api("GET", "/files/skin_before.vtp")));
   surface.query["name"] = "after.vtp";
   EXPECT_EQ(api.api.handle(surface).status, 201);
   run({{"kind", "compare"}, {"upload", upload}});
-  const json found = json::parse(ask("GET", "/comparison", "/comparison").text);
+  const json found = json::parse(call_api("GET", "/comparison", "/comparison").text);
   EXPECT_EQ(found["regions"][0]["if_unchanged"]["max_mm"], 0.0);
   EXPECT_GT(found["regions"][0]["face"]["max_mm"], 0.5);
   EXPECT_TRUE(found["movements"].empty());
   EXPECT_TRUE(found["registration"].is_null());
-  const std::string difference = body_of(ask("GET", "/values/{values}", "/values/difference"));
+  const std::string difference = body_of(call_api("GET", "/values/{values}", "/values/difference"));
   EXPECT_EQ(difference.size(), 4U * head[0]);
-  EXPECT_EQ(api.ask("GET", "/values/pressure").status, 404);
+  EXPECT_EQ(api.call_api("GET", "/values/pressure").status, 404);
   EXPECT_EQ(api.get("/case")["stages"]["comparison"]["state"], "fresh");
   const json files = api.get("/files")["files"];
   for (const json& file : files)
-    ask("GET", "/files/{file}", "/files/" + file["name"].get<std::string>());
-  ask("GET", "/files", "/files");
-  ask("GET", "/jobs", "/jobs");
+    call_api("GET", "/files/{file}", "/files/" + file["name"].get<std::string>());
+  call_api("GET", "/files", "/files");
+  call_api("GET", "/jobs", "/jobs");
 
   // What was made of other inputs is seen to be so; what was not, is not.
   plan["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0, -2, 0};
-  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  call_api("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
   const json after_move = api.get("/case")["stages"];
   EXPECT_EQ(after_move["prediction"]["state"], "stale");
   EXPECT_EQ(after_move["check"]["state"], "stale");
   EXPECT_EQ(after_move["cut"]["state"], "fresh");
   EXPECT_EQ(after_move["preview"]["state"], "fresh");
   plan["segments"][0]["osteotomy"]["planes"][0]["point_mm"] = {0, -17, 0};
-  ask("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
+  call_api("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
   EXPECT_EQ(api.get("/case")["stages"]["cut"]["state"], "stale");
   EXPECT_EQ(api.get("/case")["stages"]["preview"]["state"], "stale");
   EXPECT_EQ(api.get("/case")["stages"]["anatomy"]["state"], "fresh");
@@ -359,7 +365,7 @@ TEST(ServerContract, ACaseOfTwoSegmentsIsPreviewedAndPredicted) {
   test::CaseApi api;
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   ASSERT_EQ(api.run({{"kind", "segment"}})["state"], "done");
-  const Reply stored = api.put("/plan", test::two_piece_plan({1, -3, 0}, {-1, -2, 0}));
+  const Response stored = api.put("/plan", test::two_piece_plan({1, -3, 0}, {-1, -2, 0}));
   EXPECT_EQ(json::parse(stored.text)["segments"].size(), 2U);
   for (const char* kind : {"cut", "preview-factor", "predict"}) {
     const json job = api.run({{"kind", kind}});
@@ -373,12 +379,12 @@ TEST(ServerContract, ACaseOfTwoSegmentsIsPreviewedAndPredicted) {
   EXPECT_EQ(prediction["steps"][1]["pose"], poses["left"]);
 
   const auto preview = [&](const json& some) {
-    return api.ask("POST", "/preview", json{{"poses", some}}.dump());
+    return api.call_api("POST", "/preview", json{{"poses", some}}.dump());
   };
-  const Reply one = preview({{"left", poses["left"]}});
+  const Response one = preview({{"left", poses["left"]}});
   EXPECT_EQ(one.status, 422);
   EXPECT_NE(one.text.find("left and right"), std::string::npos) << one.text;
-  const Reply both = preview(poses);
+  const Response both = preview(poses);
   EXPECT_EQ(both.status, 200) << both.text;
   json swapped = poses;
   std::swap(swapped["left"], swapped["right"]);
@@ -392,18 +398,18 @@ TEST(ServerContract, ACaseOfTwoSegmentsIsPreviewedAndPredicted) {
   for (const std::string side : {"left", "right"}) {
     const std::string name = "bone_segment_moved_" + side + ".vtp";
     EXPECT_NE(files.dump().find(name), std::string::npos) << files.dump();
-    EXPECT_EQ(api.ask("GET", "/files/" + name).status, 200);
+    EXPECT_EQ(api.call_api("GET", "/files/" + name).status, 200);
     Request values = test::api_request("GET", "/values/contact-depth", "");
     values.query["segment"] = side;
-    const std::string surface = body_of(api.ask("GET", "/surfaces/segments/" + side));
+    const std::string surface = body_of(api.call_api("GET", "/surfaces/segments/" + side));
     std::uint32_t vertices = 0;
     std::memcpy(&vertices, surface.data() + 8, sizeof(vertices));
     EXPECT_EQ(body_of(api.api.handle(values)).size(), 4U * vertices) << side;
     values.query["segment"] = "../" + side;
     EXPECT_EQ(api.api.handle(values).status, 404);
   }
-  EXPECT_EQ(api.ask("GET", "/values/contact-depth").status, 404);
-  EXPECT_EQ(api.ask("GET", "/files/bone_segment_moved_..vtp").status, 404);
+  EXPECT_EQ(api.call_api("GET", "/values/contact-depth").status, 404);
+  EXPECT_EQ(api.call_api("GET", "/files/bone_segment_moved_..vtp").status, 404);
 }
 
 }  // namespace

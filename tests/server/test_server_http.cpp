@@ -45,14 +45,14 @@ long descriptors() {
 
 TEST(HttpServer, AnswersThePageWithoutTokenAndTheCaseWithIt) {
   const Served served;
-  const std::string page = served.ask("GET /", "", "", false);
+  const std::string page = served.call_api("GET /", "", "", false);
   EXPECT_EQ(Served::status_of(page), 200);
   for (const char* header :
        {"Content-Security-Policy: default-src 'none'", "X-Content-Type-Options: nosniff",
         "Referrer-Policy: no-referrer", "X-Frame-Options: DENY"})
     EXPECT_NE(page.find(header), std::string::npos) << header;
   EXPECT_EQ(page.find(kToken), std::string::npos);
-  const std::string answer = served.ask("GET /api/v1/case");
+  const std::string answer = served.call_api("GET /api/v1/case");
   EXPECT_EQ(Served::status_of(answer), 200);
   EXPECT_NE(answer.find("Cache-Control: no-store"), std::string::npos);
   EXPECT_NE(answer.find("not for clinical use"), std::string::npos);
@@ -70,10 +70,13 @@ TEST(HttpServer, RefusesWhoHasNotTheToken) {
         "Authorization: Bearer " + kToken + "\r\n", "Cookie: token=" + kToken + "\r\n"})
     for (const char* line : {"GET /api/v1/case", "GET /api/v1/events", "GET /api/v1/volume/data",
                              "HEAD /api/v1/case", "DELETE /api/v1/jobs/1", "GET /api/v1/nothing"})
-      EXPECT_EQ(Served::status_of(served.ask(line, headers, "", false)), 401) << line << headers;
-  EXPECT_EQ(Served::status_of(served.ask("POST /api/v1/jobs", kJson, R"({"kind":"cut"})", false)),
+      EXPECT_EQ(Served::status_of(served.call_api(line, headers, "", false)), 401)
+          << line << headers;
+  EXPECT_EQ(
+      Served::status_of(served.call_api("POST /api/v1/jobs", kJson, R"({"kind":"cut"})", false)),
+      401);
+  EXPECT_EQ(Served::status_of(served.call_api("GET /api/v1/case?token=" + kToken, "", "", false)),
             401);
-  EXPECT_EQ(Served::status_of(served.ask("GET /api/v1/case?token=" + kToken, "", "", false)), 401);
   EXPECT_TRUE(served.own.api.handle(test::api_request("GET", "/jobs")).text.find("cut") ==
               std::string::npos);
 }
@@ -129,7 +132,7 @@ TEST(HttpServer, NoPathLeavesTheCaseOrThePage) {
         std::string("/api/v1/surfaces/segments/%2e%2e"), std::string("//etc/passwd"),
         std::string("/assets/../../secret.txt"), std::string("/api/v1/../../secret.txt"),
         std::string("/%00"), std::string("/api/v1")}) {
-    const std::string reply = served.ask("GET " + path);
+    const std::string reply = served.call_api("GET " + path);
     const int status = Served::status_of(reply);
     EXPECT_TRUE(status == 404 || status == 400) << path << " " << status;
     EXPECT_EQ(reply.find("SECRET"), std::string::npos) << path;
@@ -164,7 +167,7 @@ TEST(HttpServer, RefusesBodiesWithoutOrBeyondTheirLength) {
   const std::string large(8 << 20, ' ');
   EXPECT_EQ(served.status("POST /api/v1/jobs", kJson, large), 413);
   const std::string id =
-      json::parse(served.own.ask("POST", "/uploads").text)["id"].get<std::string>();
+      json::parse(served.own.call_api("POST", "/uploads").text)["id"].get<std::string>();
   EXPECT_EQ(served.status("PUT /api/v1/uploads/" + id + "/files/0?name=x",
                           "Content-Length: 3000000000\r\n"),
             413);
@@ -211,7 +214,7 @@ TEST(HttpServer, BoundsHeaders) {
   // A range is not a way to have much sent for little.
   std::string ranges = "Range: bytes=0-";
   for (int n = 0; n < 500; ++n) ranges += ",0-";
-  EXPECT_LT(served.ask("GET /", ranges + "\r\n").size(), 2'000'000U);
+  EXPECT_LT(served.call_api("GET /", ranges + "\r\n").size(), 2'000'000U);
   EXPECT_EQ(served.status("GET /api/v1/case"), 200);
 }
 
@@ -315,14 +318,14 @@ TEST(HttpServer, ListenersMayVanishAndAreBounded) {
       pages.back().send(listen);
       EXPECT_NE(pages.back().receive(5000, "welcome").find("text/event-stream"), std::string::npos);
     }
-    EXPECT_EQ(Served::status_of(served.ask("GET /api/v1/events")), 429);
+    EXPECT_EQ(Served::status_of(served.call_api("GET /api/v1/events")), 429);
     pages.clear();  // They vanish without a word.
     std::this_thread::sleep_for(milliseconds(1200));
   }
   EXPECT_LE(descriptors(), descriptors_before + 2);
 }
 
-TEST(HttpServer, TellsAPageWhatItMissed) {
+TEST(HttpServer, ReportsAPageWhatItMissed) {
   Served served;
   served.own.import_volume(test::small_head());
   const std::string start = served.own.api.events().start();
@@ -358,7 +361,7 @@ TEST(HttpServer, LoopbackIsKnown) {
     EXPECT_FALSE(is_loopback(host)) << host;
 }
 
-TEST(HttpServer, APortInUseIsTold) {
+TEST(HttpServer, APortInUseIsReported) {
   const Served served;
   test::CaseApi other;
   HttpServer second(other.api,

@@ -2,8 +2,8 @@
 /// Jobs, events, uploads and the case folder: nothing is lost, nothing leaves the folder.
 #include <lefort/io/segmentation_file.h>
 #include <lefort/server/api/contract.h>
+#include <lefort/server/case/event_batcher.h>
 #include <lefort/server/case/event_log.h>
-#include <lefort/server/case/iterate_batches.h>
 #include <lefort/server/case/jobs.h>
 #include <lefort/server/case/solve_history.h>
 
@@ -17,7 +17,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "support/ask_api.h"
+#include "support/call_api.h"
 #include "support/run_program.h"
 #include "support/small_head.h"
 
@@ -43,7 +43,7 @@ Result<JobOutcome> run_until_stopped(const JobRecord&, Progress& progress) {
   return fail(ErrorCode::kCancelled, "cancelled");
 }
 
-TEST(EventLog, TellsWhatWasMissed) {
+TEST(EventLog, ReportsWhatWasMissed) {
   EventLog log("0123abcd");
   for (int k = 1; k <= 5; ++k) log.publish("job", {{"k", k}});
   auto heard = log.find("0123abcd.3");
@@ -79,11 +79,11 @@ TEST(EventLog, ForgetsTheOldestAndSaysSo) {
 TEST(Jobs, RunOneAfterTheOther) {
   const test::TemporaryFolder folder;
   EventLog log("0123abcd");
-  std::atomic<int> running = 0, most = 0;
+  std::atomic<int> running = 0, maximum = 0;
   Jobs jobs(
       folder.path(), log,
       [&](const JobRecord& job, Progress& progress) -> Result<JobOutcome> {
-        most = std::max<int>(most, ++running);
+        maximum = std::max<int>(maximum, ++running);
         progress.note("line of " + job.kind);
         std::this_thread::sleep_for(milliseconds(10));
         --running;
@@ -97,7 +97,7 @@ TEST(Jobs, RunOneAfterTheOther) {
   EXPECT_EQ(jobs.find(2)->message, "it is bad");
   EXPECT_EQ(jobs.find(1)->state, "done");
   EXPECT_EQ(jobs.find(1)->lines.front(), "line of good");
-  EXPECT_EQ(most, 1);
+  EXPECT_EQ(maximum, 1);
 }
 
 TEST(Jobs, AreCancelledWhileTheyWaitAndWhileTheyRun) {
@@ -146,7 +146,7 @@ TEST(Jobs, ABugInWhoIsToldEndsNotTheWorker) {
   EXPECT_EQ(wait_for(jobs, 2).state, "done");
 }
 
-TEST(Jobs, ThatAServerLeftAreTold) {
+TEST(Jobs, ThatAServerLeftAreReported) {
   const test::TemporaryFolder folder;
   EventLog log("0123abcd");
   {
@@ -188,7 +188,7 @@ TEST(CaseFolder, IsItsOwnersAloneAndEndsWithItsUploads) {
   const auto mode = [&](const char* name) { return fs::status(folder / name).permissions(); };
   {
     test::CaseApi api({}, folder / "case");
-    EXPECT_EQ(api.ask("POST", "/uploads").status, 201);
+    EXPECT_EQ(api.call_api("POST", "/uploads").status, 201);
     EXPECT_EQ(mode("case"), fs::perms::owner_all);
     EXPECT_EQ(mode("case/uploads"), fs::perms::owner_all);
   }
@@ -214,7 +214,7 @@ TEST(CaseFolder, SeesAFileThatWasReplacedWithinItsSizeAndTime) {
 
 TEST(Uploads, ABodyThatThrowsGivesItsRoomBack) {
   test::CaseApi api({.file_bytes = 1000, .all_bytes = 1000, .files = 3, .uploads = 2});
-  const std::string id = json::parse(api.ask("POST", "/uploads").text)["id"];
+  const std::string id = json::parse(api.call_api("POST", "/uploads").text)["id"];
   Request file = test::api_request("PUT", "/uploads/" + id + "/files/0", std::string(1000, 'x'));
   file.query["name"] = "x";
   Request broken = file;
@@ -228,7 +228,7 @@ TEST(Uploads, ABodyThatThrowsGivesItsRoomBack) {
 TEST(Uploads, AreKeptUnderOurNamesAndWithinLimits) {
   test::CaseApi api({.file_bytes = 1000, .all_bytes = 1500, .files = 3, .uploads = 2});
   const auto begin = [&] {
-    return json::parse(api.ask("POST", "/uploads").text)["id"].get<std::string>();
+    return json::parse(api.call_api("POST", "/uploads").text)["id"].get<std::string>();
   };
   const auto send = [&](const std::string& id, const std::string& index, const std::string& name,
                         const std::string& bytes) {
@@ -255,7 +255,7 @@ TEST(Uploads, AreKeptUnderOurNamesAndWithinLimits) {
   cut.content_length = 10;
   EXPECT_EQ(api.api.handle(cut).status, 400);
   EXPECT_EQ(std::distance(fs::directory_iterator(api.folder / "case/uploads/" / id), {}), 2);
-  EXPECT_EQ(api.ask("DELETE", "/uploads/" + id).status, 204);
+  EXPECT_EQ(api.call_api("DELETE", "/uploads/" + id).status, 204);
   EXPECT_FALSE(fs::exists(api.folder / "case/uploads" / id));
   // A third ends the first.
   const std::string one = begin(), two = begin(), three = begin();
@@ -264,10 +264,10 @@ TEST(Uploads, AreKeptUnderOurNamesAndWithinLimits) {
   EXPECT_EQ(send(three, "0", "x", "abc"), 201);
 }
 
-TEST(IterateBatches, TellAllInOrderAtMostTenTimesASecond) {
+TEST(EventBatcher, ReportsAllInOrderAtMostTenTimesASecond) {
   std::vector<json> batches;
-  IterateBatches iterates([&](json batch) { batches.push_back(std::move(batch)); });
-  const auto start = IterateBatches::Clock::now();
+  EventBatcher iterates([&](json batch) { batches.push_back(std::move(batch)); });
+  const auto start = EventBatcher::Clock::now();
   for (int k = 0; k < 1000; ++k) iterates.add(k, start + milliseconds(2 * k));  // For two seconds.
   EXPECT_EQ(batches.front(), json::array({0}));  // The first at once.
   EXPECT_LE(batches.size(), 20U);
@@ -312,7 +312,7 @@ TEST(Uploads, OfWhatIsNoScanGiveOneClearLine) {
            {"bad.inv3", std::string(1024, 'i')},
            {"bad.dcm", std::string(128, '\0') + "DICM" + std::string(100, 'd')},
            {"noname", "noname"}}) {
-    const std::string id = json::parse(api.ask("POST", "/uploads").text)["id"];
+    const std::string id = json::parse(api.call_api("POST", "/uploads").text)["id"];
     Request file = test::api_request("PUT", "/uploads/" + id + "/files/0", bytes);
     file.query["name"] = name;
     EXPECT_EQ(api.api.handle(file).status, 201) << name;
@@ -335,14 +335,14 @@ TEST(CaseApi, APlanNamesNoFileOutsideTheCase) {
     return api.put("/plan", plan);
   };
   EXPECT_EQ(put([](json&) {}).status, 200);
-  const std::string before = body_of(api.ask("GET", "/plan"));
+  const std::string before = body_of(api.call_api("GET", "/plan"));
   for (const std::string& name :
        {std::string("../secret.csv"), (api.folder / "secret.csv").string(),
         std::string("/etc/passwd"), std::string("anatomy/../../secret.csv"),
         std::string("landmarks.mrk.json/../../secret.csv"), std::string("%2e%2e/secret.csv"),
         std::string("file:///etc/passwd"), std::string("jobs/1.json")}) {
     const auto refused = [&](const std::function<void(json&)>& change) {
-      const Reply reply = put(change);
+      const Response reply = put(change);
       EXPECT_EQ(reply.status, 422) << name << reply.text;
       EXPECT_EQ(reply.text.find("SECRET"), std::string::npos);
     };
@@ -371,23 +371,23 @@ TEST(CaseApi, APlanNamesNoFileOutsideTheCase) {
   // Nor by a key that stands twice, which parsers read in two ways.
   std::string twice = test::small_plan().dump();
   twice.insert(1, R"("landmarks":"/etc/passwd","landmarks":{"N":[1,2,3]},)");
-  EXPECT_EQ(api.ask("PUT", "/plan", twice, {{"if-match", "*"}}).status, 422);
-  EXPECT_EQ(body_of(api.ask("GET", "/plan")), before);
+  EXPECT_EQ(api.call_api("PUT", "/plan", twice, {{"if-match", "*"}}).status, 422);
+  EXPECT_EQ(body_of(api.call_api("GET", "/plan")), before);
 }
 
 TEST(CaseApi, OnePageDoesNotOverwriteWhatAnotherWrote) {
   test::CaseApi api;
   const std::string plan = test::small_plan().dump();
-  EXPECT_EQ(api.ask("PUT", "/plan", plan).status, 428);
-  EXPECT_EQ(api.ask("PUT", "/plan", plan, {{"if-match", "\"0\""}}).status, 412);
-  const Reply first = api.ask("PUT", "/plan", plan, {{"if-match", "*"}});
+  EXPECT_EQ(api.call_api("PUT", "/plan", plan).status, 428);
+  EXPECT_EQ(api.call_api("PUT", "/plan", plan, {{"if-match", "\"0\""}}).status, 412);
+  const Response first = api.call_api("PUT", "/plan", plan, {{"if-match", "*"}});
   ASSERT_EQ(first.status, 200);
   const std::string etag = first.headers.front().second;
   const std::string other = test::small_plan().dump(1);
-  EXPECT_EQ(api.ask("PUT", "/plan", other, {{"if-match", etag}}).status, 200);
-  EXPECT_EQ(api.ask("PUT", "/plan", plan, {{"if-match", etag}}).status, 412);
-  EXPECT_EQ(body_of(api.ask("GET", "/plan")), other);
-  EXPECT_EQ(api.ask("GET", "/plan", "", {{"if-none-match", etag}}).status, 200);
+  EXPECT_EQ(api.call_api("PUT", "/plan", other, {{"if-match", etag}}).status, 200);
+  EXPECT_EQ(api.call_api("PUT", "/plan", plan, {{"if-match", etag}}).status, 412);
+  EXPECT_EQ(body_of(api.call_api("GET", "/plan")), other);
+  EXPECT_EQ(api.call_api("GET", "/plan", "", {{"if-none-match", etag}}).status, 200);
 }
 
 TEST(CaseApi, LabelsOfAScanThatWasReplacedMeanwhileAreRefused) {
@@ -414,7 +414,7 @@ TEST(CaseApi, LabelsOfAScanThatWasReplacedMeanwhileAreRefused) {
 TEST(CaseApi, FilesAndSurfacesComeFromFixedLists) {
   test::CaseApi api;
   ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
-  EXPECT_EQ(api.ask("GET", "/files/plan.json").status, 200);
+  EXPECT_EQ(api.call_api("GET", "/files/plan.json").status, 200);
   for (const char* path : {"/files/..%2fplan.json",
                            "/files/../plan.json",
                            "/files//etc/passwd",
@@ -435,8 +435,8 @@ TEST(CaseApi, FilesAndSurfacesComeFromFixedLists) {
                            "/jobs/1e1",
                            "/jobs/99999999999999999999",
                            ""})
-    EXPECT_EQ(api.ask("GET", path).status, 404) << path;
-  EXPECT_EQ(api.ask("DELETE", "/plan").status, 405);
+    EXPECT_EQ(api.call_api("GET", path).status, 404) << path;
+  EXPECT_EQ(api.call_api("DELETE", "/plan").status, 405);
 }
 
 TEST(CaseApi, AJobThatFailsMakesNoOlderResultFresh) {
@@ -457,14 +457,14 @@ TEST(CaseApi, AJobThatFailsMakesNoOlderResultFresh) {
     EXPECT_EQ(api.run({{"kind", kind}})["state"], "failed");
     EXPECT_EQ(api.get("/case")["stages"][stage]["state"], "failed") << stage;
   }
-  EXPECT_EQ(api.ask("GET", "/prediction").status, 404);
+  EXPECT_EQ(api.call_api("GET", "/prediction").status, 404);
   EXPECT_FALSE(fs::exists(preview / "face.preview"));
 }
 
 /// Whether events tell the iterations that the document holds, each before its step's end, and as
 /// the contract has them.
-void expect_iterates_told(const std::string& events, const json& document) {
-  std::vector<double> told, held;
+void expect_iterates_reported(const std::string& events, const json& document) {
+  std::vector<double> reported, held;
   std::size_t newton = 0, steps = 0;
   for (std::size_t at = 0; at < events.size();) {
     const std::size_t end = events.find("\n\n", at);
@@ -477,7 +477,7 @@ void expect_iterates_told(const std::string& events, const json& document) {
       const json batch = json::parse(data);
       for (const json& iterate : batch["iterates"]) {
         EXPECT_EQ(iterate["step"], steps + 1);
-        told.push_back(iterate["residual_n"]);
+        reported.push_back(iterate["residual_n"]);
       }
     } else if (event.find("event: step") != std::string::npos) {
       ++steps;
@@ -488,7 +488,7 @@ void expect_iterates_told(const std::string& events, const json& document) {
   for (const json& step : document["steps"])
     for (const json& attempt : step["attempts"])
       for (const json& line : attempt["newton"]) held.push_back(line["residual_n"]);
-  EXPECT_EQ(told, held);
+  EXPECT_EQ(reported, held);
   EXPECT_EQ(steps, document["steps"].size());
 }
 
@@ -511,26 +511,26 @@ void expect_history(const std::string& events, const json& history) {
   EXPECT_EQ(history["steps"], steps);
 }
 
-TEST(SolveHistory, KeepsTheNewestAndTellsHowManyItForgot) {
+TEST(SolveHistory, KeepsTheNewestAndReportsHowManyItForgot) {
   SolveHistory history;
   EXPECT_FALSE(history.of(1));
   history.begin(1);
   EXPECT_EQ(history.add_iterates(json::array({0, 1, 2})), 0U);
   json many = json::array();
-  for (std::size_t n = 3; n < SolveHistory::kMostIterates + 2; ++n) many.push_back(n);
+  for (std::size_t n = 3; n < SolveHistory::kMaxIterates + 2; ++n) many.push_back(n);
   EXPECT_EQ(history.add_iterates(many), 3U);
   const json now = history.of(1).value();
   EXPECT_EQ(now["from"], 2);
-  EXPECT_EQ(now["iterates"].size(), SolveHistory::kMostIterates);
+  EXPECT_EQ(now["iterates"].size(), SolveHistory::kMaxIterates);
   EXPECT_EQ(now["iterates"][0], 2);
-  EXPECT_EQ(history.add_iterates(json::array({7})), SolveHistory::kMostIterates + 2);
+  EXPECT_EQ(history.add_iterates(json::array({7})), SolveHistory::kMaxIterates + 2);
   history.begin(2);
   EXPECT_FALSE(history.of(1));
   EXPECT_TRUE(history.of(2)->at("iterates").empty());
 }
 
 /// Paints a ball about the front of the small head.
-Reply paint(test::CaseApi& api, char label, const char* if_match = "*") {
+Response paint(test::CaseApi& api, char label, const char* if_match = "*") {
   constexpr int kSide = 12;
   std::string bytes(kSide * kSide * kSide, '\0');
   for (int n = 0; n < std::ssize(bytes); ++n) {
@@ -577,11 +577,11 @@ TEST(CaseApi, PredictsTheBytesOfTheCommandLine) {
   std::uint64_t heard = api.api.events().now();
   const json job = api.run({{"kind", "predict"}});
   ASSERT_EQ(job["state"], "done") << job.dump(1);
-  const std::string told = api.api.events().wait(heard, milliseconds(0));
-  expect_iterates_told(told, api.get("/prediction")["document"]);
+  const std::string reported = api.api.events().wait(heard, milliseconds(0));
+  expect_iterates_reported(reported, api.get("/prediction")["document"]);
   const std::string id = std::to_string(job["id"].get<int>());
-  expect_history(told, api.get("/jobs/" + id + "/iterates"));
-  EXPECT_EQ(api.ask("GET", "/jobs/99/iterates").status, 404);
+  expect_history(reported, api.get("/jobs/" + id + "/iterates"));
+  EXPECT_EQ(api.call_api("GET", "/jobs/99/iterates").status, 404);
   EXPECT_GT(expect_the_command_lines_bytes(api.folder / "case"), 10);
 }
 
@@ -596,8 +596,8 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   ASSERT_EQ(api.run({{"kind", "preview-factor"}})["state"], "done");
   ASSERT_EQ(api.run({{"kind", "predict"}})["state"], "done");
   const std::string pose = R"({"poses":{"front":[1,0,0,0,0,1,0,-2,0,0,1,0,0,0,0,1]}})";
-  const std::string by_rule = body_of(api.ask("GET", "/files/predicted_skin.vtp"));
-  const std::string preview = body_of(api.ask("POST", "/preview", pose));
+  const std::string by_rule = body_of(api.call_api("GET", "/files/predicted_skin.vtp"));
+  const std::string preview = body_of(api.call_api("POST", "/preview", pose));
   EXPECT_TRUE(api.get("/boundary")["areas"]["painted"].empty());
 
   constexpr char kWithSegment = 3;
@@ -611,7 +611,7 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   EXPECT_EQ(stages["cut"]["state"], "fresh");
   EXPECT_TRUE(api.get("/boundary")["areas"].is_null());
   ASSERT_EQ(api.run({{"kind", "preview-factor"}})["state"], "done");
-  EXPECT_NE(body_of(api.ask("POST", "/preview", pose)), preview);
+  EXPECT_NE(body_of(api.call_api("POST", "/preview", pose)), preview);
   const json areas = api.get("/boundary")["areas"];
   EXPECT_EQ(areas["stage"], "preview");
   double with_segment_mm2 = 0.0;
@@ -620,7 +620,7 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   EXPECT_GT(with_segment_mm2, 10.0);
   const json job = api.run({{"kind", "predict"}});
   ASSERT_EQ(job["state"], "done") << job.dump(1);
-  EXPECT_NE(body_of(api.ask("GET", "/files/predicted_skin.vtp")), by_rule);
+  EXPECT_NE(body_of(api.call_api("GET", "/files/predicted_skin.vtp")), by_rule);
   EXPECT_GT(expect_the_command_lines_bytes(api.folder / "case"), 10);
 
   // Another stroke of the brush makes stale what was made of the one before, but no cut.
@@ -644,7 +644,8 @@ TEST(CaseApi, WhatIsPaintedWhileAJobReadsItMakesItStale) {
   json plan = test::small_plan();
   plan["boundary"]["labels"] = "boundary.seg.nrrd";
   ASSERT_EQ(api.put("/plan", plan).status, 200);
-  const int id = json::parse(api.ask("POST", "/jobs", R"({"kind":"preview-factor"})").text)["id"];
+  const int id =
+      json::parse(api.call_api("POST", "/jobs", R"({"kind":"preview-factor"})").text)["id"];
   const std::string path = "/jobs/" + std::to_string(id);
   while (api.get(path)["stage"] == "") std::this_thread::sleep_for(milliseconds(2));
   ASSERT_EQ(paint(api, 1).status, 204);
@@ -668,9 +669,9 @@ TEST(CaseApi, WhatIsPaintedIsReplacedByWhoKnowsIt) {
   };
   EXPECT_EQ(paint(api, 1).status, 404);  // There is no scan.
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
-  EXPECT_EQ(api.ask("GET", "/boundary/data").status, 404);
+  EXPECT_EQ(api.call_api("GET", "/boundary/data").status, 404);
   ASSERT_EQ(paint(api, 1).status, 204);
-  const Reply reply = api.ask("GET", "/boundary/data");
+  const Response reply = api.call_api("GET", "/boundary/data");
   const std::string kept = body_of(reply);
   std::string etag, box;
   for (const auto& [name, value] : reply.headers)
@@ -680,8 +681,8 @@ TEST(CaseApi, WhatIsPaintedIsReplacedByWhoKnowsIt) {
   EXPECT_EQ(paint(api, 2, "\"0\"").status, 412);
   EXPECT_EQ(paint(api, 2, "").status, 428);
   EXPECT_EQ(send("PUT", "/boundary/data", kept, box, etag).status, 204);
-  EXPECT_EQ(body_of(api.ask("GET", "/boundary/data")), kept);  // And so is the file.
-  EXPECT_EQ(api.ask("GET", "/boundary/data", "", {{"if-none-match", etag}}).status, 304);
+  EXPECT_EQ(body_of(api.call_api("GET", "/boundary/data")), kept);  // And so is the file.
+  EXPECT_EQ(api.call_api("GET", "/boundary/data", "", {{"if-none-match", etag}}).status, 304);
 
   for (const char* wrong : {"", "0,0,0,1,1", "0,0,0,1,1,1,1", "-1,0,0,2,1,1", "0,0,0,0,1,1",
                             "36,0,0,1,1,1", "0,0,0,37,1,1", "0,0,0,1,1,1 ", "0,0,0,1,1,x",
@@ -691,20 +692,20 @@ TEST(CaseApi, WhatIsPaintedIsReplacedByWhoKnowsIt) {
   EXPECT_EQ(send("PUT", "/boundary/data", "\1", "0,0,0,2,1,1").status, 422);
   EXPECT_EQ(send("PUT", "/boundary/data", "\5", "0,0,0,1,1,1").status, 422);
   EXPECT_EQ(send("PUT", "/boundary/data", std::string(1, '\0'), "0,0,0,1,1,1").status, 422);
-  EXPECT_EQ(body_of(api.ask("GET", "/boundary/data")), kept);
+  EXPECT_EQ(body_of(api.call_api("GET", "/boundary/data")), kept);
 
   // The file of another program, and what is none.
-  const std::string file = body_of(api.ask("GET", "/files/boundary.seg.nrrd"));
+  const std::string file = body_of(api.call_api("GET", "/files/boundary.seg.nrrd"));
   ASSERT_EQ(paint(api, 2).status, 204);
   EXPECT_EQ(send("PUT", "/boundary/file", file).status, 204);
-  EXPECT_EQ(body_of(api.ask("GET", "/files/boundary.seg.nrrd")), file);
+  EXPECT_EQ(body_of(api.call_api("GET", "/files/boundary.seg.nrrd")), file);
   for (const std::string& wrong : {std::string("NRRD0004\n"), file.substr(0, file.size() / 2),
                                    std::string(), std::string("/etc/passwd")}) {
-    const Reply refused = send("PUT", "/boundary/file", wrong);
+    const Response refused = send("PUT", "/boundary/file", wrong);
     EXPECT_EQ(refused.status, 422) << refused.text;
     EXPECT_EQ(refused.text.find(api.folder.path().string()), std::string::npos) << refused.text;
   }
-  EXPECT_EQ(body_of(api.ask("GET", "/files/boundary.seg.nrrd")), file);
+  EXPECT_EQ(body_of(api.call_api("GET", "/files/boundary.seg.nrrd")), file);
   EXPECT_TRUE(fs::is_empty(api.folder / "case/uploads"));
 
   // It goes when no plan names it.
@@ -725,16 +726,16 @@ TEST(CaseApi, ACancelledPredictionGoesOnWhereItWas) {
   ASSERT_EQ(api.import_volume(test::small_head())["state"], "done");
   ASSERT_EQ(api.put("/plan", test::small_plan()).status, 200);
   ASSERT_EQ(api.run({{"kind", "predict"}})["state"], "done");
-  const std::string whole = body_of(api.ask("GET", "/files/predicted_skin.vtp"));
+  const std::string whole = body_of(api.call_api("GET", "/files/predicted_skin.vtp"));
   fs::remove_all(api.folder / "case/prediction");
 
   std::uint64_t heard = api.api.events().now();
-  const int id = json::parse(api.ask("POST", "/jobs", R"({"kind":"predict"})").text)["id"];
-  std::string told;
-  while (told.find("event: step") == std::string::npos &&
-         told.find("\"state\":\"done\"") == std::string::npos)
-    told += api.api.events().wait(heard, milliseconds(1000));
-  EXPECT_EQ(api.ask("DELETE", "/jobs/" + std::to_string(id)).status, 200);
+  const int id = json::parse(api.call_api("POST", "/jobs", R"({"kind":"predict"})").text)["id"];
+  std::string reported;
+  while (reported.find("event: step") == std::string::npos &&
+         reported.find("\"state\":\"done\"") == std::string::npos)
+    reported += api.api.events().wait(heard, milliseconds(1000));
+  EXPECT_EQ(api.call_api("DELETE", "/jobs/" + std::to_string(id)).status, 200);
   const json stopped = api.wait_for(id);
   if (stopped["state"] == "cancelled") {  // It may have been at its end.
     EXPECT_EQ(api.get("/case")["stages"]["prediction"]["state"], "missing");
@@ -746,7 +747,7 @@ TEST(CaseApi, ACancelledPredictionGoesOnWhereItWas) {
   const json history = api.get("/jobs/" + std::to_string(again["id"].get<int>()) + "/iterates");
   ASSERT_EQ(history["steps"].size(), 2U);
   for (int step : {1, 2}) EXPECT_EQ(history["steps"][std::size_t(step - 1)]["step"], step);
-  EXPECT_EQ(body_of(api.ask("GET", "/files/predicted_skin.vtp")), whole);
+  EXPECT_EQ(body_of(api.call_api("GET", "/files/predicted_skin.vtp")), whole);
 }
 
 }  // namespace

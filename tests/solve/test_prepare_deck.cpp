@@ -28,12 +28,12 @@ std::string refusal_of(mesh::VolumeMesh mesh, Deck deck) {
 TEST(PrepareDeck, EveryComponentIsHeldOnceAndByTheFirst) {
   const auto prepared = prepare_deck(block(), test::uniaxial_deck(4.0));
   ASSERT_TRUE(prepared) << prepared.error().message;
-  EXPECT_EQ(prepared->held.size(), 15U + 15U + 9U + 9U);
+  EXPECT_EQ(prepared->prescribed.size(), 15U + 15U + 9U + 9U);
   const auto at_half = prescribed_at(*prepared, 0.5);
   for (std::size_t i = 0; i < at_half.size(); ++i) {
-    EXPECT_EQ(at_half[i].node, prepared->held[i].node);
-    EXPECT_EQ(at_half[i].component, prepared->held[i].component);
-    EXPECT_EQ(at_half[i].displacement_mm, prepared->held[i].by == 3 ? 2.0 : 0.0);
+    EXPECT_EQ(at_half[i].node, prepared->prescribed[i].node);
+    EXPECT_EQ(at_half[i].component, prepared->prescribed[i].component);
+    EXPECT_EQ(at_half[i].displacement_mm, prepared->prescribed[i].by == 3 ? 2.0 : 0.0);
   }
 }
 
@@ -97,14 +97,14 @@ TEST(PrepareDeck, ABodyForceNeedsADensity) {
             "body_forces[0]: the material of region 0 has no density_kg_m3");
 }
 
-TEST(PrepareDeck, NodesOfNoElementStayWhereTheyAreAndAreTold) {
+TEST(PrepareDeck, NodesOfNoElementStayWhereTheyAreAndAreReported) {
   mesh::VolumeMesh mesh = block();
   mesh.nodes_L.emplace_back(50, 50, 50);
   const auto prepared = prepare_deck(mesh, test::uniaxial_deck(1.0));
   ASSERT_TRUE(prepared) << prepared.error().message;
   ASSERT_EQ(prepared->warnings.size(), 1U);
   EXPECT_EQ(prepared->warnings[0], "1 nodes belong to no element; they stay where they are");
-  EXPECT_EQ(prepared->held.back().by, -1);
+  EXPECT_EQ(prepared->prescribed.back().by, -1);
 }
 
 TEST(PrepareDeck, ALoadThatIsThereAtOnceIsWarnedOf) {
@@ -129,7 +129,7 @@ TEST(PrepareDeck, BadMeshesAreRefusedInOneSentence) {
   EXPECT_SAYS(refusal_of({}, test::clamped_deck()), "the mesh has no element");
 }
 
-TEST(PrepareDeck, NeighboursThatShareCornersAndNotTheNodesBetweenAreRefused) {
+TEST(PrepareDeck, NeighborsThatShareCornersAndNotTheNodesBetweenAreRefused) {
   mesh::VolumeMesh mesh = block(mesh::ElementShape::kTet10);
   mesh::ElementBlock& quadratic = mesh.blocks[0];
   mesh::ElementBlock linear;
@@ -228,7 +228,7 @@ TEST(PrepareDeck, AQuadrilateralAgainstTwoTrianglesIsWarnedOf) {
               "nodes alone, the first of element 6 at (");
 }
 
-TEST(PrepareDeck, EveryNameThatIsNotThereIsToldWithItsKey) {
+TEST(PrepareDeck, EveryNameThatIsNotThereIsReportedWithItsKey) {
   const auto refusal = [](const std::function<void(Deck&)>& spoil) {
     Deck deck = test::clamped_deck();
     spoil(deck);
@@ -262,7 +262,7 @@ TEST(PrepareDeck, EveryNameThatIsNotThereIsToldWithItsKey) {
               "obstacles[0]: there is no set lid");
   EXPECT_SAYS(refusal([](Deck& d) { d.displacements[0].curve.points.clear(); }),
               "displacements[0]: the curve has no point");
-  EXPECT_SAYS(refusal([](Deck& d) { d.steps.growth = 0.5; }), "growth is 0.5");
+  EXPECT_SAYS(refusal([](Deck& d) { d.steps.growth_factor = 0.5; }), "growth is 0.5");
 }
 
 }  // namespace

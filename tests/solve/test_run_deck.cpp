@@ -18,11 +18,11 @@ using test::block;
 using test::kBlockLaw;
 using test::prescribe;
 
-DeckRun run(mesh::VolumeMesh mesh, Deck deck, const ObstacleDetectors& detectors = {},
+DeckRun run(mesh::VolumeMesh mesh, Deck deck, const ObstacleDistanceQueries& distance_queries = {},
             const DeckWatch& watch = {}, Progress& progress = Progress::none()) {
   const auto prepared = prepare_deck(std::move(mesh), std::move(deck));
   EXPECT_TRUE(prepared) << prepared.error().message;
-  auto done = run_deck(*prepared, detectors, watch, progress);
+  auto done = run_deck(*prepared, distance_queries, watch, progress);
   EXPECT_TRUE(done) << done.error().message;
   return *std::move(done);
 }
@@ -67,7 +67,7 @@ TEST_P(RunDeckOn, UniaxialStretchIsTheClosedForm) {
   EXPECT_LT((last.probes_mm[1] - Vec3(5.0 * (across - 1.0), 5.0 * (across - 1.0), 4.0)).norm(),
             1e-6);
   EXPECT_NEAR(last.energy_mj, 2000.0 * kBlockLaw.energy(F), 1e-6);
-  EXPECT_NEAR(last.smallest_J, across * across * axial, 1e-7);
+  EXPECT_NEAR(last.min_J, across * across * axial, 1e-7);
   for (const fem::ElementState& element : last.elements) {
     EXPECT_LT((element.stretches - Vec3(axial, across, across)).norm(), 1e-6);
     EXPECT_LT((element.cauchy_mpa - fem::cauchy_stress(kBlockLaw.stress(F), F)).norm(), 1e-8);
@@ -85,7 +85,7 @@ TEST_P(RunDeckOn, ReactionsCarryTheDeadLoads) {
   EXPECT_LT((done.last->loads_n[0] - Vec3(0.02, 0, 0.01)).norm(), 1e-12);
   EXPECT_LT((done.last->loads_n[1] - Vec3(0, 0.006, -0.01962)).norm(), 1e-12);
   EXPECT_LT((sum(done.last->reactions_n) + sum(done.last->loads_n)).norm(), 1e-9);
-  EXPECT_GT(done.last->largest_displacement_mm, 0.05);
+  EXPECT_GT(done.last->max_displacement_mm, 0.05);
 }
 
 TEST_P(RunDeckOn, AFollowingPressureLeansWithItsFace) {
@@ -146,23 +146,23 @@ TEST(RunDeck, ADeadLoadIsFollowedUpToItsLimitPoint) {
   // In uniaxial strain s the law bears P = (lambda + 2 mu)/2 (s^3 - s), which is least at 1/sqrt 3.
   const fem::StVenantKirchhoff law{.mu_mpa = 0.01, .lambda_mpa = 0.0};  // With more, shear gives
                                                                         // way before.
-  const double most_mpa = (law.lambda_mpa + 2.0 * law.mu_mpa) / (3.0 * std::sqrt(3.0));
+  const double max_mpa = (law.lambda_mpa + 2.0 * law.mu_mpa) / (3.0 * std::sqrt(3.0));
   Deck deck;
   deck.laws.push_back({"", law, 0.0});
   deck.sets.push_back({"all", NodesOfRegion{"0"}});
   deck.displacements = {prescribe("all", 0.0, 0.0, {}), prescribe("z0", {}, {}, 0.0)};
-  deck.tractions.push_back({"z1", Vec3(0, 0, -2.0 * most_mpa), {}});
+  deck.tractions.push_back({"z1", Vec3(0, 0, -2.0 * max_mpa), {}});
   DeckWatch watch;
-  std::string told_first;
+  std::string reported_first;
   watch.on_failure = [&](const DeckRun& failed) -> Result<void> {
-    told_first = failed.failure->message;
+    reported_first = failed.failure->message;
     EXPECT_FALSE(failed.failed_attempts.empty());
     return {};
   };
   const DeckRun done = run(block(), deck, {}, watch);
   ASSERT_FALSE(done.completed());
-  EXPECT_TRUE(done.failure->message.starts_with(told_first + "; ")) << told_first;
-  EXPECT_NE(told_first.find("no equilibrium"), std::string::npos);
+  EXPECT_TRUE(done.failure->message.starts_with(reported_first + "; ")) << reported_first;
+  EXPECT_NE(reported_first.find("no equilibrium"), std::string::npos);
   // The last state that converged lies before the limit point.
   EXPECT_NE(done.failure->message.find("the body still resists"), std::string::npos)
       << done.failure->message;
@@ -173,7 +173,7 @@ TEST(RunDeck, ADeadLoadIsFollowedUpToItsLimitPoint) {
   EXPECT_NE(done.failure->message.find("limit point"), std::string::npos) << done.failure->message;
 }
 
-TEST(RunDeck, ALargeBodyIsNotFactorisedToLookIntoAFailure) {
+TEST(RunDeck, ALargeBodyIsNotFactorizedToLookIntoAFailure) {
   Deck deck;
   deck.laws.push_back({"", fem::StVenantKirchhoff{.mu_mpa = 0.01, .lambda_mpa = 0.0}, 0.0});
   deck.sets.push_back({"all", NodesOfRegion{"0"}});
@@ -269,7 +269,7 @@ TEST(RunDeck, ANodeFarAwayThatNoElementHasChangesNothing) {
   const DeckRun with_another = run(mesh, deck);
   ASSERT_TRUE(alone.completed() && with_another.completed());
   EXPECT_LT(with_another.last->relative_residual, 1e-8);
-  EXPECT_GT(alone.last->largest_displacement_mm, 0.1);
+  EXPECT_GT(alone.last->max_displacement_mm, 0.1);
   EXPECT_EQ(with_another.last->u.head(alone.last->u.size()), alone.last->u);
 }
 
@@ -306,7 +306,7 @@ TEST(RunDeck, ABodyAtRestIsInEquilibriumHoweverStiffItIs) {
   deck.displacements[3].curve = LoadCurve{{{0.0, 0.0}, {0.3, 0.0}, {0.6, 1.0}, {1.0, 0.0}}};
   const DeckRun done = run(mesh, deck);
   ASSERT_TRUE(done.completed()) << done.failure->message;
-  EXPECT_LT(done.last->largest_displacement_mm, 1e-9);
+  EXPECT_LT(done.last->max_displacement_mm, 1e-9);
 }
 
 TEST(RunDeck, ABodyThatIsCarriedAlongKeepsItsShape) {
@@ -323,13 +323,13 @@ TEST(RunDeck, ABodyThatIsCarriedAlongKeepsItsShape) {
 constexpr double kRadius_mm = 6.0;
 
 /// A ball that rests on the middle of the block's upper side.
-ObstacleDetectors ball() {
+ObstacleDistanceQueries ball() {
   static const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(
           test::make_icosphere(kRadius_mm, 4, Vec3(10, 10, 10.0 + kRadius_mm)),
           {.resolution = 64, .band_mm = 2.0, .smooth = true})
           .value());
-  return {contact::detect_by_field(field, contact::Detection::kSmooth).value()};
+  return {contact::field_distance_query(field, contact::DetectionMethod::kSmooth).value()};
 }
 
 /// 20 x 20 x 10 mm, finer in the middle of the upper side.
@@ -362,7 +362,7 @@ TEST(RunDeck, ABallPressedIntoASlabIsAboutHertz) {
   const double depth_mm = 0.8;
   const DeckRun done = run(slab(), indentation(depth_mm), ball());
   ASSERT_TRUE(done.completed()) << done.failure->message;
-  const contact::ContactSummary& contact = done.last->contacts[0];
+  const contact::ContactStatistics& contact = done.last->contacts[0];
   // A layer of height h, held below, is stiffer than Hertz's half-space: Dimitriadis et al.,
   // Biophys. J. 82 (2002), equation 9, chi = sqrt(R d) / h.
   const double nu = 0.3, young_mpa = 0.015;
@@ -398,7 +398,7 @@ TEST(RunDeck, ABallDoesNotPassThroughASlabUnseen) {
   const DeckRun stopped = run(slab(), through, ball());
   EXPECT_FALSE(stopped.completed());
   ASSERT_FALSE(stopped.failed_attempts.empty());
-  EXPECT_EQ(stopped.failed_attempts[0].stop, fem::NewtonStop::kRefused);
+  EXPECT_EQ(stopped.failed_attempts[0].stop, fem::NewtonStop::kRejected);
   EXPECT_NE(stopped.failed_attempts[0].reason.find("has gone through obstacle ball"),
             std::string::npos)
       << stopped.failed_attempts[0].reason;
@@ -423,12 +423,12 @@ TEST(RunDeck, GivesTheSameBitsForAnyNumberOfThreads) {
 }
 
 /// A plate 6 mm thick whose lower side is at `z`.
-std::shared_ptr<const contact::Detector> plate_at(double z) {
+std::shared_ptr<const contact::DistanceQuery> plate_at(double z) {
   const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(test::make_box({-5.0, -5.0, z}, {25.0, 25.0, z + 6.0}),
                                   {.resolution = 64, .band_mm = 2.5, .smooth = true})
           .value());
-  return contact::detect_by_field(field, contact::Detection::kSmooth).value();
+  return contact::field_distance_query(field, contact::DetectionMethod::kSmooth).value();
 }
 
 Obstacle plate(const std::string& name, const std::string& faces,
@@ -462,7 +462,7 @@ TEST(RunDeck, TissueBetweenTwoBonesIsPressedByBothAlike) {
   const auto& contacts = done.last->contacts;
   EXPECT_LT(contacts[0].force_L_n.z(), -0.1);
   EXPECT_LT((contacts[0].force_L_n + contacts[1].force_L_n).norm(), 1e-7);
-  for (const contact::ContactSummary& contact : contacts) {
+  for (const contact::ContactStatistics& contact : contacts) {
     EXPECT_NEAR(contact.area_mm2, 400.0, 1e-6);
     EXPECT_LE(contact.p99_depth_from_rest_mm, 0.005);
   }
@@ -478,16 +478,16 @@ TEST(RunDeck, ABoneThatRetreatsLetsGo) {
   deck.laws.push_back({"", fem::NeoHookean::from_young_poisson(0.015, 0.45).value(), 0.0});
   deck.displacements = {prescribe("z0", 0.0, 0.0, 0.0)};
   deck.obstacles = {plate("above", "z1", {lifted(0.5, -1.0), lifted(1.0, 1.0)})};
-  double largest_n = 0.0;
+  double max_n = 0.0;
   DeckWatch watch;
   watch.on_increment = [&](const Increment& increment) -> Result<void> {
-    largest_n = std::max(largest_n, -increment.contacts[0].force_L_n.z());
+    max_n = std::max(max_n, -increment.contacts[0].force_L_n.z());
     EXPECT_LE(increment.contacts[0].force_L_n.z(), 0.0) << "at " << increment.time;
     return {};
   };
   const DeckRun done = run(brick(), deck, {plate_at(10.0)}, watch);
   ASSERT_TRUE(done.completed()) << done.failure->message;
-  EXPECT_GT(largest_n, 0.3);
+  EXPECT_GT(max_n, 0.3);
   EXPECT_EQ(done.last->contacts[0].points, 0);
   EXPECT_LT(done.last->u.lpNorm<Eigen::Infinity>(), 1e-5);
 }
@@ -497,12 +497,12 @@ TEST(RunDeck, AnOpenObstacleIsRefusedWhoeverDetectsIt) {
   const geometry::TriangleMesh sheet = test::make_sheet(4.0, 2);
   const auto field = std::make_shared<const field::DistanceField>(
       field::build_distance_field(sheet, {.resolution = 16, .smooth = true}).value());
-  const ObstacleDetectors detectors{
-      contact::detect_by_field(field, contact::Detection::kSmooth).value(),
-      contact::detect_by_field(field, contact::Detection::kTrilinear).value(),
-      contact::detect_by_bvh(std::make_shared<const geometry::Bvh>(sheet), 2.0)};
-  for (const auto& detector : detectors)
-    EXPECT_EQ(run_deck(*prepared, {detector}).error().message,
+  const ObstacleDistanceQueries distance_queries{
+      contact::field_distance_query(field, contact::DetectionMethod::kSmooth).value(),
+      contact::field_distance_query(field, contact::DetectionMethod::kTrilinear).value(),
+      contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(sheet), 2.0)};
+  for (const auto& distance_query : distance_queries)
+    EXPECT_EQ(run_deck(*prepared, {distance_query}).error().message,
               "obstacle ball is an open surface, contact needs a closed one");
 }
 

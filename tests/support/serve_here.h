@@ -16,7 +16,7 @@
 #include <thread>
 #include <utility>
 
-#include "support/ask_api.h"
+#include "support/call_api.h"
 
 namespace lefort::test {
 
@@ -104,8 +104,8 @@ class Served {
     socket.send(bytes);
     return socket.receive();
   }
-  [[nodiscard]] std::string ask(const std::string& line, const std::string& headers = "",
-                                const std::string& body = "", bool with_token = true) const {
+  [[nodiscard]] std::string call_api(const std::string& line, const std::string& headers = "",
+                                     const std::string& body = "", bool with_token = true) const {
     return exchange(text(line, headers, body, with_token));
   }
   /// 0 if there was no reply.
@@ -114,7 +114,7 @@ class Served {
   }
   [[nodiscard]] int status(const std::string& line, const std::string& headers = "",
                            const std::string& body = "") const {
-    return status_of(ask(line, headers, body));
+    return status_of(call_api(line, headers, body));
   }
 
   CaseApi own;

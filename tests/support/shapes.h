@@ -18,7 +18,7 @@ namespace lefort::test {
 /// Icosahedron whose triangles were cut in four `subdivisions` times; vertices lie on the sphere.
 /// 20 * 4^subdivisions triangles.
 [[nodiscard]] inline geometry::TriangleMesh make_icosphere(double radius_mm, int subdivisions,
-                                                           const Vec3& centre = Vec3::Zero()) {
+                                                           const Vec3& center = Vec3::Zero()) {
   const double t = std::numbers::phi;
   geometry::TriangleMesh mesh;
   mesh.vertices = {{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
@@ -46,7 +46,7 @@ namespace lefort::test {
     }
     mesh.triangles = std::move(finer);
   }
-  for (Vec3& v : mesh.vertices) v = centre + radius_mm * v;
+  for (Vec3& v : mesh.vertices) v = center + radius_mm * v;
   return mesh;
 }
 
@@ -81,7 +81,7 @@ namespace lefort::test {
   return mesh;
 }
 
-/// Open sheet in the plane z = 0 with normal +z, centred on the origin, cells x cells squares.
+/// Open sheet in the plane z = 0 with normal +z, centered on the origin, cells x cells squares.
 [[nodiscard]] inline geometry::TriangleMesh make_sheet(double side_mm, int cells) {
   geometry::TriangleMesh mesh;
   for (int j = 0; j <= cells; ++j)

@@ -49,7 +49,7 @@ using Soup = std::vector<std::array<int, 3>>;
 /// The same for soups that a symmetry of the cube, another order, or another first corner of a
 /// triangle turns into each other.
 [[nodiscard]] inline Soup canonical(const Soup& soup) {
-  Soup least;
+  Soup minimum;
   std::array<int, 3> axes = {0, 1, 2};
   do {
     for (int flips = 0; flips < 8; ++flips) {
@@ -64,10 +64,10 @@ using Soup = std::vector<std::array<int, 3>>;
                     triangle.end());
       }
       std::sort(moved.begin(), moved.end());
-      if (least.empty() || moved < least) least = std::move(moved);
+      if (minimum.empty() || moved < minimum) minimum = std::move(moved);
     }
   } while (std::next_permutation(axes.begin(), axes.end()));
-  return least;
+  return minimum;
 }
 
 /// Every soup of one and of two triangles, points and lines among them, but for symmetries.

@@ -38,7 +38,7 @@ inline predict::FaceModel block_on(geometry::TriangleMesh segment_B) {
   predict::FaceModel model;
   model.tissue = test::box_mesh({.cells = {6, 6, 5}, .size_mm = {kSide_mm, kSide_mm, kHeight_mm}});
   auto& node_sets = model.tissue.node_sets;
-  node_sets[predict::sets::kMovedBone] = node_sets.at("z0");
+  node_sets[predict::sets::kMobilizedSegment] = node_sets.at("z0");
   node_sets[predict::sets::kFixed] = node_sets.at("z1");
   for (const mesh::Face& face : mesh::boundary_faces(model.tissue)) {
     const auto nodes = nodes_of(face);
@@ -60,10 +60,10 @@ inline predict::FaceModel layered_block() {
   predict::FaceModel model = block_on_slab();
   for (mesh::ElementBlock& block : model.tissue.blocks)
     for (Index e = 0; e < block.element_count(); ++e) {
-      Vec3 centre = Vec3::Zero();
+      Vec3 center = Vec3::Zero();
       for (int n = 0; n < node_count(block.shape); ++n)
-        centre += model.tissue.nodes_L[std::size_t(block.element(e)[n])] / node_count(block.shape);
-      if (centre.z() > kHeight_mm / 2.0) block.region[std::size_t(e)] = predict::regions::kSkin;
+        center += model.tissue.nodes_L[std::size_t(block.element(e)[n])] / node_count(block.shape);
+      if (center.z() > kHeight_mm / 2.0) block.region[std::size_t(e)] = predict::regions::kSkin;
     }
   return model;
 }

@@ -1,5 +1,6 @@
 /// \file
-/// Surfaces as bad files hold them: soups, repeats, twins, needles, holes, parts through each other.
+/// Surfaces as bad files hold them: soups, repeats, twins, needles, holes, parts through each
+/// other.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -112,10 +113,10 @@ inline void spoil(geometry::TriangleMesh& mesh, std::mt19937& random) {
 }
 
 /// A closed surface, star-shaped around the origin, with radii drawn from a range.
-[[nodiscard]] inline geometry::TriangleMesh make_crumpled_ball(unsigned seed, double least_mm,
-                                                               double most_mm) {
+[[nodiscard]] inline geometry::TriangleMesh make_crumpled_ball(unsigned seed, double min_mm,
+                                                               double max_mm) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> radius(least_mm, most_mm);
+  std::uniform_real_distribution<double> radius(min_mm, max_mm);
   geometry::TriangleMesh ball = make_icosphere(1.0, 2);
   for (Vec3& v : ball.vertices) v *= radius(random);
   return ball;

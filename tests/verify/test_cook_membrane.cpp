@@ -13,7 +13,7 @@ using mesh::ElementShape;
 // How the tip rises with each shape, and stays behind without the remedy: the case "cook" of
 // test_suite.cpp.
 
-TEST(CookMembrane, BearsAHundredNewtonsPerMillimetreOfThickness) {
+TEST(CookMembrane, BearsAHundredNewtonsPerMillimeterOfThickness) {
   const CookMembrane membrane = make_cook_membrane(ElementShape::kTet10, 4);
   Vec3 sum = Vec3::Zero();
   for (const fem::NodalForce& force : membrane.forces) sum += force.force_n;

@@ -1,5 +1,5 @@
 // What three meshes tell of their error.
-#include <lefort/verify/judge_refinement.h>
+#include <lefort/verify/check_convergence_order.h>
 #include <lefort/verify/refinement.h>
 
 #include <gtest/gtest.h>
@@ -43,11 +43,11 @@ TEST(Refinement, ByANormsOrderTakesTheLargerDifference) {
 }
 
 /// A quantity that locks at nine tenths of the truth must not pass, however well it settles.
-TEST(JudgeRefinement, RefusesWhatSettlesOnAWrongValue) {
+TEST(CheckConvergenceOrder, RefusesWhatSettlesOnAWrongValue) {
   const auto judged = [](double limit) {
     Section section{.name = "x", .title = "", .text = ""};
     const std::vector<double> values{limit - 0.16, limit - 0.04, limit - 0.01};
-    judge_refinement("x", values, {.order_reason = "theory"}, section);
+    check_convergence_order("x", values, {.order_reason = "theory"}, section);
     return section;
   };
   EXPECT_TRUE(judged(1.0).passed());
@@ -56,18 +56,18 @@ TEST(JudgeRefinement, RefusesWhatSettlesOnAWrongValue) {
   EXPECT_TRUE(judged(0.9).checks[0].passed());  // The order.
 }
 
-TEST(JudgeRefinement, RefusesASlowOrder) {
+TEST(CheckConvergenceOrder, RefusesASlowOrder) {
   Section section{.name = "x", .title = "", .text = ""};
   const std::vector<double> values{0.6, 0.8, 0.9};
-  judge_refinement("x", values, {.order_reason = "theory"}, section);
+  check_convergence_order("x", values, {.order_reason = "theory"}, section);
   EXPECT_FALSE(section.checks[0].passed());
   EXPECT_TRUE(section.checks[1].passed());  // The difference is what that order predicts.
 }
 
-TEST(JudgeDifference, RefusesAWrongLimitAndAMeasuredOrderThatIsNone) {
+TEST(CheckDifference, RefusesAWrongLimitAndAMeasuredOrderThatIsNone) {
   const auto judged = [](double limit, double order) {
     Section section{.name = "x", .title = "", .text = ""};
-    judge_difference("x", {limit - 0.16, limit + 0.04, limit - 0.01}, order, {}, section);
+    check_difference("x", {limit - 0.16, limit + 0.04, limit - 0.01}, order, {}, section);
     return section;
   };
   EXPECT_TRUE(judged(1.0, 2.0).passed());
@@ -77,10 +77,10 @@ TEST(JudgeDifference, RefusesAWrongLimitAndAMeasuredOrderThatIsNone) {
   EXPECT_EQ(judged(1.0, 7.0).checks[0].measured, judged(1.0, 2.0).checks[0].measured);
 }
 
-TEST(JudgeErrors, HoldsTheLastOneAgainstWhatTheTwoBeforePredict) {
+TEST(CheckErrorOrder, HoldsTheLastOneAgainstWhatTheTwoBeforePredict) {
   const auto judged = [](const std::vector<double>& errors) {
     Section section{.name = "x", .title = "", .text = ""};
-    judge_errors("x", errors, {.order_reason = "theory"}, section);
+    check_error_order("x", errors, {.order_reason = "theory"}, section);
     return section;
   };
   const Section good = judged({0.16, 0.04, 0.01});

@@ -1,5 +1,5 @@
 #include <lefort/anatomy/extract_surface.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 
 #include <fmt/format.h>
 #include <vtkCellArray.h>
@@ -19,7 +19,7 @@ namespace {
 
 // A value nearer to zero than this is moved away from it, on its own side: surfaces through a grid
 // point have triangles without area. Far below what a scan resolves.
-constexpr double kLeastLevel_mm = 2e-3;
+constexpr double kMinLevel_mm = 2e-3;
 
 Result<void> check_level(const image::ScalarVolume& level) {
   const auto& size = level.grid.size;
@@ -49,7 +49,7 @@ Result<void> check_level(const image::ScalarVolume& level) {
 vtkNew<vtkPolyData> flying_edges(const image::ScalarVolume& level) {
   std::vector<float> values(level.values.size());
   std::transform(level.values.begin(), level.values.end(), values.begin(), [](float value) {
-    const float size = std::max(std::abs(value), float(kLeastLevel_mm));
+    const float size = std::max(std::abs(value), float(kMinLevel_mm));
     return value >= 0.0F ? size : -size;
   });
   vtkNew<vtkFloatArray> scalars;
@@ -69,8 +69,8 @@ vtkNew<vtkPolyData> flying_edges(const image::ScalarVolume& level) {
   return surface;
 }
 
-/// The parts that enclose at least `smallest_mm3`, counted without sign.
-geometry::TriangleMesh large_parts(const geometry::TriangleMesh& mesh, double smallest_mm3) {
+/// The parts that enclose at least `min_mm3`, counted without sign.
+geometry::TriangleMesh large_parts(const geometry::TriangleMesh& mesh, double min_mm3) {
   const geometry::Components parts = geometry::connected_components(mesh);
   const Vec3 origin = mesh.vertices.front();  // Near the mesh, so that volumes keep their digits.
   std::vector<double> six_volumes_mm3(std::size_t(parts.count), 0.0);
@@ -80,7 +80,7 @@ geometry::TriangleMesh large_parts(const geometry::TriangleMesh& mesh, double sm
         (mesh.corner(t, 0) - origin)
             .dot((mesh.corner(t, 1) - origin).cross(mesh.corner(t, 2) - origin));
   return geometry::keep_triangles(
-      mesh, [&](Index t) { return std::abs(six_volumes_mm3[part_of(t)]) >= 6.0 * smallest_mm3; });
+      mesh, [&](Index t) { return std::abs(six_volumes_mm3[part_of(t)]) >= 6.0 * min_mm3; });
 }
 
 }  // namespace
@@ -88,9 +88,9 @@ geometry::TriangleMesh large_parts(const geometry::TriangleMesh& mesh, double sm
 Result<geometry::TriangleMesh> extract_isosurface(const image::ScalarVolume& level,
                                                   const IsosurfaceOptions& options,
                                                   Progress& progress) {
-  if (!(options.smallest_part_ml >= 0.0))
+  if (!(options.min_part_ml >= 0.0))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("smallest_part_ml is {}, must be >= 0", options.smallest_part_ml));
+                fmt::format("smallest_part_ml is {}, must be >= 0", options.min_part_ml));
   LEFORT_TRY_VOID(check_level(level));
   progress.begin_stage("extract the surface");
   if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "extraction was cancelled");
@@ -110,10 +110,10 @@ Result<geometry::TriangleMesh> extract_isosurface(const image::ScalarVolume& lev
   if (mesh.triangles.empty())
     return fail(ErrorCode::kMeshInvalid, "level is negative everywhere, so it has no surface");
   progress.report(0.5);
-  mesh = large_parts(mesh, options.smallest_part_ml * 1e3);
+  mesh = large_parts(mesh, options.min_part_ml * 1e3);
   if (mesh.triangles.empty())
     return fail(ErrorCode::kMeshInvalid,
-                fmt::format("no part of the surface encloses {} ml", options.smallest_part_ml));
+                fmt::format("no part of the surface encloses {} ml", options.min_part_ml));
   progress.report(1.0);
   return mesh;
 }

@@ -11,7 +11,7 @@ namespace lefort::anatomy {
 
 struct IsosurfaceOptions {
   /// Closed parts, and closed cavities, that enclose less than this are left out; >= 0.
-  double smallest_part_ml = 0.0;
+  double min_part_ml = 0.0;
 };
 
 /// Extracts the surface where a level (tissue_levels.h) is zero.

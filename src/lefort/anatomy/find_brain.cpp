@@ -1,5 +1,5 @@
 #include <lefort/anatomy/find_brain.h>
-#include <lefort/anatomy/flood_basins.h>
+#include <lefort/anatomy/seeded_watershed.h>
 
 #include <algorithm>
 #include <array>
@@ -13,12 +13,12 @@ namespace {
 // Enclosure is sampled in cells of about this size: coarse enough for seams and foramina to vanish.
 constexpr double kCell_mm = 4.0;
 // From inside the skull nearly every direction meets bone.
-constexpr double kEnclosedShare = 0.85;
-constexpr double kOpenShare = 0.5;
+constexpr double kEnclosedFraction = 0.85;
+constexpr double kOpenFraction = 0.5;
 // The seed of the brain keeps this far from bone ...
 constexpr double kSeedDepth_mm = 8.0;
 // ... and has at least this size; a smaller one is the mouth or an orbit.
-constexpr double kSmallestSeed_ml = 40.0;
+constexpr double kMinSeed_ml = 40.0;
 // Soft tissue this near to the skin is no brain.
 constexpr double kSkin_mm = 3.0;
 // The border across openings is smoothed over this length.
@@ -60,7 +60,7 @@ Cells cells_of(const Mask& bone, const Mask& outside) {
   return cells;
 }
 
-/// For every cell, the share of the 26 directions to its neighbours in which bone comes before the
+/// For every cell, the share of the 26 directions to its neighbors in which bone comes before the
 /// outside. Directions that leave the scan inside the patient do not count; when those are the
 /// majority, the share is 0.
 image::ScalarVolume enclosure(const image::Volume<Cell>& cells) {
@@ -73,7 +73,7 @@ image::ScalarVolume enclosure(const image::Volume<Cell>& cells) {
     }
     return Cell::kNothing;
   };
-  image::ScalarVolume shares{grid, std::vector<float>(cells.values.size(), 0.0F)};
+  image::ScalarVolume fractions{grid, std::vector<float>(cells.values.size(), 0.0F)};
   parallel_for(grid.voxel_count(), [&](Index cell) {
     const std::array<Index, 3> at{cell % grid.size[0], cell / grid.size[0] % grid.size[1],
                                   cell / (grid.size[0] * grid.size[1])};
@@ -86,9 +86,9 @@ image::ScalarVolume enclosure(const image::Volume<Cell>& cells) {
       outside += met == Cell::kOutside ? 1 : 0;
     }
     if (bone + outside >= 13)
-      shares.values[std::size_t(cell)] = float(bone) / float(bone + outside);
+      fractions.values[std::size_t(cell)] = float(bone) / float(bone + outside);
   });
-  return shares;
+  return fractions;
 }
 
 /// What brain and facial tissue grow from, and how wide the room is around a voxel.
@@ -101,11 +101,11 @@ struct Seeds {
 std::optional<Seeds> find_seeds(const Mask& soft, const Mask& bone, const Mask& outside) {
   const image::Grid& grid = soft.grid;
   const Cells cells = cells_of(bone, outside);
-  const image::ScalarVolume shares = enclosure(cells.kinds);
-  const auto share = [&](std::size_t v) {
+  const image::ScalarVolume fractions = enclosure(cells.kinds);
+  const auto fraction = [&](std::size_t v) {
     const auto [ni, nj, nk] = grid.size;
     const auto at = Index(v);
-    return double(shares.values[cells.offset(at % ni, at / ni % nj, at / (ni * nj))]);
+    return double(fractions.values[cells.offset(at % ni, at / ni % nj, at / (ni * nj))]);
   };
 
   Seeds found{{grid, std::vector<std::int32_t>(soft.values.size(), 0)},
@@ -113,16 +113,15 @@ std::optional<Seeds> find_seeds(const Mask& soft, const Mask& bone, const Mask& 
                 return soft.values[v] == 0 && outside.values[v] == 0;
               }))};
   {  // Volumes live no longer than they are needed: a large scan has 10^8 voxels and more.
-    const Parts enclosed =
-        connected_parts(mask_where(grid,
-                                   [&](std::size_t v) {
-                                     return soft.values[v] != 0 && share(v) >= kEnclosedShare &&
-                                            double(found.width_mm.values[v]) >= kSeedDepth_mm;
-                                   }),
-                        Neighbours::kFaces);
+    const Parts enclosed = connected_parts(
+        mask_where(grid,
+                   [&](std::size_t v) {
+                     return soft.values[v] != 0 && fraction(v) >= kEnclosedFraction &&
+                            double(found.width_mm.values[v]) >= kSeedDepth_mm;
+                   }),
+        Neighbors::kFaces);
     const std::int32_t cavity = enclosed.largest();
-    if (double(enclosed.voxels[std::size_t(cavity)]) * voxel_ml(grid) < kSmallestSeed_ml ||
-        cavity == 0)
+    if (double(enclosed.voxels[std::size_t(cavity)]) * voxel_ml(grid) < kMinSeed_ml || cavity == 0)
       return std::nullopt;
     for (std::size_t v = 0; v < soft.values.size(); ++v)
       found.seeds.values[v] = enclosed.part_of.values[v] == cavity ? 1 : 0;
@@ -130,7 +129,7 @@ std::optional<Seeds> find_seeds(const Mask& soft, const Mask& bone, const Mask& 
   const image::ScalarVolume to_skin = distance_to(outside);
   for (std::size_t v = 0; v < soft.values.size(); ++v)
     if (soft.values[v] != 0 && found.seeds.values[v] == 0 &&
-        (double(to_skin.values[v]) <= kSkin_mm || share(v) <= kOpenShare))
+        (double(to_skin.values[v]) <= kSkin_mm || fraction(v) <= kOpenFraction))
       found.seeds.values[v] = 2;
   return found;
 }
@@ -143,7 +142,7 @@ Mask find_brain(const Mask& soft, const Mask& bone, const Mask& outside) {
   {
     const std::optional<Seeds> found = find_seeds(soft, bone, outside);
     if (!found) return mask_where(grid, [](std::size_t) { return false; });
-    basins = flood_basins(found->seeds, soft, found->width_mm);
+    basins = seeded_watershed(found->seeds, soft, found->width_mm);
   }
 
   // Which side has the majority around a voxel, bone and air not asked.
@@ -161,7 +160,7 @@ Mask find_brain(const Mask& soft, const Mask& bone, const Mask& outside) {
                                                    return soft.values[v] != 0 &&
                                                           inside.values[v] > 0.5F * all.values[v];
                                                  }),
-                                      Neighbours::kFaces);
+                                      Neighbors::kFaces);
   const std::int32_t largest = parts.largest();
   return mask_where(
       grid, [&](std::size_t v) { return largest != 0 && parts.part_of.values[v] == largest; });

@@ -1,5 +1,5 @@
 #include <lefort/anatomy/find_mandible.h>
-#include <lefort/anatomy/flood_basins.h>
+#include <lefort/anatomy/seeded_watershed.h>
 
 #include <vector>
 
@@ -7,9 +7,9 @@ namespace lefort::anatomy {
 namespace {
 
 // Less than a child's jaw: 25 ml of bone, 80 mm wide and 70 mm deep; the scan may cut it off below.
-constexpr double kLeast_ml = 10.0;
-constexpr double kLeastWidth_mm = 50.0;
-constexpr double kLeastDepth_mm = 30.0;
+constexpr double kMin_ml = 10.0;
+constexpr double kMinWidth_mm = 50.0;
+constexpr double kMinDepth_mm = 30.0;
 // What is thinner than twice this does not join jaw and skull: two touching surfaces.
 constexpr double kBridge_mm = 1.0;
 // The chin lies in this share of the skull's length, from the front.
@@ -37,8 +37,8 @@ std::int32_t jaw_among(const Parts& parts) {
   for (std::int32_t part = 1; part <= parts.count(); ++part) {
     const Box3& box = boxes[std::size_t(part)];
     const Vec3 size_mm = box.sizes();
-    if (part == skull || double(parts.voxels[std::size_t(part)]) * ml < kLeast_ml ||
-        size_mm.x() < kLeastWidth_mm || size_mm.y() < kLeastDepth_mm)
+    if (part == skull || double(parts.voxels[std::size_t(part)]) * ml < kMin_ml ||
+        size_mm.x() < kMinWidth_mm || size_mm.y() < kMinDepth_mm)
       continue;
     const bool in_front = box.min().y() < head.min().y() + kFront * head.sizes().y();
     const bool below = box.center().z() < head.center().z();
@@ -52,18 +52,18 @@ std::int32_t jaw_among(const Parts& parts) {
 }  // namespace
 
 Mask find_mandible(const Mask& bone) {
-  const Parts parts = connected_parts(bone, Neighbours::kFacesEdgesCorners);
+  const Parts parts = connected_parts(bone, Neighbors::kFacesEdgesCorners);
   if (parts.count() > 1)
     if (const std::int32_t jaw = jaw_among(parts); jaw != 0)
       return mask_where(bone.grid, [&](std::size_t v) { return parts.part_of.values[v] == jaw; });
 
-  const Parts cores = connected_parts(eroded(bone, kBridge_mm), Neighbours::kFacesEdgesCorners);
+  const Parts cores = connected_parts(eroded(bone, kBridge_mm), Neighbors::kFacesEdgesCorners);
   const std::int32_t core = cores.count() > 1 ? jaw_among(cores) : 0;
   if (core == 0) return mask_where(bone.grid, [](std::size_t) { return false; });
   // Each voxel goes to the jaw or to the skull, parted where the bridge is narrowest.
   const image::ScalarVolume width_mm =
       distance_to(mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
-  const auto basins = flood_basins(cores.part_of, bone, width_mm);
+  const auto basins = seeded_watershed(cores.part_of, bone, width_mm);
   return mask_where(bone.grid, [&](std::size_t v) { return basins.values[v] == core; });
 }
 

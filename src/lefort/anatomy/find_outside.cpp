@@ -1,5 +1,5 @@
+#include <lefort/anatomy/find_ct_table.h>
 #include <lefort/anatomy/find_outside.h>
-#include <lefort/anatomy/find_table.h>
 #include <lefort/anatomy/pad_volume.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ Mask swept_by_ball(const Mask& patient, const Margin& margin, double radius_mm) 
   const image::ScalarVolume room = distance_to(wide);
   const Parts places = connected_parts(
       mask_where(wide.grid, [&](std::size_t v) { return double(room.values[v]) > radius_mm; }),
-      Neighbours::kFaces);
+      Neighbors::kFaces);
   // The margin is free of the patient: the largest part of all places lies there or is met there.
   Mask start{wide.grid, std::vector<std::uint8_t>(wide.values.size(), 0)};
   for (Index k = 0; k < wide.grid.size[2]; ++k)
@@ -44,7 +44,7 @@ Mask swept_by_ball(const Mask& patient, const Margin& margin, double radius_mm) 
               (margin.last[axis] > 0 && at[axis] == wide.grid.size[axis] - 1))
             start.at(i, j, k) = 1;
       }
-  return dilated(parts_where(places, parts_touching(places, start)), radius_mm);
+  return dilated(select_labels(places, labels_touching(places, start)), radius_mm);
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ Mask find_outside(const Mask& patient, double nostril_radius_mm) {
   const Parts hollows = connected_parts(
       mask_where(grid,
                  [&](std::size_t v) { return patient.values[v] == 0 && reached.values[v] == 0; }),
-      Neighbours::kFaces);
+      Neighbors::kFaces);
   std::vector<float> entrance_mm(hollows.voxels.size(), 1e6F);
   std::vector<float> deepest_mm(hollows.voxels.size(), 0.0F);
   for (std::size_t v = 0; v < depth_mm.values.size(); ++v) {
@@ -68,10 +68,10 @@ Mask find_outside(const Mask& patient, double nostril_radius_mm) {
     entrance_mm[hollow] = std::min(entrance_mm[hollow], depth_mm.values[v]);
     deepest_mm[hollow] = std::max(deepest_mm[hollow], depth_mm.values[v]);
   }
-  const double neighbour_mm = 1.001 * grid.spacing_mm.maxCoeff();
+  const double neighbor_mm = 1.001 * grid.spacing_mm.maxCoeff();
   return mask_where(grid, [&](std::size_t v) {
     const auto hollow = std::size_t(hollows.part_of.values[v]);
-    const bool shallow = hollow != 0 && double(entrance_mm[hollow]) <= neighbour_mm &&
+    const bool shallow = hollow != 0 && double(entrance_mm[hollow]) <= neighbor_mm &&
                          double(deepest_mm[hollow]) <= kDeepHollow_mm;
     return reached.values[v] != 0 || shallow;
   });

@@ -30,11 +30,11 @@ enum class Tissue : std::uint8_t {
   return tissue == Tissue::kSoftTissue || tissue == Tissue::kMuscle;
 }
 
-/// How a tissue is called and coloured in files and pictures.
+/// How a tissue is called and colored in files and pictures.
 struct TissueStyle {
   Tissue tissue;
   const char* name;
-  std::array<double, 3> colour;  ///< RGB, 0 to 1.
+  std::array<double, 3> color;  ///< RGB, 0 to 1.
 };
 
 inline constexpr std::array<TissueStyle, 7> kTissueStyles{{

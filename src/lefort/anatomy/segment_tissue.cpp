@@ -1,9 +1,9 @@
-#include <lefort/anatomy/air_at_bone.h>
 #include <lefort/anatomy/find_air_spaces.h>
 #include <lefort/anatomy/find_brain.h>
 #include <lefort/anatomy/find_mandible.h>
 #include <lefort/anatomy/find_outside.h>
 #include <lefort/anatomy/find_patient.h>
+#include <lefort/anatomy/partial_volume_air.h>
 #include <lefort/anatomy/segment_tissue.h>
 
 #include <fmt/format.h>
@@ -15,7 +15,7 @@ namespace lefort::anatomy {
 namespace {
 
 // A head's air, bone and skin are this much at least; anything less is noise.
-constexpr double kLeastTissue_ml = 1.0;
+constexpr double kMinTissue_ml = 1.0;
 // What segmentation takes at its peak; measured, see test_segment_tissue.cpp.
 constexpr double kBytesPerVoxel = 40.0;
 
@@ -32,21 +32,21 @@ Result<void> check_options(const SegmentationOptions& options) {
                 fmt::format("{} is {}, must be {}", name, value, wanted));
   };
   LEFORT_TRY_VOID(
-      check("smallest_bone_ml", options.smallest_bone_ml, options.smallest_bone_ml >= 0.0, ">= 0"));
+      check("smallest_bone_ml", options.min_bone_ml, options.min_bone_ml >= 0.0, ">= 0"));
   LEFORT_TRY_VOID(check("nostril_radius_mm", options.nostril_radius_mm,
                         options.nostril_radius_mm > 0.0 && options.nostril_radius_mm <= 50.0,
                         "> 0 and <= 50"));
   LEFORT_TRY_VOID(
       check("ostium_radius_mm", options.ostium_radius_mm, options.ostium_radius_mm > 0.0, "> 0"));
   LEFORT_TRY_VOID(
-      check("most_memory_gib", options.most_memory_gib, options.most_memory_gib > 0.0, "> 0"));
-  return check("smallest_air_ml", options.smallest_air_ml, options.smallest_air_ml >= 0.0, ">= 0");
+      check("most_memory_gib", options.max_memory_gib, options.max_memory_gib > 0.0, "> 0"));
+  return check("smallest_air_ml", options.min_air_ml, options.min_air_ml >= 0.0, ">= 0");
 }
 
-Result<void> check_scan(const image::CtVolume& ct, double most_memory_gib) {
+Result<void> check_scan(const image::CtVolume& ct, double max_memory_gib) {
   const image::Grid& grid = ct.grid;
-  const auto [fewest, most] = std::minmax_element(grid.size.begin(), grid.size.end());
-  if (*fewest < 0 || *most > 100'000 || grid.voxel_count() != Index(ct.values.size()))
+  const auto [fewest, maximum] = std::minmax_element(grid.size.begin(), grid.size.end());
+  if (*fewest < 0 || *maximum > 100'000 || grid.voxel_count() != Index(ct.values.size()))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("scan has {} values, its grid of {} x {} x {} voxels wants as many",
                             ct.values.size(), grid.size[0], grid.size[1], grid.size[2]));
@@ -57,12 +57,12 @@ Result<void> check_scan(const image::CtVolume& ct, double most_memory_gib) {
   if (ct.values.empty())
     return fail(ErrorCode::kAnatomyMissing, "scan is empty, a head was expected");
   const double needed_gib = kBytesPerVoxel * double(grid.voxel_count()) / double(1 << 30);
-  if (needed_gib > most_memory_gib)
+  if (needed_gib > max_memory_gib)
     return fail(
         ErrorCode::kInvalidArgument,
         fmt::format("scan has {} x {} x {} voxels and needs {:.3g} GiB of memory, must with "
                     "{:.3g}: crop it to the head, or join slices",
-                    grid.size[0], grid.size[1], grid.size[2], needed_gib, most_memory_gib));
+                    grid.size[0], grid.size[1], grid.size[2], needed_gib, max_memory_gib));
   const auto [lowest, highest] = std::minmax_element(ct.values.begin(), ct.values.end());
   if (*lowest == *highest)
     return fail(ErrorCode::kAnatomyMissing,
@@ -72,17 +72,17 @@ Result<void> check_scan(const image::CtVolume& ct, double most_memory_gib) {
 
 Result<void> check_found(const char* what, const Mask& found, const std::string& how) {
   const double ml = double(voxel_count(found)) * voxel_ml(found.grid);
-  if (ml >= kLeastTissue_ml) return {};
+  if (ml >= kMinTissue_ml) return {};
   return fail(ErrorCode::kAnatomyMissing,
               fmt::format("scan shows {:.2f} ml of {} ({}), expected at least {} ml", ml, what, how,
-                          kLeastTissue_ml));
+                          kMinTissue_ml));
 }
 
 /// Extends airway and sinuses to bare bone, but not through a wall to other air.
 void add_air_at_bone(const image::CtVolume& ct, const Mask& bone, const Mask& outside,
                      AirSpaces& air) {
-  const Mask by_airway = air_at_bone(ct, air.airway, bone);
-  const Mask by_sinus = air_at_bone(ct, air.sinus, bone);
+  const Mask by_airway = partial_volume_air(ct, air.airway, bone);
+  const Mask by_sinus = partial_volume_air(ct, air.sinus, bone);
   for (std::size_t v = 0; v < ct.values.size(); ++v) {
     if (outside.values[v] != 0 || by_airway.values[v] == by_sinus.values[v]) continue;
     if (by_airway.values[v] != 0 && air.sinus.values[v] == 0) air.airway.values[v] = 1;
@@ -114,7 +114,7 @@ class Steps {
 Result<LabelMap> segment_tissue(const image::CtVolume& ct, const SegmentationOptions& options,
                                 Progress& progress) {
   LEFORT_TRY_VOID(check_options(options));
-  LEFORT_TRY_VOID(check_scan(ct, options.most_memory_gib));
+  LEFORT_TRY_VOID(check_scan(ct, options.max_memory_gib));
   const image::Grid& grid = ct.grid;
   Steps steps(progress, 6);
 

@@ -17,15 +17,15 @@ struct SegmentationOptions {
   double skin_hu = -300.0;  ///< The patient is at least this dense, air is below.
 
   /// Bone parts smaller than this are islands and become soft tissue; >= 0.
-  double smallest_bone_ml = 0.2;
+  double min_bone_ml = 0.2;
   /// Air entrances up to twice as wide belong to the patient, such as nostrils; > 0.
   double nostril_radius_mm = 5.0;
   /// Openings up to twice as wide do not make a sinus part of the airway; > 0.
   double ostium_radius_mm = 2.0;
   /// Pockets of air in soft tissue smaller than this are soft tissue; >= 0.
-  double smallest_air_ml = 0.05;
+  double min_air_ml = 0.05;
   /// A scan that needs more memory is refused before it is touched; > 0. See segment_tissue().
-  double most_memory_gib = 16.0;
+  double max_memory_gib = 16.0;
 };
 
 /// Labels every voxel of a head CT.
@@ -42,7 +42,7 @@ struct SegmentationOptions {
 /// \param progress  is told the share of the work done, and may cancel.
 /// \returns one label per voxel on the grid of `ct`, or
 ///   - kInvalidArgument  an option lies outside its range, `ct` contradicts its own grid, or has so
-///                       many voxels that options.most_memory_gib does not suffice;
+///                       many voxels that options.max_memory_gib does not suffice;
 ///   - kAnatomyMissing   the scan is empty or constant, or shows no skin or no bone;
 ///   - kCancelled        `progress` asked to stop.
 /// \note Same bits for any number of threads.

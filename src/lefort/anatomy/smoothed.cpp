@@ -10,19 +10,19 @@
 namespace lefort::anatomy {
 namespace {
 
-// The Gaussian is cut off this many sigmas from its centre, where it has fallen below 0.4 %.
+// The Gaussian is cut off this many sigmas from its center, where it has fallen below 0.4 %.
 constexpr double kReach = 3.4;
 
-/// Weights of the centre and of the neighbours 1, 2, ... voxels away on either side; sum is 1.
+/// Weights of the center and of the neighbors 1, 2, ... voxels away on either side; sum is 1.
 std::vector<float> gaussian_weights(double sigma_voxels) {
   std::vector<double> weights;
   const Index reach = Index(std::ceil(kReach * sigma_voxels));
   for (Index n = 0; n <= reach; ++n)
     weights.push_back(std::exp(-0.5 * std::pow(double(n) / sigma_voxels, 2)));
   const double sum = 2.0 * std::accumulate(weights.begin(), weights.end(), 0.0) - weights.front();
-  std::vector<float> normalised;
-  for (const double weight : weights) normalised.push_back(float(weight / sum));
-  return normalised;
+  std::vector<float> normalized;
+  for (const double weight : weights) normalized.push_back(float(weight / sum));
+  return normalized;
 }
 
 /// One line of voxels, its ends repeated, convolved in place.
@@ -33,10 +33,10 @@ void smooth_line(float* values, Index size, Index stride, const std::vector<floa
   for (Index n = 0; n < size + 2 * reach; ++n)
     line[std::size_t(n)] = values[std::clamp(n - reach, Index(0), size - 1) * stride];
   for (Index n = 0; n < size; ++n) {
-    const float* centre = line.data() + n + reach;
-    float sum = weights[0] * *centre;
+    const float* center = line.data() + n + reach;
+    float sum = weights[0] * *center;
     for (Index away = 1; away <= reach; ++away)
-      sum += weights[std::size_t(away)] * (centre[-away] + centre[away]);
+      sum += weights[std::size_t(away)] * (center[-away] + center[away]);
     values[n * stride] = sum;
   }
 }

@@ -16,8 +16,8 @@ const Vec3 kNeck(0.0, 25.0, 0.0);
 constexpr double kLowest_mm = -112.0;  // Of the scan.
 
 /// Distance to an ellipsoid, positive inside, exact to first order at its surface.
-double ellipsoid(const Vec3& p, const Vec3& centre, const Vec3& radii) {
-  const Vec3 q = (p - centre).cwiseQuotient(radii);
+double ellipsoid(const Vec3& p, const Vec3& center, const Vec3& radii) {
+  const Vec3 q = (p - center).cwiseQuotient(radii);
   const double k = q.norm();
   const double slope = q.cwiseQuotient(radii).norm();
   if (slope < 1e-9) return radii.minCoeff();
@@ -40,8 +40,8 @@ double joined(double a, double b, double width) {
 double without(double a, double b, double width) { return -joined(-a, b, width); }
 
 /// Half an ellipse in the plane z = `height`, open to posterior, as thick as `radius`.
-double arch(const Vec3& p, const Vec3& centre, double half_width, double depth, double radius) {
-  const Vec3 d = p - centre;
+double arch(const Vec3& p, const Vec3& center, double half_width, double depth, double radius) {
+  const Vec3 d = p - center;
   if (d.y() > 0.0) {  // Its ends.
     const double x = d.x() > 0.0 ? half_width : -half_width;
     return radius - Vec3(d.x() - x, d.y(), d.z()).norm();
@@ -185,14 +185,14 @@ image::CtVolume synthetic_scan(const image::Grid& grid, const SyntheticMaterials
   // The distances are exact to first order alone, hence the reserve.
   const double reach_mm = 0.8 * grid.spacing_mm.norm();
   image::CtVolume ct{grid, std::vector<std::int16_t>(std::size_t(grid.voxel_count()))};
-  const auto mean_hu = [&](const Vec3& centre_V) {
-    const Vec3 centre_L = grid.point_L(centre_V);
-    if (to_next_border(centre_L) > reach_mm) return hu_at(centre_L, materials);
+  const auto mean_hu = [&](const Vec3& center_V) {
+    const Vec3 center_L = grid.point_L(center_V);
+    if (to_next_border(center_L) > reach_mm) return hu_at(center_L, materials);
     double sum = 0.0;
     for (int n = 0; n < kSamples * kSamples * kSamples; ++n) {
       const Vec3 cell(n % kSamples, n / kSamples % kSamples, n / (kSamples * kSamples));
       const Vec3 offset = (cell.array() + 0.5) / double(kSamples) - 0.5;
-      sum += hu_at(grid.point_L(centre_V + offset), materials);
+      sum += hu_at(grid.point_L(center_V + offset), materials);
     }
     return sum / double(kSamples * kSamples * kSamples);
   };

@@ -42,7 +42,7 @@ struct SyntheticMaterials {
 /// The tissue at a point.
 [[nodiscard]] Tissue synthetic_tissue(const Vec3& p_L);
 
-/// The tissue at each voxel's centre.
+/// The tissue at each voxel's center.
 [[nodiscard]] LabelMap synthetic_labels(const image::Grid& grid);
 
 /// What a scanner makes of the head: in each voxel the mean over its box, and noise.

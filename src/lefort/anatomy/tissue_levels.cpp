@@ -113,7 +113,7 @@ ScalarVolume signed_distance(const Mask& mask) {
   const ScalarVolume outside = distance_to(mask);
   const ScalarVolume inside =
       distance_to(mask_where(mask.grid, [&](std::size_t v) { return mask.values[v] == 0; }));
-  // Between the centres of neighbours the distances leave a step of two halves: close it.
+  // Between the centers of neighbors the distances leave a step of two halves: close it.
   const double half_mm = 0.5 * mask.grid.spacing_mm.minCoeff();
   return volume_of(mask.grid, [&](std::size_t v) {
     return clamped(mask.values[v] != 0 ? double(inside.values[v]) - half_mm
@@ -149,9 +149,9 @@ Mask sinus_filling(const PaddedScan& scan) {
   const Mask tight = closed(solid, kLeak_mm);
   const Parts rooms =
       connected_parts(mask_where(scan.grid(), [&](std::size_t v) { return tight.values[v] == 0; }),
-                      Neighbours::kFaces);
+                      Neighbors::kFaces);
   // A room that holds something else, or the largest one, which is the rest of the patient, stays.
-  std::vector<std::uint8_t> stays = parts_touching(
+  std::vector<std::uint8_t> stays = labels_touching(
       rooms, mask_where(scan.grid(),
                         [&](std::size_t v) { return !is_soft_tissue(scan.labels.values[v]); }));
   stays[std::size_t(rooms.largest())] = 1;
@@ -221,14 +221,15 @@ ScalarVolume bone_level(const image::CtVolume& ct, const LabelMap& labels, Cavit
 ScalarVolume skin_level(const image::CtVolume& ct, const LabelMap& labels,
                         const LevelOptions& options) {
   const PaddedScan scan = padded_scan(ct, labels, options);
-  const Mask by_background = with_surroundings(scan.where(Tissue::kBackground), kBlur_mm);
+  const Mask by_background =
+      dilated_by_one_voxel_or_more(scan.where(Tissue::kBackground), kBlur_mm);
   const Mask by_air =
-      with_surroundings(mask_where(scan.grid(),
-                                   [&](std::size_t v) {
-                                     return scan.labels.values[v] == Tissue::kAirway ||
-                                            scan.labels.values[v] == Tissue::kSinus;
-                                   }),
-                        kBlur_mm);
+      dilated_by_one_voxel_or_more(mask_where(scan.grid(),
+                                              [&](std::size_t v) {
+                                                return scan.labels.values[v] == Tissue::kAirway ||
+                                                       scan.labels.values[v] == Tissue::kSinus;
+                                              }),
+                                   kBlur_mm);
   const ScalarVolume to_entrance = distance_to(mask_where(scan.grid(), [&](std::size_t v) {
     return scan.labels.values[v] == Tissue::kAirway && by_background.values[v] != 0;
   }));
@@ -250,7 +251,7 @@ ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels
   const image::Grid& grid = scan.grid();
 
   // Bone next to the brain counts as brain, so that no film is left on the inner table.
-  const Mask by_brain = with_surroundings(scan.where(Tissue::kBrain), kBlur_mm);
+  const Mask by_brain = dilated_by_one_voxel_or_more(scan.where(Tissue::kBrain), kBlur_mm);
   const Mask brain_and_table = mask_where(grid, [&](std::size_t v) {
     return scan.labels.values[v] == Tissue::kBrain ||
            (is_bone(scan.labels.values[v]) && by_brain.values[v] != 0);
@@ -264,7 +265,7 @@ ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels
   });
 
   // The skin over bone and the wings of the nose may be as thin as they are; sheets further inside
-  // may not. One of n voxels is about n spacings thick: half a voxel lies beyond outer centres.
+  // may not. One of n voxels is about n spacings thick: half a voxel lies beyond outer centers.
   const Mask inside = mask_where(grid, [&](std::size_t v) { return level.values[v] > 0.0F; });
   const double radius_mm = 0.5 * (options.thinnest_tissue_mm + grid.spacing_mm.minCoeff());
   const Mask thick = opened(inside, radius_mm);
@@ -275,11 +276,11 @@ ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels
                    return thick.values[v] != 0 ||
                           (inside.values[v] != 0 && double(to_background.values[v]) <= kSkin_mm);
                  }),
-      Neighbours::kFaces);
+      Neighbors::kFaces);
   const std::int32_t largest = parts.largest();
   note_dropped(parts, progress);
   // The largest part, and around it as much as its surface may lie beyond its outer voxels.
-  const Mask kept = with_surroundings(
+  const Mask kept = dilated_by_one_voxel_or_more(
       mask_where(grid,
                  [&](std::size_t v) { return largest != 0 && parts.part_of.values[v] == largest; }),
       kBlur_mm);

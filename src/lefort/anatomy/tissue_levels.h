@@ -4,7 +4,7 @@
 /// A level is positive inside, negative outside, and in mm: near its border it is about the
 /// distance to it, and it is clamped a few mm away. Users interpolate it trilinearly. Its grid is
 /// the scan's, two voxels longer on every side with negative values there, so that zero surfaces
-/// are closed even where the scan cuts the patient off. Levels of neighbours are made of the same
+/// are closed even where the scan cuts the patient off. Levels of neighbors are made of the same
 /// numbers: where tissue touches bone, or air, both zero surfaces coincide.
 #pragma once
 
@@ -33,7 +33,7 @@ struct LevelOptions {
   double nostril_depth_mm = 5.0;    ///< So deep is the skin surface drawn into the nostrils.
 };
 
-/// Bone: the surface at `bone_hu` around the voxels labelled bone, all else left out.
+/// Bone: the surface at `bone_hu` around the voxels labeled bone, all else left out.
 ///
 /// \pre `labels` lies on the grid of `ct`.
 [[nodiscard]] image::ScalarVolume bone_level(const image::CtVolume& ct, const LabelMap& labels,

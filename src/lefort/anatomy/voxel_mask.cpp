@@ -68,7 +68,7 @@ Mask closed(const Mask& mask, double radius_mm) {
   return eroded(dilated(mask, radius_mm), radius_mm);
 }
 
-Mask with_surroundings(const Mask& mask, double distance_mm) {
+Mask dilated_by_one_voxel_or_more(const Mask& mask, double distance_mm) {
   const image::ScalarVolume distance = distance_to(mask);
   const std::array<Index, 3>& size = mask.grid.size;
   Mask near{mask.grid, std::vector<std::uint8_t>(mask.values.size())};
@@ -91,11 +91,11 @@ std::int32_t Parts::largest() const {
   return std::int32_t(std::max_element(voxels.begin() + 1, voxels.end()) - voxels.begin());
 }
 
-Parts connected_parts(const Mask& mask, Neighbours neighbours) {
+Parts connected_parts(const Mask& mask, Neighbors neighbors) {
   using Filter = itk::ConnectedComponentImageFilter<ItkImage<std::uint8_t>, ItkImage<std::int32_t>>;
   const auto filter = Filter::New();
   filter->SetInput(itk_view(mask));
-  filter->SetFullyConnected(neighbours == Neighbours::kFacesEdgesCorners);
+  filter->SetFullyConnected(neighbors == Neighbors::kFacesEdgesCorners);
   filter->Update();
 
   Parts parts{volume_from_itk<std::int32_t>(*filter->GetOutput(), mask.grid), {0}};
@@ -115,13 +115,13 @@ Parts connected_parts(const Mask& mask, Neighbours neighbours) {
   return parts;
 }
 
-Mask parts_where(const Parts& parts, const std::vector<std::uint8_t>& keep) {
+Mask select_labels(const Parts& parts, const std::vector<std::uint8_t>& keep) {
   LEFORT_CHECK(keep.size() == parts.voxels.size());
   return mask_where(parts.part_of.grid,
                     [&](std::size_t v) { return keep[std::size_t(parts.part_of.values[v])] != 0; });
 }
 
-std::vector<std::uint8_t> parts_touching(const Parts& parts, const Mask& mask) {
+std::vector<std::uint8_t> labels_touching(const Parts& parts, const Mask& mask) {
   std::vector<std::uint8_t> touching(parts.voxels.size(), 0);
   for (std::size_t v = 0; v < mask.values.size(); ++v)
     if (mask.values[v] != 0) touching[std::size_t(parts.part_of.values[v])] = 1;

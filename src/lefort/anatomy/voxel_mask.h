@@ -1,7 +1,7 @@
 /// \file
 /// Sets of voxels and what morphology does with them, lengths in mm.
 ///
-/// Distances run between voxel centres. Beyond the grid there are neither voxels of a set nor
+/// Distances run between voxel centers. Beyond the grid there are neither voxels of a set nor
 /// others. So the faces of the grid do not erode a set, but closing fills narrow gaps between a set
 /// and a face.
 #pragma once
@@ -64,9 +64,9 @@ void for_each_line(const image::Grid& grid, std::size_t axis, const Body& body) 
 
 /// The set, the voxels within `distance_mm` of it, and those that share a face with one of it,
 /// however far voxels are apart.
-[[nodiscard]] Mask with_surroundings(const Mask& mask, double distance_mm);
+[[nodiscard]] Mask dilated_by_one_voxel_or_more(const Mask& mask, double distance_mm);
 
-enum class Neighbours { kFaces, kFacesEdgesCorners };
+enum class Neighbors { kFaces, kFacesEdgesCorners };
 
 /// The connected parts of a set, numbered from 1 in the order of their first voxel.
 struct Parts {
@@ -78,13 +78,13 @@ struct Parts {
   [[nodiscard]] std::int32_t largest() const;
 };
 
-[[nodiscard]] Parts connected_parts(const Mask& mask, Neighbours neighbours);
+[[nodiscard]] Parts connected_parts(const Mask& mask, Neighbors neighbors);
 
 /// The voxels of the parts for which keep[part] holds; keep[0] speaks for the voxels outside.
-[[nodiscard]] Mask parts_where(const Parts& parts, const std::vector<std::uint8_t>& keep);
+[[nodiscard]] Mask select_labels(const Parts& parts, const std::vector<std::uint8_t>& keep);
 
 /// For every part, whether a voxel of it lies in `mask`; entry 0 is 0.
-[[nodiscard]] std::vector<std::uint8_t> parts_touching(const Parts& parts, const Mask& mask);
+[[nodiscard]] std::vector<std::uint8_t> labels_touching(const Parts& parts, const Mask& mask);
 
 /// Convolved with a Gaussian whose sigma along i, j, k is `sigma_mm`; values beyond the grid repeat
 /// its faces. \pre sigma_mm >= 0.

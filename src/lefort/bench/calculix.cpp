@@ -139,7 +139,7 @@ Result<CalculixRun> run_calculix(const CalculixTask& task, Progress& progress) {
   return CalculixRun{.wall_seconds = run.seconds,
                      .peak_bytes = run.peak_bytes,
                      .iterations = count_of(run.output, kResidual),
-                     .largest_residual_n = residual_n,
+                     .max_residual_n = residual_n,
                      .displacements_mm = std::move(u)};
 }
 

@@ -33,9 +33,9 @@ struct CalculixTask {
 struct CalculixRun {
   double wall_seconds = 0.0;
   std::size_t peak_bytes = 0;
-  int iterations = 0;               ///< Equation systems solved.
-  double largest_residual_n = 0.0;  ///< At the end.
-  VectorX displacements_mm;         ///< Three per node.
+  int iterations = 0;           ///< Equation systems solved.
+  double max_residual_n = 0.0;  ///< At the end.
+  VectorX displacements_mm;     ///< Three per node.
 };
 
 /// Writes the input, runs `ccx` and reads what it wrote.

@@ -1,4 +1,4 @@
-#include <lefort/bench/peers.h>
+#include <lefort/bench/competitors.h>
 
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>

@@ -1,7 +1,7 @@
 #include <lefort/bench/convergence.h>
 #include <lefort/bench/stopwatch.h>
 #include <lefort/contact/measure_gap.h>
-#include <lefort/contact/settle_contacts.h>
+#include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/core/version.h>
 #include <lefort/fem/elements/quadrature_rules.h>
 #include <lefort/geometry/rigid_path.h>
@@ -27,7 +27,7 @@ struct Walk {
   std::string mesh_name;  ///< Of the case, whatever the number of its steps.
   ContactMethod method{};
   predict::FacePrediction prediction;
-  int steps_asked = 0;
+  int steps_requested = 0;
   std::vector<std::int32_t> skin;  ///< Nodes; none in a synthetic case.
   double seconds = 0.0;
   /// For all points once, where the tissue lies at the end; not a number before.
@@ -35,7 +35,7 @@ struct Walk {
   std::size_t detection_points = 0;
 
   [[nodiscard]] bool is_whole() const {
-    return std::ssize(prediction.steps) == std::ptrdiff_t(steps_asked);
+    return std::ssize(prediction.steps) == std::ptrdiff_t(steps_requested);
   }
   [[nodiscard]] std::vector<fem::LoadAttempt> attempts() const {
     std::vector<fem::LoadAttempt> all;
@@ -47,7 +47,8 @@ struct Walk {
 };
 
 double relative(const fem::NewtonIterate& iterate) {
-  return iterate.force_scale_n > 0.0 ? iterate.residual_n / iterate.force_scale_n : 0.0;
+  return iterate.residual_reference_n > 0.0 ? iterate.residual_n / iterate.residual_reference_n
+                                            : 0.0;
 }
 
 /// Where a method asks for gaps: at the nodes of the contact faces, or at the points in them.
@@ -88,15 +89,15 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
   walk.case_name = task.name;
   walk.mesh_name = task.mesh_name;
   walk.method = method;
-  walk.steps_asked = geometry::steps_of(task.paths);
+  walk.steps_requested = geometry::steps_of(task.paths);
   const auto skin = task.model.tissue.node_sets.find(predict::sets::kSkin);
   if (skin != task.model.tissue.node_sets.end()) walk.skin = skin->second;
   const Stopwatch watch;
   Result<void> written;
   const auto on_step = [&](const predict::PredictionStep& step) {
     progress.note(fmt::format("  {}, {}: {:5.1f} %, {} iterations in {} increments, {:.1f} s",
-                              task.name, method.name, 100.0 * step.share, step.newton_iterations(),
-                              step.attempts.size(), watch.seconds()));
+                              task.name, method.name, 100.0 * step.path_fraction,
+                              step.newton_iterations(), step.attempts.size(), watch.seconds()));
     walk.prediction.steps.push_back(step);
     walk.seconds = watch.seconds();
     if (written) written = on_walk(walk);
@@ -108,10 +109,10 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
   LEFORT_TRY_VOID(written);
 
   std::vector<Vec3> x_L = task.model.tissue.nodes_L;
-  std::vector<contact::BoneObstacle> bones;
+  std::vector<contact::RigidObstacle> bones;
   for (const predict::MovedSegment& segment : task.model.segments) {
-    LEFORT_TRY(auto detector_B, predict::detect_segment(segment, method.detection));
-    bones.push_back({std::move(detector_B)});
+    LEFORT_TRY(auto distance_query_B, predict::detect_segment(segment, method.detection));
+    bones.push_back({std::move(distance_query_B)});
   }
   if (!walk.prediction.steps.empty()) {
     const predict::PredictionStep& last = walk.prediction.steps.back();
@@ -123,7 +124,7 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
   std::vector<double> seconds;
   for (int n = 0; n < 5; ++n) {
     const Stopwatch once;
-    for (const contact::BoneObstacle& bone : bones)
+    for (const contact::RigidObstacle& bone : bones)
       contact::measure_gaps(bone, points, contact::Derivatives::kSecond, gaps);
     seconds.push_back(once.seconds());
   }
@@ -171,8 +172,8 @@ std::string table(std::span<const Walk> walks) {
   for (const Walk& walk : walks) {
     const Tally sum = tally(walk);
     const auto& steps = walk.prediction.steps;
-    const contact::ContactSummary last =
-        steps.empty() ? contact::ContactSummary{} : steps.back().contact();
+    const contact::ContactStatistics last =
+        steps.empty() ? contact::ContactStatistics{} : steps.back().contact();
     Index in_steps = 0;
     for (const predict::PredictionStep& step : steps) in_steps += step.newton_iterations();
     text += fmt::format(
@@ -180,7 +181,7 @@ std::string table(std::span<const Walk> walks) {
         "{:.3f} | "
         "{:.0f} "
         "| {:.3f} | {:.4f} | {:.1f} |\n",
-        walk.case_name, walk.method.name, steps.size(), walk.steps_asked, sum.failed_attempts,
+        walk.case_name, walk.method.name, steps.size(), walk.steps_requested, sum.failed_attempts,
         sum.iterations, sum.failed_iterations,
         steps.empty() ? std::nan("") : double(in_steps) / double(steps.size()), sum.rises,
         sum.worst_final, last.nodes, sum.worst_p99_mm, last.p99_depth_from_rest_mm,
@@ -231,11 +232,12 @@ std::string face_table(std::span<const Walk> walks) {
     };
     const Walk* finest = nullptr;
     for (const Walk& other : walks)
-      if (is_like(other) && (!finest || other.steps_asked > finest->steps_asked)) finest = &other;
+      if (is_like(other) && (!finest || other.steps_requested > finest->steps_requested))
+        finest = &other;
     if (!finest || finest == &walk || !is_like(walk)) continue;
     const auto [p99_mm, p99_moving_mm, max_mm] = difference(walk, *finest);
     text += fmt::format("| {} | {} | {} | {} | {:.3f} | {:.3f} | {:.3f} |\n", walk.mesh_name,
-                        walk.method.name, walk.steps_asked, finest->steps_asked, p99_mm,
+                        walk.method.name, walk.steps_requested, finest->steps_requested, p99_mm,
                         p99_moving_mm, max_mm);
   }
   if (text.empty()) return text;
@@ -257,11 +259,12 @@ std::string csv(std::span<const Walk> walks) {
       ++number;
       for (std::size_t i = 0; i < attempt.history.size(); ++i) {
         const fem::NewtonIterate& at = attempt.history[i];
-        text += fmt::format(
-            "{},{},{},{:.9g},{:.9g},{},{},{},{:.9g},{:.9g},{},{:.9g},{:.9g},{:.9g}\n",
-            walk.case_name, walk.method.name, number, attempt.t_from, attempt.t_to,
-            int(attempt.extrapolated), int(attempt.stop == fem::NewtonStop::kConverged), i,
-            at.residual_n, relative(at), at.contacts, at.step_length, at.convex_share, at.shift);
+        text +=
+            fmt::format("{},{},{},{:.9g},{:.9g},{},{},{},{:.9g},{:.9g},{},{:.9g},{:.9g},{:.9g}\n",
+                        walk.case_name, walk.method.name, number, attempt.t_from, attempt.t_to,
+                        int(attempt.extrapolated), int(attempt.stop == fem::NewtonStop::kConverged),
+                        i, at.residual_n, relative(at), at.contacts, at.step_length,
+                        at.tangent_blend, at.diagonal_shift);
       }
     }
   }
@@ -319,7 +322,7 @@ Result<void> write_results(std::span<const Walk> all, std::span<const Walk> of_c
 }  // namespace
 
 std::vector<ContactMethod> contact_methods() {
-  using enum contact::Detection;
+  using enum contact::DetectionMethod;
   using enum contact::Integration;
   constexpr double kTolerance_mm = 0.05;  // What penetration is asked of the multipliers.
   return {{"bvh-nodal", kBvh, kNodes},

@@ -30,7 +30,7 @@ struct ConvergenceCase {
 /// One way to detect and integrate contact.
 struct ContactMethod {
   std::string_view name;
-  contact::Detection detection;
+  contact::DetectionMethod detection;
   contact::Integration integration;
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };

@@ -1,6 +1,6 @@
+#include <lefort/bench/competitors.h>
 #include <lefort/bench/detection.h>
 #include <lefort/bench/field_process.h>
-#include <lefort/bench/peers.h>
 #include <lefort/bench/stopwatch.h>
 #include <lefort/bench/surface_points.h>
 #include <lefort/contact/measure_gap.h>
@@ -59,9 +59,10 @@ Time best_of(int repeats, const std::function<void()>& run) {
   return best;
 }
 
-Measured measure(const std::string& name, std::shared_ptr<const contact::Detector> detector_B,
+Measured measure(const std::string& name,
+                 std::shared_ptr<const contact::DistanceQuery> distance_query_B,
                  std::span<const Vec3> points_L, contact::Derivatives derivatives, int repeats) {
-  const contact::BoneObstacle bone{std::move(detector_B), moved()};
+  const contact::RigidObstacle bone{std::move(distance_query_B), moved()};
   std::vector<contact::Gap> gaps(points_L.size());
   Measured measured{.name = name};
   measured.time =
@@ -105,8 +106,8 @@ Difference difference(const Measured& measured, const Measured& exact) {
       off_mm.push_back(std::abs(std::abs(measured.depth_mm[i]) - std::abs(exact.depth_mm[i])));
   }
   std::sort(off_mm.begin(), off_mm.end());
-  const auto at = [&](double share) {
-    return off_mm[std::size_t(share * double(off_mm.size() - 1))];
+  const auto at = [&](double fraction) {
+    return off_mm[std::size_t(fraction * double(off_mm.size() - 1))];
   };
   return {at(0.5), at(0.99), at(1.0), none};
 }
@@ -141,10 +142,11 @@ Result<std::string> run_detection(const DetectionOptions& options, Progress& pro
                  progress));
   const auto field_B = std::make_shared<const field::DistanceField>(std::move(built));
   LEFORT_TRY(const auto trilinear,
-             contact::detect_by_field(field_B, contact::Detection::kTrilinear));
-  LEFORT_TRY(const auto smooth, contact::detect_by_field(field_B, contact::Detection::kSmooth));
+             contact::field_distance_query(field_B, contact::DetectionMethod::kTrilinear));
+  LEFORT_TRY(const auto smooth,
+             contact::field_distance_query(field_B, contact::DetectionMethod::kSmooth));
   const auto tree =
-      contact::detect_by_bvh(std::make_shared<const geometry::Bvh>(skull_B), kBand_mm);
+      contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(skull_B), kBand_mm);
 
   progress.begin_stage("measure");
   const ThreadLimit limit(options.threads);

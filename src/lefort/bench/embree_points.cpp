@@ -1,4 +1,4 @@
-#include <lefort/bench/peers.h>
+#include <lefort/bench/competitors.h>
 #include <lefort/core/check.h>
 
 #include <embree3/rtcore.h>

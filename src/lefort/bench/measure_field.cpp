@@ -1,11 +1,11 @@
+#include <lefort/bench/competitors.h>
 #include <lefort/bench/measure_field.h>
-#include <lefort/bench/peers.h>
 #include <lefort/bench/stopwatch.h>
 #include <lefort/bench/surface_points.h>
 #include <lefort/core/parallel.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/winding_number.h>
 
 #include <fmt/format.h>
@@ -54,7 +54,7 @@ std::vector<Vec3> band_points(const geometry::TriangleMesh& mesh, const FieldTas
     for (int y = 0; y <= task.resolution; ++y)
       for (int x = 0; x <= task.resolution; ++x)
         if (field::BrickSamples::is_distance(
-                field::BrickSamples::read_code(bricks.place_of({x, y, z}))))
+                field::BrickSamples::read_code(bricks.linear_offset({x, y, z}))))
           points.push_back(frame.origin_B + frame.cell_mm * Vec3(x, y, z));
   return points;
 }
@@ -137,7 +137,7 @@ void measure_lattice(const field::DistanceField& field, const geometry::Bvh& exa
       at[std::size_t(k)] = std::min(int(std::lround((p[k] - frame.origin_B[k]) / frame.cell_mm)),
                                     frame.resolution - 1);
     const field::FieldSample found = field.sample(p);
-    if (found.zone != field::Zone::kBand) return;  // A neighbour of the sample is not known.
+    if (found.zone != field::Zone::kBand) return;  // A neighbor of the sample is not known.
     const double truth = exact.signed_distance(p).distance_mm;
     error[std::size_t(n)] = std::abs(std::abs(found.distance_mm) - std::abs(truth));
     const bool inside = found.distance_mm < 0.0;
@@ -177,9 +177,9 @@ Result<Json> measure_ours(const geometry::TriangleMesh& mesh, const FieldTask& t
   measure_errors(
       mesh, exact, task,
       [&](std::span<const Vec3> at, std::span<double> found) {
-        std::vector<float> told(at.size());
-        field.distances(at, told);
-        std::copy(told.begin(), told.end(), found.begin());
+        std::vector<float> reported(at.size());
+        field.distances(at, reported);
+        std::copy(reported.begin(), reported.end(), found.begin());
       },
       result);
   const std::vector<Vec3> band = band_points(mesh, task);
@@ -226,13 +226,13 @@ Json measure_tree(
   Json result;
   const std::vector<Vec3> band = band_points(mesh, task);
   const double reach_mm = task.half_band_cells * task.side_mm / task.resolution * 1.001;
-  std::vector<Vec3> asked = band;
+  std::vector<Vec3> requested = band;
   if (at_most > 0 && Index(band.size()) > at_most) {
-    asked.clear();
+    requested.clear();
     for (Index i = 0; i < at_most; ++i)
-      asked.push_back(band[std::size_t(double(i) * double(band.size()) / double(at_most))]);
+      requested.push_back(band[std::size_t(double(i) * double(band.size()) / double(at_most))]);
   }
-  std::vector<double> found(asked.size());
+  std::vector<double> found(requested.size());
   std::vector<double> build, query;
   std::unique_ptr<Tree> tree;
   for (int n = 0; n < task.repeats; ++n) {
@@ -240,13 +240,13 @@ Json measure_tree(
     tree = std::make_unique<Tree>(mesh);
     build.push_back(now_seconds() - start);
     start = now_seconds();
-    ask(*tree, asked, reach_mm, found);
+    ask(*tree, requested, reach_mm, found);
     query.push_back(now_seconds() - start);
   }
-  const double share = double(band.size()) / double(asked.size());
-  result["seconds"] = median(build) + share * median(query);
+  const double fraction = double(band.size()) / double(requested.size());
+  result["seconds"] = median(build) + fraction * median(query);
   result["samples"] = band.size();
-  result["samples_asked"] = asked.size();
+  result["samples_asked"] = requested.size();
   const std::vector<Vec3> points =
       points_near_surface(mesh, task.query_points, kQueryReach_mm, kQuerySeed);
   std::vector<double> values(points.size());

@@ -1,4 +1,4 @@
-#include <lefort/bench/peers.h>
+#include <lefort/bench/competitors.h>
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Interpolation.h>

@@ -139,7 +139,7 @@ Result<void> compare_with_calculix(const SolveOptions& options, Tables& tables,
                               {"peak_bytes", done.peak_bytes},
                               {"newton_iterations", Json::array({done.iterations})},
                               {"load", 1.0},
-                              {"largest_residual_n", done.largest_residual_n}};
+                              {"largest_residual_n", done.max_residual_n}};
       add_row(run, name, peer_json, fmt::format("{:.1f}", peer.ratios.back()));
       turn[name] = peer_json;
     }

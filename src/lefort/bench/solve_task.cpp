@@ -4,7 +4,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/assembly/element_term.h>
-#include <lefort/fem/locking/dilatation.h>
+#include <lefort/fem/locking/volumetric_integration.h>
 #include <lefort/fem/solve/equilibrium.h>
 #include <lefort/fem/solve/load_steps.h>
 #include <lefort/io/write_atomically.h>
@@ -26,7 +26,7 @@ constexpr std::array<std::pair<mesh::ElementShape, const char*>, 2> kShapes{
 constexpr std::array<std::pair<linear::LinearSolverKind, const char*>, 4> kSolvers{
     {{linear::LinearSolverKind::kAutomatic, "automatic"},
      {linear::LinearSolverKind::kDirect, "direct"},
-     {linear::LinearSolverKind::kLagged, "lagged"},
+     {linear::LinearSolverKind::kReusedFactor, "lagged"},
      {linear::LinearSolverKind::kMultigrid, "multigrid"}}};
 
 template <class Names, class Value>
@@ -78,7 +78,7 @@ Result<Body> make_body(const BlockProblem& block) {
   body.mesh = block.mesh();
   // Pointwise, as in CalculiX's C3D10 and C3D8: the same discrete problem.
   LEFORT_TRY(body.terms, fem::make_element_terms(body.mesh, BlockProblem::materials(),
-                                                 fem::Dilatation::kPointwise));
+                                                 fem::VolumetricIntegration::kFullIntegration));
   std::vector<const fem::ForceTerm*> terms;
   for (const auto& term : body.terms) terms.push_back(term.get());
   LEFORT_TRY(fem::DofMap dofs,
@@ -87,11 +87,11 @@ Result<Body> make_body(const BlockProblem& block) {
   return body;
 }
 
-Error why_not(linear::Factorisation outcome) {
+Error why_not(linear::LinearSolveStatus outcome) {
   switch (outcome) {
-    case linear::Factorisation::kOutOfMemory:
+    case linear::LinearSolveStatus::kOutOfMemory:
       return {ErrorCode::kOutOfMemory, "the factor does not fit into memory"};
-    case linear::Factorisation::kNotConverged:
+    case linear::LinearSolveStatus::kNotConverged:
       return {ErrorCode::kNotConverged, "the linear iterations did not converge"};
     default:
       return {ErrorCode::kNotConverged, "the stiffness is not positive definite"};
@@ -113,8 +113,8 @@ Result<Json> solve_system(const SolveTask& task, const Body& body) {
   linear::LinearSolver solver({.kind = task.solver});
   fem::set_near_null_space(solver, assembler);
   watch.lap();
-  const linear::Factorisation prepared = solver.factorise(K);
-  if (prepared != linear::Factorisation::kDone) return tl::unexpected(why_not(prepared));
+  const linear::LinearSolveStatus prepared = solver.factorize(K);
+  if (prepared != linear::LinearSolveStatus::kDone) return tl::unexpected(why_not(prepared));
   const double preparation = watch.lap();
   const auto x = solver.solve(b, kTolerance);
   if (!x) return tl::unexpected(why_not(x.error()));
@@ -166,7 +166,7 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
               {"failed_attempts", failed},
               {"newton_iterations", iterations},
               {"linear_iterations", solver.statistics().iterations},
-              {"factorisations", solver.statistics().factorisations},
+              {"factorisations", solver.statistics().factorizations},
               {"largest_residual_n",
                assembler.dofs().free_part(forces->residual_n).lpNorm<Eigen::Infinity>()},
               {"energy_mj", forces->energy_mj}};

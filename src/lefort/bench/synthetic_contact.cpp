@@ -82,7 +82,7 @@ Result<ConvergenceCase> pressed_and_slid(std::string name, TriangleMesh bone, Pr
   const Eigen::AngleAxisd turn(0.3, Vec3::UnitZ());
   const Vec3 at(0.4 * size_mm.x() + 0.13, 0.5 * size_mm.y() + 0.21, size_mm.z());
   for (Vec3& v : bone.vertices) v = turn * v + at;
-  tissue.node_sets[predict::sets::kMovedBone] = tissue.node_sets.at("z1");
+  tissue.node_sets[predict::sets::kMobilizedSegment] = tissue.node_sets.at("z1");
   tissue.node_sets[predict::sets::kFixed] = tissue.node_sets.at("z0");
   tissue.face_sets[predict::sets::kContact] = tissue.face_sets.at("z1");
   LEFORT_TRY(field::DistanceField field,

@@ -13,16 +13,16 @@ namespace {
 using Weighted = std::pair<double, double>;
 
 /// The least distance that `share` of the area does not exceed.
-double percentile(const std::vector<Weighted>& ascending, double total_mm2, double share) {
+double percentile(const std::vector<Weighted>& ascending, double total_mm2, double fraction) {
   double below_mm2 = 0.0;
   for (const auto& [distance_mm, area_mm2] : ascending) {
     below_mm2 += area_mm2;
-    if (below_mm2 >= share * total_mm2) return distance_mm;
+    if (below_mm2 >= fraction * total_mm2) return distance_mm;
   }
   return ascending.back().first;
 }
 
-double share_below(const std::vector<Weighted>& ascending, double total_mm2, double limit_mm) {
+double fraction_below(const std::vector<Weighted>& ascending, double total_mm2, double limit_mm) {
   double below_mm2 = 0.0;
   for (const auto& [distance_mm, area_mm2] : ascending)
     if (distance_mm < limit_mm) below_mm2 += area_mm2;
@@ -32,14 +32,14 @@ double share_below(const std::vector<Weighted>& ascending, double total_mm2, dou
 }  // namespace
 
 DifferenceStatistics describe(const SurfaceDifference& difference,
-                              const std::function<bool(Index)>& is_asked) {
-  DifferenceStatistics told;
+                              const std::function<bool(Index)>& is_requested) {
+  DifferenceStatistics reported;
   std::vector<Weighted> ascending;
   double compared_mm2 = 0.0, sum = 0.0, signed_sum = 0.0;
   for (std::size_t v = 0; v < difference.signed_mm.size(); ++v) {
-    if (!is_asked(Index(v))) continue;
+    if (!is_requested(Index(v))) continue;
     const double area_mm2 = difference.area_mm2[v], distance_mm = difference.signed_mm[v];
-    told.area_mm2 += area_mm2;
+    reported.area_mm2 += area_mm2;
     if (std::isnan(distance_mm) || area_mm2 == 0.0) continue;
     ascending.emplace_back(std::abs(distance_mm), area_mm2);
     compared_mm2 += area_mm2;
@@ -48,22 +48,23 @@ DifferenceStatistics describe(const SurfaceDifference& difference,
   }
   if (ascending.empty()) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    told.mean_mm = told.median_mm = told.p90_mm = told.p95_mm = told.p99_mm = told.max_mm = kNone;
-    told.share_below_1mm = told.share_below_2mm = told.mean_signed_mm = kNone;
-    return told;
+    reported.mean_mm = reported.median_mm = reported.p90_mm = reported.p95_mm = reported.p99_mm =
+        reported.max_mm = kNone;
+    reported.fraction_below_1mm = reported.fraction_below_2mm = reported.mean_signed_mm = kNone;
+    return reported;
   }
   std::sort(ascending.begin(), ascending.end());
-  told.compared_share = compared_mm2 / told.area_mm2;
-  told.mean_mm = sum / compared_mm2;
-  told.mean_signed_mm = signed_sum / compared_mm2;
-  told.median_mm = percentile(ascending, compared_mm2, 0.5);
-  told.p90_mm = percentile(ascending, compared_mm2, 0.9);
-  told.p95_mm = percentile(ascending, compared_mm2, 0.95);
-  told.p99_mm = percentile(ascending, compared_mm2, 0.99);
-  told.max_mm = ascending.back().first;
-  told.share_below_1mm = share_below(ascending, compared_mm2, 1.0);
-  told.share_below_2mm = share_below(ascending, compared_mm2, 2.0);
-  return told;
+  reported.compared_fraction = compared_mm2 / reported.area_mm2;
+  reported.mean_mm = sum / compared_mm2;
+  reported.mean_signed_mm = signed_sum / compared_mm2;
+  reported.median_mm = percentile(ascending, compared_mm2, 0.5);
+  reported.p90_mm = percentile(ascending, compared_mm2, 0.9);
+  reported.p95_mm = percentile(ascending, compared_mm2, 0.95);
+  reported.p99_mm = percentile(ascending, compared_mm2, 0.99);
+  reported.max_mm = ascending.back().first;
+  reported.fraction_below_1mm = fraction_below(ascending, compared_mm2, 1.0);
+  reported.fraction_below_2mm = fraction_below(ascending, compared_mm2, 2.0);
+  return reported;
 }
 
 }  // namespace lefort::compare

@@ -18,7 +18,7 @@ class Seen {
       : landmarks_L_(landmarks_L), R_FL_(R_FL), middle_L_(middle_L) {}
 
   [[nodiscard]] std::optional<Vec3> middle(const char* name) const {
-    const auto p_L = plan::find_middle(landmarks_L_, name);
+    const auto p_L = plan::pair_midpoint(landmarks_L_, name);
     return p_L ? std::optional<Vec3>(R_FL_ * (*p_L - middle_L_)) : std::nullopt;
   }
   /// Half the distance of a pair, across the mid-plane.
@@ -40,7 +40,7 @@ std::string missing_of(std::span<const Landmark> landmarks, FaceRegion region,
                        std::initializer_list<const char*> names) {
   std::string missing;
   for (const char* const name : names) {
-    const plan::LandmarkKind* const kind = plan::find_kind(std::string(name) + "-R");
+    const plan::LandmarkKind* const kind = plan::landmark_definition(std::string(name) + "-R");
     const bool is_pair = kind != nullptr && kind->is_paired;
     const auto is_there = [&](const std::string& one) {
       return plan::find_landmark(landmarks, one).has_value();
@@ -77,8 +77,8 @@ const char* name_of(FaceRegion region) {
 
 Result<FaceRegions> FaceRegions::from(std::span<const Landmark> landmarks_L) {
   FaceRegions regions;
-  LEFORT_TRY(const Vec3 left_L, plan::left_of(landmarks_L));
-  const auto middle_of = [&](const char* name) { return plan::find_middle(landmarks_L, name); };
+  LEFORT_TRY(const Vec3 left_L, plan::patient_left_axis(landmarks_L));
+  const auto middle_of = [&](const char* name) { return plan::pair_midpoint(landmarks_L, name); };
   const auto top_L = middle_of("N'"), base_L = middle_of("Sn");
   const auto ear_L = middle_of("Po"), orbit_L = middle_of("Or");
   if (!base_L || (!top_L && !(ear_L && orbit_L))) {
@@ -131,9 +131,9 @@ bool FaceRegions::holds(const Part& part, const Vec3& local) const {
   if (local.z() < part.low_mm || local.z() >= part.high_mm || local.y() < part.behind_mm)
     return false;
   if (part.side != 0 && local.x() * part.side < 0.0) return false;
-  const double share = (local.z() - part.low_mm) / (part.high_mm - part.low_mm);
+  const double fraction = (local.z() - part.low_mm) / (part.high_mm - part.low_mm);
   return std::abs(local.x()) <=
-         part.width_low_mm + share * (part.width_high_mm - part.width_low_mm);
+         part.width_low_mm + fraction * (part.width_high_mm - part.width_low_mm);
 }
 
 FaceRegion FaceRegions::at(const Vec3& p_L) const {

@@ -34,8 +34,8 @@ inline constexpr std::array<FaceRegion, 6> kFaceRegions{
 /// Which region each point of a skin belongs to.
 class FaceRegions {
  public:
-  /// The rules, in the frame of left_of() and the Frankfurt horizontal (without Po and Or: of the
-  /// line Sn-N' as up). Heights are those of landmarks, widths are from the mid-plane:
+  /// The rules, in the frame of patient_left_axis() and the Frankfurt horizontal (without Po and
+  /// Or: of the line Sn-N' as up). Heights are those of landmarks, widths are from the mid-plane:
   ///
   ///     N' ----- /\ -----     nose       Sn to N'; as wide as 1.15 Al at Sn, En at N'
   ///             /  \          upper lip  Stm to Sn, as wide as Ch
@@ -46,8 +46,8 @@ class FaceRegions {
   ///
   /// all of it within 25 mm behind the foremost of the landmarks that bound it in width.
   ///
-  /// \returns the rules, or kPlanInvalid if sides are exchanged (left_of()). A region whose
-  ///   landmarks are not all there is left out; that is no error.
+  /// \returns the rules, or kPlanInvalid if sides are exchanged (patient_left_axis()). A region
+  ///   whose landmarks are not all there is left out; that is no error.
   [[nodiscard]] static Result<FaceRegions> from(std::span<const plan::Landmark> landmarks_L);
 
   [[nodiscard]] FaceRegion at(const Vec3& p_L) const;

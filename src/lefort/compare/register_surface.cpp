@@ -25,17 +25,17 @@ constexpr double kTukey = 4.685, kSigmaOfMedian = 1.4826;
 /// Rounding and chords of fine surfaces; no narrower, or an exact fit would drop points at random.
 constexpr double kNarrowest_mm = 0.02;
 /// Steps below it are of points that change their counterparts back and forth.
-constexpr double kSettled_mm = 1e-3;
-constexpr double kLeastFirmness = 1e-4;
-constexpr double kLeastKept = 1.0 / 3.0;
+constexpr double kConverged_mm = 1e-3;
+constexpr double kMinFirmness = 1e-4;
+constexpr double kMinKept = 1.0 / 3.0;
 
 struct Sample {
   Vec3 point, normal;
 };
 
-std::vector<Sample> samples_of(const TriangleMesh& mesh, Index most) {
+std::vector<Sample> samples_of(const TriangleMesh& mesh, Index maximum) {
   const geometry::Pseudonormals normals(mesh);
-  const Index stride = (mesh.vertex_count() + most - 1) / most;
+  const Index stride = (mesh.vertex_count() + maximum - 1) / maximum;
   std::vector<Sample> samples;
   for (Index v = 0; v < mesh.vertex_count(); v += stride) {
     const Vec3 normal = normals.at_vertex(mesh, v);
@@ -46,7 +46,7 @@ std::vector<Sample> samples_of(const TriangleMesh& mesh, Index most) {
 
 /// A moved sample and the plane it should lie in.
 struct Pair {
-  Vec3 arm;     ///< From the centre of all samples.
+  Vec3 arm;     ///< From the center of all samples.
   Vec3 normal;  ///< Of the plane; zero if no counterpart was found.
   double off_mm = std::numeric_limits<double>::infinity();  ///< Along the normal, signed.
 
@@ -54,14 +54,14 @@ struct Pair {
 };
 
 std::vector<Pair> pair_up(const std::vector<Sample>& samples, const RigidTransform& X,
-                          const Vec3& centre, const Bvh& onto) {
+                          const Vec3& center, const Bvh& onto) {
   std::vector<Pair> pairs(samples.size());
   parallel_for(Index(samples.size()), [&](Index i) {
     const Vec3 p = X * samples[std::size_t(i)].point;
     const Vec3 n = X.linear() * samples[std::size_t(i)].normal;
     const auto nearest = onto.closest_point(p);
     Pair& pair = pairs[std::size_t(i)];
-    pair.arm = p - centre;
+    pair.arm = p - center;
     pair.normal = Vec3::Zero();
     if (!nearest) return;
     const Vec3 there =
@@ -121,11 +121,11 @@ Sums sum_up(const std::vector<Pair>& pairs, double width_mm, double radius_mm) {
 struct Followed {
   Registration registration;
   double median_mm = std::numeric_limits<double>::infinity();
-  bool is_settled = false;
+  bool has_converged = false;
 };
 
 Result<Followed> follow(const std::vector<Sample>& samples, const Bvh& onto,
-                        const RigidTransform& start, int most_iterations, Progress& progress) {
+                        const RigidTransform& start, int max_iterations, Progress& progress) {
   Vec3 middle = Vec3::Zero();
   for (const Sample& s : samples) middle += s.point / double(samples.size());
   double spread_mm2 = 0.0;
@@ -134,27 +134,27 @@ Result<Followed> follow(const std::vector<Sample>& samples, const Bvh& onto,
   const double radius_mm = std::sqrt(spread_mm2);
 
   Followed now{.registration = {.X_onto_from = start}};
-  for (int k = 0; k < most_iterations && !now.is_settled; ++k) {
+  for (int k = 0; k < max_iterations && !now.has_converged; ++k) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "the registration was stopped");
     RigidTransform& X = now.registration.X_onto_from;
-    const Vec3 centre = X * middle;
-    const std::vector<Pair> pairs = pair_up(samples, X, centre, onto);
+    const Vec3 center = X * middle;
+    const std::vector<Pair> pairs = pair_up(samples, X, center, onto);
     now.median_mm = median_distance_mm(pairs);
     if (!std::isfinite(now.median_mm)) break;
     const double width_mm =
         std::max(kTukey * kSigmaOfMedian * now.median_mm, kTukey * kNarrowest_mm);
     const Sums sums = sum_up(pairs, width_mm, radius_mm);
     now.registration.rms_mm = std::sqrt(sums.squared / sums.weight);
-    now.registration.kept_share = sums.weight / double(pairs.size());
+    now.registration.inlier_fraction = sums.weight / double(pairs.size());
     const Eigen::SelfAdjointEigenSolver<Mat6> eigen(sums.matrix / sums.weight);
-    now.registration.firmness = eigen.eigenvalues()[0];
-    if (!(now.registration.firmness > kLeastFirmness)) break;
+    now.registration.stability = eigen.eigenvalues()[0];
+    if (!(now.registration.stability > kMinFirmness)) break;
     const Vec6 step =
         -eigen.eigenvectors() * (eigen.eigenvectors().transpose() * (sums.vector / sums.weight))
                                     .cwiseQuotient(eigen.eigenvalues());
-    X = geometry::rigid_motion(step.tail<3>(), step.head<3>() / radius_mm, centre) * X;
-    now.is_settled = step.norm() < kSettled_mm;
+    X = geometry::rigid_motion(step.tail<3>(), step.head<3>() / radius_mm, center) * X;
+    now.has_converged = step.norm() < kConverged_mm;
   }
   return now;
 }
@@ -171,11 +171,11 @@ Vec3 centroid(const TriangleMesh& mesh) {
 }
 
 /// Principal axes as the columns of a rotation, by ascending spread.
-Mat3 principal_axes(const TriangleMesh& mesh, const Vec3& centre) {
+Mat3 principal_axes(const TriangleMesh& mesh, const Vec3& center) {
   const std::vector<double> areas_mm2 = vertex_areas(mesh);
   Mat3 spread = Mat3::Zero();
   for (std::size_t v = 0; v < areas_mm2.size(); ++v) {
-    const Vec3 arm = mesh.vertices[v] - centre;
+    const Vec3 arm = mesh.vertices[v] - center;
     spread += areas_mm2[v] * arm * arm.transpose();
   }
   Mat3 axes = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors();
@@ -192,7 +192,7 @@ RigidTransform turned_to(const Mat3& rotation, const Vec3& from, const Vec3& ont
 
 }  // namespace
 
-std::vector<RigidTransform> likely_starts(const TriangleMesh& from, const TriangleMesh& onto) {
+std::vector<RigidTransform> initial_alignments(const TriangleMesh& from, const TriangleMesh& onto) {
   const Vec3 here = centroid(from), there = centroid(onto);
   const Mat3 axes_here = principal_axes(from, here), axes_there = principal_axes(onto, there);
   std::vector<RigidTransform> starts{RigidTransform::Identity(),
@@ -208,15 +208,14 @@ Result<Registration> register_surface(const TriangleMesh& from, const Bvh& onto,
                                       std::span<const RigidTransform> starts,
                                       const RegisterOptions& options, Progress& progress) {
   constexpr Index kFewest = 100;
-  if (options.most_points < kFewest || options.most_iterations < 1 ||
-      !(options.worst_median_mm > 0.0))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} points, {} iterations and a median of {} mm, must be {} and 1 or "
-                            "more, and above 0",
-                            options.most_points, options.most_iterations, options.worst_median_mm,
-                            kFewest));
+  if (options.max_points < kFewest || options.max_iterations < 1 || !(options.max_median_mm > 0.0))
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} points, {} iterations and a median of {} mm, must be {} and 1 or "
+                    "more, and above 0",
+                    options.max_points, options.max_iterations, options.max_median_mm, kFewest));
   if (starts.empty()) return fail(ErrorCode::kInvalidArgument, "no start is given");
-  const std::vector<Sample> all = samples_of(from, options.most_points);
+  const std::vector<Sample> all = samples_of(from, options.max_points);
   if (Index(all.size()) < kFewest)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} vertices with a normal, must be {} or more to register a surface",
@@ -232,26 +231,26 @@ Result<Registration> register_surface(const TriangleMesh& from, const Bvh& onto,
     }
   }
   LEFORT_TRY(best,
-             follow(all, onto, best.registration.X_onto_from, options.most_iterations, progress));
+             follow(all, onto, best.registration.X_onto_from, options.max_iterations, progress));
   const Registration& found = best.registration;
   const auto not_converged = [](std::string what) {
     return fail(ErrorCode::kNotConverged, std::move(what));
   };
-  if (!std::isfinite(best.median_mm) || found.kept_share < kLeastKept)
+  if (!std::isfinite(best.median_mm) || found.inlier_fraction < kMinKept)
     return not_converged(
         fmt::format("{:.0f} % of the surface finds its counterpart on the other, must be {:.0f} %; "
                     "do both show the same bone?",
-                    100.0 * found.kept_share, 100.0 * kLeastKept));
-  if (!(found.firmness > kLeastFirmness))
+                    100.0 * found.inlier_fraction, 100.0 * kMinKept));
+  if (!(found.stability > kMinFirmness))
     return not_converged("the surface can slide along the other, so that no motion is told");
-  if (best.median_mm > options.worst_median_mm)
+  if (best.median_mm > options.max_median_mm)
     return not_converged(fmt::format(
         "half of the surface stays {:.1f} mm or more from the other, must be below {:g} "
         "mm; do both show the same bone?",
-        best.median_mm, options.worst_median_mm));
-  if (!best.is_settled)
+        best.median_mm, options.max_median_mm));
+  if (!best.has_converged)
     return not_converged(
-        fmt::format("the registration does not settle in {} iterations", options.most_iterations));
+        fmt::format("the registration does not settle in {} iterations", options.max_iterations));
   return found;
 }
 

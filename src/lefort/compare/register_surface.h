@@ -13,23 +13,24 @@
 namespace lefort::compare {
 
 struct RegisterOptions {
-  Index most_points = 20000;  ///< Vertices that take part in the last iterations; >= 100.
-  int most_iterations = 200;  ///< >= 1.
+  Index max_points = 20000;  ///< Vertices that take part in the last iterations; >= 100.
+  int max_iterations = 200;  ///< >= 1.
   /// Half of the points must come to lie nearer than this; > 0. Bone in two scans of one patient
   /// lies within parts of a voxel.
-  double worst_median_mm = 1.5;
+  double max_median_mm = 1.5;
 };
 
 struct Registration {
   RigidTransform X_onto_from = RigidTransform::Identity();
-  double rms_mm = 0.0;      ///< Of what distances remain, weighted as below.
-  double kept_share = 0.0;  ///< Mean weight, 0 to 1: what of the surface found its counterpart.
+  double rms_mm = 0.0;  ///< Of what distances remain, weighted as below.
+  double inlier_fraction =
+      0.0;  ///< Mean weight, 0 to 1: what of the surface found its counterpart.
   /// How firmly the least firm of the six motions is held: the mean square of its part along the
   /// normals, 0 for a motion that leaves the surface in itself, as a turn does a ball.
-  double firmness = 0.0;
+  double stability = 0.0;
 };
 
-/// Brings `from` onto `onto` by iterated closest points, minimising distances along the normals
+/// Brings `from` onto `onto` by iterated closest points, minimizing distances along the normals
 /// \cite chen1992 with Tukey's weights, whose width follows the median distance: up to half of
 /// `from` may have no counterpart. Never a mirror image.
 ///
@@ -51,8 +52,8 @@ struct Registration {
                                                     Progress& progress = Progress::none());
 
 /// Starts for two scans of one head whose frames have nothing to do with each other: as it is, by
-/// the centres, and by the centres and principal axes in the four ways that are rotations.
-[[nodiscard]] std::vector<RigidTransform> likely_starts(const geometry::TriangleMesh& from,
-                                                        const geometry::TriangleMesh& onto);
+/// the centers, and by the centers and principal axes in the four ways that are rotations.
+[[nodiscard]] std::vector<RigidTransform> initial_alignments(const geometry::TriangleMesh& from,
+                                                             const geometry::TriangleMesh& onto);
 
 }  // namespace lefort::compare

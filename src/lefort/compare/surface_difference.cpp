@@ -1,6 +1,6 @@
 #include <lefort/compare/surface_difference.h>
 #include <lefort/core/parallel.h>
-#include <lefort/geometry/mesh_edges.h>
+#include <lefort/geometry/edge_incidence.h>
 
 #include <array>
 #include <limits>
@@ -17,7 +17,7 @@ class OpenRim {
   explicit OpenRim(const TriangleMesh& mesh)
       : is_open_side_(mesh.triangles.size(), {false, false, false}),
         is_on_rim_(mesh.vertices.size(), false) {
-    const geometry::SidesByEdge edges(mesh);
+    const geometry::EdgeIncidence edges(mesh);
     for (Index v = 0; v < mesh.vertex_count(); ++v)
       edges.for_each_edge_at(std::int32_t(v), [&](auto smaller, auto larger, auto sides) {
         if (sides.size() != 1) return;
@@ -53,7 +53,7 @@ std::vector<double> vertex_areas(const TriangleMesh& mesh) {
 
 SurfaceDifference measure_difference(const TriangleMesh& from, const geometry::Bvh& onto,
                                      const DifferenceOptions& options) {
-  LEFORT_CHECK(options.most_mm > 0.0);
+  LEFORT_CHECK(options.max_mm > 0.0);
   const OpenRim rim(onto.mesh());
   const geometry::Pseudonormals normals(from);
   SurfaceDifference difference;
@@ -61,7 +61,7 @@ SurfaceDifference measure_difference(const TriangleMesh& from, const geometry::B
   difference.signed_mm.assign(from.vertices.size(), std::numeric_limits<double>::quiet_NaN());
   parallel_for(from.vertex_count(), [&](Index v) {
     const Vec3& p = from.vertices[std::size_t(v)];
-    const auto nearest = onto.closest_point(p, options.most_mm);
+    const auto nearest = onto.closest_point(p, options.max_mm);
     if (!nearest || rim.contains(onto.mesh(), *nearest)) return;
     const Vec3 there = onto.pseudonormals().at(onto.mesh(), nearest->triangle, nearest->feature);
     if (normals.at_vertex(from, v).dot(there) <= 0.0) return;

@@ -11,7 +11,7 @@ namespace lefort::compare {
 
 /// When a vertex has nothing on the other surface that it can be held against.
 struct DifferenceOptions {
-  double most_mm = 20.0;  ///< Further apart is no pair; > 0.
+  double max_mm = 20.0;  ///< Further apart is no pair; > 0.
 };
 
 struct SurfaceDifference {
@@ -24,7 +24,7 @@ struct SurfaceDifference {
 
 /// Distance from every vertex of `from` to the surface `onto`.
 ///
-/// Not compared is a vertex whose nearest point is further than `most_mm`, lies on an open edge of
+/// Not compared is a vertex whose nearest point is further than `max_mm`, lies on an open edge of
 /// `onto` (the other surface ends there), or faces the other way (another sheet, as the inner side
 /// of a lip).
 ///

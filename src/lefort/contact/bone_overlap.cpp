@@ -28,7 +28,7 @@ std::vector<Vec3> points_of(const SolidBone& bone, double spacing_mm) {
 }
 
 /// Depth at each point; 0 outside.
-std::vector<double> depths(const BoneObstacle& bone, std::span<const Vec3> points_L) {
+std::vector<double> depths(const RigidObstacle& bone, std::span<const Vec3> points_L) {
   std::vector<Gap> gaps(points_L.size());
   measure_gaps(bone, points_L, Derivatives::kFirst, gaps);
   std::vector<double> depth_mm(points_L.size(), 0.0);
@@ -41,7 +41,7 @@ std::vector<double> depths(const BoneObstacle& bone, std::span<const Vec3> point
 }
 
 /// Volume of the box that lies in both bones.
-double volume_in_both_mm3(const BoneObstacle& a, const BoneObstacle& b, const Box3& box_L) {
+double volume_in_both_mm3(const RigidObstacle& a, const RigidObstacle& b, const Box3& box_L) {
   constexpr double kFinest_mm = 0.05;
   constexpr double kPoints = 1e6;
   const double spacing_mm = std::max(kFinest_mm, std::cbrt(box_L.volume() / kPoints));
@@ -68,12 +68,13 @@ double volume_in_both_mm3(const BoneObstacle& a, const BoneObstacle& b, const Bo
 
 }  // namespace
 
-BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& still,
+BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& stationary,
                             double edge_spacing_mm) {
-  LEFORT_CHECK(moved.surface_B != nullptr && still.surface_B != nullptr && edge_spacing_mm > 0.0);
+  LEFORT_CHECK(moved.surface_B != nullptr && stationary.surface_B != nullptr &&
+               edge_spacing_mm > 0.0);
   BoneOverlap overlap;
   Box3 box_L;
-  const auto look = [&](const SolidBone& of, const BoneObstacle& in) {
+  const auto look = [&](const SolidBone& of, const RigidObstacle& in) {
     const std::vector<Vec3> points_L = points_of(of, edge_spacing_mm);
     std::vector<double> depth_mm = depths(in, points_L);
     for (std::size_t i = 0; i < points_L.size(); ++i) {
@@ -84,7 +85,8 @@ BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& still,
       // What lies between two points is no further from one than that.
       box_L.extend(points_L[i] - Vec3::Constant(edge_spacing_mm));
       box_L.extend(points_L[i] + Vec3::Constant(edge_spacing_mm));
-      if (depth_mm[i] >= in.detector_B->reach_mm()) overlap.is_beyond_reach = true;
+      if (depth_mm[i] >= in.distance_query_B->max_distance_mm())
+        overlap.depth_is_lower_bound = true;
       if (depth_mm[i] <= overlap.deepest_mm) continue;
       overlap.deepest_mm = depth_mm[i];
       overlap.deepest_L = points_L[i];
@@ -92,10 +94,10 @@ BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& still,
     depth_mm.resize(of.surface_B->vertices.size());
     return depth_mm;
   };
-  overlap.depth_mm = look(moved, still.obstacle);
-  overlap.depth_of_second_mm = look(still, moved.obstacle);
+  overlap.depth_mm = look(moved, stationary.obstacle);
+  overlap.depth_of_second_mm = look(stationary, moved.obstacle);
   if (overlap.overlaps())
-    overlap.volume_mm3 = volume_in_both_mm3(moved.obstacle, still.obstacle, box_L);
+    overlap.volume_mm3 = volume_in_both_mm3(moved.obstacle, stationary.obstacle, box_L);
   return overlap;
 }
 

@@ -2,7 +2,7 @@
 /// Where one bone has been moved into another: told before anything is solved.
 #pragma once
 
-#include <lefort/contact/bone_obstacle.h>
+#include <lefort/contact/rigid_obstacle.h>
 #include <lefort/core/types.h>
 #include <lefort/geometry/triangle_mesh.h>
 
@@ -13,16 +13,16 @@ namespace lefort::contact {
 /// A bone's surface and who tells how far points are from it, both in its own frame.
 struct SolidBone {
   const geometry::TriangleMesh* surface_B = nullptr;  ///< Closed. Not owned.
-  BoneObstacle obstacle;
+  RigidObstacle obstacle;
 };
 
 /// Where two bones are in each other.
 struct BoneOverlap {
   double volume_mm3 = 0.0;
-  double deepest_mm = 0.0;        ///< 0 if they do not overlap; at most a detector's reach.
-  Vec3 deepest_L = Vec3::Zero();  ///< Where that is.
-  bool is_beyond_reach = false;   ///< Somewhere deeper than a detector can tell.
-  std::vector<double> depth_mm;   ///< Of each vertex of the first bone in the second; 0 outside.
+  double deepest_mm = 0.0;            ///< 0 if they do not overlap; at most a detector's reach.
+  Vec3 deepest_L = Vec3::Zero();      ///< Where that is.
+  bool depth_is_lower_bound = false;  ///< Somewhere deeper than a detector can tell.
+  std::vector<double> depth_mm;  ///< Of each vertex of the first bone in the second; 0 outside.
   std::vector<double> depth_of_second_mm;  ///< The other way round.
 
   [[nodiscard]] bool overlaps() const { return deepest_mm > 0.0; }
@@ -39,7 +39,7 @@ inline constexpr double kTouching_mm = 0.1;
 /// bone that is wholly inside the other beyond its detector's reach counts as that deep.
 /// \param edge_spacing_mm  > 0.
 /// \note Cost: a query per vertex, and per edge spacing; a million or so for the volume.
-[[nodiscard]] BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& still,
+[[nodiscard]] BoneOverlap measure_overlap(const SolidBone& moved, const SolidBone& stationary,
                                           double edge_spacing_mm);
 
 }  // namespace lefort::contact

@@ -1,5 +1,5 @@
 #include <lefort/contact/contact_term.h>
-#include <lefort/contact/surface_rule.h>
+#include <lefort/contact/face_quadrature.h>
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 #include <lefort/mesh/element_faces.h>
@@ -18,11 +18,11 @@ namespace lefort::contact {
 namespace {
 
 /// The nodes of a patch, picked from all.
-struct PatchNodes {
+struct NodeListBuilder {
   std::array<Vec3, kMaxFaceNodes> x_L;
   std::size_t count = 0;
 
-  PatchNodes(std::span<const std::int32_t> nodes, std::span<const Vec3> all_L)
+  NodeListBuilder(std::span<const std::int32_t> nodes, std::span<const Vec3> all_L)
       : count(nodes.size()) {
     for (std::size_t a = 0; a < count; ++a) x_L[a] = all_L[std::size_t(nodes[a])];
   }
@@ -34,7 +34,7 @@ struct RuleGaps {
   std::array<Vec3, kMaxPoints> p_L;
   std::array<Gap, kMaxPoints> gaps;
 
-  RuleGaps(const BoneObstacle& obstacle, const SurfaceRule& rule, std::span<const Vec3> x_L,
+  RuleGaps(const RigidObstacle& obstacle, const FaceQuadrature& rule, std::span<const Vec3> x_L,
            Derivatives derivatives) {
     const std::size_t count = rule.points.size();
     for (std::size_t q = 0; q < count; ++q) p_L[q] = interpolate(rule.points[q], x_L);
@@ -43,20 +43,20 @@ struct RuleGaps {
 };
 
 /// What lies behind the `share` of the area that lies deepest.
-double depth_at_share(std::vector<std::pair<double, double>> depth_and_area, double share) {
+double depth_at_fraction(std::vector<std::pair<double, double>> depth_and_area, double fraction) {
   std::sort(depth_and_area.begin(), depth_and_area.end(), std::greater<>());
   double total_mm2 = 0.0, passed_mm2 = 0.0;
   for (const auto& [depth_mm, area_mm2] : depth_and_area) total_mm2 += area_mm2;
   for (const auto& [depth_mm, area_mm2] : depth_and_area) {
     passed_mm2 += area_mm2;
-    if (passed_mm2 > share * total_mm2) return depth_mm;
+    if (passed_mm2 > fraction * total_mm2) return depth_mm;
   }
   return 0.0;
 }
 
 }  // namespace
 
-ContactSummary together(const ContactSummary& a, const ContactSummary& b) {
+ContactStatistics combine(const ContactStatistics& a, const ContactStatistics& b) {
   const double area_mm2 = a.area_mm2 + b.area_mm2;
   const auto mean = [&](double of_a, double of_b) {
     return area_mm2 > 0.0 ? (a.area_mm2 * of_a + b.area_mm2 * of_b) / area_mm2 : 0.0;
@@ -81,28 +81,28 @@ struct ContactTerm::PointGap {
 };
 
 ContactTerm::ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
-                         BoneObstacle obstacle, const Options& options,
-                         std::span<const BoneObstacle> beside)
+                         RigidObstacle obstacle, const Options& options,
+                         std::span<const RigidObstacle> other_obstacles)
     : name_(options.name),
       obstacle_(std::move(obstacle)),
       stiffness_mpa_per_mm_(options.stiffness_mpa_per_mm),
       penetration_tolerance_mm_(options.penetration_tolerance_mm) {
-  LEFORT_CHECK(obstacle_.detector_B != nullptr);
+  LEFORT_CHECK(obstacle_.distance_query_B != nullptr);
   LEFORT_CHECK(stiffness_mpa_per_mm_ > 0.0 && options.capture_mm >= 0.0);
   LEFORT_CHECK(options.penetration_tolerance_mm.value_or(1.0) > 0.0);
-  LEFORT_CHECK(options.capture_mm < obstacle_.detector_B->reach_mm());
+  LEFORT_CHECK(options.capture_mm < obstacle_.distance_query_B->max_distance_mm());
   if (options.integration == Integration::kQuadrature)
     add_faces(nodes_L, faces);
   else
     add_nodes(nodes_L, faces);
   for (const Patch& patch : patches_)
-    for_each_point(patch, nodes_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
-      const bool rests_beside =
-          std::any_of(beside.begin(), beside.end(), [&](const BoneObstacle& other) {
+    for_each_point(patch, nodes_L, [&](std::size_t k, const QuadraturePoint&, const PointGap& at) {
+      const bool rests_beside = std::any_of(
+          other_obstacles.begin(), other_obstacles.end(), [&](const RigidObstacle& other) {
             return measure_gap(other, at.p_L, Derivatives::kFirst).gap_mm < at.measured.gap_mm;
           });
       points_[k].rest_gap_mm = rest_gap_mm(at.measured, rests_beside ? 0.0 : options.capture_mm);
-      points_[k].last_sight = look(obstacle_, at.p_L, at.measured);
+      points_[k].committed_reference = contact_reference(obstacle_, at.p_L, at.measured);
     });
   last_clearance_.resize(patches_.size());
   note_clearances(nodes_L);
@@ -116,25 +116,25 @@ void ContactTerm::add_faces(std::span<const Vec3> nodes_L, const std::vector<mes
                 .rule = std::uint8_t(face.shape),
                 .first_point = points_.size()};
     std::copy(nodes.begin(), nodes.end(), patch.nodes.begin());
-    const PatchNodes x(nodes, nodes_L);
-    for (const RulePoint& point : surface_rule(patch.rule).points)
+    const NodeListBuilder x(nodes, nodes_L);
+    for (const QuadraturePoint& point : face_quadrature(patch.rule).points)
       points_.push_back({.area_mm2 = area_mm2(point, x.span())});
     patches_.push_back(patch);
   }
 }
 
 void ContactTerm::add_nodes(std::span<const Vec3> nodes_L, const std::vector<mesh::Face>& faces) {
-  std::map<std::int32_t, double> share_mm2;
+  std::map<std::int32_t, double> fraction_mm2;
   for (const mesh::Face& face : faces) {
     const auto nodes = mesh::nodes_of(face);
-    const PatchNodes x(nodes, nodes_L);
+    const NodeListBuilder x(nodes, nodes_L);
     double face_mm2 = 0.0;
-    for (const RulePoint& point : surface_rule(std::size_t(face.shape)).points)
+    for (const QuadraturePoint& point : face_quadrature(std::size_t(face.shape)).points)
       face_mm2 += area_mm2(point, x.span());
     for (std::size_t a = 0; a < nodes.size(); ++a)
-      share_mm2[nodes[a]] += face_mm2 * share_of_node(face.shape, a);
+      fraction_mm2[nodes[a]] += face_mm2 * lumped_weight(face.shape, a);
   }
-  for (const auto& [node, area_mm2] : share_mm2) {
+  for (const auto& [node, area_mm2] : fraction_mm2) {
     patches_.push_back(
         {.nodes = {node}, .count = 1, .rule = kNodeRule, .first_point = points_.size()});
     points_.push_back({.area_mm2 = area_mm2});
@@ -144,8 +144,8 @@ void ContactTerm::add_nodes(std::span<const Vec3> nodes_L, const std::vector<mes
 template <class Function>
 void ContactTerm::for_each_point(const Patch& patch, std::span<const Vec3> x_L,
                                  const Function& f) const {
-  const PatchNodes x(patch.span(), x_L);
-  const SurfaceRule& rule = surface_rule(patch.rule);
+  const NodeListBuilder x(patch.span(), x_L);
+  const FaceQuadrature& rule = face_quadrature(patch.rule);
   const RuleGaps at(obstacle_, rule, x.span(), Derivatives::kFirst);
   for (std::size_t q = 0; q < rule.points.size(); ++q)
     f(patch.first_point + q, rule.points[q],
@@ -155,11 +155,13 @@ void ContactTerm::for_each_point(const Patch& patch, std::span<const Vec3> x_L,
 
 double ContactTerm::pressure_at(const Point& point, const Gap& acting) const {
   if (acting.zone != field::Zone::kBand) return 0.0;
-  return pressure_mpa(point.rest_gap_mm - acting.gap_mm, spring_at(point));
+  return pressure_mpa(point.rest_gap_mm - acting.gap_mm, penalty_at(point));
 }
 
 Gap ContactTerm::acting_gap(const Point& point, const Vec3& p_L, const Gap& measured) const {
-  return point.now.keeps_side ? gap_to_wall(obstacle_, p_L, point.last_sight) : measured;
+  return point.now.is_plane_constrained
+             ? gap_to_tangent_plane(obstacle_, p_L, point.committed_reference)
+             : measured;
 }
 
 double ContactTerm::rest_gap_mm(const Gap& at_rest, double capture_mm) const {
@@ -167,38 +169,43 @@ double ContactTerm::rest_gap_mm(const Gap& at_rest, double capture_mm) const {
   return touches ? at_rest.gap_mm : std::min(at_rest.gap_mm, 0.0);
 }
 
-void ContactTerm::remember(std::span<const Vec3> x_L) {
+void ContactTerm::commit(std::span<const Vec3> x_L) {
   tunnelled_area_mm2_ += deterministic_sum(Index(patches_.size()), 0.0, [&](Index item) {
     double lost_mm2 = 0.0;
     for_each_point(
-        patches_[std::size_t(item)], x_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
+        patches_[std::size_t(item)], x_L,
+        [&](std::size_t k, const QuadraturePoint&, const PointGap& at) {
           Point& point = points_[k];
-          const bool has_strayed =
-              keeps_sides() && is_past_middle(obstacle_, at.p_L, at.measured, point.last_sight);
-          if (!has_strayed && has_tunnelled(point, at.measured)) lost_mm2 += point.area_mm2;
-          point.remembered = point.now;
-          point.has_strayed = has_strayed;
-          point.sees_its_side = point.now.keeps_side &&
-                                sees_its_side(obstacle_, at.p_L, at.measured, point.last_sight);
-          if (!point.now.keeps_side && !has_strayed)
-            point.last_sight = look(obstacle_, at.p_L, at.measured);
+          const bool crossed_medial_surface =
+              uses_tangent_planes() &&
+              has_crossed_medial_surface(obstacle_, at.p_L, at.measured, point.committed_reference);
+          if (!crossed_medial_surface && has_tunnelled(point, at.measured))
+            lost_mm2 += point.area_mm2;
+          point.committed = point.now;
+          point.crossed_medial_surface = crossed_medial_surface;
+          point.has_returned =
+              point.now.is_plane_constrained &&
+              has_returned(obstacle_, at.p_L, at.measured, point.committed_reference);
+          if (!point.now.is_plane_constrained && !crossed_medial_surface)
+            point.committed_reference = contact_reference(obstacle_, at.p_L, at.measured);
         });
     return lost_mm2;
   });
   note_clearances(x_L);
 }
 
-Index ContactTerm::keep_sides(std::span<const Vec3> x_L) {
-  if (!keeps_sides()) return 0;
+Index ContactTerm::activate_tangent_planes(std::span<const Vec3> x_L) {
+  if (!uses_tangent_planes()) return 0;
   return deterministic_sum(Index(patches_.size()), Index(0), [&](Index item) {
     Index kept = 0;
     for_each_point(patches_[std::size_t(item)], x_L,
-                   [&](std::size_t k, const RulePoint&, const PointGap& at) {
+                   [&](std::size_t k, const QuadraturePoint&, const PointGap& at) {
                      Point& point = points_[k];
-                     if (point.now.keeps_side ||
-                         !is_past_middle(obstacle_, at.p_L, at.measured, point.last_sight))
+                     if (point.now.is_plane_constrained ||
+                         !has_crossed_medial_surface(obstacle_, at.p_L, at.measured,
+                                                     point.committed_reference))
                        return;
-                     point.now.keeps_side = true;
+                     point.now.is_plane_constrained = true;
                      last_clearance_[std::size_t(item)].clearance_mm = 0.0;
                      ++kept;
                    });
@@ -208,40 +215,42 @@ Index ContactTerm::keep_sides(std::span<const Vec3> x_L) {
 
 void ContactTerm::note_clearances(std::span<const Vec3> x_L) {
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
-  const double reach_mm = obstacle_.detector_B->reach_mm();
+  const double max_distance_mm = obstacle_.distance_query_B->max_distance_mm();
   parallel_for(Index(patches_.size()), [&](Index item) {
     const Patch& patch = patches_[std::size_t(item)];
-    const PatchNodes x(patch.span(), x_L);
+    const NodeListBuilder x(patch.span(), x_L);
     Clearance& clearance = last_clearance_[std::size_t(item)];
-    clearance.clearance_mm = reach_mm;
+    clearance.clearance_mm = max_distance_mm;
     for (std::size_t a = 0; a < x.count; ++a)
       clearance.nodes_B[a] = R_BL * (x.x_L[a] - obstacle_.X_LB.translation());
-    for_each_point(patch, x_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
+    for_each_point(patch, x_L, [&](std::size_t k, const QuadraturePoint&, const PointGap& at) {
       const Point& point = points_[k];
       const bool is_seen =
           at.measured.zone == field::Zone::kBand || at.measured.zone == field::Zone::kOutside;
       const double touching_at_mm = std::max(point.rest_gap_mm, 0.0);
-      const bool may_be_clear = is_seen && point.now.multiplier_mpa == 0.0 && !point.now.keeps_side;
+      const bool may_be_clear =
+          is_seen && point.now.multiplier_mpa == 0.0 && !point.now.is_plane_constrained;
       clearance.clearance_mm = std::min(clearance.clearance_mm,
                                         may_be_clear ? at.measured.gap_mm - touching_at_mm : 0.0);
     });
   });
 }
 
-void ContactTerm::augment(std::span<const Vec3> x_L) {
+void ContactTerm::update_multipliers(std::span<const Vec3> x_L) {
   constexpr double kEnough = 0.5;  // Of the depth before, that one augmentation should leave.
   constexpr double kStiffer = 4.0, kStiffest = 64.0;
   parallel_for(Index(patches_.size()), [&](Index item) {
     for_each_point(patches_[std::size_t(item)], x_L,
-                   [&](std::size_t k, const RulePoint&, const PointGap& at) {
+                   [&](std::size_t k, const QuadraturePoint&, const PointGap& at) {
                      Point& point = points_[k];
                      const double depth_mm = point.rest_gap_mm - at.acting.gap_mm;
                      point.now.multiplier_mpa = pressure_at(point, at.acting);
                      if (!(point.now.multiplier_mpa > 0.0))
-                       point.now.stiffening = 1.0;
+                       point.now.penalty_scale = 1.0;
                      else if (depth_mm > penetration_tolerance_mm_.value_or(0.0) &&
                               depth_mm > kEnough * point.now.depth_mm)
-                       point.now.stiffening = std::min(kStiffer * point.now.stiffening, kStiffest);
+                       point.now.penalty_scale =
+                           std::min(kStiffer * point.now.penalty_scale, kStiffest);
                      point.now.depth_mm = depth_mm;
                      // A pressure that is borne without depth reaches beyond the clearance.
                      if (point.now.multiplier_mpa > 0.0)
@@ -250,52 +259,54 @@ void ContactTerm::augment(std::span<const Vec3> x_L) {
   });
 }
 
-void ContactTerm::recall() {
-  for (Point& point : points_) point.now = point.remembered;
+void ContactTerm::rollback() {
+  for (Point& point : points_) point.now = point.committed;
 }
 
-void ContactTerm::begin() {
+void ContactTerm::begin_step() {
   for (Point& point : points_)
-    point.now = {.multiplier_mpa = point.remembered.multiplier_mpa,
-                 .keeps_side = point.remembered.keeps_side && !point.sees_its_side,
-                 .stiffening = point.remembered.stiffening};
+    point.now = {
+        .multiplier_mpa = point.committed.multiplier_mpa,
+        .is_plane_constrained = point.committed.is_plane_constrained && !point.has_returned,
+        .penalty_scale = point.committed.penalty_scale};
 }
 
-ContactTerm::Memory ContactTerm::memory() const {
-  Memory memory{.multipliers_mpa = {},
-                .stiffenings = {},
-                .walls = {},
-                .tunnelled_area_mm2 = tunnelled_area_mm2_};
+ContactTerm::Checkpoint ContactTerm::checkpoint() const {
+  Checkpoint checkpoint{.multipliers_mpa = {},
+                        .penalty_scales = {},
+                        .tangent_planes = {},
+                        .tunnelled_area_mm2 = tunnelled_area_mm2_};
   for (const Point& point : points_) {
-    memory.multipliers_mpa.push_back(point.remembered.multiplier_mpa);
-    memory.stiffenings.push_back(point.remembered.stiffening);
-    memory.walls.push_back({.foot_B = point.last_sight.foot_B,
-                            .normal_B = point.last_sight.normal_B,
-                            .keeps_side = point.remembered.keeps_side});
+    checkpoint.multipliers_mpa.push_back(point.committed.multiplier_mpa);
+    checkpoint.penalty_scales.push_back(point.committed.penalty_scale);
+    checkpoint.tangent_planes.push_back(
+        {.foot_B = point.committed_reference.foot_B,
+         .normal_B = point.committed_reference.normal_B,
+         .is_plane_constrained = point.committed.is_plane_constrained});
   }
-  return memory;
+  return checkpoint;
 }
 
-void ContactTerm::restore(const Memory& memory, std::span<const Vec3> x_L) {
-  LEFORT_CHECK(memory.multipliers_mpa.size() == points_.size());
-  LEFORT_CHECK(memory.stiffenings.size() == points_.size());
-  LEFORT_CHECK(memory.walls.size() == points_.size());
+void ContactTerm::restore(const Checkpoint& checkpoint, std::span<const Vec3> x_L) {
+  LEFORT_CHECK(checkpoint.multipliers_mpa.size() == points_.size());
+  LEFORT_CHECK(checkpoint.penalty_scales.size() == points_.size());
+  LEFORT_CHECK(checkpoint.tangent_planes.size() == points_.size());
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Memory::Wall& wall = memory.walls[k];
-    points_[k].now = {.multiplier_mpa = memory.multipliers_mpa[k],
-                      .keeps_side = wall.keeps_side,
-                      .stiffening = memory.stiffenings[k]};
-    points_[k].last_sight = {wall.foot_B, wall.normal_B, true};
+    const Checkpoint::TangentPlane& tangent_plane = checkpoint.tangent_planes[k];
+    points_[k].now = {.multiplier_mpa = checkpoint.multipliers_mpa[k],
+                      .is_plane_constrained = tangent_plane.is_plane_constrained,
+                      .penalty_scale = checkpoint.penalty_scales[k]};
+    points_[k].committed_reference = {tangent_plane.foot_B, tangent_plane.normal_B, true};
   }
-  remember(x_L);
-  tunnelled_area_mm2_ = memory.tunnelled_area_mm2;
+  commit(x_L);
+  tunnelled_area_mm2_ = checkpoint.tunnelled_area_mm2;
 }
 
-std::optional<std::string> ContactTerm::why_refused(std::span<const Vec3> x_L) const {
-  constexpr double kMostTunnelled = 0.02;  // Of the area in contact, in one increment.
+std::optional<std::string> ContactTerm::rejection_reason(std::span<const Vec3> x_L) const {
+  constexpr double kMaxTunnelledFraction = 0.02;  // Of the area in contact, in one increment.
   const double tunnelled_mm2 = newly_tunnelled_area_mm2(x_L);
-  const double touching_mm2 = summarise(x_L).area_mm2;
-  if (tunnelled_mm2 <= kMostTunnelled * touching_mm2) return std::nullopt;
+  const double touching_mm2 = summarize(x_L).area_mm2;
+  if (tunnelled_mm2 <= kMaxTunnelledFraction * touching_mm2) return std::nullopt;
   return fmt::format(
       "{:.1f} of {:.1f} mm^2 of tissue in contact have tunnelled through {} in one increment",
       tunnelled_mm2, touching_mm2, name_);
@@ -307,14 +318,14 @@ double ContactTerm::rest_penetration_mm() const {
   return deepest_mm;
 }
 
-bool ContactTerm::is_out_of_reach(std::size_t patch, std::span<const Vec3> x_L) const {
+bool ContactTerm::is_out_of_range(std::size_t patch, std::span<const Vec3> x_L) const {
   constexpr double kSlack = 0.2;  // Of what the detector resolves: its jumps, many times over.
   constexpr double kSlope = 1.1;  // Likewise for the length of its gradient.
-  const double slack_mm = kSlack * obstacle_.detector_B->resolution_mm();
+  const double slack_mm = kSlack * obstacle_.distance_query_B->resolution_mm();
   const Clearance& last = last_clearance_[patch];
   if (last.clearance_mm <= slack_mm) return false;
   const double allowed_mm =
-      (last.clearance_mm - slack_mm) / (kSlope * surface_rule(patches_[patch].rule).reach);
+      (last.clearance_mm - slack_mm) / (kSlope * face_quadrature(patches_[patch].rule).reach);
   const Mat3 R_BL = obstacle_.X_LB.linear().transpose();
   for (std::size_t a = 0; a < x_L.size(); ++a) {
     const Vec3 x_B = R_BL * (x_L[a] - obstacle_.X_LB.translation());
@@ -326,16 +337,17 @@ bool ContactTerm::is_out_of_reach(std::size_t patch, std::span<const Vec3> x_L) 
 bool ContactTerm::has_tunnelled(const Point& point, const Gap& gap) const {
   // Outside the bone, normals turn freely: across a groove one wall takes over from the other.
   constexpr double kFarSide = -0.5;  // Cosine; an edge of over 60 degrees has no far side.
-  return !point.now.keeps_side && !point.has_strayed && gap.zone == field::Zone::kBand &&
-         gap.gap_mm < 0.0 &&
-         (obstacle_.X_LB.linear() * point.last_sight.normal_B).dot(gap.gradient_L) < kFarSide;
+  return !point.now.is_plane_constrained && !point.crossed_medial_surface &&
+         gap.zone == field::Zone::kBand && gap.gap_mm < 0.0 &&
+         (obstacle_.X_LB.linear() * point.committed_reference.normal_B).dot(gap.gradient_L) <
+             kFarSide;
 }
 
 double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
   return deterministic_sum(Index(patches_.size()), 0.0, [&](Index item) {
     double tunnelled_mm2 = 0.0;
     for_each_point(patches_[std::size_t(item)], x_L,
-                   [&](std::size_t k, const RulePoint&, const PointGap& at) {
+                   [&](std::size_t k, const QuadraturePoint&, const PointGap& at) {
                      if (has_tunnelled(points_[k], at.measured))
                        tunnelled_mm2 += points_[k].area_mm2;
                    });
@@ -345,9 +357,9 @@ double ContactTerm::newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const {
 
 bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
                            fem::LocalEquations& local) const {
-  if (is_out_of_reach(std::size_t(item), x_L)) return true;
+  if (is_out_of_range(std::size_t(item), x_L)) return true;
   const Patch& patch = patches_[std::size_t(item)];
-  const SurfaceRule& rule = surface_rule(patch.rule);
+  const FaceQuadrature& rule = face_quadrature(patch.rule);
   const RuleGaps measured(obstacle_, rule, x_L,
                           local.wants_stiffness() ? Derivatives::kSecond : Derivatives::kFirst);
   const auto nodes = Index(x_L.size());
@@ -356,15 +368,15 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
     const auto& N = rule.points[q].N;
     const field::Zone zone = measured.gaps[q].zone;
     if (zone == field::Zone::kInside) return false;
-    if (zone == field::Zone::kUnknown && point.last_sight.knows_side) return false;
+    if (zone == field::Zone::kUnknown && point.committed_reference.is_side_known) return false;
 
     const Gap gap = acting_gap(point, measured.p_L[q], measured.gaps[q]);
     const double depth_mm = point.rest_gap_mm - gap.gap_mm;
-    const Spring spring = spring_at(point);
+    const PenaltyParameters penalty = penalty_at(point);
     const PenaltyResponse response =
-        penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, spring);
+        penalty_response(depth_mm, gap.gradient_L, gap.hessian_L, penalty);
     local.energy_mj += point.area_mm2 * response.energy_mj_per_mm2;
-    if (gap.zone != field::Zone::kBand || !(pressure_mpa(depth_mm, spring) > 0.0)) continue;
+    if (gap.zone != field::Zone::kBand || !(pressure_mpa(depth_mm, penalty) > 0.0)) continue;
 
     ++local.contacts;
     local.deepest_mm = std::max(local.deepest_mm, depth_mm);
@@ -375,7 +387,7 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
     const Mat3 hessian_mpa_per_mm =
         local.tangent == fem::Tangent::kExact
             ? response.hessian_mpa_per_mm
-            : convex_hessian(depth_mm, gap.gradient_L, gap.hessian_L, spring);
+            : psd_projected_hessian(depth_mm, gap.gradient_L, gap.hessian_L, penalty);
     for (Index a = 0; a < nodes; ++a)
       for (Index b = 0; b < nodes; ++b)
         local.stiffness_n_per_mm.block<3, 3>(3 * a, 3 * b) +=
@@ -384,13 +396,13 @@ bool ContactTerm::evaluate(Index item, std::span<const Vec3> x_L,
   return true;
 }
 
-ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
+ContactStatistics ContactTerm::summarize(std::span<const Vec3> x_L) const {
   constexpr double kDeepest = 0.01;  // Of the area in contact: what lies beyond the P99.
-  ContactSummary summary;
+  ContactStatistics summary;
   std::set<std::int32_t> nodes;
   std::vector<std::pair<double, double>> depth_and_area;
   for (const Patch& patch : patches_) {
-    for_each_point(patch, x_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
+    for_each_point(patch, x_L, [&](std::size_t k, const QuadraturePoint&, const PointGap& at) {
       const Point& point = points_[k];
       const double p_mpa = pressure_at(point, at.acting);
       if (!(p_mpa > 0.0)) return;
@@ -412,7 +424,7 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
     });
   }
   summary.p99_depth_from_rest_mm =
-      std::max(depth_at_share(std::move(depth_and_area), kDeepest), 0.0);
+      std::max(depth_at_fraction(std::move(depth_and_area), kDeepest), 0.0);
   summary.nodes = Index(nodes.size());
   summary.tunnelled_area_mm2 = tunnelled_area_mm2_;
   if (summary.area_mm2 > 0.0) {
@@ -425,7 +437,7 @@ ContactSummary ContactTerm::summarise(std::span<const Vec3> x_L) const {
 std::vector<TouchedPoint> ContactTerm::touched_points(std::span<const Vec3> x_L) const {
   std::vector<TouchedPoint> touched;
   for (const Patch& patch : patches_)
-    for_each_point(patch, x_L, [&](std::size_t k, const RulePoint&, const PointGap& at) {
+    for_each_point(patch, x_L, [&](std::size_t k, const QuadraturePoint&, const PointGap& at) {
       const Vec3 traction_mpa = pressure_at(points_[k], at.acting) * at.acting.gradient_L;
       if (traction_mpa.isZero(0.0)) return;
       touched.push_back({.x_L = at.p_L,
@@ -438,9 +450,9 @@ std::vector<TouchedPoint> ContactTerm::touched_points(std::span<const Vec3> x_L)
 std::vector<NodalContact> ContactTerm::at_nodes(std::span<const Vec3> x_L) const {
   // Not the pressure at the node itself: flat faces around a ball touch it in their middles alone.
   std::map<std::int32_t, NodalContact> of_node;
-  std::map<std::int32_t, double> share_mm2;
+  std::map<std::int32_t, double> fraction_mm2;
   for (const Patch& patch : patches_) {
-    for_each_point(patch, x_L, [&](std::size_t k, const RulePoint& rule, const PointGap& at) {
+    for_each_point(patch, x_L, [&](std::size_t k, const QuadraturePoint& rule, const PointGap& at) {
       const Point& point = points_[k];
       const double p_mpa = pressure_at(point, at.acting) * at.acting.gradient_L.norm();
       const double depth_mm =
@@ -450,7 +462,7 @@ std::vector<NodalContact> ContactTerm::at_nodes(std::span<const Vec3> x_L) const
         NodalContact& node = of_node[patch.nodes[a]];
         node.pressure_mpa += weight_mm2 * p_mpa;
         node.depth_mm = std::max(node.depth_mm, depth_mm);
-        share_mm2[patch.nodes[a]] += weight_mm2;
+        fraction_mm2[patch.nodes[a]] += weight_mm2;
       }
     });
   }
@@ -458,7 +470,7 @@ std::vector<NodalContact> ContactTerm::at_nodes(std::span<const Vec3> x_L) const
   for (auto& [node, contact] : of_node) {
     const Gap gap = measure_gap(obstacle_, x_L[std::size_t(node)], Derivatives::kFirst);
     contact.node = node;
-    contact.pressure_mpa /= share_mm2.at(node);
+    contact.pressure_mpa /= fraction_mm2.at(node);
     contact.gap_mm =
         gap.zone == field::Zone::kUnknown ? std::numeric_limits<double>::quiet_NaN() : gap.gap_mm;
     touched.push_back(contact);

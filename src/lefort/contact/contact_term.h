@@ -3,10 +3,10 @@
 /// (penalty.h) integrated over the tissue's surface.
 #pragma once
 
-#include <lefort/contact/bone_obstacle.h>
-#include <lefort/contact/bone_side.h>
 #include <lefort/contact/measure_gap.h>
 #include <lefort/contact/penalty.h>
+#include <lefort/contact/rigid_obstacle.h>
+#include <lefort/contact/thin_bone_contact.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/assembly/force_term.h>
 #include <lefort/mesh/volume_mesh.h>
@@ -34,7 +34,7 @@ enum class Integration : std::uint8_t {
 }
 
 /// What contact does at one state.
-struct ContactSummary {
+struct ContactStatistics {
   Index points = 0;       ///< Points of integration in contact.
   Index nodes = 0;        ///< Nodes of faces with such a point.
   double area_mm2 = 0.0;  ///< Of the tissue's surface at rest, in contact.
@@ -54,7 +54,7 @@ struct ContactSummary {
 
 /// What contact with two bones does: sums, maxima, means over both areas. Tissue that touches both
 /// counts twice. The P99 is the larger one; that of the area of both is no larger.
-[[nodiscard]] ContactSummary together(const ContactSummary& a, const ContactSummary& b);
+[[nodiscard]] ContactStatistics combine(const ContactStatistics& a, const ContactStatistics& b);
 
 /// What contact does at one node of its faces.
 struct NodalContact {
@@ -79,15 +79,15 @@ struct TouchedPoint {
 /// `capture_mm` of the bone touches it, and a point that the mesh put deeper starts from there.
 ///
 /// In thin bone the nearest surface may be the far one, and the way out leads through the bone. So
-/// the term remembers what each point saw of the bone when remember() was last called. Where a
+/// the term remembers what each point saw of the bone when commit() was last called. Where a
 /// depth is asked for, a point that has come past the middle since is held off by that
-/// (bone_side.h) once keep_sides() was called, and from then on until it sees its side again and
-/// begin() is called. In between nothing changes sides, so that there is a potential. The penalty
-/// alone is too soft for that: tissue lies in thin bone at most states, and which of it were held
-/// off would depend on the increments.
+/// (thin_bone_contact.h) once activate_tangent_planes() was called, and from then on until it sees
+/// its side again and begin() is called. In between nothing changes sides, so that there is a
+/// potential. The penalty alone is too soft for that: tissue lies in thin bone at most states, and
+/// which of it were held off would depend on the increments.
 ///
 /// A point may carry a multiplier, the pressure that it bears without depth (penalty.h). All are
-/// zero until augment() is called.
+/// zero until update_multipliers() is called.
 class ContactTerm final : public fem::ForceTerm {
  public:
   struct Options {
@@ -96,7 +96,7 @@ class ContactTerm final : public fem::ForceTerm {
     double capture_mm = 0.0;            ///< >= 0, less than the detector's reach.
     Integration integration = Integration::kQuadrature;
     /// How deep the P99 of tissue in contact may lie, > 0 [mm]: multipliers see to it
-    /// (settle_contacts.h). Without, the penalty alone holds it off.
+    /// (solve_augmented_lagrangian.h). Without, the penalty alone holds it off.
     std::optional<double> penetration_tolerance_mm = std::nullopt;
   };
 
@@ -106,8 +106,8 @@ class ContactTerm final : public fem::ForceTerm {
   /// \param beside    other bones, at rest. A point that is nearer to one of them rests on that
   ///   one, and touches this bone only where it would enter it: else a bone whose edge lies flush
   ///   with another's would drag along what lies on the other.
-  ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces, BoneObstacle obstacle,
-              const Options& options, std::span<const BoneObstacle> beside = {});
+  ContactTerm(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces, RigidObstacle obstacle,
+              const Options& options, std::span<const RigidObstacle> other_obstacles = {});
 
   /// Moves the bone. Not while the term is being evaluated.
   void set_pose(const RigidTransform& X_LB) { obstacle_.X_LB = X_LB; }
@@ -118,7 +118,7 @@ class ContactTerm final : public fem::ForceTerm {
   }
   /// Only where the detector's derivatives are exact is there a potential.
   [[nodiscard]] bool is_conservative(const fem::DofMap& /*dofs*/) const override {
-    return obstacle_.detector_B->has_exact_derivatives();
+    return obstacle_.distance_query_B->has_exact_derivatives();
   }
   /// \returns false where a point lies deeper than the detector reaches, so that it knows no way
   ///   out, or has come to where a hole of the surface hides which side it is on.
@@ -127,23 +127,23 @@ class ContactTerm final : public fem::ForceTerm {
 
   /// Remembers multipliers, sides and what every point sees of the bone at its present pose: where
   /// sides are kept, of one past the middle what it saw before. Adds what has lost its side to
-  /// ContactSummary::tunnelled_area_mm2. To be called at each state that is accepted; not while the
-  /// term is being evaluated.
+  /// ContactStatistics::tunnelled_area_mm2. To be called at each state that is accepted; not while
+  /// the term is being evaluated.
   /// \param x_L  current positions of all nodes [mm].
-  void remember(std::span<const Vec3> x_L);
+  void commit(std::span<const Vec3> x_L);
 
   /// Goes back to what was remembered last.
-  void recall();
+  void rollback();
 
   /// The same for another load: points that saw their side again are held off by the nearest
   /// surface anew.
-  void begin();
+  void begin_step();
 
   /// If a depth is asked for: from now on points that have come past the middle of the bone since
-  /// remember() are held off by what they saw then. Not while the term is being evaluated.
+  /// commit() are held off by what they saw then. Not while the term is being evaluated.
   /// \param x_L  current positions of all nodes [mm].
   /// \returns how many there are that were not before.
-  Index keep_sides(std::span<const Vec3> x_L);
+  Index activate_tangent_planes(std::span<const Vec3> x_L);
 
   /// Lets each multiplier bear what the point's pressure is at a converged state, so that the next
   /// one lies less deep (the update of Hestenes and Powell). A point that is pressed no more loses
@@ -153,45 +153,45 @@ class ContactTerm final : public fem::ForceTerm {
   /// a softer spring may have no stable balance under that pressure. Not while the term is being
   /// evaluated.
   /// \param x_L  current positions of all nodes [mm].
-  void augment(std::span<const Vec3> x_L);
+  void update_multipliers(std::span<const Vec3> x_L);
 
   [[nodiscard]] std::optional<double> penetration_tolerance_mm() const {
     return penetration_tolerance_mm_;
   }
 
   /// What a run must keep to go on elsewhere as if it had not stopped.
-  struct Memory {
-    struct Wall {
-      Vec3 foot_B = Vec3::Zero();    ///< As Sight::foot_B ...
-      Vec3 normal_B = Vec3::Zero();  ///< ... and Sight::normal_B.
-      bool keeps_side = false;       ///< Holds the point off.
+  struct Checkpoint {
+    struct TangentPlane {
+      Vec3 foot_B = Vec3::Zero();         ///< As ContactReference::foot_B ...
+      Vec3 normal_B = Vec3::Zero();       ///< ... and ContactReference::normal_B.
+      bool is_plane_constrained = false;  ///< Holds the point off.
     };
-    std::vector<double> multipliers_mpa;  ///< One per point of integration.
-    std::vector<double> stiffenings;      ///< Of their springs, likewise.
-    std::vector<Wall> walls;              ///< Likewise.
+    std::vector<double> multipliers_mpa;       ///< One per point of integration.
+    std::vector<double> penalty_scales;        ///< Of their springs, likewise.
+    std::vector<TangentPlane> tangent_planes;  ///< Likewise.
     double tunnelled_area_mm2 = 0.0;
   };
-  [[nodiscard]] Memory memory() const;
+  [[nodiscard]] Checkpoint checkpoint() const;
 
-  /// Sets the term to what it was after remember(x_L) at its present pose.
+  /// Sets the term to what it was after commit(x_L) at its present pose.
   /// \pre `memory` is of a term made alike.
-  void restore(const Memory& memory, std::span<const Vec3> x_L);
+  void restore(const Checkpoint& checkpoint, std::span<const Vec3> x_L);
 
   /// Area of the tissue's surface at rest that lies in the bone and has changed sides since
-  /// remember() was last called [mm^2].
+  /// commit() was last called [mm^2].
   [[nodiscard]] double newly_tunnelled_area_mm2(std::span<const Vec3> x_L) const;
 
   /// Why a converged state is not to be accepted: an obstacle that jumped through the body leaves
   /// it in balance on the wrong side, and a smaller increment would not. Nothing if it is; what
   /// creeps over a thin edge is told, but not refused, since no increment would be small enough.
   /// \param x_L  current positions of all nodes [mm].
-  [[nodiscard]] std::optional<std::string> why_refused(std::span<const Vec3> x_L) const;
+  [[nodiscard]] std::optional<std::string> rejection_reason(std::span<const Vec3> x_L) const;
 
   /// How deep the mesh lies in the bone at rest, at most [mm]; 0 if nowhere.
   [[nodiscard]] double rest_penetration_mm() const;
 
   /// \param x_L  current positions of all nodes [mm].
-  [[nodiscard]] ContactSummary summarise(std::span<const Vec3> x_L) const;
+  [[nodiscard]] ContactStatistics summarize(std::span<const Vec3> x_L) const;
 
   /// \param x_L  likewise.
   /// \returns one entry per node of the faces, ascending.
@@ -203,10 +203,10 @@ class ContactTerm final : public fem::ForceTerm {
 
  private:
   /// What holds a point off.
-  struct Hold {
+  struct PointState {
     double multiplier_mpa = 0.0;
-    bool keeps_side = false;  ///< By what it saw last, not by the nearest surface.
-    double stiffening = 1.0;  ///< Of its spring.
+    bool is_plane_constrained = false;  ///< By what it saw last, not by the nearest surface.
+    double penalty_scale = 1.0;         ///< Of its spring.
     /// When last augmented since begin().
     double depth_mm = std::numeric_limits<double>::infinity();
   };
@@ -215,11 +215,12 @@ class ContactTerm final : public fem::ForceTerm {
   struct Point {
     double area_mm2 = 0.0;     ///< Of the surface at rest that it stands for.
     double rest_gap_mm = 0.0;  ///< Where penetration starts.
-    Hold now = {};
-    Hold remembered = {};
-    Sight last_sight = {};       ///< When last remembered; before it kept its side, if it does.
-    bool sees_its_side = false;  ///< Again, when last remembered.
-    bool has_strayed = false;    ///< Past the middle, when last remembered.
+    PointState now = {};
+    PointState committed = {};
+    ContactReference committed_reference =
+        {};                     ///< When last remembered; before it kept its side, if it does.
+    bool has_returned = false;  ///< Again, when last remembered.
+    bool crossed_medial_surface = false;  ///< Past the middle, when last remembered.
   };
 
   struct PointGap;
@@ -249,14 +250,14 @@ class ContactTerm final : public fem::ForceTerm {
   template <class Function>
   void for_each_point(const Patch& patch, std::span<const Vec3> x_L, const Function& f) const;
 
-  [[nodiscard]] Spring spring_at(const Point& point) const {
-    return {point.now.stiffening * stiffness_mpa_per_mm_, point.now.multiplier_mpa};
+  [[nodiscard]] PenaltyParameters penalty_at(const Point& point) const {
+    return {point.now.penalty_scale * stiffness_mpa_per_mm_, point.now.multiplier_mpa};
   }
-  [[nodiscard]] bool keeps_sides() const { return penetration_tolerance_mm_.has_value(); }
+  [[nodiscard]] bool uses_tangent_planes() const { return penetration_tolerance_mm_.has_value(); }
   [[nodiscard]] Gap acting_gap(const Point& point, const Vec3& p_L, const Gap& measured) const;
   [[nodiscard]] double pressure_at(const Point& point, const Gap& acting) const;
   [[nodiscard]] double rest_gap_mm(const Gap& at_rest, double capture_mm) const;
-  [[nodiscard]] bool is_out_of_reach(std::size_t patch, std::span<const Vec3> x_L) const;
+  [[nodiscard]] bool is_out_of_range(std::size_t patch, std::span<const Vec3> x_L) const;
   [[nodiscard]] bool has_tunnelled(const Point& point, const Gap& measured) const;
   void note_clearances(std::span<const Vec3> x_L);
 
@@ -265,7 +266,7 @@ class ContactTerm final : public fem::ForceTerm {
   std::vector<Clearance> last_clearance_;  ///< Of each patch.
   double tunnelled_area_mm2_ = 0.0;
   std::string name_;
-  BoneObstacle obstacle_;
+  RigidObstacle obstacle_;
   double stiffness_mpa_per_mm_;
   std::optional<double> penetration_tolerance_mm_;
 };

@@ -11,19 +11,19 @@ namespace {
 /// Points whose answers fit into the nearest cache.
 constexpr std::size_t kBlock = 32;
 
-void measure_here(const BoneObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,
+void measure_here(const RigidObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,
                   std::span<Gap> gaps) {
   const Mat3 R_LB = obstacle.X_LB.linear();
   const Vec3 t_LB = obstacle.X_LB.translation();
   std::array<Vec3, kBlock> p_B;
-  std::array<BoneDistance, kBlock> answers;
+  std::array<SignedDistanceSample, kBlock> answers;
   for (std::size_t begin = 0; begin < p_L.size(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, p_L.size() - begin);
     for (std::size_t i = 0; i < count; ++i) p_B[i] = R_LB.transpose() * (p_L[begin + i] - t_LB);
-    obstacle.detector_B->measure(std::span(p_B).first(count), derivatives,
-                                 std::span(answers).first(count));
+    obstacle.distance_query_B->measure(std::span(p_B).first(count), derivatives,
+                                       std::span(answers).first(count));
     for (std::size_t i = 0; i < count; ++i) {
-      const BoneDistance& answer = answers[i];
+      const SignedDistanceSample& answer = answers[i];
       Gap& gap = gaps[begin + i];
       gap.zone = answer.zone;
       gap.gap_mm = answer.distance_mm;
@@ -38,9 +38,9 @@ void measure_here(const BoneObstacle& obstacle, std::span<const Vec3> p_L, Deriv
 
 }  // namespace
 
-void measure_gaps(const BoneObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,
+void measure_gaps(const RigidObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,
                   std::span<Gap> gaps) {
-  LEFORT_ASSERT(obstacle.detector_B != nullptr && gaps.size() == p_L.size());
+  LEFORT_ASSERT(obstacle.distance_query_B != nullptr && gaps.size() == p_L.size());
   if (Index(p_L.size()) <= kParallelBlock) return measure_here(obstacle, p_L, derivatives, gaps);
   parallel_for_blocks(Index(p_L.size()), [&](Index begin, Index end) {
     const auto at = std::size_t(begin), count = std::size_t(end - begin);
@@ -48,7 +48,7 @@ void measure_gaps(const BoneObstacle& obstacle, std::span<const Vec3> p_L, Deriv
   });
 }
 
-Gap measure_gap(const BoneObstacle& obstacle, const Vec3& p_L, Derivatives derivatives) {
+Gap measure_gap(const RigidObstacle& obstacle, const Vec3& p_L, Derivatives derivatives) {
   Gap gap;
   measure_gaps(obstacle, {&p_L, 1}, derivatives, {&gap, 1});
   return gap;

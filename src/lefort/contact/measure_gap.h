@@ -2,14 +2,15 @@
 /// How far points of the tissue are from a moved bone, and in which direction out lies.
 #pragma once
 
-#include <lefort/contact/bone_obstacle.h>
+#include <lefort/contact/rigid_obstacle.h>
 #include <lefort/core/types.h>
 
 #include <span>
 
 namespace lefort::contact {
 
-/// What the obstacle's detector says of a point, turned into the patient's frame; see BoneDistance.
+/// What the obstacle's detector says of a point, turned into the patient's frame; see
+/// SignedDistanceSample.
 struct Gap {
   field::Zone zone = field::Zone::kOutside;
   double gap_mm = 0.0;             ///< Signed distance; negative is penetration.
@@ -22,11 +23,11 @@ struct Gap {
 ///
 /// \param gaps  as many as points.
 /// \note The bone never moves: the points go to its frame, the answers come back.
-void measure_gaps(const BoneObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,
+void measure_gaps(const RigidObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,
                   std::span<Gap> gaps);
 
 /// One point [mm].
-[[nodiscard]] Gap measure_gap(const BoneObstacle& obstacle, const Vec3& p_L,
+[[nodiscard]] Gap measure_gap(const RigidObstacle& obstacle, const Vec3& p_L,
                               Derivatives derivatives = Derivatives::kSecond);
 
 }  // namespace lefort::contact

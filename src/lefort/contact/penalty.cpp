@@ -4,14 +4,14 @@
 
 namespace lefort::contact {
 
-Mat3 convex_hessian(double depth_mm, const Vec3& gradient, const Mat3& hessian,
-                    const Spring& spring) {
-  const double p = pressure_mpa(depth_mm, spring);
+Mat3 psd_projected_hessian(double depth_mm, const Vec3& gradient, const Mat3& hessian,
+                           const PenaltyParameters& penalty) {
+  const double p = pressure_mpa(depth_mm, penalty);
   if (!(p > 0.0)) return Mat3::Zero();
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(Mat3(-p * hessian));
   const Vec3 kept = eigen.eigenvalues().cwiseMax(0.0);
   const Mat3& axes = eigen.eigenvectors();
-  return 2.0 * spring.stiffness_mpa_per_mm * gradient * gradient.transpose() +
+  return 2.0 * penalty.stiffness_mpa_per_mm * gradient * gradient.transpose() +
          axes * kept.asDiagonal() * axes.transpose();
 }
 

@@ -12,7 +12,7 @@
 ///
 /// With d = -g(x), g the gap:  d2 phi / dx2 = 2 k_c grad g (x) grad g - p Hess g. The second part
 /// is what keeps Newton quadratic on curved bone. Where the bone bulges it is negative, as tissue
-/// pressed on a bulge wants to slide off: convex_hessian() leaves that out.
+/// pressed on a bulge wants to slide off: psd_projected_hessian() leaves that out.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -27,14 +27,14 @@ struct PenaltyResponse {
 };
 
 /// What holds a point of the tissue off the bone.
-struct Spring {
+struct PenaltyParameters {
   double stiffness_mpa_per_mm = 0.0;  ///< k_c > 0.
   double multiplier_mpa = 0.0;        ///< lambda >= 0.
 };
 
 /// p(d), 0 without contact; also where the depth is not a number.
-[[nodiscard]] inline double pressure_mpa(double depth_mm, const Spring& spring) {
-  const double p = spring.multiplier_mpa + 2.0 * spring.stiffness_mpa_per_mm * depth_mm;
+[[nodiscard]] inline double pressure_mpa(double depth_mm, const PenaltyParameters& penalty) {
+  const double p = penalty.multiplier_mpa + 2.0 * penalty.stiffness_mpa_per_mm * depth_mm;
   return p > 0.0 ? p : 0.0;
 }
 
@@ -42,10 +42,11 @@ struct Spring {
 /// \param gradient   of the gap g, so minus that of d.
 /// \param hessian    of the gap g [1/mm].
 [[nodiscard]] inline PenaltyResponse penalty_response(double depth_mm, const Vec3& gradient,
-                                                      const Mat3& hessian, const Spring& spring) {
-  const double p = pressure_mpa(depth_mm, spring);
-  const double k = spring.stiffness_mpa_per_mm;
-  const double lambda = spring.multiplier_mpa;
+                                                      const Mat3& hessian,
+                                                      const PenaltyParameters& penalty) {
+  const double p = pressure_mpa(depth_mm, penalty);
+  const double k = penalty.stiffness_mpa_per_mm;
+  const double lambda = penalty.multiplier_mpa;
   PenaltyResponse response;
   response.energy_mj_per_mm2 = (p - lambda) * (p + lambda) / (4.0 * k);
   if (!(p > 0.0)) return response;
@@ -56,7 +57,7 @@ struct Spring {
 
 /// A positive semidefinite stand-in for PenaltyResponse::hessian_mpa_per_mm: 2 k_c grad g (x) grad
 /// g + (-p Hess g)+, ( )+ being the nearest positive semidefinite matrix. Parameters as above.
-[[nodiscard]] Mat3 convex_hessian(double depth_mm, const Vec3& gradient, const Mat3& hessian,
-                                  const Spring& spring);
+[[nodiscard]] Mat3 psd_projected_hessian(double depth_mm, const Vec3& gradient, const Mat3& hessian,
+                                         const PenaltyParameters& penalty);
 
 }  // namespace lefort::contact

@@ -7,7 +7,7 @@
 
 #include <lefort/core/check.h>
 #ifdef __SANITIZE_THREAD__
-#include <lefort/core/loop_by_threads.h>
+#include <lefort/core/thread_loop.h>
 #endif
 #include <lefort/core/types.h>
 
@@ -47,7 +47,7 @@ void parallel_for_blocks(Index count, const Body& body, Index block = kParallelB
   if (blocks == 0) return;
   const auto do_block = [&](Index b) { body(b * block, std::min(count, (b + 1) * block)); };
 #ifdef __SANITIZE_THREAD__
-  loop_by_threads(blocks, ThreadLimit::current(), do_block);
+  thread_loop(blocks, ThreadLimit::current(), do_block);
 #else
   tbb::parallel_for(tbb::blocked_range<Index>(0, blocks, 1), [&](const auto& range) {
     for (Index b = range.begin(); b < range.end(); ++b) do_block(b);

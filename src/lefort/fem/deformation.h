@@ -25,7 +25,7 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
 [[nodiscard]] inline double volume_ratio(const Mat3& F) { return F.determinant(); }
 
 /// J - 1 from H = F - I, without subtracting nearly equal numbers: small changes keep their digits.
-[[nodiscard]] inline double volume_change(const Mat3& F) {
+[[nodiscard]] inline double jacobian_minus_one(const Mat3& F) {
   const Mat3 H = F - Mat3::Identity();
   const double trace = H.trace();
   const double second = 0.5 * (trace * trace - contract(H, H.transpose()));

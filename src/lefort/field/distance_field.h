@@ -8,11 +8,11 @@
 #include <lefort/core/types.h>
 #include <lefort/field/field_frame.h>
 #include <lefort/field/field_sample.h>
+#include <lefort/field/mesh_repair_report.h>
 #include <lefort/field/storage/brick_samples.h>
 #include <lefort/field/storage/dense_samples.h>
 #include <lefort/field/storage/octree.h>
 #include <lefort/field/storage/sparse_lattice.h>
-#include <lefort/field/surface_report.h>
 
 #include <cstddef>
 #include <optional>
@@ -24,8 +24,8 @@ namespace lefort::field {
 /// A finished field: immutable, cheap to move, safe to query from many threads.
 ///
 /// A query says kBand exactly where all samples around the point are known: at least up to
-/// told_mm() from the surface, and nowhere beyond band_mm() and a cell. Cells are kUnknown where
-/// the surface is open or its orientation contradicts itself, so that the sign tears.
+/// guaranteed_mm() from the surface, and nowhere beyond band_mm() and a cell. Cells are kUnknown
+/// where the surface is open or its orientation contradicts itself, so that the sign tears.
 class DistanceField {
  public:
   using Samples = std::variant<BrickSamples, Octree, DenseSamples>;
@@ -63,7 +63,7 @@ class DistanceField {
   [[nodiscard]] bool is_smooth() const { return smooth_.has_value(); }
 
   [[nodiscard]] double band_mm() const { return frame_.band_mm; }
-  [[nodiscard]] double told_mm() const { return frame_.told_mm(); }
+  [[nodiscard]] double guaranteed_mm() const { return frame_.guaranteed_mm(); }
   [[nodiscard]] double cell_mm() const { return frame_.cell_mm; }
   [[nodiscard]] Box3 box_B() const;
   [[nodiscard]] const FieldFrame& frame() const { return frame_; }

@@ -18,7 +18,7 @@ struct FieldFrame {
   bool closed = false;           ///< The surface encloses a volume: far sides are known.
 
   /// Every point up to this far from the surface lies between known samples.
-  [[nodiscard]] double told_mm() const { return band_mm - std::numbers::sqrt3 * cell_mm; }
+  [[nodiscard]] double guaranteed_mm() const { return band_mm - std::numbers::sqrt3 * cell_mm; }
 };
 
 }  // namespace lefort::field

@@ -1,6 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 
 #include <algorithm>
 #include <cmath>
@@ -54,19 +54,19 @@ Bvh::Bvh(TriangleMesh mesh) : mesh_(std::move(mesh)) {
   pseudonormals_ = Pseudonormals(mesh_);
   order_.resize(mesh_.triangles.size());
   std::iota(order_.begin(), order_.end(), 0);
-  std::vector<Vec3> centres;
+  std::vector<Vec3> centers;
   for (Index t = 0; t < mesh_.triangle_count(); ++t)
-    centres.push_back((mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3.0);
+    centers.push_back((mesh_.corner(t, 0) + mesh_.corner(t, 1) + mesh_.corner(t, 2)) / 3.0);
   nodes_.reserve(order_.size());
-  build(centres, 0, std::int32_t(order_.size()));
+  build(centers, 0, std::int32_t(order_.size()));
 }
 
-void Bvh::build(const std::vector<Vec3>& centres, std::int32_t begin, std::int32_t end) {
-  Box3 box, centre_box;
+void Bvh::build(const std::vector<Vec3>& centers, std::int32_t begin, std::int32_t end) {
+  Box3 box, center_box;
   for (std::int32_t i = begin; i < end; ++i) {
     const Index t = order_[std::size_t(i)];
     for (int k = 0; k < 3; ++k) box.extend(mesh_.corner(t, k));
-    centre_box.extend(centres[std::size_t(t)]);
+    center_box.extend(centers[std::size_t(t)]);
   }
   const std::size_t node = nodes_.size();
   nodes_.push_back({box.min(), box.max(), begin, end - begin});
@@ -75,18 +75,18 @@ void Bvh::build(const std::vector<Vec3>& centres, std::int32_t begin, std::int32
     return;
   }
   Index axis = 0;
-  centre_box.sizes().maxCoeff(&axis);
+  center_box.sizes().maxCoeff(&axis);
   const std::int32_t middle = begin + (end - begin) / 2;
   std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
                    [&](std::int32_t s, std::int32_t t) {
-                     const double x = centres[std::size_t(s)][axis];
-                     const double y = centres[std::size_t(t)][axis];
+                     const double x = centers[std::size_t(s)][axis];
+                     const double y = centers[std::size_t(t)][axis];
                      return x != y ? x < y : s < t;
                    });
-  build(centres, begin, middle);
+  build(centers, begin, middle);
   nodes_[node].first = std::int32_t(nodes_.size());
   nodes_[node].count = 0;
-  build(centres, middle, end);
+  build(centers, middle, end);
 }
 
 std::optional<SurfacePoint> Bvh::closest_point(const Vec3& p, double max_distance_mm) const {

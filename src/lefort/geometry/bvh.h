@@ -69,7 +69,7 @@ class Bvh {
     std::int32_t count;  ///< Triangles of a leaf; 0 for a branch, whose first child follows it.
   };
 
-  void build(const std::vector<Vec3>& centres, std::int32_t begin, std::int32_t end);
+  void build(const std::vector<Vec3>& centers, std::int32_t begin, std::int32_t end);
   template <class OnTriangle>
   void visit_ray(const Vec3& origin, const Vec3& direction, const OnTriangle& on_triangle) const;
 

@@ -9,7 +9,7 @@ namespace lefort::geometry {
 namespace {
 
 /// Longest edge to the fourth, times the square of the ratio: what |n|^2 must exceed.
-double smallest_squared_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
+double min_squared_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double longest =
       std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   return kDegenerateHeightRatio * kDegenerateHeightRatio * longest * longest;
@@ -31,7 +31,7 @@ TrianglePoint closest_point_on_side(const Vec3& p, const Vec3& from, const Vec3&
 }  // namespace
 
 bool triangle_is_degenerate(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return !((b - a).cross(c - a).squaredNorm() > smallest_squared_normal(a, b, c));
+  return !((b - a).cross(c - a).squaredNorm() > min_squared_normal(a, b, c));
 }
 
 TrianglePoint closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b,
@@ -39,7 +39,7 @@ TrianglePoint closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3
   const std::array<const Vec3*, 3> corners = {&a, &b, &c};
   const Vec3 n = (b - a).cross(c - a);
   const double n2 = n.squaredNorm();
-  const bool degenerate = !(n2 > smallest_squared_normal(a, b, c));
+  const bool degenerate = !(n2 > min_squared_normal(a, b, c));
 
   // The nearest point lies on a side that p is outside of, or else on the face. Testing sides by
   // the normal, not by products of barycentric coordinates, stays exact for slivers.

@@ -17,10 +17,10 @@ Vec3 mean(std::span<const Vec3> points) {
   return sum / double(points.size());
 }
 
-Eigen::MatrixX3d centred(std::span<const Vec3> points, const Vec3& centre) {
+Eigen::MatrixX3d centered(std::span<const Vec3> points, const Vec3& center) {
   Eigen::MatrixX3d rows(Index(points.size()), 3);
   for (std::size_t i = 0; i < points.size(); ++i)
-    rows.row(Index(i)) = (points[i] - centre).transpose();
+    rows.row(Index(i)) = (points[i] - center).transpose();
   return rows;
 }
 
@@ -41,8 +41,8 @@ Result<RigidFit> fit_rigid(std::span<const Vec3> from, std::span<const Vec3> to)
   for (std::size_t i = 0; i < from.size(); ++i)
     if (!from[i].allFinite() || !to[i].allFinite())
       return bad(fmt::format("point {} or its target is not finite", i));
-  const Vec3 centre_from = mean(from), centre_to = mean(to);
-  const Eigen::MatrixX3d rows_from = centred(from, centre_from), rows_to = centred(to, centre_to);
+  const Vec3 center_from = mean(from), center_to = mean(to);
+  const Eigen::MatrixX3d rows_from = centered(from, center_from), rows_to = centered(to, center_to);
   if (is_on_a_line(rows_from))
     return bad("the points lie on a line, so that they leave a turn open");
   if (is_on_a_line(rows_to))
@@ -54,14 +54,14 @@ Result<RigidFit> fit_rigid(std::span<const Vec3> from, std::span<const Vec3> to)
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) sign.z() = -1.0;
   RigidFit fit;
   fit.X_to_from.linear() = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  fit.X_to_from.translation() = centre_to - fit.X_to_from.linear() * centre_from;
+  fit.X_to_from.translation() = center_to - fit.X_to_from.linear() * center_from;
   double sum = 0.0;
   for (std::size_t i = 0; i < from.size(); ++i) {
     const double off_mm = (fit.X_to_from * from[i] - to[i]).norm();
     sum += off_mm * off_mm;
-    if (off_mm <= fit.worst_mm) continue;
-    fit.worst_mm = off_mm;
-    fit.worst = Index(i);
+    if (off_mm <= fit.max_residual_mm) continue;
+    fit.max_residual_mm = off_mm;
+    fit.max_residual_index = Index(i);
   }
   fit.rms_mm = std::sqrt(sum / double(from.size()));
   return fit;

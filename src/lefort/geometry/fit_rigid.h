@@ -11,9 +11,9 @@ namespace lefort::geometry {
 
 struct RigidFit {
   RigidTransform X_to_from = RigidTransform::Identity();
-  double rms_mm = 0.0;    ///< Of the distances that remain.
-  double worst_mm = 0.0;  ///< The largest of them.
-  Index worst = 0;        ///< Which point it is.
+  double rms_mm = 0.0;           ///< Of the distances that remain.
+  double max_residual_mm = 0.0;  ///< The largest of them.
+  Index max_residual_index = 0;  ///< Which point it is.
 };
 
 /// Least squares over all rotations and translations, never a mirror image \cite umeyama1991.

@@ -21,12 +21,12 @@ double side_length(const TriangleMesh& mesh, Index triangle, int side) {
 /// What lies beyond triangles without area.
 class Beyond {
  public:
-  Beyond(const TriangleMesh& mesh, const SidesByEdge& sides, std::span<const Vec3> of_face)
+  Beyond(const TriangleMesh& mesh, const EdgeIncidence& sides, std::span<const Vec3> of_face)
       : mesh_(mesh), sides_(sides), of_face_(of_face) {}
 
   /// The normal of a triangle as seen from its `side`; without area, that of the triangle beyond. A
-  /// cap (three corners in a row) extends the neighbour at its long side, or seen from there those
-  /// at the short ones; a needle extends its neighbour across.
+  /// cap (three corners in a row) extends the neighbor at its long side, or seen from there those
+  /// at the short ones; a needle extends its neighbor across.
   [[nodiscard]] Vec3 normal_at_side(Index triangle, int side) const {
     for (int step = 0; step < kMaxSteps; ++step) {
       if (!normal(triangle).isZero()) return normal(triangle);
@@ -34,7 +34,7 @@ class Beyond {
       side = side_length(mesh_, triangle, next) >= side_length(mesh_, triangle, previous)
                  ? next
                  : previous;
-      const SideOfTriangle* other = across(triangle, side);
+      const HalfEdge* other = across(triangle, side);
       if (other == nullptr) break;
       triangle = other->triangle();
       side = other->side();
@@ -45,7 +45,7 @@ class Beyond {
   /// The same seen from a corner: by way of the opposite side.
   [[nodiscard]] Vec3 normal_at_corner(Index triangle, int corner) const {
     if (!normal(triangle).isZero()) return normal(triangle);
-    const SideOfTriangle* other = across(triangle, (corner + 1) % 3);
+    const HalfEdge* other = across(triangle, (corner + 1) % 3);
     return other == nullptr ? Vec3(Vec3::Zero()) : normal_at_side(other->triangle(), other->side());
   }
 
@@ -53,15 +53,15 @@ class Beyond {
   [[nodiscard]] const Vec3& normal(Index triangle) const { return of_face_[std::size_t(triangle)]; }
 
   /// The first other triangle at a side, one with area if there is one.
-  [[nodiscard]] const SideOfTriangle* across(Index triangle, int side) const {
+  [[nodiscard]] const HalfEdge* across(Index triangle, int side) const {
     const Triangle& t = mesh_.triangles[std::size_t(triangle)];
     const auto [smaller, larger] =
         std::minmax(t[std::size_t(side)], t[std::size_t((side + 1) % 3)]);
-    const SideOfTriangle* found = nullptr;
+    const HalfEdge* found = nullptr;
     sides_.for_each_edge_at(
         smaller, [&, wanted = larger](std::int32_t, std::int32_t end, auto sides) {
           if (end != wanted) return;
-          for (const SideOfTriangle& s : sides) {
+          for (const HalfEdge& s : sides) {
             if (s.triangle() == triangle) continue;
             if (found == nullptr ||
                 (normal(found->triangle()).isZero() && !normal(s.triangle()).isZero()))
@@ -72,7 +72,7 @@ class Beyond {
   }
 
   const TriangleMesh& mesh_;
-  const SidesByEdge& sides_;
+  const EdgeIncidence& sides_;
   std::span<const Vec3> of_face_;
 };
 
@@ -94,7 +94,7 @@ Vec3 direction_of(const Vec3& sum) {
 
 /// An edge that is no simple seam between two triangles with area.
 struct OddEdge {
-  std::span<const SideOfTriangle> sides;
+  std::span<const HalfEdge> sides;
 };
 
 }  // namespace
@@ -106,20 +106,20 @@ Vec3 face_normal(const TriangleMesh& mesh, Index triangle) {
   return (b - a).cross(c - a).normalized();
 }
 
-Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const SidesByEdge& sides)
+Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& sides)
     : of_face_(mesh.triangles.size()),
       at_vertex_(mesh.vertices.size()),
-      beyond_(mesh.triangles.size()) {
+      opposite_triangle_(mesh.triangles.size()) {
   parallel_for(
       mesh.triangle_count(), [&](Index t) { of_face_[std::size_t(t)] = face_normal(mesh, t); },
       kBlock);
   const Beyond beyond(mesh, sides, of_face_);
 
-  const auto has_area = [&](const SideOfTriangle& s) {
+  const auto has_area = [&](const HalfEdge& s) {
     return !of_face_[std::size_t(s.triangle())].isZero();
   };
-  const auto beyond_side = [&](const SideOfTriangle& s) -> std::int32_t& {
-    return beyond_[std::size_t(s.triangle())][std::size_t(s.side())];
+  const auto beyond_side = [&](const HalfEdge& s) -> std::int32_t& {
+    return opposite_triangle_[std::size_t(s.triangle())][std::size_t(s.side())];
   };
   const auto odd_edges =
       parallel_collect<OddEdge>(mesh.vertex_count(), [&](Index vertex, std::vector<OddEdge>& odd) {
@@ -134,11 +134,12 @@ Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const SidesByEdge& sides)
       });
   for (const OddEdge& edge : odd_edges) {
     Vec3 sum = Vec3::Zero();
-    for (const SideOfTriangle& s : edge.sides) {
-      beyond_side(s) = ~std::int32_t(of_odd_edge_.size());
+    for (const HalfEdge& s : edge.sides) {
+      beyond_side(s) = ~std::int32_t(of_irregular_edge_.size());
       sum += beyond.normal_at_side(s.triangle(), s.side());
     }
-    of_odd_edge_.push_back(cancels(sum, double(edge.sides.size())) ? Vec3(Vec3::Zero()) : sum);
+    of_irregular_edge_.push_back(cancels(sum, double(edge.sides.size())) ? Vec3(Vec3::Zero())
+                                                                         : sum);
   }
   find_corners(mesh, sides);
 }
@@ -158,7 +159,7 @@ bool Pseudonormals::walk_around(const TriangleMesh& mesh, std::int32_t vertex,
     const std::int32_t other_end = here[std::size_t(side == corner ? (corner + 1) % 3 : side)];
     body(triangle, corner);
     ++count;
-    triangle = beyond_[std::size_t(triangle)][std::size_t(side)];
+    triangle = opposite_triangle_[std::size_t(triangle)][std::size_t(side)];
     if (triangle < 0) return false;
     const Triangle& next = mesh.triangles[std::size_t(triangle)];
     corner = next[0] == vertex ? 0 : next[1] == vertex ? 1 : 2;
@@ -168,7 +169,7 @@ bool Pseudonormals::walk_around(const TriangleMesh& mesh, std::int32_t vertex,
 }
 
 /// Finds the triangles at each vertex; of those that one walk does not tell, the normals.
-void Pseudonormals::find_corners(const TriangleMesh& mesh, const SidesByEdge& sides) {
+void Pseudonormals::find_corners(const TriangleMesh& mesh, const EdgeIncidence& sides) {
   for (std::int32_t t = std::int32_t(mesh.triangle_count()) - 1; t >= 0; --t)
     for (std::int32_t corner = 2; corner >= 0; --corner) {
       const auto v = std::size_t(mesh.triangles[std::size_t(t)][std::size_t(corner)]);
@@ -184,22 +185,22 @@ void Pseudonormals::find_corners(const TriangleMesh& mesh, const SidesByEdge& si
 
   for (std::size_t i = 0; i < odd.size(); ++i)
     at_vertex_[std::size_t(odd[i])].first = ~std::int32_t(i);
-  of_odd_vertex_.assign(odd.size(), Vec3::Zero());
+  of_irregular_vertex_.assign(odd.size(), Vec3::Zero());
   const Beyond beyond(mesh, sides, of_face_);
   for (std::int32_t t = 0; t < std::int32_t(mesh.triangle_count()); ++t)
     for (std::int32_t corner = 0; corner < 3; ++corner) {
       const auto v = std::size_t(mesh.triangles[std::size_t(t)][std::size_t(corner)]);
       if (at_vertex_[v].first < 0)
-        of_odd_vertex_[std::size_t(~at_vertex_[v].first)] +=
+        of_irregular_vertex_[std::size_t(~at_vertex_[v].first)] +=
             corner_angle(mesh, t, corner) * beyond.normal_at_corner(t, corner);
     }
-  for (Vec3& sum : of_odd_vertex_) sum = direction_of(sum);
+  for (Vec3& sum : of_irregular_vertex_) sum = direction_of(sum);
 }
 
 Vec3 Pseudonormals::at_vertex(const TriangleMesh& mesh, Index vertex) const {
   const Corners& at = at_vertex_[std::size_t(vertex)];
   if (at.first < 0)
-    return at.count > 0 ? of_odd_vertex_[std::size_t(~at.first)] : Vec3(Vec3::Zero());
+    return at.count > 0 ? of_irregular_vertex_[std::size_t(~at.first)] : Vec3(Vec3::Zero());
   Vec3 sum = Vec3::Zero();
   walk_around(mesh, std::int32_t(vertex), [&](std::int32_t triangle, std::int32_t corner) {
     sum += corner_angle(mesh, triangle, corner) * of_face_[std::size_t(triangle)];
@@ -212,8 +213,8 @@ Vec3 Pseudonormals::at(const TriangleMesh& mesh, Index triangle, Feature feature
   if (is_vertex(feature)) return at_vertex(mesh, mesh.triangles[std::size_t(triangle)][number]);
   const Vec3& here = of_face_[std::size_t(triangle)];
   if (!is_edge(feature)) return here;
-  const std::int32_t other = beyond_[std::size_t(triangle)][number];
-  if (other < 0) return of_odd_edge_[std::size_t(~other)];
+  const std::int32_t other = opposite_triangle_[std::size_t(triangle)][number];
+  if (other < 0) return of_irregular_edge_[std::size_t(~other)];
   const Vec3 sum = here + of_face_[std::size_t(other)];
   return cancels(sum, 2.0) ? Vec3(Vec3::Zero()) : sum;
 }

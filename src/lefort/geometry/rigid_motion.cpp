@@ -5,12 +5,12 @@
 namespace lefort::geometry {
 
 RigidTransform rigid_motion(const Vec3& translation_mm, const Vec3& rotation_rad,
-                            const Vec3& centre_L) {
+                            const Vec3& center_L) {
   RigidTransform X_LB = RigidTransform::Identity();
   const double angle_rad = rotation_rad.norm();
   if (angle_rad > 0.0)
     X_LB.linear() = Eigen::AngleAxisd(angle_rad, rotation_rad / angle_rad).toRotationMatrix();
-  X_LB.translation() = centre_L + translation_mm - X_LB.linear() * centre_L;
+  X_LB.translation() = center_L + translation_mm - X_LB.linear() * center_L;
   return X_LB;
 }
 
@@ -25,26 +25,26 @@ Vec3 rotation_vector(const Mat3& rotation) {
 }
 
 RigidTransform interpolate_pose(const RigidTransform& from_LB, const RigidTransform& to_LB,
-                                double share, const Vec3& centre_B) {
-  const Vec3 start_L = from_LB * centre_B;
-  const Vec3 end_L = to_LB * centre_B;
+                                double fraction, const Vec3& center_B) {
+  const Vec3 start_L = from_LB * center_B;
+  const Vec3 end_L = to_LB * center_B;
   const Vec3 turn_rad = rotation_vector(to_LB.linear() * from_LB.linear().transpose());
-  return rigid_motion(share * (end_L - start_L), share * turn_rad, start_L) * from_LB;
+  return rigid_motion(fraction * (end_L - start_L), fraction * turn_rad, start_L) * from_LB;
 }
 
 RigidTransform interpolate_screw(const RigidTransform& from_LB, const RigidTransform& to_LB,
-                                 double share) {
+                                 double fraction) {
   const Vec3 turn_rad = rotation_vector(to_LB.linear() * from_LB.linear().transpose());
   const double angle_rad = turn_rad.norm();
   const Vec3 shift = (to_LB * from_LB.inverse()).translation();
-  if (angle_rad == 0.0) return rigid_motion(share * shift, Vec3::Zero(), Vec3::Zero()) * from_LB;
+  if (angle_rad == 0.0) return rigid_motion(fraction * shift, Vec3::Zero(), Vec3::Zero()) * from_LB;
   // Chords of the circle about the axis, which may be as far away as it likes.
   const Vec3 axis = turn_rad / angle_rad;
   const Vec3 glide = axis.dot(shift) * axis;
-  const double chord = std::sin(0.5 * share * angle_rad) / std::sin(0.5 * angle_rad);
-  const Mat3 lag = Eigen::AngleAxisd(0.5 * (share - 1.0) * angle_rad, axis).toRotationMatrix();
-  const Vec3 shift_now = share * glide + chord * (lag * (shift - glide));
-  return rigid_motion(shift_now, share * turn_rad, Vec3::Zero()) * from_LB;
+  const double chord = std::sin(0.5 * fraction * angle_rad) / std::sin(0.5 * angle_rad);
+  const Mat3 lag = Eigen::AngleAxisd(0.5 * (fraction - 1.0) * angle_rad, axis).toRotationMatrix();
+  const Vec3 shift_now = fraction * glide + chord * (lag * (shift - glide));
+  return rigid_motion(shift_now, fraction * turn_rad, Vec3::Zero()) * from_LB;
 }
 
 }  // namespace lefort::geometry

@@ -12,14 +12,14 @@ namespace lefort::geometry {
 namespace {
 
 RigidTransform pose_of(const Keyframe& key) {
-  return rigid_motion(key.translation_mm, key.rotation_rad, key.centre_L);
+  return rigid_motion(key.translation_mm, key.rotation_rad, key.center_L);
 }
 
 /// What is wrong with a keyframe by itself, or nothing.
 std::string complaint_about(const Keyframe& key) {
   if (!key.translation_mm.allFinite()) return "its translation is not a finite vector";
   if (!key.rotation_rad.allFinite()) return "its rotation is not a finite vector";
-  if (!key.centre_L.allFinite()) return "its centre is not a finite point";
+  if (!key.center_L.allFinite()) return "its centre is not a finite point";
   if (!(key.at > 0.0 && key.at <= 1.0))
     return fmt::format("`at` is {}, must be above 0 and at most 1", key.at);
   if (key.rotation_rad.norm() >= std::numbers::pi)
@@ -37,7 +37,7 @@ Result<void> check_path(const RigidPath& path) {
   if (path.steps < 1) return bad(fmt::format("`steps` is {}, must be at least 1", path.steps));
   if (path.keyframes.empty()) return bad("`keyframes` is empty, must have one or more");
   // Nearer to half a turn, rounding would choose which of two ways the bone goes.
-  constexpr double kMostBetween_rad = std::numbers::pi - 1e-6;
+  constexpr double kMaxAngleBetweenKeyframes_rad = std::numbers::pi - 1e-6;
   double before = 0.0;
   Mat3 R_before = Mat3::Identity();
   for (std::size_t k = 0; k < path.keyframes.size(); ++k) {
@@ -49,7 +49,7 @@ Result<void> check_path(const RigidPath& path) {
     before = key.at;
     const Mat3 R_key = pose_of(key).linear();
     const double turn_rad = rotation_vector(R_key * R_before.transpose()).norm();
-    if (turn_rad > kMostBetween_rad)
+    if (turn_rad > kMaxAngleBetweenKeyframes_rad)
       return bad(
           fmt::format("keyframe {}: half a turn from the one before, which leaves two ways "
                       "to go; add a keyframe between them",
@@ -60,18 +60,18 @@ Result<void> check_path(const RigidPath& path) {
   return {};
 }
 
-RigidTransform pose_at(const RigidPath& path, double share) {
-  LEFORT_CHECK(share >= 0.0 && share <= 1.0);
+RigidTransform pose_at(const RigidPath& path, double path_fraction) {
+  LEFORT_CHECK(path_fraction >= 0.0 && path_fraction <= 1.0);
   RigidTransform X_before = RigidTransform::Identity();
   double at_before = 0.0;
   for (const Keyframe& key : path.keyframes) {
     const RigidTransform X_key = pose_of(key);
-    if (share == key.at) return X_key;
-    if (share < key.at) {
-      const double part = (share - at_before) / (key.at - at_before);
+    if (path_fraction == key.at) return X_key;
+    if (path_fraction < key.at) {
+      const double part = (path_fraction - at_before) / (key.at - at_before);
       return path.interpolation == Interpolation::kScrew
                  ? interpolate_screw(X_before, X_key, part)
-                 : interpolate_pose(X_before, X_key, part, key.centre_L);
+                 : interpolate_pose(X_before, X_key, part, key.center_L);
     }
     X_before = X_key;
     at_before = key.at;
@@ -79,9 +79,9 @@ RigidTransform pose_at(const RigidPath& path, double share) {
   return X_before;
 }
 
-std::vector<RigidTransform> poses_at(std::span<const RigidPath> paths, double share) {
+std::vector<RigidTransform> poses_at(std::span<const RigidPath> paths, double path_fraction) {
   std::vector<RigidTransform> poses;
-  for (const RigidPath& path : paths) poses.push_back(pose_at(path, share));
+  for (const RigidPath& path : paths) poses.push_back(pose_at(path, path_fraction));
   return poses;
 }
 
@@ -92,14 +92,13 @@ int steps_of(std::span<const RigidPath> paths) {
   return steps;
 }
 
-double largest_displacement_mm(const RigidPath& path, std::span<const Vec3> points_B,
-                               double from_share, double to_share) {
-  const RigidTransform X_from = pose_at(path, from_share);
-  const RigidTransform X_to = pose_at(path, to_share);
-  double largest_mm = 0.0;
-  for (const Vec3& p_B : points_B)
-    largest_mm = std::max(largest_mm, (X_to * p_B - X_from * p_B).norm());
-  return largest_mm;
+double max_displacement_mm(const RigidPath& path, std::span<const Vec3> points_B,
+                           double from_fraction, double to_fraction) {
+  const RigidTransform X_from = pose_at(path, from_fraction);
+  const RigidTransform X_to = pose_at(path, to_fraction);
+  double max_mm = 0.0;
+  for (const Vec3& p_B : points_B) max_mm = std::max(max_mm, (X_to * p_B - X_from * p_B).norm());
+  return max_mm;
 }
 
 }  // namespace lefort::geometry

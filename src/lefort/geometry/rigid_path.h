@@ -11,18 +11,18 @@
 
 namespace lefort::geometry {
 
-/// Where the segment is at one moment: rotated about `centre_L`, then translated.
+/// Where the segment is at one moment: rotated about `center_L`, then translated.
 struct Keyframe {
   double at = 1.0;                     ///< Share of the path that is done, 0 to 1.
   Vec3 translation_mm = Vec3::Zero();  ///< In L.
   Vec3 rotation_rad = Vec3::Zero();    ///< Rotation vector (axis times angle) in L.
-  Vec3 centre_L = Vec3::Zero();        ///< Fixed point of the rotation [mm].
+  Vec3 center_L = Vec3::Zero();        ///< Fixed point of the rotation [mm].
 };
 
 /// What a bone does between two keyframes, while it turns steadily.
 enum class Interpolation {
-  kStraight,  ///< The later keyframe's centre moves along a straight line.
-  kScrew,     ///< The bone turns about one axis and glides along it; no centre takes part.
+  kStraight,  ///< The later keyframe's center moves along a straight line.
+  kScrew,     ///< The bone turns about one axis and glides along it; no center takes part.
 };
 
 /// The way of one segment, from rest at `at` = 0 through its keyframes.
@@ -44,16 +44,17 @@ struct RigidPath {
 /// The pose of the segment a share of the way along its path.
 ///
 /// Between keyframes the segment turns steadily about one axis by the smaller angle while the later
-/// keyframe's centre moves along a straight line, or along the screw between them
+/// keyframe's center moves along a straight line, or along the screw between them
 /// (geometry/rigid_motion.h).
 ///
 /// \param path    passes check_path().
 /// \param share   0 to 1; 0 is the segment as scanned, and each keyframe is met exactly.
 /// \returns X_LB of the segment.
-[[nodiscard]] RigidTransform pose_at(const RigidPath& path, double share);
+[[nodiscard]] RigidTransform pose_at(const RigidPath& path, double path_fraction);
 
 /// Of several segments that move together: one pose a path.
-[[nodiscard]] std::vector<RigidTransform> poses_at(std::span<const RigidPath> paths, double share);
+[[nodiscard]] std::vector<RigidTransform> poses_at(std::span<const RigidPath> paths,
+                                                   double path_fraction);
 
 /// Into how many steps the way of several segments is cut, which all move at once: as many as the
 /// path with the most asks for.
@@ -65,7 +66,7 @@ struct RigidPath {
 ///
 /// \param points_B   points of the segment as scanned.
 /// \returns [mm]; 0 without points.
-[[nodiscard]] double largest_displacement_mm(const RigidPath& path, std::span<const Vec3> points_B,
-                                             double from_share, double to_share);
+[[nodiscard]] double max_displacement_mm(const RigidPath& path, std::span<const Vec3> points_B,
+                                         double from_fraction, double to_fraction);
 
 }  // namespace lefort::geometry

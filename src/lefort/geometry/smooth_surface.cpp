@@ -1,5 +1,5 @@
 #include <lefort/core/parallel.h>
-#include <lefort/geometry/mesh_edges.h>
+#include <lefort/geometry/edge_incidence.h>
 #include <lefort/geometry/smooth_surface.h>
 
 #include <vector>
@@ -7,21 +7,21 @@
 namespace lefort::geometry {
 namespace {
 
-/// A wave that the mean of neighbours damps by the share k (0 for the longest, at most 2) keeps
+/// A wave that the mean of neighbors damps by the share k (0 for the longest, at most 2) keeps
 /// 1 - kWeight^2 k^2 of its height in a pass: nothing grows, and what is long hardly shrinks.
 /// Taubin's outward step is a little larger than the inward one, by which long waves grow.
 constexpr double kWeight = 0.6;
 
-/// The neighbours of every vertex, one list after the other; none for vertices on open edges, which
+/// The neighbors of every vertex, one list after the other; none for vertices on open edges, which
 /// thereby stay.
-struct Neighbours {
+struct Neighbors {
   std::vector<std::size_t> first;
   std::vector<std::int32_t> list;
 };
 
-Neighbours neighbours_of(const TriangleMesh& mesh) {
+Neighbors neighbors_of(const TriangleMesh& mesh) {
   const std::size_t count = mesh.vertices.size();
-  const SidesByEdge edges(mesh);
+  const EdgeIncidence edges(mesh);
   std::vector<std::size_t> degree(count, 0);
   std::vector<char> is_open(count, 0);
   const auto for_each_edge = [&](const auto& body) {
@@ -35,35 +35,34 @@ Neighbours neighbours_of(const TriangleMesh& mesh) {
     ++degree[b];
     if (open) is_open[a] = is_open[b] = 1;
   });
-  Neighbours neighbours;
-  neighbours.first.assign(count + 1, 0);
+  Neighbors neighbors;
+  neighbors.first.assign(count + 1, 0);
   for (std::size_t v = 0; v < count; ++v)
-    neighbours.first[v + 1] = neighbours.first[v] + (is_open[v] != 0 ? 0 : degree[v]);
-  neighbours.list.resize(neighbours.first.back());
-  std::vector<std::size_t> next(neighbours.first.begin(), neighbours.first.end() - 1);
+    neighbors.first[v + 1] = neighbors.first[v] + (is_open[v] != 0 ? 0 : degree[v]);
+  neighbors.list.resize(neighbors.first.back());
+  std::vector<std::size_t> next(neighbors.first.begin(), neighbors.first.end() - 1);
   for_each_edge([&](std::size_t a, std::size_t b, bool) {
-    if (is_open[a] == 0) neighbours.list[next[a]++] = std::int32_t(b);
-    if (is_open[b] == 0) neighbours.list[next[b]++] = std::int32_t(a);
+    if (is_open[a] == 0) neighbors.list[next[a]++] = std::int32_t(b);
+    if (is_open[b] == 0) neighbors.list[next[b]++] = std::int32_t(a);
   });
-  return neighbours;
+  return neighbors;
 }
 
 }  // namespace
 
 TriangleMesh smooth_surface(TriangleMesh mesh, const SmoothOptions& options) {
-  LEFORT_CHECK(options.passes >= 0 && options.most_mm > 0.0);
+  LEFORT_CHECK(options.passes >= 0 && options.max_mm > 0.0);
   if (options.passes == 0) return mesh;
-  const Neighbours neighbours = neighbours_of(mesh);
+  const Neighbors neighbors = neighbors_of(mesh);
   const std::vector<Vec3> start = mesh.vertices;
   std::vector<Vec3> moved = start;
   const auto step = [&](double weight) {
     parallel_for(mesh.vertex_count(), [&](Index i) {
       const auto v = std::size_t(i);
-      const std::size_t from = neighbours.first[v], to = neighbours.first[v + 1];
+      const std::size_t from = neighbors.first[v], to = neighbors.first[v + 1];
       if (from == to) return;
       Vec3 mean = Vec3::Zero();
-      for (std::size_t k = from; k < to; ++k)
-        mean += mesh.vertices[std::size_t(neighbours.list[k])];
+      for (std::size_t k = from; k < to; ++k) mean += mesh.vertices[std::size_t(neighbors.list[k])];
       mean /= double(to - from);
       moved[v] = mesh.vertices[v] + weight * (mean - mesh.vertices[v]);
     });
@@ -77,8 +76,8 @@ TriangleMesh smooth_surface(TriangleMesh mesh, const SmoothOptions& options) {
     const auto v = std::size_t(i);
     const Vec3 shift = mesh.vertices[v] - start[v];
     const double length_mm = shift.norm();
-    if (length_mm > options.most_mm)
-      mesh.vertices[v] = start[v] + (options.most_mm / length_mm) * shift;
+    if (length_mm > options.max_mm)
+      mesh.vertices[v] = start[v] + (options.max_mm / length_mm) * shift;
   });
   return mesh;
 }

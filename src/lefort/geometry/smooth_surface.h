@@ -7,14 +7,14 @@
 namespace lefort::geometry {
 
 struct SmoothOptions {
-  int passes = 10;       ///< >= 0; each is a step inwards and one outwards.
-  double most_mm = 0.5;  ///< No vertex ends further from where it was; > 0.
+  int passes = 10;      ///< >= 0; each is a step inwards and one outwards.
+  double max_mm = 0.5;  ///< No vertex ends further from where it was; > 0.
 };
 
-/// Smooths by the mean of each vertex's neighbours, alternately towards it and as far away from it,
+/// Smooths by the mean of each vertex's neighbors, alternately towards it and as far away from it,
 /// so that what is coarser than the steps keeps its size \cite taubin1995.
 ///
-/// Open edges stay where they are. Thin walls keep their thickness within 2 * `most_mm`.
+/// Open edges stay where they are. Thin walls keep their thickness within 2 * `max_mm`.
 ///
 /// \pre check_surface(mesh) holds.
 /// \note Same bits for any number of threads.

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMinSpacingMm = 1e-3;
 constexpr double kMaxSpacingMm = 1e3;
-constexpr double kMaxFromOriginMm = 1e7;  // A float in the file still tells millimetres apart.
+constexpr double kMaxFromOriginMm = 1e7;  // A float in the file still tells millimeters apart.
 constexpr double kRotationTolerance = 1e-4;
 
 }  // namespace

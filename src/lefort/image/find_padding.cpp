@@ -36,7 +36,7 @@ Padding find_padding(const CtVolume& ct, double tissue_hu) {
       }
     }
   }
-  padding.share = double(padded) / double(ct.values.size());
+  padding.fraction = double(padded) / double(ct.values.size());
   return padding;
 }
 

@@ -10,9 +10,9 @@ namespace lefort::image {
 
 /// What surrounds the field of view within the grid.
 struct Padding {
-  std::int16_t hu = 0;   ///< The value.
-  double share = 0.0;    ///< Of all voxels.
-  double cut_mm2 = 0.0;  ///< Area over which it borders on tissue, as seen along the axes.
+  std::int16_t hu = 0;    ///< The value.
+  double fraction = 0.0;  ///< Of all voxels.
+  double cut_mm2 = 0.0;   ///< Area over which it borders on tissue, as seen along the axes.
 };
 
 /// Finds voxels of one constant value that reach in from the faces of the grid, line by line.

@@ -1,5 +1,5 @@
 /// \file
-/// Values of a volume between its voxel centres, by trilinear interpolation.
+/// Values of a volume between its voxel centers, by trilinear interpolation.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -16,13 +16,13 @@ namespace internal {
 struct Cell {
   Index offset;
   std::array<Index, 3> step;
-  Vec3 share;
+  Vec3 fraction;
 };
 
 /// Finds the cell of a point; false when it lies outside the voxels, or is not a number.
 ///
-/// A voxel reaches half a spacing beyond its centre; in the outer half of a border voxel the value
-/// is that of its centre.
+/// A voxel reaches half a spacing beyond its center; in the outer half of a border voxel the value
+/// is that of its center.
 [[nodiscard]] inline bool find_cell(const Grid& grid, const Vec3& p_L, Cell& cell) {
   const Vec3 p_V = grid.index_V(p_L);
   const std::array<Index, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
@@ -36,7 +36,7 @@ struct Cell {
     const auto lower = static_cast<Index>(clamped);
     cell.offset += lower * stride[a];
     cell.step[a] = lower + 1 < grid.size[a] ? stride[a] : 0;
-    cell.share[axis] = clamped - static_cast<double>(lower);
+    cell.fraction[axis] = clamped - static_cast<double>(lower);
   }
   return true;
 }
@@ -45,7 +45,7 @@ struct Cell {
 
 /// The value of `volume` at `p_L` [mm], or `outside` where no voxel reaches.
 ///
-/// Continuous inside the voxels, and exact for linear functions between the outermost centres.
+/// Continuous inside the voxels, and exact for linear functions between the outermost centers.
 template <class T>
 [[nodiscard]] double interpolate(const Volume<T>& volume, const Vec3& p_L, double outside) {
   internal::Cell cell;
@@ -53,18 +53,18 @@ template <class T>
   const T* const corner = volume.values.data() + cell.offset;
   const auto [dx, dy, dz] = cell.step;
   const auto along_x = [&, dx = dx](const T* v) {
-    return static_cast<double>(v[0]) * (1.0 - cell.share.x()) +
-           static_cast<double>(v[dx]) * cell.share.x();
+    return static_cast<double>(v[0]) * (1.0 - cell.fraction.x()) +
+           static_cast<double>(v[dx]) * cell.fraction.x();
   };
   const auto along_xy = [&, dy = dy](const T* v) {
-    return along_x(v) * (1.0 - cell.share.y()) + along_x(v + dy) * cell.share.y();
+    return along_x(v) * (1.0 - cell.fraction.y()) + along_x(v + dy) * cell.fraction.y();
   };
-  return along_xy(corner) * (1.0 - cell.share.z()) + along_xy(corner + dz) * cell.share.z();
+  return along_xy(corner) * (1.0 - cell.fraction.z()) + along_xy(corner + dz) * cell.fraction.z();
 }
 
 /// The gradient of interpolate() at `p_L`, in L, per mm; zero where no voxel reaches.
 ///
-/// It jumps at planes through voxel centres, as trilinear values have a kink there; on such a plane
+/// It jumps at planes through voxel centers, as trilinear values have a kink there; on such a plane
 /// it is that of the side with the larger index.
 template <class T>
 [[nodiscard]] Vec3 interpolate_gradient(const Volume<T>& volume, const Vec3& p_L) {
@@ -78,7 +78,7 @@ template <class T>
     for (std::size_t a = 0; a < 3; ++a) {
       const auto axis = static_cast<Index>(a);
       offset += upper[a] * cell.step[a];
-      weight[axis] = upper[a] == 1 ? cell.share[axis] : 1.0 - cell.share[axis];
+      weight[axis] = upper[a] == 1 ? cell.fraction[axis] : 1.0 - cell.fraction[axis];
     }
     const auto value = static_cast<double>(volume.values[static_cast<std::size_t>(offset)]);
     for (int axis = 0; axis < 3; ++axis) {

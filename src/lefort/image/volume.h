@@ -11,11 +11,11 @@
 
 namespace lefort::image {
 
-/// Where the voxel centres lie: p_L = origin_L + direction * (index .* spacing).
+/// Where the voxel centers lie: p_L = origin_L + direction * (index .* spacing).
 struct Grid {
   std::array<Index, 3> size{0, 0, 0};  ///< Voxels along i, j, k.
   Vec3 spacing_mm{1.0, 1.0, 1.0};      ///< > 0.
-  Vec3 origin_L{0.0, 0.0, 0.0};        ///< Centre of voxel (0, 0, 0).
+  Vec3 origin_L{0.0, 0.0, 0.0};        ///< Center of voxel (0, 0, 0).
   Mat3 direction = Mat3::Identity();   ///< Columns: unit vectors of i, j, k in L; a rotation.
 
   [[nodiscard]] Index voxel_count() const { return size[0] * size[1] * size[2]; }

@@ -2,9 +2,9 @@
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/io/deck_file.h>
 #include <lefort/io/deck_schema.h>
-#include <lefort/io/internal/checked_json.h>
 #include <lefort/io/internal/read_contact.h>
 #include <lefort/io/internal/read_law.h>
+#include <lefort/io/internal/validated_json.h>
 #include <lefort/io/write_atomically.h>
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ using internal::read;
 using internal::section;
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestDeck = 64 << 20;  // Bytes; node lists and curves may be long.
+constexpr std::uintmax_t kMaxDeck = 64 << 20;  // Bytes; node lists and curves may be long.
 
 constexpr double kTonnesPerMm3 = 1e-12;  // Of one kg/m^3.
 constexpr double kMmPerS2 = 1e3;         // Of one m/s^2.
@@ -150,7 +150,7 @@ Result<void> read_loads(const Json& json, solve::Deck& deck) {
   }
   const Json& pressures = list(json, "pressures");
   for (std::size_t i = 0; i < pressures.size(); ++i) {
-    solve::Pressure load;
+    solve::PressureLoad load;
     read(pressures[i], "faces", load.faces);
     load.pressure_mpa = mpa_from_kpa(pressures[i]["pressure_kpa"].get<double>());
     LEFORT_TRY(load.curve, read_curve(pressures[i], indexed("pressures", i)));
@@ -187,7 +187,7 @@ Result<void> read_obstacles(const Json& json, const fs::path& folder, DeckFile& 
     ObstacleFile source;
     source.file = folder / object["file"].get<std::string>();
     source.options.resolution = kObstacleResolution;
-    source.options.smooth = obstacle.detection == contact::Detection::kSmooth;
+    source.options.smooth = obstacle.detection == contact::DetectionMethod::kSmooth;
     read(object, "resolution", source.options.resolution);
     read(object, "band_mm", source.options.band_mm);
     file.obstacles.push_back(std::move(source));
@@ -205,8 +205,8 @@ Result<void> read_control(const Json& json, DeckFile& file) {
   read(steps, "initial", options.first_increment);
   options.min_increment = std::min(options.min_increment, options.first_increment);
   read(steps, "smallest", options.min_increment);
-  read(steps, "growth", options.growth);
-  read(steps, "easy_iterations", options.easy_iterations);
+  read(steps, "growth", options.growth_factor);
+  read(steps, "easy_iterations", options.target_iterations);
   read(steps, "most_attempts", options.max_attempts);
   read(steps, "at", file.deck.times);
   if (options.min_increment > options.first_increment)
@@ -219,7 +219,7 @@ Result<void> read_control(const Json& json, DeckFile& file) {
   using linear::LinearSolverKind;
   const std::map<std::string, LinearSolverKind> kinds{{"automatic", LinearSolverKind::kAutomatic},
                                                       {"direct", LinearSolverKind::kDirect},
-                                                      {"lagged", LinearSolverKind::kLagged},
+                                                      {"lagged", LinearSolverKind::kReusedFactor},
                                                       {"multigrid", LinearSolverKind::kMultigrid}};
   file.deck.linear_solver.kind = kinds.at(json.value("linear_solver", "automatic"));
 
@@ -248,9 +248,9 @@ Result<void> read_results(const Json& json, DeckFile& file) {
   const Json& output = section(json, "output");
   const std::string every = output.value("every", "increment");
   file.every = every == "last" ? WriteEvery::kLast
-               : every == "at" ? WriteEvery::kAskedTime
+               : every == "at" ? WriteEvery::kRequestedTime
                                : WriteEvery::kIncrement;
-  if (file.every == WriteEvery::kAskedTime && file.deck.times.empty())
+  if (file.every == WriteEvery::kRequestedTime && file.deck.times.empty())
     return refuse("output.every", "at needs the times of steps.at");
   if (const auto fields = output.find("fields"); fields != output.end()) {
     const auto chosen = fields->get<std::set<std::string>>();
@@ -283,7 +283,7 @@ Result<DeckFile> parse_deck(std::string_view text, const fs::path& folder) {
 }
 
 Result<DeckText> read_deck(const fs::path& file) {
-  LEFORT_TRY(std::string text, read_text(file, kLargestDeck));
+  LEFORT_TRY(std::string text, read_text(file, kMaxDeck));
   std::error_code error;
   const fs::path absolute = fs::absolute(file, error);
   Result<DeckFile> deck = parse_deck(text, (error ? file : absolute).parent_path());

@@ -20,7 +20,7 @@ struct ObstacleFile {
 };
 
 /// When the mesh is written.
-enum class WriteEvery { kIncrement, kAskedTime, kLast };
+enum class WriteEvery { kIncrement, kRequestedTime, kLast };
 
 /// Which fields are written with it.
 struct WrittenFields {

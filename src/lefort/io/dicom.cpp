@@ -1,4 +1,4 @@
-#include <lefort/image/straighten_stack.h>
+#include <lefort/image/resample_gantry_tilt.h>
 #include <lefort/io/dicom.h>
 #include <lefort/io/internal/dicom_header.h>
 #include <lefort/io/internal/dicom_stack.h>
@@ -181,7 +181,7 @@ Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<R
   if (stack.origins_L.empty()) return ct;
   // With the scan's own lowest value, so that one whose values are no HU is still told.
   const std::int16_t outside = *std::min_element(ct.values.begin(), ct.values.end());
-  return image::straighten(ct, stack.origins_L, stack.grid, outside);
+  return image::resample_gantry_tilt(ct, stack.origins_L, stack.grid, outside);
 }
 
 /// Files of which not even the series is known may be any share of the scan. A few are a scout or a

@@ -134,8 +134,8 @@ Result<Json> fetch_json(const Place& place, const std::string& path, Progress& p
                         const DicomWebLimits& limits) {
   std::string text;
   HttpRequest request{.path = place.root + path, .accept = "application/dicom+json"};
-  request.silence = limits.silence;
-  request.whole = limits.whole;
+  request.idle_timeout = limits.idle_timeout;
+  request.total_timeout = limits.total_timeout;
   request.begin = [](const std::string&) -> Result<void> { return {}; };
   request.receive = [&](std::string_view bytes) -> Result<void> {
     if (text.size() + bytes.size() > limits.list_bytes)
@@ -330,8 +330,8 @@ Result<void> fetch_images(const Place& place, const RemoteSeries& series, const 
   HttpRequest request{
       .path = fmt::format("{}/studies/{}/series/{}", place.root, place.study_uid, series.uid),
       .accept = "multipart/related; type=\"application/dicom\"; transfer-syntax=*"};
-  request.silence = limits.silence;
-  request.whole = limits.whole;
+  request.idle_timeout = limits.idle_timeout;
+  request.total_timeout = limits.total_timeout;
   request.begin = [&](const std::string& content_type) -> Result<void> {
     const std::string boundary = multipart_boundary(content_type);
     if (boundary.empty())

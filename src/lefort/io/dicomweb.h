@@ -26,8 +26,8 @@ struct DicomWebLimits {
   std::uint64_t series_bytes = std::uint64_t{16} << 30;  ///< Of a series, on the disk.
   std::uint64_t image_bytes = std::uint64_t{2} << 30;
   Index images = 100'000;
-  std::chrono::seconds silence{30};
-  std::chrono::seconds whole{3600};  ///< For one request.
+  std::chrono::seconds idle_timeout{30};
+  std::chrono::seconds total_timeout{3600};  ///< For one request.
 };
 
 /// Whether `source` begins with dicomweb:// or dicomwebs://.

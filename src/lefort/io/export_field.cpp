@@ -27,12 +27,12 @@ std::uint64_t machine_bytes() {
 Result<void> check_room(const fs::path& target, const field::LatticeWindow& window,
                         std::uint64_t max_bytes) {
   const std::uint64_t bytes = std::uint64_t(window.size()) * sizeof(float);
-  const auto too_large = [&](ErrorCode code, const char* where, std::uint64_t most) {
-    return fail(code,
-                fmt::format("a dense volume of {} x {} x {} samples takes {} bytes, {} has "
-                            "room for {}; take part of it with --region or --every, or "
-                            "write .vdb, which is sparse",
-                            window.count[0], window.count[1], window.count[2], bytes, where, most));
+  const auto too_large = [&](ErrorCode code, const char* where, std::uint64_t maximum) {
+    return fail(code, fmt::format("a dense volume of {} x {} x {} samples takes {} bytes, {} has "
+                                  "room for {}; take part of it with --region or --every, or "
+                                  "write .vdb, which is sparse",
+                                  window.count[0], window.count[1], window.count[2], bytes, where,
+                                  maximum));
   };
   if (max_bytes == 0) max_bytes = machine_bytes() / 4 * 3;
   if (bytes > max_bytes / kCopies)
@@ -66,8 +66,8 @@ std::map<std::string, std::string> describe_export(const field::DistanceField& f
 }
 
 float within_band(float sample, float band_mm) {
-  const float most = std::nextafter(band_mm, 0.0F);
-  return std::clamp(sample, -most, most);
+  const float maximum = std::nextafter(band_mm, 0.0F);
+  return std::clamp(sample, -maximum, maximum);
 }
 
 Result<FieldExport> export_field(const fs::path& target, const field::DistanceField& field,

@@ -70,7 +70,7 @@ struct Header {
   std::uint32_t closed;  // 0 or 1.
   std::uint32_t smooth;  // 0 or 1.
   std::uint64_t bytes[kBlockCount];
-  std::uint32_t findings[8];  // SurfaceReport, in its order.
+  std::uint32_t findings[8];  // MeshRepairReport, in its order.
   std::uint64_t triangles;    // 0: not told.
   std::uint64_t parts;
   std::uint64_t reserved[2];
@@ -167,9 +167,9 @@ Result<void> check_blocks_belong(const Header& header, const Blocks& blocks) {
 /// The findings of a report in the order of the header.
 auto findings_of(auto& report) {
   return std::array{&report.repeated_vertices,  &report.collapsed_triangles,
-                    &report.repeated_triangles, &report.double_triangles,
-                    &report.turned_triangles,   &report.rim_edges,
-                    &report.branching_edges,    &report.clashing_edges};
+                    &report.repeated_triangles, &report.opposite_duplicates,
+                    &report.flipped_triangles,  &report.boundary_edges,
+                    &report.non_manifold_edges, &report.inconsistent_edges};
 }
 
 void set_source(const field::FieldSource& source, Header& header) {
@@ -215,9 +215,9 @@ Result<Octree> read_octree(const FieldFrame& frame, const Blocks& blocks) {
     return corrupt(fmt::format("it has {} bytes of samples, its octree has {}",
                                blocks[kSamples].size(), octree->samples().size_bytes()));
   const std::span<const float> samples = values_of<float>(blocks[kSamples]);
-  const float most_mm = float(frame.band_mm) * kSampleSlack;
+  const float max_mm = float(frame.band_mm) * kSampleSlack;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (!(std::abs(samples[i]) <= most_mm))  // NaN is not.
+    if (!(std::abs(samples[i]) <= max_mm))  // NaN is not.
       return corrupt(fmt::format("sample {} is {}", i, samples[i]));
     octree->samples()[i] = samples[i];
   }
@@ -229,9 +229,9 @@ Result<DenseSamples> read_dense(const FieldFrame& frame, const Blocks& blocks) {
   if (blocks[kSamples].size() != n * n * n * sizeof(float))
     return corrupt(fmt::format("it has {} bytes of samples", blocks[kSamples].size()));
   const std::span<const float> samples = values_of<float>(blocks[kSamples]);
-  const float most_mm = float(frame.band_mm) * kSampleSlack;
+  const float max_mm = float(frame.band_mm) * kSampleSlack;
   for (std::size_t i = 0; i < samples.size(); ++i)
-    if (std::isfinite(samples[i]) && std::abs(samples[i]) > most_mm)
+    if (std::isfinite(samples[i]) && std::abs(samples[i]) > max_mm)
       return corrupt(fmt::format("sample {} is {}", i, samples[i]));
   return DenseSamples(frame.resolution, {samples.begin(), samples.end()});
 }
@@ -265,9 +265,9 @@ Result<SparseLattice> read_lattice(const FieldFrame& frame, const Blocks& blocks
     previous = brick;
   }
   SparseLattice lattice(frame.resolution, {numbers.begin(), numbers.end()}, 0.0F);
-  const auto most_mm = float(frame.band_mm + kSplineReach * frame.cell_mm);
+  const auto max_mm = float(frame.band_mm + kSplineReach * frame.cell_mm);
   for (std::size_t i = 0; i < values.size(); ++i) {  // NaN says that there is none.
-    if (std::abs(values[i]) > most_mm)
+    if (std::abs(values[i]) > max_mm)
       return corrupt(fmt::format("smooth value {} is {}", i, values[i]));
     lattice.values()[i] = values[i];
   }

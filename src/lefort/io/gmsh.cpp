@@ -2,7 +2,7 @@
 #include <lefort/io/internal/gmsh_file.h>
 #include <lefort/io/internal/wedge_order.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/mesh/attach_faces.h>
+#include <lefort/mesh/match_faces_to_elements.h>
 
 #include <fmt/format.h>
 
@@ -25,7 +25,7 @@ using internal::GmshKey;
 using mesh::ElementShape;
 
 // Some ten million elements.
-constexpr std::uintmax_t kLargestFile = std::uintmax_t(4) << 30;
+constexpr std::uintmax_t kMaxFile = std::uintmax_t(4) << 30;
 
 // For each of our nodes, its place in Gmsh's element (reference manual, "Node ordering").
 constexpr std::array<std::uint8_t, 10> kTet10{0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
@@ -209,7 +209,7 @@ Result<void> add_sets(const GmshFile& file, std::map<GmshKey, Group> groups,
                               "surfaces must differ",
                               name));
     if (key.first != 2) continue;
-    auto attached = mesh::attach_faces(mesh, group.faces);
+    auto attached = mesh::match_faces_to_elements(mesh, group.faces);
     if (!attached)
       return fail(attached.error().code,
                   fmt::format("physical group \"{}\": {}", name, attached.error().message));
@@ -246,7 +246,7 @@ Result<mesh::VolumeMesh> convert(const GmshFile& file) {
 }  // namespace
 
 Result<mesh::VolumeMesh> read_gmsh(const std::filesystem::path& file) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kLargestFile));
+  LEFORT_TRY(const std::string bytes, read_text(file, kMaxFile));
   const auto named = [&](const Error& error) {
     return fail(error.code, fmt::format("mesh {}: {}", file.string(), error.message));
   };

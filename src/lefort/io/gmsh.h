@@ -17,7 +17,7 @@ namespace lefort::io {
 ///     Physical Point    node set
 ///
 /// A group without a name is called "surface 7", "curve 7" or "point 7" after its tag; volumes in
-/// no group are region 0. Nodes that no element uses (the centre of an arc) are left out.
+/// no group are region 0. Nodes that no element uses (the center of an arc) are left out.
 /// Coordinates are taken as mm in L.
 ///
 /// \returns the mesh, or

@@ -28,7 +28,7 @@ struct ImportOptions {
 ///
 /// \returns the scan, or
 ///   - kFileNotFound     there is nothing at `source`;
-///   - kFileUnsupported  not a scan we read: ending, number of dimensions, colour, modality;
+///   - kFileUnsupported  not a scan we read: ending, number of dimensions, color, modality;
 ///   - kFileCorrupt      truncated, damaged, slices missing, or a grid that cannot be;
 ///   - kInvalidArgument  several series and none chosen (the message lists them);
 ///   - kCancelled        `progress` asked to stop;

@@ -13,8 +13,8 @@ namespace lefort::io {
 /// How the slices of a series lay before they became a grid.
 struct StackReport {
   Index slices = 0;
-  double least_step_mm = 0.0, most_step_mm = 0.0;  ///< From slice to slice, along the normal.
-  double tilt_deg = 0.0;                           ///< By which the stack was sheared.
+  double min_step_mm = 0.0, max_step_mm = 0.0;  ///< From slice to slice, along the normal.
+  double tilt_deg = 0.0;                        ///< By which the stack was sheared.
   bool resampled = false;
 };
 

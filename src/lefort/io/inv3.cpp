@@ -1,5 +1,5 @@
 #include <lefort/image/check_grid.h>
-#include <lefort/image/reverse_axis.h>
+#include <lefort/image/flip_axis.h>
 #include <lefort/io/internal/hounsfield.h>
 #include <lefort/io/internal/plist.h>
 #include <lefort/io/internal/tar_reader.h>
@@ -106,7 +106,7 @@ Result<ImportedVolume> read_inv3(const fs::path& file, Progress& progress) {
   std::memcpy(imported.ct.values.data(), matrix.data(), bytes);
   HounsfieldCount count;
   for (std::int16_t& value : imported.ct.values) value = hounsfield(value, count);
-  reverse_axis(imported.ct, 1);
+  flip_axis(imported.ct, 1);
   imported.warnings = hounsfield_warnings(count, imported.ct);
   if (!project->is_axial)
     imported.warnings.emplace_back(

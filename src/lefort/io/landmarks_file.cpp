@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestTable = 64 << 20;  // Bytes.
-constexpr double kFarthest_mm = 1e5;                // As in plans.
+constexpr std::uintmax_t kMaxTable = 64 << 20;  // Bytes.
+constexpr double kFarthest_mm = 1e5;            // As in plans.
 
 bool is_markups(const fs::path& file) { return file.filename().string().ends_with(".mrk.json"); }
 bool is_table(const fs::path& file) { return file.extension() == ".csv"; }
@@ -168,7 +168,7 @@ Result<plan::Landmarks> read_landmarks(const fs::path& file) {
     LEFORT_TRY(const std::vector<Markup> markups, read_markups(file));
     landmarks = points_of(markups);
   } else {
-    LEFORT_TRY(const std::string text, read_text(file, kLargestTable));
+    LEFORT_TRY(const std::string text, read_text(file, kMaxTable));
     landmarks = parse_landmark_table(text);
   }
   if (!landmarks)

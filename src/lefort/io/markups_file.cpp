@@ -1,4 +1,4 @@
-#include <lefort/io/internal/checked_json.h>
+#include <lefort/io/internal/validated_json.h>
 #include <lefort/io/markups_file.h>
 #include <lefort/io/write_atomically.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 using internal::Json;
 
-constexpr std::uintmax_t kLargestMarkups = 64 << 20;  // Bytes.
+constexpr std::uintmax_t kMaxMarkups = 64 << 20;  // Bytes.
 
 /// What we need of Slicer's markups-schema-v1.0.3.json, which allows more.
 constexpr const char* kSchema = R"({
@@ -45,7 +45,7 @@ constexpr const char* kWrittenSchema =
     "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
     "Schema/markups-schema-v1.0.3.json#";
 
-/// Millimetres of a unit; nothing if it is none we know. Slicer writes "mm", or a DICOM code.
+/// Millimeters of a unit; nothing if it is none we know. Slicer writes "mm", or a DICOM code.
 std::optional<double> mm_of(const Json& markup) {
   const auto found = markup.find("coordinateUnits");
   if (found == markup.end()) return 1.0;
@@ -118,7 +118,7 @@ Result<std::vector<Markup>> parse_markups(std::string_view text) {
 }
 
 Result<std::vector<Markup>> read_markups(const std::filesystem::path& file) {
-  LEFORT_TRY(const std::string text, read_text(file, kLargestMarkups));
+  LEFORT_TRY(const std::string text, read_text(file, kMaxMarkups));
   Result<std::vector<Markup>> markups = parse_markups(text);
   if (!markups)
     return fail(markups.error().code,

@@ -14,9 +14,9 @@
 
 namespace lefort::io {
 
-/// A plane as Slicer draws it: a rectangle about its centre.
+/// A plane as Slicer draws it: a rectangle about its center.
 struct MarkupPlane {
-  Vec3 centre_L;
+  Vec3 center_L;
   Vec3 normal_L;                           ///< Unit length.
   Vec3 across_L;                           ///< Along the width; unit length, across the normal.
   double width_mm = 0.0, height_mm = 0.0;  ///< 0 where the file does not tell.
@@ -27,7 +27,7 @@ struct Markup {
   std::string type;                    ///< "Fiducial", "ClosedCurve", "Plane", ...
   std::string name;                    ///< May be empty.
   plan::Landmarks points;              ///< Control points that are placed, with their labels, in L.
-  std::optional<MarkupPlane> plane{};  ///< Of a "Plane" whose centre and normal are told.
+  std::optional<MarkupPlane> plane{};  ///< Of a "Plane" whose center and normal are told.
 };
 
 /// Reads all markups of a file.

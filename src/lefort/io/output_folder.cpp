@@ -24,7 +24,7 @@ Result<void> make_output_folder(const fs::path& folder) {
                                                       folder.string(), written.error().message));
 }
 
-EmptyFolders::EmptyFolders(const fs::path& folder) {
+EmptyFolderCleanup::EmptyFolderCleanup(const fs::path& folder) {
   std::error_code error;
   for (fs::path at = fs::absolute(folder, error).lexically_normal();
        !at.empty() && !fs::exists(fs::symlink_status(at, error)); at = at.parent_path()) {
@@ -33,7 +33,7 @@ EmptyFolders::EmptyFolders(const fs::path& folder) {
   }
 }
 
-EmptyFolders::~EmptyFolders() {
+EmptyFolderCleanup::~EmptyFolderCleanup() {
   std::error_code error;
   for (const fs::path& folder : new_)
     if (fs::is_directory(fs::symlink_status(folder, error)) && fs::is_empty(folder, error))

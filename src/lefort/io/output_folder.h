@@ -17,12 +17,12 @@ namespace lefort::io {
 
 /// Leaves no folder for results that never came: those on the way to `folder` that were not there
 /// when it began, and are empty when it ends, go.
-class EmptyFolders {
+class EmptyFolderCleanup {
  public:
-  explicit EmptyFolders(const std::filesystem::path& folder);
-  ~EmptyFolders();
-  EmptyFolders(const EmptyFolders&) = delete;
-  EmptyFolders& operator=(const EmptyFolders&) = delete;
+  explicit EmptyFolderCleanup(const std::filesystem::path& folder);
+  ~EmptyFolderCleanup();
+  EmptyFolderCleanup(const EmptyFolderCleanup&) = delete;
+  EmptyFolderCleanup& operator=(const EmptyFolderCleanup&) = delete;
 
  private:
   std::vector<std::filesystem::path> new_;  ///< The deepest first.

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestCheck = 64 << 20;  // Bytes.
+constexpr std::uintmax_t kMaxCheck = 64 << 20;  // Bytes.
 
 /// Whether a check may have written a file of that name; segments are named as in
 /// contract/plan.schema.json.
@@ -35,7 +35,7 @@ Result<std::vector<fs::path>> earlier_check_files(const fs::path& folder) {
   const fs::path file = folder / "check.json";
   std::error_code error;
   if (!fs::exists(fs::symlink_status(file, error))) return std::vector<fs::path>();
-  const Result<std::string> text = read_text(file, kLargestCheck);
+  const Result<std::string> text = read_text(file, kMaxCheck);
   const auto json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
   if (!json.is_object() || !json.contains("lefort_plan_check"))
     return fail(
@@ -52,8 +52,8 @@ Result<std::vector<fs::path>> earlier_check_files(const fs::path& folder) {
   return files;
 }
 
-Result<void> check_inputs_are_apart(std::span<const fs::path> inputs,
-                                    std::span<const fs::path> files) {
+Result<void> check_inputs_are_distinct(std::span<const fs::path> inputs,
+                                       std::span<const fs::path> files) {
   for (const fs::path& input : inputs)
     if (std::any_of(files.begin(), files.end(),
                     [&](const fs::path& file) { return are_same(input, file); }))

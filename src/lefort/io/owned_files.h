@@ -20,8 +20,8 @@ namespace lefort::io {
     const std::filesystem::path& folder);
 
 /// Nothing, or kInvalidArgument that names the first input which is one of `files`.
-[[nodiscard]] Result<void> check_inputs_are_apart(std::span<const std::filesystem::path> inputs,
-                                                  std::span<const std::filesystem::path> files);
+[[nodiscard]] Result<void> check_inputs_are_distinct(std::span<const std::filesystem::path> inputs,
+                                                     std::span<const std::filesystem::path> files);
 
 /// Nothing, or kFileUnwritable that names the first of `names` which is in the folder, but is none
 /// of `earlier`.

@@ -1,7 +1,7 @@
 #include <lefort/core/units.h>
-#include <lefort/io/internal/checked_json.h>
 #include <lefort/io/internal/read_contact.h>
 #include <lefort/io/internal/read_segments.h>
+#include <lefort/io/internal/validated_json.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_schema.h>
 #include <lefort/io/write_atomically.h>
@@ -20,7 +20,7 @@ using internal::read;
 using internal::section;
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestPlan = 4 << 20;  // Bytes; a plan is a few kilobytes.
+constexpr std::uintmax_t kMaxPlan = 4 << 20;  // Bytes; a plan is a few kilobytes.
 
 /// Young's modulus and Poisson's ratio of a law.
 struct Elasticity {
@@ -93,9 +93,10 @@ Result<void> read_tissue(const Json& tissue, const plan::Landmarks& landmarks,
 
 void read_boundary(const Json& boundary, predict::BoundaryOptions& options) {
   if (boundary.value("moved_bone", "contact") == "attached")
-    options.moved_bone = predict::MovedBone::kAttached;
-  if (boundary.value("scan_edge", "free") == "fixed") options.scan_edge = predict::ScanEdge::kFixed;
-  read(boundary, "release_mm", options.release_mm);
+    options.segment_interface = predict::SegmentInterface::kBonded;
+  if (boundary.value("scan_edge", "free") == "fixed")
+    options.scan_boundary = predict::ScanBoundary::kFixed;
+  read(boundary, "release_mm", options.elevation_margin_mm);
   read(boundary, "capture_mm", options.capture_mm);
 }
 
@@ -112,7 +113,7 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
 
   if (json.contains("landmarks")) {
     LEFORT_TRY(plan.landmarks, internal::read_plan_landmarks(json["landmarks"], folder));
-    LEFORT_TRY_VOID(plan::left_of(plan.landmarks));  // Whether names and sides fit.
+    LEFORT_TRY_VOID(plan::patient_left_axis(plan.landmarks));  // Whether names and sides fit.
   }
   LEFORT_TRY(plan.segments, internal::read_segments(json["segments"], plan.landmarks, folder));
 
@@ -135,7 +136,7 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   const Json& solver = section(json, "solver");
   read(solver, "relative_tolerance", plan.solver.relative_tolerance);
   read(solver, "max_iterations", plan.solver.max_iterations);
-  read(solver, "smallest_step", plan.solver.smallest_step);
+  read(solver, "smallest_step", plan.solver.min_increment_ratio);
   return plan;
 }
 
@@ -147,7 +148,7 @@ Result<PlanFile> parse_plan(std::string_view text, const fs::path& folder) {
 }
 
 Result<PlanText> read_plan_text(const fs::path& file) {
-  LEFORT_TRY(std::string text, read_text(file, kLargestPlan));
+  LEFORT_TRY(std::string text, read_text(file, kMaxPlan));
   std::error_code error;
   const fs::path absolute = fs::absolute(file, error);
   Result<PlanFile> plan = parse_plan(text, (error ? file : absolute).parent_path());

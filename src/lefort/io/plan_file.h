@@ -44,7 +44,7 @@ struct PlanText {
 ///
 /// \returns kFileNotFound; what reading a named file returns; kPlanInvalid with the key and what is
 /// wrong with it, as `tissue: unknown
-///   key "colour"`. A key that stands twice in an object is wrong, since parsers differ on it.
+///   key "color"`. A key that stands twice in an object is wrong, since parsers differ on it.
 [[nodiscard]] Result<PlanFile> read_plan(const std::filesystem::path& file);
 [[nodiscard]] Result<PlanText> read_plan_text(const std::filesystem::path& file);
 

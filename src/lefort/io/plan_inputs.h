@@ -27,7 +27,7 @@ struct InputFile {
 };
 
 /// The files that a plan which was read names, but for the scan; relative to the plan's folder.
-[[nodiscard]] std::vector<std::string> named_files(const std::string& text);
+[[nodiscard]] std::vector<std::string> file_catalog(const std::string& text);
 
 /// What they hold, so that a result tells when one of them has changed.
 ///

@@ -66,22 +66,22 @@ Result<void> write_preview_model(const std::filesystem::path& file,
   append(text, K.valuePtr(), std::size_t(K.nonZeros()));
   append(text, model.first_row.data(), model.first_row.size());
   std::vector<std::int32_t> segments, rows, nodes;
-  std::vector<std::uint8_t> holds;
+  std::vector<std::uint8_t> is_bilateral;
   Numbers places, weights;
   for (const auto& support : model.supports) {
     segments.push_back(support.segment);
     rows.push_back(support.row);
-    holds.push_back(support.holds ? 1 : 0);
+    is_bilateral.push_back(support.is_bilateral ? 1 : 0);
     places.insert(places.end(), support.point_L.begin(), support.point_L.end());
     places.insert(places.end(), support.direction_L.begin(), support.direction_L.end());
   }
-  for (const auto& follower : model.skin.followers) {
+  for (const auto& follower : model.skin.embedded_vertices) {
     nodes.insert(nodes.end(), follower.face.begin(), follower.face.end());
     weights.insert(weights.end(), follower.weights.begin(), follower.weights.end());
   }
   append(text, segments.data(), segments.size());
   append(text, rows.data(), rows.size());
-  append(text, holds.data(), holds.size());
+  append(text, is_bilateral.data(), is_bilateral.size());
   append(text, places.data(), places.size());
   append(text, nodes.data(), nodes.size());
   append(text, weights.data(), weights.size());
@@ -100,12 +100,12 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
   text.remove_prefix(kMagic.size());
   std::vector<int> columns, inner;
   std::vector<std::int32_t> segments, rows, nodes;
-  std::vector<std::uint8_t> holds;
+  std::vector<std::uint8_t> is_bilateral;
   Numbers values, places, weights, rest;
   predict::PreviewModel model;
   const bool is_whole = take(text, columns) && take(text, inner) && take(text, values) &&
                         take(text, model.first_row) && take(text, segments) && take(text, rows) &&
-                        take(text, holds) && take(text, places) && take(text, nodes) &&
+                        take(text, is_bilateral) && take(text, places) && take(text, nodes) &&
                         take(text, weights) && take(text, rest);
   const auto is_node = [&](std::int32_t node) {
     return node >= 0 && std::size_t(node) < model.first_row.size();
@@ -114,9 +114,9 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
     return row >= -1 && row + 3 < std::int32_t(columns.size());
   };
   if (!is_whole || !text.empty() || values.size() != inner.size() || !is_pattern(columns, inner) ||
-      holds.size() != rows.size() || places.size() != 6 * rows.size() || nodes.size() % 3 != 0 ||
-      weights.size() != nodes.size() || rest.size() != 2 || !(rest[1] >= 1.0 && rest[1] < 1e6) ||
-      segments.size() != rows.size() ||
+      is_bilateral.size() != rows.size() || places.size() != 6 * rows.size() ||
+      nodes.size() % 3 != 0 || weights.size() != nodes.size() || rest.size() != 2 ||
+      !(rest[1] >= 1.0 && rest[1] < 1e6) || segments.size() != rows.size() ||
       !std::all_of(segments.begin(), segments.end(),
                    [&](std::int32_t k) { return k >= 0 && k < std::int32_t(rest[1]); }) ||
       !std::all_of(nodes.begin(), nodes.end(), is_node) ||
@@ -128,10 +128,11 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
   model.stiffness_n_per_mm = Eigen::Map<const linear::SparseMatrix>(
       size, size, Index(inner.size()), columns.data(), inner.data(), values.data());
   for (std::size_t s = 0; s < rows.size(); ++s)
-    model.supports.push_back(
-        {segments[s], rows[s], Vec3(&places[6 * s]), Vec3(&places[6 * s + 3]), holds[s] != 0});
+    model.supports.push_back({segments[s], rows[s], Vec3(&places[6 * s]), Vec3(&places[6 * s + 3]),
+                              is_bilateral[s] != 0});
   for (std::size_t v = 0; v < nodes.size(); v += 3)
-    model.skin.followers.push_back({{nodes[v], nodes[v + 1], nodes[v + 2]}, Vec3(&weights[v])});
+    model.skin.embedded_vertices.push_back(
+        {{nodes[v], nodes[v + 1], nodes[v + 2]}, Vec3(&weights[v])});
   model.support_n_per_mm = rest[0];
   model.segment_count = std::int32_t(rest[1]);
   return model;
@@ -145,7 +146,7 @@ PreviewDistance measure_preview(std::span<const Vec3> preview_mm, std::span<cons
   std::vector<double> misses_mm;
   for (std::size_t v = 0; v < before_L.size(); ++v) {
     const Vec3 shift_mm = after_L[v] - before_L[v];
-    distance.largest_shift_mm = std::max(distance.largest_shift_mm, shift_mm.norm());
+    distance.max_shift_mm = std::max(distance.max_shift_mm, shift_mm.norm());
     if (shift_mm.norm() > kMoved_mm) misses_mm.push_back((preview_mm[v] - shift_mm).norm());
   }
   distance.moved_vertices = Index(misses_mm.size());

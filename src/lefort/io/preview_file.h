@@ -22,7 +22,7 @@ namespace lefort::io {
 struct PreviewDistance {
   Index moved_vertices = 0;
   double p50_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;
-  double largest_shift_mm = 0.0;  ///< Of the full solve.
+  double max_shift_mm = 0.0;  ///< Of the full solve.
 };
 
 /// \param preview_mm     displacement of each vertex.

@@ -3,8 +3,8 @@
 #include <lefort/io/internal/wedge_order.h>
 #include <lefort/io/read_vtu.h>
 #include <lefort/io/write_atomically.h>
-#include <lefort/mesh/attach_faces.h>
 #include <lefort/mesh/element_faces.h>
+#include <lefort/mesh/match_faces_to_elements.h>
 
 #include <fmt/format.h>
 
@@ -25,7 +25,7 @@ using internal::XmlArrays;
 using mesh::ElementShape;
 
 // Some ten million elements with a few fields.
-constexpr std::uintmax_t kLargestFile = std::uintmax_t(4) << 30;
+constexpr std::uintmax_t kMaxFile = std::uintmax_t(4) << 30;
 
 constexpr std::string_view kSet = "set:";
 const std::string kRegion = "region";
@@ -227,7 +227,7 @@ Result<mesh::VolumeMesh> convert(const XmlArrays& file, const std::string& regio
   for (mesh::ElementBlock& block : mesh.blocks)
     if (mesh::corner_count(block.shape) == 6) internal::turn_wedges(block, mesh.nodes_L);
   for (auto& [name, faces] : mesh.face_sets) {
-    auto attached = mesh::attach_faces(mesh, faces);
+    auto attached = mesh::match_faces_to_elements(mesh, faces);
     if (!attached)
       return fail(attached.error().code,
                   fmt::format("face set \"{}\": {}", name, attached.error().message));
@@ -239,7 +239,7 @@ Result<mesh::VolumeMesh> convert(const XmlArrays& file, const std::string& regio
 }  // namespace
 
 Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file, const std::string& regions) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kLargestFile));
+  LEFORT_TRY(const std::string bytes, read_text(file, kMaxFile));
   const std::string name = "mesh " + file.string();
   std::vector<internal::WantedArray> wanted = kWanted;
   wanted.push_back({"CellData", regions.empty() ? kRegion : regions});
@@ -252,7 +252,7 @@ Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file, const std::
 
 Result<std::vector<Vec3>> read_vtu_vectors(const std::filesystem::path& file,
                                            const std::string& name) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kLargestFile));
+  LEFORT_TRY(const std::string bytes, read_text(file, kMaxFile));
   const std::string subject = "mesh " + file.string();
   LEFORT_TRY(const XmlArrays arrays,
              internal::parse_vtk_xml(bytes, subject, "UnstructuredGrid", {{"PointData", name}}));

@@ -1,4 +1,4 @@
-#include <lefort/image/reverse_axis.h>
+#include <lefort/image/flip_axis.h>
 #include <lefort/io/internal/raw_volume.h>
 #include <lefort/io/segmentation_file.h>
 
@@ -33,7 +33,7 @@ bool is_segmentation_file(const fs::path& file) {
 struct WrittenSegment {
   const char* name;
   int value;
-  std::array<double, 3> colour;
+  std::array<double, 3> color;
 };
 
 /// The keys of Slicer's vtkMRMLSegmentationStorageNode. Slicer before 5.2 says "Master" where it
@@ -47,10 +47,10 @@ Fields slicer_fields(const image::Grid& grid, const std::vector<WrittenSegment>&
                 {"Segmentation_SourceRepresentation", "Binary labelmap"},
                 {"Segmentation_ReferenceImageExtentOffset", "0 0 0"}};
   int number = 0;
-  for (const auto& [name, value, colour] : segments) {
+  for (const auto& [name, value, color] : segments) {
     std::string id = name;
     std::replace(id.begin(), id.end(), ' ', '_');
-    const auto [red, green, blue] = colour;
+    const auto [red, green, blue] = color;
     const auto add = [&](const char* key, std::string text) {
       fields.emplace(fmt::format("Segment{}_{}", number, key), std::move(text));
     };
@@ -90,7 +90,7 @@ struct Naming {
   std::optional<Label> (*label_called)(std::string_view name, std::string_view type);
   /// Whether, of two layers, what the higher says wins over what the lower says.
   bool (*higher_wins)(Label higher, Label lower);
-  enum class Others { kIgnored, kRefused } others;
+  enum class Others { kIgnored, kRejected } others;
 };
 
 bool has_word(std::string_view text, std::string_view word) {
@@ -130,7 +130,7 @@ constexpr Naming<BoundaryLabel> kBoundaryNaming{
       return std::nullopt;
     },
     [](BoundaryLabel, BoundaryLabel) { return true; },
-    Naming<BoundaryLabel>::Others::kRefused};
+    Naming<BoundaryLabel>::Others::kRejected};
 
 std::string plain_name(std::string name) {
   for (char& c : name)
@@ -197,7 +197,7 @@ Result<std::vector<Segment<Label>>> read_segments(const RawVolume& raw,
     const std::string name = field(segment, "Name", field(segment, "ID", ""));
     const auto label = naming.label_called(
         plain_name(name), plain_name(terminology_type(field(segment, "Tags", ""))));
-    if (!label && naming.others == Naming<Label>::Others::kRefused)
+    if (!label && naming.others == Naming<Label>::Others::kRejected)
       return fail(ErrorCode::kFileUnsupported,
                   fmt::format("{}: segment {} is called \"{}\", expected {}", naming.file, segment,
                               in_a_message(name), naming.known));
@@ -224,14 +224,14 @@ Result<std::vector<Segment<Label>>> read_segments(const RawVolume& raw,
 
 /// Where in `grid` the first voxel of `part` lies, if the voxels of both coincide.
 std::optional<std::array<Index, 3>> place_in(const image::Grid& grid, const image::Grid& part) {
-  constexpr double kShareOfVoxel = 0.05;
+  constexpr double kVoxelFraction = 0.05;
   const Vec3 first_V = grid.index_V(part.origin_L).array().round();
   for (int corner = 0; corner < 8; ++corner) {
     Vec3 corner_V;
     for (int a = 0; a < 3; ++a)
       corner_V[a] = ((corner >> a) & 1) * static_cast<double>(part.size[std::size_t(a)] - 1);
     const Vec3 deviation_V = grid.index_V(part.point_L(corner_V)) - (first_V + corner_V);
-    if (!(deviation_V.cwiseAbs().maxCoeff() <= kShareOfVoxel)) return std::nullopt;
+    if (!(deviation_V.cwiseAbs().maxCoeff() <= kVoxelFraction)) return std::nullopt;
   }
   if (first_V.cwiseAbs().maxCoeff() > static_cast<double>(std::int64_t{1} << 40))
     return std::nullopt;
@@ -270,7 +270,7 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
       progress.note(
           fmt::format("warning: {}: no {} is called \"{}\": its voxels count as not painted",
                       naming.file, naming.thing, segments[s].name));
-  if (labels.grid.direction.determinant() < 0.0) reverse_axis(labels, 2);
+  if (labels.grid.direction.determinant() < 0.0) flip_axis(labels, 2);
   return labels;
 }
 
@@ -287,13 +287,13 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
   image::Volume<Label> labels{
       grid, std::vector<Label>(static_cast<std::size_t>(grid.voxel_count()), Label{})};
   const auto [i0, j0, k0] = *first;
-  Index within = 0, labelled = 0;
+  Index within = 0, labeled = 0;
   for (Index k = 0; k < part.grid.size[2]; ++k)
     for (Index j = 0; j < part.grid.size[1]; ++j)
       for (Index i = 0; i < part.grid.size[0]; ++i) {
         const Label label = part.at(i, j, k);
         if (label == Label{}) continue;
-        ++labelled;
+        ++labeled;
         if (!grid.contains(i + i0, j + j0, k + k0)) continue;
         ++within;
         labels.at(i + i0, j + j0, k + k0) = label;
@@ -302,12 +302,12 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("{}: none of its {} labelled voxels lies within the scan, expected "
                             "some",
-                            naming.file, labelled));
-  if (within < labelled)
+                            naming.file, labeled));
+  if (within < labeled)
     progress.note(
         fmt::format("{:.2g} % of the labelled voxels lie outside the scan and are left "
                     "out",
-                    100.0 * double(labelled - within) / double(labelled)));
+                    100.0 * double(labeled - within) / double(labeled)));
   return labels;
 }
 
@@ -316,7 +316,7 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
 Result<void> write_segmentation(const fs::path& target, const LabelMap& labels) {
   std::vector<WrittenSegment> segments;
   for (const anatomy::TissueStyle& style : anatomy::kTissueStyles)
-    segments.push_back({style.name, static_cast<int>(style.tissue), style.colour});
+    segments.push_back({style.name, static_cast<int>(style.tissue), style.color});
   return write_labels(target, labels, segments);
 }
 
@@ -324,7 +324,7 @@ Result<void> write_boundary_labels(const fs::path& target,
                                    const predict::BoundaryLabelMap& painted) {
   std::vector<WrittenSegment> segments;
   for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
-    segments.push_back({style.name, static_cast<int>(style.label), style.colour});
+    segments.push_back({style.name, static_cast<int>(style.label), style.color});
   return write_labels(target, painted, segments);
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Label maps as `.seg.nrrd`, the segmentation file of 3D Slicer, with names and colours.
+/// Label maps as `.seg.nrrd`, the segmentation file of 3D Slicer, with names and colors.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -38,9 +38,9 @@ namespace lefort::io {
 /// The same on the grid of the scan it belongs to: what the file leaves out is background.
 ///
 /// \param progress  is told as notes which segments have no tissue's name, and which share of the
-///   labelled voxels lies outside the scan.
+///   labeled voxels lies outside the scan.
 /// \returns also kFileCorrupt when the file's voxels do not lie on voxels of `grid`, or none that
-///   is labelled lies within it: then it belongs to another scan.
+///   is labeled lies within it: then it belongs to another scan.
 [[nodiscard]] Result<anatomy::LabelMap> read_segmentation(const std::filesystem::path& source,
                                                           const image::Grid& grid,
                                                           Progress& progress = Progress::none());

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestDocument = 256 << 20;  // Bytes.
+constexpr std::uintmax_t kMaxDocument = 256 << 20;  // Bytes.
 
 fs::path step_file(const fs::path& folder, int step) {
   return folder / "paraview" / fmt::format("step_{:04d}.vtu", step);
@@ -22,7 +22,7 @@ fs::path step_file(const fs::path& folder, int step) {
 }  // namespace
 
 Result<StepSkin> StepSkin::read(const fs::path& folder, const Vec3& spacing_mm) {
-  LEFORT_TRY(const std::string text, read_text(folder / "prediction.json", kLargestDocument));
+  LEFORT_TRY(const std::string text, read_text(folder / "prediction.json", kMaxDocument));
   const auto json = nlohmann::json::parse(text, nullptr, false);
   predict::TissueOptions tissue;
   try {
@@ -34,7 +34,8 @@ Result<StepSkin> StepSkin::read(const fs::path& folder, const Vec3& spacing_mm) 
   LEFORT_TRY(const mesh::VolumeMesh mesh, read_vtu(step_file(folder, 0)));
   StepSkin skin;
   skin.folder_ = folder;
-  skin.binding_ = predict::bind_skin(skin_L, mesh, predict::follow_reach_mm(tissue, spacing_mm));
+  skin.binding_ =
+      predict::embed_skin(skin_L, mesh, predict::embedding_distance_mm(tissue, spacing_mm));
   skin.nodes_ = mesh.node_count();
   return skin;
 }

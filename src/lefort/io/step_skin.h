@@ -4,7 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
-#include <lefort/predict/move_skin.h>
+#include <lefort/predict/embed_skin.h>
 
 #include <filesystem>
 #include <vector>
@@ -28,7 +28,7 @@ class StepSkin {
 
  private:
   std::filesystem::path folder_;
-  predict::SkinBinding binding_;
+  predict::SkinEmbedding binding_;
   Index nodes_ = 0;
 };
 

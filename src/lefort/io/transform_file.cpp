@@ -11,7 +11,7 @@
 namespace lefort::io {
 namespace {
 
-constexpr std::uintmax_t kLargestTransform = 1 << 20;  // Bytes; a rigid one has a few hundred.
+constexpr std::uintmax_t kMaxTransform = 1 << 20;  // Bytes; a rigid one has a few hundred.
 constexpr std::string_view kMagic = "#Insight Transform File V1.0";
 constexpr double kRigid = 1e-4;       // Registrations write six digits.
 constexpr double kFarthest_mm = 1e5;  // As in plans.
@@ -82,11 +82,11 @@ Result<Parts> read_parts(std::string_view text) {
   return parts;
 }
 
-/// p -> matrix (p - centre) + centre + translation, as the file has it.
+/// p -> matrix (p - center) + center + translation, as the file has it.
 struct Affine {
   Mat3 matrix = Mat3::Identity();
   Vec3 translation = Vec3::Zero();
-  Vec3 centre = Vec3::Zero();
+  Vec3 center = Vec3::Zero();
 };
 
 Result<Affine> understand(const Parts& parts) {
@@ -118,7 +118,7 @@ Result<Affine> understand(const Parts& parts) {
                         .toRotationMatrix();
   }
   affine.translation = Vec3(p[wanted - 3], p[wanted - 2], p[wanted - 1]);
-  if (parts.fixed.size() == 3) affine.centre = Vec3(parts.fixed[0], parts.fixed[1], parts.fixed[2]);
+  if (parts.fixed.size() == 3) affine.center = Vec3(parts.fixed[0], parts.fixed[1], parts.fixed[2]);
   return affine;
 }
 
@@ -133,7 +133,7 @@ std::optional<std::string> not_rigid(const Affine& affine) {
   if (!(off <= kRigid))
     return fmt::format("it scales or shears by {:.2g}, must be a rotation and a translation",
                        0.5 * off);
-  if (!(std::max(affine.translation.cwiseAbs().maxCoeff(), affine.centre.cwiseAbs().maxCoeff()) <=
+  if (!(std::max(affine.translation.cwiseAbs().maxCoeff(), affine.center.cwiseAbs().maxCoeff()) <=
         kFarthest_mm))
     return fmt::format("it shifts by more than {:g} mm", kFarthest_mm);
   return std::nullopt;
@@ -148,12 +148,12 @@ Result<RigidTransform> parse_transform(std::string_view text) {
   RigidTransform X_BL = RigidTransform::Identity();
   if (affine.matrix != Mat3::Identity())
     X_BL.linear() = Eigen::Quaterniond(affine.matrix).normalized().toRotationMatrix();
-  X_BL.translation() = affine.centre + affine.translation - X_BL.linear() * affine.centre;
+  X_BL.translation() = affine.center + affine.translation - X_BL.linear() * affine.center;
   return X_BL.inverse();
 }
 
 Result<RigidTransform> read_transform(const std::filesystem::path& file) {
-  LEFORT_TRY(const std::string text, read_text(file, kLargestTransform));
+  LEFORT_TRY(const std::string text, read_text(file, kMaxTransform));
   Result<RigidTransform> motion = parse_transform(text);
   if (!motion)
     return fail(motion.error().code,

@@ -17,7 +17,7 @@ namespace lefort::io {
 
 /// Reads one transform.
 ///
-/// The file's own centre of rotation is of no use to a plan: Slicer always writes the scan's
+/// The file's own center of rotation is of no use to a plan: Slicer always writes the scan's
 /// origin.
 ///
 /// \returns X_LB, or

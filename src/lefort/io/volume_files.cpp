@@ -1,4 +1,4 @@
-#include <lefort/image/reverse_axis.h>
+#include <lefort/image/flip_axis.h>
 #include <lefort/io/internal/hounsfield.h>
 #include <lefort/io/internal/raw_volume.h>
 #include <lefort/io/volume_files.h>
@@ -34,7 +34,7 @@ Result<ImportedVolume> read_volume(const std::filesystem::path& file, Progress& 
     return fail(ErrorCode::kFileCorrupt,
                 imported.source_kind + " file: none of the voxels is a number");
   imported.warnings = hounsfield_warnings(count, imported.ct);
-  if (imported.ct.grid.direction.determinant() < 0.0) reverse_axis(imported.ct, 2);
+  if (imported.ct.grid.direction.determinant() < 0.0) flip_axis(imported.ct, 2);
   progress.report(1.0);
   return imported;
 }

@@ -10,12 +10,12 @@ namespace {
 
 constexpr std::int32_t kNone = -1;
 
-/// Strongly coupled neighbours, without the row itself.
-struct StrongNeighbours {
+/// Strongly coupled neighbors, without the row itself.
+struct StrongNeighbors {
   std::vector<std::int32_t> start, list;
 
   template <int kRows>
-  StrongNeighbours(const BlockMatrix<kRows, kRows>& A, double threshold) {
+  StrongNeighbors(const BlockMatrix<kRows, kRows>& A, double threshold) {
     std::vector<double> diagonal(std::size_t(A.rows()), 0.0);
     parallel_for(A.rows(), [&](Index i) {
       for (Index k = A.row_begin(i); k < A.row_end(i); ++k)
@@ -51,23 +51,23 @@ struct StrongNeighbours {
 
 template <int kRows>
 Aggregates aggregate(const BlockMatrix<kRows, kRows>& A, double threshold) {
-  const StrongNeighbours strong(A, threshold);
+  const StrongNeighbors strong(A, threshold);
   const std::int32_t n = A.rows();
   Aggregates aggregates{.of_row = std::vector<std::int32_t>(std::size_t(n), kNone)};
   std::vector<std::int32_t>& of_row = aggregates.of_row;
   const auto is_free = [&](std::int32_t i) { return of_row[std::size_t(i)] == kNone; };
 
-  // A row all of whose neighbours are free founds an aggregate with them.
+  // A row all of whose neighbors are free founds an aggregate with them.
   for (std::int32_t i = 0; i < n; ++i) {
-    const auto neighbours = strong.of(i);
-    if (!is_free(i) || neighbours.empty() ||
-        !std::all_of(neighbours.begin(), neighbours.end(), is_free))
+    const auto neighbors = strong.of(i);
+    if (!is_free(i) || neighbors.empty() ||
+        !std::all_of(neighbors.begin(), neighbors.end(), is_free))
       continue;
     of_row[std::size_t(i)] = aggregates.count;
-    for (const std::int32_t j : neighbours) of_row[std::size_t(j)] = aggregates.count;
+    for (const std::int32_t j : neighbors) of_row[std::size_t(j)] = aggregates.count;
     ++aggregates.count;
   }
-  // A row beside one joins that with which most of its neighbours are.
+  // A row beside one joins that with which most of its neighbors are.
   const std::vector<std::int32_t> founded = of_row;
   std::vector<std::int32_t> beside;
   for (std::int32_t i = 0; i < n; ++i) {
@@ -76,11 +76,11 @@ Aggregates aggregate(const BlockMatrix<kRows, kRows>& A, double threshold) {
     for (const std::int32_t j : strong.of(i))
       if (founded[std::size_t(j)] != kNone) beside.push_back(founded[std::size_t(j)]);
     std::sort(beside.begin(), beside.end());
-    std::ptrdiff_t most = 0;
+    std::ptrdiff_t maximum = 0;
     for (auto begin = beside.begin(); begin != beside.end();) {
       const auto end = std::upper_bound(begin, beside.end(), *begin);
-      if (end - begin > most) {
-        most = end - begin;
+      if (end - begin > maximum) {
+        maximum = end - begin;
         of_row[std::size_t(i)] = *begin;
       }
       begin = end;

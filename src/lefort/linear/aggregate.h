@@ -1,5 +1,5 @@
 /// \file
-/// Groups of neighbouring nodes, and the coarse space they span.
+/// Groups of neighboring nodes, and the coarse space they span.
 #pragma once
 
 #include <lefort/linear/block_matrix.h>
@@ -15,7 +15,7 @@ struct Aggregates {
   std::vector<std::int32_t> of_row;
 };
 
-/// Groups block rows with their strongly coupled neighbours (\cite vanek1996, algorithm 5.1): i and
+/// Groups block rows with their strongly coupled neighbors (\cite vanek1996, algorithm 5.1): i and
 /// j are strongly coupled if |A_ij| > threshold sqrt(|A_ii| |A_jj|).
 template <int kRows>
 [[nodiscard]] Aggregates aggregate(const BlockMatrix<kRows, kRows>& A, double threshold);

@@ -1,5 +1,5 @@
 #include <lefort/linear/block_matrix.h>
-#include <lefort/linear/row_graph.h>
+#include <lefort/linear/pattern_graph.h>
 
 #include <algorithm>
 #include <limits>
@@ -44,7 +44,7 @@ std::vector<std::int32_t> first_blocks(const RowGraph& graph) {
 }  // namespace
 
 SymmetricBlocks::SymmetricBlocks(const SparseMatrix& A) {
-  const RowGraph graph = row_graph(A);
+  const RowGraph graph = pattern_graph(A);
   const std::vector<std::int32_t> first = first_blocks(graph);
   block_row_.resize(std::size_t(A.rows()));
   matrix_.columns = first.back();
@@ -56,12 +56,12 @@ SymmetricBlocks::SymmetricBlocks(const SparseMatrix& A) {
       for (std::int32_t b = first[std::size_t(u)]; b < first[std::size_t(u) + 1]; ++b)
         matrix_.column.push_back(b);
     };
-    const auto neighbours = graph.neighbours(v);
-    const auto above = std::lower_bound(neighbours.begin(), neighbours.end(), v);
+    const auto neighbors = graph.neighbors(v);
+    const auto above = std::lower_bound(neighbors.begin(), neighbors.end(), v);
     for (std::int32_t b = first[std::size_t(v)]; b < first[std::size_t(v) + 1]; ++b) {
-      std::for_each(neighbours.begin(), above, add_blocks_of);
+      std::for_each(neighbors.begin(), above, add_blocks_of);
       add_blocks_of(v);
-      std::for_each(above, neighbours.end(), add_blocks_of);
+      std::for_each(above, neighbors.end(), add_blocks_of);
       LEFORT_CHECK(matrix_.column.size() * matrix_.kSize <
                    std::size_t(std::numeric_limits<std::int32_t>::max()));
       matrix_.start.push_back(std::int32_t(matrix_.column.size()));

@@ -1,6 +1,6 @@
 #include <lefort/core/check.h>
 #include <lefort/linear/cholesky_plan.h>
-#include <lefort/linear/row_graph.h>
+#include <lefort/linear/pattern_graph.h>
 
 #include <algorithm>
 #include <limits>
@@ -16,13 +16,13 @@ using Numbers = std::vector<std::int32_t>;
 std::size_t at(std::int32_t i) { return std::size_t(i); }
 
 /// The elimination tree of a graph in an order: the parent of a vertex is the first vertex that
-/// eliminating it makes a neighbour (\cite liu1990). All numbers are places in the order.
+/// eliminating it makes a neighbor (\cite liu1990). All numbers are places in the order.
 Numbers elimination_tree(const RowGraph& graph, const Numbers& order, const Numbers& place) {
   const std::int32_t n = graph.vertex_count();
   Numbers parent(at(n), -1), ancestor(at(n), -1);
   for (std::int32_t i = 0; i < n; ++i)
-    for (const std::int32_t neighbour : graph.neighbours(order[at(i)])) {
-      std::int32_t k = place[at(neighbour)];
+    for (const std::int32_t neighbor : graph.neighbors(order[at(i)])) {
+      std::int32_t k = place[at(neighbor)];
       while (k < i && k != -1) {  // Up to i; paths are shortened on the way.
         const std::int32_t next = ancestor[at(k)];
         ancestor[at(k)] = i;
@@ -100,8 +100,8 @@ ColumnCounts count_columns(const RowGraph& graph, const Numbers& order, const Nu
   for (std::int32_t i = 0; i < n; ++i) {
     // Row i of the factor: all on the way from its entries in A up to i.
     mark[at(i)] = i;
-    for (const std::int32_t neighbour : graph.neighbours(order[at(i)]))
-      for (std::int32_t k = place[at(neighbour)]; k < i && mark[at(k)] != i; k = parent[at(k)]) {
+    for (const std::int32_t neighbor : graph.neighbors(order[at(i)]))
+      for (std::int32_t k = place[at(neighbor)]; k < i && mark[at(k)] != i; k = parent[at(k)]) {
         mark[at(k)] = i;
         ++counts.vertices[at(k)];
         counts.rows[at(k)] += graph.rows(order[at(i)]);
@@ -221,16 +221,16 @@ std::pair<std::vector<Draft>, std::int64_t> ordered_supernodes(std::vector<Draft
     std::stable_sort(list.begin(), list.end(), [&](std::int32_t a, std::int32_t b) {
       return peak[at(a)] - rest_numbers(drafts[at(a)]) > peak[at(b)] - rest_numbers(drafts[at(b)]);
     });
-    std::int64_t waiting = 0, most = 0;
+    std::int64_t waiting = 0, maximum = 0;
     for (const std::int32_t c : list) {
-      most = std::max(most, waiting + peak[at(c)]);
+      maximum = std::max(maximum, waiting + peak[at(c)]);
       waiting += rest_numbers(drafts[at(c)]);
     }
-    return std::max(most, waiting + own_rest);
+    return std::max(maximum, waiting + own_rest);
   };
   for (std::int32_t s = 0; s < n; ++s)  // Children have smaller numbers.
     peak[at(s)] = order_and_peak(children.of(s), rest_numbers(drafts[at(s)]));
-  const std::int64_t most = order_and_peak(children.roots(), 0);
+  const std::int64_t maximum = order_and_peak(children.roots(), 0);
 
   const Numbers order = postorder(children);
   const Numbers renamed = renumbered(parent, order);
@@ -239,7 +239,7 @@ std::pair<std::vector<Draft>, std::int64_t> ordered_supernodes(std::vector<Draft
     ordered.push_back(std::move(drafts[at(order[k])]));
     ordered.back().parent = renamed[k];
   }
-  return {std::move(ordered), most};
+  return {std::move(ordered), maximum};
 }
 
 /// Fills in the plan supernode by supernode.
@@ -334,7 +334,7 @@ class PlanWriter {
       below.push_back(v);
     };
     for (std::int32_t v = first_vertex_[at(s)]; v < end; ++v)
-      for (const std::int32_t u : graph_.neighbours(vertex_[at(v)])) add(place_[at(u)]);
+      for (const std::int32_t u : graph_.neighbors(vertex_[at(v)])) add(place_[at(u)]);
     for (const std::int32_t c : children)
       for (const std::int32_t v : below_[at(c)]) add(v);
     std::sort(below.begin(), below.end());
@@ -469,7 +469,7 @@ double CholeskyPlan::work() const {
 }
 
 std::optional<CholeskyPlan> plan_cholesky(const SparseMatrix& A) try {
-  const RowGraph graph = row_graph(A);
+  const RowGraph graph = pattern_graph(A);
   std::optional<Numbers> order = dissection_order(graph);
   if (!order) return std::nullopt;
   return plan_in_order(A, graph, *std::move(order));

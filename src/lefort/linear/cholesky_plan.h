@@ -1,5 +1,5 @@
 /// \file
-/// The symbolic half of a sparse Cholesky factorisation: all that depends on the pattern alone.
+/// The symbolic half of a sparse Cholesky factorization: all that depends on the pattern alone.
 ///
 /// Rows that end up with one pattern below the diagonal are eliminated together, as a supernode. It
 /// assembles a dense matrix of its own rows and those below them (its front) from entries of A and

@@ -41,9 +41,9 @@ struct Pattern {
   }
 };
 
-Factorisation meaning_of(CgStop stop) {
-  return stop == CgStop::kTooManyIterations ? Factorisation::kNotConverged
-                                            : Factorisation::kNotPositiveDefinite;
+LinearSolveStatus meaning_of(CgStop stop) {
+  return stop == CgStop::kTooManyIterations ? LinearSolveStatus::kNotConverged
+                                            : LinearSolveStatus::kNotPositiveDefinite;
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ struct LinearSolver::Parts {
     const bool described = Index(points_L.size()) == rows;
     switch (options.kind) {
       case LinearSolverKind::kDirect:
-      case LinearSolverKind::kLagged:
+      case LinearSolverKind::kReusedFactor:
         return options.kind;
       case LinearSolverKind::kMultigrid:
         LEFORT_CHECK(described);
@@ -88,62 +88,62 @@ struct LinearSolver::Parts {
   }
 
   /// Lays out what depends on the pattern alone.
-  [[nodiscard]] Factorisation analyse(const SparseMatrix& A, LinearSolverKind wanted) {
+  [[nodiscard]] LinearSolveStatus analyze(const SparseMatrix& A, LinearSolverKind wanted) {
     kind.reset();
     cholesky.reset();  // The memory is needed.
     blocks.reset();
     multigrid.reset();
     has_factor = factor_is_worn = false;
-    ++statistics.analyses;
+    ++statistics.analyzes;
     statistics.factor_entries = 0.0;
     if (wanted != LinearSolverKind::kMultigrid) {
       std::optional<CholeskyPlan> plan = plan_cholesky(A);
-      if (!plan) return Factorisation::kOutOfMemory;
+      if (!plan) return LinearSolveStatus::kOutOfMemory;
       statistics.factor_entries = double(plan->factor_numbers);
       cholesky.emplace(*std::move(plan), options.memory_bytes);
     }
     if (wanted != LinearSolverKind::kDirect) blocks.emplace(A);
     pattern.become_that_of(A);
     kind = wanted;
-    return Factorisation::kDone;
+    return LinearSolveStatus::kDone;
   }
 
-  [[nodiscard]] Factorisation factorise_values(std::span<const double> of_A) {
-    ++statistics.factorisations;
-    const Factorisation outcome = cholesky->factorise(of_A);
-    has_factor = factor_is_new = outcome == Factorisation::kDone;
+  [[nodiscard]] LinearSolveStatus factorize_values(std::span<const double> of_A) {
+    ++statistics.factorizations;
+    const LinearSolveStatus outcome = cholesky->factorize(of_A);
+    has_factor = factor_is_new = outcome == LinearSolveStatus::kDone;
     factor_is_worn = false;
     return outcome;
   }
 
-  [[nodiscard]] Factorisation prepare(const SparseMatrix& A) {
-    if (!all_finite(A)) return Factorisation::kNotFinite;
+  [[nodiscard]] LinearSolveStatus prepare(const SparseMatrix& A) {
+    if (!all_finite(A)) return LinearSolveStatus::kNotFinite;
     if (!pattern.is_of(A)) multigrid_failed = false;
     const LinearSolverKind wanted = kind_for(A.rows());
     if (kind != wanted || !pattern.is_of(A)) {
-      const Factorisation analysed = analyse(A, wanted);
-      if (analysed != Factorisation::kDone) return analysed;
+      const LinearSolveStatus analyzed = analyze(A, wanted);
+      if (analyzed != LinearSolveStatus::kDone) return analyzed;
     }
     const std::span<const double> of_A(A.valuePtr(), std::size_t(A.nonZeros()));
-    if (wanted == LinearSolverKind::kDirect) return factorise_values(of_A);
+    if (wanted == LinearSolverKind::kDirect) return factorize_values(of_A);
     blocks->set_values(of_A);
-    if (wanted == LinearSolverKind::kLagged) {
+    if (wanted == LinearSolverKind::kReusedFactor) {
       values.assign(of_A.begin(), of_A.end());
       factor_is_new = false;
-      return has_factor && !factor_is_worn ? Factorisation::kDone : factorise_values(of_A);
+      return has_factor && !factor_is_worn ? LinearSolveStatus::kDone : factorize_values(of_A);
     }
     if (!multigrid || multigrid_is_worn) return build_multigrid();
     multigrid_is_new = false;
-    return multigrid->follow() ? Factorisation::kDone : Factorisation::kNotPositiveDefinite;
+    return multigrid->follow() ? LinearSolveStatus::kDone : LinearSolveStatus::kNotPositiveDefinite;
   }
 
-  [[nodiscard]] Factorisation build_multigrid() {
-    ++statistics.factorisations;
+  [[nodiscard]] LinearSolveStatus build_multigrid() {
+    ++statistics.factorizations;
     multigrid.reset();  // The memory is needed.
     multigrid = Multigrid::build(blocks->matrix(), rigid_modes(points_L, components, *blocks));
     multigrid_is_new = true;
     multigrid_is_worn = false;
-    return multigrid ? Factorisation::kDone : Factorisation::kNotPositiveDefinite;
+    return multigrid ? LinearSolveStatus::kDone : LinearSolveStatus::kNotPositiveDefinite;
   }
 
   /// Conjugate gradients with `precondition` on vectors of the blocks' rows.
@@ -157,14 +157,14 @@ struct LinearSolver::Parts {
     return outcome;
   }
 
-  [[nodiscard]] tl::expected<VectorX, Factorisation> solve_directly(const VectorX& b) const {
+  [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve_directly(const VectorX& b) const {
     std::optional<VectorX> x = cholesky->solve(b);
-    if (!x) return tl::unexpected(Factorisation::kOutOfMemory);
+    if (!x) return tl::unexpected(LinearSolveStatus::kOutOfMemory);
     return *std::move(x);
   }
 
-  [[nodiscard]] tl::expected<VectorX, Factorisation> solve_by_multigrid(const VectorX& b,
-                                                                        double tolerance) {
+  [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve_by_multigrid(const VectorX& b,
+                                                                            double tolerance) {
     constexpr double kWorthAHierarchy = 8.0;  // Iterations that take as long as to build one.
     const CgOutcome outcome = iterate(
         blocks->to_blocks(b), [&](const VectorX& r, VectorX& z) { z = multigrid->cycle(r); },
@@ -176,16 +176,16 @@ struct LinearSolver::Parts {
       return blocks->from_blocks(outcome.x);
     }
     if (!multigrid_is_new && outcome.stop != CgStop::kNotPositiveDefinite) {
-      const Factorisation renewed = build_multigrid();
-      return renewed == Factorisation::kDone ? solve_by_multigrid(b, tolerance)
-                                             : tl::unexpected(renewed);
+      const LinearSolveStatus renewed = build_multigrid();
+      return renewed == LinearSolveStatus::kDone ? solve_by_multigrid(b, tolerance)
+                                                 : tl::unexpected(renewed);
     }
     multigrid_failed = outcome.stop == CgStop::kTooManyIterations;
     return tl::unexpected(meaning_of(outcome.stop));
   }
 
-  [[nodiscard]] tl::expected<VectorX, Factorisation> solve_by_lagged(const VectorX& b,
-                                                                     double tolerance) {
+  [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve_by_lagged(const VectorX& b,
+                                                                         double tolerance) {
     if (factor_is_new) return solve_directly(b);
     bool out_of_memory = false;
     const int worth = iterations_worth_a_factor();
@@ -197,25 +197,25 @@ struct LinearSolver::Parts {
           z = x ? blocks->to_blocks(*x) : VectorX::Zero(r.size());
         },
         tolerance, worth);
-    if (out_of_memory) return tl::unexpected(Factorisation::kOutOfMemory);
+    if (out_of_memory) return tl::unexpected(LinearSolveStatus::kOutOfMemory);
     if (outcome.stop == CgStop::kNotPositiveDefinite)
-      return tl::unexpected(Factorisation::kNotPositiveDefinite);
+      return tl::unexpected(LinearSolveStatus::kNotPositiveDefinite);
     factor_is_worn = 2 * outcome.iterations > worth;
     if (outcome.stop == CgStop::kConverged) return blocks->from_blocks(outcome.x);
-    const Factorisation renewed = factorise_values(values);
-    if (renewed != Factorisation::kDone) return tl::unexpected(renewed);
+    const LinearSolveStatus renewed = factorize_values(values);
+    if (renewed != LinearSolveStatus::kDone) return tl::unexpected(renewed);
     return solve_directly(b);
   }
 
-  /// How many solutions take about as long as a factorisation: by the work in them, so that it is
+  /// How many solutions take about as long as a factorization: by the work in them, so that it is
   /// the same on every machine.
   [[nodiscard]] int iterations_worth_a_factor() const {
     constexpr double kMultiplicationsPerEntryRead = 30.0;  // In the same time; measured.
-    constexpr double kLeast = 8.0, kMost = 100.0;
+    constexpr double kMinimum = 8.0, kMaximum = 100.0;
     const CholeskyPlan& plan = cholesky->plan();
     const double ratio =
         plan.work() / (kMultiplicationsPerEntryRead * std::max(1.0, double(plan.factor_numbers)));
-    return int(std::clamp(ratio, kLeast, kMost));
+    return int(std::clamp(ratio, kMinimum, kMaximum));
   }
 };
 
@@ -234,25 +234,25 @@ void LinearSolver::set_near_null_space(std::vector<Vec3> points_L,
   parts_->components = std::move(components);
 }
 
-Factorisation LinearSolver::factorise(const SparseMatrix& A) {
+LinearSolveStatus LinearSolver::factorize(const SparseMatrix& A) {
   LEFORT_CHECK(A.rows() == A.cols() && A.isCompressed());
   parts_->ready = false;
   try {
-    const Factorisation outcome = parts_->prepare(A);
-    parts_->ready = outcome == Factorisation::kDone;
+    const LinearSolveStatus outcome = parts_->prepare(A);
+    parts_->ready = outcome == LinearSolveStatus::kDone;
     return outcome;
   } catch (const std::bad_alloc&) {
-    return Factorisation::kOutOfMemory;
+    return LinearSolveStatus::kOutOfMemory;
   }
 }
 
-tl::expected<VectorX, Factorisation> LinearSolver::solve(const VectorX& b, double tolerance) {
+tl::expected<VectorX, LinearSolveStatus> LinearSolver::solve(const VectorX& b, double tolerance) {
   Parts& parts = *parts_;
   LEFORT_CHECK(parts.ready && b.size() == Index(parts.pattern.columns.size()) - 1);
   LEFORT_CHECK(tolerance > 0.0);
   try {
     switch (kind()) {
-      case LinearSolverKind::kLagged:
+      case LinearSolverKind::kReusedFactor:
         return parts.solve_by_lagged(b, tolerance);
       case LinearSolverKind::kMultigrid:
         return parts.solve_by_multigrid(b, tolerance);
@@ -260,22 +260,22 @@ tl::expected<VectorX, Factorisation> LinearSolver::solve(const VectorX& b, doubl
         return parts.solve_directly(b);
     }
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(Factorisation::kOutOfMemory);
+    return tl::unexpected(LinearSolveStatus::kOutOfMemory);
   }
 }
 
-tl::expected<VectorX, Factorisation> LinearSolver::solve(
+tl::expected<VectorX, LinearSolveStatus> LinearSolver::solve(
     const SparseMatrix& A, const VectorX& b, double tolerance,
-    const std::function<void()>& on_factorised) {
-  const auto attempt = [&]() -> tl::expected<VectorX, Factorisation> {
-    const Factorisation outcome = factorise(A);
-    if (outcome != Factorisation::kDone) return tl::unexpected(outcome);
-    if (on_factorised) on_factorised();
+    const std::function<void()>& on_factorized) {
+  const auto attempt = [&]() -> tl::expected<VectorX, LinearSolveStatus> {
+    const LinearSolveStatus outcome = factorize(A);
+    if (outcome != LinearSolveStatus::kDone) return tl::unexpected(outcome);
+    if (on_factorized) on_factorized();
     return solve(b, tolerance);
   };
   auto x = attempt();
   const bool may_be_direct = parts_->options.kind == LinearSolverKind::kAutomatic;
-  if (!x && x.error() == Factorisation::kNotConverged && may_be_direct) return attempt();
+  if (!x && x.error() == LinearSolveStatus::kNotConverged && may_be_direct) return attempt();
   return x;
 }
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/core/types.h>
-#include <lefort/linear/factorisation.h>
+#include <lefort/linear/linear_solve_status.h>
 #include <lefort/linear/sparse_matrix.h>
 
 #include <tl/expected.hpp>
@@ -16,10 +16,10 @@
 namespace lefort::linear {
 
 enum class LinearSolverKind : std::uint8_t {
-  kAutomatic,  ///< Directly while that is quick, by multigrid beyond; see docs/decisions/0005.
-  kDirect,     ///< Multifrontal Cholesky factorisation.
-  kLagged,     ///< Conjugate gradients, preconditioned by the factor of an earlier matrix.
-  kMultigrid   ///< Conjugate gradients, preconditioned by smoothed aggregation multigrid.
+  kAutomatic,     ///< Directly while that is quick, by multigrid beyond; see docs/decisions/0005.
+  kDirect,        ///< Multifrontal Cholesky factorization.
+  kReusedFactor,  ///< Conjugate gradients, preconditioned by the factor of an earlier matrix.
+  kMultigrid      ///< Conjugate gradients, preconditioned by smoothed aggregation multigrid.
 };
 
 struct LinearSolverOptions {
@@ -52,29 +52,29 @@ class LinearSolver {
   /// \param A  square, symmetric, lower triangle alone with the whole diagonal, compressed.
   /// \returns kDone, kNotPositiveDefinite, kNotFinite or kOutOfMemory. The iterative kinds may see
   ///   only in solve() that A is not positive definite.
-  [[nodiscard]] Factorisation factorise(const SparseMatrix& A);
+  [[nodiscard]] LinearSolveStatus factorize(const SparseMatrix& A);
 
   /// \param tolerance  the iterative kinds stop when |b - A x| <= tolerance |b|, > 0.
   /// \returns A^-1 b; or kNotPositiveDefinite, kOutOfMemory, kNotConverged. If automatic, the next
-  ///   factorise() after kNotConverged is direct.
-  /// \pre the last factorise() returned kDone; b has as many entries as A has columns.
-  [[nodiscard]] tl::expected<VectorX, Factorisation> solve(const VectorX& b,
-                                                           double tolerance = 1e-10);
+  ///   factorize() after kNotConverged is direct.
+  /// \pre the last factorize() returned kDone; b has as many entries as A has columns.
+  [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve(const VectorX& b,
+                                                               double tolerance = 1e-10);
 
   /// Both; if automatic and multigrid does not converge, directly.
   ///
-  /// \param on_factorised  told between the two; may be empty.
-  [[nodiscard]] tl::expected<VectorX, Factorisation> solve(
+  /// \param on_factorized  told between the two; may be empty.
+  [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve(
       const SparseMatrix& A, const VectorX& b, double tolerance = 1e-10,
-      const std::function<void()>& on_factorised = {});
+      const std::function<void()>& on_factorized = {});
 
-  /// What is used for the last matrix: never kAutomatic. \pre factorise() was called.
+  /// What is used for the last matrix: never kAutomatic. \pre factorize() was called.
   [[nodiscard]] LinearSolverKind kind() const;
 
   /// What it has done so far.
   struct Statistics {
-    int analyses = 0;             ///< Of patterns.
-    int factorisations = 0;       ///< Or hierarchies built.
+    int analyzes = 0;             ///< Of patterns.
+    int factorizations = 0;       ///< Or hierarchies built.
     int iterations = 0;           ///< Of conjugate gradients.
     double factor_entries = 0.0;  ///< Of the present factor, 8 bytes each.
   };

@@ -239,8 +239,8 @@ std::optional<Multigrid> Multigrid::build(const BlockMatrix<3, 3>& A, Modes<3> m
   std::optional<CholeskyPlan> plan = plan_cholesky(coarsest);
   if (!plan) return std::nullopt;
   hierarchy->coarsest = std::make_unique<SparseCholesky>(*std::move(plan), kCoarsestBytes);
-  if (hierarchy->coarsest->factorise({coarsest.valuePtr(), std::size_t(coarsest.nonZeros())}) !=
-      Factorisation::kDone)
+  if (hierarchy->coarsest->factorize({coarsest.valuePtr(), std::size_t(coarsest.nonZeros())}) !=
+      LinearSolveStatus::kDone)
     return std::nullopt;
   return Multigrid(std::move(hierarchy));
 }

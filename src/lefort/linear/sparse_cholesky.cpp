@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/linear/elimination_tasks.h>
+#include <lefort/linear/assembly_tree_tasks.h>
 #include <lefort/linear/sparse_cholesky.h>
 
 #include <algorithm>
@@ -25,10 +25,10 @@ class MemoryAccount {
   explicit MemoryAccount(std::int64_t bytes) : left_(bytes) {}
 
   /// \returns an empty buffer if too little is left.
-  [[nodiscard]] NumberBuffer take(std::int64_t numbers) {
+  [[nodiscard]] AlignedBuffer take(std::int64_t numbers) {
     const std::int64_t bytes = numbers * std::int64_t(sizeof(double));
     if (left_.fetch_sub(bytes) < bytes) return {};
-    return NumberBuffer(numbers);
+    return AlignedBuffer(numbers);
   }
   void give_back(std::int64_t numbers) { left_ += numbers * std::int64_t(sizeof(double)); }
 
@@ -36,7 +36,7 @@ class MemoryAccount {
   std::atomic<std::int64_t> left_;
 };
 
-/// One run of the numeric factorisation.
+/// One run of the numeric factorization.
 class Elimination {
  public:
   Elimination(const CholeskyPlan& plan, std::span<const double> values, double* factor,
@@ -45,9 +45,9 @@ class Elimination {
     rest_.resize(plan.supernodes.size());
   }
 
-  [[nodiscard]] Factorisation run() {
+  [[nodiscard]] LinearSolveStatus run() {
     visit_upwards(plan_, [&](std::int32_t s, FrontLoops loops) {
-      if (outcome_.load() == Factorisation::kDone) eliminate(s, loops);
+      if (outcome_.load() == LinearSolveStatus::kDone) eliminate(s, loops);
     });
     return outcome_.load();
   }
@@ -60,12 +60,12 @@ class Elimination {
     for (const EntryPlace& place : plan_.entries_of(s))
       panel[place.place] += values_[std::size_t(place.entry)];
     for (const std::int32_t child : plan_.children_of(s)) add_to_panel(child, node, loops);
-    if (!factorise_panel(node, loops)) return fail(Factorisation::kNotPositiveDefinite);
+    if (!factorize_panel(node, loops)) return fail(LinearSolveStatus::kNotPositiveDefinite);
 
-    NumberBuffer& rest = rest_[std::size_t(s)];
+    AlignedBuffer& rest = rest_[std::size_t(s)];
     if (node.below > 0) {
       rest = memory_.take(node.rest_layout().numbers());
-      if (!rest) return fail(Factorisation::kOutOfMemory);
+      if (!rest) return fail(LinearSolveStatus::kOutOfMemory);
       make_rest(node, rest.data(), loops);
     }
     for (const std::int32_t child : plan_.children_of(s)) {
@@ -75,7 +75,7 @@ class Elimination {
     }
   }
 
-  void fail(Factorisation why) {
+  void fail(LinearSolveStatus why) {
     // Of several reasons any will do.
     outcome_.store(why);
   }
@@ -151,14 +151,14 @@ class Elimination {
   }
 
   /// \returns false if a pivot is not positive.
-  bool factorise_panel(const Supernode& node, FrontLoops loops) const {
+  bool factorize_panel(const Supernode& node, FrontLoops loops) const {
     const TileLayout layout = node.panel_layout();
     const auto tile = [&](int i, int j) { return factor_ + node.panel + layout.place(i, j); };
     for (int j = 0; j < layout.own_tiles(); ++j) {
       const int columns = layout.size(j);
       for (int k = 0; k < j; ++k)
         kernels_.subtract_square(tile(j, j), tile(j, k), columns, layout.size(k));
-      if (!kernels_.factorise(tile(j, j), columns)) return false;
+      if (!kernels_.factorize(tile(j, j), columns)) return false;
       loop_in_front(loops, layout.all_tiles() - j - 1, [&](Index t) {
         const int i = j + 1 + int(t), rows = layout.size(i);
         for (int k = 0; k < j; ++k)
@@ -208,24 +208,24 @@ class Elimination {
   double* factor_;
   const TileKernels& kernels_;
   MemoryAccount memory_;
-  std::vector<NumberBuffer> rest_;  ///< What each supernode leaves to its parent.
-  std::atomic<Factorisation> outcome_ = Factorisation::kDone;
+  std::vector<AlignedBuffer> rest_;  ///< What each supernode leaves to its parent.
+  std::atomic<LinearSolveStatus> outcome_ = LinearSolveStatus::kDone;
 };
 
 /// The squared ratio of the extreme pivots.
 double reciprocal_condition(const CholeskyPlan& plan, const double* factor) {
-  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  double minimum = std::numeric_limits<double>::infinity(), maximum = 0.0;
   for (const Supernode& node : plan.supernodes) {
     const TileLayout layout = node.panel_layout();
     for (std::int32_t i = 0; i < node.own; ++i) {
       const int t = i / kTile;
       const double pivot =
           factor[node.panel + layout.place(t, t) + std::int64_t(i % kTile) * (layout.size(t) + 1)];
-      least = std::min(least, pivot);
-      most = std::max(most, pivot);
+      minimum = std::min(minimum, pivot);
+      maximum = std::max(maximum, pivot);
     }
   }
-  return most > 0.0 ? (least / most) * (least / most) : 1.0;
+  return maximum > 0.0 ? (minimum / maximum) * (minimum / maximum) : 1.0;
 }
 
 /// One run of the triangular solves. `x` holds the rows of each front: what is known of its own,
@@ -311,27 +311,27 @@ class Substitution {
 SparseCholesky::SparseCholesky(CholeskyPlan plan, std::int64_t memory_bytes, TileSimd simd)
     : plan_(std::move(plan)), memory_bytes_(memory_bytes), kernels_(&tile_kernels(simd)) {}
 
-Factorisation SparseCholesky::factorise(std::span<const double> values) try {
+LinearSolveStatus SparseCholesky::factorize(std::span<const double> values) try {
   LEFORT_CHECK(values.size() == plan_.entries.size());
-  factorised_ = false;
+  factorized_ = false;
   const std::int64_t factor_bytes = plan_.factor_numbers * std::int64_t(sizeof(double));
   const std::int64_t rest_bytes = plan_.peak_rest * std::int64_t(sizeof(double));
-  if (factor_bytes + rest_bytes > memory_bytes_) return Factorisation::kOutOfMemory;
-  if (!factor_) factor_ = NumberBuffer(plan_.factor_numbers);
-  if (!factor_) return Factorisation::kOutOfMemory;
+  if (factor_bytes + rest_bytes > memory_bytes_) return LinearSolveStatus::kOutOfMemory;
+  if (!factor_) factor_ = AlignedBuffer(plan_.factor_numbers);
+  if (!factor_) return LinearSolveStatus::kOutOfMemory;
   Elimination elimination(plan_, values, factor_.data(), *kernels_, memory_bytes_ - factor_bytes);
-  const Factorisation outcome = elimination.run();
-  if (outcome != Factorisation::kDone) return outcome;
+  const LinearSolveStatus outcome = elimination.run();
+  if (outcome != LinearSolveStatus::kDone) return outcome;
   if (!(reciprocal_condition(plan_, factor_.data()) > kSingular))
-    return Factorisation::kNotPositiveDefinite;
-  factorised_ = true;
-  return Factorisation::kDone;
+    return LinearSolveStatus::kNotPositiveDefinite;
+  factorized_ = true;
+  return LinearSolveStatus::kDone;
 } catch (const std::bad_alloc&) {
-  return Factorisation::kOutOfMemory;
+  return LinearSolveStatus::kOutOfMemory;
 }
 
 std::optional<VectorX> SparseCholesky::solve(const VectorX& b) const try {
-  LEFORT_CHECK(factorised_ && std::size_t(b.size()) == plan_.order.size());
+  LEFORT_CHECK(factorized_ && std::size_t(b.size()) == plan_.order.size());
   std::vector<double> rows(std::size_t(plan_.front_rows), 0.0);
   const auto for_each_row = [&](const auto& visit) {
     parallel_for(Index(plan_.supernodes.size()), [&](Index s) {

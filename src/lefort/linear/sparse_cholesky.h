@@ -1,12 +1,12 @@
 /// \file
-/// Multifrontal Cholesky factorisation of sparse matrices on all threads.
+/// Multifrontal Cholesky factorization of sparse matrices on all threads.
 #pragma once
 
 #include <lefort/core/types.h>
+#include <lefort/linear/aligned_buffer.h>
 #include <lefort/linear/cholesky_plan.h>
-#include <lefort/linear/dense_tiles.h>
-#include <lefort/linear/factorisation.h>
-#include <lefort/linear/number_buffer.h>
+#include <lefort/linear/dense_kernels.h>
+#include <lefort/linear/linear_solve_status.h>
 
 #include <cstdint>
 #include <optional>
@@ -27,10 +27,10 @@ class SparseCholesky {
 
   /// \param values  those of A, finite, in the order of the pattern that was planned for.
   /// \returns kDone, kNotPositiveDefinite or kOutOfMemory.
-  [[nodiscard]] Factorisation factorise(std::span<const double> values);
+  [[nodiscard]] LinearSolveStatus factorize(std::span<const double> values);
 
   /// \returns A^-1 b, or nothing if memory ran out.
-  /// \pre the last factorise() returned kDone.
+  /// \pre the last factorize() returned kDone.
   [[nodiscard]] std::optional<VectorX> solve(const VectorX& b) const;
 
   [[nodiscard]] const CholeskyPlan& plan() const { return plan_; }
@@ -39,8 +39,8 @@ class SparseCholesky {
   CholeskyPlan plan_;
   std::int64_t memory_bytes_;
   const TileKernels* kernels_;
-  NumberBuffer factor_;
-  bool factorised_ = false;
+  AlignedBuffer factor_;
+  bool factorized_ = false;
 };
 
 }  // namespace lefort::linear

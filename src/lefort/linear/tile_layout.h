@@ -7,7 +7,7 @@
 ///                | T30 T31             |
 #pragma once
 
-#include <lefort/linear/dense_tiles.h>
+#include <lefort/linear/dense_kernels.h>
 
 #include <algorithm>
 #include <cstdint>

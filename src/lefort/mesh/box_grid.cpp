@@ -25,12 +25,12 @@ class BoxBuilder {
     // At most 12 tetrahedra of a cell's worth of nodes; 32 bits must number all.
     LEFORT_CHECK(12.0 * (cells[0] + 1.0) * (cells[1] + 1.0) * (cells[2] + 1.0) <
                  std::numeric_limits<std::int32_t>::max());
-    const auto share = [&](int n, int axis) { return double(n) / cells[std::size_t(axis)]; };
+    const auto fraction = [&](int n, int axis) { return double(n) / cells[std::size_t(axis)]; };
     for (int k = 0; k <= cells[2]; ++k)
       for (int j = 0; j <= cells[1]; ++j)
         for (int i = 0; i <= cells[0]; ++i)
           mesh_.nodes_L.emplace_back(
-              Vec3(share(i, 0), share(j, 1), share(k, 2)).cwiseProduct(size_mm));
+              Vec3(fraction(i, 0), fraction(j, 1), fraction(k, 2)).cwiseProduct(size_mm));
   }
 
   void add_hex(const Cell& cell) { add(ElementShape::kHex8, corners(cell)); }

@@ -18,7 +18,7 @@ using Nodes = std::vector<std::int32_t>;
 using Tet = std::array<std::int32_t, 4>;
 using Pair = std::array<std::int32_t, 2>;
 
-constexpr double kLargestTurn_deg = 25.0;
+constexpr double kMaxTurn_deg = 25.0;
 
 template <class T>
 void sort_unique(std::vector<T>& list) {
@@ -107,7 +107,7 @@ class Collapser {
     return tets_of_[std::size_t(node)];
   }
 
-  [[nodiscard]] Nodes neighbours(std::int32_t node) const {
+  [[nodiscard]] Nodes neighbors(std::int32_t node) const {
     Nodes all;
     for (const std::int32_t e : around(node))
       for (const std::int32_t other : at(e))
@@ -200,7 +200,7 @@ class Collapser {
       std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
       return both == wanted;
     };
-    if (!same(neighbours(from), neighbours(to), ring)) return false;
+    if (!same(neighbors(from), neighbors(to), ring)) return false;
     if (!same(opposite_edges(from), opposite_edges(to), ring_edges)) return false;
     const auto opposite_faces = [&](std::int32_t node) {
       std::vector<Face3> all;
@@ -228,7 +228,7 @@ class Collapser {
     }
     if (!(worst > before) || !std::isfinite(worst) || !keeps_topology(from, to)) return kMayNot;
     const double cosine = cosine_of_turn(from, to);
-    if (!(cosine > std::cos(radians_from_degrees(kLargestTurn_deg)))) return kMayNot;
+    if (!(cosine > std::cos(radians_from_degrees(kMaxTurn_deg)))) return kMayNot;
     return {worst, cosine};
   }
 
@@ -252,17 +252,17 @@ class Collapser {
 
 }  // namespace
 
-Index collapse_edges(VolumeMesh& mesh, double smallest_jacobian) {
+Index collapse_edges(VolumeMesh& mesh, double min_scaled_jacobian) {
   LEFORT_CHECK(mesh.blocks.size() == 1 && mesh.blocks[0].shape == ElementShape::kTet4);
   LEFORT_CHECK(mesh.node_sets.empty() && mesh.face_sets.empty());
   Collapser collapser(mesh);
   std::vector<std::pair<double, std::int32_t>> poor;
   for (std::int32_t e = 0; e < collapser.size(); ++e)
-    if (const double quality = collapser.quality(collapser.tet(e)); quality < smallest_jacobian)
+    if (const double quality = collapser.quality(collapser.tet(e)); quality < min_scaled_jacobian)
       poor.push_back({quality, e});
   std::sort(poor.begin(), poor.end());
   Index done = 0;
-  for (const auto& [quality, e] : poor) done += Index(collapser.try_at(e, smallest_jacobian));
+  for (const auto& [quality, e] : poor) done += Index(collapser.try_at(e, min_scaled_jacobian));
   if (done > 0) collapser.write_to(mesh);
   return done;
 }

@@ -6,8 +6,8 @@
 
 namespace lefort::mesh {
 
-/// For each element whose scaled Jacobian is below `smallest_jacobian`, the worst first: one end of
-/// one of its edges goes to the other, and the elements around the edge are gone.
+/// For each element whose scaled Jacobian is below `min_scaled_jacobian`, the worst first: one end
+/// of one of its edges goes to the other, and the elements around the edge are gone.
 ///
 /// Done only where the mesh stays what it was (the link condition, \cite dey1999), faces of its
 /// boundary turn by no more than 25 degrees, nodes of the boundary stay on it, and the worst of the
@@ -16,7 +16,8 @@ namespace lefort::mesh {
 ///
 /// \returns how many edges were drawn together; nodes out of use are dropped, the others keep their
 ///   order and place.
-/// \pre One block of kTet4 with positive volumes, without sets and hinges (mesh/solid_part.h).
-Index collapse_edges(VolumeMesh& mesh, double smallest_jacobian);
+/// \pre One block of kTet4 with positive volumes, without sets and hinges
+///   (mesh/largest_face_connected_part.h).
+Index collapse_edges(VolumeMesh& mesh, double min_scaled_jacobian);
 
 }  // namespace lefort::mesh

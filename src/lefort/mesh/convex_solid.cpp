@@ -31,12 +31,12 @@ std::vector<Plane> planes_of(std::span<const HalfSpace> half_spaces, const Box3&
 
 /// The corners of the solid: points on three planes and on the right side of the others.
 std::vector<Vec3> corners_of(const std::vector<Plane>& planes, double tolerance_mm) {
-  constexpr double kSmallestDeterminant = 1e-9;  // Of unit normals: below, planes are as parallel.
+  constexpr double kMinDeterminant = 1e-9;  // Of unit normals: below, planes are as parallel.
   std::vector<Vec3> corners;
   const auto add = [&](const Plane& a, const Plane& b, const Plane& c) {
     Mat3 normals;
     normals << a.normal.transpose(), b.normal.transpose(), c.normal.transpose();
-    if (std::abs(normals.determinant()) < kSmallestDeterminant) return;
+    if (std::abs(normals.determinant()) < kMinDeterminant) return;
     const Vec3 p = normals.inverse() * Vec3(a.offset, b.offset, c.offset);
     for (const Plane& plane : planes)
       if (plane.normal.dot(p) < plane.offset - tolerance_mm) return;

@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/cut_surface.h>
 #include <lefort/mesh/internal/cgal_surface.h>
 #include <lefort/mesh/repair_surface.h>
@@ -18,10 +18,10 @@ using geometry::TriangleMesh;
 using internal::CgalSurface;
 
 /// Tried in turn. Exact arithmetic needs no shift for a sound surface; where the cut runs through a
-/// spot at which the surface touches or crosses itself, a neighbouring cut often does not. All are
+/// spot at which the surface touches or crosses itself, a neighboring cut often does not. All are
 /// far below what a saw, or a scanner, can tell.
 constexpr std::array kShifts_mm{0.0, 1e-6, 1e-5, 1e-4};
-constexpr double kLargestVolumeError = 1e-3;  // Share of the whole.
+constexpr double kMaxVolumeError = 1e-3;  // Share of the whole.
 
 Result<void> check_half_spaces(std::span<const HalfSpace> half_spaces) {
   if (half_spaces.empty())
@@ -73,7 +73,7 @@ std::optional<std::array<TriangleMesh, 2>> split(const TriangleMesh& surface,
 
 bool is_sound(const SurfaceCut& cut) {
   const double missing_mm3 = cut.inside_volume_mm3 + cut.outside_volume_mm3 - cut.whole_volume_mm3;
-  return std::abs(missing_mm3) <= kLargestVolumeError * cut.whole_volume_mm3 &&
+  return std::abs(missing_mm3) <= kMaxVolumeError * cut.whole_volume_mm3 &&
          cut.inside_volume_mm3 >= 0.0 && cut.outside_volume_mm3 >= 0.0 &&
          geometry::is_closed(cut.inside) && geometry::is_closed(cut.outside);
 }

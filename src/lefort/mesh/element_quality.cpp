@@ -21,15 +21,15 @@ double dihedral_deg(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) 
 
 /// Six times the volume, over the lengths of the three edges at each corner: smallest over the
 /// corners, 1 / sqrt(2) if regular. The corner with the longest edges is the smallest.
-double smallest_corner_jacobian(double volume_mm3, const std::array<Vec3, 4>& p) {
-  double largest_product = 0.0;
+double min_corner_jacobian(double volume_mm3, const std::array<Vec3, 4>& p) {
+  double max_product = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
     double product = 1.0;
     for (std::size_t j = 0; j < 4; ++j)
       if (j != i) product *= (p[j] - p[i]).norm();
-    largest_product = std::max(largest_product, product);
+    max_product = std::max(max_product, product);
   }
-  return largest_product > 0.0 ? 6.0 * volume_mm3 / largest_product : 0.0;
+  return max_product > 0.0 ? 6.0 * volume_mm3 / max_product : 0.0;
 }
 
 /// 3 r / R, with r = 3 V / A and R = |a^2 (b x c) + b^2 (c x a) + c^2 (a x b)| / (12 V), where
@@ -37,24 +37,24 @@ double smallest_corner_jacobian(double volume_mm3, const std::array<Vec3, 4>& p)
 double radius_ratio_of(double volume_mm3, const Vec3& a, const Vec3& b, const Vec3& c) {
   const double area_mm2 = 0.5 * (a.cross(b).norm() + b.cross(c).norm() + c.cross(a).norm() +
                                  (b - a).cross(c - a).norm());
-  const Vec3 centre_12_volumes =
+  const Vec3 center_12_volumes =
       a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b);
-  const double scale = area_mm2 * centre_12_volumes.norm();
+  const double scale = area_mm2 * center_12_volumes.norm();
   return scale > 0.0 ? 108.0 * volume_mm3 * std::abs(volume_mm3) / scale : 0.0;
 }
 
-/// For each corner its three neighbours, in the order in which they span a positive volume.
-using Neighbours = std::array<std::int8_t, 3>;
-constexpr std::array<Neighbours, 4> kTetCorners{{{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
-constexpr std::array<Neighbours, 4> kPyramidCorners{{{1, 3, 4}, {2, 0, 4}, {3, 1, 4}, {0, 2, 4}}};
-constexpr std::array<Neighbours, 6> kWedgeCorners{
+/// For each corner its three neighbors, in the order in which they span a positive volume.
+using Neighbors = std::array<std::int8_t, 3>;
+constexpr std::array<Neighbors, 4> kTetCorners{{{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
+constexpr std::array<Neighbors, 4> kPyramidCorners{{{1, 3, 4}, {2, 0, 4}, {3, 1, 4}, {0, 2, 4}}};
+constexpr std::array<Neighbors, 6> kWedgeCorners{
     {{2, 1, 3}, {0, 2, 4}, {1, 0, 5}, {4, 5, 0}, {5, 3, 1}, {3, 4, 2}}};
-constexpr std::array<Neighbours, 8> kHexCorners{
+constexpr std::array<Neighbors, 8> kHexCorners{
     {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}}};
 
 /// The corners that count, and the value of the ideal element there, inverted.
 struct CornerTable {
-  std::span<const Neighbours> corners;
+  std::span<const Neighbors> corners;
   double scale;
 };
 
@@ -110,13 +110,13 @@ std::vector<PoorElement> poor_elements(const VolumeMesh& mesh, double limit) {
   for (const ElementBlock& block : mesh.blocks)
     for (Index e = 0; e < block.element_count(); ++e, ++number) {
       nodes.clear();
-      Vec3 centre_L = Vec3::Zero();
+      Vec3 center_L = Vec3::Zero();
       for (int a = 0; a < node_count(block.shape); ++a) {
         nodes.push_back(mesh.nodes_L[std::size_t(block.element(e)[a])]);
-        centre_L += nodes.back() / node_count(block.shape);
+        center_L += nodes.back() / node_count(block.shape);
       }
       const double quality = scaled_jacobian(block.shape, nodes);
-      if (!(quality > limit)) poor.push_back({number, block.shape, centre_L, quality});
+      if (!(quality > limit)) poor.push_back({number, block.shape, center_L, quality});
     }
   return poor;
 }
@@ -130,7 +130,7 @@ TetQuality tet_quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
   quality.min_dihedral_deg = *std::min_element(angles_deg.begin(), angles_deg.end());
   quality.max_dihedral_deg = *std::max_element(angles_deg.begin(), angles_deg.end());
   quality.scaled_jacobian =
-      std::numbers::sqrt2 * smallest_corner_jacobian(quality.volume_mm3, {a, b, c, d});
+      std::numbers::sqrt2 * min_corner_jacobian(quality.volume_mm3, {a, b, c, d});
   quality.radius_ratio = radius_ratio_of(quality.volume_mm3, b - a, c - a, d - a);
   return quality;
 }
@@ -139,7 +139,7 @@ std::array<double, 2> dihedral_range_deg(ElementShape shape, std::span<const Vec
   LEFORT_CHECK(node_count(shape) == corner_count(shape));
   LEFORT_CHECK(nodes.size() == std::size_t(node_count(shape)));
   std::array<double, 2> range_deg{180.0, 0.0};
-  const std::span<const Neighbours> corners = corner_table(shape).corners;
+  const std::span<const Neighbors> corners = corner_table(shape).corners;
   for (std::size_t corner = 0; corner < corners.size(); ++corner)
     for (std::size_t n = 0; n < 3; ++n) {
       const auto end = [&](std::size_t k) { return nodes[std::size_t(corners[corner][k % 3])]; };
@@ -177,18 +177,18 @@ struct ElementQuality {
 
 QualitySummary empty_summary() {
   QualitySummary summary;
-  summary.smallest_volume_mm3 = summary.min_dihedral_deg = summary.min_scaled_jacobian =
+  summary.min_volume_mm3 = summary.min_dihedral_deg = summary.min_scaled_jacobian =
       std::numeric_limits<double>::infinity();
   return summary;
 }
 
 /// Until finish() the mean is a sum.
 void add(QualitySummary& all, const ElementQuality& one) {
-  const auto bin = [](double share, std::size_t bins) {
-    return std::size_t(std::clamp(share * double(bins), 0.0, double(bins) - 1.0));
+  const auto bin = [](double fraction, std::size_t bins) {
+    return std::size_t(std::clamp(fraction * double(bins), 0.0, double(bins) - 1.0));
   };
   all.volume_mm3 += one.volume_mm3;
-  all.smallest_volume_mm3 = std::min(all.smallest_volume_mm3, one.volume_mm3);
+  all.min_volume_mm3 = std::min(all.min_volume_mm3, one.volume_mm3);
   all.min_dihedral_deg = std::min(all.min_dihedral_deg, one.min_dihedral_deg);
   all.max_dihedral_deg = std::max(all.max_dihedral_deg, one.max_dihedral_deg);
   all.min_scaled_jacobian = std::min(all.min_scaled_jacobian, one.scaled_jacobian);
@@ -228,8 +228,8 @@ MeshQuality measure_quality(const VolumeMesh& mesh) {
         radius_ratios += tet.radius_ratio;
         ++tets;
       } else {
-        const auto [smallest_deg, largest_deg] = dihedral_range_deg(block.shape, nodes);
-        one = {volume_of(block.shape, nodes), smallest_deg, largest_deg,
+        const auto [min_deg, max_deg] = dihedral_range_deg(block.shape, nodes);
+        one = {volume_of(block.shape, nodes), min_deg, max_deg,
                scaled_jacobian(block.shape, nodes)};
       }
       if (!(one.volume_mm3 > 0.0 && one.scaled_jacobian > 0.0))

@@ -27,7 +27,7 @@ namespace lefort::mesh {
 struct PoorElement {
   Index number = 0;  ///< Counted through the blocks, from 0.
   ElementShape shape = ElementShape::kTet4;
-  Vec3 centre_L = Vec3::Zero();  ///< Mean of its nodes [mm].
+  Vec3 center_L = Vec3::Zero();  ///< Mean of its nodes [mm].
   double scaled_jacobian = 0.0;
 };
 
@@ -64,7 +64,7 @@ struct TetQuality {
 struct QualitySummary {
   Index elements = 0;
   double volume_mm3 = 0.0;
-  double smallest_volume_mm3 = 0.0;
+  double min_volume_mm3 = 0.0;
   double min_dihedral_deg = 0.0;
   double max_dihedral_deg = 0.0;
   double min_scaled_jacobian = 0.0;

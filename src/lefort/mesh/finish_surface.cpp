@@ -1,6 +1,6 @@
 #include <lefort/core/parallel.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/smooth_surface.h>
 #include <lefort/mesh/finish_surface.h>
 #include <lefort/mesh/self_intersections.h>
@@ -29,7 +29,7 @@ Result<FinishedSurface> finish_surface(const geometry::TriangleMesh& isosurface_
                                        const SurfaceFinish& options, Progress& progress) {
   FinishedSurface finished;
   finished.mesh_L = geometry::smooth_surface(
-      isosurface_L, {.passes = options.smoothing_passes, .most_mm = 0.5 * voxel_mm});
+      isosurface_L, {.passes = options.smoothing_passes, .max_mm = 0.5 * voxel_mm});
   if (options.triangles) {
     LEFORT_TRY(finished.mesh_L, simplify_surface(finished.mesh_L, *options.triangles, progress));
   }

@@ -1,10 +1,10 @@
 #include <lefort/mesh/collapse_edges.h>
 #include <lefort/mesh/element_quality.h>
-#include <lefort/mesh/fit_boundary.h>
 #include <lefort/mesh/generate_tets.h>
 #include <lefort/mesh/improve_tets.h>
 #include <lefort/mesh/internal/cgal_surface.h>
-#include <lefort/mesh/solid_part.h>
+#include <lefort/mesh/largest_face_connected_part.h>
+#include <lefort/mesh/snap_boundary_to_level.h>
 
 #include <CGAL/Labeled_mesh_domain_3.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
@@ -32,11 +32,11 @@ using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 // Share of the tissue's volume that may hang loose and be left out.
-constexpr double kMostDropped = 0.05;
+constexpr double kMaxDropped = 0.05;
 
 // Options gone wrong end here, not in the swap.
-constexpr std::size_t kMostNodes = 4'000'000;
-constexpr std::size_t kMostCells = 30'000'000;
+constexpr std::size_t kMaxNodes = 4'000'000;
+constexpr std::size_t kMaxCells = 30'000'000;
 
 /// How near CGAL's surface points come to the level, as a share of level_tolerance_mm.
 constexpr double kBisection = 0.1;
@@ -113,10 +113,10 @@ struct SizeField {
 
   FT operator()(const Point& p, int /*dimension*/, const Index& /*index*/) const {
     constexpr double kFinest = 0.02;  // Share of element_size_mm.
-    const double largest_mm = options->element_size_mm;
-    if (!options->size_at_mm) return largest_mm;
+    const double max_mm = options->element_size_mm;
+    if (!options->size_at_mm) return max_mm;
     const double size_mm = options->size_at_mm(to_vec(p));
-    return size_mm < largest_mm ? std::max(size_mm, kFinest * largest_mm) : largest_mm;
+    return size_mm < max_mm ? std::max(size_mm, kFinest * max_mm) : max_mm;
   }
 };
 
@@ -149,17 +149,16 @@ Result<void> check(const Box3& box_L, const TetOptions& options) {
                 fmt::format("the box to mesh in must have a volume and lie within {} mm of the "
                             "origin",
                             kFarthest_mm));
-  const double smallest_size_mm = std::cbrt(box_L.volume() / double(kMostCells));
-  const double largest_size_mm = box_L.sizes().maxCoeff();
-  LEFORT_TRY_VOID(
-      within("element_size_mm", options.element_size_mm, smallest_size_mm, largest_size_mm));
+  const double min_size_mm = std::cbrt(box_L.volume() / double(kMaxCells));
+  const double max_size_mm = box_L.sizes().maxCoeff();
+  LEFORT_TRY_VOID(within("element_size_mm", options.element_size_mm, min_size_mm, max_size_mm));
   LEFORT_TRY_VOID(within("surface_distance_mm", options.surface_distance_mm,
-                         1e-3 * options.element_size_mm, largest_size_mm));
+                         1e-3 * options.element_size_mm, max_size_mm));
   LEFORT_TRY_VOID(within("facet_angle_deg", options.facet_angle_deg, 0.0, 30.0));
   LEFORT_TRY_VOID(within("cell_radius_edge", options.cell_radius_edge, 2.0, 100.0));
   LEFORT_TRY_VOID(within("sliver_angle_deg", options.sliver_angle_deg, 0.0, 20.0));
-  LEFORT_TRY_VOID(within("smallest_jacobian", options.smallest_jacobian, 0.0, 0.5));
-  return within("level_tolerance_mm", options.level_tolerance_mm, 1e-6, largest_size_mm);
+  LEFORT_TRY_VOID(within("smallest_jacobian", options.min_scaled_jacobian, 0.0, 0.5));
+  return within("level_tolerance_mm", options.level_tolerance_mm, 1e-6, max_size_mm);
 }
 
 Domain make_domain(const Inside& inside, const Box3& box_L, const TetOptions& options) {
@@ -182,7 +181,7 @@ Complex start_from(const std::vector<Vec3>& points_L, const Domain& domain) {
   return complex;
 }
 
-/// Delaunay refinement. \returns false if it grew beyond kMostNodes.
+/// Delaunay refinement. \returns false if it grew beyond kMaxNodes.
 bool refine(Complex& complex, const Domain& domain, const TetOptions& options) {
   namespace p = CGAL::parameters;
   const SizeField size{&options};
@@ -193,7 +192,7 @@ bool refine(Complex& complex, const Domain& domain, const TetOptions& options) {
   CGAL::Mesh_error_code error = CGAL::CGAL_MESH_3_NO_ERROR;
   CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb(), p::no_exude(), p::no_reset_c3t3(),
                       p::manifold(),
-                      p::mesh_3_options(p::maximal_number_of_vertices = kMostNodes,
+                      p::mesh_3_options(p::maximal_number_of_vertices = kMaxNodes,
                                         p::pointer_to_error_code = &error));
   return error == CGAL::CGAL_MESH_3_NO_ERROR;
 }
@@ -223,9 +222,9 @@ Result<void> check_dropped(double all_mm3, double kept_mm3, Progress& progress) 
   const std::string dropped =
       fmt::format("{:.3g} ml of {:.3g} ml of tissue ({:.2g} %) do not hang together with the rest",
                   dropped_mm3 * 1e-3, all_mm3 * 1e-3, 100.0 * dropped_mm3 / all_mm3);
-  if (dropped_mm3 > kMostDropped * all_mm3)
+  if (dropped_mm3 > kMaxDropped * all_mm3)
     return fail(ErrorCode::kMeshingFailed,
-                fmt::format("{}, expected at most {} %", dropped, 100.0 * kMostDropped));
+                fmt::format("{}, expected at most {} %", dropped, 100.0 * kMaxDropped));
   progress.note(dropped + " and are left out of the mesh");
   return {};
 }
@@ -247,7 +246,7 @@ Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOption
   if (!refine(complex, domain, options))
     return fail(
         ErrorCode::kMeshingFailed,
-        fmt::format("the mesh has {} nodes and is not finished, must with fewer", kMostNodes));
+        fmt::format("the mesh has {} nodes and is not finished, must with fewer", kMaxNodes));
   if (complex.number_of_cells_in_complex() == 0)
     return fail(ErrorCode::kMeshingFailed, "the tissue is too thin for the element size");
   progress.report(0.5);
@@ -256,9 +255,10 @@ Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOption
 
   const double tolerance_mm = kBisection * options.level_tolerance_mm;
   const VolumeMesh all = to_volume_mesh(complex);
-  VolumeMesh mesh = solid_part(all);
+  VolumeMesh mesh = largest_face_connected_part(all);
   LEFORT_TRY_VOID(check_dropped(volume_mm3(all), volume_mm3(mesh), progress));
-  const Index held_back = fit_boundary(mesh, inside, options.element_size_mm, tolerance_mm);
+  const Index held_back =
+      snap_boundary_to_level(mesh, inside, options.element_size_mm, tolerance_mm);
   if (held_back > 0)
     progress.note(
         fmt::format("{} nodes stay off the surface so as not to squash an element", held_back));
@@ -266,9 +266,9 @@ Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOption
   ImproveOptions improvement{.angle_deg = options.sliver_angle_deg, .tolerance_mm = tolerance_mm};
   improve_tets(mesh, inside, improvement);
   improvement.with_jacobian = true;
-  constexpr int kMostRounds = 4;
-  for (int round = 0; options.smallest_jacobian > 0.0 && round < kMostRounds; ++round) {
-    if (collapse_edges(mesh, options.smallest_jacobian) == 0) break;
+  constexpr int kMaxRounds = 4;
+  for (int round = 0; options.min_scaled_jacobian > 0.0 && round < kMaxRounds; ++round) {
+    if (collapse_edges(mesh, options.min_scaled_jacobian) == 0) break;
     improve_tets(mesh, inside, improvement);
   }
   return mesh;

@@ -21,7 +21,7 @@ struct TetOptions {
   double sliver_angle_deg = 15.0;    ///< Smallest dihedral angle that is aimed at, 0 to 20.
   /// Scaled; elements below it lose an edge (mesh/collapse_edges.h) where that betters them, 0 to
   /// 0.5; with 0 all stay.
-  double smallest_jacobian = 0.0;
+  double min_scaled_jacobian = 0.0;
   double level_tolerance_mm = 0.01;  ///< How far boundary nodes may lie off the level, > 0.
 };
 
@@ -32,7 +32,7 @@ struct TetOptions {
 /// \param box_L     the region looked at; where the level is positive on its border the mesh ends
 ///   there.
 /// \returns one block of tetrahedra (region 0) with positive volumes, connected through faces and
-///   without hinges (mesh/solid_part.h), every node in use, boundary nodes within
+///   without hinges (mesh/largest_face_connected_part.h), every node in use, boundary nodes within
 ///   options.level_tolerance_mm of where the inside ends, except those few that would squash an
 ///   element on their way there; or
 ///   - kInvalidArgument  an option or the box lies outside its range;

@@ -30,11 +30,11 @@ double shape_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const double sine =
       six_volumes * std::min({ab.norm() / (fc * fd), ac.norm() / (fb * fd), ad.norm() / (fb * fc),
                               bc.norm() / (fa * fd), bd.norm() / (fa * fc), cd.norm() / (fa * fb)});
-  // r = 6V / (fa + fb + fc + fd), R = |centre| / 12V.
-  const double centre =
+  // r = 6V / (fa + fb + fc + fd), R = |center| / 12V.
+  const double center =
       (ab.squaredNorm() * acd + ac.squaredNorm() * adb + ad.squaredNorm() * abc).norm();
   const double radius_ratio =
-      6.0 * six_volumes * std::abs(six_volumes) / ((fa + fb + fc + fd) * centre);
+      6.0 * six_volumes * std::abs(six_volumes) / ((fa + fb + fc + fd) * center);
   const double shape = std::min(sine, 2.0 * radius_ratio);
   return std::isfinite(shape) ? shape : 0.0;
 }
@@ -42,11 +42,11 @@ double shape_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 using internal::Lists;
 using internal::users_of_nodes;
 
-constexpr double kLargestTurn_deg = 20.0;
+constexpr double kMaxTurn_deg = 20.0;
 
 class Improver {
  public:
-  Improver(VolumeMesh& mesh, const InsideTest& is_inside, const ImproveOptions& options)
+  Improver(VolumeMesh& mesh, const InsidePredicate& is_inside, const ImproveOptions& options)
       : mesh_(&mesh),
         is_inside_(&is_inside),
         options_(options),
@@ -71,7 +71,7 @@ class Improver {
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     for (const std::int32_t node : nodes)
-      if (options_.held.empty() || options_.held[std::size_t(node)] == 0)
+      if (options_.fixed_nodes.empty() || options_.fixed_nodes[std::size_t(node)] == 0)
         improve(std::size_t(node));
   }
 
@@ -140,7 +140,7 @@ class Improver {
   bool place(std::size_t node, Vec3 p, const std::optional<Vec3>& normal, double step_mm,
              const std::vector<Vec3>& face_normals) {
     if (normal) {
-      const auto t = find_crossing(p, *normal, *is_inside_, step_mm, options_.tolerance_mm);
+      const auto t = find_zero_crossing(p, *normal, *is_inside_, step_mm, options_.tolerance_mm);
       if (!t) return false;
       p += *t * *normal;
     }
@@ -148,7 +148,7 @@ class Improver {
     const auto faces = faces_of_node_.of(node);
     for (std::size_t i = 0; i < faces.size(); ++i)
       if (normal_of_face(faces[i]).normalized().dot(face_normals[i]) <
-          std::cos(radians_from_degrees(kLargestTurn_deg)))
+          std::cos(radians_from_degrees(kMaxTurn_deg)))
         return false;
     return true;
   }
@@ -181,7 +181,7 @@ class Improver {
   }
 
   VolumeMesh* mesh_;
-  const InsideTest* is_inside_;
+  const InsidePredicate* is_inside_;
   ImproveOptions options_;
   std::vector<Face3> faces_;
   Lists tets_of_node_;
@@ -190,9 +190,11 @@ class Improver {
 
 }  // namespace
 
-Index improve_tets(VolumeMesh& mesh, const InsideTest& is_inside_L, const ImproveOptions& options) {
+Index improve_tets(VolumeMesh& mesh, const InsidePredicate& is_inside_L,
+                   const ImproveOptions& options) {
   LEFORT_CHECK(mesh.blocks.size() == 1 && mesh.blocks[0].shape == ElementShape::kTet4);
-  LEFORT_CHECK(options.held.empty() || Index(options.held.size()) == mesh.node_count());
+  LEFORT_CHECK(options.fixed_nodes.empty() ||
+               Index(options.fixed_nodes.size()) == mesh.node_count());
   Improver improver(mesh, is_inside_L, options);
   std::vector<Index> bad = improver.bad_elements();
   for (int i = 0; i < options.sweeps && !bad.empty(); ++i) {

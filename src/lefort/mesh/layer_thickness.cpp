@@ -61,11 +61,11 @@ std::vector<ThinPatch> patches_of(const VolumeMesh& mesh, std::span<const Face> 
     const double area = area_mm2(mesh, face.nodes.data());
     patch.area_mm2 += area;
     for (const std::int32_t node : nodes_of(face))
-      patch.centre_L += area / 3.0 * mesh.nodes_L[std::size_t(node)];
+      patch.center_L += area / 3.0 * mesh.nodes_L[std::size_t(node)];
   }
   std::vector<ThinPatch> patches;
   for (auto& [node, patch] : by_root) {
-    if (patch.area_mm2 > 0.0) patch.centre_L /= patch.area_mm2;
+    if (patch.area_mm2 > 0.0) patch.center_L /= patch.area_mm2;
     patches.push_back(patch);
   }
   std::stable_sort(patches.begin(), patches.end(),
@@ -75,8 +75,9 @@ std::vector<ThinPatch> patches_of(const VolumeMesh& mesh, std::span<const Face> 
 
 }  // namespace
 
-LayerThickness measure_layer(const VolumeMesh& mesh, std::int32_t region,
-                             std::span<const Face> faces, int layers, double wanted_mm) {
+LayerThickness layer_thickness_statistics(const VolumeMesh& mesh, std::int32_t region,
+                                          std::span<const Face> faces, int layers,
+                                          double wanted_mm) {
   LEFORT_CHECK(layers >= 1 && wanted_mm > 0.0);
   constexpr double kHalf = 0.5, kFull = 0.9, kThinnest = 0.05;
   const auto heights_mm = heights_by_triangle(mesh, region);
@@ -99,8 +100,8 @@ LayerThickness measure_layer(const VolumeMesh& mesh, std::int32_t region,
   }
   all.thin = patches_of(mesh, thin);
   if (!(covered_mm2 > 0.0)) return all;
-  all.covered_share = covered_mm2 / all.area_mm2;
-  all.full_share = full_mm2 / covered_mm2;
+  all.covered_fraction = covered_mm2 / all.area_mm2;
+  all.full_thickness_fraction = full_mm2 / covered_mm2;
   all.mean_mm /= covered_mm2;
   std::sort(covered.begin(), covered.end());
   double below_mm2 = 0.0;

@@ -43,7 +43,7 @@ bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
          (cda == 0 && is_between(a, c, d)) || (cdb == 0 && is_between(b, c, d));
 }
 
-/// No side crosses or touches another but its neighbours at their common corner.
+/// No side crosses or touches another but its neighbors at their common corner.
 bool is_simple(const Polygon& polygon) {
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {

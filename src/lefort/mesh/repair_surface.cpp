@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/internal/cgal_surface.h>
 #include <lefort/mesh/repair_surface.h>
 

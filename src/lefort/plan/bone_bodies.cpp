@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/winding_number.h>
 #include <lefort/plan/bone_bodies.h>
 

@@ -21,17 +21,17 @@ class Profile {
     up_ = anterior_.cross(left_);
   }
   [[nodiscard]] bool has(const std::string& name) const {
-    return find_middle(landmarks_, name).has_value();
+    return pair_midpoint(landmarks_, name).has_value();
   }
   [[nodiscard]] bool has_horizontal() const {
-    return find_middle(frame_, "Or") && find_middle(frame_, "Po");
+    return pair_midpoint(frame_, "Or") && pair_midpoint(frame_, "Po");
   }
   [[nodiscard]] Point operator()(const std::string& name) const {
-    return seen(*find_middle(landmarks_, name));
+    return seen(*pair_midpoint(landmarks_, name));
   }
   /// From porion to orbitale, unit length; not finite if they lie in one point.
   [[nodiscard]] Point horizontal() const {
-    return unit(seen(*find_middle(frame_, "Or")) - seen(*find_middle(frame_, "Po")));
+    return unit(seen(*pair_midpoint(frame_, "Or")) - seen(*pair_midpoint(frame_, "Po")));
   }
   [[nodiscard]] double width(const std::string& name) const {
     return (*find_landmark(landmarks_, name + "-L") - *find_landmark(landmarks_, name + "-R"))
@@ -203,7 +203,7 @@ constexpr Width kWidths[] = {{"Zy", "width of the face at the zygomatic arches"}
 
 Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks,
                                          std::span<const Landmark> frame) {
-  LEFORT_TRY(const Vec3 left, left_of(frame));
+  LEFORT_TRY(const Vec3 left, patient_left_axis(frame));
   const Profile profile(landmarks, frame, left);
   std::vector<Measurement> table;
   for (const Definition& one : definitions()) {

@@ -24,13 +24,13 @@ struct Measurement {
 /// The whole table (docs/landmarks.md gives each definition), always with the same lines.
 ///
 /// Angles, and distances that profiles are judged by, are of the landmarks seen from the side:
-/// along left_of(frame), as on a lateral cephalogram without its magnification. The Frankfurt
-/// horizontal is that of `frame`, too. Widths are in space. Sides of a pair are taken at their
-/// middle.
+/// along patient_left_axis(frame), as on a lateral cephalogram without its magnification. The
+/// Frankfurt horizontal is that of `frame`, too. Widths are in space. Sides of a pair are taken at
+/// their middle.
 ///
 /// \param frame  landmarks that tell how the head lies; before surgery those of the same head, so
 ///   that the frame does not move with a bone.
-/// \returns kPlanInvalid if sides of `frame` are exchanged (see left_of()).
+/// \returns kPlanInvalid if sides of `frame` are exchanged (see patient_left_axis()).
 [[nodiscard]] Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks,
                                                        std::span<const Landmark> frame);
 

@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/plan/check_volumes.h>
 #include <lefort/plan/cut_segments.h>
 
@@ -50,7 +50,7 @@ Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
     const PlannedSegment& one = planned[k];
     const std::size_t from = place_of(planned, k, one.from);
     geometry::TriangleMesh& source = one.from.empty() ? all.remainder_L : all.segments_L[from];
-    LEFORT_TRY(CutBones bones, cut_bones(source, one.osteotomy, one.cut, progress));
+    LEFORT_TRY(OsteotomyResult bones, perform_osteotomy(source, one.osteotomy, one.cut, progress));
     if (k == 0) all.skull_volume_mm3 = bones.skull_volume_mm3;
     all.kerf_volume_mm3 += bones.kerf_volume_mm3;
     source = std::move(bones.remainder_L);

@@ -93,8 +93,8 @@ Result<void> check_osteotomy(const Osteotomy& osteotomy) {
   if (const std::string why = complaint_about(osteotomy.planes, osteotomy.curves); !why.empty())
     return bad(why);
   bool is_other_bounded = false;
-  for (std::size_t r = 0; r < osteotomy.also.size(); ++r) {
-    const CutRegion& region = osteotomy.also[r];
+  for (std::size_t r = 0; r < osteotomy.additional_regions.size(); ++r) {
+    const CutRegion& region = osteotomy.additional_regions[r];
     if (region.planes.empty() && region.curves.empty())
       return bad(fmt::format("also[{}] has neither planes nor curves", r));
     if (const std::string why = complaint_about(region.planes, region.curves); !why.empty())
@@ -103,10 +103,10 @@ Result<void> check_osteotomy(const Osteotomy& osteotomy) {
   }
   const auto bounded = std::count_if(osteotomy.planes.begin(), osteotomy.planes.end(), is_bounded);
   const bool stands_beside = bounded != std::ptrdiff_t(osteotomy.planes.size()) ||
-                             !osteotomy.curves.empty() || !osteotomy.also.empty();
+                             !osteotomy.curves.empty() || !osteotomy.additional_regions.empty();
   if (is_other_bounded || (bounded > 0 && stands_beside))
     return bad("bounded planes stand beside curves, unbounded planes or `also`, must stand alone");
-  for (const Vec3& point : osteotomy.holds_L)
+  for (const Vec3& point : osteotomy.anchor_points_L)
     if (!point.allFinite()) return bad("a point it holds is not finite");
   return {};
 }
@@ -116,7 +116,8 @@ bool is_of_sheets(const Osteotomy& osteotomy) {
 }
 
 bool is_of_planes(const Osteotomy& osteotomy) {
-  return osteotomy.curves.empty() && osteotomy.also.empty() && !is_of_sheets(osteotomy);
+  return osteotomy.curves.empty() && osteotomy.additional_regions.empty() &&
+         !is_of_sheets(osteotomy);
 }
 
 std::vector<mesh::HalfSpace> half_spaces_of(const std::vector<CutPlane>& planes) {
@@ -130,7 +131,7 @@ Result<TriangleMesh> cut_solid(const Osteotomy& osteotomy, const Box3& box, doub
   constexpr double kStagger_mm = 0.25;
   Box3 room = box;
   LEFORT_TRY(TriangleMesh solid, solid_of({osteotomy.planes, osteotomy.curves}, room, grow_mm));
-  for (const CutRegion& region : osteotomy.also) {
+  for (const CutRegion& region : osteotomy.additional_regions) {
     room.min() -= Vec3::Constant(kStagger_mm);
     room.max() += Vec3::Constant(kStagger_mm);
     LEFORT_TRY(const TriangleMesh more, solid_of(region, room, grow_mm));

@@ -13,7 +13,8 @@ namespace lefort::plan {
 
 inline constexpr double kWidestKerf_mm = 5.0;  ///< No saw is wider.
 
-/// \returns kPlanInvalid, which names the osteotomy and what is wrong with it (see cut_bones()).
+/// \returns kPlanInvalid, which names the osteotomy and what is wrong with it (see
+///   perform_osteotomy()).
 [[nodiscard]] Result<void> check_osteotomy(const Osteotomy& osteotomy);
 
 /// Whether it is of bounded planes, so of sheets. \pre check_osteotomy()

@@ -56,7 +56,7 @@ NameParts split(std::string_view name) {
   return {name.substr(0, name.size() - 2), name.substr(name.size() - 2)};
 }
 
-constexpr double kLeastCosine = 0.5;      // Of 60 degrees: further than heads and faces are askew.
+constexpr double kMinCosine = 0.5;        // Of 60 degrees: further than heads and faces are askew.
 constexpr double kBeyondMiddle_mm = 5.0;  // A face that is askew may be this far off its middle.
 
 /// Both sides of one kind.
@@ -70,7 +70,7 @@ std::vector<Pair> pairs_in(std::span<const Landmark> landmarks) {
   std::vector<Pair> pairs;
   for (const Landmark& right : landmarks) {
     const auto [stem, side] = split(right.name);
-    if (side != "-R" || find_kind(right.name) == nullptr) continue;
+    if (side != "-R" || landmark_definition(right.name) == nullptr) continue;
     const auto left_L = find_landmark(landmarks, std::string(stem) + "-L");
     if (left_L && (*left_L - right.point_L).norm() > 0.0)
       pairs.push_back(
@@ -92,13 +92,14 @@ Result<void> check_sides(std::span<const Landmark> landmarks, std::span<const Pa
   std::vector<Vec3> middles;
   for (const Pair& pair : pairs) middles.push_back(pair.middle_L);
   for (const Landmark& landmark : landmarks)
-    if (const LandmarkKind* const kind = find_kind(landmark.name); kind && !kind->is_paired)
+    if (const LandmarkKind* const kind = landmark_definition(landmark.name);
+        kind && !kind->is_paired)
       middles.push_back(landmark.point_L);
   Vec3 middle_L = Vec3::Zero();
   for (const Vec3& p : middles) middle_L += p / double(middles.size());
   for (const Landmark& landmark : landmarks) {
     const std::string_view side = split(landmark.name).side;
-    if (side.empty() || find_kind(landmark.name) == nullptr) continue;
+    if (side.empty() || landmark_definition(landmark.name) == nullptr) continue;
     const double to_left_mm = left.dot(landmark.point_L - middle_L);
     if (!((side == "-L" ? -to_left_mm : to_left_mm) <= kBeyondMiddle_mm))
       return fail(
@@ -114,7 +115,7 @@ Result<void> check_sides(std::span<const Landmark> landmarks, std::span<const Pa
 
 std::span<const LandmarkKind> landmark_kinds() { return kKinds; }
 
-const LandmarkKind* find_kind(std::string_view name) {
+const LandmarkKind* landmark_definition(std::string_view name) {
   const auto [stem, side] = split(name);
   for (const LandmarkKind& kind : kKinds)
     if (stem == kind.abbreviation && side.empty() != kind.is_paired) return &kind;
@@ -122,7 +123,7 @@ const LandmarkKind* find_kind(std::string_view name) {
 }
 
 std::string full_name(std::string_view name) {
-  const LandmarkKind* const kind = find_kind(name);
+  const LandmarkKind* const kind = landmark_definition(name);
   if (kind == nullptr) return std::string(name);
   if (!kind->is_paired) return kind->name;
   return std::string(name.ends_with("-R") ? "right " : "left ") + kind->name;
@@ -135,7 +136,7 @@ std::optional<Vec3> find_landmark(std::span<const Landmark> landmarks, std::stri
   return found->point_L;
 }
 
-std::optional<Vec3> find_middle(std::span<const Landmark> landmarks, std::string_view name) {
+std::optional<Vec3> pair_midpoint(std::span<const Landmark> landmarks, std::string_view name) {
   if (const auto middle = find_landmark(landmarks, name)) return middle;
   const auto right = find_landmark(landmarks, std::string(name) + "-R");
   const auto left = find_landmark(landmarks, std::string(name) + "-L");
@@ -143,17 +144,17 @@ std::optional<Vec3> find_middle(std::span<const Landmark> landmarks, std::string
   return right ? right : left;
 }
 
-Result<Vec3> left_of(std::span<const Landmark> landmarks) {
+Result<Vec3> patient_left_axis(std::span<const Landmark> landmarks) {
   const std::vector<Pair> pairs = pairs_in(landmarks);
   Vec3 sum = Vec3::Zero();
   for (const Pair& pair : pairs) {
-    if (!(pair.to_left.x() > kLeastCosine)) return exchanged(pair.stem, "the patient's left");
+    if (!(pair.to_left.x() > kMinCosine)) return exchanged(pair.stem, "the patient's left");
     sum += pair.to_left;
   }
   if (pairs.empty()) return Vec3(Vec3::UnitX());
   const Vec3 left = sum.normalized();
   for (const Pair& pair : pairs)
-    if (!(left.dot(pair.to_left) > kLeastCosine))
+    if (!(left.dot(pair.to_left) > kMinCosine))
       return exchanged(pair.stem, "the mean direction of all pairs");
   LEFORT_TRY_VOID(check_sides(landmarks, pairs, left));
   return left;

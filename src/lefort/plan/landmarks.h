@@ -34,7 +34,7 @@ struct LandmarkKind {
 
 /// The kind that "Or-R" is of; null for a name that is none of the field's, and for a pair without
 /// a side.
-[[nodiscard]] const LandmarkKind* find_kind(std::string_view name);
+[[nodiscard]] const LandmarkKind* landmark_definition(std::string_view name);
 
 /// "right orbitale" for "Or-R", the name itself if it is none of the field's.
 [[nodiscard]] std::string full_name(std::string_view name);
@@ -45,8 +45,8 @@ struct LandmarkKind {
 
 /// The middle between the two of a pair; the one that is there if the other is not, or what has the
 /// name without a side.
-[[nodiscard]] std::optional<Vec3> find_middle(std::span<const Landmark> landmarks,
-                                              std::string_view name);
+[[nodiscard]] std::optional<Vec3> pair_midpoint(std::span<const Landmark> landmarks,
+                                                std::string_view name);
 
 /// Towards the patient's left, unit length: the mean direction of the field's pairs from right to
 /// left, or x if there is no pair.
@@ -59,7 +59,7 @@ struct LandmarkKind {
 ///   - there are pairs, and a landmark that has a side lies more than 5 mm beyond the mid-plane,
 ///     which goes through the mean of the pairs' middles and of the field's landmarks without a
 ///     side.
-[[nodiscard]] Result<Vec3> left_of(std::span<const Landmark> landmarks);
+[[nodiscard]] Result<Vec3> patient_left_axis(std::span<const Landmark> landmarks);
 
 /// The first name that stands twice, if one does.
 [[nodiscard]] std::optional<std::string> first_repeated_name(std::span<const Landmark> landmarks);

@@ -10,18 +10,17 @@
 namespace lefort::plan {
 namespace {
 
-constexpr double kLargestTurn_deg =
-    45.0;  // Surgery turns bones far less; a mirrored triangle, 180.
+constexpr double kMaxTurn_deg = 45.0;  // Surgery turns bones far less; a mirrored triangle, 180.
 constexpr double kRoundOff_mm = 1e-9;
 constexpr int kLongest_days = 1000;  // As steps in contract/plan.schema.json.
 
 }  // namespace
 
-geometry::Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& centre_L) {
+geometry::Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& center_L) {
   geometry::Keyframe key;
   key.rotation_rad = geometry::rotation_vector(X_LB.linear());
-  key.centre_L = centre_L;
-  key.translation_mm = X_LB * centre_L - centre_L;
+  key.center_L = center_L;
+  key.translation_mm = X_LB * center_L - center_L;
   return key;
 }
 
@@ -42,19 +41,19 @@ Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmar
   }
   const auto fit = geometry::fit_rigid(from, to);
   if (!fit) return bad("targets: " + fit.error().message);
-  if (!(fit->worst_mm <= tolerance_mm + kRoundOff_mm))
+  if (!(fit->max_residual_mm <= tolerance_mm + kRoundOff_mm))
     return bad(
         fmt::format("no rigid motion brings all landmarks to their targets: {} would miss "
                     "its own by {:.2f} mm, at most {:g} mm is allowed",
-                    targets[std::size_t(fit->worst)].name, fit->worst_mm, tolerance_mm));
+                    targets[std::size_t(fit->worst)].name, fit->max_residual_mm, tolerance_mm));
   const geometry::Keyframe key = keyframe_of_pose(fit->X_to_from, mean);
   const double turn_deg = degrees_from_radians(key.rotation_rad.norm());
-  if (!(turn_deg <= kLargestTurn_deg))
+  if (!(turn_deg <= kMaxTurn_deg))
     return bad(
         fmt::format("the targets of {} turn the segment by {:.0f} degrees, at most {:g} are "
                     "allowed: are -R and -L exchanged?",
-                    names, turn_deg, kLargestTurn_deg));
-  const auto sides = left_of(targets);
+                    names, turn_deg, kMaxTurn_deg));
+  const auto sides = patient_left_axis(targets);
   if (!sides) return bad("targets: " + sides.error().message);
   return key;
 }

@@ -15,10 +15,10 @@ namespace lefort::plan {
 
 /// The keyframe at which the segment has this pose.
 ///
-/// \param centre_L  the point whose way between keyframes is straight [mm].
-[[nodiscard]] geometry::Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& centre_L);
+/// \param center_L  the point whose way between keyframes is straight [mm].
+[[nodiscard]] geometry::Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& center_L);
 
-/// The keyframe that brings landmarks nearest to their targets, by least squares; its centre is the
+/// The keyframe that brings landmarks nearest to their targets, by least squares; its center is the
 /// landmarks' mean.
 ///
 /// \param landmarks     where they are before surgery; others than those of `targets` do not count.
@@ -26,8 +26,9 @@ namespace lefort::plan {
 /// \param tolerance_mm  how far a landmark may miss its target.
 /// \returns kPlanInvalid if a target is of no landmark, they do not fix the motion (see
 ///   geometry/fit_rigid.h), one is missed by more than the tolerance (the message names it), or the
-///   motion turns by more than 45 degrees or the targets' sides contradict L (see left_of()), as
-///   they do if sides are exchanged: three points are met by their mirror image, too.
+///   motion turns by more than 45 degrees or the targets' sides contradict L (see
+///   patient_left_axis()), as they do if sides are exchanged: three points are met by their mirror
+///   image, too.
 [[nodiscard]] Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
                                                              std::span<const Landmark> targets,
                                                              double tolerance_mm);

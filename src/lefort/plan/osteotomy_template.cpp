@@ -39,7 +39,7 @@ struct Head {
   Vec3 left, anterior, up;
 
   [[nodiscard]] Vec3 at(std::string_view name) const { return *find_landmark(landmarks, name); }
-  [[nodiscard]] Vec3 middle(std::string_view name) const { return *find_middle(landmarks, name); }
+  [[nodiscard]] Vec3 middle(std::string_view name) const { return *pair_midpoint(landmarks, name); }
 };
 
 Vec3 without(const Vec3& v, const Vec3& unit) { return v - unit.dot(v) * unit; }
@@ -50,15 +50,15 @@ Vec3 without(const Vec3& v, const Vec3& unit) { return v - unit.dot(v) * unit; }
 Result<Head> head_along(std::span<const Landmark> landmarks, const Vec3& backwards,
                         const Vec3& forwards) {
   constexpr double kShortest_mm = 1.0;  // As for two landmarks in one point.
-  constexpr double kLeastCosine = 0.5;  // Of 60 degrees, as for sides.
+  constexpr double kMinCosine = 0.5;    // Of 60 degrees, as for sides.
   const auto bad = [](const char* what) { return fail(ErrorCode::kPlanInvalid, what); };
-  LEFORT_TRY(const Vec3 left, left_of(landmarks));
+  LEFORT_TRY(const Vec3 left, patient_left_axis(landmarks));
   const Vec3 ahead = without(forwards - backwards, left);
   if (!(ahead.norm() >= kShortest_mm))
     return bad("its landmarks lie on one line from right to left");
   Head head{landmarks, left, ahead.normalized(), {}};
   head.up = head.anterior.cross(head.left);
-  if (!(-head.anterior.y() > kLeastCosine))
+  if (!(-head.anterior.y() > kMinCosine))
     return bad(
         "the way from its hind to its front landmarks runs more than 60 degrees off the "
         "patient's front, are they exchanged?");
@@ -106,10 +106,11 @@ Osteotomy le_fort_3(const Head& head, const TemplateOptions& options) {
   for (const bool is_left : {false, true}) {
     const Vec3 outwards = is_left ? head.left : Vec3(-head.left);
     const Vec3 suture = head.at(is_left ? "FZ-L" : "FZ-R");
-    cut.also.push_back({{{suture, -head.up},
-                         {suture - options.behind_rim_mm * head.anterior, head.anterior},
-                         {middle + (half_mm - kOverlap_mm) * outwards, outwards}},
-                        {}});
+    cut.additional_regions.push_back(
+        {{{suture, -head.up},
+          {suture - options.behind_rim_mm * head.anterior, head.anterior},
+          {middle + (half_mm - kOverlap_mm) * outwards, outwards}},
+         {}});
   }
   return cut;
 }
@@ -122,7 +123,7 @@ Osteotomy genioplasty(const Head& head, const TemplateOptions& options) {
   Vec3 normal = head.left.cross(exit - front).normalized();
   if (normal.dot(head.at("Me") - front) < 0.0) normal = -normal;
   cut.planes = {{front, normal}};
-  cut.holds_L = {head.at("Me")};
+  cut.anchor_points_L = {head.at("Me")};
   return cut;
 }
 
@@ -155,10 +156,10 @@ Osteotomy sagittal_split(const Head& head, const TemplateOptions& options) {
   };
   Osteotomy cut;
   cut.planes = {right.before_buccal, left.before_buccal};
-  cut.also = {widened({{right.before_buccal, left.medial, left.below}, {}}, 1),
-              widened({{right.medial, right.below, left.before_buccal}, {}}, 2),
-              widened({{right.medial, right.below, left.medial, left.below}, {}}, 3)};
-  cut.holds_L = {head.at("Me")};
+  cut.additional_regions = {widened({{right.before_buccal, left.medial, left.below}, {}}, 1),
+                            widened({{right.medial, right.below, left.before_buccal}, {}}, 2),
+                            widened({{right.medial, right.below, left.medial, left.below}, {}}, 3)};
+  cut.anchor_points_L = {head.at("Me")};
   return cut;
 }
 
@@ -196,7 +197,7 @@ Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segm
 
   const bool is_mandible =
       kind == OsteotomyTemplate::kGenioplasty || kind == OsteotomyTemplate::kSagittalSplit;
-  const auto orbitale = find_middle(landmarks, "Or"), porion = find_middle(landmarks, "Po");
+  const auto orbitale = pair_midpoint(landmarks, "Or"), porion = pair_midpoint(landmarks, "Po");
   Vec3 backwards, forwards;
   if (kind == OsteotomyTemplate::kLeFort1 || (!is_mandible && !(orbitale && porion))) {
     backwards = *find_landmark(landmarks, "PNS");
@@ -205,7 +206,7 @@ Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segm
     backwards = *porion;
     forwards = *orbitale;
   } else {
-    backwards = *find_middle(landmarks, "Go");
+    backwards = *pair_midpoint(landmarks, "Go");
     forwards = *find_landmark(landmarks, "Me");
   }
   const Result<Head> found = head_along(landmarks, backwards, forwards);
@@ -217,7 +218,7 @@ Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segm
   if (kind == OsteotomyTemplate::kLeFort3) cut = le_fort_3(head, options);
   if (kind == OsteotomyTemplate::kGenioplasty) cut = genioplasty(head, options);
   if (kind == OsteotomyTemplate::kSagittalSplit) cut = sagittal_split(head, options);
-  if (!is_mandible) cut.holds_L = {head.at("ANS")};
+  if (!is_mandible) cut.anchor_points_L = {head.at("ANS")};
   cut.segment = segment;
   return cut;
 }

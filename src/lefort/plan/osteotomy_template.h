@@ -46,7 +46,7 @@ struct TemplateOptions {
 ///
 /// \param landmarks  at least those the kind names above.
 /// \returns kPlanInvalid that names the first landmark missing, or two that lie in one point,
-///   or those whose sides or order contradict L (see left_of()).
+///   or those whose sides or order contradict L (see patient_left_axis()).
 [[nodiscard]] Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segment,
                                                std::span<const Landmark> landmarks,
                                                const TemplateOptions& options = {});

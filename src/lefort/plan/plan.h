@@ -49,10 +49,10 @@ struct Osteotomy {
   std::string segment;  ///< The name of the piece it frees.
   std::vector<CutPlane> planes;
   std::vector<CutCurve> curves{};
-  std::vector<CutRegion> also{};
+  std::vector<CutRegion> additional_regions{};
   /// If not empty, the segment is the pieces on which these points lie; other pieces within the cut
   /// stay with the remainder.
-  std::vector<Vec3> holds_L{};
+  std::vector<Vec3> anchor_points_L{};
   /// What the saw turns to dust, next to the segment's cut faces, off the bone that remains; 0 for
   /// a cut without width.
   double kerf_mm = 0.0;

@@ -1,4 +1,4 @@
-#include <lefort/image/voxels_near.h>
+#include <lefort/image/voxels_within.h>
 #include <lefort/predict/boundary_labels.h>
 
 namespace lefort::predict {

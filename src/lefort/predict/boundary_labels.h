@@ -18,12 +18,12 @@ enum class BoundaryLabel : std::uint8_t {
   kSlides = 4,       ///< Free, but does not enter still bone: slides on it, and may come off.
 };
 
-/// How a label is called and coloured in files, and the set of the nodes that it decides.
+/// How a label is called and colored in files, and the set of the nodes that it decides.
 struct BoundaryLabelStyle {
   BoundaryLabel label;
   const char* name;
   const char* set;
-  std::array<double, 3> colour;  ///< RGB, 0 to 1; told apart by the colour-blind as well.
+  std::array<double, 3> color;  ///< RGB, 0 to 1; told apart by the color-blind as well.
 };
 
 inline constexpr std::array<BoundaryLabelStyle, 4> kBoundaryLabelStyles{{
@@ -36,10 +36,10 @@ inline constexpr std::array<BoundaryLabelStyle, 4> kBoundaryLabelStyles{{
 /// One label per voxel of the scan.
 using BoundaryLabelMap = image::Volume<BoundaryLabel>;
 
-/// How far a painted voxel's centre may be from what it decides: half a voxel's diagonal [mm].
+/// How far a painted voxel's center may be from what it decides: half a voxel's diagonal [mm].
 [[nodiscard]] double paint_reach_mm(const image::Grid& grid);
 
-/// \returns the label of the nearest painted voxel, by its centre, that is no further away than
+/// \returns the label of the nearest painted voxel, by its center, that is no further away than
 ///   paint_reach_mm(); kNone if there is none. Of several equally near the first of the map.
 [[nodiscard]] BoundaryLabel painted_at(const BoundaryLabelMap& painted, const Vec3& p_L);
 

@@ -1,4 +1,4 @@
-#include <lefort/contact/detector.h>
+#include <lefort/contact/distance_query.h>
 #include <lefort/core/check.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/rigid_path.h>
@@ -16,7 +16,7 @@ namespace lefort::predict {
 namespace {
 
 /// A bone with all that is asked of it.
-struct Bone : PathBone {
+struct Bone : MovingBone {
   const plan::PlannedSegment* planned;  ///< Null for the remainder.
   std::unique_ptr<const geometry::Bvh> tree_B;
 };
@@ -26,9 +26,10 @@ Result<Bone> make_bone(std::string name, const geometry::TriangleMesh& surface_B
                        const field::DistanceFieldOptions& options, Progress& progress) {
   LEFORT_TRY(field::DistanceField field, field::build_distance_field(surface_B, options, progress));
   const auto shared = std::make_shared<const field::DistanceField>(std::move(field));
-  LEFORT_TRY(auto detector_B, contact::detect_by_field(shared, contact::Detection::kTrilinear));
+  LEFORT_TRY(auto distance_query_B,
+             contact::field_distance_query(shared, contact::DetectionMethod::kTrilinear));
   return Bone{{std::move(name), &surface_B, planned == nullptr ? nullptr : &planned->path,
-               std::move(detector_B), shared->cell_mm()},
+               std::move(distance_query_B), shared->cell_mm()},
               planned,
               std::make_unique<geometry::Bvh>(surface_B)};
 }
@@ -43,8 +44,8 @@ Result<std::vector<Bone>> make_bones(const plan::CutSegments& cut,
                                     options, progress));
     bones.push_back(std::move(bone));
   }
-  LEFORT_TRY(Bone still, make_bone(kRemainder, cut.remainder_L, nullptr, options, progress));
-  bones.push_back(std::move(still));
+  LEFORT_TRY(Bone stationary, make_bone(kRemainder, cut.remainder_L, nullptr, options, progress));
+  bones.push_back(std::move(stationary));
   return bones;
 }
 
@@ -61,12 +62,13 @@ std::vector<double> moments_of(std::span<const plan::PlannedSegment> planned) {
 }
 
 /// The deepest moment of a pair, if it more than touches at any.
-std::optional<BonePair> deepest_overlap(const Bone& first, const Bone& second,
-                                        std::span<const double> moments, const Progress& progress) {
-  std::optional<BonePair> deepest;
-  for (const double share : moments) {
+std::optional<BoneOverlapAtFraction> deepest_overlap(const Bone& first, const Bone& second,
+                                                     std::span<const double> moments,
+                                                     const Progress& progress) {
+  std::optional<BoneOverlapAtFraction> deepest;
+  for (const double path_fraction : moments) {
     if (progress.stop_requested()) break;
-    BonePair pair = overlap_at(share, first, second);
+    BoneOverlapAtFraction pair = overlap_at(path_fraction, first, second);
     if (!pair.overlap.overlaps()) continue;
     if (!deepest || pair.overlap.deepest_mm > deepest->overlap.deepest_mm)
       deepest = std::move(pair);
@@ -85,7 +87,7 @@ std::vector<CutSample> cut_samples(const std::vector<Bone>& bones, std::size_t s
   constexpr double kSpacing_mm = 1.0;
   const double near_mm = bones[segment].planned->osteotomy.kerf_mm + contact::kTouching_mm;
   const geometry::TriangleMesh& mesh = *bones[segment].surface_B;
-  const auto has_neighbour = [&](const Vec3& p_L) {
+  const auto has_neighbor = [&](const Vec3& p_L) {
     for (std::size_t b = 0; b < bones.size(); ++b)
       if (b != segment && bones[b].tree_B->closest_point(p_L, near_mm)) return true;
     return false;
@@ -102,7 +104,7 @@ std::vector<CutSample> cut_samples(const std::vector<Bone>& bones, std::size_t s
         for (int turned = 0; turned < (i + j + 1 < parts ? 2 : 1); ++turned) {
           const double third = turned == 0 ? 1.0 / 3.0 : 2.0 / 3.0;
           const Vec3 p = a + (i + third) / parts * (b - a) + (j + third) / parts * (c - a);
-          if (has_neighbour(p)) samples.push_back({p, area_mm2});
+          if (has_neighbor(p)) samples.push_back({p, area_mm2});
         }
   }
   return samples;
@@ -127,9 +129,9 @@ SegmentSupport measure_support(const std::vector<Bone>& bones, std::size_t segme
     support.cut_area_mm2 += area_mm2;
     gap_volume_mm3 += gap_mm * area_mm2;
     if (gap_mm <= limits.support_mm) support.supported_area_mm2 += area_mm2;
-    if (gap_mm <= support.largest_gap_mm) continue;
-    support.largest_gap_mm = gap_mm;
-    support.largest_gap_L = p_L;
+    if (gap_mm <= support.max_gap_mm) continue;
+    support.max_gap_mm = gap_mm;
+    support.max_gap_L = p_L;
   }
   if (support.cut_area_mm2 > 0.0) support.mean_gap_mm = gap_volume_mm3 / support.cut_area_mm2;
   return support;
@@ -143,33 +145,33 @@ std::vector<PlanFinding> judge(const PlanCheck& check,
                                std::span<const plan::PlannedSegment> planned,
                                const PlanLimits& limits) {
   std::vector<PlanFinding> findings;
-  for (const BonePair& pair : check.overlaps) {
+  for (const BoneOverlapAtFraction& pair : check.overlaps) {
     const contact::BoneOverlap& overlap = pair.overlap;
     if (!(overlap.deepest_mm > limits.overlap_mm)) continue;
     findings.push_back(
         {FindingKind::kOverlap, pair.first,
          fmt::format("{} and {} are in each other: at {:.1f} % of the path they share {:.2f} ml, "
                      "{}{:.2f} mm deep at {}",
-                     pair.first, pair.second, 100.0 * pair.share, overlap.volume_mm3 * 1e-3,
-                     overlap.is_beyond_reach ? "more than " : "up to ", overlap.deepest_mm,
+                     pair.first, pair.second, 100.0 * pair.path_fraction, overlap.volume_mm3 * 1e-3,
+                     overlap.depth_is_lower_bound ? "more than " : "up to ", overlap.deepest_mm,
                      place(overlap.deepest_L))});
   }
   for (std::size_t k = 0; k < planned.size(); ++k) {
     if (planned[k].is_distracted) continue;
     const SegmentSupport& support = check.supports[k];
-    if (support.largest_gap_mm > limits.gap_mm)
+    if (support.max_gap_mm > limits.gap_mm)
       findings.push_back(
           {FindingKind::kGap, support.segment,
            fmt::format("a gap of {:.1f} mm opens at a cut face of {}, at {}; at most {:g} mm may",
-                       support.largest_gap_mm, support.segment, place(support.largest_gap_L),
+                       support.max_gap_mm, support.segment, place(support.max_gap_L),
                        limits.gap_mm)});
-    if (support.supported_share() < limits.support_share)
+    if (support.supported_fraction() < limits.support_fraction)
       findings.push_back(
           {FindingKind::kMissingSupport, support.segment,
            fmt::format("{} has lost its support: {:.0f} of {:.0f} mm2 of its cut faces lie within "
                        "{:g} mm of other bone, {:.0f} % must",
                        support.segment, support.supported_area_mm2, support.cut_area_mm2,
-                       limits.support_mm, 100.0 * limits.support_share)});
+                       limits.support_mm, 100.0 * limits.support_fraction)});
   }
   return findings;
 }

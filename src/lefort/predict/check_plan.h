@@ -6,7 +6,7 @@
 #include <lefort/core/progress.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/plan/cut_segments.h>
-#include <lefort/predict/bone_pairs.h>
+#include <lefort/predict/bone_overlap_at_fraction.h>
 
 #include <span>
 #include <string>
@@ -16,10 +16,10 @@ namespace lefort::predict {
 
 /// What counts as impossible.
 struct PlanLimits {
-  double overlap_mm = 0.5;     ///< Bone may be this deep in bone: what a burr takes off.
-  double gap_mm = 10.0;        ///< Cut faces may come to lie this far from other bone.
-  double support_mm = 1.0;     ///< Bone nearer than this to a cut face supports it.
-  double support_share = 0.1;  ///< This part of a segment's cut faces must be supported.
+  double overlap_mm = 0.5;        ///< Bone may be this deep in bone: what a burr takes off.
+  double gap_mm = 10.0;           ///< Cut faces may come to lie this far from other bone.
+  double support_mm = 1.0;        ///< Bone nearer than this to a cut face supports it.
+  double support_fraction = 0.1;  ///< This part of a segment's cut faces must be supported.
 };
 
 /// How a segment's cut faces lie at the end of its path.
@@ -28,10 +28,10 @@ struct SegmentSupport {
   double cut_area_mm2 = 0.0;
   double supported_area_mm2 = 0.0;
   double mean_gap_mm = 0.0;
-  double largest_gap_mm = 0.0;        ///< To the nearest other bone.
-  Vec3 largest_gap_L = Vec3::Zero();  ///< Where that is, at the end of the path.
+  double max_gap_mm = 0.0;        ///< To the nearest other bone.
+  Vec3 max_gap_L = Vec3::Zero();  ///< Where that is, at the end of the path.
 
-  [[nodiscard]] double supported_share() const {
+  [[nodiscard]] double supported_fraction() const {
     return cut_area_mm2 > 0.0 ? supported_area_mm2 / cut_area_mm2 : 0.0;
   }
 };
@@ -49,7 +49,8 @@ struct PlanFinding {
 [[nodiscard]] const char* name_of(FindingKind kind);
 
 struct PlanCheck {
-  std::vector<BonePair> overlaps;        ///< The deepest of each pair that more than touches.
+  std::vector<BoneOverlapAtFraction>
+      overlaps;                          ///< The deepest of each pair that more than touches.
   std::vector<SegmentSupport> supports;  ///< One a segment.
   std::vector<PlanFinding> findings;     ///< Empty: the plan can be done.
 };

@@ -23,7 +23,7 @@ struct FaceModel {
   mesh::VolumeMesh tissue;             ///< With the sets of tissue_boundary.h.
   std::vector<MovedSegment> segments;  ///< One or more, in the order of the plan.
   /// Bone that does not move; needed where tissue is painted to slide on it.
-  std::optional<MovedSegment> still_bone = std::nullopt;
+  std::optional<MovedSegment> stationary_bone = std::nullopt;
 };
 
 /// Which nodes go by which segment: each by the one whose surface is nearest to it at rest, of

@@ -16,24 +16,24 @@ namespace lefort::predict {
 /// One segment at a step.
 struct SegmentStep {
   RigidTransform X_LB;
-  contact::ContactSummary contact;  ///< Of the tissue with it; zero where tissue is attached.
+  contact::ContactStatistics contact;  ///< Of the tissue with it; zero where tissue is attached.
 };
 
 /// The equilibrium at one of the asked-for moments of the path.
 struct PredictionStep {
-  double share = 0.0;                 ///< Of the path, 0 to 1.
+  double path_fraction = 0.0;         ///< Of the path, 0 to 1.
   std::vector<SegmentStep> segments;  ///< In the order of the plan.
   std::vector<Vec3> displacement_mm;  ///< One per node of the tissue.
   /// Of the tissue that slides on still bone; zero unless some is painted so.
-  contact::ContactSummary still_contact = {};
-  double smallest_J = 1.0;                 ///< Least volume ratio of an element; positive.
+  contact::ContactStatistics stationary_contact = {};
+  double min_J = 1.0;                      ///< Least volume ratio of an element; positive.
   double residual_n = 0.0;                 ///< Of the unbalanced forces, last iteration.
   double relative_residual = 0.0;          ///< To the forces that cancel (fem/assembly/assemble.h).
   std::vector<fem::LoadAttempt> attempts;  ///< All that was tried to come here.
 
   /// With all segments. Tissue that touches two counts for both; the P99 is that of the segment
   /// where it is largest, so that of all tissue in contact is no larger.
-  [[nodiscard]] contact::ContactSummary contact() const;
+  [[nodiscard]] contact::ContactStatistics contact() const;
 
   /// Of all attempts.
   [[nodiscard]] Index newton_iterations() const {
@@ -46,9 +46,9 @@ struct PredictionStep {
 
 /// A line of Newton's history while its step is being sought.
 struct PredictionIterate {
-  double to_share = 0.0;  ///< Of the path: where equilibrium is sought.
-  int attempt = 1;        ///< Of this step, as PredictionStep::attempts counts them, from 1.
-  int iteration = 0;      ///< Of this attempt; 0 is its start.
+  double to_fraction = 0.0;  ///< Of the path: where equilibrium is sought.
+  int attempt = 1;           ///< Of this step, as PredictionStep::attempts counts them, from 1.
+  int iteration = 0;         ///< Of this attempt; 0 is its start.
   fem::NewtonIterate line;
   double deepest_mm = 0.0;  ///< How much deeper than at rest tissue in contact lies, at most.
 };

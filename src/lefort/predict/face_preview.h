@@ -5,7 +5,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
 #include <lefort/linear/sparse_matrix.h>
-#include <lefort/predict/move_skin.h>
+#include <lefort/predict/embed_skin.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/prediction_options.h>
 
@@ -29,12 +29,12 @@ struct PreviewModel {
     std::int32_t row = 0;             ///< The first of its three.
     Vec3 point_L = Vec3::Zero();      ///< At rest.
     Vec3 direction_L = Vec3::Zero();  ///< Unit length; out of the bone where it only pushes.
-    bool holds = false;               ///< Also pulls: attached tissue has three of these.
+    bool is_bilateral = false;        ///< Also pulls: attached tissue has three of these.
   };
   std::vector<Support> supports;
   double support_n_per_mm = 0.0;
   std::int32_t segment_count = 1;
-  SkinBinding skin;
+  SkinEmbedding skin;
 };
 
 /// \param skin_L      the surface whose displacement is wanted.
@@ -63,7 +63,7 @@ class FacePreview {
   /// \param X_LB  of each segment, in the order of the plan.
   /// \returns the displacement of each skin vertex [mm]; kOutOfMemory or kNotConverged if the
   ///   equations cannot be solved.
-  /// \note The first call factorises. All others iterate with that factor.
+  /// \note The first call factorizes. All others iterate with that factor.
   [[nodiscard]] Result<std::vector<Vec3>> displacement_mm(
       std::span<const RigidTransform> X_LB) const;
 

@@ -1,8 +1,8 @@
 #include <lefort/core/check.h>
 #include <lefort/geometry/bvh.h>
+#include <lefort/mesh/boundary_layer.h>
 #include <lefort/mesh/element_quality.h>
 #include <lefort/mesh/generate_tets.h>
-#include <lefort/mesh/skin_layer.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/skin_faces.h>
 
@@ -24,21 +24,21 @@ constexpr double kJacobianBeforeSkin = 0.12;
 Vec3 foremost(const TissueDomain& domain) {
   const image::ScalarVolume& level = domain.soft_tissue_level;
   Vec3 found_L = Vec3::Zero();
-  double least_y_mm = std::numeric_limits<double>::max();
+  double min_y_mm = std::numeric_limits<double>::max();
   for (Index k = 0; k < level.grid.size[2]; ++k)
     for (Index j = 0; j < level.grid.size[1]; ++j)
       for (Index i = 0; i < level.grid.size[0]; ++i) {
         if (!(level.at(i, j, k) > 0.0F)) continue;
         const Vec3 p_L = level.grid.point_L({double(i), double(j), double(k)});
-        if (!(p_L.y() < least_y_mm) || !domain.box_L.contains(p_L)) continue;
-        least_y_mm = p_L.y();
+        if (!(p_L.y() < min_y_mm) || !domain.box_L.contains(p_L)) continue;
+        min_y_mm = p_L.y();
         found_L = p_L;
       }
   return found_L;
 }
 
 Result<mesh::VolumeMesh> fill(const TissueDomain& domain, const geometry::TriangleMesh& segment_L,
-                              const TissueOptions& options, double smallest_jacobian,
+                              const TissueOptions& options, double min_scaled_jacobian,
                               Progress& progress) {
   const geometry::Bvh segment(segment_L);
   mesh::TetOptions tets;
@@ -48,8 +48,8 @@ Result<mesh::VolumeMesh> fill(const TissueDomain& domain, const geometry::Triang
   if (options.face && face_points_L.empty()) face_points_L.push_back(foremost(domain));
   // From the finest size to that of the rim, over the margin.
   const auto size_mm = [&](double finest_mm, double distance_mm) {
-    const double share = std::min(1.0, distance_mm / options.margin_mm);
-    return finest_mm + share * (tets.element_size_mm - finest_mm);
+    const double fraction = std::min(1.0, distance_mm / options.margin_mm);
+    return finest_mm + fraction * (tets.element_size_mm - finest_mm);
   };
   tets.size_at_mm = [&](const Vec3& p_L) {
     const auto nearest = segment.closest_point(p_L, options.margin_mm);
@@ -60,11 +60,11 @@ Result<mesh::VolumeMesh> fill(const TissueDomain& domain, const geometry::Triang
           std::min(wanted_mm, size_mm(options.face->element_size_mm, (p_L - point_L).norm()));
     return wanted_mm;
   };
-  tets.smallest_jacobian = smallest_jacobian;
+  tets.min_scaled_jacobian = min_scaled_jacobian;
   const double finest_mm = options.face
                                ? std::min(options.element_size_mm, options.face->element_size_mm)
                                : options.element_size_mm;
-  tets.surface_distance_mm = kSurfaceDistanceShare * finest_mm;
+  tets.surface_distance_mm = kSurfaceDistanceFraction * finest_mm;
   const auto level = [&domain](const Vec3& p_L) { return domain.level(p_L); };
   // The level ends at the box; a little beyond it is outside for certain.
   const Box3 box(domain.box_L.min() - Vec3::Ones(), domain.box_L.max() + Vec3::Ones());
@@ -96,12 +96,12 @@ Result<mesh::VolumeMesh> mesh_tissue_and_skin(const TissueDomain& domain,
   std::vector<mesh::HalfSpace> sides = domain.cuts_L;
   sides.insert(sides.end(), domain.scan_edges_L.begin(), domain.scan_edges_L.end());
   LEFORT_TRY(mesh::VolumeMesh mixed,
-             mesh::add_skin_layer(tets, faces, sides,
-                                  {.thickness_mm = options.skin->thickness_mm,
-                                   .layers = options.skin->layers,
-                                   .region = regions::kSkin},
-                                  progress));
-  if (const auto poor = mesh::poor_elements(mixed, kSmallestJacobian); !poor.empty()) {
+             mesh::add_boundary_layer(tets, faces, sides,
+                                      {.thickness_mm = options.skin->thickness_mm,
+                                       .layers = options.skin->layers,
+                                       .region = regions::kSkin},
+                                      progress));
+  if (const auto poor = mesh::poor_elements(mixed, kMinJacobian); !poor.empty()) {
     const mesh::PoorElement& worst = *std::min_element(
         poor.begin(), poor.end(), [](const mesh::PoorElement& a, const mesh::PoorElement& b) {
           return a.scaled_jacobian < b.scaled_jacobian;
@@ -110,9 +110,9 @@ Result<mesh::VolumeMesh> mesh_tissue_and_skin(const TissueDomain& domain,
         ErrorCode::kMeshingFailed,
         fmt::format("{} of {} elements have a scaled Jacobian below {}, the worst {:.3f} (a {} "
                     "at ({:.1f}, {:.1f}, {:.1f}) mm): ask for another tissue.element_size_mm",
-                    poor.size(), mixed.element_count(), kSmallestJacobian, worst.scaled_jacobian,
-                    mesh::name_of(worst.shape), worst.centre_L.x(), worst.centre_L.y(),
-                    worst.centre_L.z()));
+                    poor.size(), mixed.element_count(), kMinJacobian, worst.scaled_jacobian,
+                    mesh::name_of(worst.shape), worst.center_L.x(), worst.center_L.y(),
+                    worst.center_L.z()));
   }
   return mixed;
 }

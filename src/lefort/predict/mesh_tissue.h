@@ -14,7 +14,7 @@
 namespace lefort::predict {
 
 /// How far the mesh may be from the level's surface, as a part of the element size.
-inline constexpr double kSurfaceDistanceShare = 0.15;
+inline constexpr double kSurfaceDistanceFraction = 0.15;
 
 /// What the elements' numbers of regions mean.
 namespace regions {
@@ -33,7 +33,7 @@ inline constexpr std::array<RegionName, 4> kNames{
 }  // namespace regions
 
 /// No element of a mesh with skin may have a smaller scaled Jacobian.
-inline constexpr double kSmallestJacobian = 0.05;
+inline constexpr double kMinJacobian = 0.05;
 
 /// \param segment_L  as make_tissue_domain() has it.
 /// \returns tetrahedra without sets, or as mesh::generate_tets.
@@ -43,12 +43,12 @@ inline constexpr double kSmallestJacobian = 0.05;
                                                    const TissueOptions& options,
                                                    Progress& progress = Progress::none());
 
-/// The same under layers of wedges for skin (mesh/skin_layer.h): tetrahedra, pyramids, wedges.
+/// The same under layers of wedges for skin (mesh/boundary_layer.h): tetrahedra, pyramids, wedges.
 ///
 /// \param skin_L, remainder_L  where skin is, and where bone: skin_faces().
 /// \param capture_mm           likewise.
-/// \returns a mesh without sets, no element below kSmallestJacobian; or as mesh::generate_tets and
-///   mesh::add_skin_layer, or
+/// \returns a mesh without sets, no element below kMinJacobian; or as mesh::generate_tets and
+///   mesh::add_boundary_layer, or
 ///   - kAnatomyMissing  no skin bounds the tissue;
 ///   - kMeshingFailed   an element is worse than that; its place is told.
 /// \pre options.skin

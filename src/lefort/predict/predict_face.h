@@ -2,7 +2,7 @@
 /// The story: segments move, tissue is pushed or pulled along, and comes to rest at every step.
 #pragma once
 
-#include <lefort/contact/detector.h>
+#include <lefort/contact/distance_query.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/fem/solve/load_steps.h>
@@ -29,9 +29,9 @@ struct PredictionOptions {
 /// Who tells how far the segment is.
 ///
 /// A tree of boxes reaches as far as the field's band.
-/// \returns as contact::detect_by_field().
-[[nodiscard]] Result<std::shared_ptr<const contact::Detector>> detect_segment(
-    const MovedSegment& segment, contact::Detection detection);
+/// \returns as contact::field_distance_query().
+[[nodiscard]] Result<std::shared_ptr<const contact::DistanceQuery>> detect_segment(
+    const MovedSegment& segment, contact::DetectionMethod detection);
 
 /// Whether contact with bones along these paths can be told by their detectors; nothing is asked of
 /// them where tissue is attached.
@@ -44,7 +44,7 @@ struct PredictionOptions {
 ///     keyframes of all) than its detector reaches.
 [[nodiscard]] Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
                                        const std::vector<MovedSegment>& segments,
-                                       contact::Detection detection,
+                                       contact::DetectionMethod detection,
                                        const BoundaryOptions& boundary);
 
 /// k_c [MPa/mm] of a plan.
@@ -54,8 +54,8 @@ struct PredictionOptions {
 /// What a prediction has found so far and all that its next step depends on.
 struct Restart {
   std::vector<PredictionStep> steps;  ///< Converged.
-  fem::LoadStepper::Memory stepper;
-  std::vector<contact::ContactTerm::Memory>
+  fem::LoadStepper::Checkpoint stepper;
+  std::vector<contact::ContactTerm::Checkpoint>
       contacts;  ///< One a segment, none if attached; still bone's.
 };
 
@@ -71,7 +71,7 @@ struct PredictionWatch {
 ///
 /// Between two steps no part of a segment moves further at once than a quarter of an element, nor
 /// than half its detector's reach: the increments, not the steps, decide what is found.
-/// \pre model.still_bone, where the tissue has a set sets::kStillContact.
+/// \pre model.stationary_bone, where the tissue has a set sets::kStationaryContact.
 /// \param paths    one for each of the model's segments.
 /// \param earlier  where a run of the same model, paths and options was stopped; the rest of the
 ///   way is found with the same bits as without the stop.

@@ -11,13 +11,13 @@
 namespace lefort::predict {
 
 /// What tissue that lies on the moved segment does.
-enum class MovedBone {
-  kContact,   ///< Is pushed and slides without friction (paper, section 2.3).
-  kAttached,  ///< Moves with the bone.
+enum class SegmentInterface {
+  kSliding,  ///< Is pushed and slides without friction (paper, section 2.3).
+  kBonded,   ///< Moves with the bone.
 };
 
 /// What holds tissue that ends only because the scan does.
-enum class ScanEdge { kFree, kFixed };
+enum class ScanBoundary { kFree, kFixed };
 
 /// Skin of its own over the tissue inside. Constants and their sources: docs/materials.md.
 struct SkinOptions {
@@ -60,16 +60,17 @@ struct TissueOptions {
 };
 
 struct BoundaryOptions {
-  MovedBone moved_bone = MovedBone::kContact;
-  ScanEdge scan_edge = ScanEdge::kFree;
-  double release_mm = 8.0;  ///< Tissue on still bone nearer than this to the segment is elevated.
+  SegmentInterface segment_interface = SegmentInterface::kSliding;
+  ScanBoundary scan_boundary = ScanBoundary::kFree;
+  double elevation_margin_mm =
+      8.0;                  ///< Tissue on still bone nearer than this to the segment is elevated.
   double capture_mm = 0.8;  ///< Boundary nearer than this to a bone lies on it.
 };
 
 struct ContactOptions {
   /// k_c = factor * Young's modulus / element size, > 0; unless named, see stiffness_factor().
   std::optional<double> stiffness_factor = std::nullopt;
-  contact::Detection detection = contact::Detection::kSmooth;
+  contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
   /// contact::ContactTerm::Options::penetration_tolerance_mm.
   std::optional<double> penetration_tolerance_mm = std::nullopt;
@@ -86,8 +87,8 @@ struct ContactOptions {
 
 struct SolverOptions {
   double relative_tolerance = 1e-6;
-  int max_iterations = 120;           ///< Of Newton; tissue sliding off bulging bone has taken 68.
-  double smallest_step = 1.0 / 64.0;  ///< Share of an increment; below it halving gives up.
+  int max_iterations = 120;  ///< Of Newton; tissue sliding off bulging bone has taken 68.
+  double min_increment_ratio = 1.0 / 64.0;  ///< Share of an increment; below it halving gives up.
 };
 
 }  // namespace lefort::predict

@@ -1,7 +1,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/geometry/bvh.h>
 #include <lefort/mesh/boundary_faces.h>
-#include <lefort/mesh/skin_layer.h>
+#include <lefort/mesh/boundary_layer.h>
 #include <lefort/predict/skin_faces.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ std::vector<mesh::Face> skin_faces(const mesh::VolumeMesh& tissue, const TissueD
   });
   const auto is_cut_off = [&](const mesh::Face3& face, const std::vector<mesh::HalfSpace>& sides) {
     return std::any_of(sides.begin(), sides.end(), [&](const mesh::HalfSpace& side) {
-      return mesh::is_side_face(tissue.nodes_L, face, side);
+      return mesh::is_cut_face(tissue.nodes_L, face, side);
     });
   };
   std::vector<mesh::Face> faces;

@@ -15,7 +15,7 @@ namespace lefort::predict {
 inline constexpr double kPlaneTolerance_mm = 0.05;
 
 /// Boundary faces whose nodes all lie on the skin, nearer to it than to bone, or in a side of the
-/// domain; but not those of the sides themselves (mesh/skin_layer.h).
+/// domain; but not those of the sides themselves (mesh/boundary_layer.h).
 ///
 /// \param tissue      one block of tetrahedra.
 /// \param capture_mm  nodes nearer than this to the skin lie on it.

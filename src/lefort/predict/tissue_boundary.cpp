@@ -1,6 +1,6 @@
 #include <lefort/core/parallel.h>
 #include <lefort/geometry/bvh.h>
-#include <lefort/image/voxels_near.h>
+#include <lefort/image/voxels_within.h>
 #include <lefort/mesh/boundary_faces.h>
 #include <lefort/mesh/boundary_regions.h>
 #include <lefort/predict/skin_faces.h>
@@ -22,7 +22,7 @@ using NodeList = std::vector<std::int32_t>;
 
 constexpr double kBrainReach_mm = 2.0;  // A layer of blurred voxels between brain and tissue.
 
-/// Distance to the nearest voxel labelled brain, up to kBrainReach_mm; beyond it, far.
+/// Distance to the nearest voxel labeled brain, up to kBrainReach_mm; beyond it, far.
 double distance_to_brain(const anatomy::LabelMap& labels, const Vec3& p_L) {
   constexpr double kFar_mm = 1e3;
   const Vec3 p_V = labels.grid.index_V(p_L);
@@ -104,7 +104,7 @@ void paint_over(mesh::VolumeMesh& tissue, const BoundaryLabelMap& painted) {
 /// Inner faces that can move: tissue that the segment could run into.
 std::vector<mesh::Face> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
   std::vector<char> is_outer(tissue.nodes_L.size(), 0), is_held(tissue.nodes_L.size(), 0);
-  for (const char* set : {sets::kSkin, sets::kCut, sets::kScanEdge})
+  for (const char* set : {sets::kSkin, sets::kCut, sets::kScanBoundary})
     for (const std::int32_t node : tissue.node_sets.at(set)) is_outer[std::size_t(node)] = 1;
   for (const std::int32_t node : united(tissue.node_sets.at(sets::kFixed),
                                         nodes_painted(tissue, BoundaryLabel::kWithSegment)))
@@ -139,9 +139,9 @@ std::vector<mesh::Face> faces_that_slide(const mesh::VolumeMesh& tissue) {
 
 std::vector<RuleDistance> boundary_rules(const BoundaryOptions& options) {
   return {{sets::kCut, kPlaneTolerance_mm},
-          {sets::kScanEdge, kPlaneTolerance_mm},
-          {sets::kMovedBone, options.capture_mm},
-          {sets::kStillBone, options.capture_mm},
+          {sets::kScanBoundary, kPlaneTolerance_mm},
+          {sets::kMobilizedSegment, options.capture_mm},
+          {sets::kStationaryBone, options.capture_mm},
           {sets::kBrain, kBrainReach_mm},
           {sets::kSkin, options.capture_mm},
           {sets::kFree, std::nullopt}};
@@ -173,30 +173,31 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
     if (within_mm) rules.push_back({set, distances_mm[rules.size()], *within_mm});
   tissue = mesh::name_boundary(std::move(tissue), rules, sets::kFree);
 
-  // Held by their neighbour, but elevated from it where the segment is near.
-  NodeList held;
+  // Held by their neighbor, but elevated from it where the segment is near.
+  NodeList prescribed;
   for (const std::int32_t node :
-       united(tissue.node_sets.at(sets::kStillBone), tissue.node_sets.at(sets::kBrain)))
-    if (segment.closest_point(tissue.nodes_L[std::size_t(node)])->distance_mm >= options.release_mm)
-      held.push_back(node);
-  NodeList fixed = united(held, tissue.node_sets.at(sets::kCut));
-  if (options.scan_edge == ScanEdge::kFixed)
-    fixed = united(fixed, tissue.node_sets.at(sets::kScanEdge));
+       united(tissue.node_sets.at(sets::kStationaryBone), tissue.node_sets.at(sets::kBrain)))
+    if (segment.closest_point(tissue.nodes_L[std::size_t(node)])->distance_mm >=
+        options.elevation_margin_mm)
+      prescribed.push_back(node);
+  NodeList fixed = united(prescribed, tissue.node_sets.at(sets::kCut));
+  if (options.scan_boundary == ScanBoundary::kFixed)
+    fixed = united(fixed, tissue.node_sets.at(sets::kScanBoundary));
   tissue.node_sets[sets::kFixed] = std::move(fixed);
   if (painted != nullptr) paint_over(tissue, *painted);
   tissue.face_sets[sets::kContact] = faces_that_may_touch(tissue);
   if (auto faces = faces_that_slide(tissue); !faces.empty())
-    tissue.face_sets[sets::kStillContact] = std::move(faces);
+    tissue.face_sets[sets::kStationaryContact] = std::move(faces);
   return tissue;
 }
 
 NodeList nodes_on_segment(const mesh::VolumeMesh& tissue) {
-  return without(tissue.node_sets.at(sets::kMovedBone), tissue.node_sets.at(sets::kFixed));
+  return without(tissue.node_sets.at(sets::kMobilizedSegment), tissue.node_sets.at(sets::kFixed));
 }
 
-NodeList nodes_with_segment(const mesh::VolumeMesh& tissue, MovedBone moved_bone) {
+NodeList nodes_with_segment(const mesh::VolumeMesh& tissue, SegmentInterface segment_interface) {
   const NodeList painted = nodes_painted(tissue, BoundaryLabel::kWithSegment);
-  if (moved_bone == MovedBone::kContact) return painted;
+  if (segment_interface == SegmentInterface::kSliding) return painted;
   return united(painted, without(nodes_on_segment(tissue), all_painted_nodes(tissue)));
 }
 
@@ -207,12 +208,12 @@ NodeList all_painted_nodes(const mesh::VolumeMesh& tissue) {
   return painted;
 }
 
-std::vector<RuleDecision> rule_decisions(const mesh::VolumeMesh& tissue,
-                                         const BoundaryOptions& options) {
+std::vector<BoundaryRuleStatistics> boundary_rule_statistics(const mesh::VolumeMesh& tissue,
+                                                             const BoundaryOptions& options) {
   const NodeList painted = all_painted_nodes(tissue);
-  const NodeList with_segment = nodes_with_segment(tissue, options.moved_bone);
+  const NodeList with_segment = nodes_with_segment(tissue, options.segment_interface);
   const std::vector<double> areas_mm2 = boundary_areas_mm2(tissue);
-  std::vector<RuleDecision> decisions;
+  std::vector<BoundaryRuleStatistics> decisions;
   for (const auto& [set, within_mm] : boundary_rules(options)) {
     const NodeList& taken = tissue.node_sets.at(set);
     const NodeList decided = without(taken, painted);
@@ -233,9 +234,9 @@ std::vector<RuleDecision> rule_decisions(const mesh::VolumeMesh& tissue,
   return decisions;
 }
 
-std::vector<LabelDecision> label_decisions(const mesh::VolumeMesh& tissue) {
+std::vector<BoundaryLabelStatistics> boundary_label_statistics(const mesh::VolumeMesh& tissue) {
   const std::vector<double> areas_mm2 = boundary_areas_mm2(tissue);
-  std::vector<LabelDecision> decisions;
+  std::vector<BoundaryLabelStatistics> decisions;
   for (const BoundaryLabelStyle& label : kBoundaryLabelStyles)
     if (const auto set = tissue.node_sets.find(label.set); set != tissue.node_sets.end())
       decisions.push_back({label, std::ssize(set->second), sum_over(set->second, areas_mm2)});
@@ -245,16 +246,16 @@ std::vector<LabelDecision> label_decisions(const mesh::VolumeMesh& tissue) {
 std::string describe_boundary(const mesh::VolumeMesh& tissue, const BoundaryOptions& options) {
   std::string text =
       fmt::format("boundary nodes by rule (fixed / with segment / free), elevated within {:g} mm:",
-                  options.release_mm);
+                  options.elevation_margin_mm);
   const char* separator = " ";
-  for (const RuleDecision& rule : rule_decisions(tissue, options)) {
+  for (const BoundaryRuleStatistics& rule : boundary_rule_statistics(tissue, options)) {
     text += fmt::format("{}{} {} / {} / {}", separator, rule.set, rule.fixed, rule.with_segment,
                         rule.free);
     if (rule.within_mm) text += fmt::format(" within {:g} mm", *rule.within_mm);
     separator = ", ";
   }
   separator = "; painted: ";
-  for (const LabelDecision& painted : label_decisions(tissue)) {
+  for (const BoundaryLabelStatistics& painted : boundary_label_statistics(tissue)) {
     text += fmt::format("{}{} {}", separator, painted.label.name, painted.nodes);
     separator = ", ";
   }

@@ -13,7 +13,7 @@
 
 namespace lefort::predict {
 
-/// So far inside its outermost voxel centres the scan ends: between those values are known.
+/// So far inside its outermost voxel centers the scan ends: between those values are known.
 inline constexpr double kScanEdgeInset_voxels = 0.5;
 
 /// Soft tissue within a box around the moved segment.

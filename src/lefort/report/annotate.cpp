@@ -16,7 +16,7 @@ constexpr Rgb kAlarm{0.72, 0.07, 0.10};
 
 void write_sides(Canvas& canvas, const View& view, const Picture& picture, double em) {
   const Vec3 right_L = axes_of(view).right_L;
-  const TextStyle left{.size_px = 1.9 * em, .colour = kInk, .opacity = 0.85, .bold = true};
+  const TextStyle left{.size_px = 1.9 * em, .color = kInk, .opacity = 0.85, .bold = true};
   TextStyle right = left;
   right.align = Align::kRight;
   const double baseline = picture.height - em;
@@ -29,7 +29,7 @@ void write_alarm(Canvas& canvas, const Picture& picture, double em) {
   for (const double top : {0.0, 0.5 * (picture.height - height)}) {
     canvas.fill({0.0, top, double(picture.width), height}, kAlarm);
     canvas.write(0.5 * picture.width, top + 1.8 * em, kNotConvergedBanner,
-                 {.size_px = 1.5 * em, .colour = kPaper, .align = Align::kCentre, .bold = true},
+                 {.size_px = 1.5 * em, .color = kPaper, .align = Align::kCenter, .bold = true},
                  0.95 * picture.width);
   }
 }
@@ -38,11 +38,11 @@ void write_alarm(Canvas& canvas, const Picture& picture, double em) {
 
 Result<Picture> annotate(const Picture& picture, const Annotation& annotation) {
   LEFORT_TRY_VOID(check_picture(picture));
-  if (annotation.colour_bar) LEFORT_TRY_VOID(check_scale(annotation.colour_bar->scale));
+  if (annotation.color_bar) LEFORT_TRY_VOID(check_scale(annotation.color_bar->scale));
   if (annotation.view) LEFORT_TRY_VOID(check_view(*annotation.view));
 
   const double em = letter_px(picture.width);
-  const double bar_rows_px = annotation.colour_bar ? 5.2 * em : 0.0;
+  const double bar_rows_px = annotation.color_bar ? 5.2 * em : 0.0;
   const int height = picture.height + int(std::ceil(bar_rows_px + 2.6 * em));
   if (height > kMaxPictureSide)
     return fail(ErrorCode::kInvalidArgument,
@@ -53,13 +53,13 @@ Result<Picture> annotate(const Picture& picture, const Annotation& annotation) {
   if (annotation.view) write_sides(canvas, *annotation.view, picture, em);
   if (!annotation.converged) write_alarm(canvas, picture, em);
   canvas.write(em, (annotation.converged ? 1.9 : 4.5) * em, annotation.caption,
-               {.size_px = 1.15 * em, .colour = kInk, .bold = true}, picture.width - 2.0 * em);
-  if (annotation.colour_bar) {
+               {.size_px = 1.15 * em, .color = kInk, .bold = true}, picture.width - 2.0 * em);
+  if (annotation.color_bar) {
     const Rectangle bar{0.25 * picture.width, picture.height + 2.2 * em, 0.5 * picture.width, em};
-    write_colour_bar(canvas, bar, *annotation.colour_bar, em);
+    write_color_bar(canvas, bar, *annotation.color_bar, em);
   }
   const double baseline = height - em;
-  canvas.write(em, baseline, kNotForClinicalUse, {.size_px = 0.9 * em, .colour = kInk},
+  canvas.write(em, baseline, kNotForClinicalUse, {.size_px = 0.9 * em, .color = kInk},
                (annotation.view ? 0.6 : 0.9) * picture.width);
   if (annotation.view)
     write_scale(canvas, picture.width - em, baseline - 0.35 * em,
@@ -95,7 +95,7 @@ Result<Picture> side_by_side(std::span<const Picture> pictures,
     canvas.place(pictures[n], left, title_px);
     if (!titles.empty())
       canvas.write(left + 0.5 * pictures[n].width, 1.8 * em, titles[n],
-                   {.size_px = 1.25 * em, .colour = kInk, .align = Align::kCentre, .bold = true},
+                   {.size_px = 1.25 * em, .color = kInk, .align = Align::kCenter, .bold = true},
                    0.95 * pictures[n].width);
     left += pictures[n].width + kGap;
   }

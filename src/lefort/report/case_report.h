@@ -37,7 +37,7 @@ struct ReportTable {
 
 /// How one equilibrium along the path was found.
 struct SolverStep {
-  double path_share = 0.0;                   ///< Of the bone's path that is done, 0 to 1.
+  double path_fraction = 0.0;                ///< Of the bone's path that is done, 0 to 1.
   std::vector<double> relative_residuals{};  ///< One per Newton iteration, from the first on.
   double max_penetration_mm = 0.0;
   double mean_penetration_mm = 0.0;  ///< Over the area in contact.

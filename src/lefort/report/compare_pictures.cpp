@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/report/annotate.h>
 #include <lefort/report/compare_pictures.h>
 #include <lefort/report/picture.h>
@@ -40,7 +40,7 @@ Result<std::vector<ComparePicture>> draw_difference(const geometry::TriangleMesh
                                                     std::span<const double> signed_mm,
                                                     double p95_mm, Progress& progress) {
   const double end_mm = scale_end_mm(p95_mm);
-  const ColourScale scale{ColourMap::kDiverging, -end_mm, end_mm};
+  const ColorScale scale{ColorMap::kDiverging, -end_mm, end_mm};
   const std::vector<SurfaceLayer> layers{
       {.mesh_L = &face_L, .scalars = {signed_mm.begin(), signed_mm.end()}, .scale = scale}};
   LEFORT_TRY(const SurfaceScene scene, SurfaceScene::build(layers, progress));
@@ -51,7 +51,7 @@ Result<std::vector<ComparePicture>> draw_difference(const geometry::TriangleMesh
     LEFORT_TRY(const Picture raw, scene.render(view, kSize, progress));
     LEFORT_TRY(const Picture picture,
                annotate(raw, {.caption = std::string("Difference, ") + name_of(side),
-                              .colour_bar = ColourBar{scale, "outside (+), inside (-)", "mm"},
+                              .color_bar = ColorBar{scale, "outside (+), inside (-)", "mm"},
                               .view = view}));
     LEFORT_TRY(std::string png, encode_png(picture));
     pictures.push_back({file, std::move(png)});

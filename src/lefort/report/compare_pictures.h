@@ -17,7 +17,7 @@ struct ComparePicture {
   std::string png;
 };
 
-/// The face coloured by `signed_mm`, one per vertex, from the front and both three-quarters; grey
+/// The face colored by `signed_mm`, one per vertex, from the front and both three-quarters; gray
 /// where it is not compared. The scale ends at 1, 2, 5, 10 or 20 mm, whatever P95 needs.
 ///
 /// \param p95_mm  of the differences; NaN if there are none.

@@ -22,20 +22,20 @@ constexpr Rgb kHatch{0.70, 0.66, 0.58};
 constexpr Rgb kOutline{0.36, 0.92, 0.28};  ///< Seen on the ink of the zero line, too.
 constexpr Rgb kStepLine{0.33, 0.35, 0.38};
 constexpr int kStepsInBand = 3;
-constexpr int kMostSteps = 1000;  ///< On a side; more would only be ink.
+constexpr int kMaxSteps = 1000;  ///< On a side; more would only be ink.
 
 Rgb hatched(int column, int row, double em) {
   const double period = 0.6 * em;
   return std::fmod(column + row, period) < 0.2 * period ? kHatch : kUnknown;
 }
 
-Rgb colour_of(double distance_mm, const ColourScale& scale, int column, int row, double em) {
+Rgb color_of(double distance_mm, const ColorScale& scale, int column, int row, double em) {
   if (std::isnan(distance_mm)) return hatched(column, row, em);
   if (std::isinf(distance_mm)) return distance_mm > 0.0 ? kOutside : kInside;
-  return scale.colour(distance_mm);
+  return scale.color(distance_mm);
 }
 
-Picture colours_of(const SliceDrawing& drawing, const ColourScale& scale, double em) {
+Picture colors_of(const SliceDrawing& drawing, const ColorScale& scale, double em) {
   Picture picture{drawing.columns, drawing.rows, {}};
   picture.rgba.reserve(4 * drawing.distances_mm.size());
   for (int row = 0; row < drawing.rows; ++row)
@@ -43,8 +43,8 @@ Picture colours_of(const SliceDrawing& drawing, const ColourScale& scale, double
       const double d =
           drawing
               .distances_mm[std::size_t(row) * std::size_t(drawing.columns) + std::size_t(column)];
-      for (const double share : colour_of(d, scale, column, row, em))
-        picture.rgba.push_back(std::uint8_t(std::lround(255.0 * share)));
+      for (const double fraction : color_of(d, scale, column, row, em))
+        picture.rgba.push_back(std::uint8_t(std::lround(255.0 * fraction)));
       picture.rgba.push_back(255);
     }
   return picture;
@@ -63,15 +63,15 @@ Result<void> check_drawing(const SliceDrawing& drawing) {
       return refuse(fmt::format("slice has a pixel of {} mm and a band of {} mm, both must be > 0",
                                 drawing.pixel_mm, drawing.band_mm));
   if (!(drawing.step_mm >= 0.0) ||
-      (drawing.step_mm > 0.0 && drawing.band_mm / drawing.step_mm > kMostSteps))
+      (drawing.step_mm > 0.0 && drawing.band_mm / drawing.step_mm > kMaxSteps))
     return refuse(fmt::format("slice has lines each {} mm, must be 0 or at least {} mm",
-                              drawing.step_mm, drawing.band_mm / kMostSteps));
+                              drawing.step_mm, drawing.band_mm / kMaxSteps));
   return {};
 }
 
 /// The letters of the four sides, in the margin.
 void write_sides(Canvas& canvas, const SliceDrawing& drawing, const Rectangle& panel, double em) {
-  const TextStyle style{.size_px = 1.6 * em, .colour = kInk, .align = Align::kCentre, .bold = true};
+  const TextStyle style{.size_px = 1.6 * em, .color = kInk, .align = Align::kCenter, .bold = true};
   const double middle_x = panel.left + 0.5 * panel.width,
                middle_y = panel.top + 0.5 * panel.height + 0.55 * em,
                right = panel.left + panel.width, bottom = panel.top + panel.height;
@@ -114,7 +114,7 @@ double write_legend(Canvas& canvas, const std::vector<LegendEntry>& entries, dou
       canvas.outline(swatch, kStepLine, 0.04 * em);
     }
     canvas.write(x + swatch_px + 0.5 * em, y + 0.85 * em, entry.text,
-                 {.size_px = 0.9 * em, .colour = kInk}, column_px - swatch_px - em);
+                 {.size_px = 0.9 * em, .color = kInk}, column_px - swatch_px - em);
   }
   const std::size_t rows = (entries.size() + kColumns - 1) / kColumns;
   return row_px * double(rows);
@@ -125,7 +125,7 @@ double write_legend(Canvas& canvas, const std::vector<LegendEntry>& entries, dou
 Result<Picture> draw_slice(const SliceDrawing& drawing) {
   LEFORT_TRY_VOID(check_drawing(drawing));
   const double em = letter_px(drawing.columns);
-  const ColourScale scale{ColourMap::kDiverging, -drawing.band_mm, drawing.band_mm};
+  const ColorScale scale{ColorMap::kDiverging, -drawing.band_mm, drawing.band_mm};
   const double step_mm =
       drawing.step_mm > 0.0 ? drawing.step_mm : round_below(drawing.band_mm / kStepsInBand);
   const double zero_px = 0.26 * em, step_px = 0.07 * em, outline_px = 0.1 * em;
@@ -140,13 +140,13 @@ Result<Picture> draw_slice(const SliceDrawing& drawing) {
                             kMaxPictureSide));
   Canvas canvas(int(width), int(height), kPaper);
   const Rectangle panel{double(margin), double(top), double(drawing.columns), double(drawing.rows)};
-  canvas.place(colours_of(drawing, scale, em), margin, top);
+  canvas.place(colors_of(drawing, scale, em), margin, top);
 
   // The middle of the first pixel.
   const Eigen::Vector2d first(panel.left + 0.5, panel.top + 0.5);
-  const auto draw_level = [&](double level, const Rgb& colour, double line_px) {
+  const auto draw_level = [&](double level, const Rgb& color, double line_px) {
     canvas.strokes(geometry::iso_lines(drawing.distances_mm, drawing.columns, level), first, panel,
-                   colour, line_px);
+                   color, line_px);
   };
   for (int n = 1; n * step_mm < drawing.band_mm; ++n)
     for (const double side : {-n * step_mm, n * step_mm}) draw_level(side, kStepLine, step_px);
@@ -156,11 +156,11 @@ Result<Picture> draw_slice(const SliceDrawing& drawing) {
 
   write_sides(canvas, drawing, panel, em);
   canvas.write(margin, 1.7 * em, drawing.caption,
-               {.size_px = 1.15 * em, .colour = kInk, .bold = true}, double(width) - 2.0 * margin);
+               {.size_px = 1.15 * em, .color = kInk, .bold = true}, double(width) - 2.0 * margin);
 
   const double bottom = panel.top + panel.height;
-  write_colour_bar(canvas, {0.25 * double(width), bottom + 4.4 * em, 0.5 * double(width), em},
-                   {scale, "signed distance: negative inside, positive outside", "mm"}, em);
+  write_color_bar(canvas, {0.25 * double(width), bottom + 4.4 * em, 0.5 * double(width), em},
+                  {scale, "signed distance: negative inside, positive outside", "mm"}, em);
   std::vector<LegendEntry> legend = {
       {"zero: the field's surface", kPaper, kInk, zero_px},
       {fmt::format("equal distance, each {} mm", tick_text(step_mm)), kPaper, kStepLine, step_px}};
@@ -172,7 +172,7 @@ Result<Picture> draw_slice(const SliceDrawing& drawing) {
   write_legend(canvas, legend, margin, bottom + 8.2 * em, double(width) - 2.0 * margin, em);
 
   const double baseline = double(height) - em;
-  canvas.write(margin, baseline, kNotForClinicalUse, {.size_px = 0.9 * em, .colour = kInk},
+  canvas.write(margin, baseline, kNotForClinicalUse, {.size_px = 0.9 * em, .color = kInk},
                0.6 * double(width));
   write_scale(canvas, double(width) - margin, baseline - 0.35 * em, drawing.pixel_mm,
               drawing.columns, em);

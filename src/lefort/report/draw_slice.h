@@ -21,15 +21,15 @@ struct SliceDrawing {
   double pixel_mm = 1.0;        ///< Side of a pixel.
   Vec3 right_L{1.0, 0.0, 0.0};  ///< Where the picture's right and bottom lie.
   Vec3 down_L{0.0, 1.0, 0.0};
-  double band_mm = 1.0;  ///< Ends of the colours, > 0.
+  double band_mm = 1.0;  ///< Ends of the colors, > 0.
   double step_mm = 0.0;  ///< Between lines of equal distance; 0 chooses a round one.
   /// The surface in the plane, in columns and rows; whole numbers are middles of pixels.
   std::vector<geometry::Segment2> outline{};
   std::string outline_name{};  ///< For the legend.
 };
 
-/// Distances in colours, blue inside and red outside, with a thick line where they are zero and
-/// thin ones at multiples of the step. What is beyond the band is grey, darker inside; what is not
+/// Distances in colors, blue inside and red outside, with a thick line where they are zero and
+/// thin ones at multiples of the step. What is beyond the band is gray, darker inside; what is not
 /// known is hatched. Around it the letters of the patient's sides, below it the legend, a scale and
 /// kNotForClinicalUse.
 ///

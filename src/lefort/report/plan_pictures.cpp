@@ -1,11 +1,11 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/report/annotate.h>
 #include <lefort/report/picture.h>
 #include <lefort/report/plan_pictures.h>
 #include <lefort/report/render_surfaces.h>
-#include <lefort/report/segment_colours.h>
+#include <lefort/report/segment_colors.h>
 #include <lefort/report/view.h>
 
 #include <algorithm>
@@ -34,10 +34,10 @@ Result<std::vector<PlanPicture>> draw_plan(const plan::CutSegments& cut,
   }
   std::vector<PlanPicture> pictures;
   for (const bool is_after : {false, true}) {
-    std::vector<SurfaceLayer> layers{{.mesh_L = &cut.remainder_L, .colour = kBoneColour}};
+    std::vector<SurfaceLayer> layers{{.mesh_L = &cut.remainder_L, .color = kBoneColor}};
     for (std::size_t k = 0; k < planned.size(); ++k)
       layers.push_back({.mesh_L = is_after ? &ends_L[k] : &cut.segments_L[k],
-                        .colour = kSegmentColours[k % kSegmentColours.size()]});
+                        .color = kSegmentColors[k % kSegmentColors.size()]});
     LEFORT_TRY(const SurfaceScene scene, SurfaceScene::build(layers, progress));
     for (const StandardView side : kViews) {
       const View view = standard_view(side, focus_L, double(kSize.width) / kSize.height);

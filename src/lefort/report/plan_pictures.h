@@ -1,5 +1,5 @@
 /// \file
-/// Pictures of a plan: the cut skull, each segment in its colour, before and after it moves.
+/// Pictures of a plan: the cut skull, each segment in its color, before and after it moves.
 #pragma once
 
 #include <lefort/core/error.h>

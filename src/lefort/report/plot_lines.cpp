@@ -24,8 +24,8 @@ constexpr double kRight = 704.0;
 constexpr double kTop = 44.0;
 constexpr double kBottom = 276.0;
 
-/// The page sets these variables for light and dark; the colours here are for a plot on its own.
-constexpr std::array<std::string_view, 4> kLineColours{
+/// The page sets these variables for light and dark; the colors here are for a plot on its own.
+constexpr std::array<std::string_view, 4> kLineColors{
     "var(--line-1, #1f5fa8)", "var(--line-2, #b3480f)", "var(--line-3, #2f7d32)",
     "var(--line-4, #7b3fa0)"};
 constexpr std::array<std::string_view, 3> kDashes{"", "6 3", "2 3"};
@@ -59,9 +59,9 @@ double drawn(double y, Axis axis) {
 /// A range with a length, also when there is one value or none.
 void settle(Scale& scale) {
   if (!(scale.low <= scale.high)) scale.low = 0.0, scale.high = 1.0;
-  const double least = 1e-9 * std::max(1.0, std::max(std::abs(scale.low), std::abs(scale.high)));
-  if (scale.high - scale.low < least) scale.low -= 0.5, scale.high += 0.5;
-  if (scale.high - scale.low < least) scale.low -= least, scale.high += least;
+  const double minimum = 1e-9 * std::max(1.0, std::max(std::abs(scale.low), std::abs(scale.high)));
+  if (scale.high - scale.low < minimum) scale.low -= 0.5, scale.high += 0.5;
+  if (scale.high - scale.low < minimum) scale.low -= minimum, scale.high += minimum;
 }
 
 struct Scales {
@@ -110,10 +110,10 @@ std::string line_element(double x1, double y1, double x2, double y2, std::string
                      x2, y2, style);
 }
 
-std::string text_element(double x, double y, std::string_view anchor, std::string_view colour,
+std::string text_element(double x, double y, std::string_view anchor, std::string_view color,
                          std::string_view markup) {
   return fmt::format("<text x='{:.2f}' y='{:.2f}' text-anchor='{}' style='fill:{}'>{}</text>\n", x,
-                     y, anchor, colour, markup);
+                     y, anchor, color, markup);
 }
 
 std::string axes(const LinePlot& plot, const Scales& scales) {
@@ -142,21 +142,21 @@ std::string axes(const LinePlot& plot, const Scales& scales) {
   return svg;
 }
 
-/// Colours come round again with other dashes.
+/// Colors come round again with other dashes.
 struct LineStyle {
-  std::string_view colour;
+  std::string_view color;
   std::string_view dashes;  ///< Empty for none.
 };
 
 LineStyle look_of(std::size_t line) {
-  return {kLineColours[line % kLineColours.size()],
-          kDashes[line / kLineColours.size() % kDashes.size()]};
+  return {kLineColors[line % kLineColors.size()],
+          kDashes[line / kLineColors.size() % kDashes.size()]};
 }
 
 std::string stroke(const LineStyle& look) {
   return look.dashes.empty()
-             ? fmt::format("stroke:{}", look.colour)
-             : fmt::format("stroke:{};stroke-dasharray:{}", look.colour, look.dashes);
+             ? fmt::format("stroke:{}", look.color)
+             : fmt::format("stroke:{};stroke-dasharray:{}", look.color, look.dashes);
 }
 
 /// The line in as many parts as it has gaps, and a dot on each point.
@@ -175,7 +175,7 @@ std::string curve(const PlotLine& line, Axis y_axis, const Scales& scales, const
     const double at_y = scales.y.place(y);
     path += fmt::format("{}{:.2f} {:.2f} ", pen_down ? 'L' : 'M', at_x, at_y);
     dots += fmt::format("<circle cx='{:.2f}' cy='{:.2f}' r='2.4' style='fill:{}'/>\n", at_x, at_y,
-                        look.colour);
+                        look.color);
     pen_down = true;
   }
   if (path.empty()) return {};

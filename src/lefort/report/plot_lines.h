@@ -1,5 +1,5 @@
 /// \file
-/// Line plots as inline SVG: sharp on screen and paper, no font or script needed, colours from the
+/// Line plots as inline SVG: sharp on screen and paper, no font or script needed, colors from the
 /// page (light or dark).
 #pragma once
 
@@ -14,7 +14,7 @@ enum class Axis { kLinear, kLog };
 /// Points joined in order. A value that cannot be drawn (NaN, infinite, not positive on a log axis)
 /// breaks the line.
 struct PlotLine {
-  std::string name{};  ///< For the legend; lines of equal name share one entry and one colour.
+  std::string name{};  ///< For the legend; lines of equal name share one entry and one color.
   std::vector<double> x{};
   std::vector<double> y{};  ///< As many as x.
 };
@@ -31,10 +31,10 @@ struct LinePlot {
 };
 
 /// \returns one <svg> element, 720 units wide, well-formed whatever the texts and numbers are. A
-///   page around it may set its colours.
+///   page around it may set its colors.
 [[nodiscard]] std::string plot_lines(const LinePlot& plot);
 
-/// plot_lines() as a file of its own: programs that draw files know no colours of a page.
+/// plot_lines() as a file of its own: programs that draw files know no colors of a page.
 [[nodiscard]] std::string plot_file(const LinePlot& plot);
 
 }  // namespace lefort::report

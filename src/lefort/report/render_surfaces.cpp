@@ -1,7 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
 #include <lefort/report/internal/ray_scene.h>
-#include <lefort/report/internal/studio_light.h>
+#include <lefort/report/internal/three_point_lighting.h>
 #include <lefort/report/internal/vertex_light.h>
 #include <lefort/report/render_surfaces.h>
 
@@ -16,8 +16,8 @@ namespace lefort::report {
 
 namespace {
 
-constexpr double kMaxCoordinate = 1e6;  ///< [mm] Beyond, single precision loses the face.
-constexpr double kSkyReach = 0.2;       ///< Of the scene's diagonal: what counts as nearby.
+constexpr double kMaxCoordinate = 1e6;    ///< [mm] Beyond, single precision loses the face.
+constexpr double kAmbientDistance = 0.2;  ///< Of the scene's diagonal: what counts as nearby.
 
 /// A layer with all that does not depend on the view.
 struct PreparedLayer {
@@ -85,9 +85,9 @@ Light light_at(const PreparedLayer& layer, const std::vector<float>& lamp, const
   point.sky = double(interpolate(layer.sky, corners, hit));
   point.lamp = double(interpolate(lamp, corners, hit));
   const SurfaceLayer& style = layer.style;
-  point.albedo = light_of(style.scalars.empty()
-                              ? style.colour
-                              : style.scale.colour(interpolate(style.scalars, corners, hit)));
+  point.albedo =
+      light_of(style.scalars.empty() ? style.color
+                                     : style.scale.color(interpolate(style.scalars, corners, hit)));
   return shade(point, camera);
 }
 
@@ -111,7 +111,7 @@ Result<SurfaceScene> SurfaceScene::build(std::span<const SurfaceLayer> layers, P
     for (const Vec3& vertex_L : layers[n].mesh_L->vertices) prepared->box_L.extend(vertex_L);
   }
   const double reach_mm =
-      prepared->box_L.isEmpty() ? 0.0 : kSkyReach * prepared->box_L.diagonal().norm();
+      prepared->box_L.isEmpty() ? 0.0 : kAmbientDistance * prepared->box_L.diagonal().norm();
   for (std::size_t n = 0; n < layers.size(); ++n) {
     const geometry::TriangleMesh& mesh_L = *layers[n].mesh_L;
     std::vector<const geometry::TriangleMesh*> obstacle_meshes;
@@ -123,7 +123,8 @@ Result<SurfaceScene> SurfaceScene::build(std::span<const SurfaceLayer> layers, P
     LEFORT_TRY(RayScene obstacles, obstacle_meshes.size() == 1 ? Result<RayScene>(surface)
                                                                : RayScene::build(obstacle_meshes));
     std::vector<Vec3> normals_L = vertex_normals(mesh_L);
-    LEFORT_TRY(std::vector<float> sky, open_sky(mesh_L, normals_L, obstacles, reach_mm, progress));
+    LEFORT_TRY(std::vector<float> sky,
+               ambient_occlusion(mesh_L, normals_L, obstacles, reach_mm, progress));
     prepared->layers.push_back({mesh_L, layers[n], std::move(normals_L), std::move(sky),
                                 std::move(surface), std::move(obstacles)});
   }
@@ -143,14 +144,14 @@ class Exposure {
     const double nearest_mm =
         box_L.isEmpty()
             ? 0.0
-            : camera_.towards_L.dot(box_L.center() - view.centre_L) + 0.5 * box_L.diagonal().norm();
-    start_middle_ = view.centre_L + (nearest_mm + 1.0) * camera_.towards_L;
+            : camera_.towards_L.dot(box_L.center() - view.center_L) + 0.5 * box_L.diagonal().norm();
+    start_middle_ = view.center_L + (nearest_mm + 1.0) * camera_.towards_L;
   }
 
   Result<void> light(Progress& progress) {
     for (const PreparedLayer& layer : layers_) {
-      LEFORT_TRY(auto lamp, visible_lamp(layer.mesh_L, layer.normals_L, layer.obstacles,
-                                         towards_main_lamp(camera_), progress));
+      LEFORT_TRY(auto lamp, soft_shadow(layer.mesh_L, layer.normals_L, layer.obstacles,
+                                        towards_key_light(camera_), progress));
       lamps_.push_back(std::move(lamp));
     }
     return {};

@@ -5,7 +5,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/geometry/triangle_mesh.h>
-#include <lefort/report/colour_map.h>
+#include <lefort/report/color_map.h>
 #include <lefort/report/picture.h>
 #include <lefort/report/view.h>
 
@@ -15,15 +15,15 @@
 
 namespace lefort::report {
 
-inline constexpr Rgb kSkinColour{0.87, 0.68, 0.58};
-inline constexpr Rgb kBoneColour{0.93, 0.89, 0.79};
+inline constexpr Rgb kSkinColor{0.87, 0.68, 0.58};
+inline constexpr Rgb kBoneColor{0.93, 0.89, 0.79};
 
 /// One surface of the picture. Need not be closed; its back sides are drawn darker.
 struct SurfaceLayer {
   const geometry::TriangleMesh* mesh_L = nullptr;  ///< Not null; may be empty.
-  Rgb colour = kSkinColour;                        ///< Where there are no scalars.
-  std::vector<double> scalars{};  ///< Empty, or one per vertex; NaN is drawn in kMissingColour.
-  ColourScale scale{};            ///< How scalars become colours.
+  Rgb color = kSkinColor;                          ///< Where there are no scalars.
+  std::vector<double> scalars{};  ///< Empty, or one per vertex; NaN is drawn in kMissingColor.
+  ColorScale scale{};             ///< How scalars become colors.
   double opacity = 1.0;           ///< 0 to 1. Of a layer below 1 only the nearest hit is seen.
 };
 
@@ -39,7 +39,7 @@ class SurfaceScene {
  public:
   /// \returns the scene, or
   ///   - kInvalidArgument  scalars that are not one per vertex, opacity outside [0, 1], an empty
-  ///                       colour scale, no memory
+  ///                       color scale, no memory
   ///   - kMeshInvalid      a triangle names a missing vertex, a vertex is NaN or over 1 km away
   ///   - kCancelled
   /// \note Nothing of `layers` need outlive the call. Same bits for any number of threads.

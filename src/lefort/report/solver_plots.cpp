@@ -30,7 +30,7 @@ LinePlot penetration_plot(std::span<const SolverStep> steps) {
   PlotLine largest{"largest", {}, {}};
   PlotLine mean{"mean of the nodes in contact", {}, {}};
   for (const SolverStep& step : steps) {
-    for (PlotLine* line : {&largest, &mean}) line->x.push_back(100.0 * step.path_share);
+    for (PlotLine* line : {&largest, &mean}) line->x.push_back(100.0 * step.path_fraction);
     largest.y.push_back(step.max_penetration_mm);
     mean.y.push_back(step.mean_penetration_mm);
   }

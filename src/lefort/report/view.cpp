@@ -52,19 +52,19 @@ const char* name_of(StandardView view) {
 
 View standard_view(StandardView standard, const Box3& focus_L, double aspect) {
   LEFORT_CHECK(!focus_L.isEmpty() && aspect > 0.0);
-  View view{.direction_L = direction_of(standard), .centre_L = focus_L.center()};
+  View view{.direction_L = direction_of(standard), .center_L = focus_L.center()};
   const ViewAxes axes = axes_of(view);
   const Vec3 sizes_mm = focus_L.sizes();
   const double width_mm = axes.right_L.cwiseAbs().dot(sizes_mm);
   const double height_mm = axes.up_L.cwiseAbs().dot(sizes_mm);
-  const double least_mm = 1.0;  // A box may be a point.
-  view.height_mm = std::max({height_mm, width_mm / aspect, least_mm}) * (1.0 + 2.0 * kRim);
+  const double min_mm = 1.0;  // A box may be a point.
+  view.height_mm = std::max({height_mm, width_mm / aspect, min_mm}) * (1.0 + 2.0 * kRim);
   return view;
 }
 
 Result<void> check_view(const View& view) {
   const bool finite = view.direction_L.allFinite() && view.up_L.allFinite() &&
-                      view.centre_L.allFinite() && std::isfinite(view.height_mm);
+                      view.center_L.allFinite() && std::isfinite(view.height_mm);
   if (!finite) return fail(ErrorCode::kInvalidArgument, "view has a number that is not finite");
   if (view.height_mm <= 0.0)
     return fail(ErrorCode::kInvalidArgument,
@@ -85,17 +85,17 @@ ViewAxes axes_of(const View& view) {
 
 std::string orientation_letters(const Vec3& edge_L) {
   struct Side {
-    double share;
+    double fraction;
     char letter;
   };
   std::array<Side, 3> sides{{{std::abs(edge_L.x()), edge_L.x() > 0.0 ? 'L' : 'R'},
                              {std::abs(edge_L.y()), edge_L.y() > 0.0 ? 'P' : 'A'},
                              {std::abs(edge_L.z()), edge_L.z() > 0.0 ? 'S' : 'I'}}};
   std::stable_sort(sides.begin(), sides.end(),
-                   [](const Side& a, const Side& b) { return a.share > b.share; });
+                   [](const Side& a, const Side& b) { return a.fraction > b.fraction; });
   std::string letters(1, sides[0].letter);
   const double oblique = 0.35;  // tan(19 deg): a tilted head still has one letter.
-  if (sides[1].share > oblique * sides[0].share) letters += sides[1].letter;
+  if (sides[1].fraction > oblique * sides[0].fraction) letters += sides[1].letter;
   return letters;
 }
 

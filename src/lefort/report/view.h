@@ -14,7 +14,7 @@ namespace lefort::report {
 struct View {
   Vec3 direction_L{0.0, 1.0, 0.0};  ///< Where the camera looks; not zero.
   Vec3 up_L{0.0, 0.0, 1.0};         ///< Upwards in the picture; not along direction_L.
-  Vec3 centre_L{0.0, 0.0, 0.0};     ///< In the middle of the picture [mm].
+  Vec3 center_L{0.0, 0.0, 0.0};     ///< In the middle of the picture [mm].
   double height_mm = 250.0;         ///< What the picture's height shows, > 0.
 };
 

@@ -83,13 +83,13 @@ Result<pipeline::Summary> serve_case(const ServeJob& job, Progress& progress) {
     ended = true;
   });
   while (!progress.stop_requested() && !ended) std::this_thread::sleep_for(kLook);
-  const bool is_asked = progress.stop_requested();
+  const bool is_requested = progress.stop_requested();
   while (!http.is_running() && !ended) std::this_thread::sleep_for(kMoment);
   http.stop();
   listening.join();
   fs::remove(opener, error);
   api.stop();
-  if (!is_asked)
+  if (!is_requested)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("nothing more can be heard at port {} of {}", port, job.host));
   pipeline::Summary summary;

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <lefort/contact/contact_term.h>
-#include <lefort/contact/detector.h>
+#include <lefort/contact/distance_query.h>
 #include <lefort/core/error.h>
 #include <lefort/solve/prepare_deck.h>
 
@@ -16,19 +16,19 @@
 namespace lefort::solve {
 
 /// Who knows each obstacle, in its own frame: where it is before its path begins.
-using ObstacleDetectors = std::vector<std::shared_ptr<const contact::Detector>>;
+using ObstacleDistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery>>;
 
 /// The contact of an obstacle with its faces, at rest.
 [[nodiscard]] contact::ContactTerm make_contact(
     const PreparedDeck& prepared, std::size_t obstacle,
-    const std::shared_ptr<const contact::Detector>& detector);
+    const std::shared_ptr<const contact::DistanceQuery>& distance_query);
 
 /// \param detectors  like Deck::obstacles.
 /// \returns warnings of obstacles that overlap their faces at rest, or
 ///   - kMeshInvalid      an obstacle is an open surface: it has no inside;
 ///   - kInvalidArgument  the capture of an obstacle is not less than its detector's reach, or it
 ///                       overlaps its faces at rest as deep as that.
-[[nodiscard]] Result<std::vector<std::string>> check_obstacles(const PreparedDeck& prepared,
-                                                               const ObstacleDetectors& detectors);
+[[nodiscard]] Result<std::vector<std::string>> check_obstacles(
+    const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries);
 
 }  // namespace lefort::solve

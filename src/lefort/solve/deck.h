@@ -82,7 +82,7 @@ struct Traction {
 };
 
 /// Force per area of the face as it is, against its normal as it is.
-struct Pressure {
+struct PressureLoad {
   std::string faces;
   double pressure_mpa = 0.0;  ///< Positive pushes on the body.
   LoadCurve curve{};
@@ -105,7 +105,7 @@ struct Obstacle {
   std::optional<double> stiffness_mpa_per_mm;
   double stiffness_factor = 10.0;
   double capture_mm = 0.0;  ///< Faces that rest nearer touch it as they lie.
-  contact::Detection detection = contact::Detection::kSmooth;
+  contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
   /// contact::ContactTerm::Options::penetration_tolerance_mm.
   std::optional<double> penetration_tolerance_mm = std::nullopt;
@@ -123,7 +123,7 @@ struct Deck {
   std::vector<PrescribedSet> displacements;
   std::vector<RigidlyMovedSet> motions;
   std::vector<Traction> tractions;
-  std::vector<Pressure> pressures;
+  std::vector<PressureLoad> pressures;
   std::vector<BodyForce> body_forces;
   std::vector<Obstacle> obstacles;
   std::vector<Probe> probes;

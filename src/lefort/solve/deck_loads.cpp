@@ -37,7 +37,7 @@ Result<DeckLoads> DeckLoads::build(const PreparedDeck& prepared) {
     loads.traction_curves_.push_back(deck.tractions[i].curve);
   }
   for (std::size_t i = 0; i < deck.pressures.size(); ++i) {
-    LEFORT_TRY(auto pressure, fem::Pressure::build(nodes_L, prepared.pressure_faces[i]));
+    LEFORT_TRY(auto pressure, fem::FollowerPressure::build(nodes_L, prepared.pressure_faces[i]));
     loads.pressures_.push_back(std::move(pressure));
     loads.pressure_curves_.push_back(deck.pressures[i].curve);
     loads.pressures_mpa_.push_back(deck.pressures[i].pressure_mpa);

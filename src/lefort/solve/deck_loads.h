@@ -4,7 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/fem/loads/dead_load.h>
-#include <lefort/fem/loads/pressure.h>
+#include <lefort/fem/loads/follower_pressure.h>
 #include <lefort/solve/prepare_deck.h>
 
 #include <memory>
@@ -30,7 +30,7 @@ class DeckLoads {
 
  private:
   std::vector<std::unique_ptr<fem::DeadLoad>> tractions_;
-  std::vector<std::unique_ptr<fem::Pressure>> pressures_;
+  std::vector<std::unique_ptr<fem::FollowerPressure>> pressures_;
   std::vector<std::unique_ptr<fem::DeadLoad>> body_forces_;
   std::vector<LoadCurve> traction_curves_, pressure_curves_, body_force_curves_;
   std::vector<double> pressures_mpa_;  ///< At factor 1.

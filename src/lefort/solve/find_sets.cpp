@@ -24,11 +24,11 @@ void add_names(const Sets& sets, std::set<std::string>& names) {
 
 /// "a, b, c", of many the first few.
 std::string listed(const std::set<std::string>& names) {
-  constexpr std::size_t kMost = 40;
+  constexpr std::size_t kMaximum = 40;
   if (names.empty()) return "none";
-  if (names.size() <= kMost) return fmt::format("{}", fmt::join(names, ", "));
-  const std::vector<std::string> first(names.begin(), std::next(names.begin(), kMost));
-  return fmt::format("{} and {} more", fmt::join(first, ", "), names.size() - kMost);
+  if (names.size() <= kMaximum) return fmt::format("{}", fmt::join(names, ", "));
+  const std::vector<std::string> first(names.begin(), std::next(names.begin(), kMaximum));
+  return fmt::format("{} and {} more", fmt::join(first, ", "), names.size() - kMaximum);
 }
 
 Error no_such_set(const mesh::VolumeMesh& mesh, const std::string& set) {
@@ -82,12 +82,12 @@ struct Chooser {
   }
   Result<NodeList> operator()(const NodeNearest& choice) const {
     std::optional<std::int32_t> nearest;
-    double least = std::numeric_limits<double>::infinity();
+    double minimum = std::numeric_limits<double>::infinity();
     for (std::size_t n = 0; n < mesh.nodes_L.size(); ++n) {
       const double squared_distance = (mesh.nodes_L[n] - choice.point_L).squaredNorm();
-      if (used[n] == 0 || !(squared_distance < least)) continue;
+      if (used[n] == 0 || !(squared_distance < minimum)) continue;
       nearest = std::int32_t(n);
-      least = squared_distance;
+      minimum = squared_distance;
     }
     return nearest ? NodeList{*nearest} : NodeList{};
   }

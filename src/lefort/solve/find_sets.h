@@ -2,7 +2,7 @@
 /// The parts of a mesh that a deck names: nodes, faces, regions.
 ///
 /// A name that is not there is kPlanInvalid, with the names that are. Nodes of no element (the
-/// centre of an arc in a Gmsh file) belong to no set.
+/// center of an arc in a Gmsh file) belong to no set.
 #pragma once
 
 #include <lefort/core/error.h>

@@ -34,8 +34,8 @@ double factor_at(const LoadCurve& curve, double time) {
   if (later == curve.points.begin()) return later->factor;
   const CurvePoint& earlier = *(later - 1);
   if (later == curve.points.end() || time == earlier.time) return earlier.factor;
-  const double share = (time - earlier.time) / (later->time - earlier.time);
-  return earlier.factor + share * (later->factor - earlier.factor);
+  const double fraction = (time - earlier.time) / (later->time - earlier.time);
+  return earlier.factor + fraction * (later->factor - earlier.factor);
 }
 
 }  // namespace lefort::solve

@@ -1,11 +1,11 @@
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/geometry/rigid_path.h>
-#include <lefort/solve/about_key.h>
 #include <lefort/solve/find_sets.h>
-#include <lefort/solve/loose_parts.h>
 #include <lefort/solve/mesh_index.h>
+#include <lefort/solve/prefix_error.h>
 #include <lefort/solve/prepare_deck.h>
-#include <lefort/solve/stiffness_at_rest.h>
+#include <lefort/solve/unconstrained_parts.h>
+#include <lefort/solve/young_modulus_at_rest.h>
 
 #include <fmt/format.h>
 
@@ -63,7 +63,7 @@ Result<void> assign_laws(PreparedDeck& prepared) {
       continue;
     }
     LEFORT_TRY(const std::int32_t region,
-               about(find_region(prepared.mesh, laws[l].region), indexed("materials", l)));
+               prefix_error(find_region(prepared.mesh, laws[l].region), indexed("materials", l)));
     const auto [known, is_new] = law_of.try_emplace(region, l);
     if (!is_new) return twice(fmt::format("region {}", laws[l].region), known->second, l);
   }
@@ -104,26 +104,30 @@ Result<void> find_loads(PreparedDeck& prepared, const MeshIndex& index) {
   const Deck& deck = prepared.deck;
   for (std::size_t i = 0; i < deck.tractions.size(); ++i) {
     const std::string key = indexed("tractions", i);
-    LEFORT_TRY_VOID(about(check_curve(deck.tractions[i].curve), key));
-    LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, deck.tractions[i].faces), key));
+    LEFORT_TRY_VOID(prefix_error(check_curve(deck.tractions[i].curve), key));
+    LEFORT_TRY(FaceList faces,
+               prefix_error(find_faces(prepared.mesh, deck.tractions[i].faces), key));
     if (const auto inner = inner_face(prepared, index, faces, deck.tractions[i].faces))
       prepared.warnings.push_back(fmt::format("{}: {}", key, *inner));
     prepared.traction_faces.push_back(std::move(faces));
   }
   for (std::size_t i = 0; i < deck.pressures.size(); ++i) {
     const std::string key = indexed("pressures", i);
-    LEFORT_TRY_VOID(about(check_curve(deck.pressures[i].curve), key));
-    LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, deck.pressures[i].faces), key));
-    LEFORT_TRY_VOID(about(check_outside(prepared, index, faces, deck.pressures[i].faces), key));
+    LEFORT_TRY_VOID(prefix_error(check_curve(deck.pressures[i].curve), key));
+    LEFORT_TRY(FaceList faces,
+               prefix_error(find_faces(prepared.mesh, deck.pressures[i].faces), key));
+    LEFORT_TRY_VOID(
+        prefix_error(check_outside(prepared, index, faces, deck.pressures[i].faces), key));
     prepared.pressure_faces.push_back(std::move(faces));
   }
   for (std::size_t i = 0; i < deck.body_forces.size(); ++i) {
     const BodyForce& force = deck.body_forces[i];
     const std::string key = indexed("body_forces", i);
-    LEFORT_TRY_VOID(about(check_curve(force.curve), key));
+    LEFORT_TRY_VOID(prefix_error(check_curve(force.curve), key));
     std::vector<std::int32_t> regions = regions_of(prepared.mesh);
     if (!force.region.empty()) {
-      LEFORT_TRY(const std::int32_t region, about(find_region(prepared.mesh, force.region), key));
+      LEFORT_TRY(const std::int32_t region,
+                 prefix_error(find_region(prepared.mesh, force.region), key));
       regions = {region};
     }
     for (const std::int32_t region : regions)
@@ -158,7 +162,7 @@ double young_behind_mpa(const PreparedDeck& prepared, const MeshIndex& index,
       regions.insert(region_of(prepared.mesh, use.element));
   double young_mpa = 0.0;
   for (const std::int32_t region : regions)
-    young_mpa = std::max(young_mpa, young_at_rest_mpa(prepared.materials.at(region)));
+    young_mpa = std::max(young_mpa, young_modulus_at_rest_mpa(prepared.materials.at(region)));
   return young_mpa;
 }
 
@@ -166,9 +170,9 @@ Result<void> find_obstacles(PreparedDeck& prepared, const MeshIndex& index) {
   for (std::size_t i = 0; i < prepared.deck.obstacles.size(); ++i) {
     const Obstacle& obstacle = prepared.deck.obstacles[i];
     const std::string key = indexed("obstacles", i);
-    LEFORT_TRY_VOID(about(geometry::check_path(obstacle.path), key));
-    LEFORT_TRY(FaceList faces, about(find_faces(prepared.mesh, obstacle.faces), key));
-    LEFORT_TRY_VOID(about(check_outside(prepared, index, faces, obstacle.faces), key));
+    LEFORT_TRY_VOID(prefix_error(geometry::check_path(obstacle.path), key));
+    LEFORT_TRY(FaceList faces, prefix_error(find_faces(prepared.mesh, obstacle.faces), key));
+    LEFORT_TRY_VOID(prefix_error(check_outside(prepared, index, faces, obstacle.faces), key));
     prepared.obstacle_stiffness_mpa_per_mm.push_back(obstacle.stiffness_mpa_per_mm.value_or(
         obstacle.stiffness_factor * young_behind_mpa(prepared, index, faces) /
         mean_edge_mm(prepared.mesh, faces)));
@@ -190,7 +194,7 @@ void find_levels(PreparedDeck& prepared) {
   };
   for (const PrescribedSet& set : deck.displacements) add_curve(set.curve);
   for (const Traction& load : deck.tractions) add_curve(load.curve);
-  for (const Pressure& load : deck.pressures) add_curve(load.curve);
+  for (const PressureLoad& load : deck.pressures) add_curve(load.curve);
   for (const BodyForce& load : deck.body_forces) add_curve(load.curve);
   for (const RigidlyMovedSet& set : deck.motions) add_path(set.path);
   for (const Obstacle& obstacle : deck.obstacles) add_path(obstacle.path);
@@ -216,7 +220,8 @@ bool may_be_touched(const PreparedDeck& prepared, const std::vector<std::int32_t
 }
 
 Result<void> check_supports(PreparedDeck& prepared) {
-  for (const LoosePart& part : find_loose_parts(prepared.mesh, prescribed_at(prepared, 0.0))) {
+  for (const UnconstrainedPart& part :
+       find_unconstrained_parts(prepared.mesh, prescribed_at(prepared, 0.0))) {
     const std::string what = fmt::format(
         "the part of {} elements around element {} at ({:.3f}, {:.3f}, {:.3f}) mm can {}",
         part.elements, part.first_element, part.at_L.x(), part.at_L.y(), part.at_L.z(),
@@ -260,22 +265,23 @@ Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
   const MeshIndex index = index_mesh(mesh);
   LEFORT_TRY(prepared.mesh, add_sets(std::move(mesh), deck.sets));
   prepared.deck = std::move(deck);
-  LEFORT_TRY_VOID(about(fem::validate(prepared.deck.steps), "steps"));
-  LEFORT_TRY_VOID(about(fem::validate(prepared.deck.newton), "newton"));
+  LEFORT_TRY_VOID(prefix_error(fem::validate(prepared.deck.steps), "steps"));
+  LEFORT_TRY_VOID(prefix_error(fem::validate(prepared.deck.newton), "newton"));
   LEFORT_TRY_VOID(assign_laws(prepared));
   LEFORT_TRY_VOID(fem::make_element_terms(prepared.mesh, prepared.materials));
   // After each element for itself: a crushed one seems to have a face twice.
   LEFORT_TRY(const auto joints, check_joints(prepared.mesh, index));
   prepared.warnings.insert(prepared.warnings.end(), joints.begin(), joints.end());
-  LEFORT_TRY(prepared.held, find_held(prepared.mesh, prepared.deck));
+  LEFORT_TRY(prepared.prescribed, find_prescribed_dofs(prepared.mesh, prepared.deck));
   if (const Index idle = idle_nodes(prepared); idle > 0)
     prepared.warnings.push_back(
         fmt::format("{} nodes belong to no element; they stay where they are", idle));
   LEFORT_TRY_VOID(find_loads(prepared, index));
   LEFORT_TRY_VOID(find_obstacles(prepared, index));
   for (std::size_t i = 0; i < prepared.deck.probes.size(); ++i) {
-    LEFORT_TRY(ProbePlace place, about(locate_probe(prepared.mesh, prepared.deck.probes[i].at),
-                                       indexed("probes", i)));
+    LEFORT_TRY(ProbePlace place,
+               prefix_error(locate_probe(prepared.mesh, prepared.deck.probes[i].at),
+                            indexed("probes", i)));
     prepared.probes.push_back(std::move(place));
   }
   find_levels(prepared);

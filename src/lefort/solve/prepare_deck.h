@@ -8,7 +8,7 @@
 #include <lefort/fem/materials/material.h>
 #include <lefort/mesh/volume_mesh.h>
 #include <lefort/solve/deck.h>
-#include <lefort/solve/find_held.h>
+#include <lefort/solve/find_prescribed_dofs.h>
 #include <lefort/solve/locate_probe.h>
 
 #include <array>
@@ -28,7 +28,7 @@ struct PreparedDeck {
   Deck deck;
   fem::RegionMaterials materials;
   std::map<std::int32_t, double> density_t_per_mm3;  ///< Of every region.
-  std::vector<HeldComponent> held;
+  std::vector<PrescribedDof> prescribed;
   std::vector<std::vector<mesh::Face>> traction_faces;  ///< Like Deck::tractions.
   std::vector<std::vector<mesh::Face>> pressure_faces;  ///< Like Deck::pressures.
   std::vector<std::vector<std::int32_t>> body_force_regions;
@@ -47,10 +47,10 @@ struct PreparedDeck {
 ///   - kMeshInvalid, kElementInverted, kInvalidArgument  from fem::make_element_terms().
 [[nodiscard]] Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck);
 
-/// The displacements at a time, one for each of PreparedDeck::held, in its order.
+/// The displacements at a time, one for each of PreparedDeck::prescribed, in its order.
 [[nodiscard]] inline std::vector<fem::PrescribedDisplacement> prescribed_at(
     const PreparedDeck& prepared, double time) {
-  return prescribed_at(prepared.mesh, prepared.deck, prepared.held, time);
+  return prescribed_at(prepared.mesh, prepared.deck, prepared.prescribed, time);
 }
 
 }  // namespace lefort::solve

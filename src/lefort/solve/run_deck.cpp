@@ -1,4 +1,4 @@
-#include <lefort/contact/settle_contacts.h>
+#include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/core/check.h>
 #include <lefort/fem/assembly/assemble.h>
 #include <lefort/fem/assembly/dof_map.h>
@@ -6,10 +6,10 @@
 #include <lefort/fem/solve/equilibrium.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/linear/linear_solver.h>
+#include <lefort/solve/continuous_contact_check.h>
 #include <lefort/solve/deck_loads.h>
-#include <lefort/solve/find_soft_spot.h>
+#include <lefort/solve/find_weakest_mode.h>
 #include <lefort/solve/run_deck.h>
-#include <lefort/solve/swept_faces.h>
 
 #include <fmt/format.h>
 
@@ -26,15 +26,15 @@ using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
 /// The terms of a deck, and the pose and size of each at a time.
 class Problem {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<Problem>> build(const PreparedDeck& prepared,
-                                                              const ObstacleDetectors& detectors) {
-    LEFORT_TRY_VOID(check_obstacles(prepared, detectors));
+  [[nodiscard]] static Result<std::unique_ptr<Problem>> build(
+      const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries) {
+    LEFORT_TRY_VOID(check_obstacles(prepared, distance_queries));
     LEFORT_TRY(ElementTerms elements, fem::make_element_terms(prepared.mesh, prepared.materials));
     LEFORT_TRY(DeckLoads loads, DeckLoads::build(prepared));
     LEFORT_TRY(fem::DofMap dofs,
                fem::DofMap::build(prepared.mesh.node_count(), prescribed_at(prepared, 0.0)));
-    return std::unique_ptr<Problem>(
-        new Problem(prepared, detectors, std::move(elements), std::move(loads), std::move(dofs)));
+    return std::unique_ptr<Problem>(new Problem(prepared, distance_queries, std::move(elements),
+                                                std::move(loads), std::move(dofs)));
   }
 
   void set_time(double time) {
@@ -49,16 +49,16 @@ class Problem {
   void refuse_passages(fem::NewtonOutcome& outcome) const {
     const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, outcome.x);
     for (std::size_t i = 0; i < swept_.size() && outcome.converged(); ++i)
-      if (auto why = swept_[i].why_refused(obstacles_[i], x_L)) {
-        outcome.stop = fem::NewtonStop::kRefused;
+      if (auto why = swept_[i].rejection_reason(obstacles_[i], x_L)) {
+        outcome.stop = fem::NewtonStop::kRejected;
         outcome.reason = *std::move(why);
       }
   }
 
   /// The next ways begin at an accepted equilibrium.
-  void remember(const VectorX& u) {
+  void commit(const VectorX& u) {
     const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, u);
-    for (std::size_t i = 0; i < swept_.size(); ++i) swept_[i].remember(obstacles_[i], x_L);
+    for (std::size_t i = 0; i < swept_.size(); ++i) swept_[i].commit(obstacles_[i], x_L);
   }
 
   /// What there is to tell of a converged state.
@@ -69,38 +69,40 @@ class Problem {
   [[nodiscard]] const PreparedDeck& prepared() const { return prepared_; }
 
  private:
-  Problem(const PreparedDeck& prepared, const ObstacleDetectors& detectors, ElementTerms elements,
-          DeckLoads loads, fem::DofMap dofs)
+  Problem(const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries,
+          ElementTerms elements, DeckLoads loads, fem::DofMap dofs)
       : prepared_(prepared),
         elements_(std::move(elements)),
         loads_(std::move(loads)),
-        obstacles_(make_obstacles(detectors)),
-        contacts_(make_contacts(prepared, detectors)),
+        obstacles_(make_obstacles(distance_queries)),
+        contacts_(make_contacts(prepared, distance_queries)),
         swept_(make_swept(prepared, obstacles_)),
         assembler_(prepared.mesh.nodes_L, std::move(dofs), all_terms()) {}
 
-  static std::vector<contact::BoneObstacle> make_obstacles(const ObstacleDetectors& detectors) {
-    std::vector<contact::BoneObstacle> obstacles;
-    for (const auto& detector : detectors) obstacles.push_back({.detector_B = detector});
+  static std::vector<contact::RigidObstacle> make_obstacles(
+      const ObstacleDistanceQueries& distance_queries) {
+    std::vector<contact::RigidObstacle> obstacles;
+    for (const auto& distance_query : distance_queries)
+      obstacles.push_back({.distance_query_B = distance_query});
     return obstacles;
   }
 
-  static std::vector<contact::ContactTerm> make_contacts(const PreparedDeck& prepared,
-                                                         const ObstacleDetectors& detectors) {
+  static std::vector<contact::ContactTerm> make_contacts(
+      const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries) {
     std::vector<contact::ContactTerm> contacts;
-    contacts.reserve(detectors.size());  // The assembler points to them.
-    for (std::size_t i = 0; i < detectors.size(); ++i)
-      contacts.push_back(make_contact(prepared, i, detectors[i]));
+    contacts.reserve(distance_queries.size());  // The assembler points to them.
+    for (std::size_t i = 0; i < distance_queries.size(); ++i)
+      contacts.push_back(make_contact(prepared, i, distance_queries[i]));
     return contacts;
   }
 
-  static std::vector<SweptFaces> make_swept(const PreparedDeck& prepared,
-                                            const std::vector<contact::BoneObstacle>& obstacles) {
-    std::vector<SweptFaces> swept;
+  static std::vector<ContinuousContactCheck> make_swept(
+      const PreparedDeck& prepared, const std::vector<contact::RigidObstacle>& obstacles) {
+    std::vector<ContinuousContactCheck> swept;
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
       swept.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i],
                          "obstacle " + prepared.deck.obstacles[i].name);
-      swept.back().remember(obstacles[i], prepared.mesh.nodes_L);
+      swept.back().commit(obstacles[i], prepared.mesh.nodes_L);
     }
     return swept;
   }
@@ -116,42 +118,42 @@ class Problem {
   const PreparedDeck& prepared_;
   ElementTerms elements_;
   DeckLoads loads_;
-  std::vector<contact::BoneObstacle> obstacles_;  ///< As they lie.
+  std::vector<contact::RigidObstacle> obstacles_;  ///< As they lie.
   std::vector<contact::ContactTerm> contacts_;
-  std::vector<SweptFaces> swept_;
+  std::vector<ContinuousContactCheck> swept_;
   fem::Assembler assembler_;
 };
 
 Increment Problem::describe(const fem::LoadState& state) const {
   const Deck& deck = prepared_.deck;
   const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, state.u);
-  Increment told;
-  told.time = state.t;
-  told.u = state.u;
-  told.elements = fem::element_states(prepared_.mesh, prepared_.materials, state.u);
-  told.smallest_J = std::numeric_limits<double>::infinity();
-  for (const fem::ElementState& element : told.elements)
-    told.smallest_J = std::min(told.smallest_J, element.min_volume_ratio);
+  Increment reported;
+  reported.time = state.t;
+  reported.u = state.u;
+  reported.elements = fem::element_states(prepared_.mesh, prepared_.materials, state.u);
+  reported.min_J = std::numeric_limits<double>::infinity();
+  for (const fem::ElementState& element : reported.elements)
+    reported.min_J = std::min(reported.min_J, element.min_volume_ratio);
   for (Index n = 0; n < prepared_.mesh.node_count(); ++n)
-    told.largest_displacement_mm =
-        std::max(told.largest_displacement_mm, state.u.segment<3>(3 * n).norm());
+    reported.max_displacement_mm =
+        std::max(reported.max_displacement_mm, state.u.segment<3>(3 * n).norm());
 
   const auto forces = assembler_.forces(state.u);
   LEFORT_CHECK(forces.has_value());
-  told.energy_mj = forces->energy_mj;
-  told.reactions_n.assign(deck.displacements.size() + deck.motions.size(), Vec3::Zero());
-  for (const HeldComponent& held : prepared_.held)
-    if (held.by >= 0)
-      told.reactions_n[std::size_t(held.by)][held.component] +=
-          forces->residual_n[3 * Index(held.node) + held.component];
-  told.loads_n = loads_.totals_n(x_L);
+  reported.energy_mj = forces->energy_mj;
+  reported.reactions_n.assign(deck.displacements.size() + deck.motions.size(), Vec3::Zero());
+  for (const PrescribedDof& prescribed : prepared_.prescribed)
+    if (prescribed.by >= 0)
+      reported.reactions_n[std::size_t(prescribed.by)][prescribed.component] +=
+          forces->residual_n[3 * Index(prescribed.node) + prescribed.component];
+  reported.loads_n = loads_.totals_n(x_L);
   for (const contact::ContactTerm& contact : contacts_) {
-    told.contacts.push_back(contact.summarise(x_L));
-    told.touched.push_back(contact.at_nodes(x_L));
+    reported.contacts.push_back(contact.summarize(x_L));
+    reported.touched.push_back(contact.at_nodes(x_L));
   }
   for (const ProbePlace& probe : prepared_.probes)
-    told.probes_mm.push_back(displacement_of(probe, state.u));
-  return told;
+    reported.probes_mm.push_back(displacement_of(probe, state.u));
+  return reported;
 }
 
 /// Whether Newton met a tangent that was not positive definite.
@@ -159,7 +161,7 @@ bool met_instability(const std::vector<fem::LoadAttempt>& attempts) {
   if (attempts.empty()) return false;
   const std::vector<fem::NewtonIterate>& history = attempts.back().history;
   return std::any_of(history.begin(), history.end(), [](const fem::NewtonIterate& iterate) {
-    return iterate.convex_share > 0.0 || iterate.shift > 0.0;
+    return iterate.tangent_blend > 0.0 || iterate.diagonal_shift > 0.0;
   });
 }
 
@@ -176,14 +178,14 @@ Index element_at(const mesh::VolumeMesh& mesh, std::int32_t node) {
 }
 
 /// The element with the least J, in words.
-std::string most_compressed(const PreparedDeck& prepared, const VectorX& u) {
+std::string max_compressed(const PreparedDeck& prepared, const VectorX& u) {
   const mesh::VolumeMesh& mesh = prepared.mesh;
   const auto states = fem::element_states(mesh, prepared.materials, u);
-  const auto least = std::min_element(states.begin(), states.end(),
-                                      [](const fem::ElementState& a, const fem::ElementState& b) {
-                                        return a.min_volume_ratio < b.min_volume_ratio;
-                                      });
-  Index left = least - states.begin();
+  const auto minimum = std::min_element(states.begin(), states.end(),
+                                        [](const fem::ElementState& a, const fem::ElementState& b) {
+                                          return a.min_volume_ratio < b.min_volume_ratio;
+                                        });
+  Index left = minimum - states.begin();
   for (const mesh::ElementBlock& block : mesh.blocks) {
     if (left >= block.element_count()) {
       left -= block.element_count();
@@ -194,21 +196,22 @@ std::string most_compressed(const PreparedDeck& prepared, const VectorX& u) {
     for (int a = 0; a < count; ++a)
       at_L += mesh.nodes_L[std::size_t(block.element(left)[a])] / double(count);
     return fmt::format("element {} at ({:.3f}, {:.3f}, {:.3f}) mm, J = {:.3g}",
-                       least - states.begin(), at_L.x(), at_L.y(), at_L.z(),
-                       least->min_volume_ratio);
+                       minimum - states.begin(), at_L.x(), at_L.y(), at_L.z(),
+                       minimum->min_volume_ratio);
   }
   return "no element";
 }
 
 /// What resists least, unless looking for it takes a factor that the solver itself would avoid.
-std::optional<SoftSpot> soft_spot(const Problem& problem, const VectorX& u, Progress& progress) {
+std::optional<WeakestMode> weakest_mode(const Problem& problem, const VectorX& u,
+                                        Progress& progress) {
   const linear::LinearSolverOptions& solver = problem.prepared().deck.linear_solver;
   const bool is_small = problem.assembler().dofs().free_count() <= solver.direct_rows;
   if (!is_small && solver.kind != linear::LinearSolverKind::kDirect) return std::nullopt;
-  return find_soft_spot(problem.assembler(), u, progress);
+  return find_weakest_mode(problem.assembler(), u, progress);
 }
 
-std::string place_of(const mesh::VolumeMesh& mesh, const SoftSpot& spot) {
+std::string place_of(const mesh::VolumeMesh& mesh, const WeakestMode& spot) {
   const Vec3& at_L = mesh.nodes_L[std::size_t(spot.node)];
   return fmt::format("at node {} of element {} at ({:.3f}, {:.3f}, {:.3f}) mm", spot.node,
                      element_at(mesh, spot.node), at_L.x(), at_L.y(), at_L.z());
@@ -219,7 +222,7 @@ std::string diagnosis(const Problem& problem, const fem::LoadState& last,
                       const std::vector<fem::LoadAttempt>& attempts, Progress& progress) {
   const auto forces = problem.assembler().forces(last.u);
   const bool has_followers = forces && forces->follower_n.size() > 0;
-  const auto spot = soft_spot(problem, last.u, progress);
+  const auto spot = weakest_mode(problem, last.u, progress);
   const mesh::VolumeMesh& mesh = problem.prepared().mesh;
   if (spot && !spot->resists && last.t == 0.0)
     return fmt::format(
@@ -231,7 +234,7 @@ std::string diagnosis(const Problem& problem, const fem::LoadState& last,
     return fmt::format(
         "a pressure on faces with a free rim may have met a state in which the body gives way; "
         "most compressed is {}",
-        most_compressed(problem.prepared(), last.u));
+        max_compressed(problem.prepared(), last.u));
   if (spot && !spot->resists)
     return fmt::format(
         "the tangent is not positive definite any more at load level {:.6g}: the load may lie "
@@ -245,7 +248,7 @@ std::string diagnosis(const Problem& problem, const fem::LoadState& last,
         last.t, place_of(mesh, *spot));
   return fmt::format(
       "most compressed is {}; a smaller steps.smallest or more newton.max_iterations may help",
-      most_compressed(problem.prepared(), last.u));
+      max_compressed(problem.prepared(), last.u));
 }
 
 /// Adds to Newton's sentence what may be behind it.
@@ -275,11 +278,11 @@ fem::NewtonOptions newton_options(const Problem& problem, const DeckWatch& watch
 bool is_at_rest(const PreparedDeck& prepared, double time) {
   const Deck& deck = prepared.deck;
   const auto pushes = [&](const auto& load) { return factor_at(load.curve, time) != 0.0; };
-  const auto held = prescribed_at(prepared, time);
+  const auto prescribed = prescribed_at(prepared, time);
   return std::none_of(deck.tractions.begin(), deck.tractions.end(), pushes) &&
          std::none_of(deck.pressures.begin(), deck.pressures.end(), pushes) &&
          std::none_of(deck.body_forces.begin(), deck.body_forces.end(), pushes) &&
-         std::all_of(held.begin(), held.end(),
+         std::all_of(prescribed.begin(), prescribed.end(),
                      [](const auto& node) { return node.displacement_mm == 0.0; });
 }
 
@@ -292,9 +295,10 @@ Index Increment::newton_iterations() const {
   return count;
 }
 
-Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleDetectors& detectors,
-                         const DeckWatch& watch, Progress& progress) {
-  LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, detectors));
+Result<DeckRun> run_deck(const PreparedDeck& prepared,
+                         const ObstacleDistanceQueries& distance_queries, const DeckWatch& watch,
+                         Progress& progress) {
+  LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, distance_queries));
   fem::NewtonOptions newton = newton_options(*problem, watch);
   linear::LinearSolver linear_solver(prepared.deck.linear_solver);
   const auto solve_at = [&](double time, const VectorX& start) {
@@ -307,21 +311,22 @@ Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleDetectors& 
       if (outcome.converged()) problem->refuse_passages(outcome);
       return outcome;
     };
-    fem::NewtonOutcome settled =
-        contact::settle_contacts(problem->contacts(), prepared.mesh.nodes_L, start, solve_from);
-    if (settled.converged()) problem->remember(settled.x);
+    fem::NewtonOutcome settled = contact::solve_augmented_lagrangian(
+        problem->contacts(), prepared.mesh.nodes_L, start, solve_from);
+    if (settled.converged()) problem->commit(settled.x);
     return settled;
   };
   fem::LoadStepper stepper({0.0, VectorX::Zero(3 * prepared.mesh.node_count())}, solve_at,
                            prepared.deck.steps);
 
   DeckRun run;
-  std::size_t attempts_told = 0;
-  std::optional<Error> not_told;  ///< The watch's own, to be told apart from the solver's.
+  std::size_t attempts_reported = 0;
+  std::optional<Error> not_reported;  ///< The watch's own, to be told apart from the solver's.
   const auto new_attempts = [&] {
     const auto& all = stepper.attempts();
-    std::vector<fem::LoadAttempt> attempts(all.begin() + std::ptrdiff_t(attempts_told), all.end());
-    attempts_told = all.size();
+    std::vector<fem::LoadAttempt> attempts(all.begin() + std::ptrdiff_t(attempts_reported),
+                                           all.end());
+    attempts_reported = all.size();
     return attempts;
   };
   const auto on_state = [&](const fem::LoadState& state) -> Result<void> {
@@ -330,19 +335,20 @@ Result<DeckRun> run_deck(const PreparedDeck& prepared, const ObstacleDetectors& 
     increment.attempts = new_attempts();
     const fem::NewtonIterate& end = increment.attempts.back().history.back();
     increment.residual_n = end.residual_n;
-    if (end.force_scale_n > 0.0) increment.relative_residual = end.residual_n / end.force_scale_n;
+    if (end.residual_reference_n > 0.0)
+      increment.relative_residual = end.residual_n / end.residual_reference_n;
     run.last = std::move(increment);
-    if (linear_solver.statistics().factorisations > 0) run.linear_solver = linear_solver.kind();
+    if (linear_solver.statistics().factorizations > 0) run.linear_solver = linear_solver.kind();
     progress.report(state.t);
     if (!watch.on_increment) return {};
-    Result<void> told = watch.on_increment(*run.last);
-    if (!told) not_told = told.error();
-    return told;
+    Result<void> reported = watch.on_increment(*run.last);
+    if (!reported) not_reported = reported.error();
+    return reported;
   };
   for (const double level : prepared.levels) {
     const Result<void> advanced = stepper.advance_to(level, progress, on_state);
     if (advanced) continue;
-    if (not_told) return tl::unexpected(*not_told);
+    if (not_reported) return tl::unexpected(*not_reported);
     run.failed_attempts = new_attempts();
     problem->set_time(stepper.state().t);
     run.failure = advanced.error();

@@ -29,14 +29,14 @@ struct Increment {
   double energy_mj = 0.0;
   double residual_n = 0.0;
   double relative_residual = 0.0;  ///< To the forces that cancel (fem/assembly/assemble.h).
-  double smallest_J = 1.0;
-  double largest_displacement_mm = 0.0;
+  double min_J = 1.0;
+  double max_displacement_mm = 0.0;
   /// What each condition exerts on the body [N]: Deck::displacements, then Deck::motions. A
   /// component that two share counts for the first.
   std::vector<Vec3> reactions_n;
   /// What each load exerts on the body [N]: Deck::tractions, pressures, body_forces.
   std::vector<Vec3> loads_n;
-  std::vector<contact::ContactSummary> contacts;            ///< Like Deck::obstacles.
+  std::vector<contact::ContactStatistics> contacts;         ///< Like Deck::obstacles.
   std::vector<std::vector<contact::NodalContact>> touched;  ///< Likewise.
   std::vector<Vec3> probes_mm;                              ///< Like Deck::probes.
   std::vector<fem::LoadAttempt> attempts;                   ///< Since the increment before.
@@ -72,7 +72,7 @@ struct DeckWatch {
 ///   - what make_element_terms(), traction_forces(), body_forces() and Pressure::build() return;
 ///   - what `watch.on_increment` returned.
 [[nodiscard]] Result<DeckRun> run_deck(const PreparedDeck& prepared,
-                                       const ObstacleDetectors& detectors,
+                                       const ObstacleDistanceQueries& distance_queries,
                                        const DeckWatch& watch = {},
                                        Progress& progress = Progress::none());
 

@@ -1,7 +1,7 @@
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>
-#include <lefort/verify/judge_refinement.h>
+#include <lefort/verify/check_convergence_order.h>
 #include <lefort/verify/shapes.h>
 
 #include <fmt/format.h>
@@ -118,7 +118,7 @@ Section verify_bending(Extent extent, Progress& progress) {
                                 .reason = "displacements of degree 2 hold a bent beam's; the rest "
                                           "is the clamped end and the element's own shear"});
     const bool is_hex20 = shape == mesh::ElementShape::kHex20;
-    judge_refinement(
+    check_convergence_order(
         fmt::format("{}: stiffness over the beam's", text_of(shape)), stiffness,
         {.order = is_hex20 ? kEdgeOrder : 2.0,
          .order_slack = 0.2,

@@ -1,6 +1,6 @@
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>
-#include <lefort/verify/judge_refinement.h>
+#include <lefort/verify/check_convergence_order.h>
 #include <lefort/verify/mapped_mesh.h>
 #include <lefort/verify/refinement.h>
 #include <lefort/verify/shapes.h>
@@ -183,7 +183,7 @@ void press(const Load& load, Extent extent, Section& section, Progress& progress
 
     section.checks.push_back({.name = fmt::format("{}: displacement: order", name),
                               .measured = order,
-                              .asked = Asked::kAtLeast,
+                              .comparison = Comparison::kAtLeast,
                               .expected = kOrder,
                               .tolerance = 0.2,
                               .reason = "cells graded towards the singular edges: twice the order "
@@ -191,8 +191,8 @@ void press(const Load& load, Extent extent, Section& section, Progress& progress
     const Known known{.order = kOrder,
                       .allowance = load.uncertainty,
                       .allowance_reason = "the reference is not known better"};
-    judge_difference(fmt::format("{}: force", name), force, order, known, section);
-    judge_difference(fmt::format("{}: bulge", name), bulge, order, known, section);
+    check_difference(fmt::format("{}: force", name), force, order, known, section);
+    check_difference(fmt::format("{}: bulge", name), bulge, order, known, section);
   }
   section.tables.push_back(std::move(table));
   section.plots.push_back(std::move(plot));

@@ -10,14 +10,14 @@
 namespace lefort::verify {
 
 fem::Material split_neo_hookean(double mu_mpa, double kappa_mpa) {
-  return fem::Split<fem::IsochoricNeoHookean>{
-      .shear = {.mu_mpa = mu_mpa},
+  return fem::DecoupledLaw<fem::IsochoricNeoHookean>{
+      .isochoric = {.mu_mpa = mu_mpa},
       .volume = {.form = fem::VolumetricForm::kQuadraticLog, .kappa_mpa = kappa_mpa}};
 }
 
 Result<Equilibrium> solve(const CaseModel& model, const SolveOptions& options, Progress& progress) {
   LEFORT_TRY(const auto element_terms,
-             fem::make_element_terms(model.mesh, model.materials, model.dilatation));
+             fem::make_element_terms(model.mesh, model.materials, model.volumetric_integration));
   std::vector<const fem::ForceTerm*> terms;
   for (const auto& term : element_terms) terms.push_back(term.get());
   for (const ExtraTerm& extra : model.extra) terms.push_back(extra.term);
@@ -30,16 +30,16 @@ Result<Equilibrium> solve(const CaseModel& model, const SolveOptions& options, P
   fem::NewtonOptions newton;
   newton.relative_tolerance = options.relative_tolerance;
   newton.absolute_tolerance_n = options.absolute_tolerance_n;
-  const auto solve_at = [&](double share, const VectorX& start) {
-    if (dead) dead->set_factor(share);
+  const auto solve_at = [&](double fraction, const VectorX& start) {
+    if (dead) dead->set_factor(fraction);
     for (const ExtraTerm& extra : model.extra)
-      if (extra.set_share) extra.set_share(share);
-    return fem::find_equilibrium(assembler, model.prescribed(share), start, linear_solver, newton,
-                                 progress);
+      if (extra.set_fraction) extra.set_fraction(fraction);
+    return fem::find_equilibrium(assembler, model.prescribed(fraction), start, linear_solver,
+                                 newton, progress);
   };
   fem::LoadStepOptions steps;
   steps.first_increment = 1.0 / options.increments;
-  steps.growth = 1.0;
+  steps.growth_factor = 1.0;
   steps.max_attempts = 200;
   fem::LoadStepper stepper({.t = 0.0, .u = VectorX::Zero(3 * model.mesh.node_count())}, solve_at,
                            steps);
@@ -57,9 +57,9 @@ Result<Equilibrium> solve(const CaseModel& model, const SolveOptions& options, P
 
 std::function<std::vector<fem::PrescribedDisplacement>(double)> in_proportion(
     std::vector<fem::PrescribedDisplacement> at_full_load) {
-  return [full = std::move(at_full_load)](double share) {
+  return [full = std::move(at_full_load)](double fraction) {
     std::vector<fem::PrescribedDisplacement> now = full;
-    for (fem::PrescribedDisplacement& one : now) one.displacement_mm *= share;
+    for (fem::PrescribedDisplacement& one : now) one.displacement_mm *= fraction;
     return now;
   };
 }

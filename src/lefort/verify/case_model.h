@@ -8,7 +8,7 @@
 #include <lefort/fem/assembly/boundary_conditions.h>
 #include <lefort/fem/assembly/force_term.h>
 #include <lefort/fem/loads/dead_load.h>
-#include <lefort/fem/locking/dilatation.h>
+#include <lefort/fem/locking/volumetric_integration.h>
 #include <lefort/fem/materials/material.h>
 #include <lefort/fem/solve/load_steps.h>
 #include <lefort/fem/solve/newton.h>
@@ -24,18 +24,18 @@ namespace lefort::verify {
 
 /// A further force whose size follows the load.
 struct ExtraTerm {
-  const fem::ForceTerm* term = nullptr;   ///< Not owned.
-  std::function<void(double)> set_share;  ///< Called with the share of the load, 0 to 1.
+  const fem::ForceTerm* term = nullptr;      ///< Not owned.
+  std::function<void(double)> set_fraction;  ///< Called with the share of the load, 0 to 1.
 };
 
 struct CaseModel {
   mesh::VolumeMesh mesh;
   fem::RegionMaterials materials;
   /// At a share of the load, 0 to 1; always the same nodes and components.
-  std::function<std::vector<fem::PrescribedDisplacement>(double share)> prescribed;
+  std::function<std::vector<fem::PrescribedDisplacement>(double fraction)> prescribed;
   std::vector<fem::NodalForce> forces = {};  ///< At full load.
   std::vector<ExtraTerm> extra = {};
-  fem::Dilatation dilatation = fem::Dilatation::kAveraged;
+  fem::VolumetricIntegration volumetric_integration = fem::VolumetricIntegration::kMeanDilatation;
 };
 
 struct SolveOptions {
@@ -43,7 +43,7 @@ struct SolveOptions {
   double relative_tolerance = 1e-10;  ///< Of Newton's method.
   double absolute_tolerance_n = 0.0;  ///< Likewise; for a lone element, where no forces cancel.
   /// Told each equilibrium on the way; may be empty.
-  std::function<void(double share, const VectorX& u)> on_increment = {};
+  std::function<void(double fraction, const VectorX& u)> on_increment = {};
 };
 
 struct Equilibrium {

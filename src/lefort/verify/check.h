@@ -12,34 +12,34 @@
 namespace lefort::verify {
 
 /// How a measured number is held against the expected one.
-enum class Asked { kNear, kAtLeast, kAtMost };
+enum class Comparison { kNear, kAtLeast, kAtMost };
 
 /// One number that was measured.
 struct Check {
   std::string name;
   double measured = NAN;  ///< NaN where there was nothing to measure: failed.
-  Asked asked = Asked::kNear;
+  Comparison comparison = Comparison::kNear;
   double expected = 0.0;
   double tolerance = 0.0;   ///< >= 0, in `unit`; beyond `expected` on the side that is refused.
   std::string unit = "";    ///< Empty for ratios, orders and counts.
   std::string reason = "";  ///< Why this tolerance: one sentence.
   std::string note = "";    ///< Why there was nothing to measure.
-  std::string miss = "";    ///< Known to fail, and why; told as missed. Empty: must pass.
+  std::string known_failure = "";  ///< Known to fail, and why; told as missed. Empty: must pass.
 
   [[nodiscard]] bool passed() const {
-    switch (asked) {
-      case Asked::kNear:
+    switch (comparison) {
+      case Comparison::kNear:
         return std::abs(measured - expected) <= tolerance;
-      case Asked::kAtLeast:
+      case Comparison::kAtLeast:
         return measured >= expected - tolerance;
-      case Asked::kAtMost:
+      case Comparison::kAtMost:
         return measured <= expected + tolerance;
     }
     return false;
   }
 
   /// Passed, or known not to.
-  [[nodiscard]] bool as_known() const { return passed() || !miss.empty(); }
+  [[nodiscard]] bool is_acceptable() const { return passed() || !known_failure.empty(); }
 };
 
 /// Cells are texts, as they are to be read.
@@ -60,7 +60,7 @@ struct Section {
 
   [[nodiscard]] bool passed() const {
     for (const Check& check : checks)
-      if (!check.as_known()) return false;
+      if (!check.is_acceptable()) return false;
     return !checks.empty();
   }
 };

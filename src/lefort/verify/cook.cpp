@@ -14,11 +14,11 @@
 namespace lefort::verify {
 namespace {
 
-using fem::Dilatation;
+using fem::VolumetricIntegration;
 
 /// On which the issue of locking is decided.
-constexpr int kAskedCells = 32;
-constexpr double kAskedError = 0.02;
+constexpr int kRequiredCells = 32;
+constexpr double kRequiredError = 0.02;
 
 /// In the clamped corner of 108 degrees an incompressible body's displacement goes with the
 /// distance to the power 0.544, the root of sin^2(1.893 x) = 1 - x^2 sin^2(1.893)
@@ -36,11 +36,11 @@ struct Rises {
 };
 
 Rises rises(mesh::ElementShape shape, const std::vector<int>& cells, Diagonal diagonal,
-            Dilatation dilatation, Progress& progress) {
+            VolumetricIntegration volumetric_integration, Progress& progress) {
   Rises found{.cells = cells, .over_reference = {}, .failure = ""};
   for (const int n : cells) {
     const auto tip = solve_cook_membrane(make_cook_membrane(shape, n, diagonal), cook_material(),
-                                         dilatation, progress);
+                                         volumetric_integration, progress);
     if (!tip) found.failure = tip.error().message;
     found.over_reference.push_back(tip ? tip->y() / kCookTipRise_mm : NAN);
   }
@@ -58,20 +58,20 @@ void judge(const std::string& name, const Rises& found, Section& section) {
   const std::size_t n = values.size();
   const double error = std::abs(values[n - 1] - 1.0);
   const double order = std::log2(std::abs(values[n - 2] - 1.0) / error);
-  const double coarser = double(kAskedCells) / finest;
+  const double coarser = double(kRequiredCells) / finest;
   section.checks.push_back(
-      {.name = finest == kAskedCells
-                   ? fmt::format("{}: error with {} cells a side", name, kAskedCells)
+      {.name = finest == kRequiredCells
+                   ? fmt::format("{}: error with {} cells a side", name, kRequiredCells)
                    : fmt::format("{}: error that the measured order predicts for {} cells a side",
-                                 name, kAskedCells),
+                                 name, kRequiredCells),
        .measured = error / std::pow(coarser, order),
-       .asked = Asked::kAtMost,
-       .tolerance = kAskedError,
+       .comparison = Comparison::kAtMost,
+       .tolerance = kRequiredError,
        .reason = "asked of every shape's remedy on such a mesh; what locks is 30 % away"});
   if (error > 2.0 * kUncertainty)  // Else it has arrived: no order is left.
     section.checks.push_back({.name = fmt::format("{}: order", name),
                               .measured = order,
-                              .asked = Asked::kAtLeast,
+                              .comparison = Comparison::kAtLeast,
                               .expected = kCornerOrder,
                               .tolerance = 0.2,
                               .reason =
@@ -82,7 +82,7 @@ void judge(const std::string& name, const Rises& found, Section& section) {
   section.checks.push_back(
       {.name = fmt::format("{}: difference from the reference over the predicted one", name),
        .measured = error / (refinement.error + kUncertainty),
-       .asked = Asked::kAtMost,
+       .comparison = Comparison::kAtMost,
        .tolerance = 1.0,
        .reason = "the error that the last three meshes predict, times Roache's 1.25, and 1e-4 of "
                  "the reference's own"});
@@ -112,12 +112,12 @@ report::PlotLine line_of(mesh::ElementShape shape, const Rises& found) {
 }
 
 /// Without a remedy the same meshes lock: otherwise the case would say nothing.
-void judge_locked(mesh::ElementShape shape, const Rises& found, Section& section) {
+void check_locked(mesh::ElementShape shape, const Rises& found, Section& section) {
   section.checks.push_back(
       {.name = fmt::format("{}, volume at the points, {} cells: rise over reference",
                            text_of(shape), found.cells.back()),
        .measured = found.over_reference.back(),
-       .asked = Asked::kAtMost,
+       .comparison = Comparison::kAtMost,
        .expected = 0.7,
        .reason = "this problem must tell what locks from what does not: linear shapes stay behind "
                  "by a third and more"});
@@ -159,20 +159,22 @@ Section verify_cook(Extent extent, Progress& progress) {
     const std::vector<int> cells = full        ? std::vector{4, 8, 16, 32}
                                    : is_linear ? std::vector{4, 8, 16}
                                                : std::vector{2, 4, 8};
-    const Rises averaged = rises(shape, cells, Diagonal::kShorter, Dilatation::kAveraged, progress);
+    const Rises averaged =
+        rises(shape, cells, Diagonal::kShorter, VolumetricIntegration::kMeanDilatation, progress);
     table.rows.push_back(row_of(shape, "averaged", averaged));
     plot.lines.push_back(line_of(shape, averaged));
     judge(text_of(shape), averaged, section);
     if (full && is_cut(shape)) {
-      const Rises slender = rises(shape, cells, Diagonal::kLonger, Dilatation::kAveraged, progress);
+      const Rises slender =
+          rises(shape, cells, Diagonal::kLonger, VolumetricIntegration::kMeanDilatation, progress);
       table.rows.push_back(row_of(shape, "averaged, longer diagonal", slender));
       judge(fmt::format("{}, longer diagonal", text_of(shape)), slender, section);
     }
     if (full || is_linear) {
       const Rises locked = rises(shape, full ? cells : std::vector{8}, Diagonal::kShorter,
-                                 Dilatation::kPointwise, progress);
+                                 VolumetricIntegration::kFullIntegration, progress);
       table.rows.push_back(row_of(shape, "at points", locked));
-      if (is_linear) judge_locked(shape, locked, section);
+      if (is_linear) check_locked(shape, locked, section);
     }
     progress.report(++done / double(kAllShapes.size()));
   }

@@ -28,8 +28,9 @@ Vec3 place(const Vec3& unit, Diagonal diagonal, double thickness_mm) {
 }
 
 void hold(const std::vector<std::int32_t>& nodes, int component,
-          std::vector<fem::PrescribedDisplacement>& held) {
-  for (const std::int32_t node : nodes) held.push_back({.node = node, .component = component});
+          std::vector<fem::PrescribedDisplacement>& prescribed) {
+  for (const std::int32_t node : nodes)
+    prescribed.push_back({.node = node, .component = component});
 }
 
 }  // namespace
@@ -53,10 +54,10 @@ CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells, Diagonal di
   const auto& sets = membrane.mesh.node_sets;
   const bool is_shorter = diagonal == Diagonal::kShorter;
   const char* const root = is_shorter ? "y0" : "x0";
-  hold(sets.at(root), 0, membrane.held);
-  hold(sets.at(root), 1, membrane.held);
-  hold(sets.at("z0"), 2, membrane.held);
-  hold(sets.at("z1"), 2, membrane.held);
+  hold(sets.at(root), 0, membrane.prescribed);
+  hold(sets.at(root), 1, membrane.prescribed);
+  hold(sets.at("z0"), 2, membrane.prescribed);
+  hold(sets.at("z1"), 2, membrane.prescribed);
   membrane.forces =
       fem::traction_forces(nodes_L, membrane.mesh.face_sets.at(is_shorter ? "y1" : "x1"),
                            Vec3(0.0, kTraction_mpa, 0.0))
@@ -65,9 +66,11 @@ CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells, Diagonal di
 }
 
 Result<Vec3> solve_cook_membrane(const CookMembrane& membrane, const fem::Material& material,
-                                 fem::Dilatation dilatation, Progress& progress) {
-  LEFORT_TRY(const auto terms, fem::make_element_terms(membrane.mesh, {{0, material}}, dilatation));
-  LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(membrane.mesh.node_count(), membrane.held));
+                                 fem::VolumetricIntegration volumetric_integration,
+                                 Progress& progress) {
+  LEFORT_TRY(const auto terms,
+             fem::make_element_terms(membrane.mesh, {{0, material}}, volumetric_integration));
+  LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(membrane.mesh.node_count(), membrane.prescribed));
   fem::DeadLoad load(membrane.mesh.nodes_L, membrane.forces);
   std::vector<const fem::ForceTerm*> all{&load};
   for (const auto& term : terms) all.push_back(term.get());
@@ -77,8 +80,8 @@ Result<Vec3> solve_cook_membrane(const CookMembrane& membrane, const fem::Materi
   fem::LoadStepper stepper({.t = 0.0, .u = VectorX::Zero(3 * membrane.mesh.node_count())},
                            [&](double t, const VectorX& start) {
                              load.set_factor(t);
-                             return fem::find_equilibrium(assembler, membrane.held, start, solver,
-                                                          {.max_iterations = 60}, progress);
+                             return fem::find_equilibrium(assembler, membrane.prescribed, start,
+                                                          solver, {.max_iterations = 60}, progress);
                            });
   LEFORT_TRY_VOID(stepper.advance_to(1.0, progress));
   return Vec3(stepper.state().u.segment<3>(3 * Index(membrane.tip)));

@@ -16,7 +16,7 @@
 #include <lefort/core/types.h>
 #include <lefort/fem/assembly/boundary_conditions.h>
 #include <lefort/fem/loads/dead_load.h>
-#include <lefort/fem/locking/dilatation.h>
+#include <lefort/fem/locking/volumetric_integration.h>
 #include <lefort/fem/materials/material.h>
 #include <lefort/mesh/volume_mesh.h>
 
@@ -37,7 +37,7 @@ inline constexpr double kCookTipRise_mm = 6.932;
 
 struct CookMembrane {
   mesh::VolumeMesh mesh;
-  std::vector<fem::PrescribedDisplacement> held;
+  std::vector<fem::PrescribedDisplacement> prescribed;
   std::vector<fem::NodalForce> forces;  ///< At full load.
   std::int32_t tip = 0;  ///< The node on the corner (48, 60) at z > 0: where cells are cut, the one
                          ///< that lags behind.
@@ -55,6 +55,7 @@ enum class Diagonal { kShorter, kLonger };
 ///   refuses.
 [[nodiscard]] Result<Vec3> solve_cook_membrane(
     const CookMembrane& membrane, const fem::Material& material,
-    fem::Dilatation dilatation = fem::Dilatation::kAveraged, Progress& progress = Progress::none());
+    fem::VolumetricIntegration volumetric_integration = fem::VolumetricIntegration::kMeanDilatation,
+    Progress& progress = Progress::none());
 
 }  // namespace lefort::verify

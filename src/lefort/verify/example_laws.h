@@ -16,7 +16,7 @@ struct NamedLaw {
 
 /// \param kappa_mpa  bulk modulus of those in split form, whose shear moduli are about 1 MPa.
 ///
-/// Material axes and fibres lie along x, y, z; Fung's law has equal constants in y and z, so that a
+/// Material axes and fibers lie along x, y, z; Fung's law has equal constants in y and z, so that a
 /// stretch along x is free to contract alike in both.
 [[nodiscard]] std::vector<NamedLaw> example_laws(double kappa_mpa);
 

@@ -1,10 +1,10 @@
 #include <lefort/contact/contact_term.h>
-#include <lefort/contact/settle_contacts.h>
+#include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>
-#include <lefort/verify/judge_refinement.h>
+#include <lefort/verify/check_convergence_order.h>
 #include <lefort/verify/mapped_mesh.h>
 #include <lefort/verify/refinement.h>
 #include <lefort/verify/shapes.h>
@@ -53,8 +53,8 @@ Vec3 boussinesq(const Vec3& p, double force_n) {
   const double outwards =
       unit * (r * depth / std::pow(rho, 3) - (1.0 - 2.0 * kPoisson) * r / (rho * (rho + depth)));
   const double down = unit * (2.0 * (1.0 - kPoisson) / rho + depth * depth / std::pow(rho, 3));
-  const double share = r > 0.0 ? outwards / r : 0.0;
-  return {share * p.x(), share * p.y(), -down};
+  const double fraction = r > 0.0 ? outwards / r : 0.0;
+  return {fraction * p.x(), fraction * p.y(), -down};
 }
 
 /// Where the n-th corner lies along a side of the block.
@@ -109,7 +109,7 @@ struct Indented {
 };
 
 Result<Indented> indent(mesh::ElementShape shape, int cells,
-                        const std::shared_ptr<const contact::Detector>& sphere_B,
+                        const std::shared_ptr<const contact::DistanceQuery>& sphere_B,
                         Progress& progress) {
   CaseModel model{.mesh = graded_block(shape, cells),
                   .materials = {{0, split_neo_hookean(kMu_mpa, kKappa_mpa)}},
@@ -124,9 +124,9 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
     hold(nodes_where(model.mesh,
                      [&](const Vec3& p) { return std::abs(p[axis]) < 1e-9 && !is_far(p); }),
          axis, 0.0, on_symmetry);
-  model.prescribed = [&](double share) {
+  model.prescribed = [&](double fraction) {
     std::vector<fem::PrescribedDisplacement> all = on_symmetry;
-    const double force_n = hertz_force_n(share * kIndentation_mm);
+    const double force_n = hertz_force_n(fraction * kIndentation_mm);
     for (const std::int32_t node : far) {
       const Vec3 u = boussinesq(model.mesh.nodes_L[std::size_t(node)], force_n);
       for (int c = 0; c < 3; ++c) hold({node}, c, u[c], all);
@@ -134,11 +134,11 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
     return all;
   };
   contact::ContactTerm contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"),
-                               {.detector_B = sphere_B},
+                               {.distance_query_B = sphere_B},
                                {.stiffness_mpa_per_mm = kStiffness_mpa_per_mm});
-  model.extra.push_back({&contact, [&](double share) {
+  model.extra.push_back({&contact, [&](double fraction) {
                            RigidTransform X_LB = RigidTransform::Identity();
-                           X_LB.translation().z() = -share * kIndentation_mm;
+                           X_LB.translation().z() = -fraction * kIndentation_mm;
                            contact.set_pose(X_LB);
                          }});
   LEFORT_TRY(const Equilibrium found,
@@ -177,11 +177,11 @@ report::PlotLine pressures(const std::string& name,
 
 report::PlotLine hertz_pressure() {
   const double a_mm = contact_radius_mm();
-  const double largest_mpa = 1.5 * hertz_force_n(kIndentation_mm) / (pi * a_mm * a_mm);
+  const double max_mpa = 1.5 * hertz_force_n(kIndentation_mm) / (pi * a_mm * a_mm);
   report::PlotLine line{.name = "Hertz"};
   for (int n = 0; n <= 50; ++n) {
     line.x.push_back(a_mm * std::sin(0.5 * pi * n / 50.0));
-    line.y.push_back(largest_mpa * std::cos(0.5 * pi * n / 50.0));
+    line.y.push_back(max_mpa * std::cos(0.5 * pi * n / 50.0));
   }
   return line;
 }
@@ -217,8 +217,8 @@ Section verify_hertz(Extent extent, Progress& progress) {
     section.checks.push_back(not_measured("sphere", field.error().message));
     return section;
   }
-  const auto sphere_B = contact::detect_by_field(
-      std::make_shared<const field::DistanceField>(*field), contact::Detection::kSmooth);
+  const auto sphere_B = contact::field_distance_query(
+      std::make_shared<const field::DistanceField>(*field), contact::DetectionMethod::kSmooth);
   report::LinePlot plot{.title = "Pressure under the sphere, mean over rings",
                         .x_label = "distance from the axis [mm]",
                         .y_label = "pressure [MPa]",
@@ -250,20 +250,20 @@ Section verify_hertz(Extent extent, Progress& progress) {
                       .order_reason = "2 for the block, the pressure at the rim being continuous",
                       .allowance = kIndentation_mm / kRadius_mm,
                       .allowance_reason = "strain is finite and the sphere no paraboloid: d / R"};
-    judge_refinement(fmt::format("{}: force over Hertz's", name), forces, known, section);
+    check_convergence_order(fmt::format("{}: force over Hertz's", name), forces, known, section);
     const std::span<const double> last = std::span(forces).last(3);
     section.checks.push_back(
         {.name = fmt::format("{}: difference of the radius over the force's predicted one", name),
          .measured =
              std::abs(radii.back() - 1.0) /
              (refinement_of({last[0], last[1], last[2]}, known.order).error + known.allowance),
-         .asked = Asked::kAtMost,
+         .comparison = Comparison::kAtMost,
          .expected = 1.0,
          .reason = "the force's error: both are moments of the same pressure, at the same points"});
     if (extent != Extent::kFull) continue;
     section.checks.push_back({.name = fmt::format("{}: force over Hertz's, finest", name),
                               .measured = forces.back(),
-                              .asked = Asked::kNear,
+                              .comparison = Comparison::kNear,
                               .expected = 1.0,
                               .tolerance = 0.02,
                               .reason = "asked of contact that is to be trusted"});
@@ -271,7 +271,7 @@ Section verify_hertz(Extent extent, Progress& progress) {
     section.checks.push_back(
         {.name = fmt::format("{}: radius of contact, finest", name),
          .measured = radii.back() * contact_radius_mm(),
-         .asked = Asked::kNear,
+         .comparison = Comparison::kNear,
          .expected = contact_radius_mm(),
          .tolerance = cell_mm,
          .unit = "mm",

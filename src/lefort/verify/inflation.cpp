@@ -1,9 +1,9 @@
-#include <lefort/fem/loads/pressure.h>
+#include <lefort/fem/loads/follower_pressure.h>
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>
-#include <lefort/verify/judge_refinement.h>
+#include <lefort/verify/check_convergence_order.h>
 #include <lefort/verify/mapped_mesh.h>
-#include <lefort/verify/principal_forms.h>
+#include <lefort/verify/reference_laws.h>
 #include <lefort/verify/shapes.h>
 
 #include <fmt/format.h>
@@ -56,7 +56,7 @@ struct Ray {
 
 /// d/dR of both: dr/dR is the radial stretch that goes with the stress, and balance along the ray
 /// asks dP_r/dR = (P_hoop - P_r) / R in a tube, twice that in a sphere.
-Ray slope(Vessel vessel, double R_mm, const Ray& at) {
+Ray dU_dJ(Vessel vessel, double R_mm, const Ray& at) {
   const bool is_tube = vessel == Vessel::kCylinder;
   const double hoop = at.r_mm / R_mm;
   const auto stress = [&](double radial) {
@@ -84,10 +84,10 @@ double outer_stress(Vessel vessel, double a_mm, double p_mpa) {
   };
   for (int n = 0; n < kSteps; ++n) {
     const double R = kInner_mm + n * h;
-    const Ray k1 = slope(vessel, R, ray);
-    const Ray k2 = slope(vessel, R + 0.5 * h, moved(ray, 0.5 * h, k1));
-    const Ray k3 = slope(vessel, R + 0.5 * h, moved(ray, 0.5 * h, k2));
-    const Ray k4 = slope(vessel, R + h, moved(ray, h, k3));
+    const Ray k1 = dU_dJ(vessel, R, ray);
+    const Ray k2 = dU_dJ(vessel, R + 0.5 * h, moved(ray, 0.5 * h, k1));
+    const Ray k3 = dU_dJ(vessel, R + 0.5 * h, moved(ray, 0.5 * h, k2));
+    const Ray k4 = dU_dJ(vessel, R + h, moved(ray, h, k3));
     ray = moved(moved(moved(moved(ray, h / 6.0, k1), h / 3.0, k2), h / 3.0, k3), h / 6.0, k4);
   }
   return ray.stress_mpa;
@@ -128,10 +128,10 @@ Result<double> radius_error(Vessel vessel, mesh::ElementShape shape, int cells, 
          axis, 0.0, prescribed);
   model.prescribed = in_proportion(std::move(prescribed));
   LEFORT_TRY(const auto pressure,
-             fem::Pressure::build(model.mesh.nodes_L, model.mesh.face_sets.at("inner")));
+             fem::FollowerPressure::build(model.mesh.nodes_L, model.mesh.face_sets.at("inner")));
   const double full_mpa = pressure_of(vessel);
   model.extra.push_back(
-      {pressure.get(), [&](double share) { pressure->set_pressure_mpa(share * full_mpa); }});
+      {pressure.get(), [&](double fraction) { pressure->set_pressure_mpa(fraction * full_mpa); }});
   LEFORT_TRY(const Equilibrium found,
              solve(model, {.increments = 3, .relative_tolerance = 1e-8}, progress));
 
@@ -142,8 +142,8 @@ Result<double> radius_error(Vessel vessel, mesh::ElementShape shape, int cells, 
   double sum = 0.0;
   for (const std::int32_t node : inner) {
     const Vec3 p = model.mesh.nodes_L[std::size_t(node)] + found.u.segment<3>(3 * Index(node));
-    const double share = (radius(p) - kInner_mm) / wanted_growth_mm;
-    sum += std::pow(share - 1.0, 2);
+    const double fraction = (radius(p) - kInner_mm) / wanted_growth_mm;
+    sum += std::pow(fraction - 1.0, 2);
   }
   return std::sqrt(sum / double(inner.size()));
 }
@@ -217,11 +217,12 @@ Section verify_inflation(Extent extent, Progress& progress) {
       row.push_back(fmt::format("{:.2f}", std::log2(errors.end()[-2] / errors.back())));
       table.rows.push_back(std::move(row));
       plot.lines.push_back(std::move(line));
-      judge_errors(name, errors,
-                   {.order = averaged_order(shape),
-                    .order_reason = "p + 1, or one less for constant pressures; faster is welcome",
-                    .miss = full ? "" : "meshes as coarse as the short form's do not show it yet"},
-                   section);
+      check_error_order(
+          name, errors,
+          {.order = averaged_order(shape),
+           .order_reason = "p + 1, or one less for constant pressures; faster is welcome",
+           .known_failure = full ? "" : "meshes as coarse as the short form's do not show it yet"},
+          section);
     }
     section.tables.push_back(std::move(table));
     section.plots.push_back(std::move(plot));

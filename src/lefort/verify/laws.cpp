@@ -2,7 +2,7 @@
 #include <lefort/verify/case_model.h>
 #include <lefort/verify/cases.h>
 #include <lefort/verify/example_laws.h>
-#include <lefort/verify/principal_forms.h>
+#include <lefort/verify/reference_laws.h>
 
 #include <fmt/format.h>
 
@@ -77,7 +77,7 @@ Result<double> measured(const fem::Material& law, Test test, double amount, Prog
 }
 
 bool is_split(const fem::Material& law) {
-  return std::visit([]<class Law>(const Law&) { return fem::kIsSplit<Law>; }, law);
+  return std::visit([]<class Law>(const Law&) { return fem::kIsDecoupled<Law>; }, law);
 }
 
 }  // namespace
@@ -147,7 +147,7 @@ Section verify_laws(Extent /*extent*/, Progress& progress) {
       section.checks.push_back(
           {.name = name,
            .measured = worst,
-           .asked = Asked::kAtMost,
+           .comparison = Comparison::kAtMost,
            .tolerance = 1e-8,
            .reason =
                "strain is uniform, so that only Newton's 1e-12 N remains, magnified by bulk over "
@@ -158,7 +158,7 @@ Section verify_laws(Extent /*extent*/, Progress& progress) {
           {.name = fmt::format(
                "{}: uniaxial difference from the incompressible form, over sigma/kappa", one.name),
            .measured = from_limit,
-           .asked = Asked::kAtMost,
+           .comparison = Comparison::kAtMost,
            .tolerance = 2.0,
            .reason =
                "the volume changes by sigma/(3 kappa), and the stress by a power of the volume "

@@ -22,7 +22,7 @@ Key key_of(const Vec3& p) {
   return {rounded(p.x()), rounded(p.y()), rounded(p.z())};
 }
 
-/// The number of the node that lies there: rounding may have put it into a neighbouring cell.
+/// The number of the node that lies there: rounding may have put it into a neighboring cell.
 std::int32_t node_at(const Vec3& p, std::map<Key, std::int32_t>& known, std::vector<Vec3>& nodes) {
   const Key key = key_of(p);
   for (std::int64_t i = -1; i <= 1; ++i)
@@ -86,8 +86,8 @@ mesh::VolumeMesh graded_cube(mesh::ElementShape shape, int cells, double side_mm
   const auto corner = [&](int i) { return graded_corner(i, cells, grading); };
   const auto moved = [&](double x) {  // Linear from corner to corner: a middle node stays halfway.
     const int before = std::min(cells - 1, int(std::floor(x * cells + 1e-6)));
-    const double share = x * cells - before;
-    return side_mm * ((1.0 - share) * corner(before) + share * corner(before + 1));
+    const double fraction = x * cells - before;
+    return side_mm * ((1.0 - fraction) * corner(before) + fraction * corner(before + 1));
   };
   return mapped(mesh::make_box(shape, {cells, cells, cells}, Vec3::Ones()),
                 [&](const Vec3& p) { return Vec3(moved(p.x()), moved(p.y()), moved(p.z())); });

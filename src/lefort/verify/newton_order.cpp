@@ -53,7 +53,7 @@ struct Fit {
 
 Fit fit(const std::vector<Residuals>& sequences) {
   constexpr double kNear = 0.1;
-  constexpr int kLeastPairs = 4;
+  constexpr int kMinPairs = 4;
   Fit found;
   double sum_xx = 0.0, sum_xy = 0.0;  // About the means of each iteration.
   for (std::size_t k = 0; k < 10; ++k) {
@@ -73,14 +73,14 @@ Fit fit(const std::vector<Residuals>& sequences) {
     }
     found.pairs += int(pairs.size());
   }
-  if (found.pairs >= kLeastPairs) found.exponent = sum_xy / sum_xx;
+  if (found.pairs >= kMinPairs) found.exponent = sum_xy / sum_xx;
   return found;
 }
 
 Residuals residuals_of(const fem::LoadAttempt& attempt) {
   Residuals residuals;
   for (const fem::NewtonIterate& iterate : attempt.history)
-    residuals.push_back(iterate.residual_n / iterate.force_scale_n);
+    residuals.push_back(iterate.residual_n / iterate.residual_reference_n);
   return residuals;
 }
 
@@ -144,7 +144,7 @@ Section verify_newton(Extent /*extent*/, Progress& progress) {
       table.rows.push_back({one.name, text_of(shape), text, "", "linear"});
       section.checks.push_back({.name = fmt::format("{}: iterations", name),
                                 .measured = double(residuals.size()) - 1.0,
-                                .asked = Asked::kAtMost,
+                                .comparison = Comparison::kAtMost,
                                 .expected = 1.0,
                                 .reason = "one step solves a linear problem"});
       return;
@@ -154,7 +154,7 @@ Section verify_newton(Extent /*extent*/, Progress& progress) {
                           fmt::format("{:.2f}", found_fit.exponent)});
     section.checks.push_back({.name = fmt::format("{}: exponent", name),
                               .measured = found_fit.exponent,
-                              .asked = Asked::kAtLeast,
+                              .comparison = Comparison::kAtLeast,
                               .expected = 2.0,
                               .tolerance = 0.2,
                               .reason = "the exponent is 2 in the limit; a wrong tangent gives 1"});

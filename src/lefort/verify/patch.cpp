@@ -121,7 +121,7 @@ Section verify_patch(Extent /*extent*/, Progress& progress) {
            {std::pair{"displacement", errors->displacement}, std::pair{"stress", errors->stress}})
         section.checks.push_back({.name = fmt::format("{}: {}", name, what),
                                   .measured = error,
-                                  .asked = Asked::kAtMost,
+                                  .comparison = Comparison::kAtMost,
                                   .tolerance = kTolerance,
                                   .reason = kReason});
     }

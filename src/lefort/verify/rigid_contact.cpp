@@ -1,4 +1,4 @@
-#include <lefort/contact/settle_contacts.h>
+#include <lefort/contact/solve_augmented_lagrangian.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/mesh/box_grid.h>
 #include <lefort/verify/case_model.h>
@@ -24,7 +24,7 @@ constexpr double kKappa_mpa = 0.1;
 constexpr double kStiffness_mpa_per_mm = 0.06;  // Ten times Young's modulus over an element's edge.
 constexpr double kTolerance = 1e-8;
 /// Newton's quadratic end takes three or four; the rest is for points that come into contact.
-constexpr int kMostIterations = 20;
+constexpr int kMaxIterations = 20;
 constexpr std::array<double, 3> kBlock_mm{24.0, 16.0, 10.0};
 
 /// A box of triangles.
@@ -67,7 +67,7 @@ geometry::TriangleMesh roller(double radius_mm, double from_y, double to_y) {
 
 /// What one increment came to.
 struct Increment {
-  double share = 0.0;
+  double fraction = 0.0;
   Vec3 force_n = Vec3::Zero();  ///< On the body.
   Index iterations = 0;
   Index late_rises = 0;  ///< Iterations beyond the third whose residual was larger than before.
@@ -80,7 +80,7 @@ struct Followed {
 
 /// Presses a rigid body into a block of hexahedra that is held below.
 Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, int increments,
-                       const std::function<Vec3(double share)>& shift_mm, Progress& progress) {
+                       const std::function<Vec3(double fraction)>& shift_mm, Progress& progress) {
   const auto cells = [&](double mm) { return int(std::lround(mm * 0.1 * cells_per_10mm)); };
   CaseModel model{
       .mesh = mesh::make_box(mesh::ElementShape::kHex8,
@@ -88,29 +88,30 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
                              Vec3(kBlock_mm[0], kBlock_mm[1], kBlock_mm[2])),
       .materials = {{0, split_neo_hookean(kMu_mpa, kKappa_mpa)}},
       .prescribed = {}};
-  std::vector<fem::PrescribedDisplacement> held;
-  for (int axis = 0; axis < 3; ++axis) hold(model.mesh.node_sets.at("z0"), axis, 0.0, held);
-  model.prescribed = [held](double) { return held; };
+  std::vector<fem::PrescribedDisplacement> constrained;
+  for (int axis = 0; axis < 3; ++axis) hold(model.mesh.node_sets.at("z0"), axis, 0.0, constrained);
+  model.prescribed = [constrained](double) { return constrained; };
 
   LEFORT_TRY(field::DistanceField field,
              field::build_distance_field(body, {.resolution = 64, .band_mm = 2.5, .smooth = true},
                                          progress));
   LEFORT_TRY(
-      const auto detector_B,
-      contact::detect_by_field(std::make_shared<const field::DistanceField>(std::move(field)),
-                               contact::Detection::kSmooth));
-  contact::ContactTerm contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"), {detector_B},
-                               {.stiffness_mpa_per_mm = kStiffness_mpa_per_mm});
-  model.extra.push_back({&contact, [&](double share) {
+      const auto distance_query_B,
+      contact::field_distance_query(std::make_shared<const field::DistanceField>(std::move(field)),
+                                    contact::DetectionMethod::kSmooth));
+  contact::ContactTerm contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"),
+                               {distance_query_B}, {.stiffness_mpa_per_mm = kStiffness_mpa_per_mm});
+  model.extra.push_back({&contact, [&](double fraction) {
                            RigidTransform X_LB = RigidTransform::Identity();
-                           X_LB.translation() = shift_mm(share);
+                           X_LB.translation() = shift_mm(fraction);
                            contact.set_pose(X_LB);
                          }});
   Followed followed;
-  const auto on_increment = [&](double share, const VectorX& u) {
+  const auto on_increment = [&](double fraction, const VectorX& u) {
     const std::vector<Vec3> x_L = contact::displaced(model.mesh.nodes_L, u);
-    contact.remember(x_L);
-    followed.increments.push_back({.share = share, .force_n = contact.summarise(x_L).force_L_n});
+    contact.commit(x_L);
+    followed.increments.push_back(
+        {.fraction = fraction, .force_n = contact.summarize(x_L).force_L_n});
   };
   LEFORT_TRY(const Equilibrium found, solve(model,
                                             {.increments = increments,
@@ -135,30 +136,30 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
 void judge(const Followed& followed, Section& section) {
   Table table{.title = "Force on the body and Newton's iterations, by increment",
               .header = {"share", "x [N]", "y [N]", "z [N]", "iterations", "late rises"}};
-  Index most = 0, rises = 0;
+  Index maximum = 0, rises = 0;
   for (const Increment& increment : followed.increments) {
-    most = std::max(most, increment.iterations);
+    maximum = std::max(maximum, increment.iterations);
     rises += increment.late_rises;
     table.rows.push_back(
-        {fmt::format("{:.3f}", increment.share), fmt::format("{:.4f}", increment.force_n.x()),
+        {fmt::format("{:.3f}", increment.fraction), fmt::format("{:.4f}", increment.force_n.x()),
          fmt::format("{:.4f}", increment.force_n.y()), fmt::format("{:.4f}", increment.force_n.z()),
          fmt::format("{}", increment.iterations), fmt::format("{}", increment.late_rises)});
   }
   section.tables.push_back(std::move(table));
   section.checks.push_back({.name = "increments that failed",
                             .measured = double(followed.failed),
-                            .asked = Asked::kAtMost,
+                            .comparison = Comparison::kAtMost,
                             .expected = 0.0,
                             .reason = "none needs to be made smaller"});
   section.checks.push_back({.name = "most iterations of an increment",
-                            .measured = double(most),
-                            .asked = Asked::kAtMost,
-                            .expected = kMostIterations,
+                            .measured = double(maximum),
+                            .comparison = Comparison::kAtMost,
+                            .expected = kMaxIterations,
                             .reason = "an oscillating one runs into the hundreds"});
   section.checks.push_back(
       {.name = "iterations beyond the third that raised the residual, a share of all increments",
        .measured = double(rises) / double(followed.increments.size()),
-       .asked = Asked::kAtMost,
+       .comparison = Comparison::kAtMost,
        .expected = 1.0,
        .reason = "points that come into contact may raise it once in an increment; an oscillation "
                  "does every second time"});
@@ -183,32 +184,33 @@ Section verify_punch(Extent extent, Progress& progress) {
   const Vec3 middle(0.5 * kBlock_mm[0], 0.5 * kBlock_mm[1], kBlock_mm[2]);
   const auto followed = press(
       box(middle + Vec3(-4, -4, 0), middle + Vec3(4, 4, 6)), extent == Extent::kShort ? 5 : 10, 10,
-      [](double share) { return Vec3(0.0, 0.0, -share); }, progress);
+      [](double fraction) { return Vec3(0.0, 0.0, -fraction); }, progress);
   if (!followed) return failed_section(std::move(section), followed.error());
   judge(*followed, section);
-  double least_rise_n = std::numeric_limits<double>::infinity(), last_n = 0.0;
-  double most_sideways = 0.0;
+  double min_rise_n = std::numeric_limits<double>::infinity(), last_n = 0.0;
+  double max_sideways = 0.0;
   for (const Increment& increment : followed->increments) {
-    most_sideways = std::max(most_sideways,
-                             increment.force_n.head<2>().norm() / std::abs(increment.force_n.z()));
-    least_rise_n = std::min(least_rise_n, -increment.force_n.z() - last_n);
+    max_sideways = std::max(max_sideways,
+                            increment.force_n.head<2>().norm() / std::abs(increment.force_n.z()));
+    min_rise_n = std::min(min_rise_n, -increment.force_n.z() - last_n);
     last_n = -increment.force_n.z();
   }
   section.checks.push_back({.name = "least rise of the force from increment to increment",
-                            .measured = least_rise_n,
-                            .asked = Asked::kAtLeast,
+                            .measured = min_rise_n,
+                            .comparison = Comparison::kAtLeast,
                             .expected = 0.0,
                             .unit = "N",
                             .reason = "deeper is harder"});
   section.checks.push_back(
       {.name = "sideways force, to the force down, at most",
-       .measured = most_sideways,
-       .asked = Asked::kAtMost,
+       .measured = max_sideways,
+       .comparison = Comparison::kAtMost,
        .expected = 0.0,
        .tolerance = 1e-3,
        .reason = "block, punch and way are symmetric",
-       .miss = "tissue under the punch's sharp edges slips out on one side before the other; "
-               "whether the balance is unstable there or the field lopsided is not known"});
+       .known_failure =
+           "tissue under the punch's sharp edges slips out on one side before the other; "
+           "whether the balance is unstable there or the field lopsided is not known"});
   return section;
 }
 
@@ -228,24 +230,25 @@ Section verify_ironing(Extent extent, Progress& progress) {
   for (Vec3& v : cylinder.vertices) v += Vec3(7.0, 0.0, kBlock_mm[2]);
   const auto followed = press(
       cylinder, extent == Extent::kShort ? 5 : 10, 25,
-      [&](double share) {
-        const double pressed = std::min(share / kPressing, 1.0);
-        const double slid = std::max(share - kPressing, 0.0) / (1.0 - kPressing);
+      [&](double fraction) {
+        const double pressed = std::min(fraction / kPressing, 1.0);
+        const double slid = std::max(fraction - kPressing, 0.0) / (1.0 - kPressing);
         return Vec3(slid * kSlid_mm, 0.0, -pressed * kPressed_mm);
       },
       progress);
   if (!followed) return failed_section(std::move(section), followed.error());
   judge(*followed, section);
   report::PlotLine down{.name = "down"}, along{.name = "against the way"};
-  double least_n = std::numeric_limits<double>::infinity(), most_n = 0.0;
+  double min_n = std::numeric_limits<double>::infinity(), max_n = 0.0;
   for (const Increment& increment : followed->increments) {
-    down.x.push_back(increment.share);
+    down.x.push_back(increment.fraction);
     down.y.push_back(-increment.force_n.z());
-    along.x.push_back(increment.share);
+    along.x.push_back(increment.fraction);
     along.y.push_back(increment.force_n.x());
-    if (increment.share < 0.4 || increment.share > 0.8) continue;  // Away from the block's ends.
-    least_n = std::min(least_n, -increment.force_n.z());
-    most_n = std::max(most_n, -increment.force_n.z());
+    if (increment.fraction < 0.4 || increment.fraction > 0.8)
+      continue;  // Away from the block's ends.
+    min_n = std::min(min_n, -increment.force_n.z());
+    max_n = std::max(max_n, -increment.force_n.z());
   }
   section.plots.push_back({.title = "Force on the block",
                            .x_label = "share of the way",
@@ -253,14 +256,15 @@ Section verify_ironing(Extent extent, Progress& progress) {
                            .lines = {std::move(down), std::move(along)}});
   section.checks.push_back(
       {.name = "swing of the force over the middle of the way, to its mean",
-       .measured = (most_n - least_n) / (0.5 * (most_n + least_n)),
-       .asked = Asked::kAtMost,
+       .measured = (max_n - min_n) / (0.5 * (max_n + min_n)),
+       .comparison = Comparison::kAtMost,
        .expected = 0.0,
        .tolerance = 0.05,
        .reason = "the block is uniform there",
-       .miss = extent == Extent::kShort
-                   ? "nodes come and go one by one; elements of the short form are 2 mm wide"
-                   : ""});
+       .known_failure =
+           extent == Extent::kShort
+               ? "nodes come and go one by one; elements of the short form are 2 mm wide"
+               : ""});
   return section;
 }
 

@@ -25,7 +25,8 @@ inline constexpr std::array<mesh::ElementShape, 7> kAllShapes{
 
 /// Of displacements in the L2 norm where the change of volume is averaged: p + 1 where the pressure
 /// is at least of degree p - 1. The volume of tet10 and wedge15 is a mean over the element
-/// (fem/locking/dilatation.h), their pressure a constant: that costs one order (\cite boffi2013).
+/// (fem/locking/volumetric_integration.h), their pressure a constant: that costs one order (\cite
+/// boffi2013).
 [[nodiscard]] constexpr double averaged_order(mesh::ElementShape shape) {
   return shape == mesh::ElementShape::kHex20 ? 3.0 : 2.0;
 }

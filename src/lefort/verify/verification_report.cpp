@@ -36,13 +36,13 @@ std::string with_unit(double value, const std::string& unit) {
   return unit.empty() ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);
 }
 
-std::string asked_of(const Check& check) {
-  switch (check.asked) {
-    case Asked::kNear:
+std::string required_by(const Check& check) {
+  switch (check.comparison) {
+    case Comparison::kNear:
       return fmt::format("{} ± {:.2g}", with_unit(check.expected, check.unit), check.tolerance);
-    case Asked::kAtLeast:
+    case Comparison::kAtLeast:
       return fmt::format("≥ {}", with_unit(check.expected - check.tolerance, check.unit));
-    case Asked::kAtMost:
+    case Comparison::kAtMost:
       return fmt::format("≤ {}", with_unit(check.expected + check.tolerance, check.unit));
   }
   return "";
@@ -55,17 +55,17 @@ std::string measured_of(const Check& check) {
 
 const char* verdict_on(const Check& check) {
   if (check.passed()) return "passed";
-  return check.miss.empty() ? "**failed**" : "**missed**";
+  return check.known_failure.empty() ? "**failed**" : "**missed**";
 }
 
 std::string why(const Check& check) {
-  if (check.passed() || check.miss.empty()) return check.reason;
-  return fmt::format("{}. Missed: {}", check.reason, check.miss);
+  if (check.passed() || check.known_failure.empty()) return check.reason;
+  return fmt::format("{}. Missed: {}", check.reason, check.known_failure);
 }
 
 Index count_missed(const Section& section) {
   return std::count_if(section.checks.begin(), section.checks.end(),
-                       [](const Check& check) { return !check.passed() && check.as_known(); });
+                       [](const Check& check) { return !check.passed() && check.is_acceptable(); });
 }
 
 Index count_passed(const Section& section) {
@@ -84,7 +84,7 @@ std::string text_of(const Section& section, std::vector<ReportFile>& files) {
   text += line_of({"check", "measured", "asked", "because", ""});
   text += line_of({"---", "---", "---", "---", "---"});
   for (const Check& check : section.checks)
-    text += line_of({check.name, measured_of(check), check.note.empty() ? asked_of(check) : "",
+    text += line_of({check.name, measured_of(check), check.note.empty() ? required_by(check) : "",
                      why(check), verdict_on(check)});
   return text + "\n";
 }
@@ -92,7 +92,7 @@ std::string text_of(const Section& section, std::vector<ReportFile>& files) {
 }  // namespace
 
 std::string text_of(const Check& check) {
-  return check.note.empty() ? fmt::format("{}, asked {}", measured_of(check), asked_of(check))
+  return check.note.empty() ? fmt::format("{}, asked {}", measured_of(check), required_by(check))
                             : check.note;
 }
 

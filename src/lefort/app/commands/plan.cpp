@@ -35,7 +35,7 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
-      ->add_option("--support-share", job->limits.support_share,
+      ->add_option("--support-share", job->limits.support_fraction,
                    "This part of a segment's cut faces must be supported")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();

@@ -183,7 +183,7 @@ std::optional<AssembledForces> Assembler::forces(const VectorX& u) const {
     if (has_followers) plan_->add_followers(chunk, buffer, sum.follower_n);
   }
   if (!sum.residual_n.allFinite()) return std::nullopt;
-  sum.force_scale_n = plan_->dofs.free_part(magnitudes).norm();
+  sum.residual_reference_n = plan_->dofs.free_part(magnitudes).norm();
   sum.energy_round_off_mj =
       std::numeric_limits<double>::epsilon() * (energy_magnitude + magnitudes.dot(x_L.cwiseAbs()));
   return sum;

@@ -26,7 +26,7 @@ struct AssembledForces {
   /// Norm over the free components of the sum of absolute local forces [N]: the size of what has to
   /// cancel there. Unlike the first residual or the reactions it does not depend on how the load
   /// comes in, and round-off in the residual is always a few 1e-16 of it.
-  double force_scale_n = 0.0;
+  double residual_reference_n = 0.0;
   Index contacts = 0;       ///< Points in contact, of all items.
   double deepest_mm = 0.0;  ///< How deep one of them lies, at most [mm].
   /// Bound on what rounding of positions and sums may have done to energy_mj [mJ].

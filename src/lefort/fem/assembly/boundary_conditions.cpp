@@ -2,7 +2,7 @@
 
 namespace lefort::fem {
 
-std::vector<PrescribedDisplacement> fix(std::span<const std::int32_t> nodes) {
+std::vector<PrescribedDisplacement> prescribe_zero(std::span<const std::int32_t> nodes) {
   std::vector<PrescribedDisplacement> prescribed;
   prescribed.reserve(3 * nodes.size());
   for (const std::int32_t node : nodes)
@@ -11,9 +11,9 @@ std::vector<PrescribedDisplacement> fix(std::span<const std::int32_t> nodes) {
   return prescribed;
 }
 
-std::vector<PrescribedDisplacement> move_rigidly(std::span<const std::int32_t> nodes,
-                                                 std::span<const Vec3> nodes_L,
-                                                 const RigidTransform& motion_LL) {
+std::vector<PrescribedDisplacement> prescribe_rigid_motion(std::span<const std::int32_t> nodes,
+                                                           std::span<const Vec3> nodes_L,
+                                                           const RigidTransform& motion_LL) {
   std::vector<PrescribedDisplacement> prescribed;
   prescribed.reserve(3 * nodes.size());
   for (const std::int32_t node : nodes) {

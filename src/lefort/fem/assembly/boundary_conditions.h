@@ -18,15 +18,16 @@ struct PrescribedDisplacement {
 };
 
 /// Holds all components of `nodes` at their reference position.
-[[nodiscard]] std::vector<PrescribedDisplacement> fix(std::span<const std::int32_t> nodes);
+[[nodiscard]] std::vector<PrescribedDisplacement> prescribe_zero(
+    std::span<const std::int32_t> nodes);
 
 /// Moves all components of `nodes` with a rigid body.
 ///
 /// \param nodes      numbers of the nodes that move.
 /// \param nodes_L    reference positions of all nodes of the mesh [mm].
 /// \param motion_LL  takes a reference position to where the body has brought it, both in L.
-[[nodiscard]] std::vector<PrescribedDisplacement> move_rigidly(std::span<const std::int32_t> nodes,
-                                                               std::span<const Vec3> nodes_L,
-                                                               const RigidTransform& motion_LL);
+[[nodiscard]] std::vector<PrescribedDisplacement> prescribe_rigid_motion(
+    std::span<const std::int32_t> nodes, std::span<const Vec3> nodes_L,
+    const RigidTransform& motion_LL);
 
 }  // namespace lefort::fem

@@ -14,7 +14,8 @@ template <class Element>
 class ContinuumTerm final : public ForceTerm {
  public:
   /// \param share  what Psi is multiplied by if the law is in split form.
-  ContinuumTerm(ElementData<Element> data, double share) : data_(std::move(data)), share_(share) {}
+  ContinuumTerm(ElementData<Element> data, double fraction)
+      : data_(std::move(data)), fraction_(fraction) {}
 
   [[nodiscard]] Index item_count() const override { return data_.count(); }
 
@@ -26,14 +27,14 @@ class ContinuumTerm final : public ForceTerm {
                               LocalEquations& local) const override {
     const Eigen::Map<const ElementNodes<Element>> x(x_L.data()->data());
     const Material& material = data_.material_of(item);
-    const double share = volumetric_part(material) == nullptr ? 1.0 : share_;
-    return add_strain_energy<Element>(material, LawPart::kWhole, share,
+    const double fraction = volumetric_part(material) == nullptr ? 1.0 : fraction_;
+    return add_strain_energy<Element>(material, LawPart::kWhole, fraction,
                                       data_.points[std::size_t(item)], x, local);
   }
 
  private:
   ElementData<Element> data_;
-  double share_;
+  double fraction_;
 };
 
 }  // namespace lefort::fem

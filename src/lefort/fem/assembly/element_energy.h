@@ -56,7 +56,7 @@ void add_stiffness(const Mat9& A, double dV, const ReferencePoint<Element>& poin
 /// \param x  where the nodes are [mm].
 /// \returns false if a point is inside out, or NaN.
 template <class Element>
-bool add_strain_energy(const Material& material, LawPart part, double share,
+bool add_strain_energy(const Material& material, LawPart part, double fraction,
                        const ReferenceElement<Element>& points,
                        const Eigen::Map<const ElementNodes<Element>>& x, LocalEquations& local) {
   Eigen::Map<ElementNodes<Element>> residual(local.residual_n.data());
@@ -64,7 +64,7 @@ bool add_strain_energy(const Material& material, LawPart part, double share,
     const Mat3 F = deformation_gradient<Element>(x, point);
     if (!(volume_ratio(F) > 0.0)) return false;  // Also if NaN.
     const Mat3 P = stress(material, part, F);
-    const double dV = share * point.volume_mm3;
+    const double dV = fraction * point.volume_mm3;
     local.energy_mj += dV * energy(material, part, F);
     residual.noalias() += dV * P * point.dN_dX;
     if (local.wants_stiffness()) add_stiffness(tangent(material, part, F), dV, point, local);

@@ -3,11 +3,11 @@
 #include <lefort/fem/assembly/element_state.h>
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/elements/reference_element.h>
+#include <lefort/fem/locking/averaged_nodal_pressure.h>
 #include <lefort/fem/locking/dilatation_modes.h>
-#include <lefort/fem/locking/nodal_dilatation.h>
-#include <lefort/fem/locking/reach_inside.h>
-#include <lefort/fem/locking/shear_sides.h>
-#include <lefort/fem/locking/smoothed_shear_term.h>
+#include <lefort/fem/locking/elements_with_interior_nodes.h>
+#include <lefort/fem/locking/smoothed_strain_term.h>
+#include <lefort/fem/locking/smoothing_domains.h>
 #include <lefort/fem/materials/material_response.h>
 
 #include <Eigen/SVD>
@@ -24,11 +24,12 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Where a mesh averages over several elements, and what is known there.
 struct Averages {
-  std::unique_ptr<NodalDilatation> volume;  ///< Or null.
-  std::vector<NodalDilatation::State> of_patch;
-  std::unique_ptr<SmoothedShearTerm> shear;  ///< Or null.
-  std::vector<SmoothedShearTerm::State> of_group;
-  std::vector<char> reaches_inside;  ///< Of each element, or empty (reach_inside.h).
+  std::unique_ptr<AveragedNodalPressure> volume;  ///< Or null.
+  std::vector<AveragedNodalPressure::State> of_patch;
+  std::unique_ptr<SmoothedStrainTerm> shear;  ///< Or null.
+  std::vector<SmoothedStrainTerm::State> of_group;
+  std::vector<char>
+      has_interior_node;  ///< Of each element, or empty (elements_with_interior_nodes.h).
 };
 
 template <class Term>
@@ -43,11 +44,11 @@ Averages averages_of(const mesh::VolumeMesh& mesh, const RegionMaterials& materi
                      const VectorX& u) {
   std::vector<Vec3> x_L(mesh.nodes_L);
   for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += u.segment<3>(3 * Index(n));
-  Averages averages{.volume = NodalDilatation::build(mesh, materials),
+  Averages averages{.volume = AveragedNodalPressure::build(mesh, materials),
                     .of_patch = {},
-                    .shear = SmoothedShearTerm::build(mesh, materials),
+                    .shear = SmoothedStrainTerm::build(mesh, materials),
                     .of_group = {},
-                    .reaches_inside = reach_inside(mesh)};
+                    .has_interior_node = elements_with_interior_nodes(mesh)};
   averages.of_patch = states_of(averages.volume.get(), x_L);
   averages.of_group = states_of(averages.shear.get(), x_L);
   return averages;
@@ -55,7 +56,7 @@ Averages averages_of(const mesh::VolumeMesh& mesh, const RegionMaterials& materi
 
 /// What an averaged change of volume adds to the state of one element.
 template <class Element>
-struct VolumeShare {
+struct VolumeFraction {
   using PerPoint = Eigen::Matrix<double, Element::kPoints, 1>;
   PerPoint pressure;  ///< At its points [MPa].
   double energy_mj = 0.0;
@@ -63,18 +64,18 @@ struct VolumeShare {
 
 /// \param change  J - 1 at the points.
 template <class Element>
-VolumeShare<Element> volume_share(const Material& material, const ElementNodes<Element>& X,
-                                  const ReferenceElement<Element>& points,
-                                  const Eigen::Matrix<double, Element::kPoints, 1>& change,
-                                  const Averages& averages, Index number) {
+VolumeFraction<Element> volume_fraction(const Material& material, const ElementNodes<Element>& X,
+                                        const ReferenceElement<Element>& points,
+                                        const Eigen::Matrix<double, Element::kPoints, 1>& change,
+                                        const Averages& averages, Index number) {
   if constexpr (kDilatationModes < Element >> 0) {
-    bool reaches_inside = false;
+    bool has_interior_node = false;
     if constexpr (kHasBulkAtPoints<Element>)
-      reaches_inside = averages.reaches_inside[std::size_t(number)] != 0;
+      has_interior_node = averages.has_interior_node[std::size_t(number)] != 0;
     const auto response =
-        volume_response<Element>(share_volume<Element>(material, reaches_inside), points,
+        volume_response<Element>(share_volume<Element>(material, has_interior_node), points,
                                  dilatation_modes<Element>(X, points), change);
-    if (!response) return {VolumeShare<Element>::PerPoint::Constant(kNan), kNan};
+    if (!response) return {VolumeFraction<Element>::PerPoint::Constant(kNan), kNan};
     return {response->pressure, response->energy_mj};
   } else {
     double volume_mm3 = 0.0;
@@ -84,25 +85,25 @@ VolumeShare<Element> volume_share(const Material& material, const ElementNodes<E
     int count = 0;
     for (const std::int32_t patch : averages.volume->patches_of(number)) {
       if (patch < 0) continue;
-      const NodalDilatation::State& state = averages.of_patch[std::size_t(patch)];
+      const AveragedNodalPressure::State& state = averages.of_patch[std::size_t(patch)];
       pressure_mpa += state.pressure_mpa;
       density_mpa += state.energy_density_mpa;
       ++count;
     }
-    return {VolumeShare<Element>::PerPoint::Constant(pressure_mpa / count),
+    return {VolumeFraction<Element>::PerPoint::Constant(pressure_mpa / count),
             density_mpa / count * volume_mm3};
   }
 }
 
-/// Puts the means over neighbours in the place of all but a share of an element's shear part.
-void mix_in_neighbours(const Averages& averages, Index number, ElementState& state) {
-  state.cauchy_mpa *= kRetainedShare;
-  state.energy_density_mpa *= kRetainedShare;
-  for (const SmoothedShearTerm::ElementSide& side : averages.shear->sides_of(number)) {
-    const double share = (1.0 - kRetainedShare) * side.share;
-    const SmoothedShearTerm::State& of_group = averages.of_group[std::size_t(side.item)];
-    state.cauchy_mpa += share * of_group.cauchy_mpa;
-    state.energy_density_mpa += share * of_group.energy_density_mpa;
+/// Puts the means over neighbors in the place of all but a share of an element's shear part.
+void mix_in_neighbors(const Averages& averages, Index number, ElementState& state) {
+  state.cauchy_mpa *= kElementStabilizationFraction;
+  state.energy_density_mpa *= kElementStabilizationFraction;
+  for (const SmoothedStrainTerm::ElementDomain& side : averages.shear->domains_of(number)) {
+    const double fraction = (1.0 - kElementStabilizationFraction) * side.fraction;
+    const SmoothedStrainTerm::State& of_group = averages.of_group[std::size_t(side.item)];
+    state.cauchy_mpa += fraction * of_group.cauchy_mpa;
+    state.energy_density_mpa += fraction * of_group.energy_density_mpa;
   }
 }
 
@@ -122,8 +123,9 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
 
   const bool is_averaged = averages != nullptr && volumetric_part(whole) != nullptr;
   constexpr bool kHasModes = kDilatationModes < Element >> 0;
-  const LawPart part = is_averaged && kHasModes ? LawPart::kShear : LawPart::kWhole;
-  const Material material = is_averaged && !kHasModes ? law_beside_nodes(whole) : whole;
+  const LawPart part = is_averaged && kHasModes ? LawPart::kIsochoric : LawPart::kWhole;
+  const Material material =
+      is_averaged && !kHasModes ? element_law_without_nodal_part(whole) : whole;
   ElementState state{.min_volume_ratio = std::numeric_limits<double>::infinity(),
                      .stretches = Vec3::Zero()};
   Eigen::Matrix<double, Element::kPoints, 1> change;
@@ -136,7 +138,7 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
     state.min_volume_ratio = std::min(state.min_volume_ratio, J);
     // The singular values of F = R U are the eigenvalues of U, sorted (\cite bonet2008, 4.6.3).
     state.stretches += point.volume_mm3 * Eigen::JacobiSVD<Mat3>(F).singularValues();
-    change[Index(q)] = volume_change(F);
+    change[Index(q)] = jacobian_minus_one(F);
     state.cauchy_mpa += point.volume_mm3 * cauchy_stress(stress(material, part, F), F);
     state.energy_density_mpa += point.volume_mm3 * energy(material, part, F);
     volume_mm3 += point.volume_mm3;
@@ -146,12 +148,12 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
   state.energy_density_mpa /= volume_mm3;
   if (!is_averaged) return state;
 
-  if constexpr (kShearSides < Element >> 0) mix_in_neighbours(*averages, number, state);
-  const auto share = volume_share<Element>(whole, X, *reference, change, *averages, number);
+  if constexpr (kSmoothingDomains < Element >> 0) mix_in_neighbors(*averages, number, state);
+  const auto fraction = volume_fraction<Element>(whole, X, *reference, change, *averages, number);
   for (std::size_t q = 0; q < reference->size(); ++q)
     state.cauchy_mpa.diagonal().array() +=
-        (*reference)[q].volume_mm3 / volume_mm3 * share.pressure[Index(q)];
-  state.energy_density_mpa += share.energy_mj / volume_mm3;
+        (*reference)[q].volume_mm3 / volume_mm3 * fraction.pressure[Index(q)];
+  state.energy_density_mpa += fraction.energy_mj / volume_mm3;
   return state;
 }
 
@@ -159,9 +161,9 @@ ElementState state_of(const mesh::VolumeMesh& mesh, const std::int32_t* nodes,
 
 std::vector<ElementState> element_states(const mesh::VolumeMesh& mesh,
                                          const RegionMaterials& materials, const VectorX& u,
-                                         Dilatation dilatation) {
+                                         VolumetricIntegration volumetric_integration) {
   LEFORT_CHECK(u.size() == 3 * mesh.node_count());
-  const bool is_averaged = dilatation == Dilatation::kAveraged;
+  const bool is_averaged = volumetric_integration == VolumetricIntegration::kMeanDilatation;
   const Averages averages = is_averaged ? averages_of(mesh, materials, u) : Averages{};
   std::vector<ElementState> states(std::size_t(mesh.element_count()));
   Index first = 0;

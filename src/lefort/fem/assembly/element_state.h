@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/core/types.h>
-#include <lefort/fem/locking/dilatation.h>
+#include <lefort/fem/locking/volumetric_integration.h>
 #include <lefort/fem/materials/material.h>
 #include <lefort/mesh/volume_mesh.h>
 
@@ -28,6 +28,6 @@ struct ElementState {
 ///   that share an average with it have no stress either.
 [[nodiscard]] std::vector<ElementState> element_states(
     const mesh::VolumeMesh& mesh, const RegionMaterials& materials, const VectorX& u,
-    Dilatation dilatation = Dilatation::kAveraged);
+    VolumetricIntegration volumetric_integration = VolumetricIntegration::kMeanDilatation);
 
 }  // namespace lefort::fem

@@ -2,11 +2,11 @@
 #include <lefort/fem/assembly/continuum_term.h>
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/locking/averaged_nodal_pressure.h>
+#include <lefort/fem/locking/elements_with_interior_nodes.h>
 #include <lefort/fem/locking/mean_dilatation_term.h>
-#include <lefort/fem/locking/nodal_dilatation.h>
-#include <lefort/fem/locking/reach_inside.h>
-#include <lefort/fem/locking/shear_sides.h>
-#include <lefort/fem/locking/smoothed_shear_term.h>
+#include <lefort/fem/locking/smoothed_strain_term.h>
+#include <lefort/fem/locking/smoothing_domains.h>
 #include <lefort/mesh/element_quality.h>
 
 #include <fmt/format.h>
@@ -91,10 +91,11 @@ tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::Element
 
 template <class Element>
 Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
-                             BlockMaterials materials, Index first_number, Dilatation dilatation,
-                             std::span<const char> reaches_inside) {
+                             BlockMaterials materials, Index first_number,
+                             VolumetricIntegration volumetric_integration,
+                             std::span<const char> has_interior_node) {
   LEFORT_CHECK(block.shape == Element::kShape);
-  const bool averages = dilatation == Dilatation::kAveraged &&
+  const bool averages = volumetric_integration == VolumetricIntegration::kMeanDilatation &&
                         std::ranges::any_of(materials.laws, [](const Material& law) {
                           return volumetric_part(law) != nullptr;
                         });
@@ -108,8 +109,8 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
       X.col(a) = mesh.nodes_L[std::size_t(block.element(e)[a])];
     const auto reference = reference_element<Element>(X);
     if (!reference) return fault_of(mesh, block, e, first_number, reference.error());
-    if constexpr (kShearSides < Element >> 0)
-      if (averages && !shear_sides<Element>(X))
+    if constexpr (kSmoothingDomains < Element >> 0)
+      if (averages && !smoothing_domains<Element>(X))
         return fault_of(mesh, block, e, first_number, ElementFault{});
     points.push_back(*reference);
     if constexpr (kModes > 0)
@@ -122,21 +123,23 @@ Result<TermPtr> element_term(const mesh::VolumeMesh& mesh, const mesh::ElementBl
   if (!averages) return std::make_unique<const ContinuumTerm<Element>>(std::move(data), 1.0);
   if constexpr (kModes > 0) {
     return std::make_unique<const MeanDilatationTerm<Element>>(std::move(data), std::move(modes),
-                                                               reaches_inside);
+                                                               has_interior_node);
   } else {
-    constexpr double kShare = kShearSides < Element >> 0 ? kRetainedShare : 1.0;
-    for (Material& law : data.materials) law = law_beside_nodes(law);
-    return std::make_unique<const ContinuumTerm<Element>>(std::move(data), kShare);
+    constexpr double kFraction =
+        kSmoothingDomains < Element >> 0 ? kElementStabilizationFraction : 1.0;
+    for (Material& law : data.materials) law = element_law_without_nodal_part(law);
+    return std::make_unique<const ContinuumTerm<Element>>(std::move(data), kFraction);
   }
 }
 
 Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementBlock& block,
-                              BlockMaterials materials, Index first_number, Dilatation dilatation,
-                              std::span<const char> reaches_inside) {
+                              BlockMaterials materials, Index first_number,
+                              VolumetricIntegration volumetric_integration,
+                              std::span<const char> has_interior_node) {
   return std::visit(
       [&]<class Element>(const Element&) {
-        return element_term<Element>(mesh, block, std::move(materials), first_number, dilatation,
-                                     reaches_inside);
+        return element_term<Element>(mesh, block, std::move(materials), first_number,
+                                     volumetric_integration, has_interior_node);
       },
       element_of(block.shape));
 }
@@ -145,10 +148,11 @@ Result<TermPtr> term_of_block(const mesh::VolumeMesh& mesh, const mesh::ElementB
 
 Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
                                                 const RegionMaterials& materials,
-                                                Dilatation dilatation) {
+                                                VolumetricIntegration volumetric_integration) {
   for (const mesh::ElementBlock& block : mesh.blocks) LEFORT_TRY_VOID(check_block(mesh, block));
-  const std::vector<char> inside =
-      dilatation == Dilatation::kAveraged ? reach_inside(mesh) : std::vector<char>();
+  const std::vector<char> inside = volumetric_integration == VolumetricIntegration::kMeanDilatation
+                                       ? elements_with_interior_nodes(mesh)
+                                       : std::vector<char>();
   std::vector<TermPtr> terms;
   Index first_number = 0;
   for (const mesh::ElementBlock& block : mesh.blocks) {
@@ -160,15 +164,15 @@ Result<std::vector<TermPtr>> make_element_terms(const mesh::VolumeMesh& mesh,
             ? std::span<const char>()
             : std::span<const char>(inside).subspan(std::size_t(first_number), std::size_t(count));
     LEFORT_TRY(TermPtr term, term_of_block(mesh, block, std::move(of_block), first_number,
-                                           dilatation, inside_of_block));
+                                           volumetric_integration, inside_of_block));
     terms.push_back(std::move(term));
     first_number += count;
   }
   if (terms.empty()) return fail(ErrorCode::kMeshInvalid, "volume mesh has no element");
-  if (dilatation == Dilatation::kAveraged) {
-    if (TermPtr shear = SmoothedShearTerm::build(mesh, materials))
+  if (volumetric_integration == VolumetricIntegration::kMeanDilatation) {
+    if (TermPtr shear = SmoothedStrainTerm::build(mesh, materials))
       terms.push_back(std::move(shear));
-    if (TermPtr volume = NodalDilatation::build(mesh, materials))
+    if (TermPtr volume = AveragedNodalPressure::build(mesh, materials))
       terms.push_back(std::move(volume));
   }
   return terms;

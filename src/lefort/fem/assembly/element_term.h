@@ -5,7 +5,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
 #include <lefort/fem/assembly/force_term.h>
-#include <lefort/fem/locking/dilatation.h>
+#include <lefort/fem/locking/volumetric_integration.h>
 #include <lefort/fem/materials/material.h>
 #include <lefort/mesh/volume_mesh.h>
 
@@ -30,6 +30,6 @@ namespace lefort::fem {
 /// \note An element's number counts through the blocks, from 0.
 [[nodiscard]] Result<std::vector<std::unique_ptr<const ForceTerm>>> make_element_terms(
     const mesh::VolumeMesh& mesh, const RegionMaterials& materials,
-    Dilatation dilatation = Dilatation::kAveraged);
+    VolumetricIntegration volumetric_integration = VolumetricIntegration::kMeanDilatation);
 
 }  // namespace lefort::fem

@@ -65,7 +65,7 @@ template <class Element>
   double longest = 0.0;
   for (int a = 1; a < Element::kNodes; ++a)
     longest = std::max(longest, (X.col(a) - X.col(0)).norm());
-  const double least = kFlat * longest * longest * longest;
+  const double minimum = kFlat * longest * longest * longest;
 
   static const auto kQuadrature = Element::quadrature();
   static const auto kAtNodes = internal::gradients_at_nodes<Element>();
@@ -73,13 +73,13 @@ template <class Element>
   for (std::size_t q = 0; q < points.size(); ++q) {
     const Mat3 dX_dxi = X * kQuadrature[q].dN_dxi.transpose();
     const double jacobian = dX_dxi.determinant();
-    if (!(jacobian > least)) return tl::unexpected(ElementFault{});
+    if (!(jacobian > minimum)) return tl::unexpected(ElementFault{});
     points[q].dN_dX = dX_dxi.inverse().transpose() * kQuadrature[q].dN_dxi;
     points[q].volume_mm3 = jacobian * kQuadrature[q].weight;
   }
   for (int a = 0; a < Element::kNodes; ++a) {
     const Mat3 dX_dxi = X * kAtNodes[std::size_t(a)].transpose();
-    if (!(dX_dxi.determinant() > least)) return tl::unexpected(ElementFault{a});
+    if (!(dX_dxi.determinant() > minimum)) return tl::unexpected(ElementFault{a});
   }
   return points;
 }

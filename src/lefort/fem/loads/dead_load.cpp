@@ -2,8 +2,8 @@
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/elements/reference_element.h>
 #include <lefort/fem/faces/all_faces.h>
-#include <lefort/fem/loads/check_faces.h>
 #include <lefort/fem/loads/dead_load.h>
+#include <lefort/fem/loads/validate_load_faces.h>
 
 #include <fmt/format.h>
 
@@ -59,7 +59,7 @@ Result<std::vector<NodalForce>> traction_forces(std::span<const Vec3> nodes_L,
                                                 const Vec3& traction_mpa) {
   if (!traction_mpa.allFinite())
     return fail(ErrorCode::kInvalidArgument, "traction: a component is not finite");
-  LEFORT_TRY_VOID(check_faces(nodes_L, faces));
+  LEFORT_TRY_VOID(validate_load_faces(nodes_L, faces));
   ForceOfNode forces;
   for (const mesh::Face& face : faces)
     std::visit([&]<class Shape>(

@@ -1,11 +1,11 @@
 /// \file
-/// The mean change of volume of one element, and what it costs (dilatation.h).
+/// The mean change of volume of one element, and what it costs (volumetric_integration.h).
 #pragma once
 
 #include <lefort/core/types.h>
 #include <lefort/fem/elements/all_elements.h>
 #include <lefort/fem/elements/reference_element.h>
-#include <lefort/fem/locking/dilatation.h>
+#include <lefort/fem/locking/volumetric_integration.h>
 #include <lefort/fem/materials/material_response.h>
 #include <lefort/fem/materials/volumetric.h>
 
@@ -46,12 +46,12 @@ template <class Element>
     at.col(q) = X * quadrature[std::size_t(q)].N;
   }
   constexpr int kModes = kDilatationModes<Element>;
-  const Vec3 centre = at * volume / volume.sum();
+  const Vec3 center = at * volume / volume.sum();
   const double size = std::cbrt(volume.sum());
   DilatationModes<Element> raw;
   raw.col(0).setOnes();
   if constexpr (kModes > 1)
-    raw.template rightCols<kModes - 1>() = ((at.colwise() - centre) / size).transpose();
+    raw.template rightCols<kModes - 1>() = ((at.colwise() - center) / size).transpose();
   // raw^T dV raw = L L^T, so that the columns of raw L^-T are orthonormal.
   const Eigen::Matrix<double, kModes, kModes> gram = raw.transpose() * volume.asDiagonal() * raw;
   const Eigen::Matrix<double, kModes, kModes> L = gram.llt().matrixL();
@@ -60,23 +60,24 @@ template <class Element>
 
 /// Bulk modulus that stays at the points, in shear moduli, since one mean does not see what is
 /// linear in an element.
-struct BulkAtPoints {
-  double inside = 0.0;    ///< Where the body is more than a layer thick (reach_inside.h).
+struct PointwiseBulkFraction {
+  double inside =
+      0.0;  ///< Where the body is more than a layer thick (elements_with_interior_nodes.h).
   double in_layer = 0.0;  ///< Where it is not: no means above and below, which bending tells apart.
 };
 template <class Element>
-inline constexpr BulkAtPoints kBulkAtPoints{};
+inline constexpr PointwiseBulkFraction kPointwiseBulkFraction{};
 template <>
-inline constexpr BulkAtPoints kBulkAtPoints<Tet10>{0.25, 1.0};
+inline constexpr PointwiseBulkFraction kPointwiseBulkFraction<Tet10>{0.25, 1.0};
 template <>
-inline constexpr BulkAtPoints kBulkAtPoints<Wedge15>{0.5, 1.25};
+inline constexpr PointwiseBulkFraction kPointwiseBulkFraction<Wedge15>{0.5, 1.25};
 
 template <class Element>
-inline constexpr bool kHasBulkAtPoints = kBulkAtPoints<Element>.in_layer > 0.0;
+inline constexpr bool kHasBulkAtPoints = kPointwiseBulkFraction<Element>.in_layer > 0.0;
 
 /// Likewise of shapes with means around nodes, where the shear part is taken: those means do not
 /// see what changes sign from one side of a node to the other.
-inline constexpr double kBulkBesideNodes = 1.0;
+inline constexpr double kNodalStabilizationFraction = 1.0;
 
 /// U in two parts: of the mean, and at the points.
 struct SharedVolume {
@@ -96,22 +97,22 @@ struct SharedVolume {
 
 /// What an element with means of its own asks of a law.
 template <class Element>
-[[nodiscard]] SharedVolume share_volume(const Material& material, bool reaches_inside) {
+[[nodiscard]] SharedVolume share_volume(const Material& material, bool has_interior_node) {
   const Volumetric* volume = volumetric_part(material);
   if (volume == nullptr) return {};
-  constexpr BulkAtPoints kBulk = kBulkAtPoints<Element>;
+  constexpr PointwiseBulkFraction kBulk = kPointwiseBulkFraction<Element>;
   return share_volume(*volume, shear_modulus_at_rest(material),
-                      reaches_inside ? kBulk.inside : kBulk.in_layer);
+                      has_interior_node ? kBulk.inside : kBulk.in_layer);
 }
 
-/// What shapes with means around nodes ask of a law at the strain of elements and their neighbours:
+/// What shapes with means around nodes ask of a law at the strain of elements and their neighbors:
 /// all but the volume's part of the means. Laws that are not in split form are whole.
-[[nodiscard]] inline Material law_beside_nodes(const Material& material) {
+[[nodiscard]] inline Material element_law_without_nodal_part(const Material& material) {
   const Volumetric* volume = volumetric_part(material);
   if (volume == nullptr) return material;
   const double shear_mpa = shear_modulus_at_rest(material);
-  return with_bulk_modulus(material,
-                           share_volume(*volume, shear_mpa, kBulkBesideNodes).at_points.kappa_mpa);
+  return with_bulk_modulus(
+      material, share_volume(*volume, shear_mpa, kNodalStabilizationFraction).at_points.kappa_mpa);
 }
 
 /// How an element answers to a change of its volume.
@@ -144,18 +145,18 @@ template <class Element>
     const double dV = points[std::size_t(q)].volume_mm3;
     const double mean_change = psi.dot(theta);
     if (!(mean_change > -1.0)) return std::nullopt;
-    response.energy_mj += dV * volume.of_mean.energy_of_change(mean_change);
-    pressure += dV * volume.of_mean.slope(1.0 + mean_change) * psi;
-    response.curvature += dV * volume.of_mean.curvature(1.0 + mean_change) * psi * psi.transpose();
+    response.energy_mj += dV * volume.of_mean.energy_minus_one(mean_change);
+    pressure += dV * volume.of_mean.dU_dJ(1.0 + mean_change) * psi;
+    response.curvature += dV * volume.of_mean.d2U_dJ2(1.0 + mean_change) * psi * psi.transpose();
   }
   response.pressure = modes * pressure;
   response.curvature_at_points.setZero();
   if constexpr (kHasBulkAtPoints<Element>)
     for (int q = 0; q < Element::kPoints; ++q) {
       response.energy_mj +=
-          points[std::size_t(q)].volume_mm3 * volume.at_points.energy_of_change(change[q]);
-      response.pressure[q] += volume.at_points.slope(1.0 + change[q]);
-      response.curvature_at_points[q] = volume.at_points.curvature(1.0 + change[q]);
+          points[std::size_t(q)].volume_mm3 * volume.at_points.energy_minus_one(change[q]);
+      response.pressure[q] += volume.at_points.dU_dJ(1.0 + change[q]);
+      response.curvature_at_points[q] = volume.at_points.d2U_dJ2(1.0 + change[q]);
     }
   return response;
 }

@@ -22,14 +22,16 @@ template <class Element>
 class MeanDilatationTerm final : public ForceTerm {
  public:
   /// \param modes           one per element.
-  /// \param reaches_inside  one per element (reach_inside.h), or none if the shape does not ask.
+  /// \param has_interior_node  one per element (elements_with_interior_nodes.h), or none if the
+  ///   shape does not ask.
   MeanDilatationTerm(ElementData<Element> data, std::vector<DilatationModes<Element>> modes,
-                     std::span<const char> reaches_inside)
+                     std::span<const char> has_interior_node)
       : data_(std::move(data)), modes_(std::move(modes)) {
     volumes_.reserve(modes_.size());
     for (Index e = 0; e < data_.count(); ++e)
       volumes_.push_back(share_volume<Element>(
-          data_.material_of(e), !reaches_inside.empty() && reaches_inside[std::size_t(e)] != 0));
+          data_.material_of(e),
+          !has_interior_node.empty() && has_interior_node[std::size_t(e)] != 0));
   }
 
   [[nodiscard]] Index item_count() const override { return data_.count(); }
@@ -44,7 +46,8 @@ class MeanDilatationTerm final : public ForceTerm {
     const ReferenceElement<Element>& points = data_.points[std::size_t(item)];
     if (volumetric_part(material) == nullptr)
       return add_strain_energy<Element>(material, LawPart::kWhole, 1.0, points, x, local);
-    if (!add_strain_energy<Element>(material, LawPart::kShear, 1.0, points, x, local)) return false;
+    if (!add_strain_energy<Element>(material, LawPart::kIsochoric, 1.0, points, x, local))
+      return false;
     return add_volume(volumes_[std::size_t(item)], points, modes_[std::size_t(item)], x, local);
   }
 
@@ -57,7 +60,7 @@ class MeanDilatationTerm final : public ForceTerm {
     Eigen::Matrix<double, Element::kPoints, 1> change;
     for (std::size_t q = 0; q < F.size(); ++q) {
       F[q] = deformation_gradient<Element>(x, points[q]);
-      change[Index(q)] = volume_change(F[q]);
+      change[Index(q)] = jacobian_minus_one(F[q]);
     }
     const auto response = volume_response<Element>(volume, points, modes, change);
     if (!response) return false;

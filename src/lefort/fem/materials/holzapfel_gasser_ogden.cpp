@@ -12,15 +12,15 @@ namespace {
 constexpr const char* kName = "holzapfel-gasser-ogden";
 
 /// e of one family; <= 0 if it is slack.
-double fibre_strain(const HolzapfelGasserOgden& law, const IsochoricStrain& strain,
-                    const Vec3& fibre) {
-  const double I4_minus_1 = fibre.dot(strain.twice_strain() * fibre);
+double fiber_strain(const HolzapfelGasserOgden& law, const IsochoricStrain& strain,
+                    const Vec3& fiber) {
+  const double I4_minus_1 = fiber.dot(strain.twice_strain() * fiber);
   return law.dispersion * strain.I1_minus_3 + (1.0 - 3.0 * law.dispersion) * I4_minus_1;
 }
 
 /// 1/2 de/df, f = F_iso.
-Mat3 half_slope_of_strain(const HolzapfelGasserOgden& law, const Mat3& f, const Vec3& fibre) {
-  return law.dispersion * f + (1.0 - 3.0 * law.dispersion) * (f * fibre) * fibre.transpose();
+Mat3 half_slope_of_strain(const HolzapfelGasserOgden& law, const Mat3& f, const Vec3& fiber) {
+  return law.dispersion * f + (1.0 - 3.0 * law.dispersion) * (f * fiber) * fiber.transpose();
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ Result<void> HolzapfelGasserOgden::validate() const {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: family_count is {}, must be 1 or 2", kName, family_count));
   for (int n = 0; n < family_count; ++n)
-    LEFORT_TRY_VOID(check_unit(kName, fmt::format("fibre {}", n + 1), fibre[std::size_t(n)]));
+    LEFORT_TRY_VOID(check_unit(kName, fmt::format("fibre {}", n + 1), fiber[std::size_t(n)]));
   return {};
 }
 
@@ -45,7 +45,7 @@ double HolzapfelGasserOgden::energy(const Mat3& F) const {
   const IsochoricStrain strain(F);
   double sum = 0.5 * mu_mpa * strain.I1_minus_3;
   for (int n = 0; n < family_count; ++n) {
-    const double e = fibre_strain(*this, strain, fibre[std::size_t(n)]);
+    const double e = fiber_strain(*this, strain, fiber[std::size_t(n)]);
     if (e > 0.0) sum += 0.5 * k1_mpa / k2 * std::expm1(k2 * e * e);
   }
   return sum;
@@ -56,8 +56,8 @@ Mat3 HolzapfelGasserOgden::stress(const Mat3& F) const {
   const IsochoricStrain strain(F);
   Mat3 P_iso = mu_mpa * part.F_iso;
   for (int n = 0; n < family_count; ++n) {
-    const Vec3& a = fibre[std::size_t(n)];
-    const double e = fibre_strain(*this, strain, a);
+    const Vec3& a = fiber[std::size_t(n)];
+    const double e = fiber_strain(*this, strain, a);
     if (e > 0.0)
       P_iso += 2.0 * k1_mpa * e * std::exp(k2 * e * e) * half_slope_of_strain(*this, part.F_iso, a);
   }
@@ -70,8 +70,8 @@ Mat9 HolzapfelGasserOgden::tangent(const Mat3& F) const {
   Mat3 P_iso = mu_mpa * part.F_iso;
   Mat9 A = mu_mpa * Mat9::Identity();
   for (int n = 0; n < family_count; ++n) {
-    const Vec3& a = fibre[std::size_t(n)];
-    const double e = fibre_strain(*this, strain, a);
+    const Vec3& a = fiber[std::size_t(n)];
+    const double e = fiber_strain(*this, strain, a);
     if (!(e > 0.0)) continue;
     const double stiffness = k1_mpa * std::exp(k2 * e * e);
     const Mat3 h = half_slope_of_strain(*this, part.F_iso, a);

@@ -7,6 +7,7 @@
 /// in tests/fem/ its textbook energy (textbook_energy.h) and an example (material_examples.h).
 #pragma once
 
+#include <lefort/fem/materials/decoupled_law.h>
 #include <lefort/fem/materials/fung_orthotropic.h>
 #include <lefort/fem/materials/holzapfel_gasser_ogden.h>
 #include <lefort/fem/materials/isochoric_neo_hookean.h>
@@ -14,7 +15,6 @@
 #include <lefort/fem/materials/mooney_rivlin.h>
 #include <lefort/fem/materials/neo_hookean.h>
 #include <lefort/fem/materials/ogden.h>
-#include <lefort/fem/materials/split.h>
 #include <lefort/fem/materials/st_venant_kirchhoff.h>
 #include <lefort/fem/materials/yeoh.h>
 
@@ -25,8 +25,9 @@
 namespace lefort::fem {
 
 using Material = std::variant<NeoHookean, LinearElastic, StVenantKirchhoff,  //
-                              Split<IsochoricNeoHookean>, Split<MooneyRivlin>, Split<Yeoh>,
-                              Split<Ogden>, Split<FungOrthotropic>, Split<HolzapfelGasserOgden>>;
+                              DecoupledLaw<IsochoricNeoHookean>, DecoupledLaw<MooneyRivlin>,
+                              DecoupledLaw<Yeoh>, DecoupledLaw<Ogden>,
+                              DecoupledLaw<FungOrthotropic>, DecoupledLaw<HolzapfelGasserOgden>>;
 
 /// What each region of a mesh (mesh::ElementBlock::region) is made of.
 using RegionMaterials = std::map<std::int32_t, Material>;

@@ -5,11 +5,11 @@ namespace {
 
 /// Calls f with that part of the law.
 template <class Function>
-auto ask(const Material& material, LawPart part, const Function& f) {
+auto apply_law(const Material& material, LawPart part, const Function& f) {
   return std::visit(
       [&]<class Law>(const Law& law) {
-        if constexpr (kIsSplit<Law>) {
-          if (part == LawPart::kShear) return f(law.shear);
+        if constexpr (kIsDecoupled<Law>) {
+          if (part == LawPart::kIsochoric) return f(law.isochoric);
         }
         return f(law);
       },
@@ -21,7 +21,7 @@ auto ask(const Material& material, LawPart part, const Function& f) {
 const Volumetric* volumetric_part(const Material& material) {
   return std::visit(
       []<class Law>(const Law& law) -> const Volumetric* {
-        if constexpr (kIsSplit<Law>) return &law.volume;
+        if constexpr (kIsDecoupled<Law>) return &law.volume;
         return nullptr;
       },
       material);
@@ -30,26 +30,26 @@ const Volumetric* volumetric_part(const Material& material) {
 Material with_bulk_modulus(Material material, double kappa_mpa) {
   std::visit(
       [&]<class Law>(Law& law) {
-        if constexpr (kIsSplit<Law>) law.volume.kappa_mpa = kappa_mpa;
+        if constexpr (kIsDecoupled<Law>) law.volume.kappa_mpa = kappa_mpa;
       },
       material);
   return material;
 }
 
 double energy(const Material& material, LawPart part, const Mat3& F) {
-  return ask(material, part, [&](const auto& law) { return law.energy(F); });
+  return apply_law(material, part, [&](const auto& law) { return law.energy(F); });
 }
 
 Mat3 stress(const Material& material, LawPart part, const Mat3& F) {
-  return ask(material, part, [&](const auto& law) { return law.stress(F); });
+  return apply_law(material, part, [&](const auto& law) { return law.stress(F); });
 }
 
 Mat9 tangent(const Material& material, LawPart part, const Mat3& F) {
-  return ask(material, part, [&](const auto& law) { return law.tangent(F); });
+  return apply_law(material, part, [&](const auto& law) { return law.tangent(F); });
 }
 
 double shear_modulus_at_rest(const Material& material) {
-  const Mat9 A = tangent(material, LawPart::kShear, Mat3::Identity());
+  const Mat9 A = tangent(material, LawPart::kIsochoric, Mat3::Identity());
   double sum = 0.0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)

@@ -11,7 +11,7 @@ namespace lefort::fem {
 
 enum class LawPart {
   kWhole,
-  kShear  ///< Of a law in split form (materials/split.h) its shear part; of others all.
+  kIsochoric  ///< Of a law in split form (materials/decoupled_law.h) its shear part; of others all.
 };
 
 /// U(J) of a law in split form; null for others. Points into `material`.

@@ -26,7 +26,7 @@ double NeoHookean::energy(const Mat3& F) const {
   // With H = F - I, I1 - 3 and J - 1 are formed without subtracting nearly equal numbers, so that
   // energies of small strains keep their digits.
   const Mat3 H = F - Mat3::Identity();
-  const double log_J = std::log1p(volume_change(F));
+  const double log_J = std::log1p(jacobian_minus_one(F));
   const double I1_minus_3 = 2.0 * H.trace() + H.squaredNorm();
   return 0.5 * mu_mpa * (I1_minus_3 - 2.0 * log_J) + 0.5 * lambda_mpa * log_J * log_J;
 }

@@ -25,7 +25,7 @@ Result<void> Volumetric::validate() const {
   return check_positive("volumetric", "kappa", kappa_mpa);
 }
 
-double Volumetric::energy_of_change(double change) const {
+double Volumetric::energy_minus_one(double change) const {
   switch (form) {
     case VolumetricForm::kQuadratic:
       return 0.5 * kappa_mpa * change * change;
@@ -39,7 +39,7 @@ double Volumetric::energy_of_change(double change) const {
   throw_logic_error("form is known", __FILE__, __LINE__);
 }
 
-double Volumetric::slope(double J) const {
+double Volumetric::dU_dJ(double J) const {
   LEFORT_ASSERT(J > 0.0);
   switch (form) {
     case VolumetricForm::kQuadratic:
@@ -52,7 +52,7 @@ double Volumetric::slope(double J) const {
   throw_logic_error("form is known", __FILE__, __LINE__);
 }
 
-double Volumetric::curvature(double J) const {
+double Volumetric::d2U_dJ2(double J) const {
   LEFORT_ASSERT(J > 0.0);
   switch (form) {
     case VolumetricForm::kQuadratic:

@@ -1,5 +1,5 @@
 /// \file
-/// What a change of volume costs: the part U(J) of the laws in split form (split.h).
+/// What a change of volume costs: the part U(J) of the laws in split form (decoupled_law.h).
 #pragma once
 
 #include <lefort/core/error.h>
@@ -29,17 +29,17 @@ struct Volumetric {
   [[nodiscard]] Result<void> validate() const;
 
   /// U [MPa = mJ/mm^3]. Zero for J = 1.
-  [[nodiscard]] double energy(double J) const { return energy_of_change(J - 1.0); }
+  [[nodiscard]] double energy(double J) const { return energy_minus_one(J - 1.0); }
 
-  /// U at J = 1 + change, for a change whose digits J would lose (volume_change()).
+  /// U at J = 1 + change, for a change whose digits J would lose (jacobian_minus_one()).
   /// \note Right to a few units in the last place of `change`, however small.
-  [[nodiscard]] double energy_of_change(double change) const;
+  [[nodiscard]] double energy_minus_one(double change) const;
 
   /// dU/dJ [MPa], the hydrostatic part of the true stress; positive where J > 1.
-  [[nodiscard]] double slope(double J) const;
+  [[nodiscard]] double dU_dJ(double J) const;
 
   /// d2U/dJ2 [MPa].
-  [[nodiscard]] double curvature(double J) const;
+  [[nodiscard]] double d2U_dJ2(double J) const;
 };
 
 }  // namespace lefort::fem

@@ -12,12 +12,12 @@ Result<void> Yeoh::validate() const {
   LEFORT_TRY_VOID(check_positive("yeoh", "c10", c10_mpa));
   LEFORT_TRY_VOID(check_not_negative("yeoh", "c30", c30_mpa));
   // The least slope lies at x = -c20 / (3 c30), if c20 < 0.
-  const double least = -std::sqrt(3.0 * c10_mpa * c30_mpa);
-  if (!(c20_mpa >= 0.0 || c20_mpa > least) || !std::isfinite(c20_mpa))
+  const double minimum = -std::sqrt(3.0 * c10_mpa * c30_mpa);
+  if (!(c20_mpa >= 0.0 || c20_mpa > minimum) || !std::isfinite(c20_mpa))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("yeoh: c20 is {} MPa, must be >= 0 or > -sqrt(3 c10 c30) = {} MPa, or "
                             "tissue would give way when stretched",
-                            c20_mpa, least));
+                            c20_mpa, minimum));
   return {};
 }
 

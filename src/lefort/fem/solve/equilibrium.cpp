@@ -15,18 +15,18 @@ class HeldBody final : public NonlinearSystem {
  public:
   HeldBody(const Assembler& assembler, VectorX u) : assembler_(assembler), u_(std::move(u)) {}
 
-  [[nodiscard]] std::optional<Balance> balance(const VectorX& x) const override {
+  [[nodiscard]] std::optional<ResidualState> residual_state(const VectorX& x) const override {
     std::optional<AssembledForces> forces = assembler_.forces(all(x));
     if (!forces) return std::nullopt;
-    return Balance{.energy_mj = forces->energy_mj,
-                   .residual_n = assembler_.dofs().free_part(forces->residual_n),
-                   .follower_n = forces->follower_n.size() == 0
-                                     ? VectorX()
-                                     : assembler_.dofs().free_part(forces->follower_n),
-                   .force_scale_n = forces->force_scale_n,
-                   .energy_round_off_mj = forces->energy_round_off_mj,
-                   .contacts = forces->contacts,
-                   .deepest_mm = forces->deepest_mm};
+    return ResidualState{.energy_mj = forces->energy_mj,
+                         .residual_n = assembler_.dofs().free_part(forces->residual_n),
+                         .follower_n = forces->follower_n.size() == 0
+                                           ? VectorX()
+                                           : assembler_.dofs().free_part(forces->follower_n),
+                         .residual_reference_n = forces->residual_reference_n,
+                         .energy_round_off_mj = forces->energy_round_off_mj,
+                         .contacts = forces->contacts,
+                         .deepest_mm = forces->deepest_mm};
   }
 
   [[nodiscard]] linear::SparseMatrix tangent(const VectorX& x, Tangent kind) const override {
@@ -62,7 +62,7 @@ VectorX follow_boundary(const Assembler& assembler, const VectorX& start, const 
   if (!forces) return moved;
   const VectorX unbalanced = forces->residual_n + assembler.tangent_times(start, moved - start);
   const linear::SparseMatrix K = assembler.tangent(start);
-  enter(SolvePhase::kFactorisation, options);
+  enter(SolvePhase::kFactorization, options);
   const auto du = linear_solver.solve(K, -dofs.free_part(unbalanced), kFollowingTolerance,
                                       [&] { enter(SolvePhase::kSolve, options); });
   enter(SolvePhase::kAssembly, options);
@@ -102,10 +102,10 @@ NewtonOutcome find_equilibrium(const Assembler& assembler,
   LEFORT_CHECK(start.size() == 3 * dofs.node_count());
   set_near_null_space(linear_solver, assembler);
   const VectorX moved = dofs.with_prescribed(start, prescribed);
-  const bool stands_still =
+  const bool is_stationary =
       dofs.free_count() == 0 || (moved - start).lpNorm<Eigen::Infinity>() <= kStandstill_mm;
   const VectorX guess =
-      stands_still ? moved : follow_boundary(assembler, start, moved, linear_solver, options);
+      is_stationary ? moved : follow_boundary(assembler, start, moved, linear_solver, options);
   const HeldBody body(assembler, guess);
   NewtonOptions of_free_part = options;
   if (options.round_off_n.size() > 0)

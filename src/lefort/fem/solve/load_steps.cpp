@@ -18,9 +18,9 @@ constexpr double kRemnant = 0.1;
 /// Whether a failure may be the extrapolated start's own. A solve that ran long has left its start
 /// behind; running as long from the last state would find no more.
 bool worth_a_nearer_start(const NewtonOutcome& outcome, const LoadStepOptions& options) {
-  return outcome.stop == NewtonStop::kInadmissibleStart || outcome.stop == NewtonStop::kRefused ||
+  return outcome.stop == NewtonStop::kInadmissibleStart || outcome.stop == NewtonStop::kRejected ||
          (outcome.stop == NewtonStop::kStagnated &&
-          outcome.iterations() <= options.easy_iterations);
+          outcome.iterations() <= options.target_iterations);
 }
 
 }  // namespace
@@ -36,10 +36,10 @@ Result<void> validate(const LoadStepOptions& options) {
     return refuse("min_increment", options.min_increment, "> 0 and <= first_increment");
   if (!(options.max_increment >= options.first_increment))
     return refuse("max_increment", options.max_increment, ">= first_increment");
-  if (!(options.growth >= 1.0) || !std::isfinite(options.growth))
-    return refuse("growth", options.growth, ">= 1");
-  if (options.easy_iterations < 0)
-    return refuse("easy_iterations", options.easy_iterations, ">= 0");
+  if (!(options.growth_factor >= 1.0) || !std::isfinite(options.growth_factor))
+    return refuse("growth", options.growth_factor, ">= 1");
+  if (options.target_iterations < 0)
+    return refuse("easy_iterations", options.target_iterations, ">= 0");
   if (options.max_attempts < 1) return refuse("max_attempts", options.max_attempts, ">= 1");
   return {};
 }
@@ -53,10 +53,11 @@ LoadStepper::LoadStepper(LoadState start, SolveAtLoad solve, const LoadStepOptio
   LEFORT_CHECK(validate(options).has_value());
 }
 
-LoadStepper LoadStepper::resumed(Memory memory, SolveAtLoad solve, const LoadStepOptions& options) {
-  LoadStepper stepper(std::move(memory.last), std::move(solve), options);
-  stepper.before_last_ = std::move(memory.before_last);
-  stepper.increment_ = memory.increment;
+LoadStepper LoadStepper::resumed(Checkpoint checkpoint, SolveAtLoad solve,
+                                 const LoadStepOptions& options) {
+  LoadStepper stepper(std::move(checkpoint.last), std::move(solve), options);
+  stepper.before_last_ = std::move(checkpoint.before_last);
+  stepper.increment_ = checkpoint.increment;
   return stepper;
 }
 
@@ -100,7 +101,7 @@ Result<void> LoadStepper::advance_to(double t_end, Progress& progress,
     const bool is_last = last_.t + (1.0 + kRounding) * increment_ >= t_end;
     const double t = is_last ? t_end : last_.t + increment_;
     // Asked for, not t - last_.t: a difference of levels carries their rounding.
-    const double asked = is_last ? std::min(increment_, t_end - last_.t) : increment_;
+    const double requested = is_last ? std::min(increment_, t_end - last_.t) : increment_;
 
     NewtonOutcome outcome = attempt(t, before_last_.has_value());
     if (before_last_ && worth_a_nearer_start(outcome, options_)) outcome = attempt(t, false);
@@ -111,14 +112,14 @@ Result<void> LoadStepper::advance_to(double t_end, Progress& progress,
     if (outcome.converged()) {
       before_last_ = std::exchange(last_, {t, std::move(outcome.x)});
       // A remnant before a level proves nothing for whole increments.
-      if (outcome.iterations() <= options_.easy_iterations && asked >= kRemnant * increment_)
-        increment_ =
-            std::min(std::max(increment_, asked) * options_.growth, options_.max_increment);
+      if (outcome.iterations() <= options_.target_iterations && requested >= kRemnant * increment_)
+        increment_ = std::min(std::max(increment_, requested) * options_.growth_factor,
+                              options_.max_increment);
       if (on_state) LEFORT_TRY_VOID(on_state(last_));
-    } else if (asked <= (1.0 + kRounding) * options_.min_increment) {
+    } else if (requested <= (1.0 + kRounding) * options_.min_increment) {
       return stuck_at(t, "the smallest increment", outcome.reason);
     } else {
-      increment_ = std::max(0.5 * asked, options_.min_increment);
+      increment_ = std::max(0.5 * requested, options_.min_increment);
     }
     if (last_.t < t_end && attempts_.size() >= attempts_allowed)
       return stuck_at(t_end, fmt::format("{} attempts", options_.max_attempts).c_str(),

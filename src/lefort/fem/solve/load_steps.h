@@ -24,9 +24,9 @@ struct LoadStepOptions {
   double first_increment = 1.0;       ///< Of t, > 0; cut to the distance to the next level.
   double min_increment = 1.0 / 1024;  ///< Of t, > 0, <= first; failing at this size ends the run.
   double max_increment = std::numeric_limits<double>::infinity();  ///< Of t, >= first.
-  double growth = 2.0;      ///< An easy increment is multiplied by this, >= 1.
-  int easy_iterations = 6;  ///< Newton needed at most so many: the increment was easy.
-  int max_attempts = 1000;  ///< Calls of solve for one advance_to(), at most; >= 1.
+  double growth_factor = 2.0;  ///< An easy increment is multiplied by this, >= 1.
+  int target_iterations = 6;   ///< Newton needed at most so many: the increment was easy.
+  int max_attempts = 1000;     ///< Calls of solve for one advance_to(), at most; >= 1.
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
@@ -56,15 +56,15 @@ class LoadStepper {
   LoadStepper(LoadState start, SolveAtLoad solve, const LoadStepOptions& options = {});
 
   /// All that the next step depends on.
-  struct Memory {
+  struct Checkpoint {
     LoadState last;
     std::optional<LoadState> before_last;
     double increment = 0.0;
   };
-  [[nodiscard]] Memory memory() const { return {last_, before_last_, increment_}; }
+  [[nodiscard]] Checkpoint checkpoint() const { return {last_, before_last_, increment_}; }
 
   /// Goes on as the stepper would have whose memory it was; attempts() begin anew.
-  [[nodiscard]] static LoadStepper resumed(Memory memory, SolveAtLoad solve,
+  [[nodiscard]] static LoadStepper resumed(Checkpoint checkpoint, SolveAtLoad solve,
                                            const LoadStepOptions& options);
 
   /// Advances to load level `t_end` > state().t.

@@ -18,74 +18,75 @@ constexpr double kShiftGrowth = 4.0;
 constexpr double kLastShift = 1e3;
 
 /// Likewise for the part of the convex tangent; the last is 1.
-constexpr double kFirstShare = 0.25;
-constexpr double kShareGrowth = 2.0;
+constexpr double kFirstFraction = 0.25;
+constexpr double kFractionGrowth = 2.0;
 
 /// How much a step is shortened at least and at most.
-constexpr double kShortenLeast = 0.5;
-constexpr double kShortenMost = 0.1;
+constexpr double kMinContraction = 0.5;
+constexpr double kMaxContraction = 0.1;
 
 /// A step that was shortened to less reached too far: the next tangent is to be more convex.
 constexpr double kTooFar = 0.5;
 
 /// A step is lengthened where the slope at its end is still so much of that at its start; by how
 /// much at least and at most.
-constexpr double kStillSteep = 0.3;
-constexpr double kLengthenLeast = 1.5;
-constexpr double kLengthenMost = 4.0;
+constexpr double kSufficientSlopeReduction = 0.3;
+constexpr double kMinExpansion = 1.5;
+constexpr double kMaxExpansion = 4.0;
 
 /// An admissible state and what is known there.
-struct Iterate {
+struct NewtonState {
   VectorX x;
-  Balance balance;
+  ResidualState residual_state;
   double residual_n = 0.0;
   double energy_mj = 0.0;  ///< W, and minus the work of followers since the start.
 };
 
 /// \param from  the state the step to x begins at; null at the start.
-std::optional<Iterate> iterate_at(const NonlinearSystem& system, VectorX x,
-                                  const Iterate* from = nullptr) {
+std::optional<NewtonState> iterate_at(const NonlinearSystem& system, VectorX x,
+                                      const NewtonState* from = nullptr) {
   if (!x.allFinite()) return std::nullopt;
-  std::optional<Balance> balance = system.balance(x);
-  if (!balance) return std::nullopt;
-  const double residual_n = balance->residual_n.norm();
-  double energy_mj = balance->energy_mj;
-  if (from != nullptr && balance->follower_n.size() > 0)
-    energy_mj += from->energy_mj - from->balance.energy_mj +
-                 0.5 * (from->balance.follower_n + balance->follower_n).dot(x - from->x);
+  std::optional<ResidualState> residual_state = system.residual_state(x);
+  if (!residual_state) return std::nullopt;
+  const double residual_n = residual_state->residual_n.norm();
+  double energy_mj = residual_state->energy_mj;
+  if (from != nullptr && residual_state->follower_n.size() > 0)
+    energy_mj +=
+        from->energy_mj - from->residual_state.energy_mj +
+        0.5 * (from->residual_state.follower_n + residual_state->follower_n).dot(x - from->x);
   if (!std::isfinite(residual_n) || !std::isfinite(energy_mj)) return std::nullopt;
-  return Iterate{std::move(x), *std::move(balance), residual_n, energy_mj};
+  return NewtonState{std::move(x), *std::move(residual_state), residual_n, energy_mj};
 }
 
 /// What a step was taken by.
-struct Model {
-  double convex_share = 0.0;  ///< Of the convex tangent; the rest is the exact one.
-  double shift = 0.0;
+struct TangentModel {
+  double tangent_blend = 0.0;  ///< Of the convex tangent; the rest is the exact one.
+  double diagonal_shift = 0.0;
   bool reached_too_far = false;  ///< Its step had to be shortened.
 };
 
 /// (1 - share) A + share B, both of one pattern.
 linear::SparseMatrix blend(const linear::SparseMatrix& A, const linear::SparseMatrix& B,
-                           double share) {
+                           double fraction) {
   linear::SparseMatrix sum = A;
-  sum.coeffs() += share * (B.coeffs() - A.coeffs());
+  sum.coeffs() += fraction * (B.coeffs() - A.coeffs());
   return sum;
 }
 
 /// K + tau D, D the magnitudes of the diagonal of K, none nearly zero beside the others.
 linear::SparseMatrix shifted(const linear::SparseMatrix& K, double tau) {
-  constexpr double kLeast = 1e-3;
+  constexpr double kMinimum = 1e-3;
   const VectorX diagonal = K.diagonal().cwiseAbs();
-  const VectorX D = diagonal.cwiseMax(kLeast * diagonal.mean());
+  const VectorX D = diagonal.cwiseMax(kMinimum * diagonal.mean());
   linear::SparseMatrix sum = K;
   sum.diagonal() += tau * D;
   return sum;
 }
 
 /// A step and what it was found by.
-struct Direction {
+struct SearchDirection {
   VectorX dx;
-  Model model;
+  TangentModel model;
   std::optional<VectorX> unsymmetric_dx = {};  ///< By K + A, where there is an A and it was found.
 };
 
@@ -130,22 +131,23 @@ std::optional<VectorX> solve_unsymmetric(const linear::SparseMatrix& K,
 /// \param last       of the step before.
 /// \param tolerance  of an iterative solver.
 /// \returns the step, or why there is none.
-tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system, const Iterate& at,
-                                                   const Model& last, double tolerance,
-                                                   linear::LinearSolver& solver,
-                                                   const NewtonOptions& options,
-                                                   const Progress& progress) {
-  const VectorX right_side = -at.balance.residual_n;
+tl::expected<SearchDirection, NewtonStop> find_direction(const NonlinearSystem& system,
+                                                         const NewtonState& at,
+                                                         const TangentModel& last, double tolerance,
+                                                         linear::LinearSolver& solver,
+                                                         const NewtonOptions& options,
+                                                         const Progress& progress) {
+  const VectorX right_side = -at.residual_state.residual_n;
   const auto solve = [&](const linear::SparseMatrix& A) {
-    enter(SolvePhase::kFactorisation, options);
+    enter(SolvePhase::kFactorization, options);
     auto dx = solver.solve(A, right_side, tolerance, [&] { enter(SolvePhase::kSolve, options); });
     enter(SolvePhase::kAssembly, options);
     return dx;
   };
   const linear::SparseMatrix exact = system.tangent(at.x, Tangent::kExact);
   const linear::SparseMatrix A = system.antisymmetric_tangent(at.x);
-  const auto direction = [&](VectorX dx, const Model& model) {
-    Direction found{std::move(dx), model};
+  const auto direction = [&](VectorX dx, const TangentModel& model) {
+    SearchDirection found{std::move(dx), model};
     if (is_unsymmetric(exact, A)) {
       enter(SolvePhase::kSolve, options);
       found.unsymmetric_dx = solve_unsymmetric(exact, A, right_side, tolerance, solver);
@@ -157,30 +159,31 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
   if (dx) return direction(*std::move(dx), {});
 
   linear::SparseMatrix convex;
-  Model model;
-  while (!dx && dx.error() == linear::Factorisation::kNotPositiveDefinite &&
-         model.shift <= kLastShift) {
+  TangentModel model;
+  while (!dx && dx.error() == linear::LinearSolveStatus::kNotPositiveDefinite &&
+         model.diagonal_shift <= kLastShift) {
     if (progress.stop_requested()) return tl::unexpected(NewtonStop::kCancelled);
-    if (model.convex_share == 0.0) {
-      convex = system.tangent(at.x, Tangent::kConvex);
-      const double share = last.reached_too_far ? last.convex_share * kShareGrowth
-                                                : last.convex_share / kShareGrowth;
-      model.convex_share = std::clamp(share, kFirstShare, 1.0);
-    } else if (model.convex_share < 1.0) {
-      model.convex_share = std::min(model.convex_share * kShareGrowth, 1.0);
+    if (model.tangent_blend == 0.0) {
+      convex = system.tangent(at.x, Tangent::kPsdProjected);
+      const double fraction = last.reached_too_far ? last.tangent_blend * kFractionGrowth
+                                                   : last.tangent_blend / kFractionGrowth;
+      model.tangent_blend = std::clamp(fraction, kFirstFraction, 1.0);
+    } else if (model.tangent_blend < 1.0) {
+      model.tangent_blend = std::min(model.tangent_blend * kFractionGrowth, 1.0);
     } else {
-      model.shift = model.shift > 0.0 ? model.shift * kShiftGrowth
-                                      : std::max(kFirstShift, last.shift / kShiftGrowth);
-      if (model.shift > kLastShift) break;
+      model.diagonal_shift = model.diagonal_shift > 0.0
+                                 ? model.diagonal_shift * kShiftGrowth
+                                 : std::max(kFirstShift, last.diagonal_shift / kShiftGrowth);
+      if (model.diagonal_shift > kLastShift) break;
     }
-    dx = solve(model.shift > 0.0 ? shifted(convex, model.shift)
-                                 : blend(exact, convex, model.convex_share));
+    dx = solve(model.diagonal_shift > 0.0 ? shifted(convex, model.diagonal_shift)
+                                          : blend(exact, convex, model.tangent_blend));
   }
   if (dx) return direction(*std::move(dx), model);
   switch (dx.error()) {
-    case linear::Factorisation::kOutOfMemory:
+    case linear::LinearSolveStatus::kOutOfMemory:
       return tl::unexpected(NewtonStop::kOutOfMemory);
-    case linear::Factorisation::kNotConverged:
+    case linear::LinearSolveStatus::kNotConverged:
       return tl::unexpected(NewtonStop::kLinearNotConverged);
     default:
       return tl::unexpected(NewtonStop::kSingularTangent);
@@ -188,33 +191,34 @@ tl::expected<Direction, NewtonStop> find_direction(const NonlinearSystem& system
 }
 
 /// \param expected_mj  the change of energy to first order, negative for a descent.
-bool acceptable(const Iterate& from, const Iterate& to, double expected_mj,
+bool acceptable(const NewtonState& from, const NewtonState& to, double expected_mj,
                 const NewtonOptions& options) {
   const double change_mj = to.energy_mj - from.energy_mj;
-  const double round_off_mj = from.balance.energy_round_off_mj + to.balance.energy_round_off_mj;
+  const double round_off_mj =
+      from.residual_state.energy_round_off_mj + to.residual_state.energy_round_off_mj;
   if (-expected_mj > round_off_mj) return change_mj <= options.sufficient_decrease * expected_mj;
   return to.residual_n < from.residual_n;
 }
 
 struct Step {
-  Iterate to;
+  NewtonState to;
   double length;
 };
 
 /// Shortens the step `dx` until it is acceptable. The next length is where the slope, interpolated
 /// between both ends, vanishes.
-std::optional<Step> backtrack(const NonlinearSystem& system, const Iterate& from, const VectorX& dx,
-                              const NewtonOptions& options) {
-  const double slope_mj = from.balance.residual_n.dot(dx);
+std::optional<Step> backtrack(const NonlinearSystem& system, const NewtonState& from,
+                              const VectorX& dx, const NewtonOptions& options) {
+  const double slope_mj = from.residual_state.residual_n.dot(dx);
   double length = 1.0;
   for (int n = 0; n <= options.max_backtracks; ++n) {
-    std::optional<Iterate> to = iterate_at(system, from.x + length * dx, &from);
+    std::optional<NewtonState> to = iterate_at(system, from.x + length * dx, &from);
     if (to && acceptable(from, *to, length * slope_mj, options))
       return Step{*std::move(to), length};
-    double factor = kShortenLeast;
+    double factor = kMinContraction;
     if (to) {
-      const double zero_of_slope = slope_mj / (slope_mj - to->balance.residual_n.dot(dx));
-      if (zero_of_slope > 0.0) factor = std::clamp(zero_of_slope, kShortenMost, kShortenLeast);
+      const double zero_of_slope = slope_mj / (slope_mj - to->residual_state.residual_n.dot(dx));
+      if (zero_of_slope > 0.0) factor = std::clamp(zero_of_slope, kMaxContraction, kMinContraction);
     }
     length *= factor;
   }
@@ -223,13 +227,13 @@ std::optional<Step> backtrack(const NonlinearSystem& system, const Iterate& from
 
 /// Shortens a step by K + A until it lowers the energy or |r|; not by much, since where it does not
 /// work the other one may.
-std::optional<Step> shorten_unsymmetric(const NonlinearSystem& system, const Iterate& from,
-                                        const VectorX& dx, const NewtonOptions& options) {
+std::optional<Step> backtrack_nonsymmetric(const NonlinearSystem& system, const NewtonState& from,
+                                           const VectorX& dx, const NewtonOptions& options) {
   constexpr int kTrials = 4;
-  const double slope_mj = from.balance.residual_n.dot(dx);
+  const double slope_mj = from.residual_state.residual_n.dot(dx);
   double length = 1.0;
-  for (int n = 0; n < kTrials; ++n, length *= kShortenLeast) {
-    std::optional<Iterate> to = iterate_at(system, from.x + length * dx, &from);
+  for (int n = 0; n < kTrials; ++n, length *= kMinContraction) {
+    std::optional<NewtonState> to = iterate_at(system, from.x + length * dx, &from);
     if (!to) continue;
     const double enough_n = (1.0 - options.sufficient_decrease * length) * from.residual_n;
     if (to->residual_n <= enough_n || acceptable(from, *to, length * slope_mj, options))
@@ -240,18 +244,18 @@ std::optional<Step> shorten_unsymmetric(const NonlinearSystem& system, const Ite
 
 /// Goes on along `dx` while that pays: a tangent made convex knows nothing of how far down an
 /// unstable direction leads, so that steps along it are short.
-Step lengthen(const NonlinearSystem& system, const Iterate& from, const VectorX& dx, Step step,
-              const NewtonOptions& options) {
-  const double slope_mj = from.balance.residual_n.dot(dx);
+Step expand_step(const NonlinearSystem& system, const NewtonState& from, const VectorX& dx,
+                 Step step, const NewtonOptions& options) {
+  const double slope_mj = from.residual_state.residual_n.dot(dx);
   for (int n = 0; n < options.max_backtracks; ++n) {
-    const double slope_here_mj = step.to.balance.residual_n.dot(dx);
-    if (!(slope_here_mj < kStillSteep * slope_mj)) break;
+    const double slope_here_mj = step.to.residual_state.residual_n.dot(dx);
+    if (!(slope_here_mj < kSufficientSlopeReduction * slope_mj)) break;
     const double factor =
         slope_here_mj <= slope_mj
-            ? kLengthenMost
-            : std::clamp(slope_mj / (slope_mj - slope_here_mj), kLengthenLeast, kLengthenMost);
+            ? kMaxExpansion
+            : std::clamp(slope_mj / (slope_mj - slope_here_mj), kMinExpansion, kMaxExpansion);
     const double length = factor * step.length;
-    std::optional<Iterate> to = iterate_at(system, from.x + length * dx, &from);
+    std::optional<NewtonState> to = iterate_at(system, from.x + length * dx, &from);
     if (!to || to->energy_mj >= step.to.energy_mj ||
         !acceptable(from, *to, length * slope_mj, options))
       break;
@@ -261,17 +265,17 @@ Step lengthen(const NonlinearSystem& system, const Iterate& from, const VectorX&
 }
 
 /// Counts the steps since something last improved.
-class Headway {
+class StagnationMonitor {
  public:
-  explicit Headway(const Iterate& start)
+  explicit StagnationMonitor(const NewtonState& start)
       : first_energy_mj_(start.energy_mj), best_residual_n_(start.residual_n) {}
 
   /// \returns how many steps in a row, this one included, made none.
-  int steps_without(const Iterate& from, const Iterate& to, bool is_shifted) {
+  int stalled_steps(const NewtonState& from, const NewtonState& to, bool is_shifted) {
     const double gain_mj = from.energy_mj - to.energy_mj;
     const double gained_mj = first_energy_mj_ - from.energy_mj;
-    const double wanted_mj =
-        std::max(kClearly * to.balance.energy_round_off_mj, is_shifted ? kPart * gained_mj : 0.0);
+    const double wanted_mj = std::max(kClearly * to.residual_state.energy_round_off_mj,
+                                      is_shifted ? kPart * gained_mj : 0.0);
     const bool lower_residual = to.residual_n < kNotably * best_residual_n_;
     best_residual_n_ = std::min(best_residual_n_, to.residual_n);
     return without_ = gain_mj > wanted_mj || lower_residual ? 0 : without_ + 1;
@@ -286,24 +290,25 @@ class Headway {
   int without_ = 0;
 };
 
-double tolerance_n(const Iterate& at, const NewtonOptions& options) {
-  return std::max(options.relative_tolerance * at.balance.force_scale_n,
+double tolerance_n(const NewtonState& at, const NewtonOptions& options) {
+  return std::max(options.relative_tolerance * at.residual_state.residual_reference_n,
                   options.absolute_tolerance_n);
 }
 
 /// Whether what is left of r beside its round-off is small.
-bool is_round_off(const Iterate& at, const NewtonOptions& options) {
+bool is_round_off(const NewtonState& at, const NewtonOptions& options) {
   if (options.round_off_n.size() == 0) return false;
-  const VectorX left = (at.balance.residual_n.cwiseAbs() - options.round_off_n).cwiseMax(0.0);
-  return left.norm() <= options.relative_tolerance * at.balance.force_scale_n;
+  const VectorX left =
+      (at.residual_state.residual_n.cwiseAbs() - options.round_off_n).cwiseMax(0.0);
+  return left.norm() <= options.relative_tolerance * at.residual_state.residual_reference_n;
 }
 
 /// \param iterations  done so far.
-bool is_converged(const Iterate& at, int iterations, const NewtonOptions& options) {
+bool is_converged(const NewtonState& at, int iterations, const NewtonOptions& options) {
   constexpr double kNearlyAll = 1e-3;  // Of the forces that cancel: they may well be no round-off.
   if (at.residual_n <= tolerance_n(at, options)) return true;
   const bool tried = options.may_start_at_rest || iterations > 0 ||
-                     at.residual_n <= kNearlyAll * at.balance.force_scale_n;
+                     at.residual_n <= kNearlyAll * at.residual_state.residual_reference_n;
   return tried && is_round_off(at, options);
 }
 
@@ -338,14 +343,14 @@ class ForcingTerm {
   double last_residual_n_ = 0.0;
 };
 
-NewtonIterate history_line(const Iterate& at, double step_length, const Model& model) {
+NewtonIterate history_line(const NewtonState& at, double step_length, const TangentModel& model) {
   return {.residual_n = at.residual_n,
-          .force_scale_n = at.balance.force_scale_n,
+          .residual_reference_n = at.residual_state.residual_reference_n,
           .energy_mj = at.energy_mj,
           .step_length = step_length,
-          .convex_share = model.convex_share,
-          .shift = model.shift,
-          .contacts = at.balance.contacts};
+          .tangent_blend = model.tangent_blend,
+          .diagonal_shift = model.diagonal_shift,
+          .contacts = at.residual_state.contacts};
 }
 
 }  // namespace
@@ -375,7 +380,7 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
   LEFORT_CHECK(options.round_off_n.size() == 0 || options.round_off_n.size() == start.size());
   NewtonOutcome outcome;
   enter(SolvePhase::kAssembly, options);
-  std::optional<Iterate> first = iterate_at(system, start);
+  std::optional<NewtonState> first = iterate_at(system, start);
   if (!first) {
     outcome.x = std::move(start);
     enter(SolvePhase::kNone, options);
@@ -383,13 +388,13 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
     return outcome;
   }
 
-  Iterate at = *std::move(first);
-  Headway headway(at);
+  NewtonState at = *std::move(first);
+  StagnationMonitor stagnation(at);
   ForcingTerm forcing;
-  Model model;
+  TangentModel model;
   const auto note = [&](double step_length) {
     outcome.history.push_back(history_line(at, step_length, model));
-    if (options.on_iterate) options.on_iterate(outcome.history.back(), at.balance);
+    if (options.on_iterate) options.on_iterate(outcome.history.back(), at.residual_state);
   };
   note(0.0);
   const auto stop = [&](NewtonStop why, const std::string& what) {
@@ -414,17 +419,17 @@ NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
     const VectorX& dx = direction->dx;
     std::optional<Step> step;
     if (direction->unsymmetric_dx)
-      step = shorten_unsymmetric(system, at, *direction->unsymmetric_dx, options);
+      step = backtrack_nonsymmetric(system, at, *direction->unsymmetric_dx, options);
     const bool is_unsymmetric = step.has_value();
     if (!step) step = backtrack(system, at, dx, options);
     if (!step && is_round_off(at, options)) break;
     if (!step) return stop(NewtonStop::kStagnated, "no step leads downhill");
 
     model.reached_too_far = step->length < kTooFar;
-    if (model.convex_share > 0.0 && step->length == 1.0 && !is_unsymmetric)
-      step = lengthen(system, at, dx, *std::move(step), options);
+    if (model.tangent_blend > 0.0 && step->length == 1.0 && !is_unsymmetric)
+      step = expand_step(system, at, dx, *std::move(step), options);
 
-    const int idle = headway.steps_without(at, step->to, model.shift > 0.0);
+    const int idle = stagnation.stalled_steps(at, step->to, model.diagonal_shift > 0.0);
     at = std::move(step->to);
     note(step->length);
     if (idle >= options.stagnation_iterations && !is_converged(at, outcome.iterations(), options))

@@ -18,14 +18,14 @@
 namespace lefort::fem {
 
 /// The forces at one state.
-struct Balance {
-  double energy_mj = 0.0;            ///< W(x) [mJ].
-  VectorX residual_n;                ///< r(x) = dW/dx + follower_n [N], zero in equilibrium.
-  VectorX follower_n = {};           ///< What is no energy's gradient [N]; empty if there is none.
-  double force_scale_n = 0.0;        ///< Size of the forces that cancel in r [N]; see Assembler.
-  double energy_round_off_mj = 0.0;  ///< Differences of W below this say nothing [mJ].
-  Index contacts = 0;                ///< Points in contact, for the history.
-  double deepest_mm = 0.0;           ///< How deep one of them lies, for who watches [mm].
+struct ResidualState {
+  double energy_mj = 0.0;             ///< W(x) [mJ].
+  VectorX residual_n;                 ///< r(x) = dW/dx + follower_n [N], zero in equilibrium.
+  VectorX follower_n = {};            ///< What is no energy's gradient [N]; empty if there is none.
+  double residual_reference_n = 0.0;  ///< Size of the forces that cancel in r [N]; see Assembler.
+  double energy_round_off_mj = 0.0;   ///< Differences of W below this say nothing [mJ].
+  Index contacts = 0;                 ///< Points in contact, for the history.
+  double deepest_mm = 0.0;            ///< How deep one of them lies, for who watches [mm].
 };
 
 /// r(x) = 0. x holds the free displacements [mm].
@@ -34,7 +34,7 @@ class NonlinearSystem {
   virtual ~NonlinearSystem() = default;
 
   /// \returns the balance at x, or nothing if x is inadmissible: an element turned inside out, NaN.
-  [[nodiscard]] virtual std::optional<Balance> balance(const VectorX& x) const = 0;
+  [[nodiscard]] virtual std::optional<ResidualState> residual_state(const VectorX& x) const = 0;
 
   /// \returns the symmetric part of dr/dx [N/mm] or its convex stand-in, lower triangle with the
   ///   whole diagonal, always with the same pattern.
@@ -50,17 +50,18 @@ class NonlinearSystem {
 
 /// One line of the history.
 struct NewtonIterate {
-  double residual_n = 0.0;     ///< |r| [N].
-  double force_scale_n = 0.0;  ///< [N]; residual_n / force_scale_n is the relative residual.
+  double residual_n = 0.0;  ///< |r| [N].
+  double residual_reference_n =
+      0.0;                     ///< [N]; residual_n / residual_reference_n is the relative residual.
   double energy_mj = 0.0;      ///< Of followers: minus their work on the way from the start.
   double step_length = 0.0;    ///< Taken to come here, in Newton steps; 0 at the start.
-  double convex_share = 0.0;   ///< Of the convex tangent in the one the step was taken by.
-  double shift = 0.0;          ///< tau: tau times its diagonal was added to it.
-  Index contacts = 0;          ///< Points in contact here.
+  double tangent_blend = 0.0;  ///< Of the convex tangent in the one the step was taken by.
+  double diagonal_shift = 0.0;  ///< tau: tau times its diagonal was added to it.
+  Index contacts = 0;           ///< Points in contact here.
 };
 
 /// What a solve spends its time on.
-enum class SolvePhase { kAssembly, kFactorisation, kSolve, kNone };
+enum class SolvePhase { kAssembly, kFactorization, kSolve, kNone };
 
 struct NewtonOptions {
   double relative_tolerance = 1e-8;   ///< Converged when |r| <= this * force scale, >= 0 ...
@@ -79,7 +80,7 @@ struct NewtonOptions {
   /// Told what comes next, from the calling thread: for who looks at the clock. May be empty.
   std::function<void(SolvePhase)> on_phase{};
   /// Told each line of the history as it is found, likewise: for who watches. May be empty.
-  std::function<void(const NewtonIterate&, const Balance&)> on_iterate{};
+  std::function<void(const NewtonIterate&, const ResidualState&)> on_iterate{};
 };
 
 /// \returns kInvalidArgument, naming the option that lies outside its range.
@@ -98,7 +99,7 @@ enum class NewtonStop {
   kLinearNotConverged,  ///< An iterative linear solver gave up.
   kOutOfMemory,  ///< The factor does not fit into memory; the problem may well have a solution.
   kInadmissibleStart,  ///< The start itself turns an element inside out, or is not finite.
-  kRefused,            ///< Converged to a state that the caller does not accept.
+  kRejected,           ///< Converged to a state that the caller does not accept.
   kCancelled           ///< Progress asked to stop.
 };
 
@@ -127,7 +128,7 @@ struct NewtonOutcome {
 ///
 /// Where a part of r is no energy's gradient, minus its work along the straight step, by the
 /// trapezoidal rule, takes its place in W; and dr/dx is K + A with an antisymmetric A. The step is
-/// then solved for by GMRES, preconditioned by what was factorised, and taken if it lowers that W
+/// then solved for by GMRES, preconditioned by what was factorized, and taken if it lowers that W
 /// or |r|. If it does neither, a step by K alone is tried: it goes down that W, since along a
 /// straight line only the symmetric part of dr/dx does work (dx . A dx = 0).
 ///
@@ -138,7 +139,7 @@ struct NewtonOutcome {
 /// An iterative linear solver is asked for as much accuracy as each step deserves.
 ///
 /// \param linear_solver  keeps its symbolic analysis from one call to the next.
-/// \param progress       asked before every iteration and factorisation whether to stop.
+/// \param progress       asked before every iteration and factorization whether to stop.
 [[nodiscard]] NewtonOutcome solve_newton(const NonlinearSystem& system, VectorX start,
                                          linear::LinearSolver& linear_solver,
                                          const NewtonOptions& options = {},

@@ -1,10 +1,10 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/build/band_sampler.h>
-#include <lefort/field/build/bricks_reached.h>
 #include <lefort/field/build/nearest_by_tree.h>
-#include <lefort/field/sign/far_sides.h>
-#include <lefort/field/sign/settle_sides.h>
-#include <lefort/field/sign/tear.h>
+#include <lefort/field/build/triangle_brick_overlaps.h>
+#include <lefort/field/sign/outside_band.h>
+#include <lefort/field/sign/resolve_sign_conflicts.h>
+#include <lefort/field/sign/violates_lipschitz.h>
 
 #include <fmt/format.h>
 
@@ -34,9 +34,9 @@ constexpr Index kProgressSteps = 20;
 /// beyond. `lefort bench scaling` is where they cross.
 constexpr double kWideCells = 6.0;
 constexpr double kNearCells = 3.0;
-/// BrickSigns::apart, but for rounding; less than half of kTearCells.
-constexpr double kApartCells = 0.5003;
-static_assert(2.0 * kApartCells > 1.0 && 2.0 * kApartCells < double(kTearCells));
+/// BrickSigns::clear_of_surface, but for rounding; less than half of kMaxSlope.
+constexpr double kClearCells = 0.5003;
+static_assert(2.0 * kClearCells > 1.0 && 2.0 * kClearCells < double(kMaxSlope));
 /// Widens boxes and planes against rounding, as a share of a cell.
 constexpr double kSlack = 1e-4;
 
@@ -67,13 +67,13 @@ std::uint64_t bits_above(std::span<const float, 64> numbers, float limit) {
   return top_bits(above, 0);
 }
 
-/// Distances for their squares, negative below the nearest face, kFar without a triangle. For the
-/// vectoriser.
+/// Distances for their squares, negative below the nearest face, kUnsampled without a triangle. For
+/// the vectoriser.
 void signed_distances(std::span<const std::int32_t, 64> codes, std::span<float, 64> distances) {
   for (std::size_t i = 0; i < 64; ++i) {
     const std::uint32_t sign = std::uint32_t(codes[i]) << 31;
     const std::uint32_t size = std::bit_cast<std::uint32_t>(std::sqrt(distances[i]));
-    distances[i] = codes[i] < 0 ? kFar : std::bit_cast<float>(size | sign);
+    distances[i] = codes[i] < 0 ? kUnsampled : std::bit_cast<float>(size | sign);
   }
 }
 
@@ -88,11 +88,11 @@ tl::unexpected<Error> too_many_pairs(std::int64_t pairs) {
                           pairs, kMaxPairs));
 }
 
-tl::unexpected<Error> too_many_points(Index most_bricks) {
+tl::unexpected<Error> too_many_points(Index max_bricks) {
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("the band takes more than {} points of the lattice; lower the resolution "
                           "or the band",
-                          most_bricks * SparseLattice::kBrickPoints));
+                          max_bricks * SparseLattice::kBrickPoints));
 }
 
 }  // namespace
@@ -108,15 +108,15 @@ BandSampler::BandSampler(const PreparedSurface& surface, const FieldFrame& frame
       simd_(simd) {}
 
 Result<BandSampler> BandSampler::create(const PreparedSurface& surface, const FieldFrame& frame,
-                                        double reach_mm, Index most_points, Progress& progress,
+                                        double reach_mm, Index max_points, Progress& progress,
                                         Simd simd) {
   BandSampler sampler(surface, frame, reach_mm, simd);
   LEFORT_TRY_VOID(sampler.bin_triangles());
-  const Index most_bricks = most_points / SparseLattice::kBrickPoints;
-  if (Index(sampler.bricks_.size()) > most_bricks) return too_many_points(most_bricks);
+  const Index max_bricks = max_points / SparseLattice::kBrickPoints;
+  if (Index(sampler.bricks_.size()) > max_bricks) return too_many_points(max_bricks);
   if (sampler.near_mm_ < sampler.reach_mm_) {
     sampler.far_ = build_triangle_tree(surface.mesh_B, frame.origin_B);
-    LEFORT_TRY_VOID(sampler.add_far_bricks(most_bricks, progress));
+    LEFORT_TRY_VOID(sampler.grow_band_by_tree(max_bricks, progress));
   }
   return sampler;
 }
@@ -127,14 +127,14 @@ Result<void> BandSampler::bin_triangles() {
   const BrickGrid grid = {origin_, cell_mm_, n};
   const double reach_mm = near_mm_ + kSlack * cell_mm_;
 
-  PairCount pairs(kMaxPairs);
+  OverlapBudget pairs(kMaxPairs);
   const auto blocks = std::size_t((mesh.triangle_count() + kTriangleBlock - 1) / kTriangleBlock);
-  std::vector<BricksReached> visits(blocks);
+  std::vector<TriangleBrickOverlaps> visits(blocks);
   parallel_for_blocks(
       mesh.triangle_count(),
       [&](Index begin, Index end) {
-        BricksReached& block = visits[std::size_t(begin / kTriangleBlock)];
-        block = bricks_reached(mesh, begin, end, grid, reach_mm, pairs, simd_);
+        TriangleBrickOverlaps& block = visits[std::size_t(begin / kTriangleBlock)];
+        block = triangle_brick_overlaps(mesh, begin, end, grid, reach_mm, pairs, simd_);
         block.bricks.shrink_to_fit();
       },
       kTriangleBlock);
@@ -153,7 +153,7 @@ Result<void> BandSampler::bin_triangles() {
   first_.push_back(total);
   triangles_.resize(total);
   std::int32_t triangle = 0;
-  for (BricksReached& block : visits) {
+  for (TriangleBrickOverlaps& block : visits) {
     std::uint32_t i = 0;
     for (const std::uint32_t end : block.ends) {
       for (; i < end; ++i) triangles_[next[std::size_t(block.bricks[i])]++] = triangle;
@@ -166,7 +166,7 @@ Result<void> BandSampler::bin_triangles() {
 
 /// Goes from brick to brick, from those of the surface outward, as long as the surface is within
 /// reach of some point of them.
-Result<void> BandSampler::add_far_bricks(Index most_bricks, Progress& progress) {
+Result<void> BandSampler::grow_band_by_tree(Index max_bricks, Progress& progress) {
   const int n = SparseLattice::bricks_per_side(resolution_);
   const double brick_mm = kSide * cell_mm_;
   // Of a brick with all its cells, so that no step over a corner is missed.
@@ -191,14 +191,14 @@ Result<void> BandSampler::add_far_bricks(Index most_bricks, Progress& progress) 
     const auto keep = [&](Index i, std::vector<std::int32_t>& reached) {
       const std::int32_t b = around[std::size_t(i)];
       const LatticePoint p = SparseLattice::first_point_of(b, resolution_);
-      const Vec3 centre =
+      const Vec3 center =
           origin_ + cell_mm_ * Vec3(p[0], p[1], p[2]) + Vec3::Constant(brick_mm / 2);
-      if (std::isfinite(squared_distance(surface_->mesh_B, *far_, centre, limit_mm)))
+      if (std::isfinite(squared_distance(surface_->mesh_B, *far_, center, limit_mm)))
         reached.push_back(b);
     };
     front = parallel_collect<std::int32_t>(Index(around.size()), keep);
     far.insert(far.end(), front.begin(), front.end());
-    if (Index(far.size() + bricks_.size()) > most_bricks) return too_many_points(most_bricks);
+    if (Index(far.size() + bricks_.size()) > max_bricks) return too_many_points(max_bricks);
   }
   std::sort(far.begin(), far.end());
 
@@ -236,7 +236,7 @@ BrickSigns BandSampler::sample(Index slot,
   const Vec3 low = origin_ + cell_mm_ * Vec3(first_point[0], first_point[1], first_point[2]);
   const double reach_mm = near_mm_ + kSlack * cell_mm_;
 
-  const auto apart_mm = float(kApartCells * cell_mm_);
+  const auto clear_mm = float(kClearCells * cell_mm_);
   const bool has_doubles = !surface_->is_double.empty();
 
   NearestInBrick nearest;
@@ -259,7 +259,7 @@ BrickSigns BandSampler::sample(Index slot,
     const std::span slice_codes = std::span(codes).subspan(64 * z).first<64>();
     const std::span slice = distances.subspan(64 * z).first<64>();
     for (int i = 0; i < 64; i += int(NearestInBrick::kTileX)) {
-      const std::size_t from = NearestInBrick::place_of(i % kSide, i / kSide, int(z));
+      const std::size_t from = NearestInBrick::linear_offset(i % kSide, i / kSide, int(z));
       std::copy_n(nearest.code.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
                   slice_codes.begin() + i);
       std::copy_n(nearest.squared_mm2.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
@@ -268,13 +268,13 @@ BrickSigns BandSampler::sample(Index slot,
     signs.known[z] = ~top_bits(slice_codes, 0);  // kNone alone is negative.
     const std::uint64_t on_face = top_bits(slice_codes, 30), below = top_bits(slice_codes, 31);
     signs.inside[z] = signs.known[z] & on_face & below;
-    signs.apart[z] = signs.known[z] & bits_above(slice, apart_mm * apart_mm);
+    signs.clear_of_surface[z] = signs.known[z] & bits_above(slice, clear_mm * clear_mm);
     to_find[z] = signs.known[z] & (has_doubles ? ~std::uint64_t(0) : ~on_face);
     signed_distances(slice_codes, slice);
   }
 
   const BrickBits off_face = to_find;
-  if (surface_->closed && !has_doubles) hand_on_sides(signs, to_find);
+  if (surface_->closed && !has_doubles) propagate_signs(signs, to_find);
   for (std::size_t z = 0; z < std::size_t(kSide); ++z) {
     for (std::uint64_t left = to_find[z]; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
@@ -292,12 +292,12 @@ BrickSigns BandSampler::sample(Index slot,
 }
 
 Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const FieldFrame& frame,
-                                         double reach_mm, const WindingRows* winding,
+                                         double reach_mm, const WindingScanlines* winding,
                                          Progress& progress) {
   LEFORT_TRY(const BandSampler sampler,
              BandSampler::create(surface, frame, reach_mm, kMaxLatticePoints, progress));
   const std::span<const std::int32_t> bricks = sampler.bricks();
-  SparseLattice distances(frame.resolution, {bricks.begin(), bricks.end()}, kFar);
+  SparseLattice distances(frame.resolution, {bricks.begin(), bricks.end()}, kUnsampled);
   const Index count = distances.brick_count();
   for (Index step = 0; step < kProgressSteps; ++step) {
     const Index begin = count * step / kProgressSteps, end = count * (step + 1) / kProgressSteps;
@@ -309,8 +309,9 @@ Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const F
           BrickSigns signs = sampler.sample(slot, distances.brick(slot));
           if (winding == nullptr || !signs.any_known()) return;
           const std::int32_t brick = bricks[std::size_t(slot)];
-          settle_sides(distances.brick(slot), signs, inside_with_far(signs, *winding, brick, frame),
-                       winding, brick, frame);
+          resolve_sign_conflicts(distances.brick(slot), signs,
+                                 inside_with_unsampled(signs, *winding, brick, frame), winding,
+                                 brick, frame);
         },
         kBrickBlock);
     progress.report(double(step + 1) / kProgressSteps);

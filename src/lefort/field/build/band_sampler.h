@@ -10,7 +10,7 @@
 #include <lefort/field/build/triangle_tree.h>
 #include <lefort/field/field_frame.h>
 #include <lefort/field/sign/brick_signs.h>
-#include <lefort/field/sign/winding_rows.h>
+#include <lefort/field/sign/winding_scanlines.h>
 #include <lefort/field/storage/sparse_lattice.h>
 
 #include <cstdint>
@@ -22,7 +22,7 @@
 namespace lefort::field {
 
 /// Distance of a lattice point beyond the reach, before its side is known.
-inline constexpr float kFar = std::numeric_limits<float>::quiet_NaN();
+inline constexpr float kUnsampled = std::numeric_limits<float>::quiet_NaN();
 
 /// Knows which triangles matter to which brick, and samples bricks one at a time, in any order and
 /// from any thread.
@@ -35,16 +35,16 @@ inline constexpr float kFar = std::numeric_limits<float>::quiet_NaN();
 /// for the nearest triangle instead.
 class BandSampler {
  public:
-  static constexpr Index kMostPoints = Index(1) << 32;  ///< 12 GiB of samples in bricks.
+  static constexpr Index kMaxPoints = Index(1) << 32;  ///< 12 GiB of samples in bricks.
 
   /// \param surface      must outlive the sampler.
   /// \param reach_mm     points up to this far from the surface are sampled.
-  /// \param most_points  of the lattice, in all bricks.
+  /// \param max_points  of the lattice, in all bricks.
   /// \returns kInvalidArgument if the band takes more points than that, or brings too many
   ///   triangles together with bricks; kCancelled.
   [[nodiscard]] static Result<BandSampler> create(const PreparedSurface& surface,
                                                   const FieldFrame& frame, double reach_mm,
-                                                  Index most_points = kMostPoints,
+                                                  Index max_points = kMaxPoints,
                                                   Progress& progress = Progress::none(),
                                                   Simd simd = best_simd());
 
@@ -52,7 +52,7 @@ class BandSampler {
   /// hold no sample.
   [[nodiscard]] std::span<const std::int32_t> bricks() const { return bricks_; }
 
-  /// Signed distances [mm] at the points of a brick, kFar beyond the reach; and their signs.
+  /// Signed distances [mm] at the points of a brick, kUnsampled beyond the reach; and their signs.
   ///
   /// The nearest triangle is found in single precision; the sign is that of the pseudonormal at its
   /// nearest feature.
@@ -64,7 +64,7 @@ class BandSampler {
   BandSampler(const PreparedSurface& surface, const FieldFrame& frame, double reach_mm, Simd simd);
 
   [[nodiscard]] Result<void> bin_triangles();
-  [[nodiscard]] Result<void> add_far_bricks(Index most_bricks, Progress& progress);
+  [[nodiscard]] Result<void> grow_band_by_tree(Index max_bricks, Progress& progress);
   [[nodiscard]] bool is_inside(std::int32_t code, const Vec3& p) const;
 
   const PreparedSurface* surface_;
@@ -81,13 +81,14 @@ class BandSampler {
 };
 
 /// Samples every lattice point within `reach_mm` of the surface; the other points of the bricks
-/// touched are kFar.
+/// touched are kUnsampled.
 ///
-/// \param winding  of the surface, or null if it is open: settles contradictions (settle_sides.h).
+/// \param winding  of the surface, or null if it is open: settles contradictions
+///   (resolve_sign_conflicts.h).
 /// \returns kInvalidArgument if the points would not fit in memory; kCancelled.
 [[nodiscard]] Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface,
                                                        const FieldFrame& frame, double reach_mm,
-                                                       const WindingRows* winding,
+                                                       const WindingScanlines* winding,
                                                        Progress& progress);
 
 }  // namespace lefort::field

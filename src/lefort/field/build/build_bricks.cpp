@@ -1,9 +1,9 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/build/build_bricks.h>
 #include <lefort/field/sign/brick_signs.h>
-#include <lefort/field/sign/far_sides.h>
-#include <lefort/field/sign/settle_sides.h>
-#include <lefort/field/sign/tear.h>
+#include <lefort/field/sign/outside_band.h>
+#include <lefort/field/sign/resolve_sign_conflicts.h>
+#include <lefort/field/sign/violates_lipschitz.h>
 
 #include <algorithm>
 #include <array>
@@ -31,11 +31,11 @@ constexpr Index kCopyBlock = 32;
 
 using Distances = std::array<float, SparseLattice::kBrickPoints>;
 
-/// Signs at the six faces of a brick, to be compared with those of its neighbours.
+/// Signs at the six faces of a brick, to be compared with those of its neighbors.
 struct FaceSigns {
   std::array<std::array<std::uint64_t, 2>, 3> known{};  ///< By axis, lowest and highest points.
   std::array<std::array<std::uint64_t, 2>, 3> inside{};
-  std::array<std::array<std::uint64_t, 2>, 3> apart{};
+  std::array<std::array<std::uint64_t, 2>, 3> clear_of_surface{};
 };
 
 /// A brick as it will be stored.
@@ -53,13 +53,13 @@ struct EncodedBrick {
 using Codes = std::array<std::int32_t, SparseLattice::kBrickPoints>;
 
 /// Rounds to the nearest code; +-infinity becomes kBeyond, NaN kUnknown. For the vectoriser.
-void quantise(const Distances& distances, float codes_per_mm, Codes& codes) {
-  constexpr auto kMost = float(BrickSamples::kBeyond);
+void quantize(const Distances& distances, float codes_per_mm, Codes& codes) {
+  constexpr auto kMaximum = float(BrickSamples::kBeyond);
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const float scaled = distances[i] * codes_per_mm;
     const float rounded = scaled < 0.0F ? scaled - 0.5F : scaled + 0.5F;
-    const float upper = rounded < kMost ? rounded : kMost;  // kMost, too, if NaN.
-    const float within = upper > -kMost ? upper : -kMost;
+    const float upper = rounded < kMaximum ? rounded : kMaximum;  // kMaximum, too, if NaN.
+    const float within = upper > -kMaximum ? upper : -kMaximum;
     codes[i] = scaled == scaled ? std::int32_t(within) : BrickSamples::kUnknown;
   }
 }
@@ -88,20 +88,21 @@ void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick
 }
 
 void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
-            const WindingRows* winding, std::int32_t number, EncodedBrick& encoded) {
+            const WindingScanlines* winding, std::int32_t number, EncodedBrick& encoded) {
   encoded.brick = {};
   encoded.empty = !signs.any_known();
   if (encoded.empty) return;
   const BrickBits inside =
-      winding == nullptr ? signs.inside : inside_with_far(signs, *winding, number, frame);
-  const std::vector<std::size_t> torn =
-      settle_sides(distances, signs, inside, winding, number, frame);
+      winding == nullptr ? signs.inside : inside_with_unsampled(signs, *winding, number, frame);
+  const std::vector<std::size_t> in_conflict =
+      resolve_sign_conflicts(distances, signs, inside, winding, number, frame);
   for (int axis = 0; axis < 3; ++axis)
     for (const bool highest : {false, true}) {
       const auto a = std::size_t(axis);
       encoded.faces.known[a][std::size_t(highest)] = face_bits(signs.known, axis, highest);
       encoded.faces.inside[a][std::size_t(highest)] = face_bits(signs.inside, axis, highest);
-      encoded.faces.apart[a][std::size_t(highest)] = face_bits(signs.apart, axis, highest);
+      encoded.faces.clear_of_surface[a][std::size_t(highest)] =
+          face_bits(signs.clear_of_surface, axis, highest);
     }
   if (winding != nullptr) {
     for (std::size_t z = 0; z < std::size_t(kSide); ++z)
@@ -110,9 +111,9 @@ void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
         distances[z * 64 + std::size_t(bit)] = (inside[z] >> bit & 1) != 0 ? -kInfinity : kInfinity;
       }
   }
-  for (const std::size_t i : torn) distances[i] = kNaN;
+  for (const std::size_t i : in_conflict) distances[i] = kNaN;
   Codes codes;
-  quantise(distances, float(BrickSamples::kLargest / frame.band_mm), codes);
+  quantize(distances, float(BrickSamples::kLargest / frame.band_mm), codes);
   for (int leaf = 0; leaf < 8; ++leaf) {
     std::uint64_t known = 0;
     for (int z = 0; z < kLeafSide; ++z)
@@ -121,16 +122,17 @@ void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
   }
 }
 
-/// Neighbours in different bricks that contradict each other.
-std::vector<LatticePoint> torn_across_faces(const BrickSamples& samples,
-                                            std::span<const std::int32_t> bricks,
-                                            std::span<const FaceSigns> faces, float cell_mm) {
+/// Neighbors in different bricks that contradict each other.
+std::vector<LatticePoint> conflicting_across_faces(const BrickSamples& samples,
+                                                   std::span<const std::int32_t> bricks,
+                                                   std::span<const FaceSigns> faces,
+                                                   float cell_mm) {
   const int n = SparseLattice::bricks_per_side(samples.resolution());
   const std::array<int, 3> stride = {1, n, n * n};
   std::vector<std::int32_t> slots(samples.bricks().size(), SparseLattice::kNoBrick);
   for (std::size_t slot = 0; slot < bricks.size(); ++slot)
     slots[std::size_t(bricks[slot])] = std::int32_t(slot);
-  const auto find_torn = [&](Index slot, std::vector<LatticePoint>& torn) {
+  const auto find_conflicts = [&](Index slot, std::vector<LatticePoint>& in_conflict) {
     const std::int32_t number = bricks[std::size_t(slot)];
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = std::size_t(axis);
@@ -138,26 +140,27 @@ std::vector<LatticePoint> torn_across_faces(const BrickSamples& samples,
       if (next == SparseLattice::kNoBrick) continue;
       const FaceSigns &here = faces[std::size_t(slot)], &there = faces[std::size_t(next)];
       std::uint64_t changes = (here.inside[a][1] ^ there.inside[a][0]) & here.known[a][1] &
-                              there.known[a][0] & (here.apart[a][1] | there.apart[a][0]);
+                              there.known[a][0] &
+                              (here.clear_of_surface[a][1] | there.clear_of_surface[a][0]);
       for (; changes != 0; changes &= changes - 1) {
         const int bit = std::countr_zero(changes);
         const LatticePoint p = point_at(SparseLattice::first_point_of(number, samples.resolution()),
                                         face_place(bit, axis, true));
         LatticePoint q = p;
         ++q[a];
-        const float d = samples.distance_of(BrickSamples::read_code(samples.place_of(p)));
-        const float e = samples.distance_of(BrickSamples::read_code(samples.place_of(q)));
-        if (is_torn(d, e, cell_mm)) torn.insert(torn.end(), {p, q});
+        const float d = samples.distance_of(BrickSamples::read_code(samples.linear_offset(p)));
+        const float e = samples.distance_of(BrickSamples::read_code(samples.linear_offset(q)));
+        if (violates_lipschitz(d, e, cell_mm)) in_conflict.insert(in_conflict.end(), {p, q});
       }
     }
   };
-  return parallel_collect<LatticePoint>(Index(bricks.size()), find_torn);
+  return parallel_collect<LatticePoint>(Index(bricks.size()), find_conflicts);
 }
 
 }  // namespace
 
 Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& frame,
-                                  const WindingRows* winding, Progress& progress) {
+                                  const WindingScanlines* winding, Progress& progress) {
   const std::span<const std::int32_t> candidates = sampler.bricks();
   const auto side = std::size_t(SparseLattice::bricks_per_side(frame.resolution));
   std::vector<Brick> table(side * side * side);
@@ -233,10 +236,10 @@ Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& 
   const std::span<const Brick> all_bricks = owner->table;
   BrickSamples samples(frame.resolution, frame.band_mm, all_bricks,
                        std::span<const std::byte>(first_code, bytes), std::move(owner));
-  const std::vector<LatticePoint> torn =
-      torn_across_faces(samples, bricks, faces, float(frame.cell_mm));
+  const std::vector<LatticePoint> in_conflict =
+      conflicting_across_faces(samples, bricks, faces, float(frame.cell_mm));
   std::vector<std::ptrdiff_t> places;
-  for (const LatticePoint& p : torn) places.push_back(samples.place_of(p) - first_code);
+  for (const LatticePoint& p : in_conflict) places.push_back(samples.linear_offset(p) - first_code);
   for (const std::ptrdiff_t place : places)
     BrickSamples::write_code(first_code + place, BrickSamples::kUnknown);
   return samples;

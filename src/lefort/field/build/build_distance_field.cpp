@@ -2,11 +2,11 @@
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/field/build/coalesce.h>
 #include <lefort/field/build/top_down.h>
-#include <lefort/field/sign/far_sides.h>
-#include <lefort/field/sign/winding_rows.h>
+#include <lefort/field/sign/outside_band.h>
+#include <lefort/field/sign/winding_scanlines.h>
 #include <lefort/field/storage/dense_samples.h>
 #include <lefort/field/storage/spline_lattice.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ constexpr int kMaxResolution = 2048;
 constexpr int kMaxDenseResolution = 1024;
 constexpr int kDefaultBandCells = 5;
 constexpr int kMinBandCells = 2;
-constexpr int kMaxBandShare = 4;  // The band is at most the cube's side divided by this.
+constexpr int kMaxBandFraction = 4;  // The band is at most the cube's side divided by this.
 constexpr double kMaxLength_mm = 1e4;
 constexpr double kMinExtent_mm = 1e-3;
 constexpr Index kMaxTriangles = 100'000'000;
@@ -38,11 +38,12 @@ Result<void> check_options(const DistanceFieldOptions& options) {
   const auto refuse = [](std::string message) {
     return fail(ErrorCode::kInvalidArgument, std::move(message));
   };
-  const int most = options.method == FieldMethod::kUniform ? kMaxDenseResolution : kMaxResolution;
-  if (options.resolution < kMinResolution || options.resolution > most ||
+  const int maximum =
+      options.method == FieldMethod::kUniform ? kMaxDenseResolution : kMaxResolution;
+  if (options.resolution < kMinResolution || options.resolution > maximum ||
       !std::has_single_bit(unsigned(options.resolution)))
     return refuse(fmt::format("resolution is {}, it must be a power of two from {} to {}",
-                              options.resolution, kMinResolution, most));
+                              options.resolution, kMinResolution, maximum));
   const auto check_length = [&](const char* name, double length) -> Result<void> {
     if (length >= 0.0 && length <= kMaxLength_mm) return {};
     return refuse(fmt::format("{} is {}, it must be from 0 to {}", name, length, kMaxLength_mm));
@@ -69,7 +70,7 @@ Result<FieldFrame> lay_cube(const geometry::TriangleMesh& mesh,
   FieldFrame frame;
   frame.resolution = options.resolution;
   frame.tolerance_mm = options.tolerance_mm;
-  const int default_band_cells = std::min(kDefaultBandCells, options.resolution / kMaxBandShare);
+  const int default_band_cells = std::min(kDefaultBandCells, options.resolution / kMaxBandFraction);
   if (options.side_mm > 0.0) {
     frame.cell_mm = options.side_mm / options.resolution;
   } else if (options.band_mm > 0.0) {
@@ -79,13 +80,13 @@ Result<FieldFrame> lay_cube(const geometry::TriangleMesh& mesh,
         (extent + 2.0 * options.margin_mm) / (options.resolution - 2 * default_band_cells);
   }
   frame.band_mm = options.band_mm > 0.0 ? options.band_mm : default_band_cells * frame.cell_mm;
-  const double least = kMinBandCells * frame.cell_mm;
-  const double most = options.resolution / kMaxBandShare * frame.cell_mm;
-  if (!(frame.band_mm >= least && frame.band_mm <= most))
+  const double minimum = kMinBandCells * frame.cell_mm;
+  const double maximum = options.resolution / kMaxBandFraction * frame.cell_mm;
+  if (!(frame.band_mm >= minimum && frame.band_mm <= maximum))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("band_mm is {}, it must be from {:.3g} ({} cells) to {:.3g} (a quarter "
                             "of the cube) at resolution {}",
-                            frame.band_mm, least, kMinBandCells, most, options.resolution));
+                            frame.band_mm, minimum, kMinBandCells, maximum, options.resolution));
   const double side = frame.cell_mm * frame.resolution;
   if (options.relative_tolerance > 0.0) frame.tolerance_mm = options.relative_tolerance * side;
   if (side < (extent + 2.0 * frame.band_mm) * (1.0 - 1e-12))
@@ -99,17 +100,17 @@ Result<FieldFrame> lay_cube(const geometry::TriangleMesh& mesh,
 
 Result<DistanceField::Samples> build_samples(const PreparedSurface& surface,
                                              const FieldFrame& frame, FieldMethod method,
-                                             const WindingRows* winding, Progress& progress) {
+                                             const WindingScanlines* winding, Progress& progress) {
   if (method == FieldMethod::kAdaptive) return split_top_down(surface, frame, winding, progress);
   if (method == FieldMethod::kHybrid) {
     LEFORT_TRY(SparseLattice distances,
                sample_narrow_band(surface, frame, frame.band_mm, winding, progress));
-    const SidedDistances sided = fill_far_sides(std::move(distances), frame, winding);
+    const SignedDistances sided = fill_outside_band(std::move(distances), frame, winding);
     progress.begin_stage("unite cells of the distance field");
     return coalesce(sided, frame, progress);
   }
-  LEFORT_TRY(const BandSampler sampler, BandSampler::create(surface, frame, frame.band_mm,
-                                                            BandSampler::kMostPoints, progress));
+  LEFORT_TRY(const BandSampler sampler,
+             BandSampler::create(surface, frame, frame.band_mm, BandSampler::kMaxPoints, progress));
   if (method == FieldMethod::kUniform) return build_dense(sampler, frame, winding, progress);
   return build_bricks(sampler, frame, winding, progress);
 }
@@ -130,9 +131,9 @@ Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface
   frame.closed = surface.closed;
 
   progress.begin_stage("distances near the bone");
-  std::optional<WindingRows> rows;
+  std::optional<WindingScanlines> rows;
   if (surface.closed) rows.emplace(surface.mesh_B, frame);
-  const WindingRows* const winding = rows ? &*rows : nullptr;
+  const WindingScanlines* const winding = rows ? &*rows : nullptr;
   LEFORT_TRY(DistanceField::Samples samples,
              build_samples(surface, frame, options.method, winding, progress));
   std::optional<SparseLattice> smooth;

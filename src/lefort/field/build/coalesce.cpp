@@ -31,7 +31,7 @@ void unite(std::string& codes, std::size_t begin, const Reproduces& reproduces) 
 /// A cube of kSide^3 cells with its own copy of the samples: nearly all the work happens here.
 class Block {
  public:
-  Block(const SidedDistances& distances, const LatticePoint& low, const FieldFrame& frame)
+  Block(const SignedDistances& distances, const LatticePoint& low, const FieldFrame& frame)
       : frame_(frame) {
     for (int k = 0; k <= kSide; ++k)
       for (int j = 0; j <= kSide; ++j)
@@ -77,7 +77,7 @@ class Block {
 };
 
 /// Subtree of the cube of kSide^3 cells whose lowest corner begins a brick.
-std::string block_codes(const SidedDistances& distances, const LatticePoint& low,
+std::string block_codes(const SignedDistances& distances, const LatticePoint& low,
                         const FieldFrame& frame) {
   const SparseLattice& near = distances.near;
   bool empty = true;  // Of this brick and those that hold the far sides of its last cells.
@@ -95,7 +95,7 @@ std::string block_codes(const SidedDistances& distances, const LatticePoint& low
 
 /// Joins blocks to larger cubes, up to the root.
 void append_upper(std::string& codes, const std::vector<std::string>& blocks,
-                  const SidedDistances& distances, const LatticePoint& low, int cells,
+                  const SignedDistances& distances, const LatticePoint& low, int cells,
                   double tolerance_mm) {
   if (cells == kSide) {
     const int n = distances.near.resolution() / kSide;
@@ -115,7 +115,7 @@ void append_upper(std::string& codes, const std::vector<std::string>& blocks,
 
 }  // namespace
 
-Result<Octree> coalesce(const SidedDistances& distances, const FieldFrame& frame,
+Result<Octree> coalesce(const SignedDistances& distances, const FieldFrame& frame,
                         Progress& progress) {
   const int n = frame.resolution / kSide;
   std::vector<std::string> blocks(std::size_t(n) * std::size_t(n) * std::size_t(n));

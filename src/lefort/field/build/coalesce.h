@@ -6,7 +6,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/field/field_frame.h>
-#include <lefort/field/sign/far_sides.h>
+#include <lefort/field/sign/outside_band.h>
 #include <lefort/field/storage/octree.h>
 
 namespace lefort::field {
@@ -19,7 +19,7 @@ namespace lefort::field {
 /// every sample within the tolerance.
 ///
 /// \returns kCancelled.
-[[nodiscard]] Result<Octree> coalesce(const SidedDistances& distances, const FieldFrame& frame,
+[[nodiscard]] Result<Octree> coalesce(const SignedDistances& distances, const FieldFrame& frame,
                                       Progress& progress);
 
 }  // namespace lefort::field

@@ -58,7 +58,7 @@ LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTr
   for (int z = 0; z < kSide; z += kTileZ)
     for (int y = 0; y < kSide; y += kTileY)
       for (int x = 0; x < kSide; x += kTileX) {
-        const std::size_t place = NearestInBrick::place_of(x, y, z);
+        const std::size_t place = NearestInBrick::linear_offset(x, y, z);
         const auto& known = *reinterpret_cast<const Floats*>(&nearest.squared_mm2[place]);
         if (!any(*reinterpret_cast<const Ints*>(&nearest.code[place]) < Ints{})) continue;
         const Tile tile = {first[0] + step * (float(x) + kTileX_cells),

@@ -22,7 +22,8 @@ LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInB
         const auto quantity = [&](std::size_t n) __attribute__((always_inline)) {
           return across[n] + here[n];
         };
-        visit_tile<simd>(planes, quantity, triangle, NearestInBrick::place_of(x, y, z), nearest);
+        visit_tile<simd>(planes, quantity, triangle, NearestInBrick::linear_offset(x, y, z),
+                         nearest);
       }
     }
   }
@@ -37,8 +38,8 @@ LEFORT_INLINE void visit_batch(const geometry::TriangleMesh& mesh,
   for (std::size_t l = 0; l < triangles.size(); ++l) visit<simd>(batch[l], triangles[l], nearest);
 }
 
-/// Every sixteenth triangle first, then those halfway between, and so on: neighbours in number are
-/// neighbours in space, so that the first few, spread over the brick, rule out most of the others.
+/// Every sixteenth triangle first, then those halfway between, and so on: neighbors in number are
+/// neighbors in space, so that the first few, spread over the brick, rule out most of the others.
 template <Simd simd>
 LEFORT_INLINE void visit_all(const geometry::TriangleMesh& mesh,
                              std::span<const std::int32_t> triangles, const Vec3& low, double cell,

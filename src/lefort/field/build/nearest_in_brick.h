@@ -30,7 +30,7 @@ struct alignas(64) NearestInBrick {
   }
 
   /// Where a point is kept: tiles x fastest, points in a tile x fastest.
-  [[nodiscard]] static constexpr std::size_t place_of(int x, int y, int z) {
+  [[nodiscard]] static constexpr std::size_t linear_offset(int x, int y, int z) {
     constexpr unsigned kAcross = SparseLattice::kSide / kTileX, kUp = SparseLattice::kSide / kTileY;
     const int tile = (z / kTileZ * kUp + y / kTileY) * kAcross + x / kTileX;
     return std::size_t(tile * kTilePoints + ((z % kTileZ) * kTileY + y % kTileY) * kTileX +

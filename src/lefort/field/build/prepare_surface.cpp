@@ -1,7 +1,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/build/prepare_surface.h>
-#include <lefort/field/sign/turn_in_yz.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/field/sign/edge_function_yz.h>
+#include <lefort/geometry/mesh_properties.h>
 
 #include <fmt/format.h>
 
@@ -17,26 +17,26 @@ namespace lefort::field {
 
 namespace {
 
-using geometry::SideOfTriangle;
-using geometry::SidesByEdge;
+using geometry::EdgeIncidence;
+using geometry::HalfEdge;
 using geometry::Triangle;
 using geometry::TriangleMesh;
 
 /// An edge with other than two triangles that run against each other.
 struct OddEdge {
-  std::vector<SideOfTriangle> sides;
+  std::vector<HalfEdge> sides;
 };
 
-bool runs_against(const TriangleMesh& mesh, const SideOfTriangle& a, const SideOfTriangle& b) {
-  return runs_forward(mesh, a) != runs_forward(mesh, b);
+bool runs_against(const TriangleMesh& mesh, const HalfEdge& a, const HalfEdge& b) {
+  return is_canonical_direction(mesh, a) != is_canonical_direction(mesh, b);
 }
 
-std::int32_t opposite_corner(const TriangleMesh& mesh, const SideOfTriangle& s) {
+std::int32_t opposite_corner(const TriangleMesh& mesh, const HalfEdge& s) {
   return mesh.triangles[std::size_t(s.triangle())][std::size_t((s.side() + 2) % 3)];
 }
 
 /// Edges that are no plain seam, in order.
-std::vector<OddEdge> odd_edges(const TriangleMesh& mesh, const SidesByEdge& sides) {
+std::vector<OddEdge> odd_edges(const TriangleMesh& mesh, const EdgeIncidence& sides) {
   return parallel_collect<OddEdge>(mesh.vertex_count(), [&](Index v, std::vector<OddEdge>& odd) {
     sides.for_each_edge_at(std::int32_t(v), [&](std::int32_t, std::int32_t, auto there) {
       const bool plain = there.size() == 2 && runs_against(mesh, there[0], there[1]) &&
@@ -65,7 +65,7 @@ void find_repeated(PreparedSurface& surface, const std::vector<OddEdge>& odd) {
   TriangleMesh& mesh = surface.mesh_B;
   std::vector<std::int32_t> candidates;
   for (const OddEdge& edge : odd)
-    for (const SideOfTriangle& s : edge.sides) candidates.push_back(std::int32_t(s.triangle()));
+    for (const HalfEdge& s : edge.sides) candidates.push_back(std::int32_t(s.triangle()));
   std::sort(candidates.begin(), candidates.end());
   candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
 
@@ -85,7 +85,7 @@ void find_repeated(PreparedSurface& surface, const std::vector<OddEdge>& odd) {
   for (const auto& [corners, twins] : first) {
     if (twins[0] < 0 || twins[1] < 0) continue;
     for (const std::int32_t t : twins) is_double[std::size_t(t)] = true;
-    surface.report.double_triangles += 2;
+    surface.report.opposite_duplicates += 2;
   }
   surface.report.repeated_triangles = Index(repeated.size());
   std::size_t kept = 0, next = 0;
@@ -99,7 +99,7 @@ void find_repeated(PreparedSurface& surface, const std::vector<OddEdge>& odd) {
   }
   mesh.triangles.resize(kept);
   is_double.resize(kept);
-  if (surface.report.double_triangles > 0) surface.is_double = std::move(is_double);
+  if (surface.report.opposite_duplicates > 0) surface.is_double = std::move(is_double);
 }
 
 double area_mm2(const TriangleMesh& mesh, Index t) {
@@ -107,8 +107,8 @@ double area_mm2(const TriangleMesh& mesh, Index t) {
   return 0.5 * (mesh.corner(t, 1) - a).cross(mesh.corner(t, 2) - a).norm();
 }
 
-/// Turns triangles to agree with their neighbours. \returns how many edges still clash.
-Index turn_to_agree(PreparedSurface& surface, const SidesByEdge& sides) {
+/// Turns triangles to agree with their neighbors. \returns how many edges still clash.
+Index turn_to_agree(PreparedSurface& surface, const EdgeIncidence& sides) {
   TriangleMesh& mesh = surface.mesh_B;
   struct Seam {
     std::int32_t other = -1;
@@ -158,7 +158,7 @@ Index turn_to_agree(PreparedSurface& surface, const SidesByEdge& sides) {
       if (sense[std::size_t(t)] != minority) continue;
       Triangle& triangle = mesh.triangles[std::size_t(t)];
       std::swap(triangle[1], triangle[2]);
-      ++surface.report.turned_triangles;
+      ++surface.report.flipped_triangles;
     }
   }
   return clashes;
@@ -178,7 +178,7 @@ struct Parts {
   }
 };
 
-Parts find_parts(const TriangleMesh& mesh, const SidesByEdge& sides) {
+Parts find_parts(const TriangleMesh& mesh, const EdgeIncidence& sides) {
   std::vector<std::int32_t> parent(mesh.triangles.size());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root_of = [&](std::int32_t t) {
@@ -199,7 +199,7 @@ Parts find_parts(const TriangleMesh& mesh, const SidesByEdge& sides) {
 
   Parts parts;
   parts.of_triangle.resize(mesh.triangles.size());
-  std::vector<double> largest_mm2;
+  std::vector<double> max_mm2;
   const Vec3 origin = mesh.corner(0, 0);  // Near the surface: less cancellation.
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     const std::int32_t root = root_of(t);
@@ -208,7 +208,7 @@ Parts find_parts(const TriangleMesh& mesh, const SidesByEdge& sides) {
       parts.volume_mm3.push_back(0.0);
       parts.area_mm2.push_back(0.0);
       parts.largest.push_back(t);
-      largest_mm2.push_back(0.0);
+      max_mm2.push_back(0.0);
     }
     // A root comes before the rest of its part.
     const std::int32_t part = parts.of_triangle[std::size_t(t)] =
@@ -217,8 +217,8 @@ Parts find_parts(const TriangleMesh& mesh, const SidesByEdge& sides) {
     parts.volume_mm3[std::size_t(part)] += a.dot(b.cross(mesh.corner(t, 2) - origin)) / 6.0;
     const double area = area_mm2(mesh, t);
     parts.area_mm2[std::size_t(part)] += area;
-    if (area > largest_mm2[std::size_t(part)]) {
-      largest_mm2[std::size_t(part)] = area;
+    if (area > max_mm2[std::size_t(part)]) {
+      max_mm2[std::size_t(part)] = area;
       parts.largest[std::size_t(part)] = t;
     }
   }
@@ -268,8 +268,8 @@ class Surroundings {
   static constexpr int kMaxSide = 1024;
 
   [[nodiscard]] int bin_at(double coordinate, int axis) const {
-    const double share = (coordinate - box_.min()[axis]) / (box_.sizes()[axis] + 1e-300);
-    return std::clamp(int(share * side_), 0, side_ - 1);
+    const double fraction = (coordinate - box_.min()[axis]) / (box_.sizes()[axis] + 1e-300);
+    return std::clamp(int(fraction * side_), 0, side_ - 1);
   }
 
   template <class Body>
@@ -277,10 +277,10 @@ class Surroundings {
     for (std::int32_t t = 0; t < mesh_.triangle_count(); ++t) {
       std::array<int, 2> low{}, high{};
       for (int axis = 1; axis < 3; ++axis) {
-        const auto [least, most] = std::minmax(
+        const auto [minimum, maximum] = std::minmax(
             {mesh_.corner(t, 0)[axis], mesh_.corner(t, 1)[axis], mesh_.corner(t, 2)[axis]});
-        low[std::size_t(axis - 1)] = bin_at(least, axis);
-        high[std::size_t(axis - 1)] = bin_at(most, axis);
+        low[std::size_t(axis - 1)] = bin_at(minimum, axis);
+        high[std::size_t(axis - 1)] = bin_at(maximum, axis);
       }
       for (int z = low[1]; z <= high[1]; ++z)
         for (int y = low[0]; y <= high[0]; ++y)
@@ -291,8 +291,9 @@ class Surroundings {
   /// Whether the ray from `p` along +x crosses a triangle.
   [[nodiscard]] bool crosses(std::int32_t t, const Vec3& p) const {
     const Vec3 &a = mesh_.corner(t, 0), &b = mesh_.corner(t, 1), &c = mesh_.corner(t, 2);
-    const double u = EdgeInYz(b, c).turn(p.y(), p.z()), v = EdgeInYz(c, a).turn(p.y(), p.z()),
-                 w = EdgeInYz(a, b).turn(p.y(), p.z());
+    const double u = EdgeFunctionYz(b, c).evaluate(p.y(), p.z()),
+                 v = EdgeFunctionYz(c, a).evaluate(p.y(), p.z()),
+                 w = EdgeFunctionYz(a, b).evaluate(p.y(), p.z());
     const bool all_left = u > 0.0 && v > 0.0 && w > 0.0;
     const bool all_right = u < 0.0 && v < 0.0 && w < 0.0;
     if (!all_left && !all_right) return false;
@@ -331,35 +332,37 @@ void turn_inside_out_parts(PreparedSurface& surface, const Parts& parts) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!turn[std::size_t(parts.of_triangle[t])]) continue;
     std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
-    ++surface.report.turned_triangles;
+    ++surface.report.flipped_triangles;
   }
 }
 
 bool is_balanced(const TriangleMesh& mesh, const OddEdge& edge) {
   Index forward = 0;
-  for (const SideOfTriangle& s : edge.sides) forward += runs_forward(mesh, s) ? 1 : 0;
+  for (const HalfEdge& s : edge.sides) forward += is_canonical_direction(mesh, s) ? 1 : 0;
   return 2 * forward == Index(edge.sides.size());
 }
 
 }  // namespace
 
-std::vector<std::string> describe(const SurfaceReport& report) {
+std::vector<std::string> describe(const MeshRepairReport& report) {
   std::vector<std::string> sentences;
-  const auto tell = [&](Index count, std::string_view one, std::string_view many,
-                        std::string_view what) {
+  const auto describe_repair = [&](Index count, std::string_view one, std::string_view many,
+                                   std::string_view what) {
     if (count > 0)
       sentences.push_back(fmt::format("{} {} {}", count, count == 1 ? one : many, what));
   };
-  tell(report.collapsed_triangles, "triangle", "triangles", "without length dropped");
-  tell(report.repeated_triangles, "triangle", "triangles", "written more than once dropped");
-  tell(report.double_triangles, "triangle", "triangles",
-       "with a twin of the opposite sense: nothing is inside between them");
-  tell(report.turned_triangles, "triangle", "triangles", "turned to face outward");
-  tell(report.rim_edges, "edge", "edges",
-       "at a rim: the surface is open, sides beyond the band are unknown");
-  tell(report.branching_edges, "edge", "edges", "with more than two triangles");
-  tell(report.clashing_edges, "edge", "edges",
-       "where neighbours face opposite ways and cannot be turned: signs may be wrong near them");
+  describe_repair(report.collapsed_triangles, "triangle", "triangles", "without length dropped");
+  describe_repair(report.repeated_triangles, "triangle", "triangles",
+                  "written more than once dropped");
+  describe_repair(report.opposite_duplicates, "triangle", "triangles",
+                  "with a twin of the opposite sense: nothing is inside between them");
+  describe_repair(report.flipped_triangles, "triangle", "triangles", "turned to face outward");
+  describe_repair(report.boundary_edges, "edge", "edges",
+                  "at a rim: the surface is open, sides beyond the band are unknown");
+  describe_repair(report.non_manifold_edges, "edge", "edges", "with more than two triangles");
+  describe_repair(
+      report.inconsistent_edges, "edge", "edges",
+      "where neighbours face opposite ways and cannot be turned: signs may be wrong near them");
   return sentences;
 }
 
@@ -374,27 +377,27 @@ Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B)
   surface.report.repeated_vertices = surface_B.vertex_count() - mesh.vertex_count();
   surface.report.collapsed_triangles = surface_B.triangle_count() - mesh.triangle_count();
 
-  SidesByEdge sides(mesh);
+  EdgeIncidence sides(mesh);
   std::vector<OddEdge> odd = odd_edges(mesh, sides);
   if (!odd.empty()) {
     find_repeated(surface, odd);
-    if (surface.report.repeated_triangles > 0) sides = SidesByEdge(mesh);
-    surface.report.clashing_edges = turn_to_agree(surface, sides);
-    sides = SidesByEdge(mesh);
+    if (surface.report.repeated_triangles > 0) sides = EdgeIncidence(mesh);
+    surface.report.inconsistent_edges = turn_to_agree(surface, sides);
+    sides = EdgeIncidence(mesh);
     odd = odd_edges(mesh, sides);
   }
   surface.closed = true;
   for (const OddEdge& edge : odd) {
     surface.closed = surface.closed && is_balanced(mesh, edge);
-    if (edge.sides.size() == 1) ++surface.report.rim_edges;
-    if (edge.sides.size() > 2) ++surface.report.branching_edges;
+    if (edge.sides.size() == 1) ++surface.report.boundary_edges;
+    if (edge.sides.size() > 2) ++surface.report.non_manifold_edges;
   }
   const Parts parts = find_parts(mesh, sides);
   surface.parts = Index(parts.count());
   if (surface.closed) {
-    const Index before = surface.report.turned_triangles;
+    const Index before = surface.report.flipped_triangles;
     turn_inside_out_parts(surface, parts);
-    if (surface.report.turned_triangles != before) sides = SidesByEdge(mesh);
+    if (surface.report.flipped_triangles != before) sides = EdgeIncidence(mesh);
   }
   surface.normals = geometry::Pseudonormals(mesh, sides);
   return surface;

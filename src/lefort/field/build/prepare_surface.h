@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
-#include <lefort/field/surface_report.h>
+#include <lefort/field/mesh_repair_report.h>
 #include <lefort/geometry/pseudonormals.h>
 #include <lefort/geometry/triangle_mesh.h>
 
@@ -13,7 +13,7 @@
 namespace lefort::field {
 
 /// One sentence per finding that a user should know of; empty for a clean surface.
-[[nodiscard]] std::vector<std::string> describe(const SurfaceReport& report);
+[[nodiscard]] std::vector<std::string> describe(const MeshRepairReport& report);
 
 struct PreparedSurface {
   geometry::TriangleMesh mesh_B;
@@ -21,10 +21,10 @@ struct PreparedSurface {
   std::vector<bool> is_double;  ///< By triangle; empty if there are none.
   bool closed = false;          ///< Encloses a volume: as many sides each way on every edge.
   Index parts = 0;              ///< That hang together by edges.
-  SurfaceReport report;
+  MeshRepairReport report;
 };
 
-/// Welds vertices, drops what repeats, and turns triangles so that neighbours agree: within each
+/// Welds vertices, drops what repeats, and turns triangles so that neighbors agree: within each
 /// part that is connected by edges with two triangles, the smaller area to the larger. A closed
 /// part that encloses a negative volume is turned if no other part surrounds it; inside another it
 /// is a cavity.

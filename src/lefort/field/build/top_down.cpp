@@ -22,10 +22,10 @@ constexpr int kCubePoints = kCubeCells + 1;
 class Lattice {
  public:
   Lattice(const PreparedSurface& surface, const geometry::Bvh& bvh, const FieldFrame& frame,
-          const WindingRows* winding)
+          const WindingScanlines* winding)
       : surface_(surface), bvh_(bvh), frame_(frame), winding_(winding) {}
 
-  /// As SidedDistances::at().
+  /// As SignedDistances::at().
   [[nodiscard]] float value(const LatticePoint& p) const {
     // As the other methods have it: in floats, and the edge of the band is beyond it.
     const auto d = float(exact(p));
@@ -34,10 +34,10 @@ class Lattice {
 
   /// Where a cube lies if the band does not reach it. \pre cells is even.
   [[nodiscard]] std::optional<Zone> far_side(const LatticePoint& low, int cells) const {
-    const LatticePoint centre = {low[0] + cells / 2, low[1] + cells / 2, low[2] + cells / 2};
+    const LatticePoint center = {low[0] + cells / 2, low[1] + cells / 2, low[2] + cells / 2};
     const double half_diagonal_mm = 0.5 * std::numbers::sqrt3 * cells * frame_.cell_mm;
-    if (std::abs(exact(centre)) - half_diagonal_mm <= frame_.band_mm) return std::nullopt;
-    return side_beyond_band(centre);
+    if (std::abs(exact(center)) - half_diagonal_mm <= frame_.band_mm) return std::nullopt;
+    return side_beyond_band(center);
   }
 
   [[nodiscard]] const FieldFrame& frame() const { return frame_; }
@@ -66,7 +66,7 @@ class Lattice {
   const PreparedSurface& surface_;
   const geometry::Bvh& bvh_;
   const FieldFrame& frame_;
-  const WindingRows* winding_;
+  const WindingScanlines* winding_;
 };
 
 /// A cube of at most kCubeCells with the samples found so far.
@@ -76,14 +76,14 @@ class Cube {
       : lattice_(lattice),
         low_(low),
         codes_(codes),
-        values_(std::size_t(kCubePoints * kCubePoints * kCubePoints), kNotAsked) {}
+        values_(std::size_t(kCubePoints * kCubePoints * kCubePoints), kNotRequested) {}
 
   void split(const LatticePoint& low, int cells) {
     const auto value_at = [this](const LatticePoint& p) { return value(p); };
     if (const auto side = lattice_.far_side(low, cells)) {
       codes_ += char(code_of(*side));
     } else if (corners_reproduce(value_at, low, cells, lattice_.frame().tolerance_mm) &&
-               !has_tear(value_at, low, cells, float(lattice_.frame().cell_mm))) {
+               !has_conflict(value_at, low, cells, float(lattice_.frame().cell_mm))) {
       codes_ += char(NodeCode::kBand);
     } else {
       codes_ += char(NodeCode::kBranch);
@@ -98,12 +98,12 @@ class Cube {
   }
 
  private:
-  static constexpr float kNotAsked = -std::numeric_limits<float>::max();
+  static constexpr float kNotRequested = -std::numeric_limits<float>::max();
 
   float value(const LatticePoint& p) {
     float& value = values_[std::size_t(
         ((p[2] - low_[2]) * kCubePoints + p[1] - low_[1]) * kCubePoints + p[0] - low_[0])];
-    if (value == kNotAsked) value = lattice_.value(p);
+    if (value == kNotRequested) value = lattice_.value(p);
     return value;
   }
 
@@ -128,7 +128,7 @@ void split_upper(const Lattice& lattice, const std::vector<std::string>& cubes,
   }
   const auto value_at = [&](const LatticePoint& p) { return lattice.value(p); };
   if (corners_reproduce(value_at, low, cells, lattice.frame().tolerance_mm) &&
-      !has_tear(value_at, low, cells, float(lattice.frame().cell_mm))) {
+      !has_conflict(value_at, low, cells, float(lattice.frame().cell_mm))) {
     codes += char(NodeCode::kBand);
     return;
   }
@@ -140,7 +140,7 @@ void split_upper(const Lattice& lattice, const std::vector<std::string>& cubes,
 }  // namespace
 
 Result<Octree> split_top_down(const PreparedSurface& surface, const FieldFrame& frame,
-                              const WindingRows* winding, Progress& progress) {
+                              const WindingScanlines* winding, Progress& progress) {
   const geometry::Bvh bvh(surface.mesh_B);
   const Lattice lattice(surface, bvh, frame, winding);
   const int n = frame.resolution / kCubeCells;

@@ -7,7 +7,7 @@
 #include <lefort/core/progress.h>
 #include <lefort/field/build/prepare_surface.h>
 #include <lefort/field/field_frame.h>
-#include <lefort/field/sign/winding_rows.h>
+#include <lefort/field/sign/winding_scanlines.h>
 #include <lefort/field/storage/octree.h>
 
 namespace lefort::field {
@@ -22,6 +22,6 @@ namespace lefort::field {
 /// \param winding  of the surface, or null if it is open.
 /// \returns kCancelled.
 [[nodiscard]] Result<Octree> split_top_down(const PreparedSurface& surface, const FieldFrame& frame,
-                                            const WindingRows* winding, Progress& progress);
+                                            const WindingScanlines* winding, Progress& progress);
 
 }  // namespace lefort::field

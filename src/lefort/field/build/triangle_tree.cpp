@@ -15,11 +15,11 @@ namespace {
 /// of the points that are compared with them.
 constexpr float kWiden = 4e-7F;
 
-using Centre = std::array<float, 3>;
+using Center = std::array<float, 3>;
 
 struct Splitter {
   const std::vector<TriangleTree::Node>& of_triangle;  ///< Boxes.
-  const std::vector<Centre>& centres;
+  const std::vector<Center>& centers;
   TriangleTree& tree;
 
   void split(std::int32_t begin, std::int32_t end) {
@@ -28,14 +28,14 @@ struct Splitter {
                             {-kInfinity, -kInfinity, -kInfinity},
                             begin,
                             end - begin};
-    Centre least = node.low, most = node.high;
+    Center minimum = node.low, maximum = node.high;
     for (std::int32_t i = begin; i < end; ++i) {
       const auto t = std::size_t(tree.order[std::size_t(i)]);
       for (std::size_t k = 0; k < 3; ++k) {
         node.low[k] = std::min(node.low[k], of_triangle[t].low[k]);
         node.high[k] = std::max(node.high[k], of_triangle[t].high[k]);
-        least[k] = std::min(least[k], centres[t][k]);
-        most[k] = std::max(most[k], centres[t][k]);
+        minimum[k] = std::min(minimum[k], centers[t][k]);
+        maximum[k] = std::max(maximum[k], centers[t][k]);
       }
     }
     const std::size_t place = tree.nodes.size();
@@ -46,12 +46,12 @@ struct Splitter {
     }
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k)
-      if (most[k] - least[k] > most[axis] - least[axis]) axis = k;
+      if (maximum[k] - minimum[k] > maximum[axis] - minimum[axis]) axis = k;
     const std::int32_t middle = begin + (end - begin) / 2;
     std::nth_element(tree.order.begin() + begin, tree.order.begin() + middle,
                      tree.order.begin() + end, [&](std::int32_t s, std::int32_t t) {
-                       const float x = centres[std::size_t(s)][axis];
-                       const float y = centres[std::size_t(t)][axis];
+                       const float x = centers[std::size_t(s)][axis];
+                       const float y = centers[std::size_t(t)][axis];
                        return x != y ? x < y : s < t;
                      });
     split(begin, middle);
@@ -66,23 +66,23 @@ struct Splitter {
 TriangleTree build_triangle_tree(const geometry::TriangleMesh& mesh, const Vec3& origin) {
   const auto count = std::size_t(mesh.triangle_count());
   std::vector<TriangleTree::Node> boxes(count);
-  std::vector<Centre> centres(count);
+  std::vector<Center> centers(count);
   parallel_for(mesh.triangle_count(), [&](Index t) {
     TriangleTree::Node& box = boxes[std::size_t(t)];
     for (int k = 0; k < 3; ++k) {
-      const auto [least, most] =
+      const auto [minimum, maximum] =
           std::minmax({mesh.corner(t, 0)[k], mesh.corner(t, 1)[k], mesh.corner(t, 2)[k]});
-      const auto low = float(least - origin[k]), high = float(most - origin[k]);
+      const auto low = float(minimum - origin[k]), high = float(maximum - origin[k]);
       const float wide = kWiden * std::max(std::abs(low), std::abs(high));
       box.low[std::size_t(k)] = low - wide;
       box.high[std::size_t(k)] = high + wide;
-      centres[std::size_t(t)][std::size_t(k)] = 0.5F * (low + high);
+      centers[std::size_t(t)][std::size_t(k)] = 0.5F * (low + high);
     }
   });
   TriangleTree tree{origin, {}, std::vector<std::int32_t>(count)};
   std::iota(tree.order.begin(), tree.order.end(), 0);
   tree.nodes.reserve(count / 2 + 1);
-  Splitter{boxes, centres, tree}.split(0, std::int32_t(count));
+  Splitter{boxes, centers, tree}.split(0, std::int32_t(count));
   return tree;
 }
 

@@ -28,7 +28,7 @@ struct TriangleTree {
   std::vector<std::int32_t> order;  ///< Triangles by leaf.
 };
 
-/// Halves the triangles at the median of their centres along the longest side, again and again.
+/// Halves the triangles at the median of their centers along the longest side, again and again.
 ///
 /// \param mesh    \pre not empty, finite.
 /// \param origin  near the mesh: boxes are in single precision, widened by its rounding.

@@ -98,9 +98,9 @@ LEFORT_INLINE void set_quantity(Batch& batch, std::size_t which, const Vectors& 
 LEFORT_INLINE void set_range(const Doubles& from, const Doubles& to, std::size_t axis,
                              Batch& batch) {
   const Doubles zero{};
-  const Doubles most = zero + double(kSide);
-  const Doubles below = most - larger(zero, smaller(most, from));
-  const Doubles above = larger(zero, smaller(most, to + 1.0));
+  const Doubles maximum = zero + double(kSide);
+  const Doubles below = maximum - larger(zero, smaller(maximum, from));
+  const Doubles above = larger(zero, smaller(maximum, to + 1.0));
   for (std::size_t l = 0; l < kBatch; ++l) {
     batch[l].low[axis] = kSide - int(below[l]);
     batch[l].high[axis] = int(above[l]);

@@ -49,14 +49,14 @@ struct Lookup {
   int side;
   int last_cell;
   bool fetch;  ///< Samples do not fit into the cache of one core.
-  double most;
+  double maximum;
   double cells_per_mm;
   std::array<double, 24> origin;  ///< x, y, z again and again.
 };
 
 /// Bits of a cell's coordinate.
 constexpr unsigned kCellBits = 11;
-constexpr int kMostCells = 1 << kCellBits;
+constexpr int kMaxCells = 1 << kCellBits;
 static_assert(kGroup <= std::size_t(1) << (32 - 2 * kCellBits));
 static_assert(kGroup % kLanes == 0 && kGroup % kChunk == 0 && kChunk % kLanes == 0);  // Aligned.
 
@@ -103,9 +103,9 @@ LEFORT_STEP void close(Points& points) {
 
 LEFORT_STEP std::array<__m512i, 3> cells_of(const Points& points, std::size_t first) {
   const __m512i packed = _mm512_load_si512(&points.number_yx[first]),
-                most = _mm512_set1_epi32(kMostCells - 1);
-  return {_mm512_and_si512(packed, most),
-          _mm512_and_si512(_mm512_srli_epi32(packed, kCellBits), most),
+                maximum = _mm512_set1_epi32(kMaxCells - 1);
+  return {_mm512_and_si512(packed, maximum),
+          _mm512_and_si512(_mm512_srli_epi32(packed, kCellBits), maximum),
           _mm512_load_si512(&points.z[first])};
 }
 
@@ -134,17 +134,18 @@ inline void fetch_points(std::span<const Vec3> points) {
 LEFORT_STEP void locate(const Lookup& lookup, const double* p, std::size_t first,
                         ByKind<Points>& points) {
   std::array<__m256i, 6> cells;
-  std::array<__m256, 6> shares;
+  std::array<__m256, 6> fractions;
   for (std::size_t i = 0; i < 6; ++i) {
     const __m512d u = _mm512_mul_pd(
         _mm512_sub_pd(_mm512_loadu_pd(p + 8 * i), _mm512_loadu_pd(&lookup.origin[8 * (i % 3)])),
         _mm512_set1_pd(lookup.cells_per_mm));
     cells[i] = _mm512_cvt_roundpd_epi32(u, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
-    shares[i] = _mm512_cvtpd_ps(_mm512_sub_pd(u, _mm512_cvtepi32_pd(cells[i])));
+    fractions[i] = _mm512_cvtpd_ps(_mm512_sub_pd(u, _mm512_cvtepi32_pd(cells[i])));
   }
   std::array<__m512i, 3> cell, t;
   by_axis(join(cells[0], cells[1]), join(cells[2], cells[3]), join(cells[4], cells[5]), cell);
-  by_axis(join(shares[0], shares[1]), join(shares[2], shares[3]), join(shares[4], shares[5]), t);
+  by_axis(join(fractions[0], fractions[1]), join(fractions[2], fractions[3]),
+          join(fractions[4], fractions[5]), t);
 
   // Below the cube a cell is negative, and of what is no number or too large it is the most
   // negative: without sign all of them are large.
@@ -380,7 +381,7 @@ float side_at(const BrickSamples& samples, const FieldFrame& frame, const Lookup
   LatticePoint cell{};
   for (std::size_t k = 0; k < 3; ++k) {
     const double u = (p_B[Index(k)] - lookup.origin[k]) * lookup.cells_per_mm;
-    if (!(u >= 0.0 && u <= lookup.most)) return side_value(zone_beyond_box(frame, p_B));
+    if (!(u >= 0.0 && u <= lookup.maximum)) return side_value(zone_beyond_box(frame, p_B));
     cell[k] = std::min(int(u), lookup.last_cell);
   }
   return side_value(zone_of(samples.cell(cell).corners));
@@ -390,7 +391,7 @@ float side_at(const BrickSamples& samples, const FieldFrame& frame, const Lookup
 
 bool fits_avx512(const BrickSamples& samples) {
   // What is not stored reads the first leaf instead, so there must be one.
-  return samples.resolution() <= kMostCells && samples.codes().size() > BrickSamples::kLeafBytes &&
+  return samples.resolution() <= kMaxCells && samples.codes().size() > BrickSamples::kLeafBytes &&
          samples.codes().size() <= std::size_t(std::numeric_limits<std::int32_t>::max());
 }
 

@@ -2,7 +2,7 @@
 #include <lefort/core/parallel.h>
 #include <lefort/field/query/lattice_samples.h>
 #include <lefort/field/query/trilinear.h>
-#include <lefort/field/sign/tear.h>
+#include <lefort/field/sign/violates_lipschitz.h>
 
 #include <fmt/format.h>
 
@@ -37,22 +37,23 @@ class Surroundings {
         }
   }
 
-  /// The block in the middle, without what contradicts a neighbour.
+  /// The block in the middle, without what contradicts a neighbor.
   /// \param slack_mm  by how much each sample may be wrong.
   void copy_to(SampleBlock& block, double cell_mm, double slack_mm) const {
-    const auto most_mm = float(cell_mm * double(kTearCells) + 2.0 * slack_mm);
+    const auto max_mm = float(cell_mm * double(kMaxSlope) + 2.0 * slack_mm);
     constexpr std::array<std::size_t, 3> kStride = {1, kAcross, kAcross * kAcross};
     for (int z = 0; z < kSide; ++z)
       for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x) {
           const std::size_t here = place(x, y, z);
-          bool torn = false;
+          bool in_conflict = false;
           if (std::isfinite(values_[here]))
             for (const std::size_t stride : kStride)
               for (const std::size_t next : {here - stride, here + stride})
-                torn = torn || (std::isfinite(values_[next]) &&
-                                std::abs(values_[here] - values_[next]) > most_mm);
-          block.values[std::size_t((z * kSide + y) * kSide + x)] = torn ? kNaN : values_[here];
+                in_conflict = in_conflict || (std::isfinite(values_[next]) &&
+                                              std::abs(values_[here] - values_[next]) > max_mm);
+          block.values[std::size_t((z * kSide + y) * kSide + x)] =
+              in_conflict ? kNaN : values_[here];
         }
   }
 
@@ -69,7 +70,7 @@ class Surroundings {
 void read_bricks(const BrickSamples& samples, const FieldFrame&, SampleBlock& block) {
   const Brick& brick = samples.bricks()[std::size_t(samples.brick_of(block.first))];
   if (brick.stored == 0) {
-    // As place_of() has it: what is unknown goes before what is inside.
+    // As linear_offset() has it: what is unknown goes before what is inside.
     if (brick.unknown == 0xFF) block.side = Zone::kUnknown;
     if (brick.unknown == 0 && brick.inside == 0xFF) block.side = Zone::kInside;
     if (brick.unknown == 0 && brick.inside == 0) block.side = Zone::kOutside;
@@ -79,7 +80,7 @@ void read_bricks(const BrickSamples& samples, const FieldFrame&, SampleBlock& bl
     const LatticePoint p = {block.first[0] + place % kSide, block.first[1] + place / kSide % kSide,
                             block.first[2] + place / (kSide * kSide)};
     block.values[std::size_t(place)] =
-        samples.distance_of(BrickSamples::read_code(samples.place_of(p)));
+        samples.distance_of(BrickSamples::read_code(samples.linear_offset(p)));
   }
 }
 
@@ -101,7 +102,7 @@ bool holds(const CellSamples& leaf, const LatticePoint& cell) {
   return true;
 }
 
-/// The cells around the points of a block and its neighbours.
+/// The cells around the points of a block and its neighbors.
 class Leaves {
  public:
   static constexpr int kAcross = kSide + 3;

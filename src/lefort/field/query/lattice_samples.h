@@ -25,14 +25,14 @@ struct SampleBlock {
   std::array<float, SparseLattice::kBrickPoints> values{};
 
   [[nodiscard]] float at(const LatticePoint& point) const {
-    return side ? side_value(*side) : values[std::size_t(SparseLattice::place_of(point))];
+    return side ? side_value(*side) : values[std::size_t(SparseLattice::linear_offset(point))];
   }
 };
 
 /// Reads a block. The samples are those that a query would interpolate between:
 ///
-/// - of bricks and dense samples as they are kept, but for those that contradict a neighbour
-///   (tear.h), which are NaN;
+/// - of bricks and dense samples as they are kept, but for those that contradict a neighbor
+///   (violates_lipschitz.h), which are NaN;
 /// - of octrees those at the corners of leaves, and in leaves larger than a cell what their corners
 ///   interpolate. A sample at the edge of the band that no leaf needs lies beyond the band.
 ///

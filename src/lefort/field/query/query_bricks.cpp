@@ -30,7 +30,7 @@ struct Lookup {
   const std::byte* codes;
   std::int32_t side;  ///< Bricks along a side of the table.
   std::int32_t last_cell;
-  double most;  ///< Cells along a side of the cube.
+  double maximum;  ///< Cells along a side of the cube.
   double cells_per_mm;
   /// Of the cube, x, y, z again and again: positions are worked on as one long row of numbers.
   std::array<double, 3 * kGroup> origin;
@@ -40,7 +40,7 @@ struct Lookup {
         codes(samples.codes().data()),
         side(SparseLattice::bricks_per_side(samples.resolution())),
         last_cell(frame.resolution - 1),
-        most(frame.resolution),
+        maximum(frame.resolution),
         cells_per_mm(1.0 / frame.cell_mm) {
     for (std::size_t i = 0; i < origin.size(); ++i) origin[i] = frame.origin_B[Index(i % 3)];
   }
@@ -64,7 +64,7 @@ template <class Real>
 LEFORT_INLINE void locate(const Lookup& lookup, const double* p, Group<Real>& group) {
   for (std::size_t i = 0; i < 3 * kGroup; ++i) {
     const double u = (p[i] - lookup.origin[i]) * lookup.cells_per_mm;
-    const bool within = u >= 0.0 && u <= lookup.most;  // NaN is not.
+    const bool within = u >= 0.0 && u <= lookup.maximum;  // NaN is not.
     const std::int32_t cell = std::min(std::int32_t(within ? u : 0.0), lookup.last_cell);
     group.within[i] = within ? -1 : 0;
     group.cell[i] = cell;
@@ -205,7 +205,7 @@ Zone zone_at(const BrickSamples& samples, const FieldFrame& frame, const Vec3& p
   std::array<float, kCorners> corners;
   for (int i = 0; i < int(kCorners); ++i)
     corners[std::size_t(i)] = samples.distance_of(BrickSamples::read_code(
-        samples.place_of({c[0] + (i & 1), c[1] + (i >> 1 & 1), c[2] + (i >> 2)})));
+        samples.linear_offset({c[0] + (i & 1), c[1] + (i >> 1 & 1), c[2] + (i >> 2)})));
   return zone_of(corners);
 }
 

@@ -103,7 +103,7 @@ Result<FieldSlice> slice_field(const DistanceField& field, const SliceOptions& o
   return slice;
 }
 
-SliceSummary summarise(const FieldSlice& slice) {
+SliceSummary summarize(const FieldSlice& slice) {
   SliceSummary summary;
   Index inside = 0;
   for (const double d : slice.distances_mm) {
@@ -111,8 +111,8 @@ SliceSummary summarise(const FieldSlice& slice) {
     inside += d < 0.0 ? 1 : 0;
     if (!std::isfinite(d)) continue;
     const bool first = summary.pixels.known == 1;
-    summary.least_mm = first ? d : std::min(summary.least_mm, d);
-    summary.largest_mm = first ? d : std::max(summary.largest_mm, d);
+    summary.min_mm = first ? d : std::min(summary.min_mm, d);
+    summary.max_mm = first ? d : std::max(summary.max_mm, d);
   }
   summary.inside_mm2 = double(inside) * slice.pixel_mm * slice.pixel_mm;
   summary.zero_line_mm = slice.pixel_mm * geometry::total_length(geometry::iso_lines(

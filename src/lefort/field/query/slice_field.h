@@ -59,11 +59,11 @@ inline constexpr int kMaxSliceSide = 16'000;
 struct SliceSummary {
   SampleCount pixels{};
   double inside_mm2 = 0.0;  ///< Of pixels inside, within the band or beyond it if that is known.
-  double least_mm = 0.0;    ///< Of the distances in the band; 0 if there are none.
-  double largest_mm = 0.0;
+  double min_mm = 0.0;      ///< Of the distances in the band; 0 if there are none.
+  double max_mm = 0.0;
   double zero_line_mm = 0.0;  ///< Length of the line where the distance is zero.
 };
 
-[[nodiscard]] SliceSummary summarise(const FieldSlice& slice);
+[[nodiscard]] SliceSummary summarize(const FieldSlice& slice);
 
 }  // namespace lefort::field

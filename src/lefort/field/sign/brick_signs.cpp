@@ -27,8 +27,8 @@ BrickSigns signs_of(std::span<const float, SparseLattice::kBrickPoints> distance
   return signs;
 }
 
-void hand_on_sides(BrickSigns& signs, BrickBits& to_find) {
-  const auto from_neighbours = [](const BrickBits& bits, std::size_t z) {
+void propagate_signs(BrickSigns& signs, BrickBits& to_find) {
+  const auto from_neighbors = [](const BrickBits& bits, std::size_t z) {
     const std::uint64_t here = bits[z];
     return (here << 1 & ~kFirstColumn) | (here >> 1 & columns_until(7)) | here << 8 | here >> 8 |
            (z > 0 ? bits[z - 1] : 0) | (z + 1 < kSide ? bits[z + 1] : 0);
@@ -37,15 +37,15 @@ void hand_on_sides(BrickSigns& signs, BrickBits& to_find) {
     moved = false;
     BrickBits inside{}, outside{};
     for (std::size_t z = 0; z < kSide; ++z) {
-      const std::uint64_t tell = signs.apart[z] & ~to_find[z];
-      inside[z] = tell & signs.inside[z];
-      outside[z] = tell & ~signs.inside[z];
+      const std::uint64_t propagate = signs.clear_of_surface[z] & ~to_find[z];
+      inside[z] = propagate & signs.inside[z];
+      outside[z] = propagate & ~signs.inside[z];
     }
     for (std::size_t z = 0; z < kSide; ++z) {
-      const std::uint64_t asked = to_find[z] & signs.apart[z];
-      if (asked == 0) continue;
-      const std::uint64_t in = from_neighbours(inside, z), out = from_neighbours(outside, z);
-      const std::uint64_t found = asked & (in ^ out);
+      const std::uint64_t requested = to_find[z] & signs.clear_of_surface[z];
+      if (requested == 0) continue;
+      const std::uint64_t in = from_neighbors(inside, z), out = from_neighbors(outside, z);
+      const std::uint64_t found = requested & (in ^ out);
       signs.inside[z] |= found & in;
       to_find[z] &= ~found;
       moved |= found != 0;
@@ -53,21 +53,23 @@ void hand_on_sides(BrickSigns& signs, BrickBits& to_find) {
   }
 }
 
-std::array<BrickBits, 3> possible_tears(const BrickSigns& signs) {
+std::array<BrickBits, 3> possible_conflicts(const BrickSigns& signs) {
   std::array<BrickBits, 3> pairs{};
   for (std::size_t z = 0; z < kSide; ++z) {
-    const std::uint64_t known = signs.known[z], inside = signs.inside[z], apart = signs.apart[z];
-    pairs[0][z] =
-        (inside ^ inside >> 1) & known & known >> 1 & (apart | apart >> 1) & columns_until(7);
-    pairs[1][z] = (inside ^ inside >> 8) & known & known >> 8 & (apart | apart >> 8);
+    const std::uint64_t known = signs.known[z], inside = signs.inside[z],
+                        clear_of_surface = signs.clear_of_surface[z];
+    pairs[0][z] = (inside ^ inside >> 1) & known & known >> 1 &
+                  (clear_of_surface | clear_of_surface >> 1) & columns_until(7);
+    pairs[1][z] =
+        (inside ^ inside >> 8) & known & known >> 8 & (clear_of_surface | clear_of_surface >> 8);
     if (z + 1 < kSide)
       pairs[2][z] = (inside ^ signs.inside[z + 1]) & known & signs.known[z + 1] &
-                    (apart | signs.apart[z + 1]);
+                    (clear_of_surface | signs.clear_of_surface[z + 1]);
   }
   return pairs;
 }
 
-bool far_contradict(const BrickBits& known, const BrickBits& inside) {
+bool unsampled_contradict(const BrickBits& known, const BrickBits& inside) {
   std::uint64_t found = 0;
   for (std::size_t z = 0; z < kSide; ++z) {
     const std::uint64_t k = known[z], in = inside[z];

@@ -1,6 +1,6 @@
 /// \file
 /// Which points of a brick are known and which are inside, 64 to a word: what the space beyond the
-/// band and contradictions between neighbours are found by.
+/// band and contradictions between neighbors are found by.
 #pragma once
 
 #include <lefort/field/storage/sparse_lattice.h>
@@ -18,8 +18,8 @@ struct BrickSigns {
   BrickBits known{};
   BrickBits inside{};  ///< Of those that are known.
   /// Of those that are known: more than half a cell from the surface. No surface passes between two
-  /// neighbours that are, and their distances contradict each other if their signs do.
-  BrickBits apart{};
+  /// neighbors that are, and their distances contradict each other if their signs do.
+  BrickBits clear_of_surface{};
 
   [[nodiscard]] bool any_known() const {
     std::uint64_t any = 0;
@@ -47,21 +47,21 @@ struct BrickSigns {
 /// Hands sides from point to point where no surface can pass: a point's distance is that of all its
 /// surroundings.
 ///
-/// \param to_find  known points whose side is not; those reached leave it. A point whose neighbours
+/// \param to_find  known points whose side is not; those reached leave it. A point whose neighbors
 ///   disagree is not reached.
 /// \param signs    has the sides of the other known points; receives those found.
-void hand_on_sides(BrickSigns& signs, BrickBits& to_find);
+void propagate_signs(BrickSigns& signs, BrickBits& to_find);
 
-/// Pairs of known neighbours within the brick whose distances may contradict each other: on
+/// Pairs of known neighbors within the brick whose distances may contradict each other: on
 /// different sides, and not both near the surface. By axis: bit i of axis k is the pair of point i
 /// and the next along k.
-[[nodiscard]] std::array<BrickBits, 3> possible_tears(const BrickSigns& signs);
+[[nodiscard]] std::array<BrickBits, 3> possible_conflicts(const BrickSigns& signs);
 
-/// Whether a known point has a neighbour in the brick that is not, on the other side: no surface
+/// Whether a known point has a neighbor in the brick that is not, on the other side: no surface
 /// passes between them.
 ///
 /// \param inside  of all points.
-[[nodiscard]] bool far_contradict(const BrickBits& known, const BrickBits& inside);
+[[nodiscard]] bool unsampled_contradict(const BrickBits& known, const BrickBits& inside);
 
 /// The points of a face of the brick, 64 to a word: the lowest or the highest along an axis, in an
 /// order that is the same for both.

@@ -72,7 +72,7 @@ class BrickSamples {
 
   /// Where the code of a sample lies; that of its side if its leaf is not stored. Four bytes may be
   /// read there.
-  [[nodiscard]] const std::byte* place_of(const LatticePoint& point) const {
+  [[nodiscard]] const std::byte* linear_offset(const LatticePoint& point) const {
     const Brick& brick = bricks_[std::size_t(brick_of(point))];
     const unsigned leaf = leaf_of(point);
     if ((brick.stored >> leaf & 1U) == 0) return side_of(brick, leaf);

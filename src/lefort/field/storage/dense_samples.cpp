@@ -1,7 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/core/parallel.h>
-#include <lefort/field/sign/far_sides.h>
-#include <lefort/field/sign/settle_sides.h>
+#include <lefort/field/sign/outside_band.h>
+#include <lefort/field/sign/resolve_sign_conflicts.h>
 #include <lefort/field/storage/dense_samples.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ CellSamples DenseSamples::cell(const LatticePoint& low) const {
 }
 
 Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& frame,
-                                 const WindingRows* winding, Progress& progress) {
+                                 const WindingScanlines* winding, Progress& progress) {
   const auto n = std::size_t(frame.resolution) + 1;
   std::vector<float> values(n * n * n);
   const auto place = [&](int x, int y, int z) {
@@ -72,9 +72,9 @@ Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& f
     if (slot != SparseLattice::kNoBrick) signs = sampler.sample(slot, distances);
     const bool any = signs.any_known();
     if (any && winding != nullptr) {
-      settle_sides(distances, signs, inside_with_far(signs, *winding, brick, frame), winding, brick,
-                   frame);
-      fill_far_points(distances, *winding, brick, frame);
+      resolve_sign_conflicts(distances, signs, inside_with_unsampled(signs, *winding, brick, frame),
+                             winding, brick, frame);
+      fill_points_outside_band(distances, *winding, brick, frame);
     }
     if (!any)
       distances.fill(side_value(winding == nullptr

@@ -8,7 +8,7 @@
 #include <lefort/field/build/band_sampler.h>
 #include <lefort/field/field_frame.h>
 #include <lefort/field/query/cell_samples.h>
-#include <lefort/field/sign/winding_rows.h>
+#include <lefort/field/sign/winding_scanlines.h>
 
 #include <cstddef>
 #include <vector>
@@ -38,6 +38,6 @@ class DenseSamples {
 /// \param winding  of the surface, or null if it is open.
 /// \returns kCancelled.
 [[nodiscard]] Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& frame,
-                                               const WindingRows* winding, Progress& progress);
+                                               const WindingScanlines* winding, Progress& progress);
 
 }  // namespace lefort::field

@@ -4,7 +4,7 @@
 
 #include <lefort/field/query/cell_samples.h>
 #include <lefort/field/query/trilinear.h>
-#include <lefort/field/sign/tear.h>
+#include <lefort/field/sign/violates_lipschitz.h>
 #include <lefort/field/storage/octree.h>
 
 #include <array>
@@ -23,7 +23,8 @@ namespace lefort::field {
   if (zone != Zone::kBand) return zone;
   for (std::size_t corner = 0; corner < 8; ++corner)
     for (std::size_t axis = 1; axis < 8; axis *= 2)
-      if (is_torn(corners[corner], corners[corner ^ axis], cell_mm)) return Zone::kUnknown;
+      if (violates_lipschitz(corners[corner], corners[corner ^ axis], cell_mm))
+        return Zone::kUnknown;
   return Zone::kBand;
 }
 
@@ -73,10 +74,10 @@ template <class ValueAt>
   return true;
 }
 
-/// True if neighbours in a cube of known samples contradict each other.
+/// True if neighbors in a cube of known samples contradict each other.
 template <class ValueAt>
-[[nodiscard]] bool has_tear(const ValueAt& value_at, const LatticePoint& low, int cells,
-                            float cell_mm) {
+[[nodiscard]] bool has_conflict(const ValueAt& value_at, const LatticePoint& low, int cells,
+                                float cell_mm) {
   for (int k = 0; k <= cells; ++k)
     for (int j = 0; j <= cells; ++j)
       for (int i = 0; i <= cells; ++i) {
@@ -84,7 +85,7 @@ template <class ValueAt>
         for (std::size_t axis = 0; axis < 3; ++axis) {
           LatticePoint next = p;
           if (++next[axis] > low[axis] + cells) continue;
-          if (is_torn(value_at(p), value_at(next), cell_mm)) return true;
+          if (violates_lipschitz(value_at(p), value_at(next), cell_mm)) return true;
         }
       }
   return false;

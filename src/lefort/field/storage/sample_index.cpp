@@ -19,7 +19,7 @@ bool SampleIndex::mark(const LatticePoint& point) {
     slot = std::int32_t(bricks_.size());
     bricks_.emplace_back();
   }
-  const int place = SparseLattice::place_of(point);
+  const int place = SparseLattice::linear_offset(point);
   std::uint64_t& word = bricks_[std::size_t(slot)].marked[std::size_t(place / 64)];
   const std::uint64_t before = word;
   word |= std::uint64_t(1) << (place % 64);

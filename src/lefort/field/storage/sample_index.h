@@ -33,7 +33,7 @@ class SampleIndex {
   /// \pre the point was marked.
   [[nodiscard]] std::uint32_t number_of(const LatticePoint& point) const {
     const Brick& brick = bricks_[std::size_t(slots_[position_of(point)])];
-    const int place = SparseLattice::place_of(point);
+    const int place = SparseLattice::linear_offset(point);
     const auto word = std::size_t(place / 64);
     const std::uint64_t before = (std::uint64_t(1) << (place % 64)) - 1;
     return brick.first[word] + std::uint32_t(std::popcount(brick.marked[word] & before));

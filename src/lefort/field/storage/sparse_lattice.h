@@ -63,7 +63,7 @@ class SparseLattice {
   }
 
   /// Position inside its brick, x fastest.
-  [[nodiscard]] static int place_of(const LatticePoint& point) {
+  [[nodiscard]] static int linear_offset(const LatticePoint& point) {
     return (((point[2] + kSide) % kSide) * kSide + (point[1] + kSide) % kSide) * kSide +
            (point[0] + kSide) % kSide;
   }
@@ -80,7 +80,7 @@ class SparseLattice {
     const std::int32_t slot = slot_of(brick_of(point));
     return slot == kNoBrick
                ? absent
-               : values_[std::size_t(slot) * kBrickPoints + std::size_t(place_of(point))];
+               : values_[std::size_t(slot) * kBrickPoints + std::size_t(linear_offset(point))];
   }
 
   [[nodiscard]] std::span<const float> values() const { return values_; }

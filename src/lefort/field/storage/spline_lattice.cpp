@@ -1,5 +1,5 @@
 #include <lefort/core/parallel.h>
-#include <lefort/field/sign/tear.h>
+#include <lefort/field/sign/violates_lipschitz.h>
 #include <lefort/field/storage/spline_lattice.h>
 
 #include <algorithm>
@@ -16,16 +16,16 @@ namespace {
 constexpr int kSide = SparseLattice::kSide;
 constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
-float value_beside_no_tear(const SparseLattice& values, const LatticePoint& point, double cell) {
+float value_without_conflict(const SparseLattice& values, const LatticePoint& point, double cell) {
   const int last = values.resolution() + 2 * kSide - 1;
   const float here = values.at(point, kNoValue);
   if (std::isnan(here)) return kNoValue;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const int step : {-1, 1}) {
-      LatticePoint neighbour = point;
-      neighbour[axis] += step;
-      if (neighbour[axis] < -kSide || neighbour[axis] > last) continue;
-      if (is_torn(here, values.at(neighbour, kNoValue), float(cell))) return kNoValue;
+      LatticePoint neighbor = point;
+      neighbor[axis] += step;
+      if (neighbor[axis] < -kSide || neighbor[axis] > last) continue;
+      if (violates_lipschitz(here, values.at(neighbor, kNoValue), float(cell))) return kNoValue;
     }
   }
   return here;
@@ -48,7 +48,7 @@ SparseLattice spline_lattice(const SparseLattice& values, double cell, double re
     for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
       const LatticePoint point = {first[0] + i % kSide, first[1] + i / kSide % kSide,
                                   first[2] + i / (kSide * kSide)};
-      brick[std::size_t(i)] = value_beside_no_tear(values, point, cell);
+      brick[std::size_t(i)] = value_without_conflict(values, point, cell);
     }
   };
   parallel_for(kept.brick_count(), fill_brick, 8);

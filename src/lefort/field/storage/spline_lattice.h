@@ -13,7 +13,7 @@ namespace lefort::field {
 
 /// The values near a surface, but those beside a tear.
 ///
-/// \param cell   spacing of the lattice; also the largest difference between neighbours of a
+/// \param cell   spacing of the lattice; also the largest difference between neighbors of a
 ///   distance field. Larger ones are tears of the sign behind the rim of an open surface: the
 ///   points on both sides of a tear become NaN.
 /// \param reach  only bricks holding a value of at most this size are kept.

@@ -6,7 +6,7 @@ namespace lefort::io::internal {
 namespace {
 
 // Cutting ears off a larger polygon takes too long; no honest file has one.
-constexpr std::size_t kMostCorners = 1000;
+constexpr std::size_t kMaxCorners = 1000;
 
 using Point = Eigen::Vector2d;
 
@@ -59,7 +59,7 @@ void add_polygon(std::span<const std::int32_t> corners, SurfaceFile& surface) {
     left[n] = n;
     all_known &= corners[n] >= 0 && Index(corners[n]) < Index(surface.vertices.size());
   }
-  if (corners.size() > 3 && corners.size() <= kMostCorners && all_known) {
+  if (corners.size() > 3 && corners.size() <= kMaxCorners && all_known) {
     const std::vector<Point> points = flattened(corners, surface);
     for (std::size_t tried = 0, n = 0; left.size() > 3 && tried < left.size(); ++tried) {
       const std::size_t before = left[(n + left.size() - 1) % left.size()];

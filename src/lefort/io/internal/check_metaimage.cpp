@@ -101,7 +101,7 @@ struct ZlibStream {
 };
 
 /// Nothing when the stream is damaged or unpacks to more than `most`.
-std::optional<ZlibStream> unpack_once(std::ifstream& stream, std::uint64_t most) {
+std::optional<ZlibStream> unpack_once(std::ifstream& stream, std::uint64_t maximum) {
   z_stream zip{};
   if (inflateInit2(&zip, 15 + 32) != Z_OK) return std::nullopt;  // zlib or gzip.
   const std::unique_ptr<z_stream, int (*)(z_stream*)> cleanup(&zip, inflateEnd);
@@ -117,7 +117,7 @@ std::optional<ZlibStream> unpack_once(std::ifstream& stream, std::uint64_t most)
     zip.avail_out = static_cast<uInt>(kChunk);
     state = inflate(&zip, Z_NO_FLUSH);
     if (state != Z_OK && state != Z_STREAM_END) return std::nullopt;
-    if (zip.total_out > most) return std::nullopt;
+    if (zip.total_out > maximum) return std::nullopt;
   }
   return ZlibStream{zip.total_in, zip.total_out};
 }
@@ -149,7 +149,7 @@ Result<void> check_metaimage(const fs::path& file, std::uint64_t bytes, const Ma
   LEFORT_TRY(const std::uint64_t skipped, skipped_bytes(header, is_detached));
   fs::path voxel_file = file;
   if (is_detached) {
-    LEFORT_TRY(voxel_file, file_beside(file, where));
+    LEFORT_TRY(voxel_file, sibling_file(file, where));
     stream = std::ifstream(voxel_file, std::ios::binary);
     header.end = skipped;
   }

@@ -25,7 +25,7 @@ constexpr std::int16_t kFloat32 = 16, kFloat64 = 64;
 /// By which lengths, in parts, and angles may deviate: files round both.
 constexpr double kFormTolerance = 1e-3;
 /// By which qform and sform may put a voxel apart, in voxels.
-constexpr double kMaxApartVoxels = 0.5;
+constexpr double kMaxDistanceVoxels = 0.5;
 
 /// Where the voxels lie, in RAS.
 struct NiftiPlace {
@@ -202,7 +202,7 @@ Result<void> check_orientation(const NiftiHeader& header) {
     apart_mm =
         std::max(apart_mm, (header.sform().at(corner_V) - header.qform().at(corner_V)).norm());
   }
-  if (!(apart_mm <= kMaxApartVoxels * header.spacing_mm().minCoeff()))
+  if (!(apart_mm <= kMaxDistanceVoxels * header.spacing_mm().minCoeff()))
     return fail(
         ErrorCode::kFileCorrupt,
         fmt::format("the qform and the sform put the voxels up to {:.3g} mm apart, expected "

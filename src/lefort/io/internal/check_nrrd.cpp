@@ -75,7 +75,7 @@ Result<void> check_nrrd_voxel_file(const fs::path& file) {
   const auto fields = read_fields(file);
   const auto voxels = fields.find("datafile");
   if (voxels == fields.end()) return {};
-  LEFORT_TRY([[maybe_unused]] const fs::path beside, file_beside(file, voxels->second));
+  LEFORT_TRY([[maybe_unused]] const fs::path beside, sibling_file(file, voxels->second));
   return {};
 }
 
@@ -94,7 +94,7 @@ Result<void> check_nrrd(const fs::path& file, std::uint64_t bytes) {
   if (!are_mm(fields["spaceunits"]))
     return fail(ErrorCode::kFileUnsupported, "the space units are not mm, expected mm");
   if (!fields.contains("datafile")) return {};
-  LEFORT_TRY(const fs::path voxels, file_beside(file, fields["datafile"]));
+  LEFORT_TRY(const fs::path voxels, sibling_file(file, fields["datafile"]));
   return check_size(voxels, fields, bytes);
 }
 

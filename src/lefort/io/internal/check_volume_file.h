@@ -54,8 +54,8 @@ inline constexpr std::uint64_t kHighestCompression = 1100;
 ///
 /// \returns its path, or kFileUnsupported for what is no plain name, kFileCorrupt for what is no
 ///   regular file.
-[[nodiscard]] Result<std::filesystem::path> file_beside(const std::filesystem::path& header,
-                                                        std::string_view name);
+[[nodiscard]] Result<std::filesystem::path> sibling_file(const std::filesystem::path& header,
+                                                         std::string_view name);
 
 /// `text` without white space at its ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);

@@ -105,8 +105,8 @@ std::size_t address_space_bytes() {
   const auto time_s = static_cast<rlim_t>(limits.time.count() / 1000 + 1);
   const rlimit seconds{time_s, time_s};
   ::setrlimit(RLIMIT_CPU, &seconds);
-  const rlim_t most = address_space_bytes() + limits.memory_bytes;
-  const rlimit bytes{most, most};
+  const rlim_t maximum = address_space_bytes() + limits.memory_bytes;
+  const rlimit bytes{maximum, maximum};
   ::setrlimit(RLIMIT_AS, &bytes);
   int code = kDamaged;
   try {

@@ -27,7 +27,7 @@ struct DicomHeader {
   Index columns = 0, rows = 0;  ///< 0 for objects that are no images.
   Index frames = 1;
   Index samples_per_pixel = 1;
-  std::optional<Vec3> position_L;                         ///< Centre of the first pixel.
+  std::optional<Vec3> position_L;                         ///< Center of the first pixel.
   std::optional<std::array<Vec3, 2>> axes_L;              ///< Along a row, along a column.
   std::optional<std::array<double, 2>> pixel_spacing_mm;  ///< Between columns, between rows.
   std::optional<double> rescale_slope;

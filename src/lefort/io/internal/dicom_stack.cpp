@@ -1,7 +1,7 @@
 #include <lefort/core/check.h>
 #include <lefort/core/units.h>
 #include <lefort/image/check_grid.h>
-#include <lefort/image/straighten_stack.h>
+#include <lefort/image/resample_gantry_tilt.h>
 #include <lefort/io/internal/dicom_stack.h>
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ constexpr double kAxisTolerance = 1e-3;
 constexpr double kSpacingToleranceMm = 1e-3;
 constexpr double kPositionToleranceMm = 0.02;
 constexpr Index kMaxColumns = 8192;  // Before a codec believes it and allocates.
-/// Share of the slice distance by which the distance of two neighbours may be off before we refuse.
+/// Share of the slice distance by which the distance of two neighbors may be off before we refuse.
 constexpr double kUneven = 0.05;
 /// Share of the slice distance by which a slice may lie off the even stack that stands for it.
 constexpr double kMaxOffEven = 0.1;
@@ -29,8 +29,8 @@ constexpr double kMaxSidewaysPixels = 0.5;
 /// Gantries tilt by 30 degrees at most; what is sheared by more is something else.
 constexpr double kMaxTilt_deg = 45.0;
 /// As many equal steps in a row are meant; fewer are an accident.
-constexpr std::size_t kLeastRun = 3;
-/// Wider steps hide too much of a face to be filled from their neighbours.
+constexpr std::size_t kMinRun = 3;
+/// Wider steps hide too much of a face to be filled from their neighbors.
 constexpr double kWidestStepMm = 5.0;
 
 std::string size_of(const DicomHeader& slice) {
@@ -140,7 +140,7 @@ Result<void> check_distinct(const std::vector<DicomHeader>& slices,
   return {};
 }
 
-/// Whether the stack consists of runs of at least kLeastRun equal steps, of several lengths, and no
+/// Whether the stack consists of runs of at least kMinRun equal steps, of several lengths, and no
 /// number is left out between its slices: a scanner took it so.
 bool has_several_distances(const std::vector<DicomHeader>& slices,
                            const std::vector<double>& steps_mm) {
@@ -150,7 +150,7 @@ bool has_several_distances(const std::vector<DicomHeader>& slices,
     while (end < steps_mm.size() && std::abs(steps_mm[end] - steps_mm[begin]) <=
                                         kUneven * steps_mm[begin] + kPositionToleranceMm)
       ++end;
-    if (end - begin < kLeastRun) return false;
+    if (end - begin < kMinRun) return false;
     begin = end;
   }
   for (std::size_t k = 0; k < steps_mm.size(); ++k)
@@ -213,13 +213,14 @@ Result<EvenHeights> even_heights(const std::vector<DicomHeader>& slices,
 Result<EvenHeights> resampled_heights(const std::vector<double>& heights_mm,
                                       const std::vector<double>& steps_mm,
                                       std::vector<std::string>& warnings) {
-  const auto [least, most] = std::minmax_element(steps_mm.begin(), steps_mm.end());
-  const std::string range = fmt::format("the slices lie {:.4g} to {:.4g} mm apart", *least, *most);
-  if (*most > kWidestStepMm)
+  const auto [minimum, maximum] = std::minmax_element(steps_mm.begin(), steps_mm.end());
+  const std::string range =
+      fmt::format("the slices lie {:.4g} to {:.4g} mm apart", *minimum, *maximum);
+  if (*maximum > kWidestStepMm)
     return fail(ErrorCode::kFileUnsupported,
                 fmt::format("{}, expected at most {:.3g} mm", range, kWidestStepMm));
   const double length_mm = heights_mm.back() - heights_mm.front();
-  const EvenHeights even{heights_mm.front(), length_mm / std::round(length_mm / *least)};
+  const EvenHeights even{heights_mm.front(), length_mm / std::round(length_mm / *minimum)};
   warnings.push_back(
       fmt::format("{}; they are resampled to one distance, {:.4g} mm", range, even.distance_mm));
   return even;
@@ -243,8 +244,8 @@ Result<double> find_tilt_deg(const DicomStack& stack, std::vector<std::string>& 
   double off_path_mm = 0.0;  // Of a path that slides evenly.
   std::size_t worst = 0;
   for (std::size_t k = 0; k <= last; ++k) {
-    const double share = path(k).dot(normal) / height_mm;
-    off_path_mm = std::max(off_path_mm, (sideways_mm(k) - share * drift_mm).norm());
+    const double fraction = path(k).dot(normal) / height_mm;
+    off_path_mm = std::max(off_path_mm, (sideways_mm(k) - fraction * drift_mm).norm());
     if (sideways_mm(k).norm() > sideways_mm(worst).norm()) worst = k;
   }
   const double said_deg = stack.slices.front().gantry_tilt_deg;
@@ -307,16 +308,16 @@ Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices) {
   stack.slices = std::move(slices);
   LEFORT_TRY_VOID(image::check_grid(grid));
   LEFORT_TRY(const double tilt_deg, find_tilt_deg(stack, stack.warnings));
-  const auto [least, most] = std::minmax_element(steps_mm.begin(), steps_mm.end());
+  const auto [minimum, maximum] = std::minmax_element(steps_mm.begin(), steps_mm.end());
   stack.report = {.slices = std::ssize(stack.slices),
-                  .least_step_mm = *least,
-                  .most_step_mm = *most,
+                  .min_step_mm = *minimum,
+                  .max_step_mm = *maximum,
                   .tilt_deg = tilt_deg,
                   .resampled = is_uneven || tilt_deg > 0.0};
   if (!stack.report.resampled) return stack;
 
   for (std::size_t k = 0; k < stack.slices.size(); ++k) {
-    // Heights that are as good as even are made so: mixing neighbours would blur them.
+    // Heights that are as good as even are made so: mixing neighbors would blur them.
     const double up_mm = is_uneven ? 0.0 : even.at(k) - heights_mm[k];
     stack.origins_L.push_back(*stack.slices[k].position_L + up_mm * normal);
   }

@@ -34,7 +34,7 @@ struct Rescale {
 /// are to be resampled, with a warning.
 ///
 /// \returns the stack, or
-///   - kFileUnsupported  a tag that places the slices is missing, several frames or colours in a
+///   - kFileUnsupported  a tag that places the slices is missing, several frames or colors in a
 ///                       file, or a gantry tilted by more than any can be;
 ///   - kFileCorrupt      slices that differ in size, spacing or orientation, lie at one place, are
 ///                       missing, are unevenly spaced, or lie beside the others.
@@ -45,7 +45,7 @@ struct Rescale {
 /// The rescaling of each slice. A tag that no slice carries has its default, with a warning.
 ///
 /// \returns kFileCorrupt when only some slices carry a tag, or one is not finite or a slope is 0:
-///   the default would put those slices onto another scale than their neighbours.
+///   the default would put those slices onto another scale than their neighbors.
 [[nodiscard]] Result<std::vector<Rescale>> rescales_of(const std::vector<DicomHeader>& slices,
                                                        std::vector<std::string>& warnings);
 

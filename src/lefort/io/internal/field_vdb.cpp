@@ -106,14 +106,14 @@ class Archive : public openvdb::io::Archive {
 Result<SampleCount> write_level_set(const std::filesystem::path& target,
                                     const field::DistanceField& field, const LatticeWindow& window,
                                     Progress& progress) {
-  constexpr double kLeastVoxels = 2.0;  // On each side, or the surface slips between them.
+  constexpr double kMinVoxels = 2.0;  // On each side, or the surface slips between them.
   const double voxel_mm = field.cell_mm() * window.every;
-  if (field.band_mm() < kLeastVoxels * voxel_mm * (1.0 - 1e-12))
+  if (field.band_mm() < kMinVoxels * voxel_mm * (1.0 - 1e-12))
     return fail(
         ErrorCode::kInvalidArgument,
         fmt::format("every is {}: the band of {:.4g} mm is {:.3g} voxels wide on each side, "
                     "a level set must have {}",
-                    window.every, field.band_mm(), field.band_mm() / voxel_mm, kLeastVoxels));
+                    window.every, field.band_mm(), field.band_mm() / voxel_mm, kMinVoxels));
   openvdb::initialize();
   const openvdb::FloatGrid::Ptr grid = empty_grid(field, window);
   GridFiller filler(*grid, window);

@@ -109,8 +109,8 @@ class Source {
   /// How many items of so many numbers follow: no more than the file has room for.
   std::size_t count(std::size_t numbers_per_item, std::string_view what) {
     const std::uint64_t said = size();
-    const std::size_t least_bytes = numbers_per_item * (is_binary_ ? 4 : 2);
-    if (said <= rest_.size() / least_bytes + 1) return std::size_t(said);
+    const std::size_t min_bytes = numbers_per_item * (is_binary_ ? 4 : 2);
+    if (said <= rest_.size() / min_bytes + 1) return std::size_t(said);
     fail(corrupt(
         fmt::format("there are said to be {} {}, more than the file has room for", said, what)));
     return 0;

@@ -17,7 +17,7 @@ constexpr std::int16_t kSurelyAir = -500;
 constexpr double kTissueHu = -300.0;
 
 /// Smaller scans show no head whose tissues could be compared.
-constexpr double kLeastHead_ml = 500.0;
+constexpr double kMinHead_ml = 500.0;
 
 /// Where the means of air and of what is neither air nor bone lie in scans in HU: air in the airway
 /// is blurred, and soft tissue is mixed with fat and the rims of bone.
@@ -25,7 +25,7 @@ constexpr double kAirFromHu = -1100.0, kAirToHu = -880.0;
 constexpr double kSoftFromHu = -150.0, kSoftToHu = 180.0;
 
 /// Less of an abrupt end than this may be a voxel of noise here and there.
-constexpr double kLeastCut_mm2 = 100.0;
+constexpr double kMinCut_mm2 = 100.0;
 
 }  // namespace
 
@@ -45,7 +45,7 @@ std::vector<std::string> hounsfield_warnings(const HounsfieldCount& count,
         "the values reach from {} to {}, expected air near -1000: they may not be in HU", *lowest,
         *highest));
   else if (static_cast<double>(ct.grid.voxel_count()) * ct.grid.spacing_mm.prod() >
-           kLeastHead_ml * 1e3) {
+           kMinHead_ml * 1e3) {
     if (const auto found = anatomy::find_thresholds(ct);
         found && (found->air_mean_hu < kAirFromHu || found->air_mean_hu > kAirToHu ||
                   found->soft_mean_hu < kSoftFromHu || found->soft_mean_hu > kSoftToHu))
@@ -55,7 +55,7 @@ std::vector<std::string> hounsfield_warnings(const HounsfieldCount& count,
           found->air_mean_hu, found->soft_mean_hu));
   }
   if (const image::Padding padding = image::find_padding(ct, kTissueHu);
-      padding.cut_mm2 > kLeastCut_mm2)
+      padding.cut_mm2 > kMinCut_mm2)
     warnings.push_back(fmt::format(
         "the field of view is surrounded by {} HU and cuts tissue off over {:.2g} cm2, where its "
         "edge is taken for skin",

@@ -18,21 +18,21 @@ namespace {
 
 /// While it lives, writing to a connection that was closed is an error, and not the end of the
 /// program: SIGPIPE waits, and is taken back.
-class NoBrokenPipe {
+class SigpipeGuard {
  public:
-  NoBrokenPipe() {
+  SigpipeGuard() {
     ::sigemptyset(&pipe_);
     ::sigaddset(&pipe_, SIGPIPE);
     ::pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
   }
-  ~NoBrokenPipe() {
+  ~SigpipeGuard() {
     const timespec at_once{0, 0};
     while (::sigtimedwait(&pipe_, nullptr, &at_once) == SIGPIPE) {
     }
     ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
   }
-  NoBrokenPipe(const NoBrokenPipe&) = delete;
-  NoBrokenPipe& operator=(const NoBrokenPipe&) = delete;
+  SigpipeGuard(const SigpipeGuard&) = delete;
+  SigpipeGuard& operator=(const SigpipeGuard&) = delete;
 
  private:
   sigset_t pipe_{}, before_{};
@@ -72,7 +72,7 @@ tl::unexpected<Error> lost(const HttpServer& server, CURLcode why, bool is_conne
 class Listener {
  public:
   Listener(const HttpRequest& request, Progress& progress)
-      : request_(request), progress_(progress), deadline_(Clock::now() + request.whole) {}
+      : request_(request), progress_(progress), deadline_(Clock::now() + request.total_timeout) {}
 
   void listen_to(CURL* transfer) {
     transfer_ = transfer;
@@ -80,20 +80,20 @@ class Listener {
     ::curl_easy_setopt(
         transfer, CURLOPT_HEADERFUNCTION,
         +[](char* bytes, std::size_t, std::size_t count, void* self) {
-          return static_cast<Listener*>(self)->hear(&Listener::header, bytes, count);
+          return static_cast<Listener*>(self)->on_header_line(&Listener::header, bytes, count);
         });
     ::curl_easy_setopt(transfer, CURLOPT_WRITEDATA, this);
     ::curl_easy_setopt(
         transfer, CURLOPT_WRITEFUNCTION,
         +[](char* bytes, std::size_t, std::size_t count, void* self) {
-          return static_cast<Listener*>(self)->hear(&Listener::body, bytes, count);
+          return static_cast<Listener*>(self)->on_header_line(&Listener::body, bytes, count);
         });
     ::curl_easy_setopt(transfer, CURLOPT_NOPROGRESS, 0L);
     ::curl_easy_setopt(transfer, CURLOPT_XFERINFODATA, this);
     ::curl_easy_setopt(
         transfer, CURLOPT_XFERINFOFUNCTION,
         +[](void* self, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
-          return static_cast<Listener*>(self)->may_go_on() ? 0 : 1;
+          return static_cast<Listener*>(self)->should_continue() ? 0 : 1;
         });
   }
 
@@ -115,7 +115,7 @@ class Listener {
   using Part = Result<void> (Listener::*)(std::string_view);
 
   /// \returns `count`, or 0 to stop. No exception may pass through libcurl.
-  std::size_t hear(Part part, const char* bytes, std::size_t count) {
+  std::size_t on_header_line(Part part, const char* bytes, std::size_t count) {
     try {
       if (!stopped_)
         if (Result<void> heard = (this->*part)({bytes, count}); !heard)
@@ -123,7 +123,7 @@ class Listener {
     } catch (...) {
       thrown_ = std::current_exception();
     }
-    return !thrown_ && may_go_on() ? count : 0;
+    return !thrown_ && should_continue() ? count : 0;
   }
 
   Result<void> header(std::string_view line) {
@@ -145,12 +145,12 @@ class Listener {
     return request_.receive(bytes);
   }
 
-  bool may_go_on() {
+  bool should_continue() {
     if (progress_.stop_requested())
       stopped_ = Error{ErrorCode::kCancelled, "fetching the scan was stopped"};
     else if (!stopped_ && Clock::now() > deadline_)
-      stopped_ = Error{ErrorCode::kFileCorrupt,
-                       fmt::format("the server takes longer than {} s", request_.whole.count())};
+      stopped_ = Error{ErrorCode::kFileCorrupt, fmt::format("the server takes longer than {} s",
+                                                            request_.total_timeout.count())};
     return !stopped_;
   }
 
@@ -167,7 +167,7 @@ class Listener {
 }  // namespace
 
 Result<void> http_get(const HttpServer& server, const HttpRequest& request, Progress& progress) {
-  const NoBrokenPipe no_broken_pipe;
+  const SigpipeGuard no_broken_pipe;
   const std::unique_ptr<CURL, void (*)(CURL*)> transfer(::curl_easy_init(), ::curl_easy_cleanup);
   const std::unique_ptr<curl_slist, void (*)(curl_slist*)> headers(
       ::curl_slist_append(nullptr, ("Accept: " + request.accept).c_str()), ::curl_slist_free_all);
@@ -183,10 +183,10 @@ Result<void> http_get(const HttpServer& server, const HttpRequest& request, Prog
   ::curl_easy_setopt(curl, CURLOPT_PATH_AS_IS, 1L);
   ::curl_easy_setopt(curl, CURLOPT_PROXY, "");  // Passwords and scans go to the server alone.
   ::curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
-  const long silence = static_cast<long>(request.silence.count());
-  ::curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, silence);
+  const long idle_timeout = static_cast<long>(request.idle_timeout.count());
+  ::curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, idle_timeout);
   ::curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);  // Bytes a second.
-  ::curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, silence);
+  ::curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, idle_timeout);
   if (!server.user.empty() || !server.password.empty()) {
     ::curl_easy_setopt(curl, CURLOPT_HTTPAUTH, CURLAUTH_BASIC);
     ::curl_easy_setopt(curl, CURLOPT_USERNAME, server.user.c_str());

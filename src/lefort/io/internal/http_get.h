@@ -23,8 +23,8 @@ struct HttpServer {
 struct HttpRequest {
   std::string path;    ///< With the query.
   std::string accept;  ///< Media types.
-  std::chrono::seconds silence{30};
-  std::chrono::seconds whole{3600};
+  std::chrono::seconds idle_timeout{30};
+  std::chrono::seconds total_timeout{3600};
   std::uint64_t header_bytes = 1 << 18;  ///< Most of all headers, those of status 100 counted.
   std::function<Result<void>(const std::string& content_type)> begin{};  ///< Of an answer with 200.
   std::function<Result<void>(std::string_view bytes)> receive{};

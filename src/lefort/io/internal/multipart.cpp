@@ -10,7 +10,7 @@ namespace lefort::io {
 namespace {
 
 /// Longer headers of a part, or longer words before the first, are no answer of a PACS.
-constexpr std::size_t kMostHeaders = 16'384;
+constexpr std::size_t kMaxHeaders = 16'384;
 
 tl::unexpected<Error> no_multipart() {
   return fail(ErrorCode::kFileCorrupt,
@@ -84,7 +84,7 @@ Result<bool> MultipartReader::step() {
       }
       const std::size_t end = pending_.find("\r\n");
       if (end == std::string::npos) {
-        if (pending_.size() > kMostHeaders) return no_multipart();
+        if (pending_.size() > kMaxHeaders) return no_multipart();
         return false;
       }
       if (pending_.find_first_not_of(" \t") != end) return no_multipart();
@@ -96,7 +96,7 @@ Result<bool> MultipartReader::step() {
     case State::kHeaders: {
       // An empty line ends them; the line before, if only the boundary's, is still there.
       const std::size_t end = pending_.find("\r\n\r\n");
-      if (std::min(end, pending_.size()) > kMostHeaders) return no_multipart();
+      if (std::min(end, pending_.size()) > kMaxHeaders) return no_multipart();
       if (end == std::string::npos) return false;
       pending_.erase(0, end + 4);
       state_ = State::kBody;
@@ -119,7 +119,7 @@ Result<bool> MultipartReader::find_delimiter() {
   if (in_body && sure > 0) LEFORT_TRY_VOID(sink_.data(std::string_view(pending_).substr(0, sure)));
   if (!in_body) {
     preamble_ += sure;
-    if (preamble_ > kMostHeaders) return no_multipart();
+    if (preamble_ > kMaxHeaders) return no_multipart();
   }
   pending_.erase(0, sure);
   if (found == std::string::npos) return false;

@@ -1,7 +1,7 @@
 #include <lefort/image/check_grid.h>
 #include <lefort/io/internal/check_volume_file.h>
-#include <lefort/io/internal/library_silence.h>
 #include <lefort/io/internal/raw_volume.h>
+#include <lefort/io/internal/silence_libraries.h>
 #include <lefort/io/write_atomically.h>
 
 // ITK brings its own older Eigen, which does not mix with ours unless ours was included first.
@@ -223,7 +223,7 @@ Result<RawVolume> read_raw_volume(const fs::path& file) {
                 {ErrorCode::kFileNotFound, "there is no such file, or it is no regular one"}));
   const std::uintmax_t file_bytes = fs::file_size(file, error);
 
-  const LibrarySilence silence;
+  const SilenceLibraries silence;
   const itk::ImageIOBase::Pointer io = make_image_io(ending.format);
   LEFORT_TRY(RawVolume raw, read_header(*io, file, ending));
   const auto bytes = static_cast<std::uintmax_t>(io->GetImageSizeInBytes());
@@ -269,7 +269,7 @@ Result<void> write_raw_volume(const fs::path& target, const RawVolumeView& volum
     return fail(ErrorCode::kInvalidArgument, good.error().message);
 
   return write_atomically(target, [&](const fs::path& temporary) -> Result<void> {
-    const LibrarySilence silence;
+    const SilenceLibraries silence;
     const itk::ImageIOBase::Pointer io = make_image_io(ending.format);
     io->SetFileName(temporary.string());
     io->SetNumberOfDimensions(3);

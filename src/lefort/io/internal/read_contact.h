@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/contact/contact_term.h>
-#include <lefort/io/internal/checked_json.h>
+#include <lefort/io/internal/validated_json.h>
 
 namespace lefort::io::internal {
 
@@ -13,8 +13,9 @@ template <class Options>
 void read_contact(const Json& json, Options& options) {
   const std::string detection =
       json.value("detection", json.value("reconstruction", std::string()));
-  for (const contact::Detection known :
-       {contact::Detection::kSmooth, contact::Detection::kTrilinear, contact::Detection::kBvh})
+  for (const contact::DetectionMethod known :
+       {contact::DetectionMethod::kSmooth, contact::DetectionMethod::kTrilinear,
+        contact::DetectionMethod::kBvh})
     if (detection == contact::name_of(known)) options.detection = known;
   const std::string integration = json.value("integration", std::string());
   for (const contact::Integration known :

@@ -29,7 +29,7 @@ class Constants {
     if (!complaint_) complaint_ = fmt::format("constant '{}' {}", key, what);
   }
   /// The key may be there, and is not now.
-  void allow(const char* key) { asked_.insert(key); }
+  void allow(const char* key) { read_keys_.insert(key); }
 
   /// A number; NaN if it is not there.
   double number(const char* key) {
@@ -41,26 +41,26 @@ class Constants {
   /// Likewise `otherwise`.
   double number_or(const char* key, double otherwise) {
     if (has(key)) return number(key);
-    asked_.insert(key);
+    read_keys_.insert(key);
     return otherwise;
   }
   /// A stress; `key` ends in _kpa.
   double mpa(const char* key) { return mpa_from_kpa(number(key)); }
 
   /// One to `most` numbers.
-  std::vector<double> numbers(const char* key, std::size_t most) {
+  std::vector<double> numbers(const char* key, std::size_t maximum) {
     std::vector<double> values;
     const Json* const list = find(key);
     if (list == nullptr) return values;
-    const bool fits = list->is_array() && !list->empty() && list->size() <= most;
+    const bool fits = list->is_array() && !list->empty() && list->size() <= maximum;
     if (!fits || !std::all_of(list->begin(), list->end(),
                               [](const Json& value) { return value.is_number(); }))
-      return complain(key, fmt::format("must be a list of 1 to {} numbers", most)), values;
+      return complain(key, fmt::format("must be a list of 1 to {} numbers", maximum)), values;
     for (const Json& value : *list) values.push_back(value.get<double>());
     return values;
   }
   /// One to `most` vectors.
-  std::vector<Vec3> vectors(const char* key, std::size_t most) {
+  std::vector<Vec3> vectors(const char* key, std::size_t maximum) {
     std::vector<Vec3> values;
     const Json* const list = find(key);
     if (list == nullptr) return values;
@@ -68,15 +68,15 @@ class Constants {
       return value.is_array() && value.size() == 3 && value[0].is_number() &&
              value[1].is_number() && value[2].is_number();
     };
-    if (!list->is_array() || list->empty() || list->size() > most ||
+    if (!list->is_array() || list->empty() || list->size() > maximum ||
         !std::all_of(list->begin(), list->end(), is_vector))
-      return complain(key, fmt::format("must be a list of 1 to {} vectors", most)), values;
+      return complain(key, fmt::format("must be a list of 1 to {} vectors", maximum)), values;
     for (const Json& value : *list) values.push_back(as_vector(value));
     return values;
   }
   /// One of a few words; the first unless it is there.
   std::size_t choice(const char* key, const std::vector<std::string>& words) {
-    asked_.insert(key);
+    read_keys_.insert(key);
     const auto found = object_.find(key);
     if (found == object_.end()) return 0;
     for (std::size_t w = 0; w < words.size(); ++w)
@@ -89,15 +89,15 @@ class Constants {
   [[nodiscard]] Result<void> finish(const std::string& law) const {
     if (complaint_) return fail(ErrorCode::kPlanInvalid, *complaint_);
     for (const auto& [key, value] : object_.items())
-      if (asked_.count(key) == 0)
+      if (read_keys_.count(key) == 0)
         return fail(ErrorCode::kPlanInvalid, fmt::format("unknown key '{}', law {} takes {}", key,
-                                                         law, fmt::join(asked_, ", ")));
+                                                         law, fmt::join(read_keys_, ", ")));
     return {};
   }
 
  private:
   const Json* find(const char* key) {
-    asked_.insert(key);
+    read_keys_.insert(key);
     const auto found = object_.find(key);
     if (found != object_.end()) return &*found;
     complain(key, "is missing");
@@ -105,7 +105,7 @@ class Constants {
   }
 
   const Json& object_;
-  std::set<std::string> asked_;
+  std::set<std::string> read_keys_;
   std::optional<std::string> complaint_;
 };
 
@@ -123,7 +123,7 @@ Result<fem::Material> split(Constants& c, Shear shear) {
   using enum fem::VolumetricForm;
   constexpr std::array kForms{kQuadratic, kQuadraticLog, kLogSquared};
   const std::size_t form = c.choice("volumetric", {"quadratic", "quadratic-log", "log-squared"});
-  return fem::Split<Shear>{std::move(shear), {kForms[form], c.mpa("bulk_kpa")}};
+  return fem::DecoupledLaw<Shear>{std::move(shear), {kForms[form], c.mpa("bulk_kpa")}};
 }
 
 fem::Ogden ogden(Constants& c) {
@@ -159,15 +159,15 @@ fem::FungOrthotropic fung(Constants& c) {
   return law;
 }
 
-fem::HolzapfelGasserOgden fibres(Constants& c) {
+fem::HolzapfelGasserOgden fibers(Constants& c) {
   fem::HolzapfelGasserOgden law;
   law.mu_mpa = c.mpa("mu_kpa");
   law.k1_mpa = c.mpa("k1_kpa");
   law.k2 = c.number("k2");
   law.dispersion = c.number_or("dispersion", 0.0);
-  const std::vector<Vec3> directions = c.vectors("fibres", law.fibre.size());
+  const std::vector<Vec3> directions = c.vectors("fibres", law.fiber.size());
   law.family_count = std::max(int(directions.size()), 1);
-  for (std::size_t f = 0; f < directions.size(); ++f) law.fibre[f] = directions[f].normalized();
+  for (std::size_t f = 0; f < directions.size(); ++f) law.fiber[f] = directions[f].normalized();
   return law;
 }
 
@@ -176,7 +176,7 @@ using ReadLaw = Result<fem::Material> (*)(Constants&);
 const std::map<std::string, ReadLaw>& laws() {
   static const std::map<std::string, ReadLaw> all{
       {"fung-orthotropic", [](Constants& c) { return split(c, fung(c)); }},
-      {"holzapfel-gasser-ogden", [](Constants& c) { return split(c, fibres(c)); }},
+      {"holzapfel-gasser-ogden", [](Constants& c) { return split(c, fibers(c)); }},
       {"isochoric-neo-hookean",
        [](Constants& c) { return split(c, fem::IsochoricNeoHookean{c.mpa("mu_kpa")}); }},
       {"linear-elastic", hooke<fem::LinearElastic>},
@@ -212,9 +212,9 @@ Result<fem::Material> read_law(const Json& material) {
                                                      fmt::join(law_names(), ", ")));
   Json constants = material;
   for (const char* key : {"law", "region", "density_kg_m3"}) constants.erase(key);
-  Constants asked(constants);
-  Result<fem::Material> result = law->second(asked);
-  LEFORT_TRY_VOID(asked.finish(name));
+  Constants requested(constants);
+  Result<fem::Material> result = law->second(requested);
+  LEFORT_TRY_VOID(requested.finish(name));
   if (!result) return fail(ErrorCode::kPlanInvalid, result.error().message);
   const Result<void> valid =
       std::visit([](const auto& known) -> Result<void> { return known.validate(); }, *result);

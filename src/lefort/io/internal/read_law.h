@@ -4,7 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/fem/materials/material.h>
-#include <lefort/io/internal/checked_json.h>
+#include <lefort/io/internal/validated_json.h>
 
 #include <string>
 #include <vector>

@@ -17,13 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostPoints = 1000;  // Of a curve, as in contract/plan.schema.json.
+constexpr std::size_t kMaxPoints = 1000;  // Of a curve, as in contract/plan.schema.json.
 
 /// What a part of the plan is read with.
 struct Context {
   const plan::Landmarks& landmarks;
   const fs::path& folder;
-  std::optional<Vec3> held_L{};  ///< The middle of what the segment holds.
+  std::optional<Vec3> anchor_L{};  ///< The middle of what the segment holds.
 };
 
 tl::unexpected<Error> bad(const std::string& key, const std::string& what) {
@@ -83,13 +83,13 @@ Result<plan::CutPlane> read_plane_file(const Json& json, const std::string& key,
   if (!markup.plane)
     return bad(key, fmt::format("the plane in {} has no center and normal; save it with Slicer 5",
                                 file.string()));
-  const MarkupPlane& told = *markup.plane;
-  plan::CutPlane plane{told.centre_L,
-                       json.value("flip", false) ? Vec3(-told.normal_L) : told.normal_L};
+  const MarkupPlane& reported = *markup.plane;
+  plan::CutPlane plane{reported.center_L,
+                       json.value("flip", false) ? Vec3(-reported.normal_L) : reported.normal_L};
   if (!json.value("bounded", false)) return plane;
-  if (!(told.width_mm > 0.0 && told.height_mm > 0.0))
+  if (!(reported.width_mm > 0.0 && reported.height_mm > 0.0))
     return bad(key, fmt::format("the plane in {} has no size to bound it", file.string()));
-  plane.bounds = plan::PlaneBounds{told.across_L, told.width_mm, told.height_mm};
+  plane.bounds = plan::PlaneBounds{reported.across_L, reported.width_mm, reported.height_mm};
   return plane;
 }
 
@@ -117,9 +117,9 @@ Result<std::vector<Vec3>> read_curve_file(const Json& json, const std::string& k
                                           const Context& context) {
   const fs::path file = context.folder / json["file"].get<std::string>();
   LEFORT_TRY(const Markup curve, read_one(file, "ClosedCurve", "closed curve", name_in(json), key));
-  if (curve.points.size() > kMostPoints)
+  if (curve.points.size() > kMaxPoints)
     return bad(key, fmt::format("{} has {} points, at most {} are read", file.string(),
-                                curve.points.size(), kMostPoints));
+                                curve.points.size(), kMaxPoints));
   std::vector<Vec3> points;
   for (const plan::Landmark& point : curve.points) points.push_back(point.point_L);
   return points;
@@ -189,17 +189,19 @@ Result<plan::Osteotomy> read_osteotomy(const Json& json, const std::string& name
     osteotomy.planes = std::move(first.planes);
     osteotomy.curves = std::move(first.curves);
     for (const Json& one : list(json, "also")) {
-      LEFORT_TRY(plan::CutRegion region,
-                 read_region(one, fmt::format("{}.also[{}]", key, osteotomy.also.size()), context));
-      osteotomy.also.push_back(std::move(region));
+      LEFORT_TRY(
+          plan::CutRegion region,
+          read_region(one, fmt::format("{}.also[{}]", key, osteotomy.additional_regions.size()),
+                      context));
+      osteotomy.additional_regions.push_back(std::move(region));
     }
   }
   osteotomy.segment = name;
   read(json, "kerf_mm", osteotomy.kerf_mm);
-  if (json.contains("holds")) osteotomy.holds_L.clear();
+  if (json.contains("holds")) osteotomy.anchor_points_L.clear();
   for (const Json& point : list(json, "holds")) {
-    LEFORT_TRY(const Vec3 held, point_of(point, key + ".holds", context));
-    osteotomy.holds_L.push_back(held);
+    LEFORT_TRY(const Vec3 anchor, point_of(point, key + ".holds", context));
+    osteotomy.anchor_points_L.push_back(anchor);
   }
   return osteotomy;
 }
@@ -214,17 +216,17 @@ Result<geometry::Keyframe> aim(const Json& json, const std::string& key, const C
   return keyframe;
 }
 
-/// \param centre_L  What the plan says it is about; else what the segment holds.
+/// \param center_L  What the plan says it is about; else what the segment holds.
 Result<geometry::Keyframe> read_pose_file(const Json& json, const std::string& key,
-                                          const std::optional<Vec3>& centre_L,
+                                          const std::optional<Vec3>& center_L,
                                           const Context& context) {
   LEFORT_TRY(const RigidTransform X_LB,
              read_transform(context.folder / json["transform"].get<std::string>()));
-  if (!centre_L && !context.held_L)
+  if (!center_L && !context.anchor_L)
     return bad(key,
                "a transform needs about or about_mm, a point of the segment whose way is straight "
                "and told, if the osteotomy holds none");
-  return plan::keyframe_of_pose(X_LB, centre_L ? *centre_L : *context.held_L);
+  return plan::keyframe_of_pose(X_LB, center_L ? *center_L : *context.anchor_L);
 }
 
 Result<geometry::Keyframe> read_keyframe(const Json& json, const std::string& key,
@@ -238,21 +240,21 @@ Result<geometry::Keyframe> read_keyframe(const Json& json, const std::string& ke
   if (json.contains("tolerance_mm") && !is_aimed) return bad(key, "tolerance_mm is of targets");
   geometry::Keyframe keyframe = read_keyframes(Json::array({json})).front();
   const double at = keyframe.at;
-  std::optional<Vec3> centre_L;
-  if (json.contains("about_mm")) centre_L = keyframe.centre_L;
+  std::optional<Vec3> center_L;
+  if (json.contains("about_mm")) center_L = keyframe.center_L;
   if (json.contains("about")) {
-    LEFORT_TRY(centre_L, landmark_of(json["about"].get<std::string>(), key + ".about", context));
+    LEFORT_TRY(center_L, landmark_of(json["about"].get<std::string>(), key + ".about", context));
   }
   if (is_aimed) {
     LEFORT_TRY(keyframe, aim(json, key, context));
   } else if (is_file) {
-    LEFORT_TRY(keyframe, read_pose_file(json, key, centre_L, context));
+    LEFORT_TRY(keyframe, read_pose_file(json, key, center_L, context));
   }
-  if (centre_L && is_aimed) {  // The same pose, by another way.
+  if (center_L && is_aimed) {  // The same pose, by another way.
     const geometry::RigidPath one{.segment = {}, .keyframes = {keyframe}};
-    keyframe = plan::keyframe_of_pose(geometry::pose_at(one, keyframe.at), *centre_L);
-  } else if (centre_L && !is_file) {
-    keyframe.centre_L = *centre_L;
+    keyframe = plan::keyframe_of_pose(geometry::pose_at(one, keyframe.at), *center_L);
+  } else if (center_L && !is_file) {
+    keyframe.center_L = *center_L;
   }
   keyframe.at = at;
   return keyframe;
@@ -322,10 +324,10 @@ Result<std::vector<plan::PlannedSegment>> read_segments(const Json& segments,
     const auto name = json["name"].get<std::string>();
     plan::PlannedSegment one;
     LEFORT_TRY(one.osteotomy, read_osteotomy(json["osteotomy"], name, key + ".osteotomy", context));
-    read(json["osteotomy"], "smallest_piece_ml", one.cut.smallest_piece_ml);
-    read(json["osteotomy"], "smallest_piece_share", one.cut.smallest_piece_share);
+    read(json["osteotomy"], "smallest_piece_ml", one.cut.min_piece_ml);
+    read(json["osteotomy"], "smallest_piece_share", one.cut.min_piece_fraction);
     read(json, "from", one.from);
-    const Context of_segment{landmarks, folder, middle_of(one.osteotomy.holds_L)};
+    const Context of_segment{landmarks, folder, middle_of(one.osteotomy.anchor_points_L)};
     LEFORT_TRY(one.path, read_path(json["path"], name, key + ".path", of_segment));
     one.is_distracted = json["path"].contains("distraction");
     planned.push_back(std::move(one));

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <lefort/core/error.h>
-#include <lefort/io/internal/checked_json.h>
+#include <lefort/io/internal/validated_json.h>
 #include <lefort/plan/cut_segments.h>
 #include <lefort/plan/landmarks.h>
 

@@ -108,12 +108,13 @@ void visit(Archive& archive, RigidTransform& pose) {
 
 template <class Archive>
 void visit(Archive& archive, fem::NewtonIterate& at) {
-  auto& [residual_n, force_scale_n, energy_mj, step_length, convex_share, shift, contacts] = at;
+  auto& [residual_n, residual_reference_n, energy_mj, step_length, tangent_blend, shift, contacts] =
+      at;
   archive(residual_n);
-  archive(force_scale_n);
+  archive(residual_reference_n);
   archive(energy_mj);
   archive(step_length);
-  archive(convex_share);
+  archive(tangent_blend);
   archive(shift);
   archive(contacts);
 }
@@ -130,7 +131,7 @@ void visit(Archive& archive, fem::LoadAttempt& attempt) {
 }
 
 template <class Archive>
-void visit(Archive& archive, contact::ContactSummary& summary) {
+void visit(Archive& archive, contact::ContactStatistics& summary) {
   auto& [points, nodes, area_mm2, max_mm, mean_mm, max_from_rest_mm, mean_from_rest_mm,
          p99_from_rest_mm, force_L_n, normal_force_n, tunnelled_area_mm2] = summary;
   archive(points);
@@ -155,13 +156,13 @@ void visit(Archive& archive, predict::SegmentStep& segment) {
 
 template <class Archive>
 void visit(Archive& archive, predict::PredictionStep& step) {
-  auto& [share, segments, displacement_mm, still_contact, smallest_J, residual_n, relative_residual,
-         attempts] = step;
-  archive(share);
+  auto& [path_fraction, segments, displacement_mm, stationary_contact, min_J, residual_n,
+         relative_residual, attempts] = step;
+  archive(path_fraction);
   visit(archive, segments);
   visit(archive, displacement_mm);
-  visit(archive, still_contact);
-  archive(smallest_J);
+  visit(archive, stationary_contact);
+  archive(min_J);
   archive(residual_n);
   archive(relative_residual);
   visit(archive, attempts);
@@ -174,18 +175,18 @@ void visit(Archive& archive, fem::LoadState& state) {
 }
 
 template <class Archive>
-void visit(Archive& archive, contact::ContactTerm::Memory::Wall& wall) {
-  visit(archive, wall.foot_B);
-  visit(archive, wall.normal_B);
-  archive(wall.keeps_side);
+void visit(Archive& archive, contact::ContactTerm::Checkpoint::TangentPlane& tangent_plane) {
+  visit(archive, tangent_plane.foot_B);
+  visit(archive, tangent_plane.normal_B);
+  archive(tangent_plane.is_plane_constrained);
 }
 
 template <class Archive>
-void visit(Archive& archive, contact::ContactTerm::Memory& memory) {
-  visit(archive, memory.multipliers_mpa);
-  visit(archive, memory.stiffenings);
-  visit(archive, memory.walls);
-  archive(memory.tunnelled_area_mm2);
+void visit(Archive& archive, contact::ContactTerm::Checkpoint& checkpoint) {
+  visit(archive, checkpoint.multipliers_mpa);
+  visit(archive, checkpoint.penalty_scales);
+  visit(archive, checkpoint.tangent_planes);
+  archive(checkpoint.tunnelled_area_mm2);
 }
 
 template <class Archive>
@@ -211,7 +212,7 @@ void add(io::Sha256& hash, const mesh::VolumeMesh& tissue) {
     for (const std::int32_t node : block.nodes) hash.add(double(node));
     for (const std::int32_t region : block.region) hash.add(double(region));
   }
-  for (const char* set : {predict::sets::kMovedBone, predict::sets::kFixed}) {
+  for (const char* set : {predict::sets::kMobilizedSegment, predict::sets::kFixed}) {
     const auto& nodes = tissue.node_sets.at(set);
     hash.add(double(nodes.size()));
     for (const std::int32_t node : nodes) hash.add(double(node));
@@ -237,17 +238,18 @@ std::string restart_key(const PreparedCase& prepared) {
   hash.add(kVersion).add(kStepsRevision);
   add(hash, prepared.model.tissue);
   field::DistanceFieldOptions field = plan.field;
-  field.smooth = plan.contact.detection == contact::Detection::kSmooth;
+  field.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
   hash.add(double(plan.segments.size()));
   for (const predict::MovedSegment& segment : prepared.model.segments)
     hash.add(field_key(segment.surface_B, field));
-  if (prepared.model.still_bone) hash.add(field_key(prepared.model.still_bone->surface_B, field));
+  if (prepared.model.stationary_bone)
+    hash.add(field_key(prepared.model.stationary_bone->surface_B, field));
   for (const geometry::RigidPath& path : prepared.paths()) {
     const auto& [name, keyframes, steps, interpolation] = path;
     hash.add(double(steps)).add(double(keyframes.size())).add(double(interpolation));
     for (const geometry::Keyframe& keyframe : keyframes) {
-      const auto& [at, translation_mm, rotation_rad, centre_L] = keyframe;
-      hash.add(at).add(translation_mm).add(rotation_rad).add(centre_L);
+      const auto& [at, translation_mm, rotation_rad, center_L] = keyframe;
+      hash.add(at).add(translation_mm).add(rotation_rad).add(center_L);
     }
   }
   const auto& [young_mpa, poisson, element_size_mm, far_element_size_mm, margin_mm, skin, mucosa,
@@ -260,15 +262,18 @@ std::string restart_key(const PreparedCase& prepared) {
   }
   if (mucosa) hash.add(mucosa->young_mpa).add(mucosa->poisson);
   if (muscle) hash.add(std::string_view("muscle")).add(muscle->young_mpa).add(muscle->poisson);
-  const auto& [moved_bone, scan_edge, release_mm, capture_mm] = plan.boundary;
-  hash.add(double(moved_bone)).add(double(scan_edge)).add(release_mm).add(capture_mm);
+  const auto& [segment_interface, scan_boundary, elevation_margin_mm, capture_mm] = plan.boundary;
+  hash.add(double(segment_interface))
+      .add(double(scan_boundary))
+      .add(elevation_margin_mm)
+      .add(capture_mm);
   const auto& [named_factor, detection, integration, penetration_tolerance_mm] = plan.contact;
   hash.add(predict::stiffness_factor(plan.contact))
       .add(double(detection))
       .add(double(integration))
       .add(penetration_tolerance_mm.value_or(0.0));
-  const auto& [relative_tolerance, max_iterations, smallest_step] = plan.solver;
-  hash.add(relative_tolerance).add(double(max_iterations)).add(smallest_step);
+  const auto& [relative_tolerance, max_iterations, min_increment_ratio] = plan.solver;
+  hash.add(relative_tolerance).add(double(max_iterations)).add(min_increment_ratio);
   return hash.hex();
 }
 

@@ -17,19 +17,19 @@ constexpr double kSkinRevision = 2;
 // Structured bindings name every member: a new one breaks the build here, not the cache.
 
 std::string labels_key(const std::string& ct_sha256, const anatomy::SegmentationOptions& options) {
-  const auto& [bone_hu, skin_hu, smallest_bone_ml, nostril_radius_mm, ostium_radius_mm,
-               smallest_air_ml, most_memory_gib] = options;
-  static_cast<void>(most_memory_gib);  // Changes nothing but whether it is done.
+  const auto& [bone_hu, skin_hu, min_bone_ml, nostril_radius_mm, ostium_radius_mm, min_air_ml,
+               max_memory_gib] = options;
+  static_cast<void>(max_memory_gib);  // Changes nothing but whether it is done.
   return io::Sha256()
       .add(kVersion)
       .add(kLabelsRevision)
       .add(ct_sha256)
       .add(bone_hu)
       .add(skin_hu)
-      .add(smallest_bone_ml)
+      .add(min_bone_ml)
       .add(nostril_radius_mm)
       .add(ostium_radius_mm)
-      .add(smallest_air_ml)
+      .add(min_air_ml)
       .hex();
 }
 
@@ -78,7 +78,7 @@ std::string tissue_key(const std::string& ct_sha256, const anatomy::LabelMap& la
       .add(element_size_mm)
       .add(far_element_size_mm)
       .add(margin_mm)
-      .add(predict::kSurfaceDistanceShare);
+      .add(predict::kSurfaceDistanceFraction);
   if (face) {
     const auto& [face_size_mm, points_L] = *face;
     hash.add(std::string_view("face")).add(face_size_mm).add(double(points_L.size()));

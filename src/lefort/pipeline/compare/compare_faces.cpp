@@ -1,9 +1,9 @@
 #include <lefort/compare/compare_by_region.h>
 #include <lefort/compare/face_regions.h>
-#include <lefort/compare/landmark_shifts.h>
+#include <lefort/compare/landmark_displacements.h>
 #include <lefort/compare/surface_difference.h>
 #include <lefort/core/version.h>
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/owned_files.h>
@@ -105,7 +105,7 @@ Result<plan::Landmarks> find_landmarks(const CompareJob& job) {
 /// Landmarks of the skin where the compared face has carried them.
 struct LandmarkShift {
   std::string name;
-  Vec3 before_L, shift_mm;
+  Vec3 before_L, translation_mm;
 };
 
 std::vector<LandmarkShift> find_shifts(const plan::Landmarks& landmarks,
@@ -141,7 +141,7 @@ Result<void> prepare_folder(const CompareJob& job, const Inputs& inputs) {
   for (const std::string& name : all_names()) ours.push_back(job.output / name);
   std::vector<fs::path> read = inputs.all();
   if (job.after_ct) read.push_back(*job.after_ct);
-  LEFORT_TRY_VOID(io::check_inputs_are_apart(read, ours));
+  LEFORT_TRY_VOID(io::check_inputs_are_distinct(read, ours));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   return io::remove_earlier_files(ours);
 }
@@ -184,7 +184,7 @@ Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
   }
   LEFORT_TRY(const plan::Landmarks landmarks, find_landmarks(job));
   LEFORT_TRY(const FaceRegions regions, FaceRegions::from(landmarks));
-  const io::EmptyFolders none_left(job.output);
+  const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, inputs));
 
   std::optional<SurgeryFound> surgery;
@@ -202,7 +202,7 @@ Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
   const std::vector<compare::RegionDifference> rows = compare::compare_by_region(
       face_L, difference, other, before_L ? &*before_L : nullptr, regions);
   const compare::DifferenceStatistics& whole = rows.front().face;
-  if (whole.compared_share == 0.0)
+  if (whole.compared_fraction == 0.0)
     return fail(ErrorCode::kInvalidArgument,
                 "no point of the face has a counterpart on the other within 20 mm; do both lie in "
                 "the same frame?");

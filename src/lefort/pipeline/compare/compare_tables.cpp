@@ -15,9 +15,10 @@ json number(double value) { return std::isfinite(value) ? json(value) : json(); 
 
 std::string csv_line(const std::string& region, const char* what,
                      const compare::DifferenceStatistics& s) {
-  std::string line = fmt::format("{},{},{:.1f},{:.4f}", region, what, s.area_mm2, s.compared_share);
+  std::string line =
+      fmt::format("{},{},{:.1f},{:.4f}", region, what, s.area_mm2, s.compared_fraction);
   for (const double value : {s.mean_mm, s.median_mm, s.p90_mm, s.p95_mm, s.p99_mm, s.max_mm,
-                             s.share_below_1mm, s.share_below_2mm, s.mean_signed_mm})
+                             s.fraction_below_1mm, s.fraction_below_2mm, s.mean_signed_mm})
     line += std::isfinite(value) ? fmt::format(",{:.4f}", value) : ",";
   return line + "\n";
 }
@@ -25,35 +26,35 @@ std::string csv_line(const std::string& region, const char* what,
 using pipeline::as_json;
 
 json as_json(const compare::MovementDifference& d) {
-  const Vec3 turn_deg = d.turn_rad * degrees_from_radians(1.0);
-  return {{"shift_mm", as_json(d.shift_mm)},
-          {"shift_length_mm", d.shift_mm.norm()},
+  const Vec3 turn_deg = d.rotation_rad * degrees_from_radians(1.0);
+  return {{"shift_mm", as_json(d.translation_mm)},
+          {"shift_length_mm", d.translation_mm.norm()},
           {"turn_deg", as_json(turn_deg)},
           {"turn_angle_deg", turn_deg.norm()},
-          {"largest_mm", d.largest_mm}};
+          {"largest_mm", d.max_mm}};
 }
 
 /// "1.20 mm left, 6.01 mm forward, 0.33 mm up": L has x to the left, y back, z up.
-std::string anatomical(const Vec3& shift_mm) {
-  return fmt::format("{:.2f} mm {}, {:.2f} mm {}, {:.2f} mm {}", std::abs(shift_mm.x()),
-                     shift_mm.x() < 0.0 ? "right" : "left", std::abs(shift_mm.y()),
-                     shift_mm.y() < 0.0 ? "forward" : "back", std::abs(shift_mm.z()),
-                     shift_mm.z() < 0.0 ? "down" : "up");
+std::string anatomical(const Vec3& translation_mm) {
+  return fmt::format("{:.2f} mm {}, {:.2f} mm {}, {:.2f} mm {}", std::abs(translation_mm.x()),
+                     translation_mm.x() < 0.0 ? "right" : "left", std::abs(translation_mm.y()),
+                     translation_mm.y() < 0.0 ? "forward" : "back", std::abs(translation_mm.z()),
+                     translation_mm.z() < 0.0 ? "down" : "up");
 }
 
 }  // namespace
 
 json statistics_json(const compare::DifferenceStatistics& s) {
   return {{"area_mm2", s.area_mm2},
-          {"compared_share", s.compared_share},
+          {"compared_share", s.compared_fraction},
           {"mean_mm", number(s.mean_mm)},
           {"median_mm", number(s.median_mm)},
           {"p90_mm", number(s.p90_mm)},
           {"p95_mm", number(s.p95_mm)},
           {"p99_mm", number(s.p99_mm)},
           {"max_mm", number(s.max_mm)},
-          {"share_below_1mm", number(s.share_below_1mm)},
-          {"share_below_2mm", number(s.share_below_2mm)},
+          {"share_below_1mm", number(s.fraction_below_1mm)},
+          {"share_below_2mm", number(s.fraction_below_2mm)},
           {"mean_signed_mm", number(s.mean_signed_mm)}};
 }
 
@@ -83,10 +84,10 @@ std::string regions_text(std::span<const compare::RegionDifference> rows) {
   const auto add = [&](const std::string& name, const compare::DifferenceStatistics& s) {
     text += fmt::format(
         "\n  {:<16} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:5.0f} % {:5.0f} %", name,
-        s.mean_mm, s.median_mm, s.p90_mm, s.p95_mm, s.p99_mm, s.max_mm, 100.0 * s.share_below_1mm,
-        100.0 * s.share_below_2mm);
-    if (s.compared_share < 0.95)
-      text += fmt::format("  of {:.0f} % of the area", 100.0 * s.compared_share);
+        s.mean_mm, s.median_mm, s.p90_mm, s.p95_mm, s.p99_mm, s.max_mm,
+        100.0 * s.fraction_below_1mm, 100.0 * s.fraction_below_2mm);
+    if (s.compared_fraction < 0.95)
+      text += fmt::format("  of {:.0f} % of the area", 100.0 * s.compared_fraction);
   };
   for (const compare::RegionDifference& row : rows) {
     add(row.region, row.face);
@@ -102,8 +103,8 @@ json registration_json(const compare::Registration& r) {
       matrix.push_back(r.X_onto_from.matrix()(row, column));
   return {{"matrix", matrix},
           {"rms_mm", r.rms_mm},
-          {"kept_share", r.kept_share},
-          {"firmness", r.firmness}};
+          {"kept_share", r.inlier_fraction},
+          {"firmness", r.stability}};
 }
 
 json movements_json(const SurgeryFound& surgery) {
@@ -122,11 +123,11 @@ std::string movements_csv(const SurgeryFound& surgery) {
       "largest_mm\n";
   const auto add = [&](const std::string& segment, const char* what,
                        const compare::MovementDifference& d) {
-    const Vec3 turn_deg = d.turn_rad * degrees_from_radians(1.0);
+    const Vec3 turn_deg = d.rotation_rad * degrees_from_radians(1.0);
     csv += fmt::format("{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f}\n",
-                       segment, what, d.shift_mm.x(), d.shift_mm.y(), d.shift_mm.z(),
-                       d.shift_mm.norm(), turn_deg.x(), turn_deg.y(), turn_deg.z(), turn_deg.norm(),
-                       d.largest_mm);
+                       segment, what, d.translation_mm.x(), d.translation_mm.y(),
+                       d.translation_mm.z(), d.translation_mm.norm(), turn_deg.x(), turn_deg.y(),
+                       turn_deg.z(), turn_deg.norm(), d.max_mm);
   };
   for (const AchievedMovement& one : surgery.movements) {
     add(one.segment, "achieved", one.movement);
@@ -138,12 +139,13 @@ std::string movements_csv(const SurgeryFound& surgery) {
 std::string movements_text(const SurgeryFound& surgery) {
   std::string text =
       fmt::format("\n  registered on still bone: {:.2f} mm off (rms), {:.0f} % of it found",
-                  surgery.base.rms_mm, 100.0 * surgery.base.kept_share);
+                  surgery.base.rms_mm, 100.0 * surgery.base.inlier_fraction);
   for (const AchievedMovement& one : surgery.movements)
     text += fmt::format(
         "\n  {}: moved {}, turned {:.2f} deg; {:.2f} mm and {:.2f} deg from the plan", one.segment,
-        anatomical(one.movement.shift_mm), degrees_from_radians(one.movement.turn_rad.norm()),
-        one.error.shift_mm.norm(), degrees_from_radians(one.error.turn_rad.norm()));
+        anatomical(one.movement.translation_mm),
+        degrees_from_radians(one.movement.rotation_rad.norm()), one.error.translation_mm.norm(),
+        degrees_from_radians(one.error.rotation_rad.norm()));
   return text;
 }
 

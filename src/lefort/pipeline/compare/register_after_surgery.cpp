@@ -95,11 +95,11 @@ Result<SurgeryFound> find_surgery(const fs::path& prediction, const fs::path& af
   found.scan_sha256 = head.ct_sha256;
   found.warnings = head.scan.warnings;
   const geometry::TriangleMesh base_L =
-      compare::untouched_part(planned.remainder_L, planned.segments_B, kUntouched_mm);
+      compare::unaltered_region(planned.remainder_L, planned.segments_B, kUntouched_mm);
   LEFORT_TRY(found.base,
-             compare::register_surface(base_L, geometry::Bvh(head.skull_L),
-                                       compare::likely_starts(planned.remainder_L, head.skull_L),
-                                       {}, progress));
+             compare::register_surface(
+                 base_L, geometry::Bvh(head.skull_L),
+                 compare::initial_alignments(planned.remainder_L, head.skull_L), {}, progress));
   const RigidTransform X_L_scan = found.base.X_onto_from.inverse();
   found.skin_L = geometry::transformed(skin, X_L_scan);
   found.bone_L = geometry::transformed(head.skull_L, X_L_scan);
@@ -114,10 +114,10 @@ Result<SurgeryFound> find_surgery(const fs::path& prediction, const fs::path& af
     std::vector<geometry::TriangleMesh> others_L{planned.remainder_L};
     for (std::size_t other = 0; other < planned.segments_B.size(); ++other)
       if (other != k) others_L.push_back(planned.segments_B[other]);
-    const geometry::TriangleMesh grown_B =
-        compare::untouched_part(segment_B, others_L, kCutFaces_mm + kerf_mm);
+    const geometry::TriangleMesh dilated_B =
+        compare::unaltered_region(segment_B, others_L, kCutFaces_mm + kerf_mm);
     LEFORT_TRY(compare::Registration achieved,
-               compare::recover_movement(grown_B, after_L, planned.planned_LB[k], progress));
+               compare::register_segment(dilated_B, after_L, planned.planned_LB[k], progress));
     found.movements.push_back(
         {planned.plan.segments[k].osteotomy.segment, planned.planned_LB[k], achieved,
          compare::difference_of(RigidTransform::Identity(), achieved.X_onto_from, segment_B),

@@ -2,7 +2,7 @@
 /// From a scan after surgery to the movements that were achieved.
 #pragma once
 
-#include <lefort/compare/recover_movement.h>
+#include <lefort/compare/register_segment.h>
 #include <lefort/core/error.h>
 #include <lefort/core/progress.h>
 #include <lefort/geometry/triangle_mesh.h>

@@ -1,4 +1,4 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/io/export_field.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/point_table.h>
@@ -41,7 +41,7 @@ Result<Summary> build_field(const BuildFieldJob& job, Progress& progress) {
       {"output", job.output.string()},           {"triangles", surface.triangle_count()},
       {"closed", distance.frame().closed},       {"resolution", distance.frame().resolution},
       {"cell_mm", distance.cell_mm()},           {"band_mm", distance.band_mm()},
-      {"told_mm", distance.told_mm()},           {"tolerance_mm", distance.frame().tolerance_mm},
+      {"told_mm", distance.guaranteed_mm()},     {"tolerance_mm", distance.frame().tolerance_mm},
       {"sample_bytes", distance.sample_bytes()}, {"smooth_bytes", distance.smooth_bytes()}};
   return summary;
 }

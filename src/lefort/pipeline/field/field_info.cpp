@@ -43,18 +43,18 @@ std::vector<Part> memory_of(const DistanceField& distance) {
   return parts;
 }
 
-std::vector<std::pair<const char*, Index>> findings_of(const field::SurfaceReport& report) {
+std::vector<std::pair<const char*, Index>> findings_of(const field::MeshRepairReport& report) {
   return {{"repeated_vertices", report.repeated_vertices},
           {"collapsed_triangles", report.collapsed_triangles},
           {"repeated_triangles", report.repeated_triangles},
-          {"double_triangles", report.double_triangles},
-          {"turned_triangles", report.turned_triangles},
-          {"rim_edges", report.rim_edges},
-          {"branching_edges", report.branching_edges},
-          {"clashing_edges", report.clashing_edges}};
+          {"double_triangles", report.opposite_duplicates},
+          {"turned_triangles", report.flipped_triangles},
+          {"rim_edges", report.boundary_edges},
+          {"branching_edges", report.non_manifold_edges},
+          {"clashing_edges", report.inconsistent_edges}};
 }
 
-void tell_source(const DistanceField& distance, Summary& summary) {
+void report_source(const DistanceField& distance, Summary& summary) {
   if (!distance.source()) {
     summary.text += "surface: not told in this file, build it anew to know\n";
     summary.json["surface"] = nullptr;
@@ -93,7 +93,7 @@ Result<Summary> describe_field(const std::filesystem::path& file, Progress& prog
                   {"resolution", frame.resolution},
                   {"cell_mm", frame.cell_mm},
                   {"band_mm", frame.band_mm},
-                  {"told_mm", frame.told_mm()},
+                  {"told_mm", frame.guaranteed_mm()},
                   {"tolerance_mm", frame.tolerance_mm},
                   {"low_mm", {box.min().x(), box.min().y(), box.min().z()}},
                   {"high_mm", {box.max().x(), box.max().y(), box.max().z()}},
@@ -108,14 +108,15 @@ Result<Summary> describe_field(const std::filesystem::path& file, Progress& prog
       "band: samples to {:.6g} mm, every point to {:.6g} mm\n",
       file.string(), kind_of(distance), distance.is_smooth() ? " and a smooth lattice" : "",
       double(file_bytes) * 1e-6, frame.resolution, frame.cell_mm, box.min().x(), box.min().y(),
-      box.min().z(), box.max().x(), box.max().y(), box.max().z(), frame.band_mm, frame.told_mm());
+      box.min().z(), box.max().x(), box.max().y(), box.max().z(), frame.band_mm,
+      frame.guaranteed_mm());
   if (std::holds_alternative<field::Octree>(distance.samples()))
     summary.text += fmt::format("tolerance: {:.6g} mm\n", frame.tolerance_mm);
   const double percent = 100.0 / double(count.total());
   summary.text += fmt::format(
       "samples: {} in the band ({:.1f} %), beyond it {} outside, {} inside, {} unknown\n",
       count.known, double(count.known) * percent, count.outside, count.inside, count.unknown);
-  tell_source(distance, summary);
+  report_source(distance, summary);
   summary.text += "memory:";
   std::string_view between = " ";
   for (const auto& [name, bytes] : memory_of(distance)) {

@@ -83,22 +83,28 @@ Result<Summary> slice_field(const SliceFieldJob& job, Progress& progress) {
   LEFORT_TRY(const std::string png, report::encode_png(picture));
   LEFORT_TRY_VOID(io::write_text(job.output, png));
 
-  const field::SliceSummary found = field::summarise(slice);
+  const field::SliceSummary found = field::summarize(slice);
   Summary summary;
   const bool closed = distance.frame().closed;  // Else there is no inside beyond the band.
   summary.text = fmt::format(
       "{}: {} x {} pixels of {:.4g} mm, distances from {:.3f} to {:.3f} mm, zero along {:.1f} mm",
-      job.output.string(), slice.columns, slice.rows, slice.pixel_mm, found.least_mm,
-      found.largest_mm, found.zero_line_mm);
+      job.output.string(), slice.columns, slice.rows, slice.pixel_mm, found.min_mm, found.max_mm,
+      found.zero_line_mm);
   if (closed) summary.text += fmt::format(", {:.1f} mm2 inside", found.inside_mm2);
-  summary.json = {
-      {"output", job.output.string()},           {"plane", kPlaneNames.at(std::size_t(job.axis))},
-      {"axis", std::string(1, "xyz"[job.axis])}, {"at_mm", job.at_mm},
-      {"pixels", {slice.columns, slice.rows}},   {"pixel_mm", slice.pixel_mm},
-      {"band_mm", distance.band_mm()},           {"least_mm", found.least_mm},
-      {"largest_mm", found.largest_mm},          {"pixels_in_band", found.pixels.known},
-      {"pixels_outside", found.pixels.outside},  {"pixels_inside", found.pixels.inside},
-      {"pixels_unknown", found.pixels.unknown},  {"zero_line_mm", found.zero_line_mm}};
+  summary.json = {{"output", job.output.string()},
+                  {"plane", kPlaneNames.at(std::size_t(job.axis))},
+                  {"axis", std::string(1, "xyz"[job.axis])},
+                  {"at_mm", job.at_mm},
+                  {"pixels", {slice.columns, slice.rows}},
+                  {"pixel_mm", slice.pixel_mm},
+                  {"band_mm", distance.band_mm()},
+                  {"least_mm", found.min_mm},
+                  {"largest_mm", found.max_mm},
+                  {"pixels_in_band", found.pixels.known},
+                  {"pixels_outside", found.pixels.outside},
+                  {"pixels_inside", found.pixels.inside},
+                  {"pixels_unknown", found.pixels.unknown},
+                  {"zero_line_mm", found.zero_line_mm}};
   summary.json["inside_mm2"] = closed ? nlohmann::json(found.inside_mm2) : nlohmann::json(nullptr);
   return summary;
 }

@@ -11,7 +11,8 @@ using Json = nlohmann::ordered_json;
 Json boundary_json(const PreparedCase& prepared) {
   const mesh::VolumeMesh& tissue = prepared.model.tissue;
   Json rules = Json::array();
-  for (const predict::RuleDecision& rule : predict::rule_decisions(tissue, prepared.plan.boundary))
+  for (const predict::BoundaryRuleStatistics& rule :
+       predict::boundary_rule_statistics(tissue, prepared.plan.boundary))
     rules.push_back({{"set", rule.set},
                      {"within_mm", rule.within_mm ? Json(*rule.within_mm) : Json(nullptr)},
                      {"fixed", rule.fixed},
@@ -27,13 +28,15 @@ Json boundary_json(const PreparedCase& prepared) {
   if (prepared.plan.boundary_labels) {
     painted = {{"within_mm", predict::paint_reach_mm(prepared.scan_grid)},
                {"area_mm2", Json::object()}};
-    for (const predict::LabelDecision& decision : predict::label_decisions(tissue)) {
+    for (const predict::BoundaryLabelStatistics& decision :
+         predict::boundary_label_statistics(tissue)) {
       painted[decision.label.set] = decision.nodes;
       painted["area_mm2"][decision.label.name] = decision.area_mm2;
     }
   }
-  return {
-      {"release_mm", prepared.plan.boundary.release_mm}, {"rules", rules}, {"painted", painted}};
+  return {{"release_mm", prepared.plan.boundary.elevation_margin_mm},
+          {"rules", rules},
+          {"painted", painted}};
 }
 
 }  // namespace lefort::pipeline

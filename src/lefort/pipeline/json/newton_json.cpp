@@ -10,13 +10,14 @@ Json as_json(const fem::LoadAttempt& attempt) {
   for (const fem::NewtonIterate& iterate : attempt.history)
     iterations.push_back(
         {{"residual_n", iterate.residual_n},
-         {"force_scale_n", iterate.force_scale_n},
-         {"relative_residual",
-          iterate.force_scale_n > 0.0 ? iterate.residual_n / iterate.force_scale_n : 0.0},
+         {"force_scale_n", iterate.residual_reference_n},
+         {"relative_residual", iterate.residual_reference_n > 0.0
+                                   ? iterate.residual_n / iterate.residual_reference_n
+                                   : 0.0},
          {"energy_mj", iterate.energy_mj},
          {"step_length", iterate.step_length},
-         {"convex_share", iterate.convex_share},
-         {"shift", iterate.shift},
+         {"convex_share", iterate.tangent_blend},
+         {"shift", iterate.diagonal_shift},
          {"contact_points", iterate.contacts}});
   return {{"from", attempt.t_from},
           {"to", attempt.t_to},
@@ -34,7 +35,7 @@ Json attempts_json(const std::vector<fem::LoadAttempt>& attempts) {
   return list;
 }
 
-Json contact_json(const contact::ContactSummary& contact) {
+Json contact_json(const contact::ContactStatistics& contact) {
   return {{"points", contact.points},
           {"nodes", contact.nodes},
           {"area_mm2", contact.area_mm2},

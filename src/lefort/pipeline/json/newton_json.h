@@ -14,6 +14,6 @@ namespace lefort::pipeline {
 /// Every attempt with every iteration.
 [[nodiscard]] nlohmann::ordered_json attempts_json(const std::vector<fem::LoadAttempt>& attempts);
 
-[[nodiscard]] nlohmann::ordered_json contact_json(const contact::ContactSummary& contact);
+[[nodiscard]] nlohmann::ordered_json contact_json(const contact::ContactStatistics& contact);
 
 }  // namespace lefort::pipeline

@@ -5,7 +5,7 @@
 #include <lefort/pipeline/json/json_values.h>
 #include <lefort/pipeline/json/prediction_json.h>
 #include <lefort/pipeline/timing/peak_memory.h>
-#include <lefort/predict/name_regions.h>
+#include <lefort/predict/assign_regions.h>
 
 #include <algorithm>
 
@@ -28,11 +28,11 @@ Json as_json(const fem::LoadAttempt& attempt) {
   Json iterations = Json::array();
   for (const fem::NewtonIterate& iterate : attempt.history)
     iterations.push_back({{"residual_n", iterate.residual_n},
-                          {"force_scale_n", iterate.force_scale_n},
+                          {"force_scale_n", iterate.residual_reference_n},
                           {"energy_mj", iterate.energy_mj},
                           {"step_length", iterate.step_length},
-                          {"convex_share", iterate.convex_share},
-                          {"shift", iterate.shift}});
+                          {"convex_share", iterate.tangent_blend},
+                          {"shift", iterate.diagonal_shift}});
   return {{"from_share", attempt.t_from},
           {"to_share", attempt.t_to},
           {"converged", attempt.stop == fem::NewtonStop::kConverged},
@@ -57,7 +57,7 @@ Json of_segments(const io::PlanFile& plan, const Function& of_segment) {
   return json;
 }
 
-void add_contact(const contact::ContactSummary& contact, Json& json) {
+void add_contact(const contact::ContactStatistics& contact, Json& json) {
   json["contact_points"] = contact.points;
   json["contact_nodes"] = contact.nodes;
   json["contact_area_mm2"] = contact.area_mm2;
@@ -72,9 +72,9 @@ void add_contact(const contact::ContactSummary& contact, Json& json) {
 }
 
 Json as_json(const predict::PredictionStep& step, const io::PlanFile& plan) {
-  double largest_mm = 0.0;
-  for (const Vec3& u : step.displacement_mm) largest_mm = std::max(largest_mm, u.norm());
-  Json json{{"share", step.share}};
+  double max_mm = 0.0;
+  for (const Vec3& u : step.displacement_mm) max_mm = std::max(max_mm, u.norm());
+  Json json{{"share", step.path_fraction}};
   json["pose_4x4_row_major_mm_lps"] =
       of_segments(plan, [&](std::size_t k) { return matrix_json(step.segments[k].X_LB); });
   add_contact(step.contact(), json);
@@ -84,16 +84,16 @@ Json as_json(const predict::PredictionStep& step, const io::PlanFile& plan) {
       add_contact(step.segments[k].contact, one);
       return one;
     });
-  json["largest_displacement_mm"] = largest_mm;
-  json["smallest_volume_ratio"] = step.smallest_J;
+  json["largest_displacement_mm"] = max_mm;
+  json["smallest_volume_ratio"] = step.min_J;
   json["residual_n"] = step.residual_n;
   json["relative_residual"] = step.relative_residual;
   json["attempts"] = as_json(step.attempts);
   return json;
 }
 
-Json as_json(const predict::BonePair& pair, const io::PlanFile& plan) {
-  Json json{{"share", pair.share}};
+Json as_json(const predict::BoneOverlapAtFraction& pair, const io::PlanFile& plan) {
+  Json json{{"share", pair.path_fraction}};
   if (plan.segments.size() > 1) {
     json["first"] = pair.first;
     json["second"] = pair.second;
@@ -102,7 +102,7 @@ Json as_json(const predict::BonePair& pair, const io::PlanFile& plan) {
   json["deepest_mm"] = pair.overlap.deepest_mm;
   json["deepest_at_mm_lps"] =
       pair.overlap.overlaps() ? Json(as_json(pair.overlap.deepest_L)) : Json(nullptr);
-  json["deeper_than_told"] = pair.overlap.is_beyond_reach;
+  json["deeper_than_told"] = pair.overlap.depth_is_lower_bound;
   return json;
 }
 
@@ -141,41 +141,42 @@ Json segment_names(const io::PlanFile& plan) {
 
 Json parameters(const PreparedCase& prepared, const predict::FacePrediction& prediction) {
   const io::PlanFile& plan = prepared.plan;
-  const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
-  const auto of_cut = [&](double plan::CutBonesOptions::*option) {
+  const bool is_contact = plan.boundary.segment_interface == predict::SegmentInterface::kSliding;
+  const auto of_cut = [&](double plan::OsteotomyOptions::*option) {
     return of_segments(plan, [&](std::size_t k) -> Json { return plan.segments[k].cut.*option; });
   };
-  return {{"title", plan.title},
-          {"segment", segment_names(plan)},
-          {"steps", prepared.steps()},
-          {"bone_hu", plan.segmentation.bone_hu},
-          {"skin_hu", plan.segmentation.skin_hu},
-          {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
-          {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
-          {"poisson", plan.tissue.poisson},
-          {"skin", skin_parameters(plan.tissue)},
-          {"mucosa", mucosa_parameters(plan.tissue)},
-          {"muscle", muscle_parameters(plan.tissue)},
-          {"lips_and_nose_element_size_mm", face_size(plan.tissue)},
-          {"element_size_mm", plan.tissue.element_size_mm},
-          {"far_element_size_mm", plan.tissue.far_element_size_mm},
-          {"margin_mm", plan.tissue.margin_mm},
-          {"moved_bone", is_contact ? "contact" : "attached"},
-          {"scan_edge", plan.boundary.scan_edge == predict::ScanEdge::kFree ? "free" : "fixed"},
-          {"release_mm", plan.boundary.release_mm},
-          {"capture_mm", plan.boundary.capture_mm},
-          {"smallest_piece_ml", of_cut(&plan::CutBonesOptions::smallest_piece_ml)},
-          {"smallest_piece_share", of_cut(&plan::CutBonesOptions::smallest_piece_share)},
-          {"stiffness_factor", predict::stiffness_factor(plan.contact)},
-          {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
-          {"detection", contact::name_of(plan.contact.detection)},
-          {"integration", contact::name_of(plan.contact.integration)},
-          {"penetration_tolerance_mm", plan.contact.penetration_tolerance_mm
-                                           ? Json(*plan.contact.penetration_tolerance_mm)
-                                           : Json(nullptr)},
-          {"relative_tolerance", plan.solver.relative_tolerance},
-          {"max_iterations", plan.solver.max_iterations},
-          {"smallest_step", plan.solver.smallest_step}};
+  return {
+      {"title", plan.title},
+      {"segment", segment_names(plan)},
+      {"steps", prepared.steps()},
+      {"bone_hu", plan.segmentation.bone_hu},
+      {"skin_hu", plan.segmentation.skin_hu},
+      {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
+      {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
+      {"poisson", plan.tissue.poisson},
+      {"skin", skin_parameters(plan.tissue)},
+      {"mucosa", mucosa_parameters(plan.tissue)},
+      {"muscle", muscle_parameters(plan.tissue)},
+      {"lips_and_nose_element_size_mm", face_size(plan.tissue)},
+      {"element_size_mm", plan.tissue.element_size_mm},
+      {"far_element_size_mm", plan.tissue.far_element_size_mm},
+      {"margin_mm", plan.tissue.margin_mm},
+      {"moved_bone", is_contact ? "contact" : "attached"},
+      {"scan_edge", plan.boundary.scan_boundary == predict::ScanBoundary::kFree ? "free" : "fixed"},
+      {"release_mm", plan.boundary.elevation_margin_mm},
+      {"capture_mm", plan.boundary.capture_mm},
+      {"smallest_piece_ml", of_cut(&plan::OsteotomyOptions::min_piece_ml)},
+      {"smallest_piece_share", of_cut(&plan::OsteotomyOptions::min_piece_fraction)},
+      {"stiffness_factor", predict::stiffness_factor(plan.contact)},
+      {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
+      {"detection", contact::name_of(plan.contact.detection)},
+      {"integration", contact::name_of(plan.contact.integration)},
+      {"penetration_tolerance_mm", plan.contact.penetration_tolerance_mm
+                                       ? Json(*plan.contact.penetration_tolerance_mm)
+                                       : Json(nullptr)},
+      {"relative_tolerance", plan.solver.relative_tolerance},
+      {"max_iterations", plan.solver.max_iterations},
+      {"smallest_step", plan.solver.min_increment_ratio}};
 }
 
 Json volumes(const PreparedCase& prepared) {
@@ -199,16 +200,19 @@ Json as_json(const std::optional<mesh::LayerThickness>& skin) {
   if (!skin) return nullptr;
   Json thin = Json::array();
   for (const mesh::ThinPatch& patch : skin->thin)
-    thin.push_back({{"area_mm2", patch.area_mm2}, {"centre_mm_lps", as_json(patch.centre_L)}});
-  return {{"area_mm2", skin->area_mm2},         {"covered_share", skin->covered_share},
-          {"mean_thickness_mm", skin->mean_mm}, {"p05_thickness_mm", skin->p05_mm},
-          {"full_share", skin->full_share},     {"thin_patches", thin}};
+    thin.push_back({{"area_mm2", patch.area_mm2}, {"centre_mm_lps", as_json(patch.center_L)}});
+  return {{"area_mm2", skin->area_mm2},
+          {"covered_share", skin->covered_fraction},
+          {"mean_thickness_mm", skin->mean_mm},
+          {"p05_thickness_mm", skin->p05_mm},
+          {"full_share", skin->full_thickness_fraction},
+          {"thin_patches", thin}};
 }
 
 Json regions_summary(const PreparedCase& prepared) {
   Json regions = Json::object();
   for (const auto& [name, size] :
-       predict::named_regions(prepared.model.tissue, prepared.plan.tissue))
+       predict::regions_and_sizes(prepared.model.tissue, prepared.plan.tissue))
     regions[name] = {{"elements", size.elements}, {"volume_ml", size.volume_mm3 * 1e-3}};
   return regions;
 }
@@ -251,9 +255,9 @@ Json bones_summary(const PreparedCase& prepared) {
           {"segment_volume_ml", of_each([&](std::size_t k) { return cut.volumes_mm3[k] * 1e-3; })},
           {"remainder_volume_ml", cut.remainder_volume_mm3 * 1e-3},
           {"segment_pieces", of_each([&](std::size_t k) { return cut.cuts[k].segment_pieces; })},
-          {"pieces_left_behind", of_each([&](std::size_t k) { return cut.cuts[k].crumbs; })},
+          {"pieces_left_behind", of_each([&](std::size_t k) { return cut.cuts[k].fragments; })},
           {"volume_left_behind_ml",
-           of_each([&](std::size_t k) { return cut.cuts[k].crumb_volume_mm3 * 1e-3; })},
+           of_each([&](std::size_t k) { return cut.cuts[k].fragment_volume_mm3 * 1e-3; })},
           {"segment_triangles",
            of_each([&](std::size_t k) { return cut.segments_L[k].triangle_count(); })}};
 }
@@ -278,41 +282,41 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
   Json steps = Json::array();
   for (const predict::PredictionStep& step : prediction.steps) {
     steps.push_back(as_json(step, prepared.plan));
-    if (prepared.model.still_bone)
-      add_contact(step.still_contact, steps.back()["still_bone_contact"]);
+    if (prepared.model.stationary_bone)
+      add_contact(step.stationary_contact, steps.back()["still_bone_contact"]);
   }
   Json overlaps = Json::array();
-  for (const predict::BonePair& pair : prepared.overlaps)
+  for (const predict::BoneOverlapAtFraction& pair : prepared.overlaps)
     overlaps.push_back(as_json(pair, prepared.plan));
   Json plan_files = Json::array();
   for (const auto& [name, sha256] : prepared.provenance.plan_files)
     plan_files.push_back({{"file", name}, {"sha256", sha256}});
-  Json json{{"lefort_prediction", 1},
-            {"notice", kNotForClinicalUse},
-            {"version", kVersion},
-            {"converged", prediction.converged()},
-            {"inputs",
-             {{"plan_sha256", prepared.provenance.plan_sha256},
-              {"plan_files", plan_files},
-              {"ct_sha256", prepared.provenance.ct_sha256},
-              {"ct_kind", prepared.provenance.ct_kind},
-              {"labels_sha256", prepared.provenance.labels_sha256},
-              {"labels_source", prepared.provenance.labels_source},
-              {"warnings", prepared.provenance.warnings}}},
-            {"parameters", parameters(prepared, prediction)},
-            {"tissue_volumes_ml", volumes(prepared)},
-            {"bones", bones_summary(prepared)},
-            {"field", of_segments(prepared.plan,
-                                  [&](std::size_t k) {
-                                    return field_summary(*prepared.model.segments[k].field_B);
-                                  })},
-            {"mesh", mesh_summary(prepared)},
-            {"bone_overlap", overlaps},
-            {"rest_penetration_mm", prediction.rest_penetration_mm},
-            {"skin",
-             {{"largest_shift_mm", skin.largest_mm},
-              {"mean_shift_where_moved_mm", skin.mean_over_moved_mm}}},
-            {"steps", steps}};
+  Json json{
+      {"lefort_prediction", 1},
+      {"notice", kNotForClinicalUse},
+      {"version", kVersion},
+      {"converged", prediction.converged()},
+      {"inputs",
+       {{"plan_sha256", prepared.provenance.plan_sha256},
+        {"plan_files", plan_files},
+        {"ct_sha256", prepared.provenance.ct_sha256},
+        {"ct_kind", prepared.provenance.ct_kind},
+        {"labels_sha256", prepared.provenance.labels_sha256},
+        {"labels_source", prepared.provenance.labels_source},
+        {"warnings", prepared.provenance.warnings}}},
+      {"parameters", parameters(prepared, prediction)},
+      {"tissue_volumes_ml", volumes(prepared)},
+      {"bones", bones_summary(prepared)},
+      {"field", of_segments(prepared.plan,
+                            [&](std::size_t k) {
+                              return field_summary(*prepared.model.segments[k].field_B);
+                            })},
+      {"mesh", mesh_summary(prepared)},
+      {"bone_overlap", overlaps},
+      {"rest_penetration_mm", prediction.rest_penetration_mm},
+      {"skin",
+       {{"largest_shift_mm", skin.max_mm}, {"mean_shift_where_moved_mm", skin.mean_over_moved_mm}}},
+      {"steps", steps}};
   if (!prediction.converged()) {
     json["failure"] = prediction.failure->message;
     json["failed_attempts"] = as_json(prediction.failed_attempts);

@@ -21,7 +21,7 @@ struct Timing {
 
 /// Shifts of the skin, for people.
 struct SkinShift {
-  double largest_mm = 0.0;
+  double max_mm = 0.0;
   double mean_over_moved_mm = 0.0;  ///< Over vertices that moved by over 0.5 mm.
 };
 

@@ -60,7 +60,7 @@ Json mesh_json(const solve::PreparedDeck& prepared) {
   for (const auto& [region, law] : prepared.materials) regions.push_back(region);
   Json json{{"nodes", prepared.mesh.node_count()},
             {"elements", prepared.mesh.element_count()},
-            {"free_components", 3 * prepared.mesh.node_count() - Index(prepared.held.size())},
+            {"free_components", 3 * prepared.mesh.node_count() - Index(prepared.prescribed.size())},
             {"regions", regions}};
   json.update(sets_json(prepared.mesh));
   return json;
@@ -90,7 +90,7 @@ std::string name_of(linear::LinearSolverKind kind) {
       return "automatic";
     case linear::LinearSolverKind::kDirect:
       return "direct";
-    case linear::LinearSolverKind::kLagged:
+    case linear::LinearSolverKind::kReusedFactor:
       return "lagged";
     case linear::LinearSolverKind::kMultigrid:
       break;
@@ -125,8 +125,8 @@ Json increment_json(const solve::PreparedDeck& prepared, const solve::Increment&
           {"energy_mj", increment.energy_mj},
           {"residual_n", increment.residual_n},
           {"relative_residual", increment.relative_residual},
-          {"largest_displacement_mm", increment.largest_displacement_mm},
-          {"smallest_volume_ratio", increment.smallest_J},
+          {"largest_displacement_mm", increment.max_displacement_mm},
+          {"smallest_volume_ratio", increment.min_J},
           {"reactions_n", forces_json(names.conditions, increment.reactions_n)},
           {"reaction_sum_n", as_json(reaction_n)},
           {"loads_n", forces_json(names.loads, increment.loads_n)},

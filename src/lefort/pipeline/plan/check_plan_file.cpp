@@ -62,9 +62,9 @@ Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
   std::vector<fs::path> inputs{job.plan};
   if (job.skull) inputs.push_back(*job.skull);
   if (const auto& ct = job.ct ? job.ct : text.plan.ct) inputs.push_back(*ct);
-  for (const std::string& name : io::named_files(text.json))
+  for (const std::string& name : io::file_catalog(text.json))
     inputs.push_back(job.plan.parent_path() / name);
-  LEFORT_TRY_VOID(io::check_inputs_are_apart(inputs, earlier));
+  LEFORT_TRY_VOID(io::check_inputs_are_distinct(inputs, earlier));
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   return io::remove_earlier_files(earlier);
 }
@@ -110,7 +110,7 @@ MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegm
   trees.emplace_back(cut.remainder_L);
   MovedLandmarks after;
   for (plan::Landmark landmark : before) {
-    const plan::LandmarkKind* const kind = plan::find_kind(landmark.name);
+    const plan::LandmarkKind* const kind = plan::landmark_definition(landmark.name);
     if (kind != nullptr && kind->is_soft) continue;
     double nearest_mm = kOnBone_mm;
     std::optional<std::size_t> bone;
@@ -140,14 +140,14 @@ json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
     findings.push_back({{"kind", predict::name_of(finding.kind)},
                         {"segment", finding.segment},
                         {"text", finding.text}});
-  for (const predict::BonePair& pair : check.overlaps)
+  for (const predict::BoneOverlapAtFraction& pair : check.overlaps)
     overlaps.push_back({{"first", pair.first},
                         {"second", pair.second},
-                        {"share", pair.share},
+                        {"share", pair.path_fraction},
                         {"volume_ml", pair.overlap.volume_mm3 * 1e-3},
                         {"deepest_mm", pair.overlap.deepest_mm},
                         {"deepest_at_mm", as_json(pair.overlap.deepest_L)},
-                        {"is_deeper", pair.overlap.is_beyond_reach}});
+                        {"is_deeper", pair.overlap.depth_is_lower_bound}});
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const predict::SegmentSupport& support = check.supports[k];
     const RigidTransform X_LB = geometry::pose_at(planned[k].path, 1.0);
@@ -157,14 +157,14 @@ json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
     segments.push_back({{"name", support.segment},
                         {"volume_ml", cut.volumes_mm3[k] * 1e-3},
                         {"pieces", cut.cuts[k].segment_pieces},
-                        {"pieces_left_behind", cut.cuts[k].crumbs},
+                        {"pieces_left_behind", cut.cuts[k].fragments},
                         {"kerf_ml", cut.cuts[k].kerf_volume_mm3 * 1e-3},
                         {"pose", pose},
                         {"cut_area_mm2", support.cut_area_mm2},
                         {"supported_area_mm2", support.supported_area_mm2},
                         {"mean_gap_mm", support.mean_gap_mm},
-                        {"largest_gap_mm", support.largest_gap_mm},
-                        {"largest_gap_at_mm", as_json(support.largest_gap_L)}});
+                        {"largest_gap_mm", support.max_gap_mm},
+                        {"largest_gap_at_mm", as_json(support.max_gap_L)}});
   }
   return {{"lefort_plan_check", 1},
           {"notice", kNotForClinicalUse},
@@ -173,7 +173,7 @@ json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
            {{"overlap_mm", limits.overlap_mm},
             {"gap_mm", limits.gap_mm},
             {"support_mm", limits.support_mm},
-            {"support_share", limits.support_share}}},
+            {"support_share", limits.support_fraction}}},
           {"has_findings", !check.findings.empty()},
           {"findings", findings},
           {"overlaps", overlaps},
@@ -196,7 +196,7 @@ std::string in_words(const predict::PlanCheck& check, const plan::CutSegments& c
         "\n  {:<16} {:7.1f} ml, {:6.0f} mm2 of cut faces, {:3.0f} % supported, gap {:.1f} mm at "
         "most, {:.1f} mm in the mean",
         support.segment, cut.volumes_mm3[k] * 1e-3, support.cut_area_mm2,
-        100.0 * support.supported_share(), support.largest_gap_mm, support.mean_gap_mm);
+        100.0 * support.supported_fraction(), support.max_gap_mm, support.mean_gap_mm);
   }
   return text;
 }
@@ -219,13 +219,13 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY(const io::PlanText plan_text, io::read_plan_text(job.plan));
   const io::PlanFile& plan = plan_text.plan;
   std::vector<std::string> names = names_of(plan);
-  const io::EmptyFolders none_left(job.output);
+  const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
   LEFORT_TRY(const geometry::TriangleMesh skull_L, find_skull(job, plan, progress));
 
   progress.begin_stage("cut the bone");
   LEFORT_TRY(const plan::CutSegments cut, plan::cut_segments(skull_L, plan.segments, progress));
-  for (const plan::CutBones& bones : cut.cuts) tell_crumbs(bones, progress);
+  for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
   progress.begin_stage("bone against bone");
   LEFORT_TRY(const predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));

@@ -11,8 +11,8 @@
 #include <lefort/pipeline/predict/write_prediction.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/pipeline/timing/peak_memory.h>
-#include <lefort/pipeline/timing/timed_progress.h>
-#include <lefort/predict/move_skin.h>
+#include <lefort/pipeline/timing/stage_timer.h>
+#include <lefort/predict/embed_skin.h>
 #include <lefort/predict/predict_face.h>
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ SkinShift measure_skin_shift(const std::vector<Vec3>& displacement_mm) {
   Index moved = 0;
   for (const Vec3& u : displacement_mm) {
     const double length_mm = u.norm();
-    shift.largest_mm = std::max(shift.largest_mm, length_mm);
+    shift.max_mm = std::max(shift.max_mm, length_mm);
     if (length_mm <= kMoved_mm) continue;
     shift.mean_over_moved_mm += length_mm;
     ++moved;
@@ -54,13 +54,13 @@ class StepClock {
     const auto now = std::chrono::steady_clock::now();
     seconds_.push_back(std::chrono::duration<double>(now - last_).count());
     last_ = now;
-    const contact::ContactSummary contact = step.contact();
+    const contact::ContactStatistics contact = step.contact();
     progress_.note(fmt::format(
         "  {:5.1f} % of the path: {} Newton iterations in {} increments, relative residual {:.1e}, "
         "{} nodes in contact, depth P99 {:.3f} mm, at most {:.3f} mm, {:.1f} s",
-        100.0 * step.share, step.newton_iterations(), step.attempts.size(), step.relative_residual,
-        contact.nodes, contact.p99_depth_from_rest_mm, contact.max_depth_from_rest_mm,
-        seconds_.back()));
+        100.0 * step.path_fraction, step.newton_iterations(), step.attempts.size(),
+        step.relative_residual, contact.nodes, contact.p99_depth_from_rest_mm,
+        contact.max_depth_from_rest_mm, seconds_.back()));
   }
   [[nodiscard]] const std::vector<double>& seconds() const { return seconds_; }
 
@@ -105,8 +105,8 @@ std::optional<predict::Restart> find_earlier(const fs::path& kept, int steps, Pr
 }
 
 /// What contact is found and held by.
-void tell_contact(const io::PlanFile& plan, Progress& progress) {
-  if (plan.boundary.moved_bone != predict::MovedBone::kContact) return;
+void report_contact(const io::PlanFile& plan, Progress& progress) {
+  if (plan.boundary.segment_interface != predict::SegmentInterface::kSliding) return;
   const auto& tolerance_mm = plan.contact.penetration_tolerance_mm;
   progress.note(fmt::format(
       "contact: {} detection, k_c = {:.4g} kPa/mm ({:g} times Young's modulus, {:g} kPa, over the "
@@ -135,11 +135,11 @@ Result<Summary> give_up(const PredictJob& job, const PreparedCase& prepared,
 }  // namespace
 
 Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
-  TimedProgress progress(shown);
+  StageTimer progress(shown);
   LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
   io::PlanFile plan = text.plan;
   LEFORT_TRY(const fs::path ct, io::scan_of(job.plan, plan, job.ct));
-  const io::EmptyFolders none_left(job.output);
+  const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_results(job.output));
   const std::string plan_copy = io::portable_plan(text.json, job.plan, ct, job.output);
@@ -160,7 +160,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   const int steps = prepared.steps();
   std::optional<predict::Restart> earlier = find_earlier(kept, steps, progress);
   progress.begin_stage("solve");
-  tell_contact(prepared.plan, progress);
+  report_contact(prepared.plan, progress);
   StepClock clock(progress);
   predict::PredictionWatch watch{.on_iterate = {},
                                  .on_step =
@@ -197,9 +197,9 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
                       deep, prediction.steps.size(), *tolerance_mm));
   const predict::PredictionStep& last = prediction.steps.back();
   const std::vector<Vec3> skin_mm = predict::skin_displacement(
-      predict::bind_skin(
+      predict::embed_skin(
           prepared.skin_L, prepared.model.tissue,
-          predict::follow_reach_mm(prepared.plan.tissue, prepared.scan_grid.spacing_mm)),
+          predict::embedding_distance_mm(prepared.plan.tissue, prepared.scan_grid.spacing_mm)),
       last.displacement_mm);
   const SkinShift skin = measure_skin_shift(skin_mm);
   std::vector<PredictionPicture> pictures;
@@ -218,7 +218,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   Summary summary;
   summary.text = fmt::format(
       "{}: skin moved up to {:.2f} mm, {} steps converged, {} elements, {:.0f} MB at most",
-      job.output.string(), skin.largest_mm, prediction.steps.size(),
+      job.output.string(), skin.max_mm, prediction.steps.size(),
       prepared.model.tissue.element_count(), peak_memory_mb());
   summary.json = json;
   return summary;

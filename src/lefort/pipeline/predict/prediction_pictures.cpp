@@ -1,11 +1,11 @@
-#include <lefort/geometry/mesh_measures.h>
+#include <lefort/geometry/mesh_properties.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/pipeline/predict/prediction_pictures.h>
-#include <lefort/predict/move_skin.h>
+#include <lefort/predict/embed_skin.h>
 #include <lefort/report/annotate.h>
 #include <lefort/report/picture.h>
 #include <lefort/report/render_surfaces.h>
-#include <lefort/report/segment_colours.h>
+#include <lefort/report/segment_colors.h>
 #include <lefort/report/view.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ struct Series {
   std::string title;
   std::vector<report::SurfaceLayer> layers;
   std::vector<StandardView> views;
-  std::optional<report::ColourBar> colour_bar;
+  std::optional<report::ColorBar> color_bar;
 };
 
 std::string file_part(StandardView view) {
@@ -38,7 +38,7 @@ std::string file_part(StandardView view) {
   return name;
 }
 
-/// A round upper end for the colour scale.
+/// A round upper end for the color scale.
 double scale_end_mm(std::span<const double> lengths_mm) {
   const double largest =
       lengths_mm.empty() ? 0.0 : *std::max_element(lengths_mm.begin(), lengths_mm.end());
@@ -55,15 +55,14 @@ Result<std::vector<PredictionPicture>> draw_prediction(
   for (std::size_t k = 0; k < segments.size(); ++k)
     moved_L.push_back(geometry::transformed(prepared.cut.segments_L[k], segments[k].X_LB));
   std::vector<report::SurfaceLayer> bones{
-      {.mesh_L = &prepared.cut.remainder_L, .colour = report::kBoneColour}};
+      {.mesh_L = &prepared.cut.remainder_L, .color = report::kBoneColor}};
   for (std::size_t k = 0; k < moved_L.size(); ++k)
     bones.push_back({.mesh_L = &moved_L[k],
-                     .colour = k == 0
-                                   ? kFirstSegment
-                                   : report::kSegmentColours[k % report::kSegmentColours.size()]});
+                     .color = k == 0 ? kFirstSegment
+                                     : report::kSegmentColors[k % report::kSegmentColors.size()]});
   std::vector<double> lengths_mm;
   for (const Vec3& u : skin_displacement_mm) lengths_mm.push_back(u.norm());
-  const report::ColourScale scale{report::ColourMap::kSequential, 0.0, scale_end_mm(lengths_mm)};
+  const report::ColorScale scale{report::ColorMap::kSequential, 0.0, scale_end_mm(lengths_mm)};
 
   const std::vector<StandardView> face_views{StandardView::kFront, StandardView::kRightThreeQuarter,
                                              StandardView::kRightProfile};
@@ -75,7 +74,7 @@ Result<std::vector<PredictionPicture>> draw_prediction(
        "Displacement of the skin",
        {{.mesh_L = &after_L, .scalars = lengths_mm, .scale = scale}},
        {StandardView::kFront, StandardView::kRightThreeQuarter},
-       report::ColourBar{scale, "displacement", "mm"}},
+       report::ColorBar{scale, "displacement", "mm"}},
       {PictureKind::kBones,
        "bones",
        "Bones at the end of the path",
@@ -97,7 +96,7 @@ Result<std::vector<PredictionPicture>> draw_prediction(
       LEFORT_TRY(const report::Picture raw, scene.render(view, kSize, progress));
       const std::string title = series.title + ", " + report::name_of(side);
       LEFORT_TRY(const report::Picture picture,
-                 report::annotate(raw, {title, series.colour_bar, view}));
+                 report::annotate(raw, {title, series.color_bar, view}));
       LEFORT_TRY(std::string png, report::encode_png(picture));
       pictures.push_back(
           {series.kind, series.file + "_" + file_part(side) + ".png", title, std::move(png)});

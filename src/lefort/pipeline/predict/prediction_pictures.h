@@ -21,7 +21,7 @@ struct PredictionPicture {
   std::string png;    ///< The file's bytes.
 };
 
-/// Draws before and after from the same cameras, the displacement in colours, and the cut skull.
+/// Draws before and after from the same cameras, the displacement in colors, and the cut skull.
 ///
 /// \param skin_displacement_mm  one per vertex of prepared.skin_L.
 /// \param segments              where they ended.

@@ -3,7 +3,7 @@
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/pipeline/predict/prediction_report.h>
 #include <lefort/pipeline/predict/write_prediction.h>
-#include <lefort/predict/name_regions.h>
+#include <lefort/predict/assign_regions.h>
 
 #include <fmt/format.h>
 
@@ -46,7 +46,7 @@ std::string move_in_words(const geometry::RigidPath& path) {
   if (angle_deg > 0.05)
     words += fmt::format(
         " and turns by {:.1f}\u00b0 about the point that lay at ({:.1f}, {:.1f}, {:.1f}) mm",
-        angle_deg, end.centre_L.x(), end.centre_L.y(), end.centre_L.z());
+        angle_deg, end.center_L.x(), end.center_L.y(), end.center_L.z());
   return words;
 }
 
@@ -65,15 +65,15 @@ report::ReportTable step_table(const predict::FacePrediction& prediction) {
        "contact force [N]", "smallest volume ratio"},
       {}};
   for (const predict::PredictionStep& step : prediction.steps) {
-    const contact::ContactSummary contact = step.contact();
+    const contact::ContactStatistics contact = step.contact();
     table.rows.push_back(
-        {fmt::format("{:.1f}", 100.0 * step.share), fmt::format("{}", step.newton_iterations()),
-         fmt::format("{:.1e}", step.relative_residual), fmt::format("{}", contact.nodes),
-         fmt::format("{:.3f}", contact.max_penetration_mm),
+        {fmt::format("{:.1f}", 100.0 * step.path_fraction),
+         fmt::format("{}", step.newton_iterations()), fmt::format("{:.1e}", step.relative_residual),
+         fmt::format("{}", contact.nodes), fmt::format("{:.3f}", contact.max_penetration_mm),
          fmt::format("{:.3f}", contact.mean_penetration_mm),
          fmt::format("{:.3f}", contact.max_depth_from_rest_mm),
          fmt::format("{:.3f}", contact.p99_depth_from_rest_mm),
-         fmt::format("{:.3f}", contact.force_L_n.norm()), fmt::format("{:.3f}", step.smallest_J)});
+         fmt::format("{:.3f}", contact.force_L_n.norm()), fmt::format("{:.3f}", step.min_J)});
   }
   return table;
 }
@@ -87,7 +87,7 @@ report::ReportTable segment_table(const PreparedCase& prepared,
        "max depth from rest [mm]", "its P99 [mm]", "contact force [N]"},
       {}};
   for (std::size_t k = 0; k < last.segments.size(); ++k) {
-    const contact::ContactSummary& contact = last.segments[k].contact;
+    const contact::ContactStatistics& contact = last.segments[k].contact;
     table.rows.push_back({prepared.plan.segments[k].osteotomy.segment,
                           fmt::format("{:.1f}", prepared.cut.volumes_mm3[k] * 1e-3),
                           fmt::format("{}", contact.nodes), fmt::format("{:.0f}", contact.area_mm2),
@@ -145,21 +145,21 @@ std::string skin_in_words(const PreparedCase& prepared) {
   if (!skin || !prepared.skin_layer) return "as what is inside";
   return fmt::format("{} layers, {:g} mm asked for, {:.2f} mm on average under {:.0f} % of it; {}",
                      skin->layers, skin->thickness_mm, prepared.skin_layer->mean_mm,
-                     100.0 * prepared.skin_layer->covered_share,
+                     100.0 * prepared.skin_layer->covered_fraction,
                      law_in_words(skin->young_mpa, skin->poisson));
 }
 
 report::ReportTable parameter_table(const PreparedCase& prepared,
                                     const predict::FacePrediction& prediction) {
   const io::PlanFile& plan = prepared.plan;
-  const bool is_contact = plan.boundary.moved_bone == predict::MovedBone::kContact;
-  double segments_mm3 = 0.0, crumbs_mm3 = 0.0, cell_mm = 0.0;
+  const bool is_contact = plan.boundary.segment_interface == predict::SegmentInterface::kSliding;
+  double segments_mm3 = 0.0, fragments_mm3 = 0.0, cell_mm = 0.0;
   double band_mm = std::numeric_limits<double>::infinity();
-  Index crumbs = 0;
+  Index fragments = 0;
   for (std::size_t k = 0; k < plan.segments.size(); ++k) {
     segments_mm3 += prepared.cut.volumes_mm3[k];
-    crumbs_mm3 += prepared.cut.cuts[k].crumb_volume_mm3;
-    crumbs += prepared.cut.cuts[k].crumbs;
+    fragments_mm3 += prepared.cut.cuts[k].fragment_volume_mm3;
+    fragments += prepared.cut.cuts[k].fragments;
     cell_mm = std::max(cell_mm, prepared.model.segments[k].field_B->cell_mm());
     band_mm = std::min(band_mm, prepared.model.segments[k].field_B->band_mm());
   }
@@ -188,12 +188,12 @@ report::ReportTable parameter_table(const PreparedCase& prepared,
         is_contact ? fmt::format("up to {:.2f} mm", prediction.rest_penetration_mm)
                    : std::string("\u2013")},
        {"tissue elevated from still bone",
-        fmt::format("within {:.1f} mm of the segment", plan.boundary.release_mm)},
+        fmt::format("within {:.1f} mm of the segment", plan.boundary.elevation_margin_mm)},
        {"distance field of the segment",
         fmt::format("cell {:.3f} mm, band {:.2f} mm", cell_mm, band_mm)},
        {"segment volume", fmt::format("{:.1f} ml", segments_mm3 * 1e-3)},
        {"bone inside the planes that does not move",
-        fmt::format("{:.2f} ml in {} pieces", crumbs_mm3 * 1e-3, crumbs)}}};
+        fmt::format("{:.2f} ml in {} pieces", fragments_mm3 * 1e-3, fragments)}}};
 }
 
 report::ReportTable timing_table(const Timing& timing) {
@@ -207,14 +207,14 @@ std::vector<report::SolverStep> solver_steps(const predict::FacePrediction& pred
   std::vector<report::SolverStep> steps;
   for (const predict::PredictionStep& step : prediction.steps) {
     report::SolverStep& shown = steps.emplace_back();
-    shown.path_share = step.share;
-    const contact::ContactSummary contact = step.contact();
+    shown.path_fraction = step.path_fraction;
+    const contact::ContactStatistics contact = step.contact();
     shown.max_penetration_mm = contact.max_penetration_mm;
     shown.mean_penetration_mm = contact.mean_penetration_mm;
     for (const fem::LoadAttempt& attempt : step.attempts)
       for (const fem::NewtonIterate& iterate : attempt.history)
-        if (iterate.force_scale_n > 0.0)
-          shown.relative_residuals.push_back(iterate.residual_n / iterate.force_scale_n);
+        if (iterate.residual_reference_n > 0.0)
+          shown.relative_residuals.push_back(iterate.residual_n / iterate.residual_reference_n);
   }
   return steps;
 }
@@ -254,7 +254,7 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   if (!prediction.steps.empty()) {
     const predict::PredictionStep& last = prediction.steps.back();
     report.key_numbers = {
-        {"largest shift of the skin", fmt::format("{:.1f} mm", skin.largest_mm)},
+        {"largest shift of the skin", fmt::format("{:.1f} mm", skin.max_mm)},
         {"mean shift where the skin moved over 0.5 mm",
          fmt::format("{:.1f} mm", skin.mean_over_moved_mm)},
         {"largest remaining penetration",
@@ -268,17 +268,18 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
   report.steps = solver_steps(prediction);
   report.residual_tolerance = prepared.plan.solver.relative_tolerance;
   report.notes = prepared.provenance.warnings;
-  const auto deepest = std::max_element(prepared.overlaps.begin(), prepared.overlaps.end(),
-                                        [](const predict::BonePair& a, const predict::BonePair& b) {
-                                          return a.overlap.deepest_mm < b.overlap.deepest_mm;
-                                        });
+  const auto deepest = std::max_element(
+      prepared.overlaps.begin(), prepared.overlaps.end(),
+      [](const predict::BoneOverlapAtFraction& a, const predict::BoneOverlapAtFraction& b) {
+        return a.overlap.deepest_mm < b.overlap.deepest_mm;
+      });
   if (deepest != prepared.overlaps.end() && deepest->overlap.overlaps())
     report.notes.push_back(describe(*deepest, prepared.plan) +
                            fmt::format("; depths of all steps are in prediction.json and, of each "
                                        "segment, in {}*.vtp.",
                                        kBoneOverlap));
   if (!prediction.steps.empty())
-    if (const contact::ContactSummary contact = prediction.steps.back().contact();
+    if (const contact::ContactStatistics contact = prediction.steps.back().contact();
         contact.tunnelled_area_mm2 > 0.0)
       report.notes.push_back(
           fmt::format("Contact is as soft as its stiffness: {:.1f} mm\u00b2 of tissue, of {:.0f} "
@@ -298,7 +299,7 @@ report::CaseReport prediction_report(const PreparedCase& prepared,
       "chosen lower than measured for that reason.",
       "Tissue outside the meshed region does not move, and where the scan ends tissue has no "
       "neighbour: near the scan\u2019s edge the prediction is not to be trusted.",
-      prepared.model.still_bone
+      prepared.model.stationary_bone
           ? "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it, "
             "but not what is painted free or to slide; only what slides meets still bone."
           : "Air-filled sinuses are taken as part of the bone. Still bone holds the tissue on it; "

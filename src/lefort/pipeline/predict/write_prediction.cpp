@@ -1,4 +1,4 @@
-#include <lefort/contact/bone_load.h>
+#include <lefort/contact/project_contact_to_bone.h>
 #include <lefort/core/units.h>
 #include <lefort/geometry/transform_mesh.h>
 #include <lefort/io/output_folder.h>
@@ -6,7 +6,7 @@
 #include <lefort/io/vtu.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/predict/write_prediction.h>
-#include <lefort/predict/move_skin.h>
+#include <lefort/predict/embed_skin.h>
 #include <lefort/predict/tissue_boundary.h>
 #include <lefort/report/mesh_plots.h>
 #include <lefort/report/report_html.h>
@@ -49,17 +49,18 @@ Result<void> write_paraview(const fs::path& folder, const PreparedCase& prepared
   LEFORT_TRY_VOID(io::make_output_folder(folder));
   const mesh::VolumeMesh& tissue = prepared.model.tissue;
   std::vector<io::PvdEntry> series;
-  const auto write = [&](double share, const std::vector<Vec3>& displacement_mm) -> Result<void> {
+  const auto write = [&](double path_fraction,
+                         const std::vector<Vec3>& displacement_mm) -> Result<void> {
     const std::string file = fmt::format("step_{:04d}.vtu", series.size());
     io::VtuFields fields;
     fields.nodes.push_back(io::vtu_array("displacement_mm", displacement_mm));
     LEFORT_TRY_VOID(io::write_vtu(folder / file, tissue, fields));
-    series.push_back({share, file});
+    series.push_back({path_fraction, file});
     return {};
   };
   LEFORT_TRY_VOID(write(0.0, std::vector<Vec3>(tissue.nodes_L.size(), Vec3::Zero())));
   for (const predict::PredictionStep& step : prediction.steps)
-    LEFORT_TRY_VOID(write(step.share, step.displacement_mm));
+    LEFORT_TRY_VOID(write(step.path_fraction, step.displacement_mm));
   return io::write_pvd(folder / "prediction.pvd", series);
 }
 
@@ -76,9 +77,9 @@ Result<void> write_moved_segment(const fs::path& file, const PreparedCase& prepa
   for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
   // What rests within capture_mm of the bone touches it there.
   const double near_mm = prepared.plan.boundary.capture_mm + contact.max_depth_from_rest_mm;
-  contact::BoneLoad load =
-      contact::load_on_bone(segment_L, x_L, tissue.face_sets.at(predict::sets::kContact),
-                            prediction.touched[segment], near_mm);
+  contact::BoneContactFields load =
+      contact::project_contact_to_bone(segment_L, x_L, tissue.face_sets.at(predict::sets::kContact),
+                                       prediction.touched[segment], near_mm);
   for (double& pressure : load.pressure_mpa) pressure = kpa_from_mpa(pressure);
   return io::write_surface(
       file, segment_L,
@@ -115,18 +116,19 @@ Result<void> write_overlaps(const fs::path& folder, const PreparedCase& prepared
   for (std::size_t k = 0; k < prepared.plan.segments.size(); ++k) {
     const std::string& name = prepared.plan.segments[k].osteotomy.segment;
     std::map<double, std::vector<double>> deepest_mm;  // Of each vertex, for each share.
-    for (const predict::BonePair& pair : prepared.overlaps) {
+    for (const predict::BoneOverlapAtFraction& pair : prepared.overlaps) {
       const bool is_first = pair.first == name;
       if (!pair.overlap.overlaps() || (!is_first && pair.second != name)) continue;
       const std::vector<double>& depth_mm =
           is_first ? pair.overlap.depth_mm : pair.overlap.depth_of_second_mm;
-      std::vector<double>& all_mm = deepest_mm.try_emplace(pair.share, depth_mm).first->second;
+      std::vector<double>& all_mm =
+          deepest_mm.try_emplace(pair.path_fraction, depth_mm).first->second;
       for (std::size_t v = 0; v < all_mm.size(); ++v) all_mm[v] = std::max(all_mm[v], depth_mm[v]);
     }
     if (deepest_mm.empty()) continue;
     std::vector<io::VertexArray> arrays;
-    for (auto& [share, depth_mm] : deepest_mm)
-      arrays.push_back({fmt::format("overlap_mm_at_{:.4f}", share), std::move(depth_mm)});
+    for (auto& [path_fraction, depth_mm] : deepest_mm)
+      arrays.push_back({fmt::format("overlap_mm_at_{:.4f}", path_fraction), std::move(depth_mm)});
     LEFORT_TRY_VOID(io::write_surface(folder / segment_file(kBoneOverlap, prepared.plan, k),
                                       prepared.cut.segments_L[k], arrays));
   }

@@ -44,7 +44,7 @@ std::vector<Bone> bones_of(const plan::CutSegments& cut,
 
 Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanFile plan, io::read_plan(job.plan));
-  const io::EmptyFolders none_left(job.output);
+  const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   const fs::path document = job.output / "cut.json";
   LEFORT_TRY_VOID(io::remove_earlier_files(std::array{document}));
@@ -53,14 +53,14 @@ Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   progress.begin_stage("cut the bone");
   LEFORT_TRY(const plan::CutSegments cut,
              plan::cut_segments(head.skull_L, plan.segments, progress));
-  for (const plan::CutBones& bones : cut.cuts) tell_crumbs(bones, progress);
+  for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
 
   json list = json::array();
   std::string text = fmt::format("{}: {} segments", job.output.string(), plan.segments.size());
   for (const Bone& bone : bones_of(cut, plan.segments)) {
     field::DistanceFieldOptions field_options = plan.field;  // As prepare_case() has them.
     field_options.smooth =
-        !bone.name.empty() && plan.contact.detection == contact::Detection::kSmooth;
+        !bone.name.empty() && plan.contact.detection == contact::DetectionMethod::kSmooth;
     LEFORT_TRY(const auto field,
                find_field(bone.field, *bone.surface_L, field_options, cache, progress));
     if (!field->frame().closed)

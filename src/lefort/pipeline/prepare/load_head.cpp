@@ -49,12 +49,12 @@ Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
                      std::move(skull_L)};
 }
 
-void tell_crumbs(const plan::CutBones& bones, Progress& progress) {
-  if (bones.crumbs == 0) return;
+void note_fragments(const plan::OsteotomyResult& bones, Progress& progress) {
+  if (bones.fragments == 0) return;
   progress.note(
       fmt::format("{} pieces of bone within the cut, {:.2f} ml together, do not move: they are "
                   "smaller than osteotomy.smallest_piece_ml or _share, or not what it holds",
-                  bones.crumbs, bones.crumb_volume_mm3 * 1e-3));
+                  bones.fragments, bones.fragment_volume_mm3 * 1e-3));
 }
 
 }  // namespace lefort::pipeline

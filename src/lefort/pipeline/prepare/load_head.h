@@ -32,6 +32,6 @@ struct ScannedHead {
                                             const StageCache& cache, Progress& progress);
 
 /// Tells of bone within an osteotomy that does not move, if there is any.
-void tell_crumbs(const plan::CutBones& bones, Progress& progress);
+void note_fragments(const plan::OsteotomyResult& bones, Progress& progress);
 
 }  // namespace lefort::pipeline

@@ -11,8 +11,8 @@
 #include <lefort/pipeline/prepare/load_head.h>
 #include <lefort/pipeline/prepare/prepare_case.h>
 #include <lefort/plan/bone_bodies.h>
+#include <lefort/predict/assign_regions.h>
 #include <lefort/predict/mesh_tissue.h>
-#include <lefort/predict/name_regions.h>
 #include <lefort/predict/tissue_boundary.h>
 
 #include <fmt/format.h>
@@ -58,29 +58,31 @@ Result<std::vector<predict::MovedSegment>> find_segments(const plan::CutSegments
 }
 
 /// \param field_options  of the segments' fields.
-Result<std::vector<predict::BonePair>> find_overlaps(
+Result<std::vector<predict::BoneOverlapAtFraction>> find_overlaps(
     const plan::CutSegments& cut, const std::vector<geometry::RigidPath>& paths,
     const std::vector<predict::MovedSegment>& segments, const io::PlanFile& plan,
     field::DistanceFieldOptions field_options, const StageCache& cache, Progress& progress) {
   field_options.smooth = false;
-  LEFORT_TRY(const auto still_field,
+  LEFORT_TRY(const auto stationary_field,
              find_field("remainder", cut.remainder_L, field_options, cache, progress));
   progress.begin_stage("bone against bone");
-  if (!still_field->frame().closed)
+  if (!stationary_field->frame().closed)
     progress.note(
         "warning: the still bone is an open surface, so that the segment may overlap it unseen");
-  std::vector<predict::PathBone> bones;
+  std::vector<predict::MovingBone> bones;
   const auto add = [&](std::string name, const geometry::TriangleMesh& surface_B,
                        const geometry::RigidPath* path,
                        const std::shared_ptr<const field::DistanceField>& field) -> Result<void> {
-    LEFORT_TRY(auto detector_B, contact::detect_by_field(field, contact::Detection::kTrilinear));
-    bones.push_back({std::move(name), &surface_B, path, std::move(detector_B), field->cell_mm()});
+    LEFORT_TRY(auto distance_query_B,
+               contact::field_distance_query(field, contact::DetectionMethod::kTrilinear));
+    bones.push_back(
+        {std::move(name), &surface_B, path, std::move(distance_query_B), field->cell_mm()});
     return {};
   };
   for (std::size_t k = 0; k < segments.size(); ++k)
     LEFORT_TRY_VOID(add(paths[k].segment, segments[k].surface_B, &paths[k], segments[k].field_B));
-  LEFORT_TRY_VOID(add(predict::kRemainder, cut.remainder_L, nullptr, still_field));
-  std::vector<predict::BonePair> overlaps;
+  LEFORT_TRY_VOID(add(predict::kRemainder, cut.remainder_L, nullptr, stationary_field));
+  std::vector<predict::BoneOverlapAtFraction> overlaps;
   const int steps = geometry::steps_of(paths);
   for (int step = 1; step <= steps; ++step)
     for (std::size_t a = 0; a < segments.size(); ++a)
@@ -107,14 +109,14 @@ Result<void> check_muscle(const predict::TissueOptions& options, const anatomy::
 }
 
 /// Muscle first: what somebody painted wins over the rule.
-mesh::VolumeMesh name_regions(mesh::VolumeMesh tissue, const predict::TissueOptions& options,
-                              const anatomy::LabelMap& labels, Progress& progress) {
+mesh::VolumeMesh assign_regions(mesh::VolumeMesh tissue, const predict::TissueOptions& options,
+                                const anatomy::LabelMap& labels, Progress& progress) {
   if (!options.muscle && !options.mucosa) return tissue;
-  if (options.muscle) tissue = predict::name_muscle(std::move(tissue), labels);
+  if (options.muscle) tissue = predict::assign_muscle(std::move(tissue), labels);
   if (options.mucosa)
-    tissue = predict::name_mucosa(std::move(tissue), labels, options.mucosa->thickness_mm);
+    tissue = predict::assign_mucosa(std::move(tissue), labels, options.mucosa->thickness_mm);
   progress.note(predict::describe_regions(tissue, options));
-  for (const auto& [name, size] : predict::named_regions(tissue, options))
+  for (const auto& [name, size] : predict::regions_and_sizes(tissue, options))
     if (size.elements == 0)
       progress.note(
           fmt::format("warning: tissue.{} changes nothing: no element is {}", name, name));
@@ -123,7 +125,7 @@ mesh::VolumeMesh name_regions(mesh::VolumeMesh tissue, const predict::TissueOpti
 
 }  // namespace
 
-std::string describe(const predict::BonePair& pair, const io::PlanFile& plan) {
+std::string describe(const predict::BoneOverlapAtFraction& pair, const io::PlanFile& plan) {
   const contact::BoneOverlap& overlap = pair.overlap;
   const auto in_words = [&](const std::string& bone) {
     if (bone == predict::kRemainder) return std::string("still bone");
@@ -132,9 +134,9 @@ std::string describe(const predict::BonePair& pair, const io::PlanFile& plan) {
   return fmt::format(
       "the path drives bone through bone: at {:.1f} % {} and {} share {:.2f} ml, "
       "{}{:.2f} mm deep at ({:.1f}, {:.1f}, {:.1f}) mm",
-      100.0 * pair.share, in_words(pair.first), in_words(pair.second), overlap.volume_mm3 * 1e-3,
-      overlap.is_beyond_reach ? "more than " : "up to ", overlap.deepest_mm, overlap.deepest_L.x(),
-      overlap.deepest_L.y(), overlap.deepest_L.z());
+      100.0 * pair.path_fraction, in_words(pair.first), in_words(pair.second),
+      overlap.volume_mm3 * 1e-3, overlap.depth_is_lower_bound ? "more than " : "up to ",
+      overlap.deepest_mm, overlap.deepest_L.x(), overlap.deepest_L.y(), overlap.deepest_L.z());
 }
 
 Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha256,
@@ -159,15 +161,15 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(plan::CutSegments cut, plan::cut_segments(head.skull_L, plan.segments, progress));
   geometry::TriangleMesh moved_L;  // All segments.
   for (const geometry::TriangleMesh& segment_L : cut.segments_L) plan::append(moved_L, segment_L);
-  for (const plan::CutBones& bones : cut.cuts) tell_crumbs(bones, progress);
+  for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
   field::DistanceFieldOptions field_options = plan.field;
-  field_options.smooth = plan.contact.detection == contact::Detection::kSmooth;
+  field_options.smooth = plan.contact.detection == contact::DetectionMethod::kSmooth;
   LEFORT_TRY(std::vector<predict::MovedSegment> segments,
              find_segments(cut, field_options, cache, progress));
   LEFORT_TRY_VOID(predict::check_reach(paths, segments, plan.contact.detection,
                                        plan.boundary));  // Before the costly mesh.
 
-  LEFORT_TRY(std::vector<predict::BonePair> overlaps,
+  LEFORT_TRY(std::vector<predict::BoneOverlapAtFraction> overlaps,
              find_overlaps(cut, paths, segments, plan, field_options, cache, progress));
 
   const predict::TissueDomain domain = predict::make_tissue_domain(
@@ -177,7 +179,7 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   LEFORT_TRY(mesh::VolumeMesh tissue,
              find_tissue_mesh(domain, skin_L, moved_L, cut.remainder_L, plan.tissue,
                               plan.boundary.capture_mm, key, cache, progress));
-  tissue = name_regions(std::move(tissue), plan.tissue, labels, progress);
+  tissue = assign_regions(std::move(tissue), plan.tissue, labels, progress);
   progress.begin_stage("find boundaries");
   tissue =
       predict::find_tissue_boundary(std::move(tissue), domain, labels, skin_L, moved_L,
@@ -190,20 +192,20 @@ Result<PreparedCase> prepare_case(io::PlanFile plan, const std::string& plan_sha
   mesh::MeshQuality quality = mesh::measure_quality(tissue);
   std::optional<mesh::LayerThickness> skin_layer;
   if (const auto& skin = plan.tissue.skin) {
-    skin_layer = mesh::measure_layer(tissue, predict::regions::kSkin,
-                                     tissue.face_sets.at(predict::sets::kSkin), skin->layers,
-                                     skin->thickness_mm);
+    skin_layer = mesh::layer_thickness_statistics(tissue, predict::regions::kSkin,
+                                                  tissue.face_sets.at(predict::sets::kSkin),
+                                                  skin->layers, skin->thickness_mm);
     progress.note(
         fmt::format("skin: {:.2f} mm thick on average, wedges under {:.1f} % of {:.0f} mm2; {} "
                     "elements, smallest scaled Jacobian {:.3f}",
-                    skin_layer->mean_mm, 100.0 * skin_layer->covered_share, skin_layer->area_mm2,
+                    skin_layer->mean_mm, 100.0 * skin_layer->covered_fraction, skin_layer->area_mm2,
                     quality.elements, quality.min_scaled_jacobian));
   }
   predict::FaceModel model{std::move(tissue), std::move(segments)};
-  if (model.tissue.face_sets.contains(predict::sets::kStillContact)) {
-    LEFORT_TRY(auto still_field,
+  if (model.tissue.face_sets.contains(predict::sets::kStationaryContact)) {
+    LEFORT_TRY(auto stationary_field,
                find_field("remainder", cut.remainder_L, field_options, cache, progress));
-    model.still_bone = predict::MovedSegment{cut.remainder_L, std::move(still_field)};
+    model.stationary_bone = predict::MovedSegment{cut.remainder_L, std::move(stationary_field)};
   }
   Provenance provenance{.plan_sha256 = plan_sha256,
                         .ct_sha256 = ct_sha256,

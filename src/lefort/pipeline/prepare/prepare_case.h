@@ -12,7 +12,7 @@
 #include <lefort/mesh/layer_thickness.h>
 #include <lefort/pipeline/cache/stage_cache.h>
 #include <lefort/plan/cut_segments.h>
-#include <lefort/predict/bone_pairs.h>
+#include <lefort/predict/bone_overlap_at_fraction.h>
 #include <lefort/predict/predict_face.h>
 
 #include <filesystem>
@@ -47,7 +47,7 @@ struct PreparedCase {
   std::optional<mesh::LayerThickness> skin_layer;  ///< If the plan has skin of its own.
   /// Where the plan moves bone into bone: for each step each segment with those after it and with
   /// the bone that stays. Of that bone no vertices' depths.
-  std::vector<predict::BonePair> overlaps;
+  std::vector<predict::BoneOverlapAtFraction> overlaps;
 
   [[nodiscard]] std::vector<geometry::RigidPath> paths() const {
     return plan::paths_of(plan.segments);
@@ -56,7 +56,8 @@ struct PreparedCase {
 };
 
 /// One sentence on where the path drives bone through bone; `pair` is one of prepared.overlaps.
-[[nodiscard]] std::string describe(const predict::BonePair& pair, const io::PlanFile& plan);
+[[nodiscard]] std::string describe(const predict::BoneOverlapAtFraction& pair,
+                                   const io::PlanFile& plan);
 
 /// \param plan         read from a file whose text hashes to `plan_sha256`.
 /// \param ct           the scan.

@@ -37,7 +37,7 @@ bool is_same_skin(const geometry::TriangleMesh& a, const geometry::TriangleMesh&
 Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
   io::PlanFile plan = text.plan;
-  const io::EmptyFolders none_left(job.output);
+  const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   const fs::path document = job.output / "preview.json", file = job.output / "face.preview";
   LEFORT_TRY_VOID(io::remove_earlier_files(std::array{document, file}));

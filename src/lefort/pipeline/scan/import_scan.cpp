@@ -2,7 +2,7 @@
 #include <lefort/io/volume_files.h>
 #include <lefort/pipeline/import.h>
 #include <lefort/pipeline/timing/peak_memory.h>
-#include <lefort/pipeline/timing/timed_progress.h>
+#include <lefort/pipeline/timing/stage_timer.h>
 
 #include <fmt/format.h>
 
@@ -31,8 +31,8 @@ nlohmann::json geometry_json(const io::ImportedVolume& scan) {
                         list_of(grid.direction.col(2))}}};
   if (scan.stack)
     json["slices"] = {{"count", scan.stack->slices},
-                      {"least_step_mm", scan.stack->least_step_mm},
-                      {"most_step_mm", scan.stack->most_step_mm},
+                      {"least_step_mm", scan.stack->min_step_mm},
+                      {"most_step_mm", scan.stack->max_step_mm},
                       {"tilt_deg", scan.stack->tilt_deg},
                       {"resampled", scan.stack->resampled}};
   return json;
@@ -41,7 +41,7 @@ nlohmann::json geometry_json(const io::ImportedVolume& scan) {
 }  // namespace
 
 Result<Summary> import_scan(const ImportJob& job, Progress& shown) {
-  TimedProgress progress(shown);
+  StageTimer progress(shown);
   progress.begin_stage("import");
   LEFORT_TRY(const io::ImportedVolume scan,
              io::import_volume(job.source, options_of(job), progress));

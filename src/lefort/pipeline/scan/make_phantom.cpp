@@ -73,7 +73,7 @@ Result<Summary> make_phantom(const PhantomJob& job, Progress& progress) {
   if (fs::exists(dicom, error) && !fs::is_empty(dicom, error))
     return fail(ErrorCode::kFileUnwritable,
                 fmt::format("{} holds files already, expected an empty folder", dicom.string()));
-  const io::EmptyFolders none_left(dicom);
+  const io::EmptyFolderCleanup none_left(dicom);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   LEFORT_TRY_VOID(io::make_output_folder(dicom));
 

@@ -9,18 +9,18 @@
 #include <lefort/pipeline/scan/surface_summary.h>
 #include <lefort/pipeline/segment.h>
 #include <lefort/pipeline/timing/peak_memory.h>
-#include <lefort/pipeline/timing/timed_progress.h>
+#include <lefort/pipeline/timing/stage_timer.h>
 
 #include <fmt/format.h>
 
 namespace lefort::pipeline {
 
 Result<Summary> segment_scan(const SegmentJob& job, Progress& shown) {
-  TimedProgress progress(shown);
+  StageTimer progress(shown);
   progress.begin_stage("import");
   LEFORT_TRY(const io::ImportedVolume scan, io::import_volume(job.ct, progress));
   for (const std::string& warning : scan.warnings) progress.note("warning: " + warning);
-  const io::EmptyFolders none_left(job.output);
+  const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
 
   progress.begin_stage("segment");

@@ -1,4 +1,4 @@
-#include <lefort/contact/detector.h>
+#include <lefort/contact/distance_query.h>
 #include <lefort/core/units.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/io/deck_file.h>
@@ -33,7 +33,7 @@ const char* name_of(fem::SolvePhase phase) {
   switch (phase) {
     case fem::SolvePhase::kAssembly:
       return "assembly";
-    case fem::SolvePhase::kFactorisation:
+    case fem::SolvePhase::kFactorization:
       return "factorisation";
     case fem::SolvePhase::kSolve:
       return "solve";
@@ -79,23 +79,24 @@ std::vector<fs::path> input_files(const SolveJob& job, const io::DeckFile& file)
 /// A tree of boxes reaches everywhere unless told otherwise.
 constexpr double kNoEnd_mm = std::numeric_limits<double>::infinity();
 
-using DetectorPtr = std::shared_ptr<const contact::Detector>;
+using DistanceQueryPtr = std::shared_ptr<const contact::DistanceQuery>;
 
-Result<DetectorPtr> detect_obstacle(const io::ObstacleFile& file, contact::Detection detection,
-                                    Progress& progress) {
+Result<DistanceQueryPtr> detect_obstacle(const io::ObstacleFile& file,
+                                         contact::DetectionMethod detection, Progress& progress) {
   const bool is_field = file.file.extension() == ".field";
-  if (detection == contact::Detection::kBvh) {
+  if (detection == contact::DetectionMethod::kBvh) {
     if (is_field)
       return fail(ErrorCode::kInvalidArgument,
                   "detection bvh needs the surface, not its distance field");
     LEFORT_TRY(const geometry::TriangleMesh surface, io::read_surface(file.file));
     LEFORT_TRY(field::PreparedSurface prepared, field::prepare_surface(surface));
-    return contact::detect_by_bvh(std::make_shared<const geometry::Bvh>(std::move(prepared.mesh_B)),
-                                  file.options.band_mm > 0.0 ? file.options.band_mm : kNoEnd_mm);
+    return contact::bvh_distance_query(
+        std::make_shared<const geometry::Bvh>(std::move(prepared.mesh_B)),
+        file.options.band_mm > 0.0 ? file.options.band_mm : kNoEnd_mm);
   }
   const auto shared = [&](field::DistanceField field) {
-    return contact::detect_by_field(std::make_shared<const field::DistanceField>(std::move(field)),
-                                    detection);
+    return contact::field_distance_query(
+        std::make_shared<const field::DistanceField>(std::move(field)), detection);
   };
   if (is_field) {
     LEFORT_TRY(field::DistanceField read, io::read_field(file.file));
@@ -107,17 +108,18 @@ Result<DetectorPtr> detect_obstacle(const io::ObstacleFile& file, contact::Detec
   return shared(std::move(built));
 }
 
-Result<solve::ObstacleDetectors> detect_obstacles(const io::DeckFile& file, Progress& progress) {
-  solve::ObstacleDetectors detectors;
+Result<solve::ObstacleDistanceQueries> detect_obstacles(const io::DeckFile& file,
+                                                        Progress& progress) {
+  solve::ObstacleDistanceQueries distance_queries;
   for (std::size_t i = 0; i < file.obstacles.size(); ++i) {
     const solve::Obstacle& obstacle = file.deck.obstacles[i];
-    auto detector = detect_obstacle(file.obstacles[i], obstacle.detection, progress);
-    if (!detector)
-      return fail(detector.error().code,
-                  fmt::format("obstacle {}: {}", obstacle.name, detector.error().message));
-    detectors.push_back(*std::move(detector));
+    auto distance_query = detect_obstacle(file.obstacles[i], obstacle.detection, progress);
+    if (!distance_query)
+      return fail(distance_query.error().code,
+                  fmt::format("obstacle {}: {}", obstacle.name, distance_query.error().message));
+    distance_queries.push_back(*std::move(distance_query));
   }
-  return detectors;
+  return distance_queries;
 }
 
 std::string described(const solve::Increment& increment, const solve::Deck& deck) {
@@ -125,9 +127,9 @@ std::string described(const solve::Increment& increment, const solve::Deck& deck
       "  time {:.4f}: {} Newton iterations in {} increments tried, relative residual {:.1e}, moved "
       "up to {:.3f} mm",
       increment.time, increment.newton_iterations(), increment.attempts.size(),
-      increment.relative_residual, increment.largest_displacement_mm);
+      increment.relative_residual, increment.max_displacement_mm);
   for (std::size_t i = 0; i < increment.contacts.size(); ++i) {
-    const contact::ContactSummary& contact = increment.contacts[i];
+    const contact::ContactStatistics& contact = increment.contacts[i];
     line += fmt::format(", {} nodes in contact", contact.nodes);
     const auto& tolerance_mm = deck.obstacles[i].penetration_tolerance_mm;
     if (tolerance_mm && contact.p99_depth_from_rest_mm > *tolerance_mm)
@@ -156,11 +158,11 @@ Summary summary_of_check(const SolveJob& job, const solve::PreparedDeck& prepare
   Summary summary;
   summary.text = fmt::format(
       "{}: {} nodes, {} elements, {} components held; nothing is wrong with it", job.deck.string(),
-      prepared.mesh.node_count(), prepared.mesh.element_count(), prepared.held.size());
+      prepared.mesh.node_count(), prepared.mesh.element_count(), prepared.prescribed.size());
   summary.json = {{"deck", job.deck.string()},
                   {"nodes", prepared.mesh.node_count()},
                   {"elements", prepared.mesh.element_count()},
-                  {"held_components", prepared.held.size()},
+                  {"held_components", prepared.prescribed.size()},
                   {"warnings", prepared.warnings}};
   return summary;
 }
@@ -184,15 +186,16 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
 
   clock.begin("obstacles");
   if (!file.obstacles.empty()) progress.begin_stage("build the obstacles' fields");
-  LEFORT_TRY(const solve::ObstacleDetectors detectors, detect_obstacles(file, progress));
-  const auto overlaps = solve::check_obstacles(prepared, detectors);
+  LEFORT_TRY(const solve::ObstacleDistanceQueries distance_queries,
+             detect_obstacles(file, progress));
+  const auto overlaps = solve::check_obstacles(prepared, distance_queries);
   if (!overlaps)
     return fail(overlaps.error().code,
                 fmt::format("deck {}: {}", job.deck.string(), overlaps.error().message));
   prepared.warnings.insert(prepared.warnings.end(), overlaps->begin(), overlaps->end());
   for (const std::string& warning : prepared.warnings) progress.note("warning: " + warning);
   if (!job.quiet)
-    for (std::size_t i = 0; i < detectors.size(); ++i)
+    for (std::size_t i = 0; i < distance_queries.size(); ++i)
       progress.note(fmt::format("obstacle {}: {} detection, k_c = {:.4g} kPa/mm",
                                 prepared.deck.obstacles[i].name,
                                 contact::name_of(prepared.deck.obstacles[i].detection),
@@ -202,7 +205,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   clock.begin("read");
 
   LEFORT_TRY(const SolveInputs inputs, fingerprints(job, file));
-  const io::EmptyFolders none_left(job.output);
+  const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   LEFORT_TRY_VOID(remove_solve_results(job.output));
   SolveWriter writer(job.output, file, prepared);
@@ -225,7 +228,8 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
     clock.begin("diagnosis");
     return {};
   };
-  LEFORT_TRY(const solve::DeckRun run, solve::run_deck(prepared, detectors, watch, progress));
+  LEFORT_TRY(const solve::DeckRun run,
+             solve::run_deck(prepared, distance_queries, watch, progress));
   clock.begin("output");
   LEFORT_TRY(const auto json, writer.finish(inputs, run, clock));
   if (!run.completed()) return ended_early(job, run, writer);
@@ -233,7 +237,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   Summary summary;
   summary.text = fmt::format(
       "{}: {} increments, largest displacement {:.4f} mm, {} elements, {:.0f} MB at most",
-      job.output.string(), run.last->number, run.last->largest_displacement_mm,
+      job.output.string(), run.last->number, run.last->max_displacement_mm,
       prepared.mesh.element_count(), peak_memory_mb());
   summary.json = json;
   return summary;

@@ -108,10 +108,10 @@ bool is_step_file(std::string_view name) {
 /// Names of the step files that a series in the folder lists.
 std::set<std::string> listed_steps(const fs::path& folder) {
   constexpr std::string_view kFile = "file=\"";
-  constexpr std::uintmax_t kLargestSeries = 100'000'000;
+  constexpr std::uintmax_t kMaxSeries = 100'000'000;
   std::set<std::string> names;
   for (const char* series : {kSeries, kIncompleteSeries}) {
-    const Result<std::string> text = io::read_text(folder / series, kLargestSeries);
+    const Result<std::string> text = io::read_text(folder / series, kMaxSeries);
     for (std::size_t at = text ? text->find(kFile) : std::string::npos; at != std::string::npos;
          at = text->find(kFile, at)) {
       at += kFile.size();

@@ -25,7 +25,7 @@ Result<std::vector<bench::ConvergenceCase>> cases_of(const fs::path& plan_file,
   if (!ct || !fs::exists(*ct, error))
     return fail(ErrorCode::kFileNotFound,
                 fmt::format("plan {} has no scan, name it by --ct", plan_file.string()));
-  text.plan.contact.detection = contact::Detection::kSmooth;  // Its field serves all methods.
+  text.plan.contact.detection = contact::DetectionMethod::kSmooth;  // Its field serves all methods.
   if (job.element_size_mm) {
     predict::TissueOptions& tissue = text.plan.tissue;
     tissue.far_element_size_mm *= *job.element_size_mm / tissue.element_size_mm;
@@ -70,7 +70,7 @@ Result<std::vector<bench::ContactMethod>> choose_methods(const std::vector<std::
 Result<Summary> bench_convergence(const ConvergenceJob& job, Progress& progress) {
   bench::ConvergenceOptions options{.output = job.output};
   LEFORT_TRY(options.methods, choose_methods(job.methods));
-  const io::EmptyFolders none_left(job.output);
+  const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   std::vector<bench::ConvergenceCase> cases;
   if (job.synthetic) {

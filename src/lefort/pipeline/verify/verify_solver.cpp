@@ -17,19 +17,14 @@ nlohmann::json json_of(const verify::Check& check) {
   const auto number = [](double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
   };
-  const char* const asked = check.asked == verify::Asked::kNear      ? "near"
-                            : check.asked == verify::Asked::kAtLeast ? "at least"
-                                                                     : "at most";
-  return {{"name", check.name},
-          {"measured", number(check.measured)},
-          {"asked", asked},
-          {"expected", check.expected},
-          {"tolerance", check.tolerance},
-          {"unit", check.unit},
-          {"reason", check.reason},
-          {"note", check.note},
-          {"miss", check.miss},
-          {"passed", check.passed()}};
+  const char* const requested = check.comparison == verify::Comparison::kNear      ? "near"
+                                : check.comparison == verify::Comparison::kAtLeast ? "at least"
+                                                                                   : "at most";
+  return {{"name", check.name},           {"measured", number(check.measured)},
+          {"asked", requested},           {"expected", check.expected},
+          {"tolerance", check.tolerance}, {"unit", check.unit},
+          {"reason", check.reason},       {"note", check.note},
+          {"miss", check.known_failure},  {"passed", check.passed()}};
 }
 
 std::string command_of(const VerifyJob& job) {
@@ -41,9 +36,9 @@ constexpr const char* kReport = "verification.md";
 
 /// Refuses to put a part of the suite, or its short form, in the place of a whole report.
 Result<void> spare_full_report(const VerifyJob& job) {
-  constexpr std::uintmax_t kLargestReport = 100'000'000;
+  constexpr std::uintmax_t kMaxReport = 100'000'000;
   if (job.full && job.only.empty()) return {};
-  const Result<std::string> there = io::read_text(job.output / kReport, kLargestReport);
+  const Result<std::string> there = io::read_text(job.output / kReport, kMaxReport);
   constexpr const char* kWhole = "`lefort verify --full`";  // As command_of() tells it.
   if (!there || there->find(kWhole) == std::string::npos) return {};
   return fail(ErrorCode::kFileUnwritable,
@@ -77,7 +72,7 @@ Result<VerifySummary> verify_solver(const VerifyJob& job, Progress& progress) {
       ++count;
       checks.push_back(json_of(check));
       if (check.passed()) continue;
-      if (check.as_known()) {
+      if (check.is_acceptable()) {
         ++missed;
         continue;
       }

@@ -18,8 +18,8 @@ struct Canvas::Context {
 
 namespace {
 
-void set_source(cairo_t* cairo, const Rgb& colour, double opacity = 1.0) {
-  cairo_set_source_rgba(cairo, colour[0], colour[1], colour[2], opacity);
+void set_source(cairo_t* cairo, const Rgb& color, double opacity = 1.0) {
+  cairo_set_source_rgba(cairo, color[0], color[1], color[2], opacity);
 }
 
 /// The same strokes whatever the desktop prefers.
@@ -63,26 +63,26 @@ void Canvas::place(const Picture& picture, int left, int top) {
   cairo_surface_destroy(source);
 }
 
-void Canvas::fill(const Rectangle& area, const Rgb& colour) {
-  set_source(context_->cairo, colour);
+void Canvas::fill(const Rectangle& area, const Rgb& color) {
+  set_source(context_->cairo, color);
   cairo_rectangle(context_->cairo, area.left, area.top, area.width, area.height);
   cairo_fill(context_->cairo);
 }
 
-void Canvas::outline(const Rectangle& area, const Rgb& colour, double line_px) {
-  set_source(context_->cairo, colour);
+void Canvas::outline(const Rectangle& area, const Rgb& color, double line_px) {
+  set_source(context_->cairo, color);
   cairo_set_line_width(context_->cairo, line_px);
   cairo_rectangle(context_->cairo, area.left, area.top, area.width, area.height);
   cairo_stroke(context_->cairo);
 }
 
 void Canvas::strokes(std::span<const geometry::Segment2> lines, const Eigen::Vector2d& shift,
-                     const Rectangle& within, const Rgb& colour, double line_px) {
+                     const Rectangle& within, const Rgb& color, double line_px) {
   cairo_t* const cairo = context_->cairo;
   cairo_save(cairo);
   cairo_rectangle(cairo, within.left, within.top, within.width, within.height);
   cairo_clip(cairo);
-  set_source(cairo, colour);
+  set_source(cairo, color);
   cairo_set_line_width(cairo, line_px);
   cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
   constexpr std::size_t kTogether = 1000;  // A path of all would take cairo long.
@@ -109,14 +109,14 @@ void Canvas::write(double x, double y, std::string_view text, const TextStyle& s
   cairo_text_extents(cairo, plain.c_str(), &extents);
   const double shrink = std::min(1.0, max_width_px / std::max(extents.x_advance, 1e-9));
   const double shift = style.align == Align::kLeft     ? 0.0
-                       : style.align == Align::kCentre ? -0.5 * extents.x_advance
+                       : style.align == Align::kCenter ? -0.5 * extents.x_advance
                                                        : -extents.x_advance;
   cairo_save(cairo);
   cairo_translate(cairo, x, y);
   cairo_rotate(cairo, -style.angle_rad);
   cairo_scale(cairo, shrink, shrink);
   cairo_move_to(cairo, shift, 0.0);
-  set_source(cairo, style.colour, style.opacity);
+  set_source(cairo, style.color, style.opacity);
   cairo_show_text(cairo, plain.c_str());
   cairo_restore(cairo);
 }

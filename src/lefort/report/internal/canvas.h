@@ -4,7 +4,7 @@
 
 #include <lefort/core/error.h>
 #include <lefort/geometry/iso_lines.h>
-#include <lefort/report/colour_map.h>
+#include <lefort/report/color_map.h>
 #include <lefort/report/picture.h>
 
 #include <cstdint>
@@ -15,11 +15,11 @@
 
 namespace lefort::report {
 
-enum class Align { kLeft, kCentre, kRight };
+enum class Align { kLeft, kCenter, kRight };
 
 struct TextStyle {
   double size_px = 16.0;
-  Rgb colour{0.13, 0.15, 0.18};
+  Rgb color{0.13, 0.15, 0.18};
   double opacity = 1.0;
   Align align = Align::kLeft;
   bool bold = false;
@@ -44,12 +44,12 @@ class Canvas {
 
   /// \pre check_picture(picture)
   void place(const Picture& picture, int left, int top);
-  void fill(const Rectangle& area, const Rgb& colour);
-  void outline(const Rectangle& area, const Rgb& colour, double line_px);
+  void fill(const Rectangle& area, const Rgb& color);
+  void outline(const Rectangle& area, const Rgb& color, double line_px);
 
   /// Straight lines with round ends, moved by `shift`; what lies beyond `within` is cut off.
   void strokes(std::span<const geometry::Segment2> lines, const Eigen::Vector2d& shift,
-               const Rectangle& within, const Rgb& colour, double line_px);
+               const Rectangle& within, const Rgb& color, double line_px);
 
   /// One line of text on the baseline `y`, from, around or up to `x`; made smaller when it is wider
   /// than `max_width_px`.

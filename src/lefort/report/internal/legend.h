@@ -1,5 +1,5 @@
 /// \file
-/// What explains a picture: a bar of colours, a bar of a known length.
+/// What explains a picture: a bar of colors, a bar of a known length.
 #pragma once
 
 #include <lefort/report/annotate.h>
@@ -13,8 +13,8 @@ inline constexpr Rgb kPaper{1.0, 1.0, 1.0};
 /// The height of ordinary letters; all other lengths are told in it (em).
 [[nodiscard]] double letter_px(int picture_width);
 
-/// The colours of a scale in a bar at `place`, its title above, round numbers below.
-void write_colour_bar(Canvas& canvas, const Rectangle& place, const ColourBar& what, double em);
+/// The colors of a scale in a bar at `place`, its title above, round numbers below.
+void write_color_bar(Canvas& canvas, const Rectangle& place, const ColorBar& what, double em);
 
 /// A bar of a round length, its right end at `right`.
 void write_scale(Canvas& canvas, double right, double middle, double mm_per_pixel, int width,

@@ -11,9 +11,9 @@ namespace lefort::report {
 
 namespace {
 
-constexpr int kSkySamples = 32;
-constexpr int kLampSamples = 12;
-constexpr double kLampRadius = 0.16;  ///< Tangent of the angle; 9 degrees: a soft box.
+constexpr int kAmbientSamples = 32;
+constexpr int kKeyLightSamples = 12;
+constexpr double kKeyLightRadius = 0.16;  ///< Tangent of the angle; 9 degrees: a soft box.
 constexpr int kSmoothings = 3;
 constexpr Index kSlice = 8192;  ///< Vertices between two questions whether to stop.
 
@@ -42,7 +42,7 @@ double lift_mm(const geometry::TriangleMesh& mesh) {
   return std::min(0.5, 0.5 * sum_mm / double(mesh.triangle_count()));
 }
 
-/// Each vertex becomes the mean of itself and its neighbours.
+/// Each vertex becomes the mean of itself and its neighbors.
 void smooth(std::vector<float>& values, const geometry::TriangleMesh& mesh) {
   std::vector<float> sums(values);
   std::vector<float> weights(values.size(), 1.0F);
@@ -57,23 +57,23 @@ void smooth(std::vector<float>& values, const geometry::TriangleMesh& mesh) {
   for (std::size_t v = 0; v < values.size(); ++v) values[v] = sums[v] / weights[v];
 }
 
-/// share(v) for each vertex with a normal, 1 for the others; smoothed.
-template <class Share>
-Result<std::vector<float>> share_per_vertex(const geometry::TriangleMesh& mesh,
-                                            const std::vector<Vec3>& normals_L, const Share& share,
-                                            Progress& progress) {
-  std::vector<float> shares(normals_L.size(), 1.0F);
+/// fraction(v) for each vertex with a normal, 1 for the others; smoothed.
+template <class Fraction>
+Result<std::vector<float>> fraction_per_vertex(const geometry::TriangleMesh& mesh,
+                                               const std::vector<Vec3>& normals_L,
+                                               const Fraction& fraction, Progress& progress) {
+  std::vector<float> fractions(normals_L.size(), 1.0F);
   const Index count = mesh.vertex_count();
   for (Index begin = 0; begin < count; begin += kSlice) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "drawing was stopped");
     progress.report(double(begin) / double(count));
     parallel_for(std::min(kSlice, count - begin), [&](Index offset) {
       const Index v = begin + offset;
-      if (!normals_L[std::size_t(v)].isZero()) shares[std::size_t(v)] = float(share(v));
+      if (!normals_L[std::size_t(v)].isZero()) fractions[std::size_t(v)] = float(fraction(v));
     });
   }
-  for (int n = 0; n < kSmoothings; ++n) smooth(shares, mesh);
-  return shares;
+  for (int n = 0; n < kSmoothings; ++n) smooth(fractions, mesh);
+  return fractions;
 }
 
 }  // namespace
@@ -93,51 +93,52 @@ std::vector<Vec3> vertex_normals(const geometry::TriangleMesh& mesh_L) {
   return normals_L;
 }
 
-Result<std::vector<float>> open_sky(const geometry::TriangleMesh& mesh_L,
-                                    const std::vector<Vec3>& normals_L, const RayScene& obstacles,
-                                    double reach_mm, Progress& progress) {
+Result<std::vector<float>> ambient_occlusion(const geometry::TriangleMesh& mesh_L,
+                                             const std::vector<Vec3>& normals_L,
+                                             const RayScene& obstacles, double reach_mm,
+                                             Progress& progress) {
   const double lift = lift_mm(mesh_L);
-  const auto share = [&](Index v) {
+  const auto fraction = [&](Index v) {
     const Vec3& normal_L = normals_L[std::size_t(v)];
     const Vec3 origin_L = mesh_L.vertices[std::size_t(v)] + lift * normal_L;
     const Vec3 side_L = normal_L.unitOrthogonal();
     const Vec3 other_L = normal_L.cross(side_L);
     const double turn = turn_of(v);
     int open = 0;
-    for (int k = 0; k < kSkySamples; ++k) {
+    for (int k = 0; k < kAmbientSamples; ++k) {
       // A disc lifted to the hemisphere gives cosine-weighted directions (Malley).
-      const Eigen::Vector2d flat = disc_point(k, kSkySamples, turn);
+      const Eigen::Vector2d flat = disc_point(k, kAmbientSamples, turn);
       const Vec3 direction_L =
           flat.x() * side_L + flat.y() * other_L + std::sqrt(1.0 - flat.squaredNorm()) * normal_L;
       open += obstacles.blocked(origin_L, direction_L, reach_mm) ? 0 : 1;
     }
-    return double(open) / kSkySamples;
+    return double(open) / kAmbientSamples;
   };
-  return share_per_vertex(mesh_L, normals_L, share, progress);
+  return fraction_per_vertex(mesh_L, normals_L, fraction, progress);
 }
 
-Result<std::vector<float>> visible_lamp(const geometry::TriangleMesh& mesh_L,
-                                        const std::vector<Vec3>& normals_L,
-                                        const RayScene& obstacles, const Vec3& lamp_L,
-                                        Progress& progress) {
+Result<std::vector<float>> soft_shadow(const geometry::TriangleMesh& mesh_L,
+                                       const std::vector<Vec3>& normals_L,
+                                       const RayScene& obstacles, const Vec3& key_light_L,
+                                       Progress& progress) {
   const double lift = lift_mm(mesh_L);
-  const Vec3 side_L = lamp_L.unitOrthogonal();
-  const Vec3 other_L = lamp_L.cross(side_L);
-  const auto share = [&](Index v) {
+  const Vec3 side_L = key_light_L.unitOrthogonal();
+  const Vec3 other_L = key_light_L.cross(side_L);
+  const auto fraction = [&](Index v) {
     const Vec3& normal_L = normals_L[std::size_t(v)];
-    if (normal_L.dot(lamp_L) < -kLampRadius) return 0.0;  // The lamp is below the horizon.
+    if (normal_L.dot(key_light_L) < -kKeyLightRadius) return 0.0;  // The lamp is below the horizon.
     const Vec3 origin_L = mesh_L.vertices[std::size_t(v)] + lift * normal_L;
     const double turn = turn_of(v);
     int open = 0;
-    for (int k = 0; k < kLampSamples; ++k) {
-      const Eigen::Vector2d flat = kLampRadius * disc_point(k, kLampSamples, turn);
-      const Vec3 direction_L = (lamp_L + flat.x() * side_L + flat.y() * other_L).normalized();
+    for (int k = 0; k < kKeyLightSamples; ++k) {
+      const Eigen::Vector2d flat = kKeyLightRadius * disc_point(k, kKeyLightSamples, turn);
+      const Vec3 direction_L = (key_light_L + flat.x() * side_L + flat.y() * other_L).normalized();
       open +=
           obstacles.blocked(origin_L, direction_L, std::numeric_limits<double>::infinity()) ? 0 : 1;
     }
-    return double(open) / kLampSamples;
+    return double(open) / kKeyLightSamples;
   };
-  return share_per_vertex(mesh_L, normals_L, share, progress);
+  return fraction_per_vertex(mesh_L, normals_L, fraction, progress);
 }
 
 }  // namespace lefort::report

@@ -22,16 +22,17 @@ namespace lefort::report {
 
 /// The share of the sky over each vertex that nothing within `reach_mm` hides, cosine-weighted
 /// (ambient occlusion), 0 to 1. kCancelled.
-[[nodiscard]] Result<std::vector<float>> open_sky(const geometry::TriangleMesh& mesh_L,
-                                                  const std::vector<Vec3>& normals_L,
-                                                  const RayScene& obstacles, double reach_mm,
-                                                  Progress& progress);
+[[nodiscard]] Result<std::vector<float>> ambient_occlusion(const geometry::TriangleMesh& mesh_L,
+                                                           const std::vector<Vec3>& normals_L,
+                                                           const RayScene& obstacles,
+                                                           double reach_mm, Progress& progress);
 
-/// The share of a round soft lamp in direction `lamp_L` (unit length) that each vertex sees, 0 to
+/// The share of a round soft lamp in direction `key_light_L` (unit length) that each vertex sees, 0
+/// to
 /// 1. kCancelled.
-[[nodiscard]] Result<std::vector<float>> visible_lamp(const geometry::TriangleMesh& mesh_L,
-                                                      const std::vector<Vec3>& normals_L,
-                                                      const RayScene& obstacles, const Vec3& lamp_L,
-                                                      Progress& progress);
+[[nodiscard]] Result<std::vector<float>> soft_shadow(const geometry::TriangleMesh& mesh_L,
+                                                     const std::vector<Vec3>& normals_L,
+                                                     const RayScene& obstacles,
+                                                     const Vec3& key_light_L, Progress& progress);
 
 }  // namespace lefort::report

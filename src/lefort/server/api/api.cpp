@@ -81,7 +81,7 @@ Result<void> Api::begin_with_example() {
   return {};
 }
 
-Reply Api::handle(const Request& request) {
+Response Api::handle(const Request& request) {
   LEFORT_CHECK(request.path.starts_with(kApiPrefix));
   const std::string_view path = std::string_view(request.path).substr(kApiPrefix.size());
   bool is_other_method = false;
@@ -93,8 +93,8 @@ Reply Api::handle(const Request& request) {
       is_other_method = true;
     }
   if (is_other_method)
-    return refusal(405, "not_allowed", "this cannot be done with what is there", "method");
-  return refusal(404, "not_found", "there is nothing of that name", "path");
+    return error_response(405, "not_allowed", "this cannot be done with what is there", "method");
+  return error_response(404, "not_found", "there is nothing of that name", "path");
 }
 
 }  // namespace lefort::server

@@ -3,7 +3,7 @@
 /// knows no socket; http_server.h brings the requests.
 #pragma once
 
-#include <lefort/server/api/exchange.h>
+#include <lefort/server/api/message.h>
 #include <lefort/server/case/case_folder.h>
 #include <lefort/server/case/event_log.h>
 #include <lefort/server/case/uploads.h>
@@ -31,7 +31,7 @@ class Api {
   Api& operator=(const Api&) = delete;
 
   /// \pre request.path begins with kApiPrefix.
-  [[nodiscard]] Reply handle(const Request& request);
+  [[nodiscard]] Response handle(const Request& request);
 
   [[nodiscard]] const std::filesystem::path& folder() const;
 

@@ -1,5 +1,5 @@
 #include <lefort/core/check.h>
-#include <lefort/io/check_json.h>
+#include <lefort/io/validate_json.h>
 #include <lefort/server/api/contract.h>
 #include <lefort/server/api/contract_text.h>
 
@@ -16,7 +16,7 @@ Result<nlohmann::json> parse_by_contract(std::string_view text, const std::strin
   // References stay what they are: from the root of the document.
   const nlohmann::json whole{{"$ref", "#/components/schemas/" + schema},
                              {"components", {{"schemas", schemas}}}};
-  LEFORT_TRY_VOID(io::check_json(text, whole.dump(), "the body"));
+  LEFORT_TRY_VOID(io::validate_json(text, whole.dump(), "the body"));
   return nlohmann::json::parse(text);
 }
 

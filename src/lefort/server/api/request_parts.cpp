@@ -9,29 +9,29 @@
 
 namespace lefort::server {
 
-Reply empty_reply() {
-  Reply reply;
+Response empty_reply() {
+  Response reply;
   reply.status = 204;
   return reply;
 }
 
-Reply with_etag(Reply reply, const std::optional<std::string>& etag) {
+Response with_etag(Response reply, const std::optional<std::string>& etag) {
   if (etag) reply.headers.emplace_back("ETag", *etag);
   return reply;
 }
 
-bool is_known(const Request& request, const std::optional<std::string>& etag) {
+bool is_not_modified(const Request& request, const std::optional<std::string>& etag) {
   return etag && request.header_or_empty("if-none-match") == *etag;
 }
 
-Reply not_modified(const std::optional<std::string>& etag) {
-  Reply reply;
+Response not_modified(const std::optional<std::string>& etag) {
+  Response reply;
   reply.status = 304;
   return with_etag(std::move(reply), etag);
 }
 
-Reply not_there(std::string_view what) {
-  return refusal(404, "not_found", fmt::format("{}", what));
+Response not_found(std::string_view what) {
+  return error_response(404, "not_found", fmt::format("{}", what));
 }
 
 std::optional<int> number_of(std::string_view text, int lowest, int highest) {
@@ -52,14 +52,15 @@ Result<int> query_number(const Request& request, const std::string& name, int ot
               fmt::format("{} must be a whole number from {} to {}", name, lowest, highest));
 }
 
-Body read_body(const Request& request, std::uint64_t most_bytes, std::string_view type) {
+Body read_body(const Request& request, std::uint64_t max_bytes, std::string_view type) {
   const std::string& sent = request.header_or_empty("content-type");
   if (sent.substr(0, sent.find(';')) != type)
+    return {std::nullopt, error_response(415, "wrong_type",
+                                         fmt::format("the body must be {}", type), "Content-Type")};
+  if (request.content_length > max_bytes)
     return {std::nullopt,
-            refusal(415, "wrong_type", fmt::format("the body must be {}", type), "Content-Type")};
-  if (request.content_length > most_bytes)
-    return {std::nullopt, refusal(413, "too_large",
-                                  fmt::format("the body must have at most {} bytes", most_bytes))};
+            error_response(413, "too_large",
+                           fmt::format("the body must have at most {} bytes", max_bytes))};
   std::string text;
   const bool is_whole = request.read_body && request.read_body([&](std::string_view piece) {
     if (text.size() + piece.size() > request.content_length) return false;
@@ -67,26 +68,28 @@ Body read_body(const Request& request, std::uint64_t most_bytes, std::string_vie
     return true;
   });
   if (!is_whole || text.size() != request.content_length)
-    return {std::nullopt, refusal(400, "bad_request", "the body did not arrive whole")};
+    return {std::nullopt, error_response(400, "bad_request", "the body did not arrive whole")};
   return {std::move(text), {}};
 }
 
 JsonBody read_json(const Request& request, const std::string& schema) {
-  Body body = read_body(request, kLargestBody, "application/json");
+  Body body = read_body(request, kMaxBody, "application/json");
   if (!body.text) return {std::nullopt, {}, std::move(body.refused)};
   auto value = parse_by_contract(*body.text, schema);
-  if (!value) return {std::nullopt, {}, refusal(value.error(), "body")};
+  if (!value) return {std::nullopt, {}, error_response(value.error(), "body")};
   return {*std::move(value), *std::move(body.text), {}};
 }
 
-std::optional<Reply> check_precondition(const Request& request,
-                                        const std::optional<std::string>& etag) {
+std::optional<Response> check_precondition(const Request& request,
+                                           const std::optional<std::string>& etag) {
   const std::string& sent = request.header_or_empty("if-match");
   if (sent.empty())
-    return refusal(428, "no_precondition", "If-Match must say what this replaces", "If-Match");
+    return error_response(428, "no_precondition", "If-Match must say what this replaces",
+                          "If-Match");
   if (sent == "*" || sent == etag) return std::nullopt;
   return with_etag(
-      refusal(412, "stale", "another page has changed this since: fetch it again", "If-Match"),
+      error_response(412, "stale", "another page has changed this since: fetch it again",
+                     "If-Match"),
       etag);
 }
 

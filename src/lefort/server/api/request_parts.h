@@ -2,7 +2,7 @@
 /// What routes ask of a request before they work: its numbers, its body, what it knows already.
 #pragma once
 
-#include <lefort/server/api/exchange.h>
+#include <lefort/server/api/message.h>
 
 #include <nlohmann/json.hpp>
 
@@ -13,19 +13,19 @@
 
 namespace lefort::server {
 
-inline constexpr std::uint64_t kLargestBody = 4 << 20;  ///< Bytes of JSON, as the contract says.
+inline constexpr std::uint64_t kMaxBody = 4 << 20;  ///< Bytes of JSON, as the contract says.
 
-[[nodiscard]] Reply empty_reply();
-[[nodiscard]] Reply not_modified(const std::optional<std::string>& etag);
-[[nodiscard]] Reply not_there(std::string_view what);
-[[nodiscard]] Reply with_etag(Reply reply, const std::optional<std::string>& etag);
+[[nodiscard]] Response empty_reply();
+[[nodiscard]] Response not_modified(const std::optional<std::string>& etag);
+[[nodiscard]] Response not_found(std::string_view what);
+[[nodiscard]] Response with_etag(Response reply, const std::optional<std::string>& etag);
 
 /// Whether the client has it already.
-[[nodiscard]] bool is_known(const Request& request, const std::optional<std::string>& etag);
+[[nodiscard]] bool is_not_modified(const Request& request, const std::optional<std::string>& etag);
 
 /// Nothing if the client knows what it replaces; else why it is refused.
-[[nodiscard]] std::optional<Reply> check_precondition(const Request& request,
-                                                      const std::optional<std::string>& etag);
+[[nodiscard]] std::optional<Response> check_precondition(const Request& request,
+                                                         const std::optional<std::string>& etag);
 
 /// A whole number in decimal digits within bounds.
 [[nodiscard]] std::optional<int> number_of(std::string_view text, int lowest, int highest);
@@ -37,16 +37,16 @@ inline constexpr std::uint64_t kLargestBody = 4 << 20;  ///< Bytes of JSON, as t
 /// A body, or why it is refused.
 struct Body {
   std::optional<std::string> text;
-  Reply refused;
+  Response refused;
 };
-[[nodiscard]] Body read_body(const Request& request, std::uint64_t most_bytes,
+[[nodiscard]] Body read_body(const Request& request, std::uint64_t max_bytes,
                              std::string_view type);
 
 /// A body that fits a schema of the contract, or why it is refused.
 struct JsonBody {
   std::optional<nlohmann::json> value;
   std::string text;
-  Reply refused;
+  Response refused;
 };
 [[nodiscard]] JsonBody read_json(const Request& request, const std::string& schema);
 

@@ -3,7 +3,7 @@
 /// tells the group's table.
 #pragma once
 
-#include <lefort/server/api/exchange.h>
+#include <lefort/server/api/message.h>
 
 #include <span>
 #include <string>
@@ -19,7 +19,7 @@ using PathValues = std::vector<std::string>;
 
 struct Route {
   std::string_view method, path;  ///< As in the contract: "GET", "/jobs/{job}".
-  Reply (*handle)(ServedCase& served, const Request& request, const PathValues& values);
+  Response (*handle)(ServedCase& served, const Request& request, const PathValues& values);
 };
 
 [[nodiscard]] std::span<const Route> case_routes();        ///< What there is, and how it stands.

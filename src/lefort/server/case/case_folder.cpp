@@ -50,7 +50,7 @@ json cutting_part(const json& plan) {
 std::string plan_mismatch(const json& inputs, const CaseFolder& folder) {
   const auto now = folder.fingerprint(folder.plan());
   if (!now) return "the plan is gone";
-  const auto text = io::read_text(folder.plan(), kLargestDocument);
+  const auto text = io::read_text(folder.plan(), kMaxDocument);
   if (!text || member(inputs, "plan_sha256") != io::Sha256().add(*text).hex())
     return "the plan was changed since";
   for (const json& file : member(inputs, "plan_files")) {
@@ -79,7 +79,7 @@ bool there_is(const fs::path& file) {
 }
 
 json read_object(const fs::path& file) {
-  const auto text = io::read_text(file, kLargestDocument);
+  const auto text = io::read_text(file, kMaxDocument);
   json object = text ? json::parse(*text, nullptr, false) : json();
   return object.is_object() ? object : json::object();
 }
@@ -166,14 +166,14 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
     inputs["prediction"] = *prediction_sha256;
     return inputs;
   }
-  const auto text = io::read_text(plan(), kLargestDocument);
+  const auto text = io::read_text(plan(), kMaxDocument);
   if (!text) return std::nullopt;
   const json plan_json = json::parse(*text, nullptr, false);
   if (!check_files_of_plan(*text)) return std::nullopt;
   if (stage == "cut" || stage == "preview") {
     io::Sha256 sum;
     sum.add(cutting_part(plan_json).dump());
-    for (const std::string& name : io::named_files(*text))
+    for (const std::string& name : io::file_catalog(*text))
       if (name != kBoundaryFile) sum.add(name).add(fingerprint(root_ / name).value_or(""));
     inputs["cut"] = sum.hex();
   }
@@ -186,7 +186,7 @@ std::optional<CaseFolder::Inputs> CaseFolder::inputs_of(std::string_view stage) 
   return inputs;
 }
 
-Result<void> CaseFolder::remember(std::string_view stage, const Inputs& inputs) {
+Result<void> CaseFolder::record_inputs(std::string_view stage, const Inputs& inputs) {
   json all = read_object(root_ / "stages.json");
   all[std::string(stage)] = inputs;
   return io::write_text(root_ / "stages.json", all.dump(1) + "\n");
@@ -224,8 +224,8 @@ json CaseFolder::stage(std::string_view stage) const {
   if (stage == "scan" || stage == "landmarks" || stage == "plan" || stage == "boundary")
     return state("fresh", "", tag);
 
-  const json remembered = read_object(root_ / "stages.json");
-  if (const json& then = member(remembered, std::string(stage).c_str()); then.is_object()) {
+  const json recorded_inputs = read_object(root_ / "stages.json");
+  if (const json& then = member(recorded_inputs, std::string(stage).c_str()); then.is_object()) {
     const auto now = inputs_of(stage);
     if (!now) return state("stale", "what it was made of is gone", tag);
     for (const auto& [input, sha256] : *now)
@@ -261,7 +261,7 @@ Result<void> check_files_of_plan(const std::string& text) {
   }
   std::vector<std::string> names;
   try {
-    names = io::named_files(plan.dump());
+    names = io::file_catalog(plan.dump());
   } catch (const json::exception&) {
     return fail(ErrorCode::kPlanInvalid, "the plan breaks its schema");
   }

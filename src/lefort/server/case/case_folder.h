@@ -66,7 +66,7 @@ class CaseFolder {
   [[nodiscard]] std::optional<Inputs> inputs_of(std::string_view stage) const;
 
   /// Remembers of what a stage was made.
-  [[nodiscard]] Result<void> remember(std::string_view stage, const Inputs& inputs);
+  [[nodiscard]] Result<void> record_inputs(std::string_view stage, const Inputs& inputs);
 
   /// Removes the documents by which a stage is known to be made, so that none of an earlier job
   /// passes for one of the inputs that are remembered next.
@@ -97,7 +97,7 @@ class CaseFolder {
 };
 
 /// Bytes of a document of ours that is read; prediction.json is some MB.
-inline constexpr std::uintmax_t kLargestDocument = 256 << 20;
+inline constexpr std::uintmax_t kMaxDocument = 256 << 20;
 
 /// Whether there is a regular file of that name.
 [[nodiscard]] bool there_is(const std::filesystem::path& file);

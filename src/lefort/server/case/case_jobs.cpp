@@ -7,7 +7,7 @@
 #include <lefort/pipeline/segment.h>
 #include <lefort/server/api/contract_text.h>
 #include <lefort/server/case/case_jobs.h>
-#include <lefort/server/case/iterate_batches.h>
+#include <lefort/server/case/event_batcher.h>
 
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ using nlohmann::json;
 using Doer = Result<JobOutcome> (*)(const JobContext&, const JobRecord&, Progress&);
 
 /// Without where the files are, which is none of a page's business.
-JobOutcome told(const pipeline::Summary& summary) {
+JobOutcome reported(const pipeline::Summary& summary) {
   JobOutcome outcome{summary.text, summary.json};
   outcome.result.erase("output");
   return outcome;
@@ -81,7 +81,7 @@ Result<JobOutcome> import_job(const JobContext& context, const JobRecord& job, P
   if (is_example && !fs::exists(folder.landmarks(), error))
     LEFORT_TRY_VOID(io::write_text(folder.landmarks(), kExampleLandmarks));
   if (!is_example) static_cast<void>(context.uploads.remove(upload));
-  return told(summary);
+  return reported(summary);
 }
 
 Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
@@ -103,8 +103,8 @@ Result<JobOutcome> segment_job(const JobContext& context, const JobRecord& job,
   }
   LEFORT_TRY(const pipeline::Summary summary, pipeline::segment_scan(segment, progress));
   if (const auto inputs = folder.inputs_of("anatomy"))
-    LEFORT_TRY_VOID(folder.remember("anatomy", *inputs));
-  return told(summary);
+    LEFORT_TRY_VOID(folder.record_inputs("anatomy", *inputs));
+  return reported(summary);
 }
 
 /// Runs `work` and remembers of what the stage is made. `work` may fail before it removes earlier
@@ -114,14 +114,14 @@ Result<JobOutcome> as_stage(CaseFolder& folder, std::string_view stage, const Wo
   LEFORT_TRY_VOID(check_plan(folder));
   LEFORT_TRY_VOID(folder.forget_result(stage));
   auto inputs = folder.inputs_of(stage);
-  if (inputs) LEFORT_TRY_VOID(folder.remember(stage, *inputs));
+  if (inputs) LEFORT_TRY_VOID(folder.record_inputs(stage, *inputs));
   Result<JobOutcome> outcome = work();
   if (const auto now = folder.inputs_of(stage); inputs && now != inputs) {
     // What was changed meanwhile may or may not have been read: it fits nothing, not even if it is
     // changed back.
     for (auto& [name, sha256] : *inputs)
       if (!now || now->at(name) != sha256) sha256.clear();
-    LEFORT_TRY_VOID(folder.remember(stage, *inputs));
+    LEFORT_TRY_VOID(folder.record_inputs(stage, *inputs));
   }
   return outcome;
 }
@@ -132,7 +132,7 @@ Result<JobOutcome> cut_job(const JobContext& context, const JobRecord&, Progress
     LEFORT_TRY(
         const pipeline::Summary summary,
         pipeline::cut_plan({folder.plan(), folder.ct(), folder.cache(), folder.cut()}, progress));
-    return told(summary);
+    return reported(summary);
   });
 }
 
@@ -147,7 +147,7 @@ Result<JobOutcome> check_job(const JobContext& context, const JobRecord&, Progre
                                  .limits = {},
                                  .pictures = false};
     LEFORT_TRY(const pipeline::PlanCheckSummary found, pipeline::check_plan_file(check, progress));
-    JobOutcome outcome = told(found.summary);
+    JobOutcome outcome = reported(found.summary);
     outcome.has_findings = found.has_findings;
     return outcome;
   });
@@ -160,34 +160,34 @@ Result<JobOutcome> preview_job(const JobContext& context, const JobRecord&, Prog
                pipeline::prepare_preview({folder.plan(), folder.ct(), folder.cache(),
                                           folder.anatomy() / "skin.vtp", folder.preview()},
                                          progress));
-    return told(summary);
+    return reported(summary);
   });
 }
 
 /// Which step of the path a share of it lies in, from 1.
-int step_of(double share, int steps) {
+int step_of(double path_fraction, int steps) {
   constexpr double kSame = 1e-9;  // Shares: a keyframe at 0.3333333333 is the end of step 1 of 3.
-  return std::clamp(int(std::ceil(share * steps - kSame)), 1, steps);
+  return std::clamp(int(std::ceil(path_fraction * steps - kSame)), 1, steps);
 }
 
 json iterate_json(const predict::PredictionIterate& at, int steps) {
   const fem::NewtonIterate& line = at.line;
-  return {
-      {"step", step_of(at.to_share, steps)},
-      {"to_share", at.to_share},
-      {"attempt", at.attempt},
-      {"iteration", at.iteration},
-      {"residual_n", line.residual_n},
-      {"relative_residual", line.force_scale_n > 0.0 ? line.residual_n / line.force_scale_n : 0.0},
-      {"contacts", line.contacts},
-      {"deepest_mm", at.deepest_mm}};
+  return {{"step", step_of(at.to_fraction, steps)},
+          {"to_share", at.to_fraction},
+          {"attempt", at.attempt},
+          {"iteration", at.iteration},
+          {"residual_n", line.residual_n},
+          {"relative_residual",
+           line.residual_reference_n > 0.0 ? line.residual_n / line.residual_reference_n : 0.0},
+          {"contacts", line.contacts},
+          {"deepest_mm", at.deepest_mm}};
 }
 
 json step_json(int job, const predict::PredictionStep& step, int steps) {
   return {{"job", job},
-          {"step", step_of(step.share, steps)},
+          {"step", step_of(step.path_fraction, steps)},
           {"steps", steps},
-          {"share", step.share},
+          {"share", step.path_fraction},
           {"newton_iterations", step.newton_iterations()},
           {"relative_residual", step.relative_residual},
           {"contact_nodes", step.contact().nodes},
@@ -201,7 +201,7 @@ Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
   return as_stage(folder, "prediction", [&]() -> Result<JobOutcome> {
     context.history.begin(job.id);
     // First into the history: who hears of something finds it there.
-    IterateBatches iterates([&](json batch) {
+    EventBatcher iterates([&](json batch) {
       const std::size_t from = context.history.add_iterates(batch);
       context.events.publish("newton",
                              {{"job", job.id}, {"from", from}, {"iterates", std::move(batch)}});
@@ -214,9 +214,9 @@ Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,
         .on_step =
             [&](const predict::PredictionStep& step, int steps) {
               iterates.flush();
-              const json told = step_json(job.id, step, steps);
-              context.history.add_step(told);
-              context.events.publish("step", told);
+              const json reported = step_json(job.id, step, steps);
+              context.history.add_step(reported);
+              context.events.publish("step", reported);
             },
         .on_iterate = [&](const predict::PredictionIterate& at,
                           int steps) { iterates.add(iterate_json(at, steps)); }};
@@ -254,9 +254,9 @@ Result<JobOutcome> compare_job(const JobContext& context, const JobRecord& job,
   (is_surface(*other) ? compare.other : compare.after_ct) = *other;
   if (there_is(folder.landmarks())) compare.landmarks = folder.landmarks();
   LEFORT_TRY(const pipeline::Summary summary, pipeline::compare_faces(compare, progress));
-  if (inputs) LEFORT_TRY_VOID(folder.remember("comparison", *inputs));
+  if (inputs) LEFORT_TRY_VOID(folder.record_inputs("comparison", *inputs));
   static_cast<void>(context.uploads.remove(upload));
-  return told(summary);
+  return reported(summary);
 }
 
 struct Kind {

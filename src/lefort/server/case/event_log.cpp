@@ -8,8 +8,8 @@
 namespace lefort::server {
 namespace {
 
-constexpr std::size_t kMostEvents = 4000;  // A real case's solve has some 500.
-constexpr std::size_t kMostBytes = 4 << 20;
+constexpr std::size_t kMaxEvents = 4000;  // A real case's solve has some 500.
+constexpr std::size_t kMaxBytes = 4 << 20;
 
 }  // namespace
 
@@ -21,7 +21,7 @@ void EventLog::publish(std::string_view type, const nlohmann::json& data) {
   ++last_;
   texts_.push_back(fmt::format("id: {}.{}\nevent: {}\ndata: {}\n\n", start_, last_, type, text));
   bytes_ += texts_.back().size();
-  while (texts_.size() > kMostEvents || (bytes_ > kMostBytes && texts_.size() > 1)) {
+  while (texts_.size() > kMaxEvents || (bytes_ > kMaxBytes && texts_.size() > 1)) {
     bytes_ -= texts_.front().size();
     texts_.pop_front();
   }

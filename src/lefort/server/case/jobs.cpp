@@ -18,12 +18,12 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostLines = 200;  // As the contract says.
-constexpr std::size_t kMostWaiting = 8;
-constexpr std::size_t kMostKept = 100;               // Records on disk; the oldest go.
-constexpr std::size_t kLongestLine = 2000;           // Characters.
-constexpr std::uintmax_t kLargestRecord = 64 << 20;  // Bytes.
-constexpr auto kTellEvery = std::chrono::milliseconds(100);
+constexpr std::size_t kMaxLines = 200;  // As the contract says.
+constexpr std::size_t kMaxQueued = 8;
+constexpr std::size_t kMaxKept = 100;            // Records on disk; the oldest go.
+constexpr std::size_t kLongestLine = 2000;       // Characters.
+constexpr std::uintmax_t kMaxRecord = 64 << 20;  // Bytes.
+constexpr auto kReportEvery = std::chrono::milliseconds(100);
 
 std::string utc_now() {
   return fmt::format(
@@ -32,7 +32,7 @@ std::string utc_now() {
 }
 
 std::optional<JobRecord> read_record(const fs::path& file) {
-  const auto text = io::read_text(file, kLargestRecord);
+  const auto text = io::read_text(file, kMaxRecord);
   if (!text) return std::nullopt;
   const json stored = json::parse(*text, nullptr, false);
   if (!stored.is_object()) return std::nullopt;
@@ -84,12 +84,12 @@ class Jobs::Listener final : public Progress {
       job.stage = name;
       job.fraction = 0.0;
     });
-    told_ = {};  // How far the stage is at its beginning is news.
+    last_report_ = {};  // How far the stage is at its beginning is news.
   }
   void report(double fraction) override {
     const auto now = Clock::now();
-    if (now - told_ < kTellEvery) return;
-    told_ = now;
+    if (now - last_report_ < kReportEvery) return;
+    last_report_ = now;
     change([&](JobRecord& job) { job.fraction = std::clamp(fraction, 0.0, 1.0); });
   }
   void note(std::string_view sentence) override {
@@ -97,7 +97,7 @@ class Jobs::Listener final : public Progress {
     change(
         [&](JobRecord& job) {
           job.lines.push_back(line);
-          if (job.lines.size() > kMostLines) job.lines.pop_front();
+          if (job.lines.size() > kMaxLines) job.lines.pop_front();
         },
         line);
   }
@@ -109,12 +109,12 @@ class Jobs::Listener final : public Progress {
     const std::scoped_lock lock(jobs_.mutex_);
     JobRecord& job = jobs_.jobs_.at(id_);
     change_job(job);
-    jobs_.tell(job, line);
+    jobs_.notify(job, line);
   }
 
   Jobs& jobs_;
   int id_;
-  Clock::time_point told_{};
+  Clock::time_point last_report_{};
 };
 
 Jobs::Jobs(fs::path folder, EventLog& events, Work work, Changed changed)
@@ -144,7 +144,7 @@ Result<JobRecord> Jobs::submit(std::string kind, json parameters) {
   JobRecord job;
   {
     const std::scoped_lock lock(mutex_);
-    if (queue_.size() >= kMostWaiting)
+    if (queue_.size() >= kMaxQueued)
       return fail(ErrorCode::kInvalidArgument,
                   fmt::format("{} jobs wait already, no more are taken", queue_.size()));
     job.id = jobs_.empty() ? 1 : jobs_.rbegin()->first + 1;
@@ -152,7 +152,7 @@ Result<JobRecord> Jobs::submit(std::string kind, json parameters) {
     job.parameters = std::move(parameters);
     job.state = "queued";
     job.created = utc_now();
-    while (jobs_.size() >= kMostKept && jobs_.begin()->second.is_over()) {
+    while (jobs_.size() >= kMaxKept && jobs_.begin()->second.is_over()) {
       std::error_code error;
       fs::remove(folder_ / fmt::format("{}.json", jobs_.begin()->first), error);
       jobs_.erase(jobs_.begin());
@@ -160,7 +160,7 @@ Result<JobRecord> Jobs::submit(std::string kind, json parameters) {
     jobs_.emplace(job.id, job);
     queue_.push_back(job.id);
     keep(job);
-    tell(job);
+    notify(job);
   }
   wake_.notify_all();
   changed_();
@@ -207,7 +207,7 @@ std::optional<JobRecord> Jobs::cancel(int id) {
       job.message = "cancelled before it began";
       job.ended = utc_now();
       keep(job);
-      tell(job);
+      notify(job);
     }
     cancelled = job;
   }
@@ -232,7 +232,7 @@ void Jobs::keep(const JobRecord& job) const {
                      as_json(job).dump(1, ' ', false, json::error_handler_t::replace) + "\n"));
 }
 
-void Jobs::tell(const JobRecord& job, const std::optional<std::string>& line) {
+void Jobs::notify(const JobRecord& job, const std::optional<std::string>& line) {
   events_.publish("job", {{"id", job.id},
                           {"kind", job.kind},
                           {"state", job.state},
@@ -243,7 +243,7 @@ void Jobs::tell(const JobRecord& job, const std::optional<std::string>& line) {
 }
 
 /// On the worker, which a bug of ours must not end.
-void Jobs::tell_change() const {
+void Jobs::report_change() const {
   try {
     changed_();
   } catch (const std::exception&) {  // Pages ask again.
@@ -261,10 +261,10 @@ void Jobs::work_on() {
     stop_running_ = false;
     jobs_.at(id).state = "running";
     keep(jobs_.at(id));
-    tell(jobs_.at(id));
+    notify(jobs_.at(id));
     const JobRecord begun = jobs_.at(id);
     lock.unlock();
-    tell_change();
+    report_change();
     Listener listener(*this, id);
     const Result<JobOutcome> outcome = [&]() -> Result<JobOutcome> {
       try {
@@ -295,9 +295,9 @@ void Jobs::work_on() {
       job.message = outcome.error().message;
     }
     keep(job);
-    tell(job);
+    notify(job);
     lock.unlock();
-    tell_change();
+    report_change();
     lock.lock();
   }
 }

@@ -81,9 +81,9 @@ class Jobs {
  private:
   class Listener;
   void work_on();
-  void tell_change() const;
+  void report_change() const;
   void keep(const JobRecord& job) const;
-  void tell(const JobRecord& job, const std::optional<std::string>& line = std::nullopt);
+  void notify(const JobRecord& job, const std::optional<std::string>& line = std::nullopt);
 
   const std::filesystem::path folder_;
   EventLog& events_;

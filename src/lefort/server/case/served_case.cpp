@@ -22,11 +22,11 @@ ServedCase::ServedCase(CaseFolder folder_of, std::optional<fs::path> example_of,
       uploads(folder.uploads(), upload_limits),
       example(std::move(example_of)),
       events(random_hex(8)),
-      kept_volume(1),
-      kept_bones(1),
-      kept_preview(1),
+      cached_volume(1),
+      cached_bones(1),
+      cached_preview(1),
       kept_steps(1),
-      kept_surfaces(kKeptSurfaces),
+      cached_surfaces(kKeptSurfaces),
       jobs(
           folder.jobs(), events,
           [this](const JobRecord& job, Progress& progress) {
@@ -35,7 +35,7 @@ ServedCase::ServedCase(CaseFolder folder_of, std::optional<fs::path> example_of,
             if (outcome && job.kind == "preview-factor") warm_preview();
             return outcome;
           },
-          [this] { tell_stages(); }) {}
+          [this] { report_stages(); }) {}
 
 json ServedCase::stages() const {
   json stages = json::object();
@@ -58,12 +58,12 @@ json ServedCase::stages() const {
   return stages;
 }
 
-void ServedCase::tell_stages() { events.publish("case", {{"stages", stages()}}); }
+void ServedCase::report_stages() { events.publish("case", {{"stages", stages()}}); }
 
 Result<std::shared_ptr<const image::CtVolume>> ServedCase::volume() {
   const auto etag = folder.etag(folder.ct());
   if (!etag) return fail(ErrorCode::kFileNotFound, "there is no scan yet: import one first");
-  return kept_volume.get("ct", *etag, [&]() -> Result<image::CtVolume> {
+  return cached_volume.get("ct", *etag, [&]() -> Result<image::CtVolume> {
     LEFORT_TRY(io::ImportedVolume scan, io::import_volume(folder.ct()));
     return std::move(scan.ct);
   });
@@ -74,7 +74,7 @@ Result<std::shared_ptr<const predict::FacePreview>> ServedCase::preview() {
   const auto etag = folder.etag(folder.preview() / "face.preview");
   if (!etag || !there_is(folder.preview() / "preview.json"))
     return fail(ErrorCode::kFileNotFound, "no preview was prepared yet");
-  return kept_preview.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
+  return cached_preview.get("preview", *etag, [&]() -> Result<predict::FacePreview> {
     LEFORT_TRY(predict::PreviewModel model,
                io::read_preview_model(folder.preview() / "face.preview"));
     return predict::FacePreview(std::move(model));

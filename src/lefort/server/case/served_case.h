@@ -8,8 +8,8 @@
 #include <lefort/server/case/case_folder.h>
 #include <lefort/server/case/event_log.h>
 #include <lefort/server/case/jobs.h>
-#include <lefort/server/case/kept.h>
-#include <lefort/server/case/live_bones.h>
+#include <lefort/server/case/lru_cache.h>
+#include <lefort/server/case/overlap_service.h>
 #include <lefort/server/case/solve_history.h>
 #include <lefort/server/case/uploads.h>
 
@@ -37,11 +37,11 @@ struct ServedCase {
   EventLog events;
   SolveHistory solve_history;
   std::mutex writing;  ///< One page's change at a time.
-  Kept<image::CtVolume> kept_volume;
-  Kept<LiveBones> kept_bones;
-  Kept<predict::FacePreview> kept_preview;
-  Kept<io::StepSkin> kept_steps;
-  Kept<std::string> kept_surfaces;
+  LruCache<image::CtVolume> cached_volume;
+  LruCache<OverlapService> cached_bones;
+  LruCache<predict::FacePreview> cached_preview;
+  LruCache<io::StepSkin> kept_steps;
+  LruCache<std::string> cached_surfaces;
   Jobs jobs;  ///< Last: its worker uses all above.
 
   /// The scan.
@@ -54,10 +54,10 @@ struct ServedCase {
   [[nodiscard]] nlohmann::json stages() const;
 
   /// Tells pages that listen.
-  void tell_stages();
+  void report_stages();
 
  private:
-  /// Factorises, so that the first preview is as quick as the next.
+  /// Factorizes, so that the first preview is as quick as the next.
   void warm_preview();
 };
 

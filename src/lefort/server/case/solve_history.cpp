@@ -18,7 +18,7 @@ std::size_t SolveHistory::add_iterates(const json& iterates) {
   const std::scoped_lock lock(mutex_);
   const std::size_t before = forgotten_ + iterates_.size();
   iterates_.insert(iterates_.end(), iterates.begin(), iterates.end());
-  for (; iterates_.size() > kMostIterates; ++forgotten_) iterates_.pop_front();
+  for (; iterates_.size() > kMaxIterates; ++forgotten_) iterates_.pop_front();
   return before;
 }
 

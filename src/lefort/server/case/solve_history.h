@@ -14,7 +14,7 @@ namespace lefort::server {
 /// Safe from many threads.
 class SolveHistory {
  public:
-  static constexpr std::size_t kMostIterates = 50'000;  ///< As the contract says; the oldest go.
+  static constexpr std::size_t kMaxIterates = 50'000;  ///< As the contract says; the oldest go.
 
   /// Forgets what another job has told.
   void begin(int job);

@@ -47,7 +47,7 @@ std::string random_hex(std::size_t digits) {
 Uploads::Uploads(fs::path folder, UploadLimits limits)
     : folder_(std::move(folder)), limits_(limits) {}
 
-Reply Uploads::begin() {
+Response Uploads::begin() {
   const std::scoped_lock lock(mutex_);
   while (uploads_.size() >= std::size_t(limits_.uploads))
     drop(std::min_element(uploads_.begin(), uploads_.end(), [](const auto& a, const auto& b) {
@@ -59,32 +59,35 @@ Reply Uploads::begin() {
   if (!error) fs::permissions(folder_, fs::perms::owner_all, error);  // A patient's.
   if (!error) fs::create_directory(folder_ / id, error);
   if (error)
-    return refusal(507, "unavailable", "the case folder takes no upload: " + error.message());
+    return error_response(507, "unavailable",
+                          "the case folder takes no upload: " + error.message());
   uploads_[id].order = ++begun_;
-  return json_reply({{"id", id}}, 201);
+  return json_response({{"id", id}}, 201);
 }
 
-Reply Uploads::put(const std::string& id, int index, const std::string& name,
-                   const Request& request) {
+Response Uploads::put(const std::string& id, int index, const std::string& name,
+                      const Request& request) {
   const auto ending = kept_ending(name);
   if (!ending)
-    return refusal(422, "invalid",
-                   "files of this kind are not read; send DICOM files, .nii, .nii.gz, .nrrd, .mha "
-                   "or .inv3",
-                   "name");
+    return error_response(
+        422, "invalid",
+        "files of this kind are not read; send DICOM files, .nii, .nii.gz, .nrrd, .mha "
+        "or .inv3",
+        "name");
   if (index < 0 || index >= limits_.files)
-    return refusal(413, "too_large", fmt::format("an upload has at most {} files", limits_.files),
-                   "index");
+    return error_response(413, "too_large",
+                          fmt::format("an upload has at most {} files", limits_.files), "index");
   if (request.content_length > limits_.file_bytes)
-    return refusal(413, "too_large",
-                   fmt::format("a file has at most {} bytes", limits_.file_bytes));
+    return error_response(413, "too_large",
+                          fmt::format("a file has at most {} bytes", limits_.file_bytes));
   const std::string kept = fmt::format("f{:05d}{}", index, *ending);
   {
     const std::scoped_lock lock(mutex_);
-    if (!uploads_.contains(id)) return refusal(404, "not_found", "there is no such upload");
+    if (!uploads_.contains(id)) return error_response(404, "not_found", "there is no such upload");
     if (bytes() + reserved_ + request.content_length > limits_.all_bytes)
-      return refusal(413, "too_large",
-                     fmt::format("uploads have at most {} bytes together", limits_.all_bytes));
+      return error_response(
+          413, "too_large",
+          fmt::format("uploads have at most {} bytes together", limits_.all_bytes));
     reserved_ += request.content_length;
   }
   // Beside the upload's folder: a job that reads that one sees whole files alone.
@@ -117,22 +120,22 @@ Reply Uploads::put(const std::string& id, int index, const std::string& name,
   const auto upload = uploads_.find(id);
   if (!is_whole || !is_written || received != request.content_length || upload == uploads_.end()) {
     if (!is_written)
-      return refusal(507, "unavailable", "the file could not be kept: is the disk full?");
-    return refusal(400, "bad_request", "the body did not arrive whole");
+      return error_response(507, "unavailable", "the file could not be kept: is the disk full?");
+    return error_response(400, "bad_request", "the body did not arrive whole");
   }
   if (const auto older = upload->second.files.find(index); older != upload->second.files.end())
     fs::remove(folder_ / id / older->second.first, error);
   fs::rename(temporary, folder_ / id / kept, error);
-  if (error) return refusal(507, "unavailable", "the file could not be kept");
+  if (error) return error_response(507, "unavailable", "the file could not be kept");
   upload->second.files[index] = {kept, received};
-  return json_reply({{"index", index}, {"bytes", received}}, 201);
+  return json_response({{"index", index}, {"bytes", received}}, 201);
 }
 
-Reply Uploads::remove(const std::string& id) {
+Response Uploads::remove(const std::string& id) {
   const std::scoped_lock lock(mutex_);
-  if (!uploads_.contains(id)) return refusal(404, "not_found", "there is no such upload");
+  if (!uploads_.contains(id)) return error_response(404, "not_found", "there is no such upload");
   drop(id);
-  Reply reply;
+  Response reply;
   reply.status = 204;
   return reply;
 }

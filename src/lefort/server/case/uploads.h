@@ -2,7 +2,7 @@
 /// Files that a page sends, until a job takes them.
 #pragma once
 
-#include <lefort/server/api/exchange.h>
+#include <lefort/server/api/message.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -28,14 +28,14 @@ class Uploads {
   explicit Uploads(std::filesystem::path folder, UploadLimits limits = {});
 
   /// 201 with its id.
-  [[nodiscard]] Reply begin();
+  [[nodiscard]] Response begin();
 
   /// Takes the body of `request` as a file: 201, or why not.
-  [[nodiscard]] Reply put(const std::string& id, int index, const std::string& name,
-                          const Request& request);
+  [[nodiscard]] Response put(const std::string& id, int index, const std::string& name,
+                             const Request& request);
 
   /// 204, or 404.
-  [[nodiscard]] Reply remove(const std::string& id);
+  [[nodiscard]] Response remove(const std::string& id);
 
   /// What a job reads: the one file, or the folder of DICOM files. Nothing if there is no such
   /// upload, or nothing in it.

@@ -58,7 +58,8 @@ Connection::Clock::time_point Connection::deadline() const {
   if (phase_ == Phase::kHeader) return begun_ + limits_.header_time;
   const auto stalled = now + limits_.stall_time;
   if (phase_ == Phase::kEvents) return stalled;
-  const auto too_slow = begun_ + limits_.stall_time + time_for(moved_, limits_.slowest_bytes_per_s);
+  const auto too_slow =
+      begun_ + limits_.stall_time + time_for(moved_, limits_.min_throughput_bytes_per_s);
   return std::min(stalled, too_slow);
 }
 

@@ -1,7 +1,7 @@
 #include <lefort/core/check.h>
+#include <lefort/server/http/authorize_request.h>
 #include <lefort/server/http/connection.h>
 #include <lefort/server/http/http_server.h>
-#include <lefort/server/http/judge_request.h>
 #include <lefort/server/http/page.h>
 #include <lefort/server/http/workers.h>
 
@@ -42,14 +42,14 @@ class LimitedServer final : public httplib::Server {
   }
 
   /// httplib lets five clients knock at a time; others would wait for a second or more.
-  void let_knock() { ::listen(svr_sock_, limits_.waiting); }
+  void set_listen_backlog() { ::listen(svr_sock_, limits_.waiting); }
 
   /// Told each request once its header is there; may change it.
   std::function<void(httplib::Request&)> on_header;
 
  private:
   bool process_and_close_socket(socket_t socket) override {
-    if (Workers::sends_away()) {
+    if (Workers::is_rejecting()) {
       constexpr std::string_view kBusy =
           "HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 1\r\n"
           "Connection: close\r\n\r\n";
@@ -79,7 +79,7 @@ class LimitedServer final : public httplib::Server {
 };
 
 /// A reply that was decided before the body was looked at.
-thread_local std::optional<Reply> decided;
+thread_local std::optional<Response> decided;
 
 Request as_request(const httplib::Request& from) {
   Request request;
@@ -106,8 +106,8 @@ struct HttpServer::Parts {
   Credentials ours;
   std::atomic<int> listeners = 0;
 
-  void look_at(httplib::Request& request);
-  void answer(const httplib::Request& request, httplib::Response& response, Reply reply);
+  void pre_route(httplib::Request& request);
+  void answer(const httplib::Request& request, httplib::Response& response, Response reply);
   void answer_events(httplib::Response& response, const std::string& last_id);
   void serve_body(const httplib::Request& request, httplib::Response& response,
                   const httplib::ContentReader& read);
@@ -127,8 +127,8 @@ std::string in_address(const std::string& host) {
 }
 
 /// Decides before anything is read of the body, and disarms what httplib would do of its own.
-void HttpServer::Parts::look_at(httplib::Request& request) {
-  decided = judge_request(request, ours);
+void HttpServer::Parts::pre_route(httplib::Request& request) {
+  decided = authorize_request(request, ours);
   request.ranges.clear();
   request.headers.erase("Accept-Encoding");  // Nothing is compressed on the way to oneself.
   if (decided) {
@@ -144,14 +144,14 @@ void HttpServer::Parts::look_at(httplib::Request& request) {
 void HttpServer::Parts::answer_events(httplib::Response& response, const std::string& last_id) {
   if (++listeners > options.limits.listeners) {
     --listeners;
-    answer({}, response, refusal(429, "limit", "too many pages listen already"));
+    answer({}, response, error_response(429, "limit", "too many pages listen already"));
     return;
   }
   EventLog& events = api.events();
   struct Listener {
     std::uint64_t heard = 0;
     std::string first;
-    std::chrono::steady_clock::time_point told = std::chrono::steady_clock::now();
+    std::chrono::steady_clock::time_point reported = std::chrono::steady_clock::now();
   };
   const auto listener = std::make_shared<Listener>();
   const auto known = events.find(last_id);
@@ -172,16 +172,16 @@ void HttpServer::Parts::answer_events(httplib::Response& response, const std::st
           return true;
         }
         const auto now = std::chrono::steady_clock::now();
-        if (text.empty() && now - listener->told > kHeartbeat) text = ": still here\n\n";
+        if (text.empty() && now - listener->reported > kHeartbeat) text = ": still here\n\n";
         if (text.empty()) return sink.is_writable();
-        listener->told = now;
+        listener->reported = now;
         return sink.write(text.data(), text.size());
       },
       [this](bool) { --listeners; });
 }
 
 void HttpServer::Parts::answer(const httplib::Request& request, httplib::Response& response,
-                               Reply reply) {
+                               Response reply) {
   response.status = reply.status;
   for (const auto& [name, value] : reply.headers) response.set_header(name, value);
   response.set_header("X-Content-Type-Options", "nosniff");
@@ -237,12 +237,12 @@ bool HttpServer::Parts::serve(const httplib::Request& request, httplib::Response
     answer(request, response, api.handle(as_request(request)));
     return true;
   }
-  Reply reply;
+  Response reply;
   if (const PageFile* const file = find_page_file(request.path)) {
-    reply = binary_reply({nullptr, file->bytes});
+    reply = binary_response({nullptr, file->bytes});
     reply.type = file->type;
   } else {
-    reply = refusal(404, "not_found", "there is nothing of that name", "path");
+    reply = error_response(404, "not_found", "there is nothing of that name", "path");
   }
   answer(request, response, std::move(reply));
   return true;
@@ -251,16 +251,16 @@ bool HttpServer::Parts::serve(const httplib::Request& request, httplib::Response
 void HttpServer::Parts::serve_body(const httplib::Request& request, httplib::Response& response,
                                    const httplib::ContentReader& read) {
   current->begin_body();
-  Request asked = as_request(request);
+  Request requested = as_request(request);
   const std::string length = request.get_header_value("Content-Length");
-  asked.content_length = length.empty() ? 0 : std::stoull(length);
-  bool is_read = asked.content_length == 0;
-  asked.read_body = [&](const BodyTaker& take) {
+  requested.content_length = length.empty() ? 0 : std::stoull(length);
+  bool is_read = requested.content_length == 0;
+  requested.read_body = [&](const BodyTaker& take) {
     if (is_read) return true;
     is_read = read([&](const char* bytes, std::size_t count) { return take({bytes, count}); });
     return is_read;
   };
-  Reply reply = api.handle(asked);
+  Response reply = api.handle(requested);
   if (!is_read) current->must_close = true;
   answer(request, response, std::move(reply));
 }
@@ -269,7 +269,7 @@ HttpServer::HttpServer(Api& api, HttpOptions options)
     : parts_(std::make_unique<Parts>(api, std::move(options))) {
   LEFORT_CHECK(parts_->options.token.size() >= 32);
   Parts& parts = *parts_;
-  parts.server.on_header = [&parts](httplib::Request& request) { parts.look_at(request); };
+  parts.server.on_header = [&parts](httplib::Request& request) { parts.pre_route(request); };
   parts.server.set_payload_max_length(std::size_t(-1));  // The API knows its limits.
   parts.server.set_tcp_nodelay(true);
   // We count ourselves; httplib tells clients these.
@@ -290,17 +290,18 @@ HttpServer::HttpServer(Api& api, HttpOptions options)
       [&parts](const auto& request, auto& response, const std::exception_ptr&) {
         current->must_close = true;
         parts.answer(request, response,
-                     refusal(500, "internal",
-                             "an internal error; nothing was "
-                             "changed"));
+                     error_response(500, "internal",
+                                    "an internal error; nothing was "
+                                    "changed"));
       });
-  parts.server.set_error_handler([&parts](const httplib::Request& request,
-                                          httplib::Response& response) {
-    if (!response.body.empty() || response.status == 304) return;
-    current->must_close = true;
-    parts.answer(request, response,
-                 refusal(response.status, "bad_request", "this is no request that can be read"));
-  });
+  parts.server.set_error_handler(
+      [&parts](const httplib::Request& request, httplib::Response& response) {
+        if (!response.body.empty() || response.status == 304) return;
+        current->must_close = true;
+        parts.answer(
+            request, response,
+            error_response(response.status, "bad_request", "this is no request that can be read"));
+      });
 }
 
 HttpServer::~HttpServer() { stop(); }
@@ -327,7 +328,7 @@ Result<int> HttpServer::bind() {
                 options.port == 0 ? fmt::format("no port of {} can be had", options.host)
                                   : fmt::format("port {} of {} cannot be had: is it in use?",
                                                 options.port, options.host));
-  parts.server.let_knock();
+  parts.server.set_listen_backlog();
   std::vector<std::string> names{"127.0.0.1", "localhost", "[::1]"};
   if (!is_loopback(options.host)) names.push_back(lower_case(in_address(options.host)));
   for (const std::string& name : names) {

@@ -25,9 +25,9 @@ struct HttpLimits {
   std::chrono::milliseconds header_time{5000};  ///< For them to arrive.
   std::chrono::milliseconds idle_time{15000};   ///< Between two requests.
   /// How long a connection without a whole header may keep a thread that another one waits for.
-  std::chrono::milliseconds patience{100};
+  std::chrono::milliseconds eviction_timeout{100};
   std::chrono::milliseconds stall_time{10000};  ///< In which a body or a reply must move on.
-  double slowest_bytes_per_s = 65536;           ///< Of a body or a reply, in the mean.
+  double min_throughput_bytes_per_s = 65536;    ///< Of a body or a reply, in the mean.
 };
 
 struct HttpOptions {

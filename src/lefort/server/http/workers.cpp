@@ -11,10 +11,10 @@ thread_local bool is_sending_away = false;
 
 Workers::Workers(const HttpLimits& limits) : limits_(limits) {
   for (int n = 0; n < limits.threads; ++n) threads_.emplace_back([this] { work(); });
-  usher_ = std::thread([this] { usher(); });
+  evictor_ = std::thread([this] { evict_idle(); });
 }
 
-bool Workers::sends_away() { return is_sending_away; }
+bool Workers::is_rejecting() { return is_sending_away; }
 
 void Workers::enqueue(std::function<void()> task) {
   {
@@ -31,7 +31,7 @@ void Workers::enqueue(std::function<void()> task) {
     return;
   }
   wake_.notify_one();
-  wake_usher_.notify_one();
+  wake_evictor_.notify_one();
 }
 
 void Workers::shutdown() {
@@ -41,9 +41,9 @@ void Workers::shutdown() {
     for (const Connection* connection : connections_) connection->abort();
   }
   wake_.notify_all();
-  wake_usher_.notify_all();
+  wake_evictor_.notify_all();
   for (std::thread& thread : threads_) thread.join();
-  usher_.join();
+  evictor_.join();
 }
 
 void Workers::enter(const Connection* connection) {
@@ -74,17 +74,17 @@ void Workers::work() {
 }
 
 /// Ends who is slow while others wait.
-void Workers::usher() {
+void Workers::evict_idle() {
   std::unique_lock lock(mutex_);
   while (!is_ending_) {
     if (tasks_.empty() || idle_ > 0) {
-      wake_usher_.wait(lock, [&] { return is_ending_ || (!tasks_.empty() && idle_ == 0); });
+      wake_evictor_.wait(lock, [&] { return is_ending_ || (!tasks_.empty() && idle_ == 0); });
       continue;
     }
-    const auto too_long_ago = Connection::Clock::now() - limits_.patience;
+    const auto too_long_ago = Connection::Clock::now() - limits_.eviction_timeout;
     for (const Connection* connection : connections_)
       if (connection->is_waiting() && connection->since() < too_long_ago) connection->abort();
-    wake_usher_.wait_for(lock, limits_.patience);
+    wake_evictor_.wait_for(lock, limits_.eviction_timeout);
   }
 }
 

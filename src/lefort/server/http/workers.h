@@ -30,21 +30,21 @@ class Workers final : public httplib::TaskQueue {
   void leave(const Connection* connection);
 
   /// Whether the present thread shall say good-bye to its connection at once.
-  [[nodiscard]] static bool sends_away();
+  [[nodiscard]] static bool is_rejecting();
 
  private:
   void work();
-  void usher();
+  void evict_idle();
 
   const HttpLimits& limits_;
   std::mutex mutex_;
-  std::condition_variable wake_, wake_usher_;
+  std::condition_variable wake_, wake_evictor_;
   std::deque<std::function<void()>> tasks_;
   std::set<const Connection*> connections_;
   int idle_ = 0;
   bool is_ending_ = false;
   std::vector<std::thread> threads_;
-  std::thread usher_;
+  std::thread evictor_;
 };
 
 }  // namespace lefort::server

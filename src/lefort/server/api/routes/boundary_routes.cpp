@@ -24,8 +24,7 @@ using nlohmann::json;
 using predict::BoundaryLabel;
 using predict::BoundaryLabelMap;
 
-constexpr std::uint64_t kLargestFile = 256
-                                       << 20;  // Bytes of a compressed file, as the contract says.
+constexpr std::uint64_t kMaxFile = 256 << 20;  // Bytes of a compressed file, as the contract says.
 
 /// Voxels of the scan from `first` on.
 struct Box {
@@ -126,29 +125,29 @@ json areas_json(const CaseFolder& folder) {
   return nullptr;
 }
 
-Reply get_boundary(ServedCase& served, const Request&, const PathValues&) {
+Response get_boundary(ServedCase& served, const Request&, const PathValues&) {
   json names = json::array();
   for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
-    names.push_back({{"value", int(style.label)}, {"name", style.name}, {"colour", style.colour}});
+    names.push_back({{"value", int(style.label)}, {"name", style.name}, {"colour", style.color}});
   const auto plan = io::read_plan(served.folder.plan());
   const predict::BoundaryOptions options = plan ? plan->boundary : predict::BoundaryOptions{};
-  return json_reply({{"names", names},
-                     {"capture_mm", options.capture_mm},
-                     {"release_mm", options.release_mm},
-                     {"rules", rules_json(options)},
-                     {"areas", areas_json(served.folder)}});
+  return json_response({{"names", names},
+                        {"capture_mm", options.capture_mm},
+                        {"release_mm", options.elevation_margin_mm},
+                        {"rules", rules_json(options)},
+                        {"areas", areas_json(served.folder)}});
 }
 
-Reply get_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
+Response get_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
   const auto etag = served.folder.etag(served.folder.boundary());
-  if (!etag) return not_there("nothing is painted");
-  if (is_known(request, etag)) return not_modified(etag);
+  if (!etag) return not_found("nothing is painted");
+  if (is_not_modified(request, etag)) return not_modified(etag);
   const auto ct = served.volume();
-  if (!ct) return refusal(ct.error());
+  if (!ct) return error_response(ct.error());
   const auto painted = io::read_boundary_labels(served.folder.boundary(), (*ct)->grid);
-  if (!painted) return refusal(painted.error());
+  if (!painted) return error_response(painted.error());
   const auto part = std::make_shared<const BoundaryLabelMap>(cropped(*painted));
-  Reply reply = binary_reply(
+  Response reply = binary_response(
       {part, {reinterpret_cast<const char*>(part->values.data()), part->values.size()}});
   reply.headers.emplace_back("X-Lefort-Box", painted_box(*painted).text());
   return with_etag(std::move(reply), etag);
@@ -157,82 +156,85 @@ Reply get_boundary_data(ServedCase& served, const Request& request, const PathVa
 /// Keeps what was painted, if the page knows what it replaces.
 ///
 /// \param ct_etag  of the scan that it was painted on.
-Reply keep(ServedCase& served, const Request& request, const BoundaryLabelMap& painted,
-           const std::optional<std::string>& ct_etag) {
+Response keep(ServedCase& served, const Request& request, const BoundaryLabelMap& painted,
+              const std::optional<std::string>& ct_etag) {
   const bool is_painted =
       std::any_of(painted.values.begin(), painted.values.end(),
                   [](BoundaryLabel label) { return label != BoundaryLabel::kNone; });
   if (!is_painted)
-    return refusal(422, "invalid", "nothing is painted there: DELETE what there was instead");
+    return error_response(422, "invalid",
+                          "nothing is painted there: DELETE what there was instead");
   const std::scoped_lock lock(served.writing);
   if (served.folder.etag(served.folder.ct()) != ct_etag)
-    return refusal(409, "stale", "the scan was replaced meanwhile: fetch it again");
+    return error_response(409, "stale", "the scan was replaced meanwhile: fetch it again");
   if (auto refused = check_precondition(request, served.folder.etag(served.folder.boundary())))
     return *refused;
   if (const auto written = io::write_boundary_labels(served.folder.boundary(), cropped(painted));
       !written)
-    return refusal(written.error());
-  served.tell_stages();
+    return error_response(written.error());
+  served.report_stages();
   return with_etag(empty_reply(), served.folder.etag(served.folder.boundary()));
 }
 
-Reply put_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
+Response put_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
   const auto ct_etag = served.folder.etag(served.folder.ct());
   const auto ct = served.volume();
-  if (!ct) return refusal(ct.error());
+  if (!ct) return error_response(ct.error());
   const auto box = box_of(request, (*ct)->grid);
   if (!box)
-    return refusal(422, "invalid",
-                   "box must be six whole numbers, the first voxel and how many along each axis, "
-                   "within the scan",
-                   "box");
+    return error_response(
+        422, "invalid",
+        "box must be six whole numbers, the first voxel and how many along each axis, "
+        "within the scan",
+        "box");
   Body body = read_body(request, box->voxels(), "application/octet-stream");
   if (!body.text) return body.refused;
   if (body.text->size() != box->voxels())
-    return refusal(422, "invalid",
-                   fmt::format("the body must have {} bytes, one per voxel of the box, it has {}",
-                               box->voxels(), body.text->size()));
+    return error_response(
+        422, "invalid",
+        fmt::format("the body must have {} bytes, one per voxel of the box, it has {}",
+                    box->voxels(), body.text->size()));
   BoundaryLabelMap painted{box->of((*ct)->grid), {}};
   painted.values.reserve(body.text->size());
   for (const char c : *body.text) {
     if (static_cast<unsigned char>(c) > predict::kBoundaryLabelStyles.size())
-      return refusal(422, "invalid", fmt::format("label {} is none", int(std::uint8_t(c))));
+      return error_response(422, "invalid", fmt::format("label {} is none", int(std::uint8_t(c))));
     painted.values.push_back(BoundaryLabel(c));
   }
   return keep(served, request, painted, ct_etag);
 }
 
 /// As another program has painted it.
-Reply put_boundary_file(ServedCase& served, const Request& request, const PathValues&) {
+Response put_boundary_file(ServedCase& served, const Request& request, const PathValues&) {
   const auto ct_etag = served.folder.etag(served.folder.ct());
   const auto ct = served.volume();
-  if (!ct) return refusal(ct.error());
-  Body body = read_body(request, kLargestFile, "application/octet-stream");
+  if (!ct) return error_response(ct.error());
+  Body body = read_body(request, kMaxFile, "application/octet-stream");
   if (!body.text) return body.refused;
   std::error_code error;
   fs::create_directories(served.folder.uploads(), error);
   const fs::path file =
       served.folder.uploads() / fmt::format("painted-{}.seg.nrrd", random_hex(16));
   if (const auto written = io::write_text(file, *body.text); !written)
-    return refusal(written.error());
+    return error_response(written.error());
   const auto painted = io::read_boundary_labels(file, (*ct)->grid);
   fs::remove(file, error);
-  if (!painted) return refusal(422, "invalid", painted.error().message);
+  if (!painted) return error_response(422, "invalid", painted.error().message);
   return keep(served, request, *painted, ct_etag);
 }
 
-Reply delete_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
+Response delete_boundary_data(ServedCase& served, const Request& request, const PathValues&) {
   const std::scoped_lock lock(served.writing);
   const auto etag = served.folder.etag(served.folder.boundary());
-  if (!etag) return not_there("nothing is painted");
+  if (!etag) return not_found("nothing is painted");
   if (auto refused = check_precondition(request, etag)) return *refused;
   if (names_boundary(read_object(served.folder.plan())))
-    return refusal(409, "not_allowed",
-                   "the plan names what was painted: take boundary.labels out first");
+    return error_response(409, "not_allowed",
+                          "the plan names what was painted: take boundary.labels out first");
   std::error_code error;
   fs::remove(served.folder.boundary(), error);
-  if (error) return refusal(500, "internal", "what was painted cannot be removed");
-  served.tell_stages();
+  if (error) return error_response(500, "internal", "what was painted cannot be removed");
+  served.report_stages();
   return empty_reply();
 }
 

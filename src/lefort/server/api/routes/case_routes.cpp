@@ -9,22 +9,22 @@ namespace {
 
 using nlohmann::json;
 
-Reply get_case(ServedCase& served, const Request&, const PathValues&) {
+Response get_case(ServedCase& served, const Request&, const PathValues&) {
   const json description = read_object(served.folder.description());
   const bool has_scan = there_is(served.folder.ct()) && description.contains("scan");
-  return json_reply({{"lefort_case", 1},
-                     {"title", description.value("title", "")},
-                     {"version", kVersion},
-                     {"notice", kNotForClinicalUse},
-                     {"start", served.events.start()},
-                     {"scan", has_scan ? description["scan"] : json()},
-                     {"stages", served.stages()},
-                     {"example_available", served.example.has_value()},
-                     {"job_kinds", job_kinds()},
-                     {"limits",
-                      {{"upload_file_bytes", served.uploads.limits().file_bytes},
-                       {"upload_files", served.uploads.limits().files},
-                       {"json_bytes", kLargestBody}}}});
+  return json_response({{"lefort_case", 1},
+                        {"title", description.value("title", "")},
+                        {"version", kVersion},
+                        {"notice", kNotForClinicalUse},
+                        {"start", served.events.start()},
+                        {"scan", has_scan ? description["scan"] : json()},
+                        {"stages", served.stages()},
+                        {"example_available", served.example.has_value()},
+                        {"job_kinds", job_kinds()},
+                        {"limits",
+                         {{"upload_file_bytes", served.uploads.limits().file_bytes},
+                          {"upload_files", served.uploads.limits().files},
+                          {"json_bytes", kMaxBody}}}});
 }
 
 }  // namespace

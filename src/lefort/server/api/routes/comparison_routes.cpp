@@ -1,9 +1,9 @@
 #include <lefort/io/vertex_array.h>
 #include <lefort/server/api/request_parts.h>
 #include <lefort/server/api/route.h>
-#include <lefort/server/case/named_files.h>
+#include <lefort/server/case/file_catalog.h>
 #include <lefort/server/case/served_case.h>
-#include <lefort/server/case/surface_bytes.h>
+#include <lefort/server/case/surface_encoding.h>
 
 #include <fmt/format.h>
 
@@ -39,29 +39,29 @@ const NamedValues kValues[] = {{"contact-pressure", of_moved_segment, "contact_p
                                 },
                                 "difference_mm"}};
 
-Reply get_values(ServedCase& served, const Request& request, const PathValues& values) {
+Response get_values(ServedCase& served, const Request& request, const PathValues& values) {
   for (const NamedValues& named : kValues) {
     if (named.name != values[0]) continue;
     const auto segment = request.query.find("segment");
     const auto file =
         named.file(served.folder, segment == request.query.end() ? "" : segment->second);
-    if (!file) return not_there("no segment is called so");
+    if (!file) return not_found("no segment is called so");
     const auto etag = served.folder.etag(*file);
-    if (!etag) return not_there("there are no such values yet");
-    if (is_known(request, etag)) return not_modified(etag);
+    if (!etag) return not_found("there are no such values yet");
+    if (is_not_modified(request, etag)) return not_modified(etag);
     const auto numbers = io::read_vertex_array(*file, named.array);
     if (!numbers)
-      return not_there("there are no such values: they were not made, or predict again");
-    return with_etag(binary_reply(shared_bytes(float_bytes(*numbers))), etag);
+      return not_found("there are no such values: they were not made, or predict again");
+    return with_etag(binary_response(shared_bytes(encode_floats(*numbers))), etag);
   }
-  return not_there("there are no values of that name");
+  return not_found("there are no values of that name");
 }
 
-Reply get_comparison(ServedCase& served, const Request& request, const PathValues&) {
+Response get_comparison(ServedCase& served, const Request& request, const PathValues&) {
   const fs::path file = served.folder.comparison() / "compare.json";
   const auto etag = served.folder.etag(file);
-  if (!etag) return not_there("nothing was compared yet");
-  if (is_known(request, etag)) return not_modified(etag);
+  if (!etag) return not_found("nothing was compared yet");
+  if (is_not_modified(request, etag)) return not_modified(etag);
   const json found = read_object(file);
   try {
     json regions = json::array(), movements = json::array(), registration;
@@ -76,14 +76,14 @@ Reply get_comparison(ServedCase& served, const Request& request, const PathValue
     if (found.contains("registration"))
       registration = {{"rms_mm", found["registration"].at("rms_mm")},
                       {"kept_share", found["registration"].at("kept_share")}};
-    return with_etag(json_reply({{"regions", regions},
-                                 {"missing", found.at("regions_missing")},
-                                 {"movements", movements},
-                                 {"registration", registration},
-                                 {"warnings", found.value("warnings", json::array())}}),
+    return with_etag(json_response({{"regions", regions},
+                                    {"missing", found.at("regions_missing")},
+                                    {"movements", movements},
+                                    {"registration", registration},
+                                    {"warnings", found.value("warnings", json::array())}}),
                      etag);
   } catch (const json::exception&) {
-    return refusal(422, "invalid", "compare.json is damaged: compare again");
+    return error_response(422, "invalid", "compare.json is damaged: compare again");
   }
 }
 

@@ -1,6 +1,6 @@
 #include <lefort/server/api/request_parts.h>
 #include <lefort/server/api/route.h>
-#include <lefort/server/case/named_files.h>
+#include <lefort/server/case/file_catalog.h>
 #include <lefort/server/case/served_case.h>
 
 #include <fmt/format.h>
@@ -18,9 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-Reply get_files(ServedCase& served, const Request&, const PathValues&) {
+Response get_files(ServedCase& served, const Request&, const PathValues&) {
   json list = json::array();
-  for (const NamedFile& file : named_files()) {
+  for (const NamedFile& file : file_catalog()) {
     std::error_code error;
     const auto bytes = fs::file_size(file.path(served.folder), error);
     if (error) continue;
@@ -38,16 +38,16 @@ Reply get_files(ServedCase& served, const Request&, const PathValues&) {
   std::sort(of_segments.begin(), of_segments.end());
   for (const auto& [name, bytes] : of_segments)
     list.push_back({{"name", name}, {"bytes", bytes}, {"stage", "prediction"}});
-  return json_reply({{"files", list}});
+  return json_response({{"files", list}});
 }
 
-Reply get_file(ServedCase& served, const Request&, const PathValues& values) {
-  const NamedFile* const file = find_named(named_files(), values[0]);
+Response get_file(ServedCase& served, const Request&, const PathValues& values) {
+  const NamedFile* const file = find_named(file_catalog(), values[0]);
   const std::optional<fs::path> path =
       file != nullptr ? file->path(served.folder) : segment_result(served.folder, values[0]);
-  if (!path) return not_there("there is no file of that name");
-  if (!there_is(*path)) return not_there("there is no such file yet");
-  Reply reply;
+  if (!path) return not_found("there is no file of that name");
+  if (!there_is(*path)) return not_found("there is no such file yet");
+  Response reply;
   reply.type = "application/octet-stream";
   reply.file = *path;
   reply.headers.emplace_back("Content-Disposition",

@@ -13,63 +13,65 @@ namespace {
 
 using nlohmann::json;
 
-Reply post_upload(ServedCase& served, const Request&, const PathValues&) {
+Response post_upload(ServedCase& served, const Request&, const PathValues&) {
   return served.uploads.begin();
 }
 
-Reply put_upload_file(ServedCase& served, const Request& request, const PathValues& values) {
+Response put_upload_file(ServedCase& served, const Request& request, const PathValues& values) {
   const auto index = number_of(values[1], 0, served.uploads.limits().files - 1);
-  if (!index) return refusal(422, "invalid", "the index must be a small whole number", "index");
+  if (!index)
+    return error_response(422, "invalid", "the index must be a small whole number", "index");
   const auto name = request.query.find("name");
   if (name == request.query.end())
-    return refusal(422, "invalid", "the file's name must be given", "name");
+    return error_response(422, "invalid", "the file's name must be given", "name");
   return served.uploads.put(values[0], *index, name->second, request);
 }
 
-Reply delete_upload(ServedCase& served, const Request&, const PathValues& values) {
+Response delete_upload(ServedCase& served, const Request&, const PathValues& values) {
   return served.uploads.remove(values[0]);
 }
 
-Reply get_jobs(ServedCase& served, const Request&, const PathValues&) {
+Response get_jobs(ServedCase& served, const Request&, const PathValues&) {
   json list = json::array();
   for (const JobRecord& job : served.jobs.all()) list.push_back(as_json(job));
-  return json_reply({{"jobs", list}});
+  return json_response({{"jobs", list}});
 }
 
-Reply post_job(ServedCase& served, const Request& request, const PathValues&) {
+Response post_job(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "JobRequest");
   if (!body.value) return body.refused;
   const std::string kind = (*body.value)["kind"];
   const auto kinds = job_kinds();
   if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
-    return refusal(501, "unavailable", fmt::format("this lefort cannot {} yet", kind), "kind");
+    return error_response(501, "unavailable", fmt::format("this lefort cannot {} yet", kind),
+                          "kind");
   body.value->erase("kind");
   const std::scoped_lock lock(served.writing);  // Not amid a change that waits for jobs to be done.
   const auto job = served.jobs.submit(kind, *std::move(body.value));
-  if (!job) return refusal(429, "limit", job.error().message);
-  return json_reply(as_json(*job), 202);
+  if (!job) return error_response(429, "limit", job.error().message);
+  return json_response(as_json(*job), 202);
 }
 
-Reply get_job(ServedCase& served, const Request&, const PathValues& values) {
+Response get_job(ServedCase& served, const Request&, const PathValues& values) {
   const auto id = number_of(values[0], 1, 1'000'000'000);
   const auto job = id ? served.jobs.find(*id) : std::nullopt;
-  return job ? json_reply(as_json(*job)) : not_there("there is no such job");
+  return job ? json_response(as_json(*job)) : not_found("there is no such job");
 }
 
-Reply get_job_iterates(ServedCase& served, const Request&, const PathValues& values) {
+Response get_job_iterates(ServedCase& served, const Request&, const PathValues& values) {
   const auto id = number_of(values[0], 1, 1'000'000'000);
   const auto history = id ? served.solve_history.of(*id) : std::nullopt;
-  return history ? json_reply(*history) : not_there("that job is not this server's last solve");
+  return history ? json_response(*history) : not_found("that job is not this server's last solve");
 }
 
-Reply delete_job(ServedCase& served, const Request&, const PathValues& values) {
+Response delete_job(ServedCase& served, const Request&, const PathValues& values) {
   const auto id = number_of(values[0], 1, 1'000'000'000);
   const auto job = id ? served.jobs.cancel(*id) : std::nullopt;
-  return job ? json_reply(as_json(*job)) : not_there("there is no such job");
+  return job ? json_response(as_json(*job)) : not_found("there is no such job");
 }
 
-Reply get_events(ServedCase&, const Request& request, const PathValues&) {
-  Reply reply;
+Response get_events(ServedCase&, const Request& request, const PathValues&) {
+  Response reply;
   reply.type = "text/event-stream";
   reply.events_after = request.header_or_empty("last-event-id");
   return reply;

@@ -27,16 +27,16 @@ json as_points(const plan::Landmarks& landmarks) {
   return points;
 }
 
-Reply get_landmarks(ServedCase& served, const Request& request, const PathValues&) {
+Response get_landmarks(ServedCase& served, const Request& request, const PathValues&) {
   const auto etag = served.folder.etag(served.folder.landmarks());
-  if (!etag) return not_there("there are no landmarks yet");
-  if (is_known(request, etag)) return not_modified(etag);
+  if (!etag) return not_found("there are no landmarks yet");
+  if (is_not_modified(request, etag)) return not_modified(etag);
   const auto landmarks = io::read_landmarks(served.folder.landmarks());
-  if (!landmarks) return refusal(landmarks.error());
-  return with_etag(json_reply({{"landmarks", as_points(*landmarks)}}), etag);
+  if (!landmarks) return error_response(landmarks.error());
+  return with_etag(json_response({{"landmarks", as_points(*landmarks)}}), etag);
 }
 
-Reply put_landmarks(ServedCase& served, const Request& request, const PathValues&) {
+Response put_landmarks(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "Landmarks");
   if (!body.value) return body.refused;
   plan::Landmarks landmarks = as_landmarks((*body.value)["landmarks"]);
@@ -48,26 +48,26 @@ Reply put_landmarks(ServedCase& served, const Request& request, const PathValues
     fs::remove(served.folder.landmarks(), error);
   } else {
     const auto checked = io::checked_landmarks(std::move(landmarks));
-    if (!checked) return refusal(checked.error(), "landmarks");
+    if (!checked) return error_response(checked.error(), "landmarks");
     if (const auto written = io::write_landmarks(served.folder.landmarks(), *checked); !written)
-      return refusal(written.error());
+      return error_response(written.error());
   }
-  served.tell_stages();
-  return with_etag(json_reply(*body.value), served.folder.etag(served.folder.landmarks()));
+  served.report_stages();
+  return with_etag(json_response(*body.value), served.folder.etag(served.folder.landmarks()));
 }
 
-Reply post_measurements(ServedCase&, const Request& request, const PathValues&) {
+Response post_measurements(ServedCase&, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "MeasurementsRequest");
   if (!body.value) return body.refused;
   const auto before = plan::measure(as_landmarks((*body.value)["before"]));
-  if (!before) return refusal(before.error(), "before");
+  if (!before) return error_response(before.error(), "before");
   std::vector<plan::Measurement> after_table;
   if (body.value->contains("after")) {
     auto after = plan::measure(as_landmarks((*body.value)["after"]));
-    if (!after) return refusal(after.error(), "after");
+    if (!after) return error_response(after.error(), "after");
     after_table = *std::move(after);
   }
-  return json_reply({{"measurements", pipeline::cephalometric_json(*before, after_table)}});
+  return json_response({{"measurements", pipeline::cephalometric_json(*before, after_table)}});
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <lefort/server/api/request_parts.h>
 #include <lefort/server/api/route.h>
 #include <lefort/server/case/served_case.h>
-#include <lefort/server/case/surface_bytes.h>
+#include <lefort/server/case/surface_encoding.h>
 
 #include <fmt/format.h>
 
@@ -45,25 +45,26 @@ Result<Poses> as_poses(const json& poses) {
   return result;
 }
 
-Reply post_poses(ServedCase& served, const Request& request, const PathValues&) {
+Response post_poses(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "Poses");
   if (!body.value) return body.refused;
   const auto poses = as_poses((*body.value)["poses"]);
-  if (!poses) return refusal(poses.error(), "poses");
+  if (!poses) return error_response(poses.error(), "poses");
   const auto etag = served.folder.etag(served.folder.cut() / "cut.json");
-  if (!etag) return refusal(409, "not_ready", "no bone was cut yet: run the job cut first");
-  const auto bones = served.kept_bones.get(
-      "bones", *etag, [&] { return LiveBones::read(served.folder.cut(), served.folder.cache()); });
-  if (!bones) return refusal(bones.error());
+  if (!etag) return error_response(409, "not_ready", "no bone was cut yet: run the job cut first");
+  const auto bones = served.cached_bones.get("bones", *etag, [&] {
+    return OverlapService::read(served.folder.cut(), served.folder.cache());
+  });
+  if (!bones) return error_response(bones.error());
   const auto depths = (*bones)->depths(*poses);
-  if (!depths) return refusal(depths.error(), "poses");
-  Reply reply = binary_reply(shared_bytes(float_bytes(depths->depth_mm)));
+  if (!depths) return error_response(depths.error(), "poses");
+  Response reply = binary_response(shared_bytes(encode_floats(depths->depth_mm)));
   std::string segments;
   for (const auto& [name, vertices] : depths->segments)
     segments += fmt::format("{}{}={}", segments.empty() ? "" : ",", name, vertices);
   reply.headers.emplace_back("X-Lefort-Segments", segments);
   reply.headers.emplace_back("X-Lefort-Deepest-Mm", fmt::format("{:.3f}", depths->deepest_mm));
-  reply.headers.emplace_back("X-Lefort-Beyond-Reach", depths->is_beyond_reach ? "1" : "0");
+  reply.headers.emplace_back("X-Lefort-Beyond-Reach", depths->depth_is_lower_bound ? "1" : "0");
   return reply;
 }
 
@@ -77,37 +78,39 @@ std::vector<std::string> previewed_segments(ServedCase& served) {
   return names;
 }
 
-Reply post_preview(ServedCase& served, const Request& request, const PathValues&) {
+Response post_preview(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "Poses");
   if (!body.value) return body.refused;
   const auto poses = as_poses((*body.value)["poses"]);
-  if (!poses) return refusal(poses.error(), "poses");
+  if (!poses) return error_response(poses.error(), "poses");
   const auto segments = previewed_segments(served);
   if (segments.empty())
-    return refusal(409, "not_ready", "no preview was prepared yet: run the job preview-factor");
+    return error_response(409, "not_ready",
+                          "no preview was prepared yet: run the job preview-factor");
   std::vector<RigidTransform> X_LB;
   for (const std::string& segment : segments)
     if (const auto pose = poses->find(segment); pose != poses->end()) X_LB.push_back(pose->second);
   if (poses->size() != segments.size() || X_LB.size() != segments.size())
-    return refusal(422, "invalid",
-                   fmt::format("the preview is of segment {} alone", fmt::join(segments, " and ")),
-                   "poses");
+    return error_response(
+        422, "invalid",
+        fmt::format("the preview is of segment {} alone", fmt::join(segments, " and ")), "poses");
   const auto face = served.preview();
-  if (!face) return refusal(face.error());
+  if (!face) return error_response(face.error());
   if ((*face)->segment_count() != segments.size())
-    return refusal(422, "invalid", "the preview's files are damaged: prepare it again");
+    return error_response(422, "invalid", "the preview's files are damaged: prepare it again");
   const auto displacement_mm = (*face)->displacement_mm(X_LB);
-  if (!displacement_mm) return refusal(displacement_mm.error());
-  Reply reply = binary_reply(shared_bytes(float_bytes(*displacement_mm)));
+  if (!displacement_mm) return error_response(displacement_mm.error());
+  Response reply = binary_response(shared_bytes(encode_floats(*displacement_mm)));
   reply.headers.emplace_back("X-Lefort-Note", kPreviewNote);
   return reply;
 }
 
-Reply get_preview_distance(ServedCase& served, const Request&, const PathValues&) {
+Response get_preview_distance(ServedCase& served, const Request&, const PathValues&) {
   if (!served.folder.etag(served.folder.prediction() / "prediction.json"))
-    return refusal(409, "not_ready", "there is no prediction to hold the preview against yet");
+    return error_response(409, "not_ready",
+                          "there is no prediction to hold the preview against yet");
   const auto face = served.preview();
-  if (!face) return refusal(409, "not_ready", face.error().message);
+  if (!face) return error_response(409, "not_ready", face.error().message);
   const auto before = io::read_surface(served.folder.prediction() / "skin_before.vtp");
   const auto after = io::read_surface(served.folder.prediction() / "predicted_skin.vtp");
   const json document = read_object(served.folder.prediction() / "prediction.json");
@@ -116,7 +119,7 @@ Reply get_preview_distance(ServedCase& served, const Request&, const PathValues&
                         : document["steps"].back();
   const auto poses = io::predicted_poses(document, last);
   if (!before || !after || before->vertices.size() != after->vertices.size() || !poses)
-    return refusal(422, "invalid", "the prediction's files are damaged: predict again");
+    return error_response(422, "invalid", "the prediction's files are damaged: predict again");
   std::vector<std::string> segments;
   std::vector<RigidTransform> X_LB;
   for (const auto& [segment, pose] : *poses) {
@@ -124,19 +127,19 @@ Reply get_preview_distance(ServedCase& served, const Request&, const PathValues&
     X_LB.push_back(pose);
   }
   if (Index(before->vertices.size()) != (*face)->vertex_count())
-    return refusal(409, "not_ready", "preview and prediction are of different skins");
+    return error_response(409, "not_ready", "preview and prediction are of different skins");
   if (segments != previewed_segments(served) || X_LB.size() != (*face)->segment_count())
-    return refusal(409, "not_ready", "preview and prediction are of different segments");
+    return error_response(409, "not_ready", "preview and prediction are of different segments");
   const auto preview_mm = (*face)->displacement_mm(X_LB);
-  if (!preview_mm) return refusal(preview_mm.error());
+  if (!preview_mm) return error_response(preview_mm.error());
   const io::PreviewDistance distance =
       io::measure_preview(*preview_mm, before->vertices, after->vertices);
-  return json_reply({{"note", kPreviewNote},
-                     {"moved_vertices", distance.moved_vertices},
-                     {"p50_mm", distance.p50_mm},
-                     {"p99_mm", distance.p99_mm},
-                     {"max_mm", distance.max_mm},
-                     {"largest_shift_mm", distance.largest_shift_mm}});
+  return json_response({{"note", kPreviewNote},
+                        {"moved_vertices", distance.moved_vertices},
+                        {"p50_mm", distance.p50_mm},
+                        {"p99_mm", distance.p99_mm},
+                        {"max_mm", distance.max_mm},
+                        {"largest_shift_mm", distance.max_shift_mm}});
 }
 
 }  // namespace

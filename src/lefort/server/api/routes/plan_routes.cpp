@@ -13,45 +13,46 @@ namespace {
 
 using nlohmann::json;
 
-Reply get_plan(ServedCase& served, const Request& request, const PathValues&) {
+Response get_plan(ServedCase& served, const Request& request, const PathValues&) {
   const auto etag = served.folder.etag(served.folder.plan());
-  if (!etag) return not_there("there is no plan yet");
-  if (is_known(request, etag)) return not_modified(etag);
-  auto text = io::read_text(served.folder.plan(), kLargestDocument);
-  if (!text) return refusal(text.error());
-  Reply reply;
+  if (!etag) return not_found("there is no plan yet");
+  if (is_not_modified(request, etag)) return not_modified(etag);
+  auto text = io::read_text(served.folder.plan(), kMaxDocument);
+  if (!text) return error_response(text.error());
+  Response reply;
   reply.text = *std::move(text);
   return with_etag(std::move(reply), etag);
 }
 
-Reply put_plan(ServedCase& served, const Request& request, const PathValues&) {
+Response put_plan(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "Plan");
   if (!body.value) return body.refused;
-  if (const auto files = check_files_of_plan(body.text); !files) return refusal(files.error());
+  if (const auto files = check_files_of_plan(body.text); !files)
+    return error_response(files.error());
   const auto plan = io::parse_plan(body.text, served.folder.root());
-  if (!plan) return refusal(422, "invalid", plan.error().message, "plan");
+  if (!plan) return error_response(422, "invalid", plan.error().message, "plan");
   const std::scoped_lock lock(served.writing);
   if (names_boundary(*body.value) && !there_is(served.folder.boundary()))
-    return refusal(422, "invalid", "boundary.labels: nothing was painted yet", "plan");
+    return error_response(422, "invalid", "boundary.labels: nothing was painted yet", "plan");
   if (auto refused = check_precondition(request, served.folder.etag(served.folder.plan())))
     return *refused;
   if (const auto written = io::write_text(served.folder.plan(), body.text); !written)
-    return refusal(written.error());
-  served.tell_stages();
+    return error_response(written.error());
+  served.report_stages();
   json names = json::array();
   for (const plan::PlannedSegment& segment : plan->segments)
     names.push_back(segment.osteotomy.segment);
-  return with_etag(json_reply({{"segments", names}}), served.folder.etag(served.folder.plan()));
+  return with_etag(json_response({{"segments", names}}), served.folder.etag(served.folder.plan()));
 }
 
-Reply get_plan_poses(ServedCase& served, const Request& request, const PathValues&) {
+Response get_plan_poses(ServedCase& served, const Request& request, const PathValues&) {
   const auto count = query_number(request, "count", 12, 1, 1000);
-  if (!count) return refusal(count.error(), "count");
-  const auto text = io::read_text(served.folder.plan(), kLargestDocument);
-  if (!text) return not_there("there is no plan yet");
-  if (const auto files = check_files_of_plan(*text); !files) return refusal(files.error());
+  if (!count) return error_response(count.error(), "count");
+  const auto text = io::read_text(served.folder.plan(), kMaxDocument);
+  if (!text) return not_found("there is no plan yet");
+  if (const auto files = check_files_of_plan(*text); !files) return error_response(files.error());
   const auto plan = io::parse_plan(*text, served.folder.root());
-  if (!plan) return refusal(plan.error(), "plan");
+  if (!plan) return error_response(plan.error(), "plan");
   json segments = json::object();
   for (const plan::PlannedSegment& segment : plan->segments) {
     json poses = json::array();
@@ -59,10 +60,10 @@ Reply get_plan_poses(ServedCase& served, const Request& request, const PathValue
       poses.push_back(pipeline::as_json(geometry::pose_at(segment.path, double(k) / *count)));
     segments[segment.osteotomy.segment] = std::move(poses);
   }
-  return json_reply({{"count", *count}, {"segments", segments}});
+  return json_response({{"count", *count}, {"segments", segments}});
 }
 
-Reply post_osteotomy(ServedCase& served, const Request& request, const PathValues&) {
+Response post_osteotomy(ServedCase& served, const Request& request, const PathValues&) {
   JsonBody body = read_json(request, "OsteotomyRequest");
   if (!body.value) return body.refused;
   // As a plan that has it would be read.
@@ -73,7 +74,7 @@ Reply post_osteotomy(ServedCase& served, const Request& request, const PathValue
                           {"osteotomy", {{"template", (*body.value)["template"]}}},
                           {"path", {{"keyframes", {{{"at", 1}}}}}}}}}};
   const auto plan = io::parse_plan(plan_json.dump(), served.folder.root());
-  if (!plan) return refusal(422, "invalid", plan.error().message, "template");
+  if (!plan) return error_response(422, "invalid", plan.error().message, "template");
   const auto as_planes = [](const std::vector<plan::CutPlane>& planes) {
     json list = json::array();
     for (const plan::CutPlane& plane : planes)
@@ -83,10 +84,11 @@ Reply post_osteotomy(ServedCase& served, const Request& request, const PathValue
   };
   const plan::Osteotomy& cut = plan->segments.front().osteotomy;
   json osteotomy{{"planes", as_planes(cut.planes)}};
-  for (const plan::CutRegion& region : cut.also)
+  for (const plan::CutRegion& region : cut.additional_regions)
     osteotomy["also"].push_back({{"planes", as_planes(region.planes)}});
-  for (const Vec3& point : cut.holds_L) osteotomy["holds"].push_back(pipeline::as_json(point));
-  return json_reply({{"osteotomy", osteotomy}});
+  for (const Vec3& point : cut.anchor_points_L)
+    osteotomy["holds"].push_back(pipeline::as_json(point));
+  return json_response({{"osteotomy", osteotomy}});
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <lefort/server/api/request_parts.h>
 #include <lefort/server/api/route.h>
 #include <lefort/server/case/served_case.h>
-#include <lefort/server/case/surface_bytes.h>
+#include <lefort/server/case/surface_encoding.h>
 
 #include <algorithm>
 #include <string>
@@ -19,22 +19,22 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kMostSteps = 1000;  // As the contract says.
+constexpr int kMaxSteps = 1000;  // As the contract says.
 constexpr const char* kNoStep = "there is no such step";
 
-Reply get_prediction(ServedCase& served, const Request& request, const PathValues&) {
+Response get_prediction(ServedCase& served, const Request& request, const PathValues&) {
   const fs::path failure = served.folder.prediction() / "failure.json";
   const fs::path file =
       there_is(failure) ? failure : served.folder.prediction() / "prediction.json";
   const auto etag = served.folder.etag(file);
-  if (!etag) return not_there("there is no prediction yet");
-  if (is_known(request, etag)) return not_modified(etag);
+  if (!etag) return not_found("there is no prediction yet");
+  if (is_not_modified(request, etag)) return not_modified(etag);
   const json document = read_object(file);
   json steps = json::array();
   try {
     for (const json& step : document.at("steps")) {
       const auto where = io::predicted_poses(document, step);
-      if (!where) return refusal(422, "invalid", where.error().message + ": predict again");
+      if (!where) return error_response(422, "invalid", where.error().message + ": predict again");
       json poses = json::object();
       for (const auto& [segment, X_LB] : *where) poses[segment] = pipeline::as_json(X_LB);
       std::size_t iterations = 0;
@@ -55,7 +55,7 @@ Reply get_prediction(ServedCase& served, const Request& request, const PathValue
     const bool converged = document.at("converged").get<bool>();
     const json& skin = document.at("skin");
     return with_etag(
-        json_reply(
+        json_response(
             {{"converged", converged},
              {"failure", document.value("failure", "")},
              {"skin_largest_shift_mm", converged ? skin.at("largest_shift_mm") : json()},
@@ -65,13 +65,13 @@ Reply get_prediction(ServedCase& served, const Request& request, const PathValue
              {"document", document}}),
         etag);
   } catch (const json::exception&) {
-    return refusal(422, "invalid", "prediction.json is damaged: predict again");
+    return error_response(422, "invalid", "prediction.json is damaged: predict again");
   }
 }
 
 /// kFileNotFound if there is no such step.
 Result<std::vector<Vec3>> step_displacement(ServedCase& served, const std::string& step) {
-  const auto number = number_of(step, 1, kMostSteps);
+  const auto number = number_of(step, 1, kMaxSteps);
   const auto etag = served.folder.etag(served.folder.prediction() / "prediction.json");
   if (!number || !etag) return fail(ErrorCode::kFileNotFound, kNoStep);
   LEFORT_TRY(const auto ct, served.volume());
@@ -81,14 +81,14 @@ Result<std::vector<Vec3>> step_displacement(ServedCase& served, const std::strin
   return steps->displacement_mm(*number);
 }
 
-Reply refusal_of_step(const Error& error) {
-  return error.code == ErrorCode::kFileNotFound ? not_there(kNoStep) : refusal(error);
+Response refusal_of_step(const Error& error) {
+  return error.code == ErrorCode::kFileNotFound ? not_found(kNoStep) : error_response(error);
 }
 
-Reply get_prediction_step(ServedCase& served, const Request&, const PathValues& values) {
+Response get_prediction_step(ServedCase& served, const Request&, const PathValues& values) {
   const auto displacement_mm = step_displacement(served, values[0]);
   if (!displacement_mm) return refusal_of_step(displacement_mm.error());
-  return binary_reply(shared_bytes(float_bytes(*displacement_mm)));
+  return binary_response(shared_bytes(encode_floats(*displacement_mm)));
 }
 
 /// The face's regions by the case's landmarks, and what is left out for want of them.
@@ -109,20 +109,20 @@ Result<RegionsFound> find_regions(const CaseFolder& folder) {
   return RegionsFound{none, {regions.error().message}};
 }
 
-Reply get_prediction_step_regions(ServedCase& served, const Request&, const PathValues& values) {
+Response get_prediction_step_regions(ServedCase& served, const Request&, const PathValues& values) {
   const auto displacement_mm = step_displacement(served, values[0]);
   if (!displacement_mm) return refusal_of_step(displacement_mm.error());
   const auto found = find_regions(served.folder);
-  if (!found) return refusal(found.error());
+  if (!found) return error_response(found.error());
   const auto before = io::read_surface(served.folder.prediction() / "skin_before.vtp");
   if (!before || before->vertices.size() != displacement_mm->size())
-    return refusal(422, "invalid", "the prediction's files are damaged: predict again");
+    return error_response(422, "invalid", "the prediction's files are damaged: predict again");
   json regions = json::array();
   for (const auto& row : compare::movement_by_region(*before, *displacement_mm, found->regions))
     regions.push_back({{"region", row.region}, {"shift", pipeline::statistics_json(row.face)}});
-  return json_reply({{"step", *number_of(values[0], 1, kMostSteps)},
-                     {"regions", regions},
-                     {"missing", found->missing}});
+  return json_response({{"step", *number_of(values[0], 1, kMaxSteps)},
+                        {"regions", regions},
+                        {"missing", found->missing}});
 }
 
 }  // namespace

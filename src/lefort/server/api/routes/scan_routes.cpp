@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kMostEvery = 16;
+constexpr int kMaxEvery = 16;
 
 /// Each n-th voxel along each axis.
 template <class Value>
@@ -31,20 +31,20 @@ std::string every_nth(const image::Grid& grid, const std::vector<Value>& values,
 }
 
 template <class Value>
-Reply voxels_reply(const std::shared_ptr<const image::Volume<Value>>& volume, int every) {
-  Reply reply = every == 1
-                    ? binary_reply({volume,
+Response voxels_reply(const std::shared_ptr<const image::Volume<Value>>& volume, int every) {
+  Response reply =
+      every == 1 ? binary_response({volume,
                                     {reinterpret_cast<const char*>(volume->values.data()),
                                      volume->values.size() * sizeof(Value)}})
-                    : binary_reply(shared_bytes(every_nth(volume->grid, volume->values, every)));
+                 : binary_response(shared_bytes(every_nth(volume->grid, volume->values, every)));
   const auto sent = [&](std::size_t axis) { return (volume->grid.size[axis] + every - 1) / every; };
   reply.headers.emplace_back("X-Lefort-Size", fmt::format("{},{},{}", sent(0), sent(1), sent(2)));
   return reply;
 }
 
-Reply get_volume(ServedCase& served, const Request&, const PathValues&) {
+Response get_volume(ServedCase& served, const Request&, const PathValues&) {
   const auto ct = served.volume();
-  if (!ct) return refusal(ct.error());
+  if (!ct) return error_response(ct.error());
   const image::Grid& grid = (*ct)->grid;
   const auto [lowest, highest] = std::minmax_element((*ct)->values.begin(), (*ct)->values.end());
   json direction = json::array();
@@ -56,83 +56,83 @@ Reply get_volume(ServedCase& served, const Request&, const PathValues&) {
                      {{"name", "air and skin"}, {"level_hu", -300}, {"window_hu", 1400}},
                      {{"name", "brain"}, {"level_hu", 40}, {"window_hu", 80}}};
   const auto etag = served.folder.etag(served.folder.ct());
-  return with_etag(json_reply({{"size", grid.size},
-                               {"spacing_mm", pipeline::as_json(grid.spacing_mm)},
-                               {"origin_mm", pipeline::as_json(grid.origin_L)},
-                               {"direction", direction},
-                               {"value_range_hu", {*lowest, *highest}},
-                               {"presets", presets},
-                               {"etag", etag.value_or("")}}),
+  return with_etag(json_response({{"size", grid.size},
+                                  {"spacing_mm", pipeline::as_json(grid.spacing_mm)},
+                                  {"origin_mm", pipeline::as_json(grid.origin_L)},
+                                  {"direction", direction},
+                                  {"value_range_hu", {*lowest, *highest}},
+                                  {"presets", presets},
+                                  {"etag", etag.value_or("")}}),
                    etag);
 }
 
-Reply get_volume_data(ServedCase& served, const Request& request, const PathValues&) {
-  const auto every = query_number(request, "every", 1, 1, kMostEvery);
-  if (!every) return refusal(every.error(), "every");
+Response get_volume_data(ServedCase& served, const Request& request, const PathValues&) {
+  const auto every = query_number(request, "every", 1, 1, kMaxEvery);
+  if (!every) return error_response(every.error(), "every");
   const auto etag = served.folder.etag(served.folder.ct());
-  if (is_known(request, etag)) return not_modified(etag);
+  if (is_not_modified(request, etag)) return not_modified(etag);
   const auto ct = served.volume();
-  if (!ct) return refusal(ct.error());
+  if (!ct) return error_response(ct.error());
   return with_etag(voxels_reply(*ct, *every), etag);
 }
 
-Reply get_labels(ServedCase& served, const Request& request, const PathValues&) {
+Response get_labels(ServedCase& served, const Request& request, const PathValues&) {
   const auto etag = served.folder.etag(served.folder.labels());
-  if (!etag) return not_there("there are no labels yet");
-  if (is_known(request, etag)) return not_modified(etag);
+  if (!etag) return not_found("there are no labels yet");
+  if (is_not_modified(request, etag)) return not_modified(etag);
   const auto ct = served.volume();
-  if (!ct) return refusal(ct.error());
+  if (!ct) return error_response(ct.error());
   json names = json::array({{{"value", 0}, {"name", "background"}}});
   for (const anatomy::TissueStyle& style : anatomy::kTissueStyles)
     names.push_back({{"value", int(style.tissue)}, {"name", style.name}});
-  return with_etag(json_reply({{"size", (*ct)->grid.size}, {"names", names}}), etag);
+  return with_etag(json_response({{"size", (*ct)->grid.size}, {"names", names}}), etag);
 }
 
-Reply get_labels_data(ServedCase& served, const Request& request, const PathValues&) {
-  const auto every = query_number(request, "every", 1, 1, kMostEvery);
-  if (!every) return refusal(every.error(), "every");
+Response get_labels_data(ServedCase& served, const Request& request, const PathValues&) {
+  const auto every = query_number(request, "every", 1, 1, kMaxEvery);
+  if (!every) return error_response(every.error(), "every");
   const auto etag = served.folder.etag(served.folder.labels());
-  if (!etag) return not_there("there are no labels yet");
-  if (is_known(request, etag)) return not_modified(etag);
+  if (!etag) return not_found("there are no labels yet");
+  if (is_not_modified(request, etag)) return not_modified(etag);
   const auto ct = served.volume();
-  if (!ct) return refusal(ct.error());
+  if (!ct) return error_response(ct.error());
   auto labels = io::read_segmentation(served.folder.labels(), (*ct)->grid);
-  if (!labels) return refusal(labels.error());
+  if (!labels) return error_response(labels.error());
   return with_etag(
       voxels_reply(std::make_shared<const anatomy::LabelMap>(*std::move(labels)), *every), etag);
 }
 
-Reply put_labels_data(ServedCase& served, const Request& request, const PathValues&) {
+Response put_labels_data(ServedCase& served, const Request& request, const PathValues&) {
   const auto ct_etag = served.folder.etag(served.folder.ct());
   const auto ct = served.volume();
-  if (!ct) return refusal(ct.error());
+  if (!ct) return error_response(ct.error());
   const auto voxels = std::uint64_t((*ct)->grid.voxel_count());
   Body body = read_body(request, voxels, "application/octet-stream");
   if (!body.text) return body.refused;
   if (body.text->size() != voxels)
-    return refusal(422, "invalid",
-                   fmt::format("the body must have {} bytes, one per voxel, it "
-                               "has {}",
-                               voxels, body.text->size()));
+    return error_response(422, "invalid",
+                          fmt::format("the body must have {} bytes, one per voxel, it "
+                                      "has {}",
+                                      voxels, body.text->size()));
   anatomy::LabelMap labels{(*ct)->grid, {}};
   labels.values.reserve(voxels);
   for (const char c : *body.text) {
     if (static_cast<unsigned char>(c) > anatomy::kTissueStyles.size())
-      return refusal(422, "invalid", fmt::format("label {} is none", int(std::uint8_t(c))));
+      return error_response(422, "invalid", fmt::format("label {} is none", int(std::uint8_t(c))));
     labels.values.push_back(anatomy::Tissue(c));
   }
   const std::scoped_lock lock(served.writing);
   if (!served.jobs.is_idle())
-    return refusal(409, "busy", "a job is at work: labels can be changed when it is done");
+    return error_response(409, "busy", "a job is at work: labels can be changed when it is done");
   if (served.folder.etag(served.folder.ct()) != ct_etag)
-    return refusal(409, "stale", "the scan was replaced meanwhile: fetch it again");
+    return error_response(409, "stale", "the scan was replaced meanwhile: fetch it again");
   if (auto refused = check_precondition(request, served.folder.etag(served.folder.labels())))
     return *refused;
   std::error_code error;
   fs::create_directories(served.folder.anatomy(), error);
   if (const auto written = io::write_segmentation(served.folder.labels(), labels); !written)
-    return refusal(written.error());
-  served.tell_stages();
+    return error_response(written.error());
+  served.report_stages();
   return with_etag(empty_reply(), served.folder.etag(served.folder.labels()));
 }
 

@@ -1,9 +1,9 @@
 #include <lefort/io/surface_files.h>
 #include <lefort/server/api/request_parts.h>
 #include <lefort/server/api/route.h>
-#include <lefort/server/case/named_files.h>
+#include <lefort/server/case/file_catalog.h>
 #include <lefort/server/case/served_case.h>
-#include <lefort/server/case/surface_bytes.h>
+#include <lefort/server/case/surface_encoding.h>
 
 #include <fmt/format.h>
 
@@ -15,23 +15,23 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-Reply surface_reply(ServedCase& served, const Request& request, const fs::path& file) {
+Response surface_reply(ServedCase& served, const Request& request, const fs::path& file) {
   const auto etag = served.folder.etag(file);
-  if (!etag) return not_there("there is no such surface yet");
-  if (is_known(request, etag)) return not_modified(etag);
-  const auto bytes = served.kept_surfaces.get(file.string(), *etag, [&]() -> Result<std::string> {
+  if (!etag) return not_found("there is no such surface yet");
+  if (is_not_modified(request, etag)) return not_modified(etag);
+  const auto bytes = served.cached_surfaces.get(file.string(), *etag, [&]() -> Result<std::string> {
     LEFORT_TRY(const geometry::TriangleMesh mesh, io::read_surface(file));
-    return surface_bytes(mesh);
+    return encode_surface(mesh);
   });
-  if (!bytes) return refusal(bytes.error());
-  Reply reply = binary_reply({*bytes, **bytes});
+  if (!bytes) return error_response(bytes.error());
+  Response reply = binary_response({*bytes, **bytes});
   reply.headers.emplace_back("X-Lefort-Scalars", "");
   return with_etag(std::move(reply), etag);
 }
 
-Reply get_surfaces(ServedCase& served, const Request&, const PathValues&) {
+Response get_surfaces(ServedCase& served, const Request&, const PathValues&) {
   json list = json::array();
-  for (const NamedFile& surface : named_surfaces())
+  for (const NamedFile& surface : surface_catalog())
     if (const auto etag = served.folder.etag(surface.path(served.folder)))
       list.push_back({{"name", surface.name}, {"etag", *etag}});
   const json cut = read_object(served.folder.cut() / "cut.json");
@@ -44,17 +44,17 @@ Reply get_surfaces(ServedCase& served, const Request&, const PathValues&) {
               served.folder.etag(served.folder.cut() / fmt::format("segment_{}.vtp", name)))
         list.push_back({{"name", "segments/" + name}, {"etag", *etag}});
     }
-  return json_reply({{"surfaces", list}});
+  return json_response({{"surfaces", list}});
 }
 
-Reply get_surface(ServedCase& served, const Request& request, const PathValues& values) {
-  const NamedFile* const surface = find_named(named_surfaces(), values[0]);
-  if (surface == nullptr) return not_there("there is no surface of that name");
+Response get_surface(ServedCase& served, const Request& request, const PathValues& values) {
+  const NamedFile* const surface = find_named(surface_catalog(), values[0]);
+  if (surface == nullptr) return not_found("there is no surface of that name");
   return surface_reply(served, request, surface->path(served.folder));
 }
 
-Reply get_segment_surface(ServedCase& served, const Request& request, const PathValues& values) {
-  if (!is_segment_name(values[0])) return not_there("no segment is called so");
+Response get_segment_surface(ServedCase& served, const Request& request, const PathValues& values) {
+  if (!is_segment_name(values[0])) return not_found("no segment is called so");
   return surface_reply(served, request,
                        served.folder.cut() / fmt::format("segment_{}.vtp", values[0]));
 }

@@ -1,0 +1,31 @@
+/// \file
+/// All elements of a mesh in order, those with a split law by their shape.
+#pragma once
+
+#include <lefort/core/check.h>
+#include <lefort/fem/elements/all_elements.h>
+#include <lefort/fem/materials/material_response.h>
+
+#include <cstdint>
+#include <variant>
+
+namespace lefort::fem {
+
+/// Calls `take(Element{}, nodes, region)` for each element whose law has a volumetric part, and
+/// `end()` after every element of the mesh, whatever its law. Each region must have a material.
+template <class Take, class End>
+void for_each_decoupled_element(const mesh::VolumeMesh& mesh, const RegionMaterials& materials,
+                                const Take& take, const End& end) {
+  for (const mesh::ElementBlock& block : mesh.blocks)
+    for (Index e = 0; e < block.element_count(); ++e) {
+      const std::int32_t region = block.region[std::size_t(e)];
+      const auto material = materials.find(region);
+      LEFORT_CHECK(material != materials.end());
+      if (volumetric_part(material->second) != nullptr)
+        std::visit([&](const auto& element) { take(element, block.element(e), region); },
+                   element_of(block.shape));
+      end();
+    }
+}
+
+}  // namespace lefort::fem

@@ -1,0 +1,83 @@
+#include <lefort/core/parallel.h>
+#include <lefort/field/query/cell_samples.h>
+#include <lefort/field/sign/outside_band.h>
+
+#include <bit>
+#include <optional>
+#include <utility>
+
+namespace lefort::field {
+
+namespace {
+
+/// Half the diagonal of 4 x 4 x 4 points, in cells.
+constexpr double kHalfOctant = 2.6;
+
+}  // namespace
+
+BrickBits inside_with_unsampled(const BrickSigns& signs, const WindingScanlines& winding,
+                                std::int32_t brick, const FieldFrame& frame) {
+  const LatticePoint first = SparseLattice::first_point_of(brick, frame.resolution);
+  const bool one_side = frame.band_mm >= kHalfOctant * frame.cell_mm;
+  BrickBits inside = signs.inside;
+  for (int octant = 0; octant < 8; ++octant) {
+    std::optional<bool> side;
+    const auto z_low = std::size_t(octant >> 2) * 4;
+    for (std::size_t z = z_low; z < z_low + 4; ++z) {
+      std::uint64_t far = ~signs.known[z] & octant_columns(octant);
+      for (std::uint64_t left = far; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        if (!side || !one_side) side = winding.is_inside(point_at(first, int(z) * 64 + bit));
+        if (!one_side && *side) inside[z] |= std::uint64_t(1) << bit;
+        if (one_side) break;
+      }
+      if (one_side && side.value_or(false)) inside[z] |= far;
+    }
+  }
+  return inside;
+}
+
+void fill_points_outside_band(std::span<float, SparseLattice::kBrickPoints> distances,
+                              const WindingScanlines& winding, std::int32_t brick,
+                              const FieldFrame& frame) {
+  const BrickSigns signs = signs_of(distances);
+  const BrickBits inside = inside_with_unsampled(signs, winding, brick, frame);
+  for (std::size_t i = 0; i < distances.size(); ++i)
+    if ((signs.known[i / 64] >> (i % 64) & 1) == 0)
+      distances[i] =
+          side_value((inside[i / 64] >> (i % 64) & 1) != 0 ? Zone::kInside : Zone::kOutside);
+}
+
+Zone side_of_empty_brick(const WindingScanlines& winding, std::int32_t brick, int resolution) {
+  const LatticePoint first = SparseLattice::first_point_of(brick, resolution);
+  return winding.is_inside(first) ? Zone::kInside : Zone::kOutside;
+}
+
+float SignedDistances::at(const LatticePoint& point) const {
+  const std::int32_t brick = near.brick_of(point);
+  const std::int32_t slot = near.slot_of(brick);
+  if (slot != SparseLattice::kNoBrick)
+    return near.brick(slot)[std::size_t(SparseLattice::linear_offset(point))];
+  return side_value(brick_sides[std::size_t(brick)]);
+}
+
+SignedDistances fill_outside_band(SparseLattice distances, const FieldFrame& frame,
+                                  const WindingScanlines* winding) {
+  const int resolution = distances.resolution();
+  const auto n = std::size_t(distances.bricks_per_side());
+  std::vector<Zone> sides(n * n * n, Zone::kUnknown);
+  if (winding == nullptr) return {std::move(distances), std::move(sides)};
+  parallel_for(Index(sides.size()), [&](Index b) {
+    const auto brick = std::int32_t(b);
+    const std::int32_t slot = distances.slot_of(brick);
+    if (slot == SparseLattice::kNoBrick) {
+      sides[std::size_t(b)] = side_of_empty_brick(*winding, brick, resolution);
+    } else {
+      fill_points_outside_band(distances.brick(slot), *winding, brick, frame);
+      sides[std::size_t(b)] = Zone::kBand;
+    }
+  });
+  return {std::move(distances), std::move(sides)};
+}
+
+}  // namespace lefort::field

@@ -1,0 +1,120 @@
+#include <lefort/core/parallel.h>
+#include <lefort/field/sign/edge_function_yz.h>
+#include <lefort/field/sign/winding_scanlines.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace lefort::field {
+
+namespace {
+
+/// Every second row of points along y and along z has a line.
+constexpr int kSpacing = 2;
+/// How far the lines run beside those rows, in cells: about halfway to the next, by fractions that
+/// no surface follows.
+constexpr double kAside_y = 0.47140452079103, kAside_z = 0.53033008588991;
+constexpr bool near_all_rows(double aside_y, double aside_z) {
+  const double y = std::max(aside_y, kSpacing - 1 - aside_y),
+               z = std::max(aside_z, kSpacing - 1 - aside_z);
+  return y * y + z * z < 1.0;
+}
+static_assert(near_all_rows(kAside_y, kAside_z), "answers are for points further than a cell");
+constexpr Index kBlock = 2048;
+
+int lines_per_side(int resolution) { return resolution / kSpacing + 1; }
+
+struct Hit {
+  std::uint32_t line;
+  float x;
+  std::int32_t winding;
+};
+
+/// Lines that cross a triangle with corners in cells.
+void find_hits(const std::array<Vec3, 3>& corner, int lines, std::vector<Hit>& hits) {
+  const auto range = [&](int axis, double aside) {
+    const auto [minimum, maximum] =
+        std::minmax({corner[0][axis], corner[1][axis], corner[2][axis]});
+    // From the first line not below the triangle to the last not above it; towards zero is down,
+    // for no line has a negative number.
+    const double from = (minimum - aside) / kSpacing, to = (maximum - aside) / kSpacing;
+    return std::pair(std::max(0, int(from) + (double(int(from)) < from ? 1 : 0)),
+                     std::min(lines - 1, int(to)));
+  };
+  const auto [y_low, y_high] = range(1, kAside_y);
+  const auto [z_low, z_high] = range(2, kAside_z);
+  if (y_low > y_high || z_low > z_high) return;
+  const EdgeFunctionYz opposite_0(corner[1], corner[2]), opposite_1(corner[2], corner[0]),
+      opposite_2(corner[0], corner[1]);
+  for (int z = z_low; z <= z_high; ++z)
+    for (int y = y_low; y <= y_high; ++y) {
+      const double py = kSpacing * y + kAside_y, pz = kSpacing * z + kAside_z;
+      const double a = opposite_0.evaluate(py, pz), b = opposite_1.evaluate(py, pz),
+                   c = opposite_2.evaluate(py, pz);
+      const bool all_left = a > 0.0 && b > 0.0 && c > 0.0;
+      const bool all_right = a < 0.0 && b < 0.0 && c < 0.0;
+      if (!all_left && !all_right) continue;
+      const double x = (a * corner[0].x() + b * corner[1].x() + c * corner[2].x()) / (a + b + c);
+      // In the plane of y and z a triangle whose normal has a positive x turns left: there a line
+      // along +x leaves.
+      hits.push_back({std::uint32_t(z * lines + y), float(x), all_right ? 1 : -1});
+    }
+}
+
+}  // namespace
+
+WindingScanlines::WindingScanlines(const geometry::TriangleMesh& mesh_B, const FieldFrame& frame)
+    : resolution_(frame.resolution) {
+  const int side = lines_per_side(resolution_);
+  const double cells_per_mm = 1.0 / frame.cell_mm;
+  const auto blocks = std::size_t((mesh_B.triangle_count() + kBlock - 1) / kBlock);
+  std::vector<std::vector<Hit>> hits(blocks);
+  const auto to_cells = [&](const Vec3& p_B) -> Vec3 {
+    return (p_B - frame.origin_B) * cells_per_mm;
+  };
+  parallel_for_blocks(
+      mesh_B.triangle_count(),
+      [&](Index begin, Index end) {
+        for (Index t = begin; t < end; ++t)
+          find_hits({to_cells(mesh_B.corner(t, 0)), to_cells(mesh_B.corner(t, 1)),
+                     to_cells(mesh_B.corner(t, 2))},
+                    side, hits[std::size_t(begin / kBlock)]);
+      },
+      kBlock);
+
+  const auto lines = std::size_t(side) * std::size_t(side);
+  first_.assign(lines + 1, 0);
+  for (const auto& list : hits)
+    for (const Hit& hit : list) ++first_[hit.line + 1];
+  for (std::size_t line = 0; line < lines; ++line) first_[line + 1] += first_[line];
+  crossings_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (const auto& list : hits)
+    for (const Hit& hit : list) crossings_[next[hit.line]++] = {hit.x, hit.winding};
+  parallel_for(
+      Index(lines),
+      [&](Index line) {
+        std::sort(crossings_.begin() + first_[std::size_t(line)],
+                  crossings_.begin() + first_[std::size_t(line) + 1],
+                  [](const Crossing& a, const Crossing& b) {
+                    return a.x != b.x ? a.x < b.x : a.winding < b.winding;
+                  });
+      },
+      4096);
+}
+
+bool WindingScanlines::is_inside(const LatticePoint& point) const {
+  for (const int c : point)
+    if (c < 0 || c > resolution_) return false;  // The surface lies within the cube.
+  const auto line = std::size_t(point[2] / kSpacing) * std::size_t(lines_per_side(resolution_)) +
+                    std::size_t(point[1] / kSpacing);
+  std::int32_t winding = 0;
+  for (std::uint32_t i = first_[line]; i < first_[line + 1] && crossings_[i].x < float(point[0]);
+       ++i)
+    winding += crossings_[i].winding;
+  return winding > 0;
+}
+
+}  // namespace lefort::field

@@ -1,0 +1,36 @@
+#include <lefort/io/internal/check_volume_file.h>
+
+#include <fmt/format.h>
+
+namespace lefort::io {
+namespace fs = std::filesystem;
+
+Error cut_off(std::uint64_t found, std::uint64_t wanted) {
+  return {ErrorCode::kFileCorrupt,
+          fmt::format("there are {} bytes of voxels, expected {}", found, wanted)};
+}
+
+Result<fs::path> sibling_file(const fs::path& header, std::string_view name) {
+  while (name.starts_with("./")) name.remove_prefix(2);
+  // LIST is what both formats call several files.
+  if (name.empty() || name == "." || name == ".." || name.starts_with("LIST") ||
+      name.find_first_of("/\\%\0", 0, 4) != std::string_view::npos)
+    return fail(ErrorCode::kFileUnsupported,
+                "the voxels are not in one file beside the header, expected its plain name");
+  fs::path file = header.parent_path() / name;
+  std::error_code error;
+  // Of the name itself, not of what a link leads to.
+  if (!fs::is_regular_file(fs::symlink_status(file, error)))
+    return fail(ErrorCode::kFileCorrupt,
+                "the file of the voxels is missing beside the header, or no regular file");
+  return file;
+}
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r";
+  const std::size_t first = text.find_first_not_of(kSpace);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+}  // namespace lefort::io

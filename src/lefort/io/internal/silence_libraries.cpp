@@ -1,0 +1,44 @@
+#include <lefort/io/internal/silence_libraries.h>
+
+#include <itkObject.h>
+#include <itkOutputWindow.h>
+
+#include <iostream>
+
+namespace lefort::io {
+
+namespace {
+
+/// Where ITK's warnings go.
+class NoOutputWindow : public itk::OutputWindow {
+ public:
+  using Self = NoOutputWindow;
+  using Superclass = itk::OutputWindow;
+  using Pointer = itk::SmartPointer<Self>;
+  itkFactorylessNewMacro(Self);
+  itkTypeMacro(NoOutputWindow, OutputWindow);
+
+  void DisplayText(const char* /*text*/) override {}
+};
+
+/// Swallows what is written to it.
+class NoStream : public std::streambuf {
+  int_type overflow(int_type c) override { return traits_type::not_eof(c); }
+  std::streamsize xsputn(const char* /*text*/, std::streamsize count) override { return count; }
+};
+
+NoStream no_stream;
+
+}  // namespace
+
+SilenceLibraries::SilenceLibraries()
+    : cerr_(std::cerr.rdbuf(&no_stream)), cout_(std::cout.rdbuf(&no_stream)) {
+  itk::OutputWindow::SetInstance(NoOutputWindow::New());
+}
+
+SilenceLibraries::~SilenceLibraries() {
+  std::cerr.rdbuf(cerr_);
+  std::cout.rdbuf(cout_);
+}
+
+}  // namespace lefort::io

@@ -1,0 +1,71 @@
+/// \file
+/// Visits the supernodes of a plan, subtrees side by side.
+#pragma once
+
+#include <lefort/core/isolate.h>
+#include <lefort/core/parallel.h>
+#include <lefort/linear/cholesky_plan.h>
+
+#include <cstdint>
+#include <utility>
+
+namespace lefort::linear {
+
+/// Whether the loops within a front are cut into tasks: worth it only near the root.
+enum class FrontLoops { kSerial, kParallel };
+
+/// A subtree with less than this share of all the work is one task.
+inline constexpr double kTaskFraction = 1.0 / 64;
+
+/// Calls visit(supernode, loops) for children before their parent.
+template <class Visit>
+void visit_upwards(const CholeskyPlan& plan, const Visit& visit) {
+  const double small = kTaskFraction * plan.work();
+  const auto subtree = [&](const auto& self, std::int32_t s) -> void {
+    const Supernode& node = plan.supernodes[std::size_t(s)];
+    if (node.work <= small) {
+      for (std::int32_t t = node.first_descendant; t <= s; ++t) visit(t, FrontLoops::kSerial);
+      return;
+    }
+    const auto children = plan.children_of(s);
+    parallel_for(
+        Index(children.size()), [&](Index c) { self(self, children[std::size_t(c)]); }, 1);
+    visit(s, FrontLoops::kParallel);
+  };
+  const auto roots = plan.roots();
+  parallel_for(
+      Index(roots.size()), [&](Index r) { subtree(subtree, roots[std::size_t(r)]); }, 1);
+}
+
+/// Calls visit(supernode, loops) for parents before their children.
+template <class Visit>
+void visit_downwards(const CholeskyPlan& plan, const Visit& visit) {
+  const double small = kTaskFraction * plan.work();
+  const auto subtree = [&](const auto& self, std::int32_t s) -> void {
+    const Supernode& node = plan.supernodes[std::size_t(s)];
+    if (node.work <= small) {
+      for (std::int32_t t = s; t >= node.first_descendant; --t) visit(t, FrontLoops::kSerial);
+      return;
+    }
+    visit(s, FrontLoops::kParallel);
+    const auto children = plan.children_of(s);
+    parallel_for(
+        Index(children.size()), [&](Index c) { self(self, children[std::size_t(c)]); }, 1);
+  };
+  const auto roots = plan.roots();
+  parallel_for(
+      Index(roots.size()), [&](Index r) { subtree(subtree, roots[std::size_t(r)]); }, 1);
+}
+
+/// Calls body(i) for every i of [0, count). A thread that waits for the others does not begin
+/// another subtree meanwhile, which would hold up this front.
+template <class Body>
+void loop_in_front(FrontLoops loops, Index count, const Body& body, Index block = 1) {
+  if (loops == FrontLoops::kSerial || count <= block) {
+    for (Index i = 0; i < count; ++i) body(i);
+    return;
+  }
+  isolate([&] { parallel_for(count, body, block); });
+}
+
+}  // namespace lefort::linear

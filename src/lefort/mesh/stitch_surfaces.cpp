@@ -1,0 +1,73 @@
+#include <lefort/geometry/mesh_properties.h>
+#include <lefort/mesh/stitch_surfaces.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace lefort::mesh {
+namespace {
+
+using geometry::Triangle;
+using geometry::TriangleMesh;
+using Corners = std::array<std::array<double, 3>, 3>;
+
+Corners corners_of(const TriangleMesh& mesh, const Triangle& triangle) {
+  Corners corners{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Vec3& p = mesh.vertices[std::size_t(triangle[c])];
+    corners[c] = {p.x(), p.y(), p.z()};
+  }
+  return corners;
+}
+
+/// The triangle's vertices from the one with the smallest coordinates on, orientation kept.
+Triangle smallest_first(const TriangleMesh& mesh, Triangle triangle) {
+  const Corners corners = corners_of(mesh, triangle);
+  const auto smallest = std::min_element(corners.begin(), corners.end()) - corners.begin();
+  std::rotate(triangle.begin(), triangle.begin() + smallest, triangle.end());
+  return triangle;
+}
+
+}  // namespace
+
+TriangleMesh stitch_surfaces(const TriangleMesh& a, const TriangleMesh& b) {
+  std::map<Corners, Index> b_turned;  // Each triangle of b as seen from its back.
+  for (Index t = 0; t < b.triangle_count(); ++t) {
+    const auto& [p, q, r] = b.triangles[std::size_t(t)];
+    const Triangle turned = smallest_first(b, {p, r, q});
+    b_turned.emplace(corners_of(b, turned), t);
+  }
+
+  // Vertices of b follow those of a, and are then renumbered to their partner in a.
+  std::vector<std::int32_t> number(b.vertices.size());
+  std::iota(number.begin(), number.end(), std::int32_t(a.vertices.size()));
+  std::vector<bool> dropped(b.triangles.size(), false);
+  TriangleMesh joined;
+  joined.vertices = a.vertices;
+  for (const Triangle& triangle : a.triangles) {
+    const Triangle first = smallest_first(a, triangle);
+    const auto match = b_turned.find(corners_of(a, first));
+    if (match == b_turned.end()) {
+      joined.triangles.push_back(triangle);
+      continue;
+    }
+    const auto t = std::size_t(match->second);
+    dropped[t] = true;
+    const auto& [p, q, r] = b.triangles[t];
+    const Triangle turned = smallest_first(b, {p, r, q});
+    for (std::size_t c = 0; c < 3; ++c) number[std::size_t(turned[c])] = first[c];
+    b_turned.erase(match);
+  }
+
+  joined.vertices.insert(joined.vertices.end(), b.vertices.begin(), b.vertices.end());
+  for (std::size_t t = 0; t < b.triangles.size(); ++t) {
+    if (dropped[t]) continue;
+    Triangle triangle = b.triangles[t];
+    for (std::int32_t& vertex : triangle) vertex = number[std::size_t(vertex)];
+    joined.triangles.push_back(triangle);
+  }
+  return geometry::keep_triangles(joined, [](Index) { return true; });  // Drops loose vertices.
+}
+
+}  // namespace lefort::mesh

@@ -1,0 +1,311 @@
+#include <lefort/geometry/bvh.h>
+#include <lefort/geometry/mesh_properties.h>
+#include <lefort/mesh/cut_surface.h>
+#include <lefort/mesh/stitch_surfaces.h>
+#include <lefort/plan/bone_bodies.h>
+#include <lefort/plan/check_volumes.h>
+#include <lefort/plan/cut_solid.h>
+#include <lefort/plan/perform_osteotomy.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+namespace lefort::plan {
+namespace {
+
+using geometry::TriangleMesh;
+
+constexpr double kMm3PerMl = 1000.0;
+constexpr double kAnchorTolerance_mm =
+    5.0;                            // Landmarks are picked on skins of bone, which may be rough.
+constexpr double kSheet_mm = 0.01;  // A cut without width is this wide until it is glued.
+
+tl::unexpected<Error> misses(const Osteotomy& osteotomy, const std::string& what) {
+  return fail(ErrorCode::kCutMissesBone,
+              fmt::format("osteotomy of '{}': {}", osteotomy.segment, what));
+}
+
+std::vector<bool> find_fragments(const std::vector<BoneBody>& bodies,
+                                 const OsteotomyOptions& options) {
+  double max_mm3 = 0.0;
+  for (const BoneBody& body : bodies) max_mm3 = std::max(max_mm3, body.outer_volume_mm3);
+  const double min_mm3 =
+      std::max(options.min_piece_ml * kMm3PerMl, options.min_piece_fraction * max_mm3);
+  std::vector<bool> is_fragment;
+  for (const BoneBody& body : bodies) is_fragment.push_back(body.outer_volume_mm3 < min_mm3);
+  return is_fragment;
+}
+
+/// The pieces on which the points lie. What else there is does not matter to them, so that pieces
+/// are too small by the bound of volume alone, not by their share of the largest.
+Result<std::vector<bool>> find_prescribed_dofs(const std::vector<BoneBody>& bodies,
+                                               const Osteotomy& osteotomy,
+                                               const OsteotomyOptions& options) {
+  std::vector<bool> is_anchored(bodies.size(), false);
+  std::vector<double> nearest_mm(osteotomy.anchor_points_L.size(), kAnchorTolerance_mm);
+  std::vector<std::size_t> nearest(osteotomy.anchor_points_L.size(), bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b].outer_volume_mm3 < options.min_piece_ml * kMm3PerMl) continue;
+    const geometry::Bvh tree(bodies[b].surface);
+    for (std::size_t p = 0; p < nearest.size(); ++p) {
+      const double distance_mm =
+          std::max(tree.signed_distance(osteotomy.anchor_points_L[p]).distance_mm, 0.0);
+      if (!(distance_mm < nearest_mm[p])) continue;
+      nearest_mm[p] = distance_mm;
+      nearest[p] = b;
+    }
+  }
+  for (std::size_t p = 0; p < nearest.size(); ++p) {
+    const Vec3& point = osteotomy.anchor_points_L[p];
+    if (nearest[p] == bodies.size())
+      return misses(
+          osteotomy,
+          fmt::format("no piece of {:g} ml or more within the cut lies within {:g} mm of "
+                      "({:.1f}, {:.1f}, {:.1f}) mm, which it must hold",
+                      options.min_piece_ml, kAnchorTolerance_mm, point.x(), point.y(), point.z()));
+    is_anchored[nearest[p]] = true;
+  }
+  return is_anchored;
+}
+
+/// The pieces that are no crumbs.
+Result<std::vector<bool>> find_large(const std::vector<BoneBody>& bodies,
+                                     const Osteotomy& osteotomy, const OsteotomyOptions& options) {
+  std::vector<bool> is_large = find_fragments(bodies, options);
+  is_large.flip();
+  if (std::find(is_large.begin(), is_large.end(), true) != is_large.end()) return is_large;
+  double all_mm3 = 0.0;
+  for (const BoneBody& body : bodies) all_mm3 += body.volume_mm3;
+  return misses(osteotomy,
+                fmt::format("its planes hold {} crumbs of {:.2g} ml altogether, must hold a piece "
+                            "of {} ml or more",
+                            bodies.size(), all_mm3 / kMm3PerMl, options.min_piece_ml));
+}
+
+using Position = std::array<double, 3>;
+
+std::set<Position> positions_of(const TriangleMesh& mesh) {
+  std::set<Position> positions;
+  for (const Vec3& v : mesh.vertices) positions.insert({v.x(), v.y(), v.z()});
+  return positions;
+}
+
+/// Glues surfaces that were cut apart.
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  if (b.triangles.empty()) return a;
+  if (a.triangles.empty()) return b;
+  return mesh::stitch_surfaces(a, b);
+}
+
+/// What lies within a cut, sorted: the segment, and what goes back.
+struct Sorted {
+  OsteotomyResult bones;  ///< All but the remainder.
+  TriangleMesh back;
+};
+
+Result<Sorted> sort_pieces(const std::vector<BoneBody>& bodies, std::vector<bool> within,
+                           const Osteotomy& osteotomy, const OsteotomyOptions& options) {
+  Sorted sorted;
+  OsteotomyResult& bones = sorted.bones;
+  std::vector<BoneBody> inside;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (within[b]) inside.push_back(bodies[b]);
+  LEFORT_TRY(std::vector<bool> is_segment, osteotomy.anchor_points_L.empty()
+                                               ? find_large(inside, osteotomy, options)
+                                               : find_prescribed_dofs(inside, osteotomy, options));
+  for (std::size_t b = 0; b < inside.size(); ++b) {
+    (is_segment[b] ? bones.segment_volume_mm3 : bones.fragment_volume_mm3) += inside[b].volume_mm3;
+    ++(is_segment[b] ? bones.segment_pieces : bones.fragments);
+  }
+  bones.segment_L = gather(inside, is_segment);
+  is_segment.flip();
+  sorted.back = gather(inside, is_segment);
+  return sorted;
+}
+
+/// The bone that remains, with the saw's way beside the segment taken off.
+struct Sawn {
+  TriangleMesh remainder;
+  double kerf_mm3 = 0.0;
+};
+
+Result<Sawn> saw_off(const TriangleMesh& outside, const OsteotomyResult& bones,
+                     const Osteotomy& osteotomy, const Box3& box, Progress& progress) {
+  if (osteotomy.kerf_mm == 0.0) return Sawn{outside, 0.0};
+  LEFORT_TRY(const TriangleMesh grown, cut_solid(osteotomy, box, osteotomy.kerf_mm));
+  LEFORT_TRY(const mesh::SurfaceCut cut, mesh::cut_surface(outside, grown, progress));
+  // The saw ran beside the segment, not beside what stayed where it was.
+  const std::set<Position> of_segment = positions_of(bones.segment_L);
+  Sawn sawn{cut.outside, 0.0};
+  for (const BoneBody& body : bodies_of(cut.inside)) {
+    const bool is_dust =
+        std::any_of(body.surface.vertices.begin(), body.surface.vertices.end(), [&](const Vec3& v) {
+          return of_segment.count({v.x(), v.y(), v.z()}) > 0;
+        });
+    if (is_dust) sawn.kerf_mm3 += body.volume_mm3;
+    if (!is_dust) sawn.remainder = joined(sawn.remainder, body.surface);
+  }
+  return sawn;
+}
+
+Result<OsteotomyResult> finish(Sorted sorted, TriangleMesh remainder, double kerf_mm3,
+                               double skull_mm3, const Osteotomy& osteotomy) {
+  OsteotomyResult bones = std::move(sorted.bones);
+  bones.remainder_L = joined(remainder, sorted.back);
+  bones.skull_volume_mm3 = skull_mm3;
+  bones.kerf_volume_mm3 = kerf_mm3;
+  if (bones.remainder_L.triangles.empty())
+    return misses(osteotomy, "the saw leaves nothing of the bone it is cut from");
+  bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
+  if (!geometry::is_closed(bones.remainder_L))
+    return fail(ErrorCode::kMeshingFailed,
+                fmt::format("osteotomy of '{}': {} crumbs cannot be joined to the remainder again",
+                            osteotomy.segment, bones.fragments));
+  LEFORT_TRY_VOID(check_volumes(
+      fmt::format("osteotomy of '{}'", osteotomy.segment), skull_mm3,
+      {{bones.segment_volume_mm3, bones.remainder_volume_mm3, bones.kerf_volume_mm3}}));
+  return bones;
+}
+
+Box3 room_around(const TriangleMesh& surface) {
+  Box3 box = geometry::bounding_box(surface);
+  const Vec3 margin_mm = Vec3::Constant(10.0 + 0.05 * box.sizes().maxCoeff());
+  box.extend(Vec3(box.min() - margin_mm));
+  box.extend(Vec3(box.max() + margin_mm));
+  return box;
+}
+
+Result<OsteotomyResult> cut_by_region(const TriangleMesh& skull_L, const Osteotomy& osteotomy,
+                                      const OsteotomyOptions& options, Progress& progress) {
+  const Box3 box = room_around(skull_L);
+  mesh::SurfaceCut cut;
+  if (is_of_planes(osteotomy)) {
+    LEFORT_TRY(cut, mesh::cut_surface(skull_L, half_spaces_of(osteotomy.planes), progress));
+  } else {
+    LEFORT_TRY(const TriangleMesh solid, cut_solid(osteotomy, box, 0.0));
+    LEFORT_TRY(cut, mesh::cut_surface(skull_L, solid, progress));
+  }
+  if (cut.inside.triangles.empty())
+    return misses(osteotomy, "no bone lies inside its planes, must some");
+  if (cut.outside.triangles.empty())
+    return misses(osteotomy, "all bone lies inside its planes, some must lie outside");
+  const std::vector<BoneBody> bodies = bodies_of(cut.inside);
+  LEFORT_TRY(Sorted sorted,
+             sort_pieces(bodies, std::vector<bool>(bodies.size(), true), osteotomy, options));
+  LEFORT_TRY(Sawn sawn, saw_off(cut.outside, sorted.bones, osteotomy, box, progress));
+  return finish(std::move(sorted), std::move(sawn.remainder), sawn.kerf_mm3, cut.whole_volume_mm3,
+                osteotomy);
+}
+
+/// How much of a body ends at a sheet.
+struct SheetAreas {
+  double before_mm2 = 0.0;  ///< On the side of the segment.
+  double behind_mm2 = 0.0;
+};
+
+std::vector<SheetAreas> areas_at_sheets(const TriangleMesh& body, const Osteotomy& osteotomy,
+                                        double thickness_mm) {
+  constexpr double kIn_mm = 1e-3;  // A cut may be shifted by 1e-4 mm.
+  std::vector<SheetAreas> areas(osteotomy.planes.size());
+  for (Index t = 0; t < body.triangle_count(); ++t) {
+    const Vec3 &a = body.corner(t, 0), &b = body.corner(t, 1), &c = body.corner(t, 2);
+    const Vec3 twice_area = (b - a).cross(c - a), middle = (a + b + c) / 3.0;
+    for (std::size_t i = 0; i < osteotomy.planes.size(); ++i) {
+      const CutPlane& plane = osteotomy.planes[i];
+      const Vec3 normal = plane.normal_L.normalized();
+      const auto lies_at = [&](double height_mm) {
+        return std::max({std::abs(normal.dot(a - plane.point_L) - height_mm),
+                         std::abs(normal.dot(b - plane.point_L) - height_mm),
+                         std::abs(normal.dot(c - plane.point_L) - height_mm)}) < kIn_mm;
+      };
+      const Vec3 up = normal.cross(plane.bounds->across_L).normalized();
+      const Vec3 from = middle - plane.point_L;
+      if (std::abs(up.dot(from)) > 0.5 * plane.bounds->height_mm ||
+          std::abs(up.cross(normal).dot(from)) > 0.5 * plane.bounds->width_mm)
+        continue;
+      // Bone ends at the sheet: its outside points into it.
+      const double towards_mm2 = 0.5 * twice_area.dot(normal);
+      if (towards_mm2 < 0.0 && lies_at(0.0)) areas[i].before_mm2 -= towards_mm2;
+      if (towards_mm2 > 0.0 && lies_at(-thickness_mm)) areas[i].behind_mm2 += towards_mm2;
+    }
+  }
+  return areas;
+}
+
+/// Where a body lies. Sheets that reach a little into bone beyond the piece they free leave a slit
+/// in it, of the same area on both sides; such a body still lies where nearly all of it ends.
+enum class Side { kBefore, kBehind, kAway };
+
+Result<Side> side_of(const TriangleMesh& body, const Osteotomy& osteotomy, double thickness_mm) {
+  constexpr double kSlit = 0.1;  // Share of what ends on the body's own side.
+  SheetAreas all, largest;
+  std::size_t sheet = 0;
+  const std::vector<SheetAreas> areas = areas_at_sheets(body, osteotomy, thickness_mm);
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const auto& [before_mm2, behind_mm2] = areas[i];
+    all.before_mm2 += before_mm2;
+    all.behind_mm2 += behind_mm2;
+    if (std::min(before_mm2, behind_mm2) <= std::min(largest.before_mm2, largest.behind_mm2))
+      continue;
+    largest = areas[i];
+    sheet = i;
+  }
+  if (all.before_mm2 == 0.0 && all.behind_mm2 == 0.0) return Side::kAway;
+  if (all.behind_mm2 <= kSlit * all.before_mm2) return Side::kBefore;
+  if (all.before_mm2 <= kSlit * all.behind_mm2) return Side::kBehind;
+  return misses(osteotomy, fmt::format("plane {} does not separate the bone: what lies before its "
+                                       "planes hangs together with what lies behind",
+                                       sheet));
+}
+
+Result<OsteotomyResult> cut_by_sheets(const TriangleMesh& skull_L, const Osteotomy& osteotomy,
+                                      const OsteotomyOptions& options, Progress& progress) {
+  const double thickness_mm = std::max(osteotomy.kerf_mm, kSheet_mm);
+  LEFORT_TRY(const TriangleMesh solid, sheet_solid(osteotomy, thickness_mm));
+  LEFORT_TRY(const mesh::SurfaceCut cut, mesh::cut_surface(skull_L, solid, progress));
+  if (cut.inside.triangles.empty()) return misses(osteotomy, "its planes cut no bone, must some");
+  const std::vector<BoneBody> bodies = bodies_of(cut.outside);
+  std::vector<bool> is_before, is_other;
+  for (const BoneBody& body : bodies) {
+    LEFORT_TRY(const Side side, side_of(body.surface, osteotomy, thickness_mm));
+    is_before.push_back(side == Side::kBefore);
+    is_other.push_back(side != Side::kBefore);
+  }
+  if (std::find(is_before.begin(), is_before.end(), true) == is_before.end())
+    return misses(osteotomy, "no bone lies before its planes, must some");
+  LEFORT_TRY(Sorted sorted, sort_pieces(bodies, is_before, osteotomy, options));
+  TriangleMesh remainder = gather(bodies, is_other);
+  double kerf_mm3 = cut.inside_volume_mm3;
+  if (osteotomy.kerf_mm == 0.0) {
+    remainder = joined(remainder, cut.inside);
+    kerf_mm3 = 0.0;
+  }
+  return finish(std::move(sorted), std::move(remainder), kerf_mm3, cut.whole_volume_mm3, osteotomy);
+}
+
+Result<void> check(const OsteotomyOptions& options) {
+  if (!(options.min_piece_ml >= 0.0) || !std::isfinite(options.min_piece_ml))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("smallest_piece_ml is {}, must be >= 0", options.min_piece_ml));
+  if (!(options.min_piece_fraction >= 0.0 && options.min_piece_fraction <= 1.0))
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("smallest_piece_share is {}, must be 0 to 1", options.min_piece_fraction));
+  return {};
+}
+
+}  // namespace
+
+Result<OsteotomyResult> perform_osteotomy(const TriangleMesh& skull_L, const Osteotomy& osteotomy,
+                                          const OsteotomyOptions& options, Progress& progress) {
+  LEFORT_TRY_VOID(check(options));
+  LEFORT_TRY_VOID(check_osteotomy(osteotomy));
+  return is_of_sheets(osteotomy) ? cut_by_sheets(skull_L, osteotomy, options, progress)
+                                 : cut_by_region(skull_L, osteotomy, options, progress);
+}
+
+}  // namespace lefort::plan

@@ -1,0 +1,81 @@
+#include <lefort/core/check.h>
+#include <lefort/core/parallel.h>
+#include <lefort/geometry/bvh.h>
+#include <lefort/mesh/boundary_faces.h>
+#include <lefort/predict/embed_skin.h>
+#include <lefort/predict/mesh_tissue.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace lefort::predict {
+namespace {
+
+/// 1 up to `near`, 0 from `far` on, smooth between.
+double fade(double distance, double near, double far) {
+  const double t = std::clamp((far - distance) / (far - near), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+/// Barycentric coordinates of `p` in the plane of a triangle; `p` lies on it.
+Vec3 barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 normal = (b - a).cross(c - a);
+  const double squared = normal.squaredNorm();
+  if (!(squared > 0.0)) return Vec3::Constant(1.0 / 3.0);
+  const double beta = (p - a).cross(c - a).dot(normal) / squared;
+  const double gamma = (b - a).cross(p - a).dot(normal) / squared;
+  return {1.0 - beta - gamma, beta, gamma};
+}
+
+}  // namespace
+
+double embedding_distance_mm(const TissueOptions& options, const Vec3& spacing_mm) {
+  return 2.0 * (kSurfaceDistanceFraction * options.element_size_mm +
+                kScanEdgeInset_voxels * spacing_mm.maxCoeff());
+}
+
+SkinEmbedding embed_skin(const geometry::TriangleMesh& skin_L, const mesh::VolumeMesh& tissue,
+                         double near_mm) {
+  LEFORT_CHECK(near_mm > 0.0);
+  const double far_mm = 4.0 * near_mm;
+  const std::vector<mesh::Face3> faces = mesh::triangles_of(mesh::boundary_faces(tissue));
+  const geometry::Bvh boundary({tissue.nodes_L, faces});
+
+  SkinEmbedding binding;
+  binding.embedded_vertices.resize(skin_L.vertices.size());
+  parallel_for(skin_L.vertex_count(), [&](Index v) {
+    const auto nearest = boundary.closest_point(skin_L.vertices[std::size_t(v)], far_mm);
+    if (!nearest) return;
+    const mesh::Face3& face = faces[std::size_t(nearest->triangle)];
+    const auto node = [&](int corner) -> const Vec3& {
+      return tissue.nodes_L[std::size_t(face[std::size_t(corner)])];
+    };
+    binding.embedded_vertices[std::size_t(v)] = {
+        face, fade(nearest->distance_mm, near_mm, far_mm) *
+                  barycentric(nearest->point, node(0), node(1), node(2))};
+  });
+  return binding;
+}
+
+std::vector<Vec3> skin_displacement(const SkinEmbedding& binding,
+                                    std::span<const Vec3> tissue_displacement_mm) {
+  std::vector<Vec3> displacement_mm(binding.embedded_vertices.size(), Vec3::Zero());
+  parallel_for(Index(displacement_mm.size()), [&](Index v) {
+    const SkinEmbedding::EmbeddedVertex& follower = binding.embedded_vertices[std::size_t(v)];
+    for (int corner = 0; corner < 3; ++corner)
+      displacement_mm[std::size_t(v)] +=
+          follower.weights[corner] *
+          tissue_displacement_mm[std::size_t(follower.face[std::size_t(corner)])];
+  });
+  return displacement_mm;
+}
+
+geometry::TriangleMesh displaced(geometry::TriangleMesh surface,
+                                 std::span<const Vec3> displacement_mm) {
+  LEFORT_CHECK(surface.vertices.size() == displacement_mm.size());
+  for (std::size_t v = 0; v < displacement_mm.size(); ++v)
+    surface.vertices[v] += displacement_mm[v];
+  return surface;
+}
+
+}  // namespace lefort::predict

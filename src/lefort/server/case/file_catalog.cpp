@@ -1,0 +1,78 @@
+#include <lefort/server/case/file_catalog.h>
+
+#include <algorithm>
+
+namespace lefort::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+#define LEFORT_IN(folder, file) [](const CaseFolder& c) -> fs::path { return c.folder() / (file); }
+const NamedFile kFiles[] = {
+    {"ct.nrrd", "scan", [](const CaseFolder& c) { return c.ct(); }},
+    {"labels.seg.nrrd", "anatomy", [](const CaseFolder& c) { return c.labels(); }},
+    {"skull.vtp", "anatomy", LEFORT_IN(anatomy, "skull.vtp")},
+    {"skin.vtp", "anatomy", LEFORT_IN(anatomy, "skin.vtp")},
+    {"landmarks.mrk.json", "landmarks", [](const CaseFolder& c) { return c.landmarks(); }},
+    {"plan.json", "plan", [](const CaseFolder& c) { return c.plan(); }},
+    {kBoundaryFile, "boundary", [](const CaseFolder& c) { return c.boundary(); }},
+    {"check.json", "check", LEFORT_IN(check, "check.json")},
+    {"cephalometry.csv", "check", LEFORT_IN(check, "cephalometry.csv")},
+    {"landmarks_after.mrk.json", "check", LEFORT_IN(check, "landmarks_after.mrk.json")},
+    {"landmarks_after.csv", "check", LEFORT_IN(check, "landmarks_after.csv")},
+    {"report.html", "prediction", LEFORT_IN(prediction, "report.html")},
+    {"prediction.json", "prediction", LEFORT_IN(prediction, "prediction.json")},
+    {"failure.json", "prediction", LEFORT_IN(prediction, "failure.json")},
+    {"predicted_skin.vtp", "prediction", LEFORT_IN(prediction, "predicted_skin.vtp")},
+    {"predicted_skin.stl", "prediction", LEFORT_IN(prediction, "predicted_skin.stl")},
+    {"skin_before.vtp", "prediction", LEFORT_IN(prediction, "skin_before.vtp")},
+    {"bone_remainder.vtp", "prediction", LEFORT_IN(prediction, "bone_remainder.vtp")},
+    {"bone_segment_moved.vtp", "prediction", LEFORT_IN(prediction, "bone_segment_moved.vtp")},
+    {"bone_overlap.vtp", "prediction", LEFORT_IN(prediction, "bone_overlap.vtp")},
+    {"compare.json", "comparison", LEFORT_IN(comparison, "compare.json")},
+    {"regions.csv", "comparison", LEFORT_IN(comparison, "regions.csv")},
+    {"landmark_shifts.csv", "comparison", LEFORT_IN(comparison, "landmark_shifts.csv")},
+    {"difference.vtp", "comparison", LEFORT_IN(comparison, "difference.vtp")},
+    {"movements.csv", "comparison", LEFORT_IN(comparison, "movements.csv")},
+    {"skin_after.vtp", "comparison", LEFORT_IN(comparison, "skin_after.vtp")}};
+
+const NamedFile kSurfaces[] = {
+    {"skin", "anatomy", LEFORT_IN(anatomy, "skin.vtp")},
+    {"skull", "anatomy", LEFORT_IN(anatomy, "skull.vtp")},
+    {"remainder", "cut", LEFORT_IN(cut, "remainder.vtp")},
+    {"skin_before", "prediction", LEFORT_IN(prediction, "skin_before.vtp")},
+    {"predicted", "prediction", LEFORT_IN(prediction, "predicted_skin.vtp")},
+    {"after_surgery", "comparison", LEFORT_IN(comparison, "skin_after.vtp")}};
+#undef LEFORT_IN
+
+}  // namespace
+
+std::span<const NamedFile> file_catalog() { return kFiles; }
+
+std::span<const NamedFile> surface_catalog() { return kSurfaces; }
+
+bool is_segment_name(std::string_view name) {
+  return !name.empty() && name.size() <= 40 &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) {
+           return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                  c == '_' || c == '-';
+         });
+}
+
+std::optional<fs::path> segment_result(const CaseFolder& folder, std::string_view name) {
+  constexpr std::string_view kEnding = ".vtp";
+  for (const std::string_view beginning : {"bone_segment_moved_", "bone_overlap_"})
+    if (name.starts_with(beginning) && name.ends_with(kEnding) &&
+        is_segment_name(
+            name.substr(beginning.size(), name.size() - beginning.size() - kEnding.size())))
+      return folder.prediction() / name;
+  return std::nullopt;
+}
+
+const NamedFile* find_named(std::span<const NamedFile> files, std::string_view name) {
+  const auto found =
+      std::find_if(files.begin(), files.end(), [&](const auto& file) { return file.name == name; });
+  return found == files.end() ? nullptr : &*found;
+}
+
+}  // namespace lefort::server

@@ -1,0 +1,53 @@
+/// \file
+/// What was read from a file, kept in memory while the file stays as it is.
+#pragma once
+
+#include <lefort/core/error.h>
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+
+namespace lefort::server {
+
+/// The last few things read, by a name and the entity tag of what they were read from. Safe from
+/// many threads; readers of the same wait for one another, so that a thing is read once.
+template <class Value>
+class LruCache {
+ public:
+  explicit LruCache(std::size_t maximum) : max_count_(maximum) {}
+
+  /// \param read  returns Result<Thing>.
+  template <class Read>
+  [[nodiscard]] Result<std::shared_ptr<const Value>> get(const std::string& name,
+                                                         const std::string& etag,
+                                                         const Read& read) {
+    const std::scoped_lock lock(mutex_);
+    for (auto entry = entries_.begin(); entry != entries_.end(); ++entry) {
+      if (entry->name != name) continue;
+      if (entry->etag == etag) {
+        entries_.splice(entries_.begin(), entries_, entry);
+        return entries_.front().value;
+      }
+      entries_.erase(entry);
+      break;
+    }
+    LEFORT_TRY(Value value, read());
+    auto shared = std::make_shared<const Value>(std::move(value));
+    entries_.push_front({name, etag, shared});
+    if (entries_.size() > max_count_) entries_.pop_back();
+    return shared;
+  }
+
+ private:
+  struct Entry {
+    std::string name, etag;
+    std::shared_ptr<const Value> value;
+  };
+  const std::size_t max_count_;
+  std::mutex mutex_;
+  std::list<Entry> entries_;
+};
+
+}  // namespace lefort::server

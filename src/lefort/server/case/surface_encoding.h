@@ -1,0 +1,22 @@
+/// \file
+/// Surfaces as pages read them: LFSURF1, described in contract/openapi.json.
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/geometry/triangle_mesh.h>
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lefort::server {
+
+[[nodiscard]] std::string encode_surface(const geometry::TriangleMesh& mesh_L);
+
+/// float32 x, y, z of each.
+[[nodiscard]] std::string encode_floats(std::span<const Vec3> vectors);
+
+/// float32 of each.
+[[nodiscard]] std::string encode_floats(std::span<const double> numbers);
+
+}  // namespace lefort::server

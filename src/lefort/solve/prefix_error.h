@@ -1,0 +1,25 @@
+/// \file
+/// Messages about a deck name the key that is at fault.
+#pragma once
+
+#include <lefort/core/error.h>
+
+#include <fmt/format.h>
+
+#include <string>
+
+namespace lefort::solve {
+
+/// Puts `key` in front of an error's message.
+template <class T>
+[[nodiscard]] Result<T> prefix_error(Result<T> result, const std::string& key) {
+  if (result) return result;
+  return fail(result.error().code, fmt::format("{}: {}", key, result.error().message));
+}
+
+/// "displacements[3]"
+[[nodiscard]] inline std::string indexed(const char* list, std::size_t index) {
+  return fmt::format("{}[{}]", list, index);
+}
+
+}  // namespace lefort::solve

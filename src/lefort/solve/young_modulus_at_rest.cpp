@@ -1,0 +1,25 @@
+#include <lefort/solve/young_modulus_at_rest.h>
+
+namespace lefort::solve {
+namespace {
+
+/// Where component (i, J) of F or P stands in a fem::Mat9.
+constexpr int at(int i, int J) { return i + 3 * J; }
+
+}  // namespace
+
+double young_modulus_at_rest_mpa(const fem::Material& material) {
+  const fem::Mat9 A =
+      std::visit([](const auto& law) { return law.tangent(Mat3::Identity()); }, material);
+  // Lame's constants, each the mean of where Hooke's law has it.
+  double lambda = 0.0, mu = 0.0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      if (i == j) continue;
+      lambda += A(at(i, i), at(j, j)) / 6.0;
+      mu += A(at(i, j), at(i, j)) / 6.0;
+    }
+  return mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+}
+
+}  // namespace lefort::solve

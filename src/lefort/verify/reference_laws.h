@@ -1,0 +1,40 @@
+/// \file
+/// Every law once more, written in principal stretches and independently of fem/materials: what the
+/// laws are held against.
+///
+/// Principal axes are x, y, z, along the material axes and fibers of example_laws(). For a split
+/// law with shear energy W(l1, l2, l3) of the isochoric stretches l_i = J^(-1/3) lambda_i,
+///
+///     P_i = (m_i - (m_1 + m_2 + m_3)/3 + J U'(J)) / lambda_i ,   m_i = l_i dW/dl_i
+///
+/// (\cite ogden1984, chapter 7).
+#pragma once
+
+#include <lefort/core/types.h>
+#include <lefort/fem/materials/material.h>
+
+namespace lefort::verify {
+
+/// Principal nominal stresses [MPa] at the principal stretches.
+[[nodiscard]] Vec3 principal_stress(const fem::Material& law, const Vec3& stretches);
+
+/// Nominal shear stress P_yx [MPa] of x' = x, y' = y + gamma x, z' = z: for isotropic laws by the
+/// principal stretches, for the others dW/dgamma.
+[[nodiscard]] double simple_shear_stress(const fem::Material& law, double gamma);
+
+/// Nominal stress along x of a body that is free where it is not stretched [MPa].
+struct FreeStretch {
+  double stress_mpa = 0.0;
+  double lateral = 1.0;  ///< Stretch of what is free.
+};
+
+/// Stretched along x alone; y and z are free and contract alike.
+[[nodiscard]] FreeStretch uniaxial(const fem::Material& law, double stretch);
+
+/// Stretched along x and y alike; z is free.
+[[nodiscard]] FreeStretch equibiaxial(const fem::Material& law, double stretch);
+
+/// The same for an incompressible body of a split law's shear part: the limit of large kappa.
+[[nodiscard]] double incompressible_uniaxial(const fem::Material& law, double stretch);
+
+}  // namespace lefort::verify
