@@ -16,7 +16,7 @@ constexpr double kRim_mm = 5.0;
 // A table is at least so wide, as a share of the scan, and at least three times as wide as thick.
 constexpr double kWidth = 0.6;
 // Taken away around the table: the blur of its surface.
-constexpr double kBlur_mm = 2.0;
+constexpr double kTableBlur_mm = 2.0;
 // Fewer slices cannot tell.
 constexpr Index kFewestSlices = 20;
 
@@ -100,7 +100,7 @@ Mask find_ct_table(const Mask& dense) {
                           return is_part(v) ? 0.0 : double(fractions.values[v]);
                         });
     if (!sharp || !behind || dense.grid.size[axis] < kFewestSlices) continue;
-    const Mask blurred = dilated(columns, kBlur_mm);
+    const Mask blurred = dilated(columns, kTableBlur_mm);
     for (std::size_t v = 0; v < table.values.size(); ++v) table.values[v] |= blurred.values[v];
   }
 

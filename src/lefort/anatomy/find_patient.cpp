@@ -7,7 +7,7 @@ namespace {
 
 // Things are told apart after what is thinner than twice this is taken away. Ears stay with the
 // head all the same: their voxels go to the thing they hang together with.
-constexpr double kBridge_mm = 2.0;
+constexpr double kPatientBridge_mm = 2.0;
 // What breaks off the patient that way and is smaller than this is part of the patient.
 constexpr double kMinObject_ml = 8.0;
 // Marrow lies behind cortical bone whose pores are narrower than twice this ...
@@ -39,7 +39,7 @@ Mask find_patient(const image::CtVolume& ct, double skin_hu) {
   const Mask table = find_ct_table(all);
   const Mask dense = mask_where(
       ct.grid, [&](std::size_t v) { return all.values[v] != 0 && table.values[v] == 0; });
-  const Mask thick = opened(dense, kBridge_mm);
+  const Mask thick = opened(dense, kPatientBridge_mm);
   const Parts things = connected_parts(thick, Neighbors::kFaces);
   const std::int32_t patient = things.largest();
   if (patient == 0) return thick;

@@ -20,7 +20,7 @@ constexpr double kFar_mm = 3.0;
 // voxels, not how dense they are, and neither cortical bone nor air pulls at a surface.
 constexpr double kNear_mm = 0.8;
 // The CT numbers of the plateaus beside a threshold.
-constexpr double kAir_hu = -1000.0;
+constexpr double kPureAir_hu = -1000.0;
 constexpr double kSoft_hu = 40.0;
 // Typical slopes of CT numbers at a border, which turn HU into mm: soft tissue to cortical bone,
 // and air to soft tissue, blurred over about 2 mm.
@@ -31,14 +31,14 @@ constexpr double kLining_mm = 1.6;
 // A room in the solid with entrances up to twice as wide is filled.
 constexpr double kLeak_mm = 2.0;
 // Facial tissue this near to the outside is kept however thin it is.
-constexpr double kSkin_mm = 5.0;
+constexpr double kSkinLayer_mm = 5.0;
 // Sigma of the border the labels alone give, across foramina and defects.
 constexpr double kLabelBorder_mm = 1.0;
 // Sigmas that take the steps of voxels off a surface, whatever their size.
 constexpr double kBoneSteps_voxels = 0.8;
 constexpr double kSkinSteps_voxels = 1.0;
 // CT numbers change over about this length at a border; the next voxel belongs to it at least.
-constexpr double kBlur_mm = 1.5;
+constexpr double kLevelBlur_mm = 1.5;
 
 /// `values` smoothed over `sigma_mm`, and over `steps_voxels` at least along each axis; not at all
 /// if sigma_mm is 0.
@@ -182,7 +182,7 @@ ScalarVolume bone_level(const PaddedScan& scan, Cavities cavities) {
 /// Positive in what is not air; sinuses and airway are air too.
 ScalarVolume flesh_level(const PaddedScan& scan) {
   const double end_mm = level_end_mm(
-      scan.grid(), std::min(scan.options.skin_hu - kAir_hu, kSoft_hu - scan.options.skin_hu),
+      scan.grid(), std::min(scan.options.skin_hu - kPureAir_hu, kSoft_hu - scan.options.skin_hu),
       kSkinSlope_hu_per_mm);
   const ScalarVolume raw = volume_of(scan.grid(), [&](std::size_t v) {
     const double depth_mm =
@@ -222,14 +222,14 @@ ScalarVolume skin_level(const image::CtVolume& ct, const LabelMap& labels,
                         const LevelOptions& options) {
   const PaddedScan scan = padded_scan(ct, labels, options);
   const Mask by_background =
-      dilated_by_one_voxel_or_more(scan.where(Tissue::kBackground), kBlur_mm);
+      dilated_by_one_voxel_or_more(scan.where(Tissue::kBackground), kLevelBlur_mm);
   const Mask by_air =
       dilated_by_one_voxel_or_more(mask_where(scan.grid(),
                                               [&](std::size_t v) {
                                                 return scan.labels.values[v] == Tissue::kAirway ||
                                                        scan.labels.values[v] == Tissue::kSinus;
                                               }),
-                                   kBlur_mm);
+                                   kLevelBlur_mm);
   const ScalarVolume to_entrance = distance_to(mask_where(scan.grid(), [&](std::size_t v) {
     return scan.labels.values[v] == Tissue::kAirway && by_background.values[v] != 0;
   }));
@@ -251,7 +251,7 @@ ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels
   const image::Grid& grid = scan.grid();
 
   // Bone next to the brain counts as brain, so that no film is left on the inner table.
-  const Mask by_brain = dilated_by_one_voxel_or_more(scan.where(Tissue::kBrain), kBlur_mm);
+  const Mask by_brain = dilated_by_one_voxel_or_more(scan.where(Tissue::kBrain), kLevelBlur_mm);
   const Mask brain_and_table = mask_where(grid, [&](std::size_t v) {
     return scan.labels.values[v] == Tissue::kBrain ||
            (is_bone(scan.labels.values[v]) && by_brain.values[v] != 0);
@@ -270,20 +270,21 @@ ScalarVolume soft_tissue_level(const image::CtVolume& ct, const LabelMap& labels
   const double radius_mm = 0.5 * (options.thinnest_tissue_mm + grid.spacing_mm.minCoeff());
   const Mask thick = opened(inside, radius_mm);
   const ScalarVolume to_background = distance_to(scan.where(Tissue::kBackground));
-  const Parts parts = connected_parts(
-      mask_where(grid,
-                 [&](std::size_t v) {
-                   return thick.values[v] != 0 ||
-                          (inside.values[v] != 0 && double(to_background.values[v]) <= kSkin_mm);
-                 }),
-      Neighbors::kFaces);
+  const Parts parts =
+      connected_parts(mask_where(grid,
+                                 [&](std::size_t v) {
+                                   return thick.values[v] != 0 ||
+                                          (inside.values[v] != 0 &&
+                                           double(to_background.values[v]) <= kSkinLayer_mm);
+                                 }),
+                      Neighbors::kFaces);
   const std::int32_t largest = parts.largest();
   note_dropped(parts, progress);
   // The largest part, and around it as much as its surface may lie beyond its outer voxels.
   const Mask kept = dilated_by_one_voxel_or_more(
       mask_where(grid,
                  [&](std::size_t v) { return largest != 0 && parts.part_of.values[v] == largest; }),
-      kBlur_mm);
+      kLevelBlur_mm);
   const ScalarVolume room =
       without_steps(signed_distance(kept), kLabelBorder_mm, kBoneSteps_voxels);
   level = volume_of(grid, [&](std::size_t v) { return std::min(level.values[v], room.values[v]); });

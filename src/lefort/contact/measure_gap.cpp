@@ -9,16 +9,16 @@ namespace lefort::contact {
 namespace {
 
 /// Points whose answers fit into the nearest cache.
-constexpr std::size_t kBlock = 32;
+constexpr std::size_t kPointsPerTask = 32;
 
 void measure_here(const RigidObstacle& obstacle, std::span<const Vec3> p_L, Derivatives derivatives,
                   std::span<Gap> gaps) {
   const Mat3 R_LB = obstacle.X_LB.linear();
   const Vec3 t_LB = obstacle.X_LB.translation();
-  std::array<Vec3, kBlock> p_B;
-  std::array<SignedDistanceSample, kBlock> answers;
-  for (std::size_t begin = 0; begin < p_L.size(); begin += kBlock) {
-    const std::size_t count = std::min(kBlock, p_L.size() - begin);
+  std::array<Vec3, kPointsPerTask> p_B;
+  std::array<SignedDistanceSample, kPointsPerTask> answers;
+  for (std::size_t begin = 0; begin < p_L.size(); begin += kPointsPerTask) {
+    const std::size_t count = std::min(kPointsPerTask, p_L.size() - begin);
     for (std::size_t i = 0; i < count; ++i) p_B[i] = R_LB.transpose() * (p_L[begin + i] - t_LB);
     obstacle.distance_query_B->measure(std::span(p_B).first(count), derivatives,
                                        std::span(answers).first(count));

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxFiles = 100'000;
-constexpr int kMaxDepth = 8;  // Of folders; discs have four.
+constexpr int kMaxFolderDepth = 8;  // Of folders; discs have four.
 /// As many files may be of no known series, as a share of the slices.
 constexpr double kMaxUnreadable = 0.2;
 
@@ -45,7 +45,7 @@ Result<std::vector<fs::path>> list_files(const fs::path& folder) {
   for (fs::recursive_directory_iterator entry(folder, kSkip, error), end; !error && entry != end;
        entry.increment(error)) {
     std::error_code ignored;
-    if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
+    if (entry.depth() >= kMaxFolderDepth) entry.disable_recursion_pending();
     if (entry->is_regular_file(ignored)) files.push_back(entry->path());
     if (files.size() > kMaxFiles)
       return fail(ErrorCode::kFileUnsupported,

@@ -147,12 +147,12 @@ Result<Json> fetch_json(const Place& place, const std::string& path, Progress& p
   LEFORT_TRY_VOID(http_get(place.server, request, progress));
   if (text.empty()) return Json::array();
   // Answers are five deep; what is deeper would take the stack of those who walk over it.
-  constexpr int kMaxDepth = 64;
+  constexpr int kMaxJsonDepth = 64;
   bool is_deep = false;
   Json json = Json::parse(
       text,
       [&](int depth, Json::parse_event_t, const Json&) {
-        is_deep |= depth > kMaxDepth;
+        is_deep |= depth > kMaxJsonDepth;
         return !is_deep;
       },
       false);
@@ -172,7 +172,7 @@ Json first_value(const Json& object, const char* tag) {
   return values->front();
 }
 
-std::string text_at(const Json& object, const char* tag) {
+std::string tag_text(const Json& object, const char* tag) {
   const Json value = first_value(object, tag);
   return value.is_string() ? value.get<std::string>() : "";
 }
@@ -214,7 +214,7 @@ Result<std::vector<RemoteSeries>> find_series(const Place& place, Progress& prog
                  progress, limits));
   std::vector<RemoteSeries> all;
   for (const Json& one : list) {
-    RemoteSeries series{.uid = text_at(one, kSeriesUid), .modality = text_at(one, kModality)};
+    RemoteSeries series{.uid = tag_text(one, kSeriesUid), .modality = tag_text(one, kModality)};
     if (!is_uid(series.uid) || (!place.series_uid.empty() && series.uid != place.series_uid))
       continue;
     // A code word; anything else could be a name.
@@ -233,7 +233,9 @@ Result<std::vector<RemoteSeries>> find_series(const Place& place, Progress& prog
   return all;
 }
 
-bool is_ct(const RemoteSeries& series) { return series.modality == "CT" && series.images >= 2; }
+bool is_ct_series(const RemoteSeries& series) {
+  return series.modality == "CT" && series.images >= 2;
+}
 
 Result<RemoteSeries> choose(const std::vector<RemoteSeries>& all, int wanted) {
   std::string list;
@@ -246,7 +248,7 @@ Result<RemoteSeries> choose(const std::vector<RemoteSeries>& all, int wanted) {
                   fmt::format("there is no series {}, expected one of: {}", wanted, list));
     return all[static_cast<std::size_t>(wanted - 1)];
   }
-  const auto count = std::count_if(all.begin(), all.end(), is_ct);
+  const auto count = std::count_if(all.begin(), all.end(), is_ct_series);
   if (count == 0)
     return fail(ErrorCode::kFileUnsupported,
                 fmt::format("the study holds no CT series, only: {}", list));
@@ -254,7 +256,7 @@ Result<RemoteSeries> choose(const std::vector<RemoteSeries>& all, int wanted) {
     return fail(
         ErrorCode::kInvalidArgument,
         fmt::format("the study holds several CT series, choose one by its number: {}", list));
-  return *std::find_if(all.begin(), all.end(), is_ct);
+  return *std::find_if(all.begin(), all.end(), is_ct_series);
 }
 
 /// A folder that nobody else may read, gone with all in it at the end: images carry names.
@@ -401,8 +403,8 @@ Result<std::vector<DicomSeriesInfo>> list_dicomweb(const std::string& address,
     infos.push_back({.number = static_cast<int>(infos.size()) + 1,
                      .modality = series.modality,
                      .images = series.images,
-                     .is_usable = is_ct(series),
-                     .problem = is_ct(series) ? "" : "no CT"});
+                     .is_usable = is_ct_series(series),
+                     .problem = is_ct_series(series) ? "" : "no CT"});
   return infos;
 }
 

@@ -33,7 +33,7 @@ using field::SparseLattice;
 static_assert(std::endian::native == std::endian::little,
               "values are copied as they lie in memory");
 
-constexpr std::string_view kMagic = "lefortDF";
+constexpr std::string_view kFieldMagic = "lefortDF";
 constexpr std::uint32_t kVersion = 3;
 constexpr int kMaxResolution = 2048;
 constexpr double kMaxCoordinate_mm = 1e7;
@@ -279,7 +279,7 @@ Result<SparseLattice> read_lattice(const FieldFrame& frame, const Blocks& blocks
 std::string encode_field(const field::DistanceField& field) {
   const FieldFrame& frame = field.frame();
   Header header{};
-  std::memcpy(header.magic, kMagic.data(), kMagic.size());
+  std::memcpy(header.magic, kFieldMagic.data(), kFieldMagic.size());
   header.version = kVersion;
   header.resolution = frame.resolution;
   for (int k = 0; k < 3; ++k) header.origin_mm[k] = frame.origin_B[k];
@@ -332,7 +332,8 @@ Result<field::DistanceField> decode_field(std::span<const std::byte> bytes,
                                           std::shared_ptr<const void> owner) {
   // All blocks begin at multiples of 64 bytes from here, and their numbers are used as they lie.
   LEFORT_CHECK(reinterpret_cast<std::uintptr_t>(bytes.data()) % alignof(std::uint64_t) == 0);
-  if (bytes.size() < kMagic.size() || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
+  if (bytes.size() < kFieldMagic.size() ||
+      std::memcmp(bytes.data(), kFieldMagic.data(), kFieldMagic.size()) != 0)
     return fail(ErrorCode::kFileUnsupported,
                 "the file does not begin with lefortDF, as distance fields do");
   Header header{};

@@ -25,7 +25,7 @@ using internal::GmshKey;
 using mesh::ElementShape;
 
 // Some ten million elements.
-constexpr std::uintmax_t kMaxFile = std::uintmax_t(4) << 30;
+constexpr std::uintmax_t kMaxGmshBytes = std::uintmax_t(4) << 30;
 
 // For each of our nodes, its place in Gmsh's element (reference manual, "Node ordering").
 constexpr std::array<std::uint8_t, 10> kTet10{0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
@@ -246,7 +246,7 @@ Result<mesh::VolumeMesh> convert(const GmshFile& file) {
 }  // namespace
 
 Result<mesh::VolumeMesh> read_gmsh(const std::filesystem::path& file) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kMaxFile));
+  LEFORT_TRY(const std::string bytes, read_text(file, kMaxGmshBytes));
   const auto named = [&](const Error& error) {
     return fail(error.code, fmt::format("mesh {}: {}", file.string(), error.message));
   };

@@ -39,7 +39,7 @@ std::optional<T> number_at(const FlatPlist& plist, const std::string& place) {
   return number;
 }
 
-std::string text_at(const FlatPlist& plist, const std::string& place) {
+std::string plist_text(const FlatPlist& plist, const std::string& place) {
   const auto leaf = plist.find(place);
   return leaf == plist.end() ? "" : leaf->second;
 }
@@ -59,12 +59,12 @@ Result<Project> read_project(const std::string& xml) {
     project.grid.spacing_mm[static_cast<Index>(axis)] = *spacing_mm;
   }
   LEFORT_TRY_VOID(image::check_grid(project.grid));
-  if (const std::string type = text_at(plist, "matrix/dtype"); type != "int16" && type != "<i2")
+  if (const std::string type = plist_text(plist, "matrix/dtype"); type != "int16" && type != "<i2")
     return fail(ErrorCode::kFileUnsupported, "the voxels of the project are not of type int16");
-  if (const std::string modality = text_at(plist, "modality"); modality == "MRI")
+  if (const std::string modality = plist_text(plist, "modality"); modality == "MRI")
     return fail(ErrorCode::kFileUnsupported, "the project holds an MRI, expected a CT");
 
-  project.matrix_file = text_at(plist, "matrix/filename");
+  project.matrix_file = plist_text(plist, "matrix/filename");
   const bool plain =
       std::all_of(project.matrix_file.begin(), project.matrix_file.end(), [](char c) {
         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||

@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMaxTable = 64 << 20;  // Bytes.
-constexpr double kFarthest_mm = 1e5;            // As in plans.
+constexpr std::uintmax_t kMaxLandmarkBytes = 64 << 20;  // Bytes.
+constexpr double kMaxLandmark_mm = 1e5;                 // As in plans.
 
 bool is_markups(const fs::path& file) { return file.filename().string().ends_with(".mrk.json"); }
 bool is_table(const fs::path& file) { return file.extension() == ".csv"; }
@@ -125,8 +125,9 @@ Result<plan::Landmarks> checked_landmarks(plan::Landmarks landmarks) {
     if (std::any_of(landmarks[i].name.begin(), landmarks[i].name.end(),
                     [](unsigned char c) { return std::iscntrl(c) != 0; }))
       return bad(fmt::format("landmark {} has a name with control characters", i + 1));
-    if (!(landmarks[i].point_L.cwiseAbs().maxCoeff() <= kFarthest_mm))
-      return bad(fmt::format("landmark {} lies beyond {:g} mm", landmarks[i].name, kFarthest_mm));
+    if (!(landmarks[i].point_L.cwiseAbs().maxCoeff() <= kMaxLandmark_mm))
+      return bad(
+          fmt::format("landmark {} lies beyond {:g} mm", landmarks[i].name, kMaxLandmark_mm));
   }
   if (const auto repeated = plan::first_repeated_name(landmarks))
     return bad(fmt::format("landmark {} stands twice", *repeated));
@@ -168,7 +169,7 @@ Result<plan::Landmarks> read_landmarks(const fs::path& file) {
     LEFORT_TRY(const std::vector<Markup> markups, read_markups(file));
     landmarks = points_of(markups);
   } else {
-    LEFORT_TRY(const std::string text, read_text(file, kMaxTable));
+    LEFORT_TRY(const std::string text, read_text(file, kMaxLandmarkBytes));
     landmarks = parse_landmark_table(text);
   }
   if (!landmarks)

@@ -10,30 +10,30 @@ namespace lefort::io {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// Calls `visit` with each string of the plan that names a file, but for the scan's.
 template <class Visit>
-void visit_files(Json& plan, const Visit& visit_string) {
-  const auto visit = [&](Json& object, const char* key) {
+void visit_files(OrderedJson& plan, const Visit& visit_string) {
+  const auto visit = [&](OrderedJson& object, const char* key) {
     const auto found = object.find(key);
     if (found != object.end() && found->is_string()) visit_string(*found);
   };
-  const auto visit_cuts = [&](Json& region) {
+  const auto visit_cuts = [&](OrderedJson& region) {
     for (const char* cuts : {"planes", "curves"})
       if (region.contains(cuts))
-        for (Json& cut : region[cuts]) visit(cut, "file");
+        for (OrderedJson& cut : region[cuts]) visit(cut, "file");
   };
   visit(plan, "landmarks");
   if (plan.contains("segmentation")) visit(plan["segmentation"], "labels");
   if (plan.contains("boundary")) visit(plan["boundary"], "labels");
-  for (Json& segment : plan["segments"]) {
-    Json& osteotomy = segment["osteotomy"];
+  for (OrderedJson& segment : plan["segments"]) {
+    OrderedJson& osteotomy = segment["osteotomy"];
     visit_cuts(osteotomy);
     if (osteotomy.contains("also"))
-      for (Json& region : osteotomy["also"]) visit_cuts(region);
+      for (OrderedJson& region : osteotomy["also"]) visit_cuts(region);
     if (!segment["path"].contains("keyframes")) continue;
-    for (Json& keyframe : segment["path"]["keyframes"]) {
+    for (OrderedJson& keyframe : segment["path"]["keyframes"]) {
       visit(keyframe, "transform");
       visit(keyframe, "targets");
     }
@@ -55,9 +55,9 @@ Result<fs::path> scan_of(const fs::path& plan_file, const PlanFile& plan,
 }
 
 std::vector<std::string> file_catalog(const std::string& text) {
-  auto json = Json::parse(text);
+  auto json = OrderedJson::parse(text);
   std::vector<std::string> names;
-  visit_files(json, [&](const Json& name) { names.push_back(name.get<std::string>()); });
+  visit_files(json, [&](const OrderedJson& name) { names.push_back(name.get<std::string>()); });
   return names;
 }
 
@@ -77,12 +77,12 @@ std::string portable_plan(const std::string& text, const fs::path& plan_file, co
     const fs::path relative = fs::proximate(file, folder, error);
     return (error ? file : relative).generic_string();
   };
-  auto json = Json::parse(text);
+  auto json = OrderedJson::parse(text);
   json["ct"] = seen_from_there(ct);
-  visit_files(json, [&](Json& name) {
+  visit_files(json, [&](OrderedJson& name) {
     name = seen_from_there(plan_file.parent_path() / name.get<std::string>());
   });
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace lefort::io

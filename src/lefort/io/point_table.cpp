@@ -13,7 +13,7 @@
 namespace lefort::io {
 namespace {
 
-constexpr std::uintmax_t kMaxTable = std::uintmax_t(4) << 30;  // Bytes.
+constexpr std::uintmax_t kMaxPointTableBytes = std::uintmax_t(4) << 30;  // Bytes.
 constexpr std::string_view kSeparators = " \t,;\r";
 
 /// Takes one number off the front of `line`.
@@ -66,7 +66,7 @@ Result<std::vector<Vec3>> parse_points(std::string_view text) {
 }
 
 Result<std::vector<Vec3>> read_points(const std::filesystem::path& file) {
-  LEFORT_TRY(const std::string text, read_text(file, kMaxTable));
+  LEFORT_TRY(const std::string text, read_text(file, kMaxPointTableBytes));
   Result<std::vector<Vec3>> points = parse_points(text);
   if (!points)
     return fail(points.error().code,

@@ -13,7 +13,7 @@
 namespace lefort::io {
 namespace {
 
-constexpr std::string_view kMagic = "lefort preview 2\n";
+constexpr std::string_view kPreviewMagic = "lefort preview 2\n";
 constexpr std::uintmax_t kLargest = std::uintmax_t(8) << 30;  // Bytes.
 
 template <class Item>
@@ -60,7 +60,7 @@ bool is_pattern(const std::vector<int>& columns, const std::vector<int>& rows) {
 Result<void> write_preview_model(const std::filesystem::path& file,
                                  const predict::PreviewModel& model) {
   const linear::SparseMatrix& K = model.stiffness_n_per_mm;
-  std::string text(kMagic);
+  std::string text(kPreviewMagic);
   append(text, K.outerIndexPtr(), std::size_t(K.cols() + 1));
   append(text, K.innerIndexPtr(), std::size_t(K.nonZeros()));
   append(text, K.valuePtr(), std::size_t(K.nonZeros()));
@@ -96,8 +96,8 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
   const auto damaged = [] {
     return fail(ErrorCode::kFileCorrupt, "the preview's file is damaged: prepare it again");
   };
-  if (!text.starts_with(kMagic)) return damaged();
-  text.remove_prefix(kMagic.size());
+  if (!text.starts_with(kPreviewMagic)) return damaged();
+  text.remove_prefix(kPreviewMagic.size());
   std::vector<int> columns, inner;
   std::vector<std::int32_t> segments, rows, nodes;
   std::vector<std::uint8_t> is_bilateral;

@@ -25,13 +25,13 @@ using internal::XmlArrays;
 using mesh::ElementShape;
 
 // Some ten million elements with a few fields.
-constexpr std::uintmax_t kMaxFile = std::uintmax_t(4) << 30;
+constexpr std::uintmax_t kMaxVtuBytes = std::uintmax_t(4) << 30;
 
 constexpr std::string_view kSet = "set:";
 const std::string kRegion = "region";
 
 /// Regions apart.
-const std::vector<internal::WantedArray> kWanted{
+const std::vector<internal::WantedArray> kVtuArrays{
     {"Points", ""},
     {"Cells", "connectivity"},
     {"Cells", "offsets"},
@@ -239,9 +239,9 @@ Result<mesh::VolumeMesh> convert(const XmlArrays& file, const std::string& regio
 }  // namespace
 
 Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file, const std::string& regions) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kMaxFile));
+  LEFORT_TRY(const std::string bytes, read_text(file, kMaxVtuBytes));
   const std::string name = "mesh " + file.string();
-  std::vector<internal::WantedArray> wanted = kWanted;
+  std::vector<internal::WantedArray> wanted = kVtuArrays;
   wanted.push_back({"CellData", regions.empty() ? kRegion : regions});
   LEFORT_TRY(const XmlArrays arrays,
              internal::parse_vtk_xml(bytes, name, "UnstructuredGrid", wanted));
@@ -252,7 +252,7 @@ Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file, const std::
 
 Result<std::vector<Vec3>> read_vtu_vectors(const std::filesystem::path& file,
                                            const std::string& name) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kMaxFile));
+  LEFORT_TRY(const std::string bytes, read_text(file, kMaxVtuBytes));
   const std::string subject = "mesh " + file.string();
   LEFORT_TRY(const XmlArrays arrays,
              internal::parse_vtk_xml(bytes, subject, "UnstructuredGrid", {{"PointData", name}}));

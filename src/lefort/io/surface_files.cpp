@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Sixteen million triangles as text; a larger surface is none we could use.
-constexpr std::uintmax_t kMaxFile = std::uintmax_t(4) << 30;
+constexpr std::uintmax_t kMaxSurfaceBytes = std::uintmax_t(4) << 30;
 
 std::string ending_of(const fs::path& path) {
   std::string ending = path.extension().string();
@@ -89,7 +89,7 @@ Result<geometry::TriangleMesh> read_surface(const fs::path& path) {
   if (ending != ".vtp" && ending != ".stl" && ending != ".ply" && ending != ".obj")
     return tl::unexpected(unsupported(path));
   const std::string name = path.filename().string();
-  LEFORT_TRY(const std::string bytes, read_text(path, kMaxFile));
+  LEFORT_TRY(const std::string bytes, read_text(path, kMaxSurfaceBytes));
   LEFORT_TRY(internal::SurfaceFile surface, parse(path, bytes));
   LEFORT_TRY_VOID(check(surface, name));
   if (surface.is_ras)

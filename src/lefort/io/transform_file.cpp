@@ -12,9 +12,9 @@ namespace lefort::io {
 namespace {
 
 constexpr std::uintmax_t kMaxTransform = 1 << 20;  // Bytes; a rigid one has a few hundred.
-constexpr std::string_view kMagic = "#Insight Transform File V1.0";
-constexpr double kRigid = 1e-4;       // Registrations write six digits.
-constexpr double kFarthest_mm = 1e5;  // As in plans.
+constexpr std::string_view kTransformMagic = "#Insight Transform File V1.0";
+constexpr double kRigid = 1e-4;             // Registrations write six digits.
+constexpr double kMaxTranslation_mm = 1e5;  // As in plans.
 constexpr std::string_view kSpaces = " \t\r";
 
 tl::unexpected<Error> corrupt(std::string what) {
@@ -55,7 +55,8 @@ Result<Parts> read_parts(std::string_view text) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = trimmed(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
-    if (is_first && line != kMagic) return corrupt(fmt::format("line 1 must be \"{}\"", kMagic));
+    if (is_first && line != kTransformMagic)
+      return corrupt(fmt::format("line 1 must be \"{}\"", kTransformMagic));
     is_first = false;
     if (line.empty() || line.front() == '#') continue;
     const std::size_t colon = line.find(':');
@@ -134,8 +135,8 @@ std::optional<std::string> not_rigid(const Affine& affine) {
     return fmt::format("it scales or shears by {:.2g}, must be a rotation and a translation",
                        0.5 * off);
   if (!(std::max(affine.translation.cwiseAbs().maxCoeff(), affine.center.cwiseAbs().maxCoeff()) <=
-        kFarthest_mm))
-    return fmt::format("it shifts by more than {:g} mm", kFarthest_mm);
+        kMaxTranslation_mm))
+    return fmt::format("it shifts by more than {:g} mm", kMaxTranslation_mm);
   return std::nullopt;
 }
 
@@ -170,7 +171,7 @@ Result<void> write_transform(const std::filesystem::path& file, const RigidTrans
   for (Index row = 0; row < 3; ++row) numbers += fmt::format(" {}", X_BL.translation()[row]);
   return write_text(file, fmt::format("{}\n#Transform 0\nTransform: AffineTransform_double_3_3\n"
                                       "Parameters:{}\nFixedParameters: 0 0 0\n",
-                                      kMagic, numbers));
+                                      kTransformMagic, numbers));
 }
 
 }  // namespace lefort::io

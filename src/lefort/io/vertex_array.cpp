@@ -9,13 +9,13 @@
 namespace lefort::io {
 namespace {
 
-constexpr std::uintmax_t kMaxFile = std::uintmax_t(4) << 30;  // Bytes.
+constexpr std::uintmax_t kMaxArrayBytes = std::uintmax_t(4) << 30;  // Bytes.
 
 }  // namespace
 
 Result<std::vector<double>> read_vertex_array(const std::filesystem::path& file,
                                               const std::string& name) {
-  LEFORT_TRY(const std::string bytes, read_text(file, kMaxFile));
+  LEFORT_TRY(const std::string bytes, read_text(file, kMaxArrayBytes));
   const std::string subject = "surface " + file.string();
   LEFORT_TRY(
       const internal::XmlArrays arrays,

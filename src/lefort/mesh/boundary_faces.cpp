@@ -34,23 +34,24 @@ std::vector<char> single_faces(const VolumeMesh& mesh) {
 
 /// By the face's own nodes, in the order of mesh::FaceShape.
 std::span<const std::array<std::size_t, 3>> triangles_of(FaceShape shape) {
-  using Triangle = std::array<std::size_t, 3>;
-  static constexpr std::array<Triangle, 1> kTri3{{{0, 1, 2}}};
-  static constexpr std::array<Triangle, 2> kQuad4{{{0, 1, 2}, {0, 2, 3}}};
-  static constexpr std::array<Triangle, 4> kTri6{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
-  static constexpr std::array<Triangle, 6> kQuad8{
+  using FaceCorners = std::array<std::size_t, 3>;
+  static constexpr std::array<FaceCorners, 1> kTri3Corners{{{0, 1, 2}}};
+  static constexpr std::array<FaceCorners, 2> kQuad4Corners{{{0, 1, 2}, {0, 2, 3}}};
+  static constexpr std::array<FaceCorners, 4> kTri6Corners{
+      {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+  static constexpr std::array<FaceCorners, 6> kQuad8Corners{
       {{0, 4, 7}, {1, 5, 4}, {2, 6, 5}, {3, 7, 6}, {4, 5, 6}, {4, 6, 7}}};
   switch (shape) {
     case FaceShape::kTri3:
-      return kTri3;
+      return kTri3Corners;
     case FaceShape::kQuad4:
-      return kQuad4;
+      return kQuad4Corners;
     case FaceShape::kTri6:
-      return kTri6;
+      return kTri6Corners;
     case FaceShape::kQuad8:
       break;
   }
-  return kQuad8;
+  return kQuad8Corners;
 }
 
 }  // namespace

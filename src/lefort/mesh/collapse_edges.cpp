@@ -16,9 +16,9 @@ namespace {
 
 using Nodes = std::vector<std::int32_t>;
 using Tet = std::array<std::int32_t, 4>;
-using Pair = std::array<std::int32_t, 2>;
+using NodePair = std::array<std::int32_t, 2>;
 
-constexpr double kMaxTurn_deg = 25.0;
+constexpr double kMaxCollapseTurn_deg = 25.0;
 
 template <class T>
 void sort_unique(std::vector<T>& list) {
@@ -58,7 +58,7 @@ class Collapser {
   bool try_at(std::int32_t e, double limit) {
     if (is_there_[std::size_t(e)] == 0 || !(quality(tets_[std::size_t(e)]) < limit)) return false;
     std::pair best{-1.0, -1.0};  // Quality as far as it is wanted, then how little faces turn.
-    Pair best_edge{};
+    NodePair best_edge{};
     const Tet tet = tets_[std::size_t(e)];
     for (const std::int32_t from : tet)
       for (const std::int32_t to : tet) {
@@ -117,8 +117,8 @@ class Collapser {
   }
 
   /// The edges opposite to the node in the triangles around it.
-  [[nodiscard]] std::vector<Pair> opposite_edges(std::int32_t node) const {
-    std::vector<Pair> all;
+  [[nodiscard]] std::vector<NodePair> opposite_edges(std::int32_t node) const {
+    std::vector<NodePair> all;
     for (const std::int32_t e : around(node))
       for (const std::int32_t a : at(e))
         for (const std::int32_t b : at(e))
@@ -183,7 +183,7 @@ class Collapser {
 
   [[nodiscard]] bool keeps_topology(std::int32_t from, std::int32_t to) const {
     Nodes ring;
-    std::vector<Pair> ring_edges;
+    std::vector<NodePair> ring_edges;
     for (const std::int32_t e : around(from)) {
       if (!has(at(e), to)) continue;
       for (const std::int32_t a : at(e))
@@ -228,7 +228,7 @@ class Collapser {
     }
     if (!(worst > before) || !std::isfinite(worst) || !keeps_topology(from, to)) return kMayNot;
     const double cosine = cosine_of_turn(from, to);
-    if (!(cosine > std::cos(radians_from_degrees(kMaxTurn_deg)))) return kMayNot;
+    if (!(cosine > std::cos(radians_from_degrees(kMaxCollapseTurn_deg)))) return kMayNot;
     return {worst, cosine};
   }
 

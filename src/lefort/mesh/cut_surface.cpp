@@ -1,9 +1,9 @@
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/mesh/cut_surface.h>
-#include <lefort/mesh/internal/cgal_surface.h>
+#include <lefort/mesh/internal/boolean_operations.h>
 #include <lefort/mesh/repair_surface.h>
 
-#include <CGAL/Polygon_mesh_processing/corefinement.h>
+#include <CGAL/exceptions.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -13,9 +13,7 @@
 namespace lefort::mesh {
 namespace {
 
-namespace pmp = CGAL::Polygon_mesh_processing;
 using geometry::TriangleMesh;
-using internal::CgalSurface;
 
 /// Tried in turn. Exact arithmetic needs no shift for a sound surface; where the cut runs through a
 /// spot at which the surface touches or crosses itself, a neighboring cut often does not. All are
@@ -58,17 +56,10 @@ Box3 room_around(const TriangleMesh& surface) {
 /// it is cut, or a part would not be a surface.
 std::optional<std::array<TriangleMesh, 2>> split(const TriangleMesh& surface,
                                                  const TriangleMesh& solid) {
-  CgalSurface whole = internal::to_cgal(surface);
-  CgalSurface cutter = internal::to_cgal(solid);
-  CgalSurface inside, outside;
-  std::array<boost::optional<CgalSurface*>, 4> wanted;
-  wanted[pmp::Corefinement::INTERSECTION] = &inside;
-  wanted[pmp::Corefinement::TM1_MINUS_TM2] = &outside;
-  const auto made = pmp::corefine_and_compute_boolean_operations(
-      whole, cutter, wanted, pmp::parameters::throw_on_self_intersection(true));
-  if (!made[pmp::Corefinement::INTERSECTION] || !made[pmp::Corefinement::TM1_MINUS_TM2])
-    return std::nullopt;
-  return {{internal::from_cgal(inside), internal::from_cgal(outside)}};
+  auto parts =
+      internal::boolean_operations(surface, solid, {.in_both = true, .in_first_only = true});
+  if (!parts.in_both || !parts.in_first_only) return std::nullopt;
+  return {{std::move(*parts.in_both), std::move(*parts.in_first_only)}};
 }
 
 bool is_sound(const SurfaceCut& cut) {
@@ -102,7 +93,6 @@ Result<SurfaceCut> cut_by(const TriangleMesh& surface,
                           const std::function<TriangleMesh(const TriangleMesh&, double)>& solid_at,
                           Progress& progress) {
   LEFORT_TRY(const TriangleMesh whole, repair_surface(surface));
-  const internal::QuietCgal quiet;
   for (std::size_t i = 0; i < kShifts_mm.size(); ++i) {
     progress.report(double(i) / double(kShifts_mm.size()));
     if (progress.stop_requested())
@@ -110,8 +100,7 @@ Result<SurfaceCut> cut_by(const TriangleMesh& surface,
     try {
       if (auto cut = try_to_cut(whole, solid_at(whole, kShifts_mm[i]), kShifts_mm[i]))
         return std::move(*cut);
-    } catch (const pmp::Corefinement::Self_intersection_exception&) {  // On the cut.
-    } catch (const CGAL::Failure_exception&) {                         // A precondition of CGAL.
+    } catch (const CGAL::Failure_exception&) {  // A precondition of CGAL, of the cutting solid.
     } catch (const std::bad_alloc&) {
       return fail(ErrorCode::kMeshingFailed,
                   fmt::format("cutting the surface of {} triangles needs more memory than there is",

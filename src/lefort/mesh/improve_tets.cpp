@@ -42,7 +42,7 @@ double shape_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 using internal::Lists;
 using internal::users_of_nodes;
 
-constexpr double kMaxTurn_deg = 20.0;
+constexpr double kMaxMoveTurn_deg = 20.0;
 
 class Improver {
  public:
@@ -148,7 +148,7 @@ class Improver {
     const auto faces = faces_of_node_.of(node);
     for (std::size_t i = 0; i < faces.size(); ++i)
       if (normal_of_face(faces[i]).normalized().dot(face_normals[i]) <
-          std::cos(radians_from_degrees(kMaxTurn_deg)))
+          std::cos(radians_from_degrees(kMaxMoveTurn_deg)))
         return false;
     return true;
   }

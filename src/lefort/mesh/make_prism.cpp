@@ -12,29 +12,29 @@ namespace lefort::mesh {
 namespace {
 
 using geometry::TriangleMesh;
-using Point = Eigen::Vector2d;
-using Polygon = std::vector<Point>;
+using Point2 = Eigen::Vector2d;
+using Polygon = std::vector<Point2>;
 
 /// Twice the signed area of a triangle: positive if counter-clockwise.
-double turn(const Point& a, const Point& b, const Point& c) {
+double turn(const Point2& a, const Point2& b, const Point2& c) {
   return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
 }
 
 double twice_area(const Polygon& polygon) {
   double sum = 0.0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Point& p = polygon[i];
-    const Point& q = polygon[(i + 1) % polygon.size()];
+    const Point2& p = polygon[i];
+    const Point2& q = polygon[(i + 1) % polygon.size()];
     sum += p.x() * q.y() - p.y() * q.x();
   }
   return sum;
 }
 
-bool is_between(const Point& p, const Point& a, const Point& b) {
+bool is_between(const Point2& p, const Point2& a, const Point2& b) {
   return (p - a).dot(p - b) <= 0.0;
 }
 
-bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
+bool meet(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
   const double abc = turn(a, b, c), abd = turn(a, b, d), cda = turn(c, d, a), cdb = turn(c, d, b);
   if (((abc > 0) != (abd > 0)) && ((cda > 0) != (cdb > 0)) && abc != 0 && abd != 0 && cda != 0 &&
       cdb != 0)
@@ -47,9 +47,9 @@ bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
 bool is_simple(const Polygon& polygon) {
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const Point &a = polygon[i], &b = polygon[(i + 1) % n];
+    const Point2 &a = polygon[i], &b = polygon[(i + 1) % n];
     if (a == b) return false;
-    const Point& after = polygon[(i + 2) % n];
+    const Point2& after = polygon[(i + 2) % n];
     if (turn(a, b, after) == 0 && (after - b).dot(a - b) > 0) return false;  // Back on itself.
     for (std::size_t j = i + 2; j < n; ++j) {
       if ((j + 1) % n == i) continue;
@@ -101,11 +101,11 @@ Polygon grown(const Polygon& polygon, double by_mm) {
   Polygon result;
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const Point in = (polygon[i] - polygon[(i + n - 1) % n]).normalized();
-    const Point out = (polygon[(i + 1) % n] - polygon[i]).normalized();
-    const Point normal_in(in.y(), -in.x()), normal_out(out.y(), -out.x());
-    const Point sum = normal_in + normal_out;
-    const Point middle = sum.norm() > 1e-9 ? Point(sum.normalized()) : in;
+    const Point2 in = (polygon[i] - polygon[(i + n - 1) % n]).normalized();
+    const Point2 out = (polygon[(i + 1) % n] - polygon[i]).normalized();
+    const Point2 normal_in(in.y(), -in.x()), normal_out(out.y(), -out.x());
+    const Point2 sum = normal_in + normal_out;
+    const Point2 middle = sum.norm() > 1e-9 ? Point2(sum.normalized()) : in;
     result.push_back(polygon[i] + by_mm / std::max(middle.dot(normal_in), kSharpest) * middle);
   }
   return result;
@@ -142,7 +142,7 @@ Result<TriangleMesh> make_prism(std::span<const Vec3> curve, const Vec3& directi
   TriangleMesh prism;
   const auto n = std::int32_t(polygon.size());
   for (const double height_mm : {from_mm, to_mm})
-    for (const Point& p : polygon)
+    for (const Point2& p : polygon)
       prism.vertices.push_back(p.x() * across + p.y() * along + height_mm * up);
   for (const auto& [a, b, c] : triangulate(polygon)) {
     prism.triangles.push_back({a, c, b});

@@ -42,10 +42,10 @@ Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmar
   const auto fit = geometry::fit_rigid(from, to);
   if (!fit) return bad("targets: " + fit.error().message);
   if (!(fit->max_residual_mm <= tolerance_mm + kRoundOff_mm))
-    return bad(
-        fmt::format("no rigid motion brings all landmarks to their targets: {} would miss "
-                    "its own by {:.2f} mm, at most {:g} mm is allowed",
-                    targets[std::size_t(fit->worst)].name, fit->max_residual_mm, tolerance_mm));
+    return bad(fmt::format(
+        "no rigid motion brings all landmarks to their targets: {} would miss "
+        "its own by {:.2f} mm, at most {:g} mm is allowed",
+        targets[std::size_t(fit->max_residual_index)].name, fit->max_residual_mm, tolerance_mm));
   const geometry::Keyframe key = keyframe_of_pose(fit->X_to_from, mean);
   const double turn_deg = degrees_from_radians(key.rotation_rad.norm());
   if (!(turn_deg <= kMaxTurn_deg))

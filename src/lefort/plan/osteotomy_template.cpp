@@ -49,8 +49,8 @@ Vec3 without(const Vec3& v, const Vec3& unit) { return v - unit.dot(v) * unit; }
 ///   or do not lead forwards.
 Result<Head> head_along(std::span<const Landmark> landmarks, const Vec3& backwards,
                         const Vec3& forwards) {
-  constexpr double kShortest_mm = 1.0;  // As for two landmarks in one point.
-  constexpr double kMinCosine = 0.5;    // Of 60 degrees, as for sides.
+  constexpr double kShortest_mm = 1.0;        // As for two landmarks in one point.
+  constexpr double kMinAnteriorCosine = 0.5;  // Of 60 degrees, as for sides.
   const auto bad = [](const char* what) { return fail(ErrorCode::kPlanInvalid, what); };
   LEFORT_TRY(const Vec3 left, patient_left_axis(landmarks));
   const Vec3 ahead = without(forwards - backwards, left);
@@ -58,7 +58,7 @@ Result<Head> head_along(std::span<const Landmark> landmarks, const Vec3& backwar
     return bad("its landmarks lie on one line from right to left");
   Head head{landmarks, left, ahead.normalized(), {}};
   head.up = head.anterior.cross(head.left);
-  if (!(-head.anterior.y() > kMinCosine))
+  if (!(-head.anterior.y() > kMinAnteriorCosine))
     return bad(
         "the way from its hind to its front landmarks runs more than 60 degrees off the "
         "patient's front, are they exchanged?");
@@ -136,7 +136,7 @@ Osteotomy genioplasty(const Head& head, const TemplateOptions& options) {
 Osteotomy sagittal_split(const Head& head, const TemplateOptions& options) {
   constexpr double kMedialCut = 0.5;    // Of the way from Go to Co: above the lingula.
   constexpr double kStagger_mm = 0.01;  // So that regions do not end in the same plane.
-  struct Side {
+  struct SplitPlanes {
     CutPlane before_buccal, medial, below;
   };
   const auto side_of = [&](const char* side, const Vec3& outwards) {
@@ -145,11 +145,11 @@ Osteotomy sagittal_split(const Head& head, const TemplateOptions& options) {
     const Vec3 along = without(molar - go, head.up).normalized();
     Vec3 inwards = without(-outwards, along);
     inwards = without(inwards, head.up).normalized();
-    return Side{{molar - options.behind_molar_mm * head.anterior, head.anterior},
-                {go + options.split_depth_mm * inwards, inwards},
-                {go + kMedialCut * (co - go), (go - co).normalized()}};
+    return SplitPlanes{{molar - options.behind_molar_mm * head.anterior, head.anterior},
+                       {go + options.split_depth_mm * inwards, inwards},
+                       {go + kMedialCut * (co - go), (go - co).normalized()}};
   };
-  const Side right = side_of("-R", -head.left), left = side_of("-L", head.left);
+  const SplitPlanes right = side_of("-R", -head.left), left = side_of("-L", head.left);
   const auto widened = [&](CutRegion region, int times) {
     for (CutPlane& plane : region.planes) plane.point_L -= times * kStagger_mm * plane.normal_L;
     return region;

@@ -10,13 +10,13 @@
 namespace lefort::report {
 namespace {
 
-constexpr PictureSize kSize{.width = 1000, .height = 900, .supersampling = 2};
+constexpr PictureSize kComparePictureSize{.width = 1000, .height = 900, .supersampling = 2};
 
 struct NamedView {
   StandardView view;
   const char* file;
 };
-constexpr std::array<NamedView, 3> kViews{{
+constexpr std::array<NamedView, 3> kCompareViews{{
     {StandardView::kFront, "difference_front.png"},
     {StandardView::kRightThreeQuarter, "difference_right_three_quarter.png"},
     {StandardView::kLeftThreeQuarter, "difference_left_three_quarter.png"},
@@ -32,7 +32,7 @@ double scale_end_mm(double p95_mm) {
 
 std::vector<std::string> compare_picture_names() {
   std::vector<std::string> names;
-  for (const NamedView& one : kViews) names.emplace_back(one.file);
+  for (const NamedView& one : kCompareViews) names.emplace_back(one.file);
   return names;
 }
 
@@ -46,16 +46,17 @@ Result<std::vector<ComparePicture>> draw_difference(const geometry::TriangleMesh
   LEFORT_TRY(const SurfaceScene scene, SurfaceScene::build(layers, progress));
   const Box3 focus_L = geometry::bounding_box(face_L);
   std::vector<ComparePicture> pictures;
-  for (const auto& [side, file] : kViews) {
-    const View view = standard_view(side, focus_L, double(kSize.width) / kSize.height);
-    LEFORT_TRY(const Picture raw, scene.render(view, kSize, progress));
+  for (const auto& [side, file] : kCompareViews) {
+    const View view = standard_view(side, focus_L,
+                                    double(kComparePictureSize.width) / kComparePictureSize.height);
+    LEFORT_TRY(const Picture raw, scene.render(view, kComparePictureSize, progress));
     LEFORT_TRY(const Picture picture,
                annotate(raw, {.caption = std::string("Difference, ") + name_of(side),
                               .color_bar = ColorBar{scale, "outside (+), inside (-)", "mm"},
                               .view = view}));
     LEFORT_TRY(std::string png, encode_png(picture));
     pictures.push_back({file, std::move(png)});
-    progress.report(double(pictures.size()) / double(kViews.size()));
+    progress.report(double(pictures.size()) / double(kCompareViews.size()));
   }
   return pictures;
 }

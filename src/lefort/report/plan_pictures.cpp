@@ -14,10 +14,10 @@
 namespace lefort::report {
 namespace {
 
-constexpr PictureSize kSize{.width = 900, .height = 900, .supersampling = 2};
-constexpr std::array<StandardView, 4> kViews{StandardView::kFront, StandardView::kRightThreeQuarter,
-                                             StandardView::kRightProfile,
-                                             StandardView::kLeftProfile};
+constexpr PictureSize kPlanPictureSize{.width = 900, .height = 900, .supersampling = 2};
+constexpr std::array<StandardView, 4> kPlanViews{
+    StandardView::kFront, StandardView::kRightThreeQuarter, StandardView::kRightProfile,
+    StandardView::kLeftProfile};
 
 }  // namespace
 
@@ -39,9 +39,10 @@ Result<std::vector<PlanPicture>> draw_plan(const plan::CutSegments& cut,
       layers.push_back({.mesh_L = is_after ? &ends_L[k] : &cut.segments_L[k],
                         .color = kSegmentColors[k % kSegmentColors.size()]});
     LEFORT_TRY(const SurfaceScene scene, SurfaceScene::build(layers, progress));
-    for (const StandardView side : kViews) {
-      const View view = standard_view(side, focus_L, double(kSize.width) / kSize.height);
-      LEFORT_TRY(const Picture raw, scene.render(view, kSize, progress));
+    for (const StandardView side : kPlanViews) {
+      const View view =
+          standard_view(side, focus_L, double(kPlanPictureSize.width) / kPlanPictureSize.height);
+      LEFORT_TRY(const Picture raw, scene.render(view, kPlanPictureSize, progress));
       const std::string title = std::string(is_after ? "Planned" : "Cut") + ", " + name_of(side);
       LEFORT_TRY(const Picture picture, annotate(raw, {.caption = title, .view = view}));
       LEFORT_TRY(std::string png, encode_png(picture));
@@ -50,7 +51,7 @@ Result<std::vector<PlanPicture>> draw_plan(const plan::CutSegments& cut,
       std::replace_if(
           file.begin(), file.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
       pictures.push_back({std::move(file), std::move(png)});
-      progress.report(double(pictures.size()) / double(2 * kViews.size()));
+      progress.report(double(pictures.size()) / double(2 * kPlanViews.size()));
     }
   }
   return pictures;

@@ -29,7 +29,7 @@ constexpr std::array<std::string_view, 4> kLineColors{
     "var(--line-1, #1f5fa8)", "var(--line-2, #b3480f)", "var(--line-3, #2f7d32)",
     "var(--line-4, #7b3fa0)"};
 constexpr std::array<std::string_view, 3> kDashes{"", "6 3", "2 3"};
-constexpr std::string_view kInk = "var(--ink, #20252b)";
+constexpr std::string_view kInkColor = "var(--ink, #20252b)";
 constexpr std::string_view kMuted = "var(--muted, #565e68)";
 constexpr std::string_view kGrid = "var(--rule, #d9dde2)";
 
@@ -134,11 +134,12 @@ std::string axes(const LinePlot& plot, const Scales& scales) {
     svg += text_element(x, kBottom + 20.0, "middle", kMuted, tick_text(tick));
   }
   svg += line_element(kLeft, kBottom, kRight, kBottom, fmt::format("stroke:{}", kMuted));
-  svg += text_element(0.5 * (kLeft + kRight), kHeight - 8.0, "middle", kInk, escaped(plot.x_label));
+  svg += text_element(0.5 * (kLeft + kRight), kHeight - 8.0, "middle", kInkColor,
+                      escaped(plot.x_label));
   svg += fmt::format(
       "<text transform='translate(18 {:.2f}) rotate(-90)' text-anchor='middle' "
       "style='fill:{}'>{}</text>\n",
-      0.5 * (kTop + kBottom), kInk, escaped(plot.y_label));
+      0.5 * (kTop + kBottom), kInkColor, escaped(plot.y_label));
   return svg;
 }
 
@@ -195,7 +196,7 @@ class Legend {
       y_ += kRow;
     }
     entries_ += line_element(x_, y_ - 4.5, x_ + 22.0, y_ - 4.5, line_style);
-    entries_ += text_element(x_ + 28.0, y_, "start", kInk, escaped(name));
+    entries_ += text_element(x_ + 28.0, y_, "start", kInkColor, escaped(name));
     x_ += width + 22.0;
   }
 
@@ -236,7 +237,8 @@ std::string plot_lines(const LinePlot& plot) {
   }
   const double threshold = plot.threshold_y ? drawn(*plot.threshold_y, plot.y_axis) : NAN;
   if (!std::isnan(threshold)) {
-    const std::string style = fmt::format("stroke:{};stroke-width:1.6;stroke-dasharray:7 4", kInk);
+    const std::string style =
+        fmt::format("stroke:{};stroke-width:1.6;stroke-dasharray:7 4", kInkColor);
     const double y = scales.y.place(threshold);
     svg += line_element(kLeft, y, kRight, y, style);
     legend.add(plot.threshold_name, style);

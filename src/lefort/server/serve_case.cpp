@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kTokenDigits = 64;  // 256 bits.
 constexpr rlim_t kDescriptors = 4096;     // Connections that wait, and the case's files.
-constexpr auto kLook = std::chrono::milliseconds(100);
+constexpr auto kStopPollInterval = std::chrono::milliseconds(100);
 constexpr auto kMoment = std::chrono::milliseconds(1);
 
 /// As many as are allowed, up to what we want.
@@ -82,7 +82,7 @@ Result<pipeline::Summary> serve_case(const ServeJob& job, Progress& progress) {
     http.run();
     ended = true;
   });
-  while (!progress.stop_requested() && !ended) std::this_thread::sleep_for(kLook);
+  while (!progress.stop_requested() && !ended) std::this_thread::sleep_for(kStopPollInterval);
   const bool is_requested = progress.stop_requested();
   while (!http.is_running() && !ended) std::this_thread::sleep_for(kMoment);
   http.stop();

@@ -14,10 +14,10 @@
 namespace lefort::verify {
 namespace {
 
-constexpr double kLength_mm = 10.0;
+constexpr double kBeamLength_mm = 10.0;
 constexpr double kSide_mm = 1.0;
 constexpr double kYoung_mpa = 1.0;
-constexpr double kPoisson = 0.3;
+constexpr double kBeamPoisson = 0.3;
 /// So small that the tip moves by a hundredth of the length: the square of that is of no account.
 constexpr double kForce_n = 2.5e-5;
 
@@ -29,20 +29,20 @@ constexpr double kEdgeOrder = 2.0 * 0.71;
 /// Timoshenko's beam: F L^3 / (3 E I) + F L / (k G A), Cowper's k for a rectangle.
 double beam_deflection() {
   const double inertia = std::pow(kSide_mm, 4) / 12.0;
-  const double k = 10.0 * (1.0 + kPoisson) / (12.0 + 11.0 * kPoisson);
-  const double shear_mpa = kYoung_mpa / (2.0 * (1.0 + kPoisson));
-  return kForce_n * std::pow(kLength_mm, 3) / (3.0 * kYoung_mpa * inertia) +
-         kForce_n * kLength_mm / (k * shear_mpa * kSide_mm * kSide_mm);
+  const double k = 10.0 * (1.0 + kBeamPoisson) / (12.0 + 11.0 * kBeamPoisson);
+  const double shear_mpa = kYoung_mpa / (2.0 * (1.0 + kBeamPoisson));
+  return kForce_n * std::pow(kBeamLength_mm, 3) / (3.0 * kYoung_mpa * inertia) +
+         kForce_n * kBeamLength_mm / (k * shear_mpa * kSide_mm * kSide_mm);
 }
 
 /// Mean deflection of the free end [mm], with so many cells over the height.
 Result<double> deflection(mesh::ElementShape shape, int cells, Progress& progress) {
-  const double shear_mpa = kYoung_mpa / (2.0 * (1.0 + kPoisson));
-  const double kappa_mpa = kYoung_mpa / (3.0 * (1.0 - 2.0 * kPoisson));
-  CaseModel model{
-      .mesh = mesh::make_box(shape, {5 * cells, cells, cells}, {kLength_mm, kSide_mm, kSide_mm}),
-      .materials = {{0, split_neo_hookean(shear_mpa, kappa_mpa)}},
-      .prescribed = {}};
+  const double shear_mpa = kYoung_mpa / (2.0 * (1.0 + kBeamPoisson));
+  const double kappa_mpa = kYoung_mpa / (3.0 * (1.0 - 2.0 * kBeamPoisson));
+  CaseModel model{.mesh = mesh::make_box(shape, {5 * cells, cells, cells},
+                                         {kBeamLength_mm, kSide_mm, kSide_mm}),
+                  .materials = {{0, split_neo_hookean(shear_mpa, kappa_mpa)}},
+                  .prescribed = {}};
   std::vector<fem::PrescribedDisplacement> prescribed;
   for (int c = 0; c < 3; ++c) hold(model.mesh.node_sets.at("x0"), c, 0.0, prescribed);
   model.prescribed = in_proportion(std::move(prescribed));
@@ -69,7 +69,7 @@ Section verify_bending(Extent extent, Progress& progress) {
           "bending: what is asked is that this goes away with the square of the cells' size; and "
           "of "
           "quadratic shapes, that a single layer of them is right within a tenth.",
-          kLength_mm, kSide_mm, kSide_mm, kYoung_mpa, kPoisson)};
+          kBeamLength_mm, kSide_mm, kSide_mm, kYoung_mpa, kBeamPoisson)};
   const double wanted = beam_deflection();
   const bool full = extent == Extent::kFull;
   constexpr std::array kColumns{1, 2, 4, 8};
@@ -125,7 +125,7 @@ Section verify_bending(Extent extent, Progress& progress) {
          .order_reason = is_hex20 ? "what is left is the clamped end, whose edges are singular"
                                   : "shear and volume ratio are right to first order in an "
                                     "element, their energy to second",
-         .allowance = kSide_mm * kSide_mm / (kLength_mm * kLength_mm),
+         .allowance = kSide_mm * kSide_mm / (kBeamLength_mm * kBeamLength_mm),
          .allowance_reason =
              "beam theory leaves out what happens at the ends: (height / length)^2"},
         section);

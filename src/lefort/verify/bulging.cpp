@@ -19,14 +19,14 @@ namespace lefort::verify {
 namespace {
 
 constexpr double kHalf_mm = 1.0;
-constexpr double kMu_mpa = 1.0;
-constexpr double kPoisson = 0.499;
+constexpr double kBulgeMu_mpa = 1.0;
+constexpr double kBulgePoisson = 0.499;
 
 /// Where the plate's edge meets the free side the displacement goes with the distance to the power
 /// x = 0.595, the root of sin^2(pi x / 2) = 1 - x^2 for an incompressible body (\cite
 /// williams1952). Strains come with order 1 where cells are graded with a power g > 1 / x of the
 /// distance (\cite babuska1979), displacements in the L2 norm with twice that.
-constexpr double kGrading = 2.5;
+constexpr double kBulgeGrading = 2.5;
 constexpr double kOrder = 2.0;
 
 /// How far the cube is flattened, and what is known of the outcome: numbers in the middle of what
@@ -60,9 +60,10 @@ struct Outcome {
 /// \param corners  where to tell the displacement: corners of cells.
 Result<Outcome> compress(mesh::ElementShape shape, int cells, const Load& load,
                          std::span<const Vec3> corners, Progress& progress) {
-  const double kappa_mpa = 2.0 * kMu_mpa * (1.0 + kPoisson) / (3.0 * (1.0 - 2.0 * kPoisson));
-  CaseModel model{.mesh = graded_cube(shape, cells, kHalf_mm, kGrading),
-                  .materials = {{0, split_neo_hookean(kMu_mpa, kappa_mpa)}},
+  const double kappa_mpa =
+      2.0 * kBulgeMu_mpa * (1.0 + kBulgePoisson) / (3.0 * (1.0 - 2.0 * kBulgePoisson));
+  CaseModel model{.mesh = graded_cube(shape, cells, kHalf_mm, kBulgeGrading),
+                  .materials = {{0, split_neo_hookean(kBulgeMu_mpa, kappa_mpa)}},
                   .prescribed = {}};
   const auto& sets = model.mesh.node_sets;
   const auto top = sets.at("z1");
@@ -99,7 +100,7 @@ struct Corners {
 };
 
 Corners corners_of(int cells) {
-  const auto x = [&](int i) { return kHalf_mm * graded_corner(i, cells, kGrading); };
+  const auto x = [&](int i) { return kHalf_mm * graded_corner(i, cells, kBulgeGrading); };
   const auto width = [&](int i) {
     return 0.5 * (x(std::min(i + 1, cells)) - x(std::max(i - 1, 0)));
   };
@@ -221,8 +222,8 @@ Section verify_bulging(Extent extent, Progress& progress) {
           "all "
           "three share. It is 2 for every shape, hex20 with its linear pressure being welcome to "
           "more.",
-          kPoisson, kLoads[0].force_n, kLoads[0].bulge_mm, kLoads[0].name, kLoads[1].force_n,
-          kLoads[1].bulge_mm, kLoads[1].name, kGrading)};
+          kBulgePoisson, kLoads[0].force_n, kLoads[0].bulge_mm, kLoads[0].name, kLoads[1].force_n,
+          kLoads[1].bulge_mm, kLoads[1].name, kBulgeGrading)};
   const auto loads = std::span(kLoads).first(extent == Extent::kFull ? kLoads.size() : 1);
   double done = 0.0;
   for (const Load& load : loads) {

@@ -98,7 +98,7 @@ struct Problem {
   Law law;
   Waves waves;
   Orders (*orders)(mesh::ElementShape);
-  Comparison requested;  ///< Of the orders.
+  Comparison comparison;  ///< Of the orders.
   std::string reason;
   std::string known_failure = "";  ///< Why orders are known to be missed; or empty.
 };

@@ -11,7 +11,7 @@
 namespace lefort::verify {
 namespace {
 
-constexpr double kLength_mm = 48.0;
+constexpr double kMembraneLength_mm = 48.0;
 constexpr double kRoot_mm = 44.0;  // Height of the clamped end.
 constexpr double kEnd_mm = 16.0;   // Of the other.
 constexpr double kRise_mm = 44.0;  // Of the lower edge, from one to the other.
@@ -24,7 +24,7 @@ Vec3 place(const Vec3& unit, Diagonal diagonal, double thickness_mm) {
   const double along = is_shorter ? unit.y() : unit.x();
   const double up = is_shorter ? 1.0 - unit.x() : unit.y();
   const double height_mm = kRoot_mm + (kEnd_mm - kRoot_mm) * along;
-  return {kLength_mm * along, kRise_mm * along + height_mm * up, thickness_mm * unit.z()};
+  return {kMembraneLength_mm * along, kRise_mm * along + height_mm * up, thickness_mm * unit.z()};
 }
 
 void hold(const std::vector<std::int32_t>& nodes, int component,
@@ -37,17 +37,17 @@ void hold(const std::vector<std::int32_t>& nodes, int component,
 
 fem::Material cook_material() {
   constexpr double kYoung_mpa = 240.565;
-  constexpr double kPoisson = 0.4999;
-  return split_neo_hookean(kYoung_mpa / (2.0 * (1.0 + kPoisson)),
-                           kYoung_mpa / (3.0 * (1.0 - 2.0 * kPoisson)));
+  constexpr double kMembranePoisson = 0.4999;
+  return split_neo_hookean(kYoung_mpa / (2.0 * (1.0 + kMembranePoisson)),
+                           kYoung_mpa / (3.0 * (1.0 - 2.0 * kMembranePoisson)));
 }
 
 CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells, Diagonal diagonal) {
   CookMembrane membrane;
   membrane.mesh = mesh::make_box(shape, {cells, cells, 1}, Vec3::Ones());
   std::vector<Vec3>& nodes_L = membrane.mesh.nodes_L;
-  for (Vec3& node : nodes_L) node = place(node, diagonal, kLength_mm / cells);
-  const Vec3 tip(kLength_mm, kRise_mm + kEnd_mm, kLength_mm / cells);
+  for (Vec3& node : nodes_L) node = place(node, diagonal, kMembraneLength_mm / cells);
+  const Vec3 tip(kMembraneLength_mm, kRise_mm + kEnd_mm, kMembraneLength_mm / cells);
   for (std::size_t n = 0; n < nodes_L.size(); ++n)
     if ((nodes_L[n] - tip).norm() < 1e-9) membrane.tip = std::int32_t(n);
 

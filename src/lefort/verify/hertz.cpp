@@ -25,23 +25,23 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kRadius_mm = 10.0;
+constexpr double kHertzRadius_mm = 10.0;
 constexpr double kIndentation_mm = 0.1;
-constexpr double kMu_mpa = 1.0;
-constexpr double kKappa_mpa = 1000.0;
-constexpr double kPoisson =
-    (3.0 * kKappa_mpa - 2.0 * kMu_mpa) / (2.0 * (3.0 * kKappa_mpa + kMu_mpa));
+constexpr double kHertzMu_mpa = 1.0;
+constexpr double kHertzKappa_mpa = 1000.0;
+constexpr double kHertzPoisson =
+    (3.0 * kHertzKappa_mpa - 2.0 * kHertzMu_mpa) / (2.0 * (3.0 * kHertzKappa_mpa + kHertzMu_mpa));
 /// Of the block's sides, in contact radii.
 constexpr double kReach = 8.0;
 /// Half the pressure per penetration: under Hertz's largest pressure 0.06 % of the indentation.
-constexpr double kStiffness_mpa_per_mm = 2000.0;
+constexpr double kHertzStiffness_mpa_per_mm = 2000.0;
 
-double contact_radius_mm() { return std::sqrt(kRadius_mm * kIndentation_mm); }
+double contact_radius_mm() { return std::sqrt(kHertzRadius_mm * kIndentation_mm); }
 
 /// Hertz: 4/3 E* sqrt(R d^3), with E* = E / (1 - nu^2) = 2 mu / (1 - nu) against a rigid sphere.
 double hertz_force_n(double indentation_mm) {
-  const double plane_mpa = 2.0 * kMu_mpa / (1.0 - kPoisson);
-  return 4.0 / 3.0 * plane_mpa * std::sqrt(kRadius_mm * std::pow(indentation_mm, 3));
+  const double plane_mpa = 2.0 * kHertzMu_mpa / (1.0 - kHertzPoisson);
+  return 4.0 / 3.0 * plane_mpa * std::sqrt(kHertzRadius_mm * std::pow(indentation_mm, 3));
 }
 
 /// Boussinesq: displacement of the half-space z <= 0 under a point force downwards at its origin.
@@ -49,18 +49,19 @@ Vec3 boussinesq(const Vec3& p, double force_n) {
   const double depth = -p.z();
   const double rho = p.norm();
   const double r = p.head<2>().norm();
-  const double unit = force_n / (4.0 * pi * kMu_mpa);
-  const double outwards =
-      unit * (r * depth / std::pow(rho, 3) - (1.0 - 2.0 * kPoisson) * r / (rho * (rho + depth)));
-  const double down = unit * (2.0 * (1.0 - kPoisson) / rho + depth * depth / std::pow(rho, 3));
+  const double unit = force_n / (4.0 * pi * kHertzMu_mpa);
+  const double outwards = unit * (r * depth / std::pow(rho, 3) -
+                                  (1.0 - 2.0 * kHertzPoisson) * r / (rho * (rho + depth)));
+  const double down = unit * (2.0 * (1.0 - kHertzPoisson) / rho + depth * depth / std::pow(rho, 3));
   const double fraction = r > 0.0 ? outwards / r : 0.0;
   return {fraction * p.x(), fraction * p.y(), -down};
 }
 
 /// Where the n-th corner lies along a side of the block.
 double corner_mm(int n, int cells) {
-  constexpr double kGrading = 5.0;
-  return kReach * contact_radius_mm() * std::sinh(kGrading * n / cells) / std::sinh(kGrading);
+  constexpr double kHertzGrading = 5.0;
+  return kReach * contact_radius_mm() * std::sinh(kHertzGrading * n / cells) /
+         std::sinh(kHertzGrading);
 }
 
 /// The edge of the cell at the rim of the contact.
@@ -91,7 +92,7 @@ geometry::TriangleMesh cap() {
       const double x = reach_mm * (2.0 * i / kCells - 1.0);
       const double y = reach_mm * (2.0 * j / kCells - 1.0);
       surface.vertices.emplace_back(
-          x, y, kRadius_mm - std::sqrt(kRadius_mm * kRadius_mm - x * x - y * y));
+          x, y, kHertzRadius_mm - std::sqrt(kHertzRadius_mm * kHertzRadius_mm - x * x - y * y));
     }
   const auto at = [](int i, int j) { return std::int32_t(j * (kCells + 1) + i); };
   for (int j = 0; j < kCells; ++j)
@@ -112,7 +113,7 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
                         const std::shared_ptr<const contact::DistanceQuery>& sphere_B,
                         Progress& progress) {
   CaseModel model{.mesh = graded_block(shape, cells),
-                  .materials = {{0, split_neo_hookean(kMu_mpa, kKappa_mpa)}},
+                  .materials = {{0, split_neo_hookean(kHertzMu_mpa, kHertzKappa_mpa)}},
                   .prescribed = {}};
   const double side_mm = kReach * contact_radius_mm();
   const auto is_far = [&](const Vec3& p) {
@@ -135,7 +136,7 @@ Result<Indented> indent(mesh::ElementShape shape, int cells,
   };
   contact::ContactTerm contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"),
                                {.distance_query_B = sphere_B},
-                               {.stiffness_mpa_per_mm = kStiffness_mpa_per_mm});
+                               {.stiffness_mpa_per_mm = kHertzStiffness_mpa_per_mm});
   model.extra.push_back({&contact, [&](double fraction) {
                            RigidTransform X_LB = RigidTransform::Identity();
                            X_LB.translation().z() = -fraction * kIndentation_mm;
@@ -211,7 +212,7 @@ Section verify_hertz(Extent extent, Progress& progress) {
           "small around the contact. So that the block stands for a half-space, its far sides "
           "move as Boussinesq's solution under Hertz's force says. The radius of contact is that "
           "of Hertz's pressure with the measured second moment, 2/5 F a^2.",
-          kRadius_mm, kIndentation_mm, kPoisson, kReach)};
+          kHertzRadius_mm, kIndentation_mm, kHertzPoisson, kReach)};
   const auto field = field::build_distance_field(cap(), {.resolution = 64, .smooth = true});
   if (!field) {
     section.checks.push_back(not_measured("sphere", field.error().message));
@@ -248,7 +249,7 @@ Section verify_hertz(Extent extent, Progress& progress) {
     }
     const Known known{.order = 2.0,
                       .order_reason = "2 for the block, the pressure at the rim being continuous",
-                      .allowance = kIndentation_mm / kRadius_mm,
+                      .allowance = kIndentation_mm / kHertzRadius_mm,
                       .allowance_reason = "strain is finite and the sphere no paraboloid: d / R"};
     check_convergence_order(fmt::format("{}: force over Hertz's", name), forces, known, section);
     const std::span<const double> last = std::span(forces).last(3);

@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kInner_mm = 1.0;
 constexpr double kOuter_mm = 2.0;
-constexpr double kMu_mpa = 1.0;
-constexpr double kKappa_mpa = 1e4;
+constexpr double kShellMu_mpa = 1.0;
+constexpr double kShellKappa_mpa = 1e4;
 constexpr double kInflation = 1.3;  ///< Inner radius, current over reference.
 
 enum class Vessel { kCylinder, kSphere };
@@ -30,7 +30,7 @@ enum class Vessel { kCylinder, kSphere };
 double cylinder_pressure(double la) {
   const double a = la * kInner_mm;
   const double lb = std::sqrt(kOuter_mm * kOuter_mm + a * a - kInner_mm * kInner_mm) / kOuter_mm;
-  return 0.5 * kMu_mpa * (2.0 * std::log(la / lb) + std::pow(lb, -2) - std::pow(la, -2));
+  return 0.5 * kShellMu_mpa * (2.0 * std::log(la / lb) + std::pow(lb, -2) - std::pow(la, -2));
 }
 
 /// Likewise of a hollow sphere, which keeps r^3 - R^3: p = mu/2 [4/lb + lb^-4 - 4/la - la^-4].
@@ -39,14 +39,14 @@ double sphere_pressure(double la) {
   const double lb =
       std::cbrt(std::pow(kOuter_mm, 3) + std::pow(a, 3) - std::pow(kInner_mm, 3)) / kOuter_mm;
   const auto at = [](double l) { return 4.0 / l + std::pow(l, -4); };
-  return 0.5 * kMu_mpa * (at(lb) - at(la));
+  return 0.5 * kShellMu_mpa * (at(lb) - at(la));
 }
 
 double pressure_of(Vessel vessel) {
   return vessel == Vessel::kCylinder ? cylinder_pressure(kInflation) : sphere_pressure(kInflation);
 }
 
-fem::Material wall_law() { return split_neo_hookean(kMu_mpa, kKappa_mpa); }
+fem::Material wall_law() { return split_neo_hookean(kShellMu_mpa, kShellKappa_mpa); }
 
 /// The ray of a wall: where a point has come to, and its radial nominal stress.
 struct Ray {
@@ -170,7 +170,7 @@ Section verify_inflation(Extent extent, Progress& progress) {
           "expected: 3 for hex20, 2 for all others; the remedy of tet10 and wedge15 leaves one "
           "pressure per element. The error on the finest mesh must be what the order between the "
           "two before predicts.",
-          kKappa_mpa, pressure_of(Vessel::kCylinder), pressure_of(Vessel::kSphere))};
+          kShellKappa_mpa, pressure_of(Vessel::kCylinder), pressure_of(Vessel::kSphere))};
   const bool full = extent == Extent::kFull;
   double done = 0.0;
   for (const Vessel vessel : {Vessel::kCylinder, Vessel::kSphere}) {
@@ -182,7 +182,7 @@ Section verify_inflation(Extent extent, Progress& progress) {
     section.checks.push_back(
         {.name = fmt::format("{}: radius of the compressible wall less the closed form's", what),
          .measured = wanted_mm - kInflation * kInner_mm,
-         .tolerance = 3.0 * pressure_of(vessel) / kKappa_mpa,
+         .tolerance = 3.0 * pressure_of(vessel) / kShellKappa_mpa,
          .unit = "mm",
          .reason = "the wall gives by the pressure over kappa; three times that for the growth of "
                    "its radii"});

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kStretches[] = {0.6, 0.8, 1.2, 1.6, 2.0};
 constexpr double kShears[] = {0.2, 0.6, 1.0};
-constexpr double kKappa_mpa = 1000.0;
+constexpr double kLawKappa_mpa = 1000.0;
 
 enum class Test { kUniaxial, kEquibiaxial, kSimpleShear };
 
@@ -97,7 +97,7 @@ Section verify_laws(Extent /*extent*/, Progress& progress) {
           "by hand from W(gamma). Split laws have the bulk modulus {} MPa, shear moduli are about "
           "1 MPa; how far they "
           "are from the incompressible closed form is told, too.",
-          kKappa_mpa)};
+          kLawKappa_mpa)};
   Table table{
       .title = "Largest relative difference over all stretches (0.6 to 2) or shears (0.2 to 1)",
       .header = {"law", "uniaxial", "equibiaxial", "simple shear"}};
@@ -107,7 +107,7 @@ Section verify_laws(Extent /*extent*/, Progress& progress) {
   report::LinePlot plot{.title = "Uniaxial stretch: nominal stress, measured",
                         .x_label = "stretch",
                         .y_label = "nominal stress [MPa]"};
-  for (const NamedLaw& one : example_laws(kKappa_mpa)) {
+  for (const NamedLaw& one : example_laws(kLawKappa_mpa)) {
     std::vector<std::string> row{one.name};
     std::vector<std::string> stress_row{one.name};
     report::PlotLine line{.name = one.name};
@@ -132,7 +132,7 @@ Section verify_laws(Extent /*extent*/, Progress& progress) {
         const double limit = incompressible_uniaxial(one.law, amount);
         const double true_stress = std::abs(limit) * amount;
         from_limit = std::max(
-            from_limit, std::abs(*found - limit) / std::abs(limit) / (true_stress / kKappa_mpa));
+            from_limit, std::abs(*found - limit) / std::abs(limit) / (true_stress / kLawKappa_mpa));
       };
       if (test == Test::kSimpleShear)
         for (const double gamma : kShears) look(gamma);

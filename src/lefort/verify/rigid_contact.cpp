@@ -19,10 +19,11 @@
 namespace lefort::verify {
 namespace {
 
-constexpr double kMu_mpa = 0.005;  // Of soft tissue.
-constexpr double kKappa_mpa = 0.1;
-constexpr double kStiffness_mpa_per_mm = 0.06;  // Ten times Young's modulus over an element's edge.
-constexpr double kTolerance = 1e-8;
+constexpr double kPunchMu_mpa = 0.005;  // Of soft tissue.
+constexpr double kPunchKappa_mpa = 0.1;
+constexpr double kPunchStiffness_mpa_per_mm =
+    0.06;  // Ten times Young's modulus over an element's edge.
+constexpr double kPunchTolerance = 1e-8;
 /// Newton's quadratic end takes three or four; the rest is for points that come into contact.
 constexpr int kMaxIterations = 20;
 constexpr std::array<double, 3> kBlock_mm{24.0, 16.0, 10.0};
@@ -86,7 +87,7 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
       .mesh = mesh::make_box(mesh::ElementShape::kHex8,
                              {cells(kBlock_mm[0]), cells(kBlock_mm[1]), cells(kBlock_mm[2])},
                              Vec3(kBlock_mm[0], kBlock_mm[1], kBlock_mm[2])),
-      .materials = {{0, split_neo_hookean(kMu_mpa, kKappa_mpa)}},
+      .materials = {{0, split_neo_hookean(kPunchMu_mpa, kPunchKappa_mpa)}},
       .prescribed = {}};
   std::vector<fem::PrescribedDisplacement> constrained;
   for (int axis = 0; axis < 3; ++axis) hold(model.mesh.node_sets.at("z0"), axis, 0.0, constrained);
@@ -100,7 +101,8 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
       contact::field_distance_query(std::make_shared<const field::DistanceField>(std::move(field)),
                                     contact::DetectionMethod::kSmooth));
   contact::ContactTerm contact(model.mesh.nodes_L, model.mesh.face_sets.at("z1"),
-                               {distance_query_B}, {.stiffness_mpa_per_mm = kStiffness_mpa_per_mm});
+                               {distance_query_B},
+                               {.stiffness_mpa_per_mm = kPunchStiffness_mpa_per_mm});
   model.extra.push_back({&contact, [&](double fraction) {
                            RigidTransform X_LB = RigidTransform::Identity();
                            X_LB.translation() = shift_mm(fraction);
@@ -115,7 +117,7 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
   };
   LEFORT_TRY(const Equilibrium found, solve(model,
                                             {.increments = increments,
-                                             .relative_tolerance = kTolerance,
+                                             .relative_tolerance = kPunchTolerance,
                                              .on_increment = on_increment},
                                             progress));
   std::size_t n = 0;
@@ -215,7 +217,7 @@ Section verify_punch(Extent extent, Progress& progress) {
 }
 
 Section verify_ironing(Extent extent, Progress& progress) {
-  constexpr double kRadius_mm = 4.0, kPressed_mm = 1.0, kSlid_mm = 10.0, kPressing = 0.2;
+  constexpr double kPunchRadius_mm = 4.0, kPressed_mm = 1.0, kSlid_mm = 10.0, kPressing = 0.2;
   Section section{
       .name = "ironing",
       .title = "Ironing: a roller pressed in and slid along",
@@ -225,8 +227,8 @@ Section verify_ironing(Extent extent, Progress& progress) {
           "slid {} mm along without friction, by the smooth field and the contact term of the "
           "product. Nodes come into contact ahead and leave it behind: where normals jump, the "
           "force does, and Newton cycles. Over the middle of the way the force must be steady.",
-          kRadius_mm, kPressed_mm, kSlid_mm)};
-  geometry::TriangleMesh cylinder = roller(kRadius_mm, -2.0, kBlock_mm[1] + 2.0);
+          kPunchRadius_mm, kPressed_mm, kSlid_mm)};
+  geometry::TriangleMesh cylinder = roller(kPunchRadius_mm, -2.0, kBlock_mm[1] + 2.0);
   for (Vec3& v : cylinder.vertices) v += Vec3(7.0, 0.0, kBlock_mm[2]);
   const auto followed = press(
       cylinder, extent == Extent::kShort ? 5 : 10, 25,

@@ -19,30 +19,30 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kRadius_mm = 1.0;
-constexpr double kLength_mm = 1.0;
-constexpr double kMu_mpa = 1.0;
-constexpr double kKappa_mpa = 1e4;
+constexpr double kColumnRadius_mm = 1.0;
+constexpr double kColumnLength_mm = 1.0;
+constexpr double kColumnMu_mpa = 1.0;
+constexpr double kColumnKappa_mpa = 1e4;
 constexpr double kTwist_rad_per_mm = 0.6;
 
 /// What the material's own compressibility makes of the loads, relative: of the axial force, which
 /// is the pressure's, three times mu over kappa; of the torque, which goes with the fourth power of
 /// the radius, four times the change of volume, at most mu tau^2 a^2 / 2 over kappa.
-constexpr double kAxialChange = 3.0 * kMu_mpa / kKappa_mpa;
-constexpr double kTorqueChange = 4.0 * 0.5 * kMu_mpa * kTwist_rad_per_mm * kTwist_rad_per_mm *
-                                 kRadius_mm * kRadius_mm / kKappa_mpa;
+constexpr double kAxialChange = 3.0 * kColumnMu_mpa / kColumnKappa_mpa;
+constexpr double kTorqueChange = 4.0 * 0.5 * kColumnMu_mpa * kTwist_rad_per_mm * kTwist_rad_per_mm *
+                                 kColumnRadius_mm * kColumnRadius_mm / kColumnKappa_mpa;
 
 /// The error of a load goes with the product of two errors of strain: of the solution, and of the
 /// displacement by which that load does work (\cite babuska1984). A twist more, for the torque, is
 /// as smooth as the solution. A stretch between held ends, for the axial force, has a stress that
-/// is singular at their rims: on regular meshes its strains come with order 0.595 (bulging.cpp).
+/// is singular at their rims: on regular column_meshes its strains come with order 0.595 (bulging.cpp).
 constexpr double kTorqueOrder = 2.0;
 constexpr double kAxialOrder = 1.595;
 
 /// The volume changes by at most mu tau^2 a^2 / 2, the pressure on the axis, over kappa; so do
 /// displacements. At five times that the order is right to a few hundredths.
-constexpr double kMinError = 5.0 * 0.5 * kMu_mpa * kTwist_rad_per_mm * kTwist_rad_per_mm *
-                             kRadius_mm * kRadius_mm / kKappa_mpa;
+constexpr double kMinError = 5.0 * 0.5 * kColumnMu_mpa * kTwist_rad_per_mm * kTwist_rad_per_mm *
+                             kColumnRadius_mm * kColumnRadius_mm / kColumnKappa_mpa;
 
 struct EndLoads {
   double torque_nmm = 0.0;
@@ -51,9 +51,9 @@ struct EndLoads {
 
 /// Rivlin's solution for the neo-Hookean law: pi mu tau a^4 / 2 and -pi mu tau^2 a^4 / 4.
 EndLoads exact() {
-  const double a4 = std::pow(kRadius_mm, 4);
+  const double a4 = std::pow(kColumnRadius_mm, 4);
   const double tau = kTwist_rad_per_mm;
-  return {0.5 * pi * kMu_mpa * tau * a4, -0.25 * pi * kMu_mpa * tau * tau * a4};
+  return {0.5 * pi * kColumnMu_mpa * tau * a4, -0.25 * pi * kColumnMu_mpa * tau * tau * a4};
 }
 
 /// Every section turns rigidly.
@@ -76,13 +76,14 @@ struct Twisted {
 };
 
 Result<Twisted> twist(mesh::ElementShape shape, int cells, Progress& progress) {
-  CaseModel model{.mesh = round_column(shape, cells, 2 * cells, kRadius_mm, kLength_mm),
-                  .materials = {{0, split_neo_hookean(kMu_mpa, kKappa_mpa)}},
+  CaseModel model{.mesh = round_column(shape, cells, 2 * cells, kColumnRadius_mm, kColumnLength_mm),
+                  .materials = {{0, split_neo_hookean(kColumnMu_mpa, kColumnKappa_mpa)}},
                   .prescribed = {}};
   const auto bottom = nodes_where(model.mesh, [](const Vec3& p) { return p.z() < 1e-9; });
-  const auto top = nodes_where(model.mesh, [](const Vec3& p) { return p.z() > kLength_mm - 1e-9; });
+  const auto top =
+      nodes_where(model.mesh, [](const Vec3& p) { return p.z() > kColumnLength_mm - 1e-9; });
   model.prescribed = [&](double fraction) {
-    const Eigen::AngleAxisd turn(fraction * kTwist_rad_per_mm * kLength_mm, Vec3::UnitZ());
+    const Eigen::AngleAxisd turn(fraction * kTwist_rad_per_mm * kColumnLength_mm, Vec3::UnitZ());
     RigidTransform motion_LL = RigidTransform::Identity();
     motion_LL.linear() = turn.toRotationMatrix();
     std::vector<fem::PrescribedDisplacement> all = fem::prescribe_zero(bottom);
@@ -106,7 +107,7 @@ Result<Twisted> twist(mesh::ElementShape shape, int cells, Progress& progress) {
 /// None where seconds do not suffice for an order: tet4 and tet10 need 6 cells, wedge15 needs 4.
 /// On coarser ones tet10's torque has yet to come to its order: 0.3, 1.6 and 1.8 from 1, 2 and 3
 /// cells.
-std::vector<int> meshes(mesh::ElementShape shape, Extent extent) {
+std::vector<int> column_meshes(mesh::ElementShape shape, Extent extent) {
   using enum mesh::ElementShape;
   if (extent == Extent::kFull && shape == kTet10) return {3, 6};
   if (extent == Extent::kFull) return degree(shape) == 1 ? std::vector{3, 6} : std::vector{1, 2, 4};
@@ -146,8 +147,8 @@ Section verify_torsion(Extent extent, Progress& progress) {
           "in the L2 norm 3 for hex20, 2 for all others; of the torque 2; of the axial force "
           "1.595, since the stretch by which it does work is singular at the rims of the held "
           "ends, with strains of order 0.595.",
-          kLength_mm, kRadius_mm, kKappa_mpa, kTwist_rad_per_mm, wanted.torque_nmm,
-          wanted.axial_n)};
+          kColumnLength_mm, kColumnRadius_mm, kColumnKappa_mpa, kTwist_rad_per_mm,
+          wanted.torque_nmm, wanted.axial_n)};
   Table table{.title =
                   "Errors of the end loads and, in the L2 norm, of the displacement, by cells "
                   "from the axis to the core's side and from there to the rim",
@@ -159,7 +160,7 @@ Section verify_torsion(Extent extent, Progress& progress) {
                         .y_axis = report::Axis::kLog};
   double done = 0.0;
   for (const mesh::ElementShape shape : kAllShapes) {
-    if (meshes(shape, extent).empty()) continue;
+    if (column_meshes(shape, extent).empty()) continue;
     report::PlotLine line{.name = text_of(shape)};
     std::vector<double> of_torque, of_axial;
     std::vector<double> of_displacement;
@@ -168,7 +169,7 @@ Section verify_torsion(Extent extent, Progress& progress) {
                                : fmt::format("{:.2f}", std::log2(errors.end()[-2] / errors.back()));
     };
     std::string failure;
-    for (const int n : meshes(shape, extent)) {
+    for (const int n : column_meshes(shape, extent)) {
       const auto found = twist(shape, n, progress);
       if (!found) failure = found.error().message;
       if (!found) break;

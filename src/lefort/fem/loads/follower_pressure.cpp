@@ -51,12 +51,12 @@ void add_point(const FaceNodes<Shape>& X, const FaceNodes<Shape>& x,
 }
 
 /// The nodes of one side of a face: its ends, the lower first, and its middle or -1.
-using Side = std::array<std::int32_t, 3>;
+using FaceSide = std::array<std::int32_t, 3>;
 
-std::vector<Side> domains_of(const mesh::Face& face) {
+std::vector<FaceSide> domains_of(const mesh::Face& face) {
   const auto corners = std::size_t(mesh::corner_count(face.shape));
   const bool has_middles = mesh::nodes_of(face).size() > corners;
-  std::vector<Side> sides;
+  std::vector<FaceSide> sides;
   for (std::size_t a = 0; a < corners; ++a) {
     const auto [low, high] = std::minmax(face.nodes[a], face.nodes[(a + 1) % corners]);
     sides.push_back({low, high, has_middles ? face.nodes[corners + a] : -1});
@@ -66,9 +66,9 @@ std::vector<Side> domains_of(const mesh::Face& face) {
 
 /// The nodes of sides that belong to one face alone, ascending, each once.
 std::vector<std::int32_t> rim_nodes(std::span<const mesh::Face> faces) {
-  std::map<Side, int> uses;
+  std::map<FaceSide, int> uses;
   for (const mesh::Face& face : faces)
-    for (const Side& side : domains_of(face)) ++uses[side];
+    for (const FaceSide& side : domains_of(face)) ++uses[side];
   std::vector<std::int32_t> nodes;
   for (const auto& [side, count] : uses)
     if (count != 2)

@@ -9,7 +9,7 @@
 namespace lefort::fem {
 namespace {
 
-constexpr const char* kName = "holzapfel-gasser-ogden";
+constexpr const char* kHgoName = "holzapfel-gasser-ogden";
 
 /// e of one family; <= 0 if it is slack.
 double fiber_strain(const HolzapfelGasserOgden& law, const IsochoricStrain& strain,
@@ -26,18 +26,19 @@ Mat3 half_slope_of_strain(const HolzapfelGasserOgden& law, const Mat3& f, const 
 }  // namespace
 
 Result<void> HolzapfelGasserOgden::validate() const {
-  LEFORT_TRY_VOID(check_positive(kName, "mu", mu_mpa));
-  LEFORT_TRY_VOID(check_not_negative(kName, "k1", k1_mpa));
+  LEFORT_TRY_VOID(check_positive(kHgoName, "mu", mu_mpa));
+  LEFORT_TRY_VOID(check_not_negative(kHgoName, "k1", k1_mpa));
   if (!(k2 > 0.0) || !std::isfinite(k2))
-    return fail(ErrorCode::kInvalidArgument, fmt::format("{}: k2 is {}, must be > 0", kName, k2));
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: k2 is {}, must be > 0", kHgoName, k2));
   if (!(dispersion >= 0.0 && dispersion <= 1.0 / 3.0))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: dispersion is {}, must be in [0, 1/3]", kName, dispersion));
+                fmt::format("{}: dispersion is {}, must be in [0, 1/3]", kHgoName, dispersion));
   if (family_count < 1 || family_count > 2)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: family_count is {}, must be 1 or 2", kName, family_count));
+                fmt::format("{}: family_count is {}, must be 1 or 2", kHgoName, family_count));
   for (int n = 0; n < family_count; ++n)
-    LEFORT_TRY_VOID(check_unit(kName, fmt::format("fibre {}", n + 1), fiber[std::size_t(n)]));
+    LEFORT_TRY_VOID(check_unit(kHgoName, fmt::format("fibre {}", n + 1), fiber[std::size_t(n)]));
   return {};
 }
 

@@ -22,7 +22,6 @@ namespace lefort::field {
 
 namespace {
 
-constexpr int kSide = SparseLattice::kSide;
 constexpr Index kMaxLatticePoints = Index(1) << 31;  // 8 GiB.
 /// Of triangles with bricks: twelve bytes each.
 constexpr std::int64_t kMaxPairs = std::int64_t(1) << 29;
@@ -168,7 +167,7 @@ Result<void> BandSampler::bin_triangles() {
 /// reach of some point of them.
 Result<void> BandSampler::grow_band_by_tree(Index max_bricks, Progress& progress) {
   const int n = SparseLattice::bricks_per_side(resolution_);
-  const double brick_mm = kSide * cell_mm_;
+  const double brick_mm = kBrickSide * cell_mm_;
   // Of a brick with all its cells, so that no step over a corner is missed.
   const double limit_mm = reach_mm_ + 0.5 * std::sqrt(3.0) * brick_mm;
   std::vector<bool> is_seen(std::size_t(n) * std::size_t(n) * std::size_t(n), false);
@@ -255,11 +254,12 @@ BrickSigns BandSampler::sample(Index slot,
   // Where an edge or a corner is nearest, the plane of a triangle does not tell the side.
   BrickBits to_find;
   std::array<std::int32_t, SparseLattice::kBrickPoints> codes;
-  for (std::size_t z = 0; z < std::size_t(kSide); ++z) {
+  for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z) {
     const std::span slice_codes = std::span(codes).subspan(64 * z).first<64>();
     const std::span slice = distances.subspan(64 * z).first<64>();
     for (int i = 0; i < 64; i += int(NearestInBrick::kTileX)) {
-      const std::size_t from = NearestInBrick::linear_offset(i % kSide, i / kSide, int(z));
+      const std::size_t from =
+          NearestInBrick::linear_offset(i % kBrickSide, i / kBrickSide, int(z));
       std::copy_n(nearest.code.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
                   slice_codes.begin() + i);
       std::copy_n(nearest.squared_mm2.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
@@ -275,10 +275,10 @@ BrickSigns BandSampler::sample(Index slot,
 
   const BrickBits off_face = to_find;
   if (surface_->closed && !has_doubles) propagate_signs(signs, to_find);
-  for (std::size_t z = 0; z < std::size_t(kSide); ++z) {
+  for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z) {
     for (std::uint64_t left = to_find[z]; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
-      const Vec3 p = low + cell_mm_ * Vec3(bit % kSide, bit / kSide, double(z));
+      const Vec3 p = low + cell_mm_ * Vec3(bit % kBrickSide, bit / kBrickSide, double(z));
       const bool inside = is_inside(codes[64 * z + std::size_t(bit)], p);
       signs.inside[z] = with_bit(signs.inside[z], bit, inside);
     }

@@ -19,13 +19,12 @@ namespace lefort::field {
 
 namespace {
 
-constexpr int kSide = SparseLattice::kSide;
 constexpr int kLeafSide = BrickSamples::kLeafSide;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnknownDistance = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Bricks sampled before their leaves join the others: few enough to stay in the cache.
-constexpr Index kWave = 256;
-constexpr Index kBlock = 8;
+constexpr Index kBricksPerWave = 256;
+constexpr Index kBricksPerTask = 8;
 /// Bricks whose leaves a thread puts in place at a time.
 constexpr Index kCopyBlock = 32;
 
@@ -68,7 +67,8 @@ void quantize(const Distances& distances, float codes_per_mm, Codes& codes) {
 void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick& encoded) {
   const int x_low = (leaf & 1) * kLeafSide, y_low = (leaf >> 1 & 1) * kLeafSide,
             z_low = (leaf >> 2) * kLeafSide;
-  const std::int32_t* const first = codes.data() + (z_low * kSide + y_low) * kSide + x_low;
+  const std::int32_t* const first =
+      codes.data() + (z_low * kBrickSide + y_low) * kBrickSide + x_low;
   const auto bit = std::uint8_t(1U << leaf);
   if (known == 0) {
     // All of it lies on the side of any of its points.
@@ -82,7 +82,7 @@ void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick
     for (int y = 0; y < kLeafSide; ++y)
       for (int x = 0; x < kLeafSide; ++x) {
         // Four bytes each, of which the next overwrites the last.
-        std::memcpy(place, first + (z * kSide + y) * kSide + x, sizeof(std::int32_t));
+        std::memcpy(place, first + (z * kBrickSide + y) * kBrickSide + x, sizeof(std::int32_t));
         place += BrickSamples::kCodeBytes;
       }
 }
@@ -105,13 +105,13 @@ void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
           face_bits(signs.clear_of_surface, axis, highest);
     }
   if (winding != nullptr) {
-    for (std::size_t z = 0; z < std::size_t(kSide); ++z)
+    for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z)
       for (std::uint64_t far = ~signs.known[z]; far != 0; far &= far - 1) {
         const int bit = std::countr_zero(far);
         distances[z * 64 + std::size_t(bit)] = (inside[z] >> bit & 1) != 0 ? -kInfinity : kInfinity;
       }
   }
-  for (const std::size_t i : in_conflict) distances[i] = kNaN;
+  for (const std::size_t i : in_conflict) distances[i] = kUnknownDistance;
   Codes codes;
   quantize(distances, float(BrickSamples::kLargest / frame.band_mm), codes);
   for (int leaf = 0; leaf < 8; ++leaf) {
@@ -173,10 +173,11 @@ Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& 
       candidates.size() * 8 * BrickSamples::kLeafBytes + 1);
   std::size_t leaves = 0;
 
-  std::vector<EncodedBrick> wave(std::size_t(std::min<Index>(kWave, Index(candidates.size()))));
-  for (Index begin = 0; begin < Index(candidates.size()); begin += kWave) {
+  std::vector<EncodedBrick> wave(
+      std::size_t(std::min<Index>(kBricksPerWave, Index(candidates.size()))));
+  for (Index begin = 0; begin < Index(candidates.size()); begin += kBricksPerWave) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
-    const Index count = std::min(kWave, Index(candidates.size()) - begin);
+    const Index count = std::min(kBricksPerWave, Index(candidates.size()) - begin);
     parallel_for(
         count,
         [&](Index i) {
@@ -185,7 +186,7 @@ Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& 
           encode(distances, signs, frame, winding, candidates[std::size_t(begin + i)],
                  wave[std::size_t(i)]);
         },
-        kBlock);
+        kBricksPerTask);
     for (Index i = 0; i < count; ++i) {
       EncodedBrick& encoded = wave[std::size_t(i)];
       if (encoded.empty) continue;

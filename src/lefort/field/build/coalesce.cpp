@@ -14,8 +14,6 @@ namespace lefort::field {
 
 namespace {
 
-constexpr int kSide = SparseLattice::kSide;
-
 /// Unites the subtree that begins at `begin` if its eight children are leaves of one kind, and
 /// those within the band can be reconstructed.
 template <class Reproduces>
@@ -28,14 +26,14 @@ void unite(std::string& codes, std::size_t begin, const Reproduces& reproduces) 
   codes += first;
 }
 
-/// A cube of kSide^3 cells with its own copy of the samples: nearly all the work happens here.
+/// A cube of kBrickSide^3 cells with its own copy of the samples: nearly all the work happens here.
 class Block {
  public:
   Block(const SignedDistances& distances, const LatticePoint& low, const FieldFrame& frame)
       : frame_(frame) {
-    for (int k = 0; k <= kSide; ++k)
-      for (int j = 0; j <= kSide; ++j)
-        for (int i = 0; i <= kSide; ++i)
+    for (int k = 0; k <= kBrickSide; ++k)
+      for (int j = 0; j <= kBrickSide; ++j)
+        for (int i = 0; i <= kBrickSide; ++i)
           values_[place({i, j, k})] = distances.at({low[0] + i, low[1] + j, low[2] + k});
   }
 
@@ -55,7 +53,7 @@ class Block {
 
  private:
   static std::size_t place(const LatticePoint& p) {
-    return std::size_t((p[2] * (kSide + 1) + p[1]) * (kSide + 1) + p[0]);
+    return std::size_t((p[2] * (kBrickSide + 1) + p[1]) * (kBrickSide + 1) + p[0]);
   }
 
   /// The smallest group of cells.
@@ -73,22 +71,22 @@ class Block {
   }
 
   const FieldFrame& frame_;
-  std::array<float, (kSide + 1) * (kSide + 1) * (kSide + 1)> values_;
+  std::array<float, (kBrickSide + 1) * (kBrickSide + 1) * (kBrickSide + 1)> values_;
 };
 
-/// Subtree of the cube of kSide^3 cells whose lowest corner begins a brick.
+/// Subtree of the cube of kBrickSide^3 cells whose lowest corner begins a brick.
 std::string block_codes(const SignedDistances& distances, const LatticePoint& low,
                         const FieldFrame& frame) {
   const SparseLattice& near = distances.near;
   bool empty = true;  // Of this brick and those that hold the far sides of its last cells.
   for (int corner = 0; corner < 8; ++corner)
-    empty = empty && near.slot_of(near.brick_of(corner_point(low, corner, kSide))) ==
+    empty = empty && near.slot_of(near.brick_of(corner_point(low, corner, kBrickSide))) ==
                          SparseLattice::kNoBrick;
   std::string codes;
   if (empty) {
     codes += char(code_of(distances.brick_sides[std::size_t(near.brick_of(low))]));
   } else {
-    Block(distances, low, frame).append(codes, {0, 0, 0}, kSide);
+    Block(distances, low, frame).append(codes, {0, 0, 0}, kBrickSide);
   }
   return codes;
 }
@@ -97,9 +95,10 @@ std::string block_codes(const SignedDistances& distances, const LatticePoint& lo
 void append_upper(std::string& codes, const std::vector<std::string>& blocks,
                   const SignedDistances& distances, const LatticePoint& low, int cells,
                   double tolerance_mm) {
-  if (cells == kSide) {
-    const int n = distances.near.resolution() / kSide;
-    codes += blocks[std::size_t((low[2] / kSide * n + low[1] / kSide) * n + low[0] / kSide)];
+  if (cells == kBrickSide) {
+    const int n = distances.near.resolution() / kBrickSide;
+    codes += blocks[std::size_t((low[2] / kBrickSide * n + low[1] / kBrickSide) * n +
+                                low[0] / kBrickSide)];
     return;
   }
   const std::size_t begin = codes.size();
@@ -117,14 +116,14 @@ void append_upper(std::string& codes, const std::vector<std::string>& blocks,
 
 Result<Octree> coalesce(const SignedDistances& distances, const FieldFrame& frame,
                         Progress& progress) {
-  const int n = frame.resolution / kSide;
+  const int n = frame.resolution / kBrickSide;
   std::vector<std::string> blocks(std::size_t(n) * std::size_t(n) * std::size_t(n));
   parallel_for(
       Index(blocks.size()),
       [&](Index b) {
         if (progress.stop_requested()) return;
-        const LatticePoint low = {int(b % n) * kSide, int(b / n % n) * kSide,
-                                  int(b / (Index(n) * n)) * kSide};
+        const LatticePoint low = {int(b % n) * kBrickSide, int(b / n % n) * kBrickSide,
+                                  int(b / (Index(n) * n)) * kBrickSide};
         blocks[std::size_t(b)] = block_codes(distances, low, frame);
       },
       16);

@@ -16,7 +16,6 @@ namespace lefort::field {
 
 namespace {
 
-constexpr int kSide = SparseLattice::kSide;
 constexpr std::size_t kRow = 4;  ///< Values that count in a cell, along an axis.
 /// Points whose values are fetched ahead.
 constexpr std::size_t kGroup = 16;
@@ -54,11 +53,12 @@ struct Place {
 };
 
 /// Whether the rows go on in another brick.
-LEFORT_INLINE bool is_split(const Place& place) { return place.first[0] + int(kRow) > kSide; }
+LEFORT_INLINE bool is_split(const Place& place) { return place.first[0] + int(kRow) > kBrickSide; }
 
 LEFORT_INLINE const float* row_at(const Place& place, int y, int z, int x_brick) {
-  const int brick = x_brick | (y / kSide) << 1 | (z / kSide) << 2;
-  return place.bricks[std::size_t(brick)] + ((z % kSide) * kSide + y % kSide) * kSide;
+  const int brick = x_brick | (y / kBrickSide) << 1 | (z / kBrickSide) << 2;
+  return place.bricks[std::size_t(brick)] +
+         ((z % kBrickSide) * kBrickSide + y % kBrickSide) * kBrickSide;
 }
 
 LEFORT_INLINE void locate(const SparseLattice& lattice, const Vec3& u, Place& place) {
@@ -69,7 +69,7 @@ LEFORT_INLINE void locate(const SparseLattice& lattice, const Vec3& u, Place& pl
     const int cell = int(std::clamp(at, 0.0, double(last)));
     place.t[k] = at - cell;
     low[k] = cell - 1;
-    place.first[k] = (low[k] + kSide) % kSide;
+    place.first[k] = (low[k] + kBrickSide) % kBrickSide;
   }
   const std::int32_t brick = lattice.brick_of(low);
   for (int i = 0; i < 8; ++i) {
@@ -84,7 +84,7 @@ LEFORT_INLINE void locate(const SparseLattice& lattice, const Vec3& u, Place& pl
     for (int x = 0; x <= int(is_split(place)); ++x) {
       __builtin_prefetch(row_at(place, y, z, x));
       __builtin_prefetch(row_at(place, y + 2, z, x));
-      __builtin_prefetch(row_at(place, y + 3, z, x) + kSide - 1);
+      __builtin_prefetch(row_at(place, y + 3, z, x) + kBrickSide - 1);
     }
 }
 

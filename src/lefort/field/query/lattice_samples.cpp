@@ -15,25 +15,24 @@ namespace lefort::field {
 
 namespace {
 
-constexpr int kSide = SparseLattice::kSide;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoDistance = std::numeric_limits<float>::quiet_NaN();
 /// Blocks read before they are handed on.
 constexpr Index kWave = 4096;
 
 /// Samples of a block and one beyond it on every side, where contradictions may be.
 class Surroundings {
  public:
-  static constexpr int kAcross = kSide + 2;
+  static constexpr int kAcross = kBrickSide + 2;
 
   template <class SampleAt>
   Surroundings(const LatticePoint& first, int resolution, const SampleAt& sample_at) {
-    for (int z = -1; z <= kSide; ++z)
-      for (int y = -1; y <= kSide; ++y)
-        for (int x = -1; x <= kSide; ++x) {
+    for (int z = -1; z <= kBrickSide; ++z)
+      for (int y = -1; y <= kBrickSide; ++y)
+        for (int x = -1; x <= kBrickSide; ++x) {
           const LatticePoint p = {first[0] + x, first[1] + y, first[2] + z};
           const bool in_lattice =
               std::all_of(p.begin(), p.end(), [&](int c) { return c >= 0 && c <= resolution; });
-          values_[place(x, y, z)] = in_lattice ? sample_at(p) : kNaN;
+          values_[place(x, y, z)] = in_lattice ? sample_at(p) : kNoDistance;
         }
   }
 
@@ -42,9 +41,9 @@ class Surroundings {
   void copy_to(SampleBlock& block, double cell_mm, double slack_mm) const {
     const auto max_mm = float(cell_mm * double(kMaxSlope) + 2.0 * slack_mm);
     constexpr std::array<std::size_t, 3> kStride = {1, kAcross, kAcross * kAcross};
-    for (int z = 0; z < kSide; ++z)
-      for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) {
+    for (int z = 0; z < kBrickSide; ++z)
+      for (int y = 0; y < kBrickSide; ++y)
+        for (int x = 0; x < kBrickSide; ++x) {
           const std::size_t here = place(x, y, z);
           bool in_conflict = false;
           if (std::isfinite(values_[here]))
@@ -52,8 +51,8 @@ class Surroundings {
               for (const std::size_t next : {here - stride, here + stride})
                 in_conflict = in_conflict || (std::isfinite(values_[next]) &&
                                               std::abs(values_[here] - values_[next]) > max_mm);
-          block.values[std::size_t((z * kSide + y) * kSide + x)] =
-              in_conflict ? kNaN : values_[here];
+          block.values[std::size_t((z * kBrickSide + y) * kBrickSide + x)] =
+              in_conflict ? kNoDistance : values_[here];
         }
   }
 
@@ -77,8 +76,9 @@ void read_bricks(const BrickSamples& samples, const FieldFrame&, SampleBlock& bl
     if (block.side) return;
   }
   for (int place = 0; place < SparseLattice::kBrickPoints; ++place) {
-    const LatticePoint p = {block.first[0] + place % kSide, block.first[1] + place / kSide % kSide,
-                            block.first[2] + place / (kSide * kSide)};
+    const LatticePoint p = {block.first[0] + place % kBrickSide,
+                            block.first[1] + place / kBrickSide % kBrickSide,
+                            block.first[2] + place / (kBrickSide * kBrickSide)};
     block.values[std::size_t(place)] =
         samples.distance_of(BrickSamples::read_code(samples.linear_offset(p)));
   }
@@ -105,7 +105,7 @@ bool holds(const CellSamples& leaf, const LatticePoint& cell) {
 /// The cells around the points of a block and its neighbors.
 class Leaves {
  public:
-  static constexpr int kAcross = kSide + 3;
+  static constexpr int kAcross = kBrickSide + 3;
 
   Leaves(const Octree& octree, const LatticePoint& first) : low_(first) {
     for (int& c : low_) c -= 2;
@@ -148,7 +148,7 @@ class Leaves {
       }
     }
     if (smallest != nullptr) return interpolate(*smallest, point);
-    if (unknown || inside == outside) return kNaN;
+    if (unknown || inside == outside) return kNoDistance;
     return side_value(inside ? Zone::kInside : Zone::kOutside);
   }
 
@@ -183,7 +183,8 @@ std::optional<Zone> side_of_large_leaves(const Octree& octree, const LatticePoin
     if (!in_tree) continue;
     const CellSamples leaf = octree.cell(cell);
     const Zone zone = zone_of(leaf.corners);
-    if (leaf.cells < kSide || zone == Zone::kBand || (side && *side != zone)) return std::nullopt;
+    if (leaf.cells < kBrickSide || zone == Zone::kBand || (side && *side != zone))
+      return std::nullopt;
     side = zone;
   }
   return side;
@@ -203,8 +204,8 @@ struct BlockRange {
   int first, count;
 };
 BlockRange blocks_along(const LatticeWindow& window, std::size_t axis) {
-  const int first = window.first[axis] / kSide;
-  const int last = (window.first[axis] + (window.count[axis] - 1) * window.every) / kSide;
+  const int first = window.first[axis] / kBrickSide;
+  const int last = (window.first[axis] + (window.count[axis] - 1) * window.every) / kBrickSide;
   return {first, last - first + 1};
 }
 
@@ -212,7 +213,7 @@ BlockRange blocks_along(const LatticeWindow& window, std::size_t axis) {
 
 void read_block(const DistanceField& field, const LatticePoint& first, SampleBlock& block) {
   const FieldFrame& frame = field.frame();
-  for (const int c : first) LEFORT_CHECK(c >= 0 && c <= frame.resolution && c % kSide == 0);
+  for (const int c : first) LEFORT_CHECK(c >= 0 && c <= frame.resolution && c % kBrickSide == 0);
   block.first = first;
   block.side.reset();
   if (const auto* bricks = std::get_if<BrickSamples>(&field.samples())) {
@@ -282,9 +283,9 @@ Result<void> for_each_block(const DistanceField& field, const LatticeWindow& win
         count,
         [&](Index i) {
           const Index b = begin + i;
-          const LatticePoint first = {kSide * (x.first + int(b % x.count)),
-                                      kSide * (y.first + int(b / x.count % y.count)),
-                                      kSide * (z.first + int(b / x.count / y.count))};
+          const LatticePoint first = {kBrickSide * (x.first + int(b % x.count)),
+                                      kBrickSide * (y.first + int(b / x.count % y.count)),
+                                      kBrickSide * (z.first + int(b / x.count / y.count))};
           read_block(field, first, wave[std::size_t(i)]);
         },
         16);
@@ -306,12 +307,13 @@ Result<SampleCount> count_samples(const DistanceField& field, Progress& progress
   SampleCount count;
   LEFORT_TRY_VOID(for_each_block(field, all, progress, [&](const SampleBlock& block) {
     LatticePoint size{};
-    for (std::size_t k = 0; k < 3; ++k) size[k] = std::min(kSide, resolution + 1 - block.first[k]);
+    for (std::size_t k = 0; k < 3; ++k)
+      size[k] = std::min(kBrickSide, resolution + 1 - block.first[k]);
     if (block.side) return count.add(side_value(*block.side), Index(size[0]) * size[1] * size[2]);
     for (int z = 0; z < size[2]; ++z)
       for (int y = 0; y < size[1]; ++y)
         for (int x = 0; x < size[0]; ++x)
-          count.add(block.values[std::size_t((z * kSide + y) * kSide + x)]);
+          count.add(block.values[std::size_t((z * kBrickSide + y) * kBrickSide + x)]);
   }));
   return count;
 }

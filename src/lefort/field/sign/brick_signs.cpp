@@ -6,8 +6,8 @@ namespace lefort::field {
 
 namespace {
 
-constexpr auto kSide = std::size_t(SparseLattice::kSide);
-static_assert(kSide == 8, "a slice of a brick is a word");
+constexpr auto kSideWords = std::size_t(SparseLattice::kSide);
+static_assert(kSideWords == 8, "a slice of a brick is a word");
 constexpr std::uint64_t kFirstColumn = 0x0101010101010101;
 
 constexpr std::uint64_t columns_until(unsigned count) {
@@ -18,7 +18,7 @@ constexpr std::uint64_t columns_until(unsigned count) {
 
 BrickSigns signs_of(std::span<const float, SparseLattice::kBrickPoints> distances) {
   BrickSigns signs;
-  for (std::size_t z = 0; z < kSide; ++z)
+  for (std::size_t z = 0; z < kSideWords; ++z)
     for (std::size_t i = 0; i < 64; ++i) {
       const float d = distances[z * 64 + i];
       signs.known[z] |= std::uint64_t(!std::isnan(d)) << i;
@@ -31,17 +31,17 @@ void propagate_signs(BrickSigns& signs, BrickBits& to_find) {
   const auto from_neighbors = [](const BrickBits& bits, std::size_t z) {
     const std::uint64_t here = bits[z];
     return (here << 1 & ~kFirstColumn) | (here >> 1 & columns_until(7)) | here << 8 | here >> 8 |
-           (z > 0 ? bits[z - 1] : 0) | (z + 1 < kSide ? bits[z + 1] : 0);
+           (z > 0 ? bits[z - 1] : 0) | (z + 1 < kSideWords ? bits[z + 1] : 0);
   };
   for (bool moved = true; moved;) {
     moved = false;
     BrickBits inside{}, outside{};
-    for (std::size_t z = 0; z < kSide; ++z) {
+    for (std::size_t z = 0; z < kSideWords; ++z) {
       const std::uint64_t propagate = signs.clear_of_surface[z] & ~to_find[z];
       inside[z] = propagate & signs.inside[z];
       outside[z] = propagate & ~signs.inside[z];
     }
-    for (std::size_t z = 0; z < kSide; ++z) {
+    for (std::size_t z = 0; z < kSideWords; ++z) {
       const std::uint64_t requested = to_find[z] & signs.clear_of_surface[z];
       if (requested == 0) continue;
       const std::uint64_t in = from_neighbors(inside, z), out = from_neighbors(outside, z);
@@ -55,14 +55,14 @@ void propagate_signs(BrickSigns& signs, BrickBits& to_find) {
 
 std::array<BrickBits, 3> possible_conflicts(const BrickSigns& signs) {
   std::array<BrickBits, 3> pairs{};
-  for (std::size_t z = 0; z < kSide; ++z) {
+  for (std::size_t z = 0; z < kSideWords; ++z) {
     const std::uint64_t known = signs.known[z], inside = signs.inside[z],
                         clear_of_surface = signs.clear_of_surface[z];
     pairs[0][z] = (inside ^ inside >> 1) & known & known >> 1 &
                   (clear_of_surface | clear_of_surface >> 1) & columns_until(7);
     pairs[1][z] =
         (inside ^ inside >> 8) & known & known >> 8 & (clear_of_surface | clear_of_surface >> 8);
-    if (z + 1 < kSide)
+    if (z + 1 < kSideWords)
       pairs[2][z] = (inside ^ signs.inside[z + 1]) & known & signs.known[z + 1] &
                     (clear_of_surface | signs.clear_of_surface[z + 1]);
   }
@@ -71,19 +71,19 @@ std::array<BrickBits, 3> possible_conflicts(const BrickSigns& signs) {
 
 bool unsampled_contradict(const BrickBits& known, const BrickBits& inside) {
   std::uint64_t found = 0;
-  for (std::size_t z = 0; z < kSide; ++z) {
+  for (std::size_t z = 0; z < kSideWords; ++z) {
     const std::uint64_t k = known[z], in = inside[z];
     found |= (k ^ k >> 1) & (in ^ in >> 1) & columns_until(7);
     found |= (k ^ k >> 8) & (in ^ in >> 8) & ~std::uint64_t(0) >> 8;
-    if (z + 1 < kSide) found |= (k ^ known[z + 1]) & (in ^ inside[z + 1]);
+    if (z + 1 < kSideWords) found |= (k ^ known[z + 1]) & (in ^ inside[z + 1]);
   }
   return found != 0;
 }
 
 std::uint64_t face_bits(const BrickBits& bits, int axis, bool highest) {
-  if (axis == 2) return bits[highest ? kSide - 1 : 0];
+  if (axis == 2) return bits[highest ? kSideWords - 1 : 0];
   std::uint64_t face = 0;
-  for (std::size_t z = 0; z < kSide; ++z) {
+  for (std::size_t z = 0; z < kSideWords; ++z) {
     std::uint64_t row = 0;
     if (axis == 1) {
       row = bits[z] >> (highest ? 56 : 0) & 0xFF;

@@ -9,17 +9,15 @@ namespace lefort::field {
 
 namespace {
 
-constexpr int kSide = SparseLattice::kSide;
-
 /// Distances without sign never contradict each other, so only a change of sign can.
 std::vector<std::size_t> conflicting_points(
     std::span<const float, SparseLattice::kBrickPoints> distances, const BrickSigns& signs,
     float cell_mm) {
-  constexpr std::array<std::size_t, 3> kStride = {1, kSide, kSide * kSide};
+  constexpr std::array<std::size_t, 3> kStride = {1, kBrickSide, kBrickSide * kBrickSide};
   std::vector<std::size_t> in_conflict;
   const std::array<BrickBits, 3> pairs = possible_conflicts(signs);
   for (std::size_t axis = 0; axis < 3; ++axis)
-    for (std::size_t z = 0; z < std::size_t(kSide); ++z)
+    for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z)
       for (std::uint64_t word = pairs[axis][z]; word != 0; word &= word - 1) {
         const std::size_t i = z * 64 + std::size_t(std::countr_zero(word));
         if (violates_lipschitz(distances[i], distances[i + kStride[axis]], cell_mm))

@@ -22,7 +22,7 @@ constexpr bool near_all_rows(double aside_y, double aside_z) {
   return y * y + z * z < 1.0;
 }
 static_assert(near_all_rows(kAside_y, kAside_z), "answers are for points further than a cell");
-constexpr Index kBlock = 2048;
+constexpr Index kRowsPerTask = 2048;
 
 int lines_per_side(int resolution) { return resolution / kSpacing + 1; }
 
@@ -69,7 +69,7 @@ WindingScanlines::WindingScanlines(const geometry::TriangleMesh& mesh_B, const F
     : resolution_(frame.resolution) {
   const int side = lines_per_side(resolution_);
   const double cells_per_mm = 1.0 / frame.cell_mm;
-  const auto blocks = std::size_t((mesh_B.triangle_count() + kBlock - 1) / kBlock);
+  const auto blocks = std::size_t((mesh_B.triangle_count() + kRowsPerTask - 1) / kRowsPerTask);
   std::vector<std::vector<Hit>> hits(blocks);
   const auto to_cells = [&](const Vec3& p_B) -> Vec3 {
     return (p_B - frame.origin_B) * cells_per_mm;
@@ -80,9 +80,9 @@ WindingScanlines::WindingScanlines(const geometry::TriangleMesh& mesh_B, const F
         for (Index t = begin; t < end; ++t)
           find_hits({to_cells(mesh_B.corner(t, 0)), to_cells(mesh_B.corner(t, 1)),
                      to_cells(mesh_B.corner(t, 2))},
-                    side, hits[std::size_t(begin / kBlock)]);
+                    side, hits[std::size_t(begin / kRowsPerTask)]);
       },
-      kBlock);
+      kRowsPerTask);
 
   const auto lines = std::size_t(side) * std::size_t(side);
   first_.assign(lines + 1, 0);

@@ -14,20 +14,18 @@ namespace lefort::field {
 
 namespace {
 
-constexpr int kSide = SparseLattice::kSide;
-
 /// Calls body(first, x, y, z, count) for the rows of a brick that lie in the cube: `first` is the
 /// position of the row in the brick, the rest its lattice point and length.
 template <class Body>
 void for_each_row(std::int32_t brick, int resolution, const Body& body) {
   const LatticePoint low = SparseLattice::first_point_of(brick, resolution);
   if (low[0] < 0 || low[0] > resolution) return;
-  const int count = std::min(kSide, resolution + 1 - low[0]);
-  for (int z = 0; z < kSide; ++z)
-    for (int y = 0; y < kSide; ++y) {
+  const int count = std::min(kBrickSide, resolution + 1 - low[0]);
+  for (int z = 0; z < kBrickSide; ++z)
+    for (int y = 0; y < kBrickSide; ++y) {
       const int ly = low[1] + y, lz = low[2] + z;
       if (ly < 0 || lz < 0 || ly > resolution || lz > resolution) continue;
-      body(std::size_t((z * kSide + y) * kSide), low[0], ly, lz, std::size_t(count));
+      body(std::size_t((z * kBrickSide + y) * kBrickSide), low[0], ly, lz, std::size_t(count));
     }
 }
 

@@ -3,12 +3,10 @@
 
 namespace lefort::field {
 
-namespace {
-constexpr int kSide = SparseLattice::kSide;
-}  // namespace
+namespace {}  // namespace
 
-SampleIndex::SampleIndex(int resolution) : side_(resolution / kSide + 1) {
-  LEFORT_CHECK(resolution > 0 && resolution % kSide == 0);
+SampleIndex::SampleIndex(int resolution) : side_(resolution / kBrickSide + 1) {
+  LEFORT_CHECK(resolution > 0 && resolution % kBrickSide == 0);
   const auto n = std::size_t(side_);
   slots_.assign(n * n * n, SparseLattice::kNoBrick);
 }
@@ -44,12 +42,12 @@ std::vector<LatticePoint> SampleIndex::points() const {
   for (int b = 0; b < int(slots_.size()); ++b) {
     if (slots_[std::size_t(b)] == SparseLattice::kNoBrick) continue;
     const Brick& brick = bricks_[std::size_t(slots_[std::size_t(b)])];
-    const LatticePoint low = {b % side_ * kSide, b / side_ % side_ * kSide,
-                              b / (side_ * side_) * kSide};
+    const LatticePoint low = {b % side_ * kBrickSide, b / side_ % side_ * kBrickSide,
+                              b / (side_ * side_) * kBrickSide};
     for (int place = 0; place < SparseLattice::kBrickPoints; ++place)
       if ((brick.marked[std::size_t(place / 64)] >> (place % 64) & 1) != 0)
-        all.push_back({low[0] + place % kSide, low[1] + place / kSide % kSide,
-                       low[2] + place / (kSide * kSide)});
+        all.push_back({low[0] + place % kBrickSide, low[1] + place / kBrickSide % kBrickSide,
+                       low[2] + place / (kBrickSide * kBrickSide)});
   }
   return all;
 }

@@ -94,4 +94,6 @@ class SparseLattice {
   std::vector<float> values_;
 };
 
+inline constexpr int kBrickSide = SparseLattice::kSide;
+
 }  // namespace lefort::field

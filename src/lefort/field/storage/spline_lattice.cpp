@@ -13,18 +13,17 @@ namespace lefort::field {
 
 namespace {
 
-constexpr int kSide = SparseLattice::kSide;
 constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 float value_without_conflict(const SparseLattice& values, const LatticePoint& point, double cell) {
-  const int last = values.resolution() + 2 * kSide - 1;
+  const int last = values.resolution() + 2 * kBrickSide - 1;
   const float here = values.at(point, kNoValue);
   if (std::isnan(here)) return kNoValue;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const int step : {-1, 1}) {
       LatticePoint neighbor = point;
       neighbor[axis] += step;
-      if (neighbor[axis] < -kSide || neighbor[axis] > last) continue;
+      if (neighbor[axis] < -kBrickSide || neighbor[axis] > last) continue;
       if (violates_lipschitz(here, values.at(neighbor, kNoValue), float(cell))) return kNoValue;
     }
   }
@@ -46,8 +45,8 @@ SparseLattice spline_lattice(const SparseLattice& values, double cell, double re
     const LatticePoint first = kept.first_point(kept.brick_number(slot));
     const auto brick = kept.brick(slot);
     for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
-      const LatticePoint point = {first[0] + i % kSide, first[1] + i / kSide % kSide,
-                                  first[2] + i / (kSide * kSide)};
+      const LatticePoint point = {first[0] + i % kBrickSide, first[1] + i / kBrickSide % kBrickSide,
+                                  first[2] + i / (kBrickSide * kBrickSide)};
       brick[std::size_t(i)] = value_without_conflict(values, point, cell);
     }
   };

@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kChunk = 1 << 20;
-constexpr int kMaxLines = 10'000;
+constexpr std::size_t kMetaImageChunk = 1 << 20;
+constexpr int kMaxMetaImageLines = 10'000;
 
 Error unsupported(const char* why) { return {ErrorCode::kFileUnsupported, why}; }
 
@@ -45,7 +45,7 @@ struct MetaImageHeader {
 MetaImageHeader read_header(std::ifstream& stream) {
   MetaImageHeader header;
   std::string line;
-  for (int n = 0; n < kMaxLines && std::getline(stream, line); ++n) {
+  for (int n = 0; n < kMaxMetaImageLines && std::getline(stream, line); ++n) {
     const std::size_t separator = line.find_first_of("=:");
     if (separator == std::string::npos) continue;
     const std::string key(trimmed(std::string_view(line).substr(0, separator)));
@@ -105,16 +105,16 @@ std::optional<ZlibStream> unpack_once(std::ifstream& stream, std::uint64_t maxim
   z_stream zip{};
   if (inflateInit2(&zip, 15 + 32) != Z_OK) return std::nullopt;  // zlib or gzip.
   const std::unique_ptr<z_stream, int (*)(z_stream*)> cleanup(&zip, inflateEnd);
-  std::vector<char> packed(kChunk), unpacked(kChunk);
+  std::vector<char> packed(kMetaImageChunk), unpacked(kMetaImageChunk);
   for (int state = Z_OK; state != Z_STREAM_END;) {
     if (zip.avail_in == 0) {
-      stream.read(packed.data(), std::streamsize(kChunk));
+      stream.read(packed.data(), std::streamsize(kMetaImageChunk));
       zip.next_in = reinterpret_cast<Bytef*>(packed.data());
       zip.avail_in = static_cast<uInt>(stream.gcount());
       if (zip.avail_in == 0) return std::nullopt;
     }
     zip.next_out = reinterpret_cast<Bytef*>(unpacked.data());
-    zip.avail_out = static_cast<uInt>(kChunk);
+    zip.avail_out = static_cast<uInt>(kMetaImageChunk);
     state = inflate(&zip, Z_NO_FLUSH);
     if (state != Z_OK && state != Z_STREAM_END) return std::nullopt;
     if (zip.total_out > maximum) return std::nullopt;

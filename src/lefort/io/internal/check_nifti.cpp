@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kChunk = 1 << 20;  // A multiple of every voxel's size.
-constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 40;
+constexpr std::size_t kNiftiChunk = 1 << 20;  // A multiple of every voxel's size.
+constexpr std::uint64_t kMaxNiftiBytes = std::uint64_t{1} << 40;
 constexpr std::int16_t kFloat32 = 16, kFloat64 = 64;
 /// By which lengths, in parts, and angles may deviate: files round both.
 constexpr double kFormTolerance = 1e-3;
@@ -93,7 +93,7 @@ class NiftiHeader {
       const std::int16_t size = number<std::int16_t>(40 + 2 * d);
       if (size < 1) return std::nullopt;
       count *= static_cast<std::uint64_t>(size);
-      if (count > kMaxBytes) return std::nullopt;
+      if (count > kMaxNiftiBytes) return std::nullopt;
     }
     return count;
   }
@@ -234,7 +234,7 @@ Result<void> check_nifti(const fs::path& file) {
     return fail(ErrorCode::kFileCorrupt, "the scale of the voxels is no number, expected one");
   LEFORT_TRY_VOID(check_orientation(header));
 
-  std::vector<char> chunk(kChunk);
+  std::vector<char> chunk(kNiftiChunk);
   const auto start_of_voxels = static_cast<std::uint64_t>(offset);
   const std::uint64_t wanted = start_of_voxels + *voxels * voxel_bytes;
   std::uint64_t found = NiftiHeader::kSize;
@@ -242,7 +242,7 @@ Result<void> check_nifti(const fs::path& file) {
   while (found < wanted) {
     const bool in_voxels = found >= start_of_voxels;
     const std::uint64_t end = in_voxels ? wanted : start_of_voxels;
-    const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, end - found));
+    const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(kNiftiChunk, end - found));
     const std::uint64_t got = read_some(stream.get(), std::span(chunk).first(step));
     if (in_voxels)
       not_finite += count_not_finite(std::span(chunk).first(static_cast<std::size_t>(got)), header);

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kMaxLines = 10'000;
+constexpr int kMaxNrrdLines = 10'000;
 
 std::string lower_case(std::string_view text) {
   std::string lower(text);
@@ -27,7 +27,7 @@ std::map<std::string, std::string> read_fields(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::map<std::string, std::string> fields;
   std::string line;
-  for (int n = 0; n < kMaxLines && std::getline(stream, line); ++n) {
+  for (int n = 0; n < kMaxNrrdLines && std::getline(stream, line); ++n) {
     if (trimmed(line).empty()) break;  // The voxels follow.
     const std::size_t colon = line.find(':');
     if (line.starts_with('#') || colon == std::string::npos) continue;

@@ -18,7 +18,7 @@ constexpr DicomTag kPixelData = 0x7fe00010;
 constexpr DicomTag kItem = 0xfffee000;
 constexpr DicomTag kItemEnd = 0xfffee00d;
 constexpr DicomTag kSequenceEnd = 0xfffee0dd;
-constexpr int kMaxDepth = 32;
+constexpr int kMaxSequenceDepth = 32;
 
 /// How lengths are written (PS3.5, section 7.1).
 enum class Encoding { kExplicit, kImplicit };
@@ -92,7 +92,7 @@ class Cursor {
 
 /// Passes over the elements of an item of undefined length, to behind its end.
 bool skip_item(Cursor& cursor, Encoding encoding, int depth) {
-  if (depth > kMaxDepth) return false;
+  if (depth > kMaxSequenceDepth) return false;
   while (const auto element = cursor.element(encoding)) {
     if (element->tag == kItemEnd) return true;
     if (element->length != kUndefinedLength) {

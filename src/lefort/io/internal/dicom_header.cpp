@@ -40,7 +40,7 @@ constexpr DicomTag kPixelRepresentation = 0x00280103;
 constexpr DicomTag kRescaleIntercept = 0x00281052;
 constexpr DicomTag kRescaleSlope = 0x00281053;
 
-constexpr std::uintmax_t kMaxFile = std::uintmax_t{2} << 30;
+constexpr std::uintmax_t kMaxDicomBytes = std::uintmax_t{2} << 30;
 
 Error in_file(const DicomHeader& header, const Error& error) {
   return {error.code, fmt::format("DICOM {}: {}", name_of(header), error.message)};
@@ -48,11 +48,11 @@ Error in_file(const DicomHeader& header, const Error& error) {
 
 /// read_text() without the file's name in its message.
 Result<std::string> read_bytes(const DicomHeader& header) {
-  auto bytes = read_text(header.file, kMaxFile);
+  auto bytes = read_text(header.file, kMaxDicomBytes);
   if (!bytes)
-    return tl::unexpected(
-        in_file(header, {bytes.error().code,
-                         fmt::format("it cannot be read, or has more than {} bytes", kMaxFile)}));
+    return tl::unexpected(in_file(
+        header, {bytes.error().code,
+                 fmt::format("it cannot be read, or has more than {} bytes", kMaxDicomBytes)}));
   return bytes;
 }
 

@@ -21,7 +21,7 @@ using mesh::ElementShape;
 using mesh::FaceShape;
 
 /// Gmsh reference manual, "MSH file format", table of element types.
-constexpr std::array kTypes{
+constexpr std::array kGmshTypes{
     GmshType{1, "2-node line", 1, 2, {}, {}},
     GmshType{2, "3-node triangle", 2, 3, {}, FaceShape::kTri3},
     GmshType{3, "4-node quadrangle", 2, 4, {}, FaceShape::kQuad4},
@@ -260,9 +260,10 @@ void read_nodes(Source& source, GmshFile& file) {
 }
 
 const GmshType* find_type(Source& source, int number) {
-  const auto* const known = std::find_if(
-      kTypes.begin(), kTypes.end(), [&](const GmshType& type) { return type.number == number; });
-  if (known != kTypes.end()) return known;
+  const auto* const known =
+      std::find_if(kGmshTypes.begin(), kGmshTypes.end(),
+                   [&](const GmshType& type) { return type.number == number; });
+  if (known != kGmshTypes.end()) return known;
   const auto* const refused =
       std::find_if(kRefusedTypes.begin(), kRefusedTypes.end(),
                    [&](const RefusedType& type) { return type.number == number; });

@@ -13,8 +13,8 @@ namespace lefort::io {
 
 namespace {
 
-constexpr std::size_t kMaxBytes = 1 << 20;
-constexpr std::size_t kMaxDepth = 32;
+constexpr std::size_t kMaxPlistBytes = 1 << 20;
+constexpr std::size_t kMaxPlistDepth = 32;
 constexpr std::size_t kMaxLeaves = 10'000;
 
 /// What the parser has seen; expat calls its static members.
@@ -50,7 +50,7 @@ class Collector {
   void start(std::string_view element) {
     text_.clear();
     if (element == "dict" || element == "array") {
-      if (open_.size() >= kMaxDepth) {
+      if (open_.size() >= kMaxPlistDepth) {
         XML_StopParser(parser_, XML_FALSE);
         return;
       }
@@ -86,10 +86,10 @@ class Collector {
 }  // namespace
 
 Result<FlatPlist> read_plist(std::string_view xml) {
-  if (xml.size() > kMaxBytes)
-    return fail(
-        ErrorCode::kFileCorrupt,
-        fmt::format("the property list has {} bytes, expected at most {}", xml.size(), kMaxBytes));
+  if (xml.size() > kMaxPlistBytes)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("the property list has {} bytes, expected at most {}", xml.size(),
+                            kMaxPlistBytes));
   const std::unique_ptr<std::remove_pointer_t<XML_Parser>, void (*)(XML_Parser)> parser(
       XML_ParserCreate(nullptr), XML_ParserFree);
   Collector collector(parser.get());

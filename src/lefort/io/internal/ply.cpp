@@ -21,7 +21,7 @@ struct NumberType {
   std::size_t bytes;
 };
 
-constexpr std::array<NumberType, 16> kTypes{{
+constexpr std::array<NumberType, 16> kPlyTypes{{
     {"char", Number::kInt8, 1},
     {"int8", Number::kInt8, 1},
     {"uchar", Number::kUint8, 1},
@@ -41,9 +41,9 @@ constexpr std::array<NumberType, 16> kTypes{{
 }};
 
 const NumberType* find_type(std::string_view name) {
-  const auto type = std::find_if(kTypes.begin(), kTypes.end(),
+  const auto type = std::find_if(kPlyTypes.begin(), kPlyTypes.end(),
                                  [&](const NumberType& t) { return t.name == name; });
-  return type == kTypes.end() ? nullptr : &*type;
+  return type == kPlyTypes.end() ? nullptr : &*type;
 }
 
 struct Property {
@@ -52,22 +52,22 @@ struct Property {
   const NumberType* count_type = nullptr;  ///< Of a list; null for a single number.
 };
 
-struct Element {
+struct PlyElement {
   std::string name;
   Index count = 0;
   std::vector<Property> properties;
 };
 
-struct Header {
+struct PlyHeader {
   std::string format;
-  std::vector<Element> elements;
+  std::vector<PlyElement> elements;
   bool is_ras = false;
 };
 
 /// Takes the header off the front of `bytes`; nothing if it is not one.
-std::optional<Header> take_header(std::string_view& bytes) {
+std::optional<PlyHeader> take_header(std::string_view& bytes) {
   if (take_line(bytes) != "ply") return {};
-  Header header;
+  PlyHeader header;
   while (!bytes.empty()) {
     std::string_view line = take_line(bytes);
     const bool says_ras = line.find("SPACE=RAS") != std::string_view::npos;
@@ -78,7 +78,7 @@ std::optional<Header> take_header(std::string_view& bytes) {
     } else if (word == "comment") {
       header.is_ras |= says_ras;
     } else if (word == "element") {
-      Element element{std::string(take_word(line)), 0, {}};
+      PlyElement element{std::string(take_word(line)), 0, {}};
       double count = 0.0;
       if (!parse_number(take_word(line), count) || !(count >= 0.0 && count < 2e9)) return {};
       element.count = Index(count);
@@ -102,9 +102,9 @@ std::optional<Header> take_header(std::string_view& bytes) {
 }
 
 /// Takes numbers off the front of the data, as text or in either byte order.
-class Numbers {
+class PlyNumbers {
  public:
-  Numbers(std::string_view data, const std::string& format) : data_(data) {
+  PlyNumbers(std::string_view data, const std::string& format) : data_(data) {
     is_text_ = format == "ascii";
     swap_ = (format == "binary_big_endian") == (std::endian::native == std::endian::little);
   }
@@ -165,7 +165,7 @@ std::int32_t vertex_number(double number) {
 }
 
 /// Takes all of one kind of element into the surface; false where the data ends early.
-bool take_element(const Element& element, Numbers& numbers, SurfaceFile& surface) {
+bool take_element(const PlyElement& element, PlyNumbers& numbers, SurfaceFile& surface) {
   if (element.properties.empty()) return element.count == 0;
   constexpr std::string_view kAxes = "xyz";
   std::vector<double> list;
@@ -199,15 +199,15 @@ bool take_element(const Element& element, Numbers& numbers, SurfaceFile& surface
 }  // namespace
 
 Result<SurfaceFile> parse_ply(std::string_view bytes, const std::string& name) {
-  const std::optional<Header> header = take_header(bytes);
+  const std::optional<PlyHeader> header = take_header(bytes);
   if (!header || (header->format != "ascii" && header->format != "binary_little_endian" &&
                   header->format != "binary_big_endian"))
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("{} is no PLY file: its header is damaged", name));
   SurfaceFile surface;
   surface.is_ras = header->is_ras;
-  Numbers numbers(bytes, header->format);
-  for (const Element& element : header->elements)
+  PlyNumbers numbers(bytes, header->format);
+  for (const PlyElement& element : header->elements)
     if (!take_element(element, numbers, surface))
       return fail(ErrorCode::kFileCorrupt,
                   fmt::format("{} is cut short or damaged: it should hold {} of element {}", name,

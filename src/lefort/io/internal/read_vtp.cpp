@@ -10,9 +10,9 @@ namespace lefort::io::internal {
 namespace {
 
 /// What makes a surface; the points have no reliable name.
-const std::vector<WantedArray> kWanted{{"Points", ""},        {"Polys", "connectivity"},
-                                       {"Polys", "offsets"},  {"Strips", "connectivity"},
-                                       {"Strips", "offsets"}, {"FieldData", "SPACE"}};
+const std::vector<WantedArray> kVtpArrays{{"Points", ""},        {"Polys", "connectivity"},
+                                          {"Polys", "offsets"},  {"Strips", "connectivity"},
+                                          {"Strips", "offsets"}, {"FieldData", "SPACE"}};
 
 std::int32_t vertex_number(double in_piece, std::size_t first_of_piece) {
   const double number = in_piece + double(first_of_piece);
@@ -49,7 +49,7 @@ bool add_cells(const XmlArrays& file, int piece, const char* kind, std::size_t f
 }  // namespace
 
 Result<SurfaceFile> parse_vtp(std::string_view bytes, const std::string& name) {
-  LEFORT_TRY(const XmlArrays file, parse_vtk_xml(bytes, name, "PolyData", kWanted));
+  LEFORT_TRY(const XmlArrays file, parse_vtk_xml(bytes, name, "PolyData", kVtpArrays));
   SurfaceFile surface;
   for (int piece = 1; piece <= file.pieces; ++piece) {
     const std::size_t first_vertex = surface.vertices.size();

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kBlock = 512;
-constexpr std::size_t kChunk = 1 << 20;
+constexpr std::size_t kTarChunk = 1 << 20;
 constexpr std::uint64_t kMaxUnpacked = std::uint64_t{8} << 30;
 
 using Block = std::array<char, kBlock>;
@@ -82,7 +82,7 @@ Result<std::string> read_body(Stream& stream, std::uint64_t size, bool keep, Pro
   for (std::uint64_t done = 0; done < padded;) {
     if (progress.stop_requested())
       return fail(ErrorCode::kCancelled, "reading the archive was stopped");
-    chunk.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, padded - done)));
+    chunk.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kTarChunk, padded - done)));
     if (!stream.read(chunk.data(), chunk.size()))
       return fail(ErrorCode::kFileCorrupt, "the archive is truncated or damaged");
     // Grows as bytes arrive: a false size costs no memory.

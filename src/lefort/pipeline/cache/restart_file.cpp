@@ -21,7 +21,7 @@ constexpr double kStepsRevision = 6;
 
 constexpr std::string_view kMagic = "lefort restart 3\n";
 constexpr std::size_t kHashDigits = 64;
-constexpr std::uintmax_t kLargest = std::uintmax_t(64) << 30;
+constexpr std::uintmax_t kMaxRestartBytes = std::uintmax_t(64) << 30;
 
 /// Appends values; the same visit() below reads them.
 class Writer {
@@ -287,7 +287,7 @@ Result<void> write_restart(const std::filesystem::path& path, const predict::Res
 }
 
 Result<predict::Restart> read_restart(const std::filesystem::path& path) {
-  LEFORT_TRY(const std::string text, io::read_text(path, kLargest));
+  LEFORT_TRY(const std::string text, io::read_text(path, kMaxRestartBytes));
   const auto damaged = [&] {
     return fail(ErrorCode::kFileCorrupt, path.string() + " is no restart file, or is damaged");
   };

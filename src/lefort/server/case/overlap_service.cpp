@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMaxDocument = 1 << 20;  // Bytes.
+constexpr std::uintmax_t kMaxCutBytes = 1 << 20;  // Bytes.
 
 /// A file's name, as the document has it, that does not lead out of its folder.
 Result<fs::path> plain_name(const nlohmann::json& bone, const char* key) {
@@ -38,7 +38,7 @@ RigidTransform pose_of(const std::string& name, const Poses& poses) {
 }  // namespace
 
 Result<OverlapService> OverlapService::read(const fs::path& cut_folder, const fs::path& cache) {
-  LEFORT_TRY(const std::string text, io::read_text(cut_folder / "cut.json", kMaxDocument));
+  LEFORT_TRY(const std::string text, io::read_text(cut_folder / "cut.json", kMaxCutBytes));
   const auto document = nlohmann::json::parse(text, nullptr, false);
   OverlapService live;
   if (!document.is_object() || !document.contains("bones") || !document["bones"].is_array())

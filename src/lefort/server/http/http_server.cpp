@@ -23,8 +23,9 @@ namespace {
 
 constexpr std::size_t kPiece = 256 << 10;  // Bytes of a reply written at a time.
 constexpr std::size_t kRequestsPerConnection = 1000;
-constexpr auto kHeartbeat = std::chrono::seconds(15);   // As the contract says.
-constexpr auto kLook = std::chrono::milliseconds(500);  // How often a listener is looked after.
+constexpr auto kHeartbeat = std::chrono::seconds(15);  // As the contract says.
+constexpr auto kListenerPollInterval =
+    std::chrono::milliseconds(500);  // How often a listener is looked after.
 
 constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' "
@@ -166,7 +167,7 @@ void HttpServer::Parts::answer_events(httplib::Response& response, const std::st
           const std::string first = std::exchange(listener->first, {});
           return sink.write(first.data(), first.size());
         }
-        std::string text = events.wait(listener->heard, kLook);
+        std::string text = events.wait(listener->heard, kListenerPollInterval);
         if (events.is_stopped()) {
           sink.done();
           return true;
