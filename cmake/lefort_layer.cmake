@@ -21,6 +21,16 @@ function(lefort_read_layers file)
   set(LEFORT_LAYERS "${names}" PARENT_SCOPE)
 endfunction()
 
+# Unity builds (LEFORT_UNITY): sources that share their headers are compiled together, which divides the
+# time of a first build by three or more. Names in anonymous namespaces must therefore differ within a
+# layer. -Wsubobject-linkage takes every included source for a header; it stays on without unity builds.
+function(lefort_unity target batch)
+  if(LEFORT_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+endfunction()
+
 # lefort_layer(name files...): lefort_<name>, alias lefort::<name>. A layer of headers alone is an
 # INTERFACE library.
 function(lefort_layer name)
@@ -28,6 +38,7 @@ function(lefort_layer name)
     add_library(lefort_${name} STATIC ${ARGN})
     set(scope PUBLIC)
     target_link_libraries(lefort_${name} PUBLIC lefort_options)
+    lefort_unity(lefort_${name} 12)
   else()
     add_library(lefort_${name} INTERFACE)
     set(scope INTERFACE)
@@ -55,6 +66,7 @@ function(lefort_test layer)
   add_executable(${name} ${TEST_UNPARSED_ARGUMENTS})
   target_link_libraries(${name} PRIVATE lefort::${layer} ${TEST_LINK} GTest::gtest_main)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  lefort_unity(${name} 8)
   add_test(NAME ${name} COMMAND ${name})
   set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT 900)
   if(LEFORT_SANITIZE)
