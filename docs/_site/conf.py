@@ -17,13 +17,13 @@ suppress_warnings = ["misc.highlighting_failure"]
 html_theme = "furo"
 html_title = "lefort"
 html_static_path = [str(ROOT / "build/docs/static")]
-html_css_files = ["katex/katex.min.css"]
+html_css_files = ["katex/katex.min.css", "page.css"]
 # Formulas are drawn by KaTeX from Debian's package, so that the site needs no network.
 mathjax_path = "katex/katex.min.js"
 html_js_files = [("katex/contrib/auto-render.js", {"defer": "defer"}), ("draw_formulas.js", {"defer": "defer"})]
 
 
-def _copy_katex() -> None:
+def _make_static() -> None:
     static = ROOT / "build/docs/static"
     shutil.rmtree(static, ignore_errors=True)
     library = static / "katex"
@@ -35,8 +35,11 @@ def _copy_katex() -> None:
     (library / "fonts").mkdir()
     for font in Path("/usr/share/fonts/truetype/katex").glob("*.woff2"):
         shutil.copy(font, library / "fonts")
+    # Wide enough for tables of keys; long keys may break anywhere.
+    (static / "page.css").write_text(
+        ".content { width: 58em; }\ntd code.literal { overflow-wrap: anywhere; }\n", encoding="utf-8")
     (static / "draw_formulas.js").write_text(
         'document.querySelectorAll(".math").forEach((element) => renderMathInElement(element));\n', encoding="utf-8")
 
 
-_copy_katex()
+_make_static()

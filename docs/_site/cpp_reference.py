@@ -92,7 +92,10 @@ def members(node, keys: set[str]) -> list[str]:
         words = description(member, keys)
         values = [f"- ``{raw(value.find('name'))}``: " + " ".join(description(value, keys).split())
                   for value in member.iter("enumvalue") if description(value, keys)]
-        out.append("```cpp\n" + signature(member) + "\n```\n\n" + words + "\n\n" + "\n".join(values) + "\n")
+        if member.get("kind") == "variable" and "\n" not in words:
+            out.append(f"- ``{signature(member)}``" + (f": {words}" if words else ""))
+            continue
+        out.append("\n```cpp\n" + signature(member) + "\n```\n\n" + words + "\n\n" + "\n".join(values) + "\n")
     return out
 
 

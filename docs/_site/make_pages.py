@@ -17,6 +17,8 @@ DOCS = Path("docs")
 PROJECT_PAGES = ["CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "CODE_OF_CONDUCT.md"]
 SECTIONS = [("Guide", "guide"), ("Theory", "theory"), ("Reference", "reference"), ("Studies", "studies"),
             ("Decisions", "decisions")]
+ORDER = ["index", "surgeon", "researcher", "planner", "import", "osteotomies", "landmarks", "tissue-mesh", "compare",
+         "solve", "materials", "elements", "locking", "contact", "cli"]
 TOP = ["architecture", "conventions", "glossary", "roadmap"]
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
 
@@ -78,9 +80,9 @@ def toctree(caption: str, pages: list[str]) -> str:
 
 
 def pages_in(output: Path, folder: str) -> list[str]:
-    """Pages of a folder, index first; files that lie in no section are listed under the project."""
-    found = sorted(p.stem for p in (output / folder).glob("*.md"))
-    return [f"{folder}/{name}" for name in sorted(found, key=lambda name: (name != "index", name))]
+    """Pages of a folder: those of ORDER first, the others by name."""
+    found = {p.stem for p in (output / folder).glob("*.md")}
+    return [f"{folder}/{name}" for name in [n for n in ORDER if n in found] + sorted(found - set(ORDER))]
 
 
 def write_contents(output: Path, cpp: list[str]) -> None:

@@ -50,11 +50,15 @@ def rows_of(schema: dict, root: dict, prefix: str = "", depth: int = 0) -> list[
     for key, value in schema.get("properties", {}).items():
         full = resolve(value, root)
         name = prefix + key
-        default = code(json.dumps(full["default"])) if "default" in full else ""
+        values = [type_of(value, root), range_of(full)]
         if key in schema.get("required", []):
-            default = "required"
+            values.append("**required**")
+        if "default" in full:
+            values.append(f"default {code(json.dumps(full['default']))}")
         words = full.get("description", full.get("title", ""))
-        rows.append([code(name), type_of(value, root), range_of(full), default, escape(words)])
+        examples = ", ".join(code(json.dumps(example)) for example in full.get("examples", []))
+        meaning = escape(words) + (f" Example: {examples}" if examples else "")
+        rows.append([code(name), "; ".join(part for part in values if part), meaning])
         if "$ref" in value or depth > 6:
             continue
         for branch in [full, *full.get("oneOf", []), *full.get("anyOf", [])]:
@@ -69,8 +73,9 @@ def rows_of(schema: dict, root: dict, prefix: str = "", depth: int = 0) -> list[
 
 def schema_page(file: Path) -> str:
     schema = json.loads(file.read_text(encoding="utf-8"))
-    head = ["key", "type", "range", "default", "meaning"]
-    out = [f"# {escape(schema.get('title', file.name))}\n", f"Source: ``contract/{file.name}``.\n",
+    head = ["key", "value", "meaning"]
+    name = file.name.removesuffix(".schema.json")
+    out = [f"# Schema of the {name} file\n", f"Source: ``contract/{file.name}``.\n",
            escape(schema.get("description", "")) + "\n", table(head, rows_of(schema, schema))]
     definitions = schema.get("definitions", schema.get("$defs", {}))
     for name, value in definitions.items():
@@ -83,7 +88,7 @@ def schema_page(file: Path) -> str:
 
 def openapi_page(file: Path) -> str:
     contract = json.loads(file.read_text(encoding="utf-8"))
-    out = [f"# {escape(contract['info'].get('title', 'HTTP API'))}\n", "Source: ``contract/openapi.json``.\n",
+    out = ["# HTTP API\n", "Source: ``contract/openapi.json``.\n",
            escape(contract["info"].get("description", "")) + "\n"]
     rows = []
     for path, verbs in contract["paths"].items():
