@@ -8,6 +8,7 @@ project = "lefort"
 copyright = "the lefort contributors, GPL-3.0-or-later. Research software, not for clinical use"
 extensions = ["myst_parser", "sphinx.ext.mathjax"]
 source_suffix = {".md": "markdown"}
+smartquotes = False
 highlight_language = "none"
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
@@ -35,9 +36,9 @@ def _make_static() -> None:
     (library / "fonts").mkdir()
     for font in Path("/usr/share/fonts/truetype/katex").glob("*.woff2"):
         shutil.copy(font, library / "fonts")
-    # Wide enough for tables of keys; long keys may break anywhere.
+    # Wide enough for tables of keys.
     (static / "page.css").write_text(
-        ".content { width: 58em; }\ntd code.literal { overflow-wrap: anywhere; }\n", encoding="utf-8")
+        ".content { width: 54em; }\n", encoding="utf-8")
     (static / "draw_formulas.js").write_text(
         'document.querySelectorAll(".math").forEach((element) => renderMathInElement(element));\n', encoding="utf-8")
 

@@ -14,6 +14,16 @@ def code(text: str) -> str:
     return f"{fence}{pad}{text}{pad}{fence}".replace("|", r"\|")
 
 
+def prose(text: str) -> str:
+    """Plain text in which `code` stays code."""
+    return "".join(part if part.startswith("`") else escape(part) for part in re.split(r"(`[^`]+`)", text))
+
+
+def key(name: str) -> str:
+    """A key of nested objects, which may break after a dot."""
+    return '<code class="literal">' + name.replace(".", ".<wbr>") + "</code>"
+
+
 def table(head: list[str], rows: list[list[str]]) -> str:
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(cell.replace("\n", " ") for cell in row) + " |" for row in lines) + "\n"

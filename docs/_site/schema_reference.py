@@ -2,7 +2,7 @@
 import json
 from pathlib import Path
 
-from markdown import code, escape, table
+from markdown import code, key, prose, table
 
 
 def resolve(schema: dict, root: dict) -> dict:
@@ -13,7 +13,7 @@ def resolve(schema: dict, root: dict) -> dict:
     target = root
     for part in reference[2:].split("/"):
         target = target[part]
-    return {**target, **{key: value for key, value in schema.items() if key != "$ref"}}
+    return {**target, **{word: value for word, value in schema.items() if word != "$ref"}}
 
 
 def type_of(schema: dict, root: dict) -> str:
@@ -25,9 +25,9 @@ def type_of(schema: dict, root: dict) -> str:
         return code(json.dumps(schema["const"]))
     if "enum" in schema:
         return " \\| ".join(code(json.dumps(value)) for value in schema["enum"])
-    for key in ("oneOf", "anyOf"):
-        if key in schema:
-            return " or ".join(dict.fromkeys(type_of(item, root) for item in schema[key]))
+    for choice in ("oneOf", "anyOf"):
+        if choice in schema:
+            return " or ".join(dict.fromkeys(type_of(item, root) for item in schema[choice]))
     kind = schema.get("type", "object" if "properties" in schema else "any")
     if kind == "array" and isinstance(schema.get("items"), dict):
         return f"array of {type_of(schema['items'], root)}"
@@ -35,9 +35,9 @@ def type_of(schema: dict, root: dict) -> str:
 
 
 def range_of(schema: dict) -> str:
-    parts = [f"{sign} {schema[key]}" for key, sign in (
+    parts = [f"{sign} {schema[bound]}" for bound, sign in (
         ("exclusiveMinimum", "&gt;"), ("minimum", "≥"), ("exclusiveMaximum", "&lt;"), ("maximum", "≤"))
-        if key in schema]
+        if bound in schema]
     low, high = schema.get("minItems"), schema.get("maxItems")
     if low is not None or high is not None:
         parts.append(f"{low} items" if low == high else f"{low or 0} to {high if high is not None else 'any'} items")
@@ -47,27 +47,26 @@ def range_of(schema: dict) -> str:
 def rows_of(schema: dict, root: dict, prefix: str = "", depth: int = 0) -> list[list[str]]:
     """A row for each property, nested objects and array items below their own key."""
     rows = []
-    for key, value in schema.get("properties", {}).items():
+    for name, value in schema.get("properties", {}).items():
         full = resolve(value, root)
-        name = prefix + key
         values = [type_of(value, root), range_of(full)]
-        if key in schema.get("required", []):
+        if name in schema.get("required", []):
             values.append("**required**")
         if "default" in full:
             values.append(f"default {code(json.dumps(full['default']))}")
         words = full.get("description", full.get("title", ""))
         examples = ", ".join(code(json.dumps(example)) for example in full.get("examples", []))
-        meaning = escape(words) + (f" Example: {examples}" if examples else "")
-        rows.append([code(name), "; ".join(part for part in values if part), meaning])
+        meaning = prose(words) + (f" Example: {examples}" if examples else "")
+        rows.append([key(prefix + name), "; ".join(part for part in values if part), meaning])
         if "$ref" in value or depth > 6:
             continue
         for branch in [full, *full.get("oneOf", []), *full.get("anyOf", [])]:
             items = branch.get("items")
             if isinstance(items, dict) and "$ref" not in items:
                 for item in [items, *items.get("oneOf", []), *items.get("anyOf", [])]:
-                    rows += rows_of(item, root, name + "[].", depth + 1)
+                    rows += rows_of(item, root, prefix + name + "[].", depth + 1)
             if "$ref" not in branch:
-                rows += rows_of(branch, root, name + ".", depth + 1)
+                rows += rows_of(branch, root, prefix + name + ".", depth + 1)
     return rows
 
 
@@ -76,11 +75,11 @@ def schema_page(file: Path) -> str:
     head = ["key", "value", "meaning"]
     name = file.name.removesuffix(".schema.json")
     out = [f"# Schema of the {name} file\n", f"Source: ``contract/{file.name}``.\n",
-           escape(schema.get("description", "")) + "\n", table(head, rows_of(schema, schema))]
+           prose(schema.get("description", "")) + "\n", table(head, rows_of(schema, schema))]
     definitions = schema.get("definitions", schema.get("$defs", {}))
     for name, value in definitions.items():
         out.append(f"## Definition {name}\n")
-        out.append(escape(value.get("description", "")) + "\n")
+        out.append(prose(value.get("description", "")) + "\n")
         rows = rows_of({"properties": {name: {**value, "description": ""}}}, schema)
         out.append(table(head, rows))
     return "\n".join(out)
@@ -89,13 +88,13 @@ def schema_page(file: Path) -> str:
 def openapi_page(file: Path) -> str:
     contract = json.loads(file.read_text(encoding="utf-8"))
     out = ["# HTTP API\n", "Source: ``contract/openapi.json``.\n",
-           escape(contract["info"].get("description", "")) + "\n"]
+           prose(contract["info"].get("description", "")) + "\n"]
     rows = []
     for path, verbs in contract["paths"].items():
         for verb, operation in verbs.items():
             if isinstance(operation, dict) and "responses" in operation:
                 answers = ", ".join(code(status) for status in operation["responses"])
-                rows.append([code(f"{verb.upper()} {path}"), escape(operation.get("summary", "")), answers])
+                rows.append([code(f"{verb.upper()} {path}"), prose(operation.get("summary", "")), answers])
     return "\n".join(out) + "\n" + table(["route", "what", "answers"], rows)
 
 
