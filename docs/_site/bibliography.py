@@ -31,9 +31,12 @@ def read_bibliography(file: Path) -> dict[str, dict[str, str]]:
 def line_of(entry: dict[str, str]) -> str:
     where = entry.get("journal") or entry.get("booktitle") or entry.get("publisher") or entry.get("organization", "")
     numbers = entry.get("volume", "") + (f"({entry['number']})" if "number" in entry else "")
-    parts = [plain(entry.get("author", "")).replace(" and ", ", "), f"*{plain(entry['title'])}*", plain(where),
+    authors = plain(entry.get("author", "")).replace(" and others", " et al.").replace(" and ", ", ")
+    parts = [authors, f"*{plain(entry['title'])}*", plain(where),
              numbers + (f":{plain(entry['pages'])}" if "pages" in entry else ""), entry.get("year", "")]
-    text = ". ".join(part for part in parts if part) + "."
+    text = ". ".join(part.removesuffix(".") for part in parts if part) + "."
+    if "url" in entry:
+        text += f" <{entry['url']}>"
     if "doi" in entry:
         text += f" [doi:{entry['doi'].replace('<', '&lt;').replace('>', '&gt;')}](<https://doi.org/" + \
             entry["doi"].replace("<", "%3C").replace(">", "%3E") + ">)"
