@@ -114,6 +114,7 @@ def main() -> int:
     reference = options.output / "reference"
     reference.mkdir(parents=True)
     copy_documents(options.output, problems)
+    rewrite_links(Path("README.md").read_text(encoding="utf-8"), Path("README.md"), problems)  # Checked, not shown.
     entries = read_bibliography(DOCS / "references.bib")
     write_bibliography(entries, options.output / "references.md")
     write_schema_reference(Path("contract"), reference)
