@@ -10,7 +10,7 @@ from pathlib import Path
 
 from bibliography import read_bibliography, write_bibliography
 from cli_reference import write_cli_reference
-from cpp_reference import write_cpp_reference
+from cpp_reference import anchor, write_cpp_reference
 from schema_reference import write_schema_reference
 
 DOCS = Path("docs")
@@ -57,7 +57,17 @@ def rewrite_links(text: str, source: Path, problems: list[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def copy_documents(output: Path, problems: list[str]) -> None:
+def link_citations(text: str, keys: set[str]) -> str:
+    """Links "[key]" and "[key, section 3; other]" to the list of references."""
+
+    def replace(match: re.Match) -> str:
+        inside = re.sub(r"[\w:-]+", lambda word: f"[{word[0]}]({anchor(word[0])})" if word[0] in keys else word[0], match[1])
+        return f"\\[{inside}\\]" if inside != match[1] else match[0]
+
+    return re.sub(r"(?<![\]\w`])\[([^\][()`\n]+)\](?![(\[])", replace, text)
+
+
+def copy_documents(output: Path, keys: set[str], problems: list[str]) -> None:
     for file in sorted(DOCS.rglob("*")):
         inner = file.relative_to(DOCS)
         if not file.is_file() or inner.parts[0] == "_site":
@@ -65,7 +75,8 @@ def copy_documents(output: Path, problems: list[str]) -> None:
         target = output / inner
         target.parent.mkdir(parents=True, exist_ok=True)
         if file.suffix == ".md":
-            target.write_text(rewrite_links(file.read_text(encoding="utf-8"), file, problems), encoding="utf-8")
+            text = rewrite_links(file.read_text(encoding="utf-8"), file, problems)
+            target.write_text(link_citations(text, keys), encoding="utf-8")
         else:
             shutil.copy(file, target)
     (output / "project").mkdir()
@@ -113,9 +124,9 @@ def main() -> int:
     problems: list[str] = []
     reference = options.output / "reference"
     reference.mkdir(parents=True)
-    copy_documents(options.output, problems)
     rewrite_links(Path("README.md").read_text(encoding="utf-8"), Path("README.md"), problems)  # Checked, not shown.
     entries = read_bibliography(DOCS / "references.bib")
+    copy_documents(options.output, set(entries), problems)
     write_bibliography(entries, options.output / "references.md")
     write_schema_reference(Path("contract"), reference)
     if options.program:
