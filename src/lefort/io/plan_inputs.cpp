@@ -30,8 +30,9 @@ void visit_files(Json& plan, const Visit& visit_string) {
   for (Json& segment : plan["segments"]) {
     Json& osteotomy = segment["osteotomy"];
     visit_cuts(osteotomy);
-    if (osteotomy.contains("also"))
-      for (Json& region : osteotomy["also"]) visit_cuts(region);
+    for (const char* regions : {"additional_regions", "also"})  // The latter is deprecated.
+      if (osteotomy.contains(regions))
+        for (Json& region : osteotomy[regions]) visit_cuts(region);
     if (!segment["path"].contains("keyframes")) continue;
     for (Json& keyframe : segment["path"]["keyframes"]) {
       visit(keyframe, "transform");
