@@ -32,7 +32,7 @@ LIBRARIES = {
     "embree3/": {"report", "bench"}, "openvdb/": {"io", "bench"}, "cairo": {"report"}, "zlib.h": {"io"}, "expat.h": {"io"}, "openssl/": {"io"},
 }
 MAY_SHOW_LIBRARIES = {"core/parallel.h", "mesh/internal/cgal_surface.h",
-                      "io/internal/validated_json.h", "io/predicted_poses.h",
+                      "io/internal/validated_json.h", "io/internal/rename_keys.h", "io/predicted_poses.h",
                       "bench", "pipeline", "server", "app"}  # Headers (or layers) that may include one.
 
 

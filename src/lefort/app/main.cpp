@@ -1,4 +1,5 @@
 #include <lefort/app/commands/command.h>
+#include <lefort/app/commands/deprecated_options.h>
 #include <lefort/core/version.h>
 
 #include <fmt/format.h>
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
   add_serve_command(cli, context);
   add_bench_command(cli, context);
   add_verify_command(cli, context);
+  add_deprecated_options(cli);
 
   try {
     cli.parse(argc, argv);

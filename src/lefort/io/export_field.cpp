@@ -29,7 +29,7 @@ Result<void> check_room(const fs::path& target, const field::LatticeWindow& wind
   const std::uint64_t bytes = std::uint64_t(window.size()) * sizeof(float);
   const auto too_large = [&](ErrorCode code, const char* where, std::uint64_t maximum) {
     return fail(code, fmt::format("a dense volume of {} x {} x {} samples takes {} bytes, {} has "
-                                  "room for {}; take part of it with --region or --every, or "
+                                  "room for {}; take part of it with --region or --stride, or "
                                   "write .vdb, which is sparse",
                                   window.count[0], window.count[1], window.count[2], bytes, where,
                                   maximum));

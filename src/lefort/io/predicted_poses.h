@@ -12,6 +12,12 @@
 
 namespace lefort::io {
 
+/// Format version of prediction.json and failure.json.
+inline constexpr int kPredictionVersion = 2;
+
+/// \returns nothing, or kFileUnsupported if another version of the program wrote the document.
+[[nodiscard]] Result<void> check_prediction_version(const nlohmann::json& document);
+
 struct SegmentPose {
   std::string segment;
   RigidTransform X_LB;
@@ -19,8 +25,8 @@ struct SegmentPose {
 
 /// \param document  prediction.json or failure.json.
 /// \param step      one of its `steps`.
-/// \returns one a segment, in the order of the plan; kFileCorrupt if the document does not tell, or
-///   a pose is no rigid motion.
+/// \returns one pose for each segment, in the order of the plan; kFileUnsupported as
+///   check_prediction_version(); kFileCorrupt if poses are missing or are not rigid motions.
 [[nodiscard]] Result<std::vector<SegmentPose>> predicted_poses(const nlohmann::json& document,
                                                                const nlohmann::json& step);
 

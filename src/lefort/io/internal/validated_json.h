@@ -5,6 +5,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
 #include <lefort/geometry/rigid_path.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/plan/plan.h>
 
 #include <nlohmann/json.hpp>
@@ -26,6 +27,21 @@ using Json = nlohmann::json;
 ///   beyond what any schema has, which would exhaust the stack of those who walk over it.
 [[nodiscard]] Result<Json> parse_checked(std::string_view text, const char* schema,
                                          const std::string& subject);
+
+/// JSON that was checked, and a warning for each of its deprecated names.
+struct CheckedJson {
+  Json json;  ///< With the new names.
+  std::vector<std::string> warnings;
+};
+
+/// The same for a plan or deck, whose deprecated keys and values are renamed before the check.
+[[nodiscard]] Result<CheckedJson> parse_checked(std::string_view text, const char* schema,
+                                                const std::string& subject,
+                                                const DeprecatedNames& deprecated);
+
+/// Parses a plan or deck and renames its deprecated keys and values, without a check.
+[[nodiscard]] Result<CheckedJson> parse_renamed(std::string_view text,
+                                                const DeprecatedNames& deprecated);
 
 /// Sets `value` if the key is there; the schema has checked its type.
 template <class T>
@@ -49,7 +65,10 @@ inline void read(const Json& object, const char* key, Vec3& value) {
 [[nodiscard]] const Json& list(const Json& whole, const char* key);
 [[nodiscard]] const Json& list(Json&& whole, const char* key) = delete;
 
-/// A bone's or an obstacle's way.
-[[nodiscard]] std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes);
+/// Poses of a bone or an obstacle.
+///
+/// \param at_key  the key that says when a pose is reached: "path_fraction" or "time".
+[[nodiscard]] std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes,
+                                                             const char* at_key);
 
 }  // namespace lefort::io::internal

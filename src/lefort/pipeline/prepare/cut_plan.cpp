@@ -1,4 +1,5 @@
 #include <lefort/core/version.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/surface_files.h>
@@ -44,6 +45,7 @@ std::vector<Bone> bones_of(const plan::CutSegments& cut,
 
 Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanFile plan, io::read_plan(job.plan));
+  io::note_warnings(plan.warnings, progress);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   const fs::path document = job.output / "cut.json";
