@@ -31,7 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 using compare::FaceRegions;
 using geometry::TriangleMesh;
-using nlohmann::json;
 
 constexpr const char* kResult = "compare.json";
 constexpr const char* kRegions = "regions.csv";
@@ -147,8 +146,8 @@ Result<void> prepare_folder(const CompareJob& job, const Inputs& inputs) {
   return io::remove_earlier_files(ours);
 }
 
-Result<json> fingerprints_of(const Inputs& inputs) {
-  json files = json::array();
+Result<nlohmann::json> fingerprints_of(const Inputs& inputs) {
+  nlohmann::json files = nlohmann::json::array();
   for (const fs::path& file : inputs.all()) {
     LEFORT_TRY(const std::string sha256, io::sha256_of_file(file));
     files.push_back({{"file", file.filename().string()}, {"sha256", sha256}});
@@ -220,7 +219,8 @@ Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
   }
 
   progress.begin_stage("write");
-  json result{{"lefort_compare", 2}, {"notice", kNotForClinicalUse}, {"version", kVersion}};
+  nlohmann::json result{
+      {"lefort_compare", 2}, {"notice", kNotForClinicalUse}, {"version", kVersion}};
   LEFORT_TRY(result["inputs"], fingerprints_of(inputs));
   result["regions"] = regions_json(rows);
   result["regions_missing"] = regions.missing();

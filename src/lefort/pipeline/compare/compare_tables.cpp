@@ -9,9 +9,9 @@
 namespace lefort::pipeline {
 namespace {
 
-using nlohmann::json;
-
-json number(double value) { return std::isfinite(value) ? json(value) : json(); }
+nlohmann::json number(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
 
 std::string csv_line(const std::string& region, const char* what,
                      const compare::DifferenceStatistics& s) {
@@ -25,7 +25,7 @@ std::string csv_line(const std::string& region, const char* what,
 
 using pipeline::as_json;
 
-json as_json(const compare::MovementDifference& d) {
+nlohmann::json as_json(const compare::MovementDifference& d) {
   const Vec3 turn_deg = d.rotation_rad * degrees_from_radians(1.0);
   return {{"translation_mm", as_json(d.translation_mm)},
           {"translation_length_mm", d.translation_mm.norm()},
@@ -44,7 +44,7 @@ std::string anatomical(const Vec3& translation_mm) {
 
 }  // namespace
 
-json statistics_json(const compare::DifferenceStatistics& s) {
+nlohmann::json statistics_json(const compare::DifferenceStatistics& s) {
   return {{"area_mm2", s.area_mm2},
           {"compared_fraction", s.compared_fraction},
           {"mean_mm", number(s.mean_mm)},
@@ -58,8 +58,8 @@ json statistics_json(const compare::DifferenceStatistics& s) {
           {"mean_signed_mm", number(s.mean_signed_mm)}};
 }
 
-json regions_json(std::span<const compare::RegionDifference> rows) {
-  json lines = json::array();
+nlohmann::json regions_json(std::span<const compare::RegionDifference> rows) {
+  nlohmann::json lines = nlohmann::json::array();
   for (const compare::RegionDifference& row : rows) {
     lines.push_back({{"region", row.region}, {"face", statistics_json(row.face)}});
     if (row.if_unchanged) lines.back()["baseline_no_change"] = statistics_json(*row.if_unchanged);
@@ -96,15 +96,15 @@ std::string regions_text(std::span<const compare::RegionDifference> rows) {
   return text;
 }
 
-json registration_json(const compare::Registration& r) {
+nlohmann::json registration_json(const compare::Registration& r) {
   return {{"matrix", as_json(r.X_onto_from)},
           {"rms_mm", r.rms_mm},
           {"inlier_fraction", r.inlier_fraction},
           {"stability", r.stability}};
 }
 
-json movements_json(const SurgeryFound& surgery) {
-  json lines = json::array();
+nlohmann::json movements_json(const SurgeryFound& surgery) {
+  nlohmann::json lines = nlohmann::json::array();
   for (const AchievedMovement& one : surgery.movements)
     lines.push_back({{"segment", one.segment},
                      {"registration", registration_json(one.achieved)},

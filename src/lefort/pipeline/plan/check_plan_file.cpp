@@ -32,7 +32,6 @@ namespace lefort::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 constexpr const char* kTable = "cephalometry.csv";
 constexpr const char* kAboutLandmarks =
@@ -71,14 +70,14 @@ Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
 }
 
 /// What the check was made of and by.
-Result<json> provenance(const CheckPlanJob& job, const io::PlanText& text,
-                        const geometry::TriangleMesh& skull_L) {
-  json files = json::array();
+Result<nlohmann::json> provenance(const CheckPlanJob& job, const io::PlanText& text,
+                                  const geometry::TriangleMesh& skull_L) {
+  nlohmann::json files = nlohmann::json::array();
   LEFORT_TRY(const std::vector<io::InputFile> named, io::fingerprints(text.json, job.plan));
   for (const auto& [name, sha256] : named) files.push_back({{"file", name}, {"sha256", sha256}});
-  return json{{"plan_sha256", io::Sha256().add(text.json).hex()},
-              {"plan_files", files},
-              {"skull_sha256", io::Sha256().add(skull_L).hex()}};
+  return nlohmann::json{{"plan_sha256", io::Sha256().add(text.json).hex()},
+                        {"plan_files", files},
+                        {"skull_sha256", io::Sha256().add(skull_L).hex()}};
 }
 
 /// The skull that is to be cut: a surface, or the bone of a scan.
@@ -134,9 +133,11 @@ MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegm
 
 using pipeline::as_json;
 
-json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
-             const std::vector<plan::PlannedSegment>& planned, const predict::PlanLimits& limits) {
-  json findings = json::array(), overlaps = json::array(), segments = json::array();
+nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
+                       const std::vector<plan::PlannedSegment>& planned,
+                       const predict::PlanLimits& limits) {
+  nlohmann::json findings = nlohmann::json::array(), overlaps = nlohmann::json::array(),
+                 segments = nlohmann::json::array();
   for (const predict::PlanFinding& finding : check.findings)
     findings.push_back({{"kind", predict::name_of(finding.kind)},
                         {"segment", finding.segment},
@@ -229,7 +230,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY(const predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));
 
-  json result = as_json(check, cut, plan.segments, job.limits);
+  nlohmann::json result = as_json(check, cut, plan.segments, job.limits);
   LEFORT_TRY(result["inputs"], provenance(job, plan_text, skull_L));
   std::string text = in_words(check, cut);
   std::string table;

@@ -18,7 +18,6 @@ namespace lefort::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 struct Bone {
   std::string name;
@@ -57,7 +56,7 @@ Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
              plan::cut_segments(head.skull_L, plan.segments, progress));
   for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
 
-  json list = json::array();
+  nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{}: {} segments", job.output.string(), plan.segments.size());
   for (const Bone& bone : bones_of(cut, plan.segments)) {
     field::DistanceFieldOptions field_options = plan.field;  // As prepare_case() has them.
