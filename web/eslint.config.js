@@ -12,7 +12,9 @@ const boundary = (folder, libraries) => ({
       {
         patterns: [
           {
-            group: above(folder).map((name) => `**/${name}/**`).concat(above(folder).map((name) => `**/${name}`)),
+            group: above(folder)
+              .map((name) => `**/${name}/**`)
+              .concat(above(folder).map((name) => `**/${name}`)),
             message: `${folder} may not use what comes after it (api <- model <- scene <- ui).`,
           },
           { group: ['../*/*', '!../*/index', '!../../*'], message: 'Enter a folder through its index.ts.' },

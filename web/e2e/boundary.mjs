@@ -29,15 +29,25 @@ async function drag3d(page, from, to, steps = 12) {
   await drawn(page);
 }
 
-const area = async (page, set) => Number(await page.getAttribute(`${id('painted-areas')} [data-set="${set}"]`, 'data-mm2'));
+const area = async (page, set) =>
+  Number(await page.getAttribute(`${id('painted-areas')} [data-set="${set}"]`, 'data-mm2'));
 
 /** Waits until so much is painted; fails if it does not come to it. */
-const areaIs = (page, set, mm2) => page.waitForFunction(([sel, value]) => Math.abs(Number(document.querySelector(sel)?.dataset.mm2) - value) < 0.06, [`${id('painted-areas')} [data-set="${set}"]`, mm2]);
+const areaIs = (page, set, mm2) =>
+  page.waitForFunction(
+    ([sel, value]) => Math.abs(Number(document.querySelector(sel)?.dataset.mm2) - value) < 0.06,
+    [`${id('painted-areas')} [data-set="${set}"]`, mm2],
+  );
 
 async function accessible(page, where) {
   await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] }));
-  check(`${where} is accessible: ${violations.map((v) => `${v.id} ${v.nodes[0].html}`).join('; ')}`, violations.length === 0);
+  const { violations } = await page.evaluate(() =>
+    window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] }),
+  );
+  check(
+    `${where} is accessible: ${violations.map((v) => `${v.id} ${v.nodes[0].html}`).join('; ')}`,
+    violations.length === 0,
+  );
 }
 
 /** How many pixels of the view are of the colour of `with segment`, which neither bone nor segment has. */
@@ -52,127 +62,165 @@ async function purplePixels(page) {
     context.drawImage(image, 0, 0);
     const all = context.getImageData(0, 0, canvas.width, canvas.height).data;
     let count = 0;
-    for (let n = 0; n < all.length; n += 4) if (all[n + 2] > all[n] && all[n] > 1.1 * all[n + 1] && all[n + 2] > 1.15 * all[n + 1]) count++;
+    for (let n = 0; n < all.length; n += 4)
+      if (all[n + 2] > all[n] && all[n] > 1.1 * all[n + 1] && all[n + 2] > 1.15 * all[n + 1]) count++;
     return count;
   }, png);
 }
 
-test('boundary painted on bone: seen, measured, undone, kept; the preview follows', () => withPage(planned, async (page, { ask, run }) => {
-  await run({ kind: 'preview-factor' });
-  const pose = JSON.stringify({ poses: { front: [1, 0, 0, 0, 0, 1, 0, -3, 0, 0, 1, 0, 0, 0, 0, 1] } });
-  const preview = async () => Buffer.from(await (await ask('POST', '/preview', pose, { 'Content-Type': 'application/json' })).arrayBuffer());
-  const byRule = await preview();
-  await step(page, 'tissue');
-  await look(page, 'From the front');
-  await settled(page);
-  await page.click(id('paint-with-segment'));
-  await type(page, 'paint-radius', 6);
-  await drawn(page);
-  const before = await purplePixels(page);
-  await drag3d(page, [0.45, 0.5], [0.55, 0.5]);
-  await page.waitForFunction((sel) => Number(document.querySelector(sel)?.dataset.mm2) > 50, `${id('painted-areas')} [data-set="with segment"]`);
-  const painted = await area(page, 'with segment');
-  check(`the paint is seen: ${before} and ${await purplePixels(page)} pixels`, (await purplePixels(page)) > before + 200);
-  await saved(page);
-  const { value: kept, box } = { value: Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()), box: (await ask('GET', '/boundary/data')).headers.get('x-lefort-box') };
-  check(`it lies on voxels of the scan: ${box}`, kept.includes(3) && !kept.includes(1));
-  const plan = async () => (await ask('GET', '/plan')).json();
-  check('the plan names it', (await plan()).boundary.labels === 'boundary.seg.nrrd');
+test('boundary painted on bone: seen, measured, undone, kept; the preview follows', () =>
+  withPage(planned, async (page, { ask, run }) => {
+    await run({ kind: 'preview-factor' });
+    const pose = JSON.stringify({ poses: { front: [1, 0, 0, 0, 0, 1, 0, -3, 0, 0, 1, 0, 0, 0, 0, 1] } });
+    const preview = async () =>
+      Buffer.from(await (await ask('POST', '/preview', pose, { 'Content-Type': 'application/json' })).arrayBuffer());
+    const byRule = await preview();
+    await step(page, 'tissue');
+    await look(page, 'From the front');
+    await settled(page);
+    await page.click(id('paint-with-segment'));
+    await type(page, 'paint-radius', 6);
+    await drawn(page);
+    const before = await purplePixels(page);
+    await drag3d(page, [0.45, 0.5], [0.55, 0.5]);
+    await page.waitForFunction(
+      (sel) => Number(document.querySelector(sel)?.dataset.mm2) > 50,
+      `${id('painted-areas')} [data-set="with segment"]`,
+    );
+    const painted = await area(page, 'with segment');
+    check(
+      `the paint is seen: ${before} and ${await purplePixels(page)} pixels`,
+      (await purplePixels(page)) > before + 200,
+    );
+    await saved(page);
+    const { value: kept, box } = {
+      value: Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()),
+      box: (await ask('GET', '/boundary/data')).headers.get('x-lefort-box'),
+    };
+    check(`it lies on voxels of the scan: ${box}`, kept.includes(3) && !kept.includes(1));
+    const plan = async () => (await ask('GET', '/plan')).json();
+    check('the plan names it', (await plan()).boundary.labels === 'boundary.seg.nrrd');
 
-  // Another set beside it, rubbed out in part, taken back and done again.
-  await page.click(id('paint-fixed'));
-  await page.keyboard.press('Escape');
-  await page.click(id('paint-fixed'));
-  await drag3d(page, [0.42, 0.42], [0.46, 0.42], 5);
-  const fixed = await area(page, 'fixed');
-  check(`fixed, too: ${fixed} mm2`, fixed > 20);
-  await page.click(id('paint-erase'));
-  await drag3d(page, [0.42, 0.42], [0.43, 0.42], 3);
-  const less = await area(page, 'fixed');
-  check(`rubbed out: ${less} mm2`, less < fixed);
-  await page.keyboard.press('Control+z');
-  await areaIs(page, 'fixed', fixed);
-  await page.keyboard.press('Control+z');
-  await areaIs(page, 'fixed', 0);
-  await areaIs(page, 'with segment', painted);
-  await page.keyboard.press('Control+Shift+Z');
-  await page.keyboard.press('Control+Shift+Z');
-  await areaIs(page, 'fixed', less);
-  await page.keyboard.press('Control+z');
-  await page.keyboard.press('Control+z');
-  await areaIs(page, 'fixed', 0);
-  await saved(page);
-  check('what is kept is what it was', Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()).equals(kept));
+    // Another set beside it, rubbed out in part, taken back and done again.
+    await page.click(id('paint-fixed'));
+    await page.keyboard.press('Escape');
+    await page.click(id('paint-fixed'));
+    await drag3d(page, [0.42, 0.42], [0.46, 0.42], 5);
+    const fixed = await area(page, 'fixed');
+    check(`fixed, too: ${fixed} mm2`, fixed > 20);
+    await page.click(id('paint-erase'));
+    await drag3d(page, [0.42, 0.42], [0.43, 0.42], 3);
+    const less = await area(page, 'fixed');
+    check(`rubbed out: ${less} mm2`, less < fixed);
+    await page.keyboard.press('Control+z');
+    await areaIs(page, 'fixed', fixed);
+    await page.keyboard.press('Control+z');
+    await areaIs(page, 'fixed', 0);
+    await areaIs(page, 'with segment', painted);
+    await page.keyboard.press('Control+Shift+Z');
+    await page.keyboard.press('Control+Shift+Z');
+    await areaIs(page, 'fixed', less);
+    await page.keyboard.press('Control+z');
+    await page.keyboard.press('Control+z');
+    await areaIs(page, 'fixed', 0);
+    await saved(page);
+    check(
+      'what is kept is what it was',
+      Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()).equals(kept),
+    );
 
-  // By keys: a wider brush.
-  await page.locator(view).focus();
-  await page.keyboard.press(']');
-  await page.waitForFunction((sel) => document.querySelector(sel).value === '6.5', id('paint-radius'));
-  await page.screenshot({ path: join(output, 'boundary.png') });
-  await accessible(page, 'the brush');
+    // By keys: a wider brush.
+    await page.locator(view).focus();
+    await page.keyboard.press(']');
+    await page.waitForFunction((sel) => document.querySelector(sel).value === '6.5', id('paint-radius'));
+    await page.screenshot({ path: join(output, 'boundary.png') });
+    await accessible(page, 'the brush');
 
-  // What was made by the rule is out of date, and made anew it is another preview.
-  await page.click(id('prepare-preview'));
-  await page.waitForSelector(id('prepare-preview'), { state: 'detached' });
-  await idle(page);
-  check('the preview is another', !(await preview()).equals(byRule));
-  await page.click(`${id('boundary-rules')} summary`);
-  await page.getByText('As of the last preview').waitFor();
-  const rules = await page.locator(`${id('boundary-rules')} tbody tr`).allInnerTexts();
-  check(`each rule with its distance: ${rules}`, rules.length === 7 && rules.some((row) => row.includes('On moved bone') && row.includes('0.80 mm')));
+    // What was made by the rule is out of date, and made anew it is another preview.
+    await page.click(id('prepare-preview'));
+    await page.waitForSelector(id('prepare-preview'), { state: 'detached' });
+    await idle(page);
+    check('the preview is another', !(await preview()).equals(byRule));
+    await page.click(`${id('boundary-rules')} summary`);
+    await page.getByText('As of the last preview').waitFor();
+    const rules = await page.locator(`${id('boundary-rules')} tbody tr`).allInnerTexts();
+    check(
+      `each rule with its distance: ${rules}`,
+      rules.length === 7 && rules.some((row) => row.includes('On moved bone') && row.includes('0.80 mm')),
+    );
 
-  // A page opened anew shows what is painted.
-  await page.reload();
-  await areaIs(page, 'with segment', painted);
-  await page.click(id('paint-erase-all'));
-  await saved(page);
-  check('the plan names it no more', (await plan()).boundary?.labels === undefined);
-  const { stages } = await (await ask('GET', '/case')).json();
-  check('and it is gone', stages.boundary.state === 'missing');
-}));
+    // A page opened anew shows what is painted.
+    await page.reload();
+    await areaIs(page, 'with segment', painted);
+    await page.click(id('paint-erase-all'));
+    await saved(page);
+    check('the plan names it no more', (await plan()).boundary?.labels === undefined);
+    const { stages } = await (await ask('GET', '/case')).json();
+    check('and it is gone', stages.boundary.state === 'missing');
+  }));
 
-test('boundary painted on skin, in the dark', () => withPage(planned, async (page) => {
-  await step(page, 'tissue');
-  await look(page, 'From the front');
-  await page.getByRole('button', { name: 'On skin' }).click();
-  await page.click(id('paint-free'));
-  await drawn(page);
-  await drag3d(page, [0.5, 0.4], [0.5, 0.6]);
-  check('skin is painted', (await area(page, 'free')) > 50);
-  await page.screenshot({ path: join(output, 'boundary-skin.png') });
-  await accessible(page, 'the dark brush');
-  await page.click(id('paint-erase-all'));
-  await saved(page);
-}, { scheme: 'dark', width: 1920, height: 1080 }));
+test('boundary painted on skin, in the dark', () =>
+  withPage(
+    planned,
+    async (page) => {
+      await step(page, 'tissue');
+      await look(page, 'From the front');
+      await page.getByRole('button', { name: 'On skin' }).click();
+      await page.click(id('paint-free'));
+      await drawn(page);
+      await drag3d(page, [0.5, 0.4], [0.5, 0.6]);
+      check('skin is painted', (await area(page, 'free')) > 50);
+      await page.screenshot({ path: join(output, 'boundary-skin.png') });
+      await accessible(page, 'the dark brush');
+      await page.click(id('paint-erase-all'));
+      await saved(page);
+    },
+    { scheme: 'dark', width: 1920, height: 1080 },
+  ));
 
-test('skin, mucosa and muscle are the plan\u2019s', () => withPage(planned, async (page, { ask }) => {
-  await step(page, 'tissue');
-  const toggle = (name) => page.locator('.part', { has: page.getByRole('heading', { name, exact: true }) }).getByRole('switch');
-  await page.click(`${id('layers')} summary`);
-  await toggle('Skin').check({ force: true });
-  await type(page, 'skin-thickness', 1.8);
-  await type(page, 'skin-layers', 3);
-  await toggle('Mucosa').check({ force: true });
-  await type(page, 'mucosa-thickness', 6);
-  await page.locator('.part', { has: page.getByRole('heading', { name: 'Mucosa', exact: true }) }).getByRole('combobox').selectOption('own');
-  await type(page, 'mucosa-young', 12);
-  await toggle('Muscle').check({ force: true });
-  await saved(page);
-  const { tissue } = await (await ask('GET', '/plan')).json();
-  check(`as told: ${JSON.stringify(tissue)}`, tissue.skin.thickness_mm === 1.8 && tissue.skin.layers === 3 && tissue.mucosa.thickness_mm === 6 && tissue.mucosa.material.young_kpa === 12 && tissue.muscle.material === 'face-compressible');
-  await page.screenshot({ path: join(output, 'layers.png'), fullPage: true });
-  await accessible(page, 'tissues of their own');
-  await toggle('Skin').uncheck({ force: true });
-  await toggle('Mucosa').uncheck({ force: true });
-  await toggle('Muscle').uncheck({ force: true });
-  await saved(page);
-  check('and taken back', (await (await ask('GET', '/plan')).json()).tissue.skin === undefined);
-  await step(page, 'anatomy');
-  await page.getByText('Show labels on the slices').click();
-  await page.getByRole('button', { name: 'muscle', exact: true }).click();
-  const tint = await page.getByRole('button', { name: 'muscle', exact: true }).locator('.swatch').evaluate((swatch) => swatch.style.background);
-  check(`muscle is a label of the brush, with a colour of its own: ${tint}`, tint.startsWith('rgb('));
-}));
+test('skin, mucosa and muscle are the plan\u2019s', () =>
+  withPage(planned, async (page, { ask }) => {
+    await step(page, 'tissue');
+    const toggle = (name) =>
+      page.locator('.part', { has: page.getByRole('heading', { name, exact: true }) }).getByRole('switch');
+    await page.click(`${id('layers')} summary`);
+    await toggle('Skin').check({ force: true });
+    await type(page, 'skin-thickness', 1.8);
+    await type(page, 'skin-layers', 3);
+    await toggle('Mucosa').check({ force: true });
+    await type(page, 'mucosa-thickness', 6);
+    await page
+      .locator('.part', { has: page.getByRole('heading', { name: 'Mucosa', exact: true }) })
+      .getByRole('combobox')
+      .selectOption('own');
+    await type(page, 'mucosa-young', 12);
+    await toggle('Muscle').check({ force: true });
+    await saved(page);
+    const { tissue } = await (await ask('GET', '/plan')).json();
+    check(
+      `as told: ${JSON.stringify(tissue)}`,
+      tissue.skin.thickness_mm === 1.8 &&
+        tissue.skin.layers === 3 &&
+        tissue.mucosa.thickness_mm === 6 &&
+        tissue.mucosa.material.young_kpa === 12 &&
+        tissue.muscle.material === 'face-compressible',
+    );
+    await page.screenshot({ path: join(output, 'layers.png'), fullPage: true });
+    await accessible(page, 'tissues of their own');
+    await toggle('Skin').uncheck({ force: true });
+    await toggle('Mucosa').uncheck({ force: true });
+    await toggle('Muscle').uncheck({ force: true });
+    await saved(page);
+    check('and taken back', (await (await ask('GET', '/plan')).json()).tissue.skin === undefined);
+    await step(page, 'anatomy');
+    await page.getByText('Show labels on the slices').click();
+    await page.getByRole('button', { name: 'muscle', exact: true }).click();
+    const tint = await page
+      .getByRole('button', { name: 'muscle', exact: true })
+      .locator('.swatch')
+      .evaluate((swatch) => swatch.style.background);
+    check(`muscle is a label of the brush, with a colour of its own: ${tint}`, tint.startsWith('rgb('));
+  }));
 
 const ok = await runTests({ all: false, only });
 await endSmallCase();

@@ -11,20 +11,34 @@ export const lefort = process.env.LEFORT ?? join(root, 'build/release/src/lefort
 
 const BROWSER = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find((path) => existsSync(path));
 const FLAGS = [
-  '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
-  '--disable-background-networking', '--disable-component-update', '--disable-sync',
+  '--no-sandbox',
+  '--use-gl=angle',
+  '--use-angle=swiftshader',
+  '--enable-unsafe-swiftshader',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
 ];
 
 export function scan() {
-  const at = [process.env.LEFORT_EXAMPLE, '/usr/share/doc/invesalius-examples/examples/Cranium.inv3', join(root, 'demo-output/invesalius-examples/usr/share/doc/invesalius-examples/examples/Cranium.inv3')];
+  const at = [
+    process.env.LEFORT_EXAMPLE,
+    '/usr/share/doc/invesalius-examples/examples/Cranium.inv3',
+    join(root, 'demo-output/invesalius-examples/usr/share/doc/invesalius-examples/examples/Cranium.inv3'),
+  ];
   const found = at.find((path) => path && existsSync(path));
-  if (!found) throw new Error('the example scan is not there: apt-get install invesalius-examples, or name it in LEFORT_EXAMPLE');
+  if (!found)
+    throw new Error('the example scan is not there: apt-get install invesalius-examples, or name it in LEFORT_EXAMPLE');
   return found;
 }
 
 /** Starts `lefort serve` on a folder; resolves with its address once it is printed. */
 export async function serve(folder, more = []) {
-  const child = spawn(lefort, ['serve', folder, '--port', '0', '--example', scan(), ...more], { stdio: ['ignore', 'pipe', 'ignore'] });
+  const child = spawn(lefort, ['serve', folder, '--port', '0', '--example', scan(), ...more], {
+    stdio: ['ignore', 'pipe', 'ignore'],
+  });
   const address = await new Promise((done, fail) => {
     let text = '';
     child.stdout.on('data', (part) => {
@@ -60,7 +74,9 @@ export async function openBrowser() {
 }
 
 export async function openPage(address, { width = 1280, height = 800, scheme = 'light' } = {}) {
-  const context = await (await openBrowser()).newContext({ viewport: { width, height }, colorScheme: scheme, acceptDownloads: true });
+  const context = await (
+    await openBrowser()
+  ).newContext({ viewport: { width, height }, colorScheme: scheme, acceptDownloads: true });
   const page = await context.newPage();
   page.setDefaultTimeout(60000);
   page.faults = [];
@@ -97,7 +113,12 @@ export async function runTests({ all, only }) {
       console.log(`ok   ${name} (${((Date.now() - since) / 1000).toFixed(1)} s)`);
     } catch (error) {
       failed.push(name);
-      console.log(`FAIL ${name} (${((Date.now() - since) / 1000).toFixed(1)} s)\n     ${String(error.stack ?? error).split('\n').slice(0, 6).join('\n     ')}`);
+      console.log(
+        `FAIL ${name} (${((Date.now() - since) / 1000).toFixed(1)} s)\n     ${String(error.stack ?? error)
+          .split('\n')
+          .slice(0, 6)
+          .join('\n     ')}`,
+      );
     }
   }
   await closeBrowser();

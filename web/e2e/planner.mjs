@@ -5,7 +5,8 @@ export const step = async (page, name) => {
 };
 
 /** Waits until a stage's chip in the panel, or a dot in the rail, says so. */
-export const dot = (page, name, state, timeout = 600000) => page.waitForSelector(`[data-step=${name}] .dot.${state}`, { timeout, state: 'attached' });
+export const dot = (page, name, state, timeout = 600000) =>
+  page.waitForSelector(`[data-step=${name}] .dot.${state}`, { timeout, state: 'attached' });
 
 export const id = (name) => `[data-id="${name}"]`;
 
@@ -27,7 +28,9 @@ export const idle = (page, timeout = 900000) => page.waitForSelector(id('job'), 
 /** All is kept. What was just done is first given time to be shown as not kept yet. */
 export async function saved(page) {
   await page.waitForTimeout(300);
-  await page.waitForFunction(() => document.querySelector('[data-id=saving]')?.textContent === 'Saved', null, { timeout: 60000 });
+  await page.waitForFunction(() => document.querySelector('[data-id=saving]')?.textContent === 'Saved', null, {
+    timeout: 60000,
+  });
 }
 
 export async function handles(page) {

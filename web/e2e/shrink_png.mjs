@@ -50,8 +50,11 @@ export function shrinkPng(png) {
     const predict = predictors[raw[y * (line + 1)]];
     const row = new Uint8Array(line);
     for (let x = 0; x < line; x++)
-      row[x] = raw[y * (line + 1) + 1 + x] + predict(x < size ? 0 : row[x - size], above[x], x < size ? 0 : above[x - size]);
-    for (let x = 0; x < width; x++) for (let c = 0; c < 3; c++) rgb[(y * width + x) * 3 + c] = row[x * size + c] > 253 ? 255 : row[x * size + c] & 254;
+      row[x] =
+        raw[y * (line + 1) + 1 + x] + predict(x < size ? 0 : row[x - size], above[x], x < size ? 0 : above[x - size]);
+    for (let x = 0; x < width; x++)
+      for (let c = 0; c < 3; c++)
+        rgb[(y * width + x) * 3 + c] = row[x * size + c] > 253 ? 255 : row[x * size + c] & 254;
     above = row;
   }
   const filtered = Buffer.alloc(height * (width * 3 + 1));
@@ -82,6 +85,9 @@ export function shrinkPng(png) {
   const head = Buffer.from(png.subarray(16, 29));
   head[9] = 2;
   return Buffer.concat([
-    png.subarray(0, 8), chunk('IHDR', head), chunk('IDAT', deflateSync(filtered, { level: 9, memLevel: 9 })), chunk('IEND', Buffer.alloc(0)),
+    png.subarray(0, 8),
+    chunk('IHDR', head),
+    chunk('IDAT', deflateSync(filtered, { level: 9, memLevel: 9 })),
+    chunk('IEND', Buffer.alloc(0)),
   ]);
 }

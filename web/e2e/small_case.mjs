@@ -15,23 +15,35 @@ export function smallHead() {
     const r = Math.hypot(...[v % n, Math.floor(v / n) % n, Math.floor(v / (n * n))].map((c) => origin + spacing * c));
     values[v] = r > 47 ? -1000 : r > 24 && r < 32 ? 1200 : 40;
   }
-  const header = `NRRD0004\ntype: short\ndimension: 3\nsizes: ${n} ${n} ${n}\nencoding: raw\nspace: left-posterior-superior\n`
-    + `space directions: (${spacing},0,0) (0,${spacing},0) (0,0,${spacing})\nspace origin: (${origin},${origin},${origin})\nendian: little\n\n`;
+  const header =
+    `NRRD0004\ntype: short\ndimension: 3\nsizes: ${n} ${n} ${n}\nencoding: raw\nspace: left-posterior-superior\n` +
+    `space directions: (${spacing},0,0) (0,${spacing},0) (0,0,${spacing})\nspace origin: (${origin},${origin},${origin})\nendian: little\n\n`;
   return Buffer.concat([Buffer.from(header), Buffer.from(values.buffer)]);
 }
 
 const LANDMARKS = {
-  "N'": [0, -45, 20], Sn: [0, -47, 5], Stm: [0, -47, -6], 'Ch-R': [-12, -45, -6], 'Ch-L': [12, -45, -6],
-  'Al-R': [-10, -46, 5], 'Al-L': [10, -46, 5], 'En-R': [-10, -43, 18], 'En-L': [10, -43, 18],
+  "N'": [0, -45, 20],
+  Sn: [0, -47, 5],
+  Stm: [0, -47, -6],
+  'Ch-R': [-12, -45, -6],
+  'Ch-L': [12, -45, -6],
+  'Al-R': [-10, -46, 5],
+  'Al-L': [10, -46, 5],
+  'En-R': [-10, -43, 18],
+  'En-L': [10, -43, 18],
 };
 
 export const PLAN = {
-  lefort_plan: 1, ct: 'ct.nrrd', landmarks: 'landmarks.mrk.json',
-  segments: [{
-    name: 'front',
-    osteotomy: { planes: [{ point_mm: [0, -16, 0], towards_segment: [0, -1, 0] }] },
-    path: { steps: 4, keyframes: [{ at: 1, translation_mm: [0, -3, 0] }] },
-  }],
+  lefort_plan: 1,
+  ct: 'ct.nrrd',
+  landmarks: 'landmarks.mrk.json',
+  segments: [
+    {
+      name: 'front',
+      osteotomy: { planes: [{ point_mm: [0, -16, 0], towards_segment: [0, -1, 0] }] },
+      path: { steps: 4, keyframes: [{ at: 1, translation_mm: [0, -3, 0] }] },
+    },
+  ],
   tissue: { element_size_mm: 5, far_element_size_mm: 5, margin_mm: 10 },
   field: { resolution: 64, band_mm: 4 },
 };
@@ -40,11 +52,16 @@ export const PLAN = {
 function api(address) {
   const [base, token] = address.split('#token=');
   const ask = async (method, path, body, headers = {}) => {
-    const response = await fetch(`${base}api/v1${path}`, { method, body, headers: { 'X-Lefort-Token': token, ...headers } });
+    const response = await fetch(`${base}api/v1${path}`, {
+      method,
+      body,
+      headers: { 'X-Lefort-Token': token, ...headers },
+    });
     check(`${method} ${path} is answered: ${response.status}`, response.ok);
     return response;
   };
-  const put = (path, value) => ask('PUT', path, JSON.stringify(value), { 'Content-Type': 'application/json', 'If-Match': '*' });
+  const put = (path, value) =>
+    ask('PUT', path, JSON.stringify(value), { 'Content-Type': 'application/json', 'If-Match': '*' });
   const run = async (job) => {
     let now = await (await ask('POST', '/jobs', JSON.stringify(job), { 'Content-Type': 'application/json' })).json();
     while (now.state === 'queued' || now.state === 'running') {

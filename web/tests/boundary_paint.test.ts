@@ -1,13 +1,30 @@
 import { describe, expect, it } from 'vitest';
 import {
-  AppliedStrokes, areasByLabel, bytesWithin, indexToL, labelsOfBox, labelVertices, paintedBox, paintReach_mm, paintReader, paintSurface, triangleDistance2,
-  type Grid, type Surface, type Vec3,
+  AppliedStrokes,
+  areasByLabel,
+  bytesWithin,
+  indexToL,
+  labelsOfBox,
+  labelVertices,
+  paintedBox,
+  paintReach_mm,
+  paintReader,
+  paintSurface,
+  triangleDistance2,
+  type Grid,
+  type Surface,
+  type Vec3,
 } from '../src/model';
 
 /** Voxels that are neither cubes nor along the axes of L. */
 const c = Math.cos(0.4);
 const s = Math.sin(0.4);
-const grid: Grid = { size: [30, 28, 24], spacing_mm: [1, 1, 1.5], origin_mm: [-12, -15, -9], direction: [c, -s, 0, s, c, 0, 0, 0, 1] };
+const grid: Grid = {
+  size: [30, 28, 24],
+  spacing_mm: [1, 1, 1.5],
+  origin_mm: [-12, -15, -9],
+  direction: [c, -s, 0, s, c, 0, 0, 0, 1],
+};
 const count = 30 * 28 * 24;
 const blank = (): Uint8Array => new Uint8Array(count);
 
@@ -67,7 +84,12 @@ describe('the brush on a surface', () => {
   });
 
   it('finds the nearest voxel, and of equally near ones the first', () => {
-    const plain: Grid = { size: [4, 4, 3], spacing_mm: [0.5, 0.5, 2], origin_mm: [10, 20, 30], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1] };
+    const plain: Grid = {
+      size: [4, 4, 3],
+      spacing_mm: [0.5, 0.5, 2],
+      origin_mm: [10, 20, 30],
+      direction: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+    };
     const labels = new Uint8Array(48);
     labels[1 + 4 * (1 + 4)] = 1;
     labels[3 + 4 * (1 + 4)] = 2;
@@ -120,7 +142,11 @@ describe('the brush on a surface', () => {
 
 describe('a point and a triangle', () => {
   it('are as far apart as samples of it say', () => {
-    const [a, b, d]: Vec3[] = [[0, 0, 0], [3, 0, 1], [1, 2, -1]];
+    const [a, b, d]: Vec3[] = [
+      [0, 0, 0],
+      [3, 0, 1],
+      [1, 2, -1],
+    ];
     for (let n = 0; n < 200; n++) {
       const p: Vec3 = [Math.sin(n) * 4, Math.sin(1.7 * n) * 4, Math.sin(2.3 * n) * 4];
       let least = Infinity;

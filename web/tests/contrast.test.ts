@@ -34,7 +34,13 @@ interface Rule {
 const rules: Rule[] = [...css.matchAll(/([^{}]+)\{([^{}]*)\}/g)].flatMap(([, selector, body]) => {
   const colour = /(?:^|[;\s])color:\s*var\(--([\w-]+)\)/.exec(body)?.[1];
   if (!colour) return [];
-  return [{ selector: selector.trim(), colour, background: /background(?:-color)?:\s*var\(--([\w-]+)\)/.exec(body)?.[1] ?? null }];
+  return [
+    {
+      selector: selector.trim(),
+      colour,
+      background: /background(?:-color)?:\s*var\(--([\w-]+)\)/.exec(body)?.[1] ?? null,
+    },
+  ];
 });
 
 /** Grounds that text may stand on where its rule sets none. */
@@ -42,7 +48,13 @@ const GROUNDS = ['ground', 'panel', 'raised', 'sunken'];
 const VIEW_GROUNDS = ['view-top', 'view-bottom'];
 
 const groundsOf = ({ colour, background }: Rule): string[] =>
-  background ? [background] : colour === 'view-ink' ? VIEW_GROUNDS : colour.endsWith('-ink') ? [colour.slice(0, -4)] : GROUNDS;
+  background
+    ? [background]
+    : colour === 'view-ink'
+      ? VIEW_GROUNDS
+      : colour.endsWith('-ink')
+        ? [colour.slice(0, -4)]
+        : GROUNDS;
 
 describe('contrast', () => {
   it('is that of WCAG', () => {
@@ -62,20 +74,27 @@ describe('contrast', () => {
         groundsOf(rule).flatMap((ground) => {
           const ratio = contrast(colours.get(rule.colour)!, colours.get(ground)!);
           return ratio < 4.5 ? [`${rule.selector}: --${rule.colour} on --${ground} has ${ratio.toFixed(2)}`] : [];
-        }));
+        }),
+      );
       expect(poor).toEqual([]);
     });
 
     it(`of notices is 4.5 at least in the ${theme} theme`, () => {
       for (const kind of ['good', 'warn', 'bad', 'accent'])
         for (const ink of [kind, 'ink', 'ink-2'])
-          expect(contrast(colours.get(ink)!, colours.get(`${kind}-soft`)!), `--${ink} on --${kind}-soft`).toBeGreaterThanOrEqual(4.5);
+          expect(
+            contrast(colours.get(ink)!, colours.get(`${kind}-soft`)!),
+            `--${ink} on --${kind}-soft`,
+          ).toBeGreaterThanOrEqual(4.5);
     });
 
     it(`of what is not text is 3 at least in the ${theme} theme`, () => {
       // Focus rings, switches and lines of plots; the edge of a field.
       for (const mark of ['accent', 'good', 'warn', 'bad', 'ink-3', 'edge'])
-        for (const ground of GROUNDS) expect(contrast(colours.get(mark)!, colours.get(ground)!), `--${mark} on --${ground}`).toBeGreaterThanOrEqual(3);
+        for (const ground of GROUNDS)
+          expect(contrast(colours.get(mark)!, colours.get(ground)!), `--${mark} on --${ground}`).toBeGreaterThanOrEqual(
+            3,
+          );
     });
   }
 });

@@ -1,5 +1,18 @@
 import { describe, expect, it } from 'vitest';
-import { aboutPoint, partOf, PARTS, poseOf, rotationMatrix, rotationVector, shifted, transformPoint, turned, withPart, type Move, type Vec3 } from '../src/model';
+import {
+  aboutPoint,
+  partOf,
+  PARTS,
+  poseOf,
+  rotationMatrix,
+  rotationVector,
+  shifted,
+  transformPoint,
+  turned,
+  withPart,
+  type Move,
+  type Vec3,
+} from '../src/model';
 
 const rest: Move = { translation_mm: [0, 0, 0], rotation_deg: [0, 0, 0], about_mm: [120, 50, 30] };
 const close = (a: readonly number[], b: readonly number[]) => a.forEach((v, n) => expect(v).toBeCloseTo(b[n], 9));
@@ -46,7 +59,12 @@ describe('a move', () => {
 });
 
 describe('rotation vectors', () => {
-  it.each([[0, 0, 0], [10, 0, 0], [-20, 35, 70], [0, 179, 0]] as Vec3[])('%s, %s, %s survive the matrix', (...v) => {
+  it.each([
+    [0, 0, 0],
+    [10, 0, 0],
+    [-20, 35, 70],
+    [0, 179, 0],
+  ] as Vec3[])('%s, %s, %s survive the matrix', (...v) => {
     close(rotationVector(rotationMatrix(v as unknown as Vec3)), v as unknown as Vec3);
   });
 

@@ -2,8 +2,22 @@ import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { fault } from '../src/api';
 import {
-  cutsNothing, editKeyframe, emptyPlan, keyframesOf, missingFor, renameSegment, retimeKeyframe, withCurve, withKeyframeAfter, withoutKeyframe, withoutPlane,
-  withoutSegment, withPaintedBoundary, withPlane, withSegment, type Plan,
+  cutsNothing,
+  editKeyframe,
+  emptyPlan,
+  keyframesOf,
+  missingFor,
+  renameSegment,
+  retimeKeyframe,
+  withCurve,
+  withKeyframeAfter,
+  withoutKeyframe,
+  withoutPlane,
+  withoutSegment,
+  withPaintedBoundary,
+  withPlane,
+  withSegment,
+  type Plan,
 } from '../src/model';
 
 const schema = JSON.parse(readFileSync(new URL('../../contract/plan.schema.json', import.meta.url), 'utf8'));
@@ -16,7 +30,21 @@ describe('edits of a plan', () => {
   it('make plans the command line takes', () => {
     isPlan(one);
     isPlan(withSegment(one, 'le-fort-1', { template: { kind: 'le-fort-1', above_palate_mm: 6 } }));
-    isPlan(withPlane(withCurve(one, 0, { points_mm: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], along: [0, 1, 0], depth_mm: 20 }), 0, plane));
+    isPlan(
+      withPlane(
+        withCurve(one, 0, {
+          points_mm: [
+            [0, 0, 0],
+            [1, 0, 0],
+            [0, 1, 0],
+          ],
+          along: [0, 1, 0],
+          depth_mm: 20,
+        }),
+        0,
+        plane,
+      ),
+    );
     isPlan(withKeyframeAfter(withKeyframeAfter(one, 0, 0), 0, 1));
     isPlan(editKeyframe(one, 0, 0, { translation_mm: [0, -12, -5], rotation_deg: [0, 0, 3], about_mm: [1, 2, 3] }));
     isPlan(retimeKeyframe(withKeyframeAfter(one, 0, 0), 0, 0, 0.3));

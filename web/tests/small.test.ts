@@ -1,10 +1,30 @@
 import { describe, expect, it } from 'vitest';
 import {
-  colourAt, fixed, greyOf, greyTable, joinEdits, nextToPlace, paint, paintBall, parseNumber, repeat, revert, roundUp, seconds, withLandmark, withoutLandmark,
-  CATALOGUE, type Grid,
+  colourAt,
+  fixed,
+  greyOf,
+  greyTable,
+  joinEdits,
+  nextToPlace,
+  paint,
+  paintBall,
+  parseNumber,
+  repeat,
+  revert,
+  roundUp,
+  seconds,
+  withLandmark,
+  withoutLandmark,
+  CATALOGUE,
+  type Grid,
 } from '../src/model';
 
-const grid: Grid = { size: [20, 20, 20], spacing_mm: [1, 1, 2], origin_mm: [0, 0, 0], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1] };
+const grid: Grid = {
+  size: [20, 20, 20],
+  spacing_mm: [1, 1, 2],
+  origin_mm: [0, 0, 0],
+  direction: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+};
 
 describe('the brush', () => {
   it('is a ball in mm, not in voxels', () => {
@@ -77,7 +97,10 @@ describe('numbers', () => {
 
 describe('landmarks', () => {
   it('are placed once, moved in place, removed', () => {
-    const two = withLandmark(withLandmark([], { name: 'N', position_mm: [1, 2, 3] }), { name: 'S', position_mm: [4, 5, 6] });
+    const two = withLandmark(withLandmark([], { name: 'N', position_mm: [1, 2, 3] }), {
+      name: 'S',
+      position_mm: [4, 5, 6],
+    });
     const moved = withLandmark(two, { name: 'N', position_mm: [7, 8, 9] });
     expect(moved.map((l) => l.name)).toEqual(['N', 'S']);
     expect(moved[0].position_mm).toEqual([7, 8, 9]);

@@ -1,7 +1,11 @@
 import { describe, expect, it } from 'vitest';
 import { joinTold, type Told } from '../src/model';
 
-const told = (from: number, to: number, job = 1): Told<number> => ({ job, from, points: Array.from({ length: to - from }, (_, n) => from + n) });
+const told = (from: number, to: number, job = 1): Told<number> => ({
+  job,
+  from,
+  points: Array.from({ length: to - from }, (_, n) => from + n),
+});
 
 describe('what a solve tells', () => {
   it('is joined in its order, whatever is told twice', () => {

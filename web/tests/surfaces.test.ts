@@ -1,11 +1,22 @@
 import { describe, expect, it } from 'vitest';
 import { decodeSurface, endingOnly, EventParser } from '../src/api';
-import { coarsen, posedSectionOf, rayHit, sectionOf, poseOf, transformPoint, vertexNormals, type Surface } from '../src/model';
+import {
+  coarsen,
+  posedSectionOf,
+  rayHit,
+  sectionOf,
+  poseOf,
+  transformPoint,
+  vertexNormals,
+  type Surface,
+} from '../src/model';
 
 /** A box from 0 to 10 mm, triangles counter-clockwise from outside. */
 const box: Surface = {
   points: Float32Array.from([0, 0, 0, 10, 0, 0, 10, 10, 0, 0, 10, 0, 0, 0, 10, 10, 0, 10, 10, 10, 10, 0, 10, 10]),
-  triangles: Uint32Array.from([0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7]),
+  triangles: Uint32Array.from([
+    0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7,
+  ]),
 };
 
 function encode({ points, triangles }: Surface, scalars: Float32Array[] = []): ArrayBuffer {
@@ -13,7 +24,9 @@ function encode({ points, triangles }: Surface, scalars: Float32Array[] = []): A
   new Uint8Array(head).set([...'LFSURF1\0'].map((c) => c.charCodeAt(0)));
   const view = new DataView(head);
   [points.length / 3, triangles.length / 3, scalars.length].forEach((n, k) => view.setUint32(8 + 4 * k, n, true));
-  const parts = [head, points.buffer, triangles.buffer, ...scalars.map((s) => s.buffer)].map((b) => new Uint8Array(b as ArrayBuffer));
+  const parts = [head, points.buffer, triangles.buffer, ...scalars.map((s) => s.buffer)].map(
+    (b) => new Uint8Array(b as ArrayBuffer),
+  );
   const all = new Uint8Array(parts.reduce((n, p) => n + p.length, 0));
   let at = 0;
   for (const part of parts) {
@@ -81,8 +94,13 @@ describe('a section of a bone that was moved', () => {
 
   it('is that of its surface moved point by point', () => {
     const moved = box.points.slice();
-    for (let n = 0; n < moved.length; n += 3) moved.set(transformPoint(pose, [moved[n], moved[n + 1], moved[n + 2]]), n);
-    for (const normal of [[1, 0, 0], [0, 1, 0], [0.6, 0, 0.8]] as const) {
+    for (let n = 0; n < moved.length; n += 3)
+      moved.set(transformPoint(pose, [moved[n], moved[n + 1], moved[n + 2]]), n);
+    for (const normal of [
+      [1, 0, 0],
+      [0, 1, 0],
+      [0.6, 0, 0.8],
+    ] as const) {
       const lines = posedSectionOf(box, pose, [8, 3, 10], normal);
       const expected = sectionOf({ points: moved, triangles: box.triangles }, [8, 3, 10], normal);
       expect(lines.length).toBeGreaterThan(0);

@@ -54,7 +54,11 @@ export class Client {
     private readonly token: string,
   ) {}
 
-  private async send(method: string, path: string, init: RequestInit & { headers?: Record<string, string> } = {}): Promise<Response> {
+  private async send(
+    method: string,
+    path: string,
+    init: RequestInit & { headers?: Record<string, string> } = {},
+  ): Promise<Response> {
     let response: Response;
     try {
       response = await fetch(this.base + path, {
@@ -87,7 +91,10 @@ export class Client {
   }
 
   private json(method: string, path: string, body: unknown, headers: Record<string, string> = {}): Promise<Response> {
-    return this.send(method, path, { body: JSON.stringify(body), headers: { 'Content-Type': 'application/json', ...headers } });
+    return this.send(method, path, {
+      body: JSON.stringify(body),
+      headers: { 'Content-Type': 'application/json', ...headers },
+    });
   }
 
   case = () => this.get('Case', '/case');
@@ -122,10 +129,14 @@ export class Client {
     try {
       for (let index = 0; index < files.length; index++) {
         const file = files[index];
-        await this.send('PUT', `/uploads/${id}/files/${index}?name=${encodeURIComponent(endingOnly(file.name, index))}`, {
-          body: file,
-          headers: { 'Content-Type': 'application/octet-stream' },
-        });
+        await this.send(
+          'PUT',
+          `/uploads/${id}/files/${index}?name=${encodeURIComponent(endingOnly(file.name, index))}`,
+          {
+            body: file,
+            headers: { 'Content-Type': 'application/octet-stream' },
+          },
+        );
         sent += file.size;
         onProgress(sent);
       }
@@ -159,7 +170,8 @@ export class Client {
     const response = await this.send('GET', '/boundary/data');
     const box = (response.headers.get('X-Lefort-Box') ?? '').split(',').map(Number) as unknown as VoxelBox;
     const value = new Uint8Array(await response.arrayBuffer());
-    if (box.length !== 6 || value.length !== box[3] * box[4] * box[5]) throw new ContractError('the server sent a painted box that is none');
+    if (box.length !== 6 || value.length !== box[3] * box[4] * box[5])
+      throw new ContractError('the server sent a painted box that is none');
     return { value, etag: etagOf(response), box };
   }
 
@@ -172,7 +184,10 @@ export class Client {
   }
 
   async putBoundaryFile(file: File, etag: string): Promise<void> {
-    await this.send('PUT', '/boundary/file', { body: file, headers: { 'Content-Type': 'application/octet-stream', 'If-Match': etag } });
+    await this.send('PUT', '/boundary/file', {
+      body: file,
+      headers: { 'Content-Type': 'application/octet-stream', 'If-Match': etag },
+    });
   }
 
   async deleteBoundaryData(etag: string): Promise<void> {
@@ -195,7 +210,10 @@ export class Client {
     return etagOf(await this.json('PUT', '/landmarks', landmarks, { 'If-Match': etag }));
   }
 
-  async measure(before: Schemas['Points'], after?: Schemas['Points']): Promise<Schemas['Measurements']['measurements']> {
+  async measure(
+    before: Schemas['Points'],
+    after?: Schemas['Points'],
+  ): Promise<Schemas['Measurements']['measurements']> {
     const body = after ? { before, after } : { before };
     return parse('Measurements', await (await this.json('POST', '/measurements', body)).json()).measurements;
   }

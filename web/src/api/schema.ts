@@ -14,8 +14,7 @@ function resolve(root: Schema, ref: string): Schema {
   return at as Schema;
 }
 
-const typeOf = (value: unknown): string =>
-  value === null ? 'null' : Array.isArray(value) ? 'array' : typeof value;
+const typeOf = (value: unknown): string => (value === null ? 'null' : Array.isArray(value) ? 'array' : typeof value);
 
 function hasType(value: unknown, type: string): boolean {
   if (type === 'integer') return Number.isInteger(value);
@@ -71,7 +70,9 @@ export function fault(value: unknown, schema: Schema, root: Schema, at = ''): st
         return null;
       case 'additionalProperties': {
         const known = (schema.properties ?? {}) as Record<string, Schema>;
-        const patterns = Object.keys((schema.patternProperties ?? {}) as object).map((pattern) => new RegExp(pattern, 'u'));
+        const patterns = Object.keys((schema.patternProperties ?? {}) as object).map(
+          (pattern) => new RegExp(pattern, 'u'),
+        );
         for (const key of Object.keys(object ?? {})) {
           if (Object.hasOwn(known, key) || patterns.some((pattern) => pattern.test(key))) continue;
           if (rule === false) return `${here}: has an unknown key ${key}`;

@@ -15,7 +15,8 @@ export function decodeSurface(bytes: ArrayBuffer, names: readonly string[] = [])
   const view = new DataView(bytes);
   const [points, triangles, arrays] = [8, 12, 16].map((at) => view.getUint32(at, true));
   const expected = 20 + 12 * points + 12 * triangles + 4 * points * arrays;
-  if (bytes.byteLength !== expected) throw new Error(`the surface has ${bytes.byteLength} bytes, its head says ${expected}`);
+  if (bytes.byteLength !== expected)
+    throw new Error(`the surface has ${bytes.byteLength} bytes, its head says ${expected}`);
   const surface: WireSurface = {
     points: new Float32Array(bytes, 20, 3 * points),
     triangles: new Uint32Array(bytes, 20 + 12 * points, 3 * triangles),

@@ -24,7 +24,8 @@ const last = (mm: number, spacing_mm: number, size: number): number => Math.min(
 export function triangleDistance2(p: Vec3, a: Vec3, b: Vec3, c: Vec3): number {
   const [ab, ac, ap] = [sub(b, a), sub(c, a), sub(p, a)];
   const to = (q: Vec3): number => dot(sub(p, q), sub(p, q));
-  const along = (from: Vec3, edge: Vec3, share: number): number => to(add(from, [share * edge[0], share * edge[1], share * edge[2]]));
+  const along = (from: Vec3, edge: Vec3, share: number): number =>
+    to(add(from, [share * edge[0], share * edge[1], share * edge[2]]));
   const [d1, d2] = [dot(ab, ap), dot(ac, ap)];
   if (d1 <= 0 && d2 <= 0) return to(a);
   const bp = sub(p, b);
@@ -146,7 +147,12 @@ export function paintReader(labels: Uint8Array, grid: Grid): (x: number, y: numb
   const inGrid = gridMillimetres(grid);
   return (x, y, z) => {
     const [px, py, pz] = inGrid(x, y, z);
-    const [i0, i1, j0, j1] = [first(px - reach, sx), last(px + reach, sx, nx), first(py - reach, sy), last(py + reach, sy, ny)];
+    const [i0, i1, j0, j1] = [
+      first(px - reach, sx),
+      last(px + reach, sx, nx),
+      first(py - reach, sy),
+      last(py + reach, sy, ny),
+    ];
     const k1 = last(pz + reach, sz, nz);
     let nearest = reach;
     let found = 0;
@@ -165,7 +171,13 @@ export function paintReader(labels: Uint8Array, grid: Grid): (x: number, y: numb
 }
 
 /** Finds the label of each vertex, or of those within a ball alone. Returns whether any has changed. */
-export function labelVertices(labels: Uint8Array, grid: Grid, points: Float32Array, into: Uint8Array, within?: { centre: Vec3; radius_mm: number }): boolean {
+export function labelVertices(
+  labels: Uint8Array,
+  grid: Grid,
+  points: Float32Array,
+  into: Uint8Array,
+  within?: { centre: Vec3; radius_mm: number },
+): boolean {
   const read = paintReader(labels, grid);
   const reach2 = within ? within.radius_mm ** 2 : 0;
   let hasChanged = false;
@@ -214,7 +226,11 @@ export function paintedBox(labels: Uint8Array, { size: [nx, ny, nz] }: Grid): Vo
 }
 
 /** Visits each row of a box: where it begins in the scan and in the box. */
-function rowsOf([i, j, k, ni, nj, nk]: VoxelBox, { size: [nx, ny] }: Grid, visit: (inScan: number, inBox: number) => void): void {
+function rowsOf(
+  [i, j, k, ni, nj, nk]: VoxelBox,
+  { size: [nx, ny] }: Grid,
+  visit: (inScan: number, inBox: number) => void,
+): void {
   for (let z = 0; z < nk; z++) for (let y = 0; y < nj; y++) visit(i + nx * (j + y + ny * (k + z)), ni * (y + nj * z));
 }
 

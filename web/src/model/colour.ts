@@ -29,10 +29,20 @@ export const cssOf = ([r, g, b]: Rgb): string =>
   `rgb(${Math.round(r * 255)} ${Math.round(g * 255)} ${Math.round(b * 255)})`;
 
 /** A CSS gradient of a scale, for its legend. */
-export const gradientOf = (name: ScaleName): string => `linear-gradient(to right, ${SCALES[name].map(cssOf).join(', ')})`;
+export const gradientOf = (name: ScaleName): string =>
+  `linear-gradient(to right, ${SCALES[name].map(cssOf).join(', ')})`;
 
 /** Segments in the order of the plan. Told apart by the colour-blind as well (after Okabe and Ito). */
-export const SEGMENT_COLOURS: readonly Rgb[] = ['#4c8fd6', '#e69f00', '#27a27a', '#cc79a7', '#d55e00', '#8f7ee6', '#a3a02a', '#5ab4e0'].map(hex);
+export const SEGMENT_COLOURS: readonly Rgb[] = [
+  '#4c8fd6',
+  '#e69f00',
+  '#27a27a',
+  '#cc79a7',
+  '#d55e00',
+  '#8f7ee6',
+  '#a3a02a',
+  '#5ab4e0',
+].map(hex);
 
 export const segmentColour = (index: number): Rgb => SEGMENT_COLOURS[index % SEGMENT_COLOURS.length];
 
@@ -45,7 +55,14 @@ const linear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) /
 export const linearOf = (colour: Rgb): Rgb => colour.map(linear) as unknown as Rgb;
 
 /** Fills linear RGB per vertex from values; NaN becomes the lowest colour. `rest`: that of values not above `from`. */
-export function paint(values: ArrayLike<number>, name: ScaleName, from: number, to: number, into: Float32Array, rest?: Rgb): void {
+export function paint(
+  values: ArrayLike<number>,
+  name: ScaleName,
+  from: number,
+  to: number,
+  into: Float32Array,
+  rest?: Rgb,
+): void {
   const steps = 255;
   const table = Array.from({ length: steps + 1 }, (_, n) => linearOf(colourAt(name, n / steps)));
   if (rest) table[0] = linearOf(rest);

@@ -150,7 +150,11 @@ export function pixelToIndex(grid: Grid, frame: SliceFrame, column_px: number, r
   return index;
 }
 
-export function indexToPixel(grid: Grid, frame: SliceFrame, index: Vec3): { column: number; row: number; slice: number } {
+export function indexToPixel(
+  grid: Grid,
+  frame: SliceFrame,
+  index: Vec3,
+): { column: number; row: number; slice: number } {
   return {
     column: frame.flipRight ? grid.size[frame.right] - 1 - index[frame.right] : index[frame.right],
     row: frame.flipDown ? grid.size[frame.down] - 1 - index[frame.down] : index[frame.down],

@@ -13,7 +13,10 @@ export function paintBall(labels: Uint8Array, grid: Grid, centre_L: Vec3, radius
   const [nx, ny, nz] = grid.size;
   const range = [0, 1, 2].map((axis) => {
     const reach = radius_mm / grid.spacing_mm[axis];
-    return [Math.max(0, Math.ceil(centre[axis] - reach)), Math.min(grid.size[axis] - 1, Math.floor(centre[axis] + reach))];
+    return [
+      Math.max(0, Math.ceil(centre[axis] - reach)),
+      Math.min(grid.size[axis] - 1, Math.floor(centre[axis] + reach)),
+    ];
   });
   const at: number[] = [];
   const before: number[] = [];

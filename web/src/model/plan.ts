@@ -105,10 +105,30 @@ export const TEMPLATES: readonly {
   needs: readonly string[];
   describes: string;
 }[] = [
-  { kind: 'le-fort-1', title: 'Le Fort I', needs: ['ANS', 'PNS'], describes: 'Along the palate, above the teeth; behind PNS.' },
-  { kind: 'le-fort-2', title: 'Le Fort II', needs: ['N', 'Or-R', 'Or-L', 'ANS', 'PNS'], describes: 'A pyramid through nasion and both orbital rims.' },
-  { kind: 'le-fort-3', title: 'Le Fort III', needs: ['N', 'Or-R', 'Or-L', 'FZ-R', 'FZ-L', 'ANS', 'PNS'], describes: 'The mid-face, through the lateral walls of the orbits.' },
-  { kind: 'sagittal-split', title: 'Sagittal split (BSSO)', needs: ['Me', 'Go-R', 'Go-L', 'Co-R', 'Co-L', 'L6-R', 'L6-L'], describes: 'The tooth-bearing part of the mandible.' },
+  {
+    kind: 'le-fort-1',
+    title: 'Le Fort I',
+    needs: ['ANS', 'PNS'],
+    describes: 'Along the palate, above the teeth; behind PNS.',
+  },
+  {
+    kind: 'le-fort-2',
+    title: 'Le Fort II',
+    needs: ['N', 'Or-R', 'Or-L', 'ANS', 'PNS'],
+    describes: 'A pyramid through nasion and both orbital rims.',
+  },
+  {
+    kind: 'le-fort-3',
+    title: 'Le Fort III',
+    needs: ['N', 'Or-R', 'Or-L', 'FZ-R', 'FZ-L', 'ANS', 'PNS'],
+    describes: 'The mid-face, through the lateral walls of the orbits.',
+  },
+  {
+    kind: 'sagittal-split',
+    title: 'Sagittal split (BSSO)',
+    needs: ['Me', 'Go-R', 'Go-L', 'Co-R', 'Co-L', 'L6-R', 'L6-L'],
+    describes: 'The tooth-bearing part of the mandible.',
+  },
   { kind: 'genioplasty', title: 'Genioplasty', needs: ['Me', 'Pg', 'Go-R', 'Go-L'], describes: 'The chin.' },
 ];
 
@@ -265,7 +285,8 @@ export const isEditablePath = (path: Path): boolean =>
 
 /** Names the file of what is painted on the tissue's boundary, or none. */
 export function withPaintedBoundary(plan: Plan, file: string | null): Plan {
-  if (file !== null) return plan.boundary?.labels === file ? plan : { ...plan, boundary: { ...plan.boundary, labels: file } };
+  if (file !== null)
+    return plan.boundary?.labels === file ? plan : { ...plan, boundary: { ...plan.boundary, labels: file } };
   if (plan.boundary?.labels === undefined) return plan;
   const boundary = { ...plan.boundary };
   delete boundary.labels;

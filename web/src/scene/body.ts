@@ -16,7 +16,10 @@ export class Body {
   private isCoarse = false;
   shown = true;
 
-  constructor(readonly surface: DrawnSurface, colour: Rgb) {
+  constructor(
+    readonly surface: DrawnSurface,
+    colour: Rgb,
+  ) {
     const fine = geometryOf(surface.points, surface.normals, surface.triangles);
     const { vertex, triangles } = surface.coarse;
     const coarse = geometryOf(gather(surface.points, vertex), gather(surface.normals, vertex), triangles);
@@ -76,7 +79,14 @@ export class Body {
   setValues(values: Float32Array, scale: ScaleName, from: number, to: number, rest?: Rgb): void {
     const [fine, coarse] = this.colours();
     paint(values, scale, from, to, fine, rest);
-    paint(Float32Array.from(this.surface.coarse.vertex, (v) => values[v]), scale, from, to, coarse, rest);
+    paint(
+      Float32Array.from(this.surface.coarse.vertex, (v) => values[v]),
+      scale,
+      from,
+      to,
+      coarse,
+      rest,
+    );
   }
 
   /** Colours each vertex by its label; `palette`: linear RGB by label. */
@@ -109,7 +119,10 @@ export class Body {
   }
 
   get coarseSurface(): { points: Float32Array; triangles: Uint32Array } {
-    return { points: this.coarse.geometry.getAttribute('position').array as Float32Array, triangles: this.surface.coarse.triangles };
+    return {
+      points: this.coarse.geometry.getAttribute('position').array as Float32Array,
+      triangles: this.surface.coarse.triangles,
+    };
   }
 
   /** Shows or hides what must be drawn. */

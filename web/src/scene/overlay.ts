@@ -43,8 +43,17 @@ export function drawPlaneOutline(context: CanvasRenderingContext2D, projection: 
   const n = new Vector3(...unit(mark.normal));
   const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), n);
   const h = mark.size_mm / 2;
-  const corners = [[-h, -h], [h, -h], [h, h], [-h, h]].map(([a, b]) =>
-    new Vector3(a, b, 0).applyQuaternion(turn).add(new Vector3(...mark.point)).toArray() as Vec3,
+  const corners = [
+    [-h, -h],
+    [h, -h],
+    [h, h],
+    [-h, h],
+  ].map(
+    ([a, b]) =>
+      new Vector3(a, b, 0)
+        .applyQuaternion(turn)
+        .add(new Vector3(...mark.point))
+        .toArray() as Vec3,
   );
   context.beginPath();
   corners.forEach((corner, k) => {
@@ -76,15 +85,31 @@ const LABEL_HEIGHT = 17;
  * Where labels of these widths go: beside, else above or below their points, over no dot and no label that came before;
  * null where there is no room. `dots`: of all points, with their radius.
  */
-export function placeLabels(tags: readonly Tag[], widths: readonly number[], dots: readonly (readonly [number, number])[], dotRadius: number): (readonly [left: number, middle: number] | null)[] {
+export function placeLabels(
+  tags: readonly Tag[],
+  widths: readonly number[],
+  dots: readonly (readonly [number, number])[],
+  dotRadius: number,
+): (readonly [left: number, middle: number] | null)[] {
   const taken: Rect[] = [];
   const gap = dotRadius + 1;
   return tags.map(({ x, y }, n) => {
     const width = widths[n];
-    for (const [left, middle] of [[x + gap, y], [x - gap - width, y], [x - width / 2, y - gap - LABEL_HEIGHT / 2], [x - width / 2, y + gap + LABEL_HEIGHT / 2]] as const) {
+    for (const [left, middle] of [
+      [x + gap, y],
+      [x - gap - width, y],
+      [x - width / 2, y - gap - LABEL_HEIGHT / 2],
+      [x - width / 2, y + gap + LABEL_HEIGHT / 2],
+    ] as const) {
       const rect: Rect = [left, middle - LABEL_HEIGHT / 2, left + width, middle + LABEL_HEIGHT / 2];
-      const coversDot = dots.some(([dx, dy]) => Math.hypot(dx - Math.min(rect[2], Math.max(rect[0], dx)), dy - Math.min(rect[3], Math.max(rect[1], dy))) < dotRadius);
-      const coversLabel = taken.some((other) => rect[0] < other[2] && other[0] < rect[2] && rect[1] < other[3] && other[1] < rect[3]);
+      const coversDot = dots.some(
+        ([dx, dy]) =>
+          Math.hypot(dx - Math.min(rect[2], Math.max(rect[0], dx)), dy - Math.min(rect[3], Math.max(rect[1], dy))) <
+          dotRadius,
+      );
+      const coversLabel = taken.some(
+        (other) => rect[0] < other[2] && other[0] < rect[2] && rect[1] < other[3] && other[1] < rect[3],
+      );
       if (coversDot || coversLabel) continue;
       taken.push(rect);
       return [left, middle] as const;
@@ -94,7 +119,12 @@ export function placeLabels(tags: readonly Tag[], widths: readonly number[], dot
 }
 
 /** Draws the names of points where they cover no point and no other name; the first come first. */
-export function drawLabels(context: CanvasRenderingContext2D, tags: readonly Tag[], dots: readonly (readonly [number, number])[], dotRadius: number): void {
+export function drawLabels(
+  context: CanvasRenderingContext2D,
+  tags: readonly Tag[],
+  dots: readonly (readonly [number, number])[],
+  dotRadius: number,
+): void {
   const font = (strong: boolean): string => `${strong ? 600 : 500} 11.5px "Inter Variable", sans-serif`;
   const widths = tags.map(({ text, strong }) => {
     context.font = font(strong);
@@ -116,7 +146,12 @@ export function drawLabels(context: CanvasRenderingContext2D, tags: readonly Tag
 }
 
 /** A stroke of the brush that the bodies do not show yet. */
-export function drawStroke(context: CanvasRenderingContext2D, dabs: readonly [number, number][], radius_px: number, colour: string): void {
+export function drawStroke(
+  context: CanvasRenderingContext2D,
+  dabs: readonly [number, number][],
+  radius_px: number,
+  colour: string,
+): void {
   if (dabs.length === 0) return;
   context.beginPath();
   for (const [x, y] of dabs) {
@@ -131,7 +166,10 @@ export function drawStroke(context: CanvasRenderingContext2D, dabs: readonly [nu
 
 /** How widely the brush paints. */
 export function drawBrush(context: CanvasRenderingContext2D, [x, y]: [number, number], radius_px: number): void {
-  for (const [width, colour] of [[3.5, 'rgb(0 0 0 / 0.45)'], [1.5, '#ffffff']] as const) {
+  for (const [width, colour] of [
+    [3.5, 'rgb(0 0 0 / 0.45)'],
+    [1.5, '#ffffff'],
+  ] as const) {
     context.beginPath();
     context.arc(x, y, radius_px, 0, 2 * Math.PI);
     context.lineWidth = width;
@@ -141,7 +179,13 @@ export function drawBrush(context: CanvasRenderingContext2D, [x, y]: [number, nu
 }
 
 export function drawSides(
-  context: CanvasRenderingContext2D, projection: Projection, x: number, y: number, width: number, height: number, ink: string,
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  x: number,
+  y: number,
+  width: number,
+  height: number,
+  ink: string,
 ): void {
   const sides = screenSides(projection.forward, projection.up);
   context.font = '600 14px "Inter Variable", sans-serif';
@@ -154,7 +198,13 @@ export function drawSides(
   context.fillText(sides.bottom, x + width / 2, y + height - 18);
 }
 
-export function drawScale(context: CanvasRenderingContext2D, projection: Projection, width: number, height: number, ink: string): void {
+export function drawScale(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  width: number,
+  height: number,
+  ink: string,
+): void {
   const mm = [100, 50, 20, 10, 5, 2, 1].find((step) => step * projection.px_per_mm < Math.min(160, width / 4)) ?? 1;
   const size = mm * projection.px_per_mm;
   const [x, y] = [16, height - 16];
@@ -209,4 +259,3 @@ export function drawWipe(context: CanvasRenderingContext2D, x: number, height: n
   context.lineWidth = 2;
   context.stroke();
 }
-

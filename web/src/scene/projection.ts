@@ -13,7 +13,13 @@ export interface Projection {
   rayAt(x: number, y: number): { origin: Vec3; direction: Vec3 };
 }
 
-export function projectionOf(target: Vec3, forward: Vec3, up: Vec3, px_per_mm: number, centre_px: [number, number]): Projection {
+export function projectionOf(
+  target: Vec3,
+  forward: Vec3,
+  up: Vec3,
+  px_per_mm: number,
+  centre_px: [number, number],
+): Projection {
   const right = cross(forward, up);
   const directionOnScreen = (d: Vec3): [number, number] => [dot(d, right) * px_per_mm, -dot(d, up) * px_per_mm];
   return {

@@ -1,6 +1,16 @@
 import {
-  draggedWindow, greyTable, indexToL, indexToPixel, lToIndex, pixelToIndex, sliceFrame,
-  type Grid, type Orientation, type SliceFrame, type Vec3, type Window,
+  draggedWindow,
+  greyTable,
+  indexToL,
+  indexToPixel,
+  lToIndex,
+  pixelToIndex,
+  sliceFrame,
+  type Grid,
+  type Orientation,
+  type SliceFrame,
+  type Vec3,
+  type Window,
 } from '../model';
 import { drawLabels } from './overlay';
 
@@ -51,7 +61,13 @@ export class SliceView {
   private pending = 0;
   private pictureKey = '';
   private labelsVersion = 0;
-  private drag: { kind: 'cursor' | 'window' | 'pan' | 'marker' | 'tool'; id: string; x: number; y: number; window: Window } | null = null;
+  private drag: {
+    kind: 'cursor' | 'window' | 'pan' | 'marker' | 'tool';
+    id: string;
+    x: number;
+    y: number;
+    window: Window;
+  } | null = null;
   private hoverAt: [number, number] | null = null;
 
   constructor(
@@ -71,7 +87,10 @@ export class SliceView {
     this.canvas.addEventListener('pointerdown', this.onDown);
     this.canvas.addEventListener('pointermove', this.onMove);
     this.canvas.addEventListener('pointerup', this.onUp);
-    this.canvas.addEventListener('pointerleave', () => { this.hoverAt = null; this.draw(); });
+    this.canvas.addEventListener('pointerleave', () => {
+      this.hoverAt = null;
+      this.draw();
+    });
     this.canvas.addEventListener('contextmenu', (event) => event.preventDefault());
     this.canvas.addEventListener('wheel', this.onWheel, { passive: false });
     this.canvas.addEventListener('keydown', this.onKey);
@@ -236,7 +255,9 @@ export class SliceView {
         ...this.hoverAt,
         (this.brush_mm * scaleX) / this.grid.spacing_mm[this.frame.right],
         (this.brush_mm * scaleY) / this.grid.spacing_mm[this.frame.down],
-        0, 0, 2 * Math.PI,
+        0,
+        0,
+        2 * Math.PI,
       );
       context.strokeStyle = '#ffffff';
       context.lineWidth = 1.5;
@@ -245,7 +266,10 @@ export class SliceView {
     this.drawSides(context, width, height);
     const hu = this.huAt(this.cursor_L);
     this.readout.textContent = `${this.slice() + 1} / ${this.grid.size[this.frame.depth]}${hu === null ? '' : `  ·  ${hu} HU`}`;
-    this.canvas.setAttribute('aria-label', `${this.orientation} slice ${this.slice() + 1} of ${this.grid.size[this.frame.depth]}. Arrow keys change the slice.`);
+    this.canvas.setAttribute(
+      'aria-label',
+      `${this.orientation} slice ${this.slice() + 1} of ${this.grid.size[this.frame.depth]}. Arrow keys change the slice.`,
+    );
   }
 
   private drawOutlines(context: CanvasRenderingContext2D): void {
@@ -273,7 +297,12 @@ export class SliceView {
     context.strokeStyle = 'rgb(120 200 215 / 0.75)';
     context.lineWidth = 1;
     context.beginPath();
-    for (const [a, b, c, d] of [[0, y, x - gap, y], [x + gap, y, width, y], [x, 0, x, y - gap], [x, y + gap, x, height]]) {
+    for (const [a, b, c, d] of [
+      [0, y, x - gap, y],
+      [x + gap, y, width, y],
+      [x, 0, x, y - gap],
+      [x, y + gap, x, height],
+    ]) {
       context.moveTo(a, b);
       context.lineTo(c, d);
     }
@@ -285,7 +314,9 @@ export class SliceView {
     const { grid, frame } = this;
     if (!grid || !frame) return [];
     const depth_mm = grid.spacing_mm[frame.depth];
-    return this.markers.filter((marker) => Math.abs(lToIndex(grid, marker.position)[frame.depth] - this.slice()) * depth_mm <= 3);
+    return this.markers.filter(
+      (marker) => Math.abs(lToIndex(grid, marker.position)[frame.depth] - this.slice()) * depth_mm <= 3,
+    );
   }
 
   private drawMarkers(context: CanvasRenderingContext2D): void {
@@ -304,7 +335,12 @@ export class SliceView {
       const [x, y] = this.toScreen(marker.position);
       return { x, y, text: marker.label, strong: marker.selected };
     });
-    drawLabels(context, tags, tags.map(({ x, y }) => [x, y] as const), 6.5);
+    drawLabels(
+      context,
+      tags,
+      tags.map(({ x, y }) => [x, y] as const),
+      6.5,
+    );
   }
 
   private drawSides(context: CanvasRenderingContext2D, width: number, height: number): void {
@@ -316,8 +352,10 @@ export class SliceView {
     context.strokeStyle = 'rgb(0 0 0 / 0.8)';
     context.fillStyle = '#dfe6ea';
     for (const [text, x, y] of [
-      [labels.left, 13, height / 2], [labels.right, width - 13, height / 2],
-      [labels.top, width / 2, 15], [labels.bottom, width / 2, height - 14],
+      [labels.left, 13, height / 2],
+      [labels.right, width - 13, height / 2],
+      [labels.top, width / 2, 15],
+      [labels.bottom, width / 2, height - 14],
     ] as const) {
       context.strokeText(text, x, y);
       context.fillText(text, x, y);
@@ -393,7 +431,8 @@ export class SliceView {
       const [cx, cy] = [this.element.clientWidth / 2, this.element.clientHeight / 2];
       const zoom = Math.min(12, Math.max(1, this.zoom * factor));
       const applied = zoom / this.zoom;
-      this.pan = zoom === 1 ? [0, 0] : [x - cx - (x - cx - this.pan[0]) * applied, y - cy - (y - cy - this.pan[1]) * applied];
+      this.pan =
+        zoom === 1 ? [0, 0] : [x - cx - (x - cx - this.pan[0]) * applied, y - cy - (y - cy - this.pan[1]) * applied];
       this.zoom = zoom;
       this.draw();
     } else this.step(event.deltaY > 0 ? 1 : -1);

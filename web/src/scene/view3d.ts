@@ -1,15 +1,50 @@
 import {
-  AmbientLight, Box3, DirectionalLight, DoubleSide, HemisphereLight, Matrix4, Mesh, MeshBasicMaterial, OrthographicCamera,
-  PlaneGeometry, Quaternion, Scene, Vector3, WebGLRenderer,
+  AmbientLight,
+  Box3,
+  DirectionalLight,
+  DoubleSide,
+  HemisphereLight,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  OrthographicCamera,
+  PlaneGeometry,
+  Quaternion,
+  Scene,
+  Vector3,
+  WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import {
-  add, COARSE_CELL_MM, rayHit, transformPoint, unit, VIEWS,
-  type DrawnSurface, type Hit, type Mat4, type Rgb, type Vec3, type ViewName,
+  add,
+  COARSE_CELL_MM,
+  rayHit,
+  transformPoint,
+  unit,
+  VIEWS,
+  type DrawnSurface,
+  type Hit,
+  type Mat4,
+  type Rgb,
+  type Vec3,
+  type ViewName,
 } from '../model';
 import { Body } from './body';
 import { Gizmo, type GizmoDrag } from './gizmo';
-import { drawBrush, drawStroke, drawLabels, drawLine, drawPlaneOutline, drawScale, drawSides, drawTag, drawWipe, type PlaneMark, type Polyline, type Tag } from './overlay';
+import {
+  drawBrush,
+  drawStroke,
+  drawLabels,
+  drawLine,
+  drawPlaneOutline,
+  drawScale,
+  drawSides,
+  drawTag,
+  drawWipe,
+  type PlaneMark,
+  type Polyline,
+  type Tag,
+} from './overlay';
 import { projectionOf, type Projection } from './projection';
 import { drawsInSoftware } from './software';
 
@@ -110,10 +145,16 @@ export class View3d {
     this.overlay.className = 'overlay';
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('role', 'img');
-    this.canvas.setAttribute('aria-label', '3D view of bone and skin. Drag to turn, wheel to zoom, right button to shift.');
+    this.canvas.setAttribute(
+      'aria-label',
+      '3D view of bone and skin. Drag to turn, wheel to zoom, right button to shift.',
+    );
     this.element.append(this.canvas, this.overlay);
     this.renderer = new WebGLRenderer({
-      canvas: this.canvas, antialias: !drawsInSoftware(), alpha: true, powerPreference: 'high-performance',
+      canvas: this.canvas,
+      antialias: !drawsInSoftware(),
+      alpha: true,
+      powerPreference: 'high-performance',
     });
     this.renderer.autoClear = false;
     this.renderer.debug.checkShaderErrors = false; // Waiting for the compiler's word stops the page for a second in software.
@@ -205,10 +246,16 @@ export class View3d {
     this.planes.length = 0;
     for (const mark of marks) {
       const material = new MeshBasicMaterial({
-        color: mark.colour, transparent: true, opacity: mark.selected ? 0.34 : 0.16, side: DoubleSide, depthWrite: false,
+        color: mark.colour,
+        transparent: true,
+        opacity: mark.selected ? 0.34 : 0.16,
+        side: DoubleSide,
+        depthWrite: false,
       });
       const mesh = new Mesh(new PlaneGeometry(mark.size_mm, mark.size_mm), material);
-      mesh.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...unit(mark.normal))));
+      mesh.quaternion.copy(
+        new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...unit(mark.normal))),
+      );
       mesh.position.set(...mark.point);
       mesh.renderOrder = 3;
       this.planes.push({ mark, mesh });
@@ -263,7 +310,13 @@ export class View3d {
     this.camera.getWorldDirection(forward);
     const up = new Vector3(0, 1, 0).applyQuaternion(this.camera.quaternion);
     const px_per_mm = (this.camera.zoom * height) / (this.camera.top - this.camera.bottom);
-    return projectionOf(this.controls.target.toArray() as Vec3, forward.toArray() as Vec3, up.toArray() as Vec3, px_per_mm, centre);
+    return projectionOf(
+      this.controls.target.toArray() as Vec3,
+      forward.toArray() as Vec3,
+      up.toArray() as Vec3,
+      px_per_mm,
+      centre,
+    );
   }
 
   private size(): { width: number; height: number } {
@@ -404,7 +457,10 @@ export class View3d {
       const half = Math.floor(width / 2);
       this.setFrustum(half / height);
       renderer.setScissorTest(true);
-      for (const [x, names] of [[0, layout.left], [half, layout.right]] as const) {
+      for (const [x, names] of [
+        [0, layout.left],
+        [half, layout.right],
+      ] as const) {
         renderer.setViewport(x, 0, half, height);
         renderer.setScissor(x, 0, half, height);
         this.renderOnly(names);
@@ -439,7 +495,8 @@ export class View3d {
       const [x, y] = projection.toScreen(marker.position);
       const { origin, direction } = projection.rayAt(x, y);
       const hit = this.pickAlong(origin, direction, () => true, true);
-      const depth = (p: Vec3) => (p[0] - origin[0]) * direction[0] + (p[1] - origin[1]) * direction[1] + (p[2] - origin[2]) * direction[2];
+      const depth = (p: Vec3) =>
+        (p[0] - origin[0]) * direction[0] + (p[1] - origin[1]) * direction[1] + (p[2] - origin[2]) * direction[2];
       if (hit && hit.hit.distance < depth(marker.position) - COARSE_CELL_MM) this.behind.add(marker.id);
     }
   }
@@ -499,7 +556,10 @@ export class View3d {
       const towards = handle.line[1][0] - handle.line[0][0];
       const down = handle.line[1][1] - handle.line[0][1];
       const positive = along[0] * towards + along[1] * down > 0;
-      handles[`${handle.kind} ${handle.axis.name}${handle.kind === 'shift' ? (positive ? ' +' : ' -') : ''}`] = [Math.round(x), Math.round(y)];
+      handles[`${handle.kind} ${handle.axis.name}${handle.kind === 'shift' ? (positive ? ' +' : ' -') : ''}`] = [
+        Math.round(x),
+        Math.round(y),
+      ];
     }
     for (const marker of this.markers) {
       const [x, y] = projection.toScreen(marker.position);
@@ -514,11 +574,18 @@ export class View3d {
     for (const marker of inOrder) this.drawMarker(context, projection, marker);
     // A point behind the bone has no label, and its dim dot is in nobody's way.
     const shown = inOrder.filter((marker) => !this.behind.has(marker.id));
-    const tags = shown.filter((marker) => marker.label).map((marker): Tag => {
-      const [x, y] = projection.toScreen(marker.position);
-      return { x, y, text: marker.label!, strong: marker.selected ?? false };
-    });
-    drawLabels(context, tags, shown.map((marker) => projection.toScreen(marker.position)), 7.5);
+    const tags = shown
+      .filter((marker) => marker.label)
+      .map((marker): Tag => {
+        const [x, y] = projection.toScreen(marker.position);
+        return { x, y, text: marker.label!, strong: marker.selected ?? false };
+      });
+    drawLabels(
+      context,
+      tags,
+      shown.map((marker) => projection.toScreen(marker.position)),
+      7.5,
+    );
   }
 
   private drawMarker(context: CanvasRenderingContext2D, projection: Projection, marker: Marker): void {
@@ -570,7 +637,12 @@ export class View3d {
     return this.pickAlong(origin, direction, this.pickable, false);
   }
 
-  private pickAlong(origin: Vec3, direction: Vec3, wanted: (name: string) => boolean, coarse: boolean): { hit: Hit; body: string } | null {
+  private pickAlong(
+    origin: Vec3,
+    direction: Vec3,
+    wanted: (name: string) => boolean,
+    coarse: boolean,
+  ): { hit: Hit; body: string } | null {
     let best: { hit: Hit; body: string } | null = null;
     for (const [name, body] of this.bodies) {
       if (!body.shown || body.opacity < 0.3 || !wanted(name)) continue;
@@ -682,7 +754,13 @@ export class View3d {
     const layout = this.layout_;
     const onWipe = at !== null && layout.mode === 'wipe' && Math.abs(at[0] - layout.share * this.size().width) < 14;
     const overMarker = at !== null && this.markerAt(...at) !== null;
-    this.canvas.style.cursor = onWipe ? 'ew-resize' : this.gizmo.hovered || overMarker ? 'grab' : this.events.isPlacing() || this.events.isPainting() ? 'crosshair' : '';
+    this.canvas.style.cursor = onWipe
+      ? 'ew-resize'
+      : this.gizmo.hovered || overMarker
+        ? 'grab'
+        : this.events.isPlacing() || this.events.isPainting()
+          ? 'crosshair'
+          : '';
     const brushed = this.brushAt;
     this.brushAt = this.events.isPainting() ? at : null;
     if ((brushed || this.brushAt) && this.frame === 0) this.drawOverlay(); // The ring alone: the picture stays.

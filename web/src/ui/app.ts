@@ -1,8 +1,33 @@
 import { ApiError, type Client, type Depths, type Schemas } from '../api';
 import {
-  change, fromPoints, byName, moveOf, poseOf, redo, settle, startHistory,
-  undo, gridCentre, transformPoint, IDENTITY, shifted, turned, aboutPoint, editKeyframe, keyframesOf, withPaintedBoundary, isEditablePath, templateKind,
-  type DrawnSurface, type Grid, type History, type Landmark, type Mat4, type Move, type Plan, type Vec3,
+  change,
+  fromPoints,
+  byName,
+  moveOf,
+  poseOf,
+  redo,
+  settle,
+  startHistory,
+  undo,
+  gridCentre,
+  transformPoint,
+  IDENTITY,
+  shifted,
+  turned,
+  aboutPoint,
+  editKeyframe,
+  keyframesOf,
+  withPaintedBoundary,
+  isEditablePath,
+  templateKind,
+  type DrawnSurface,
+  type Grid,
+  type History,
+  type Landmark,
+  type Mat4,
+  type Move,
+  type Plan,
+  type Vec3,
 } from '../model';
 import { prepareSurfaceAside } from '../workers';
 import { BOUNDARY_FILE, BoundaryBrush } from './boundary_brush';
@@ -150,7 +175,13 @@ export class App {
 
   setStep(step: StepName): void {
     sessionStorage.setItem('lefort-step', step);
-    this.patch({ step, tool: 'none', curveDraft: null, scrub: null, thresholdOn: step === 'anatomy' ? this.model.s.thresholdOn : false });
+    this.patch({
+      step,
+      tool: 'none',
+      curveDraft: null,
+      scrub: null,
+      thresholdOn: step === 'anatomy' ? this.model.s.thresholdOn : false,
+    });
   }
 
   private async onStages(stages: Schemas['Case']['stages']): Promise<void> {
@@ -163,7 +194,8 @@ export class App {
     const work: Promise<unknown>[] = [];
     if (stages.scan.etag !== this.volumeEtag) work.push(this.loadVolume(stages.scan.etag));
     if (stages.plan.etag !== null && stages.plan.etag !== this.etags.plan) work.push(this.loadPlan());
-    if (stages.landmarks.etag !== null && stages.landmarks.etag !== this.etags.landmarks) work.push(this.loadLandmarks());
+    if (stages.landmarks.etag !== null && stages.landmarks.etag !== this.etags.landmarks)
+      work.push(this.loadLandmarks());
     await Promise.all(work);
     this.loadSurfaces();
     if (this.model.s.step === 'compare' || this.model.s.step === 'predict') void this.outcome.load();
@@ -187,7 +219,11 @@ export class App {
     this.patch({ volume: null, volumeLoading: etag !== null, labelsReady: false });
     if (etag === null) return;
     try {
-      const [volume, data, case_] = await Promise.all([this.client.volume(), this.client.volumeData(), this.client.case()]);
+      const [volume, data, case_] = await Promise.all([
+        this.client.volume(),
+        this.client.volumeData(),
+        this.client.case(),
+      ]);
       if (this.volumeEtag !== etag) return;
       const grid: Grid = {
         size: volume.size as unknown as Vec3,
@@ -195,7 +231,12 @@ export class App {
         origin_mm: volume.origin_mm as unknown as Vec3,
         direction: volume.direction,
       };
-      this.patch({ case: case_, volume: { grid, data, presets: volume.presets }, volumeLoading: false, cursor_L: gridCentre(grid) });
+      this.patch({
+        case: case_,
+        volume: { grid, data, presets: volume.presets },
+        volumeLoading: false,
+        cursor_L: gridCentre(grid),
+      });
     } catch (error) {
       this.patch({ volumeLoading: false });
       if (!(error instanceof ApiError && error.code === 'not_ready')) this.toast(sentence(error), 'error');
@@ -220,7 +261,9 @@ export class App {
         model.surfaces.delete(name);
         this.listeners.onSurface(name, null);
       }
-    const wanted = list.filter((entry) => WANTED[model.s.step].test(entry.name) && model.surfaces.get(entry.name)?.etag !== entry.etag);
+    const wanted = list.filter(
+      (entry) => WANTED[model.s.step].test(entry.name) && model.surfaces.get(entry.name)?.etag !== entry.etag,
+    );
     this.patch({ surfacesLoading: wanted.length });
     await Promise.all(
       wanted.map(async ({ name, etag }) => {
@@ -241,7 +284,9 @@ export class App {
   boundarySurfaces(): [string, { surface: DrawnSurface }][] {
     const { surfaces } = this.model;
     const isCut = surfaces.has('remainder');
-    return [...surfaces].filter(([name]) => name === 'skin' || (isCut ? name === 'remainder' || name.startsWith('segments/') : name === 'skull'));
+    return [...surfaces].filter(
+      ([name]) => name === 'skin' || (isCut ? name === 'remainder' || name.startsWith('segments/') : name === 'skull'),
+    );
   }
 
   private async loadPlan(replacesMine = false): Promise<void> {
@@ -323,20 +368,27 @@ export class App {
     const segment = present.plan.segments[this.model.s.segment];
     const keyframes = segment ? keyframesOf(segment).length : 0;
     if (this.model.s.keyframe >= Math.max(1, keyframes)) this.patch({ keyframe: Math.max(0, keyframes - 1) });
-    if (this.model.s.plane !== null && this.model.s.plane >= (segment?.osteotomy.planes?.length ?? 0)) this.patch({ plane: null });
+    if (this.model.s.plane !== null && this.model.s.plane >= (segment?.osteotomy.planes?.length ?? 0))
+      this.patch({ plane: null });
   }
 
   // Keeping
 
   private isUnsaved(): boolean {
     const { plan, landmarks } = this.model.doc;
-    return this.boundaryBrush.isUnsaved() || (plan !== this.stored.plan && plan.segments.length > 0) || (landmarks !== this.stored.landmarks && (landmarks.length > 0 || this.stored.landmarks !== null));
+    return (
+      this.boundaryBrush.isUnsaved() ||
+      (plan !== this.stored.plan && plan.segments.length > 0) ||
+      (landmarks !== this.stored.landmarks && (landmarks.length > 0 || this.stored.landmarks !== null))
+    );
   }
 
   /** The plan as it is kept: the files of landmarks and of what is painted are named as soon as there are any. */
   private keptPlan(): Plan {
     const { plan: bare, landmarks } = this.model.doc;
-    const plan = this.boundaryBrush.labels ? withPaintedBoundary(bare, this.boundaryBrush.isPainted ? BOUNDARY_FILE : null) : bare;
+    const plan = this.boundaryBrush.labels
+      ? withPaintedBoundary(bare, this.boundaryBrush.isPainted ? BOUNDARY_FILE : null)
+      : bare;
     return landmarks.length > 0 && plan.landmarks === undefined ? { ...plan, landmarks: 'landmarks.mrk.json' } : plan;
   }
 
@@ -357,7 +409,10 @@ export class App {
     try {
       const { landmarks, plan } = this.model.doc;
       if (landmarks !== this.stored.landmarks && !(landmarks.length === 0 && this.stored.landmarks === null)) {
-        this.etags.landmarks = await this.client.putLandmarks({ landmarks: byName(landmarks) as never }, this.etags.landmarks);
+        this.etags.landmarks = await this.client.putLandmarks(
+          { landmarks: byName(landmarks) as never },
+          this.etags.landmarks,
+        );
       }
       this.stored.landmarks = landmarks;
       what = 'boundary';
@@ -407,7 +462,12 @@ export class App {
 
   async run(request: Schemas['JobRequest'], then?: () => void): Promise<void> {
     await this.try_(async () => {
-      if (!(await this.save()) && this.model.doc.plan.segments.length > 0 && request.kind !== 'import' && request.kind !== 'segment') {
+      if (
+        !(await this.save()) &&
+        this.model.doc.plan.segments.length > 0 &&
+        request.kind !== 'import' &&
+        request.kind !== 'segment'
+      ) {
         throw new Error(this.model.s.saveError ?? 'The plan could not be kept, so nothing was started.');
       }
       const job = await this.client.startJob(request);
@@ -469,7 +529,9 @@ export class App {
     const total = files.reduce((sum, file) => sum + file.size, 0) || 1;
     const name = files.length === 1 ? 'one file' : `${files.length} files`;
     this.patch({ upload: { name, share: 0 } });
-    const id = await this.try_(() => this.client.upload(files, (sent) => this.patch({ upload: { name, share: sent / total } })));
+    const id = await this.try_(() =>
+      this.client.upload(files, (sent) => this.patch({ upload: { name, share: sent / total } })),
+    );
     this.patch({ upload: null });
     return id;
   }
@@ -516,7 +578,8 @@ export class App {
     const { plan } = this.model.doc;
     const kept = { ...plan.segmentation, bone_hu };
     delete kept.labels;
-    if (plan.segmentation?.bone_hu !== bone_hu || plan.segmentation.labels !== undefined) this.edit({ plan: { ...plan, segmentation: kept } });
+    if (plan.segmentation?.bone_hu !== bone_hu || plan.segmentation.labels !== undefined)
+      this.edit({ plan: { ...plan, segmentation: kept } });
     await this.run({ kind: 'segment', bone_hu });
   }
 
@@ -551,7 +614,12 @@ export class App {
   /** Slices beside the bones, through the one in hand. */
   showSlices(on: boolean): void {
     const segment = this.model.doc.plan.segments[this.model.s.segment];
-    this.patch({ showSlices: on, ...(on && segment ? { cursor_L: transformPoint(this.poses()[segment.name] ?? IDENTITY, this.pivotOf(segment.name)) } : {}) });
+    this.patch({
+      showSlices: on,
+      ...(on && segment
+        ? { cursor_L: transformPoint(this.poses()[segment.name] ?? IDENTITY, this.pivotOf(segment.name)) }
+        : {}),
+    });
   }
 
   /** The move of a segment at the keyframe in hand; null if numbers cannot say it. */
@@ -562,7 +630,9 @@ export class App {
     const k = index === this.model.s.segment ? this.model.s.keyframe : keyframes.length - 1;
     const keyframe = keyframes[Math.min(k, keyframes.length - 1)];
     if (!keyframe) return null;
-    const named = keyframe.about ? this.model.doc.landmarks.find((l) => l.name === keyframe.about)?.position_mm : undefined;
+    const named = keyframe.about
+      ? this.model.doc.landmarks.find((l) => l.name === keyframe.about)?.position_mm
+      : undefined;
     return moveOf(named ? { ...keyframe, about_mm: named } : keyframe, this.pivotOf(segment.name));
   }
 
@@ -595,7 +665,12 @@ export class App {
     const old = { ...keyframesOf(plan.segments[segment])[keyframe], translation_mm: next.translation_mm };
     delete old.about;
     delete old.about_mm;
-    this.edit({ plan: editKeyframe(plan, segment, keyframe, { ...old, ...(typeof about === 'string' ? { about } : { about_mm: point }) }) });
+    this.edit({
+      plan: editKeyframe(plan, segment, keyframe, {
+        ...old,
+        ...(typeof about === 'string' ? { about } : { about_mm: point }),
+      }),
+    });
   }
 
   gizmoMove(from: Move, kind: 'shift' | 'turn', axis: Vec3, amount: number): Move {
@@ -622,13 +697,14 @@ export class App {
 
   /** Only those whose bone is cut: the server knows no others. */
   cutPoses(): Record<string, Mat4> {
-    return Object.fromEntries(Object.entries(this.poses()).filter(([name]) => this.model.surfaces.has(`segments/${name}`)));
+    return Object.fromEntries(
+      Object.entries(this.poses()).filter(([name]) => this.model.surfaces.has(`segments/${name}`)),
+    );
   }
 
   async download(name: string): Promise<void> {
     await this.try_(async () => saveBlob(await this.client.file(name), name));
   }
-
 }
 
 export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
@@ -641,7 +717,8 @@ export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
   compare: 'Comparing',
 };
 
-export const templateKey = (template: unknown, landmarks: readonly Landmark[]): string => JSON.stringify([template, byName(landmarks)]);
+export const templateKey = (template: unknown, landmarks: readonly Landmark[]): string =>
+  JSON.stringify([template, byName(landmarks)]);
 
 export const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 

@@ -1,6 +1,17 @@
 import {
-  AppliedStrokes, areasByLabel, bytesWithin, joinEdits, labelsOfBox, labelVertices, paintedBox, paintReach_mm, paintSurface,
-  type Hit, type LabelEdit, type Surface, type Vec3,
+  AppliedStrokes,
+  areasByLabel,
+  bytesWithin,
+  joinEdits,
+  labelsOfBox,
+  labelVertices,
+  paintedBox,
+  paintReach_mm,
+  paintSurface,
+  type Hit,
+  type LabelEdit,
+  type Surface,
+  type Vec3,
 } from '../model';
 import { isMissing, type App, type Listeners } from './app';
 import { stageOf, type Doc } from './state';
@@ -44,7 +55,8 @@ export class BoundaryBrush {
     const { volume } = app.model.s;
     if (!volume) return;
     await this.loadRules();
-    const isMine = (etag: string | null): boolean => this.labels !== null && (etag === this.etag || (this.isUnsaved() && !replacesMine));
+    const isMine = (etag: string | null): boolean =>
+      this.labels !== null && (etag === this.etag || (this.isUnsaved() && !replacesMine));
     if (isMine(stageOf(app.model.s, 'boundary').etag)) return;
     await app.try_(async () => {
       const found = await app.client.boundaryData().catch((error: unknown) => {
@@ -72,7 +84,10 @@ export class BoundaryBrush {
     const { volume, boundary, paint_mm, paintLabel } = app.model.s;
     if (!volume || !labels || !boundary) return;
     const dab = {
-      centre_L: hit.point, normal: hit.normal, radius_mm: paint_mm, label: paintLabel,
+      centre_L: hit.point,
+      normal: hit.normal,
+      radius_mm: paint_mm,
+      label: paintLabel,
       // So that each node that the plan takes to lie on this surface has a painted voxel within reach.
       thickness_mm: boundary.capture_mm + paintReach_mm(volume.grid),
     };
@@ -128,7 +143,11 @@ export class BoundaryBrush {
     const strokes = this.app.model.doc.paint;
     const box = paintedBox(this.labels!, grid);
     if (!box) return; // The plan must let go of it first.
-    this.etag = await this.app.client.putBoundaryData(bytesWithin(this.labels!, grid, box), box, forces ? '*' : (this.etag ?? '*'));
+    this.etag = await this.app.client.putBoundaryData(
+      bytesWithin(this.labels!, grid, box),
+      box,
+      forces ? '*' : (this.etag ?? '*'),
+    );
     this.stored = strokes;
   }
 

@@ -1,7 +1,4 @@
-import {
-  IDENTITY, lengths, roundUp, sectionOf, segmentColour, SKIN,
-  type Mat4, type Vec3,
-} from '../model';
+import { IDENTITY, lengths, roundUp, sectionOf, segmentColour, SKIN, type Mat4, type Vec3 } from '../model';
 import type { View3d } from '../scene';
 import { saveBlob, type App } from './app';
 import { stageOf, type State } from './state';
@@ -57,7 +54,10 @@ export class CompareView {
     const afterSurgery = s.against === 'after_surgery' && view.body('after_surgery') !== undefined;
     const right = ['predicted', ...this.bones(s)];
     const left = [afterSurgery ? 'after_surgery' : 'skin_before', ...this.bones(s)];
-    const names: [string, string] = [afterSurgery ? 'After surgery' : 'Before', this.isAtEnd(s) ? 'Predicted' : `Step ${s.compareStep}`];
+    const names: [string, string] = [
+      afterSurgery ? 'After surgery' : 'Before',
+      this.isAtEnd(s) ? 'Predicted' : `Step ${s.compareStep}`,
+    ];
     if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', share: s.wipe, left, right, names });
     else if (s.compareMode === 'beside') view.setLayout({ mode: 'beside', left, right, names });
     else {
@@ -131,12 +131,15 @@ export class CompareView {
     this.paintedBone = now;
     const kind = wanted === 'pressure' ? 'contact-pressure' : 'contact-depth';
     const all = await Promise.all(
-      bodies.map(({ name }) => (wanted === 'none' ? null : this.app.outcome.values(kind, segments.length > 1 ? name : undefined))),
+      bodies.map(({ name }) =>
+        wanted === 'none' ? null : this.app.outcome.values(kind, segments.length > 1 ? name : undefined),
+      ),
     );
     if (this.paintedBone !== now) return; // Something else is wanted meanwhile.
     const fits = all.map((values, n) => (values?.length === bodies[n].body.surface.points.length / 3 ? values : null));
     const told = fits.filter((values) => values !== null);
-    const top = told.length > 0 ? roundUp(Math.max(...told.map((values) => values.reduce((a, b) => Math.max(a, b), 0)))) : null;
+    const top =
+      told.length > 0 ? roundUp(Math.max(...told.map((values) => values.reduce((a, b) => Math.max(a, b), 0)))) : null;
     bodies.forEach(({ body, colour }, n) => {
       const values = fits[n];
       if (values && top !== null) body.setValues(values, 'depth', 0, top, colour);
@@ -179,7 +182,11 @@ export class CompareView {
     const what = { slider: `${left} and predicted`, beside: `${left}, predicted`, after: 'Predicted' }[s.compareMode];
     const ground = getComputedStyle(document.documentElement).getPropertyValue('--view-top').trim();
     const stale = stageOf(s, 'prediction').state === 'stale' ? ' OUT OF DATE.' : '';
-    this.view.snapshot(`${what}, step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}.${stale} Research software. A simulation, not for clinical use.`, ground)
+    this.view
+      .snapshot(
+        `${what}, step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}.${stale} Research software. A simulation, not for clinical use.`,
+        ground,
+      )
       .toBlob((blob) => blob && saveBlob(blob, 'planner.png'), 'image/png');
   }
 }

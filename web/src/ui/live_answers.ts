@@ -4,7 +4,11 @@ import { stageOf } from './state';
 
 /** What is asked of the server while bone is dragged: overlap at once, the preview of the face when the hand rests. */
 export class LiveAnswers {
-  private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = { wanted: null, running: false, times: [] };
+  private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = {
+    wanted: null,
+    running: false,
+    times: [],
+  };
   private previewAborter: AbortController | null = null;
 
   constructor(
@@ -71,6 +75,7 @@ export class LiveAnswers {
 
   dropPreview(): void {
     this.listeners.onPreview(null);
-    if (this.app.model.s.preview.state !== 'none') this.app.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
+    if (this.app.model.s.preview.state !== 'none')
+      this.app.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
   }
 }

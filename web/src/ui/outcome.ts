@@ -31,7 +31,8 @@ export class Outcome {
     app.patch({
       prediction,
       files,
-      compareStep: before && app.model.s.compareStep <= last && app.model.s.compareStep > 0 ? app.model.s.compareStep : last,
+      compareStep:
+        before && app.model.s.compareStep <= last && app.model.s.compareStep > 0 ? app.model.s.compareStep : last,
     });
     await this.loadComparison();
     if (prediction?.converged && stage.state === 'fresh')
@@ -42,7 +43,12 @@ export class Outcome {
     const { app } = this;
     const { state } = stageOf(app.model.s, 'comparison');
     if (state !== 'fresh' && state !== 'stale') {
-      app.patch({ comparison: null, difference_mm: null, against: 'before', ...(app.model.s.skinPaint === 'error' ? { skinPaint: 'none' } : {}) });
+      app.patch({
+        comparison: null,
+        difference_mm: null,
+        against: 'before',
+        ...(app.model.s.skinPaint === 'error' ? { skinPaint: 'none' } : {}),
+      });
       return;
     }
     const comparison = await app.try_(() => app.client.comparison());

@@ -52,22 +52,39 @@ export const button = (label: string, onClick: () => void, options: ButtonOption
   </button>
 `;
 
-export const iconButton = (name: IconName, label: string, onClick: () => void, disabled = false): TemplateResult => html`
-  <button type="button" class="icon-button" aria-label=${label} title=${label} ?disabled=${disabled} @click=${onClick}>${icon(name)}</button>
+export const iconButton = (
+  name: IconName,
+  label: string,
+  onClick: () => void,
+  disabled = false,
+): TemplateResult => html`
+  <button type="button" class="icon-button" aria-label=${label} title=${label} ?disabled=${disabled} @click=${onClick}>
+    ${icon(name)}
+  </button>
 `;
 
 export const section = (title: string, ...content: unknown[]): TemplateResult => html`
-  <section class="group"><h3>${title}</h3>${content}</section>
+  <section class="group">
+    <h3>${title}</h3>
+    ${content}
+  </section>
 `;
 
 export const hint = (text: unknown): TemplateResult => html`<p class="hint">${text}</p>`;
 
 export type NoticeKind = 'info' | 'warning' | 'error' | 'good';
 
-export const notice = (kind: NoticeKind, title: string, text: unknown = nothing, action: unknown = nothing): TemplateResult => html`
+export const notice = (
+  kind: NoticeKind,
+  title: string,
+  text: unknown = nothing,
+  action: unknown = nothing,
+): TemplateResult => html`
   <div class="notice ${kind}" role=${kind === 'error' ? 'alert' : nothing}>
     ${icon(kind === 'good' ? 'check' : kind === 'info' ? 'help' : 'warning')}
-    <div><strong>${title}</strong>${text === nothing ? nothing : html`<div class="notice-text">${text}</div>`}${action}</div>
+    <div>
+      <strong>${title}</strong>${text === nothing ? nothing : html`<div class="notice-text">${text}</div>`}${action}
+    </div>
   </div>
 `;
 
@@ -99,9 +116,20 @@ export const slider = (o: SliderOptions): TemplateResult => html`
   </label>
 `;
 
-export const toggle = (label: string, on: boolean, onChange: (on: boolean) => void, disabled = false): TemplateResult => html`
+export const toggle = (
+  label: string,
+  on: boolean,
+  onChange: (on: boolean) => void,
+  disabled = false,
+): TemplateResult => html`
   <label class="toggle">
-    <input type="checkbox" role="switch" .checked=${on} ?disabled=${disabled} @change=${(e: Event) => onChange((e.target as HTMLInputElement).checked)} />
+    <input
+      type="checkbox"
+      role="switch"
+      .checked=${on}
+      ?disabled=${disabled}
+      @change=${(e: Event) => onChange((e.target as HTMLInputElement).checked)}
+    />
     <span class="track" aria-hidden="true"></span><span>${label}</span>
   </label>
 `;
@@ -115,7 +143,15 @@ export function segmented<T extends string>(
   return html`
     <div class="segmented" role="group" aria-label=${label}>
       ${options.map(
-        (o) => html`<button type="button" title=${o.title ?? nothing} aria-pressed=${String(o.value === value)} @click=${() => onPick(o.value)}>${o.text}</button>`,
+        (o) =>
+          html`<button
+            type="button"
+            title=${o.title ?? nothing}
+            aria-pressed=${String(o.value === value)}
+            @click=${() => onPick(o.value)}
+          >
+            ${o.text}
+          </button>`,
       )}
     </div>
   `;
@@ -127,7 +163,8 @@ export const select = (
   value: string,
   onPick: (value: string) => void,
 ): TemplateResult => html`
-  <label class="field"><span>${label}</span>
+  <label class="field"
+    ><span>${label}</span>
     <select .value=${value} @change=${(e: Event) => onPick((e.target as HTMLSelectElement).value)}>
       ${options.map((o) => html`<option value=${o.value} ?selected=${o.value === value}>${o.text}</option>`)}
     </select>
@@ -145,14 +182,26 @@ const STATE_WORDS: Record<Schemas['Stage']['state'], string> = {
 
 export const stateWord = (state: Schemas['Stage']['state']): string => STATE_WORDS[state];
 
-export const chip = (state: Schemas['Stage']['state']): TemplateResult => html`<span class="chip ${state}">${STATE_WORDS[state]}</span>`;
+export const chip = (state: Schemas['Stage']['state']): TemplateResult =>
+  html`<span class="chip ${state}">${STATE_WORDS[state]}</span>`;
 
 export const progressBar = (share: number, label: string): TemplateResult => html`
-  <div class="progress" role="progressbar" aria-label=${label} aria-valuemin="0" aria-valuemax="100" aria-valuenow=${Math.round(share * 100)}>
+  <div
+    class="progress"
+    role="progressbar"
+    aria-label=${label}
+    aria-valuemin="0"
+    aria-valuemax="100"
+    aria-valuenow=${Math.round(share * 100)}
+  >
     <span .style=${`width:${(share * 100).toFixed(1)}%`}></span>
   </div>
 `;
 
 export const empty = (title: string, text: unknown, action: unknown = nothing): TemplateResult => html`
-  <div class="empty"><h3>${title}</h3><p>${text}</p>${action}</div>
+  <div class="empty">
+    <h3>${title}</h3>
+    <p>${text}</p>
+    ${action}
+  </div>
 `;

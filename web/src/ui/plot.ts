@@ -23,9 +23,18 @@ export function residualPlot(points: readonly NewtonPoint[], tolerance: number):
   });
   const ticks = [];
   for (let log = top; log >= bottom; log -= Math.max(1, Math.round((top - bottom) / 5))) ticks.push(log);
-  return html`<svg class="plot" viewBox="0 0 ${W} ${H}" role="img" aria-label="Residual of each iteration, logarithmic" data-id="residual-plot" data-points=${good.length}>
-    ${ticks.map((log) => svg`<line x1=${LEFT} x2=${W - 8} y1=${y(log)} y2=${y(log)} stroke="var(--line)"></line>
-      <text x=${LEFT - 6} y=${y(log) + 3.5} text-anchor="end">1e${String(log).replace('-', '−')}</text>`)}
+  return html`<svg
+    class="plot"
+    viewBox="0 0 ${W} ${H}"
+    role="img"
+    aria-label="Residual of each iteration, logarithmic"
+    data-id="residual-plot"
+    data-points=${good.length}
+  >
+    ${ticks.map(
+      (log) => svg`<line x1=${LEFT} x2=${W - 8} y1=${y(log)} y2=${y(log)} stroke="var(--line)"></line>
+      <text x=${LEFT - 6} y=${y(log) + 3.5} text-anchor="end">1e${String(log).replace('-', '−')}</text>`,
+    )}
     ${svg`<line x1=${LEFT} x2=${W - 8} y1=${y(Math.log10(tolerance))} y2=${y(Math.log10(tolerance))} stroke="var(--good)" stroke-dasharray="4 3"></line>`}
     ${svg`<path d=${paths.join('')} fill="none" stroke="var(--accent)" stroke-width="1.5" stroke-linejoin="round"></path>`}
     ${svg`<text x=${(W + LEFT) / 2} y=${H - 5} text-anchor="middle">iterations, a line each increment; dashes: converged</text>`}
@@ -51,12 +60,19 @@ export function profilePlot(before: Float32Array, after: Float32Array): Template
     for (let n = 0; n < lines.length; n += 6) {
       if (lines[n + 1] > lowY + depth && lines[n + 4] > lowY + depth) continue;
       // From the right, anterior is at the right: y falls along the picture.
-      const at = (k: number) => `${(lowY + depth - lines[n + k + 1] + pad).toFixed(2)} ${(highZ - lines[n + k + 2] + pad).toFixed(2)}`;
+      const at = (k: number) =>
+        `${(lowY + depth - lines[n + k + 1] + pad).toFixed(2)} ${(highZ - lines[n + k + 2] + pad).toFixed(2)}`;
       d += `M${at(0)}L${at(3)}`;
     }
     return d;
   };
-  return html`<svg class="plot" viewBox="0 0 ${depth + 2 * pad} ${highZ - lowZ + 2 * pad}" .style=${'max-height:240px'} role="img" aria-label="Profile before and after, from the right">
+  return html`<svg
+    class="plot"
+    viewBox="0 0 ${depth + 2 * pad} ${highZ - lowZ + 2 * pad}"
+    .style=${'max-height:240px'}
+    role="img"
+    aria-label="Profile before and after, from the right"
+  >
     ${svg`<path d=${path(before)} fill="none" stroke="var(--ink-3)" stroke-width="1.4" vector-effect="non-scaling-stroke" stroke-dasharray="4 3"></path>
       <path d=${path(after)} fill="none" stroke="var(--accent)" stroke-width="2" vector-effect="non-scaling-stroke"></path>`}
   </svg>`;

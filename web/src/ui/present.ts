@@ -1,10 +1,43 @@
 import type { Depths } from '../api';
 import {
-  BONE, cssOf, posedSectionOf, kindOf, length, scale, sectionOf, segmentColour, SKIN, sub, templateKind, unit, withLandmark,
-  withPlane, withSegment, editPlane, IDENTITY, planeAt, cross, dot,
-  type DrawnSurface, type Hit, type Move, type Plane, type Rgb, type Vec3,
+  BONE,
+  cssOf,
+  posedSectionOf,
+  kindOf,
+  length,
+  scale,
+  sectionOf,
+  segmentColour,
+  SKIN,
+  sub,
+  templateKind,
+  unit,
+  withLandmark,
+  withPlane,
+  withSegment,
+  editPlane,
+  IDENTITY,
+  planeAt,
+  cross,
+  dot,
+  type DrawnSurface,
+  type Hit,
+  type Move,
+  type Plane,
+  type Rgb,
+  type Vec3,
 } from '../model';
-import { PATIENT_AXES, planeAxes, SliceView, View3d, type GizmoDrag, type Marker, type Phase, type PlaneMark, type SliceLines } from '../scene';
+import {
+  PATIENT_AXES,
+  planeAxes,
+  SliceView,
+  View3d,
+  type GizmoDrag,
+  type Marker,
+  type Phase,
+  type PlaneMark,
+  type SliceLines,
+} from '../scene';
 import { templateKey, type App, type Listeners } from './app';
 import { BoundaryView } from './boundary_view';
 import { CompareView } from './compare_view';
@@ -87,8 +120,14 @@ export class Presenter implements Listeners {
       this.present();
       return;
     }
-    const index = name.startsWith('segments/') ? this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name) : -1;
-    const colour = name.startsWith('segments/') ? segmentColour(Math.max(0, index)) : /skin|predicted|after_surgery/.test(name) ? SKIN : BONE;
+    const index = name.startsWith('segments/')
+      ? this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name)
+      : -1;
+    const colour = name.startsWith('segments/')
+      ? segmentColour(Math.max(0, index))
+      : /skin|predicted|after_surgery/.test(name)
+        ? SKIN
+        : BONE;
     this.view.setBody(name, surface, colour);
     this.surfaceCount++;
     this.previewKey = this.depthKey = '';
@@ -126,11 +165,49 @@ export class Presenter implements Listeners {
     if (state.volume !== before.volume)
       for (const slice of this.slices) slice.setVolume(state.volume?.grid ?? null, state.volume?.data ?? null);
     const threshold_hu = state.thresholdOn ? state.bone_hu : null;
-    if (state.window !== before.window || state.cursor_L !== before.cursor_L || state.thresholdOn !== before.thresholdOn || state.bone_hu !== before.bone_hu || state.volume !== before.volume)
+    if (
+      state.window !== before.window ||
+      state.cursor_L !== before.cursor_L ||
+      state.thresholdOn !== before.thresholdOn ||
+      state.bone_hu !== before.bone_hu ||
+      state.volume !== before.volume
+    )
       for (const slice of this.slices) slice.set({ window: state.window, cursor_L: state.cursor_L, threshold_hu });
     // Only these concern the picture; job progress and numbers do not.
-    const keys = ['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm', 'boundary', 'paintOn', 'paint_mm', 'paintLabel', 'landmark', 'segment', 'plane', 'curveDraft', 'templatePlanes',
-      'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview', 'prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint', 'showBones', 'wipe'] as const;
+    const keys = [
+      'step',
+      'case',
+      'skullOpacity',
+      'skinOpacity',
+      'showLabels',
+      'labelsReady',
+      'tool',
+      'brush_mm',
+      'boundary',
+      'paintOn',
+      'paint_mm',
+      'paintLabel',
+      'landmark',
+      'segment',
+      'plane',
+      'curveDraft',
+      'templatePlanes',
+      'keyframe',
+      'scrub',
+      'planPoses',
+      'preview',
+      'showOverlap',
+      'showPreview',
+      'prediction',
+      'compareMode',
+      'compareStep',
+      'against',
+      'skinPaint',
+      'difference_mm',
+      'bonePaint',
+      'showBones',
+      'wipe',
+    ] as const;
     if (keys.some((key) => state[key] !== before[key])) this.present();
   }
 
@@ -152,20 +229,28 @@ export class Presenter implements Listeners {
     const { s, doc } = this.app.model;
     const { view } = this;
     const { step } = s;
-    const cut = s.case !== null && view.body('remainder') !== undefined && doc.plan.segments.some((x) => view.body(`segments/${x.name}`));
+    const cut =
+      s.case !== null &&
+      view.body('remainder') !== undefined &&
+      doc.plan.segments.some((x) => view.body(`segments/${x.name}`));
     const segments = doc.plan.segments.map((x) => `segments/${x.name}`);
     const face = step === 'compare' ? [] : ['skin'];
     const moving = step === 'movement' || step === 'predict' || step === 'tissue';
 
-    if (step === 'osteotomy' || step === 'movement' || step === 'predict' || step === 'tissue') void this.app.placeTemplates();
+    if (step === 'osteotomy' || step === 'movement' || step === 'predict' || step === 'tissue')
+      void this.app.placeTemplates();
 
     // Which bodies
     let bodies: string[];
     if (step === 'compare') bodies = this.compare.bodies(s);
-    else if (cut && (moving || (step === 'osteotomy' && stageOf(s, 'cut').state === 'fresh'))) bodies = ['remainder', ...segments, ...face];
+    else if (cut && (moving || (step === 'osteotomy' && stageOf(s, 'cut').state === 'fresh')))
+      bodies = ['remainder', ...segments, ...face];
     else bodies = ['skull', ...face];
     const opacityOfSkin: Record<string, number> = {
-      case: 1, anatomy: s.skinOpacity, osteotomy: 0, tissue: s.tool !== 'paint' ? 0.35 : s.paintOn === 'skin' ? 1 : 0,
+      case: 1,
+      anatomy: s.skinOpacity,
+      osteotomy: 0,
+      tissue: s.tool !== 'paint' ? 0.35 : s.paintOn === 'skin' ? 1 : 0,
       landmarks: s.landmark && kindOf(s.landmark)?.on === 'skin' ? 1 : 0.0,
       movement: s.showPreview && s.preview.state === 'shown' ? 0.45 : 0,
       predict: s.showPreview ? 1 : 0.45,
@@ -175,14 +260,26 @@ export class Presenter implements Listeners {
     // What a closed skin hides need not be drawn.
     if (view.body('skin') && bodies.includes('skin') && opacityOfSkin[step] === 1) bodies = ['skin'];
     view.show(bodies);
-    view.pickable = (name) => (step === 'landmarks' && s.landmark && kindOf(s.landmark)?.on === 'bone' ? name === 'skull' : step === 'osteotomy' || step === 'movement' ? name !== 'skin' : step === 'tissue' ? this.boundary.isPaintable(s, name) : true);
+    view.pickable = (name) =>
+      step === 'landmarks' && s.landmark && kindOf(s.landmark)?.on === 'bone'
+        ? name === 'skull'
+        : step === 'osteotomy' || step === 'movement'
+          ? name !== 'skin'
+          : step === 'tissue'
+            ? this.boundary.isPaintable(s, name)
+            : true;
 
     // Where the segments are
     const poses = this.app.poses();
     doc.plan.segments.forEach((segment, index) => {
       const name = `segments/${segment.name}`;
       if (!view.body(name)) return;
-      const pose = step === 'compare' ? this.compare.poseOf(s, index) : moving && step !== 'tissue' ? (poses[segment.name] ?? IDENTITY) : IDENTITY;
+      const pose =
+        step === 'compare'
+          ? this.compare.poseOf(s, index)
+          : moving && step !== 'tissue'
+            ? (poses[segment.name] ?? IDENTITY)
+            : IDENTITY;
       view.setPose(name, pose);
     });
     if (moving && step !== 'tissue') {
@@ -206,14 +303,24 @@ export class Presenter implements Listeners {
     this.paintDepths();
     this.boundary.present(s);
     view.brush_mm = s.paint_mm;
-    view.brushColour = cssOf((s.boundary?.names.find((x) => x.value === s.paintLabel)?.colour as unknown as Rgb | undefined) ?? BONE);
+    view.brushColour = cssOf(
+      (s.boundary?.names.find((x) => x.value === s.paintLabel)?.colour as unknown as Rgb | undefined) ?? BONE,
+    );
 
     // Marks
     view.markers = this.markers(s);
-    view.lines = s.curveDraft ? [{ points: s.curveDraft.points, closed: s.curveDraft.points.length > 2, colour: '#f2b84b', dashed: true }] : step === 'osteotomy'
-      ? doc.plan.segments.flatMap((x, index) => (x.osteotomy.curves ?? []).filter((c) => c.points_mm).map((c) => ({ points: c.points_mm!, closed: true, colour: cssOf(segmentColour(index)) })))
-      : [];
-    view.setPlanes(step === 'osteotomy' && !(stageOf(s, 'cut').state === 'fresh' && s.plane === null) ? this.planes(s) : []);
+    view.lines = s.curveDraft
+      ? [{ points: s.curveDraft.points, closed: s.curveDraft.points.length > 2, colour: '#f2b84b', dashed: true }]
+      : step === 'osteotomy'
+        ? doc.plan.segments.flatMap((x, index) =>
+            (x.osteotomy.curves ?? [])
+              .filter((c) => c.points_mm)
+              .map((c) => ({ points: c.points_mm!, closed: true, colour: cssOf(segmentColour(index)) })),
+          )
+        : [];
+    view.setPlanes(
+      step === 'osteotomy' && !(stageOf(s, 'cut').state === 'fresh' && s.plane === null) ? this.planes(s) : [],
+    );
 
     // Gizmo
     const move = this.app.move();
@@ -234,10 +341,19 @@ export class Presenter implements Listeners {
     for (const slice of this.slices) {
       slice.tool = s.tool === 'brush' ? 'brush' : s.tool === 'landmark' ? 'place' : 'none';
       slice.brush_mm = s.brush_mm;
-      slice.setLabels(step === 'anatomy' && s.showLabels && s.labelsReady ? this.app.model.labels : null, [...LABEL_TINTS]);
-      slice.markers = step === 'landmarks'
-        ? doc.landmarks.map((l) => ({ id: l.name, position: l.position_mm, label: l.name, colour: l.name === s.landmark ? '#f2b84b' : '#3fb2c8', selected: l.name === s.landmark }))
-        : [];
+      slice.setLabels(step === 'anatomy' && s.showLabels && s.labelsReady ? this.app.model.labels : null, [
+        ...LABEL_TINTS,
+      ]);
+      slice.markers =
+        step === 'landmarks'
+          ? doc.landmarks.map((l) => ({
+              id: l.name,
+              position: l.position_mm,
+              label: l.name,
+              colour: l.name === s.landmark ? '#f2b84b' : '#3fb2c8',
+              selected: l.name === s.landmark,
+            }))
+          : [];
       if (drawsSlices) slice.draw();
     }
     this.compare.present(s);
@@ -249,7 +365,11 @@ export class Presenter implements Listeners {
   private paintDepths(): void {
     const { s, doc } = this.app.model;
     const now = { depths: this.depths, on: s.showOverlap, step: s.step, bodies: this.surfaceCount };
-    if (JSON.stringify({ ...now, depths: null }) === JSON.stringify({ ...this.paintedDepths, depths: null }) && this.paintedDepths?.depths === now.depths) return;
+    if (
+      JSON.stringify({ ...now, depths: null }) === JSON.stringify({ ...this.paintedDepths, depths: null }) &&
+      this.paintedDepths?.depths === now.depths
+    )
+      return;
     this.paintedDepths = now;
     const on = s.showOverlap && (s.step === 'movement' || s.step === 'predict');
     doc.plan.segments.forEach((segment, index) => {
@@ -267,12 +387,25 @@ export class Presenter implements Listeners {
 
   private markers(s: State): Marker[] {
     const { doc } = this.app.model;
-    if (s.curveDraft) return s.curveDraft.points.map((position, n) => ({ id: `curve ${n}`, position, colour: '#f2b84b', draggable: true }));
+    if (s.curveDraft)
+      return s.curveDraft.points.map((position, n) => ({
+        id: `curve ${n}`,
+        position,
+        colour: '#f2b84b',
+        draggable: true,
+      }));
     if (s.step !== 'landmarks' && s.step !== 'osteotomy') return [];
-    return doc.landmarks.filter((l) => s.step === 'landmarks' || kindOf(l.name)?.on === 'bone').map((l) => ({
-      id: l.name, position: l.position_mm, label: l.name, hides: true, selected: s.step === 'landmarks' && l.name === s.landmark,
-      colour: l.name === s.landmark && s.step === 'landmarks' ? '#f2b84b' : '#3fb2c8', draggable: s.step === 'landmarks' && s.tool !== 'landmark',
-    }));
+    return doc.landmarks
+      .filter((l) => s.step === 'landmarks' || kindOf(l.name)?.on === 'bone')
+      .map((l) => ({
+        id: l.name,
+        position: l.position_mm,
+        label: l.name,
+        hides: true,
+        selected: s.step === 'landmarks' && l.name === s.landmark,
+        colour: l.name === s.landmark && s.step === 'landmarks' ? '#f2b84b' : '#3fb2c8',
+        draggable: s.step === 'landmarks' && s.tool !== 'landmark',
+      }));
   }
 
   /** Planes of all cuts, those of templates too. */
@@ -281,12 +414,27 @@ export class Presenter implements Listeners {
     const radius_mm = 110;
     return doc.plan.segments.flatMap((segment, index) => {
       const colour = cssOf(segmentColour(index));
-      const placed = templateKind(segment.osteotomy) ? s.templatePlanes.get(templateKey(segment.osteotomy.template, doc.landmarks)) : undefined;
-      const own = (segment.osteotomy.planes ?? []).map((plane, n) => ({ plane, selected: index === s.segment && n === s.plane }));
-      const template = placed && typeof placed !== 'string'
-        ? [...placed.planes, ...(placed.also ?? []).flatMap((region) => region.planes)].map((p) => ({ plane: p as unknown as Plane, selected: false }))
-        : [];
-      return [...own, ...template].map(({ plane, selected }) => ({ point: plane.point_mm, normal: plane.towards_segment, size_mm: plane.size_mm ? Math.max(...plane.size_mm) : radius_mm, colour, selected }));
+      const placed = templateKind(segment.osteotomy)
+        ? s.templatePlanes.get(templateKey(segment.osteotomy.template, doc.landmarks))
+        : undefined;
+      const own = (segment.osteotomy.planes ?? []).map((plane, n) => ({
+        plane,
+        selected: index === s.segment && n === s.plane,
+      }));
+      const template =
+        placed && typeof placed !== 'string'
+          ? [...placed.planes, ...(placed.also ?? []).flatMap((region) => region.planes)].map((p) => ({
+              plane: p as unknown as Plane,
+              selected: false,
+            }))
+          : [];
+      return [...own, ...template].map(({ plane, selected }) => ({
+        point: plane.point_mm,
+        normal: plane.towards_segment,
+        size_mm: plane.size_mm ? Math.max(...plane.size_mm) : radius_mm,
+        colour,
+        selected,
+      }));
     });
   }
 
@@ -316,7 +464,8 @@ export class Presenter implements Listeners {
         if (!body) return;
         const colour = cssOf(segmentColour(index));
         const pose = poses[segment.name] ?? IDENTITY;
-        if (pose.some((v, n) => v !== IDENTITY[n])) found.push({ lines: sectionOf(body.surface, at.point, at.normal), colour, dashed: true });
+        if (pose.some((v, n) => v !== IDENTITY[n]))
+          found.push({ lines: sectionOf(body.surface, at.point, at.normal), colour, dashed: true });
         found.push({ lines: posedSectionOf(body.surface, pose, at.point, at.normal), colour });
       });
     }
@@ -338,9 +487,10 @@ export class Presenter implements Listeners {
       }
       const from = this.planeAtStart ?? plane;
       const by = scale(drag.axis.direction, Math.round(drag.amount * 10) / 10);
-      const next: Plane = drag.kind === 'shift'
-        ? { ...from, point_mm: [0, 1, 2].map((c) => round3(from.point_mm[c] + by[c])) as unknown as Vec3 }
-        : { ...from, towards_segment: tilted(from.towards_segment, drag.axis.direction, drag.amount) };
+      const next: Plane =
+        drag.kind === 'shift'
+          ? { ...from, point_mm: [0, 1, 2].map((c) => round3(from.point_mm[c] + by[c])) as unknown as Vec3 }
+          : { ...from, towards_segment: tilted(from.towards_segment, drag.axis.direction, drag.amount) };
       if (phase !== 'start') app.edit({ plan: editPlane(doc.plan, s.segment, s.plane, next) }, `gizmo-${this.gesture}`);
     } else {
       if (phase === 'start') {
@@ -349,7 +499,10 @@ export class Presenter implements Listeners {
         return;
       }
       if (!this.moveAtStart) return;
-      app.setMove(app.gizmoMove(this.moveAtStart, drag.kind, drag.axis.direction, drag.amount), `gizmo-${this.gesture}`);
+      app.setMove(
+        app.gizmoMove(this.moveAtStart, drag.kind, drag.axis.direction, drag.amount),
+        `gizmo-${this.gesture}`,
+      );
     }
     if (phase === 'end') {
       app.settle();
@@ -435,7 +588,9 @@ function tilted(direction: Vec3, axis: Vec3, deg: number): Vec3 {
   const s = Math.sin((deg * Math.PI) / 180);
   const turned = cross(k, direction);
   const along = dot(k, direction) * (1 - c);
-  return [0, 1, 2].map((n) => Math.round((direction[n] * c + turned[n] * s + k[n] * along) * 1e5) / 1e5 + 0) as unknown as Vec3;
+  return [0, 1, 2].map(
+    (n) => Math.round((direction[n] * c + turned[n] * s + k[n] * along) * 1e5) / 1e5 + 0,
+  ) as unknown as Vec3;
 }
 
 function inversePoint(X: readonly number[], p: Vec3): Vec3 {

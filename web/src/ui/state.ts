@@ -1,7 +1,17 @@
 import type { Schemas } from '../api';
 import {
-  startHistory, Store, emptyPlan,
-  type DrawnSurface, type Grid, type History, type LabelEdit, type Landmark, type Plan, type Vec3, type Window, WINDOW_PRESETS,
+  startHistory,
+  Store,
+  emptyPlan,
+  type DrawnSurface,
+  type Grid,
+  type History,
+  type LabelEdit,
+  type Landmark,
+  type Plan,
+  type Vec3,
+  type Window,
+  WINDOW_PRESETS,
 } from '../model';
 
 export const STEPS = [
@@ -95,7 +105,12 @@ export interface State {
   showOverlap: boolean;
   /** Slices beside the bones while they are moved. */
   showSlices: boolean;
-  preview: { state: 'none' | 'waiting' | 'shown' | 'failed'; latency_ms: number | null; why: string; largest_mm: number };
+  preview: {
+    state: 'none' | 'waiting' | 'shown' | 'failed';
+    latency_ms: number | null;
+    why: string;
+    largest_mm: number;
+  };
   showPreview: boolean;
 
   prediction: Schemas['Prediction'] | null;

@@ -38,7 +38,9 @@ export function welcome(app: App, s: State): Part {
             : html`<strong>Drop a scan here</strong>
                 <span class="hint">A DICOM folder, NIfTI, NRRD, MetaImage, or an InVesalius project (.inv3)</span>
                 <div class="row">
-                  ${button('Choose a folder', () => chooseFiles(true, (files) => void app.importFiles(files)), { icon: 'folder' })}
+                  ${button('Choose a folder', () => chooseFiles(true, (files) => void app.importFiles(files)), {
+                    icon: 'folder',
+                  })}
                   ${button('Choose files', () => chooseFiles(false, (files) => void app.importFiles(files)))}
                 </div>`}
         </div>
@@ -48,7 +50,11 @@ export function welcome(app: App, s: State): Part {
         ${s.case?.example_available
           ? html`<div class="row">
               <span class="hint">No scan at hand?</span>
-              ${button('Open the example', () => void app.openExample(), { kind: 'primary', disabled: importing(s), id: 'open-example' })}
+              ${button('Open the example', () => void app.openExample(), {
+                kind: 'primary',
+                disabled: importing(s),
+                id: 'open-example',
+              })}
             </div>`
           : nothing}
       </div>
@@ -62,32 +68,62 @@ export function casePanel(app: App, s: State): Part {
   if (!scan)
     return html`<h2>Case</h2>
       <p class="hint">
-        A case is one folder: scan, anatomy, landmarks, plan, prediction. The command line reads and writes the very same files.
+        A case is one folder: scan, anatomy, landmarks, plan, prediction. The command line reads and writes the very
+        same files.
       </p>
-      ${section('What you will do',
-        html`<p class="hint">Open a scan, look at its anatomy, cut the bone, move it, and see how the face follows. Each step on the
-          left can be returned to; what it made goes out of date when something before it changes.</p>`)}`;
+      ${section(
+        'What you will do',
+        html`<p class="hint">
+          Open a scan, look at its anatomy, cut the bone, move it, and see how the face follows. Each step on the left
+          can be returned to; what it made goes out of date when something before it changes.
+        </p>`,
+      )}`;
   const extent = scan.size.map((n, axis) => n * scan.spacing_mm[axis]);
   return html`
     <h2>Case ${chip(stage.state)}</h2>
     ${stage.why ? notice(stage.state === 'stale' ? 'warning' : 'info', stage.why) : nothing}
-    ${section('Scan', html`
-      <dl>
-        <dt>Read from</dt><dd>${scan.source_kind}</dd>
-        <dt>Voxels</dt><dd>${scan.size.join(' × ')}</dd>
-        <dt>Spacing</dt><dd>${scan.spacing_mm.map((v) => fixed(v, 2)).join(' × ')} mm</dd>
-        <dt>Extent</dt><dd>${extent.map((v) => fixed(v, 0)).join(' × ')} mm</dd>
-      </dl>`)}
-    ${section('Geometry', scan.warnings.length === 0
-      ? notice('good', 'Nothing odd was found', 'Slices are evenly spaced, the gantry was not tilted, and CT numbers are plausible.')
-      : scan.warnings.map((text) => notice('warning', 'Look at this', text)))}
-    ${section('Open another scan',
+    ${section(
+      'Scan',
+      html` <dl>
+        <dt>Read from</dt>
+        <dd>${scan.source_kind}</dd>
+        <dt>Voxels</dt>
+        <dd>${scan.size.join(' × ')}</dd>
+        <dt>Spacing</dt>
+        <dd>${scan.spacing_mm.map((v) => fixed(v, 2)).join(' × ')} mm</dd>
+        <dt>Extent</dt>
+        <dd>${extent.map((v) => fixed(v, 0)).join(' × ')} mm</dd>
+      </dl>`,
+    )}
+    ${section(
+      'Geometry',
+      scan.warnings.length === 0
+        ? notice(
+            'good',
+            'Nothing odd was found',
+            'Slices are evenly spaced, the gantry was not tilted, and CT numbers are plausible.',
+          )
+        : scan.warnings.map((text) => notice('warning', 'Look at this', text)),
+    )}
+    ${section(
+      'Open another scan',
       hint('It replaces this one. Landmarks and plan stay, and are out of date.'),
       html`<div class="row wrap">
-        ${button('Folder', () => chooseFiles(true, (files) => void app.importFiles(files)), { icon: 'folder', disabled: importing(s) })}
+        ${button('Folder', () => chooseFiles(true, (files) => void app.importFiles(files)), {
+          icon: 'folder',
+          disabled: importing(s),
+        })}
         ${button('Files', () => chooseFiles(false, (files) => void app.importFiles(files)), { disabled: importing(s) })}
-        ${s.case?.example_available ? button('Example', () => void app.openExample(), { disabled: importing(s) }) : nothing}
-      </div>`)}
-    ${section('Privacy', hint('Names, dates and numbers of the patient are not read into the case. A face in 3D can still be recognised: treat pictures as you treat the scan.'))}
+        ${s.case?.example_available
+          ? button('Example', () => void app.openExample(), { disabled: importing(s) })
+          : nothing}
+      </div>`,
+    )}
+    ${section(
+      'Privacy',
+      hint(
+        'Names, dates and numbers of the patient are not read into the case. A face in 3D can still be recognised: treat pictures as you treat the scan.',
+      ),
+    )}
   `;
 }

@@ -5,9 +5,22 @@ import { hint, select, type Part } from '../parts';
 
 /** Presets and their sources, as docs/materials.md has them. */
 export const MATERIALS = {
-  'face-compressible': { title: 'Face, compressible', constants: 'E 15 kPa, ν 0.45', source: 'E: Nazari et al. 2010, as in ArtiSynth’s face demo. ν lowered by lefort, so that linear elements lock less. The default.' },
-  'face-nazari-2010': { title: 'Face, Nazari 2010', constants: 'E 15 kPa, ν 0.49', source: 'E and ν of the whole-face model of Nazari et al. 2010, as in ArtiSynth’s face demo.' },
-  'skin-barbarino-2011': { title: 'Skin, Barbarino 2011', constants: 'E 54.5 kPa, ν 0.45', source: 'The stiffness at rest of the skin of Barbarino et al. 2011 (recalled); ν as for the inside.' },
+  'face-compressible': {
+    title: 'Face, compressible',
+    constants: 'E 15 kPa, ν 0.45',
+    source:
+      'E: Nazari et al. 2010, as in ArtiSynth’s face demo. ν lowered by lefort, so that linear elements lock less. The default.',
+  },
+  'face-nazari-2010': {
+    title: 'Face, Nazari 2010',
+    constants: 'E 15 kPa, ν 0.49',
+    source: 'E and ν of the whole-face model of Nazari et al. 2010, as in ArtiSynth’s face demo.',
+  },
+  'skin-barbarino-2011': {
+    title: 'Skin, Barbarino 2011',
+    constants: 'E 54.5 kPa, ν 0.45',
+    source: 'The stiffness at rest of the skin of Barbarino et al. 2011 (recalled); ν as for the inside.',
+  },
 } as const;
 
 export type Preset = keyof typeof MATERIALS;
@@ -15,20 +28,54 @@ export type Preset = keyof typeof MATERIALS;
 export const OWN_MATERIAL = { law: 'neo-hookean', young_kpa: 15, poisson: 0.45 } as const;
 
 /** Young's modulus and Poisson's ratio of one's own. `gesture`: typing in one of them is one entry for undo. */
-export const ownConstants = (own: Exclude<Material, string>, gesture: string, set: (material: Material, gesture: string) => void): Part => html`<div class="numbers">
-  ${numberField({ label: 'Young’s modulus', value: own.young_kpa, unit: 'kPa', min: 0.01, max: 1e6, step: 1, id: `${gesture}-young`, onInput: (v) => set({ ...own, young_kpa: v }, `${gesture}-young`) })}
-  ${numberField({ label: 'Poisson’s ratio', value: own.poisson, unit: '', digits: 3, min: 0, max: 0.499, step: 0.01, id: `${gesture}-poisson`, onInput: (v) => set({ ...own, poisson: v }, `${gesture}-poisson`) })}</div>`;
+export const ownConstants = (
+  own: Exclude<Material, string>,
+  gesture: string,
+  set: (material: Material, gesture: string) => void,
+): Part =>
+  html`<div class="numbers">
+    ${numberField({
+      label: 'Young’s modulus',
+      value: own.young_kpa,
+      unit: 'kPa',
+      min: 0.01,
+      max: 1e6,
+      step: 1,
+      id: `${gesture}-young`,
+      onInput: (v) => set({ ...own, young_kpa: v }, `${gesture}-young`),
+    })}
+    ${numberField({
+      label: 'Poisson’s ratio',
+      value: own.poisson,
+      unit: '',
+      digits: 3,
+      min: 0,
+      max: 0.499,
+      step: 0.01,
+      id: `${gesture}-poisson`,
+      onInput: (v) => set({ ...own, poisson: v }, `${gesture}-poisson`),
+    })}
+  </div>`;
 
 const OWN = 'own';
 
 /** A material with where it comes from, on little room. */
-export function materialField(name: string, material: Material, set: (material: Material, gesture: string | null) => void): Part {
+export function materialField(
+  name: string,
+  material: Material,
+  set: (material: Material, gesture: string | null) => void,
+): Part {
   const own = typeof material === 'object' ? material : null;
   const known = own ? null : MATERIALS[material as Preset];
-  return html`
-    ${select('Material',
-      [...Object.entries(MATERIALS).map(([value, m]) => ({ value, text: `${m.title}: ${m.constants}` })), { value: OWN, text: 'Constants of your own' }],
-      own ? OWN : (material as string), (v) => set(v === OWN ? OWN_MATERIAL : v, null))}
-    ${own ? ownConstants(own, name, set) : nothing}
-    ${hint(own ? 'The same law, neo-Hookean. State where they come from.' : (known?.source ?? ''))}`;
+  return html` ${select(
+    'Material',
+    [
+      ...Object.entries(MATERIALS).map(([value, m]) => ({ value, text: `${m.title}: ${m.constants}` })),
+      { value: OWN, text: 'Constants of your own' },
+    ],
+    own ? OWN : (material as string),
+    (v) => set(v === OWN ? OWN_MATERIAL : v, null),
+  )}
+  ${own ? ownConstants(own, name, set) : nothing}
+  ${hint(own ? 'The same law, neo-Hookean. State where they come from.' : (known?.source ?? ''))}`;
 }
