@@ -50,7 +50,7 @@ async function accessible(page, where) {
   );
 }
 
-/** How many pixels of the view are of the colour of `with segment`, which neither bone nor segment has. */
+/** How many pixels of the view are of the color of `with segment`, which neither bone nor segment has. */
 async function purplePixels(page) {
   const png = (await page.locator('.view3d').screenshot()).toString('base64');
   return page.evaluate(async (data) => {
@@ -219,7 +219,7 @@ test('skin, mucosa and muscle are the plan\u2019s', () =>
       .getByRole('button', { name: 'muscle', exact: true })
       .locator('.swatch')
       .evaluate((swatch) => swatch.style.background);
-    check(`muscle is a label of the brush, with a colour of its own: ${tint}`, tint.startsWith('rgb('));
+    check(`muscle is a label of the brush, with a color of its own: ${tint}`, tint.startsWith('rgb('));
   }));
 
 const ok = await runTests({ all: false, only });

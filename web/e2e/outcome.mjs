@@ -117,7 +117,7 @@ test('slices show where the bone is and was, by keys alone', () =>
     await page.keyboard.press('Space');
     await page.waitForSelector('.views[data-layout=slices]');
     await settled(page);
-    // The outline's colour, which no grey of the scan is.
+    // The outline's color, which no gray of the scan is.
     const blue = await page.locator('.slice[data-orientation=sagittal] canvas').evaluate((canvas) => {
       const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
       let count = 0;
@@ -137,7 +137,7 @@ test('slices follow a bone while it is dragged', () =>
     await settled(page);
     const sagittal = page.locator('.slice[data-orientation=sagittal] canvas');
     const shown = () => sagittal.evaluate((canvas) => canvas.toDataURL());
-    const [u, v] = await handleWhere(page, 'shift AP +');
+    const [u, v] = await handleWhere(page, 'translate AP +');
     const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
     const before = await shown();
     await page.mouse.move(box.x + u, box.y + v);

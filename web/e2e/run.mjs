@@ -34,10 +34,10 @@ let shared = null;
 async function withShared(run, size) {
   shared ??= await (async () => {
     // LEFORT_CASE: a folder of one's own, for work on one test.
-    const case_ = process.env.LEFORT_CASE
+    const caseInfo = process.env.LEFORT_CASE
       ? { folder: process.env.LEFORT_CASE, remove: () => undefined }
       : freshFolder('planner');
-    return { ...case_, server: await serve(case_.folder) };
+    return { ...caseInfo, server: await serve(caseInfo.folder) };
   })();
   const page = await openPage(shared.server.address, size);
   try {
@@ -220,11 +220,11 @@ test('osteotomy: a plane and a curve by hand, then Le Fort III by its landmarks'
     await click3d(page, 0.6, 0.6);
     await page.waitForSelector(id('plane-0-0'));
     await drawn(page);
-    const at = await handleWhere(page, 'shift normal +');
-    await dragHandle(page, 'shift normal +', 0, 25, 10);
-    await handleWhere(page, 'shift normal +', (now) => Math.abs(now[1] - at[1] - 25) < 6);
+    const at = await handleWhere(page, 'translate normal +');
+    await dragHandle(page, 'translate normal +', 0, 25, 10);
+    await handleWhere(page, 'translate normal +', (now) => Math.abs(now[1] - at[1] - 25) < 6);
     await page.keyboard.press('Control+z');
-    await handleWhere(page, 'shift normal +', (now) => Math.abs(now[1] - at[1]) < 2);
+    await handleWhere(page, 'translate normal +', (now) => Math.abs(now[1] - at[1]) < 2);
     await page.keyboard.press('Escape');
     await page.click(id('add-curve'));
     for (const [u, v] of [
@@ -261,7 +261,7 @@ test('movement: 12 mm forward and 5 mm down by dragging, overlap all the while',
     await look(page, 'From the patient’s right');
     const px = Number(await page.getAttribute('.view3d canvas:not(.overlay)', 'data-px-per-mm'));
     // Slowly, as a hand does it: 3 s for 12 mm.
-    const found = await handleWhere(page, 'shift AP +');
+    const found = await handleWhere(page, 'translate AP +');
     const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
     await page.mouse.move(box.x + found[0], box.y + found[1]);
     await page.mouse.down();
@@ -284,7 +284,7 @@ test('movement: 12 mm forward and 5 mm down by dragging, overlap all the while',
     const rate = Math.max(...rates);
     measured('overlap while dragging, best second', rate, 'updates/s', 'at least', 20);
     await type(page, 'move-anterior', 12);
-    await dragHandle(page, 'shift SI -', 0, 5 * px, 10);
+    await dragHandle(page, 'translate SI -', 0, 5 * px, 10);
     await type(page, 'move-superior', -5);
     await page.getByText('12.0 mm anterior, 5.0 mm inferior').waitFor();
     await saved(page);
@@ -320,7 +320,7 @@ test('preview: a face after the end of a drag', () =>
       .locator(`${id('preview-banner')} ${id('preview-latency')}`)
       .first()
       .getAttribute('data-ms');
-    await dragHandle(page, 'shift SI -', 0, 8, 8);
+    await dragHandle(page, 'translate SI -', 0, 8, 8);
     await page.waitForFunction(
       ([sel, old]) => {
         const e = document.querySelector(sel);
@@ -389,7 +389,7 @@ test('boundary painted on a skull: how quick the brush is', () =>
     check('nothing is left', (await painted('fixed')) === 0);
   }));
 
-test('keyboard and colours', () =>
+test('keyboard and colors', () =>
   withShared(
     async (page) => {
       await settled(page);
@@ -409,7 +409,7 @@ test('keyboard and colours', () =>
         await step(page, name);
         await accessible(page, `${name}, dark`);
       }
-      await page.getByRole('button', { name: /Colours/ }).click();
+      await page.getByRole('button', { name: /Colors/ }).click();
       check('light by the switch', (await page.getAttribute('html', 'data-theme')) === 'light');
     },
     { scheme: 'dark' },

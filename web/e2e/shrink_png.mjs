@@ -1,4 +1,4 @@
-// Makes a PNG small: browsers write them quickly instead. The lowest bit of each colour goes, which in a scan is noise
+// Makes a PNG small: browsers write them quickly instead. The lowest bit of each color goes, which in a scan is noise
 // and in a page nothing that can be seen. RFC 2083.
 import { deflateSync, inflateSync } from 'node:zlib';
 

@@ -82,15 +82,15 @@ let made = null;
 /** The head, cut and planned, and its server. */
 export async function planned() {
   made ??= await (async () => {
-    const case_ = freshFolder('outcome');
-    const server = await serve(case_.folder);
+    const caseInfo = freshFolder('outcome');
+    const server = await serve(caseInfo.folder);
     const { put, run, upload } = api(server.address);
     await run({ kind: 'import', upload: await upload(smallHead(), 'head.nrrd') });
     await run({ kind: 'segment' });
     await put('/landmarks', { landmarks: LANDMARKS });
     await put('/plan', PLAN);
     await run({ kind: 'cut' });
-    return { ...case_, server, ...api(server.address) };
+    return { ...caseInfo, server, ...api(server.address) };
   })();
   return made;
 }

@@ -7,7 +7,7 @@ import {
   labelsOfBox,
   labelVertices,
   paintedBox,
-  paintReach_mm,
+  paintTolerance_mm,
   paintReader,
   paintSurface,
   triangleDistance2,
@@ -46,12 +46,18 @@ function sheets(apart: number): Surface {
   return { points: Float32Array.from(points), triangles: Uint32Array.from(triangles) };
 }
 
-const dab = { centre_L: [0, 0, 5] as Vec3, normal: [0, -1, 0] as Vec3, radius_mm: 4, thickness_mm: 1.2, label: 2 };
+const brushStamp = {
+  center_L: [0, 0, 5] as Vec3,
+  normal: [0, -1, 0] as Vec3,
+  radius_mm: 4,
+  thickness_mm: 1.2,
+  label: 2,
+};
 
 describe('the brush on a surface', () => {
   it('paints the voxels within its ball and near what faces it, and no others', () => {
     const labels = blank();
-    const edit = paintSurface(labels, grid, sheets(6), dab);
+    const edit = paintSurface(labels, grid, sheets(6), brushStamp);
     let painted = 0;
     for (let n = 0; n < count; n++) {
       const p = indexToL(grid, [n % 30, Math.floor(n / 30) % 28, Math.floor(n / 840)]);
@@ -67,8 +73,8 @@ describe('the brush on a surface', () => {
   it('decides every vertex well within it, as the solver reads the file', () => {
     const labels = blank();
     const surface = sheets(6);
-    const reach = paintReach_mm(grid);
-    paintSurface(labels, grid, surface, { ...dab, thickness_mm: 0.8 + reach });
+    const reach = paintTolerance_mm(grid);
+    paintSurface(labels, grid, surface, { ...brushStamp, thickness_mm: 0.8 + reach });
     const of = new Uint8Array(surface.points.length / 3);
     labelVertices(labels, grid, surface.points, of);
     for (let v = 0; v < of.length; v++) {
@@ -94,7 +100,7 @@ describe('the brush on a surface', () => {
     labels[1 + 4 * (1 + 4)] = 1;
     labels[3 + 4 * (1 + 4)] = 2;
     const read = paintReader(labels, plain);
-    const reach = paintReach_mm(plain);
+    const reach = paintTolerance_mm(plain);
     expect(read(10.5, 20.5, 32)).toBe(1);
     expect(read(10.95, 20.5, 32)).toBe(1);
     expect(read(11.05, 20.5, 32)).toBe(2);
@@ -107,12 +113,12 @@ describe('the brush on a surface', () => {
   it('rubs out, and is taken back', () => {
     const labels = blank();
     const strokes = new AppliedStrokes();
-    const first = paintSurface(labels, grid, sheets(6), dab);
+    const first = paintSurface(labels, grid, sheets(6), brushStamp);
     const painted = labels.slice();
-    const second = paintSurface(labels, grid, sheets(6), { ...dab, radius_mm: 2, label: 0 });
+    const second = paintSurface(labels, grid, sheets(6), { ...brushStamp, radius_mm: 2, label: 0 });
     const rubbed = labels.slice();
     expect(second.at.length).toBeGreaterThan(5);
-    strokes.are([first, second]);
+    strokes.setApplied([first, second]);
     expect(strokes.apply(labels, [first])).toBe(true);
     expect(labels).toEqual(painted);
     strokes.apply(labels, []);
@@ -132,7 +138,7 @@ describe('the brush on a surface', () => {
   it('goes to the server as the smallest box, and comes back', () => {
     const labels = blank();
     expect(paintedBox(labels, grid)).toBeNull();
-    paintSurface(labels, grid, sheets(6), dab);
+    paintSurface(labels, grid, sheets(6), brushStamp);
     const box = paintedBox(labels, grid)!;
     const bytes = bytesWithin(labels, grid, box);
     expect(bytes.length).toBeLessThan(count / 10);

@@ -1,15 +1,15 @@
 import { describe, expect, it } from 'vitest';
 import {
-  aboutPoint,
-  partOf,
-  PARTS,
+  changePivot,
+  componentOf,
+  COMPONENTS,
   poseOf,
   rotationMatrix,
   rotationVector,
-  shifted,
+  translated,
   transformPoint,
-  turned,
-  withPart,
+  rotated,
+  withComponent,
   type Move,
   type Vec3,
 } from '../src/model';
@@ -20,7 +20,7 @@ const goes = (move: Move, p: Vec3) => transformPoint(poseOf(move), p);
 
 describe('a move', () => {
   it('12 mm forward and 5 mm down is −y and −z', () => {
-    const move = withPart(withPart(rest, 'anterior', 12), 'superior', -5);
+    const move = withComponent(withComponent(rest, 'anterior', 12), 'superior', -5);
     close(move.translation_mm, [0, -12, -5]);
     close(goes(move, [1, 2, 3]), [1, -10, -2]);
   });
@@ -34,27 +34,27 @@ describe('a move', () => {
   it('pitch lifts the front, yaw takes it to the left, roll lifts the left side', () => {
     const front: Vec3 = [120, 40, 30];
     const left: Vec3 = [130, 50, 30];
-    expect(goes(withPart(rest, 'pitch', 10), front)[2]).toBeGreaterThan(30);
-    expect(goes(withPart(rest, 'yaw', 10), front)[0]).toBeGreaterThan(120);
-    expect(goes(withPart(rest, 'roll', 10), left)[2]).toBeGreaterThan(30);
+    expect(goes(withComponent(rest, 'pitch', 10), front)[2]).toBeGreaterThan(30);
+    expect(goes(withComponent(rest, 'yaw', 10), front)[0]).toBeGreaterThan(120);
+    expect(goes(withComponent(rest, 'roll', 10), left)[2]).toBeGreaterThan(30);
   });
 
   it('has parts that are read as they were written, each alone', () => {
     let move = rest;
-    PARTS.forEach((part, n) => (move = withPart(move, part.key, n + 1.5)));
-    PARTS.forEach((part, n) => expect(partOf(move, part.key)).toBeCloseTo(n + 1.5, 12));
+    COMPONENTS.forEach((part, n) => (move = withComponent(move, part.key, n + 1.5)));
+    COMPONENTS.forEach((part, n) => expect(componentOf(move, part.key)).toBeCloseTo(n + 1.5, 12));
   });
 
   it('is the same motion when told about another point', () => {
     const move: Move = { ...rest, rotation_deg: [3, -8, 20], translation_mm: [1, -12, -5] };
-    const other = aboutPoint(move, [90, 10, 70]);
+    const other = changePivot(move, [90, 10, 70]);
     close(poseOf(other), poseOf(move));
   });
 
   it('turned further keeps its fixed point where it has come to lie', () => {
-    const move = turned(shifted(rest, [0, -12, -5]), [0, 0, 15]);
+    const move = rotated(translated(rest, [0, -12, -5]), [0, 0, 15]);
     close(goes(move, rest.about_mm), [120, 38, 25]);
-    close(turned(turned(rest, [0, 0, 10]), [0, 0, 5]).rotation_deg, [0, 0, 15]);
+    close(rotated(rotated(rest, [0, 0, 10]), [0, 0, 5]).rotation_deg, [0, 0, 15]);
   });
 });
 

@@ -1,9 +1,9 @@
 import { describe, expect, it } from 'vitest';
 import {
-  colourAt,
+  colorAt,
   fixed,
-  greyOf,
-  greyTable,
+  grayOf,
+  grayTable,
   joinEdits,
   nextToPlace,
   paint,
@@ -37,7 +37,7 @@ describe('the brush', () => {
     expect(edit.at.length).toBe(labels.filter((l) => l === 2).length);
   });
 
-  it('can be taken back and done again, overlapping dabs too', () => {
+  it('can be taken back and done again, overlapping brushStamps too', () => {
     const labels = Uint8Array.from({ length: 8000 }, (_, n) => n % 3);
     const before = labels.slice();
     const stroke = joinEdits(paintBall(labels, grid, [10, 10, 20], 3, 2), paintBall(labels, grid, [11, 10, 20], 3, 2));
@@ -53,22 +53,22 @@ describe('the brush', () => {
   });
 });
 
-describe('greys', () => {
+describe('grays', () => {
   it('run from black to white over the window', () => {
     const window = { level_hu: 50, window_hu: 400 };
-    expect([-151, 50, 251].map((hu) => greyOf(hu, window))).toEqual([0, 128, 255]);
-    expect(greyTable(window)[32768 + 50]).toBe(128);
+    expect([-151, 50, 251].map((hu) => grayOf(hu, window))).toEqual([0, 128, 255]);
+    expect(grayTable(window)[32768 + 50]).toBe(128);
   });
 });
 
-describe('colours', () => {
+describe('colors', () => {
   it('clamp, and take NaN for the lowest', () => {
-    expect(colourAt('distance', -1)).toEqual(colourAt('distance', 0));
-    expect(colourAt('distance', NaN)).toEqual(colourAt('distance', 0));
-    expect(colourAt('distance', 2)).toEqual(colourAt('distance', 1));
+    expect(colorAt('distance', -1)).toEqual(colorAt('distance', 0));
+    expect(colorAt('distance', NaN)).toEqual(colorAt('distance', 0));
+    expect(colorAt('distance', 2)).toEqual(colorAt('distance', 1));
   });
 
-  it('paint each vertex, and leave the rest in its own colour', () => {
+  it('paint each vertex, and leave the rest in its own color', () => {
     const rgb = new Float32Array(9);
     paint([0, 1, 2], 'depth', 0, 2, rgb, [0, 0, 1]);
     expect([...rgb.slice(0, 3)]).toEqual([0, 0, 1]);

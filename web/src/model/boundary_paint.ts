@@ -4,10 +4,10 @@ import type { Surface } from './section';
 
 // What is painted on the tissue's boundary, on the voxels of the scan (docs/tissue-mesh.md).
 
-/** How far a painted voxel's centre may be from what it decides: half a voxel's diagonal, as predict/boundary_labels has it [mm]. */
-export const paintReach_mm = (grid: Grid): number => 0.5 * Math.hypot(...grid.spacing_mm);
+/** How far a painted voxel's center may be from what it decides: half a voxel's diagonal, as predict/boundary_labels has it [mm]. */
+export const paintTolerance_mm = (grid: Grid): number => 0.5 * Math.hypot(...grid.spacing_mm);
 
-/** Into millimetres along the voxel axes, from the first voxel's centre: distances are as in L. */
+/** Into millimetres along the voxel axes, from the first voxel's center: distances are as in L. */
 function gridMillimetres(grid: Grid): (x: number, y: number, z: number) => Vec3 {
   const [ox, oy, oz] = grid.origin_mm;
   const [a, b, c, d, e, f, g, h, i] = grid.direction;
@@ -84,36 +84,36 @@ const cubeOf = (mm: number): number => Math.floor(mm / CUBE_MM);
 const keyOf = (i: number, j: number, k: number): number => i + 512 + 1024 * (j + 512 + 1024 * (k + 512));
 
 /** Where and how widely the brush is put on a surface. */
-export interface Dab {
-  centre_L: Vec3;
+export interface BrushStamp {
+  center_L: Vec3;
   /** Of the surface there: what faces away from it is not painted, such as the other side of a bone. */
   normal: Vec3;
   radius_mm: number;
-  /** How far from the surface a voxel's centre may lie. */
+  /** How far from the surface a voxel's center may lie. */
   thickness_mm: number;
   /** 0 takes paint away. */
   label: number;
 }
 
 /** Paints the voxels within the brush and near the surface, and tells which changed. The surface stands as scanned. */
-export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, dab: Dab): LabelEdit {
+export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, brushStamp: BrushStamp): LabelEdit {
   const { points, triangles } = surface;
-  const { centre_L, normal, radius_mm, thickness_mm, label } = dab;
+  const { center_L, normal, radius_mm, thickness_mm, label } = brushStamp;
   const [nx, ny, nz] = grid.size;
   const [sx, sy, sz] = grid.spacing_mm;
   const reach = radius_mm + thickness_mm;
   const inGrid = gridMillimetres(grid);
-  const centre = inGrid(...centre_L);
+  const center = inGrid(...center_L);
   const at: number[] = [];
   const before: number[] = [];
   const corner = (v: number): Vec3 => [points[3 * v], points[3 * v + 1], points[3 * v + 2]];
-  TriangleCubes.of(surface).visit(centre_L, reach, (t) => {
+  TriangleCubes.of(surface).visit(center_L, reach, (t) => {
     let isNear = true;
     for (let axis = 0; axis < 3 && isNear; axis++) {
       const x = points[3 * triangles[t] + axis];
       const y = points[3 * triangles[t + 1] + axis];
       const z = points[3 * triangles[t + 2] + axis];
-      isNear = Math.min(x, y, z) <= centre_L[axis] + reach && Math.max(x, y, z) >= centre_L[axis] - reach;
+      isNear = Math.min(x, y, z) <= center_L[axis] + reach && Math.max(x, y, z) >= center_L[axis] - reach;
     }
     if (!isNear) return;
     const [p, q, r] = [corner(triangles[t]), corner(triangles[t + 1]), corner(triangles[t + 2])];
@@ -128,7 +128,7 @@ export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, d
         for (let i = i0; i <= i1; i++) {
           const n = i + nx * (j + ny * k);
           if (labels[n] === label) continue;
-          const [dx, dy, dz] = [i * sx - centre[0], j * sy - centre[1], k * sz - centre[2]];
+          const [dx, dy, dz] = [i * sx - center[0], j * sy - center[1], k * sz - center[2]];
           if (dx * dx + dy * dy + dz * dz > radius_mm * radius_mm) continue;
           if (triangleDistance2([i * sx, j * sy, k * sz], a, b, c) > thickness_mm * thickness_mm) continue;
           at.push(n);
@@ -143,7 +143,7 @@ export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, d
 export function paintReader(labels: Uint8Array, grid: Grid): (x: number, y: number, z: number) => number {
   const [nx, ny, nz] = grid.size;
   const [sx, sy, sz] = grid.spacing_mm;
-  const reach = paintReach_mm(grid) * (1 + 1e-9);
+  const reach = paintTolerance_mm(grid) * (1 + 1e-9);
   const inGrid = gridMillimetres(grid);
   return (x, y, z) => {
     const [px, py, pz] = inGrid(x, y, z);
@@ -176,7 +176,7 @@ export function labelVertices(
   grid: Grid,
   points: Float32Array,
   into: Uint8Array,
-  within?: { centre: Vec3; radius_mm: number },
+  within?: { center: Vec3; radius_mm: number },
 ): boolean {
   const read = paintReader(labels, grid);
   const reach2 = within ? within.radius_mm ** 2 : 0;
@@ -184,7 +184,7 @@ export function labelVertices(
   for (let v = 0; v < into.length; v++) {
     const [x, y, z] = [points[3 * v], points[3 * v + 1], points[3 * v + 2]];
     if (within) {
-      const [dx, dy, dz] = [x - within.centre[0], y - within.centre[1], z - within.centre[2]];
+      const [dx, dy, dz] = [x - within.center[0], y - within.center[1], z - within.center[2]];
       if (dx * dx + dy * dy + dz * dz > reach2) continue;
     }
     const label = read(x, y, z);

@@ -141,7 +141,7 @@ export function sliceFrame(grid: Grid, orientation: Orientation): SliceFrame {
   };
 }
 
-/** A point of a slice's picture, in pixels from its top left voxel's centre, as a voxel index. */
+/** A point of a slice's picture, in pixels from its top left voxel's center, as a voxel index. */
 export function pixelToIndex(grid: Grid, frame: SliceFrame, column_px: number, row_px: number, slice: number): Vec3 {
   const index: [number, number, number] = [0, 0, 0];
   index[frame.right] = frame.flipRight ? grid.size[frame.right] - 1 - column_px : column_px;
@@ -163,7 +163,7 @@ export function indexToPixel(
 }
 
 /** Middle of the grid in L. */
-export const gridCentre = (grid: Grid): Vec3 =>
+export const gridCenter = (grid: Grid): Vec3 =>
   indexToL(grid, [(grid.size[0] - 1) / 2, (grid.size[1] - 1) / 2, (grid.size[2] - 1) / 2]);
 
 export type ViewName = 'front' | 'right' | 'left' | 'right three-quarter' | 'left three-quarter' | 'below' | 'above';

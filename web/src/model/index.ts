@@ -1,5 +1,5 @@
 export * from './boundary_paint';
-export * from './colour';
+export * from './color';
 export * from './frames';
 export * from './history';
 export * from './labels';

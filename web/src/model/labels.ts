@@ -7,15 +7,15 @@ export interface LabelEdit {
   after: number;
 }
 
-/** Paints a ball into labels (x fastest) and tells which voxels changed. Voxels whose centre lies in the ball. */
-export function paintBall(labels: Uint8Array, grid: Grid, centre_L: Vec3, radius_mm: number, label: number): LabelEdit {
-  const centre = lToIndex(grid, centre_L);
+/** Paints a ball into labels (x fastest) and tells which voxels changed. Voxels whose center lies in the ball. */
+export function paintBall(labels: Uint8Array, grid: Grid, center_L: Vec3, radius_mm: number, label: number): LabelEdit {
+  const center = lToIndex(grid, center_L);
   const [nx, ny, nz] = grid.size;
   const range = [0, 1, 2].map((axis) => {
     const reach = radius_mm / grid.spacing_mm[axis];
     return [
-      Math.max(0, Math.ceil(centre[axis] - reach)),
-      Math.min(grid.size[axis] - 1, Math.floor(centre[axis] + reach)),
+      Math.max(0, Math.ceil(center[axis] - reach)),
+      Math.min(grid.size[axis] - 1, Math.floor(center[axis] + reach)),
     ];
   });
   const at: number[] = [];
@@ -23,9 +23,9 @@ export function paintBall(labels: Uint8Array, grid: Grid, centre_L: Vec3, radius
   for (let k = range[2][0]; k <= range[2][1] && k < nz; k++)
     for (let j = range[1][0]; j <= range[1][1] && j < ny; j++)
       for (let i = range[0][0]; i <= range[0][1] && i < nx; i++) {
-        const dx = (i - centre[0]) * grid.spacing_mm[0];
-        const dy = (j - centre[1]) * grid.spacing_mm[1];
-        const dz = (k - centre[2]) * grid.spacing_mm[2];
+        const dx = (i - center[0]) * grid.spacing_mm[0];
+        const dy = (j - center[1]) * grid.spacing_mm[1];
+        const dz = (k - center[2]) * grid.spacing_mm[2];
         if (dx * dx + dy * dy + dz * dz > radius_mm * radius_mm) continue;
         const n = i + nx * (j + ny * k);
         if (labels[n] === label) continue;
@@ -56,7 +56,7 @@ export class AppliedStrokes {
   private applied: readonly LabelEdit[] = [];
 
   /** The labels are these strokes' already. */
-  are(strokes: readonly LabelEdit[]): void {
+  setApplied(strokes: readonly LabelEdit[]): void {
     this.applied = strokes;
   }
 
@@ -72,8 +72,8 @@ export class AppliedStrokes {
   }
 }
 
-/** Centre of a voxel in L, by its number. */
-export function voxelCentre(grid: Grid, n: number): Vec3 {
+/** Center of a voxel in L, by its number. */
+export function voxelCenter(grid: Grid, n: number): Vec3 {
   const [nx, ny] = grid.size;
   return indexToL(grid, [n % nx, Math.floor(n / nx) % ny, Math.floor(n / (nx * ny))]);
 }

@@ -76,8 +76,8 @@ export function nextToPlace(landmarks: readonly Landmark[], name: string | null)
   return order.find((kind) => !placed(landmarks, kind.name))?.name ?? null;
 }
 
-export const byName = (landmarks: readonly Landmark[]): Record<string, Vec3> =>
+export const toRecord = (landmarks: readonly Landmark[]): Record<string, Vec3> =>
   Object.fromEntries(landmarks.map((landmark) => [landmark.name, landmark.position_mm]));
 
-export const fromPoints = (points: Record<string, Vec3>): Landmark[] =>
+export const fromRecord = (points: Record<string, Vec3>): Landmark[] =>
   Object.entries(points).map(([name, position_mm]) => ({ name, position_mm }));

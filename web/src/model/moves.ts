@@ -73,18 +73,18 @@ export const transformPoint = (X: Mat4, p: Vec3): Vec3 => [
 ];
 
 /** The same motion told about another fixed point. */
-export function aboutPoint(move: Move, about_mm: Vec3): Move {
+export function changePivot(move: Move, about_mm: Vec3): Move {
   return { ...move, about_mm, translation_mm: sub(transformPoint(poseOf(move), about_mm), about_mm) };
 }
 
 /** Shifted further by a vector of L. */
-export const shifted = (move: Move, by_mm: Vec3): Move => ({
+export const translated = (move: Move, by_mm: Vec3): Move => ({
   ...move,
   translation_mm: add(move.translation_mm, by_mm),
 });
 
 /** Turned further about where its fixed point has come to lie. */
-export function turned(move: Move, by_deg: Vec3): Move {
+export function rotated(move: Move, by_deg: Vec3): Move {
   const R = multiply3(rotationMatrix(by_deg), rotationMatrix(move.rotation_deg));
   return { ...move, rotation_deg: rotationVector(R) };
 }
@@ -96,31 +96,31 @@ export const moveOf = (keyframe: Keyframe, pivot: Vec3): Move => ({
 });
 
 /** Where keyframe k lies on the path. */
-export const shareOf = (keyframes: readonly Keyframe[], k: number): number =>
+export const pathFractionOf = (keyframes: readonly Keyframe[], k: number): number =>
   keyframes[k].at ?? (k + 1) / keyframes.length;
 
 /** The parts of a move a surgeon says: along and about the axes of L. */
-export const PARTS = [
-  { key: 'anterior', kind: 'shift', plus: 'anterior', minus: 'posterior', axis: [0, -1, 0], unit: 'mm' },
-  { key: 'superior', kind: 'shift', plus: 'superior', minus: 'inferior', axis: [0, 0, 1], unit: 'mm' },
-  { key: 'left', kind: 'shift', plus: 'to the left', minus: 'to the right', axis: [1, 0, 0], unit: 'mm' },
-  { key: 'pitch', kind: 'turn', plus: 'front up', minus: 'front down', axis: [-1, 0, 0], unit: '°' },
-  { key: 'roll', kind: 'turn', plus: 'left side up', minus: 'right side up', axis: [0, -1, 0], unit: '°' },
-  { key: 'yaw', kind: 'turn', plus: 'front to the left', minus: 'front to the right', axis: [0, 0, 1], unit: '°' },
+export const COMPONENTS = [
+  { key: 'anterior', kind: 'translate', plus: 'anterior', minus: 'posterior', axis: [0, -1, 0], unit: 'mm' },
+  { key: 'superior', kind: 'translate', plus: 'superior', minus: 'inferior', axis: [0, 0, 1], unit: 'mm' },
+  { key: 'left', kind: 'translate', plus: 'to the left', minus: 'to the right', axis: [1, 0, 0], unit: 'mm' },
+  { key: 'pitch', kind: 'rotate', plus: 'front up', minus: 'front down', axis: [-1, 0, 0], unit: '°' },
+  { key: 'roll', kind: 'rotate', plus: 'left side up', minus: 'right side up', axis: [0, -1, 0], unit: '°' },
+  { key: 'yaw', kind: 'rotate', plus: 'front to the left', minus: 'front to the right', axis: [0, 0, 1], unit: '°' },
 ] as const satisfies readonly { key: string; kind: string; plus: string; minus: string; axis: Vec3; unit: string }[];
 
-export type PartKey = (typeof PARTS)[number]['key'];
+export type ComponentKey = (typeof COMPONENTS)[number]['key'];
 
-export function partOf(move: Move, key: PartKey): number {
-  const part = PARTS.find((p) => p.key === key)!;
-  const value = dot(part.kind === 'shift' ? move.translation_mm : move.rotation_deg, part.axis);
+export function componentOf(move: Move, key: ComponentKey): number {
+  const part = COMPONENTS.find((p) => p.key === key)!;
+  const value = dot(part.kind === 'translate' ? move.translation_mm : move.rotation_deg, part.axis);
   return value === 0 ? 0 : value; // No minus zero on the screen.
 }
 
-export function withPart(move: Move, key: PartKey, value: number): Move {
-  const part = PARTS.find((p) => p.key === key)!;
-  const field = part.kind === 'shift' ? 'translation_mm' : 'rotation_deg';
-  return { ...move, [field]: add(move[field], scale(part.axis, value - partOf(move, key))) };
+export function withComponent(move: Move, key: ComponentKey, value: number): Move {
+  const part = COMPONENTS.find((p) => p.key === key)!;
+  const field = part.kind === 'translate' ? 'translation_mm' : 'rotation_deg';
+  return { ...move, [field]: add(move[field], scale(part.axis, value - componentOf(move, key))) };
 }
 
 /** A frame whose third axis is `normal`: two directions across it, right-handed. */

@@ -264,7 +264,7 @@ export const withoutKeyframe = (plan: Plan, index: number, k: number): Plan =>
     return { ...segment, path: { ...segment.path, keyframes: spread(keyframes.filter((_, n) => n !== k)) } };
   });
 
-/** Moves keyframe k in time, between its neighbours; the last stays at 1. */
+/** Moves keyframe k in time, between its neighbors; the last stays at 1. */
 export const retimeKeyframe = (plan: Plan, index: number, k: number, at: number): Plan =>
   editSegment(plan, index, (segment) => {
     const keyframes = keyframesOf(segment);

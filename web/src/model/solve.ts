@@ -1,5 +1,5 @@
 /** Iterations of a solve as they are told, from the first that is known. */
-export interface Told<T> {
+export interface Stream<T> {
   /** The solve: a job's number. */
   readonly job: number;
   /** How many came before those that are known. */
@@ -8,7 +8,7 @@ export interface Told<T> {
 }
 
 /** Puts what a page is told behind what it knows; null if something between is missing, or it is of another solve. */
-export function joinTold<T>(known: Told<T> | null, more: Told<T>): Told<T> | null {
+export function mergeStream<T>(known: Stream<T> | null, more: Stream<T>): Stream<T> | null {
   if (known === null || known.job !== more.job) return more.from === 0 ? more : null;
   const at = more.from - known.from;
   if (at < 0 || at > known.points.length) return null;

@@ -1,4 +1,4 @@
-/** How CT numbers become greys: level is the middle, window the width; both HU. */
+/** How CT numbers become grays: level is the middle, window the width; both HU. */
 export interface Window {
   level_hu: number;
   window_hu: number;
@@ -12,16 +12,16 @@ export const WINDOW_PRESETS: readonly (Window & { name: string })[] = [
   { name: 'Full', level_hu: 1000, window_hu: 4000 },
 ];
 
-/** Grey 0 to 255. */
-export function greyOf(hu: number, { level_hu, window_hu }: Window): number {
+/** Gray 0 to 255. */
+export function grayOf(hu: number, { level_hu, window_hu }: Window): number {
   const share = (hu - level_hu) / window_hu + 0.5;
   return Math.round(255 * Math.min(1, Math.max(0, share)));
 }
 
-/** The greys of all int16 numbers, by number + 32768. */
-export function greyTable(window: Window): Uint8Array {
+/** The grays of all int16 numbers, by number + 32768. */
+export function grayTable(window: Window): Uint8Array {
   const table = new Uint8Array(65536);
-  for (let n = 0; n < table.length; n++) table[n] = greyOf(n - 32768, window);
+  for (let n = 0; n < table.length; n++) table[n] = grayOf(n - 32768, window);
   return table;
 }
 

@@ -4,7 +4,7 @@ import { linearOf, paint, vertexNormals, type DrawnSurface, type Mat4, type Rgb,
 /** One surface on the screen: fine when still, coarse while something moves. */
 export class Body {
   readonly group = new Group();
-  // Always by vertex, so that a change of colouring needs no other shader, which software is slow to make.
+  // Always by vertex, so that a change of coloring needs no other shader, which software is slow to make.
   private readonly material = new MeshLambertMaterial({ vertexColors: true });
   /** Only its depth is drawn, first: a clear face shows no face behind it. */
   private readonly depthOnly = new MeshLambertMaterial({ vertexColors: true, colorWrite: false });
@@ -18,7 +18,7 @@ export class Body {
 
   constructor(
     readonly surface: DrawnSurface,
-    colour: Rgb,
+    color: Rgb,
   ) {
     const fine = geometryOf(surface.points, surface.normals, surface.triangles);
     const { vertex, triangles } = surface.coarse;
@@ -30,18 +30,18 @@ export class Body {
     this.fineDepth.renderOrder = this.coarseDepth.renderOrder = 1;
     this.group.add(this.fine, this.coarse, this.fineDepth, this.coarseDepth);
     this.group.matrixAutoUpdate = false;
-    this.setColour(colour);
+    this.setColor(color);
     this.update();
   }
 
-  /** One colour for all; lost when values are shown. */
-  setColour(colour: Rgb): void {
-    const [r, g, b] = linearOf(colour);
-    for (const array of this.colours()) for (let n = 0; n < array.length; n += 3) array.set([r, g, b], n);
+  /** One color for all; lost when values are shown. */
+  setColor(color: Rgb): void {
+    const [r, g, b] = linearOf(color);
+    for (const array of this.colors()) for (let n = 0; n < array.length; n += 3) array.set([r, g, b], n);
   }
 
-  /** The colours of both meshes, about to be written. */
-  private colours(): Float32Array[] {
+  /** The colors of both meshes, about to be written. */
+  private colors(): Float32Array[] {
     return [this.fine, this.coarse].map((mesh) => {
       const attribute = mesh.geometry.getAttribute('color') as BufferAttribute;
       attribute.needsUpdate = true;
@@ -75,9 +75,9 @@ export class Body {
     this.group.matrixWorldNeedsUpdate = true;
   }
 
-  /** Colours each vertex by a number; `rest` is the colour of those not above `from`. */
+  /** Colors each vertex by a number; `rest` is the color of those not above `from`. */
   setValues(values: Float32Array, scale: ScaleName, from: number, to: number, rest?: Rgb): void {
-    const [fine, coarse] = this.colours();
+    const [fine, coarse] = this.colors();
     paint(values, scale, from, to, fine, rest);
     paint(
       Float32Array.from(this.surface.coarse.vertex, (v) => values[v]),
@@ -89,18 +89,18 @@ export class Body {
     );
   }
 
-  /** Colours each vertex by its label; `palette`: linear RGB by label. */
+  /** Colors each vertex by its label; `palette`: linear RGB by label. */
   setLabels(labels: Uint8Array, palette: readonly Rgb[]): void {
-    const [fine, coarse] = this.colours();
-    const colour = (into: Float32Array, n: number, label: number): void => {
+    const [fine, coarse] = this.colors();
+    const color = (into: Float32Array, n: number, label: number): void => {
       const rgb = palette[label] ?? palette[0];
       into[3 * n] = rgb[0];
       into[3 * n + 1] = rgb[1];
       into[3 * n + 2] = rgb[2];
     };
-    for (let v = 0; v < labels.length; v++) colour(fine, v, labels[v]);
+    for (let v = 0; v < labels.length; v++) color(fine, v, labels[v]);
     const { vertex } = this.surface.coarse;
-    for (let n = 0; n < vertex.length; n++) colour(coarse, n, labels[vertex[n]]);
+    for (let n = 0; n < vertex.length; n++) color(coarse, n, labels[vertex[n]]);
   }
 
   /** Moves each vertex by a vector (flat xyz, mm); null takes all back. */

@@ -7,7 +7,7 @@ import type { Projection } from './projection';
 export interface Polyline {
   points: Vec3[];
   closed: boolean;
-  colour: string;
+  color: string;
   dashed?: boolean;
 }
 
@@ -15,7 +15,7 @@ export interface PlaneMark {
   point: Vec3;
   normal: Vec3;
   size_mm: number;
-  colour: string;
+  color: string;
   selected: boolean;
 }
 
@@ -34,7 +34,7 @@ export function drawLine(context: CanvasRenderingContext2D, projection: Projecti
   context.strokeStyle = 'rgb(0 0 0 / 0.35)';
   context.stroke();
   context.lineWidth = 2;
-  context.strokeStyle = line.colour;
+  context.strokeStyle = line.color;
   context.stroke();
   context.setLineDash([]);
 }
@@ -63,7 +63,7 @@ export function drawPlaneOutline(context: CanvasRenderingContext2D, projection: 
   });
   context.closePath();
   context.lineWidth = mark.selected ? 2 : 1.25;
-  context.strokeStyle = mark.colour;
+  context.strokeStyle = mark.color;
   context.globalAlpha = mark.selected ? 1 : 0.7;
   context.stroke();
   context.globalAlpha = 1;
@@ -148,32 +148,32 @@ export function drawLabels(
 /** A stroke of the brush that the bodies do not show yet. */
 export function drawStroke(
   context: CanvasRenderingContext2D,
-  dabs: readonly [number, number][],
+  brushStamps: readonly [number, number][],
   radius_px: number,
-  colour: string,
+  color: string,
 ): void {
-  if (dabs.length === 0) return;
+  if (brushStamps.length === 0) return;
   context.beginPath();
-  for (const [x, y] of dabs) {
+  for (const [x, y] of brushStamps) {
     context.moveTo(x + radius_px, y);
     context.arc(x, y, radius_px, 0, 2 * Math.PI);
   }
   context.globalAlpha = 0.6;
-  context.fillStyle = colour;
+  context.fillStyle = color;
   context.fill();
   context.globalAlpha = 1;
 }
 
 /** How widely the brush paints. */
 export function drawBrush(context: CanvasRenderingContext2D, [x, y]: [number, number], radius_px: number): void {
-  for (const [width, colour] of [
+  for (const [width, color] of [
     [3.5, 'rgb(0 0 0 / 0.45)'],
     [1.5, '#ffffff'],
   ] as const) {
     context.beginPath();
     context.arc(x, y, radius_px, 0, 2 * Math.PI);
     context.lineWidth = width;
-    context.strokeStyle = colour;
+    context.strokeStyle = color;
     context.stroke();
   }
 }

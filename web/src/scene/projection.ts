@@ -18,7 +18,7 @@ export function projectionOf(
   forward: Vec3,
   up: Vec3,
   px_per_mm: number,
-  centre_px: [number, number],
+  center_px: [number, number],
 ): Projection {
   const right = cross(forward, up);
   const directionOnScreen = (d: Vec3): [number, number] => [dot(d, right) * px_per_mm, -dot(d, up) * px_per_mm];
@@ -30,11 +30,11 @@ export function projectionOf(
     directionOnScreen,
     toScreen(p) {
       const [x, y] = directionOnScreen(sub(p, target));
-      return [centre_px[0] + x, centre_px[1] + y];
+      return [center_px[0] + x, center_px[1] + y];
     },
     rayAt(x, y) {
-      const a = (x - centre_px[0]) / px_per_mm;
-      const b = -(y - centre_px[1]) / px_per_mm;
+      const a = (x - center_px[0]) / px_per_mm;
+      const b = -(y - center_px[1]) / px_per_mm;
       const back = 2000; // mm, beyond any head
       const origin = [0, 1, 2].map((c) => target[c] + a * right[c] + b * up[c] - back * forward[c]);
       return { origin: origin as unknown as Vec3, direction: forward };

@@ -1,6 +1,6 @@
 import {
   draggedWindow,
-  greyTable,
+  grayTable,
   indexToL,
   indexToPixel,
   lToIndex,
@@ -18,14 +18,14 @@ export interface SliceMarker {
   id: string;
   position: Vec3;
   label: string;
-  colour: string;
+  color: string;
   selected: boolean;
 }
 
 /** A plane or a surface's outline, already cut: pairs of points in L. */
 export interface SliceLines {
   lines: Float32Array;
-  colour: string;
+  color: string;
   dashed?: boolean;
 }
 
@@ -38,7 +38,7 @@ export interface SliceEvents {
   onTool(p_L: Vec3, phase: 'start' | 'move' | 'end'): void;
 }
 
-/** One orientation of the scan: greys, labels, threshold, linked cursor. */
+/** One orientation of the scan: grays, labels, threshold, linked cursor. */
 export class SliceView {
   readonly element = document.createElement('div');
   markers: SliceMarker[] = [];
@@ -52,7 +52,7 @@ export class SliceView {
   private data: Int16Array | null = null;
   private frame: SliceFrame | null = null;
   private labels: Uint8Array | null = null;
-  private labelColours: (readonly [number, number, number] | null)[] = [];
+  private labelColors: (readonly [number, number, number] | null)[] = [];
   private window_: Window = { level_hu: 500, window_hu: 2000 };
   private threshold_hu: number | null = null;
   private cursor_L: Vec3 = [0, 0, 0];
@@ -107,10 +107,10 @@ export class SliceView {
     this.draw();
   }
 
-  setLabels(labels: Uint8Array | null, colours: (readonly [number, number, number] | null)[]): void {
+  setLabels(labels: Uint8Array | null, colors: (readonly [number, number, number] | null)[]): void {
     if (labels === this.labels) return; // What is painted into the same labels is told by labelsChanged().
     this.labels = labels;
-    this.labelColours = colours;
+    this.labelColors = colors;
     this.labelsChanged();
   }
 
@@ -191,7 +191,7 @@ export class SliceView {
     const context = this.picture.getContext('2d')!;
     const image = context.createImageData(width, height);
     const pixels = new Uint32Array(image.data.buffer);
-    const greys = greyTable(this.window_);
+    const grays = grayTable(this.window_);
     const strides = [1, grid.size[0], grid.size[0] * grid.size[1]];
     const stepX = strides[frame.right] * (frame.flipRight ? -1 : 1);
     const stepY = strides[frame.down] * (frame.flipDown ? -1 : 1);
@@ -203,11 +203,11 @@ export class SliceView {
       let n = start + row * stepY;
       for (let column = 0; column < width; column++, n += stepX) {
         const hu = data[n];
-        const grey = greys[hu + 32768];
-        let r = grey;
-        let g = grey;
-        let b = grey;
-        const tint = this.labels ? this.labelColours[this.labels[n]] : null;
+        const gray = grays[hu + 32768];
+        let r = gray;
+        let g = gray;
+        let b = gray;
+        const tint = this.labels ? this.labelColors[this.labels[n]] : null;
         if (tint) {
           r = 0.6 * r + 0.4 * tint[0];
           g = 0.6 * g + 0.4 * tint[1];
@@ -277,14 +277,14 @@ export class SliceView {
     const axis = [0, 3, 6].map((row) => grid!.direction[row + frame!.depth]) as unknown as Vec3;
     const index: [number, number, number] = [0, 0, 0];
     index[frame!.depth] = this.slice();
-    for (const { lines, colour, dashed } of this.outlines({ point: indexToL(grid!, index), normal: axis })) {
+    for (const { lines, color, dashed } of this.outlines({ point: indexToL(grid!, index), normal: axis })) {
       context.beginPath();
       for (let n = 0; n < lines.length; n += 6) {
         context.moveTo(...this.toScreen([lines[n], lines[n + 1], lines[n + 2]]));
         context.lineTo(...this.toScreen([lines[n + 3], lines[n + 4], lines[n + 5]]));
       }
       context.setLineDash(dashed ? [5, 4] : []);
-      context.strokeStyle = colour;
+      context.strokeStyle = color;
       context.lineWidth = 1.5;
       context.stroke();
       context.setLineDash([]);
@@ -325,7 +325,7 @@ export class SliceView {
       const [x, y] = this.toScreen(marker.position);
       context.beginPath();
       context.arc(x, y, marker.selected ? 5.5 : 4, 0, 2 * Math.PI);
-      context.fillStyle = marker.colour;
+      context.fillStyle = marker.color;
       context.fill();
       context.strokeStyle = '#ffffff';
       context.lineWidth = marker.selected ? 2 : 1.25;

@@ -53,7 +53,7 @@ export interface Marker {
   id: string;
   position: Vec3;
   label?: string;
-  colour: string;
+  color: string;
   selected?: boolean;
   /** Dim those that lie behind something. */
   hides?: boolean;
@@ -87,7 +87,7 @@ export interface View3dEvents {
 const IDLE_MS = 180;
 
 /** A dab looks at every triangle: more of them would make a picture late. */
-const DABS_A_PICTURE = 4;
+const STAMPS_PER_FRAME = 4;
 
 /**
  * Pixels drawn per pixel shown, by the processor: multisampling would have it pay for four samples of every pixel, so
@@ -104,7 +104,7 @@ export class View3d {
   beforePicture: (() => void) | null = null;
   /** Radius of the brush. */
   brush_mm = 4;
-  brushColour = '#ffffff';
+  brushColor = '#ffffff';
   /** The bodies a tool works on; others are looked through. */
   pickable: (name: string) => boolean = () => true;
 
@@ -125,7 +125,7 @@ export class View3d {
   private frame = 0;
   private idle = 0;
   private hiddenTimer = 0;
-  private lastIdle = 0;
+  private lastBusy = 0;
   private coarse = false;
   private dragged: { kind: 'gizmo' | 'marker' | 'wipe' | 'paint'; id: string } | null = null;
   /** Where the brush is to go: the pointer's way since the last picture. */
@@ -135,7 +135,7 @@ export class View3d {
   private brushTrace: [number, number][] = [];
   private markerAtPointer: [number, number] | null = null;
   private pressed: { x: number; y: number; at: number } | null = null;
-  private centre = new Vector3(0, 0, 0);
+  private center = new Vector3(0, 0, 0);
   private radius_mm = 130;
   /** Frames drawn since the page began, for measuring. */
   framesDrawn = 0;
@@ -167,12 +167,12 @@ export class View3d {
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enableDamping = false;
     this.controls.zoomToCursor = true;
-    this.controls.addEventListener('start', () => this.beBusy());
+    this.controls.addEventListener('start', () => this.markBusy());
     this.controls.addEventListener('change', () => {
-      this.beBusy();
+      this.markBusy();
       this.render();
     });
-    this.controls.addEventListener('end', () => this.beBusy());
+    this.controls.addEventListener('end', () => this.markBusy());
     this.canvas.addEventListener('pointerdown', this.onDown, { capture: true });
     this.canvas.addEventListener('pointermove', this.onMove);
     this.canvas.addEventListener('pointerup', this.onUp);
@@ -185,9 +185,9 @@ export class View3d {
 
   // Bodies
 
-  setBody(name: string, surface: DrawnSurface, colour: Rgb): Body {
+  setBody(name: string, surface: DrawnSurface, color: Rgb): Body {
     const old = this.bodies.get(name);
-    const body = new Body(surface, colour);
+    const body = new Body(surface, color);
     if (old) {
       body.setOpacity(old.opacity);
       old.dispose();
@@ -246,7 +246,7 @@ export class View3d {
     this.planes.length = 0;
     for (const mark of marks) {
       const material = new MeshBasicMaterial({
-        color: mark.colour,
+        color: mark.color,
         transparent: true,
         opacity: mark.selected ? 0.34 : 0.16,
         side: DoubleSide,
@@ -277,9 +277,9 @@ export class View3d {
 
   look(name: ViewName): void {
     const towards = unit(VIEWS[name]);
-    this.controls.target.copy(this.centre);
-    this.camera.position.copy(this.centre).addScaledVector(new Vector3(...towards), 1000);
-    this.camera.lookAt(this.centre);
+    this.controls.target.copy(this.center);
+    this.camera.position.copy(this.center).addScaledVector(new Vector3(...towards), 1000);
+    this.camera.lookAt(this.center);
     this.controls.update();
     this.render();
   }
@@ -290,10 +290,10 @@ export class View3d {
     for (const body of this.bodies.values()) box.expandByObject(body.group);
     if (box.isEmpty()) return;
     const offset = this.camera.position.clone().sub(this.controls.target);
-    box.getCenter(this.centre);
+    box.getCenter(this.center);
     this.radius_mm = box.getSize(new Vector3()).length() / 2;
-    this.controls.target.copy(this.centre);
-    this.camera.position.copy(this.centre).add(offset);
+    this.controls.target.copy(this.center);
+    this.camera.position.copy(this.center).add(offset);
     this.camera.zoom = 1;
     this.resize();
     this.controls.update();
@@ -303,7 +303,7 @@ export class View3d {
   projection(x = 0): Projection {
     const { width, height } = this.size();
     const beside = this.layout_.mode === 'beside';
-    const centre: [number, number] = beside
+    const center: [number, number] = beside
       ? [x < width / 2 ? width / 4 : (3 * width) / 4, height / 2]
       : [width / 2, height / 2];
     const forward = new Vector3();
@@ -315,7 +315,7 @@ export class View3d {
       forward.toArray() as Vec3,
       up.toArray() as Vec3,
       px_per_mm,
-      centre,
+      center,
     );
   }
 
@@ -346,19 +346,19 @@ export class View3d {
   // Drawing
 
   /** While something moves, the processor draws coarse surfaces; they become fine again when it has stopped. */
-  beBusy(): void {
-    this.lastIdle = performance.now();
+  markBusy(): void {
+    this.lastBusy = performance.now();
     if (drawsInSoftware() && !this.coarse && this.dragged?.kind !== 'paint') this.setCoarse(true);
     if (this.idle) return;
     const check = () => {
-      const left = IDLE_MS - (performance.now() - this.lastIdle);
+      const left = IDLE_MS - (performance.now() - this.lastBusy);
       if (left > 0 || (this.dragged && this.dragged.kind !== 'wipe')) {
         this.idle = window.setTimeout(check, Math.max(20, left));
         return;
       }
       this.idle = 0;
       this.setCoarse(false);
-      this.findHidden();
+      this.updateHiddenMarkers();
       this.render();
     };
     this.idle = window.setTimeout(check, IDLE_MS);
@@ -376,7 +376,7 @@ export class View3d {
       // The bodies in full would take the processor too long: the stroke is drawn over them until it has ended.
       this.frame = requestAnimationFrame(() => {
         this.frame = 0;
-        this.dragBrush(DABS_A_PICTURE);
+        this.dragBrush(STAMPS_PER_FRAME);
         this.drawOverlay();
       });
       return;
@@ -389,7 +389,7 @@ export class View3d {
       }
       this.frame = 0;
       this.dragMarker();
-      this.dragBrush(DABS_A_PICTURE);
+      this.dragBrush(STAMPS_PER_FRAME);
       const prepare = this.beforePicture;
       this.beforePicture = null;
       prepare?.();
@@ -487,7 +487,7 @@ export class View3d {
   }
 
   /** Which markers lie behind a body that is shown and not clear. */
-  private findHidden(): void {
+  private updateHiddenMarkers(): void {
     this.behind.clear();
     const projection = this.projection();
     for (const marker of this.markers) {
@@ -537,9 +537,9 @@ export class View3d {
     }
     this.gizmo.draw(context, this.projection());
     const radius_px = this.brush_mm * this.projection().px_per_mm;
-    drawStroke(context, this.brushTrace, radius_px, this.brushColour);
+    drawStroke(context, this.brushTrace, radius_px, this.brushColor);
     if (this.brushAt && this.events.isPainting()) drawBrush(context, this.brushAt, radius_px);
-    this.tellHandles();
+    this.publishHandles();
   }
 
   private ink(): string {
@@ -547,16 +547,16 @@ export class View3d {
   }
 
   /** Where handles and markers are on the screen, for tests and assistive scripts. */
-  private tellHandles(): void {
+  private publishHandles(): void {
     const projection = this.projection();
     const handles: Record<string, [number, number]> = {};
     for (const handle of this.gizmo.handles(projection)) {
-      const [x, y] = handle.kind === 'shift' ? handle.line[1] : handle.line[8];
+      const [x, y] = handle.kind === 'translate' ? handle.line[1] : handle.line[8];
       const along = projection.directionOnScreen(handle.axis.direction);
       const towards = handle.line[1][0] - handle.line[0][0];
       const down = handle.line[1][1] - handle.line[0][1];
       const positive = along[0] * towards + along[1] * down > 0;
-      handles[`${handle.kind} ${handle.axis.name}${handle.kind === 'shift' ? (positive ? ' +' : ' -') : ''}`] = [
+      handles[`${handle.kind} ${handle.axis.name}${handle.kind === 'translate' ? (positive ? ' +' : ' -') : ''}`] = [
         Math.round(x),
         Math.round(y),
       ];
@@ -594,7 +594,7 @@ export class View3d {
     context.globalAlpha = behind ? 0.3 : 1;
     context.beginPath();
     context.arc(x, y, marker.selected ? 6 : 4.5, 0, 2 * Math.PI);
-    context.fillStyle = marker.colour;
+    context.fillStyle = marker.color;
     context.fill();
     context.lineWidth = marker.selected ? 2.5 : 1.5;
     context.strokeStyle = marker.selected ? '#ffffff' : 'rgb(255 255 255 / 0.9)';
@@ -673,7 +673,7 @@ export class View3d {
       this.dragged = { kind: 'wipe', id: '' };
     } else if (this.gizmo.begin(this.projection(x), x, y)) {
       this.dragged = { kind: 'gizmo', id: '' };
-      this.beBusy();
+      this.markBusy();
       this.events.onGizmo(this.gizmo.drag(this.projection(x), x, y)!, 'start');
     } else {
       const found = this.events.isPainting() ? this.pick(x, y) : null;
@@ -683,7 +683,7 @@ export class View3d {
         this.brushWay = [[x, y]];
         this.brushTrace = [[x, y]];
         this.brushAt = [x, y];
-        this.beBusy();
+        this.markBusy();
         this.events.onPaint(found, 'start');
       }
       if (marker) {
@@ -704,17 +704,17 @@ export class View3d {
       return;
     }
     if (this.dragged.kind === 'gizmo') {
-      this.beBusy();
+      this.markBusy();
       const drag = this.gizmo.drag(this.projection(x), x, y);
       if (drag) this.events.onGizmo(drag, 'move');
     } else if (this.dragged.kind === 'paint') {
-      this.beBusy();
+      this.markBusy();
       this.brushWay.push([x, y]);
       this.brushAt = [x, y];
     } else if (this.dragged.kind === 'wipe') {
       this.events.onWipe(Math.min(0.98, Math.max(0.02, x / this.size().width)));
     } else {
-      this.beBusy();
+      this.markBusy();
       this.markerAtPointer = [x, y];
     }
     this.render();
@@ -744,7 +744,7 @@ export class View3d {
       }
     }
     this.pressed = null;
-    if (dragged?.kind !== 'paint') this.beBusy();
+    if (dragged?.kind !== 'paint') this.markBusy();
     this.render();
   };
 
@@ -771,7 +771,7 @@ export class View3d {
   refreshMarkers(): void {
     clearTimeout(this.hiddenTimer);
     this.hiddenTimer = window.setTimeout(() => {
-      this.findHidden();
+      this.updateHiddenMarkers();
       this.render();
     }, IDLE_MS);
     this.render();

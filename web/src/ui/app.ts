@@ -1,20 +1,20 @@
 import { ApiError, type Client, type Depths, type Schemas } from '../api';
 import {
   change,
-  fromPoints,
-  byName,
+  fromRecord,
+  toRecord,
   moveOf,
   poseOf,
   redo,
   settle,
   startHistory,
   undo,
-  gridCentre,
+  gridCenter,
   transformPoint,
   IDENTITY,
-  shifted,
-  turned,
-  aboutPoint,
+  translated,
+  rotated,
+  changePivot,
   editKeyframe,
   keyframesOf,
   withPaintedBoundary,
@@ -32,9 +32,9 @@ import {
 import { prepareSurfaceAside } from '../workers';
 import { BOUNDARY_FILE, BoundaryBrush } from './boundary_brush';
 import { LabelBrush } from './label_brush';
-import { LiveAnswers } from './live_answers';
+import { LiveQueries } from './live_queries';
 import { Outcome } from './outcome';
-import { SolveWatch } from './solve_watch';
+import { SolveMonitor } from './solve_monitor';
 import { Model, stageOf, type Doc, type StepName } from './state';
 
 /** How deep bones may overlap before a plan is marked: the limit of `lefort plan check` [mm]. */
@@ -54,7 +54,7 @@ const WANTED: Record<StepName, RegExp> = {
   compare: /^(skin_before|predicted|after_surgery|remainder|segments\/.+)$/,
 };
 
-export interface Listeners {
+export interface SceneListeners {
   /** A surface came or went. */
   onSurface(name: string, surface: DrawnSurface | null): void;
   onDepths(depths: Depths | null): void;
@@ -69,8 +69,8 @@ export interface Listeners {
 export class App {
   readonly model = new Model();
   readonly outcome = new Outcome(this);
-  private readonly solve = new SolveWatch(this);
-  readonly live: LiveAnswers;
+  private readonly solve = new SolveMonitor(this);
+  readonly live: LiveQueries;
   readonly labelBrush: LabelBrush;
   readonly boundaryBrush: BoundaryBrush;
   private readonly aborter = new AbortController();
@@ -87,9 +87,9 @@ export class App {
 
   constructor(
     readonly client: Client,
-    private readonly listeners: Listeners,
+    private readonly listeners: SceneListeners,
   ) {
-    this.live = new LiveAnswers(this, listeners);
+    this.live = new LiveQueries(this, listeners);
     this.labelBrush = new LabelBrush(this, listeners);
     this.boundaryBrush = new BoundaryBrush(this, listeners);
     // Before whoever draws it: what is selected must be there.
@@ -146,31 +146,31 @@ export class App {
   }
 
   /** Runs something that may be refused; the refusal is shown. */
-  async try_<T>(work: () => Promise<T>): Promise<T | null> {
+  async attempt<T>(work: () => Promise<T>): Promise<T | null> {
     try {
       return await work();
     } catch (error) {
-      this.toast(sentence(error), 'error');
+      this.toast(messageOf(error), 'error');
       return null;
     }
   }
 
   private async refresh(): Promise<void> {
     try {
-      const [case_, jobs] = await Promise.all([this.client.case(), this.client.jobs()]);
-      this.patch({ case: case_, jobs, connection: 'on', fatal: null });
-      this.restoreStep(case_);
-      await this.onStages(case_.stages);
+      const [caseInfo, jobs] = await Promise.all([this.client.case(), this.client.jobs()]);
+      this.patch({ case: caseInfo, jobs, connection: 'on', fatal: null });
+      this.restoreStep(caseInfo);
+      await this.onStages(caseInfo.stages);
       await this.solve.load();
     } catch (error) {
       if (error instanceof ApiError && error.status === 0) this.patch({ connection: 'lost' });
-      else this.patch({ fatal: sentence(error) });
+      else this.patch({ fatal: messageOf(error) });
     }
   }
 
-  private restoreStep(case_: Schemas['Case']): void {
+  private restoreStep(caseInfo: Schemas['Case']): void {
     const kept = sessionStorage.getItem('lefort-step') as StepName | null;
-    if (kept && case_.scan) this.patch({ step: kept });
+    if (kept && caseInfo.scan) this.patch({ step: kept });
   }
 
   setStep(step: StepName): void {
@@ -204,9 +204,9 @@ export class App {
 
   /** Looks at everything anew, after something was changed past the page's own ways. */
   async reload(): Promise<void> {
-    const case_ = await this.client.case();
-    this.patch({ case: case_ });
-    await this.onStages(case_.stages);
+    const caseInfo = await this.client.case();
+    this.patch({ case: caseInfo });
+    await this.onStages(caseInfo.stages);
   }
 
   // What the server has
@@ -219,7 +219,7 @@ export class App {
     this.patch({ volume: null, volumeLoading: etag !== null, labelsReady: false });
     if (etag === null) return;
     try {
-      const [volume, data, case_] = await Promise.all([
+      const [volume, data, caseInfo] = await Promise.all([
         this.client.volume(),
         this.client.volumeData(),
         this.client.case(),
@@ -232,14 +232,14 @@ export class App {
         direction: volume.direction,
       };
       this.patch({
-        case: case_,
+        case: caseInfo,
         volume: { grid, data, presets: volume.presets },
         volumeLoading: false,
-        cursor_L: gridCentre(grid),
+        cursor_L: gridCenter(grid),
       });
     } catch (error) {
       this.patch({ volumeLoading: false });
-      if (!(error instanceof ApiError && error.code === 'not_ready')) this.toast(sentence(error), 'error');
+      if (!(error instanceof ApiError && error.code === 'not_ready')) this.toast(messageOf(error), 'error');
     }
   }
 
@@ -251,7 +251,7 @@ export class App {
 
   private async loadSurfacesNow(): Promise<void> {
     const { model } = this;
-    const list = await this.try_(() => this.client.surfaces());
+    const list = await this.attempt(() => this.client.surfaces());
     if (!list) {
       this.patch({ surfacesLoading: 0 });
       return;
@@ -267,7 +267,7 @@ export class App {
     this.patch({ surfacesLoading: wanted.length });
     await Promise.all(
       wanted.map(async ({ name, etag }) => {
-        await this.try_(async () => {
+        await this.attempt(async () => {
           const { points, triangles } = await this.client.surface(name);
           const surface = await prepareSurfaceAside({ points, triangles });
           model.surfaces.set(name, { etag, surface });
@@ -300,7 +300,7 @@ export class App {
       this.stored.plan = plan;
       if (mine.segments.length === 0 && this.model.history.value.past.length === 0) {
         this.model.history.set(startHistory({ ...this.model.doc, plan }));
-      } else if (JSON.stringify(this.keptPlan()) !== JSON.stringify(plan)) {
+      } else if (JSON.stringify(this.planToSave()) !== JSON.stringify(plan)) {
         this.model.history.set(change(this.model.history.value, { ...this.model.doc, plan }));
         this.toast('The plan was changed elsewhere; this page now shows that.');
       }
@@ -309,7 +309,7 @@ export class App {
       this.patch({ saving: 'saved', saveError: null });
       await this.afterPlanSaved();
     } catch (error) {
-      if (!isMissing(error)) this.toast(sentence(error), 'error');
+      if (!isNotFound(error)) this.toast(messageOf(error), 'error');
     }
   }
 
@@ -318,9 +318,9 @@ export class App {
     try {
       const { value, etag } = await this.client.landmarks();
       this.etags.landmarks = etag;
-      const landmarks = fromPoints(value.landmarks as unknown as Record<string, Vec3>);
+      const landmarks = fromRecord(value.landmarks as unknown as Record<string, Vec3>);
       const history = this.model.history.value;
-      if (JSON.stringify(byName(history.present.landmarks)) === JSON.stringify(byName(landmarks))) {
+      if (JSON.stringify(toRecord(history.present.landmarks)) === JSON.stringify(toRecord(landmarks))) {
         this.stored.landmarks = history.present.landmarks;
         return;
       }
@@ -329,7 +329,7 @@ export class App {
       this.model.history.set(history.past.length === 0 ? startHistory(next) : change(history, next));
       void this.measure();
     } catch (error) {
-      if (!isMissing(error)) this.toast(sentence(error), 'error');
+      if (!isNotFound(error)) this.toast(messageOf(error), 'error');
     }
   }
 
@@ -384,7 +384,7 @@ export class App {
   }
 
   /** The plan as it is kept: the files of landmarks and of what is painted are named as soon as there are any. */
-  private keptPlan(): Plan {
+  private planToSave(): Plan {
     const { plan: bare, landmarks } = this.model.doc;
     const plan = this.boundaryBrush.labels
       ? withPaintedBoundary(bare, this.boundaryBrush.isPainted ? BOUNDARY_FILE : null)
@@ -410,7 +410,7 @@ export class App {
       const { landmarks, plan } = this.model.doc;
       if (landmarks !== this.stored.landmarks && !(landmarks.length === 0 && this.stored.landmarks === null)) {
         this.etags.landmarks = await this.client.putLandmarks(
-          { landmarks: byName(landmarks) as never },
+          { landmarks: toRecord(landmarks) as never },
           this.etags.landmarks,
         );
       }
@@ -420,7 +420,7 @@ export class App {
       if (isPaintNew) await this.boundaryBrush.save(this.overwrites);
       what = 'plan';
       if ((plan !== this.stored.plan || isPaintNew) && plan.segments.length > 0) {
-        const answer = await this.client.putPlan(this.keptPlan(), this.etags.plan);
+        const answer = await this.client.putPlan(this.planToSave(), this.etags.plan);
         this.etags.plan = answer.etag;
         this.stored.plan = plan;
         await this.afterPlanSaved();
@@ -431,7 +431,7 @@ export class App {
       this.patch({ saving: 'saved', saveError: null });
     } catch (error) {
       if (error instanceof ApiError && error.status === 412) this.patch({ saving: 'unsaved', conflict: what });
-      else this.patch({ saving: 'error', saveError: sentence(error) });
+      else this.patch({ saving: 'error', saveError: messageOf(error) });
     }
   }
 
@@ -461,7 +461,7 @@ export class App {
   // Jobs
 
   async run(request: Schemas['JobRequest'], then?: () => void): Promise<void> {
-    await this.try_(async () => {
+    await this.attempt(async () => {
       if (
         !(await this.save()) &&
         this.model.doc.plan.segments.length > 0 &&
@@ -477,7 +477,7 @@ export class App {
   }
 
   async stopJob(id: number): Promise<void> {
-    await this.try_(() => this.client.stopJob(id));
+    await this.attempt(() => this.client.stopJob(id));
   }
 
   private putJob(job: Schemas['Job']): void {
@@ -499,15 +499,15 @@ export class App {
     if (event.state === 'running' && old?.state !== 'running' && event.kind === 'predict') this.solve.begin(event.id);
     const ended = event.state !== 'queued' && event.state !== 'running';
     if (!old || ended) {
-      void this.try_(async () => {
+      void this.attempt(async () => {
         this.putJob(await this.client.job(event.id));
         if (!ended) return;
         if (event.state === 'failed') this.toast(`${JOB_NAMES[event.kind]} failed: ${event.message}`, 'error');
         const then = this.whenDone.get(event.id);
         this.whenDone.delete(event.id);
-        const case_ = await this.client.case();
-        this.patch({ case: case_ });
-        await this.onStages(case_.stages);
+        const caseInfo = await this.client.case();
+        this.patch({ case: caseInfo });
+        await this.onStages(caseInfo.stages);
         if (event.state === 'done') then?.();
       });
     }
@@ -529,7 +529,7 @@ export class App {
     const total = files.reduce((sum, file) => sum + file.size, 0) || 1;
     const name = files.length === 1 ? 'one file' : `${files.length} files`;
     this.patch({ upload: { name, share: 0 } });
-    const id = await this.try_(() =>
+    const id = await this.attempt(() =>
       this.client.upload(files, (sent) => this.patch({ upload: { name, share: sent / total } })),
     );
     this.patch({ upload: null });
@@ -564,9 +564,9 @@ export class App {
         return;
       }
       try {
-        this.patch({ measurements: await this.client.measure(byName(landmarks) as never), measurementError: null });
+        this.patch({ measurements: await this.client.measure(toRecord(landmarks) as never), measurementError: null });
       } catch (error) {
-        this.patch({ measurements: null, measurementError: sentence(error) });
+        this.patch({ measurements: null, measurementError: messageOf(error) });
       }
     }, 250);
   }
@@ -587,7 +587,7 @@ export class App {
 
   async placeTemplates(): Promise<void> {
     const { plan, landmarks } = this.model.doc;
-    const points = byName(landmarks);
+    const points = toRecord(landmarks);
     for (const segment of plan.segments) {
       const { template } = segment.osteotomy;
       if (template === undefined || templateKind(segment.osteotomy) === null) continue;
@@ -595,7 +595,7 @@ export class App {
       if (this.model.s.templatePlanes.has(key)) continue;
       const answer = await this.client
         .placeTemplate({ template: template as never, landmarks: points as never })
-        .catch((error: unknown) => sentence(error));
+        .catch((error: unknown) => messageOf(error));
       this.patch({ templatePlanes: new Map(this.model.s.templatePlanes).set(key, answer) });
     }
   }
@@ -605,7 +605,7 @@ export class App {
   /** Where a segment turns unless told otherwise: the middle of its bone. */
   pivotOf(name: string): Vec3 {
     const known = this.model.surfaces.get(`segments/${name}`)?.surface.points;
-    if (!known || known.length === 0) return this.model.s.volume ? gridCentre(this.model.s.volume.grid) : [0, 0, 0];
+    if (!known || known.length === 0) return this.model.s.volume ? gridCenter(this.model.s.volume.grid) : [0, 0, 0];
     const sum = [0, 0, 0];
     for (let n = 0; n < known.length; n++) sum[n % 3] += known[n];
     return sum.map((c) => Math.round((10 * c * 3) / known.length) / 10) as unknown as Vec3;
@@ -661,7 +661,7 @@ export class App {
     const { segment, keyframe } = this.model.s;
     const point = typeof about === 'string' ? landmarks.find((l) => l.name === about)?.position_mm : about;
     if (!point) return;
-    const next = aboutPoint(move, point);
+    const next = changePivot(move, point);
     const old = { ...keyframesOf(plan.segments[segment])[keyframe], translation_mm: next.translation_mm };
     delete old.about;
     delete old.about_mm;
@@ -673,10 +673,10 @@ export class App {
     });
   }
 
-  gizmoMove(from: Move, kind: 'shift' | 'turn', axis: Vec3, amount: number): Move {
+  gizmoMove(from: Move, kind: 'translate' | 'rotate', axis: Vec3, amount: number): Move {
     const rounded = Math.round(amount * 10) / 10;
     const by = axis.map((c) => c * rounded) as unknown as Vec3;
-    return kind === 'shift' ? shifted(from, by) : turned(from, by);
+    return kind === 'translate' ? translated(from, by) : rotated(from, by);
   }
 
   /** Poses of all segments as they stand on the screen. */
@@ -703,7 +703,7 @@ export class App {
   }
 
   async download(name: string): Promise<void> {
-    await this.try_(async () => saveBlob(await this.client.file(name), name));
+    await this.attempt(async () => saveBlob(await this.client.file(name), name));
   }
 }
 
@@ -718,11 +718,11 @@ export const JOB_NAMES: Record<Schemas['JobKind'], string> = {
 };
 
 export const templateKey = (template: unknown, landmarks: readonly Landmark[]): string =>
-  JSON.stringify([template, byName(landmarks)]);
+  JSON.stringify([template, toRecord(landmarks)]);
 
-export const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+export const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
-export const isMissing = (error: unknown): boolean =>
+export const isNotFound = (error: unknown): boolean =>
   error instanceof ApiError && (error.code === 'not_found' || error.code === 'not_ready');
 
 export function saveBlob(blob: Blob, name: string): void {

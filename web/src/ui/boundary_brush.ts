@@ -6,14 +6,14 @@ import {
   labelsOfBox,
   labelVertices,
   paintedBox,
-  paintReach_mm,
+  paintTolerance_mm,
   paintSurface,
   type Hit,
   type LabelEdit,
   type Surface,
   type Vec3,
 } from '../model';
-import { isMissing, type App, type Listeners } from './app';
+import { isNotFound, type App, type SceneListeners } from './app';
 import { stageOf, type Doc } from './state';
 
 /** What a plan of a case calls the file. */
@@ -35,7 +35,7 @@ export class BoundaryBrush {
 
   constructor(
     private readonly app: App,
-    private readonly listeners: Listeners,
+    private readonly listeners: SceneListeners,
   ) {}
 
   /** Another scan, or none. */
@@ -58,16 +58,16 @@ export class BoundaryBrush {
     const isMine = (etag: string | null): boolean =>
       this.labels !== null && (etag === this.etag || (this.isUnsaved() && !replacesMine));
     if (isMine(stageOf(app.model.s, 'boundary').etag)) return;
-    await app.try_(async () => {
+    await app.attempt(async () => {
       const found = await app.client.boundaryData().catch((error: unknown) => {
-        if (isMissing(error)) return null;
+        if (isNotFound(error)) return null;
         throw error;
       });
       if (isMine(found?.etag ?? null)) return; // What this page knew of the server was older than what it had sent.
       this.labels = found ? labelsOfBox(found.value, volume.grid, found.box) : new Uint8Array(volume.data.length);
       this.etag = found?.etag ?? null;
       const none: readonly LabelEdit[] = [];
-      this.strokes.are(none);
+      this.strokes.setApplied(none);
       this.stored = none;
       const bare = (doc: Doc): Doc => ({ ...doc, paint: none });
       const { past, present, future } = app.model.history.value;
@@ -79,21 +79,21 @@ export class BoundaryBrush {
   // The hand
 
   /** Puts the brush on a surface that stands as scanned. */
-  dab(hit: Hit, surface: Surface): void {
+  stamp(hit: Hit, surface: Surface): void {
     const { app, labels } = this;
     const { volume, boundary, paint_mm, paintLabel } = app.model.s;
     if (!volume || !labels || !boundary) return;
-    const dab = {
-      centre_L: hit.point,
+    const brushStamp = {
+      center_L: hit.point,
       normal: hit.normal,
       radius_mm: paint_mm,
       label: paintLabel,
       // So that each node that the plan takes to lie on this surface has a painted voxel within reach.
-      thickness_mm: boundary.capture_mm + paintReach_mm(volume.grid),
+      thickness_mm: boundary.capture_mm + paintTolerance_mm(volume.grid),
     };
-    const edit = paintSurface(labels, volume.grid, surface, dab);
+    const edit = paintSurface(labels, volume.grid, surface, brushStamp);
     this.stroke = this.stroke ? joinEdits(this.stroke, edit) : edit;
-    if (edit.at.length > 0) this.show({ centre: hit.point, radius_mm: paint_mm + 2 * paintReach_mm(volume.grid) });
+    if (edit.at.length > 0) this.show({ center: hit.point, radius_mm: paint_mm + 2 * paintTolerance_mm(volume.grid) });
   }
 
   endStroke(): void {
@@ -117,7 +117,7 @@ export class BoundaryBrush {
 
   private add(stroke: LabelEdit): void {
     const paint = [...this.app.model.doc.paint, stroke];
-    this.strokes.are(paint); // They are painted already.
+    this.strokes.setApplied(paint); // They are painted already.
     this.app.edit({ paint });
     this.measure();
   }
@@ -161,7 +161,7 @@ export class BoundaryBrush {
 
   /** A file that another program has painted, in the place of all that is painted. */
   async upload(file: File): Promise<void> {
-    await this.app.try_(async () => {
+    await this.app.attempt(async () => {
       await this.app.client.putBoundaryFile(file, this.etag ?? '*');
       this.labels = null;
       await this.app.reload();
@@ -183,7 +183,7 @@ export class BoundaryBrush {
     return made;
   }
 
-  private show(within: { centre: Vec3; radius_mm: number }): void {
+  private show(within: { center: Vec3; radius_mm: number }): void {
     const { grid } = this.app.model.s.volume!;
     for (const known of this.vertices.values())
       if (labelVertices(this.labels!, grid, known.surface.points, known.label, within)) known.version = ++this.versions;

@@ -1,4 +1,4 @@
-import { IDENTITY, lengths, roundUp, sectionOf, segmentColour, SKIN, type Mat4, type Vec3 } from '../model';
+import { IDENTITY, lengths, roundUp, sectionOf, segmentColor, SKIN, type Mat4, type Vec3 } from '../model';
 import type { View3d } from '../scene';
 import { saveBlob, type App } from './app';
 import { stageOf, type State } from './state';
@@ -44,7 +44,7 @@ export class CompareView {
     if (this.shown?.step !== s.compareStep || this.shown.document !== s.prediction.document) {
       const step = s.compareStep;
       this.shown = { step, document: s.prediction.document };
-      void this.app.try_(async () => {
+      void this.app.attempt(async () => {
         const xyz = await this.app.outcome.displacementAt(step);
         if (this.app.model.s.compareStep !== step) return;
         this.showStep(xyz);
@@ -108,11 +108,11 @@ export class CompareView {
     if (now.every((value, n) => value === this.paintedSkin[n])) return;
     this.paintedSkin = now;
     const count = predicted.surface.points.length / 3;
-    if (plain) predicted.setColour(SKIN);
+    if (plain) predicted.setColor(SKIN);
     else if (error?.length === count) predicted.setValues(error.map(Math.abs), 'distance', 0, s.errorTop_mm);
     else if (s.skinPaint === 'moved' && this.shifts?.length === count)
       predicted.setValues(this.shifts, 'distance', 0, roundUp(s.prediction?.skin_largest_shift_mm ?? 1));
-    else predicted.setColour(SKIN);
+    else predicted.setColor(SKIN);
     this.view.render();
   }
 
@@ -122,7 +122,7 @@ export class CompareView {
     const { segments } = doc.plan;
     const bodies = segments.flatMap(({ name }, index) => {
       const body = this.view.body(`segments/${name}`);
-      return body ? [{ body, name, colour: segmentColour(index) }] : [];
+      return body ? [{ body, name, color: segmentColor(index) }] : [];
     });
     if (bodies.length === 0) return;
     const wanted = this.showsContact(s) ? s.bonePaint : 'none';
@@ -137,13 +137,15 @@ export class CompareView {
     );
     if (this.paintedBone !== now) return; // Something else is wanted meanwhile.
     const fits = all.map((values, n) => (values?.length === bodies[n].body.surface.points.length / 3 ? values : null));
-    const told = fits.filter((values) => values !== null);
+    const finite = fits.filter((values) => values !== null);
     const top =
-      told.length > 0 ? roundUp(Math.max(...told.map((values) => values.reduce((a, b) => Math.max(a, b), 0)))) : null;
-    bodies.forEach(({ body, colour }, n) => {
+      finite.length > 0
+        ? roundUp(Math.max(...finite.map((values) => values.reduce((a, b) => Math.max(a, b), 0))))
+        : null;
+    bodies.forEach(({ body, color }, n) => {
       const values = fits[n];
-      if (values && top !== null) body.setValues(values, 'depth', 0, top, colour);
-      else body.setColour(colour);
+      if (values && top !== null) body.setValues(values, 'depth', 0, top, color);
+      else body.setColor(color);
     });
     this.app.patch({ boneTop: top });
     this.view.render();

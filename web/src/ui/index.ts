@@ -1,9 +1,9 @@
 import { Client } from '../api';
 import { App } from './app';
 import { listenToKeys } from './keyboard';
-import { Presenter } from './present';
+import { Viewer } from './viewer';
 import { drawShell } from './shell';
-import { later, soon } from './soon';
+import { idle, nextFrame } from './schedule';
 import type { State } from './state';
 
 /** The token stands behind # in the address; it is kept for reloads of this tab and taken out of sight. */
@@ -23,7 +23,7 @@ function applyTheme(theme: State['theme']): void {
 
 export function startPlanner(root: HTMLElement): void {
   root.textContent = ''; // What index.html showed until now.
-  const view = new Presenter();
+  const view = new Viewer();
   const token = takeToken();
   const app = new App(new Client('api/v1', token ?? ''), view);
   view.attach(app);
@@ -53,8 +53,8 @@ export function startPlanner(root: HTMLElement): void {
     if (waits) return;
     waits = true;
     // What is dragged comes before the numbers beside it.
-    if (view.isDragging) later(drawWaiting);
-    else soon(drawWaiting);
+    if (view.isDragging) idle(drawWaiting);
+    else nextFrame(drawWaiting);
   };
   app.model.state.subscribe((state, before) => {
     if (state.theme !== before.theme) {

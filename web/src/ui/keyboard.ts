@@ -1,12 +1,12 @@
 import { withoutKeyframe, withoutLandmark, withoutPlane } from '../model';
 import type { App } from './app';
-import type { Presenter } from './present';
+import type { Viewer } from './viewer';
 import { STEPS } from './state';
 import { setPaintRadius } from './steps/boundary_section';
 import { closeCurve } from './steps/osteotomy_panel';
 
 /** Keys that mean the same wherever the focus is, but for fields where they are typed. */
-export function listenToKeys(app: App, view: Presenter): void {
+export function listenToKeys(app: App, view: Viewer): void {
   addEventListener('keydown', (event) => {
     const { s, doc } = app.model;
     const typing =

@@ -1,5 +1,5 @@
 import { AppliedStrokes, joinEdits, paintBall, type LabelEdit, type Vec3 } from '../model';
-import type { App, Listeners } from './app';
+import type { App, SceneListeners } from './app';
 import { stageOf, type Doc } from './state';
 
 /** Labels of the voxels, and strokes of the brush on them, which undo takes back. */
@@ -11,7 +11,7 @@ export class LabelBrush {
 
   constructor(
     private readonly app: App,
-    private readonly listeners: Listeners,
+    private readonly listeners: SceneListeners,
   ) {}
 
   async load(): Promise<void> {
@@ -19,11 +19,11 @@ export class LabelBrush {
     const etag = stageOf(model.s, 'anatomy').etag;
     if (model.labels && this.labelsOf === etag) return;
     this.labelsOf = etag;
-    await this.app.try_(async () => {
+    await this.app.attempt(async () => {
       const [about, data] = await Promise.all([this.app.client.labels(), this.app.client.labelsData()]);
       model.labels = data.value;
       model.labelsEtag = data.etag;
-      this.strokes.are([]);
+      this.strokes.setApplied([]);
       const bare = (doc: Doc): Doc => ({ ...doc, strokes: [] });
       const { past, present, future } = model.history.value;
       model.history.set({ past: past.map(bare), present: bare(present), future: future.map(bare), gesture: null });
@@ -37,14 +37,14 @@ export class LabelBrush {
     const { volume, brush_mm, brushLabel } = model.s;
     if (!volume || !model.labels) return;
     if (phase !== 'end') {
-      const dab = paintBall(model.labels, volume.grid, p_L, brush_mm, brushLabel);
-      this.stroke = this.stroke ? joinEdits(this.stroke, dab) : dab;
+      const edit = paintBall(model.labels, volume.grid, p_L, brush_mm, brushLabel);
+      this.stroke = this.stroke ? joinEdits(this.stroke, edit) : edit;
       this.listeners.onLabels();
       return;
     }
     if (this.stroke && this.stroke.at.length > 0) {
       const strokes = [...model.doc.strokes, this.stroke];
-      this.strokes.are(strokes);
+      this.strokes.setApplied(strokes);
       this.app.edit({ strokes });
     }
     this.stroke = null;
@@ -61,7 +61,7 @@ export class LabelBrush {
     if (!model.labels || !model.labelsEtag) return;
     const { plan } = model.doc;
     this.app.edit({ plan: { ...plan, segmentation: { ...plan.segmentation, labels: 'anatomy/labels.seg.nrrd' } } });
-    await this.app.try_(async () => {
+    await this.app.attempt(async () => {
       model.labelsEtag = await this.app.client.putLabels(model.labels!, model.labelsEtag!);
       await this.app.run({ kind: 'segment', from_labels: true });
     });

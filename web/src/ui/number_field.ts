@@ -1,6 +1,6 @@
 import { html, nothing, type TemplateResult } from 'lit-html';
 import { fixed, parseNumber } from '../model';
-import { quietValue } from './quiet_value';
+import { liveValue } from './live_value';
 
 export interface NumberOptions {
   label: string;
@@ -37,7 +37,7 @@ export function numberField(o: NumberOptions): TemplateResult {
           inputmode="decimal"
           data-id=${o.id ?? nothing}
           ?disabled=${o.disabled ?? false}
-          ${quietValue(fixed(o.value, digits))}
+          ${liveValue(fixed(o.value, digits))}
           @input=${(e: Event) => ((e.target as HTMLInputElement).dataset.typing = '')}
           @change=${(e: Event) => {
             delete (e.target as HTMLInputElement).dataset.typing;

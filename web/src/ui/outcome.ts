@@ -1,6 +1,6 @@
 import type { Schemas } from '../api';
 import { roundUp } from '../model';
-import { isMissing, sentence, type App } from './app';
+import { isNotFound, messageOf, type App } from './app';
 import { stageOf } from './state';
 
 /** The prediction, and what it was held against, as the server has them. */
@@ -20,7 +20,7 @@ export class Outcome {
     }
     const [prediction, files] = await Promise.all([
       app.client.prediction().catch((error: unknown) => {
-        if (!isMissing(error)) app.toast(sentence(error), 'error');
+        if (!isNotFound(error)) app.toast(messageOf(error), 'error');
         return null;
       }),
       app.client.files().catch(() => []),
@@ -51,7 +51,7 @@ export class Outcome {
       });
       return;
     }
-    const comparison = await app.try_(() => app.client.comparison());
+    const comparison = await app.attempt(() => app.client.comparison());
     const difference_mm = await this.values('difference');
     const whole = comparison?.regions[0]?.face.p99_mm ?? null;
     app.patch({ comparison, difference_mm, errorTop_mm: roundUp(whole ?? 1) });
@@ -75,7 +75,7 @@ export class Outcome {
       return;
     }
     const key = JSON.stringify([stageOf(app.model.s, 'prediction').etag, stageOf(app.model.s, 'landmarks').etag, step]);
-    const found = this.regions.get(key) ?? (await app.try_(() => app.client.stepRegions(step)));
+    const found = this.regions.get(key) ?? (await app.attempt(() => app.client.stepRegions(step)));
     if (!found) return;
     this.regions.set(key, found);
     if (app.model.s.compareStep === step) app.patch({ regionShifts: found });
@@ -88,7 +88,7 @@ export class Outcome {
     const known = this.kept.get(key);
     if (known && known.etag === etag) return known.data;
     const data = await this.app.client.values(name, segment).catch((error: unknown) => {
-      if (!isMissing(error)) this.app.toast(sentence(error), 'error');
+      if (!isNotFound(error)) this.app.toast(messageOf(error), 'error');
       return null;
     });
     this.kept.set(key, { etag, data });

@@ -2,8 +2,8 @@ import { html, nothing, render } from 'lit-html';
 import type { ViewName } from '../model';
 import { canRedo, canUndo } from '../model';
 import { JOB_NAMES, type App } from './app';
-import { button, empty, icon, iconButton, progressBar, segmented, type Part } from './parts';
-import type { Presenter } from './present';
+import { button, empty, icon, iconButton, progressBar, segmented, type Html } from './widgets';
+import type { Viewer } from './viewer';
 import { runningJob, stageOf, STEPS, type State, type StepName } from './state';
 import { anatomyPanel } from './steps/anatomy_panel';
 import { casePanel, welcome } from './steps/case_panel';
@@ -14,7 +14,7 @@ import { osteotomyFoot, osteotomyPanel } from './steps/osteotomy_panel';
 import { predictFoot, predictPanel } from './steps/predict_panel';
 import { tissuePanel } from './steps/tissue_panel';
 
-const PANELS: Record<StepName, (app: App, s: State, view: Presenter) => Part> = {
+const PANELS: Record<StepName, (app: App, s: State, view: Viewer) => Html> = {
   case: casePanel,
   anatomy: anatomyPanel,
   landmarks: landmarkPanel,
@@ -25,7 +25,7 @@ const PANELS: Record<StepName, (app: App, s: State, view: Presenter) => Part> = 
   compare: comparePanel,
 };
 
-const FEET: Partial<Record<StepName, (app: App, s: State) => Part>> = {
+const FEET: Partial<Record<StepName, (app: App, s: State) => Html>> = {
   osteotomy: osteotomyFoot,
   predict: predictFoot,
 };
@@ -79,7 +79,7 @@ const DOT_WORDS: Record<string, string> = {
   unconverged: 'not converged',
 };
 
-function topBar(app: App, s: State): Part {
+function topBar(app: App, s: State): Html {
   const job = runningJob(s);
   const history = app.model.history.value;
   const waiting = s.jobs.filter((x) => x.state === 'queued').length - (job?.state === 'queued' ? 1 : 0);
@@ -116,7 +116,7 @@ function topBar(app: App, s: State): Part {
     <div class="top-buttons">
       ${iconButton('undo', 'Undo (Ctrl+Z)', () => app.undo(), !canUndo(history))}
       ${iconButton('redo', 'Redo (Ctrl+Shift+Z)', () => app.redo(), !canRedo(history))}
-      ${iconButton(s.theme === 'system' ? 'system' : s.theme === 'light' ? 'sun' : 'moon', `Colours: ${s.theme}`, () =>
+      ${iconButton(s.theme === 'system' ? 'system' : s.theme === 'light' ? 'sun' : 'moon', `Colors: ${s.theme}`, () =>
         nextTheme(app, s),
       )}
       ${iconButton('help', 'Keyboard (?)', () => app.patch({ help: true }))}
@@ -130,7 +130,7 @@ function nextTheme(app: App, s: State): void {
   app.patch({ theme });
 }
 
-function rail(app: App, s: State): Part {
+function rail(app: App, s: State): Html {
   return html` <nav class="rail" aria-label="Steps">
     ${STEPS.map(({ name, title }, index) => {
       const dot = dotOf(app, s, name);
@@ -154,7 +154,7 @@ function rail(app: App, s: State): Part {
   </nav>`;
 }
 
-function banners(s: State): Part {
+function banners(s: State): Html {
   const stage = stageOf(s, 'prediction');
   const previewing =
     (s.step === 'movement' || s.step === 'predict') &&
@@ -197,7 +197,7 @@ function banners(s: State): Part {
   </div>`;
 }
 
-function covers(app: App, s: State): Part {
+function covers(app: App, s: State): Html {
   if (s.fatal)
     return html`<div class="cover">
       <div class="cover-card">
@@ -247,7 +247,7 @@ const KEYS: [string, string][] = [
   ['?', 'This list'],
 ];
 
-function dialogs(app: App, s: State): Part {
+function dialogs(app: App, s: State): Html {
   if (s.conflict)
     return html`<div class="scrim">
       <div class="dialog" role="alertdialog" aria-modal="true" aria-labelledby="conflict-title" data-id="conflict">
@@ -283,7 +283,7 @@ function dialogs(app: App, s: State): Part {
   return nothing;
 }
 
-export function drawShell(root: HTMLElement, app: App, view: Presenter): void {
+export function drawShell(root: HTMLElement, app: App, view: Viewer): void {
   const { s } = app.model;
   const layout = layoutOf(s);
   const panel = PANELS[s.step](app, s, view);

@@ -2,7 +2,7 @@ import { html, nothing } from 'lit-html';
 import { fixed, presetOf, WINDOW_PRESETS } from '../../model';
 import type { App } from '../app';
 import { numberField } from '../number_field';
-import { button, chip, empty, hint, notice, section, slider, toggle, type Part } from '../parts';
+import { button, chip, empty, hint, notice, section, slider, toggle, type Html } from '../widgets';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
 
 export const LABEL_TINTS: readonly (readonly [number, number, number] | null)[] = [
@@ -18,7 +18,7 @@ export const LABEL_TINTS: readonly (readonly [number, number, number] | null)[] 
 
 const percent = (value: number): string => `${Math.round(value * 100)} %`;
 
-export function anatomyPanel(app: App, s: State): Part {
+export function anatomyPanel(app: App, s: State): Html {
   const stage = stageOf(s, 'anatomy');
   const busy = isBusyWith(s, 'segment');
   const failed = lastJob(s, 'segment');
@@ -131,7 +131,7 @@ export function anatomyPanel(app: App, s: State): Part {
                   onInput: (v) => app.patch({ brush_mm: v }),
                 })}
                 ${s.tool === 'brush'
-                  ? hint('Paint on any slice. The brush is a ball: it reaches the neighbouring slices too.')
+                  ? hint('Paint on any slice. The brush is a ball: it reaches the neighboring slices too.')
                   : hint('Pick a tissue to paint it.')}
                 ${strokes > 0
                   ? button(`Use ${strokes} ${strokes === 1 ? 'stroke' : 'strokes'}`, () => void app.labelBrush.use(), {

@@ -1,9 +1,9 @@
 import { html, nothing } from 'lit-html';
-import { cssOf, fixed, paintReach_mm, type Rgb } from '../../model';
+import { cssOf, fixed, paintTolerance_mm, type Rgb } from '../../model';
 import type { App } from '../app';
 import { chooseFiles } from '../choose_files';
 import { numberField } from '../number_field';
-import { button, hint, notice, section, segmented, type Part } from '../parts';
+import { button, hint, notice, section, segmented, type Html } from '../widgets';
 import { isBusyWith, stageOf, type State } from '../state';
 
 /** What the rules' sets are, in the words of people. */
@@ -28,11 +28,11 @@ const mm2 = (value: number): string => `${fixed(value, value < 100 ? 1 : 0)} mmÂ
 
 export const setPaintRadius = (app: App, mm: number): void => {
   const { volume } = app.model.s;
-  const least = volume ? Math.ceil(2 * paintReach_mm(volume.grid)) / 2 : 1;
+  const least = volume ? Math.ceil(2 * paintTolerance_mm(volume.grid)) / 2 : 1;
   app.patch({ paint_mm: Math.min(30, Math.max(least, mm)) });
 };
 
-export function boundarySection(app: App, s: State): Part {
+export function boundarySection(app: App, s: State): Html {
   const { plan } = app.model.doc;
   if (!s.boundary || !s.volume || !app.boundaryBrush.labels) return nothing;
   if (plan.segments.length === 0)
@@ -86,7 +86,7 @@ export function boundarySection(app: App, s: State): Part {
         value: s.paint_mm,
         unit: 'mm',
         step: 0.5,
-        min: Math.ceil(2 * paintReach_mm(s.volume.grid)) / 2,
+        min: Math.ceil(2 * paintTolerance_mm(s.volume.grid)) / 2,
         max: 30,
         id: 'paint-radius',
         onInput: (v) => setPaintRadius(app, v),

@@ -2,13 +2,13 @@ import { html, nothing } from 'lit-html';
 import { fixed } from '../../model';
 import type { App } from '../app';
 import { chooseFiles, filesOf } from '../choose_files';
-import { button, chip, hint, notice, progressBar, section, type Part } from '../parts';
+import { button, chip, hint, notice, progressBar, section, type Html } from '../widgets';
 import { runningJob, stageOf, isBusyWith, type State } from '../state';
 
 const importing = (s: State): boolean => isBusyWith(s, 'import') || s.upload !== null;
 
 /** The first thing a person sees: how to begin. */
-export function welcome(app: App, s: State): Part {
+export function welcome(app: App, s: State): Html {
   const job = runningJob(s);
   const failed = s.jobs.at(-1);
   return html`
@@ -62,7 +62,7 @@ export function welcome(app: App, s: State): Part {
   `;
 }
 
-export function casePanel(app: App, s: State): Part {
+export function casePanel(app: App, s: State): Html {
   const scan = s.case?.scan;
   const stage = stageOf(s, 'scan');
   if (!scan)
@@ -122,7 +122,7 @@ export function casePanel(app: App, s: State): Part {
     ${section(
       'Privacy',
       hint(
-        'Names, dates and numbers of the patient are not read into the case. A face in 3D can still be recognised: treat pictures as you treat the scan.',
+        'Names, dates and numbers of the patient are not read into the case. A face in 3D can still be recognized: treat pictures as you treat the scan.',
       ),
     )}
   `;

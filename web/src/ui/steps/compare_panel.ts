@@ -3,8 +3,20 @@ import type { Schemas } from '../../api';
 import { bytes, fixed, gradientOf, mm, ticksOf, type ScaleName } from '../../model';
 import type { App } from '../app';
 import { chooseFiles } from '../choose_files';
-import type { Presenter } from '../present';
-import { button, chip, empty, hint, icon, notice, progressBar, section, segmented, toggle, type Part } from '../parts';
+import type { Viewer } from '../viewer';
+import {
+  button,
+  chip,
+  empty,
+  hint,
+  icon,
+  notice,
+  progressBar,
+  section,
+  segmented,
+  toggle,
+  type Html,
+} from '../widgets';
 import { profilePlot } from '../plot';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
 import { inWords } from './movement_panel';
@@ -44,15 +56,15 @@ const BONE_PAINTS = [
   },
 ] as const;
 
-/** The colours of a map, from 0 to `top`. */
-const legend = (scale: ScaleName, top: number, unit: string, id: string): Part =>
+/** The colors of a map, from 0 to `top`. */
+const legend = (scale: ScaleName, top: number, unit: string, id: string): Html =>
   html` <div class="legend" data-id=${id}>
     <div class="ramp" .style=${`background:${gradientOf(scale)}`}></div>
     <div class="ticks">${ticksOf(top).map((text) => html`<span>${text}</span>`)}<span>${unit}</span></div>
   </div>`;
 
 /** What is missing for the regions that are not told. */
-const missingRegions = (missing: readonly string[]): Part =>
+const missingRegions = (missing: readonly string[]): Html =>
   missing.length
     ? html`<details>
         <summary>Regions not told apart: ${missing.length}</summary>
@@ -62,7 +74,7 @@ const missingRegions = (missing: readonly string[]): Part =>
 
 const capital = (text: string): string => text[0].toUpperCase() + text.slice(1);
 
-function regionTable(regions: Schemas['RegionShifts']): Part {
+function regionTable(regions: Schemas['RegionShifts']): Html {
   return html`<table data-id="distance-table">
       <thead>
         <tr>
@@ -100,7 +112,7 @@ function wordsOf({ shift_mm, turn_deg, largest_mm }: Schemas['MovementDifference
   return `went ${inWords({ translation_mm: shift_mm as never, rotation_deg: turn_deg as never, about_mm: [0, 0, 0] })}`;
 }
 
-function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Part {
+function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Html {
   return html` ${found.warnings.map((text) => notice('warning', 'About this scan', text))}
     ${found.movements.map(
       (one) =>
@@ -149,7 +161,7 @@ function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Par
     </table>
     ${hint('mm, over area. A prediction is of use where it is nearer than “had nothing changed”.')}
     ${missingRegions(found.missing)}
-    ${toggle('Colour the face by it', s.skinPaint === 'error', (on) =>
+    ${toggle('Color the face by it', s.skinPaint === 'error', (on) =>
       app.patch({ skinPaint: on ? 'error' : 'none', ...(on ? { compareStep: s.prediction?.steps.length ?? 0 } : {}) }),
     )}
     ${s.skinPaint === 'error' ? legend('distance', s.errorTop_mm, 'mm', 'error-legend') : nothing}
@@ -167,7 +179,7 @@ function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Par
 }
 
 /** The face after surgery, where there is one. */
-function afterSurgery(app: App, s: State): Part {
+function afterSurgery(app: App, s: State): Html {
   const stage = stageOf(s, 'comparison');
   const job = lastJob(s, 'compare');
   const running = isBusyWith(s, 'compare');
@@ -200,7 +212,7 @@ function afterSurgery(app: App, s: State): Part {
   );
 }
 
-export function comparePanel(app: App, s: State, view: Presenter): Part {
+export function comparePanel(app: App, s: State, view: Viewer): Html {
   const stage = stageOf(s, 'prediction');
   if (stage.state === 'missing' || stage.state === 'running' || !s.prediction)
     return html`<h2>Compare</h2>
@@ -287,7 +299,7 @@ export function comparePanel(app: App, s: State, view: Presenter): Part {
 }
 
 /** Along the path: before surgery at the left, the whole move at the right. */
-export function compareDock(app: App, s: State): Part {
+export function compareDock(app: App, s: State): Html {
   const steps = s.prediction?.converged ? s.prediction.steps.length : 0;
   if (steps === 0) return nothing;
   return html` <div class="dock">

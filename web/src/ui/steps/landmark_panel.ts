@@ -1,10 +1,10 @@
 import { html, nothing } from 'lit-html';
 import { CATALOGUE, fixed, kindOf, placed, withoutLandmark, type LandmarkKind } from '../../model';
 import type { App } from '../app';
-import { button, empty, hint, iconButton, notice, section, type Part } from '../parts';
+import { button, empty, hint, iconButton, notice, section, type Html } from '../widgets';
 import { stageOf, type State } from '../state';
 
-export function landmarkPanel(app: App, s: State): Part {
+export function landmarkPanel(app: App, s: State): Html {
   const { landmarks } = app.model.doc;
   const stage = stageOf(s, 'landmarks');
   if (!s.volume)

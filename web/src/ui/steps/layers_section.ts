@@ -2,17 +2,17 @@ import { html, nothing } from 'lit-html';
 import type { Tissue } from '../../model';
 import type { App } from '../app';
 import { numberField } from '../number_field';
-import { hint, notice, toggle, type Part } from '../parts';
+import { hint, notice, toggle, type Html } from '../widgets';
 import { materialField } from './material_field';
 
-const part = (title: string, ...content: unknown[]): Part =>
+const part = (title: string, ...content: unknown[]): Html =>
   html`<div class="part">
     <h3>${title}</h3>
     ${content}
   </div>`;
 
 /** Tissues with a material of their own: skin, mucosa, muscle. */
-export function layersSection(app: App): Part {
+export function layersSection(app: App): Html {
   const { plan } = app.model.doc;
   const { tissue = {} } = plan;
   const set = (part: Partial<Tissue>, gesture: string | null = null): void => {

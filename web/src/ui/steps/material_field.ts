@@ -1,7 +1,7 @@
 import { html, nothing } from 'lit-html';
 import type { Material } from '../../model';
 import { numberField } from '../number_field';
-import { hint, select, type Part } from '../parts';
+import { hint, select, type Html } from '../widgets';
 
 /** Presets and their sources, as docs/materials.md has them. */
 export const MATERIALS = {
@@ -32,7 +32,7 @@ export const ownConstants = (
   own: Exclude<Material, string>,
   gesture: string,
   set: (material: Material, gesture: string) => void,
-): Part =>
+): Html =>
   html`<div class="numbers">
     ${numberField({
       label: 'Young’s modulus',
@@ -64,7 +64,7 @@ export function materialField(
   name: string,
   material: Material,
   set: (material: Material, gesture: string | null) => void,
-): Part {
+): Html {
   const own = typeof material === 'object' ? material : null;
   const known = own ? null : MATERIALS[material as Preset];
   return html` ${select(

@@ -4,33 +4,45 @@ import {
   fixed,
   keyframesOf,
   mm,
-  PARTS,
-  partOf,
+  COMPONENTS,
+  componentOf,
   retimeKeyframe,
-  segmentColour,
-  shareOf,
+  segmentColor,
+  pathFractionOf,
   withKeyframeAfter,
   withoutKeyframe,
-  withPart,
+  withComponent,
   type Move,
-  type PartKey,
+  type ComponentKey,
 } from '../../model';
 import { OVERLAP_LIMIT_MM, type App } from '../app';
 import { numberField } from '../number_field';
-import { button, chip, empty, hint, iconButton, notice, section, segmented, select, toggle, type Part } from '../parts';
+import {
+  button,
+  chip,
+  empty,
+  hint,
+  iconButton,
+  notice,
+  section,
+  segmented,
+  select,
+  toggle,
+  type Html,
+} from '../widgets';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
 
 /** A move in words: "12.0 mm anterior, 5.0 mm inferior". */
 export function inWords(move: Move): string {
-  const words = PARTS.map((part) => {
-    const value = partOf(move, part.key);
+  const words = COMPONENTS.map((part) => {
+    const value = componentOf(move, part.key);
     if (Math.abs(value) < 0.05) return null;
     return `${fixed(Math.abs(value), 1)}${part.unit === '°' ? '°' : ' mm'} ${value > 0 ? part.plus : part.minus}`;
   }).filter((text) => text !== null);
   return words.length ? words.join(', ') : 'not moved';
 }
 
-const TITLES: Record<(typeof PARTS)[number]['key'], string> = {
+const TITLES: Record<(typeof COMPONENTS)[number]['key'], string> = {
   anterior: 'Anterior',
   superior: 'Superior',
   left: 'To the left',
@@ -39,7 +51,7 @@ const TITLES: Record<(typeof PARTS)[number]['key'], string> = {
   yaw: 'Yaw',
 };
 
-export function overlapNotice(s: State): Part {
+export function overlapNotice(s: State): Html {
   if (!s.depth) return nothing;
   const { deepest_mm, beyondReach, perSecond } = s.depth;
   const rate =
@@ -65,7 +77,7 @@ export function overlapNotice(s: State): Part {
   );
 }
 
-function checkPart(app: App, s: State): Part {
+function checkPart(app: App, s: State): Html {
   const stage = stageOf(s, 'check');
   const busy = isBusyWith(s, 'check');
   const job = lastJob(s, 'check');
@@ -102,7 +114,7 @@ function checkPart(app: App, s: State): Part {
   );
 }
 
-export function movementPanel(app: App, s: State): Part {
+export function movementPanel(app: App, s: State): Html {
   const { plan, landmarks } = app.model.doc;
   const segment = plan.segments[s.segment];
   if (!segment)
@@ -116,9 +128,9 @@ export function movementPanel(app: App, s: State): Part {
   const move = app.move();
   const keyframe = keyframesOf(segment)[s.keyframe];
   // Of the move as it is then: what is dragged is drawn later here.
-  const set = (key: PartKey, value: number): void => {
+  const set = (key: ComponentKey, value: number): void => {
     const now = app.move();
-    if (now) app.setMove(withPart(now, key, value), `move-${key}`);
+    if (now) app.setMove(withComponent(now, key, value), `move-${key}`);
   };
   const pivots = [
     { value: '', text: keyframe?.about_mm ? 'A point' : 'Middle of the segment' },
@@ -137,12 +149,12 @@ export function movementPanel(app: App, s: State): Part {
                 @click=${() =>
                   app.patch({ segment: index, keyframe: Math.max(0, keyframesOf(x).length - 1), plane: null })}
               >
-                <span class="swatch" .style=${`background:${cssOf(segmentColour(index))}`}></span>${x.name}
+                <span class="swatch" .style=${`background:${cssOf(segmentColor(index))}`}></span>${x.name}
               </button>`,
           )}
         </div>`
       : html`<div class="row">
-          <span class="swatch" .style=${`background:${cssOf(segmentColour(0))}`}></span><strong>${segment.name}</strong>
+          <span class="swatch" .style=${`background:${cssOf(segmentColor(0))}`}></span><strong>${segment.name}</strong>
         </div>`}
     ${cut.state !== 'fresh'
       ? notice(
@@ -158,11 +170,11 @@ export function movementPanel(app: App, s: State): Part {
           ${section(
             'Shift',
             html`<div class="numbers">
-              ${PARTS.filter((p) => p.kind === 'shift').map((part) =>
+              ${COMPONENTS.filter((p) => p.kind === 'translate').map((part) =>
                 numberField({
                   label: TITLES[part.key],
                   hint: `− is ${part.minus}`,
-                  value: partOf(move, part.key),
+                  value: componentOf(move, part.key),
                   unit: 'mm',
                   step: 0.5,
                   min: -60,
@@ -177,11 +189,11 @@ export function movementPanel(app: App, s: State): Part {
           ${section(
             'Turn',
             html`<div class="numbers">
-              ${PARTS.filter((p) => p.kind === 'turn').map((part) =>
+              ${COMPONENTS.filter((p) => p.kind === 'rotate').map((part) =>
                 numberField({
                   label: TITLES[part.key],
                   hint: `+ is ${part.plus}`,
-                  value: partOf(move, part.key),
+                  value: componentOf(move, part.key),
                   unit: '°',
                   step: 0.5,
                   min: -90,
@@ -262,7 +274,7 @@ export function movementPanel(app: App, s: State): Part {
   `;
 }
 
-export function previewState(app: App, s: State): Part {
+export function previewState(app: App, s: State): Html {
   if (!s.showPreview) return nothing;
   const stage = stageOf(s, 'preview');
   const busy = isBusyWith(s, 'preview-factor');
@@ -276,16 +288,17 @@ export function previewState(app: App, s: State): Part {
       id: 'prepare-preview',
     })}`;
   if (s.preview.state === 'failed') return notice('error', 'No preview', s.preview.why);
-  return hint('Preview, not a prediction: linearised about the scanned face, so it errs more the further bone moves.');
+  return hint('Preview, not a prediction: linearized about the scanned face, so it errs more the further bone moves.');
 }
 
 /** Keyframes of the segment on their path. */
-export function timeline(app: App, s: State): Part {
+export function timeline(app: App, s: State): Html {
   const segment = app.model.doc.plan.segments[s.segment];
   if (!segment) return nothing;
   const { plan } = app.model.doc;
   const keyframes = keyframesOf(segment);
-  const share = s.scrub ?? (keyframes.length ? shareOf(keyframes, Math.min(s.keyframe, keyframes.length - 1)) : 1);
+  const share =
+    s.scrub ?? (keyframes.length ? pathFractionOf(keyframes, Math.min(s.keyframe, keyframes.length - 1)) : 1);
   return html` <div class="dock">
     <div class="row">
       ${button(
@@ -324,13 +337,14 @@ export function timeline(app: App, s: State): Part {
           html` <button
             type="button"
             class="keyframe ${k === keyframes.length - 1 ? 'last' : ''}"
-            .style=${`left:${shareOf(keyframes, k) * 100}%`}
+            .style=${`left:${pathFractionOf(keyframes, k) * 100}%`}
             aria-pressed=${String(k === s.keyframe && s.scrub === null)}
             title="Arrow keys move it in time"
             @click=${() => app.patch({ keyframe: k, scrub: null })}
             @keydown=${(e: KeyboardEvent) => {
               const by = e.key === 'ArrowLeft' ? -0.02 : e.key === 'ArrowRight' ? 0.02 : 0;
-              if (by) app.edit({ plan: retimeKeyframe(plan, s.segment, k, shareOf(keyframes, k) + by) }, `time-${k}`);
+              if (by)
+                app.edit({ plan: retimeKeyframe(plan, s.segment, k, pathFractionOf(keyframes, k) + by) }, `time-${k}`);
             }}
           >
             ${keyframes.length === 1 ? 'planned' : k + 1}

@@ -11,7 +11,7 @@ import {
   ml,
   renameSegment,
   scale,
-  segmentColour,
+  segmentColor,
   templateKind,
   TEMPLATES,
   unit,
@@ -26,7 +26,7 @@ import {
 } from '../../model';
 import { templateKey, type App } from '../app';
 import { numberField } from '../number_field';
-import { button, chip, empty, hint, iconButton, notice, section, select, type Part } from '../parts';
+import { button, chip, empty, hint, iconButton, notice, section, select, type Html } from '../widgets';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
 
 /** Volume of each segment, as the cut told it. */
@@ -69,7 +69,7 @@ async function writeOut(app: App, index: number): Promise<void> {
   app.edit({ plan: editOsteotomy(doc.plan, index, () => ({ ...rest, ...(placed as object) })) });
 }
 
-function planeRow(app: App, s: State, plane: Plane, index: number, n: number): Part {
+function planeRow(app: App, s: State, plane: Plane, index: number, n: number): Html {
   const selected = s.segment === index && s.plane === n;
   const { plan } = app.model.doc;
   return html` <div class="list-row ${selected ? 'selected' : ''}">
@@ -117,7 +117,7 @@ function planeRow(app: App, s: State, plane: Plane, index: number, n: number): P
       : nothing}`;
 }
 
-function segmentCard(app: App, s: State, segment: Segment, index: number): Part {
+function segmentCard(app: App, s: State, segment: Segment, index: number): Html {
   const { plan, landmarks } = app.model.doc;
   const selected = s.segment === index;
   const o = segment.osteotomy;
@@ -131,7 +131,7 @@ function segmentCard(app: App, s: State, segment: Segment, index: number): Part 
     @pointerdown=${() => selected || app.patch({ segment: index, plane: null })}
   >
     <div class="card-head">
-      <span class="swatch" .style=${`background:${cssOf(segmentColour(index))}`}></span>
+      <span class="swatch" .style=${`background:${cssOf(segmentColor(index))}`}></span>
       <input
         class="name"
         aria-label="Name of the segment"
@@ -268,7 +268,7 @@ function segmentCard(app: App, s: State, segment: Segment, index: number): Part 
   </div>`;
 }
 
-export function osteotomyPanel(app: App, s: State): Part {
+export function osteotomyPanel(app: App, s: State): Html {
   const { plan, landmarks } = app.model.doc;
   const stage = stageOf(s, 'cut');
   const busy = isBusyWith(s, 'cut');
@@ -365,7 +365,7 @@ export function osteotomyPanel(app: App, s: State): Part {
   `;
 }
 
-export function osteotomyFoot(app: App, s: State): Part {
+export function osteotomyFoot(app: App, s: State): Html {
   const { plan } = app.model.doc;
   if (plan.segments.length === 0) return nothing;
   const busy = isBusyWith(s, 'cut');

@@ -1,11 +1,11 @@
 import { html, nothing } from 'lit-html';
 import { fixed, mm } from '../../model';
 import type { App } from '../app';
-import { button, chip, empty, hint, notice, progressBar, section, type Part } from '../parts';
+import { button, chip, empty, hint, notice, progressBar, section, type Html } from '../widgets';
 import { residualPlot } from '../plot';
 import { isBusyWith, lastJob, stageOf, type NewtonPoint, type State } from '../state';
 import { overlapNotice, previewState } from './movement_panel';
-import { toggle } from '../parts';
+import { toggle } from '../widgets';
 
 /** Newton stops below this share of the first residual unless the plan says otherwise. */
 const DEFAULT_TOLERANCE = 1e-6;
@@ -18,7 +18,7 @@ interface StepRow {
   max_depth_mm: number;
 }
 
-const stepTable = (steps: readonly StepRow[]): Part =>
+const stepTable = (steps: readonly StepRow[]): Html =>
   html` <table data-id="step-table">
     <thead>
       <tr>
@@ -44,7 +44,7 @@ const stepTable = (steps: readonly StepRow[]): Part =>
   </table>`;
 
 /** Where the solver is at this moment. */
-const iterateNow = (at: NewtonPoint): Part =>
+const iterateNow = (at: NewtonPoint): Html =>
   html` <div class="stats" data-id="iterate-now">
     <div>
       <div class="big-number">${at.iteration}</div>
@@ -60,7 +60,7 @@ const iterateNow = (at: NewtonPoint): Part =>
     </div>
   </div>`;
 
-export function predictPanel(app: App, s: State): Part {
+export function predictPanel(app: App, s: State): Html {
   const { plan } = app.model.doc;
   if (plan.segments.length === 0)
     return html`<h2>Predict</h2>
@@ -169,7 +169,7 @@ export function predictPanel(app: App, s: State): Part {
   `;
 }
 
-export function predictFoot(app: App, s: State): Part {
+export function predictFoot(app: App, s: State): Html {
   const { plan } = app.model.doc;
   if (plan.segments.length === 0 || isBusyWith(s, 'predict')) return nothing;
   const stage = stageOf(s, 'prediction');

@@ -2,7 +2,7 @@ import { html } from 'lit-html';
 import type { Plan } from '../../model';
 import type { App } from '../app';
 import { numberField } from '../number_field';
-import { hint, section, segmented, select, type Part } from '../parts';
+import { hint, section, segmented, select, type Html } from '../widgets';
 import type { State } from '../state';
 import { boundarySection } from './boundary_section';
 import { layersSection } from './layers_section';
@@ -16,7 +16,7 @@ const SIZES = [
   { value: 'fine', text: 'Fine', near: 1.8, far: 4 },
 ] as const;
 
-export function tissuePanel(app: App, s: State): Part {
+export function tissuePanel(app: App, s: State): Html {
   const { plan } = app.model.doc;
   const set = (part: Partial<Plan>, gesture: string | null = null) => app.edit({ plan: { ...plan, ...part } }, gesture);
   const { tissue = {}, boundary = {}, contact = {}, solver = {}, field = {} } = plan;

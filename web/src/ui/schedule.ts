@@ -4,7 +4,7 @@ const LATEST_MS = 40;
  * Runs work with the next picture, or after 40 ms if that is late: on slow graphics a picture takes longer than what a
  * person does, and neither numbers nor questions to the server shall wait for it.
  */
-export function soon(work: () => void): void {
+export function nextFrame(work: () => void): void {
   let done = false;
   const once = (): void => {
     if (done) return;
@@ -20,6 +20,6 @@ export function soon(work: () => void): void {
 /** For numbers that nobody reads digit by digit as they run. */
 const READABLE_MS = 120;
 
-export function later(work: () => void): void {
+export function idle(work: () => void): void {
   setTimeout(work, READABLE_MS);
 }

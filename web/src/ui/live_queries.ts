@@ -1,9 +1,9 @@
 import { lengths, type Mat4 } from '../model';
-import { sentence, type App, type Listeners } from './app';
+import { messageOf, type App, type SceneListeners } from './app';
 import { stageOf } from './state';
 
 /** What is asked of the server while bone is dragged: overlap at once, the preview of the face when the hand rests. */
-export class LiveAnswers {
+export class LiveQueries {
   private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = {
     wanted: null,
     running: false,
@@ -13,11 +13,11 @@ export class LiveAnswers {
 
   constructor(
     private readonly app: App,
-    private readonly listeners: Listeners,
+    private readonly listeners: SceneListeners,
   ) {}
 
   /** Asks for the overlap of these poses; while one answer is on its way only the newest question is kept. */
-  wantDepths(poses: Record<string, Mat4>): void {
+  requestDepths(poses: Record<string, Mat4>): void {
     if (stageOf(this.app.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
       this.listeners.onDepths(null);
       if (this.app.model.s.depth) this.app.patch({ depth: null });
@@ -49,8 +49,8 @@ export class LiveAnswers {
     loop.running = false;
   }
 
-  /** The linearised face for where the bones are; `since` is when the drag ended. */
-  async wantPreview(since: number): Promise<void> {
+  /** The linearized face for where the bones are; `since` is when the drag ended. */
+  async requestPreview(since: number): Promise<void> {
     const { s } = this.app.model;
     this.previewAborter?.abort();
     if (!s.showPreview || stageOf(s, 'preview').state !== 'fresh') {
@@ -69,7 +69,7 @@ export class LiveAnswers {
     } catch (error) {
       if (aborter.signal.aborted) return;
       this.listeners.onPreview(null);
-      this.app.patch({ preview: { state: 'failed', latency_ms: null, why: sentence(error), largest_mm: 0 } });
+      this.app.patch({ preview: { state: 'failed', latency_ms: null, why: messageOf(error), largest_mm: 0 } });
     }
   }
 

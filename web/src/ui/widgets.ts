@@ -2,7 +2,7 @@ import { html, nothing, svg, type TemplateResult } from 'lit-html';
 import type { Schemas } from '../api';
 
 /** A piece of page, or nothing. */
-export type Part = TemplateResult | typeof nothing | string;
+export type Html = TemplateResult | typeof nothing | string;
 
 const PATHS = {
   undo: 'M7 8H13a5 5 0 0 1 0 10h-3M7 8l3.5-3.5M7 8l3.5 3.5',

@@ -1,10 +1,10 @@
-/** Colours as 0 to 1, sRGB. */
+/** Colors as 0 to 1, sRGB. */
 export type Rgb = readonly [number, number, number];
 
 const hex = (text: string): Rgb => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255) as unknown as Rgb;
 
 /**
- * Colour scales with stops from 0 to 1. Distance: magma turned round, light where nothing moved, as the command
+ * Color scales with stops from 0 to 1. Distance: magma turned round, light where nothing moved, as the command
  * line's pictures; readable without red and green. Depth: clear bone to a warning red, for overlap.
  */
 const SCALES = {
@@ -15,7 +15,7 @@ const SCALES = {
 
 export type ScaleName = keyof typeof SCALES;
 
-export function colourAt(name: ScaleName, share: number): Rgb {
+export function colorAt(name: ScaleName, share: number): Rgb {
   const stops = SCALES[name];
   if (!(share > 0)) return stops[0];
   if (share >= 1) return stops[stops.length - 1];
@@ -32,8 +32,8 @@ export const cssOf = ([r, g, b]: Rgb): string =>
 export const gradientOf = (name: ScaleName): string =>
   `linear-gradient(to right, ${SCALES[name].map(cssOf).join(', ')})`;
 
-/** Segments in the order of the plan. Told apart by the colour-blind as well (after Okabe and Ito). */
-export const SEGMENT_COLOURS: readonly Rgb[] = [
+/** Segments in the order of the plan. Told apart by the color-blind as well (after Okabe and Ito). */
+export const SEGMENT_COLORS: readonly Rgb[] = [
   '#4c8fd6',
   '#e69f00',
   '#27a27a',
@@ -44,7 +44,7 @@ export const SEGMENT_COLOURS: readonly Rgb[] = [
   '#5ab4e0',
 ].map(hex);
 
-export const segmentColour = (index: number): Rgb => SEGMENT_COLOURS[index % SEGMENT_COLOURS.length];
+export const segmentColor = (index: number): Rgb => SEGMENT_COLORS[index % SEGMENT_COLORS.length];
 
 export const BONE: Rgb = hex('#e3d9c6');
 export const SKIN: Rgb = hex('#d9a88c');
@@ -52,9 +52,9 @@ export const SKIN: Rgb = hex('#d9a88c');
 const linear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
 
 /** sRGB as light, which is what is shaded. */
-export const linearOf = (colour: Rgb): Rgb => colour.map(linear) as unknown as Rgb;
+export const linearOf = (color: Rgb): Rgb => color.map(linear) as unknown as Rgb;
 
-/** Fills linear RGB per vertex from values; NaN becomes the lowest colour. `rest`: that of values not above `from`. */
+/** Fills linear RGB per vertex from values; NaN becomes the lowest color. `rest`: that of values not above `from`. */
 export function paint(
   values: ArrayLike<number>,
   name: ScaleName,
@@ -64,15 +64,15 @@ export function paint(
   rest?: Rgb,
 ): void {
   const steps = 255;
-  const table = Array.from({ length: steps + 1 }, (_, n) => linearOf(colourAt(name, n / steps)));
+  const table = Array.from({ length: steps + 1 }, (_, n) => linearOf(colorAt(name, n / steps)));
   if (rest) table[0] = linearOf(rest);
   const k = steps / (to - from);
   for (let n = 0; n < values.length; n++) {
     const at = Math.min(steps, Math.max(0, Math.round((values[n] - from) * k))) || 0;
-    const colour = table[at];
-    into[3 * n] = colour[0];
-    into[3 * n + 1] = colour[1];
-    into[3 * n + 2] = colour[2];
+    const color = table[at];
+    into[3 * n] = color[0];
+    into[3 * n + 1] = color[1];
+    into[3 * n + 2] = color[2];
   }
 }
 

@@ -7,7 +7,7 @@ import {
   length,
   scale,
   sectionOf,
-  segmentColour,
+  segmentColor,
   SKIN,
   sub,
   templateKind,
@@ -38,21 +38,21 @@ import {
   type PlaneMark,
   type SliceLines,
 } from '../scene';
-import { templateKey, type App, type Listeners } from './app';
+import { templateKey, type App, type SceneListeners } from './app';
 import { BoundaryView } from './boundary_view';
 import { CompareView } from './compare_view';
-import { soon } from './soon';
+import { nextFrame } from './schedule';
 import { stageOf, type State } from './state';
 import { LABEL_TINTS } from './steps/anatomy_panel';
 
-/** Depth of overlap that is drawn in the strongest colour [mm]. */
+/** Depth of overlap that is drawn in the strongest color [mm]. */
 const DEPTH_TOP_MM = 2;
 
 /** How often slices follow a bone that is dragged: three pictures of the scan take as long as one of the bones. */
 const SLICES_EVERY_MS = 100;
 
 /** Draws what the app knows, and tells the app what the hand does in the views. */
-export class Presenter implements Listeners {
+export class Viewer implements SceneListeners {
   readonly view: View3d;
   readonly slices: readonly SliceView[];
   compare!: CompareView;
@@ -60,7 +60,7 @@ export class Presenter implements Listeners {
   private app!: App;
   private depths: Depths | null = null;
   private previewOn = false;
-  /** How many surfaces have come: colours are painted anew on each. */
+  /** How many surfaces have come: colors are painted anew on each. */
   private surfaceCount = 0;
   private moveAtStart: Move | null = null;
   private planeAtStart: Plane | null = null;
@@ -123,12 +123,12 @@ export class Presenter implements Listeners {
     const index = name.startsWith('segments/')
       ? this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name)
       : -1;
-    const colour = name.startsWith('segments/')
-      ? segmentColour(Math.max(0, index))
+    const color = name.startsWith('segments/')
+      ? segmentColor(Math.max(0, index))
       : /skin|predicted|after_surgery/.test(name)
         ? SKIN
         : BONE;
-    this.view.setBody(name, surface, colour);
+    this.view.setBody(name, surface, color);
     this.surfaceCount++;
     this.previewKey = this.depthKey = '';
     this.compare.surfaceChanged(name);
@@ -216,7 +216,7 @@ export class Presenter implements Listeners {
   present(): void {
     if (this.pending) return;
     this.pending = true;
-    soon(() => this.presentPending());
+    nextFrame(() => this.presentPending());
   }
 
   private presentPending(): void {
@@ -287,14 +287,14 @@ export class Presenter implements Listeners {
       const key = JSON.stringify([cutPoses, stageOf(s, 'cut').state, stageOf(s, 'cut').etag]);
       if (key !== this.depthKey) {
         this.depthKey = key;
-        this.app.live.wantDepths(cutPoses);
+        this.app.live.requestDepths(cutPoses);
       }
       const previewKey = `${key} ${stageOf(s, 'preview').etag} ${stageOf(s, 'preview').state} ${s.showPreview}`;
       if (previewKey !== this.previewKey && !view.gizmo.isDragging) {
         this.previewKey = previewKey;
         const since = Math.max(this.changedAt, performance.now() - 50);
         clearTimeout(this.previewTimer);
-        this.previewTimer = window.setTimeout(() => void this.app.live.wantPreview(since), 30);
+        this.previewTimer = window.setTimeout(() => void this.app.live.requestPreview(since), 30);
       }
     } else if (this.previewOn && step !== 'compare') {
       this.app.live.dropPreview();
@@ -303,19 +303,19 @@ export class Presenter implements Listeners {
     this.paintDepths();
     this.boundary.present(s);
     view.brush_mm = s.paint_mm;
-    view.brushColour = cssOf(
+    view.brushColor = cssOf(
       (s.boundary?.names.find((x) => x.value === s.paintLabel)?.colour as unknown as Rgb | undefined) ?? BONE,
     );
 
     // Marks
     view.markers = this.markers(s);
     view.lines = s.curveDraft
-      ? [{ points: s.curveDraft.points, closed: s.curveDraft.points.length > 2, colour: '#f2b84b', dashed: true }]
+      ? [{ points: s.curveDraft.points, closed: s.curveDraft.points.length > 2, color: '#f2b84b', dashed: true }]
       : step === 'osteotomy'
         ? doc.plan.segments.flatMap((x, index) =>
             (x.osteotomy.curves ?? [])
               .filter((c) => c.points_mm)
-              .map((c) => ({ points: c.points_mm!, closed: true, colour: cssOf(segmentColour(index)) })),
+              .map((c) => ({ points: c.points_mm!, closed: true, color: cssOf(segmentColor(index)) })),
           )
         : [];
     view.setPlanes(
@@ -350,7 +350,7 @@ export class Presenter implements Listeners {
               id: l.name,
               position: l.position_mm,
               label: l.name,
-              colour: l.name === s.landmark ? '#f2b84b' : '#3fb2c8',
+              color: l.name === s.landmark ? '#f2b84b' : '#3fb2c8',
               selected: l.name === s.landmark,
             }))
           : [];
@@ -377,9 +377,9 @@ export class Presenter implements Listeners {
       if (!body) return;
       const depth = on ? this.depths?.bySegment.get(segment.name) : undefined;
       if (depth && depth.length === body.surface.points.length / 3 && (this.depths?.deepest_mm ?? 0) > 0.05) {
-        body.setValues(depth, 'depth', 0, DEPTH_TOP_MM, segmentColour(index));
+        body.setValues(depth, 'depth', 0, DEPTH_TOP_MM, segmentColor(index));
       } else {
-        body.setColour(segmentColour(index));
+        body.setColor(segmentColor(index));
       }
     });
     this.view.render();
@@ -391,7 +391,7 @@ export class Presenter implements Listeners {
       return s.curveDraft.points.map((position, n) => ({
         id: `curve ${n}`,
         position,
-        colour: '#f2b84b',
+        color: '#f2b84b',
         draggable: true,
       }));
     if (s.step !== 'landmarks' && s.step !== 'osteotomy') return [];
@@ -403,7 +403,7 @@ export class Presenter implements Listeners {
         label: l.name,
         hides: true,
         selected: s.step === 'landmarks' && l.name === s.landmark,
-        colour: l.name === s.landmark && s.step === 'landmarks' ? '#f2b84b' : '#3fb2c8',
+        color: l.name === s.landmark && s.step === 'landmarks' ? '#f2b84b' : '#3fb2c8',
         draggable: s.step === 'landmarks' && s.tool !== 'landmark',
       }));
   }
@@ -413,7 +413,7 @@ export class Presenter implements Listeners {
     const { doc } = this.app.model;
     const radius_mm = 110;
     return doc.plan.segments.flatMap((segment, index) => {
-      const colour = cssOf(segmentColour(index));
+      const color = cssOf(segmentColor(index));
       const placed = templateKind(segment.osteotomy)
         ? s.templatePlanes.get(templateKey(segment.osteotomy.template, doc.landmarks))
         : undefined;
@@ -432,7 +432,7 @@ export class Presenter implements Listeners {
         point: plane.point_mm,
         normal: plane.towards_segment,
         size_mm: plane.size_mm ? Math.max(...plane.size_mm) : radius_mm,
-        colour,
+        color,
         selected,
       }));
     });
@@ -455,18 +455,18 @@ export class Presenter implements Listeners {
         const middle = [0, 1, 2].map((c) => mark.point[c] + reach * into[c]);
         const half = mark.size_mm / 2;
         const ends = [-half, half].flatMap((t) => middle.map((c, k) => c + t * d[k]));
-        found.push({ lines: Float32Array.from(ends), colour: mark.colour });
+        found.push({ lines: Float32Array.from(ends), color: mark.color });
       }
     if (s.step === 'movement') {
       const poses = this.app.poses();
       doc.plan.segments.forEach((segment, index) => {
         const body = this.view.body(`segments/${segment.name}`);
         if (!body) return;
-        const colour = cssOf(segmentColour(index));
+        const color = cssOf(segmentColor(index));
         const pose = poses[segment.name] ?? IDENTITY;
         if (pose.some((v, n) => v !== IDENTITY[n]))
-          found.push({ lines: sectionOf(body.surface, at.point, at.normal), colour, dashed: true });
-        found.push({ lines: posedSectionOf(body.surface, pose, at.point, at.normal), colour });
+          found.push({ lines: sectionOf(body.surface, at.point, at.normal), color, dashed: true });
+        found.push({ lines: posedSectionOf(body.surface, pose, at.point, at.normal), color });
       });
     }
     return found;
@@ -488,7 +488,7 @@ export class Presenter implements Listeners {
       const from = this.planeAtStart ?? plane;
       const by = scale(drag.axis.direction, Math.round(drag.amount * 10) / 10);
       const next: Plane =
-        drag.kind === 'shift'
+        drag.kind === 'translate'
           ? { ...from, point_mm: [0, 1, 2].map((c) => round3(from.point_mm[c] + by[c])) as unknown as Vec3 }
           : { ...from, towards_segment: tilted(from.towards_segment, drag.axis.direction, drag.amount) };
       if (phase !== 'start') app.edit({ plan: editPlane(doc.plan, s.segment, s.plane, next) }, `gizmo-${this.gesture}`);
@@ -515,7 +515,7 @@ export class Presenter implements Listeners {
   private onBrush(at: { hit: Hit; body: string } | null, phase: Phase): void {
     const { boundaryBrush } = this.app;
     const surface = at && this.view.body(at.body)?.surface;
-    if (at && surface) boundaryBrush.dab(at.hit, surface);
+    if (at && surface) boundaryBrush.stamp(at.hit, surface);
     if (phase === 'end') boundaryBrush.endStroke();
   }
 
