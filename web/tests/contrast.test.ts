@@ -1,6 +1,6 @@
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-import { linearOf, type Rgb } from '../src/model';
+import { linearOf, mapVec3 } from '../src/model';
 
 const css = readFileSync(new URL('../src/ui/style.css', import.meta.url), 'utf8').replace(/\/\*[\s\S]*?\*\//g, '');
 
@@ -17,7 +17,7 @@ const themes = { light, dark: new Map([...light, ...variables(":root[data-theme=
 /** WCAG 2.2, contrast ratio of two colors. */
 function contrast(a: string, b: string): number {
   const luminance = (hex: string): number => {
-    const [r, g, b] = linearOf([1, 3, 5].map((n) => parseInt(hex.slice(n, n + 2), 16) / 255) as unknown as Rgb);
+    const [r, g, b] = linearOf(mapVec3([1, 3, 5], (n) => parseInt(hex.slice(n, n + 2), 16) / 255));
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
   };
   const [high, low] = [luminance(a), luminance(b)].sort((x, y) => y - x);

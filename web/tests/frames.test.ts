@@ -4,6 +4,7 @@ import {
   indexToL,
   indexToPixel,
   lToIndex,
+  mapVec3,
   pixelToIndex,
   screenSides,
   sideName,
@@ -38,7 +39,7 @@ describe('sides', () => {
 
   it('lie on the screen as a viewer expects: facing the patient, the patient’s left is at the right', () => {
     const sides = (name: keyof typeof VIEWS) => {
-      const forward = unit(VIEWS[name]).map((c) => -c) as unknown as Vec3;
+      const forward = mapVec3(unit(VIEWS[name]), (c) => -c);
       return screenSides(forward, [0, 0, 1]);
     };
     expect(sides('front')).toEqual({ left: 'R', right: 'L', top: 'S', bottom: 'I' });

@@ -6,6 +6,7 @@ import {
   poseOf,
   rotationMatrix,
   rotationVector,
+  toVec3,
   translated,
   transformPoint,
   rotated,
@@ -65,7 +66,7 @@ describe('rotation vectors', () => {
     [-20, 35, 70],
     [0, 179, 0],
   ] as Vec3[])('%s, %s, %s survive the matrix', (...v) => {
-    close(rotationVector(rotationMatrix(v as unknown as Vec3)), v as unknown as Vec3);
+    close(rotationVector(rotationMatrix(toVec3(v))), toVec3(v));
   });
 
   it('are right-handed: 90 degrees about z take x to y', () => {

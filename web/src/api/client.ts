@@ -168,10 +168,10 @@ export class Client {
   /** What is painted on the tissue's boundary, within the smallest box that holds it. */
   async boundaryData(): Promise<Tagged<Uint8Array> & { box: VoxelBox }> {
     const response = await this.send('GET', '/boundary/data');
-    const box = (response.headers.get('X-Lefort-Box') ?? '').split(',').map(Number) as unknown as VoxelBox;
+    const box = toVoxelBox(response.headers.get('X-Lefort-Box') ?? '');
     const value = new Uint8Array(await response.arrayBuffer());
-    if (box.length !== 6 || value.length !== box[3] * box[4] * box[5])
-      throw new ContractError('the server sent a painted box that is none');
+    if (value.length !== box[3] * box[4] * box[5])
+      throw new ContractError('the painted box and its voxels differ in size');
     return { value, etag: etagOf(response), box };
   }
 
@@ -292,7 +292,7 @@ export class Client {
             if (event.id !== null) last = event.id;
             const kind = event.event as keyof CaseEvents;
             if (!(kind in EVENT_SCHEMA)) continue;
-            on(kind, parse(EVENT_SCHEMA[kind], JSON.parse(event.data)) as never);
+            on(kind, parse(EVENT_SCHEMA[kind], JSON.parse(event.data)) as CaseEvents[typeof kind]);
           }
         }
       } catch (error) {
@@ -304,6 +304,14 @@ export class Client {
       wait_ms = Math.min(5000, wait_ms * 2);
     }
   }
+}
+
+function toVoxelBox(text: string): VoxelBox {
+  const numbers = text.split(',').map(Number);
+  if (numbers.length !== 6 || !numbers.every(Number.isInteger))
+    throw new ContractError('the server sent no valid box of voxels');
+  const [i, j, k, ni, nj, nk] = numbers;
+  return [i, j, k, ni, nj, nk];
 }
 
 function etagOf(response: Response): string {

@@ -4,8 +4,8 @@ import type { components } from './types.gen';
 
 export type Schemas = components['schemas'];
 
-const root = contract as unknown as Schema;
-const schemas = contract.components.schemas as unknown as Record<string, Schema>;
+const root: Schema = contract;
+const schemas: Record<string, Schema> = contract.components.schemas;
 
 /** What came is not what the contract says: the server is of another version, or broken. */
 export class ContractError extends Error {}

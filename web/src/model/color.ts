@@ -1,7 +1,9 @@
+import { mapVec3 } from './frames';
+
 /** Colors as 0 to 1, sRGB. */
 export type Rgb = readonly [number, number, number];
 
-const hex = (text: string): Rgb => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255) as unknown as Rgb;
+const hex = (text: string): Rgb => mapVec3([1, 3, 5], (at) => parseInt(text.slice(at, at + 2), 16) / 255);
 
 /**
  * Color scales with stops from 0 to 1. Distance: magma turned round, light where nothing moved, as the command
@@ -22,7 +24,7 @@ export function colorAt(name: ScaleName, share: number): Rgb {
   const at = share * (stops.length - 1);
   const n = Math.floor(at);
   const f = at - n;
-  return [0, 1, 2].map((c) => stops[n][c] * (1 - f) + stops[n + 1][c] * f) as unknown as Rgb;
+  return mapVec3(stops[n], (value, c) => value * (1 - f) + stops[n + 1][c] * f);
 }
 
 export const cssOf = ([r, g, b]: Rgb): string =>
@@ -52,7 +54,7 @@ export const SKIN: Rgb = hex('#d9a88c');
 const linear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
 
 /** sRGB as light, which is what is shaded. */
-export const linearOf = (color: Rgb): Rgb => color.map(linear) as unknown as Rgb;
+export const linearOf = (color: Rgb): Rgb => mapVec3(color, linear);
 
 /** Fills linear RGB per vertex from values; NaN becomes the lowest color. `rest`: that of values not above `from`. */
 export function paint(

@@ -19,6 +19,23 @@ export const cross = (a: Vec3, b: Vec3): Vec3 => [
 export const length = (a: Vec3): number => Math.hypot(a[0], a[1], a[2]);
 export const distance = (a: Vec3, b: Vec3): number => length(sub(a, b));
 
+/** Applies `f` to each component. */
+export const mapVec3 = (a: Vec3, f: (value: number, axis: number) => number): Vec3 => [
+  f(a[0], 0),
+  f(a[1], 1),
+  f(a[2], 2),
+];
+
+/** Rounds each component to a number of decimals; never minus zero. */
+export const roundVec3 = (a: Vec3, decimals: number): Vec3 =>
+  mapVec3(a, (c) => Math.round(c * 10 ** decimals) / 10 ** decimals + 0);
+
+/** An array from outside as a vector; throws if it has another length than 3. */
+export function toVec3(values: readonly number[]): Vec3 {
+  if (values.length !== 3) throw new RangeError(`a vector has 3 components, not ${values.length}`);
+  return [values[0], values[1], values[2]];
+}
+
 /** Unit vector along a; throws on a vector without direction, which no caller may pass. */
 export function unit(a: Vec3): Vec3 {
   const size = length(a);
@@ -26,19 +43,19 @@ export function unit(a: Vec3): Vec3 {
   return scale(a, 1 / size);
 }
 
-/** The two letters of each axis of L: towards minus, towards plus. */
-const LETTERS = [
+export type Side = 'R' | 'L' | 'A' | 'P' | 'I' | 'S';
+
+/** The two letters of each axis of L: negative direction, positive direction. */
+const LETTERS: readonly (readonly Side[])[] = [
   ['R', 'L'],
   ['A', 'P'],
   ['I', 'S'],
-] as const;
-
-export type Side = 'R' | 'L' | 'A' | 'P' | 'I' | 'S';
+];
 
 /** The direction of L a letter stands for. */
 export function directionOf(side: Side): Vec3 {
   for (let axis = 0; axis < 3; axis++) {
-    const sign = LETTERS[axis].indexOf(side as never);
+    const sign = LETTERS[axis].indexOf(side);
     if (sign >= 0) {
       const direction: [number, number, number] = [0, 0, 0];
       direction[axis] = sign === 0 ? -1 : 1;
@@ -83,7 +100,7 @@ export function indexToL(grid: Grid, index: Vec3): Vec3 {
 /** L to fractional voxel index; the direction is a rotation, so its inverse is its transpose. */
 export function lToIndex(grid: Grid, p_L: Vec3): Vec3 {
   const d = sub(p_L, grid.origin_mm);
-  return [0, 1, 2].map((axis) => dot(d, column(grid, axis)) / grid.spacing_mm[axis]) as unknown as Vec3;
+  return mapVec3(grid.spacing_mm, (spacing, axis) => dot(d, column(grid, axis)) / spacing);
 }
 
 export type Orientation = 'axial' | 'coronal' | 'sagittal';

@@ -4,6 +4,7 @@ export * from './frames';
 export * from './history';
 export * from './labels';
 export * from './landmarks';
+export * from './movement_edit';
 export * from './moves';
 export * from './plan';
 export * from './prepare';

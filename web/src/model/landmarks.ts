@@ -1,4 +1,4 @@
-import type { Vec3 } from './frames';
+import { toVec3, type Vec3 } from './frames';
 
 export interface Landmark {
   name: string;
@@ -76,8 +76,9 @@ export function nextToPlace(landmarks: readonly Landmark[], name: string | null)
   return order.find((kind) => !placed(landmarks, kind.name))?.name ?? null;
 }
 
-export const toRecord = (landmarks: readonly Landmark[]): Record<string, Vec3> =>
-  Object.fromEntries(landmarks.map((landmark) => [landmark.name, landmark.position_mm]));
+/** Positions by name, as the server reads them. */
+export const toRecord = (landmarks: readonly Landmark[]): Record<string, number[]> =>
+  Object.fromEntries(landmarks.map((landmark) => [landmark.name, [...landmark.position_mm]]));
 
-export const fromRecord = (points: Record<string, Vec3>): Landmark[] =>
-  Object.entries(points).map(([name, position_mm]) => ({ name, position_mm }));
+export const fromRecord = (points: Record<string, readonly number[]>): Landmark[] =>
+  Object.entries(points).map(([name, position_mm]) => ({ name, position_mm: toVec3(position_mm) }));

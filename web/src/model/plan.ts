@@ -1,4 +1,6 @@
-import { sub, unit, type Vec3 } from './frames';
+import type { Schemas } from '../api';
+import { sub, toVec3, unit, type Vec3 } from './frames';
+import { toRecord, type Landmark } from './landmarks';
 
 /** The plan file of the command line (contract/plan.schema.json), as far as the page edits it; other keys pass through. */
 export interface Plan {
@@ -35,9 +37,9 @@ export interface Curve {
   depth_mm?: number;
 }
 
-export type TemplateKind = 'le-fort-1' | 'le-fort-2' | 'le-fort-3' | 'genioplasty' | 'sagittal-split';
+export type TemplateKind = Schemas['TemplateKind'];
 
-export type Template = TemplateKind | ({ kind: TemplateKind } & Record<string, number | string>);
+export type Template = Schemas['OsteotomyRequest']['template'];
 
 export interface Osteotomy {
   planes?: Plane[];
@@ -146,6 +148,13 @@ export const templateKind = (osteotomy: Osteotomy): TemplateKind | null =>
     : typeof osteotomy.template === 'string'
       ? osteotomy.template
       : osteotomy.template.kind;
+
+/** Identifies a template and the landmarks that place it. */
+export const templateKey = (template: Template | undefined, landmarks: readonly Landmark[]): string =>
+  JSON.stringify([template, toRecord(landmarks)]);
+
+/** The server's plan as a `Plan`; the contract has checked its version and that it has segments. */
+export const toPlan = (value: Schemas['Plan']): Plan => value as Plan;
 
 /** A name no segment has yet: base, base-2, base-3 ... */
 export function freeName(plan: Plan, base: string): string {
@@ -292,6 +301,13 @@ export function withPaintedBoundary(plan: Plan, file: string | null): Plan {
   delete boundary.labels;
   return { ...plan, boundary };
 }
+
+/** A plane from the server. */
+export const toPlane = (plane: { point_mm: readonly number[]; towards_segment: readonly number[] }): Plane => ({
+  ...plane,
+  point_mm: toVec3(plane.point_mm),
+  towards_segment: toVec3(plane.towards_segment),
+});
 
 /** A plane through a point, its normal towards the viewer's choice of segment. */
 export const planeAt = (point_mm: Vec3, towards: Vec3): Plane => ({ point_mm, towards_segment: unit(towards) });

@@ -1,4 +1,4 @@
-import { cross, dot, sub, type Vec3 } from '../model';
+import { cross, dot, mapVec3, sub, type Vec3 } from '../model';
 
 /** How L is seen: parallel, so that lengths on the screen are lengths. Pixels are CSS pixels from the view's top left. */
 export interface Projection {
@@ -36,8 +36,8 @@ export function projectionOf(
       const a = (x - center_px[0]) / px_per_mm;
       const b = -(y - center_px[1]) / px_per_mm;
       const back = 2000; // mm, beyond any head
-      const origin = [0, 1, 2].map((c) => target[c] + a * right[c] + b * up[c] - back * forward[c]);
-      return { origin: origin as unknown as Vec3, direction: forward };
+      const origin = mapVec3(target, (value, c) => value + a * right[c] + b * up[c] - back * forward[c]);
+      return { origin, direction: forward };
     },
   };
 }

@@ -4,6 +4,7 @@ import {
   indexToL,
   indexToPixel,
   lToIndex,
+  mapVec3,
   pixelToIndex,
   sliceFrame,
   type Grid,
@@ -274,7 +275,7 @@ export class SliceView {
 
   private drawOutlines(context: CanvasRenderingContext2D): void {
     const { grid, frame } = this;
-    const axis = [0, 3, 6].map((row) => grid!.direction[row + frame!.depth]) as unknown as Vec3;
+    const axis = mapVec3([0, 3, 6], (row) => grid!.direction[row + frame!.depth]);
     const index: [number, number, number] = [0, 0, 0];
     index[frame!.depth] = this.slice();
     for (const { lines, color, dashed } of this.outlines({ point: indexToL(grid!, index), normal: axis })) {

@@ -13,14 +13,13 @@ import {
   type Surface,
   type Vec3,
 } from '../model';
-import { isNotFound, type App, type SceneListeners } from './app';
+import { isNotFound } from './errors';
+import type { BoundaryFile } from './plan_store';
+import type { Planner, SceneListeners } from './planner_context';
 import { stageOf, type Doc } from './state';
 
-/** What a plan of a case calls the file. */
-export const BOUNDARY_FILE = 'boundary.seg.nrrd';
-
 /** What is painted on the tissue's boundary: voxels of the scan, which go to the server as the command line reads them. */
-export class BoundaryBrush {
+export class BoundaryBrush implements BoundaryFile {
   /** One byte per voxel; null until it is known what the server has. */
   labels: Uint8Array | null = null;
   private stroke: LabelEdit | null = null;
@@ -34,7 +33,7 @@ export class BoundaryBrush {
   private versions = 0;
 
   constructor(
-    private readonly app: App,
+    private readonly planner: Planner,
     private readonly listeners: SceneListeners,
   ) {}
 
@@ -46,20 +45,20 @@ export class BoundaryBrush {
 
   /** What the plan's rules are, and hold. */
   async loadRules(): Promise<void> {
-    this.app.patch({ boundary: await this.app.client.boundary().catch(() => null) });
+    this.planner.patch({ boundary: await this.planner.client.boundary().catch(() => null) });
   }
 
   /** The rules, and what is painted, unless it is known. */
   async load(replacesMine = false): Promise<void> {
-    const { app } = this;
-    const { volume } = app.model.s;
+    const { planner } = this;
+    const { volume } = planner.model.s;
     if (!volume) return;
     await this.loadRules();
     const isMine = (etag: string | null): boolean =>
       this.labels !== null && (etag === this.etag || (this.isUnsaved() && !replacesMine));
-    if (isMine(stageOf(app.model.s, 'boundary').etag)) return;
-    await app.attempt(async () => {
-      const found = await app.client.boundaryData().catch((error: unknown) => {
+    if (isMine(stageOf(planner.model.s, 'boundary').etag)) return;
+    await planner.attempt(async () => {
+      const found = await planner.client.boundaryData().catch((error: unknown) => {
         if (isNotFound(error)) return null;
         throw error;
       });
@@ -70,8 +69,13 @@ export class BoundaryBrush {
       this.strokes.setApplied(none);
       this.stored = none;
       const bare = (doc: Doc): Doc => ({ ...doc, paint: none });
-      const { past, present, future } = app.model.history.value;
-      app.model.history.set({ past: past.map(bare), present: bare(present), future: future.map(bare), gesture: null });
+      const { past, present, future } = planner.model.history.value;
+      planner.model.history.set({
+        past: past.map(bare),
+        present: bare(present),
+        future: future.map(bare),
+        gesture: null,
+      });
       this.changed();
     });
   }
@@ -80,8 +84,8 @@ export class BoundaryBrush {
 
   /** Puts the brush on a surface that stands as scanned. */
   stamp(hit: Hit, surface: Surface): void {
-    const { app, labels } = this;
-    const { volume, boundary, paint_mm, paintLabel } = app.model.s;
+    const { planner, labels } = this;
+    const { volume, boundary, paint_mm, paintLabel } = planner.model.s;
     if (!volume || !labels || !boundary) return;
     const brushStamp = {
       center_L: hit.point,
@@ -116,9 +120,9 @@ export class BoundaryBrush {
   }
 
   private add(stroke: LabelEdit): void {
-    const paint = [...this.app.model.doc.paint, stroke];
+    const paint = [...this.planner.model.doc.paint, stroke];
     this.strokes.setApplied(paint); // They are painted already.
-    this.app.edit({ paint });
+    this.planner.edit({ paint });
     this.measure();
   }
 
@@ -130,7 +134,7 @@ export class BoundaryBrush {
   // Keeping
 
   isUnsaved(): boolean {
-    return this.labels !== null && this.app.model.doc.paint !== this.stored;
+    return this.labels !== null && this.planner.model.doc.paint !== this.stored;
   }
 
   get isPainted(): boolean {
@@ -139,11 +143,11 @@ export class BoundaryBrush {
 
   /** Sends what is painted, if anything is; `forces` also over what another page painted. */
   async save(forces = false): Promise<void> {
-    const { grid } = this.app.model.s.volume!;
-    const strokes = this.app.model.doc.paint;
+    const { grid } = this.planner.model.s.volume!;
+    const strokes = this.planner.model.doc.paint;
     const box = paintedBox(this.labels!, grid);
     if (!box) return; // The plan must let go of it first.
-    this.etag = await this.app.client.putBoundaryData(
+    this.etag = await this.planner.client.putBoundaryData(
       bytesWithin(this.labels!, grid, box),
       box,
       forces ? '*' : (this.etag ?? '*'),
@@ -153,18 +157,18 @@ export class BoundaryBrush {
 
   /** When the plan names it no more. */
   async removeIfEmpty(): Promise<void> {
-    const strokes = this.app.model.doc.paint;
-    if (this.etag !== null) await this.app.client.deleteBoundaryData(this.etag);
+    const strokes = this.planner.model.doc.paint;
+    if (this.etag !== null) await this.planner.client.deleteBoundaryData(this.etag);
     this.etag = null;
     this.stored = strokes;
   }
 
   /** A file that another program has painted, in the place of all that is painted. */
   async upload(file: File): Promise<void> {
-    await this.app.attempt(async () => {
-      await this.app.client.putBoundaryFile(file, this.etag ?? '*');
+    await this.planner.attempt(async () => {
+      await this.planner.client.putBoundaryFile(file, this.etag ?? '*');
       this.labels = null;
-      await this.app.reload();
+      await this.planner.reload();
     });
   }
 
@@ -172,7 +176,7 @@ export class BoundaryBrush {
 
   /** The label of each vertex of a surface that stands as scanned. */
   labelsOf(name: string, surface: Surface): { label: Uint8Array; version: number } | null {
-    const { volume } = this.app.model.s;
+    const { volume } = this.planner.model.s;
     if (!this.labels || !volume) return null;
     const known = this.vertices.get(name);
     if (known?.surface === surface) return known;
@@ -184,7 +188,7 @@ export class BoundaryBrush {
   }
 
   private show(within: { center: Vec3; radius_mm: number }): void {
-    const { grid } = this.app.model.s.volume!;
+    const { grid } = this.planner.model.s.volume!;
     for (const known of this.vertices.values())
       if (labelVertices(this.labels!, grid, known.surface.points, known.label, within)) known.version = ++this.versions;
     this.listeners.onPaint();
@@ -199,10 +203,10 @@ export class BoundaryBrush {
   /** How much of bone and skin is painted with what. */
   measure(): void {
     const areas: number[] = [];
-    for (const [name, { surface }] of this.app.boundarySurfaces()) {
+    for (const [name, { surface }] of this.planner.boundarySurfaces()) {
       const found = this.labelsOf(name, surface);
       if (found) areasByLabel(surface, found.label, areas);
     }
-    this.app.patch({ paintedAreas: areas });
+    this.planner.patch({ paintedAreas: areas });
   }
 }

@@ -1,4 +1,4 @@
-import { BONE, linearOf, segmentColor, SKIN, type Rgb } from '../model';
+import { BONE, linearOf, segmentColor, SKIN, toVec3, type Rgb } from '../model';
 import type { Body, View3d } from '../scene';
 import type { App } from './app';
 import type { State } from './state';
@@ -21,7 +21,7 @@ export class BoundaryView {
   present(s: State): void {
     const { view, app } = this;
     const isOn = s.step === 'tissue' && s.boundary !== null && app.boundaryBrush.labels !== null;
-    const palette = [BONE, ...(s.boundary?.names.map((x) => x.colour as unknown as Rgb) ?? [])];
+    const palette = [BONE, ...(s.boundary?.names.map((x) => toVec3(x.colour)) ?? [])];
     let hasChanged = false;
     for (const [name, { surface }] of isOn ? app.boundarySurfaces() : []) {
       const body = view.body(name);

@@ -1,6 +1,7 @@
 import { IDENTITY, lengths, roundUp, sectionOf, segmentColor, SKIN, type Mat4, type Vec3 } from '../model';
 import type { View3d } from '../scene';
-import { saveBlob, type App } from './app';
+import type { App } from './app';
+import { saveBlob } from './download';
 import { stageOf, type State } from './state';
 
 /** Draws the comparison: the face before, or after surgery, beside the predicted one at any step, and what presses on bone. */

@@ -1,5 +1,6 @@
 import { lengths, type Mat4 } from '../model';
-import { messageOf, type App, type SceneListeners } from './app';
+import { messageOf } from './errors';
+import type { Planner, SceneListeners } from './planner_context';
 import { stageOf } from './state';
 
 /** What is asked of the server while bone is dragged: overlap at once, the preview of the face when the hand rests. */
@@ -12,15 +13,15 @@ export class LiveQueries {
   private previewAborter: AbortController | null = null;
 
   constructor(
-    private readonly app: App,
+    private readonly planner: Planner,
     private readonly listeners: SceneListeners,
   ) {}
 
   /** Asks for the overlap of these poses; while one answer is on its way only the newest question is kept. */
   requestDepths(poses: Record<string, Mat4>): void {
-    if (stageOf(this.app.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
+    if (stageOf(this.planner.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
       this.listeners.onDepths(null);
-      if (this.app.model.s.depth) this.app.patch({ depth: null });
+      if (this.planner.model.s.depth) this.planner.patch({ depth: null });
       return;
     }
     this.depthLoop.wanted = poses;
@@ -34,16 +35,16 @@ export class LiveQueries {
       const poses = loop.wanted;
       loop.wanted = null;
       try {
-        const depths = await this.app.client.depths(poses);
+        const depths = await this.planner.client.depths(poses);
         const now = performance.now();
         loop.times = [...loop.times.filter((t) => now - t < 1000), now];
         this.listeners.onDepths(depths);
         const span = now - loop.times[0];
         const perSecond = loop.times.length > 2 ? ((loop.times.length - 1) * 1000) / span : 0;
-        this.app.patch({ depth: { deepest_mm: depths.deepest_mm, beyondReach: depths.beyondReach, perSecond } });
+        this.planner.patch({ depth: { deepest_mm: depths.deepest_mm, beyondReach: depths.beyondReach, perSecond } });
       } catch {
         this.listeners.onDepths(null);
-        this.app.patch({ depth: null });
+        this.planner.patch({ depth: null });
       }
     }
     loop.running = false;
@@ -51,31 +52,31 @@ export class LiveQueries {
 
   /** The linearized face for where the bones are; `since` is when the drag ended. */
   async requestPreview(since: number): Promise<void> {
-    const { s } = this.app.model;
+    const { s } = this.planner.model;
     this.previewAborter?.abort();
     if (!s.showPreview || stageOf(s, 'preview').state !== 'fresh') {
       this.dropPreview();
       return;
     }
     const aborter = (this.previewAborter = new AbortController());
-    this.app.patch({ preview: { ...s.preview, state: 'waiting' } });
+    this.planner.patch({ preview: { ...s.preview, state: 'waiting' } });
     try {
-      const xyz = await this.app.client.preview(this.app.cutPoses(), aborter.signal);
+      const xyz = await this.planner.client.preview(this.planner.cutPoses(), aborter.signal);
       this.listeners.onPreview(xyz);
       const largest_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
       requestAnimationFrame(() =>
-        this.app.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', largest_mm } }),
+        this.planner.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', largest_mm } }),
       );
     } catch (error) {
       if (aborter.signal.aborted) return;
       this.listeners.onPreview(null);
-      this.app.patch({ preview: { state: 'failed', latency_ms: null, why: messageOf(error), largest_mm: 0 } });
+      this.planner.patch({ preview: { state: 'failed', latency_ms: null, why: messageOf(error), largest_mm: 0 } });
     }
   }
 
   dropPreview(): void {
     this.listeners.onPreview(null);
-    if (this.app.model.s.preview.state !== 'none')
-      this.app.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
+    if (this.planner.model.s.preview.state !== 'none')
+      this.planner.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
   }
 }

@@ -1,7 +1,8 @@
 import { html, nothing, render } from 'lit-html';
 import type { ViewName } from '../model';
 import { canRedo, canUndo } from '../model';
-import { JOB_NAMES, type App } from './app';
+import type { App } from './app';
+import { JOB_NAMES } from './job_tracker';
 import { button, empty, icon, iconButton, progressBar, segmented, type Html } from './widgets';
 import type { Viewer } from './viewer';
 import { runningJob, stageOf, STEPS, type State, type StepName } from './state';

@@ -27,6 +27,8 @@ export const STEPS = [
 
 export type StepName = (typeof STEPS)[number]['name'];
 
+export const isStepName = (name: string | null): name is StepName => STEPS.some((step) => step.name === name);
+
 /** What undo and redo act on. */
 export interface Doc {
   readonly plan: Plan;
@@ -61,7 +63,7 @@ export interface State {
   step: StepName;
   case: Schemas['Case'] | null;
   jobs: readonly Schemas['Job'][];
-  upload: { name: string; share: number } | null;
+  upload: { name: string; fraction: number } | null;
   saving: 'saved' | 'saving' | 'unsaved' | 'error';
   saveError: string | null;
   conflict: 'plan' | 'landmarks' | 'boundary' | null;

@@ -1,5 +1,6 @@
 import type { Depths } from '../api';
 import {
+  add,
   BONE,
   cssOf,
   posedSectionOf,
@@ -10,8 +11,13 @@ import {
   segmentColor,
   SKIN,
   sub,
+  templateKey,
   templateKind,
   unit,
+  mapVec3,
+  roundVec3,
+  toPlane,
+  toVec3,
   withLandmark,
   withPlane,
   withSegment,
@@ -24,7 +30,6 @@ import {
   type Hit,
   type Move,
   type Plane,
-  type Rgb,
   type Vec3,
 } from '../model';
 import {
@@ -38,9 +43,10 @@ import {
   type PlaneMark,
   type SliceLines,
 } from '../scene';
-import { templateKey, type App, type SceneListeners } from './app';
+import type { App } from './app';
 import { BoundaryView } from './boundary_view';
 import { CompareView } from './compare_view';
+import type { SceneListeners } from './planner_context';
 import { nextFrame } from './schedule';
 import { stageOf, type State } from './state';
 import { LABEL_TINTS } from './steps/anatomy_panel';
@@ -303,9 +309,8 @@ export class Viewer implements SceneListeners {
     this.paintDepths();
     this.boundary.present(s);
     view.brush_mm = s.paint_mm;
-    view.brushColor = cssOf(
-      (s.boundary?.names.find((x) => x.value === s.paintLabel)?.colour as unknown as Rgb | undefined) ?? BONE,
-    );
+    const painted = s.boundary?.names.find((x) => x.value === s.paintLabel);
+    view.brushColor = cssOf(painted ? toVec3(painted.colour) : BONE);
 
     // Marks
     view.markers = this.markers(s);
@@ -327,7 +332,7 @@ export class Viewer implements SceneListeners {
     const segment = doc.plan.segments[s.segment];
     const plane = step === 'osteotomy' && s.plane !== null ? segment?.osteotomy.planes?.[s.plane] : undefined;
     if (step === 'movement' && move && segment && view.body(`segments/${segment.name}`) && s.scrub === null) {
-      view.gizmo.at_L = [0, 1, 2].map((c) => move.about_mm[c] + move.translation_mm[c]) as unknown as Vec3;
+      view.gizmo.at_L = add(move.about_mm, move.translation_mm);
       view.gizmo.axes = PATIENT_AXES;
     } else if (plane) {
       view.gizmo.at_L = plane.point_mm;
@@ -424,7 +429,7 @@ export class Viewer implements SceneListeners {
       const template =
         placed && typeof placed !== 'string'
           ? [...placed.planes, ...(placed.also ?? []).flatMap((region) => region.planes)].map((p) => ({
-              plane: p as unknown as Plane,
+              plane: toPlane(p),
               selected: false,
             }))
           : [];
@@ -489,7 +494,7 @@ export class Viewer implements SceneListeners {
       const by = scale(drag.axis.direction, Math.round(drag.amount * 10) / 10);
       const next: Plane =
         drag.kind === 'translate'
-          ? { ...from, point_mm: [0, 1, 2].map((c) => round3(from.point_mm[c] + by[c])) as unknown as Vec3 }
+          ? { ...from, point_mm: roundVec3(add(from.point_mm, by), 3) }
           : { ...from, towards_segment: tilted(from.towards_segment, drag.axis.direction, drag.amount) };
       if (phase !== 'start') app.edit({ plan: editPlane(doc.plan, s.segment, s.plane, next) }, `gizmo-${this.gesture}`);
     } else {
@@ -527,7 +532,7 @@ export class Viewer implements SceneListeners {
   private place(point: Vec3, normal: Vec3): void {
     const { app } = this;
     const { s, doc } = app.model;
-    const at = point.map((c) => Math.round(c * 10) / 10) as unknown as Vec3;
+    const at = roundVec3(point, 1);
     if (s.tool === 'landmark' && s.landmark) {
       app.edit({ landmarks: withLandmark(doc.landmarks, { name: s.landmark, position_mm: at }) });
       app.patch({ cursor_L: at, tool: 'none' });
@@ -549,7 +554,7 @@ export class Viewer implements SceneListeners {
       const move = app.move();
       if (!move) return;
       const back = inversePoint(this.app.poses()[doc.plan.segments[s.segment].name], at);
-      app.setPivot(back.map((c) => Math.round(c * 10) / 10) as unknown as Vec3);
+      app.setPivot(roundVec3(back, 1));
       app.patch({ tool: 'none' });
     }
   }
@@ -565,7 +570,7 @@ export class Viewer implements SceneListeners {
   private onMarkerDrag(id: string, point: Vec3, phase: 'move' | 'end'): void {
     const { app } = this;
     const { s, doc } = app.model;
-    const at = point.map((c) => Math.round(c * 10) / 10) as unknown as Vec3;
+    const at = roundVec3(point, 1);
     if (id.startsWith('curve ') && s.curveDraft) {
       const n = Number(id.slice(6));
       app.patch({ curveDraft: { ...s.curveDraft, points: s.curveDraft.points.map((p, k) => (k === n ? at : p)) } });
@@ -579,8 +584,6 @@ export class Viewer implements SceneListeners {
   }
 }
 
-const round3 = (v: number): number => Math.round(v * 1000) / 1000 + 0;
-
 /** A direction turned about an axis. */
 function tilted(direction: Vec3, axis: Vec3, deg: number): Vec3 {
   const k = unit(axis);
@@ -588,12 +591,13 @@ function tilted(direction: Vec3, axis: Vec3, deg: number): Vec3 {
   const s = Math.sin((deg * Math.PI) / 180);
   const turned = cross(k, direction);
   const along = dot(k, direction) * (1 - c);
-  return [0, 1, 2].map(
-    (n) => Math.round((direction[n] * c + turned[n] * s + k[n] * along) * 1e5) / 1e5 + 0,
-  ) as unknown as Vec3;
+  return roundVec3(
+    mapVec3(direction, (value, n) => value * c + turned[n] * s + k[n] * along),
+    5,
+  );
 }
 
 function inversePoint(X: readonly number[], p: Vec3): Vec3 {
   const d = [p[0] - X[3], p[1] - X[7], p[2] - X[11]];
-  return [0, 1, 2].map((c) => X[c] * d[0] + X[4 + c] * d[1] + X[8 + c] * d[2]) as unknown as Vec3;
+  return mapVec3(p, (_, c) => X[c] * d[0] + X[4 + c] * d[1] + X[8 + c] * d[2]);
 }

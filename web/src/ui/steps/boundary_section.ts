@@ -1,5 +1,5 @@
 import { html, nothing } from 'lit-html';
-import { cssOf, fixed, paintTolerance_mm, type Rgb } from '../../model';
+import { cssOf, fixed, paintTolerance_mm, toVec3 } from '../../model';
 import type { App } from '../app';
 import { chooseFiles } from '../choose_files';
 import { numberField } from '../number_field';
@@ -57,7 +57,7 @@ export function boundarySection(app: App, s: State): Html {
               aria-pressed=${String(isPainting && s.paintLabel === value)}
               @click=${() => pick(value)}
             >
-              <span class="swatch" .style=${`background:${cssOf(colour as unknown as Rgb)}`}></span>${name}
+              <span class="swatch" .style=${`background:${cssOf(toVec3(colour))}`}></span>${name}
             </button>`,
         )}
         <button

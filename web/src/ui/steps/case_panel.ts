@@ -34,7 +34,7 @@ export function welcome(app: App, s: State): Html {
         >
           ${importing(s)
             ? html`<strong>${s.upload ? `Handing over ${s.upload.name}` : 'Reading the scan'}</strong>
-                <div .style=${'width:260px'}>${progressBar(s.upload?.share ?? job?.fraction ?? 0, 'Import')}</div>`
+                <div .style=${'width:260px'}>${progressBar(s.upload?.fraction ?? job?.fraction ?? 0, 'Import')}</div>`
             : html`<strong>Drop a scan here</strong>
                 <span class="hint">A DICOM folder, NIfTI, NRRD, MetaImage, or an InVesalius project (.inv3)</span>
                 <div class="row">

@@ -1,6 +1,6 @@
 import { html, nothing } from 'lit-html';
 import type { Schemas } from '../../api';
-import { bytes, fixed, gradientOf, mm, ticksOf, type ScaleName } from '../../model';
+import { bytes, fixed, gradientOf, mm, ticksOf, toVec3, type ScaleName, type Vec3 } from '../../model';
 import type { App } from '../app';
 import { chooseFiles } from '../choose_files';
 import type { Viewer } from '../viewer';
@@ -72,6 +72,8 @@ const missingRegions = (missing: readonly string[]): Html =>
       </details>`
     : nothing;
 
+const ORIGIN: Vec3 = [0, 0, 0];
+
 const capital = (text: string): string => text[0].toUpperCase() + text.slice(1);
 
 function regionTable(regions: Schemas['RegionShifts']): Html {
@@ -109,7 +111,8 @@ const REGION_WORDS: Record<string, string> = {
 /** A movement of bone as the comparison tells it, in words. */
 function wordsOf({ shift_mm, turn_deg, largest_mm }: Schemas['MovementDifference']): string {
   if (largest_mm < 0.05) return 'has not moved';
-  return `went ${inWords({ translation_mm: shift_mm as never, rotation_deg: turn_deg as never, about_mm: [0, 0, 0] })}`;
+  const move = { translation_mm: toVec3(shift_mm), rotation_deg: toVec3(turn_deg), about_mm: ORIGIN };
+  return `went ${inWords(move)}`;
 }
 
 function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Html {
@@ -195,7 +198,7 @@ function afterSurgery(app: App, s: State): Html {
               ? button('Stop', () => void app.stopJob(job.id), { kind: 'danger', icon: 'stop', id: 'stop-compare' })
               : nothing}
           </div>
-          ${progressBar(s.upload?.share ?? job?.fraction ?? 0, 'Comparison')}`
+          ${progressBar(s.upload?.fraction ?? job?.fraction ?? 0, 'Comparison')}`
       : html` ${stage.state === 'stale'
             ? notice('warning', 'This comparison is of an earlier prediction', stage.why)
             : nothing}

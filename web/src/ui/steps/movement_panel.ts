@@ -15,7 +15,7 @@ import {
   type Move,
   type ComponentKey,
 } from '../../model';
-import { OVERLAP_LIMIT_MM, type App } from '../app';
+import type { App } from '../app';
 import { numberField } from '../number_field';
 import {
   button,
@@ -31,6 +31,9 @@ import {
   type Html,
 } from '../widgets';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
+
+/** Overlap of bones above which a plan is marked: the limit of `lefort plan check` [mm]. */
+const OVERLAP_LIMIT_MM = 0.5;
 
 /** A move in words: "12.0 mm anterior, 5.0 mm inferior". */
 export function inWords(move: Move): string {

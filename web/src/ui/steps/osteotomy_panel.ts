@@ -7,11 +7,14 @@ import {
   editSegment,
   fixed,
   flipped,
+  mapVec3,
   missingFor,
   ml,
   renameSegment,
+  roundVec3,
   scale,
   segmentColor,
+  templateKey,
   templateKind,
   TEMPLATES,
   unit,
@@ -24,7 +27,7 @@ import {
   type Segment,
   type Vec3,
 } from '../../model';
-import { templateKey, type App } from '../app';
+import type { App } from '../app';
 import { numberField } from '../number_field';
 import { button, chip, empty, hint, iconButton, notice, section, select, type Html } from '../widgets';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
@@ -43,7 +46,7 @@ export function closeCurve(app: App): void {
   const draft = s.curveDraft;
   if (!draft || draft.points.length < 3) return;
   const mean = draft.normals.reduce<Vec3>((sum, n) => [sum[0] + n[0], sum[1] + n[1], sum[2] + n[2]], [0, 0, 0]);
-  const along = unit(scale(mean, -1)).map((c) => Math.round(c * 1e4) / 1e4) as unknown as Vec3;
+  const along = roundVec3(unit(scale(mean, -1)), 4);
   const curve = { points_mm: draft.points, along, depth_mm: 20 };
   const current = doc.plan.segments[s.segment];
   // A cut that a template places takes no curve beside it: then the curve is a cut of its own.
@@ -104,7 +107,7 @@ function planeRow(app: App, s: State, plane: Plane, index: number, n: number): H
                     {
                       plan: editPlane(plan, index, n, {
                         ...plane,
-                        point_mm: plane.point_mm.map((old, k) => (k === c ? v : old)) as unknown as Vec3,
+                        point_mm: mapVec3(plane.point_mm, (old, k) => (k === c ? v : old)),
                       }),
                     },
                     `plane-${index}-${n}-${c}`,
