@@ -1,7 +1,7 @@
 import tseslint from 'typescript-eslint';
 
-// api <- model <- scene <- ui: a folder may use only those before it, each through its index.ts.
-const order = ['api', 'model', 'scene', 'ui'];
+// A folder may import only the folders before it, each through its index.ts.
+const order = ['api', 'model', 'workers', 'scene', 'ui'];
 const above = (folder) => order.slice(order.indexOf(folder) + 1);
 
 const boundary = (folder, libraries) => ({
@@ -15,12 +15,12 @@ const boundary = (folder, libraries) => ({
             group: above(folder)
               .map((name) => `**/${name}/**`)
               .concat(above(folder).map((name) => `**/${name}`)),
-            message: `${folder} may not use what comes after it (api <- model <- scene <- ui).`,
+            message: `${folder} may not import a later folder (${order.join(' <- ')}).`,
           },
-          { group: ['../*/*', '!../*/index', '!../../*'], message: 'Enter a folder through its index.ts.' },
+          { group: ['../*/*', '!../*/index', '!../../*'], message: 'Import a folder through its index.ts.' },
           ...libraries.map((library) => ({
             group: [library, `${library}/*`],
-            message: `${library} does not belong into ${folder}.`,
+            message: `${folder} may not import ${library}.`,
           })),
         ].filter((pattern) => pattern.group.length > 0),
       },
@@ -33,6 +33,7 @@ export default tseslint.config(
   ...tseslint.configs.recommended,
   boundary('api', ['three', 'lit-html']),
   boundary('model', ['three', 'lit-html']),
+  boundary('workers', ['three', 'lit-html']),
   boundary('scene', ['lit-html']),
   boundary('ui', ['three']),
   {
