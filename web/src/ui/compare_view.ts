@@ -59,7 +59,7 @@ export class CompareView {
       afterSurgery ? 'After surgery' : 'Before',
       this.isAtEnd(s) ? 'Predicted' : `Step ${s.compareStep}`,
     ];
-    if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', share: s.wipe, left, right, names });
+    if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', fraction: s.wipe, left, right, names });
     else if (s.compareMode === 'beside') view.setLayout({ mode: 'beside', left, right, names });
     else {
       view.show(right);
