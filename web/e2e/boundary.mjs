@@ -1,4 +1,4 @@
-// What is painted on the tissue's boundary, and tissues of their own, in a real browser on a made-up head.
+// Tests of the painted boundary and of tissue layers in a browser, on a synthetic head.
 // node e2e/boundary.mjs [--only WORDS]; LEFORT names the program.
 import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -15,15 +15,15 @@ mkdirSync(output, { recursive: true });
 
 const view = '.view3d canvas:not(.overlay)';
 
-/** Drags in the 3D view from one place to another, by shares of its size. */
+/** Drags in the 3D view from one place to another, by fractions of its size. */
 async function drag3d(page, from, to, steps = 12) {
   const box = await page.locator(view).boundingBox();
   const at = ([u, v]) => [box.x + u * box.width, box.y + v * box.height];
   await page.mouse.move(...at(from));
   await page.mouse.down();
   for (let n = 1; n <= steps; n++) {
-    const share = n / steps;
-    await page.mouse.move(...at([from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]));
+    const fraction = n / steps;
+    await page.mouse.move(...at([from[0] + fraction * (to[0] - from[0]), from[1] + fraction * (to[1] - from[1])]));
   }
   await page.mouse.up();
   await drawn(page);
@@ -32,7 +32,7 @@ async function drag3d(page, from, to, steps = 12) {
 const area = async (page, set) =>
   Number(await page.getAttribute(`${id('painted-areas')} [data-set="${set}"]`, 'data-mm2'));
 
-/** Waits until so much is painted; fails if it does not come to it. */
+/** Waits until this area is painted. */
 const areaIs = (page, set, mm2) =>
   page.waitForFunction(
     ([sel, value]) => Math.abs(Number(document.querySelector(sel)?.dataset.mm2) - value) < 0.06,
@@ -50,7 +50,7 @@ async function accessible(page, where) {
   );
 }
 
-/** How many pixels of the view are of the color of `with segment`, which neither bone nor segment has. */
+/** How many pixels of the view are of the color of `with segment`, which bone and segment do not have. */
 async function purplePixels(page) {
   const png = (await page.locator('.view3d').screenshot()).toString('base64');
   return page.evaluate(async (data) => {
@@ -68,7 +68,7 @@ async function purplePixels(page) {
   }, png);
 }
 
-test('boundary painted on bone: seen, measured, undone, kept; the preview follows', () =>
+test('boundary painted on bone: shown, measured, undone, saved; the preview changes', () =>
   withPage(planned, async (page, { ask, run }) => {
     await run({ kind: 'preview-factor' });
     const pose = JSON.stringify({ poses: { front: [1, 0, 0, 0, 0, 1, 0, -3, 0, 0, 1, 0, 0, 0, 0, 1] } });
@@ -89,7 +89,7 @@ test('boundary painted on bone: seen, measured, undone, kept; the preview follow
     );
     const painted = await area(page, 'with segment');
     check(
-      `the paint is seen: ${before} and ${await purplePixels(page)} pixels`,
+      `the paint is visible: ${before} and ${await purplePixels(page)} pixels`,
       (await purplePixels(page)) > before + 200,
     );
     await saved(page);
@@ -97,21 +97,21 @@ test('boundary painted on bone: seen, measured, undone, kept; the preview follow
       value: Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()),
       box: (await ask('GET', '/boundary/data')).headers.get('x-lefort-box'),
     };
-    check(`it lies on voxels of the scan: ${box}`, kept.includes(3) && !kept.includes(1));
+    check(`it is stored on voxels of the scan: ${box}`, kept.includes(3) && !kept.includes(1));
     const plan = async () => (await ask('GET', '/plan')).json();
     check('the plan names it', (await plan()).boundary.labels === 'boundary.seg.nrrd');
 
-    // Another set beside it, rubbed out in part, taken back and done again.
+    // Another label, erased in part, undone and redone.
     await page.click(id('paint-fixed'));
     await page.keyboard.press('Escape');
     await page.click(id('paint-fixed'));
     await drag3d(page, [0.42, 0.42], [0.46, 0.42], 5);
     const fixed = await area(page, 'fixed');
-    check(`fixed, too: ${fixed} mm2`, fixed > 20);
+    check(`fixed is painted: ${fixed} mm2`, fixed > 20);
     await page.click(id('paint-erase'));
     await drag3d(page, [0.42, 0.42], [0.43, 0.42], 3);
     const less = await area(page, 'fixed');
-    check(`rubbed out: ${less} mm2`, less < fixed);
+    check(`erased: ${less} mm2`, less < fixed);
     await page.keyboard.press('Control+z');
     await areaIs(page, 'fixed', fixed);
     await page.keyboard.press('Control+z');
@@ -125,41 +125,41 @@ test('boundary painted on bone: seen, measured, undone, kept; the preview follow
     await areaIs(page, 'fixed', 0);
     await saved(page);
     check(
-      'what is kept is what it was',
+      'the stored paint is the original',
       Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()).equals(kept),
     );
 
-    // By keys: a wider brush.
+    // A wider brush, with the keyboard.
     await page.locator(view).focus();
     await page.keyboard.press(']');
     await page.waitForFunction((sel) => document.querySelector(sel).value === '6.5', id('paint-radius'));
     await page.screenshot({ path: join(output, 'boundary.png') });
     await accessible(page, 'the brush');
 
-    // What was made by the rule is out of date, and made anew it is another preview.
+    // The old preview is out of date; the updated one differs.
     await page.click(id('prepare-preview'));
     await page.waitForSelector(id('prepare-preview'), { state: 'detached' });
     await idle(page);
-    check('the preview is another', !(await preview()).equals(byRule));
+    check('the preview differs', !(await preview()).equals(byRule));
     await page.click(`${id('boundary-rules')} summary`);
-    await page.getByText('As of the last preview').waitFor();
+    await page.getByText('From the last preview').waitFor();
     const rules = await page.locator(`${id('boundary-rules')} tbody tr`).allInnerTexts();
     check(
       `each rule with its distance: ${rules}`,
-      rules.length === 7 && rules.some((row) => row.includes('On moved bone') && row.includes('0.80 mm')),
+      rules.length === 7 && rules.some((row) => row.includes('Mobilized segment') && row.includes('0.80 mm')),
     );
 
-    // A page opened anew shows what is painted.
+    // A reloaded page shows the paint.
     await page.reload();
     await areaIs(page, 'with segment', painted);
     await page.click(id('paint-erase-all'));
     await saved(page);
-    check('the plan names it no more', (await plan()).boundary?.labels === undefined);
+    check('the plan no longer names it', (await plan()).boundary?.labels === undefined);
     const { stages } = await (await ask('GET', '/case')).json();
-    check('and it is gone', stages.boundary.state === 'missing');
+    check('the file is removed', stages.boundary.state === 'missing');
   }));
 
-test('boundary painted on skin, in the dark', () =>
+test('boundary painted on skin, dark theme', () =>
   withPage(
     planned,
     async (page) => {
@@ -178,7 +178,7 @@ test('boundary painted on skin, in the dark', () =>
     { scheme: 'dark', width: 1920, height: 1080 },
   ));
 
-test('skin, mucosa and muscle are the plan\u2019s', () =>
+test('skin, mucosa and muscle are stored in the plan', () =>
   withPage(planned, async (page, { ask }) => {
     await step(page, 'tissue');
     const toggle = (name) =>
@@ -198,7 +198,7 @@ test('skin, mucosa and muscle are the plan\u2019s', () =>
     await saved(page);
     const { tissue } = await (await ask('GET', '/plan')).json();
     check(
-      `as told: ${JSON.stringify(tissue)}`,
+      `the plan has: ${JSON.stringify(tissue)}`,
       tissue.skin.thickness_mm === 1.8 &&
         tissue.skin.layers === 3 &&
         tissue.mucosa.thickness_mm === 6 &&
@@ -211,7 +211,7 @@ test('skin, mucosa and muscle are the plan\u2019s', () =>
     await toggle('Mucosa').uncheck({ force: true });
     await toggle('Muscle').uncheck({ force: true });
     await saved(page);
-    check('and taken back', (await (await ask('GET', '/plan')).json()).tissue.skin === undefined);
+    check('removed again', (await (await ask('GET', '/plan')).json()).tissue.skin === undefined);
     await step(page, 'anatomy');
     await page.getByText('Show labels on the slices').click();
     await page.getByRole('button', { name: 'muscle', exact: true }).click();
@@ -219,7 +219,7 @@ test('skin, mucosa and muscle are the plan\u2019s', () =>
       .getByRole('button', { name: 'muscle', exact: true })
       .locator('.swatch')
       .evaluate((swatch) => swatch.style.background);
-    check(`muscle is a label of the brush, with a color of its own: ${tint}`, tint.startsWith('rgb('));
+    check(`muscle is a label of the brush, with its own color: ${tint}`, tint.startsWith('rgb('));
   }));
 
 const ok = await runTests({ all: false, only });

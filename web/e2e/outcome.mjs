@@ -1,5 +1,5 @@
-// What becomes of a plan, in a real browser, on a made-up head that is solved in seconds: iterations as they come, contact
-// on the bone, the face after surgery, outlines on slices. node e2e/outcome.mjs [--only WORDS]; LEFORT names the program.
+// Tests of results in a browser, on a synthetic head that is solved in seconds: iterations, contact on the bone, the face
+// after surgery, outlines on slices. node e2e/outcome.mjs [--only WORDS]; LEFORT names the program.
 import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { check, runTests, test } from './harness.mjs';
@@ -20,7 +20,7 @@ async function chooseFile(page, button, name, buffer) {
 
 const rows = (page, name) => page.locator(`${id(name)} tbody tr`).allInnerTexts();
 
-test('every iteration of a solve is drawn', () =>
+test('every iteration of a solve is plotted', () =>
   withPage(planned, async (page, { ask }) => {
     await step(page, 'predict');
     await page.click(id('predict'));
@@ -33,13 +33,13 @@ test('every iteration of a solve is drawn', () =>
     check(`${lines} iterations were found, ${drawn} are drawn`, drawn === lines);
   }));
 
-test('the face is told by region, at every step', () =>
+test('displacement by region, at every step', () =>
   withPage(predicted, async (page) => {
     await step(page, 'compare');
     await page.waitForSelector(id('distance-table'));
     const last = await rows(page, 'distance-table');
     check(
-      `nose and upper lip are told: ${last}`,
+      `nose and upper lip have values: ${last}`,
       ['Whole skin', 'Moved', 'Nose', 'Upper lip'].every((name) => last.some((row) => row.startsWith(name))),
     );
     await page.locator(id('compare-step')).fill('1');
@@ -53,7 +53,7 @@ test('contact is shown on the bone', () =>
   withPage(predicted, async (page) => {
     await step(page, 'compare');
     await page.waitForSelector(id('distance-table'));
-    await page.getByText('Bones under a clear skin').click();
+    await page.getByText('Bones under transparent skin').click();
     for (const [name, unit] of [
       ['Pressure', 'kPa'],
       ['Depth', 'mm'],
@@ -65,22 +65,25 @@ test('contact is shown on the bone', () =>
       );
     }
     await page.locator(id('compare-step')).fill('1');
-    await page.getByText('Contact is kept for the last step alone').waitFor();
+    await page.getByText('Contact is stored for the last step only').waitFor();
   }));
 
-test('a face after surgery is compared with, one that cannot be is told of', () =>
+test('comparison with a face after surgery; an unreadable file is reported', () =>
   withPage(
     predicted,
     async (page, { ask }) => {
       await step(page, 'compare');
       await page.waitForSelector(id('distance-table'));
       await chooseFile(page, 'compare-files', 'after.vtp', Buffer.from('no surface'));
-      await page.getByText('Not compared').waitFor({ timeout: 120000 });
-      // The head again: surgery has moved nothing.
+      await page.getByText('The comparison failed').waitFor({ timeout: 120000 });
+      // The same head: surgery has moved nothing.
       await chooseFile(page, 'compare-files', 'after.nrrd', smallHead());
       await page.getByText('front has not moved').waitFor({ timeout: 120000 });
       const achieved = await page.locator(id('achieved')).innerText();
-      check(`the plan is missed by its 3 mm: ${achieved}`, achieved.includes('From the plan it is 3.0 mm'));
+      check(
+        `the difference from the plan is its 3 mm: ${achieved}`,
+        achieved.includes('Difference from the plan: translation 3.0 mm'),
+      );
       await page.getByRole('button', { name: 'After surgery', exact: true }).click();
       await idle(page);
       await chooseFile(
@@ -93,7 +96,7 @@ test('a face after surgery is compared with, one that cannot be is told of', () 
       await page.waitForSelector(id('error-legend'));
       const [whole] = (await rows(page, 'error-table')).map((row) => row.split(/\s*\t\s*/));
       check(
-        `nothing had changed, and the prediction is off: ${whole}`,
+        `the baseline is zero, and the prediction has an error: ${whole}`,
         Number(whole[2]) > 0.5 && whole[3] === '0.0' && whole[4] === '0.0',
       );
       await page.evaluate(axe);
@@ -108,7 +111,7 @@ test('a face after surgery is compared with, one that cannot be is told of', () 
     { scheme: 'dark' },
   ));
 
-test('slices show where the bone is and was, by keys alone', () =>
+test('slices show the bone before and after, with the keyboard only', () =>
   withPage(planned, async (page) => {
     await page.keyboard.press('5');
     await page.waitForSelector('[data-step=movement][aria-current=step]');
@@ -117,7 +120,7 @@ test('slices show where the bone is and was, by keys alone', () =>
     await page.keyboard.press('Space');
     await page.waitForSelector('.views[data-layout=slices]');
     await settled(page);
-    // The outline's color, which no gray of the scan is.
+    // The outline's color, which differs from all grays of the scan.
     const blue = await page.locator('.slice[data-orientation=sagittal] canvas').evaluate((canvas) => {
       const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
       let count = 0;
@@ -146,13 +149,13 @@ test('slices follow a bone while it is dragged', () =>
     await page.waitForTimeout(500);
     const amid = await shown();
     await page.mouse.up();
-    check('the outline has moved before the bone is let go', amid !== before);
+    check('the outline moves during the drag', amid !== before);
     await settled(page);
     await page.keyboard.press('Control+z');
     await saved(page);
   }));
 
-test('a page that is reloaded in a solve, or after it, shows the iterations of before', () =>
+test('a page that is reloaded during or after a solve shows the earlier iterations', () =>
   withPage(planned, async (page, { put }) => {
     await put('/plan', {
       ...PLAN,
@@ -179,7 +182,7 @@ test('a page that is reloaded in a solve, or after it, shows the iterations of b
     await put('/plan', PLAN);
   }));
 
-test('a solve that goes on after a stop shows at once how far it is', () =>
+test('a solve that is resumed shows its progress at once', () =>
   withPage(planned, async (page, { put }) => {
     await put('/plan', {
       ...PLAN,
@@ -200,7 +203,7 @@ test('a solve that goes on after a stop shows at once how far it is', () =>
     await page.waitForSelector(id('stop-predict'));
     await page.waitForSelector(id('step-table'), { timeout: 120000 });
     const first = (await page.locator(rowsOf).allInnerTexts()).map((row) => Number(row.split(/\s/)[0]));
-    check(`all steps of before are there: ${first}`, first.length >= 3 && first.at(-1) === 1);
+    check(`all earlier steps are shown: ${first}`, first.length >= 3 && first.at(-1) === 1);
     await page.click(id('stop-predict')).catch(() => undefined);
     await idle(page);
     await put('/plan', PLAN);

@@ -1,4 +1,4 @@
-// The planner in a real browser. node e2e/run.mjs [--all] [--only WORDS]; LEFORT names the program.
+// Tests of the planner in a browser. node e2e/run.mjs [--all] [--only WORDS]; LEFORT names the program.
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -29,11 +29,11 @@ const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.mi
 const output = new URL('output/', import.meta.url).pathname;
 mkdirSync(output, { recursive: true });
 
-/** One case for the tests that only look; made by the first of them. */
+/** One case shared by the tests; the first test creates it. */
 let shared = null;
 async function withShared(run, size) {
   shared ??= await (async () => {
-    // LEFORT_CASE: a folder of one's own, for work on one test.
+    // LEFORT_CASE: an existing folder, to work on one test.
     const caseInfo = process.env.LEFORT_CASE
       ? { folder: process.env.LEFORT_CASE, remove: () => undefined }
       : freshFolder('planner');
@@ -44,7 +44,7 @@ async function withShared(run, size) {
     await run(page, shared).catch(async (error) => {
       const path = join(output, 'failed.png');
       await page.screenshot({ path, timeout: 180000 }).catch(() => undefined);
-      console.log(`     what was on the screen: ${path}`);
+      console.log(`     screenshot: ${path}`);
       throw error;
     });
     check(`no errors in the page: ${page.faults.join('; ')}`, page.faults.length === 0);
@@ -53,7 +53,7 @@ async function withShared(run, size) {
   }
 }
 
-/** Contrast and names of all that can be used, by axe-core. */
+/** Checks accessibility with axe-core. */
 async function accessible(page, where) {
   await page.evaluate(axe);
   const { violations } = await page.evaluate(() =>
@@ -69,10 +69,10 @@ async function accessible(page, where) {
   check(`${where} is accessible: ${said.join('; ')}`, violations.length === 0);
 }
 
-/** Tells a time or a rate beside what it should be. Nothing fails by it: it depends on what else the machine does. */
+/** Prints a time or a rate and its target. It does not fail the test, because it depends on the load of the machine. */
 function measured(what, value, unit, bound, budget) {
   const met = bound === 'at least' ? value >= budget : value <= budget;
-  console.log(`     ${what}: ${value.toFixed(2)} ${unit}, ${bound} ${budget} asked: ${met ? 'met' : 'missed'}`);
+  console.log(`     ${what}: ${value.toFixed(2)} ${unit}, ${bound} ${budget} required: ${met ? 'met' : 'missed'}`);
 }
 
 async function picture(page, name) {
@@ -84,7 +84,7 @@ async function picture(page, name) {
   check(`${name}.png is smaller than 300 kB: ${small.length}`, small.length < 300e3);
 }
 
-test('an empty case: the first view, and what it asks for', () =>
+test('an empty case: the first view', () =>
   withShared(async (page) => {
     const [painted, shown] = await page.evaluate(() => [
       performance.getEntriesByType('paint').find((e) => e.name === 'first-contentful-paint')?.startTime ?? NaN,
@@ -96,12 +96,12 @@ test('an empty case: the first view, and what it asks for', () =>
     check('the token is out of sight', !page.url().includes('token'));
     await accessible(page, 'the first view');
     await step(page, 'movement');
-    check('other steps send back to the case', await page.getByText('No scan yet').first().isVisible());
+    check('other steps lead to the case', await page.getByText('No scan yet').first().isVisible());
     await step(page, 'case');
     await picture(page, 'case');
   }));
 
-test('a malformed scan is refused with a reason, and the page goes on', () =>
+test('a malformed scan is refused with a reason, and the page continues', () =>
   withShared(async (page) => {
     const file = join(output, 'Mustermann_Max.nrrd');
     writeFileSync(file, 'NRRD0004\ntype: short\ndimension: 3\nsizes: 9 9 9\nencoding: raw\n\nshort');
@@ -109,10 +109,10 @@ test('a malformed scan is refused with a reason, and the page goes on', () =>
     await page.getByText('Choose files').click();
     await (await choosing).setFiles(file);
     await page.getByText('The scan could not be read').waitFor();
-    check('no name of the file is shown', !(await page.locator('body').innerText()).includes('Mustermann'));
+    check('the file name is not shown', !(await page.locator('body').innerText()).includes('Mustermann'));
   }));
 
-test('opening the example by one click gives scan and surfaces', () =>
+test('opening the example with one click loads scan and surfaces', () =>
   withShared(async (page) => {
     const since = Date.now();
     await openExample(page);
@@ -148,9 +148,9 @@ test('anatomy: slices, window, linked cursor, threshold, brush and undo', () =>
     await page.mouse.up({ button: 'right' });
     await page.getByText('Level 50, width 400 HU').waitFor({ state: 'detached' });
     await page.getByRole('button', { name: 'Bone', exact: true }).first().click();
-    await page.getByText('Show on the slices what counts as bone').click();
+    await page.getByText('Show the bone mask on the slices').click();
     await picture(page, 'anatomy');
-    await page.getByText('Show on the slices what counts as bone').click();
+    await page.getByText('Show the bone mask on the slices').click();
     await page.getByText('Show labels on the slices').click();
     await page
       .getByText('Brush radius')
@@ -254,13 +254,13 @@ test('osteotomy: a plane and a curve by hand, then Le Fort III by its landmarks'
     await accessible(page, 'the osteotomy');
   }));
 
-test('movement: 12 mm forward and 5 mm down by dragging, overlap all the while', () =>
+test('movement: 12 mm forward and 5 mm down by dragging, with overlap during the drag', () =>
   withShared(async (page) => {
     await step(page, 'movement');
     await settled(page);
     await look(page, 'From the patient’s right');
     const px = Number(await page.getAttribute('.view3d canvas:not(.overlay)', 'data-px-per-mm'));
-    // Slowly, as a hand does it: 3 s for 12 mm.
+    // At the speed of a user: 3 s for 12 mm.
     const found = await handleWhere(page, 'translate AP +');
     const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
     await page.mouse.move(box.x + found[0], box.y + found[1]);
@@ -335,7 +335,7 @@ test('preview: a face after the end of a drag', () =>
         .getAttribute('data-ms'),
     );
     measured('preview after the drag', ms / 1000, 's', 'at most', 2);
-    check('it says what it is', await page.getByText('Preview, not a prediction').first().isVisible());
+    check('it is marked as a preview', await page.getByText('Preview, not a prediction').first().isVisible());
     await page.keyboard.press('Control+z');
     await page.getByText('12.0 mm anterior, 5.0 mm inferior').waitFor();
     await saved(page);
@@ -352,7 +352,7 @@ test('tissue and solver: presets with sources, undone', () =>
     await accessible(page, 'tissue and solver');
   }));
 
-test('boundary painted on a skull: how quick the brush is', () =>
+test('boundary painted on a skull: speed of the brush', () =>
   withShared(async (page) => {
     await step(page, 'tissue');
     await look(page, 'From the front');
@@ -386,7 +386,7 @@ test('boundary painted on a skull: how quick the brush is', () =>
     await accessible(page, 'the brush');
     await page.click(id('paint-erase-all'));
     await saved(page);
-    check('nothing is left', (await painted('fixed')) === 0);
+    check('no paint is left', (await painted('fixed')) === 0);
   }));
 
 test('keyboard and colors', () =>
@@ -415,7 +415,7 @@ test('keyboard and colors', () =>
     { scheme: 'dark' },
   ));
 
-test('two pages on one case: one follows the other, and none overwrites unseen', () =>
+test('two pages on one case: one follows the other, and none overwrites the other', () =>
   withShared(async (page, { server }) => {
     const other = await openPage(server.address);
     await step(page, 'movement');
@@ -425,7 +425,7 @@ test('two pages on one case: one follows the other, and none overwrites unseen',
     await type(page, 'move-left', 1);
     await saved(page);
     await other.waitForFunction((sel) => document.querySelector(sel)?.value === '1.0', id('move-left'));
-    // A page that hears nothing: its events are held back, and it goes on from what it knows.
+    // A page without events: it continues with an old version.
     await other.route('**/api/v1/events', (route) => route.abort());
     await other.reload();
     await other.waitForSelector(id('move-left'));
@@ -454,7 +454,7 @@ test('prediction: started, reloaded, stopped', () =>
   }));
 
 test(
-  'a server killed during a solve: the next one goes on from the last step',
+  'a server killed during a solve: the next one resumes from the last step',
   () =>
     withShared(async (page, kept) => {
       const newest = async (of, least) => {
@@ -471,15 +471,15 @@ test(
       await page.waitForSelector(id('stop-predict'));
       const done = await newest(page, 2);
       await kept.server.kill('SIGKILL');
-      await page.getByText('The server does not answer').waitFor();
+      await page.getByText('The server does not respond').waitFor();
       kept.server = await serve(kept.folder);
       const next = await openPage(kept.server.address);
       await step(next, 'predict');
       await next.getByText('Interrupted', { exact: true }).waitFor();
-      await next.getByRole('button', { name: 'Go on predicting' }).click();
+      await next.getByRole('button', { name: 'Resume prediction' }).click();
       await next.waitForSelector(id('stop-predict'));
       const first = await newest(next, 1);
-      check(`it goes on at step ${done}, not at ${first}`, first >= done);
+      check(`it resumes after step ${done}, at ${first}`, first >= done);
       await next.click(id('stop-predict'));
       await next.getByText('Stopped', { exact: true }).waitFor({ timeout: 300000 });
       await next.context().close();
@@ -488,7 +488,7 @@ test(
 );
 
 test(
-  'the whole way: the face of the page is that of the command line, bit for bit',
+  'the whole path: page and command line give the same face, bit for bit',
   () =>
     withShared(async (page, { folder }) => {
       await step(page, 'predict');
@@ -516,7 +516,7 @@ test(
       await page.mouse.down();
       await page.mouse.move(box.x + box.width * 0.3, box.y + box.height / 2, { steps: 4 });
       await page.mouse.up();
-      await page.getByText('How far the skin moved').first().click();
+      await page.getByText('Skin displacement').first().click();
       await page.getByRole('button', { name: 'Side by side' }).click();
       await settled(page);
       await picture(page, 'compare-distance');
@@ -526,7 +526,7 @@ test(
       const loading = page.waitForEvent('download');
       await page.click(id('report'));
       const report = readFileSync(await (await loading).path(), 'utf8');
-      check('the report says what it is', report.includes('not for clinical use'));
+      check('the report has the disclaimer', report.includes('not for clinical use'));
       const snapping = page.waitForEvent('download');
       await page.click(id('snapshot'));
       check(
@@ -541,10 +541,10 @@ test(
       });
       for (const name of ['predicted_skin.vtp', 'predicted_skin.stl'])
         check(
-          `${name} is that of the command line`,
+          `${name} equals that of the command line`,
           readFileSync(join(own, name)).equals(readFileSync(join(folder, 'prediction', name))),
         );
-      // What no longer matches says so.
+      // An outdated prediction is marked.
       await step(page, 'movement');
       await type(page, 'move-anterior', 11);
       await saved(page);
@@ -553,7 +553,7 @@ test(
       await page.waitForSelector(id('stale-banner'));
       await settled(page);
       await picture(page, 'stale');
-      check('an outdated face is not handed on', !(await page.locator(id('report')).isVisible()));
+      check('an outdated face cannot be exported', !(await page.locator(id('report')).isVisible()));
     }),
   { slow: true },
 );
@@ -576,12 +576,12 @@ test(
   { slow: true },
 );
 
-test('a server that is killed: the page says so and goes on when it is back', async () => {
+test('a killed server: the page reports it and reconnects', async () => {
   const { folder, remove } = freshFolder('killed');
   const server = await serve(folder);
   const page = await openPage(server.address);
   await server.kill('SIGKILL');
-  await page.getByText('The server does not answer').waitFor();
+  await page.getByText('The server does not respond').waitFor();
   await page.context().close();
   const again = await serve(folder);
   const next = await openPage(again.address);
@@ -595,7 +595,7 @@ test('a page without the token is refused', async () => {
   const { folder, remove } = freshFolder('token');
   const server = await serve(folder);
   const page = await openPage(server.address.replace(/token=.*/, 'token=wrong'));
-  await page.getByText('The planner cannot go on').waitFor();
+  await page.getByText('The planner cannot continue').waitFor();
   await page.context().close();
   await server.kill();
   remove();

@@ -1,5 +1,5 @@
-// Makes a PNG small: browsers write them quickly instead. The lowest bit of each color goes, which in a scan is noise
-// and in a page nothing that can be seen. RFC 2083.
+// Compresses a PNG of a browser. The lowest bit of each color is cleared, which is noise in a scan and invisible in a
+// page. RFC 2083.
 import { deflateSync, inflateSync } from 'node:zlib';
 
 const BYTES = { 2: 3, 6: 4 };
@@ -30,7 +30,7 @@ const paeth = (a, b, c) => {
 
 const predictors = [() => 0, (a) => a, (_, b) => b, (a, b) => (a + b) >> 1, paeth];
 
-/** Takes 8-bit RGB or RGBA that is not interlaced; gives RGB. */
+/** Converts 8-bit RGB or RGBA without interlacing to RGB. */
 export function shrinkPng(png) {
   const width = png.readUInt32BE(16);
   const height = png.readUInt32BE(20);

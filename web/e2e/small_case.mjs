@@ -1,4 +1,4 @@
-// A made-up head that is solved in seconds, its server, and pages on it: for tests that need no real scan.
+// A synthetic head that is solved in seconds, its server and pages: for tests without a real scan.
 import { join } from 'node:path';
 import { check, freshFolder, openPage, serve } from './harness.mjs';
 import { settled } from './planner.mjs';
@@ -48,7 +48,7 @@ export const PLAN = {
   field: { resolution: 64, band_mm: 4 },
 };
 
-/** The server's API as the page uses it, for what is made by hand elsewhere. */
+/** The server's API, for steps that a test does not do on the page. */
 function api(address) {
   const [base, token] = address.split('#token=');
   const ask = async (method, path, body, headers = {}) => {
@@ -57,7 +57,7 @@ function api(address) {
       body,
       headers: { 'X-Lefort-Token': token, ...headers },
     });
-    check(`${method} ${path} is answered: ${response.status}`, response.ok);
+    check(`${method} ${path} succeeds: ${response.status}`, response.ok);
     return response;
   };
   const put = (path, value) =>
@@ -79,7 +79,7 @@ function api(address) {
 }
 
 let made = null;
-/** The head, cut and planned, and its server. */
+/** The head with a cut and a plan, and its server. */
 export async function planned() {
   made ??= await (async () => {
     const caseInfo = freshFolder('outcome');
@@ -95,7 +95,7 @@ export async function planned() {
   return made;
 }
 
-/** The same with its face predicted. */
+/** The same with a prediction. */
 export async function predicted() {
   const here = await planned();
   const { stages } = await (await here.ask('GET', '/case')).json();
@@ -113,7 +113,7 @@ export async function withPage(find, run, options) {
       throw error;
     });
     check(`no errors in the page: ${page.faults.join('; ')}`, page.faults.length === 0);
-    check('the page as a whole never scrolls', (await page.evaluate(() => document.scrollingElement.scrollTop)) === 0);
+    check('the page does not scroll', (await page.evaluate(() => document.scrollingElement.scrollTop)) === 0);
   } finally {
     await page.context().close();
   }

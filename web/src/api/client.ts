@@ -2,7 +2,7 @@ import { ContractError, parse, type Schemas } from './contract';
 import { EventParser } from './events';
 import { decodeSurface, type WireSurface } from './surface';
 
-/** A request the server refused; the message is one sentence for people. */
+/** A request that the server refused; the message is a sentence for the user. */
 export class ApiError extends Error {
   constructor(
     readonly status: number,
@@ -14,20 +14,20 @@ export class ApiError extends Error {
   }
 }
 
-/** A value with the ETag it must be replaced by. */
+/** A value with its ETag, which replaces it only if it is unchanged. */
 export interface Tagged<T> {
   value: T;
   etag: string;
 }
 
 export interface Depths {
-  /** Segment to depth of each of its vertices [mm], 0 outside other bone. */
+  /** Depth of each vertex of a segment in other bone [mm], 0 outside. */
   bySegment: Map<string, Float32Array>;
   deepest_mm: number;
   beyondReach: boolean;
 }
 
-/** First voxel along i, j, k, then how many. */
+/** First voxel along i, j, k, then the counts. */
 export type VoxelBox = readonly [number, number, number, number, number, number];
 
 export type Poses = Record<string, readonly number[]>;
@@ -69,14 +69,18 @@ export class Client {
       });
     } catch (error) {
       if (init.signal?.aborted) throw error;
-      throw new ApiError(0, 'unreachable', 'The server does not answer. Was lefort serve stopped?');
+      throw new ApiError(0, 'unreachable', 'The server does not respond. Check that lefort serve is running.');
     }
     if (response.ok) return response;
     let refusal: Schemas['Error']['error'];
     try {
       refusal = parse('Error', await response.json()).error;
     } catch {
-      throw new ApiError(response.status, 'unknown', `The server refused with ${response.status} and did not say why.`);
+      throw new ApiError(
+        response.status,
+        'unknown',
+        `The server refused the request (status ${response.status}) without a reason.`,
+      );
     }
     throw new ApiError(response.status, refusal.code, refusal.message, refusal.where);
   }
@@ -122,7 +126,7 @@ export class Client {
     await this.send('DELETE', `/jobs/${id}`);
   }
 
-  /** Sends the files of one scan, one after the other; tells how many bytes are there. */
+  /** Uploads the files of one scan in sequence; reports the number of bytes sent. */
   async upload(files: readonly File[], onProgress: (sentBytes: number) => void): Promise<string> {
     const { id } = parse('Upload', await (await this.send('POST', '/uploads')).json());
     let sent = 0;
@@ -165,7 +169,7 @@ export class Client {
     return etagOf(response);
   }
 
-  /** What is painted on the tissue's boundary, within the smallest box that holds it. */
+  /** Paint on the tissue boundary, within its bounding box. */
   async boundaryData(): Promise<Tagged<Uint8Array> & { box: VoxelBox }> {
     const response = await this.send('GET', '/boundary/data');
     const box = toVoxelBox(response.headers.get('X-Lefort-Box') ?? '');
@@ -194,7 +198,7 @@ export class Client {
     await this.send('DELETE', '/boundary/data', { headers: { 'If-Match': etag } });
   }
 
-  /** `name` as GET /surfaces tells it: skin, or segments/midface. */
+  /** `name` as GET /surfaces lists it: skin, or segments/midface. */
   async surface(name: string): Promise<WireSurface> {
     const response = await this.send('GET', `/surfaces/${name}`);
     const scalars = (response.headers.get('X-Lefort-Scalars') ?? '').split(',').filter(Boolean);
@@ -236,7 +240,7 @@ export class Client {
       bySegment.set(name, all.subarray(at, at + Number(count)));
       at += Number(count);
     }
-    if (at !== all.length) throw new ContractError('the server sent more depths than it named vertices');
+    if (at !== all.length) throw new ContractError('the server sent more depths than vertices');
     return {
       bySegment,
       deepest_mm: Number(response.headers.get('X-Lefort-Deepest-Mm') ?? 0),
@@ -259,7 +263,7 @@ export class Client {
     return new Float32Array(await (await this.send('GET', `/prediction/steps/${step}`)).arrayBuffer());
   }
 
-  /** A number for each vertex of a surface; NaN where there is none. Of contact of several segments each has its own. */
+  /** One value per vertex of a surface; NaN where there is none. With several segments, each has its own contact. */
   async values(name: Schemas['ValuesName'], segment?: string): Promise<Float32Array> {
     const query = segment === undefined ? '' : `?segment=${encodeURIComponent(segment)}`;
     return new Float32Array(await (await this.send('GET', `/values/${name}${query}`)).arrayBuffer());
@@ -269,7 +273,7 @@ export class Client {
     return (await this.send('GET', `/files/${encodeURIComponent(name)}`)).blob();
   }
 
-  /** Listens until the signal is aborted; connects again after a break, from the last event seen. */
+  /** Receives events until the signal is aborted; reconnects after an interruption and continues after the last event. */
   async listen(
     on: <Kind extends keyof CaseEvents>(kind: Kind, event: CaseEvents[Kind]) => void,
     onConnection: (connected: boolean, error: ApiError | null) => void,
@@ -320,7 +324,7 @@ function etagOf(response: Response): string {
   return etag;
 }
 
-/** A scan's file name may name the patient: only its ending leaves the page. */
+/** A file name can contain the patient's name: only its extension is sent. */
 export function endingOnly(name: string, index: number): string {
   const ending = /(\.nii\.gz|\.[A-Za-z0-9]{1,8})$/i.exec(name)?.[0].toLowerCase() ?? '';
   return `file${index}${/^\.\d+$/.test(ending) ? '' : ending}`;

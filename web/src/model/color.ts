@@ -6,8 +6,8 @@ export type Rgb = readonly [number, number, number];
 const hex = (text: string): Rgb => mapVec3([1, 3, 5], (at) => parseInt(text.slice(at, at + 2), 16) / 255);
 
 /**
- * Color scales with stops from 0 to 1. Distance: magma turned round, light where nothing moved, as the command
- * line's pictures; readable without red and green. Depth: clear bone to a warning red, for overlap.
+ * Color scales with stops from 0 to 1. Distance: magma reversed, light where nothing moved, as in the command
+ * line's pictures; suited for red-green color blindness. Depth: bone color to red, for overlap.
  */
 const SCALES = {
   distance: ['#fcfdbf', '#fec287', '#fb8761', '#e55064', '#b5367a', '#812581', '#4f127b'].map(hex),
@@ -17,11 +17,11 @@ const SCALES = {
 
 export type ScaleName = keyof typeof SCALES;
 
-export function colorAt(name: ScaleName, share: number): Rgb {
+export function colorAt(name: ScaleName, fraction: number): Rgb {
   const stops = SCALES[name];
-  if (!(share > 0)) return stops[0];
-  if (share >= 1) return stops[stops.length - 1];
-  const at = share * (stops.length - 1);
+  if (!(fraction > 0)) return stops[0];
+  if (fraction >= 1) return stops[stops.length - 1];
+  const at = fraction * (stops.length - 1);
   const n = Math.floor(at);
   const f = at - n;
   return mapVec3(stops[n], (value, c) => value * (1 - f) + stops[n + 1][c] * f);
@@ -34,7 +34,7 @@ export const cssOf = ([r, g, b]: Rgb): string =>
 export const gradientOf = (name: ScaleName): string =>
   `linear-gradient(to right, ${SCALES[name].map(cssOf).join(', ')})`;
 
-/** Segments in the order of the plan. Told apart by the color-blind as well (after Okabe and Ito). */
+/** Colors of the segments in the order of the plan; distinct also for color-blind users (after Okabe and Ito). */
 export const SEGMENT_COLORS: readonly Rgb[] = [
   '#4c8fd6',
   '#e69f00',
@@ -53,10 +53,10 @@ export const SKIN: Rgb = hex('#d9a88c');
 
 const linear = (c: number): number => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
 
-/** sRGB as light, which is what is shaded. */
+/** sRGB to linear RGB, which shading needs. */
 export const linearOf = (color: Rgb): Rgb => mapVec3(color, linear);
 
-/** Fills linear RGB per vertex from values; NaN becomes the lowest color. `rest`: that of values not above `from`. */
+/** Maps values to linear RGB per vertex; NaN has the lowest color. `rest`: color of values up to `from`. */
 export function paint(
   values: ArrayLike<number>,
   name: ScaleName,
@@ -85,8 +85,8 @@ export function roundUp(value: number): number {
   return [1, 2, 5, 10].map((m) => m * power).find((v) => v >= value * (1 - 1e-9))!;
 }
 
-/** Words under a legend from 0 to `top`: with as many digits as tell five of them apart. */
+/** Labels of a legend from 0 to `top`, with enough digits to be distinct. */
 export function ticksOf(top: number): string[] {
   const digits = Math.max(0, Math.min(6, 1 - Math.floor(Math.log10(top))));
-  return [0, 0.25, 0.5, 0.75, 1].map((share) => (share * top).toFixed(digits));
+  return [0, 0.25, 0.5, 0.75, 1].map((fraction) => (fraction * top).toFixed(digits));
 }

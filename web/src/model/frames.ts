@@ -4,7 +4,7 @@
  */
 export type Vec3 = readonly [number, number, number];
 
-/** Row-major 4x4, as files and the server have it. */
+/** Row-major 4x4, as in files and in the server's API. */
 export type Mat4 = readonly number[];
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -36,7 +36,7 @@ export function toVec3(values: readonly number[]): Vec3 {
   return [values[0], values[1], values[2]];
 }
 
-/** Unit vector along a; throws on a vector without direction, which no caller may pass. */
+/** Unit vector along a; throws if a is zero. */
 export function unit(a: Vec3): Vec3 {
   const size = length(a);
   if (!(size > 0)) throw new RangeError('a direction must not be zero');
@@ -62,10 +62,10 @@ export function directionOf(side: Side): Vec3 {
       return direction;
     }
   }
-  throw new RangeError(`${side} is no side`);
+  throw new RangeError(`${side} is not a side`);
 }
 
-/** The side a direction runs to most: 'A', or 'RA' if a second axis takes more than 0.35 of it. */
+/** The main side of a direction: 'A', or 'RA' if a second component exceeds 0.35. */
 export function sideName(direction: Vec3): string {
   const d = unit(direction);
   return [0, 1, 2]
@@ -105,13 +105,13 @@ export function lToIndex(grid: Grid, p_L: Vec3): Vec3 {
 
 export type Orientation = 'axial' | 'coronal' | 'sagittal';
 
-/** How a slice lies on the screen: which voxel axes run right, down and into the depth, and where they point. */
+/** Orientation of a slice on the screen: the voxel axes to the right, down and in depth. */
 export interface SliceFrame {
   orientation: Orientation;
   right: number;
   down: number;
   depth: number;
-  /** True if the index falls along the screen's direction. */
+  /** True if the index decreases along the screen's direction. */
   flipRight: boolean;
   flipDown: boolean;
   /** Sides at the screen's edges. */
@@ -125,7 +125,7 @@ const SCREEN: Record<Orientation, { right: Side; down: Side }> = {
   sagittal: { right: 'P', down: 'I' },
 };
 
-/** The voxel axis that runs most along a direction of L. */
+/** The voxel axis closest to a direction of L. */
 function axisAlong(grid: Grid, direction: Vec3, taken: number[]): number {
   const free = [0, 1, 2].filter((axis) => !taken.includes(axis));
   return free.reduce((best, axis) =>
@@ -185,7 +185,7 @@ export const gridCenter = (grid: Grid): Vec3 =>
 
 export type ViewName = 'front' | 'right' | 'left' | 'right three-quarter' | 'left three-quarter' | 'below' | 'above';
 
-/** From the looked-at point to the camera, in L; z is always up. `right` is the patient's right side. */
+/** From the target to the camera, in L; z is always up. `right` is the patient's right side. */
 export const VIEWS: Record<ViewName, Vec3> = {
   front: [0, -1, 0],
   right: [-1, 0, 0],

@@ -1,13 +1,13 @@
 import { indexToL, lToIndex, type Grid, type Vec3 } from './frames';
 
-/** What changed where, so that a stroke of the brush can be taken back. */
+/** Changed voxels with their labels before, so that a stroke can be undone. */
 export interface LabelEdit {
   at: Uint32Array;
   before: Uint8Array;
   after: number;
 }
 
-/** Paints a ball into labels (x fastest) and tells which voxels changed. Voxels whose center lies in the ball. */
+/** Paints a ball into labels (x fastest) and returns the changes. A voxel is painted if its center is in the ball. */
 export function paintBall(labels: Uint8Array, grid: Grid, center_L: Vec3, radius_mm: number, label: number): LabelEdit {
   const center = lToIndex(grid, center_L);
   const [nx, ny, nz] = grid.size;
@@ -37,7 +37,7 @@ export function paintBall(labels: Uint8Array, grid: Grid, center_L: Vec3, radius
 }
 
 export function revert(labels: Uint8Array, edit: LabelEdit): void {
-  // Backwards: a voxel that a stroke passed twice gets its first value last.
+  // In reverse: a voxel that was painted twice must get its first value.
   for (let n = edit.at.length - 1; n >= 0; n--) labels[edit.at[n]] = edit.before[n];
 }
 
@@ -51,16 +51,16 @@ export const joinEdits = (first: LabelEdit, second: LabelEdit): LabelEdit => ({
   after: second.after,
 });
 
-/** Which strokes labels have: those of the history, after undo and redo as well. */
+/** Tracks which strokes of the history are applied to the labels, also after undo and redo. */
 export class AppliedStrokes {
   private applied: readonly LabelEdit[] = [];
 
-  /** The labels are these strokes' already. */
+  /** Sets the strokes that the labels contain already. */
   setApplied(strokes: readonly LabelEdit[]): void {
     this.applied = strokes;
   }
 
-  /** Takes back what is not in `strokes`, and does what is. Returns whether anything changed. */
+  /** Reverts the strokes that are not in `strokes` and applies the others. Returns whether anything changed. */
   apply(labels: Uint8Array, strokes: readonly LabelEdit[]): boolean {
     if (strokes === this.applied) return false;
     let common = 0;

@@ -7,7 +7,7 @@ export interface Surface {
 }
 
 /**
- * Where a plane cuts a surface, as line segments: 6 numbers each, mm in L. For drawing outlines, not for measuring.
+ * Intersection of a plane and a surface as line segments, 6 numbers each, mm in L. For drawing, not for measuring.
  */
 export function sectionOf(surface: Surface, point: Vec3, normal: Vec3): Float32Array {
   const { points, triangles } = surface;
@@ -26,7 +26,7 @@ export function sectionOf(surface: Surface, point: Vec3, normal: Vec3): Float32A
     const c = triangles[t + 2];
     const above = (height[a] >= 0 ? 1 : 0) + (height[b] >= 0 ? 2 : 0) + (height[c] >= 0 ? 4 : 0);
     if (above === 0 || above === 7) continue;
-    // The corner alone on its side, and the other two.
+    // One corner is alone on its side of the plane.
     if (above === 1 || above === 6) {
       cross(a, b);
       cross(a, c);
@@ -41,7 +41,7 @@ export function sectionOf(surface: Surface, point: Vec3, normal: Vec3): Float32A
   return Float32Array.from(lines);
 }
 
-/** Likewise of a surface that stands at X_LB; the plane and the lines in L. */
+/** Intersection of a plane of L and a surface at pose X_LB; lines in L. */
 export function posedSectionOf(surface: Surface, X_LB: Mat4, point: Vec3, normal: Vec3): Float32Array {
   const [r00, r01, r02, tx, r10, r11, r12, ty, r20, r21, r22, tz] = X_LB;
   const [dx, dy, dz] = [point[0] - tx, point[1] - ty, point[2] - tz];

@@ -1,4 +1,4 @@
-/** How CT numbers become grays: level is the middle, window the width; both HU. */
+/** Map of CT numbers to gray: level is the middle, window the width; both HU. */
 export interface Window {
   level_hu: number;
   window_hu: number;
@@ -14,18 +14,18 @@ export const WINDOW_PRESETS: readonly (Window & { name: string })[] = [
 
 /** Gray 0 to 255. */
 export function grayOf(hu: number, { level_hu, window_hu }: Window): number {
-  const share = (hu - level_hu) / window_hu + 0.5;
-  return Math.round(255 * Math.min(1, Math.max(0, share)));
+  const fraction = (hu - level_hu) / window_hu + 0.5;
+  return Math.round(255 * Math.min(1, Math.max(0, fraction)));
 }
 
-/** The grays of all int16 numbers, by number + 32768. */
+/** Grays of all int16 values, by value + 32768. */
 export function grayTable(window: Window): Uint8Array {
   const table = new Uint8Array(65536);
   for (let n = 0; n < table.length; n++) table[n] = grayOf(n - 32768, window);
   return table;
 }
 
-/** A drag of the right button: sideways widens, downwards darkens. */
+/** Window after a drag: sideways changes the width, downwards the level. */
 export const draggedWindow = (window: Window, dx_px: number, dy_px: number): Window => ({
   window_hu: Math.max(1, Math.round(window.window_hu * Math.exp(dx_px / 250))),
   level_hu: Math.round(window.level_hu + (dy_px * window.window_hu) / 300),

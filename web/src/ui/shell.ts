@@ -10,9 +10,10 @@ import { anatomyPanel } from './steps/anatomy_panel';
 import { casePanel, welcome } from './steps/case_panel';
 import { compareDock, comparePanel } from './steps/compare_panel';
 import { landmarkPanel } from './steps/landmark_panel';
-import { movementPanel, timeline } from './steps/movement_panel';
+import { movementPanel } from './steps/movement_panel';
 import { osteotomyFoot, osteotomyPanel } from './steps/osteotomy_panel';
 import { predictFoot, predictPanel } from './steps/predict_panel';
+import { timeline } from './steps/timeline';
 import { tissuePanel } from './steps/tissue_panel';
 
 const PANELS: Record<StepName, (app: App, s: State, view: Viewer) => Html> = {
@@ -54,7 +55,7 @@ const VIEWS: { value: ViewName; text: string; title: string }[] = [
   { value: 'below', text: 'Below', title: 'From below' },
 ];
 
-/** The dot beside a step: the worst of what it stands for. */
+/** The state of a step, shown by a dot. */
 function dotOf(app: App, s: State, step: StepName): string {
   const stage = {
     case: 'scan',
@@ -149,8 +150,8 @@ function rail(app: App, s: State): Html {
       </button>`;
     })}
     <div class="rail-foot">
-      ${s.case ? html`lefort ${s.case.version}<br />` : nothing}A simulation. Not held against the outcome of this
-      patient.
+      ${s.case ? html`lefort ${s.case.version}<br />` : nothing}Simulation only; not compared with this patient’s
+      outcome.
     </div>
   </nav>`;
 }
@@ -164,7 +165,7 @@ function banners(s: State): Html {
   return html`<div class="view-banner" aria-live="polite">
     ${s.connection === 'lost'
       ? html`<div class="banner error">
-          The server does not answer <small>Trying again. Nothing is lost that was saved.</small>
+          The server does not respond <small>Reconnecting. Saved changes are safe.</small>
         </div>`
       : nothing}
     ${previewing
@@ -202,9 +203,9 @@ function covers(app: App, s: State): Html {
   if (s.fatal)
     return html`<div class="cover">
       <div class="cover-card">
-        <h2>The planner cannot go on</h2>
+        <h2>The planner cannot continue</h2>
         <p>${s.fatal}</p>
-        <p>Open the address that <code>lefort serve</code> printed: it ends in a token that changes at each start.</p>
+        <p>Open the address that <code>lefort serve</code> printed. It ends with a token that changes at each start.</p>
       </div>
     </div>`;
   if (!s.case)
@@ -220,7 +221,7 @@ function covers(app: App, s: State): Html {
       : html`<div class="cover">
           ${empty(
             'No scan yet',
-            'Everything begins with a head CT.',
+            'Start with a head CT.',
             button('To the case', () => app.setStep('case'), { kind: 'primary' }),
           )}
         </div>`;
@@ -228,7 +229,7 @@ function covers(app: App, s: State): Html {
     return html`<div class="cover">
       ${empty(
         'Nothing to compare yet',
-        'When the face has been predicted, before and after are compared here.',
+        'After the prediction, the faces before and after surgery are compared here.',
         button('To the prediction', () => app.setStep('predict'), { kind: 'primary' }),
       )}
     </div>`;
@@ -238,14 +239,14 @@ function covers(app: App, s: State): Html {
 const KEYS: [string, string][] = [
   ['1 – 8', 'Go to a step'],
   ['Ctrl+Z, Ctrl+Shift+Z', 'Undo, redo'],
-  ['F, R, L, B', 'Look from the front, the right, the left, below'],
-  ['↑ ↓, PgUp PgDn', 'Slices, when one has the focus'],
-  ['↑ ↓ in a number', 'One step; with Shift ten'],
-  ['[ and ]', 'Shift the border between before and after; the radius of the brush on the boundary'],
-  ['E', 'Rub out what is painted on the boundary, and back'],
-  ['Delete', 'Remove the chosen landmark, plane or keyframe'],
-  ['Enter, Escape', 'Close the curve; leave a tool'],
-  ['?', 'This list'],
+  ['F, R, L, B', 'View from the front, the right, the left, below'],
+  ['↑ ↓, PgUp PgDn', 'Next and previous slice, when a slice has the focus'],
+  ['↑ ↓ in a number', 'Change by one step; with Shift by ten'],
+  ['[ and ]', 'Move the divider between before and after; radius of the boundary brush'],
+  ['E', 'Switch the boundary brush between painting and erasing'],
+  ['Delete', 'Remove the selected landmark, plane or keyframe'],
+  ['Enter, Escape', 'Close the curve; cancel a tool'],
+  ['?', 'Show this list'],
 ];
 
 function dialogs(app: App, s: State): Html {
@@ -254,14 +255,14 @@ function dialogs(app: App, s: State): Html {
       <div class="dialog" role="alertdialog" aria-modal="true" aria-labelledby="conflict-title" data-id="conflict">
         <h2 id="conflict-title">
           Another page changed
-          ${{ plan: 'the plan', landmarks: 'the landmarks', boundary: 'what is painted' }[s.conflict]} first
+          ${{ plan: 'the plan', landmarks: 'the landmarks', boundary: 'the painted boundary' }[s.conflict]} first
         </h2>
         <p>
-          This page has changes that are not saved. Only one of the two can stay; the other can be had back with undo
-          here.
+          This page has changes that are not saved. Only one of the two versions can be kept; undo on this page restores
+          the other.
         </p>
         <div class="row">
-          ${button('Take theirs', () => void app.resolveConflict('theirs'), { id: 'take-theirs' })}${button(
+          ${button('Use theirs', () => void app.resolveConflict('theirs'), { id: 'take-theirs' })}${button(
             'Keep mine',
             () => void app.resolveConflict('mine'),
             { kind: 'primary', id: 'keep-mine' },
@@ -275,8 +276,8 @@ function dialogs(app: App, s: State): Html {
         <h2 id="help-title">Keyboard and mouse</h2>
         <div class="keys">${KEYS.map(([key, what]) => html`<kbd>${key}</kbd><span>${what}</span>`)}</div>
         <p class="hint">
-          3D: drag turns, wheel zooms, right button shifts. Slices: click moves the cursor, wheel changes the slice,
-          right button changes the window, Ctrl and wheel zooms, Alt and drag shifts.
+          3D: drag rotates, wheel zooms, right button pans. Slices: click moves the cursor, wheel changes the slice,
+          right button changes the window, Ctrl and wheel zooms, Alt and drag pans.
         </p>
         <div class="row">${button('Close', () => app.patch({ help: false }), { kind: 'primary' })}</div>
       </div>
@@ -310,7 +311,7 @@ export function drawShell(root: HTMLElement, app: App, view: Viewer): void {
           </div>
           ${dock} ${banners(s)}
           <div class="view-bar">
-            ${layout !== 'four' ? segmented('Look from', VIEWS, null, (name) => view.view.look(name)) : nothing}
+            ${layout !== 'four' ? segmented('View from', VIEWS, null, (name) => view.view.look(name)) : nothing}
           </div>
           ${covers(app, s)}
         </main>

@@ -3,46 +3,16 @@ import {
   add,
   BONE,
   cssOf,
-  posedSectionOf,
+  IDENTITY,
   kindOf,
-  length,
-  scale,
-  sectionOf,
   segmentColor,
   SKIN,
-  sub,
-  templateKey,
-  templateKind,
-  unit,
-  mapVec3,
-  roundVec3,
-  toPlane,
   toVec3,
-  withLandmark,
-  withPlane,
-  withSegment,
-  editPlane,
-  IDENTITY,
-  planeAt,
-  cross,
-  dot,
   type DrawnSurface,
-  type Hit,
-  type Move,
-  type Plane,
+  type Mat4,
   type Vec3,
 } from '../model';
-import {
-  PATIENT_AXES,
-  planeAxes,
-  SliceView,
-  View3d,
-  type GizmoDrag,
-  type Marker,
-  type Phase,
-  type PlaneMark,
-  type SliceLines,
-} from '../scene';
+import { PATIENT_AXES, planeAxes, SliceView, View3d, type BodyHit, type Phase, type SliceLines } from '../scene';
 import type { App } from './app';
 import { BoundaryView } from './boundary_view';
 import { CompareView } from './compare_view';
@@ -50,56 +20,77 @@ import type { SceneListeners } from './planner_context';
 import { nextFrame } from './schedule';
 import { stageOf, type State } from './state';
 import { LABEL_TINTS } from './steps/anatomy_panel';
+import { ViewerInput } from './viewer_input';
+import { linesOf, markersOf, planeOutlines, planesOf, segmentOutlines, sliceMarkersOf } from './viewer_marks';
 
-/** Depth of overlap that is drawn in the strongest color [mm]. */
+/** Overlap that has the strongest color [mm]. */
 const DEPTH_TOP_MM = 2;
 
-/** How often slices follow a bone that is dragged: three pictures of the scan take as long as one of the bones. */
-const SLICES_EVERY_MS = 100;
+/** Overlap below which segments keep their color [mm]. */
+const MIN_DEPTH_MM = 0.05;
 
-/** Draws what the app knows, and tells the app what the hand does in the views. */
+/** Interval of the slices during a drag: three slices take as long as one picture of the bones. */
+const SLICE_INTERVAL_MS = 100;
+
+/** Delay of the preview, so that several changes request one. */
+const PREVIEW_DELAY_MS = 30;
+
+/** Properties of the state that change the views; the progress of jobs, for example, does not. */
+const DRAWN_KEYS: readonly (keyof State)[] = [
+  ...(['step', 'case', 'skullOpacity', 'skinOpacity', 'showLabels', 'labelsReady', 'tool', 'brush_mm'] as const),
+  ...(['boundary', 'paintOn', 'paint_mm', 'paintLabel', 'landmark', 'segment', 'plane', 'curveDraft'] as const),
+  ...(['templatePlanes', 'keyframe', 'scrub', 'planPoses', 'preview', 'showOverlap', 'showPreview'] as const),
+  ...(['prediction', 'compareMode', 'compareStep', 'against', 'skinPaint', 'difference_mm', 'bonePaint'] as const),
+  ...(['showBones', 'wipe'] as const),
+];
+
+const SLICE_KEYS: readonly (keyof State)[] = ['window', 'cursor_L', 'thresholdOn', 'bone_hu', 'volume'];
+
+/** Steps that show the segments at their planned pose. */
+const isPosed = (step: State['step']): boolean => step === 'movement' || step === 'predict';
+
+/** Steps that show the cut bone. */
+const isCutShown = (s: State): boolean =>
+  isPosed(s.step) || s.step === 'tissue' || (s.step === 'osteotomy' && stageOf(s, 'cut').state === 'fresh');
+
+/** Draws the document and the state in the 3D view and on the slices. */
 export class Viewer implements SceneListeners {
   readonly view: View3d;
   readonly slices: readonly SliceView[];
   compare!: CompareView;
   private boundary!: BoundaryView;
+  private input!: ViewerInput;
   private app!: App;
   private depths: Depths | null = null;
+  private paintedDepths: readonly unknown[] = [];
   private previewOn = false;
-  /** How many surfaces have come: colors are painted anew on each. */
+  /** Number of surfaces that were set; their colors must be painted again. */
   private surfaceCount = 0;
-  private moveAtStart: Move | null = null;
-  private planeAtStart: Plane | null = null;
-  private gesture = 0;
-  /** When the last drag ended, for the preview's latency. */
-  private changedAt = 0;
   private previewKey = '';
-  private previewTimer = 0;
+  private previewTimer: ReturnType<typeof setTimeout> | undefined;
   private depthKey = '';
   private slicesDrawnAt = 0;
+  private pending = false;
 
   constructor() {
     this.view = new View3d({
       onPress: () => this.presentPending(),
-      onGizmo: (drag, phase) => this.onGizmo(drag, phase),
+      onGizmo: (drag, phase) => this.input.onGizmo(drag, phase),
       isPlacing: () => ['landmark', 'plane', 'curve', 'pivot'].includes(this.app.model.s.tool),
-      onPick: (hit) => this.onPick(hit),
+      onPick: (hit) => this.input.place(hit.point, hit.normal),
       isPainting: () => this.app.model.s.tool === 'paint',
       onPaint: (at, phase) => this.onBrush(at, phase),
-      onMarkerDrag: (id, hit, phase) => this.onMarkerDrag(id, hit.point, phase === 'end' ? 'end' : 'move'),
-      onMarkerSelect: (id) => this.onMarkerSelect(id),
-      onWipe: (share) => this.app.patch({ wipe: share }),
+      onMarkerDrag: (id, hit, phase) => this.input.onMarkerDrag(id, hit.point, phase === 'end' ? 'end' : 'move'),
+      onMarkerSelect: (id) => this.input.onMarkerSelect(id),
+      onWipe: (fraction) => this.app.patch({ wipe: fraction }),
     });
     this.slices = (['axial', 'coronal', 'sagittal'] as const).map((orientation) => {
       const slice: SliceView = new SliceView(orientation, {
         onCursor: (cursor_L) => this.app.patch({ cursor_L }),
         onWindow: (window) => this.app.patch({ window }),
-        onMarkerDrag: (id, p_L, phase) => this.onMarkerDrag(id, p_L, phase),
-        onMarkerSelect: (id) => this.onMarkerSelect(id),
-        onTool: (p_L, phase) => {
-          if (this.app.model.s.tool === 'brush') this.app.labelBrush.brush(p_L, phase);
-          else if (phase === 'end') this.place(p_L, [0, 0, 0]);
-        },
+        onMarkerDrag: (id, p_L, phase) => this.input.onMarkerDrag(id, p_L, phase),
+        onMarkerSelect: (id) => this.input.onMarkerSelect(id),
+        onTool: (p_L, phase) => this.onSliceTool(p_L, phase),
       });
       slice.outlines = (at) => this.outlines(at);
       return slice;
@@ -114,11 +105,12 @@ export class Viewer implements SceneListeners {
     this.app = app;
     this.compare = new CompareView(this.view, app);
     this.boundary = new BoundaryView(this.view, app);
+    this.input = new ViewerInput(app, () => this.present());
     app.model.state.subscribe((state, before) => this.onState(state, before));
     app.model.history.subscribe(() => this.present());
   }
 
-  // What the app found
+  // Results
 
   onSurface(name: string, surface: DrawnSurface | null): void {
     if (!surface) {
@@ -126,9 +118,7 @@ export class Viewer implements SceneListeners {
       this.present();
       return;
     }
-    const index = name.startsWith('segments/')
-      ? this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name)
-      : -1;
+    const index = this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name);
     const color = name.startsWith('segments/')
       ? segmentColor(Math.max(0, index))
       : /skin|predicted|after_surgery/.test(name)
@@ -160,64 +150,36 @@ export class Viewer implements SceneListeners {
   }
 
   onPaint(): void {
-    // With the next picture: several dabs come before one.
+    // Once per frame: a frame can have several stamps of the brush.
     this.view.beforePicture = () => this.boundary.present(this.app.model.s);
     this.view.render();
   }
 
-  // From state to pictures
-
-  private onState(state: State, before: State): void {
-    if (state.volume !== before.volume)
-      for (const slice of this.slices) slice.setVolume(state.volume?.grid ?? null, state.volume?.data ?? null);
-    const threshold_hu = state.thresholdOn ? state.bone_hu : null;
-    if (
-      state.window !== before.window ||
-      state.cursor_L !== before.cursor_L ||
-      state.thresholdOn !== before.thresholdOn ||
-      state.bone_hu !== before.bone_hu ||
-      state.volume !== before.volume
-    )
-      for (const slice of this.slices) slice.set({ window: state.window, cursor_L: state.cursor_L, threshold_hu });
-    // Only these concern the picture; job progress and numbers do not.
-    const keys = [
-      'step',
-      'case',
-      'skullOpacity',
-      'skinOpacity',
-      'showLabels',
-      'labelsReady',
-      'tool',
-      'brush_mm',
-      'boundary',
-      'paintOn',
-      'paint_mm',
-      'paintLabel',
-      'landmark',
-      'segment',
-      'plane',
-      'curveDraft',
-      'templatePlanes',
-      'keyframe',
-      'scrub',
-      'planPoses',
-      'preview',
-      'showOverlap',
-      'showPreview',
-      'prediction',
-      'compareMode',
-      'compareStep',
-      'against',
-      'skinPaint',
-      'difference_mm',
-      'bonePaint',
-      'showBones',
-      'wipe',
-    ] as const;
-    if (keys.some((key) => state[key] !== before[key])) this.present();
+  private onBrush(at: BodyHit | null, phase: Phase): void {
+    const { boundaryBrush } = this.app;
+    const surface = at && this.view.body(at.body)?.surface;
+    if (at && surface) boundaryBrush.stamp(at.hit, surface);
+    if (phase === 'end') boundaryBrush.endStroke();
   }
 
-  private pending = false;
+  private onSliceTool(p_L: Vec3, phase: Phase): void {
+    if (this.app.model.s.tool === 'brush') this.app.labelBrush.brush(p_L, phase);
+    else if (phase === 'end') this.input.place(p_L, [0, 0, 0]);
+  }
+
+  // State
+
+  private onState(state: State, before: State): void {
+    const hasChanged = (key: keyof State): boolean => state[key] !== before[key];
+    const { volume, window, cursor_L } = state;
+    if (hasChanged('volume'))
+      for (const slice of this.slices) slice.setVolume(volume?.grid ?? null, volume?.data ?? null);
+    if (SLICE_KEYS.some(hasChanged)) {
+      const threshold_hu = state.thresholdOn ? state.bone_hu : null;
+      for (const slice of this.slices) slice.set({ window, cursor_L, threshold_hu });
+    }
+    if (DRAWN_KEYS.some(hasChanged)) this.present();
+  }
 
   present(): void {
     if (this.pending) return;
@@ -232,372 +194,166 @@ export class Viewer implements SceneListeners {
   }
 
   private presentNow(): void {
-    const { s, doc } = this.app.model;
-    const { view } = this;
-    const { step } = s;
-    const cut =
-      s.case !== null &&
-      view.body('remainder') !== undefined &&
-      doc.plan.segments.some((x) => view.body(`segments/${x.name}`));
-    const segments = doc.plan.segments.map((x) => `segments/${x.name}`);
-    const face = step === 'compare' ? [] : ['skin'];
-    const moving = step === 'movement' || step === 'predict' || step === 'tissue';
-
-    if (step === 'osteotomy' || step === 'movement' || step === 'predict' || step === 'tissue')
-      void this.app.placeTemplates();
-
-    // Which bodies
-    let bodies: string[];
-    if (step === 'compare') bodies = this.compare.bodies(s);
-    else if (cut && (moving || (step === 'osteotomy' && stageOf(s, 'cut').state === 'fresh')))
-      bodies = ['remainder', ...segments, ...face];
-    else bodies = ['skull', ...face];
-    const opacityOfSkin: Record<string, number> = {
-      case: 1,
-      anatomy: s.skinOpacity,
-      osteotomy: 0,
-      tissue: s.tool !== 'paint' ? 0.35 : s.paintOn === 'skin' ? 1 : 0,
-      landmarks: s.landmark && kindOf(s.landmark)?.on === 'skin' ? 1 : 0.0,
-      movement: s.showPreview && s.preview.state === 'shown' ? 0.45 : 0,
-      predict: s.showPreview ? 1 : 0.45,
-    };
-    view.setOpacity('skin', opacityOfSkin[step] ?? 1);
-    view.setOpacity('skull', step === 'anatomy' ? s.skullOpacity : 1);
-    // What a closed skin hides need not be drawn.
-    if (view.body('skin') && bodies.includes('skin') && opacityOfSkin[step] === 1) bodies = ['skin'];
-    view.show(bodies);
-    view.pickable = (name) =>
-      step === 'landmarks' && s.landmark && kindOf(s.landmark)?.on === 'bone'
-        ? name === 'skull'
-        : step === 'osteotomy' || step === 'movement'
-          ? name !== 'skin'
-          : step === 'tissue'
-            ? this.boundary.isPaintable(s, name)
-            : true;
-
-    // Where the segments are
-    const poses = this.app.poses();
-    doc.plan.segments.forEach((segment, index) => {
-      const name = `segments/${segment.name}`;
-      if (!view.body(name)) return;
-      const pose =
-        step === 'compare'
-          ? this.compare.poseOf(s, index)
-          : moving && step !== 'tissue'
-            ? (poses[segment.name] ?? IDENTITY)
-            : IDENTITY;
-      view.setPose(name, pose);
-    });
-    if (moving && step !== 'tissue') {
-      const cutPoses = this.app.cutPoses();
-      const key = JSON.stringify([cutPoses, stageOf(s, 'cut').state, stageOf(s, 'cut').etag]);
-      if (key !== this.depthKey) {
-        this.depthKey = key;
-        this.app.live.requestDepths(cutPoses);
-      }
-      const previewKey = `${key} ${stageOf(s, 'preview').etag} ${stageOf(s, 'preview').state} ${s.showPreview}`;
-      if (previewKey !== this.previewKey && !view.gizmo.isDragging) {
-        this.previewKey = previewKey;
-        const since = Math.max(this.changedAt, performance.now() - 50);
-        clearTimeout(this.previewTimer);
-        this.previewTimer = window.setTimeout(() => void this.app.live.requestPreview(since), 30);
-      }
-    } else if (this.previewOn && step !== 'compare') {
-      this.app.live.dropPreview();
-      this.previewKey = '';
-    }
+    const { s } = this.app.model;
+    if (s.step === 'osteotomy' || s.step === 'tissue' || isPosed(s.step)) void this.app.placeTemplates();
+    this.presentBodies(s);
+    this.presentPoses(s);
+    this.requestResults(s);
     this.paintDepths();
     this.boundary.present(s);
-    view.brush_mm = s.paint_mm;
+    this.presentMarks(s);
+    this.presentGizmo(s);
+    this.presentSlices(s);
+    this.compare.present(s);
+    this.view.refreshMarkers();
+  }
+
+  /** Sets which bodies are visible, how opaque, and which of them can be picked. */
+  private presentBodies(s: State): void {
+    const { view } = this;
+    const skinOpacity = this.skinOpacity(s);
+    view.setOpacity('skin', skinOpacity);
+    view.setOpacity('skull', s.step === 'anatomy' ? s.skullOpacity : 1);
+    let bodies = this.bodies(s);
+    // An opaque skin hides everything else.
+    if (view.body('skin') && bodies.includes('skin') && s.step !== 'compare' && skinOpacity === 1) bodies = ['skin'];
+    view.show(bodies);
+    view.pickable = (name) => this.isPickable(s, name);
+  }
+
+  private bodies(s: State): string[] {
+    if (s.step === 'compare') return this.compare.bodies(s);
+    const segments = this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`);
+    const isCut =
+      s.case !== null && this.view.body('remainder') !== undefined && segments.some((name) => this.view.body(name));
+    return isCut && isCutShown(s) ? ['remainder', ...segments, 'skin'] : ['skull', 'skin'];
+  }
+
+  private skinOpacity(s: State): number {
+    const opacities: Record<State['step'], number> = {
+      case: 1,
+      anatomy: s.skinOpacity,
+      landmarks: s.landmark && kindOf(s.landmark)?.on === 'skin' ? 1 : 0,
+      osteotomy: 0,
+      movement: s.showPreview && s.preview.state === 'shown' ? 0.45 : 0,
+      tissue: s.tool !== 'paint' ? 0.35 : s.paintOn === 'skin' ? 1 : 0,
+      predict: s.showPreview ? 1 : 0.45,
+      compare: 1,
+    };
+    return opacities[s.step];
+  }
+
+  private isPickable(s: State, name: string): boolean {
+    if (s.step === 'landmarks') return !s.landmark || kindOf(s.landmark)?.on !== 'bone' || name === 'skull';
+    if (s.step === 'osteotomy' || s.step === 'movement') return name !== 'skin';
+    return s.step !== 'tissue' || this.boundary.isPaintable(s, name);
+  }
+
+  private presentPoses(s: State): void {
+    const poses = this.app.poses();
+    this.app.model.doc.plan.segments.forEach(({ name }, index) => {
+      if (this.view.body(`segments/${name}`)) this.view.setPose(`segments/${name}`, this.poseOf(s, name, index, poses));
+    });
+  }
+
+  private poseOf(s: State, name: string, index: number, poses: Record<string, Mat4>): Mat4 {
+    if (s.step === 'compare') return this.compare.poseOf(s, index);
+    return isPosed(s.step) ? (poses[name] ?? IDENTITY) : IDENTITY;
+  }
+
+  /** Requests overlap and preview of the shown poses. */
+  private requestResults(s: State): void {
+    const { live } = this.app;
+    if (!isPosed(s.step)) {
+      if (!this.previewOn || s.step === 'compare') return;
+      live.dropPreview();
+      this.previewKey = '';
+      return;
+    }
+    const poses = this.app.cutPoses();
+    const [cut, preview] = [stageOf(s, 'cut'), stageOf(s, 'preview')];
+    const depthKey = JSON.stringify([poses, cut.state, cut.etag]);
+    if (depthKey !== this.depthKey) {
+      this.depthKey = depthKey;
+      live.requestDepths(poses);
+    }
+    const previewKey = `${depthKey} ${preview.etag} ${preview.state} ${s.showPreview}`;
+    if (previewKey === this.previewKey || this.isDragging) return;
+    this.previewKey = previewKey;
+    const since = Math.max(this.input.changedAt, performance.now() - 50);
+    clearTimeout(this.previewTimer);
+    this.previewTimer = setTimeout(() => void live.requestPreview(since), PREVIEW_DELAY_MS);
+  }
+
+  private presentMarks(s: State): void {
+    const { view } = this;
+    const { doc } = this.app.model;
     const painted = s.boundary?.names.find((x) => x.value === s.paintLabel);
+    view.brush_mm = s.paint_mm;
     view.brushColor = cssOf(painted ? toVec3(painted.colour) : BONE);
+    view.markers = markersOf(doc, s);
+    view.lines = linesOf(doc, s);
+    const showsPlanes = s.step === 'osteotomy' && (stageOf(s, 'cut').state !== 'fresh' || s.plane !== null);
+    view.setPlanes(showsPlanes ? planesOf(doc, s) : []);
+  }
 
-    // Marks
-    view.markers = this.markers(s);
-    view.lines = s.curveDraft
-      ? [{ points: s.curveDraft.points, closed: s.curveDraft.points.length > 2, color: '#f2b84b', dashed: true }]
-      : step === 'osteotomy'
-        ? doc.plan.segments.flatMap((x, index) =>
-            (x.osteotomy.curves ?? [])
-              .filter((c) => c.points_mm)
-              .map((c) => ({ points: c.points_mm!, closed: true, color: cssOf(segmentColor(index)) })),
-          )
-        : [];
-    view.setPlanes(
-      step === 'osteotomy' && !(stageOf(s, 'cut').state === 'fresh' && s.plane === null) ? this.planes(s) : [],
-    );
-
-    // Gizmo
+  private presentGizmo(s: State): void {
+    const { gizmo } = this.view;
+    const segment = this.app.model.doc.plan.segments[s.segment];
     const move = this.app.move();
-    const segment = doc.plan.segments[s.segment];
-    const plane = step === 'osteotomy' && s.plane !== null ? segment?.osteotomy.planes?.[s.plane] : undefined;
-    if (step === 'movement' && move && segment && view.body(`segments/${segment.name}`) && s.scrub === null) {
-      view.gizmo.at_L = add(move.about_mm, move.translation_mm);
-      view.gizmo.axes = PATIENT_AXES;
+    const plane = s.step === 'osteotomy' && s.plane !== null ? segment?.osteotomy.planes?.[s.plane] : undefined;
+    if (s.step === 'movement' && move && segment && this.view.body(`segments/${segment.name}`) && s.scrub === null) {
+      gizmo.at_L = add(move.about_mm, move.translation_mm);
+      gizmo.axes = PATIENT_AXES;
     } else if (plane) {
-      view.gizmo.at_L = plane.point_mm;
-      if (!view.gizmo.isDragging) view.gizmo.axes = planeAxes(plane.towards_segment);
-    } else view.gizmo.at_L = null;
+      gizmo.at_L = plane.point_mm;
+      if (!gizmo.isDragging) gizmo.axes = planeAxes(plane.towards_segment);
+    } else gizmo.at_L = null;
+  }
 
-    // Slices: where bone is dragged they follow it, but not with every picture.
+  /** Draws the slices; during a drag they follow at a lower rate. */
+  private presentSlices(s: State): void {
     const now = performance.now();
-    const drawsSlices = step !== 'movement' || !view.gizmo.isDragging || now - this.slicesDrawnAt > SLICES_EVERY_MS;
-    if (drawsSlices) this.slicesDrawnAt = now;
+    const isDue = s.step !== 'movement' || !this.isDragging || now - this.slicesDrawnAt > SLICE_INTERVAL_MS;
+    if (isDue) this.slicesDrawnAt = now;
+    const showsLabels = s.step === 'anatomy' && s.showLabels && s.labelsReady;
     for (const slice of this.slices) {
       slice.tool = s.tool === 'brush' ? 'brush' : s.tool === 'landmark' ? 'place' : 'none';
       slice.brush_mm = s.brush_mm;
-      slice.setLabels(step === 'anatomy' && s.showLabels && s.labelsReady ? this.app.model.labels : null, [
-        ...LABEL_TINTS,
-      ]);
-      slice.markers =
-        step === 'landmarks'
-          ? doc.landmarks.map((l) => ({
-              id: l.name,
-              position: l.position_mm,
-              label: l.name,
-              color: l.name === s.landmark ? '#f2b84b' : '#3fb2c8',
-              selected: l.name === s.landmark,
-            }))
-          : [];
-      if (drawsSlices) slice.draw();
+      slice.setLabels(showsLabels ? this.app.model.labels : null, [...LABEL_TINTS]);
+      slice.markers = sliceMarkersOf(this.app.model.doc, s);
+      if (isDue) slice.draw();
     }
-    this.compare.present(s);
-    view.refreshMarkers();
   }
 
-  private paintedDepths: { depths: Depths | null; on: boolean; step: string; bodies: number } | null = null;
-
+  /** Colors the segments by their overlap with other bone. */
   private paintDepths(): void {
     const { s, doc } = this.app.model;
-    const now = { depths: this.depths, on: s.showOverlap, step: s.step, bodies: this.surfaceCount };
-    if (
-      JSON.stringify({ ...now, depths: null }) === JSON.stringify({ ...this.paintedDepths, depths: null }) &&
-      this.paintedDepths?.depths === now.depths
-    )
-      return;
+    const now = [this.depths, s.showOverlap, s.step, this.surfaceCount];
+    if (now.every((value, n) => value === this.paintedDepths[n])) return;
     this.paintedDepths = now;
-    const on = s.showOverlap && (s.step === 'movement' || s.step === 'predict');
-    doc.plan.segments.forEach((segment, index) => {
-      const body = this.view.body(`segments/${segment.name}`);
+    const depths = s.showOverlap && isPosed(s.step) ? this.depths : null;
+    doc.plan.segments.forEach(({ name }, index) => {
+      const body = this.view.body(`segments/${name}`);
       if (!body) return;
-      const depth = on ? this.depths?.bySegment.get(segment.name) : undefined;
-      if (depth && depth.length === body.surface.points.length / 3 && (this.depths?.deepest_mm ?? 0) > 0.05) {
-        body.setValues(depth, 'depth', 0, DEPTH_TOP_MM, segmentColor(index));
-      } else {
-        body.setColor(segmentColor(index));
-      }
+      const values = depths?.bySegment.get(name);
+      const fits = values?.length === body.surface.points.length / 3;
+      if (values && fits && depths && depths.deepest_mm > MIN_DEPTH_MM)
+        body.setValues(values, 'depth', 0, DEPTH_TOP_MM, segmentColor(index));
+      else body.setColor(segmentColor(index));
     });
     this.view.render();
   }
 
-  private markers(s: State): Marker[] {
-    const { doc } = this.app.model;
-    if (s.curveDraft)
-      return s.curveDraft.points.map((position, n) => ({
-        id: `curve ${n}`,
-        position,
-        color: '#f2b84b',
-        draggable: true,
-      }));
-    if (s.step !== 'landmarks' && s.step !== 'osteotomy') return [];
-    return doc.landmarks
-      .filter((l) => s.step === 'landmarks' || kindOf(l.name)?.on === 'bone')
-      .map((l) => ({
-        id: l.name,
-        position: l.position_mm,
-        label: l.name,
-        hides: true,
-        selected: s.step === 'landmarks' && l.name === s.landmark,
-        color: l.name === s.landmark && s.step === 'landmarks' ? '#f2b84b' : '#3fb2c8',
-        draggable: s.step === 'landmarks' && s.tool !== 'landmark',
-      }));
-  }
-
-  /** Planes of all cuts, those of templates too. */
-  private planes(s: State): PlaneMark[] {
-    const { doc } = this.app.model;
-    const radius_mm = 110;
-    return doc.plan.segments.flatMap((segment, index) => {
-      const color = cssOf(segmentColor(index));
-      const placed = templateKind(segment.osteotomy)
-        ? s.templatePlanes.get(templateKey(segment.osteotomy.template, doc.landmarks))
-        : undefined;
-      const own = (segment.osteotomy.planes ?? []).map((plane, n) => ({
-        plane,
-        selected: index === s.segment && n === s.plane,
-      }));
-      const template =
-        placed && typeof placed !== 'string'
-          ? [...placed.planes, ...(placed.also ?? []).flatMap((region) => region.planes)].map((p) => ({
-              plane: toPlane(p),
-              selected: false,
-            }))
-          : [];
-      return [...own, ...template].map(({ plane, selected }) => ({
-        point: plane.point_mm,
-        normal: plane.towards_segment,
-        size_mm: plane.size_mm ? Math.max(...plane.size_mm) : radius_mm,
-        color,
-        selected,
-      }));
-    });
-  }
-
-  /** What is drawn on a slice: planes as lines, bones where they move as outlines, where they were dashed. */
+  /** Lines on a slice: planes of the cuts, or outlines of the segments. */
   private outlines(at: { point: Vec3; normal: Vec3 }): SliceLines[] {
     const { s, doc } = this.app.model;
-    const found: SliceLines[] = [];
-    if (s.step === 'osteotomy')
-      for (const mark of this.planes(s)) {
-        const n = unit(mark.normal);
-        const direction = cross(n, at.normal);
-        if (length(direction) < 0.05) continue;
-        const d = unit(direction);
-        // The point of the plane's middle that lies in the slice: along the plane, towards it.
-        const into = unit(cross(d, n));
-        const reach = dot(sub(at.point, mark.point), at.normal) / dot(into, at.normal);
-        if (Math.abs(reach) > mark.size_mm / 2) continue;
-        const middle = [0, 1, 2].map((c) => mark.point[c] + reach * into[c]);
-        const half = mark.size_mm / 2;
-        const ends = [-half, half].flatMap((t) => middle.map((c, k) => c + t * d[k]));
-        found.push({ lines: Float32Array.from(ends), color: mark.color });
-      }
-    if (s.step === 'movement') {
-      const poses = this.app.poses();
-      doc.plan.segments.forEach((segment, index) => {
-        const body = this.view.body(`segments/${segment.name}`);
-        if (!body) return;
-        const color = cssOf(segmentColor(index));
-        const pose = poses[segment.name] ?? IDENTITY;
-        if (pose.some((v, n) => v !== IDENTITY[n]))
-          found.push({ lines: sectionOf(body.surface, at.point, at.normal), color, dashed: true });
-        found.push({ lines: posedSectionOf(body.surface, pose, at.point, at.normal), color });
-      });
-    }
-    return found;
+    if (s.step === 'osteotomy') return planeOutlines(doc, s, at);
+    if (s.step !== 'movement') return [];
+    const poses = this.app.poses();
+    return doc.plan.segments.flatMap(({ name }, index) => {
+      const body = this.view.body(`segments/${name}`);
+      return body ? segmentOutlines(body.surface, poses[name] ?? IDENTITY, cssOf(segmentColor(index)), at) : [];
+    });
   }
-
-  // From the hand to the app
-
-  private onGizmo(drag: GizmoDrag, phase: Phase): void {
-    const { app } = this;
-    const { s, doc } = app.model;
-    if (s.step === 'osteotomy') {
-      if (s.plane === null) return;
-      const plane = doc.plan.segments[s.segment]?.osteotomy.planes?.[s.plane];
-      if (!plane) return;
-      if (phase === 'start') {
-        this.planeAtStart = plane;
-        this.gesture++;
-      }
-      const from = this.planeAtStart ?? plane;
-      const by = scale(drag.axis.direction, Math.round(drag.amount * 10) / 10);
-      const next: Plane =
-        drag.kind === 'translate'
-          ? { ...from, point_mm: roundVec3(add(from.point_mm, by), 3) }
-          : { ...from, towards_segment: tilted(from.towards_segment, drag.axis.direction, drag.amount) };
-      if (phase !== 'start') app.edit({ plan: editPlane(doc.plan, s.segment, s.plane, next) }, `gizmo-${this.gesture}`);
-    } else {
-      if (phase === 'start') {
-        this.moveAtStart = app.move();
-        this.gesture++;
-        return;
-      }
-      if (!this.moveAtStart) return;
-      app.setMove(
-        app.gizmoMove(this.moveAtStart, drag.kind, drag.axis.direction, drag.amount),
-        `gizmo-${this.gesture}`,
-      );
-    }
-    if (phase === 'end') {
-      app.settle();
-      this.changedAt = performance.now();
-      this.moveAtStart = this.planeAtStart = null;
-      this.present();
-    }
-  }
-
-  private onBrush(at: { hit: Hit; body: string } | null, phase: Phase): void {
-    const { boundaryBrush } = this.app;
-    const surface = at && this.view.body(at.body)?.surface;
-    if (at && surface) boundaryBrush.stamp(at.hit, surface);
-    if (phase === 'end') boundaryBrush.endStroke();
-  }
-
-  private onPick(hit: Hit): void {
-    this.place(hit.point, hit.normal);
-  }
-
-  /** A tool was used at a point. */
-  private place(point: Vec3, normal: Vec3): void {
-    const { app } = this;
-    const { s, doc } = app.model;
-    const at = roundVec3(point, 1);
-    if (s.tool === 'landmark' && s.landmark) {
-      app.edit({ landmarks: withLandmark(doc.landmarks, { name: s.landmark, position_mm: at }) });
-      app.patch({ cursor_L: at, tool: 'none' });
-    } else if (s.tool === 'plane') {
-      const segment = doc.plan.segments[s.segment];
-      const plane = planeAt(at, [0, 0, -1]);
-      if (segment && templateKind(segment.osteotomy) === null) {
-        app.edit({ plan: withPlane(doc.plan, s.segment, plane) });
-        app.patch({ tool: 'none', plane: segment.osteotomy.planes?.length ?? 0 });
-      } else {
-        const plan = withSegment(doc.plan, 'segment', { planes: [plane] });
-        app.edit({ plan });
-        app.patch({ tool: 'none', segment: plan.segments.length - 1, plane: 0 });
-      }
-    } else if (s.tool === 'curve' && s.curveDraft) {
-      app.patch({ curveDraft: { points: [...s.curveDraft.points, at], normals: [...s.curveDraft.normals, normal] } });
-    } else if (s.tool === 'pivot') {
-      // The bone stands where the plan has put it; a pivot is told in the bone as scanned.
-      const move = app.move();
-      if (!move) return;
-      const back = inversePoint(this.app.poses()[doc.plan.segments[s.segment].name], at);
-      app.setPivot(roundVec3(back, 1));
-      app.patch({ tool: 'none' });
-    }
-  }
-
-  private onMarkerSelect(id: string): void {
-    const { s } = this.app.model;
-    if (id.startsWith('curve ') || s.step !== 'landmarks') return;
-    const landmark = this.app.model.doc.landmarks.find((l) => l.name === id);
-    this.app.patch({ landmark: id, tool: 'none', ...(landmark ? { cursor_L: landmark.position_mm } : {}) });
-    this.gesture++;
-  }
-
-  private onMarkerDrag(id: string, point: Vec3, phase: 'move' | 'end'): void {
-    const { app } = this;
-    const { s, doc } = app.model;
-    const at = roundVec3(point, 1);
-    if (id.startsWith('curve ') && s.curveDraft) {
-      const n = Number(id.slice(6));
-      app.patch({ curveDraft: { ...s.curveDraft, points: s.curveDraft.points.map((p, k) => (k === n ? at : p)) } });
-      return;
-    }
-    app.edit({ landmarks: withLandmark(doc.landmarks, { name: id, position_mm: at }) }, `landmark-${this.gesture}`);
-    if (phase === 'end') {
-      app.settle();
-      app.patch({ cursor_L: at });
-    }
-  }
-}
-
-/** A direction turned about an axis. */
-function tilted(direction: Vec3, axis: Vec3, deg: number): Vec3 {
-  const k = unit(axis);
-  const c = Math.cos((deg * Math.PI) / 180);
-  const s = Math.sin((deg * Math.PI) / 180);
-  const turned = cross(k, direction);
-  const along = dot(k, direction) * (1 - c);
-  return roundVec3(
-    mapVec3(direction, (value, n) => value * c + turned[n] * s + k[n] * along),
-    5,
-  );
-}
-
-function inversePoint(X: readonly number[], p: Vec3): Vec3 {
-  const d = [p[0] - X[3], p[1] - X[7], p[2] - X[11]];
-  return mapVec3(p, (_, c) => X[c] * d[0] + X[4 + c] * d[1] + X[8 + c] * d[2]);
 }

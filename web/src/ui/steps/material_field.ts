@@ -3,13 +3,13 @@ import type { Material } from '../../model';
 import { numberField } from '../number_field';
 import { hint, select, type Html } from '../widgets';
 
-/** Presets and their sources, as docs/materials.md has them. */
+/** Presets and their sources, as in docs/materials.md. */
 export const MATERIALS = {
   'face-compressible': {
     title: 'Face, compressible',
     constants: 'E 15 kPa, ν 0.45',
     source:
-      'E: Nazari et al. 2010, as in ArtiSynth’s face demo. ν lowered by lefort, so that linear elements lock less. The default.',
+      'E: Nazari et al. 2010, as in ArtiSynth’s face demo. lefort lowers ν to reduce locking of linear elements. Default.',
   },
   'face-nazari-2010': {
     title: 'Face, Nazari 2010',
@@ -19,7 +19,7 @@ export const MATERIALS = {
   'skin-barbarino-2011': {
     title: 'Skin, Barbarino 2011',
     constants: 'E 54.5 kPa, ν 0.45',
-    source: 'The stiffness at rest of the skin of Barbarino et al. 2011 (recalled); ν as for the inside.',
+    source: 'Initial stiffness of the skin of Barbarino et al. 2011 (from memory); ν as for the deep tissue.',
   },
 } as const;
 
@@ -27,7 +27,7 @@ export type Preset = keyof typeof MATERIALS;
 
 export const OWN_MATERIAL = { law: 'neo-hookean', young_kpa: 15, poisson: 0.45 } as const;
 
-/** Young's modulus and Poisson's ratio of one's own. `gesture`: typing in one of them is one entry for undo. */
+/** Fields of custom constants. `gesture`: typing in one field is one undo step. */
 export const ownConstants = (
   own: Exclude<Material, string>,
   gesture: string,
@@ -59,7 +59,7 @@ export const ownConstants = (
 
 const OWN = 'own';
 
-/** A material with where it comes from, on little room. */
+/** A material with its source. */
 export function materialField(
   name: string,
   material: Material,
@@ -71,11 +71,11 @@ export function materialField(
     'Material',
     [
       ...Object.entries(MATERIALS).map(([value, m]) => ({ value, text: `${m.title}: ${m.constants}` })),
-      { value: OWN, text: 'Constants of your own' },
+      { value: OWN, text: 'Custom constants' },
     ],
     own ? OWN : (material as string),
     (v) => set(v === OWN ? OWN_MATERIAL : v, null),
   )}
   ${own ? ownConstants(own, name, set) : nothing}
-  ${hint(own ? 'The same law, neo-Hookean. State where they come from.' : (known?.source ?? ''))}`;
+  ${hint(own ? 'Neo-Hookean, as the presets. Document the source.' : (known?.source ?? ''))}`;
 }
