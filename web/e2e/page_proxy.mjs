@@ -1,4 +1,4 @@
-// Serves web/dist and hands /api on to `lefort serve`: for work on the page without building the program anew.
+// Serves web/dist and forwards /api to `lefort serve`: for work on the page without a build of the program.
 import { createServer, request } from 'node:http';
 import { createReadStream, existsSync } from 'node:fs';
 import { extname, join } from 'node:path';

@@ -55,7 +55,7 @@ const brushStamp = {
 };
 
 describe('the brush on a surface', () => {
-  it('paints the voxels within its ball and near what faces it, and no others', () => {
+  it('paints only voxels within its ball and near triangles that face it', () => {
     const labels = blank();
     const edit = paintSurface(labels, grid, sheets(6), brushStamp);
     let painted = 0;
@@ -70,7 +70,7 @@ describe('the brush on a surface', () => {
     expect(new Set(edit.at).size).toBe(painted);
   });
 
-  it('decides every vertex well within it, as the solver reads the file', () => {
+  it('sets the label of every vertex well inside, as the solver reads the file', () => {
     const labels = blank();
     const surface = sheets(6);
     const reach = paintTolerance_mm(grid);
@@ -89,7 +89,7 @@ describe('the brush on a surface', () => {
     expect(read(0, 6, 5)).toBe(0);
   });
 
-  it('finds the nearest voxel, and of equally near ones the first', () => {
+  it('finds the nearest voxel, and the first of equally near ones', () => {
     const plain: Grid = {
       size: [4, 4, 3],
       spacing_mm: [0.5, 0.5, 2],
@@ -110,13 +110,13 @@ describe('the brush on a surface', () => {
     expect(read(11.5 + reach - 1e-6, 20.5, 32)).toBe(2);
   });
 
-  it('rubs out, and is taken back', () => {
+  it('erases, and is undone', () => {
     const labels = blank();
     const strokes = new AppliedStrokes();
     const first = paintSurface(labels, grid, sheets(6), brushStamp);
     const painted = labels.slice();
     const second = paintSurface(labels, grid, sheets(6), { ...brushStamp, radius_mm: 2, label: 0 });
-    const rubbed = labels.slice();
+    const erased = labels.slice();
     expect(second.at.length).toBeGreaterThan(5);
     strokes.setApplied([first, second]);
     expect(strokes.apply(labels, [first])).toBe(true);
@@ -124,10 +124,10 @@ describe('the brush on a surface', () => {
     strokes.apply(labels, []);
     expect(labels).toEqual(blank());
     strokes.apply(labels, [first, second]);
-    expect(labels).toEqual(rubbed);
+    expect(labels).toEqual(erased);
   });
 
-  it('tells how large the painted patch is', () => {
+  it('measures the painted area', () => {
     const surface = sheets(6);
     const of = new Uint8Array(surface.points.length / 3).fill(1, 0, 441);
     const areas: number[] = [];
@@ -135,7 +135,7 @@ describe('the brush on a surface', () => {
     expect(areas[1]).toBeCloseTo(400, 6);
   });
 
-  it('goes to the server as the smallest box, and comes back', () => {
+  it('is sent as its bounding box, and read again', () => {
     const labels = blank();
     expect(paintedBox(labels, grid)).toBeNull();
     paintSurface(labels, grid, sheets(6), brushStamp);
@@ -146,8 +146,8 @@ describe('the brush on a surface', () => {
   });
 });
 
-describe('a point and a triangle', () => {
-  it('are as far apart as samples of it say', () => {
+describe('the distance of a point from a triangle', () => {
+  it('equals that of samples', () => {
     const [a, b, d]: Vec3[] = [
       [0, 0, 0],
       [3, 0, 1],
@@ -155,15 +155,15 @@ describe('a point and a triangle', () => {
     ];
     for (let n = 0; n < 200; n++) {
       const p: Vec3 = [Math.sin(n) * 4, Math.sin(1.7 * n) * 4, Math.sin(2.3 * n) * 4];
-      let least = Infinity;
+      let min = Infinity;
       for (let u = 0; u <= 60; u++)
         for (let v = 0; u + v <= 60; v++) {
           const q = [0, 1, 2].map((k) => a[k] + (u / 60) * (b[k] - a[k]) + (v / 60) * (d[k] - a[k]));
-          least = Math.min(least, Math.hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]));
+          min = Math.min(min, Math.hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]));
         }
       const found = Math.sqrt(triangleDistance2(p, a, b, d));
-      expect(found).toBeLessThanOrEqual(least + 1e-9);
-      expect(found).toBeGreaterThan(least - 0.06);
+      expect(found).toBeLessThanOrEqual(min + 1e-9);
+      expect(found).toBeGreaterThan(min - 0.06);
     }
   });
 });

@@ -57,7 +57,7 @@ const groundsOf = ({ color, background }: Rule): string[] =>
         : GROUNDS;
 
 describe('contrast', () => {
-  it('is that of WCAG', () => {
+  it('is computed as in WCAG', () => {
     expect(contrast('#000000', '#ffffff')).toBeCloseTo(21, 5);
     expect(contrast('#777777', '#ffffff')).toBeCloseTo(4.48, 2);
   });
@@ -69,7 +69,7 @@ describe('contrast', () => {
   });
 
   for (const [theme, colors] of Object.entries(themes)) {
-    it(`of text is 4.5 at least in the ${theme} theme`, () => {
+    it(`of text is at least 4.5 in the ${theme} theme`, () => {
       const poor = rules.flatMap((rule) =>
         groundsOf(rule).flatMap((ground) => {
           const ratio = contrast(colors.get(rule.color)!, colors.get(ground)!);
@@ -79,7 +79,7 @@ describe('contrast', () => {
       expect(poor).toEqual([]);
     });
 
-    it(`of notices is 4.5 at least in the ${theme} theme`, () => {
+    it(`of notices is at least 4.5 in the ${theme} theme`, () => {
       for (const kind of ['good', 'warn', 'bad', 'accent'])
         for (const ink of [kind, 'ink', 'ink-2'])
           expect(
@@ -88,7 +88,7 @@ describe('contrast', () => {
           ).toBeGreaterThanOrEqual(4.5);
     });
 
-    it(`of what is not text is 3 at least in the ${theme} theme`, () => {
+    it(`of other elements is at least 3 in the ${theme} theme`, () => {
       // Focus rings, switches and lines of plots; the edge of a field.
       for (const mark of ['accent', 'good', 'warn', 'bad', 'ink-3', 'edge'])
         for (const ground of GROUNDS)

@@ -37,7 +37,7 @@ describe('sides', () => {
     expect(directionOf('R')).toEqual([-1, 0, 0]);
   });
 
-  it('lie on the screen as a viewer expects: facing the patient, the patient’s left is at the right', () => {
+  it('are at the edges of the screen: facing the patient, the patient’s left is on the right', () => {
     const sides = (name: keyof typeof VIEWS) => {
       const forward = mapVec3(unit(VIEWS[name]), (c) => -c);
       return screenSides(forward, [0, 0, 1]);
@@ -81,7 +81,7 @@ describe('slices', () => {
     },
   );
 
-  it.each(['axial', 'coronal', 'sagittal'] as const)('%s: pixel and voxel are each other’s inverse', (orientation) => {
+  it.each(['axial', 'coronal', 'sagittal'] as const)('%s: pixel and voxel convert to each other', (orientation) => {
     const frame = sliceFrame(reversed, orientation);
     const { column, row, slice } = indexToPixel(reversed, frame, [3, 50, 9]);
     expect(pixelToIndex(reversed, frame, column, row, slice)).toEqual([3, 50, 9]);

@@ -5,11 +5,11 @@ const tag = (x: number, y: number): Tag => ({ x, y, text: 'A', strong: false });
 const RADIUS = 6;
 
 describe('labels of points', () => {
-  it('stand to the right where there is room', () => {
+  it('are to the right if there is space', () => {
     expect(placeLabels([tag(100, 50)], [30], [[100, 50]], RADIUS)).toEqual([[107, 50]]);
   });
 
-  it('cover no dot and no other label, and are left out where they would', () => {
+  it('cover no dot and no other label; without space they are left out', () => {
     for (let seed = 1; seed <= 40; seed++) {
       const tags = Array.from({ length: 30 }, (_, n) =>
         tag(100 + 90 * Math.sin(seed * (n + 1) * 1.3), 100 + 60 * Math.sin(seed * (n + 1) * 2.1)),
@@ -30,7 +30,7 @@ describe('labels of points', () => {
     }
   });
 
-  it('move to another side of their point when one is taken', () => {
+  it('move to another side of their point if one is occupied', () => {
     const [first, second] = placeLabels(
       [tag(100, 50), tag(112, 50)],
       [30, 30],

@@ -37,7 +37,7 @@ describe('the brush', () => {
     expect(edit.at.length).toBe(labels.filter((l) => l === 2).length);
   });
 
-  it('can be taken back and done again, overlapping brushStamps too', () => {
+  it('can be undone and redone, also if stamps overlap', () => {
     const labels = Uint8Array.from({ length: 8000 }, (_, n) => n % 3);
     const before = labels.slice();
     const stroke = joinEdits(paintBall(labels, grid, [10, 10, 20], 3, 2), paintBall(labels, grid, [11, 10, 20], 3, 2));
@@ -62,26 +62,26 @@ describe('grays', () => {
 });
 
 describe('colors', () => {
-  it('clamp, and take NaN for the lowest', () => {
+  it('clamp; NaN has the lowest color', () => {
     expect(colorAt('distance', -1)).toEqual(colorAt('distance', 0));
     expect(colorAt('distance', NaN)).toEqual(colorAt('distance', 0));
     expect(colorAt('distance', 2)).toEqual(colorAt('distance', 1));
   });
 
-  it('paint each vertex, and leave the rest in its own color', () => {
+  it('color each vertex, and the rest with its own color', () => {
     const rgb = new Float32Array(9);
     paint([0, 1, 2], 'depth', 0, 2, rgb, [0, 0, 1]);
     expect([...rgb.slice(0, 3)]).toEqual([0, 0, 1]);
     expect(rgb[6]).not.toBe(rgb[3]);
   });
 
-  it('have legends that end in round numbers', () => {
+  it('have legends that end with round numbers', () => {
     expect([0.3, 6.04, 12.3, 0].map(roundUp)).toEqual([0.5, 10, 20, 1]);
   });
 });
 
 describe('numbers', () => {
-  it('are shown with a true minus and no minus zero', () => {
+  it('are shown with a minus sign, never as minus zero', () => {
     expect(fixed(-1.25, 1)).toBe('−1.3');
     expect(fixed(-0.01, 1)).toBe('0.0');
     expect(fixed(null, 1)).toBe('–');
@@ -89,7 +89,7 @@ describe('numbers', () => {
     expect(seconds(125)).toBe('2 min 5 s');
   });
 
-  it('are read as people type them, and nothing else', () => {
+  it('are parsed as users type them', () => {
     expect(['1.5', '−1,5', ' +.5 ', '12'].map(parseNumber)).toEqual([1.5, -1.5, 0.5, 12]);
     expect(['', 'a', '1e9', '1.2.3', '-'].map(parseNumber)).toEqual([null, null, null, null, null]);
   });
@@ -107,7 +107,7 @@ describe('landmarks', () => {
     expect(withoutLandmark(moved, 'N').map((l) => l.name)).toEqual(['S']);
   });
 
-  it('follow each other in the catalogue, both sides named', () => {
+  it('follow each other in the catalog, with both sides', () => {
     expect(nextToPlace([], null)).toBe('N');
     expect(nextToPlace([{ name: 'S', position_mm: [0, 0, 0] }], 'N')).toBe('Or-R');
     const names = CATALOGUE.map((k) => k.name);

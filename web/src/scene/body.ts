@@ -1,12 +1,12 @@
 import { BufferAttribute, BufferGeometry, Group, Matrix4, Mesh, MeshLambertMaterial } from 'three';
 import { linearOf, paint, vertexNormals, type DrawnSurface, type Mat4, type Rgb, type ScaleName } from '../model';
 
-/** One surface on the screen: fine when still, coarse while something moves. */
+/** One surface in the 3D view: fine at rest, coarse during motion. */
 export class Body {
   readonly group = new Group();
-  // Always by vertex, so that a change of coloring needs no other shader, which software is slow to make.
+  // Always colors per vertex: another shader would take software rendering long to compile.
   private readonly material = new MeshLambertMaterial({ vertexColors: true });
-  /** Only its depth is drawn, first: a clear face shows no face behind it. */
+  /** Writes depth only, before the color, so that a transparent surface does not show its own back. */
   private readonly depthOnly = new MeshLambertMaterial({ vertexColors: true, colorWrite: false });
   private readonly fine: Mesh;
   private readonly coarse: Mesh;
@@ -34,13 +34,13 @@ export class Body {
     this.update();
   }
 
-  /** One color for all; lost when values are shown. */
+  /** Sets one color; replaces the colors of values and labels. */
   setColor(color: Rgb): void {
     const [r, g, b] = linearOf(color);
     for (const array of this.colors()) for (let n = 0; n < array.length; n += 3) array.set([r, g, b], n);
   }
 
-  /** The colors of both meshes, about to be written. */
+  /** The colors of both meshes, marked for upload. */
   private colors(): Float32Array[] {
     return [this.fine, this.coarse].map((mesh) => {
       const attribute = mesh.geometry.getAttribute('color') as BufferAttribute;
@@ -75,7 +75,7 @@ export class Body {
     this.group.matrixWorldNeedsUpdate = true;
   }
 
-  /** Colors each vertex by a number; `rest` is the color of those not above `from`. */
+  /** Colors each vertex by a value; `rest` is the color of values up to `from`. */
   setValues(values: Float32Array, scale: ScaleName, from: number, to: number, rest?: Rgb): void {
     const [fine, coarse] = this.colors();
     paint(values, scale, from, to, fine, rest);
@@ -103,7 +103,7 @@ export class Body {
     for (let n = 0; n < vertex.length; n++) color(coarse, n, labels[vertex[n]]);
   }
 
-  /** Moves each vertex by a vector (flat xyz, mm); null takes all back. */
+  /** Displaces each vertex by a vector (flat xyz, mm); null resets all. */
   setDisplacement(xyz: Float32Array | null, share = 1): void {
     const { points, triangles, normals, coarse } = this.surface;
     const moved = points.slice();
@@ -113,7 +113,7 @@ export class Body {
     replace(this.coarse.geometry, gather(moved, coarse.vertex), gather(turned, coarse.vertex));
   }
 
-  /** Where the vertices are now. */
+  /** Current positions of the vertices. */
   get points(): Float32Array {
     return this.fine.geometry.getAttribute('position').array as Float32Array;
   }
@@ -125,7 +125,7 @@ export class Body {
     };
   }
 
-  /** Shows or hides what must be drawn. */
+  /** Updates the visibility of the meshes. */
   update(): void {
     const visible = this.shown && this.opacity_ > 0;
     const clear = this.opacity_ < 1;

@@ -1,14 +1,14 @@
 import { acrossNormal, add, cross, dot, scale, unit, type Vec3 } from '../model';
 import type { Projection } from './projection';
 
-/** One direction a thing may be shifted along, turned about, or both. */
+/** An axis of a gizmo: for translation along it, rotation about it, or both. */
 export interface GizmoAxis {
   name: string;
   direction: Vec3;
   color: string;
   translates: boolean;
   rotates: boolean;
-  /** Letters at the arrow's two ends. */
+  /** Letters at the two ends of the arrow. */
   plus?: string;
   minus?: string;
 }
@@ -23,7 +23,7 @@ export interface GizmoDrag {
 interface Handle {
   kind: 'translate' | 'rotate';
   axis: GizmoAxis;
-  /** On the screen. */
+  /** Polyline on the screen. */
   line: [number, number][];
 }
 
@@ -32,7 +32,7 @@ const RING_PX = 70;
 const GRIP_PX = 9;
 
 /**
- * Arrows and rings about a point, drawn over the picture so that bone never hides them. Sizes are those of the screen.
+ * Arrows and rings about a point, drawn over the picture, with a constant size on the screen.
  */
 export class Gizmo {
   at_L: Vec3 | null = null;
@@ -51,7 +51,7 @@ export class Gizmo {
     for (const axis of this.axes) {
       const facing = Math.abs(dot(axis.direction, projection.forward));
       if (axis.translates && facing < 0.96) {
-        // Grips begin off the center, where all axes meet.
+        // Arrows start away from the center, where all axes meet.
         for (const sign of [1, -1]) {
           const point = (px: number) => projection.toScreen(add(this.at_L!, scale(axis.direction, sign * px * mm)));
           found.push({ kind: 'translate', axis, line: [point(22), point(ARM_PX)] });
@@ -111,11 +111,11 @@ export class Gizmo {
     this.dragged = null;
   }
 
-  /** Degrees about an axis at which a point of the screen lies, seen in the plane of the ring. */
+  /** Angle of a point of the screen about an axis, in the plane of the ring [degrees]. */
   private angleAt(projection: Projection, axis: GizmoAxis, x: number, y: number): number {
     const [cx, cy] = projection.toScreen(this.at_L!);
     const mm = 1 / projection.px_per_mm;
-    // In an orthographic view the ray meets the ring's plane at center + screen offset + s * forward.
+    // In an orthographic view the ray meets the plane of the ring at center + screen offset + s * forward.
     const offset = add(scale(projection.right, (x - cx) * mm), scale(projection.up, -(y - cy) * mm));
     const n = unit(axis.direction);
     const s = -dot(offset, n) / dot(projection.forward, n);
@@ -189,14 +189,14 @@ function toSegment(x: number, y: number, [ax, ay]: [number, number], [bx, by]: [
   return Math.hypot(x - ax - t * dx, y - ay - t * dy);
 }
 
-/** The axes of the patient: what a bone is moved along and about. */
+/** The axes of the patient, for the movement of a segment. */
 export const PATIENT_AXES: readonly GizmoAxis[] = [
   { name: 'AP', direction: [0, -1, 0], color: '#3fb27f', translates: true, rotates: true, plus: 'A', minus: 'P' },
   { name: 'SI', direction: [0, 0, 1], color: '#5b9cf0', translates: true, rotates: true, plus: 'S', minus: 'I' },
   { name: 'LR', direction: [1, 0, 0], color: '#ef7d6b', translates: true, rotates: true, plus: 'L', minus: 'R' },
 ];
 
-/** A cutting plane is shifted along its normal and tilted about the two directions in it. */
+/** Axes of a cutting plane: translation along its normal, rotation about two directions in it. */
 export function planeAxes(normal: Vec3): GizmoAxis[] {
   const n = unit(normal);
   const [u, v] = acrossNormal(n);

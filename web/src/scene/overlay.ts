@@ -2,7 +2,7 @@ import { Quaternion, Vector3 } from 'three';
 import { screenSides, unit, type Vec3 } from '../model';
 import type { Projection } from './projection';
 
-// What lies over the picture, drawn flat: sharp and cheap on any graphics.
+// Marks over the picture, drawn in 2D: sharp and fast on any graphics.
 
 export interface Polyline {
   points: Vec3[];
@@ -69,7 +69,7 @@ export function drawPlaneOutline(context: CanvasRenderingContext2D, projection: 
   context.globalAlpha = 1;
 }
 
-/** A point with a name. */
+/** A label of a point. */
 export interface Tag {
   x: number;
   y: number;
@@ -82,8 +82,8 @@ type Rect = readonly [left: number, top: number, right: number, bottom: number];
 const LABEL_HEIGHT = 17;
 
 /**
- * Where labels of these widths go: beside, else above or below their points, over no dot and no label that came before;
- * null where there is no room. `dots`: of all points, with their radius.
+ * Positions of labels with these widths: beside, above or below their points, without covering a dot or an earlier
+ * label; null if there is no space. `dots`: all points, with their radius.
  */
 export function placeLabels(
   tags: readonly Tag[],
@@ -118,7 +118,7 @@ export function placeLabels(
   });
 }
 
-/** Draws the names of points where they cover no point and no other name; the first come first. */
+/** Draws labels of points where they cover no point and no earlier label. */
 export function drawLabels(
   context: CanvasRenderingContext2D,
   tags: readonly Tag[],
@@ -145,7 +145,7 @@ export function drawLabels(
   });
 }
 
-/** A stroke of the brush that the bodies do not show yet. */
+/** Draws a stroke of the brush that the bodies do not show yet. */
 export function drawStroke(
   context: CanvasRenderingContext2D,
   brushStamps: readonly [number, number][],
@@ -164,7 +164,7 @@ export function drawStroke(
   context.globalAlpha = 1;
 }
 
-/** How widely the brush paints. */
+/** Draws the circle of the brush. */
 export function drawBrush(context: CanvasRenderingContext2D, [x, y]: [number, number], radius_px: number): void {
   for (const [width, color] of [
     [3.5, 'rgb(0 0 0 / 0.45)'],
@@ -223,7 +223,7 @@ export function drawScale(
   context.fillText(`${mm} mm`, x, y - 8);
 }
 
-/** What a side of a comparison shows. */
+/** Draws the name of one side of a comparison. */
 export function drawTag(context: CanvasRenderingContext2D, text: string, x: number, align: 'left' | 'right'): void {
   context.font = '600 12px "Inter Variable", sans-serif';
   context.textAlign = align;

@@ -1,15 +1,15 @@
 import { cross, dot, mapVec3, sub, type Vec3 } from '../model';
 
-/** How L is seen: parallel, so that lengths on the screen are lengths. Pixels are CSS pixels from the view's top left. */
+/** Orthographic projection of L. Pixels are CSS pixels from the top left corner of the view. */
 export interface Projection {
   right: Vec3;
   up: Vec3;
   forward: Vec3;
   px_per_mm: number;
   toScreen(p: Vec3): [number, number];
-  /** Pixels that 1 mm along a direction makes, to the right and down. */
+  /** Pixels per mm along a direction, to the right and down. */
   directionOnScreen(d: Vec3): [number, number];
-  /** Ray through a point of the screen, from before everything. */
+  /** Ray through a point of the screen; it starts in front of everything. */
   rayAt(x: number, y: number): { origin: Vec3; direction: Vec3 };
 }
 

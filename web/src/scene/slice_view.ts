@@ -23,7 +23,7 @@ export interface SliceMarker {
   selected: boolean;
 }
 
-/** A plane or a surface's outline, already cut: pairs of points in L. */
+/** Intersection of a plane or a surface with the slice: pairs of points in L. */
 export interface SliceLines {
   lines: Float32Array;
   color: string;
@@ -35,7 +35,7 @@ export interface SliceEvents {
   onWindow(window: Window): void;
   onMarkerDrag(id: string, p_L: Vec3, phase: 'move' | 'end'): void;
   onMarkerSelect(id: string): void;
-  /** With a tool that places or paints. */
+  /** Use of a tool that places or paints. */
   onTool(p_L: Vec3, phase: 'start' | 'move' | 'end'): void;
 }
 
@@ -109,7 +109,7 @@ export class SliceView {
   }
 
   setLabels(labels: Uint8Array | null, colors: (readonly [number, number, number] | null)[]): void {
-    if (labels === this.labels) return; // What is painted into the same labels is told by labelsChanged().
+    if (labels === this.labels) return; // labelsChanged() reports paint in the same array.
     this.labels = labels;
     this.labelColors = colors;
     this.labelsChanged();
@@ -135,7 +135,7 @@ export class SliceView {
     });
   }
 
-  /** The slice the cursor is in, clamped to the scan. */
+  /** Index of the slice at the cursor, clamped to the scan. */
   private slice(): number {
     const { grid, frame } = this;
     if (!grid || !frame) return 0;
@@ -439,7 +439,7 @@ export class SliceView {
     } else this.step(event.deltaY > 0 ? 1 : -1);
   };
 
-  /** To the next slice along the voxel axis. */
+  /** Moves the cursor along the voxel axis of depth. */
   private step(by: number): void {
     const { grid, frame } = this;
     const index = [...lToIndex(grid!, this.cursor_L)] as [number, number, number];

@@ -18,17 +18,17 @@ import type { BoundaryFile } from './plan_store';
 import type { Planner, SceneListeners } from './planner_context';
 import { stageOf, type Doc } from './state';
 
-/** What is painted on the tissue's boundary: voxels of the scan, which go to the server as the command line reads them. */
+/** Labels painted on the tissue boundary: voxels of the scan, in the format that the command line reads. */
 export class BoundaryBrush implements BoundaryFile {
-  /** One byte per voxel; null until it is known what the server has. */
+  /** One byte per voxel; null until the file of the server is read. */
   labels: Uint8Array | null = null;
   private stroke: LabelEdit | null = null;
   private readonly strokes = new AppliedStrokes();
-  /** Of what the server has; null where it has nothing. */
+  /** ETag of the file on the server; null if there is none. */
   private etag: string | null = null;
-  /** The strokes that the server has. */
+  /** The strokes that are saved. */
   private stored: readonly LabelEdit[] = [];
-  /** `version`: another one whenever a label has changed. */
+  /** `version` changes with every change of a label. */
   private readonly vertices = new Map<string, { surface: Surface; label: Uint8Array; version: number }>();
   private versions = 0;
 
@@ -37,18 +37,18 @@ export class BoundaryBrush implements BoundaryFile {
     private readonly listeners: SceneListeners,
   ) {}
 
-  /** Another scan, or none. */
+  /** Discards the labels when the scan changes. */
   forget(): void {
     this.labels = null;
     this.vertices.clear();
   }
 
-  /** What the plan's rules are, and hold. */
+  /** Reads the boundary rules of the plan and their areas. */
   async loadRules(): Promise<void> {
     this.planner.patch({ boundary: await this.planner.client.boundary().catch(() => null) });
   }
 
-  /** The rules, and what is painted, unless it is known. */
+  /** Reads the rules, and the paint unless it is up to date. */
   async load(replacesMine = false): Promise<void> {
     const { planner } = this;
     const { volume } = planner.model.s;
@@ -62,7 +62,7 @@ export class BoundaryBrush implements BoundaryFile {
         if (isNotFound(error)) return null;
         throw error;
       });
-      if (isMine(found?.etag ?? null)) return; // What this page knew of the server was older than what it had sent.
+      if (isMine(found?.etag ?? null)) return; // The stage was older than this page's last save.
       this.labels = found ? labelsOfBox(found.value, volume.grid, found.box) : new Uint8Array(volume.data.length);
       this.etag = found?.etag ?? null;
       const none: readonly LabelEdit[] = [];
@@ -80,9 +80,9 @@ export class BoundaryBrush implements BoundaryFile {
     });
   }
 
-  // The hand
+  // Painting
 
-  /** Puts the brush on a surface that stands as scanned. */
+  /** Applies the brush to a surface at its scanned pose. */
   stamp(hit: Hit, surface: Surface): void {
     const { planner, labels } = this;
     const { volume, boundary, paint_mm, paintLabel } = planner.model.s;
@@ -92,7 +92,7 @@ export class BoundaryBrush implements BoundaryFile {
       normal: hit.normal,
       radius_mm: paint_mm,
       label: paintLabel,
-      // So that each node that the plan takes to lie on this surface has a painted voxel within reach.
+      // Thick enough that every node that the plan snaps to this surface finds a painted voxel.
       thickness_mm: boundary.capture_mm + paintTolerance_mm(volume.grid),
     };
     const edit = paintSurface(labels, volume.grid, surface, brushStamp);
@@ -106,7 +106,7 @@ export class BoundaryBrush implements BoundaryFile {
     if (stroke && stroke.at.length > 0) this.add(stroke);
   }
 
-  /** Takes all paint away, as one stroke. */
+  /** Erases all paint, as one stroke. */
   eraseAll(): void {
     const { labels } = this;
     if (!labels) return;
@@ -121,17 +121,17 @@ export class BoundaryBrush implements BoundaryFile {
 
   private add(stroke: LabelEdit): void {
     const paint = [...this.planner.model.doc.paint, stroke];
-    this.strokes.setApplied(paint); // They are painted already.
+    this.strokes.setApplied(paint); // The labels contain it already.
     this.planner.edit({ paint });
     this.measure();
   }
 
-  /** After undo and redo. */
+  /** Applies the strokes of the history after undo and redo. */
   apply(strokes: readonly LabelEdit[]): void {
     if (this.labels && this.strokes.apply(this.labels, strokes)) this.changed();
   }
 
-  // Keeping
+  // Saving
 
   isUnsaved(): boolean {
     return this.labels !== null && this.planner.model.doc.paint !== this.stored;
@@ -141,21 +141,21 @@ export class BoundaryBrush implements BoundaryFile {
     return this.labels?.some((label) => label !== 0) ?? false;
   }
 
-  /** Sends what is painted, if anything is; `forces` also over what another page painted. */
-  async save(forces = false): Promise<void> {
+  /** Sends the paint, if there is any; `overwrite`: also if another page changed it. */
+  async save(overwrite = false): Promise<void> {
     const { grid } = this.planner.model.s.volume!;
     const strokes = this.planner.model.doc.paint;
     const box = paintedBox(this.labels!, grid);
-    if (!box) return; // The plan must let go of it first.
+    if (!box) return; // removeIfEmpty deletes the file after the plan has dropped it.
     this.etag = await this.planner.client.putBoundaryData(
       bytesWithin(this.labels!, grid, box),
       box,
-      forces ? '*' : (this.etag ?? '*'),
+      overwrite ? '*' : (this.etag ?? '*'),
     );
     this.stored = strokes;
   }
 
-  /** When the plan names it no more. */
+  /** Deletes the file after the plan has dropped it. */
   async removeIfEmpty(): Promise<void> {
     const strokes = this.planner.model.doc.paint;
     if (this.etag !== null) await this.planner.client.deleteBoundaryData(this.etag);
@@ -163,7 +163,7 @@ export class BoundaryBrush implements BoundaryFile {
     this.stored = strokes;
   }
 
-  /** A file that another program has painted, in the place of all that is painted. */
+  /** Replaces the paint by a file of another program. */
   async upload(file: File): Promise<void> {
     await this.planner.attempt(async () => {
       await this.planner.client.putBoundaryFile(file, this.etag ?? '*');
@@ -172,9 +172,9 @@ export class BoundaryBrush implements BoundaryFile {
     });
   }
 
-  // Showing
+  // Display
 
-  /** The label of each vertex of a surface that stands as scanned. */
+  /** The label of each vertex of a surface at its scanned pose. */
   labelsOf(name: string, surface: Surface): { label: Uint8Array; version: number } | null {
     const { volume } = this.planner.model.s;
     if (!this.labels || !volume) return null;
@@ -200,7 +200,7 @@ export class BoundaryBrush implements BoundaryFile {
     this.measure();
   }
 
-  /** How much of bone and skin is painted with what. */
+  /** Measures the painted area of bone and skin by label. */
   measure(): void {
     const areas: number[] = [];
     for (const [name, { surface }] of this.planner.boundarySurfaces()) {

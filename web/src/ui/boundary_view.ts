@@ -3,9 +3,9 @@ import type { Body, View3d } from '../scene';
 import type { App } from './app';
 import type { State } from './state';
 
-/** Draws what is painted on the tissue's boundary, on bone and skin as they were scanned. */
+/** Colors bone and skin, at their scanned pose, by the paint on the tissue boundary. */
 export class BoundaryView {
-  /** What was colored, of which paint. */
+  /** The bodies that are colored, and the version of their paint. */
   private readonly colored = new Map<string, { body: Body; version: number }>();
 
   constructor(
@@ -13,7 +13,7 @@ export class BoundaryView {
     private readonly app: App,
   ) {}
 
-  /** What the brush is put on: what is drawn opaque. */
+  /** The brush applies to what is drawn opaque. */
   isPaintable(s: State, name: string): boolean {
     return (s.paintOn === 'skin') === (name === 'skin');
   }

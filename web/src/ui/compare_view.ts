@@ -4,7 +4,7 @@ import type { App } from './app';
 import { saveBlob } from './download';
 import { stageOf, type State } from './state';
 
-/** Draws the comparison: the face before, or after surgery, beside the predicted one at any step, and what presses on bone. */
+/** Draws the comparison: the face before or after surgery, the predicted face at any step, and the contact on bone. */
 export class CompareView {
   private shifts: Float32Array | null = null;
   private shown: { step: number; document: unknown } | null = null;
@@ -73,12 +73,12 @@ export class CompareView {
     return s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [];
   }
 
-  /** Then the skin stays plain: two maps over one another could not be read. */
+  /** If contact is shown, the skin has a plain color: two overlaid color maps cannot be read. */
   private showsContact = (s: State): boolean => s.showBones && s.bonePaint !== 'none' && this.isAtEnd(s);
 
   private isAtEnd = (s: State): boolean => s.compareStep === s.prediction?.steps.length;
 
-  /** Puts the predicted skin where it is at a step: the scanned skin and its displacement. */
+  /** Moves the predicted skin to its position at a step: the scanned skin plus its displacement. */
   private showStep(xyz: Float32Array | null): void {
     const before = this.view.body('skin_before');
     const predicted = this.view.body('predicted');
@@ -87,7 +87,7 @@ export class CompareView {
     const wanted = base.slice();
     if (xyz && xyz.length === base.length) for (let n = 0; n < base.length; n++) wanted[n] += xyz[n];
     if (wanted.length === predicted.surface.points.length) {
-      // The predicted surface is drawn as itself plus the way from it to this step.
+      // The body has the vertices of the last step, so its displacement is relative to them.
       const from = predicted.surface.points;
       predicted.setDisplacement(wanted.map((v, n) => v - from[n]));
     }
@@ -98,7 +98,7 @@ export class CompareView {
     this.view.render();
   }
 
-  /** How far the skin moved, how far it is from the face after surgery, or plain. */
+  /** Colors the skin by displacement, by error, or plain. */
   private paintSkin(): void {
     const { s } = this.app.model;
     const predicted = this.view.body('predicted');
@@ -117,7 +117,7 @@ export class CompareView {
     this.view.render();
   }
 
-  /** What the tissue does to the moved bones, on one scale: told of the last step alone. */
+  /** Colors the mobilized segments by contact, on one scale; contact is stored for the last step only. */
   private async paintBone(): Promise<void> {
     const { s, doc } = this.app.model;
     const { segments } = doc.plan;
@@ -136,7 +136,7 @@ export class CompareView {
         wanted === 'none' ? null : this.app.outcome.values(kind, segments.length > 1 ? name : undefined),
       ),
     );
-    if (this.paintedBone !== now) return; // Something else is wanted meanwhile.
+    if (this.paintedBone !== now) return; // The selection has changed.
     const fits = all.map((values, n) => (values?.length === bodies[n].body.surface.points.length / 3 ? values : null));
     const finite = fits.filter((values) => values !== null);
     const top =
@@ -152,7 +152,7 @@ export class CompareView {
     this.view.render();
   }
 
-  /** Where the middle is: by landmarks on it, else the middle of the skin. */
+  /** Position of the mid-sagittal plane: from midline landmarks, else the middle of the skin. */
   private middleX(): number {
     const middle = this.app.model.doc.landmarks.filter((l) => ['N', 'ANS', 'A', 'S', 'PNS'].includes(l.name));
     if (middle.length > 0) return middle.reduce((sum, l) => sum + l.position_mm[0], 0) / middle.length;

@@ -5,7 +5,7 @@ import { STEPS } from './state';
 import { setPaintRadius } from './steps/boundary_section';
 import { closeCurve } from './steps/osteotomy_panel';
 
-/** Keys that mean the same wherever the focus is, but for fields where they are typed. */
+/** Keyboard shortcuts; they do not apply while the user types in a field. */
 export function listenToKeys(app: App, view: Viewer): void {
   addEventListener('keydown', (event) => {
     const { s, doc } = app.model;

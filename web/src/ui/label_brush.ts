@@ -2,11 +2,11 @@ import { AppliedStrokes, joinEdits, paintBall, type LabelEdit, type Vec3 } from 
 import type { Planner, SceneListeners } from './planner_context';
 import { stageOf, type Doc } from './state';
 
-/** Labels of the voxels, and strokes of the brush on them, which undo takes back. */
+/** Labels of the voxels, and brush strokes on them with undo. */
 export class LabelBrush {
   private stroke: LabelEdit | null = null;
   private readonly strokes = new AppliedStrokes();
-  /** The anatomy that they are of. */
+  /** ETag of the anatomy of the labels. */
   private labelsOf: string | null = null;
 
   constructor(
@@ -55,7 +55,7 @@ export class LabelBrush {
     if (labels && this.strokes.apply(labels, strokes)) this.listeners.onLabels();
   }
 
-  /** Keeps the painted labels and makes surfaces of them; the plan names them from now on. */
+  /** Saves the painted labels and rebuilds the surfaces; the plan then names the labels. */
   async use(): Promise<void> {
     const { model } = this.planner;
     if (!model.labels || !model.labelsEtag) return;

@@ -3,7 +3,7 @@ import { messageOf } from './errors';
 import type { Planner, SceneListeners } from './planner_context';
 import { stageOf } from './state';
 
-/** What is asked of the server while bone is dragged: overlap at once, the preview of the face when the hand rests. */
+/** Requests during a drag: the overlap at once, the preview of the face after the drag. */
 export class LiveQueries {
   private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = {
     wanted: null,
@@ -17,7 +17,7 @@ export class LiveQueries {
     private readonly listeners: SceneListeners,
   ) {}
 
-  /** Asks for the overlap of these poses; while one answer is on its way only the newest question is kept. */
+  /** Requests the overlap of these poses; while a request runs, only the newest poses are kept. */
   requestDepths(poses: Record<string, Mat4>): void {
     if (stageOf(this.planner.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
       this.listeners.onDepths(null);
@@ -50,7 +50,7 @@ export class LiveQueries {
     loop.running = false;
   }
 
-  /** The linearized face for where the bones are; `since` is when the drag ended. */
+  /** Requests the linearized face for the current poses; `since` is the time when the drag ended. */
   async requestPreview(since: number): Promise<void> {
     const { s } = this.planner.model;
     this.previewAborter?.abort();

@@ -1,7 +1,7 @@
 import { noChange } from 'lit-html';
 import { Directive, directive, PartType, type ElementPart, type PartInfo } from 'lit-html/directive.js';
 
-/** Sets an input's text, but not while a person is typing in it. */
+/** Sets an input's text, except while the user types in it. */
 class LiveValue extends Directive {
   constructor(info: PartInfo) {
     super(info);

@@ -13,12 +13,12 @@ export interface NumberOptions {
   hint?: string;
   disabled?: boolean;
   id?: string;
-  /** `gesture` is one for all steps of one key press or turn of the wheel. */
+  /** `gesture` is the same for all steps of one key press or turn of the wheel. */
   onInput: (value: number) => void;
   onDone?: () => void;
 }
 
-/** A number with its unit: typed, or stepped with the arrow keys (Shift: ten times). Wrong input is marked and not taken. */
+/** A number with its unit, to type or to step with the arrow keys (Shift: ten steps). Invalid input is marked, not used. */
 export function numberField(o: NumberOptions): TemplateResult {
   const digits = o.digits ?? 1;
   const step = o.step ?? 0.5;

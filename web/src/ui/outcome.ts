@@ -4,7 +4,7 @@ import { isNotFound, messageOf } from './errors';
 import type { Planner } from './planner_context';
 import { stageOf } from './state';
 
-/** The prediction, and what it was held against, as the server has them. */
+/** The prediction and its comparison, read from the server. */
 export class Outcome {
   private stepData = new Map<number, Float32Array>();
   private readonly regions = new Map<string, Schemas['RegionShifts']>();
@@ -60,7 +60,7 @@ export class Outcome {
     planner.patch({ comparison, difference_mm, errorTop_mm: roundUp(whole ?? 1) });
   }
 
-  /** Displacement of the skin at a step of the kept prediction; 0 is before surgery. */
+  /** Displacement of the skin at a step of the prediction; step 0 is before surgery. */
   async displacementAt(step: number): Promise<Float32Array | null> {
     if (step === 0) return null;
     const known = this.stepData.get(step);
@@ -70,7 +70,7 @@ export class Outcome {
     return data;
   }
 
-  /** How far the parts of the face have moved at a step. */
+  /** Loads the displacement of the regions of the face at a step. */
   async loadRegions(step: number): Promise<void> {
     const { planner } = this;
     if (step === 0) {
@@ -88,7 +88,7 @@ export class Outcome {
     if (planner.model.s.compareStep === step) planner.patch({ regionShifts: found });
   }
 
-  /** Numbers for the vertices of a surface; null where there are none. */
+  /** Values at the vertices of a surface; null if there are none. */
   async values(name: Schemas['ValuesName'], segment?: string): Promise<Float32Array | null> {
     const { etag } = stageOf(this.planner.model.s, name === 'difference' ? 'comparison' : 'prediction');
     const key = `${name} ${segment ?? ''}`;
@@ -102,7 +102,7 @@ export class Outcome {
     return data;
   }
 
-  /** Holds the prediction against a scan after surgery, or a surface of the face. */
+  /** Compares the prediction with a scan after surgery, or with a surface of the face. */
   async compareWith(files: readonly File[]): Promise<void> {
     const upload = await this.planner.upload(files);
     if (upload !== null)

@@ -6,7 +6,7 @@ const H = 150;
 const LEFT = 40;
 const BOTTOM = 20;
 
-/** Relative residual of every Newton iteration, on a logarithmic scale; a line for each try at an increment. */
+/** Relative residual of every Newton iteration, logarithmic; one line per attempt at an increment. */
 export function residualPlot(points: readonly NewtonPoint[], tolerance: number): TemplateResult {
   const good = points.filter((p) => p.relative_residual > 0);
   const logs = good.map((p) => Math.log10(p.relative_residual));
@@ -37,11 +37,11 @@ export function residualPlot(points: readonly NewtonPoint[], tolerance: number):
     )}
     ${svg`<line x1=${LEFT} x2=${W - 8} y1=${y(Math.log10(tolerance))} y2=${y(Math.log10(tolerance))} stroke="var(--good)" stroke-dasharray="4 3"></line>`}
     ${svg`<path d=${paths.join('')} fill="none" stroke="var(--accent)" stroke-width="1.5" stroke-linejoin="round"></path>`}
-    ${svg`<text x=${(W + LEFT) / 2} y=${H - 5} text-anchor="middle">iterations, a line each increment; dashes: converged</text>`}
+    ${svg`<text x=${(W + LEFT) / 2} y=${H - 5} text-anchor="middle">iterations, one line per attempt; dashed: tolerance</text>`}
   </svg>`;
 }
 
-/** Outlines of the face in the plane of symmetry: before and after, seen from the patient's right. Pairs of points in L. */
+/** Outlines of the face in the mid-sagittal plane, before and after, from the patient's right. Pairs of points in L. */
 export function profilePlot(before: Float32Array, after: Float32Array): TemplateResult | null {
   if (before.length === 0) return null;
   let [lowY, highZ, lowZ, highY] = [Infinity, -Infinity, Infinity, -Infinity];
@@ -52,14 +52,14 @@ export function profilePlot(before: Float32Array, after: Float32Array): Template
       lowZ = Math.min(lowZ, lines[n + 2]);
       highZ = Math.max(highZ, lines[n + 2]);
     }
-  // The front 60 mm are the profile; the rest is the back of the head.
+  // The profile is the front 60 mm; the rest is the back of the head.
   const depth = Math.min(60, highY - lowY);
   const pad = 6;
   const path = (lines: Float32Array): string => {
     let d = '';
     for (let n = 0; n < lines.length; n += 6) {
       if (lines[n + 1] > lowY + depth && lines[n + 4] > lowY + depth) continue;
-      // From the right, anterior is at the right: y falls along the picture.
+      // From the right, anterior is on the right: y decreases to the right.
       const at = (k: number) =>
         `${(lowY + depth - lines[n + k + 1] + pad).toFixed(2)} ${(highZ - lines[n + k + 2] + pad).toFixed(2)}`;
       d += `M${at(0)}L${at(3)}`;

@@ -1,8 +1,8 @@
 const LATEST_MS = 40;
 
 /**
- * Runs work with the next picture, or after 40 ms if that is late: on slow graphics a picture takes longer than what a
- * person does, and neither numbers nor questions to the server shall wait for it.
+ * Runs work with the next frame, or after 40 ms at the latest, so that numbers and requests do not wait for slow
+ * graphics.
  */
 export function nextFrame(work: () => void): void {
   let done = false;
@@ -17,9 +17,10 @@ export function nextFrame(work: () => void): void {
   const timer = setTimeout(once, LATEST_MS);
 }
 
-/** For numbers that nobody reads digit by digit as they run. */
+/** Interval of numbers that change continuously. */
 const READABLE_MS = 120;
 
+/** Runs work when a drag leaves time for it. */
 export function idle(work: () => void): void {
   setTimeout(work, READABLE_MS);
 }

@@ -3,14 +3,14 @@ import { mergeStream, type Stream } from '../model';
 import type { Planner } from './planner_context';
 import { lastJob, type NewtonPoint } from './state';
 
-/** What a solve tells while it runs; a page that comes in the middle is stream what was before. */
+/** Receives the iterations of a running solve; a page that is opened later reads the earlier ones. */
 export class SolveMonitor {
   private stream: Stream<NewtonPoint> | null = null;
-  private asking = false;
+  private isLoading = false;
 
   constructor(private readonly planner: Planner) {}
 
-  /** A solve has begun. */
+  /** Starts a new solve. */
   begin(job: number): void {
     if (this.stream?.job !== job) this.show({ job, from: 0, points: [] }, []);
   }
@@ -27,13 +27,13 @@ export class SolveMonitor {
     else if (!steps.some((known) => known.share === step.share)) this.planner.patch({ steps: [...steps, step] });
   }
 
-  /** All that the last solve has stream so far, if this server has run it. */
+  /** Reads all iterations of the last solve, if this server has run it. */
   async load(): Promise<void> {
     const job = lastJob(this.planner.model.s, 'predict');
-    if (!job || this.asking) return;
-    this.asking = true;
+    if (!job || this.isLoading) return;
+    this.isLoading = true;
     const history = await this.planner.client.solveHistory(job.id).catch(() => null);
-    this.asking = false;
+    this.isLoading = false;
     if (history) this.show({ job: history.job, from: history.from, points: history.iterates }, history.steps);
   }
 

@@ -29,13 +29,13 @@ export type StepName = (typeof STEPS)[number]['name'];
 
 export const isStepName = (name: string | null): name is StepName => STEPS.some((step) => step.name === name);
 
-/** What undo and redo act on. */
+/** The document: undo and redo act on it. */
 export interface Doc {
   readonly plan: Plan;
   readonly landmarks: readonly Landmark[];
   /** Strokes of the label brush since the labels were read. */
   readonly strokes: readonly LabelEdit[];
-  /** Strokes on the tissue's boundary since it was read. */
+  /** Strokes on the tissue boundary since it was read. */
   readonly paint: readonly LabelEdit[];
 }
 
@@ -51,14 +51,14 @@ export interface Toast {
   text: string;
 }
 
-/** One of Newton's iterations, as it comes in. */
+/** One Newton iteration. */
 export type NewtonPoint = Schemas['NewtonIterate'];
 
 export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush' | 'paint';
 
 export interface State {
   connection: 'connecting' | 'on' | 'lost';
-  /** Nothing can be done: no token, or a server that speaks otherwise. */
+  /** The planner cannot work: no token, or a server of another version. */
   fatal: string | null;
   step: StepName;
   case: Schemas['Case'] | null;
@@ -84,11 +84,11 @@ export interface State {
   bone_hu: number;
 
   boundary: Schemas['Boundary'] | null;
-  /** What the brush paints on the boundary; 0 rubs out. */
+  /** Label of the boundary brush; 0 erases. */
   paintLabel: number;
   paint_mm: number;
   paintOn: 'bone' | 'skin';
-  /** mm² of bone and skin by label; null until known. */
+  /** Painted area of bone and skin by label [mm²]; null until known. */
   paintedAreas: readonly number[] | null;
 
   tool: Tool;
@@ -100,12 +100,12 @@ export interface State {
   curveDraft: { points: Vec3[]; normals: Vec3[] } | null;
   templatePlanes: ReadonlyMap<string, Schemas['Osteotomy']['osteotomy'] | string>;
   keyframe: number;
-  /** While the timeline is scrubbed: share of the path. */
+  /** Fraction of the path while the timeline is scrubbed. */
   scrub: number | null;
   planPoses: Schemas['PlanPoses'] | null;
   depth: { deepest_mm: number; beyondReach: boolean; perSecond: number } | null;
   showOverlap: boolean;
-  /** Slices beside the bones while they are moved. */
+  /** Show slices beside the bones in the step of the movement. */
   showSlices: boolean;
   preview: {
     state: 'none' | 'waiting' | 'shown' | 'failed';
@@ -122,16 +122,16 @@ export interface State {
   files: Schemas['FileList']['files'];
   compareMode: 'slider' | 'beside' | 'after';
   compareStep: number;
-  /** What the face compared with is, in the left half. */
+  /** The face in the left half. */
   against: 'before' | 'after_surgery';
-  /** How far the skin moved, or how far it is from the face after surgery. */
+  /** Color of the skin: plain, displacement, or distance to the face after surgery. */
   skinPaint: 'none' | 'moved' | 'error';
   bonePaint: 'none' | 'pressure' | 'depth';
-  /** Upper end of the bone's legend, kPa or mm; null where nothing is painted. */
+  /** Upper end of the legend of the bone, kPa or mm; null if nothing is colored. */
   boneTop: number | null;
   regionShifts: Schemas['RegionShifts'] | null;
   comparison: Schemas['Comparison'] | null;
-  /** Of each vertex of the predicted face, from the one after surgery. */
+  /** Distance of each vertex of the predicted face to the face after surgery. */
   difference_mm: Float32Array | null;
   errorTop_mm: number;
   showBones: boolean;
@@ -213,7 +213,7 @@ export const initialState = (): State => ({
 
 export const emptyDoc = (): Doc => ({ plan: emptyPlan(), landmarks: [], strokes: [], paint: [] });
 
-/** All that the page knows. Big arrays lie beside the state, since they never show as text. */
+/** All data of the page. Large arrays are not part of the state, because no text depends on them. */
 export class Model {
   readonly state = new Store<State>(initialState());
   readonly history = new Store<History<Doc>>(startHistory(emptyDoc()));

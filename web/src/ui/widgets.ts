@@ -1,7 +1,7 @@
 import { html, nothing, svg, type TemplateResult } from 'lit-html';
 import type { Schemas } from '../api';
 
-/** A piece of page, or nothing. */
+/** A template of lit-html, or nothing. */
 export type Html = TemplateResult | typeof nothing | string;
 
 const PATHS = {
