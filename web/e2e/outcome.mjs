@@ -1,5 +1,5 @@
-// Tests of results in a browser, on a synthetic head that is solved in seconds: iterations, contact on the bone, the face
-// after surgery, outlines on slices. node e2e/outcome.mjs [--only WORDS]; LEFORT names the program.
+// Tests of results in a browser, on a synthetic head that is solved in seconds: iterations, contact on the bone,
+// the face after surgery, outlines on slices. node e2e/outcome.mjs [--only WORDS]; LEFORT names the program.
 import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { check, runTests, test } from './harness.mjs';

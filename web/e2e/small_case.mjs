@@ -17,7 +17,8 @@ export function smallHead() {
   }
   const header =
     `NRRD0004\ntype: short\ndimension: 3\nsizes: ${n} ${n} ${n}\nencoding: raw\nspace: left-posterior-superior\n` +
-    `space directions: (${spacing},0,0) (0,${spacing},0) (0,0,${spacing})\nspace origin: (${origin},${origin},${origin})\nendian: little\n\n`;
+    `space directions: (${spacing},0,0) (0,${spacing},0) (0,0,${spacing})\n` +
+    `space origin: (${origin},${origin},${origin})\nendian: little\n\n`;
   return Buffer.concat([Buffer.from(header), Buffer.from(values.buffer)]);
 }
 

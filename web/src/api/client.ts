@@ -273,7 +273,7 @@ export class Client {
     return (await this.send('GET', `/files/${encodeURIComponent(name)}`)).blob();
   }
 
-  /** Receives events until the signal is aborted; reconnects after an interruption and continues after the last event. */
+  /** Receives events until the signal is aborted; after an interruption, continues behind the last event. */
   async listen(
     on: <Kind extends keyof CaseEvents>(kind: Kind, event: CaseEvents[Kind]) => void,
     onConnection: (connected: boolean, error: ApiError | null) => void,

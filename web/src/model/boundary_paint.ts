@@ -140,7 +140,7 @@ export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, b
   return { at: Uint32Array.from(at), before: Uint8Array.from(before), after: label };
 }
 
-/** Returns a function that finds the label of the nearest painted voxel, as predict/boundary_labels; 0 if none is near. */
+/** Returns a function that finds the label of the nearest painted voxel, as predict/boundary_labels; 0 if none. */
 export function paintReader(labels: Uint8Array, grid: Grid): (x: number, y: number, z: number) => number {
   const [nx, ny, nz] = grid.size;
   const [sx, sy, sz] = grid.spacing_mm;

@@ -2,7 +2,7 @@ import type { Schemas } from '../api';
 import { sub, toVec3, unit, type Vec3 } from './frames';
 import { toRecord, type Landmark } from './landmarks';
 
-/** The plan file of the command line (contract/plan.schema.json), as far as the page edits it; other keys are preserved. */
+/** The plan file of the command line (contract/plan.schema.json), as far as the page edits it; it keeps other keys. */
 export interface Plan {
   lefort_plan: 1;
   title?: string;

@@ -266,10 +266,12 @@ export class SliceView {
     }
     this.drawSides(context, width, height);
     const hu = this.huAt(this.cursor_L);
-    this.readout.textContent = `${this.slice() + 1} / ${this.grid.size[this.frame.depth]}${hu === null ? '' : `  ·  ${hu} HU`}`;
+    const position = `${this.slice() + 1} / ${this.grid.size[this.frame.depth]}`;
+    this.readout.textContent = hu === null ? position : `${position}  ·  ${hu} HU`;
     this.canvas.setAttribute(
       'aria-label',
-      `${this.orientation} slice ${this.slice() + 1} of ${this.grid.size[this.frame.depth]}. Arrow keys change the slice.`,
+      `${this.orientation} slice ${this.slice() + 1} of ${this.grid.size[this.frame.depth]}. Arrow ` +
+        'keys change the slice.',
     );
   }
 

@@ -187,7 +187,8 @@ export class CompareView {
     const stale = stageOf(s, 'prediction').state === 'stale' ? ' OUT OF DATE.' : '';
     this.view
       .snapshot(
-        `${what}, step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}.${stale} Research software. A simulation, not for clinical use.`,
+        `${what}, step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}.${stale} Research ` +
+          'software. A simulation, not for clinical use.',
         ground,
       )
       .toBlob((blob) => blob && saveBlob(blob, 'planner.png'), 'image/png');

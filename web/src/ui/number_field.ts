@@ -18,7 +18,7 @@ export interface NumberOptions {
   onDone?: () => void;
 }
 
-/** A number with its unit, to type or to step with the arrow keys (Shift: ten steps). Invalid input is marked, not used. */
+/** A number with its unit: typed, or stepped with the arrow keys (Shift: ten steps). Invalid input is only marked. */
 export function numberField(o: NumberOptions): TemplateResult {
   const digits = o.digits ?? 1;
   const step = o.step ?? 0.5;

@@ -14,6 +14,7 @@ export function residualPlot(points: readonly NewtonPoint[], tolerance: number):
   const bottom = Math.floor(Math.min(Math.log10(tolerance) - 0.5, ...logs.filter((v) => v > -14)));
   const x = (n: number) => LEFT + ((W - LEFT - 8) * n) / Math.max(20, good.length - 1);
   const y = (log: number) => 8 + ((H - BOTTOM - 8) * (top - Math.max(bottom, log))) / (top - bottom);
+  const limit = y(Math.log10(tolerance));
   const paths: string[] = [];
   good.forEach((p, n) => {
     const before = good[n - 1];
@@ -35,9 +36,10 @@ export function residualPlot(points: readonly NewtonPoint[], tolerance: number):
       (log) => svg`<line x1=${LEFT} x2=${W - 8} y1=${y(log)} y2=${y(log)} stroke="var(--line)"></line>
       <text x=${LEFT - 6} y=${y(log) + 3.5} text-anchor="end">1e${String(log).replace('-', '−')}</text>`,
     )}
-    ${svg`<line x1=${LEFT} x2=${W - 8} y1=${y(Math.log10(tolerance))} y2=${y(Math.log10(tolerance))} stroke="var(--good)" stroke-dasharray="4 3"></line>`}
-    ${svg`<path d=${paths.join('')} fill="none" stroke="var(--accent)" stroke-width="1.5" stroke-linejoin="round"></path>`}
-    ${svg`<text x=${(W + LEFT) / 2} y=${H - 5} text-anchor="middle">iterations, one line per attempt; dashed: tolerance</text>`}
+    ${svg`<line x1=${LEFT} x2=${W - 8} y1=${limit} y2=${limit} stroke="var(--good)" stroke-dasharray="4 3"></line>`}
+    ${svg`<path d=${paths.join('')} fill="none" stroke="var(--accent)" stroke-width="1.5"
+      stroke-linejoin="round"></path>`} ${svg`<text x=${(W + LEFT) / 2} y=${H - 5}
+      text-anchor="middle">iterations, one line per attempt; dashed: tolerance</text>`}
   </svg>`;
 }
 
@@ -73,7 +75,9 @@ export function profilePlot(before: Float32Array, after: Float32Array): Template
     role="img"
     aria-label="Profile before and after, from the right"
   >
-    ${svg`<path d=${path(before)} fill="none" stroke="var(--ink-3)" stroke-width="1.4" vector-effect="non-scaling-stroke" stroke-dasharray="4 3"></path>
-      <path d=${path(after)} fill="none" stroke="var(--accent)" stroke-width="2" vector-effect="non-scaling-stroke"></path>`}
+    ${svg`<path d=${path(before)} fill="none" stroke="var(--ink-3)" stroke-width="1.4"
+        vector-effect="non-scaling-stroke" stroke-dasharray="4 3"></path>
+      <path d=${path(after)} fill="none" stroke="var(--accent)" stroke-width="2"
+        vector-effect="non-scaling-stroke"></path>`}
   </svg>`;
 }

@@ -41,7 +41,8 @@ function result(app: App, s: State): Html {
     ${s.comparison
       ? comparisonResult(app, s, s.comparison)
       : hint(
-          'A scan after surgery gives the movement of the bone and the error of the predicted face. A surface of the face (VTP, STL, PLY, OBJ, in the frame of the scan) gives the error only.',
+          'A scan after surgery gives the movement of the bone and the error of the predicted face. ' +
+            'A surface of the face (VTP, STL, PLY, OBJ, in the frame of the scan) gives the error only.',
         )}
     <div class="row wrap">
       ${button('Scan folder', () => chooseFiles(true, send), { icon: 'folder', id: 'compare-folder' })}
@@ -69,7 +70,8 @@ function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Htm
   )}
   ${found.registration
     ? hint(
-        `Registration on stationary bone: RMS distance ${mm(found.registration.rms_mm, 2)}, ${fixed(100 * found.registration.kept_share, 0)} % inliers.`,
+        `Registration on stationary bone: RMS distance ${mm(found.registration.rms_mm, 2)}, ` +
+          `${fixed(100 * found.registration.kept_share, 0)} % inliers.`,
       )
     : nothing}
   ${errorTable(found)} ${missingRegions(found.missing)} ${displayOptions(app, s)}`;

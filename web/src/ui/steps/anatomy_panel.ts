@@ -54,7 +54,8 @@ function windowSection(app: App, s: State): Html {
       )}
     </div>`,
     hint(
-      `Level ${fixed(level_hu, 0)}, width ${fixed(window_hu, 0)} HU. Drag with the right button on a slice to change them.`,
+      `Level ${fixed(level_hu, 0)}, width ${fixed(window_hu, 0)} HU. Drag with the right button on a ` +
+        'slice to change them.',
     ),
   );
 }

@@ -84,7 +84,8 @@ export function casePanel(app: App, s: State): Html {
     ${section(
       'Privacy',
       hint(
-        'Names, dates and numbers of the patient are not copied to the case. A face in 3D can still be recognized: protect pictures as you protect the scan.',
+        'Names, dates and numbers of the patient are not copied to the case. A face in 3D can still ' +
+          'be recognized: protect pictures as you protect the scan.',
       ),
     )}
   `;

@@ -39,9 +39,7 @@ function notices(s: State): Html {
         `Click on the ${armed.full}`,
         `On the ${armed.on === 'bone' ? 'bone' : 'skin'} in 3D, or on any slice. Escape cancels.`,
       )
-    : hint(
-        'Select a name, then click on the bone, the skin or a slice. Drag a point to move it. Sides are the patient’s.',
-      )}
+    : hint('Select a name, then click on bone, skin or a slice. Drag a point to move it. Sides are of the patient.')}
   ${stage.state === 'stale' ? notice('warning', 'Landmarks may be out of date', stage.why) : nothing}
   ${s.measurementError ? notice('error', 'These landmarks are inconsistent', s.measurementError) : nothing}`;
 }

@@ -60,7 +60,8 @@ const skinFields = (skin: NonNullable<Tissue['skin']>, set: SetTissue): Html =>
     onInput: (v) => set({ skin: { ...skin, thickness_mm: v } }, 'skin-thickness'),
   })}
   ${hint(
-    'Dermis of ten heads: 0.8 mm (upper lid) to 2 mm (below the nose) (Chopra et al. 2015). The whole face has one thickness.',
+    'Dermis of ten heads: 0.8 mm (upper lid) to 2 mm (below the nose) (Chopra et al. 2015). The ' +
+      'whole face has one thickness.',
   )}
   ${numberField({
     label: 'Layers',
@@ -120,7 +121,8 @@ function musclePart({ muscle, material }: Tissue, set: SetTissue): Html {
           set({ muscle: { ...muscle, material: next } }, gesture),
         )}
         ${hint(
-          'Muscle is taken from the labels: paint it in step 2, Anatomy, or open labels that contain it. We know of no measured stiffness to recommend.',
+          'Muscle is taken from the labels: paint it in step 2, Anatomy, or open labels that contain ' +
+            'it. We know of no measured stiffness to recommend.',
         )}`
       : nothing,
   );
@@ -143,7 +145,7 @@ function lipsPart({ lips_and_nose_element_size_mm: size, element_size_mm = 2.5 }
           id: 'lips-size',
           onInput: (v) => set({ lips_and_nose_element_size_mm: v }, 'lips-size'),
         })}
-        ${hint('Around the landmarks of lips and nose; without landmarks, around the most anterior point of the face.')}`
+        ${hint('Around the landmarks of lips and nose; without them, around the most anterior point of the face.')}`
       : nothing,
   );
 }

@@ -9,7 +9,8 @@ export const MATERIALS = {
     title: 'Face, compressible',
     constants: 'E 15 kPa, ν 0.45',
     source:
-      'E: Nazari et al. 2010, as in ArtiSynth’s face demo. lefort lowers ν to reduce locking of linear elements. Default.',
+      'E: Nazari et al. 2010, as in ArtiSynth’s face demo. lefort lowers ν to reduce locking of ' +
+      'linear elements. Default.',
   },
   'face-nazari-2010': {
     title: 'Face, Nazari 2010',

@@ -24,7 +24,8 @@ export function tissuePanel(app: App, s: State): Html {
   return html`
     <h2>Tissue &amp; solver</h2>
     ${hint(
-      'The motion of the bone is prescribed. The shape of a uniform tissue then depends on its compressibility (ν), not on its stiffness.',
+      'The motion of the bone is prescribed. The shape of a uniform tissue then depends on its ' +
+        'compressibility (ν), not on its stiffness.',
     )}
     ${materialSection(plan, set)} ${layersSection(app)} ${segmentSection(plan, set)} ${scanEdgeSection(plan, set)}
     ${boundarySection(app, s)} ${resolutionSection(plan, set)} ${advancedSection(plan, set)}
