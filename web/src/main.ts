@@ -1,4 +1,4 @@
-import './ui/style.css';
+import './ui/style/index.css';
 import { startPlanner } from './ui';
 
 // After the first paint: the 3D view takes time to start.

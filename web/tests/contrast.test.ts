@@ -2,7 +2,11 @@ import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { linearOf, mapVec3 } from '../src/model';
 
-const css = readFileSync(new URL('../src/ui/style.css', import.meta.url), 'utf8').replace(/\/\*[\s\S]*?\*\//g, '');
+const folder = new URL('../src/ui/style/', import.meta.url);
+const css = [...readFileSync(new URL('index.css', folder), 'utf8').matchAll(/@import '(.*)'/g)]
+  .map(([, file]) => readFileSync(new URL(file, folder), 'utf8'))
+  .join('\n')
+  .replace(/\/\*[\s\S]*?\*\//g, '');
 
 /** The colors that a rule sets as variables. */
 function variables(selector: string): Map<string, string> {
