@@ -43,8 +43,14 @@ export default tseslint.config(
     },
   },
   {
+    files: ['src/**/*.ts'],
+    rules: { 'max-lines-per-function': ['error', 60] },
+  },
+  {
     rules: {
       eqeqeq: 'error',
+      'max-len': ['error', 120],
+      'max-lines': ['error', 500],
       'prefer-const': 'error',
       'no-var': 'error',
       '@typescript-eslint/no-unused-vars': ['error', { argsIgnorePattern: '^_' }],
