@@ -68,6 +68,36 @@ async function purplePixels(page) {
   }, png);
 }
 
+/** Paints and erases a label beside `painted` mm2 of another; undo must restore the bytes `kept`. */
+async function eraseAndUndo(page, ask, painted, kept) {
+  await page.click(id('paint-fixed'));
+  await page.keyboard.press('Escape');
+  await page.click(id('paint-fixed'));
+  await drag3d(page, [0.42, 0.42], [0.46, 0.42], 5);
+  const fixed = await area(page, 'fixed');
+  check(`fixed is painted: ${fixed} mm2`, fixed > 20);
+  await page.click(id('paint-erase'));
+  await drag3d(page, [0.42, 0.42], [0.43, 0.42], 3);
+  const less = await area(page, 'fixed');
+  check(`erased: ${less} mm2`, less < fixed);
+  await page.keyboard.press('Control+z');
+  await areaIs(page, 'fixed', fixed);
+  await page.keyboard.press('Control+z');
+  await areaIs(page, 'fixed', 0);
+  await areaIs(page, 'with segment', painted);
+  await page.keyboard.press('Control+Shift+Z');
+  await page.keyboard.press('Control+Shift+Z');
+  await areaIs(page, 'fixed', less);
+  await page.keyboard.press('Control+z');
+  await page.keyboard.press('Control+z');
+  await areaIs(page, 'fixed', 0);
+  await saved(page);
+  check(
+    'the stored paint is the original',
+    Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()).equals(kept),
+  );
+}
+
 test('boundary painted on bone: shown, measured, undone, saved; the preview changes', () =>
   withPage(planned, async (page, { ask, run }) => {
     await run({ kind: 'preview-factor' });
@@ -101,33 +131,7 @@ test('boundary painted on bone: shown, measured, undone, saved; the preview chan
     const plan = async () => (await ask('GET', '/plan')).json();
     check('the plan names it', (await plan()).boundary.labels === 'boundary.seg.nrrd');
 
-    // Another label, erased in part, undone and redone.
-    await page.click(id('paint-fixed'));
-    await page.keyboard.press('Escape');
-    await page.click(id('paint-fixed'));
-    await drag3d(page, [0.42, 0.42], [0.46, 0.42], 5);
-    const fixed = await area(page, 'fixed');
-    check(`fixed is painted: ${fixed} mm2`, fixed > 20);
-    await page.click(id('paint-erase'));
-    await drag3d(page, [0.42, 0.42], [0.43, 0.42], 3);
-    const less = await area(page, 'fixed');
-    check(`erased: ${less} mm2`, less < fixed);
-    await page.keyboard.press('Control+z');
-    await areaIs(page, 'fixed', fixed);
-    await page.keyboard.press('Control+z');
-    await areaIs(page, 'fixed', 0);
-    await areaIs(page, 'with segment', painted);
-    await page.keyboard.press('Control+Shift+Z');
-    await page.keyboard.press('Control+Shift+Z');
-    await areaIs(page, 'fixed', less);
-    await page.keyboard.press('Control+z');
-    await page.keyboard.press('Control+z');
-    await areaIs(page, 'fixed', 0);
-    await saved(page);
-    check(
-      'the stored paint is the original',
-      Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()).equals(kept),
-    );
+    await eraseAndUndo(page, ask, painted, kept);
 
     // A wider brush, with the keyboard.
     await page.locator(view).focus();

@@ -104,6 +104,38 @@ test(
   { slow: true },
 );
 
+/** Uses the comparison: modes, steps, report and picture. */
+async function useComparison(page) {
+  await page.click(id('to-compare'));
+  await settled(page);
+  await page.waitForFunction((sel) => document.querySelectorAll(`${sel} tbody tr`).length >= 3, id('distance-table'));
+  await picture(page, 'compare');
+  const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.3, box.y + box.height / 2, { steps: 4 });
+  await page.mouse.up();
+  await page.getByText('Skin displacement').first().click();
+  await page.getByRole('button', { name: 'Side by side' }).click();
+  await settled(page);
+  await picture(page, 'compare-distance');
+  await accessible(page, 'the comparison');
+  await page.locator(id('compare-step')).fill('4');
+  await page.getByText('step 4 of').first().waitFor();
+  const loading = page.waitForEvent('download');
+  await page.click(id('report'));
+  const report = readFileSync(await (await loading).path(), 'utf8');
+  check('the report has the disclaimer', report.includes('not for clinical use'));
+  const snapping = page.waitForEvent('download');
+  await page.click(id('snapshot'));
+  check(
+    'the picture is a PNG',
+    readFileSync(await (await snapping).path())
+      .subarray(1, 4)
+      .toString() === 'PNG',
+  );
+}
+
 test(
   'the whole path: page and command line give the same face, bit for bit',
   () =>
@@ -121,37 +153,7 @@ test(
         `     preview and prediction differ by ${await page.getAttribute(id('preview-p99'), 'data-mm')} mm at P99`,
       );
       await picture(page, 'predict');
-      await page.click(id('to-compare'));
-      await settled(page);
-      await page.waitForFunction(
-        (sel) => document.querySelectorAll(`${sel} tbody tr`).length >= 3,
-        id('distance-table'),
-      );
-      await picture(page, 'compare');
-      const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
-      await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
-      await page.mouse.down();
-      await page.mouse.move(box.x + box.width * 0.3, box.y + box.height / 2, { steps: 4 });
-      await page.mouse.up();
-      await page.getByText('Skin displacement').first().click();
-      await page.getByRole('button', { name: 'Side by side' }).click();
-      await settled(page);
-      await picture(page, 'compare-distance');
-      await accessible(page, 'the comparison');
-      await page.locator(id('compare-step')).fill('4');
-      await page.getByText('step 4 of').first().waitFor();
-      const loading = page.waitForEvent('download');
-      await page.click(id('report'));
-      const report = readFileSync(await (await loading).path(), 'utf8');
-      check('the report has the disclaimer', report.includes('not for clinical use'));
-      const snapping = page.waitForEvent('download');
-      await page.click(id('snapshot'));
-      check(
-        'the picture is a PNG',
-        readFileSync(await (await snapping).path())
-          .subarray(1, 4)
-          .toString() === 'PNG',
-      );
+      await useComparison(page);
       const own = join(output, 'command-line');
       execFileSync(lefort, ['predict', join(folder, 'plan.json'), '--ct', join(folder, 'ct.nrrd'), '-o', own], {
         stdio: 'ignore',
