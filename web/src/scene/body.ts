@@ -104,10 +104,10 @@ export class Body {
   }
 
   /** Displaces each vertex by a vector (flat xyz, mm); null resets all. */
-  setDisplacement(xyz: Float32Array | null, share = 1): void {
+  setDisplacement(xyz: Float32Array | null, fraction = 1): void {
     const { points, triangles, normals, coarse } = this.surface;
     const moved = points.slice();
-    if (xyz) for (let n = 0; n < moved.length; n++) moved[n] += share * xyz[n];
+    if (xyz) for (let n = 0; n < moved.length; n++) moved[n] += fraction * xyz[n];
     const turned = xyz ? vertexNormals({ points: moved, triangles }) : normals;
     replace(this.fine.geometry, moved, turned);
     replace(this.coarse.geometry, gather(moved, coarse.vertex), gather(turned, coarse.vertex));

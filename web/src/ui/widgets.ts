@@ -187,16 +187,16 @@ export const stateWord = (state: Schemas['Stage']['state']): string => STATE_WOR
 export const chip = (state: Schemas['Stage']['state']): TemplateResult =>
   html`<span class="chip ${state}">${STATE_WORDS[state]}</span>`;
 
-export const progressBar = (share: number, label: string): TemplateResult => html`
+export const progressBar = (fraction: number, label: string): TemplateResult => html`
   <div
     class="progress"
     role="progressbar"
     aria-label=${label}
     aria-valuemin="0"
     aria-valuemax="100"
-    aria-valuenow=${Math.round(share * 100)}
+    aria-valuenow=${Math.round(fraction * 100)}
   >
-    <span .style=${`width:${(share * 100).toFixed(1)}%`}></span>
+    <span .style=${`width:${(fraction * 100).toFixed(1)}%`}></span>
   </div>
 `;
 
