@@ -159,7 +159,9 @@ test('a page that is reloaded during or after a solve shows the earlier iteratio
   withPage(planned, async (page, { put }) => {
     await put('/plan', {
       ...PLAN,
-      segments: [{ ...PLAN.segments[0], path: { steps: 8, keyframes: [{ at: 1, translation_mm: [0, -3.5, 0] }] } }],
+      segments: [
+        { ...PLAN.segments[0], path: { steps: 8, keyframes: [{ path_fraction: 1, translation_mm: [0, -3.5, 0] }] } },
+      ],
     });
     await step(page, 'predict');
     await page.click(id('predict'));
@@ -186,7 +188,9 @@ test('a solve that is resumed shows its progress at once', () =>
   withPage(planned, async (page, { put }) => {
     await put('/plan', {
       ...PLAN,
-      segments: [{ ...PLAN.segments[0], path: { steps: 40, keyframes: [{ at: 1, translation_mm: [0, -3.7, 0] }] } }],
+      segments: [
+        { ...PLAN.segments[0], path: { steps: 40, keyframes: [{ path_fraction: 1, translation_mm: [0, -3.7, 0] }] } },
+      ],
     });
     await step(page, 'predict');
     await page.click(id('predict'));

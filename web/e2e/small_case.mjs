@@ -42,7 +42,7 @@ export const PLAN = {
     {
       name: 'front',
       osteotomy: { planes: [{ point_mm: [0, -16, 0], towards_segment: [0, -1, 0] }] },
-      path: { steps: 4, keyframes: [{ at: 1, translation_mm: [0, -3, 0] }] },
+      path: { steps: 4, keyframes: [{ path_fraction: 1, translation_mm: [0, -3, 0] }] },
     },
   ],
   tissue: { element_size_mm: 5, far_element_size_mm: 5, margin_mm: 10 },

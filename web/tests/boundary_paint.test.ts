@@ -84,7 +84,7 @@ describe('the brush on a surface', () => {
       if (far > 4 + reach) expect(of[v]).toBe(0);
     }
     const read = paintReader(labels, grid);
-    // A node that lies off the surface, but no further than the plan's capture_mm.
+    // A node that lies off the surface, but no further than the plan's contact_snap_mm.
     for (const y of [-0.8, 0.8]) expect(read(0, y, 5)).toBe(2);
     expect(read(0, 6, 5)).toBe(0);
   });

@@ -50,8 +50,10 @@ describe('a move that is written to the plan', () => {
   const move = (rotation_deg: Vec3) => ({ translation_mm: [0.12345, 0, -0] as Vec3, rotation_deg, about_mm: pivot });
 
   it('is rounded, and has no rotation that is not there', () => {
-    const next = keyframeOf(withMove(planWith({ at: 1, rotation_deg: [1, 0, 0] }), first, move([0, 0, 1e-4]), null));
-    expect(next).toEqual({ at: 1, translation_mm: [0.123, 0, 0] });
+    const next = keyframeOf(
+      withMove(planWith({ path_fraction: 1, rotation_deg: [1, 0, 0] }), first, move([0, 0, 1e-4]), null),
+    );
+    expect(next).toEqual({ path_fraction: 1, translation_mm: [0.123, 0, 0] });
   });
 
   it('names its pivot when it rotates', () => {

@@ -67,14 +67,14 @@ describe('edits of a plan', () => {
 
   it('rename a segment from which others are cut', () => {
     const two = withSegment(one, 'wing', { planes: [plane] });
-    const nested: Plan = { ...two, segments: [two.segments[0], { ...two.segments[1], from: 'midface' }] };
-    expect(renameSegment(nested, 0, 'maxilla')!.segments[1].from).toBe('maxilla');
+    const nested: Plan = { ...two, segments: [two.segments[0], { ...two.segments[1], cut_from: 'midface' }] };
+    expect(renameSegment(nested, 0, 'maxilla')!.segments[1].cut_from).toBe('maxilla');
     expect('from' in withoutSegment(nested, 0).segments[0]).toBe(false);
   });
 
   it('keep keyframes in order, the last at the end', () => {
     const three = withKeyframeAfter(withKeyframeAfter(one, 0, 0), 0, 1);
-    const times = (plan: Plan) => keyframesOf(plan.segments[0]).map((k) => k.at);
+    const times = (plan: Plan) => keyframesOf(plan.segments[0]).map((k) => k.path_fraction);
     expect(times(three)[2]).toBe(1);
     expect(times(retimeKeyframe(three, 0, 0, 5))[0]).toBeLessThan(times(three)[1]!);
     expect(times(retimeKeyframe(three, 0, 2, 0.1))[2]).toBe(1);
@@ -82,11 +82,11 @@ describe('edits of a plan', () => {
   });
 
   it('set and remove the file of the painted boundary', () => {
-    const named = withPaintedBoundary({ ...one, boundary: { release_mm: 4 } }, 'boundary.seg.nrrd');
+    const named = withPaintedBoundary({ ...one, boundary: { elevation_margin_mm: 4 } }, 'boundary.seg.nrrd');
     isPlan(named);
-    expect(named.boundary).toEqual({ release_mm: 4, labels: 'boundary.seg.nrrd' });
+    expect(named.boundary).toEqual({ elevation_margin_mm: 4, labels: 'boundary.seg.nrrd' });
     expect(withPaintedBoundary(named, 'boundary.seg.nrrd')).toBe(named);
-    expect(withPaintedBoundary(named, null).boundary).toEqual({ release_mm: 4 });
+    expect(withPaintedBoundary(named, null).boundary).toEqual({ elevation_margin_mm: 4 });
     expect(withPaintedBoundary(one, null)).toBe(one);
   });
 

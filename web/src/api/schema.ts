@@ -4,7 +4,7 @@
  */
 export type Schema = { readonly [keyword: string]: unknown };
 
-const IGNORED = new Set(['description', 'format', 'title', '$schema', 'definitions']);
+const IGNORED = new Set(['description', 'format', 'title', 'default', 'examples', '$schema', 'definitions']);
 
 /** Resolves "#/a/b" in the document. */
 function resolve(root: Schema, ref: string): Schema {

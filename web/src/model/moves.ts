@@ -97,7 +97,7 @@ export const moveOf = (keyframe: Keyframe, pivot: Vec3): Move => ({
 
 /** Fraction of the path at keyframe k. */
 export const pathFractionOf = (keyframes: readonly Keyframe[], k: number): number =>
-  keyframes[k].at ?? (k + 1) / keyframes.length;
+  keyframes[k].path_fraction ?? (k + 1) / keyframes.length;
 
 /** Components of a move in clinical terms: along and about the axes of L. */
 export const COMPONENTS = [

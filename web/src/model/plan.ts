@@ -13,12 +13,12 @@ export interface Plan {
   boundary?: Boundary;
   contact?: Contact;
   field?: { resolution?: number; band_mm?: number; tolerance_mm?: number };
-  solver?: { relative_tolerance?: number; max_iterations?: number; smallest_step?: number };
+  solver?: { relative_tolerance?: number; max_iterations?: number; min_increment_ratio?: number };
 }
 
 export interface Segment {
   name: string;
-  from?: string;
+  cut_from?: string;
   osteotomy: Osteotomy;
   path: Path;
 }
@@ -44,16 +44,16 @@ export type Template = Schemas['OsteotomyRequest']['template'];
 export interface Osteotomy {
   planes?: Plane[];
   curves?: Curve[];
-  also?: { planes?: Plane[]; curves?: Curve[] }[];
+  additional_regions?: { planes?: Plane[]; curves?: Curve[] }[];
   template?: Template;
   kerf_mm?: number;
-  holds?: (string | Vec3)[];
-  smallest_piece_ml?: number;
-  smallest_piece_share?: number;
+  anchor_points?: (string | Vec3)[];
+  min_piece_ml?: number;
+  min_piece_fraction?: number;
 }
 
 export interface Keyframe {
-  at?: number;
+  path_fraction?: number;
   translation_mm?: Vec3;
   rotation_deg?: Vec3;
   about_mm?: Vec3;
@@ -85,10 +85,10 @@ export interface Tissue {
 }
 
 export interface Boundary {
-  moved_bone?: 'contact' | 'attached';
-  scan_edge?: 'free' | 'fixed';
-  release_mm?: number;
-  capture_mm?: number;
+  segment_interface?: 'sliding' | 'bonded';
+  scan_boundary?: 'free' | 'fixed';
+  elevation_margin_mm?: number;
+  contact_snap_mm?: number;
   labels?: string;
 }
 
@@ -185,10 +185,10 @@ export function withoutSegment(plan: Plan, index: number): Plan {
   return {
     ...plan,
     segments: rest.map((segment) => {
-      if (segment.from !== gone.name) return segment;
+      if (segment.cut_from !== gone.name) return segment;
       const free = { ...segment };
-      delete free.from;
-      return gone.from === undefined ? free : { ...free, from: gone.from };
+      delete free.cut_from;
+      return gone.cut_from === undefined ? free : { ...free, cut_from: gone.cut_from };
     }),
   };
 }
@@ -203,7 +203,7 @@ export function renameSegment(plan: Plan, index: number, name: string): Plan | n
     segments: plan.segments.map((segment, n) => ({
       ...segment,
       ...(n === index ? { name } : {}),
-      ...(segment.from === before ? { from: name } : {}),
+      ...(segment.cut_from === before ? { cut_from: name } : {}),
     })),
   };
 }
@@ -246,7 +246,7 @@ export const editKeyframe = (plan: Plan, index: number, k: number, keyframe: Key
 
 const withoutTime = (keyframe: Keyframe): Keyframe => {
   const rest = { ...keyframe };
-  delete rest.at;
+  delete rest.path_fraction;
   return rest;
 };
 
@@ -255,7 +255,7 @@ const spread = (keyframes: Keyframe[]): Keyframe[] =>
   keyframes.map((keyframe, n) =>
     keyframes.length === 1
       ? withoutTime(keyframe)
-      : { ...keyframe, at: Math.round(((n + 1) / keyframes.length) * 1e6) / 1e6 },
+      : { ...keyframe, path_fraction: Math.round(((n + 1) / keyframes.length) * 1e6) / 1e6 },
   );
 
 /** Inserts a copy of keyframe k after it. */
@@ -278,13 +278,16 @@ export const retimeKeyframe = (plan: Plan, index: number, k: number, at: number)
   editSegment(plan, index, (segment) => {
     const keyframes = keyframesOf(segment);
     if (k >= keyframes.length - 1) return segment;
-    const before = k === 0 ? 0 : (keyframes[k - 1].at ?? k / keyframes.length);
-    const after = keyframes[k + 1].at ?? (k + 2) / keyframes.length;
+    const before = k === 0 ? 0 : (keyframes[k - 1].path_fraction ?? k / keyframes.length);
+    const after = keyframes[k + 1].path_fraction ?? (k + 2) / keyframes.length;
     const gap = 0.01;
     const clamped = Math.min(after - gap, Math.max(before + gap, at));
     return {
       ...segment,
-      path: { ...segment.path, keyframes: keyframes.map((old, n) => (n === k ? { ...old, at: clamped } : old)) },
+      path: {
+        ...segment.path,
+        keyframes: keyframes.map((old, n) => (n === k ? { ...old, path_fraction: clamped } : old)),
+      },
     };
   });
 
@@ -310,10 +313,16 @@ export const toPlane = (plane: { point_mm: readonly number[]; towards_segment: r
 });
 
 /** The osteotomy that the server placed for a template. */
-export function toOsteotomy({ planes, also, holds }: Schemas['Osteotomy']['osteotomy']): Osteotomy {
+export function toOsteotomy({
+  planes,
+  additional_regions,
+  anchor_points,
+}: Schemas['Osteotomy']['osteotomy']): Osteotomy {
   const osteotomy: Osteotomy = { planes: planes.map(toPlane) };
-  if (also) osteotomy.also = also.map((region) => ({ planes: region.planes.map(toPlane) }));
-  if (holds) osteotomy.holds = holds.map((point) => (typeof point === 'string' ? point : toVec3(point)));
+  if (additional_regions)
+    osteotomy.additional_regions = additional_regions.map((region) => ({ planes: region.planes.map(toPlane) }));
+  if (anchor_points)
+    osteotomy.anchor_points = anchor_points.map((point) => (typeof point === 'string' ? point : toVec3(point)));
   return osteotomy;
 }
 

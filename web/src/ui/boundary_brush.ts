@@ -93,7 +93,7 @@ export class BoundaryBrush implements BoundaryFile {
       radius_mm: paint_mm,
       label: paintLabel,
       // Thick enough that every node that the plan snaps to this surface finds a painted voxel.
-      thickness_mm: boundary.capture_mm + paintTolerance_mm(volume.grid),
+      thickness_mm: boundary.contact_snap_mm + paintTolerance_mm(volume.grid),
     };
     const edit = paintSurface(labels, volume.grid, surface, brushStamp);
     this.stroke = this.stroke ? joinEdits(this.stroke, edit) : edit;

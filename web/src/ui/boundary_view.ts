@@ -21,7 +21,7 @@ export class BoundaryView {
   present(s: State): void {
     const { view, app } = this;
     const isOn = s.step === 'tissue' && s.boundary !== null && app.boundaryBrush.labels !== null;
-    const palette = [BONE, ...(s.boundary?.names.map((x) => toVec3(x.colour)) ?? [])];
+    const palette = [BONE, ...(s.boundary?.names.map((x) => toVec3(x.color)) ?? [])];
     let hasChanged = false;
     for (const [name, { surface }] of isOn ? app.boundarySurfaces() : []) {
       const body = view.body(name);

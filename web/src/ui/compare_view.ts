@@ -94,7 +94,7 @@ export class CompareView {
     this.shifts = xyz ? lengths(xyz) : new Float32Array(base.length / 3);
     this.profile_ = null;
     this.paintSkin();
-    this.app.patch({ distanceTop_mm: roundUp(this.app.model.s.prediction?.skin_largest_shift_mm ?? 1) });
+    this.app.patch({ distanceTop_mm: roundUp(this.app.model.s.prediction?.skin_max_shift_mm ?? 1) });
     this.view.render();
   }
 
@@ -112,7 +112,7 @@ export class CompareView {
     if (plain) predicted.setColor(SKIN);
     else if (error?.length === count) predicted.setValues(error.map(Math.abs), 'distance', 0, s.errorTop_mm);
     else if (s.skinPaint === 'moved' && this.shifts?.length === count)
-      predicted.setValues(this.shifts, 'distance', 0, roundUp(s.prediction?.skin_largest_shift_mm ?? 1));
+      predicted.setValues(this.shifts, 'distance', 0, roundUp(s.prediction?.skin_max_shift_mm ?? 1));
     else predicted.setColor(SKIN);
     this.view.render();
   }

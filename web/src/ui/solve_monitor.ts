@@ -24,7 +24,8 @@ export class SolveMonitor {
   onStep(step: Schemas['StepEvent']): void {
     const { steps } = this.planner.model.s;
     if (this.stream?.job !== step.job) void this.load();
-    else if (!steps.some((known) => known.share === step.share)) this.planner.patch({ steps: [...steps, step] });
+    else if (!steps.some((known) => known.path_fraction === step.path_fraction))
+      this.planner.patch({ steps: [...steps, step] });
   }
 
   /** Reads all iterations of the last solve, if this server has run it. */

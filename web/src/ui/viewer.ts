@@ -290,7 +290,7 @@ export class Viewer implements SceneListeners {
     const { doc } = this.app.model;
     const painted = s.boundary?.names.find((x) => x.value === s.paintLabel);
     view.brush_mm = s.paint_mm;
-    view.brushColor = cssOf(painted ? toVec3(painted.colour) : BONE);
+    view.brushColor = cssOf(painted ? toVec3(painted.color) : BONE);
     view.markers = markersOf(doc, s);
     view.lines = linesOf(doc, s);
     const showsPlanes = s.step === 'osteotomy' && (stageOf(s, 'cut').state !== 'fresh' || s.plane !== null);

@@ -106,7 +106,7 @@ function templatePlanes(doc: Doc, s: State, { osteotomy }: Segment): Plane[] {
   if (!templateKind(osteotomy)) return [];
   const placed = s.templatePlanes.get(templateKey(osteotomy.template, doc.landmarks));
   if (!placed || typeof placed === 'string') return [];
-  return [...placed.planes, ...(placed.also ?? []).flatMap((region) => region.planes)].map(toPlane);
+  return [...placed.planes, ...(placed.additional_regions ?? []).flatMap((region) => region.planes)].map(toPlane);
 }
 
 /** Where a slice cuts a plane; null if it does not. */

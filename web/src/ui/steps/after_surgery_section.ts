@@ -1,6 +1,6 @@
 import { html, nothing } from 'lit-html';
 import type { Schemas } from '../../api';
-import { fixed, mm, toVec3 } from '../../model';
+import { fixed, mm, toVec3, type Move } from '../../model';
 import type { App } from '../app';
 import { chooseFiles } from '../choose_files';
 import { isBusyWith, lastJob, stageOf, type State } from '../state';
@@ -51,9 +51,14 @@ function result(app: App, s: State): Html {
 }
 
 /** A movement of bone in words. */
-function describe({ shift_mm, turn_deg, largest_mm }: Schemas['MovementDifference']): string {
-  if (largest_mm < MIN_MOVEMENT_MM) return 'has not moved';
-  return `moved ${inWords({ translation_mm: toVec3(shift_mm), rotation_deg: toVec3(turn_deg), about_mm: [0, 0, 0] })}`;
+function describe({ translation_mm, rotation_deg, max_displacement_mm }: Schemas['MovementDifference']): string {
+  if (max_displacement_mm < MIN_MOVEMENT_MM) return 'has not moved';
+  const move: Move = {
+    translation_mm: toVec3(translation_mm),
+    rotation_deg: toVec3(rotation_deg),
+    about_mm: [0, 0, 0],
+  };
+  return `moved ${inWords(move)}`;
 }
 
 function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Html {
@@ -63,15 +68,15 @@ function comparisonResult(app: App, s: State, found: Schemas['Comparison']): Htm
       html`<p data-id="achieved">
         <strong>${segment}</strong> ${describe(achieved)}.
         <span class="hint"
-          >Difference from the plan: translation ${mm(difference.shift_length_mm)}, rotation
-          ${fixed(difference.turn_angle_deg, 1)}°.</span
+          >Difference from the plan: translation ${mm(difference.translation_length_mm)}, rotation
+          ${fixed(difference.rotation_angle_deg, 1)}°.</span
         >
       </p>`,
   )}
   ${found.registration
     ? hint(
         `Registration on stationary bone: RMS distance ${mm(found.registration.rms_mm, 2)}, ` +
-          `${fixed(100 * found.registration.kept_share, 0)} % inliers.`,
+          `${fixed(100 * found.registration.inlier_fraction, 0)} % inliers.`,
       )
     : nothing}
   ${errorTable(found)} ${missingRegions(found.missing)} ${displayOptions(app, s)}`;
@@ -95,7 +100,7 @@ const errorTable = ({ regions }: Schemas['Comparison']): Html =>
       </thead>
       <tbody>
         ${regions.map(
-          ({ region, face, if_unchanged: baseline }) =>
+          ({ region, face, baseline_no_change: baseline }) =>
             html`<tr>
               <td>${regionName(region)}</td>
               ${valueCells([face.median_mm, face.p99_mm, baseline?.median_mm ?? null, baseline?.p99_mm ?? null])}

@@ -63,7 +63,7 @@ function labelButtons(app: App, s: State, { names }: Boundary): Html {
   const isPicked = (label: number): string => String(isPainting && s.paintLabel === label);
   return html`<div class="row wrap" role="group" aria-label="Label to paint">
     ${names.map(
-      ({ value, name, colour }) =>
+      ({ value, name, color }) =>
         html` <button
           type="button"
           class="button"
@@ -72,7 +72,7 @@ function labelButtons(app: App, s: State, { names }: Boundary): Html {
           aria-pressed=${isPicked(value)}
           @click=${() => pick(value)}
         >
-          <span class="swatch" .style=${`background:${cssOf(toVec3(colour))}`}></span>${name}
+          <span class="swatch" .style=${`background:${cssOf(toVec3(color))}`}></span>${name}
         </button>`,
     )}
     <button
@@ -135,7 +135,7 @@ const paintedTable = (s: State, { names, areas }: Boundary): Html =>
             <td data-set=${name} data-mm2=${(s.paintedAreas?.[value] ?? 0).toFixed(1)}>
               ${mm2(s.paintedAreas?.[value] ?? 0)}
             </td>
-            ${areas ? html`<td>${mm2(areas.painted.find((x) => x.name === name)?.mm2 ?? 0)}</td>` : nothing}
+            ${areas ? html`<td>${mm2(areas.painted.find((x) => x.name === name)?.area_mm2 ?? 0)}</td>` : nothing}
           </tr>`,
       )}
     </tbody>
@@ -166,13 +166,13 @@ function previewNotice(app: App, s: State): Html {
   return notice('warning', 'The preview is out of date', preview.why, update);
 }
 
-const rulesTable = ({ areas, rules, release_mm }: Boundary): Html =>
+const rulesTable = ({ areas, rules, elevation_margin_mm }: Boundary): Html =>
   html`<details class="group" data-id="boundary-rules">
     <summary>Boundary rules</summary>
     <div>
       ${hint(
         html`The first rule that matches applies. Tissue is released from stationary bone and brain within
-          <b>${fixed(release_mm, 1)} mm</b> of the mobilized segment.`,
+          <b>${fixed(elevation_margin_mm, 1)} mm</b> of the mobilized segment.`,
       )}
       <table>
         <thead>

@@ -14,8 +14,8 @@ interface StepRow {
   step: number;
   newton_iterations: number;
   contact_nodes: number;
-  p99_depth_mm: number;
-  max_depth_mm: number;
+  p99_penetration_increase_mm: number;
+  max_penetration_increase_mm: number;
 }
 
 const stepTable = (steps: readonly StepRow[]): Html =>
@@ -36,8 +36,8 @@ const stepTable = (steps: readonly StepRow[]): Html =>
             <td>${x.step}</td>
             <td>${x.newton_iterations}</td>
             <td>${x.contact_nodes}</td>
-            <td>${mm(x.p99_depth_mm, 2)}</td>
-            <td>${mm(x.max_depth_mm, 2)}</td>
+            <td>${mm(x.p99_penetration_increase_mm, 2)}</td>
+            <td>${mm(x.max_penetration_increase_mm, 2)}</td>
           </tr>`,
       )}
     </tbody>
@@ -53,8 +53,8 @@ const stat = (value: unknown, text: string): Html =>
 const iterateNow = (at: NewtonPoint): Html =>
   html` <div class="stats" data-id="iterate-now">
     ${stat(at.iteration, `iterations, step ${at.step}, attempt ${at.attempt}`)}
-    ${stat(at.contacts, 'points in contact')}
-    ${stat(html`${fixed(at.deepest_mm, 2)} <small>mm</small>`, 'max penetration of the bone')}
+    ${stat(at.contact_points, 'points in contact')}
+    ${stat(html`${fixed(at.max_penetration_increase_mm, 2)} <small>mm</small>`, 'max penetration of the bone')}
   </div>`;
 
 const toleranceOf = (app: App): number => app.model.doc.plan.solver?.relative_tolerance ?? DEFAULT_TOLERANCE;
@@ -144,12 +144,12 @@ function checkNotice(s: State): Html {
 function lastSolve(app: App, s: State): Html {
   const { state } = stageOf(s, 'prediction');
   if (!s.prediction || (state !== 'fresh' && state !== 'stale' && state !== 'unconverged')) return nothing;
-  const { steps, skin_largest_shift_mm } = s.prediction;
+  const { steps, skin_max_shift_mm } = s.prediction;
   const iterations = steps.reduce((sum, x) => sum + x.newton_iterations, 0);
   return section(
     'Last solve',
     html`<div class="stats">
-      ${stat(html`${fixed(skin_largest_shift_mm, 1)} <small>mm</small>`, 'max skin displacement')}
+      ${stat(html`${fixed(skin_max_shift_mm, 1)} <small>mm</small>`, 'max skin displacement')}
       ${stat(iterations, `iterations, ${steps.length} steps`)}
     </div>`,
     s.previewDistance ? previewError(s.previewDistance) : nothing,

@@ -208,8 +208,8 @@ function moreFields(app: App, segment: Segment, index: number): Html {
   const cutFrom = (name: string): void => {
     const change = (old: Segment): Segment => {
       const next = { ...old };
-      delete next.from;
-      return name ? { ...next, from: name } : next;
+      delete next.cut_from;
+      return name ? { ...next, cut_from: name } : next;
     };
     app.edit({ plan: editSegment(plan, index, change) });
   };
@@ -223,6 +223,6 @@ function moreFields(app: App, segment: Segment, index: number): Html {
     onInput: (v) => edit(app, index, (o) => ({ ...o, kerf_mm: v }), `kerf-${index}`),
   })}
   ${earlier.length
-    ? select('Cut from', [{ value: '', text: 'the remaining bone' }, ...earlier], segment.from ?? '', cutFrom)
+    ? select('Cut from', [{ value: '', text: 'the remaining bone' }, ...earlier], segment.cut_from ?? '', cutFrom)
     : nothing}`;
 }

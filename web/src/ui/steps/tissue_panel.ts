@@ -63,11 +63,11 @@ function segmentSection({ boundary = {} }: Plan, set: SetPlan): Html {
     segmented(
       'Tissue on the mobilized segment',
       [
-        { value: 'contact', text: 'Sliding' },
-        { value: 'attached', text: 'Bonded' },
+        { value: 'sliding', text: 'Sliding' },
+        { value: 'bonded', text: 'Bonded' },
       ] as const,
-      boundary.moved_bone ?? 'contact',
-      (v) => set({ boundary: { ...boundary, moved_bone: v } }),
+      boundary.segment_interface ?? 'sliding',
+      (v) => set({ boundary: { ...boundary, segment_interface: v } }),
     ),
     hint(
       'Sliding detects contact and prevents penetration of the bone. Bonded is faster; the tissue follows the bone.',
@@ -75,12 +75,12 @@ function segmentSection({ boundary = {} }: Plan, set: SetPlan): Html {
     numberField({
       label: 'Periosteal elevation',
       hint: 'tissue is released from stationary bone within this distance of the segment',
-      value: boundary.release_mm ?? 8,
+      value: boundary.elevation_margin_mm ?? 8,
       unit: 'mm',
       min: 0,
       max: 100,
       step: 1,
-      onInput: (v) => set({ boundary: { ...boundary, release_mm: v } }, 'release'),
+      onInput: (v) => set({ boundary: { ...boundary, elevation_margin_mm: v } }, 'release'),
     }),
   );
 }
@@ -94,8 +94,8 @@ const scanEdgeSection = ({ boundary = {} }: Plan, set: SetPlan): Html =>
         { value: 'free', text: 'Free' },
         { value: 'fixed', text: 'Fixed' },
       ] as const,
-      boundary.scan_edge ?? 'free',
-      (v) => set({ boundary: { ...boundary, scan_edge: v } }),
+      boundary.scan_boundary ?? 'free',
+      (v) => set({ boundary: { ...boundary, scan_boundary: v } }),
     ),
   );
 
