@@ -79,7 +79,7 @@ class Block {
 /// Of finer regular meshes: tet10 and wedge15 come to 0.912 and 0.916 N on 4 cells a side here,
 /// hex8 to
 /// 0.9541, 0.9371 and 0.9263 N on 4, 8 and 16. Cells graded towards the plates' edges show the
-/// limit to lie half a percent lower (docs/locking.md).
+/// limit to lie half a percent lower (docs/theory/locking.md).
 constexpr double kForce_n = 0.9075;
 constexpr double kBulge_mm = 0.1534;
 

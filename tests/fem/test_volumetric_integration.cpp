@@ -344,7 +344,7 @@ double stiffness_of_one_layer(ElementShape shape, double poisson) {
 
 TEST(MeanDilatation, ASingleLayerResistsBending) {
   // One mean of J alone leaves two thirds of it for tet10 and a hundredth for wedge15. More at the
-  // points would make wedge15 right at any nu, and Cook's membrane worse (docs/locking.md).
+  // points would make wedge15 right at any nu, and Cook's membrane worse (docs/theory/locking.md).
   for (const double poisson : {0.3, 0.45, 0.4999}) {
     EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kTet10, poisson), 1.0, 0.1) << poisson;
     EXPECT_NEAR(stiffness_of_one_layer(ElementShape::kWedge15, poisson),

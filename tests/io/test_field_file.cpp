@@ -27,7 +27,7 @@
 namespace lefort::io {
 namespace {
 
-// Offsets in the header (docs/field-format.md).
+// Offsets in the header (docs/reference/field-format.md).
 constexpr std::size_t kVersionAt = 8, kChecksumAt = 12, kStorageAt = 16, kResolutionAt = 20;
 constexpr std::size_t kOriginAt = 24, kCellAt = 48, kBandAt = 56, kToleranceAt = 64;
 constexpr std::size_t kClosedAt = 72, kSmoothAt = 76, kBlockBytesAt = 80, kFindingsAt = 128;

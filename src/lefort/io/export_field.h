@@ -1,6 +1,6 @@
 /// \file
 /// Distance fields in the formats of others: OpenVDB level sets and NRRD volumes
-/// (docs/field-format.md, "In other formats").
+/// (docs/reference/field-format.md, "In other formats").
 #pragma once
 
 #include <lefort/core/error.h>

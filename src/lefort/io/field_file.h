@@ -1,5 +1,5 @@
 /// \file
-/// Distance fields on disk (docs/field-format.md).
+/// Distance fields on disk (docs/reference/field-format.md).
 #pragma once
 
 #include <lefort/core/error.h>

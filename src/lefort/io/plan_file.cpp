@@ -29,7 +29,7 @@ struct Elasticity {
   double poisson;
 };
 
-/// Presets and their sources: docs/materials.md. The schema knows no others.
+/// Presets and their sources: docs/theory/materials.md. The schema knows no others.
 Elasticity read_material(const Json& material) {
   if (!material.is_string())
     return {mpa_from_kpa(material["young_kpa"].get<double>()), material["poisson"].get<double>()};
@@ -61,7 +61,7 @@ void read_mucosa(const Json& mucosa, predict::MucosaOptions& options) {
   read_material_of(mucosa, options);
 }
 
-/// Landmarks of the skin on lips and nose (docs/landmarks.md).
+/// Landmarks of the skin on lips and nose (docs/guide/landmarks.md).
 std::vector<Vec3> lips_and_nose(const plan::Landmarks& landmarks) {
   std::vector<Vec3> points_L;
   for (const char* const name : {"Prn", "Al-R", "Al-L", "Sn", "Ls", "Stm", "Ch-R", "Ch-L", "Li"})

@@ -21,7 +21,7 @@ struct Measurement {
                                 ///< exist, as the angle of a line between two points in one.
 };
 
-/// The whole table (docs/landmarks.md gives each definition), always with the same lines.
+/// The whole table (docs/guide/landmarks.md gives each definition), always with the same lines.
 ///
 /// Angles, and distances that profiles are judged by, are of the landmarks seen from the side:
 /// along patient_left_axis(frame), as on a lateral cephalogram without its magnification. The

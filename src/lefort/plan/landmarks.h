@@ -21,7 +21,7 @@ struct Landmark {
 
 using Landmarks = std::vector<Landmark>;
 
-/// One of the field's landmarks (docs/landmarks.md).
+/// One of the field's landmarks (docs/guide/landmarks.md).
 struct LandmarkKind {
   const char* abbreviation;  ///< Without the side: "Or".
   const char* name;          ///< "orbitale".

@@ -1,5 +1,5 @@
 /// \file
-/// The classic osteotomies, placed by landmarks. What each cuts is drawn in docs/osteotomies.md.
+/// The classic osteotomies, placed by landmarks. What each cuts is drawn in docs/guide/osteotomies.md.
 ///
 /// They are made of planes, so they follow the surgeon's lines only as far as planes do: a start to
 /// be looked at, not a cutting guide.

@@ -19,7 +19,7 @@ enum class SegmentInterface {
 /// What holds tissue that ends only because the scan does.
 enum class ScanBoundary { kFree, kFixed };
 
-/// Skin of its own over the tissue inside. Constants and their sources: docs/materials.md.
+/// Skin of its own over the tissue inside. Constants and their sources: docs/theory/materials.md.
 struct SkinOptions {
   double thickness_mm = 1.5;  ///< Of epidermis and dermis, > 0 (0.8 to 2: \cite chopra2015).
   int layers = 2;             ///< Of wedges, 1 to 8.
@@ -48,7 +48,7 @@ struct FaceSize {
 };
 
 struct TissueOptions {
-  double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/materials.md).
+  double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/theory/materials.md).
   double poisson = 0.45;             ///< 0 <= nu < 0.5. Linear tetrahedra lock nearer to 0.5.
   double element_size_mm = 2.5;      ///< Edge near the moved segment.
   double far_element_size_mm = 5.0;  ///< Edge at the rim of the region, >= element_size_mm.
@@ -78,7 +78,7 @@ struct ContactOptions {
 
 /// The factor in k_c. Where a depth is asked for, springs are stiffer from the start: multipliers
 /// then get there in fewer Newton iterations, 370 instead of 631 on the way it was measured on
-/// (docs/contact.md).
+/// (docs/theory/contact.md).
 [[nodiscard]] inline double stiffness_factor(const ContactOptions& contact) {
   constexpr double kByPenalty = 10.0, kByMultipliers = 160.0;
   return contact.stiffness_factor.value_or(contact.penetration_tolerance_mm ? kByMultipliers

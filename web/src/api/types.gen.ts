@@ -342,7 +342,7 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Computes angles and distances from landmarks (docs/landmarks.md); nothing is stored */
+        /** Computes angles and distances from landmarks (docs/guide/landmarks.md); nothing is stored */
         post: operations["postMeasurements"];
         delete?: never;
         options?: never;

@@ -2,7 +2,7 @@ import { add, cross, dot, sub, type Grid, type Vec3 } from './frames';
 import type { LabelEdit } from './labels';
 import type { Surface } from './section';
 
-// Labels painted on the tissue boundary, stored on the voxels of the scan (docs/tissue-mesh.md).
+// Labels painted on the tissue boundary, stored on the voxels of the scan (docs/theory/tissue-mesh.md).
 
 /** Distance within which a painted voxel sets a label: half a voxel diagonal, as in predict/boundary_labels [mm]. */
 export const paintTolerance_mm = (grid: Grid): number => 0.5 * Math.hypot(...grid.spacing_mm);

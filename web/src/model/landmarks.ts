@@ -19,7 +19,7 @@ const paired = (name: string, full: string, on: LandmarkKind['on']): LandmarkKin
 const bone = (name: string, full: string): LandmarkKind => ({ name, full, on: 'bone' });
 const skin = (name: string, full: string): LandmarkKind => ({ name, full, on: 'skin' });
 
-/** Landmarks used by templates and cephalometry (docs/landmarks.md), in the order of placement. */
+/** Landmarks used by templates and cephalometry (docs/guide/landmarks.md), in the order of placement. */
 export const CATALOGUE: readonly LandmarkKind[] = [
   bone('N', 'nasion'),
   bone('S', 'sella'),

@@ -98,7 +98,7 @@ export interface Contact {
   penetration_tolerance_mm?: number;
 }
 
-/** Default number of steps of a path (docs/osteotomies.md). */
+/** Default number of steps of a path (docs/guide/osteotomies.md). */
 export const DEFAULT_STEPS = 12;
 
 export const TEMPLATES: readonly {

@@ -103,7 +103,7 @@ void add_convergence(CLI::App& bench, CommandContext& context) {
   command->footer(
       "Example:\n  lefort bench convergence examples/midface_forward.json "
       "examples/midface_forward_down.json --ct ct.nrrd -o convergence/\n"
-      "What was found: docs/contact.md.");
+      "What was found: docs/theory/contact.md.");
   command->callback([job, no_synthetic, &context] {
     job->synthetic = !*no_synthetic;
     context.run("bench convergence",

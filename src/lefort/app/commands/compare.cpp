@@ -34,7 +34,7 @@ void add_compare_command(CLI::App& cli, CommandContext& context) {
       "  lefort compare forward/ forward_down/ -o between_plans/\n"
       "  lefort compare forward/ --after-ct after.nrrd -o error/\n"
       "  lefort compare predicted.stl scanned.ply --before before.stl -o error/\n"
-      "Writes compare.json, regions.csv, difference.vtp and pictures/: docs/compare.md.\n"
+      "Writes compare.json, regions.csv, difference.vtp and pictures/: docs/guide/compare.md.\n"
       "Not for clinical use.");
   command->callback([job, no_pictures, &context] {
     job->pictures = !*no_pictures;

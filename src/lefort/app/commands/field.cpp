@@ -114,7 +114,7 @@ void add_export(CLI::App& field, CommandContext& context) {
       ->capture_default_str();
   command->footer(
       "Beyond the band samples are +band outside and -band inside; unknown ones are inactive in\n"
-      ".vdb and NaN in .nrrd. Keys in the file say so (docs/field-format.md).\n"
+      ".vdb and NaN in .nrrd. Keys in the file say so (docs/reference/field-format.md).\n"
       "Examples:\n"
       "  lefort field export skull.field -o skull.vdb\n"
       "  lefort field export skull.field -o skull.nrrd --stride 2\n"

@@ -19,7 +19,7 @@ void add_landmarks_command(CLI::App& cli, CommandContext& context) {
       "Examples:\n"
       "  lefort landmarks before.mrk.json --after after.mrk.json -o table.csv\n"
       "  lefort landmarks points.mrk.json --save points.csv\n"
-      "Names and measurements: docs/landmarks.md. Not for clinical use.");
+      "Names and measurements: docs/guide/landmarks.md. Not for clinical use.");
   command->callback([job, &context] {
     context.run("landmarks",
                 [&](Progress& progress) { return pipeline::measure_landmarks(*job, progress); });

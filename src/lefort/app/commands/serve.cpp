@@ -30,7 +30,7 @@ void add_serve_command(CLI::App& cli, CommandContext& context) {
       "Examples:\n"
       "  lefort serve my-case --open\n"
       "Prints the page's address, which holds a secret of this start: who has it can see and\n"
-      "change the case. Ctrl-C ends it. See docs/planner.md. Not for clinical use.");
+      "change the case. Ctrl-C ends it. See docs/guide/planner.md. Not for clinical use.");
   command->callback([job, &context] {
     context.run("serve", [&](Progress& progress) { return server::serve_case(*job, progress); });
   });

@@ -32,7 +32,7 @@
 /// integration, which takes lambda alone from them and leaves 2/3 of the shear modulus (\cite
 /// malkus1978). Inside a body less stays here: so much that a block between sticking plates is as
 /// right as without (tests/fem). Elements of a single layer keep more: so much that it bends as a
-/// beam does within a tenth, of wedge15 a fifth where nu is close to 0.5 (docs/locking.md, the
+/// beam does within a tenth, of wedge15 a fifth where nu is close to 0.5 (docs/theory/locking.md, the
 /// constants).
 ///
 /// Tet4 and wedge6 bend too stiffly even where volume may change. So their shear part is taken at

@@ -7,7 +7,7 @@
 /// values are smooth the error is of order cell^3, that of the second derivatives of order cell.
 /// Every value is kept. Of the splines that were tried for contact the C2 one through the values
 /// swings beside kinks of the distance, and the C2 one that smooths them tells depths wrong there,
-/// by 0.1 mm at P99 (docs/contact.md).
+/// by 0.1 mm at P99 (docs/theory/contact.md).
 #pragma once
 
 #include <lefort/core/types.h>

@@ -3,7 +3,7 @@ import type { Material } from '../../model';
 import { numberField } from '../number_field';
 import { hint, select, type Html } from '../widgets';
 
-/** Presets and their sources, as in docs/materials.md. */
+/** Presets and their sources, as in docs/theory/materials.md. */
 export const MATERIALS = {
   'face-compressible': {
     title: 'Face, compressible',
