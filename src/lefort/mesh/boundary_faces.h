@@ -9,8 +9,8 @@
 
 namespace lefort::mesh {
 
-/// Two elements are joined by a face if it has the same corners in both. Where a quadrilateral meets
-/// two triangles, the elements are not joined, and all three faces are boundary.
+/// Two elements are joined by a face if it has the same corners in both. Where a quadrilateral
+/// meets two triangles, the elements are not joined, and all three faces are boundary.
 ///
 /// \returns the faces of one element only, counter-clockwise seen from outside, in the order of the
 ///   elements and of the faces within them.

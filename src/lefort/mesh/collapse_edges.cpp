@@ -70,7 +70,7 @@ class Collapser {
         best_edge = {from, to};
       }
     if (!(best.first > 0.0)) return false;
-    draw_together(best_edge[0], best_edge[1]);
+    collapse(best_edge[0], best_edge[1]);
     return true;
   }
 
@@ -154,7 +154,7 @@ class Collapser {
         .normalized();
   }
 
-  /// \returns the cosine of the largest rotation of a boundary face; -1 if the boundary would not be
+  /// \returns the cosine of the largest rotation of a boundary face; -1 if the result would not be
   /// a surface.
   [[nodiscard]] double cosine_of_turn(std::int32_t from, std::int32_t to) const {
     const std::vector<Face3> faces = boundary_at(from);
@@ -175,9 +175,9 @@ class Collapser {
     double smallest = 1.0;
     for (const Face3& face : faces) {
       if (std::find(face.begin(), face.end(), to) != face.end()) continue;
-      Face3 turned = face;
-      std::replace(turned.begin(), turned.end(), from, to);
-      smallest = std::min(smallest, normal(face).dot(normal(turned)));
+      Face3 moved_face = face;
+      std::replace(moved_face.begin(), moved_face.end(), from, to);
+      smallest = std::min(smallest, normal(face).dot(normal(moved_face)));
     }
     return smallest;
   }
@@ -233,7 +233,7 @@ class Collapser {
     return {worst, cosine};
   }
 
-  void draw_together(std::int32_t from, std::int32_t to) {
+  void collapse(std::int32_t from, std::int32_t to) {
     for (const std::int32_t e : std::exchange(tets_of_[std::size_t(from)], {})) {
       if (has(at(e), to)) {
         is_there_[std::size_t(e)] = 0;

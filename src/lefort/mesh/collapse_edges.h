@@ -6,19 +6,20 @@
 
 namespace lefort::mesh {
 
-/// Collapses one edge of each element whose scaled Jacobian is below `min_scaled_jacobian`, starting
-/// with the worst: one end node is merged into the other, and the elements around the edge vanish.
+/// Collapses one edge of each element whose scaled Jacobian is below `min_scaled_jacobian`,
+/// starting with the worst: one end node is merged into the other, and the elements around the edge
+/// vanish.
 ///
 /// An edge is collapsed only if
 /// - the topology does not change (link condition, \cite dey1999);
 /// - boundary faces rotate by at most 25 degrees, and boundary nodes stay on the boundary;
 /// - the lowest scaled Jacobian of the changed elements increases.
-/// Among the edges of an element that reach `min_scaled_jacobian`, the one that rotates the boundary
-/// least is collapsed; if none reaches it, the one of the highest quality.
+/// Among the edges of an element that reach `min_scaled_jacobian`, the one that rotates the
+/// boundary least is collapsed; if none reaches it, the one of the highest quality.
 ///
 /// \param mesh  one block of kTet4 with positive volumes, without sets and hinges
-///   (mesh/largest_face_connected_part.h). Unused nodes are removed, the others keep their order and
-///   position.
+///   (mesh/largest_face_connected_part.h). Unused nodes are removed, the others keep their order
+///   and position.
 /// \param min_scaled_jacobian  quality below which an element is removed.
 /// \returns the number of collapsed edges.
 Index collapse_edges(VolumeMesh& mesh, double min_scaled_jacobian);

@@ -11,8 +11,9 @@
 
 namespace lefort::mesh {
 
-/// Both parts are closed and counter-clockwise seen from outside; either may be empty. On the common
-/// cap they have the same triangles with opposite orientation, on vertices of equal coordinates.
+/// Both parts are closed and counter-clockwise seen from outside; either may be empty. On the
+/// common cap they have the same triangles with opposite orientation, on vertices of equal
+/// coordinates.
 struct SurfaceCut {
   geometry::TriangleMesh inside;   ///< Within all half-spaces.
   geometry::TriangleMesh outside;  ///< The rest.
@@ -47,8 +48,8 @@ struct SurfaceCut {
 /// \param surface   closed once repaired; the same frame as `solid`.
 /// \param solid     closed, counter-clockwise seen from outside, not crossing itself; may be empty.
 /// \param progress  receives the fraction of attempts done; may request a stop.
-/// \returns as above; where the cut passes through a defect of the surface, the solid is displaced by
-///   up to 1e-4 mm.
+/// \returns as above; where the cut passes through a defect of the surface, the solid is displaced
+///   by up to 1e-4 mm.
 [[nodiscard]] Result<SurfaceCut> cut_surface(const geometry::TriangleMesh& surface,
                                              const geometry::TriangleMesh& solid,
                                              Progress& progress = Progress::none());

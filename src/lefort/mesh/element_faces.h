@@ -20,8 +20,8 @@ namespace lefort::mesh {
   return kCounts[std::size_t(shape)];
 }
 
-/// A face by the local node numbers of its element, counter-clockwise seen from outside the element;
-/// the first node_count(shape) entries are used.
+/// A face by the local node numbers of its element, counter-clockwise seen from outside the
+/// element; the first node_count(shape) entries are used.
 struct LocalFace {
   FaceShape shape;
   std::array<std::int8_t, 8> nodes;
@@ -38,8 +38,8 @@ struct LocalFace {
 /// \returns the face by the node numbers of the mesh.
 [[nodiscard]] Face face_of(const std::int32_t* element, const LocalFace& local);
 
-/// \returns the end corners of each edge, in the order of the mid-edge nodes of the quadratic element
-/// of the same family.
+/// \returns the end corners of each edge, in the order of the mid-edge nodes of the quadratic
+/// element of the same family.
 [[nodiscard]] std::span<const std::array<std::int8_t, 2>> edges_of(ElementShape shape);
 
 }  // namespace lefort::mesh

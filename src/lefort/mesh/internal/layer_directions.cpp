@@ -46,16 +46,16 @@ void smooth_directions(const LayerSurface& surface, std::vector<Vec3>& inwards) 
 void turn_to_oblique_face(const LayerSurface& surface, std::size_t node, Vec3& inwards) {
   for (int turn = 0; turn < kMaxTurns; ++turn) {
     double min_cosine = kMinFaceCosine;
-    Vec3 most_oblique = Vec3::Zero();
+    Vec3 oblique = Vec3::Zero();
     for (const Index f : surface.faces_of_node.of(node)) {
       const Vec3 face_inwards = -surface.area_vector(f).normalized();
       if (const double cosine = face_inwards.dot(inwards); cosine < min_cosine) {
         min_cosine = cosine;
-        most_oblique = face_inwards;
+        oblique = face_inwards;
       }
     }
-    if (most_oblique.isZero()) return;
-    inwards = (inwards + kTurnFraction * most_oblique).normalized();
+    if (oblique.isZero()) return;
+    inwards = (inwards + kTurnFraction * oblique).normalized();
   }
 }
 
