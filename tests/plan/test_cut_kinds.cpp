@@ -155,8 +155,8 @@ TEST(PerformOsteotomy, AnchorPointSelectsItsPiece) {
   expect_error(perform_osteotomy(two, osteotomy), ErrorCode::kCutMissesBone, "anchor point");
 }
 
-/// A spine behind a chin, both within the cut: the bound of fragments for the anchored piece does not
-/// depend on the other piece.
+/// A spine behind a chin, both within the cut: the bound of fragments for the anchored piece does
+/// not depend on the other piece.
 TEST(PerformOsteotomy, AnchoredPieceMayBeSmallerThanAnotherOne) {
   const TriangleMesh chin = test::make_box({-5, -20, -5}, {5, 20, 5});
   const TriangleMesh spine = test::make_box({-30, 40, -200}, {30, 100, 10});
