@@ -28,6 +28,7 @@ inline constexpr std::array<FaceRegion, 6> kFaceRegions{
     FaceRegion::kNose, FaceRegion::kUpperLip,   FaceRegion::kLowerLip,
     FaceRegion::kChin, FaceRegion::kRightCheek, FaceRegion::kLeftCheek};
 
+/// \param region  a region.
 /// \returns "nose", "upper lip", ..., or "elsewhere".
 [[nodiscard]] const char* name_of(FaceRegion region);
 
@@ -53,7 +54,8 @@ class FaceRegions {
   ///   with a missing landmark is omitted.
   [[nodiscard]] static Result<FaceRegions> from(std::span<const plan::Landmark> landmarks_L);
 
-  /// \returns the first region that contains the point.
+  /// \param p_L  a point of the skin [mm].
+  /// \returns the first region that contains the point, or kElsewhere.
   [[nodiscard]] FaceRegion at(const Vec3& p_L) const;
 
   /// \returns the missing landmarks of each omitted region: "upper lip: Stm".

@@ -36,6 +36,7 @@ struct SurfaceDifference {
                                                    const geometry::Bvh& onto,
                                                    const DifferenceOptions& options = {});
 
+/// \param mesh  a surface.
 /// \returns a third of the area of the triangles around each vertex [mm^2].
 [[nodiscard]] std::vector<double> vertex_areas(const geometry::TriangleMesh& mesh);
 

@@ -25,11 +25,15 @@ enum class ElementShape : std::uint8_t {
   kHex20
 };
 
+/// \param shape  of an element.
+/// \returns the number of its nodes.
 [[nodiscard]] constexpr int node_count(ElementShape shape) {
   constexpr std::array<int, 7> kCounts{4, 5, 6, 8, 10, 15, 20};
   return kCounts[std::size_t(shape)];
 }
 
+/// \param shape  of an element.
+/// \returns "tet4", "pyramid5", ...
 [[nodiscard]] constexpr std::string_view name_of(ElementShape shape) {
   constexpr std::array<std::string_view, 7> kNames{"tet4",  "pyramid5", "wedge6", "hex8",
                                                    "tet10", "wedge15",  "hex20"};
@@ -43,7 +47,8 @@ struct ElementBlock {
   std::vector<std::int32_t> region;  ///< One per element; see VolumeMesh::region_names.
 
   [[nodiscard]] Index element_count() const { return Index(region.size()); }
-  /// The nodes of element `e`.
+  /// \param e  number of the element in this block.
+  /// \returns its node_count(shape) nodes.
   [[nodiscard]] const std::int32_t* element(Index e) const {
     return nodes.data() + e * node_count(shape);
   }
@@ -53,6 +58,8 @@ struct ElementBlock {
 /// the corners, then the mid-edge nodes.
 enum class FaceShape : std::uint8_t { kTri3, kQuad4, kTri6, kQuad8 };
 
+/// \param shape  of a face.
+/// \returns the number of its nodes.
 [[nodiscard]] constexpr int node_count(FaceShape shape) {
   constexpr std::array<int, 4> kCounts{3, 4, 6, 8};
   return kCounts[std::size_t(shape)];
@@ -66,7 +73,8 @@ struct Face {
   [[nodiscard]] friend bool operator==(const Face&, const Face&) = default;
 };
 
-/// \returns the node_count(face.shape) nodes of the face.
+/// \param face  must outlive the result.
+/// \returns its node_count(face.shape) nodes.
 [[nodiscard]] inline std::span<const std::int32_t> nodes_of(const Face& face) {
   return {face.nodes.data(), std::size_t(node_count(face.shape))};
 }

@@ -29,6 +29,9 @@ struct BoneBody {
                                             const std::vector<bool>& chosen);
 
 /// Appends a surface without stitching it.
+///
+/// \param to    the surface that grows.
+/// \param more  the surface to append.
 void append(geometry::TriangleMesh& to, const geometry::TriangleMesh& more);
 
 }  // namespace lefort::plan

@@ -35,6 +35,9 @@ struct Measurement {
                                                        std::span<const Landmark> frame);
 
 /// Computes all measurements in the frame of the landmarks themselves.
+///
+/// \param landmarks  to be measured.
+/// \returns as above.
 [[nodiscard]] Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks);
 
 }  // namespace lefort::plan

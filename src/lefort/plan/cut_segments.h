@@ -24,6 +24,7 @@ struct PlannedSegment {
   bool is_distracted = false;  ///< Distraction osteogenesis: bone grows in the gap it leaves.
 };
 
+/// \param planned  the segments.
 /// \returns the path of each segment.
 [[nodiscard]] std::vector<geometry::RigidPath> paths_of(std::span<const PlannedSegment> planned);
 
@@ -53,6 +54,7 @@ struct CutSegments {
 
 /// Checks the names and `from` of all segments.
 ///
+/// \param planned  the segments, in the order of the plan.
 /// \returns nothing, or kPlanInvalid as cut_segments() does.
 [[nodiscard]] Result<void> check_segments(std::span<const PlannedSegment> planned);
 

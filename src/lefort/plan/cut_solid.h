@@ -14,16 +14,20 @@ namespace lefort::plan {
 /// Limit of the kerf. Surgical saws and burs are thinner; a larger value is taken for an error.
 inline constexpr double kMaxKerf_mm = 5.0;
 
+/// \param osteotomy  of any kind.
 /// \returns nothing, or kPlanInvalid with the name of the osteotomy and the reason (see
 ///   perform_osteotomy()).
 [[nodiscard]] Result<void> check_osteotomy(const Osteotomy& osteotomy);
 
-/// Whether the osteotomy consists of bounded planes (sheets). \pre check_osteotomy()
+/// \param osteotomy  checked by check_osteotomy().
+/// \returns whether it consists of bounded planes (sheets).
 [[nodiscard]] bool is_of_sheets(const Osteotomy& osteotomy);
 
-/// Whether the osteotomy consists of unbounded planes only, which need no solid.
+/// \param osteotomy  checked by check_osteotomy().
+/// \returns whether it consists of unbounded planes only, which need no solid.
 [[nodiscard]] bool is_of_planes(const Osteotomy& osteotomy);
 
+/// \param planes  unbounded.
 /// \returns the half-space on the segment's side of each plane.
 [[nodiscard]] std::vector<mesh::HalfSpace> half_spaces_of(const std::vector<CutPlane>& planes);
 

@@ -36,14 +36,18 @@ struct LandmarkKind {
 /// \returns the definition; null if the name is not a standard one, or lacks the side of a pair.
 [[nodiscard]] const LandmarkKind* landmark_definition(std::string_view name);
 
+/// \param name  with the side.
 /// \returns "right orbitale" for "Or-R"; the name itself if it is not a standard one.
 [[nodiscard]] std::string full_name(std::string_view name);
 
+/// \param landmarks  to be searched.
+/// \param name       with the side.
 /// \returns the position of the landmark with that name [mm], nothing if there is none.
 [[nodiscard]] std::optional<Vec3> find_landmark(std::span<const Landmark> landmarks,
                                                 std::string_view name);
 
-/// \param name  without the side: "Or".
+/// \param landmarks  to be searched.
+/// \param name       without the side: "Or".
 /// \returns the landmark of that name; otherwise the midpoint of the pair, or the existing one of
 ///   the two; nothing if there is none.
 [[nodiscard]] std::optional<Vec3> pair_midpoint(std::span<const Landmark> landmarks,
@@ -63,6 +67,7 @@ struct LandmarkKind {
 ///     passes through the mean of the midpoints of pairs and of the unpaired standard landmarks.
 [[nodiscard]] Result<Vec3> patient_left_axis(std::span<const Landmark> landmarks);
 
+/// \param landmarks  to be searched.
 /// \returns the first name that occurs twice, if there is one.
 [[nodiscard]] std::optional<std::string> first_repeated_name(std::span<const Landmark> landmarks);
 

@@ -48,7 +48,8 @@ struct DistractionPhase {
 [[nodiscard]] Result<std::vector<geometry::Keyframe>> distraction_keyframes(
     std::span<const DistractionPhase> phases);
 
-/// \returns the total number of days of phases that distraction_keyframes() accepts.
+/// \param phases  accepted by distraction_keyframes().
+/// \returns the total number of days.
 [[nodiscard]] int total_days(std::span<const DistractionPhase> phases);
 
 }  // namespace lefort::plan

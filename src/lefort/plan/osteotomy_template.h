@@ -25,8 +25,10 @@ enum class OsteotomyTemplate {
   kSagittalSplit,  ///< The tooth-bearing mandible (BSSO): Me, and Go, Co, L6 on both sides.
 };
 
+/// \param kind  a template.
 /// \returns "le-fort-1", "le-fort-2", "le-fort-3", "genioplasty" or "sagittal-split".
 [[nodiscard]] std::string_view name_of(OsteotomyTemplate kind);
+/// \param name  as returned by name_of().
 /// \returns the template of that name, nothing if there is none.
 [[nodiscard]] std::optional<OsteotomyTemplate> find_template(std::string_view name);
 

@@ -35,6 +35,7 @@ struct ColorScale {
   }
 };
 
+/// \param scale  any values.
 /// \returns nothing, or kInvalidArgument unless both ends are finite and low < high.
 [[nodiscard]] Result<void> check_scale(const ColorScale& scale);
 

@@ -26,10 +26,12 @@ struct Picture {
 
 inline constexpr int kMaxPictureSide = 16384;
 
+/// \param picture  any values.
 /// \returns nothing; or kInvalidArgument if a side is not in [1, kMaxPictureSide], or the length of
 ///   `rgba` does not match.
 [[nodiscard]] Result<void> check_picture(const Picture& picture);
 
+/// \param picture  valid according to check_picture().
 /// \returns the bytes of a PNG file, or the errors of check_picture().
 [[nodiscard]] Result<std::string> encode_png(const Picture& picture);
 

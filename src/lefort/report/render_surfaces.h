@@ -67,6 +67,12 @@ class SurfaceScene {
 };
 
 /// Renders a single picture: SurfaceScene::build(), then SurfaceScene::render().
+///
+/// \param layers    the surfaces.
+/// \param view      the camera.
+/// \param size      of the picture.
+/// \param progress  receives the fraction done; may request a stop.
+/// \returns the picture, or the errors of both functions.
 [[nodiscard]] Result<Picture> render_surfaces(std::span<const SurfaceLayer> layers,
                                               const View& view, const PictureSize& size,
                                               Progress& progress);

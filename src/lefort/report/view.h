@@ -28,6 +28,7 @@ enum class StandardView {
   kLeftThreeQuarter,   ///< Half-way from the front to the left profile.
 };
 
+/// \param view  a standard view.
 /// \returns "front", "right profile", ...
 [[nodiscard]] const char* name_of(StandardView view);
 
@@ -39,6 +40,7 @@ enum class StandardView {
 /// \returns the camera.
 [[nodiscard]] View standard_view(StandardView view, const Box3& focus_L, double aspect);
 
+/// \param view  any values.
 /// \returns nothing, or kInvalidArgument if a member of the view is out of range.
 [[nodiscard]] Result<void> check_view(const View& view);
 
