@@ -168,9 +168,9 @@ void expect_error(const Result<VolumeMesh>& mesh, ErrorCode code, const std::str
 
 TEST(GenerateTets, ReportsAnEmptyRegion) {
   expect_error(generate_tets([](const Vec3&) { return -1.0; }, cube(10.0)),
-               ErrorCode::kMeshingFailed, "at 0 spots");
+               ErrorCode::kMeshingFailed, "at 0 points");
   expect_error(generate_tets([](const Vec3&) { return std::nan(""); }, cube(10.0)),
-               ErrorCode::kMeshingFailed, "at 0 spots");
+               ErrorCode::kMeshingFailed, "at 0 points");
 }
 
 TEST(GenerateTets, RejectsOptionsOutOfRange) {

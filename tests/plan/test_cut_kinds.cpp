@@ -179,14 +179,14 @@ TEST(PerformOsteotomy, AnchoredPieceMayBeSmallerThanAnotherOne) {
 TEST(PerformOsteotomy, RejectsAKerfThatRemovesAllBone) {
   Osteotomy osteotomy{"front", {{{0, 17, 0}, {0, -1, 0}}}};
   osteotomy.kerf_mm = 5.0;
-  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
+  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "removes all bone");
   osteotomy.planes = {sheet({0, 17, 0}, {0, -1, 0}, 30, 30)};
-  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
+  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "removes all bone");
 }
 
 TEST(PerformOsteotomy, RejectsInvalidCuts) {
   Osteotomy mixed{"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30), {{0, 0, 0}, {0, 0, 1}}}};
-  expect_error(perform_osteotomy(kBar, mixed), ErrorCode::kPlanInvalid, "must stand alone");
+  expect_error(perform_osteotomy(kBar, mixed), ErrorCode::kPlanInvalid, "cannot be combined");
   expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 0, 30)}}),
                ErrorCode::kPlanInvalid, "its size is 0 x 30 mm");
   expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {1, 0, 0}, 5, 30)}}),
