@@ -18,7 +18,7 @@ using Nodes = std::vector<std::int32_t>;
 using Tet = std::array<std::int32_t, 4>;
 using NodePair = std::array<std::int32_t, 2>;
 
-constexpr double kMaxCollapseTurn_deg = 25.0;
+constexpr double kMaxCollapseRotation_deg = 25.0;  // Of a boundary face. Heuristic.
 
 template <class T>
 void sort_unique(std::vector<T>& list) {
@@ -156,7 +156,7 @@ class Collapser {
 
   /// \returns the cosine of the largest rotation of a boundary face; -1 if the result would not be
   /// a surface.
-  [[nodiscard]] double cosine_of_turn(std::int32_t from, std::int32_t to) const {
+  [[nodiscard]] double cosine_of_rotation(std::int32_t from, std::int32_t to) const {
     const std::vector<Face3> faces = boundary_at(from);
     if (faces.empty()) return 1.0;  // An interior node: no boundary face changes.
     const auto with_to = std::count_if(faces.begin(), faces.end(), [&](const Face3& face) {
@@ -228,8 +228,8 @@ class Collapser {
       if (!has(at(e), to)) worst = std::min(worst, quality(with(at(e), from, to)));
     }
     if (!(worst > before) || !std::isfinite(worst) || !keeps_topology(from, to)) return kMayNot;
-    const double cosine = cosine_of_turn(from, to);
-    if (!(cosine > std::cos(radians_from_degrees(kMaxCollapseTurn_deg)))) return kMayNot;
+    const double cosine = cosine_of_rotation(from, to);
+    if (!(cosine > std::cos(radians_from_degrees(kMaxCollapseRotation_deg)))) return kMayNot;
     return {worst, cosine};
   }
 

@@ -258,11 +258,11 @@ Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOption
   const VolumeMesh all = to_volume_mesh(complex);
   VolumeMesh mesh = largest_face_connected_part(all);
   LEFORT_TRY_VOID(check_dropped(volume_mm3(all), volume_mm3(mesh), progress));
-  const Index held_back =
+  const Index off_surface =
       snap_boundary_to_level(mesh, inside, options.element_size_mm, tolerance_mm);
-  if (held_back > 0)
+  if (off_surface > 0)
     progress.note(
-        fmt::format("{} nodes are not on the surface, to avoid flattened elements", held_back));
+        fmt::format("{} nodes are not on the surface, to avoid flattened elements", off_surface));
   progress.report(0.8);
   ImproveOptions improvement{.angle_deg = options.sliver_angle_deg, .tolerance_mm = tolerance_mm};
   improve_tets(mesh, inside, improvement);

@@ -42,7 +42,10 @@ double shape_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 using internal::Lists;
 using internal::users_of_nodes;
 
-constexpr double kMaxMoveTurn_deg = 20.0;
+// Heuristic values, without a source in the literature.
+constexpr double kMaxMoveRotation_deg = 20.0;  // Of a boundary face.
+constexpr double kFirstStepFraction = 0.3;     // Of the shortest edge at the node.
+constexpr int kSearchRounds = 8;               // The step is halved in a round without success.
 
 class Improver {
  public:
@@ -98,7 +101,7 @@ class Improver {
     const auto& [a, b, c] = faces_[std::size_t(f)];
     return (at(b) - at(a)).cross(at(c) - at(a));
   }
-  [[nodiscard]] double reach_mm(std::size_t node) const {
+  [[nodiscard]] double shortest_edge_mm(std::size_t node) const {
     double shortest = std::numeric_limits<double>::infinity();
     for (const Index e : tets_of_node_.of(node))
       for (const std::int32_t other : nodes_of(e))
@@ -116,6 +119,8 @@ class Improver {
     return sum.normalized();
   }
 
+  /// \returns the search directions: 14 in space for interior nodes, 8 tangential ones for boundary
+  /// nodes.
   [[nodiscard]] static std::vector<Vec3> directions(const std::optional<Vec3>& normal) {
     std::vector<Vec3> all;
     if (!normal) {
@@ -148,7 +153,7 @@ class Improver {
     const auto faces = faces_of_node_.of(node);
     for (std::size_t i = 0; i < faces.size(); ++i)
       if (normal_of_face(faces[i]).normalized().dot(face_normals[i]) <
-          std::cos(radians_from_degrees(kMaxMoveTurn_deg)))
+          std::cos(radians_from_degrees(kMaxMoveRotation_deg)))
         return false;
     return true;
   }
@@ -163,8 +168,8 @@ class Improver {
     const std::vector<Vec3> along = directions(normal);
     Vec3 best_p = mesh_->nodes_L[node];
     double best = worst_around(node);
-    double step_mm = 0.3 * reach_mm(node);
-    for (int round = 0; round < 8; ++round) {
+    double step_mm = kFirstStepFraction * shortest_edge_mm(node);
+    for (int round = 0; round < kSearchRounds; ++round) {
       const Vec3 from = best_p;
       bool any = false;
       for (const Vec3& direction : along) {

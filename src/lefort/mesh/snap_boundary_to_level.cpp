@@ -40,7 +40,7 @@ double volume_mm3(const VolumeMesh& mesh, Index element) {
 /// kMinVolumeFraction of its volume. \returns whether it moved all the way.
 bool move_node(VolumeMesh& mesh, std::size_t node, const Vec3& shift,
                const std::vector<Index>& elements) {
-  constexpr double kMinVolumeFraction = 0.2;
+  constexpr double kMinVolumeFraction = 0.2;  // Heuristic.
   const Vec3 start = mesh.nodes_L[node];
   std::vector<double> before_mm3;
   for (const Index e : elements) before_mm3.push_back(volume_mm3(mesh, e));
@@ -66,7 +66,7 @@ Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_
   const std::vector<Face> faces = boundary_faces(mesh);
   const std::vector<Vec3> normals = node_normals(mesh, triangles_of(faces));
   const std::vector<std::vector<Index>> elements = elements_of_nodes(mesh);
-  Index held_back = 0;
+  Index incomplete = 0;
   for (const std::int32_t n : nodes_of_faces(faces)) {
     const auto node = std::size_t(n);
     const double length = normals[node].norm();
@@ -75,9 +75,9 @@ Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_
     const auto change_mm =
         find_zero_crossing(mesh.nodes_L[node], normal, is_inside_L, reach_mm, tolerance_mm);
     if (!change_mm || std::abs(*change_mm) <= tolerance_mm) continue;
-    if (!move_node(mesh, node, *change_mm * normal, elements[node])) ++held_back;
+    if (!move_node(mesh, node, *change_mm * normal, elements[node])) ++incomplete;
   }
-  return held_back;
+  return incomplete;
 }
 
 }  // namespace lefort::mesh

@@ -127,8 +127,7 @@ std::vector<mesh::HalfSpace> half_spaces_of(const std::vector<CutPlane>& planes)
 }
 
 Result<TriangleMesh> cut_solid(const Osteotomy& osteotomy, const Box3& box, double grow_mm) {
-  // Without it, boxes of regions that end in the same plane would touch face to face. Below the
-  // margin of the box around the bone.
+  // Without it, boxes of regions that end in the same plane would touch face to face.
   constexpr double kStagger_mm = 0.25;
   Box3 room = box;
   LEFORT_TRY(TriangleMesh solid, solid_of({osteotomy.planes, osteotomy.curves}, room, grow_mm));

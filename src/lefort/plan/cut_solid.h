@@ -11,7 +11,7 @@
 
 namespace lefort::plan {
 
-/// Limit of the kerf. Surgical saws and burs are thinner; a larger value is taken for an error.
+/// Limit of the kerf; no surgical saw is wider.
 inline constexpr double kMaxKerf_mm = 5.0;
 
 /// \param osteotomy  of any kind.

@@ -20,7 +20,7 @@ namespace {
 using geometry::TriangleMesh;
 
 constexpr double kMm3PerMl = 1000.0;
-// Anchor points are picked on a rendered surface, which may lie off the segmented bone.
+// Landmarks are picked on surfaces of bone, which may be rough. Heuristic.
 constexpr double kAnchorTolerance_mm = 5.0;
 constexpr double kSheet_mm = 0.01;  // Thickness of a sheet without kerf, until it is stitched.
 

@@ -76,7 +76,7 @@ Result<Picture> side_by_side(std::span<const Picture> pictures,
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} pictures have {} titles, must have one each or none",
                             pictures.size(), titles.size()));
-  constexpr int kGap = 8;
+  constexpr int kGap = 8;  // Pixels between pictures.
   Index width = -kGap;
   int tallest = 0;
   for (const Picture& picture : pictures) {
