@@ -242,7 +242,7 @@ const BadInput kBadInput[] = {
      kCheck, "no landmark ANS"},
     {"cut out of an unknown segment",
      plan(R"([{"op": "add", "path": "/segments/0/cut_from", "value": "nobody"}])"), kCheck,
-     "'nobody', which is no segment before it"},
+     "'nobody', which is not an earlier segment"},
     {"two segments of one name",
      plan(R"([{"op": "copy", "from": "/segments/0", "path": "/segments/-"}])"), kCheck,
      "two segments are called 'front'"},

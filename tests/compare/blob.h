@@ -1,6 +1,5 @@
 /// \file
-/// Bodies without symmetry, whose surface is known everywhere and can be cut into triangles in
-/// different ways.
+/// Bodies without symmetry, with an analytical surface that can be triangulated in different ways.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -11,7 +10,7 @@
 
 namespace lefort::test {
 
-/// An uneven ellipsoid. `twist` turns the triangulation, not the body.
+/// A perturbed ellipsoid. `twist` rotates the triangulation, not the body.
 [[nodiscard]] inline geometry::TriangleMesh make_blob(const Vec3& center, const Vec3& radii_mm,
                                                       int subdivisions,
                                                       const Mat3& twist = Mat3::Identity()) {
@@ -34,7 +33,7 @@ namespace lefort::test {
   return one;
 }
 
-/// Another triangulation than that of no twist at all.
+/// A rotation that gives another triangulation than the identity.
 [[nodiscard]] inline Mat3 some_twist() {
   return Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, -0.5).normalized()).toRotationMatrix();
 }

@@ -11,7 +11,7 @@
 namespace lefort::compare {
 namespace {
 
-/// A face is a sheet that looks up. Of 40 x 40 mm the half x > 0 was to be lifted by 3 mm; a
+/// The face is a sheet of 40 x 40 mm that faces upwards. The half x > 0 is lifted by 3 mm; a
 /// prediction lifts it by 2.5 mm.
 geometry::TriangleMesh lifted_by(double height_mm) {
   geometry::TriangleMesh sheet = test::make_sheet(40.0, 40);
@@ -27,7 +27,7 @@ const RegionDifference& row(const std::vector<RegionDifference>& rows, const cha
   return *found;
 }
 
-/// Of a nose and an upper lip in the plane of upright_sheet().
+/// Landmarks of a nose and an upper lip in the plane of upright_sheet().
 plan::Landmarks lip_landmarks() {
   return {{"N'", {0, -100, 50}},
           {"Sn", {0, -100, 5}},
@@ -43,7 +43,7 @@ geometry::TriangleMesh upright_sheet() {
   return sheet;
 }
 
-TEST(CompareByRegion, TheMovedPartIsNotFlatteredByTheRest) {
+TEST(CompareByRegion, MovedPartIsReportedSeparately) {
   const auto before = lifted_by(0.0), predicted = lifted_by(2.5);
   const geometry::Bvh actual(lifted_by(3.0));
   const auto regions = FaceRegions::from({}).value();
@@ -57,8 +57,8 @@ TEST(CompareByRegion, TheMovedPartIsNotFlatteredByTheRest) {
   EXPECT_LT(row(rows, "whole").if_unchanged->mean_mm, 1.6);
 }
 
-/// Another triangulation of the face before surgery gives the same moved part, but for its edge.
-TEST(CompareByRegion, TheMovedPartIsFoundOnOtherTriangulationsToo) {
+/// Another triangulation of the face before surgery gives the same moved part, except its edge.
+TEST(CompareByRegion, MovedPartDoesNotDependOnTheTriangulation) {
   const auto predicted = lifted_by(2.5);
   const geometry::Bvh actual(lifted_by(3.0));
   const auto before = test::make_sheet(40.0, 23);
@@ -68,8 +68,8 @@ TEST(CompareByRegion, TheMovedPartIsFoundOnOtherTriangulationsToo) {
   EXPECT_NEAR(row(rows, "moved").face.median_mm, 0.5, 1e-9);
 }
 
-/// Skin that surgery carries down from the upper lip is still that of the upper lip.
-TEST(CompareByRegion, SkinStaysInItsRegion) {
+/// Skin of the upper lip that moves down still belongs to the upper lip.
+TEST(CompareByRegion, SkinKeepsItsRegion) {
   const geometry::TriangleMesh before = upright_sheet();
   geometry::TriangleMesh after = before;
   for (Vec3& v : after.vertices) v.z() -= 8.0;
@@ -82,8 +82,8 @@ TEST(CompareByRegion, SkinStaysInItsRegion) {
   EXPECT_DOUBLE_EQ(lip.face.area_mm2, lip.if_unchanged->area_mm2);
 }
 
-/// Sliding along itself is movement, too, which distances between surfaces do not see.
-TEST(MovementByRegion, IsTheWayOfEachVertex) {
+/// Sliding along itself is a displacement, too, but not a distance between surfaces.
+TEST(MovementByRegion, IsTheDisplacementOfEachVertex) {
   const geometry::TriangleMesh before = upright_sheet();
   std::vector<Vec3> displacement_mm;
   for (const Vec3& v : before.vertices)
@@ -100,7 +100,7 @@ TEST(MovementByRegion, IsTheWayOfEachVertex) {
   for (const RegionDifference& one : rows) EXPECT_FALSE(one.if_unchanged);
 }
 
-TEST(CompareByRegion, WithoutAFaceBeforeThereIsNeitherBaselineNorMovedPart) {
+TEST(CompareByRegion, WithoutFaceBeforeSurgeryThereIsNoBaselineAndNoMovedPart) {
   const auto predicted = lifted_by(2.5);
   const geometry::Bvh actual(lifted_by(3.0));
   const auto rows = compare_by_region(predicted, measure_difference(predicted, actual), actual,

@@ -11,7 +11,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 bool everywhere(Index) { return true; }
 
-TEST(DifferenceStatistics, AreOverAreaAndNotOverVertices) {
+TEST(DifferenceStatistics, AreWeightedByArea) {
   // 1 mm on nine tenths of the area, in one vertex; 3 mm inwards on the rest, in two.
   const SurfaceDifference difference{{1.0, -3.0, -3.0}, {9.0, 0.5, 0.5}};
   const DifferenceStatistics reported = describe(difference, everywhere);
@@ -28,14 +28,14 @@ TEST(DifferenceStatistics, AreOverAreaAndNotOverVertices) {
   EXPECT_DOUBLE_EQ(reported.fraction_below_2mm, 0.9);
 }
 
-TEST(DifferenceStatistics, ReportsTheLastHundredthApart) {
+TEST(DifferenceStatistics, ReportsTheLastPercentileSeparately) {
   const DifferenceStatistics reported = describe({{1.0, 2.0, 5.0}, {96.0, 3.5, 0.5}}, everywhere);
   EXPECT_DOUBLE_EQ(reported.p95_mm, 1.0);
   EXPECT_DOUBLE_EQ(reported.p99_mm, 2.0);
   EXPECT_DOUBLE_EQ(reported.max_mm, 5.0);
 }
 
-TEST(DifferenceStatistics, WhatIsNotComparedIsCountedApart) {
+TEST(DifferenceStatistics, CountsTheAreaThatIsNotCompared) {
   const SurfaceDifference difference{{0.5, kNaN, 9.0}, {1.0, 3.0, 5.0}};
   const DifferenceStatistics reported = describe(difference, [](Index v) { return v < 2; });
   EXPECT_DOUBLE_EQ(reported.area_mm2, 4.0);
@@ -44,7 +44,7 @@ TEST(DifferenceStatistics, WhatIsNotComparedIsCountedApart) {
   EXPECT_DOUBLE_EQ(reported.fraction_below_1mm, 1.0);
 }
 
-TEST(DifferenceStatistics, OfNothingAreNoNumbers) {
+TEST(DifferenceStatistics, AreNanIfNothingIsCompared) {
   const DifferenceStatistics reported = describe({{kNaN}, {2.0}}, everywhere);
   EXPECT_DOUBLE_EQ(reported.area_mm2, 2.0);
   EXPECT_DOUBLE_EQ(reported.compared_fraction, 0.0);

@@ -7,7 +7,7 @@
 namespace lefort::compare {
 namespace {
 
-/// A face that looks along -y, upright.
+/// An upright face, anterior is -y.
 plan::Landmarks face() {
   return {{"N'", {0, -100, 50}},    {"Prn", {0, -120, 10}},    {"Sn", {0, -105, 0}},
           {"Stm", {0, -103, -20}},  {"Li", {0, -105, -28}},    {"Pg'", {0, -100, -48}},
@@ -22,7 +22,7 @@ FaceRegions regions_of(const plan::Landmarks& landmarks) {
   return *std::move(regions);
 }
 
-TEST(FaceRegions, AreWhereTheirLandmarksAre) {
+TEST(FaceRegions, AreAtTheirLandmarks) {
   const FaceRegions regions = regions_of(face());
   EXPECT_TRUE(regions.missing().empty());
   EXPECT_EQ(regions.at({0, -120, 10}), FaceRegion::kNose);
@@ -35,15 +35,15 @@ TEST(FaceRegions, AreWhereTheirLandmarksAre) {
   EXPECT_EQ(regions.at({0, 80, 10}), FaceRegion::kElsewhere) << "the back of the head";
 }
 
-/// The nose narrows upwards; what it leaves belongs to the cheeks.
-TEST(FaceRegions, TheNoseIsNarrowerAtItsRoot) {
+/// The nose is narrower at the top; the points next to it belong to the cheeks.
+TEST(FaceRegions, NoseIsNarrowerAtItsRoot) {
   const FaceRegions regions = regions_of(face());
   EXPECT_EQ(regions.at({19, -100, 2}), FaceRegion::kNose);
   EXPECT_EQ(regions.at({19, -100, 44}), FaceRegion::kLeftCheek);
 }
 
-/// Whatever way the head lies, a point of it belongs to the same region.
-TEST(FaceRegions, TurnWithTheHead) {
+/// The region of a point does not depend on the orientation of the head.
+TEST(FaceRegions, RotateWithTheHead) {
   const Mat3 turn = Eigen::AngleAxisd(0.4, Vec3(1, 0.2, 0.3).normalized()).toRotationMatrix();
   plan::Landmarks turned = face();
   for (plan::Landmark& l : turned) l.point_L = turn * l.point_L + Vec3(5, 6, 7);
@@ -53,7 +53,7 @@ TEST(FaceRegions, TurnWithTheHead) {
     EXPECT_EQ(upright.at(p), leaning.at(turn * p + Vec3(5, 6, 7))) << p.transpose();
 }
 
-TEST(FaceRegions, AreLeftOutAndReportedWhereLandmarksAreMissing) {
+TEST(FaceRegions, AreOmittedAndReportedIfLandmarksAreMissing) {
   plan::Landmarks landmarks = face();
   std::erase_if(landmarks,
                 [](const plan::Landmark& l) { return l.name == "Stm" || l.name == "En-R"; });
@@ -67,7 +67,7 @@ TEST(FaceRegions, AreLeftOutAndReportedWhereLandmarksAreMissing) {
             std::vector<std::string>{"all regions: Sn, and N' or Po and Or"});
 }
 
-TEST(FaceRegions, ExchangedSidesAreRefused) {
+TEST(FaceRegions, RejectsExchangedSides) {
   plan::Landmarks landmarks = face();
   for (plan::Landmark& l : landmarks) l.point_L.x() = -l.point_L.x();
   const auto regions = FaceRegions::from(landmarks);

@@ -19,19 +19,19 @@ using geometry::transformed;
 const Vec3 kSkullRadii_mm(60.0, 80.0, 50.0), kSegmentRadii_mm(30.0, 25.0, 25.0);
 const Vec3 kSegmentCenter(0.0, -85.0, -40.0);
 
-TEST(RecoverMovement, DifferencesAreThoseOfTheCenterAndTheTurn) {
+TEST(RegisterSegment, DifferenceIsTranslationOfTheCenterAndRotation) {
   const geometry::TriangleMesh bone = test::make_box({-10, -10, -10}, {10, 10, 10});
   const RigidTransform first = rigid_motion({1, 0, 0}, Vec3::Zero(), Vec3::Zero());
   const RigidTransform second = rigid_motion({1, -2, 0}, {0, 0, 0.1}, Vec3::Zero());
   const MovementDifference difference = difference_of(first, second, bone);
   EXPECT_LT((difference.translation_mm - Vec3(0, -2, 0)).norm(), 1e-12);
   EXPECT_LT((difference.rotation_rad - Vec3(0, 0, 0.1)).norm(), 1e-12);
-  // A corner lies sqrt(200) mm off the axis; its chord joins the shift.
+  // A corner lies sqrt(200) mm from the axis; its chord adds to the translation.
   EXPECT_GT(difference.max_mm, 2.0 + 0.9);
   EXPECT_LT(difference.max_mm, 2.0 + 1.5);
 }
 
-TEST(RecoverMovement, TheUntouchedPartKeepsAwayFromSegments) {
+TEST(RegisterSegment, UnalteredRegionIsAwayFromSegments) {
   const auto part = unaltered_region(test::make_sheet(40.0, 40),
                                      std::array{test::make_box({-30, -30, -1}, {-10, 30, 1})}, 5.0);
   ASSERT_GT(part.triangle_count(), 0);
@@ -41,9 +41,9 @@ TEST(RecoverMovement, TheUntouchedPartKeepsAwayFromSegments) {
   EXPECT_GT(lowest, -5.0);
 }
 
-/// The whole way: two scans of one head in frames of their own, a segment that went elsewhere than
-/// planned; registered on what stayed, found within a tenth of a millimeter and of a degree.
-TEST(RecoverMovement, FindsWhatWasDoneAndNotWhatWasPlanned) {
+/// End to end: two scans of one head in different frames, and a segment that is not at its planned
+/// pose. Registered on the stationary bone, it is found within 0.1 mm and 0.1 degrees.
+TEST(RegisterSegment, FindsTheAchievedAndNotThePlannedMovement) {
   const auto skull = test::make_blob(Vec3::Zero(), kSkullRadii_mm, 5);
   const auto segment = test::make_blob(kSegmentCenter, kSegmentRadii_mm, 4);
   const RigidTransform planned = rigid_motion({0, -6, 0}, Vec3::Zero(), kSegmentCenter);

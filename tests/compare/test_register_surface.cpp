@@ -21,7 +21,7 @@ using geometry::transformed;
 const Vec3 kRadii_mm(60.0, 80.0, 50.0);
 const std::array<RigidTransform, 1> kAsItIs{RigidTransform::Identity()};
 
-/// Largest distance between where two motions bring a vertex.
+/// Largest distance between the positions of a vertex after two motions.
 double max_miss_mm(const RigidTransform& a, const RigidTransform& b,
                    const geometry::TriangleMesh& mesh) {
   double max_residual_mm = 0.0;
@@ -43,7 +43,7 @@ TEST(RegisterSurface, FindsAKnownMotionOnAnotherTriangulation) {
   EXPECT_GT(found->inlier_fraction, 0.5);
 }
 
-TEST(RegisterSurface, FindsHeadsThatLieTheOtherWayRound) {
+TEST(RegisterSurface, FindsReversedHeads) {
   const auto from = test::make_blob(Vec3::Zero(), kRadii_mm, 4);
   for (const Vec3& turn : {Vec3(0.0, 0.0, 2.8), Vec3(1.4, 0.3, 0.0), Vec3(0.2, -3.0, 0.1)}) {
     const RigidTransform X = rigid_motion({300.0, -150.0, 80.0}, turn, Vec3::Zero());
@@ -56,8 +56,8 @@ TEST(RegisterSurface, FindsHeadsThatLieTheOtherWayRound) {
   }
 }
 
-/// A third of the body has gone elsewhere: it must not draw the rest with it.
-TEST(RegisterSurface, IsNotDrawnByAPartThatMoved) {
+/// A third of the body is displaced: it must not influence the registration of the rest.
+TEST(RegisterSurface, IgnoresAPartThatMoved) {
   const auto still = test::make_blob(Vec3::Zero(), kRadii_mm, 5);
   const auto segment = test::make_blob({0, -85, -40}, {30, 25, 25}, 4);
   const auto before = test::joined(still, segment);
@@ -69,7 +69,7 @@ TEST(RegisterSurface, IsNotDrawnByAPartThatMoved) {
   EXPECT_LT(max_miss_mm(found->X_onto_from, X, before), 0.02);
 }
 
-TEST(RegisterSurface, ReportedWhereNothingFits) {
+TEST(RegisterSurface, ReportsSurfacesThatDoNotFit) {
   const auto from = test::make_blob(Vec3::Zero(), kRadii_mm, 3);
   const geometry::Bvh elsewhere(test::make_box({-500, -500, -500}, {500, 500, -490}));
   const auto found = register_surface(from, elsewhere, kAsItIs);
@@ -77,8 +77,8 @@ TEST(RegisterSurface, ReportedWhereNothingFits) {
   EXPECT_EQ(found.error().code, ErrorCode::kNotConverged) << found.error().message;
 }
 
-/// Of about the same size, and it comes to rest; but another's bone.
-TEST(RegisterSurface, AnotherBodyIsNotTakenForTheSame) {
+/// A bone of about the same size to which the iterations converge, but not the same one.
+TEST(RegisterSurface, RejectsAnotherBody) {
   const auto from = test::make_blob(Vec3::Zero(), kRadii_mm, 4);
   const geometry::Bvh other(test::make_box({-52, -70, -44}, {55, 66, 47}));
   const auto found = register_surface(from, other, initial_alignments(from, other.mesh()));
@@ -88,14 +88,14 @@ TEST(RegisterSurface, AnotherBodyIsNotTakenForTheSame) {
       << found.error().message;
 }
 
-TEST(RegisterSurface, ASphereCanTurnInItself) {
+TEST(RegisterSurface, RejectsASphereThatCanRotateInItself) {
   const geometry::Bvh onto(test::make_icosphere(50.0, 5));
   const auto found = register_surface(test::make_icosphere(50.0, 4, {1, 2, 3}), onto, kAsItIs);
   ASSERT_FALSE(found);
   EXPECT_NE(found.error().message.find("slide"), std::string::npos) << found.error().message;
 }
 
-TEST(RegisterSurface, RefusesTooLittle) {
+TEST(RegisterSurface, RejectsTooFewPoints) {
   const geometry::Bvh onto(test::make_box({0, 0, 0}, {1, 1, 1}));
   EXPECT_EQ(register_surface(onto.mesh(), onto, kAsItIs).error().code, ErrorCode::kInvalidArgument);
   const auto blob = test::make_blob(Vec3::Zero(), kRadii_mm, 3);

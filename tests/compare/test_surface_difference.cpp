@@ -15,7 +15,7 @@ namespace {
 
 using test::make_icosphere;
 
-TEST(SurfaceDifference, BetweenSpheresIsThatOfTheirRadii) {
+TEST(SurfaceDifference, BetweenSpheresIsTheDifferenceOfTheirRadii) {
   const geometry::Bvh inner(make_icosphere(10.0, 5));
   const SurfaceDifference outwards = measure_difference(make_icosphere(12.5, 4), inner);
   for (const double d : outwards.signed_mm) EXPECT_NEAR(d, 2.5, 0.01);
@@ -30,15 +30,15 @@ TEST(SurfaceDifference, AreasOfVerticesAddUpToTheSurface) {
   EXPECT_NEAR(std::accumulate(areas_mm2.begin(), areas_mm2.end(), 0.0), 52.0, 1e-12);
 }
 
-/// A sheet of 20 mm under one of 40 mm: what lies beyond its edge has no counterpart.
-TEST(SurfaceDifference, WhereTheOtherSurfaceEndsNothingIsCompared) {
+/// A sheet of 20 mm under one of 40 mm: points beyond its edge have no counterpart.
+TEST(SurfaceDifference, NothingIsComparedBeyondTheOtherSurface) {
   geometry::TriangleMesh large = test::make_sheet(40.0, 40);
   for (Vec3& v : large.vertices) v.z() = 1.0;
   const geometry::Bvh small(test::make_sheet(20.0, 20));
   const SurfaceDifference difference = measure_difference(large, small);
   for (std::size_t v = 0; v < large.vertices.size(); ++v) {
     const double off_mm = large.vertices[v].head<2>().cwiseAbs().maxCoeff();
-    // On the edge itself either is right.
+    // At the edge itself both results are valid.
     if (off_mm < 9.9) {
       EXPECT_NEAR(difference.signed_mm[v], 1.0, 1e-12);
     }
@@ -48,7 +48,7 @@ TEST(SurfaceDifference, WhereTheOtherSurfaceEndsNothingIsCompared) {
   }
 }
 
-TEST(SurfaceDifference, NeitherFarSheetsNorOnesThatFaceAwayAreCompared) {
+TEST(SurfaceDifference, DistantAndOppositeSheetsAreNotCompared) {
   geometry::TriangleMesh above = test::make_sheet(10.0, 10);
   for (Vec3& v : above.vertices) v.z() = 3.0;
   const geometry::TriangleMesh below = test::make_sheet(20.0, 20);

@@ -19,14 +19,14 @@ geometry::TriangleMesh surface_of(const VolumeMesh& mesh) {
   return surface;
 }
 
-TEST(BoundaryFaces, OfATetrahedronAreAllFourFacingOut) {
+TEST(BoundaryFaces, TetrahedronHasFourOutwardFaces) {
   const auto surface = surface_of(test::regular_tet());
   EXPECT_EQ(surface.triangle_count(), 4);
   EXPECT_TRUE(geometry::is_closed(surface));
   EXPECT_NEAR(geometry::signed_volume_mm3(surface), 1.0 / (6.0 * std::sqrt(2.0)), 1e-15);
 }
 
-TEST(BoundaryFaces, OfABoxEncloseItsVolumeWithEachEdgeUsedTwice) {
+TEST(BoundaryFaces, BoxFacesEncloseItsVolumeAndUseEachEdgeTwice) {
   const auto surface = surface_of(test::cube_of_tets(3));
   EXPECT_EQ(surface.triangle_count(), 6 * 9 * 2);
   EXPECT_TRUE(geometry::is_closed(surface));
@@ -34,13 +34,13 @@ TEST(BoundaryFaces, OfABoxEncloseItsVolumeWithEachEdgeUsedTwice) {
   EXPECT_NEAR(geometry::area_mm2(surface), 54.0, 1e-12);
 }
 
-/// Sums over faces are taken in this order: results depend on it in their last bits.
-TEST(BoundaryFaces, OfATetrahedronLieOppositeToItsCornersInOrder) {
+/// Sums over faces use this order: the last bits of results depend on it.
+TEST(BoundaryFaces, TetrahedronFacesAreOppositeToTheirCornersInOrder) {
   const std::vector<Face3> expected{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   EXPECT_EQ(triangles_of(boundary_faces(test::regular_tet())), expected);
 }
 
-TEST(BoundaryFaces, OfAQuadrilateralBesideTwoTrianglesAreAllThree) {
+TEST(BoundaryFaces, QuadrilateralAndTwoTrianglesAreAllBoundary) {
   VolumeMesh mesh = make_box(ElementShape::kHex8, {2, 1, 1}, Vec3::Ones());
   const auto joined = boundary_faces(mesh).size();
   VolumeMesh tets = make_box(ElementShape::kTet4, {2, 1, 1}, Vec3::Ones());
@@ -53,7 +53,7 @@ TEST(BoundaryFaces, OfAQuadrilateralBesideTwoTrianglesAreAllThree) {
   EXPECT_EQ(boundary_faces(mesh).size(), 6U + 12U);
 }
 
-TEST(BoundaryFaces, SpanBlocks) {
+TEST(BoundaryFaces, FacesBetweenBlocksAreNotBoundary) {
   VolumeMesh mesh = test::cube_of_tets(2);
   ElementBlock& first = mesh.blocks[0];
   ElementBlock second;
@@ -66,14 +66,14 @@ TEST(BoundaryFaces, SpanBlocks) {
   EXPECT_EQ(boundary_faces(mesh), whole);
 }
 
-TEST(BoundaryFaces, LeaveOutInnerNodes) {
+TEST(BoundaryFaces, InteriorNodesAreNotIncluded) {
   const auto nodes = nodes_of_faces(boundary_faces(test::cube_of_tets(2)));
   EXPECT_EQ(nodes.size(), 26u);
   EXPECT_TRUE(std::is_sorted(nodes.begin(), nodes.end()));
-  EXPECT_EQ(std::count(nodes.begin(), nodes.end(), 13), 0);  // The middle.
+  EXPECT_EQ(std::count(nodes.begin(), nodes.end(), 13), 0);  // The center.
 }
 
-TEST(BoundaryFaces, OfNothingAreNone) {
+TEST(BoundaryFaces, EmptyMeshHasNone) {
   EXPECT_TRUE(boundary_faces({}).empty());
   EXPECT_TRUE(nodes_of_faces({}).empty());
 }

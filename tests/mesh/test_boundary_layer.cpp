@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSide_mm = 6.0;
 
-/// A cube of 6 x 6 x 6, its top to be skin.
+/// A cube of 6 x 6 x 6 whose top is to be covered.
 const VolumeMesh& cube() {
   static const VolumeMesh mesh = test::cube_of_tets(int(kSide_mm));
   return mesh;
@@ -39,7 +39,7 @@ std::vector<Face> top() {
   return faces_where(cube(), [](const Vec3& p) { return p.z() == kSide_mm; });
 }
 
-/// The four upright sides.
+/// The four vertical sides.
 std::vector<HalfSpace> upright_sides() {
   return {{Vec3::Zero(), Vec3::UnitX()},
           {Vec3::Zero(), Vec3::UnitY()},
@@ -66,7 +66,7 @@ double volume_of_region(const VolumeMesh& mesh, std::int32_t region) {
   return volume_mm3;
 }
 
-/// The triangles of the boundary by the places of their corners. Hanging faces would be among them.
+/// The boundary triangles by the positions of their corners, including those of hanging nodes.
 std::multiset<std::array<double, 9>> surface_of(const VolumeMesh& mesh) {
   std::multiset<std::array<double, 9>> surface;
   for (const Face& face : boundary_faces(mesh)) {
@@ -84,7 +84,7 @@ std::multiset<std::array<double, 9>> surface_of(const VolumeMesh& mesh) {
   return surface;
 }
 
-TEST(SkinLayer, OfAFlatTopIsAPlateOfWedgesThatEndsInTheSides) {
+TEST(BoundaryLayer, FlatTopGetsWedgesThatEndInTheCutPlanes) {
   const BoundaryLayerOptions options{.thickness_mm = 1.2, .layers = 3, .region = 7};
   const VolumeMesh mesh = add_boundary_layer(cube(), top(), upright_sides(), options).value();
   const auto counts = count_shapes(mesh);
@@ -95,7 +95,7 @@ TEST(SkinLayer, OfAFlatTopIsAPlateOfWedgesThatEndsInTheSides) {
   EXPECT_NEAR(volume_of_region(mesh, 0), 36.0 * 4.8, 1e-12);
   EXPECT_TRUE(poor_elements(mesh, options.min_scaled_jacobian).empty());
 
-  // Conforming: what is boundary lies on the cube's sides, the top is as it was.
+  // Conforming: all boundary faces lie on the sides of the cube, and the top is unchanged.
   Index quads = 0, top_faces = 0;
   for (const Face& face : boundary_faces(mesh)) {
     quads += Index(face.shape == FaceShape::kQuad4);
@@ -115,7 +115,7 @@ TEST(SkinLayer, OfAFlatTopIsAPlateOfWedgesThatEndsInTheSides) {
   EXPECT_EQ(top_faces, 2 * 36);
 }
 
-TEST(SkinLayer, IsAsThickAtSidesThatAreButRoughlyPlanes) {
+TEST(BoundaryLayer, HasFullThicknessAtApproximatelyPlanarCuts) {
   VolumeMesh rough = cube();
   int n = 0;
   for (Vec3& p : rough.nodes_L)
@@ -129,12 +129,11 @@ TEST(SkinLayer, IsAsThickAtSidesThatAreButRoughlyPlanes) {
   EXPECT_NEAR(volume_of_region(mesh, 1), 1.5 * kSide_mm * kSide_mm, 0.5);
 }
 
-TEST(SkinLayer, RunsOutInPyramidsAndTetrahedraWhereOtherBoundaryBegins) {
+TEST(BoundaryLayer, EndsInPyramidsAndTetrahedraAtOtherBoundary) {
   const VolumeMesh mesh = add_boundary_layer(cube(), top(), {}, {.thickness_mm = 0.8}).value();
   const auto counts = count_shapes(mesh);
-  // Of the squares along the rim, in a corner one has both triangles at it with one free node each
-  // or one with none; whichever way the diagonals run, a triangle has three, two, one or no nodes
-  // on the rim.
+  // A triangle has three, two, one or no nodes on the border, whatever the directions of the
+  // diagonals. In a corner square, each triangle has one node off the border, or one has none.
   Index by_rim_nodes[4] = {0, 0, 0, 0};
   for (const Face& face : top()) {
     const auto nodes = nodes_of(face);
@@ -151,7 +150,7 @@ TEST(SkinLayer, RunsOutInPyramidsAndTetrahedraWhereOtherBoundaryBegins) {
   EXPECT_TRUE(poor_elements(mesh, 0.05).empty());
 }
 
-TEST(SkinLayer, AroundABallKeepsTheSurfaceAndHasTheThickness) {
+TEST(BoundaryLayer, KeepsTheSurfaceOfABallAndHasTheThickness) {
   constexpr double kRadius_mm = 15.0, kThickness_mm = 1.5;
   const Vec3 center(0.31, -0.23, 0.17);
   const VolumeMesh ball =
@@ -169,13 +168,13 @@ TEST(SkinLayer, AroundABallKeepsTheSurfaceAndHasTheThickness) {
   EXPECT_NEAR(measure_quality(mesh).volume_mm3, before_mm3, 1e-9 * before_mm3);
   EXPECT_GE(measure_quality(mesh).min_scaled_jacobian, 0.05);
   EXPECT_TRUE(measure_quality(mesh).inverted.empty());
-  for (const std::int32_t node : nodes_of_faces(skin)) {  // They are the layer's bottom now.
+  for (const std::int32_t node : nodes_of_faces(skin)) {  // At the bottom of the layer now.
     const double depth_mm = kRadius_mm - (mesh.nodes_L[std::size_t(node)] - center).norm();
     EXPECT_NEAR(depth_mm, kThickness_mm, 0.03);
   }
 }
 
-TEST(SkinLayer, TakesAThirdOfAThinSheetAtMostOnEitherSide) {
+TEST(BoundaryLayer, TakesAtMostAThirdOfAThinSheetFromEachSide) {
   VolumeMesh sheet = test::cube_of_tets(6);
   for (Vec3& p : sheet.nodes_L) p.z() *= 0.6;  // 3.6 mm.
   const std::vector<Face> skin =
@@ -189,8 +188,8 @@ TEST(SkinLayer, TakesAThirdOfAThinSheetAtMostOnEitherSide) {
   EXPECT_GE(measure_quality(mesh).min_scaled_jacobian, 0.05);
 }
 
-TEST(SkinLayer, GetsThinnerRatherThanTurnItsElementsOver) {
-  // A ridge as sharp as a roof: its sides lean towards each other, so that the layer has no room.
+TEST(BoundaryLayer, GetsThinnerInsteadOfInvertingElements) {
+  // A sharp ridge: its sides are inclined towards each other, so that there is no room for a layer.
   VolumeMesh roof = test::cube_of_tets(6);
   for (Vec3& p : roof.nodes_L) p.x() = 3.0 + (p.x() - 3.0) * (1.0 - 0.12 * p.z());
   const std::vector<Face> skin = faces_where(roof, [](const Vec3& p) { return p.z() > 0.5; });
@@ -204,7 +203,7 @@ TEST(SkinLayer, GetsThinnerRatherThanTurnItsElementsOver) {
   EXPECT_GT(volume_of_region(mesh, 1), 0.0);
 }
 
-TEST(SkinLayer, SameBitsForAnyNumberOfThreads) {
+TEST(BoundaryLayer, SameBitsForAnyNumberOfThreads) {
   const auto with_threads = [](int threads) {
     const ThreadLimit limit(threads);
     return add_boundary_layer(cube(), top(), upright_sides()).value();
@@ -216,7 +215,7 @@ TEST(SkinLayer, SameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(one.blocks[b].nodes, two.blocks[b].nodes);
 }
 
-TEST(SkinLayer, RefusesBadOptions) {
+TEST(BoundaryLayer, RejectsInvalidOptions) {
   for (const BoundaryLayerOptions& options :
        {BoundaryLayerOptions{.thickness_mm = 0.0}, BoundaryLayerOptions{.layers = 0},
         BoundaryLayerOptions{.layers = 9}, BoundaryLayerOptions{.min_scaled_jacobian = 0.6}})
@@ -224,11 +223,11 @@ TEST(SkinLayer, RefusesBadOptions) {
               ErrorCode::kInvalidArgument);
 }
 
-TEST(SideFace, LiesInThePlaneOrIsTurnedLittleFromIt) {
+TEST(CutFace, LiesInThePlaneOrIsInclinedLessThan45Degrees) {
   const std::vector<Vec3> nodes{{0, 0, 0}, {0, 0, 1}, {0, 1, 0}, {0.5, 1, 1}, {2, 1, 1}};
   const HalfSpace side{Vec3::Zero(), Vec3::UnitX()};
   EXPECT_TRUE(is_cut_face(nodes, {0, 1, 2}, side));
-  EXPECT_FALSE(is_cut_face(nodes, {0, 2, 1}, side));  // Looks inwards.
+  EXPECT_FALSE(is_cut_face(nodes, {0, 2, 1}, side));  // Faces inwards.
   EXPECT_TRUE(is_cut_face(nodes, {2, 1, 3}, side) || is_cut_face(nodes, {1, 2, 3}, side));
   EXPECT_FALSE(is_cut_face(nodes, {2, 1, 4}, side) || is_cut_face(nodes, {1, 2, 4}, side));
   EXPECT_FALSE(is_cut_face(nodes, {0, 1, 2}, {Vec3(1, 0, 0), Vec3::UnitX()}));  // Elsewhere.

@@ -12,7 +12,7 @@
 namespace lefort::mesh {
 namespace {
 
-/// On a cube of side 4: its floor, its wall x = 0, and a rule that takes nothing.
+/// A cube of side 4 with rules for its floor, its wall x = 0, and one that applies nowhere.
 VolumeMesh named_cube() {
   const std::array<BoundaryRule, 3> rules{
       {{"floor", [](const Vec3& p) { return p.z(); }, 0.1},
@@ -21,7 +21,7 @@ VolumeMesh named_cube() {
   return name_boundary(test::cube_of_tets(4), rules, "skin");
 }
 
-TEST(NameBoundary, TheFirstRuleThatTakesANodeKeepsIt) {
+TEST(NameBoundary, NodeBelongsToTheFirstRuleThatApplies) {
   const VolumeMesh mesh = named_cube();
   EXPECT_EQ(mesh.node_sets.at("floor").size(), 25u);
   EXPECT_EQ(mesh.node_sets.at("wall").size(), 20u);
@@ -30,7 +30,7 @@ TEST(NameBoundary, TheFirstRuleThatTakesANodeKeepsIt) {
   EXPECT_TRUE(mesh.node_sets.at("nowhere").empty());
 }
 
-TEST(NameBoundary, SetsFractionOutTheBoundary) {
+TEST(NameBoundary, SetsPartitionTheBoundary) {
   const VolumeMesh mesh = named_cube();
   std::size_t nodes = 0, faces = 0;
   for (const char* name : {"floor", "wall", "nowhere", "skin"}) {
@@ -43,7 +43,7 @@ TEST(NameBoundary, SetsFractionOutTheBoundary) {
   EXPECT_EQ(faces, 192u);
 }
 
-TEST(NameBoundary, AFaceBelongsWhereMostOfItsNodesDo) {
+TEST(NameBoundary, FaceBelongsToTheRuleOfMostOfItsNodes) {
   const VolumeMesh mesh = named_cube();
   const auto is_in = [&](const char* name, std::int32_t node) {
     const auto& nodes = mesh.node_sets.at(name);
@@ -56,12 +56,12 @@ TEST(NameBoundary, AFaceBelongsWhereMostOfItsNodesDo) {
     ++faces_with[std::size_t(mine)];
   }
   EXPECT_EQ(faces_with[3], 32);  // The whole floor, ...
-  EXPECT_EQ(faces_with[2], 16);  // ... one face on each edge of its rim, ...
+  EXPECT_EQ(faces_with[2], 16);  // ... one face on each edge of its border, ...
   EXPECT_EQ(faces_with[1], 2);   // ... and where floor, wall and skin meet.
   EXPECT_EQ(faces_with[0], 0);
 }
 
-TEST(NameBoundary, OfThreeDifferentRulesTheEarliestTakesTheFace) {
+TEST(NameBoundary, FaceOfThreeDifferentRulesBelongsToTheFirst) {
   const std::array<BoundaryRule, 2> rules{
       {{"first", [](const Vec3& p) { return p.x(); }, 0.6},
        {"second", [](const Vec3& p) { return p.y() - 0.5; }, 0.0}}};
@@ -74,14 +74,14 @@ TEST(NameBoundary, OfThreeDifferentRulesTheEarliestTakesTheFace) {
   EXPECT_EQ(mesh.face_sets.at("first").size(), 2u);  // 0, 1 and one of 2 and 3.
 }
 
-TEST(NameBoundary, PointsWithinASignedDistanceCount) {
+TEST(NameBoundary, PointsInsideASignedDistanceBelong) {
   const std::array<BoundaryRule, 1> rules{
       {{"bone", [](const Vec3& p) { return p.z() - 2.0; }, 0.0}}};
   const VolumeMesh mesh = name_boundary(test::cube_of_tets(4), rules);
   EXPECT_EQ(mesh.node_sets.at("bone").size(), 25u + 2u * 16u);
 }
 
-TEST(NameBoundary, NamesMustDiffer) {
+TEST(NameBoundary, NamesMustBeDistinct) {
   const auto anywhere = [](const Vec3&) { return 0.0; };
   const std::array<BoundaryRule, 2> twice{{{"skin", anywhere, 0.0}, {"skin", anywhere, 0.0}}};
   EXPECT_THROW(static_cast<void>(name_boundary(test::cube_of_tets(1), twice)), LogicError);

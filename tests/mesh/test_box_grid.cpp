@@ -29,7 +29,7 @@ std::vector<VolumeMesh> all_boxes() {
   return boxes;
 }
 
-/// So also: no inner face without an element on either side, for it would count as boundary.
+/// Also: every interior face has an element on both sides, otherwise it would be boundary.
 TEST(BoxGrid, IsClosedAndFillsTheBox) {
   for (const VolumeMesh& mesh : all_boxes()) {
     const geometry::TriangleMesh surface{mesh.nodes_L, triangles_of(boundary_faces(mesh))};
@@ -49,7 +49,7 @@ TEST(BoxGrid, UsesEveryNodeAndNoElementIsPoor) {
   }
 }
 
-TEST(BoxGrid, MixesAllShapesThatItNames) {
+TEST(BoxGrid, MixedBoxHasAllDocumentedShapes) {
   const auto fractions = [](BoxMix mix, std::array<int, 3> cells) {
     std::map<ElementShape, Index> count;
     for (const ElementBlock& block : make_mixed_box(mix, cells, kSize_mm).blocks)
@@ -67,7 +67,7 @@ TEST(BoxGrid, MixesAllShapesThatItNames) {
             (Counts{{ElementShape::kWedge15, 2}, {ElementShape::kTet10, 6}}));
 }
 
-TEST(BoxGrid, NamesItsSides) {
+TEST(BoxGrid, HasSetsOfItsSides) {
   for (const VolumeMesh& mesh : all_boxes()) {
     std::size_t faces = 0;
     for (int axis = 0; axis < 3; ++axis)
@@ -88,7 +88,7 @@ TEST(BoxGrid, NamesItsSides) {
   }
 }
 
-TEST(BoxGrid, MovesInnerNodesOnlyAndKeepsEdgesStraight) {
+TEST(BoxGrid, MovesInteriorNodesOnlyAndKeepsEdgesStraight) {
   for (const VolumeMesh& mesh : all_boxes()) {
     std::mt19937 random(3);
     const VolumeMesh moved = with_inner_nodes_moved(mesh, Vec3::Constant(0.2), random);
@@ -107,7 +107,7 @@ TEST(BoxGrid, MovesInnerNodesOnlyAndKeepsEdgesStraight) {
   }
 }
 
-TEST(BoxGrid, RefusesBoxesWithoutCells) {
+TEST(BoxGrid, RejectsBoxesWithoutCells) {
   EXPECT_THROW(static_cast<void>(make_box(ElementShape::kHex8, {1, 0, 1}, kSize_mm)), LogicError);
   EXPECT_THROW(static_cast<void>(make_mixed_box(BoxMix::kAllLinear, {3, 1, 1}, kSize_mm)),
                LogicError);

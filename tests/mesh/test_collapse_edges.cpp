@@ -21,7 +21,7 @@ VolumeMesh cube_with(const Vec3& from, const Vec3& to) {
   return mesh;
 }
 
-TEST(CollapseEdges, TakesNeedlesOutOfTheInside) {
+TEST(CollapseEdges, RemovesNeedlesFromTheInterior) {
   VolumeMesh mesh = cube_with({2, 2, 2}, {2.93, 2, 2});
   ASSERT_FALSE(poor_elements(mesh, kPoor).empty());
   const std::vector<Face3> surface = triangles_of(boundary_faces(mesh));
@@ -33,7 +33,7 @@ TEST(CollapseEdges, TakesNeedlesOutOfTheInside) {
   EXPECT_EQ(largest_face_connected_part(mesh).element_count(), mesh.element_count());
 }
 
-TEST(CollapseEdges, TakesNeedlesOutOfAFlatBoundary) {
+TEST(CollapseEdges, RemovesNeedlesFromAFlatBoundary) {
   VolumeMesh mesh = cube_with({2, 2, 4}, {2.93, 2, 4});
   ASSERT_FALSE(poor_elements(mesh, kPoor).empty());
   const std::size_t before = boundary_faces(mesh).size();
@@ -45,7 +45,7 @@ TEST(CollapseEdges, TakesNeedlesOutOfAFlatBoundary) {
 }
 
 TEST(CollapseEdges, KeepsCornersAndRidges) {
-  // The short edge leads from a corner to a ridge, and from a ridge to a side: the other ends go.
+  // The short edge connects a corner with a ridge, and a ridge with a side: the second end vanishes.
   for (const auto& [from, to] :
        {std::pair(Vec3(1, 0, 4), Vec3(0.07, 0, 4)), std::pair(Vec3(2, 1, 4), Vec3(2, 0.07, 4))}) {
     VolumeMesh mesh = cube_with(from, to);
@@ -58,7 +58,7 @@ TEST(CollapseEdges, KeepsCornersAndRidges) {
   }
 }
 
-TEST(CollapseEdges, LeavesAGoodMeshAlone) {
+TEST(CollapseEdges, DoesNotChangeAGoodMesh) {
   VolumeMesh mesh = test::cube_of_tets(3);
   const VolumeMesh before = mesh;
   EXPECT_EQ(collapse_edges(mesh, kPoor), 0);
@@ -67,7 +67,7 @@ TEST(CollapseEdges, LeavesAGoodMeshAlone) {
 }
 
 TEST(CollapseEdges, DoesNotCloseATunnel) {
-  // A ring of cubes, one across: every edge around the hole is one of its links.
+  // A ring of cubes, one cube thick: every edge around the hole belongs to its link.
   VolumeMesh all = test::cube_of_tets(3), ring;
   ring.nodes_L = all.nodes_L;
   ElementBlock& block = ring.blocks.emplace_back();

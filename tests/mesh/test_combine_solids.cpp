@@ -28,7 +28,7 @@ TEST(CombineSolids, UnionAndIntersectionOfBoxesHaveTheirVolumes) {
   EXPECT_TRUE(geometry::is_closed(*both) && geometry::is_closed(*either));
 }
 
-TEST(CombineSolids, NothingIsTheNeutralElement) {
+TEST(CombineSolids, EmptySurfaceIsTheNeutralElement) {
   const TriangleMesh a = test::make_box({0, 0, 0}, {1, 1, 1});
   EXPECT_EQ(unite(a, {})->triangle_count(), 12);
   EXPECT_EQ(unite({}, a)->triangle_count(), 12);
@@ -36,7 +36,7 @@ TEST(CombineSolids, NothingIsTheNeutralElement) {
   EXPECT_EQ(intersect(a, test::make_box({5, 5, 5}, {6, 6, 6}))->triangle_count(), 0);
 }
 
-TEST(MakePrism, HoldsThePolygonsAreaTimesItsHeight) {
+TEST(MakePrism, VolumeIsThePolygonsAreaTimesTheHeight) {
   for (const bool is_reversed : {false, true}) {
     std::vector<Vec3> curve = kHook;
     if (is_reversed) std::reverse(curve.begin(), curve.end());
@@ -49,14 +49,14 @@ TEST(MakePrism, HoldsThePolygonsAreaTimesItsHeight) {
   }
 }
 
-TEST(MakePrism, GrowsByTheSawsWidthAllAround) {
+TEST(MakePrism, GrowsByTheKerfOnAllSides) {
   const std::vector<Vec3> square{{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}};
   const auto grown = make_prism(square, {0, 0, 1}, 0.0, 1.0, 0.5);
   ASSERT_TRUE(grown);
   EXPECT_NEAR(signed_volume_mm3(*grown), 121.0, 1e-9);
 }
 
-TEST(MakePrism, StandsAlongItsDirection) {
+TEST(MakePrism, IsExtrudedAlongTheDirection) {
   std::vector<Vec3> circle;
   for (int i = 0; i < 64; ++i) {
     const double u = 2.0 * std::numbers::pi * i / 64;
@@ -69,7 +69,7 @@ TEST(MakePrism, StandsAlongItsDirection) {
               1e-9);
 }
 
-TEST(MakePrism, CornersOnAStraightSideAreFine) {
+TEST(MakePrism, AcceptsCollinearCorners) {
   const std::vector<Vec3> square{{0, 0, 0},   {5, 0, 0},  {10, 0, 0},
                                  {10, 10, 0}, {5, 10, 0}, {0, 10, 0}};
   const auto prism = make_prism(square, {0, 0, 1}, 0.0, 1.0);
@@ -78,7 +78,7 @@ TEST(MakePrism, CornersOnAStraightSideAreFine) {
   EXPECT_NEAR(signed_volume_mm3(*prism), 100.0, 1e-9);
 }
 
-TEST(MakePrism, RefusesWhatIsNoCurve) {
+TEST(MakePrism, RejectsInvalidCurves) {
   const auto refuse = [](const std::vector<Vec3>& curve, const Vec3& direction, const char* words,
                          double grow_mm = 0.0) {
     const auto prism = make_prism(curve, direction, 0.0, 1.0, grow_mm);
@@ -92,7 +92,7 @@ TEST(MakePrism, RefusesWhatIsNoCurve) {
   refuse({{0, 0, 0}, {0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {0, 0, 1}, "crosses or touches itself");
   refuse({{0, 0, 0}, {1, 0, 0}, {1, std::nan(""), 0}}, {0, 0, 1}, "point 2 is not finite");
   refuse(kHook, {0, 1, 0}, "crosses or touches itself");
-  // A notch that closes when the walls move outwards.
+  // A notch that closes when the sides move outwards.
   refuse({{0, 0, 0},
           {10, 0, 0},
           {10, 10, 0},
@@ -101,10 +101,10 @@ TEST(MakePrism, RefusesWhatIsNoCurve) {
           {4.5, 2, 0},
           {4.5, 10, 0},
           {0, 10, 0}},
-         {0, 0, 1}, "grown by the saw's width", 1.0);
+         {0, 0, 1}, "widened by the kerf", 1.0);
 }
 
-TEST(CutSurfaceBySolid, SplitsABallInExactVolumes) {
+TEST(CutSurfaceBySolid, SplitsABallIntoExactVolumes) {
   const TriangleMesh ball = test::make_icosphere(10.0, 4);
   const auto prism =
       make_prism(std::vector<Vec3>{{-3, -20, -3}, {3, -20, -3}, {3, -20, 3}, {-3, -20, 3}},

@@ -31,7 +31,7 @@ TEST(ConvexSolid, CutsOffACorner) {
   EXPECT_NEAR(geometry::signed_volume_mm3(solid), 1.0 / 6.0, 1e-12);
 }
 
-TEST(ConvexSolid, DoesNotMindTheSamePlaneTwice) {
+TEST(ConvexSolid, AcceptsDuplicatePlanes) {
   const HalfSpace half{Vec3::Zero(), Vec3(1, 2, 3)};
   const std::array half_spaces{half, half, HalfSpace{half.point, 10.0 * half.normal}};
   EXPECT_NEAR(geometry::signed_volume_mm3(convex_solid(half_spaces, kBox)), 96.0, 1e-9);

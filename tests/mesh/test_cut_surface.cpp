@@ -18,7 +18,7 @@ namespace {
 using geometry::signed_volume_mm3;
 using geometry::TriangleMesh;
 
-/// Both parts closed, and together the whole.
+/// Both parts are closed, and their volumes add up to the whole.
 void expect_sound(const Result<SurfaceCut>& cut, const TriangleMesh& whole) {
   ASSERT_TRUE(cut) << cut.error().message;
   const double whole_mm3 = signed_volume_mm3(whole);
@@ -31,7 +31,7 @@ void expect_sound(const Result<SurfaceCut>& cut, const TriangleMesh& whole) {
   EXPECT_EQ(cut->plane_shift_mm, 0.0);
 }
 
-TEST(CutSurface, SplitsABoxInExactVolumes) {
+TEST(CutSurface, SplitsABoxIntoExactVolumes) {
   const TriangleMesh box = test::make_box({0, 0, 0}, {4, 5, 6});
   const std::array half_spaces{HalfSpace{{1, 0, 0}, {-2, 0, 0}}, HalfSpace{{0, 0, 2}, {0, 0, 1}}};
   const auto cut = cut_surface(box, half_spaces);
@@ -40,7 +40,7 @@ TEST(CutSurface, SplitsABoxInExactVolumes) {
   EXPECT_NEAR(cut->outside_volume_mm3, 100.0, 1e-12);
 }
 
-TEST(CutSurface, CapsLieInThePlanesAndAllElseOnTheRightSide) {
+TEST(CutSurface, CapsLieInThePlanesAndTheRestOnTheCorrectSide) {
   const TriangleMesh sphere = test::make_icosphere(10.0, 4);
   const std::array half_spaces{HalfSpace{{0, 2, 0}, {0.1, -1, 0.2}},
                                HalfSpace{{0, 0, 3}, {0, 0.3, -1}}};
@@ -60,24 +60,24 @@ TEST(CutSurface, CapsLieInThePlanesAndAllElseOnTheRightSide) {
       cap_area_mm2 += 0.5 * twice_area.norm();
     }
   }
-  // Cutting adds each cap once to either part.
+  // The cut adds each cap to both parts.
   const double added_mm2 = geometry::area_mm2(cut->inside) + geometry::area_mm2(cut->outside) -
                            geometry::area_mm2(sphere);
   EXPECT_GT(cap_area_mm2, 100.0);
   EXPECT_NEAR(added_mm2, 2.0 * cap_area_mm2, 1e-9 * cap_area_mm2);
 }
 
-TEST(CutSurface, ASphereLosesACapOfTheTextbookVolume) {
+TEST(CutSurface, SphericalCapHasTheTheoreticalVolume) {
   const TriangleMesh sphere = test::make_icosphere(10.0, 5);
   const std::array half_spaces{HalfSpace{{0, 0, 6}, {0, 0, 1}}};
   const auto cut = cut_surface(sphere, half_spaces);
   expect_sound(cut, sphere);
   const double height = 4.0;
   const double expected = std::numbers::pi * height * height * (30.0 - height) / 3.0;
-  EXPECT_NEAR(cut->inside_volume_mm3, expected, 0.003 * expected);  // The sphere is of triangles.
+  EXPECT_NEAR(cut->inside_volume_mm3, expected, 0.003 * expected);  // The sphere is a polyhedron.
 }
 
-TEST(CutSurface, ATorusFallsInTwoBodiesByAPlaneAlongItsAxis) {
+TEST(CutSurface, PlaneThroughItsAxisSplitsATorusIntoTwoBodies) {
   const TriangleMesh torus = test::make_torus(10.0, 3.0, 48, 24);
   const std::array half_spaces{HalfSpace{{0, 0, 0}, {0, 1, 0}}, HalfSpace{{4, 0, 0}, {1, 0, 0}}};
   const auto cut = cut_surface(torus, half_spaces);
@@ -86,19 +86,19 @@ TEST(CutSurface, ATorusFallsInTwoBodiesByAPlaneAlongItsAxis) {
   const std::array half{HalfSpace{{0, 0.1, 0}, {0, 1, 0}}};
   const auto halves = cut_surface(torus, half);
   expect_sound(halves, torus);
-  EXPECT_EQ(geometry::euler_characteristic(halves->inside), 2);  // Half a ring is a sausage.
+  EXPECT_EQ(geometry::euler_characteristic(halves->inside), 2);  // Half a torus is a ball.
 }
 
-TEST(CutSurface, CavitiesStayCavities) {
+TEST(CutSurface, CavitiesArePreserved) {
   TriangleMesh ball = test::join(test::make_icosphere(10.0, 3),
                                  test::turn_inside_out(test::make_icosphere(4.0, 3)));
   ball = test::join(ball, test::turn_inside_out(test::make_icosphere(1.0, 2, {0, 0, 7})));
-  ball = test::join(ball, test::make_icosphere(2.0, 2));  // A stone in the large cavity.
+  ball = test::join(ball, test::make_icosphere(2.0, 2));  // A separate body in the large cavity.
   const std::array half_spaces{HalfSpace{{0, 0, 0.5}, {0.05, 0, 1}}};
   const auto cut = cut_surface(ball, half_spaces);
   expect_sound(cut, ball);
-  EXPECT_EQ(geometry::connected_components(cut->inside).count, 3);   // Shell, small cavity, stone.
-  EXPECT_EQ(geometry::connected_components(cut->outside).count, 2);  // Shell, stone.
+  EXPECT_EQ(geometry::connected_components(cut->inside).count, 3);   // Shell, small cavity, body.
+  EXPECT_EQ(geometry::connected_components(cut->outside).count, 2);  // Shell, body.
 }
 
 TEST(CutSurface, CutsThroughVerticesAndAlongFaces) {
@@ -114,7 +114,7 @@ TEST(CutSurface, CutsThroughVerticesAndAlongFaces) {
   EXPECT_NEAR(all->inside_volume_mm3, 8.0, 1e-3);
 }
 
-TEST(CutSurface, LeavesAPartEmptyWhereThePlanesMiss) {
+TEST(CutSurface, PartIsEmptyIfThePlanesMiss) {
   const TriangleMesh sphere = test::make_icosphere(10.0, 2);
   const auto missed = cut_surface(sphere, std::array{HalfSpace{{0, 0, 11}, {0, 0, 1}}});
   expect_sound(missed, sphere);
@@ -126,7 +126,7 @@ TEST(CutSurface, LeavesAPartEmptyWhereThePlanesMiss) {
   expect_sound(cut_surface(sphere, far), sphere);
 }
 
-TEST(CutSurface, ManyPlanesCutAConvexHole) {
+TEST(CutSurface, ManyPlanesCutAConvexCavity) {
   const TriangleMesh sphere = test::make_icosphere(10.0, 3);
   std::vector<HalfSpace> half_spaces;
   for (int i = 0; i < 12; ++i) {
@@ -139,11 +139,11 @@ TEST(CutSurface, ManyPlanesCutAConvexHole) {
   const auto cut = cut_surface(sphere, half_spaces);
   expect_sound(cut, sphere);
   const double prism_mm3 = 12.0 * 25.0 * std::tan(std::numbers::pi / 12.0) * 4.0;
-  EXPECT_NEAR(cut->inside_volume_mm3, prism_mm3, 1e-9);  // Within the sphere: a hollow is left.
+  EXPECT_NEAR(cut->inside_volume_mm3, prism_mm3, 1e-9);  // Inside the sphere: a cavity.
   EXPECT_EQ(geometry::connected_components(cut->outside).count, 2);
 }
 
-TEST(CutSurface, TheFrameDoesNotMatter) {
+TEST(CutSurface, ResultDoesNotDependOnTheFrame) {
   RigidTransform X = RigidTransform::Identity();
   X.linear() = Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   X.translation() = Vec3(120, -80, 900);
@@ -156,7 +156,7 @@ TEST(CutSurface, TheFrameDoesNotMatter) {
   EXPECT_NEAR(here->inside_volume_mm3, there->inside_volume_mm3, 1e-8);
 }
 
-TEST(CutSurface, SelfIntersectionsAwayFromTheCutDoNoHarm) {
+TEST(CutSurface, AllowsSelfIntersectionsAwayFromTheCut) {
   const TriangleMesh crossing =
       test::join(test::make_icosphere(5.0, 3), test::make_icosphere(5.0, 3, {0, 0, 6}));
   const auto cut = cut_surface(crossing, std::array{HalfSpace{{0, 0, -1}, {0, 0.1, -1}}});
@@ -169,20 +169,20 @@ void expect_error(const Result<SurfaceCut>& cut, ErrorCode code, const std::stri
   EXPECT_NE(cut.error().message.find(words), std::string::npos) << cut.error().message;
 }
 
-TEST(CutSurface, RefusesASurfaceThatCrossesItselfAlongTheCut) {
+TEST(CutSurface, RejectsASurfaceThatCrossesItselfAlongTheCut) {
   const TriangleMesh crossing =
       test::join(test::make_icosphere(5.0, 3), test::make_icosphere(5.0, 3, {0, 0, 6}));
   expect_error(cut_surface(crossing, std::array{HalfSpace{{0, 0, 0}, {0, 1, 0}}}),
                ErrorCode::kMeshingFailed, "crosses itself along the cut");
 }
 
-TEST(CutSurface, RefusesAnOpenSurface) {
+TEST(CutSurface, RejectsAnOpenSurface) {
   const std::array half_spaces{HalfSpace{{0, 0, 0}, {0, 0, 1}}};
   expect_error(cut_surface(test::make_sheet(4.0, 3), half_spaces), ErrorCode::kMeshInvalid, "open");
   expect_error(cut_surface({}, half_spaces), ErrorCode::kMeshInvalid, "");
 }
 
-TEST(CutSurface, RefusesHalfSpacesThatAreNone) {
+TEST(CutSurface, RejectsInvalidHalfSpaces) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const TriangleMesh box = test::make_box({0, 0, 0}, {1, 1, 1});
   expect_error(cut_surface(box, std::span<const HalfSpace>()), ErrorCode::kInvalidArgument,
@@ -197,7 +197,7 @@ class StopAtOnce : public Progress {
   [[nodiscard]] bool stop_requested() const override { return true; }
 };
 
-TEST(CutSurface, StopsWhenAsked) {
+TEST(CutSurface, StopsOnRequest) {
   StopAtOnce stop;
   expect_error(cut_surface(test::make_box({0, 0, 0}, {1, 1, 1}),
                            std::array{HalfSpace{{0, 0, 0.5}, {0, 0, 1}}}, stop),

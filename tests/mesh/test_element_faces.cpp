@@ -25,7 +25,7 @@ VolumeMesh one_element(ElementShape shape) {
   return box;
 }
 
-TEST(ElementFaces, EncloseTheElementAndPointOut) {
+TEST(ElementFaces, EncloseTheElementAndPointOutwards) {
   const double volumes[] = {1.0 / 6, 1.0 / 6, 0.5, 1.0, 1.0 / 6, 0.5, 1.0};
   for (const ElementShape shape : kShapes) {
     const VolumeMesh mesh = one_element(shape);
@@ -35,7 +35,7 @@ TEST(ElementFaces, EncloseTheElementAndPointOut) {
   }
 }
 
-TEST(ElementFaces, HaveTheirMiddleNodesBetweenTheirCorners) {
+TEST(ElementFaces, MidEdgeNodesLieBetweenTheirCorners) {
   for (const ElementShape shape :
        {ElementShape::kTet10, ElementShape::kWedge15, ElementShape::kHex20}) {
     const VolumeMesh mesh = one_element(shape);
@@ -49,7 +49,7 @@ TEST(ElementFaces, HaveTheirMiddleNodesBetweenTheirCorners) {
   }
 }
 
-TEST(ElementFaces, HaveTheElementsEdgesAsSidesTwoFacesEach) {
+TEST(ElementFaces, EachEdgeBelongsToTwoFaces) {
   for (const ElementShape shape : kShapes) {
     std::multiset<std::pair<int, int>> sides;
     for (const LocalFace& local : faces_of(shape)) {
@@ -64,7 +64,7 @@ TEST(ElementFaces, HaveTheElementsEdgesAsSidesTwoFacesEach) {
   }
 }
 
-TEST(AttachFaces, TurnsThemOutWhicheverWayTheyWereGiven) {
+TEST(MatchFacesToElements, OrientsBoundaryFacesOutwards) {
   for (const ElementShape shape : kShapes) {
     const VolumeMesh mesh = make_box(shape, {2, 2, 2}, Vec3::Ones());
     const std::vector<Face> boundary = boundary_faces(mesh);
@@ -75,7 +75,7 @@ TEST(AttachFaces, TurnsThemOutWhicheverWayTheyWereGiven) {
   }
 }
 
-TEST(AttachFaces, KeepsTheSideOfAnInnerFace) {
+TEST(MatchFacesToElements, KeepsTheOrientationOfAnInteriorFace) {
   const VolumeMesh mesh = make_box(ElementShape::kHex8, {2, 1, 1}, Vec3::Ones());
   const Face towards_x{.shape = FaceShape::kQuad4, .nodes = {1, 4, 10, 7}};
   const Face back{.shape = FaceShape::kQuad4, .nodes = {1, 7, 10, 4}};
@@ -87,15 +87,15 @@ TEST(AttachFaces, KeepsTheSideOfAnInnerFace) {
   }
 }
 
-TEST(AttachFaces, RefusesFacesOfNoElementAndThoseThereTwice) {
+TEST(MatchFacesToElements, RejectsFacesWithoutElementAndDuplicates) {
   const VolumeMesh mesh = make_box(ElementShape::kHex8, {1, 1, 1}, Vec3::Ones());
   const Face loose{.shape = FaceShape::kTri3, .nodes = {0, 1, 2}};
   EXPECT_EQ(match_faces_to_elements(mesh, {&loose, 1}).error().message,
-            "the face with corners 0, 1, 2 lies on no element");
+            "the face with corners 0, 1, 2 belongs to no element");
   const Face bottom{.shape = FaceShape::kQuad4, .nodes = {0, 1, 3, 2}};
   const std::vector<Face> twice{bottom, bottom};
   EXPECT_EQ(match_faces_to_elements(mesh, twice).error().message,
-            "the face with corners 0, 1, 3, 2 is there twice");
+            "the face with corners 0, 1, 3, 2 occurs twice");
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace lefort::mesh {
 namespace {
 
-TEST(RegionSizes, AreCountsAndVolumesOfEachRegionThatOccurs) {
+TEST(RegionSizes, CountsElementsAndVolumesByRegion) {
   for (const ElementShape shape :
        {ElementShape::kTet4, ElementShape::kHex8, ElementShape::kWedge6}) {
     VolumeMesh mesh = make_box(shape, {4, 3, 2}, {8.0, 3.0, 5.0});
@@ -44,7 +44,7 @@ TetQuality quality_of(const VolumeMesh& mesh) {
   return tet_quality(p[0], p[1], p[2], p[3]);
 }
 
-TEST(TetQuality, OfTheRegularTetrahedronIsTheTextbooks) {
+TEST(TetQuality, RegularTetrahedronHasTheTheoreticalValues) {
   const TetQuality quality = quality_of(test::regular_tet());
   const double dihedral_deg = degrees_from_radians(std::acos(1.0 / 3.0));
   EXPECT_NEAR(quality.volume_mm3, 1.0 / (6.0 * std::numbers::sqrt2), 1e-15);
@@ -54,19 +54,19 @@ TEST(TetQuality, OfTheRegularTetrahedronIsTheTextbooks) {
   EXPECT_NEAR(quality.radius_ratio, 1.0, 1e-14);
 }
 
-TEST(TetQuality, OfACubesCornerIsTheTextbooks) {
+TEST(TetQuality, CubeCornerHasTheTheoreticalValues) {
   const TetQuality quality = tet_quality({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
   EXPECT_NEAR(quality.volume_mm3, 1.0 / 6.0, 1e-15);
   EXPECT_NEAR(quality.max_dihedral_deg, 90.0, 1e-12);
   EXPECT_NEAR(quality.min_dihedral_deg, degrees_from_radians(std::acos(1.0 / std::sqrt(3.0))),
               1e-12);
-  // The three corners beside the right one have edges 1, sqrt 2, sqrt 2.
+  // The three corners next to the right-angled one have edges 1, sqrt 2, sqrt 2.
   EXPECT_NEAR(quality.scaled_jacobian, std::numbers::sqrt2 / 2.0, 1e-14);
   // r = 1 / (3 + sqrt 3), R = sqrt 3 / 2.
   EXPECT_NEAR(quality.radius_ratio, 3.0 / (3.0 + std::sqrt(3.0)) / (std::sqrt(3.0) / 2.0), 1e-14);
 }
 
-TEST(TetQuality, ForgetsSizeAndPose) {
+TEST(TetQuality, IsInvariantToSizeAndPose) {
   const Vec3 a(0, 0, 0), b(3, 0.2, 0), c(0.4, 2, 0.1), d(0.7, 0.5, 1.9);
   const RigidTransform X =
       Eigen::Translation3d(5, -7, 90) * Eigen::AngleAxisd(1.2, Vec3(1, -1, 2).normalized());
@@ -78,14 +78,14 @@ TEST(TetQuality, ForgetsSizeAndPose) {
   EXPECT_NEAR(there.radius_ratio, here.radius_ratio, 1e-12);
 }
 
-TEST(TetQuality, OfASliverIsNearlyZeroThoughItsEdgesAreFine) {
+TEST(TetQuality, SliverHasNearlyZeroQualityAndRegularEdges) {
   const TetQuality quality = tet_quality({1, 0, 0}, {0, 1, 1e-3}, {-1, 0, 0}, {0, -1, 1e-3});
   EXPECT_LT(quality.min_dihedral_deg, 0.3);
   EXPECT_GT(quality.max_dihedral_deg, 179.0);
   EXPECT_LT(quality.radius_ratio, 0.01);
 }
 
-TEST(TetQuality, ReportsTheInvertedAndTheFlat) {
+TEST(TetQuality, InvertedIsNegativeAndFlatIsZero) {
   const TetQuality inverted = tet_quality({0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1});
   EXPECT_LT(inverted.volume_mm3, 0.0);
   EXPECT_LT(inverted.scaled_jacobian, 0.0);
@@ -95,7 +95,7 @@ TEST(TetQuality, ReportsTheInvertedAndTheFlat) {
   EXPECT_EQ(point.radius_ratio, 0.0);
 }
 
-/// The element that counts as ideal.
+/// The ideal element.
 std::vector<Vec3> ideal(ElementShape shape) {
   const double h = std::sqrt(0.75);
   switch (shape) {
@@ -116,7 +116,7 @@ constexpr std::pair<ElementShape, ElementShape> kLinearAndQuadratic[] = {
     {ElementShape::kWedge6, ElementShape::kWedge15},
     {ElementShape::kHex8, ElementShape::kHex20}};
 
-TEST(ScaledJacobian, IsOneForTheIdealElementAndForgetsSizeAndPose) {
+TEST(ScaledJacobian, IsOneForTheIdealElementOfAnySizeAndPose) {
   const RigidTransform X =
       Eigen::Translation3d(5, -7, 90) * Eigen::AngleAxisd(1.2, Vec3(1, -1, 2).normalized());
   for (const ElementShape shape :
@@ -129,13 +129,13 @@ TEST(ScaledJacobian, IsOneForTheIdealElementAndForgetsSizeAndPose) {
   }
 }
 
-TEST(ScaledJacobian, OfATetrahedronIsThatOfTetQuality) {
+TEST(ScaledJacobian, AgreesWithTetQuality) {
   const std::vector<Vec3> nodes{{0, 0, 0}, {3, 0.2, 0}, {0.4, 2, 0.1}, {0.7, 0.5, 1.9}};
   EXPECT_NEAR(scaled_jacobian(ElementShape::kTet4, nodes),
               tet_quality(nodes[0], nodes[1], nodes[2], nodes[3]).scaled_jacobian, 1e-14);
 }
 
-TEST(ScaledJacobian, OfAQuadraticElementIsThatOfTheLinearOneWhileItsEdgesAreStraight) {
+TEST(ScaledJacobian, QuadraticElementWithStraightEdgesEqualsTheLinearOne) {
   for (const auto& [linear, quadratic] : kLinearAndQuadratic) {
     std::vector<Vec3> nodes = ideal(linear);
     nodes[2] += Vec3(0.1, 0.2, -0.1);
@@ -143,14 +143,14 @@ TEST(ScaledJacobian, OfAQuadraticElementIsThatOfTheLinearOneWhileItsEdgesAreStra
     for (const auto& [i, j] : edges_of(linear))
       nodes.emplace_back(0.5 * (nodes[std::size_t(i)] + nodes[std::size_t(j)]));
     EXPECT_NEAR(scaled_jacobian(quadratic, nodes), expected, 1e-14) << name_of(quadratic);
-    // An edge that turns back at its end spans no volume there.
+    // An edge whose tangent reverses at its end spans no volume there.
     const auto first_middle = std::size_t(corner_count(quadratic));
     nodes[first_middle] = nodes[0] + 0.2 * (nodes[1] - nodes[0]);
     EXPECT_LT(scaled_jacobian(quadratic, nodes), 0.0) << name_of(quadratic);
   }
 }
 
-TEST(ScaledJacobian, IsTheSmallestOfAllCorners) {
+TEST(ScaledJacobian, IsTheMinimumOverTheCorners) {
   for (std::size_t corner = 0; corner < 8; ++corner) {
     std::vector<Vec3> nodes = ideal(ElementShape::kHex8);
     nodes[corner] = 0.5 * nodes[corner] + 0.5 * Vec3(0.5, 0.5, 0.5);
@@ -162,10 +162,10 @@ TEST(ScaledJacobian, IsTheSmallestOfAllCorners) {
   }
 }
 
-TEST(PoorElements, AreReportedWithNumberShapeAndPlace) {
+TEST(PoorElements, AreReportedWithNumberShapeAndCenter) {
   VolumeMesh mesh = make_mixed_box(BoxMix::kAllLinear, {4, 1, 1}, {4, 1, 1});
   EXPECT_TRUE(poor_elements(mesh, 0.0).empty());
-  // Blocks: one hex8, two wedge6, pyramids and tets. The second wedge is turned inside out.
+  // Blocks: one hex8, two wedge6, pyramids and tets. The second wedge is inverted.
   std::swap(mesh.blocks[1].nodes[6 + 1], mesh.blocks[1].nodes[6 + 2]);
   std::swap(mesh.blocks[1].nodes[6 + 4], mesh.blocks[1].nodes[6 + 5]);
   const auto poor = poor_elements(mesh, 0.0);
@@ -177,7 +177,7 @@ TEST(PoorElements, AreReportedWithNumberShapeAndPlace) {
   EXPECT_EQ(Index(poor_elements(mesh, 2.0).size()), mesh.element_count());
 }
 
-TEST(MeshQuality, SumsUpAMesh) {
+TEST(MeshQuality, SummarizesAMesh) {
   VolumeMesh mesh = test::cube_of_tets(2);
   const MeshQuality quality = measure_quality(mesh);
   EXPECT_EQ(quality.elements, 48);
@@ -193,14 +193,14 @@ TEST(MeshQuality, SumsUpAMesh) {
   EXPECT_EQ(bins[4], 48);
 }
 
-TEST(MeshQuality, NamesInvertedElementsThroughAllBlocks) {
+TEST(MeshQuality, CountsInvertedElementsThroughAllBlocks) {
   VolumeMesh mesh = test::cube_of_tets(1);
   mesh.blocks.push_back(mesh.blocks[0]);
   std::swap(mesh.blocks[1].nodes[4 * 2], mesh.blocks[1].nodes[4 * 2 + 1]);
   EXPECT_EQ(measure_quality(mesh).inverted, (std::vector<Index>{8}));
 }
 
-TEST(DihedralRange, OfRegularShapesIsTheTextbooks) {
+TEST(DihedralRange, RegularShapesHaveTheTheoreticalAngles) {
   const auto range = [](ElementShape shape) { return dihedral_range_deg(shape, ideal(shape)); };
   const double tet_deg = degrees_from_radians(std::acos(1.0 / 3.0));
   EXPECT_NEAR(range(ElementShape::kTet4)[0], tet_deg, 1e-10);
@@ -214,7 +214,7 @@ TEST(DihedralRange, OfRegularShapesIsTheTextbooks) {
   EXPECT_NEAR(range(ElementShape::kPyramid5)[1], 180.0 - tet_deg, 1e-10);
 }
 
-TEST(ElementVolume, OfABilinearFaceIsExact) {
+TEST(ElementVolume, IsExactForABilinearFace) {
   // The cube whose upper face is z = 1 + x y / 2, a bilinear patch: 1 + 1/8.
   std::vector<Vec3> hex = ideal(ElementShape::kHex8);
   ASSERT_EQ(hex[6], Vec3(1, 1, 1));
@@ -227,7 +227,7 @@ TEST(ElementVolume, OfABilinearFaceIsExact) {
   EXPECT_NEAR(volume_of(ElementShape::kHex8, hex), -1.125, 1e-14);
 }
 
-TEST(MeshQuality, SumsUpEachShapeOfAMixedMesh) {
+TEST(MeshQuality, SummarizesEachShapeOfAMixedMesh) {
   const VolumeMesh mesh = make_mixed_box(BoxMix::kAllLinear, {4, 1, 1}, {4, 1, 1});
   const MeshQuality quality = measure_quality(mesh);
   EXPECT_EQ(quality.elements, mesh.element_count());
@@ -247,7 +247,7 @@ TEST(MeshQuality, SumsUpEachShapeOfAMixedMesh) {
   EXPECT_NEAR(volume_mm3, 4.0, 1e-13);
 }
 
-TEST(MeshQuality, OfNothingIsZero) { EXPECT_EQ(measure_quality({}).elements, 0); }
+TEST(MeshQuality, EmptyMeshHasNoElements) { EXPECT_EQ(measure_quality({}).elements, 0); }
 
 }  // namespace
 }  // namespace lefort::mesh

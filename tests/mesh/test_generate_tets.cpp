@@ -41,7 +41,7 @@ geometry::TriangleMesh surface_of(const VolumeMesh& mesh) {
   return surface;
 }
 
-/// What every mesh promises, for levels that are distances.
+/// Checks the postconditions of every mesh, for level-set functions that are distances.
 void expect_sound(const VolumeMesh& mesh, const Level& level, double tolerance_mm) {
   ASSERT_EQ(mesh.blocks.size(), 1u);
   const MeshQuality quality = measure_quality(mesh);
@@ -57,7 +57,7 @@ void expect_sound(const VolumeMesh& mesh, const Level& level, double tolerance_m
   EXPECT_EQ(std::count(used.begin(), used.end(), false), 0);
 }
 
-TEST(GenerateTets, FillABall) {
+TEST(GenerateTets, FillsABall) {
   const auto mesh =
       generate_tets(ball(20.0), cube(22.0), {.element_size_mm = 4.0, .surface_distance_mm = 0.2});
   ASSERT_TRUE(mesh) << mesh.error().message;
@@ -67,7 +67,7 @@ TEST(GenerateTets, FillABall) {
   EXPECT_EQ(geometry::euler_characteristic(surface_of(*mesh)), 2);
 }
 
-TEST(GenerateTets, FillATorusWithItsHole) {
+TEST(GenerateTets, FillsATorus) {
   const auto mesh = generate_tets(torus(15.0, 5.0), cube(22.0),
                                   {.element_size_mm = 2.5, .surface_distance_mm = 0.1});
   ASSERT_TRUE(mesh) << mesh.error().message;
@@ -77,7 +77,7 @@ TEST(GenerateTets, FillATorusWithItsHole) {
   EXPECT_EQ(geometry::euler_characteristic(surface_of(*mesh)), 0);
 }
 
-TEST(GenerateTets, EndAtTheBoxWhereTheLevelDoesNot) {
+TEST(GenerateTets, MeshEndsAtTheBoxIfTheLevelIsPositiveThere) {
   const auto mesh =
       generate_tets([](const Vec3&) { return 1.0; }, cube(10.0), {.element_size_mm = 3.0});
   ASSERT_TRUE(mesh) << mesh.error().message;
@@ -85,7 +85,7 @@ TEST(GenerateTets, EndAtTheBoxWhereTheLevelDoesNot) {
   EXPECT_NEAR(measure_quality(*mesh).volume_mm3, 8000.0, 0.03 * 8000.0);
 }
 
-TEST(GenerateTets, FollowTheSizeField) {
+TEST(GenerateTets, FollowsTheSizeField) {
   const auto size = [](const Vec3& p) { return p.x() > 0.0 ? 1.5 : 4.0; };
   const auto mesh =
       generate_tets(ball(12.0), cube(14.0), {.element_size_mm = 4.0, .size_at_mm = size});
@@ -110,7 +110,7 @@ Level two_balls(double radius_mm) {
   };
 }
 
-TEST(GenerateTets, KeepTheLargestPartAloneAndSayWhatWasLeftOut) {
+TEST(GenerateTets, KeepsTheLargestPartAndReportsTheOmittedVolume) {
   class Notes : public Progress {
    public:
     void note(std::string_view sentence) override { sentences.emplace_back(sentence); }
@@ -124,7 +124,7 @@ TEST(GenerateTets, KeepTheLargestPartAloneAndSayWhatWasLeftOut) {
   EXPECT_NE(notes.sentences[0].find("of tissue (3"), std::string::npos) << notes.sentences[0];
 }
 
-TEST(GenerateTets, RefuseToLeaveOutMoreThanFragments) {
+TEST(GenerateTets, FailsIfMoreThanFragmentsWouldBeOmitted) {
   const auto mesh = generate_tets(two_balls(5.0), cube(25.0), {.element_size_mm = 2.0});
   ASSERT_FALSE(mesh);  // 125 of 1125 parts of volume.
   EXPECT_EQ(mesh.error().code, ErrorCode::kMeshingFailed);
@@ -132,7 +132,7 @@ TEST(GenerateTets, RefuseToLeaveOutMoreThanFragments) {
       << mesh.error().message;
 }
 
-TEST(GenerateTets, TooLittleMemoryIsAnErrorAndABugIsThrownOn) {
+TEST(GenerateTets, ReportsExhaustedMemoryAndRethrowsOtherExceptions) {
   const auto starved =
       generate_tets([](const Vec3&) -> double { throw std::bad_alloc(); }, cube(10.0));
   ASSERT_FALSE(starved);
@@ -145,7 +145,7 @@ TEST(GenerateTets, TooLittleMemoryIsAnErrorAndABugIsThrownOn) {
   EXPECT_THROW(static_cast<void>(generate_tets(with_a_bug, cube(10.0))), LogicError);
 }
 
-TEST(GenerateTets, FindAPartAwayFromTheMiddle) {
+TEST(GenerateTets, FindsAPartAwayFromTheCenter) {
   const auto mesh = generate_tets(ball(5.0, {40, 40, -40}), cube(50.0), {.element_size_mm = 2.5});
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_GT(mesh->element_count(), 100);
@@ -166,14 +166,14 @@ void expect_error(const Result<VolumeMesh>& mesh, ErrorCode code, const std::str
   EXPECT_NE(mesh.error().message.find(words), std::string::npos) << mesh.error().message;
 }
 
-TEST(GenerateTets, SayThatThereIsNothingToFill) {
+TEST(GenerateTets, ReportsAnEmptyRegion) {
   expect_error(generate_tets([](const Vec3&) { return -1.0; }, cube(10.0)),
-               ErrorCode::kMeshingFailed, "at 0 spots");
+               ErrorCode::kMeshingFailed, "at 0 points");
   expect_error(generate_tets([](const Vec3&) { return std::nan(""); }, cube(10.0)),
-               ErrorCode::kMeshingFailed, "at 0 spots");
+               ErrorCode::kMeshingFailed, "at 0 points");
 }
 
-TEST(GenerateTets, RefuseOptionsOutOfRange) {
+TEST(GenerateTets, RejectsOptionsOutOfRange) {
   const auto with = [](const TetOptions& options) {
     return generate_tets(ball(5.0), cube(10.0), options);
   };
@@ -201,7 +201,7 @@ class StopAfter : public Progress {
   mutable int left_;
 };
 
-TEST(GenerateTets, StopWhenAskedInAnyPhase) {
+TEST(GenerateTets, StopsOnRequestInAnyPhase) {
   for (const int looks : {0, 3, 12, 40}) {
     StopAfter stop(looks);
     expect_error(generate_tets(ball(20.0), cube(22.0), {.element_size_mm = 3.0}, stop),

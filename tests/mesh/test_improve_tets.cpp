@@ -14,13 +14,13 @@ namespace {
 
 bool is_in_cube(const Vec3& p) { return p.minCoeff() > 0.0 && p.maxCoeff() < 4.0; }
 
-/// Whether the node lies within the cube of side 4, or within its side z = 4.
+/// Whether the node lies inside the cube of side 4, not on its boundary.
 bool is_inner(const Vec3& p) { return p.minCoeff() > 0.5 && p.maxCoeff() < 3.5; }
 bool is_on_top(const Vec3& p) {
   return p.z() == 4.0 && p.head<2>().minCoeff() > 0.5 && p.head<2>().maxCoeff() < 3.5;
 }
 
-/// A cube of side 4 whose inner and upper nodes were shaken until slivers came.
+/// A cube of side 4 whose interior and upper nodes are displaced until there are slivers.
 VolumeMesh shaken_cube() {
   VolumeMesh mesh = test::cube_of_tets(4);
   std::mt19937 random(3);
@@ -33,7 +33,7 @@ VolumeMesh shaken_cube() {
   return mesh;
 }
 
-TEST(ImproveTets, RaisesTheSmallestAngleAndKeepsTheVolume) {
+TEST(ImproveTets, IncreasesTheSmallestAngleAndKeepsTheVolume) {
   VolumeMesh mesh = shaken_cube();
   const MeshQuality before = measure_quality(mesh);
   ASSERT_TRUE(before.inverted.empty());
@@ -54,15 +54,15 @@ TEST(ImproveTets, KeepsTheBoundaryOnTheLevel) {
   }
 }
 
-TEST(ImproveTets, LeavesNodesOfGoodElementsAlone) {
+TEST(ImproveTets, DoesNotMoveNodesOfGoodElements) {
   VolumeMesh mesh = test::cube_of_tets(4);
   const auto before = mesh.nodes_L;
   EXPECT_EQ(improve_tets(mesh, is_in_cube), 0);
   EXPECT_EQ(mesh.nodes_L, before);
 }
 
-TEST(ImproveTets, SaysHowManyItCannotRepair) {
-  const double h = 1e-3;  // Flat, and its faces may not turn as far as it takes.
+TEST(ImproveTets, ReturnsTheNumberOfElementsStillBelowTheTarget) {
+  const double h = 1e-3;  // Flat; its faces would have to rotate more than allowed.
   VolumeMesh mesh = test::tets({{1, 0, 0}, {0, 1, h}, {-1, 0, 0}, {0, -1, h}}, {0, 1, 2, 3});
   if (measure_quality(mesh).volume_mm3 < 0.0)
     std::swap(mesh.blocks[0].nodes[0], mesh.blocks[0].nodes[1]);

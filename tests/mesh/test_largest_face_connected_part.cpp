@@ -26,7 +26,7 @@ VolumeMesh two_cubes(int n, const Vec3& corner) {
   return mesh;
 }
 
-TEST(SolidPart, LeavesAWholeMeshAsItIs) {
+TEST(LargestFaceConnectedPart, DoesNotChangeAConnectedMesh) {
   const VolumeMesh mesh = two_cubes(2, {2, 0, 0});  // Face to face.
   const VolumeMesh part = largest_face_connected_part(mesh);
   EXPECT_EQ(part.nodes_L, mesh.nodes_L);
@@ -34,20 +34,20 @@ TEST(SolidPart, LeavesAWholeMeshAsItIs) {
   EXPECT_EQ(part.blocks[0].region, mesh.blocks[0].region);
 }
 
-TEST(SolidPart, DropsStrayPiecesAndTheirNodes) {
+TEST(LargestFaceConnectedPart, RemovesDisconnectedPartsAndTheirNodes) {
   const VolumeMesh part = largest_face_connected_part(two_cubes(2, {5, 0, 0}));
   EXPECT_EQ(part.element_count(), 48);
   EXPECT_EQ(part.node_count(), 27);
 }
 
-TEST(SolidPart, DropsWhatHangsOnAnEdgeOrANode) {
+TEST(LargestFaceConnectedPart, RemovesPartsConnectedByAnEdgeOrANode) {
   EXPECT_EQ(largest_face_connected_part(two_cubes(2, {2, 2, 0})).element_count(), 48);
   EXPECT_EQ(largest_face_connected_part(two_cubes(2, {2, 2, 2})).element_count(), 48);
 }
 
-TEST(SolidPart, BreaksAHingeWithinOnePart) {
-  // Two by two cubes of which the two on a diagonal go on top: they meet in an edge, and hang
-  // together through the floor.
+TEST(LargestFaceConnectedPart, RemovesAHingeWithinOnePart) {
+  // Two by two cubes with two more on top, on a diagonal: these two have an edge in common, and are
+  // connected through the cubes below.
   VolumeMesh mesh = test::cube_of_tets(2);
   ElementBlock& block = mesh.blocks[0];
   ElementBlock kept;
@@ -63,7 +63,7 @@ TEST(SolidPart, BreaksAHingeWithinOnePart) {
   EXPECT_GE(part.element_count(), 30);
 }
 
-TEST(SolidPart, OfNothingIsNothing) {
+TEST(LargestFaceConnectedPart, EmptyMeshStaysEmpty) {
   EXPECT_EQ(largest_face_connected_part(test::tets({}, {})).element_count(), 0);
 }
 

@@ -22,7 +22,7 @@ std::vector<Face> top_of(const VolumeMesh& mesh) {
   return faces;
 }
 
-TEST(LayerThickness, OfAPlateIsItsOwn) {
+TEST(LayerThickness, PlateHasItsThickness) {
   const VolumeMesh cube = test::cube_of_tets(6);
   const std::vector<HalfSpace> sides{{Vec3::Zero(), Vec3::UnitX()},
                                      {Vec3::Zero(), Vec3::UnitY()},
@@ -45,7 +45,7 @@ TEST(LayerThickness, OfAPlateIsItsOwn) {
   EXPECT_LT((wanted_more.thin[0].center_L - Vec3(3.0, 3.0, 6.0)).norm(), 1e-12);
 }
 
-TEST(LayerThickness, ReportsTheRimThatIsNotCovered) {
+TEST(LayerThickness, ReportsTheUncoveredBorder) {
   const VolumeMesh cube = test::cube_of_tets(6);
   const VolumeMesh mesh = add_boundary_layer(cube, top_of(cube), {}, {.thickness_mm = 0.5}).value();
   const LayerThickness layer = layer_thickness_statistics(mesh, 1, top_of(mesh), 2, 0.5);

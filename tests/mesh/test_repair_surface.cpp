@@ -15,7 +15,7 @@ namespace {
 using geometry::signed_volume_mm3;
 using geometry::TriangleMesh;
 
-TEST(RepairSurface, LeavesASoundSurfaceAsItIs) {
+TEST(RepairSurface, DoesNotChangeAValidSurface) {
   const TriangleMesh torus = test::make_torus(10.0, 3.0, 24, 12);
   const auto repaired = repair_surface(torus);
   ASSERT_TRUE(repaired) << repaired.error().message;
@@ -23,20 +23,20 @@ TEST(RepairSurface, LeavesASoundSurfaceAsItIs) {
   EXPECT_EQ(signed_volume_mm3(*repaired), signed_volume_mm3(torus));
 }
 
-TEST(RepairSurface, SewsATriangleSoup) {
+TEST(RepairSurface, StitchesATriangleSoup) {
   const auto repaired = repair_surface(test::unwelded(test::make_icosphere(5.0, 2)));
   ASSERT_TRUE(repaired) << repaired.error().message;
   EXPECT_TRUE(geometry::is_closed(*repaired));
   EXPECT_EQ(repaired->vertex_count(), 162);
 }
 
-TEST(RepairSurface, TurnsTheInsideOut) {
+TEST(RepairSurface, ReversesAnInvertedSurface) {
   const auto repaired = repair_surface(test::turn_inside_out(test::make_icosphere(5.0, 2)));
   ASSERT_TRUE(repaired) << repaired.error().message;
   EXPECT_NEAR(signed_volume_mm3(*repaired), signed_volume_mm3(test::make_icosphere(5.0, 2)), 1e-9);
 }
 
-TEST(RepairSurface, OrientsTrianglesThatPointAnyWay) {
+TEST(RepairSurface, OrientsInconsistentTriangles) {
   const TriangleMesh sphere = test::make_icosphere(5.0, 2);
   TriangleMesh mixed = sphere;
   std::mt19937 random(7);
@@ -77,7 +77,7 @@ TEST(RepairSurface, SplitsAnEdgeWhereTheSurfaceTouchesItself) {
   EXPECT_NEAR(signed_volume_mm3(*repaired), 2.0, 1e-12);
 }
 
-TEST(RepairSurface, DropsTrianglesWithoutAreaAndDoubledOnes) {
+TEST(RepairSurface, RemovesTrianglesWithoutAreaAndDuplicates) {
   TriangleMesh mesh = test::with_cap(test::make_icosphere(5.0, 2), 17, 1);
   const double volume_mm3 = signed_volume_mm3(mesh);
   mesh.triangles.push_back(mesh.triangles[3]);
@@ -99,14 +99,14 @@ void expect_refused(const TriangleMesh& mesh, const std::string& words) {
   EXPECT_NE(repaired.error().message.find(words), std::string::npos) << repaired.error().message;
 }
 
-TEST(RepairSurface, RefusesAnOpenSurfaceAndSaysWhere) {
+TEST(RepairSurface, RejectsAnOpenSurfaceAndReportsAnEdge) {
   TriangleMesh box = test::make_box({0, 0, 0}, {4, 4, 4});
   box.triangles.pop_back();
   expect_refused(box, "the surface is open: edge ");
   expect_refused(box, " has 1 triangle at (4.00, 0.00, 0.00) mm");
 }
 
-TEST(RepairSurface, RefusesWhatIsNoSurface) {
+TEST(RepairSurface, RejectsInvalidSurfaces) {
   expect_refused({}, "");
   TriangleMesh box = test::make_box({0, 0, 0}, {4, 4, 4});
   box.vertices[2].x() = std::numeric_limits<double>::quiet_NaN();

@@ -25,7 +25,7 @@ TriangleMesh with(TriangleMesh one, const TriangleMesh& other) {
   return one;
 }
 
-TEST(SelfIntersections, SoundSurfacesHaveNone) {
+TEST(SelfIntersections, ValidSurfacesHaveNone) {
   EXPECT_EQ(count(test::make_box({0, 0, 0}, {1, 2, 3})), 0);
   EXPECT_EQ(count(test::make_icosphere(10.0, 4)), 0);
   EXPECT_EQ(count(test::make_torus(10.0, 3.0, 40, 20)), 0);
@@ -33,7 +33,7 @@ TEST(SelfIntersections, SoundSurfacesHaveNone) {
   EXPECT_EQ(count(test::unwelded(test::make_icosphere(10.0, 3))), 0);
 }
 
-TEST(SelfIntersections, OfTwoTrianglesAreCountedByHowTheyMeet) {
+TEST(SelfIntersections, CountsTwoTrianglesByTheirContact) {
   const auto pair = [](const Vec3& a, const Vec3& b, const Vec3& c) {
     return TriangleMesh{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, a, b, c}, {{0, 1, 2}, {3, 4, 5}}};
   };
@@ -47,18 +47,18 @@ TEST(SelfIntersections, OfTwoTrianglesAreCountedByHowTheyMeet) {
   EXPECT_EQ(count(pair({0, 4, 0}, {0, 0, 0}, {4, 0, 0})), 1) << "twice";
 }
 
-TEST(SelfIntersections, TwoBoxesThatCrossHaveThem) {
+TEST(SelfIntersections, CrossingBoxesHaveSome) {
   const TriangleMesh box = test::make_box({0, 0, 0}, {4, 4, 4});
   EXPECT_GT(count(with(box, test::make_box({2, 1.1, 1.3}, {6, 2.2, 2.7}))), 0);
   EXPECT_EQ(count(with(box, test::make_box({1, 1, 1}, {2, 2, 2}))), 0) << "one within the other";
   EXPECT_EQ(count(with(box, test::make_box({5, 0, 0}, {6, 2, 2}))), 0);
 }
 
-TEST(SelfIntersections, TrianglesWithoutAreaArePassedOver) {
+TEST(SelfIntersections, IgnoresTrianglesWithoutArea) {
   EXPECT_EQ(count(test::with_cap(test::make_icosphere(10.0, 2), 5, 1)), 0);
 }
 
-TEST(SelfIntersections, OfWhatIsNoSurfaceAreRefused) {
+TEST(SelfIntersections, RejectsInvalidSurfaces) {
   TriangleMesh bad = test::make_box({0, 0, 0}, {1, 1, 1});
   bad.vertices[3].x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(count_self_intersections(bad).error().code, ErrorCode::kMeshInvalid);

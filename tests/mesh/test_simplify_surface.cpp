@@ -15,7 +15,7 @@ namespace {
 
 using geometry::TriangleMesh;
 
-TEST(SimplifySurface, LeavesTheNumberRequestedOnAClosedSurfaceOfTheSameShape) {
+TEST(SimplifySurface, ReachesTheRequestedNumberAndKeepsTheShape) {
   const TriangleMesh fine = test::make_icosphere(30.0, 5);
   const auto coarse = simplify_surface(fine, 2000);
   ASSERT_TRUE(coarse) << coarse.error().message;
@@ -32,8 +32,8 @@ TEST(SimplifySurface, LeavesTheNumberRequestedOnAClosedSurfaceOfTheSameShape) {
   for (const Vec3& v : coarse->vertices) EXPECT_NEAR(v.norm(), 30.0, kSag_mm);
 }
 
-/// A box of many triangles needs but twelve.
-TEST(SimplifySurface, KeepsEdgesAndDropsWhatIsFlat) {
+/// A box of many triangles needs only twelve.
+TEST(SimplifySurface, KeepsEdgesAndSimplifiesPlanes) {
   TriangleMesh fine = test::make_box({0, 0, 0}, {20, 20, 20});
   for (int round = 0; round < 4; ++round) {
     TriangleMesh finer{fine.vertices, {}};
@@ -61,12 +61,12 @@ TEST(SimplifySurface, SameInputSameBits) {
   EXPECT_EQ(geometry::euler_characteristic(one), 0) << "still a torus";
 }
 
-TEST(SimplifySurface, WhatIsCoarseEnoughStays) {
+TEST(SimplifySurface, DoesNotChangeACoarseSurface) {
   const TriangleMesh box = test::make_box({0, 0, 0}, {1, 1, 1});
   EXPECT_EQ(simplify_surface(box, 100)->triangle_count(), 12);
 }
 
-TEST(SimplifySurface, RefusesOpenSurfacesAndTooFewTriangles) {
+TEST(SimplifySurface, RejectsOpenSurfacesAndTooFewTriangles) {
   EXPECT_EQ(simplify_surface(test::make_sheet(1.0, 4), 10).error().code, ErrorCode::kMeshInvalid);
   EXPECT_EQ(simplify_surface(test::make_icosphere(1.0, 2), 3).error().code,
             ErrorCode::kInvalidArgument);

@@ -8,7 +8,7 @@
 namespace lefort::mesh {
 namespace {
 
-TEST(SnapBoundaryToLevel, PutsTheSidesOfACubeOnALargerOnesSides) {
+TEST(SnapBoundaryToLevel, SnapsACubeToALargerCube) {
   VolumeMesh mesh = test::cube_of_tets(4);
   const auto inside = [](const Vec3& p) { return p.z() < 4.2 && p.z() > -10.0; };
   EXPECT_EQ(snap_boundary_to_level(mesh, inside, 1.0, 1e-6), 0);
@@ -19,7 +19,7 @@ TEST(SnapBoundaryToLevel, PutsTheSidesOfACubeOnALargerOnesSides) {
   EXPECT_TRUE(measure_quality(mesh).inverted.empty());
 }
 
-TEST(SnapBoundaryToLevel, LeavesNodesThatAreThere) {
+TEST(SnapBoundaryToLevel, DoesNotMoveNodesOnTheSurface) {
   VolumeMesh mesh = test::regular_tet();
   const auto before = mesh.nodes_L;
   const Vec3 middle = (before[0] + before[1] + before[2] + before[3]) / 4.0;
@@ -29,7 +29,7 @@ TEST(SnapBoundaryToLevel, LeavesNodesThatAreThere) {
   EXPECT_EQ(mesh.nodes_L, before);
 }
 
-TEST(SnapBoundaryToLevel, DoesNotReachFurtherThanReported) {
+TEST(SnapBoundaryToLevel, DoesNotMoveNodesBeyondReach) {
   VolumeMesh mesh = test::regular_tet();
   const auto before = mesh.nodes_L;
   EXPECT_EQ(snap_boundary_to_level(
@@ -38,9 +38,9 @@ TEST(SnapBoundaryToLevel, DoesNotReachFurtherThanReported) {
   EXPECT_EQ(mesh.nodes_L, before);
 }
 
-TEST(SnapBoundaryToLevel, HoldsBackRatherThanSquashAnElement) {
+TEST(SnapBoundaryToLevel, StopsBeforeAnElementIsFlattened) {
   VolumeMesh mesh = test::regular_tet();
-  // The tip is to come down to where the base lies.
+  // The tip should move down to the base.
   const auto inside = [](const Vec3& p) { return p.z() < 0.01 && p.z() > -5.0; };
   EXPECT_GE(snap_boundary_to_level(mesh, inside, 1.0, 1e-6), 1);
   EXPECT_TRUE(measure_quality(mesh).inverted.empty());

@@ -11,7 +11,7 @@
 namespace lefort::mesh {
 namespace {
 
-TEST(JoinParts, UndoesACut) {
+TEST(StitchSurfaces, UndoesACut) {
   const geometry::TriangleMesh torus = test::make_torus(10.0, 3.0, 48, 24);
   const std::array half_spaces{HalfSpace{{0, 0, 0}, {0.1, 1, 0}}, HalfSpace{{0, 0, 1}, {0, 0, 1}}};
   const auto cut = cut_surface(torus, half_spaces);
@@ -25,19 +25,19 @@ TEST(JoinParts, UndoesACut) {
   EXPECT_NEAR(geometry::signed_volume_mm3(whole), geometry::signed_volume_mm3(torus), 1e-9);
 }
 
-TEST(JoinParts, PutsBodiesApartSideBySide) {
+TEST(StitchSurfaces, KeepsSeparateBodies) {
   const auto whole =
       stitch_surfaces(test::make_box({0, 0, 0}, {1, 1, 1}), test::make_box({2, 0, 0}, {3, 1, 1}));
   EXPECT_EQ(whole.vertex_count(), 16);
   EXPECT_EQ(whole.triangle_count(), 24);
 }
 
-TEST(JoinParts, DoesNotGlueFacesThatLookTheSameWay) {
+TEST(StitchSurfaces, DoesNotStitchFacesOfTheSameOrientation) {
   const geometry::TriangleMesh box = test::make_box({0, 0, 0}, {1, 1, 1});
   EXPECT_EQ(stitch_surfaces(box, box).triangle_count(), 24);
 }
 
-TEST(JoinParts, NothingAddsNothing) {
+TEST(StitchSurfaces, EmptySurfaceIsTheNeutralElement) {
   const geometry::TriangleMesh box = test::make_box({0, 0, 0}, {1, 1, 1});
   EXPECT_EQ(stitch_surfaces(box, {}).triangles, box.triangles);
   EXPECT_EQ(stitch_surfaces({}, box).triangle_count(), 12);

@@ -11,10 +11,10 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// A head whose angles are known: nasion at the origin, in LPS (anterior is -y).
+/// A head with known angles: nasion at the origin, in LPS (anterior is -y).
 Landmarks head() {
   const auto below_nasion = [](double turned_deg, double length_mm) {
-    // S lies behind N at the same height; the ray N-S is +y. Turned down from it by the angle.
+    // S lies posterior to N at the same height: the ray N-S is +y, rotated down by the angle.
     return Vec3(0.0, length_mm * std::cos(turned_deg * kDegree),
                 -length_mm * std::sin(turned_deg * kDegree));
   };
@@ -41,7 +41,7 @@ double value(const Landmarks& landmarks, const std::string& name) {
   throw std::runtime_error("no line " + name);
 }
 
-TEST(Cephalometrics, AnglesAreThoseTheHeadWasMadeWith) {
+TEST(Cephalometrics, AnglesEqualTheKnownOnes) {
   EXPECT_NEAR(value(head(), "SNA"), 82.0, 1e-9);
   EXPECT_NEAR(value(head(), "SNB"), 78.0, 1e-9);
   EXPECT_NEAR(value(head(), "ANB"), 4.0, 1e-9);
@@ -49,12 +49,12 @@ TEST(Cephalometrics, AnglesAreThoseTheHeadWasMadeWith) {
   EXPECT_NEAR(value(head(), "SN-MP"), 25.0, 1e-9);
 }
 
-TEST(Cephalometrics, UpperTeethBeforeAndBelowTheLowerOnesArePositive) {
+TEST(Cephalometrics, OverjetAndOverbiteArePositiveForNormalOcclusion) {
   EXPECT_NEAR(value(head(), "overjet"), 3.0, 1e-9);
   EXPECT_NEAR(value(head(), "overbite"), 2.0, 1e-9);
 }
 
-TEST(Cephalometrics, WidthsAreInSpaceAndHeightsFromTheSide) {
+TEST(Cephalometrics, WidthsAreInSpaceAndHeightsInLateralProjection) {
   Landmarks landmarks = head();
   EXPECT_NEAR(value(landmarks, "Or-R-Or-L"), 70.0, 1e-12);
   landmarks.push_back({"ANS", {8, 2, -50}});  // Off the mid-plane.
@@ -75,11 +75,11 @@ TEST(Cephalometrics, SignsOfProfileLines) {
   EXPECT_LT(value(concave, "NAPg"), 0.0);
   EXPECT_NEAR(value(profile, "FH-NPg"), 90.0, 1e-9);
   Landmarks chin = profile;
-  chin[8].point_L.y() = -10.0;  // A prominent chin opens the facial angle.
+  chin[8].point_L.y() = -10.0;  // A prominent chin increases the facial angle.
   EXPECT_GT(value(chin, "FH-NPg"), 90.0);
 }
 
-TEST(Cephalometrics, TurningTheHeadChangesNothing) {
+TEST(Cephalometrics, ValuesAreInvariantToTheOrientationOfTheHead) {
   const Landmarks before = head();
   Landmarks after = before;
   const RigidTransform X = geometry::rigid_motion({10, -20, 30}, {0.1, -0.05, 0.3}, {5, 6, 7});
@@ -94,11 +94,11 @@ TEST(Cephalometrics, TurningTheHeadChangesNothing) {
   }
 }
 
-TEST(Cephalometrics, WhatIsNotThereIsNotMeasured) {
+TEST(Cephalometrics, MissingLandmarksGiveNoValue) {
   for (const Measurement& line : table_of(Landmarks{})) EXPECT_FALSE(line.value) << line.name;
 }
 
-TEST(Cephalometrics, WhatDoesNotExistIsNotMeasured) {
+TEST(Cephalometrics, UndefinedValuesAreNotReported) {
   Landmarks landmarks = head();
   const auto without = [&](const char* moved, const char* onto, const char* line) {
     Landmarks degenerate = landmarks;
@@ -112,7 +112,7 @@ TEST(Cephalometrics, WhatDoesNotExistIsNotMeasured) {
   without("A", "N", "SNA");
   without("A", "N", "ANB");
   without("S", "N", "SN-MP");
-  landmarks.push_back({"Or", {0, 10, -30}});  // Without a side it counts alone.
+  landmarks.push_back({"Or", {0, 10, -30}});  // The name without a side has priority.
   landmarks.push_back({"Po", {0, 100, -30}});
   without("Po", "Or", "overjet");
   without("Po", "Or", "FH-MP");
@@ -121,8 +121,8 @@ TEST(Cephalometrics, WhatDoesNotExistIsNotMeasured) {
   without("Pg'", "Prn", "Ls-E");
 }
 
-/// A mid-face that is moved takes its orbits along; overjet must not follow them.
-TEST(Cephalometrics, TheFrameCanBeThatOfBefore) {
+/// A mobilized mid-face moves the orbits, too; overjet must not depend on them.
+TEST(Cephalometrics, FrameCanBeThatBeforeSurgery) {
   const Landmarks before = head();
   Landmarks after = before;
   for (Landmark& landmark : after)
@@ -141,7 +141,7 @@ TEST(Cephalometrics, TheFrameCanBeThatOfBefore) {
   EXPECT_EQ(of(measure(after, before).value(), "overjet"), value(before, "overjet"));
 }
 
-TEST(Cephalometrics, ExchangedSidesAreRefused) {
+TEST(Cephalometrics, RejectsExchangedSides) {
   Landmarks landmarks = head();
   std::swap(landmarks[4].point_L, landmarks[5].point_L);
   const auto table = measure(landmarks);

@@ -5,7 +5,7 @@
 namespace lefort::plan {
 namespace {
 
-TEST(CheckVolumes, PartsMustBeTheWhole) {
+TEST(CheckVolumes, PartsMustAddUpToTheWhole) {
   EXPECT_TRUE(check_volumes("cut", 1000.0, {400.0, 600.0, 0.0}));
   EXPECT_TRUE(check_volumes("cut", 1000.0, {400.0, 600.9, 0.0}));
   const auto lost = check_volumes("osteotomy of 'chin'", 1000.0, {400.0, 598.0, 0.0});
@@ -17,7 +17,7 @@ TEST(CheckVolumes, PartsMustBeTheWhole) {
   EXPECT_FALSE(check_volumes("cut", 1000.0, {400.0, 602.0, 0.0}));
 }
 
-TEST(CheckVolumes, ASmallPartMayNotVanishInALargeWhole) {
+TEST(CheckVolumes, SmallPartMustNotVanishInALargeWhole) {
   EXPECT_FALSE(check_volumes("cut", 8e5, {8e5 - 300.0 + 200.0, 300.0}));
   EXPECT_TRUE(check_volumes("cut", 8e5, {8e5 - 300.0 + 2.0, 300.0}));
 }

@@ -1,5 +1,5 @@
 /// \file
-/// Cuts other than by unbounded planes: sheets, curves, several regions, saws with a width.
+/// Cuts other than by unbounded planes: sheets, curves, several regions, cuts with a kerf.
 #include <lefort/geometry/mesh_properties.h>
 #include <lefort/plan/cut_segments.h>
 #include <lefort/plan/perform_osteotomy.h>
@@ -18,7 +18,7 @@ using geometry::TriangleMesh;
 
 const TriangleMesh kBar = test::make_box({-10, -20, -10}, {10, 20, 10});  // 16 ml.
 
-/// A skull of a kind: a shell of bone, with a bar across like a zygomatic arch.
+/// A simple skull: a shell of bone with a bar like a zygomatic arch.
 TriangleMesh shell() {
   return test::join(test::make_icosphere(60.0, 5),
                     test::turn_inside_out(test::make_icosphere(50.0, 5)));
@@ -43,7 +43,7 @@ void expect_error(const Result<OsteotomyResult>& bones, ErrorCode code, const st
   EXPECT_NE(bones.error().message.find(words), std::string::npos) << bones.error().message;
 }
 
-TEST(CutBySheets, ASheetThroughAllOfTheBarSeparatesIt) {
+TEST(CutBySheets, SheetThroughTheBarSeparatesIt) {
   const auto bones = perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30)}});
   expect_conserved(bones);
   EXPECT_NEAR(bones->segment_volume_mm3, 6000.0, 1e-3);
@@ -53,15 +53,15 @@ TEST(CutBySheets, ASheetThroughAllOfTheBarSeparatesIt) {
   EXPECT_NEAR(geometry::bounding_box(bones->remainder_L).min().y(), -5.0, 1e-9);
 }
 
-TEST(CutBySheets, OneThatIsTooSmallSaysSo) {
+TEST(CutBySheets, TooSmallASheetIsReported) {
   expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 18)}}),
                ErrorCode::kCutMissesBone, "plane 0 does not separate the bone");
   expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -50, 0}, {0, -1, 0}, 30, 18)}}),
                ErrorCode::kCutMissesBone, "cut no bone");
 }
 
-TEST(CutBySheets, ItCutsOnlyWhatItReaches) {
-  // Two bars side by side; the sheet reaches one, an unbounded plane would cut both.
+TEST(CutBySheets, CutsOnlyWithinItsBounds) {
+  // Two separate bars; the sheet cuts one, an unbounded plane would cut both.
   const TriangleMesh two = test::join(kBar, test::make_box({30, -20, -10}, {50, 20, 10}));
   const auto bones = perform_osteotomy(two, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30)}});
   expect_conserved(bones);
@@ -71,8 +71,8 @@ TEST(CutBySheets, ItCutsOnlyWhatItReaches) {
   EXPECT_NEAR(both->segment_volume_mm3, 12000.0, 1e-6);
 }
 
-TEST(CutBySheets, SeveralSheetsFreeOnePieceTogether) {
-  // A piece out of the bar's end: below z = 0 and in front of y = -5, in two sheets.
+TEST(CutBySheets, SeveralSheetsSeparateOnePiece) {
+  // A piece at the end of the bar, below z = 0 and in front of y = -5, by two sheets.
   const auto bones = perform_osteotomy(kBar, {"corner",
                                               {sheet({0, -12.5, 0}, {0, 0, -1}, 30, 15.2),
                                                sheet({0, -5, -5}, {0, -1, 0}, 30, 10.2)}});
@@ -80,7 +80,7 @@ TEST(CutBySheets, SeveralSheetsFreeOnePieceTogether) {
   EXPECT_NEAR(bones->segment_volume_mm3, 20.0 * 15.0 * 10.0, 3.0);
 }
 
-TEST(CutBySheets, TheSawTakesItsWidth) {
+TEST(CutBySheets, KerfIsRemoved) {
   Osteotomy osteotomy{"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30)}};
   osteotomy.kerf_mm = 0.8;
   const auto bones = perform_osteotomy(kBar, osteotomy);
@@ -89,7 +89,7 @@ TEST(CutBySheets, TheSawTakesItsWidth) {
   EXPECT_NEAR(bones->segment_volume_mm3, 6000.0, 1e-3);
 }
 
-TEST(CutByPlanes, TheSawTakesItsWidthOffTheRemainder) {
+TEST(CutByPlanes, KerfIsRemovedFromTheRemainder) {
   Osteotomy osteotomy{"front", {{{0, -5, 0}, {0, -1, 0}}}};
   osteotomy.kerf_mm = 1.5;
   const auto bones = perform_osteotomy(kBar, osteotomy);
@@ -99,7 +99,7 @@ TEST(CutByPlanes, TheSawTakesItsWidthOffTheRemainder) {
   EXPECT_NEAR(geometry::bounding_box(bones->remainder_L).min().y(), -3.5, 1e-9);
 }
 
-TEST(CutByPlanes, TheSawLeavesAloneWhatDoesNotMove) {
+TEST(CutByPlanes, KerfIsNotRemovedNextToFragments) {
   const TriangleMesh with_spur = test::join(kBar, test::make_box({12, -7, 0}, {14, 18, 2}));
   Osteotomy osteotomy{"front", {{{0, -5, 0}, {0, -1, 0}}}};
   osteotomy.kerf_mm = 1.0;
@@ -107,10 +107,10 @@ TEST(CutByPlanes, TheSawLeavesAloneWhatDoesNotMove) {
   expect_conserved(bones);
   EXPECT_EQ(bones->fragments, 1);
   EXPECT_NEAR(bones->kerf_volume_mm3, 400.0, 1e-6);
-  EXPECT_EQ(geometry::connected_components(bones->remainder_L).count, 2);  // The spur is whole.
+  EXPECT_EQ(geometry::connected_components(bones->remainder_L).count, 2);  // The spur is not cut.
 }
 
-TEST(CutByCurve, AWindowOutOfAShellHasTheDepthThatWasAsked) {
+TEST(CutByCurve, WindowInAShellHasTheGivenDepth) {
   CutCurve window{{{-15, -80, -10}, {15, -80, -10}, {15, -80, 10}, {-15, -80, 10}}, {0, 1, 0}};
   const auto through = perform_osteotomy(shell(), {"both", {}, {window}});
   expect_conserved(through);
@@ -124,7 +124,7 @@ TEST(CutByCurve, AWindowOutOfAShellHasTheDepthThatWasAsked) {
   EXPECT_LT(geometry::bounding_box(front->segment_L).max().y(), -40.0);
 }
 
-TEST(CutByCurve, TheSawGoesAroundTheWindow) {
+TEST(CutByCurve, KerfSurroundsTheWindow) {
   const CutCurve window{{{-5, -80, -5}, {5, -80, -5}, {5, -80, 5}, {-5, -80, 5}}, {0, 1, 0}};
   Osteotomy osteotomy{"core", {}, {window}};
   osteotomy.kerf_mm = 1.0;
@@ -134,7 +134,7 @@ TEST(CutByCurve, TheSawGoesAroundTheWindow) {
   EXPECT_NEAR(bones->kerf_volume_mm3, 44.0 * 40.0, 1e-6);
 }
 
-TEST(CutByRegions, AlsoAddsWhatLiesInEither) {
+TEST(CutByRegions, AdditionalRegionsAreUnited) {
   Osteotomy osteotomy{"step", {{{0, -10, 0}, {0, -1, 0}}}};
   osteotomy.additional_regions = {{{{{0, 0, 0}, {0, -1, 0}}, {{0, 0, 0}, {0, 0, -1}}}, {}}};
   const auto bones = perform_osteotomy(kBar, osteotomy);
@@ -143,7 +143,7 @@ TEST(CutByRegions, AlsoAddsWhatLiesInEither) {
   EXPECT_NEAR(bones->segment_volume_mm3, 4000.0 + 2000.0, 1e-6);
 }
 
-TEST(OsteotomyResult, HoldsChoosesThePieceAPointLiesOn) {
+TEST(PerformOsteotomy, AnchorPointSelectsItsPiece) {
   const TriangleMesh two = test::join(kBar, test::make_box({30, -20, -10}, {50, 20, 10}));
   Osteotomy osteotomy{"front", {{{0, -5, 0}, {0, -1, 0}}}};
   osteotomy.anchor_points_L = {{40, -21, 0}};
@@ -152,11 +152,12 @@ TEST(OsteotomyResult, HoldsChoosesThePieceAPointLiesOn) {
   EXPECT_NEAR(bones->segment_volume_mm3, 6000.0, 1e-6);
   EXPECT_GT(geometry::bounding_box(bones->segment_L).min().x(), 29.0);
   osteotomy.anchor_points_L = {{100, 0, 0}};
-  expect_error(perform_osteotomy(two, osteotomy), ErrorCode::kCutMissesBone, "which it must hold");
+  expect_error(perform_osteotomy(two, osteotomy), ErrorCode::kCutMissesBone, "anchor point");
 }
 
-/// A spine behind a chin, both within the cut: what is held is not judged by what is not.
-TEST(OsteotomyResult, AHeldPieceMayBeSmallBesideAStrayOne) {
+/// A spine behind a chin, both within the cut: the bound of fragments for the anchored piece does
+/// not depend on the other piece.
+TEST(PerformOsteotomy, AnchoredPieceMayBeSmallerThanAnotherOne) {
   const TriangleMesh chin = test::make_box({-5, -20, -5}, {5, 20, 5});
   const TriangleMesh spine = test::make_box({-30, 40, -200}, {30, 100, 10});
   Osteotomy osteotomy{"chin", {{{0, 0, -1}, {0, 0, -1}}}};
@@ -164,32 +165,32 @@ TEST(OsteotomyResult, AHeldPieceMayBeSmallBesideAStrayOne) {
   const auto bones = perform_osteotomy(test::join(chin, spine), osteotomy);
   expect_conserved(bones);
   EXPECT_NEAR(bones->segment_volume_mm3, 10.0 * 40.0 * 4.0, 1e-6);
-  // The nearest piece, though a larger one is near enough, too.
+  // The closest piece is taken, although a larger one is within the tolerance.
   const TriangleMesh near_spine = test::make_box({-30, 23, -200}, {30, 100, 10});
   osteotomy.anchor_points_L = {{0, 20, -3}};
   const auto nearest = perform_osteotomy(test::join(chin, near_spine), osteotomy);
   expect_conserved(nearest);
   EXPECT_NEAR(nearest->segment_volume_mm3, 10.0 * 40.0 * 4.0, 1e-6);
-  // But no speck.
+  // A piece below the volume bound is not taken.
   expect_error(perform_osteotomy(test::join(chin, spine), osteotomy, {.min_piece_ml = 2.0}),
                ErrorCode::kCutMissesBone, "no piece of 2 ml or more within the cut");
 }
 
-TEST(OsteotomyResult, ASawThatLeavesNothingIsRefused) {
+TEST(PerformOsteotomy, RejectsAKerfThatRemovesAllBone) {
   Osteotomy osteotomy{"front", {{{0, 17, 0}, {0, -1, 0}}}};
   osteotomy.kerf_mm = 5.0;
-  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
+  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "removes all bone");
   osteotomy.planes = {sheet({0, 17, 0}, {0, -1, 0}, 30, 30)};
-  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "leaves nothing");
+  expect_error(perform_osteotomy(kBar, osteotomy), ErrorCode::kCutMissesBone, "removes all bone");
 }
 
-TEST(OsteotomyResult, RefusesCutsThatAreNone) {
+TEST(PerformOsteotomy, RejectsInvalidCuts) {
   Osteotomy mixed{"front", {sheet({0, -5, 0}, {0, -1, 0}, 30, 30), {{0, 0, 0}, {0, 0, 1}}}};
-  expect_error(perform_osteotomy(kBar, mixed), ErrorCode::kPlanInvalid, "must stand alone");
+  expect_error(perform_osteotomy(kBar, mixed), ErrorCode::kPlanInvalid, "cannot be combined");
   expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {0, -1, 0}, 0, 30)}}),
                ErrorCode::kPlanInvalid, "its size is 0 x 30 mm");
   expect_error(perform_osteotomy(kBar, {"front", {sheet({0, -5, 0}, {1, 0, 0}, 5, 30)}}),
-               ErrorCode::kPlanInvalid, "its width runs along its normal");
+               ErrorCode::kPlanInvalid, "its width direction is parallel to its normal");
   expect_error(perform_osteotomy(kBar, {"front", {}, {{{{0, 0, 0}, {1, 0, 0}}, {0, 1, 0}}}}),
                ErrorCode::kPlanInvalid, "curve 0: the curve has 2 points");
   Osteotomy wide{"front", {{{0, -5, 0}, {0, -1, 0}}}};
@@ -201,7 +202,7 @@ PlannedSegment planned(Osteotomy osteotomy, std::string from = "") {
   return {std::move(osteotomy), {}, std::move(from), {}};
 }
 
-TEST(CutSegments, ALaterCutTakesFromWhatIsLeftOrFromTheSegmentItNames) {
+TEST(CutSegments, LaterCutsUseTheRemainderOrTheNamedSegment) {
   const std::vector<PlannedSegment> plan{
       planned({"front", {{{0, -5, 0}, {0, -1, 0}}}}), planned({"back", {{{0, 10, 0}, {0, 1, 0}}}}),
       planned({"front left", {{{0, 0, 0}, {1, 0, 0}}}}, "front")};
@@ -215,7 +216,7 @@ TEST(CutSegments, ALaterCutTakesFromWhatIsLeftOrFromTheSegmentItNames) {
   EXPECT_NEAR(all->skull_volume_mm3, 16000.0, 1e-6);
 }
 
-TEST(CutSegments, NamesMustFit) {
+TEST(CutSegments, RejectsInvalidNames) {
   const Osteotomy cut{"front", {{{0, -5, 0}, {0, -1, 0}}}};
   const auto refuse = [&](const std::vector<PlannedSegment>& plan, const char* words) {
     const auto all = cut_segments(kBar, plan);
@@ -224,7 +225,7 @@ TEST(CutSegments, NamesMustFit) {
     EXPECT_NE(all.error().message.find(words), std::string::npos) << all.error().message;
   };
   refuse({planned(cut), planned(cut)}, "two segments are called 'front'");
-  refuse({planned(cut, "front")}, "is from 'front', which is no segment before it");
+  refuse({planned(cut, "front")}, "is from 'front', which is not an earlier segment");
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 const Landmarks kMaxilla{
     {"ANS", {0, -40, 20}}, {"PNS", {0, 5, 18}}, {"A", {1, -38, 14}}, {"U6-R", {-25, -15, 2}}};
 
-TEST(MakeKeyframes, AKeyframeHasThePoseItWasMadeFrom) {
+TEST(MakeKeyframes, KeyframeHasTheGivenPose) {
   const RigidTransform X = geometry::rigid_motion({1, -6, 2}, {0.1, 0.2, -0.3}, {10, 20, 30});
   const geometry::Keyframe key = keyframe_of_pose(X, {5, 6, 7});
   const geometry::RigidPath path{.segment = "s", .keyframes = {key}};
@@ -20,7 +20,7 @@ TEST(MakeKeyframes, AKeyframeHasThePoseItWasMadeFrom) {
   EXPECT_EQ(key.center_L, Vec3(5, 6, 7));
 }
 
-TEST(MakeKeyframes, LandmarksMeetTheirTargets) {
+TEST(MakeKeyframes, LandmarksReachTheirTargets) {
   const RigidTransform X = geometry::rigid_motion({0.5, -5, 1}, {0.05, 0.0, 0.02}, {0, 0, 0});
   Landmarks targets;
   for (const Landmark& landmark : kMaxilla)
@@ -32,7 +32,7 @@ TEST(MakeKeyframes, LandmarksMeetTheirTargets) {
   EXPECT_LT((geometry::pose_at(path, 1.0).matrix() - X.matrix()).norm(), 1e-10);
 }
 
-TEST(MakeKeyframes, TargetsThatNoRigidMotionMeetsAreRefusedByName) {
+TEST(MakeKeyframes, RejectsTargetsWithoutRigidMotionByName) {
   Landmarks targets = kMaxilla;
   targets[3].point_L.x() -= 8.0;
   const auto key = keyframe_to_targets(kMaxilla, targets, 1.0);
@@ -48,8 +48,8 @@ TEST(MakeKeyframes, TargetsThatNoRigidMotionMeetsAreRefusedByName) {
             std::string::npos);
 }
 
-/// Three points are a plane, and a turn by half a circle mirrors what lies in it.
-TEST(MakeKeyframes, TargetsWithExchangedSidesAreRefused) {
+/// Three points lie in a plane, and a rotation by 180 degrees maps them to their mirror image.
+TEST(MakeKeyframes, RejectsTargetsWithExchangedSides) {
   const Landmarks maxilla{{"ANS", {0, -40, 20}}, {"U6-R", {-25, -15, 2}}, {"U6-L", {26, -15, 2}}};
   Landmarks targets = maxilla;
   for (Landmark& target : targets) target.point_L.y() -= 5.0;
@@ -59,16 +59,16 @@ TEST(MakeKeyframes, TargetsWithExchangedSidesAreRefused) {
   ASSERT_FALSE(key);
   EXPECT_EQ(key.error().code, ErrorCode::kPlanInvalid);
   EXPECT_EQ(key.error().message,
-            "the targets of ANS, U6-R, U6-L turn the segment by 180 degrees, at most 45 are "
+            "the targets of ANS, U6-R, U6-L rotate the segment by 180 degrees, at most 45 are "
             "allowed: are -R and -L exchanged?");
 }
 
-TEST(MakeKeyframes, APerfectFitIsWithinNoTolerance) {
+TEST(MakeKeyframes, PerfectFitPassesZeroTolerance) {
   EXPECT_TRUE(keyframe_to_targets(kMaxilla, kMaxilla, 0.0));
   EXPECT_FALSE(keyframe_to_targets(kMaxilla, kMaxilla, std::nan("")));
 }
 
-TEST(MakeKeyframes, DistractionGoesAsFarAsItsDays) {
+TEST(MakeKeyframes, DistractionIsProportionalToDays) {
   const std::vector<DistractionPhase> phases{{{0, -2, 0}, 1.0, 6}, {{0, 0, -1}, 0.5, 4}};
   const auto keys = distraction_keyframes(phases);
   ASSERT_TRUE(keys);
@@ -83,7 +83,7 @@ TEST(MakeKeyframes, DistractionGoesAsFarAsItsDays) {
   EXPECT_LT((geometry::pose_at(path, 1.0).translation() - Vec3(0, -6, -2)).norm(), 1e-12);
 }
 
-TEST(MakeKeyframes, DistractionThatIsNoneIsRefused) {
+TEST(MakeKeyframes, RejectsInvalidDistraction) {
   for (const auto& [phases, words] :
        std::vector<std::pair<std::vector<DistractionPhase>, const char*>>{
            {{}, "is empty"},
@@ -99,7 +99,7 @@ TEST(MakeKeyframes, DistractionThatIsNoneIsRefused) {
   }
 }
 
-TEST(geometry::RigidPath, TheScrewTurnsAboutOneFixedAxis) {
+TEST(MakeKeyframes, ScrewMotionRotatesAboutOneFixedAxis) {
   geometry::Keyframe key;
   key.rotation_rad = {0, 0, 1.0};
   key.center_L = {10, 0, 0};
@@ -108,7 +108,7 @@ TEST(geometry::RigidPath, TheScrewTurnsAboutOneFixedAxis) {
       .segment = "s", .keyframes = {key}, .interpolation = geometry::Interpolation::kScrew};
   const Vec3 on_axis_B(10, 0, 3), half_way = geometry::pose_at(path, 0.5) * on_axis_B;
   EXPECT_LT((half_way - Vec3(10, 0, 6)).norm(), 1e-12);
-  // About another center the same end is reached by another way, but not by the screw.
+  // With another center, the path to the same end pose differs, except for a screw motion.
   const geometry::Keyframe same = keyframe_of_pose(geometry::pose_at(path, 1.0), {-50, 0, 0});
   geometry::RigidPath other{
       .segment = "s", .keyframes = {same}, .interpolation = geometry::Interpolation::kScrew};

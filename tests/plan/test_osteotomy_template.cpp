@@ -45,7 +45,7 @@ Osteotomy made(OsteotomyTemplate kind) {
   return make_osteotomy(kind, "s", head_landmarks()).value();
 }
 
-TEST(OsteotomyTemplate, LeFortOneTakesTheAlveolusAndLeavesTheOrbits) {
+TEST(OsteotomyTemplate, LeFortOneMovesTheAlveolusAndNotTheOrbits) {
   const Osteotomy cut = made(OsteotomyTemplate::kLeFort1);
   EXPECT_TRUE(is_within(cut, {0, -68, -30}));
   EXPECT_TRUE(is_within(cut, {28, -40, -24}));
@@ -61,7 +61,7 @@ TEST(OsteotomyTemplate, LeFortTwoIsThePyramidOfTheNose) {
     EXPECT_FALSE(is_within(cut, p)) << p.transpose();
 }
 
-TEST(OsteotomyTemplate, LeFortThreeTakesTheZygomasAndLeavesTheSkullsBase) {
+TEST(OsteotomyTemplate, LeFortThreeMovesTheZygomasAndNotTheSkullBase) {
   const Osteotomy cut = made(OsteotomyTemplate::kLeFort3);
   for (const Vec3& p : {Vec3(0, -66, 22), Vec3(48, -47, 15), Vec3(-48, -47, 15), Vec3(0, -40, -20)})
     EXPECT_TRUE(is_within(cut, p)) << p.transpose();
@@ -69,7 +69,7 @@ TEST(OsteotomyTemplate, LeFortThreeTakesTheZygomasAndLeavesTheSkullsBase) {
     EXPECT_FALSE(is_within(cut, p)) << p.transpose();
 }
 
-TEST(OsteotomyTemplate, GenioplastyTakesTheChin) {
+TEST(OsteotomyTemplate, GenioplastyMovesTheChin) {
   const Osteotomy cut = made(OsteotomyTemplate::kGenioplasty);
   EXPECT_TRUE(is_within(cut, {0, -60, -60}));
   EXPECT_TRUE(is_within(cut, {0, -52, -72}));
@@ -77,7 +77,7 @@ TEST(OsteotomyTemplate, GenioplastyTakesTheChin) {
   EXPECT_FALSE(is_within(cut, {45, -10, -62}));
 }
 
-TEST(OsteotomyTemplate, TheSagittalSplitLeavesCondylesAndTakesTeethAndLingualPlate) {
+TEST(OsteotomyTemplate, SagittalSplitMovesTeethAndLingualPlateAndNotTheCondyles) {
   const Osteotomy cut = made(OsteotomyTemplate::kSagittalSplit);
   for (const Vec3& p : {Vec3(0, -60, -60), Vec3(24, -38, -45), Vec3(-34, -12, -55)})
     EXPECT_TRUE(is_within(cut, p)) << p.transpose();
@@ -85,12 +85,12 @@ TEST(OsteotomyTemplate, TheSagittalSplitLeavesCondylesAndTakesTeethAndLingualPla
     EXPECT_FALSE(is_within(cut, p)) << p.transpose();
 }
 
-TEST(OsteotomyTemplate, EveryKindCutsAHeadInClosedPartsThatAddUp) {
+TEST(OsteotomyTemplate, EveryKindCutsAHeadIntoClosedPartsThatAddUp) {
   for (const auto kind :
        {OsteotomyTemplate::kLeFort1, OsteotomyTemplate::kLeFort2, OsteotomyTemplate::kLeFort3,
         OsteotomyTemplate::kGenioplasty, OsteotomyTemplate::kSagittalSplit}) {
     Osteotomy cut = made(kind);
-    cut.anchor_points_L.clear();  // Landmarks of a head are not all on an ellipsoid.
+    cut.anchor_points_L.clear();  // Landmarks of a head do not lie on an ellipsoid.
     const auto bones = perform_osteotomy(solid_head(), cut);
     ASSERT_TRUE(bones) << name_of(kind) << ": " << bones.error().message;
     EXPECT_TRUE(geometry::is_closed(bones->segment_L)) << name_of(kind);
@@ -107,8 +107,8 @@ TEST(OsteotomyTemplate, EveryKindCutsAHeadInClosedPartsThatAddUp) {
   }
 }
 
-/// A head that is turned is cut as it was: templates know no axes but the patient's.
-TEST(OsteotomyTemplate, FollowsAHeadThatIsTurned) {
+/// The cut of a rotated head is the rotated cut: templates use anatomical directions only.
+TEST(OsteotomyTemplate, FollowsARotatedHead) {
   const RigidTransform X = geometry::rigid_motion({20, -5, 60}, {0.1, 0.2, 0.4}, {3, 4, 5});
   Landmarks turned = head_landmarks();
   for (Landmark& landmark : turned) landmark.point_L = X * landmark.point_L;
@@ -121,7 +121,7 @@ TEST(OsteotomyTemplate, FollowsAHeadThatIsTurned) {
   }
 }
 
-TEST(OsteotomyTemplate, NamesTheLandmarkThatIsMissing) {
+TEST(OsteotomyTemplate, ReportsAMissingLandmark) {
   Landmarks landmarks = head_landmarks();
   std::erase_if(landmarks, [](const Landmark& one) { return one.name == "FZ-L"; });
   const auto cut = make_osteotomy(OsteotomyTemplate::kLeFort3, "face", landmarks);
@@ -137,8 +137,8 @@ TEST(OsteotomyTemplate, NamesTheLandmarkThatIsMissing) {
             std::string::npos);
 }
 
-/// Exchanged sides or ends would turn the head over, and free the forehead.
-TEST(OsteotomyTemplate, ExchangedNamesAreRefused) {
+/// Exchanged landmarks would turn the head over, so that the segment would be the forehead.
+TEST(OsteotomyTemplate, RejectsExchangedNames) {
   const auto refuse = [](const std::vector<std::pair<std::string, std::string>>& pairs,
                          const char* words) {
     Landmarks landmarks = head_landmarks();
@@ -159,19 +159,20 @@ TEST(OsteotomyTemplate, ExchangedNamesAreRefused) {
           {"Co-R", "Co-L"},
           {"L6-R", "L6-L"}},
          "are they exchanged?");
-  refuse({{"ANS", "PNS"}, {"Or-R", "Po-R"}, {"Or-L", "Po-L"}}, "hind to its front landmarks");
+  refuse({{"ANS", "PNS"}, {"Or-R", "Po-R"}, {"Or-L", "Po-L"}},
+         "posterior to its anterior landmarks");
 }
 
-TEST(OsteotomyTemplate, ThePalateMustLeadForwards) {
+TEST(OsteotomyTemplate, PalateMustPointForwards) {
   Landmarks landmarks = head_landmarks();
-  landmarks[3].point_L = landmarks[2].point_L + Vec3(30, 0, 0);  // PNS beside ANS.
+  landmarks[3].point_L = landmarks[2].point_L + Vec3(30, 0, 0);  // PNS lateral to ANS.
   EXPECT_NE(make_osteotomy(OsteotomyTemplate::kLeFort1, "face", landmarks)
                 .error()
-                .message.find("on one line from right to left"),
+                .message.find("on one transverse line"),
             std::string::npos);
 }
 
-TEST(OsteotomyTemplate, NamesGoBothWays) {
+TEST(OsteotomyTemplate, NamesConvertBothWays) {
   for (const char* name : {"le-fort-1", "le-fort-2", "le-fort-3", "genioplasty", "sagittal-split"})
     EXPECT_EQ(name_of(find_template(name).value()), name);
   EXPECT_FALSE(find_template("le-fort-4"));

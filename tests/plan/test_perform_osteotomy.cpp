@@ -16,7 +16,7 @@ using geometry::TriangleMesh;
 /// In front of the plane y = y_mm.
 Osteotomy front_of(double y_mm) { return {"midface", {{{0.0, y_mm, 0.0}, {0.0, -1.0, 0.0}}}}; }
 
-//   y -20       0        20     a bar of 40 x 20 x 20 mm = 16 ml, and beside it a
+//   y -20       0        20     a bar of 40 x 20 x 20 mm = 16 ml, and next to it a
 //      +--------+---------+     spur of 2 x 2 x 20 mm that starts at y = -2:
 //      |       bar        |
 //      +--------+---------+     front_of(0) cuts 8 ml off the bar, 0.008 ml off the spur
@@ -26,7 +26,7 @@ TriangleMesh bar_with_spur() {
                     test::make_box({12, -2, 0}, {14, 18, 2}));
 }
 
-TEST(OsteotomyResult, FreesTheBoneInFrontOfThePlane) {
+TEST(PerformOsteotomy, SeparatesTheBoneInFrontOfThePlane) {
   const auto bones =
       perform_osteotomy(test::make_box({-10, -20, -10}, {10, 20, 10}), front_of(-5.0));
   ASSERT_TRUE(bones) << bones.error().message;
@@ -41,7 +41,7 @@ TEST(OsteotomyResult, FreesTheBoneInFrontOfThePlane) {
   EXPECT_NEAR(geometry::bounding_box(bones->segment_L).max().y(), -5.0, 1e-12);
 }
 
-TEST(OsteotomyResult, ACrumbGrowsBackToTheRemainderWithoutASeam) {
+TEST(PerformOsteotomy, FragmentIsStitchedToTheRemainder) {
   const auto bones = perform_osteotomy(bar_with_spur(), front_of(0.0));
   ASSERT_TRUE(bones) << bones.error().message;
   EXPECT_EQ(bones->segment_pieces, 1);
@@ -52,13 +52,13 @@ TEST(OsteotomyResult, ACrumbGrowsBackToTheRemainderWithoutASeam) {
   EXPECT_NEAR(geometry::signed_volume_mm3(bones->remainder_L), 8000.0 + 80.0, 1e-6);
   EXPECT_NEAR(bones->remainder_volume_mm3, 8000.0 + 80.0, 1e-6);
   EXPECT_TRUE(geometry::is_closed(bones->remainder_L));
-  // The spur is whole again: one body without a cap at y = 0.
+  // The spur is one body again, without a cap at y = 0.
   const TriangleMesh spur = geometry::keep_components(
       bones->remainder_L, [](const TriangleMesh& part) { return part.vertices[0].x() > 11.0; });
   EXPECT_NEAR(geometry::area_mm2(spur), 2.0 * 4.0 + 4.0 * 40.0, 1e-9);
 }
 
-TEST(OsteotomyResult, ACrumbKeepsItsCavity) {
+TEST(PerformOsteotomy, FragmentKeepsItsCavity) {
   TriangleMesh skull = test::make_box({-10, -20, -10}, {10, 20, 10});
   skull = test::join(skull, test::make_box({12, -10, 0}, {16, -6, 4}));
   skull = test::join(skull, test::turn_inside_out(test::make_box({13, -9, 1}, {15, -7, 3})));
@@ -69,7 +69,7 @@ TEST(OsteotomyResult, ACrumbKeepsItsCavity) {
   EXPECT_NEAR(geometry::signed_volume_mm3(bones->segment_L), 8000.0, 1e-6);
 }
 
-TEST(OsteotomyResult, TheBoundsSayWhatAFragmentIs) {
+TEST(PerformOsteotomy, BoundsDefineFragments) {
   const auto kept = perform_osteotomy(bar_with_spur(), front_of(0.0),
                                       {.min_piece_ml = 0.001, .min_piece_fraction = 1e-4});
   ASSERT_TRUE(kept) << kept.error().message;
@@ -87,24 +87,24 @@ void expect_error(const Result<OsteotomyResult>& bones, ErrorCode code, const st
   EXPECT_NE(bones.error().message.find(words), std::string::npos) << bones.error().message;
 }
 
-TEST(OsteotomyResult, SaysThatThePlanesMissTheBoneAndNamesTheSegment) {
+TEST(PerformOsteotomy, ReportsPlanesThatMissTheBone) {
   const TriangleMesh skull = test::make_box({-10, -20, -10}, {10, 20, 10});
   expect_error(perform_osteotomy(skull, front_of(-25.0)), ErrorCode::kCutMissesBone,
                "'midface': no bone lies inside");
   expect_error(perform_osteotomy(skull, front_of(25.0)), ErrorCode::kCutMissesBone,
                "'midface': all bone lies inside");
   expect_error(perform_osteotomy(skull, front_of(-19.0)), ErrorCode::kCutMissesBone,
-               "1 crumbs of 0.4 ml");
+               "1 fragments of 0.4 ml");
 }
 
-TEST(OsteotomyResult, RefusesAnOpenSkull) {
+TEST(PerformOsteotomy, RejectsAnOpenSkull) {
   TriangleMesh skull = test::make_box({-10, -20, -10}, {10, 20, 10});
   skull.triangles.pop_back();
   expect_error(perform_osteotomy(skull, front_of(0.0)), ErrorCode::kMeshInvalid, "open");
   expect_error(perform_osteotomy({}, front_of(0.0)), ErrorCode::kMeshInvalid, "");
 }
 
-TEST(OsteotomyResult, RefusesAPlanThatIsNone) {
+TEST(PerformOsteotomy, RejectsAnInvalidPlan) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const TriangleMesh skull = test::make_box({-10, -20, -10}, {10, 20, 10});
   expect_error(perform_osteotomy(skull, {"midface", {}}), ErrorCode::kPlanInvalid,
@@ -115,7 +115,7 @@ TEST(OsteotomyResult, RefusesAPlanThatIsNone) {
                ErrorCode::kPlanInvalid, "plane 0: its point");
 }
 
-TEST(OsteotomyResult, RefusesOptionsOutOfRange) {
+TEST(PerformOsteotomy, RejectsOptionsOutOfRange) {
   const TriangleMesh skull = test::make_box({-10, -20, -10}, {10, 20, 10});
   expect_error(perform_osteotomy(skull, front_of(0.0), {.min_piece_ml = -1.0}),
                ErrorCode::kInvalidArgument, "min_piece_ml");

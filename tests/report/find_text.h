@@ -1,6 +1,5 @@
 /// \file
-/// Looking things up in generated text. (std::regex does not compile free of warnings under the
-/// sanitizers of g++ 12.)
+/// Search in generated text. (std::regex causes warnings with the sanitizers of g++ 12.)
 #pragma once
 
 #include <cstddef>
@@ -16,7 +15,7 @@ inline std::size_t count(std::string_view text, std::string_view what) {
   return found;
 }
 
-/// What stands between each `before` and the next `after`.
+/// \returns the texts between each `before` and the next `after`.
 inline std::vector<std::string> between(std::string_view text, std::string_view before,
                                         std::string_view after) {
   std::vector<std::string> found;

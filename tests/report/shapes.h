@@ -1,5 +1,5 @@
 /// \file
-/// Surfaces of which a test knows what their pictures must show.
+/// Surfaces with known pictures.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>

@@ -15,7 +15,7 @@ Picture gray(int width, int height) {
   return picture;
 }
 
-/// Pixels of [left, right) x [top, bottom) for which `is` holds.
+/// Number of pixels of [left, right) x [top, bottom) for which `is` is true.
 template <class Predicate>
 long count(const Picture& picture, int left, int top, int right, int bottom, const Predicate& is) {
   long found = 0;
@@ -28,7 +28,7 @@ long count(const Picture& picture, int left, int top, int right, int bottom, con
 bool is_dark(const std::uint8_t* rgba) { return rgba[0] < 170 && rgba[1] < 170 && rgba[2] < 170; }
 bool is_red(const std::uint8_t* rgba) { return rgba[0] > 140 && rgba[1] < 60 && rgba[2] < 60; }
 
-TEST(Annotate, EveryPictureSaysThatItIsNotForClinicalUse) {
+TEST(Annotate, EveryPictureHasTheClinicalUseWarning) {
   const Picture plain = gray(600, 400);
   const Picture annotated = annotate(plain, {}).value();
   EXPECT_EQ(annotated.width, plain.width);
@@ -36,13 +36,13 @@ TEST(Annotate, EveryPictureSaysThatItIsNotForClinicalUse) {
   EXPECT_GT(count(annotated, 0, plain.height, 300, annotated.height, is_dark), 100);
 }
 
-TEST(Annotate, WithoutWordsThePictureItselfStaysAsItIs) {
+TEST(Annotate, WithoutTextThePictureItselfIsUnchanged) {
   const Picture plain = gray(600, 400);
   const Picture annotated = annotate(plain, {}).value();
   EXPECT_TRUE(std::equal(plain.rgba.begin(), plain.rgba.end(), annotated.rgba.begin()));
 }
 
-TEST(Annotate, ScaleBarIsAsLongAsItSays) {
+TEST(Annotate, ScaleBarHasItsLength) {
   // 0.5 mm per pixel; the longest round length within 16 % of 600 pixels, 48 mm, is 20 mm.
   const Picture plain = gray(600, 400);
   const Picture annotated = annotate(plain, {.view = View{.height_mm = 200.0}}).value();
@@ -57,7 +57,7 @@ TEST(Annotate, ScaleBarIsAsLongAsItSays) {
   EXPECT_NEAR(longest, 40, 2);
 }
 
-TEST(Annotate, LettersOfThePatientsSidesStandInTheLowerCorners) {
+TEST(Annotate, LettersOfThePatientsSidesAreInTheLowerCorners) {
   const Picture plain = gray(600, 400);
   const auto dark_in = [&](const View& view, int left, int right) {
     return count(annotate(plain, {.view = view}).value(), left, 350, right, 400, is_dark);
@@ -66,12 +66,12 @@ TEST(Annotate, LettersOfThePatientsSidesStandInTheLowerCorners) {
   const View behind{.direction_L = Vec3(0.0, -1.0, 0.0)};
   EXPECT_GT(dark_in(front, 0, 60), 10);
   EXPECT_GT(dark_in(front, 540, 600), 10);
-  // R takes more ink than L, so the letters can be told apart; from behind they change places.
+  // R has more dark pixels than L, so the letters can be distinguished; from behind they swap.
   EXPECT_GT(dark_in(front, 0, 60), dark_in(front, 540, 600) + 10);
   EXPECT_LT(dark_in(behind, 0, 60), dark_in(behind, 540, 600) - 10);
 }
 
-TEST(Annotate, ColorBarShowsTheColorsOfItsScale) {
+TEST(Annotate, ColorBarHasTheColorsOfItsScale) {
   const Picture plain = gray(600, 400);
   const ColorBar bar{{ColorMap::kDiverging, -3.0, 3.0}, "change", "mm"};
   const Picture annotated = annotate(plain, {.color_bar = bar}).value();
@@ -87,7 +87,7 @@ TEST(Annotate, ColorBarShowsTheColorsOfItsScale) {
   EXPECT_GT(annotated.height, annotate(plain, {}).value().height);
 }
 
-TEST(Annotate, UnconvergedPicturesAreCrossedByRedBands) {
+TEST(Annotate, UnconvergedPicturesHaveRedBands) {
   const Picture plain = gray(600, 400);
   const auto red_in = [&](bool converged, int top, int bottom) {
     return count(annotate(plain, {.converged = converged}).value(), 0, top, 600, bottom, is_red);
@@ -97,7 +97,7 @@ TEST(Annotate, UnconvergedPicturesAreCrossedByRedBands) {
   EXPECT_GT(red_in(false, 150, 250), 600 * 8);
 }
 
-TEST(Annotate, HostileTextDrawsSomethingAndDoesNotFail) {
+TEST(Annotate, HostileTextDoesNotFail) {
   const Picture plain = gray(300, 200);
   for (const std::string& caption :
        {std::string("\xff\xfe broken \x80 bytes"), std::string("line\nbreak\tand\0zero", 19),
@@ -108,7 +108,7 @@ TEST(Annotate, HostileTextDrawsSomethingAndDoesNotFail) {
   }
 }
 
-TEST(Annotate, TinyPicturesAndExtremeScalesAreAnnotatedToo) {
+TEST(Annotate, TinyPicturesAndExtremeScalesAreAnnotated) {
   EXPECT_TRUE(annotate(gray(1, 1), {.caption = "a", .view = View{}, .converged = false}));
   for (const double height_mm : {1e-6, 1e9})
     EXPECT_TRUE(annotate(gray(64, 64), {.view = View{.height_mm = height_mm}}));
@@ -118,7 +118,7 @@ TEST(Annotate, TinyPicturesAndExtremeScalesAreAnnotatedToo) {
   }
 }
 
-TEST(Annotate, RefusesWhatItCannotExplain) {
+TEST(Annotate, RejectsInvalidAnnotations) {
   const Picture plain = gray(64, 64);
   EXPECT_EQ(annotate({3, 3, {}}, {}).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(annotate(plain, {.view = View{.height_mm = 0.0}}).error().code,
@@ -141,7 +141,7 @@ TEST(SideBySide, KeepsEveryPictureUnderItsTitle) {
   EXPECT_EQ(side_by_side(pair, {})->height, 80);
 }
 
-TEST(SideBySide, RefusesNothingAndMismatchedTitles) {
+TEST(SideBySide, RejectsNoPicturesAndMismatchedTitles) {
   const std::vector<std::string> one_title{"before"};
   const std::vector<Picture> pair{gray(10, 10), gray(10, 10)};
   EXPECT_EQ(side_by_side({}, {}).error().code, ErrorCode::kInvalidArgument);

@@ -21,13 +21,13 @@ double lightness(const Rgb& color) {
   return y > 0.008856 ? 116.0 * std::cbrt(y) - 16.0 : 903.3 * y;
 }
 
-TEST(ColorMap, EndsAreThoseOfThePublishedTables) {
+TEST(ColorMap, EndsEqualThePublishedTables) {
   EXPECT_EQ(color_at(ColorMap::kSequential, 0.0), (Rgb{252 / 255.0, 253 / 255.0, 191 / 255.0}));
   EXPECT_EQ(color_at(ColorMap::kDiverging, 0.0), (Rgb{59 / 255.0, 76 / 255.0, 192 / 255.0}));
   EXPECT_EQ(color_at(ColorMap::kDiverging, 1.0), (Rgb{180 / 255.0, 4 / 255.0, 38 / 255.0}));
 }
 
-TEST(ColorMap, BeyondTheEndsItKeepsTheirColors) {
+TEST(ColorMap, ClampsBeyondItsEnds) {
   for (const ColorMap map : {ColorMap::kSequential, ColorMap::kDiverging}) {
     EXPECT_EQ(color_at(map, -kInfinity), color_at(map, 0.0));
     EXPECT_EQ(color_at(map, 7.0), color_at(map, 1.0));
@@ -46,7 +46,7 @@ TEST(ColorMap, SequentialDarkensInEvenSteps) {
   for (int i = 0; i < 20; ++i) {
     const double step = lightness(color_at(ColorMap::kSequential, i / 20.0)) -
                         lightness(color_at(ColorMap::kSequential, (i + 1) / 20.0));
-    EXPECT_NEAR(step, whole / 20.0, 0.35 * whole / 20.0) << "from share " << i / 20.0;
+    EXPECT_NEAR(step, whole / 20.0, 0.35 * whole / 20.0) << "from fraction " << i / 20.0;
   }
 }
 
@@ -64,7 +64,7 @@ TEST(ColorMap, ScaleMapsItsEndsToThoseOfTheMap) {
   EXPECT_EQ(scale.color(4.0), color_at(ColorMap::kDiverging, 1.0));
 }
 
-TEST(ColorMap, RefusesAScaleWithoutExtent) {
+TEST(ColorMap, RejectsAScaleWithoutExtent) {
   for (const auto& [low, high] : {std::pair{1.0, 1.0}, {2.0, 1.0}, {0.0, kInfinity}, {kNan, 1.0}})
     EXPECT_EQ(check_scale({ColorMap::kSequential, low, high}).error().code,
               ErrorCode::kInvalidArgument);

@@ -33,7 +33,7 @@ SliceDrawing circle() {
   return drawing;
 }
 
-/// Color of the pixel `right_px` to the right of the middle of the circle.
+/// Color of the pixel `right_px` to the right of the center of the circle.
 std::array<int, 3> color(const Picture& picture, double right_px) {
   const std::uint8_t* const rgb =
       picture.pixel(kMargin + int(std::lround(359.5 + right_px)), kTop + 360);
@@ -58,7 +58,7 @@ TEST(DrawSlice, InsideIsBlueOutsideIsRedAndBeyondTheBandGray) {
 
 TEST(DrawSlice, ZeroIsAThickLineAndStepsAreThinOnes) {
   const Picture picture = draw_slice(circle()).value();
-  // How much darker the pixels within 3 of a place are, together, than what lies left and right.
+  // Sum over the pixels within 3 of a position of how much darker they are than those further away.
   const auto ink = [&](int at) {
     double sum = 0.0;
     for (int off = -3; off <= 3; ++off)
@@ -73,9 +73,9 @@ TEST(DrawSlice, ZeroIsAThickLineAndStepsAreThinOnes) {
   for (const int between : {195, 205}) EXPECT_LT(ink(between), 30.0) << between;
 }
 
-TEST(DrawSlice, AStepAddsItsLines) {
+TEST(DrawSlice, StepAddsContourLines) {
   SliceDrawing drawing = circle();
-  drawing.step_mm = 3.0;  // At the band's edge alone.
+  drawing.step_mm = 3.0;  // Only at the edge of the band.
   const Picture without = draw_slice(drawing).value();
   drawing.step_mm = 1.0;
   const Picture with = draw_slice(drawing).value();
@@ -89,7 +89,7 @@ TEST(DrawSlice, AStepAddsItsLines) {
   EXPECT_EQ(color(with, 185), color(without, 185));
 }
 
-TEST(DrawSlice, TheColorBarHasTheColorsOfThePanel) {
+TEST(DrawSlice, ColorBarHasTheColorsOfThePanel) {
   const ColorScale scale{ColorMap::kDiverging, -kBand, kBand};
   for (const int columns : {kSize, kSize - 1, kSize - 2, kSize - 3}) {
     SliceDrawing drawing{.columns = columns, .rows = 100, .band_mm = kBand};
@@ -112,7 +112,7 @@ TEST(DrawSlice, TheColorBarHasTheColorsOfThePanel) {
   }
 }
 
-TEST(DrawSlice, WhatIsNotKnownIsHatched) {
+TEST(DrawSlice, UnknownIsHatched) {
   SliceDrawing drawing = circle();
   for (double& d : drawing.distances_mm)
     if (d > kBand) d = std::numeric_limits<double>::quiet_NaN();
@@ -122,20 +122,20 @@ TEST(DrawSlice, WhatIsNotKnownIsHatched) {
   EXPECT_EQ(colors.size(), 2U);
 }
 
-TEST(DrawSlice, TheOutlineLiesOnTheZeroItMeets) {
+TEST(DrawSlice, OutlineIsDrawnOnTheZeroLine) {
   SliceDrawing drawing = circle();
   drawing.outline = {{{559.5, -500.0}, {559.5, 1500.0}}};  // From beyond the panel to beyond it.
   const Picture plain = draw_slice(circle()).value(), picture = draw_slice(drawing).value();
   const auto green = color(picture, 200);
   EXPECT_GT(green[1], green[0] + 40);
-  // Nothing of it above or below the panel but the entry in the legend.
+  // It is not drawn above or below the panel, except in the legend.
   const int column = kMargin + 559;
   for (int row = 0; row < kTop - 1; ++row)
     EXPECT_TRUE(std::equal(picture.pixel(column, row), picture.pixel(column, row) + 3,
                            plain.pixel(column, row)));
 }
 
-TEST(DrawSlice, LettersOfThePatientsSidesStandAroundThePanel) {
+TEST(DrawSlice, LettersOfThePatientsSidesSurroundThePanel) {
   // The same slice seen from the other side: only the letters to the left and right change.
   SliceDrawing mirrored = circle();
   mirrored.right_L = {-1, 0, 0};
@@ -154,7 +154,7 @@ TEST(DrawSlice, LettersOfThePatientsSidesStandAroundThePanel) {
   EXPECT_FALSE(differs(kMargin, bottom, right, a.height));
 }
 
-TEST(DrawSlice, SmallPicturesAreDrawnToo) {
+TEST(DrawSlice, DrawsSmallPictures) {
   for (const int size : {1, 2, 30}) {
     SliceDrawing drawing{.columns = size, .rows = size};
     drawing.distances_mm.assign(std::size_t(size * size), 0.25);
@@ -162,7 +162,7 @@ TEST(DrawSlice, SmallPicturesAreDrawnToo) {
   }
 }
 
-TEST(DrawSlice, RefusesNumbersThatDoNotFit) {
+TEST(DrawSlice, RejectsInconsistentNumbers) {
   const auto refused = [](const SliceDrawing& drawing) {
     const auto picture = draw_slice(drawing);
     return !picture && picture.error().code == ErrorCode::kInvalidArgument;

@@ -9,7 +9,7 @@
 namespace lefort::report {
 namespace {
 
-/// cairo's own reader: 0x00RRGGBB words, or width 0 when the bytes are no PNG.
+/// Decodes with cairo: 0x00RRGGBB words, or width 0 if the bytes are not a PNG.
 struct Decoded {
   int width = 0;
   int height = 0;
@@ -41,7 +41,7 @@ Decoded decode(std::string_view png) {
   return decoded;
 }
 
-TEST(Picture, PngHoldsEveryPixelInItsPlace) {
+TEST(Picture, PngContainsEveryPixel) {
   Picture picture{3, 2, {}};
   for (std::uint8_t pixel = 0; pixel < 6; ++pixel)
     picture.rgba.insert(picture.rgba.end(),
@@ -53,11 +53,11 @@ TEST(Picture, PngHoldsEveryPixelInItsPlace) {
     EXPECT_EQ(decoded.words[pixel], pixel << 16U | (100 + pixel) << 8U | (250 - pixel));
 }
 
-TEST(Picture, RefusesSidesAndBytesThatDoNotAgree) {
+TEST(Picture, RejectsInconsistentSidesAndBytes) {
   EXPECT_EQ(encode_png({0, 5, {}}).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(encode_png({1, kMaxPictureSide + 1, {}}).error().code, ErrorCode::kInvalidArgument);
-  const auto short_of_bytes = encode_png({2, 2, std::vector<std::uint8_t>(15)});
-  EXPECT_EQ(short_of_bytes.error().message, "picture of 2 x 2 pixels has 15 bytes, must have 16");
+  const auto too_few_bytes = encode_png({2, 2, std::vector<std::uint8_t>(15)});
+  EXPECT_EQ(too_few_bytes.error().message, "picture of 2 x 2 pixels has 15 bytes, must have 16");
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ std::vector<double> values(const std::string& svg, const std::string& tag,
   return found;
 }
 
-TEST(PlotLines, PointsLieWhereTheirNumbersSay) {
+TEST(PlotLines, PointsAreAtTheirValues) {
   const std::string svg = plot_lines({.lines = {{"a", {0.0, 1.0, 4.0}, {0.0, 2.0, 1.0}}}});
   const auto x = values(svg, "circle", "cx");
   const auto y = values(svg, "circle", "cy");
@@ -41,7 +41,7 @@ TEST(PlotLines, PointsLieWhereTheirNumbersSay) {
   EXPECT_LT(y[1], y[0]);  // Larger is higher.
 }
 
-TEST(PlotLines, OnALogAxisEqualRatiosAreEqualDistances) {
+TEST(PlotLines, LogAxisMapsEqualRatiosToEqualDistances) {
   const std::string svg =
       plot_lines({.y_axis = Axis::kLog, .lines = {{"a", {1.0, 2.0, 3.0}, {1.0, 1e-3, 1e-6}}}});
   const auto y = values(svg, "circle", "cy");
@@ -50,7 +50,7 @@ TEST(PlotLines, OnALogAxisEqualRatiosAreEqualDistances) {
   EXPECT_GT(y[1], y[0]);
 }
 
-TEST(PlotLines, WhatCannotBeDrawnBreaksTheLine) {
+TEST(PlotLines, InvalidValuesInterruptTheLine) {
   const std::string svg = plot_lines({.y_axis = Axis::kLog,
                                       .lines = {{"a",
                                                  {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0},
@@ -63,13 +63,13 @@ TEST(PlotLines, WhatCannotBeDrawnBreaksTheLine) {
   EXPECT_EQ(count(svg, "inf"), 0U);
 }
 
-TEST(PlotLines, AFileKnowsItsColorsWithoutAPage) {
+TEST(PlotLines, FileHasFixedColors) {
   const LinePlot plot{.title = "t", .lines = {{.name = "a", .x = {0, 1}, .y = {1, 2}}}};
   EXPECT_NE(plot_lines(plot).find("var(--"), std::string::npos);
   EXPECT_EQ(plot_file(plot).find("var("), std::string::npos);
 }
 
-TEST(PlotLines, ManyLinesHaveNamesInRowsWithinTheDrawingAndDashes) {
+TEST(PlotLines, ManyLinesHaveDashesAndALegendOfSeveralRows) {
   LinePlot plot;
   for (const char* name :
        {"tet4", "pyramid5", "wedge6", "hex8", "tet10", "wedge15", "hex20", "reference"})
@@ -107,7 +107,7 @@ TEST(PlotLines, StaysWellFormedAndFiniteForAnyInput) {
   }
 }
 
-TEST(SolverPlots, ResidualsRunOnFromStepToStepWithDividersBetween) {
+TEST(SolverPlots, ResidualsAreContinuousWithDividersBetweenSteps) {
   const std::vector<SolverStep> steps{{0.5, {1.0, 1e-4, 1e-9}, 0.1, 0.05},
                                       {1.0, {1.0, 1e-7}, 0.2, 0.1}};
   const LinePlot plot = residual_plot(steps, 1e-6);
@@ -120,7 +120,7 @@ TEST(SolverPlots, ResidualsRunOnFromStepToStepWithDividersBetween) {
   EXPECT_EQ(count(plot_lines(plot), ">residual<"), 1U);  // One name, one legend entry.
 }
 
-TEST(SolverPlots, PenetrationIsShownOverThePath) {
+TEST(SolverPlots, PenetrationIsPlottedOverThePath) {
   const std::vector<SolverStep> steps{{0.5, {}, 0.1, 0.05}, {1.0, {}, 0.2, 0.1}};
   const LinePlot plot = penetration_plot(steps);
   EXPECT_EQ(plot.lines[0].x, (std::vector<double>{50.0, 100.0}));

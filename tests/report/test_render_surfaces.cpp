@@ -35,7 +35,7 @@ ErrorCode refusal(const SurfaceLayer& layer) {
   return SurfaceScene::build({&layer, 1}, Progress::none()).error().code;
 }
 
-/// How many pixels differ, and where their middle is.
+/// The number of differing pixels, and their center.
 struct Difference {
   long count = 0;
   double column = 0.0;
@@ -63,7 +63,7 @@ int brightness(const Picture& picture, int column, int row) {
   return rgba[0] + rgba[1] + rgba[2];
 }
 
-TEST(RenderSurfaces, ASphereCoversItsDisc) {
+TEST(RenderSurfaces, SphereCoversItsDisc) {
   const TriangleMesh ball = sphere(Vec3(5.0, 70.0, -10.0), 30.0, 60);
   const Difference disc = difference(render({{&ball}}), render({}));
   const double pixels_per_mm = 2.0;
@@ -72,7 +72,7 @@ TEST(RenderSurfaces, ASphereCoversItsDisc) {
   EXPECT_NEAR(disc.row, 100.0 + 10.0 * pixels_per_mm, 0.3);
 }
 
-TEST(RenderSurfaces, LightIsAlikeOnTheLeftAndTheRight) {
+TEST(RenderSurfaces, LightIsSymmetric) {
   const TriangleMesh ball = sphere(Vec3::Zero(), 40.0, 60);
   const Picture picture = render({{&ball}});
   for (int row = 0; row < 200; row += 3)
@@ -87,10 +87,10 @@ TEST(RenderSurfaces, LightComesFromAbove) {
   EXPECT_GT(brightness(picture, 100, 60), brightness(picture, 100, 140) + 90);
 }
 
-TEST(RenderSurfaces, AMarkerAppearsOnItsSideInEveryStandardView) {
+TEST(RenderSurfaces, MarkerAppearsOnItsSideInEveryStandardView) {
   const TriangleMesh head = sphere(Vec3::Zero(), 50.0, 30);
   const Box3 box_L(Vec3::Constant(-65.0), Vec3::Constant(65.0));
-  // A knob on the patient's left, in front, and a little up.
+  // A knob on the patient's left, anterior and slightly superior.
   const TriangleMesh knob = sphere(Vec3(36.0, -36.0, 15.0), 12.0, 20);
   const auto knob_in = [&](StandardView standard) {
     const View view = standard_view(standard, box_L, 1.0);
@@ -100,7 +100,7 @@ TEST(RenderSurfaces, AMarkerAppearsOnItsSideInEveryStandardView) {
   EXPECT_LT(knob_in(StandardView::kLeftProfile).column, 80.0);
   EXPECT_NEAR(knob_in(StandardView::kLeftThreeQuarter).column, 100.0, 5.0);
   EXPECT_LT(knob_in(StandardView::kFront).row, 95.0);
-  // From the right only what stands out beyond the head in front is seen.
+  // From the right, only the part anterior to the head is visible.
   EXPECT_GT(knob_in(StandardView::kRightProfile).column, 150.0);
   EXPECT_GT(knob_in(StandardView::kRightThreeQuarter).column, 140.0);
 }
@@ -117,7 +117,7 @@ TEST(RenderSurfaces, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one, render_with(5));
 }
 
-TEST(RenderSurfaces, ACavityIsDarkerThanAnOpenPlane) {
+TEST(RenderSurfaces, CavityIsDarkerThanAnOpenPlane) {
   const TriangleMesh plane = square_facing_front(30.0, 0.0);
   TriangleMesh pit = plane;  // The same square at the bottom of four walls.
   pit.vertices.insert(
@@ -154,7 +154,7 @@ TEST(RenderSurfaces, ScalarsColorTheSurfaceAndNanIsGray) {
   EXPECT_LT(middle(kNan)[0], middle(0.0)[0] - 20);
 }
 
-TEST(RenderSurfaces, GlassShowsWhatIsBehindIt) {
+TEST(RenderSurfaces, TransparentLayerShowsTheOneBehind) {
   const TriangleMesh glass = square_facing_front(40.0, -20.0);
   const TriangleMesh ball = sphere(Vec3::Zero(), 15.0, 30);
   const auto seen = [&](double opacity) {
@@ -166,19 +166,19 @@ TEST(RenderSurfaces, GlassShowsWhatIsBehindIt) {
   EXPECT_EQ(difference(render({{.mesh_L = &glass, .opacity = 0.0}}), render({})).count, 0);
 }
 
-TEST(RenderSurfaces, EmptyAndDegenerateMeshesAreDrawnAsFarAsTheyGo) {
+TEST(RenderSurfaces, DrawsEmptyAndDegenerateMeshes) {
   const TriangleMesh empty;
   EXPECT_EQ(render({{&empty}}), render({}));
   TriangleMesh slivers = square_facing_front(30.0, 0.0);
   const Picture square = render({{&slivers}});
   slivers.triangles.push_back({0, 0, 0});
   slivers.triangles.push_back({0, 1, 1});
-  slivers.vertices.push_back(Vec3::Zero());  // No triangle has it.
+  slivers.vertices.push_back(Vec3::Zero());  // An unused vertex.
   EXPECT_EQ(difference(render({{&slivers}}), render({})).count,
             difference(square, render({})).count);
 }
 
-TEST(RenderSurfaces, RefusesMeshesThatPointIntoTheVoid) {
+TEST(RenderSurfaces, RejectsMeshesWithMissingVertices) {
   TriangleMesh mesh = square_facing_front(30.0, 0.0);
   mesh.triangles.push_back({0, 1, 4});
   EXPECT_EQ(refusal({&mesh}), ErrorCode::kMeshInvalid);
@@ -191,7 +191,7 @@ TEST(RenderSurfaces, RefusesMeshesThatPointIntoTheVoid) {
   }
 }
 
-TEST(RenderSurfaces, RefusesStylesOutOfRange) {
+TEST(RenderSurfaces, RejectsStylesOutOfRange) {
   const TriangleMesh mesh = square_facing_front(30.0, 0.0);
   EXPECT_EQ(refusal({.mesh_L = &mesh, .scalars = {1.0}}), ErrorCode::kInvalidArgument);
   EXPECT_EQ(refusal({.mesh_L = &mesh, .opacity = 1.5}), ErrorCode::kInvalidArgument);
@@ -201,7 +201,7 @@ TEST(RenderSurfaces, RefusesStylesOutOfRange) {
   EXPECT_EQ(refusal(flat), ErrorCode::kInvalidArgument);
 }
 
-TEST(RenderSurfaces, RefusesViewsAndSizesOutOfRange) {
+TEST(RenderSurfaces, RejectsViewsAndSizesOutOfRange) {
   const auto scene = SurfaceScene::build({}, Progress::none());
   const auto refused = [&](const View& view, const PictureSize& size) {
     return scene->render(view, size, Progress::none()).error().code;
@@ -212,7 +212,7 @@ TEST(RenderSurfaces, RefusesViewsAndSizesOutOfRange) {
   EXPECT_EQ(refused({}, {100, 100, 5}), ErrorCode::kInvalidArgument);
 }
 
-TEST(RenderSurfaces, StopsWhenAsked) {
+TEST(RenderSurfaces, StopsOnRequest) {
   const TriangleMesh mesh = square_facing_front(30.0, 0.0);
   const SurfaceLayer layer{&mesh};
   StopAtOnce stop;

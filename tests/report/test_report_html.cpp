@@ -59,7 +59,7 @@ TEST(ReportHtml, IsWellFormed) {
   EXPECT_EQ(test::fault_of(report_html({})), "");
 }
 
-TEST(ReportHtml, SaysEverythingTheReportSays) {
+TEST(ReportHtml, ContainsAllContentOfTheReport) {
   const std::string html = report_html(example());
   for (const std::string text :
        {"Mid-face, 6 mm forward", "The mid-face moves 6 mm forward in 12 steps.",
@@ -75,14 +75,14 @@ TEST(ReportHtml, SaysEverythingTheReportSays) {
   EXPECT_LT(html.find("sha256"), html.find("No muscle acts."));
 }
 
-TEST(ReportHtml, HoldsThePicturesByteForByte) {
+TEST(ReportHtml, ContainsThePicturesByteForByte) {
   const std::string html = report_html(example());
   const std::vector<std::string> pictures = between(html, "data:image/png;base64,", "\"");
   EXPECT_EQ(pictures.size(), 3U);
   for (const std::string& picture : pictures) EXPECT_EQ(decode_base64(picture), png());
 }
 
-TEST(ReportHtml, LoadsNothingFromElsewhere) {
+TEST(ReportHtml, LoadsNoExternalResources) {
   const std::string html = report_html(example());
   EXPECT_NE(html.find("default-src 'none'"), html.npos);
   EXPECT_EQ(count(html, " src="), count(html, " src=\"data:"));
@@ -110,7 +110,7 @@ TEST(ReportHtml, EscapesEveryText) {
   }
 }
 
-TEST(ReportHtml, AnUnconvergedResultIsMarkedOnThePageAndOnEveryPicture) {
+TEST(ReportHtml, MarksAnUnconvergedResultOnThePageAndOnEveryPicture) {
   CaseReport report = example();
   EXPECT_EQ(count(report_html(report), "NOT CONVERGED"), 0U);
   report.converged = false;
@@ -138,7 +138,7 @@ TEST(ReportHtml, TextHasTheContrastOfWcagAa) {
   const std::string html = report_html(example());
   const std::vector<std::string> schemes = between(html, ":root {", "}");
   ASSERT_EQ(schemes.size(), 3U);              // Light, dark, paper.
-  std::map<std::string, std::string> colors;  // A later scheme keeps what it does not change.
+  std::map<std::string, std::string> colors;  // A later scheme inherits the colors of earlier ones.
   for (const std::string& scheme : schemes) {
     for (const std::string& variable : between(scheme, "--", ";"))
       colors[variable.substr(0, variable.find(':'))] = variable.substr(variable.find('#'));

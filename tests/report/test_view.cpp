@@ -20,21 +20,21 @@ TEST(View, FrontShowsThePatientsRightOnTheLeft) {
   EXPECT_TRUE(axes(StandardView::kFront).towards_L.isApprox(kFront_L));
 }
 
-TEST(View, ProfilesLookAtTheSideTheyAreNamedAfter) {
+TEST(View, ProfilesShowTheirSide) {
   EXPECT_TRUE(axes(StandardView::kRightProfile).towards_L.isApprox(-kLeft_L));
   EXPECT_TRUE(axes(StandardView::kRightProfile).right_L.isApprox(kFront_L));
   EXPECT_TRUE(axes(StandardView::kLeftProfile).towards_L.isApprox(kLeft_L));
   EXPECT_TRUE(axes(StandardView::kLeftProfile).right_L.isApprox(-kFront_L));
 }
 
-TEST(View, ThreeQuarterViewsSeeTheFrontAndTheirSide) {
+TEST(View, ThreeQuarterViewsShowTheFrontAndTheirSide) {
   const ViewAxes left = axes(StandardView::kLeftThreeQuarter);
   EXPECT_TRUE(left.towards_L.isApprox((kLeft_L + kFront_L).normalized()));
   const ViewAxes right = axes(StandardView::kRightThreeQuarter);
   EXPECT_TRUE(right.towards_L.isApprox((kFront_L - kLeft_L).normalized()));
 }
 
-TEST(View, AxesAreRightHandedAndUpIsTop) {
+TEST(View, AxesAreRightHandedAndUpIsSuperior) {
   for (const StandardView view :
        {StandardView::kFront, StandardView::kRightProfile, StandardView::kLeftProfile,
         StandardView::kRightThreeQuarter, StandardView::kLeftThreeQuarter}) {
@@ -52,7 +52,7 @@ TEST(View, FitsTheBoxByItsLongerSide) {
   EXPECT_LT(standard_view(StandardView::kFront, kHead_L, 0.4).height_mm, 1.2 * 160.0 / 0.4);
 }
 
-TEST(View, NamesTheSidesOfThePatient) {
+TEST(View, LabelsTheSidesOfThePatient) {
   EXPECT_EQ(orientation_letters(kLeft_L), "L");
   EXPECT_EQ(orientation_letters(-kLeft_L), "R");
   EXPECT_EQ(orientation_letters(kFront_L), "A");
@@ -63,7 +63,7 @@ TEST(View, NamesTheSidesOfThePatient) {
   EXPECT_EQ(orientation_letters(Vec3(0.1, -0.2, -1.0)), "I");
 }
 
-TEST(View, RefusesAViewThatLooksNowhere) {
+TEST(View, RejectsAViewWithoutDirection) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(check_view(View{}));
   for (const View& view : {View{.direction_L = Vec3::Zero()}, View{.up_L = Vec3(0.0, -3.0, 0.0)},

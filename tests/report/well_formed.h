@@ -1,5 +1,5 @@
 /// \file
-/// A small judge of XML: tags nest, attributes are quoted and differ, text holds no stray markup.
+/// A small XML checker: tags nest, attributes are quoted and distinct, text contains no markup.
 #pragma once
 
 #include <cctype>
@@ -11,7 +11,7 @@
 
 namespace lefort::report::test {
 
-/// \returns what is wrong with `xml` and where, or nothing.
+/// \returns the first error in `xml` with its position, or nothing.
 inline std::string fault_of(std::string_view xml) {
   std::vector<std::string> open;
   std::size_t at = 0;

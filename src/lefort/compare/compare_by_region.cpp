@@ -11,9 +11,9 @@ namespace {
 
 using geometry::TriangleMesh;
 
-constexpr double kMoved_mm = 0.5;
+constexpr double kMoved_mm = 0.5;  // Heuristic.
 
-/// The same surface at two moments.
+/// Whether both are the same surface in two states.
 bool is_one_surface(const TriangleMesh& a, const TriangleMesh& b) {
   return a.vertices.size() == b.vertices.size() && a.triangles == b.triangles;
 }
@@ -25,13 +25,14 @@ std::vector<char> find_moved(const TriangleMesh& face_L, const TriangleMesh& bef
       is_moved[v] = (face_L.vertices[v] - before_L.vertices[v]).norm() > kMoved_mm;
     return is_moved;
   }
-  const SurfaceDifference shift = measure_difference(face_L, geometry::Bvh(before_L));
+  const SurfaceDifference difference = measure_difference(face_L, geometry::Bvh(before_L));
   for (std::size_t v = 0; v < is_moved.size(); ++v)
-    is_moved[v] = std::abs(shift.signed_mm[v]) > kMoved_mm;
+    is_moved[v] = std::abs(difference.signed_mm[v]) > kMoved_mm;
   return is_moved;
 }
 
-/// Figures of the parts of one surface; those without area, too, so that two lists match.
+/// \returns the statistics of all parts of one surface, including those without area, so that two
+/// lists match.
 std::vector<std::pair<std::string, DifferenceStatistics>> describe_parts(
     const TriangleMesh& face_L, const SurfaceDifference& difference,
     const TriangleMesh* counterpart_L, std::span<const FaceRegion> region_of) {

@@ -1,5 +1,5 @@
 /// \file
-/// The difference between two faces, part by part, beside "nothing changed".
+/// The difference between two faces by region, with the baseline without change.
 #pragma once
 
 #include <lefort/compare/difference_statistics.h>
@@ -13,37 +13,46 @@
 
 namespace lefort::compare {
 
-/// One part of the face and its figures.
+/// The statistics of one region of the face.
 struct RegionDifference {
   std::string region;
   DifferenceStatistics face;
-  std::optional<DifferenceStatistics> if_unchanged;  ///< Of the face before surgery, likewise.
+  /// Baseline without change: the difference if the face were as before surgery.
+  std::optional<DifferenceStatistics> if_unchanged;
 };
 
-/// The region of each vertex. Landmarks are of the face before surgery: where `face_L` is that face
-/// at another moment, skin stays in its region wherever it goes.
+/// Assigns vertices to regions. Landmarks are those of the face before surgery: if `face_L` is the
+/// same surface after a displacement, a vertex keeps its region.
 ///
-/// \param before_L  null if there is none.
+/// \param face_L    the face.
+/// \param before_L  the face before surgery; null if there is none.
+/// \param regions   of the face before surgery.
+/// \returns the region of each vertex of `face_L`.
 [[nodiscard]] std::vector<FaceRegion> regions_of(const geometry::TriangleMesh& face_L,
                                                  const geometry::TriangleMesh* before_L,
                                                  const FaceRegions& regions);
 
-/// Figures for the whole face, the part that moved, and the regions that landmarks tell.
+/// Computes the statistics of the whole face, of the part that moved, and of the regions.
 ///
-/// Whole-face figures are flattered by skin that never moves, so the moved part stands apart: what
-/// lies more than 0.5 mm from the face before surgery; vertex from vertex if both are one surface
-/// at two moments, else from the nearest point.
+/// Skin that does not move reduces the differences of the whole face. The moved part is therefore
+/// reported separately: the points more than 0.5 mm from the face before surgery. The distance is
+/// between equal vertices if both are the same surface, otherwise to the closest point.
 ///
+/// \param face_L      the face.
 /// \param difference  of `face_L` to `other`.
-/// \param before_L    the face before surgery; null: then there is neither moved part nor baseline.
-/// \returns parts that `face_L` has any area in, the whole first.
+/// \param other       the face to compare with.
+/// \param before_L    the face before surgery; null: no moved part and no baseline.
+/// \param regions     of the face before surgery.
+/// \returns the parts with a nonzero area of `face_L`, the whole first.
 [[nodiscard]] std::vector<RegionDifference> compare_by_region(
     const geometry::TriangleMesh& face_L, const SurfaceDifference& difference,
     const geometry::Bvh& other, const geometry::TriangleMesh* before_L, const FaceRegions& regions);
 
-/// How far each part of a face moved, vertex from vertex: figures of the lengths of displacements.
+/// Computes the statistics of the lengths of displacements by region.
 ///
+/// \param before_L         the face before surgery.
 /// \param displacement_mm  one per vertex of `before_L`.
+/// \param regions          of the face before surgery.
 /// \returns as compare_by_region(), without a baseline.
 [[nodiscard]] std::vector<RegionDifference> movement_by_region(
     const geometry::TriangleMesh& before_L, std::span<const Vec3> displacement_mm,

@@ -9,10 +9,10 @@
 namespace lefort::compare {
 namespace {
 
-/// A distance and the area it stands for.
+/// A distance and its area.
 using Weighted = std::pair<double, double>;
 
-/// The least distance that `share` of the area does not exceed.
+/// \returns the smallest distance that is not exceeded on `fraction` of the area.
 double percentile(const std::vector<Weighted>& ascending, double total_mm2, double fraction) {
   double below_mm2 = 0.0;
   for (const auto& [distance_mm, area_mm2] : ascending) {

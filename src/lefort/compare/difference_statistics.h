@@ -1,5 +1,5 @@
 /// \file
-/// Differences in numbers, as studies of soft-tissue prediction report them.
+/// Statistics of surface differences, as reported by studies of soft-tissue prediction.
 #pragma once
 
 #include <lefort/compare/surface_difference.h>
@@ -8,12 +8,12 @@
 
 namespace lefort::compare {
 
-/// Over area, so that they do not depend on how finely a surface is cut into triangles. All but
-/// `area_mm2` and `compared_fraction` are NaN where nothing is compared.
+/// Weighted by area, so that they do not depend on the triangulation. All except `area_mm2` and
+/// `compared_fraction` are NaN if nothing is compared.
 struct DifferenceStatistics {
-  double area_mm2 = 0.0;           ///< Of the part that was asked for.
+  double area_mm2 = 0.0;           ///< Of the requested part.
   double compared_fraction = 0.0;  ///< Of that area, 0 to 1.
-  double mean_mm = 0.0;            ///< Of the distance without sign, as all below.
+  double mean_mm = 0.0;            ///< Of the absolute distance, as all below.
   double median_mm = 0.0;
   double p90_mm = 0.0;
   double p95_mm = 0.0;
@@ -21,10 +21,12 @@ struct DifferenceStatistics {
   double max_mm = 0.0;
   double fraction_below_1mm = 0.0;  ///< Of the compared area, 0 to 1.
   double fraction_below_2mm = 0.0;
-  double mean_signed_mm = 0.0;  ///< Positive: outside of the other surface.
+  double mean_signed_mm = 0.0;  ///< Positive: outside the other surface.
 };
 
-/// \param is_requested  says which vertices count.
+/// \param difference    of a surface.
+/// \param is_requested  whether a vertex belongs to the part.
+/// \returns the statistics of the part.
 [[nodiscard]] DifferenceStatistics describe(const SurfaceDifference& difference,
                                             const std::function<bool(Index vertex)>& is_requested);
 

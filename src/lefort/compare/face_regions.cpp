@@ -9,19 +9,20 @@ namespace {
 
 using plan::Landmark;
 
-constexpr double kBehind_mm = 25.0;
+constexpr double kDepth_mm = 25.0;  // Of a region, posterior to its landmarks.
+constexpr double kNoseWidthFactor = 1.15, kChinWidthFactor = 1.2, kCheekWidthFactor = 1.2;
 
-/// Landmarks as seen from the face: left, front, up of the middle.
-class Seen {
+/// Landmarks in the frame of the face: left, anterior, superior to the origin.
+class LocalLandmarks {
  public:
-  Seen(std::span<const Landmark> landmarks_L, const Mat3& R_FL, const Vec3& middle_L)
+  LocalLandmarks(std::span<const Landmark> landmarks_L, const Mat3& R_FL, const Vec3& middle_L)
       : landmarks_L_(landmarks_L), R_FL_(R_FL), middle_L_(middle_L) {}
 
-  [[nodiscard]] std::optional<Vec3> middle(const char* name) const {
+  [[nodiscard]] std::optional<Vec3> midpoint(const char* name) const {
     const auto p_L = plan::pair_midpoint(landmarks_L_, name);
     return p_L ? std::optional<Vec3>(R_FL_ * (*p_L - middle_L_)) : std::nullopt;
   }
-  /// Half the distance of a pair, across the mid-plane.
+  /// Half of the distance between the landmarks of a pair, normal to the mid-plane.
   [[nodiscard]] std::optional<double> half_width(const std::string& name) const {
     const auto right = plan::find_landmark(landmarks_L_, name + "-R");
     const auto left = plan::find_landmark(landmarks_L_, name + "-L");
@@ -35,7 +36,7 @@ class Seen {
   Vec3 middle_L_;
 };
 
-/// Names those of `names` whose landmark or pair is not there.
+/// \returns the message that lists those of `names` whose landmark or pair is missing.
 std::string missing_of(std::span<const Landmark> landmarks, FaceRegion region,
                        std::initializer_list<const char*> names) {
   std::string missing;
@@ -91,43 +92,46 @@ Result<FaceRegions> FaceRegions::from(std::span<const Landmark> landmarks_L) {
   regions.R_FL_ << left_L.transpose(), front_L.transpose(), front_L.cross(left_L).transpose();
   regions.middle_L_ = *base_L;
 
-  const Seen seen(landmarks_L, regions.R_FL_, regions.middle_L_);
+  const LocalLandmarks local(landmarks_L, regions.R_FL_, regions.middle_L_);
   const auto needs = [&](FaceRegion region, std::initializer_list<const char*> names) {
     std::string missing = missing_of(landmarks_L, region, names);
     if (missing.empty()) return true;
     regions.missing_.push_back(std::move(missing));
     return false;
   };
-  const double base_mm = 0.0;  // Heights count from Sn.
+  const double base_mm = 0.0;  // Heights are relative to Sn.
   if (needs(FaceRegion::kNose, {"N'", "Sn", "Al", "En"}))
-    regions.parts_.push_back({FaceRegion::kNose, base_mm, seen.middle("N'")->z(),
-                              1.15 * *seen.half_width("Al"), *seen.half_width("En"),
-                              seen.middle("Al")->y() - kBehind_mm});
+    regions.parts_.push_back({FaceRegion::kNose, base_mm, local.midpoint("N'")->z(),
+                              kNoseWidthFactor * *local.half_width("Al"), *local.half_width("En"),
+                              local.midpoint("Al")->y() - kDepth_mm});
   if (needs(FaceRegion::kUpperLip, {"Sn", "Stm", "Ch"}))
-    regions.parts_.push_back({FaceRegion::kUpperLip, seen.middle("Stm")->z(), base_mm,
-                              *seen.half_width("Ch"), *seen.half_width("Ch"),
-                              seen.middle("Ch")->y() - kBehind_mm});
-  const auto fold_mm = [&] { return 0.5 * (seen.middle("Li")->z() + seen.middle("Pg'")->z()); };
+    regions.parts_.push_back({FaceRegion::kUpperLip, local.midpoint("Stm")->z(), base_mm,
+                              *local.half_width("Ch"), *local.half_width("Ch"),
+                              local.midpoint("Ch")->y() - kDepth_mm});
+  const auto fold_mm = [&] {
+    return 0.5 * (local.midpoint("Li")->z() + local.midpoint("Pg'")->z());
+  };
   if (needs(FaceRegion::kLowerLip, {"Stm", "Li", "Pg'", "Ch"}))
-    regions.parts_.push_back({FaceRegion::kLowerLip, fold_mm(), seen.middle("Stm")->z(),
-                              *seen.half_width("Ch"), *seen.half_width("Ch"),
-                              seen.middle("Ch")->y() - kBehind_mm});
+    regions.parts_.push_back({FaceRegion::kLowerLip, fold_mm(), local.midpoint("Stm")->z(),
+                              *local.half_width("Ch"), *local.half_width("Ch"),
+                              local.midpoint("Ch")->y() - kDepth_mm});
   if (needs(FaceRegion::kChin, {"Li", "Pg'", "Me'", "Ch"}))
-    regions.parts_.push_back({FaceRegion::kChin, seen.middle("Me'")->z(), fold_mm(),
-                              1.2 * *seen.half_width("Ch"), 1.2 * *seen.half_width("Ch"),
-                              seen.middle("Ch")->y() - kBehind_mm});
+    regions.parts_.push_back({FaceRegion::kChin, local.midpoint("Me'")->z(), fold_mm(),
+                              kChinWidthFactor * *local.half_width("Ch"),
+                              kChinWidthFactor * *local.half_width("Ch"),
+                              local.midpoint("Ch")->y() - kDepth_mm});
   for (const auto& [region, side] :
        {std::pair(FaceRegion::kRightCheek, -1), std::pair(FaceRegion::kLeftCheek, 1)}) {
     if (!needs(region, {"En", "Ex"})) continue;
-    const auto mouth = seen.middle("Ch");
-    const double width_mm = 1.2 * *seen.half_width("Ex");
-    regions.parts_.push_back({region, mouth ? mouth->z() : base_mm, seen.middle("En")->z(),
-                              width_mm, width_mm, seen.middle("Ex")->y() - kBehind_mm, side});
+    const auto mouth = local.midpoint("Ch");
+    const double width_mm = kCheekWidthFactor * *local.half_width("Ex");
+    regions.parts_.push_back({region, mouth ? mouth->z() : base_mm, local.midpoint("En")->z(),
+                              width_mm, width_mm, local.midpoint("Ex")->y() - kDepth_mm, side});
   }
   return regions;
 }
 
-bool FaceRegions::holds(const Part& part, const Vec3& local) const {
+bool FaceRegions::contains(const Part& part, const Vec3& local) const {
   if (local.z() < part.low_mm || local.z() >= part.high_mm || local.y() < part.behind_mm)
     return false;
   if (part.side != 0 && local.x() * part.side < 0.0) return false;
@@ -139,7 +143,7 @@ bool FaceRegions::holds(const Part& part, const Vec3& local) const {
 FaceRegion FaceRegions::at(const Vec3& p_L) const {
   const Vec3 local = R_FL_ * (p_L - middle_L_);
   for (const Part& part : parts_)
-    if (holds(part, local)) return part.region;
+    if (contains(part, local)) return part.region;
   return FaceRegion::kElsewhere;
 }
 

@@ -6,7 +6,7 @@
 namespace lefort::compare {
 namespace {
 
-/// How much of each corner a point of a triangle is; of a sliver, that of least squares.
+/// Barycentric coordinates of a point of a triangle; by least squares for a degenerate triangle.
 Vec3 barycentric(const geometry::TriangleMesh& mesh, Index triangle, const Vec3& p) {
   const Vec3 a = mesh.corner(triangle, 0);
   Eigen::Matrix<double, 3, 2> edges;
@@ -24,8 +24,8 @@ Result<plan::Landmarks> carry_landmarks(std::span<const plan::Landmark> landmark
   if (before_L.vertices.size() != after_L.vertices.size() ||
       before_L.triangles != after_L.triangles)
     return fail(ErrorCode::kInvalidArgument,
-                "the two skins are not one surface at two moments, so that landmarks cannot be "
-                "carried from one to the other");
+                "the two skin surfaces do not have the same vertices and triangles, so landmarks "
+                "cannot be moved from one to the other");
   const geometry::Bvh tree(before_L);
   plan::Landmarks carried;
   for (const plan::Landmark& landmark : landmarks_L) {
@@ -34,11 +34,11 @@ Result<plan::Landmarks> carry_landmarks(std::span<const plan::Landmark> landmark
     const auto on_skin = tree.closest_point(landmark.point_L, near_mm);
     if (!on_skin) continue;
     const Vec3 weights = barycentric(before_L, on_skin->triangle, on_skin->point);
-    Vec3 shift_mm = Vec3::Zero();
+    Vec3 displacement_mm = Vec3::Zero();
     for (int k = 0; k < 3; ++k)
-      shift_mm += weights[k] *
-                  (after_L.corner(on_skin->triangle, k) - before_L.corner(on_skin->triangle, k));
-    carried.push_back({landmark.name, landmark.point_L + shift_mm});
+      displacement_mm += weights[k] * (after_L.corner(on_skin->triangle, k) -
+                                       before_L.corner(on_skin->triangle, k));
+    carried.push_back({landmark.name, landmark.point_L + displacement_mm});
   }
   return carried;
 }

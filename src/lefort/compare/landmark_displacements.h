@@ -1,5 +1,5 @@
 /// \file
-/// Where landmarks on a skin go with it.
+/// Moves landmarks with the skin.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,14 +10,14 @@
 
 namespace lefort::compare {
 
-/// Landmarks of the skin (landmark_definition()) as the skin carries them from one state to
-/// another.
+/// Displaces each landmark of the skin (landmark_definition()) by the displacement of the skin,
+/// interpolated in the closest triangle.
 ///
-/// A landmark keeps its place in the nearest triangle, and its distance from it [mm] in L.
-///
-/// \param before_L, after_L  the same surface twice: as many vertices, the same triangles.
-/// \returns those that lie within `near_mm` of the skin, in their order; or kInvalidArgument if the
-///   two are not the same surface.
+/// \param landmarks_L        before the displacement; those that are not of the skin are ignored.
+/// \param before_L, after_L  the same surface in two states: equal vertex counts and triangles.
+/// \param near_mm            largest distance of a landmark from the skin.
+/// \returns the displaced landmarks within `near_mm` of the skin, in their order; or
+///   kInvalidArgument if the two are not the same surface.
 [[nodiscard]] Result<plan::Landmarks> carry_landmarks(std::span<const plan::Landmark> landmarks_L,
                                                       const geometry::TriangleMesh& before_L,
                                                       const geometry::TriangleMesh& after_L,

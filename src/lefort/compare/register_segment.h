@@ -1,5 +1,5 @@
 /// \file
-/// What movement of a bone was achieved, from the bone before and the skull after surgery.
+/// Finds the achieved movement of a segment, from the bone before and after surgery.
 #pragma once
 
 #include <lefort/compare/register_surface.h>
@@ -10,32 +10,40 @@
 
 namespace lefort::compare {
 
-/// One movement beside another of the same bone.
+/// The difference between two movements of the same bone.
 struct MovementDifference {
   Vec3 translation_mm;  ///< Of the bone's center, from the first to the second, in L.
   Vec3 rotation_rad;    ///< Rotation vector from the first to the second, in L.
-  double max_mm;        ///< Of the distances between where the two bring a vertex.
+  double max_mm;        ///< Largest distance between the two positions of a vertex.
 };
 
-/// \param bone_B  not empty.
+/// \param first_LB, second_LB  the two poses.
+/// \param bone_B               not empty.
+/// \returns the difference.
 [[nodiscard]] MovementDifference difference_of(const RigidTransform& first_LB,
                                                const RigidTransform& second_LB,
                                                const geometry::TriangleMesh& bone_B);
 
-/// Finds where a segment went.
+/// Finds the pose of a segment after surgery.
 ///
-/// \param segment_B   what of the segment is as it was before surgery: without its cut faces.
-/// \param after_L     bone after surgery, registered on what did not move.
-/// \param planned_LB  where it should have gone: tried as a start beside no movement.
-/// \returns the pose, or what register_surface() returns.
+/// \param segment_B   the surface of the segment that surgery did not alter: without its cut faces.
+/// \param after_L     bone after surgery, registered on the stationary bone.
+/// \param planned_LB  the planned pose; used as initial alignment, as is the identity.
+/// \param progress    of the registration; may request a stop.
+/// \returns the pose, or the errors of register_surface().
 [[nodiscard]] Result<Registration> register_segment(const geometry::TriangleMesh& segment_B,
                                                     const geometry::Bvh& after_L,
                                                     const RigidTransform& planned_LB,
                                                     Progress& progress = Progress::none());
 
-/// The part of a bone that lies further than `min_distance_mm` from every other: of the still bone
-/// what saw and healing left alone, by which two scans are registered; of a segment what was not
-/// cut.
+/// Removes the part of a bone that surgery may have altered. For stationary bone, the result is not
+/// changed by saw and healing, and two scans can be registered on it; for a segment, it is the
+/// surface without cut faces.
+///
+/// \param bone_L           the bone.
+/// \param others_L         the other bones after the osteotomy.
+/// \param min_distance_mm  from any of the others.
+/// \returns the part of the bone that is further away than that.
 [[nodiscard]] geometry::TriangleMesh unaltered_region(
     const geometry::TriangleMesh& bone_L, std::span<const geometry::TriangleMesh> others_L,
     double min_distance_mm);

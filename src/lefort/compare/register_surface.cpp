@@ -18,16 +18,19 @@ using geometry::TriangleMesh;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
+// Of the search among initial alignments; heuristic.
 constexpr Index kCoarsePoints = 1000;
 constexpr int kCoarseIterations = 40;
-/// Tukey's constant for 95 % efficiency, and what makes a median a standard deviation.
+/// Tukey's constant for 95 % efficiency, and the standard deviation of a normal distribution over
+/// its median absolute deviation.
 constexpr double kTukey = 4.685, kSigmaOfMedian = 1.4826;
-/// Rounding and chords of fine surfaces; no narrower, or an exact fit would drop points at random.
-constexpr double kNarrowest_mm = 0.02;
-/// Steps below it are of points that change their counterparts back and forth.
+/// Smallest standard deviation: rounding and chord errors of fine surfaces. With less, an exact fit
+/// would reject points at random.
+constexpr double kMinSigma_mm = 0.02;
+/// Smaller steps come from points whose counterparts alternate.
 constexpr double kConverged_mm = 1e-3;
-constexpr double kMinFirmness = 1e-4;
-constexpr double kMinKept = 1.0 / 3.0;
+constexpr double kMinStability = 1e-4;
+constexpr double kMinInlierFraction = 1.0 / 3.0;
 
 struct Sample {
   Vec3 point, normal;
@@ -44,10 +47,10 @@ std::vector<Sample> samples_of(const TriangleMesh& mesh, Index maximum) {
   return samples;
 }
 
-/// A moved sample and the plane it should lie in.
+/// A moved sample and the tangent plane at its closest point.
 struct Pair {
   Vec3 arm;     ///< From the center of all samples.
-  Vec3 normal;  ///< Of the plane; zero if no counterpart was found.
+  Vec3 normal;  ///< Of the plane; zero if there is no counterpart.
   double off_mm = std::numeric_limits<double>::infinity();  ///< Along the normal, signed.
 
   [[nodiscard]] bool has_counterpart() const { return std::isfinite(off_mm); }
@@ -73,7 +76,7 @@ std::vector<Pair> pair_up(const std::vector<Sample>& samples, const RigidTransfo
   return pairs;
 }
 
-/// Of the distances; infinite where half of the samples have no counterpart.
+/// Median of the distances; infinite if half of the samples have no counterpart.
 double median_distance_mm(const std::vector<Pair>& pairs) {
   std::vector<double> distances;
   for (const Pair& pair : pairs) distances.push_back(std::abs(pair.off_mm));
@@ -87,7 +90,7 @@ double tukey_weight(double off_mm, double width_mm) {
   return std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
 }
 
-/// What one Gauss-Newton step needs: the normal equations over (turn times radius, shift).
+/// Normal equations of one Gauss-Newton step for (rotation times radius, translation).
 struct Sums {
   Mat6 matrix = Mat6::Zero();
   Vec6 vector = Vec6::Zero();
@@ -118,14 +121,15 @@ Sums sum_up(const std::vector<Pair>& pairs, double width_mm, double radius_mm) {
   });
 }
 
-struct Followed {
+/// The result of the iterations from one initial alignment.
+struct IcpResult {
   Registration registration;
   double median_mm = std::numeric_limits<double>::infinity();
   bool has_converged = false;
 };
 
-Result<Followed> follow(const std::vector<Sample>& samples, const Bvh& onto,
-                        const RigidTransform& start, int max_iterations, Progress& progress) {
+Result<IcpResult> iterate(const std::vector<Sample>& samples, const Bvh& onto,
+                          const RigidTransform& start, int max_iterations, Progress& progress) {
   Vec3 middle = Vec3::Zero();
   for (const Sample& s : samples) middle += s.point / double(samples.size());
   double spread_mm2 = 0.0;
@@ -133,23 +137,23 @@ Result<Followed> follow(const std::vector<Sample>& samples, const Bvh& onto,
     spread_mm2 += (s.point - middle).squaredNorm() / double(samples.size());
   const double radius_mm = std::sqrt(spread_mm2);
 
-  Followed now{.registration = {.X_onto_from = start}};
+  IcpResult now{.registration = {.X_onto_from = start}};
   for (int k = 0; k < max_iterations && !now.has_converged; ++k) {
     if (progress.stop_requested())
-      return fail(ErrorCode::kCancelled, "the registration was stopped");
+      return fail(ErrorCode::kCancelled, "the registration was cancelled");
     RigidTransform& X = now.registration.X_onto_from;
     const Vec3 center = X * middle;
     const std::vector<Pair> pairs = pair_up(samples, X, center, onto);
     now.median_mm = median_distance_mm(pairs);
     if (!std::isfinite(now.median_mm)) break;
     const double width_mm =
-        std::max(kTukey * kSigmaOfMedian * now.median_mm, kTukey * kNarrowest_mm);
+        std::max(kTukey * kSigmaOfMedian * now.median_mm, kTukey * kMinSigma_mm);
     const Sums sums = sum_up(pairs, width_mm, radius_mm);
     now.registration.rms_mm = std::sqrt(sums.squared / sums.weight);
     now.registration.inlier_fraction = sums.weight / double(pairs.size());
     const Eigen::SelfAdjointEigenSolver<Mat6> eigen(sums.matrix / sums.weight);
     now.registration.stability = eigen.eigenvalues()[0];
-    if (!(now.registration.stability > kMinFirmness)) break;
+    if (!(now.registration.stability > kMinStability)) break;
     const Vec6 step =
         -eigen.eigenvectors() * (eigen.eigenvectors().transpose() * (sums.vector / sums.weight))
                                     .cwiseQuotient(eigen.eigenvalues());
@@ -170,7 +174,7 @@ Vec3 centroid(const TriangleMesh& mesh) {
   return total_mm2 > 0.0 ? Vec3(sum / total_mm2) : sum;
 }
 
-/// Principal axes as the columns of a rotation, by ascending spread.
+/// Principal axes as the columns of a rotation, by ascending variance.
 Mat3 principal_axes(const TriangleMesh& mesh, const Vec3& center) {
   const std::vector<double> areas_mm2 = vertex_areas(mesh);
   Mat3 spread = Mat3::Zero();
@@ -183,7 +187,8 @@ Mat3 principal_axes(const TriangleMesh& mesh, const Vec3& center) {
   return axes;
 }
 
-RigidTransform turned_to(const Mat3& rotation, const Vec3& from, const Vec3& onto) {
+/// \returns the motion with this rotation that maps `from` to `onto`.
+RigidTransform motion_onto(const Mat3& rotation, const Vec3& from, const Vec3& onto) {
   RigidTransform X = RigidTransform::Identity();
   X.linear() = rotation;
   X.translation() = onto - rotation * from;
@@ -196,10 +201,10 @@ std::vector<RigidTransform> initial_alignments(const TriangleMesh& from, const T
   const Vec3 here = centroid(from), there = centroid(onto);
   const Mat3 axes_here = principal_axes(from, here), axes_there = principal_axes(onto, there);
   std::vector<RigidTransform> starts{RigidTransform::Identity(),
-                                     turned_to(Mat3::Identity(), here, there)};
+                                     motion_onto(Mat3::Identity(), here, there)};
   for (const Vec3& signs : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)}) {
-    const Mat3 turn = axes_there * signs.asDiagonal() * axes_here.transpose();
-    starts.push_back(turned_to(turn, here, there));
+    const Mat3 rotation = axes_there * signs.asDiagonal() * axes_here.transpose();
+    starts.push_back(motion_onto(rotation, here, there));
   }
   return starts;
 }
@@ -207,50 +212,52 @@ std::vector<RigidTransform> initial_alignments(const TriangleMesh& from, const T
 Result<Registration> register_surface(const TriangleMesh& from, const Bvh& onto,
                                       std::span<const RigidTransform> starts,
                                       const RegisterOptions& options, Progress& progress) {
-  constexpr Index kFewest = 100;
-  if (options.max_points < kFewest || options.max_iterations < 1 || !(options.max_median_mm > 0.0))
+  constexpr Index kMinPoints = 100;
+  if (options.max_points < kMinPoints || options.max_iterations < 1 ||
+      !(options.max_median_mm > 0.0))
     return fail(
         ErrorCode::kInvalidArgument,
         fmt::format("{} points, {} iterations and a median of {} mm, must be {} and 1 or "
                     "more, and above 0",
-                    options.max_points, options.max_iterations, options.max_median_mm, kFewest));
-  if (starts.empty()) return fail(ErrorCode::kInvalidArgument, "no start is given");
+                    options.max_points, options.max_iterations, options.max_median_mm, kMinPoints));
+  if (starts.empty()) return fail(ErrorCode::kInvalidArgument, "there is no initial alignment");
   const std::vector<Sample> all = samples_of(from, options.max_points);
-  if (Index(all.size()) < kFewest)
+  if (Index(all.size()) < kMinPoints)
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} vertices with a normal, must be {} or more to register a surface",
-                            all.size(), kFewest));
+                            all.size(), kMinPoints));
 
-  Followed best{.registration = {.X_onto_from = starts.front()}};
+  IcpResult best{.registration = {.X_onto_from = starts.front()}};
   if (starts.size() > 1) {
     const std::vector<Sample> few = samples_of(from, kCoarsePoints);
     for (const RigidTransform& start : starts) {
-      LEFORT_TRY(Followed one, follow(few, onto, start, kCoarseIterations, progress));
+      LEFORT_TRY(IcpResult one, iterate(few, onto, start, kCoarseIterations, progress));
       if (one.median_mm < best.median_mm) best = one;
       progress.report(0.5 * double(&start - starts.data() + 1) / double(starts.size()));
     }
   }
   LEFORT_TRY(best,
-             follow(all, onto, best.registration.X_onto_from, options.max_iterations, progress));
+             iterate(all, onto, best.registration.X_onto_from, options.max_iterations, progress));
   const Registration& found = best.registration;
   const auto not_converged = [](std::string what) {
     return fail(ErrorCode::kNotConverged, std::move(what));
   };
-  if (!std::isfinite(best.median_mm) || found.inlier_fraction < kMinKept)
+  if (!std::isfinite(best.median_mm) || found.inlier_fraction < kMinInlierFraction)
     return not_converged(
-        fmt::format("{:.0f} % of the surface finds its counterpart on the other, must be {:.0f} %; "
+        fmt::format("{:.0f} % of the surface have a counterpart on the other, must be {:.0f} %; "
                     "do both show the same bone?",
-                    100.0 * found.inlier_fraction, 100.0 * kMinKept));
-  if (!(found.stability > kMinFirmness))
-    return not_converged("the surface can slide along the other, so that no motion is told");
+                    100.0 * found.inlier_fraction, 100.0 * kMinInlierFraction));
+  if (!(found.stability > kMinStability))
+    return not_converged(
+        "the surface can slide along the other, so the motion cannot be determined");
   if (best.median_mm > options.max_median_mm)
     return not_converged(fmt::format(
-        "half of the surface stays {:.1f} mm or more from the other, must be below {:g} "
-        "mm; do both show the same bone?",
+        "half of the surface is {:.1f} mm or more from the other, must be below {:g} mm; do both "
+        "show the same bone?",
         best.median_mm, options.max_median_mm));
   if (!best.has_converged)
     return not_converged(
-        fmt::format("the registration does not settle in {} iterations", options.max_iterations));
+        fmt::format("the registration does not converge in {} iterations", options.max_iterations));
   return found;
 }
 

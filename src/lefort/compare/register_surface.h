@@ -1,5 +1,5 @@
 /// \file
-/// Lays one surface onto another that shows the same object, wholly or in part.
+/// Rigid registration of two surfaces of the same object, or of parts of it.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,37 +13,39 @@
 namespace lefort::compare {
 
 struct RegisterOptions {
-  Index max_points = 20000;  ///< Vertices that take part in the last iterations; >= 100.
+  Index max_points = 20000;  ///< Number of vertices used in the last iterations; >= 100.
   int max_iterations = 200;  ///< >= 1.
-  /// Half of the points must come to lie nearer than this; > 0. Bone in two scans of one patient
-  /// lies within parts of a voxel.
+  /// Largest median of the distances after registration; > 0. The bone in two scans of one patient
+  /// agrees within a fraction of a voxel.
   double max_median_mm = 1.5;
 };
 
 struct Registration {
   RigidTransform X_onto_from = RigidTransform::Identity();
-  double rms_mm = 0.0;  ///< Of what distances remain, weighted as below.
-  double inlier_fraction =
-      0.0;  ///< Mean weight, 0 to 1: what of the surface found its counterpart.
-  /// How firmly the least firm of the six motions is held: the mean square of its part along the
-  /// normals, 0 for a motion that leaves the surface in itself, as a turn does a ball.
+  double rms_mm = 0.0;           ///< Weighted root mean square of the remaining distances.
+  double inlier_fraction = 0.0;  ///< Mean weight of the points, 0 to 1.
+  /// Smallest eigenvalue of the normal matrix over the six rigid-body motions, relative to the sum
+  /// of weights: the mean square of that motion along the normals. It is 0 for a motion that maps
+  /// the surface to itself, such as a rotation of a sphere (Gelfand et al. 2003).
   double stability = 0.0;
 };
 
-/// Brings `from` onto `onto` by iterated closest points, minimizing distances along the normals
-/// \cite chen1992 with Tukey's weights, whose width follows the median distance: up to half of
-/// `from` may have no counterpart. Never a mirror image.
+/// Registers `from` with `onto` by iterated closest points with point-to-plane distances
+/// \cite chen1992 and Tukey's weights, whose width follows the median distance: up to half of
+/// `from` may have no counterpart. The motion is never a reflection.
 ///
-/// \param from    vertices that lie on the object; all of its vertices are used, or every n-th.
-/// \param onto    the surface they are laid onto; closed or open.
-/// \param starts  where to begin, one or more; each is followed with few points, and the one that
-///   ends nearest (by the median distance; the earliest of equals) with all.
+/// \param from      vertices that lie on the object; all of them are used, or every n-th.
+/// \param onto      the surface to register with; closed or open.
+/// \param starts    initial alignments, one or more. Each is iterated with few points; the one of
+///   the smallest median distance (the first of equals) is continued with all points.
+/// \param options   points, iterations and the acceptable distance.
+/// \param progress  receives the fraction done; may request a stop.
 /// \returns the motion, or
-///   - kInvalidArgument  fewer than 100 vertices, an option out of range, no start;
-///   - kNotConverged     the iterations do not settle, fewer than a third of the points find a
-///     counterpart, half of them stay further off than asked, or a motion is not held at all
-///     (firmness below 1e-4);
-///   - kCancelled.
+///   - kInvalidArgument  fewer than 100 vertices, an option out of range, no initial alignment;
+///   - kNotConverged     the iterations do not converge, fewer than a third of the points have a
+///     counterpart, the median distance exceeds options.max_median_mm, or the surfaces do not
+///     determine the motion (stability below 1e-4);
+///   - kCancelled        `progress` requested a stop.
 /// \note Same bits for any number of threads.
 [[nodiscard]] Result<Registration> register_surface(const geometry::TriangleMesh& from,
                                                     const geometry::Bvh& onto,
@@ -51,8 +53,11 @@ struct Registration {
                                                     const RegisterOptions& options = {},
                                                     Progress& progress = Progress::none());
 
-/// Starts for two scans of one head whose frames have nothing to do with each other: as it is, by
-/// the centers, and by the centers and principal axes in the four ways that are rotations.
+/// Initial alignments for two scans of one head in unrelated frames.
+///
+/// \param from, onto  as for register_surface().
+/// \returns the identity, the translation between the centroids, and the four rotations that align
+///   the principal axes.
 [[nodiscard]] std::vector<RigidTransform> initial_alignments(const geometry::TriangleMesh& from,
                                                              const geometry::TriangleMesh& onto);
 

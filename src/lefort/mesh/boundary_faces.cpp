@@ -6,7 +6,7 @@
 namespace lefort::mesh {
 namespace {
 
-/// One face of one element, under the key that the element beside it gives, too.
+/// One face of one element; the adjacent element has a face with the same key.
 struct FaceUse {
   internal::FaceKey key;
   std::size_t order;
@@ -32,7 +32,7 @@ std::vector<char> single_faces(const VolumeMesh& mesh) {
   return is_single;
 }
 
-/// By the face's own nodes, in the order of mesh::FaceShape.
+/// \returns the triangles of a face by the local numbers of its nodes.
 std::span<const std::array<std::size_t, 3>> triangles_of(FaceShape shape) {
   using FaceCorners = std::array<std::size_t, 3>;
   static constexpr std::array<FaceCorners, 1> kTri3Corners{{{0, 1, 2}}};

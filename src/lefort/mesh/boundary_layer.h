@@ -1,5 +1,5 @@
 /// \file
-/// Covers part of a tetrahedral mesh's boundary with layers of wedges: skin over what is under it.
+/// Covers part of the boundary of a tetrahedral mesh with a boundary layer: layers of wedges.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,43 +15,53 @@ namespace lefort::mesh {
 struct BoundaryLayerOptions {
   double thickness_mm = 1.5;         ///< Of all layers together, > 0.
   int layers = 2;                    ///< 1 to 8, equally thick.
-  std::int32_t region = 1;           ///< Of the layers' elements.
-  double min_scaled_jacobian = 0.1;  ///< Scaled; the layer gets thinner rather than fall below it.
+  std::int32_t region = 1;           ///< Region of the layer's elements.
+  double min_scaled_jacobian = 0.1;  ///< 0 to 0.5; the layer gets thinner where quality is lower.
 };
 
-/// Whether a face of the boundary belongs to a side where the mesh was cut off: one corner lies in
-/// that plane, and the face is turned less than 45 degrees from it. So do faces that bevel the edge
-/// between the side and other boundary, if they are turned more to the side.
+/// Whether a boundary face belongs to a plane by which the mesh was cut off: at least one corner
+/// lies in the plane, and the normals differ by less than 45 degrees. Faces that bevel the edge
+/// between the plane and other boundary count, too, if their normal is closer to that of the plane.
+///
+/// \param nodes_L  nodes of the mesh [mm].
+/// \param face     corners, counter-clockwise seen from outside.
+/// \param plane    the mesh lies inside this half-space.
+/// \returns true for a cut face.
 [[nodiscard]] bool is_cut_face(std::span<const Vec3> nodes_L, const Face3& face,
-                               const HalfSpace& side);
+                               const HalfSpace& plane);
 
-/// Moves the skin's nodes inwards by the thickness, the nodes below give way, and spans wedges
-/// between where the skin was and where it is now. So the outer surface stays as it is, the volume
-/// is shared out anew, and elements share whole faces.
+/// Moves the nodes of the skin inwards by the thickness, displaces the interior nodes harmonically,
+/// and fills the gap between the initial and the moved skin with wedges. The outer surface does not
+/// change, and elements are joined by whole faces. Boundary layers of this kind are described by
+/// \cite garimella2000; here interior nodes move instead of being remeshed.
 ///
 ///     outer   a-------b-------c-----r     Where the skin ends at other boundary, its last node r
 ///             | wedge | wedge | .'        stays single: a face with one such node carries
-///     inner   a'------b'------c'          pyramids, with two tetrahedra. Where it ends at `sides`,
-///              \ tet / \ tet / \          the wedges' own sides lie in them.
+///     inner   a'------b'------c'          pyramids, with two tetrahedra. Where it ends at a cut
+///              \ tet / \ tet / \          plane, sides of the wedges lie in the plane.
 ///
-/// The layer is thinner where the body is thin (no more than a third of the way through it), where
-/// its thickness would change by more than half of the distance, and where a tetrahedron would be
-/// worse than options.min_scaled_jacobian, or an element of the layer than six tenths of that;
-/// where less than a third would be left it is left out.
+/// The layer is thinner
+/// - where the body is thin: at most a third of the distance through it;
+/// - where the thickness would change by more than half of the distance between nodes;
+/// - where the scaled Jacobian of a tetrahedron would fall below options.min_scaled_jacobian, or
+///   that of an element of the layer below 0.6 of it.
+/// It is omitted where less than a third of the thickness would be left.
 ///
-/// \param tets   one block of kTet4 with positive volumes, without sets.
-/// \param skin   faces of its boundary.
-/// \param sides  planes in which the mesh was cut off: nodes of faces there (is_cut_face) move
-///   along them, or stay single if they lie beside them.
+/// \param tets        one block of kTet4 with positive volumes, without sets.
+/// \param skin        faces of its boundary to be covered.
+/// \param cut_planes  planes by which the mesh was cut off: nodes of cut faces (is_cut_face) move
+///   within the planes; they stay single if they do not lie in the plane.
+/// \param options     thickness and quality.
+/// \param progress    receives the fraction of thinning rounds done; may request a stop.
 /// \returns the blocks: tetrahedra (those of the layer last), then pyramids and wedges if any;
-///   nodes of `tets` keep their numbers, those of the skin are at the layer's bottom now. Or
+///   nodes of `tets` keep their numbers, those of the skin are at the bottom of the layer. Or
 ///   - kInvalidArgument  an option lies outside its range;
-///   - kMeshingFailed    an element came out flat or inside out;
-///   - kCancelled        `progress` asked to stop.
+///   - kMeshingFailed    an element has no volume or is inverted;
+///   - kCancelled        `progress` requested a stop.
 /// \note Same input, same bits.
 [[nodiscard]] Result<VolumeMesh> add_boundary_layer(const VolumeMesh& tets,
                                                     std::span<const Face> skin,
-                                                    std::span<const HalfSpace> sides,
+                                                    std::span<const HalfSpace> cut_planes,
                                                     const BoundaryLayerOptions& options = {},
                                                     Progress& progress = Progress::none());
 

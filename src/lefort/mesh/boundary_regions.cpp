@@ -10,14 +10,14 @@
 namespace lefort::mesh {
 namespace {
 
-/// The first rule that takes the point; rules.size() if none does.
+/// \returns the first rule that applies to the point; rules.size() if none does.
 std::size_t rule_of(const Vec3& p_L, std::span<const BoundaryRule> rules) {
   for (std::size_t r = 0; r < rules.size(); ++r)
     if (rules[r].distance_mm(p_L) <= rules[r].tolerance_mm) return r;
   return rules.size();
 }
 
-/// The rule that most of the nodes have, of several the earliest.
+/// \returns the most frequent rule of the nodes; in a tie the first one.
 std::size_t majority(std::span<const std::int32_t> nodes,
                      const std::vector<std::size_t>& rule_of_node) {
   const auto votes_for = [&](std::size_t rule) {

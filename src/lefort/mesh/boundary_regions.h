@@ -1,5 +1,5 @@
 /// \file
-/// Names the parts of a mesh's boundary: skin, bone segment, cut plane, airway.
+/// Divides the boundary of a mesh into named regions: skin, bone segment, cut plane, airway.
 #pragma once
 
 #include <lefort/mesh/volume_mesh.h>
@@ -10,22 +10,25 @@
 
 namespace lefort::mesh {
 
-/// A boundary node belongs to `name` if `distance_mm` there is at most `tolerance_mm`; so
-/// with a signed distance, points inside do too.
+/// A boundary node belongs to `name` if `distance_mm` there is at most `tolerance_mm`. With a
+/// signed distance this includes points inside.
 struct BoundaryRule {
   std::string name;
   std::function<double(const Vec3&)> distance_mm;  ///< Of a point in L; called by many threads.
   double tolerance_mm = 0.0;
 };
 
-/// Adds a node set and a face set for each rule, and "boundary" for all of the boundary.
+/// Adds a node set and a face set for each rule, for `rest`, and for the whole boundary
+/// ("boundary").
 ///
-/// The first rule that takes a node keeps it; nodes taken by none belong to `rest`. A face belongs
-/// where most of its nodes do, of several to the earliest rule among them. So the sets
-/// share out the boundary: each node and each face is in one of them, and in "boundary".
+/// A node belongs to the first rule that applies to it, otherwise to `rest`. A face belongs to the
+/// rule of most of its nodes; in a tie, to the first of these rules. The sets are disjoint: each
+/// node and each face is in one of them, and in "boundary".
 ///
-/// \param rules   distinct names, none of them "boundary" or `rest`; sets of a rule that takes
-///   nothing are there and empty.
+/// \param mesh    elements of any shape.
+/// \param rules   distinct names, none of them "boundary" or `rest`; a rule that applies to no node
+///   gets empty sets.
+/// \param rest    name of the sets without a rule.
 /// \returns `mesh` with the sets added; sets of the same names are replaced.
 [[nodiscard]] VolumeMesh name_boundary(VolumeMesh mesh, std::span<const BoundaryRule> rules,
                                        const std::string& rest = "free");

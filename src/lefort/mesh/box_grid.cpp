@@ -14,7 +14,7 @@
 namespace lefort::mesh {
 namespace {
 
-/// Where a cell stands, counted in cells from the origin.
+/// Position of a cell, counted in cells from the origin.
 using Cell = std::array<int, 3>;
 
 /// Fills a mesh cell by cell with linear elements.
@@ -22,7 +22,7 @@ class BoxBuilder {
  public:
   BoxBuilder(std::array<int, 3> cells, const Vec3& size_mm) : cells_(cells) {
     LEFORT_CHECK(std::min({cells[0], cells[1], cells[2]}) >= 1 && size_mm.minCoeff() > 0.0);
-    // At most 12 tetrahedra of a cell's worth of nodes; 32 bits must number all.
+    // At most 12 tetrahedra per grid node; 32 bits must number all elements.
     LEFORT_CHECK(12.0 * (cells[0] + 1.0) * (cells[1] + 1.0) * (cells[2] + 1.0) <
                  std::numeric_limits<std::int32_t>::max());
     const auto fraction = [&](int n, int axis) { return double(n) / cells[std::size_t(axis)]; };
@@ -41,7 +41,7 @@ class BoxBuilder {
     add(ElementShape::kWedge6, std::array{v[0], v[3], v[2], v[4], v[7], v[6]});
   }
 
-  /// One tetrahedron per order in which the three axes are walked from corner 0 to corner 6.
+  /// One tetrahedron per order of the three axes on the way from corner 0 to corner 6.
   void add_tets(const Cell& cell) {
     constexpr std::array<std::array<int, 3>, 6> kOrders{
         {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
@@ -52,15 +52,15 @@ class BoxBuilder {
         ++at[std::size_t(kOrders[o][s])];
         tet[s + 1] = node(at);
       }
-      if (o >= 3) std::swap(tet[2], tet[3]);  // Odd orders turn the other way.
+      if (o >= 3) std::swap(tet[2], tet[3]);  // Odd permutations have the opposite orientation.
       add(ElementShape::kTet4, tet);
     }
   }
 
   enum class Side { kQuadrilateral, kTwoTriangles };
 
-  /// Pyramids from the faces to a node in the middle; on the side towards x1, if it is to join
-  /// tetrahedra, two of these instead.
+  /// Adds pyramids from the faces to a node at the center; for the face towards x1, if it is joined
+  /// to tetrahedra, two tetrahedra instead.
   void add_pyramids(const Cell& cell, Side x1) {
     const auto v = corners(cell);
     Vec3 sum = Vec3::Zero();
@@ -144,7 +144,7 @@ void make_quadratic(VolumeMesh& mesh) {
   }
 }
 
-/// The sets of the six sides and of all.
+/// Adds the sets of the six sides and of the whole boundary.
 VolumeMesh with_sets(VolumeMesh mesh, const Vec3& size_mm) {
   const std::vector<Face> boundary = boundary_faces(mesh);
   for (int axis = 0; axis < 3; ++axis)
@@ -191,7 +191,7 @@ VolumeMesh make_mixed_box(BoxMix mix, std::array<int, 3> cells, const Vec3& size
   LEFORT_CHECK(cells[0] >= (mix == BoxMix::kAllLinear ? 4 : mix == BoxMix::kHex20Wedge15 ? 2 : 1));
   LEFORT_CHECK(cells[2] >= (mix == BoxMix::kWedge15Tet10 ? 2 : 1));
   BoxBuilder box(cells, size_mm);
-  // Which of `kinds` equal parts of the box the cell is in, along this axis.
+  // The index of the cell among `kinds` equal parts of the box along this axis.
   const auto part = [&](int at, int axis, int kinds) {
     return kinds * at / cells[std::size_t(axis)];
   };

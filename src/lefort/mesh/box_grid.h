@@ -11,17 +11,19 @@
 
 namespace lefort::mesh {
 
-/// A box from the origin to `size_mm`, of region 0, by cells that are cut into elements:
+/// Makes a box from the origin to `size_mm`, of region 0. Each cell is divided into elements:
 ///
 ///     hex8, hex20       one
 ///     wedge6, wedge15   two, upright, by the plane through the diagonal 0-2
-///     pyramid5          six, from the faces to a node in the middle
+///     pyramid5          six, from the faces to a node at the center
 ///     tet4, tet10       six around the diagonal 0-6 (Kuhn)
 ///
-/// Node and face sets: the sides x0, x1, y0, y1, z0, z1 and "boundary", all of them.
+/// Node and face sets: the sides x0, x1, y0, y1, z0, z1, and "boundary" for all of them.
 ///
-/// \param cells    along x, y, z, each >= 1; nodes and elements few enough for 32 bits.
-/// \param size_mm  > 0.
+/// \param shape    of all elements.
+/// \param cells    number of cells along x, y, z, each >= 1; 32 bits must number the elements.
+/// \param size_mm  edge lengths, > 0.
+/// \returns the mesh, one block.
 [[nodiscard]] VolumeMesh make_box(ElementShape shape, std::array<int, 3> cells,
                                   const Vec3& size_mm);
 
@@ -32,14 +34,22 @@ enum class BoxMix {
   kWedge15Tet10,  ///< Along z; >= 2 cells.
 };
 
-/// The same of several shapes, every inner face shared by two elements. Each kind fills about the
-/// same share of the box.
+/// Makes the same box of several element shapes; every interior face belongs to two elements. Each
+/// kind fills about the same fraction of the box.
+///
+/// \param mix      which shapes, and along which axis they follow each other.
+/// \param cells    as for make_box(), at least as many as BoxMix states.
+/// \param size_mm  edge lengths, > 0.
+/// \returns the mesh, one block per shape.
 [[nodiscard]] VolumeMesh make_mixed_box(BoxMix mix, std::array<int, 3> cells, const Vec3& size_mm);
 
-/// Moves each corner of an element that is not on the boundary by up to `reach_mm` along each axis;
-/// the middles of edges follow, so that edges stay straight.
+/// Moves each interior corner node by up to `reach_mm` along each axis; mid-edge nodes move with
+/// their edges, so that edges stay straight.
 ///
-/// \note The same state of `random` gives the same mesh.
+/// \param mesh      elements of any shape.
+/// \param reach_mm  largest displacement along each axis.
+/// \param random    the same state gives the same mesh.
+/// \returns the mesh with moved nodes.
 [[nodiscard]] VolumeMesh with_inner_nodes_moved(VolumeMesh mesh, const Vec3& reach_mm,
                                                 std::mt19937& random);
 

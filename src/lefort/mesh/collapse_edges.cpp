@@ -18,7 +18,7 @@ using Nodes = std::vector<std::int32_t>;
 using Tet = std::array<std::int32_t, 4>;
 using NodePair = std::array<std::int32_t, 2>;
 
-constexpr double kMaxCollapseTurn_deg = 25.0;
+constexpr double kMaxCollapseRotation_deg = 25.0;  // Of a boundary face. Heuristic.
 
 template <class T>
 void sort_unique(std::vector<T>& list) {
@@ -54,10 +54,10 @@ class Collapser {
     is_there_.assign(tets_.size(), 1);
   }
 
-  /// \returns whether an edge of the element was drawn together.
+  /// \returns whether an edge of the element was collapsed.
   bool try_at(std::int32_t e, double limit) {
     if (is_there_[std::size_t(e)] == 0 || !(quality(tets_[std::size_t(e)]) < limit)) return false;
-    std::pair best{-1.0, -1.0};  // Quality as far as it is wanted, then how little faces turn.
+    std::pair best{-1.0, -1.0};  // Quality up to the limit, then cosine of the rotation of faces.
     NodePair best_edge{};
     const Tet tet = tets_[std::size_t(e)];
     for (const std::int32_t from : tet)
@@ -70,7 +70,7 @@ class Collapser {
         best_edge = {from, to};
       }
     if (!(best.first > 0.0)) return false;
-    draw_together(best_edge[0], best_edge[1]);
+    collapse(best_edge[0], best_edge[1]);
     return true;
   }
 
@@ -127,7 +127,7 @@ class Collapser {
     return all;
   }
 
-  /// The node's faces that belong to one element alone, as that has them.
+  /// \returns the boundary faces at the node, oriented as in their element.
   [[nodiscard]] std::vector<Face3> boundary_at(std::int32_t node) const {
     std::vector<std::pair<Face3, Face3>> faces;  // Sorted, and as it is.
     for (const std::int32_t e : around(node))
@@ -154,10 +154,11 @@ class Collapser {
         .normalized();
   }
 
-  /// The cosine of the largest turn of a face of the boundary; -1 if that would be no surface.
-  [[nodiscard]] double cosine_of_turn(std::int32_t from, std::int32_t to) const {
+  /// \returns the cosine of the largest rotation of a boundary face; -1 if the result would not be
+  /// a surface.
+  [[nodiscard]] double cosine_of_rotation(std::int32_t from, std::int32_t to) const {
     const std::vector<Face3> faces = boundary_at(from);
-    if (faces.empty()) return 1.0;  // An inner node may go anywhere.
+    if (faces.empty()) return 1.0;  // An interior node: no boundary face changes.
     const auto with_to = std::count_if(faces.begin(), faces.end(), [&](const Face3& face) {
       return std::find(face.begin(), face.end(), to) != face.end();
     });
@@ -174,9 +175,9 @@ class Collapser {
     double smallest = 1.0;
     for (const Face3& face : faces) {
       if (std::find(face.begin(), face.end(), to) != face.end()) continue;
-      Face3 turned = face;
-      std::replace(turned.begin(), turned.end(), from, to);
-      smallest = std::min(smallest, normal(face).dot(normal(turned)));
+      Face3 moved_face = face;
+      std::replace(moved_face.begin(), moved_face.end(), from, to);
+      smallest = std::min(smallest, normal(face).dot(normal(moved_face)));
     }
     return smallest;
   }
@@ -217,8 +218,8 @@ class Collapser {
     return same(opposite_faces(from), opposite_faces(to), std::vector<Face3>{});
   }
 
-  /// The worst of the changed elements if `from` goes to `to`, and the cosine of the largest turn
-  /// of a face; -1 if it may not.
+  /// \returns the lowest quality of the changed elements if `from` is merged into `to`, and the
+  /// cosine of the largest rotation of a face; -1 if the edge must not be collapsed.
   [[nodiscard]] std::pair<double, double> after(std::int32_t from, std::int32_t to) const {
     constexpr std::pair kMayNot{-1.0, -1.0};
     double before = std::numeric_limits<double>::infinity(), worst = before;
@@ -227,12 +228,12 @@ class Collapser {
       if (!has(at(e), to)) worst = std::min(worst, quality(with(at(e), from, to)));
     }
     if (!(worst > before) || !std::isfinite(worst) || !keeps_topology(from, to)) return kMayNot;
-    const double cosine = cosine_of_turn(from, to);
-    if (!(cosine > std::cos(radians_from_degrees(kMaxCollapseTurn_deg)))) return kMayNot;
+    const double cosine = cosine_of_rotation(from, to);
+    if (!(cosine > std::cos(radians_from_degrees(kMaxCollapseRotation_deg)))) return kMayNot;
     return {worst, cosine};
   }
 
-  void draw_together(std::int32_t from, std::int32_t to) {
+  void collapse(std::int32_t from, std::int32_t to) {
     for (const std::int32_t e : std::exchange(tets_of_[std::size_t(from)], {})) {
       if (has(at(e), to)) {
         is_there_[std::size_t(e)] = 0;

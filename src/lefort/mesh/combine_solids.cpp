@@ -9,7 +9,7 @@ using geometry::TriangleMesh;
 Result<TriangleMesh> checked(std::optional<TriangleMesh> combined) {
   if (combined) return std::move(*combined);
   return fail(ErrorCode::kMeshingFailed,
-              "the surfaces of a cut cannot be combined: they cross or touch along an edge");
+              "the surfaces of an osteotomy cannot be combined: they cross or touch along an edge");
 }
 
 }  // namespace

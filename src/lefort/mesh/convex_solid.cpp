@@ -29,9 +29,9 @@ std::vector<Plane> planes_of(std::span<const HalfSpace> half_spaces, const Box3&
   return planes;
 }
 
-/// The corners of the solid: points on three planes and on the right side of the others.
+/// \returns the corners of the solid: points on three planes and inside the others.
 std::vector<Vec3> corners_of(const std::vector<Plane>& planes, double tolerance_mm) {
-  constexpr double kMinDeterminant = 1e-9;  // Of unit normals: below, planes are as parallel.
+  constexpr double kMinDeterminant = 1e-9;  // Of unit normals; below it planes count as parallel.
   std::vector<Vec3> corners;
   const auto add = [&](const Plane& a, const Plane& b, const Plane& c) {
     Mat3 normals;
@@ -50,7 +50,8 @@ std::vector<Vec3> corners_of(const std::vector<Plane>& planes, double tolerance_
   return corners;
 }
 
-/// The thickness of the thinnest slab, normal to one of the planes, that holds all corners.
+/// \returns the thickness of the thinnest slab, parallel to one of the planes, that contains all
+/// corners.
 double thickness_mm(const std::vector<Vec3>& corners, const std::vector<Plane>& planes) {
   double thinnest = std::numeric_limits<double>::infinity();
   for (const Plane& plane : planes) {

@@ -14,10 +14,10 @@ struct HalfSpace {
   Vec3 normal;  ///< Towards the half-space; any length > 0.
 };
 
-/// The part of `box` that lies in every half-space, as a closed surface, counter-clockwise seen
-/// from outside. Empty if it has no volume.
-///
-/// \note Tries every three planes, so meant for tens of half-spaces.
+/// \param half_spaces  any number; tens, because every combination of three planes is tried.
+/// \param box          bounds the solid.
+/// \returns the part of `box` that lies in every half-space, as a closed surface, counter-clockwise
+///   seen from outside; empty if it has no volume.
 [[nodiscard]] geometry::TriangleMesh convex_solid(std::span<const HalfSpace> half_spaces,
                                                   const Box3& box);
 

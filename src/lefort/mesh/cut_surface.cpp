@@ -15,15 +15,16 @@ namespace {
 
 using geometry::TriangleMesh;
 
-/// Tried in turn. Exact arithmetic needs no shift for a sound surface; where the cut runs through a
-/// spot at which the surface touches or crosses itself, a neighboring cut often does not. All are
-/// far below what a saw, or a scanner, can tell.
+/// Displacements of the cut, tried in this order. With exact arithmetic a valid surface needs none.
+/// If the cut passes through a point where the surface touches or crosses itself, a slightly
+/// displaced cut often does not. All are far below the accuracy of a saw or a scanner.
 constexpr std::array kShifts_mm{0.0, 1e-6, 1e-5, 1e-4};
-constexpr double kMaxVolumeError = 1e-3;  // Share of the whole.
+constexpr double kMaxVolumeError = 1e-3;  // Fraction of the volume of the surface.
 
 Result<void> check_half_spaces(std::span<const HalfSpace> half_spaces) {
   if (half_spaces.empty())
-    return fail(ErrorCode::kInvalidArgument, "no half-space given to cut by, must be one or more");
+    return fail(ErrorCode::kInvalidArgument,
+                "there are no half-spaces to cut by, must be one or more");
   for (std::size_t i = 0; i < half_spaces.size(); ++i) {
     const HalfSpace& half = half_spaces[i];
     if (!half.point.allFinite() || !half.normal.allFinite() || !(half.normal.norm() > 1e-12))
@@ -43,7 +44,7 @@ std::vector<HalfSpace> shifted_inwards(std::span<const HalfSpace> half_spaces, d
   return shifted;
 }
 
-/// The surface's box and a little more, so that no face of the box touches the surface.
+/// \returns the bounding box with a margin, so that no face of it touches the surface.
 Box3 room_around(const TriangleMesh& surface) {
   Box3 box = geometry::bounding_box(surface);
   const Vec3 margin_mm = Vec3::Constant(1.0 + 0.05 * box.sizes().maxCoeff());
@@ -52,8 +53,8 @@ Box3 room_around(const TriangleMesh& surface) {
   return box;
 }
 
-/// The part within the solid and the part outside it; nothing if the surface crosses itself where
-/// it is cut, or a part would not be a surface.
+/// \returns the parts inside and outside the solid; nothing if the surface crosses itself at the
+/// cut, or a part would not be a surface.
 std::optional<std::array<TriangleMesh, 2>> split(const TriangleMesh& surface,
                                                  const TriangleMesh& solid) {
   auto parts =
@@ -88,7 +89,7 @@ std::optional<SurfaceCut> try_to_cut(const TriangleMesh& whole, const TriangleMe
   return cut;
 }
 
-/// Cuts by a solid that `solid_at` shifts a little, until one shift succeeds.
+/// Cuts by a solid that `solid_at` displaces by each of kShifts_mm, until the cut succeeds.
 Result<SurfaceCut> cut_by(const TriangleMesh& surface,
                           const std::function<TriangleMesh(const TriangleMesh&, double)>& solid_at,
                           Progress& progress) {
@@ -100,11 +101,12 @@ Result<SurfaceCut> cut_by(const TriangleMesh& surface,
     try {
       if (auto cut = try_to_cut(whole, solid_at(whole, kShifts_mm[i]), kShifts_mm[i]))
         return std::move(*cut);
-    } catch (const CGAL::Failure_exception&) {  // A precondition of CGAL, of the cutting solid.
+    } catch (const CGAL::Failure_exception&) {  // The cutting solid violates a precondition.
     } catch (const std::bad_alloc&) {
-      return fail(ErrorCode::kMeshingFailed,
-                  fmt::format("cutting the surface of {} triangles needs more memory than there is",
-                              whole.triangle_count()));
+      return fail(
+          ErrorCode::kMeshingFailed,
+          fmt::format("cutting the surface of {} triangles needs more memory than available",
+                      whole.triangle_count()));
     }
   }
   return fail(ErrorCode::kMeshingFailed,
@@ -132,7 +134,7 @@ Result<SurfaceCut> cut_surface(const TriangleMesh& surface, const TriangleMesh& 
       surface,
       [&](const TriangleMesh&, double shift_mm) {
         TriangleMesh shifted = solid;
-        const Vec3 by = shift_mm * Vec3(0.36, 0.48, 0.8);  // Along none of the usual planes.
+        const Vec3 by = shift_mm * Vec3(0.36, 0.48, 0.8);  // A unit vector in no anatomical plane.
         for (Vec3& vertex : shifted.vertices) vertex += by;
         return shifted;
       },

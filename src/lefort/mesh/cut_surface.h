@@ -11,15 +11,16 @@
 
 namespace lefort::mesh {
 
-/// Both parts are closed and counter-clockwise seen from outside; either may be empty. Where they
-/// meet, the caps have the same triangles, turned round, on vertices of equal coordinates.
+/// Both parts are closed and counter-clockwise seen from outside; either may be empty. On the
+/// common cap they have the same triangles with opposite orientation, on vertices of equal
+/// coordinates.
 struct SurfaceCut {
   geometry::TriangleMesh inside;   ///< Within all half-spaces.
   geometry::TriangleMesh outside;  ///< The rest.
   double whole_volume_mm3 = 0.0;
   double inside_volume_mm3 = 0.0;
   double outside_volume_mm3 = 0.0;
-  double plane_shift_mm = 0.0;  ///< How far the planes were moved inwards for the cut to succeed.
+  double plane_shift_mm = 0.0;  ///< Inward displacement of the planes that made the cut succeed.
 };
 
 /// Splits `surface` by the intersection of `half_spaces`.
@@ -28,23 +29,27 @@ struct SurfaceCut {
 ///
 /// \param surface       closed once repaired; the same frame as the half-spaces.
 /// \param half_spaces   one or more.
+/// \param progress      receives the fraction of attempts done; may request a stop.
 /// \returns both parts, or
 ///   - kInvalidArgument  no half-space, one that is not finite, or a normal of length zero;
 ///   - kMeshInvalid      the surface is empty, not finite, or open (the message names an edge);
-///   - kMeshingFailed    it crosses itself along the cut, also after shifting the planes by up to
-///     1e-4 mm, the parts' volumes miss the whole by more than 0.1 %, or the memory is too small;
-///   - kCancelled        `progress` asked to stop.
+///   - kMeshingFailed    it crosses itself along the cut, also after displacing the planes by up to
+///     1e-4 mm; the sum of the volumes of the parts is wrong by more than 0.1 %; or memory is
+///     exhausted;
+///   - kCancelled        `progress` requested a stop.
 /// \note Intersection points are computed exactly, then rounded \cite cgal:lty-pmp, chapter
 ///   "Corefinement and Boolean Operations". Same input, same bits.
 [[nodiscard]] Result<SurfaceCut> cut_surface(const geometry::TriangleMesh& surface,
                                              std::span<const HalfSpace> half_spaces,
                                              Progress& progress = Progress::none());
 
-/// The same by any closed surface: what lies within `solid`, and the rest.
+/// Splits `surface` by any closed surface: the parts inside and outside `solid`.
 ///
-/// \param solid  closed, counter-clockwise seen from outside, not crossing itself; may be empty.
-/// \returns as above; where the cut runs through a flaw of the surface the solid is moved by up to
-///   1e-4 mm.
+/// \param surface   closed once repaired; the same frame as `solid`.
+/// \param solid     closed, counter-clockwise seen from outside, not crossing itself; may be empty.
+/// \param progress  receives the fraction of attempts done; may request a stop.
+/// \returns as above; where the cut passes through a defect of the surface, the solid is displaced
+///   by up to 1e-4 mm.
 [[nodiscard]] Result<SurfaceCut> cut_surface(const geometry::TriangleMesh& surface,
                                              const geometry::TriangleMesh& solid,
                                              Progress& progress = Progress::none());

@@ -10,8 +10,7 @@ using Edge = std::array<std::int8_t, 2>;
 constexpr FaceShape kTri3 = FaceShape::kTri3, kQuad4 = FaceShape::kQuad4;
 constexpr FaceShape kTri6 = FaceShape::kTri6, kQuad8 = FaceShape::kQuad8;
 
-// The pictures of the elements are in fem/elements. A face of a tetrahedron lies opposite to the
-// corner of its number.
+// Sketches of the elements are in fem/elements. Face i of a tetrahedron lies opposite to corner i.
 constexpr std::array<LocalFace, 4> kTetFaces{
     {{kTri3, {1, 2, 3}}, {kTri3, {0, 3, 2}}, {kTri3, {0, 1, 3}}, {kTri3, {0, 2, 1}}}};
 constexpr std::array<LocalFace, 5> kPyramidFaces{{{kQuad4, {0, 3, 2, 1}},
@@ -49,7 +48,7 @@ constexpr std::array<Edge, 12> kHexEdges{{{0, 1},
                                           {2, 6},
                                           {3, 7}}};
 
-/// The same faces with the node on each side appended.
+/// \returns the same faces with mid-edge nodes appended.
 template <std::size_t kFaces, std::size_t kEdges>
 constexpr std::array<LocalFace, kFaces> with_middles(const std::array<LocalFace, kFaces>& faces,
                                                      const std::array<Edge, kEdges>& edges,

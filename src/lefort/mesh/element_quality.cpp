@@ -19,8 +19,8 @@ double dihedral_deg(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) 
   return degrees_from_radians(std::atan2(to_r.cross(to_s).norm(), to_r.dot(to_s)));
 }
 
-/// Six times the volume, over the lengths of the three edges at each corner: smallest over the
-/// corners, 1 / sqrt(2) if regular. The corner with the longest edges is the smallest.
+/// Six times the volume, divided by the product of the three edge lengths at a corner; minimum over
+/// the corners, which occurs at the largest product. 1 / sqrt(2) if regular.
 double min_corner_jacobian(double volume_mm3, const std::array<Vec3, 4>& p) {
   double max_product = 0.0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -43,7 +43,7 @@ double radius_ratio_of(double volume_mm3, const Vec3& a, const Vec3& b, const Ve
   return scale > 0.0 ? 108.0 * volume_mm3 * std::abs(volume_mm3) / scale : 0.0;
 }
 
-/// For each corner its three neighbors, in the order in which they span a positive volume.
+/// The three neighbors of each corner, in the order in which they span a positive volume.
 using Neighbors = std::array<std::int8_t, 3>;
 constexpr std::array<Neighbors, 4> kTetCorners{{{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}}};
 constexpr std::array<Neighbors, 4> kPyramidCorners{{{1, 3, 4}, {2, 0, 4}, {3, 1, 4}, {0, 2, 4}}};
@@ -52,7 +52,7 @@ constexpr std::array<Neighbors, 6> kWedgeCorners{
 constexpr std::array<Neighbors, 8> kHexCorners{
     {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}}};
 
-/// The corners that count, and the value of the ideal element there, inverted.
+/// The corners that are used, and the inverse of the value of the ideal element there.
 struct CornerTable {
   std::span<const Neighbors> corners;
   double scale;
@@ -71,7 +71,7 @@ CornerTable corner_table(ElementShape shape) {
   }
 }
 
-/// The tangent, at corner `from`, of its edge to corner `to`; as long as the edge if straight.
+/// The tangent, at corner `from`, of its edge to corner `to`. A straight edge is its own tangent.
 Vec3 edge_tangent(ElementShape shape, std::span<const Vec3> nodes, int from, int to) {
   const Vec3 chord = nodes[std::size_t(to)] - nodes[std::size_t(from)];
   const int corners = corner_count(shape);
@@ -152,8 +152,8 @@ std::array<double, 2> dihedral_range_deg(ElementShape shape, std::span<const Vec
 double volume_of(ElementShape shape, std::span<const Vec3> nodes) {
   LEFORT_CHECK(node_count(shape) == corner_count(shape));
   LEFORT_CHECK(nodes.size() == std::size_t(node_count(shape)));
-  // Six times the volume between a face and the first node; under a bilinear face it is the mean of
-  // those under its two pairs of triangles.
+  // Six times the volume between each face and the first node. For a bilinear face it is the mean
+  // over the two ways to split the face into triangles.
   double sixfold = 0.0;
   for (const LocalFace& face : faces_of(shape)) {
     const auto at = [&](std::size_t k) {
@@ -182,7 +182,7 @@ QualitySummary empty_summary() {
   return summary;
 }
 
-/// Until finish() the mean is a sum.
+/// The mean is a sum until finish().
 void add(QualitySummary& all, const ElementQuality& one) {
   const auto bin = [](double fraction, std::size_t bins) {
     return std::size_t(std::clamp(fraction * double(bins), 0.0, double(bins) - 1.0));

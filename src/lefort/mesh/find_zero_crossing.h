@@ -1,5 +1,5 @@
 /// \file
-/// Where on a line the inside of a level ends.
+/// The zero crossing of a level-set function on a line.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -9,16 +9,20 @@
 
 namespace lefort::mesh {
 
-/// True for points of the tissue. Called by one thread; gives the same answer for the same point.
+/// True for points of the tissue. Called by one thread; returns the same value for the same point.
 using InsidePredicate = std::function<bool(const Vec3&)>;
 
-/// The t nearest to 0 found for which is_inside changes at p + t * direction.
+/// Finds a t close to 0 at which is_inside changes at p + t * direction.
 ///
-/// Looks outwards from inside and inwards from outside, in steps that double from `tolerance_mm`;
-/// so a layer thinner than its distance from p may be overlooked.
+/// Searches outwards if p is inside and inwards if it is outside, in steps that double from
+/// `tolerance_mm`, then by bisection. A layer thinner than its distance from p may be missed.
 ///
-/// \param direction   outward, unit length.
-/// \returns t within `tolerance_mm`, -reach_mm <= t <= reach_mm; nothing if there is no change.
+/// \param p             start of the search [mm].
+/// \param direction     outward, unit length.
+/// \param is_inside     the tissue.
+/// \param reach_mm      largest |t|.
+/// \param tolerance_mm  accuracy of t, > 0.
+/// \returns t; nothing if is_inside does not change for |t| <= reach_mm.
 [[nodiscard]] std::optional<double> find_zero_crossing(const Vec3& p, const Vec3& direction,
                                                        const InsidePredicate& is_inside,
                                                        double reach_mm, double tolerance_mm);

@@ -13,7 +13,7 @@
 namespace lefort::mesh {
 namespace {
 
-/// Ascending distances of the vertices of one surface from the other.
+/// \returns the distances of the vertices of one surface from the other, ascending.
 std::vector<double> distances_mm(const geometry::TriangleMesh& from, const geometry::Bvh& onto) {
   std::vector<double> distances(from.vertices.size());
   parallel_for(from.vertex_count(), [&](Index v) {

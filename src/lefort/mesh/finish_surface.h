@@ -1,6 +1,5 @@
 /// \file
-/// From an isosurface to one for people and other programs: smooth, no larger than asked for, and
-/// with its flaws told.
+/// Postprocessing of an isosurface: smoothing, decimation, and a report of defects.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,22 +12,26 @@ namespace lefort::mesh {
 
 struct SurfaceFinish {
   int smoothing_passes = 10;         ///< geometry/smooth_surface.h; 0: none.
-  std::optional<Index> triangles{};  ///< At most so many; none: as they come.
+  std::optional<Index> triangles{};  ///< Largest number of triangles; none: no decimation.
 };
 
-/// A surface and how it relates to the isosurface it was made from.
+/// A surface and its distance from the isosurface it was made from.
 struct FinishedSurface {
   geometry::TriangleMesh mesh_L;
   bool is_closed = false;
   Index self_intersections = 0;  ///< Pairs of triangles (mesh/self_intersections.h).
-  double p99_off_mm = 0.0;       ///< Of the distance between the two, the larger of both ways.
-  double max_off_mm = 0.0;
+  double p99_off_mm = 0.0;       ///< 99th percentile of the vertex distances, larger of both ways.
+  double max_off_mm = 0.0;       ///< Largest vertex distance.
 };
 
+/// Smooths, decimates and measures a surface.
+///
 /// \param isosurface_L  of a scan.
-/// \param voxel_mm      the shortest side of its voxels; no vertex is smoothed further than half of
+/// \param voxel_mm      shortest edge of its voxels; smoothing moves a vertex by at most half of
 ///   it.
-/// \returns what simplify_surface() and count_self_intersections() return.
+/// \param options       amount of smoothing and number of triangles.
+/// \param progress      of the decimation; may request a stop.
+/// \returns the surface, or the errors of simplify_surface() and count_self_intersections().
 [[nodiscard]] Result<FinishedSurface> finish_surface(const geometry::TriangleMesh& isosurface_L,
                                                      double voxel_mm, const SurfaceFinish& options,
                                                      Progress& progress);

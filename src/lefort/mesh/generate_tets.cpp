@@ -31,20 +31,20 @@ using Triangulation = CGAL::Mesh_triangulation_3<Domain, CGAL::Default, CGAL::Se
 using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
 using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
-// Share of the tissue's volume that may hang loose and be left out.
+// Fraction of the tissue's volume that may be disconnected and omitted.
 constexpr double kMaxDropped = 0.05;
 
-// Options gone wrong end here, not in the swap.
+// Limit the memory that wrong options can request.
 constexpr std::size_t kMaxNodes = 4'000'000;
 constexpr std::size_t kMaxCells = 30'000'000;
 
-/// How near CGAL's surface points come to the level, as a share of level_tolerance_mm.
+/// Accuracy of CGAL's surface points, as a fraction of level_tolerance_mm.
 constexpr double kBisection = 0.1;
 
-/// Thrown through CGAL, which knows no other way to stop between two of its steps.
+/// Thrown through CGAL, which has no other way to stop between two of its steps.
 struct Stopped {};
 
-/// Which points are inside; looks now and then whether the user wants to stop.
+/// Whether a point is inside; checks regularly whether the user requests a stop.
 class Inside {
  public:
   Inside(const std::function<double(const Vec3&)>& level_L, const Box3& box_L,
@@ -52,8 +52,8 @@ class Inside {
       : level_L_(&level_L), box_L_(box_L), progress_(&progress) {}
 
   bool operator()(const Vec3& p_L) const {
-    constexpr std::uint32_t kCallsBetweenLooks = 1024;
-    if (++calls_ % kCallsBetweenLooks == 0 && progress_->stop_requested()) throw Stopped();
+    constexpr std::uint32_t kCallsPerCheck = 1024;
+    if (++calls_ % kCallsPerCheck == 0 && progress_->stop_requested()) throw Stopped();
     return box_L_.contains(p_L) && (*level_L_)(p_L) > 0.0;
   }
 
@@ -67,8 +67,8 @@ class Inside {
 Vec3 to_vec(const Point& p) { return {p.x(), p.y(), p.z()}; }
 Point to_point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
 
-/// Points where inside turns to outside between the nodes of a grid, about one per cube of
-/// three cells, so that refinement starts on every part that the grid can see.
+/// \returns surface points between inside and outside nodes of a grid, about one per cube of three
+/// cells, so that refinement starts on every part that the grid resolves.
 std::vector<Vec3> find_surface_points(const Inside& inside, const Box3& box_L, double spacing_mm,
                                       double tolerance_mm) {
   const Vec3 sizes = box_L.sizes();
@@ -104,7 +104,7 @@ std::vector<Vec3> find_surface_points(const Inside& inside, const Box3& box_L, d
   return points;
 }
 
-/// The wanted circumradius, for CGAL.
+/// The size field for CGAL: bound of the circumradius.
 struct SizeField {
   using FT = double;
   using Point_3 = Point;
@@ -112,11 +112,11 @@ struct SizeField {
   const TetOptions* options;
 
   FT operator()(const Point& p, int /*dimension*/, const Index& /*index*/) const {
-    constexpr double kFinest = 0.02;  // Share of element_size_mm.
+    constexpr double kMinSizeFraction = 0.02;  // Of element_size_mm.
     const double max_mm = options->element_size_mm;
     if (!options->size_at_mm) return max_mm;
     const double size_mm = options->size_at_mm(to_vec(p));
-    return size_mm < max_mm ? std::max(size_mm, kFinest * max_mm) : max_mm;
+    return size_mm < max_mm ? std::max(size_mm, kMinSizeFraction * max_mm) : max_mm;
   }
 };
 
@@ -142,13 +142,14 @@ Result<void> check(const Box3& box_L, const TetOptions& options) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} is {}, must be {} to {}", name, value, low, high));
   };
-  constexpr double kFarthest_mm = 1e5;
+  constexpr double kMaxCoordinate_mm = 1e5;
   if (box_L.isEmpty() || !(box_L.sizes().minCoeff() > 0.0) ||
-      !(box_L.min().minCoeff() >= -kFarthest_mm && box_L.max().maxCoeff() <= kFarthest_mm))
+      !(box_L.min().minCoeff() >= -kMaxCoordinate_mm &&
+        box_L.max().maxCoeff() <= kMaxCoordinate_mm))
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("the box to mesh in must have a volume and lie within {} mm of the "
                             "origin",
-                            kFarthest_mm));
+                            kMaxCoordinate_mm));
   const double min_size_mm = std::cbrt(box_L.volume() / double(kMaxCells));
   const double max_size_mm = box_L.sizes().maxCoeff();
   LEFORT_TRY_VOID(within("element_size_mm", options.element_size_mm, min_size_mm, max_size_mm));
@@ -157,18 +158,18 @@ Result<void> check(const Box3& box_L, const TetOptions& options) {
   LEFORT_TRY_VOID(within("facet_angle_deg", options.facet_angle_deg, 0.0, 30.0));
   LEFORT_TRY_VOID(within("cell_radius_edge", options.cell_radius_edge, 2.0, 100.0));
   LEFORT_TRY_VOID(within("sliver_angle_deg", options.sliver_angle_deg, 0.0, 20.0));
-  LEFORT_TRY_VOID(within("smallest_jacobian", options.min_scaled_jacobian, 0.0, 0.5));
+  LEFORT_TRY_VOID(within("min_scaled_jacobian", options.min_scaled_jacobian, 0.0, 0.5));
   return within("level_tolerance_mm", options.level_tolerance_mm, 1e-6, max_size_mm);
 }
 
 Domain make_domain(const Inside& inside, const Box3& box_L, const TetOptions& options) {
-  // CGAL asks about points of its own box only, so its border must be outside.
+  // CGAL evaluates points of its own box only, so the sides of this box must be outside.
   const Vec3 margin_mm = Vec3::Constant(options.element_size_mm);
   const Vec3 low = box_L.min() - margin_mm, high = box_L.max() + margin_mm;
   const double error_mm = kBisection * options.level_tolerance_mm;
   return Domain([inside](const Point& p) { return inside(to_vec(p)) ? 1 : 0; },
                 Kernel::Iso_cuboid_3(to_point(low), to_point(high)),
-                2.0 * error_mm / (high - low).norm());  // CGAL wants it so.
+                2.0 * error_mm / (high - low).norm());  // Relative error bound, of the box radius.
 }
 
 Complex start_from(const std::vector<Vec3>& points_L, const Domain& domain) {
@@ -181,7 +182,7 @@ Complex start_from(const std::vector<Vec3>& points_L, const Domain& domain) {
   return complex;
 }
 
-/// Delaunay refinement. \returns false if it grew beyond kMaxNodes.
+/// Delaunay refinement. \returns false if the mesh exceeds kMaxNodes.
 bool refine(Complex& complex, const Domain& domain, const TetOptions& options) {
   namespace p = CGAL::parameters;
   const SizeField size{&options};
@@ -197,8 +198,8 @@ bool refine(Complex& complex, const Domain& domain, const TetOptions& options) {
   return error == CGAL::CGAL_MESH_3_NO_ERROR;
 }
 
-/// Perturbs the worst alone: beyond that improve_tets() does as well in a tenth of the time. No
-/// time limits, for they would make the mesh depend on the machine's load.
+/// Perturbs only the worst slivers: for the others improve_tets() does as well in a tenth of the
+/// time. There are no time limits, because the mesh would depend on the load of the machine.
 void remove_slivers(Complex& complex, const Domain& domain, double angle_deg) {
   namespace p = CGAL::parameters;
   CGAL::perturb_mesh_3(complex, domain, p::time_limit = 0.0, p::sliver_bound = angle_deg / 3.0);
@@ -215,38 +216,38 @@ double volume_mm3(const VolumeMesh& mesh) {
   return sum_mm3;
 }
 
-/// Tells what is left out; refuses when that is more than crumbs.
+/// Reports the omitted volume; fails if it exceeds kMaxDropped.
 Result<void> check_dropped(double all_mm3, double kept_mm3, Progress& progress) {
   const double dropped_mm3 = all_mm3 - kept_mm3;
   if (!(dropped_mm3 > 0.0)) return {};
   const std::string dropped =
-      fmt::format("{:.3g} ml of {:.3g} ml of tissue ({:.2g} %) do not hang together with the rest",
+      fmt::format("{:.3g} ml of {:.3g} ml of tissue ({:.2g} %) are not connected to the rest",
                   dropped_mm3 * 1e-3, all_mm3 * 1e-3, 100.0 * dropped_mm3 / all_mm3);
   if (dropped_mm3 > kMaxDropped * all_mm3)
     return fail(ErrorCode::kMeshingFailed,
                 fmt::format("{}, expected at most {} %", dropped, 100.0 * kMaxDropped));
-  progress.note(dropped + " and are left out of the mesh");
+  progress.note(dropped + " and are omitted from the mesh");
   return {};
 }
 
 Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOptions& options,
                         Progress& progress) {
   progress.report(0.0);
-  CGAL::get_default_random() = CGAL::Random(0);  // Same mesh, whatever used CGAL before.
+  CGAL::get_default_random() =
+      CGAL::Random(0);  // The mesh must not depend on earlier uses of CGAL.
   const std::vector<Vec3> start_L = find_surface_points(inside, box_L, options.element_size_mm,
                                                         kBisection * options.level_tolerance_mm);
   if (start_L.size() < 4)
     return fail(ErrorCode::kMeshingFailed,
-                fmt::format("the tissue's surface crosses a grid of {} mm at {} spots, must at 4 "
+                fmt::format("the tissue's surface crosses a grid of {} mm at {} points, must be 4 "
                             "or more",
                             options.element_size_mm, start_L.size()));
   progress.report(0.05);
   const Domain domain = make_domain(inside, box_L, options);
   Complex complex = start_from(start_L, domain);
   if (!refine(complex, domain, options))
-    return fail(
-        ErrorCode::kMeshingFailed,
-        fmt::format("the mesh has {} nodes and is not finished, must with fewer", kMaxNodes));
+    return fail(ErrorCode::kMeshingFailed,
+                fmt::format("the mesh would have more than {} nodes, must have fewer", kMaxNodes));
   if (complex.number_of_cells_in_complex() == 0)
     return fail(ErrorCode::kMeshingFailed, "the tissue is too thin for the element size");
   progress.report(0.5);
@@ -257,11 +258,11 @@ Result<VolumeMesh> fill(const Inside& inside, const Box3& box_L, const TetOption
   const VolumeMesh all = to_volume_mesh(complex);
   VolumeMesh mesh = largest_face_connected_part(all);
   LEFORT_TRY_VOID(check_dropped(volume_mm3(all), volume_mm3(mesh), progress));
-  const Index held_back =
+  const Index off_surface =
       snap_boundary_to_level(mesh, inside, options.element_size_mm, tolerance_mm);
-  if (held_back > 0)
+  if (off_surface > 0)
     progress.note(
-        fmt::format("{} nodes stay off the surface so as not to squash an element", held_back));
+        fmt::format("{} nodes are not on the surface, to avoid flattened elements", off_surface));
   progress.report(0.8);
   ImproveOptions improvement{.angle_deg = options.sliver_angle_deg, .tolerance_mm = tolerance_mm};
   improve_tets(mesh, inside, improvement);
@@ -284,14 +285,14 @@ Result<VolumeMesh> generate_tets(const std::function<double(const Vec3&)>& level
     LEFORT_TRY(VolumeMesh mesh, fill({level_L, box_L, progress}, box_L, options, progress));
     if (const MeshQuality quality = measure_quality(mesh); !quality.inverted.empty())
       return fail(ErrorCode::kMeshingFailed,
-                  fmt::format("{} of {} elements have no volume, none may", quality.inverted.size(),
-                              quality.elements));
+                  fmt::format("{} of {} elements are inverted or have no volume",
+                              quality.inverted.size(), quality.elements));
     progress.report(1.0);
     return mesh;
   } catch (const Stopped&) {
     return fail(ErrorCode::kCancelled, "meshing was cancelled");
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kMeshingFailed, "meshing needs more memory than there is");
+    return fail(ErrorCode::kMeshingFailed, "meshing needs more memory than available");
   } catch (const CGAL::Failure_exception& error) {
     return fail(ErrorCode::kMeshingFailed,
                 fmt::format("the tissue cannot be meshed: {}", error.message()));

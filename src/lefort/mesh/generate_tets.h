@@ -1,5 +1,5 @@
 /// \file
-/// Fills the inside of a level function with tetrahedra.
+/// Generates tetrahedra in the region where a level-set function is positive.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,39 +10,41 @@
 
 namespace lefort::mesh {
 
-/// How fine and how well shaped the tetrahedra are.
+/// Size and quality of the tetrahedra.
 struct TetOptions {
   double element_size_mm = 3.0;  ///< Circumradius bound of elements and boundary faces, > 0.
-  /// If given, replaces element_size_mm where it is smaller; takes points in L, gives mm > 0.
+  /// If set, replaces element_size_mm where it is smaller; maps points in L to mm > 0.
   std::function<double(const Vec3&)> size_at_mm = {};
-  double surface_distance_mm = 0.4;  ///< Largest gap between a boundary face and the level, > 0.
+  double surface_distance_mm = 0.4;  ///< Largest distance of a boundary face from the surface, > 0.
   double facet_angle_deg = 25.0;     ///< Smallest angle of boundary faces, 0 to 30.
   double cell_radius_edge = 2.5;     ///< Circumradius over shortest edge, >= 2.
-  double sliver_angle_deg = 15.0;    ///< Smallest dihedral angle that is aimed at, 0 to 20.
-  /// Scaled; elements below it lose an edge (mesh/collapse_edges.h) where that betters them, 0 to
-  /// 0.5; with 0 all stay.
+  double sliver_angle_deg = 15.0;    ///< Target of the smallest dihedral angle, 0 to 20.
+  /// An edge of elements below it is collapsed (mesh/collapse_edges.h) where that improves the
+  /// quality, 0 to 0.5; 0: no collapse.
   double min_scaled_jacobian = 0.0;
-  double level_tolerance_mm = 0.01;  ///< How far boundary nodes may lie off the level, > 0.
+  double level_tolerance_mm = 0.01;  ///< Largest distance of boundary nodes from the surface, > 0.
 };
 
-/// Meshes {p : level_L(p) > 0} within a box.
+/// Meshes {p : level_L(p) > 0} within a box: Delaunay refinement, sliver perturbation and exudation
+/// \cite cgal:rty-m3, then optimization of node positions (mesh/improve_tets.h). A few elements may
+/// stay below the sliver angle.
 ///
 /// \param level_L   positive inside, negative outside, continuous; called from one thread, must
-///   give the same value for the same point. NaN counts as outside.
-/// \param box_L     the region looked at; where the level is positive on its border the mesh ends
+///   return the same value for the same point. NaN counts as outside.
+/// \param box_L     the region to be meshed; if the level is positive at its sides, the mesh ends
 ///   there.
-/// \returns one block of tetrahedra (region 0) with positive volumes, connected through faces and
-///   without hinges (mesh/largest_face_connected_part.h), every node in use, boundary nodes within
-///   options.level_tolerance_mm of where the inside ends, except those few that would squash an
-///   element on their way there; or
+/// \param options   size and quality.
+/// \param progress  receives the fraction done and notes; may request a stop.
+/// \returns one block of tetrahedra (region 0) with positive volumes: the largest part that is
+///   connected through faces, without hinges (mesh/largest_face_connected_part.h). Every node is
+///   used. Boundary nodes lie within options.level_tolerance_mm of the surface, except the few
+///   whose motion to it would flatten an element. Or
 ///   - kInvalidArgument  an option or the box lies outside its range;
-///   - kMeshingFailed    the level is nowhere positive, no valid mesh came out, the memory is too
-///                       small, or more than 5 % of the volume hang together with the largest part
-///                       in no face (less is left out, and told as a note);
-///   - kCancelled        `progress` asked to stop.
-/// \note Keeps the largest connected part alone. Same input, same bytes, on one machine.
-/// \note Delaunay refinement, sliver perturbation and exudation \cite cgal:rty-m3, then the rest of
-///   the slivers by moving nodes (mesh/improve_tets.h): a few elements may stay below the angle.
+///   - kMeshingFailed    the level is nowhere positive; there is no valid mesh; memory is
+///                       exhausted; or more than 5 % of the volume is not connected to the largest
+///                       part through faces (less is omitted, and reported as a note);
+///   - kCancelled        `progress` requested a stop.
+/// \note Same input, same bytes, on one machine.
 [[nodiscard]] Result<VolumeMesh> generate_tets(const std::function<double(const Vec3&)>& level_L,
                                                const Box3& box_L, const TetOptions& options = {},
                                                Progress& progress = Progress::none());

@@ -16,10 +16,10 @@
 namespace lefort::mesh {
 namespace {
 
-/// How far a tetrahedron is from being flat: the smallest sine of its six dihedral angles, and at
-/// most twice its radius ratio 3 r / R, which sees short edges too. Negative if inverted.
+/// Quality of a tetrahedron: the smallest sine of its six dihedral angles, or twice its radius
+/// ratio 3 r / R, which also detects short edges, if that is less. Negative if inverted.
 ///
-/// With the face areas A and A' beside an edge of length l, the sine is 3 V l / (2 A A').
+/// With the areas A and A' of the faces at an edge of length l, the sine is 3 V l / (2 A A').
 double shape_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 ab = b - a, ac = c - a, ad = d - a;
   const Vec3 bc = c - b, bd = d - b, cd = d - c;
@@ -42,7 +42,10 @@ double shape_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 using internal::Lists;
 using internal::users_of_nodes;
 
-constexpr double kMaxMoveTurn_deg = 20.0;
+// Heuristic values, without a source in the literature.
+constexpr double kMaxMoveRotation_deg = 20.0;  // Of a boundary face.
+constexpr double kFirstStepFraction = 0.3;     // Of the shortest edge at the node.
+constexpr int kSearchRounds = 8;               // The step is halved in a round without success.
 
 class Improver {
  public:
@@ -98,7 +101,7 @@ class Improver {
     const auto& [a, b, c] = faces_[std::size_t(f)];
     return (at(b) - at(a)).cross(at(c) - at(a));
   }
-  [[nodiscard]] double reach_mm(std::size_t node) const {
+  [[nodiscard]] double shortest_edge_mm(std::size_t node) const {
     double shortest = std::numeric_limits<double>::infinity();
     for (const Index e : tets_of_node_.of(node))
       for (const std::int32_t other : nodes_of(e))
@@ -107,7 +110,7 @@ class Improver {
     return shortest;
   }
 
-  /// Inner nodes have none.
+  /// \returns the unit normal of a boundary node, nothing for interior nodes.
   [[nodiscard]] std::optional<Vec3> boundary_normal(std::size_t node) const {
     const auto faces = faces_of_node_.of(node);
     if (faces.empty()) return std::nullopt;
@@ -116,6 +119,8 @@ class Improver {
     return sum.normalized();
   }
 
+  /// \returns the search directions: 14 in space for interior nodes, 8 tangential ones for boundary
+  /// nodes.
   [[nodiscard]] static std::vector<Vec3> directions(const std::optional<Vec3>& normal) {
     std::vector<Vec3> all;
     if (!normal) {
@@ -135,10 +140,10 @@ class Improver {
     return all;
   }
 
-  /// Puts the node to `p`, and if it is of the boundary from there onto the level.
+  /// Moves the node to `p`; a boundary node is snapped to the surface from there.
   /// \returns whether that is allowed.
-  bool place(std::size_t node, Vec3 p, const std::optional<Vec3>& normal, double step_mm,
-             const std::vector<Vec3>& face_normals) {
+  bool try_move(std::size_t node, Vec3 p, const std::optional<Vec3>& normal, double step_mm,
+                const std::vector<Vec3>& face_normals) {
     if (normal) {
       const auto t = find_zero_crossing(p, *normal, *is_inside_, step_mm, options_.tolerance_mm);
       if (!t) return false;
@@ -148,14 +153,14 @@ class Improver {
     const auto faces = faces_of_node_.of(node);
     for (std::size_t i = 0; i < faces.size(); ++i)
       if (normal_of_face(faces[i]).normalized().dot(face_normals[i]) <
-          std::cos(radians_from_degrees(kMaxMoveTurn_deg)))
+          std::cos(radians_from_degrees(kMaxMoveRotation_deg)))
         return false;
     return true;
   }
 
   void improve(std::size_t node) {
     const std::optional<Vec3> normal = boundary_normal(node);
-    if (normal && !(normal->norm() > 0.5)) return;  // The faces around it cancel out.
+    if (normal && !(normal->norm() > 0.5)) return;  // The normals of its faces cancel.
     std::vector<Vec3> face_normals;
     for (const Index f : faces_of_node_.of(node))
       face_normals.push_back(normal_of_face(f).normalized());
@@ -163,12 +168,12 @@ class Improver {
     const std::vector<Vec3> along = directions(normal);
     Vec3 best_p = mesh_->nodes_L[node];
     double best = worst_around(node);
-    double step_mm = 0.3 * reach_mm(node);
-    for (int round = 0; round < 8; ++round) {
+    double step_mm = kFirstStepFraction * shortest_edge_mm(node);
+    for (int round = 0; round < kSearchRounds; ++round) {
       const Vec3 from = best_p;
       bool any = false;
       for (const Vec3& direction : along) {
-        if (!place(node, from + step_mm * direction, normal, step_mm, face_normals)) continue;
+        if (!try_move(node, from + step_mm * direction, normal, step_mm, face_normals)) continue;
         const double worst = worst_around(node);
         if (!(worst > best)) continue;
         best = worst;

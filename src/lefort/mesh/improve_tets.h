@@ -1,5 +1,5 @@
 /// \file
-/// Makes the worst-shaped tetrahedra of a mesh better by moving their nodes.
+/// Improves the quality of the worst tetrahedra of a mesh by moving their nodes.
 #pragma once
 
 #include <lefort/mesh/find_zero_crossing.h>
@@ -9,24 +9,27 @@
 
 namespace lefort::mesh {
 
-/// Bad is an element with a dihedral angle below angle_deg or above 180 less that, or as flat
-/// otherwise: 3 inradius / circumradius below half the sine of that angle.
+/// An element is improved if its smallest dihedral angle is below angle_deg, its largest exceeds
+/// 180 - angle_deg, or 3 r / R < sin(angle_deg) / 2, with inradius r and circumradius R.
 struct ImproveOptions {
   double angle_deg = 15.0;      ///< 0 to 20.
-  int sweeps = 12;              ///< How often all bad elements are looked at.
-  double tolerance_mm = 0.001;  ///< How near boundary nodes stay to where the inside ends.
-  bool with_jacobian = false;   ///< Bad, too, are scaled Jacobians below half the sine.
-  std::span<const char> fixed_nodes = {};  ///< Not 0 for nodes that stay; empty, or one per node.
+  int sweeps = 12;              ///< Largest number of passes over the elements.
+  double tolerance_mm = 0.001;  ///< Largest distance of boundary nodes from the surface.
+  bool with_jacobian = false;   ///< Improve scaled Jacobians below sin(angle_deg) / 2, too.
+  std::span<const char> fixed_nodes = {};  ///< Not 0 for fixed nodes; empty, or one per node.
 };
 
-/// Moves the nodes of bad elements, one after another, to where the worst element around the node
-/// is best. Connections stay.
+/// Moves the nodes of these elements one by one to the position that maximizes the lowest quality
+/// of the elements around the node (pattern search). The connectivity does not change.
 ///
-/// Inner nodes move freely; nodes of the boundary along it, and then to where `is_inside_L`
-/// changes. A face of the boundary never turns by more than 20 degrees at once, so ridges stay.
+/// Interior nodes move freely; boundary nodes move along the boundary and are then snapped to where
+/// `is_inside_L` changes. No move rotates a boundary face by more than 20 degrees, so ridges are
+/// preserved. Positive volumes stay positive.
 ///
-/// \returns how many elements are still bad.
-/// \pre One block of kTet4; volumes that are positive stay so.
+/// \param mesh         one block of kTet4.
+/// \param is_inside_L  the tissue; used for boundary nodes that are not fixed.
+/// \param options      which elements are improved.
+/// \returns the number of elements that are still below the target.
 Index improve_tets(VolumeMesh& mesh, const InsidePredicate& is_inside_L,
                    const ImproveOptions& options = {});
 

@@ -11,7 +11,7 @@ namespace {
 
 using Tet = std::array<std::int32_t, 4>;  // Sorted nodes.
 
-/// Which items belong together: each set is named by its first item.
+/// Union-find: each set is represented by its first item.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : parent_(count) {
@@ -26,7 +26,7 @@ class DisjointSets {
     b = find(b);
     parent_[std::max(a, b)] = std::min(a, b);
   }
-  /// Which items are in the largest set; of equals in the first.
+  /// \returns for each item whether it is in the largest set; among equals, in the first.
   std::vector<bool> largest() {
     std::vector<std::size_t> size(parent_.size(), 0);
     for (std::size_t i = 0; i < size.size(); ++i) ++size[find(i)];
@@ -40,7 +40,8 @@ class DisjointSets {
   std::vector<std::size_t> parent_;
 };
 
-/// The n-node corners (3: faces, 2: edges, 1: nodes) of all tetrahedra, each with its tetrahedron.
+/// \returns all subsets of n nodes (3: faces, 2: edges, 1: nodes) of all tetrahedra, each with its
+/// tetrahedron.
 template <std::size_t n>
 std::vector<std::pair<std::array<std::int32_t, n>, std::size_t>> corners_of(
     const std::vector<Tet>& tets) {
@@ -79,7 +80,8 @@ void keep_largest(std::vector<Tet>& tets, std::vector<std::size_t>& original) {
   original.resize(kept);
 }
 
-/// Marks tetrahedra that reach the others around some edge (n = 2) or node (n = 1) by it alone.
+/// Marks tetrahedra that are connected to the others around some edge (n = 2) or node (n = 1) only
+/// through that edge or node.
 template <std::size_t n>
 void mark_hinged(const std::vector<Tet>& tets, std::vector<bool>& hinged) {
   const auto corners = corners_of<n>(tets);
@@ -98,7 +100,7 @@ void mark_hinged(const std::vector<Tet>& tets, std::vector<bool>& hinged) {
   }
 }
 
-/// \returns whether any had to go.
+/// \returns whether any tetrahedron was removed.
 bool drop_hinged(std::vector<Tet>& tets, std::vector<std::size_t>& original) {
   std::vector<bool> hinged(tets.size(), false);
   mark_hinged<2>(tets, hinged);
@@ -115,7 +117,7 @@ bool drop_hinged(std::vector<Tet>& tets, std::vector<std::size_t>& original) {
   return any;
 }
 
-/// The elements named, on the nodes they use.
+/// \returns the given elements with the nodes they use.
 VolumeMesh keep_elements(const VolumeMesh& mesh, std::span<const std::size_t> elements) {
   const ElementBlock& block = mesh.blocks[0];
   VolumeMesh part;

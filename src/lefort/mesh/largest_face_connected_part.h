@@ -1,19 +1,20 @@
 /// \file
-/// What is left of a mesh without its stray pieces and loose corners.
+/// Removes disconnected parts and hinges of a mesh.
 #pragma once
 
 #include <lefort/mesh/volume_mesh.h>
 
 namespace lefort::mesh {
 
-/// The largest part whose elements hang together through faces, also around each edge and each
-/// node: no hinges. So every edge of its boundary has two faces.
+/// Finds the largest part whose elements are connected through faces, also among the elements
+/// around each edge and each node: there are no hinges. Hence every boundary edge has two faces.
 ///
-/// Where elements meet in a hinge alone, the fewer of them go. Order of nodes and elements is kept,
-/// nodes out of use are dropped; of equally large parts the one with the first element wins. Sets
-/// are dropped: they would name other nodes.
+/// Where elements are connected only through an edge or a node, the smaller group is removed. The
+/// order of nodes and elements is kept, unused nodes are removed. Among parts of equal size, the
+/// one with the first element is kept. Sets are removed, because node numbers change.
 ///
-/// \pre One block of kTet4.
+/// \param mesh  one block of kTet4.
+/// \returns the part.
 [[nodiscard]] VolumeMesh largest_face_connected_part(const VolumeMesh& mesh);
 
 }  // namespace lefort::mesh

@@ -23,7 +23,7 @@ Face triangle(const std::int32_t* nodes) {
   return {FaceShape::kTri3, {nodes[0], nodes[1], nodes[2]}};
 }
 
-/// Heights of the region's wedges by their triangles: volume over the mean of the two areas [mm].
+/// \returns the heights of the region's wedges by their triangles: volume over mean area [mm].
 std::map<internal::FaceKey, double> heights_by_triangle(const VolumeMesh& mesh,
                                                         std::int32_t region) {
   std::map<internal::FaceKey, double> heights_mm;
@@ -43,7 +43,7 @@ std::map<internal::FaceKey, double> heights_by_triangle(const VolumeMesh& mesh,
   return heights_mm;
 }
 
-/// Faces that share nodes, together.
+/// Groups faces that have nodes in common.
 std::vector<ThinPatch> patches_of(const VolumeMesh& mesh, std::span<const Face> faces) {
   std::vector<std::int32_t> parent(mesh.nodes_L.size());
   std::iota(parent.begin(), parent.end(), 0);
@@ -79,7 +79,8 @@ LayerThickness layer_thickness_statistics(const VolumeMesh& mesh, std::int32_t r
                                           std::span<const Face> faces, int layers,
                                           double wanted_mm) {
   LEFORT_CHECK(layers >= 1 && wanted_mm > 0.0);
-  constexpr double kHalf = 0.5, kFull = 0.9, kThinnest = 0.05;
+  // As documented for ThinPatch and LayerThickness.
+  constexpr double kThin = 0.5, kFull = 0.9, kPercentile = 0.05;
   const auto heights_mm = heights_by_triangle(mesh, region);
   LayerThickness all;
   std::vector<std::pair<double, double>> covered;  // Thickness [mm] and area [mm^2].
@@ -91,7 +92,7 @@ LayerThickness layer_thickness_statistics(const VolumeMesh& mesh, std::int32_t r
     all.area_mm2 += area;
     const auto height = heights_mm.find(internal::face_key(face));
     const double thickness_mm = height == heights_mm.end() ? 0.0 : layers * height->second;
-    if (thickness_mm < kHalf * wanted_mm) thin.push_back(face);
+    if (thickness_mm < kThin * wanted_mm) thin.push_back(face);
     if (height == heights_mm.end()) continue;
     covered.push_back({thickness_mm, area});
     covered_mm2 += area;
@@ -108,7 +109,7 @@ LayerThickness layer_thickness_statistics(const VolumeMesh& mesh, std::int32_t r
   for (const auto& [thickness_mm, area] : covered) {
     all.p05_mm = thickness_mm;
     below_mm2 += area;
-    if (below_mm2 >= kThinnest * covered_mm2) break;
+    if (below_mm2 >= kPercentile * covered_mm2) break;
   }
   return all;
 }

@@ -1,5 +1,5 @@
 /// \file
-/// How thick a layer of wedges came out, and where it is thin.
+/// Thickness of a boundary layer, and where it is thin.
 #pragma once
 
 #include <lefort/mesh/volume_mesh.h>
@@ -10,27 +10,30 @@
 
 namespace lefort::mesh {
 
-/// Faces beside each other that are covered by less than half the wanted thickness, or not at all.
+/// Adjacent faces that are covered by less than half of the required thickness, or not at all.
 struct ThinPatch {
   double area_mm2 = 0.0;
-  Vec3 center_L = Vec3::Zero();  ///< Mean of the faces' centers, areas weighted [mm].
+  Vec3 center_L = Vec3::Zero();  ///< Area-weighted mean of the face centers [mm].
 };
 
-/// By area of the outer faces.
+/// Statistics weighted by the area of the outer faces.
 struct LayerThickness {
-  double area_mm2 = 0.0;  ///< Of all faces looked at.
-  double covered_fraction =
-      0.0;               ///< Under wedges; the rest lies over pyramids, tetrahedra or nothing.
-  double mean_mm = 0.0;  ///< Of what is covered; so are the others.
-  double p05_mm = 0.0;   ///< 5 % are thinner.
-  double full_thickness_fraction = 0.0;  ///< At least nine tenths of the wanted thickness.
-  std::vector<ThinPatch> thin;           ///< The largest first.
+  double area_mm2 = 0.0;  ///< Of all triangular faces.
+  /// Fraction of the area over wedges; the rest lies over pyramids, tetrahedra or no layer.
+  double covered_fraction = 0.0;
+  double mean_mm = 0.0;  ///< Over the covered area.
+  double p05_mm = 0.0;   ///< 5th percentile over the covered area.
+  /// Fraction of the covered area with at least 0.9 of the required thickness.
+  double full_thickness_fraction = 0.0;
+  std::vector<ThinPatch> thin;  ///< The largest first.
 };
 
-/// \param region     of the layer's wedges; their outer triangle is their first or their second.
-/// \param faces      the outer surface; its quadrilaterals are passed over.
-/// \param layers     how many wedges lie one below the other, equally thick.
-/// \param wanted_mm  > 0.
+/// \param mesh       with a boundary layer (mesh/boundary_layer.h).
+/// \param region     region of the wedges; either triangle of a wedge may be the outer one.
+/// \param faces      the outer surface; quadrilaterals are ignored.
+/// \param layers     number of wedges one below the other, of equal thickness.
+/// \param wanted_mm  required thickness, > 0.
+/// \returns the statistics.
 [[nodiscard]] LayerThickness layer_thickness_statistics(const VolumeMesh& mesh, std::int32_t region,
                                                         std::span<const Face> faces, int layers,
                                                         double wanted_mm);

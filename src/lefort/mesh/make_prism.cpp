@@ -43,7 +43,7 @@ bool meet(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
          (cda == 0 && is_between(a, c, d)) || (cdb == 0 && is_between(b, c, d));
 }
 
-/// No side crosses or touches another but its neighbors at their common corner.
+/// Whether no side crosses or touches another, except its neighbors at the common corner.
 bool is_simple(const Polygon& polygon) {
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -59,7 +59,7 @@ bool is_simple(const Polygon& polygon) {
   return true;
 }
 
-/// Ears are cut off one by one. \pre Simple and counter-clockwise.
+/// Triangulates by ear clipping. \pre Simple and counter-clockwise.
 std::vector<geometry::Triangle> triangulate(const Polygon& polygon) {
   std::vector<std::int32_t> rest(polygon.size());
   std::iota(rest.begin(), rest.end(), 0);
@@ -81,7 +81,7 @@ std::vector<geometry::Triangle> triangulate(const Polygon& polygon) {
       best = area;
       ear = i;
     }
-    if (ear == rest.size()) {  // Only corners on straight sides are left to cut off.
+    if (ear == rest.size()) {  // Only ears without area remain, at collinear corners.
       for (ear = 0; ear + 1 < rest.size(); ++ear)
         if (turn(at(rest[(ear + rest.size() - 1) % rest.size()]), at(rest[ear]),
                  at(rest[(ear + 1) % rest.size()])) == 0)
@@ -95,9 +95,10 @@ std::vector<geometry::Triangle> triangulate(const Polygon& polygon) {
   return triangles;
 }
 
-/// Every side moved outwards. \pre Counter-clockwise.
+/// Offsets every side outwards. \pre Counter-clockwise.
 Polygon grown(const Polygon& polygon, double by_mm) {
-  constexpr double kSharpest = 0.25;  // Cosine of half the turn: mitres get no longer than 4 times.
+  // Cosine of half the turning angle at a corner: limits miters to 4 times the offset.
+  constexpr double kMinMiterCosine = 0.25;
   Polygon result;
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -106,7 +107,8 @@ Polygon grown(const Polygon& polygon, double by_mm) {
     const Point2 normal_in(in.y(), -in.x()), normal_out(out.y(), -out.x());
     const Point2 sum = normal_in + normal_out;
     const Point2 middle = sum.norm() > 1e-9 ? Point2(sum.normalized()) : in;
-    result.push_back(polygon[i] + by_mm / std::max(middle.dot(normal_in), kSharpest) * middle);
+    result.push_back(polygon[i] +
+                     by_mm / std::max(middle.dot(normal_in), kMinMiterCosine) * middle);
   }
   return result;
 }
@@ -131,12 +133,12 @@ Result<TriangleMesh> make_prism(std::span<const Vec3> curve, const Vec3& directi
     polygon.emplace_back(across.dot(curve[i]), along.dot(curve[i]));
   }
   if (!is_simple(polygon))
-    return bad("the curve crosses or touches itself, seen along its direction");
+    return bad("the curve, projected along its direction, crosses or touches itself");
   if (twice_area(polygon) < 0.0) std::reverse(polygon.begin(), polygon.end());
   if (grow_mm > 0.0) {
     polygon = grown(polygon, grow_mm);
     if (!is_simple(polygon))
-      return bad("the curve grown by the saw's width crosses itself, seen along its direction");
+      return bad("the curve, projected and widened by the kerf, crosses itself");
   }
 
   TriangleMesh prism;

@@ -1,5 +1,5 @@
 /// \file
-/// Faces read from elsewhere become faces of the elements they lie on.
+/// Matches given faces with the faces of elements.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,13 +10,14 @@
 
 namespace lefort::mesh {
 
-/// Finds for each face the element that has the same corners, and takes that element's own face:
-/// counter-clockwise seen from outside, whichever way round it was given. Of a face between two
-/// elements the side is kept as given.
+/// Finds for each face the element face with the same corners. A boundary face becomes
+/// counter-clockwise seen from outside, whatever its given orientation. A face between two elements
+/// keeps its orientation.
 ///
-/// \param faces  \pre their nodes exist.
-/// \returns as many faces in the same order, or kMeshInvalid if one lies on no element or is there
-///   twice; the sentence names its corners.
+/// \param mesh   elements of any shape.
+/// \param faces  faces whose nodes exist in `mesh`.
+/// \returns as many faces in the same order; or kMeshInvalid if one belongs to no element or occurs
+///   twice, with its corners in the message.
 [[nodiscard]] Result<std::vector<Face>> match_faces_to_elements(const VolumeMesh& mesh,
                                                                 std::span<const Face> faces);
 

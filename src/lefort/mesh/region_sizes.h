@@ -1,5 +1,5 @@
 /// \file
-/// How large the regions of a mesh are.
+/// Element count and volume of the regions of a mesh.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -15,9 +15,8 @@ struct RegionSize {
   double volume_mm3 = 0.0;
 };
 
-/// By the numbers of the regions that occur.
-///
-/// \pre Every block is of a linear shape.
+/// \param mesh  every block is of a linear shape.
+/// \returns the sizes by region number, for the regions that occur.
 [[nodiscard]] std::map<std::int32_t, RegionSize> region_sizes(const VolumeMesh& mesh);
 
 }  // namespace lefort::mesh

@@ -19,13 +19,13 @@ using geometry::Triangle;
 using geometry::TriangleMesh;
 using internal::CgalSurface;
 
-/// Of triangles on the same three vertices only the first; a pair back to back goes altogether, for
-/// it encloses nothing.
-void drop_doubled_triangles(TriangleMesh& mesh) {
+/// Keeps the first of several triangles on the same three vertices; opposite duplicates, which
+/// enclose nothing, are removed altogether.
+void drop_duplicate_triangles(TriangleMesh& mesh) {
   struct Use {
     Triangle key;
     std::size_t triangle;
-    bool even;  ///< Counter-clockwise if its key is.
+    bool even;  ///< An even permutation of its key.
   };
   std::vector<Use> uses;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -51,7 +51,7 @@ void drop_doubled_triangles(TriangleMesh& mesh) {
   mesh = geometry::keep_triangles(mesh, [&](Index t) { return keep[std::size_t(t)]; });
 }
 
-/// Doubles vertices until the triangles form a surface, then joins edges that lie on each other.
+/// Duplicates vertices until the triangles form a surface, then stitches coincident edges.
 CgalSurface make_manifold(const TriangleMesh& mesh) {
   std::vector<internal::Kernel::Point_3> points;
   for (const Vec3& p : mesh.vertices) points.emplace_back(p.x(), p.y(), p.z());
@@ -66,10 +66,9 @@ CgalSurface make_manifold(const TriangleMesh& mesh) {
   return surface;
 }
 
-Result<TriangleMesh> refuse(const TriangleMesh& mesh) {
+Result<TriangleMesh> not_closed(const TriangleMesh& mesh) {
   const auto edge = geometry::first_open_edge(mesh);
-  if (!edge)
-    return fail(ErrorCode::kMeshInvalid, "the surface encloses no volume; it must enclose some");
+  if (!edge) return fail(ErrorCode::kMeshInvalid, "the surface encloses no volume");
   const Vec3 p = mesh.vertices[std::size_t(edge->from)];
   return fail(ErrorCode::kMeshInvalid,
               fmt::format("the surface is open: {} at ({:.2f}, {:.2f}, {:.2f}) mm, every edge must "
@@ -86,27 +85,29 @@ Result<TriangleMesh> repair_surface(const TriangleMesh& surface) {
     TriangleMesh mesh = surface;
     if (!geometry::is_closed(mesh)) {
       mesh = geometry::weld_vertices(mesh);
-      drop_doubled_triangles(mesh);
+      drop_duplicate_triangles(mesh);
     }
     const bool oriented = !geometry::first_unbalanced_edge(mesh);
 
     CgalSurface manifold = make_manifold(mesh);
-    if (!CGAL::is_closed(manifold)) return refuse(internal::from_cgal(manifold));
+    if (!CGAL::is_closed(manifold)) return not_closed(internal::from_cgal(manifold));
     pmp::remove_degenerate_faces(manifold);
     if (!oriented) pmp::orient_to_bound_a_volume(manifold);
     TriangleMesh repaired = internal::from_cgal(manifold);
     const double volume_mm3 = geometry::signed_volume_mm3(repaired);
-    if (!(std::abs(volume_mm3) > 0.0) || !geometry::is_closed(repaired)) return refuse(repaired);
+    if (!(std::abs(volume_mm3) > 0.0) || !geometry::is_closed(repaired))
+      return not_closed(repaired);
     if (volume_mm3 < 0.0)
       for (auto& [a, b, c] : repaired.triangles) std::swap(b, c);
     return repaired;
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kMeshingFailed,
-                fmt::format("repairing the surface of {} triangles needs more memory than there is",
-                            surface.triangle_count()));
-  } catch (const CGAL::Failure_exception&) {  // The triangles are worse than foreseen.
+    return fail(
+        ErrorCode::kMeshingFailed,
+        fmt::format("repairing the surface of {} triangles needs more memory than available",
+                    surface.triangle_count()));
+  } catch (const CGAL::Failure_exception&) {  // A case that the steps above do not repair.
     return fail(ErrorCode::kMeshInvalid,
-                fmt::format("the surface of {} triangles cannot be made a closed one",
+                fmt::format("the surface of {} triangles cannot be repaired to a closed one",
                             surface.triangle_count()));
   }
 }

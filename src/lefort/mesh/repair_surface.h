@@ -1,5 +1,5 @@
 /// \file
-/// Makes a surface from marching cubes fit for cutting.
+/// Repairs a surface from marching cubes so that it can be cut.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -7,15 +7,18 @@
 
 namespace lefort::mesh {
 
-/// A closed surface whose every vertex has one fan of triangles.
+/// Makes a closed manifold surface: every vertex has one fan of triangles.
 ///
-/// Vertices of equal position are merged if it is not closed without that; triangles without area
-/// and doubled ones dropped; vertices and edges where the surface touches itself doubled; triangles
-/// oriented alike; the whole turned if it is inside out. Where the input is oriented already its
-/// shells keep their orientation: inner shells are cavities. Self-intersections stay.
+/// - Vertices of equal position are merged if the surface is open otherwise.
+/// - Triangles without area and duplicates are removed.
+/// - Vertices and edges where the surface touches itself are duplicated.
+/// - Triangles are oriented consistently, and outwards. If the input is already consistent, shells
+///   keep their relative orientation: inner shells are cavities.
+/// Self-intersections are not repaired.
 ///
+/// \param surface  triangles of any orientation.
 /// \returns the surface; kMeshInvalid if it is empty, not finite, open (the message names an edge),
-///   or encloses nothing; or kMeshingFailed if the memory is too small.
+///   or encloses no volume; or kMeshingFailed if memory is exhausted.
 [[nodiscard]] Result<geometry::TriangleMesh> repair_surface(const geometry::TriangleMesh& surface);
 
 }  // namespace lefort::mesh

@@ -20,7 +20,7 @@ using CgalTriangle = Kernel::Triangle_3;
 using geometry::Triangle;
 using Box = CGAL::Box_intersection_d::Box_with_handle_d<double, 3, const Triangle*>;
 
-/// Corners of both, those they share first and in the same order.
+/// Corners of two triangles; the common ones come first, in the same order.
 struct Pair {
   std::array<std::int32_t, 3> a, b;
   int shared = 0;
@@ -32,7 +32,7 @@ Pair matched(const Triangle& a, const Triangle& b) {
     for (std::size_t j = 0; j < 3; ++j)
       if (a[i] == b[j]) {
         const auto k = std::size_t(pair.shared++);
-        // Those at k and after it have not been matched yet, so a swap keeps what has.
+        // Corners from k on are not matched yet, so a swap does not change matched ones.
         std::swap(pair.a[k], *std::find(pair.a.begin(), pair.a.end(), a[i]));
         std::swap(pair.b[k], *std::find(pair.b.begin(), pair.b.end(), b[j]));
       }
@@ -62,7 +62,7 @@ class Crossings {
         return CGAL::do_intersect(Segment(at(a[1]), at(a[2])), second) ||
                CGAL::do_intersect(Segment(at(b[1]), at(b[2])), first);
       case 2:
-        // Folded onto each other: in one plane, and on one side of their edge.
+        // Folded onto each other: coplanar, and on the same side of their common edge.
         return CGAL::coplanar(at(a[0]), at(a[1]), at(a[2]), at(b[2])) &&
                CGAL::coplanar_orientation(at(a[0]), at(a[1]), at(a[2]), at(b[2])) == CGAL::POSITIVE;
       default:

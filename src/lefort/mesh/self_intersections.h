@@ -1,5 +1,5 @@
 /// \file
-/// Where a surface crosses itself.
+/// Counts the self-intersections of a surface.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -7,12 +7,13 @@
 
 namespace lefort::mesh {
 
-/// How many pairs of triangles meet otherwise than in the corner or along the edge they share,
-/// vertices of one position being one corner: they cross, touch, overlap, or are there twice.
+/// Counts the pairs of triangles that cross, touch, overlap or are duplicates. Contact in a common
+/// corner or along a common edge does not count; vertices of equal position are one corner.
 ///
-/// Decided exactly, in the coordinates as they are. Triangles without area are passed over.
+/// The predicates are exact for the given coordinates. Triangles without area are ignored.
 ///
-/// \returns the number, or what check_surface() returns.
+/// \param surface  open or closed.
+/// \returns the number of pairs, or the errors of check_surface().
 [[nodiscard]] Result<Index> count_self_intersections(const geometry::TriangleMesh& surface);
 
 }  // namespace lefort::mesh

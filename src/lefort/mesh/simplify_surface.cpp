@@ -20,7 +20,7 @@ using Policies = sms::GarlandHeckbert_plane_policies<CgalSurface, internal::Kern
 
 struct Cancelled {};
 
-/// Stops at a number of edges, and when asked to.
+/// Stops at a number of edges, and when a stop is requested.
 class Stop {
  public:
   Stop(std::size_t edges, Progress& progress) : edges_(edges), progress_(&progress) {}
@@ -46,21 +46,21 @@ Result<geometry::TriangleMesh> simplify_surface(const geometry::TriangleMesh& su
                                                 Index triangles, Progress& progress) {
   if (triangles < 4)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} triangles asked for, must be 4 or more", triangles));
+                fmt::format("{} triangles requested, must be 4 or more", triangles));
   LEFORT_TRY(const geometry::TriangleMesh sound, repair_surface(surface));
   if (sound.triangle_count() <= triangles) return sound;
   const internal::QuietCgal quiet;
   try {
     CgalSurface mesh = internal::to_cgal(sound);
     const Policies policies(mesh);
-    const auto edges = std::size_t(triangles) * 3 / 2;  // Of a closed surface.
+    const auto edges = std::size_t(triangles) * 3 / 2;  // E = 3 F / 2 of a closed surface.
     sms::edge_collapse(mesh, Stop(edges, progress),
                        CGAL::parameters::get_cost(policies.get_cost())
                            .get_placement(policies.get_placement())
                            .filter(sms::Bounded_normal_change_filter<>()));
     return internal::from_cgal(mesh);
   } catch (const Cancelled&) {
-    return fail(ErrorCode::kCancelled, "the simplification was stopped");
+    return fail(ErrorCode::kCancelled, "simplifying the surface was cancelled");
   } catch (const std::exception& error) {
     return fail(ErrorCode::kMeshingFailed,
                 fmt::format("the surface cannot be simplified: {}", error.what()));

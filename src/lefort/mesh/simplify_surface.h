@@ -1,5 +1,5 @@
 /// \file
-/// The same surface with fewer triangles.
+/// Decimation of a surface.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -8,16 +8,16 @@
 
 namespace lefort::mesh {
 
-/// Collapses the edges whose loss is least by their quadric error \cite garland1997 until at most
-/// `triangles` are left, or no edge can go without turning a triangle over or changing how the
-/// surface hangs together.
+/// Collapses edges in the order of their quadric error \cite garland1997, until at most `triangles`
+/// are left, or every further collapse would flip a triangle or change the topology.
 ///
 /// \param surface    closed; it is repaired first (repair_surface.h).
-/// \param triangles  4 or more.
-/// \returns a closed surface; kInvalidArgument for fewer than 4 triangles; what repair_surface()
-///   returns; kMeshingFailed if CGAL fails; kCancelled.
-/// \note One thread; the same input gives the same bits. Self-intersections may arise where sheets
-///   lie close together: count_self_intersections() tells.
+/// \param triangles  wanted number, 4 or more.
+/// \param progress   receives the fraction of edges collapsed; may request a stop.
+/// \returns a closed surface; kInvalidArgument for fewer than 4 triangles; the errors of
+///   repair_surface(); kMeshingFailed if CGAL fails; kCancelled.
+/// \note One thread; same input, same bits. Self-intersections may arise where sheets lie close
+///   together (see count_self_intersections()).
 [[nodiscard]] Result<geometry::TriangleMesh> simplify_surface(
     const geometry::TriangleMesh& surface, Index triangles, Progress& progress = Progress::none());
 

@@ -7,7 +7,7 @@
 namespace lefort::mesh {
 namespace {
 
-/// Outward normals of the boundary's nodes, areas weighted; zero inside.
+/// \returns area-weighted outward normals of the boundary nodes; zero for interior nodes.
 std::vector<Vec3> node_normals(const VolumeMesh& mesh, const std::vector<Face3>& faces) {
   std::vector<Vec3> normals(std::size_t(mesh.node_count()), Vec3::Zero());
   for (const auto& [a, b, c] : faces) {
@@ -18,7 +18,7 @@ std::vector<Vec3> node_normals(const VolumeMesh& mesh, const std::vector<Face3>&
   return normals;
 }
 
-/// For each node the elements that use it, of the one block.
+/// \returns for each node the elements around it.
 std::vector<std::vector<Index>> elements_of_nodes(const VolumeMesh& mesh) {
   std::vector<std::vector<Index>> elements(std::size_t(mesh.node_count()));
   const ElementBlock& block = mesh.blocks[0];
@@ -36,21 +36,22 @@ double volume_mm3(const VolumeMesh& mesh, Index element) {
          6.0;
 }
 
-/// Moves the node by as much of `shift` as its elements bear. \returns whether that was all.
+/// Moves the node by the largest of the fractions of `shift` at which every element keeps at least
+/// kMinVolumeFraction of its volume. \returns whether it moved all the way.
 bool move_node(VolumeMesh& mesh, std::size_t node, const Vec3& shift,
                const std::vector<Index>& elements) {
-  constexpr double kMinVolumeFraction = 0.2;
+  constexpr double kMinVolumeFraction = 0.2;  // Heuristic.
   const Vec3 start = mesh.nodes_L[node];
   std::vector<double> before_mm3;
   for (const Index e : elements) before_mm3.push_back(volume_mm3(mesh, e));
-  const auto bearable = [&] {
+  const auto is_allowed = [&] {
     for (std::size_t i = 0; i < elements.size(); ++i)
       if (!(volume_mm3(mesh, elements[i]) >= kMinVolumeFraction * before_mm3[i])) return false;
     return true;
   };
   for (const double fraction : {1.0, 0.5, 0.25}) {
     mesh.nodes_L[node] = start + fraction * shift;
-    if (bearable()) return fraction == 1.0;
+    if (is_allowed()) return fraction == 1.0;
   }
   mesh.nodes_L[node] = start;
   return false;
@@ -65,7 +66,7 @@ Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_
   const std::vector<Face> faces = boundary_faces(mesh);
   const std::vector<Vec3> normals = node_normals(mesh, triangles_of(faces));
   const std::vector<std::vector<Index>> elements = elements_of_nodes(mesh);
-  Index held_back = 0;
+  Index incomplete = 0;
   for (const std::int32_t n : nodes_of_faces(faces)) {
     const auto node = std::size_t(n);
     const double length = normals[node].norm();
@@ -74,9 +75,9 @@ Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_
     const auto change_mm =
         find_zero_crossing(mesh.nodes_L[node], normal, is_inside_L, reach_mm, tolerance_mm);
     if (!change_mm || std::abs(*change_mm) <= tolerance_mm) continue;
-    if (!move_node(mesh, node, *change_mm * normal, elements[node])) ++held_back;
+    if (!move_node(mesh, node, *change_mm * normal, elements[node])) ++incomplete;
   }
-  return held_back;
+  return incomplete;
 }
 
 }  // namespace lefort::mesh

@@ -1,5 +1,5 @@
 /// \file
-/// Puts the boundary nodes of a tetrahedral mesh where the inside ends.
+/// Snaps the boundary nodes of a tetrahedral mesh to the surface of the tissue.
 #pragma once
 
 #include <lefort/mesh/find_zero_crossing.h>
@@ -7,13 +7,15 @@
 
 namespace lefort::mesh {
 
-/// Moves each boundary node along the boundary's normal to where `is_inside_L` changes.
+/// Moves each boundary node along the boundary normal to where `is_inside_L` changes. If the move
+/// would reduce the volume of an element below a fifth, the node moves half of the way, a quarter
+/// of it, or not at all, so that no element is inverted.
 ///
-/// \param reach_mm   a node is not moved further; without a change within reach it stays.
-/// \param tolerance_mm   nodes this near stay, others come this near.
-/// \returns the nodes that would have squashed an element below a fifth of its volume on the way:
-///   they went half the way, a quarter, or stay, so that no element is inverted.
-/// \pre Blocks of kTet4 with positive volumes.
+/// \param mesh          one block of kTet4 with positive volumes.
+/// \param is_inside_L   the tissue.
+/// \param reach_mm      largest displacement; a node without a change within it does not move.
+/// \param tolerance_mm  largest distance from the surface after the move.
+/// \returns the number of nodes that did not move all the way.
 Index snap_boundary_to_level(VolumeMesh& mesh, const InsidePredicate& is_inside_L, double reach_mm,
                              double tolerance_mm);
 

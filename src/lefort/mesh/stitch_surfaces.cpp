@@ -21,7 +21,7 @@ Corners corners_of(const TriangleMesh& mesh, const Triangle& triangle) {
   return corners;
 }
 
-/// The triangle's vertices from the one with the smallest coordinates on, orientation kept.
+/// Rotates a triangle so that the vertex with the smallest coordinates comes first.
 Triangle smallest_first(const TriangleMesh& mesh, Triangle triangle) {
   const Corners corners = corners_of(mesh, triangle);
   const auto smallest = std::min_element(corners.begin(), corners.end()) - corners.begin();
@@ -32,14 +32,14 @@ Triangle smallest_first(const TriangleMesh& mesh, Triangle triangle) {
 }  // namespace
 
 TriangleMesh stitch_surfaces(const TriangleMesh& a, const TriangleMesh& b) {
-  std::map<Corners, Index> b_turned;  // Each triangle of b as seen from its back.
+  std::map<Corners, Index> b_flipped;  // Each triangle of b with opposite orientation.
   for (Index t = 0; t < b.triangle_count(); ++t) {
     const auto& [p, q, r] = b.triangles[std::size_t(t)];
-    const Triangle turned = smallest_first(b, {p, r, q});
-    b_turned.emplace(corners_of(b, turned), t);
+    const Triangle flipped = smallest_first(b, {p, r, q});
+    b_flipped.emplace(corners_of(b, flipped), t);
   }
 
-  // Vertices of b follow those of a, and are then renumbered to their partner in a.
+  // Vertices of b follow those of a; those on a common cap get the number of their match in a.
   std::vector<std::int32_t> number(b.vertices.size());
   std::iota(number.begin(), number.end(), std::int32_t(a.vertices.size()));
   std::vector<bool> dropped(b.triangles.size(), false);
@@ -47,17 +47,17 @@ TriangleMesh stitch_surfaces(const TriangleMesh& a, const TriangleMesh& b) {
   joined.vertices = a.vertices;
   for (const Triangle& triangle : a.triangles) {
     const Triangle first = smallest_first(a, triangle);
-    const auto match = b_turned.find(corners_of(a, first));
-    if (match == b_turned.end()) {
+    const auto match = b_flipped.find(corners_of(a, first));
+    if (match == b_flipped.end()) {
       joined.triangles.push_back(triangle);
       continue;
     }
     const auto t = std::size_t(match->second);
     dropped[t] = true;
     const auto& [p, q, r] = b.triangles[t];
-    const Triangle turned = smallest_first(b, {p, r, q});
-    for (std::size_t c = 0; c < 3; ++c) number[std::size_t(turned[c])] = first[c];
-    b_turned.erase(match);
+    const Triangle flipped = smallest_first(b, {p, r, q});
+    for (std::size_t c = 0; c < 3; ++c) number[std::size_t(flipped[c])] = first[c];
+    b_flipped.erase(match);
   }
 
   joined.vertices.insert(joined.vertices.end(), b.vertices.begin(), b.vertices.end());
@@ -67,7 +67,7 @@ TriangleMesh stitch_surfaces(const TriangleMesh& a, const TriangleMesh& b) {
     for (std::int32_t& vertex : triangle) vertex = number[std::size_t(vertex)];
     joined.triangles.push_back(triangle);
   }
-  return geometry::keep_triangles(joined, [](Index) { return true; });  // Drops loose vertices.
+  return geometry::keep_triangles(joined, [](Index) { return true; });  // Removes unused vertices.
 }
 
 }  // namespace lefort::mesh

@@ -1,16 +1,17 @@
 /// \file
-/// Undoes a cut: glues two closed surfaces where their caps lie on each other.
+/// Undoes a cut: stitches two closed surfaces along coincident caps.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
 
 namespace lefort::mesh {
 
-/// The surface of both bodies together.
+/// Merges two surfaces. Triangles of one that coincide with triangles of the other of opposite
+/// orientation, at bitwise equal corners, are removed and their corners merged: the caps of a
+/// SurfaceCut (mesh/cut_surface.h). All other triangles are kept, those of `a` first.
 ///
-/// Triangles of one that lie back to back with triangles of the other, at bitwise equal corners,
-/// are dropped and their corners made one: the caps of a SurfaceCut (mesh/cut_surface.h). All else
-/// stays, `a` first; so bodies that do not touch come out side by side.
+/// \param a, b  closed surfaces.
+/// \returns the surface of both bodies; two components if they do not touch.
 [[nodiscard]] geometry::TriangleMesh stitch_surfaces(const geometry::TriangleMesh& a,
                                                      const geometry::TriangleMesh& b);
 

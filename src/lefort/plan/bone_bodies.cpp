@@ -49,7 +49,7 @@ std::vector<BoneBody> bodies_of(const TriangleMesh& surface) {
       if ((smallest == nullptr || shell.volume_mm3 < smallest->volume_mm3) &&
           contains(shell, cavity))
         smallest = &shell;
-    if (smallest == nullptr) {  // Round-off at its first vertex; some bone is around it.
+    if (smallest == nullptr) {  // Round-off at its first vertex: use the largest body.
       if (outer.empty()) continue;
       smallest = &*std::max_element(outer.begin(), outer.end(), [](const Shell& a, const Shell& b) {
         return a.volume_mm3 < b.volume_mm3;

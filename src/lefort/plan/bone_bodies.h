@@ -1,5 +1,5 @@
 /// \file
-/// Bodies of a closed surface: each an outer shell with the cavities in it. For this layer.
+/// Splits a closed surface into bodies: outer shells with their cavities. For this layer.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -12,19 +12,26 @@ namespace lefort::plan {
 /// One piece of bone.
 struct BoneBody {
   geometry::TriangleMesh surface;  ///< The outer shell, then the shells of its cavities.
-  double outer_volume_mm3 = 0.0;   ///< Cavities counted in.
-  double volume_mm3 = 0.0;         ///< Cavities left out.
+  double outer_volume_mm3 = 0.0;   ///< Including cavities.
+  double volume_mm3 = 0.0;         ///< Without cavities.
 };
 
-/// The bodies in the order of their outer shells' first triangles. A cavity belongs to the smallest
-/// outer shell around it.
+/// A cavity belongs to the smallest outer shell around it.
+///
+/// \param surface  closed.
+/// \returns the bodies, in the order of the first triangles of their outer shells.
 [[nodiscard]] std::vector<BoneBody> bodies_of(const geometry::TriangleMesh& surface);
 
-/// The surfaces of some bodies as one mesh, not joined.
+/// \param bodies  as returned by bodies_of().
+/// \param chosen  one entry per body.
+/// \returns the surfaces of the chosen bodies as one mesh, not stitched.
 [[nodiscard]] geometry::TriangleMesh gather(std::span<const BoneBody> bodies,
                                             const std::vector<bool>& chosen);
 
-/// Appends a surface, not joined.
+/// Appends a surface without stitching it.
+///
+/// \param to    the surface that grows.
+/// \param more  the surface to append.
 void append(geometry::TriangleMesh& to, const geometry::TriangleMesh& more);
 
 }  // namespace lefort::plan

@@ -9,12 +9,12 @@
 namespace lefort::plan {
 namespace {
 
-/// The landmarks as seen from the patient's right: x to anterior, y up, if the head is upright.
+/// Lateral projection of the landmarks, seen from the patient's right: x is anterior, y superior.
 class Profile {
  public:
   using Point = Eigen::Vector2d;
 
-  /// \param frame  Whose Frankfurt horizontal counts.
+  /// \param frame  landmarks that define the Frankfurt horizontal.
   Profile(std::span<const Landmark> landmarks, std::span<const Landmark> frame, const Vec3& left)
       : landmarks_(landmarks), frame_(frame), left_(left) {
     anterior_ = left_.cross(Vec3::UnitZ()).normalized();
@@ -27,11 +27,11 @@ class Profile {
     return pair_midpoint(frame_, "Or") && pair_midpoint(frame_, "Po");
   }
   [[nodiscard]] Point operator()(const std::string& name) const {
-    return seen(*pair_midpoint(landmarks_, name));
+    return projected(*pair_midpoint(landmarks_, name));
   }
-  /// From porion to orbitale, unit length; not finite if they lie in one point.
+  /// From porion to orbitale, unit length; not finite if they coincide.
   [[nodiscard]] Point horizontal() const {
-    return unit(seen(*pair_midpoint(frame_, "Or")) - seen(*pair_midpoint(frame_, "Po")));
+    return unit(projected(*pair_midpoint(frame_, "Or")) - projected(*pair_midpoint(frame_, "Po")));
   }
   [[nodiscard]] double width(const std::string& name) const {
     return (*find_landmark(landmarks_, name + "-L") - *find_landmark(landmarks_, name + "-R"))
@@ -40,15 +40,15 @@ class Profile {
   [[nodiscard]] bool has_both(const std::string& name) const {
     return find_landmark(landmarks_, name + "-R") && find_landmark(landmarks_, name + "-L");
   }
-  /// Not finite for what has no direction: less than the round-off of coordinates.
+  /// \returns the unit vector; not finite if the length is below the round-off of coordinates.
   [[nodiscard]] static Point unit(const Point& v) {
-    constexpr double kShortest_mm = 1e-9;
-    if (!(v.norm() > kShortest_mm)) return Point::Constant(std::nan(""));
+    constexpr double kMinLength_mm = 1e-9;
+    if (!(v.norm() > kMinLength_mm)) return Point::Constant(std::nan(""));
     return v / v.norm();
   }
 
  private:
-  [[nodiscard]] Point seen(const Vec3& p) const { return {anterior_.dot(p), up_.dot(p)}; }
+  [[nodiscard]] Point projected(const Vec3& p) const { return {anterior_.dot(p), up_.dot(p)}; }
 
   std::span<const Landmark> landmarks_, frame_;
   Vec3 left_, anterior_, up_;
@@ -56,33 +56,33 @@ class Profile {
 
 using Point = Profile::Point;
 
-/// From `from` to `to`, positive counter-clockwise where x is anterior and y up; -180 to 180.
-/// Not finite if one of them has no length.
+/// Angle from `from` to `to`, positive counter-clockwise with x anterior and y superior; -180 to
+/// 180. Not finite if one of them has no length.
 double turn_deg(const Point& from_mm, const Point& to_mm) {
   const Point from = Profile::unit(from_mm), to = Profile::unit(to_mm);
   const double cross = from.x() * to.y() - from.y() * to.x();
   return degrees_from_radians(std::atan2(cross, from.dot(to)));
 }
 
-/// Between the rays from `corner`, 0 to 180.
+/// Angle between the rays from `corner`, 0 to 180.
 double angle_deg(const Point& a, const Point& corner, const Point& b) {
   return std::abs(turn_deg(a - corner, b - corner));
 }
 
-/// How far p lies before the line from `above` to `below`; negative behind it.
+/// Distance of p anterior to the line from `above` to `below`; negative posterior to it.
 double before_line(const Point& p, const Point& above, const Point& below) {
   const Point along = Profile::unit(below - above);
   const Point from = p - above;
   return along.x() * from.y() - along.y() * from.x();
 }
 
-constexpr const char* kHorizontal = "";  // Needs the frame's orbitale and porion.
+constexpr const char* kHorizontal = "";  // Stands for orbitale and porion of the frame.
 
 struct Definition {
   const char* name;
   const char* meaning;
   const char* unit;
-  std::vector<std::string> needs;  ///< Landmarks, or the middles of pairs.
+  std::vector<std::string> needs;  ///< Landmarks, or midpoints of pairs.
   std::function<double(const Profile&)> value;
 };
 
@@ -91,7 +91,7 @@ Definition distance(const char* name, const char* meaning, const char* a, const 
       name, meaning, "mm", {a, b}, [a, b](const Profile& at) { return (at(b) - at(a)).norm(); }};
 }
 
-std::vector<Definition> definitions() {
+std::vector<Definition> skeletal_angles() {
   using P = const Profile&;
   return {
       {"SNA",
@@ -141,6 +141,12 @@ std::vector<Definition> definitions() {
        "deg",
        {"Ar", "Go", "Me"},
        [](P at) { return angle_deg(at("Ar"), at("Go"), at("Me")); }},
+  };
+}
+
+std::vector<Definition> soft_tissue_angles() {
+  using P = const Profile&;
+  return {
       {"N'SnPg'",
        "convexity of the soft profile, positive if Sn lies before N'-Pg'",
        "deg",
@@ -151,6 +157,12 @@ std::vector<Definition> definitions() {
        "deg",
        {"Prn", "Sn", "Ls"},
        [](P at) { return angle_deg(at("Prn"), at("Sn"), at("Ls")); }},
+  };
+}
+
+std::vector<Definition> profile_distances() {
+  using P = const Profile&;
+  return {
       distance("N-ANS", "upper facial height", "N", "ANS"),
       distance("ANS-Me", "lower facial height", "ANS", "Me"),
       distance("N-Me", "facial height", "N", "Me"),
@@ -184,7 +196,14 @@ std::vector<Definition> definitions() {
   };
 }
 
-/// Between the two of a pair.
+std::vector<Definition> definitions() {
+  std::vector<Definition> all = skeletal_angles();
+  for (auto& more : {soft_tissue_angles(), profile_distances()})
+    all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+/// Distance between the two landmarks of a pair.
 struct Width {
   const char* pair;
   const char* meaning;
@@ -213,7 +232,7 @@ Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks,
           return name == kHorizontal ? profile.has_horizontal() : profile.has(name);
         });
     if (is_known) line.value = one.value(profile);
-    if (line.value && !std::isfinite(*line.value)) line.value.reset();  // Two points in one.
+    if (line.value && !std::isfinite(*line.value)) line.value.reset();  // Two points coincide.
     table.push_back(std::move(line));
   }
   for (const auto& [pair, meaning] : kWidths) {

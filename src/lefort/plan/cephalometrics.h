@@ -1,5 +1,5 @@
 /// \file
-/// Angles and distances between landmarks, as orthodontists and surgeons tell a face.
+/// Cephalometric analysis: angles and distances between landmarks.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,29 +12,32 @@
 
 namespace lefort::plan {
 
-/// One line of the table.
+/// One row of the table.
 struct Measurement {
   std::string name;             ///< "SNA", "ANS-Me".
-  std::string meaning;          ///< One line for people.
+  std::string meaning;          ///< One line for readers.
   std::string unit;             ///< "deg" or "mm".
-  std::optional<double> value;  ///< Nothing if a landmark it needs is not there, or it does not
-                                ///< exist, as the angle of a line between two points in one.
+  std::optional<double> value;  ///< Nothing if a landmark is missing, or the value is undefined,
+                                ///< such as the angle of a line between two equal points.
 };
 
-/// The whole table (docs/guide/landmarks.md gives each definition), always with the same lines.
+/// Computes all measurements (defined in docs/landmarks.md), always with the same rows.
 ///
-/// Angles, and distances that profiles are judged by, are of the landmarks seen from the side:
-/// along patient_left_axis(frame), as on a lateral cephalogram without its magnification. The
-/// Frankfurt horizontal is that of `frame`, too. Widths are in space. Sides of a pair are taken at
-/// their middle.
+/// Angles and profile distances are computed in lateral projection, along patient_left_axis(frame),
+/// as on a lateral cephalogram without magnification. The Frankfurt horizontal is that of `frame`.
+/// Widths are distances in space. Paired landmarks are represented by their midpoint.
 ///
-/// \param frame  landmarks that tell how the head lies; before surgery those of the same head, so
-///   that the frame does not move with a bone.
-/// \returns kPlanInvalid if sides of `frame` are exchanged (see patient_left_axis()).
+/// \param landmarks  to be measured.
+/// \param frame      landmarks that define the orientation of the head; those before surgery, so
+///   that the frame does not move with a segment.
+/// \returns the table, or kPlanInvalid if sides of `frame` are exchanged (see patient_left_axis()).
 [[nodiscard]] Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks,
                                                        std::span<const Landmark> frame);
 
-/// The same in the frame of the landmarks themselves.
+/// Computes all measurements in the frame of the landmarks themselves.
+///
+/// \param landmarks  to be measured.
+/// \returns as above.
 [[nodiscard]] Result<std::vector<Measurement>> measure(std::span<const Landmark> landmarks);
 
 }  // namespace lefort::plan

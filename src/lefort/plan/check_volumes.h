@@ -1,5 +1,5 @@
 /// \file
-/// Whether the parts of a cut bone are all of it. For this layer.
+/// Checks that the volumes of the parts of a cut bone add up. For this layer.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -9,12 +9,13 @@
 
 namespace lefort::plan {
 
-/// Nothing, or kMeshingFailed: whether the parts make up the whole.
+/// The tolerance is the lesser of 0.1 % of the whole and 1 % of the smallest part that is not
+/// empty, so that no part can vanish unnoticed.
 ///
-/// They may miss it by 0.1 % of the whole and by 1 % of the smallest part that is not empty, so
-/// that no part can vanish unnoticed.
-///
-/// \param cut  for the message: "osteotomy of 'chin'".
+/// \param cut        for the message: "osteotomy of 'chin'".
+/// \param whole_mm3  volume before the cut.
+/// \param parts_mm3  volumes of the parts.
+/// \returns nothing, or kMeshingFailed if the sum differs from the whole.
 [[nodiscard]] Result<void> check_volumes(const std::string& cut, double whole_mm3,
                                          const std::vector<double>& parts_mm3);
 

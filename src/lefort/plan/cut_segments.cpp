@@ -9,8 +9,8 @@
 namespace lefort::plan {
 namespace {
 
-/// The place of a segment among those before `end`; `end` if it is not there.
-std::size_t place_of(std::span<const PlannedSegment> planned, std::size_t end,
+/// \returns the index of a segment among those before `end`; `end` if it is not among them.
+std::size_t index_of(std::span<const PlannedSegment> planned, std::size_t end,
                      const std::string& name) {
   const auto last = planned.begin() + std::ptrdiff_t(end);
   return std::size_t(
@@ -30,13 +30,13 @@ std::vector<geometry::RigidPath> paths_of(std::span<const PlannedSegment> planne
 Result<void> check_segments(std::span<const PlannedSegment> planned) {
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const std::string& name = planned[k].osteotomy.segment;
-    if (place_of(planned, k, name) != k)
+    if (index_of(planned, k, name) != k)
       return fail(ErrorCode::kPlanInvalid, fmt::format("two segments are called '{}'", name));
     const std::string& from = planned[k].from;
-    if (!from.empty() && place_of(planned, k, from) == k)
+    if (!from.empty() && index_of(planned, k, from) == k)
       return fail(
           ErrorCode::kPlanInvalid,
-          fmt::format("segment '{}' is from '{}', which is no segment before it", name, from));
+          fmt::format("segment '{}' is from '{}', which is not an earlier segment", name, from));
   }
   return {};
 }
@@ -48,7 +48,7 @@ Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
   all.remainder_L = skull_L;
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const PlannedSegment& one = planned[k];
-    const std::size_t from = place_of(planned, k, one.from);
+    const std::size_t from = index_of(planned, k, one.from);
     geometry::TriangleMesh& source = one.from.empty() ? all.remainder_L : all.segments_L[from];
     LEFORT_TRY(OsteotomyResult bones, perform_osteotomy(source, one.osteotomy, one.cut, progress));
     if (k == 0) all.skull_volume_mm3 = bones.skull_volume_mm3;

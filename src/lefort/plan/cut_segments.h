@@ -1,5 +1,5 @@
 /// \file
-/// All osteotomies of a plan, one after the other.
+/// Performs all osteotomies of a plan in sequence.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,39 +15,47 @@
 
 namespace lefort::plan {
 
-/// A piece of bone that is cut free and moved.
+/// A mobilized segment: its osteotomy and its motion.
 struct PlannedSegment {
   Osteotomy osteotomy;
   OsteotomyOptions cut;
-  std::string from{};  ///< The earlier segment it is cut out of; empty: the bone that remains.
+  std::string from{};  ///< The earlier segment it is cut from; empty: the remainder.
   geometry::RigidPath path{};
-  bool is_distracted = false;  ///< New bone grows where it leaves: gaps are meant.
+  bool is_distracted = false;  ///< Distraction osteogenesis: bone grows in the gap it leaves.
 };
 
+/// \param planned  the segments.
+/// \returns the path of each segment.
 [[nodiscard]] std::vector<geometry::RigidPath> paths_of(std::span<const PlannedSegment> planned);
 
-/// The skull in closed parts.
+/// The skull after all osteotomies, as closed surfaces.
 struct CutSegments {
-  std::vector<geometry::TriangleMesh> segments_L;  ///< As many as planned, in their order.
+  std::vector<geometry::TriangleMesh> segments_L;  ///< In the order of the plan.
   geometry::TriangleMesh remainder_L;
-  std::vector<OsteotomyResult> cuts;  ///< What each cut told; the surfaces in it are left empty.
+  std::vector<OsteotomyResult> cuts;  ///< The result of each cut, without surfaces.
   double skull_volume_mm3 = 0.0;
-  std::vector<double> volumes_mm3;  ///< Of the segments, as they are in the end.
+  std::vector<double> volumes_mm3;  ///< Of the segments, after all cuts.
   double remainder_volume_mm3 = 0.0;
   double kerf_volume_mm3 = 0.0;  ///< Of all cuts.
 };
 
-/// Cuts in the order of the plan; a later cut takes bone from what an earlier one left, or from the
-/// earlier segment it names.
+/// Performs the osteotomies in the order of the plan. Each one cuts the remainder of the earlier
+/// ones, or the earlier segment that `from` names.
 ///
-/// \returns what perform_osteotomy() returns; or kPlanInvalid if two segments have one name, or
-///   `from` names none that stands before.
-/// \note Volumes add up as those of perform_osteotomy() do.
+/// \param skull_L   closed; several bodies and cavities are allowed.
+/// \param planned   the segments.
+/// \param progress  of each cut; may request a stop.
+/// \returns the parts; or the errors of perform_osteotomy(); or kPlanInvalid if two segments have
+///   the same name, or `from` does not name an earlier segment.
+/// \note Volumes add up within the tolerance of perform_osteotomy().
 [[nodiscard]] Result<CutSegments> cut_segments(const geometry::TriangleMesh& skull_L,
                                                std::span<const PlannedSegment> planned,
                                                Progress& progress = Progress::none());
 
-/// Whether names and `from` of a plan's segments fit, before anything is cut; kPlanInvalid if not.
+/// Checks the names and `from` of all segments.
+///
+/// \param planned  the segments, in the order of the plan.
+/// \returns nothing, or kPlanInvalid as cut_segments() does.
 [[nodiscard]] Result<void> check_segments(std::span<const PlannedSegment> planned);
 
 }  // namespace lefort::plan

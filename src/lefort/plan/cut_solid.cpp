@@ -15,8 +15,8 @@ using geometry::TriangleMesh;
 
 bool is_bounded(const CutPlane& plane) { return plane.bounds.has_value(); }
 
-/// What is wrong with a plane, or nothing.
-std::string complaint_about(const CutPlane& plane) {
+/// \returns why the plane is invalid, empty if it is valid.
+std::string invalid_reason(const CutPlane& plane) {
   if (!plane.point_L.allFinite()) return "its point is not finite";
   if (!plane.normal_L.allFinite() || !(plane.normal_L.norm() > 1e-6))
     return fmt::format("its normal has length {}, must be 1", plane.normal_L.norm());
@@ -25,29 +25,29 @@ std::string complaint_about(const CutPlane& plane) {
   if (!(width_mm > 0.0 && height_mm > 0.0) || !std::isfinite(width_mm + height_mm))
     return fmt::format("its size is {} x {} mm, must be above 0", width_mm, height_mm);
   if (!across_L.allFinite() || !(across_L.cross(plane.normal_L).norm() > 1e-6 * across_L.norm()))
-    return "its width runs along its normal, must run across";
+    return "its width direction is parallel to its normal, must not be";
   return {};
 }
 
-std::string complaint_about(const CutCurve& curve) {
+std::string invalid_reason(const CutCurve& curve) {
   if (curve.depth_mm && (!(*curve.depth_mm > 0.0) || !std::isfinite(*curve.depth_mm)))
     return fmt::format("its depth is {} mm, must be above 0", *curve.depth_mm);
   const auto prism = mesh::make_prism(curve.points_L, curve.direction_L, 0.0, 1.0);
   return prism ? std::string() : prism.error().message;
 }
 
-std::string complaint_about(const std::vector<CutPlane>& planes,
-                            const std::vector<CutCurve>& curves) {
+std::string invalid_reason(const std::vector<CutPlane>& planes,
+                           const std::vector<CutCurve>& curves) {
   for (std::size_t i = 0; i < planes.size(); ++i)
-    if (const std::string why = complaint_about(planes[i]); !why.empty())
+    if (const std::string why = invalid_reason(planes[i]); !why.empty())
       return fmt::format("plane {}: {}", i, why);
   for (std::size_t i = 0; i < curves.size(); ++i)
-    if (const std::string why = complaint_about(curves[i]); !why.empty())
+    if (const std::string why = invalid_reason(curves[i]); !why.empty())
       return fmt::format("curve {}: {}", i, why);
   return {};
 }
 
-/// Lowest and highest p . direction in the box.
+/// \returns the range of p . direction in the box.
 std::array<double, 2> heights_in(const Box3& box, const Vec3& direction) {
   std::array<double, 2> range{std::numeric_limits<double>::infinity(),
                               -std::numeric_limits<double>::infinity()};
@@ -63,7 +63,7 @@ Result<TriangleMesh> prism_of(const CutCurve& curve, const Box3& box, double gro
   auto [from_mm, to_mm] = heights_in(box, direction);
   if (curve.depth_mm)
     to_mm = std::min(to_mm, direction.dot(curve.points_L[0]) + *curve.depth_mm + grow_mm);
-  from_mm = std::min(from_mm, to_mm - 1.0);  // A curve before all bone cuts air.
+  from_mm = std::min(from_mm, to_mm - 1.0);  // Keeps a prism that misses the bone valid.
   return mesh::make_prism(curve.points_L, direction, from_mm, to_mm, grow_mm);
 }
 
@@ -87,27 +87,27 @@ Result<void> check_osteotomy(const Osteotomy& osteotomy) {
   };
   if (osteotomy.planes.empty() && osteotomy.curves.empty())
     return bad("`planes` is empty, must have one or more");
-  if (!(osteotomy.kerf_mm >= 0.0 && osteotomy.kerf_mm <= kWidestKerf_mm))
-    return bad(fmt::format("the saw's kerf is {} mm, must be 0 to {:g}", osteotomy.kerf_mm,
-                           kWidestKerf_mm));
-  if (const std::string why = complaint_about(osteotomy.planes, osteotomy.curves); !why.empty())
+  if (!(osteotomy.kerf_mm >= 0.0 && osteotomy.kerf_mm <= kMaxKerf_mm))
+    return bad(
+        fmt::format("the saw's kerf is {} mm, must be 0 to {:g}", osteotomy.kerf_mm, kMaxKerf_mm));
+  if (const std::string why = invalid_reason(osteotomy.planes, osteotomy.curves); !why.empty())
     return bad(why);
   bool is_other_bounded = false;
   for (std::size_t r = 0; r < osteotomy.additional_regions.size(); ++r) {
     const CutRegion& region = osteotomy.additional_regions[r];
     if (region.planes.empty() && region.curves.empty())
       return bad(fmt::format("also[{}] has neither planes nor curves", r));
-    if (const std::string why = complaint_about(region.planes, region.curves); !why.empty())
+    if (const std::string why = invalid_reason(region.planes, region.curves); !why.empty())
       return bad(fmt::format("also[{}]: {}", r, why));
     is_other_bounded |= std::any_of(region.planes.begin(), region.planes.end(), is_bounded);
   }
   const auto bounded = std::count_if(osteotomy.planes.begin(), osteotomy.planes.end(), is_bounded);
-  const bool stands_beside = bounded != std::ptrdiff_t(osteotomy.planes.size()) ||
-                             !osteotomy.curves.empty() || !osteotomy.additional_regions.empty();
-  if (is_other_bounded || (bounded > 0 && stands_beside))
-    return bad("bounded planes stand beside curves, unbounded planes or `also`, must stand alone");
+  const bool has_others = bounded != std::ptrdiff_t(osteotomy.planes.size()) ||
+                          !osteotomy.curves.empty() || !osteotomy.additional_regions.empty();
+  if (is_other_bounded || (bounded > 0 && has_others))
+    return bad("bounded planes cannot be combined with curves, unbounded planes or `also`");
   for (const Vec3& point : osteotomy.anchor_points_L)
-    if (!point.allFinite()) return bad("a point it holds is not finite");
+    if (!point.allFinite()) return bad("an anchor point is not finite");
   return {};
 }
 
@@ -127,7 +127,7 @@ std::vector<mesh::HalfSpace> half_spaces_of(const std::vector<CutPlane>& planes)
 }
 
 Result<TriangleMesh> cut_solid(const Osteotomy& osteotomy, const Box3& box, double grow_mm) {
-  // Boxes of regions that end in the same plane would touch face to face; these do not.
+  // Without it, boxes of regions that end in the same plane would touch face to face.
   constexpr double kStagger_mm = 0.25;
   Box3 room = box;
   LEFORT_TRY(TriangleMesh solid, solid_of({osteotomy.planes, osteotomy.curves}, room, grow_mm));

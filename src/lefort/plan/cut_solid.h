@@ -11,28 +11,37 @@
 
 namespace lefort::plan {
 
-inline constexpr double kWidestKerf_mm = 5.0;  ///< No saw is wider.
+/// Limit of the kerf; no surgical saw is wider.
+inline constexpr double kMaxKerf_mm = 5.0;
 
-/// \returns kPlanInvalid, which names the osteotomy and what is wrong with it (see
+/// \param osteotomy  of any kind.
+/// \returns nothing, or kPlanInvalid with the name of the osteotomy and the reason (see
 ///   perform_osteotomy()).
 [[nodiscard]] Result<void> check_osteotomy(const Osteotomy& osteotomy);
 
-/// Whether it is of bounded planes, so of sheets. \pre check_osteotomy()
+/// \param osteotomy  checked by check_osteotomy().
+/// \returns whether it consists of bounded planes (sheets).
 [[nodiscard]] bool is_of_sheets(const Osteotomy& osteotomy);
 
-/// Whether it is of unbounded planes alone, which need no solid.
+/// \param osteotomy  checked by check_osteotomy().
+/// \returns whether it consists of unbounded planes only, which need no solid.
 [[nodiscard]] bool is_of_planes(const Osteotomy& osteotomy);
 
+/// \param planes  unbounded.
+/// \returns the half-space on the segment's side of each plane.
 [[nodiscard]] std::vector<mesh::HalfSpace> half_spaces_of(const std::vector<CutPlane>& planes);
 
-/// What lies within the osteotomy, and in `box`; its walls moved outwards.
-///
-/// \pre check_osteotomy(), not is_of_sheets().
-/// \returns kMeshingFailed or kPlanInvalid if the cuts do not make a solid.
+/// \param osteotomy  checked by check_osteotomy(), not of sheets.
+/// \param box        bounds the solid.
+/// \param grow_mm    outward offset of the faces, >= 0.
+/// \returns the solid within the cuts, a closed surface; kMeshingFailed or kPlanInvalid if the cuts
+///   do not enclose one.
 [[nodiscard]] Result<geometry::TriangleMesh> cut_solid(const Osteotomy& osteotomy, const Box3& box,
                                                        double grow_mm);
 
-/// The slabs behind bounded planes, together. \pre is_of_sheets()
+/// \param osteotomy     of sheets.
+/// \param thickness_mm  of each slab, > 0.
+/// \returns the union of the slabs behind the bounded planes, or kMeshingFailed.
 [[nodiscard]] Result<geometry::TriangleMesh> sheet_solid(const Osteotomy& osteotomy,
                                                          double thickness_mm);
 

@@ -56,8 +56,9 @@ NameParts split(std::string_view name) {
   return {name.substr(0, name.size() - 2), name.substr(name.size() - 2)};
 }
 
-constexpr double kMinCosine = 0.5;        // Of 60 degrees: further than heads and faces are askew.
-constexpr double kBeyondMiddle_mm = 5.0;  // A face that is askew may be this far off its middle.
+// Heuristic limits: no head is tilted, and no face asymmetric, by more.
+constexpr double kMinCosine = 0.5;        // Of 60 degrees.
+constexpr double kBeyondMiddle_mm = 5.0;  // Of a landmark beyond the mid-plane.
 
 /// Both sides of one kind.
 struct Pair {
@@ -80,13 +81,14 @@ std::vector<Pair> pairs_in(std::span<const Landmark> landmarks) {
 }
 
 tl::unexpected<Error> exchanged(std::string_view stem, const char* direction) {
-  return fail(ErrorCode::kPlanInvalid,
-              fmt::format("landmarks {0}-R and {0}-L: the way from right to left runs more than 60 "
-                          "degrees off {1}, are they exchanged?",
-                          stem, direction));
+  return fail(
+      ErrorCode::kPlanInvalid,
+      fmt::format("landmarks {0}-R and {0}-L: the direction from right to left is more than "
+                  "60 degrees off {1}, are they exchanged?",
+                  stem, direction));
 }
 
-/// What lies on the wrong side of the middle, each by itself.
+/// Checks that each landmark with a side lies on that side of the mid-plane.
 Result<void> check_sides(std::span<const Landmark> landmarks, std::span<const Pair> pairs,
                          const Vec3& left) {
   std::vector<Vec3> middles;
@@ -104,8 +106,8 @@ Result<void> check_sides(std::span<const Landmark> landmarks, std::span<const Pa
     if (!((side == "-L" ? -to_left_mm : to_left_mm) <= kBeyondMiddle_mm))
       return fail(
           ErrorCode::kPlanInvalid,
-          fmt::format("landmark {} lies {:.1f} mm to the {} of the patient's middle, has it "
-                      "the wrong side?",
+          fmt::format("landmark {} lies {:.1f} mm to the {} of the mid-plane, has it the "
+                      "wrong side?",
                       landmark.name, std::abs(to_left_mm), side == "-L" ? "right" : "left"));
   }
   return {};

@@ -1,5 +1,5 @@
 /// \file
-/// Anatomical points by name: what surgeons measure between, turn about and aim at. A value.
+/// Landmarks: named anatomical points for measurements, rotation centers and targets.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,53 +15,60 @@ namespace lefort::plan {
 
 /// A named point of the patient.
 struct Landmark {
-  std::string name;  ///< "A", "Or-R"; any other name is one, too.
+  std::string name;  ///< "A", "Or-R"; or any other name.
   Vec3 point_L;      ///< [mm].
 };
 
 using Landmarks = std::vector<Landmark>;
 
-/// One of the field's landmarks (docs/guide/landmarks.md).
+/// Definition of a standard landmark (docs/landmarks.md).
 struct LandmarkKind {
   const char* abbreviation;  ///< Without the side: "Or".
   const char* name;          ///< "orbitale".
-  bool is_soft;              ///< On the skin; else on bone or teeth.
-  bool is_paired;            ///< Then its landmarks end in "-R" and "-L", the patient's sides.
+  bool is_soft;              ///< On the skin; otherwise on bone or teeth.
+  bool is_paired;            ///< The names end in "-R" and "-L", the patient's sides.
 };
 
-/// All of them, bone first.
+/// \returns all standard landmarks, those of bone first.
 [[nodiscard]] std::span<const LandmarkKind> landmark_kinds();
 
-/// The kind that "Or-R" is of; null for a name that is none of the field's, and for a pair without
-/// a side.
+/// \param name  with the side: "Or-R".
+/// \returns the definition; null if the name is not a standard one, or lacks the side of a pair.
 [[nodiscard]] const LandmarkKind* landmark_definition(std::string_view name);
 
-/// "right orbitale" for "Or-R", the name itself if it is none of the field's.
+/// \param name  with the side.
+/// \returns "right orbitale" for "Or-R"; the name itself if it is not a standard one.
 [[nodiscard]] std::string full_name(std::string_view name);
 
-/// Where the landmark of that name is, if it is there.
+/// \param landmarks  to be searched.
+/// \param name       with the side.
+/// \returns the position of the landmark with that name [mm], nothing if there is none.
 [[nodiscard]] std::optional<Vec3> find_landmark(std::span<const Landmark> landmarks,
                                                 std::string_view name);
 
-/// The middle between the two of a pair; the one that is there if the other is not, or what has the
-/// name without a side.
+/// \param landmarks  to be searched.
+/// \param name       without the side: "Or".
+/// \returns the landmark of that name; otherwise the midpoint of the pair, or the existing one of
+///   the two; nothing if there is none.
 [[nodiscard]] std::optional<Vec3> pair_midpoint(std::span<const Landmark> landmarks,
                                                 std::string_view name);
 
-/// Towards the patient's left, unit length: the mean direction of the field's pairs from right to
+/// The axis towards the patient's left: the mean direction of the standard pairs from right to
 /// left, or x if there is no pair.
 ///
-/// Sides exchanged by mistake would turn a head over, so what names say about them is held against
-/// L, whose x runs to the patient's left.
+/// Exchanged sides would turn the head over. The sides in the names are therefore compared with the
+/// frame L, whose x axis points to the patient's left.
 ///
-/// \returns kPlanInvalid, which names the landmarks, if
-///   - a pair runs more than 60 degrees off the patient's left, or off the mean of all pairs;
-///   - there are pairs, and a landmark that has a side lies more than 5 mm beyond the mid-plane,
-///     which goes through the mean of the pairs' middles and of the field's landmarks without a
-///     side.
+/// \param landmarks  of one head.
+/// \returns a unit vector; or kPlanInvalid, with the names of the landmarks, if
+///   - the direction of a pair differs by more than 60 degrees from the patient's left, or from the
+///     mean of all pairs;
+///   - there are pairs, and a landmark with a side lies more than 5 mm beyond the mid-plane, which
+///     passes through the mean of the midpoints of pairs and of the unpaired standard landmarks.
 [[nodiscard]] Result<Vec3> patient_left_axis(std::span<const Landmark> landmarks);
 
-/// The first name that stands twice, if one does.
+/// \param landmarks  to be searched.
+/// \returns the first name that occurs twice, if there is one.
 [[nodiscard]] std::optional<std::string> first_repeated_name(std::span<const Landmark> landmarks);
 
 }  // namespace lefort::plan

@@ -10,9 +10,10 @@
 namespace lefort::plan {
 namespace {
 
-constexpr double kMaxTurn_deg = 45.0;  // Surgery turns bones far less; a mirrored triangle, 180.
+// Heuristic: surgical rotations are far smaller; exchanged sides of a triangle give 180 degrees.
+constexpr double kMaxRotation_deg = 45.0;
 constexpr double kRoundOff_mm = 1e-9;
-constexpr int kLongest_days = 1000;  // As steps in contract/plan.schema.json.
+constexpr int kMaxDays = 1000;  // As the number of steps in contract/plan.schema.json.
 
 }  // namespace
 
@@ -34,7 +35,7 @@ Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmar
   for (const Landmark& target : targets) {
     names += (names.empty() ? "" : ", ") + target.name;
     const auto landmark = find_landmark(landmarks, target.name);
-    if (!landmark) return bad(fmt::format("target {} is of no landmark of the plan", target.name));
+    if (!landmark) return bad(fmt::format("target {} has no landmark in the plan", target.name));
     from.push_back(*landmark);
     to.push_back(target.point_L);
     mean += *landmark / double(targets.size());
@@ -43,16 +44,16 @@ Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmar
   if (!fit) return bad("targets: " + fit.error().message);
   if (!(fit->max_residual_mm <= tolerance_mm + kRoundOff_mm))
     return bad(fmt::format(
-        "no rigid motion brings all landmarks to their targets: {} would miss "
-        "its own by {:.2f} mm, at most {:g} mm is allowed",
+        "no rigid motion moves all landmarks to their targets: {} would miss its target by "
+        "{:.2f} mm, at most {:g} mm are allowed",
         targets[std::size_t(fit->max_residual_index)].name, fit->max_residual_mm, tolerance_mm));
   const geometry::Keyframe key = keyframe_of_pose(fit->X_to_from, mean);
-  const double turn_deg = degrees_from_radians(key.rotation_rad.norm());
-  if (!(turn_deg <= kMaxTurn_deg))
+  const double rotation_deg = degrees_from_radians(key.rotation_rad.norm());
+  if (!(rotation_deg <= kMaxRotation_deg))
     return bad(
-        fmt::format("the targets of {} turn the segment by {:.0f} degrees, at most {:g} are "
+        fmt::format("the targets of {} rotate the segment by {:.0f} degrees, at most {:g} are "
                     "allowed: are -R and -L exchanged?",
-                    names, turn_deg, kMaxTurn_deg));
+                    names, rotation_deg, kMaxRotation_deg));
   const auto sides = patient_left_axis(targets);
   if (!sides) return bad("targets: " + sides.error().message);
   return key;
@@ -63,7 +64,7 @@ Result<std::vector<geometry::Keyframe>> distraction_keyframes(
   const auto bad = [](std::string what) { return fail(ErrorCode::kPlanInvalid, std::move(what)); };
   if (phases.empty()) return bad("`distraction` is empty, must have one phase or more");
   std::vector<geometry::Keyframe> keyframes;
-  Vec3 shift_mm = Vec3::Zero();
+  Vec3 translation_mm = Vec3::Zero();
   int days = 0;
   for (std::size_t i = 0; i < phases.size(); ++i) {
     const auto& [towards_L, mm_per_day, length] = phases[i];
@@ -71,16 +72,16 @@ Result<std::vector<geometry::Keyframe>> distraction_keyframes(
       return bad(fmt::format("distraction phase {}: its direction has no length", i));
     if (!(mm_per_day > 0.0) || !std::isfinite(mm_per_day))
       return bad(fmt::format("distraction phase {}: {} mm a day, must be above 0", i, mm_per_day));
-    if (length < 1 || length > kLongest_days - days)
+    if (length < 1 || length > kMaxDays - days)
       return bad(
-          fmt::format("distraction phase {}: {} days, must be 1 or more, and all together "
-                      "at most {}",
-                      i, length, kLongest_days));
+          fmt::format("distraction phase {}: {} days, must be 1 or more, and at most {} in "
+                      "total",
+                      i, length, kMaxDays));
     days += length;
-    shift_mm += mm_per_day * double(length) * towards_L.normalized();
+    translation_mm += mm_per_day * double(length) * towards_L.normalized();
     geometry::Keyframe key;
     key.at = double(days);
-    key.translation_mm = shift_mm;
+    key.translation_mm = translation_mm;
     keyframes.push_back(key);
   }
   for (geometry::Keyframe& key : keyframes) key.at /= double(days);

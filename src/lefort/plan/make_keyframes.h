@@ -1,6 +1,5 @@
 /// \file
-/// Keyframes from what surgeons state: a pose, landmarks and where they shall go, days of
-/// distraction.
+/// Keyframes from surgical input: a pose, target positions of landmarks, or days of distraction.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,22 +12,24 @@
 
 namespace lefort::plan {
 
-/// The keyframe at which the segment has this pose.
-///
-/// \param center_L  the point whose way between keyframes is straight [mm].
+/// \param X_LB      pose of the segment.
+/// \param center_L  the point whose path between keyframes is straight [mm].
+/// \returns the keyframe of this pose.
 [[nodiscard]] geometry::Keyframe keyframe_of_pose(const RigidTransform& X_LB, const Vec3& center_L);
 
-/// The keyframe that brings landmarks nearest to their targets, by least squares; its center is the
-/// landmarks' mean.
+/// Fits a rigid motion that moves landmarks to their targets, by least squares. Its center is the
+/// mean of the landmarks.
 ///
-/// \param landmarks     where they are before surgery; others than those of `targets` do not count.
+/// \param landmarks     before surgery; those without a target are not used.
 /// \param targets       three or more.
-/// \param tolerance_mm  how far a landmark may miss its target.
-/// \returns kPlanInvalid if a target is of no landmark, they do not fix the motion (see
-///   geometry/fit_rigid.h), one is missed by more than the tolerance (the message names it), or the
-///   motion turns by more than 45 degrees or the targets' sides contradict L (see
-///   patient_left_axis()), as they do if sides are exchanged: three points are met by their mirror
-///   image, too.
+/// \param tolerance_mm  largest distance of a moved landmark from its target.
+/// \returns the keyframe, or kPlanInvalid if
+///   - a target has no landmark, or the targets do not determine the motion (see
+///     geometry/fit_rigid.h);
+///   - a distance exceeds the tolerance (the message names the landmark);
+///   - the rotation exceeds 45 degrees, or the sides of the targets contradict L (see
+///     patient_left_axis()). Both indicate exchanged sides: three points can also be fitted to
+///     their mirror image.
 [[nodiscard]] Result<geometry::Keyframe> keyframe_to_targets(std::span<const Landmark> landmarks,
                                                              std::span<const Landmark> targets,
                                                              double tolerance_mm);
@@ -40,14 +41,15 @@ struct DistractionPhase {
   int days = 1;             ///< > 0.
 };
 
-/// One keyframe at the end of each phase, days in proportion to the path.
-///
-/// \returns kPlanInvalid if there is no phase, one breaks what its members promise, or they last
-///   more than 1000 days together.
+/// \param phases  one after another.
+/// \returns one keyframe at the end of each phase, with path fractions proportional to days; or
+///   kPlanInvalid if there is no phase, a member is out of range, or the phases last more than 1000
+///   days in total.
 [[nodiscard]] Result<std::vector<geometry::Keyframe>> distraction_keyframes(
     std::span<const DistractionPhase> phases);
 
-/// All days together, of phases that distraction_keyframes() takes.
+/// \param phases  accepted by distraction_keyframes().
+/// \returns the total number of days.
 [[nodiscard]] int total_days(std::span<const DistractionPhase> phases);
 
 }  // namespace lefort::plan

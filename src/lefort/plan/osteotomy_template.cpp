@@ -33,7 +33,7 @@ std::vector<std::string> landmarks_for(OsteotomyTemplate kind) {
   return {};
 }
 
-/// Landmarks, and directions of the head.
+/// Landmarks and anatomical directions.
 struct Head {
   std::span<const Landmark> landmarks;
   Vec3 left, anterior, up;
@@ -42,26 +42,26 @@ struct Head {
   [[nodiscard]] Vec3 middle(std::string_view name) const { return *pair_midpoint(landmarks, name); }
 };
 
+/// \returns the part of `v` normal to `unit`.
 Vec3 without(const Vec3& v, const Vec3& unit) { return v - unit.dot(v) * unit; }
 
-/// \param backwards, forwards  two points of what counts as horizontal, seen from the side.
-/// \returns kPlanInvalid if sides are exchanged, or the points lie on one line from right to left
-///   or do not lead forwards.
+/// \param backwards, forwards  posterior and anterior point of the horizontal in lateral view.
+/// \returns kPlanInvalid if sides are exchanged, or the line through the points is transverse or
+///   does not point forwards.
 Result<Head> head_along(std::span<const Landmark> landmarks, const Vec3& backwards,
                         const Vec3& forwards) {
-  constexpr double kShortest_mm = 1.0;        // As for two landmarks in one point.
+  constexpr double kMinLength_mm = 1.0;       // As for two landmarks that coincide.
   constexpr double kMinAnteriorCosine = 0.5;  // Of 60 degrees, as for sides.
   const auto bad = [](const char* what) { return fail(ErrorCode::kPlanInvalid, what); };
   LEFORT_TRY(const Vec3 left, patient_left_axis(landmarks));
   const Vec3 ahead = without(forwards - backwards, left);
-  if (!(ahead.norm() >= kShortest_mm))
-    return bad("its landmarks lie on one line from right to left");
+  if (!(ahead.norm() >= kMinLength_mm)) return bad("its landmarks lie on one transverse line");
   Head head{landmarks, left, ahead.normalized(), {}};
   head.up = head.anterior.cross(head.left);
   if (!(-head.anterior.y() > kMinAnteriorCosine))
     return bad(
-        "the way from its hind to its front landmarks runs more than 60 degrees off the "
-        "patient's front, are they exchanged?");
+        "the direction from its posterior to its anterior landmarks is more than 60 degrees off "
+        "the patient's front, are they exchanged?");
   return head;
 }
 
@@ -72,9 +72,10 @@ Osteotomy le_fort_1(const Head& head, const TemplateOptions& options) {
   return cut;
 }
 
-/// From nasion down and back to the top of the fissure behind the maxilla: below the skull's base.
+/// Direction from nasion down and back to the top of the pterygomaxillary fissure, below the skull
+/// base.
 Vec3 roof_backwards(const Head& head) {
-  constexpr double kFissure = 0.45;  // Of the way up from PNS to the height of N.
+  constexpr double kFissure = 0.45;  // Height of the fissure: fraction of that of N above PNS.
   const Vec3 rise = head.up.dot(head.at("N") - head.at("PNS")) * head.up;
   return without(head.at("PNS") + kFissure * rise - head.at("N"), head.left).normalized();
 }
@@ -92,7 +93,7 @@ Osteotomy le_fort_2(const Head& head, const TemplateOptions& options) {
 }
 
 Osteotomy le_fort_3(const Head& head, const TemplateOptions& options) {
-  constexpr double kBeyondOrbitale = 1.3;  // Half-width of the middle part, of that between Or.
+  constexpr double kBeyondOrbitale = 1.3;  // Width of the middle part over the distance between Or.
   constexpr double kOverlap_mm = 6.0;      // Of the middle and the lateral parts.
   Osteotomy cut;
   const Vec3 nasion = head.at("N");
@@ -116,7 +117,7 @@ Osteotomy le_fort_3(const Head& head, const TemplateOptions& options) {
 }
 
 Osteotomy genioplasty(const Head& head, const TemplateOptions& options) {
-  constexpr double kExit = 0.5;  // Of the way from Me to Go the cut leaves the lower border.
+  constexpr double kExit = 0.5;  // Fraction of Me-Go at which the cut leaves the lower border.
   Osteotomy cut;
   const Vec3 front = head.at("Pg") + options.above_pogonion_mm * head.up;
   const Vec3 exit = head.at("Me") + kExit * (head.middle("Go") - head.at("Me"));
@@ -127,14 +128,14 @@ Osteotomy genioplasty(const Head& head, const TemplateOptions& options) {
   return cut;
 }
 
-///   from the left side, front to the left        What stays (proximal) is above the medial cut, or
-///                 ) Co                           lateral of the split, and behind the buccal cut.
-///      medial cut -------\   proximal            What moves (distal) is, on each side, either in
-///                        |                       front of the buccal cut, or both below the medial
-///      L6   | buccal cut | split inside Go       cut and medial of the split.
+///   seen from the left, anterior to the left     The proximal segment is above the medial cut or
+///                 ) Co                           lateral to the split, and behind the buccal cut.
+///      medial cut -------\   proximal            The distal segment, which moves, is on each side
+///                        |                       in front of the buccal cut, or both below the
+///      L6   | buccal cut | split inside Go       medial cut and medial to the split.
 ///     -------------------/ Go
 Osteotomy sagittal_split(const Head& head, const TemplateOptions& options) {
-  constexpr double kMedialCut = 0.5;    // Of the way from Go to Co: above the lingula.
+  constexpr double kMedialCut = 0.5;    // Fraction of Go-Co, above the lingula.
   constexpr double kStagger_mm = 0.01;  // So that regions do not end in the same plane.
   struct SplitPlanes {
     CutPlane before_buccal, medial, below;

@@ -1,8 +1,8 @@
 /// \file
-/// The classic osteotomies, placed by landmarks. What each cuts is drawn in docs/guide/osteotomies.md.
+/// Standard osteotomies, positioned by landmarks. Drawings are in docs/osteotomies.md.
 ///
-/// They are made of planes, so they follow the surgeon's lines only as far as planes do: a start to
-/// be looked at, not a cutting guide.
+/// They consist of planes, so they only approximate surgical osteotomy lines: a starting point for
+/// planning, not a cutting guide.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -25,28 +25,35 @@ enum class OsteotomyTemplate {
   kSagittalSplit,  ///< The tooth-bearing mandible (BSSO): Me, and Go, Co, L6 on both sides.
 };
 
-/// "le-fort-1", "le-fort-2", "le-fort-3", "genioplasty", "sagittal-split".
+/// \param kind  a template.
+/// \returns "le-fort-1", "le-fort-2", "le-fort-3", "genioplasty" or "sagittal-split".
 [[nodiscard]] std::string_view name_of(OsteotomyTemplate kind);
+/// \param name  as returned by name_of().
+/// \returns the template of that name, nothing if there is none.
 [[nodiscard]] std::optional<OsteotomyTemplate> find_template(std::string_view name);
 
-/// How far from the landmarks the planes lie.
+/// Distances of the planes from the landmarks.
 struct TemplateOptions {
-  double above_palate_mm =
-      5.0;  ///< Le Fort I: above ANS, along the palate; roots of teeth end below.
-  double behind_palate_mm = 0.0;  ///< Le Fort I to III: of PNS, where maxilla and pterygoid part.
-  double behind_rim_mm =
-      12.0;  ///< Le Fort III: of FZ, through the orbit's lateral wall and the arch.
+  /// Le Fort I: above ANS, parallel to the palate, above the roots of the teeth.
+  double above_palate_mm = 5.0;
+  /// Le Fort I to III: posterior to PNS, at the pterygomaxillary junction.
+  double behind_palate_mm = 0.0;
+  /// Le Fort III: posterior to FZ, through the lateral orbital wall and the zygomatic arch.
+  double behind_rim_mm = 12.0;
   double above_pogonion_mm = 6.0;  ///< Genioplasty.
-  double split_depth_mm = 5.0;     ///< Sagittal split: of the sagittal plane inside Go.
-  double behind_molar_mm = 12.0;   ///< Sagittal split: of L6, where the buccal cut is.
+  double split_depth_mm = 5.0;     ///< Sagittal split: of the sagittal plane, medial to Go.
+  double behind_molar_mm = 12.0;   ///< Sagittal split: of the buccal cut, posterior to L6.
 };
 
-/// The osteotomy of that kind. Its frame is the patient's: left from the pairs of landmarks, the
-/// palate, and the Frankfurt horizontal where it is known.
+/// Positions an osteotomy. Directions are anatomical: left by the pairs of landmarks, anterior by
+/// the palate, the Frankfurt horizontal or the mandible.
 ///
-/// \param landmarks  at least those the kind names above.
-/// \returns kPlanInvalid that names the first landmark missing, or two that lie in one point,
-///   or those whose sides or order contradict L (see patient_left_axis()).
+/// \param kind       which osteotomy.
+/// \param segment    name of the segment.
+/// \param landmarks  at least those listed at the kind.
+/// \param options    distances from the landmarks.
+/// \returns the osteotomy; or kPlanInvalid with the names of a missing landmark, of two that
+///   coincide, or of those whose sides or order contradict L (see patient_left_axis()).
 [[nodiscard]] Result<Osteotomy> make_osteotomy(OsteotomyTemplate kind, const std::string& segment,
                                                std::span<const Landmark> landmarks,
                                                const TemplateOptions& options = {});

@@ -20,9 +20,9 @@ namespace {
 using geometry::TriangleMesh;
 
 constexpr double kMm3PerMl = 1000.0;
-constexpr double kAnchorTolerance_mm =
-    5.0;                            // Landmarks are picked on skins of bone, which may be rough.
-constexpr double kSheet_mm = 0.01;  // A cut without width is this wide until it is glued.
+// Landmarks are picked on surfaces of bone, which may be rough. Heuristic.
+constexpr double kAnchorTolerance_mm = 5.0;
+constexpr double kSheet_mm = 0.01;  // Thickness of a sheet without kerf, until it is stitched.
 
 tl::unexpected<Error> misses(const Osteotomy& osteotomy, const std::string& what) {
   return fail(ErrorCode::kCutMissesBone,
@@ -40,11 +40,11 @@ std::vector<bool> find_fragments(const std::vector<BoneBody>& bodies,
   return is_fragment;
 }
 
-/// The pieces on which the points lie. What else there is does not matter to them, so that pieces
-/// are too small by the bound of volume alone, not by their share of the largest.
-Result<std::vector<bool>> find_prescribed_dofs(const std::vector<BoneBody>& bodies,
-                                               const Osteotomy& osteotomy,
-                                               const OsteotomyOptions& options) {
+/// \returns for each piece whether an anchor point lies on it. Pieces are excluded by the bound of
+/// volume only, because the largest piece may not belong to the segment.
+Result<std::vector<bool>> find_anchored(const std::vector<BoneBody>& bodies,
+                                        const Osteotomy& osteotomy,
+                                        const OsteotomyOptions& options) {
   std::vector<bool> is_anchored(bodies.size(), false);
   std::vector<double> nearest_mm(osteotomy.anchor_points_L.size(), kAnchorTolerance_mm);
   std::vector<std::size_t> nearest(osteotomy.anchor_points_L.size(), bodies.size());
@@ -64,15 +64,15 @@ Result<std::vector<bool>> find_prescribed_dofs(const std::vector<BoneBody>& bodi
     if (nearest[p] == bodies.size())
       return misses(
           osteotomy,
-          fmt::format("no piece of {:g} ml or more within the cut lies within {:g} mm of "
-                      "({:.1f}, {:.1f}, {:.1f}) mm, which it must hold",
+          fmt::format("no piece of {:g} ml or more within the cut lies within {:g} mm of the "
+                      "anchor point ({:.1f}, {:.1f}, {:.1f}) mm",
                       options.min_piece_ml, kAnchorTolerance_mm, point.x(), point.y(), point.z()));
     is_anchored[nearest[p]] = true;
   }
   return is_anchored;
 }
 
-/// The pieces that are no crumbs.
+/// \returns for each piece whether it is larger than a fragment.
 Result<std::vector<bool>> find_large(const std::vector<BoneBody>& bodies,
                                      const Osteotomy& osteotomy, const OsteotomyOptions& options) {
   std::vector<bool> is_large = find_fragments(bodies, options);
@@ -81,8 +81,8 @@ Result<std::vector<bool>> find_large(const std::vector<BoneBody>& bodies,
   double all_mm3 = 0.0;
   for (const BoneBody& body : bodies) all_mm3 += body.volume_mm3;
   return misses(osteotomy,
-                fmt::format("its planes hold {} crumbs of {:.2g} ml altogether, must hold a piece "
-                            "of {} ml or more",
+                fmt::format("the cut contains {} fragments of {:.2g} ml in total, must contain a "
+                            "piece of {} ml or more",
                             bodies.size(), all_mm3 / kMm3PerMl, options.min_piece_ml));
 }
 
@@ -94,17 +94,17 @@ std::set<Position> positions_of(const TriangleMesh& mesh) {
   return positions;
 }
 
-/// Glues surfaces that were cut apart.
+/// Stitches surfaces that were cut from each other.
 TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
   if (b.triangles.empty()) return a;
   if (a.triangles.empty()) return b;
   return mesh::stitch_surfaces(a, b);
 }
 
-/// What lies within a cut, sorted: the segment, and what goes back.
+/// The pieces within a cut: the segment and the fragments.
 struct Sorted {
-  OsteotomyResult bones;  ///< All but the remainder.
-  TriangleMesh back;
+  OsteotomyResult bones;  ///< Without the remainder.
+  TriangleMesh fragments;
 };
 
 Result<Sorted> sort_pieces(const std::vector<BoneBody>& bodies, std::vector<bool> within,
@@ -116,38 +116,38 @@ Result<Sorted> sort_pieces(const std::vector<BoneBody>& bodies, std::vector<bool
     if (within[b]) inside.push_back(bodies[b]);
   LEFORT_TRY(std::vector<bool> is_segment, osteotomy.anchor_points_L.empty()
                                                ? find_large(inside, osteotomy, options)
-                                               : find_prescribed_dofs(inside, osteotomy, options));
+                                               : find_anchored(inside, osteotomy, options));
   for (std::size_t b = 0; b < inside.size(); ++b) {
     (is_segment[b] ? bones.segment_volume_mm3 : bones.fragment_volume_mm3) += inside[b].volume_mm3;
     ++(is_segment[b] ? bones.segment_pieces : bones.fragments);
   }
   bones.segment_L = gather(inside, is_segment);
   is_segment.flip();
-  sorted.back = gather(inside, is_segment);
+  sorted.fragments = gather(inside, is_segment);
   return sorted;
 }
 
-/// The bone that remains, with the saw's way beside the segment taken off.
+/// The remainder without the kerf next to the segment.
 struct Sawn {
   TriangleMesh remainder;
   double kerf_mm3 = 0.0;
 };
 
-Result<Sawn> saw_off(const TriangleMesh& outside, const OsteotomyResult& bones,
-                     const Osteotomy& osteotomy, const Box3& box, Progress& progress) {
+Result<Sawn> remove_kerf(const TriangleMesh& outside, const OsteotomyResult& bones,
+                         const Osteotomy& osteotomy, const Box3& box, Progress& progress) {
   if (osteotomy.kerf_mm == 0.0) return Sawn{outside, 0.0};
   LEFORT_TRY(const TriangleMesh grown, cut_solid(osteotomy, box, osteotomy.kerf_mm));
   LEFORT_TRY(const mesh::SurfaceCut cut, mesh::cut_surface(outside, grown, progress));
-  // The saw ran beside the segment, not beside what stayed where it was.
+  // The saw cuts next to the segment only, not next to fragments.
   const std::set<Position> of_segment = positions_of(bones.segment_L);
   Sawn sawn{cut.outside, 0.0};
   for (const BoneBody& body : bodies_of(cut.inside)) {
-    const bool is_dust =
+    const bool is_kerf =
         std::any_of(body.surface.vertices.begin(), body.surface.vertices.end(), [&](const Vec3& v) {
           return of_segment.count({v.x(), v.y(), v.z()}) > 0;
         });
-    if (is_dust) sawn.kerf_mm3 += body.volume_mm3;
-    if (!is_dust) sawn.remainder = joined(sawn.remainder, body.surface);
+    if (is_kerf) sawn.kerf_mm3 += body.volume_mm3;
+    if (!is_kerf) sawn.remainder = joined(sawn.remainder, body.surface);
   }
   return sawn;
 }
@@ -155,15 +155,15 @@ Result<Sawn> saw_off(const TriangleMesh& outside, const OsteotomyResult& bones,
 Result<OsteotomyResult> finish(Sorted sorted, TriangleMesh remainder, double kerf_mm3,
                                double skull_mm3, const Osteotomy& osteotomy) {
   OsteotomyResult bones = std::move(sorted.bones);
-  bones.remainder_L = joined(remainder, sorted.back);
+  bones.remainder_L = joined(remainder, sorted.fragments);
   bones.skull_volume_mm3 = skull_mm3;
   bones.kerf_volume_mm3 = kerf_mm3;
   if (bones.remainder_L.triangles.empty())
-    return misses(osteotomy, "the saw leaves nothing of the bone it is cut from");
+    return misses(osteotomy, "the kerf removes all bone outside the segment");
   bones.remainder_volume_mm3 = geometry::signed_volume_mm3(bones.remainder_L);
   if (!geometry::is_closed(bones.remainder_L))
     return fail(ErrorCode::kMeshingFailed,
-                fmt::format("osteotomy of '{}': {} crumbs cannot be joined to the remainder again",
+                fmt::format("osteotomy of '{}': {} fragments cannot be joined to the remainder",
                             osteotomy.segment, bones.fragments));
   LEFORT_TRY_VOID(check_volumes(
       fmt::format("osteotomy of '{}'", osteotomy.segment), skull_mm3,
@@ -189,19 +189,17 @@ Result<OsteotomyResult> cut_by_region(const TriangleMesh& skull_L, const Osteoto
     LEFORT_TRY(const TriangleMesh solid, cut_solid(osteotomy, box, 0.0));
     LEFORT_TRY(cut, mesh::cut_surface(skull_L, solid, progress));
   }
-  if (cut.inside.triangles.empty())
-    return misses(osteotomy, "no bone lies inside its planes, must some");
-  if (cut.outside.triangles.empty())
-    return misses(osteotomy, "all bone lies inside its planes, some must lie outside");
+  if (cut.inside.triangles.empty()) return misses(osteotomy, "no bone lies inside its planes");
+  if (cut.outside.triangles.empty()) return misses(osteotomy, "all bone lies inside its planes");
   const std::vector<BoneBody> bodies = bodies_of(cut.inside);
   LEFORT_TRY(Sorted sorted,
              sort_pieces(bodies, std::vector<bool>(bodies.size(), true), osteotomy, options));
-  LEFORT_TRY(Sawn sawn, saw_off(cut.outside, sorted.bones, osteotomy, box, progress));
+  LEFORT_TRY(Sawn sawn, remove_kerf(cut.outside, sorted.bones, osteotomy, box, progress));
   return finish(std::move(sorted), std::move(sawn.remainder), sawn.kerf_mm3, cut.whole_volume_mm3,
                 osteotomy);
 }
 
-/// How much of a body ends at a sheet.
+/// Area of a body's surface at a sheet.
 struct SheetAreas {
   double before_mm2 = 0.0;  ///< On the side of the segment.
   double behind_mm2 = 0.0;
@@ -209,7 +207,7 @@ struct SheetAreas {
 
 std::vector<SheetAreas> areas_at_sheets(const TriangleMesh& body, const Osteotomy& osteotomy,
                                         double thickness_mm) {
-  constexpr double kIn_mm = 1e-3;  // A cut may be shifted by 1e-4 mm.
+  constexpr double kIn_mm = 1e-3;  // mesh::cut_surface() displaces a cut by up to 1e-4 mm.
   std::vector<SheetAreas> areas(osteotomy.planes.size());
   for (Index t = 0; t < body.triangle_count(); ++t) {
     const Vec3 &a = body.corner(t, 0), &b = body.corner(t, 1), &c = body.corner(t, 2);
@@ -227,7 +225,7 @@ std::vector<SheetAreas> areas_at_sheets(const TriangleMesh& body, const Osteotom
       if (std::abs(up.dot(from)) > 0.5 * plane.bounds->height_mm ||
           std::abs(up.cross(normal).dot(from)) > 0.5 * plane.bounds->width_mm)
         continue;
-      // Bone ends at the sheet: its outside points into it.
+      // The bone ends at the sheet: its outward normal points into the sheet.
       const double towards_mm2 = 0.5 * twice_area.dot(normal);
       if (towards_mm2 < 0.0 && lies_at(0.0)) areas[i].before_mm2 -= towards_mm2;
       if (towards_mm2 > 0.0 && lies_at(-thickness_mm)) areas[i].behind_mm2 += towards_mm2;
@@ -236,12 +234,13 @@ std::vector<SheetAreas> areas_at_sheets(const TriangleMesh& body, const Osteotom
   return areas;
 }
 
-/// Where a body lies. Sheets that reach a little into bone beyond the piece they free leave a slit
-/// in it, of the same area on both sides; such a body still lies where nearly all of it ends.
+/// Position of a body relative to the sheets. Sheets that extend slightly into bone beyond the
+/// segment leave a slit in it, with equal areas on both sides; the position of such a body is that
+/// of nearly all of its area at sheets.
 enum class Side { kBefore, kBehind, kAway };
 
 Result<Side> side_of(const TriangleMesh& body, const Osteotomy& osteotomy, double thickness_mm) {
-  constexpr double kSlit = 0.1;  // Share of what ends on the body's own side.
+  constexpr double kSlit = 0.1;  // Area on the other side over that on the body's side. Heuristic.
   SheetAreas all, largest;
   std::size_t sheet = 0;
   const std::vector<SheetAreas> areas = areas_at_sheets(body, osteotomy, thickness_mm);
@@ -257,8 +256,8 @@ Result<Side> side_of(const TriangleMesh& body, const Osteotomy& osteotomy, doubl
   if (all.before_mm2 == 0.0 && all.behind_mm2 == 0.0) return Side::kAway;
   if (all.behind_mm2 <= kSlit * all.before_mm2) return Side::kBefore;
   if (all.before_mm2 <= kSlit * all.behind_mm2) return Side::kBehind;
-  return misses(osteotomy, fmt::format("plane {} does not separate the bone: what lies before its "
-                                       "planes hangs together with what lies behind",
+  return misses(osteotomy, fmt::format("plane {} does not separate the bone: the bone in front of "
+                                       "its planes is connected to the bone behind",
                                        sheet));
 }
 
@@ -267,7 +266,7 @@ Result<OsteotomyResult> cut_by_sheets(const TriangleMesh& skull_L, const Osteoto
   const double thickness_mm = std::max(osteotomy.kerf_mm, kSheet_mm);
   LEFORT_TRY(const TriangleMesh solid, sheet_solid(osteotomy, thickness_mm));
   LEFORT_TRY(const mesh::SurfaceCut cut, mesh::cut_surface(skull_L, solid, progress));
-  if (cut.inside.triangles.empty()) return misses(osteotomy, "its planes cut no bone, must some");
+  if (cut.inside.triangles.empty()) return misses(osteotomy, "its planes cut no bone");
   const std::vector<BoneBody> bodies = bodies_of(cut.outside);
   std::vector<bool> is_before, is_other;
   for (const BoneBody& body : bodies) {
@@ -276,7 +275,7 @@ Result<OsteotomyResult> cut_by_sheets(const TriangleMesh& skull_L, const Osteoto
     is_other.push_back(side != Side::kBefore);
   }
   if (std::find(is_before.begin(), is_before.end(), true) == is_before.end())
-    return misses(osteotomy, "no bone lies before its planes, must some");
+    return misses(osteotomy, "no bone lies in front of its planes");
   LEFORT_TRY(Sorted sorted, sort_pieces(bodies, is_before, osteotomy, options));
   TriangleMesh remainder = gather(bodies, is_other);
   double kerf_mm3 = cut.inside_volume_mm3;

@@ -1,5 +1,5 @@
 /// \file
-/// What the surgeon wants: bone cuts, and the way each cut piece moves. A value.
+/// The geometry of osteotomies.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -10,51 +10,50 @@
 
 namespace lefort::plan {
 
-/// How far a saw goes in a plane: a rectangle about the plane's point.
+/// Extent of a bounded cut plane: a rectangle centered at the plane's point.
 struct PlaneBounds {
-  Vec3 across_L;     ///< Along the width; what of it lies across the plane's normal counts.
+  Vec3 across_L;     ///< Direction of the width; its component along the normal is ignored.
   double width_mm;   ///< > 0.
-  double height_mm;  ///< > 0, across width and normal.
+  double height_mm;  ///< > 0, normal to width and plane normal.
 };
 
-/// A plane that bounds a segment: the segment lies on the side the normal points to.
+/// A plane that bounds a segment: the normal points to the segment.
 struct CutPlane {
-  Vec3 point_L;   ///< Any point of the plane, or the rectangle's middle [mm].
+  Vec3 point_L;   ///< Any point of the plane, or the center of the rectangle [mm].
   Vec3 normal_L;  ///< Towards the segment; unit length.
-  std::optional<PlaneBounds> bounds = std::nullopt;  ///< None: the plane has no end.
+  std::optional<PlaneBounds> bounds = std::nullopt;  ///< None: the plane is unbounded.
 };
 
-/// A closed curve moved along a direction, like a cookie cutter; the segment lies within it.
+/// A closed curve extruded along a direction; the segment lies inside.
 struct CutCurve {
   std::vector<Vec3> points_L;  ///< Three or more, in order; the last is joined to the first.
-  Vec3 direction_L;            ///< Into the bone; not zero. The curve is seen along it.
-  /// From the curve's first point along the direction; none: through all bone. Outwards, against
-  /// the direction, the cutter has no end.
+  Vec3 direction_L;            ///< Into the bone; not zero. The curve is projected along it.
+  /// From the curve's first point along the direction; none: through all bone. Against the
+  /// direction, the cut is unbounded.
   std::optional<double> depth_mm = std::nullopt;
 };
 
-/// What lies on the inner side of every plane and within every curve.
+/// The points on the inner side of every plane and inside every curve.
 struct CutRegion {
   std::vector<CutPlane> planes;
   std::vector<CutCurve> curves;
 };
 
-/// Frees the bone within `planes` and `curves`, for example the mid-face in front of a coronal
-/// plane and below an axial one; and within each of `also`, if there are any.
+/// The segment is the bone within `planes` and `curves`, for example the mid-face in front of a
+/// coronal plane and below an axial one, and the bone within each of `additional_regions`.
 ///
-/// Bounded planes are another kind of cut: sheets, which do not stand beside curves, unbounded
-/// planes or `also`. The bone in front of them is the segment, and must not hang together with the
-/// bone behind them around their edges.
+/// Bounded planes (sheets) are another kind of cut. They cannot be combined with curves, unbounded
+/// planes or additional regions. The bone in front of them is the segment, and must not be
+/// connected to the bone behind them around their edges.
 struct Osteotomy {
-  std::string segment;  ///< The name of the piece it frees.
+  std::string segment;  ///< Name of the segment.
   std::vector<CutPlane> planes;
   std::vector<CutCurve> curves{};
   std::vector<CutRegion> additional_regions{};
-  /// If not empty, the segment is the pieces on which these points lie; other pieces within the cut
-  /// stay with the remainder.
+  /// If not empty, the segment consists of the pieces on which these points lie; other pieces
+  /// within the cut stay with the remainder.
   std::vector<Vec3> anchor_points_L{};
-  /// What the saw turns to dust, next to the segment's cut faces, off the bone that remains; 0 for
-  /// a cut without width.
+  /// Width of bone removed by the saw, from the remainder next to the segment's cut faces; >= 0.
   double kerf_mm = 0.0;
 };
 

@@ -45,8 +45,9 @@ Result<Picture> annotate(const Picture& picture, const Annotation& annotation) {
   const double bar_rows_px = annotation.color_bar ? 5.2 * em : 0.0;
   const int height = picture.height + int(std::ceil(bar_rows_px + 2.6 * em));
   if (height > kMaxPictureSide)
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("picture gets {} pixels high, must be <= {}", height, kMaxPictureSide));
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("picture would be {} pixels high, must be <= {}", height, kMaxPictureSide));
   Canvas canvas(picture.width, height, kPaper);
   canvas.place(picture, 0, 0);
 
@@ -70,12 +71,12 @@ Result<Picture> annotate(const Picture& picture, const Annotation& annotation) {
 Result<Picture> side_by_side(std::span<const Picture> pictures,
                              std::span<const std::string> titles) {
   if (pictures.empty())
-    return fail(ErrorCode::kInvalidArgument, "there is no picture to put side by side");
+    return fail(ErrorCode::kInvalidArgument, "there are no pictures to place side by side");
   if (!titles.empty() && titles.size() != pictures.size())
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} pictures have {} titles, must have one each or none",
                             pictures.size(), titles.size()));
-  constexpr int kGap = 8;
+  constexpr int kGap = 8;  // Pixels between pictures.
   Index width = -kGap;
   int tallest = 0;
   for (const Picture& picture : pictures) {
@@ -87,8 +88,8 @@ Result<Picture> side_by_side(std::span<const Picture> pictures,
   const int title_px = titles.empty() ? 0 : int(std::ceil(2.6 * em));
   if (width > kMaxPictureSide || tallest + title_px > kMaxPictureSide)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("row of pictures gets {} x {} pixels, each side must be <= {}", width,
-                            tallest + title_px, kMaxPictureSide));
+                fmt::format("row of pictures would have {} x {} pixels, each side must be <= {}",
+                            width, tallest + title_px, kMaxPictureSide));
   Canvas canvas(int(width), tallest + title_px, kPaper);
   int left = 0;
   for (std::size_t n = 0; n < pictures.size(); ++n) {

@@ -1,8 +1,8 @@
 /// \file
-/// What must be written on a picture so that it can be read, and not be misread, on its own.
+/// Captions, color bar, scale bar and warnings on pictures.
 ///
-/// Text is drawn in DejaVu Sans (Debian: fonts-dejavu-core) or what fontconfig gives in its place;
-/// a machine without any font gets cairo's built-in strokes.
+/// Text is drawn in DejaVu Sans (Debian: fonts-dejavu-core), the replacement that fontconfig
+/// selects, or cairo's built-in font if there is none.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -26,24 +26,29 @@ struct ColorBar {
 struct Annotation {
   std::string caption{};                ///< At the top; may be empty.
   std::optional<ColorBar> color_bar{};  ///< For layers with scalars.
-  std::optional<View> view{};           ///< As rendered: gives the patient's sides and a scale.
-  bool converged = true;                ///< False puts red bands across the picture.
+  std::optional<View> view{};           ///< As rendered; adds the patient's sides and a scale bar.
+  bool converged = true;                ///< False: red bands across the picture.
 };
 
-/// Said on page and pictures of a prediction that did not converge.
+/// Text on page and pictures of a prediction that did not converge.
 inline constexpr const char* kNotConvergedBanner = "NOT CONVERGED \u2013 not a result";
 
-/// Writes onto the picture and adds a strip below it, with color bar, scale and
-/// kNotForClinicalUse: only the caption, two letters in the lower corners, and the red bands can
+/// Writes onto the picture and adds a strip below it, with color bar, scale bar and
+/// kNotForClinicalUse. Only the caption, two letters in the lower corners, and the red bands can
 /// cover anatomy.
-/// The picture stays as wide and grows in height.
-/// \returns kInvalidArgument for a malformed picture, an empty color scale or a bad view.
+///
+/// \param picture     as rendered.
+/// \param annotation  what is written.
+/// \returns a picture of the same width and larger height; or kInvalidArgument for a malformed
+///   picture, an empty color scale or an invalid view.
 [[nodiscard]] Result<Picture> annotate(const Picture& picture, const Annotation& annotation);
 
-/// Puts pictures in a row, top-aligned, each under its title.
-/// \param titles one per picture, or none.
-/// \returns kInvalidArgument when there is no picture, one is malformed, the titles do not match,
-///   or the row gets larger than kMaxPictureSide.
+/// Places pictures in a row, aligned at the top, each under its title.
+///
+/// \param pictures  one or more.
+/// \param titles    one per picture, or none.
+/// \returns the row; or kInvalidArgument if there is no picture, one is malformed, the number of
+///   titles differs, or the row is larger than kMaxPictureSide.
 [[nodiscard]] Result<Picture> side_by_side(std::span<const Picture> pictures,
                                            std::span<const std::string> titles);
 

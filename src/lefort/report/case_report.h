@@ -1,6 +1,5 @@
 /// \file
-/// What a surgeon is handed after a prediction, as one value. Texts are plain UTF-8; report_html
-/// escapes them.
+/// The content of the report of a prediction. Texts are plain UTF-8; report_html() escapes them.
 #pragma once
 
 #include <string>
@@ -8,14 +7,14 @@
 
 namespace lefort::report {
 
-/// PNG bytes with what must be said about them.
+/// A PNG file with title and caption.
 struct ReportPicture {
   std::string title{};
   std::string caption{};
   std::string png{};
 };
 
-/// Two pictures of one view and size, shown on top of each other with a slider.
+/// Two pictures of equal view and size, compared with a slider.
 struct BeforeAfter {
   std::string title{};
   std::string caption{};
@@ -23,7 +22,7 @@ struct BeforeAfter {
   std::string after_png{};
 };
 
-/// One of the few numbers to be seen at a glance.
+/// One of the main results.
 struct KeyNumber {
   std::string name{};   ///< "largest displacement of the skin"
   std::string value{};  ///< "5.8 mm"
@@ -32,15 +31,15 @@ struct KeyNumber {
 struct ReportTable {
   std::string title{};
   std::vector<std::string> heads{};              ///< With units.
-  std::vector<std::vector<std::string>> rows{};  ///< First cell names the row; others are numbers.
+  std::vector<std::vector<std::string>> rows{};  ///< The row's name, then numbers.
 };
 
-/// How one equilibrium along the path was found.
+/// Convergence of the equilibrium at one path fraction.
 struct SolverStep {
-  double path_fraction = 0.0;                ///< Of the bone's path that is done, 0 to 1.
-  std::vector<double> relative_residuals{};  ///< One per Newton iteration, from the first on.
+  double path_fraction = 0.0;                ///< 0 to 1.
+  std::vector<double> relative_residuals{};  ///< One per Newton iteration.
   double max_penetration_mm = 0.0;
-  double mean_penetration_mm = 0.0;  ///< Over the area in contact.
+  double mean_penetration_mm = 0.0;  ///< Over the contact area.
 };
 
 struct ProvenanceRow {
@@ -51,9 +50,9 @@ struct ProvenanceRow {
 struct CaseReport {
   std::string title{};
   std::string subtitle{};
-  std::string plan{};      ///< One sentence: what was planned.
-  bool converged = false;  ///< False marks page and pictures as no result.
-  std::string failure{};   ///< When not converged: why the solver stopped.
+  std::string plan{};      ///< One sentence that summarizes the plan.
+  bool converged = false;  ///< False: page and pictures are marked as not a result.
+  std::string failure{};   ///< If not converged: why the solver stopped.
 
   std::vector<BeforeAfter> comparisons{};
   std::vector<ReportPicture> pictures{};
@@ -61,9 +60,9 @@ struct CaseReport {
   std::vector<ReportTable> tables{};
 
   std::vector<SolverStep> steps{};   ///< In the order of the path.
-  double residual_tolerance = 1e-6;  ///< Relative residual that counts as converged.
+  double residual_tolerance = 1e-6;  ///< Convergence criterion of the relative residual.
 
-  std::vector<std::string> notes{};  ///< Warnings, and choices that were left open.
+  std::vector<std::string> notes{};  ///< Warnings, and defaults that were used.
   std::vector<ProvenanceRow> provenance{};
   std::vector<std::string> limitations{};  ///< One paragraph each.
 };

@@ -11,11 +11,11 @@ namespace lefort::report {
 
 namespace {
 
-// Each map at 33 even places, sRGB; straight lines between them stay within 2/255 of the original.
+// Each map at 33 equidistant points, sRGB; linear interpolation is within 2/255 of the original.
 using Table = std::array<std::uint32_t, 33>;
 
-// S. van der Walt, N. Smith: magma, in matplotlib 1.5 (CC0). Its lighter 62 percent, light end
-// first: no value is so dark that the shading, and with it the shape, is lost.
+// S. van der Walt, N. Smith: magma, in matplotlib 1.5 (CC0). The lighter 62 percent, light end
+// first: darker colors would hide the shading, and with it the shape.
 constexpr Table kLightToMagma{0xfcfdbf, 0xfcf4b6, 0xfdebad, 0xfde2a4, 0xfed99b, 0xfed093, 0xfec78b,
                               0xfebe83, 0xfeb57c, 0xfeab75, 0xfea26f, 0xfd9969, 0xfc9065, 0xfb8661,
                               0xfa7d5e, 0xf8745c, 0xf56b5c, 0xf2625d, 0xed5a5f, 0xe85362, 0xe24d66,
@@ -53,7 +53,7 @@ Rgb color_at(ColorMap map, double fraction) {
 Result<void> check_scale(const ColorScale& scale) {
   if (std::isfinite(scale.low) && std::isfinite(scale.high) && scale.low < scale.high) return {};
   return fail(ErrorCode::kInvalidArgument,
-              fmt::format("colour scale runs from {} to {}, must be finite and ascend", scale.low,
+              fmt::format("color scale runs from {} to {}, must be finite and ascend", scale.low,
                           scale.high));
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Numbers as colors.
+/// Color maps.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,18 +12,19 @@ namespace lefort::report {
 using Rgb = std::array<double, 3>;
 
 enum class ColorMap {
-  kSequential,  ///< From nothing, light, to much, dark, in even steps of lightness (magma).
-  kDiverging,   ///< Below, at and above a middle, blue to white to red (Moreland's cool to warm).
+  kSequential,  ///< From light (low) to dark (high) in even steps of lightness (magma).
+  kDiverging,   ///< Blue below, white at, red above the middle (Moreland's cool to warm).
 };
 
-/// What a value looks like that is not a number: not measured, outside the field.
+/// Color of values that are NaN: not measured, or outside the field.
 inline constexpr Rgb kMissingColor{0.62, 0.62, 0.62};
 
-/// \param share 0 is the low end of the map, 1 the high end; clamped to them.
-/// \returns kMissingColor when `share` is NaN.
+/// \param map       the color map.
+/// \param fraction  0 is the low end of the map, 1 the high end; clamped to them.
+/// \returns the color; kMissingColor if `fraction` is NaN.
 [[nodiscard]] Rgb color_at(ColorMap map, double fraction);
 
-/// A map with the values at its ends.
+/// A color map with the values at its ends.
 struct ColorScale {
   ColorMap map = ColorMap::kSequential;
   double low = 0.0;
@@ -34,7 +35,8 @@ struct ColorScale {
   }
 };
 
-/// \returns kInvalidArgument unless both ends are finite and low < high.
+/// \param scale  any values.
+/// \returns nothing, or kInvalidArgument unless both ends are finite and low < high.
 [[nodiscard]] Result<void> check_scale(const ColorScale& scale);
 
 }  // namespace lefort::report

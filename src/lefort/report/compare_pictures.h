@@ -1,5 +1,5 @@
 /// \file
-/// The map of a difference between faces.
+/// Pictures of the difference between two faces.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,15 +17,19 @@ struct ComparePicture {
   std::string png;
 };
 
-/// The face colored by `signed_mm`, one per vertex, from the front and both three-quarters; gray
-/// where it is not compared. The scale ends at 1, 2, 5, 10 or 20 mm, whatever P95 needs.
+/// Draws the face from the front and from both three-quarter views, colored by the difference. The
+/// color scale ends at 1, 2, 5, 10 or 20 mm, depending on the 95th percentile.
 ///
-/// \param p95_mm  of the differences; NaN if there are none.
+/// \param face_L     the face.
+/// \param signed_mm  one per vertex; NaN (not compared) is gray.
+/// \param p95_mm     95th percentile of the differences; NaN if there are none.
+/// \param progress   of the pictures; may request a stop.
+/// \returns the pictures, or the errors of SurfaceScene.
 [[nodiscard]] Result<std::vector<ComparePicture>> draw_difference(
     const geometry::TriangleMesh& face_L, std::span<const double> signed_mm, double p95_mm,
     Progress& progress);
 
-/// The names of these files.
+/// \returns the names of the files of draw_difference().
 [[nodiscard]] std::vector<std::string> compare_picture_names();
 
 }  // namespace lefort::report

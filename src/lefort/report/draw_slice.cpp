@@ -19,10 +19,10 @@ constexpr Rgb kOutside{0.93, 0.93, 0.92};
 constexpr Rgb kInside{0.70, 0.71, 0.73};
 constexpr Rgb kUnknown{0.98, 0.96, 0.90};
 constexpr Rgb kHatch{0.70, 0.66, 0.58};
-constexpr Rgb kOutline{0.36, 0.92, 0.28};  ///< Seen on the ink of the zero line, too.
+constexpr Rgb kOutline{0.36, 0.92, 0.28};  ///< Visible on the zero line, too.
 constexpr Rgb kStepLine{0.33, 0.35, 0.38};
 constexpr int kStepsInBand = 3;
-constexpr int kMaxSteps = 1000;  ///< On a side; more would only be ink.
+constexpr int kMaxSteps = 1000;  ///< Contour lines on each side; more would be illegible.
 
 Rgb hatched(int column, int row, double em) {
   const double period = 0.6 * em;
@@ -64,12 +64,12 @@ Result<void> check_drawing(const SliceDrawing& drawing) {
                                 drawing.pixel_mm, drawing.band_mm));
   if (!(drawing.step_mm >= 0.0) ||
       (drawing.step_mm > 0.0 && drawing.band_mm / drawing.step_mm > kMaxSteps))
-    return refuse(fmt::format("slice has lines each {} mm, must be 0 or at least {} mm",
+    return refuse(fmt::format("slice has contour lines every {} mm, must be 0 or at least {} mm",
                               drawing.step_mm, drawing.band_mm / kMaxSteps));
   return {};
 }
 
-/// The letters of the four sides, in the margin.
+/// Writes the letters of the patient's sides into the margin.
 void write_sides(Canvas& canvas, const SliceDrawing& drawing, const Rectangle& panel, double em) {
   const TextStyle style{.size_px = 1.6 * em, .color = kInk, .align = Align::kCenter, .bold = true};
   const double middle_x = panel.left + 0.5 * panel.width,
@@ -84,7 +84,7 @@ void write_sides(Canvas& canvas, const SliceDrawing& drawing, const Rectangle& p
   letters(middle_x, bottom + 1.7 * em, drawing.down_L);
 }
 
-/// One explained sample of what the picture holds.
+/// One sample with its explanation.
 struct LegendEntry {
   std::string text;
   Rgb fill;
@@ -92,7 +92,7 @@ struct LegendEntry {
   double line_px;
 };
 
-/// Entries side by side, as many as fit, in rows; returns the height taken.
+/// Writes the entries in rows of kColumns. \returns the height of the legend.
 double write_legend(Canvas& canvas, const std::vector<LegendEntry>& entries, double left,
                     double top, double width, double em) {
   constexpr int kColumns = 3;
@@ -136,13 +136,13 @@ Result<Picture> draw_slice(const SliceDrawing& drawing) {
               height = Index(drawing.rows) + top + int(std::ceil(below_px));
   if (std::max(width, height) > kMaxPictureSide)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("picture gets {} x {} pixels, each side must be <= {}", width, height,
-                            kMaxPictureSide));
+                fmt::format("picture would have {} x {} pixels, each side must be <= {}", width,
+                            height, kMaxPictureSide));
   Canvas canvas(int(width), int(height), kPaper);
   const Rectangle panel{double(margin), double(top), double(drawing.columns), double(drawing.rows)};
   canvas.place(colors_of(drawing, scale, em), margin, top);
 
-  // The middle of the first pixel.
+  // The center of the first pixel.
   const Eigen::Vector2d first(panel.left + 0.5, panel.top + 0.5);
   const auto draw_level = [&](double level, const Rgb& color, double line_px) {
     canvas.strokes(geometry::iso_lines(drawing.distances_mm, drawing.columns, level), first, panel,
@@ -162,13 +162,13 @@ Result<Picture> draw_slice(const SliceDrawing& drawing) {
   write_color_bar(canvas, {0.25 * double(width), bottom + 4.4 * em, 0.5 * double(width), em},
                   {scale, "signed distance: negative inside, positive outside", "mm"}, em);
   std::vector<LegendEntry> legend = {
-      {"zero: the field's surface", kPaper, kInk, zero_px},
-      {fmt::format("equal distance, each {} mm", tick_text(step_mm)), kPaper, kStepLine, step_px}};
+      {"zero: surface of the field", kPaper, kInk, zero_px},
+      {fmt::format("contour lines, every {} mm", tick_text(step_mm)), kPaper, kStepLine, step_px}};
   if (!drawing.outline.empty())
     legend.push_back({drawing.outline_name, kPaper, kOutline, outline_px});
   legend.push_back({"outside, beyond the band", kOutside, kInk, 0.0});
   legend.push_back({"inside, beyond the band", kInside, kInk, 0.0});
-  legend.push_back({"not known", kUnknown, kInk, 0.0});
+  legend.push_back({"unknown", kUnknown, kInk, 0.0});
   write_legend(canvas, legend, margin, bottom + 8.2 * em, double(width) - 2.0 * margin, em);
 
   const double baseline = double(height) - em;

@@ -1,5 +1,6 @@
 /// \file
-/// A distance field on a plane, drawn so that its zero, its slope and its gaps can be seen.
+/// Draws a plane section of a distance field, with its zero, its contour lines and unsampled
+/// regions.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,26 +16,27 @@ namespace lefort::report {
 struct SliceDrawing {
   std::string caption{};
   int columns = 0, rows = 0;
-  /// Rows from the top [mm], negative inside; +infinity beyond the band outside, -infinity inside,
-  /// NaN where not known.
+  /// Rows from the top [mm], negative inside; +infinity outside beyond the band, -infinity inside
+  /// beyond it, NaN where unknown.
   std::vector<double> distances_mm{};
   double pixel_mm = 1.0;        ///< Side of a pixel.
-  Vec3 right_L{1.0, 0.0, 0.0};  ///< Where the picture's right and bottom lie.
-  Vec3 down_L{0.0, 1.0, 0.0};
-  double band_mm = 1.0;  ///< Ends of the colors, > 0.
-  double step_mm = 0.0;  ///< Between lines of equal distance; 0 chooses a round one.
-  /// The surface in the plane, in columns and rows; whole numbers are middles of pixels.
+  Vec3 right_L{1.0, 0.0, 0.0};  ///< Direction towards the right of the picture.
+  Vec3 down_L{0.0, 1.0, 0.0};   ///< Direction towards the bottom of the picture.
+  double band_mm = 1.0;         ///< Ends of the color scale, > 0.
+  double step_mm = 0.0;         ///< Between contour lines; 0 chooses a round number.
+  /// The surface in the plane, in columns and rows; integers are centers of pixels.
   std::vector<geometry::Segment2> outline{};
   std::string outline_name{};  ///< For the legend.
 };
 
-/// Distances in colors, blue inside and red outside, with a thick line where they are zero and
-/// thin ones at multiples of the step. What is beyond the band is gray, darker inside; what is not
-/// known is hatched. Around it the letters of the patient's sides, below it the legend, a scale and
-/// kNotForClinicalUse.
+/// Distances are blue inside and red outside, with a thick line at zero and thin ones at multiples
+/// of the step. Points beyond the band are gray, darker inside; unknown ones are hatched. The
+/// letters of the patient's sides surround the picture; legend, scale bar and kNotForClinicalUse
+/// are below it.
 ///
-/// \returns kInvalidArgument if the numbers do not fit each other, a length is not positive, or the
-///   picture gets larger than kMaxPictureSide.
+/// \param drawing  the distances and how to draw them.
+/// \returns the picture; or kInvalidArgument if the sizes are inconsistent, a length is not
+///   positive, or the picture would be larger than kMaxPictureSide.
 [[nodiscard]] Result<Picture> draw_slice(const SliceDrawing& drawing);
 
 }  // namespace lefort::report

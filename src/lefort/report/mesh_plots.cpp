@@ -8,7 +8,7 @@
 namespace lefort::report {
 namespace {
 
-/// The outline of a histogram over [0, end]; empty bins are gaps on the log axis.
+/// \returns the outline of a histogram over [0, end]; empty bins are gaps on the log axis.
 PlotLine outline(std::string name, std::span<const Index> bins, double end) {
   Index all = 0;
   for (const Index count : bins) all += count;
@@ -26,11 +26,11 @@ PlotLine outline(std::string name, std::span<const Index> bins, double end) {
 std::vector<std::pair<std::string, std::string>> mesh_plots(const mesh::MeshQuality& quality) {
   LinePlot jacobian{.title = "Scaled Jacobians of the elements",
                     .x_label = "scaled Jacobian, 1 if ideal",
-                    .y_label = "elements of the shape [%]",
+                    .y_label = "fraction of the elements of one shape [%]",
                     .y_axis = Axis::kLog};
   LinePlot dihedral{.title = "Smallest dihedral angles of the elements",
                     .x_label = "smallest dihedral angle [degrees]",
-                    .y_label = "elements of the shape [%]",
+                    .y_label = "fraction of the elements of one shape [%]",
                     .y_axis = Axis::kLog};
   for (const auto& [shape, summary] : quality.by_shape) {
     const std::string name = fmt::format("{}, {} elements", mesh::name_of(shape), summary.elements);

@@ -1,5 +1,5 @@
 /// \file
-/// Histograms of how well shaped a mesh's elements are, as SVG files.
+/// Histograms of element quality, as SVG files.
 #pragma once
 
 #include <lefort/mesh/element_quality.h>
@@ -10,7 +10,9 @@
 
 namespace lefort::report {
 
-/// File names and files: scaled Jacobians and smallest dihedral angles, one outline per shape.
+/// \param quality  of a mesh.
+/// \returns names and contents of the files: histograms of scaled Jacobians and of smallest
+///   dihedral angles, one line per element shape.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> mesh_plots(
     const mesh::MeshQuality& quality);
 

@@ -36,7 +36,7 @@ Result<std::string> encode_png(const Picture& picture) {
   };
   std::string png;
   const cairo_status_t status = cairo_surface_write_to_png_stream(surface.get(), append, &png);
-  if (status != CAIRO_STATUS_SUCCESS)  // Out of memory is all that is left.
+  if (status != CAIRO_STATUS_SUCCESS)  // Only lack of memory remains as a reason.
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("picture of {} x {} pixels cannot be encoded: {}", picture.width,
                             picture.height, cairo_status_to_string(status)));

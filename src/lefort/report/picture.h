@@ -1,5 +1,5 @@
 /// \file
-/// A picture in memory, and its bytes as a PNG file.
+/// A picture in memory, and its encoding as a PNG file.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,8 +11,8 @@
 
 namespace lefort::report {
 
-/// Rows from the top, pixels from the left, four bytes each: red, green, blue (sRGB), and 255, as
-/// pictures are opaque.
+/// Rows from the top, pixels from the left, four bytes each: red, green, blue (sRGB), and 255
+/// (opaque).
 struct Picture {
   int width = 0;
   int height = 0;
@@ -26,11 +26,13 @@ struct Picture {
 
 inline constexpr int kMaxPictureSide = 16384;
 
-/// \returns kInvalidArgument when a side is not in [1, kMaxPictureSide], or `rgba` has another
-///   length than the sides tell.
+/// \param picture  any values.
+/// \returns nothing; or kInvalidArgument if a side is not in [1, kMaxPictureSide], or the length of
+///   `rgba` does not match.
 [[nodiscard]] Result<void> check_picture(const Picture& picture);
 
-/// \returns the bytes of a PNG file, or what check_picture says.
+/// \param picture  valid according to check_picture().
+/// \returns the bytes of a PNG file, or the errors of check_picture().
 [[nodiscard]] Result<std::string> encode_png(const Picture& picture);
 
 }  // namespace lefort::report

@@ -1,5 +1,6 @@
 /// \file
-/// Pictures of a plan: the cut skull, each segment in its color, before and after it moves.
+/// Pictures of a plan: the skull after the osteotomies, with colored segments, before and after
+/// they move.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,7 +18,13 @@ struct PlanPicture {
   std::string png;   ///< The file's bytes.
 };
 
-/// From the front, half from the right, and from both sides, before and at the end of the paths.
+/// Draws the front, the right three-quarter and both profile views, before the motion and at its
+/// end.
+///
+/// \param cut       the parts of the skull.
+/// \param planned   the segments with their paths.
+/// \param progress  of the pictures; may request a stop.
+/// \returns the pictures, or the errors of SurfaceScene.
 [[nodiscard]] Result<std::vector<PlanPicture>> draw_plan(
     const plan::CutSegments& cut, std::span<const plan::PlannedSegment> planned,
     Progress& progress);

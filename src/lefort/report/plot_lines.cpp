@@ -24,7 +24,7 @@ constexpr double kRight = 704.0;
 constexpr double kTop = 44.0;
 constexpr double kBottom = 276.0;
 
-/// The page sets these variables for light and dark; the colors here are for a plot on its own.
+/// The page sets these variables for light and dark; the colors here are for a separate file.
 constexpr std::array<std::string_view, 4> kLineColors{
     "var(--line-1, #1f5fa8)", "var(--line-2, #b3480f)", "var(--line-3, #2f7d32)",
     "var(--line-4, #7b3fa0)"};
@@ -33,7 +33,7 @@ constexpr std::string_view kInkColor = "var(--ink, #20252b)";
 constexpr std::string_view kMuted = "var(--muted, #565e68)";
 constexpr std::string_view kGrid = "var(--rule, #d9dde2)";
 
-/// A range of values, as exponents of ten on a log axis, along a line of the drawing.
+/// Maps a range of values (exponents of ten on a log axis) to a range of the drawing.
 struct Scale {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -44,20 +44,20 @@ struct Scale {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  [[nodiscard]] double place(double value) const {
+  [[nodiscard]] double position_of(double value) const {
     return at_low + (at_high - at_low) * (value - low) / (high - low);
   }
 };
 
-/// What is drawn for y; NaN when nothing can be.
+/// \returns the value to be drawn for y; NaN if it cannot be drawn.
 double drawn(double y, Axis axis) {
-  constexpr double kLargest = 1e100;  // Leaves room for differences and margins.
+  constexpr double kMaxDrawn = 1e100;  // Differences and margins must not overflow.
   if (axis == Axis::kLog) return y > 0.0 && std::isfinite(y) ? std::log10(y) : NAN;
-  return std::abs(y) <= kLargest ? y : NAN;
+  return std::abs(y) <= kMaxDrawn ? y : NAN;
 }
 
-/// A range with a length, also when there is one value or none.
-void settle(Scale& scale) {
+/// Makes the range valid if there is one value or none.
+void ensure_extent(Scale& scale) {
   if (!(scale.low <= scale.high)) scale.low = 0.0, scale.high = 1.0;
   const double minimum = 1e-9 * std::max(1.0, std::max(std::abs(scale.low), std::abs(scale.high)));
   if (scale.high - scale.low < minimum) scale.low -= 0.5, scale.high += 0.5;
@@ -86,9 +86,9 @@ Scales scales_of(const LinePlot& plot) {
     if (!std::isnan(y)) scales.y.extend(y);
   }
   if (plot.y_axis == Axis::kLinear && scales.y.low > 0.0 && scales.y.high > 0.0)
-    scales.y.low = 0.0;  // Lengths and counts are read from zero.
-  settle(scales.x);
-  settle(scales.y);
+    scales.y.low = 0.0;  // The axis of lengths and counts starts at zero.
+  ensure_extent(scales.x);
+  ensure_extent(scales.y);
   if (plot.y_axis == Axis::kLog) {
     scales.y.low = std::floor(scales.y.low);
     scales.y.high = std::ceil(scales.y.high);
@@ -122,14 +122,14 @@ std::string axes(const LinePlot& plot, const Scales& scales) {
   const bool log = plot.y_axis == Axis::kLog;
   for (const double tick : ticks(scales.y.low, scales.y.high, log ? 6 : 5)) {
     if (log && tick != std::round(tick)) continue;
-    const double y = scales.y.place(tick);
+    const double y = scales.y.position_of(tick);
     svg += line_element(kLeft, y, kRight, y, grid);
     const std::string label =
         log ? fmt::format("10<tspan dy='-5' font-size='10'>{:.0f}</tspan>", tick) : tick_text(tick);
     svg += text_element(kLeft - 8.0, y + 4.5, "end", kMuted, label);
   }
   for (const double tick : ticks(scales.x.low, scales.x.high, 8)) {
-    const double x = scales.x.place(tick);
+    const double x = scales.x.position_of(tick);
     svg += line_element(x, kBottom, x, kBottom + 5.0, fmt::format("stroke:{}", kMuted));
     svg += text_element(x, kBottom + 20.0, "middle", kMuted, tick_text(tick));
   }
@@ -143,7 +143,7 @@ std::string axes(const LinePlot& plot, const Scales& scales) {
   return svg;
 }
 
-/// Colors come round again with other dashes.
+/// Colors repeat with other dashes.
 struct LineStyle {
   std::string_view color;
   std::string_view dashes;  ///< Empty for none.
@@ -160,7 +160,7 @@ std::string stroke(const LineStyle& look) {
              : fmt::format("stroke:{};stroke-dasharray:{}", look.color, look.dashes);
 }
 
-/// The line in as many parts as it has gaps, and a dot on each point.
+/// \returns the line, interrupted at gaps, with a dot at each point.
 std::string curve(const PlotLine& line, Axis y_axis, const Scales& scales, const LineStyle& look) {
   std::string path;
   std::string dots;
@@ -172,8 +172,8 @@ std::string curve(const PlotLine& line, Axis y_axis, const Scales& scales, const
       pen_down = false;
       continue;
     }
-    const double at_x = scales.x.place(x);
-    const double at_y = scales.y.place(y);
+    const double at_x = scales.x.position_of(x);
+    const double at_y = scales.y.position_of(y);
     path += fmt::format("{}{:.2f} {:.2f} ", pen_down ? 'L' : 'M', at_x, at_y);
     dots += fmt::format("<circle cx='{:.2f}' cy='{:.2f}' r='2.4' style='fill:{}'/>\n", at_x, at_y,
                         look.color);
@@ -185,7 +185,7 @@ std::string curve(const PlotLine& line, Axis y_axis, const Scales& scales, const
          dots;
 }
 
-/// Entries above the plot, in as many rows as they need.
+/// Entries above the plot, in one or several rows.
 class Legend {
  public:
   void add(std::string_view name, std::string_view line_style) {
@@ -200,7 +200,7 @@ class Legend {
     x_ += width + 22.0;
   }
 
-  /// By how much the rows beyond the first make the drawing higher: they go above it.
+  /// Additional height of the drawing for rows beyond the first.
   [[nodiscard]] double height() const { return y_ - kFirst; }
   [[nodiscard]] std::string svg() const {
     return fmt::format("<g transform='translate(0 {:.0f})'>\n{}</g>\n", -height(), entries_);
@@ -220,7 +220,7 @@ std::string plot_lines(const LinePlot& plot) {
   const Scales scales = scales_of(plot);
   std::string svg = axes(plot, scales);
   for (const double divider : plot.dividers_x) {
-    const double x = scales.x.place(divider);
+    const double x = scales.x.position_of(divider);
     if (x >= kLeft && x <= kRight)
       svg +=
           line_element(x, kTop, x, kBottom, fmt::format("stroke:{};stroke-dasharray:2 4", kMuted));
@@ -239,7 +239,7 @@ std::string plot_lines(const LinePlot& plot) {
   if (!std::isnan(threshold)) {
     const std::string style =
         fmt::format("stroke:{};stroke-width:1.6;stroke-dasharray:7 4", kInkColor);
-    const double y = scales.y.place(threshold);
+    const double y = scales.y.position_of(threshold);
     svg += line_element(kLeft, y, kRight, y, style);
     legend.add(plot.threshold_name, style);
   }

@@ -1,6 +1,5 @@
 /// \file
-/// Line plots as inline SVG: sharp on screen and paper, no font or script needed, colors from the
-/// page (light or dark).
+/// Line plots as inline SVG, without fonts or scripts, with the colors of the page (light or dark).
 #pragma once
 
 #include <optional>
@@ -11,10 +10,10 @@ namespace lefort::report {
 
 enum class Axis { kLinear, kLog };
 
-/// Points joined in order. A value that cannot be drawn (NaN, infinite, not positive on a log axis)
-/// breaks the line.
+/// Points connected in order. A value that cannot be drawn (NaN, infinite, not positive on a log
+/// axis) interrupts the line.
 struct PlotLine {
-  std::string name{};  ///< For the legend; lines of equal name share one entry and one color.
+  std::string name{};  ///< For the legend; lines of equal name have one entry and one color.
   std::vector<double> x{};
   std::vector<double> y{};  ///< As many as x.
 };
@@ -30,11 +29,12 @@ struct LinePlot {
   std::string threshold_name{};
 };
 
-/// \returns one <svg> element, 720 units wide, well-formed whatever the texts and numbers are. A
-///   page around it may set its colors.
+/// \param plot  any texts and numbers.
+/// \returns one well-formed <svg> element, 720 units wide. The page may set its colors.
 [[nodiscard]] std::string plot_lines(const LinePlot& plot);
 
-/// plot_lines() as a file of its own: programs that draw files know no colors of a page.
+/// \param plot  any texts and numbers.
+/// \returns the plot as a separate file with fixed colors.
 [[nodiscard]] std::string plot_file(const LinePlot& plot);
 
 }  // namespace lefort::report

@@ -16,20 +16,20 @@ namespace lefort::report {
 
 namespace {
 
-constexpr double kMaxCoordinate = 1e6;    ///< [mm] Beyond, single precision loses the face.
-constexpr double kAmbientDistance = 0.2;  ///< Of the scene's diagonal: what counts as nearby.
+constexpr double kMaxCoordinate = 1e6;    ///< [mm] Limit of sufficient single precision.
+constexpr double kAmbientDistance = 0.2;  ///< Range of ambient occlusion over the scene's diagonal.
 
-/// A layer with all that does not depend on the view.
+/// A layer with all data that do not depend on the view.
 struct PreparedLayer {
   geometry::TriangleMesh mesh_L;
   SurfaceLayer style;  ///< Its mesh_L is not used.
   std::vector<Vec3> normals_L;
   std::vector<float> sky;
-  RayScene surface;    ///< This layer alone.
-  RayScene obstacles;  ///< What throws shadows on it: the opaque layers and itself.
+  RayScene surface;    ///< This layer only.
+  RayScene obstacles;  ///< What casts shadows on it: the opaque layers and itself.
 };
 
-/// What a ray meets of one layer.
+/// The intersection of a ray with one layer.
 struct LayerHit {
   RayHit hit;
   std::size_t layer;
@@ -49,8 +49,8 @@ Result<void> check_layer(const SurfaceLayer& layer, std::size_t number) {
     for (const std::int32_t corner : mesh.triangles[std::size_t(t)])
       if (corner < 0 || Index(corner) >= mesh.vertex_count())
         return fail(ErrorCode::kMeshInvalid,
-                    fmt::format("triangle {} of surface {} names vertex {}, there are {}", t,
-                                number, corner, mesh.vertex_count()));
+                    fmt::format("triangle {} of surface {} has vertex {}, there are {}", t, number,
+                                corner, mesh.vertex_count()));
   if (!layer.scalars.empty() && Index(layer.scalars.size()) != mesh.vertex_count())
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("surface {} has {} scalars, must have one for each of {} vertices",
@@ -63,7 +63,7 @@ Result<void> check_layer(const SurfaceLayer& layer, std::size_t number) {
   return {};
 }
 
-/// Value at a hit: corner values weighted as the ray met the triangle.
+/// Barycentric interpolation of vertex values at a hit.
 template <class Value>
 Value interpolate(const std::vector<Value>& values, const geometry::Triangle& corners,
                   const RayHit& hit) {
@@ -73,7 +73,7 @@ Value interpolate(const std::vector<Value>& values, const geometry::Triangle& co
          Weight(hit.v) * values[std::size_t(corners[2])];
 }
 
-/// Lights `layer` at `hit` for this camera; `lamp` holds the visible share of the main lamp.
+/// Shades `layer` at `hit`; `lamp` is the visible fraction of the key light per vertex.
 Light light_at(const PreparedLayer& layer, const std::vector<float>& lamp, const RayHit& hit,
                const ViewAxes& camera) {
   const geometry::Triangle& corners = layer.mesh_L.triangles[hit.triangle];
@@ -133,14 +133,14 @@ Result<SurfaceScene> SurfaceScene::build(std::span<const SurfaceLayer> layers, P
 
 namespace {
 
-/// One picture in the making: the camera, and the layers as its lamps light them.
+/// Renders one picture: the camera, and the lighting of the layers.
 class Exposure {
  public:
   Exposure(const std::vector<PreparedLayer>& layers, const Box3& box_L, const View& view,
            const PictureSize& size)
       : layers_(layers), camera_(axes_of(view)), size_(size) {
     mm_per_pixel_ = view.height_mm / double(size.height);
-    // Rays start in a plane in front of everything.
+    // Rays start in a plane in front of all layers.
     const double nearest_mm =
         box_L.isEmpty()
             ? 0.0
@@ -157,7 +157,7 @@ class Exposure {
     return {};
   }
 
-  /// The mean light of a pixel's rays.
+  /// The mean over the rays of a pixel.
   [[nodiscard]] Light pixel(int column, int row) const {
     Light sum = Light::Zero();
     const int n = size_.supersampling;
@@ -180,7 +180,7 @@ class Exposure {
       return a.hit.distance_mm < b.hit.distance_mm;
     });
     Light seen = Light::Zero();
-    double clear = 1.0;  // Share of what lies behind that shines through.
+    double clear = 1.0;  // Fraction of the light behind that is transmitted.
     for (const LayerHit& each : hits) {
       const PreparedLayer& layer = layers_[each.layer];
       const double opacity = opacity_at(layer, each.hit);
@@ -191,7 +191,7 @@ class Exposure {
     return seen + clear * backdrop(1.0 - y / double(size_.height));
   }
 
-  /// Glass is seen by its edges: the flatter the view along the surface, the more opaque.
+  /// Transparent layers are more opaque at grazing angles, so that their silhouette is visible.
   [[nodiscard]] double opacity_at(const PreparedLayer& layer, const RayHit& hit) const {
     const double opacity = layer.style.opacity;
     if (opacity == 0.0) return 0.0;
@@ -199,7 +199,7 @@ class Exposure {
     return opacity + (1.0 - opacity) * 0.6 * grazing * grazing * grazing;
   }
 
-  static std::vector<LayerHit>& scratch() {  // Saves an allocation per ray.
+  static std::vector<LayerHit>& scratch() {  // Avoids an allocation per ray.
     thread_local std::vector<LayerHit> hits;
     hits.clear();
     return hits;
@@ -217,7 +217,7 @@ Result<void> check_size(const PictureSize& size) {
   const auto fits = [](int side) { return side >= 16 && side <= 8192; };
   if (!fits(size.width) || !fits(size.height))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("picture is to have {} x {} pixels, each side must be in [16, 8192]",
+                fmt::format("picture would have {} x {} pixels, each side must be in [16, 8192]",
                             size.width, size.height));
   if (size.supersampling < 1 || size.supersampling > 4)
     return fail(ErrorCode::kInvalidArgument,
@@ -236,9 +236,9 @@ Result<Picture> SurfaceScene::render(const View& view, const PictureSize& size,
   Picture picture{
       size.width, size.height,
       std::vector<std::uint8_t>(4 * std::size_t(size.width) * std::size_t(size.height))};
-  constexpr int kRows = 64;  // Between two questions whether to stop.
+  constexpr int kRows = 64;  // Between two checks for a stop request.
   for (int top = 0; top < size.height; top += kRows) {
-    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "drawing was stopped");
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "rendering was cancelled");
     progress.report(double(top) / double(size.height));
     const int rows = std::min(kRows, size.height - top);
     parallel_for(Index(rows) * size.width, [&](Index n) {

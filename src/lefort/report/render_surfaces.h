@@ -1,5 +1,5 @@
 /// \file
-/// Pictures of surfaces by ray casting on the processor: needs no display and no graphics card.
+/// Renders surfaces by ray casting on the CPU, without display or graphics card.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -18,13 +18,13 @@ namespace lefort::report {
 inline constexpr Rgb kSkinColor{0.87, 0.68, 0.58};
 inline constexpr Rgb kBoneColor{0.93, 0.89, 0.79};
 
-/// One surface of the picture. Need not be closed; its back sides are drawn darker.
+/// One surface of the picture, open or closed; back sides are drawn darker.
 struct SurfaceLayer {
   const geometry::TriangleMesh* mesh_L = nullptr;  ///< Not null; may be empty.
-  Rgb color = kSkinColor;                          ///< Where there are no scalars.
+  Rgb color = kSkinColor;                          ///< Used without scalars.
   std::vector<double> scalars{};  ///< Empty, or one per vertex; NaN is drawn in kMissingColor.
-  ColorScale scale{};             ///< How scalars become colors.
-  double opacity = 1.0;           ///< 0 to 1. Of a layer below 1 only the nearest hit is seen.
+  ColorScale scale{};             ///< Colors of the scalars.
+  double opacity = 1.0;  ///< 0 to 1. Below 1, only the closest hit of the layer is visible.
 };
 
 struct PictureSize {
@@ -33,21 +33,26 @@ struct PictureSize {
   int supersampling = 2;  ///< Rays along each side of a pixel, 1 to 4.
 };
 
-/// Surfaces made ready to be drawn from any side: search trees, smooth normals, and how much of the
-/// surroundings each vertex sees. Preparing costs more than a picture, so do it once per state.
+/// Surfaces prepared for rendering from any view: search trees, smooth normals and ambient
+/// occlusion. The preparation takes longer than a picture.
 class SurfaceScene {
  public:
+  /// \param layers    copied.
+  /// \param progress  receives the fraction done; may request a stop.
   /// \returns the scene, or
-  ///   - kInvalidArgument  scalars that are not one per vertex, opacity outside [0, 1], an empty
-  ///                       color scale, no memory
-  ///   - kMeshInvalid      a triangle names a missing vertex, a vertex is NaN or over 1 km away
-  ///   - kCancelled
-  /// \note Nothing of `layers` need outlive the call. Same bits for any number of threads.
+  ///   - kInvalidArgument  the number of scalars is wrong, the opacity is outside [0, 1], a color
+  ///                       scale is empty, or memory is exhausted
+  ///   - kMeshInvalid      a triangle has a missing vertex, or a vertex is NaN or over 1 km away
+  ///   - kCancelled        `progress` requested a stop
+  /// \note Same bits for any number of threads.
   [[nodiscard]] static Result<SurfaceScene> build(std::span<const SurfaceLayer> layers,
                                                   Progress& progress);
 
-  /// \returns the picture without any writing (annotate.h), or kInvalidArgument for a view or size
-  ///   out of range, kCancelled.
+  /// \param view      the camera.
+  /// \param size      of the picture.
+  /// \param progress  receives the fraction done; may request a stop.
+  /// \returns the picture without annotations (annotate.h), or kInvalidArgument for a view or size
+  ///   out of range, or kCancelled.
   [[nodiscard]] Result<Picture> render(const View& view, const PictureSize& size,
                                        Progress& progress) const;
 
@@ -61,7 +66,13 @@ class SurfaceScene {
   std::unique_ptr<const Prepared> prepared_;
 };
 
-/// SurfaceScene::build, then render, for a single picture.
+/// Renders a single picture: SurfaceScene::build(), then SurfaceScene::render().
+///
+/// \param layers    the surfaces.
+/// \param view      the camera.
+/// \param size      of the picture.
+/// \param progress  receives the fraction done; may request a stop.
+/// \returns the picture, or the errors of both functions.
 [[nodiscard]] Result<Picture> render_surfaces(std::span<const SurfaceLayer> layers,
                                               const View& view, const PictureSize& size,
                                               Progress& progress);

@@ -16,7 +16,7 @@ namespace lefort::report {
 
 namespace {
 
-/// `markup` under a heading, or nothing when there is nothing.
+/// \returns `markup` under a heading, or nothing if it is empty.
 std::string section(std::string_view heading, const std::string& markup) {
   if (markup.empty()) return {};
   return fmt::format("<section>\n<h2>{}</h2>\n{}</section>\n", escaped(heading), markup);
@@ -27,7 +27,8 @@ std::string image(std::string_view png, std::string_view css_class, std::string_
                      escaped(alternative), base64(png));
 }
 
-/// Pictures come with a band of their own; the page's band is there whoever drew the picture.
+/// The banner over pictures and numbers. Pictures have one of their own, too; this one does not
+/// depend on how they were drawn.
 std::string alarm_over(const CaseReport& report) {
   if (report.converged) return {};
   return fmt::format("<p class=\"alarm\">{}</p>\n", escaped(kNotConvergedBanner));
@@ -43,7 +44,7 @@ std::string comparison(const CaseReport& report, const BeforeAfter& pair) {
       "<figure class=\"compare\">\n{}"
       "<div class=\"frame stack\">{}{}</div>\n"
       "<label class=\"slider\"><span>before</span><input type=\"range\" min=\"0\" max=\"100\" "
-      "value=\"50\" aria-label=\"how much of the picture before is shown, in percent\" "
+      "value=\"50\" aria-label=\"visible part of the picture before, in percent\" "
       "oninput=\"this.closest('figure').style.setProperty('--at', this.value + '%')\"/>"
       "<span>predicted</span></label>\n{}</figure>\n",
       alarm_over(report), image(pair.before_png, "before", pair.title + ", before"),
@@ -166,8 +167,8 @@ std::string report_html(const CaseReport& report) {
   html += section("Key numbers", key_numbers(report));
   html += section("Please note", list(report.notes));
   html += section("Measurements", tables(report));
-  html += section("How the solver came to it", solver(report));
-  html += section("What made this result", provenance(report));
+  html += section("Convergence of the solver", solver(report));
+  html += section("Provenance", provenance(report));
   html += section("Limitations", limitations(report));
   html += fmt::format("<footer><p>{} Made by lefort {}.</p></footer>\n</main>\n</body>\n</html>\n",
                       kNotForClinicalUse, kVersion);

@@ -1,5 +1,5 @@
 /// \file
-/// The report as one page that needs nothing but itself.
+/// The report as one self-contained page.
 #pragma once
 
 #include <lefort/report/case_report.h>
@@ -8,9 +8,10 @@
 
 namespace lefort::report {
 
-/// \returns a whole HTML page: styles, plots and pictures inline, nothing loaded from elsewhere (a
-///   content security policy forbids it), for light, dark and paper. It is also well-formed XML.
-///   Every text of `report` is escaped; bytes that are not UTF-8 become U+FFFD.
+/// \param report  the content. Every text is escaped; bytes that are not UTF-8 become U+FFFD.
+/// \returns an HTML page for light screens, dark screens and paper, which is also well-formed XML.
+///   Styles, plots and pictures are inline; a content security policy forbids loading anything
+///   else.
 [[nodiscard]] std::string report_html(const CaseReport& report);
 
 }  // namespace lefort::report

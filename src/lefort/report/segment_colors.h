@@ -1,5 +1,5 @@
 /// \file
-/// One color a segment, in pictures.
+/// Colors of segments in pictures.
 #pragma once
 
 #include <lefort/report/render_surfaces.h>
@@ -8,7 +8,7 @@
 
 namespace lefort::report {
 
-/// Okabe and Ito's colors, told apart by those who are color-blind.
+/// Okabe and Ito's colors, which color-blind readers can distinguish.
 inline constexpr std::array<Rgb, 6> kSegmentColors{{{0.34, 0.71, 0.91},
                                                     {0.90, 0.62, 0.00},
                                                     {0.00, 0.62, 0.45},

@@ -6,7 +6,7 @@ namespace lefort::report {
 
 LinePlot residual_plot(std::span<const SolverStep> steps, double tolerance) {
   LinePlot plot{.title = "Residual of each Newton iteration",
-                .x_label = "Newton iteration, load steps one after another",
+                .x_label = "Newton iteration, over all load steps",
                 .y_label = "relative residual",
                 .y_axis = Axis::kLog,
                 .lines = {},
@@ -27,18 +27,18 @@ LinePlot residual_plot(std::span<const SolverStep> steps, double tolerance) {
 }
 
 LinePlot penetration_plot(std::span<const SolverStep> steps) {
-  PlotLine largest{"largest", {}, {}};
-  PlotLine mean{"mean of the nodes in contact", {}, {}};
+  PlotLine maximum{"maximum", {}, {}};
+  PlotLine mean{"mean over the contact area", {}, {}};
   for (const SolverStep& step : steps) {
-    for (PlotLine* line : {&largest, &mean}) line->x.push_back(100.0 * step.path_fraction);
-    largest.y.push_back(step.max_penetration_mm);
+    for (PlotLine* line : {&maximum, &mean}) line->x.push_back(100.0 * step.path_fraction);
+    maximum.y.push_back(step.max_penetration_mm);
     mean.y.push_back(step.mean_penetration_mm);
   }
-  return {.title = "Tissue inside bone that remains",
-          .x_label = "share of the bone's path [%]",
+  return {.title = "Remaining penetration of tissue into bone",
+          .x_label = "path fraction [%]",
           .y_label = "penetration [mm]",
           .y_axis = Axis::kLinear,
-          .lines = {std::move(largest), std::move(mean)},
+          .lines = {std::move(maximum), std::move(mean)},
           .dividers_x = {},
           .threshold_y = {},
           .threshold_name = {}};

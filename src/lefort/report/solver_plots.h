@@ -1,5 +1,5 @@
 /// \file
-/// How the solver came to its result, as plots.
+/// Plots of the convergence of the solver.
 #pragma once
 
 #include <lefort/report/case_report.h>
@@ -9,11 +9,14 @@
 
 namespace lefort::report {
 
-/// Relative residual over all Newton iterations of the path, one after another, a divider between
-/// steps, with the tolerance.
+/// \param steps      of the path, in order.
+/// \param tolerance  of the relative residual.
+/// \returns the plot of the relative residual over all Newton iterations, with dividers between
+///   steps and the tolerance.
 [[nodiscard]] LinePlot residual_plot(std::span<const SolverStep> steps, double tolerance);
 
-/// Largest and mean penetration over the share of the path that is done.
+/// \param steps  of the path, in order.
+/// \returns the plot of the maximum and mean penetration over the path fraction.
 [[nodiscard]] LinePlot penetration_plot(std::span<const SolverStep> steps);
 
 }  // namespace lefort::report

@@ -12,8 +12,8 @@ namespace lefort::report {
 
 namespace {
 
-/// Empty rim around the focus, as a share of its size.
-constexpr double kRim = 0.06;
+/// Empty margin around the focus, as a fraction of its size.
+constexpr double kFocusMargin = 0.06;
 
 Vec3 direction_of(StandardView view) {  // From the camera to the patient, LPS.
   switch (view) {
@@ -57,8 +57,8 @@ View standard_view(StandardView standard, const Box3& focus_L, double aspect) {
   const Vec3 sizes_mm = focus_L.sizes();
   const double width_mm = axes.right_L.cwiseAbs().dot(sizes_mm);
   const double height_mm = axes.up_L.cwiseAbs().dot(sizes_mm);
-  const double min_mm = 1.0;  // A box may be a point.
-  view.height_mm = std::max({height_mm, width_mm / aspect, min_mm}) * (1.0 + 2.0 * kRim);
+  const double min_mm = 1.0;  // The box may be a point.
+  view.height_mm = std::max({height_mm, width_mm / aspect, min_mm}) * (1.0 + 2.0 * kFocusMargin);
   return view;
 }
 
@@ -71,9 +71,9 @@ Result<void> check_view(const View& view) {
                 fmt::format("view shows {} mm of height, must be > 0", view.height_mm));
   const double lengths = view.direction_L.norm() * view.up_L.norm();
   const double sine = view.direction_L.cross(view.up_L).norm() / lengths;
-  if (!(sine > 1e-6))  // Also when a length is zero.
+  if (!(sine > 1e-6))  // Also if a length is zero.
     return fail(ErrorCode::kInvalidArgument,
-                "view looks along its upward direction, or one of the two is zero");
+                "viewing and upward direction of the view are parallel, or one of them is zero");
   return {};
 }
 
@@ -94,7 +94,7 @@ std::string orientation_letters(const Vec3& edge_L) {
   std::stable_sort(sides.begin(), sides.end(),
                    [](const Side& a, const Side& b) { return a.fraction > b.fraction; });
   std::string letters(1, sides[0].letter);
-  const double oblique = 0.35;  // tan(19 deg): a tilted head still has one letter.
+  const double oblique = 0.35;  // tan(19 deg): a slightly tilted head has one letter.
   if (sides[1].fraction > oblique * sides[0].fraction) letters += sides[1].letter;
   return letters;
 }

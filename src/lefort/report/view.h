@@ -1,6 +1,6 @@
 /// \file
-/// From where a surface is looked at. Parallel projection: one scale holds in the whole picture,
-/// and profiles can be laid over each other.
+/// Camera positions. Parallel projection: the scale is the same in the whole picture, and profiles
+/// can be superimposed.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,12 +10,12 @@
 
 namespace lefort::report {
 
-/// A camera far away. The same View for two states makes their pictures comparable by pixel.
+/// A camera at infinity. Pictures of two states with the same View can be compared by pixel.
 struct View {
-  Vec3 direction_L{0.0, 1.0, 0.0};  ///< Where the camera looks; not zero.
-  Vec3 up_L{0.0, 0.0, 1.0};         ///< Upwards in the picture; not along direction_L.
-  Vec3 center_L{0.0, 0.0, 0.0};     ///< In the middle of the picture [mm].
-  double height_mm = 250.0;         ///< What the picture's height shows, > 0.
+  Vec3 direction_L{0.0, 1.0, 0.0};  ///< Viewing direction; not zero.
+  Vec3 up_L{0.0, 0.0, 1.0};         ///< Upwards in the picture; not parallel to direction_L.
+  Vec3 center_L{0.0, 0.0, 0.0};     ///< At the center of the picture [mm].
+  double height_mm = 250.0;         ///< Visible height, > 0.
 };
 
 /// The views of clinical photography. Seen from the front, as when facing the patient, the
@@ -28,16 +28,20 @@ enum class StandardView {
   kLeftThreeQuarter,   ///< Half-way from the front to the left profile.
 };
 
-/// "front", "right profile", ...
+/// \param view  a standard view.
+/// \returns "front", "right profile", ...
 [[nodiscard]] const char* name_of(StandardView view);
 
-/// Looks at the middle of `focus_L` from a standard side, so near that the box just fits.
+/// Views the center of `focus_L` from a standard direction, with the height at which the box fits.
 ///
-/// \param focus_L  not empty; give before and after the same box.
-/// \param aspect   width over height of the picture to be made, > 0.
+/// \param view     the standard direction.
+/// \param focus_L  not empty; use the same box before and after.
+/// \param aspect   width over height of the picture, > 0.
+/// \returns the camera.
 [[nodiscard]] View standard_view(StandardView view, const Box3& focus_L, double aspect);
 
-/// \returns kInvalidArgument when the view breaks what its members promise.
+/// \param view  any values.
+/// \returns nothing, or kInvalidArgument if a member of the view is out of range.
 [[nodiscard]] Result<void> check_view(const View& view);
 
 /// Rightwards, upwards in the picture, and towards the camera; unit length, right-handed, in L.
@@ -46,12 +50,13 @@ struct ViewAxes {
   Vec3 up_L;
   Vec3 towards_L;
 };
-/// \pre check_view(view)
+/// \param view  valid according to check_view().
+/// \returns its axes.
 [[nodiscard]] ViewAxes axes_of(const View& view);
 
-/// The side of the patient that `edge_L`, from the picture's middle to an edge, points to: "R",
-/// "L", "A" (front), "P" (back), "S" (top), "I" (bottom); two letters, the stronger first, when the
-/// view is oblique.
+/// \param edge_L  direction from the center of the picture to an edge.
+/// \returns the side of the patient at that edge: "R", "L", "A" (anterior), "P" (posterior), "S"
+///   (superior) or "I" (inferior); two letters, the larger component first, for an oblique view.
 [[nodiscard]] std::string orientation_letters(const Vec3& edge_L);
 
 }  // namespace lefort::report

@@ -33,7 +33,7 @@ BooleanResult boolean_operations(const geometry::TriangleMesh& first,
             result(wanted.in_both, pmp::Corefinement::INTERSECTION, both),
             result(wanted.in_first_only, pmp::Corefinement::TM1_MINUS_TM2, first_only)};
   } catch (const pmp::Corefinement::Self_intersection_exception&) {
-  } catch (const CGAL::Failure_exception&) {  // A precondition of CGAL.
+  } catch (const CGAL::Failure_exception&) {  // A violated precondition of CGAL.
   }
   return {};
 }

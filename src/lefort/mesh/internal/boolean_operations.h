@@ -1,6 +1,6 @@
 /// \file
-/// Boolean operations on closed surfaces by corefinement (CGAL). The only file that instantiates it: it
-/// is among the most expensive templates of the whole build.
+/// Boolean operations on closed surfaces by corefinement (CGAL). No other file instantiates it,
+/// because it is among the templates that take longest to compile.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -9,21 +9,22 @@
 
 namespace lefort::mesh::internal {
 
-/// Results that are wanted; computing one alone is cheaper than all.
+/// The wanted results; one of them takes less time than all.
 struct BooleanRequest {
   bool in_either = false;      ///< The union.
   bool in_both = false;        ///< The intersection.
   bool in_first_only = false;  ///< The difference.
 };
 
-/// What was wanted and is a surface; nothing where the result would not be one.
+/// The wanted results; nothing where the result would not be a surface.
 struct BooleanResult {
   std::optional<geometry::TriangleMesh> in_either, in_both, in_first_only;
 };
 
-/// \pre Both are closed surfaces with outward normals.
-/// \returns all empty if a surface crosses itself where the other cuts it, or breaks a precondition of
-///   CGAL.
+/// \param first, second  closed surfaces with outward normals.
+/// \param wanted         the operations to be computed.
+/// \returns the results; all empty if a surface crosses itself where the other cuts it, or violates
+///   a precondition of CGAL.
 /// \throws std::bad_alloc
 [[nodiscard]] BooleanResult boolean_operations(const geometry::TriangleMesh& first,
                                                const geometry::TriangleMesh& second,

@@ -1,5 +1,5 @@
 /// \file
-/// Surfaces as CGAL wants them. For the .cpp files of this layer alone.
+/// Conversion of surfaces to and from CGAL. For .cpp files of this layer only.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -13,8 +13,8 @@ namespace lefort::mesh::internal {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using CgalSurface = CGAL::Surface_mesh<Kernel::Point_3>;
 
-/// While it lives, CGAL's broken preconditions are exceptions alone, not prints to stderr too. The
-/// layer is built with CGAL_DEBUG, so that they are looked at in release builds as well.
+/// During its lifetime, violated preconditions of CGAL throw without also printing to stderr. The
+/// layer is built with CGAL_DEBUG, so that they are checked in release builds as well.
 class QuietCgal {
  public:
   QuietCgal() : before_(CGAL::set_error_handler(&say_nothing)) {}
@@ -27,7 +27,7 @@ class QuietCgal {
   CGAL::Failure_function before_;
 };
 
-/// \pre The triangles form a surface: no edge has more than two, no vertex more than one fan.
+/// \param mesh  a surface: no edge has more than two triangles, no vertex more than one fan.
 [[nodiscard]] inline CgalSurface to_cgal(const geometry::TriangleMesh& mesh) {
   CgalSurface surface;
   for (const Vec3& p : mesh.vertices) surface.add_vertex({p.x(), p.y(), p.z()});
@@ -36,7 +36,7 @@ class QuietCgal {
   return surface;
 }
 
-/// Vertices and triangles in the order of their numbers; deleted ones left out.
+/// \returns vertices and triangles in the order of their numbers, without removed ones.
 [[nodiscard]] inline geometry::TriangleMesh from_cgal(const CgalSurface& surface) {
   geometry::TriangleMesh mesh;
   std::vector<std::int32_t> number(surface.number_of_vertices() +

@@ -1,5 +1,5 @@
 /// \file
-/// What the two elements beside a face have in common: its corners, whatever their order.
+/// A key of a face that is the same for both elements at it: its sorted corners.
 #pragma once
 
 #include <lefort/mesh/element_faces.h>
@@ -14,7 +14,7 @@ namespace lefort::mesh::internal {
 
 using FaceKey = std::array<std::int32_t, 4>;
 
-/// The corners, ascending; a triangle's last entry is the largest number.
+/// \returns the corners, ascending; the last entry of a triangle is the largest integer.
 [[nodiscard]] inline FaceKey face_key(const Face& face) {
   FaceKey key;
   key.fill(std::numeric_limits<std::int32_t>::max());

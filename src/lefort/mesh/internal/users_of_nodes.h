@@ -1,5 +1,5 @@
 /// \file
-/// Who uses each node: the elements, or the faces, around it.
+/// The elements, or the faces, around each node.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -10,7 +10,7 @@
 
 namespace lefort::mesh::internal {
 
-/// Lists of lists, one after another.
+/// A list per node, stored one after another.
 struct Lists {
   std::vector<std::size_t> first;
   std::vector<Index> items;
@@ -19,7 +19,10 @@ struct Lists {
   }
 };
 
-/// For each node the users whose `nodes_of(user)` has it, ascending.
+/// \param node_count  number of nodes.
+/// \param user_count  number of elements or faces.
+/// \param nodes_of    nodes_of(user): the nodes of an element or face.
+/// \returns for each node the users whose nodes contain it, ascending.
 template <class Nodes>
 [[nodiscard]] Lists users_of_nodes(Index node_count, Index user_count, const Nodes& nodes_of) {
   Lists lists;

@@ -1,5 +1,5 @@
 /// \file
-/// Bytes as text for data: addresses.
+/// Base64 encoding for data URLs.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace lefort::report {
 
-/// RFC 4648, section 4, with padding.
+/// \returns the bytes encoded according to RFC 4648, section 4, with padding.
 [[nodiscard]] inline std::string base64(std::string_view bytes) {
   constexpr std::string_view kAlphabet =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -1,5 +1,6 @@
 /// \file
-/// Our bytes as cairo's CAIRO_FORMAT_RGB24 words (0x00RRGGBB, rows without padding) and back.
+/// Conversion of pictures to and from cairo's CAIRO_FORMAT_RGB24 (words 0x00RRGGBB, rows without
+/// padding).
 #pragma once
 
 #include <lefort/report/picture.h>

@@ -22,7 +22,7 @@ void set_source(cairo_t* cairo, const Rgb& color, double opacity = 1.0) {
   cairo_set_source_rgba(cairo, color[0], color[1], color[2], opacity);
 }
 
-/// The same strokes whatever the desktop prefers.
+/// Text rendering that does not depend on the settings of the desktop.
 void fix_font_rendering(cairo_t* cairo) {
   cairo_font_options_t* options = cairo_font_options_create();
   cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
@@ -59,7 +59,7 @@ void Canvas::place(const Picture& picture, int left, int top) {
   cairo_set_source_surface(context_->cairo, source, left, top);
   cairo_rectangle(context_->cairo, left, top, picture.width, picture.height);
   cairo_fill(context_->cairo);
-  cairo_set_source_rgb(context_->cairo, 0.0, 0.0, 0.0);  // Lets go of `source`.
+  cairo_set_source_rgb(context_->cairo, 0.0, 0.0, 0.0);  // Releases `source`.
   cairo_surface_destroy(source);
 }
 
@@ -85,7 +85,7 @@ void Canvas::strokes(std::span<const geometry::Segment2> lines, const Eigen::Vec
   set_source(cairo, color);
   cairo_set_line_width(cairo, line_px);
   cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
-  constexpr std::size_t kTogether = 1000;  // A path of all would take cairo long.
+  constexpr std::size_t kTogether = 1000;  // Lines per path; cairo is slow for long paths.
   for (std::size_t begin = 0; begin < lines.size(); begin += kTogether) {
     for (const geometry::Segment2& line :
          lines.subspan(begin, std::min(kTogether, lines.size() - begin))) {

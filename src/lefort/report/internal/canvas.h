@@ -1,5 +1,5 @@
 /// \file
-/// Drawing on a picture: the only place, with picture.cpp, that knows cairo.
+/// Drawing on a picture. Only this class and picture.cpp use cairo.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -33,7 +33,7 @@ struct Rectangle {
   double height;
 };
 
-/// Pixels with the origin at the top left; drawing beyond the edge is cut off.
+/// Pixels with the origin at the top left; drawings are clipped at the edges.
 class Canvas {
  public:
   /// \pre both sides in [1, kMaxPictureSide]
@@ -47,16 +47,16 @@ class Canvas {
   void fill(const Rectangle& area, const Rgb& color);
   void outline(const Rectangle& area, const Rgb& color, double line_px);
 
-  /// Straight lines with round ends, moved by `shift`; what lies beyond `within` is cut off.
+  /// Straight lines with round ends, displaced by `shift` and clipped by `within`.
   void strokes(std::span<const geometry::Segment2> lines, const Eigen::Vector2d& shift,
                const Rectangle& within, const Rgb& color, double line_px);
 
-  /// One line of text on the baseline `y`, from, around or up to `x`; made smaller when it is wider
-  /// than `max_width_px`.
+  /// One line of text on the baseline `y`, aligned at `x`; scaled down if it is wider than
+  /// `max_width_px`.
   void write(double x, double y, std::string_view text, const TextStyle& style,
              double max_width_px);
 
-  /// What was drawn so far.
+  /// \returns the picture drawn so far.
   [[nodiscard]] Result<Picture> picture() const;
 
  private:

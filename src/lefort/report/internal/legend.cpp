@@ -10,10 +10,10 @@ namespace lefort::report {
 
 double letter_px(int picture_width) { return std::clamp(picture_width / 72.0, 9.0, 48.0); }
 
-void write_color_bar(Canvas& canvas, const Rectangle& place, const ColorBar& what, double em) {
-  // On whole pixels: paper that shines through between two columns would change the colors.
-  const Rectangle bar{std::round(place.left), std::round(place.top), std::round(place.width),
-                      std::round(place.height)};
+void write_color_bar(Canvas& canvas, const Rectangle& area, const ColorBar& what, double em) {
+  // On whole pixels: otherwise the background between two columns would change the colors.
+  const Rectangle bar{std::round(area.left), std::round(area.top), std::round(area.width),
+                      std::round(area.height)};
   const int columns = int(bar.width);
   for (int x = 0; x < columns; ++x)
     canvas.fill({bar.left + x, bar.top, 1.0, bar.height},

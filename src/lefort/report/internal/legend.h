@@ -1,5 +1,5 @@
 /// \file
-/// What explains a picture: a bar of colors, a bar of a known length.
+/// Color bars and scale bars of pictures.
 #pragma once
 
 #include <lefort/report/annotate.h>
@@ -10,13 +10,13 @@ namespace lefort::report {
 inline constexpr Rgb kInk{0.13, 0.15, 0.18};
 inline constexpr Rgb kPaper{1.0, 1.0, 1.0};
 
-/// The height of ordinary letters; all other lengths are told in it (em).
+/// \returns the font size; the unit (em) of all other lengths.
 [[nodiscard]] double letter_px(int picture_width);
 
-/// The colors of a scale in a bar at `place`, its title above, round numbers below.
-void write_color_bar(Canvas& canvas, const Rectangle& place, const ColorBar& what, double em);
+/// Draws a color bar in `area`, with its title above and round numbers below.
+void write_color_bar(Canvas& canvas, const Rectangle& area, const ColorBar& what, double em);
 
-/// A bar of a round length, its right end at `right`.
+/// Draws a scale bar of a round length, with its right end at `right`.
 void write_scale(Canvas& canvas, double right, double middle, double mm_per_pixel, int width,
                  double em);
 

@@ -1,6 +1,6 @@
 /// \file
-/// How the report page looks: on a light and a dark screen, on a phone, on paper. Text has a
-/// contrast of at least 4.5 to its ground (WCAG 2.1, AA): a test computes it from the variables.
+/// The style sheet of the report for light and dark screens, phones and paper. The contrast of text
+/// is at least 4.5 (WCAG 2.1, AA); a test computes it from the variables.
 #pragma once
 
 #include <string_view>

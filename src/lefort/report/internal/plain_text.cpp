@@ -12,7 +12,7 @@ constexpr std::string_view kReplacement = "\uFFFD";
 
 bool is_continuation(char byte) { return (std::uint8_t(byte) & 0xc0U) == 0x80U; }
 
-/// How many bytes a character takes whose first byte is this; 0 when none starts so.
+/// \returns the length of a character with this first byte; 0 if there is none.
 std::size_t length_from(std::uint8_t lead) {
   if (lead < 0x80) return 1;
   if (lead >= 0xc2 && lead < 0xe0) return 2;
@@ -21,7 +21,7 @@ std::size_t length_from(std::uint8_t lead) {
   return 0;
 }
 
-/// The code point at the front of `text`, and how many bytes it takes: 0 when it is malformed.
+/// The code point at the start of `text`, and its length in bytes: 0 if it is malformed.
 struct Decoded {
   char32_t code;
   std::size_t length;
@@ -44,7 +44,7 @@ Decoded decode(std::string_view text) {
 
 bool is_control(char32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
 
-/// U+FFFE and U+FFFF, which XML refuses.
+/// U+FFFE and U+FFFF, which XML does not allow.
 bool is_no_character(char32_t code) { return code == 0xfffe || code == 0xffff; }
 
 }  // namespace

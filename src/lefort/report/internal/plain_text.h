@@ -1,5 +1,5 @@
 /// \file
-/// Text from anywhere made safe to be drawn or put into a page.
+/// Sanitizes text for drawing and for pages.
 #pragma once
 
 #include <string>
@@ -7,11 +7,12 @@
 
 namespace lefort::report {
 
-/// Valid UTF-8 without control characters: a byte that belongs to no character becomes U+FFFD, a
-/// control character (also tab and line break) becomes a space. XML 1.0 admits the result.
+/// \returns valid UTF-8 without control characters: a byte that belongs to no character becomes
+///   U+FFFD, a control character (also tab and line break) becomes a space. XML 1.0 allows the
+///   result.
 [[nodiscard]] std::string plain_text(std::string_view text);
 
-/// plain_text with & < > " ' as entities: for element content and quoted attributes alike.
+/// \returns plain_text() with & < > " ' as entities, for element content and quoted attributes.
 [[nodiscard]] std::string escaped(std::string_view text);
 
 }  // namespace lefort::report

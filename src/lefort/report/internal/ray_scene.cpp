@@ -12,7 +12,7 @@ namespace {
 
 RTCScene rtc(const std::shared_ptr<void>& scene) { return static_cast<RTCScene>(scene.get()); }
 
-/// \returns false when there is no memory for the copy.
+/// \returns false if memory is exhausted.
 bool attach(RTCDevice device, RTCScene scene, const geometry::TriangleMesh& mesh) {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* const vertices = static_cast<float*>(
@@ -66,8 +66,8 @@ Result<RayScene> RayScene::build(std::span<const geometry::TriangleMesh* const> 
   for (const geometry::TriangleMesh* mesh : meshes)
     if (!mesh->triangles.empty()) allocated = allocated && attach(device, rtc(scene), *mesh);
   {
-    // The order of the tree decides which of two triangles a ray through their common edge meets;
-    // on one thread that order is always the same.
+    // The order of the tree decides which of two triangles a ray through their common edge hits;
+    // with one thread this order is deterministic.
     const ThreadLimit one_thread(1);
     rtcCommitScene(rtc(scene));
   }

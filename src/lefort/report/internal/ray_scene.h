@@ -1,5 +1,5 @@
 /// \file
-/// The only place that knows Embree: which triangle does a ray meet first.
+/// Ray casting with Embree. Only this class uses it.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,27 +16,27 @@ namespace lefort::report {
 struct RayHit {
   double distance_mm;
   Vec3 normal_L;           ///< Of the flat triangle, outward, unit length.
-  std::uint32_t triangle;  ///< Of the mesh that was hit; with several meshes it says nothing.
-  double u, v;             ///< Weights of the triangle's second and third corner.
+  std::uint32_t triangle;  ///< In the mesh that was hit; not meaningful with several meshes.
+  double u, v;             ///< Barycentric weights of the second and third corner.
 };
 
 /// A search tree over the triangles of some meshes.
 class RayScene {
  public:
-  /// \pre every triangle names vertices that exist, coordinates are finite and below 1e9.
-  /// \returns kInvalidArgument when Embree cannot start or runs out of memory.
+  /// \param meshes  the vertices of every triangle exist; coordinates are finite and below 1e9.
+  /// \returns the scene, or kInvalidArgument if Embree cannot start or memory is exhausted.
   [[nodiscard]] static Result<RayScene> build(
       std::span<const geometry::TriangleMesh* const> meshes);
 
-  /// The nearest triangle along `direction` (unit length).
+  /// \returns the closest hit along `direction_L` (unit length), nothing if there is none.
   [[nodiscard]] std::optional<RayHit> closest(const Vec3& origin_L, const Vec3& direction_L) const;
 
-  /// Whether anything lies within `reach_mm` along `direction` (unit length).
+  /// \returns whether there is a hit within `reach_mm` along `direction_L` (unit length).
   [[nodiscard]] bool blocked(const Vec3& origin_L, const Vec3& direction_L, double reach_mm) const;
 
  private:
   explicit RayScene(std::shared_ptr<void> scene) : scene_(std::move(scene)) {}
-  std::shared_ptr<void> scene_;  ///< An RTCScene, which keeps its device.
+  std::shared_ptr<void> scene_;  ///< An RTCScene, which owns its device.
 };
 
 }  // namespace lefort::report

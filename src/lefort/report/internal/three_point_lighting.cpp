@@ -14,13 +14,13 @@ double smooth_step(double from, double to, double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/// Lambert's cosine, reaching a little around the edge as in tissue that lets light through.
+/// Lambert's cosine, extended beyond 90 degrees as in translucent tissue (wrap lighting).
 double wrapped(double cosine) {
   constexpr double kWrap = 0.25;
   return saturate((cosine + kWrap) / (1.0 + kWrap));
 }
 
-/// Light that reaches a hollow after one bounce has its color: red in the folds of skin
+/// Interreflections in concave regions have the color of the surface: red in the folds of skin
 /// (Jimenez et al. 2016, Practical realtime strategies for accurate indirect occlusion).
 Light with_bounces(double sky, const Light& albedo) { return sky / (1.0 - albedo * (1.0 - sky)); }
 
@@ -29,7 +29,7 @@ double highlight(const Vec3& normal, const Vec3& lamp, const Vec3& towards, doub
   return std::pow(saturate(normal.dot(half)), exponent);
 }
 
-/// Leaves dark and middle tones alone and bends bright ones below 1.
+/// Compresses bright tones to values below 1; dark and middle tones do not change.
 double soft_limit(double light) {
   constexpr double kKnee = 0.7;
   if (light <= kKnee) return light;
@@ -77,7 +77,7 @@ Light shade(const SurfacePoint& point, const ViewAxes& camera) {
   const double facing = saturate(normal.dot(camera.towards_L));
   const double sheen = 0.05 * highlight(normal, main_lamp, camera.towards_L, 22.0) * point.lamp;
   sent += sheen;
-  // A drawn edge, as an illustrator would: outlines hold against the light backdrop.
+  // Darkens the silhouette, so that it is visible on the light background.
   sent *= 1.0 - 0.45 * (1.0 - smooth_step(0.0, 0.42, facing));
   if (point.back) sent *= 0.45;
   return sent.unaryExpr(&soft_limit);

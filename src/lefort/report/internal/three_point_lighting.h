@@ -1,8 +1,8 @@
 /// \file
-/// How a point of a surface looks under the lamps of a portrait studio.
+/// Three-point lighting of a point of a surface.
 ///
-/// The lamps stand still relative to the camera and are alike on its left and right: as in clinical
-/// photography, light must not make a straight face look crooked.
+/// The lamps are fixed relative to the camera and symmetric to its left and right: as in clinical
+/// photography, the light must not make a symmetric face look asymmetric.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -18,22 +18,23 @@ using Light = Eigen::Array3d;
 [[nodiscard]] Light light_of(const Rgb& color);
 [[nodiscard]] double srgb_of(double light);
 
-/// The direction of the main lamp in L: in front of the face, above the camera. Unit length.
+/// \returns the direction of the key light in L: in front of the face, above the camera. Unit
+///   length.
 [[nodiscard]] Vec3 towards_key_light(const ViewAxes& camera);
 
 struct SurfacePoint {
-  Vec3 normal_L;      ///< Unit length, to the side that is seen.
-  Light albedo;       ///< Share of light it throws back.
-  double sky = 1.0;   ///< Share of the surroundings it sees.
-  double lamp = 1.0;  ///< Share of the main lamp it sees.
+  Vec3 normal_L;      ///< Unit length, towards the camera.
+  Light albedo;       ///< Reflected fraction of the light.
+  double sky = 1.0;   ///< Ambient occlusion: visible fraction of the surroundings.
+  double lamp = 1.0;  ///< Soft shadow: visible fraction of the key light.
   bool back = false;  ///< Seen from the inside of the surface.
 };
 
-/// The light that `point` sends to the camera.
+/// \returns the light that `point` reflects to the camera.
 [[nodiscard]] Light shade(const SurfacePoint& point, const ViewAxes& camera);
 
-/// What is behind everything: light and neutral, a little darker at the bottom.
-/// \param height_fraction 0 at the bottom of the picture, 1 at the top.
+/// \param height_fraction  0 at the bottom of the picture, 1 at the top.
+/// \returns the background: light and neutral, slightly darker at the bottom.
 [[nodiscard]] Light backdrop(double height_fraction);
 
 }  // namespace lefort::report

@@ -13,27 +13,27 @@ namespace {
 
 constexpr int kAmbientSamples = 32;
 constexpr int kKeyLightSamples = 12;
-constexpr double kKeyLightRadius = 0.16;  ///< Tangent of the angle; 9 degrees: a soft box.
+constexpr double kKeyLightRadius = 0.16;  ///< Tangent of the angular radius, 9 degrees.
 constexpr int kSmoothings = 3;
-constexpr Index kSlice = 8192;  ///< Vertices between two questions whether to stop.
+constexpr Index kSlice = 8192;  ///< Vertices between two checks for a stop request.
 
-/// An angle that looks random from one vertex to the next (Steele et al. 2014, splitmix64).
-double turn_of(Index vertex) {
+/// A pseudorandom angle per vertex (Steele et al. 2014, splitmix64).
+double random_angle(Index vertex) {
   std::uint64_t z = std::uint64_t(vertex) + 0x9e3779b97f4a7c15U;
   z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9U;
   z = (z ^ (z >> 27U)) * 0x94d049bb133111ebU;
   return 2.0 * std::numbers::pi * double((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
 }
 
-/// The k-th of n points that fill the unit disc evenly: Vogel's sunflower.
-Eigen::Vector2d disc_point(int k, int n, double turn) {
+/// The k-th of n evenly distributed points of the unit disc (Vogel's spiral).
+Eigen::Vector2d disc_point(int k, int n, double rotation) {
   const double golden_angle = std::numbers::pi * (3.0 - std::sqrt(5.0));
   const double radius = std::sqrt((double(k) + 0.5) / double(n));
-  const double angle = golden_angle * double(k) + turn;
+  const double angle = golden_angle * double(k) + rotation;
   return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 
-/// Rays start this far above the surface, so that they do not meet the triangles they leave.
+/// Distance of ray origins from the surface, so that rays do not hit the triangles they leave.
 double lift_mm(const geometry::TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return 0.0;
   const double sum_mm = deterministic_sum(mesh.triangle_count(), 0.0, [&](Index t) {
@@ -42,7 +42,7 @@ double lift_mm(const geometry::TriangleMesh& mesh) {
   return std::min(0.5, 0.5 * sum_mm / double(mesh.triangle_count()));
 }
 
-/// Each vertex becomes the mean of itself and its neighbors.
+/// Replaces each value by the mean over the vertex and its neighbors.
 void smooth(std::vector<float>& values, const geometry::TriangleMesh& mesh) {
   std::vector<float> sums(values);
   std::vector<float> weights(values.size(), 1.0F);
@@ -65,7 +65,7 @@ Result<std::vector<float>> fraction_per_vertex(const geometry::TriangleMesh& mes
   std::vector<float> fractions(normals_L.size(), 1.0F);
   const Index count = mesh.vertex_count();
   for (Index begin = 0; begin < count; begin += kSlice) {
-    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "drawing was stopped");
+    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "rendering was cancelled");
     progress.report(double(begin) / double(count));
     parallel_for(std::min(kSlice, count - begin), [&](Index offset) {
       const Index v = begin + offset;
@@ -103,11 +103,11 @@ Result<std::vector<float>> ambient_occlusion(const geometry::TriangleMesh& mesh_
     const Vec3 origin_L = mesh_L.vertices[std::size_t(v)] + lift * normal_L;
     const Vec3 side_L = normal_L.unitOrthogonal();
     const Vec3 other_L = normal_L.cross(side_L);
-    const double turn = turn_of(v);
+    const double rotation = random_angle(v);
     int open = 0;
     for (int k = 0; k < kAmbientSamples; ++k) {
-      // A disc lifted to the hemisphere gives cosine-weighted directions (Malley).
-      const Eigen::Vector2d flat = disc_point(k, kAmbientSamples, turn);
+      // Points of a disc projected to the hemisphere are cosine-weighted directions (Malley).
+      const Eigen::Vector2d flat = disc_point(k, kAmbientSamples, rotation);
       const Vec3 direction_L =
           flat.x() * side_L + flat.y() * other_L + std::sqrt(1.0 - flat.squaredNorm()) * normal_L;
       open += obstacles.blocked(origin_L, direction_L, reach_mm) ? 0 : 1;
@@ -128,10 +128,10 @@ Result<std::vector<float>> soft_shadow(const geometry::TriangleMesh& mesh_L,
     const Vec3& normal_L = normals_L[std::size_t(v)];
     if (normal_L.dot(key_light_L) < -kKeyLightRadius) return 0.0;  // The lamp is below the horizon.
     const Vec3 origin_L = mesh_L.vertices[std::size_t(v)] + lift * normal_L;
-    const double turn = turn_of(v);
+    const double rotation = random_angle(v);
     int open = 0;
     for (int k = 0; k < kKeyLightSamples; ++k) {
-      const Eigen::Vector2d flat = kKeyLightRadius * disc_point(k, kKeyLightSamples, turn);
+      const Eigen::Vector2d flat = kKeyLightRadius * disc_point(k, kKeyLightSamples, rotation);
       const Vec3 direction_L = (key_light_L + flat.x() * side_L + flat.y() * other_L).normalized();
       open +=
           obstacles.blocked(origin_L, direction_L, std::numeric_limits<double>::infinity()) ? 0 : 1;

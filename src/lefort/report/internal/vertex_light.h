@@ -1,9 +1,9 @@
 /// \file
-/// How much light from all around, and from one lamp, reaches each vertex of a surface.
+/// Ambient occlusion and soft shadow at the vertices of a surface.
 ///
-/// Computed per vertex, not per pixel: smooth without noise, and what does not depend on the view
-/// is computed once for all views. The samples are a fixed pattern, turned by a hash of the vertex
-/// number, so pictures are the same in every run.
+/// Computed per vertex, not per pixel: the result is smooth, and the part that does not depend on
+/// the view is computed once. The samples are a fixed pattern, rotated by a hash of the vertex
+/// number, so pictures are reproducible.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,20 +16,28 @@
 
 namespace lefort::report {
 
-/// Outward, unit length, the triangles around a vertex weighted by their area; zero where a vertex
-/// has no triangle with an area.
+/// \returns area-weighted outward vertex normals, unit length; zero if a vertex has no triangle
+///   with an area.
 [[nodiscard]] std::vector<Vec3> vertex_normals(const geometry::TriangleMesh& mesh_L);
 
-/// The share of the sky over each vertex that nothing within `reach_mm` hides, cosine-weighted
-/// (ambient occlusion), 0 to 1. kCancelled.
+/// \param mesh_L     the surface.
+/// \param normals_L  of its vertices.
+/// \param obstacles  what occludes.
+/// \param reach_mm   largest distance of an occluder.
+/// \param progress   may request a stop.
+/// \returns the cosine-weighted visible fraction of the hemisphere at each vertex, 0 to 1; or
+///   kCancelled.
 [[nodiscard]] Result<std::vector<float>> ambient_occlusion(const geometry::TriangleMesh& mesh_L,
                                                            const std::vector<Vec3>& normals_L,
                                                            const RayScene& obstacles,
                                                            double reach_mm, Progress& progress);
 
-/// The share of a round soft lamp in direction `key_light_L` (unit length) that each vertex sees, 0
-/// to
-/// 1. kCancelled.
+/// \param mesh_L       the surface.
+/// \param normals_L    of its vertices.
+/// \param obstacles    what casts shadows.
+/// \param key_light_L  direction of a disc-shaped lamp, unit length.
+/// \param progress     may request a stop.
+/// \returns the visible fraction of the lamp at each vertex, 0 to 1; or kCancelled.
 [[nodiscard]] Result<std::vector<float>> soft_shadow(const geometry::TriangleMesh& mesh_L,
                                                      const std::vector<Vec3>& normals_L,
                                                      const RayScene& obstacles,
