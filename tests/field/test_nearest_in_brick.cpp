@@ -85,7 +85,7 @@ TEST(NearestInBrick, IsTheNearestOfAllTriangles) {
       if (minimum < kReach_mm - 1e-4) {
         ASSERT_NE(code, NearestInBrick::kNone) << seed;
         ASSERT_NEAR(std::sqrt(nearest.squared_mm2[at(i)]), minimum, 1e-5) << seed;
-        ASSERT_NEAR(distance_to(s, code >> 2, p), minimum, 1e-5) << seed;
+        ASSERT_NEAR(distance_to(s, NearestInBrick::triangle_of(code), p), minimum, 1e-5) << seed;
       } else if (minimum > kReach_mm + 1e-4) {
         ASSERT_EQ(code, NearestInBrick::kNone) << seed;
       }
@@ -105,20 +105,20 @@ TEST(NearestInBrick, SaysWhetherTheFaceIsNearestAndOnWhichSide) {
       const std::int32_t code = nearest.code[at(i)];
       if (code == NearestInBrick::kNone) continue;
       if (!has_area) {
-        ASSERT_EQ(code & 2, 0) << seed;
+        ASSERT_FALSE(NearestInBrick::is_face_closest(code)) << seed;
         continue;
       }
       // Away from where the answer changes, it is right.
       const Vec3 p = linear_offset(s, i);
       const double height = normal.dot(p - a);
       if (std::abs(height) > 1e-4) {
-        ASSERT_EQ((code & 1) != 0, height < 0.0) << seed;
+        ASSERT_EQ(NearestInBrick::is_below(code), height < 0.0) << seed;
       }
       double minimum = 1e9;
       for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
         minimum = std::min(minimum, normal.cross(to - from).normalized().dot(p - from));
       if (std::abs(minimum) > 1e-4) {
-        ASSERT_EQ((code & 2) != 0, minimum > 0.0) << seed;
+        ASSERT_EQ(NearestInBrick::is_face_closest(code), minimum > 0.0) << seed;
       }
     }
   }

@@ -2,6 +2,7 @@
 #include <lefort/field/build/band_sampler.h>
 #include <lefort/field/build/nearest_by_tree.h>
 #include <lefort/field/build/triangle_brick_overlaps.h>
+#include <lefort/field/internal/bit_masks.h>
 #include <lefort/field/sign/outside_band.h>
 #include <lefort/field/sign/resolve_sign_conflicts.h>
 #include <lefort/field/sign/violates_lipschitz.h>
@@ -14,15 +15,10 @@
 #include <cmath>
 #include <utility>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
-
 namespace lefort::field {
 
 namespace {
 
-constexpr Index kMaxLatticePoints = Index(1) << 31;  // 8 GiB.
 /// Of triangles with bricks: twelve bytes each.
 constexpr std::int64_t kMaxPairs = std::int64_t(1) << 29;
 /// Triangles, and bricks, that a thread takes at a time.
@@ -43,29 +39,6 @@ double binned_reach_mm(double reach_mm, double cell_mm) {
   return reach_mm > kWideCells * cell_mm ? kNearCells * cell_mm : reach_mm;
 }
 
-/// The top bits of 64 numbers after moving them to the left.
-std::uint64_t top_bits(std::span<const std::int32_t, 64> numbers, int shift) {
-  std::uint64_t bits = 0;
-#if defined(__SSE2__)
-  for (std::size_t i = 0; i < 64; i += 4) {
-    const __m128i four = _mm_slli_epi32(
-        _mm_loadu_si128(reinterpret_cast<const __m128i*>(numbers.data() + i)), shift);
-    bits |= std::uint64_t(unsigned(_mm_movemask_ps(_mm_castsi128_ps(four)))) << i;
-  }
-#else
-  for (std::size_t i = 0; i < 64; ++i)
-    bits |= std::uint64_t(std::uint32_t(numbers[i]) << shift >> 31) << i;
-#endif
-  return bits;
-}
-
-/// Which of 64 numbers are larger than a limit.
-std::uint64_t bits_above(std::span<const float, 64> numbers, float limit) {
-  std::array<std::int32_t, 64> above;
-  for (std::size_t i = 0; i < 64; ++i) above[i] = numbers[i] > limit ? -1 : 0;
-  return top_bits(above, 0);
-}
-
 /// Distances for their squares, negative below the nearest face, kUnsampled without a triangle. For
 /// the vectoriser.
 void signed_distances(std::span<const std::int32_t, 64> codes, std::span<float, 64> distances) {
@@ -78,6 +51,43 @@ void signed_distances(std::span<const std::int32_t, 64> codes, std::span<float, 
 
 std::uint64_t with_bit(std::uint64_t word, int bit, bool value) {
   return (word & ~(std::uint64_t(1) << bit)) | std::uint64_t(value) << bit;
+}
+
+using NearestCodes = std::array<std::int32_t, SparseLattice::kBrickPoints>;
+
+/// Copies codes and distances from tiles into the order of the brick, and takes the signs from the
+/// planes of the nearest triangles.
+///
+/// \param clear_mm      distance from which a point is clear of the surface.
+/// \param faces_decide  a plane decides the sign where the closest point is inside a face.
+/// \param codes         of the points, x fastest.
+/// \param distances     with the signs of the planes.
+/// \returns the known points whose sign the planes do not decide.
+BrickBits sign_by_faces(const NearestInBrick& nearest, float clear_mm, bool faces_decide,
+                        NearestCodes& codes,
+                        std::span<float, SparseLattice::kBrickPoints> distances,
+                        BrickSigns& signs) {
+  BrickBits undecided;
+  for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z) {
+    const std::span slice_codes = std::span(codes).subspan(64 * z).first<64>();
+    const std::span slice = distances.subspan(64 * z).first<64>();
+    for (int i = 0; i < 64; i += int(NearestInBrick::kTileX)) {
+      const std::size_t from =
+          NearestInBrick::linear_offset(i % kBrickSide, i / kBrickSide, int(z));
+      std::copy_n(nearest.code.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
+                  slice_codes.begin() + i);
+      std::copy_n(nearest.squared_mm2.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
+                  slice.begin() + i);
+    }
+    signs.known[z] = ~internal::top_bits(slice_codes, 0);  // Only kNone is negative.
+    const std::uint64_t on_face = internal::top_bits(slice_codes, 31 - NearestInBrick::kFaceBit);
+    const std::uint64_t below = internal::top_bits(slice_codes, 31 - NearestInBrick::kBelowBit);
+    signs.inside[z] = signs.known[z] & on_face & below;
+    signs.clear_of_surface[z] = signs.known[z] & internal::bits_above(slice, clear_mm * clear_mm);
+    undecided[z] = signs.known[z] & (faces_decide ? ~on_face : ~std::uint64_t(0));
+    signed_distances(slice_codes, slice);
+  }
+  return undecided;
 }
 
 tl::unexpected<Error> too_many_pairs(std::int64_t pairs) {
@@ -215,65 +225,49 @@ Result<void> BandSampler::grow_band_by_tree(Index max_bricks, Progress& progress
   return {};
 }
 
-/// Whether a point is inside, whatever part of the triangle of a code (NearestInBrick) is nearest.
+/// True if a point is inside, by the pseudonormal at its closest point.
 bool BandSampler::is_inside(std::int32_t code, const Vec3& p) const {
   const geometry::TriangleMesh& mesh = surface_->mesh_B;
-  const std::int32_t triangle = code >> 2;
-  if ((code & 2) != 0)
-    return (code & 1) != 0 &&
+  const std::int32_t triangle = NearestInBrick::triangle_of(code);
+  if (NearestInBrick::is_face_closest(code))
+    return NearestInBrick::is_below(code) &&
            (surface_->is_double.empty() || !surface_->is_double[std::size_t(triangle)]);
   const geometry::TrianglePoint nearest = geometry::closest_point_on_triangle(
       p, mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2));
   return surface_->normals.at(mesh, triangle, nearest.feature).dot(p - nearest.point) < 0.0;
 }
 
-BrickSigns BandSampler::sample(Index slot,
-                               std::span<float, SparseLattice::kBrickPoints> distances) const {
+/// Finds the nearest triangle of each point of a brick: among the triangles binned to it, and for
+/// points beyond `near_mm_` in the tree.
+void BandSampler::find_nearest_triangles(Index slot, const Vec3& low,
+                                         NearestInBrick& nearest) const {
   const geometry::TriangleMesh& mesh = surface_->mesh_B;
-  const LatticePoint first_point =
-      SparseLattice::first_point_of(bricks_[std::size_t(slot)], resolution_);
-  const Vec3 low = origin_ + cell_mm_ * Vec3(first_point[0], first_point[1], first_point[2]);
-  const double reach_mm = near_mm_ + kSlack * cell_mm_;
-
-  const auto clear_mm = float(kClearCells * cell_mm_);
-  const bool has_doubles = !surface_->is_double.empty();
-
-  NearestInBrick nearest;
   nearest.clear(float(near_mm_));
   const std::uint32_t first = first_[std::size_t(slot)];
   visit_triangles(mesh, std::span(triangles_).subspan(first, first_[std::size_t(slot) + 1] - first),
-                  low, cell_mm_, reach_mm, simd_, nearest);
-  if (far_) {
-    for (std::size_t i = 0; i < nearest.code.size(); ++i)
-      if (nearest.code[i] == NearestInBrick::kNone)
-        nearest.squared_mm2[i] = float(reach_mm_) * float(reach_mm_);
-    find_nearest(mesh, *far_, low, cell_mm_, reach_mm_, simd_, nearest);
-  }
+                  low, cell_mm_, near_mm_ + kSlack * cell_mm_, simd_, nearest);
+  if (!far_) return;
+  for (std::size_t i = 0; i < nearest.code.size(); ++i)
+    if (nearest.code[i] == NearestInBrick::kNone)
+      nearest.squared_mm2[i] = float(reach_mm_) * float(reach_mm_);
+  find_nearest(mesh, *far_, low, cell_mm_, reach_mm_, simd_, nearest);
+}
 
+BrickSigns BandSampler::sample(Index slot,
+                               std::span<float, SparseLattice::kBrickPoints> distances) const {
+  const LatticePoint first_point =
+      SparseLattice::first_point_of(bricks_[std::size_t(slot)], resolution_);
+  const Vec3 low = origin_ + cell_mm_ * Vec3(first_point[0], first_point[1], first_point[2]);
+  NearestInBrick nearest;
+  find_nearest_triangles(slot, low, nearest);
+
+  const bool has_doubles = !surface_->is_double.empty();
+  const auto clear_mm = float(kClearCells * cell_mm_);
   BrickSigns signs;
-  // Where an edge or a corner is nearest, the plane of a triangle does not tell the side.
-  BrickBits to_find;
-  std::array<std::int32_t, SparseLattice::kBrickPoints> codes;
-  for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z) {
-    const std::span slice_codes = std::span(codes).subspan(64 * z).first<64>();
-    const std::span slice = distances.subspan(64 * z).first<64>();
-    for (int i = 0; i < 64; i += int(NearestInBrick::kTileX)) {
-      const std::size_t from =
-          NearestInBrick::linear_offset(i % kBrickSide, i / kBrickSide, int(z));
-      std::copy_n(nearest.code.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
-                  slice_codes.begin() + i);
-      std::copy_n(nearest.squared_mm2.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
-                  slice.begin() + i);
-    }
-    signs.known[z] = ~top_bits(slice_codes, 0);  // kNone alone is negative.
-    const std::uint64_t on_face = top_bits(slice_codes, 30), below = top_bits(slice_codes, 31);
-    signs.inside[z] = signs.known[z] & on_face & below;
-    signs.clear_of_surface[z] = signs.known[z] & bits_above(slice, clear_mm * clear_mm);
-    to_find[z] = signs.known[z] & (has_doubles ? ~std::uint64_t(0) : ~on_face);
-    signed_distances(slice_codes, slice);
-  }
-
-  const BrickBits off_face = to_find;
+  NearestCodes codes;
+  const BrickBits undecided =
+      sign_by_faces(nearest, clear_mm, !has_doubles, codes, distances, signs);
+  BrickBits to_find = undecided;
   if (surface_->closed && !has_doubles) propagate_signs(signs, to_find);
   for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z) {
     for (std::uint64_t left = to_find[z]; left != 0; left &= left - 1) {
@@ -282,7 +276,7 @@ BrickSigns BandSampler::sample(Index slot,
       const bool inside = is_inside(codes[64 * z + std::size_t(bit)], p);
       signs.inside[z] = with_bit(signs.inside[z], bit, inside);
     }
-    for (std::uint64_t left = off_face[z]; left != 0; left &= left - 1) {
+    for (std::uint64_t left = undecided[z]; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
       float& distance = distances[64 * z + std::size_t(bit)];
       distance = std::copysign(distance, (signs.inside[z] >> bit & 1) != 0 ? -1.0F : 1.0F);
@@ -295,7 +289,7 @@ Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const F
                                          double reach_mm, const WindingScanlines* winding,
                                          Progress& progress) {
   LEFORT_TRY(const BandSampler sampler,
-             BandSampler::create(surface, frame, reach_mm, kMaxLatticePoints, progress));
+             BandSampler::create(surface, frame, reach_mm, BandSampler::kMaxFloatPoints, progress));
   const std::span<const std::int32_t> bricks = sampler.bricks();
   SparseLattice distances(frame.resolution, {bricks.begin(), bricks.end()}, kUnsampled);
   const Index count = distances.brick_count();

@@ -35,7 +35,10 @@ inline constexpr float kUnsampled = std::numeric_limits<float>::quiet_NaN();
 /// for the nearest triangle instead.
 class BandSampler {
  public:
-  static constexpr Index kMaxPoints = Index(1) << 32;  ///< 12 GiB of samples in bricks.
+  /// Most points of the bricks: 12 GiB if stored as codes of 24 bits (BrickSamples).
+  static constexpr Index kMaxPoints = Index(1) << 32;
+  /// Most points if stored as floats (SparseLattice): 8 GiB.
+  static constexpr Index kMaxFloatPoints = Index(1) << 31;
 
   /// \param surface      must outlive the sampler.
   /// \param reach_mm     points up to this far from the surface are sampled.
@@ -65,6 +68,7 @@ class BandSampler {
 
   [[nodiscard]] Result<void> bin_triangles();
   [[nodiscard]] Result<void> grow_band_by_tree(Index max_bricks, Progress& progress);
+  void find_nearest_triangles(Index slot, const Vec3& low, NearestInBrick& nearest) const;
   [[nodiscard]] bool is_inside(std::int32_t code, const Vec3& p) const;
 
   const PreparedSurface* surface_;

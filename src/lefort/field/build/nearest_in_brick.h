@@ -19,10 +19,22 @@ struct alignas(64) NearestInBrick {
   static constexpr unsigned kTileX = 4, kTileY = 2, kTileZ = 2;
   static constexpr unsigned kTilePoints = kTileX * kTileY * kTileZ;
 
+  /// Bits of a code, from the lowest: the point is below the plane of its nearest triangle; the
+  /// closest point lies inside the face, not on its boundary; then the number of the triangle.
+  static constexpr int kBelowBit = 0, kFaceBit = 1, kTriangleShift = 2;
+
   std::array<float, SparseLattice::kBrickPoints> squared_mm2;
-  /// 4 * triangle + 2 * (its face is nearest, not its rim) + (the point is below its plane), or
-  /// kNone beyond the reach.
-  std::array<std::int32_t, SparseLattice::kBrickPoints> code;
+  std::array<std::int32_t, SparseLattice::kBrickPoints> code;  ///< Or kNone without a triangle.
+
+  [[nodiscard]] static constexpr std::int32_t triangle_of(std::int32_t code) {
+    return code >> kTriangleShift;
+  }
+  [[nodiscard]] static constexpr bool is_face_closest(std::int32_t code) {
+    return (code >> kFaceBit & 1) != 0;
+  }
+  [[nodiscard]] static constexpr bool is_below(std::int32_t code) {
+    return (code >> kBelowBit & 1) != 0;
+  }
 
   void clear(float reach_mm) {
     squared_mm2.fill(reach_mm * reach_mm);

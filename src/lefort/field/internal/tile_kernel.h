@@ -240,6 +240,9 @@ LEFORT_INLINE void visit_tile(const Planes& planes, const Quantity& quantity, st
   auto& known_code = *reinterpret_cast<Ints*>(&nearest.code[place]);
   const Ints nearer = squared < known;
   known = nearer ? squared : known;
+  static_assert(NearestInBrick::kTriangleShift == 2 && NearestInBrick::kFaceBit == 1 &&
+                NearestInBrick::kBelowBit == 0);
+  // True lanes are -1, so subtracting them sets a bit.
   known_code = nearer ? 4 * triangle - 2 * inside - (height < Floats{}) : known_code;
 }
 
