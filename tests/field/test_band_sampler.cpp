@@ -229,7 +229,7 @@ TEST(BandSampler, IsExactAroundRandomSoups) {
   }
 }
 
-TEST(BandSampler, RefusesABandOfMorePointsThanRequested) {
+TEST(BandSampler, RejectsABandOfMorePointsThanRequested) {
   const TriangleMesh torus = test::make_torus(8, 3, 24, 12);
   const FieldFrame frame = frame_around(torus, 128);
   const PreparedSurface surface = prepare_surface(torus).value();

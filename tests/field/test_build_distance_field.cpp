@@ -260,7 +260,7 @@ std::string refusal(const TriangleMesh& mesh, const DistanceFieldOptions& option
   return field.error().message;
 }
 
-TEST(BuildDistanceField, RefusesOptionsOutOfRange) {
+TEST(BuildDistanceField, RejectsOptionsOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto names = [](const DistanceFieldOptions& options, const char* name) {
     return refusal(kTorus, options, ErrorCode::kInvalidArgument).starts_with(name);
@@ -279,7 +279,7 @@ TEST(BuildDistanceField, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(names({.resolution = 64, .side_mm = 60}, "side_mm is 60"));  // No room for the band.
 }
 
-TEST(BuildDistanceField, RefusesSurfacesThatAreNone) {
+TEST(BuildDistanceField, RejectsSurfacesThatAreNone) {
   const auto complaint = [](const TriangleMesh& mesh) {
     return refusal(mesh, {.resolution = 16}, ErrorCode::kMeshInvalid);
   };
@@ -338,7 +338,7 @@ TEST(BuildDistanceField, StopsWheneverItIsAsked) {
   }
 }
 
-TEST(BuildDistanceField, RefusesABandThatWouldFillTheMemory) {
+TEST(BuildDistanceField, RejectsABandThatWouldFillTheMemory) {
   // Large slanted triangles, each of whose boxes holds an eighth of a large lattice.
   geometry::TriangleMesh fan;
   fan.vertices.emplace_back(0, 0, 0);

@@ -71,7 +71,7 @@ TEST(Octree, CornersOfALeafAreTheSamplesAtItsLatticePoints) {
               4 * (corner & 1) + 10 * (4 + 4 * (corner >> 1 & 1)) + 100 * 4 * (corner >> 2));
 }
 
-TEST(Octree, RefusesLettersThatAreNoTree) {
+TEST(Octree, RejectsLettersThatAreNoTree) {
   for (const char* codes : {"", "+", "+ooooooo", "oo", "x", "+oooooooo#", "+++++#", "+o"}) {
     const auto octree = Octree::decode(8, codes);
     ASSERT_FALSE(octree) << codes;
@@ -79,7 +79,7 @@ TEST(Octree, RefusesLettersThatAreNoTree) {
   }
 }
 
-TEST(Octree, RefusesCellsSmallerThanTheFinest) {
+TEST(Octree, RejectsCellsSmallerThanTheFinest) {
   // Below two cells there are no nodes, but two letters: which are leaves, and where the others are.
   const auto with_letters = [](const std::string& letters) {
     return Octree::decode(8, "+++" + letters + "ooooooo" + "ooooooo");

@@ -324,7 +324,7 @@ TEST(PrepareSurface, ManyCavitiesAreAboutAsQuickAsNone) {
   EXPECT_LT(seconds_with(true), 10 * none + 0.2);
 }
 
-TEST(PrepareSurface, RefusesSurfacesThatAreNone) {
+TEST(PrepareSurface, RejectsSurfacesThatAreNone) {
   const auto complaint = [](const TriangleMesh& mesh) {
     const auto surface = prepare_surface(mesh);
     if (surface) return std::string("accepted");

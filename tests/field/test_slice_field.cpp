@@ -88,7 +88,7 @@ TEST(SliceField, SummaryIsThatOfACircle) {
             1);
 }
 
-TEST(SliceField, RefusesWhatShowsNothing) {
+TEST(SliceField, RejectsWhatShowsNothing) {
   const DistanceField field = ball();
   const auto complaint = [&](const SliceOptions& options) {
     const auto slice = slice_field(field, options);

@@ -66,7 +66,7 @@ TEST(LinearSolver, ASingularMatrixIsNotPositiveDefinite) {
   EXPECT_EQ(solver.factorize(sparse), LinearSolveStatus::kNotPositiveDefinite);
 }
 
-TEST(LinearSolver, RefusesNaN) {
+TEST(LinearSolver, RejectsNaN) {
   Eigen::MatrixXd A = example(1);
   A(5, 5) = std::numeric_limits<double>::quiet_NaN();
   LinearSolver solver;
