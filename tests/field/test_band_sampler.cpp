@@ -20,9 +20,9 @@ namespace {
 
 using geometry::TriangleMesh;
 
-/// One whose triangles are all visited, and a wide one that a tree completes.
+/// A narrow band, sampled by binned triangles only, and a wide one that a tree completes.
 constexpr std::array kReaches_cells = {5.0, 9.0};
-/// Of the single-precision search, on surfaces of some 20 mm.
+/// Error of the search in single precision, on surfaces of about 20 mm.
 constexpr double kFloatError_mm = 2e-5;
 
 FieldFrame frame_around(const TriangleMesh& mesh, int resolution) {
@@ -34,8 +34,8 @@ FieldFrame frame_around(const TriangleMesh& mesh, int resolution) {
   return frame;
 }
 
-/// Compares every point of the lattice, inside the cube and around it, with a search that shares
-/// nothing with the sampler but the pseudonormals; and the sign with the winding number.
+/// Compares every lattice point, inside the cube and around it, with a search that uses the same
+/// pseudonormals but nothing else of the sampler; and the sign with the winding number.
 void expect_exact_within(double reach_cells, const TriangleMesh& mesh, int resolution,
                          bool closed) {
   const FieldFrame frame = frame_around(mesh, resolution);
@@ -74,7 +74,7 @@ void expect_exact_everywhere(const TriangleMesh& mesh, int resolution, bool clos
 }
 
 TEST(BandSampler, IsExactAroundABox) {
-  // Convex edges and corners: most of the band there lies in no triangle's prism.
+  // Convex edges and corners: most of the band there lies in no prism of a triangle.
   expect_exact_everywhere(test::make_box(Vec3(-9, -7, -5), Vec3(9, 8, 4)), 32, true);
 }
 
@@ -109,7 +109,7 @@ TEST(BandSampler, IsExactAroundAnOpenSheet) {
   expect_exact_everywhere(test::make_sheet(20, 3), 32, false);
 }
 
-TEST(BandSampler, IsExactAroundAHeapOfTriangles) {
+TEST(BandSampler, IsExactAroundATriangleSoup) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> in(-10, 10);
   TriangleMesh heap;
@@ -119,7 +119,7 @@ TEST(BandSampler, IsExactAroundAHeapOfTriangles) {
   expect_exact_everywhere(heap, 32, false);
 }
 
-/// The sampler alone, brick by brick.
+/// The result of the sampler, brick by brick.
 std::vector<float> samples_with(const PreparedSurface& surface, const FieldFrame& frame,
                                 double reach_cells, Simd simd) {
   const BandSampler sampler = BandSampler::create(surface, frame, reach_cells * frame.cell_mm,
@@ -154,7 +154,7 @@ TEST(BandSampler, EveryProcessorGivesTheSameBits) {
   }
 }
 
-TEST(BandSampler, BricksAscendAndHoldEverySampleWithinReach) {
+TEST(BandSampler, BricksAscendAndContainEverySampleOfTheBand) {
   const TriangleMesh torus = test::make_torus(8, 3, 24, 12);
   const FieldFrame frame = frame_around(torus, 64);
   const PreparedSurface surface = prepare_surface(torus).value();
@@ -178,7 +178,7 @@ TEST(BandSampler, BricksAscendAndHoldEverySampleWithinReach) {
 }
 
 TEST(BandSampler, AWiderBandChangesNoSampleOfANarrowOne) {
-  // The wide one is sampled in another way: near the surface by triangles, beyond by a tree.
+  // The wide band is sampled differently: near the surface by triangles, beyond by a tree.
   for (unsigned seed = 1; seed < 4; ++seed) {
     const TriangleMesh ball = test::make_crumpled_ball(seed, 6, 14);
     const FieldFrame frame = frame_around(ball, 64);
@@ -199,15 +199,15 @@ TEST(BandSampler, AWiderBandChangesNoSampleOfANarrowOne) {
 }
 
 TEST(BandSampler, IsExactAroundRandomSoups) {
-  // Every lattice point, against every triangle: shared and repeated corners, opposite twins,
-  // triangles without area, in all mixtures.
+  // Every lattice point, against every triangle: common and repeated corners, opposite duplicates,
+  // triangles without area, in all combinations.
   for (unsigned seed = 0; seed < 120; ++seed) {
     std::mt19937 random(seed);
     TriangleMesh soup = test::make_soup(random);
     test::spoil(soup, random);
     SCOPED_TRACE(seed);
     const auto surface = prepare_surface(soup);
-    if (!surface) continue;  // Nothing but points and lines.
+    if (!surface) continue;  // Only points and lines.
     const FieldFrame frame = frame_around(surface->mesh_B, 16);
     const double reach = (seed % 2 == 0 ? 4.0 : 7.5) * frame.cell_mm;
     const auto sampled = sample_narrow_band(*surface, frame, reach, nullptr, Progress::none());
@@ -222,7 +222,7 @@ TEST(BandSampler, IsExactAroundRandomSoups) {
             ASSERT_TRUE(std::isnan(found));
           }
           if (distance < reach * (1 - 1e-6)) {
-            ASSERT_NEAR(std::abs(found), distance, kFloatError_mm / 10.0)  // Some 2 mm wide.
+            ASSERT_NEAR(std::abs(found), distance, kFloatError_mm / 10.0)  // About 2 mm wide.
                 << "at " << i << ' ' << j << ' ' << k;
           }
         }
@@ -245,7 +245,7 @@ TEST(BandSampler, RejectsABandOfMorePointsThanRequested) {
   }
 }
 
-TEST(BandSampler, StopsWhenAsked) {
+TEST(BandSampler, StopsOnRequest) {
   class Stopped : public Progress {
     [[nodiscard]] bool stop_requested() const override { return true; }
   } stopped;

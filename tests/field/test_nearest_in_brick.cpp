@@ -24,7 +24,7 @@ struct Setting {
   double cell_mm;
 };
 
-/// Triangles of all sizes, needles and lines among them, against a brick of some 7 mm.
+/// Triangles of all sizes, including needles and lines, and a brick of about 7 mm.
 Setting any_setting(std::mt19937& random, unsigned triangles) {
   std::uniform_real_distribution<double> in(-8, 8);
   const auto point = [&] { return Vec3(in(random), in(random), in(random)); };
@@ -50,7 +50,7 @@ NearestInBrick visited(const Setting& s, Simd simd) {
   return nearest;
 }
 
-/// Where point `i`, x fastest, is kept.
+/// Position of point `i`, x fastest, in the arrays.
 std::size_t at(int i) {
   return NearestInBrick::linear_offset(i % kSide, i / kSide % kSide, i / (kSide * kSide));
 }
@@ -65,7 +65,7 @@ double distance_to(const Setting& s, Index t, const Vec3& p) {
                        .squared_distance_mm2);
 }
 
-TEST(NearestInBrick, EveryPointHasAPlaceOfItsOwn) {
+TEST(NearestInBrick, EveryPointHasItsOwnPosition) {
   std::vector<int> visits(SparseLattice::kBrickPoints, 0);
   for (int i = 0; i < SparseLattice::kBrickPoints; ++i) ++visits.at(at(i));
   EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), SparseLattice::kBrickPoints);
@@ -74,7 +74,7 @@ TEST(NearestInBrick, EveryPointHasAPlaceOfItsOwn) {
 TEST(NearestInBrick, IsTheNearestOfAllTriangles) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     std::mt19937 random(seed);
-    const Setting s = any_setting(random, 1 + seed % 20);  // Not only whole batches.
+    const Setting s = any_setting(random, 1 + seed % 20);  // Also incomplete batches.
     const NearestInBrick nearest = visited(s, best_simd());
     for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
       const Vec3 p = linear_offset(s, i);
@@ -93,7 +93,7 @@ TEST(NearestInBrick, IsTheNearestOfAllTriangles) {
   }
 }
 
-TEST(NearestInBrick, SaysWhetherTheFaceIsNearestAndOnWhichSide) {
+TEST(NearestInBrick, RecordsWhetherTheFaceIsClosestAndTheSide) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     std::mt19937 random(seed);
     const Setting s = any_setting(random, 1);
@@ -108,7 +108,7 @@ TEST(NearestInBrick, SaysWhetherTheFaceIsNearestAndOnWhichSide) {
         ASSERT_FALSE(NearestInBrick::is_face_closest(code)) << seed;
         continue;
       }
-      // Away from where the answer changes, it is right.
+      // Away from transitions the code is right.
       const Vec3 p = linear_offset(s, i);
       const double height = normal.dot(p - a);
       if (std::abs(height) > 1e-4) {
@@ -140,7 +140,7 @@ TEST(NearestInBrick, EveryProcessorGivesTheSameBits) {
   }
 }
 
-TEST(NearestInBrick, ATriangleTwiceChangesNothingButItsNumber) {
+TEST(NearestInBrick, ARepeatedTriangleChangesOnlyItsNumber) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     std::mt19937 random(seed);
     Setting s = any_setting(random, 9);
@@ -155,7 +155,7 @@ TEST(NearestInBrick, ATriangleTwiceChangesNothingButItsNumber) {
   }
 }
 
-TEST(NearestInBrick, VisitsEveryTriangleHoweverManyThereAre) {
+TEST(NearestInBrick, VisitsEveryTriangleForAnyNumberOfThem) {
   std::mt19937 random(5);
   for (int count = 1; count < 70; ++count) {
     const Setting s = any_setting(random, count);
@@ -168,7 +168,7 @@ TEST(NearestInBrick, VisitsEveryTriangleHoweverManyThereAre) {
   }
 }
 
-TEST(NearestInBrick, AddsToWhatIsKnown) {
+TEST(NearestInBrick, UpdatesPreviousResults) {
   std::mt19937 random(1);
   const Setting s = any_setting(random, 12);
   NearestInBrick nearest;

@@ -21,7 +21,7 @@ using geometry::TriangleMesh;
 constexpr int kResolution = 32;
 constexpr std::int64_t kMany = 1 << 30;
 
-/// 32 cells of 0.1 mm around soups of some 2 mm.
+/// 32 cells of 0.1 mm around soups of about 2 mm.
 FieldFrame frame() {
   FieldFrame frame;
   frame.resolution = kResolution;
@@ -49,13 +49,13 @@ std::vector<std::int32_t> bricks_of(const TriangleBrickOverlaps& reached, std::s
   return {first + (t == 0 ? 0 : reached.ends[t - 1]), first + reached.ends[t]};
 }
 
-TEST(TriangleBrickOverlaps, HoldEveryPointWithinReachOfATriangle) {
-  const double reach_mm = 3 * frame().cell_mm;
+TEST(TriangleBrickOverlaps, ContainEveryPointWithinTheDistanceOfATriangle) {
+  const double max_distance_mm = 3 * frame().cell_mm;
   Index listed = 0, in_boxes = 0;
   for (const TriangleMesh& mesh : soups()) {
     OverlapBudget pairs(kMany);
     const TriangleBrickOverlaps reached =
-        triangle_brick_overlaps(mesh, 0, mesh.triangle_count(), grid(), reach_mm, pairs);
+        triangle_brick_overlaps(mesh, 0, mesh.triangle_count(), grid(), max_distance_mm, pairs);
     ASSERT_EQ(Index(reached.ends.size()), mesh.triangle_count());
     listed += Index(reached.bricks.size());
     in_boxes += pairs.count();
@@ -70,14 +70,14 @@ TEST(TriangleBrickOverlaps, HoldEveryPointWithinReachOfATriangle) {
             const double squared = geometry::closest_point_on_triangle(
                                        p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))
                                        .squared_distance_mm2;
-            if (squared > reach_mm * reach_mm * (1 - 1e-9)) continue;
+            if (squared > max_distance_mm * max_distance_mm * (1 - 1e-9)) continue;
             ASSERT_TRUE(
                 std::binary_search(bricks.begin(), bricks.end(), lattice.brick_of({i, j, k})))
                 << t << ": " << p.transpose();
           }
     }
   }
-  EXPECT_LT(listed, in_boxes * 9 / 10);  // More than boxes are looked at.
+  EXPECT_LT(listed, in_boxes * 9 / 10);  // Not only boxes are tested.
 }
 
 TEST(TriangleBrickOverlaps, AreTheSameForAPartOfTheTrianglesAndEveryProcessor) {
@@ -99,7 +99,7 @@ TEST(TriangleBrickOverlaps, AreTheSameForAPartOfTheTrianglesAndEveryProcessor) {
   }
 }
 
-TEST(TriangleBrickOverlaps, AreCountedButNotListedWhereTheyAreTooMany) {
+TEST(TriangleBrickOverlaps, AreCountedButNotListedIfThereAreTooMany) {
   const TriangleMesh mesh = test::make_icosphere(1.0, 3);
   OverlapBudget enough(kMany);
   (void)triangle_brick_overlaps(mesh, 0, mesh.triangle_count(), grid(), 0.3, enough);

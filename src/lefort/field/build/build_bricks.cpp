@@ -23,24 +23,24 @@ namespace {
 constexpr int kLeafSide = BrickSamples::kLeafSide;
 constexpr float kUnknownDistance = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-/// Bricks sampled before their leaves join the others: few enough to stay in the cache.
+/// Bricks that are sampled before their leaves are stored: few enough to stay in the cache.
 constexpr Index kBricksPerWave = 256;
 constexpr Index kBricksPerTask = 8;
-/// Bricks whose leaves a thread puts in place at a time.
+/// Bricks whose leaves a task copies.
 constexpr Index kCopyBlock = 32;
-/// Bricks without samples that a thread fills at a time.
+/// Bricks without samples that a task marks.
 constexpr Index kEmptyBlock = 4096;
 
 using Distances = std::array<float, SparseLattice::kBrickPoints>;
 
-/// Signs at the six faces of a brick, to be compared with those of its neighbors.
+/// Signs at the six faces of a brick, for comparison with neighboring bricks.
 struct FaceSigns {
-  std::array<std::array<std::uint64_t, 2>, 3> known{};  ///< By axis, lowest and highest points.
+  std::array<std::array<std::uint64_t, 2>, 3> known{};  ///< By axis: lowest and highest points.
   std::array<std::array<std::uint64_t, 2>, 3> inside{};
   std::array<std::array<std::uint64_t, 2>, 3> clear_of_surface{};
 };
 
-/// A brick as it will be stored.
+/// A brick in the format of BrickSamples.
 struct EncodedBrick {
   Brick brick;
   bool empty = true;
@@ -54,19 +54,20 @@ struct EncodedBrick {
 
 using Codes = std::array<std::int32_t, SparseLattice::kBrickPoints>;
 
-/// Rounds to the nearest code; +-infinity becomes kBeyond, NaN kUnknown. For the vectoriser.
+/// Rounds to the nearest code; +-infinity becomes +-kBeyond, NaN kUnknown. Written so that the
+/// compiler vectorizes it.
 void quantize(const Distances& distances, float codes_per_mm, Codes& codes) {
   constexpr auto kMaximum = float(BrickSamples::kBeyond);
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const float scaled = distances[i] * codes_per_mm;
     const float rounded = scaled < 0.0F ? scaled - 0.5F : scaled + 0.5F;
-    const float upper = rounded < kMaximum ? rounded : kMaximum;  // kMaximum, too, if NaN.
+    const float upper = rounded < kMaximum ? rounded : kMaximum;  // Also kMaximum if NaN.
     const float within = upper > -kMaximum ? upper : -kMaximum;
     codes[i] = scaled == scaled ? std::int32_t(within) : BrickSamples::kUnknown;
   }
 }
 
-/// Writes the leaf's codes and says so, or its side.
+/// Writes the codes of a leaf, or its zone if it has no distances.
 void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick& encoded) {
   const int x_low = (leaf & 1) * kLeafSide, y_low = (leaf >> 1 & 1) * kLeafSide,
             z_low = (leaf >> 2) * kLeafSide;
@@ -74,19 +75,19 @@ void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick
       codes.data() + (z_low * kBrickSide + y_low) * kBrickSide + x_low;
   const auto bit = std::uint8_t(1U << leaf);
   if (known == 0) {
-    // All of it lies on the side of any of its points.
+    // All its points have the same zone.
     if (*first == BrickSamples::kUnknown) encoded.brick.unknown |= bit;
     if (*first == -BrickSamples::kBeyond) encoded.brick.inside |= bit;
     return;
   }
-  std::byte* place = encoded.codes.data() + encoded.bytes();
+  std::byte* target = encoded.codes.data() + encoded.bytes();
   encoded.brick.stored |= bit;
   for (int z = 0; z < kLeafSide; ++z)
     for (int y = 0; y < kLeafSide; ++y)
       for (int x = 0; x < kLeafSide; ++x) {
-        // Four bytes each, of which the next overwrites the last.
-        std::memcpy(place, first + (z * kBrickSide + y) * kBrickSide + x, sizeof(std::int32_t));
-        place += BrickSamples::kCodeBytes;
+        // Writes four bytes; the next code overwrites the last one.
+        std::memcpy(target, first + (z * kBrickSide + y) * kBrickSide + x, sizeof(std::int32_t));
+        target += BrickSamples::kCodeBytes;
       }
 }
 
@@ -125,7 +126,7 @@ void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
   }
 }
 
-/// Neighbors in different bricks that contradict each other.
+/// Finds neighbors in different bricks whose distances are in conflict.
 std::vector<LatticePoint> conflicting_across_faces(const BrickSamples& samples,
                                                    std::span<const std::int32_t> bricks,
                                                    std::span<const FaceSigns> faces,
@@ -148,7 +149,7 @@ std::vector<LatticePoint> conflicting_across_faces(const BrickSamples& samples,
       for (; changes != 0; changes &= changes - 1) {
         const int bit = std::countr_zero(changes);
         const LatticePoint p = point_at(SparseLattice::first_point_of(number, samples.resolution()),
-                                        face_place(bit, axis, true));
+                                        face_offset(bit, axis, true));
         LatticePoint q = p;
         ++q[a];
         const float d = samples.distance_of(BrickSamples::read_code(samples.linear_offset(p)));
@@ -160,10 +161,10 @@ std::vector<LatticePoint> conflicting_across_faces(const BrickSamples& samples,
   return parallel_collect<LatticePoint>(Index(bricks.size()), find_conflicts);
 }
 
-/// Sampled bricks, as they are stored.
+/// The sampled bricks in the format of BrickSamples.
 struct BrickStore {
-  std::vector<Brick> table;          ///< By number, for the whole lattice.
-  std::vector<std::int32_t> bricks;  ///< Numbers of those with samples, ascending.
+  std::vector<Brick> table;          ///< By brick number.
+  std::vector<std::int32_t> bricks;  ///< Numbers of bricks with samples, ascending.
   std::vector<FaceSigns> faces;      ///< Of `bricks`.
   std::unique_ptr<std::byte[]> codes;
   std::size_t leaves = 0;
@@ -173,7 +174,7 @@ struct BrickStore {
     table.resize(side * side * side);
     bricks.reserve(candidates);
     faces.reserve(candidates);
-    // The system provides memory only where it is written: room for all leaves costs nothing.
+    // Memory is committed when it is written, so reserving room for all leaves costs nothing.
     codes =
         std::make_unique_for_overwrite<std::byte[]>(candidates * 8 * BrickSamples::kLeafBytes + 1);
   }
@@ -181,7 +182,7 @@ struct BrickStore {
   [[nodiscard]] std::size_t bytes() const { return leaves * BrickSamples::kLeafBytes + 1; }
 };
 
-/// Gives the leaves of a wave their positions and copies their codes there.
+/// Assigns positions to the leaves of a wave and copies their codes.
 Result<void> append_wave(std::span<EncodedBrick> wave, std::span<const std::int32_t> numbers,
                          BrickStore& store) {
   for (std::size_t i = 0; i < wave.size(); ++i) {
@@ -207,7 +208,7 @@ Result<void> append_wave(std::span<EncodedBrick> wave, std::span<const std::int3
   return {};
 }
 
-/// Samples and encodes the bricks of the band, a wave at a time.
+/// Samples and encodes the bricks of the band in waves.
 Result<BrickStore> encode_bricks(const BandSampler& sampler, const FieldFrame& frame,
                                  const WindingScanlines* winding, Progress& progress) {
   const std::span<const std::int32_t> candidates = sampler.bricks();
@@ -234,7 +235,7 @@ Result<BrickStore> encode_bricks(const BandSampler& sampler, const FieldFrame& f
   return store;
 }
 
-/// Marks bricks without samples as outside, inside or unknown.
+/// Sets the zone of bricks without samples.
 void fill_empty_bricks(const WindingScanlines* winding, int resolution, BrickStore& store) {
   std::vector<bool> is_empty(store.table.size(), true);
   for (const std::int32_t b : store.bricks) is_empty[std::size_t(b)] = false;
@@ -245,7 +246,7 @@ void fill_empty_bricks(const WindingScanlines* winding, int resolution, BrickSto
         if (!is_empty[std::size_t(b)]) return;
         const Zone zone = winding == nullptr
                               ? Zone::kUnknown
-                              : side_of_empty_brick(*winding, std::int32_t(b), resolution);
+                              : zone_of_empty_brick(*winding, std::int32_t(b), resolution);
         if (zone == Zone::kInside) brick.inside = 0xFF;
         if (zone == Zone::kUnknown) brick.unknown = 0xFF;
       },

@@ -1,5 +1,5 @@
 /// \file
-/// Words of 64 bits from 64 numbers.
+/// Masks of 64 bits, one bit per number.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace lefort::field::internal {
 
-/// The top bits of 64 numbers after moving them to the left.
+/// One bit of each of 64 numbers: the top bit after a shift to the left.
 [[nodiscard]] inline std::uint64_t top_bits(std::span<const std::int32_t, 64> numbers, int shift) {
   std::uint64_t bits = 0;
 #if defined(__SSE2__)
@@ -29,7 +29,7 @@ namespace lefort::field::internal {
   return bits;
 }
 
-/// Which of 64 numbers are larger than a limit.
+/// True bits for numbers above a limit.
 [[nodiscard]] inline std::uint64_t bits_above(std::span<const float, 64> numbers, float limit) {
   std::array<std::int32_t, 64> above;
   for (std::size_t i = 0; i < 64; ++i) above[i] = numbers[i] > limit ? -1 : 0;
