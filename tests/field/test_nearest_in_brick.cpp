@@ -77,7 +77,7 @@ TEST(NearestInBrick, IsTheNearestOfAllTriangles) {
     const Setting s = any_setting(random, 1 + seed % 20);  // Also incomplete batches.
     const NearestInBrick nearest = visited(s, best_simd());
     for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
-      const Vec3 p = linear_offset(s, i);
+      const Vec3 p = position_of(s, i);
       double minimum = 1e9;
       for (Index t = 0; t < s.mesh.triangle_count(); ++t)
         minimum = std::min(minimum, distance_to(s, t, p));
@@ -109,7 +109,7 @@ TEST(NearestInBrick, RecordsWhetherTheFaceIsClosestAndTheSide) {
         continue;
       }
       // Away from transitions the code is right.
-      const Vec3 p = linear_offset(s, i);
+      const Vec3 p = position_of(s, i);
       const double height = normal.dot(p - a);
       if (std::abs(height) > 1e-4) {
         ASSERT_EQ(NearestInBrick::is_below(code), height < 0.0) << seed;
