@@ -16,7 +16,7 @@ namespace {
 using geometry::TriangleMesh;
 
 constexpr int kSide = SparseLattice::kSide;
-constexpr double kReach_mm = 6.0;
+constexpr double kMaxDistance_mm = 6.0;
 
 struct Setting {
   TriangleMesh mesh;
@@ -45,8 +45,8 @@ NearestInBrick visited(const Setting& s, Simd simd) {
   std::vector<std::int32_t> all(s.mesh.triangles.size());
   std::iota(all.begin(), all.end(), 0);
   NearestInBrick nearest;
-  nearest.clear(float(kReach_mm));
-  visit_triangles(s.mesh, all, s.low, s.cell_mm, kReach_mm, simd, nearest);
+  nearest.clear(float(kMaxDistance_mm));
+  visit_triangles(s.mesh, all, s.low, s.cell_mm, kMaxDistance_mm, simd, nearest);
   return nearest;
 }
 
@@ -82,11 +82,11 @@ TEST(NearestInBrick, IsTheNearestOfAllTriangles) {
       for (Index t = 0; t < s.mesh.triangle_count(); ++t)
         minimum = std::min(minimum, distance_to(s, t, p));
       const std::int32_t code = nearest.code[at(i)];
-      if (minimum < kReach_mm - 1e-4) {
+      if (minimum < kMaxDistance_mm - 1e-4) {
         ASSERT_NE(code, NearestInBrick::kNone) << seed;
         ASSERT_NEAR(std::sqrt(nearest.squared_mm2[at(i)]), minimum, 1e-5) << seed;
         ASSERT_NEAR(distance_to(s, NearestInBrick::triangle_of(code), p), minimum, 1e-5) << seed;
-      } else if (minimum > kReach_mm + 1e-4) {
+      } else if (minimum > kMaxDistance_mm + 1e-4) {
         ASSERT_EQ(code, NearestInBrick::kNone) << seed;
       }
     }
@@ -160,9 +160,9 @@ TEST(NearestInBrick, VisitsEveryTriangleForAnyNumberOfThem) {
   for (int count = 1; count < 70; ++count) {
     const Setting s = any_setting(random, count);
     NearestInBrick one_by_one;
-    one_by_one.clear(float(kReach_mm));
+    one_by_one.clear(float(kMaxDistance_mm));
     for (std::int32_t t = 0; t < count; ++t)
-      visit_triangles(s.mesh, std::span(&t, 1), s.low, s.cell_mm, kReach_mm, best_simd(),
+      visit_triangles(s.mesh, std::span(&t, 1), s.low, s.cell_mm, kMaxDistance_mm, best_simd(),
                       one_by_one);
     EXPECT_EQ(visited(s, best_simd()).squared_mm2, one_by_one.squared_mm2) << count;
   }
@@ -172,9 +172,10 @@ TEST(NearestInBrick, UpdatesPreviousResults) {
   std::mt19937 random(1);
   const Setting s = any_setting(random, 12);
   NearestInBrick nearest;
-  nearest.clear(float(kReach_mm));
+  nearest.clear(float(kMaxDistance_mm));
   for (std::int32_t t = 0; t < 12; ++t)
-    visit_triangles(s.mesh, std::span(&t, 1), s.low, s.cell_mm, kReach_mm, best_simd(), nearest);
+    visit_triangles(s.mesh, std::span(&t, 1), s.low, s.cell_mm, kMaxDistance_mm, best_simd(),
+                    nearest);
   const NearestInBrick together = visited(s, best_simd());
   EXPECT_EQ(nearest.code, together.code);
   EXPECT_EQ(nearest.squared_mm2, together.squared_mm2);

@@ -44,9 +44,9 @@ std::vector<TriangleMesh> soups() {
   return soups;
 }
 
-std::vector<std::int32_t> bricks_of(const TriangleBrickOverlaps& reached, std::size_t t) {
-  const auto first = reached.bricks.begin();
-  return {first + (t == 0 ? 0 : reached.ends[t - 1]), first + reached.ends[t]};
+std::vector<std::int32_t> bricks_of(const TriangleBrickOverlaps& overlaps, std::size_t t) {
+  const auto first = overlaps.bricks.begin();
+  return {first + (t == 0 ? 0 : overlaps.ends[t - 1]), first + overlaps.ends[t]};
 }
 
 TEST(TriangleBrickOverlaps, ContainEveryPointWithinTheDistanceOfATriangle) {
@@ -54,14 +54,14 @@ TEST(TriangleBrickOverlaps, ContainEveryPointWithinTheDistanceOfATriangle) {
   Index listed = 0, in_boxes = 0;
   for (const TriangleMesh& mesh : soups()) {
     OverlapBudget pairs(kMany);
-    const TriangleBrickOverlaps reached =
+    const TriangleBrickOverlaps overlaps =
         triangle_brick_overlaps(mesh, 0, mesh.triangle_count(), grid(), max_distance_mm, pairs);
-    ASSERT_EQ(Index(reached.ends.size()), mesh.triangle_count());
-    listed += Index(reached.bricks.size());
+    ASSERT_EQ(Index(overlaps.ends.size()), mesh.triangle_count());
+    listed += Index(overlaps.bricks.size());
     in_boxes += pairs.count();
     const SparseLattice lattice(kResolution, {}, 0.0F);
     for (Index t = 0; t < mesh.triangle_count(); ++t) {
-      const std::vector<std::int32_t> bricks = bricks_of(reached, std::size_t(t));
+      const std::vector<std::int32_t> bricks = bricks_of(overlaps, std::size_t(t));
       ASSERT_TRUE(std::is_sorted(bricks.begin(), bricks.end()));
       for (int k = -2; k <= kResolution + 2; ++k)
         for (int j = -2; j <= kResolution + 2; ++j)
@@ -106,11 +106,11 @@ TEST(TriangleBrickOverlaps, AreCountedButNotListedIfThereAreTooMany) {
   EXPECT_FALSE(enough.too_many());
 
   OverlapBudget few(10);
-  const TriangleBrickOverlaps reached =
+  const TriangleBrickOverlaps overlaps =
       triangle_brick_overlaps(mesh, 0, mesh.triangle_count(), grid(), 0.3, few);
   EXPECT_TRUE(few.too_many());
   EXPECT_EQ(few.count(), enough.count());
-  EXPECT_LE(reached.bricks.size(), 10U);
+  EXPECT_LE(overlaps.bricks.size(), 10U);
 }
 
 }  // namespace

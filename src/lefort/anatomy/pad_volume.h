@@ -31,6 +31,10 @@ struct Margin {
 }
 
 /// The volume with a margin of constant `value`; voxels keep their positions in L.
+///
+/// \param volume  any grid.
+/// \param margin  voxels to add.
+/// \param value   of the added voxels.
 template <class T>
 [[nodiscard]] image::Volume<T> padded(const image::Volume<T>& volume, const Margin& margin,
                                       const T& value) {

@@ -19,6 +19,9 @@ namespace lefort::anatomy {
 using Mask = image::Volume<std::uint8_t>;
 
 /// The set of voxels, given by offset, for which `belongs` is true.
+///
+/// \param grid     of the set.
+/// \param belongs  belongs(offset), called concurrently.
 template <class Predicate>
 [[nodiscard]] Mask mask_where(const image::Grid& grid, const Predicate& belongs) {
   Mask mask{grid, std::vector<std::uint8_t>(std::size_t(grid.voxel_count()))};
@@ -30,6 +33,10 @@ template <class Predicate>
 
 /// Calls body(offset of the first voxel, stride) for each line of voxels along an axis, in any
 /// order.
+///
+/// \param grid  the voxels.
+/// \param axis  0, 1, 2 for i, j, k.
+/// \param body  called concurrently.
 template <class Body>
 void for_each_line(const image::Grid& grid, std::size_t axis, const Body& body) {
   const std::array<Index, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
@@ -53,6 +60,9 @@ void for_each_line(const image::Grid& grid, std::size_t axis, const Body& body) 
 [[nodiscard]] image::ScalarVolume distance_to(const Mask& mask);
 
 /// All voxels within `radius_mm` of the set.
+///
+/// \param mask       a set.
+/// \param radius_mm  >= 0.
 [[nodiscard]] Mask dilated(const Mask& mask, double radius_mm);
 
 /// Voxels of the set that are further than `radius_mm` from all others.
@@ -68,6 +78,7 @@ void for_each_line(const image::Grid& grid, std::size_t axis, const Body& body) 
 /// with it.
 [[nodiscard]] Mask dilated_by_one_voxel_or_more(const Mask& mask, double distance_mm);
 
+/// Adjacency of voxels: common faces only (6), or common faces, edges or corners (26).
 enum class Neighbors { kFaces, kFacesEdgesCorners };
 
 /// Connected components of a set, numbered from 1 in the order of their first voxels.
@@ -82,6 +93,9 @@ struct Components {
 };
 
 /// Finds the connected components of a set.
+///
+/// \param mask       a set.
+/// \param neighbors  which voxels are adjacent.
 [[nodiscard]] Components connected_components(const Mask& mask, Neighbors neighbors);
 
 /// The voxels of the components for which keep[component] is true; keep[0] applies outside the set.

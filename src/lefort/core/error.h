@@ -12,6 +12,7 @@
 
 namespace lefort {
 
+/// Kinds of errors.
 enum class ErrorCode {
   kInvalidArgument,  ///< An option or parameter lies outside its range.
   kFileNotFound,     ///< An input does not exist.
@@ -30,14 +31,20 @@ enum class ErrorCode {
   kOutOfMemory,      ///< The problem needs more memory than this machine has.
 };
 
+/// An error of the data or the problem.
 struct Error {
   ErrorCode code;
   std::string message;
 };
 
+/// A value, or the error that prevented it.
 template <class T>
 using Result = tl::expected<T, Error>;
 
+/// The error as a return value.
+///
+/// \param code     kind of the error.
+/// \param message  as described above.
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }

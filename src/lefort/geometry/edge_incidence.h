@@ -28,12 +28,15 @@ class EdgeIncidence {
 
   /// Calls body(smaller_end, larger_end, half_edges) for each edge whose smaller vertex number is
   /// `vertex`, by ascending larger end; half-edges by ascending triangle.
+  ///
+  /// \param vertex  the smaller vertex number of the edges.
+  /// \param body    called once per edge.
   template <class Body>
   void for_each_edge_at(std::int32_t vertex, const Body& body) const {
     const std::size_t end = first_[std::size_t(vertex) + 1];
     for (std::size_t from = first_[std::size_t(vertex)], to = from; from < end; from = to) {
-      while (to < end && sides_[to].larger_end == sides_[from].larger_end) ++to;
-      body(vertex, sides_[from].larger_end, std::span(sides_).subspan(from, to - from));
+      while (to < end && half_edges_[to].larger_end == half_edges_[from].larger_end) ++to;
+      body(vertex, half_edges_[from].larger_end, std::span(half_edges_).subspan(from, to - from));
     }
   }
 
@@ -41,7 +44,7 @@ class EdgeIncidence {
 
  private:
   std::vector<std::uint32_t> first_;  ///< By smaller end.
-  std::vector<HalfEdge> sides_;
+  std::vector<HalfEdge> half_edges_;
 };
 
 /// True if the half-edge runs from its smaller to its larger vertex number.

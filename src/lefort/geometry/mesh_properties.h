@@ -61,10 +61,16 @@ struct Components {
 [[nodiscard]] Components connected_components(const TriangleMesh& mesh);
 
 /// The triangles for which keep(triangle) is true, in order, with the vertices they use.
+///
+/// \param mesh  any triangle soup.
+/// \param keep  called once per triangle.
 [[nodiscard]] TriangleMesh keep_triangles(const TriangleMesh& mesh,
                                           const std::function<bool(Index triangle)>& keep);
 
 /// The connected components for which keep(component as a mesh) is true.
+///
+/// \param mesh  any triangle soup.
+/// \param keep  called once per component.
 [[nodiscard]] TriangleMesh keep_components(const TriangleMesh& mesh,
                                            const std::function<bool(const TriangleMesh&)>& keep);
 

@@ -55,6 +55,9 @@ struct RigidPath {
 [[nodiscard]] RigidTransform pose_at(const RigidPath& path, double path_fraction);
 
 /// The poses of several segments at the same path fraction, in the order of the paths.
+///
+/// \param paths          each passes check_path().
+/// \param path_fraction  0 to 1.
 [[nodiscard]] std::vector<RigidTransform> poses_at(std::span<const RigidPath> paths,
                                                    double path_fraction);
 

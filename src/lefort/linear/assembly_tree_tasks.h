@@ -60,6 +60,11 @@ void visit_downwards(const CholeskyPlan& plan, const Visit& visit) {
 
 /// Calls body(i) for every i in [0, count). A thread that waits here does not start another
 /// subtree, which would delay this front.
+///
+/// \param loops  whether to run in parallel.
+/// \param count  number of iterations.
+/// \param body   called concurrently.
+/// \param block  iterations per task.
 template <class Body>
 void loop_in_front(FrontLoops loops, Index count, const Body& body, Index block = 1) {
   if (loops == FrontLoops::kSerial || count <= block) {

@@ -115,7 +115,7 @@ BandSampler::BandSampler(const PreparedSurface& surface, const FieldFrame& frame
       cell_mm_(frame.cell_mm),
       resolution_(frame.resolution),
       max_distance_mm_(max_distance_mm),
-      near_mm_(binned_distance_mm(max_distance_mm, frame.cell_mm)),
+      binned_mm_(binned_distance_mm(max_distance_mm, frame.cell_mm)),
       simd_(simd) {}
 
 Result<BandSampler> BandSampler::create(const PreparedSurface& surface, const FieldFrame& frame,
@@ -125,8 +125,8 @@ Result<BandSampler> BandSampler::create(const PreparedSurface& surface, const Fi
   LEFORT_TRY_VOID(sampler.bin_triangles());
   const Index max_bricks = max_points / SparseLattice::kBrickPoints;
   if (Index(sampler.bricks_.size()) > max_bricks) return too_many_points(max_bricks);
-  if (sampler.near_mm_ < sampler.max_distance_mm_) {
-    sampler.far_ = build_triangle_tree(surface.mesh_B, frame.origin_B);
+  if (sampler.binned_mm_ < sampler.max_distance_mm_) {
+    sampler.tree_ = build_triangle_tree(surface.mesh_B, frame.origin_B);
     LEFORT_TRY_VOID(sampler.grow_band_by_tree(max_bricks, progress));
   }
   return sampler;
@@ -136,7 +136,7 @@ Result<void> BandSampler::bin_triangles() {
   const geometry::TriangleMesh& mesh = surface_->mesh_B;
   const int n = SparseLattice::bricks_per_side(resolution_);
   const BrickGrid grid = {origin_, cell_mm_, n};
-  const double max_distance_mm = near_mm_ + kSlack * cell_mm_;
+  const double max_distance_mm = binned_mm_ + kSlack * cell_mm_;
 
   OverlapBudget pairs(kMaxPairs);
   const auto blocks = std::size_t((mesh.triangle_count() + kTriangleBlock - 1) / kTriangleBlock);
@@ -182,6 +182,7 @@ Result<void> BandSampler::grow_band_by_tree(Index max_bricks, Progress& progress
   const double brick_mm = kBrickSide * cell_mm_;
   // Radius of a brick with all its cells, so that no layer has a gap at a corner.
   const double limit_mm = max_distance_mm_ + 0.5 * std::sqrt(3.0) * brick_mm;
+  // One bit per brick of the lattice: 2 MB at the largest resolution.
   std::vector<bool> is_seen(std::size_t(n) * std::size_t(n) * std::size_t(n), false);
   std::vector<std::int32_t> far, front = bricks_;
   for (const std::int32_t b : front) is_seen[std::size_t(b)] = true;
@@ -204,7 +205,7 @@ Result<void> BandSampler::grow_band_by_tree(Index max_bricks, Progress& progress
       const LatticePoint p = SparseLattice::first_point_of(b, resolution_);
       const Vec3 center =
           origin_ + cell_mm_ * Vec3(p[0], p[1], p[2]) + Vec3::Constant(brick_mm / 2);
-      if (std::isfinite(squared_distance(surface_->mesh_B, *far_, center, limit_mm)))
+      if (std::isfinite(squared_distance(surface_->mesh_B, *tree_, center, limit_mm)))
         reached.push_back(b);
     };
     front = parallel_collect<std::int32_t>(Index(layer.size()), keep);
@@ -241,19 +242,19 @@ bool BandSampler::is_inside(std::int32_t code, const Vec3& p) const {
 }
 
 /// Finds the nearest triangle of each point of a brick: among the triangles binned to it, and for
-/// points beyond `near_mm_` in the tree.
+/// points beyond `binned_mm_` in the tree.
 void BandSampler::find_nearest_triangles(Index slot, const Vec3& low,
                                          NearestInBrick& nearest) const {
   const geometry::TriangleMesh& mesh = surface_->mesh_B;
-  nearest.clear(float(near_mm_));
+  nearest.clear(float(binned_mm_));
   const std::uint32_t first = first_[std::size_t(slot)];
   visit_triangles(mesh, std::span(triangles_).subspan(first, first_[std::size_t(slot) + 1] - first),
-                  low, cell_mm_, near_mm_ + kSlack * cell_mm_, simd_, nearest);
-  if (!far_) return;
+                  low, cell_mm_, binned_mm_ + kSlack * cell_mm_, simd_, nearest);
+  if (!tree_) return;
   for (std::size_t i = 0; i < nearest.code.size(); ++i)
     if (nearest.code[i] == NearestInBrick::kNone)
       nearest.squared_mm2[i] = float(max_distance_mm_) * float(max_distance_mm_);
-  find_nearest(mesh, *far_, low, cell_mm_, max_distance_mm_, simd_, nearest);
+  find_nearest(mesh, *tree_, low, cell_mm_, max_distance_mm_, simd_, nearest);
 }
 
 BrickSigns BandSampler::sample(Index slot,

@@ -81,14 +81,14 @@ class BandSampler {
   double cell_mm_;
   int resolution_;
   double max_distance_mm_;
-  /// Up to this distance triangles are binned; beyond it `far_` is used, if it is less than the
+  /// Up to this distance triangles are binned; beyond it `tree_` is used, if it is less than the
   /// max.
-  double near_mm_;
+  double binned_mm_;
   Simd simd_;
   std::vector<std::int32_t> bricks_;
   std::vector<std::uint32_t> first_;     ///< Offset of each brick in triangles_, and its end.
   std::vector<std::int32_t> triangles_;  ///< By brick, ascending.
-  std::optional<TriangleTree> far_;
+  std::optional<TriangleTree> tree_;
 };
 
 /// Samples every lattice point within `max_distance_mm` of the surface; other points of the same

@@ -16,7 +16,7 @@ namespace {
 /// Points per group: enough to hide memory latency, few enough for the first-level cache.
 constexpr std::size_t kGroup = 32;
 /// Fewer points are not sorted.
-constexpr std::size_t kFewPoints = 128;
+constexpr std::size_t kMinPointsToSort = 128;
 constexpr std::size_t kLanes = 16;
 constexpr std::size_t kCorners = 8;
 
@@ -320,7 +320,7 @@ void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
   Query query{samples, frame, p_B, find_corners_baseline};
 #if defined(__x86_64__)
   if (simd != Simd::kBaseline) query.find_corners = find_corners_popcnt;
-  if (simd == Simd::kAvx512 && p_B.size() >= kFewPoints && internal::fits_avx512(samples))
+  if (simd == Simd::kAvx512 && p_B.size() >= kMinPointsToSort && internal::fits_avx512(samples))
     return internal::distances_avx512(samples, frame, p_B, distances_mm);
   if (simd == Simd::kAvx512) return distances_avx512(query, distances_mm);
   if (simd == Simd::kAvx2) return distances_avx2(query, distances_mm);

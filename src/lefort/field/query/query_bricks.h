@@ -22,6 +22,12 @@ void sample_bricks(const BrickSamples& samples, const FieldFrame& frame, std::sp
                    std::span<FieldSample> results, Simd simd = best_simd());
 
 /// The same without gradients: distances [mm], +-infinity outside the band, NaN if unknown.
+///
+/// \param samples       of the field.
+/// \param frame         its lattice.
+/// \param p_B           query points [mm].
+/// \param distances_mm  \pre as many as points.
+/// \param simd          instruction set; all give the same bits.
 void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
                          std::span<const Vec3> p_B, std::span<float> distances_mm,
                          Simd simd = best_simd());

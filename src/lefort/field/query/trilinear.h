@@ -9,6 +9,7 @@ namespace lefort::field {
 
 // Always inlined, so that Real may be a vector wider than the registers of the baseline.
 
+/// Linear interpolation: `low` at fraction 0, `high` at fraction 1.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Real lerp(const Real& fraction, const Real& low,
                                                    const Real& high) {

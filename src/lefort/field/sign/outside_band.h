@@ -29,11 +29,20 @@ namespace lefort::field {
                                               const FieldFrame& frame);
 
 /// Sets unsampled points (NaN) of a brick to +infinity outside and -infinity inside.
+///
+/// \param distances  of the points of the brick.
+/// \param winding    of the surface.
+/// \param brick      its number.
+/// \param frame      lattice of the field.
 void fill_points_outside_band(std::span<float, SparseLattice::kBrickPoints> distances,
                               const WindingScanlines& winding, std::int32_t brick,
                               const FieldFrame& frame);
 
 /// Zone of a brick without known points.
+///
+/// \param winding     of the surface.
+/// \param brick       its number.
+/// \param resolution  of the lattice.
 [[nodiscard]] Zone zone_of_empty_brick(const WindingScanlines& winding, std::int32_t brick,
                                        int resolution);
 

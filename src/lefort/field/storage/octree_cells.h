@@ -12,6 +12,7 @@
 
 namespace lefort::field {
 
+/// Corner 0 to 7, x fastest, of the cube at `low` with `cells` cells along an edge.
 [[nodiscard]] inline LatticePoint corner_point(const LatticePoint& low, int corner, int cells) {
   return {low[0] + (corner & 1) * cells, low[1] + (corner >> 1 & 1) * cells,
           low[2] + (corner >> 2) * cells};
@@ -55,6 +56,11 @@ template <class ValueAt>
 
 /// True if interpolation from the corners of a cube reproduces all samples in it. Tests the center
 /// first, where most cubes fail.
+///
+/// \param value_at      float(LatticePoint), +-infinity or NaN outside the band.
+/// \param low           lowest corner of the cube.
+/// \param cells         cells along an edge of the cube.
+/// \param tolerance_mm  largest error allowed.
 template <class ValueAt>
 [[nodiscard]] bool corners_reproduce(const ValueAt& value_at, const LatticePoint& low, int cells,
                                      double tolerance_mm) {
@@ -77,6 +83,11 @@ template <class ValueAt>
 }
 
 /// True if two neighbors in a cube of known samples are in conflict.
+///
+/// \param value_at  float(LatticePoint).
+/// \param low       lowest corner of the cube.
+/// \param cells     cells along an edge of the cube.
+/// \param cell_mm   spacing of the lattice.
 template <class ValueAt>
 [[nodiscard]] bool has_conflict(const ValueAt& value_at, const LatticePoint& low, int cells,
                                 float cell_mm) {

@@ -14,11 +14,12 @@ namespace lefort::field {
 
 /// The values near a surface, without those in conflict.
 ///
-/// \param values  of the band.
-/// \param cell    spacing of the lattice; also the max difference between neighbors of a distance
-///   field. Larger differences are sign conflicts beyond the boundary of an open surface: both
-///   values become NaN.
-/// \param reach   bricks without a value of at most this magnitude are dropped.
-[[nodiscard]] SparseLattice spline_lattice(const SparseLattice& values, double cell, double reach);
+/// \param values         of the band.
+/// \param cell           spacing of the lattice; also the max difference between neighbors of a
+///   distance field. Larger differences are sign conflicts beyond the boundary of an open surface:
+///   both values become NaN.
+/// \param max_magnitude  bricks without a value of at most this magnitude are dropped.
+[[nodiscard]] SparseLattice spline_lattice(const SparseLattice& values, double cell,
+                                           double max_magnitude);
 
 }  // namespace lefort::field
