@@ -8,8 +8,8 @@ namespace {
 
 // A voxel column along the patient belongs to a table if this fraction of it is dense ...
 constexpr double kSteady = 0.9;
-// ... and if at least this fraction of the columns within kRim_mm that are dense over half of their
-// length is so, too. Around a limb there are more columns that are dense over part of their length.
+// ... and if it contains at least this fraction of the columns within kRim_mm that are dense over
+// half of their length. Around a limb there are more of them.
 constexpr double kSharpness = 0.7;
 constexpr double kHalf = 0.5;
 constexpr double kRim_mm = 5.0;

@@ -11,7 +11,7 @@ namespace lefort::image {
 /// Padding voxels of a volume.
 struct Padding {
   std::int16_t hu = 0;    ///< CT number of padding voxels [HU].
-  double fraction = 0.0;  ///< Of all voxels that are padding, 0 to 1.
+  double fraction = 0.0;  ///< Fraction of voxels that are padding, 0 to 1.
   /// Area where padding borders on tissue, summed over faces normal to the axes.
   double cut_mm2 = 0.0;
 };
