@@ -1,5 +1,5 @@
 /// \file
-/// A head made of balls, cut off below, whose every tissue is known.
+/// A head made of spheres, truncated below, with known tissues everywhere.
 ///
 ///        _______         skin: a large ball (skull) and a small one (face)
 ///      /  _____  \       skull: a shell, with a round hole on the patient's right, in front
@@ -29,7 +29,7 @@ struct HeadPhantom {
   static constexpr double kSinusRadius = 10.0;
   static constexpr double kSinusBone = 16.0;
   static constexpr double kNostrilRadius = 4.0;
-  static constexpr double kBlur_mm = 1.5;  ///< Half the width of the ramp between two tissues.
+  static constexpr double kBlur_mm = 1.5;  ///< Half the width of the gradient between two tissues.
 
   const Vec3 face{0.0, -55.0, -60.0};
   const Vec3 defect_axis = Vec3(-0.5, -std::sqrt(0.75), 0.0);
@@ -89,7 +89,7 @@ struct HeadPhantom {
       if (std::abs(border) < margin_mm) return {};
     if (skin(p) < 0.0) return Tissue::kBackground;
     if (airway(p) > 0.0) {
-      // Where the nostril ends and the outside begins is a matter of taste.
+      // The border between nostril and outside is a matter of definition.
       if (p.y() < -90.0) return {};
       return Tissue::kAirway;
     }
@@ -97,21 +97,21 @@ struct HeadPhantom {
     if (tube(p, sinus, pharynx, 1.2) > 0.0) return {};
     if (bone(p) > 0.0) return Tissue::kBone;
     if (p.norm() < kInnerTable) return Tissue::kBrain;
-    // In the hole itself, brain ends somewhere between the tables.
+    // In the hole the brain ends somewhere between the tables.
     if (p.norm() < kOuterTable) return {};
     return Tissue::kSoftTissue;
   }
 
-  /// The scan on a grid whose axes may be turned by `direction`; it covers x, y of +-108 mm and z
-  /// of -96 to 91 mm and so cuts the face off below.
+  /// The scan on a grid with axes `direction`; it covers x, y of +-108 mm and z of -96 to 91 mm and
+  /// so truncates the face below.
   [[nodiscard]] image::CtVolume scan(const Mat3& direction = Mat3::Identity()) const {
-    const Vec3 low(-108.0, -111.6, -96.0);  // Whole voxels apart from high.
+    const Vec3 low(-108.0, -111.6, -96.0);  // A whole number of voxels from high.
     const Vec3 high(108.0, 108.0, 91.0);
     image::CtVolume ct;
     image::Grid& grid = ct.grid;
     grid.direction = direction;
     grid.spacing_mm = (direction.cwiseAbs().transpose() * spacing_mm);
-    Vec3 first;  // In the turned axes.
+    Vec3 first;  // Along the axes of the grid.
     for (Index axis = 0; axis < 3; ++axis) {
       const double a = direction.col(axis).dot(low);
       const double b = direction.col(axis).dot(high);

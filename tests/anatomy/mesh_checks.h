@@ -1,5 +1,5 @@
 /// \file
-/// What must hold for a surface.
+/// Properties that tests check on surfaces.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>

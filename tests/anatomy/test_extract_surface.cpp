@@ -14,7 +14,7 @@ namespace {
 using geometry::TriangleMesh;
 using image::ScalarVolume;
 
-/// level(p) on a grid of `count` voxels each way with center 0.
+/// level(p) on a grid of `count` voxels along each axis, centered at 0.
 template <class Level>
 ScalarVolume sampled(Index count, double spacing_mm, const Level& level,
                      const Mat3& direction = Mat3::Identity()) {
@@ -55,7 +55,7 @@ TEST(ExtractIsosurface, SphereIsClosedOutwardAndOfSecondOrder) {
   EXPECT_NEAR(volume_error[0] / volume_error[1], 4.0, 0.5);
 }
 
-TEST(ExtractIsosurface, TorusHasItsHoleItsAreaAndItsVolume) {
+TEST(ExtractIsosurface, TorusHasTheRightTopologyAreaAndVolume) {
   const TriangleMesh mesh = extract_isosurface(sampled(62, 0.5, torus_level)).value();
   EXPECT_EQ(test::count_bad_edges(mesh), 0);
   EXPECT_EQ(test::euler_number(mesh), 0);
@@ -75,7 +75,7 @@ TEST(ExtractIsosurface, ObliqueGridsGiveTheSameSurfaceInThePatient) {
 }
 
 TEST(ExtractIsosurface, SurfacesThroughGridPointsHaveNoTriangleWithoutArea) {
-  // Whole-numbered planes, corners and edges: a cube, and zero on whole layers.
+  // Planes, corners and edges at whole numbers: a cube, and whole layers of zeros.
   const auto cube = [](const Vec3& p) { return 5.0 - p.cwiseAbs().maxCoeff(); };
   const TriangleMesh mesh = extract_isosurface(sampled(21, 1.0, cube)).value();
   EXPECT_EQ(test::count_bad_edges(mesh), 0);
@@ -86,7 +86,7 @@ TEST(ExtractIsosurface, SurfacesThroughGridPointsHaveNoTriangleWithoutArea) {
 }
 
 TEST(ExtractIsosurface, NoiseGivesAClosedSurfaceToo) {
-  // Every configuration of signs in a cell occurs, the ambiguous ones included.
+  // All configurations of signs in a cell occur, including the ambiguous ones.
   for (const unsigned seed : {1U, 2U, 3U}) {
     std::mt19937 generator(seed);
     std::uniform_real_distribution<double> noise(-1.0, 1.0);
@@ -99,7 +99,7 @@ TEST(ExtractIsosurface, NoiseGivesAClosedSurfaceToo) {
   }
 }
 
-TEST(ExtractIsosurface, SmallPartsAndSmallCavitiesAreLeftOut) {
+TEST(ExtractIsosurface, SmallComponentsAndCavitiesAreDropped) {
   const auto balls = [](const Vec3& p) {
     const double shell = std::min(10.0 - p.norm(), (p - Vec3(2, 0, 0)).norm() - 3.0);
     return std::max(shell, 2.0 - (p - Vec3(10, 10, 0)).norm());
@@ -114,7 +114,7 @@ TEST(ExtractIsosurface, SmallPartsAndSmallCavitiesAreLeftOut) {
   EXPECT_EQ(extract_isosurface(level, {.min_part_ml = 10.0}).error().code, ErrorCode::kMeshInvalid);
 }
 
-TEST(ExtractIsosurface, RefusesLevelsThatAreNotClosedNotFiniteOrNotPositiveAnywhere) {
+TEST(ExtractIsosurface, RejectsLevelsThatAreNotClosedNotFiniteOrNotPositiveAnywhere) {
   const auto code = [](const ScalarVolume& level) {
     return extract_isosurface(level).error().code;
   };

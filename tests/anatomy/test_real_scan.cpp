@@ -1,5 +1,6 @@
-// The one real CT everybody has: Debian package invesalius-examples, a head with a defect of the
-// frontal bone on the patient's right, in a head holder. Skipped where it is not installed.
+// A publicly available CT from the Debian package invesalius-examples: a head with a defect of the
+// frontal bone on the patient's right, in a head holder. The tests are skipped if it is not
+// installed.
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/anatomy/segment_tissue.h>
 #include <lefort/anatomy/tissue_levels.h>
@@ -16,7 +17,7 @@
 namespace lefort::anatomy {
 namespace {
 
-/// 108 x 256 x 256 voxels in LPS; the file's rows run to anterior.
+/// 108 x 256 x 256 voxels in LPS; the rows of the file run to anterior.
 std::optional<image::CtVolume> read_scan() {
   const std::string command =
       "tar -xzOf '" + test::real_scan().string() + "' --wildcards '*/matrix.dat' 2>/dev/null";
@@ -52,11 +53,12 @@ const std::optional<Case>& real_case() {
 }
 
 #define NEED_SCAN() \
-  ASSERT_TRUE(real_case()) << "Debian's invesalius-examples is neither installed nor to be had"
+  ASSERT_TRUE(real_case()) << "Debian's invesalius-examples is neither installed nor available"
 
-/// No independent truth: the thresholds were set on this very scan, and the numbers are what they
-/// gave. Only the brain can be compared, with an adult man's cranial cavity of about 1500 ml.
-TEST(RealScan, VolumesStayWhatTheyWereWhenTheThresholdsWereSet) {
+/// There is no independent truth: the thresholds were chosen on this scan, and the expected values
+/// are the results. Only the brain can be compared, with about 1500 ml of an adult man's cranial
+/// cavity.
+TEST(RealScan, VolumesAreThoseOfTheTimeWhenTheThresholdsWereChosen) {
   NEED_SCAN();
   const Case& head = *real_case();
   EXPECT_NEAR(head.ml_of(Tissue::kBrain), 1500.0, 100.0);
@@ -66,11 +68,11 @@ TEST(RealScan, VolumesStayWhatTheyWereWhenTheThresholdsWereSet) {
   EXPECT_NEAR(head.ml_of(Tissue::kAirway), 31.0, 12.0);
 }
 
-TEST(RealScan, TheHeadHolderIsGone) {
+TEST(RealScan, TheHeadHolderIsRemoved) {
   NEED_SCAN();
   const Case& head = *real_case();
-  // It runs along all slices, at least 10 mm behind and beside the head: dense voxels that far from
-  // any labeled ones exist, and in the outermost columns none is labeled.
+  // It is in all slices, at least 10 mm behind and beside the head: there are dense voxels that far
+  // from labeled ones, and the outermost columns have no labels.
   Index dense_background = 0;
   for (Index k = 0; k < 108; ++k)
     for (Index j = 0; j < 256; ++j)
@@ -87,7 +89,7 @@ TEST(RealScan, TheHeadHolderIsGone) {
 
 TEST(RealScan, TheFrontalDefectIsOnThePatientsRight) {
   NEED_SCAN();
-  // Rays from inside the forehead to the front, right and left of the middle: which meet bone?
+  // Rays from inside the forehead to the front, right and left of the midline: which hit bone?
   const LabelMap& labels = real_case()->labels;
   const auto fraction_without_bone = [&](Index from, Index to) {
     int open = 0;

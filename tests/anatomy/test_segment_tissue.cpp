@@ -18,7 +18,7 @@ using test::HeadPhantom;
 
 const HeadPhantom kHead;
 
-constexpr double kPromisedBytes = 40.0;  ///< Per voxel, in the note of segment_tissue.h.
+constexpr double kDocumentedBytes = 40.0;  ///< Per voxel, as documented in segment_tissue.h.
 
 const image::CtVolume& scan() {
   static const image::CtVolume ct = kHead.scan();
@@ -50,7 +50,7 @@ double ml_of(const LabelMap& map, Tissue tissue) {
 
 double ball_ml(double radius_mm) { return 4.0 / 3.0 * M_PI * std::pow(radius_mm, 3) * 1e-3; }
 
-/// How many voxels away from all borders have another tissue than the phantom.
+/// Numbers of voxels away from all borders whose tissue differs from that of the phantom.
 std::map<std::pair<Tissue, Tissue>, int> disagreements(const HeadPhantom& head,
                                                        const LabelMap& map) {
   std::map<std::pair<Tissue, Tissue>, int> counts;
@@ -63,11 +63,11 @@ std::map<std::pair<Tissue, Tissue>, int> disagreements(const HeadPhantom& head,
 
 TEST(SegmentTissue, EveryVoxelAwayFromBordersHasThePhantomsTissue) {
   for (const auto& [tissues, count] : disagreements(kHead, labels()))
-    ADD_FAILURE() << count << " voxels of tissue " << int(tissues.first) << " are labelled "
+    ADD_FAILURE() << count << " voxels of tissue " << int(tissues.first) << " are labeled "
                   << int(tissues.second);
 }
 
-TEST(SegmentTissue, VoxelsOfOtherSizeAndShapeGiveThePhantomsTissueToo) {
+TEST(SegmentTissue, VoxelsOfOtherSizeAndShapeGiveThePhantomsTissue) {
   for (const Vec3& spacing_mm : {Vec3(1.2, 1.2, 3.0), Vec3(2.4, 1.2, 1.1), Vec3(1.2, 1.2, 1.1)}) {
     HeadPhantom head;
     head.spacing_mm = spacing_mm;
@@ -81,7 +81,7 @@ TEST(SegmentTissue, VoxelsOfOtherSizeAndShapeGiveThePhantomsTissueToo) {
 
 TEST(SegmentTissue, VolumesAreThoseOfThePhantom) {
   EXPECT_NEAR(ml_of(labels(), Tissue::kSinus), ball_ml(HeadPhantom::kSinusRadius), 0.6);
-  // Bone of 226 HU reaches a little beyond the middle of the phantom's ramps.
+  // Bone of 226 HU extends slightly beyond the middle of the phantom's gradients.
   const double beyond_mm = HeadPhantom::kBlur_mm * (1.0 - 2.0 * (226.0 - 40.0) / (900.0 - 40.0));
   const double brain = ball_ml(HeadPhantom::kInnerTable - beyond_mm);
   EXPECT_NEAR(ml_of(labels(), Tissue::kBrain), brain, 0.01 * brain);
@@ -93,7 +93,7 @@ TEST(SegmentTissue, VolumesAreThoseOfThePhantom) {
   EXPECT_NEAR(ml_of(labels(), Tissue::kBone), bone, 0.02 * bone);
 }
 
-TEST(SegmentTissue, NothingOfTheHeadHolderIsLeft) {
+TEST(SegmentTissue, TheHeadHolderIsRemoved) {
   int holder_voxels = 0;
   for_each_voxel(scan().grid, [&](const Vec3& p, std::size_t v) {
     if (kHead.holder(p) < 0.0) return;
@@ -103,7 +103,7 @@ TEST(SegmentTissue, NothingOfTheHeadHolderIsLeft) {
   EXPECT_GT(holder_voxels, 1000);
 }
 
-TEST(SegmentTissue, ATableThatTouchesTheHeadBroadlyIsTakenAway) {
+TEST(SegmentTissue, ATableThatTouchesTheHeadOverALargeAreaIsRemoved) {
   HeadPhantom head;
   head.has_table = true;
   const LabelMap map = segment_tissue(head.scan()).value();
@@ -125,18 +125,18 @@ TEST(SegmentTissue, BrainEndsBetweenTheTablesOfTheHoleOnThePatientsRight) {
     if (label_at(labels(), r * kHead.defect_axis) == Tissue::kBrain) end_mm = r;
   EXPECT_GT(end_mm, HeadPhantom::kInnerTable - 2.0);
   EXPECT_LT(end_mm, HeadPhantom::kOuterTable + 1.0);
-  // On the left there is no hole.
+  // There is no hole on the left.
   const Vec3 mirrored(-kHead.defect_axis.x(), kHead.defect_axis.y(), kHead.defect_axis.z());
   EXPECT_EQ(label_at(labels(), 71.0 * mirrored), Tissue::kBone);
   EXPECT_NE(label_at(labels(), 71.0 * kHead.defect_axis), Tissue::kBone);
 }
 
-TEST(SegmentTissue, AnIslandIsSoftTissueAndASecondBoneStays) {
+TEST(SegmentTissue, AnIslandIsSoftTissueAndASecondBoneIsKept) {
   EXPECT_EQ(label_at(labels(), kHead.island), Tissue::kSoftTissue);
   EXPECT_EQ(label_at(labels(), kHead.jaw), Tissue::kBone);
 }
 
-TEST(SegmentTissue, AGridThatRunsTheOtherWayGivesTheSameTissueInThePatient) {
+TEST(SegmentTissue, AGridWithOtherAxesGivesTheSameTissueInThePatient) {
   Mat3 half_turn = Mat3::Identity();
   half_turn(0, 0) = half_turn(1, 1) = -1.0;
   Mat3 sagittal;  // i to posterior, j to superior, k to the left.
@@ -147,13 +147,13 @@ TEST(SegmentTissue, AGridThatRunsTheOtherWayGivesTheSameTissueInThePatient) {
     for_each_voxel(turned.grid, [&](const Vec3& p, std::size_t v) {
       differences += turned.values[v] != label_at(labels(), p) ? 1 : 0;
     });
-    // Ties between basins may fall otherwise.
+    // Ties between basins may be resolved differently.
     EXPECT_LT(double(differences), 1e-4 * double(turned.values.size()));
   }
 }
 
 TEST(SegmentTissue, SameBitsForAnyNumberOfThreads) {
-  const std::vector<Tissue>& by_many = labels().values;  // Made before the limit holds.
+  const std::vector<Tissue>& by_many = labels().values;  // Computed before the limit applies.
   const ThreadLimit limit(1);
   EXPECT_EQ(segment_tissue(scan()).value().values, by_many);
 }
@@ -179,7 +179,7 @@ image::CtVolume block(std::int16_t hu) {
   return ct;
 }
 
-TEST(SegmentTissue, SaysWhatAScanWithoutAHeadLacks) {
+TEST(SegmentTissue, NamesWhatAScanWithoutAHeadLacks) {
   EXPECT_EQ(error_of({}).code, ErrorCode::kAnatomyMissing);
   EXPECT_EQ(error_of(block(-1000)).message, "scan is -1000 HU everywhere, a head was expected");
 
@@ -200,11 +200,11 @@ TEST(SegmentTissue, SaysWhatAScanWithoutAHeadLacks) {
   const Error no_air = error_of(cropped);
   EXPECT_EQ(no_air.code, ErrorCode::kAnatomyMissing);
   EXPECT_EQ(no_air.message,
-            "scan shows 0.00 ml of air around the patient (below -300 HU, which makes skin), "
+            "scan shows 0.00 ml of air around the patient (below -300 HU, the threshold of skin), "
             "expected at least 1 ml");
 }
 
-TEST(SegmentTissue, RefusesOptionsOutOfRangeAndGridsThatContradictTheirValues) {
+TEST(SegmentTissue, RejectsOptionsOutOfRangeAndGridsThatDoNotMatchTheirValues) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const SegmentationOptions& options :
        {SegmentationOptions{.bone_hu = -400.0}, SegmentationOptions{.bone_hu = nan},
@@ -225,15 +225,15 @@ TEST(SegmentTissue, RefusesOptionsOutOfRangeAndGridsThatContradictTheirValues) {
   EXPECT_EQ(error_of(ct).code, ErrorCode::kInvalidArgument);
 }
 
-TEST(SegmentTissue, RefusesAScanThatNeedsMoreMemoryThanIsAllowed) {
-  const double needed_gib = kPromisedBytes * double(scan().grid.voxel_count()) / double(1 << 30);
+TEST(SegmentTissue, RejectsAScanThatNeedsMoreMemoryThanIsAllowed) {
+  const double needed_gib = kDocumentedBytes * double(scan().grid.voxel_count()) / double(1 << 30);
   ASSERT_TRUE(segment_tissue(scan(), {.max_memory_gib = 1.01 * needed_gib}));
   const Error error = error_of(scan(), {.max_memory_gib = 0.99 * needed_gib});
   EXPECT_EQ(error.code, ErrorCode::kInvalidArgument);
   EXPECT_NE(error.message.find("GiB of memory"), std::string::npos) << error.message;
 }
 
-/// A line of /proc/self/status [bytes]; 0 where there is none.
+/// A line of /proc/self/status [bytes]; 0 if it does not exist.
 double status_bytes(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
@@ -241,22 +241,22 @@ double status_bytes(const std::string& name) {
   return 0.0;
 }
 
-TEST(SegmentTissue, TakesNoMoreMemoryThanItPromises) {
+TEST(SegmentTissue, UsesNoMoreMemoryThanDocumented) {
   HeadPhantom head;
   head.spacing_mm = {1.0, 1.0, 1.1};
   const image::CtVolume ct = head.scan();
   if (!(std::ofstream("/proc/self/clear_refs") << "5" << std::flush) || status_bytes("VmHWM") == 0)
-    GTEST_SKIP() << "the system does not tell the peak of memory";
-  const double before = status_bytes("VmHWM");  // Begun anew by the 5 above.
-  if (status_bytes("VmPeak") > 1e12) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    GTEST_SKIP() << "the system does not report peak memory";
+  const double before = status_bytes("VmHWM");  // Reset by the 5 above.
+  if (status_bytes("VmPeak") > 1e12) GTEST_SKIP() << "a sanitizer uses additional memory";
   ASSERT_TRUE(segment_tissue(ct));
   const double per_voxel = (status_bytes("VmHWM") - before) / double(ct.grid.voxel_count());
   RecordProperty("bytes_per_voxel", std::to_string(per_voxel));
-  EXPECT_LT(per_voxel, kPromisedBytes);
-  EXPECT_GT(per_voxel, 0.3 * kPromisedBytes) << "promise less";
+  EXPECT_LT(per_voxel, kDocumentedBytes);
+  EXPECT_GT(per_voxel, 0.3 * kDocumentedBytes) << "document less";
 }
 
-TEST(SegmentTissue, StopsWhenAsked) {
+TEST(SegmentTissue, StopsOnRequest) {
   class Stop : public Progress {
    public:
     [[nodiscard]] bool stop_requested() const override { return true; }

@@ -1,4 +1,4 @@
-// The whole way from scan to labels and surfaces on a head whose every voxel is known.
+// From scan to labels and surfaces, on a head whose true tissues are known.
 #include <lefort/anatomy/extract_surface.h>
 #include <lefort/anatomy/histogram_thresholds.h>
 #include <lefort/anatomy/segment_tissue.h>
@@ -39,7 +39,7 @@ const Head& head() {
 bool is_soft(Tissue tissue) { return tissue == Tissue::kSoftTissue || tissue == Tissue::kBrain; }
 bool is_inner_air(Tissue tissue) { return tissue == Tissue::kAirway || tissue == Tissue::kSinus; }
 
-TEST(SyntheticHead, SegmentationFindsItsTissues) {
+TEST(SyntheticHead, SegmentationMatchesItsTissues) {
   const std::pair<const char*, test::Belongs> tissues[] = {
       {"bone", is_bone},
       {"skull", is(Tissue::kBone)},
@@ -57,7 +57,7 @@ TEST(SyntheticHead, SegmentationFindsItsTissues) {
   }
 }
 
-/// How far the vertices of a surface lie from the zero of a formula: P99 and the largest [mm].
+/// Distances of the vertices of a surface from the zero of a formula: 99th percentile and max [mm].
 std::pair<double, double> deviation(const geometry::TriangleMesh& mesh,
                                     const std::function<double(const Vec3&)>& formula) {
   std::vector<double> off_mm;
@@ -79,7 +79,7 @@ TEST(SyntheticHead, SurfacesLieWithinHalfAVoxelOfItsFormulas) {
     return std::min({solid, -airway(p), -sinuses(p), above_cut(p)});
   });
   const auto skin = extract_isosurface(skin_level(head().ct, head().labels, levels)).value();
-  // The nostrils are drawn in, which the formula of the skin is not: a few vertices are far.
+  // The skin follows the nostrils, the formula does not: a few vertices are far.
   const auto [skin_p99, max_skin] =
       deviation(skin, [&](const Vec3& p) { return std::min(synthetic::skin(p), above_cut(p)); });
   RecordProperty("bone_p99_mm", std::to_string(bone_p99));

@@ -20,7 +20,7 @@ using test::HeadPhantom;
 
 const HeadPhantom kHead;
 
-/// The phantom and all its levels, made once.
+/// The phantom and all its level-set functions, computed once.
 struct Levels {
   image::CtVolume ct = kHead.scan();
   LabelMap labels = segment_tissue(ct).value();
@@ -53,7 +53,7 @@ double sample(const ScalarVolume& level, const Vec3& p_L) {
   return sum;
 }
 
-/// Where along from + s * direction the level becomes negative first after s = begin.
+/// The first zero crossing to negative values along from + s * direction after s = begin.
 double end_along(const ScalarVolume& level, const Vec3& from, const Vec3& direction, double begin,
                  double limit) {
   for (double s = begin; s < limit; s += 0.02)
@@ -61,7 +61,7 @@ double end_along(const ScalarVolume& level, const Vec3& from, const Vec3& direct
   return limit;
 }
 
-/// Directions over the crown and the back of the head, away from face and hole.
+/// Directions over the vertex and the back of the head, away from face and hole.
 std::vector<Vec3> free_directions() {
   std::vector<Vec3> directions;
   for (int n = 0; n < 60; ++n) {
@@ -90,7 +90,7 @@ TEST(TissueLevels, AllArePaddedByTwoVoxelsAndNegativeAllAround) {
 }
 
 TEST(TissueLevels, BoneAndSkinLieWhereTheirThresholdsAre) {
-  // By the ramps of HeadPhantom::hu; their middles are the edges of the balls.
+  // From the gradients of HeadPhantom::hu, whose middles are the surfaces of the balls.
   const double bone_mm =
       HeadPhantom::kOuterTable + HeadPhantom::kBlur_mm * (1.0 - 2.0 * (226.0 - 40.0) / 860.0);
   const double skin_mm =
@@ -129,17 +129,17 @@ TEST(TissueLevels, NoSoftTissueIsLeftInTheCranialCavity) {
   EXPECT_GT(sample(levels().soft, 78.0 * kHead.defect_axis), 0.0);
 }
 
-TEST(TissueLevels, SinusesAreHolesInBoneAndFilledInTheSolid) {
+TEST(TissueLevels, SinusesAreCavitiesOfBoneAndFilledInTheSolid) {
   EXPECT_LT(sample(levels().bone, kHead.sinus), 0.0);
   for (double r = -9.0; r <= 9.0; r += 1.0)
     for (Index axis = 0; axis < 3; ++axis)
       EXPECT_GT(sample(levels().solid, kHead.sinus + r * Vec3::Unit(axis)), 0.0);
-  EXPECT_LT(sample(levels().solid, kHead.pharynx), 0.0) << "the airway stays open";
+  EXPECT_LT(sample(levels().solid, kHead.pharynx), 0.0) << "the airway is not filled";
   EXPECT_LT(sample(levels().soft, kHead.sinus), 0.0);
   EXPECT_LT(sample(levels().soft, kHead.pharynx), 0.0);
 }
 
-TEST(TissueLevels, FillingTheSinusLeavesTheOuterFaceOfBoneWhereItWas) {
+TEST(TissueLevels, FillingTheSinusDoesNotMoveTheOuterSurfaceOfBone) {
   const Vec3 forward(0.3, -0.9, 0.3);
   const double kept = end_along(levels().bone, kHead.sinus, forward.normalized(), 12.5, 25.0);
   const double filled = end_along(levels().solid, kHead.sinus, forward.normalized(), 0.0, 25.0);
@@ -153,13 +153,13 @@ TEST(TissueLevels, NeitherHolderNorIslandIsBone) {
 }
 
 TEST(TissueLevels, TheNostrilIsOpenInFrontAndClosedWithin) {
-  // The face ball ends, along the nostril, at y of about -101 mm.
+  // Along the nostril the ball of the face ends at y of about -101 mm.
   EXPECT_LT(sample(levels().skin, {-12.0, -99.0, -72.0}), 0.0);
   EXPECT_GT(sample(levels().skin, {-12.0, -80.0, -72.0}), 0.0);
   EXPECT_GT(sample(levels().skin, kHead.pharynx), 0.0);
 }
 
-TEST(TissueLevels, SurfacesAreClosedAndTheSkinIsOnePart) {
+TEST(TissueLevels, SurfacesAreClosedAndTheSkinIsOneComponent) {
   for (const ScalarVolume* level :
        {&levels().bone, &levels().solid, &levels().skin, &levels().soft}) {
     const auto mesh = extract_isosurface(*level, {.min_part_ml = 0.01});
@@ -171,7 +171,7 @@ TEST(TissueLevels, SurfacesAreClosedAndTheSkinIsOnePart) {
   EXPECT_EQ(test::euler_number(*skin), 2);
 }
 
-/// A ball of bone in a ball of flesh, with the noise of a thin slice, on voxels of any shape.
+/// A ball of bone in a ball of soft tissue, with the noise of a thin slice, on voxels of any shape.
 struct NoisyBall {
   static constexpr double kBone_mm = 12.0;
   static constexpr double kSkin_mm = 20.0;
@@ -201,8 +201,8 @@ struct NoisyBall {
   }
 };
 
-/// How far the end of a level strays from a ball [mm], root mean square, in directions near the
-/// slices' plane.
+/// Distance between the zero crossing and a ball [mm], root mean square, in directions near the
+/// plane of the slices.
 double straying_mm(const ScalarVolume& level, double begin_mm, double limit_mm) {
   double sum = 0.0, squares = 0.0;
   constexpr int kDirections = 200;
@@ -218,7 +218,7 @@ double straying_mm(const ScalarVolume& level, double begin_mm, double limit_mm) 
 }
 
 TEST(TissueLevels, NoiseIsSmoothedOverTheSameLengthOnVoxelsOfAnyShape) {
-  // Sigmas counted in voxels alone gave 0.05 and 0.06 mm, and 0.03 and 0.04 mm.
+  // Sigmas in voxels only gave 0.05 and 0.06 mm, and 0.03 and 0.04 mm.
   for (const auto& [spacing_mm, limit_mm] :
        {std::pair(Vec3(0.4, 0.4, 3.0), 0.045), std::pair(Vec3(0.3, 0.3, 0.3), 0.025)}) {
     const NoisyBall ball(spacing_mm);
@@ -249,7 +249,7 @@ TEST(TissueLevels, SoftTissueEndsAtBoneAndSkinOnVoxelsOfAnyShape) {
   }
 }
 
-TEST(TissueLevels, DoNotMindWhichSoftTissueIsMuscle) {
+TEST(TissueLevels, DoNotDependOnWhichSoftTissueIsMuscle) {
   LabelMap labels = levels().labels;
   std::size_t painted = 0;
   for (std::size_t v = 0; v < labels.values.size(); ++v)
@@ -263,7 +263,7 @@ TEST(TissueLevels, DoNotMindWhichSoftTissueIsMuscle) {
   EXPECT_EQ(soft_tissue_level(ct, labels).values, levels().soft.values);
 }
 
-TEST(TissueLevels, SoftTissueThatHangsLooseIsReportedAndLeftOut) {
+TEST(TissueLevels, DisconnectedSoftTissueIsReportedAndLeftOut) {
   class Notes : public Progress {
    public:
     void note(std::string_view sentence) override { sentences.emplace_back(sentence); }
@@ -272,7 +272,7 @@ TEST(TissueLevels, SoftTissueThatHangsLooseIsReportedAndLeftOut) {
   Notes whole, loose;
   static_cast<void>(soft_tissue_level(levels().ct, levels().labels, {}, whole));
   EXPECT_TRUE(whole.sentences.empty());
-  // 10 x 10 x 10 voxels of 7.1 ml in all, in a corner of the scan far from the head.
+  // 10 x 10 x 10 voxels with a total of 7.1 ml, in a corner of the scan far from the head.
   image::CtVolume ct = levels().ct;
   LabelMap labels = levels().labels;
   for (Index k = 70; k < 80; ++k)
@@ -284,12 +284,12 @@ TEST(TissueLevels, SoftTissueThatHangsLooseIsReportedAndLeftOut) {
   const ScalarVolume level = soft_tissue_level(ct, labels, {}, loose);
   EXPECT_LT(level.at(9, 9, 77), 0.0F);
   ASSERT_EQ(loose.sentences.size(), 1U);
-  EXPECT_NE(loose.sentences[0].find(" ml of soft tissue do not hang"), std::string::npos);
+  EXPECT_NE(loose.sentences[0].find(" ml of soft tissue are not connected"), std::string::npos);
 }
 
-TEST(TissueLevels, StairStepsAreGone) {
-  // On a ball, normals of neighbors turn by edge length / radius, about a degree. Without the
-  // Gaussian, voxels show.
+TEST(TissueLevels, VoxelStepsAreRemoved) {
+  // On a ball, normals of neighbors differ by edge length / radius, about a degree. Without the
+  // Gaussian, voxel steps are visible.
   const auto roughness_deg = [](const ScalarVolume& level) {
     const auto mesh = extract_isosurface(level).value();
     double sum = 0.0;
@@ -306,7 +306,7 @@ TEST(TissueLevels, StairStepsAreGone) {
   const Levels& l = levels();
   EXPECT_LT(roughness_deg(l.skin), 2.0);
   EXPECT_GT(roughness_deg(skin_level(l.ct, l.labels, {.skin_smoothing_mm = 0.0})), 5.0);
-  // A scan without partial volume is nothing but steps.
+  // A scan without partial volume has only steps.
   image::CtVolume steps = l.ct;
   for (std::int16_t& hu : steps.values) hu = hu < -300 ? -1000 : 40;
   EXPECT_GT(roughness_deg(skin_level(steps, l.labels, {.skin_smoothing_mm = 0.0})), 6.0);

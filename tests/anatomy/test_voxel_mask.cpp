@@ -45,12 +45,12 @@ TEST(DistanceTo, EqualsBruteForce) {
   }
 }
 
-TEST(DistanceTo, OfNothingIsFar) {
+TEST(DistanceTo, OfAnEmptySetIsFar) {
   const Mask nothing = random_mask(grid_of(4, 3, 2), 0.0, 1);
   for (const float distance : distance_to(nothing).values) EXPECT_EQ(distance, 1e6F);
 }
 
-TEST(VoxelMask, OpeningTakesThinSheetsAndKeepsThickOnes) {
+TEST(VoxelMask, OpeningRemovesThinSheetsAndKeepsThickOnes) {
   const image::Grid grid{{30, 30, 30}, {1, 1, 1}, {0, 0, 0}, Mat3::Identity()};
   const auto slab = [&](Index thickness) {
     return mask_where(grid, [&](std::size_t v) {
@@ -59,22 +59,22 @@ TEST(VoxelMask, OpeningTakesThinSheetsAndKeepsThickOnes) {
     });
   };
   EXPECT_EQ(voxel_count(opened(slab(4), 2.0)), 0);
-  EXPECT_EQ(opened(slab(5), 2.0).values, slab(5).values) << "faces of the grid eat nothing";
+  EXPECT_EQ(opened(slab(5), 2.0).values, slab(5).values) << "faces of the grid erode nothing";
   const Mask gap = mask_where(grid, [&](std::size_t v) { return slab(4).values[v] == 0; });
   EXPECT_EQ(voxel_count(closed(gap, 2.0)), grid.voxel_count());
 }
 
-TEST(VoxelMask, PartsAreNumberedInTheOrderOfTheirFirstVoxels) {
+TEST(VoxelMask, ComponentsAreNumberedInTheOrderOfTheirFirstVoxels) {
   Mask mask = random_mask(grid_of(5, 5, 3), 0.0, 1);
   mask.at(4, 0, 0) = mask.at(0, 2, 0) = mask.at(1, 2, 0) = mask.at(2, 3, 0) = 1;
-  const Parts by_faces = connected_parts(mask, Neighbors::kFaces);
+  const Components by_faces = connected_components(mask, Neighbors::kFaces);
   ASSERT_EQ(by_faces.count(), 3);
-  EXPECT_EQ(by_faces.part_of.at(4, 0, 0), 1);
-  EXPECT_EQ(by_faces.part_of.at(1, 2, 0), 2);
-  EXPECT_EQ(by_faces.part_of.at(2, 3, 0), 3);
+  EXPECT_EQ(by_faces.component_of.at(4, 0, 0), 1);
+  EXPECT_EQ(by_faces.component_of.at(1, 2, 0), 2);
+  EXPECT_EQ(by_faces.component_of.at(2, 3, 0), 3);
   EXPECT_EQ(by_faces.voxels, (std::vector<Index>{71, 1, 2, 1}));
   EXPECT_EQ(by_faces.largest(), 2);
-  EXPECT_EQ(connected_parts(mask, Neighbors::kFacesEdgesCorners).count(), 2);
+  EXPECT_EQ(connected_components(mask, Neighbors::kFacesEdgesCorners).count(), 2);
 }
 
 TEST(Smoothed, KeepsConstantsAndLinearRampsAndSums) {
@@ -125,7 +125,7 @@ TEST(VoxelMask, FacesOfTheGridDoNotErodeASetButClosingFillsTheGapToThem) {
   }
 }
 
-TEST(VoxelMask, SurroundingsAreALengthAndTheNextVoxelAtLeast) {
+TEST(VoxelMask, DilationIsALengthAndAtLeastTheNextVoxel) {
   Mask dot{{{21, 21, 21}, {0.4, 0.4, 3.0}, {0, 0, 0}, Mat3::Identity()}, {}};
   dot.values.assign(21 * 21 * 21, 0);
   dot.at(10, 10, 10) = 1;
@@ -139,8 +139,8 @@ TEST(VoxelMask, SurroundingsAreALengthAndTheNextVoxelAtLeast) {
       }
 }
 
-TEST(FloodBasins, SeedsMeetAtTheNarrowestPlace) {
-  // Two halls and a corridor, seen from above; the corridor is narrowest at column 12.
+TEST(SeededWatershed, SeedsMeetAtTheNarrowestCrossSection) {
+  // Two rooms and a corridor, seen from above; the corridor is narrowest at column 12.
   const std::vector<std::string> plan{"########.....#########",  //
                                       "#......##...##.......#",  //
                                       "#....................#",  //
@@ -151,7 +151,7 @@ TEST(FloodBasins, SeedsMeetAtTheNarrowestPlace) {
   image::Volume<std::int32_t> seeds{room.grid, std::vector<std::int32_t>(22 * 6, 0)};
   for (const std::string& row : plan)
     for (const char c : row) room.values.push_back(c == '.' ? 1 : 0);
-  for (Index i = 0; i < 22; ++i) room.at(i, 5, 0) = 0;  // No second way.
+  for (Index i = 0; i < 22; ++i) room.at(i, 5, 0) = 0;  // No second passage.
   for (Index i = 7; i < 13; ++i) room.at(i, 3, 0) = 0;
   room.at(12, 1, 0) = room.at(12, 3, 0) = 0;
   seeds.at(1, 2, 0) = 1;
@@ -161,12 +161,12 @@ TEST(FloodBasins, SeedsMeetAtTheNarrowestPlace) {
   const auto basins = seeded_watershed(seeds, room, width);
   EXPECT_EQ(basins.at(5, 2, 0), 1);
   EXPECT_EQ(basins.at(15, 2, 0), 2);
-  EXPECT_EQ(basins.at(0, 0, 0), 0) << "walls stay";
+  EXPECT_EQ(basins.at(0, 0, 0), 0) << "walls are not assigned";
   for (Index v = 0; v < room.grid.voxel_count(); ++v)
     EXPECT_EQ(basins.values[std::size_t(v)] != 0, room.values[std::size_t(v)] != 0);
 }
 
-TEST(PadVolume, CroppingUndoesPaddingAndVoxelsStayWhereTheyAre) {
+TEST(PadVolume, CroppingUndoesPaddingAndVoxelsKeepTheirPositions) {
   image::Volume<int> volume{grid_of(3, 2, 2), {}};
   volume.grid.direction = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).matrix();
   for (int v = 0; v < 12; ++v) volume.values.push_back(v);

@@ -44,7 +44,7 @@ TEST(Parallel, ForVisitsEveryIndexOnce) {
   EXPECT_EQ(*std::max_element(visits.begin(), visits.end()), 1);
 }
 
-TEST(LoopByThreads, CallsEveryIndexOnceWithinLoopsToo) {
+TEST(ThreadLoop, CallsEveryIndexOnceInNestedLoops) {
   constexpr Index kOuter = 5, kMiddle = 3, kInner = 4;
   std::vector<int> calls(std::size_t(kOuter * kMiddle * kInner), 0);
   thread_loop(kOuter, 3, [&](Index i) {
@@ -56,14 +56,14 @@ TEST(LoopByThreads, CallsEveryIndexOnceWithinLoopsToo) {
   EXPECT_EQ(calls, std::vector<int>(calls.size(), 1));
 }
 
-TEST(LoopByThreads, RunsOnSeveralThreadsAndNoMoreThanAsked) {
+TEST(ThreadLoop, RunsOnSeveralThreadsButNotMoreThanTheLimit) {
   std::vector<std::thread::id> ids(100);
   thread_loop(Index(ids.size()), 3,
               [&](Index i) { ids[std::size_t(i)] = std::this_thread::get_id(); });
   EXPECT_EQ(std::set(ids.begin(), ids.end()).size(), 3);
 }
 
-TEST(LoopByThreads, HandsOnWhatABodyThrows) {
+TEST(ThreadLoop, RethrowsAnExceptionOfABody) {
   const auto throw_in = [](Index one) {
     thread_loop(8, 2, [one](Index i) {
       if (i == one) throw std::runtime_error("body");
@@ -74,7 +74,7 @@ TEST(LoopByThreads, HandsOnWhatABodyThrows) {
   EXPECT_NO_THROW(throw_in(8));
 }
 
-TEST(Parallel, NothingToDoIsNoError) { EXPECT_EQ(deterministic_sum(0, 0.0, awkward_term), 0.0); }
+TEST(Parallel, AnEmptyRangeIsAllowed) { EXPECT_EQ(deterministic_sum(0, 0.0, awkward_term), 0.0); }
 
 Result<int> half_of(int number) {
   if (number % 2 != 0)
@@ -87,7 +87,7 @@ Result<int> quarter_of(int number) {
   return half_of(half);
 }
 
-TEST(Error, TryHandsTheFirstErrorUp) {
+TEST(Error, TryReturnsTheFirstError) {
   EXPECT_EQ(quarter_of(12).value(), 3);
   EXPECT_EQ(quarter_of(6).error().message, "number is 3, not even");
   EXPECT_EQ(quarter_of(7).error().code, ErrorCode::kInvalidArgument);

@@ -1,5 +1,5 @@
 /// \file
-/// Distances by looking at every triangle, in double precision: what the field is measured by.
+/// Exact distances by brute force, in double precision: the reference for fields.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -18,7 +18,7 @@
 
 namespace lefort::test {
 
-/// Unsigned [mm].
+/// Unsigned distance [mm].
 [[nodiscard]] inline double brute_distance(const geometry::TriangleMesh& mesh, const Vec3& p) {
   double minimum = std::numeric_limits<double>::infinity();
   for (Index t = 0; t < mesh.triangle_count(); ++t)
@@ -28,12 +28,12 @@ namespace lefort::test {
   return std::sqrt(minimum);
 }
 
-/// Place of a lattice point.
+/// Position of a lattice point.
 [[nodiscard]] inline Vec3 position_of(const field::FieldFrame& frame, int i, int j, int k) {
   return frame.origin_B + frame.cell_mm * Vec3(i, j, k);
 }
 
-/// The cell that a query at `p_B` looks into. \pre p_B lies in the box.
+/// The cell that a query at `p_B` uses. \pre p_B lies in the box.
 [[nodiscard]] inline field::CellSamples cell_around(const field::DistanceField& field,
                                                     const Vec3& p_B) {
   const Vec3 u = (p_B - field.frame().origin_B) * (1.0 / field.cell_mm());
@@ -43,11 +43,11 @@ namespace lefort::test {
   return field.cell(low);
 }
 
-/// Of the search in single precision, on surfaces up to 60 mm wide.
+/// Error of the search in single precision, on surfaces up to 60 mm wide.
 inline constexpr double kFloatError_mm = 2e-5;
 
-/// Largest error [mm] at the samples of all finest cells whose samples are within the band; and
-/// each such cell must be within the band of the field.
+/// Max error [mm] at the samples of all finest cells whose samples are in the band; each such cell
+/// must be in the band of the field.
 [[nodiscard]] inline double max_error_at_samples(const field::DistanceField& field,
                                                  const geometry::TriangleMesh& mesh) {
   const field::FieldFrame& frame = field.frame();

@@ -20,9 +20,9 @@ namespace {
 
 using geometry::TriangleMesh;
 
-/// One whose triangles are all visited, and a wide one that a tree completes.
-constexpr std::array kReaches_cells = {5.0, 9.0};
-/// Of the single-precision search, on surfaces of some 20 mm.
+/// A narrow band, sampled by binned triangles only, and a wide one that a tree completes.
+constexpr std::array kBands_cells = {5.0, 9.0};
+/// Error of the search in single precision, on surfaces of about 20 mm.
 constexpr double kFloatError_mm = 2e-5;
 
 FieldFrame frame_around(const TriangleMesh& mesh, int resolution) {
@@ -34,15 +34,14 @@ FieldFrame frame_around(const TriangleMesh& mesh, int resolution) {
   return frame;
 }
 
-/// Compares every point of the lattice, inside the cube and around it, with a search that shares
-/// nothing with the sampler but the pseudonormals; and the sign with the winding number.
-void expect_exact_within(double reach_cells, const TriangleMesh& mesh, int resolution,
-                         bool closed) {
+/// Compares every lattice point, inside the cube and around it, with a search that uses the same
+/// pseudonormals but nothing else of the sampler; and the sign with the winding number.
+void expect_exact_within(double band_cells, const TriangleMesh& mesh, int resolution, bool closed) {
   const FieldFrame frame = frame_around(mesh, resolution);
-  const double reach = reach_cells * frame.cell_mm;
+  const double band_mm = band_cells * frame.cell_mm;
   const PreparedSurface surface = prepare_surface(mesh).value();
   ASSERT_EQ(surface.closed, closed);
-  const auto sampled = sample_narrow_band(surface, frame, reach, nullptr, Progress::none());
+  const auto sampled = sample_narrow_band(surface, frame, band_mm, nullptr, Progress::none());
   ASSERT_TRUE(sampled);
   const geometry::Bvh bvh(mesh);
   int within = 0;
@@ -52,11 +51,11 @@ void expect_exact_within(double reach_cells, const TriangleMesh& mesh, int resol
         const Vec3 p = test::position_of(frame, i, j, k);
         const float found = sampled->at({i, j, k}, kUnsampled);
         const double distance = bvh.closest_point(p)->distance_mm;
-        if (distance > reach * (1 + 1e-6)) {
+        if (distance > band_mm * (1 + 1e-6)) {
           ASSERT_TRUE(std::isnan(found)) << p.transpose();
           continue;
         }
-        if (distance > reach * (1 - 1e-6)) continue;
+        if (distance > band_mm * (1 - 1e-6)) continue;
         ++within;
         ASSERT_NEAR(std::abs(found), distance, kFloatError_mm)
             << "at " << i << ' ' << j << ' ' << k;
@@ -67,14 +66,14 @@ void expect_exact_within(double reach_cells, const TriangleMesh& mesh, int resol
 }
 
 void expect_exact_everywhere(const TriangleMesh& mesh, int resolution, bool closed) {
-  for (const double reach_cells : kReaches_cells) {
-    SCOPED_TRACE(reach_cells);
-    expect_exact_within(reach_cells, mesh, resolution, closed);
+  for (const double band_cells : kBands_cells) {
+    SCOPED_TRACE(band_cells);
+    expect_exact_within(band_cells, mesh, resolution, closed);
   }
 }
 
 TEST(BandSampler, IsExactAroundABox) {
-  // Convex edges and corners: most of the band there lies in no triangle's prism.
+  // Convex edges and corners: most of the band there lies in no prism of a triangle.
   expect_exact_everywhere(test::make_box(Vec3(-9, -7, -5), Vec3(9, 8, 4)), 32, true);
 }
 
@@ -109,7 +108,7 @@ TEST(BandSampler, IsExactAroundAnOpenSheet) {
   expect_exact_everywhere(test::make_sheet(20, 3), 32, false);
 }
 
-TEST(BandSampler, IsExactAroundAHeapOfTriangles) {
+TEST(BandSampler, IsExactAroundATriangleSoup) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> in(-10, 10);
   TriangleMesh heap;
@@ -119,10 +118,10 @@ TEST(BandSampler, IsExactAroundAHeapOfTriangles) {
   expect_exact_everywhere(heap, 32, false);
 }
 
-/// The sampler alone, brick by brick.
+/// The result of the sampler, brick by brick.
 std::vector<float> samples_with(const PreparedSurface& surface, const FieldFrame& frame,
-                                double reach_cells, Simd simd) {
-  const BandSampler sampler = BandSampler::create(surface, frame, reach_cells * frame.cell_mm,
+                                double band_cells, Simd simd) {
+  const BandSampler sampler = BandSampler::create(surface, frame, band_cells * frame.cell_mm,
                                                   BandSampler::kMaxPoints, Progress::none(), simd)
                                   .value();
   std::vector<float> samples(sampler.bricks().size() * SparseLattice::kBrickPoints);
@@ -142,11 +141,11 @@ TEST(BandSampler, EveryProcessorGivesTheSameBits) {
   for (const TriangleMesh& mesh : meshes) {
     const FieldFrame frame = frame_around(mesh, 32);
     const PreparedSurface surface = prepare_surface(mesh).value();
-    for (const double reach : kReaches_cells) {
-      const std::vector<float> baseline = samples_with(surface, frame, reach, Simd::kBaseline);
+    for (const double band_cells : kBands_cells) {
+      const std::vector<float> baseline = samples_with(surface, frame, band_cells, Simd::kBaseline);
       for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
         if (simd > best_simd()) continue;
-        const std::vector<float> samples = samples_with(surface, frame, reach, simd);
+        const std::vector<float> samples = samples_with(surface, frame, band_cells, simd);
         ASSERT_EQ(samples.size(), baseline.size());
         EXPECT_EQ(std::memcmp(samples.data(), baseline.data(), baseline.size() * sizeof(float)), 0);
       }
@@ -154,13 +153,13 @@ TEST(BandSampler, EveryProcessorGivesTheSameBits) {
   }
 }
 
-TEST(BandSampler, BricksAscendAndHoldEverySampleWithinReach) {
+TEST(BandSampler, BricksAscendAndContainEverySampleOfTheBand) {
   const TriangleMesh torus = test::make_torus(8, 3, 24, 12);
   const FieldFrame frame = frame_around(torus, 64);
   const PreparedSurface surface = prepare_surface(torus).value();
-  for (const double reach_cells : {2.0, 8.0, 20.0}) {
+  for (const double band_cells : {2.0, 8.0, 20.0}) {
     const BandSampler sampler =
-        BandSampler::create(surface, frame, reach_cells * frame.cell_mm).value();
+        BandSampler::create(surface, frame, band_cells * frame.cell_mm).value();
     EXPECT_TRUE(std::is_sorted(sampler.bricks().begin(), sampler.bricks().end()));
     EXPECT_EQ(std::adjacent_find(sampler.bricks().begin(), sampler.bricks().end()),
               sampler.bricks().end());
@@ -170,7 +169,7 @@ TEST(BandSampler, BricksAscendAndHoldEverySampleWithinReach) {
     for (int n = 0; n < 20'000; ++n) {
       const LatticePoint p = {int(random() % 65), int(random() % 65), int(random() % 65)};
       if (!bvh.closest_point(test::position_of(frame, p[0], p[1], p[2]),
-                             (reach_cells - 0.001) * frame.cell_mm))
+                             (band_cells - 0.001) * frame.cell_mm))
         continue;
       EXPECT_NE(lattice.slot_of(lattice.brick_of(p)), SparseLattice::kNoBrick);
     }
@@ -178,7 +177,7 @@ TEST(BandSampler, BricksAscendAndHoldEverySampleWithinReach) {
 }
 
 TEST(BandSampler, AWiderBandChangesNoSampleOfANarrowOne) {
-  // The wide one is sampled in another way: near the surface by triangles, beyond by a tree.
+  // The wide band is sampled differently: near the surface by triangles, beyond by a tree.
   for (unsigned seed = 1; seed < 4; ++seed) {
     const TriangleMesh ball = test::make_crumpled_ball(seed, 6, 14);
     const FieldFrame frame = frame_around(ball, 64);
@@ -199,18 +198,18 @@ TEST(BandSampler, AWiderBandChangesNoSampleOfANarrowOne) {
 }
 
 TEST(BandSampler, IsExactAroundRandomSoups) {
-  // Every lattice point, against every triangle: shared and repeated corners, opposite twins,
-  // triangles without area, in all mixtures.
+  // Every lattice point, against every triangle: common and repeated corners, opposite duplicates,
+  // triangles without area, in all combinations.
   for (unsigned seed = 0; seed < 120; ++seed) {
     std::mt19937 random(seed);
     TriangleMesh soup = test::make_soup(random);
     test::spoil(soup, random);
     SCOPED_TRACE(seed);
     const auto surface = prepare_surface(soup);
-    if (!surface) continue;  // Nothing but points and lines.
+    if (!surface) continue;  // Only points and lines.
     const FieldFrame frame = frame_around(surface->mesh_B, 16);
-    const double reach = (seed % 2 == 0 ? 4.0 : 7.5) * frame.cell_mm;
-    const auto sampled = sample_narrow_band(*surface, frame, reach, nullptr, Progress::none());
+    const double band_mm = (seed % 2 == 0 ? 4.0 : 7.5) * frame.cell_mm;
+    const auto sampled = sample_narrow_band(*surface, frame, band_mm, nullptr, Progress::none());
     ASSERT_TRUE(sampled);
     for (int k = 0; k <= 16; ++k)
       for (int j = 0; j <= 16; ++j)
@@ -218,34 +217,34 @@ TEST(BandSampler, IsExactAroundRandomSoups) {
           const double distance =
               test::brute_distance(surface->mesh_B, test::position_of(frame, i, j, k));
           const float found = sampled->at({i, j, k}, kUnsampled);
-          if (distance > reach * (1 + 1e-6)) {
+          if (distance > band_mm * (1 + 1e-6)) {
             ASSERT_TRUE(std::isnan(found));
           }
-          if (distance < reach * (1 - 1e-6)) {
-            ASSERT_NEAR(std::abs(found), distance, kFloatError_mm / 10.0)  // Some 2 mm wide.
+          if (distance < band_mm * (1 - 1e-6)) {
+            ASSERT_NEAR(std::abs(found), distance, kFloatError_mm / 10.0)  // About 2 mm wide.
                 << "at " << i << ' ' << j << ' ' << k;
           }
         }
   }
 }
 
-TEST(BandSampler, RefusesABandOfMorePointsThanRequested) {
+TEST(BandSampler, RejectsABandOfMorePointsThanRequested) {
   const TriangleMesh torus = test::make_torus(8, 3, 24, 12);
   const FieldFrame frame = frame_around(torus, 128);
   const PreparedSurface surface = prepare_surface(torus).value();
-  for (const double reach_cells : {3.0, 20.0}) {
-    const auto fits = BandSampler::create(surface, frame, reach_cells * frame.cell_mm);
+  for (const double band_cells : {3.0, 20.0}) {
+    const auto fits = BandSampler::create(surface, frame, band_cells * frame.cell_mm);
     ASSERT_TRUE(fits);
     const Index points = Index(fits->bricks().size()) * SparseLattice::kBrickPoints;
-    EXPECT_TRUE(BandSampler::create(surface, frame, reach_cells * frame.cell_mm, points));
+    EXPECT_TRUE(BandSampler::create(surface, frame, band_cells * frame.cell_mm, points));
     const auto too_many =
-        BandSampler::create(surface, frame, reach_cells * frame.cell_mm, points - 1);
+        BandSampler::create(surface, frame, band_cells * frame.cell_mm, points - 1);
     ASSERT_FALSE(too_many);
     EXPECT_EQ(too_many.error().code, ErrorCode::kInvalidArgument);
   }
 }
 
-TEST(BandSampler, StopsWhenAsked) {
+TEST(BandSampler, StopsOnRequest) {
   class Stopped : public Progress {
     [[nodiscard]] bool stop_requested() const override { return true; }
   } stopped;

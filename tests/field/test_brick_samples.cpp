@@ -42,8 +42,8 @@ TEST(BrickSamples, OnlyCodesWithinTheBandAreDistances) {
     EXPECT_FALSE(BrickSamples::is_distance(code));
 }
 
-TEST(BrickSamples, EveryPointHasAPlaceOfItsOwn) {
-  // All leaves of all bricks stored: 5^3 bricks of 8 leaves of 64 points.
+TEST(BrickSamples, EveryPointHasItsOwnOffset) {
+  // All leaves of all bricks are stored: 5^3 bricks of 8 leaves of 64 points.
   std::vector<Brick> table(125);
   for (std::uint32_t b = 0; b < 125; ++b) table[b] = {8 * b, 0xFF, 0, 0, 0};
   std::vector<std::byte> codes(125 * 8 * BrickSamples::kLeafBytes + 1);
@@ -59,7 +59,7 @@ TEST(BrickSamples, EveryPointHasAPlaceOfItsOwn) {
       }
 }
 
-TEST(BrickSamples, LeavesThatAreNotStoredSayTheirSide) {
+TEST(BrickSamples, LeavesThatAreNotStoredHaveAZone) {
   std::vector<Brick> table(125);
   table[31] = {0, 0, 0b10, 0b100, 0};  // Begins at point (0, 0, 0).
   const BrickSamples samples(16, 4.0, std::move(table), std::vector<std::byte>(1));
@@ -67,7 +67,7 @@ TEST(BrickSamples, LeavesThatAreNotStoredSayTheirSide) {
   EXPECT_EQ(zone_at({0, 0, 0}), Zone::kOutside);
   EXPECT_EQ(zone_at({4, 0, 0}), Zone::kInside);
   EXPECT_EQ(zone_at({0, 4, 0}), Zone::kUnknown);
-  EXPECT_EQ(zone_at({3, 0, 0}), Zone::kUnknown);  // Half outside, half inside: neither.
+  EXPECT_EQ(zone_at({3, 0, 0}), Zone::kUnknown);  // Half outside, half inside.
   EXPECT_EQ(zone_at({15, 15, 15}), Zone::kOutside);
 }
 
@@ -78,10 +78,11 @@ TEST(BrickSamples, TableAndLeavesMustHaveTheRightSize) {
                LogicError);
 }
 
-TEST(BuildBricks, MemoryFollowsTheAreaOfTheSurface) {
-  // How many leaves of 4 x 4 x 4 points a band of +-b around an area A meets, all in cells: those
-  // whose points, a cube of 3, come nearer than b. A cube of side 3 has the mean width 4.5, so
-  // A (2 b + 4.5) / 64; curvature adds (4 pi / 3) (b + 2.25)^3 / 32 at most, which is nothing.
+TEST(BuildBricks, MemoryIsProportionalToTheAreaOfTheSurface) {
+  // Number of leaves of 4 x 4 x 4 points that overlap a band of +-b around an area A, all in cells:
+  // those whose points, a cube of 3, are closer than b. A cube of side 3 has the mean width 4.5, so
+  // it is A (2 b + 4.5) / 64; curvature adds at most (4 pi / 3) (b + 2.25)^3 / 32, which is
+  // negligible.
   for (const int resolution : {128, 512}) {
     const DistanceField field =
         build_distance_field(test::make_icosphere(50, 6), {.resolution = resolution}).value();
@@ -97,7 +98,7 @@ TEST(BuildBricks, MemoryFollowsTheAreaOfTheSurface) {
   }
 }
 
-TEST(BuildBricks, EveryStoredLeafHoldsADistance) {
+TEST(BuildBricks, EveryStoredLeafContainsADistance) {
   const DistanceField field =
       build_distance_field(test::make_torus(20, 8, 60, 30), {.resolution = 64}).value();
   const BrickSamples& samples = bricks_of(field);
@@ -111,9 +112,9 @@ TEST(BuildBricks, EveryStoredLeafHoldsADistance) {
   }
 }
 
-TEST(BuildBricks, AClosedSurfaceLeavesNothingUnknownHoweverTheBandIsRounded) {
-  // Lattice planes lie a band from the faces of the box, to rounding: such samples belong to the
-  // band or not, but must not overflow their codes.
+TEST(BuildBricks, AClosedSurfaceHasNoUnknownSamplesForAnyRoundingOfTheBand) {
+  // Lattice planes are one band from the faces of the box, up to rounding: such samples may be in
+  // the band or not, but their codes must not overflow.
   std::mt19937 random(1);
   std::uniform_real_distribution<double> in(0.1, 90);
   for (int n = 0; n < 100; ++n) {
@@ -142,7 +143,7 @@ TEST(BuildBricks, AClosedSurfaceLeavesNothingUnknownHoweverTheBandIsRounded) {
 }
 
 TEST(BuildBricks, NoDistanceOverflowsItsCode) {
-  // The same with the band drawn at random, so that its largest codes round every way.
+  // The same with random bands, so that the largest codes are rounded in all ways.
   std::mt19937 random(2);
   std::uniform_real_distribution<double> in(0.5, 50);
   int near_the_edge = 0;
@@ -153,7 +154,7 @@ TEST(BuildBricks, NoDistanceOverflowsItsCode) {
     frame.cell_mm = frame.band_mm / 3;
     frame.origin_B = Vec3::Constant(-8 * frame.cell_mm);
     frame.closed = true;
-    // A face at a height such that lattice points lie a hair within the band.
+    // A face at a height such that lattice points are just inside the band.
     const double z = frame.band_mm * 5e-8 * double(random() % 8);
     const double half = 4 * frame.cell_mm;
     const PreparedSurface surface =
@@ -163,16 +164,16 @@ TEST(BuildBricks, NoDistanceOverflowsItsCode) {
     const auto samples = build_bricks(sampler, frame, &winding, Progress::none());
     ASSERT_TRUE(samples);
     const std::int32_t code = BrickSamples::read_code(samples->linear_offset({8, 8, 11}));
-    EXPECT_GE(code, BrickSamples::kLargest - 8) << frame.band_mm;  // Not unknown, not inside.
+    EXPECT_GE(code, BrickSamples::kLargest - 8) << frame.band_mm;  // Neither unknown nor inside.
     near_the_edge += BrickSamples::is_distance(code) ? 1 : 0;
   }
   EXPECT_GT(near_the_edge, 500);
 }
 
-TEST(BuildBricks, ALeafWhoseOnlySampleIsTornIsUnknownThere) {
-  // A speck inside a box, so placed that one lattice point of a leaf is within its band and all
-  // else of the leaf in none; that point is torn against a neighbor in its brick and against one in
-  // the next brick, both of which the box is nearest to.
+TEST(BuildBricks, ALeafWhoseOnlySampleIsInConflictIsUnknownThere) {
+  // A small triangle mesh inside a box, placed so that one lattice point of a leaf is in its band
+  // and all other points of the leaf are in no band. That point is in conflict with a neighbor in
+  // its brick and one in the next brick; the box is closest to both.
   FieldFrame frame;
   frame.resolution = 32;
   frame.cell_mm = 1.0;
@@ -181,7 +182,7 @@ TEST(BuildBricks, ALeafWhoseOnlySampleIsTornIsUnknownThere) {
   PreparedSurface surface =
       prepare_surface(test::join(test::make_box(Vec3(2.5, 2.5, 2.5), Vec3(17.9, 13.9, 28)), speck))
           .value();
-  surface.closed = false;  // As for an open surface, no other point tells the side.
+  surface.closed = false;  // As for an open surface, no other point determines the sign.
   const auto samples = build_bricks(BandSampler::create(surface, frame, 2.0).value(), frame,
                                     nullptr, Progress::none());
   ASSERT_TRUE(samples);
@@ -192,8 +193,8 @@ TEST(BuildBricks, ALeafWhoseOnlySampleIsTornIsUnknownThere) {
   }
 }
 
-TEST(BuildBricks, WhereSignsContradictTheWindingNumberDecides) {
-  // As above. The speck turns its outside towards points within the box.
+TEST(BuildBricks, TheWindingNumberResolvesSignConflicts) {
+  // As above. The outside of the small mesh faces points inside the box.
   FieldFrame frame;
   frame.resolution = 32;
   frame.cell_mm = 1.0;
@@ -213,7 +214,7 @@ TEST(BuildBricks, WhereSignsContradictTheWindingNumberDecides) {
   EXPECT_LT(code, 0);
 }
 
-TEST(BuildBricks, KeepsBothSidesOfASignConflictUnknown) {
+TEST(BuildBricks, BothSamplesOfASignConflictAreUnknown) {
   const TriangleMesh sheet = test::make_sheet(20, 4);
   const DistanceField field = build_distance_field(sheet, {.resolution = 64}).value();
   const int n = field.frame().resolution;

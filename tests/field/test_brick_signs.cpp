@@ -18,7 +18,7 @@ bool bit_of(const BrickBits& bits, int place) {
   return (bits[std::size_t(place / 64)] >> (place % 64) & 1) != 0;
 }
 
-/// Distances of both signs and both zeros, and more or fewer that are not known.
+/// Distances of both signs and both zeros, with different fractions of unknown ones.
 Distances any_distances(std::mt19937& random) {
   const auto known_in_16 = 1 + random() % 16;
   Distances d;
@@ -31,7 +31,7 @@ Distances any_distances(std::mt19937& random) {
   return d;
 }
 
-TEST(BrickSigns, SayWhatIsKnownAndWhatIsInside) {
+TEST(BrickSigns, RecordKnownAndInsidePoints) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     std::mt19937 random(seed);
     const Distances d = any_distances(random);
@@ -53,7 +53,7 @@ TEST(BrickSigns, FacesOfNeighborsMatchBitByBit) {
     const BrickSigns signs = signs_of(any_distances(random));
     for (int axis = 0; axis < 3; ++axis)
       for (int bit = 0; bit < 64; ++bit) {
-        const int low = face_place(bit, axis, false), high = face_place(bit, axis, true);
+        const int low = face_offset(bit, axis, false), high = face_offset(bit, axis, true);
         constexpr std::array<int, 3> kStride = {1, kSide, kSide * kSide};
         ASSERT_EQ(high - low, (kSide - 1) * kStride[std::size_t(axis)]);
         ASSERT_EQ(low / kStride[std::size_t(axis)] % kSide, 0);
@@ -65,10 +65,10 @@ TEST(BrickSigns, FacesOfNeighborsMatchBitByBit) {
         }
       }
   }
-  EXPECT_EQ(face_place(0, 0, true), place_at(7, 0, 0));
+  EXPECT_EQ(face_offset(0, 0, true), place_at(7, 0, 0));
 }
 
-/// Random sides; one point in four is not known, and one in three near the surface.
+/// Random signs; one point in four is unknown, and one in three close to the surface.
 BrickSigns any_signs(std::mt19937& random) {
   BrickSigns signs;
   for (std::size_t z = 0; z < std::size_t(kSide); ++z)
@@ -89,11 +89,11 @@ int next_place(int place, int axis, int step = 1) {
   return at < 0 || at >= kSide ? -1 : place + step * kStride[std::size_t(axis)];
 }
 
-TEST(BrickSigns, NeighborsOnDifferentSidesMayBeInConflictUnlessBothAreNear) {
+TEST(BrickSigns, NeighborsOfDifferentSignMayBeInConflictUnlessBothAreClose) {
   std::mt19937 random(7);
   for (int round = 0; round < 50; ++round) {
     const BrickSigns signs = any_signs(random);
-    const std::array<BrickBits, 3> tears = possible_conflicts(signs);
+    const std::array<BrickBits, 3> conflicts = possible_conflicts(signs);
     for (int axis = 0; axis < 3; ++axis)
       for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
         const int j = next_place(i, axis);
@@ -101,13 +101,15 @@ TEST(BrickSigns, NeighborsOnDifferentSidesMayBeInConflictUnlessBothAreNear) {
             j >= 0 && bit_of(signs.known, i) && bit_of(signs.known, j) &&
             bit_of(signs.inside, i) != bit_of(signs.inside, j) &&
             (bit_of(signs.clear_of_surface, i) || bit_of(signs.clear_of_surface, j));
-        ASSERT_EQ(bit_of(tears[std::size_t(axis)], i), expected) << "axis " << axis << ", " << i;
+        ASSERT_EQ(bit_of(conflicts[std::size_t(axis)], i), expected)
+            << "axis " << axis << ", " << i;
       }
   }
 }
 
-TEST(BrickSigns, FarPointsContradictKnownNeighborsOnTheOtherSide) {
-  // Along each axis a pair, and the last point of a row with the first of the next, which are none.
+TEST(BrickSigns, UnsampledPointsAreInConflictWithKnownNeighborsOfTheOtherSign) {
+  // One pair along each axis, and the last point of a row with the first of the next, which are not
+  // neighbors.
   const auto contradict = [](std::size_t known_place, std::size_t far_place, bool far_is_inside) {
     BrickBits known{}, inside{};
     known[known_place / 64] |= std::uint64_t(1) << (known_place % 64);
@@ -125,7 +127,7 @@ TEST(BrickSigns, FarPointsContradictKnownNeighborsOnTheOtherSide) {
   EXPECT_TRUE(contradict(511, 510, true));
 }
 
-TEST(BrickSigns, SidesAreHandedOnAsFarAsNoSurfacePasses) {
+TEST(BrickSigns, SignsPropagateWhereTheSurfaceCannotPass) {
   std::mt19937 random(11);
   for (int round = 0; round < 50; ++round) {
     BrickSigns signs = any_signs(random);
@@ -139,11 +141,12 @@ TEST(BrickSigns, SidesAreHandedOnAsFarAsNoSurfacePasses) {
     propagate_signs(signs, to_find);
     for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
       if (!bit_of(requested, i)) {
-        ASSERT_EQ(bit_of(signs.inside, i), bit_of(before.inside, i)) << "told before: " << i;
+        ASSERT_EQ(bit_of(signs.inside, i), bit_of(before.inside, i)) << "was known before: " << i;
         ASSERT_FALSE(bit_of(to_find, i));
         continue;
       }
-      // One step earlier its neighbors agreed; at the end those left have none, or contradictions.
+      // One step earlier its neighbors agreed; the points left at the end have none, or conflicting
+      // ones.
       int in = 0, out = 0;
       for (int axis = 0; axis < 3; ++axis)
         for (const int step : {-1, 1}) {
@@ -153,7 +156,7 @@ TEST(BrickSigns, SidesAreHandedOnAsFarAsNoSurfacePasses) {
         }
       const bool found = !bit_of(to_find, i);
       if (!bit_of(signs.clear_of_surface, i)) {
-        ASSERT_FALSE(found) << "near the surface: " << i;
+        ASSERT_FALSE(found) << "close to the surface: " << i;
       } else if (found) {
         ASSERT_GT(bit_of(signs.inside, i) ? in : out, 0) << i;
       } else {
@@ -163,7 +166,7 @@ TEST(BrickSigns, SidesAreHandedOnAsFarAsNoSurfacePasses) {
   }
 }
 
-TEST(BrickSigns, ASideReachesTheOtherEndOfTheBrick) {
+TEST(BrickSigns, ASignPropagatesToTheOtherEndOfTheBrick) {
   BrickSigns signs;
   signs.known.fill(~std::uint64_t(0));
   signs.clear_of_surface = signs.known;

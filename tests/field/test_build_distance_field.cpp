@@ -63,7 +63,7 @@ TEST(BuildDistanceField, SameBitsForAnyNumberOfThreads) {
   }
 }
 
-TEST(BuildDistanceField, ASoupOfTrianglesIsAsGoodAsTheSurface) {
+TEST(BuildDistanceField, ATriangleSoupGivesTheFieldOfTheSurface) {
   for (const FieldMethod method : kMethods) {
     const DistanceFieldOptions options{.method = method, .resolution = 32};
     const auto welded = build_distance_field(kTorus, options);
@@ -82,7 +82,7 @@ TEST(BuildDistanceField, ASoupOfTrianglesIsAsGoodAsTheSurface) {
   }
 }
 
-TEST(BuildDistanceField, AMovedSurfaceHasTheMovedField) {
+TEST(BuildDistanceField, ATranslatedSurfaceHasTheTranslatedField) {
   const TriangleMesh torus = test::make_torus(20, 8, 120, 60);
   const RigidTransform shift(Eigen::Translation3d(64, -128, 32));  // Exact in floating point.
   const RigidTransform turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
@@ -105,7 +105,7 @@ TEST(BuildDistanceField, AMovedSurfaceHasTheMovedField) {
   }
 }
 
-TEST(BuildDistanceField, ABoneThinnerThanACellKeepsBothSidesOutside) {
+TEST(BuildDistanceField, BothSidesOfABoneThinnerThanACellAreOutside) {
   const TriangleMesh plate = test::make_box(Vec3(-10, -10, -0.1), Vec3(10, 10, 0.1));
   for (const FieldMethod method : kMethods) {
     const auto field =
@@ -134,7 +134,7 @@ TEST(BuildDistanceField, ALayerOfTwoCellsIsInside) {
   EXPECT_LT(field->sample(Vec3(1, 2, 0)).distance_mm, -0.4);
 }
 
-TEST(BuildDistanceField, AnOpenSheetHasSidesInTheBandAndNoneBeyond) {
+TEST(BuildDistanceField, AnOpenSheetHasSignsInTheBandOnly) {
   const TriangleMesh sheet = test::make_sheet(20, 4);
   for (const FieldMethod method : kMethods) {
     const auto field =
@@ -149,8 +149,8 @@ TEST(BuildDistanceField, AnOpenSheetHasSidesInTheBandAndNoneBeyond) {
   }
 }
 
-TEST(BuildDistanceField, NoFalseSurfaceAppearsBehindTheRimOfAnOpenSheet) {
-  // The sign jumps there; interpolating between +d and -d would show a surface at 0.
+TEST(BuildDistanceField, NoFalseSurfaceAppearsBeyondTheBoundaryOfAnOpenSheet) {
+  // The sign jumps there; interpolation between +d and -d would give a surface at 0.
   const TriangleMesh sheet = test::make_sheet(20, 4);
   const geometry::Bvh bvh(sheet);
   for (const FieldMethod method : kMethods) {
@@ -174,7 +174,7 @@ TEST(BuildDistanceField, NoFalseSurfaceAppearsBehindTheRimOfAnOpenSheet) {
   }
 }
 
-TEST(BuildDistanceField, AcceptsASurfaceThatIsNoManifold) {
+TEST(BuildDistanceField, AcceptsANonManifoldSurface) {
   const TriangleMesh two = test::join(test::make_box(Vec3(0, 0, 0), Vec3(5, 5, 5)),
                                       test::make_box(Vec3(5, 5, 0), Vec3(10, 10, 5)));
   const auto field = build_distance_field(two, {.resolution = 32});
@@ -196,7 +196,7 @@ TEST(BuildDistanceField, TheBandFitsIntoTheBox) {
   EXPECT_TRUE(requested->box_B().contains(geometry::bounding_box(kTorus)));
 }
 
-TEST(BuildDistanceField, TheSideOfTheCubeCanBeGiven) {
+TEST(BuildDistanceField, TheEdgeOfTheCubeCanBeGiven) {
   const auto field = build_distance_field(kTorus, {.resolution = 64, .side_mm = 96});
   EXPECT_DOUBLE_EQ(field->cell_mm(), 1.5);
   EXPECT_DOUBLE_EQ(field->band_mm(), 7.5);
@@ -215,7 +215,7 @@ TEST(BuildDistanceField, WorksAtTheSmallestResolution) {
 }
 
 TEST(BuildDistanceField, WorksAtTheLargestResolution) {
-  // A small part in a large cube: the table is all that grows.
+  // A small part in a large cube: only the table grows.
   const auto field =
       build_distance_field(test::make_icosphere(1, 3), {.resolution = 2048, .side_mm = 40.96});
   ASSERT_TRUE(field) << field.error().message;
@@ -224,7 +224,7 @@ TEST(BuildDistanceField, WorksAtTheLargestResolution) {
   EXPECT_EQ(field->sample(Vec3(20, 20, 20)).zone, Zone::kOutside);
 }
 
-TEST(BuildDistanceField, AnInsideOutSurfaceIsTurned) {
+TEST(BuildDistanceField, AnInwardSurfaceIsFlipped) {
   for (const FieldMethod method : kMethods) {
     const auto field =
         build_distance_field(test::turn_inside_out(kTorus), {.method = method, .resolution = 32});
@@ -240,7 +240,7 @@ class Notes : public Progress {
   std::vector<std::string> sentences;
 };
 
-TEST(BuildDistanceField, SaysWhatItRepaired) {
+TEST(BuildDistanceField, ReportsItsRepairs) {
   Notes clean;
   ASSERT_TRUE(build_distance_field(kTorus, {.resolution = 16}, clean));
   EXPECT_TRUE(clean.sentences.empty());
@@ -249,8 +249,8 @@ TEST(BuildDistanceField, SaysWhatItRepaired) {
   mesh.triangles.push_back(mesh.triangles[9]);
   Notes notes;
   ASSERT_TRUE(build_distance_field(mesh, {.resolution = 16}, notes));
-  EXPECT_EQ(notes.sentences, (std::vector<std::string>{"1 triangle written more than once dropped",
-                                                       "1 triangle turned to face outward"}));
+  EXPECT_EQ(notes.sentences, (std::vector<std::string>{"1 triangle dropped as redundant",
+                                                       "1 triangle flipped to face outward"}));
 }
 
 std::string refusal(const TriangleMesh& mesh, const DistanceFieldOptions& options, ErrorCode code) {
@@ -260,7 +260,7 @@ std::string refusal(const TriangleMesh& mesh, const DistanceFieldOptions& option
   return field.error().message;
 }
 
-TEST(BuildDistanceField, RefusesOptionsOutOfRange) {
+TEST(BuildDistanceField, RejectsOptionsOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto names = [](const DistanceFieldOptions& options, const char* name) {
     return refusal(kTorus, options, ErrorCode::kInvalidArgument).starts_with(name);
@@ -274,12 +274,12 @@ TEST(BuildDistanceField, RefusesOptionsOutOfRange) {
     EXPECT_TRUE(names({.margin_mm = bad}, "margin_mm is"));
     EXPECT_TRUE(names({.side_mm = bad}, "side_mm is"));
   }
-  EXPECT_TRUE(names({.resolution = 64, .band_mm = 0.5}, "band_mm is 0.5"));  // Under two cells.
+  EXPECT_TRUE(names({.resolution = 64, .band_mm = 0.5}, "band_mm is 0.5"));  // Less than two cells.
   EXPECT_TRUE(names({.resolution = 64, .band_mm = 100}, "band_mm is 100"));
   EXPECT_TRUE(names({.resolution = 64, .side_mm = 60}, "side_mm is 60"));  // No room for the band.
 }
 
-TEST(BuildDistanceField, RefusesSurfacesThatAreNone) {
+TEST(BuildDistanceField, RejectsInvalidSurfaces) {
   const auto complaint = [](const TriangleMesh& mesh) {
     return refusal(mesh, {.resolution = 16}, ErrorCode::kMeshInvalid);
   };
@@ -297,7 +297,7 @@ TEST(BuildDistanceField, RefusesSurfacesThatAreNone) {
   EXPECT_NE(complaint(test::make_icosphere(1e-5, 1)).find("wide"), std::string::npos);
 }
 
-TEST(BuildDistanceField, ALineOfTrianglesWithoutAreaIsStillMeasured) {
+TEST(BuildDistanceField, AcceptsALineOfTrianglesWithoutArea) {
   TriangleMesh line;
   line.vertices = {{0, 0, 0}, {5, 0, 0}, {10, 0, 0}};
   line.triangles = {{0, 1, 2}};
@@ -306,7 +306,7 @@ TEST(BuildDistanceField, ALineOfTrianglesWithoutAreaIsStillMeasured) {
   EXPECT_NEAR(field->sample(Vec3(5, 0.8, 0)).distance_mm, 0.8, 0.1);
 }
 
-/// Stops when it is asked for the n-th time.
+/// Stops at the n-th request.
 class StopAt : public Progress {
  public:
   explicit StopAt(int times) : left_(times) {}
@@ -321,7 +321,7 @@ class StopAt : public Progress {
   mutable std::atomic<int> left_;
 };
 
-TEST(BuildDistanceField, StopsWheneverItIsAsked) {
+TEST(BuildDistanceField, StopsAtAnyRequest) {
   constexpr int kMany = 1 << 20;
   for (const FieldMethod method : kMethods) {
     const DistanceFieldOptions options{.method = method, .resolution = 64, .smooth = true};
@@ -338,8 +338,8 @@ TEST(BuildDistanceField, StopsWheneverItIsAsked) {
   }
 }
 
-TEST(BuildDistanceField, RefusesABandThatWouldFillTheMemory) {
-  // Large slanted triangles, each of whose boxes holds an eighth of a large lattice.
+TEST(BuildDistanceField, RejectsABandThatWouldFillTheMemory) {
+  // Large slanted triangles; the box of each contains an eighth of a large lattice.
   geometry::TriangleMesh fan;
   fan.vertices.emplace_back(0, 0, 0);
   for (int n = 0; n <= 3000; ++n)

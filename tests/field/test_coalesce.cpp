@@ -43,9 +43,9 @@ TEST(Coalesce, KeepsTheToleranceAtSharpCorners) {
 }
 
 TEST(Coalesce, ErrorsDoNotAddUpFromLevelToLevel) {
-  // Along x the samples repeat 0, 1.35, 0.9, 0.45 tolerances. United to two cells they err by 0.9
-  // tolerances, and those pairs to four cells by 0.9 again at the corners of the pairs; but the
-  // sample at 1 would then err by 1.35.
+  // Along x the samples repeat 0, 1.35, 0.9, 0.45 tolerances. Merged to two cells their errors are
+  // 0.9 tolerances, and merging those pairs to four cells gives 0.9 again at the corners of the
+  // pairs; but the error of the sample at 1 would be 1.35.
   FieldFrame frame;
   frame.resolution = 16;
   frame.cell_mm = 1.0;
@@ -71,7 +71,8 @@ TEST(Coalesce, ErrorsDoNotAddUpFromLevelToLevel) {
 TEST(Coalesce, LargerToleranceNeedsFewerSamples) {
   const TriangleMesh torus = test::make_torus(20, 8, 60, 30);
   Index previous = std::numeric_limits<Index>::max();
-  // Two cells of 1 mm err by 2^2 / 8 / (8 + 4) = 0.04 mm at least, 4 mm outside of the tube.
+  // Two cells of 1 mm have an error of at least 2^2 / 8 / (8 + 4) = 0.04 mm, 4 mm outside of the
+  // tube.
   for (const double tolerance : {0.0, 0.06, 0.1, 0.5}) {
     const DistanceField field = build(torus, tolerance);
     const auto samples = Index(octree_of(field).samples().size());
@@ -80,8 +81,8 @@ TEST(Coalesce, LargerToleranceNeedsFewerSamples) {
   }
 }
 
-TEST(Coalesce, FlatWallsUniteToCellsAsThickAsTheBand) {
-  // Cells of 1 mm, faces on lattice planes that large octree cells respect.
+TEST(Coalesce, FlatWallsMergeToCellsAsThickAsTheBand) {
+  // Cells of 1 mm, faces on lattice planes that large octree cells do not cross.
   const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(48, 48, 48));
   const DistanceField field = build_distance_field(box, {.method = FieldMethod::kHybrid,
                                                          .resolution = 64,

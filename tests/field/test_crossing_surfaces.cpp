@@ -18,14 +18,14 @@ using geometry::TriangleMesh;
 constexpr FieldMethod kMethods[] = {FieldMethod::kBricks, FieldMethod::kHybrid,
                                     FieldMethod::kAdaptive, FieldMethod::kUniform};
 
-/// Two balls of 20 mm whose middles are 20 mm apart: each has a part of its surface in the other.
+/// Two balls of 20 mm with centers 20 mm apart: part of the surface of each is inside the other.
 TriangleMesh two_balls() {
   return test::join(test::make_icosphere(20, 3, Vec3(-10, 0.3, 0.1)),
                     test::make_icosphere(20, 3, Vec3(10, -0.2, 0)));
 }
 
-/// Beyond this a cell has no known sample: its side is that of the winding number, whatever the
-/// signs of the samples near it.
+/// At larger distances a cell has no known sample: its zone comes from the winding number, whatever
+/// the signs of samples are.
 double beyond_all_samples(const DistanceField& field) {
   return field.band_mm() + std::sqrt(3.0) * field.cell_mm();
 }
@@ -40,7 +40,7 @@ std::vector<Vec3> points_in(const Box3& box, int count, unsigned seed) {
   return points;
 }
 
-TEST(CrossingSurfaces, WhatIsOutsideBothIsOutside) {
+TEST(CrossingSurfaces, PointsOutsideBothAreOutside) {
   const TriangleMesh mesh = two_balls();
   const geometry::Bvh bvh(mesh);
   for (const FieldMethod method : kMethods) {
@@ -57,7 +57,8 @@ TEST(CrossingSurfaces, WhatIsOutsideBothIsOutside) {
         ASSERT_EQ(sample.zone, Zone::kOutside) << p.transpose();
         ++outside;
       }
-      // The groove between the balls is sharp: trilinear cells err by half a diagonal there.
+      // The groove between the balls is sharp: the error of trilinear cells is half a diagonal
+      // there.
       if (sample.zone == Zone::kBand) {
         ASSERT_NEAR(sample.distance_mm, distance, 0.87 * field.cell_mm());
       }
@@ -66,9 +67,9 @@ TEST(CrossingSurfaces, WhatIsOutsideBothIsOutside) {
   }
 }
 
-TEST(CrossingSurfaces, NoSideIsWrongBeyondTheBand) {
-  // In one ball and outside the other, near the other's surface, the pseudonormal says outside.
-  // That must stay near.
+TEST(CrossingSurfaces, NoZoneIsWrongOutsideTheBand) {
+  // Inside one ball and outside the other, near the surface of the other, the pseudonormal gives
+  // outside. That must remain local.
   const TriangleMesh mesh = two_balls();
   const geometry::Bvh bvh(mesh);
   for (const FieldMethod method : kMethods) {
@@ -87,8 +88,8 @@ TEST(CrossingSurfaces, NoSideIsWrongBeyondTheBand) {
   }
 }
 
-TEST(CrossingSurfaces, WrongSignsInsideDoNotSpreadIntoOpenSpace) {
-  // A crumpled ball that cuts through itself in many places.
+TEST(CrossingSurfaces, WrongSignsInsideDoNotSpreadToTheOutside) {
+  // A crumpled ball that intersects itself in many places.
   for (unsigned seed = 1; seed <= 5; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> in(-1, 1);
@@ -99,7 +100,8 @@ TEST(CrossingSurfaces, WrongSignsInsideDoNotSpreadIntoOpenSpace) {
       const DistanceField field =
           build_distance_field(mesh, {.method = method, .resolution = 64, .margin_mm = 10}).value();
       for (const Vec3& p : points_in(field.box_B(), 3000, seed)) {
-        if (p.norm() < 20 + 5 * std::sqrt(3.0) + 1) continue;  // Beyond the surface's hull.
+        // Beyond the convex hull of the surface.
+        if (p.norm() < 20 + 5 * std::sqrt(3.0) + 1) continue;
         if (bvh.closest_point(p)->distance_mm < beyond_all_samples(field)) continue;
         ASSERT_EQ(field.sample(p).zone, Zone::kOutside)
             << seed << ", method " << int(method) << ": " << p.transpose();
@@ -108,9 +110,10 @@ TEST(CrossingSurfaces, WrongSignsInsideDoNotSpreadIntoOpenSpace) {
   }
 }
 
-TEST(CrossingSurfaces, NoSampleOfTheBandContradictsAFarOne) {
-  // No surface passes between two neighbors of which one is further than the band. In the part that
-  // both balls share, far samples are inside; those near a ball's surface were outside once.
+TEST(CrossingSurfaces, NoSampleOfTheBandIsInConflictWithAnUnsampledOne) {
+  // The surface does not pass between two neighbors if one of them is outside the band. In the
+  // intersection of both balls unsampled points are inside; those near the surface of a ball used
+  // to be outside.
   const TriangleMesh mesh = two_balls();
   for (const FieldMethod method : {FieldMethod::kBricks, FieldMethod::kUniform}) {
     const DistanceField field =
@@ -140,7 +143,7 @@ TEST(CrossingSurfaces, NoSampleOfTheBandContradictsAFarOne) {
   }
 }
 
-TEST(CrossingSurfaces, ContradictingNeighborsAreUnknownNotAFalseSurface) {
+TEST(CrossingSurfaces, NeighborsInConflictAreUnknownAndGiveNoFalseSurface) {
   const TriangleMesh mesh = two_balls();
   const geometry::Bvh bvh(mesh);
   for (const FieldMethod method : kMethods) {

@@ -27,9 +27,9 @@ DistanceField build_ball(FieldMethod method) {
       .value();
 }
 
-/// 20 mm ball of 80,000 triangles, 0.36 mm cells. Edges reach 0.42 mm, so that facets lie up to
-/// 0.42^2 / 3 / (2 * 20) = 0.0015 mm inside the sphere. The octree has the larger error, hence most
-/// tests are of it.
+/// A ball of 20 mm with 80,000 triangles and cells of 0.36 mm. Edges are up to 0.42 mm long, so
+/// facets lie up to 0.42^2 / 3 / (2 * 20) = 0.0015 mm inside the sphere. The octree has the larger
+/// error, so most tests use it.
 const DistanceField& ball() {
   static const DistanceField field = build_ball(FieldMethod::kHybrid);
   return field;
@@ -54,7 +54,7 @@ std::vector<Vec3> points_in_shell(double inner, double outer, int count, unsigne
   return points;
 }
 
-TEST(DistanceField, OfABallIsThatOfTheFormula) {
+TEST(DistanceField, OfABallMatchesTheFormula) {
   // Trilinear: cell^2 / 8 * (2 / radius) = 0.002 mm at the surface, 0.005 mm with the tolerance.
   ASSERT_GT(ball().guaranteed_mm(), 2.37);
   for (const DistanceField* field : {&ball(), &ball_of_bricks()})
@@ -67,7 +67,7 @@ TEST(DistanceField, OfABallIsThatOfTheFormula) {
     }
 }
 
-TEST(DistanceField, SmoothOfABallIsThatOfTheFormula) {
+TEST(DistanceField, SmoothOfABallMatchesTheFormula) {
   for (const Vec3& p : points_in_shell(17.1, 22.9, 5000, 2)) {
     const SmoothSample sample = ball().sample_smooth(p);
     ASSERT_EQ(sample.zone, Zone::kBand);
@@ -77,20 +77,20 @@ TEST(DistanceField, SmoothOfABallIsThatOfTheFormula) {
 }
 
 TEST(DistanceField, CurvatureOfABallIsOneOverItsRadius) {
-  // Facets as large as cells make single values scatter; their mean must not.
+  // Facets as large as cells cause scatter of single values, but not of their mean.
   double bias = 0.0;
   const std::vector<Vec3> points = points_in_shell(20.5, 22.5, 2000, 3);
   for (const Vec3& p : points) {
     const Mat3 hessian = ball().sample_smooth(p).hessian_B;
     const Vec3 n = p.normalized();
     const Mat3 expected = (Mat3::Identity() - n * n.transpose()) / p.norm();
-    EXPECT_LT((hessian - expected).norm(), 0.06);  // At most 0.058, RMS 0.016.
+    EXPECT_LT((hessian - expected).norm(), 0.06);  // The max is 0.058, the RMS 0.016.
     bias += (hessian - expected).trace() / double(points.size());
   }
   EXPECT_NEAR(bias, 0.0, 0.001);
 }
 
-TEST(DistanceField, OfATorusIsThatOfTheFormula) {
+TEST(DistanceField, OfATorusMatchesTheFormula) {
   const auto field =
       build_distance_field(test::make_torus(20, 8, 240, 120), {.resolution = 128, .smooth = true});
   ASSERT_TRUE(field);
@@ -105,7 +105,7 @@ TEST(DistanceField, OfATorusIsThatOfTheFormula) {
   }
 }
 
-TEST(DistanceField, OfABoxIsExactBeforeItsFaces) {
+TEST(DistanceField, OfABoxIsExactAboveItsFaces) {
   const auto field = build_distance_field(test::make_box(Vec3(-10, -10, -10), Vec3(10, 10, 10)),
                                           {.resolution = 64, .smooth = true});
   ASSERT_TRUE(field);
@@ -125,8 +125,8 @@ TEST(DistanceField, OfABoxIsExactBeforeItsFaces) {
 constexpr FieldMethod kMethods[] = {FieldMethod::kBricks, FieldMethod::kHybrid,
                                     FieldMethod::kAdaptive, FieldMethod::kUniform};
 
-TEST(DistanceField, EveryPointNearerThanItSaysIsReported) {
-  // At corners, edges and tips too, where prisms over triangles leave gaps.
+TEST(DistanceField, EveryPointWithinTheGuaranteedDistanceHasADistance) {
+  // Also at corners, edges and tips, where prisms over triangles leave gaps.
   for (const TriangleMesh& mesh :
        {test::make_spike(2, 20, 4), test::make_box(Vec3(-9, -2, -5), Vec3(9, 3, 4))})
     for (const FieldMethod method : kMethods) {
@@ -137,8 +137,8 @@ TEST(DistanceField, EveryPointNearerThanItSaysIsReported) {
       std::mt19937 random(6);
       std::uniform_real_distribution<double> in(-1, 1);
       const Box3 box = field->box_B();
-      // Smooth values err by up to half a cell on the ridges of the distance, and are told to the
-      // band itself.
+      // Smooth values have errors up to half a cell on the ridges of the distance, and cover the
+      // whole band.
       for (int n = 0; n < 10'000; ++n) {
         const Vec3 p =
             box.center() + 0.5 * box.sizes().cwiseProduct(Vec3(in(random), in(random), in(random)));
@@ -152,8 +152,8 @@ TEST(DistanceField, EveryPointNearerThanItSaysIsReported) {
     }
 }
 
-TEST(DistanceField, NoCellThatThePromiseOnlyGrazesIsLeftOut) {
-  // The narrowest band bulges into cells between their corners, most of all around tips.
+TEST(DistanceField, NoCellThatTheGuaranteedDistanceTouchesIsLeftOut) {
+  // The narrowest band extends into cells between their corners, most of all around tips.
   std::mt19937 random(12);
   std::uniform_real_distribution<double> in(-1, 1);
   for (int n = 0; n < 20; ++n) {
@@ -185,7 +185,7 @@ TEST(DistanceField, NoCellThatThePromiseOnlyGrazesIsLeftOut) {
   }
 }
 
-TEST(DistanceField, BeyondTheBandSaysOnlyTheSide) {
+TEST(DistanceField, OutsideTheBandThereIsOnlyAZone) {
   for (const auto& [p, zone, distance] : {std::tuple(Vec3(0, 0, 0), Zone::kInside, -3.0),
                                           std::tuple(Vec3(16.5, 0, 0), Zone::kInside, -3.0),
                                           std::tuple(Vec3(0, -22.99, 5), Zone::kOutside, 3.0),
@@ -202,7 +202,7 @@ TEST(DistanceField, BeyondTheBandSaysOnlyTheSide) {
   }
 }
 
-TEST(DistanceField, GrowsUpToTheBandAndThenStays) {
+TEST(DistanceField, GrowsUpToTheBandAndIsConstantBeyond) {
   double previous = -4.0;
   for (double r = 15.0; r < 25.0; r += 0.01) {
     const Vec3 p = r * Vec3(0.36, 0.48, 0.8);
@@ -217,7 +217,7 @@ TEST(DistanceField, GrowsUpToTheBandAndThenStays) {
   }
 }
 
-TEST(DistanceField, PointsThatAreNoneAreUnknown) {
+TEST(DistanceField, PointsThatAreNotFiniteAreUnknown) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (const Vec3& p : {Vec3(nan, 0, 0), Vec3(20, nan, 0), Vec3(0, 0, infinity)}) {
@@ -228,8 +228,8 @@ TEST(DistanceField, PointsThatAreNoneAreUnknown) {
 }
 
 TEST(DistanceField, GradientOfACellIsTheDerivativeOfItsValue) {
-  // Queries are in single precision, so the step is long; along an axis a cell is linear, and
-  // differences are exact but for 2 * 2^-24 * 3 mm, over a step of 0.036 mm.
+  // Queries are in single precision, so the step is long. Along an axis a cell is linear, so
+  // differences are exact up to 2 * 2^-24 * 3 mm, over a step of 0.036 mm.
   for (const DistanceField* field : {&ball(), &ball_of_bricks()}) {
     const double step = 0.05 * field->cell_mm();
     int compared = 0;
@@ -237,7 +237,7 @@ TEST(DistanceField, GradientOfACellIsTheDerivativeOfItsValue) {
       const FieldSample sample = field->sample(p);
       const Vec3 u = (p - field->box_B().min()) / field->cell_mm();
       for (int k = 0; k < 3; ++k) {
-        // A step over the face of a cell may differ.
+        // The gradient may change within a step over the face of a cell.
         if (std::abs(u[k] - std::round(u[k])) < 0.051) continue;
         const double up = field->sample(p + step * Vec3::Unit(k)).distance_mm;
         const double down = field->sample(p - step * Vec3::Unit(k)).distance_mm;
@@ -249,7 +249,7 @@ TEST(DistanceField, GradientOfACellIsTheDerivativeOfItsValue) {
   }
 }
 
-TEST(DistanceField, SmoothDerivativesAreThoseOfTheValue) {
+TEST(DistanceField, SmoothDerivativesMatchTheValue) {
   constexpr double kStep = 1e-4;
   const FieldFrame& frame = ball().frame();
   int compared = 0;
@@ -271,7 +271,7 @@ TEST(DistanceField, SmoothDerivativesAreThoseOfTheValue) {
 }
 
 TEST(DistanceField, SmoothIsDifferentiableWhereOctreeCellsOfDifferentSizeMeet) {
-  // Bony box: large octree cells before its faces, finest ones along its edges.
+  // A box: large octree cells above its faces, finest ones along its edges.
   const auto field = build_distance_field(
       test::make_box(Vec3(-10, -10, -10), Vec3(10, 10, 10)),
       {.method = FieldMethod::kHybrid, .resolution = 64, .tolerance_mm = 0.01, .smooth = true});
@@ -316,7 +316,7 @@ TEST(DistanceField, JumpsBetweenOctreeCellsStayWithinTwiceTheTolerance) {
         EXPECT_NEAR(before.distance_mm, after.distance_mm, maximum);
         ++within;
       } else if (before.zone == Zone::kBand || after.zone == Zone::kBand) {
-        // The edge of the band: nowhere nearer than told.
+        // At the edge of the band: not closer than the guaranteed distance.
         const FieldSample& known = before.zone == Zone::kBand ? before : after;
         EXPECT_GE(std::abs(known.distance_mm), field->guaranteed_mm() - 0.006);
       } else {
@@ -327,7 +327,7 @@ TEST(DistanceField, JumpsBetweenOctreeCellsStayWithinTwiceTheTolerance) {
   }
 }
 
-TEST(DistanceField, NoNearestPointBeyondTheBand) {
+TEST(DistanceField, HasNoClosestPointOutsideTheBand) {
   for (const Vec3& p : {Vec3(0, 0, 0), Vec3(15, 15, 15), Vec3(1e9, 0, 0),
                         Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0)})
     EXPECT_FALSE(ball().nearest_point(p)) << p.transpose();

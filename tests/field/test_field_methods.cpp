@@ -28,7 +28,7 @@ struct Shape {
   TriangleMesh mesh;
 };
 
-/// Closed and embedded.
+/// Closed, without self-intersections.
 std::vector<Shape> solid_shapes() {
   return {{"torus", test::make_torus(8, 3, 40, 20)},
           {"box", test::make_box(Vec3(-9, -7, -5), Vec3(9, 8, 4))},
@@ -57,7 +57,7 @@ std::vector<Vec3> points_in_box(const DistanceField& field, int count, unsigned 
   return points;
 }
 
-/// True if a sample around `p` lies at the edge of the band, where rounding decides.
+/// True if a sample around `p` is at the edge of the band, where rounding decides.
 bool at_edge_of_band(const DistanceField& field, const geometry::Bvh& bvh, const Vec3& p) {
   const Vec3 u = (p - field.frame().origin_B) / field.cell_mm();
   for (int corner = 0; corner < 8; ++corner) {
@@ -80,15 +80,15 @@ TEST(FieldMethods, GiveTheSameZonesAndDistances) {
            {FieldMethod::kBricks, FieldMethod::kHybrid, FieldMethod::kAdaptive}) {
         const DistanceField field = build(mesh, method, tolerance_mm);
         ASSERT_EQ(field.frame().origin_B, uniform.frame().origin_B);
-        // A tolerance at the samples is one between them: both sides are trilinear there. Bricks
-        // have none, they round to 2^-23 of the band.
+        // A tolerance at the samples also holds between them: both methods are trilinear there.
+        // Bricks have no tolerance; they round to 2^-23 of the band.
         const double maximum = method == FieldMethod::kBricks ? field.band_mm() / (1 << 23) + 1e-6
                                                               : tolerance_mm + test::kFloatError_mm;
         for (const Vec3& p : points) {
           const FieldSample a = uniform.sample(p), b = field.sample(p);
           if (a.zone != b.zone) {
             ASSERT_TRUE(at_edge_of_band(field, bvh, p))
-                << "method " << int(method) << ": " << int(b.zone) << ", not " << int(a.zone);
+                << "method " << int(method) << ": " << int(b.zone) << ", expected " << int(a.zone);
           } else {
             ASSERT_NEAR(a.distance_mm, b.distance_mm, maximum) << "method " << int(method);
           }
@@ -97,7 +97,7 @@ TEST(FieldMethods, GiveTheSameZonesAndDistances) {
     }
 }
 
-TEST(FieldMethods, OctreesKeepTheToleranceAtEverySample) {
+TEST(FieldMethods, OctreesMeetTheToleranceAtEverySample) {
   for (const auto& [name, mesh] : solid_shapes()) {
     SCOPED_TRACE(name);
     for (const double tolerance_mm : {0.0, 0.003, 0.03, 0.3})
@@ -107,11 +107,11 @@ TEST(FieldMethods, OctreesKeepTheToleranceAtEverySample) {
   }
 }
 
-TEST(FieldMethods, BricksAndUniformKeepEverySample) {
+TEST(FieldMethods, BricksAndUniformStoreEverySample) {
   for (const auto& [name, mesh] : solid_shapes()) {
     SCOPED_TRACE(name);
     for (const FieldMethod method : {FieldMethod::kBricks, FieldMethod::kUniform}) {
-      // The tolerance is for octrees; here it must not matter.
+      // The tolerance applies to octrees only.
       const DistanceField field = build(mesh, method, 1.0);
       EXPECT_LE(test::max_error_at_samples(field, mesh),
                 field.band_mm() / (1 << 23) + test::kFloatError_mm);
@@ -119,7 +119,7 @@ TEST(FieldMethods, BricksAndUniformKeepEverySample) {
   }
 }
 
-TEST(FieldMethods, BricksKeepTheSamplesOfTheUniformFieldToTheirRounding) {
+TEST(FieldMethods, BricksMatchTheSamplesOfTheUniformFieldUpToRounding) {
   for (const auto& [name, mesh] : solid_shapes()) {
     SCOPED_TRACE(name);
     const DistanceField uniform = build(mesh, FieldMethod::kUniform, 0.0);
@@ -133,7 +133,7 @@ TEST(FieldMethods, BricksKeepTheSamplesOfTheUniformFieldToTheirRounding) {
         if (std::isfinite(exact) && std::isfinite(kept)) {
           ASSERT_NEAR(kept, exact, maximum);
         } else if (std::isfinite(exact) || std::isfinite(kept)) {
-          // Rounded out of the band.
+          // Rounding moved it out of the band.
           const double known = std::isfinite(exact) ? exact : kept;
           ASSERT_NEAR(std::abs(known), uniform.band_mm(), maximum);
           ASSERT_EQ(std::signbit(exact), std::signbit(kept));
@@ -145,7 +145,7 @@ TEST(FieldMethods, BricksKeepTheSamplesOfTheUniformFieldToTheirRounding) {
   }
 }
 
-TEST(FieldMethods, AnswerAllWithinReportedMm) {
+TEST(FieldMethods, HaveDistancesUpToTheGuaranteedDistance) {
   for (const auto& [name, mesh] : solid_shapes()) {
     SCOPED_TRACE(name);
     const geometry::Bvh bvh(mesh);
@@ -167,9 +167,9 @@ TEST(FieldMethods, AnswerAllWithinReportedMm) {
   }
 }
 
-TEST(FieldMethods, ASampleExactlyAtTheEdgeOfTheBandLiesBeyondItForAll) {
-  // Faces on samples, and lengths whose squares are exact in floats: samples two cells before or
-  // behind a face are exactly 4 mm away.
+TEST(FieldMethods, ASampleExactlyAtTheEdgeOfTheBandIsOutsideItForAll) {
+  // Faces on samples, and lengths whose squares are exact in floats: samples two cells from a face
+  // are exactly 4 mm away.
   const TriangleMesh box = test::make_box(Vec3(-8, -8, -8), Vec3(8, 8, 8));
   for (const FieldMethod method : kMethods) {
     SCOPED_TRACE(int(method));
@@ -190,7 +190,7 @@ TEST(FieldMethods, ASampleExactlyAtTheEdgeOfTheBandLiesBeyondItForAll) {
         const Vec3 from_middle = test::position_of(field.frame(), p[0], p[1], p[2]).cwiseAbs();
         const Vec3 out = (from_middle - Vec3::Constant(8.0)).cwiseMax(0.0);
         const double distance = out.norm() > 0.0 ? out.norm() : 8.0 - from_middle.maxCoeff();
-        // Before an edge or a corner of the box rounding decides.
+        // Next to an edge or corner of the box rounding decides.
         if (distance == 4.0 && std::count(out.begin(), out.end(), 0.0) == 2 &&
             std::count(from_middle.begin(), from_middle.end(), 8.0) > 0)
           continue;
@@ -202,8 +202,8 @@ TEST(FieldMethods, ASampleExactlyAtTheEdgeOfTheBandLiesBeyondItForAll) {
   }
 }
 
-TEST(FieldMethods, FarSidesAreThoseOfTheWindingNumber) {
-  // Shells in shells: out, in, out, in from the rim to the middle.
+TEST(FieldMethods, ZonesOutsideTheBandMatchTheWindingNumber) {
+  // Nested shells: outside, inside, outside, inside towards the center.
   const TriangleMesh shells = test::join(
       test::join(test::make_icosphere(29, 2), test::turn_inside_out(test::make_icosphere(20, 2))),
       test::make_icosphere(11, 2));
@@ -226,7 +226,7 @@ TEST(FieldMethods, FarSidesAreThoseOfTheWindingNumber) {
 }
 
 TEST(FieldMethods, AreTheSameForSmoothSamples) {
-  // The spline has a lattice of its own, whatever keeps the samples.
+  // The spline has its own lattice, independent of the format of the samples.
   const TriangleMesh torus = test::make_torus(20, 8, 60, 30);
   const auto smooth = [&](FieldMethod method) {
     return build_distance_field(torus, {.method = method, .resolution = 32, .smooth = true})

@@ -27,7 +27,7 @@ DistanceField build(const TriangleMesh& mesh, FieldMethod method, double toleran
       .value();
 }
 
-/// All samples by their place.
+/// All samples by lattice point.
 std::map<LatticePoint, float> samples_of(const DistanceField& field) {
   std::map<LatticePoint, float> samples;
   const LatticeWindow all = window_of(field.frame(), std::nullopt, 1).value();
@@ -48,7 +48,7 @@ bool same(float a, float b, double tolerance) {
   return a == b || (std::isnan(a) && std::isnan(b));
 }
 
-TEST(LatticeSamples, AreWhatQueriesFindThere) {
+TEST(LatticeSamples, MatchQueries) {
   for (const FieldMethod method : kMethods) {
     const DistanceField field = build(test::make_torus(8, 3, 40, 20), method, 0.01);
     int in_band = 0;
@@ -56,7 +56,7 @@ TEST(LatticeSamples, AreWhatQueriesFindThere) {
       const FieldSample found = field.sample(test::position_of(field.frame(), p[0], p[1], p[2]));
       if (found.zone != Zone::kBand) continue;
       ++in_band;
-      // Cells of different size that meet differ by the tolerance.
+      // Adjacent cells of different size differ by the tolerance.
       ASSERT_NEAR(
           double(value), found.distance_mm,
           method == FieldMethod::kUniform || method == FieldMethod::kBricks ? 1e-6 : 0.02 + 1e-6);
@@ -65,7 +65,7 @@ TEST(LatticeSamples, AreWhatQueriesFindThere) {
   }
 }
 
-TEST(LatticeSamples, AreTheDistancesWhateverKeepsThem) {
+TEST(LatticeSamples, AreTheDistancesInAnyFormat) {
   for (const auto& mesh : {test::make_torus(8, 3, 40, 20), test::make_crumpled_ball(3, 6, 14)}) {
     const geometry::Bvh bvh(mesh);
     for (const FieldMethod method : kMethods)
@@ -83,7 +83,7 @@ TEST(LatticeSamples, AreTheDistancesWhateverKeepsThem) {
           } else {
             ASSERT_FALSE(std::isnan(value));
             ASSERT_EQ(value < 0.0F, exact < 0.0);
-            // What no leaf of an octree needs is left out at the edge of the band.
+            // Samples at the edge of the band that no leaf of an octree uses are omitted.
             const double minimum = std::holds_alternative<Octree>(field.samples())
                                        ? field.guaranteed_mm()
                                        : field.band_mm() - test::kFloatError_mm;
@@ -96,7 +96,7 @@ TEST(LatticeSamples, AreTheDistancesWhateverKeepsThem) {
   }
 }
 
-TEST(LatticeSamples, ContradictionsAreUnknownWhateverKeepsThem) {
+TEST(LatticeSamples, ConflictsAreUnknownInAnyFormat) {
   int in_conflict = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
@@ -110,19 +110,19 @@ TEST(LatticeSamples, ContradictionsAreUnknownWhateverKeepsThem) {
     const auto in_bricks = samples_of(*bricks), in_uniform = samples_of(uniform);
     for (const auto& [p, value] : in_bricks) {
       const float dense = in_uniform.at(p);
-      // Rounding decides what lies in the band and what tears.
+      // Rounding decides which samples are in the band and which are in conflict.
       const auto at_edge = [&](float d) {
         return std::abs(double(std::abs(d)) - bricks->band_mm()) < slack;
       };
       if (at_edge(value) || at_edge(dense)) continue;
-      // A contradiction across the face of a brick is found after those in it: of the two one may
-      // be gone already, and the other stays.
+      // Conflicts across faces of bricks are found after those in bricks: one of the two samples
+      // may already be unknown, and the other remains.
       const auto at_face = [](int c) { return c % 8 == 0 || c % 8 == 7; };
       if (std::isfinite(value) && std::isnan(dense) && std::any_of(p.begin(), p.end(), at_face))
         continue;
       const LatticePoint low = {std::min(p[0], 15), std::min(p[1], 15), std::min(p[2], 15)};
       in_conflict += std::isnan(value) && std::isfinite(uniform.cell(low).corners[0]) ? 1 : 0;
-      ASSERT_TRUE(same(value, dense, slack)) << value << ", not " << dense;
+      ASSERT_TRUE(same(value, dense, slack)) << value << ", expected " << dense;
     }
   }
   EXPECT_GT(in_conflict, 100);
@@ -137,7 +137,7 @@ TEST(LatticeSamples, OfAnOpenSurfaceAreUnknownBeyondTheBand) {
   }
 }
 
-TEST(LatticeSamples, CountsAreThoseOfTheVolumes) {
+TEST(LatticeSamples, CountsMatchTheVolumes) {
   // A box of 20 x 16 x 12 mm in a cube of 64 cells of 1 mm, a band of 3 mm.
   const TriangleMesh box = test::make_box(Vec3(-10, -8, -6), Vec3(10, 8, 6));
   for (const FieldMethod method : kMethods) {
@@ -150,7 +150,7 @@ TEST(LatticeSamples, CountsAreThoseOfTheVolumes) {
     const SampleCount count = count_samples(field).value();
     EXPECT_EQ(count.total(), 65 * 65 * 65);
     EXPECT_EQ(count.unknown, 0);
-    // Lattice points 3 mm or deeper.
+    // Lattice points at depths of 3 mm or more.
     const bool is_octree = std::holds_alternative<Octree>(field.samples());
     if (!is_octree) {
       EXPECT_EQ(count.inside, 15 * 11 * 7) << int(method);
@@ -171,7 +171,7 @@ TEST(LatticeSamples, AWindowIsEveryNthSampleOfABox) {
   EXPECT_EQ(all.count, (LatticePoint{65, 65, 65}));
   EXPECT_EQ(all.size(), 65 * 65 * 65);
 
-  // Limits on samples take them; what is beyond the field is not there.
+  // Limits that coincide with samples include them; limits beyond the field are clamped.
   const LatticeWindow part =
       window_of(frame, Box3(Vec3(-9.5, 21.2, 30.0), Vec3(-8.0, 23.9, 99.0)), 1).value();
   EXPECT_EQ(part.first, (LatticePoint{1, 3, 60}));
@@ -184,12 +184,12 @@ TEST(LatticeSamples, AWindowIsEveryNthSampleOfABox) {
   EXPECT_EQ(third.count, (LatticePoint{22, 22, 22}));
   EXPECT_EQ(third.find({6, 0, 63}), (LatticePoint{2, 0, 21}));
   EXPECT_FALSE(third.find({7, 0, 63}));
-  // A region does not move the samples that are taken.
+  // A region does not change which samples are selected.
   EXPECT_EQ(window_of(frame, Box3(Vec3(-9.5, 20, 0), Vec3(5, 30, 9)), 3)->first,
             (LatticePoint{3, 0, 0}));
 }
 
-TEST(LatticeSamples, AWindowWithoutSamplesIsRefused) {
+TEST(LatticeSamples, AWindowWithoutSamplesIsRejected) {
   FieldFrame frame;
   frame.cell_mm = 0.5;
   frame.resolution = 64;
@@ -205,7 +205,7 @@ TEST(LatticeSamples, AWindowWithoutSamplesIsRefused) {
   EXPECT_TRUE(refused(Box3(Vec3::Constant(std::nan("")), Vec3::Constant(5)), 1));
 }
 
-/// Stops at once.
+/// Stops immediately.
 struct Impatient : Progress {
   [[nodiscard]] bool stop_requested() const override { return true; }
 };

@@ -16,7 +16,7 @@ namespace {
 using geometry::TriangleMesh;
 
 constexpr int kSide = SparseLattice::kSide;
-constexpr double kReach_mm = 6.0;
+constexpr double kMaxDistance_mm = 6.0;
 
 struct Setting {
   TriangleMesh mesh;
@@ -24,7 +24,7 @@ struct Setting {
   double cell_mm;
 };
 
-/// Triangles of all sizes, needles and lines among them, against a brick of some 7 mm.
+/// Triangles of all sizes, including needles and lines, and a brick of about 7 mm.
 Setting any_setting(std::mt19937& random, unsigned triangles) {
   std::uniform_real_distribution<double> in(-8, 8);
   const auto point = [&] { return Vec3(in(random), in(random), in(random)); };
@@ -45,12 +45,12 @@ NearestInBrick visited(const Setting& s, Simd simd) {
   std::vector<std::int32_t> all(s.mesh.triangles.size());
   std::iota(all.begin(), all.end(), 0);
   NearestInBrick nearest;
-  nearest.clear(float(kReach_mm));
-  visit_triangles(s.mesh, all, s.low, s.cell_mm, kReach_mm, simd, nearest);
+  nearest.clear(float(kMaxDistance_mm));
+  visit_triangles(s.mesh, all, s.low, s.cell_mm, kMaxDistance_mm, simd, nearest);
   return nearest;
 }
 
-/// Where point `i`, x fastest, is kept.
+/// Position of point `i`, x fastest, in the arrays.
 std::size_t at(int i) {
   return NearestInBrick::linear_offset(i % kSide, i / kSide % kSide, i / (kSide * kSide));
 }
@@ -65,7 +65,7 @@ double distance_to(const Setting& s, Index t, const Vec3& p) {
                        .squared_distance_mm2);
 }
 
-TEST(NearestInBrick, EveryPointHasAPlaceOfItsOwn) {
+TEST(NearestInBrick, EveryPointHasItsOwnPosition) {
   std::vector<int> visits(SparseLattice::kBrickPoints, 0);
   for (int i = 0; i < SparseLattice::kBrickPoints; ++i) ++visits.at(at(i));
   EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), SparseLattice::kBrickPoints);
@@ -74,26 +74,26 @@ TEST(NearestInBrick, EveryPointHasAPlaceOfItsOwn) {
 TEST(NearestInBrick, IsTheNearestOfAllTriangles) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     std::mt19937 random(seed);
-    const Setting s = any_setting(random, 1 + seed % 20);  // Not only whole batches.
+    const Setting s = any_setting(random, 1 + seed % 20);  // Also incomplete batches.
     const NearestInBrick nearest = visited(s, best_simd());
     for (int i = 0; i < SparseLattice::kBrickPoints; ++i) {
-      const Vec3 p = linear_offset(s, i);
+      const Vec3 p = position_of(s, i);
       double minimum = 1e9;
       for (Index t = 0; t < s.mesh.triangle_count(); ++t)
         minimum = std::min(minimum, distance_to(s, t, p));
       const std::int32_t code = nearest.code[at(i)];
-      if (minimum < kReach_mm - 1e-4) {
+      if (minimum < kMaxDistance_mm - 1e-4) {
         ASSERT_NE(code, NearestInBrick::kNone) << seed;
         ASSERT_NEAR(std::sqrt(nearest.squared_mm2[at(i)]), minimum, 1e-5) << seed;
-        ASSERT_NEAR(distance_to(s, code >> 2, p), minimum, 1e-5) << seed;
-      } else if (minimum > kReach_mm + 1e-4) {
+        ASSERT_NEAR(distance_to(s, NearestInBrick::triangle_of(code), p), minimum, 1e-5) << seed;
+      } else if (minimum > kMaxDistance_mm + 1e-4) {
         ASSERT_EQ(code, NearestInBrick::kNone) << seed;
       }
     }
   }
 }
 
-TEST(NearestInBrick, SaysWhetherTheFaceIsNearestAndOnWhichSide) {
+TEST(NearestInBrick, RecordsWhetherTheFaceIsClosestAndTheSide) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     std::mt19937 random(seed);
     const Setting s = any_setting(random, 1);
@@ -105,20 +105,20 @@ TEST(NearestInBrick, SaysWhetherTheFaceIsNearestAndOnWhichSide) {
       const std::int32_t code = nearest.code[at(i)];
       if (code == NearestInBrick::kNone) continue;
       if (!has_area) {
-        ASSERT_EQ(code & 2, 0) << seed;
+        ASSERT_FALSE(NearestInBrick::is_face_closest(code)) << seed;
         continue;
       }
-      // Away from where the answer changes, it is right.
-      const Vec3 p = linear_offset(s, i);
+      // Away from transitions the code is right.
+      const Vec3 p = position_of(s, i);
       const double height = normal.dot(p - a);
       if (std::abs(height) > 1e-4) {
-        ASSERT_EQ((code & 1) != 0, height < 0.0) << seed;
+        ASSERT_EQ(NearestInBrick::is_below(code), height < 0.0) << seed;
       }
       double minimum = 1e9;
       for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
         minimum = std::min(minimum, normal.cross(to - from).normalized().dot(p - from));
       if (std::abs(minimum) > 1e-4) {
-        ASSERT_EQ((code & 2) != 0, minimum > 0.0) << seed;
+        ASSERT_EQ(NearestInBrick::is_face_closest(code), minimum > 0.0) << seed;
       }
     }
   }
@@ -140,7 +140,7 @@ TEST(NearestInBrick, EveryProcessorGivesTheSameBits) {
   }
 }
 
-TEST(NearestInBrick, ATriangleTwiceChangesNothingButItsNumber) {
+TEST(NearestInBrick, ARepeatedTriangleChangesOnlyItsNumber) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     std::mt19937 random(seed);
     Setting s = any_setting(random, 9);
@@ -155,26 +155,27 @@ TEST(NearestInBrick, ATriangleTwiceChangesNothingButItsNumber) {
   }
 }
 
-TEST(NearestInBrick, VisitsEveryTriangleHoweverManyThereAre) {
+TEST(NearestInBrick, VisitsEveryTriangleForAnyNumberOfThem) {
   std::mt19937 random(5);
   for (int count = 1; count < 70; ++count) {
     const Setting s = any_setting(random, count);
     NearestInBrick one_by_one;
-    one_by_one.clear(float(kReach_mm));
+    one_by_one.clear(float(kMaxDistance_mm));
     for (std::int32_t t = 0; t < count; ++t)
-      visit_triangles(s.mesh, std::span(&t, 1), s.low, s.cell_mm, kReach_mm, best_simd(),
+      visit_triangles(s.mesh, std::span(&t, 1), s.low, s.cell_mm, kMaxDistance_mm, best_simd(),
                       one_by_one);
     EXPECT_EQ(visited(s, best_simd()).squared_mm2, one_by_one.squared_mm2) << count;
   }
 }
 
-TEST(NearestInBrick, AddsToWhatIsKnown) {
+TEST(NearestInBrick, UpdatesPreviousResults) {
   std::mt19937 random(1);
   const Setting s = any_setting(random, 12);
   NearestInBrick nearest;
-  nearest.clear(float(kReach_mm));
+  nearest.clear(float(kMaxDistance_mm));
   for (std::int32_t t = 0; t < 12; ++t)
-    visit_triangles(s.mesh, std::span(&t, 1), s.low, s.cell_mm, kReach_mm, best_simd(), nearest);
+    visit_triangles(s.mesh, std::span(&t, 1), s.low, s.cell_mm, kMaxDistance_mm, best_simd(),
+                    nearest);
   const NearestInBrick together = visited(s, best_simd());
   EXPECT_EQ(nearest.code, together.code);
   EXPECT_EQ(nearest.squared_mm2, together.squared_mm2);

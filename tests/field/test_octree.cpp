@@ -12,7 +12,7 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 TEST(Octree, DecodesLeavesOfDifferentSize) {
-  // Root of 8 cells: child 0 is cut once more, child 7 is one leaf in the band.
+  // Root of 8 cells: child 0 is divided again, child 7 is one leaf in the band.
   const std::string codes =
       "+"
       "+iiiiiii#"
@@ -21,7 +21,7 @@ TEST(Octree, DecodesLeavesOfDifferentSize) {
   auto octree = Octree::decode(8, codes);
   ASSERT_TRUE(octree) << octree.error().message;
   EXPECT_EQ(octree->band_leaf_count(), 2);
-  ASSERT_EQ(octree->samples().size(), 15U);  // The two leaves share the corner (4, 4, 4).
+  ASSERT_EQ(octree->samples().size(), 15U);  // The two leaves have the corner (4, 4, 4) in common.
   EXPECT_EQ(octree->codes(), codes);
 
   EXPECT_EQ(octree->cell({0, 0, 0}).corners[5], -kInfinity);
@@ -35,7 +35,7 @@ TEST(Octree, DecodesLeavesOfDifferentSize) {
 }
 
 TEST(Octree, DecodesFinestCells) {
-  // Child 0 of child 0 of the root are finest cells, of which 1 and 6 are in the band.
+  // The children of child 0 of child 0 of the root are finest cells; 1 and 6 are in the band.
   std::string codes = "++";
   codes += char(NodeCode::kBranch);
   append_fine_cells(codes, {0x42, Zone::kInside});
@@ -71,7 +71,7 @@ TEST(Octree, CornersOfALeafAreTheSamplesAtItsLatticePoints) {
               4 * (corner & 1) + 10 * (4 + 4 * (corner >> 1 & 1)) + 100 * 4 * (corner >> 2));
 }
 
-TEST(Octree, RefusesLettersThatAreNoTree) {
+TEST(Octree, RejectsLettersThatAreNotATree) {
   for (const char* codes : {"", "+", "+ooooooo", "oo", "x", "+oooooooo#", "+++++#", "+o"}) {
     const auto octree = Octree::decode(8, codes);
     ASSERT_FALSE(octree) << codes;
@@ -79,13 +79,14 @@ TEST(Octree, RefusesLettersThatAreNoTree) {
   }
 }
 
-TEST(Octree, RefusesCellsSmallerThanTheFinest) {
-  // Below two cells there are no nodes, but two letters: which are leaves, and where the others are.
+TEST(Octree, RejectsCellsSmallerThanTheFinest) {
+  // Below two cells there are no nodes, but two letters: which cells are leaves, and the zone of
+  // the others.
   const auto with_letters = [](const std::string& letters) {
     return Octree::decode(8, "+++" + letters + "ooooooo" + "ooooooo");
   };
   EXPECT_TRUE(with_letters("\xFFo"));
-  EXPECT_TRUE(with_letters("+i"));  // The first is a number, whatever letter it looks like.
+  EXPECT_TRUE(with_letters("+i"));  // The first is a number, whatever letter it represents.
   EXPECT_FALSE(with_letters("oooooooo"));
   EXPECT_FALSE(with_letters("+oooooooo"));
   EXPECT_FALSE(with_letters("\x01#"));
@@ -95,7 +96,7 @@ TEST(Octree, RefusesCellsSmallerThanTheFinest) {
   EXPECT_FALSE(Octree::decode(8, "+++\x01"));
 }
 
-/// Any tree, and whether each finest cell is in a band leaf, by walking down by hand.
+/// A random tree, and whether each finest cell is in a band leaf, by direct traversal.
 std::string any_tree(std::mt19937& random, int cells) {
   if (cells > 2 && random() % 2 == 0) {
     std::string codes = "+";
@@ -110,7 +111,7 @@ std::string any_tree(std::mt19937& random, int cells) {
   return std::string(1, "#oi?"[random() % 4]);
 }
 
-TEST(Octree, AnyTreeKeepsItsLettersAndFindsItsSamples) {
+TEST(Octree, AnyTreeIsEncodedAgainAndFindsItsSamples) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     std::mt19937 random(seed);
     const std::string codes = any_tree(random, 16);
@@ -140,7 +141,7 @@ TEST(Octree, AnyTreeKeepsItsLettersAndFindsItsSamples) {
   }
 }
 
-TEST(Octree, NoLettersDoHarm) {
+TEST(Octree, AcceptsOrRejectsAnyLettersWithoutHarm) {
   for (unsigned seed = 0; seed < 3000; ++seed) {
     std::mt19937 random(seed);
     std::string codes = any_tree(random, 16);

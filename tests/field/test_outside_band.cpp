@@ -29,14 +29,14 @@ FieldFrame narrow() {
   return frame;
 }
 
-/// Sampled to two cells.
+/// Sampled up to two cells.
 SparseLattice sample_near(const geometry::TriangleMesh& mesh) {
   return sample_narrow_band(prepare_surface(mesh).value(), cube(), 2.0, nullptr, Progress::none())
       .value();
 }
 
 TEST(OutsideBand, AgreeWithTheWindingNumberEverywhere) {
-  // A hollow ball, and a ball inside the hollow: out, in, out, in.
+  // A hollow ball, and a ball inside the cavity: outside, inside, outside, inside.
   const auto mesh = test::join(
       test::join(test::make_icosphere(29, 2), test::turn_inside_out(test::make_icosphere(20, 2))),
       test::make_icosphere(11, 2));
@@ -59,12 +59,12 @@ TEST(OutsideBand, OfAnOpenSurfaceAreUnknown) {
   const SignedDistances distances =
       fill_outside_band(sample_near(test::make_sheet(30, 2)), narrow(), nullptr);
   EXPECT_TRUE(std::isnan(distances.at({32, 32, 36})));  // In a brick of the band.
-  EXPECT_TRUE(std::isnan(distances.at({2, 2, 2})));     // In none.
+  EXPECT_TRUE(std::isnan(distances.at({2, 2, 2})));     // In no brick.
 }
 
-TEST(OutsideBand, AreThoseOfTheWindingNumberWhereSurfacesCross) {
-  // In one ball and outside the other: known points there say outside, near the other's surface,
-  // and must not take the far ones with them.
+TEST(OutsideBand, MatchTheWindingNumberWhereSurfacesIntersect) {
+  // Inside one ball and outside the other: known points near the surface of the other are outside,
+  // which must not spread to unsampled points.
   const auto mesh = test::join(test::make_icosphere(16, 3, Vec3(-8, 0.3, 0.1)),
                                test::make_icosphere(16, 3, Vec3(8, -0.2, 0)));
   const FieldFrame frame = cube();

@@ -33,7 +33,7 @@ void expect_report(const PreparedSurface& surface, const MeshRepairReport& wante
 
 const TriangleMesh kTorus = test::make_torus(20, 8, 24, 12);
 
-/// Turns one triangle over.
+/// Flips one triangle.
 TriangleMesh flipped(TriangleMesh mesh, std::size_t triangle) {
   std::swap(mesh.triangles[triangle][1], mesh.triangles[triangle][2]);
   return mesh;
@@ -43,50 +43,49 @@ double volume_mm3(const PreparedSurface& surface) {
   return geometry::signed_volume_mm3(surface.mesh_B);
 }
 
-TEST(PrepareSurface, LeavesACleanSurfaceAsItIs) {
+TEST(PrepareSurface, DoesNotChangeACleanSurface) {
   const PreparedSurface surface = prepare_surface(kTorus).value();
   EXPECT_TRUE(surface.closed);
   expect_report(surface, MeshRepairReport{});
   EXPECT_TRUE(describe(surface.report).empty());
-  EXPECT_TRUE(surface.is_double.empty());
+  EXPECT_TRUE(surface.is_opposite_duplicate.empty());
   EXPECT_EQ(surface.mesh_B.triangles, kTorus.triangles);
   EXPECT_EQ(surface.mesh_B.vertices, kTorus.vertices);
 }
 
-TEST(PrepareSurface, WeldsASoupAndCountsWhatItWelded) {
+TEST(PrepareSurface, WeldsASoupAndCountsWeldedVertices) {
   const PreparedSurface surface = prepare_surface(test::unwelded(kTorus)).value();
   EXPECT_TRUE(surface.closed);
   EXPECT_EQ(surface.mesh_B.vertex_count(), kTorus.vertex_count());
   expect_report(surface, (MeshRepairReport{.repeated_vertices = 3 * kTorus.triangle_count() -
                                                                 kTorus.vertex_count()}));
-  EXPECT_TRUE(describe(surface.report).empty());  // As every STL is: not worth a word.
+  EXPECT_TRUE(describe(surface.report).empty());  // Not reported: every STL needs welding.
 }
 
-TEST(PrepareSurface, DropsWhatIsWrittenTwice) {
+TEST(PrepareSurface, DropsDuplicates) {
   TriangleMesh mesh = kTorus;
   const auto [a, b, c] = mesh.triangles[17];
   mesh.triangles.insert(mesh.triangles.begin() + 40, {b, c, a});
   mesh.triangles.push_back({c, a, b});
   const PreparedSurface surface = prepare_surface(mesh).value();
   expect_report(surface, MeshRepairReport{.repeated_triangles = 2});
-  EXPECT_EQ(describe(surface.report),
-            std::vector<std::string>{"2 triangles written more than once dropped"});
+  EXPECT_EQ(describe(surface.report), std::vector<std::string>{"2 triangles dropped as redundant"});
   EXPECT_TRUE(surface.closed);
-  EXPECT_EQ(surface.mesh_B.triangles, kTorus.triangles);  // The first of the three stays.
+  EXPECT_EQ(surface.mesh_B.triangles, kTorus.triangles);  // The first of the three remains.
 }
 
-TEST(PrepareSurface, DropsTrianglesThatArePoints) {
+TEST(PrepareSurface, DropsTrianglesWithCoincidentCorners) {
   TriangleMesh mesh = kTorus;
   mesh.triangles.push_back({5, 5, 9});
   const PreparedSurface surface = prepare_surface(mesh).value();
   expect_report(surface, MeshRepairReport{.collapsed_triangles = 1});
   EXPECT_EQ(describe(surface.report),
-            std::vector<std::string>{"1 triangle without length dropped"});
+            std::vector<std::string>{"1 triangle with coincident corners dropped"});
 }
 
-TEST(PrepareSurface, NothingIsInsideBetweenOppositeTwins) {
-  // A sheet written from both sides, each twin beginning at another corner. At its edges and inner
-  // vertices normals cancel but for rounding, which must not make an inside.
+TEST(PrepareSurface, OppositeDuplicatesEncloseNoVolume) {
+  // A sheet with triangles on both sides; opposite duplicates begin at different corners. At its
+  // edges and inner vertices normals cancel up to rounding, which must not create an inside.
   TriangleMesh sheet = test::moved(
       test::make_sheet(10, 4), RigidTransform(Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized())) *
                                    RigidTransform(Eigen::Translation3d(0.1, 0.2, 0.3)));
@@ -98,11 +97,13 @@ TEST(PrepareSurface, NothingIsInsideBetweenOppositeTwins) {
   }
   const PreparedSurface surface = prepare_surface(sheet).value();
   expect_report(surface, (MeshRepairReport{.opposite_duplicates = 64, .non_manifold_edges = 40}));
-  EXPECT_EQ(describe(surface.report),
-            (std::vector<std::string>{
-                "64 triangles with a twin of the opposite sense: nothing is inside between them",
-                "40 edges with more than two triangles"}));
-  EXPECT_EQ(std::count(surface.is_double.begin(), surface.is_double.end(), true), 64);
+  EXPECT_EQ(
+      describe(surface.report),
+      (std::vector<std::string>{"64 triangles with an opposite duplicate: they enclose no volume",
+                                "40 edges with more than two triangles"}));
+  EXPECT_EQ(
+      std::count(surface.is_opposite_duplicate.begin(), surface.is_opposite_duplicate.end(), true),
+      64);
   EXPECT_TRUE(surface.closed);
   for (const FieldMethod method : {FieldMethod::kBricks, FieldMethod::kHybrid,
                                    FieldMethod::kAdaptive, FieldMethod::kUniform}) {
@@ -122,9 +123,9 @@ TEST(PrepareSurface, NothingIsInsideBetweenOppositeTwins) {
   }
 }
 
-TEST(PrepareSurface, AFlapOfTwinsOnABoneDoesNotTurnTheBone) {
+TEST(PrepareSurface, AFlapOfOppositeDuplicatesDoesNotFlipTheBone) {
   TriangleMesh mesh = test::make_box(Vec3(0, 0, 0), Vec3(10, 10, 10));
-  mesh.vertices.emplace_back(5, 5, 15);  // Upright on the top, along the diagonal 4-7.
+  mesh.vertices.emplace_back(5, 5, 15);  // Perpendicular to the top, along the diagonal 4-7.
   mesh.triangles.push_back({4, 7, 8});
   mesh.triangles.push_back({7, 4, 8});
   const PreparedSurface surface = prepare_surface(mesh).value();
@@ -142,19 +143,19 @@ TEST(PrepareSurface, AFlapOfTwinsOnABoneDoesNotTurnTheBone) {
   }
 }
 
-TEST(PrepareSurface, TurnsOneTriangleToAgreeWithTheOthers) {
+TEST(PrepareSurface, FlipsOneInconsistentTriangle) {
   for (const std::size_t t : {std::size_t(0), std::size_t(17), kTorus.triangles.size() - 1}) {
     const PreparedSurface surface = prepare_surface(flipped(kTorus, t)).value();
     expect_report(surface, MeshRepairReport{.flipped_triangles = 1});
     EXPECT_EQ(describe(surface.report),
-              std::vector<std::string>{"1 triangle turned to face outward"});
+              std::vector<std::string>{"1 triangle flipped to face outward"});
     EXPECT_TRUE(surface.closed);
     EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(kTorus), 1e-9);
   }
 }
 
-TEST(PrepareSurface, TurnsTheSmallerAreaToTheLarger) {
-  // A sheet with its left third upside down: the rest is right, being more.
+TEST(PrepareSurface, FlipsTheSmallerArea) {
+  // A sheet whose left third is inverted: the larger rest is right.
   TriangleMesh sheet = test::make_sheet(12, 6);
   Index turned = 0;
   for (auto& t : sheet.triangles) {
@@ -173,13 +174,13 @@ TEST(PrepareSurface, TurnsTheSmallerAreaToTheLarger) {
     EXPECT_GT(geometry::face_normal(surface.mesh_B, t).z(), 0.0);
 }
 
-TEST(PrepareSurface, TurnsASurfaceThatIsInsideOut) {
+TEST(PrepareSurface, FlipsAnInwardSurface) {
   const PreparedSurface surface = prepare_surface(test::turn_inside_out(kTorus)).value();
   expect_report(surface, MeshRepairReport{.flipped_triangles = kTorus.triangle_count()});
   EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(kTorus), 1e-9);
 }
 
-TEST(PrepareSurface, ACavityStaysACavity) {
+TEST(PrepareSurface, DoesNotFlipACavity) {
   const TriangleMesh hollow =
       test::join(test::make_icosphere(29, 2), test::turn_inside_out(test::make_icosphere(20, 2)));
   const PreparedSurface surface = prepare_surface(hollow).value();
@@ -187,8 +188,8 @@ TEST(PrepareSurface, ACavityStaysACavity) {
   EXPECT_NEAR(volume_mm3(surface), geometry::signed_volume_mm3(hollow), 1e-9);
 }
 
-TEST(PrepareSurface, AHollowBallInsideOutIsTurnedAsAWhole) {
-  // Turning the outer shell alone would leave a full ball with a ball in it.
+TEST(PrepareSurface, AnInwardHollowBallIsFlippedAsAWhole) {
+  // Flipping only the outer shell would give a full ball with a ball in it.
   const TriangleMesh hollow =
       test::join(test::make_icosphere(29, 2), test::turn_inside_out(test::make_icosphere(20, 2)));
   const PreparedSurface surface = prepare_surface(test::turn_inside_out(hollow)).value();
@@ -196,7 +197,7 @@ TEST(PrepareSurface, AHollowBallInsideOutIsTurnedAsAWhole) {
   expect_report(surface, MeshRepairReport{.flipped_triangles = hollow.triangle_count()});
 }
 
-TEST(PrepareSurface, TurnsTheOneOfTwoShellsThatIsInsideOut) {
+TEST(PrepareSurface, FlipsTheInwardOneOfTwoShells) {
   for (const double bad_radius : {3.0, 10.0}) {  // The smaller or the larger.
     const TriangleMesh mesh =
         test::join(test::make_icosphere(5, 2),
@@ -210,7 +211,7 @@ TEST(PrepareSurface, TurnsTheOneOfTwoShellsThatIsInsideOut) {
   }
 }
 
-TEST(PrepareSurface, TurnsAPartThatTouchesAnotherAtAPoint) {
+TEST(PrepareSurface, FlipsAComponentThatTouchesAnotherAtAPoint) {
   const TriangleMesh good = test::make_box(Vec3(0, 0, 0), Vec3(10, 10, 10));
   const TriangleMesh bad =
       test::turn_inside_out(test::make_box(Vec3(10, 10, 10), Vec3(15, 15, 15)));
@@ -219,8 +220,8 @@ TEST(PrepareSurface, TurnsAPartThatTouchesAnotherAtAPoint) {
   EXPECT_NEAR(volume_mm3(surface), 1000 + 125, 1e-9);
 }
 
-TEST(PrepareSurface, PartsThatTouchAtACornerAreNotInEachOther) {
-  // From the corner where they meet, every ray into one of them crosses its surface once.
+TEST(PrepareSurface, ComponentsThatTouchAtACornerDoNotEncloseEachOther) {
+  // From the common corner every ray into one of them crosses its surface once.
   const TriangleMesh one = test::make_box(Vec3(-1, -1, -1), Vec3(0, 0, 0)),
                      other = test::make_box(Vec3(0, 0, 0), Vec3(2, 2, 2));
   for (int turn = 0; turn < 20; ++turn) {
@@ -235,7 +236,7 @@ TEST(PrepareSurface, PartsThatTouchAtACornerAreNotInEachOther) {
   }
 }
 
-TEST(PrepareSurface, AMoebiusStripClashesAndIsLeftAlone) {
+TEST(PrepareSurface, AMoebiusStripIsInconsistentAndNotChanged) {
   const TriangleMesh strip = test::make_moebius_strip(20, 8, 40);
   const PreparedSurface surface = prepare_surface(strip).value();
   EXPECT_FALSE(surface.closed);
@@ -244,13 +245,13 @@ TEST(PrepareSurface, AMoebiusStripClashesAndIsLeftAlone) {
   const std::vector<std::string> sentences = describe(surface.report);
   ASSERT_EQ(sentences.size(), 2U);
   EXPECT_EQ(sentences[0],
-            "80 edges at a rim: the surface is open, sides beyond the band are unknown");
+            "80 edges with one triangle: the surface is open, signs outside the band are unknown");
   EXPECT_EQ(sentences[1],
-            "1 edge where neighbours face opposite ways and cannot be turned: signs may be wrong "
-            "near them");
+            "1 edge of inconsistent orientation that flipping cannot repair: signs may be wrong "
+            "nearby");
 }
 
-TEST(PrepareSurface, CountsRimsAndBranches) {
+TEST(PrepareSurface, CountsBoundaryAndNonManifoldEdges) {
   TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(10, 10, 10));
   box.triangles.pop_back();
   expect_report(*prepare_surface(box), {.boundary_edges = 3});
@@ -263,7 +264,7 @@ TEST(PrepareSurface, CountsRimsAndBranches) {
   EXPECT_EQ(describe(surface.report),
             std::vector<std::string>{"1 edge with more than two triangles"});
 
-  TriangleMesh fan;  // Three wings on one edge.
+  TriangleMesh fan;  // Three triangles at one edge.
   fan.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
   fan.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
   const PreparedSurface wings = prepare_surface(fan).value();
@@ -271,7 +272,7 @@ TEST(PrepareSurface, CountsRimsAndBranches) {
   expect_report(wings, (MeshRepairReport{.boundary_edges = 6, .non_manifold_edges = 1}));
 }
 
-TEST(PrepareSurface, RandomFlipsOfABoneAreAllRepaired) {
+TEST(PrepareSurface, AllRandomFlipsOfABoneAreRepaired) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     std::mt19937 random(seed);
     TriangleMesh mesh = test::make_crumpled_ball(seed, 6, 14);
@@ -284,8 +285,8 @@ TEST(PrepareSurface, RandomFlipsOfABoneAreAllRepaired) {
   }
 }
 
-TEST(PrepareSurface, DoesItsWorkOnceOnly) {
-  // What was prepared is clean, whatever it was before.
+TEST(PrepareSurface, IsIdempotent) {
+  // A prepared surface is clean, whatever the input was.
   for (unsigned seed = 0; seed < 300; ++seed) {
     std::mt19937 random(seed);
     const auto once = prepare_surface(test::make_ugly_mesh(random));
@@ -303,7 +304,7 @@ TEST(PrepareSurface, DoesItsWorkOnceOnly) {
 }
 
 TEST(PrepareSurface, ManyCavitiesAreAboutAsQuickAsNone) {
-  // Bone from CT has thousands: looking at every triangle for each of them takes minutes.
+  // Bone from CT has thousands: a test of every triangle for each of them would take minutes.
   const auto seconds_with = [](bool cavities) {
     TriangleMesh mesh = test::make_icosphere(100, 6);
     std::mt19937 random(5);
@@ -324,7 +325,7 @@ TEST(PrepareSurface, ManyCavitiesAreAboutAsQuickAsNone) {
   EXPECT_LT(seconds_with(true), 10 * none + 0.2);
 }
 
-TEST(PrepareSurface, RefusesSurfacesThatAreNone) {
+TEST(PrepareSurface, RejectsInvalidSurfaces) {
   const auto complaint = [](const TriangleMesh& mesh) {
     const auto surface = prepare_surface(mesh);
     if (surface) return std::string("accepted");

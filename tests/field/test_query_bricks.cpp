@@ -35,8 +35,8 @@ bool same_bits(const FieldSample& a, const FieldSample& b) {
   return same;
 }
 
-/// Points everywhere: in the box, on its faces, on lattice planes, a hair off them, beyond it, and
-/// such as are none.
+/// Points everywhere: inside the box, on its faces, on lattice planes, very close to them, outside,
+/// and points that are not finite.
 std::vector<Vec3> all_kinds_of_points(const DistanceField& field, int count, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> in(-0.1, 1.1);
@@ -83,7 +83,7 @@ std::vector<DistanceField> fields_of(const TriangleMesh& mesh) {
 
 TEST(QueryMany, EveryProcessorGivesTheSameBits) {
   const TriangleMesh torus = test::make_torus(20, 8, 60, 30), sheet = test::make_sheet(20, 4);
-  // The last has more samples than a cache holds.
+  // The last field has more samples than a cache.
   for (const auto& [mesh, resolution] :
        {std::pair(&torus, 32), std::pair(&sheet, 32), std::pair(&torus, 256)}) {
     const DistanceField field = build_distance_field(*mesh, {.resolution = resolution}).value();
@@ -107,12 +107,12 @@ TEST(QueryMany, EveryProcessorGivesTheSameBits) {
   }
 }
 
-/// How the leaves of a field made by hand lie.
+/// Layout of the leaves of a field that is constructed by the test.
 enum class Leaves { kAll, kOne, kNone };
 
-/// Bricks of 16^3 cells with origin 0, cells of 1 mm, and codes of every kind, in a buffer that
-/// ends with the last leaf. Leaves follow the table backwards, so that the last in the buffer are
-/// used.
+/// Bricks of 16^3 cells with origin 0, cells of 1 mm, and all kinds of codes, in a buffer that ends
+/// with the last leaf. Leaves are in the reverse order of the table, so that the last ones in the
+/// buffer are used.
 BrickSamples make_by_hand(Leaves leaves, double band_mm, std::mt19937& random) {
   constexpr int kResolution = 16;
   const int side = SparseLattice::bricks_per_side(kResolution);
@@ -139,7 +139,7 @@ BrickSamples make_by_hand(Leaves leaves, double band_mm, std::mt19937& random) {
   return {kResolution, band_mm, std::move(bricks), std::move(codes)};
 }
 
-TEST(QueryMany, EveryProcessorReadsHandMadeBricksAlikeToTheirEdges) {
+TEST(QueryMany, EveryProcessorReadsConstructedBricksEquallyUpToTheirEdges) {
   std::mt19937 random(23);
   std::uniform_real_distribution<double> in(-0.5, 16.5);
   const double odd[] = {0.0,     -0.0,
@@ -221,7 +221,7 @@ TEST(QueryMany, GivesTheBitsOfSingleQueries) {
               << points[i].transpose();
           switch (alone.zone) {
             case Zone::kBand:
-              // distances() are in single precision, sample() is not.
+              // distances() is in single precision, sample() is not.
               ASSERT_NEAR(double(distance), alone.distance_mm, 1e-6 * field.band_mm())
                   << points[i].transpose();
               break;
@@ -256,7 +256,7 @@ TEST(QueryMany, SmoothGivesTheBitsOfSingleQueries) {
   }
 }
 
-TEST(QueryMany, BeyondTheBandTheDistanceIsTheBandAndTheGradientZero) {
+TEST(QueryMany, OutsideTheBandTheDistanceIsTheBandAndTheGradientZero) {
   for (const DistanceField& field : fields_of(test::make_torus(20, 8, 60, 30)))
     for (const Vec3& p : all_kinds_of_points(field, 20'000, 9)) {
       const FieldSample sample = field.sample(p);
@@ -267,19 +267,19 @@ TEST(QueryMany, BeyondTheBandTheDistanceIsTheBandAndTheGradientZero) {
       ASSERT_EQ(sample.distance_mm,
                 sample.zone == Zone::kInside ? -field.band_mm() : field.band_mm());
       ASSERT_TRUE(sample.gradient_B.isZero(0.0));
-      // Closed: only what is no point is nowhere.
+      // The surface is closed, so only points that are not finite are unknown.
       ASSERT_EQ(sample.zone == Zone::kUnknown, !p.allFinite()) << p.transpose();
     }
 }
 
-TEST(QueryMany, OnASampleIsTheSample) {
+TEST(QueryMany, AtASampleGivesTheSample) {
   for (const DistanceField& field : fields_of(test::make_torus(20, 8, 60, 30))) {
     const int n = field.frame().resolution;
     for (int c = 0; c < n * n * n; ++c) {
       const LatticePoint low = {c % n, c / n % n, c / (n * n)};
       const CellSamples cell = field.cell(low);
       if (zone_of(cell.corners) != Zone::kBand || cell.low != low) continue;
-      // The lattice plane as computed may lie a hair below the cell.
+      // Rounding may place the lattice plane slightly below the cell.
       const Vec3 p = test::position_of(field.frame(), low[0], low[1], low[2]);
       const FieldSample sample = field.sample(p);
       if (sample.zone != Zone::kBand) continue;
@@ -288,7 +288,7 @@ TEST(QueryMany, OnASampleIsTheSample) {
   }
 }
 
-TEST(QueryMany, FromManyThreadsIsTheSame) {
+TEST(QueryMany, GivesTheSameFromManyThreads) {
   const DistanceField field =
       build_distance_field(test::make_torus(20, 8, 60, 30), {.resolution = 64}).value();
   const std::vector<Vec3> points = all_kinds_of_points(field, 20'000, 4);
@@ -303,7 +303,7 @@ TEST(QueryMany, FromManyThreadsIsTheSame) {
   EXPECT_EQ(std::count(same.begin(), same.end(), 1), std::ssize(same));
 }
 
-TEST(QueryMany, WantsAsManyResultsAsPoints) {
+TEST(QueryMany, RequiresAsManyResultsAsPoints) {
   const DistanceField field =
       build_distance_field(test::make_icosphere(5, 1), {.resolution = 16}).value();
   const std::vector<Vec3> points(3, Vec3::Zero());

@@ -8,7 +8,7 @@
 namespace lefort::field {
 namespace {
 
-TEST(SampleIndex, NumbersMarkedPointsInTheOrderItListsThem) {
+TEST(SampleIndex, NumbersMarkedPointsInTheirOrderInTheList) {
   SampleIndex index(32);
   std::mt19937 random(1);
   std::set<LatticePoint> marked;

@@ -19,7 +19,7 @@ DistanceField ball(bool smooth = false) {
       .value();
 }
 
-TEST(SliceField, HoldsTheDistancesOfThePlane) {
+TEST(SliceField, ContainsTheDistancesOfThePlane) {
   const DistanceField field = ball(true);
   for (int axis = 0; axis < 3; ++axis)
     for (const bool smooth : {false, true}) {
@@ -43,19 +43,19 @@ TEST(SliceField, HoldsTheDistancesOfThePlane) {
     }
 }
 
-TEST(SliceField, SidesAreThoseOfRadiology) {
+TEST(SliceField, OrientationIsThatOfRadiology) {
   const DistanceField field = ball();
   const auto sides = [&](int axis) {
     const FieldSlice slice = slice_field(field, {.axis = axis, .at_mm = 3.0}).value();
     return std::pair(slice.right_B, slice.down_B);
   };
   const Vec3 left(1, 0, 0), posterior(0, 1, 0), inferior(0, 0, -1);
-  EXPECT_EQ(sides(0), (std::pair(posterior, inferior)));  // From the left: the front is left.
+  EXPECT_EQ(sides(0), (std::pair(posterior, inferior)));  // From the left: front is left.
   EXPECT_EQ(sides(1), (std::pair(left, inferior)));       // From the front: right is left.
   EXPECT_EQ(sides(2), (std::pair(left, posterior)));      // From the feet: right is left.
 }
 
-TEST(SliceField, ShowsARegionOnly) {
+TEST(SliceField, ShowsOnlyARegion) {
   const Box3 region(Vec3(-2, -100, 0), Vec3(3, 100, 8));
   const FieldSlice slice =
       slice_field(ball(), {.axis = 1, .at_mm = 2.0, .region_B = region, .pixel_mm = 0.5}).value();
@@ -65,7 +65,7 @@ TEST(SliceField, ShowsARegionOnly) {
   EXPECT_LT((slice.place(9.5, 15.5) - Vec3(3, 2, 0)).norm(), 1e-12);
 }
 
-TEST(SliceField, SummaryIsThatOfACircle) {
+TEST(SliceField, SummaryMatchesACircle) {
   const DistanceField field = ball();
   const SliceSummary summary =
       summarize(slice_field(field, {.axis = 2, .at_mm = 9.0, .pixel_mm = 0.05}).value());
@@ -88,7 +88,7 @@ TEST(SliceField, SummaryIsThatOfACircle) {
             1);
 }
 
-TEST(SliceField, RefusesWhatShowsNothing) {
+TEST(SliceField, RejectsEmptySlices) {
   const DistanceField field = ball();
   const auto complaint = [&](const SliceOptions& options) {
     const auto slice = slice_field(field, options);

@@ -6,7 +6,7 @@
 namespace lefort::field {
 namespace {
 
-TEST(SparseLattice, EveryPointHasOnePlace) {
+TEST(SparseLattice, EveryPointHasOneOffset) {
   std::vector<std::int32_t> all(5 * 5 * 5);
   for (std::size_t b = 0; b < all.size(); ++b) all[b] = std::int32_t(b);
   SparseLattice lattice(16, all, 0.0F);
@@ -19,7 +19,7 @@ TEST(SparseLattice, EveryPointHasOnePlace) {
   for (const float visits : lattice.values()) ASSERT_EQ(visits, 1.0F);
 }
 
-TEST(SparseLattice, FirstPointOfABrickLiesInItAtPlaceZero) {
+TEST(SparseLattice, FirstPointOfABrickHasOffsetZero) {
   const SparseLattice lattice(16, {}, 0.0F);
   for (std::int32_t brick = 0; brick < 125; ++brick) {
     EXPECT_EQ(lattice.brick_of(lattice.first_point(brick)), brick);

@@ -13,7 +13,7 @@ namespace lefort::field {
 namespace {
 
 constexpr int kResolution = 16;
-constexpr double kHugeCell = 1e9;  // No difference counts as a tear.
+constexpr double kHugeCell = 1e9;  // No difference counts as a conflict.
 
 template <class Function>
 SparseLattice tabulate(const Function& f) {
@@ -51,7 +51,7 @@ TEST(SplineLattice, ReproducesQuadraticPolynomialsWithTheirDerivatives) {
   }
 }
 
-TEST(SplineLattice, KeepsEveryValue) {
+TEST(SplineLattice, InterpolatesEveryValue) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> noise(-1, 1);
   const SparseLattice values = tabulate([&](const Vec3&) { return noise(random); });
@@ -61,7 +61,7 @@ TEST(SplineLattice, KeepsEveryValue) {
     EXPECT_EQ(evaluate_spline(c, Vec3(at[0], at[1], at[2])).value, double(values.at(at, 0.0F)));
 }
 
-TEST(SplineLattice, ErrorFallsWithTheThirdPowerOfTheCell) {
+TEST(SplineLattice, ErrorIsOfThirdOrderInTheCell) {
   const auto max_error = [](double wave) {
     const auto f = [&](const Vec3& u) {
       return std::sin(wave * u.x()) * std::cos(wave * u.y()) + std::sin(wave * u.z());
@@ -81,7 +81,7 @@ TEST(SplineLattice, ErrorFallsWithTheThirdPowerOfTheCell) {
   EXPECT_LT(ratio, 11.0);
 }
 
-TEST(SplineLattice, DerivativesAreThoseOfTheValue) {
+TEST(SplineLattice, DerivativesMatchTheValue) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> in(0, kResolution), noise(-1, 1);
   const SparseLattice c =
@@ -91,7 +91,8 @@ TEST(SplineLattice, DerivativesAreThoseOfTheValue) {
     const Vec3 u(in(random), in(random), in(random));
     const SplineValue s = evaluate_spline(c, u);
     for (int k = 0; k < 3; ++k) {
-      if (std::abs(u[k] - std::round(u[k])) < 2.0 * kStep) continue;  // There it may jump.
+      // The second derivative may jump there.
+      if (std::abs(u[k] - std::round(u[k])) < 2.0 * kStep) continue;
       const Vec3 step = kStep * Vec3::Unit(k);
       const SplineValue up = evaluate_spline(c, u + step), down = evaluate_spline(c, u - step);
       EXPECT_NEAR(s.gradient[k], (up.value - down.value) / (2 * kStep), 1e-6);
@@ -101,7 +102,8 @@ TEST(SplineLattice, DerivativesAreThoseOfTheValue) {
   }
 }
 
-/// Along an axis, of both sides of a cell's face, as the spline interpolates them within the face.
+/// Third differences along an axis on both sides of a cell face, interpolated in the face by the
+/// spline.
 double sum_of_third_differences(const SparseLattice& c, const Vec3& u, int axis) {
   const auto at = [&](int cells) { return evaluate_spline(c, u + cells * Vec3::Unit(axis)).value; };
   return (at(1) - 3 * at(0) + 3 * at(-1) - at(-2)) + (at(2) - 3 * at(1) + 3 * at(0) - at(-1));
@@ -127,7 +129,7 @@ TEST(SplineLattice, AcrossCellsAndBricksTheSecondDerivativeJumpsByThirdDifferenc
   }
 }
 
-TEST(SplineLattice, ThereIsNothingBesideASignConflict) {
+TEST(SplineLattice, SamplesInConflictAreMissing) {
   const auto in_conflict = [](const Vec3& u) { return u.x() < 7.5 ? -5.0 : 5.0; };
   const SparseLattice c = spline_lattice(tabulate(in_conflict), 1.0, kHugeCell);
   EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(7.5, 4, 4)).value));
@@ -135,7 +137,7 @@ TEST(SplineLattice, ThereIsNothingBesideASignConflict) {
   EXPECT_NEAR(evaluate_spline(c, Vec3(12.5, 4, 4)).value, 5.0, 1e-6);
 }
 
-/// Summed as the formula says, term after term.
+/// The sum of the formula, term by term.
 SplineValue plain_sum(const SparseLattice& c, const Vec3& u) {
   const auto spline = [](double t, int order) {  // Centered at 0.
     const double a = std::abs(t), sign = t < 0 ? -1 : 1;
@@ -165,7 +167,7 @@ SplineValue plain_sum(const SparseLattice& c, const Vec3& u) {
   return sum;
 }
 
-TEST(SplineLattice, IsTheSumOfItsTermsWhereverBricksEndAndOnEveryProcessor) {
+TEST(SplineLattice, MatchesTheSumOfItsTermsAcrossBricksAndOnEveryProcessor) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> in(0, kResolution), noise(-1, 1);
   const SparseLattice c =
@@ -193,20 +195,20 @@ TEST(SplineLattice, IsTheSumOfItsTermsWhereverBricksEndAndOnEveryProcessor) {
   }
 }
 
-TEST(SplineLattice, AMissingBrickMattersOnlyWhereItsValuesDo) {
+TEST(SplineLattice, AMissingBrickMattersOnlyWhereItsValuesAreUsed) {
   std::vector<std::int32_t> all(5 * 5 * 5);
   std::iota(all.begin(), all.end(), 0);
   const SparseLattice whole(kResolution, all, 1.0F);
   std::erase(all, whole.brick_of({8, 0, 0}));
   const SparseLattice c(kResolution, all, 1.0F);
-  // The cell from 6 takes values 5 to 8, that from 5 none beyond 7.
+  // The cell from 6 uses values 5 to 8, that from 5 none beyond 7.
   EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(6.5, 3.5, 3.5)).value));
   EXPECT_NEAR(evaluate_spline(c, Vec3(5.5, 3.5, 3.5)).value, 1.0, 1e-15);
   EXPECT_TRUE(std::isnan(evaluate_spline(c, Vec3(9.5, 6.5, 6.5)).value));
   EXPECT_NEAR(evaluate_spline(c, Vec3(9.5, 9.5, 3.5)).value, 1.0, 1e-15);
 }
 
-TEST(SplineLattice, OneMissingValueMakesAllOfItNoNumber) {
+TEST(SplineLattice, OneMissingValueMakesAllResultsNan) {
   SparseLattice c = tabulate([](const Vec3&) { return 1.0; });
   c.brick(c.slot_of(c.brick_of({9, 4, 7})))[std::size_t(SparseLattice::linear_offset({9, 4, 7}))] =
       std::nanf("");
@@ -219,10 +221,10 @@ TEST(SplineLattice, OneMissingValueMakesAllOfItNoNumber) {
   EXPECT_NEAR(evaluate_spline(c, Vec3(6.9, 4.5, 6.5)).value, 1.0, 1e-15);
 }
 
-TEST(SplineLattice, BricksFurtherThanTheReachAreDropped) {
+TEST(SplineLattice, BricksWithoutSmallValuesAreDropped) {
   const auto height = [](const Vec3& u) { return u.z(); };
   const SparseLattice c = spline_lattice(tabulate(height), 1.0, 3.0);
-  EXPECT_EQ(c.brick_count(), 2 * 25);  // z = -8 .. -1 and 0 .. 7.
+  EXPECT_EQ(c.brick_count(), 2 * 25);  // z = -8 to -1 and 0 to 7.
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ TEST(TopDown, KeepsTheToleranceAtSharpCorners) {
 TEST(TopDown, LargerToleranceNeedsFewerSamples) {
   const TriangleMesh torus = test::make_torus(20, 8, 60, 30);
   std::size_t previous = std::numeric_limits<std::size_t>::max();
-  // Two cells of 1 mm err by 2^2 / 8 / (8 + 4) = 0.04 mm at least, 4 mm outside of the tube.
+  // Two cells of 1 mm have an error of at least 2^2 / 8 / (8 + 4) = 0.04 mm, 4 mm outside of the
+  // tube.
   for (const double tolerance : {0.0, 0.06, 0.1, 0.5}) {
     const DistanceField field = build(torus, tolerance, 64, 4.0);
     const std::size_t samples = std::get<Octree>(field.samples()).samples().size();
@@ -57,9 +58,9 @@ TEST(TopDown, SpaceBeyondTheBandIsFewLargeLeaves) {
   EXPECT_EQ(zone_of(field.cell({0, 0, 0}).corners), Zone::kOutside);
 }
 
-TEST(TopDown, ACellThatTheSignTearsIsNotUnitedHoweverLargeTheTolerance) {
-  // A tolerance of cells would let interpolation reproduce +d and -d alike, and show a surface
-  // where there is none.
+TEST(TopDown, CellsWithSignConflictsAreNotMergedForAnyTolerance) {
+  // With a tolerance of several cells interpolation would reproduce +d and -d equally, and give a
+  // surface where there is none.
   const TriangleMesh sheet = test::make_sheet(20, 4);
   const DistanceField field = build(sheet, 3.0, 64);
   const geometry::Bvh bvh(sheet);
@@ -67,7 +68,8 @@ TEST(TopDown, ACellThatTheSignTearsIsNotUnitedHoweverLargeTheTolerance) {
   std::uniform_real_distribution<double> along(-9, 9), out(10, 11.5), off(-1, 1);
   for (int n = 0; n < 5000; ++n) {
     const Vec3 p(out(random), along(random), off(random));
-    // Lattice points in the plane of the sheet count as above it: the sign tears below them.
+    // Lattice points in the plane of the sheet count as above it: the sign conflicts are below
+    // them.
     if (p.z() > 0.0 || p.z() < -0.05 || bvh.closest_point(p)->distance_mm < 1.2 * field.cell_mm())
       continue;
     EXPECT_EQ(field.sample(p).zone, Zone::kUnknown) << p.transpose();

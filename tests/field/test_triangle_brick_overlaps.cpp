@@ -21,7 +21,7 @@ using geometry::TriangleMesh;
 constexpr int kResolution = 32;
 constexpr std::int64_t kMany = 1 << 30;
 
-/// 32 cells of 0.1 mm around soups of some 2 mm.
+/// 32 cells of 0.1 mm around soups of about 2 mm.
 FieldFrame frame() {
   FieldFrame frame;
   frame.resolution = kResolution;
@@ -44,24 +44,24 @@ std::vector<TriangleMesh> soups() {
   return soups;
 }
 
-std::vector<std::int32_t> bricks_of(const TriangleBrickOverlaps& reached, std::size_t t) {
-  const auto first = reached.bricks.begin();
-  return {first + (t == 0 ? 0 : reached.ends[t - 1]), first + reached.ends[t]};
+std::vector<std::int32_t> bricks_of(const TriangleBrickOverlaps& overlaps, std::size_t t) {
+  const auto first = overlaps.bricks.begin();
+  return {first + (t == 0 ? 0 : overlaps.ends[t - 1]), first + overlaps.ends[t]};
 }
 
-TEST(TriangleBrickOverlaps, HoldEveryPointWithinReachOfATriangle) {
-  const double reach_mm = 3 * frame().cell_mm;
+TEST(TriangleBrickOverlaps, ContainEveryPointWithinTheDistanceOfATriangle) {
+  const double max_distance_mm = 3 * frame().cell_mm;
   Index listed = 0, in_boxes = 0;
   for (const TriangleMesh& mesh : soups()) {
     OverlapBudget pairs(kMany);
-    const TriangleBrickOverlaps reached =
-        triangle_brick_overlaps(mesh, 0, mesh.triangle_count(), grid(), reach_mm, pairs);
-    ASSERT_EQ(Index(reached.ends.size()), mesh.triangle_count());
-    listed += Index(reached.bricks.size());
+    const TriangleBrickOverlaps overlaps =
+        triangle_brick_overlaps(mesh, 0, mesh.triangle_count(), grid(), max_distance_mm, pairs);
+    ASSERT_EQ(Index(overlaps.ends.size()), mesh.triangle_count());
+    listed += Index(overlaps.bricks.size());
     in_boxes += pairs.count();
     const SparseLattice lattice(kResolution, {}, 0.0F);
     for (Index t = 0; t < mesh.triangle_count(); ++t) {
-      const std::vector<std::int32_t> bricks = bricks_of(reached, std::size_t(t));
+      const std::vector<std::int32_t> bricks = bricks_of(overlaps, std::size_t(t));
       ASSERT_TRUE(std::is_sorted(bricks.begin(), bricks.end()));
       for (int k = -2; k <= kResolution + 2; ++k)
         for (int j = -2; j <= kResolution + 2; ++j)
@@ -70,14 +70,14 @@ TEST(TriangleBrickOverlaps, HoldEveryPointWithinReachOfATriangle) {
             const double squared = geometry::closest_point_on_triangle(
                                        p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2))
                                        .squared_distance_mm2;
-            if (squared > reach_mm * reach_mm * (1 - 1e-9)) continue;
+            if (squared > max_distance_mm * max_distance_mm * (1 - 1e-9)) continue;
             ASSERT_TRUE(
                 std::binary_search(bricks.begin(), bricks.end(), lattice.brick_of({i, j, k})))
                 << t << ": " << p.transpose();
           }
     }
   }
-  EXPECT_LT(listed, in_boxes * 9 / 10);  // More than boxes are looked at.
+  EXPECT_LT(listed, in_boxes * 9 / 10);  // Not only boxes are tested.
 }
 
 TEST(TriangleBrickOverlaps, AreTheSameForAPartOfTheTrianglesAndEveryProcessor) {
@@ -99,18 +99,18 @@ TEST(TriangleBrickOverlaps, AreTheSameForAPartOfTheTrianglesAndEveryProcessor) {
   }
 }
 
-TEST(TriangleBrickOverlaps, AreCountedButNotListedWhereTheyAreTooMany) {
+TEST(TriangleBrickOverlaps, AreCountedButNotListedIfThereAreTooMany) {
   const TriangleMesh mesh = test::make_icosphere(1.0, 3);
   OverlapBudget enough(kMany);
   (void)triangle_brick_overlaps(mesh, 0, mesh.triangle_count(), grid(), 0.3, enough);
   EXPECT_FALSE(enough.too_many());
 
   OverlapBudget few(10);
-  const TriangleBrickOverlaps reached =
+  const TriangleBrickOverlaps overlaps =
       triangle_brick_overlaps(mesh, 0, mesh.triangle_count(), grid(), 0.3, few);
   EXPECT_TRUE(few.too_many());
   EXPECT_EQ(few.count(), enough.count());
-  EXPECT_LE(reached.bricks.size(), 10U);
+  EXPECT_LE(overlaps.bricks.size(), 10U);
 }
 
 }  // namespace

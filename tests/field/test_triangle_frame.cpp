@@ -13,7 +13,7 @@
 namespace lefort::field {
 namespace {
 
-/// The squared distance as triangle_frame.h says it follows from the frame.
+/// The squared distance, from the formula in triangle_frame.h.
 double squared_distance(const TriangleFrame& frame, const Vec3& p) {
   const double w = (p - frame.corners[0]).dot(frame.normal);
   double rim = std::numeric_limits<double>::infinity(), farthest_out = -rim;
@@ -45,25 +45,25 @@ void expect_right(const Vec3& a, const Vec3& b, const Vec3& c) {
   }
 }
 
-TEST(TriangleFrame, ReportsTheDistanceOfAnyTriangle) {
+TEST(TriangleFrame, GivesTheDistanceOfAnyTriangle) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> in(-1, 1);
   const auto point = [&] { return Vec3(in(random), in(random), in(random)); };
   for (int n = 0; n < 200; ++n) expect_right(point(), point(), point());
 }
 
-TEST(TriangleFrame, ReportsTheDistanceWhereAreaOrLengthIsMissing) {
+TEST(TriangleFrame, GivesTheDistanceOfDegenerateTriangles) {
   const Vec3 a(0.1, 0.2, -0.3), b(1, 0.5, 0.5);
   expect_right(a, b, 0.3 * a + 0.7 * b);  // A line.
   expect_right(a, b, 2.0 * b - a);
-  expect_right(a, a, b);  // Two corners at one place: each pair of them.
+  expect_right(a, a, b);  // Two coincident corners: each pair of them.
   expect_right(a, b, a);
   expect_right(b, a, a);
   expect_right(a, a, a);  // A point.
   expect_right(Vec3::Zero(), Vec3::Zero(), Vec3::Zero());
 }
 
-TEST(TriangleFrame, ReportsTheDistanceWhereSquaresUnderflow) {
+TEST(TriangleFrame, GivesTheDistanceWhereSquaresUnderflow) {
   for (const double tiny : {1e-100, 1e-140, 1e-149, 1e-151, 1e-160, 1e-162, 1e-170, 1e-300, 5e-324})
     for (const Vec3& at : {Vec3(0, 0, 0), Vec3(0.5, 0, 0)}) {
       SCOPED_TRACE(tiny);
@@ -74,8 +74,8 @@ TEST(TriangleFrame, ReportsTheDistanceWhereSquaresUnderflow) {
     }
 }
 
-TEST(TriangleFrame, FieldsHaveSpecksThatAreTooSmallForTheirDistanceToTheCorner) {
-  // A large triangle, and one beside it of which nothing is left once it is seen from a brick.
+TEST(TriangleFrame, FieldsAcceptTrianglesTooSmallForTheirDistanceToTheCorner) {
+  // A large triangle, and a small one next to it that vanishes in the coordinates of a brick.
   geometry::TriangleMesh mesh;
   mesh.vertices = {{-10, -10, -8}, {10, -10, -8},  {0, 10, -8},
                    {0, 0, 7},      {1e-300, 0, 7}, {0, 1e-300, 7}};
@@ -91,7 +91,7 @@ TEST(TriangleFrame, FieldsHaveSpecksThatAreTooSmallForTheirDistanceToTheCorner) 
       const Vec3 p = Vec3(0, 0, 7) + 0.8 * field.guaranteed_mm() *
                                          Vec3(in(random), in(random), in(random)).normalized();
       const FieldSample sample = field.sample(p);
-      // Its sign may tear, as that of a sheet does at its rim.
+      // There may be sign conflicts, as at the boundary of a sheet.
       if (sample.zone == Zone::kUnknown) continue;
       ASSERT_EQ(sample.zone, Zone::kBand) << int(method);
     }

@@ -15,7 +15,8 @@ namespace lefort::field {
 namespace {
 
 /// Checks the part of the tree below a node and adds its triangles.
-/// \returns the place after it.
+///
+/// \returns the position after it.
 std::int32_t check_below(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
                          std::int32_t n, std::vector<std::int32_t>& triangles) {
   const TriangleTree::Node& node = tree.nodes.at(std::size_t(n));
@@ -40,7 +41,7 @@ std::int32_t check_below(const geometry::TriangleMesh& mesh, const TriangleTree&
   return next;
 }
 
-TEST(TriangleTree, HoldsEveryTriangleOnceWithinItsBoxes) {
+TEST(TriangleTree, ContainsEveryTriangleOnceInsideItsBoxes) {
   std::mt19937 random(3);
   for (int round = 0; round < 40; ++round) {
     const geometry::TriangleMesh mesh =
@@ -56,7 +57,7 @@ TEST(TriangleTree, HoldsEveryTriangleOnceWithinItsBoxes) {
   }
 }
 
-TEST(TriangleTree, ReportsTheDistanceOfTheNearestTriangle) {
+TEST(TriangleTree, GivesTheDistanceOfTheNearestTriangle) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> in(-3, 3);
   for (int round = 0; round < 30; ++round) {

@@ -18,11 +18,11 @@ using geometry::TriangleMesh;
 constexpr FieldMethod kMethods[] = {FieldMethod::kBricks, FieldMethod::kHybrid,
                                     FieldMethod::kAdaptive, FieldMethod::kUniform};
 
-/// A distance interpolated in a cell errs by no more than the mean distance to the corners, with
-/// the weights of interpolation, as each corner differs by no more than its distance: half a
-/// diagonal at most. Where corners disagree on the side, as they may where a soup's triangles turn
-/// against each other, two along an edge have distances that sum to a cell at most, so one has half
-/// a cell, and the point another diagonal.
+/// The error of a distance interpolated in a cell is at most the mean distance to the corners, with
+/// the weights of the interpolation, because each corner differs by at most its distance: half a
+/// diagonal. If corners differ in sign, as near inconsistently oriented triangles of a soup, two
+/// corners of an edge have distances whose sum is at most a cell, so one has at most half a cell,
+/// and the point another diagonal.
 double max_error_cells(const CellSamples& cell) {
   const auto inside = [](float d) { return d < 0.0F; };
   const auto count = std::count_if(cell.corners.begin(), cell.corners.end(), inside);
@@ -52,7 +52,7 @@ void expect_harmless(const DistanceField& field, const TriangleMesh& surface, do
   }
 }
 
-TEST(UglyMeshes, AThousandOfThemDoNoHarm) {
+TEST(UglyMeshes, AThousandOfThemAreAccepted) {
   int refused = 0;
   for (unsigned seed = 0; seed < 1000; ++seed) {
     SCOPED_TRACE(seed);
@@ -69,7 +69,7 @@ TEST(UglyMeshes, AThousandOfThemDoNoHarm) {
       ++refused;
       continue;
     }
-    // What collapsed is dropped: measure against what is left.
+    // Compare with the surface after collapsed triangles were dropped.
     const TriangleMesh surface = prepare_surface(mesh)->mesh_B;
     expect_harmless(*field, surface, options.tolerance_mm + 1e-5 * field->band_mm(), random);
     if (HasFatalFailure()) return;
@@ -86,7 +86,7 @@ TEST(UglyMeshes, AThousandOfThemDoNoHarm) {
   EXPECT_LT(refused, 50);
 }
 
-TEST(UglyMeshes, AllMethodsKnowTheSameSamples) {
+TEST(UglyMeshes, AllMethodsHaveTheSameKnownSamples) {
   for (unsigned seed = 0; seed < 150; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
@@ -105,7 +105,8 @@ TEST(UglyMeshes, AllMethodsKnowTheSameSamples) {
         const CellSamples a = uniform->cell(low), b = field->cell(low);
         if (b.cells != 1) continue;
         for (std::size_t corner = 0; corner < 8; ++corner) {
-          // Bricks and octrees may know less, where signs tear; never something else.
+          // Bricks and octrees may have fewer known samples where signs are in conflict, but no
+          // different ones.
           if (!std::isfinite(b.corners[corner]) || !std::isfinite(a.corners[corner])) continue;
           ASSERT_NEAR(std::abs(b.corners[corner]), std::abs(a.corners[corner]), slack)
               << "method " << int(method);
@@ -134,7 +135,7 @@ TEST(UglyMeshes, SoupsAreExactAtEverySampleOfAField) {
         const Vec3 p = test::position_of(field->frame(), cell.low[0] + cell.cells * (corner & 1),
                                          cell.low[1] + cell.cells * (corner >> 1 & 1),
                                          cell.low[2] + cell.cells * (corner >> 2));
-        // Some 2 mm wide; the error is a share of the size.
+        // About 2 mm wide; the error is proportional to the size.
         ASSERT_NEAR(std::abs(double(d)), test::brute_distance(surface, p), 2e-6);
       }
     }

@@ -25,8 +25,10 @@ FieldFrame cube() {
   return frame;
 }
 
-/// Compares with solid angles at all lattice points further than a cell from the surface, for which
-/// alone the rows answer, or a ninth of them; returns how many are inside.
+/// Compares with solid angles at all lattice points further than a cell from the surface, or at a
+/// ninth of them. Other points have no valid result.
+///
+/// \returns the number of points inside.
 Index expect_solid_angles(const TriangleMesh& mesh, const FieldFrame& frame) {
   const WindingScanlines rows(mesh, frame);
   const int step = mesh.triangle_count() > 100 ? 3 : 1;
@@ -49,7 +51,7 @@ TEST(WindingScanlines, AgreeWithSolidAngles) {
   EXPECT_GT(expect_solid_angles(test::make_crumpled_ball(3, 6, 14), cube()), 100);
 }
 
-TEST(WindingScanlines, AgreeWithSolidAnglesInAFrameThatIsNotWhole) {
+TEST(WindingScanlines, AgreeWithSolidAnglesInAFrameWithFractionalCoordinates) {
   FieldFrame frame = cube();
   frame.cell_mm = 0.7310585786300049;
   frame.origin_B = Vec3(-11.3, -12.1, -11.9);
@@ -62,13 +64,13 @@ TEST(WindingScanlines, AreRightOnSurfacesThatFollowTheLattice) {
             17 * 13 * 9);
   EXPECT_EQ(expect_solid_angles(test::make_capped_box(Vec3(-10, -8, -6), Vec3(10, 8, 6)), cube()),
             17 * 13 * 9);
-  // Nothing is inside of a box that is inside out.
+  // Nothing is inside of an inward box.
   EXPECT_EQ(expect_solid_angles(
                 test::turn_inside_out(test::make_box(Vec3(-10, -8, -6), Vec3(10, 8, 6))), cube()),
             0);
 }
 
-TEST(WindingScanlines, CountShellsInShells) {
+TEST(WindingScanlines, CountNestedShells) {
   const TriangleMesh shells = test::join(
       test::join(test::make_icosphere(14, 3), test::turn_inside_out(test::make_icosphere(10, 3))),
       test::make_icosphere(6, 2));
@@ -80,14 +82,14 @@ TEST(WindingScanlines, CountShellsInShells) {
   EXPECT_FALSE(rows.is_inside({0, 0, 0}));
 }
 
-TEST(WindingScanlines, CountSurfacesThatCrossOrRepeat) {
+TEST(WindingScanlines, CountSurfacesThatIntersectOrRepeat) {
   const TriangleMesh balls = test::join(test::make_icosphere(8, 3, Vec3(-4, 0.3, 0.1)),
                                         test::make_icosphere(8, 3, Vec3(4, -0.2, 0)));
   expect_solid_angles(balls, cube());
-  // Twice the same: two inside, which is inside.
+  // The same surface twice: a winding number of two is inside.
   const TriangleMesh twice = test::join(test::make_icosphere(9, 2), test::make_icosphere(9, 2));
   EXPECT_TRUE(WindingScanlines(twice, cube()).is_inside({16, 16, 16}));
-  // Once and once inside out: none.
+  // Once outward and once inward: zero.
   const TriangleMesh none =
       test::join(test::make_icosphere(9, 2), test::turn_inside_out(test::make_icosphere(9, 2)));
   EXPECT_FALSE(WindingScanlines(none, cube()).is_inside({16, 16, 16}));
@@ -108,7 +110,7 @@ TEST(WindingScanlines, DoNotDependOnTheOrderOfTrianglesOrOnThreads) {
   std::mt19937 random(1);
   std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
   for (auto& [a, b, c] : mesh.triangles) {
-    const auto first = a;  // Another corner first: the same triangle.
+    const auto first = a;  // The same triangle from another first corner.
     a = b, b = c, c = first;
   }
   const ThreadLimit one(1);

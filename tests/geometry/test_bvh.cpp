@@ -38,7 +38,7 @@ SurfacePoint brute_force(const TriangleMesh& mesh, const Vec3& p) {
   return best;
 }
 
-/// Points everywhere, and close to features where signs are hard.
+/// Points everywhere, and close to features where signs are difficult.
 std::vector<Vec3> hard_points(const TriangleMesh& mesh, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<Vec3> points;
@@ -58,7 +58,7 @@ void expect_signs_of_winding(const TriangleMesh& mesh, unsigned seed) {
   }
 }
 
-TEST(Bvh, FindsWhatBruteForceFinds) {
+TEST(Bvh, MatchesBruteForce) {
   const TriangleMesh mesh = make_crumpled_ball(3);
   const Bvh bvh(mesh);
   for (const Vec3& p : hard_points(mesh, 4)) {
@@ -79,19 +79,19 @@ TEST(Bvh, EquallyNearTrianglesGiveTheLowestNumber) {
   EXPECT_EQ(found->distance_mm, 1.0);
 }
 
-TEST(Bvh, LooksNoFurtherThanAsked) {
+TEST(Bvh, SearchesUpToTheMaxDistance) {
   const Bvh bvh(test::make_icosphere(1, 3));
   EXPECT_FALSE(bvh.closest_point(Vec3(3, 0, 0), 1.9));
   EXPECT_TRUE(bvh.closest_point(Vec3(3, 0, 0), 2.1));
   EXPECT_FALSE(bvh.closest_point(Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0)));
 }
 
-TEST(Bvh, SignIsThatOfTheWindingNumberOnCrumpledBalls) {
+TEST(Bvh, SignMatchesTheWindingNumberOnCrumpledBalls) {
   for (unsigned seed = 10; seed < 16; ++seed)
     expect_signs_of_winding(make_crumpled_ball(seed), seed + 100);
 }
 
-TEST(Bvh, SignIsThatOfTheWindingNumberAtSpikesEdgesAndCaps) {
+TEST(Bvh, SignMatchesTheWindingNumberAtSpikesEdgesAndCaps) {
   expect_signs_of_winding(test::make_spike(0.05, 1.5, 5), 1);
   expect_signs_of_winding(test::make_spike(1.0, 0.02, 9), 2);
   TriangleMesh capped = test::make_box(Vec3(-1, -1, -1), Vec3(1, 1, 1));
@@ -100,8 +100,8 @@ TEST(Bvh, SignIsThatOfTheWindingNumberAtSpikesEdgesAndCaps) {
   expect_signs_of_winding(capped, 3);
 }
 
-TEST(Bvh, FaceNormalsAloneWouldGetSignsWrong) {
-  // Guards the two tests above: their points do reach where only pseudonormals are right.
+TEST(Bvh, FaceNormalsAloneGiveWrongSigns) {
+  // Ensures that the two tests above contain points where only pseudonormals are right.
   const TriangleMesh mesh = test::make_spike(0.05, 1.5, 5);
   const Bvh bvh(mesh);
   int wrong = 0;
@@ -113,12 +113,12 @@ TEST(Bvh, FaceNormalsAloneWouldGetSignsWrong) {
   EXPECT_GT(wrong, 10);
 }
 
-TEST(Bvh, DistanceToASphereIsThatOfTheFormula) {
+TEST(Bvh, DistanceToASphereMatchesTheFormula) {
   const Bvh bvh(test::make_icosphere(10, 5));
   std::mt19937 random(8);
   for (int n = 0; n < 200; ++n) {
     const Vec3 p = random_point(random, 15);
-    // Chords of 0.4 mm lie up to 0.4^2 / (8 * 10) = 0.002 mm within the sphere.
+    // Chords of 0.4 mm lie up to 0.4^2 / (8 * 10) = 0.002 mm inside the sphere.
     EXPECT_NEAR(bvh.signed_distance(p).distance_mm, p.norm() - 10.0, 0.004);
   }
 }
@@ -144,7 +144,7 @@ TEST(Bvh, OddHitsMeanInside) {
   }
 }
 
-TEST(Bvh, HundredsOfEqualTrianglesDoNotUpsetTheTree) {
+TEST(Bvh, AcceptsHundredsOfEqualTriangles) {
   TriangleMesh heap;
   heap.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   heap.triangles.assign(1000, {0, 1, 2});

@@ -19,8 +19,8 @@ TrianglePoint closest(const Vec3& p, const Corners& t) {
   return closest_point_on_triangle(p, t[0], t[1], t[2]);
 }
 
-/// c is the point of a convex set nearest to p exactly if no corner lies on p's side of the plane
-/// through c across (p - c). Needs no second implementation to compare with.
+/// c is the point of a convex set closest to p exactly if no corner lies beyond the plane through c
+/// normal to (p - c). This needs no second implementation for comparison.
 void expect_nearest(const Vec3& p, const Corners& t, double scale) {
   const TrianglePoint found = closest(p, t);
   ASSERT_TRUE(found.point.allFinite());
@@ -65,7 +65,7 @@ TEST(ClosestPoint, IsOptimalForSliversCapsAndNeedlesFarFromTheOrigin) {
   }
 }
 
-TEST(ClosestPoint, NamesEachOfTheSevenRegions) {
+TEST(ClosestPoint, ReturnsEachOfTheSevenRegions) {
   const Corners t = {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)};
   const auto feature_at = [&](double x, double y) { return closest(Vec3(x, y, 3), t).feature; };
   EXPECT_EQ(feature_at(1, 1), Feature::kFace);
@@ -79,8 +79,8 @@ TEST(ClosestPoint, NamesEachOfTheSevenRegions) {
   EXPECT_DOUBLE_EQ(closest(Vec3(3, 3, 3), t).squared_distance_mm2, 11.0);
 }
 
-TEST(ClosestPoint, ObtuseTriangleIsNotFooledByTheNearerCorner) {
-  // Outside edge 0 and beyond its end, yet nearest to the interior of edge 2.
+TEST(ClosestPoint, HandlesObtuseTriangles) {
+  // Outside edge 0 and beyond its end, but closest to the interior of edge 2.
   const Corners t = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(-10, 1, 0)};
   const TrianglePoint found = closest(Vec3(-5, -1, 0), t);
   EXPECT_EQ(found.feature, Feature::kEdge2);

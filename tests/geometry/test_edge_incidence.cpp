@@ -14,7 +14,7 @@ namespace {
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
 
-/// How many sides lie on each edge; checks on the way that each side does lie there.
+/// Number of half-edges at each edge; checks that each half-edge belongs to its edge.
 std::map<Edge, std::size_t> count_sides(const TriangleMesh& mesh) {
   const EdgeIncidence sides(mesh);
   std::map<Edge, std::size_t> counts;
@@ -42,7 +42,7 @@ std::map<Edge, std::size_t> count_sides(const TriangleMesh& mesh) {
   return counts;
 }
 
-TEST(EdgeIncidence, EveryEdgeOfAClosedSurfaceHasTwoSidesThatRunAgainstEachOther) {
+TEST(EdgeIncidence, EveryEdgeOfAClosedSurfaceHasTwoOppositeHalfEdges) {
   const TriangleMesh torus = test::make_torus(5, 2, 12, 8);
   const auto counts = count_sides(torus);
   EXPECT_EQ(2 * counts.size(), 3 * torus.triangles.size());
@@ -54,7 +54,7 @@ TEST(EdgeIncidence, EveryEdgeOfAClosedSurfaceHasTwoSidesThatRunAgainstEachOther)
     });
 }
 
-TEST(EdgeIncidence, RimsHaveOne) {
+TEST(EdgeIncidence, BoundaryEdgesHaveOneHalfEdge) {
   const TriangleMesh sheet = test::make_sheet(1, 3);
   const auto counts = count_sides(sheet);
   const auto rim =
@@ -63,8 +63,8 @@ TEST(EdgeIncidence, RimsHaveOne) {
   EXPECT_EQ(3 * sheet.triangles.size(), 2 * counts.size() - std::size_t(rim));
 }
 
-TEST(EdgeIncidence, AnEdgeMayHaveAnyNumberOfThem) {
-  TriangleMesh book;  // Three pages on the spine 0-1.
+TEST(EdgeIncidence, AnEdgeMayHaveAnyNumberOfHalfEdges) {
+  TriangleMesh book;  // Three triangles at the edge 0-1.
   book.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
   book.triangles = {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}};
   const auto counts = count_sides(book);

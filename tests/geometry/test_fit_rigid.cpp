@@ -25,7 +25,7 @@ std::vector<Vec3> moved(const std::vector<Vec3>& points, const RigidTransform& X
   return result;
 }
 
-TEST(FitRigid, FindsTheMotionThatWasMade) {
+TEST(FitRigid, RecoversAKnownMotion) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const auto from = some_points(3 + int(seed % 4), seed);
     const RigidTransform X =
@@ -37,7 +37,7 @@ TEST(FitRigid, FindsTheMotionThatWasMade) {
   }
 }
 
-TEST(FitRigid, AMirrorImageIsMetByATurnAlone) {
+TEST(FitRigid, AMirrorImageIsFittedByARotation) {
   const auto from = some_points(6, 3);
   std::vector<Vec3> mirrored = from;
   for (Vec3& p : mirrored) p.x() = -p.x();
@@ -68,7 +68,7 @@ TEST(FitRigid, NoNearbyMotionIsBetter) {
     }
 }
 
-TEST(FitRigid, RefusesWhatLeavesTheMotionOpen) {
+TEST(FitRigid, RejectsPointsThatDoNotDetermineTheMotion) {
   const auto refuse = [](const std::vector<Vec3>& from, const std::vector<Vec3>& to,
                          const char* words) {
     const auto fit = fit_rigid(from, to);
@@ -80,8 +80,8 @@ TEST(FitRigid, RefusesWhatLeavesTheMotionOpen) {
   const std::vector<Vec3> line{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {5, 5, 5}};
   refuse({points[0], points[1]}, {points[0], points[1]}, "2 points");
   refuse(points, {points[0], points[1], points[2]}, "4 points for 3 targets");
-  refuse(line, points, "the points lie on a line");
-  refuse(points, line, "the targets lie on a line");
+  refuse(line, points, "the points are collinear");
+  refuse(points, line, "the targets are collinear");
   auto broken = points;
   broken[3].y() = std::numeric_limits<double>::quiet_NaN();
   refuse(points, broken, "point 3");

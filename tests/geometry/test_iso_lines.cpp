@@ -61,21 +61,22 @@ TEST(IsoLines, AreClosedUnlessTheyLeaveTheGrid) {
   for (const auto& [at, count] : begun_less_ended) EXPECT_EQ(count, 0);
 }
 
-TEST(IsoLines, AtASaddleTheMeanDecidesWhatIsConnected) {
+TEST(IsoLines, AtASaddleTheMeanDecidesWhichCornersAreConnected) {
   // High at two opposite corners.
   const auto cut_corner = [](double high) {
     const std::vector<double> values = {high, -1.0, -1.0, high};
     const std::vector<Segment2> lines = iso_lines(values, 2, 0.0);
     EXPECT_EQ(lines.size(), 2U);
-    // The corner that the first line passes near.
+    // The corner that the first line cuts off.
     const Eigen::Vector2d middle = 0.5 * (lines[0].from + lines[0].to);
     return std::pair(std::lround(middle.x()), std::lround(middle.y()));
   };
-  EXPECT_EQ(cut_corner(2.0), (std::pair(1L, 0L)));  // High hangs together: low is cut off.
+  // High corners are connected: a low corner is cut off.
+  EXPECT_EQ(cut_corner(2.0), (std::pair(1L, 0L)));
   EXPECT_EQ(cut_corner(0.5), (std::pair(0L, 0L)));
 }
 
-TEST(IsoLines, LeaveOutWhatIsNotFinite) {
+TEST(IsoLines, SkipSquaresWithValuesThatAreNotFinite) {
   auto values = tabulate(10, 3, [](double, double y) { return y; });
   EXPECT_DOUBLE_EQ(total_length(iso_lines(values, 10, 0.5)), 9.0);
   values[4] = std::numeric_limits<double>::infinity();

@@ -13,7 +13,7 @@ using test::make_box;
 
 const TriangleMesh kBox = make_box(Vec3(1, 2, 3), Vec3(3, 5, 7));
 
-TEST(MeshMeasures, BoxHasItsAreaVolumeAndBounds) {
+TEST(MeshProperties, BoxHasItsAreaVolumeAndBounds) {
   EXPECT_DOUBLE_EQ(area_mm2(kBox), 2 * (2 * 3 + 3 * 4 + 2 * 4));
   EXPECT_DOUBLE_EQ(signed_volume_mm3(kBox), 24.0);
   EXPECT_DOUBLE_EQ(signed_volume_mm3(test::turn_inside_out(kBox)), -24.0);
@@ -21,32 +21,32 @@ TEST(MeshMeasures, BoxHasItsAreaVolumeAndBounds) {
   EXPECT_EQ(bounding_box(kBox).max(), Vec3(3, 5, 7));
 }
 
-TEST(MeshMeasures, FineTorusApproachesPappus) {
+TEST(MeshProperties, FineTorusApproachesPappus) {
   const TriangleMesh torus = test::make_torus(10, 3, 400, 200);
   const double pi = std::numbers::pi;
   EXPECT_NEAR(area_mm2(torus), 4 * pi * pi * 10 * 3, 0.3);
   EXPECT_NEAR(signed_volume_mm3(torus), 2 * pi * pi * 10 * 9, 0.6);
 }
 
-TEST(MeshMeasures, VolumeDoesNotDependOnTheOrigin) {
+TEST(MeshProperties, VolumeDoesNotDependOnTheOrigin) {
   const RigidTransform far(Eigen::Translation3d(1e5, -2e5, 3e5));
   EXPECT_NEAR(signed_volume_mm3(test::moved(kBox, far)), 24.0, 1e-8);
 }
 
-TEST(MeshMeasures, UnusedVerticesCountForNothing) {
+TEST(MeshProperties, UnusedVerticesAreIgnored) {
   TriangleMesh mesh = kBox;
   mesh.vertices.emplace_back(100, 100, 100);
   EXPECT_EQ(bounding_box(mesh).max(), Vec3(3, 5, 7));
   EXPECT_EQ(euler_characteristic(mesh), 2);
 }
 
-TEST(MeshMeasures, EulerCharacteristicReportsSphereTorusAndSheet) {
+TEST(MeshProperties, EulerCharacteristicOfSphereTorusAndSheet) {
   EXPECT_EQ(euler_characteristic(test::make_icosphere(1, 2)), 2);
   EXPECT_EQ(euler_characteristic(test::make_torus(5, 1, 9, 7)), 0);
   EXPECT_EQ(euler_characteristic(test::make_sheet(1, 4)), 1);
 }
 
-TEST(MeshMeasures, ClosedShapesAreClosed) {
+TEST(MeshProperties, ClosedShapesAreClosed) {
   EXPECT_TRUE(is_closed(kBox));
   EXPECT_TRUE(is_closed(test::make_icosphere(1, 3)));
   EXPECT_TRUE(is_closed(test::make_torus(5, 1, 9, 7)));
@@ -54,7 +54,7 @@ TEST(MeshMeasures, ClosedShapesAreClosed) {
   EXPECT_TRUE(is_closed(test::with_cap(kBox, 3, 1)));
 }
 
-TEST(MeshMeasures, NamesTheFirstOpenEdge) {
+TEST(MeshProperties, NamesTheFirstOpenEdge) {
   TriangleMesh open = kBox;
   open.triangles.erase(open.triangles.begin());  // Was (0, 2, 3).
   const auto edge = first_open_edge(open);
@@ -63,15 +63,15 @@ TEST(MeshMeasures, NamesTheFirstOpenEdge) {
   EXPECT_FALSE(is_closed(open));
 }
 
-TEST(MeshMeasures, NamesAnEdgeWhoseTrianglesTurnAgainstEachOther) {
+TEST(MeshProperties, NamesAnInconsistentEdge) {
   TriangleMesh twisted = kBox;
   std::swap(twisted.triangles[0][0], twisted.triangles[0][1]);
   const auto edge = first_open_edge(twisted);
   ASSERT_TRUE(edge);
-  EXPECT_EQ(describe(*edge), "edge 0-2 has 2 triangles that turn against each other");
+  EXPECT_EQ(describe(*edge), "edge 0-2 has 2 triangles of opposite orientation");
 }
 
-TEST(MeshMeasures, BoxesThatTouchAlongAnEdgeEncloseAVolumeButAreNotManifold) {
+TEST(MeshProperties, BoxesThatTouchAlongAnEdgeEncloseAVolumeButAreNotManifold) {
   const TriangleMesh two = weld_vertices(
       test::join(make_box(Vec3(0, 0, 0), Vec3(1, 1, 1)), make_box(Vec3(1, 1, 0), Vec3(2, 2, 1))));
   ASSERT_EQ(two.vertex_count(), 14);
@@ -80,7 +80,7 @@ TEST(MeshMeasures, BoxesThatTouchAlongAnEdgeEncloseAVolumeButAreNotManifold) {
   EXPECT_TRUE(first_unbalanced_edge(test::make_sheet(1, 2)));
 }
 
-TEST(MeshMeasures, ComponentsAreNumberedAsTheyAppear) {
+TEST(MeshProperties, ComponentsAreNumberedAsTheyAppear) {
   const TriangleMesh two = test::join(test::make_icosphere(1, 1), kBox);
   const Components parts = connected_components(two);
   EXPECT_EQ(parts.count, 2);
@@ -89,7 +89,7 @@ TEST(MeshMeasures, ComponentsAreNumberedAsTheyAppear) {
   EXPECT_EQ(std::count(parts.of_triangle.begin(), parts.of_triangle.end(), 1), 12);
 }
 
-TEST(MeshMeasures, KeepsTheComponentsRequested) {
+TEST(MeshProperties, KeepsTheComponentsRequested) {
   const TriangleMesh two = test::join(test::make_icosphere(1, 1), kBox);
   const TriangleMesh large =
       keep_components(two, [](const TriangleMesh& part) { return signed_volume_mm3(part) > 10.0; });
@@ -98,7 +98,7 @@ TEST(MeshMeasures, KeepsTheComponentsRequested) {
   EXPECT_TRUE(keep_components(two, [](const TriangleMesh&) { return false; }).triangles.empty());
 }
 
-TEST(MeshMeasures, WeldingASoupGivesTheSurfaceBack) {
+TEST(MeshProperties, WeldingASoupRestoresTheSurface) {
   const TriangleMesh soup = test::unwelded(kBox);
   EXPECT_EQ(soup.vertex_count(), 36);
   EXPECT_FALSE(is_closed(soup));
@@ -108,7 +108,7 @@ TEST(MeshMeasures, WeldingASoupGivesTheSurfaceBack) {
   EXPECT_DOUBLE_EQ(signed_volume_mm3(welded), 24.0);
 }
 
-TEST(MeshMeasures, WeldingDropsTrianglesThatCollapseAndKnowsNegativeZero) {
+TEST(MeshProperties, WeldingDropsTrianglesThatCollapseAndTreatsNegativeZeroAsZero) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 3, 1}};
@@ -119,7 +119,7 @@ TEST(MeshMeasures, WeldingDropsTrianglesThatCollapseAndKnowsNegativeZero) {
 
 TEST(CheckSurface, AcceptsASurface) { EXPECT_TRUE(check_surface(kBox)); }
 
-TEST(CheckSurface, RefusesWhatIsNoSurfaceAndSaysWhy) {
+TEST(CheckSurface, RejectsInvalidSurfacesAndNamesTheReason) {
   const auto complaint = [](const TriangleMesh& mesh) {
     const auto result = check_surface(mesh);
     EXPECT_EQ(result.error().code, ErrorCode::kMeshInvalid);

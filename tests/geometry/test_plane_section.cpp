@@ -17,7 +17,7 @@ double length_of(const std::vector<std::array<Vec3, 2>>& pieces) {
   return sum;
 }
 
-/// How many pieces more meet at a point than two.
+/// Number of segment ends at a point beyond two.
 bool is_closed_line(const std::vector<std::array<Vec3, 2>>& pieces) {
   std::map<std::array<double, 3>, int> ends;
   for (const auto& piece : pieces)
@@ -53,10 +53,10 @@ TEST(PlaneSection, OfAClosedSurfaceIsClosedEvenThroughVertices) {
   EXPECT_FALSE(plane_section(test::make_icosphere(10, 3), 2, 0.0).empty());
   const TriangleMesh box = test::make_box(Vec3(-1, -2, -3), Vec3(4, 5, 6));
   EXPECT_TRUE(is_closed_line(plane_section(box, 2, 6.0)));
-  EXPECT_TRUE(plane_section(box, 2, -3.0).empty());  // All of it lies on or above.
+  EXPECT_TRUE(plane_section(box, 2, -3.0).empty());  // All of it lies in or above the plane.
 }
 
-TEST(PlaneSection, OfATriangleInThePlaneIsNothing) {
+TEST(PlaneSection, OfATriangleInThePlaneIsEmpty) {
   EXPECT_TRUE(plane_section(test::make_sheet(10, 2), 2, 0.0).empty());
 }
 

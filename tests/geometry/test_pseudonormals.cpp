@@ -7,8 +7,9 @@
 namespace lefort::geometry {
 namespace {
 
-TEST(Pseudonormals, CornersOfABoxPointAlongTheDiagonalHoweverTheFacesAreCut) {
-  // Corners 0 and 7 have one, two and two triangles on their faces; angles make up for it.
+TEST(Pseudonormals, CornersOfABoxPointAlongTheDiagonalForAnyTriangulationOfTheFaces) {
+  // Corners 0 and 7 have one, two and two triangles on their faces; weighting by angles
+  // compensates.
   const TriangleMesh box = test::make_box(Vec3(-1, -1, -1), Vec3(1, 1, 1));
   const Pseudonormals normals(box);
   for (std::size_t v = 0; v < box.vertices.size(); ++v)
@@ -18,27 +19,27 @@ TEST(Pseudonormals, CornersOfABoxPointAlongTheDiagonalHoweverTheFacesAreCut) {
 TEST(Pseudonormals, EdgesSumTheNormalsOfTheirFaces) {
   const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(1, 1, 1));
   const Pseudonormals normals(box);
-  int rims = 0;  // Each seen from both sides.
+  int box_edges = 0;  // Each counted from both sides.
   for (Index t = 0; t < box.triangle_count(); ++t)
     for (const Feature edge : {Feature::kEdge0, Feature::kEdge1, Feature::kEdge2}) {
       const double squared = normals.at(box, t, edge).squaredNorm();
       EXPECT_TRUE(std::abs(squared - 2.0) < 1e-12 || std::abs(squared - 4.0) < 1e-12);
-      if (std::abs(squared - 2.0) < 1e-12) ++rims;
+      if (std::abs(squared - 2.0) < 1e-12) ++box_edges;
     }
-  EXPECT_EQ(rims, 24);
+  EXPECT_EQ(box_edges, 24);
 }
 
-TEST(Pseudonormals, FeaturesOfATriangleAreLookedUpByItsOwnNumbers) {
+TEST(Pseudonormals, FeaturesOfATriangleUseTheNumbersOfThatTriangle) {
   const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(1, 1, 1));
   const Pseudonormals normals(box);
-  // Triangle 0 is (0, 2, 3) in the face z = 0; its edge 0 lies on the rim with x = 0.
+  // Triangle 0 is (0, 2, 3) in the face z = 0; its edge 0 lies on the edge with x = 0.
   EXPECT_EQ(normals.at(box, 0, Feature::kFace), Vec3(0, 0, -1));
   EXPECT_EQ(normals.at(box, 0, Feature::kEdge0), Vec3(-1, 0, -1));
   EXPECT_EQ(normals.at(box, 0, Feature::kEdge2), Vec3(0, 0, -2));
   EXPECT_LT((normals.at(box, 0, Feature::kVertex2) - Vec3(1, 1, -1).normalized()).norm(), 1e-14);
 }
 
-TEST(Pseudonormals, ACapOnASharpEdgeStandsForTheFaceBeyond) {
+TEST(Pseudonormals, ACapOnASharpEdgeTakesTheNormalBeyondIt) {
   const TriangleMesh box = test::make_box(Vec3(0, 0, 0), Vec3(1, 1, 1));
   const TriangleMesh capped = test::with_cap(box, 0, 0);  // On the rim x = z = 0.
   const Pseudonormals normals(capped);
@@ -61,7 +62,7 @@ TEST(Pseudonormals, DegenerateTrianglesAloneGiveZeroNotNan) {
       EXPECT_TRUE(normals.at(line, t, Feature(feature)).isZero());
 }
 
-TEST(Pseudonormals, TurnWithTheSurface) {
+TEST(Pseudonormals, RotateWithTheSurface) {
   const TriangleMesh spike = test::make_spike(1, 4, 7);
   const RigidTransform X(Eigen::Translation3d(5, -3, 2) *
                          Eigen::AngleAxisd(1.1, Vec3(1, 2, 3).normalized()));

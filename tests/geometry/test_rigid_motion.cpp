@@ -15,12 +15,12 @@ RigidTransform some_pose(const Vec3& rotation_rad) {
   return rigid_motion(kShift, rotation_rad, kCenter);
 }
 
-TEST(RigidMotion, ShiftsTheCenterByTheTranslationWhateverTheRotation) {
+TEST(RigidMotion, MovesTheCenterByTheTranslationForAnyRotation) {
   const RigidTransform X_LB = some_pose({0.2, -0.4, 0.9});
   EXPECT_LT((X_LB * kCenter - (kCenter + kShift)).norm(), 1e-13);
 }
 
-TEST(RigidMotion, TurnsCounterClockwiseSeenFromTheTipOfTheAxis) {
+TEST(RigidMotion, RotatesCounterClockwiseSeenFromTheTipOfTheAxis) {
   const double quarter = std::numbers::pi / 2.0;
   const RigidTransform X_LB = rigid_motion(Vec3::Zero(), {0.0, 0.0, quarter}, {1.0, 0.0, 0.0});
   EXPECT_LT((X_LB * Vec3(2.0, 0.0, 5.0) - Vec3(1.0, 1.0, 5.0)).norm(), 1e-15);
@@ -32,13 +32,13 @@ TEST(RigidMotion, KeepsLengthsAndHandedness) {
   EXPECT_NEAR(R.determinant(), 1.0, 1e-14);
 }
 
-TEST(RigidMotion, WithoutRotationIsExactlyAShift) {
+TEST(RigidMotion, WithoutRotationIsExactlyATranslation) {
   const RigidTransform X_LB = some_pose(Vec3::Zero());
   EXPECT_TRUE(X_LB.linear() == Mat3::Identity());
   EXPECT_LT((X_LB.translation() - kShift).norm(), 1e-14);
 }
 
-TEST(RotationVector, UndoesTheRotationFromTinyAnglesToNearlyHalfATurn) {
+TEST(RotationVector, UndoesTheRotationFromTinyAnglesToNearlyPi) {
   const Vec3 axis = Vec3(1.0, -2.0, 0.5).normalized();
   for (const double angle_rad : {0.0, 1e-12, 1e-7, 0.1, 1.5, 3.0, 3.1415}) {
     const Vec3 found = rotation_vector(some_pose(angle_rad * axis).linear());
@@ -51,14 +51,14 @@ TEST(RotationVector, TakesTheSmallerAngle) {
   EXPECT_LT((found - Vec3(0.0, 0.0, -0.5 * std::numbers::pi)).norm(), 1e-14);
 }
 
-TEST(InterpolatePose, MeetsBothEnds) {
+TEST(InterpolatePose, IsExactAtBothEnds) {
   const RigidTransform from = some_pose({0.1, 0.7, 0.0});
   const RigidTransform to = rigid_motion({4.0, 4.0, 0.0}, {-0.5, 0.0, 1.0}, {9.0, 9.0, 9.0});
   EXPECT_LT((interpolate_pose(from, to, 0.0, kCenter).matrix() - from.matrix()).norm(), 1e-13);
   EXPECT_LT((interpolate_pose(from, to, 1.0, kCenter).matrix() - to.matrix()).norm(), 1e-13);
 }
 
-TEST(InterpolatePose, MovesTheCenterStraightAndSteadily) {
+TEST(InterpolatePose, MovesTheCenterStraightAtConstantSpeed) {
   const RigidTransform from = some_pose({0.1, 0.7, 0.0});
   const RigidTransform to = rigid_motion({4.0, 4.0, 0.0}, {-0.5, 0.0, 1.0}, {9.0, 9.0, 9.0});
   for (const double fraction : {0.25, 0.5, 0.8}) {
@@ -67,7 +67,7 @@ TEST(InterpolatePose, MovesTheCenterStraightAndSteadily) {
   }
 }
 
-TEST(InterpolatePose, TurnsSteadilyAboutOneAxis) {
+TEST(InterpolatePose, RotatesAtAConstantRateAboutOneAxis) {
   const Vec3 axis = Vec3(2.0, 1.0, 1.0).normalized();
   const RigidTransform from = some_pose(0.3 * axis);
   const RigidTransform to = some_pose(1.1 * axis);
@@ -75,7 +75,7 @@ TEST(InterpolatePose, TurnsSteadilyAboutOneAxis) {
   EXPECT_LT((half - 0.7 * axis).norm(), 1e-14);
 }
 
-TEST(InterpolatePose, DoesNotDependOnTheFrameItIsSeenIn) {
+TEST(InterpolatePose, DoesNotDependOnTheFrame) {
   const RigidTransform from = some_pose({0.1, 0.7, 0.0});
   const RigidTransform to = some_pose({-0.4, 0.2, 0.6});
   const RigidTransform X_ML = rigid_motion({10.0, 0.0, -3.0}, {0.0, 1.0, 0.4}, Vec3::Zero());
@@ -84,12 +84,13 @@ TEST(InterpolatePose, DoesNotDependOnTheFrameItIsSeenIn) {
   EXPECT_LT((in_M.matrix() - (X_ML * in_L).matrix()).norm(), 1e-13);
 }
 
-TEST(InterpolateScrew, MeetsBothEndsAndAScrewInClosedForm) {
+TEST(InterpolateScrew, IsExactAtBothEndsAndForAScrewInClosedForm) {
   const RigidTransform from = rigid_motion({1, 2, 3}, {0.3, -0.2, 0.1}, {4, 5, 6});
   const RigidTransform to = rigid_motion({-5, 8, 1}, {-0.8, 0.5, 1.1}, {-2, 0, 7});
   EXPECT_LT((interpolate_screw(from, to, 0.0).matrix() - from.matrix()).norm(), 1e-12);
   EXPECT_LT((interpolate_screw(from, to, 1.0).matrix() - to.matrix()).norm(), 1e-12);
-  // A quarter turn about the line x = 10, y = 0 along z, gliding 8 mm: half-way is an eighth, 4 mm.
+  // A rotation by 90 deg about the line x = 10, y = 0 along z, with 8 mm along it: half of it is 45
+  // deg and 4 mm.
   const RigidTransform whole = rigid_motion({0, 0, 8}, {0, 0, std::acos(0.0)}, {10, 0, 0});
   const RigidTransform half = rigid_motion({0, 0, 4}, {0, 0, 0.5 * std::acos(0.0)}, {10, 0, 0});
   EXPECT_LT(
@@ -105,7 +106,7 @@ TEST(InterpolateScrew, IsTheSameMotionRepeated) {
   EXPECT_LT((made.matrix() - to.matrix()).norm(), 1e-12);
 }
 
-TEST(InterpolateScrew, ATinyTurnIsAsExactAsNone) {
+TEST(InterpolateScrew, IsAsExactForATinyRotationAsForNone) {
   const RigidTransform from = RigidTransform::Identity();
   const RigidTransform shift = rigid_motion({0, -6, 1}, Vec3::Zero(), Vec3::Zero());
   const RigidTransform turned = rigid_motion({0, -6, 1}, {1e-9, 0, 0}, Vec3::Zero());

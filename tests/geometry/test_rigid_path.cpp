@@ -13,7 +13,7 @@
 namespace lefort::geometry {
 namespace {
 
-/// Forward, then down with a turn about the first molar.
+/// Forward, then down with a rotation about the first molar.
 RigidPath two_leg_path() {
   return {.segment = "midface",
           .keyframes = {{.at = 0.4, .translation_mm = {0.0, -6.0, 0.0}},
@@ -28,22 +28,22 @@ RigidTransform pose_of(const Keyframe& key) {
   return rigid_motion(key.translation_mm, key.rotation_rad, key.center_L);
 }
 
-TEST(RigidPath, StartsAtRestExactly) {
+TEST(RigidPath, StartsExactlyAtTheScannedPose) {
   EXPECT_TRUE(pose_at(two_leg_path(), 0.0).matrix() == Eigen::Matrix4d::Identity());
 }
 
-TEST(RigidPath, MeetsEachKeyframeExactly) {
+TEST(RigidPath, IsExactAtEachKeyframe) {
   const RigidPath path = two_leg_path();
   for (const Keyframe& key : path.keyframes)
     EXPECT_TRUE(pose_at(path, key.at).matrix() == pose_of(key).matrix());
 }
 
-TEST(RigidPath, AShiftIsDoneInProportionToTheShare) {
+TEST(RigidPath, ATranslationIsProportionalToTheFraction) {
   const Vec3 p_B(3.0, -50.0, 7.0);
   EXPECT_LT((pose_at(two_leg_path(), 0.1) * p_B - (p_B + Vec3(0.0, -1.5, 0.0))).norm(), 1e-13);
 }
 
-TEST(RigidPath, MovesTheLaterCenterStraightWhileItTurns) {
+TEST(RigidPath, MovesTheLaterCenterStraightDuringRotation) {
   const RigidPath path = two_leg_path();
   const Vec3 center_B = path.keyframes[1].center_L;
   const RigidTransform half_way = pose_at(path, 0.7);
@@ -57,7 +57,7 @@ TEST(RigidPath, IsContinuousAcrossAKeyframe) {
   EXPECT_LT((pose_at(path, before).matrix() - pose_at(path, after).matrix()).norm(), 1e-12);
 }
 
-TEST(RigidPath, LargestDisplacementIsThatOfTheFarthestPoint) {
+TEST(RigidPath, MaxDisplacementIsThatOfTheFarthestPoint) {
   RigidPath path{.segment = "midface", .keyframes = {{.at = 1.0, .rotation_rad = {0.0, 0.0, 0.5}}}};
   const std::array<Vec3, 3> points_B{Vec3(1.0, 0.0, 0.0), Vec3(0.0, 8.0, 3.0), Vec3(2.0, 2.0, 0.0)};
   // A chord of the circle of radius 8 over a quarter of the angle.
@@ -65,9 +65,9 @@ TEST(RigidPath, LargestDisplacementIsThatOfTheFarthestPoint) {
   EXPECT_EQ(max_displacement_mm(path, {}, 0.0, 1.0), 0.0);
 }
 
-TEST(CheckPath, AcceptsASoundPath) { EXPECT_TRUE(check_path(two_leg_path())); }
+TEST(CheckPath, AcceptsAValidPath) { EXPECT_TRUE(check_path(two_leg_path())); }
 
-TEST(CheckPath, RefusesWhatCannotBeFollowedAndNamesIt) {
+TEST(CheckPath, RejectsInvalidPathsAndNamesTheValue) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   struct Case {
     std::function<void(RigidPath&)> spoil;
@@ -84,7 +84,7 @@ TEST(CheckPath, RefusesWhatCannotBeFollowedAndNamesIt) {
        {[](RigidPath& p) { p.keyframes[1].at = 0.9; }, "last keyframe is at 0.9"},
        {[](RigidPath& p) { p.keyframes[0].translation_mm.y() = kNan; },
         "keyframe 0: its translation"},
-       {[](RigidPath& p) { p.keyframes[1].center_L.x() = kNan; }, "keyframe 1: its centre"},
+       {[](RigidPath& p) { p.keyframes[1].center_L.x() = kNan; }, "keyframe 1: its center"},
        {[](RigidPath& p) { p.keyframes[1].rotation_rad.z() = 3.2; }, "half a turn"}}};
   for (const Case& c : cases) {
     RigidPath path = two_leg_path();
@@ -97,8 +97,8 @@ TEST(CheckPath, RefusesWhatCannotBeFollowedAndNamesIt) {
   }
 }
 
-/// Each keyframe is below half a turn, the way between them is not.
-TEST(RigidPath, RefusesHalfATurnBetweenKeyframes) {
+/// Each keyframe rotates by less than pi, the motion between them by more.
+TEST(RigidPath, RejectsARotationByPiBetweenKeyframes) {
   RigidPath path = two_leg_path();
   path.keyframes[0].rotation_rad = {0.0, 0.0, 1.6};
   path.keyframes[1].rotation_rad = {0.0, 0.0, 1.6 - std::numbers::pi};
@@ -107,7 +107,7 @@ TEST(RigidPath, RefusesHalfATurnBetweenKeyframes) {
   EXPECT_NE(refused.error().message.find("keyframe 1: half a turn"), std::string::npos)
       << refused.error().message;
   path.keyframes[1].rotation_rad.z() += 0.01;
-  EXPECT_TRUE(check_path(path)) << "shorter one way round";
+  EXPECT_TRUE(check_path(path)) << "the other direction is shorter";
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ double roughness_mm(const TriangleMesh& mesh) {
   return std::sqrt(sum / double(mesh.vertices.size()));
 }
 
-TEST(SmoothSurface, TakesRoughnessAwayAndKeepsTheVolume) {
+TEST(SmoothSurface, RemovesRoughnessAndKeepsTheVolume) {
   const TriangleMesh rough = rough_sphere();
   const TriangleMesh smooth = smooth_surface(rough, {.passes = 10});
   EXPECT_LT(roughness_mm(smooth), 0.35 * roughness_mm(rough));
@@ -35,14 +35,14 @@ TEST(SmoothSurface, TakesRoughnessAwayAndKeepsTheVolume) {
   EXPECT_EQ(smooth.triangles, rough.triangles);
 }
 
-/// The mean of neighbors alone would take 2 % off the volume by now.
-TEST(SmoothSurface, DoesNotShrinkWhatIsSmooth) {
+/// Averaging alone would reduce the volume by 2 %.
+TEST(SmoothSurface, DoesNotShrinkSmoothSurfaces) {
   const TriangleMesh sphere = test::make_icosphere(30.0, 4);
   const TriangleMesh smooth = smooth_surface(sphere, {.passes = 50});
   EXPECT_NEAR(signed_volume_mm3(smooth) / signed_volume_mm3(sphere), 1.0, 2e-3);
 }
 
-TEST(SmoothSurface, NoVertexGoesFurtherThanAllowed) {
+TEST(SmoothSurface, NoVertexMovesFurtherThanTheLimit) {
   const TriangleMesh box = test::make_box({0, 0, 0}, {10, 10, 1});
   const TriangleMesh smooth = smooth_surface(box, {.passes = 100, .max_mm = 0.2});
   double furthest_mm = 0.0;
@@ -52,7 +52,7 @@ TEST(SmoothSurface, NoVertexGoesFurtherThanAllowed) {
   EXPECT_GT(furthest_mm, 0.19);
 }
 
-TEST(SmoothSurface, OpenEdgesStay) {
+TEST(SmoothSurface, BoundaryEdgesDoNotMove) {
   TriangleMesh sheet = test::make_sheet(10.0, 10);
   for (Vec3& v : sheet.vertices) v.z() = 0.3 * std::sin(7.0 * v.x() + 3.0 * v.y());
   const TriangleMesh smooth = smooth_surface(sheet);

@@ -1,5 +1,5 @@
 /// \file
-/// The pseudonormal's sign where surfaces touch themselves: vertices with several fans of
+/// The sign of the pseudonormal where surfaces touch themselves: vertices with several fans of
 /// triangles, edges with four triangles.
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/mesh_properties.h>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kSide = 3;
 
-/// Which cubes of a grid of kSide^3 are filled; none beyond it.
+/// Which cubes of a grid of kSide^3 are filled; cubes outside it are empty.
 struct Blocks {
   std::vector<bool> filled;
 
@@ -28,7 +28,7 @@ struct Blocks {
   }
 };
 
-/// The surface between filled and empty cubes, whose corners touch in every way there is.
+/// The surface between filled and empty cubes; its corners touch in all possible ways.
 TriangleMesh surface_of(const Blocks& blocks) {
   TriangleMesh mesh;
   for (int z = -1; z <= kSide; ++z)
@@ -62,7 +62,7 @@ Blocks random_blocks(std::mt19937& random) {
   return blocks;
 }
 
-TEST(TouchingSurfaces, BlocksThatMeetAtCornersAndEdgesHaveTheirInside) {
+TEST(TouchingSurfaces, SignsAreRightForBlocksThatTouchAtCornersAndEdges) {
   int off_face = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
     std::mt19937 random(seed);
@@ -71,7 +71,7 @@ TEST(TouchingSurfaces, BlocksThatMeetAtCornersAndEdgesHaveTheirInside) {
     const Bvh bvh(surface_of(blocks));
     for (int n = 0; n < 500; ++n) {
       Vec3 p(in(random), in(random), in(random));
-      // Every other point on planes of symmetry, where several features are equally near.
+      // Half of the points lie on planes of symmetry, where several features are equally close.
       if (n % 2 == 0) p = (p * 4.0).array().floor() / 4.0 + 0.125;
       const SignedDistance found = bvh.signed_distance(p);
       off_face += found.nearest.feature != Feature::kFace ? 1 : 0;
@@ -83,7 +83,7 @@ TEST(TouchingSurfaces, BlocksThatMeetAtCornersAndEdgesHaveTheirInside) {
   EXPECT_GT(off_face, 10'000);
 }
 
-TEST(TouchingSurfaces, SoDoBentBlocks) {
+TEST(TouchingSurfaces, SignsAreRightForBentBlocks) {
   int off_face = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
     std::mt19937 random(seed);

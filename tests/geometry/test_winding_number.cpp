@@ -1,15 +1,15 @@
 #include <lefort/geometry/winding_number.h>
 
-#include "support/shapes.h"
-
 #include <gtest/gtest.h>
 
 #include <utility>
 
+#include "support/shapes.h"
+
 namespace lefort::geometry {
 namespace {
 
-TEST(WindingNumber, IsOneInsideAndNoneOutside) {
+TEST(WindingNumber, IsOneInsideAndZeroOutside) {
   const TriangleMesh ball = test::make_icosphere(10.0, 2);
   EXPECT_NEAR(winding_number(ball, {1.0, -2.0, 3.0}), 1.0, 1e-12);
   EXPECT_NEAR(winding_number(ball, {11.0, 0.0, 0.0}), 0.0, 1e-12);
@@ -24,7 +24,7 @@ TEST(WindingNumber, CountsShellsAndTheirOrientation) {
 }
 
 TEST(WindingNumber, OfOneTriangleIsItsSolidAngle) {
-  // An octant's triangle seen from the origin fills an eighth of the sphere.
+  // A triangle of an octant, seen from the origin, covers an eighth of the sphere.
   TriangleMesh octant;
   octant.vertices = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   octant.triangles = {{0, 1, 2}};

@@ -33,7 +33,7 @@ TEST(CheckGrid, AcceptsAnObliqueGridAndOneRoundedByAFile) {
   EXPECT_EQ(complaint(grid), "");
 }
 
-TEST(CheckGrid, RefusesSizesThatAreEmptyNegativeOrOverflow) {
+TEST(CheckGrid, RejectsSizesThatAreEmptyNegativeOrOverflow) {
   for (const Index n : {Index{0}, Index{-4}, Index{1} << 40, std::numeric_limits<Index>::max()}) {
     Grid grid = oblique_grid();
     grid.size[1] = n;
@@ -48,7 +48,7 @@ TEST(CheckGrid, RefusesSizesThatAreEmptyNegativeOrOverflow) {
   EXPECT_NE(complaint(grid), "");
 }
 
-TEST(CheckGrid, RefusesSpacingsThatAreNoLengths) {
+TEST(CheckGrid, RejectsSpacingsThatAreNotPositiveLengths) {
   for (const double spacing_mm : {0.0, -1.0, kNan, kInfinity, 1e-9, 1e9}) {
     Grid grid = oblique_grid();
     grid.spacing_mm.z() = spacing_mm;
@@ -56,7 +56,7 @@ TEST(CheckGrid, RefusesSpacingsThatAreNoLengths) {
   }
 }
 
-TEST(CheckGrid, RefusesAnOriginNowhere) {
+TEST(CheckGrid, RejectsAnOriginThatIsNotFiniteOrTooFar) {
   for (const double x_mm : {kNan, -kInfinity, 1e30}) {
     Grid grid = oblique_grid();
     grid.origin_L.y() = x_mm;
@@ -64,7 +64,7 @@ TEST(CheckGrid, RefusesAnOriginNowhere) {
   }
 }
 
-TEST(CheckGrid, RefusesAxesThatAreShearedScaledMirroredOrNoNumbers) {
+TEST(CheckGrid, RejectsAxesThatAreShearedScaledMirroredOrNotFinite) {
   Grid sheared = oblique_grid();
   sheared.direction.col(2) =
       (sheared.direction.col(2) + 0.2 * sheared.direction.col(1)).normalized();

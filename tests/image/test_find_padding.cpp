@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kTissueHu = -300.0;
 
-/// Slices of a round head of 60 mm, its skin blurred over 3 mm, in a round field of view around
-/// which all voxels are `padding_hu`. Air is not quite constant, as in a scan.
+/// Slices of a round head of 60 mm with a skin blurred over 3 mm, in a circular field of view
+/// outside which all voxels are `padding_hu`. Air is not constant, as in a scan.
 CtVolume round_scan(double view_mm, std::int16_t padding_hu, double head_mm = 60.0) {
   CtVolume ct{{.size = {141, 141, 5}, .spacing_mm = {1.0, 1.0, 2.0}, .origin_L = {-70, -70, 0}},
               {}};
@@ -40,16 +40,16 @@ TEST(FindPadding, AFieldOfViewWithinTheHeadCutsItAllAround) {
   for (const std::int16_t hu : {std::int16_t(-2000), std::int16_t(-1024), std::int16_t(-1000)}) {
     const Padding padding = find_padding(round_scan(50.0, hu), kTissueHu);
     EXPECT_EQ(padding.hu, hu);
-    // Seen from four sides, a circle is as wide as its diameter; 10 mm of height.
+    // The projected width of a circle along each axis is its diameter; the height is 10 mm.
     EXPECT_NEAR(padding.cut_mm2, 4.0 * 101.0 * 10.0, 1.0);
   }
 }
 
 TEST(FindPadding, AScanWithoutPaddingHasNone) {
   CtVolume ct = round_scan(200.0, 0);
-  EXPECT_LT(find_padding(ct, kTissueHu).fraction, 0.02);  // Of the grid's faces only.
+  EXPECT_LT(find_padding(ct, kTissueHu).fraction, 0.02);  // Only at the faces of the grid.
   EXPECT_EQ(find_padding(ct, kTissueHu).cut_mm2, 0.0);
-  // A head that fills the grid is cut off by the grid, which everybody sees.
+  // A head that fills the grid is truncated by the grid, not by padding.
   ct = round_scan(200.0, 0, 150.0);
   EXPECT_EQ(find_padding(ct, kTissueHu).cut_mm2, 0.0);
   EXPECT_EQ(find_padding({}, kTissueHu).fraction, 0.0);

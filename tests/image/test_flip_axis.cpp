@@ -17,7 +17,7 @@ Volume<int> numbered_volume() {
   return volume;
 }
 
-TEST(FlipAxis, LeavesEveryValueAtItsPlaceAndChangesTheHand) {
+TEST(FlipAxis, KeepsEveryValueAtItsPointAndChangesHandedness) {
   const Volume<int> before = numbered_volume();
   for (int axis = 0; axis < 3; ++axis) {
     Volume<int> after = before;
@@ -34,7 +34,7 @@ TEST(FlipAxis, LeavesEveryValueAtItsPlaceAndChangesTheHand) {
   }
 }
 
-TEST(FlipAxis, TwiceIsNothing) {
+TEST(FlipAxis, TwiceIsTheIdentity) {
   for (int axis = 0; axis < 3; ++axis) {
     Volume<int> volume = numbered_volume();
     flip_axis(volume, axis);

@@ -30,7 +30,7 @@ Volume<T> sampled(const Grid& grid, const Function& f_L) {
   return volume;
 }
 
-/// Points among the outermost voxel centers.
+/// Points between the outermost voxel centers.
 std::vector<Vec3> points_within(const Grid& grid, int count) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> fraction(0.0, 1.0);
@@ -75,7 +75,7 @@ TEST(Interpolate, GradientIsTheDerivativeOfTheValueInsideACell) {
   for (const Vec3& p_L : points_within(volume.grid, 500)) {
     const Vec3 p_V = volume.grid.index_V(p_L);
     const Vec3 to_plane = (p_V - p_V.array().round().matrix()).cwiseAbs();
-    if (to_plane.minCoeff() < 1e-3) continue;  // There it jumps.
+    if (to_plane.minCoeff() < 1e-3) continue;  // The gradient is discontinuous there.
     Vec3 differences;
     for (int a = 0; a < 3; ++a)
       differences[a] = (interpolate(volume, p_L + h * Vec3::Unit(a), kOutside) -
@@ -106,7 +106,7 @@ TEST(Interpolate, ABorderVoxelReachesHalfASpacingFurtherAndNoMore) {
   }
 }
 
-TEST(Interpolate, KnowsNoValueAtPointsThatAreNoNumbersOrFarAway) {
+TEST(Interpolate, HasNoValueAtPointsThatAreNotFiniteOrFarAway) {
   const auto volume = sampled<float>(oblique_grid(), [](const Vec3&) { return 1.0; });
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(interpolate(volume, Vec3(nan, 0.0, 0.0), kOutside), kOutside);
@@ -114,7 +114,7 @@ TEST(Interpolate, KnowsNoValueAtPointsThatAreNoNumbersOrFarAway) {
   EXPECT_EQ(interpolate_gradient(volume, Vec3(0.0, nan, 0.0)), Vec3::Zero());
 }
 
-TEST(Interpolate, ManagesASingleVoxelAndAnEmptyVolume) {
+TEST(Interpolate, AcceptsASingleVoxelAndAnEmptyVolume) {
   const Volume<std::uint8_t> one{{.size = {1, 1, 1}}, {200}};
   EXPECT_EQ(interpolate(one, Vec3(0.4, -0.4, 0.3), kOutside), 200.0);
   EXPECT_EQ(interpolate_gradient(one, Vec3(0.4, -0.4, 0.3)), Vec3::Zero());

@@ -8,7 +8,7 @@
 namespace lefort::image {
 namespace {
 
-/// Smooth over a few pixels, and not symmetric in any way.
+/// Smooth over a few pixels, and without any symmetry.
 double field_at(const Vec3& p) {
   return 300.0 * std::sin(0.25 * p.x()) + 200.0 * std::cos(0.2 * p.y() + 0.1 * p.x()) +
          10.0 * p.z();
@@ -37,7 +37,7 @@ Slices slices_at(const Mat3& direction, const std::vector<Vec3>& origins_L) {
   return slices;
 }
 
-/// The largest error where all slices show something, at least two pixels from their edges.
+/// Max error where all slices have values, at least two pixels from their borders.
 double error_within(const CtVolume& straight, const Slices& slices) {
   double maximum = 0.0;
   const Grid& grid = straight.grid;
@@ -66,14 +66,14 @@ TEST(ResampleGantryTilt, AShearedStackStaysWhereItIsInThePatient) {
   const Grid grid = straight_grid(slices.ct.grid, origins_L, normal.dot(origins_L[0]), 1.5, 9);
   EXPECT_EQ(grid.size, (std::array<Index, 3>{24 + 2, 20 + 3, 9}));
   const CtVolume straight = resample_gantry_tilt(slices.ct, origins_L, grid, -1024);
-  // Rounding, and cubic convolution of waves of 25 mm.
+  // Tolerance for rounding, and for cubic convolution of waves of 25 mm.
   EXPECT_LT(error_within(straight, slices), 1.5);
-  // The first slice lies at one end of the shear: beyond it nothing is shown.
+  // The first slice is at one end of the shear; the other end has no values.
   EXPECT_EQ(straight.at(0, 22, 0), -1024);
   EXPECT_NE(straight.at(12, 10, 0), -1024);
 }
 
-TEST(ResampleGantryTilt, AWrongSignOfTheShearWouldShow) {
+TEST(ResampleGantryTilt, AWrongSignOfTheShearIsDetected) {
   std::vector<Vec3> origins_L, mirrored;
   for (int k = 0; k < 9; ++k) {
     origins_L.emplace_back(0.0, 0.4 * k, 1.5 * k);
@@ -85,7 +85,7 @@ TEST(ResampleGantryTilt, AWrongSignOfTheShearWouldShow) {
   EXPECT_GT(error_within(straight, slices), 50.0);
 }
 
-TEST(ResampleGantryTilt, UnevenHeightsAreFilledLinearly) {
+TEST(ResampleGantryTilt, UnevenHeightsAreInterpolatedLinearly) {
   std::vector<Vec3> origins_L;
   for (const double z : {0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 9.0}) origins_L.emplace_back(0.0, 0.0, z);
   const Slices slices = slices_at(Mat3::Identity(), origins_L);

@@ -1,12 +1,12 @@
 /// \file
-/// A machine whose memory is used up, for the linear solver alone.
+/// Linear solver options that simulate exhausted memory.
 #pragma once
 
 #include <lefort/linear/linear_solver.h>
 
 namespace lefort::test {
 
-/// No factor fits into this.
+/// No factor fits into this memory.
 [[nodiscard]] inline linear::LinearSolverOptions little_memory() { return {.memory_bytes = 64}; }
 
 }  // namespace lefort::test

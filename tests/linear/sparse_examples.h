@@ -15,7 +15,7 @@
 
 namespace lefort::test {
 
-/// B B^T + shift I, B with about `filled` of its entries.
+/// B B^T + shift I, where B has a fraction `filled` of nonzero entries.
 [[nodiscard]] inline Eigen::MatrixXd random_positive_definite(Index size, double filled,
                                                               double shift, unsigned seed) {
   RandomDeformation random(seed);
@@ -26,7 +26,7 @@ namespace lefort::test {
   return B * B.transpose() + shift * Eigen::MatrixXd::Identity(size, size);
 }
 
-/// The lower triangle, its diagonal whole.
+/// The lower triangle with the whole diagonal.
 [[nodiscard]] inline linear::SparseMatrix lower_triangle(const Eigen::MatrixXd& A) {
   linear::SparseMatrix L(A.rows(), A.cols());
   for (Index j = 0; j < A.cols(); ++j)
@@ -36,7 +36,8 @@ namespace lefort::test {
   return L;
 }
 
-/// The stiffness at rest of a cube of so many cells along a side, one side of which is held.
+/// Stiffness matrix of a cube in the reference configuration, `cells` cells per edge, one face
+/// fixed.
 [[nodiscard]] inline linear::SparseMatrix block_stiffness(
     int cells, double poisson, mesh::ElementShape shape = mesh::ElementShape::kTet4) {
   mesh::VolumeMesh mesh = box_mesh({.cells = {cells, cells, cells}, .shape = shape});

@@ -18,7 +18,7 @@ Matrix random_matrix(Index rows, Index columns, unsigned seed) {
   return Matrix::NullaryExpr(rows, columns, [&] { return random.number(); });
 }
 
-/// A positive definite matrix, its upper triangle filled with what nobody may read.
+/// A positive definite matrix whose upper triangle has values that must not be read.
 Matrix lower_only(Index rows, unsigned seed) {
   const Matrix B = random_matrix(rows, rows, seed);
   Matrix A = B * B.transpose() + Matrix::Identity(rows, rows);
@@ -37,7 +37,7 @@ std::vector<TileSimd> sets_of_this_processor() {
 
 const std::vector<int> kSizes{8, 16, 24, 40, 64, kTile};
 
-TEST(DenseTiles, ProductsAreThoseOfMatrices) {
+TEST(DenseKernels, ProductsMatchEigen) {
   for (const TileSimd simd : sets_of_this_processor()) {
     const TileKernels& kernels = tile_kernels(simd);
     for (const int rows : kSizes)
@@ -54,7 +54,7 @@ TEST(DenseTiles, ProductsAreThoseOfMatrices) {
   }
 }
 
-TEST(DenseTiles, SquaresAreRightInTheLowerTriangle) {
+TEST(DenseKernels, SquaresAreValidInTheLowerTriangle) {
   for (const TileSimd simd : sets_of_this_processor()) {
     const TileKernels& kernels = tile_kernels(simd);
     for (const int rows : kSizes)
@@ -69,7 +69,7 @@ TEST(DenseTiles, SquaresAreRightInTheLowerTriangle) {
   }
 }
 
-TEST(DenseTiles, AFactorTimesItselfIsTheMatrix) {
+TEST(DenseKernels, AFactorTimesItselfIsTheMatrix) {
   for (const TileSimd simd : sets_of_this_processor())
     for (const int rows : kSizes) {
       const Matrix A = lower_only(rows, 4);
@@ -80,7 +80,7 @@ TEST(DenseTiles, AFactorTimesItselfIsTheMatrix) {
     }
 }
 
-TEST(DenseTiles, APivotThatIsNotPositiveIsTold) {
+TEST(DenseKernels, ReportsAPivotThatIsNotPositive) {
   for (const TileSimd simd : sets_of_this_processor())
     for (const double pivot : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
       for (const int at : {0, 5, 30, 63}) {
@@ -90,7 +90,7 @@ TEST(DenseTiles, APivotThatIsNotPositiveIsTold) {
       }
 }
 
-TEST(DenseTiles, DivisionAndSubstitutionUndoTheFactor) {
+TEST(DenseKernels, DivisionAndSubstitutionUndoTheFactor) {
   for (const TileSimd simd : sets_of_this_processor()) {
     const TileKernels& kernels = tile_kernels(simd);
     for (const int size : kSizes) {
@@ -115,7 +115,7 @@ TEST(DenseTiles, DivisionAndSubstitutionUndoTheFactor) {
   }
 }
 
-TEST(DenseTiles, ProductsWithVectorsAreThoseOfMatrices) {
+TEST(DenseKernels, ProductsWithVectorsMatchEigen) {
   for (const TileSimd simd : sets_of_this_processor())
     for (const int rows : kSizes)
       for (const int columns : kSizes) {
@@ -130,7 +130,7 @@ TEST(DenseTiles, ProductsWithVectorsAreThoseOfMatrices) {
       }
 }
 
-TEST(DenseTiles, WiderRegistersGiveTheSameBits) {
+TEST(DenseKernels, WiderRegistersGiveTheSameBits) {
   if (best_tile_simd() != TileSimd::kAvx512) GTEST_SKIP() << "this processor has no AVX-512";
   const TileKernels &narrow = tile_kernels(TileSimd::kAvx2),
                     &wide = tile_kernels(TileSimd::kAvx512);
@@ -168,17 +168,17 @@ TEST(DenseTiles, WiderRegistersGiveTheSameBits) {
   }
 }
 
-TEST(TileLayout, TilesStandOneAfterTheOther) {
+TEST(TileLayout, TilesAreContiguous) {
   for (const int own : {8, kTile, kTile + 8, 3 * kTile})
     for (const int below : {0, 8, kTile, 2 * kTile + 16}) {
       const TileLayout layout(own, below);
       std::int64_t next = 0;
       for (int j = 0; j < layout.own_tiles(); ++j)
         for (int i = j; i < layout.all_tiles(); ++i) {
-          EXPECT_EQ(layout.place(i, j), next);
+          EXPECT_EQ(layout.offset(i, j), next);
           next += std::int64_t(layout.size(i)) * layout.size(j);
         }
-      EXPECT_EQ(layout.numbers(), next);
+      EXPECT_EQ(layout.entry_count(), next);
       for (int row = 0; row < layout.rows(); ++row) {
         const int t = layout.tile_of(row);
         EXPECT_GE(row, layout.start(t));

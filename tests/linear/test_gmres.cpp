@@ -12,13 +12,13 @@ namespace {
 
 constexpr Index kSize = 60;
 
-/// Positive definite and an antisymmetric part as large.
+/// A positive definite matrix plus an antisymmetric one of the same size.
 Eigen::MatrixXd unsymmetric(const Eigen::MatrixXd& K) {
   const Eigen::MatrixXd L = K.triangularView<Eigen::StrictlyLower>();
   return K + 3.0 * (L - L.transpose());
 }
 
-TEST(Gmres, SolvesWithoutSymmetryByTheSymmetricPart) {
+TEST(Gmres, SolvesANonsymmetricSystemWithItsSymmetricPartAsPreconditioner) {
   const Eigen::MatrixXd K = test::random_positive_definite(kSize, 0.04, 0.1, 1);
   const Eigen::MatrixXd A = unsymmetric(K);
   const Eigen::LLT<Eigen::MatrixXd> factor(K);
@@ -46,7 +46,7 @@ TEST(Gmres, SolvesWithoutSymmetryByTheSymmetricPart) {
   EXPECT_EQ(solve(1e-12, few)->x, rough->x);
 }
 
-TEST(Gmres, NothingIsSolvedByNothingAndFailuresAreHandedOn) {
+TEST(Gmres, AZeroRightSideGivesZeroAndFailuresAreReturned) {
   const auto same = [](const VectorX& x) { return x; };
   const auto fails = [](const VectorX&) { return std::optional<VectorX>(); };
   EXPECT_TRUE(solve_by_gmres(same, fails, VectorX::Zero(3), 1e-6, 5)->x.isZero(0.0));

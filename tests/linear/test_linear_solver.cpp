@@ -23,7 +23,7 @@ SparseMatrix lower(const Eigen::MatrixXd& A) { return test::lower_triangle(A); }
 
 VectorX right_side() { return VectorX::LinSpaced(kSize, -1.0, 2.0); }
 
-TEST(LinearSolver, SolvesLikeADenseFactorization) {
+TEST(LinearSolver, MatchesADenseFactorization) {
   const Eigen::MatrixXd A = example(1);
   LinearSolver solver;
   ASSERT_EQ(solver.factorize(lower(A)), LinearSolveStatus::kDone);
@@ -32,7 +32,7 @@ TEST(LinearSolver, SolvesLikeADenseFactorization) {
   EXPECT_LT((*solver.solve(right_side()) - x).norm(), 1e-11 * x.norm());
 }
 
-TEST(LinearSolver, TakesNewValuesAndNewPatterns) {
+TEST(LinearSolver, AcceptsNewValuesAndNewPatterns) {
   LinearSolver solver;
   for (const unsigned seed : {1U, 2U, 3U}) {
     const Eigen::MatrixXd A = example(seed);
@@ -43,7 +43,7 @@ TEST(LinearSolver, TakesNewValuesAndNewPatterns) {
   }
 }
 
-TEST(LinearSolver, SaysWhenTheMatrixIsNotPositiveDefinite) {
+TEST(LinearSolver, ReportsWhenTheMatrixIsNotPositiveDefinite) {
   const Eigen::MatrixXd A = example(1) - 1.0 * Eigen::MatrixXd::Identity(kSize, kSize);
   LinearSolver solver;
   ASSERT_EQ(solver.factorize(lower(A)), LinearSolveStatus::kNotPositiveDefinite);
@@ -62,25 +62,25 @@ TEST(LinearSolver, ASingularMatrixIsNotPositiveDefinite) {
   sparse.makeCompressed();
   LinearSolver solver;
   EXPECT_EQ(solver.factorize(sparse), LinearSolveStatus::kNotPositiveDefinite);
-  sparse.coeffRef(7, 7) = 1e-18;  // Positive, but nothing beside the others.
+  sparse.coeffRef(7, 7) = 1e-18;  // Positive, but negligible next to the others.
   EXPECT_EQ(solver.factorize(sparse), LinearSolveStatus::kNotPositiveDefinite);
 }
 
-TEST(LinearSolver, RefusesNaN) {
+TEST(LinearSolver, RejectsNaN) {
   Eigen::MatrixXd A = example(1);
   A(5, 5) = std::numeric_limits<double>::quiet_NaN();
   LinearSolver solver;
   EXPECT_EQ(solver.factorize(lower(A)), LinearSolveStatus::kNotFinite);
 }
 
-TEST(LinearSolver, AWrongCallIsABug) {
+TEST(LinearSolver, InvalidCallsThrowLogicErrors) {
   LinearSolver solver;
   EXPECT_EQ(solver.statistics().factor_entries, 0.0);
   EXPECT_THROW((void)solver.solve(right_side()), LogicError);
   EXPECT_THROW((void)solver.factorize(SparseMatrix(2, 3)), LogicError);
 }
 
-TEST(LinearSolver, SaysWhenMemoryRunsOut) {
+TEST(LinearSolver, ReportsExhaustedMemory) {
   LinearSolver solver(test::little_memory());
   EXPECT_EQ(solver.factorize(lower(example(1))), LinearSolveStatus::kOutOfMemory);
   EXPECT_THROW((void)solver.solve(right_side()), LogicError);
@@ -94,7 +94,8 @@ TEST(LinearSolver, CanBeMoved) {
   EXPECT_EQ(second.solve(right_side()).value(), x);
 }
 
-/// A cube of soft tissue and its tangents, at rest and stretched by a part of its length.
+/// A cube of soft tissue and its tangents, in the reference configuration and stretched by a
+/// fraction of its length.
 class Cube {
  public:
   explicit Cube(int cells, double poisson = 0.45) : body_(make_body(cells, poisson)) {}
@@ -129,7 +130,7 @@ VectorX some_forces(Index size) {
   return VectorX::NullaryExpr(size, [&] { return random.number(); });
 }
 
-TEST(LinearSolver, AllKindsFindTheSame) {
+TEST(LinearSolver, AllKindsGiveTheSameSolution) {
   const Cube cube(12);
   LinearSolver direct = cube.solver({.kind = LinearSolverKind::kDirect});
   LinearSolver lagged = cube.solver(kReusedFactor), multigrid = cube.solver(kMultigrid);
@@ -149,7 +150,7 @@ TEST(LinearSolver, AllKindsFindTheSame) {
   EXPECT_GT(multigrid.statistics().iterations, 0);
 }
 
-/// Far away: S A S, with every other row ten times as stiff.
+/// A very different matrix: S A S, with every other row scaled by ten.
 SparseMatrix unevenly_scaled(SparseMatrix A) {
   for (Index j = 0; j < A.cols(); ++j)
     for (SparseMatrix::InnerIterator entry(A, j); entry; ++entry)
@@ -157,16 +158,16 @@ SparseMatrix unevenly_scaled(SparseMatrix A) {
   return A;
 }
 
-TEST(LinearSolver, LaggedKeepsAFactorWhileItServes) {
+TEST(LinearSolver, ReusesAFactorWhileItConvergesFast) {
   const Cube cube(10);
   LinearSolver solver = cube.solver(kReusedFactor);
   const VectorX b = some_forces(cube.tangent(0.0).cols());
   ASSERT_TRUE(solver.solve(cube.tangent(0.0), b).has_value());
-  EXPECT_EQ(solver.statistics().iterations, 0);  // With its own factor there is nothing to iterate.
+  EXPECT_EQ(solver.statistics().iterations, 0);  // Its own factor needs no iterations.
   ASSERT_TRUE(solver.solve(cube.tangent(0.01), b, 1e-4).has_value());
   EXPECT_EQ(solver.statistics().factorizations, 1);
   EXPECT_GT(solver.statistics().iterations, 0);
-  // In the end a new factor serves.
+  // Finally the factor is recomputed.
   const SparseMatrix far = unevenly_scaled(cube.tangent(0.0));
   const auto x = solver.solve(far, b);
   ASSERT_TRUE(x.has_value());
@@ -174,7 +175,7 @@ TEST(LinearSolver, LaggedKeepsAFactorWhileItServes) {
   EXPECT_EQ(solver.statistics().factorizations, 2);
 }
 
-TEST(LinearSolver, MultigridKeepsItsHierarchyWhileItServes) {
+TEST(LinearSolver, ReusesAHierarchyWhileItConvergesFast) {
   const Cube cube(12);
   LinearSolver solver = cube.solver(kMultigrid);
   const VectorX b = some_forces(cube.tangent(0.0).cols());
@@ -188,14 +189,14 @@ TEST(LinearSolver, MultigridKeepsItsHierarchyWhileItServes) {
     EXPECT_LT(residual(cube.tangent(stretch)), 1.01e-8);
   EXPECT_EQ(solver.statistics().factorizations, 1);
   EXPECT_LT(solver.statistics().iterations, 5 * iterations);
-  // Far away the old one still leads to the solution, but slowly: the next time there is a new one.
+  // For a very different matrix the old hierarchy converges slowly, so the next solve rebuilds it.
   const SparseMatrix far = unevenly_scaled(cube.tangent(0.0));
   EXPECT_LT(residual(far), 1.01e-8);
   EXPECT_LT(residual(far), 1.01e-8);
   EXPECT_EQ(solver.statistics().factorizations, 2);
 }
 
-TEST(LinearSolver, IterationsSeeWhatIsIndefinite) {
+TEST(LinearSolver, IterationsDetectIndefiniteMatrices) {
   const Cube cube(10);
   const SparseMatrix A = cube.tangent(0.0);
   SparseMatrix indefinite = A;
@@ -211,7 +212,7 @@ TEST(LinearSolver, IterationsSeeWhatIsIndefinite) {
   }
 }
 
-TEST(LinearSolver, AutomaticIsDirectWhileSmallOrUndescribed) {
+TEST(LinearSolver, AutomaticIsDirectForSmallSystemsOrWithoutNearNullSpace) {
   const Cube cube(12);
   const SparseMatrix A = cube.tangent(0.0);
   const auto kind_of = [&](LinearSolver solver) {
@@ -223,7 +224,7 @@ TEST(LinearSolver, AutomaticIsDirectWhileSmallOrUndescribed) {
   EXPECT_EQ(kind_of(LinearSolver({.direct_rows = 5000})), LinearSolverKind::kDirect);
 }
 
-TEST(LinearSolver, AutomaticSolvesDirectlyWhatMultigridCannot) {
+TEST(LinearSolver, AutomaticSolvesDirectlyIfMultigridFails) {
   const Cube cube(12);
   const SparseMatrix A = cube.tangent(0.0);
   const VectorX b = some_forces(A.cols());
@@ -239,7 +240,7 @@ TEST(LinearSolver, AutomaticSolvesDirectlyWhatMultigridCannot) {
   EXPECT_EQ(solver.kind(), LinearSolverKind::kDirect);
 }
 
-TEST(LinearSolver, AllKindsTakeMatricesOfNothingAndOfOne) {
+TEST(LinearSolver, AllKindsAcceptMatricesOfSizeZeroAndOne) {
   for (const auto kind :
        {LinearSolverKind::kAutomatic, LinearSolverKind::kDirect, LinearSolverKind::kReusedFactor}) {
     LinearSolver solver({.kind = kind});

@@ -22,7 +22,7 @@ VectorX some_vector(Index size, unsigned seed = 11) {
   return VectorX::NullaryExpr(size, [&] { return random.number(); });
 }
 
-/// A stiffness matrix and which row is what.
+/// A stiffness matrix with the point and the axis of each row.
 struct Example {
   SparseMatrix A;
   SymmetricBlocks blocks;
@@ -65,7 +65,7 @@ CgOutcome solve(const Example& example, const Multigrid& multigrid, const Vector
       1e-8, 200);
 }
 
-TEST(SymmetricBlocks, MultiplyLikeTheMatrix) {
+TEST(SymmetricBlocks, MatchTheMatrixInProducts) {
   for (const Hold hold : {Hold::kFixed, Hold::kSliding}) {
     const Example example = block(4, 0.3, hold);
     const VectorX x = some_vector(example.A.cols());
@@ -76,7 +76,7 @@ TEST(SymmetricBlocks, MultiplyLikeTheMatrix) {
   }
 }
 
-TEST(SymmetricBlocks, TakeMatricesOfAnyPattern) {
+TEST(SymmetricBlocks, AcceptMatricesOfAnyPattern) {
   for (const Index size : {1, 2, 5, 40}) {
     const Eigen::MatrixXd dense = random_positive_definite(size, 0.2, 1.0, 3);
     const SymmetricBlocks blocks(lower_triangle(dense));
@@ -87,7 +87,7 @@ TEST(SymmetricBlocks, TakeMatricesOfAnyPattern) {
   }
 }
 
-TEST(BlockProduct, IsThatOfTheMatrices) {
+TEST(BlockProduct, MatchesEigen) {
   const Example example = block(3, 0.3);
   const BlockMatrix<3, 3>& A = example.blocks.matrix();
   const Aggregates aggregates = aggregate(A, 0.02);
@@ -103,7 +103,7 @@ TEST(BlockProduct, IsThatOfTheMatrices) {
     EXPECT_TRUE(std::is_sorted(C.column.begin() + C.row_begin(i), C.column.begin() + C.row_end(i)));
 }
 
-TEST(Aggregates, HoldEveryRowAndManyOfThem) {
+TEST(Aggregates, ContainEveryRowAndSeveralRowsEach) {
   const Example example = block(9, 0.3);
   const Aggregates aggregates = aggregate(example.blocks.matrix(), 0.02);
   std::vector<int> size(std::size_t(aggregates.count), 0);
@@ -112,7 +112,7 @@ TEST(Aggregates, HoldEveryRowAndManyOfThem) {
   EXPECT_LT(10 * aggregates.count, example.blocks.matrix().rows());
 }
 
-TEST(Aggregates, TheirSpaceIsOrthonormalAndHoldsTheModes) {
+TEST(Aggregates, TheCoarseBasisIsOrthonormalAndContainsTheModes) {
   for (const Hold hold : {Hold::kFixed, Hold::kSliding}) {
     const Example example = block(5, 0.3, hold);
     const CoarseSpace<3> space =
@@ -136,7 +136,7 @@ TEST(Aggregates, TheirSpaceIsOrthonormalAndHoldsTheModes) {
   }
 }
 
-TEST(Multigrid, ABodyDoesNotResistItsRigidMotions) {
+TEST(Multigrid, RigidBodyModesAreInTheNullSpaceOfAFreeBody) {
   const Example free = block(4, 0.3, Hold::kNothing);
   for (int c = 0; c < 6; ++c) {
     VectorX mode(3 * Index(free.modes.size())), forces;
@@ -199,7 +199,7 @@ TEST(Multigrid, BitsDoNotDependOnThreads) {
   }
 }
 
-TEST(Multigrid, FewLevelsOrMany) {
+TEST(Multigrid, AcceptsFewOrManyLevels) {
   const Example example = block(12, 0.3);
   const VectorX b = example.blocks.to_blocks(some_vector(example.A.cols()));
   for (const std::int32_t direct_rows : {1, 100, 10000}) {
@@ -209,17 +209,17 @@ TEST(Multigrid, FewLevelsOrMany) {
   }
 }
 
-TEST(Multigrid, AnIndefiniteMatrixIsSeen) {
+TEST(Multigrid, DetectsAnIndefiniteMatrix) {
   Example example = block(8, 0.3);
   const auto set = [&](const SparseMatrix& A) {
     example.blocks.set_values({A.valuePtr(), std::size_t(A.nonZeros())});
   };
   SparseMatrix A = example.A;
-  A.coeffRef(300, 300) = -1.0;  // In a block on the diagonal.
+  A.coeffRef(300, 300) = -1.0;  // In a diagonal block.
   set(A);
   EXPECT_FALSE(Multigrid::build(example.blocks.matrix(), example.modes).has_value());
   A = example.A;
-  A.diagonal() *= 0.6;  // Only the whole has a negative direction.
+  A.diagonal() *= 0.6;  // Only the whole matrix is indefinite.
   set(A);
   const auto multigrid = Multigrid::build(example.blocks.matrix(), example.modes);
   if (multigrid) {
@@ -228,7 +228,7 @@ TEST(Multigrid, AnIndefiniteMatrixIsSeen) {
   }
 }
 
-TEST(ConjugateGradients, EndAfterAsManyStepsAsUnknowns) {
+TEST(ConjugateGradients, ConvergeInAsManyIterationsAsUnknowns) {
   const Eigen::MatrixXd A = random_positive_definite(12, 0.5, 0.5, 2);
   const VectorX b = some_vector(12);
   const auto outcome = conjugate_gradients([&](const VectorX& x, VectorX& y) { y = A * x; },
@@ -243,7 +243,7 @@ TEST(ConjugateGradients, EndAfterAsManyStepsAsUnknowns) {
   EXPECT_EQ(too_few.iterations, 3);
 }
 
-TEST(ConjugateGradients, NothingIsSolvedByNothing) {
+TEST(ConjugateGradients, AZeroRightSideGivesZero) {
   const auto outcome = conjugate_gradients([](const VectorX& x, VectorX& y) { y = x; },
                                            [](const VectorX& r, VectorX& z) { z = r; },
                                            VectorX::Zero(5), VectorX::Zero(5), 1e-8, 10);

@@ -40,11 +40,11 @@ VectorX some_vector(Index size) {
   return VectorX::NullaryExpr(size, [&] { return random.number(); });
 }
 
-/// The same by the library that others use.
+/// The same with CHOLMOD.
 VectorX solved_by_cholmod(const SparseMatrix& A, VectorX b) {
   cholmod_common common;
   cholmod_start(&common);
-  common.supernodal = CHOLMOD_SIMPLICIAL;  // No threads of its own.
+  common.supernodal = CHOLMOD_SIMPLICIAL;  // Single-threaded.
   cholmod_sparse matrix{};
   matrix.nrow = matrix.ncol = std::size_t(A.cols());
   matrix.nzmax = std::size_t(A.nonZeros());
@@ -70,21 +70,23 @@ VectorX solved_by_cholmod(const SparseMatrix& A, VectorX b) {
   return x;
 }
 
-TEST(RowGraph, RowsOfOnePatternAreOneVertex) {
-  // Rows 0 to 2 and 3 to 4 are coupled nodes; 5 is alone, and 6 couples with one of a node's rows.
+TEST(PatternGraph, RowsOfOnePatternAreOneVertex) {
+  // Rows 0 to 2 and 3 to 4 are coupled nodes; 5 is isolated, and 6 is coupled with one row of a
+  // node.
   Eigen::MatrixXd A = Eigen::MatrixXd::Identity(7, 7);
   A.topLeftCorner(5, 5).setOnes();
   A(6, 4) = 1.0;
-  const RowGraph graph = pattern_graph(lower_triangle(A));
+  const PatternGraph graph = pattern_graph(lower_triangle(A));
   EXPECT_EQ(graph.first_row, (std::vector<std::int32_t>{0, 4, 5, 6, 7}));
   EXPECT_EQ(graph.start, (std::vector<std::int32_t>{0, 1, 3, 3, 4}));
   EXPECT_EQ(graph.neighbor, (std::vector<std::int32_t>{1, 0, 3, 1}));
 }
 
-TEST(RowGraph, OfAMeshIsThatOfItsFreeNodes) {
+TEST(PatternGraph, OfAMeshIsTheGraphOfItsFreeNodes) {
   const SparseMatrix A = block_stiffness(3, 0.3);
-  const RowGraph graph = pattern_graph(A);
-  EXPECT_EQ(graph.vertex_count(), 3 * 4 * 4);  // Sixteen of the four layers' nodes are held.
+  const PatternGraph graph = pattern_graph(A);
+  // The sixteen nodes of one of the four layers are fixed.
+  EXPECT_EQ(graph.vertex_count(), 3 * 4 * 4);
   for (std::int32_t v = 0; v < graph.vertex_count(); ++v) {
     EXPECT_EQ(graph.rows(v), 3);
     const auto list = graph.neighbors(v);
@@ -96,8 +98,8 @@ TEST(RowGraph, OfAMeshIsThatOfItsFreeNodes) {
   }
 }
 
-TEST(RowGraph, OrdersThatAreMadeAtOnceAreThoseMadeAlone) {
-  const RowGraph graph = pattern_graph(block_stiffness(9, 0.3));
+TEST(PatternGraph, ConcurrentCallsGiveTheSameOrders) {
+  const PatternGraph graph = pattern_graph(block_stiffness(9, 0.3));
   const auto alone = dissection_order(graph).value();
   std::vector<std::vector<std::int32_t>> orders(8);
   {
@@ -108,8 +110,8 @@ TEST(RowGraph, OrdersThatAreMadeAtOnceAreThoseMadeAlone) {
   for (const auto& order : orders) EXPECT_EQ(order, alone);
 }
 
-TEST(RowGraph, TheOrderHoldsEveryVertexOnce) {
-  for (const RowGraph& graph :
+TEST(PatternGraph, TheOrderContainsEveryVertexOnce) {
+  for (const PatternGraph& graph :
        {pattern_graph(block_stiffness(4, 0.3)), pattern_graph(SparseMatrix(0, 0)),
         pattern_graph(lower_triangle(Eigen::MatrixXd::Identity(5, 5)))}) {
     std::vector<std::int32_t> order = dissection_order(graph).value();
@@ -120,7 +122,7 @@ TEST(RowGraph, TheOrderHoldsEveryVertexOnce) {
   }
 }
 
-TEST(CholeskyPlan, AFrontOfEveryRowAndAPlaceForEveryEntry) {
+TEST(CholeskyPlan, EveryRowIsInAFrontAndEveryEntryHasATarget) {
   const SparseMatrix A = block_stiffness(6, 0.3, mesh::ElementShape::kTet10);
   const CholeskyPlan plan = plan_cholesky(A).value();
   std::set<std::int32_t> rows(plan.order.begin(), plan.order.end());
@@ -136,15 +138,15 @@ TEST(CholeskyPlan, AFrontOfEveryRowAndAPlaceForEveryEntry) {
     std::int32_t below = 0;
     for (const RowRun& run : plan.runs_of(s)) below += run.count;
     EXPECT_EQ(below, node.below);
-    for (const EntryPlace& entry : plan.entries_of(s)) {
-      EXPECT_LT(entry.place, node.panel_layout().numbers());
+    for (const EntryTarget& entry : plan.entries_of(s)) {
+      EXPECT_LT(entry.offset, node.panel_layout().entry_count());
       entries.insert(entry.entry);
     }
   }
   EXPECT_EQ(Index(entries.size()), A.nonZeros());
 }
 
-TEST(SparseCholesky, SolvesLikeADenseFactorization) {
+TEST(SparseCholesky, MatchesADenseFactorization) {
   for (unsigned seed = 1; seed <= 20; ++seed)
     for (const Index size : {1, 2, 7, 8, 9, 60, 200}) {
       const double filled = seed % 4 == 0 ? 0.5 : 3.0 / double(size);
@@ -155,7 +157,7 @@ TEST(SparseCholesky, SolvesLikeADenseFactorization) {
     }
 }
 
-TEST(SparseCholesky, SolvesLikeCholmodOnBlocks) {
+TEST(SparseCholesky, MatchesCholmodOnBlocks) {
   for (const auto shape : {mesh::ElementShape::kTet4, mesh::ElementShape::kTet10}) {
     const SparseMatrix A = block_stiffness(8, 0.45, shape);
     const VectorX b = some_vector(A.cols()), peer = solved_by_cholmod(A, b);
@@ -179,7 +181,7 @@ TEST(SparseCholesky, BitsDoNotDependOnThreadsOrRegisters) {
   }
 }
 
-TEST(SparseCholesky, FactorizesAgainWithNewValues) {
+TEST(SparseCholesky, RefactorizesWithNewValues) {
   const SparseMatrix A = block_stiffness(5, 0.3);
   SparseCholesky cholesky = factor_of(A);
   const VectorX b = some_vector(A.cols());
@@ -189,10 +191,10 @@ TEST(SparseCholesky, FactorizesAgainWithNewValues) {
   EXPECT_EQ(cholesky.factorize(values(indefinite)), LinearSolveStatus::kNotPositiveDefinite);
   const SparseMatrix fourfold = 4.0 * A;
   EXPECT_EQ(cholesky.factorize(values(fourfold)), LinearSolveStatus::kDone);
-  EXPECT_EQ(cholesky.solve(b).value(), 0.25 * x);  // Powers of two are exact.
+  EXPECT_EQ(cholesky.solve(b).value(), 0.25 * x);  // Scaling by powers of two is exact.
 }
 
-TEST(SparseCholesky, FindsANegativeDirectionAnywhere) {
+TEST(SparseCholesky, DetectsAnIndefiniteMatrix) {
   const SparseMatrix A = block_stiffness(5, 0.3);
   SparseCholesky cholesky = factor_of(A);
   for (Index i = 0; i < A.cols(); i += 17) {
@@ -202,16 +204,16 @@ TEST(SparseCholesky, FindsANegativeDirectionAnywhere) {
   }
 }
 
-TEST(SparseCholesky, AMatrixOfNothingHasASolutionOfNothing) {
+TEST(SparseCholesky, AnEmptyMatrixHasAnEmptySolution) {
   EXPECT_EQ(factor_of(SparseMatrix(0, 0)).solve(VectorX(0)).value().size(), 0);
 }
 
-TEST(SparseCholesky, ReportsTheMemoryItNeedsBeforehand) {
+TEST(SparseCholesky, PredictsItsMemory) {
   const SparseMatrix A = block_stiffness(6, 0.3);
   const CholeskyPlan plan = plan_cholesky(A).value();
-  const std::int64_t needed = 8 * (plan.factor_numbers + plan.peak_rest);
+  const std::int64_t needed = 8 * (plan.factor_entries + plan.peak_update);
   EXPECT_EQ(SparseCholesky(plan, needed - 1).factorize(values(A)), LinearSolveStatus::kOutOfMemory);
-  const ThreadLimit one(1);  // Others would begin subtrees of their own.
+  const ThreadLimit one(1);  // Other threads would start other subtrees.
   EXPECT_EQ(SparseCholesky(plan, needed).factorize(values(A)), LinearSolveStatus::kDone);
 }
 

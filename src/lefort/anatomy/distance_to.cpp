@@ -8,18 +8,18 @@
 namespace lefort::anatomy {
 namespace {
 
-constexpr float kNowhere_mm = 1e6F;
+constexpr float kEmptySet_mm = 1e6F;
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
 /// Work space for one line of voxels.
 struct Line {
-  std::vector<float> squared;  ///< Squared distance within the axes done so far.
-  std::vector<Index> apex;     ///< Which voxels' parabolas form the lower envelope ...
-  std::vector<double> from;    ///< ... and from where on.
+  std::vector<float> squared;  ///< Squared distance along the axes already processed.
+  std::vector<Index> apex;     ///< Voxels whose parabolas form the lower envelope ...
+  std::vector<double> from;    ///< ... and the position where each parabola begins.
 };
 
-/// values[i * stride] becomes the minimum over j of values[j * stride] + (spacing (i - j))^2, by
-/// the lower envelope of the parabolas of all j (Felzenszwalb and Huttenlocher 2012, algorithm 1).
+/// Sets values[i * stride] to the minimum over j of values[j * stride] + (spacing (i - j))^2: the
+/// lower envelope of the parabolas of all j (Felzenszwalb and Huttenlocher 2012, algorithm 1).
 void lower_envelope(float* values, Index size, Index stride, double spacing_mm, Line& line) {
   const double square_mm2 = spacing_mm * spacing_mm;
   line.squared.resize(std::size_t(size));
@@ -71,7 +71,7 @@ image::ScalarVolume distance_to(const Mask& mask) {
       grid.voxel_count(),
       [&](Index v) {
         float& value = distance.values[std::size_t(v)];
-        value = value == kNone ? kNowhere_mm : std::sqrt(value);
+        value = value == kNone ? kEmptySet_mm : std::sqrt(value);
       },
       65536);
   return distance;

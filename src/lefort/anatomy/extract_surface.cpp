@@ -17,8 +17,8 @@
 namespace lefort::anatomy {
 namespace {
 
-// A value nearer to zero than this is moved away from it, on its own side: surfaces through a grid
-// point have triangles without area. Far below what a scan resolves.
+// Values closer to zero are set to this magnitude, with their sign: surfaces through grid points
+// have triangles without area. Far below the resolution of a scan.
 constexpr double kMinLevel_mm = 2e-3;
 
 Result<void> check_level(const image::ScalarVolume& level) {
@@ -29,7 +29,7 @@ Result<void> check_level(const image::ScalarVolume& level) {
     return fail(
         ErrorCode::kInvalidArgument,
         fmt::format(
-            "level has {} values, its grid of {} x {} x {} must be >= 3 each way and hold as many",
+            "level has {} values, which must match its grid of {} x {} x {}, at least 3 each way",
             level.values.size(), size[0], size[1], size[2]));
   for (Index k = 0; k < size[2]; ++k)
     for (Index j = 0; j < size[1]; ++j)
@@ -45,7 +45,7 @@ Result<void> check_level(const image::ScalarVolume& level) {
   return {};
 }
 
-/// Zero surface in voxel indices V, oriented by falling level.
+/// Zero surface in voxel indices V, oriented towards negative values.
 vtkNew<vtkPolyData> flying_edges(const image::ScalarVolume& level) {
   std::vector<float> values(level.values.size());
   std::transform(level.values.begin(), level.values.end(), values.begin(), [](float value) {
@@ -69,18 +69,18 @@ vtkNew<vtkPolyData> flying_edges(const image::ScalarVolume& level) {
   return surface;
 }
 
-/// The parts that enclose at least `min_mm3`, counted without sign.
+/// The connected components with an absolute enclosed volume of at least `min_mm3`.
 geometry::TriangleMesh large_parts(const geometry::TriangleMesh& mesh, double min_mm3) {
   const geometry::Components parts = geometry::connected_components(mesh);
-  const Vec3 origin = mesh.vertices.front();  // Near the mesh, so that volumes keep their digits.
+  const Vec3 origin = mesh.vertices.front();  // Near the mesh, against cancellation.
   std::vector<double> six_volumes_mm3(std::size_t(parts.count), 0.0);
-  const auto part_of = [&](Index t) { return std::size_t(parts.of_triangle[std::size_t(t)]); };
+  const auto component_of = [&](Index t) { return std::size_t(parts.of_triangle[std::size_t(t)]); };
   for (Index t = 0; t < mesh.triangle_count(); ++t)
-    six_volumes_mm3[part_of(t)] +=
+    six_volumes_mm3[component_of(t)] +=
         (mesh.corner(t, 0) - origin)
             .dot((mesh.corner(t, 1) - origin).cross(mesh.corner(t, 2) - origin));
   return geometry::keep_triangles(
-      mesh, [&](Index t) { return std::abs(six_volumes_mm3[part_of(t)]) >= 6.0 * min_mm3; });
+      mesh, [&](Index t) { return std::abs(six_volumes_mm3[component_of(t)]) >= 6.0 * min_mm3; });
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ Result<geometry::TriangleMesh> extract_isosurface(const image::ScalarVolume& lev
                                                   Progress& progress) {
   if (!(options.min_part_ml >= 0.0))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("smallest_part_ml is {}, must be >= 0", options.min_part_ml));
+                fmt::format("min_part_ml is {}, must be >= 0", options.min_part_ml));
   LEFORT_TRY_VOID(check_level(level));
   progress.begin_stage("extract the surface");
   if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "extraction was cancelled");
@@ -113,7 +113,7 @@ Result<geometry::TriangleMesh> extract_isosurface(const image::ScalarVolume& lev
   mesh = large_parts(mesh, options.min_part_ml * 1e3);
   if (mesh.triangles.empty())
     return fail(ErrorCode::kMeshInvalid,
-                fmt::format("no part of the surface encloses {} ml", options.min_part_ml));
+                fmt::format("no component of the surface encloses {} ml", options.min_part_ml));
   progress.report(1.0);
   return mesh;
 }

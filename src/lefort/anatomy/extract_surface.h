@@ -1,5 +1,5 @@
 /// \file
-/// The zero surface of a level as a closed triangle mesh.
+/// The zero surface of a level-set function as a closed triangle mesh.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -9,22 +9,24 @@
 
 namespace lefort::anatomy {
 
+/// Options of extract_isosurface().
 struct IsosurfaceOptions {
-  /// Closed parts, and closed cavities, that enclose less than this are left out; >= 0.
+  /// Connected components, and closed cavities, that enclose less than this are dropped; >= 0.
   double min_part_ml = 0.0;
 };
 
-/// Extracts the surface where a level (tissue_levels.h) is zero.
+/// Extracts the surface where a level-set function (tissue_levels.h) is zero.
 ///
-/// The vertices lie on the grid's edges, so a surface is free of self-intersections; nothing is
-/// smoothed afterwards.
+/// Vertices lie on grid edges, so a surface does not intersect itself. It is not smoothed.
 ///
-/// \param level    positive inside, finite, negative in its outermost voxels; any grid.
-/// \param options  see IsosurfaceOptions.
-/// \returns triangles in L, counter-clockwise seen from outside, closed, each vertex once, or
-///   - kInvalidArgument  `level` is not finite, not negative all around, or contradicts its grid;
-///   - kMeshInvalid      nothing is positive, or no part is large enough;
-///   - kCancelled        `progress` asked to stop.
+/// \param level     positive inside, finite, negative in its outermost voxels; on any grid.
+/// \param options   see IsosurfaceOptions.
+/// \param progress  reports progress; may cancel.
+/// \returns a closed surface in L, counter-clockwise seen from outside, without duplicate vertices,
+///   or
+///   - kInvalidArgument  `level` is not finite, non-negative at its border, or of another size;
+///   - kMeshInvalid      nothing is positive, or no component is large enough;
+///   - kCancelled        `progress` requested a stop.
 [[nodiscard]] Result<geometry::TriangleMesh> extract_isosurface(
     const image::ScalarVolume& level, const IsosurfaceOptions& options = {},
     Progress& progress = Progress::none());

@@ -1,5 +1,5 @@
 /// \file
-/// The air inside the patient: airway and sinuses.
+/// Classifies the air inside the patient as airway or sinuses.
 #pragma once
 
 #include <lefort/anatomy/segment_tissue.h>
@@ -7,18 +7,19 @@
 
 namespace lefort::anatomy {
 
-/// Two sets without common voxels.
+/// Two disjoint sets.
 struct AirSpaces {
   Mask airway;
   Mask sinus;
 };
 
-/// Divides `air`, the air inside the patient, at its narrow places into rooms. A room whose walls
-/// are nearly all bony is a sinus; every other is airway, small pockets in soft tissue excepted.
+/// Divides the air inside the patient at its narrow passages into rooms. A room whose walls are
+/// nearly all bony is a sinus. All other rooms are airway, except small pockets in soft tissue.
 ///
-/// \param air      neither patient nor outside.
-/// \param bone     with the marrow.
-/// \param outside  what lies around the patient; see find_outside.
+/// \param air      air inside the patient.
+/// \param bone     including marrow.
+/// \param outside  background; see find_outside.h.
+/// \param options  radius of ostia and smallest volume.
 [[nodiscard]] AirSpaces find_air_spaces(const Mask& air, const Mask& bone, const Mask& outside,
                                         const SegmentationOptions& options);
 

@@ -10,24 +10,24 @@
 namespace lefort::anatomy {
 namespace {
 
-// Enclosure is sampled in cells of about this size: coarse enough for seams and foramina to vanish.
+// Cell size for ray casting: coarse enough to hide sutures and foramina.
 constexpr double kCell_mm = 4.0;
-// From inside the skull nearly every direction meets bone.
+// Inside the skull rays in nearly all directions hit bone.
 constexpr double kEnclosedFraction = 0.85;
 constexpr double kOpenFraction = 0.5;
-// The seed of the brain keeps this far from bone ...
+// The seed of the brain is at least this far from bone ...
 constexpr double kSeedDepth_mm = 8.0;
-// ... and has at least this size; a smaller one is the mouth or an orbit.
+// ... and at least this large; smaller ones are the mouth or an orbit.
 constexpr double kMinSeed_ml = 40.0;
-// Soft tissue this near to the skin is no brain.
+// Soft tissue this close to the skin is not brain.
 constexpr double kSkin_mm = 3.0;
-// The border across openings is smoothed over this length.
+// Smoothing length of the border across openings.
 constexpr double kBorder_mm = 2.0;
 
-/// What a ray meets in a cell.
+/// What a cell contains.
 enum class Cell : std::uint8_t { kNothing, kBone, kOutside };
 
-/// The scan in cells of whole voxels.
+/// The scan, divided into cells of several voxels.
 struct Cells {
   std::array<Index, 3> voxels_per_cell{};
   image::Volume<Cell> kinds;
@@ -60,9 +60,9 @@ Cells cells_of(const Mask& bone, const Mask& outside) {
   return cells;
 }
 
-/// For every cell, the share of the 26 directions to its neighbors in which bone comes before the
-/// outside. Directions that leave the scan inside the patient do not count; when those are the
-/// majority, the share is 0.
+/// For each cell, the fraction of the 26 directions to its neighbors in which a ray hits bone
+/// before the outside. Directions that leave the scan inside the patient do not count; if they are
+/// the majority, the fraction is 0.
 image::ScalarVolume enclosure(const image::Volume<Cell>& cells) {
   const image::Grid& grid = cells.grid;
   const auto first_met = [&](std::array<Index, 3> at, const std::array<Index, 3>& step) {
@@ -80,7 +80,7 @@ image::ScalarVolume enclosure(const image::Volume<Cell>& cells) {
     int bone = 0;
     int outside = 0;
     for (Index direction = 0; direction < 27; ++direction) {
-      if (direction == 13) continue;  // No step at all.
+      if (direction == 13) continue;  // The zero vector.
       const Cell met = first_met(at, {direction % 3 - 1, direction / 3 % 3 - 1, direction / 9 - 1});
       bone += met == Cell::kBone ? 1 : 0;
       outside += met == Cell::kOutside ? 1 : 0;
@@ -91,13 +91,13 @@ image::ScalarVolume enclosure(const image::Volume<Cell>& cells) {
   return fractions;
 }
 
-/// What brain and facial tissue grow from, and how wide the room is around a voxel.
+/// Seeds of the watershed, and its priority.
 struct Seeds {
   image::Volume<std::int32_t> seeds;  ///< 1 in the brain, 2 in facial tissue, 0 elsewhere.
   image::ScalarVolume width_mm;
 };
 
-/// \returns nothing if no room is enclosed by bone.
+/// \returns nothing if bone encloses no large enough region.
 std::optional<Seeds> find_seeds(const Mask& soft, const Mask& bone, const Mask& outside) {
   const image::Grid& grid = soft.grid;
   const Cells cells = cells_of(bone, outside);
@@ -112,8 +112,8 @@ std::optional<Seeds> find_seeds(const Mask& soft, const Mask& bone, const Mask& 
               distance_to(mask_where(grid, [&](std::size_t v) {
                 return soft.values[v] == 0 && outside.values[v] == 0;
               }))};
-  {  // Volumes live no longer than they are needed: a large scan has 10^8 voxels and more.
-    const Parts enclosed = connected_parts(
+  {  // Limits the lifetime of large volumes: a scan may have more than 10^8 voxels.
+    const Components enclosed = connected_components(
         mask_where(grid,
                    [&](std::size_t v) {
                      return soft.values[v] != 0 && fraction(v) >= kEnclosedFraction &&
@@ -124,7 +124,7 @@ std::optional<Seeds> find_seeds(const Mask& soft, const Mask& bone, const Mask& 
     if (double(enclosed.voxels[std::size_t(cavity)]) * voxel_ml(grid) < kMinSeed_ml || cavity == 0)
       return std::nullopt;
     for (std::size_t v = 0; v < soft.values.size(); ++v)
-      found.seeds.values[v] = enclosed.part_of.values[v] == cavity ? 1 : 0;
+      found.seeds.values[v] = enclosed.component_of.values[v] == cavity ? 1 : 0;
   }
   const image::ScalarVolume to_skin = distance_to(outside);
   for (std::size_t v = 0; v < soft.values.size(); ++v)
@@ -145,25 +145,25 @@ Mask find_brain(const Mask& soft, const Mask& bone, const Mask& outside) {
     basins = seeded_watershed(found->seeds, soft, found->width_mm);
   }
 
-  // Which side has the majority around a voxel, bone and air not asked.
-  const auto indicator = [&](const auto& holds) {
+  // Majority of brain and other soft tissue around a voxel; bone and air do not count.
+  const auto indicator = [&](const auto& belongs) {
     image::ScalarVolume values{grid, std::vector<float>(soft.values.size())};
     for (std::size_t v = 0; v < values.values.size(); ++v)
-      values.values[v] = holds(v) ? 1.0F : 0.0F;
+      values.values[v] = belongs(v) ? 1.0F : 0.0F;
     return smoothed(std::move(values), kBorder_mm);
   };
   const image::ScalarVolume inside =
       indicator([&](std::size_t v) { return basins.values[v] == 1; });
   const image::ScalarVolume all = indicator([&](std::size_t v) { return basins.values[v] != 0; });
-  const Parts parts = connected_parts(mask_where(grid,
-                                                 [&](std::size_t v) {
-                                                   return soft.values[v] != 0 &&
-                                                          inside.values[v] > 0.5F * all.values[v];
-                                                 }),
-                                      Neighbors::kFaces);
+  const Components parts = connected_components(
+      mask_where(grid,
+                 [&](std::size_t v) {
+                   return soft.values[v] != 0 && inside.values[v] > 0.5F * all.values[v];
+                 }),
+      Neighbors::kFaces);
   const std::int32_t largest = parts.largest();
   return mask_where(
-      grid, [&](std::size_t v) { return largest != 0 && parts.part_of.values[v] == largest; });
+      grid, [&](std::size_t v) { return largest != 0 && parts.component_of.values[v] == largest; });
 }
 
 }  // namespace lefort::anatomy

@@ -6,21 +6,22 @@
 namespace lefort::anatomy {
 namespace {
 
-// A column of voxels along the patient belongs to a table if this share of it is dense ...
+// A voxel column along the patient belongs to a table if this fraction of it is dense ...
 constexpr double kSteady = 0.9;
-// ... and within kRim_mm of the table's columns few others are dense in places, as they would be
-// around a limb: at least this share of all that are dense half the way is steady.
+// ... and if it contains at least this fraction of the columns within kRim_mm that are dense over
+// half of their length. Around a limb there are more of them.
 constexpr double kSharpness = 0.7;
 constexpr double kHalf = 0.5;
 constexpr double kRim_mm = 5.0;
-// A table is at least so wide, as a share of the scan, and at least three times as wide as thick.
+// Min width of a table as a fraction of the width of the scan; it must also be three times as wide
+// as thick.
 constexpr double kWidth = 0.6;
-// Taken away around the table: the blur of its surface.
+// Removed around the table: its blurred surface.
 constexpr double kTableBlur_mm = 2.0;
-// Fewer slices cannot tell.
-constexpr Index kFewestSlices = 20;
+// With fewer slices the fractions are not reliable.
+constexpr Index kMinSlices = 20;
 
-/// The share of every column along `axis` that is dense, on a grid one voxel long there.
+/// The dense fraction of each column along `axis`, on a grid that is one voxel long there.
 image::ScalarVolume dense_fractions(const Mask& dense, std::size_t axis) {
   image::Grid flat = dense.grid;
   flat.size[axis] = 1;
@@ -36,7 +37,7 @@ image::ScalarVolume dense_fractions(const Mask& dense, std::size_t axis) {
   return fractions;
 }
 
-/// Whether the columns reach over most of the scan's width, and are thin from front to back.
+/// True if the columns cover most of the width of the scan and are thin from front to back.
 bool is_slab(const Mask& columns) {
   const image::Grid& grid = columns.grid;
   Box3 box_L;
@@ -52,7 +53,7 @@ bool is_slab(const Mask& columns) {
   return size_mm[0] >= kWidth * scan_L.sizes()[0] && size_mm[0] >= 3.0 * size_mm[1];
 }
 
-/// The mean depth behind the origin, y of L, weighted by `weight`; 0 without any weight.
+/// Mean of y in L, weighted by `weight`; 0 if all weights are zero.
 template <class Weight>
 double mean_depth(const image::Grid& grid, const Weight& weight) {
   double sum = 0.0;
@@ -80,13 +81,13 @@ Mask find_ct_table(const Mask& dense) {
   const std::size_t axis = long_axis(dense.grid);
   const image::ScalarVolume fractions = dense_fractions(dense, axis);
   const image::Grid& flat = fractions.grid;
-  const Parts steady = connected_parts(
+  const Components steady = connected_components(
       mask_where(flat, [&](std::size_t v) { return double(fractions.values[v]) >= kSteady; }),
       Neighbors::kFacesEdgesCorners);
 
   Mask table{flat, std::vector<std::uint8_t>(fractions.values.size(), 0)};
   for (std::int32_t part = 1; part <= steady.count(); ++part) {
-    const auto is_part = [&](std::size_t v) { return steady.part_of.values[v] == part; };
+    const auto is_part = [&](std::size_t v) { return steady.component_of.values[v] == part; };
     const Mask columns = mask_where(flat, is_part);
     if (!is_slab(columns)) continue;
     const Mask around = dilated(columns, kRim_mm);
@@ -99,7 +100,7 @@ Mask find_ct_table(const Mask& dense) {
                         mean_depth(flat, [&](std::size_t v) {
                           return is_part(v) ? 0.0 : double(fractions.values[v]);
                         });
-    if (!sharp || !behind || dense.grid.size[axis] < kFewestSlices) continue;
+    if (!sharp || !behind || dense.grid.size[axis] < kMinSlices) continue;
     const Mask blurred = dilated(columns, kTableBlur_mm);
     for (std::size_t v = 0; v < table.values.size(); ++v) table.values[v] |= blurred.values[v];
   }

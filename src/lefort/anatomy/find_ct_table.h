@@ -1,17 +1,19 @@
 /// \file
-/// The table a patient lies on.
+/// Segments the CT table.
 #pragma once
 
 #include <lefort/anatomy/voxel_mask.h>
 
 namespace lefort::anatomy {
 
-/// The parts of `dense`, what is not air, that look the same all along the patient and lie behind
-/// all else: a table, and a thin layer around it. Unlike other foreign things it may touch the
-/// patient broadly, and is as dense. Empty if there is none.
+/// The parts of `dense` with a constant cross-section along the patient that lie behind everything
+/// else: a table and the thin blurred layer around it. Unlike other objects a table may touch the
+/// patient over a large area and be equally dense. Empty if there is none.
+///
+/// \param dense  voxels that are not air.
 [[nodiscard]] Mask find_ct_table(const Mask& dense);
 
-/// The axis, 0 to 2, that runs along the patient.
+/// The axis, 0 to 2, that is closest to z of L.
 [[nodiscard]] std::size_t long_axis(const image::Grid& grid);
 
 }  // namespace lefort::anatomy

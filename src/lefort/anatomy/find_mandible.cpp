@@ -6,33 +6,34 @@
 namespace lefort::anatomy {
 namespace {
 
-// Less than a child's jaw: 25 ml of bone, 80 mm wide and 70 mm deep; the scan may cut it off below.
+// Lower limits; a child's mandible has 25 ml of bone, is 80 mm wide and 70 mm deep, but the scan
+// may truncate it below.
 constexpr double kMin_ml = 10.0;
 constexpr double kMinWidth_mm = 50.0;
 constexpr double kMinDepth_mm = 30.0;
-// What is thinner than twice this does not join jaw and skull: two touching surfaces.
+// Bridges thinner than twice this between mandible and skull are touching surfaces.
 constexpr double kBridge_mm = 1.0;
-// The chin lies in this share of the skull's length, from the front.
+// The chin lies in this frontal fraction of the length of the skull.
 constexpr double kFront = 0.3;
 
-/// Where the parts lie in L.
-std::vector<Box3> boxes_of(const Parts& parts) {
+/// Bounding boxes of the components in L.
+std::vector<Box3> boxes_of(const Components& parts) {
   std::vector<Box3> boxes(parts.voxels.size());
-  const image::Grid& grid = parts.part_of.grid;
+  const image::Grid& grid = parts.component_of.grid;
   for (Index k = 0; k < grid.size[2]; ++k)
     for (Index j = 0; j < grid.size[1]; ++j)
       for (Index i = 0; i < grid.size[0]; ++i)
-        if (const std::int32_t part = parts.part_of.at(i, j, k); part != 0)
+        if (const std::int32_t part = parts.component_of.at(i, j, k); part != 0)
           boxes[std::size_t(part)].extend(grid.point_L({double(i), double(j), double(k)}));
   return boxes;
 }
 
-/// The part that is a jaw; 0 if there is none.
-std::int32_t jaw_among(const Parts& parts) {
+/// The component that is the mandible; 0 if there is none.
+std::int32_t jaw_among(const Components& parts) {
   const std::vector<Box3> boxes = boxes_of(parts);
   const std::int32_t skull = parts.largest();
   const Box3& head = boxes[std::size_t(skull)];
-  const double ml = voxel_ml(parts.part_of.grid);
+  const double ml = voxel_ml(parts.component_of.grid);
   std::int32_t jaw = 0;
   for (std::int32_t part = 1; part <= parts.count(); ++part) {
     const Box3& box = boxes[std::size_t(part)];
@@ -52,18 +53,20 @@ std::int32_t jaw_among(const Parts& parts) {
 }  // namespace
 
 Mask find_mandible(const Mask& bone) {
-  const Parts parts = connected_parts(bone, Neighbors::kFacesEdgesCorners);
+  const Components parts = connected_components(bone, Neighbors::kFacesEdgesCorners);
   if (parts.count() > 1)
     if (const std::int32_t jaw = jaw_among(parts); jaw != 0)
-      return mask_where(bone.grid, [&](std::size_t v) { return parts.part_of.values[v] == jaw; });
+      return mask_where(bone.grid,
+                        [&](std::size_t v) { return parts.component_of.values[v] == jaw; });
 
-  const Parts cores = connected_parts(eroded(bone, kBridge_mm), Neighbors::kFacesEdgesCorners);
+  const Components cores =
+      connected_components(eroded(bone, kBridge_mm), Neighbors::kFacesEdgesCorners);
   const std::int32_t core = cores.count() > 1 ? jaw_among(cores) : 0;
   if (core == 0) return mask_where(bone.grid, [](std::size_t) { return false; });
-  // Each voxel goes to the jaw or to the skull, parted where the bridge is narrowest.
+  // The watershed separates mandible and skull at the narrowest cross-section of the bridge.
   const image::ScalarVolume width_mm =
       distance_to(mask_where(bone.grid, [&](std::size_t v) { return bone.values[v] == 0; }));
-  const auto basins = seeded_watershed(cores.part_of, bone, width_mm);
+  const auto basins = seeded_watershed(cores.component_of, bone, width_mm);
   return mask_where(bone.grid, [&](std::size_t v) { return basins.values[v] == core; });
 }
 

@@ -1,16 +1,19 @@
 /// \file
-/// The lower jaw among the bones of a head.
+/// Segments the mandible.
 #pragma once
 
 #include <lefort/anatomy/voxel_mask.h>
 
 namespace lefort::anatomy {
 
-/// The voxels of `bone` that are the mandible; empty if the scan shows none, or if it hangs
-/// together with the skull by more than what is thinner than 2 mm, as where teeth are clenched.
+/// The voxels of `bone` that are the mandible; empty if the scan does not contain it, or if it is
+/// connected with the skull by a bridge thicker than 2 mm, as with clenched teeth.
 ///
-/// It is the largest part beside the skull that is as large, as wide and as deep as a jaw and
-/// reaches as far to the front as the skull: vertebrae do not, the hyoid bone is smaller.
+/// It is the largest component except the skull that has at least the size, width and depth of a
+/// mandible and reaches as far to the front as the skull. Vertebrae do not, and the hyoid bone is
+/// smaller.
+///
+/// \param bone  all bone, including marrow.
 [[nodiscard]] Mask find_mandible(const Mask& bone);
 
 }  // namespace lefort::anatomy

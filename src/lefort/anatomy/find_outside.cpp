@@ -8,11 +8,11 @@
 namespace lefort::anatomy {
 namespace {
 
-// A hollow that does not lead further than this from the outside is part of it: the concha of the
-// ear, the crease beside the nose.
-constexpr double kDeepHollow_mm = 12.0;
+// Cavities that are not deeper than this belong to the outside: the concha of the ear, the crease
+// beside the nose.
+constexpr double kMaxDepth_mm = 12.0;
 
-/// Room for the ball on every side of the scan but the lower one.
+/// Margin for the ball on all sides of the scan except the lower one.
 Margin margin_for_ball(const image::Grid& grid, double radius_mm) {
   Margin margin;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -26,14 +26,14 @@ Margin margin_for_ball(const image::Grid& grid, double radius_mm) {
   return margin;
 }
 
-/// The voxels the ball covers in one of its places, on the padded grid.
+/// The voxels that the ball covers in all positions it can reach, on the padded grid.
 Mask swept_by_ball(const Mask& patient, const Margin& margin, double radius_mm) {
   const Mask wide = padded(patient, margin, std::uint8_t(0));
   const image::ScalarVolume room = distance_to(wide);
-  const Parts places = connected_parts(
+  const Components positions = connected_components(
       mask_where(wide.grid, [&](std::size_t v) { return double(room.values[v]) > radius_mm; }),
       Neighbors::kFaces);
-  // The margin is free of the patient: the largest part of all places lies there or is met there.
+  // The ball starts in the margin, which is free of the patient.
   Mask start{wide.grid, std::vector<std::uint8_t>(wide.values.size(), 0)};
   for (Index k = 0; k < wide.grid.size[2]; ++k)
     for (Index j = 0; j < wide.grid.size[1]; ++j)
@@ -44,7 +44,7 @@ Mask swept_by_ball(const Mask& patient, const Margin& margin, double radius_mm) 
               (margin.last[axis] > 0 && at[axis] == wide.grid.size[axis] - 1))
             start.at(i, j, k) = 1;
       }
-  return dilated(select_labels(places, labels_touching(places, start)), radius_mm);
+  return dilated(select_labels(positions, labels_touching(positions, start)), radius_mm);
 }
 
 }  // namespace
@@ -57,22 +57,22 @@ Mask find_outside(const Mask& patient, double nostril_radius_mm) {
       grid, [&](std::size_t v) { return patient.values[v] == 0 && swept.values[v] != 0; });
 
   const image::ScalarVolume depth_mm = distance_to(reached);
-  const Parts hollows = connected_parts(
+  const Components cavities = connected_components(
       mask_where(grid,
                  [&](std::size_t v) { return patient.values[v] == 0 && reached.values[v] == 0; }),
       Neighbors::kFaces);
-  std::vector<float> entrance_mm(hollows.voxels.size(), 1e6F);
-  std::vector<float> deepest_mm(hollows.voxels.size(), 0.0F);
+  std::vector<float> entrance_mm(cavities.voxels.size(), 1e6F);
+  std::vector<float> max_depth_mm(cavities.voxels.size(), 0.0F);
   for (std::size_t v = 0; v < depth_mm.values.size(); ++v) {
-    const auto hollow = std::size_t(hollows.part_of.values[v]);
-    entrance_mm[hollow] = std::min(entrance_mm[hollow], depth_mm.values[v]);
-    deepest_mm[hollow] = std::max(deepest_mm[hollow], depth_mm.values[v]);
+    const auto cavity = std::size_t(cavities.component_of.values[v]);
+    entrance_mm[cavity] = std::min(entrance_mm[cavity], depth_mm.values[v]);
+    max_depth_mm[cavity] = std::max(max_depth_mm[cavity], depth_mm.values[v]);
   }
   const double neighbor_mm = 1.001 * grid.spacing_mm.maxCoeff();
   return mask_where(grid, [&](std::size_t v) {
-    const auto hollow = std::size_t(hollows.part_of.values[v]);
-    const bool shallow = hollow != 0 && double(entrance_mm[hollow]) <= neighbor_mm &&
-                         double(deepest_mm[hollow]) <= kDeepHollow_mm;
+    const auto cavity = std::size_t(cavities.component_of.values[v]);
+    const bool shallow = cavity != 0 && double(entrance_mm[cavity]) <= neighbor_mm &&
+                         double(max_depth_mm[cavity]) <= kMaxDepth_mm;
     return reached.values[v] != 0 || shallow;
   });
 }

@@ -1,16 +1,17 @@
 /// \file
-/// Where the patient ends and the room begins.
+/// Segments the air around the patient.
 #pragma once
 
 #include <lefort/anatomy/voxel_mask.h>
 
 namespace lefort::anatomy {
 
-/// What is not `patient` and lies around it: what a ball of `nostril_radius_mm` reaches, and every
-/// hollow that does not lead deep into the patient.
+/// The air around the patient: all voxels that a ball of `nostril_radius_mm` can cover when it
+/// moves in from outside, and all cavities that are not deep. The ball enters from all sides except
+/// from below, where a head scan truncates pharynx and trachea.
 ///
-/// The ball comes from all sides but from below, where a head scan cuts through pharynx and
-/// trachea.
+/// \param patient            see find_patient().
+/// \param nostril_radius_mm  radius of the ball.
 [[nodiscard]] Mask find_outside(const Mask& patient, double nostril_radius_mm);
 
 }  // namespace lefort::anatomy

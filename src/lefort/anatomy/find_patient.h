@@ -1,5 +1,5 @@
 /// \file
-/// The patient's voxels and the bone among them.
+/// Segments the patient, and bone.
 #pragma once
 
 #include <lefort/anatomy/segment_tissue.h>
@@ -7,11 +7,18 @@
 
 namespace lefort::anatomy {
 
-/// What is not air and belongs to the largest thing in the scan; table, pillow and head holder are
-/// other things, even where they touch the patient in a narrow place.
+/// The voxels of the largest object in the scan. Table, pillow and head holder are other objects,
+/// even if they touch the patient over a small area.
+///
+/// \param ct       the scan.
+/// \param skin_hu  voxels below this CT number are air.
 [[nodiscard]] Mask find_patient(const image::CtVolume& ct, double skin_hu);
 
-/// The dense parts of the patient that are no islands, and the marrow they enclose.
+/// The dense components of the patient that are not islands, and the marrow they enclose.
+///
+/// \param ct       the scan.
+/// \param patient  from find_patient().
+/// \param options  thresholds and smallest volume.
 [[nodiscard]] Mask find_bone(const image::CtVolume& ct, const Mask& patient,
                              const SegmentationOptions& options);
 

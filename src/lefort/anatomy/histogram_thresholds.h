@@ -1,5 +1,5 @@
 /// \file
-/// Thresholds from the scan itself, for values that are no Hounsfield units or not quite.
+/// Thresholds from the histogram of a scan, for values that are not exactly Hounsfield units.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -7,7 +7,8 @@
 
 namespace lefort::anatomy {
 
-/// The values that best part a scan into air, soft tissue and bone, and the means of the three.
+/// Thresholds that divide a scan into air, soft tissue and bone, and the means of the three
+/// classes.
 struct HistogramThresholds {
   double skin_hu;  ///< Between air and soft tissue.
   double bone_hu;  ///< Between soft tissue and bone.
@@ -16,15 +17,15 @@ struct HistogramThresholds {
   double bone_mean_hu;
 };
 
-/// Otsu's method for three classes: the two thresholds with the largest variance between classes.
-/// \cite otsu1979
+/// Otsu's method for three classes: the two thresholds with the largest between-class variance
+/// \cite otsu1979.
 ///
-/// They follow any linear change of scale, and lie about half-way between the means: higher than
-/// the usual 226 HU for bone, so that thin walls may be lost where the values are HU.
+/// They are invariant under linear changes of scale and lie about halfway between the means: for
+/// bone above the usual 226 HU, so that thin walls may be lost if the values are HU. All voxels
+/// count, including those of a table or head holder.
 ///
-/// All voxels count, those of a table or head holder too.
-///
-/// \returns kAnatomyMissing if fewer than three values occur.
+/// \param ct  the scan.
+/// \returns kAnatomyMissing if fewer than three different values occur.
 [[nodiscard]] Result<HistogramThresholds> find_thresholds(const image::CtVolume& ct);
 
 }  // namespace lefort::anatomy

@@ -1,5 +1,5 @@
 /// \file
-/// What each voxel of a scan is.
+/// Tissue labels of voxels.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -12,25 +12,25 @@ namespace lefort::anatomy {
 /// The values stored in a label map and in our `.seg.nrrd` files.
 enum class Tissue : std::uint8_t {
   kBackground = 0,  ///< Outside the patient: air, table, head holder.
-  kBone = 1,        ///< All but the mandible, where that is told apart.
+  kBone = 1,        ///< Without the mandible where that is segmented.
   kSoftTissue = 2,  ///< Facial and other soft tissue outside the cranial cavity.
-  kAirway = 3,      ///< Air inside the patient that reaches the outside: nose, pharynx.
+  kAirway = 3,      ///< Inner air that is connected with the outside: nose, pharynx.
   kBrain = 4,       ///< Everything soft inside the cranial cavity.
   kSinus = 5,       ///< Air enclosed by bone: maxillary, frontal, sphenoid, mastoid cells.
-  kMandible = 6,    ///< Where the scan shows it apart from the skull.
-  kMuscle = 7,      ///< Soft tissue that somebody named so; no rule finds it.
+  kMandible = 6,    ///< If it is separated from the skull in the scan.
+  kMuscle = 7,      ///< Labeled by the user; not segmented automatically.
 };
 
 [[nodiscard]] constexpr bool is_bone(Tissue tissue) {
   return tissue == Tissue::kBone || tissue == Tissue::kMandible;
 }
 
-/// What surfaces and levels take as one; muscle differs by its material alone.
+/// True for soft tissue and muscle: they differ in material only, not in surfaces.
 [[nodiscard]] constexpr bool is_soft_tissue(Tissue tissue) {
   return tissue == Tissue::kSoftTissue || tissue == Tissue::kMuscle;
 }
 
-/// How a tissue is called and colored in files and pictures.
+/// Name and color of a tissue in files and pictures.
 struct TissueStyle {
   Tissue tissue;
   const char* name;
@@ -47,7 +47,7 @@ inline constexpr std::array<TissueStyle, 7> kTissueStyles{{
     {Tissue::kMuscle, "muscle", {0.75, 0.41, 0.35}},
 }};
 
-/// One label per voxel of the scan, on the scan's own grid.
+/// One label per voxel, on the grid of the scan.
 using LabelMap = image::Volume<Tissue>;
 
 }  // namespace lefort::anatomy

@@ -1,5 +1,5 @@
 /// \file
-/// More voxels around a volume, and fewer.
+/// Adds voxels around a volume, and removes them.
 #pragma once
 
 #include <lefort/core/check.h>
@@ -20,6 +20,7 @@ struct Margin {
   return {{voxels, voxels, voxels}, {voxels, voxels, voxels}};
 }
 
+/// The grid with a margin; voxels keep their positions in L.
 [[nodiscard]] inline image::Grid padded(const image::Grid& grid, const Margin& margin) {
   image::Grid wide = grid;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -29,7 +30,11 @@ struct Margin {
   return wide;
 }
 
-/// The volume where it was, `value` around it.
+/// The volume with a margin of constant `value`; voxels keep their positions in L.
+///
+/// \param volume  any grid.
+/// \param margin  voxels to add.
+/// \param value   of the added voxels.
 template <class T>
 [[nodiscard]] image::Volume<T> padded(const image::Volume<T>& volume, const Margin& margin,
                                       const T& value) {
@@ -42,7 +47,11 @@ template <class T>
   return wide;
 }
 
-/// Undoes padding: `wide` without its margin, on `grid`.
+/// Removes a margin.
+///
+/// \param wide    padded volume.
+/// \param margin  of `wide`.
+/// \param grid    of the result.
 template <class T>
 [[nodiscard]] image::Volume<T> cropped(const image::Volume<T>& wide, const Margin& margin,
                                        const image::Grid& grid) {

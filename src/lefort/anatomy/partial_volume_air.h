@@ -1,19 +1,21 @@
 /// \file
-/// Where air ends at bare bone.
+/// Partial-volume voxels between air and bone.
 #pragma once
 
 #include <lefort/anatomy/voxel_mask.h>
 
 namespace lefort::anatomy {
 
-/// Voxels between air and bone that air fills by more than half.
+/// Voxels between air and bone that are more than half filled with air.
 ///
-/// The border of air and bone lies at the middle of their CT numbers, a quarter of a voxel and more
-/// beyond the threshold of skin, which leaves these voxels to soft tissue where there is none. Bone
-/// is as dense as the densest of the 26 neighbors that belong to it.
+/// The border between air and bone is at the mean of their CT numbers, a quarter of a voxel and
+/// more beyond the threshold of skin. That threshold labels these voxels as soft tissue, although
+/// there is none. The CT number of bone is that of the densest bone voxel among the 26 neighbors.
 ///
-/// \param air   a set of rooms; \param bone  no voxel of it is air; \pre all lie on one grid.
-/// \returns voxels of neither that share a face with one of `air` and at least a corner with bone.
+/// \param ct    the scan.
+/// \param air   airway or sinuses.
+/// \param bone  disjoint from `air`. \pre all are on one grid.
+/// \returns voxels of neither set that share a face with `air` and at least a corner with `bone`.
 [[nodiscard]] Mask partial_volume_air(const image::CtVolume& ct, const Mask& air, const Mask& bone);
 
 }  // namespace lefort::anatomy

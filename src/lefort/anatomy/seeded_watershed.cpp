@@ -7,7 +7,7 @@
 namespace lefort::anatomy {
 namespace {
 
-// Widths closer than this count as equal; all above the largest level flood at once.
+// Widths are rounded to these levels; all widths above the last level are equal.
 constexpr double kLevel_mm = 0.1;
 constexpr std::size_t kLevels = 1000;
 
@@ -22,7 +22,7 @@ image::Volume<std::int32_t> seeded_watershed(const image::Volume<std::int32_t>& 
                                              const image::ScalarVolume& width_mm) {
   const image::Grid& grid = room.grid;
   image::Volume<std::int32_t> basins = seeds;
-  // One first-in-first-out queue per level, the widest served first.
+  // One first-in-first-out queue per level; the largest width comes first.
   std::vector<std::vector<Index>> queues(kLevels);
   for (Index v = 0; v < grid.voxel_count(); ++v)
     if (seeds.values[std::size_t(v)] != 0)
@@ -30,8 +30,8 @@ image::Volume<std::int32_t> seeded_watershed(const image::Volume<std::int32_t>& 
 
   const std::array<Index, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
   for (std::size_t level = kLevels; level-- > 0;) {
-    // A wide place behind a narrow one is reached at the narrow one's level: queues grow only here
-    // or below, and this one may grow while it is served.
+    // Behind a narrow passage wide voxels have the level of the passage. So queues grow only at
+    // this level or below; this one may grow during the loop.
     for (std::size_t next = 0; next < queues[level].size(); ++next) {
       const Index v = queues[level][next];
       Index rest = v;

@@ -14,9 +14,9 @@
 namespace lefort::anatomy {
 namespace {
 
-// A head's air, bone and skin are this much at least; anything less is noise.
+// Min volume of the air, bone and skin of a head; less is noise.
 constexpr double kMinTissue_ml = 1.0;
-// What segmentation takes at its peak; measured, see test_segment_tissue.cpp.
+// Peak memory of the segmentation; measured, see test_segment_tissue.cpp.
 constexpr double kBytesPerVoxel = 40.0;
 
 Result<void> check_options(const SegmentationOptions& options) {
@@ -26,29 +26,28 @@ Result<void> check_options(const SegmentationOptions& options) {
                 fmt::format("bone_hu is {} and skin_hu {}, bone must be denser than skin",
                             options.bone_hu, options.skin_hu));
   const auto check = [](const char* name, double value, bool valid,
-                        const char* wanted) -> Result<void> {
+                        const char* range) -> Result<void> {
     if (valid && value < 1e6) return {};
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} is {}, must be {}", name, value, wanted));
+                fmt::format("{} is {}, must be {}", name, value, range));
   };
-  LEFORT_TRY_VOID(
-      check("smallest_bone_ml", options.min_bone_ml, options.min_bone_ml >= 0.0, ">= 0"));
+  LEFORT_TRY_VOID(check("min_bone_ml", options.min_bone_ml, options.min_bone_ml >= 0.0, ">= 0"));
   LEFORT_TRY_VOID(check("nostril_radius_mm", options.nostril_radius_mm,
                         options.nostril_radius_mm > 0.0 && options.nostril_radius_mm <= 50.0,
                         "> 0 and <= 50"));
   LEFORT_TRY_VOID(
       check("ostium_radius_mm", options.ostium_radius_mm, options.ostium_radius_mm > 0.0, "> 0"));
   LEFORT_TRY_VOID(
-      check("most_memory_gib", options.max_memory_gib, options.max_memory_gib > 0.0, "> 0"));
-  return check("smallest_air_ml", options.min_air_ml, options.min_air_ml >= 0.0, ">= 0");
+      check("max_memory_gib", options.max_memory_gib, options.max_memory_gib > 0.0, "> 0"));
+  return check("min_air_ml", options.min_air_ml, options.min_air_ml >= 0.0, ">= 0");
 }
 
 Result<void> check_scan(const image::CtVolume& ct, double max_memory_gib) {
   const image::Grid& grid = ct.grid;
-  const auto [fewest, maximum] = std::minmax_element(grid.size.begin(), grid.size.end());
-  if (*fewest < 0 || *maximum > 100'000 || grid.voxel_count() != Index(ct.values.size()))
+  const auto [minimum, maximum] = std::minmax_element(grid.size.begin(), grid.size.end());
+  if (*minimum < 0 || *maximum > 100'000 || grid.voxel_count() != Index(ct.values.size()))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("scan has {} values, its grid of {} x {} x {} voxels wants as many",
+                fmt::format("scan has {} values, which must match its grid of {} x {} x {} voxels",
                             ct.values.size(), grid.size[0], grid.size[1], grid.size[2]));
   if (!(grid.spacing_mm.minCoeff() > 0.0) || !(grid.spacing_mm.maxCoeff() < 1e3))
     return fail(ErrorCode::kInvalidArgument,
@@ -60,8 +59,8 @@ Result<void> check_scan(const image::CtVolume& ct, double max_memory_gib) {
   if (needed_gib > max_memory_gib)
     return fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("scan has {} x {} x {} voxels and needs {:.3g} GiB of memory, must with "
-                    "{:.3g}: crop it to the head, or join slices",
+        fmt::format("scan has {} x {} x {} voxels and needs {:.3g} GiB of memory, the limit "
+                    "is {:.3g} GiB: crop it to the head, or merge slices",
                     grid.size[0], grid.size[1], grid.size[2], needed_gib, max_memory_gib));
   const auto [lowest, highest] = std::minmax_element(ct.values.begin(), ct.values.end());
   if (*lowest == *highest)
@@ -70,12 +69,12 @@ Result<void> check_scan(const image::CtVolume& ct, double max_memory_gib) {
   return {};
 }
 
-Result<void> check_found(const char* what, const Mask& found, const std::string& how) {
+Result<void> check_found(const char* what, const Mask& found, const std::string& criterion) {
   const double ml = double(voxel_count(found)) * voxel_ml(found.grid);
   if (ml >= kMinTissue_ml) return {};
   return fail(ErrorCode::kAnatomyMissing,
-              fmt::format("scan shows {:.2f} ml of {} ({}), expected at least {} ml", ml, what, how,
-                          kMinTissue_ml));
+              fmt::format("scan shows {:.2f} ml of {} ({}), expected at least {} ml", ml, what,
+                          criterion, kMinTissue_ml));
 }
 
 /// Extends airway and sinuses to bare bone, but not through a wall to other air.
@@ -90,11 +89,11 @@ void add_air_at_bone(const image::CtVolume& ct, const Mask& bone, const Mask& ou
   }
 }
 
-/// Tells how far the segmentation is, and whether to go on.
+/// Reports progress and checks for cancellation.
 class Steps {
  public:
   Steps(Progress& progress, int count) : progress_(progress), count_(count) {
-    progress_.begin_stage("tell the tissues apart");
+    progress_.begin_stage("segment tissues");
   }
   [[nodiscard]] Result<void> next() {
     progress_.report(double(done_++) / count_);
@@ -129,13 +128,13 @@ Result<LabelMap> segment_tissue(const image::CtVolume& ct, const SegmentationOpt
   LEFORT_TRY_VOID(steps.next());
   const Mask outside = find_outside(patient, options.nostril_radius_mm);
   LEFORT_TRY_VOID(check_found("air around the patient", outside,
-                              fmt::format("below {} HU, which makes skin", options.skin_hu)));
+                              fmt::format("below {} HU, the threshold of skin", options.skin_hu)));
 
   LEFORT_TRY_VOID(steps.next());
   const Mask inner_air = mask_where(
       grid, [&](std::size_t v) { return patient.values[v] == 0 && outside.values[v] == 0; });
   AirSpaces air = find_air_spaces(inner_air, bone, outside, options);
-  // Only now: a thin wall between two rooms stays whole while they are told apart.
+  // After the division into rooms, which needs thin walls between them.
   add_air_at_bone(ct, bone, outside, air);
 
   LEFORT_TRY_VOID(steps.next());

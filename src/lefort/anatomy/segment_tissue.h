@@ -1,6 +1,6 @@
 /// \file
-/// Tells bone, mandible, facial tissue, brain, airway and sinuses apart in a head CT, and drops
-/// what is not the patient.
+/// Segments bone, mandible, facial tissue, brain, airway and sinuses in a head CT, and removes
+/// everything that is not the patient.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -10,43 +10,43 @@
 
 namespace lefort::anatomy {
 
-/// Where one tissue ends and the next begins. Lengths are in mm, so that they mean the same in
-/// every scan; one below the voxel size acts as one voxel.
+/// Parameters of the segmentation. Lengths are in mm, so they do not depend on the voxel size; a
+/// length below the voxel size acts as one voxel.
 struct SegmentationOptions {
-  double bone_hu = 226.0;   ///< Bone is at least this dense; must exceed skin_hu.
-  double skin_hu = -300.0;  ///< The patient is at least this dense, air is below.
+  double bone_hu = 226.0;   ///< Min CT number of bone; must exceed skin_hu.
+  double skin_hu = -300.0;  ///< Min CT number of the patient; air is below.
 
-  /// Bone parts smaller than this are islands and become soft tissue; >= 0.
+  /// Smaller connected components of bone are islands and become soft tissue; >= 0.
   double min_bone_ml = 0.2;
-  /// Air entrances up to twice as wide belong to the patient, such as nostrils; > 0.
+  /// Air entrances up to twice as wide, such as nostrils, belong to the patient; > 0.
   double nostril_radius_mm = 5.0;
   /// Openings up to twice as wide do not make a sinus part of the airway; > 0.
   double ostium_radius_mm = 2.0;
-  /// Pockets of air in soft tissue smaller than this are soft tissue; >= 0.
+  /// Smaller air pockets in soft tissue become soft tissue; >= 0.
   double min_air_ml = 0.05;
-  /// A scan that needs more memory is refused before it is touched; > 0. See segment_tissue().
+  /// Scans that need more memory are rejected before any work; > 0. See segment_tissue().
   double max_memory_gib = 16.0;
 };
 
 /// Labels every voxel of a head CT.
 ///
-/// Bone is what is dense and hangs together, with the marrow it encloses; the mandible is told from
-/// the rest where the scan shows it apart (find_mandible.h). The brain is found from
-/// the part of the soft tissue that sees bone in nearly all directions; it ends at the narrowest
-/// place of every opening of the skull, be it a foramen or a defect, with a smooth border. A scan
-/// without a cranial cavity has no brain, which is no error.
+/// Bone: connected dense components, with the marrow they enclose. The mandible is labeled
+/// separately if it is separated from the skull in the scan (find_mandible.h). Brain: the soft
+/// tissue from which rays hit bone in at least 85 % of 26 directions, extended by a watershed to
+/// the narrowest cross-section of each opening of the skull, whether foramen or defect, with a
+/// smooth border. A scan without a cranial cavity has no brain; this is not an error.
 ///
-/// \param ct        a head, in HU; the scan may cut it off on any side. Table and head holder are
-///   taken for background unless they grow together with the head.
+/// \param ct        a head, in HU; the scan may truncate it on any side. Table and head holder
+///   become background unless they are fused with the head.
 /// \param options   see SegmentationOptions.
-/// \param progress  is told the share of the work done, and may cancel.
+/// \param progress  receives the fraction done; may cancel.
 /// \returns one label per voxel on the grid of `ct`, or
-///   - kInvalidArgument  an option lies outside its range, `ct` contradicts its own grid, or has so
-///                       many voxels that options.max_memory_gib does not suffice;
-///   - kAnatomyMissing   the scan is empty or constant, or shows no skin or no bone;
-///   - kCancelled        `progress` asked to stop.
-/// \note Same bits for any number of threads.
-/// \note Memory: 40 bytes per voxel at most, the scan itself not counted.
+///   - kInvalidArgument  an option is out of range, `ct` does not match its grid, or has so many
+///                       voxels that options.max_memory_gib is exceeded;
+///   - kAnatomyMissing   the scan is empty or constant, or contains no skin or no bone;
+///   - kCancelled        `progress` requested a stop.
+/// \note The result has the same bits for any number of threads.
+/// \note Memory: at most 40 bytes per voxel, in addition to the scan.
 [[nodiscard]] Result<LabelMap> segment_tissue(const image::CtVolume& ct,
                                               const SegmentationOptions& options = {},
                                               Progress& progress = Progress::none());

@@ -10,14 +10,15 @@
 namespace lefort::anatomy {
 namespace {
 
-// The Gaussian is cut off this many sigmas from its center, where it has fallen below 0.4 %.
-constexpr double kReach = 3.4;
+// The Gaussian is truncated at this many sigmas, where it is below 0.4 % of its maximum.
+constexpr double kCutoff_sigmas = 3.4;
 
-/// Weights of the center and of the neighbors 1, 2, ... voxels away on either side; sum is 1.
+/// Weights of the center and of the neighbors at 1, 2, ... voxels on either side; the sum over both
+/// sides is 1.
 std::vector<float> gaussian_weights(double sigma_voxels) {
   std::vector<double> weights;
-  const Index reach = Index(std::ceil(kReach * sigma_voxels));
-  for (Index n = 0; n <= reach; ++n)
+  const Index cutoff = Index(std::ceil(kCutoff_sigmas * sigma_voxels));
+  for (Index n = 0; n <= cutoff; ++n)
     weights.push_back(std::exp(-0.5 * std::pow(double(n) / sigma_voxels, 2)));
   const double sum = 2.0 * std::accumulate(weights.begin(), weights.end(), 0.0) - weights.front();
   std::vector<float> normalized;
@@ -25,18 +26,18 @@ std::vector<float> gaussian_weights(double sigma_voxels) {
   return normalized;
 }
 
-/// One line of voxels, its ends repeated, convolved in place.
+/// Convolves one line of voxels in place; its ends are repeated.
 void smooth_line(float* values, Index size, Index stride, const std::vector<float>& weights,
                  std::vector<float>& line) {
-  const Index reach = Index(weights.size()) - 1;
-  line.resize(std::size_t(size + 2 * reach));
-  for (Index n = 0; n < size + 2 * reach; ++n)
-    line[std::size_t(n)] = values[std::clamp(n - reach, Index(0), size - 1) * stride];
+  const Index cutoff = Index(weights.size()) - 1;
+  line.resize(std::size_t(size + 2 * cutoff));
+  for (Index n = 0; n < size + 2 * cutoff; ++n)
+    line[std::size_t(n)] = values[std::clamp(n - cutoff, Index(0), size - 1) * stride];
   for (Index n = 0; n < size; ++n) {
-    const float* center = line.data() + n + reach;
+    const float* center = line.data() + n + cutoff;
     float sum = weights[0] * *center;
-    for (Index away = 1; away <= reach; ++away)
-      sum += weights[std::size_t(away)] * (center[-away] + center[away]);
+    for (Index distance = 1; distance <= cutoff; ++distance)
+      sum += weights[std::size_t(distance)] * (center[-distance] + center[distance]);
     values[n * stride] = sum;
   }
 }

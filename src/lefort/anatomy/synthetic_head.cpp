@@ -7,13 +7,13 @@
 namespace lefort::anatomy {
 namespace {
 
-// The whole head, in mm and L. Sizes are an adult's; what matters is that no two sides are alike.
+// Dimensions of the head in L, in mm, similar to an adult's. Left and right differ everywhere.
 const Vec3 kCranium(0.0, 5.0, 25.0);
 const Vec3 kCraniumOuter(69.0, 88.0, 78.0);
-constexpr double kVault_mm = 7.0;  // How thick the cranium is.
+constexpr double kVault_mm = 7.0;  // Thickness of the cranium.
 const Vec3 kMaxilla(0.0, -48.0, -38.0);
 const Vec3 kNeck(0.0, 25.0, 0.0);
-constexpr double kLowest_mm = -112.0;  // Of the scan.
+constexpr double kLowest_mm = -112.0;  // Lower end of the scan.
 
 /// Distance to an ellipsoid, positive inside, exact to first order at its surface.
 double ellipsoid(const Vec3& p, const Vec3& center, const Vec3& radii) {
@@ -24,25 +24,25 @@ double ellipsoid(const Vec3& p, const Vec3& center, const Vec3& radii) {
   return k * (1.0 - k) / slope;
 }
 
-/// Distance to a rod with round ends.
+/// Distance to a capsule, positive inside.
 double capsule(const Vec3& p, const Vec3& a, const Vec3& b, double radius) {
   const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
   return radius - (p - a - t * (b - a)).norm();
 }
 
-/// Of two bodies, with a fillet of about `width` where they meet.
-double joined(double a, double b, double width) {
+/// Union of two bodies, with a fillet of about `width`.
+double smooth_union(double a, double b, double width) {
   const double h = std::max(width - std::abs(a - b), 0.0) / width;
   return std::max(a, b) + 0.25 * h * h * width;
 }
 
-/// Of a body without another, with a rounded edge.
-double without(double a, double b, double width) { return -joined(-a, b, width); }
+/// Difference of two bodies, with a rounded edge.
+double smooth_difference(double a, double b, double width) { return -smooth_union(-a, b, width); }
 
-/// Half an ellipse in the plane z = `height`, open to posterior, as thick as `radius`.
+/// Distance to half an elliptic torus in the plane z = `center.z()`, open to posterior.
 double arch(const Vec3& p, const Vec3& center, double half_width, double depth, double radius) {
   const Vec3 d = p - center;
-  if (d.y() > 0.0) {  // Its ends.
+  if (d.y() > 0.0) {  // The ends.
     const double x = d.x() > 0.0 ? half_width : -half_width;
     return radius - Vec3(d.x() - x, d.y(), d.z()).norm();
   }
@@ -53,17 +53,17 @@ double arch(const Vec3& p, const Vec3& center, double half_width, double depth, 
   return radius - std::hypot(across, d.z());
 }
 
-/// Well mixed bits of a number: SplitMix64 (Steele, Lea, Flood 2014).
-std::uint64_t mixed(std::uint64_t bits) {
+/// Pseudorandom bits of a number: SplitMix64 (Steele, Lea, Flood 2014).
+std::uint64_t splitmix64(std::uint64_t bits) {
   bits += 0x9e3779b97f4a7c15ULL;
   bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9ULL;
   bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebULL;
   return bits ^ (bits >> 31);
 }
 
-/// Nearly Gaussian, of standard deviation 1: the sum of four even numbers of 16 bits.
+/// Approximately Gaussian with standard deviation 1: the sum of four uniform numbers of 16 bits.
 double noise(std::uint64_t key) {
-  const std::uint64_t bits = mixed(key);
+  const std::uint64_t bits = splitmix64(key);
   double sum = 0.0;
   for (int part = 0; part < 4; ++part) sum += double((bits >> (16 * part)) & 0xffff) / 65535.0;
   return (sum - 2.0) * std::sqrt(3.0);
@@ -77,7 +77,7 @@ double hu_at(const Vec3& p, const SyntheticMaterials& materials) {
   return materials.soft_hu;
 }
 
-/// The nearest of all surfaces at which the CT number changes.
+/// Distance to the closest surface at which the CT number changes.
 double to_next_border(const Vec3& p) {
   using namespace synthetic;
   double nearest = 1e9;
@@ -95,11 +95,11 @@ double skin(const Vec3& p) {
   const double cranium = ellipsoid(p, kCranium, {76.0, 95.0, 85.0});
   const double face = ellipsoid(p, {0.0, -35.0, -55.0}, {66.0, 66.0, 68.0});
   const double nose = ellipsoid(p, {3.0, -100.0, -34.0}, {13.0, 18.0, 20.0});
-  // An upright cylinder: the scan cuts the neck off.
+  // An upright cylinder; the scan truncates the neck.
   const Vec3 in_plane(p.x(), p.y(), 0.0);
   const double column_of_neck = ellipsoid(in_plane, kNeck, {54.0, 58.0, 1.0});
   const double neck = p.z() > -20.0 ? std::min(column_of_neck, -20.0 - p.z()) : column_of_neck;
-  return joined(joined(joined(cranium, face, 20.0), nose, 8.0), neck, 20.0);
+  return smooth_union(smooth_union(smooth_union(cranium, face, 20.0), nose, 8.0), neck, 20.0);
 }
 
 double brain(const Vec3& p) {
@@ -108,21 +108,21 @@ double brain(const Vec3& p) {
 
 double skull(const Vec3& p) {
   double shell = std::min(ellipsoid(p, kCranium, kCraniumOuter), -brain(p));
-  const Vec3 hole = Vec3(-0.5, -0.8, 0.35).normalized();  // The patient's right, in front.
+  const Vec3 hole = Vec3(-0.5, -0.8, 0.35).normalized();  // On the patient's right, in front.
   if ((p - kCranium).dot(hole) > 0.0)
-    shell = without(shell, 11.0 - (p - kCranium).cross(hole).norm(), 3.0);
-  if (p.z() < kCranium.z())  // Where the cord leaves.
-    shell = without(shell, 13.0 - std::hypot(p.x(), p.y() - 38.0), 3.0);
+    shell = smooth_difference(shell, 11.0 - (p - kCranium).cross(hole).norm(), 3.0);
+  if (p.z() < kCranium.z())  // Foramen magnum.
+    shell = smooth_difference(shell, 13.0 - std::hypot(p.x(), p.y() - 38.0), 3.0);
   const double block = ellipsoid(p, kMaxilla, {38.0, 36.0, 30.0});
-  return joined(shell, without(block, brain(p), 3.0), 4.0);
+  return smooth_union(shell, smooth_difference(block, brain(p), 3.0), 4.0);
 }
 
 double mandible(const Vec3& p) {
-  const Vec3 chin(-2.0, -35.0, -88.0);  // To the right of the middle.
+  const Vec3 chin(-2.0, -35.0, -88.0);  // Right of the midline.
   const double body = arch(p, chin, 38.0, 40.0, 8.0);
   const double left = capsule(p, {36.0, -35.0, -88.0}, {43.0, -18.0, -46.0}, 6.5);
   const double right = capsule(p, {-40.0, -35.0, -88.0}, {-43.0, -18.0, -48.0}, 5.0);
-  return joined(joined(body, left, 4.0), right, 4.0);
+  return smooth_union(smooth_union(body, left, 4.0), right, 4.0);
 }
 
 double column(const Vec3& p) {
@@ -133,7 +133,7 @@ double airway(const Vec3& p) {
   const double nostril = capsule(p, {3.0, -130.0, -46.0}, {1.0, -75.0, -45.0}, 4.0);
   const double nose = ellipsoid(p, {0.0, -50.0, -42.0}, {9.0, 38.0, 16.0});
   const double pharynx = capsule(p, {0.0, -10.0, -42.0}, {0.0, -6.0, -92.0}, 9.0);
-  return joined(joined(nostril, nose, 3.0), pharynx, 6.0);
+  return smooth_union(smooth_union(nostril, nose, 3.0), pharynx, 6.0);
 }
 
 double sinuses(const Vec3& p) {
@@ -182,12 +182,12 @@ LabelMap synthetic_labels(const image::Grid& grid) {
 image::CtVolume synthetic_scan(const image::Grid& grid, const SyntheticMaterials& materials,
                                std::uint64_t seed) {
   constexpr int kSamples = 4;  // Along each axis of a voxel.
-  // The distances are exact to first order alone, hence the reserve.
-  const double reach_mm = 0.8 * grid.spacing_mm.norm();
+  // The distances are exact to first order only, hence the safety factor.
+  const double margin_mm = 0.8 * grid.spacing_mm.norm();
   image::CtVolume ct{grid, std::vector<std::int16_t>(std::size_t(grid.voxel_count()))};
   const auto mean_hu = [&](const Vec3& center_V) {
     const Vec3 center_L = grid.point_L(center_V);
-    if (to_next_border(center_L) > reach_mm) return hu_at(center_L, materials);
+    if (to_next_border(center_L) > margin_mm) return hu_at(center_L, materials);
     double sum = 0.0;
     for (int n = 0; n < kSamples * kSamples * kSamples; ++n) {
       const Vec3 cell(n % kSamples, n / kSamples % kSamples, n / (kSamples * kSamples));
@@ -196,9 +196,10 @@ image::CtVolume synthetic_scan(const image::Grid& grid, const SyntheticMaterials
     }
     return sum / double(kSamples * kSamples * kSamples);
   };
-  // Far from all borders a run of voxels is of one material; far, as distances are rough there.
+  // Far from all borders a run of voxels has one material. A factor of two covers the error of the
+  // distances there.
   constexpr Index kRun = 8;
-  const double run_mm = 0.5 * double(kRun) * grid.spacing_mm.x() + reach_mm;
+  const double run_mm = 0.5 * double(kRun) * grid.spacing_mm.x() + margin_mm;
   parallel_for(grid.size[1] * grid.size[2], [&](Index line) {
     const Index j = line % grid.size[1], k = line / grid.size[1];
     for (Index run = 0; run < grid.size[0]; run += kRun) {
@@ -206,7 +207,7 @@ image::CtVolume synthetic_scan(const image::Grid& grid, const SyntheticMaterials
           grid.point_L({double(run) + 0.5 * double(kRun - 1), double(j), double(k)});
       const bool is_pure = to_next_border(middle_L) > 2.0 * run_mm;
       for (Index i = run; i < std::min(run + kRun, grid.size[0]); ++i) {
-        const auto key = mixed(seed) + std::uint64_t(grid.offset(i, j, k));
+        const auto key = splitmix64(seed) + std::uint64_t(grid.offset(i, j, k));
         const double hu =
             (is_pure ? hu_at(middle_L, materials) : mean_hu({double(i), double(j), double(k)})) +
             materials.noise_hu * noise(key);

@@ -1,11 +1,12 @@
 /// \file
-/// Smooth scalar volumes whose zero surface is the border of a tissue.
+/// Level-set functions of tissues: smooth volumes whose zero surface is the border of a tissue.
 ///
-/// A level is positive inside, negative outside, and in mm: near its border it is about the
-/// distance to it, and it is clamped a few mm away. Users interpolate it trilinearly. Its grid is
-/// the scan's, two voxels longer on every side with negative values there, so that zero surfaces
-/// are closed even where the scan cuts the patient off. Levels of neighbors are made of the same
-/// numbers: where tissue touches bone, or air, both zero surfaces coincide.
+/// Their sign is **positive inside** and negative outside (docs/conventions.md), unlike that of
+/// distance fields. Near the border the value is about the distance to it in mm; further away it is
+/// clamped to a few mm. Values between voxels are interpolated trilinearly. The grid is that of the
+/// scan, extended by two voxels with negative values on every side, so that zero surfaces are
+/// closed even where the scan truncates the patient. Functions of adjacent tissues are computed
+/// from the same values: where tissue touches bone or air, both zero surfaces coincide.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -14,46 +15,54 @@
 
 namespace lefort::anatomy {
 
-/// Whether the sinuses are holes in the bone or part of it.
+/// Whether sinuses are cavities of the bone or part of it.
 enum class Cavities {
-  kKeep,         ///< Bone as it is.
-  kFillSinuses,  ///< One solid: for contact, since a sinus wall is thinner than a load step.
+  kKeep,  ///< Sinuses are cavities.
+  /// Sinuses are solid: for contact, because a sinus wall is thinner than a load step.
+  kFillSinuses,
 };
 
-/// The thresholds must be those the labels were made with.
+/// Thresholds and smoothing. Thresholds must be those of the segmentation.
 struct LevelOptions {
   double bone_hu = 226.0;
   double skin_hu = -300.0;
-  /// Sigma of the Gaussian that takes stair-steps and noise off the surfaces at bone_hu and
-  /// skin_hu; bone gets less, for its thin walls. Along an axis of coarser voxels it is as much as
-  /// their steps need: 0.8 voxels for bone, 1 for skin. >= 0; 0 leaves all as it is.
+  /// Sigma of the Gaussian that removes voxel steps and noise at bone_hu and skin_hu; bone gets
+  /// less because of its thin walls. Along an axis with coarse voxels it is at least 0.8 voxels for
+  /// bone and 1 for skin. >= 0; 0 means no smoothing.
   double bone_smoothing_mm = 0.8;
   double skin_smoothing_mm = 1.0;
-  double thinnest_tissue_mm = 2.5;  ///< Thinner sheets are no soft tissue to be meshed.
-  double nostril_depth_mm = 5.0;    ///< So deep is the skin surface drawn into the nostrils.
+  double thinnest_tissue_mm = 2.5;  ///< Thinner sheets are not part of the soft tissue.
+  double nostril_depth_mm = 5.0;    ///< Depth up to which the skin surface follows the nostrils.
 };
 
-/// Bone: the surface at `bone_hu` around the voxels labeled bone, all else left out.
+/// Bone: the surface at `bone_hu` around the voxels labeled as bone, without other dense objects.
 ///
-/// \pre `labels` lies on the grid of `ct`.
+/// \param ct        the scan.
+/// \param labels    of the scan. \pre it is on the grid of `ct`.
+/// \param cavities  whether sinuses are filled.
+/// \param options   thresholds and smoothing.
 [[nodiscard]] image::ScalarVolume bone_level(const image::CtVolume& ct, const LabelMap& labels,
                                              Cavities cavities, const LevelOptions& options = {});
 
-/// The patient as a whole: background outside, everything else inside, the surface at `skin_hu`.
+/// The whole patient: the surface at `skin_hu` around everything except the background.
 ///
-/// Airway and sinuses count as inside, but nostrils and ear canals are open for their first
-/// `nostril_depth_mm`: the face has nostrils, and no inner surface of the nose.
+/// Airway and sinuses are inside, but nostrils and ear canals are open up to `nostril_depth_mm`:
+/// the face has nostrils, but not the inner surface of the nose.
 ///
-/// \pre `labels` lies on the grid of `ct`.
+/// \param ct       the scan.
+/// \param labels   of the scan. \pre it is on the grid of `ct`.
+/// \param options  thresholds and smoothing.
 [[nodiscard]] image::ScalarVolume skin_level(const image::CtVolume& ct, const LabelMap& labels,
                                              const LevelOptions& options = {});
 
-/// The soft tissue that deforms: inside the skin, outside bone with filled sinuses, outside the
-/// airway, without the brain; without sheets thinner than `thinnest_tissue_mm` (turbinates, the
-/// blur between bone and air); its largest part only.
+/// The deformable soft tissue: inside the skin, outside of bone with filled sinuses and of the
+/// airway, without the brain, and without sheets thinner than `thinnest_tissue_mm` (turbinates, the
+/// blur between bone and air). Only the largest connected component.
 ///
-/// \param progress  is told as a note how much the smaller parts hold that are left out.
-/// \pre `labels` lies on the grid of `ct`.
+/// \param ct        the scan.
+/// \param labels    of the scan. \pre it is on the grid of `ct`.
+/// \param options   thresholds and smoothing.
+/// \param progress  receives a note with the volume of the components that are left out.
 [[nodiscard]] image::ScalarVolume soft_tissue_level(const image::CtVolume& ct,
                                                     const LabelMap& labels,
                                                     const LevelOptions& options = {},

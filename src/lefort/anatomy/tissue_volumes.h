@@ -1,5 +1,5 @@
 /// \file
-/// How much of each tissue a scan holds.
+/// Volumes of the tissues in a scan.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -10,7 +10,7 @@
 
 namespace lefort::anatomy {
 
-/// Name and volume [ml] of every tissue but the background, in the order of kTissueStyles.
+/// Name and volume [ml] of each tissue except the background, in the order of kTissueStyles.
 [[nodiscard]] std::vector<std::pair<std::string, double>> tissue_volumes_ml(const LabelMap& labels);
 
 }  // namespace lefort::anatomy

@@ -11,8 +11,8 @@ namespace {
 template <class T>
 using ItkImage = itk::Image<T, 3>;
 
-/// Lends the values to ITK filters, which do not write to their inputs; sizes and spacing alone,
-/// since nothing here depends on where the grid lies.
+/// Gives ITK filters access to the values without a copy; the filters do not write to their inputs.
+/// Only size and spacing are set: results do not depend on origin and direction.
 template <class T>
 typename ItkImage<T>::Pointer itk_view(const image::Volume<T>& volume) {
   const auto view = ItkImage<T>::New();
@@ -75,33 +75,34 @@ Mask dilated_by_one_voxel_or_more(const Mask& mask, double distance_mm) {
   parallel_for(size[2], [&](Index k) {
     for (Index j = 0; j < size[1]; ++j)
       for (Index i = 0; i < size[0]; ++i) {
-        const auto holds = [&](Index ni, Index nj, Index nk) {
+        const auto contains = [&](Index ni, Index nj, Index nk) {
           return mask.grid.contains(ni, nj, nk) && mask.at(ni, nj, nk) != 0;
         };
-        const bool beside = holds(i - 1, j, k) || holds(i + 1, j, k) || holds(i, j - 1, k) ||
-                            holds(i, j + 1, k) || holds(i, j, k - 1) || holds(i, j, k + 1);
-        near.at(i, j, k) = beside || double(distance.at(i, j, k)) <= distance_mm ? 1 : 0;
+        const bool adjacent = contains(i - 1, j, k) || contains(i + 1, j, k) ||
+                              contains(i, j - 1, k) || contains(i, j + 1, k) ||
+                              contains(i, j, k - 1) || contains(i, j, k + 1);
+        near.at(i, j, k) = adjacent || double(distance.at(i, j, k)) <= distance_mm ? 1 : 0;
       }
   });
   return near;
 }
 
-std::int32_t Parts::largest() const {
+std::int32_t Components::largest() const {
   if (count() == 0) return 0;
   return std::int32_t(std::max_element(voxels.begin() + 1, voxels.end()) - voxels.begin());
 }
 
-Parts connected_parts(const Mask& mask, Neighbors neighbors) {
+Components connected_components(const Mask& mask, Neighbors neighbors) {
   using Filter = itk::ConnectedComponentImageFilter<ItkImage<std::uint8_t>, ItkImage<std::int32_t>>;
   const auto filter = Filter::New();
   filter->SetInput(itk_view(mask));
   filter->SetFullyConnected(neighbors == Neighbors::kFacesEdgesCorners);
   filter->Update();
 
-  Parts parts{volume_from_itk<std::int32_t>(*filter->GetOutput(), mask.grid), {0}};
-  // ITK does not promise an order of its numbers: number again, in the order of first voxels.
+  Components parts{volume_from_itk<std::int32_t>(*filter->GetOutput(), mask.grid), {0}};
+  // The numbers of ITK are in no guaranteed order; renumber by first voxels.
   std::vector<std::int32_t> renumbered(1, 0);
-  for (std::int32_t& part : parts.part_of.values) {
+  for (std::int32_t& part : parts.component_of.values) {
     if (part != 0) {
       if (std::size_t(part) >= renumbered.size()) renumbered.resize(std::size_t(part) + 1, 0);
       if (renumbered[std::size_t(part)] == 0) {
@@ -115,16 +116,17 @@ Parts connected_parts(const Mask& mask, Neighbors neighbors) {
   return parts;
 }
 
-Mask select_labels(const Parts& parts, const std::vector<std::uint8_t>& keep) {
+Mask select_labels(const Components& parts, const std::vector<std::uint8_t>& keep) {
   LEFORT_CHECK(keep.size() == parts.voxels.size());
-  return mask_where(parts.part_of.grid,
-                    [&](std::size_t v) { return keep[std::size_t(parts.part_of.values[v])] != 0; });
+  return mask_where(parts.component_of.grid, [&](std::size_t v) {
+    return keep[std::size_t(parts.component_of.values[v])] != 0;
+  });
 }
 
-std::vector<std::uint8_t> labels_touching(const Parts& parts, const Mask& mask) {
+std::vector<std::uint8_t> labels_touching(const Components& parts, const Mask& mask) {
   std::vector<std::uint8_t> touching(parts.voxels.size(), 0);
   for (std::size_t v = 0; v < mask.values.size(); ++v)
-    if (mask.values[v] != 0) touching[std::size_t(parts.part_of.values[v])] = 1;
+    if (mask.values[v] != 0) touching[std::size_t(parts.component_of.values[v])] = 1;
   touching[0] = 0;
   return touching;
 }

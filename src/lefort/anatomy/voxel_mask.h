@@ -1,9 +1,9 @@
 /// \file
-/// Sets of voxels and what morphology does with them, lengths in mm.
+/// Sets of voxels, and morphological operations with lengths in mm.
 ///
-/// Distances run between voxel centers. Beyond the grid there are neither voxels of a set nor
-/// others. So the faces of the grid do not erode a set, but closing fills narrow gaps between a set
-/// and a face.
+/// Distances are between voxel centers. Outside of the grid voxels are neither inside nor outside a
+/// set: faces of the grid do not erode a set, but closing fills narrow gaps between a set and a
+/// face.
 #pragma once
 
 #include <lefort/core/parallel.h>
@@ -15,10 +15,13 @@
 
 namespace lefort::anatomy {
 
-/// 1 for the voxels of the set, 0 for the others.
+/// 1 for voxels of the set, 0 for others.
 using Mask = image::Volume<std::uint8_t>;
 
-/// The set of the voxels, given by offset, for which `belongs` holds.
+/// The set of voxels, given by offset, for which `belongs` is true.
+///
+/// \param grid     of the set.
+/// \param belongs  belongs(offset), called concurrently.
 template <class Predicate>
 [[nodiscard]] Mask mask_where(const image::Grid& grid, const Predicate& belongs) {
   Mask mask{grid, std::vector<std::uint8_t>(std::size_t(grid.voxel_count()))};
@@ -28,8 +31,12 @@ template <class Predicate>
   return mask;
 }
 
-/// Calls body(offset of the first voxel, offset from voxel to voxel) for every line of voxels along
-/// an axis, in any order.
+/// Calls body(offset of the first voxel, stride) for each line of voxels along an axis, in any
+/// order.
+///
+/// \param grid  the voxels.
+/// \param axis  0, 1, 2 for i, j, k.
+/// \param body  called concurrently.
 template <class Body>
 void for_each_line(const image::Grid& grid, std::size_t axis, const Body& body) {
   const std::array<Index, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
@@ -42,54 +49,67 @@ void for_each_line(const image::Grid& grid, std::size_t axis, const Body& body) 
   });
 }
 
+/// Number of voxels of the set.
 [[nodiscard]] Index voxel_count(const Mask& mask);
 
 /// Volume of one voxel.
 [[nodiscard]] double voxel_ml(const image::Grid& grid);
 
-/// How far the nearest voxel of the set is [mm]; 0 in the set, 1e6 everywhere if it is empty.
+/// Distance of each voxel to the closest voxel of the set [mm]; 0 in the set, 1e6 everywhere if it
+/// is empty.
 [[nodiscard]] image::ScalarVolume distance_to(const Mask& mask);
 
-/// Voxels within `radius_mm` of the set.
+/// All voxels within `radius_mm` of the set.
+///
+/// \param mask       a set.
+/// \param radius_mm  >= 0.
 [[nodiscard]] Mask dilated(const Mask& mask, double radius_mm);
 
-/// Voxels of the set further than `radius_mm` from all others.
+/// Voxels of the set that are further than `radius_mm` from all others.
 [[nodiscard]] Mask eroded(const Mask& mask, double radius_mm);
 
-/// Eroded, then dilated: without what is thinner than twice the radius.
+/// Erosion, then dilation: removes what is thinner than twice the radius.
 [[nodiscard]] Mask opened(const Mask& mask, double radius_mm);
 
-/// Dilated, then eroded: with the gaps filled that are narrower than twice the radius.
+/// Dilation, then erosion: fills gaps narrower than twice the radius.
 [[nodiscard]] Mask closed(const Mask& mask, double radius_mm);
 
-/// The set, the voxels within `distance_mm` of it, and those that share a face with one of it,
-/// however far voxels are apart.
+/// The set, the voxels within `distance_mm` of it, and in any case the voxels that share a face
+/// with it.
 [[nodiscard]] Mask dilated_by_one_voxel_or_more(const Mask& mask, double distance_mm);
 
+/// Adjacency of voxels: common faces only (6), or common faces, edges or corners (26).
 enum class Neighbors { kFaces, kFacesEdgesCorners };
 
-/// The connected parts of a set, numbered from 1 in the order of their first voxel.
-struct Parts {
-  image::Volume<std::int32_t> part_of;  ///< 0 outside the set.
-  std::vector<Index> voxels;            ///< Of part p at [p]; [0] counts the voxels outside.
+/// Connected components of a set, numbered from 1 in the order of their first voxels.
+struct Components {
+  image::Volume<std::int32_t> component_of;  ///< 0 outside the set.
+  /// Number of voxels of each component; [0] counts those outside the set.
+  std::vector<Index> voxels;
 
   [[nodiscard]] std::int32_t count() const { return std::int32_t(voxels.size()) - 1; }
-  /// The part of most voxels, the first of equals; 0 if there is none.
+  /// The component with the most voxels, the first if several have; 0 if there is none.
   [[nodiscard]] std::int32_t largest() const;
 };
 
-[[nodiscard]] Parts connected_parts(const Mask& mask, Neighbors neighbors);
+/// Finds the connected components of a set.
+///
+/// \param mask       a set.
+/// \param neighbors  which voxels are adjacent.
+[[nodiscard]] Components connected_components(const Mask& mask, Neighbors neighbors);
 
-/// The voxels of the parts for which keep[part] holds; keep[0] speaks for the voxels outside.
-[[nodiscard]] Mask select_labels(const Parts& parts, const std::vector<std::uint8_t>& keep);
+/// The voxels of the components for which keep[component] is true; keep[0] applies outside the set.
+[[nodiscard]] Mask select_labels(const Components& parts, const std::vector<std::uint8_t>& keep);
 
-/// For every part, whether a voxel of it lies in `mask`; entry 0 is 0.
-[[nodiscard]] std::vector<std::uint8_t> labels_touching(const Parts& parts, const Mask& mask);
+/// For each component, whether one of its voxels is in `mask`; entry 0 is 0.
+[[nodiscard]] std::vector<std::uint8_t> labels_touching(const Components& parts, const Mask& mask);
 
-/// Convolved with a Gaussian whose sigma along i, j, k is `sigma_mm`; values beyond the grid repeat
-/// its faces. \pre sigma_mm >= 0.
+/// Convolution with a Gaussian; values outside of the grid repeat those of its faces.
+///
+/// \param values    on any grid.
+/// \param sigma_mm  along i, j, k. \pre >= 0.
 [[nodiscard]] image::ScalarVolume smoothed(image::ScalarVolume values, const Vec3& sigma_mm);
-/// The same sigma in all directions.
+/// The same sigma along all axes.
 [[nodiscard]] image::ScalarVolume smoothed(image::ScalarVolume values, double sigma_mm);
 
 }  // namespace lefort::anatomy

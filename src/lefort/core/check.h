@@ -1,5 +1,5 @@
 /// \file
-/// Assertions against our own mistakes. No input file can reach one; errors in data are Results
+/// Assertions for programming errors. No input can trigger one; errors in data are Results
 /// (error.h).
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace lefort {
 
-/// A broken promise inside lefort: a bug to be reported, never a property of the input.
+/// An assertion failed: a bug in lefort, never a property of the input.
 class LogicError : public std::logic_error {
  public:
   using std::logic_error::logic_error;
@@ -21,11 +21,11 @@ class LogicError : public std::logic_error {
 
 }  // namespace lefort
 
-/// Always armed.
+/// Checked in every build.
 #define LEFORT_CHECK(condition) \
   ((condition) ? void() : ::lefort::throw_logic_error(#condition, __FILE__, __LINE__))
 
-/// For inner loops: armed in debug builds.
+/// For inner loops: checked in debug builds only.
 #ifdef NDEBUG
 #define LEFORT_ASSERT(condition) static_cast<void>(sizeof(!(condition)))
 #else

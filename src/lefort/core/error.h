@@ -1,8 +1,8 @@
 /// \file
-/// How a function says that the data or the problem, not our code, is at fault.
+/// Errors in the data or the problem, returned as values.
 ///
-/// A message is one lower-case sentence without full stop: the object, the value found, the value
-/// wanted. Bugs of our own are LEFORT_CHECK (check.h).
+/// A message is one lower-case sentence without a full stop: the object, the value found, the value
+/// required. Programming errors are LEFORT_CHECK (check.h).
 #pragma once
 
 #include <tl/expected.hpp>
@@ -12,32 +12,39 @@
 
 namespace lefort {
 
+/// Kinds of errors.
 enum class ErrorCode {
   kInvalidArgument,  ///< An option or parameter lies outside its range.
   kFileNotFound,     ///< An input does not exist.
-  kFileCorrupt,      ///< An input is truncated, damaged or contradicts itself.
-  kFileUnsupported,  ///< An input is of a kind we do not read.
+  kFileCorrupt,      ///< An input is truncated, damaged or inconsistent.
+  kFileUnsupported,  ///< The format of an input is not supported.
   kFileUnwritable,   ///< An output could not be written: permission, disk full.
-  kPlanInvalid,      ///< The plan breaks its schema or contradicts itself.
+  kPlanInvalid,      ///< The plan violates its schema or is inconsistent.
   kMeshInvalid,      ///< A surface is empty, open, or not orientable where it must be.
-  kAnatomyMissing,   ///< A tissue that is needed is not in the scan.
-  kCutMissesBone,    ///< An osteotomy does not split the bone in two.
-  kMeshingFailed,    ///< No usable volume mesh came out.
+  kAnatomyMissing,   ///< A required tissue is not in the scan.
+  kCutMissesBone,    ///< An osteotomy does not divide the bone.
+  kMeshingFailed,    ///< No valid volume mesh was generated.
   kElementInverted,  ///< An element has no positive volume.
-  kStepBeyondBand,   ///< A bone moves further in a step than its distance field can tell.
+  kStepBeyondBand,   ///< A bone moves further in one step than its distance band covers.
   kNotConverged,     ///< The solver found no equilibrium.
-  kCancelled,        ///< The user asked to stop.
-  kOutOfMemory,      ///< The problem is larger than the memory of this machine.
+  kCancelled,        ///< The user canceled the task.
+  kOutOfMemory,      ///< The problem needs more memory than this machine has.
 };
 
+/// An error of the data or the problem.
 struct Error {
   ErrorCode code;
   std::string message;
 };
 
+/// A value, or the error that prevented it.
 template <class T>
 using Result = tl::expected<T, Error>;
 
+/// The error as a return value.
+///
+/// \param code     kind of the error.
+/// \param message  as described above.
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
@@ -51,11 +58,11 @@ using Result = tl::expected<T, Error>;
   if (!result) return tl::unexpected(std::move(result).error()); \
   declaration = *std::move(result)
 
-/// LEFORT_TRY(const auto x, f()); gives x its value, or returns f's error from this function.
+/// LEFORT_TRY(const auto x, f()); initializes x with the value of f(), or returns its error.
 #define LEFORT_TRY(declaration, ...) \
   LEFORT_TRY_INNER(LEFORT_CONCAT(lefort_try_, __LINE__), declaration, (__VA_ARGS__))
 
-/// LEFORT_TRY_VOID(f()); returns f's error from this function, if it has one.
+/// LEFORT_TRY_VOID(f()); returns the error of f(), if there is one.
 #define LEFORT_TRY_VOID(...)                                     \
   do {                                                           \
     if (auto lefort_try_void = (__VA_ARGS__); !lefort_try_void)  \

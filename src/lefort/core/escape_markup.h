@@ -1,5 +1,5 @@
 /// \file
-/// Text made safe to stand in XML or HTML.
+/// Escapes text for XML and HTML. It is in core because both io and report use it.
 #pragma once
 
 #include <string>
@@ -7,8 +7,11 @@
 
 namespace lefort {
 
-/// `text` with & < > " ' as character references: for element content and quoted attributes alike.
-/// Bytes that XML does not admit (control characters, broken UTF-8) are not looked at.
+/// Replaces & < > " ' by character references, for element content and quoted attributes.
+///
+/// \param text  UTF-8. Bytes that XML does not allow (control characters, invalid UTF-8) are
+///   copied.
+/// \returns the escaped text.
 [[nodiscard]] std::string escape_markup(std::string_view text);
 
 }  // namespace lefort

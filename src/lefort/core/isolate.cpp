@@ -6,7 +6,7 @@ namespace lefort {
 
 void isolate(const std::function<void()>& body) {
 #ifdef __SANITIZE_THREAD__
-  body();  // Loops are not TBB's then (thread_loop.h): whoever waits begins nothing else.
+  body();  // thread_loop.h does not use TBB: a waiting thread runs nothing else.
 #else
   tbb::this_task_arena::isolate(body);
 #endif

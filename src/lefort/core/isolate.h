@@ -1,13 +1,16 @@
 /// \file
-/// Parallel loops within parallel loops.
+/// Nested parallel loops.
 #pragma once
 
 #include <functional>
 
 namespace lefort {
 
-/// Runs body(). While a loop in it waits for its last pieces, its thread does not begin pieces of
-/// loops outside: they may be long, and what follows the body would wait for them.
+/// Runs body(). A thread that waits for the end of a parallel loop in it does not execute
+/// iterations of outer loops meanwhile: they may be long, and would delay the code after the inner
+/// loop.
+///
+/// \param body  is called once, in the calling thread.
 void isolate(const std::function<void()>& body);
 
 }  // namespace lefort

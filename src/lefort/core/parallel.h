@@ -1,8 +1,8 @@
 /// \file
 /// Parallel loops whose results do not depend on the number of threads.
 ///
-/// Work is cut into blocks of fixed size; what blocks produce is merged in block order. So sums and
-/// lists come out bit for bit alike with 1 or N threads. Nothing else in lefort names TBB.
+/// The range is divided into blocks of fixed size, and results of blocks are merged in block order.
+/// So sums and lists have the same bits with 1 and with N threads. Only core uses TBB.
 #pragma once
 
 #include <lefort/core/check.h>
@@ -20,10 +20,10 @@
 
 namespace lefort {
 
-/// Items per block. Part of the result: sums are taken block by block.
+/// Iterations per block. It affects results: sums are computed block by block.
 inline constexpr Index kParallelBlock = 256;
 
-/// Limits the threads of every parallel loop while it lives; 0 means all the machine has.
+/// Limits the threads of every parallel loop during its lifetime; 0 means all hardware threads.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int threads);
@@ -31,7 +31,7 @@ class ThreadLimit {
   ThreadLimit(const ThreadLimit&) = delete;
   ThreadLimit& operator=(const ThreadLimit&) = delete;
 
-  /// How many threads loops use now.
+  /// \returns the number of threads that loops use now.
   [[nodiscard]] static int current();
 
  private:
@@ -39,7 +39,9 @@ class ThreadLimit {
 };
 
 /// Calls body(begin, end) for consecutive blocks of [0, count). Blocks run in any order and must
-/// not share what they write.
+/// not write to the same data.
+///
+/// \param block  iterations per block, > 0.
 template <class Body>
 void parallel_for_blocks(Index count, const Body& body, Index block = kParallelBlock) {
   LEFORT_CHECK(count >= 0 && block > 0);
@@ -55,7 +57,7 @@ void parallel_for_blocks(Index count, const Body& body, Index block = kParallelB
 #endif
 }
 
-/// Calls body(i) for every i of [0, count), in any order.
+/// Calls body(i) for every i in [0, count), in any order.
 template <class Body>
 void parallel_for(Index count, const Body& body, Index block = kParallelBlock) {
   parallel_for_blocks(
@@ -66,7 +68,9 @@ void parallel_for(Index count, const Body& body, Index block = kParallelBlock) {
       block);
 }
 
-/// Sums term(i) over [0, count) in an order that depends on count alone.
+/// Sums term(i) over [0, count) in an order that depends on count only.
+///
+/// \param zero  initial value of the sums.
 template <class Value, class Term>
 [[nodiscard]] Value deterministic_sum(Index count, const Value& zero, const Term& term) {
   std::vector<Value> partial(std::size_t((count + kParallelBlock - 1) / kParallelBlock), zero);
@@ -79,7 +83,9 @@ template <class Value, class Term>
   return total;
 }
 
-/// Calls body(i, list) for every i; returns what the lists hold, in the order of i.
+/// Calls body(i, list) for every i in [0, count).
+///
+/// \returns the items of all lists, in the order of i.
 template <class Item, class Body>
 [[nodiscard]] std::vector<Item> parallel_collect(Index count, const Body& body) {
   std::vector<std::vector<Item>> lists(std::size_t((count + kParallelBlock - 1) / kParallelBlock));

@@ -3,7 +3,7 @@
 namespace lefort {
 
 Progress& Progress::none() {
-  static Progress silent;  // Stateless, so sharing it is harmless.
+  static Progress silent;  // Stateless, so all callers can use the same object.
   return silent;
 }
 

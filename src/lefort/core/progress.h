@@ -1,29 +1,29 @@
 /// \file
-/// How long work tells how far it is, and learns that it should stop.
+/// Progress reports and cancellation.
 #pragma once
 
 #include <string_view>
 
 namespace lefort {
 
-/// Told by functions that take over a second. The library itself never prints.
+/// Receives reports from functions that take longer than a second. The library itself never prints.
 class Progress {
  public:
   virtual ~Progress() = default;
 
-  /// A named part of the work begins, for example "mesh the soft tissue".
+  /// A named stage begins, for example "mesh the soft tissue".
   virtual void begin_stage(std::string_view /*name*/) {}
 
-  /// The share of the current stage that is done, 0 to 1. Called from the calling thread only.
+  /// Fraction of the current stage that is done, 0 to 1. Called from the calling thread only.
   virtual void report(double /*fraction*/) {}
 
-  /// Something the user should read: a warning, or what a choice left open was set to.
+  /// A message for the user: a warning, or the value chosen for an option that was not set.
   virtual void note(std::string_view /*sentence*/) {}
 
-  /// True once the work should end with ErrorCode::kCancelled. Safe from any thread.
+  /// True if the task should end with ErrorCode::kCancelled. May be called from any thread.
   [[nodiscard]] virtual bool stop_requested() const { return false; }
 
-  /// Listens to nothing and never stops.
+  /// \returns an object that ignores reports and never stops.
   [[nodiscard]] static Progress& none();
 };
 

@@ -17,7 +17,8 @@ void thread_loop(Index count, int threads, const std::function<void(Index)>& bod
   const int depth = nested + 1;
   const Index team_size = depth > kMaxNested ? 1 : std::clamp<Index>(threads, 1, count);
   std::vector<std::exception_ptr> thrown(static_cast<std::size_t>(team_size));
-  // Who does what is fixed: else one thread might do it all, and no race could be seen.
+  // Iterations are assigned to threads in advance. Otherwise one thread might run all of them, and
+  // no race could be detected.
   const auto work = [&](Index member) {
     nested = depth;
     try {

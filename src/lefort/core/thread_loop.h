@@ -1,10 +1,10 @@
 /// \file
-/// A plain parallel loop for builds with the thread sanitizer.
+/// A parallel loop for builds with the thread sanitizer.
 ///
-/// The sanitizer sees only how code synchronises that was built with it. Debian's TBB was not:
-/// every loop would look like a race, and if that were overlooked, so would be the true ones.
-/// Threads that are started and joined here it sees; so in those builds parallel.h loops by them,
-/// and any race it reports is lefort's own.
+/// The sanitizer recognizes only synchronization in code that was compiled with it. Debian's TBB
+/// was not: every TBB loop would be reported as a race, and suppressing these reports would hide
+/// true races. In those builds parallel.h uses this loop, which starts and joins its own threads;
+/// any race that is reported is one of lefort.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -13,11 +13,13 @@
 
 namespace lefort {
 
-/// Calls body(i) for every i of [0, count), in any order, on at most `threads` threads; loops
-/// deeper than two within each other run on one.
+/// Calls body(i) for every i in [0, count), in any order. Loops nested deeper than two run on one
+/// thread.
 ///
-/// \throws what a body throws; of several, one.
-/// \pre count > 0, threads > 0.
+/// \param count    > 0.
+/// \param threads  most threads to use, > 0.
+/// \param body     called concurrently.
+/// \throws one of the exceptions that bodies throw.
 void thread_loop(Index count, int threads, const std::function<void(Index)>& body);
 
 }  // namespace lefort

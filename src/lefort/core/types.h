@@ -1,11 +1,11 @@
 /// \file
-/// The words every layer speaks: vectors, indices and rigid poses.
+/// Types of all layers: vectors, indices and rigid transforms.
 ///
 /// Frames are letters at the end of a name (docs/conventions.md):
 ///   L  the patient: LPS, x to the patient's left, y to posterior, z to superior, mm
 ///   B  a bone as scanned, before the plan moves it; same axes as L
 ///   V  voxel indices (column i, row j, slice k) of a volume
-/// A pose X_LB takes a point of B to L: p_L = X_LB * p_B.
+/// X_LB maps a point from B to L: p_L = X_LB * p_B.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using VectorX = Eigen::VectorXd;
 
-/// Counts and positions in lists.
+/// Sizes of lists and positions in them.
 using Index = Eigen::Index;
 
 /// Rotation, then translation; no scale.

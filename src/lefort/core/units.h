@@ -1,6 +1,6 @@
 /// \file
-/// Inside lefort lengths are mm, forces N, stresses MPa = N/mm^2, energies mJ = N mm, angles rad,
-/// CT numbers HU. Other units are converted in io and app alone, through these functions.
+/// Units in lefort: length mm, force N, stress MPa = N/mm^2, energy mJ = N mm, angle rad, CT number
+/// HU. Other units are converted at the input and output only, with these functions.
 #pragma once
 
 #include <numbers>

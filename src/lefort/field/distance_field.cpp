@@ -15,7 +15,7 @@ namespace lefort::field {
 
 namespace {
 
-/// Smooth samples found together: as many as the stack holds with ease.
+/// Smooth samples evaluated together; limited by the stack.
 constexpr std::size_t kSmoothBlock = 64;
 
 struct Located {
@@ -26,13 +26,13 @@ struct Located {
 std::optional<Located> locate(const FieldFrame& frame, const Vec3& p_B) {
   Located at{(p_B - frame.origin_B) * (1.0 / frame.cell_mm), {}};
   const bool in_box = (at.u.array() >= 0.0).all() && (at.u.array() <= frame.resolution).all();
-  if (!in_box) return std::nullopt;  // NaN, too.
+  if (!in_box) return std::nullopt;  // Also if NaN.
   for (int k = 0; k < 3; ++k)
     at.cell[std::size_t(k)] = std::min(int(at.u[k]), frame.resolution - 1);
   return at;
 }
 
-/// For octrees and dense samples; bricks have their own way.
+/// For octrees and dense samples; bricks have their own implementation.
 template <class Samples>
 FieldSample sample_cells(const Samples& samples, const FieldFrame& frame, const Vec3& p_B) {
   const std::optional<Located> at = locate(frame, p_B);
@@ -115,7 +115,7 @@ void DistanceField::sample_smooth(std::span<const Vec3> p_B,
     const std::size_t count = std::min(kSmoothBlock, p_B.size() - begin);
     for (std::size_t i = 0; i < count; ++i) {
       at[i] = locate(frame_, p_B[begin + i]);
-      u[i] = at[i] ? at[i]->u : Vec3::Zero();  // Of no matter.
+      u[i] = at[i] ? at[i]->u : Vec3::Zero();  // Not used.
     }
     evaluate_splines(*smooth_, std::span(u).first(count), std::span(splines).first(count));
     for (std::size_t i = 0; i < count; ++i) {
@@ -123,7 +123,7 @@ void DistanceField::sample_smooth(std::span<const Vec3> p_B,
       const SplineValue& spline = splines[i];
       if (!at[i]) {
         result = beyond(zone_beyond_box(frame_, p_B[begin + i]));
-      } else if (std::abs(spline.value) <= frame_.band_mm) {  // NaN is not.
+      } else if (std::abs(spline.value) <= frame_.band_mm) {  // False for NaN.
         result.zone = Zone::kBand;
         result.distance_mm = spline.value;
         result.gradient_B = per_mm * spline.gradient;

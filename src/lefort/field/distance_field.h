@@ -1,8 +1,8 @@
 /// \file
-/// How far is the bone: signed distance in a band around a surface, in the surface's own frame B.
+/// Signed distance field of a surface, in a band around it, in the frame B of the surface.
 ///
-/// Negative inside, positive outside (docs/conventions.md). A bone that moves moves the query,
-/// never the field.
+/// Negative inside, positive outside (docs/conventions.md). If a bone moves, query points are
+/// transformed to its frame; the field does not change.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -21,44 +21,49 @@
 
 namespace lefort::field {
 
-/// A finished field: immutable, cheap to move, safe to query from many threads.
+/// A distance field: immutable, cheap to move, safe for queries from several threads.
 ///
-/// A query says kBand exactly where all samples around the point are known: at least up to
-/// guaranteed_mm() from the surface, and nowhere beyond band_mm() and a cell. Cells are kUnknown
-/// where the surface is open or its orientation contradicts itself, so that the sign tears.
+/// A query returns kBand exactly where all samples around the point are known: at least up to
+/// guaranteed_mm() from the surface, and at most up to band_mm() plus a cell. Cells are kUnknown
+/// where the surface is open or inconsistently oriented, so that samples are in conflict.
 class DistanceField {
  public:
   using Samples = std::variant<BrickSamples, Octree, DenseSamples>;
 
-  /// Takes the parts apart or together, for building and for files.
-  /// \param smooth  what sample_smooth() reads (spline_lattice.h), if it is wanted.
-  /// \param source  told by source(); queries do not need it.
+  /// Assembles a field, for building it and for files.
+  ///
+  /// \param frame    lattice of the samples.
+  /// \param samples  in one of three formats.
+  /// \param smooth   values for sample_smooth() (spline_lattice.h), if needed.
+  /// \param source   returned by source(); not used by queries.
   DistanceField(const FieldFrame& frame, Samples samples,
                 std::optional<SparseLattice> smooth = std::nullopt,
                 const std::optional<FieldSource>& source = std::nullopt);
 
-  /// Trilinear between the samples around `p_B` (paper, section 2.2): continuous, but for jumps of
-  /// the order of the tolerance where octree cells of different size meet.
+  /// Trilinear interpolation of the samples around `p_B` (paper, section 2.2): continuous, except
+  /// for jumps of the order of the tolerance where octree cells of different size meet.
   ///
-  /// A point outside box_B() is kOutside if the surface is closed, else kUnknown; a point that is
-  /// not finite is kUnknown.
+  /// A point outside box_B() is kOutside if the surface is closed, otherwise kUnknown. A point that
+  /// is not finite is kUnknown.
+  ///
+  /// \param p_B  query point [mm].
   [[nodiscard]] FieldSample sample(const Vec3& p_B) const;
 
-  /// The same for many points, several times as fast. \pre as many results as points.
+  /// The same for several points, several times as fast. \pre as many results as points.
   void sample(std::span<const Vec3> p_B, std::span<FieldSample> results) const;
 
-  /// Distances alone [mm]: +infinity beyond the band outside, -infinity inside, NaN where unknown.
+  /// Distances only [mm]: +infinity outside the band, -infinity inside, NaN if unknown.
   void distances(std::span<const Vec3> p_B, std::span<float> distances_mm) const;
 
-  /// An estimate of the nearest point of the surface: along the gradient by the distance. Exact
-  /// before flat faces; nothing where sample() is not kBand.
+  /// Estimate of the closest surface point: `p_B` minus distance times gradient. Exact above flat
+  /// faces; nothing if sample() is not kBand.
   [[nodiscard]] std::optional<Vec3> nearest_point(const Vec3& p_B) const;
 
-  /// Continuously differentiable: piecewise cubic through the values of the finest lattice, however
-  /// the samples are kept (evaluate_spline.h). Away from kinks the error is of order cell_mm^3.
-  /// \pre is_smooth().
+  /// Continuously differentiable distance: piecewise cubic interpolation of the finest lattice,
+  /// independent of the format of the samples (evaluate_spline.h). Where the distance is smooth the
+  /// error is of order cell_mm^3. \pre is_smooth().
   [[nodiscard]] SmoothSample sample_smooth(const Vec3& p_B) const;
-  /// The same for many points, faster. \pre as many results as points.
+  /// The same for several points, faster. \pre as many results as points.
   void sample_smooth(std::span<const Vec3> p_B, std::span<SmoothSample> results) const;
   [[nodiscard]] bool is_smooth() const { return smooth_.has_value(); }
 
@@ -69,10 +74,10 @@ class DistanceField {
   [[nodiscard]] const FieldFrame& frame() const { return frame_; }
   [[nodiscard]] const Samples& samples() const { return samples_; }
   [[nodiscard]] const std::optional<SparseLattice>& smooth_lattice() const { return smooth_; }
-  /// What it was made of, if that is known.
+  /// The surface the field was built from, if known.
   [[nodiscard]] const std::optional<FieldSource>& source() const { return source_; }
 
-  /// Memory that sample() reads, and that sample_smooth() reads besides.
+  /// Memory used by sample(), and additional memory used by sample_smooth().
   [[nodiscard]] std::size_t sample_bytes() const;
   [[nodiscard]] std::size_t smooth_bytes() const { return smooth_ ? smooth_->bytes() : 0; }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Where the samples of a distance field lie, and how far from the surface they reach.
+/// The lattice of a distance field, and the width of its band.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -8,16 +8,16 @@
 
 namespace lefort::field {
 
-/// What a field was made with, and where it lies.
+/// Parameters of a field, and its position.
 struct FieldFrame {
   Vec3 origin_B = Vec3::Zero();  ///< Lowest corner of the cube, and first sample.
   double cell_mm = 0.0;          ///< Spacing of the samples.
-  int resolution = 0;            ///< Cells along a side of the cube, a power of two.
-  double band_mm = 0.0;          ///< Samples up to this far from the surface are known.
-  double tolerance_mm = 0.0;     ///< Every known sample is reproduced to this.
-  bool closed = false;           ///< The surface encloses a volume: far sides are known.
+  int resolution = 0;            ///< Cells along an edge of the cube, a power of two.
+  double band_mm = 0.0;          ///< Samples up to this distance from the surface are known.
+  double tolerance_mm = 0.0;     ///< Known samples are reproduced within this.
+  bool closed = false;  ///< The surface encloses a volume, so zones outside the band are known.
 
-  /// Every point up to this far from the surface lies between known samples.
+  /// Every point up to this distance from the surface lies between known samples.
   [[nodiscard]] double guaranteed_mm() const { return band_mm - std::numbers::sqrt3 * cell_mm; }
 };
 

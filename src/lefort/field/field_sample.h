@@ -1,5 +1,5 @@
 /// \file
-/// What a query of a distance field answers.
+/// Results of distance field queries.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -8,16 +8,22 @@
 
 namespace lefort::field {
 
-/// Distance as interpolated between the samples around a point. Beyond the band the distance is
-/// +band_mm (kOutside, kUnknown) or -band_mm (kInside) and the gradient zero.
+/// Distance, interpolated between the samples around a point. If the zone is not kBand, the
+/// distance is +band_mm (kOutside, kUnknown) or -band_mm (kInside), and the gradient is zero.
+///
+///   zone      distance        gradient     meaning
+///   kBand     interpolated    interpolated within the narrow band
+///   kOutside  +band_mm        0            further than the band, outside
+///   kInside   -band_mm        0            further than the band, inside
+///   kUnknown  +band_mm        0            sign not known, or not a point
 struct FieldSample {
   Zone zone;
   double distance_mm;
-  Vec3 gradient_B;  ///< Derivative of distance_mm; about, not exactly, of unit length.
+  Vec3 gradient_B;  ///< Derivative of distance_mm; its length is about 1, not exactly.
 };
 
-/// Distance with continuous first derivatives; the second may jump at faces of cells. Beyond the
-/// band as in FieldSample.
+/// Distance with continuous first derivatives; second derivatives may jump at cell faces. Zones as
+/// in FieldSample.
 struct SmoothSample {
   Zone zone;
   double distance_mm;
@@ -25,12 +31,12 @@ struct SmoothSample {
   Mat3 hessian_B;  ///< [1/mm], symmetric.
 };
 
-/// The answer where there is no distance.
+/// The result where there is no distance.
 [[nodiscard]] inline FieldSample beyond_band(Zone zone, double band_mm) {
   return {zone, zone == Zone::kInside ? -band_mm : band_mm, Vec3::Zero()};
 }
 
-/// Where a point outside the cube of a field lies.
+/// Zone of a point outside the cube of a field.
 [[nodiscard]] inline Zone zone_beyond_box(const FieldFrame& frame, const Vec3& p_B) {
   return frame.closed && p_B.allFinite() ? Zone::kOutside : Zone::kUnknown;
 }

@@ -1,29 +1,30 @@
 /// \file
-/// What a field was made of, and what had to be mended first.
+/// The surface a field was built from, and its repairs.
 #pragma once
 
 #include <lefort/core/types.h>
 
 namespace lefort::field {
 
-/// What was found in a surface and, as far as that is unambiguous, mended.
+/// Defects of a surface. Those that can be repaired unambiguously were repaired.
 struct MeshRepairReport {
-  Index repeated_vertices = 0;    ///< At the position of another, or in no triangle; dropped.
-  Index collapsed_triangles = 0;  ///< Two corners at one place; dropped.
-  Index repeated_triangles = 0;   ///< Same corners, same sense; dropped.
-  Index opposite_duplicates = 0;  ///< Same corners, opposite sense: no inside between them.
-  Index flipped_triangles = 0;    ///< Turned to agree with their neighbors, or with being closed.
+  Index repeated_vertices = 0;  ///< At the position of another vertex, or in no triangle; dropped.
+  Index collapsed_triangles = 0;  ///< Two corners coincide; dropped.
+  Index repeated_triangles = 0;   ///< Same corners and orientation; dropped.
+  Index opposite_duplicates = 0;  ///< Same corners, opposite orientation: they enclose no volume.
+  Index flipped_triangles = 0;    ///< Flipped to agree with neighbors, or to face outward.
   Index boundary_edges = 0;       ///< With one triangle.
-  Index non_manifold_edges = 0;   ///< With three or more.
-  Index inconsistent_edges = 0;   ///< Two triangles that disagree and cannot be turned (Moebius).
+  Index non_manifold_edges = 0;   ///< With three or more triangles.
+  /// Of two triangles that flipping cannot make consistent (Moebius strip).
+  Index inconsistent_edges = 0;
 
   bool operator==(const MeshRepairReport&) const = default;
 };
 
-/// The surface behind a field, in numbers.
+/// Properties of the surface a field was built from.
 struct FieldSource {
-  Index triangles = 0;  ///< After mending.
-  Index parts = 0;      ///< That hang together by edges.
+  Index triangles = 0;  ///< After repair.
+  Index parts = 0;      ///< Components connected by edges.
   MeshRepairReport report{};
 
   bool operator==(const FieldSource&) const = default;

@@ -1,15 +1,15 @@
 /// \file
-/// Which instructions the innermost loops may use.
+/// Instruction sets of the inner loops.
 #pragma once
 
 #include <cstdint>
 
 namespace lefort::field {
 
-/// Instruction sets the loops are compiled for; all give the same bits.
+/// Instruction sets that loops are compiled for; all give the same bits.
 enum class Simd : std::uint8_t { kBaseline, kAvx2, kAvx512 };
 
-/// The best that this processor has.
+/// \returns the widest instruction set of this processor.
 [[nodiscard]] Simd best_simd();
 
 }  // namespace lefort::field

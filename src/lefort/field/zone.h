@@ -1,12 +1,12 @@
 /// \file
-/// Where a point lies relative to the band around a surface.
+/// Zone of a point relative to the narrow band of a surface.
 #pragma once
 
 #include <cstdint>
 
 namespace lefort::field {
 
-/// Within the band, or beyond it; kUnknown where a surface with a hole does not say.
+/// In the band, or outside it; kUnknown where an open surface does not determine the sign.
 enum class Zone : std::uint8_t { kBand, kOutside, kInside, kUnknown };
 
 }  // namespace lefort::field

@@ -12,9 +12,10 @@ namespace lefort::geometry {
 namespace {
 
 constexpr std::int32_t kLeafTriangles = 4;
-/// Halving 2^31 triangles gives 31 levels; a depth-first walk keeps one node of each.
+/// 2^31 triangles give 31 levels; a depth-first traversal keeps one node per level.
 constexpr std::size_t kStackSize = 64;
-/// Boxes are pruned by a hair less, so that rounding cannot lose a triangle exactly as near.
+/// Reduces box distances against rounding, so that a triangle at exactly equal distance is not
+/// lost.
 constexpr double kPrune = 1.0 - 1e-12;
 
 double squared_distance_to_box(const Vec3& p, const Vec3& low, const Vec3& high) {
@@ -25,14 +26,14 @@ bool ray_meets_box(const Vec3& origin, const Vec3& inverse, const Vec3& low, con
   double enter = 0.0, leave = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const double a = (low[k] - origin[k]) * inverse[k], b = (high[k] - origin[k]) * inverse[k];
-    if (std::isnan(a) || std::isnan(b)) continue;  // Ray within the face of a slab.
+    if (std::isnan(a) || std::isnan(b)) continue;  // The ray lies in a face of the slab.
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   }
   return enter <= leave * (1.0 + 1e-12);
 }
 
-/// Distance along the ray to the triangle, if it is hit (Moeller and Trumbore).
+/// Distance along the ray to the triangle, if the ray hits it (Moeller and Trumbore 1997).
 std::optional<double> ray_meets_triangle(const Vec3& origin, const Vec3& direction, const Vec3& a,
                                          const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, from_a = origin - a;

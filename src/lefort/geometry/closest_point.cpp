@@ -8,7 +8,7 @@ namespace lefort::geometry {
 
 namespace {
 
-/// Longest edge to the fourth, times the square of the ratio: what |n|^2 must exceed.
+/// What |n|^2 must exceed: fourth power of the longest edge times the square of the ratio.
 double min_squared_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double longest =
       std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
@@ -41,8 +41,8 @@ TrianglePoint closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3
   const double n2 = n.squaredNorm();
   const bool degenerate = !(n2 > min_squared_normal(a, b, c));
 
-  // The nearest point lies on a side that p is outside of, or else on the face. Testing sides by
-  // the normal, not by products of barycentric coordinates, stays exact for slivers.
+  // The closest point lies on an edge that p is outside of, or else on the face. Testing edges with
+  // the normal, not with products of barycentric coordinates, is exact for slivers, too.
   std::array<bool, 3> outside{};
   for (int side = 0; side < 3; ++side) {
     const Vec3& from = *corners[std::size_t(side)];

@@ -14,19 +14,19 @@ EdgeIncidence::EdgeIncidence(const TriangleMesh& mesh) {
     for (std::size_t side = 0; side < 3; ++side) ++first_[std::size_t(ends_of(t, side).first) + 1];
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) first_[v + 1] += first_[v];
 
-  sides_.resize(3 * mesh.triangles.size());
+  half_edges_.resize(3 * mesh.triangles.size());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   std::int32_t number = 0;
   for (const Triangle& t : mesh.triangles)
     for (std::size_t side = 0; side < 3; ++side) {
       const auto [smaller, larger] = ends_of(t, side);
-      sides_[next[std::size_t(smaller)]++] = {larger, number++};
+      half_edges_[next[std::size_t(smaller)]++] = {larger, number++};
     }
   parallel_for(
       mesh.vertex_count(),
       [&](Index v) {
-        std::sort(sides_.begin() + first_[std::size_t(v)],
-                  sides_.begin() + first_[std::size_t(v) + 1],
+        std::sort(half_edges_.begin() + first_[std::size_t(v)],
+                  half_edges_.begin() + first_[std::size_t(v) + 1],
                   [](const HalfEdge& x, const HalfEdge& y) {
                     return x.larger_end != y.larger_end ? x.larger_end < y.larger_end
                                                         : x.number < y.number;

@@ -9,7 +9,7 @@
 namespace lefort::geometry {
 namespace {
 
-constexpr double kThinnest = 0.01;  // Second to first singular value of the points' spread.
+constexpr double kMinSpreadRatio = 0.01;  // Second to first singular value of the points.
 
 Vec3 mean(std::span<const Vec3> points) {
   Vec3 sum = Vec3::Zero();
@@ -24,9 +24,9 @@ Eigen::MatrixX3d centered(std::span<const Vec3> points, const Vec3& center) {
   return rows;
 }
 
-bool is_on_a_line(const Eigen::MatrixX3d& rows) {
+bool is_collinear(const Eigen::MatrixX3d& rows) {
   const Vec3 spread = Eigen::JacobiSVD<Eigen::MatrixX3d>(rows).singularValues();
-  return !(spread[1] > kThinnest * spread[0]);
+  return !(spread[1] > kMinSpreadRatio * spread[0]);
 }
 
 }  // namespace
@@ -36,17 +36,18 @@ Result<RigidFit> fit_rigid(std::span<const Vec3> from, std::span<const Vec3> to)
     return fail(ErrorCode::kInvalidArgument, std::move(what));
   };
   if (from.size() != to.size())
-    return bad(fmt::format("{} points for {} targets, must be as many", from.size(), to.size()));
+    return bad(
+        fmt::format("{} points for {} targets, the numbers must be equal", from.size(), to.size()));
   if (from.size() < 3) return bad(fmt::format("{} points, must be three or more", from.size()));
   for (std::size_t i = 0; i < from.size(); ++i)
     if (!from[i].allFinite() || !to[i].allFinite())
       return bad(fmt::format("point {} or its target is not finite", i));
   const Vec3 center_from = mean(from), center_to = mean(to);
   const Eigen::MatrixX3d rows_from = centered(from, center_from), rows_to = centered(to, center_to);
-  if (is_on_a_line(rows_from))
-    return bad("the points lie on a line, so that they leave a turn open");
-  if (is_on_a_line(rows_to))
-    return bad("the targets lie on a line, so that they leave a turn open");
+  if (is_collinear(rows_from))
+    return bad("the points are collinear, so the rotation is not determined");
+  if (is_collinear(rows_to))
+    return bad("the targets are collinear, so the rotation is not determined");
 
   const Mat3 covariance = rows_to.transpose() * rows_from;
   const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);

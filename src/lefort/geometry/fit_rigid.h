@@ -1,5 +1,5 @@
 /// \file
-/// The rigid motion that brings points nearest to their targets.
+/// The rigid motion that best maps points to their targets.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,17 +11,17 @@ namespace lefort::geometry {
 
 struct RigidFit {
   RigidTransform X_to_from = RigidTransform::Identity();
-  double rms_mm = 0.0;           ///< Of the distances that remain.
-  double max_residual_mm = 0.0;  ///< The largest of them.
-  Index max_residual_index = 0;  ///< Which point it is.
+  double rms_mm = 0.0;           ///< Root mean square of the residual distances.
+  double max_residual_mm = 0.0;  ///< Largest residual distance.
+  Index max_residual_index = 0;  ///< The point that has it.
 };
 
-/// Least squares over all rotations and translations, never a mirror image \cite umeyama1991.
+/// Least-squares fit over rotations and translations, without reflections \cite umeyama1991.
 ///
-/// \param from, to  as many points each, three or more, in the same order.
-/// \returns the fit, or kInvalidArgument if there are fewer points, their numbers differ, one is
-///   not finite, or the points of a side lie on one line within 1 % of their spread, so that a turn
-///   about it is left open.
+/// \param from, to  equally many points, three or more, in the same order [mm].
+/// \returns the fit, or kInvalidArgument if there are fewer than three points, their numbers
+///   differ, one is not finite, or `from` or `to` are collinear within 1 % of their spread, so that
+///   the rotation is not determined.
 [[nodiscard]] Result<RigidFit> fit_rigid(std::span<const Vec3> from, std::span<const Vec3> to);
 
 }  // namespace lefort::geometry

@@ -9,7 +9,7 @@ namespace lefort::geometry {
 
 namespace {
 
-// Corners of a square, and its sides by the corners they join:
+// Corners of a square, and its sides:
 //
 //   3 --2-- 2
 //   |       |     y upwards
@@ -20,10 +20,10 @@ constexpr std::array<std::array<int, 2>, 4> kCorner = {{{0, 0}, {1, 0}, {1, 1}, 
 
 struct Square {
   Eigen::Vector2d low;
-  std::array<double, 4> above;  ///< Value less level, by corner.
+  std::array<double, 4> above;  ///< Value minus level, at the corners.
 
-  /// Where side `s` crosses the level: from high to low, so that the square beyond finds the same
-  /// point. \pre its ends are on different sides.
+  /// Point where side `s` crosses the level, computed from the high to the low corner, so that the
+  /// neighboring square computes the same bits. \pre one corner of the side is high and one low.
   [[nodiscard]] Eigen::Vector2d crossing(std::size_t s) const {
     const std::size_t high = is_high(s) ? s : (s + 1) % 4, to = is_high(s) ? (s + 1) % 4 : s;
     const Eigen::Vector2d a(kCorner[high][0], kCorner[high][1]), b(kCorner[to][0], kCorner[to][1]);
@@ -33,9 +33,9 @@ struct Square {
 };
 
 void add_lines(const Square& square, std::vector<Segment2>& lines) {
-  // Counter-clockwise, a line begins on a side from high to low and ends on the side from low to
-  // high that comes next or, where high corners hang together over a saddle, on the one before: so
-  // what is high is on its left.
+  // Counter-clockwise, a line starts on a side that falls (from high to low) and ends on the next
+  // side that rises; at a saddle with connected high corners on the previous one. So higher values
+  // are to its left.
   std::array<std::size_t, 2> falls{}, rises{};
   std::size_t fall_count = 0, rise_count = 0;
   for (std::size_t s = 0; s < 4; ++s) {
@@ -50,8 +50,8 @@ void add_lines(const Square& square, std::vector<Segment2>& lines) {
   }
   const double middle = square.above[0] + square.above[1] + square.above[2] + square.above[3];
   for (const std::size_t fall : falls) {
-    // With a high middle each line cuts one low corner off, that after its fall; else one high
-    // corner, that before it.
+    // If the high corners are connected, each line cuts off the low corner after its falling side;
+    // else the high corner before it.
     const std::size_t rise = middle >= 0.0 ? (fall + 1) % 4 : (fall + 3) % 4;
     lines.push_back({square.crossing(fall), square.crossing(rise)});
   }

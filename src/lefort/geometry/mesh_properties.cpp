@@ -15,7 +15,7 @@ namespace lefort::geometry {
 namespace {
 
 constexpr double kMaxCoordinate_mm = 1e6;
-/// Three sides per triangle are counted in 32 bits.
+/// Three half-edges per triangle are counted in 32 bits.
 constexpr Index kMaxTriangles = std::numeric_limits<std::int32_t>::max() / 3;
 
 std::vector<bool> used_vertices(const TriangleMesh& mesh) {
@@ -39,7 +39,7 @@ std::optional<EdgeCount> first_edge_not(const TriangleMesh& mesh, const Accept& 
   return found;
 }
 
-/// Root of a vertex's tree, halving the path on the way.
+/// Root of the tree of a vertex, with path halving.
 std::int32_t root_of(std::vector<std::int32_t>& parent, std::int32_t v) {
   while (parent[std::size_t(v)] != v) {
     parent[std::size_t(v)] = parent[std::size_t(parent[std::size_t(v)])];
@@ -48,7 +48,7 @@ std::int32_t root_of(std::vector<std::int32_t>& parent, std::int32_t v) {
   return v;
 }
 
-/// Copies those vertices that triangles of `mesh` name, in their order, and renumbers.
+/// Copies the vertices that triangles of `mesh` use, in their order, and renumbers them.
 void number_vertices_used(TriangleMesh& mesh, const std::vector<Vec3>& vertices) {
   std::vector<std::int32_t> number(vertices.size(), -1);
   for (const Triangle& t : mesh.triangles)
@@ -63,13 +63,13 @@ void number_vertices_used(TriangleMesh& mesh, const std::vector<Vec3>& vertices)
     for (std::int32_t& v : t) v = number[std::size_t(v)];
 }
 
-/// For each vertex the lowest number at its position.
+/// For each vertex the lowest vertex number at its position.
 class PositionTable {
  public:
   explicit PositionTable(const std::vector<Vec3>& vertices)
       : vertices_(vertices), slots_(std::bit_ceil(2 * vertices.size() + 1), kEmpty) {}
 
-  /// The vertex that came first to the position of vertex `v`, which may be `v` itself.
+  /// The first vertex at the position of vertex `v`; may be `v` itself.
   std::int32_t first_at(std::int32_t v) {
     const Vec3& p = vertices_[std::size_t(v)];
     const std::size_t mask = slots_.size() - 1;
@@ -85,7 +85,7 @@ class PositionTable {
   static std::size_t hash(const Vec3& p) {
     std::uint64_t h = 0;
     for (int k = 0; k < 3; ++k) {
-      // Adding zero gives both zeros the same bits.
+      // Adding zero gives +0 and -0 the same bits.
       h = (h ^ std::bit_cast<std::uint64_t>(p[k] + 0.0)) * 0x9E3779B97F4A7C15U;
       h ^= h >> 32;
     }
@@ -139,7 +139,7 @@ double area_mm2(const TriangleMesh& mesh) {
 
 double signed_volume_mm3(const TriangleMesh& mesh) {
   if (mesh.triangles.empty()) return 0.0;
-  const Vec3 origin = mesh.corner(0, 0);  // Near the surface: less cancellation.
+  const Vec3 origin = mesh.corner(0, 0);  // Near the surface, against cancellation.
   return deterministic_sum(mesh.triangle_count(), 0.0, [&](Index t) {
     const Vec3 a = mesh.corner(t, 0) - origin, b = mesh.corner(t, 1) - origin;
     return a.dot(b.cross(mesh.corner(t, 2) - origin)) / 6.0;
@@ -159,8 +159,7 @@ Index euler_characteristic(const TriangleMesh& mesh) {
 std::string describe(const EdgeCount& edge) {
   const int total = edge.forward + edge.backward;
   if (total == 2 && edge.forward != edge.backward)
-    return fmt::format("edge {}-{} has 2 triangles that turn against each other", edge.from,
-                       edge.to);
+    return fmt::format("edge {}-{} has 2 triangles of opposite orientation", edge.from, edge.to);
   return fmt::format("edge {}-{} has {} triangle{}", edge.from, edge.to, total,
                      total == 1 ? "" : "s");
 }
@@ -204,7 +203,7 @@ TriangleMesh keep_components(const TriangleMesh& mesh,
                              const std::function<bool(const TriangleMesh&)>& keep) {
   const Components components = connected_components(mesh);
   std::vector<TriangleMesh> parts(std::size_t(components.count));
-  std::vector<std::int32_t> number(mesh.vertices.size(), -1);  // No vertex is in two parts.
+  std::vector<std::int32_t> number(mesh.vertices.size(), -1);  // No vertex is in two components.
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     TriangleMesh& part = parts[std::size_t(components.of_triangle[t])];
     Triangle renumbered{};

@@ -13,7 +13,7 @@ std::vector<std::array<Vec3, 2>> plane_section(const TriangleMesh& mesh, int axi
       const Vec3 &a = mesh.corner(t, side), &b = mesh.corner(t, (side + 1) % 3);
       const bool above = a[axis] >= at_mm;
       if (above == (b[axis] >= at_mm)) continue;
-      // From above to below, so that both triangles at an edge find the same point.
+      // From above to below, so that both triangles of an edge compute the same point.
       const Vec3 &high = above ? a : b, &low = above ? b : a;
       Vec3 end = high + (high[axis] - at_mm) / (high[axis] - low[axis]) * (low - high);
       end[axis] = at_mm;

@@ -1,5 +1,5 @@
 /// \file
-/// Where a plane cuts a surface.
+/// Intersection of a surface with a plane normal to an axis.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -10,9 +10,13 @@
 
 namespace lefort::geometry {
 
-/// Pieces of the section with the plane where the coordinate `axis` (0 x, 1 y, 2 z) is `at_mm`, one
-/// for each triangle that crosses it. A vertex in the plane counts as above, so a closed surface
-/// gives closed lines, and a triangle in the plane nothing.
+/// Segments of the intersection, one for each triangle that crosses the plane. A vertex in the
+/// plane counts as above it, so a closed surface gives closed lines, and a triangle in the plane
+/// none.
+///
+/// \param mesh   any triangle soup.
+/// \param axis   normal of the plane: 0 x, 1 y, 2 z.
+/// \param at_mm  coordinate of the plane along the axis.
 [[nodiscard]] std::vector<std::array<Vec3, 2>> plane_section(const TriangleMesh& mesh, int axis,
                                                              double at_mm);
 

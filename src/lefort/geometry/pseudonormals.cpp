@@ -9,24 +9,26 @@ namespace lefort::geometry {
 
 namespace {
 
-/// How many triangles without area in a row are walked through to find a normal.
+/// Most triangles without area that are crossed to find a normal.
 constexpr int kMaxSteps = 32;
 constexpr Index kBlock = 4096;
-constexpr double kFullTurn = 2.0 * std::numbers::pi;  // Of angles around a vertex.
+// Sum of the angles around a vertex of a flat surface.
+constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
 double side_length(const TriangleMesh& mesh, Index triangle, int side) {
   return (mesh.corner(triangle, (side + 1) % 3) - mesh.corner(triangle, side)).norm();
 }
 
-/// What lies beyond triangles without area.
+/// Finds the normals that stand for triangles without area.
 class Beyond {
  public:
   Beyond(const TriangleMesh& mesh, const EdgeIncidence& sides, std::span<const Vec3> of_face)
       : mesh_(mesh), sides_(sides), of_face_(of_face) {}
 
-  /// The normal of a triangle as seen from its `side`; without area, that of the triangle beyond. A
-  /// cap (three corners in a row) extends the neighbor at its long side, or seen from there those
-  /// at the short ones; a needle extends its neighbor across.
+  /// The normal of a triangle at its edge `side`; if the triangle has no area, that of the triangle
+  /// beyond it. A cap (three collinear corners) extends the neighbor at its longest edge, or, if
+  /// entered from there, those at the short edges; a needle extends the neighbor at its opposite
+  /// long edge.
   [[nodiscard]] Vec3 normal_at_side(Index triangle, int side) const {
     for (int step = 0; step < kMaxSteps; ++step) {
       if (!normal(triangle).isZero()) return normal(triangle);
@@ -42,7 +44,7 @@ class Beyond {
     return Vec3::Zero();
   }
 
-  /// The same seen from a corner: by way of the opposite side.
+  /// The same at a corner: through the opposite edge.
   [[nodiscard]] Vec3 normal_at_corner(Index triangle, int corner) const {
     if (!normal(triangle).isZero()) return normal(triangle);
     const HalfEdge* other = across(triangle, (corner + 1) % 3);
@@ -52,7 +54,7 @@ class Beyond {
  private:
   [[nodiscard]] const Vec3& normal(Index triangle) const { return of_face_[std::size_t(triangle)]; }
 
-  /// The first other triangle at a side, one with area if there is one.
+  /// The first other triangle at an edge, preferably one with area.
   [[nodiscard]] const HalfEdge* across(Index triangle, int side) const {
     const Triangle& t = mesh_.triangles[std::size_t(triangle)];
     const auto [smaller, larger] =
@@ -83,17 +85,17 @@ double corner_angle(const TriangleMesh& mesh, Index triangle, int corner) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-/// True if what is left of a sum of vectors, of this length together, is rounding: the two sides of
+/// True if a sum of vectors with this total length is zero up to rounding, as for the two sides of
 /// a sheet.
 bool cancels(const Vec3& sum, double length) { return !(sum.norm() > 1e-12 * length); }
 
-/// The direction of a sum of normals weighted by the angles around a vertex.
+/// Direction of a sum of normals weighted by the angles around a vertex.
 Vec3 direction_of(const Vec3& sum) {
   return cancels(sum, kFullTurn) ? Vec3(Vec3::Zero()) : Vec3(sum.stableNormalized());
 }
 
-/// An edge that is no simple seam between two triangles with area.
-struct OddEdge {
+/// An edge that is not shared by exactly two triangles with area.
+struct IrregularEdge {
   std::span<const HalfEdge> sides;
 };
 
@@ -121,8 +123,8 @@ Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& side
   const auto beyond_side = [&](const HalfEdge& s) -> std::int32_t& {
     return opposite_triangle_[std::size_t(s.triangle())][std::size_t(s.side())];
   };
-  const auto odd_edges =
-      parallel_collect<OddEdge>(mesh.vertex_count(), [&](Index vertex, std::vector<OddEdge>& odd) {
+  const auto odd_edges = parallel_collect<IrregularEdge>(
+      mesh.vertex_count(), [&](Index vertex, std::vector<IrregularEdge>& odd) {
         sides.for_each_edge_at(std::int32_t(vertex), [&](std::int32_t, std::int32_t, auto there) {
           if (there.size() == 2 && has_area(there[0]) && has_area(there[1])) {
             beyond_side(there[0]) = std::int32_t(there[1].triangle());
@@ -132,7 +134,7 @@ Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& side
           }
         });
       });
-  for (const OddEdge& edge : odd_edges) {
+  for (const IrregularEdge& edge : odd_edges) {
     Vec3 sum = Vec3::Zero();
     for (const HalfEdge& s : edge.sides) {
       beyond_side(s) = ~std::int32_t(of_irregular_edge_.size());
@@ -144,15 +146,17 @@ Pseudonormals::Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& side
   find_corners(mesh, sides);
 }
 
-/// Most vertices are surrounded by one fan of triangles, each beyond a side of the one before.
-/// Calls body(triangle, corner) for each. False if an odd edge or another fan is in the way.
+/// Calls body(triangle, corner) for each triangle of the fan around a vertex; most vertices have
+/// exactly one fan.
+///
+/// \returns false if an irregular edge or another fan prevents it from visiting all triangles.
 template <class Body>
 bool Pseudonormals::walk_around(const TriangleMesh& mesh, std::int32_t vertex,
                                 const Body& body) const {
   const Corners& at = at_vertex_[std::size_t(vertex)];
   const std::int32_t first = at.first / 3;
   std::int32_t triangle = first, corner = at.first % 3;
-  std::int32_t side = (corner + 2) % 3;  // To leave by.
+  std::int32_t side = (corner + 2) % 3;  // Through which the current triangle is left.
   std::int32_t count = 0;
   do {
     const Triangle& here = mesh.triangles[std::size_t(triangle)];
@@ -168,7 +172,8 @@ bool Pseudonormals::walk_around(const TriangleMesh& mesh, std::int32_t vertex,
   return triangle == first && count == at.count;
 }
 
-/// Finds the triangles at each vertex; of those that one walk does not tell, the normals.
+/// Finds the triangles at each vertex, and the normals of vertices that are not surrounded by one
+/// fan.
 void Pseudonormals::find_corners(const TriangleMesh& mesh, const EdgeIncidence& sides) {
   for (std::int32_t t = std::int32_t(mesh.triangle_count()) - 1; t >= 0; --t)
     for (std::int32_t corner = 2; corner >= 0; --corner) {

@@ -1,5 +1,5 @@
 /// \file
-/// Normals at faces, edges and vertices that tell inside from outside at the nearest feature.
+/// Angle-weighted pseudonormals of faces, edges and vertices, which decide the sign of distances.
 #pragma once
 
 #include <lefort/geometry/closest_point.h>
@@ -12,39 +12,46 @@
 
 namespace lefort::geometry {
 
-/// Let c be the point of a closed surface nearest to p, on some feature with pseudonormal N. Then
-/// p lies outside exactly if N . (p - c) > 0 \cite baerentzen2005, which no face normal achieves at
-/// edges and vertices. The sums run over all faces there: so that is right where a surface touches
-/// itself, too, at a vertex with several fans of triangles or an edge of four.
+/// Let c be the point of a closed surface closest to p, on a feature with pseudonormal N. Then p
+/// lies outside exactly if N . (p - c) > 0 \cite baerentzen2005. Face normals do not have this
+/// property at edges and vertices. Sums include all faces at a feature, so signs are also right
+/// where a surface touches itself: at vertices with several fans of triangles and at edges with
+/// four triangles.
 ///
-/// Those of edges and of most vertices are worked out when asked for: stored, they would outweigh
-/// the surface, and few are.
+/// Pseudonormals of edges and of most vertices are computed on demand: they would need more memory
+/// than the surface, and only few are used.
 class Pseudonormals {
  public:
   Pseudonormals() = default;
 
-  /// Of any soup: open, non-manifold, with triangles without area.
+  /// Accepts any triangle soup: open, non-manifold, with triangles without area.
   ///
-  /// Vertices are told apart by number, so weld_vertices() first if equal positions were written
-  /// more than once. A triangle without area has no normal of its own; seen from one of its edges
-  /// or corners it is an extension of the triangle beyond it, so that the caps and needles of a
-  /// triangulation do not turn the sign of their neighbors.
-  /// \pre check_surface(mesh) holds.
+  /// Vertices are identified by number, so call weld_vertices() first if positions repeat. A
+  /// triangle without area has no normal; at its edges and corners it takes that of the triangle
+  /// beyond it, so that caps and needles of a triangulation do not change the signs of their
+  /// neighbors.
+  ///
+  /// \param mesh   the surface.
+  /// \param sides  its half-edges.
+  /// \pre check_surface(mesh) succeeds.
   explicit Pseudonormals(const TriangleMesh& mesh) : Pseudonormals(mesh, EdgeIncidence(mesh)) {}
   Pseudonormals(const TriangleMesh& mesh, const EdgeIncidence& sides);
 
-  /// At a face: unit, zero without area. At an edge: sum of the unit normals of the faces there. At
-  /// a vertex: unit, or zero where normals cancel (paper, equation 1).
+  /// Pseudonormal of a feature. Face: unit normal, zero without area. Edge: sum of the unit normals
+  /// of its faces. Vertex: unit vector, or zero where normals cancel (paper, equation 1).
   ///
-  /// \param mesh  what this was computed from.
+  /// \param mesh      the surface this was computed from.
+  /// \param triangle  number of a triangle at the feature.
+  /// \param feature   of that triangle.
   [[nodiscard]] Vec3 at(const TriangleMesh& mesh, Index triangle, Feature feature) const;
 
+  /// Pseudonormal of a vertex: a unit vector, or zero where normals cancel or no triangle is.
   [[nodiscard]] Vec3 at_vertex(const TriangleMesh& mesh, Index vertex) const;
 
  private:
   /// The triangles at a vertex.
   struct Corners {
-    std::int32_t first = -1;  ///< 3 * triangle + corner; ~ the place in of_irregular_vertex_.
+    std::int32_t first = -1;  ///< 3 * triangle + corner; ~ the position in of_irregular_vertex_.
     std::int32_t count = 0;
   };
 
@@ -56,13 +63,13 @@ class Pseudonormals {
   std::vector<Vec3> of_face_;
   std::vector<Corners> at_vertex_;
   std::vector<Vec3> of_irregular_vertex_;
-  /// By triangle and side: the one triangle beyond it, or ~ the place in of_irregular_edge_ if
-  /// there are none or several, or one of the two is without area.
+  /// By triangle and side: the triangle beyond the edge, or ~ the position in of_irregular_edge_ if
+  /// there is none, there are several, or one of the two has no area.
   std::vector<std::array<std::int32_t, 3>> opposite_triangle_;
   std::vector<Vec3> of_irregular_edge_;
 };
 
-/// \returns zero for a triangle without area.
+/// \returns the unit normal of a triangle, zero without area.
 [[nodiscard]] Vec3 face_normal(const TriangleMesh& mesh, Index triangle);
 
 }  // namespace lefort::geometry

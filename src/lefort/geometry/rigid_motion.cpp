@@ -17,8 +17,8 @@ RigidTransform rigid_motion(const Vec3& translation_mm, const Vec3& rotation_rad
 Vec3 rotation_vector(const Mat3& rotation) {
   Eigen::Quaterniond q(rotation);
   if (q.w() < 0.0)
-    q.coeffs() = -q.coeffs();  // Both stand for the rotation; take the smaller angle.
-  // The sine of half the angle: accurate for small turns, unlike the arc cosine of w.
+    q.coeffs() = -q.coeffs();  // Both represent the rotation; this one has the smaller angle.
+  // Uses the sine of half the angle: accurate for small angles, unlike the arc cosine of w.
   const double sine = q.vec().norm();
   if (sine == 0.0) return Vec3::Zero();
   return 2.0 * std::atan2(sine, q.w()) / sine * q.vec();
@@ -38,7 +38,7 @@ RigidTransform interpolate_screw(const RigidTransform& from_LB, const RigidTrans
   const double angle_rad = turn_rad.norm();
   const Vec3 shift = (to_LB * from_LB.inverse()).translation();
   if (angle_rad == 0.0) return rigid_motion(fraction * shift, Vec3::Zero(), Vec3::Zero()) * from_LB;
-  // Chords of the circle about the axis, which may be as far away as it likes.
+  // Computed from chords of the circle about the axis, so the axis may be arbitrarily far away.
   const Vec3 axis = turn_rad / angle_rad;
   const Vec3 glide = axis.dot(shift) * axis;
   const double chord = std::sin(0.5 * fraction * angle_rad) / std::sin(0.5 * angle_rad);

@@ -15,11 +15,11 @@ RigidTransform pose_of(const Keyframe& key) {
   return rigid_motion(key.translation_mm, key.rotation_rad, key.center_L);
 }
 
-/// What is wrong with a keyframe by itself, or nothing.
+/// The error of a single keyframe; empty if it is valid.
 std::string complaint_about(const Keyframe& key) {
   if (!key.translation_mm.allFinite()) return "its translation is not a finite vector";
   if (!key.rotation_rad.allFinite()) return "its rotation is not a finite vector";
-  if (!key.center_L.allFinite()) return "its centre is not a finite point";
+  if (!key.center_L.allFinite()) return "its center is not a finite point";
   if (!(key.at > 0.0 && key.at <= 1.0))
     return fmt::format("`at` is {}, must be above 0 and at most 1", key.at);
   if (key.rotation_rad.norm() >= std::numbers::pi)
@@ -36,7 +36,7 @@ Result<void> check_path(const RigidPath& path) {
   };
   if (path.steps < 1) return bad(fmt::format("`steps` is {}, must be at least 1", path.steps));
   if (path.keyframes.empty()) return bad("`keyframes` is empty, must have one or more");
-  // Nearer to half a turn, rounding would choose which of two ways the bone goes.
+  // Closer to pi, rounding would decide the direction of the rotation.
   constexpr double kMaxAngleBetweenKeyframes_rad = std::numbers::pi - 1e-6;
   double before = 0.0;
   Mat3 R_before = Mat3::Identity();
@@ -48,11 +48,11 @@ Result<void> check_path(const RigidPath& path) {
       return bad(fmt::format("keyframe {}: `at` is {}, must be above {}", k, key.at, before));
     before = key.at;
     const Mat3 R_key = pose_of(key).linear();
-    const double turn_rad = rotation_vector(R_key * R_before.transpose()).norm();
-    if (turn_rad > kMaxAngleBetweenKeyframes_rad)
+    const double angle_rad = rotation_vector(R_key * R_before.transpose()).norm();
+    if (angle_rad > kMaxAngleBetweenKeyframes_rad)
       return bad(
-          fmt::format("keyframe {}: half a turn from the one before, which leaves two ways "
-                      "to go; add a keyframe between them",
+          fmt::format("keyframe {}: half a turn from the previous one, so its direction is "
+                      "ambiguous; add a keyframe between them",
                       k));
     R_before = R_key;
   }

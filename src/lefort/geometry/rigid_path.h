@@ -1,5 +1,5 @@
 /// \file
-/// Where a bone segment is at each moment of its planned path.
+/// The planned path of a bone segment: its pose at each path fraction.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,60 +11,68 @@
 
 namespace lefort::geometry {
 
-/// Where the segment is at one moment: rotated about `center_L`, then translated.
+/// Pose at one path fraction: rotation about `center_L`, then translation.
 struct Keyframe {
-  double at = 1.0;                     ///< Share of the path that is done, 0 to 1.
+  double at = 1.0;                     ///< Path fraction, 0 to 1.
   Vec3 translation_mm = Vec3::Zero();  ///< In L.
   Vec3 rotation_rad = Vec3::Zero();    ///< Rotation vector (axis times angle) in L.
   Vec3 center_L = Vec3::Zero();        ///< Fixed point of the rotation [mm].
 };
 
-/// What a bone does between two keyframes, while it turns steadily.
+/// Motion of a bone between two keyframes; its orientation changes at a constant rate.
 enum class Interpolation {
-  kStraight,  ///< The later keyframe's center moves along a straight line.
-  kScrew,     ///< The bone turns about one axis and glides along it; no center takes part.
+  kStraight,  ///< The center of the later keyframe moves along a straight line.
+  /// Screw motion: rotation about one axis and translation along it; centers are not used.
+  kScrew,
 };
 
-/// The way of one segment, from rest at `at` = 0 through its keyframes.
+/// The path of one segment, from its scanned pose at path fraction 0 through its keyframes.
 struct RigidPath {
   std::string segment;
   std::vector<Keyframe> keyframes;  ///< Ascending `at`; the last is at 1.
-  int steps = 12;                   ///< Equilibria asked for along the way.
+  int steps = 12;                   ///< Equilibria that are computed along the path.
   Interpolation interpolation = Interpolation::kStraight;
 };
 
-/// Tells whether a path can be followed.
+/// Checks that a path is valid.
 ///
-/// \returns nothing, or kPlanInvalid naming the segment and the offending value: no keyframe, `at`
-///   not ascending within (0, 1] or not ending at 1, a number that is not finite, a rotation of
-///   half a turn or more, by itself or from the keyframe before (its way would be ambiguous),
-///   fewer than one step.
+/// \param path  from the plan.
+/// \returns nothing, or kPlanInvalid naming the segment and the invalid value: no keyframe, `at`
+///   not ascending within (0, 1] or not ending at 1, a number that is not finite, a rotation by pi
+///   or more, in total or from the previous keyframe (its direction would be ambiguous), fewer than
+///   one step.
 [[nodiscard]] Result<void> check_path(const RigidPath& path);
 
-/// The pose of the segment a share of the way along its path.
+/// The pose of the segment at a path fraction.
 ///
-/// Between keyframes the segment turns steadily about one axis by the smaller angle while the later
-/// keyframe's center moves along a straight line, or along the screw between them
-/// (geometry/rigid_motion.h).
+/// Between keyframes the orientation changes at a constant rate about one axis, by the smaller
+/// angle, while the center of the later keyframe moves along a straight line, or both follow the
+/// screw motion (geometry/rigid_motion.h).
 ///
-/// \param path    passes check_path().
-/// \param share   0 to 1; 0 is the segment as scanned, and each keyframe is met exactly.
+/// \param path           passes check_path().
+/// \param path_fraction  0 to 1; 0 is the scanned pose, and poses at keyframes are exact.
 /// \returns X_LB of the segment.
 [[nodiscard]] RigidTransform pose_at(const RigidPath& path, double path_fraction);
 
-/// Of several segments that move together: one pose a path.
+/// The poses of several segments at the same path fraction, in the order of the paths.
+///
+/// \param paths          each passes check_path().
+/// \param path_fraction  0 to 1.
 [[nodiscard]] std::vector<RigidTransform> poses_at(std::span<const RigidPath> paths,
                                                    double path_fraction);
 
-/// Into how many steps the way of several segments is cut, which all move at once: as many as the
-/// path with the most asks for.
+/// Number of steps for several segments that move simultaneously: the largest of their paths.
+///
 /// \param paths  one or more.
 [[nodiscard]] int steps_of(std::span<const RigidPath> paths);
 
-/// How far the farthest of some points moves from one moment of the path to another, as the crow
-/// flies: what a distance field's band must cover when the solver takes both in one step.
+/// Largest distance between the positions of a point at two path fractions: what the band of a
+/// distance field must cover if the solver applies this motion in one step.
 ///
-/// \param points_B   points of the segment as scanned.
+/// \param path           passes check_path().
+/// \param points_B       points of the segment as scanned [mm].
+/// \param from_fraction  path fraction of the first position.
+/// \param to_fraction    path fraction of the second position.
 /// \returns [mm]; 0 without points.
 [[nodiscard]] double max_displacement_mm(const RigidPath& path, std::span<const Vec3> points_B,
                                          double from_fraction, double to_fraction);

@@ -7,13 +7,13 @@
 namespace lefort::geometry {
 namespace {
 
-/// A wave that the mean of neighbors damps by the share k (0 for the longest, at most 2) keeps
-/// 1 - kWeight^2 k^2 of its height in a pass: nothing grows, and what is long hardly shrinks.
-/// Taubin's outward step is a little larger than the inward one, by which long waves grow.
+/// If the mean of neighbors damps a wave by the fraction k (0 for the longest, at most 2), a pass
+/// keeps 1 - kWeight^2 k^2 of its height: nothing grows, and long waves hardly shrink. In \cite
+/// taubin1995 the outward step is slightly larger than the inward one, so that long waves grow.
 constexpr double kWeight = 0.6;
 
-/// The neighbors of every vertex, one list after the other; none for vertices on open edges, which
-/// thereby stay.
+/// The neighbors of each vertex, one list after the other; empty for vertices on boundary edges, so
+/// that these do not move.
 struct Neighbors {
   std::vector<std::size_t> first;
   std::vector<std::int32_t> list;

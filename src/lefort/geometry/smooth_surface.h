@@ -1,5 +1,5 @@
 /// \file
-/// Takes the steps of voxels out of a surface without shrinking it.
+/// Removes voxel steps from a surface without shrinking it.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -7,17 +7,18 @@
 namespace lefort::geometry {
 
 struct SmoothOptions {
-  int passes = 10;      ///< >= 0; each is a step inwards and one outwards.
-  double max_mm = 0.5;  ///< No vertex ends further from where it was; > 0.
+  int passes = 10;      ///< >= 0; each is an inward and an outward step.
+  double max_mm = 0.5;  ///< Largest displacement of a vertex; > 0.
 };
 
-/// Smooths by the mean of each vertex's neighbors, alternately towards it and as far away from it,
-/// so that what is coarser than the steps keeps its size \cite taubin1995.
+/// Moves each vertex alternately towards the mean of its neighbors and away from it, so that
+/// features larger than the voxel steps keep their size \cite taubin1995.
 ///
-/// Open edges stay where they are. Thin walls keep their thickness within 2 * `max_mm`.
+/// Boundary edges do not move. Thin walls keep their thickness within 2 * `max_mm`.
 ///
-/// \pre check_surface(mesh) holds.
-/// \note Same bits for any number of threads.
+/// \param mesh     the surface. \pre check_surface(mesh) succeeds.
+/// \param options  amount of smoothing.
+/// \note The result has the same bits for any number of threads.
 [[nodiscard]] TriangleMesh smooth_surface(TriangleMesh mesh, const SmoothOptions& options = {});
 
 }  // namespace lefort::geometry

@@ -1,5 +1,5 @@
 /// \file
-/// A surface of triangles: two arrays, a value.
+/// Triangle surface mesh.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -13,9 +13,9 @@ namespace lefort::geometry {
 /// Vertex numbers, counter-clockwise seen from outside.
 using Triangle = std::array<std::int32_t, 3>;
 
-/// Any triangle soup; functions that need a closed or oriented surface say so and check.
+/// Any triangle soup; functions that need a closed or oriented surface check it and document it.
 struct TriangleMesh {
-  std::vector<Vec3> vertices;  ///< [mm], in the frame the variable's name says.
+  std::vector<Vec3> vertices;  ///< [mm], in the frame that the name of the variable states.
   std::vector<Triangle> triangles;
 
   [[nodiscard]] Index vertex_count() const { return Index(vertices.size()); }

@@ -1,17 +1,20 @@
 /// \file
-/// Inside or outside, without asking which triangle is nearest.
+/// Winding number: decides inside or outside without the closest point.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
 
 namespace lefort::geometry {
 
-/// How often `surface` winds around p: 1 inside a closed surface that faces outwards, 0 outside; in
-/// between near the hole of an open one. The sum of the triangles' solid angles over 4 pi
-/// \cite vanoosterom1983.
+/// Winding number of `surface` around p: 1 inside a closed surface that is oriented outward, 0
+/// outside, a value between near a hole of an open surface. It is the sum of the solid angles of
+/// the triangles divided by 4 pi \cite vanoosterom1983.
 ///
-/// Takes time in proportion to the triangles. Knows nothing of nearest features, so it tells the
-/// side also where the surface cuts through itself and pseudonormals may be wrong.
+/// The time is proportional to the number of triangles. The result is also valid where the surface
+/// intersects itself and pseudonormals may be wrong.
+///
+/// \param surface  any triangle soup.
+/// \param p        query point [mm].
 [[nodiscard]] double winding_number(const TriangleMesh& surface, const Vec3& p);
 
 }  // namespace lefort::geometry

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMinSpacingMm = 1e-3;
 constexpr double kMaxSpacingMm = 1e3;
-constexpr double kMaxFromOriginMm = 1e7;  // A float in the file still tells millimeters apart.
+constexpr double kMaxFromOriginMm = 1e7;  // Floats in files still resolve 1 mm there.
 constexpr double kRotationTolerance = 1e-4;
 
 }  // namespace
@@ -18,7 +18,7 @@ constexpr double kRotationTolerance = 1e-4;
 Result<void> check_grid(const Grid& grid) {
   Index voxels = 1;
   for (const Index n : grid.size) {
-    // Divided, because the product of what a file claims may overflow.
+    // Divided, because the product of the sizes in a file may overflow.
     if (n < 1 || n > kMaxVoxels / voxels)
       return fail(ErrorCode::kFileCorrupt,
                   fmt::format("the grid has {} x {} x {} voxels, expected 1 to {} in all",

@@ -1,5 +1,5 @@
 /// \file
-/// Whether a grid read from a file can be trusted to lie in the patient.
+/// Checks a grid that was read from a file.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -7,14 +7,15 @@
 
 namespace lefort::image {
 
-/// The largest volume that is accepted: 2^31 voxels, twice a cube of 1024.
+/// Most voxels of a volume: 2^31, twice a cube of 1024.
 inline constexpr Index kMaxVoxels = Index{1} << 31;
 
-/// Tells whether `grid` has at least one and at most kMaxVoxels voxels, spacings between 0.001 and
-/// 1000 mm, a finite origin, and a direction that is a rotation to 1e-4 (files round it).
+/// Checks that `grid` has 1 to kMaxVoxels voxels, spacings from 0.001 to 1000 mm, a finite origin,
+/// and a direction that is a rotation within 1e-4 (files round it).
 ///
-/// \returns nothing, or kFileCorrupt with a sentence that names the value; it speaks of "the grid",
-///   so that callers can put the file's name before it.
+/// \param grid  as read from the file.
+/// \returns nothing, or kFileCorrupt with a message that begins with "the grid has" and contains
+///   the value, so that callers can prepend the name of the file.
 [[nodiscard]] Result<void> check_grid(const Grid& grid);
 
 }  // namespace lefort::image

@@ -11,7 +11,8 @@ Padding find_padding(const CtVolume& ct, double tissue_hu) {
   const Grid& grid = ct.grid;
   if (ct.values.empty()) return padding;
   padding.hu = ct.at(0, 0, grid.size[2] / 2);
-  if (double(padding.hu) >= tissue_hu) return padding;  // The patient fills the grid to its edge.
+  // The patient extends to the border of the grid.
+  if (double(padding.hu) >= tissue_hu) return padding;
   std::vector<bool> is_padded(ct.values.size(), false);
   Index padded = 0;
   const std::array<Index, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};

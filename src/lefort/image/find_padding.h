@@ -1,5 +1,5 @@
 /// \file
-/// The constant value a scanner writes where it saw nothing, around its round field of view.
+/// The constant value that a scanner writes outside its circular field of view.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -8,21 +8,23 @@
 
 namespace lefort::image {
 
-/// What surrounds the field of view within the grid.
+/// Padding voxels of a volume.
 struct Padding {
-  std::int16_t hu = 0;    ///< The value.
-  double fraction = 0.0;  ///< Of all voxels.
-  double cut_mm2 = 0.0;   ///< Area over which it borders on tissue, as seen along the axes.
+  std::int16_t hu = 0;    ///< CT number of padding voxels [HU].
+  double fraction = 0.0;  ///< Fraction of voxels that are padding, 0 to 1.
+  /// Area where padding borders on tissue, summed over faces normal to the axes.
+  double cut_mm2 = 0.0;
 };
 
-/// Finds voxels of one constant value that reach in from the faces of the grid, line by line.
+/// Finds voxels of one constant value that extend inward from the faces of the grid, line by line.
 ///
-/// Air ends in a ramp of half air, half tissue. Where padding borders on tissue without one, the
-/// field of view cuts the patient off, and what looks like skin is none.
+/// At the skin CT numbers decrease to air over a few voxels. Where padding borders directly on
+/// tissue, the field of view truncates the patient, and what looks like skin is not skin.
 ///
-/// \param tissue_hu  from here on a voxel is the patient.
-/// \returns the padding with the value of the first voxel of the middle slice; nothing is padded if
-///   its share is 0.
+/// \param ct         the scan.
+/// \param tissue_hu  voxels of at least this CT number are patient [HU].
+/// \returns the padding, with the value of the first voxel of the middle slice; its fraction is 0
+///   if there is none.
 [[nodiscard]] Padding find_padding(const CtVolume& ct, double tissue_hu);
 
 }  // namespace lefort::image

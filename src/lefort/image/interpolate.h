@@ -1,5 +1,5 @@
 /// \file
-/// Values of a volume between its voxel centers, by trilinear interpolation.
+/// Trilinear interpolation of a volume.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -11,18 +11,20 @@ namespace lefort::image {
 
 namespace internal {
 
-/// The eight voxels around a point: the lower corner, the step to the upper one along each axis (0
-/// at the upper border), and where between them the point lies, 0 to 1.
+/// The eight voxels around a point: offset of the lower corner, step to the upper one along each
+/// axis (0 at the upper border), and position of the point between them, 0 to 1.
 struct Cell {
   Index offset;
   std::array<Index, 3> step;
   Vec3 fraction;
 };
 
-/// Finds the cell of a point; false when it lies outside the voxels, or is not a number.
+/// Finds the cell of a point.
 ///
-/// A voxel reaches half a spacing beyond its center; in the outer half of a border voxel the value
-/// is that of its center.
+/// A voxel extends half a spacing from its center; in the outer half of a border voxel the value is
+/// that of its center.
+///
+/// \returns false if the point is outside of all voxels, or not finite.
 [[nodiscard]] inline bool find_cell(const Grid& grid, const Vec3& p_L, Cell& cell) {
   const Vec3 p_V = grid.index_V(p_L);
   const std::array<Index, 3> stride{1, grid.size[0], grid.size[0] * grid.size[1]};
@@ -43,9 +45,12 @@ struct Cell {
 
 }  // namespace internal
 
-/// The value of `volume` at `p_L` [mm], or `outside` where no voxel reaches.
+/// The value of `volume` at a point: continuous inside the grid, and exact for linear functions
+/// between the outermost centers.
 ///
-/// Continuous inside the voxels, and exact for linear functions between the outermost centers.
+/// \param volume   the values.
+/// \param p_L      the point [mm].
+/// \param outside  value outside of all voxels.
 template <class T>
 [[nodiscard]] double interpolate(const Volume<T>& volume, const Vec3& p_L, double outside) {
   internal::Cell cell;
@@ -62,10 +67,13 @@ template <class T>
   return along_xy(corner) * (1.0 - cell.fraction.z()) + along_xy(corner + dz) * cell.fraction.z();
 }
 
-/// The gradient of interpolate() at `p_L`, in L, per mm; zero where no voxel reaches.
+/// The gradient of interpolate(), in L, per mm; zero outside of all voxels.
 ///
-/// It jumps at planes through voxel centers, as trilinear values have a kink there; on such a plane
-/// it is that of the side with the larger index.
+/// It is discontinuous at planes through voxel centers. On such a plane it is the gradient of the
+/// cell with the larger index.
+///
+/// \param volume  the values.
+/// \param p_L     the point [mm].
 template <class T>
 [[nodiscard]] Vec3 interpolate_gradient(const Volume<T>& volume, const Vec3& p_L) {
   internal::Cell cell;

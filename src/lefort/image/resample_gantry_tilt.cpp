@@ -12,26 +12,27 @@
 namespace lefort::image {
 namespace {
 
-// The range of a 12-bit CT [HU]; cubic convolution overshoots beside air and metal.
-constexpr double kLowestHu = -1024.0;
-constexpr double kHighestHu = 3071.0;
+// Range of a 12-bit CT [HU]; cubic convolution overshoots next to air and metal.
+constexpr double kMinHu = -1024.0;
+constexpr double kMaxHu = 3071.0;
 
-/// Weights of the pixels at -1, 0, 1, 2 for a point `t` of the way from 0 to 1 (Keys, a = -1/2).
+/// Weights of the pixels at -1, 0, 1, 2 for a point at `t` between 0 and 1 (\cite keys1981, a =
+/// -1/2).
 std::array<double, 4> keys_weights(double t) {
   return {t * (-0.5 + t * (1.0 - 0.5 * t)), 1.0 + t * t * (-2.5 + 1.5 * t),
           t * (0.5 + t * (2.0 - 1.5 * t)), t * t * (-0.5 + 0.5 * t)};
 }
 
-/// A line of pixels taken `shift` further on; NaN where the line shows nothing.
+/// Interpolates a line of pixels at n + `shift`; NaN outside of the line.
 void shifted_line(std::span<const double> line, double shift, std::span<double> target) {
-  const double whole = std::floor(shift);
-  const auto weights = keys_weights(shift - whole);
+  const double shift_floor = std::floor(shift);
+  const auto weights = keys_weights(shift - shift_floor);
   const auto last = std::ssize(line) - 1;
   for (Index n = 0; n < std::ssize(target); ++n) {
-    const Index at = n + Index(whole);
-    const double place = double(n) + shift;
-    // Like any voxel, the outermost reaches half a pixel beyond its center.
-    if (place < -0.5 || place > double(last) + 0.5) {
+    const Index at = n + Index(shift_floor);
+    const double position = double(n) + shift;
+    // The outermost pixel, too, extends half a spacing from its center.
+    if (position < -0.5 || position > double(last) + 0.5) {
       target[std::size_t(n)] = std::numeric_limits<double>::quiet_NaN();
       continue;
     }
@@ -43,7 +44,7 @@ void shifted_line(std::span<const double> line, double shift, std::span<double> 
   }
 }
 
-/// Slice k of `slices` on the pixels of `grid`.
+/// Slice k of `slices`, interpolated at the pixels of `grid`.
 std::vector<double> shifted_slice(const CtVolume& slices, Index k, const Vec3& origin_L,
                                   const Grid& grid) {
   const Vec3 shift =
@@ -82,7 +83,7 @@ Grid straight_grid(const Grid& slice, std::span<const Vec3> origins_L, double fi
       low = std::min(low, unit.dot(origin_L));
       high = std::max(high, unit.dot(origin_L));
     }
-    // A thousandth of a pixel is rounding, no further column.
+    // Less than a thousandth of a pixel is rounding and needs no further column.
     const auto more = Index(std::ceil((high - low) / slice.spacing_mm[axis] - 1e-3));
     grid.size[std::size_t(axis)] += std::max(more, Index{0});
     grid.origin_L += (low - unit.dot(grid.origin_L)) * unit;
@@ -99,7 +100,7 @@ CtVolume resample_gantry_tilt(const CtVolume& slices, std::span<const Vec3> orig
   const Vec3 normal = grid.direction.col(2);
   std::vector<double> heights_mm;
   for (const Vec3& origin_L : origins_L) heights_mm.push_back(normal.dot(origin_L));
-  CtVolume straight{grid, std::vector<std::int16_t>(std::size_t(grid.voxel_count()))};
+  CtVolume resampled{grid, std::vector<std::int16_t>(std::size_t(grid.voxel_count()))};
   const Index per_slice = grid.size[0] * grid.size[1];
   parallel_for(
       grid.size[2],
@@ -110,7 +111,7 @@ CtVolume resample_gantry_tilt(const CtVolume& slices, std::span<const Vec3> orig
             std::upper_bound(heights_mm.begin() + 1, heights_mm.end() - 1, height_mm);
         const auto upper = Index(above - heights_mm.begin());
         const double low_mm = heights_mm[std::size_t(upper - 1)];
-        // A slice at the height but for rounding is taken as it is.
+        // Within rounding of the height of a slice, that slice is used alone.
         constexpr double kRounding = 1e-6;
         double fraction = std::clamp((height_mm - low_mm) / (*above - low_mm), 0.0, 1.0);
         if (fraction < kRounding) fraction = 0.0;
@@ -119,18 +120,18 @@ CtVolume resample_gantry_tilt(const CtVolume& slices, std::span<const Vec3> orig
         for (const auto& [slice, weight] :
              {std::pair(upper - 1, 1.0 - fraction), std::pair(upper, fraction)}) {
           if (weight == 0.0) continue;
-          const std::vector<double> shown =
+          const std::vector<double> of_slice =
               shifted_slice(slices, slice, origins_L[std::size_t(slice)], grid);
-          for (std::size_t n = 0; n < values.size(); ++n) values[n] += weight * shown[n];
+          for (std::size_t n = 0; n < values.size(); ++n) values[n] += weight * of_slice[n];
         }
         for (std::size_t n = 0; n < values.size(); ++n)
-          straight.values[std::size_t(k * per_slice) + n] =
-              std::isnan(values[n]) ? outside
-                                    : static_cast<std::int16_t>(std::lround(
-                                          std::clamp(values[n], kLowestHu, kHighestHu)));
+          resampled.values[std::size_t(k * per_slice) + n] =
+              std::isnan(values[n])
+                  ? outside
+                  : static_cast<std::int16_t>(std::lround(std::clamp(values[n], kMinHu, kMaxHu)));
       },
       1);
-  return straight;
+  return resampled;
 }
 
 }  // namespace lefort::image

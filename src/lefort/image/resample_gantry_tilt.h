@@ -1,5 +1,5 @@
 /// \file
-/// Parallel slices that do not lie evenly on top of each other, resampled to a regular grid.
+/// Resamples parallel slices with lateral or uneven offsets to a regular grid.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -9,22 +9,25 @@
 
 namespace lefort::image {
 
-/// The regular grid over a stack of slices: as wide as all of them, with the first slice's height
-/// first and `count` slices `distance_mm` apart.
+/// The regular grid that covers a stack of slices: as wide as all of them together.
 ///
-/// \param slice      one slice: size, spacing and direction along i and j; k is across.
-/// \param origins_L  the center of the first pixel of each slice.
+/// \param slice            one slice: size, spacing and direction along i and j; k is the normal.
+/// \param origins_L        center of the first pixel of each slice [mm].
+/// \param first_height_mm  height of the first slice of the grid along the normal.
+/// \param distance_mm      between slices of the grid.
+/// \param count            number of slices of the grid.
 [[nodiscard]] Grid straight_grid(const Grid& slice, std::span<const Vec3> origins_L,
                                  double first_height_mm, double distance_mm, Index count);
 
-/// The values of the slices on `grid`: within a slice by cubic convolution \cite keys1981, so that
-/// thin bone keeps its density, from slice to slice linearly.
+/// The values of the slices on `grid`: within a slice by cubic convolution \cite keys1981, which
+/// preserves the density of thin bone, between slices by linear interpolation.
 ///
-/// \param slices     their values one after another; the grid's directions and in-plane spacing are
-///   those of straight_grid(), its origin and distance along k mean nothing.
-/// \param origins_L  one for each slice, rising along the normal.
-/// \param outside    what no slice shows.
-/// \note Beyond the first and the last slice their values go on.
+/// \param slices     their values one after another; the directions and in-plane spacing of its
+///   grid are those of straight_grid(), its origin and spacing along k are not used.
+/// \param origins_L  center of the first pixel of each slice [mm], ascending along the normal.
+/// \param grid       from straight_grid().
+/// \param outside    value of voxels that no slice covers [HU].
+/// \note Before the first and after the last slice the values of that slice are used.
 [[nodiscard]] CtVolume resample_gantry_tilt(const CtVolume& slices, std::span<const Vec3> origins_L,
                                             const Grid& grid, std::int16_t outside);
 

@@ -1,6 +1,6 @@
 /// \file
 /// Values on a regular, possibly oblique grid of voxels, with the map from voxel indices V to the
-/// patient L.
+/// patient frame L.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -11,7 +11,7 @@
 
 namespace lefort::image {
 
-/// Where the voxel centers lie: p_L = origin_L + direction * (index .* spacing).
+/// Positions of the voxel centers: p_L = origin_L + direction * (index .* spacing).
 struct Grid {
   std::array<Index, 3> size{0, 0, 0};  ///< Voxels along i, j, k.
   Vec3 spacing_mm{1.0, 1.0, 1.0};      ///< > 0.
@@ -19,7 +19,7 @@ struct Grid {
   Mat3 direction = Mat3::Identity();   ///< Columns: unit vectors of i, j, k in L; a rotation.
 
   [[nodiscard]] Index voxel_count() const { return size[0] * size[1] * size[2]; }
-  /// i runs fastest.
+  /// Position of a voxel in the list of values; i runs fastest.
   [[nodiscard]] Index offset(Index i, Index j, Index k) const {
     return i + size[0] * (j + size[1] * k);
   }

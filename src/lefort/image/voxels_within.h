@@ -1,5 +1,5 @@
 /// \file
-/// The voxels around a point.
+/// The voxels near a point.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -10,16 +10,22 @@
 
 namespace lefort::image {
 
-/// Calls visit(i, j, k), i fastest, with each voxel of the grid that reaches as near as `reach_mm`
-/// to p_L along every axis: all within a ball of that radius, and some in the corners around it.
+/// Calls visit(i, j, k), i fastest, for each voxel of the grid that extends to within
+/// `max_distance_mm` of a point along every axis: a box that contains the ball of that radius.
+///
+/// \param grid             the voxels.
+/// \param p_L              center of the box [mm].
+/// \param max_distance_mm  half of its width.
+/// \param visit            called in the order of the values.
 template <class Visit>
-void visit_voxels_near(const Grid& grid, const Vec3& p_L, double reach_mm, const Visit& visit) {
+void visit_voxels_near(const Grid& grid, const Vec3& p_L, double max_distance_mm,
+                       const Visit& visit) {
   const Vec3 p_V = grid.index_V(p_L);
   std::array<Index, 3> low{}, high{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double reach_V = reach_mm / grid.spacing_mm[Index(axis)];
-    low[axis] = std::max<Index>(std::lround(p_V[Index(axis)] - reach_V), 0);
-    high[axis] = std::min(Index(std::lround(p_V[Index(axis)] + reach_V)), grid.size[axis] - 1);
+    const double distance_V = max_distance_mm / grid.spacing_mm[Index(axis)];
+    low[axis] = std::max<Index>(std::lround(p_V[Index(axis)] - distance_V), 0);
+    high[axis] = std::min(Index(std::lround(p_V[Index(axis)] + distance_V)), grid.size[axis] - 1);
   }
   for (Index k = low[2]; k <= high[2]; ++k)
     for (Index j = low[1]; j <= high[1]; ++j)

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int32_t kNone = -1;
 
-/// Strongly coupled neighbors, without the row itself.
+/// Strongly coupled neighbors of each row, without the row itself.
 struct StrongNeighbors {
   std::vector<std::int32_t> start, list;
 
@@ -57,7 +57,7 @@ Aggregates aggregate(const BlockMatrix<kRows, kRows>& A, double threshold) {
   std::vector<std::int32_t>& of_row = aggregates.of_row;
   const auto is_free = [&](std::int32_t i) { return of_row[std::size_t(i)] == kNone; };
 
-  // A row all of whose neighbors are free founds an aggregate with them.
+  // Pass 1: a row with only free neighbors forms an aggregate with them.
   for (std::int32_t i = 0; i < n; ++i) {
     const auto neighbors = strong.of(i);
     if (!is_free(i) || neighbors.empty() ||
@@ -67,18 +67,18 @@ Aggregates aggregate(const BlockMatrix<kRows, kRows>& A, double threshold) {
     for (const std::int32_t j : neighbors) of_row[std::size_t(j)] = aggregates.count;
     ++aggregates.count;
   }
-  // A row beside one joins that with which most of its neighbors are.
-  const std::vector<std::int32_t> founded = of_row;
-  std::vector<std::int32_t> beside;
+  // Pass 2: a free row joins the adjacent aggregate of pass 1 that contains most of its neighbors.
+  const std::vector<std::int32_t> after_pass_1 = of_row;
+  std::vector<std::int32_t> adjacent;
   for (std::int32_t i = 0; i < n; ++i) {
     if (!is_free(i)) continue;
-    beside.clear();
+    adjacent.clear();
     for (const std::int32_t j : strong.of(i))
-      if (founded[std::size_t(j)] != kNone) beside.push_back(founded[std::size_t(j)]);
-    std::sort(beside.begin(), beside.end());
+      if (after_pass_1[std::size_t(j)] != kNone) adjacent.push_back(after_pass_1[std::size_t(j)]);
+    std::sort(adjacent.begin(), adjacent.end());
     std::ptrdiff_t maximum = 0;
-    for (auto begin = beside.begin(); begin != beside.end();) {
-      const auto end = std::upper_bound(begin, beside.end(), *begin);
+    for (auto begin = adjacent.begin(); begin != adjacent.end();) {
+      const auto end = std::upper_bound(begin, adjacent.end(), *begin);
       if (end - begin > maximum) {
         maximum = end - begin;
         of_row[std::size_t(i)] = *begin;
@@ -86,7 +86,7 @@ Aggregates aggregate(const BlockMatrix<kRows, kRows>& A, double threshold) {
       begin = end;
     }
   }
-  // What is left makes aggregates of its own.
+  // Pass 3: the remaining rows form aggregates with their free neighbors.
   for (std::int32_t i = 0; i < n; ++i) {
     if (!is_free(i)) continue;
     of_row[std::size_t(i)] = aggregates.count;
@@ -99,7 +99,8 @@ Aggregates aggregate(const BlockMatrix<kRows, kRows>& A, double threshold) {
 
 template <int kRows>
 CoarseSpace<kRows> coarse_space(const Aggregates& aggregates, const Modes<kRows>& modes) {
-  constexpr double kDependent = 1e-6;  // Of a column's length: what is left of it is round-off.
+  // Below this fraction of the length of a column its remainder is rounding error.
+  constexpr double kDependent = 1e-6;
   const auto rows = std::int32_t(aggregates.of_row.size());
   std::vector<std::int32_t> start(std::size_t(aggregates.count) + 1, 0),
       members(aggregates.of_row.size());
@@ -125,7 +126,8 @@ CoarseSpace<kRows> coarse_space(const Aggregates& aggregates, const Modes<kRows>
     R.setZero();
     for (int c = 0; c < 6; ++c) {
       const double length = Q.col(c).norm();
-      for (int round = 0; round < 2; ++round)  // Twice is enough to be orthogonal.
+      // Two passes of Gram-Schmidt give orthogonality to rounding.
+      for (int round = 0; round < 2; ++round)
         for (int b = 0; b < c; ++b) {
           const double along = Q.col(b).dot(Q.col(c));
           Q.col(c) -= along * Q.col(b);

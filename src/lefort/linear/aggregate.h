@@ -1,5 +1,5 @@
 /// \file
-/// Groups of neighboring nodes, and the coarse space they span.
+/// Aggregates of neighboring nodes, and the coarse space they span.
 #pragma once
 
 #include <lefort/linear/block_matrix.h>
@@ -9,30 +9,35 @@
 
 namespace lefort::linear {
 
-/// Which aggregate each block row belongs to.
+/// The aggregate of each block row.
 struct Aggregates {
   std::int32_t count = 0;
   std::vector<std::int32_t> of_row;
 };
 
-/// Groups block rows with their strongly coupled neighbors (\cite vanek1996, algorithm 5.1): i and
-/// j are strongly coupled if |A_ij| > threshold sqrt(|A_ii| |A_jj|).
+/// Groups block rows with their strongly coupled neighbors (\cite vanek1996, algorithm 5.1).
+///
+/// \param A          symmetric.
+/// \param threshold  i and j are strongly coupled if |A_ij| > threshold sqrt(|A_ii| |A_jj|).
 template <int kRows>
 [[nodiscard]] Aggregates aggregate(const BlockMatrix<kRows, kRows>& A, double threshold);
 
-/// Six columns of a matrix of kRows rows per block row: what it barely resists (near null space).
+/// The near null space of a matrix with kRows rows per block row, as six columns.
 template <int kRows>
 using Modes = std::vector<Eigen::Matrix<double, kRows, 6>>;
 
-/// The coarse space of aggregates: the modes, each aggregate's part made orthonormal.
+/// The coarse space of aggregates: the modes, orthonormalized on each aggregate.
 template <int kRows>
 struct CoarseSpace {
-  BlockMatrix<kRows, 6> basis;  ///< One block a row.
-  Modes<6> modes;               ///< The modes in the coarse space: basis * modes are the fine ones.
+  BlockMatrix<kRows, 6> basis;  ///< One block per row.
+  Modes<6> modes;  ///< The modes in the coarse space; basis * modes are the fine modes.
 };
 
-/// Modes that depend on others within an aggregate (a single node cannot turn) leave columns of
-/// zeros in the basis.
+/// Builds the coarse space. Modes that are linearly dependent on an aggregate (a single node has no
+/// rotations) give zero columns of the basis.
+///
+/// \param aggregates  of the rows.
+/// \param modes       near null space of the matrix.
 template <int kRows>
 [[nodiscard]] CoarseSpace<kRows> coarse_space(const Aggregates& aggregates,
                                               const Modes<kRows>& modes);

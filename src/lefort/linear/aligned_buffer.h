@@ -1,5 +1,5 @@
 /// \file
-/// A large array of doubles that may be refused.
+/// A large aligned array of doubles whose allocation may fail.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace lefort::linear {
 
-/// Aligned to cache lines, not initialized; empty if there was no memory.
+/// Aligned to cache lines, not initialized; empty if the allocation failed.
 class AlignedBuffer {
  public:
   AlignedBuffer() = default;
@@ -23,9 +23,10 @@ class AlignedBuffer {
     const std::size_t whole = (bytes / alignment + 1) * alignment;
     numbers_.reset(static_cast<double*>(std::aligned_alloc(alignment, whole)));
 #if defined(__linux__)
-    // The kernel clears few large pages faster than many small ones, and finds them faster.
+    // The kernel clears a few large pages faster than many small ones, and the TLB covers more of
+    // them.
     if (alignment == kLargePage && numbers_ != nullptr)
-      ::madvise(numbers_.get(), whole, MADV_HUGEPAGE);  // A wish: not being granted is no error.
+      ::madvise(numbers_.get(), whole, MADV_HUGEPAGE);  // A hint; failure has no effect on results.
 #endif
   }
 

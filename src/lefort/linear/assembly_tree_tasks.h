@@ -1,5 +1,6 @@
 /// \file
-/// Visits the supernodes of a plan, subtrees side by side.
+/// Parallel traversal of the supernodes of a plan, with one task per small subtree (\cite
+/// duff1983).
 #pragma once
 
 #include <lefort/core/isolate.h>
@@ -11,13 +12,13 @@
 
 namespace lefort::linear {
 
-/// Whether the loops within a front are cut into tasks: worth it only near the root.
+/// Whether the loops within a front run in parallel: useful only near the root.
 enum class FrontLoops { kSerial, kParallel };
 
-/// A subtree with less than this share of all the work is one task.
+/// A subtree with less than this fraction of the total work is one task.
 inline constexpr double kTaskFraction = 1.0 / 64;
 
-/// Calls visit(supernode, loops) for children before their parent.
+/// Calls visit(supernode, loops) for all supernodes, children before their parent.
 template <class Visit>
 void visit_upwards(const CholeskyPlan& plan, const Visit& visit) {
   const double small = kTaskFraction * plan.work();
@@ -37,7 +38,7 @@ void visit_upwards(const CholeskyPlan& plan, const Visit& visit) {
       Index(roots.size()), [&](Index r) { subtree(subtree, roots[std::size_t(r)]); }, 1);
 }
 
-/// Calls visit(supernode, loops) for parents before their children.
+/// Calls visit(supernode, loops) for all supernodes, parents before their children.
 template <class Visit>
 void visit_downwards(const CholeskyPlan& plan, const Visit& visit) {
   const double small = kTaskFraction * plan.work();
@@ -57,8 +58,13 @@ void visit_downwards(const CholeskyPlan& plan, const Visit& visit) {
       Index(roots.size()), [&](Index r) { subtree(subtree, roots[std::size_t(r)]); }, 1);
 }
 
-/// Calls body(i) for every i of [0, count). A thread that waits for the others does not begin
-/// another subtree meanwhile, which would hold up this front.
+/// Calls body(i) for every i in [0, count). A thread that waits here does not start another
+/// subtree, which would delay this front.
+///
+/// \param loops  whether to run in parallel.
+/// \param count  number of iterations.
+/// \param body   called concurrently.
+/// \param block  iterations per task.
 template <class Body>
 void loop_in_front(FrontLoops loops, Index count, const Body& body, Index block = 1) {
   if (loops == FrontLoops::kSerial || count <= block) {

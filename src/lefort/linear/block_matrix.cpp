@@ -33,8 +33,8 @@ namespace {
 
 constexpr std::int32_t kBlock = 3;
 
-/// The blocks of each vertex of a graph: the first, and at the end how many there are.
-std::vector<std::int32_t> first_blocks(const RowGraph& graph) {
+/// The first block of each vertex of the graph, and at the end the number of blocks.
+std::vector<std::int32_t> first_blocks(const PatternGraph& graph) {
   std::vector<std::int32_t> first{0};
   for (std::int32_t v = 0; v < graph.vertex_count(); ++v)
     first.push_back(first.back() + (graph.rows(v) + kBlock - 1) / kBlock);
@@ -44,7 +44,7 @@ std::vector<std::int32_t> first_blocks(const RowGraph& graph) {
 }  // namespace
 
 SymmetricBlocks::SymmetricBlocks(const SparseMatrix& A) {
-  const RowGraph graph = pattern_graph(A);
+  const PatternGraph graph = pattern_graph(A);
   const std::vector<std::int32_t> first = first_blocks(graph);
   block_row_.resize(std::size_t(A.rows()));
   matrix_.columns = first.back();
@@ -69,35 +69,35 @@ SymmetricBlocks::SymmetricBlocks(const SparseMatrix& A) {
   }
   matrix_.values.assign(matrix_.column.size() * std::size_t(matrix_.kSize), 0.0);
 
-  const auto place_of = [&](std::int32_t i, std::int32_t j) {
+  const auto offset_of = [&](std::int32_t i, std::int32_t j) {
     const auto begin = matrix_.column.begin() + matrix_.start[std::size_t(i / kBlock)];
     const auto end = matrix_.column.begin() + matrix_.start[std::size_t(i / kBlock) + 1];
     const auto k = std::lower_bound(begin, end, j / kBlock) - matrix_.column.begin();
     return std::int32_t(k * matrix_.kSize + j % kBlock * kBlock + i % kBlock);
   };
-  place_.resize(std::size_t(A.nonZeros()));
-  mirror_place_.resize(std::size_t(A.nonZeros()));
+  offset_.resize(std::size_t(A.nonZeros()));
+  mirror_offset_.resize(std::size_t(A.nonZeros()));
   parallel_for(A.cols(), [&](Index column) {
     const std::int32_t j = block_row(column);
     for (int k = A.outerIndexPtr()[column]; k < A.outerIndexPtr()[column + 1]; ++k) {
       const std::int32_t i = block_row(A.innerIndexPtr()[k]);
-      place_[std::size_t(k)] = place_of(i, j);
-      mirror_place_[std::size_t(k)] = place_of(j, i);
+      offset_[std::size_t(k)] = offset_of(i, j);
+      mirror_offset_[std::size_t(k)] = offset_of(j, i);
     }
   });
   for (std::int32_t v = 0; v < graph.vertex_count(); ++v)
     for (std::int32_t i = kBlock * first[std::size_t(v)] + graph.rows(v);
          i < kBlock * first[std::size_t(v) + 1]; ++i)
-      matrix_.values[std::size_t(place_of(i, i))] = 1.0;
+      matrix_.values[std::size_t(offset_of(i, i))] = 1.0;
   set_values({A.valuePtr(), std::size_t(A.nonZeros())});
 }
 
 void SymmetricBlocks::set_values(std::span<const double> values) {
-  LEFORT_CHECK(values.size() == place_.size());
+  LEFORT_CHECK(values.size() == offset_.size());
   parallel_for(Index(values.size()), [&](Index k) {
     const double value = values[std::size_t(k)];
-    matrix_.values[std::size_t(place_[std::size_t(k)])] = value;
-    matrix_.values[std::size_t(mirror_place_[std::size_t(k)])] = value;
+    matrix_.values[std::size_t(offset_[std::size_t(k)])] = value;
+    matrix_.values[std::size_t(mirror_offset_[std::size_t(k)])] = value;
   });
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Sparse matrices of small dense blocks, row by row: what iterative solvers multiply with.
+/// Sparse matrices of small dense blocks in compressed rows, for products with vectors.
 #pragma once
 
 #include <lefort/core/check.h>
@@ -13,7 +13,7 @@
 
 namespace lefort::linear {
 
-/// Row i holds the blocks start[i] to start[i + 1], their columns ascending.
+/// Row i consists of the blocks start[i] to start[i + 1], by ascending column.
 template <int kRows, int kColumns>
 struct BlockMatrix {
   using Block = Eigen::Matrix<double, kRows, kColumns>;
@@ -35,7 +35,7 @@ struct BlockMatrix {
   }
 };
 
-/// Rows multiplied by one task.
+/// Rows that one task multiplies.
 inline constexpr Index kBlockRowsPerTask = 512;
 
 /// y = A x.
@@ -55,34 +55,37 @@ void multiply(const BlockMatrix<kRows, kColumns>& A, const VectorX& x, VectorX& 
       kBlockRowsPerTask);
 }
 
-/// The transpose.
+/// A^T.
 template <int kRows, int kColumns>
 [[nodiscard]] BlockMatrix<kColumns, kRows> transposed(const BlockMatrix<kRows, kColumns>& A);
 
-/// A symmetric matrix, rows of one pattern in blocks of up to three: three displacements of a node,
-/// or what is free of them. Smaller blocks are filled up with rows of the unit matrix.
+/// A symmetric matrix in 3x3 blocks. Consecutive rows with the same pattern, at most three, form a
+/// block: the displacements of a node, or those that are not prescribed. Smaller blocks are padded
+/// with rows of the unit matrix.
 class SymmetricBlocks {
  public:
   /// \param A  lower triangle with the whole diagonal, compressed.
   explicit SymmetricBlocks(const SparseMatrix& A);
 
-  /// Takes the values of another matrix of the same pattern.
+  /// Takes the values of another matrix with the same pattern.
   void set_values(std::span<const double> values);
 
   [[nodiscard]] const BlockMatrix<3, 3>& matrix() const { return matrix_; }
 
-  /// Where row i of A is among the rows of the blocks.
+  /// The row of the block matrix that row i of A has become.
   [[nodiscard]] std::int32_t block_row(Index i) const { return block_row_[std::size_t(i)]; }
 
-  /// From a vector of A's rows to one of the blocks' rows, zero where they are filled up; and back.
+  /// Converts between vectors over the rows of A and over the rows of the blocks; padded entries
+  /// are zero.
   [[nodiscard]] VectorX to_blocks(const VectorX& x) const;
   [[nodiscard]] VectorX from_blocks(const VectorX& x) const;
 
  private:
   BlockMatrix<3, 3> matrix_;
   std::vector<std::int32_t> block_row_;
-  std::vector<std::int32_t> place_;         ///< Of each value of A among those of the blocks,
-  std::vector<std::int32_t> mirror_place_;  ///< and where it is above the diagonal.
+  std::vector<std::int32_t> offset_;  ///< By value of A: its position in the values of the blocks.
+  /// The same for the transposed entry above the diagonal.
+  std::vector<std::int32_t> mirror_offset_;
 };
 
 }  // namespace lefort::linear

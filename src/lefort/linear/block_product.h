@@ -12,7 +12,7 @@
 
 namespace lefort::linear {
 
-/// A B.
+/// The product A B.
 template <int kRows, int kInner, int kColumns>
 [[nodiscard]] BlockMatrix<kRows, kColumns> product(const BlockMatrix<kRows, kInner>& A,
                                                    const BlockMatrix<kInner, kColumns>& B) {
@@ -29,7 +29,7 @@ template <int kRows, int kInner, int kColumns>
       A.rows(),
       [&](Index first, Index end) {
         Part& part = parts[std::size_t(first / kRowsPerTask)];
-        std::vector<std::int32_t> place(std::size_t(B.columns), -1);  // Of a column in this row.
+        std::vector<std::int32_t> position(std::size_t(B.columns), -1);  // Of a column in this row.
         std::vector<Block> sums;
         std::vector<std::int32_t> columns;
         for (Index i = first; i < end; ++i) {
@@ -37,7 +37,7 @@ template <int kRows, int kInner, int kColumns>
           for (Index k = A.row_begin(i); k < A.row_end(i); ++k)
             for (Index l = B.row_begin(A.column[std::size_t(k)]);
                  l < B.row_end(A.column[std::size_t(k)]); ++l) {
-              std::int32_t& at = place[std::size_t(B.column[std::size_t(l)])];
+              std::int32_t& at = position[std::size_t(B.column[std::size_t(l)])];
               if (at < 0) {
                 at = std::int32_t(columns.size());
                 columns.push_back(B.column[std::size_t(l)]);
@@ -49,9 +49,9 @@ template <int kRows, int kInner, int kColumns>
           std::vector<std::int32_t> ascending = columns;
           std::sort(ascending.begin(), ascending.end());
           for (const std::int32_t j : ascending) {
-            const Block& sum = sums[std::size_t(place[std::size_t(j)])];
+            const Block& sum = sums[std::size_t(position[std::size_t(j)])];
             part.values.insert(part.values.end(), sum.data(), sum.data() + Product::kSize);
-            place[std::size_t(j)] = -1;
+            position[std::size_t(j)] = -1;
           }
           part.column.insert(part.column.end(), ascending.begin(), ascending.end());
           part.count.push_back(std::int32_t(ascending.size()));

@@ -15,15 +15,15 @@ using Numbers = std::vector<std::int32_t>;
 
 std::size_t at(std::int32_t i) { return std::size_t(i); }
 
-/// The elimination tree of a graph in an order: the parent of a vertex is the first vertex that
-/// eliminating it makes a neighbor (\cite liu1990). All numbers are places in the order.
-Numbers elimination_tree(const RowGraph& graph, const Numbers& order, const Numbers& place) {
+/// The elimination tree of a graph in an order: the parent of a vertex is the first later vertex
+/// that its elimination connects it with (\cite liu1990). All numbers are positions in the order.
+Numbers elimination_tree(const PatternGraph& graph, const Numbers& order, const Numbers& position) {
   const std::int32_t n = graph.vertex_count();
   Numbers parent(at(n), -1), ancestor(at(n), -1);
   for (std::int32_t i = 0; i < n; ++i)
     for (const std::int32_t neighbor : graph.neighbors(order[at(i)])) {
-      std::int32_t k = place[at(neighbor)];
-      while (k < i && k != -1) {  // Up to i; paths are shortened on the way.
+      std::int32_t k = position[at(neighbor)];
+      while (k < i && k != -1) {  // Up to i, with path compression.
         const std::int32_t next = ancestor[at(k)];
         ancestor[at(k)] = i;
         if (next == -1) parent[at(k)] = i;
@@ -34,7 +34,7 @@ Numbers elimination_tree(const RowGraph& graph, const Numbers& order, const Numb
   return parent;
 }
 
-/// Lists of children in ascending order, and after them that of the roots.
+/// Lists of children in ascending order; the last list has the roots.
 struct Children {
   Numbers start, list;
   explicit Children(const Numbers& parent) : start(parent.size() + 2, 0), list(parent.size()) {
@@ -51,12 +51,12 @@ struct Children {
   [[nodiscard]] std::span<std::int32_t> roots() { return of(std::int32_t(start.size()) - 2); }
 };
 
-/// Vertices of a forest, children before parents, subtrees in one piece.
+/// Vertices of a forest in postorder: children before parents, subtrees contiguous.
 Numbers postorder(Children& children) {
   Numbers order, stack(children.roots().rbegin(), children.roots().rend());
   order.reserve(children.list.size());
   while (!stack.empty()) {
-    // A vertex is met twice: the first time it is marked and its children are put on top.
+    // A vertex is at the top twice: the first time it is marked and its children are pushed.
     const std::int32_t top = stack.back();
     if (top < 0) {
       order.push_back(~top);
@@ -71,37 +71,37 @@ Numbers postorder(Children& children) {
 }
 
 Numbers inverse(const Numbers& order) {
-  Numbers place(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) place[at(order[k])] = std::int32_t(k);
-  return place;
+  Numbers position(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) position[at(order[k])] = std::int32_t(k);
+  return position;
 }
 
-/// The forest of `parent` with its vertices renumbered by their place in `order`.
+/// The forest of `parent`, its vertices renumbered by their position in `order`.
 Numbers renumbered(const Numbers& parent, const Numbers& order) {
-  const Numbers place = inverse(order);
+  const Numbers position = inverse(order);
   Numbers renamed(parent.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
     const std::int32_t p = parent[at(order[k])];
-    renamed[k] = p < 0 ? -1 : place[at(p)];
+    renamed[k] = p < 0 ? -1 : position[at(p)];
   }
   return renamed;
 }
 
-/// How many vertices, and how many rows, each column of the factor holds below its own.
+/// Numbers of vertices and rows below the diagonal in each column of the factor.
 struct ColumnCounts {
   Numbers vertices, rows;
 };
 
-ColumnCounts count_columns(const RowGraph& graph, const Numbers& order, const Numbers& parent) {
+ColumnCounts count_columns(const PatternGraph& graph, const Numbers& order, const Numbers& parent) {
   const std::int32_t n = graph.vertex_count();
-  const Numbers place = inverse(order);
+  const Numbers position = inverse(order);
   ColumnCounts counts{Numbers(at(n), 0), Numbers(at(n), 0)};
   Numbers mark(at(n), -1);
   for (std::int32_t i = 0; i < n; ++i) {
-    // Row i of the factor: all on the way from its entries in A up to i.
+    // Row i of the factor: all vertices on the tree paths from its entries in A to i.
     mark[at(i)] = i;
     for (const std::int32_t neighbor : graph.neighbors(order[at(i)]))
-      for (std::int32_t k = place[at(neighbor)]; k < i && mark[at(k)] != i; k = parent[at(k)]) {
+      for (std::int32_t k = position[at(neighbor)]; k < i && mark[at(k)] != i; k = parent[at(k)]) {
         mark[at(k)] = i;
         ++counts.vertices[at(k)];
         counts.rows[at(k)] += graph.rows(order[at(i)]);
@@ -110,19 +110,19 @@ ColumnCounts count_columns(const RowGraph& graph, const Numbers& order, const Nu
   return counts;
 }
 
-/// A supernode in the making.
+/// A supernode before it gets its final number.
 struct Draft {
   std::int32_t parent = -1;
   std::int32_t own = 0;    ///< Rows.
   std::int32_t below = 0;  ///< Rows.
-  double entries = 0.0;    ///< Of its columns that are not known to be zero.
-  Numbers vertices;        ///< Places in the order.
+  double entries = 0.0;    ///< Entries of its columns that are not known to be zero.
+  Numbers vertices;        ///< Positions in the order.
 };
 
 double stored(double own, double below) { return own * (own + 1.0) / 2.0 + own * below; }
 
-/// Columns of one pattern below the diagonal.
-std::vector<Draft> fundamental_supernodes(const RowGraph& graph, const Numbers& order,
+/// Supernodes of columns with the same pattern below the diagonal.
+std::vector<Draft> fundamental_supernodes(const PatternGraph& graph, const Numbers& order,
                                           const Numbers& parent, const ColumnCounts& counts) {
   const auto n = std::int32_t(parent.size());
   std::vector<Draft> drafts;
@@ -145,8 +145,9 @@ std::vector<Draft> fundamental_supernodes(const RowGraph& graph, const Numbers& 
   return drafts;
 }
 
-/// Whether a supernode of so many own rows may hold such a share of zeros: small ones cost less as
-/// one block with zeros than as several without. Measured on blocks of hexahedra and tetrahedra.
+/// True if a merged supernode with so many own rows may contain this fraction of zeros. Small
+/// supernodes are faster as one block with zeros than as several without. Measured on blocks of
+/// hexahedra and tetrahedra.
 bool worth_merging(double own, double zeros) {
   if (own <= 24) return true;
   if (own <= 48) return zeros < 0.4;
@@ -154,7 +155,7 @@ bool worth_merging(double own, double zeros) {
   return zeros < 0.05;
 }
 
-/// Merges supernodes with their parents while that adds few zeros (\cite ashcraft1989).
+/// Merges supernodes with their parents while this adds few zeros (\cite ashcraft1989).
 std::vector<Draft> merge_supernodes(std::vector<Draft> drafts) {
   const auto n = std::int32_t(drafts.size());
   std::vector<Numbers> children(at(n));
@@ -204,32 +205,33 @@ std::vector<Draft> merge_supernodes(std::vector<Draft> drafts) {
   return kept;
 }
 
-std::int64_t rest_numbers(const Draft& draft) {
-  return TileLayout(padded(draft.below), 0).numbers();
+std::int64_t update_size(const Draft& draft) {
+  return TileLayout(padded(draft.below), 0).entry_count();
 }
 
-/// Orders children so that as little as possible waits for parents: first those that leave little
-/// of much (\cite liu1986), and all in postorder.
-/// \returns the drafts in that order, and the most numbers that wait.
+/// Orders children so that the memory for waiting update matrices is small (\cite liu1986): by
+/// descending difference between the peak of the subtree and its update matrix. All in postorder.
+///
+/// \returns the drafts in that order, and the peak size of waiting update matrices.
 std::pair<std::vector<Draft>, std::int64_t> ordered_supernodes(std::vector<Draft> drafts) {
   const auto n = std::int32_t(drafts.size());
   Numbers parent;
   for (const Draft& draft : drafts) parent.push_back(draft.parent);
   Children children(parent);
   std::vector<std::int64_t> peak(at(n), 0);
-  const auto order_and_peak = [&](std::span<std::int32_t> list, std::int64_t own_rest) {
+  const auto order_and_peak = [&](std::span<std::int32_t> list, std::int64_t own_update) {
     std::stable_sort(list.begin(), list.end(), [&](std::int32_t a, std::int32_t b) {
-      return peak[at(a)] - rest_numbers(drafts[at(a)]) > peak[at(b)] - rest_numbers(drafts[at(b)]);
+      return peak[at(a)] - update_size(drafts[at(a)]) > peak[at(b)] - update_size(drafts[at(b)]);
     });
     std::int64_t waiting = 0, maximum = 0;
     for (const std::int32_t c : list) {
       maximum = std::max(maximum, waiting + peak[at(c)]);
-      waiting += rest_numbers(drafts[at(c)]);
+      waiting += update_size(drafts[at(c)]);
     }
-    return std::max(maximum, waiting + own_rest);
+    return std::max(maximum, waiting + own_update);
   };
   for (std::int32_t s = 0; s < n; ++s)  // Children have smaller numbers.
-    peak[at(s)] = order_and_peak(children.of(s), rest_numbers(drafts[at(s)]));
+    peak[at(s)] = order_and_peak(children.of(s), update_size(drafts[at(s)]));
   const std::int64_t maximum = order_and_peak(children.roots(), 0);
 
   const Numbers order = postorder(children);
@@ -242,10 +244,10 @@ std::pair<std::vector<Draft>, std::int64_t> ordered_supernodes(std::vector<Draft
   return {std::move(ordered), maximum};
 }
 
-/// Fills in the plan supernode by supernode.
+/// Writes the plan, supernode by supernode.
 class PlanWriter {
  public:
-  PlanWriter(const SparseMatrix& A, const RowGraph& graph, const Numbers& order,
+  PlanWriter(const SparseMatrix& A, const PatternGraph& graph, const Numbers& order,
              std::vector<Draft> drafts, CholeskyPlan& plan)
       : A_(A), graph_(graph), drafts_(std::move(drafts)), plan_(plan) {
     lay_out_rows(order);
@@ -261,7 +263,7 @@ class PlanWriter {
     below_.resize(at(n));
     plan_.child_start.push_back(0);
     plan_.entry_start.push_back(0);
-    // Runs are found with the parent, and stored in the order of the children.
+    // Runs are found with the parent, but stored in the order of the children.
     std::vector<std::vector<RowRun>> runs(at(n));
     for (std::int32_t s = 0; s < n; ++s) {
       gather_below(s, children.of(s));
@@ -284,7 +286,7 @@ class PlanWriter {
   }
 
  private:
-  /// Numbers vertices and rows anew, supernode by supernode.
+  /// Renumbers vertices and rows by supernode.
   void lay_out_rows(const Numbers& order) {
     for (std::int32_t s = 0; s < std::int32_t(drafts_.size()); ++s) {
       first_vertex_.push_back(std::int32_t(vertex_.size()));
@@ -296,22 +298,22 @@ class PlanWriter {
       }
     }
     first_vertex_.push_back(std::int32_t(vertex_.size()));
-    place_ = inverse(vertex_);
+    position_ = inverse(vertex_);
     vertex_of_row_.resize(at(graph_.first_row.back()));
     for (std::int32_t v = 0; v < graph_.vertex_count(); ++v)
       for (std::int32_t r = graph_.first_row[at(v)]; r < graph_.first_row[at(v) + 1]; ++r)
         vertex_of_row_[at(r)] = v;
   }
 
-  /// Lists the entries of A by the supernode they are assembled in.
+  /// Lists the entries of A by the supernode that assembles them.
   void sort_entries() {
-    const auto visit = [&](const auto& visitor) {
+    const auto visit = [&](const auto& body) {
       for (std::int32_t j = 0; j < A_.cols(); ++j)
         for (int k = A_.outerIndexPtr()[j]; k < A_.outerIndexPtr()[j + 1]; ++k) {
           const std::int32_t i = A_.innerIndexPtr()[k];
           const std::int32_t column =
-              std::min(place_[at(vertex_of_row_[at(i)])], place_[at(vertex_of_row_[at(j)])]);
-          visitor(supernode_of_[at(column)], k, j);
+              std::min(position_[at(vertex_of_row_[at(i)])], position_[at(vertex_of_row_[at(j)])]);
+          body(supernode_of_[at(column)], k, j);
         }
     };
     entry_begin_.assign(drafts_.size() + 1, 0);
@@ -324,17 +326,17 @@ class PlanWriter {
     });
   }
 
-  /// The vertices below a supernode, ascending.
+  /// Collects the vertices below a supernode, in ascending order.
   void gather_below(std::int32_t s, std::span<const std::int32_t> children) {
     const std::int32_t end = first_vertex_[at(s) + 1];
     Numbers& below = below_[at(s)];
     const auto add = [&](std::int32_t v) {
       if (v < end || front_row_[at(v)] == ~s) return;
-      front_row_[at(v)] = ~s;  // Seen; not a row, and of no other supernode.
+      front_row_[at(v)] = ~s;  // Marks v as visited by s; rows are not negative.
       below.push_back(v);
     };
     for (std::int32_t v = first_vertex_[at(s)]; v < end; ++v)
-      for (const std::int32_t u : graph_.neighbors(vertex_[at(v)])) add(place_[at(u)]);
+      for (const std::int32_t u : graph_.neighbors(vertex_[at(v)])) add(position_[at(u)]);
     for (const std::int32_t c : children)
       for (const std::int32_t v : below_[at(c)]) add(v);
     std::sort(below.begin(), below.end());
@@ -361,14 +363,14 @@ class PlanWriter {
       plan_.children.push_back(c);
     }
     plan_.child_start.push_back(std::int32_t(plan_.children.size()));
-    node.panel = plan_.factor_numbers;
-    plan_.factor_numbers += node.panel_layout().numbers();
-    node.rows_place = plan_.front_rows;
+    node.panel = plan_.factor_entries;
+    plan_.factor_entries += node.panel_layout().entry_count();
+    node.rows_offset = plan_.front_rows;
     plan_.front_rows += node.panel_layout().rows();
     plan_.supernodes.push_back(node);
   }
 
-  /// Says for each vertex of the front which row it begins at.
+  /// Sets the first row of each vertex of the front.
   void number_front(std::int32_t s) {
     std::int32_t row = 0;
     for (std::int32_t v = first_vertex_[at(s)]; v < first_vertex_[at(s) + 1]; ++v) {
@@ -382,7 +384,7 @@ class PlanWriter {
     }
   }
 
-  /// Where the rows below a child are in the front that was numbered last.
+  /// Finds where the rows below a child are in the front that was numbered last.
   std::vector<RowRun> find_runs(std::int32_t child) {
     const TileLayout layout = plan_.supernodes[at(drafts_[at(child)].parent)].panel_layout();
     std::vector<RowRun> runs;
@@ -390,10 +392,10 @@ class PlanWriter {
     for (const std::int32_t v : below_[at(child)])
       for (std::int32_t r = 0; r < graph_.rows(vertex_[at(v)]); ++r, ++row) {
         const std::int32_t parent_row = front_row_[at(v)] + r;
-        const bool goes_on =
+        const bool continues =
             !runs.empty() && runs.back().parent_row + runs.back().count == parent_row &&
             row % kTile != 0 && layout.tile_of(parent_row) == layout.tile_of(parent_row - 1);
-        if (goes_on)
+        if (continues)
           ++runs.back().count;
         else
           runs.push_back({row, parent_row, 1});
@@ -401,23 +403,23 @@ class PlanWriter {
     return runs;
   }
 
-  /// Finds the places of the entries of A in the front that was numbered last.
+  /// Finds the positions of the entries of A in the front that was numbered last.
   void place_entries(std::int32_t s) {
     const TileLayout layout = plan_.supernodes[at(s)].panel_layout();
     for (std::int64_t e = entry_begin_[at(s)]; e < entry_begin_[at(s) + 1]; ++e) {
       const auto [k, column] = entry_[std::size_t(e)];
       const auto row_in_front = [&](std::int32_t row) {
         const std::int32_t v = vertex_of_row_[at(row)];
-        return front_row_[at(place_[at(v)])] + row - graph_.first_row[at(v)];
+        return front_row_[at(position_[at(v)])] + row - graph_.first_row[at(v)];
       };
       const std::int32_t a = row_in_front(A_.innerIndexPtr()[k]), b = row_in_front(column);
       const std::int32_t i = std::max(a, b), j = std::min(a, b);
       const int tile_i = layout.tile_of(i), tile_j = layout.tile_of(j);
-      const std::int64_t place = layout.place(tile_i, tile_j) +
-                                 std::int64_t(j - layout.start(tile_j)) * layout.size(tile_i) + i -
-                                 layout.start(tile_i);
-      LEFORT_CHECK(place <= std::numeric_limits<std::uint32_t>::max());
-      plan_.entries.push_back({k, std::uint32_t(place)});
+      const std::int64_t offset = layout.offset(tile_i, tile_j) +
+                                  std::int64_t(j - layout.start(tile_j)) * layout.size(tile_i) + i -
+                                  layout.start(tile_i);
+      LEFORT_CHECK(offset <= std::numeric_limits<std::uint32_t>::max());
+      plan_.entries.push_back({k, std::uint32_t(offset)});
     }
     plan_.entry_start.push_back(std::int64_t(plan_.entries.size()));
   }
@@ -427,21 +429,21 @@ class PlanWriter {
   };
 
   const SparseMatrix& A_;
-  const RowGraph& graph_;
+  const PatternGraph& graph_;
   std::vector<Draft> drafts_;
   CholeskyPlan& plan_;
-  Numbers vertex_;         ///< Of the graph, in the order of elimination,
-  Numbers place_;          ///< and the inverse.
-  Numbers supernode_of_;   ///< By place, as are those below.
-  Numbers first_vertex_;   ///< Of each supernode, and the number of all.
-  Numbers vertex_of_row_;  ///< Of the graph, by row of A.
+  Numbers vertex_;         ///< Vertex of the graph, by position in the elimination order.
+  Numbers position_;       ///< The inverse.
+  Numbers supernode_of_;   ///< By position, as are front_row_ and below_.
+  Numbers first_vertex_;   ///< Of each supernode; at the end the number of vertices.
+  Numbers vertex_of_row_;  ///< Vertex of the graph, by row of A.
   Numbers front_row_;
   std::vector<Numbers> below_;
   std::vector<std::int64_t> entry_begin_;
   std::vector<Entry> entry_;
 };
 
-CholeskyPlan plan_in_order(const SparseMatrix& A, const RowGraph& graph, Numbers order) {
+CholeskyPlan plan_in_order(const SparseMatrix& A, const PatternGraph& graph, Numbers order) {
   {
     const Numbers tree = elimination_tree(graph, order, inverse(order));
     Children children(tree);
@@ -454,7 +456,7 @@ CholeskyPlan plan_in_order(const SparseMatrix& A, const RowGraph& graph, Numbers
       fundamental_supernodes(graph, order, tree, count_columns(graph, order, tree)));
   auto [ordered, peak] = ordered_supernodes(std::move(drafts));
   CholeskyPlan plan;
-  plan.peak_rest = peak;
+  plan.peak_update = peak;
   PlanWriter(A, graph, order, std::move(ordered), plan).write();
   return plan;
 }
@@ -469,7 +471,7 @@ double CholeskyPlan::work() const {
 }
 
 std::optional<CholeskyPlan> plan_cholesky(const SparseMatrix& A) try {
-  const RowGraph graph = pattern_graph(A);
+  const PatternGraph graph = pattern_graph(A);
   std::optional<Numbers> order = dissection_order(graph);
   if (!order) return std::nullopt;
   return plan_in_order(A, graph, *std::move(order));

@@ -11,32 +11,37 @@
 
 namespace lefort::linear {
 
+/// Why the iteration ended.
 enum class CgStop : std::uint8_t {
   kConverged,
   kTooManyIterations,
-  kNotPositiveDefinite,  ///< A direction was met along which the matrix is not,
-  kBadPreconditioner     ///< or the preconditioner.
+  kNotPositiveDefinite,  ///< A direction with non-positive curvature was found.
+  kBadPreconditioner     ///< The preconditioner is not positive definite.
 };
 
 struct CgOutcome {
   CgStop stop = CgStop::kTooManyIterations;
-  VectorX x;  ///< Where it stopped.
+  VectorX x;  ///< The last iterate.
   int iterations = 0;
 };
 
-/// a . b, in an order that depends on the size alone.
+/// The inner product a . b, summed in an order that depends on the size only.
 [[nodiscard]] inline double inner_product(const VectorX& a, const VectorX& b) {
-  constexpr Index kAtOnce = 4096;
-  return deterministic_sum((a.size() + kAtOnce - 1) / kAtOnce, 0.0, [&](Index part) {
-    const Index begin = part * kAtOnce, size = std::min(kAtOnce, a.size() - begin);
+  constexpr Index kBlockSize = 4096;
+  return deterministic_sum((a.size() + kBlockSize - 1) / kBlockSize, 0.0, [&](Index part) {
+    const Index begin = part * kBlockSize, size = std::min(kBlockSize, a.size() - begin);
     return a.segment(begin, size).dot(b.segment(begin, size));
   });
 }
 
-/// Solves A x = b from `start` until |b - A x| <= tolerance |b| (\cite nocedal2006, algorithm 5.3).
+/// Solves A x = b until |b - A x| <= tolerance |b| (\cite nocedal2006, algorithm 5.3).
 ///
-/// \param multiply      multiply(x, y): y = A x.
-/// \param precondition  precondition(r, z): z = M^-1 r, M symmetric and positive definite.
+/// \param multiply        multiply(x, y): y = A x.
+/// \param precondition    precondition(r, z): z = M^-1 r, M symmetric positive definite.
+/// \param b               right-hand side.
+/// \param start           initial iterate.
+/// \param tolerance       relative residual to be reached.
+/// \param max_iterations  >= 0.
 template <class Multiply, class Precondition>
 [[nodiscard]] CgOutcome conjugate_gradients(const Multiply& multiply,
                                             const Precondition& precondition, const VectorX& b,

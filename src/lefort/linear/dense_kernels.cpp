@@ -4,15 +4,15 @@
 #include <cmath>
 #include <cstddef>
 
-// Compiled with -ffp-contract=fast: every product below is added to something, and nothing else is,
-// so that there is one way to fuse them.
+// Compiled with -ffp-contract=fast. Each product below is added to exactly one sum, so there is
+// only one way to fuse multiplications and additions.
 
 namespace lefort::linear {
 namespace {
 
 #define LEFORT_INLINE inline __attribute__((always_inline))
 
-// Generic vectors: the compiler turns them into the registers of each target.
+// Generic vectors: the compiler maps them to the registers of each target.
 template <int kLanes>
 struct LanesOf;
 template <>
@@ -46,11 +46,11 @@ LEFORT_INLINE const double* column(const double* tile, int rows, int j) {
   return tile + std::size_t(j) * std::size_t(rows);
 }
 
-/// What becomes of C as it was.
-enum class Old { kKept, kDropped };
+/// Whether the product is subtracted from C or overwrites it.
+enum class Product { kSubtract, kOverwrite };
 
-/// A piece of C of kVectors registers by kColumns, kept in registers throughout.
-template <Old kOld, int kLanes, int kVectors, int kColumns>
+/// A block of C with kVectors registers by kColumns, which stays in registers.
+template <Product kProduct, int kLanes, int kVectors, int kColumns>
 LEFORT_INLINE void subtract_piece(double* C, const double* A, const double* B, int rows,
                                   int columns, int depth) {
   using Vector = Lanes<kLanes>;
@@ -64,38 +64,39 @@ LEFORT_INLINE void subtract_piece(double* C, const double* A, const double* B, i
   for (int j = 0; j < kColumns; ++j)
     for (int v = 0; v < kVectors; ++v) {
       double* const at = column(C, rows, j) + v * kLanes;
-      store<Vector>(at, (kOld == Old::kKept ? load<Vector>(at) : Vector{}) - sum[j][v]);
+      store<Vector>(at, (kProduct == Product::kSubtract ? load<Vector>(at) : Vector{}) - sum[j][v]);
     }
 }
 
 /// Rows `from` to `rows` of kColumns columns of C -= A B^T.
-template <Old kOld, int kLanes, int kColumns>
+template <Product kProduct, int kLanes, int kColumns>
 LEFORT_INLINE void subtract_columns(double* C, const double* A, const double* B, int from, int rows,
                                     int columns, int depth) {
   int i = from;
   for (; i + 3 * kLanes <= rows; i += 3 * kLanes)
-    subtract_piece<kOld, kLanes, 3, kColumns>(C + i, A + i, B, rows, columns, depth);
+    subtract_piece<kProduct, kLanes, 3, kColumns>(C + i, A + i, B, rows, columns, depth);
   for (; i + 2 * kLanes <= rows; i += 2 * kLanes)
-    subtract_piece<kOld, kLanes, 2, kColumns>(C + i, A + i, B, rows, columns, depth);
+    subtract_piece<kProduct, kLanes, 2, kColumns>(C + i, A + i, B, rows, columns, depth);
   for (; i < rows; i += kLanes)
-    subtract_piece<kOld, kLanes, 1, kColumns>(C + i, A + i, B, rows, columns, depth);
+    subtract_piece<kProduct, kLanes, 1, kColumns>(C + i, A + i, B, rows, columns, depth);
 }
 
-template <Old kOld, int kLanes, int kColumns>
+template <Product kProduct, int kLanes, int kColumns>
 LEFORT_INLINE void subtract_product(double* C, const double* A, const double* B, int rows,
                                     int columns, int depth) {
   for (int j = 0; j < columns; j += kColumns)
-    subtract_columns<kOld, kLanes, kColumns>(column(C, rows, j), A, B + j, 0, rows, columns, depth);
+    subtract_columns<kProduct, kLanes, kColumns>(column(C, rows, j), A, B + j, 0, rows, columns,
+                                                 depth);
 }
 
-template <Old kOld, int kLanes, int kColumns>
+template <Product kProduct, int kLanes, int kColumns>
 LEFORT_INLINE void subtract_square(double* C, const double* A, int rows, int depth) {
   for (int j = 0; j < rows; j += kColumns)
-    subtract_columns<kOld, kLanes, kColumns>(column(C, rows, j), A, A + j, j / kLane * kLane, rows,
-                                             rows, depth);
+    subtract_columns<kProduct, kLanes, kColumns>(column(C, rows, j), A, A + j, j / kLane * kLane,
+                                                 rows, rows, depth);
 }
 
-/// The triangle of kLane rows that stands at L, its columns `rows` apart: C = L L^T.
+/// The diagonal block of kLane rows at C, columns `rows` apart: C = L L^T.
 LEFORT_INLINE bool factorize_triangle(double* C, int rows) {
   for (int j = 0; j < kLane; ++j) {
     double pivot = column(C, rows, j)[j];
@@ -112,8 +113,9 @@ LEFORT_INLINE bool factorize_triangle(double* C, int rows) {
   return true;
 }
 
-/// X := X L^-T for kLane columns of X, its rows from `from` on, and a triangle L of kLane rows.
-/// \param L  its columns are `height` apart.
+/// X := X L^-T for kLane columns of X from row `from` on, and a diagonal block L of kLane rows.
+///
+/// \param height  distance of the columns of L.
 template <int kLanes>
 LEFORT_INLINE void divide_by_triangle(double* X, const double* L, int from, int rows, int height) {
   using Vector = Lanes<kLanes>;
@@ -134,8 +136,8 @@ template <int kLanes, int kColumns>
 LEFORT_INLINE bool factorize(double* C, int rows) {
   for (int j = 0; j < rows; j += kLane) {
     for (int c = j; c < j + kLane; c += kColumns)
-      subtract_columns<Old::kKept, kLanes, kColumns>(column(C, rows, c), C, C + c, j, rows, rows,
-                                                     j);
+      subtract_columns<Product::kSubtract, kLanes, kColumns>(column(C, rows, c), C, C + c, j, rows,
+                                                             rows, j);
     double* const strip = column(C, rows, j);
     if (!factorize_triangle(strip + j, rows)) return false;
     divide_by_triangle<kLanes>(strip, strip + j, j + kLane, rows, rows);
@@ -147,38 +149,39 @@ template <int kLanes, int kColumns>
 LEFORT_INLINE void divide_by_factor(double* X, const double* L, int rows, int columns) {
   for (int j = 0; j < columns; j += kLane) {
     for (int c = j; c < j + kLane; c += kColumns)
-      subtract_columns<Old::kKept, kLanes, kColumns>(column(X, rows, c), X, L + c, 0, rows, columns,
-                                                     j);
+      subtract_columns<Product::kSubtract, kLanes, kColumns>(column(X, rows, c), X, L + c, 0, rows,
+                                                             columns, j);
     divide_by_triangle<kLanes>(column(X, rows, j), column(L, columns, j) + j, 0, rows, columns);
   }
 }
 
-// What follows reads each entry of a matrix once and waits for memory, on all processors alike.
-constexpr int kAtOnce = 4;  ///< Columns.
-static_assert(kLane % kAtOnce == 0);
+// The loops below read each entry of a matrix once and are limited by memory bandwidth.
+constexpr int kColumnsPerPass = 4;  ///< Columns per pass.
+static_assert(kLane % kColumnsPerPass == 0);
 
-/// \param A  its columns are `height` apart.
+/// \param height  distance of the columns of A.
 LEFORT_INLINE void subtract_times(double* y, const double* A, const double* x, int rows,
                                   int columns, int height) {
-  for (int j = 0; j < columns; j += kAtOnce)
+  for (int j = 0; j < columns; j += kColumnsPerPass)
     for (int i = 0; i < rows; i += kLane) {
       Lane sum = load<Lane>(y + i);
-      for (int c = 0; c < kAtOnce; ++c)
+      for (int c = 0; c < kColumnsPerPass; ++c)
         sum -= load<Lane>(column(A, height, j + c) + i) * (Lane{} + x[j + c]);
       store<Lane>(y + i, sum);
     }
 }
 
-/// \param A  its columns are `height` apart.
+/// \param height  distance of the columns of A.
 LEFORT_INLINE void subtract_transposed_times(double* y, const double* A, const double* x, int rows,
                                              int columns, int height) {
-  for (int j = 0; j < columns; j += kAtOnce) {
-    Lane sums[kAtOnce] = {};
+  for (int j = 0; j < columns; j += kColumnsPerPass) {
+    Lane sums[kColumnsPerPass] = {};
     for (int i = 0; i < rows; i += kLane) {
       const Lane x_i = load<Lane>(x + i);
-      for (int c = 0; c < kAtOnce; ++c) sums[c] += load<Lane>(column(A, height, j + c) + i) * x_i;
+      for (int c = 0; c < kColumnsPerPass; ++c)
+        sums[c] += load<Lane>(column(A, height, j + c) + i) * x_i;
     }
-    for (int c = 0; c < kAtOnce; ++c) {
+    for (int c = 0; c < kColumnsPerPass; ++c) {
       double sum = 0.0;
       for (int l = 0; l < kLane; ++l) sum += sums[c][l];
       y[j + c] -= sum;
@@ -209,22 +212,22 @@ LEFORT_INLINE void solve_backward(double* x, const double* L, int rows) {
   }
 }
 
-// Registers of kLanes doubles; pieces of three of them by kColumns fill the register file.
+// Registers of kLanes doubles; blocks of three of them by kColumns fill the register file.
 #define LEFORT_TILE_KERNELS(name, attribute, kLanes, kColumns)                                    \
   struct name {                                                                                   \
     attribute static void product(double* C, const double* A, const double* B, int rows,          \
                                   int columns, int depth) {                                       \
-      subtract_product<Old::kKept, kLanes, kColumns>(C, A, B, rows, columns, depth);              \
+      subtract_product<Product::kSubtract, kLanes, kColumns>(C, A, B, rows, columns, depth);      \
     }                                                                                             \
     attribute static void new_product(double* C, const double* A, const double* B, int rows,      \
                                       int columns, int depth) {                                   \
-      subtract_product<Old::kDropped, kLanes, kColumns>(C, A, B, rows, columns, depth);           \
+      subtract_product<Product::kOverwrite, kLanes, kColumns>(C, A, B, rows, columns, depth);     \
     }                                                                                             \
     attribute static void square(double* C, const double* A, int rows, int depth) {               \
-      subtract_square<Old::kKept, kLanes, kColumns>(C, A, rows, depth);                           \
+      subtract_square<Product::kSubtract, kLanes, kColumns>(C, A, rows, depth);                   \
     }                                                                                             \
     attribute static void new_square(double* C, const double* A, int rows, int depth) {           \
-      subtract_square<Old::kDropped, kLanes, kColumns>(C, A, rows, depth);                        \
+      subtract_square<Product::kOverwrite, kLanes, kColumns>(C, A, rows, depth);                  \
     }                                                                                             \
     attribute static bool factor(double* C, int rows) {                                           \
       return factorize<kLanes, kColumns>(C, rows);                                                \

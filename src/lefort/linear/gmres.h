@@ -1,5 +1,5 @@
 /// \file
-/// Linear systems without symmetry, by a preconditioner that need not be the same twice.
+/// Flexible GMRES for nonsymmetric systems, with a preconditioner that may vary.
 #pragma once
 
 #include <lefort/core/check.h>
@@ -18,11 +18,14 @@ struct GmresOutcome {
   double left = 0.0;  ///< |b - A x| / |b|.
 };
 
-/// Solves A x = b from zero until |b - A x| <= tolerance |b| or for so many iterations, by flexible
-/// GMRES without restart (\cite saad2003, algorithm 9.6). Keeps two vectors per iteration.
+/// Solves A x = b from zero with flexible GMRES without restart (\cite saad2003, algorithm 9.6).
+/// Stores two vectors per iteration.
 ///
-/// \param multiply      multiply(x): A x.
-/// \param precondition  precondition(r): about A^-1 r, or nothing if it failed.
+/// \param multiply        multiply(x): A x.
+/// \param precondition    precondition(r): approximately A^-1 r, or nothing if it failed.
+/// \param b               right-hand side.
+/// \param tolerance       relative residual at which it stops.
+/// \param max_iterations  after which it stops, too; >= 1.
 /// \returns nothing if an iteration failed.
 template <class Multiply, class Precondition>
 [[nodiscard]] std::optional<GmresOutcome> solve_by_gmres(const Multiply& multiply,
@@ -34,7 +37,7 @@ template <class Multiply, class Precondition>
   if (size == 0.0) return GmresOutcome{VectorX::Zero(b.size())};
   std::vector<VectorX> V{b / size}, Z;
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(max_iterations + 1, max_iterations);
-  std::vector<std::pair<double, double>> turns;  // Cosine and sine that clear each subdiagonal.
+  std::vector<std::pair<double, double>> rotations;  // Cosine and sine of the Givens rotations.
   VectorX g = VectorX::Zero(max_iterations + 1);
   g[0] = size;
   for (int j = 0;; ++j) {
@@ -48,17 +51,17 @@ template <class Multiply, class Precondition>
     }
     const double next = std::sqrt(inner_product(w, w));
     for (int i = 0; i < j; ++i) {
-      const auto [c, s] = turns[std::size_t(i)];
+      const auto [c, s] = rotations[std::size_t(i)];
       const double upper = R(i, j);
       R(i, j) = c * upper + s * R(i + 1, j);
       R(i + 1, j) = c * R(i + 1, j) - s * upper;
     }
     const double pivot = std::hypot(R(j, j), next);
     if (!(pivot > 0.0) || !std::isfinite(pivot)) return std::nullopt;
-    turns.emplace_back(R(j, j) / pivot, next / pivot);
+    rotations.emplace_back(R(j, j) / pivot, next / pivot);
     R(j, j) = pivot;
-    g[j + 1] = -turns.back().second * g[j];
-    g[j] *= turns.back().first;
+    g[j + 1] = -rotations.back().second * g[j];
+    g[j] *= rotations.back().first;
     const double left = std::abs(g[j + 1]) / size;
     const int n = j + 1;
     if (left <= tolerance || n == max_iterations) {

@@ -1,18 +1,18 @@
 /// \file
-/// How solving a linear system may end.
+/// Status of a linear solve.
 #pragma once
 
 #include <cstdint>
 
 namespace lefort::linear {
 
-/// What came of a factorization or a solution.
+/// Why a factorization or a solve ended.
 enum class LinearSolveStatus : std::uint8_t {
   kDone,
-  kNotPositiveDefinite,  ///< A pivot was not positive, or a direction of negative energy was met.
-  kNotFinite,            ///< The matrix holds NaN or infinity.
+  kNotPositiveDefinite,  ///< A pivot or a curvature was not positive.
+  kNotFinite,            ///< The matrix contains NaN or infinity.
   kOutOfMemory,          ///< The factor does not fit into memory.
-  kNotConverged          ///< The iterations were too many.
+  kNotConverged          ///< The maximum number of iterations was reached.
 };
 
 }  // namespace lefort::linear

@@ -16,12 +16,13 @@
 namespace lefort::linear {
 namespace {
 
-/// So few rows are not worth a hierarchy.
+/// Smaller matrices are solved directly instead of with a multigrid hierarchy.
 constexpr Index kMultigridRows = 3000;
 
 bool all_finite(const SparseMatrix& A) {
   const double* values = A.valuePtr();
-  // A sum of magnitudes is finite exactly if every term is (but for overflow, as bad).
+  // The sum of magnitudes is finite exactly if every term is, except for overflow, which is
+  // rejected, too.
   return std::isfinite(
       deterministic_sum(A.nonZeros(), 0.0, [&](Index k) { return std::abs(values[k]); }));
 }
@@ -30,18 +31,18 @@ bool all_finite(const SparseMatrix& A) {
 struct Pattern {
   std::vector<int> columns, rows;
 
-  [[nodiscard]] bool is_of(const SparseMatrix& A) const {
+  [[nodiscard]] bool matches(const SparseMatrix& A) const {
     return Index(columns.size()) == A.cols() + 1 && Index(rows.size()) == A.nonZeros() &&
            std::equal(columns.begin(), columns.end(), A.outerIndexPtr()) &&
            std::equal(rows.begin(), rows.end(), A.innerIndexPtr());
   }
-  void become_that_of(const SparseMatrix& A) {
+  void assign(const SparseMatrix& A) {
     columns.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1);
     rows.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
   }
 };
 
-LinearSolveStatus meaning_of(CgStop stop) {
+LinearSolveStatus status_of(CgStop stop) {
   return stop == CgStop::kTooManyIterations ? LinearSolveStatus::kNotConverged
                                             : LinearSolveStatus::kNotPositiveDefinite;
 }
@@ -56,54 +57,54 @@ struct LinearSolver::Parts {
   bool multigrid_failed = false;         ///< With this pattern.
   bool ready = false;
 
-  std::vector<Vec3> points_L;            ///< Where the rows act,
-  std::vector<std::int32_t> components;  ///< and along which axis.
+  std::vector<Vec3> points_L;            ///< Where each row acts.
+  std::vector<std::int32_t> components;  ///< Axis along which each row acts, 0 to 2.
 
-  std::optional<SparseCholesky> cholesky;  ///< Direct, lagged.
-  std::optional<SymmetricBlocks> blocks;   ///< Lagged, multigrid: the matrix.
+  std::optional<SparseCholesky> cholesky;  ///< Direct, reused factor.
+  std::optional<SymmetricBlocks> blocks;   ///< The matrix, for iterative kinds.
   std::optional<Multigrid> multigrid;
-  bool multigrid_is_new = false;      ///< It was built for this matrix.
-  bool multigrid_is_worn = false;     ///< It has become too old.
-  double iterations_per_digit = 0.0;  ///< Of conjugate gradients when it was new.
-  std::vector<double> values;         ///< Lagged: of the matrix, for the next factor.
-  bool has_factor = false;            ///< Lagged: there is one,
-  bool factor_is_new = false;         ///< it is that of the matrix,
-  bool factor_is_worn = false;        ///< it has become too old.
+  bool multigrid_is_new = false;       ///< It was built for the current matrix.
+  bool multigrid_is_outdated = false;  ///< It converges too slowly and will be rebuilt.
+  double iterations_per_digit = 0.0;   ///< Of conjugate gradients when the hierarchy was new.
+  std::vector<double> values;  ///< Reused factor: of the current matrix, for its factorization.
+  bool has_factor = false;     ///< Reused factor: `cholesky` contains a factor.
+  bool factor_is_new = false;  ///< It is the factor of the current matrix.
+  bool factor_is_outdated = false;  ///< It converges too slowly and will be recomputed.
 
   [[nodiscard]] LinearSolverKind kind_for(Index rows) const {
-    const bool described = Index(points_L.size()) == rows;
+    const bool has_points = Index(points_L.size()) == rows;
     switch (options.kind) {
       case LinearSolverKind::kDirect:
       case LinearSolverKind::kReusedFactor:
         return options.kind;
       case LinearSolverKind::kMultigrid:
-        LEFORT_CHECK(described);
+        LEFORT_CHECK(has_points);
         return rows <= kMultigridRows ? LinearSolverKind::kDirect : options.kind;
       case LinearSolverKind::kAutomatic:
         break;
     }
-    return described && rows > options.direct_rows && !multigrid_failed
+    return has_points && rows > options.direct_rows && !multigrid_failed
                ? LinearSolverKind::kMultigrid
                : LinearSolverKind::kDirect;
   }
 
-  /// Lays out what depends on the pattern alone.
+  /// Prepares everything that depends on the pattern only.
   [[nodiscard]] LinearSolveStatus analyze(const SparseMatrix& A, LinearSolverKind wanted) {
     kind.reset();
-    cholesky.reset();  // The memory is needed.
+    cholesky.reset();  // Frees memory first.
     blocks.reset();
     multigrid.reset();
-    has_factor = factor_is_worn = false;
+    has_factor = factor_is_outdated = false;
     ++statistics.analyzes;
     statistics.factor_entries = 0.0;
     if (wanted != LinearSolverKind::kMultigrid) {
       std::optional<CholeskyPlan> plan = plan_cholesky(A);
       if (!plan) return LinearSolveStatus::kOutOfMemory;
-      statistics.factor_entries = double(plan->factor_numbers);
+      statistics.factor_entries = double(plan->factor_entries);
       cholesky.emplace(*std::move(plan), options.memory_bytes);
     }
     if (wanted != LinearSolverKind::kDirect) blocks.emplace(A);
-    pattern.become_that_of(A);
+    pattern.assign(A);
     kind = wanted;
     return LinearSolveStatus::kDone;
   }
@@ -112,15 +113,15 @@ struct LinearSolver::Parts {
     ++statistics.factorizations;
     const LinearSolveStatus outcome = cholesky->factorize(of_A);
     has_factor = factor_is_new = outcome == LinearSolveStatus::kDone;
-    factor_is_worn = false;
+    factor_is_outdated = false;
     return outcome;
   }
 
   [[nodiscard]] LinearSolveStatus prepare(const SparseMatrix& A) {
     if (!all_finite(A)) return LinearSolveStatus::kNotFinite;
-    if (!pattern.is_of(A)) multigrid_failed = false;
+    if (!pattern.matches(A)) multigrid_failed = false;
     const LinearSolverKind wanted = kind_for(A.rows());
-    if (kind != wanted || !pattern.is_of(A)) {
+    if (kind != wanted || !pattern.matches(A)) {
       const LinearSolveStatus analyzed = analyze(A, wanted);
       if (analyzed != LinearSolveStatus::kDone) return analyzed;
     }
@@ -130,23 +131,24 @@ struct LinearSolver::Parts {
     if (wanted == LinearSolverKind::kReusedFactor) {
       values.assign(of_A.begin(), of_A.end());
       factor_is_new = false;
-      return has_factor && !factor_is_worn ? LinearSolveStatus::kDone : factorize_values(of_A);
+      return has_factor && !factor_is_outdated ? LinearSolveStatus::kDone : factorize_values(of_A);
     }
-    if (!multigrid || multigrid_is_worn) return build_multigrid();
+    if (!multigrid || multigrid_is_outdated) return build_multigrid();
     multigrid_is_new = false;
-    return multigrid->follow() ? LinearSolveStatus::kDone : LinearSolveStatus::kNotPositiveDefinite;
+    return multigrid->update_smoother() ? LinearSolveStatus::kDone
+                                        : LinearSolveStatus::kNotPositiveDefinite;
   }
 
   [[nodiscard]] LinearSolveStatus build_multigrid() {
     ++statistics.factorizations;
-    multigrid.reset();  // The memory is needed.
+    multigrid.reset();  // Frees memory first.
     multigrid = Multigrid::build(blocks->matrix(), rigid_modes(points_L, components, *blocks));
     multigrid_is_new = true;
-    multigrid_is_worn = false;
+    multigrid_is_outdated = false;
     return multigrid ? LinearSolveStatus::kDone : LinearSolveStatus::kNotPositiveDefinite;
   }
 
-  /// Conjugate gradients with `precondition` on vectors of the blocks' rows.
+  /// Conjugate gradients with `precondition`, on vectors over the rows of the blocks.
   template <class Precondition>
   [[nodiscard]] CgOutcome iterate(const VectorX& b, const Precondition& precondition,
                                   double tolerance, int max_iterations) {
@@ -165,30 +167,32 @@ struct LinearSolver::Parts {
 
   [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve_by_multigrid(const VectorX& b,
                                                                             double tolerance) {
-    constexpr double kWorthAHierarchy = 8.0;  // Iterations that take as long as to build one.
+    // Iterations that cost as much as building a hierarchy.
+    constexpr double kIterationsPerHierarchy = 8.0;
     const CgOutcome outcome = iterate(
         blocks->to_blocks(b), [&](const VectorX& r, VectorX& z) { z = multigrid->cycle(r); },
         tolerance, options.max_iterations);
     if (outcome.stop == CgStop::kConverged) {
       const double digits = std::max(-std::log10(tolerance), 1.0);
       if (multigrid_is_new) iterations_per_digit = outcome.iterations / digits;
-      multigrid_is_worn = outcome.iterations > iterations_per_digit * digits + kWorthAHierarchy;
+      multigrid_is_outdated =
+          outcome.iterations > iterations_per_digit * digits + kIterationsPerHierarchy;
       return blocks->from_blocks(outcome.x);
     }
     if (!multigrid_is_new && outcome.stop != CgStop::kNotPositiveDefinite) {
-      const LinearSolveStatus renewed = build_multigrid();
-      return renewed == LinearSolveStatus::kDone ? solve_by_multigrid(b, tolerance)
-                                                 : tl::unexpected(renewed);
+      const LinearSolveStatus rebuilt = build_multigrid();
+      return rebuilt == LinearSolveStatus::kDone ? solve_by_multigrid(b, tolerance)
+                                                 : tl::unexpected(rebuilt);
     }
     multigrid_failed = outcome.stop == CgStop::kTooManyIterations;
-    return tl::unexpected(meaning_of(outcome.stop));
+    return tl::unexpected(status_of(outcome.stop));
   }
 
-  [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve_by_lagged(const VectorX& b,
-                                                                         double tolerance) {
+  [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve_by_reused_factor(const VectorX& b,
+                                                                                double tolerance) {
     if (factor_is_new) return solve_directly(b);
     bool out_of_memory = false;
-    const int worth = iterations_worth_a_factor();
+    const int max_iterations = iterations_per_factorization();
     const CgOutcome outcome = iterate(
         blocks->to_blocks(b),
         [&](const VectorX& r, VectorX& z) {
@@ -196,25 +200,26 @@ struct LinearSolver::Parts {
           out_of_memory = !x;
           z = x ? blocks->to_blocks(*x) : VectorX::Zero(r.size());
         },
-        tolerance, worth);
+        tolerance, max_iterations);
     if (out_of_memory) return tl::unexpected(LinearSolveStatus::kOutOfMemory);
     if (outcome.stop == CgStop::kNotPositiveDefinite)
       return tl::unexpected(LinearSolveStatus::kNotPositiveDefinite);
-    factor_is_worn = 2 * outcome.iterations > worth;
+    factor_is_outdated = 2 * outcome.iterations > max_iterations;
     if (outcome.stop == CgStop::kConverged) return blocks->from_blocks(outcome.x);
-    const LinearSolveStatus renewed = factorize_values(values);
-    if (renewed != LinearSolveStatus::kDone) return tl::unexpected(renewed);
+    const LinearSolveStatus rebuilt = factorize_values(values);
+    if (rebuilt != LinearSolveStatus::kDone) return tl::unexpected(rebuilt);
     return solve_directly(b);
   }
 
-  /// How many solutions take about as long as a factorization: by the work in them, so that it is
-  /// the same on every machine.
-  [[nodiscard]] int iterations_worth_a_factor() const {
-    constexpr double kMultiplicationsPerEntryRead = 30.0;  // In the same time; measured.
+  /// Number of solves with the factor that cost as much as a factorization. It is estimated from
+  /// operation counts, so that it is the same on every machine.
+  [[nodiscard]] int iterations_per_factorization() const {
+    // Operations per read from memory of equal cost; measured.
+    constexpr double kOperationsPerRead = 30.0;
     constexpr double kMinimum = 8.0, kMaximum = 100.0;
     const CholeskyPlan& plan = cholesky->plan();
     const double ratio =
-        plan.work() / (kMultiplicationsPerEntryRead * std::max(1.0, double(plan.factor_numbers)));
+        plan.work() / (kOperationsPerRead * std::max(1.0, double(plan.factor_entries)));
     return int(std::clamp(ratio, kMinimum, kMaximum));
   }
 };
@@ -253,7 +258,7 @@ tl::expected<VectorX, LinearSolveStatus> LinearSolver::solve(const VectorX& b, d
   try {
     switch (kind()) {
       case LinearSolverKind::kReusedFactor:
-        return parts.solve_by_lagged(b, tolerance);
+        return parts.solve_by_reused_factor(b, tolerance);
       case LinearSolverKind::kMultigrid:
         return parts.solve_by_multigrid(b, tolerance);
       default:

@@ -1,5 +1,5 @@
 /// \file
-/// Symmetric positive definite linear systems: directly, or by iterations.
+/// Solver for symmetric positive definite linear systems, direct or iterative.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -15,24 +15,26 @@
 
 namespace lefort::linear {
 
+/// Methods of the solver.
 enum class LinearSolverKind : std::uint8_t {
-  kAutomatic,     ///< Directly while that is quick, by multigrid beyond; see docs/decisions/0005.
+  kAutomatic,     ///< Direct for small systems, multigrid for large ones; see docs/decisions/0005.
   kDirect,        ///< Multifrontal Cholesky factorization.
   kReusedFactor,  ///< Conjugate gradients, preconditioned by the factor of an earlier matrix.
   kMultigrid      ///< Conjugate gradients, preconditioned by smoothed aggregation multigrid.
 };
 
+/// Method and limits of the solver.
 struct LinearSolverOptions {
   LinearSolverKind kind = LinearSolverKind::kAutomatic;
-  Index direct_rows = 60000;  ///< Automatic: up to so many rows directly, >= 0.
+  Index direct_rows = 60000;  ///< Automatic: most rows that are solved directly, >= 0.
   int max_iterations = 300;   ///< Of conjugate gradients; >= 1.
-  std::int64_t memory_bytes = std::int64_t(16) << 30;  ///< What a factor may take, > 0.
+  std::int64_t memory_bytes = std::int64_t(16) << 30;  ///< Most memory of a factor, > 0.
 };
 
-/// Solves A x = b for one matrix after another; what depends on the pattern alone is kept.
+/// Solves A x = b for a sequence of matrices. Data that depend on the pattern only are reused.
 ///
-/// \note Same bits for any number of threads, and on all processors of one vector width or another
-///   that fuse multiplication and addition.
+/// \note The results have the same bits for any number of threads, and on all processors that fuse
+///   multiplication and addition.
 class LinearSolver {
  public:
   explicit LinearSolver(const LinearSolverOptions& options = {});
@@ -40,43 +42,50 @@ class LinearSolver {
   LinearSolver(LinearSolver&&) noexcept;
   LinearSolver& operator=(LinearSolver&&) noexcept;
 
-  /// Sets the rows' points and axes, from which multigrid makes its near-null space, the rigid
-  /// motions. Without them there is no multigrid.
+  /// Sets the point and the axis of each row, from which multigrid computes the near null space
+  /// (the rigid-body modes). Without them multigrid is not available.
   ///
   /// \param points_L    where each row acts, in the reference configuration [mm].
-  /// \param components  along which axis, 0 to 2; as many.
+  /// \param components  axis along which it acts, 0 to 2; equally many.
   void set_near_null_space(std::vector<Vec3> points_L, std::vector<std::int32_t> components);
 
   /// Prepares for solving with A.
   ///
-  /// \param A  square, symmetric, lower triangle alone with the whole diagonal, compressed.
-  /// \returns kDone, kNotPositiveDefinite, kNotFinite or kOutOfMemory. The iterative kinds may see
-  ///   only in solve() that A is not positive definite.
+  /// \param A  square and symmetric; lower triangle with the whole diagonal, compressed.
+  /// \returns kDone, kNotPositiveDefinite, kNotFinite or kOutOfMemory. Iterative kinds may detect
+  ///   an indefinite matrix in solve() only.
   [[nodiscard]] LinearSolveStatus factorize(const SparseMatrix& A);
 
-  /// \param tolerance  the iterative kinds stop when |b - A x| <= tolerance |b|, > 0.
-  /// \returns A^-1 b; or kNotPositiveDefinite, kOutOfMemory, kNotConverged. If automatic, the next
-  ///   factorize() after kNotConverged is direct.
+  /// Solves with the last matrix.
+  ///
+  /// \param b          right-hand side.
+  /// \param tolerance  iterative kinds stop when |b - A x| <= tolerance |b|, > 0.
+  /// \returns A^-1 b; or kNotPositiveDefinite, kOutOfMemory, kNotConverged. With kAutomatic the
+  ///   next factorize() after kNotConverged is direct.
   /// \pre the last factorize() returned kDone; b has as many entries as A has columns.
   [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve(const VectorX& b,
                                                                double tolerance = 1e-10);
 
-  /// Both; if automatic and multigrid does not converge, directly.
+  /// Factorizes and solves. With kAutomatic, if multigrid does not converge, solves directly.
   ///
-  /// \param on_factorized  told between the two; may be empty.
+  /// \param A              as in factorize().
+  /// \param b              right-hand side.
+  /// \param tolerance      as in solve().
+  /// \param on_factorized  called between factorization and solution; may be empty.
+  /// \returns as factorize() and solve().
   [[nodiscard]] tl::expected<VectorX, LinearSolveStatus> solve(
       const SparseMatrix& A, const VectorX& b, double tolerance = 1e-10,
       const std::function<void()>& on_factorized = {});
 
-  /// What is used for the last matrix: never kAutomatic. \pre factorize() was called.
+  /// The method for the last matrix, never kAutomatic. \pre factorize() was called.
   [[nodiscard]] LinearSolverKind kind() const;
 
-  /// What it has done so far.
+  /// Counts since construction.
   struct Statistics {
-    int analyzes = 0;             ///< Of patterns.
-    int factorizations = 0;       ///< Or hierarchies built.
-    int iterations = 0;           ///< Of conjugate gradients.
-    double factor_entries = 0.0;  ///< Of the present factor, 8 bytes each.
+    int analyzes = 0;             ///< Analyses of patterns.
+    int factorizations = 0;       ///< Factorizations, or hierarchies built.
+    int iterations = 0;           ///< Iterations of conjugate gradients.
+    double factor_entries = 0.0;  ///< Entries of the current factor, 8 bytes each.
   };
   [[nodiscard]] const Statistics& statistics() const;
 

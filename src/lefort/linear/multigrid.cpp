@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t kCoarsestBytes = std::int64_t(1) << 32;
 
-/// The inverses of the diagonal blocks of a matrix; nothing if one is not positive definite.
+/// The inverses of the diagonal blocks of a matrix; nothing if a block is not positive definite.
 template <int kRows>
 std::optional<std::vector<Eigen::Matrix<double, kRows, kRows>>> inverse_diagonal(
     const BlockMatrix<kRows, kRows>& A) {
@@ -35,15 +35,15 @@ std::optional<std::vector<Eigen::Matrix<double, kRows, kRows>>> inverse_diagonal
   return inverse;
 }
 
-/// One level: matrix, smoother, and the way to the next.
+/// One level of the hierarchy: matrix, smoother, and transfer to the next level.
 template <int kRows>
 struct Level {
   using Diagonal = std::vector<Eigen::Matrix<double, kRows, kRows>>;
   BlockMatrix<kRows, kRows> own_A;  ///< Empty on the finest level.
   const BlockMatrix<kRows, kRows>* A = nullptr;
-  Diagonal inverse;      ///< D^-1, by blocks.
-  double largest = 0.0;  ///< Eigenvalue of D^-1 A,
-  VectorX stiffest;      ///< and about its vector.
+  Diagonal inverse;             ///< Blocks of D^-1.
+  double max_eigenvalue = 0.0;  ///< Estimate for D^-1 A.
+  VectorX eigenvector;          ///< Estimate of its eigenvector.
   BlockMatrix<kRows, 6> to_fine;
   BlockMatrix<6, kRows> to_coarse;
 
@@ -60,23 +60,24 @@ struct Level {
   }
 };
 
-/// Finds D^-1 and the largest eigenvalue of D^-1 A, from above as far as a few steps can tell.
+/// Computes D^-1 and estimates the largest eigenvalue of D^-1 A by power iteration, with a safety
+/// factor because the iteration converges from below.
 ///
 /// \returns false if D is not positive definite.
 template <int kRows>
 [[nodiscard]] bool prepare_smoother(Level<kRows>& level) {
   constexpr int kSteps = 15;
-  constexpr int kStepsFromNear = 4;  ///< From the vector of a matrix nearby.
+  constexpr int kStepsFromSimilar = 4;  ///< If started from the eigenvector of a similar matrix.
   constexpr double kSafety = 1.1;
   auto inverse = inverse_diagonal(*level.A);
   if (!inverse) return false;
   level.inverse = *std::move(inverse);
 
-  VectorX& x = level.stiffest;
-  const int steps = x.size() > 0 ? kStepsFromNear : kSteps;
+  VectorX& x = level.eigenvector;
+  const int steps = x.size() > 0 ? kStepsFromSimilar : kSteps;
   if (x.size() == 0) {
     x = VectorX::Zero(Index(kRows) * level.A->rows());
-    // As good as random, and always the same.
+    // Pseudorandom numbers, the same in each run.
     std::uint64_t state = 1;
     for (double& value : x) {
       state = state * 6364136223846793005ULL + 1442695040888963407ULL;
@@ -84,23 +85,24 @@ template <int kRows>
     }
   }
   VectorX Ax;
-  double largest = 0.0;
+  double max_eigenvalue = 0.0;
   for (int step = 0; step < steps; ++step) {
     x /= std::sqrt(inner_product(x, x));
     multiply(*level.A, x, Ax);
     x = level.divide_by_diagonal(Ax);
-    largest = std::sqrt(inner_product(x, x));
+    max_eigenvalue = std::sqrt(inner_product(x, x));
   }
-  level.largest = kSafety * largest;
+  level.max_eigenvalue = kSafety * max_eigenvalue;
   return true;
 }
 
-/// Improves x, or finds it from zero if `x` is empty, by Chebyshev's polynomial in D^-1 A
-/// (\cite saad2003, algorithm 12.1).
+/// Smooths x with the Chebyshev polynomial in D^-1 A (\cite saad2003, algorithm 12.1).
+///
+/// \param x  initial iterate; empty means zero.
 template <int kRows>
 void smooth(const Level<kRows>& level, const MultigridOptions& options, const VectorX& b,
             VectorX& x) {
-  const double high = level.largest, low = high / options.smoothed_range;
+  const double high = level.max_eigenvalue, low = high / options.smoothed_range;
   const double middle = 0.5 * (high + low), half = 0.5 * (high - low);
   VectorX r = b, Ad;
   if (x.size() == 0) {
@@ -122,11 +124,11 @@ void smooth(const Level<kRows>& level, const MultigridOptions& options, const Ve
   x += d;
 }
 
-/// P = (I - omega D^-1 A) basis.
+/// P = (I - omega D^-1 A) basis, the smoothed prolongation (\cite vanek1996).
 template <int kRows>
 BlockMatrix<kRows, 6> smoothed(const Level<kRows>& level, const BlockMatrix<kRows, 6>& basis) {
   constexpr double kDamping = 4.0 / 3.0;
-  const double omega = kDamping / level.largest;
+  const double omega = kDamping / level.max_eigenvalue;
   BlockMatrix<kRows, 6> P = product(*level.A, basis);
   parallel_for(P.rows(), [&](Index i) {
     for (Index k = P.row_begin(i); k < P.row_end(i); ++k) {
@@ -137,7 +139,7 @@ BlockMatrix<kRows, 6> smoothed(const Level<kRows>& level, const BlockMatrix<kRow
   return P;
 }
 
-/// Puts ones where a mode is missing, and with it the whole row.
+/// Puts ones on the diagonal for missing modes, whose rows are zero.
 void fill_missing(BlockMatrix<6, 6>& A, const Modes<6>& modes) {
   parallel_for(A.rows(), [&](Index i) {
     for (Index k = A.row_begin(i); k < A.row_end(i); ++k)
@@ -172,7 +174,9 @@ struct Multigrid::Hierarchy {
   std::int32_t coarsest_rows = 0;
   double complexity = 1.0;
 
-  /// The way from one level to the next. \returns the next one's matrix.
+  /// Builds the transfer to the next level.
+  ///
+  /// \returns the matrix of the next level.
   template <int kRows>
   [[nodiscard]] std::optional<BlockMatrix<6, 6>> coarsen(Level<kRows>& level, double threshold,
                                                          const Modes<kRows>& modes,
@@ -206,8 +210,7 @@ struct Multigrid::Hierarchy {
 
 std::optional<Multigrid> Multigrid::build(const BlockMatrix<3, 3>& A, Modes<3> modes,
                                           const MultigridOptions& options) {
-  constexpr double kTooSlowly =
-      0.8;  // So little is gained by a level that there is no sense in it.
+  constexpr double kMaxRowRatio = 0.8;  // Larger ratios of the rows of two levels do not pay.
   LEFORT_CHECK(Index(modes.size()) == A.rows());
   auto hierarchy = std::make_unique<Hierarchy>();
   hierarchy->options = options;
@@ -221,7 +224,7 @@ std::optional<Multigrid> Multigrid::build(const BlockMatrix<3, 3>& A, Modes<3> m
   while (next) {
     numbers += next->values.size();
     const std::int32_t rows = 6 * next->rows();
-    if (rows <= options.direct_rows || rows > kTooSlowly * rows_before) break;
+    if (rows <= options.direct_rows || rows > kMaxRowRatio * rows_before) break;
     rows_before = rows;
     threshold *= 0.5;
     Level<6>& level = hierarchy->coarse.emplace_back();
@@ -232,7 +235,8 @@ std::optional<Multigrid> Multigrid::build(const BlockMatrix<3, 3>& A, Modes<3> m
     next = hierarchy->coarsen(level, threshold, here, coarse_modes);
   }
   if (!next) return std::nullopt;
-  for (Level<6>& level : hierarchy->coarse) level.A = &level.own_A;  // The list has moved them.
+  // Growth of the vector has moved them.
+  for (Level<6>& level : hierarchy->coarse) level.A = &level.own_A;
   hierarchy->complexity = double(numbers) / double(A.values.size());
 
   const SparseMatrix coarsest = lower_triangle(*next);
@@ -250,7 +254,7 @@ Multigrid::~Multigrid() = default;
 Multigrid::Multigrid(Multigrid&&) noexcept = default;
 Multigrid& Multigrid::operator=(Multigrid&&) noexcept = default;
 
-bool Multigrid::follow() { return prepare_smoother(hierarchy_->finest); }
+bool Multigrid::update_smoother() { return prepare_smoother(hierarchy_->finest); }
 
 VectorX Multigrid::cycle(const VectorX& b) const {
   return hierarchy_->cycle(hierarchy_->finest, 0, b);
@@ -266,7 +270,7 @@ Modes<3> rigid_modes(std::span<const Vec3> points, std::span<const std::int32_t>
   const Vec3 middle =
       deterministic_sum(n, Vec3(Vec3::Zero()), [&](Index i) { return points[std::size_t(i)]; }) /
       double(std::max<Index>(n, 1));
-  // Rotations by the angle at which points move as far as translations take them.
+  // Scales rotations so that their mean displacement is that of translations.
   const double squared = deterministic_sum(
       n, 0.0, [&](Index i) { return (points[std::size_t(i)] - middle).squaredNorm(); });
   const double size = squared > 0.0 ? std::sqrt(squared / double(n)) : 1.0;

@@ -1,9 +1,9 @@
 /// \file
 /// Smoothed aggregation multigrid for elasticity, as a preconditioner.
 ///
-/// After \cite vanek1996 nodes are grouped into aggregates; what a body barely resists, its rigid
-/// motions, spans the coarse space on each; one step of Jacobi's method smooths that; and the
-/// equations there, six unknowns an aggregate, are treated likewise until they are few.
+/// Nodes are grouped into aggregates (\cite vanek1996). On each aggregate the coarse space is
+/// spanned by the near null space, the rigid-body modes, smoothed by one damped Jacobi step. The
+/// coarse matrix has six unknowns per aggregate and is coarsened in the same way until it is small.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -17,37 +17,41 @@
 
 namespace lefort::linear {
 
-/// Constants of the method, for trials; the defaults were measured.
+/// Constants of the method; defaults were measured.
 struct MultigridOptions {
-  double strong_coupling = 0.02;    ///< See aggregate(); halved from level to level.
-  int smoothing_degree = 2;         ///< Of Chebyshev's polynomial, before and after; >= 1.
-  double smoothed_range = 20.0;     ///< From the largest eigenvalue down to this part of it.
-  std::int32_t direct_rows = 3000;  ///< So few rows are solved directly.
+  double strong_coupling = 0.02;  ///< Threshold of aggregate(); halved on each level.
+  int smoothing_degree = 2;       ///< Of the Chebyshev polynomial, before and after; >= 1.
+  /// Ratio of the largest to the smallest eigenvalue that is smoothed.
+  double smoothed_range = 20.0;
+  std::int32_t direct_rows = 3000;  ///< Matrices with at most so many rows are solved directly.
 };
 
+/// A hierarchy of matrices and its V-cycle.
 class Multigrid {
  public:
-  /// \param A      symmetric; has to live as long as this.
-  /// \param modes  rigid motions of the rows of A.
-  /// \returns nothing if A is not positive definite, as far as that is seen.
+  /// Builds the hierarchy of a matrix.
+  ///
+  /// \param A        symmetric; must outlive the hierarchy.
+  /// \param modes    rigid-body modes of the rows of A.
+  /// \param options  constants of the method.
+  /// \returns nothing if A is found to be not positive definite.
   [[nodiscard]] static std::optional<Multigrid> build(const BlockMatrix<3, 3>& A, Modes<3> modes,
                                                       const MultigridOptions& options = {});
   ~Multigrid();
   Multigrid(Multigrid&&) noexcept;
   Multigrid& operator=(Multigrid&&) noexcept;
 
-  /// Says that A has got other values. The smoother of the finest level is made for them; coarser
-  /// levels stay those of the matrix it was built for, so that a cycle is worth less the further A
-  /// is from that one.
+  /// Adapts the smoother of the finest level to new values of A. Coarser levels remain those of the
+  /// matrix the hierarchy was built for, so a cycle is less effective the more A has changed.
   ///
   /// \returns false if a diagonal block of A is not positive definite.
-  [[nodiscard]] bool follow();
+  [[nodiscard]] bool update_smoother();
 
-  /// One V-cycle: an approximation of A^-1 b, symmetric and positive definite.
+  /// One V-cycle: an approximation of A^-1 b that is symmetric and positive definite.
   [[nodiscard]] VectorX cycle(const VectorX& b) const;
 
   [[nodiscard]] int level_count() const;
-  /// Numbers in the matrices of all levels by those of A.
+  /// Entries of the matrices of all levels, divided by those of A.
   [[nodiscard]] double operator_complexity() const;
 
  private:
@@ -56,11 +60,11 @@ class Multigrid {
   std::unique_ptr<Hierarchy> hierarchy_;
 };
 
-/// The rigid motions of points: three translations, three rotations about their middle.
+/// The rigid-body modes of points: three translations, three rotations about their centroid.
 ///
-/// \param points      where each row of the matrix acts [mm],
-/// \param components  and along which axis, 0 to 2.
-/// \param blocks      where the rows of the matrix are among those of its blocks.
+/// \param points      where each row of the matrix acts [mm].
+/// \param components  axis along which it acts, 0 to 2.
+/// \param blocks      the matrix.
 [[nodiscard]] Modes<3> rigid_modes(std::span<const Vec3> points,
                                    std::span<const std::int32_t> components,
                                    const SymmetricBlocks& blocks);

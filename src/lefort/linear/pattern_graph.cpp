@@ -11,7 +11,7 @@
 namespace lefort::linear {
 namespace {
 
-/// For each row whether it is the first of a vertex.
+/// For each row, whether it is the first row of a vertex.
 std::vector<char> first_rows(const SparseMatrix& A) {
   const int* const start = A.outerIndexPtr();
   const int* const row = A.innerIndexPtr();
@@ -20,12 +20,12 @@ std::vector<char> first_rows(const SparseMatrix& A) {
   for (Index j = 0; j < A.cols(); ++j) {
     const int *const begin = row + start[j], *const end = row + start[j + 1];
     LEFORT_CHECK(begin != end && *begin == j);
-    // To the right of column j, rows differ where one is in the column and its neighbor is not.
+    // Right of column j, adjacent rows differ if only one of them is in the column.
     for (const int* i = begin; i != end; ++i) {
       if (i != begin && i[-1] + 1 != *i) is_first[std::size_t(*i)] = 1;
       if (i + 1 == end || *i + 1 != i[1]) is_first[std::size_t(*i) + 1] = 1;
     }
-    // To its left, columns j - 1 and j have to agree below the diagonal.
+    // Left of it, columns j - 1 and j must have the same rows below the diagonal.
     if (j > 0) {
       const int *const before = row + start[j - 1] + 1, *const before_end = begin;
       if (!std::equal(before, before_end, begin, end)) is_first[std::size_t(j)] = 1;
@@ -36,11 +36,11 @@ std::vector<char> first_rows(const SparseMatrix& A) {
 
 }  // namespace
 
-RowGraph pattern_graph(const SparseMatrix& A) {
+PatternGraph pattern_graph(const SparseMatrix& A) {
   LEFORT_CHECK(A.rows() == A.cols() && A.isCompressed());
   if (A.cols() == 0) return {};
   const std::vector<char> is_first = first_rows(A);
-  RowGraph graph;
+  PatternGraph graph;
   graph.first_row.clear();
   std::vector<std::int32_t> vertex_of_row(std::size_t(A.cols()));
   for (Index i = 0; i < A.cols(); ++i) {
@@ -49,7 +49,7 @@ RowGraph pattern_graph(const SparseMatrix& A) {
   }
   graph.first_row.push_back(std::int32_t(A.cols()));
 
-  // Twice over the pairs below the diagonal: to count, then to fill in.
+  // Two passes over the pairs below the diagonal: one counts, one stores.
   const std::int32_t n = graph.vertex_count();
   const auto for_each_pair = [&](const auto& visit) {
     for (std::int32_t v = 0; v < n; ++v) {
@@ -71,7 +71,7 @@ RowGraph pattern_graph(const SparseMatrix& A) {
   std::partial_sum(graph.start.begin(), graph.start.end(), graph.start.begin());
   graph.neighbor.resize(std::size_t(graph.start.back()));
   std::vector<std::int32_t> next(graph.start.begin(), graph.start.end() - 1);
-  // Those before u come in ascending order, each before its own later ones: sorted as filled in.
+  // Pairs come by ascending v. Storing smaller neighbors first gives sorted lists.
   for_each_pair([&](std::int32_t v, std::int32_t u) {
     graph.neighbor[std::size_t(next[std::size_t(u)]++)] = v;
   });
@@ -81,11 +81,11 @@ RowGraph pattern_graph(const SparseMatrix& A) {
   return graph;
 }
 
-std::optional<std::vector<std::int32_t>> dissection_order(const RowGraph& graph) {
+std::optional<std::vector<std::int32_t>> dissection_order(const PatternGraph& graph) {
   const std::int32_t n = graph.vertex_count();
   std::vector<std::int32_t> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), 0);
-  if (graph.neighbor.empty()) return order;  // METIS does not take it.
+  if (graph.neighbor.empty()) return order;  // METIS does not accept an empty graph.
 
   std::vector<idx_t> start(graph.start.begin(), graph.start.end());
   std::vector<idx_t> neighbor(graph.neighbor.begin(), graph.neighbor.end());
@@ -95,8 +95,8 @@ std::optional<std::vector<std::int32_t>> dissection_order(const RowGraph& graph)
   std::vector<idx_t> options(METIS_NOPTIONS);
   METIS_SetDefaultOptions(options.data());
   options[METIS_OPTION_COMPRESS] = 0;  // Done by pattern_graph().
-  // Debian's METIS draws from rand(), which it seeds at the start of a call: two calls at once
-  // would take each other's numbers and give other orders.
+  // Debian's METIS uses rand() and seeds it at the start of a call. Concurrent calls would disturb
+  // each other's sequence and give different orders.
   static std::mutex one_at_a_time;
   const std::scoped_lock lock(one_at_a_time);
   const int outcome = METIS_NodeND(&count, start.data(), neighbor.data(), weight.data(),

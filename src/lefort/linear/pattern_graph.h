@@ -1,8 +1,9 @@
 /// \file
-/// Rows of a symmetric matrix as a graph, those of one pattern together, and their order.
+/// The pattern of a symmetric matrix as a graph, and its elimination order.
 ///
-/// The three displacements of a node couple with the same others: as one vertex they make the graph
-/// of the mesh, a ninth of the matrix, and everything symbolic is as much cheaper.
+/// Rows with the same pattern form one vertex. For the three displacements of a node this gives the
+/// graph of the mesh, with a ninth of the entries, and reduces the cost of symbolic operations
+/// accordingly.
 #pragma once
 
 #include <lefort/linear/sparse_matrix.h>
@@ -14,11 +15,12 @@
 
 namespace lefort::linear {
 
-/// Vertex v stands for the rows first_row[v] to first_row[v + 1]: consecutive, of one pattern.
-struct RowGraph {
-  std::vector<std::int32_t> first_row = {0};  ///< And the number of rows.
-  std::vector<std::int32_t> start = {0};      ///< Of each vertex in `neighbor`, and its length.
-  std::vector<std::int32_t> neighbor;         ///< Without the vertex itself, ascending.
+/// Vertex v represents the consecutive rows first_row[v] to first_row[v + 1], which have the same
+/// pattern.
+struct PatternGraph {
+  std::vector<std::int32_t> first_row = {0};  ///< At the end the number of rows.
+  std::vector<std::int32_t> start = {0};  ///< Of each vertex in `neighbor`; at the end its length.
+  std::vector<std::int32_t> neighbor;     ///< Ascending, without the vertex itself.
 
   [[nodiscard]] std::int32_t vertex_count() const { return std::int32_t(first_row.size()) - 1; }
   [[nodiscard]] std::int32_t rows(std::int32_t v) const {
@@ -31,14 +33,16 @@ struct RowGraph {
   }
 };
 
+/// Builds the graph of a matrix.
+///
 /// \param A  lower triangle with the whole diagonal, compressed, rows ascending.
-[[nodiscard]] RowGraph pattern_graph(const SparseMatrix& A);
+[[nodiscard]] PatternGraph pattern_graph(const SparseMatrix& A);
 
-/// Nested dissection (METIS; \cite karypis1998). May be called from several threads, which wait for
-/// each other; the order is the same each time, unless another part of the program calls rand()
-/// meanwhile. Seeds rand().
-/// \returns the vertices in the order in which they are to be eliminated; nothing if memory ran
-///   out.
-[[nodiscard]] std::optional<std::vector<std::int32_t>> dissection_order(const RowGraph& graph);
+/// Nested dissection (METIS; \cite karypis1998). Concurrent calls wait for each other. The order is
+/// reproducible unless another part of the program calls rand() during the call. Seeds rand().
+///
+/// \param graph  from pattern_graph().
+/// \returns the vertices in elimination order, or nothing if memory was exhausted.
+[[nodiscard]] std::optional<std::vector<std::int32_t>> dissection_order(const PatternGraph& graph);
 
 }  // namespace lefort::linear

@@ -12,37 +12,38 @@
 namespace lefort::linear {
 namespace {
 
-/// Below this reciprocal condition (squared ratio of extreme pivots) a factor is noise.
+/// Below this reciprocal condition number (estimated by the squared ratio of extreme pivots) the
+/// matrix counts as singular.
 constexpr double kSingular = 1e-15;
 
-/// Runs of a child that are added to a front by one task, and tiles that are read by one.
+/// Runs of a child that one task adds to a front, and tiles that one task reads.
 constexpr Index kRunsPerTask = 16;
 constexpr Index kTilesPerTask = 8;
 
-/// Memory that is handed out until it is used up.
-class MemoryAccount {
+/// Limits the sum of allocated memory.
+class MemoryBudget {
  public:
-  explicit MemoryAccount(std::int64_t bytes) : left_(bytes) {}
+  explicit MemoryBudget(std::int64_t bytes) : left_(bytes) {}
 
-  /// \returns an empty buffer if too little is left.
-  [[nodiscard]] AlignedBuffer take(std::int64_t numbers) {
+  /// \returns an empty buffer if the budget is exceeded.
+  [[nodiscard]] AlignedBuffer allocate(std::int64_t numbers) {
     const std::int64_t bytes = numbers * std::int64_t(sizeof(double));
     if (left_.fetch_sub(bytes) < bytes) return {};
     return AlignedBuffer(numbers);
   }
-  void give_back(std::int64_t numbers) { left_ += numbers * std::int64_t(sizeof(double)); }
+  void release(std::int64_t numbers) { left_ += numbers * std::int64_t(sizeof(double)); }
 
  private:
   std::atomic<std::int64_t> left_;
 };
 
-/// One run of the numeric factorization.
+/// One numeric factorization.
 class Elimination {
  public:
   Elimination(const CholeskyPlan& plan, std::span<const double> values, double* factor,
               const TileKernels& kernels, std::int64_t memory_bytes)
       : plan_(plan), values_(values), factor_(factor), kernels_(kernels), memory_(memory_bytes) {
-    rest_.resize(plan.supernodes.size());
+    updates_.resize(plan.supernodes.size());
   }
 
   [[nodiscard]] LinearSolveStatus run() {
@@ -57,45 +58,46 @@ class Elimination {
     const Supernode& node = plan_.supernodes[std::size_t(s)];
     double* const panel = factor_ + node.panel;
     clear_panel(node, loops);
-    for (const EntryPlace& place : plan_.entries_of(s))
-      panel[place.place] += values_[std::size_t(place.entry)];
+    for (const EntryTarget& target : plan_.entries_of(s))
+      panel[target.offset] += values_[std::size_t(target.entry)];
     for (const std::int32_t child : plan_.children_of(s)) add_to_panel(child, node, loops);
     if (!factorize_panel(node, loops)) return fail(LinearSolveStatus::kNotPositiveDefinite);
 
-    AlignedBuffer& rest = rest_[std::size_t(s)];
+    AlignedBuffer& update = updates_[std::size_t(s)];
     if (node.below > 0) {
-      rest = memory_.take(node.rest_layout().numbers());
-      if (!rest) return fail(LinearSolveStatus::kOutOfMemory);
-      make_rest(node, rest.data(), loops);
+      update = memory_.allocate(node.update_layout().entry_count());
+      if (!update) return fail(LinearSolveStatus::kOutOfMemory);
+      compute_update(node, update.data(), loops);
     }
     for (const std::int32_t child : plan_.children_of(s)) {
-      if (node.below > 0) add_to_rest(child, node, rest.data(), loops);
-      memory_.give_back(plan_.supernodes[std::size_t(child)].rest_layout().numbers());
-      rest_[std::size_t(child)] = {};
+      if (node.below > 0) add_to_update(child, node, update.data(), loops);
+      memory_.release(plan_.supernodes[std::size_t(child)].update_layout().entry_count());
+      updates_[std::size_t(child)] = {};
     }
   }
 
   void fail(LinearSolveStatus why) {
-    // Of several reasons any will do.
+    // If several supernodes fail, any status is valid.
     outcome_.store(why);
   }
 
-  /// All zero, but for ones where the diagonal is padded.
+  /// Sets the panel to zero, except for ones on the padded diagonal.
   void clear_panel(const Supernode& node, FrontLoops loops) const {
-    constexpr Index kAtOnce = Index(1) << 17;
+    constexpr Index kEntriesPerTask = Index(1) << 17;
     const TileLayout layout = node.panel_layout();
     double* const panel = factor_ + node.panel;
-    const Index count = layout.numbers();
-    loop_in_front(loops, (count + kAtOnce - 1) / kAtOnce, [&](Index part) {
-      std::fill(panel + part * kAtOnce, panel + std::min(count, (part + 1) * kAtOnce), 0.0);
+    const Index count = layout.entry_count();
+    loop_in_front(loops, (count + kEntriesPerTask - 1) / kEntriesPerTask, [&](Index part) {
+      std::fill(panel + part * kEntriesPerTask,
+                panel + std::min(count, (part + 1) * kEntriesPerTask), 0.0);
     });
     const int last = layout.own_tiles() - 1;
     for (std::int32_t i = node.own; i < padded(node.own); ++i)
-      panel[layout.place(last, last) +
+      panel[layout.offset(last, last) +
             std::int64_t(i - layout.start(last)) * (layout.size(last) + 1)] = 1.0;
   }
 
-  /// Runs of a child by whether its parent eliminates them.
+  /// Number of leading runs of a child whose rows its parent eliminates.
   [[nodiscard]] std::size_t runs_to_panel(std::int32_t child, const Supernode& parent) const {
     const auto runs = plan_.runs_of(child);
     return std::size_t(
@@ -109,21 +111,22 @@ class Elimination {
                 factor_ + parent.panel, loops);
   }
 
-  /// \param rest  of the parent.
-  void add_to_rest(std::int32_t child, const Supernode& parent, double* rest,
-                   FrontLoops loops) const {
+  /// \param update  update matrix of the parent.
+  void add_to_update(std::int32_t child, const Supernode& parent, double* update,
+                     FrontLoops loops) const {
     add_columns(child, runs_to_panel(child, parent), plan_.runs_of(child).size(),
-                parent.rest_layout(), padded(parent.own), rest, loops);
+                parent.update_layout(), padded(parent.own), update, loops);
   }
 
-  /// Adds those columns of what a child leaves behind that are in its runs `first` to `end`.
+  /// Adds the columns of the update matrix of a child that are in its runs `first` to `end`.
+  ///
   /// \param layout   of the target.
-  /// \param skipped  rows of the parent's front before those of the target.
+  /// \param skipped  rows of the front of the parent before those of the target.
   void add_columns(std::int32_t child, std::size_t first, std::size_t end, const TileLayout& layout,
                    std::int32_t skipped, double* target, FrontLoops loops) const {
     const auto runs = plan_.runs_of(child);
-    const TileLayout from = plan_.supernodes[std::size_t(child)].rest_layout();
-    const double* const source = rest_[std::size_t(child)].data();
+    const TileLayout from = plan_.supernodes[std::size_t(child)].update_layout();
+    const double* const source = updates_[std::size_t(child)].data();
     loop_in_front(
         loops, Index(end - first),
         [&](Index c) {
@@ -137,10 +140,10 @@ class Elimination {
             const std::int32_t to_row = rows.parent_row - skipped;
             const int from_i = from.tile_of(rows.row), to_i = layout.tile_of(to_row);
             const std::int32_t from_height = from.size(from_i), to_height = layout.size(to_i);
-            const double* in = source + from.place(from_i, from_j) +
+            const double* in = source + from.offset(from_i, from_j) +
                                std::int64_t(from_column) * from_height + rows.row -
                                from.start(from_i);
-            double* out = target + layout.place(to_i, to_j) + std::int64_t(to_column) * to_height +
+            double* out = target + layout.offset(to_i, to_j) + std::int64_t(to_column) * to_height +
                           to_row - layout.start(to_i);
             const bool on_diagonal = &rows == &columns;
             for (std::int32_t j = 0; j < columns.count; ++j, in += from_height, out += to_height)
@@ -153,7 +156,7 @@ class Elimination {
   /// \returns false if a pivot is not positive.
   bool factorize_panel(const Supernode& node, FrontLoops loops) const {
     const TileLayout layout = node.panel_layout();
-    const auto tile = [&](int i, int j) { return factor_ + node.panel + layout.place(i, j); };
+    const auto tile = [&](int i, int j) { return factor_ + node.panel + layout.offset(i, j); };
     for (int j = 0; j < layout.own_tiles(); ++j) {
       const int columns = layout.size(j);
       for (int k = 0; k < j; ++k)
@@ -170,19 +173,19 @@ class Elimination {
     return true;
   }
 
-  /// -L L^T, of the rows of L below its own.
-  void make_rest(const Supernode& node, double* rest, FrontLoops loops) const {
-    const TileLayout layout = node.panel_layout(), to = node.rest_layout();
+  /// Computes -L L^T from the rows of L below its own rows.
+  void compute_update(const Supernode& node, double* update, FrontLoops loops) const {
+    const TileLayout layout = node.panel_layout(), to = node.update_layout();
     const int tiles = to.own_tiles(), first = layout.own_tiles();
     const auto tile = [&](int i, int k) {
-      return factor_ + node.panel + layout.place(first + i, k);
+      return factor_ + node.panel + layout.offset(first + i, k);
     };
-    const auto depth = [&](int k) {  // Padding adds nothing.
+    const auto depth = [&](int k) {  // Padding contributes nothing.
       return std::min<std::int32_t>(layout.size(k), node.own - layout.start(k));
     };
     loop_in_front(loops, Index(tiles) * (tiles + 1) / 2, [&](Index t) {
       const auto [i, j] = tile_of_triangle(t);
-      double* const target = rest + to.place(i, j);
+      double* const target = update + to.offset(i, j);
       for (int k = 0; k < first; ++k) {
         if (i == j) {
           const auto square = k == 0 ? kernels_.minus_square : kernels_.subtract_square;
@@ -195,7 +198,7 @@ class Elimination {
     });
   }
 
-  /// Row and column of the t-th tile of a triangle, row by row.
+  /// Row and column of the t-th tile of a triangle, in row order.
   static std::pair<int, int> tile_of_triangle(Index t) {
     int row = 0;
     Index before = 0;
@@ -207,8 +210,8 @@ class Elimination {
   std::span<const double> values_;
   double* factor_;
   const TileKernels& kernels_;
-  MemoryAccount memory_;
-  std::vector<AlignedBuffer> rest_;  ///< What each supernode leaves to its parent.
+  MemoryBudget memory_;
+  std::vector<AlignedBuffer> updates_;  ///< Update matrices of the supernodes.
   std::atomic<LinearSolveStatus> outcome_ = LinearSolveStatus::kDone;
 };
 
@@ -220,7 +223,7 @@ double reciprocal_condition(const CholeskyPlan& plan, const double* factor) {
     for (std::int32_t i = 0; i < node.own; ++i) {
       const int t = i / kTile;
       const double pivot =
-          factor[node.panel + layout.place(t, t) + std::int64_t(i % kTile) * (layout.size(t) + 1)];
+          factor[node.panel + layout.offset(t, t) + std::int64_t(i % kTile) * (layout.size(t) + 1)];
       minimum = std::min(minimum, pivot);
       maximum = std::max(maximum, pivot);
     }
@@ -228,8 +231,8 @@ double reciprocal_condition(const CholeskyPlan& plan, const double* factor) {
   return maximum > 0.0 ? (minimum / maximum) * (minimum / maximum) : 1.0;
 }
 
-/// One run of the triangular solves. `x` holds the rows of each front: what is known of its own,
-/// and below them what is to be handed to, or was received from, its parent.
+/// One triangular solve. `x` contains the rows of each front: first the values of its own rows,
+/// then those that it passes to its parent or receives from it.
 class Substitution {
  public:
   Substitution(const CholeskyPlan& plan, const double* factor, const TileKernels& kernels,
@@ -238,7 +241,7 @@ class Substitution {
 
   void forward(std::int32_t s, FrontLoops loops) const {
     const Supernode& node = plan_.supernodes[std::size_t(s)];
-    double* const x = x_ + node.rows_place;
+    double* const x = x_ + node.rows_offset;
     for (const std::int32_t child : plan_.children_of(s)) {
       const double* const from = below(child);
       for (const RowRun& run : plan_.runs_of(child))
@@ -261,9 +264,9 @@ class Substitution {
 
   void backward(std::int32_t s, FrontLoops loops) const {
     const Supernode& node = plan_.supernodes[std::size_t(s)];
-    double* const x = x_ + node.rows_place;
+    double* const x = x_ + node.rows_offset;
     if (node.parent >= 0) {
-      const double* const from = x_ + plan_.supernodes[std::size_t(node.parent)].rows_place;
+      const double* const from = x_ + plan_.supernodes[std::size_t(node.parent)].rows_offset;
       double* const to = below(s);
       for (const RowRun& run : plan_.runs_of(s))
         for (std::int32_t i = 0; i < run.count; ++i) to[run.row + i] = from[run.parent_row + i];
@@ -288,11 +291,11 @@ class Substitution {
  private:
   [[nodiscard]] const double* tile(const Supernode& node, const TileLayout& layout, int i,
                                    int j) const {
-    return factor_ + node.panel + layout.place(i, j);
+    return factor_ + node.panel + layout.offset(i, j);
   }
   [[nodiscard]] double* below(std::int32_t s) const {
     const Supernode& node = plan_.supernodes[std::size_t(s)];
-    return x_ + node.rows_place + padded(node.own);
+    return x_ + node.rows_offset + padded(node.own);
   }
   void subtract_transposed(const Supernode& node, const TileLayout& layout, int i, int j,
                            double* x) const {
@@ -314,10 +317,10 @@ SparseCholesky::SparseCholesky(CholeskyPlan plan, std::int64_t memory_bytes, Til
 LinearSolveStatus SparseCholesky::factorize(std::span<const double> values) try {
   LEFORT_CHECK(values.size() == plan_.entries.size());
   factorized_ = false;
-  const std::int64_t factor_bytes = plan_.factor_numbers * std::int64_t(sizeof(double));
-  const std::int64_t rest_bytes = plan_.peak_rest * std::int64_t(sizeof(double));
-  if (factor_bytes + rest_bytes > memory_bytes_) return LinearSolveStatus::kOutOfMemory;
-  if (!factor_) factor_ = AlignedBuffer(plan_.factor_numbers);
+  const std::int64_t factor_bytes = plan_.factor_entries * std::int64_t(sizeof(double));
+  const std::int64_t update_bytes = plan_.peak_update * std::int64_t(sizeof(double));
+  if (factor_bytes + update_bytes > memory_bytes_) return LinearSolveStatus::kOutOfMemory;
+  if (!factor_) factor_ = AlignedBuffer(plan_.factor_entries);
   if (!factor_) return LinearSolveStatus::kOutOfMemory;
   Elimination elimination(plan_, values, factor_.data(), *kernels_, memory_bytes_ - factor_bytes);
   const LinearSolveStatus outcome = elimination.run();
@@ -337,7 +340,8 @@ std::optional<VectorX> SparseCholesky::solve(const VectorX& b) const try {
     parallel_for(Index(plan_.supernodes.size()), [&](Index s) {
       const Supernode& node = plan_.supernodes[std::size_t(s)];
       for (std::int32_t i = 0; i < node.own; ++i)
-        visit(rows[std::size_t(node.rows_place + i)], plan_.order[std::size_t(node.first_row + i)]);
+        visit(rows[std::size_t(node.rows_offset + i)],
+              plan_.order[std::size_t(node.first_row + i)]);
     });
   };
   for_each_row([&](double& x, std::int32_t row) { x = b[row]; });

@@ -1,5 +1,5 @@
 /// \file
-/// Multifrontal Cholesky factorization of sparse matrices on all threads.
+/// Parallel multifrontal Cholesky factorization of sparse matrices.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -14,22 +14,28 @@
 
 namespace lefort::linear {
 
-/// A = L L^T.
+/// The factorization A = L L^T.
 ///
-/// Subtrees of the elimination tree are eliminated side by side, and the large fronts above them
-/// tile by tile. Each number is computed by one task in a fixed order: same bits for any number of
-/// threads, and on all processors that fuse multiplication and addition.
+/// Subtrees of the elimination tree are eliminated in parallel, and so are the tiles of the large
+/// fronts near the root. Each entry is computed by one task in a fixed order, so results have the
+/// same bits for any number of threads, and on all processors that fuse multiplication and
+/// addition.
 class SparseCholesky {
  public:
-  /// \param memory_bytes  what factor and fronts may take.
+  /// \param plan          from plan_cholesky().
+  /// \param memory_bytes  limit for factor and fronts.
+  /// \param simd          instruction set of the kernels.
   explicit SparseCholesky(CholeskyPlan plan, std::int64_t memory_bytes,
                           TileSimd simd = best_tile_simd());
 
-  /// \param values  those of A, finite, in the order of the pattern that was planned for.
+  /// Computes the factor.
+  ///
+  /// \param values  of A, finite, in the order of the pattern of the plan.
   /// \returns kDone, kNotPositiveDefinite or kOutOfMemory.
   [[nodiscard]] LinearSolveStatus factorize(std::span<const double> values);
 
-  /// \returns A^-1 b, or nothing if memory ran out.
+  /// \param b  right-hand side.
+  /// \returns A^-1 b, or nothing if memory was exhausted.
   /// \pre the last factorize() returned kDone.
   [[nodiscard]] std::optional<VectorX> solve(const VectorX& b) const;
 

@@ -1,10 +1,10 @@
 /// \file
-/// How a lower block trapezoid is cut into tiles, and where in memory each stands.
+/// The tiles of a lower block trapezoid, and their offsets in memory.
 ///
-///     own rows   | T00                 |     columns are the own rows; with own = all, this is a
-///                | T10 T11             |     triangle. Tiles stand column by column, each without
-///     rows below | T20 T21             |     gaps; the last before a border may be smaller.
-///                | T30 T31             |
+///     own rows   | T00                 |   Columns are the own rows; without rows below, this is a
+///                | T10 T11             |   triangle. Tiles are stored by column without gaps; the
+///     rows below | T20 T21             |   last tile of the own rows and of the rows below may be
+///                | T30 T31             |   smaller.
 #pragma once
 
 #include <lefort/linear/dense_kernels.h>
@@ -14,7 +14,7 @@
 
 namespace lefort::linear {
 
-/// The next multiple of kLane.
+/// Rounds up to a multiple of kLane.
 [[nodiscard]] constexpr std::int32_t padded(std::int32_t rows) {
   return (rows + kLane - 1) / kLane * kLane;
 }
@@ -28,7 +28,7 @@ class TileLayout {
   [[nodiscard]] constexpr int own_tiles() const { return tiles(own_); }
   [[nodiscard]] constexpr int all_tiles() const { return tiles(own_) + tiles(below_); }
 
-  /// The first row of tile t of rows, and how many it has; of columns likewise.
+  /// First row of a tile, and its number of rows; the same entry_count apply to columns.
   [[nodiscard]] constexpr std::int32_t start(int t) const {
     return t < own_tiles() ? t * kTile : own_ + (t - own_tiles()) * kTile;
   }
@@ -36,23 +36,23 @@ class TileLayout {
     return std::min<std::int32_t>(kTile, (t < own_tiles() ? own_ : rows()) - start(t));
   }
 
-  /// The tile that holds a row.
+  /// The tile that contains a row.
   [[nodiscard]] constexpr int tile_of(std::int32_t row) const {
     return row < own_ ? row / kTile : own_tiles() + (row - own_) / kTile;
   }
 
-  /// Where tile (i, j) begins, i >= j, j < own_tiles().
-  [[nodiscard]] constexpr std::int64_t place(int i, int j) const {
+  /// Offset of tile (i, j), i >= j, j < own_tiles().
+  [[nodiscard]] constexpr std::int64_t offset(int i, int j) const {
     const std::int64_t before = std::int64_t(j) * kTile * rows() -
                                 std::int64_t(kTile) * kTile * (std::int64_t(j) * (j - 1) / 2);
     return before + std::int64_t(size(j)) * (start(i) - start(j));
   }
 
-  /// How many numbers all tiles hold.
-  [[nodiscard]] constexpr std::int64_t numbers() const {
+  /// Number of entries of all tiles.
+  [[nodiscard]] constexpr std::int64_t entry_count() const {
     if (own_ == 0) return 0;
     const int last = own_tiles() - 1;
-    return place(last, last) + std::int64_t(size(last)) * (rows() - start(last));
+    return offset(last, last) + std::int64_t(size(last)) * (rows() - start(last));
   }
 
  private:

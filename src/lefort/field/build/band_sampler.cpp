@@ -2,6 +2,7 @@
 #include <lefort/field/build/band_sampler.h>
 #include <lefort/field/build/nearest_by_tree.h>
 #include <lefort/field/build/triangle_brick_overlaps.h>
+#include <lefort/field/internal/bit_masks.h>
 #include <lefort/field/sign/outside_band.h>
 #include <lefort/field/sign/resolve_sign_conflicts.h>
 #include <lefort/field/sign/violates_lipschitz.h>
@@ -14,60 +15,33 @@
 #include <cmath>
 #include <utility>
 
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
-
 namespace lefort::field {
 
 namespace {
 
-constexpr Index kMaxLatticePoints = Index(1) << 31;  // 8 GiB.
-/// Of triangles with bricks: twelve bytes each.
+/// Max pairs of a triangle and a brick; each takes twelve bytes.
 constexpr std::int64_t kMaxPairs = std::int64_t(1) << 29;
-/// Triangles, and bricks, that a thread takes at a time.
+/// Triangles, and bricks, per task.
 constexpr Index kTriangleBlock = 1024;
 constexpr Index kBrickBlock = 8;
 constexpr Index kProgressSteps = 20;
-/// Wider bands than the first, in cells, are sampled by triangles up to the second and by a tree
-/// beyond. `lefort bench scaling` is where they cross.
+/// In bands wider than kWideCells, points up to kNearCells from the surface are sampled by binned
+/// triangles, others with a tree. Values from `lefort bench scaling`.
 constexpr double kWideCells = 6.0;
 constexpr double kNearCells = 3.0;
-/// BrickSigns::clear_of_surface, but for rounding; less than half of kMaxSlope.
+/// Distance of BrickSigns::clear_of_surface, with a margin for rounding; less than half of
+/// kMaxSlope.
 constexpr double kClearCells = 0.5003;
 static_assert(2.0 * kClearCells > 1.0 && 2.0 * kClearCells < double(kMaxSlope));
-/// Widens boxes and planes against rounding, as a share of a cell.
+/// Margin of boxes and planes for rounding, as a fraction of a cell.
 constexpr double kSlack = 1e-4;
 
-double binned_reach_mm(double reach_mm, double cell_mm) {
-  return reach_mm > kWideCells * cell_mm ? kNearCells * cell_mm : reach_mm;
+double binned_distance_mm(double max_distance_mm, double cell_mm) {
+  return max_distance_mm > kWideCells * cell_mm ? kNearCells * cell_mm : max_distance_mm;
 }
 
-/// The top bits of 64 numbers after moving them to the left.
-std::uint64_t top_bits(std::span<const std::int32_t, 64> numbers, int shift) {
-  std::uint64_t bits = 0;
-#if defined(__SSE2__)
-  for (std::size_t i = 0; i < 64; i += 4) {
-    const __m128i four = _mm_slli_epi32(
-        _mm_loadu_si128(reinterpret_cast<const __m128i*>(numbers.data() + i)), shift);
-    bits |= std::uint64_t(unsigned(_mm_movemask_ps(_mm_castsi128_ps(four)))) << i;
-  }
-#else
-  for (std::size_t i = 0; i < 64; ++i)
-    bits |= std::uint64_t(std::uint32_t(numbers[i]) << shift >> 31) << i;
-#endif
-  return bits;
-}
-
-/// Which of 64 numbers are larger than a limit.
-std::uint64_t bits_above(std::span<const float, 64> numbers, float limit) {
-  std::array<std::int32_t, 64> above;
-  for (std::size_t i = 0; i < 64; ++i) above[i] = numbers[i] > limit ? -1 : 0;
-  return top_bits(above, 0);
-}
-
-/// Distances for their squares, negative below the nearest face, kUnsampled without a triangle. For
-/// the vectoriser.
+/// Signed distances from squared ones: negative below the closest face, kUnsampled without a
+/// triangle. Written so that the compiler vectorizes it.
 void signed_distances(std::span<const std::int32_t, 64> codes, std::span<float, 64> distances) {
   for (std::size_t i = 0; i < 64; ++i) {
     const std::uint32_t sign = std::uint32_t(codes[i]) << 31;
@@ -80,41 +54,79 @@ std::uint64_t with_bit(std::uint64_t word, int bit, bool value) {
   return (word & ~(std::uint64_t(1) << bit)) | std::uint64_t(value) << bit;
 }
 
+using NearestCodes = std::array<std::int32_t, SparseLattice::kBrickPoints>;
+
+/// Copies codes and distances from tiles into the order of the brick, and takes the signs from the
+/// planes of the nearest triangles.
+///
+/// \param clear_mm      distance from which a point is clear of the surface.
+/// \param faces_decide  a plane decides the sign where the closest point is inside a face.
+/// \param codes         of the points, x fastest.
+/// \param distances     with the signs of the planes.
+/// \returns the known points whose sign the planes do not decide.
+BrickBits sign_by_faces(const NearestInBrick& nearest, float clear_mm, bool faces_decide,
+                        NearestCodes& codes,
+                        std::span<float, SparseLattice::kBrickPoints> distances,
+                        BrickSigns& signs) {
+  BrickBits undecided;
+  for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z) {
+    const std::span slice_codes = std::span(codes).subspan(64 * z).first<64>();
+    const std::span slice = distances.subspan(64 * z).first<64>();
+    for (int i = 0; i < 64; i += int(NearestInBrick::kTileX)) {
+      const std::size_t from =
+          NearestInBrick::linear_offset(i % kBrickSide, i / kBrickSide, int(z));
+      std::copy_n(nearest.code.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
+                  slice_codes.begin() + i);
+      std::copy_n(nearest.squared_mm2.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
+                  slice.begin() + i);
+    }
+    signs.known[z] = ~internal::top_bits(slice_codes, 0);  // Only kNone is negative.
+    const std::uint64_t on_face = internal::top_bits(slice_codes, 31 - NearestInBrick::kFaceBit);
+    const std::uint64_t below = internal::top_bits(slice_codes, 31 - NearestInBrick::kBelowBit);
+    signs.inside[z] = signs.known[z] & on_face & below;
+    signs.clear_of_surface[z] = signs.known[z] & internal::bits_above(slice, clear_mm * clear_mm);
+    undecided[z] = signs.known[z] & (faces_decide ? ~on_face : ~std::uint64_t(0));
+    signed_distances(slice_codes, slice);
+  }
+  return undecided;
+}
+
 tl::unexpected<Error> too_many_pairs(std::int64_t pairs) {
   return fail(ErrorCode::kInvalidArgument,
-              fmt::format("the band brings {} triangles together with bricks of samples, at most "
+              fmt::format("the band has {} pairs of a triangle and a brick, at most "
                           "{} are possible; lower the resolution or the band",
                           pairs, kMaxPairs));
 }
 
 tl::unexpected<Error> too_many_points(Index max_bricks) {
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("the band takes more than {} points of the lattice; lower the resolution "
-                          "or the band",
-                          max_bricks * SparseLattice::kBrickPoints));
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("the band contains more than {} points of the lattice; lower the resolution "
+                  "or the band",
+                  max_bricks * SparseLattice::kBrickPoints));
 }
 
 }  // namespace
 
-BandSampler::BandSampler(const PreparedSurface& surface, const FieldFrame& frame, double reach_mm,
-                         Simd simd)
+BandSampler::BandSampler(const PreparedSurface& surface, const FieldFrame& frame,
+                         double max_distance_mm, Simd simd)
     : surface_(&surface),
       origin_(frame.origin_B),
       cell_mm_(frame.cell_mm),
       resolution_(frame.resolution),
-      reach_mm_(reach_mm),
-      near_mm_(binned_reach_mm(reach_mm, frame.cell_mm)),
+      max_distance_mm_(max_distance_mm),
+      binned_mm_(binned_distance_mm(max_distance_mm, frame.cell_mm)),
       simd_(simd) {}
 
 Result<BandSampler> BandSampler::create(const PreparedSurface& surface, const FieldFrame& frame,
-                                        double reach_mm, Index max_points, Progress& progress,
-                                        Simd simd) {
-  BandSampler sampler(surface, frame, reach_mm, simd);
+                                        double max_distance_mm, Index max_points,
+                                        Progress& progress, Simd simd) {
+  BandSampler sampler(surface, frame, max_distance_mm, simd);
   LEFORT_TRY_VOID(sampler.bin_triangles());
   const Index max_bricks = max_points / SparseLattice::kBrickPoints;
   if (Index(sampler.bricks_.size()) > max_bricks) return too_many_points(max_bricks);
-  if (sampler.near_mm_ < sampler.reach_mm_) {
-    sampler.far_ = build_triangle_tree(surface.mesh_B, frame.origin_B);
+  if (sampler.binned_mm_ < sampler.max_distance_mm_) {
+    sampler.tree_ = build_triangle_tree(surface.mesh_B, frame.origin_B);
     LEFORT_TRY_VOID(sampler.grow_band_by_tree(max_bricks, progress));
   }
   return sampler;
@@ -124,7 +136,7 @@ Result<void> BandSampler::bin_triangles() {
   const geometry::TriangleMesh& mesh = surface_->mesh_B;
   const int n = SparseLattice::bricks_per_side(resolution_);
   const BrickGrid grid = {origin_, cell_mm_, n};
-  const double reach_mm = near_mm_ + kSlack * cell_mm_;
+  const double max_distance_mm = binned_mm_ + kSlack * cell_mm_;
 
   OverlapBudget pairs(kMaxPairs);
   const auto blocks = std::size_t((mesh.triangle_count() + kTriangleBlock - 1) / kTriangleBlock);
@@ -133,7 +145,7 @@ Result<void> BandSampler::bin_triangles() {
       mesh.triangle_count(),
       [&](Index begin, Index end) {
         TriangleBrickOverlaps& block = visits[std::size_t(begin / kTriangleBlock)];
-        block = triangle_brick_overlaps(mesh, begin, end, grid, reach_mm, pairs, simd_);
+        block = triangle_brick_overlaps(mesh, begin, end, grid, max_distance_mm, pairs, simd_);
         block.bricks.shrink_to_fit();
       },
       kTriangleBlock);
@@ -163,19 +175,20 @@ Result<void> BandSampler::bin_triangles() {
   return {};
 }
 
-/// Goes from brick to brick, from those of the surface outward, as long as the surface is within
-/// reach of some point of them.
+/// Adds bricks in layers from those of the surface outward, as long as a point of the brick may be
+/// within the max distance of the surface.
 Result<void> BandSampler::grow_band_by_tree(Index max_bricks, Progress& progress) {
   const int n = SparseLattice::bricks_per_side(resolution_);
   const double brick_mm = kBrickSide * cell_mm_;
-  // Of a brick with all its cells, so that no step over a corner is missed.
-  const double limit_mm = reach_mm_ + 0.5 * std::sqrt(3.0) * brick_mm;
+  // Radius of a brick with all its cells, so that no layer has a gap at a corner.
+  const double limit_mm = max_distance_mm_ + 0.5 * std::sqrt(3.0) * brick_mm;
+  // One bit per brick of the lattice: 2 MB at the largest resolution.
   std::vector<bool> is_seen(std::size_t(n) * std::size_t(n) * std::size_t(n), false);
   std::vector<std::int32_t> far, front = bricks_;
   for (const std::int32_t b : front) is_seen[std::size_t(b)] = true;
   while (!front.empty()) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
-    std::vector<std::int32_t> around;
+    std::vector<std::int32_t> layer;
     for (const std::int32_t b : front) {
       const std::array<int, 3> at = {b % n, b / n % n, b / (n * n)};
       for (int z = std::max(at[2] - 1, 0); z <= std::min(at[2] + 1, n - 1); ++z)
@@ -184,18 +197,18 @@ Result<void> BandSampler::grow_band_by_tree(Index max_bricks, Progress& progress
             const std::int32_t next = (z * n + y) * n + x;
             if (is_seen[std::size_t(next)]) continue;
             is_seen[std::size_t(next)] = true;
-            around.push_back(next);
+            layer.push_back(next);
           }
     }
     const auto keep = [&](Index i, std::vector<std::int32_t>& reached) {
-      const std::int32_t b = around[std::size_t(i)];
+      const std::int32_t b = layer[std::size_t(i)];
       const LatticePoint p = SparseLattice::first_point_of(b, resolution_);
       const Vec3 center =
           origin_ + cell_mm_ * Vec3(p[0], p[1], p[2]) + Vec3::Constant(brick_mm / 2);
-      if (std::isfinite(squared_distance(surface_->mesh_B, *far_, center, limit_mm)))
+      if (std::isfinite(squared_distance(surface_->mesh_B, *tree_, center, limit_mm)))
         reached.push_back(b);
     };
-    front = parallel_collect<std::int32_t>(Index(around.size()), keep);
+    front = parallel_collect<std::int32_t>(Index(layer.size()), keep);
     far.insert(far.end(), front.begin(), front.end());
     if (Index(far.size() + bricks_.size()) > max_bricks) return too_many_points(max_bricks);
   }
@@ -215,66 +228,51 @@ Result<void> BandSampler::grow_band_by_tree(Index max_bricks, Progress& progress
   return {};
 }
 
-/// Whether a point is inside, whatever part of the triangle of a code (NearestInBrick) is nearest.
+/// True if a point is inside, by the pseudonormal at its closest point.
 bool BandSampler::is_inside(std::int32_t code, const Vec3& p) const {
   const geometry::TriangleMesh& mesh = surface_->mesh_B;
-  const std::int32_t triangle = code >> 2;
-  if ((code & 2) != 0)
-    return (code & 1) != 0 &&
-           (surface_->is_double.empty() || !surface_->is_double[std::size_t(triangle)]);
+  const std::int32_t triangle = NearestInBrick::triangle_of(code);
+  if (NearestInBrick::is_face_closest(code))
+    return NearestInBrick::is_below(code) &&
+           (surface_->is_opposite_duplicate.empty() ||
+            !surface_->is_opposite_duplicate[std::size_t(triangle)]);
   const geometry::TrianglePoint nearest = geometry::closest_point_on_triangle(
       p, mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2));
   return surface_->normals.at(mesh, triangle, nearest.feature).dot(p - nearest.point) < 0.0;
 }
 
+/// Finds the nearest triangle of each point of a brick: among the triangles binned to it, and for
+/// points beyond `binned_mm_` in the tree.
+void BandSampler::find_nearest_triangles(Index slot, const Vec3& low,
+                                         NearestInBrick& nearest) const {
+  const geometry::TriangleMesh& mesh = surface_->mesh_B;
+  nearest.clear(float(binned_mm_));
+  const std::uint32_t first = first_[std::size_t(slot)];
+  visit_triangles(mesh, std::span(triangles_).subspan(first, first_[std::size_t(slot) + 1] - first),
+                  low, cell_mm_, binned_mm_ + kSlack * cell_mm_, simd_, nearest);
+  if (!tree_) return;
+  for (std::size_t i = 0; i < nearest.code.size(); ++i)
+    if (nearest.code[i] == NearestInBrick::kNone)
+      nearest.squared_mm2[i] = float(max_distance_mm_) * float(max_distance_mm_);
+  find_nearest(mesh, *tree_, low, cell_mm_, max_distance_mm_, simd_, nearest);
+}
+
 BrickSigns BandSampler::sample(Index slot,
                                std::span<float, SparseLattice::kBrickPoints> distances) const {
-  const geometry::TriangleMesh& mesh = surface_->mesh_B;
   const LatticePoint first_point =
       SparseLattice::first_point_of(bricks_[std::size_t(slot)], resolution_);
   const Vec3 low = origin_ + cell_mm_ * Vec3(first_point[0], first_point[1], first_point[2]);
-  const double reach_mm = near_mm_ + kSlack * cell_mm_;
-
-  const auto clear_mm = float(kClearCells * cell_mm_);
-  const bool has_doubles = !surface_->is_double.empty();
-
   NearestInBrick nearest;
-  nearest.clear(float(near_mm_));
-  const std::uint32_t first = first_[std::size_t(slot)];
-  visit_triangles(mesh, std::span(triangles_).subspan(first, first_[std::size_t(slot) + 1] - first),
-                  low, cell_mm_, reach_mm, simd_, nearest);
-  if (far_) {
-    for (std::size_t i = 0; i < nearest.code.size(); ++i)
-      if (nearest.code[i] == NearestInBrick::kNone)
-        nearest.squared_mm2[i] = float(reach_mm_) * float(reach_mm_);
-    find_nearest(mesh, *far_, low, cell_mm_, reach_mm_, simd_, nearest);
-  }
+  find_nearest_triangles(slot, low, nearest);
 
+  const bool has_opposite_duplicates = !surface_->is_opposite_duplicate.empty();
+  const auto clear_mm = float(kClearCells * cell_mm_);
   BrickSigns signs;
-  // Where an edge or a corner is nearest, the plane of a triangle does not tell the side.
-  BrickBits to_find;
-  std::array<std::int32_t, SparseLattice::kBrickPoints> codes;
-  for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z) {
-    const std::span slice_codes = std::span(codes).subspan(64 * z).first<64>();
-    const std::span slice = distances.subspan(64 * z).first<64>();
-    for (int i = 0; i < 64; i += int(NearestInBrick::kTileX)) {
-      const std::size_t from =
-          NearestInBrick::linear_offset(i % kBrickSide, i / kBrickSide, int(z));
-      std::copy_n(nearest.code.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
-                  slice_codes.begin() + i);
-      std::copy_n(nearest.squared_mm2.begin() + std::ptrdiff_t(from), NearestInBrick::kTileX,
-                  slice.begin() + i);
-    }
-    signs.known[z] = ~top_bits(slice_codes, 0);  // kNone alone is negative.
-    const std::uint64_t on_face = top_bits(slice_codes, 30), below = top_bits(slice_codes, 31);
-    signs.inside[z] = signs.known[z] & on_face & below;
-    signs.clear_of_surface[z] = signs.known[z] & bits_above(slice, clear_mm * clear_mm);
-    to_find[z] = signs.known[z] & (has_doubles ? ~std::uint64_t(0) : ~on_face);
-    signed_distances(slice_codes, slice);
-  }
-
-  const BrickBits off_face = to_find;
-  if (surface_->closed && !has_doubles) propagate_signs(signs, to_find);
+  NearestCodes codes;
+  const BrickBits undecided =
+      sign_by_faces(nearest, clear_mm, !has_opposite_duplicates, codes, distances, signs);
+  BrickBits to_find = undecided;
+  if (surface_->closed && !has_opposite_duplicates) propagate_signs(signs, to_find);
   for (std::size_t z = 0; z < std::size_t(kBrickSide); ++z) {
     for (std::uint64_t left = to_find[z]; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
@@ -282,7 +280,7 @@ BrickSigns BandSampler::sample(Index slot,
       const bool inside = is_inside(codes[64 * z + std::size_t(bit)], p);
       signs.inside[z] = with_bit(signs.inside[z], bit, inside);
     }
-    for (std::uint64_t left = off_face[z]; left != 0; left &= left - 1) {
+    for (std::uint64_t left = undecided[z]; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
       float& distance = distances[64 * z + std::size_t(bit)];
       distance = std::copysign(distance, (signs.inside[z] >> bit & 1) != 0 ? -1.0F : 1.0F);
@@ -292,10 +290,11 @@ BrickSigns BandSampler::sample(Index slot,
 }
 
 Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface, const FieldFrame& frame,
-                                         double reach_mm, const WindingScanlines* winding,
+                                         double max_distance_mm, const WindingScanlines* winding,
                                          Progress& progress) {
-  LEFORT_TRY(const BandSampler sampler,
-             BandSampler::create(surface, frame, reach_mm, kMaxLatticePoints, progress));
+  LEFORT_TRY(
+      const BandSampler sampler,
+      BandSampler::create(surface, frame, max_distance_mm, BandSampler::kMaxFloatPoints, progress));
   const std::span<const std::int32_t> bricks = sampler.bricks();
   SparseLattice distances(frame.resolution, {bricks.begin(), bricks.end()}, kUnsampled);
   const Index count = distances.brick_count();

@@ -1,6 +1,6 @@
 /// \file
-/// Exact signed distances at the lattice points near a surface, brick by brick: the paper's steps 1
-/// to 3.
+/// Exact signed distances at the lattice points near a surface, brick by brick (paper, section 2.1,
+/// steps 1 to 3).
 #pragma once
 
 #include <lefort/core/error.h>
@@ -21,73 +21,89 @@
 
 namespace lefort::field {
 
-/// Distance of a lattice point beyond the reach, before its side is known.
+/// Distance of a lattice point that is not sampled, before its sign is known.
 inline constexpr float kUnsampled = std::numeric_limits<float>::quiet_NaN();
 
-/// Knows which triangles matter to which brick, and samples bricks one at a time, in any order and
-/// from any thread.
+/// Assigns triangles to bricks, and samples bricks one at a time, in any order and from any thread.
 ///
-/// The paper extrudes each triangle to a prism of +-band and visits the lattice points in the
-/// prism's box. Prisms leave wedges at convex edges and cones at convex corners that belong to no
-/// triangle, and boxes cover them by luck; here a triangle's share is its own box and plane, both
-/// widened by the reach, which leaves no gap. In a wide band, where a triangle's share grows with
-/// the cube of the reach and hardly any of it stays its own, points far from the surface ask a tree
-/// for the nearest triangle instead.
+/// The paper extrudes each triangle to a prism of +-band and visits the lattice points in the box
+/// of the prism. Prisms leave gaps, wedges at convex edges and cones at convex corners, which the
+/// boxes cover only by chance. Here the region of a triangle is bounded by its box and by its
+/// plane, both extended by the max distance, which leaves no gap. In a wide band this region grows
+/// with the cube of the distance, and most points in it are closer to other triangles; there a tree
+/// finds the nearest triangle of each point.
 class BandSampler {
  public:
-  static constexpr Index kMaxPoints = Index(1) << 32;  ///< 12 GiB of samples in bricks.
+  /// Max points of the bricks if stored as codes of 24 bits (BrickSamples): 12 GiB.
+  static constexpr Index kMaxPoints = Index(1) << 32;
+  /// Max points if stored as floats (SparseLattice): 8 GiB.
+  static constexpr Index kMaxFloatPoints = Index(1) << 31;
 
-  /// \param surface      must outlive the sampler.
-  /// \param reach_mm     points up to this far from the surface are sampled.
-  /// \param max_points  of the lattice, in all bricks.
-  /// \returns kInvalidArgument if the band takes more points than that, or brings too many
-  ///   triangles together with bricks; kCancelled.
+  /// Finds the bricks of a band.
+  ///
+  /// \param surface          must outlive the sampler.
+  /// \param frame            lattice of the field.
+  /// \param max_distance_mm  points up to this distance from the surface are sampled.
+  /// \param max_points       limit for the lattice points of all bricks.
+  /// \param progress         may cancel.
+  /// \param simd             instruction set; all give the same bits.
+  /// \returns kInvalidArgument if the band contains more points, or there are too many pairs of a
+  ///   triangle and a brick; kCancelled.
   [[nodiscard]] static Result<BandSampler> create(const PreparedSurface& surface,
-                                                  const FieldFrame& frame, double reach_mm,
+                                                  const FieldFrame& frame, double max_distance_mm,
                                                   Index max_points = kMaxPoints,
                                                   Progress& progress = Progress::none(),
                                                   Simd simd = best_simd());
 
-  /// Numbers of the bricks that a triangle reaches (SparseLattice), ascending. Some may turn out to
-  /// hold no sample.
+  /// Numbers of the bricks of the band (SparseLattice), ascending. Some may contain no sample.
   [[nodiscard]] std::span<const std::int32_t> bricks() const { return bricks_; }
 
-  /// Signed distances [mm] at the points of a brick, kUnsampled beyond the reach; and their signs.
+  /// Computes the signed distances [mm] at the points of a brick, and their signs.
   ///
-  /// The nearest triangle is found in single precision; the sign is that of the pseudonormal at its
-  /// nearest feature.
+  /// The nearest triangle is found in single precision; the sign is that of the pseudonormal at the
+  /// closest feature.
   ///
-  /// \param slot  position in bricks().
+  /// \param slot       position in bricks().
+  /// \param distances  kUnsampled beyond the max distance.
   BrickSigns sample(Index slot, std::span<float, SparseLattice::kBrickPoints> distances) const;
 
  private:
-  BandSampler(const PreparedSurface& surface, const FieldFrame& frame, double reach_mm, Simd simd);
+  BandSampler(const PreparedSurface& surface, const FieldFrame& frame, double max_distance_mm,
+              Simd simd);
 
   [[nodiscard]] Result<void> bin_triangles();
   [[nodiscard]] Result<void> grow_band_by_tree(Index max_bricks, Progress& progress);
+  void find_nearest_triangles(Index slot, const Vec3& low, NearestInBrick& nearest) const;
   [[nodiscard]] bool is_inside(std::int32_t code, const Vec3& p) const;
 
   const PreparedSurface* surface_;
   Vec3 origin_;
   double cell_mm_;
   int resolution_;
-  double reach_mm_;
-  double near_mm_;  ///< Up to here triangles are binned; the whole reach, or `far_` has the rest.
+  double max_distance_mm_;
+  /// Up to this distance triangles are binned; beyond it `tree_` is used, if it is less than the
+  /// max.
+  double binned_mm_;
   Simd simd_;
   std::vector<std::int32_t> bricks_;
-  std::vector<std::uint32_t> first_;     ///< Of the triangles of each brick, and their end.
+  std::vector<std::uint32_t> first_;     ///< Offset of each brick in triangles_, and its end.
   std::vector<std::int32_t> triangles_;  ///< By brick, ascending.
-  std::optional<TriangleTree> far_;
+  std::optional<TriangleTree> tree_;
 };
 
-/// Samples every lattice point within `reach_mm` of the surface; the other points of the bricks
-/// touched are kUnsampled.
+/// Samples every lattice point within `max_distance_mm` of the surface; other points of the same
+/// bricks are kUnsampled.
 ///
-/// \param winding  of the surface, or null if it is open: settles contradictions
+/// \param surface          to be sampled.
+/// \param frame            lattice of the field.
+/// \param max_distance_mm  max distance of samples.
+/// \param winding          of the surface, or null if it is open; resolves sign conflicts
 ///   (resolve_sign_conflicts.h).
-/// \returns kInvalidArgument if the points would not fit in memory; kCancelled.
+/// \param progress         receives the fraction done; may cancel.
+/// \returns kInvalidArgument if the points would exceed the memory limit; kCancelled.
 [[nodiscard]] Result<SparseLattice> sample_narrow_band(const PreparedSurface& surface,
-                                                       const FieldFrame& frame, double reach_mm,
+                                                       const FieldFrame& frame,
+                                                       double max_distance_mm,
                                                        const WindingScanlines* winding,
                                                        Progress& progress);
 

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -22,22 +23,24 @@ namespace {
 constexpr int kLeafSide = BrickSamples::kLeafSide;
 constexpr float kUnknownDistance = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-/// Bricks sampled before their leaves join the others: few enough to stay in the cache.
+/// Bricks that are sampled before their leaves are stored: few enough to stay in the cache.
 constexpr Index kBricksPerWave = 256;
 constexpr Index kBricksPerTask = 8;
-/// Bricks whose leaves a thread puts in place at a time.
+/// Bricks whose leaves a task copies.
 constexpr Index kCopyBlock = 32;
+/// Bricks without samples that a task marks.
+constexpr Index kEmptyBlock = 4096;
 
 using Distances = std::array<float, SparseLattice::kBrickPoints>;
 
-/// Signs at the six faces of a brick, to be compared with those of its neighbors.
+/// Signs at the six faces of a brick, for comparison with neighboring bricks.
 struct FaceSigns {
-  std::array<std::array<std::uint64_t, 2>, 3> known{};  ///< By axis, lowest and highest points.
+  std::array<std::array<std::uint64_t, 2>, 3> known{};  ///< By axis: lowest and highest points.
   std::array<std::array<std::uint64_t, 2>, 3> inside{};
   std::array<std::array<std::uint64_t, 2>, 3> clear_of_surface{};
 };
 
-/// A brick as it will be stored.
+/// A brick in the format of BrickSamples.
 struct EncodedBrick {
   Brick brick;
   bool empty = true;
@@ -51,19 +54,20 @@ struct EncodedBrick {
 
 using Codes = std::array<std::int32_t, SparseLattice::kBrickPoints>;
 
-/// Rounds to the nearest code; +-infinity becomes kBeyond, NaN kUnknown. For the vectoriser.
+/// Rounds to the nearest code; +-infinity becomes +-kBeyond, NaN kUnknown. Written so that the
+/// compiler vectorizes it.
 void quantize(const Distances& distances, float codes_per_mm, Codes& codes) {
   constexpr auto kMaximum = float(BrickSamples::kBeyond);
   for (std::size_t i = 0; i < codes.size(); ++i) {
     const float scaled = distances[i] * codes_per_mm;
     const float rounded = scaled < 0.0F ? scaled - 0.5F : scaled + 0.5F;
-    const float upper = rounded < kMaximum ? rounded : kMaximum;  // kMaximum, too, if NaN.
+    const float upper = rounded < kMaximum ? rounded : kMaximum;  // Also kMaximum if NaN.
     const float within = upper > -kMaximum ? upper : -kMaximum;
     codes[i] = scaled == scaled ? std::int32_t(within) : BrickSamples::kUnknown;
   }
 }
 
-/// Writes the leaf's codes and says so, or its side.
+/// Writes the codes of a leaf, or its zone if it has no distances.
 void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick& encoded) {
   const int x_low = (leaf & 1) * kLeafSide, y_low = (leaf >> 1 & 1) * kLeafSide,
             z_low = (leaf >> 2) * kLeafSide;
@@ -71,19 +75,19 @@ void encode_leaf(const Codes& codes, std::uint64_t known, int leaf, EncodedBrick
       codes.data() + (z_low * kBrickSide + y_low) * kBrickSide + x_low;
   const auto bit = std::uint8_t(1U << leaf);
   if (known == 0) {
-    // All of it lies on the side of any of its points.
+    // All its points have the same zone.
     if (*first == BrickSamples::kUnknown) encoded.brick.unknown |= bit;
     if (*first == -BrickSamples::kBeyond) encoded.brick.inside |= bit;
     return;
   }
-  std::byte* place = encoded.codes.data() + encoded.bytes();
+  std::byte* target = encoded.codes.data() + encoded.bytes();
   encoded.brick.stored |= bit;
   for (int z = 0; z < kLeafSide; ++z)
     for (int y = 0; y < kLeafSide; ++y)
       for (int x = 0; x < kLeafSide; ++x) {
-        // Four bytes each, of which the next overwrites the last.
-        std::memcpy(place, first + (z * kBrickSide + y) * kBrickSide + x, sizeof(std::int32_t));
-        place += BrickSamples::kCodeBytes;
+        // Writes four bytes; the next code overwrites the last one.
+        std::memcpy(target, first + (z * kBrickSide + y) * kBrickSide + x, sizeof(std::int32_t));
+        target += BrickSamples::kCodeBytes;
       }
 }
 
@@ -122,7 +126,7 @@ void encode(Distances& distances, BrickSigns& signs, const FieldFrame& frame,
   }
 }
 
-/// Neighbors in different bricks that contradict each other.
+/// Finds neighbors in different bricks whose distances are in conflict.
 std::vector<LatticePoint> conflicting_across_faces(const BrickSamples& samples,
                                                    std::span<const std::int32_t> bricks,
                                                    std::span<const FaceSigns> faces,
@@ -145,7 +149,7 @@ std::vector<LatticePoint> conflicting_across_faces(const BrickSamples& samples,
       for (; changes != 0; changes &= changes - 1) {
         const int bit = std::countr_zero(changes);
         const LatticePoint p = point_at(SparseLattice::first_point_of(number, samples.resolution()),
-                                        face_place(bit, axis, true));
+                                        face_offset(bit, axis, true));
         LatticePoint q = p;
         ++q[a];
         const float d = samples.distance_of(BrickSamples::read_code(samples.linear_offset(p)));
@@ -157,92 +161,121 @@ std::vector<LatticePoint> conflicting_across_faces(const BrickSamples& samples,
   return parallel_collect<LatticePoint>(Index(bricks.size()), find_conflicts);
 }
 
-}  // namespace
-
-Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& frame,
-                                  const WindingScanlines* winding, Progress& progress) {
-  const std::span<const std::int32_t> candidates = sampler.bricks();
-  const auto side = std::size_t(SparseLattice::bricks_per_side(frame.resolution));
-  std::vector<Brick> table(side * side * side);
-  std::vector<std::int32_t> bricks;
-  std::vector<FaceSigns> faces;
-  bricks.reserve(candidates.size());
-  faces.reserve(candidates.size());
-  // Memory is only taken where it is written, so room for all leaves of all bricks costs nothing.
-  auto codes = std::make_unique_for_overwrite<std::byte[]>(
-      candidates.size() * 8 * BrickSamples::kLeafBytes + 1);
+/// The sampled bricks in the format of BrickSamples.
+struct BrickStore {
+  std::vector<Brick> table;          ///< By brick number.
+  std::vector<std::int32_t> bricks;  ///< Numbers of bricks with samples, ascending.
+  std::vector<FaceSigns> faces;      ///< Of `bricks`.
+  std::unique_ptr<std::byte[]> codes;
   std::size_t leaves = 0;
 
+  BrickStore(int resolution, std::size_t candidates) {
+    const auto side = std::size_t(SparseLattice::bricks_per_side(resolution));
+    table.resize(side * side * side);
+    bricks.reserve(candidates);
+    faces.reserve(candidates);
+    // Memory is committed when it is written, so reserving room for all leaves costs nothing.
+    codes =
+        std::make_unique_for_overwrite<std::byte[]>(candidates * 8 * BrickSamples::kLeafBytes + 1);
+  }
+
+  [[nodiscard]] std::size_t bytes() const { return leaves * BrickSamples::kLeafBytes + 1; }
+};
+
+/// Assigns positions to the leaves of a wave and copies their codes.
+Result<void> append_wave(std::span<EncodedBrick> wave, std::span<const std::int32_t> numbers,
+                         BrickStore& store) {
+  for (std::size_t i = 0; i < wave.size(); ++i) {
+    EncodedBrick& encoded = wave[i];
+    if (encoded.empty) continue;
+    if (store.leaves > std::numeric_limits<std::uint32_t>::max() - 8)
+      return fail(ErrorCode::kInvalidArgument,
+                  "the band holds more than 2^32 leaves; lower the resolution or the band");
+    encoded.brick.first_leaf = std::uint32_t(store.leaves);
+    store.leaves += std::size_t(std::popcount(encoded.brick.stored));
+    store.table[std::size_t(numbers[i])] = encoded.brick;
+    store.bricks.push_back(numbers[i]);
+    store.faces.push_back(encoded.faces);
+  }
+  parallel_for(
+      std::ssize(wave),
+      [&](Index i) {
+        const EncodedBrick& encoded = wave[std::size_t(i)];
+        std::copy_n(encoded.codes.begin(), encoded.bytes(),
+                    store.codes.get() + encoded.brick.first_leaf * BrickSamples::kLeafBytes);
+      },
+      kCopyBlock);
+  return {};
+}
+
+/// Samples and encodes the bricks of the band in waves.
+Result<BrickStore> encode_bricks(const BandSampler& sampler, const FieldFrame& frame,
+                                 const WindingScanlines* winding, Progress& progress) {
+  const std::span<const std::int32_t> candidates = sampler.bricks();
+  BrickStore store(frame.resolution, candidates.size());
   std::vector<EncodedBrick> wave(
       std::size_t(std::min<Index>(kBricksPerWave, Index(candidates.size()))));
   for (Index begin = 0; begin < Index(candidates.size()); begin += kBricksPerWave) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
     const Index count = std::min(kBricksPerWave, Index(candidates.size()) - begin);
+    const std::span<const std::int32_t> numbers =
+        candidates.subspan(std::size_t(begin), std::size_t(count));
     parallel_for(
         count,
         [&](Index i) {
           Distances distances;
           BrickSigns signs = sampler.sample(begin + i, distances);
-          encode(distances, signs, frame, winding, candidates[std::size_t(begin + i)],
-                 wave[std::size_t(i)]);
+          encode(distances, signs, frame, winding, numbers[std::size_t(i)], wave[std::size_t(i)]);
         },
         kBricksPerTask);
-    for (Index i = 0; i < count; ++i) {
-      EncodedBrick& encoded = wave[std::size_t(i)];
-      if (encoded.empty) continue;
-      if (leaves > std::numeric_limits<std::uint32_t>::max() - 8)
-        return fail(ErrorCode::kInvalidArgument,
-                    "the band holds more than 2^32 leaves; lower the resolution or the band");
-      encoded.brick.first_leaf = std::uint32_t(leaves);
-      leaves += std::size_t(std::popcount(encoded.brick.stored));
-      const std::int32_t number = candidates[std::size_t(begin + i)];
-      table[std::size_t(number)] = encoded.brick;
-      bricks.push_back(number);
-      faces.push_back(encoded.faces);
-    }
-    parallel_for(
-        count,
-        [&](Index i) {
-          const EncodedBrick& encoded = wave[std::size_t(i)];
-          std::copy_n(encoded.codes.begin(), encoded.bytes(),
-                      codes.get() + encoded.brick.first_leaf * BrickSamples::kLeafBytes);
-        },
-        kCopyBlock);
+    LEFORT_TRY_VOID(append_wave(std::span(wave).first(std::size_t(count)), numbers, store));
     progress.report(double(begin + count) / double(candidates.size()));
   }
-  const std::size_t bytes = leaves * BrickSamples::kLeafBytes + 1;
-  codes[bytes - 1] = std::byte(0);  // Codes are read four bytes at a time.
+  store.codes[store.bytes() - 1] = std::byte(0);  // Codes are read four bytes at a time.
+  return store;
+}
 
-  std::vector<bool> is_empty(table.size(), true);
-  for (const std::int32_t b : bricks) is_empty[std::size_t(b)] = false;
+/// Sets the zone of bricks without samples.
+void fill_empty_bricks(const WindingScanlines* winding, int resolution, BrickStore& store) {
+  std::vector<bool> is_empty(store.table.size(), true);
+  for (const std::int32_t b : store.bricks) is_empty[std::size_t(b)] = false;
   parallel_for(
-      Index(table.size()),
+      Index(store.table.size()),
       [&](Index b) {
-        Brick& brick = table[std::size_t(b)];
+        Brick& brick = store.table[std::size_t(b)];
         if (!is_empty[std::size_t(b)]) return;
         const Zone zone = winding == nullptr
                               ? Zone::kUnknown
-                              : side_of_empty_brick(*winding, std::int32_t(b), frame.resolution);
+                              : zone_of_empty_brick(*winding, std::int32_t(b), resolution);
         if (zone == Zone::kInside) brick.inside = 0xFF;
         if (zone == Zone::kUnknown) brick.unknown = 0xFF;
       },
-      4096);
+      kEmptyBlock);
+}
+
+}  // namespace
+
+Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& frame,
+                                  const WindingScanlines* winding, Progress& progress) {
+  LEFORT_TRY(BrickStore store, encode_bricks(sampler, frame, winding, progress));
+  fill_empty_bricks(winding, frame.resolution, store);
 
   struct Owner {
     std::vector<Brick> table;
     std::unique_ptr<std::byte[]> codes;
   };
-  std::byte* const first_code = codes.get();
-  auto owner = std::make_shared<const Owner>(Owner{std::move(table), std::move(codes)});
+  std::byte* const first_code = store.codes.get();
+  auto owner = std::make_shared<const Owner>(Owner{std::move(store.table), std::move(store.codes)});
   const std::span<const Brick> all_bricks = owner->table;
   BrickSamples samples(frame.resolution, frame.band_mm, all_bricks,
-                       std::span<const std::byte>(first_code, bytes), std::move(owner));
+                       std::span<const std::byte>(first_code, store.bytes()), std::move(owner));
   const std::vector<LatticePoint> in_conflict =
-      conflicting_across_faces(samples, bricks, faces, float(frame.cell_mm));
-  std::vector<std::ptrdiff_t> places;
-  for (const LatticePoint& p : in_conflict) places.push_back(samples.linear_offset(p) - first_code);
-  for (const std::ptrdiff_t place : places)
-    BrickSamples::write_code(first_code + place, BrickSamples::kUnknown);
+      conflicting_across_faces(samples, store.bricks, store.faces, float(frame.cell_mm));
+  std::vector<std::ptrdiff_t> offsets;
+  for (const LatticePoint& p : in_conflict)
+    offsets.push_back(samples.linear_offset(p) - first_code);
+  for (const std::ptrdiff_t offset : offsets)
+    BrickSamples::write_code(first_code + offset, BrickSamples::kUnknown);
   return samples;
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Builds a field in bricks: what lefort uses unless asked for one of the paper's methods.
+/// Builds a field in bricks, the default method.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,13 +10,16 @@
 
 namespace lefort::field {
 
-/// Samples brick by brick and keeps the leaves that the band reaches. Two neighbors that differ by
-/// more than a cell, as at the rim of an open surface or where a surface cuts through itself,
-/// contradict each other. In their brick the winding number then decides, if there is one; where
-/// they still do, both become unknown.
+/// Samples the bricks of the band and stores leaves with distances.
 ///
-/// \param sampler  of `frame`, with a reach of frame.band_mm.
-/// \param winding  of the surface, or null if it is open.
+/// Two neighbors whose distances differ by more than a cell are in conflict, as at the boundary of
+/// an open surface or where a surface intersects itself. Inside a brick the winding number resolves
+/// conflicts, if it is known; samples of remaining conflicts become unknown.
+///
+/// \param sampler   of `frame`, with frame.band_mm.
+/// \param frame     lattice of the field.
+/// \param winding   of the surface, or null if it is open.
+/// \param progress  receives the fraction done; may cancel.
 /// \returns kCancelled; kInvalidArgument if there are more than 2^32 leaves.
 [[nodiscard]] Result<BrickSamples> build_bricks(const BandSampler& sampler, const FieldFrame& frame,
                                                 const WindingScanlines* winding,

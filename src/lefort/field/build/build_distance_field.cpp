@@ -24,43 +24,44 @@ constexpr int kMaxResolution = 2048;
 constexpr int kMaxDenseResolution = 1024;
 constexpr int kDefaultBandCells = 5;
 constexpr int kMinBandCells = 2;
-constexpr int kMaxBandFraction = 4;  // The band is at most the cube's side divided by this.
+constexpr int kMaxBandFraction = 4;  // The band is at most the cube's edge divided by this.
 constexpr double kMaxLength_mm = 1e4;
 constexpr double kMinExtent_mm = 1e-3;
 constexpr Index kMaxTriangles = 100'000'000;
 
-// What sample_smooth() needs beyond the band, in cells: the values around a cell lie up to two
-// cells along each axis from its corners, of which one may be a cell's diagonal beyond the band.
-constexpr double kStencilReach = 4.4;
-static_assert(kStencilReach < SparseLattice::kSide, "the lattice must hold what it needs");
+// Distance beyond the band that sample_smooth() needs, in cells: its values lie up to two cells
+// along each axis from the corners of a cell, and one corner may be a cell diagonal beyond the
+// band.
+constexpr double kStencilCells = 4.4;
+static_assert(kStencilCells < SparseLattice::kSide, "the lattice must contain the stencil");
 
 Result<void> check_options(const DistanceFieldOptions& options) {
-  const auto refuse = [](std::string message) {
+  const auto invalid = [](std::string message) {
     return fail(ErrorCode::kInvalidArgument, std::move(message));
   };
   const int maximum =
       options.method == FieldMethod::kUniform ? kMaxDenseResolution : kMaxResolution;
   if (options.resolution < kMinResolution || options.resolution > maximum ||
       !std::has_single_bit(unsigned(options.resolution)))
-    return refuse(fmt::format("resolution is {}, it must be a power of two from {} to {}",
-                              options.resolution, kMinResolution, maximum));
+    return invalid(fmt::format("resolution is {}, it must be a power of two from {} to {}",
+                               options.resolution, kMinResolution, maximum));
   const auto check_length = [&](const char* name, double length) -> Result<void> {
     if (length >= 0.0 && length <= kMaxLength_mm) return {};
-    return refuse(fmt::format("{} is {}, it must be from 0 to {}", name, length, kMaxLength_mm));
+    return invalid(fmt::format("{} is {}, it must be from 0 to {}", name, length, kMaxLength_mm));
   };
   LEFORT_TRY_VOID(check_length("margin_mm", options.margin_mm));
   LEFORT_TRY_VOID(check_length("side_mm", options.side_mm));
   LEFORT_TRY_VOID(check_length("band_mm", options.band_mm));
   LEFORT_TRY_VOID(check_length("tolerance_mm", options.tolerance_mm));
   if (!(options.relative_tolerance >= 0.0 && options.relative_tolerance <= 1.0))
-    return refuse(fmt::format("relative_tolerance is {}, it must be from 0 to 1",
-                              options.relative_tolerance));
+    return invalid(fmt::format("relative_tolerance is {}, it must be from 0 to 1",
+                               options.relative_tolerance));
   return {};
 }
 
-/// Lays the cube around the surface so that the band fits into it.
-Result<FieldFrame> lay_cube(const geometry::TriangleMesh& mesh,
-                            const DistanceFieldOptions& options) {
+/// Positions the cube so that it contains the surface and the band.
+Result<FieldFrame> position_cube(const geometry::TriangleMesh& mesh,
+                                 const DistanceFieldOptions& options) {
   const Box3 box = geometry::bounding_box(mesh);
   const double extent = box.sizes().maxCoeff();
   if (!(extent >= kMinExtent_mm))
@@ -90,10 +91,11 @@ Result<FieldFrame> lay_cube(const geometry::TriangleMesh& mesh,
   const double side = frame.cell_mm * frame.resolution;
   if (options.relative_tolerance > 0.0) frame.tolerance_mm = options.relative_tolerance * side;
   if (side < (extent + 2.0 * frame.band_mm) * (1.0 - 1e-12))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("side_mm is {}, it must be at least {:.4g}: the surface and the band "
-                            "on both sides",
-                            options.side_mm, extent + 2.0 * frame.band_mm));
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("side_mm is {}, it must be at least {:.4g} for the surface and the band "
+                    "on both sides",
+                    options.side_mm, extent + 2.0 * frame.band_mm));
   frame.origin_B = box.center() - Vec3::Constant(0.5 * side);
   return frame;
 }
@@ -105,9 +107,9 @@ Result<DistanceField::Samples> build_samples(const PreparedSurface& surface,
   if (method == FieldMethod::kHybrid) {
     LEFORT_TRY(SparseLattice distances,
                sample_narrow_band(surface, frame, frame.band_mm, winding, progress));
-    const SignedDistances sided = fill_outside_band(std::move(distances), frame, winding);
-    progress.begin_stage("unite cells of the distance field");
-    return coalesce(sided, frame, progress);
+    const SignedDistances completed = fill_outside_band(std::move(distances), frame, winding);
+    progress.begin_stage("coalesce cells of the distance field");
+    return coalesce(completed, frame, progress);
   }
   LEFORT_TRY(const BandSampler sampler,
              BandSampler::create(surface, frame, frame.band_mm, BandSampler::kMaxPoints, progress));
@@ -127,22 +129,22 @@ Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface
                             surface_B.triangle_count(), kMaxTriangles));
   LEFORT_TRY(const PreparedSurface surface, prepare_surface(surface_B));
   for (const std::string& sentence : describe(surface.report)) progress.note(sentence);
-  LEFORT_TRY(FieldFrame frame, lay_cube(surface.mesh_B, options));
+  LEFORT_TRY(FieldFrame frame, position_cube(surface.mesh_B, options));
   frame.closed = surface.closed;
 
-  progress.begin_stage("distances near the bone");
-  std::optional<WindingScanlines> rows;
-  if (surface.closed) rows.emplace(surface.mesh_B, frame);
-  const WindingScanlines* const winding = rows ? &*rows : nullptr;
+  progress.begin_stage("compute distances");
+  std::optional<WindingScanlines> scanlines;
+  if (surface.closed) scanlines.emplace(surface.mesh_B, frame);
+  const WindingScanlines* const winding = scanlines ? &*scanlines : nullptr;
   LEFORT_TRY(DistanceField::Samples samples,
              build_samples(surface, frame, options.method, winding, progress));
   std::optional<SparseLattice> smooth;
   if (options.smooth) {
-    progress.begin_stage("smooth distances");
-    const double reach_mm = frame.band_mm + kStencilReach * frame.cell_mm;
+    progress.begin_stage("compute smooth distances");
+    const double max_distance_mm = frame.band_mm + kStencilCells * frame.cell_mm;
     LEFORT_TRY(const SparseLattice distances,
-               sample_narrow_band(surface, frame, reach_mm, winding, progress));
-    smooth = spline_lattice(distances, frame.cell_mm, reach_mm);
+               sample_narrow_band(surface, frame, max_distance_mm, winding, progress));
+    smooth = spline_lattice(distances, frame.cell_mm, max_distance_mm);
   }
   progress.report(1.0);
   return DistanceField(frame, std::move(samples), std::move(smooth),

@@ -1,5 +1,5 @@
 /// \file
-/// Turns a bone surface into a sampled signed distance field.
+/// Builds a signed distance field from a bone surface.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,41 +13,44 @@
 
 namespace lefort::field {
 
-/// How the samples are found and kept. All give the same distances; they differ in time and memory.
+/// Construction and storage of samples. All methods give the same distances; they differ in time
+/// and memory.
 enum class FieldMethod : std::uint8_t {
   kBricks,    ///< Bricks of samples near the surface: fastest and smallest (brick_samples.h).
-  kHybrid,    ///< The paper's: narrow band, then an octree coalesced bottom-up (coalesce.h).
-  kAdaptive,  ///< Frisken's: an octree split top-down (top_down.h).
-  kUniform,   ///< Fuhrmann's: a sample at every lattice point (dense_samples.h).
+  kHybrid,    ///< The paper's method: narrow band, then an octree coalesced bottom-up (coalesce.h).
+  kAdaptive,  ///< Frisken's method: an octree refined top-down (top_down.h).
+  kUniform,   ///< Fuhrmann's method: a sample at every lattice point (dense_samples.h).
 };
 
-/// How finely, and how far from the surface, the distance is sampled.
+/// Resolution and width of the band.
 struct DistanceFieldOptions {
   FieldMethod method = FieldMethod::kBricks;
-  int resolution = 256;  ///< Cells along a side of the cube: a power of two, 16..2048.
-  /// Samples up to here are kept: 2 cells .. resolution / 4 cells; 0: 5 cells, or that most.
+  int resolution = 256;  ///< Cells along an edge of the cube: a power of two, 16 to 2048.
+  /// Samples up to this distance are stored: 2 cells to resolution / 4 cells; 0 means 5 cells, or
+  /// resolution / 4 if that is less.
   double band_mm = 0.0;
-  double tolerance_mm = 0.005;      ///< Octrees reproduce samples in the band to this, >= 0.
-  double relative_tolerance = 0.0;  ///< The same as a share of the cube's side, if not 0.
-  double margin_mm = 0.0;           ///< Domain beyond the band around the surface's box, >= 0.
-  double side_mm = 0.0;             ///< Side of the cube, if not 0; instead of margin_mm.
-  bool smooth = false;              ///< Prepare for DistanceField::sample_smooth().
+  double tolerance_mm = 0.005;      ///< Octrees reproduce samples in the band within this, >= 0.
+  double relative_tolerance = 0.0;  ///< The same as a fraction of the cube's edge, if not 0.
+  double margin_mm = 0.0;           ///< Distance between the band and the cube, >= 0.
+  double side_mm = 0.0;             ///< Edge of the cube, if not 0; replaces margin_mm.
+  bool smooth = false;              ///< Store what DistanceField::sample_smooth() needs.
 };
 
 /// Samples the signed distance to `surface_B` in a band around it (paper, section 2.1).
 ///
-/// \param surface_B  triangles counter-clockwise from outside; what is not so is mended where that
-///   is unambiguous (prepare_surface()). It may be open or non-manifold: the sign is then that of
-///   the nearest feature, points beyond the band of an open surface are kUnknown, and so are cells
-///   where the sign tears.
-/// \param progress   is told the share done and what was mended, and may cancel.
+/// \param surface_B  triangles counter-clockwise seen from outside. Violations are repaired where
+///   this is unambiguous (prepare_surface()). The surface may be open or non-manifold: then the
+///   sign is that of the closest feature, and points beyond the band of an open surface and cells
+///   with sign conflicts are kUnknown.
+/// \param options    resolution and width of the band.
+/// \param progress   receives the fraction done and notes about repairs; may cancel.
 /// \returns the field, in the frame of the surface, or
-///   - kInvalidArgument  an option lies outside its range, or the field would be too large;
+///   - kInvalidArgument  an option is out of range, or the field would be too large;
 ///   - kMeshInvalid      the surface is empty, not finite, without extent, or too large;
-///   - kCancelled        `progress` asked to stop.
-/// \note The sign is that of the pseudonormal at the nearest feature \cite baerentzen2005. The
-///   tolerance is kept at every sample, not from level to level.
-/// \note Same bits for any number of threads and any processor.
+///   - kCancelled        `progress` requested a stop.
+/// \note The sign is that of the pseudonormal at the closest feature \cite baerentzen2005. The
+///   tolerance holds at every sample; it does not accumulate over levels.
+/// \note The result has the same bits for any number of threads and on any processor.
 [[nodiscard]] Result<DistanceField> build_distance_field(const geometry::TriangleMesh& surface_B,
                                                          const DistanceFieldOptions& options = {},
                                                          Progress& progress = Progress::none());

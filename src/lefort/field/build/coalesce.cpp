@@ -14,10 +14,10 @@ namespace lefort::field {
 
 namespace {
 
-/// Unites the subtree that begins at `begin` if its eight children are leaves of one kind, and
-/// those within the band can be reconstructed.
+/// Merges the subtree that begins at `begin` if its eight children are leaves of the same kind,
+/// and, if they are in the band, can be reconstructed.
 template <class Reproduces>
-void unite(std::string& codes, std::size_t begin, const Reproduces& reproduces) {
+void merge_children(std::string& codes, std::size_t begin, const Reproduces& reproduces) {
   const std::string_view children = std::string_view(codes).substr(begin + 1);
   const char first = children.front();
   if (children.size() != 8 || children.find_first_not_of(first) != std::string_view::npos) return;
@@ -26,7 +26,7 @@ void unite(std::string& codes, std::size_t begin, const Reproduces& reproduces) 
   codes += first;
 }
 
-/// A cube of kBrickSide^3 cells with its own copy of the samples: nearly all the work happens here.
+/// A cube of kBrickSide^3 cells with its own copy of the samples; it does most of the work.
 class Block {
  public:
   Block(const SignedDistances& distances, const LatticePoint& low, const FieldFrame& frame)
@@ -34,11 +34,11 @@ class Block {
     for (int k = 0; k <= kBrickSide; ++k)
       for (int j = 0; j <= kBrickSide; ++j)
         for (int i = 0; i <= kBrickSide; ++i)
-          values_[place({i, j, k})] = distances.at({low[0] + i, low[1] + j, low[2] + k});
+          values_[offset({i, j, k})] = distances.at({low[0] + i, low[1] + j, low[2] + k});
   }
 
   void append(std::string& codes, const LatticePoint& low, int cells) const {
-    const auto value_at = [&](const LatticePoint& p) { return values_[place(p)]; };
+    const auto value_at = [&](const LatticePoint& p) { return values_[offset(p)]; };
     if (cells == 2) {
       append_pair(codes, low);
       return;
@@ -47,18 +47,18 @@ class Block {
     codes += char(NodeCode::kBranch);
     for (int child = 0; child < 8; ++child)
       append(codes, corner_point(low, child, cells / 2), cells / 2);
-    unite(codes, begin,
-          [&] { return corners_reproduce(value_at, low, cells, frame_.tolerance_mm); });
+    merge_children(codes, begin,
+                   [&] { return corners_reproduce(value_at, low, cells, frame_.tolerance_mm); });
   }
 
  private:
-  static std::size_t place(const LatticePoint& p) {
+  static std::size_t offset(const LatticePoint& p) {
     return std::size_t((p[2] * (kBrickSide + 1) + p[1]) * (kBrickSide + 1) + p[0]);
   }
 
-  /// The smallest group of cells.
+  /// Appends a cube of two cells per edge.
   void append_pair(std::string& codes, const LatticePoint& low) const {
-    const auto value_at = [&](const LatticePoint& p) { return values_[place(p)]; };
+    const auto value_at = [&](const LatticePoint& p) { return values_[offset(p)]; };
     const FineCells cells = classify_fine_cells(value_at, low, float(frame_.cell_mm));
     if (cells.band == 0xFF && corners_reproduce(value_at, low, 2, frame_.tolerance_mm)) {
       codes += char(NodeCode::kBand);
@@ -74,24 +74,24 @@ class Block {
   std::array<float, (kBrickSide + 1) * (kBrickSide + 1) * (kBrickSide + 1)> values_;
 };
 
-/// Subtree of the cube of kBrickSide^3 cells whose lowest corner begins a brick.
+/// Subtree of the cube of kBrickSide^3 cells whose lowest corner is the first point of a brick.
 std::string block_codes(const SignedDistances& distances, const LatticePoint& low,
                         const FieldFrame& frame) {
   const SparseLattice& near = distances.near;
-  bool empty = true;  // Of this brick and those that hold the far sides of its last cells.
+  bool empty = true;  // This brick and those with the upper corners of its last cells.
   for (int corner = 0; corner < 8; ++corner)
     empty = empty && near.slot_of(near.brick_of(corner_point(low, corner, kBrickSide))) ==
                          SparseLattice::kNoBrick;
   std::string codes;
   if (empty) {
-    codes += char(code_of(distances.brick_sides[std::size_t(near.brick_of(low))]));
+    codes += char(code_of(distances.brick_zones[std::size_t(near.brick_of(low))]));
   } else {
     Block(distances, low, frame).append(codes, {0, 0, 0}, kBrickSide);
   }
   return codes;
 }
 
-/// Joins blocks to larger cubes, up to the root.
+/// Merges blocks to larger cubes, up to the root.
 void append_upper(std::string& codes, const std::vector<std::string>& blocks,
                   const SignedDistances& distances, const LatticePoint& low, int cells,
                   double tolerance_mm) {
@@ -106,7 +106,7 @@ void append_upper(std::string& codes, const std::vector<std::string>& blocks,
   for (int child = 0; child < 8; ++child)
     append_upper(codes, blocks, distances, corner_point(low, child, cells / 2), cells / 2,
                  tolerance_mm);
-  unite(codes, begin, [&] {
+  merge_children(codes, begin, [&] {
     return corners_reproduce([&](const LatticePoint& p) { return distances.at(p); }, low, cells,
                              tolerance_mm);
   });

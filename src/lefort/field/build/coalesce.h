@@ -1,6 +1,5 @@
 /// \file
-/// The paper's step 4: the regular samples become an octree, and cells are united from the smallest
-/// up while they can be reconstructed.
+/// Builds an octree from lattice samples, bottom-up (paper, section 2.1, step 4).
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,13 +10,16 @@
 
 namespace lefort::field {
 
-/// Unites eight sibling leaves when every lattice sample in them is reproduced by trilinear
-/// interpolation from the corners of their parent, within the tolerance of `frame`.
+/// Merges eight sibling leaves if trilinear interpolation from the corners of their parent
+/// reproduces every lattice sample in the parent within the tolerance of `frame`.
 ///
-/// Each test looks at all samples of the finest lattice inside the parent, not at the corners of
-/// its children alone. So errors do not add up from level to level: the finished tree reproduces
-/// every sample within the tolerance.
+/// Each test uses all samples of the finest lattice in the parent, not only the corners of its
+/// children. So errors do not accumulate over levels: the final tree reproduces every sample within
+/// the tolerance.
 ///
+/// \param distances  of all lattice points.
+/// \param frame      lattice of the field.
+/// \param progress   may cancel.
 /// \returns kCancelled.
 [[nodiscard]] Result<Octree> coalesce(const SignedDistances& distances, const FieldFrame& frame,
                                       Progress& progress);

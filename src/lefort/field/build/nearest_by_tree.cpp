@@ -11,16 +11,16 @@ using namespace internal;
 
 static_assert(TriangleTree::kLeafTriangles == kBatch);
 
-/// Leaves as a brick sees them: its tiles mostly meet the same.
+/// Cache of prepared leaves: tiles of a brick mostly visit the same ones.
 struct PreparedLeaves {
-  static constexpr std::size_t kPlaces = 64;
-  std::array<std::int32_t, kPlaces> leaf;
-  alignas(64) std::array<Batch, kPlaces> planes;
+  static constexpr std::size_t kSlots = 64;
+  std::array<std::int32_t, kSlots> leaf;
+  alignas(64) std::array<Batch, kSlots> planes;
 
   PreparedLeaves() { leaf.fill(-1); }
 };
 
-/// Sixteen points, relative to the tree's origin.
+/// Sixteen points, relative to the origin of the tree.
 struct Tile {
   Floats x, y, z;
 };
@@ -45,7 +45,7 @@ LEFORT_INLINE float squared_to_box(const TriangleTree::Node& box,
 
 template <Simd simd>
 LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
-                            const Vec3& low, double cell, double reach_mm,
+                            const Vec3& low, double cell, double max_distance_mm,
                             NearestInBrick& nearest) {
   constexpr int kTileX = int(NearestInBrick::kTileX), kTileY = int(NearestInBrick::kTileY),
                 kTileZ = int(NearestInBrick::kTileZ);
@@ -58,9 +58,9 @@ LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTr
   for (int z = 0; z < kSide; z += kTileZ)
     for (int y = 0; y < kSide; y += kTileY)
       for (int x = 0; x < kSide; x += kTileX) {
-        const std::size_t place = NearestInBrick::linear_offset(x, y, z);
-        const auto& known = *reinterpret_cast<const Floats*>(&nearest.squared_mm2[place]);
-        if (!any(*reinterpret_cast<const Ints*>(&nearest.code[place]) < Ints{})) continue;
+        const std::size_t offset = NearestInBrick::linear_offset(x, y, z);
+        const auto& known = *reinterpret_cast<const Floats*>(&nearest.squared_mm2[offset]);
+        if (!any(*reinterpret_cast<const Ints*>(&nearest.code[offset]) < Ints{})) continue;
         const Tile tile = {first[0] + step * (float(x) + kTileX_cells),
                            first[1] + step * (float(y) + kTileY_cells),
                            first[2] + step * (float(z) + kTileZ_cells)};
@@ -83,10 +83,10 @@ LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTr
             continue;
           }
           const std::span triangles(tree.order.data() + node.first, std::size_t(node.count));
-          const std::size_t kept = std::size_t(n) % PreparedLeaves::kPlaces;
-          Batch& batch = prepared.planes[kept];
-          if (std::exchange(prepared.leaf[kept], n) != n)
-            prepare_triangles(mesh, triangles, low, cell, reach_mm, batch);
+          const std::size_t slot = std::size_t(n) % PreparedLeaves::kSlots;
+          Batch& batch = prepared.planes[slot];
+          if (std::exchange(prepared.leaf[slot], n) != n)
+            prepare_triangles(mesh, triangles, low, cell, max_distance_mm, batch);
           for (std::size_t l = 0; l < triangles.size(); ++l) {
             const Planes& planes = batch[l];
             const Quantities here = planes.at_low + planes.step[1] * float(y) +
@@ -94,7 +94,7 @@ LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTr
             const auto quantity = [&](std::size_t q) __attribute__((always_inline)) {
               return within_tile(planes, q) + here[q];
             };
-            visit_tile<simd>(planes, quantity, triangles[l], place, nearest);
+            visit_tile<simd>(planes, quantity, triangles[l], offset, nearest);
           }
         }
       }
@@ -102,26 +102,27 @@ LEFORT_INLINE void find_all(const geometry::TriangleMesh& mesh, const TriangleTr
 
 #if defined(__x86_64__)
 LEFORT_AVX512 void find_avx512(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
-                               const Vec3& low, double cell, double reach_mm,
+                               const Vec3& low, double cell, double max_distance_mm,
                                NearestInBrick& nearest) {
-  find_all<Simd::kAvx512>(mesh, tree, low, cell, reach_mm, nearest);
+  find_all<Simd::kAvx512>(mesh, tree, low, cell, max_distance_mm, nearest);
 }
 
 LEFORT_AVX2 void find_avx2(const geometry::TriangleMesh& mesh, const TriangleTree& tree,
-                           const Vec3& low, double cell, double reach_mm, NearestInBrick& nearest) {
-  find_all<Simd::kAvx2>(mesh, tree, low, cell, reach_mm, nearest);
+                           const Vec3& low, double cell, double max_distance_mm,
+                           NearestInBrick& nearest) {
+  find_all<Simd::kAvx2>(mesh, tree, low, cell, max_distance_mm, nearest);
 }
 #endif
 
 }  // namespace
 
 void find_nearest(const geometry::TriangleMesh& mesh, const TriangleTree& tree, const Vec3& low,
-                  double cell, double reach_mm, Simd simd, NearestInBrick& nearest) {
+                  double cell, double max_distance_mm, Simd simd, NearestInBrick& nearest) {
 #if defined(__x86_64__)
-  if (simd == Simd::kAvx512) return find_avx512(mesh, tree, low, cell, reach_mm, nearest);
-  if (simd == Simd::kAvx2) return find_avx2(mesh, tree, low, cell, reach_mm, nearest);
+  if (simd == Simd::kAvx512) return find_avx512(mesh, tree, low, cell, max_distance_mm, nearest);
+  if (simd == Simd::kAvx2) return find_avx2(mesh, tree, low, cell, max_distance_mm, nearest);
 #endif
-  find_all<Simd::kBaseline>(mesh, tree, low, cell, reach_mm, nearest);
+  find_all<Simd::kBaseline>(mesh, tree, low, cell, max_distance_mm, nearest);
 }
 
 }  // namespace lefort::field

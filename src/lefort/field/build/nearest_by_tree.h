@@ -1,5 +1,5 @@
 /// \file
-/// Which triangle is nearest to each point of a brick that lies far from the surface.
+/// Finds the nearest triangle of points far from the surface with a tree.
 #pragma once
 
 #include <lefort/field/build/nearest_in_brick.h>
@@ -8,16 +8,19 @@
 
 namespace lefort::field {
 
-/// Completes what visit_triangles() began: finds the nearest triangle for every point that has none
-/// yet, sixteen points going down the tree together.
+/// Completes visit_triangles(): finds the nearest triangle of every point that has none yet.
+/// Sixteen points traverse the tree together. The cost per point hardly grows with its distance,
+/// while the number of binned triangles grows with its square.
 ///
-/// The work of a point hardly grows with its distance, while the triangles that reach a point grow
-/// in number with the square of the reach.
-///
-/// \param low       position of the brick's first point; `cell` is the spacing.
-/// \param reach_mm  a triangle matters to points this near only.
-/// \param nearest   points with a code keep it. \pre they are settled: no triangle is nearer.
+/// \param mesh             the surface.
+/// \param tree             of `mesh`.
+/// \param low              position of the first point of the brick.
+/// \param cell             spacing of its points.
+/// \param max_distance_mm  max distance of triangles.
+/// \param simd             instruction set; all give the same bits.
+/// \param nearest          points with a code are not changed. \pre their nearest triangle is
+///   final.
 void find_nearest(const geometry::TriangleMesh& mesh, const TriangleTree& tree, const Vec3& low,
-                  double cell, double reach_mm, Simd simd, NearestInBrick& nearest);
+                  double cell, double max_distance_mm, Simd simd, NearestInBrick& nearest);
 
 }  // namespace lefort::field

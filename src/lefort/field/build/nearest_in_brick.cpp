@@ -32,18 +32,19 @@ LEFORT_INLINE void visit(const Planes& planes, std::int32_t triangle, NearestInB
 template <Simd simd>
 LEFORT_INLINE void visit_batch(const geometry::TriangleMesh& mesh,
                                std::span<const std::int32_t> triangles, const Vec3& low,
-                               double cell, double reach_mm, NearestInBrick& nearest) {
+                               double cell, double max_distance_mm, NearestInBrick& nearest) {
   alignas(64) Batch batch;
-  prepare_triangles(mesh, triangles, low, cell, reach_mm, batch);
+  prepare_triangles(mesh, triangles, low, cell, max_distance_mm, batch);
   for (std::size_t l = 0; l < triangles.size(); ++l) visit<simd>(batch[l], triangles[l], nearest);
 }
 
-/// Every sixteenth triangle first, then those halfway between, and so on: neighbors in number are
-/// neighbors in space, so that the first few, spread over the brick, rule out most of the others.
+/// Visits every sixteenth triangle first, then those halfway between, and so on. Consecutive
+/// triangles are close to each other; the first few, distributed over the brick, rule out most of
+/// the others.
 template <Simd simd>
 LEFORT_INLINE void visit_all(const geometry::TriangleMesh& mesh,
                              std::span<const std::int32_t> triangles, const Vec3& low, double cell,
-                             double reach_mm, NearestInBrick& nearest) {
+                             double max_distance_mm, NearestInBrick& nearest) {
   constexpr std::size_t kFirstStep = 16;
   std::array<std::int32_t, kBatch> chosen;
   std::size_t count = 0;
@@ -53,38 +54,39 @@ LEFORT_INLINE void visit_all(const geometry::TriangleMesh& mesh,
          i += is_first ? half : 2 * half) {
       chosen[count++] = triangles[i];
       if (count < kBatch) continue;
-      visit_batch<simd>(mesh, chosen, low, cell, reach_mm, nearest);
+      visit_batch<simd>(mesh, chosen, low, cell, max_distance_mm, nearest);
       count = 0;
     }
   }
   if (count > 0)
-    visit_batch<simd>(mesh, std::span(chosen).first(count), low, cell, reach_mm, nearest);
+    visit_batch<simd>(mesh, std::span(chosen).first(count), low, cell, max_distance_mm, nearest);
 }
 
 #if defined(__x86_64__)
 LEFORT_AVX512 void visit_avx512(const geometry::TriangleMesh& mesh,
                                 std::span<const std::int32_t> triangles, const Vec3& low,
-                                double cell, double reach_mm, NearestInBrick& nearest) {
-  visit_all<Simd::kAvx512>(mesh, triangles, low, cell, reach_mm, nearest);
+                                double cell, double max_distance_mm, NearestInBrick& nearest) {
+  visit_all<Simd::kAvx512>(mesh, triangles, low, cell, max_distance_mm, nearest);
 }
 
 LEFORT_AVX2 void visit_avx2(const geometry::TriangleMesh& mesh,
                             std::span<const std::int32_t> triangles, const Vec3& low, double cell,
-                            double reach_mm, NearestInBrick& nearest) {
-  visit_all<Simd::kAvx2>(mesh, triangles, low, cell, reach_mm, nearest);
+                            double max_distance_mm, NearestInBrick& nearest) {
+  visit_all<Simd::kAvx2>(mesh, triangles, low, cell, max_distance_mm, nearest);
 }
 #endif
 
 }  // namespace
 
 void visit_triangles(const geometry::TriangleMesh& mesh, std::span<const std::int32_t> triangles,
-                     const Vec3& low, double cell, double reach_mm, Simd simd,
+                     const Vec3& low, double cell, double max_distance_mm, Simd simd,
                      NearestInBrick& nearest) {
 #if defined(__x86_64__)
-  if (simd == Simd::kAvx512) return visit_avx512(mesh, triangles, low, cell, reach_mm, nearest);
-  if (simd == Simd::kAvx2) return visit_avx2(mesh, triangles, low, cell, reach_mm, nearest);
+  if (simd == Simd::kAvx512)
+    return visit_avx512(mesh, triangles, low, cell, max_distance_mm, nearest);
+  if (simd == Simd::kAvx2) return visit_avx2(mesh, triangles, low, cell, max_distance_mm, nearest);
 #endif
-  visit_all<Simd::kBaseline>(mesh, triangles, low, cell, reach_mm, nearest);
+  visit_all<Simd::kBaseline>(mesh, triangles, low, cell, max_distance_mm, nearest);
 }
 
 }  // namespace lefort::field

@@ -22,8 +22,8 @@ using geometry::HalfEdge;
 using geometry::Triangle;
 using geometry::TriangleMesh;
 
-/// An edge with other than two triangles that run against each other.
-struct OddEdge {
+/// An edge that is not shared by exactly two triangles of consistent orientation.
+struct IrregularEdge {
   std::vector<HalfEdge> sides;
 };
 
@@ -35,18 +35,19 @@ std::int32_t opposite_corner(const TriangleMesh& mesh, const HalfEdge& s) {
   return mesh.triangles[std::size_t(s.triangle())][std::size_t((s.side() + 2) % 3)];
 }
 
-/// Edges that are no plain seam, in order.
-std::vector<OddEdge> odd_edges(const TriangleMesh& mesh, const EdgeIncidence& sides) {
-  return parallel_collect<OddEdge>(mesh.vertex_count(), [&](Index v, std::vector<OddEdge>& odd) {
-    sides.for_each_edge_at(std::int32_t(v), [&](std::int32_t, std::int32_t, auto there) {
-      const bool plain = there.size() == 2 && runs_against(mesh, there[0], there[1]) &&
-                         opposite_corner(mesh, there[0]) != opposite_corner(mesh, there[1]);
-      if (!plain) odd.push_back({{there.begin(), there.end()}});
-    });
-  });
+/// Finds irregular edges, in order.
+std::vector<IrregularEdge> irregular_edges(const TriangleMesh& mesh, const EdgeIncidence& sides) {
+  return parallel_collect<IrregularEdge>(
+      mesh.vertex_count(), [&](Index v, std::vector<IrregularEdge>& odd) {
+        sides.for_each_edge_at(std::int32_t(v), [&](std::int32_t, std::int32_t, auto there) {
+          const bool plain = there.size() == 2 && runs_against(mesh, there[0], there[1]) &&
+                             opposite_corner(mesh, there[0]) != opposite_corner(mesh, there[1]);
+          if (!plain) odd.push_back({{there.begin(), there.end()}});
+        });
+      });
 }
 
-/// Corners in ascending order, and whether that is an even permutation.
+/// Corners in ascending order, and whether the permutation is even.
 std::pair<Triangle, bool> sorted_corners(Triangle t) {
   bool even = true;
   const auto order = [&](std::size_t i, std::size_t j) {
@@ -60,16 +61,16 @@ std::pair<Triangle, bool> sorted_corners(Triangle t) {
   return {t, even};
 }
 
-/// Drops triangles that repeat an earlier one and marks those with an opposite twin.
-void find_repeated(PreparedSurface& surface, const std::vector<OddEdge>& odd) {
+/// Drops triangles that repeat an earlier one and marks opposite duplicates.
+void find_repeated(PreparedSurface& surface, const std::vector<IrregularEdge>& odd) {
   TriangleMesh& mesh = surface.mesh_B;
   std::vector<std::int32_t> candidates;
-  for (const OddEdge& edge : odd)
+  for (const IrregularEdge& edge : odd)
     for (const HalfEdge& s : edge.sides) candidates.push_back(std::int32_t(s.triangle()));
   std::sort(candidates.begin(), candidates.end());
   candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
 
-  std::map<Triangle, std::array<std::int32_t, 2>> first;  // Of each sense, or -1.
+  std::map<Triangle, std::array<std::int32_t, 2>> first;  // By orientation; -1 if there is none.
   std::vector<std::int32_t> repeated;
   for (const std::int32_t t : candidates) {
     const auto [corners, even] = sorted_corners(mesh.triangles[std::size_t(t)]);
@@ -81,10 +82,10 @@ void find_repeated(PreparedSurface& surface, const std::vector<OddEdge>& odd) {
       same = t;
     }
   }
-  std::vector<bool> is_double(mesh.triangles.size(), false);
+  std::vector<bool> is_opposite_duplicate(mesh.triangles.size(), false);
   for (const auto& [corners, twins] : first) {
     if (twins[0] < 0 || twins[1] < 0) continue;
-    for (const std::int32_t t : twins) is_double[std::size_t(t)] = true;
+    for (const std::int32_t t : twins) is_opposite_duplicate[std::size_t(t)] = true;
     surface.report.opposite_duplicates += 2;
   }
   surface.report.repeated_triangles = Index(repeated.size());
@@ -95,11 +96,12 @@ void find_repeated(PreparedSurface& surface, const std::vector<OddEdge>& odd) {
       continue;
     }
     mesh.triangles[kept] = mesh.triangles[t];
-    is_double[kept++] = is_double[t];
+    is_opposite_duplicate[kept++] = is_opposite_duplicate[t];
   }
   mesh.triangles.resize(kept);
-  is_double.resize(kept);
-  if (surface.report.opposite_duplicates > 0) surface.is_double = std::move(is_double);
+  is_opposite_duplicate.resize(kept);
+  if (surface.report.opposite_duplicates > 0)
+    surface.is_opposite_duplicate = std::move(is_opposite_duplicate);
 }
 
 double area_mm2(const TriangleMesh& mesh, Index t) {
@@ -107,52 +109,54 @@ double area_mm2(const TriangleMesh& mesh, Index t) {
   return 0.5 * (mesh.corner(t, 1) - a).cross(mesh.corner(t, 2) - a).norm();
 }
 
-/// Turns triangles to agree with their neighbors. \returns how many edges still clash.
-Index turn_to_agree(PreparedSurface& surface, const EdgeIncidence& sides) {
+/// Flips triangles so that neighbors have consistent orientation.
+///
+/// \returns the number of edges that remain inconsistent.
+Index orient_consistently(PreparedSurface& surface, const EdgeIncidence& sides) {
   TriangleMesh& mesh = surface.mesh_B;
-  struct Seam {
+  struct Link {
     std::int32_t other = -1;
     bool agrees = true;
   };
-  std::vector<std::array<Seam, 3>> seams(mesh.triangles.size());
+  std::vector<std::array<Link, 3>> links(mesh.triangles.size());
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
     sides.for_each_edge_at(v, [&](std::int32_t, std::int32_t, auto there) {
       if (there.size() != 2) return;
       const bool agrees = runs_against(mesh, there[0], there[1]);
       for (std::size_t i = 0; i < 2; ++i)
-        seams[std::size_t(there[i].triangle())][std::size_t(there[i].side())] = {
+        links[std::size_t(there[i].triangle())][std::size_t(there[i].side())] = {
             std::int32_t(there[1 - i].triangle()), agrees};
     });
 
-  enum : std::int8_t { kNew, kKeep, kTurn };
+  enum : std::int8_t { kNew, kKeep, kFlip };
   std::vector<std::int8_t> sense(mesh.triangles.size(), kNew);
   std::vector<std::int32_t> patch;
-  Index clashes = 0;
+  Index inconsistent = 0;
   for (std::int32_t seed = 0; seed < std::int32_t(mesh.triangles.size()); ++seed) {
     if (sense[std::size_t(seed)] != kNew) continue;
     patch.assign(1, seed);
     sense[std::size_t(seed)] = kKeep;
-    double keep_mm2 = 0.0, turn_mm2 = 0.0;
-    Index patch_clashes = 0;
+    double keep_mm2 = 0.0, flip_mm2 = 0.0;
+    Index patch_inconsistent = 0;
     for (std::size_t i = 0; i < patch.size(); ++i) {
       const auto t = std::size_t(patch[i]);
-      (sense[t] == kKeep ? keep_mm2 : turn_mm2) += area_mm2(mesh, Index(t));
-      for (const Seam& seam : seams[t]) {
-        if (seam.other < 0) continue;
-        const auto wanted = seam.agrees ? sense[t] : std::int8_t(sense[t] == kKeep ? kTurn : kKeep);
-        std::int8_t& other = sense[std::size_t(seam.other)];
+      (sense[t] == kKeep ? keep_mm2 : flip_mm2) += area_mm2(mesh, Index(t));
+      for (const Link& link : links[t]) {
+        if (link.other < 0) continue;
+        const auto wanted = link.agrees ? sense[t] : std::int8_t(sense[t] == kKeep ? kFlip : kKeep);
+        std::int8_t& other = sense[std::size_t(link.other)];
         if (other == kNew) {
           other = wanted;
-          patch.push_back(seam.other);
+          patch.push_back(link.other);
         } else if (other != wanted) {
-          ++patch_clashes;  // Seen from both sides.
+          ++patch_inconsistent;  // Counted from both sides.
         }
       }
     }
-    const std::int8_t minority = keep_mm2 >= turn_mm2 ? kTurn : kKeep;
-    if (patch_clashes > 0) {
-      clashes += patch_clashes / 2;
-      continue;  // Not orientable: there is no right way to turn it.
+    const std::int8_t minority = keep_mm2 >= flip_mm2 ? kFlip : kKeep;
+    if (patch_inconsistent > 0) {
+      inconsistent += patch_inconsistent / 2;
+      continue;  // Not orientable, so flipping cannot help.
     }
     for (const std::int32_t t : patch) {
       if (sense[std::size_t(t)] != minority) continue;
@@ -161,19 +165,20 @@ Index turn_to_agree(PreparedSurface& surface, const EdgeIncidence& sides) {
       ++surface.report.flipped_triangles;
     }
   }
-  return clashes;
+  return inconsistent;
 }
 
-/// Parts of a surface that hang together by edges.
+/// Components of a surface that are connected by edges.
 struct Parts {
   std::vector<std::int32_t> of_triangle;
   std::vector<double> volume_mm3;
   std::vector<double> area_mm2;
-  std::vector<std::int32_t> largest;  ///< Triangle.
+  std::vector<std::int32_t> largest;  ///< Largest triangle.
 
   [[nodiscard]] std::size_t count() const { return volume_mm3.size(); }
-  /// Clearly less than nothing: the two sides of a sheet enclose rounding.
-  [[nodiscard]] bool is_inside_out(std::size_t part) const {
+  /// True if the enclosed volume is clearly negative; sheets with two sides enclose rounding
+  /// errors.
+  [[nodiscard]] bool is_inward(std::size_t part) const {
     return volume_mm3[part] < -1e-9 * std::pow(area_mm2[part], 1.5);
   }
 };
@@ -200,7 +205,7 @@ Parts find_parts(const TriangleMesh& mesh, const EdgeIncidence& sides) {
   Parts parts;
   parts.of_triangle.resize(mesh.triangles.size());
   std::vector<double> max_mm2;
-  const Vec3 origin = mesh.corner(0, 0);  // Near the surface: less cancellation.
+  const Vec3 origin = mesh.corner(0, 0);  // Near the surface, against cancellation.
   for (std::int32_t t = 0; t < mesh.triangle_count(); ++t) {
     const std::int32_t root = root_of(t);
     if (root == t) {
@@ -210,7 +215,7 @@ Parts find_parts(const TriangleMesh& mesh, const EdgeIncidence& sides) {
       parts.largest.push_back(t);
       max_mm2.push_back(0.0);
     }
-    // A root comes before the rest of its part.
+    // The root has the lowest number of its component.
     const std::int32_t part = parts.of_triangle[std::size_t(t)] =
         parts.of_triangle[std::size_t(root)];
     const Vec3 a = mesh.corner(t, 0) - origin, b = mesh.corner(t, 1) - origin;
@@ -225,10 +230,10 @@ Parts find_parts(const TriangleMesh& mesh, const EdgeIncidence& sides) {
   return parts;
 }
 
-/// Finds which parts a point lies in, by the triangles that a ray along x from it crosses.
-class Surroundings {
+/// Finds the components that enclose a point, by the triangles that a ray along x from it crosses.
+class EnclosureTest {
  public:
-  Surroundings(const TriangleMesh& mesh, const Parts& parts) : mesh_(mesh), parts_(parts) {
+  EnclosureTest(const TriangleMesh& mesh, const Parts& parts) : mesh_(mesh), parts_(parts) {
     box_ = geometry::bounding_box(mesh);
     side_ = std::clamp(int(std::sqrt(double(mesh.triangle_count()))), 1, kMaxSide);
     first_.assign(std::size_t(side_) * std::size_t(side_) + 1, 0);
@@ -239,8 +244,8 @@ class Surroundings {
     for_each_bin([&](std::size_t bin, std::int32_t t) { triangles_[next[bin]++] = t; });
   }
 
-  /// Parts around the middle of the largest triangle of `part`, without it. At its corners another
-  /// part may begin.
+  /// Components that enclose the center of the largest triangle of `part`, without `part` itself.
+  /// Corners are not used: another component may touch there.
   [[nodiscard]] std::vector<std::int32_t> of(std::size_t part) const {
     const std::int32_t from = parts_.largest[part];
     const Vec3 p = (mesh_.corner(from, 0) + mesh_.corner(from, 1) + mesh_.corner(from, 2)) / 3.0;
@@ -253,15 +258,15 @@ class Surroundings {
       if (std::size_t(other) != part && crosses(t, p)) crossed.push_back(other);
     }
     std::sort(crossed.begin(), crossed.end());
-    std::vector<std::int32_t> around;  // Those that were crossed an odd number of times.
+    std::vector<std::int32_t> enclosing;  // Those crossed an odd number of times.
     for (const std::int32_t other : crossed) {
-      if (!around.empty() && around.back() == other) {
-        around.pop_back();
+      if (!enclosing.empty() && enclosing.back() == other) {
+        enclosing.pop_back();
       } else {
-        around.push_back(other);
+        enclosing.push_back(other);
       }
     }
-    return around;
+    return enclosing;
   }
 
  private:
@@ -288,7 +293,7 @@ class Surroundings {
     }
   }
 
-  /// Whether the ray from `p` along +x crosses a triangle.
+  /// True if the ray from `p` along +x crosses a triangle.
   [[nodiscard]] bool crosses(std::int32_t t, const Vec3& p) const {
     const Vec3 &a = mesh_.corner(t, 0), &b = mesh_.corner(t, 1), &c = mesh_.corner(t, 2);
     const double u = EdgeFunctionYz(b, c).evaluate(p.y(), p.z()),
@@ -308,35 +313,36 @@ class Surroundings {
   std::vector<std::int32_t> triangles_;
 };
 
-/// Turns closed parts that are inside out and that nothing surrounds, with all that is in them.
-void turn_inside_out_parts(PreparedSurface& surface, const Parts& parts) {
+/// Flips closed components with negative volume that no other component encloses, together with all
+/// components inside them.
+void flip_inward_parts(PreparedSurface& surface, const Parts& parts) {
   TriangleMesh& mesh = surface.mesh_B;
   std::vector<std::size_t> candidates;
   for (std::size_t part = 0; part < parts.count(); ++part)
-    if (parts.is_inside_out(part)) candidates.push_back(part);
+    if (parts.is_inward(part)) candidates.push_back(part);
   if (candidates.empty()) return;
 
-  const Surroundings surroundings(mesh, parts);
-  std::vector<bool> turn(parts.count(), false);
+  const EnclosureTest enclosure(mesh, parts);
+  std::vector<bool> flip(parts.count(), false);
   bool any = false;
   for (const std::size_t part : candidates) {
-    turn[part] = surroundings.of(part).empty();
-    any = any || turn[part];
+    flip[part] = enclosure.of(part).empty();
+    any = any || flip[part];
   }
   if (!any) return;
-  const std::vector<bool> outermost = turn;
+  const std::vector<bool> outermost = flip;
   for (std::size_t part = 0; part < parts.count(); ++part)
-    for (const std::int32_t around : surroundings.of(part))
-      if (outermost[std::size_t(around)]) turn[part] = true;
+    for (const std::int32_t enclosing : enclosure.of(part))
+      if (outermost[std::size_t(enclosing)]) flip[part] = true;
 
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (!turn[std::size_t(parts.of_triangle[t])]) continue;
+    if (!flip[std::size_t(parts.of_triangle[t])]) continue;
     std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
     ++surface.report.flipped_triangles;
   }
 }
 
-bool is_balanced(const TriangleMesh& mesh, const OddEdge& edge) {
+bool is_balanced(const TriangleMesh& mesh, const IrregularEdge& edge) {
   Index forward = 0;
   for (const HalfEdge& s : edge.sides) forward += is_canonical_direction(mesh, s) ? 1 : 0;
   return 2 * forward == Index(edge.sides.size());
@@ -351,18 +357,18 @@ std::vector<std::string> describe(const MeshRepairReport& report) {
     if (count > 0)
       sentences.push_back(fmt::format("{} {} {}", count, count == 1 ? one : many, what));
   };
-  describe_repair(report.collapsed_triangles, "triangle", "triangles", "without length dropped");
-  describe_repair(report.repeated_triangles, "triangle", "triangles",
-                  "written more than once dropped");
+  describe_repair(report.collapsed_triangles, "triangle", "triangles",
+                  "with coincident corners dropped");
+  describe_repair(report.repeated_triangles, "triangle", "triangles", "dropped as redundant");
   describe_repair(report.opposite_duplicates, "triangle", "triangles",
-                  "with a twin of the opposite sense: nothing is inside between them");
-  describe_repair(report.flipped_triangles, "triangle", "triangles", "turned to face outward");
+                  "with an opposite duplicate: they enclose no volume");
+  describe_repair(report.flipped_triangles, "triangle", "triangles", "flipped to face outward");
   describe_repair(report.boundary_edges, "edge", "edges",
-                  "at a rim: the surface is open, sides beyond the band are unknown");
+                  "with one triangle: the surface is open, signs outside the band are unknown");
   describe_repair(report.non_manifold_edges, "edge", "edges", "with more than two triangles");
   describe_repair(
       report.inconsistent_edges, "edge", "edges",
-      "where neighbours face opposite ways and cannot be turned: signs may be wrong near them");
+      "of inconsistent orientation that flipping cannot repair: signs may be wrong nearby");
   return sentences;
 }
 
@@ -378,16 +384,16 @@ Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B)
   surface.report.collapsed_triangles = surface_B.triangle_count() - mesh.triangle_count();
 
   EdgeIncidence sides(mesh);
-  std::vector<OddEdge> odd = odd_edges(mesh, sides);
+  std::vector<IrregularEdge> odd = irregular_edges(mesh, sides);
   if (!odd.empty()) {
     find_repeated(surface, odd);
     if (surface.report.repeated_triangles > 0) sides = EdgeIncidence(mesh);
-    surface.report.inconsistent_edges = turn_to_agree(surface, sides);
+    surface.report.inconsistent_edges = orient_consistently(surface, sides);
     sides = EdgeIncidence(mesh);
-    odd = odd_edges(mesh, sides);
+    odd = irregular_edges(mesh, sides);
   }
   surface.closed = true;
-  for (const OddEdge& edge : odd) {
+  for (const IrregularEdge& edge : odd) {
     surface.closed = surface.closed && is_balanced(mesh, edge);
     if (edge.sides.size() == 1) ++surface.report.boundary_edges;
     if (edge.sides.size() > 2) ++surface.report.non_manifold_edges;
@@ -396,7 +402,7 @@ Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B)
   surface.parts = Index(parts.count());
   if (surface.closed) {
     const Index before = surface.report.flipped_triangles;
-    turn_inside_out_parts(surface, parts);
+    flip_inward_parts(surface, parts);
     if (surface.report.flipped_triangles != before) sides = EdgeIncidence(mesh);
   }
   surface.normals = geometry::Pseudonormals(mesh, sides);

@@ -1,5 +1,5 @@
 /// \file
-/// Makes of any triangle soup a surface that a distance can be signed by, and says what it found.
+/// Repairs a triangle soup so that signed distances can be computed, and reports the repairs.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,24 +12,27 @@
 
 namespace lefort::field {
 
-/// One sentence per finding that a user should know of; empty for a clean surface.
+/// One sentence per repair or defect; empty for a clean surface.
 [[nodiscard]] std::vector<std::string> describe(const MeshRepairReport& report);
 
+/// A repaired surface.
 struct PreparedSurface {
   geometry::TriangleMesh mesh_B;
   geometry::Pseudonormals normals;
-  std::vector<bool> is_double;  ///< By triangle; empty if there are none.
-  bool closed = false;          ///< Encloses a volume: as many sides each way on every edge.
-  Index parts = 0;              ///< That hang together by edges.
+  std::vector<bool> is_opposite_duplicate;  ///< By triangle; empty if there are none.
+  bool closed = false;  ///< Each edge has equally many triangles in both directions.
+  Index parts = 0;      ///< Components connected by edges.
   MeshRepairReport report;
 };
 
-/// Welds vertices, drops what repeats, and turns triangles so that neighbors agree: within each
-/// part that is connected by edges with two triangles, the smaller area to the larger. A closed
-/// part that encloses a negative volume is turned if no other part surrounds it; inside another it
-/// is a cavity.
+/// Welds vertices, drops duplicate triangles, and orients triangles consistently: in each component
+/// that is connected by edges with two triangles, those with the smaller total area are flipped. A
+/// closed component that encloses a negative volume is flipped if no other component encloses it;
+/// inside another one it is a cavity.
 ///
-/// \returns kMeshInvalid if the surface is empty, not finite, too large, or all triangles collapse.
+/// \param surface_B  any triangle soup.
+/// \returns kMeshInvalid if the surface is empty, not finite, too large, or all triangles are
+///   degenerate.
 [[nodiscard]] Result<PreparedSurface> prepare_surface(const geometry::TriangleMesh& surface_B);
 
 }  // namespace lefort::field

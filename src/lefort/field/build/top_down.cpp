@@ -15,7 +15,7 @@ namespace lefort::field {
 
 namespace {
 
-/// Cubes up to this size are worked on by one thread each, with their own samples.
+/// Cubes up to this size are processed by one thread each, with their own samples.
 constexpr int kCubeCells = 16;
 constexpr int kCubePoints = kCubeCells + 1;
 
@@ -27,38 +27,40 @@ class Lattice {
 
   /// As SignedDistances::at().
   [[nodiscard]] float value(const LatticePoint& p) const {
-    // As the other methods have it: in floats, and the edge of the band is beyond it.
+    // As for the other methods: a float, and the edge of the band is beyond the band.
     const auto d = float(exact(p));
-    return std::abs(d) < float(frame_.band_mm) ? d : side_value(side_beyond_band(p));
+    return std::abs(d) < float(frame_.band_mm) ? d : side_value(zone_outside_band(p));
   }
 
-  /// Where a cube lies if the band does not reach it. \pre cells is even.
-  [[nodiscard]] std::optional<Zone> far_side(const LatticePoint& low, int cells) const {
+  /// Zone of a cube that contains no point of the band; nothing otherwise. \pre cells is even.
+  [[nodiscard]] std::optional<Zone> zone_of_cube(const LatticePoint& low, int cells) const {
     const LatticePoint center = {low[0] + cells / 2, low[1] + cells / 2, low[2] + cells / 2};
     const double half_diagonal_mm = 0.5 * std::numbers::sqrt3 * cells * frame_.cell_mm;
     if (std::abs(exact(center)) - half_diagonal_mm <= frame_.band_mm) return std::nullopt;
-    return side_beyond_band(center);
+    return zone_outside_band(center);
   }
 
   [[nodiscard]] const FieldFrame& frame() const { return frame_; }
 
  private:
-  /// Signed by the nearest feature; both sides of a double triangle are outside.
+  /// Exact distance with the sign of the closest feature; both sides of opposite duplicates are
+  /// outside.
   [[nodiscard]] double exact(const LatticePoint& lattice_point) const {
     const Vec3 p = frame_.origin_B +
                    frame_.cell_mm * Vec3(lattice_point[0], lattice_point[1], lattice_point[2]);
     const geometry::SignedDistance found = bvh_.signed_distance(p);
-    const bool on_double = !surface_.is_double.empty() &&
-                           surface_.is_double[std::size_t(found.nearest.triangle)] &&
-                           found.nearest.feature == geometry::Feature::kFace;
-    if (on_double) return found.nearest.distance_mm;
-    // Where the surface cuts through itself the nearest feature may tell the wrong side.
+    const bool on_opposite_duplicate =
+        !surface_.is_opposite_duplicate.empty() &&
+        surface_.is_opposite_duplicate[std::size_t(found.nearest.triangle)] &&
+        found.nearest.feature == geometry::Feature::kFace;
+    if (on_opposite_duplicate) return found.nearest.distance_mm;
+    // Where the surface intersects itself, the sign of the closest feature may be wrong.
     if (winding_ != nullptr && found.nearest.distance_mm > frame_.cell_mm)
       return winding_->is_inside(lattice_point) ? -found.nearest.distance_mm
                                                 : found.nearest.distance_mm;
     return found.distance_mm;
   }
-  [[nodiscard]] Zone side_beyond_band(const LatticePoint& p) const {
+  [[nodiscard]] Zone zone_outside_band(const LatticePoint& p) const {
     if (winding_ == nullptr) return Zone::kUnknown;
     return winding_->is_inside(p) ? Zone::kInside : Zone::kOutside;
   }
@@ -69,7 +71,7 @@ class Lattice {
   const WindingScanlines* winding_;
 };
 
-/// A cube of at most kCubeCells with the samples found so far.
+/// A cube of at most kCubeCells with the samples computed so far.
 class Cube {
  public:
   Cube(const Lattice& lattice, const LatticePoint& low, std::string& codes)
@@ -80,8 +82,8 @@ class Cube {
 
   void split(const LatticePoint& low, int cells) {
     const auto value_at = [this](const LatticePoint& p) { return value(p); };
-    if (const auto side = lattice_.far_side(low, cells)) {
-      codes_ += char(code_of(*side));
+    if (const auto zone = lattice_.zone_of_cube(low, cells)) {
+      codes_ += char(code_of(*zone));
     } else if (corners_reproduce(value_at, low, cells, lattice_.frame().tolerance_mm) &&
                !has_conflict(value_at, low, cells, float(lattice_.frame().cell_mm))) {
       codes_ += char(NodeCode::kBand);
@@ -113,7 +115,7 @@ class Cube {
   std::vector<float> values_;
 };
 
-/// Splits what is larger than a cube of one thread; asks each lattice point anew, there are few.
+/// Splits cubes larger than kCubeCells. Lattice points are recomputed, because there are few.
 void split_upper(const Lattice& lattice, const std::vector<std::string>& cubes,
                  const LatticePoint& low, int cells, std::string& codes) {
   if (cells == kCubeCells) {
@@ -122,8 +124,8 @@ void split_upper(const Lattice& lattice, const std::vector<std::string>& cubes,
                                low[0] / kCubeCells)];
     return;
   }
-  if (const auto side = lattice.far_side(low, cells)) {
-    codes += char(code_of(*side));
+  if (const auto zone = lattice.zone_of_cube(low, cells)) {
+    codes += char(code_of(*zone));
     return;
   }
   const auto value_at = [&](const LatticePoint& p) { return lattice.value(p); };
@@ -145,7 +147,7 @@ Result<Octree> split_top_down(const PreparedSurface& surface, const FieldFrame& 
   const Lattice lattice(surface, bvh, frame, winding);
   const int n = frame.resolution / kCubeCells;
   std::vector<std::string> cubes(std::size_t(n) * std::size_t(n) * std::size_t(n));
-  // One slice of cubes at a time, so as to tell how far it is.
+  // One slice of cubes at a time, so that progress can be reported.
   for (int slice = 0; slice < n; ++slice) {
     if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the field was not finished");
     parallel_for(

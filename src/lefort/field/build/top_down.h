@@ -1,6 +1,6 @@
 /// \file
-/// The adaptively sampled field of Frisken et al., one of the paper's two baselines: cells are
-/// split from the largest down.
+/// The adaptively sampled field of Frisken et al., one of the paper's two baselines: an octree
+/// refined top-down.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,14 +12,17 @@
 
 namespace lefort::field {
 
-/// Splits a cube, beginning with the whole domain, until trilinear interpolation between its
-/// corners reproduces every point of the finest lattice in it within the tolerance, or it is one
-/// cell \cite frisken2000. Cubes that the band does not reach are not split.
+/// Splits a cube, beginning with the whole domain, until trilinear interpolation from its corners
+/// reproduces every point of the finest lattice in it within the tolerance, or it is one cell \cite
+/// frisken2000. Cubes outside the band are not split.
 ///
-/// Distances are exact, one search of a box tree each; a lattice point is searched once however
-/// many cubes ask for it.
+/// Distances are exact; each takes one query of a bounding volume hierarchy. A lattice point is
+/// computed once per cube of one thread.
 ///
-/// \param winding  of the surface, or null if it is open.
+/// \param surface   to be sampled.
+/// \param frame     lattice of the field.
+/// \param winding   of the surface, or null if it is open.
+/// \param progress  receives the fraction done; may cancel.
 /// \returns kCancelled.
 [[nodiscard]] Result<Octree> split_top_down(const PreparedSurface& surface, const FieldFrame& frame,
                                             const WindingScanlines* winding, Progress& progress);

@@ -9,14 +9,14 @@ namespace {
 
 using namespace internal;
 
-/// Half-spaces around a triangle, more than its plane's two sides and its own three.
+/// Half-spaces per triangle: two for its plane, three for its edges; rounded up to a register.
 constexpr std::size_t kFaces = kBatch;
 constexpr std::size_t kUsedFaces = 5;
-/// From the middle of a brick's points to the last, in bricks.
+/// From the center of the points of a brick to the last one, in bricks.
 constexpr double kHalf = 0.5 * (kSide - 1) / kSide;
 
-/// Triangles seen from the grid, in bricks: a brick is beyond a face of a triangle if
-/// first + x step[0] + y step[1] + z step[2] > 0 there.
+/// Triangles in brick coordinates: a brick is beyond a face of a triangle if first + x step[0] + y
+/// step[1] + z step[2] > 0.
 struct Fractions {
   std::array<std::array<double, kFaces>, kBatch> first;
   std::array<std::array<std::array<double, kFaces>, 3>, kBatch> step;
@@ -26,12 +26,12 @@ struct Fractions {
 LEFORT_INLINE Doubles magnitude(const Doubles& v) { return larger(v, -v); }
 
 LEFORT_INLINE void set_face(Fractions& fractions, std::size_t face, const Vectors& outward,
-                            const Doubles& length, const Vectors& at, double reach,
+                            const Doubles& length, const Vectors& at, double distance,
                             const Doubles& is_flat) {
   const Doubles half = (magnitude(outward.x) + magnitude(outward.y) + magnitude(outward.z)) * kHalf;
-  // Bricks have their middle half a brick and a half a cell from their corner: kHalf.
+  // The center of a brick is half a brick minus half a cell from its corner: kHalf.
   const Vectors to_middle = {at.x - kHalf, at.y - kHalf, at.z - kHalf};
-  const Doubles first = -(dot(outward, to_middle) + length * reach + half);
+  const Doubles first = -(dot(outward, to_middle) + length * distance + half);
   const Doubles none{};
   const Doubles first_or_none = is_flat != none ? none - 1.0 : first;
   const std::array<Doubles, 3> steps = {is_flat != none ? none : outward.x,
@@ -44,9 +44,11 @@ LEFORT_INLINE void set_face(Fractions& fractions, std::size_t face, const Vector
 }
 
 LEFORT_INLINE void set_box(Fractions& fractions, std::size_t axis, const Doubles& a,
-                           const Doubles& b, const Doubles& c, double reach, int bricks_per_side) {
+                           const Doubles& b, const Doubles& c, double distance,
+                           int bricks_per_side) {
   const Doubles none{}, last = none + double(bricks_per_side - 1);
-  const Doubles low = smaller(a, smaller(b, c)) - reach, high = larger(a, larger(b, c)) + reach;
+  const Doubles low = smaller(a, smaller(b, c)) - distance,
+                high = larger(a, larger(b, c)) + distance;
   const Doubles from = larger(none, smaller(last, low)), to = larger(none, smaller(last, high));
   for (std::size_t l = 0; l < kBatch; ++l) {
     fractions.low[axis][l] = int(from[l]);
@@ -54,8 +56,8 @@ LEFORT_INLINE void set_box(Fractions& fractions, std::size_t axis, const Doubles
   }
 }
 
-/// \param corners  in bricks from the corner of brick (0, 0, 0).
-LEFORT_INLINE void prepare_fractions(const std::array<Vectors, 3>& corners, double reach,
+/// \param corners  in bricks, relative to the corner of brick (0, 0, 0).
+LEFORT_INLINE void prepare_fractions(const std::array<Vectors, 3>& corners, double distance,
                                      int bricks_per_side, Fractions& fractions) {
   const Vectors ab = corners[1] - corners[0], bc = corners[2] - corners[1],
                 ca = corners[0] - corners[2];
@@ -64,20 +66,21 @@ LEFORT_INLINE void prepare_fractions(const std::array<Vectors, 3>& corners, doub
   const Doubles longest = larger(dot(ab, ab), larger(dot(bc, bc), dot(ca, ca)));
   constexpr double kRatio = geometry::kDegenerateHeightRatio;
   const Doubles none{}, one = none + 1.0;
-  // Its normal is rounding, the box alone counts. The factor keeps this beside other roundings.
+  // If the normal is rounding, only the box is used. The factor is a margin for other rounding
+  // errors.
   const Doubles is_flat = n2 > longest * longest * (4.0 * kRatio * kRatio) ? none : one;
   const Doubles length = square_root(n2);
-  set_face(fractions, 0, normal, length, corners[0], reach, is_flat);
-  set_face(fractions, 1, -normal, length, corners[0], reach, is_flat);
+  set_face(fractions, 0, normal, length, corners[0], distance, is_flat);
+  set_face(fractions, 1, -normal, length, corners[0], distance, is_flat);
   const std::array<const Vectors*, 3> along = {&ab, &bc, &ca};
   for (std::size_t i = 0; i < 3; ++i) {
     const Vectors outward = cross(*along[i], normal);
-    set_face(fractions, 2 + i, outward, square_root(dot(outward, outward)), corners[i], reach,
+    set_face(fractions, 2 + i, outward, square_root(dot(outward, outward)), corners[i], distance,
              is_flat);
   }
-  set_box(fractions, 0, corners[0].x, corners[1].x, corners[2].x, reach, bricks_per_side);
-  set_box(fractions, 1, corners[0].y, corners[1].y, corners[2].y, reach, bricks_per_side);
-  set_box(fractions, 2, corners[0].z, corners[1].z, corners[2].z, reach, bricks_per_side);
+  set_box(fractions, 0, corners[0].x, corners[1].x, corners[2].x, distance, bricks_per_side);
+  set_box(fractions, 1, corners[0].y, corners[1].y, corners[2].y, distance, bricks_per_side);
+  set_box(fractions, 2, corners[0].z, corners[1].z, corners[2].z, distance, bricks_per_side);
 }
 
 LEFORT_INLINE Doubles load(const std::array<double, kFaces>& values) {
@@ -102,12 +105,11 @@ LEFORT_INLINE void list_bricks(const Fractions& fractions, std::size_t l, int br
 
 template <Simd simd>
 LEFORT_INLINE void add_all(const geometry::TriangleMesh& mesh, Index begin, Index end,
-                           const BrickGrid& grid, double reach_mm, OverlapBudget& pairs,
-                           TriangleBrickOverlaps& reached) {
+                           const BrickGrid& grid, double max_distance_mm, OverlapBudget& pairs,
+                           TriangleBrickOverlaps& overlaps) {
   const double per_mm = 1.0 / (kSide * grid.cell_mm);
   Fractions fractions;
-  for (auto& first : fractions.first)
-    first.fill(-1.0);  // Those that are not used are never beyond.
+  for (auto& first : fractions.first) first.fill(-1.0);  // Unused faces are never exceeded.
   for (auto& steps : fractions.step)
     for (auto& step : steps) step.fill(0.0);
   static_assert(kUsedFaces <= kFaces);
@@ -125,7 +127,7 @@ LEFORT_INLINE void add_all(const geometry::TriangleMesh& mesh, Index begin, Inde
     }
     for (Vectors& corner : corners)
       corner = {corner.x * per_mm + 1.0, corner.y * per_mm + 1.0, corner.z * per_mm + 1.0};
-    prepare_fractions(corners, reach_mm * per_mm, grid.bricks_per_side, fractions);
+    prepare_fractions(corners, max_distance_mm * per_mm, grid.bricks_per_side, fractions);
     const auto count = std::size_t(std::min(Index(kBatch), end - from));
     std::int64_t in_boxes = 0;
     for (std::size_t l = 0; l < count; ++l) {
@@ -135,44 +137,45 @@ LEFORT_INLINE void add_all(const geometry::TriangleMesh& mesh, Index begin, Inde
     }
     const bool fits = pairs.add(in_boxes);
     for (std::size_t l = 0; l < count; ++l) {
-      if (fits) list_bricks<simd>(fractions, l, grid.bricks_per_side, reached.bricks);
-      reached.ends.push_back(std::uint32_t(reached.bricks.size()));
+      if (fits) list_bricks<simd>(fractions, l, grid.bricks_per_side, overlaps.bricks);
+      overlaps.ends.push_back(std::uint32_t(overlaps.bricks.size()));
     }
   }
 }
 
 #if defined(__x86_64__)
 LEFORT_AVX512 void add_avx512(const geometry::TriangleMesh& mesh, Index begin, Index end,
-                              const BrickGrid& grid, double reach_mm, OverlapBudget& pairs,
-                              TriangleBrickOverlaps& reached) {
-  add_all<Simd::kAvx512>(mesh, begin, end, grid, reach_mm, pairs, reached);
+                              const BrickGrid& grid, double max_distance_mm, OverlapBudget& pairs,
+                              TriangleBrickOverlaps& overlaps) {
+  add_all<Simd::kAvx512>(mesh, begin, end, grid, max_distance_mm, pairs, overlaps);
 }
 LEFORT_AVX2 void add_avx2(const geometry::TriangleMesh& mesh, Index begin, Index end,
-                          const BrickGrid& grid, double reach_mm, OverlapBudget& pairs,
-                          TriangleBrickOverlaps& reached) {
-  add_all<Simd::kAvx2>(mesh, begin, end, grid, reach_mm, pairs, reached);
+                          const BrickGrid& grid, double max_distance_mm, OverlapBudget& pairs,
+                          TriangleBrickOverlaps& overlaps) {
+  add_all<Simd::kAvx2>(mesh, begin, end, grid, max_distance_mm, pairs, overlaps);
 }
 #endif
 
 }  // namespace
 
 TriangleBrickOverlaps triangle_brick_overlaps(const geometry::TriangleMesh& mesh, Index begin,
-                                              Index end, const BrickGrid& grid, double reach_mm,
-                                              OverlapBudget& pairs, Simd simd) {
-  TriangleBrickOverlaps reached;
-  reached.ends.reserve(std::size_t(end - begin));
+                                              Index end, const BrickGrid& grid,
+                                              double max_distance_mm, OverlapBudget& pairs,
+                                              Simd simd) {
+  TriangleBrickOverlaps overlaps;
+  overlaps.ends.reserve(std::size_t(end - begin));
 #if defined(__x86_64__)
   if (simd == Simd::kAvx512) {
-    add_avx512(mesh, begin, end, grid, reach_mm, pairs, reached);
-    return reached;
+    add_avx512(mesh, begin, end, grid, max_distance_mm, pairs, overlaps);
+    return overlaps;
   }
   if (simd == Simd::kAvx2) {
-    add_avx2(mesh, begin, end, grid, reach_mm, pairs, reached);
-    return reached;
+    add_avx2(mesh, begin, end, grid, max_distance_mm, pairs, overlaps);
+    return overlaps;
   }
 #endif
-  add_all<Simd::kBaseline>(mesh, begin, end, grid, reach_mm, pairs, reached);
-  return reached;
+  add_all<Simd::kBaseline>(mesh, begin, end, grid, max_distance_mm, pairs, overlaps);
+  return overlaps;
 }
 
 }  // namespace lefort::field

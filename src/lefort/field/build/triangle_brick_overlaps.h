@@ -1,5 +1,5 @@
 /// \file
-/// Which bricks the triangles of a surface reach: the first step of building a field.
+/// Finds the bricks near each triangle: the first step of building a field.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -12,24 +12,24 @@
 
 namespace lefort::field {
 
-/// Where bricks of samples lie: brick (0, 0, 0) begins a brick before the origin.
+/// Positions of the bricks of a lattice; brick (0, 0, 0) begins one brick before the origin.
 struct BrickGrid {
   Vec3 origin_B;
   double cell_mm;
   int bricks_per_side;
 };
 
-/// The bricks of a row of triangles.
+/// The bricks of a range of triangles.
 struct TriangleBrickOverlaps {
-  std::vector<std::int32_t> bricks;  ///< Triangle after triangle, ascending for each.
-  std::vector<std::uint32_t> ends;   ///< Of each triangle's bricks.
+  std::vector<std::int32_t> bricks;  ///< By triangle, ascending for each.
+  std::vector<std::uint32_t> ends;   ///< End of the bricks of each triangle.
 };
 
-/// Counts bricks in the boxes of triangles, to stop listing them when they are too many.
+/// Limits the number of pairs of a triangle and a brick in its box.
 class OverlapBudget {
  public:
   explicit OverlapBudget(std::int64_t maximum) : max_count_(maximum) {}
-  /// \returns false if there are more than `most` now.
+  /// \returns false if there are now more than the maximum.
   bool add(std::int64_t pairs) { return (count_ += pairs) <= max_count_; }
   [[nodiscard]] std::int64_t count() const { return count_; }
   [[nodiscard]] bool too_many() const { return count_ > max_count_; }
@@ -39,15 +39,19 @@ class OverlapBudget {
   std::atomic<std::int64_t> count_ = 0;
 };
 
-/// The bricks with a point that may be within `reach_mm` of a triangle, for triangles from `begin`
-/// to before `end`. They meet its box, its plane and its sides, all widened by the reach: that
-/// leaves no gap at edges and corners, as prisms would.
+/// Finds the bricks with a point that may be within `max_distance_mm` of a triangle. They intersect
+/// the box of the triangle and its half-spaces, all extended by that distance. Unlike prisms this
+/// leaves no gap at edges and corners.
 ///
-/// \param pairs  is told of all bricks in boxes; once they are too many, triangles have none.
-[[nodiscard]] TriangleBrickOverlaps triangle_brick_overlaps(const geometry::TriangleMesh& mesh,
-                                                            Index begin, Index end,
-                                                            const BrickGrid& grid, double reach_mm,
-                                                            OverlapBudget& pairs,
-                                                            Simd simd = best_simd());
+/// \param mesh             the surface.
+/// \param begin            first triangle.
+/// \param end              one after the last triangle.
+/// \param grid             positions of the bricks.
+/// \param max_distance_mm  max distance.
+/// \param pairs            counts all bricks in boxes; once they are too many, triangles get none.
+/// \param simd             instruction set; all give the same bits.
+[[nodiscard]] TriangleBrickOverlaps triangle_brick_overlaps(
+    const geometry::TriangleMesh& mesh, Index begin, Index end, const BrickGrid& grid,
+    double max_distance_mm, OverlapBudget& pairs, Simd simd = best_simd());
 
 }  // namespace lefort::field

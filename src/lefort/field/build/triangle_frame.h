@@ -1,5 +1,5 @@
 /// \file
-/// A triangle as the lattice sees it: all that its distance needs is linear in the position.
+/// Quantities that are linear in the position and determine the distance to a triangle.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -10,25 +10,25 @@
 
 namespace lefort::field {
 
-/// Height w over a triangle's plane, and for each side i of length L_i the coordinates q_i along it
-/// and r_i outward from it, in the plane.
+/// Height w above the plane of a triangle, and for each edge i of length L_i the in-plane
+/// coordinates q_i along it and r_i outward from it.
 ///
-/// The squared distance is w^2 where all r_i <= 0, and elsewhere w^2 + min_i (r_i^2 + t_i^2), t_i
-/// being how far q_i lies outside of [0, L_i].
+/// The squared distance is w^2 if all r_i <= 0, otherwise w^2 + min_i (r_i^2 + t_i^2), where t_i is
+/// the distance of q_i from the interval [0, L_i].
 struct TriangleFrame {
-  std::array<Vec3, 3> corners;  ///< Side i begins at corner i.
+  std::array<Vec3, 3> corners;  ///< Edge i begins at corner i.
   std::array<double, 3> length;
-  std::array<Vec3, 3> along;    ///< Unit.
-  std::array<Vec3, 3> outward;  ///< Unit.
-  Vec3 normal;                  ///< Unit.
+  std::array<Vec3, 3> along;    ///< Unit vectors along the edges.
+  std::array<Vec3, 3> outward;  ///< Unit vectors normal to the edges, in the plane.
+  Vec3 normal;                  ///< Unit vector.
   bool has_area;
 };
 
-/// Shorter sides have none: squares underflow, and what is left has no direction.
+/// Shorter edges count as points: their squares underflow, so they have no usable direction.
 inline constexpr double kNoLength_mm = 1e-150;
 
-/// A triangle without area is taken as its longest side, three times: that is all of it. One
-/// whose sides all are shorter than kNoLength_mm is taken as its corner.
+/// The frame of the triangle (a, b, c). A triangle without area is replaced by its longest edge,
+/// three times; if all edges are shorter than kNoLength_mm, by its corner.
 [[nodiscard]] inline TriangleFrame triangle_frame(const Vec3& a, const Vec3& b, const Vec3& c) {
   TriangleFrame frame;
   frame.corners = {a, b, c};

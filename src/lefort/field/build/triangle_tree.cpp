@@ -11,14 +11,14 @@ namespace lefort::field {
 
 namespace {
 
-/// Widens boxes, as a share of the largest coordinate: some units in the last place of a float, and
-/// of the points that are compared with them.
+/// Margin of boxes as a fraction of the largest coordinate: some units in the last place of a
+/// float, and of the points compared with them.
 constexpr float kWiden = 4e-7F;
 
 using Center = std::array<float, 3>;
 
 struct Splitter {
-  const std::vector<TriangleTree::Node>& of_triangle;  ///< Boxes.
+  const std::vector<TriangleTree::Node>& of_triangle;  ///< Boxes of the triangles.
   const std::vector<Center>& centers;
   TriangleTree& tree;
 
@@ -38,7 +38,7 @@ struct Splitter {
         maximum[k] = std::max(maximum[k], centers[t][k]);
       }
     }
-    const std::size_t place = tree.nodes.size();
+    const std::size_t position = tree.nodes.size();
     tree.nodes.push_back(node);
     if (end - begin <= TriangleTree::kLeafTriangles) {
       std::sort(tree.order.begin() + begin, tree.order.begin() + end);
@@ -55,8 +55,8 @@ struct Splitter {
                        return x != y ? x < y : s < t;
                      });
     split(begin, middle);
-    tree.nodes[place].first = std::int32_t(tree.nodes.size());
-    tree.nodes[place].count = 0;
+    tree.nodes[position].first = std::int32_t(tree.nodes.size());
+    tree.nodes[position].count = 0;
     split(middle, end);
   }
 };
@@ -87,7 +87,7 @@ TriangleTree build_triangle_tree(const geometry::TriangleMesh& mesh, const Vec3&
 }
 
 double squared_distance(const geometry::TriangleMesh& mesh, const TriangleTree& tree, const Vec3& p,
-                        double reach_mm) {
+                        double max_distance_mm) {
   const Vec3 from_origin = p - tree.origin;
   const auto to_box = [&](std::int32_t n) {
     const TriangleTree::Node& node = tree.nodes[std::size_t(n)];
@@ -99,7 +99,7 @@ double squared_distance(const geometry::TriangleMesh& mesh, const TriangleTree& 
     }
     return sum;
   };
-  double best = reach_mm * reach_mm;
+  double best = max_distance_mm * max_distance_mm;
   bool found = false;
   std::array<std::int32_t, TriangleTree::kStackSize> stack;
   std::size_t depth = 0;

@@ -1,12 +1,12 @@
 /// \file
-/// How a loop is compiled for one instruction set: by an attribute of the function that it is
-/// inlined into. Fused multiply-add stays off, so that all give the same bits.
+/// Attributes that compile a loop for one instruction set: of the function that it is inlined into.
+/// Fused multiply-add is disabled, so that all give the same bits.
 #pragma once
 
 #include <lefort/field/simd.h>
 
 #if defined(__x86_64__)
-#include <immintrin.h>  // Declares the builtins below; its own functions are bound to one target.
+#include <immintrin.h>  // For the builtins; functions of the header are bound to one target.
 #endif
 
 #define LEFORT_INLINE inline __attribute__((always_inline))

@@ -1,7 +1,7 @@
 /// \file
-/// Distances of sixteen points at once from a triangle: what the loops over triangles are made of.
+/// Distances of sixteen points at once from a triangle: the kernel of loops over triangles.
 ///
-/// Everything here is inlined into functions that are compiled for one instruction set each; all
+/// All functions are inlined into functions that are compiled for one instruction set each; all
 /// give the same bits.
 #pragma once
 
@@ -22,7 +22,7 @@
 
 namespace lefort::field::internal {
 
-// Generic vectors: the compiler turns them into the registers of each target. Sixteen lanes are a
+// Generic vectors: the compiler maps them to the registers of each target. Sixteen lanes are a
 // tile.
 inline constexpr std::size_t kLanes = NearestInBrick::kTilePoints;
 inline constexpr int kSide = SparseLattice::kSide;
@@ -30,20 +30,20 @@ static_assert(kLanes == 16);
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 
-/// The seven quantities of TriangleFrame, and one to fill a register.
+/// The seven quantities of TriangleFrame, and one for padding.
 inline constexpr std::size_t kHeight = 0, kAlong = 1, kOutward = 4, kSpare = 7, kQuantities = 8;
 using Quantities = float __attribute__((vector_size(kQuantities * sizeof(float))));
 
-/// A triangle as a brick sees it.
+/// A triangle in the coordinates of a brick.
 struct Planes {
-  Quantities at_low;               ///< The quantities at the brick's first point,
-  std::array<Quantities, 3> step;  ///< and their steps from point to point along its axes.
+  Quantities at_low;               ///< The quantities at the first point of the brick.
+  std::array<Quantities, 3> step;  ///< Their change from point to point along each axis.
   std::array<float, 3> length;
-  float inside_limit;            ///< 0; -infinity without area, so that no point is inside.
-  std::array<int, 3> low, high;  ///< Points within reach of its box: from `low` to before `high`.
+  float inside_limit;  ///< 0; -infinity for a triangle without area, which no point is inside.
+  std::array<int, 3> low, high;  ///< Points near its box: from `low` to before `high`.
 };
 
-/// Triangles prepared together.
+/// Triangles that are prepared together.
 inline constexpr std::size_t kBatch = 8;
 using Doubles = double __attribute__((vector_size(kBatch * sizeof(double))));
 using Lanes = std::array<double, kBatch>;
@@ -93,8 +93,8 @@ LEFORT_INLINE void set_quantity(Batch& batch, std::size_t which, const Vectors& 
   }
 }
 
-/// Whole numbers from 0 to kSide: the first not below `from` and the one after the last not above
-/// `to`, both counted in cells.
+/// Range of points from `from` to `to`, both in cells, limited to 0 to kSide: the first point and
+/// one after the last.
 LEFORT_INLINE void set_range(const Doubles& from, const Doubles& to, std::size_t axis,
                              Batch& batch) {
   const Doubles zero{};
@@ -107,9 +107,11 @@ LEFORT_INLINE void set_range(const Doubles& from, const Doubles& to, std::size_t
   }
 }
 
-/// triangle_frame() for several at once, as seen from a brick. Returns which have no area.
-LEFORT_INLINE unsigned prepare(const std::array<Vectors, 3>& corners, double cell, double reach_mm,
-                               Batch& batch) {
+/// triangle_frame() for several triangles at once, in the coordinates of a brick.
+///
+/// \returns a bit for each triangle without area.
+LEFORT_INLINE unsigned prepare(const std::array<Vectors, 3>& corners, double cell,
+                               double max_distance_mm, Batch& batch) {
   std::array<Vectors, 3> along;
   std::array<Doubles, 3> squared;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -136,8 +138,8 @@ LEFORT_INLINE unsigned prepare(const std::array<Vectors, 3>& corners, double cel
   const double per_cell = 1.0 / cell;
   const auto along_axis = [&](const Doubles& a, const Doubles& b, const Doubles& c,
                               std::size_t axis) __attribute__((always_inline)) {
-    set_range((smaller(a, smaller(b, c)) - reach_mm) * per_cell,
-              (larger(a, larger(b, c)) + reach_mm) * per_cell, axis, batch);
+    set_range((smaller(a, smaller(b, c)) - max_distance_mm) * per_cell,
+              (larger(a, larger(b, c)) + max_distance_mm) * per_cell, axis, batch);
   };
   along_axis(corners[0].x, corners[1].x, corners[2].x, 0);
   along_axis(corners[0].y, corners[1].y, corners[2].y, 1);
@@ -150,7 +152,7 @@ LEFORT_INLINE unsigned prepare(const std::array<Vectors, 3>& corners, double cel
   return flat;
 }
 
-/// The same for a triangle without area; its box is kept.
+/// The same for a triangle without area; its box does not change.
 LEFORT_INLINE void prepare_flat(const TriangleFrame& frame, double cell, Planes& planes) {
   const auto set = [&](std::size_t which, const Vec3& direction, const Vec3& origin) {
     planes.at_low[which] = float(-direction.dot(origin));
@@ -165,13 +167,13 @@ LEFORT_INLINE void prepare_flat(const TriangleFrame& frame, double cell, Planes&
   planes.inside_limit = -INFINITY;
 }
 
-/// Squared distance to a side within the plane of the triangle.
+/// Squared in-plane distance to an edge.
 LEFORT_INLINE Floats squared_to_side(const Floats& along, const Floats& outward, float length) {
   const Floats beyond = larger(larger(-along, along - length), Floats{});
   return outward * outward + beyond * beyond;
 }
 
-/// Whether a lane is true. True lanes are -1.
+/// True if a lane is true; true lanes are -1.
 LEFORT_INLINE bool any(const Ints& lanes) {
   using Eight = std::int32_t __attribute__((vector_size(8 * sizeof(std::int32_t))));
   const Eight eight = __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3, 4, 5, 6, 7) |
@@ -185,8 +187,8 @@ LEFORT_INLINE bool any(const Ints& lanes) {
 #endif
 }
 
-/// Whether some lane of `a` is less than that of `b`: both Floats or both Doubles. Compilers take a
-/// detour through vectors of lanes even where the processor has a mask for it.
+/// True if a lane of `a` is less than that of `b`: both Floats or both Doubles. Compilers do not
+/// use the mask registers of AVX-512 for this.
 template <Simd simd, class V>
 LEFORT_INLINE bool any_less(const V& a, const V& b) {
   static_assert(sizeof(V) == sizeof(Ints));
@@ -200,55 +202,59 @@ LEFORT_INLINE bool any_less(const V& a, const V& b) {
   return any(Ints(a < b));
 }
 
-/// Which of a tile's points are where, counted in cells from its first.
+/// Positions of the points of a tile, in cells from its first point.
 inline constexpr Floats kTileX_cells = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 inline constexpr Floats kTileY_cells = {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1};
 inline constexpr Floats kTileZ_cells = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
 static_assert(NearestInBrick::kTileX == 4 && NearestInBrick::kTileY == 2 &&
               NearestInBrick::kTileZ == 2);
 
-/// How a quantity changes within a tile.
+/// Change of a quantity within a tile.
 LEFORT_INLINE Floats within_tile(const Planes& planes, std::size_t quantity) {
   return kTileX_cells * planes.step[0][quantity] + kTileY_cells * planes.step[1][quantity] +
          kTileZ_cells * planes.step[2][quantity];
 }
 
-/// Takes the triangle at those points of a tile that it is nearer to than what was known.
+/// Updates the points of a tile that are closer to this triangle than to the nearest one so far.
 ///
-/// \param quantity  which -> that quantity of the planes at the tile's points.
-/// \param place     of the tile's first point.
+/// \param quantity  maps the number of a quantity to its values at the points of the tile.
+/// \param offset    position of the first point of the tile.
 template <Simd simd, class Quantity>
 LEFORT_INLINE void visit_tile(const Planes& planes, const Quantity& quantity, std::int32_t triangle,
-                              std::size_t place, NearestInBrick& nearest) {
+                              std::size_t offset, NearestInBrick& nearest) {
   const Floats height = quantity(kHeight);
   const Floats out_0 = quantity(kOutward), out_1 = quantity(kOutward + 1),
                out_2 = quantity(kOutward + 2);
   const Floats out = larger(out_0, larger(out_1, out_2));
   const Floats beyond = larger(out, Floats{});
   const Floats height2 = height * height;
-  auto& known = *reinterpret_cast<Floats*>(&nearest.squared_mm2[place]);
-  // Right but where a corner is nearest, and never too large: rules out three in four.
+  auto& known = *reinterpret_cast<Floats*>(&nearest.squared_mm2[offset]);
+  // Lower bound of the distance, exact unless the closest point is a corner: rules out three of
+  // four triangles.
   if (!any_less<simd>(height2 + beyond * beyond, known)) return;
 
-  const Floats rim =
+  const Floats to_boundary =
       smaller(squared_to_side(quantity(kAlong), out_0, planes.length[0]),
               smaller(squared_to_side(quantity(kAlong + 1), out_1, planes.length[1]),
                       squared_to_side(quantity(kAlong + 2), out_2, planes.length[2])));
   const Ints inside = out <= planes.inside_limit;
-  const Floats squared = height2 + (inside ? Floats{} : rim);
+  const Floats squared = height2 + (inside ? Floats{} : to_boundary);
 
-  auto& known_code = *reinterpret_cast<Ints*>(&nearest.code[place]);
+  auto& known_code = *reinterpret_cast<Ints*>(&nearest.code[offset]);
   const Ints nearer = squared < known;
   known = nearer ? squared : known;
+  static_assert(NearestInBrick::kTriangleShift == 2 && NearestInBrick::kFaceBit == 1 &&
+                NearestInBrick::kBelowBit == 0);
+  // True lanes are -1, so subtracting them sets a bit.
   known_code = nearer ? 4 * triangle - 2 * inside - (height < Floats{}) : known_code;
 }
 
-/// All that visits of these triangles, at most kBatch, need.
+/// Prepares at most kBatch triangles for visit_tile().
 ///
-/// \param low  position of the brick's first point.
+/// \param low  position of the first point of the brick.
 LEFORT_INLINE void prepare_triangles(const geometry::TriangleMesh& mesh,
                                      std::span<const std::int32_t> triangles, const Vec3& low,
-                                     double cell, double reach_mm, Batch& batch) {
+                                     double cell, double max_distance_mm, Batch& batch) {
   std::array<Vectors, 3> corners;
   for (std::size_t l = 0; l < kBatch; ++l) {
     const geometry::Triangle& t =
@@ -260,7 +266,7 @@ LEFORT_INLINE void prepare_triangles(const geometry::TriangleMesh& mesh,
       corners[i].z[l] = p[2] - low.data()[2];
     }
   }
-  const unsigned flat = prepare(corners, cell, reach_mm, batch);
+  const unsigned flat = prepare(corners, cell, max_distance_mm, batch);
   for (std::size_t l = 0; flat != 0 && l < triangles.size(); ++l) {
     const std::int32_t t = triangles[l];
     if ((flat >> l & 1U) != 0)

@@ -1,5 +1,5 @@
 /// \file
-/// The samples that a query lies between, whatever keeps them.
+/// The samples around a query point, independent of the storage format.
 #pragma once
 
 #include <lefort/field/storage/sparse_lattice.h>
@@ -11,15 +11,15 @@
 
 namespace lefort::field {
 
-/// A cube of lattice cells and the distances [mm] at its corners, x fastest: +infinity beyond the
-/// band outside, -infinity inside, NaN where that is not known.
+/// A cube of lattice cells with the distances [mm] at its corners, x fastest: +infinity outside the
+/// band, -infinity inside, NaN if unknown.
 struct CellSamples {
   LatticePoint low;  ///< Lowest corner.
-  int cells;         ///< Edge in lattice cells.
+  int cells;         ///< Cells along an edge.
   std::array<float, 8> corners;
 };
 
-/// kBand if all corners are finite; else where those lie that are not.
+/// kBand if all corners are finite; otherwise the common zone of the others, or kUnknown.
 [[nodiscard]] inline Zone zone_of(const std::array<float, 8>& corners) {
   bool outside = false, inside = false, unknown = false;
   for (const float d : corners) {
@@ -31,7 +31,7 @@ struct CellSamples {
   return inside ? Zone::kInside : Zone::kBand;
 }
 
-/// What stands for a side in place of a distance: +-infinity, or NaN.
+/// The value that represents a zone without distances: +-infinity, or NaN.
 [[nodiscard]] inline float side_value(Zone zone) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   if (zone == Zone::kUnknown) return std::numeric_limits<float>::quiet_NaN();

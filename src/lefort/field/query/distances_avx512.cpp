@@ -16,11 +16,11 @@
 #include <limits>
 #include <type_traits>
 
-// Addresses are worked out in vectors. What takes the time then are the reads, so there are as few
-// as possible. The two corners of a cell along x lie side by side unless a leaf ends between them:
-// one read gets both. All corners lie in one brick unless that ends within the cell: one look into
-// the table tells where they are, instead of one each. Sixteen points together would nearly always
-// have some of the unlucky, so points are put apart by kind first.
+// Addresses are computed in vectors, so memory reads dominate, and there are as few as possible.
+// The two corners of a cell along x are adjacent unless a leaf ends between them: one read gets
+// both. All corners are in one brick unless a brick ends in the cell: one table entry instead of
+// eight. In sixteen points there would nearly always be exceptions, so points are first sorted by
+// kind.
 
 namespace lefort::field::internal {
 
@@ -30,15 +30,15 @@ namespace {
 #define LEFORT_STEP inline __attribute__((always_inline, target(LEFORT_TARGET)))
 
 constexpr std::size_t kLanes = 16;
-/// Points worked on together: enough that few lanes stay empty, few enough for the first cache.
+/// Points per group: many, so that few lanes are empty; few enough for the first-level cache.
 constexpr std::size_t kGroup = 512;
 constexpr std::size_t kCorners = 8;
-/// Points whose codes are read together: few enough that these are near when worked on.
+/// Points whose codes are read together: few enough that codes are still cached when they are used.
 constexpr std::size_t kChunk = 32;
-/// Of the second cache of most cores; where there is less to read, fetching ahead only takes time.
+/// Second-level cache of most cores; prefetching costs more than it saves if all samples fit.
 constexpr std::size_t kCacheBytes = 2 << 20;
 constexpr int kAll = 0xFFFF;
-constexpr std::size_t kLineBytes = 64;  ///< Of a cache.
+constexpr std::size_t kLineBytes = 64;  ///< Of a cache line.
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
@@ -51,33 +51,34 @@ struct Lookup {
   bool fetch;  ///< Samples do not fit into the cache of one core.
   double maximum;
   double cells_per_mm;
-  std::array<double, 24> origin;  ///< x, y, z again and again.
+  std::array<double, 24> origin;  ///< x, y, z, repeated.
 };
 
-/// Bits of a cell's coordinate.
+/// Bits of a cell coordinate.
 constexpr unsigned kCellBits = 11;
 constexpr int kMaxCells = 1 << kCellBits;
 static_assert(kGroup <= std::size_t(1) << (32 - 2 * kCellBits));
-static_assert(kGroup % kLanes == 0 && kGroup % kChunk == 0 && kChunk % kLanes == 0);  // Aligned.
+// For alignment.
+static_assert(kGroup % kLanes == 0 && kGroup % kChunk == 0 && kChunk % kLanes == 0);
 
 /// Points of one kind.
 struct Points {
   std::size_t count = 0;
-  // Room for a vector behind the last.
+  // Padded by one vector.
   using Row = std::array<std::int32_t, kGroup + kLanes>;
-  alignas(64) Row number_yx;  ///< In the group, and of the cell, kCellBits each.
+  alignas(64) Row number_yx;  ///< Number in the group, then y and x of the cell, kCellBits each.
   alignas(64) Row z;          ///< Of the cell.
   alignas(64) std::array<std::array<float, kGroup + kLanes>, 3> t;
 };
 
-/// Sixteen triples to vectors of x, y and z.
+/// Transposes sixteen triples to vectors of x, y and z.
 LEFORT_STEP void by_axis(const __m512i& a, const __m512i& b, const __m512i& c,
                          std::array<__m512i, 3>& axes) {
   const __m512i lanes =
       _mm512_set_epi32(45, 42, 39, 36, 33, 30, 27, 24, 21, 18, 15, 12, 9, 6, 3, 0);
   for (int k = 0; k < 3; ++k) {
     const __m512i from = _mm512_add_epi32(lanes, _mm512_set1_epi32(k));
-    const __m512i in_ab = _mm512_permutex2var_epi32(a, from, b);  // Right where from < 32.
+    const __m512i in_ab = _mm512_permutex2var_epi32(a, from, b);  // Valid where from < 32.
     axes[std::size_t(k)] = _mm512_mask_permutexvar_epi32(
         in_ab, _mm512_cmpgt_epi32_mask(from, _mm512_set1_epi32(31)), from, c);
   }
@@ -93,7 +94,7 @@ LEFORT_STEP void append(Points& points, __mmask16 which, const __m512i& number_y
   points.count += std::size_t(std::popcount(unsigned(which)));
 }
 
-/// Fills the last vector up: what lies behind the last point is in the first cell.
+/// Fills the last vector: lanes behind the last point use the first cell.
 LEFORT_STEP void close(Points& points) {
   const std::size_t to = points.count;
   _mm512_storeu_si512(&points.number_yx[to], _mm512_setzero_si512());
@@ -109,7 +110,8 @@ LEFORT_STEP std::array<__m512i, 3> cells_of(const Points& points, std::size_t fi
           _mm512_load_si512(&points.z[first])};
 }
 
-/// Points of a group by what their cells have in common.
+/// Points of a group by kind: whether both corners along x are in one leaf, all corners in one
+/// brick.
 template <class T>
 struct ByKind {
   T paired_in_brick, paired, in_brick, others;
@@ -122,15 +124,15 @@ LEFORT_STEP __m512i join(const __m256& low, const __m256& high) {
   return join(_mm256_castps_si256(low), _mm256_castps_si256(high));
 }
 
-/// Fetches the next group, while samples of this one are looked for.
+/// Prefetches the next group while samples of this one are located.
 inline void fetch_points(std::span<const Vec3> points) {
   const auto* const first = reinterpret_cast<const char*>(points.data());
   const std::size_t bytes = std::min(kGroup, points.size()) * sizeof(Vec3);
   for (std::size_t i = 0; i < bytes; i += kLineBytes) __builtin_prefetch(first + i);
 }
 
-/// Finds the cells of sixteen points and puts them with their kind. Those beyond the cube, or that
-/// are no number, belong to none.
+/// Finds the cells of sixteen points and sorts them by kind. Points outside the cube, or not
+/// finite, belong to no kind.
 LEFORT_STEP void locate(const Lookup& lookup, const double* p, std::size_t first,
                         ByKind<Points>& points) {
   std::array<__m256i, 6> cells;
@@ -147,8 +149,8 @@ LEFORT_STEP void locate(const Lookup& lookup, const double* p, std::size_t first
   by_axis(join(fractions[0], fractions[1]), join(fractions[2], fractions[3]),
           join(fractions[4], fractions[5]), t);
 
-  // Below the cube a cell is negative, and of what is no number or too large it is the most
-  // negative: without sign all of them are large.
+  // Cells below the cube are negative, and those of NaN or too large numbers are the most negative
+  // integer: as unsigned numbers all are large.
   const __m512i last_cell = _mm512_set1_epi32(lookup.last_cell);
   auto in_cube = __mmask16(kAll);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -181,7 +183,7 @@ LEFORT_STEP void locate(const Lookup& lookup, const double* p, std::size_t first
 
 /// Table entries of sixteen bricks.
 struct Entries {
-  __m512i first_byte;  ///< Of the first leaf.
+  __m512i first_byte;  ///< Offset of the first leaf.
   __m512i stored;
 };
 
@@ -198,7 +200,7 @@ LEFORT_STEP Entries entries_of(const Lookup& lookup, const __m512i& brick) {
           _mm512_and_si512(_mm512_permutex2var_epi32(low, odd, high), _mm512_set1_epi32(0xFF))};
 }
 
-/// How many bits are set in the lowest byte of each lane; the others are zero.
+/// Number of bits set in the lowest byte of each lane; other bytes are zero.
 LEFORT_STEP __m512i bits_in_byte(const __m512i& bytes) {
   const __m512i of_nibble =
       _mm512_broadcast_i32x4(_mm_set_epi8(4, 3, 3, 2, 3, 2, 2, 1, 3, 2, 2, 1, 2, 1, 1, 0));
@@ -207,39 +209,41 @@ LEFORT_STEP __m512i bits_in_byte(const __m512i& bytes) {
                           _mm512_shuffle_epi8(of_nibble, _mm512_srli_epi32(bytes, 4)));
 }
 
-/// Shares of a coordinate in the place of a sample.
-struct AxisPlace {
+/// Contribution of one coordinate to the address of a sample.
+struct AxisOffset {
   __m512i brick, leaf, offset;
 };
 
-LEFORT_STEP AxisPlace axis_place(const __m512i& coordinate, int brick_stride, unsigned axis) {
+LEFORT_STEP AxisOffset axis_offset(const __m512i& coordinate, int brick_stride, unsigned axis) {
   const __m512i brick = _mm512_add_epi32(_mm512_srli_epi32(coordinate, 3), _mm512_set1_epi32(1));
   const __m512i leaf = _mm512_and_si512(_mm512_srli_epi32(coordinate, 2), _mm512_set1_epi32(1));
-  const __m512i place = _mm512_and_si512(coordinate, _mm512_set1_epi32(3));
-  return {
-      _mm512_mullo_epi32(brick, _mm512_set1_epi32(brick_stride)), _mm512_slli_epi32(leaf, axis),
-      _mm512_mullo_epi32(place, _mm512_set1_epi32(int(BrickSamples::kCodeBytes) << (2 * axis)))};
+  const __m512i within_leaf = _mm512_and_si512(coordinate, _mm512_set1_epi32(3));
+  return {_mm512_mullo_epi32(brick, _mm512_set1_epi32(brick_stride)), _mm512_slli_epi32(leaf, axis),
+          _mm512_mullo_epi32(within_leaf,
+                             _mm512_set1_epi32(int(BrickSamples::kCodeBytes) << (2 * axis)))};
 }
 
-/// Where the samples of a kind of points lie.
-struct Places {
-  /// From the first code, in bytes, by corner, or by row of two if these are paired; of a leaf that
-  /// is not stored: 0.
+/// Addresses of the samples of the points of one kind.
+struct SampleOffsets {
+  /// Byte offsets from the first code, by corner, or by row of two corners if these are paired; 0
+  /// for a leaf that is not stored.
   alignas(64) std::array<std::array<std::int32_t, kGroup + kLanes>, kCorners> byte;
-  std::array<std::uint16_t, kGroup / kLanes + 1> stored;  ///< A bit each: all leaves are.
+  /// One bit per point: all its leaves are stored.
+  std::array<std::uint16_t, kGroup / kLanes + 1> stored;
 };
 
-/// Where in its row the eight bytes begin that hold a sample and the next. They must not reach
-/// beyond the row, as it may be the last: of the third pair they begin two bytes early.
-LEFORT_STEP AxisPlace pair_place(const __m512i& coordinate) {
-  AxisPlace place = axis_place(coordinate, 1, 0);
+/// Offset of eight bytes that contain a sample and the next one along x. They must not exceed the
+/// row, which may be the last one: for the third pair they begin two bytes early.
+LEFORT_STEP AxisOffset pair_offset(const __m512i& coordinate) {
+  AxisOffset pair = axis_offset(coordinate, 1, 0);
   const __m512i x = _mm512_and_si512(coordinate, _mm512_set1_epi32(3));
   // 0, 3, 4.
-  place.offset = _mm512_mask_add_epi32(x, _mm512_test_epi32_mask(x, x), x, _mm512_set1_epi32(2));
-  return place;
+  pair.offset = _mm512_mask_add_epi32(x, _mm512_test_epi32_mask(x, x), x, _mm512_set1_epi32(2));
+  return pair;
 }
 
-/// Bytes of a corner of sixteen cells; lanes without a leaf leave `stored`.
+/// Byte offsets of a corner of sixteen cells; clears bits of `stored` for leaves that are not
+/// stored.
 LEFORT_STEP __m512i byte_of(const Entries& entries, const __m512i& leaf, const __m512i& offset,
                             __mmask16& stored) {
   const __m512i one = _mm512_set1_epi32(1);
@@ -252,45 +256,45 @@ LEFORT_STEP __m512i byte_of(const Entries& entries, const __m512i& leaf, const _
                                 _mm512_madd_epi16(bits_in_byte(before), leaf_bytes));
 }
 
-/// Finds the samples of all points of a kind, and fetches them if they may be far away: those of a
-/// slice of a leaf along z lie in a line or two of the cache.
+/// Computes the addresses of the samples of all points of a kind, and prefetches them if they may
+/// be far away: those of a z slice of a leaf are in one or two cache lines.
 template <bool are_paired, bool are_in_brick>
-LEFORT_STEP void find_samples(const Lookup& lookup, const Points& points, Places& places) {
+LEFORT_STEP void find_samples(const Lookup& lookup, const Points& points, SampleOffsets& offsets) {
   const std::array<int, 3> strides = {1, lookup.side, lookup.side * lookup.side};
   const __m512i one = _mm512_set1_epi32(1);
   constexpr std::size_t kAlongX = are_paired ? 1 : 2, kFound = kCorners / 2 * kAlongX;
   for (std::size_t first = 0; first < points.count; first += kLanes) {
     const std::array<__m512i, 3> cell = cells_of(points, first);
-    std::array<std::array<AxisPlace, 2>, 3> at;
+    std::array<std::array<AxisOffset, 2>, 3> at;
     for (std::size_t k = 0; k < 3; ++k) {
       const __m512i& c = cell[k];
-      at[k][0] = are_paired && k == 0 ? pair_place(c) : axis_place(c, strides[k], unsigned(k));
-      at[k][1] = axis_place(_mm512_add_epi32(c, one), strides[k], unsigned(k));
+      at[k][0] = are_paired && k == 0 ? pair_offset(c) : axis_offset(c, strides[k], unsigned(k));
+      at[k][1] = axis_offset(_mm512_add_epi32(c, one), strides[k], unsigned(k));
     }
     auto stored = __mmask16(kAll);
     Entries entries;
 #pragma GCC unroll 8
     for (std::size_t i = 0; i < kFound; ++i) {
       const std::size_t row = i / kAlongX;
-      const AxisPlace &x = at[0][i % kAlongX], &y = at[1][row & 1], &z = at[2][row >> 1];
+      const AxisOffset &x = at[0][i % kAlongX], &y = at[1][row & 1], &z = at[2][row >> 1];
       if (i == 0 || !are_in_brick)
         entries = entries_of(lookup, _mm512_add_epi32(x.brick, _mm512_add_epi32(y.brick, z.brick)));
       const __m512i leaf = _mm512_or_si512(x.leaf, _mm512_or_si512(y.leaf, z.leaf)),
                     offset = _mm512_add_epi32(x.offset, _mm512_add_epi32(y.offset, z.offset));
-      _mm512_store_si512(&places.byte[i][first], byte_of(entries, leaf, offset, stored));
+      _mm512_store_si512(&offsets.byte[i][first], byte_of(entries, leaf, offset, stored));
     }
-    places.stored[first / kLanes] = stored;
+    offsets.stored[first / kLanes] = stored;
     if (!lookup.fetch) continue;
     for (const std::size_t i : {std::size_t(0), kAlongX + kAlongX - 1, 2 * kAlongX, kFound - 1})
       for (std::size_t l = first; l < first + kLanes; ++l)
-        __builtin_prefetch(lookup.codes + places.byte[i][l]);
+        __builtin_prefetch(lookup.codes + offsets.byte[i][l]);
   }
 }
 
-/// Words of whole vectors, one after another: processors that split a gather into many steps
-/// (AMD's) read by plain loads sooner. Not inlined, or the compiler makes gathers of them again.
+/// Reads words for whole vectors with plain loads: faster than a gather on processors that split it
+/// into many steps (AMD). Not inlined, because the compiler would turn it into gathers.
 ///
-/// \param count  of points; as many words as fill their last vector are read.
+/// \param count  number of points; is rounded up to whole vectors.
 template <class Word>
 [[gnu::noinline]] void read_words(const std::byte* first, const std::int32_t* bytes,
                                   std::size_t count, Word* words) {
@@ -307,7 +311,7 @@ LEFORT_STEP __m512i code_in(const __m512i& words) {
 
 /// Codes of sixteen pairs.
 ///
-/// \param shift  in bits, of each half: 16 where the bytes begin early.
+/// \param shift  in bits, for each half: 16 where the bytes begin early.
 LEFORT_STEP void codes_of_pairs(const std::uint64_t* words, const std::array<__m512i, 2>& shift,
                                 __m512i& low, __m512i& high) {
   const __m512i even = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0);
@@ -319,17 +323,19 @@ LEFORT_STEP void codes_of_pairs(const std::uint64_t* words, const std::array<__m
                                            _mm512_srli_epi64(pairs[1], 24)));
 }
 
-/// Distances of all points of a kind by their numbers; leaves those that have none as they are.
+/// Interpolates at all points of a kind and stores the distances by point number. Points without a
+/// distance are not changed.
 template <bool are_paired>
-LEFORT_STEP void interpolate(const Lookup& lookup, const Points& points, const Places& places,
-                             float quantum_mm, std::array<float, kGroup>& distances) {
+LEFORT_STEP void interpolate(const Lookup& lookup, const Points& points,
+                             const SampleOffsets& offsets, float quantum_mm,
+                             std::array<float, kGroup>& distances) {
   using Word = std::conditional_t<are_paired, std::uint64_t, std::uint32_t>;
   constexpr std::size_t kWords = are_paired ? kCorners / 2 : kCorners;
   alignas(64) std::array<std::array<Word, kChunk>, kWords> words;
   for (std::size_t first = 0; first < points.count; first += kLanes) {
     if (first % kChunk == 0)
       for (std::size_t i = 0; i < kWords; ++i)
-        read_words(lookup.codes, &places.byte[i][first], std::min(kChunk, points.count - first),
+        read_words(lookup.codes, &offsets.byte[i][first], std::min(kChunk, points.count - first),
                    words[i].data());
     std::array<__m512i, kCorners> codes;
     if constexpr (are_paired) {
@@ -358,7 +364,7 @@ LEFORT_STEP void interpolate(const Lookup& lookup, const Points& points, const P
     for (std::size_t k = 0; k < 3; ++k) t[k] = Floats(_mm512_load_ps(&points.t[k][first]));
     const Floats distance = trilinear(corners, t) * quantum_mm;
     const auto known =
-        __mmask16(places.stored[first / kLanes] &
+        __mmask16(offsets.stored[first / kLanes] &
                   _mm512_cmplt_epi32_mask(largest, _mm512_set1_epi32(BrickSamples::kBeyond)));
     alignas(64) std::array<float, kLanes> found;
     _mm512_store_ps(found.data(),
@@ -369,15 +375,15 @@ LEFORT_STEP void interpolate(const Lookup& lookup, const Points& points, const P
   }
 }
 
-/// A bit for each of sixteen points that have no distance.
+/// A bit for each of sixteen points without a distance.
 LEFORT_STEP unsigned missing(const std::array<float, kGroup>& distances, std::size_t first) {
   const __m512 d = _mm512_load_ps(&distances[first]);
   return _mm512_cmp_ps_mask(d, d, _CMP_UNORD_Q);
 }
 
-/// The side of a point without a distance.
-float side_at(const BrickSamples& samples, const FieldFrame& frame, const Lookup& lookup,
-              const Vec3& p_B) {
+/// The value for the zone of a point without a distance.
+float zone_value_at(const BrickSamples& samples, const FieldFrame& frame, const Lookup& lookup,
+                    const Vec3& p_B) {
   LatticePoint cell{};
   for (std::size_t k = 0; k < 3; ++k) {
     const double u = (p_B[Index(k)] - lookup.origin[k]) * lookup.cells_per_mm;
@@ -390,7 +396,7 @@ float side_at(const BrickSamples& samples, const FieldFrame& frame, const Lookup
 }  // namespace
 
 bool fits_avx512(const BrickSamples& samples) {
-  // What is not stored reads the first leaf instead, so there must be one.
+  // Leaves that are not stored are replaced by the first one, so there must be one.
   return samples.resolution() <= kMaxCells && samples.codes().size() > BrickSamples::kLeafBytes &&
          samples.codes().size() <= std::size_t(std::numeric_limits<std::int32_t>::max());
 }
@@ -412,7 +418,7 @@ __attribute__((target(LEFORT_TARGET))) void distances_avx512(const BrickSamples&
   for (std::size_t i = 0; i < lookup.origin.size(); ++i)
     lookup.origin[i] = frame.origin_B[Index(i % 3)];
   ByKind<Points> points;
-  ByKind<Places> places;
+  ByKind<SampleOffsets> offsets;
   std::array<Vec3, kGroup + kLanes> last;
   alignas(64) std::array<float, kGroup> found;
   const float quantum_mm = samples.quantum_mm();
@@ -430,20 +436,21 @@ __attribute__((target(LEFORT_TARGET))) void distances_avx512(const BrickSamples&
     fetch_points(p_B.subspan(begin + count));
     for (Points* kind : {&points.paired_in_brick, &points.paired, &points.in_brick, &points.others})
       close(*kind);
-    find_samples<true, true>(lookup, points.paired_in_brick, places.paired_in_brick);
-    find_samples<true, false>(lookup, points.paired, places.paired);
-    find_samples<false, true>(lookup, points.in_brick, places.in_brick);
-    find_samples<false, false>(lookup, points.others, places.others);
+    find_samples<true, true>(lookup, points.paired_in_brick, offsets.paired_in_brick);
+    find_samples<true, false>(lookup, points.paired, offsets.paired);
+    find_samples<false, true>(lookup, points.in_brick, offsets.in_brick);
+    find_samples<false, false>(lookup, points.others, offsets.others);
     found.fill(kNone);
-    interpolate<true>(lookup, points.paired_in_brick, places.paired_in_brick, quantum_mm, found);
-    interpolate<true>(lookup, points.paired, places.paired, quantum_mm, found);
-    interpolate<false>(lookup, points.in_brick, places.in_brick, quantum_mm, found);
-    interpolate<false>(lookup, points.others, places.others, quantum_mm, found);
+    interpolate<true>(lookup, points.paired_in_brick, offsets.paired_in_brick, quantum_mm, found);
+    interpolate<true>(lookup, points.paired, offsets.paired, quantum_mm, found);
+    interpolate<false>(lookup, points.in_brick, offsets.in_brick, quantum_mm, found);
+    interpolate<false>(lookup, points.others, offsets.others, quantum_mm, found);
     std::copy_n(found.begin(), count, distances_mm.begin() + std::ptrdiff_t(begin));
     for (std::size_t n = 0; n < count; n += kLanes)
       for (unsigned none = missing(found, n); none != 0; none &= none - 1) {
         const std::size_t i = n + std::size_t(std::countr_zero(none));
-        if (i < count) distances_mm[begin + i] = side_at(samples, frame, lookup, p_B[begin + i]);
+        if (i < count)
+          distances_mm[begin + i] = zone_value_at(samples, frame, lookup, p_B[begin + i]);
       }
   }
 }

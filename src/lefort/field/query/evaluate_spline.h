@@ -1,13 +1,13 @@
 /// \file
-/// Cubic convolution (\cite keys1981): the piecewise cubic of Catmull and Rom along each axis,
-/// through the values of a lattice, with the slopes of central differences.
+/// Cubic convolution (\cite keys1981): a Catmull-Rom spline along each axis through the values of a
+/// lattice, with slopes from central differences.
 ///
-/// Continuously differentiable. At a cell face the second derivative across it jumps, by the sum of
-/// the third differences on both sides; no other does. Reproduces quadratic polynomials: where the
-/// values are smooth the error is of order cell^3, that of the second derivatives of order cell.
-/// Every value is kept. Of the splines that were tried for contact the C2 one through the values
-/// swings beside kinks of the distance, and the C2 one that smooths them tells depths wrong there,
-/// by 0.1 mm at P99 (docs/theory/contact.md).
+/// Continuously differentiable. At a cell face the second derivative across the face jumps by the
+/// sum of the third differences on both sides; other second derivatives are continuous. Quadratic
+/// polynomials are reproduced: for smooth values the error is of order cell^3, that of second
+/// derivatives of order cell. Lattice values are interpolated exactly. Two C2 splines were tried
+/// for contact: the interpolating one oscillates next to kinks of the distance, and the smoothing
+/// one has errors of 0.1 mm (99th percentile) there (docs/contact.md).
 #pragma once
 
 #include <lefort/core/types.h>
@@ -25,10 +25,13 @@ struct SplineValue {
   Mat3 hessian;
 };
 
-/// \param u       in lattice coordinates, within the cube of the lattice.
-/// \param values  NaN in all members where one of the 64 around a point is missing. \pre as many
-///   as points.
-/// \param simd    all give the same bits.
+/// Evaluates the spline at several points.
+///
+/// \param lattice  its values.
+/// \param u        points in lattice coordinates, inside the cube of the lattice.
+/// \param values   results; all members are NaN if one of the 64 values around a point is missing.
+///   \pre as many as points.
+/// \param simd     instruction set; all give the same bits.
 void evaluate_splines(const SparseLattice& lattice, std::span<const Vec3> u,
                       std::span<SplineValue> values, Simd simd = best_simd());
 

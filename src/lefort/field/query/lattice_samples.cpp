@@ -16,35 +16,36 @@ namespace lefort::field {
 namespace {
 
 constexpr float kNoDistance = std::numeric_limits<float>::quiet_NaN();
-/// Blocks read before they are handed on.
+/// Blocks that are read before they are passed on.
 constexpr Index kWave = 4096;
 
-/// Samples of a block and one beyond it on every side, where contradictions may be.
-class Surroundings {
+/// Samples of a block and one layer leaf_at it, for the detection of sign conflicts.
+class BlockNeighborhood {
  public:
   static constexpr int kAcross = kBrickSide + 2;
 
   template <class SampleAt>
-  Surroundings(const LatticePoint& first, int resolution, const SampleAt& sample_at) {
+  BlockNeighborhood(const LatticePoint& first, int resolution, const SampleAt& sample_at) {
     for (int z = -1; z <= kBrickSide; ++z)
       for (int y = -1; y <= kBrickSide; ++y)
         for (int x = -1; x <= kBrickSide; ++x) {
           const LatticePoint p = {first[0] + x, first[1] + y, first[2] + z};
           const bool in_lattice =
               std::all_of(p.begin(), p.end(), [&](int c) { return c >= 0 && c <= resolution; });
-          values_[place(x, y, z)] = in_lattice ? sample_at(p) : kNoDistance;
+          values_[offset(x, y, z)] = in_lattice ? sample_at(p) : kNoDistance;
         }
   }
 
-  /// The block in the middle, without what contradicts a neighbor.
-  /// \param slack_mm  by how much each sample may be wrong.
+  /// Copies the block, without samples that are in conflict with a neighbor.
+  ///
+  /// \param slack_mm  possible error of each sample.
   void copy_to(SampleBlock& block, double cell_mm, double slack_mm) const {
     const auto max_mm = float(cell_mm * double(kMaxSlope) + 2.0 * slack_mm);
     constexpr std::array<std::size_t, 3> kStride = {1, kAcross, kAcross * kAcross};
     for (int z = 0; z < kBrickSide; ++z)
       for (int y = 0; y < kBrickSide; ++y)
         for (int x = 0; x < kBrickSide; ++x) {
-          const std::size_t here = place(x, y, z);
+          const std::size_t here = offset(x, y, z);
           bool in_conflict = false;
           if (std::isfinite(values_[here]))
             for (const std::size_t stride : kStride)
@@ -57,7 +58,7 @@ class Surroundings {
   }
 
  private:
-  static std::size_t place(int x, int y, int z) {
+  static std::size_t offset(int x, int y, int z) {
     return std::size_t(((z + 1) * kAcross + y + 1) * kAcross + x + 1);
   }
 
@@ -69,17 +70,17 @@ class Surroundings {
 void read_bricks(const BrickSamples& samples, const FieldFrame&, SampleBlock& block) {
   const Brick& brick = samples.bricks()[std::size_t(samples.brick_of(block.first))];
   if (brick.stored == 0) {
-    // As linear_offset() has it: what is unknown goes before what is inside.
+    // Same precedence as in linear_offset(): unknown before inside.
     if (brick.unknown == 0xFF) block.side = Zone::kUnknown;
     if (brick.unknown == 0 && brick.inside == 0xFF) block.side = Zone::kInside;
     if (brick.unknown == 0 && brick.inside == 0) block.side = Zone::kOutside;
     if (block.side) return;
   }
-  for (int place = 0; place < SparseLattice::kBrickPoints; ++place) {
-    const LatticePoint p = {block.first[0] + place % kBrickSide,
-                            block.first[1] + place / kBrickSide % kBrickSide,
-                            block.first[2] + place / (kBrickSide * kBrickSide)};
-    block.values[std::size_t(place)] =
+  for (int offset = 0; offset < SparseLattice::kBrickPoints; ++offset) {
+    const LatticePoint p = {block.first[0] + offset % kBrickSide,
+                            block.first[1] + offset / kBrickSide % kBrickSide,
+                            block.first[2] + offset / (kBrickSide * kBrickSide)};
+    block.values[std::size_t(offset)] =
         samples.distance_of(BrickSamples::read_code(samples.linear_offset(p)));
   }
 }
@@ -91,18 +92,18 @@ void read_dense(const DenseSamples& samples, const FieldFrame& frame, SampleBloc
   const auto sample_at = [&](const LatticePoint& p) {
     return samples.values()[(std::size_t(p[2]) * n + std::size_t(p[1])) * n + std::size_t(p[0])];
   };
-  Surroundings(block.first, frame.resolution, sample_at).copy_to(block, frame.cell_mm, 0.0);
+  BlockNeighborhood(block.first, frame.resolution, sample_at).copy_to(block, frame.cell_mm, 0.0);
 }
 
 // Octrees
 
-bool holds(const CellSamples& leaf, const LatticePoint& cell) {
+bool contains(const CellSamples& leaf, const LatticePoint& cell) {
   for (std::size_t k = 0; k < 3; ++k)
     if (cell[k] < leaf.low[k] || cell[k] >= leaf.low[k] + leaf.cells) return false;
   return true;
 }
 
-/// The cells around the points of a block and its neighbors.
+/// The leaves at the points of a block and its neighbors.
 class Leaves {
  public:
   static constexpr int kAcross = kBrickSide + 3;
@@ -118,7 +119,7 @@ class Leaves {
               cell.begin(), cell.end(), [&](int c) { return c >= 0 && c < octree.resolution(); });
           if (!in_tree) {
             leaves_.push_back({cell, 0, {}});
-          } else if (!leaves_.empty() && holds(leaves_.back(), cell)) {
+          } else if (!leaves_.empty() && contains(leaves_.back(), cell)) {
             leaves_.push_back(CellSamples(leaves_.back()));
           } else {
             leaves_.push_back(octree.cell(cell));
@@ -126,12 +127,12 @@ class Leaves {
         }
   }
 
-  /// The sample at a point: of the smallest leaf around it that has one.
+  /// The sample at a point, from the smallest leaf leaf_at it that has one.
   [[nodiscard]] float at(const LatticePoint& point) const {
     const CellSamples* smallest = nullptr;
     bool outside = false, inside = false, unknown = false;
     for (int corner = 0; corner < 8; ++corner) {
-      const CellSamples& leaf = around(point, corner);
+      const CellSamples& leaf = leaf_at(point, corner);
       if (leaf.cells == 0) continue;
       switch (zone_of(leaf.corners)) {
         case Zone::kBand:
@@ -153,8 +154,8 @@ class Leaves {
   }
 
  private:
-  /// The leaf of one of the eight cells that meet at a point.
-  [[nodiscard]] const CellSamples& around(const LatticePoint& point, int corner) const {
+  /// The leaf of one of the eight cells at a point.
+  [[nodiscard]] const CellSamples& leaf_at(const LatticePoint& point, int corner) const {
     const int x = point[0] - low_[0] - (corner & 1), y = point[1] - low_[1] - (corner >> 1 & 1),
               z = point[2] - low_[2] - (corner >> 2);
     return leaves_[std::size_t((z * kAcross + y) * kAcross + x)];
@@ -169,10 +170,10 @@ class Leaves {
   }
 
   LatticePoint low_;
-  std::vector<CellSamples> leaves_;  ///< With no cells beyond the lattice.
+  std::vector<CellSamples> leaves_;  ///< With no cells outside the lattice.
 };
 
-/// The side of all points of a block, if leaves as large as it say so.
+/// The common zone of all points of a block, if leaves of at least its size determine it.
 std::optional<Zone> side_of_large_leaves(const Octree& octree, const LatticePoint& first) {
   std::optional<Zone> side;
   for (int corner = 0; corner < 8; ++corner) {
@@ -194,12 +195,12 @@ void read_octree(const Octree& octree, const FieldFrame& frame, SampleBlock& blo
   block.side = side_of_large_leaves(octree, block.first);
   if (block.side) return;
   const Leaves leaves(octree, block.first);
-  Surroundings(block.first, frame.resolution, [&](const LatticePoint& p) {
+  BlockNeighborhood(block.first, frame.resolution, [&](const LatticePoint& p) {
     return leaves.at(p);
   }).copy_to(block, frame.cell_mm, frame.tolerance_mm);
 }
 
-/// Blocks of the lattice that a window meets, along an axis.
+/// Blocks of the lattice that overlap a window, along an axis.
 struct BlockRange {
   int first, count;
 };
@@ -226,13 +227,13 @@ void read_block(const DistanceField& field, const LatticePoint& first, SampleBlo
 }
 
 std::optional<LatticePoint> LatticeWindow::find(const LatticePoint& point) const {
-  LatticePoint place{};
+  LatticePoint position{};
   for (std::size_t k = 0; k < 3; ++k) {
     const int from_first = point[k] - first[k];
-    place[k] = from_first / every;
-    if (from_first < 0 || from_first % every != 0 || place[k] >= count[k]) return std::nullopt;
+    position[k] = from_first / every;
+    if (from_first < 0 || from_first % every != 0 || position[k] >= count[k]) return std::nullopt;
   }
-  return place;
+  return position;
 }
 
 Result<LatticeWindow> window_of(const FieldFrame& frame, const std::optional<Box3>& region_B,
@@ -243,13 +244,14 @@ Result<LatticeWindow> window_of(const FieldFrame& frame, const std::optional<Box
                             every, frame.resolution));
   if (region_B && (region_B->min().array().isNaN().any() || region_B->max().array().isNaN().any()))
     return fail(ErrorCode::kInvalidArgument,
-                "region has a limit that is no number, it must have six numbers");
+                "region has a limit that is not a number, it must have six numbers");
   LatticeWindow window;
   window.every = every;
   for (int k = 0; k < 3; ++k) {
     double low = 0.0, high = frame.resolution;
     if (region_B) {
-      constexpr double kSlack = 1e-9;  // A limit on a sample takes it, whatever rounding says.
+      // Limits that coincide with samples include them, despite rounding.
+      constexpr double kSlack = 1e-9;
       low = std::max(low, (region_B->min()[k] - frame.origin_B[k]) / frame.cell_mm - kSlack);
       high = std::min(high, (region_B->max()[k] - frame.origin_B[k]) / frame.cell_mm + kSlack);
     }
@@ -257,7 +259,7 @@ Result<LatticeWindow> window_of(const FieldFrame& frame, const std::optional<Box
     if (!(first <= last))
       return fail(
           ErrorCode::kInvalidArgument,
-          fmt::format("region runs from {} to {} mm along {}, it must hold samples of the "
+          fmt::format("region runs from {} to {} mm along {}, it must contain samples of the "
                       "field, which lie from {:.6g} to {:.6g} mm, {:.6g} mm apart",
                       region_B ? region_B->min()[k] : 0.0, region_B ? region_B->max()[k] : 0.0,
                       "xyz"[k], frame.origin_B[k],

@@ -1,6 +1,6 @@
 /// \file
-/// The samples of a field at the points of its lattice, whatever keeps them: what other file
-/// formats and counts are made of.
+/// The samples of a field at its lattice points, independent of the storage format: for export and
+/// for counts.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,13 +15,13 @@
 
 namespace lefort::field {
 
-/// 8 x 8 x 8 samples, the first at multiples of eight.
+/// 8 x 8 x 8 samples; the coordinates of the first are multiples of eight.
 struct SampleBlock {
   LatticePoint first{};
-  /// Of all samples, if none is a distance and all are on one side; `values` is then not set.
+  /// The common zone of all samples if none is a distance; `values` is then not set.
   std::optional<Zone> side;
-  /// x fastest [mm]; +infinity beyond the band outside, -infinity inside, NaN where not known. The
-  /// last blocks reach beyond the lattice, where nothing is said.
+  /// x fastest [mm]; +infinity outside the band, -infinity inside, NaN if unknown. The last blocks
+  /// extend beyond the lattice, where values are undefined.
   std::array<float, SparseLattice::kBrickPoints> values{};
 
   [[nodiscard]] float at(const LatticePoint& point) const {
@@ -29,17 +29,19 @@ struct SampleBlock {
   }
 };
 
-/// Reads a block. The samples are those that a query would interpolate between:
+/// Reads a block. The samples are those that a query interpolates between:
 ///
-/// - of bricks and dense samples as they are kept, but for those that contradict a neighbor
-///   (violates_lipschitz.h), which are NaN;
-/// - of octrees those at the corners of leaves, and in leaves larger than a cell what their corners
-///   interpolate. A sample at the edge of the band that no leaf needs lies beyond the band.
+/// - bricks and dense samples: the stored values, except that samples in conflict with a neighbor
+///   (violates_lipschitz.h) are NaN;
+/// - octrees: values at the corners of leaves, and values interpolated from the corners in leaves
+///   larger than a cell. A sample at the edge of the band that no leaf uses is outside the band.
 ///
+/// \param field  to be read.
 /// \param first  multiples of SparseLattice::kSide from 0 to the resolution.
+/// \param block  receives the samples.
 void read_block(const DistanceField& field, const LatticePoint& first, SampleBlock& block);
 
-/// Every n-th sample of a box of the lattice.
+/// Every n-th sample in a box of the lattice.
 struct LatticeWindow {
   LatticePoint first{};  ///< Multiples of `every`.
   LatticePoint count{};  ///< Along each axis, >= 1.
@@ -47,37 +49,49 @@ struct LatticeWindow {
 
   [[nodiscard]] Index size() const { return Index(count[0]) * Index(count[1]) * Index(count[2]); }
 
-  /// Which sample of the window a lattice point is, if any.
+  /// Position in the window of a lattice point, if it is in the window.
   [[nodiscard]] std::optional<LatticePoint> find(const LatticePoint& point) const;
 };
 
 /// The window of all samples, or of those in a box.
 ///
-/// \returns kInvalidArgument if `every` is not from 1 to the resolution, or the box holds none.
+/// \param frame     lattice of the field.
+/// \param region_B  the box; all samples if empty.
+/// \param every     stride along each axis.
+/// \returns kInvalidArgument if `every` is not from 1 to the resolution, or the box contains no
+///   sample.
 [[nodiscard]] Result<LatticeWindow> window_of(const FieldFrame& frame,
                                               const std::optional<Box3>& region_B, int every);
 
-/// Calls body(block) for every block that meets the window, z slowest, from this thread; blocks
-/// are read by many.
+/// Calls body(block) for each block that overlaps the window, z slowest, in the calling thread;
+/// blocks are read in parallel.
 ///
+/// \param field     to be read.
+/// \param window    of its lattice.
+/// \param progress  receives the fraction done; may cancel.
+/// \param body      called for one block at a time.
 /// \returns kCancelled.
 [[nodiscard]] Result<void> for_each_block(const DistanceField& field, const LatticeWindow& window,
                                           Progress& progress,
                                           const std::function<void(const SampleBlock&)>& body);
 
-/// How many samples of a field are what.
+/// Number of samples by zone.
 struct SampleCount {
-  Index known = 0;    ///< Within the band.
-  Index outside = 0;  ///< Beyond it ...
+  Index known = 0;    ///< In the band.
+  Index outside = 0;  ///< Outside the band.
   Index inside = 0;
   Index unknown = 0;
 
-  /// Counts one sample, as in SampleBlock.
+  /// Counts a sample, given as in SampleBlock.
   void add(float sample, Index times = 1);
   [[nodiscard]] Index total() const { return known + outside + inside + unknown; }
   bool operator==(const SampleCount&) const = default;
 };
 
+/// Counts all samples of a field.
+///
+/// \param field     to be counted.
+/// \param progress  receives the fraction done; may cancel.
 /// \returns kCancelled.
 [[nodiscard]] Result<SampleCount> count_samples(const DistanceField& field,
                                                 Progress& progress = Progress::none());

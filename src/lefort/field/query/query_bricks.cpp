@@ -13,10 +13,10 @@ namespace lefort::field {
 
 namespace {
 
-/// Points worked on together: enough for memory to arrive, few enough to stay in the first cache.
+/// Points per group: enough to hide memory latency, few enough for the first-level cache.
 constexpr std::size_t kGroup = 32;
-/// Fewer are not worth putting in order.
-constexpr std::size_t kFewPoints = 128;
+/// Fewer points are not sorted.
+constexpr std::size_t kMinPointsToSort = 128;
 constexpr std::size_t kLanes = 16;
 constexpr std::size_t kCorners = 8;
 
@@ -24,15 +24,15 @@ using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(std::int32_
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
 using Doubles = double __attribute__((vector_size(kLanes * sizeof(double))));
 
-/// What a lookup needs again and again.
+/// Constants of a lookup.
 struct Lookup {
   const Brick* bricks;
   const std::byte* codes;
-  std::int32_t side;  ///< Bricks along a side of the table.
+  std::int32_t side;  ///< Bricks along an edge of the table.
   std::int32_t last_cell;
-  double maximum;  ///< Cells along a side of the cube.
+  double maximum;  ///< Cells along an edge of the cube.
   double cells_per_mm;
-  /// Of the cube, x, y, z again and again: positions are worked on as one long row of numbers.
+  /// x, y, z of the origin of the cube, repeated: positions are processed as one row of numbers.
   std::array<double, 3 * kGroup> origin;
 
   Lookup(const BrickSamples& samples, const FieldFrame& frame)
@@ -46,25 +46,26 @@ struct Lookup {
   }
 };
 
-/// Points on their way through the three stages.
+/// The points of a group between the three stages.
 template <class Real>
 struct Group {
   std::array<std::int32_t, 3 * kGroup> cell;
-  std::array<Real, 3 * kGroup> t;               ///< Positions in the cells.
-  std::array<std::int32_t, 3 * kGroup> within;  ///< 0 beyond the cube, or if no number; else -1.
-  std::array<const std::byte*, kCorners * kGroup> corners;  ///< Codes, point after point.
+  std::array<Real, 3 * kGroup> t;  ///< Positions in the cells.
+  /// -1 inside the cube; 0 outside, or if not finite.
+  std::array<std::int32_t, 3 * kGroup> within;
+  std::array<const std::byte*, kCorners * kGroup> corners;  ///< Addresses of codes, by point.
 };
 
-LEFORT_INLINE void prefetch(const void* place) { __builtin_prefetch(place); }
+LEFORT_INLINE void prefetch(const void* address) { __builtin_prefetch(address); }
 
-/// Stage 1: which cells.
+/// Stage 1: finds the cells.
 ///
 /// \param p  x, y, z of the points of a group, one after another.
 template <class Real>
 LEFORT_INLINE void locate(const Lookup& lookup, const double* p, Group<Real>& group) {
   for (std::size_t i = 0; i < 3 * kGroup; ++i) {
     const double u = (p[i] - lookup.origin[i]) * lookup.cells_per_mm;
-    const bool within = u >= 0.0 && u <= lookup.maximum;  // NaN is not.
+    const bool within = u >= 0.0 && u <= lookup.maximum;  // False for NaN.
     const std::int32_t cell = std::min(std::int32_t(within ? u : 0.0), lookup.last_cell);
     group.within[i] = within ? -1 : 0;
     group.cell[i] = cell;
@@ -77,13 +78,13 @@ LEFORT_INLINE void locate(const Lookup& lookup, const double* p, Group<Real>& gr
   }
 }
 
-/// Where a coordinate lies: its share of the number of a brick, of a leaf, and of a place in it.
-struct AxisPlace {
+/// Contribution of one coordinate to the number of a brick, of a leaf, and to the offset in a leaf.
+struct AxisOffset {
   std::int32_t brick;
   std::uint32_t leaf;
   std::uint32_t offset;
 
-  LEFORT_INLINE AxisPlace(std::int32_t coordinate, std::int32_t brick_stride, unsigned axis) {
+  LEFORT_INLINE AxisOffset(std::int32_t coordinate, std::int32_t brick_stride, unsigned axis) {
     const auto c = std::uint32_t(coordinate);
     brick = std::int32_t(c / 8U + 1U) * brick_stride;
     leaf = (c >> 2 & 1U) << axis;
@@ -91,15 +92,15 @@ struct AxisPlace {
   }
 };
 
-/// Stands for a leaf that is not stored: no distances, which send their points the slow way.
+/// Replaces leaves that are not stored; it has no distances, so its points take the slow path.
 constexpr auto kNoLeaf = [] {
   std::array<std::byte, BrickSamples::kLeafBytes + 1> leaf{};
   for (std::size_t i = 2; i < leaf.size(); i += BrickSamples::kCodeBytes) leaf[i] = std::byte(0x80);
   return leaf;
 }();
 
-/// Stage 2: where the samples are. Seven cells in twelve have their corners in more than one leaf,
-/// which no processor can foresee; so there is a branch along x alone, where it pays.
+/// Stage 2: finds the samples. Seven of twelve cells have corners in several leaves, which branch
+/// prediction cannot learn; so there is a branch along x only, where it pays.
 LEFORT_INLINE void find_corners(const Lookup& lookup, const std::int32_t* cells,
                                 const std::byte** corners) {
   static_assert(SparseLattice::kSide == 8 && BrickSamples::kLeafSide == 4);
@@ -107,7 +108,7 @@ LEFORT_INLINE void find_corners(const Lookup& lookup, const std::int32_t* cells,
   const Brick* const bricks = lookup.bricks;
   const std::byte* const codes = lookup.codes;
   for (std::size_t n = 0; n < kGroup; ++n, cells += 3, corners += kCorners) {
-    const AxisPlace x(cells[0], 1, 0), y0(cells[1], row, 1), y1(cells[1] + 1, row, 1),
+    const AxisOffset x(cells[0], 1, 0), y0(cells[1], row, 1), y1(cells[1] + 1, row, 1),
         z0(cells[2], slice, 2), z1(cells[2] + 1, slice, 2);
     const std::array<std::int32_t, 4> brick = {y0.brick + z0.brick, y1.brick + z0.brick,
                                                y0.brick + z1.brick, y1.brick + z1.brick};
@@ -115,7 +116,8 @@ LEFORT_INLINE void find_corners(const Lookup& lookup, const std::int32_t* cells,
                                                y0.leaf | z1.leaf, y1.leaf | z1.leaf};
     const std::array<std::uint32_t, 4> offset = {y0.offset + z0.offset, y1.offset + z0.offset,
                                                  y0.offset + z1.offset, y1.offset + z1.offset};
-    const auto place = [&](std::size_t i, const AxisPlace& at) __attribute__((always_inline)) {
+    const auto code_address = [&](std::size_t i, const AxisOffset& at)
+        __attribute__((always_inline)) {
       const Brick& found = bricks[brick[i] + at.brick];
       const std::uint32_t which = leaf[i] | at.leaf, stored = found.stored;
       const std::size_t position =
@@ -126,16 +128,16 @@ LEFORT_INLINE void find_corners(const Lookup& lookup, const std::int32_t* cells,
       return first + (offset[i] + at.offset);
     };
     for (std::size_t i = 0; i < 4; ++i) {
-      corners[2 * i] = place(i, x);
+      corners[2 * i] = code_address(i, x);
       prefetch(corners[2 * i]);
     }
     if ((cells[0] & 3) != 3) {
       for (std::size_t i = 0; i < 4; ++i)
         corners[2 * i + 1] = corners[2 * i] + BrickSamples::kCodeBytes;
     } else {
-      const AxisPlace next(cells[0] + 1, 1, 0);
+      const AxisOffset next(cells[0] + 1, 1, 0);
       for (std::size_t i = 0; i < 4; ++i) {
-        corners[2 * i + 1] = place(i, next);
+        corners[2 * i + 1] = code_address(i, next);
         prefetch(corners[2 * i + 1]);
       }
     }
@@ -165,7 +167,7 @@ struct Cells {
   std::array<std::int32_t, kLanes> is_known;  ///< Not zero if all corners are distances.
 };
 
-/// Stage 3: the samples.
+/// Stage 3: reads the samples.
 template <class Lanes, class Real>
 LEFORT_INLINE void read_cells(const Group<Real>& group, std::size_t first, Cells<Lanes>& cells) {
   alignas(64) std::array<std::array<std::int32_t, kLanes>, kCorners> codes;
@@ -178,7 +180,7 @@ LEFORT_INLINE void read_cells(const Group<Real>& group, std::size_t first, Cells
     for (std::size_t k = 0; k < 3; ++k) t[k][l] = group.t[3 * n + k];
     within[l] = group.within[3 * n] & group.within[3 * n + 1] & group.within[3 * n + 2];
   }
-  Floats largest{};  // Of the magnitudes, all of which single precision holds.
+  Floats largest{};  // Of the magnitudes, which single precision represents exactly.
   for (std::size_t corner = 0; corner < kCorners; ++corner) {
     Ints code;
     std::memcpy(&code, codes[corner].data(), sizeof(code));
@@ -195,7 +197,7 @@ LEFORT_INLINE void read_cells(const Group<Real>& group, std::size_t first, Cells
   for (std::size_t k = 0; k < 3; ++k) std::memcpy(&cells.t[k], t[k].data(), sizeof(cells.t[k]));
 }
 
-/// Where a point is that has no distance.
+/// Zone of a point without a distance.
 template <class Real>
 Zone zone_at(const BrickSamples& samples, const FieldFrame& frame, const Vec3& p_B,
              const Group<Real>& group, std::size_t n) {
@@ -209,8 +211,8 @@ Zone zone_at(const BrickSamples& samples, const FieldFrame& frame, const Vec3& p
   return zone_of(corners);
 }
 
-/// Calls finish(first, count, cells, group, place) for all points, at most kLanes at a time:
-/// `first` among the points, and `place` in the group.
+/// Calls finish(first, count, cells, group, position) for all points, at most kLanes at a time:
+/// `first` is the position among the points, `position` that in the group.
 template <class Lanes, class Real, class Finish>
 LEFORT_INLINE void for_all(const BrickSamples& samples, const FieldFrame& frame,
                            std::span<const Vec3> p_B, FindCorners find_corners_of,
@@ -230,9 +232,9 @@ LEFORT_INLINE void for_all(const BrickSamples& samples, const FieldFrame& frame,
     }
     locate(lookup, p, group);
     find_corners_of(lookup, group.cell.data(), group.corners.data());
-    for (std::size_t place = 0; place < count; place += kLanes) {
-      read_cells(group, place, cells);
-      finish(begin + place, std::min(kLanes, count - place), cells, group, place);
+    for (std::size_t position = 0; position < count; position += kLanes) {
+      read_cells(group, position, cells);
+      finish(begin + position, std::min(kLanes, count - position), cells, group, position);
     }
   }
 }
@@ -245,20 +247,20 @@ struct Query {
 };
 
 LEFORT_INLINE void sample_all(const Query& query, std::span<FieldSample> results) {
-  // In double precision: solvers take differences of these.
+  // Double precision, because solvers use differences of these values.
   const double quantum_mm = double(query.samples.quantum_mm());
   const double slope = quantum_mm / query.frame.cell_mm;
   for_all<Doubles, double>(
       query.samples, query.frame, query.p_B, *query.find_corners,
       [&](std::size_t first, std::size_t count, const Cells<Doubles>& cells,
-          const Group<double>& group, std::size_t place) __attribute__((always_inline)) {
+          const Group<double>& group, std::size_t position) __attribute__((always_inline)) {
         const Doubles distance = trilinear(cells.corners, cells.t) * quantum_mm;
         const std::array<Doubles, 3> gradient = trilinear_gradient(cells.corners, cells.t);
         const Doubles x = gradient[0] * slope, y = gradient[1] * slope, z = gradient[2] * slope;
         for (std::size_t l = 0; l < count; ++l) {
           if (cells.is_known[l] == 0) [[unlikely]] {
             results[first + l] = beyond_band(
-                zone_at(query.samples, query.frame, query.p_B[first + l], group, place + l),
+                zone_at(query.samples, query.frame, query.p_B[first + l], group, position + l),
                 query.frame.band_mm);
           } else {
             results[first + l] = {Zone::kBand, distance[l], Vec3(x[l], y[l], z[l])};
@@ -272,13 +274,14 @@ LEFORT_INLINE void distances_all(const Query& query, std::span<float> distances_
   for_all<Floats, float>(
       query.samples, query.frame, query.p_B, *query.find_corners,
       [&](std::size_t first, std::size_t count, const Cells<Floats>& cells,
-          const Group<float>& group, std::size_t place) __attribute__((always_inline)) {
+          const Group<float>& group, std::size_t position) __attribute__((always_inline)) {
         const Floats distance = trilinear(cells.corners, cells.t) * quantum_mm;
         for (std::size_t l = 0; l < count; ++l)
           distances_mm[first + l] =
-              cells.is_known[l] != 0 ? distance[l]
-                                     : side_value(zone_at(query.samples, query.frame,
-                                                          query.p_B[first + l], group, place + l));
+              cells.is_known[l] != 0
+                  ? distance[l]
+                  : side_value(zone_at(query.samples, query.frame, query.p_B[first + l], group,
+                                       position + l));
       });
 }
 
@@ -317,7 +320,7 @@ void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
   Query query{samples, frame, p_B, find_corners_baseline};
 #if defined(__x86_64__)
   if (simd != Simd::kBaseline) query.find_corners = find_corners_popcnt;
-  if (simd == Simd::kAvx512 && p_B.size() >= kFewPoints && internal::fits_avx512(samples))
+  if (simd == Simd::kAvx512 && p_B.size() >= kMinPointsToSort && internal::fits_avx512(samples))
     return internal::distances_avx512(samples, frame, p_B, distances_mm);
   if (simd == Simd::kAvx512) return distances_avx512(query, distances_mm);
   if (simd == Simd::kAvx2) return distances_avx2(query, distances_mm);

@@ -1,5 +1,5 @@
 /// \file
-/// Interpolates in bricks, many points at a time.
+/// Interpolation in bricks for several points at a time.
 #pragma once
 
 #include <lefort/field/field_frame.h>
@@ -11,14 +11,23 @@
 
 namespace lefort::field {
 
-/// Trilinear between the eight samples around each point. The memory that later points need is
-/// fetched while earlier ones are worked on.
+/// Trilinear interpolation of the eight samples around each point, with prefetching.
 ///
-/// \pre as many results as points.
+/// \param samples  of the field.
+/// \param frame    its lattice.
+/// \param p_B      query points [mm].
+/// \param results  \pre as many as points.
+/// \param simd     instruction set; all give the same bits.
 void sample_bricks(const BrickSamples& samples, const FieldFrame& frame, std::span<const Vec3> p_B,
                    std::span<FieldSample> results, Simd simd = best_simd());
 
-/// The same without gradients: distances [mm], +-infinity beyond the band, NaN where unknown.
+/// The same without gradients: distances [mm], +-infinity outside the band, NaN if unknown.
+///
+/// \param samples       of the field.
+/// \param frame         its lattice.
+/// \param p_B           query points [mm].
+/// \param distances_mm  \pre as many as points.
+/// \param simd          instruction set; all give the same bits.
 void distances_in_bricks(const BrickSamples& samples, const FieldFrame& frame,
                          std::span<const Vec3> p_B, std::span<float> distances_mm,
                          Simd simd = best_simd());

@@ -13,7 +13,7 @@ namespace lefort::field {
 
 namespace {
 
-/// Which way a slice across an axis is looked at.
+/// Axes of the picture of a slice.
 struct Sides {
   Vec3 right_B, down_B;
 };
@@ -34,18 +34,20 @@ Result<Box3> shown_box(const FieldFrame& frame, const SliceOptions& options) {
   const Box3 cube = cube_of(frame);
   const double low = cube.min()[options.axis], high = cube.max()[options.axis];
   if (!(options.at_mm >= low && options.at_mm <= high))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the plane lies at {} = {} mm, it must cut the field, which reaches "
-                            "from {:.6g} to {:.6g} mm",
-                            "xyz"[options.axis], options.at_mm, low, high));
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("the plane lies at {} = {} mm, it must intersect the field, which extends "
+                    "from {:.6g} to {:.6g} mm",
+                    "xyz"[options.axis], options.at_mm, low, high));
   Box3 shown = options.region_B ? options.region_B->intersection(cube) : cube;
   shown.min()[options.axis] = shown.max()[options.axis] = options.at_mm;
   for (int k = 0; k < 3; ++k)
     if (k != options.axis && !(shown.sizes()[k] > 0.0))
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("region misses the field along {}, which reaches from {:.6g} to "
-                              "{:.6g} mm",
-                              "xyz"[k], cube.min()[k], cube.max()[k]));
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("region does not overlap the field along {}, which extends from {:.6g} to "
+                      "{:.6g} mm",
+                      "xyz"[k], cube.min()[k], cube.max()[k]));
   return shown;
 }
 
@@ -65,7 +67,7 @@ Result<Eigen::Vector2d> slice_extent(const FieldFrame& frame, const SliceOptions
 Result<FieldSlice> slice_field(const DistanceField& field, const SliceOptions& options) {
   if (options.smooth && !field.is_smooth())
     return fail(ErrorCode::kInvalidArgument,
-                "the field was built without the smooth reconstruction, it must have it");
+                "the field has no smooth reconstruction; build it with one");
   LEFORT_TRY(const Box3 shown, shown_box(field.frame(), options));
   LEFORT_TRY(const Eigen::Vector2d extent_mm, slice_extent(field.frame(), options));
   if (!(options.pixel_mm > 0.0 && extent_mm.maxCoeff() <= kMaxSliceSide * options.pixel_mm))

@@ -1,5 +1,5 @@
 /// \file
-/// A field on a plane, as a picture of it needs: distances at the middle of square pixels.
+/// Slices of a field: distances on a plane, at the centers of square pixels.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,57 +11,65 @@
 
 namespace lefort::field {
 
+/// Plane and resolution of a slice.
 struct SliceOptions {
-  int axis = 2;                    ///< Across the plane: 0 sagittal, 1 coronal, 2 axial.
-  double at_mm = 0.0;              ///< Coordinate of the plane along the axis.
-  std::optional<Box3> region_B{};  ///< What is shown; its extent along the axis does not matter.
-  double pixel_mm = 1.0;           ///< Side of a pixel, > 0.
-  bool smooth = false;             ///< The differentiable reconstruction.
+  int axis = 2;        ///< Normal of the plane: 0 sagittal, 1 coronal, 2 axial.
+  double at_mm = 0.0;  ///< Coordinate of the plane along the axis.
+  /// Region that is shown; its extent along the normal is not used.
+  std::optional<Box3> region_B{};
+  double pixel_mm = 1.0;  ///< Edge of a pixel, > 0.
+  bool smooth = false;    ///< Use the differentiable reconstruction.
 };
 
-/// Distances on a plane, rows from the top. Sides are as in radiology: seen from the patient's feet
-/// (axial), front (coronal) and left (sagittal), so that the patient's right, right and front are
-/// on the left of the picture.
+/// Distances on a plane, rows from the top. Orientation as in radiology: seen from the patient's
+/// feet (axial), front (coronal) and left (sagittal), so that the patient's right, right and front
+/// are on the left of the picture.
 struct FieldSlice {
   Vec3 corner_B;         ///< Upper left corner of the upper left pixel.
   Vec3 right_B, down_B;  ///< Unit, along axes.
   double pixel_mm = 0.0;
   int columns = 0, rows = 0;
-  std::vector<double> distances_mm{};  ///< +-infinity beyond the band, NaN where not known.
+  std::vector<double> distances_mm{};  ///< +-infinity outside the band, NaN if unknown.
 
-  /// Middle of a pixel.
+  /// Center of a pixel.
   [[nodiscard]] Vec3 place(double column, double row) const {
     return corner_B + (column + 0.5) * pixel_mm * right_B + (row + 0.5) * pixel_mm * down_B;
   }
-  /// Column and row of a point of the plane; whole numbers are middles of pixels.
+  /// Column and row of a point in the plane; whole numbers are centers of pixels.
   [[nodiscard]] Eigen::Vector2d pixel_at(const Vec3& p_B) const {
     const Vec3 from_corner = (p_B - corner_B) / pixel_mm;
     return {from_corner.dot(right_B) - 0.5, from_corner.dot(down_B) - 0.5};
   }
 };
 
+/// Most pixels along an edge of a slice.
 inline constexpr int kMaxSliceSide = 16'000;
 
-/// Extent of what a slice shows, to the right and down [mm].
+/// Extent of a slice to the right and down [mm].
 ///
-/// \returns kInvalidArgument if the axis is none, or the plane or the region misses the field.
+/// \param frame    lattice of the field.
+/// \param options  plane and resolution.
+/// \returns kInvalidArgument if the axis is invalid, or the plane or the region does not intersect
+///   the field.
 [[nodiscard]] Result<Eigen::Vector2d> slice_extent(const FieldFrame& frame,
                                                    const SliceOptions& options);
 
-/// Asks the field at every pixel.
+/// Evaluates the field at every pixel.
 ///
-/// \returns as slice_extent(); kInvalidArgument if the pixels are more than kMaxSliceSide along a
-///   side, or `smooth` is asked of a field without.
+/// \param field    to be evaluated.
+/// \param options  plane and resolution.
+/// \returns as slice_extent(); kInvalidArgument if there are more than kMaxSliceSide pixels along
+///   an edge, or `smooth` is set and the field is not smooth.
 [[nodiscard]] Result<FieldSlice> slice_field(const DistanceField& field,
                                              const SliceOptions& options);
 
-/// A slice in numbers.
+/// Statistics of a slice.
 struct SliceSummary {
   SampleCount pixels{};
-  double inside_mm2 = 0.0;  ///< Of pixels inside, within the band or beyond it if that is known.
-  double min_mm = 0.0;      ///< Of the distances in the band; 0 if there are none.
+  double inside_mm2 = 0.0;  ///< Area of pixels inside, both in the band and beyond it.
+  double min_mm = 0.0;      ///< Of distances in the band; 0 without any.
   double max_mm = 0.0;
-  double zero_line_mm = 0.0;  ///< Length of the line where the distance is zero.
+  double zero_line_mm = 0.0;  ///< Length of the zero contour.
 };
 
 [[nodiscard]] SliceSummary summarize(const FieldSlice& slice);

@@ -1,5 +1,5 @@
 /// \file
-/// Interpolation between the eight corners of a cube.
+/// Trilinear interpolation in a cube.
 #pragma once
 
 #include <array>
@@ -7,8 +7,9 @@
 
 namespace lefort::field {
 
-// Inlined always, so that Real may be a vector wider than the baseline's registers.
+// Always inlined, so that Real may be a vector wider than the registers of the baseline.
 
+/// Linear interpolation: `low` at fraction 0, `high` at fraction 1.
 template <class Real>
 [[nodiscard, gnu::always_inline]] inline Real lerp(const Real& fraction, const Real& low,
                                                    const Real& high) {

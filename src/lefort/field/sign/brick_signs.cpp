@@ -42,10 +42,10 @@ void propagate_signs(BrickSigns& signs, BrickBits& to_find) {
       outside[z] = propagate & ~signs.inside[z];
     }
     for (std::size_t z = 0; z < kSideWords; ++z) {
-      const std::uint64_t requested = to_find[z] & signs.clear_of_surface[z];
-      if (requested == 0) continue;
+      const std::uint64_t to_decide = to_find[z] & signs.clear_of_surface[z];
+      if (to_decide == 0) continue;
       const std::uint64_t in = from_neighbors(inside, z), out = from_neighbors(outside, z);
-      const std::uint64_t found = requested & (in ^ out);
+      const std::uint64_t found = to_decide & (in ^ out);
       signs.inside[z] |= found & in;
       to_find[z] &= ~found;
       moved |= found != 0;
@@ -88,7 +88,7 @@ std::uint64_t face_bits(const BrickBits& bits, int axis, bool highest) {
     if (axis == 1) {
       row = bits[z] >> (highest ? 56 : 0) & 0xFF;
     } else {
-      // The column's eight bits, gathered to one byte by a product.
+      // A product gathers the eight bits of the column in one byte.
       const std::uint64_t column = bits[z] >> (highest ? 7 : 0) & kFirstColumn;
       row = column * 0x0102040810204080 >> 56;
     }
@@ -97,7 +97,7 @@ std::uint64_t face_bits(const BrickBits& bits, int axis, bool highest) {
   return face;
 }
 
-int face_place(int bit, int axis, bool highest) {
+int face_offset(int bit, int axis, bool highest) {
   constexpr int kPoints = SparseLattice::kSide;
   const int end = highest ? kPoints - 1 : 0, low = bit % kPoints, high = bit / kPoints;
   if (axis == 2) return (end * kPoints + high) * kPoints + low;

@@ -1,6 +1,6 @@
 /// \file
-/// Which points of a brick are known and which are inside, 64 to a word: what the space beyond the
-/// band and contradictions between neighbors are found by.
+/// Known points and inside points of a brick as masks of 64 bits, for sign propagation and for the
+/// detection of sign conflicts.
 #pragma once
 
 #include <lefort/field/storage/sparse_lattice.h>
@@ -11,14 +11,15 @@
 
 namespace lefort::field {
 
-/// A bit per point of a brick, x fastest, one word per z.
+/// One bit per point of a brick, x fastest, one word per z.
 using BrickBits = std::array<std::uint64_t, std::size_t(SparseLattice::kSide)>;
 
+/// Signs of the points of a brick.
 struct BrickSigns {
   BrickBits known{};
-  BrickBits inside{};  ///< Of those that are known.
-  /// Of those that are known: more than half a cell from the surface. No surface passes between two
-  /// neighbors that are, and their distances contradict each other if their signs do.
+  BrickBits inside{};  ///< Of known points.
+  /// Known points further than half a cell from the surface. The surface does not pass between two
+  /// such neighbors, so they are in conflict if their signs differ.
   BrickBits clear_of_surface{};
 
   [[nodiscard]] bool any_known() const {
@@ -28,46 +29,48 @@ struct BrickSigns {
   }
 };
 
-/// The points of an octant (x fastest) of a brick within any of its four words.
+/// Mask of an octant (x fastest) of a brick in any of its four words.
 [[nodiscard]] inline std::uint64_t octant_columns(int octant) {
   const std::uint64_t rows = (octant >> 1 & 1) != 0 ? 0xFFFFFFFF00000000 : 0x00000000FFFFFFFF;
   return rows & ((octant & 1) != 0 ? 0xF0F0F0F0F0F0F0F0 : 0x0F0F0F0F0F0F0F0F);
 }
 
-/// The lattice point at a place in the brick that begins at `first`.
-[[nodiscard]] inline LatticePoint point_at(const LatticePoint& first, int place) {
+/// The lattice point at an offset in the brick whose first point is `first`.
+[[nodiscard]] inline LatticePoint point_at(const LatticePoint& first, int offset) {
   constexpr int kSide = SparseLattice::kSide;
-  return {first[0] + place % kSide, first[1] + place / kSide % kSide,
-          first[2] + place / (kSide * kSide)};
+  return {first[0] + offset % kSide, first[1] + offset / kSide % kSide,
+          first[2] + offset / (kSide * kSide)};
 }
 
-/// \param distances  NaN where not known.
+/// Signs of given distances.
+///
+/// \param distances  NaN where unknown.
 [[nodiscard]] BrickSigns signs_of(std::span<const float, SparseLattice::kBrickPoints> distances);
 
-/// Hands sides from point to point where no surface can pass: a point's distance is that of all its
-/// surroundings.
+/// Propagates signs between neighbors that the surface cannot separate (flood fill).
 ///
-/// \param to_find  known points whose side is not; those reached leave it. A point whose neighbors
-///   disagree is not reached.
-/// \param signs    has the sides of the other known points; receives those found.
+/// \param signs    has the signs of known points outside `to_find`; receives those found.
+/// \param to_find  known points without a sign; those found are removed. A point with neighbors of
+///   different sign is not found.
 void propagate_signs(BrickSigns& signs, BrickBits& to_find);
 
-/// Pairs of known neighbors within the brick whose distances may contradict each other: on
-/// different sides, and not both near the surface. By axis: bit i of axis k is the pair of point i
-/// and the next along k.
+/// Pairs of known neighbors in the brick whose distances may be in conflict: with different signs,
+/// and not both close to the surface. Bit i of axis k is the pair of point i and its successor
+/// along k.
 [[nodiscard]] std::array<BrickBits, 3> possible_conflicts(const BrickSigns& signs);
 
-/// Whether a known point has a neighbor in the brick that is not, on the other side: no surface
-/// passes between them.
+/// True if a known point and an unknown neighbor in the brick have different signs: the surface
+/// cannot pass between them.
 ///
+/// \param known   known points.
 /// \param inside  of all points.
 [[nodiscard]] bool unsampled_contradict(const BrickBits& known, const BrickBits& inside);
 
-/// The points of a face of the brick, 64 to a word: the lowest or the highest along an axis, in an
-/// order that is the same for both.
+/// The points of a face of the brick, 64 to a word: the lowest or the highest along an axis, in the
+/// same order for both.
 [[nodiscard]] std::uint64_t face_bits(const BrickBits& bits, int axis, bool highest);
 
-/// Place in the brick of a bit of face_bits().
-[[nodiscard]] int face_place(int bit, int axis, bool highest);
+/// Offset in the brick of a bit of face_bits().
+[[nodiscard]] int face_offset(int bit, int axis, bool highest);
 
 }  // namespace lefort::field

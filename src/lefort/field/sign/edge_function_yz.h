@@ -1,5 +1,6 @@
 /// \file
-/// On which side of an edge a line along x passes, so that the two triangles there agree.
+/// Edge function in the plane of y and z (Pineda 1988): on which side of an edge a line along x
+/// passes.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -8,7 +9,7 @@
 
 namespace lefort::field {
 
-/// An edge from a to b, seen along x. For many points beside one edge.
+/// The edge from a to b, projected along x. Evaluates points for the same edge.
 class EdgeFunctionYz {
  public:
   EdgeFunctionYz(const Vec3& a, const Vec3& b)
@@ -18,9 +19,9 @@ class EdgeFunctionYz {
         along_y_((swapped_ ? a.y() : b.y()) - from_y_),
         along_z_((swapped_ ? a.z() : b.z()) - from_z_) {}
 
-  /// Twice the area of (a, b, p) in the plane of y and z, signed and never zero; the same number
-  /// but for the sign for (b, a, p). So a line along x through p crosses a closed surface as often
-  /// one way as the other, even where it grazes an edge.
+  /// Twice the signed area of (a, b, p) in the plane of y and z, never zero. Exactly the negative
+  /// value for the reversed edge, so both triangles of an edge agree, and a line along x through p
+  /// crosses a closed surface equally often in both directions, even if it grazes an edge.
   [[nodiscard]] double evaluate(double y, double z) const {
     const double area = along_y_ * (z - from_z_) - along_z_ * (y - from_y_);
     const double sided = area == 0.0 ? 1e-300 : area;

@@ -18,7 +18,7 @@ constexpr double kHalfOctant = 2.6;
 BrickBits inside_with_unsampled(const BrickSigns& signs, const WindingScanlines& winding,
                                 std::int32_t brick, const FieldFrame& frame) {
   const LatticePoint first = SparseLattice::first_point_of(brick, frame.resolution);
-  const bool one_side = frame.band_mm >= kHalfOctant * frame.cell_mm;
+  const bool same_sign_in_octant = frame.band_mm >= kHalfOctant * frame.cell_mm;
   BrickBits inside = signs.inside;
   for (int octant = 0; octant < 8; ++octant) {
     std::optional<bool> side;
@@ -27,11 +27,12 @@ BrickBits inside_with_unsampled(const BrickSigns& signs, const WindingScanlines&
       std::uint64_t far = ~signs.known[z] & octant_columns(octant);
       for (std::uint64_t left = far; left != 0; left &= left - 1) {
         const int bit = std::countr_zero(left);
-        if (!side || !one_side) side = winding.is_inside(point_at(first, int(z) * 64 + bit));
-        if (!one_side && *side) inside[z] |= std::uint64_t(1) << bit;
-        if (one_side) break;
+        if (!side || !same_sign_in_octant)
+          side = winding.is_inside(point_at(first, int(z) * 64 + bit));
+        if (!same_sign_in_octant && *side) inside[z] |= std::uint64_t(1) << bit;
+        if (same_sign_in_octant) break;
       }
-      if (one_side && side.value_or(false)) inside[z] |= far;
+      if (same_sign_in_octant && side.value_or(false)) inside[z] |= far;
     }
   }
   return inside;
@@ -48,7 +49,7 @@ void fill_points_outside_band(std::span<float, SparseLattice::kBrickPoints> dist
           side_value((inside[i / 64] >> (i % 64) & 1) != 0 ? Zone::kInside : Zone::kOutside);
 }
 
-Zone side_of_empty_brick(const WindingScanlines& winding, std::int32_t brick, int resolution) {
+Zone zone_of_empty_brick(const WindingScanlines& winding, std::int32_t brick, int resolution) {
   const LatticePoint first = SparseLattice::first_point_of(brick, resolution);
   return winding.is_inside(first) ? Zone::kInside : Zone::kOutside;
 }
@@ -58,26 +59,26 @@ float SignedDistances::at(const LatticePoint& point) const {
   const std::int32_t slot = near.slot_of(brick);
   if (slot != SparseLattice::kNoBrick)
     return near.brick(slot)[std::size_t(SparseLattice::linear_offset(point))];
-  return side_value(brick_sides[std::size_t(brick)]);
+  return side_value(brick_zones[std::size_t(brick)]);
 }
 
 SignedDistances fill_outside_band(SparseLattice distances, const FieldFrame& frame,
                                   const WindingScanlines* winding) {
   const int resolution = distances.resolution();
   const auto n = std::size_t(distances.bricks_per_side());
-  std::vector<Zone> sides(n * n * n, Zone::kUnknown);
-  if (winding == nullptr) return {std::move(distances), std::move(sides)};
-  parallel_for(Index(sides.size()), [&](Index b) {
+  std::vector<Zone> zones(n * n * n, Zone::kUnknown);
+  if (winding == nullptr) return {std::move(distances), std::move(zones)};
+  parallel_for(Index(zones.size()), [&](Index b) {
     const auto brick = std::int32_t(b);
     const std::int32_t slot = distances.slot_of(brick);
     if (slot == SparseLattice::kNoBrick) {
-      sides[std::size_t(b)] = side_of_empty_brick(*winding, brick, resolution);
+      zones[std::size_t(b)] = zone_of_empty_brick(*winding, brick, resolution);
     } else {
       fill_points_outside_band(distances.brick(slot), *winding, brick, frame);
-      sides[std::size_t(b)] = Zone::kBand;
+      zones[std::size_t(b)] = Zone::kBand;
     }
   });
-  return {std::move(distances), std::move(sides)};
+  return {std::move(distances), std::move(zones)};
 }
 
 }  // namespace lefort::field

@@ -1,5 +1,5 @@
 /// \file
-/// Which side of a closed surface the space beyond the band is on.
+/// Zones of the space outside the band of a closed surface.
 #pragma once
 
 #include <lefort/field/sign/brick_signs.h>
@@ -13,34 +13,54 @@
 
 namespace lefort::field {
 
-/// Sides of all points of a brick: those that are known, and the far ones by the winding number, so
-/// that no wrong sign spreads from where a surface cuts through itself.
+/// Signs of all points of a brick: known points keep theirs, unsampled ones get that of the winding
+/// number, so that wrong signs near self-intersections do not spread.
 ///
-/// Far points within four of each other along each axis (5.2 cells) are on one side if the surface
-/// is further than half of that from both; so eight questions do for a brick.
+/// Unsampled points within four of each other along each axis (5.2 cells) have the same sign if
+/// both are further than half of that from the surface; then eight evaluations are enough for a
+/// brick.
+///
+/// \param signs    of the known points.
+/// \param winding  of the surface.
+/// \param brick    its number.
+/// \param frame    lattice of the field.
 [[nodiscard]] BrickBits inside_with_unsampled(const BrickSigns& signs,
                                               const WindingScanlines& winding, std::int32_t brick,
                                               const FieldFrame& frame);
 
-/// Gives far points (NaN) of a brick +infinity outside and -infinity inside.
+/// Sets unsampled points (NaN) of a brick to +infinity outside and -infinity inside.
+///
+/// \param distances  of the points of the brick.
+/// \param winding    of the surface.
+/// \param brick      its number.
+/// \param frame      lattice of the field.
 void fill_points_outside_band(std::span<float, SparseLattice::kBrickPoints> distances,
                               const WindingScanlines& winding, std::int32_t brick,
                               const FieldFrame& frame);
 
-/// Side of a brick that holds no known point.
-[[nodiscard]] Zone side_of_empty_brick(const WindingScanlines& winding, std::int32_t brick,
+/// Zone of a brick without known points.
+///
+/// \param winding     of the surface.
+/// \param brick       its number.
+/// \param resolution  of the lattice.
+[[nodiscard]] Zone zone_of_empty_brick(const WindingScanlines& winding, std::int32_t brick,
                                        int resolution);
 
-/// A signed distance for every point of the lattice: +-infinity far from the surface, by side, or
-/// NaN where an open surface leaves the side unknown.
+/// A signed distance for every lattice point: +-infinity outside the band, or NaN where an open
+/// surface leaves the sign unknown.
 struct SignedDistances {
   SparseLattice near;
-  std::vector<Zone> brick_sides;  ///< Of the bricks that `near` does not have, by brick number.
+  std::vector<Zone> brick_zones;  ///< By brick number, of bricks that `near` does not have.
 
   [[nodiscard]] float at(const LatticePoint& point) const;
 };
 
-/// \param winding  of the surface, or null if it is open; far points then stay unknown.
+/// Completes the distances of a band.
+///
+/// \param distances  in the band.
+/// \param frame      lattice of the field.
+/// \param winding    of the surface, or null if it is open; then points outside the band remain
+///   unknown.
 [[nodiscard]] SignedDistances fill_outside_band(SparseLattice distances, const FieldFrame& frame,
                                                 const WindingScanlines* winding);
 

@@ -9,7 +9,7 @@ namespace lefort::field {
 
 namespace {
 
-/// Distances without sign never contradict each other, so only a change of sign can.
+/// Unsigned distances are never in conflict, so only pairs with different signs are tested.
 std::vector<std::size_t> conflicting_points(
     std::span<const float, SparseLattice::kBrickPoints> distances, const BrickSigns& signs,
     float cell_mm) {
@@ -38,7 +38,7 @@ std::vector<std::size_t> resolve_sign_conflicts(
     return in_conflict;
   const LatticePoint first = SparseLattice::first_point_of(brick, frame.resolution);
   for (std::size_t i = 0; i < distances.size(); ++i) {
-    if (!(std::abs(distances[i]) > cell_mm)) continue;  // Nor if not known.
+    if (!(std::abs(distances[i]) > cell_mm)) continue;  // Also skips NaN.
     const bool is_inside = winding->is_inside(point_at(first, int(i)));
     distances[i] = std::copysign(distances[i], is_inside ? -1.0F : 1.0F);
     const std::uint64_t bit = std::uint64_t(1) << (i % 64);

@@ -1,5 +1,5 @@
 /// \file
-/// What becomes of samples of a brick whose sides contradict each other.
+/// Resolves sign conflicts in a brick with the winding number.
 #pragma once
 
 #include <lefort/field/field_frame.h>
@@ -14,17 +14,18 @@
 
 namespace lefort::field {
 
-/// Where a surface cuts through itself its nearest feature may tell the wrong side; how often it
-/// winds around a point does not. So in a brick with contradictions, between known points or
-/// between a known and a far one, all points further than a cell from the surface take the side of
-/// their winding number.
+/// Where a surface intersects itself, the sign of the closest feature may be wrong, but the winding
+/// number is right. In a brick with conflicts, between known points or between a known and an
+/// unsampled one, all points further than a cell from the surface get the sign of their winding
+/// number.
 ///
-/// \param distances  of the brick's points, NaN where not known.
-/// \param signs      those of the distances.
-/// \param inside     of all points, by inside_with_unsampled(); not looked at without a winding
-///   number.
-/// \param winding    of the surface, or null if it is open: nothing changes then.
-/// \returns the points that contradict a neighbor in the brick still, some more than once.
+/// \param distances  of the points of the brick, NaN where unknown.
+/// \param signs      of `distances`.
+/// \param inside     of all points, from inside_with_unsampled(); not used if `winding` is null.
+/// \param winding    of the surface, or null if it is open: then nothing changes.
+/// \param brick      its number.
+/// \param frame      lattice of the field.
+/// \returns points that are still in conflict with a neighbor in the brick, some repeatedly.
 std::vector<std::size_t> resolve_sign_conflicts(
     std::span<float, SparseLattice::kBrickPoints> distances, BrickSigns& signs,
     const BrickBits& inside, const WindingScanlines* winding, std::int32_t brick,

@@ -1,19 +1,22 @@
 /// \file
-/// Where signed distances contradict each other.
+/// Sign conflicts between neighboring samples.
 #pragma once
 
 #include <cmath>
 
 namespace lefort::field {
 
-/// The most that neighbors on the lattice may differ, in cells: a distance changes by no more than
-/// its argument, but for rounding.
+/// Max difference between lattice neighbors in cells: a distance is 1-Lipschitz; the excess is for
+/// rounding.
 inline constexpr float kMaxSlope = 1.001F;
 
-/// True if two neighbors cannot belong to one distance field. Behind the rim of an open
-/// surface, or where triangles turn against each other, the sign jumps and with it the distance.
+/// True if two neighbors cannot belong to one distance field. Beyond the boundary of an open
+/// surface, and where triangles are inconsistently oriented, the sign jumps, and with it the
+/// distance. False if one of them is NaN.
 ///
-/// False if one of them is NaN.
+/// \param distance  of one lattice point.
+/// \param neighbor  distance of an adjacent lattice point.
+/// \param cell      spacing of the lattice.
 [[nodiscard]] inline bool violates_lipschitz(float distance, float neighbor, float cell) {
   return std::abs(distance - neighbor) > cell * kMaxSlope;
 }

@@ -11,17 +11,17 @@ namespace lefort::field {
 
 namespace {
 
-/// Every second row of points along y and along z has a line.
+/// There is a line for every second row of points along y and along z.
 constexpr int kSpacing = 2;
-/// How far the lines run beside those rows, in cells: about halfway to the next, by fractions that
-/// no surface follows.
-constexpr double kAside_y = 0.47140452079103, kAside_z = 0.53033008588991;
-constexpr bool near_all_rows(double aside_y, double aside_z) {
-  const double y = std::max(aside_y, kSpacing - 1 - aside_y),
-               z = std::max(aside_z, kSpacing - 1 - aside_z);
+/// Offset of the lines from those rows, in cells: about half of the spacing, with fractions that no
+/// surface coincides with.
+constexpr double kOffset_y = 0.47140452079103, kOffset_z = 0.53033008588991;
+constexpr bool near_all_rows(double offset_y, double offset_z) {
+  const double y = std::max(offset_y, kSpacing - 1 - offset_y),
+               z = std::max(offset_z, kSpacing - 1 - offset_z);
   return y * y + z * z < 1.0;
 }
-static_assert(near_all_rows(kAside_y, kAside_z), "answers are for points further than a cell");
+static_assert(near_all_rows(kOffset_y, kOffset_z), "results are for points further than a cell");
 constexpr Index kRowsPerTask = 2048;
 
 int lines_per_side(int resolution) { return resolution / kSpacing + 1; }
@@ -32,33 +32,33 @@ struct Hit {
   std::int32_t winding;
 };
 
-/// Lines that cross a triangle with corners in cells.
+/// Finds the lines that cross a triangle with corners in cells.
 void find_hits(const std::array<Vec3, 3>& corner, int lines, std::vector<Hit>& hits) {
-  const auto range = [&](int axis, double aside) {
+  const auto range = [&](int axis, double offset) {
     const auto [minimum, maximum] =
         std::minmax({corner[0][axis], corner[1][axis], corner[2][axis]});
-    // From the first line not below the triangle to the last not above it; towards zero is down,
-    // for no line has a negative number.
-    const double from = (minimum - aside) / kSpacing, to = (maximum - aside) / kSpacing;
+    // From the first line not below the triangle to the last one not above it; line numbers are not
+    // negative, so truncation rounds down.
+    const double from = (minimum - offset) / kSpacing, to = (maximum - offset) / kSpacing;
     return std::pair(std::max(0, int(from) + (double(int(from)) < from ? 1 : 0)),
                      std::min(lines - 1, int(to)));
   };
-  const auto [y_low, y_high] = range(1, kAside_y);
-  const auto [z_low, z_high] = range(2, kAside_z);
+  const auto [y_low, y_high] = range(1, kOffset_y);
+  const auto [z_low, z_high] = range(2, kOffset_z);
   if (y_low > y_high || z_low > z_high) return;
   const EdgeFunctionYz opposite_0(corner[1], corner[2]), opposite_1(corner[2], corner[0]),
       opposite_2(corner[0], corner[1]);
   for (int z = z_low; z <= z_high; ++z)
     for (int y = y_low; y <= y_high; ++y) {
-      const double py = kSpacing * y + kAside_y, pz = kSpacing * z + kAside_z;
+      const double py = kSpacing * y + kOffset_y, pz = kSpacing * z + kOffset_z;
       const double a = opposite_0.evaluate(py, pz), b = opposite_1.evaluate(py, pz),
                    c = opposite_2.evaluate(py, pz);
       const bool all_left = a > 0.0 && b > 0.0 && c > 0.0;
       const bool all_right = a < 0.0 && b < 0.0 && c < 0.0;
       if (!all_left && !all_right) continue;
       const double x = (a * corner[0].x() + b * corner[1].x() + c * corner[2].x()) / (a + b + c);
-      // In the plane of y and z a triangle whose normal has a positive x turns left: there a line
-      // along +x leaves.
+      // In the plane of y and z a triangle with a normal of positive x is counter-clockwise: there
+      // a line along +x leaves the volume.
       hits.push_back({std::uint32_t(z * lines + y), float(x), all_right ? 1 : -1});
     }
 }
@@ -107,7 +107,7 @@ WindingScanlines::WindingScanlines(const geometry::TriangleMesh& mesh_B, const F
 
 bool WindingScanlines::is_inside(const LatticePoint& point) const {
   for (const int c : point)
-    if (c < 0 || c > resolution_) return false;  // The surface lies within the cube.
+    if (c < 0 || c > resolution_) return false;  // The surface is inside the cube.
   const auto line = std::size_t(point[2] / kSpacing) * std::size_t(lines_per_side(resolution_)) +
                     std::size_t(point[1] / kSpacing);
   std::int32_t winding = 0;

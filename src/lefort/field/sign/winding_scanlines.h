@@ -1,6 +1,6 @@
 /// \file
-/// How often a closed surface winds around the points of the lattice: which side is which, however
-/// the surface cuts through itself.
+/// Winding number of a closed surface at lattice points, valid also where the surface intersects
+/// itself.
 #pragma once
 
 #include <lefort/field/field_frame.h>
@@ -12,17 +12,20 @@
 
 namespace lefort::field {
 
-/// Where lines along x cross the surface: one to four rows of lattice points, between them.
+/// Crossings of the surface with lines along x; one line serves up to four rows of lattice points.
 ///
-/// The lines run a fraction of a cell beside the points, so that they meet no edge of surfaces
-/// that follow the lattice. So the answer is for points further than a cell from the surface only,
-/// and those alone need it.
+/// The lines have an offset of a fraction of a cell from the points, so that they do not hit edges
+/// of surfaces that follow the lattice. So results are valid for points further than a cell from
+/// the surface only, and only those need them.
 class WindingScanlines {
  public:
-  /// \pre the surface is closed: on every edge as many sides run each way.
+  /// \param mesh_B  the surface. \pre closed: each edge has equally many triangles in both
+  ///   directions.
+  /// \param frame   lattice of the field.
   WindingScanlines(const geometry::TriangleMesh& mesh_B, const FieldFrame& frame);
 
-  /// True if the surface winds around the point; for lattice points further than a cell from it.
+  /// True if the winding number at a lattice point is positive. \pre it is further than a cell from
+  /// the surface.
   [[nodiscard]] bool is_inside(const LatticePoint& point) const;
 
  private:
@@ -32,8 +35,9 @@ class WindingScanlines {
   };
 
   int resolution_;
-  std::vector<std::uint32_t> first_;  ///< Of the crossings of each line, y fastest; and their end.
-  std::vector<Crossing> crossings_;   ///< By line, then by x.
+  /// Offset of the crossings of each line, y fastest; and their end.
+  std::vector<std::uint32_t> first_;
+  std::vector<Crossing> crossings_;  ///< By line, then by x.
 };
 
 }  // namespace lefort::field

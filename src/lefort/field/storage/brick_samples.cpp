@@ -14,7 +14,7 @@ constexpr std::array<std::byte, 4> bytes_of(std::int32_t code) {
           std::byte(0)};
 }
 
-// What a leaf that is not stored holds everywhere.
+// Codes of all points of a leaf that is not stored.
 constexpr std::array<std::byte, 4> kOutsideCode = bytes_of(BrickSamples::kBeyond);
 constexpr std::array<std::byte, 4> kInsideCode = bytes_of(-BrickSamples::kBeyond);
 constexpr std::array<std::byte, 4> kUnknownCode = bytes_of(BrickSamples::kUnknown);

@@ -1,9 +1,11 @@
 /// \file
-/// Samples near a surface, three bytes each, in small cubes where there are any: the smallest and
-/// fastest way to keep a distance field, and the default.
+/// Samples near a surface in bricks, three bytes each: the smallest and fastest format, and the
+/// default.
 ///
-/// A leaf is 4 x 4 x 4 samples. Eight leaves make a brick, the unit that fields are built in; a
-/// table of all bricks says which of their leaves exist and where. A leaf beyond the band is one
+/// A leaf has 4 x 4 x 4 samples. Eight leaves form a brick, the unit in which fields are built. A
+/// table of all bricks states which leaves are stored, and where. A leaf outside the band takes one
+/// bit, inside or outside. So memory is proportional to the area of the surface, plus the table
+/// (1/64 byte per cell).
 /// bit, inside or outside. So memory follows the area of the surface, the table (1/64 byte per
 /// cell) apart.
 #pragma once
@@ -23,22 +25,23 @@
 
 namespace lefort::field {
 
-/// Eight leaves, x fastest. One bit each says whether a leaf is stored, and if not its side.
+/// Eight leaves, x fastest. One bit each states whether a leaf is stored, and otherwise its zone.
 struct Brick {
-  std::uint32_t first_leaf = 0;  ///< Position of its first leaf; the others follow.
+  std::uint32_t first_leaf = 0;  ///< Position of its first stored leaf; others follow.
   std::uint8_t stored = 0;
   std::uint8_t inside = 0;
   std::uint8_t unknown = 0;
   std::uint8_t unused = 0;
 };
 
-/// How many bits of a byte are set. A table: the baseline of x86-64 has no instruction for it.
+/// Number of bits set in a byte. A table, because the baseline of x86-64 has no instruction for it.
 inline constexpr std::array<std::uint8_t, 256> kBitCount = [] {
   std::array<std::uint8_t, 256> count{};
   for (unsigned byte = 0; byte < 256; ++byte) count[byte] = std::uint8_t(std::popcount(byte));
   return count;
 }();
 
+/// Distance samples in bricks.
 class BrickSamples {
  public:
   static constexpr int kLeafSide = 4;
@@ -50,28 +53,30 @@ class BrickSamples {
   static constexpr std::int32_t kBeyond = (1 << 23) - 1;  ///< Outside the band; -kBeyond inside.
   static constexpr std::int32_t kUnknown = -(1 << 23);
   static constexpr std::int32_t kLargest =
-      kBeyond - 8;  ///< The edge of the band, but for rounding.
+      kBeyond - 8;  ///< The edge of the band, with a margin for rounding.
 
   BrickSamples() = default;
 
-  /// \param bricks  by SparseLattice brick number.
-  /// \param codes   kLeafBytes per leaf, and one byte more.
+  /// \param resolution  cells along an edge of the cube.
+  /// \param band_mm     width of the band.
+  /// \param bricks      by SparseLattice brick number.
+  /// \param codes       kLeafBytes per leaf, and one more byte.
   BrickSamples(int resolution, double band_mm, std::vector<Brick> bricks,
                std::vector<std::byte> codes);
 
-  /// The same without a copy, for files mapped into memory.
+  /// The same without a copy, for memory-mapped files.
   ///
   /// \param owner  keeps `bricks` and `codes` alive.
-  /// \pre every leaf that a brick says is stored lies within `codes`.
+  /// \pre every leaf marked as stored lies within `codes`.
   BrickSamples(int resolution, double band_mm, std::span<const Brick> bricks,
                std::span<const std::byte> codes, std::shared_ptr<const void> owner);
 
   [[nodiscard]] CellSamples cell(const LatticePoint& low) const;
 
-  /// \pre, here and below, that coordinates are from 0 to resolution.
+  /// \pre here and below: coordinates are from 0 to resolution.
 
-  /// Where the code of a sample lies; that of its side if its leaf is not stored. Four bytes may be
-  /// read there.
+  /// Address of the code of a sample, or of a constant for its zone if its leaf is not stored. Four
+  /// bytes can be read there.
   [[nodiscard]] const std::byte* linear_offset(const LatticePoint& point) const {
     const Brick& brick = bricks_[std::size_t(brick_of(point))];
     const unsigned leaf = leaf_of(point);
@@ -79,19 +84,19 @@ class BrickSamples {
     return codes_.data() + position_of(brick, leaf) * kLeafBytes + offset_of(point);
   }
 
-  [[nodiscard]] static std::int32_t read_code(const std::byte* place) {
+  [[nodiscard]] static std::int32_t read_code(const std::byte* address) {
     std::int32_t word = 0;
-    std::memcpy(&word, place, sizeof(word));
+    std::memcpy(&word, address, sizeof(word));
     return std::int32_t(std::uint32_t(word) << 8) >> 8;
   }
-  static void write_code(std::byte* place, std::int32_t code) {
-    std::memcpy(place, &code, kCodeBytes);
+  static void write_code(std::byte* address, std::int32_t code) {
+    std::memcpy(address, &code, kCodeBytes);
   }
   [[nodiscard]] static bool is_distance(std::int32_t code) {
     return code > -kBeyond && code < kBeyond;
   }
 
-  /// +-infinity or NaN if the code is no distance.
+  /// +-infinity or NaN if the code is not a distance.
   [[nodiscard]] float distance_of(std::int32_t code) const;
 
   [[nodiscard]] std::int32_t brick_of(const LatticePoint& p) const {
@@ -101,7 +106,7 @@ class BrickSamples {
   [[nodiscard]] static unsigned leaf_of(const LatticePoint& p) {
     return (unsigned(p[2]) & 4U) | (unsigned(p[1]) & 4U) >> 1 | (unsigned(p[0]) & 4U) >> 2;
   }
-  /// Bytes from the start of a point's leaf.
+  /// Byte offset of a point in its leaf.
   [[nodiscard]] static std::size_t offset_of(const LatticePoint& p) {
     return std::size_t(((p[2] & 3) * kLeafSide + (p[1] & 3)) * kLeafSide + (p[0] & 3)) * kCodeBytes;
   }
@@ -120,7 +125,7 @@ class BrickSamples {
   [[nodiscard]] static const std::byte* side_of(const Brick& brick, unsigned leaf);
 
   int resolution_ = 0;
-  int side_ = 0;  ///< Bricks along a side of the table.
+  int side_ = 0;  ///< Bricks along an edge of the table.
   float quantum_mm_ = 0.0F;
   std::span<const Brick> bricks_;
   std::span<const std::byte> codes_;

@@ -15,7 +15,7 @@ namespace lefort::field {
 namespace {
 
 /// Calls body(first, x, y, z, count) for the rows of a brick that lie in the cube: `first` is the
-/// position of the row in the brick, the rest its lattice point and length.
+/// offset of the row in the brick; x, y, z is its lattice point, `count` its length.
 template <class Body>
 void for_each_row(std::int32_t brick, int resolution, const Body& body) {
   const LatticePoint low = SparseLattice::first_point_of(brick, resolution);
@@ -53,7 +53,7 @@ Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& f
                                  const WindingScanlines* winding, Progress& progress) {
   const auto n = std::size_t(frame.resolution) + 1;
   std::vector<float> values(n * n * n);
-  const auto place = [&](int x, int y, int z) {
+  const auto offset = [&](int x, int y, int z) {
     return std::ptrdiff_t((std::size_t(z) * n + std::size_t(y)) * n + std::size_t(x));
   };
   const std::span<const std::int32_t> candidates = sampler.bricks();
@@ -77,11 +77,11 @@ Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& f
     if (!any)
       distances.fill(side_value(winding == nullptr
                                     ? Zone::kUnknown
-                                    : side_of_empty_brick(*winding, brick, frame.resolution)));
+                                    : zone_of_empty_brick(*winding, brick, frame.resolution)));
     for_each_row(brick, frame.resolution,
                  [&](std::size_t first, int x, int y, int z, std::size_t length) {
                    std::copy_n(distances.begin() + std::ptrdiff_t(first), length,
-                               values.begin() + place(x, y, z));
+                               values.begin() + offset(x, y, z));
                  });
   };
   for (Index slice = 0; slice < side; ++slice) {

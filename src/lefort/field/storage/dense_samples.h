@@ -1,6 +1,6 @@
 /// \file
-/// A number for every point of the lattice: Fuhrmann's partial distance field, one of the paper's
-/// two baselines.
+/// A sample for every lattice point: Fuhrmann's partial distance field, one of the paper's two
+/// baselines.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,10 +15,13 @@
 
 namespace lefort::field {
 
+/// Distance samples in one dense array.
 class DenseSamples {
  public:
   DenseSamples() = default;
-  /// \param values  (resolution + 1)^3 distances [mm], x fastest; +-infinity or NaN beyond band.
+  /// \param resolution  cells along an edge of the cube.
+  /// \param values      (resolution + 1)^3 distances [mm], x fastest; +-infinity or NaN outside the
+  ///   band.
   DenseSamples(int resolution, std::vector<float> values);
 
   [[nodiscard]] CellSamples cell(const LatticePoint& low) const;
@@ -32,10 +35,12 @@ class DenseSamples {
   std::vector<float> values_;
 };
 
-/// Samples brick by brick into one array \cite fuhrmann2003.
+/// Samples the bricks of the band into one array \cite fuhrmann2003.
 ///
-/// \param sampler  of `frame`, with a reach of frame.band_mm.
-/// \param winding  of the surface, or null if it is open.
+/// \param sampler   of `frame`, with frame.band_mm.
+/// \param frame     lattice of the field.
+/// \param winding   of the surface, or null if it is open.
+/// \param progress  receives the fraction done; may cancel.
 /// \returns kCancelled.
 [[nodiscard]] Result<DenseSamples> build_dense(const BandSampler& sampler, const FieldFrame& frame,
                                                const WindingScanlines* winding, Progress& progress);

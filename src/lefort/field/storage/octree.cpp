@@ -10,11 +10,11 @@ namespace lefort::field {
 
 namespace {
 
-/// Positions of nodes are 32 bits.
+/// Positions of nodes are stored in 32 bits.
 constexpr std::size_t kMaxNodes = std::size_t(1) << 30;
 
 // A branch is the position of its first child, which is positive; a leaf is minus its zone; eight
-// finest cells are below that.
+// finest cells are kFine or less.
 constexpr std::int32_t kFine = -256;
 
 std::int32_t leaf_node(Zone zone) { return -std::int32_t(zone); }
@@ -46,7 +46,8 @@ struct Decoder {
     return samples_left >= 0;
   }
 
-  /// Reads the subtree for the cube at `low` into nodes[slot]; false if the letters are no tree.
+  /// Reads the subtree of the cube at `low` into nodes[slot]; false if the letters are not a valid
+  /// tree.
   bool read(std::size_t slot, const LatticePoint& low, int cells) {
     if (next == codes.size()) return false;
     switch (NodeCode(codes[next++])) {
@@ -142,13 +143,13 @@ Result<Octree> Octree::decode(int resolution, std::string_view codes, Index max_
   const bool is_tree = decoder.read(0, {0, 0, 0}, resolution) && decoder.next == codes.size();
   if (decoder.samples_left < 0)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("the octree has more than {} samples, it must have as many as there "
+                fmt::format("the octree has more than {} samples, the number in the "
                             "are",
                             max_samples));
   if (!is_tree)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("the octree is no tree at node {} of {}, it must have one leaf for "
-                            "every part of its cube",
+                fmt::format("the octree is invalid at node {} of {}, it must have one leaf for "
+                            "each part of its cube",
                             decoder.next, codes.size()));
   decoder.index.finish();
   Octree octree;

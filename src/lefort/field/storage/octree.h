@@ -18,11 +18,11 @@
 
 namespace lefort::field {
 
-/// One letter per node of an octree, parents before children, children with x fastest.
+/// One letter per node of an octree: parents before children, children x fastest.
 enum class NodeCode : char {
-  kBranch = '+',   ///< Eight children follow; if they are finest cells, a FineCells in two letters.
-  kBand = '#',     ///< Leaf within the band: samples at its corners.
-  kOutside = 'o',  ///< Leaf beyond the band ...
+  kBranch = '+',  ///< Eight children follow, or if they are finest cells, FineCells in two letters.
+  kBand = '#',    ///< Leaf in the band: it has samples at its corners.
+  kOutside = 'o',  ///< Leaf outside the band.
   kInside = 'i',
   kUnknown = '?',
 };
@@ -30,54 +30,58 @@ enum class NodeCode : char {
 /// The letter of a leaf.
 [[nodiscard]] NodeCode code_of(Zone zone);
 
-/// Eight finest cells. Nearly all of an octree are, so they have no nodes of their own.
+/// Eight finest cells. Most cells of an octree are finest cells, so these have no nodes of their
+/// own.
 struct FineCells {
-  std::uint8_t band = 0;         ///< Which are leaves within the band, as bits.
-  Zone others = Zone::kUnknown;  ///< Where the others are.
+  std::uint8_t band = 0;         ///< Leaves in the band, as bits.
+  Zone others = Zone::kUnknown;  ///< Zone of the others.
 };
 
-/// Appends to the letters of an octree.
+/// Appends two letters for eight finest cells.
 void append_fine_cells(std::string& codes, const FineCells& cells);
 
-/// Octree over a cube of resolution^3 cells. Samples are shared by the leaves that meet there.
+/// Octree over a cube of resolution^3 cells. Leaves have common samples at common corners.
 class Octree {
  public:
   Octree() = default;
 
   /// Decodes a tree and numbers its corner samples.
   ///
-  /// \param resolution  cells along a side, a power of two and a multiple of SparseLattice::kSide.
-  /// \param codes        NodeCode letters; nothing may follow the last.
-  /// \param max_samples  that there can be; memory follows it, not what the letters promise.
-  /// \returns kFileCorrupt if the letters are no tree of that size, or of more samples.
+  /// \param resolution   cells along an edge, a power of two and a multiple of
+  ///   SparseLattice::kSide.
+  /// \param codes        NodeCode letters; nothing may follow the tree.
+  /// \param max_samples  limit for the number of samples, which limits memory, whatever the letters
+  ///   say.
+  /// \returns kFileCorrupt if the letters are not a tree of that size, or it has more samples.
   [[nodiscard]] static Result<Octree> decode(int resolution, std::string_view codes,
                                              Index max_samples = std::numeric_limits<Index>::max());
 
-  /// The letters again.
+  /// Encodes the tree.
   [[nodiscard]] std::string codes() const;
 
-  /// Corner samples in the order of sample_points(); set by whoever decoded the tree.
+  /// Corner samples in the order of sample_points(); to be set after decoding.
   [[nodiscard]] std::span<const float> samples() const { return samples_; }
   [[nodiscard]] std::span<float> samples() { return samples_; }
 
   /// Lattice points of the corner samples.
   [[nodiscard]] std::vector<LatticePoint> sample_points() const { return index_.points(); }
 
-  /// The leaf around a cell; if it is beyond the band, its side at all corners.
+  /// The leaf that contains a cell; outside the band all its corners represent its zone.
   ///
   /// \param cell  0 <= coordinates < resolution.
   [[nodiscard]] CellSamples cell(const LatticePoint& cell) const;
 
   [[nodiscard]] int resolution() const { return resolution_; }
-  /// Leaves that interpolate.
+  /// Number of leaves in the band.
   [[nodiscard]] Index band_leaf_count() const;
 
-  /// What cell() reads.
+  /// Memory used by cell().
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   int resolution_ = 0;
-  std::vector<std::int32_t> nodes_;  ///< First of eight children, or what kind of leaf.
+  /// Position of the first of eight children, or the kind of leaf.
+  std::vector<std::int32_t> nodes_;
   SampleIndex index_;
   std::vector<float> samples_;
 };

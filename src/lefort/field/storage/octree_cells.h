@@ -1,5 +1,5 @@
 /// \file
-/// What both ways to an octree, bottom-up and top-down, ask of lattice samples.
+/// Tests of lattice samples that both constructions of an octree use, bottom-up and top-down.
 #pragma once
 
 #include <lefort/field/query/cell_samples.h>
@@ -12,12 +12,13 @@
 
 namespace lefort::field {
 
+/// Corner 0 to 7, x fastest, of the cube at `low` with `cells` cells along an edge.
 [[nodiscard]] inline LatticePoint corner_point(const LatticePoint& low, int corner, int cells) {
   return {low[0] + (corner & 1) * cells, low[1] + (corner >> 1 & 1) * cells,
           low[2] + (corner >> 2) * cells};
 }
 
-/// Zone of a finest cell by its corners; kUnknown, too, where they contradict each other.
+/// Zone of a finest cell from its corners; kUnknown, too, if they are in conflict.
 [[nodiscard]] inline Zone zone_of_fine_cell(const std::array<float, 8>& corners, float cell_mm) {
   const Zone zone = zone_of(corners);
   if (zone != Zone::kBand) return zone;
@@ -28,9 +29,11 @@ namespace lefort::field {
   return Zone::kBand;
 }
 
-/// The eight finest cells of a cube of two.
+/// Classifies the eight finest cells of a cube with two cells per edge.
 ///
-/// \param value_at  float(LatticePoint), +-infinity or NaN beyond the band.
+/// \param value_at  float(LatticePoint), +-infinity or NaN outside the band.
+/// \param low       lowest corner of the cube.
+/// \param cell_mm   spacing of the lattice.
 template <class ValueAt>
 [[nodiscard]] FineCells classify_fine_cells(const ValueAt& value_at, const LatticePoint& low,
                                             float cell_mm) {
@@ -51,8 +54,13 @@ template <class ValueAt>
   return cells;
 }
 
-/// True if the corners of a cube reproduce all the samples in it. The middle is looked at first:
-/// there most cubes that fail do.
+/// True if interpolation from the corners of a cube reproduces all samples in it. Tests the center
+/// first, where most cubes fail.
+///
+/// \param value_at      float(LatticePoint), +-infinity or NaN outside the band.
+/// \param low           lowest corner of the cube.
+/// \param cells         cells along an edge of the cube.
+/// \param tolerance_mm  largest error allowed.
 template <class ValueAt>
 [[nodiscard]] bool corners_reproduce(const ValueAt& value_at, const LatticePoint& low, int cells,
                                      double tolerance_mm) {
@@ -64,7 +72,7 @@ template <class ValueAt>
   const auto reproduces = [&](int i, int j, int k) {
     const double sample = double(value_at(LatticePoint{low[0] + i, low[1] + j, low[2] + k}));
     const std::array<double, 3> t = {double(i) / cells, double(j) / cells, double(k) / cells};
-    return std::abs(trilinear(corners, t) - sample) <= tolerance_mm;  // NaN is not.
+    return std::abs(trilinear(corners, t) - sample) <= tolerance_mm;  // False for NaN.
   };
   if (!reproduces(cells / 2, cells / 2, cells / 2)) return false;
   for (int k = 0; k <= cells; ++k)
@@ -74,7 +82,12 @@ template <class ValueAt>
   return true;
 }
 
-/// True if neighbors in a cube of known samples contradict each other.
+/// True if two neighbors in a cube of known samples are in conflict.
+///
+/// \param value_at  float(LatticePoint).
+/// \param low       lowest corner of the cube.
+/// \param cells     cells along an edge of the cube.
+/// \param cell_mm   spacing of the lattice.
 template <class ValueAt>
 [[nodiscard]] bool has_conflict(const ValueAt& value_at, const LatticePoint& low, int cells,
                                 float cell_mm) {

@@ -17,10 +17,10 @@ bool SampleIndex::mark(const LatticePoint& point) {
     slot = std::int32_t(bricks_.size());
     bricks_.emplace_back();
   }
-  const int place = SparseLattice::linear_offset(point);
-  std::uint64_t& word = bricks_[std::size_t(slot)].marked[std::size_t(place / 64)];
+  const int offset = SparseLattice::linear_offset(point);
+  std::uint64_t& word = bricks_[std::size_t(slot)].marked[std::size_t(offset / 64)];
   const std::uint64_t before = word;
-  word |= std::uint64_t(1) << (place % 64);
+  word |= std::uint64_t(1) << (offset % 64);
   return word != before;
 }
 
@@ -44,10 +44,10 @@ std::vector<LatticePoint> SampleIndex::points() const {
     const Brick& brick = bricks_[std::size_t(slots_[std::size_t(b)])];
     const LatticePoint low = {b % side_ * kBrickSide, b / side_ % side_ * kBrickSide,
                               b / (side_ * side_) * kBrickSide};
-    for (int place = 0; place < SparseLattice::kBrickPoints; ++place)
-      if ((brick.marked[std::size_t(place / 64)] >> (place % 64) & 1) != 0)
-        all.push_back({low[0] + place % kBrickSide, low[1] + place / kBrickSide % kBrickSide,
-                       low[2] + place / (kBrickSide * kBrickSide)});
+    for (int offset = 0; offset < SparseLattice::kBrickPoints; ++offset)
+      if ((brick.marked[std::size_t(offset / 64)] >> (offset % 64) & 1) != 0)
+        all.push_back({low[0] + offset % kBrickSide, low[1] + offset / kBrickSide % kBrickSide,
+                       low[2] + offset / (kBrickSide * kBrickSide)});
   }
   return all;
 }

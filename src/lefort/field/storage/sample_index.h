@@ -1,5 +1,5 @@
 /// \file
-/// Which lattice points carry a sample of the octree, and the sample's number.
+/// Lattice points with a sample of the octree, and the numbers of the samples.
 #pragma once
 
 #include <lefort/field/storage/sparse_lattice.h>
@@ -11,9 +11,9 @@
 
 namespace lefort::field {
 
-/// One bit per lattice point, in bricks; a sample's number is the count of bits before its own. So
-/// leaves need not hold the numbers of their corners, which would take eight times the memory of
-/// the samples themselves.
+/// One bit per lattice point, in bricks; the number of a sample is the count of bits before its
+/// own. So leaves need not store the numbers of their corners, which would take eight times the
+/// memory of the samples.
 class SampleIndex {
  public:
   SampleIndex() = default;
@@ -21,21 +21,22 @@ class SampleIndex {
   /// \param resolution  a multiple of SparseLattice::kSide.
   explicit SampleIndex(int resolution);
 
-  /// Gives a lattice point a sample. \pre finish() was not called yet.
-  /// \returns false if it had one.
+  /// Marks a lattice point as sampled. \pre finish() was not called yet.
+  ///
+  /// \returns false if it was marked before.
   bool mark(const LatticePoint& point);
 
-  /// Numbers the marked points: by brick, and x fastest inside it.
+  /// Assigns numbers to the marked points: by brick, x fastest inside a brick.
   void finish();
 
   [[nodiscard]] Index count() const { return count_; }
 
-  /// \pre the point was marked.
+  /// Number of a sample. \pre the point was marked.
   [[nodiscard]] std::uint32_t number_of(const LatticePoint& point) const {
     const Brick& brick = bricks_[std::size_t(slots_[position_of(point)])];
-    const int place = SparseLattice::linear_offset(point);
-    const auto word = std::size_t(place / 64);
-    const std::uint64_t before = (std::uint64_t(1) << (place % 64)) - 1;
+    const int offset = SparseLattice::linear_offset(point);
+    const auto word = std::size_t(offset / 64);
+    const std::uint64_t before = (std::uint64_t(1) << (offset % 64)) - 1;
     return brick.first[word] + std::uint32_t(std::popcount(brick.marked[word] & before));
   }
 
@@ -53,13 +54,13 @@ class SampleIndex {
     std::array<std::uint32_t, kWords> first;  ///< Number of the first sample of each word.
   };
 
-  /// Points of the octree are 0 .. resolution along each side.
+  /// Points of the octree are 0 to resolution along each axis.
   [[nodiscard]] std::size_t position_of(const LatticePoint& p) const {
     constexpr int kSide = SparseLattice::kSide;
     return std::size_t((p[2] / kSide * side_ + p[1] / kSide) * side_ + p[0] / kSide);
   }
 
-  int side_ = 0;  ///< Bricks along a side.
+  int side_ = 0;  ///< Bricks along an edge.
   Index count_ = 0;
   std::vector<std::int32_t> slots_;
   std::vector<Brick> bricks_;

@@ -1,5 +1,5 @@
 /// \file
-/// Numbers at the points of a regular lattice, kept in bricks only where there are any.
+/// Values at the points of a regular lattice, stored in bricks where they exist.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -13,8 +13,8 @@ namespace lefort::field {
 
 using LatticePoint = std::array<int, 3>;
 
-/// A lattice of resolution + 1 points along each side of a cube, and a brick of points more on
-/// every side for what reaches beyond it. 8 x 8 x 8 points make a brick; most do not exist.
+/// A lattice of resolution + 1 points along each edge of a cube, and one more brick on every side
+/// for points beyond it. 8 x 8 x 8 points form a brick; most bricks do not exist.
 class SparseLattice {
  public:
   static constexpr int kSide = 8;
@@ -23,8 +23,9 @@ class SparseLattice {
 
   SparseLattice() = default;
 
-  /// Creates the bricks with these numbers (strictly ascending, < bricks_per_side^3), all points
-  /// set to `initial`.
+  /// \param resolution     a multiple of kSide.
+  /// \param brick_numbers  bricks to create: strictly ascending, < bricks_per_side^3.
+  /// \param initial        value of all their points.
   SparseLattice(int resolution, std::vector<std::int32_t> brick_numbers, float initial);
 
   /// \param resolution  a multiple of kSide.
@@ -55,14 +56,14 @@ class SparseLattice {
     return first_point_of(brick, resolution_);
   }
 
-  /// Brick that holds a lattice point; coordinates from -kSide to resolution + 2 kSide - 1.
+  /// Brick that contains a lattice point; coordinates from -kSide to resolution + 2 kSide - 1.
   [[nodiscard]] std::int32_t brick_of(const LatticePoint& point) const {
     const int n = bricks_per_side();
     return ((point[2] + kSide) / kSide * n + (point[1] + kSide) / kSide) * n +
            (point[0] + kSide) / kSide;
   }
 
-  /// Position inside its brick, x fastest.
+  /// Offset in its brick, x fastest.
   [[nodiscard]] static int linear_offset(const LatticePoint& point) {
     return (((point[2] + kSide) % kSide) * kSide + (point[1] + kSide) % kSide) * kSide +
            (point[0] + kSide) % kSide;
@@ -75,7 +76,7 @@ class SparseLattice {
     return std::span<const float, kBrickPoints>(values_.data() + slot * kBrickPoints, kBrickPoints);
   }
 
-  /// Value at a lattice point, `absent` where there is no brick.
+  /// Value at a lattice point; `absent` if its brick does not exist.
   [[nodiscard]] float at(const LatticePoint& point, float absent) const {
     const std::int32_t slot = slot_of(brick_of(point));
     return slot == kNoBrick

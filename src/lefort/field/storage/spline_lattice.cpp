@@ -32,12 +32,12 @@ float value_without_conflict(const SparseLattice& values, const LatticePoint& po
 
 }  // namespace
 
-SparseLattice spline_lattice(const SparseLattice& values, double cell, double reach) {
+SparseLattice spline_lattice(const SparseLattice& values, double cell, double max_magnitude) {
   std::vector<std::int32_t> bricks;
   for (Index slot = 0; slot < values.brick_count(); ++slot) {
     const auto brick = values.brick(slot);
-    const auto is_near = [&](float value) { return std::abs(value) <= reach; };
-    if (std::any_of(brick.begin(), brick.end(), is_near))
+    const auto is_kept = [&](float value) { return std::abs(value) <= max_magnitude; };
+    if (std::any_of(brick.begin(), brick.end(), is_kept))
       bricks.push_back(values.brick_number(slot));
   }
   SparseLattice kept(values.resolution(), std::move(bricks), kNoValue);

@@ -1,9 +1,10 @@
 /// \file
-/// The lattice values that DistanceField::sample_smooth lays a spline through (evaluate_spline.h).
+/// The lattice values for the spline of DistanceField::sample_smooth() (evaluate_spline.h).
 ///
-/// Why a lattice beside the octree: values rebuilt from coalesced cells carry the octree's
-/// tolerance as noise, and second differences divide it by cell^2. Contact stiffness would inherit
-/// that. A query would also cost up to 64 descents instead of at most eight brick look-ups.
+/// They are not reconstructed from the octree: coalesced cells have the octree's tolerance as
+/// noise, which second differences divide by cell^2, and contact stiffness would contain that
+/// noise. Besides, a query would take up to 64 traversals of the octree instead of at most eight
+/// brick lookups.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -11,12 +12,14 @@
 
 namespace lefort::field {
 
-/// The values near a surface, but those beside a tear.
+/// The values near a surface, without those in conflict.
 ///
-/// \param cell   spacing of the lattice; also the largest difference between neighbors of a
-///   distance field. Larger ones are tears of the sign behind the rim of an open surface: the
-///   points on both sides of a tear become NaN.
-/// \param reach  only bricks holding a value of at most this size are kept.
-[[nodiscard]] SparseLattice spline_lattice(const SparseLattice& values, double cell, double reach);
+/// \param values         of the band.
+/// \param cell           spacing of the lattice; also the max difference between neighbors of a
+///   distance field. Larger differences are sign conflicts beyond the boundary of an open surface:
+///   both values become NaN.
+/// \param max_magnitude  bricks without a value of at most this magnitude are dropped.
+[[nodiscard]] SparseLattice spline_lattice(const SparseLattice& values, double cell,
+                                           double max_magnitude);
 
 }  // namespace lefort::field

@@ -1,6 +1,6 @@
 /// \file
-/// Two thousand of the smallest surfaces, by every method, at every sample: where what is special
-/// is not rare.
+/// Two thousand of the smallest surfaces, with every method, at every sample: degenerate cases are
+/// frequent in them.
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/field/query/lattice_samples.h>
 #include <lefort/geometry/winding_number.h>
@@ -24,16 +24,16 @@ constexpr int kResolution = 16;
 constexpr FieldMethod kMethods[] = {FieldMethod::kBricks, FieldMethod::kHybrid,
                                     FieldMethod::kAdaptive, FieldMethod::kUniform};
 
-/// How a mesh of side 1 or 2 is laid into the field.
+/// Position of a mesh with edges of 1 or 2 in a field.
 struct Placement {
   double scale_mm;
   Vec3 at_mm;
-  double side_mm;  ///< Of the field, in units of the mesh; 0 lays the cube close around it.
+  double side_mm;  ///< Edge of the field in units of the mesh; 0 fits the cube to the mesh.
   double turn_rad;
 };
 
-/// Vertices on samples with others exactly at the edge of the band, very small, very large, far
-/// away, and turned.
+/// Vertices on samples with others exactly at the edge of the band; very small, very large, far
+/// away, and rotated.
 Placement placement(std::size_t n) {
   switch (n % 5) {
     case 0:
@@ -53,7 +53,7 @@ RigidTransform turn_of(const Placement& placement) {
   return RigidTransform(Eigen::AngleAxisd(placement.turn_rad, Vec3(1, 2, 3).normalized()));
 }
 
-/// All that a field may be measured by at its samples: unsigned distances, and sides.
+/// The expected samples of a field: unsigned distances, and zones.
 class Truth {
  public:
   Truth(const TriangleMesh& surface, const FieldFrame& frame) {
@@ -74,9 +74,9 @@ struct Case {
   const SmallMesh& small;
   Placement placement;
   PreparedSurface prepared;
-  double size_mm;  ///< What errors are measured by.
+  double size_mm;  ///< Errors are relative to this.
 
-  /// In the coordinates that the mesh was made in.
+  /// In the coordinates of the original mesh.
   [[nodiscard]] Vec3 unplaced(const Vec3& p) const {
     return turn_of(placement).inverse() * Vec3((p - placement.at_mm) / placement.scale_mm);
   }
@@ -87,10 +87,10 @@ void expect_samples_right(const DistanceField& field, const Case& of, const Trut
   const FieldFrame& frame = field.frame();
   const double rounding_mm = 2e-6 * of.size_mm;
   const bool is_octree = std::holds_alternative<Octree>(field.samples());
-  // What no leaf of an octree needs is not kept.
+  // Samples that no leaf of an octree uses are not stored.
   const double kept_mm = is_octree ? field.guaranteed_mm() : field.band_mm();
   const LatticeWindow all = window_of(frame, std::nullopt, 1).value();
-  // Nothing is wrong with a sample; a sentence otherwise.
+  // Null if the sample is right; otherwise what is wrong.
   const auto fault = [&](const LatticePoint& p, float sample) -> const char* {
     const double exact = truth.distance(p);
     const Vec3 place = test::position_of(frame, p[0], p[1], p[2]);
@@ -99,15 +99,15 @@ void expect_samples_right(const DistanceField& field, const Case& of, const Trut
         return "is not the distance";
       if (exact >= field.band_mm() + rounding_mm) return "is beyond the band";
     } else if (exact < kept_mm - rounding_mm && !(std::isnan(sample) && !of.small.is_inside)) {
-      return "is missing";  // Only contradictions may be, and a solid has none.
+      return "is missing";  // Only samples in conflict may be missing; solids have none.
     }
-    if (!of.prepared.closed && std::isinf(sample)) return "has a side, of an open surface";
+    if (!of.prepared.closed && std::isinf(sample)) return "has a zone although the surface is open";
     if (of.small.is_inside && exact > tolerance_mm + rounding_mm &&
         (sample < 0.0F) != of.small.is_inside(of.unplaced(place)))
-      return "is on the wrong side of the solid";
+      return "has the wrong sign for the solid";
     if (of.prepared.closed && std::isinf(sample) && exact > frame.cell_mm + rounding_mm &&
         (sample < 0.0F) != (geometry::winding_number(of.prepared.mesh_B, place) > 0.5))
-      return "is on the wrong side";
+      return "has the wrong sign";
     return nullptr;
   };
   ASSERT_TRUE(for_each_block(field, all, Progress::none(), [&](const SampleBlock& block) {
@@ -139,7 +139,7 @@ void expect_queries_harmless(const DistanceField& field, std::mt19937& random) {
   }
 }
 
-/// \returns false if there is nothing to build a field of.
+/// \returns false if no field can be built.
 bool check(const SmallMesh& small, std::size_t number) {
   const Placement placed = placement(number);
   TriangleMesh mesh = small.mesh;
@@ -164,7 +164,7 @@ bool check(const SmallMesh& small, std::size_t number) {
     SCOPED_TRACE(testing::Message() << "method " << int(method));
     options.method = method;
     const auto field = build_distance_field(mesh, options);
-    if (!field) {  // All of it is at one place, or nearly.
+    if (!field) {  // Nearly all of it is at one point.
       EXPECT_EQ(field.error().code, ErrorCode::kMeshInvalid) << field.error().message;
       return false;
     }
@@ -195,22 +195,22 @@ std::vector<SmallMesh> meshes_of(const std::vector<test::Soup>& soups) {
   return meshes;
 }
 
-TEST(SmallestMeshes, EverySoupOfOneOrTwoTriangles) {
+TEST(MinimalMeshes, EverySoupOfOneOrTwoTriangles) {
   const std::vector<test::Soup> soups = test::soups_of_two();
-  // By hand: one triangle is a point, a line of one of three lengths, or of one of three shapes, of
-  // which that with three different sides is another one turned over.
+  // Combinations: one triangle is a point, a line of one of three lengths, or has one of three
+  // shapes; that with three different edges is a mirror image of another.
   EXPECT_EQ(std::count_if(soups.begin(), soups.end(), [](const auto& s) { return s.size() == 1; }),
             8);
   EXPECT_GT(check_all(meshes_of(soups)), 100);
 }
 
-TEST(SmallestMeshes, SoupsOfThreeToSixTriangles) {
+TEST(MinimalMeshes, SoupsOfThreeToSixTriangles) {
   const std::vector<test::Soup> soups = test::soups_of_six();
   EXPECT_GT(soups.size(), 500U);
   EXPECT_GT(check_all(meshes_of(soups)), 500);
 }
 
-TEST(SmallestMeshes, SolidsHaveTheirInsideWhatWasRepairedOfThem) {
+TEST(MinimalMeshes, SolidsHaveTheirInsideAfterAnyRepair) {
   EXPECT_EQ(check_all(test::small_solids(400)), 400);
 }
 
