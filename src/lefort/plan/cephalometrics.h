@@ -21,7 +21,7 @@ struct Measurement {
                                 ///< such as the angle of a line between two equal points.
 };
 
-/// Computes all measurements (defined in docs/landmarks.md), always with the same rows.
+/// Computes all measurements (defined in docs/guide/landmarks.md), always with the same rows.
 ///
 /// Angles and profile distances are computed in lateral projection, along patient_left_axis(frame),
 /// as on a lateral cephalogram without magnification. The Frankfurt horizontal is that of `frame`.

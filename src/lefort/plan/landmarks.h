@@ -21,7 +21,7 @@ struct Landmark {
 
 using Landmarks = std::vector<Landmark>;
 
-/// Definition of a standard landmark (docs/landmarks.md).
+/// Definition of a standard landmark (docs/guide/landmarks.md).
 struct LandmarkKind {
   const char* abbreviation;  ///< Without the side: "Or".
   const char* name;          ///< "orbitale".

@@ -1,5 +1,5 @@
 /// \file
-/// Standard osteotomies, positioned by landmarks. Drawings are in docs/osteotomies.md.
+/// Standard osteotomies, positioned by landmarks. Drawings are in docs/guide/osteotomies.md.
 ///
 /// They consist of planes, so they only approximate surgical osteotomy lines: a starting point for
 /// planning, not a cutting guide.
