@@ -46,7 +46,7 @@ bool is_smooth_near(const DecoupledLaw<HolzapfelGasserOgden>& law, const Mat3& F
   return true;
 }
 
-/// What every law must fulfil.
+/// What every law must fulfill.
 template <class Law>
 class AllMaterials : public testing::Test {};
 TYPED_TEST_SUITE(AllMaterials, test::AllLaws);
@@ -152,7 +152,7 @@ TYPED_TEST(AllMaterials, EnergiesOfTinyStrainsKeepTheirDigits) {
   }
 }
 
-/// What every law but the linear one must fulfil.
+/// What every law but the linear one must fulfill.
 template <class Law>
 class ObjectiveMaterials : public testing::Test {};
 template <class List>
@@ -190,7 +190,7 @@ TYPED_TEST(ObjectiveMaterials, ARotationOfTheMaterialThatIsItsSymmetryIsNotSeen)
   }
 }
 
-/// What every shear part must fulfil.
+/// What every shear part must fulfill.
 template <class Law>
 class ShearParts : public testing::Test {};
 TYPED_TEST_SUITE(ShearParts, test::ShearLaws);

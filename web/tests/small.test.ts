@@ -15,7 +15,7 @@ import {
   seconds,
   withLandmark,
   withoutLandmark,
-  CATALOGUE,
+  CATALOG,
   type Grid,
 } from '../src/model';
 
@@ -110,7 +110,7 @@ describe('landmarks', () => {
   it('follow each other in the catalog, with both sides', () => {
     expect(nextToPlace([], null)).toBe('N');
     expect(nextToPlace([{ name: 'S', position_mm: [0, 0, 0] }], 'N')).toBe('Or-R');
-    const names = CATALOGUE.map((k) => k.name);
+    const names = CATALOG.map((k) => k.name);
     expect(new Set(names).size).toBe(names.length);
     for (const name of names.filter((n) => n.endsWith('-R'))) expect(names).toContain(name.replace(/-R$/, '-L'));
   });

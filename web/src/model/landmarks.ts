@@ -20,7 +20,7 @@ const bone = (name: string, full: string): LandmarkKind => ({ name, full, on: 'b
 const skin = (name: string, full: string): LandmarkKind => ({ name, full, on: 'skin' });
 
 /** Landmarks used by templates and cephalometry (docs/guide/landmarks.md), in the order of placement. */
-export const CATALOGUE: readonly LandmarkKind[] = [
+export const CATALOG: readonly LandmarkKind[] = [
   bone('N', 'nasion'),
   bone('S', 'sella'),
   ...paired('Or', 'orbitale', 'bone'),
@@ -55,7 +55,7 @@ export const CATALOGUE: readonly LandmarkKind[] = [
   ...paired('Ch', 'cheilion', 'skin'),
 ];
 
-export const kindOf = (name: string): LandmarkKind | undefined => CATALOGUE.find((kind) => kind.name === name);
+export const kindOf = (name: string): LandmarkKind | undefined => CATALOG.find((kind) => kind.name === name);
 
 export const placed = (landmarks: readonly Landmark[], name: string): Landmark | undefined =>
   landmarks.find((landmark) => landmark.name === name);
@@ -69,10 +69,10 @@ export const withLandmark = (landmarks: readonly Landmark[], landmark: Landmark)
 export const withoutLandmark = (landmarks: readonly Landmark[], name: string): Landmark[] =>
   landmarks.filter((landmark) => landmark.name !== name);
 
-/** The next landmark of the catalogue to place after `name`, skipping those placed. */
+/** The next landmark of the catalog to place after `name`, skipping those placed. */
 export function nextToPlace(landmarks: readonly Landmark[], name: string | null): string | null {
-  const start = name === null ? 0 : CATALOGUE.findIndex((kind) => kind.name === name) + 1;
-  const order = [...CATALOGUE.slice(start), ...CATALOGUE.slice(0, start)];
+  const start = name === null ? 0 : CATALOG.findIndex((kind) => kind.name === name) + 1;
+  const order = [...CATALOG.slice(start), ...CATALOG.slice(0, start)];
   return order.find((kind) => !placed(landmarks, kind.name))?.name ?? null;
 }
 

@@ -1,5 +1,5 @@
 import { html, nothing } from 'lit-html';
-import { CATALOGUE, fixed, kindOf, placed, withoutLandmark, type LandmarkKind } from '../../model';
+import { CATALOG, fixed, kindOf, placed, withoutLandmark, type LandmarkKind } from '../../model';
 import type { App } from '../app';
 import { button, empty, hint, iconButton, notice, section, type Html } from '../widgets';
 import { stageOf, type State } from '../state';
@@ -18,8 +18,8 @@ export function landmarkPanel(app: App, s: State): Html {
   return html`
     <h2>Landmarks <span class="chip">${landmarks.length} placed</span></h2>
     ${notices(s)}
-    ${section('On bone and teeth', html`<div class="list">${CATALOGUE.filter((k) => k.on === 'bone').map(row)}</div>`)}
-    ${section('On the skin', html`<div class="list">${CATALOGUE.filter((k) => k.on === 'skin').map(row)}</div>`)}
+    ${section('On bone and teeth', html`<div class="list">${CATALOG.filter((k) => k.on === 'bone').map(row)}</div>`)}
+    ${section('On the skin', html`<div class="list">${CATALOG.filter((k) => k.on === 'skin').map(row)}</div>`)}
     ${others.length
       ? section(
           'Others',
