@@ -28,6 +28,9 @@ enum class ErrorCode {
   kNotConverged,     ///< The solver found no equilibrium.
   kCancelled,        ///< The user asked to stop.
   kOutOfMemory,      ///< The problem is larger than the memory of this machine.
+
+  kAccessDenied,      ///< A server rejects the user name or password.
+  kConnectionFailed,  ///< A server cannot be reached or trusted, or the connection was lost.
 };
 
 struct Error {
