@@ -154,7 +154,7 @@ TEST(Dicom, NoMessageHasTheNameOfAFileOrFolder) {
   };
   expect_discreet("the folder cannot be listed");
   std::filesystem::create_directory(study);
-  expect_discreet("holds no DICOM files");
+  expect_discreet("has no DICOM files");
   const auto fill = [&](auto slices) {
     std::filesystem::remove_all(study);
     std::filesystem::create_directory(study);
@@ -165,7 +165,7 @@ TEST(Dicom, NoMessageHasTheNameOfAFileOrFolder) {
   auto slices = fresh;
   for (DicomSlice& slice : slices) slice.modality = "MR";
   fill(slices);
-  expect_discreet("holds no CT series");
+  expect_discreet("has no CT series");
   fill(std::vector<DicomSlice>(fresh.begin() + 1, fresh.end()));
   const std::string whole = test::bytes_of(study / "DOE_3.dcm");
   test::write_bytes(study / "DOE_3.dcm", whole.substr(0, whole.size() - 20));
@@ -214,7 +214,7 @@ TEST(Dicom, ForeignFilesArePassedOverWithAWarning) {
   const auto found = read_dicom_series(folder.path());
   ASSERT_TRUE(found) << found.error().message;
   ASSERT_EQ(found->warnings.size(), 1U);
-  EXPECT_EQ(found->warnings[0], "2 files are no DICOM images and were passed over");
+  EXPECT_EQ(found->warnings[0], "2 files are not DICOM images and were ignored");
 }
 
 TEST(Dicom, TheOnlyCtIsTakenAmongOtherSeries) {
@@ -232,7 +232,7 @@ TEST(Dicom, TheOnlyCtIsTakenAmongOtherSeries) {
   const auto found = read_dicom_series(folder.path());
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->ct.values, ct.values);
-  EXPECT_EQ(found->warnings, std::vector<std::string>{"2 other series were passed over"});
+  EXPECT_EQ(found->warnings, std::vector<std::string>{"2 other series were ignored"});
 }
 
 TEST(Dicom, DamagedFilesOfOtherSeriesArePassedOver) {
@@ -248,8 +248,8 @@ TEST(Dicom, DamagedFilesOfOtherSeriesArePassedOver) {
   const auto known = read_dicom_series(folder.path());
   ASSERT_TRUE(known) << known.error().message;
   EXPECT_EQ(known->ct.values, ct.values);
-  EXPECT_EQ(known->warnings, (std::vector<std::string>{"1 other series were passed over",
-                                                       "1 files of them are damaged"}));
+  EXPECT_EQ(known->warnings, (std::vector<std::string>{"1 other series were ignored",
+                                                       "1 of their files are damaged"}));
 
   test::write_bytes(folder / "scout.dcm", whole.substr(0, 200));  // Before its series is named.
   const auto unknown = read_dicom_series(folder.path());
@@ -332,7 +332,7 @@ TEST(Dicom, AMissingSliceIsNoticedAndPlaced) {
 TEST(Dicom, UnevenSlicesAreRefusedAndSlightlyUnevenOnesNamed) {
   auto slices = dicom_slices(sample_scan());
   slices[3].position = "-80.5\\-31.25\\16.0";  // 15.75 would be even, 1.25 mm apart.
-  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "1 to 1.5 mm apart"));
+  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "1 to 1.5 mm"));
 
   const TemporaryFolder folder;
   slices[3].position = "-80.5\\-31.25\\15.79";
@@ -357,17 +357,17 @@ TEST(Dicom, SmallErrorsOfTheDistanceMayNotAddUp) {
     slices[k].position = fmt::format(
         "-80.5\\-31.25\\{}", 12.0 + 1.25 * double(k) + (k > 30 ? 0.05 * double(k - 30) : 0.0));
   const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(message, "from its place in an even stack")) << message;
+  EXPECT_TRUE(has(message, "from its position in an even stack")) << message;
 }
 
 TEST(Dicom, AnInnerSliceBesideTheStackIsNamed) {
   auto slices = dicom_slices(sample_scan());
   slices[3].position = "-80.27\\-31.25\\15.75";  // 0.23 mm to the left; a pixel is 0.4 mm.
   const std::string message = complaint(slices, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(message, "slice 14 (file 4) lies 0.23 mm beside")) << message;
+  EXPECT_TRUE(has(message, "slice 14 (file 4) is displaced sideways by 0.23 mm")) << message;
   slices[2].position = "-50.5\\-31.25\\14.5";
   slices[3].position = "-50.5\\-31.25\\15.75";
-  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "30 mm beside"));
+  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "sideways by 30 mm"));
 
   slices = dicom_slices(sample_scan());
   slices[3].position = "-80.4\\-31.25\\15.75";  // A quarter of a pixel.
@@ -385,10 +385,10 @@ TEST(Dicom, CopiesAreLeftOutButTwoSlicesAtOnePlaceAreRefused) {
   const auto found = read_dicom_series(folder.path());
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->ct.values, ct.values);
-  EXPECT_EQ(found->warnings, std::vector<std::string>{"1 copies of slices were left out"});
+  EXPECT_EQ(found->warnings, std::vector<std::string>{"1 copies of slices were omitted"});
 
   slices.back().instance_uid += ".9";
-  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "at the same place"));
+  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "the same position"));
 }
 
 TEST(Dicom, SlicesThatDoNotFitTogetherAreNamed) {
@@ -499,20 +499,20 @@ TEST(Dicom, RunsOfSeveralDistancesAreResampled) {
   EXPECT_NEAR(found->ct.grid.spacing_mm.z(), 11.5 / 12.0, 1e-12);
   for (Index k = 0; k < 13; ++k)
     EXPECT_NEAR(found->ct.at(3, 2, k), 100.0 * 11.5 / 12.0 * double(k), 0.51);
-  EXPECT_TRUE(has(found->warnings.at(0), "1 to 2.5 mm apart; they are resampled"));
+  EXPECT_TRUE(has(found->warnings.at(0), "1 to 2.5 mm; they are resampled"));
   EXPECT_EQ(found->stack->min_step_mm, 1.0);
   EXPECT_EQ(found->stack->max_step_mm, 2.5);
 }
 
 TEST(Dicom, RunsThatAreTooShortTooWideOrWithoutTheirSlicesAreRefused) {
-  EXPECT_TRUE(has(complaint(at_heights({0, 1, 2, 3, 4, 6.5, 9}), ErrorCode::kFileCorrupt),
-                  "1 to 2.5 mm apart"));
+  EXPECT_TRUE(
+      has(complaint(at_heights({0, 1, 2, 3, 4, 6.5, 9}), ErrorCode::kFileCorrupt), "1 to 2.5 mm"));
   EXPECT_TRUE(has(complaint(at_heights({0, 1, 2, 3, 9, 15, 21}), ErrorCode::kFileUnsupported),
                   "at most 5 mm"));
   auto slices = at_heights({0, 1, 2, 3, 5, 7, 9});
   for (std::size_t k = 4; k < 7; ++k)
     slices[k].instance_number = fmt::format("{}", 4 + 2 * (k - 3));  // 6, 8, 10.
-  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "1 to 2 mm apart"));
+  EXPECT_TRUE(has(complaint(slices, ErrorCode::kFileCorrupt), "1 to 2 mm"));
 }
 
 TEST(Dicom, AScanOfWhichMuchCannotBeReadIsRefused) {
@@ -523,7 +523,7 @@ TEST(Dicom, AScanOfWhichMuchCannotBeReadIsRefused) {
   const auto half = read_dicom_series(folder.path());
   ASSERT_FALSE(half);
   EXPECT_EQ(half.error().code, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(half.error().message, "3 DICOM files cannot be read beside 3 slices"))
+  EXPECT_TRUE(has(half.error().message, "3 DICOM files cannot be read in addition to 3 slices"))
       << half.error().message;
   test::expect_one_sentence(half.error().message);
 }
@@ -603,7 +603,7 @@ TEST(Dicom, AMissingSlopeIsAWarning) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->ct.values, ct.values);
   EXPECT_EQ(found->warnings,
-            std::vector<std::string>{"the files give no rescale slope, 1 was taken"});
+            std::vector<std::string>{"the files have no rescale slope, 1 was used"});
 }
 
 TEST(Dicom, ASliceOnAnotherScaleThanItsNeighborsIsRefused) {
@@ -611,11 +611,11 @@ TEST(Dicom, ASliceOnAnotherScaleThanItsNeighborsIsRefused) {
   auto slices = fresh;
   slices[3].intercept = "";
   EXPECT_TRUE(
-      has(complaint(slices, ErrorCode::kFileCorrupt), "5 of 6 slices give a rescale inter"));
+      has(complaint(slices, ErrorCode::kFileCorrupt), "5 of 6 slices have a rescale inter"));
   slices = fresh;
   for (std::size_t k = 1; k < 6; ++k) slices[k].slope = "";
   EXPECT_TRUE(
-      has(complaint(slices, ErrorCode::kFileCorrupt), "1 of 6 slices give a rescale slope"));
+      has(complaint(slices, ErrorCode::kFileCorrupt), "1 of 6 slices have a rescale slope"));
   for (const char* const slope : {"0", "nan", "inf"}) {
     slices = fresh;
     slices[3].slope = slope;

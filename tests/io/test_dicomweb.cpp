@@ -130,9 +130,10 @@ Error error_of(const std::string& address, const Credentials& who = kCredentials
 TEST_F(OrthancTest, AWrongPasswordAnUnknownStudyAndAWrongChoiceAreToldInOneLine) {
   const std::string study = pacs().address(std::string("/studies/") + kStudy);
   const Error wrong = error_of(study, {"lefort", "wrong-word"});
-  EXPECT_EQ(wrong.code, ErrorCode::kFileUnsupported);
-  EXPECT_TRUE(has(wrong.message, "refuses user or password (status 401)")) << wrong.message;
-  EXPECT_TRUE(has(error_of(study, {}).message, "refuses user or password"));
+  EXPECT_EQ(wrong.code, ErrorCode::kAccessDenied);
+  EXPECT_TRUE(has(wrong.message, "rejects the user name or password (status 401)"))
+      << wrong.message;
+  EXPECT_TRUE(has(error_of(study, {}).message, "rejects the user name or password"));
 
   const Error unknown = error_of(pacs().address("/studies/1.2.3.4"));
   EXPECT_EQ(unknown.code, ErrorCode::kFileNotFound);
@@ -153,7 +154,7 @@ TEST_F(OrthancTest, AServerThatIsGoneIsToldInOneLine) {
   ASSERT_TRUE(read_dicomweb(study, kCredentials));
   server.stop();
   const Error gone = error_of(study);
-  EXPECT_EQ(gone.code, ErrorCode::kFileNotFound);
+  EXPECT_EQ(gone.code, ErrorCode::kConnectionFailed);
   EXPECT_TRUE(has(gone.message, "no server answers at 127.0.0.1")) << gone.message;
 }
 
@@ -242,7 +243,9 @@ TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
   EXPECT_TRUE(has(error.message, "3 images of a series that has 6")) << error.message;
   // All parts are there, the closing boundary is not.
   server.images = [](httplib::Response& r) { r.set_content(body_of(6, false), kParts); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "after 6 of 6 images"));
+  error = error_of(server.study());
+  EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(has(error.message, "no closing boundary after 6 of 6 images")) << error.message;
   // It hangs up in the middle of a file, having promised more.
   server.images = [](httplib::Response& r) {
     r.set_content_provider(
@@ -253,7 +256,7 @@ TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
         });
   };
   error = error_of(server.study());
-  EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
+  EXPECT_EQ(error.code, ErrorCode::kConnectionFailed);
   EXPECT_TRUE(has(error.message, "was lost after") && has(error.message, "of 6 images"))
       << error.message;
   // One slice twice instead of another, and a slice of another series.
@@ -291,9 +294,12 @@ TEST(DicomWeb, StopsListeningToAServerThatSendsTooMuch) {
                   "4194304 bytes in an image"));
   // Silence.
   server.images = [](httplib::Response&) { std::this_thread::sleep_for(std::chrono::seconds(3)); };
-  EXPECT_TRUE(
-      has(error_of(server.study(), {}, 0, {.idle_timeout = std::chrono::seconds(1)}).message,
-          "was lost"));
+  const Error silent = error_of(server.study(), {}, 0, {.idle_timeout = std::chrono::seconds(1)});
+  EXPECT_EQ(silent.code, ErrorCode::kConnectionFailed);
+  EXPECT_TRUE(has(silent.message, "was lost")) << silent.message;
+  const Error slow = error_of(server.study(), {}, 0, {.total_timeout = std::chrono::seconds(1)});
+  EXPECT_EQ(slow.code, ErrorCode::kConnectionFailed);
+  EXPECT_TRUE(has(slow.message, "takes longer than 1 s")) << slow.message;
 }
 
 /// Sends `first`, and then `again` for as long as anybody listens, whatever it is asked for.
@@ -343,16 +349,16 @@ TEST(DicomWeb, HeadersWithoutEndAreRefused) {
       has(error_of(FloodingServer(carry_on, carry_on).study()).message, "headers have more than"));
   // One line without end; the library has a limit of its own.
   EXPECT_EQ(error_of(FloodingServer(ok + "X-Long: ", std::string(1000, 'x')).study()).code,
-            ErrorCode::kFileCorrupt);
+            ErrorCode::kConnectionFailed);
 }
 
 TEST(DicomWeb, OtherServersAreDistinguished) {
   FakeServer server;
   for (const char* const list : {"<html>", "{}", "7", "[[[[", "\"\xff\"", "{\"a\": [1, 2"})
-    EXPECT_TRUE(has((server.list = list, error_of(server.study()).message), "no list in JSON"))
+    EXPECT_TRUE(has((server.list = list, error_of(server.study()).message), "not a JSON array"))
         << list;
   server.list = std::string(100'000, '[');
-  EXPECT_TRUE(has(error_of(server.study()).message, "no list in JSON"));
+  EXPECT_TRUE(has(error_of(server.study()).message, "not a JSON array"));
   for (const char* const list : {"[]", "[1, null, {}, \"a\"]", "[{\"0020000E\": 7}]",
                                  R"([{"0020000E": {"Value": ["../etc"]}}])"}) {
     server.list = list;
@@ -361,13 +367,20 @@ TEST(DicomWeb, OtherServersAreDistinguished) {
   server.list = series_list(6);
   EXPECT_TRUE(has(error_of(server.study()).message, "status 500"));
   server.images = [](httplib::Response& r) { r.set_content("x", "text/html"); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "not in parts"));
+  EXPECT_TRUE(has(error_of(server.study()).message, "not multipart"));
   server.images = [](httplib::Response& r) { r.set_redirect("/elsewhere"); };
   EXPECT_TRUE(has(error_of(server.study()).message, "status 302"));
   // A server without certificate.
   std::string encrypted = server.study();
   encrypted.replace(0, 8, "dicomwebs");
-  EXPECT_TRUE(has(error_of(encrypted).message, "cannot be trusted"));
+  const Error untrusted = error_of(encrypted);
+  EXPECT_EQ(untrusted.code, ErrorCode::kConnectionFailed);
+  EXPECT_TRUE(has(untrusted.message, "no trusted certificate")) << untrusted.message;
+  // Rejected credentials, from a server without Orthanc.
+  for (const int status : {401, 403}) {
+    server.images = [status](httplib::Response& r) { r.status = status; };
+    EXPECT_EQ(error_of(server.study()).code, ErrorCode::kAccessDenied);
+  }
 }
 
 TEST(DicomWeb, AddressesAreUnderstoodOrRefused) {

@@ -423,7 +423,7 @@ TEST(FieldFile, SaysWhatIsWrongWithAForgedHeader) {
   for (std::size_t b = 0; b < kBlocks; ++b)
     for (const std::uint64_t size : {~std::uint64_t(0), ~std::uint64_t(0) - 62,
                                      std::uint64_t(1) << 61, std::uint64_t(1) << 32})
-      EXPECT_TRUE(has(complaint(with(good, kBlockBytesAt + 8 * b, size)), "header says")) << b;
+      EXPECT_TRUE(has(complaint(with(good, kBlockBytesAt + 8 * b, size)), "header states")) << b;
 }
 
 TEST(FieldFile, RefusesBlocksThatAFieldOfItsKindDoesNotHave) {
@@ -489,7 +489,8 @@ TEST(FieldFile, RefusesLeavesBeyondTheLast) {
   }
   // A brick that had no leaves, with eight from 2^32 - 1 on.
   const std::uint64_t forged = std::uint64_t(0xFF) << 32 | 0xFFFFFFFFU;
-  EXPECT_TRUE(has(complaint(with(good, table, forged)), "brick 0 has its leaves beyond the last"));
+  EXPECT_TRUE(
+      has(complaint(with(good, table, forged)), "brick 0 refers to leaves beyond the last"));
 }
 
 TEST(FieldFile, RefusesATreeThatIsNone) {

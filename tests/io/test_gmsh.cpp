@@ -107,21 +107,22 @@ TEST(Gmsh, NamesGroupsWithoutANameAfterTheirTag) {
 TEST(Gmsh, SaysHowToSaveAnotherVersion) {
   const auto code = ErrorCode::kFileUnsupported;
   EXPECT_EQ(refusal(replaced(kOneTet, "4.1 0 8", "2.2 0 8"), code),
-            "Gmsh format 2.2 is not read, only 4.1: save it so by gmsh OLD.msh -save -format msh41 "
+            "Gmsh format 2.2 is not supported, only 4.1: convert it with gmsh OLD.msh -save "
+            "-format msh41 "
             "-o NEW.msh, or set Mesh.MshFileVersion = 4.1");
   EXPECT_NE(refusal(replaced(kOneTet, "4.1 0 8", "4 0 8"), code), "read");
   EXPECT_NE(refusal(replaced(kOneTet, "4.1 0 8", "4.1 1 4"), code), "read");
   const std::string big = replaced(test::gmsh_file(some_meshes()[0], GmshForm::kBinary),
                                    std::string("8\n\1\0\0\0", 6), std::string("8\n\0\0\0\1", 6));
-  EXPECT_EQ(refusal(big, code), "it is big-endian, only little-endian is read");
+  EXPECT_EQ(refusal(big, code), "it is big-endian, only little-endian is supported");
 }
 
 TEST(Gmsh, NamesElementTypesThatAreNotSolvedWith) {
   const auto code = ErrorCode::kFileUnsupported;
   EXPECT_EQ(
       refusal(replaced(kOneTet, "3 1 4 1", "3 1 12 1"), code),
-      "elements of Gmsh type 12 (27-node hexahedron) are not solved with; quadratic ones must "
-      "have nodes on their edges alone, Mesh.SecondOrderIncomplete = 1");
+      "elements of Gmsh type 12 (27-node hexahedron) are not supported; quadratic elements must "
+      "have nodes on edges only, Mesh.SecondOrderIncomplete = 1");
   for (const char* pyramid : {"3 1 14 1", "3 1 19 1"}) {
     const std::string reported = refusal(replaced(kOneTet, "3 1 4 1", pyramid), code);
     EXPECT_NE(reported.find("with pyramids must be linear, Mesh.ElementOrder = 1"),
@@ -143,23 +144,22 @@ TEST(Gmsh, NamesElementTypesThatAreNotSolvedWith) {
 TEST(Gmsh, RefusesNodesThatAreMissingTwiceOrNotFinite) {
   const auto code = ErrorCode::kFileCorrupt;
   EXPECT_EQ(refusal(replaced(kOneTet, "1 1 2 3 4", "1 1 2 3 8"), code),
-            "element 1 names node 8, which is missing");
-  EXPECT_EQ(refusal(replaced(kOneTet, "9\n1\n2\n", "9\n2\n2\n"), code), "node 2 is there twice");
+            "element 1 refers to node 8, which is missing");
+  EXPECT_EQ(refusal(replaced(kOneTet, "9\n1\n2\n", "9\n2\n2\n"), code), "node 2 is defined twice");
   EXPECT_EQ(refusal(replaced(kOneTet, "0 1 0\n", "0 nan 0\n"), code),
             "node 3 has a coordinate that is not finite");
   EXPECT_EQ(refusal(replaced(kOneTet, "0 1 0\n", "0 1e999 0\n"), code),
-            "\"1e999\" stands where a number should");
+            "\"1e999\" is not a number");
 }
 
 TEST(Gmsh, RefusesCountsThatTheFileHasNoRoomFor) {
   const auto code = ErrorCode::kFileCorrupt;
   EXPECT_EQ(refusal(replaced(kOneTet, "3 1 0 5", "3 1 0 18446744073709551615"), code),
-            "there are said to be 18446744073709551615 nodes in a block, more than the file has "
-            "room for");
+            "the file states 18446744073709551615 nodes in a block, more than fit into it");
   EXPECT_EQ(refusal(replaced(kOneTet, "1 5 1 9", "1 4 1 9"), code),
-            "there are 5 nodes, the file says 4");
+            "there are 5 nodes, the file states 4");
   EXPECT_EQ(refusal(replaced(kOneTet, "1 1 1 1\n", "1 2 1 1\n"), code),
-            "there are 1 elements, the file says 2");
+            "there are 1 elements, the file states 2");
   EXPECT_NE(refusal(replaced(kOneTet, "3 1 4 1", "3 1 4 -1"), code), "read");
   EXPECT_NE(refusal(replaced(kOneTet, "3 1 4 1", "2 1 4 1"), code), "read");
   EXPECT_NE(refusal(replaced(kOneTet, "$EndNodes", "7\n$EndNodes"), code), "read");
@@ -171,7 +171,7 @@ TEST(Gmsh, RefusesSectionsThatAreMissingOrThereTwice) {
   EXPECT_EQ(refusal(kOneTet.substr(0, elements), code),
             "nodes or elements are missing, expected both");
   EXPECT_EQ(refusal(kOneTet + kOneTet.substr(elements), code), "there are two lists of elements");
-  EXPECT_EQ(refusal("", code), "no Gmsh file: it does not begin with $MeshFormat");
+  EXPECT_EQ(refusal("", code), "not a Gmsh file: it does not begin with $MeshFormat");
   EXPECT_EQ(read_gmsh("/nonexistent.msh").error().code, ErrorCode::kFileNotFound);
 }
 
@@ -194,15 +194,15 @@ TEST(Gmsh, RefusesGroupsThatOverlapOrLieOnNoVolume) {
   ASSERT_TRUE(read_bytes(good));
   const auto code = ErrorCode::kMeshInvalid;
   EXPECT_EQ(refusal(replaced(good, "100 0 1 2 3 4 5 1 0 1 -7", "100 0 1 2 3 4 5 2 3 4 1 -7"), code),
-            "volume 100 is in the physical groups 3 and 4, must be in one at most");
+            "volume 100 is in the physical groups 3 and 4, expected at most one");
   // The face's nodes 4, 7, 6, 5 with one of the bottom among them.
   EXPECT_EQ(refusal(replaced(good, "2 43 ", "2 3 "), code).substr(0, 23),
             "physical group \"top\": t");
   EXPECT_NE(refusal(replaced(kOneTet, "3 1 4 1\n1 1 2 3 4", "2 1 2 1\n1 1 2 3"), code), "read");
   box.node_sets = {{"TOP", {0}}};
-  EXPECT_EQ(
-      refusal(replaced(test::gmsh_file(box, GmshForm::kText), "TOP", "top"), code),
-      "two physical groups are named \"top\", names of points, curves and surfaces must differ");
+  EXPECT_EQ(refusal(replaced(test::gmsh_file(box, GmshForm::kText), "TOP", "top"), code),
+            "two physical groups are named \"top\", the names of points, curves and surfaces must "
+            "differ");
 }
 
 TEST(Gmsh, EveryTruncationIsRefusedOrTheWholeMesh) {

@@ -63,11 +63,11 @@ TEST(LandmarksFile, RefusesWhatIsNoTableAndNamesTheLine) {
             {"N,1,2,3\n", "line 1 must name the columns"},
             {"name,x_mm,y_mm,z_mm\nN\a,1,2,3\n", "landmark 1 has a name with control characters"},
             {"name,x_mm,y_mm\nN,1,2\n", "line 1 must name the columns"},
-            {"name,x_mm,y_mm,z_mm\nN,1,2\n", "line 2 has 3 fields, must have 4"},
+            {"name,x_mm,y_mm,z_mm\nN,1,2\n", "line 2 has 3 fields, expected 4"},
             {"name,x_mm,y_mm,z_mm\nN,1,nan,2\n", "line 2: 'nan' is not a finite number"},
             {"name,x_mm,y_mm,z_mm\n\"N,1,1,2\n", "line 2: a quote is not closed"},
-            {"name,x_mm,y_mm,z_mm\nN,1,1,2\nN,1,1,2\n", "landmark N stands twice"},
-            {"name,x_mm,y_mm,z_mm\nN,1,1,2e9\n", "landmark N lies beyond"}}}) {
+            {"name,x_mm,y_mm,z_mm\nN,1,1,2\nN,1,1,2\n", "landmark N is repeated"},
+            {"name,x_mm,y_mm,z_mm\nN,1,1,2e9\n", "landmark N is beyond"}}}) {
     const auto read = parse_landmark_table(c.text);
     ASSERT_FALSE(read) << c.words;
     EXPECT_EQ(read.error().code, ErrorCode::kFileCorrupt);

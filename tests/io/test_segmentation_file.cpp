@@ -193,8 +193,8 @@ TEST(SegmentationFile, ReportsOfVoxelsWhoseSegmentIsNoTissue) {
   const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
   ASSERT_TRUE(read_segmentation(folder / "a.seg.nrrd", scan, notes));
   EXPECT_EQ(notes.sentences,
-            std::vector<std::string>{"warning: segmentation: no tissue is called \"tumour\": its "
-                                     "voxels count as not painted"});
+            std::vector<std::string>{"warning: segmentation: no tissue is named \"tumour\": its "
+                                     "voxels count as unpainted"});
 }
 
 TEST(SegmentationFile, RefusesLabelsThatLieBetweenTheVoxelsOfTheScan) {
@@ -234,9 +234,9 @@ TEST(SegmentationFile, RefusesLabelsBesideTheScanAndReportsOfThoseThatReachBeyon
   image::Grid narrow = scan;
   narrow.size[0] = 3;
   EXPECT_EQ(code(narrow), ErrorCode::kNotConverged);
-  EXPECT_EQ(notes.sentences,
-            std::vector<std::string>{
-                "50 % of the labelled voxels lie outside the scan and are left out"});
+  EXPECT_EQ(
+      notes.sentences,
+      std::vector<std::string>{"50 % of the labeled voxels are outside the scan and are omitted"});
   image::Grid beside = scan;
   beside.origin_L.x() += 5.0;
   EXPECT_EQ(code(beside), ErrorCode::kFileCorrupt);
@@ -302,7 +302,7 @@ TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {
   const std::string fixed = "Segment0_ID:=a\nSegment0_Name:=fixed\n";
   EXPECT_EQ(refusal(fixed), "read");
   EXPECT_EQ(refusal(fixed + "Segment1_ID:=b\nSegment1_Name:=Sliding\n"),
-            "boundary.labels: segment 1 is called \"Sliding\", expected fixed, free, slides or "
+            "boundary.labels: segment 1 is named \"Sliding\", expected fixed, free, slides or "
             "with segment");
   EXPECT_NE(refusal("Segment0_ID:=a\\nb" + std::string(5000, 'c') + "\n").find("bccc"),
             std::string::npos);
@@ -312,10 +312,11 @@ TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {
   EXPECT_NE(refusal(fixed, kScan, '\0').find("none of its 0"), std::string::npos);
   image::Grid shifted = kScan;
   shifted.origin_L.x() += 0.2;
-  EXPECT_NE(refusal(fixed, shifted).find("do not lie on those of the scan"), std::string::npos);
+  EXPECT_NE(refusal(fixed, shifted).find("do not coincide with those of the scan"),
+            std::string::npos);
   image::Grid beside = kScan;
   beside.origin_L.x() += 5.0;
-  EXPECT_NE(refusal(fixed, beside).find("lies within the scan"), std::string::npos);
+  EXPECT_NE(refusal(fixed, beside).find("is inside the scan"), std::string::npos);
   write_bytes(folder / "a.seg.nrrd", "NRRD0004\n");
   EXPECT_FALSE(read_boundary_labels(folder / "a.seg.nrrd", kScan));
   EXPECT_EQ(read_boundary_labels(folder / "none.seg.nrrd", kScan).error().code,

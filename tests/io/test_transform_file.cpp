@@ -87,7 +87,7 @@ TEST(TransformFile, RefusesWhatIsNoRigidMotion) {
       {tfm("BSplineTransform_double_3_3", good), ErrorCode::kFileUnsupported, "BSplineTransform"},
       {tfm(affine, good) + "#Transform 1\nTransform: " + affine + "\n", ErrorCode::kFileUnsupported,
        "several transforms"},
-      {tfm(affine, "1 0 0 0 1 0 0 0 1 0 1e7 0"), ErrorCode::kFileUnsupported, "shifts by more"},
+      {tfm(affine, "1 0 0 0 1 0 0 0 1 0 1e7 0"), ErrorCode::kFileUnsupported, "translates by more"},
   }};
   for (const Case& c : cases) {
     const auto motion = parse_transform(c.text);

@@ -168,10 +168,10 @@ TEST(Vtu, RefusesFieldsThatDoNotFit) {
     const auto written = write_vtu(folder / "m.vtu", mesh, fields);
     return written ? std::string("written") : written.error().message;
   };
-  EXPECT_EQ(refusal({{vtu_array("a", one)}, {}}), "field a has 1 values, must have 20");
-  EXPECT_EQ(refusal({{}, {vtu_array("a", per_node)}}), "field a has 20 values, must have 14");
+  EXPECT_EQ(refusal({{vtu_array("a", one)}, {}}), "field a has 1 values, expected 20");
+  EXPECT_EQ(refusal({{}, {vtu_array("a", per_node)}}), "field a has 20 values, expected 14");
   EXPECT_EQ(refusal({{{"a", 2, std::vector<double>(40)}}, {}}),
-            "field a has 2 components, must have 1, 3 or 9");
+            "field a has 2 components, expected 1, 3 or 9");
   EXPECT_EQ(refusal({{vtu_array("a", per_node), vtu_array("a", per_node)}, {}}),
             "two fields are named a, names must differ");
   EXPECT_EQ(refusal({{}, {vtu_array("region", std::vector<double>(14))}}),
@@ -277,7 +277,7 @@ TEST(ReadVtu, LeavesOutPointsAndLines) {
   }
   const auto polygon = with_lines(VTK_POLYGON, {0, 1, 2, 3});
   ASSERT_FALSE(polygon);
-  EXPECT_NE(polygon.error().message.find("type 7, which is not solved with; types must be"),
+  EXPECT_NE(polygon.error().message.find("type 7, which is not supported; expected"),
             std::string::npos)
       << polygon.error().message;
 }
@@ -395,14 +395,14 @@ TEST(ReadVtu, RefusesSetsThatMeanNothing) {
     return read.error().message.substr(read.error().message.find("m.vtu: ") + 7);
   };
   EXPECT_EQ(refusal(with_face("0 1 2", "", set_array("a", "1 1"))),
-            "cell set \"a\" holds element 0, must hold faces (cells of two dimensions) alone");
+            "cell set \"a\" contains element 0, expected faces (two-dimensional cells) only");
   EXPECT_EQ(refusal(with_face("0 1 2", "", set_array("a", "0 2"))),
             "array \"set:a\" must have a name and one 0 or 1 for each of 2");
   EXPECT_EQ(refusal(with_face("0 1 2", set_array("a", "0 1 0"), "")),
             "array \"set:a\" must have a name and one 0 or 1 for each of 4");
   EXPECT_NE(refusal(with_face("0 1 2", set_array("", "0 0 0 0"), "")), "read");
   EXPECT_EQ(refusal(with_face("0 1 2", set_array("a&#10;b", "0 0 0 0"), "")),
-            "a set has a name that cannot be printed");
+            "a set has an unprintable name");
   EXPECT_EQ(refusal(with_face("0 1 1", "", "")),
             "face set \"region 9\": the face with corners 0, 1, 1 lies on no element");
 }

@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Nothing if it is no rigid motion.
+/// Nothing if it is not a rigid motion.
 std::optional<RigidTransform> as_pose(const json& rows) {
   constexpr double kRigid = 1e-6;
   RigidTransform X_LB;
@@ -24,7 +24,8 @@ std::optional<RigidTransform> as_pose(const json& rows) {
 
 Result<std::vector<SegmentPose>> predicted_poses(const json& document, const json& step) {
   const auto damaged = [] {
-    return fail(ErrorCode::kFileCorrupt, "the prediction does not tell where its segments are");
+    return fail(ErrorCode::kFileCorrupt,
+                "the prediction does not contain the poses of its segments");
   };
   try {
     const json& names = document.at("parameters").at("segment");

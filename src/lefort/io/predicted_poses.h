@@ -1,5 +1,5 @@
 /// \file
-/// Where a prediction's document says its segments are.
+/// Poses of the segments in the JSON document of a prediction.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,10 +17,12 @@ struct SegmentPose {
   RigidTransform X_LB;
 };
 
+/// Returns the poses of the segments at a step.
+///
 /// \param document  prediction.json or failure.json.
 /// \param step      one of its `steps`.
-/// \returns one a segment, in the order of the plan; kFileCorrupt if the document does not tell, or
-///   a pose is no rigid motion.
+/// \returns one pose per segment, in the order of the plan; or kFileCorrupt if the document does
+///   not contain them or a pose is not a rigid motion.
 [[nodiscard]] Result<std::vector<SegmentPose>> predicted_poses(const nlohmann::json& document,
                                                                const nlohmann::json& step);
 

@@ -24,13 +24,13 @@ using internal::find_array;
 using internal::XmlArrays;
 using mesh::ElementShape;
 
-// Some ten million elements with a few fields.
+// About ten million elements with a few fields.
 constexpr std::uintmax_t kMaxVtuBytes = std::uintmax_t(4) << 30;
 
 constexpr std::string_view kSet = "set:";
 const std::string kRegion = "region";
 
-/// Regions apart.
+/// Without the array of regions.
 const std::vector<internal::WantedArray> kVtuArrays{
     {"Points", ""},
     {"Cells", "connectivity"},
@@ -39,7 +39,7 @@ const std::vector<internal::WantedArray> kVtuArrays{
     {"CellData", std::string(kSet), internal::NameMatch::kBeginning},
     {"PointData", std::string(kSet), internal::NameMatch::kBeginning}};
 
-/// A 0-1 array that names nodes or cells of a piece.
+/// A 0-1 array that selects nodes or cells of a piece.
 struct SetArray {
   std::string name;  ///< Of the set.
   const std::vector<double>& members;
@@ -49,7 +49,7 @@ struct SetArray {
 struct Piece {
   const std::vector<double>& points;
   const std::vector<double>& connectivity;
-  const std::vector<double>& offsets;  ///< Where the nodes of each cell end.
+  const std::vector<double>& offsets;  ///< End of the nodes of each cell.
   const std::vector<double>& types;
   const std::vector<double>* regions;  ///< Null if the file has none.
   std::vector<SetArray> node_sets{};
@@ -58,7 +58,7 @@ struct Piece {
 
 Error corrupt(std::string why) { return {ErrorCode::kFileCorrupt, std::move(why)}; }
 
-/// The sets of `parent`, PointData or CellData, of which there are `count`.
+/// Returns the sets in `parent`, PointData or CellData, with `count` nodes or cells.
 Result<std::vector<SetArray>> find_sets(const XmlArrays& file, int number, std::string_view parent,
                                         std::size_t count) {
   std::vector<SetArray> sets;
@@ -66,7 +66,7 @@ Result<std::vector<SetArray>> find_sets(const XmlArrays& file, int number, std::
     if (array.piece != number || array.parent != parent || !array.name.starts_with(kSet)) continue;
     if (std::any_of(array.name.begin(), array.name.end(),
                     [](char c) { return std::uint8_t(c) < 0x20; }))
-      return tl::unexpected(corrupt("a set has a name that cannot be printed"));
+      return tl::unexpected(corrupt("a set has an unprintable name"));
     const bool is_0_or_1 = std::all_of(array.values.begin(), array.values.end(),
                                        [](double value) { return value == 0.0 || value == 1.0; });
     if (array.values.size() != count || array.name.size() == kSet.size() || !is_0_or_1)
@@ -86,11 +86,11 @@ Result<Piece> find_piece(const XmlArrays& file, int number, const std::string& r
   if (points == nullptr || connectivity == nullptr || offsets == nullptr || types == nullptr)
     return tl::unexpected(corrupt("points or cells are missing, expected both"));
   if (points->size() % 3 != 0)
-    return tl::unexpected(corrupt("the points have not three coordinates each"));
+    return tl::unexpected(corrupt("the points do not have three coordinates each"));
   if (types->size() != offsets->size() ||
       (regions != nullptr && regions->size() != offsets->size()))
     return tl::unexpected(corrupt(fmt::format(
-        "there are {} cells, {} types and {} regions, expected as many", offsets->size(),
+        "there are {} cells, {} types and {} regions, expected equal numbers", offsets->size(),
         types->size(), regions != nullptr ? regions->size() : offsets->size())));
   Piece piece{*points, *connectivity, *offsets, *types, regions};
   LEFORT_TRY(piece.node_sets, find_sets(file, number, "PointData", points->size() / 3));
@@ -98,13 +98,11 @@ Result<Piece> find_piece(const XmlArrays& file, int number, const std::string& r
   return piece;
 }
 
-/// `value` as a whole number of 32 bits from `lowest` to below `end`.
+/// Converts `value` to a 32-bit integer from `lowest` to below `end`.
 Result<std::int32_t> whole(double value, double lowest, double end, const char* what) {
   if (!(value >= lowest && value < end) || value != std::floor(value))
-    return tl::unexpected(
-        corrupt(fmt::format("{} {} is none, expected a whole number from {} to "
-                            "below {}",
-                            what, value, lowest, end)));
+    return tl::unexpected(corrupt(fmt::format(
+        "{} {} is invalid, expected an integer from {} to below {}", what, value, lowest, end)));
   return std::int32_t(value);
 }
 
@@ -124,7 +122,7 @@ Result<void> add_nodes(const Piece& piece, mesh::VolumeMesh& mesh) {
       return tl::unexpected(corrupt(fmt::format("node {} is not finite", mesh.node_count() - 1)));
   }
   if (mesh.nodes_L.size() > std::size_t(std::numeric_limits<std::int32_t>::max()))
-    return tl::unexpected(corrupt("there are more nodes than 32 bits can number"));
+    return tl::unexpected(corrupt("there are more nodes than 32-bit indices allow"));
   for (const SetArray& set : piece.node_sets) {
     std::vector<std::int32_t>& nodes = mesh.node_sets[set.name];
     for (std::size_t n = 0; n < set.members.size(); ++n)
@@ -133,7 +131,7 @@ Result<void> add_nodes(const Piece& piece, mesh::VolumeMesh& mesh) {
   return {};
 }
 
-/// Adds a face to the sets it is in, or to that of its region.
+/// Adds a face to its sets, or to the set of its region.
 void add_face(const Piece& piece, std::size_t cell, const mesh::Face& face, std::int32_t region,
               mesh::VolumeMesh& mesh) {
   bool is_in_a_set = false;
@@ -148,14 +146,15 @@ void add_face(const Piece& piece, std::size_t cell, const mesh::Face& face, std:
 Result<void> check_no_set(const Piece& piece, std::size_t cell) {
   for (const SetArray& set : piece.face_sets)
     if (set.members[cell] == 1.0)
-      return fail(ErrorCode::kMeshInvalid,
-                  fmt::format("cell set \"{}\" holds element {}, must hold faces (cells of two "
-                              "dimensions) alone",
-                              set.name, cell));
+      return fail(
+          ErrorCode::kMeshInvalid,
+          fmt::format(
+              "cell set \"{}\" contains element {}, expected faces (two-dimensional cells) only",
+              set.name, cell));
   return {};
 }
 
-/// Where the nodes end of a cell that is left out, which may have any number of them.
+/// Returns the end of the nodes of an ignored cell, which may have any number of them.
 Result<std::size_t> end_of_line_cell(const Piece& piece, std::size_t cell, std::size_t begin) {
   const double end = piece.offsets[cell];
   if (end >= double(begin) && end <= double(piece.connectivity.size()) && end == std::floor(end))
@@ -178,9 +177,9 @@ Result<void> add_cells(const Piece& piece, std::int32_t first_node, mesh::Volume
     }
     if (!shape && !face_shape)
       return fail(ErrorCode::kFileUnsupported,
-                  fmt::format("element {} has VTK cell type {}, which is not solved with; types "
-                              "must be of tetrahedra (10, 24), pyramids (14), wedges (13, 26), "
-                              "hexahedra (12, 25) or their faces (5, 9, 22, 23)",
+                  fmt::format("element {} has VTK cell type {}, which is not supported; expected "
+                              "tetrahedra (10, 24), pyramids (14), wedges (13, 26), hexahedra (12, "
+                              "25) or their faces (5, 9, 22, 23)",
                               cell, piece.types[cell]));
     const auto end =
         begin + std::size_t(shape ? mesh::node_count(*shape) : mesh::node_count(*face_shape));
@@ -192,7 +191,7 @@ Result<void> add_cells(const Piece& piece, std::int32_t first_node, mesh::Volume
       const double node = piece.connectivity[n];
       if (!(node >= 0.0 && node < node_count) || node != std::floor(node))
         return tl::unexpected(corrupt(fmt::format(
-            "element {} names node {}, expected a whole number below {}", cell, node, node_count)));
+            "element {} refers to node {}, expected an integer below {}", cell, node, node_count)));
       nodes.push_back(first_node + std::int32_t(node));
     }
     const double said = piece.regions != nullptr ? (*piece.regions)[cell] : 0.0;

@@ -64,11 +64,11 @@ Result<Parts> read_parts(std::string_view text) {
     const std::string_view value = colon == std::string_view::npos ? "" : line.substr(colon + 1);
     if (key == "Transform") {
       if (!parts.type.empty())
-        return fail(ErrorCode::kFileUnsupported, "it holds several transforms, must be one");
+        return fail(ErrorCode::kFileUnsupported, "it has several transforms, expected one");
       parts.type = trimmed(value);
     } else if (key == "Parameters" || key == "FixedParameters") {
       auto& target = key == "Parameters" ? parameters : fixed;
-      if (target) return corrupt(fmt::format("line {}: {} stands twice", number, key));
+      if (target) return corrupt(fmt::format("line {}: {} is repeated", number, key));
       target = numbers_in(value);
       if (!target) return corrupt(fmt::format("line {}: not a list of finite numbers", number));
     } else {
@@ -83,7 +83,7 @@ Result<Parts> read_parts(std::string_view text) {
   return parts;
 }
 
-/// p -> matrix (p - center) + center + translation, as the file has it.
+/// p -> matrix (p - center) + center + translation, as in the file.
 struct Affine {
   Mat3 matrix = Mat3::Identity();
   Vec3 translation = Vec3::Zero();
@@ -101,9 +101,10 @@ Result<Affine> understand(const Parts& parts) {
   if (!is_matrix && !is_versor && !is_shift)
     return fail(
         ErrorCode::kFileUnsupported,
-        fmt::format("a transform of type {} is not read, must be AffineTransform_double_3_3, or a "
-                    "MatrixOffsetTransformBase, VersorRigid3DTransform or TranslationTransform",
-                    parts.type.substr(0, 60)));
+        fmt::format(
+            "a transform of type {} is not supported, expected AffineTransform_double_3_3, or a "
+            "MatrixOffsetTransformBase, VersorRigid3DTransform or TranslationTransform",
+            parts.type.substr(0, 60)));
   const std::size_t wanted = is_matrix ? 12 : is_versor ? 6 : 3;
   if (parts.parameters.size() != wanted)
     return corrupt(fmt::format("{} Parameters, must be {}", parts.parameters.size(), wanted));
@@ -123,20 +124,20 @@ Result<Affine> understand(const Parts& parts) {
   return affine;
 }
 
-/// Nothing, or what keeps it from being rigid.
+/// Returns why the transform is not rigid, or nothing.
 std::optional<std::string> not_rigid(const Affine& affine) {
   if (!affine.matrix.allFinite() || !((affine.matrix.transpose() * affine.matrix).allFinite()))
     return "its numbers are too large";
   if (!(affine.matrix.determinant() > 0.0))
-    return "it mirrors, must be a rotation and a translation";
+    return "it mirrors, expected a rotation and a translation";
   const double off =
       (affine.matrix.transpose() * affine.matrix - Mat3::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= kRigid))
-    return fmt::format("it scales or shears by {:.2g}, must be a rotation and a translation",
+    return fmt::format("it scales or shears by {:.2g}, expected a rotation and a translation",
                        0.5 * off);
   if (!(std::max(affine.translation.cwiseAbs().maxCoeff(), affine.center.cwiseAbs().maxCoeff()) <=
         kMaxTranslation_mm))
-    return fmt::format("it shifts by more than {:g} mm", kMaxTranslation_mm);
+    return fmt::format("it translates by more than {:g} mm", kMaxTranslation_mm);
   return std::nullopt;
 }
 

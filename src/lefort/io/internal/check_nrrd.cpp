@@ -21,8 +21,8 @@ std::string lower_case(std::string_view text) {
   return lower;
 }
 
-/// The fields of the header by their names in lower case without spaces, since some are written
-/// with and without ("data file", "datafile"). Key/value pairs (":=") are left out.
+/// Returns the fields of the header by name in lower case without spaces, since spaces are optional
+/// ("data file", "datafile"). Key/value pairs (":=") are omitted.
 std::map<std::string, std::string> read_fields(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::map<std::string, std::string> fields;
@@ -39,7 +39,7 @@ std::map<std::string, std::string> read_fields(const fs::path& file) {
   return fields;
 }
 
-/// Whether all units are mm; some writers put them into quotes, some do without them.
+/// Whether all units are mm; quotes are optional.
 bool are_mm(std::string units) {
   std::replace(units.begin(), units.end(), '"', ' ');
   for (std::string_view rest = trimmed(units); !rest.empty();) {
@@ -50,7 +50,7 @@ bool are_mm(std::string units) {
   return true;
 }
 
-/// Whether a voxel file of its own, which starts after what is skipped, can hold `bytes`.
+/// Whether a separate voxel file can contain `bytes` after the skipped bytes.
 Result<void> check_size(const fs::path& voxels, const std::map<std::string, std::string>& fields,
                         std::uint64_t bytes) {
   std::error_code error;
@@ -60,7 +60,7 @@ Result<void> check_size(const fs::path& voxels, const std::map<std::string, std:
     return found == fields.end() ? std::string() : lower_case(found->second);
   };
   const bool is_raw = field("encoding") == "raw";
-  std::uint64_t skipped = 0;  // -1, which means to count from the end, and nonsense are ITK's.
+  std::uint64_t skipped = 0;  // ITK handles -1 (count from the end) and invalid values.
   const std::string skip = field("byteskip");
   std::from_chars(skip.data(), skip.data() + skip.size(), skipped);
   const std::uint64_t stored = error || size < skipped ? 0 : size - skipped;
@@ -84,9 +84,9 @@ Result<void> check_nrrd(const fs::path& file, std::uint64_t bytes) {
   const std::string space = lower_case(fields["space"]);
   if (space != "left-posterior-superior" && space != "lps" && space != "right-anterior-superior" &&
       space != "ras")
-    return fail(ErrorCode::kFileUnsupported,
-                "the header has no field space that is LPS or RAS, expected one so that left and "
-                "right are known");
+    return fail(
+        ErrorCode::kFileUnsupported,
+        "the header has no space LPS or RAS, expected one so that left and right are known");
   if (!fields.contains("spacedirections"))
     return fail(ErrorCode::kFileUnsupported,
                 "the header has no space directions, expected them so that left and right are "

@@ -38,8 +38,8 @@ struct HttpRequest {
 /// \param request   path, limits and the functions that receive the response.
 /// \param progress  may stop the transfer.
 /// \returns nothing, the error of `begin` or `receive`, or
-///   - kConnectionFailed  no server answers, its certificate is not trusted, the connection was lost
-///                        or took longer than allowed, or libcurl lacks a required option;
+///   - kConnectionFailed  no server answers, its certificate is not trusted, the connection was
+///                        lost or timed out, or libcurl lacks a required option;
 ///   - kAccessDenied      the server rejects the user name or password (401, 403);
 ///   - kFileNotFound      status 204 or 404;
 ///   - kFileUnsupported   another status than 200;

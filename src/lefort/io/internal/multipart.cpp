@@ -9,12 +9,13 @@ namespace lefort::io {
 
 namespace {
 
-/// Longer headers of a part, or longer words before the first, are no answer of a PACS.
+/// Longer headers of a part, or longer text before the first part, do not occur in answers of a
+/// PACS.
 constexpr std::size_t kMaxHeaders = 16'384;
 
 tl::unexpected<Error> no_multipart() {
   return fail(ErrorCode::kFileCorrupt,
-              "the server's answer is no multipart body, expected images in parts");
+              "the server's answer is not a multipart body, expected images in parts");
 }
 
 std::string lower(std::string_view text) {
@@ -56,7 +57,7 @@ MultipartReader::MultipartReader(std::string_view boundary, Sink sink)
 }
 
 Result<void> MultipartReader::feed(std::string_view bytes) {
-  // In pieces, so that what is pending stays small whatever is fed at once.
+  // In pieces, so that `pending_` is small even if many bytes are passed.
   constexpr std::size_t kPiece = std::size_t{1} << 16;
   while (!bytes.empty() && state_ != State::kEpilogue) {
     pending_ += bytes.substr(0, kPiece);
@@ -68,14 +69,14 @@ Result<void> MultipartReader::feed(std::string_view bytes) {
   return {};
 }
 
-/// Takes one thing off the front of what is pending; false if more bytes are needed.
+/// Parses one item at the front of `pending_`; false if more bytes are needed.
 Result<bool> MultipartReader::step() {
   switch (state_) {
     case State::kPreamble:
     case State::kBody:
       return find_delimiter();
     case State::kDelimiter: {
-      // Two hyphens close the body; otherwise the line may have blanks and ends.
+      // Two hyphens close the body; otherwise blanks and a line break may follow.
       if (pending_.size() < 2) return false;
       if (pending_.starts_with("--")) {
         state_ = State::kEpilogue;
@@ -88,13 +89,13 @@ Result<bool> MultipartReader::step() {
         return false;
       }
       if (pending_.find_first_not_of(" \t") != end) return no_multipart();
-      pending_.erase(0, end);  // The line's end stays: headers may be none.
+      pending_.erase(0, end);  // The line break remains: there may be no headers.
       LEFORT_TRY_VOID(sink_.begin_part());
       state_ = State::kHeaders;
       return true;
     }
     case State::kHeaders: {
-      // An empty line ends them; the line before, if only the boundary's, is still there.
+      // An empty line ends the headers; the line break of the boundary is still in `pending_`.
       const std::size_t end = pending_.find("\r\n\r\n");
       if (std::min(end, pending_.size()) > kMaxHeaders) return no_multipart();
       if (end == std::string::npos) return false;
@@ -112,7 +113,7 @@ Result<bool> MultipartReader::step() {
 Result<bool> MultipartReader::find_delimiter() {
   const bool in_body = state_ == State::kBody;
   const std::size_t found = pending_.find(delimiter_);
-  // What may be the beginning of a delimiter stays.
+  // Bytes that may be the beginning of a delimiter remain.
   const std::size_t sure = found != std::string::npos
                                ? found
                                : pending_.size() - std::min(pending_.size(), delimiter_.size() - 1);
