@@ -15,20 +15,19 @@
 #include "io/dicom_writer.h"
 #include "io/orthanc_server.h"
 #include "io/sample_scan.h"
+#include "support/stop_at_once.h"
 #include "support/temporary_folder.h"
+#include "support/text.h"
 
 namespace lefort::io {
 namespace {
 
+using test::contains;
 using test::OrthancServer;
 using test::TemporaryFolder;
 
 constexpr const char* kStudy = "1.2.826.0.1.3680043.2.1125.9";  // Of dicom_writer.
 const Credentials kCredentials{OrthancServer::kUser, OrthancServer::kPassword};
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// The number of folders of ours in the folder for temporary files.
 long temporary_folders() {
@@ -123,7 +122,7 @@ Error error_of(const std::string& address, const Credentials& who = kCredentials
   const std::string& message = result.error().message;
   test::expect_one_sentence(message);
   for (const char* const secret : {"s3cret", "wrong-word", "1.2.826", "DOE"})
-    EXPECT_FALSE(has(message, secret)) << message;
+    EXPECT_FALSE(contains(message, secret)) << message;
   return result.error();
 }
 
@@ -131,18 +130,18 @@ TEST_F(OrthancTest, AWrongPasswordAnUnknownStudyAndAWrongChoiceAreToldInOneLine)
   const std::string study = pacs().address(std::string("/studies/") + kStudy);
   const Error wrong = error_of(study, {"lefort", "wrong-word"});
   EXPECT_EQ(wrong.code, ErrorCode::kAccessDenied);
-  EXPECT_TRUE(has(wrong.message, "rejects the user name or password (status 401)"))
+  EXPECT_TRUE(contains(wrong.message, "rejects the user name or password (status 401)"))
       << wrong.message;
-  EXPECT_TRUE(has(error_of(study, {}).message, "rejects the user name or password"));
+  EXPECT_TRUE(contains(error_of(study, {}).message, "rejects the user name or password"));
 
   const Error unknown = error_of(pacs().address("/studies/1.2.3.4"));
   EXPECT_EQ(unknown.code, ErrorCode::kFileNotFound);
-  EXPECT_TRUE(has(unknown.message, "no such study")) << unknown.message;
-  EXPECT_TRUE(has(error_of(study + "/series/1.2.3").message, "no such study or series"));
+  EXPECT_TRUE(contains(unknown.message, "no such study")) << unknown.message;
+  EXPECT_TRUE(contains(error_of(study + "/series/1.2.3").message, "no such study or series"));
   const Error choice = error_of(study, kCredentials, 0);
   EXPECT_EQ(choice.code, ErrorCode::kInvalidArgument);
-  EXPECT_TRUE(has(choice.message, "1 = CT, 6 images; 2 = CT, 6 images")) << choice.message;
-  EXPECT_TRUE(has(error_of(study, kCredentials, 3).message, "there is no series 3"));
+  EXPECT_TRUE(contains(choice.message, "1 = CT, 6 images; 2 = CT, 6 images")) << choice.message;
+  EXPECT_TRUE(contains(error_of(study, kCredentials, 3).message, "there is no series 3"));
   EXPECT_EQ(error_of(pacs().address("x/studies/1.2")).code, ErrorCode::kFileNotFound);
 }
 
@@ -155,7 +154,7 @@ TEST_F(OrthancTest, AServerThatIsGoneIsToldInOneLine) {
   server.stop();
   const Error gone = error_of(study);
   EXPECT_EQ(gone.code, ErrorCode::kConnectionFailed);
-  EXPECT_TRUE(has(gone.message, "no server answers at 127.0.0.1")) << gone.message;
+  EXPECT_TRUE(contains(gone.message, "no server answers at 127.0.0.1")) << gone.message;
 }
 
 /// A server that says and does what a test wants.
@@ -229,7 +228,7 @@ TEST(DicomWeb, ReadsFromAnyServerThatKeepsToTheStandard) {
   server.instances = "[{}, {}, {}, {}, {}, {}]";
   EXPECT_TRUE(read_dicomweb(server.study(), {}));
   server.instances = "[{}, {}, {}, {}, {}, {}, {}]";
-  EXPECT_TRUE(has(error_of(server.study()).message, "6 images of a series that has 7"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "6 images of a series that has 7"));
 }
 
 TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
@@ -240,12 +239,12 @@ TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
   server.images = [](httplib::Response& r) { r.set_content(body_of(3), kParts); };
   Error error = error_of(server.study());
   EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(error.message, "3 images of a series that has 6")) << error.message;
+  EXPECT_TRUE(contains(error.message, "3 images of a series that has 6")) << error.message;
   // All parts are there, the closing boundary is not.
   server.images = [](httplib::Response& r) { r.set_content(body_of(6, false), kParts); };
   error = error_of(server.study());
   EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(error.message, "no closing boundary after 6 of 6 images")) << error.message;
+  EXPECT_TRUE(contains(error.message, "no closing boundary after 6 of 6 images")) << error.message;
   // It hangs up in the middle of a file, having promised more.
   server.images = [](httplib::Response& r) {
     r.set_content_provider(
@@ -257,16 +256,16 @@ TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
   };
   error = error_of(server.study());
   EXPECT_EQ(error.code, ErrorCode::kConnectionFailed);
-  EXPECT_TRUE(has(error.message, "was lost after") && has(error.message, "of 6 images"))
+  EXPECT_TRUE(contains(error.message, "was lost after") && contains(error.message, "of 6 images"))
       << error.message;
   // One slice twice instead of another, and a slice of another series.
   server.list = series_list(7);
   server.images = [](httplib::Response& r) { r.set_content(body_of(7), kParts); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "an image twice"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "an image twice"));
   server.list = R"([{"0020000E": {"Value": ["1.2.9"]}, "00080060": {"Value": ["CT"]},
                      "00201209": {"Value": ["6"]}}])";
   server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "of another series"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "of another series"));
   EXPECT_EQ(temporary_folders(), before);
 }
 
@@ -274,13 +273,14 @@ TEST(DicomWeb, StopsListeningToAServerThatSendsTooMuch) {
   FakeServer server;
   server.list = series_list(6);
   server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
-  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.images = 5}).message, "more than 5 images"));
   EXPECT_TRUE(
-      has(error_of(server.study(), {}, 0, {.image_bytes = 100}).message, "100 bytes in an image"));
-  EXPECT_TRUE(
-      has(error_of(server.study(), {}, 0, {.series_bytes = 2000}).message, "more than 2000 bytes"));
-  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.list_bytes = 10}).message,
-                  "list has more than 10 bytes"));
+      contains(error_of(server.study(), {}, 0, {.images = 5}).message, "more than 5 images"));
+  EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.image_bytes = 100}).message,
+                       "100 bytes in an image"));
+  EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.series_bytes = 2000}).message,
+                       "more than 2000 bytes"));
+  EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.list_bytes = 10}).message,
+                       "list has more than 10 bytes"));
   // Without end: a stream of an image that never closes.
   server.images = [](httplib::Response& r) {
     r.set_chunked_content_provider(kParts, [first = true](std::size_t,
@@ -290,16 +290,16 @@ TEST(DicomWeb, StopsListeningToAServerThatSendsTooMuch) {
       return sink.write(bytes.data(), bytes.size());
     });
   };
-  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.image_bytes = 1 << 22}).message,
-                  "4194304 bytes in an image"));
+  EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.image_bytes = 1 << 22}).message,
+                       "4194304 bytes in an image"));
   // Silence.
   server.images = [](httplib::Response&) { std::this_thread::sleep_for(std::chrono::seconds(3)); };
   const Error silent = error_of(server.study(), {}, 0, {.idle_timeout = std::chrono::seconds(1)});
   EXPECT_EQ(silent.code, ErrorCode::kConnectionFailed);
-  EXPECT_TRUE(has(silent.message, "was lost")) << silent.message;
+  EXPECT_TRUE(contains(silent.message, "was lost")) << silent.message;
   const Error slow = error_of(server.study(), {}, 0, {.total_timeout = std::chrono::seconds(1)});
   EXPECT_EQ(slow.code, ErrorCode::kConnectionFailed);
-  EXPECT_TRUE(has(slow.message, "takes longer than 1 s")) << slow.message;
+  EXPECT_TRUE(contains(slow.message, "takes longer than 1 s")) << slow.message;
 }
 
 /// Sends `first`, and then `again` for as long as anybody listens, whatever it is asked for.
@@ -343,10 +343,11 @@ class FloodingServer {
 
 TEST(DicomWeb, HeadersWithoutEndAreRefused) {
   const std::string ok = "HTTP/1.1 200 OK\r\n", line = "X-More: and more\r\n";
-  EXPECT_TRUE(has(error_of(FloodingServer(ok, line).study()).message, "headers have more than"));
-  const std::string carry_on = "HTTP/1.1 100 Continue\r\n\r\n";
   EXPECT_TRUE(
-      has(error_of(FloodingServer(carry_on, carry_on).study()).message, "headers have more than"));
+      contains(error_of(FloodingServer(ok, line).study()).message, "headers have more than"));
+  const std::string carry_on = "HTTP/1.1 100 Continue\r\n\r\n";
+  EXPECT_TRUE(contains(error_of(FloodingServer(carry_on, carry_on).study()).message,
+                       "headers have more than"));
   // One line without end; the library has a limit of its own.
   EXPECT_EQ(error_of(FloodingServer(ok + "X-Long: ", std::string(1000, 'x')).study()).code,
             ErrorCode::kConnectionFailed);
@@ -355,27 +356,28 @@ TEST(DicomWeb, HeadersWithoutEndAreRefused) {
 TEST(DicomWeb, OtherServersAreDistinguished) {
   FakeServer server;
   for (const char* const list : {"<html>", "{}", "7", "[[[[", "\"\xff\"", "{\"a\": [1, 2"})
-    EXPECT_TRUE(has((server.list = list, error_of(server.study()).message), "not a JSON array"))
+    EXPECT_TRUE(
+        contains((server.list = list, error_of(server.study()).message), "not a JSON array"))
         << list;
   server.list = std::string(100'000, '[');
-  EXPECT_TRUE(has(error_of(server.study()).message, "not a JSON array"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "not a JSON array"));
   for (const char* const list : {"[]", "[1, null, {}, \"a\"]", "[{\"0020000E\": 7}]",
                                  R"([{"0020000E": {"Value": ["../etc"]}}])"}) {
     server.list = list;
     EXPECT_EQ(error_of(server.study()).code, ErrorCode::kFileNotFound) << list;
   }
   server.list = series_list(6);
-  EXPECT_TRUE(has(error_of(server.study()).message, "status 500"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "status 500"));
   server.images = [](httplib::Response& r) { r.set_content("x", "text/html"); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "not multipart"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "not multipart"));
   server.images = [](httplib::Response& r) { r.set_redirect("/elsewhere"); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "status 302"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "status 302"));
   // A server without certificate.
   std::string encrypted = server.study();
   encrypted.replace(0, 8, "dicomwebs");
   const Error untrusted = error_of(encrypted);
   EXPECT_EQ(untrusted.code, ErrorCode::kConnectionFailed);
-  EXPECT_TRUE(has(untrusted.message, "no trusted certificate")) << untrusted.message;
+  EXPECT_TRUE(contains(untrusted.message, "no trusted certificate")) << untrusted.message;
   // Rejected credentials, from a server without Orthanc.
   for (const int status : {401, 403}) {
     server.images = [status](httplib::Response& r) { r.status = status; };
@@ -398,15 +400,10 @@ TEST(DicomWeb, AddressesAreUnderstoodOrRefused) {
   EXPECT_FALSE(is_dicomweb("dicomweb") || is_dicomweb("/data/dicomweb://"));
 }
 
-class StopsAtOnce : public Progress {
- public:
-  [[nodiscard]] bool stop_requested() const override { return true; }
-};
-
 TEST(DicomWeb, StopsWhenAsked) {
   FakeServer server;
   server.list = series_list(6);
-  StopsAtOnce progress;
+  test::StopAtOnce progress;
   EXPECT_EQ(read_dicomweb(server.study(), {}, 0, progress).error().code, ErrorCode::kCancelled);
 }
 

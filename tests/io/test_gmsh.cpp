@@ -37,7 +37,7 @@ std::vector<VolumeMesh> some_meshes() {
   return meshes;
 }
 
-Result<VolumeMesh> read_bytes(const std::string& bytes) {
+Result<VolumeMesh> read_gmsh_bytes(const std::string& bytes) {
   const test::TemporaryFolder folder;
   EXPECT_TRUE(write_text(folder / "m.msh", bytes));
   return read_gmsh(folder / "m.msh");
@@ -45,7 +45,7 @@ Result<VolumeMesh> read_bytes(const std::string& bytes) {
 
 /// The sentence without the name of the file.
 std::string refusal(const std::string& bytes, ErrorCode code) {
-  const auto mesh = read_bytes(bytes);
+  const auto mesh = read_gmsh_bytes(bytes);
   if (mesh) return "read";
   EXPECT_EQ(int(mesh.error().code), int(code)) << mesh.error().message;
   const std::string& message = mesh.error().message;
@@ -61,7 +61,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 TEST(Gmsh, GivesBackEveryShapeRegionAndSetFromTextAndBinary) {
   for (const VolumeMesh& mesh : some_meshes())
     for (const GmshForm form : {GmshForm::kText, GmshForm::kBinary}) {
-      const auto read = read_bytes(test::gmsh_file(mesh, form));
+      const auto read = read_gmsh_bytes(test::gmsh_file(mesh, form));
       ASSERT_TRUE(read) << read.error().message;
       EXPECT_EQ(read->nodes_L, mesh.nodes_L);
       EXPECT_EQ(read->region_names, mesh.region_names);
@@ -84,7 +84,7 @@ const std::string kOneTet =
     "$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
 
 TEST(Gmsh, LeavesOutNodesOfNoElementAndNeedsNoGroups) {
-  const auto mesh = read_bytes(kOneTet);
+  const auto mesh = read_gmsh_bytes(kOneTet);
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_EQ(mesh->nodes_L, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
   EXPECT_EQ(mesh->blocks[0].nodes, (std::vector<std::int32_t>{0, 1, 2, 3}));
@@ -98,7 +98,7 @@ TEST(Gmsh, NamesGroupsWithoutANameAfterTheirTag) {
   box.node_sets = {{"p", {0}}};
   std::string text = test::gmsh_file(box, GmshForm::kText);
   text = replaced(text, "$PhysicalNames\n2\n2 1 \"a\"\n0 1 \"p\"\n$EndPhysicalNames\n", "");
-  const auto mesh = read_bytes(text);
+  const auto mesh = read_gmsh_bytes(text);
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_EQ(mesh->face_sets.count("surface 1"), 1U);
   EXPECT_EQ(mesh->node_sets.at("point 1"), (std::vector<std::int32_t>{0}));
@@ -183,7 +183,7 @@ TEST(Gmsh, RefusesNamedGroupsThatHoldNothing) {
   EXPECT_EQ(reported.substr(0, 25), "it names physical groups,") << reported;
   const std::size_t names = text.find("$PhysicalNames");
   text.erase(names, text.find("$Nodes") - names);
-  EXPECT_TRUE(read_bytes(text));  // One region, no set: nothing was promised.
+  EXPECT_TRUE(read_gmsh_bytes(text));  // One region, no set: nothing was promised.
 }
 
 TEST(Gmsh, RefusesGroupsThatOverlapOrLieOnNoVolume) {
@@ -191,7 +191,7 @@ TEST(Gmsh, RefusesGroupsThatOverlapOrLieOnNoVolume) {
   box.face_sets = {{"top", {box.face_sets.at("z1")}}};
   box.node_sets = {};
   const std::string good = test::gmsh_file(box, GmshForm::kText);
-  ASSERT_TRUE(read_bytes(good));
+  ASSERT_TRUE(read_gmsh_bytes(good));
   const auto code = ErrorCode::kMeshInvalid;
   EXPECT_EQ(refusal(replaced(good, "100 0 1 2 3 4 5 1 0 1 -7", "100 0 1 2 3 4 5 2 3 4 1 -7"), code),
             "volume 100 is in the physical groups 3 and 4, expected at most one");
@@ -211,7 +211,7 @@ TEST(Gmsh, EveryTruncationIsRefusedOrTheWholeMesh) {
     const std::string whole = test::gmsh_file(mesh, form);
     int refused = 0;
     for (std::size_t size = 0; size < whole.size(); size += 7) {
-      const auto read = read_bytes(whole.substr(0, size));
+      const auto read = read_gmsh_bytes(whole.substr(0, size));
       refused += read ? 0 : 1;
       if (read) {
         EXPECT_EQ(read->element_count(), mesh.element_count()) << size;

@@ -14,8 +14,8 @@ namespace {
 using test::Inv3Plist;
 using test::TemporaryFolder;
 
-std::string complaint(const Inv3Plist& plist, ErrorCode code,
-                      const std::string& matrix = test::inv3_matrix()) {
+std::string inv3_error(const Inv3Plist& plist, ErrorCode code,
+                       const std::string& matrix = test::inv3_matrix()) {
   const TemporaryFolder folder;
   test::write_gzip(folder / "a.inv3", test::inv3_archive(test::to_xml(plist), matrix));
   const auto result = read_inv3(folder / "a.inv3");
@@ -89,21 +89,21 @@ TEST(Inv3, WarnsOfSlicesThatWereNotAxial) {
 
 TEST(Inv3, RefusesWhatThePlistGetsWrong) {
   const auto corrupt = ErrorCode::kFileCorrupt;
-  complaint({.shape = {"2", "3"}}, corrupt);
-  complaint({.shape = {"2", "x", "4"}}, corrupt);
-  complaint({.shape = {"0", "3", "4"}}, corrupt);
-  complaint({.shape = {"-2", "-3", "4"}}, corrupt);
-  complaint({.shape = {"99999999999", "99999999999", "99999999999"}}, corrupt);
-  complaint({.shape = {"2", "3", "5"}}, corrupt);           // More than matrix.dat holds.
-  complaint({.shape = {"2", "3", "3"}}, corrupt);           // Less.
-  complaint({.shape = {"1000", "1000", "1000"}}, corrupt);  // Far more.
-  complaint({.spacing = {"0.5", "nan", "1"}}, corrupt);
-  complaint({.spacing = {"0.5", "0", "1"}}, corrupt);
-  complaint({.filename = ""}, corrupt);
-  complaint({.filename = "../../etc/passwd"}, corrupt);
-  complaint({.filename = "other.dat"}, corrupt);
-  complaint({.dtype = "float64"}, ErrorCode::kFileUnsupported);
-  complaint({.modality = "MRI"}, ErrorCode::kFileUnsupported);
+  inv3_error({.shape = {"2", "3"}}, corrupt);
+  inv3_error({.shape = {"2", "x", "4"}}, corrupt);
+  inv3_error({.shape = {"0", "3", "4"}}, corrupt);
+  inv3_error({.shape = {"-2", "-3", "4"}}, corrupt);
+  inv3_error({.shape = {"99999999999", "99999999999", "99999999999"}}, corrupt);
+  inv3_error({.shape = {"2", "3", "5"}}, corrupt);           // More than matrix.dat holds.
+  inv3_error({.shape = {"2", "3", "3"}}, corrupt);           // Less.
+  inv3_error({.shape = {"1000", "1000", "1000"}}, corrupt);  // Far more.
+  inv3_error({.spacing = {"0.5", "nan", "1"}}, corrupt);
+  inv3_error({.spacing = {"0.5", "0", "1"}}, corrupt);
+  inv3_error({.filename = ""}, corrupt);
+  inv3_error({.filename = "../../etc/passwd"}, corrupt);
+  inv3_error({.filename = "other.dat"}, corrupt);
+  inv3_error({.dtype = "float64"}, ErrorCode::kFileUnsupported);
+  inv3_error({.modality = "MRI"}, ErrorCode::kFileUnsupported);
 }
 
 TEST(Inv3, RefusesFilesThatAreNoProject) {
@@ -121,7 +121,7 @@ TEST(Inv3, RefusesFilesThatAreNoProject) {
 
 TEST(Inv3, AnEntryThatClaimsToBeHugeCostsNothing) {
   const TemporaryFolder folder;
-  const auto complaint = [&](const std::string& name, std::uint64_t claimed_bytes) {
+  const auto entry_error = [&](const std::string& name, std::uint64_t claimed_bytes) {
     test::write_gzip(folder / "a.inv3",
                      test::tar_member("main.plist", test::to_xml({})) +
                          test::tar_member(name, test::inv3_matrix(), '0', claimed_bytes));
@@ -130,11 +130,11 @@ TEST(Inv3, AnEntryThatClaimsToBeHugeCostsNothing) {
   };
   constexpr std::uint64_t kGib = std::uint64_t{1} << 30;
   // Of the voxels no more than the shape needs, of all else no more than 8 GiB are gone through.
-  EXPECT_EQ(complaint("matrix.dat", 8 * kGib - 1),
+  EXPECT_EQ(entry_error("matrix.dat", 8 * kGib - 1),
             "matrix.dat in the archive has 8589934591 bytes, expected at most 48");
-  EXPECT_EQ(complaint("matrix.dat", 49),
+  EXPECT_EQ(entry_error("matrix.dat", 49),
             "matrix.dat in the archive has 49 bytes, expected at most 48");
-  EXPECT_EQ(complaint("mask.dat", 8 * kGib - 1), "the archive is truncated or damaged");
+  EXPECT_EQ(entry_error("mask.dat", 8 * kGib - 1), "the archive is truncated or damaged");
   std::string wrong = test::tar_member("matrix.dat", test::inv3_matrix());
   wrong.replace(124, 11, "00000000061");  // The checksum no longer fits.
   test::write_gzip(folder / "a.inv3", test::tar_member("main.plist", test::to_xml({})) + wrong);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "io/sample_labels.h"
 #include "io/sample_scan.h"
 #include "support/temporary_folder.h"
 
@@ -12,15 +13,9 @@ namespace {
 using anatomy::LabelMap;
 using anatomy::Tissue;
 using test::bytes_of;
+using test::sample_labels;
 using test::TemporaryFolder;
 using test::write_bytes;
-
-LabelMap sample_labels() {
-  LabelMap labels{test::sample_scan(test::oblique()).grid, {}};
-  for (Index n = 0; n < labels.grid.voxel_count(); ++n)
-    labels.values.push_back(static_cast<Tissue>((n * n / 7) % 8));
-  return labels;
-}
 
 TEST(SegmentationFile, GivesBackEveryLabel) {
   const TemporaryFolder folder;

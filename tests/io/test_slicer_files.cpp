@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "io/sample_labels.h"
 #include "io/sample_scan.h"
 #include "support/run_python.h"
 #include "support/temporary_folder.h"
@@ -17,14 +18,8 @@ namespace {
 
 using anatomy::LabelMap;
 using anatomy::Tissue;
+using test::sample_labels;
 using test::TemporaryFolder;
-
-LabelMap sample_labels() {
-  LabelMap labels{test::sample_scan(test::oblique()).grid, {}};
-  for (Index n = 0; n < labels.grid.voxel_count(); ++n)
-    labels.values.push_back(static_cast<Tissue>((n * n / 7) % 8));
-  return labels;
-}
 
 /// Checks a NRRD file line by line, without any library that knows the format.
 constexpr const char* kReadNrrd = R"py(
