@@ -285,7 +285,7 @@ TEST(Fuzz, LandmarksMarkupsAndTransforms) {
   EXPECT_GT(read, 50);
 }
 
-TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
+TEST(Fuzz, FieldFilesWithAValidChecksum) {
   std::vector<std::string> files;
   for (const field::FieldMethod method :
        {field::FieldMethod::kBricks, field::FieldMethod::kHybrid, field::FieldMethod::kAdaptive,
@@ -363,7 +363,7 @@ constexpr std::string_view kDeckTokens[] = {"null",
                                             "\"z0\"",
                                             "\"neo-hookean\""};
 
-TEST(Fuzz, NestingWithoutEndInDecksAndPlans) {
+TEST(Fuzz, DeepNestingInDecksAndPlans) {
   for (const std::string_view begin : {"[", R"({"a":)", R"([{"a":[)"})
     for (const std::size_t depth : {std::size_t(40), std::size_t(300000)}) {
       std::string nest;
@@ -384,7 +384,7 @@ TEST(Fuzz, NestingWithoutEndInDecksAndPlans) {
     }
 }
 
-TEST(Fuzz, DecksAndWhatTheyAskOfAMesh) {
+TEST(Fuzz, DecksAndTheirMeshReferences) {
   const mesh::VolumeMesh block = test::box_mesh({.cells = {1, 1, 1}});
   int read = 0, accepted = 0;
   run_seeds(20'000, [&](unsigned seed) {

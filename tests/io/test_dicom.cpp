@@ -28,7 +28,7 @@ using test::TemporaryFolder;
 using test::write_dicom;
 using test::write_dicom_series;
 
-TEST(Dicom, GivesBackAnAxialScan) {
+TEST(Dicom, ReadsAnAxialScan) {
   const TemporaryFolder folder;
   const auto ct = sample_scan();
   write_dicom_series(folder.path(), dicom_slices(ct));
@@ -40,7 +40,7 @@ TEST(Dicom, GivesBackAnAxialScan) {
   EXPECT_TRUE(found->warnings.empty()) << found->warnings.front();
 }
 
-TEST(Dicom, KeepsAnObliqueStackInPlace) {
+TEST(Dicom, PreservesThePositionOfAnObliqueStack) {
   const TemporaryFolder folder;
   const auto ct = sample_scan(oblique());
   write_dicom_series(folder.path(), dicom_slices(ct));
@@ -49,7 +49,7 @@ TEST(Dicom, KeepsAnObliqueStackInPlace) {
   expect_same_in_patient(found->ct, ct);
 }
 
-TEST(Laterality, DicomSlicesTakenFromHeadToFootOrCoronallyOrProneStayInPlace) {
+TEST(Laterality, DicomSlicesInAnyScanDirectionKeepTheirPosition) {
   Mat3 prone, coronal, sagittal;
   prone << -1, 0, 0, 0, -1, 0, 0, 0, 1;
   coronal << 1, 0, 0, 0, 0, 1, 0, -1, 0;
@@ -109,7 +109,7 @@ TEST(Dicom, ReadsEveryLosslessCodecOfSignedAndUnsignedPixels) {
     }
 }
 
-TEST(Dicom, PixelsMayBeUnsignedOrSignedAndOfFewerBits) {
+TEST(Dicom, ReadsSignedAndUnsignedPixelsWithFewerBits) {
   const auto ct = sample_scan();
   for (const bool is_signed : {true, false}) {
     const TemporaryFolder folder;
@@ -127,7 +127,7 @@ TEST(Dicom, PixelsMayBeUnsignedOrSignedAndOfFewerBits) {
   }
 }
 
-TEST(Dicom, NoMessageHasTheNameOfAFileOrFolder) {
+TEST(Dicom, MessagesContainNoFileOrFolderName) {
   const TemporaryFolder folder;
   const auto study = folder / "DOE_JANE_19610412";
   const auto expect_discreet = [&](const std::string& part) {
@@ -162,7 +162,7 @@ TEST(Dicom, NoMessageHasTheNameOfAFileOrFolder) {
   expect_discreet("DICOM file 3: the image position is missing");
 }
 
-TEST(Dicom, NothingOfThePatientIsInWhatIsMadeOfTheScan) {
+TEST(Dicom, OutputsContainNoPatientData) {
   const TemporaryFolder folder;
   auto slices = dicom_slices(sample_scan());
   for (DicomSlice& slice : slices) {
@@ -190,7 +190,7 @@ TEST(Dicom, NothingOfThePatientIsInWhatIsMadeOfTheScan) {
   for (const std::string& secret : secrets) EXPECT_FALSE(contains(all, secret)) << secret;
 }
 
-TEST(Dicom, ForeignFilesArePassedOverWithAWarning) {
+TEST(Dicom, IgnoresForeignFilesWithAWarning) {
   const TemporaryFolder folder;
   write_dicom_series(folder.path(), dicom_slices(sample_scan()));
   test::write_bytes(folder / "README.txt", "JANE DOE");
@@ -202,7 +202,7 @@ TEST(Dicom, ForeignFilesArePassedOverWithAWarning) {
   EXPECT_EQ(found->warnings[0], "2 files are not DICOM images and were ignored");
 }
 
-TEST(Dicom, TheOnlyCtIsTakenAmongOtherSeries) {
+TEST(Dicom, SelectsTheOnlyCtAmongOtherSeries) {
   const TemporaryFolder folder;
   const auto ct = sample_scan();
   write_dicom_series(folder.path(), dicom_slices(ct));
@@ -220,7 +220,7 @@ TEST(Dicom, TheOnlyCtIsTakenAmongOtherSeries) {
   EXPECT_EQ(found->warnings, std::vector<std::string>{"2 other series were ignored"});
 }
 
-TEST(Dicom, DamagedFilesOfOtherSeriesArePassedOver) {
+TEST(Dicom, IgnoresDamagedFilesOfOtherSeries) {
   const TemporaryFolder folder;
   const auto ct = sample_scan();
   write_dicom_series(folder.path(), dicom_slices(ct));
@@ -247,7 +247,7 @@ TEST(Dicom, DamagedFilesOfOtherSeriesArePassedOver) {
       << unknown->warnings[0];
 }
 
-TEST(Dicom, ADamagedFileOfTheSeriesIsAnErrorEvenAtItsEnd) {
+TEST(Dicom, RejectsADamagedFileAtTheEndOfTheSeries) {
   const TemporaryFolder folder;
   write_dicom_series(folder.path(), dicom_slices(sample_scan()));
   const std::string whole = test::bytes_of(folder / "slice-005.dcm");
@@ -258,7 +258,7 @@ TEST(Dicom, ADamagedFileOfTheSeriesIsAnErrorEvenAtItsEnd) {
   EXPECT_TRUE(contains(result.error().message, "slice 16 (file 6)")) << result.error().message;
 }
 
-TEST(Dicom, AnUnreadableFileIsNamedWhenASliceIsMissing) {
+TEST(Dicom, NamesTheUnreadableFileIfASliceIsMissing) {
   const TemporaryFolder folder;
   write_dicom_series(folder.path(), dicom_slices(sample_scan()));
   test::write_bytes(folder / "slice-002.dcm", "");
@@ -269,7 +269,7 @@ TEST(Dicom, AnUnreadableFileIsNamedWhenASliceIsMissing) {
       << result.error().message;
 }
 
-TEST(Dicom, OfSeveralCtsOneMustBeChosen) {
+TEST(Dicom, RequiresAChoiceAmongSeveralCts) {
   const TemporaryFolder folder;
   const auto ct = sample_scan();
   auto second = dicom_slices(ct, 1.0, -1000.0);
@@ -296,7 +296,7 @@ TEST(Dicom, OfSeveralCtsOneMustBeChosen) {
     EXPECT_EQ(read_dicom_series(folder / "a", series).error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(Dicom, AFolderWithoutCtOrWithoutDicomSaysSo) {
+TEST(Dicom, ReportsAFolderWithoutCtOrDicom) {
   const TemporaryFolder folder;
   EXPECT_TRUE(contains(read_dicom_series(folder.path()).error().message, "no DICOM files"));
   auto slices = dicom_slices(sample_scan());
@@ -307,7 +307,7 @@ TEST(Dicom, AFolderWithoutCtOrWithoutDicomSaysSo) {
   EXPECT_EQ(read_dicom_series(folder / "none").error().code, ErrorCode::kFileNotFound);
 }
 
-TEST(Dicom, AScanOfWhichMuchCannotBeReadIsRefused) {
+TEST(Dicom, RejectsAScanWithManyUnreadableFiles) {
   const TemporaryFolder folder;
   write_dicom_series(folder.path(), dicom_slices(sample_scan()));
   for (const char* const name : {"slice-003.dcm", "slice-004.dcm", "slice-005.dcm"})
@@ -363,7 +363,7 @@ TEST(Dicom, ListsTheSeriesOfAFolderAndItsSubfolders) {
   EXPECT_FALSE(list_dicom_series(folder / "none"));
 }
 
-TEST(Dicom, ATruncatedFileIsNamedAtWhateverLength) {
+TEST(Dicom, NamesATruncatedFileOfAnyLength) {
   for (const bool compressed : {false, true}) {
     const TemporaryFolder folder;
     const auto ct = sample_scan();
@@ -387,7 +387,7 @@ TEST(Dicom, ATruncatedFileIsNamedAtWhateverLength) {
   }
 }
 
-TEST(Dicom, StopsWhenAsked) {
+TEST(Dicom, StopsOnRequest) {
   const TemporaryFolder folder;
   write_dicom_series(folder.path(), dicom_slices(sample_scan()));
   test::StopAtOnce progress;

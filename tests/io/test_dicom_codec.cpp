@@ -46,7 +46,7 @@ TEST_F(DicomCodec, DecodesWithinItsLimits) {
   EXPECT_EQ((*found)[1], -1000 + 14 * 71 + 1024);
 }
 
-TEST_F(DicomCodec, EndsACodecThatNeedsTooMuchMemory) {
+TEST_F(DicomCodec, StopsACodecThatNeedsTooMuchMemory) {
   DicomSlice large = dicom_slices(sample_scan())[2];
   // So large that malloc maps it anew, whatever earlier tests have left free.
   large.columns = large.rows = 4096;
@@ -60,7 +60,7 @@ TEST_F(DicomCodec, EndsACodecThatNeedsTooMuchMemory) {
   EXPECT_EQ(result.error().code, ErrorCode::kFileCorrupt);
 }
 
-TEST_F(DicomCodec, EndsACodecThatHangs) {
+TEST_F(DicomCodec, StopsACodecThatHangs) {
   std::filesystem::remove(file_);
   ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);  // Nobody writes: it never gives a byte.
   EXPECT_TRUE(

@@ -23,7 +23,7 @@ using test::sheared;
 using test::TemporaryFolder;
 using test::write_dicom_series;
 
-TEST(Dicom, AMissingSliceIsNoticedAndPlaced) {
+TEST(Dicom, ReportsTheLocationOfAMissingSlice) {
   auto slices = dicom_slices(sample_scan());
   slices.erase(slices.begin() + 3);
   const std::string message = series_error(slices, ErrorCode::kFileCorrupt);
@@ -33,7 +33,7 @@ TEST(Dicom, AMissingSliceIsNoticedAndPlaced) {
   EXPECT_TRUE(contains(message, "2.5 mm")) << message;
 }
 
-TEST(Dicom, UnevenSlicesAreRefusedAndSlightlyUnevenOnesNamed) {
+TEST(Dicom, RejectsUnevenSlicesAndWarnsOfSlightlyUnevenOnes) {
   auto slices = dicom_slices(sample_scan());
   slices[3].position = "-80.5\\-31.25\\16.0";  // 15.75 would be even, 1.25 mm apart.
   EXPECT_TRUE(contains(series_error(slices, ErrorCode::kFileCorrupt), "1 to 1.5 mm"));
@@ -51,7 +51,7 @@ TEST(Dicom, UnevenSlicesAreRefusedAndSlightlyUnevenOnesNamed) {
   EXPECT_TRUE(contains(found->warnings[0], "1.21 to 1.29 mm")) << found->warnings[0];
 }
 
-TEST(Dicom, SmallErrorsOfTheDistanceMayNotAddUp) {
+TEST(Dicom, RejectsAccumulatedDistanceErrors) {
   auto ct = sample_scan();
   ct.grid.size[2] = 60;
   ct.values.resize(7 * 5 * 60);
@@ -64,7 +64,7 @@ TEST(Dicom, SmallErrorsOfTheDistanceMayNotAddUp) {
   EXPECT_TRUE(contains(message, "from its position in an even stack")) << message;
 }
 
-TEST(Dicom, AnInnerSliceBesideTheStackIsNamed) {
+TEST(Dicom, NamesASliceThatIsDisplacedSideways) {
   auto slices = dicom_slices(sample_scan());
   slices[3].position = "-80.27\\-31.25\\15.75";  // 0.23 mm to the left; a pixel is 0.4 mm.
   const std::string message = series_error(slices, ErrorCode::kFileCorrupt);
@@ -80,7 +80,7 @@ TEST(Dicom, AnInnerSliceBesideTheStackIsNamed) {
   EXPECT_TRUE(read_dicom_series(folder.path()));
 }
 
-TEST(Dicom, CopiesAreLeftOutButTwoSlicesAtOnePlaceAreRefused) {
+TEST(Dicom, OmitsCopiesButRejectsTwoSlicesAtOnePosition) {
   const auto ct = sample_scan();
   auto slices = dicom_slices(ct);
   slices.push_back(slices[2]);
@@ -95,7 +95,7 @@ TEST(Dicom, CopiesAreLeftOutButTwoSlicesAtOnePlaceAreRefused) {
   EXPECT_TRUE(contains(series_error(slices, ErrorCode::kFileCorrupt), "the same position"));
 }
 
-TEST(Dicom, SlicesThatDoNotFitTogetherAreNamed) {
+TEST(Dicom, NamesIncompatibleSlices) {
   const auto fresh = dicom_slices(sample_scan());
   auto slices = fresh;
   slices[4].rows = 4;
@@ -110,7 +110,7 @@ TEST(Dicom, SlicesThatDoNotFitTogetherAreNamed) {
       << message;
 }
 
-TEST(Dicom, AFileWithoutAPlaceIsNamed) {
+TEST(Dicom, NamesAFileWithoutPosition) {
   const auto fresh = dicom_slices(sample_scan());
   const auto broken = [&](const auto& change) {
     auto slices = fresh;
@@ -138,7 +138,7 @@ TEST(Dicom, AFileWithoutAPlaceIsNamed) {
       "slice 13"));
 }
 
-TEST(Dicom, GridsThatCannotBeAreRefused) {
+TEST(Dicom, RejectsInvalidGrids) {
   for (const char* const spacing : {"0\\0.4", "-0.5\\0.4", "nan\\nan", "1e9\\1e9"}) {
     auto slices = dicom_slices(sample_scan());
     for (DicomSlice& slice : slices) slice.pixel_spacing = spacing;
@@ -146,7 +146,7 @@ TEST(Dicom, GridsThatCannotBeAreRefused) {
   }
 }
 
-TEST(Dicom, ATiltedGantryIsResampledStraightWithItsAngle) {
+TEST(Dicom, ResamplesGantryTiltAndReportsItsAngle) {
   const TemporaryFolder folder;
   const auto ct = sample_scan();
   write_dicom_series(folder.path(), sheared(0.5));  // A pixel: what is resampled stays exact.
@@ -168,7 +168,7 @@ TEST(Dicom, ATiltedGantryIsResampledStraightWithItsAngle) {
   EXPECT_TRUE(found->stack->resampled);
 }
 
-TEST(Dicom, WhatIsShearedByMoreThanAGantryTiltsIsRefused) {
+TEST(Dicom, RejectsLargerShearThanGantryTilt) {
   EXPECT_TRUE(contains(series_error(sheared(1.3), ErrorCode::kFileUnsupported), "46.1 degrees"));
 }
 
@@ -186,7 +186,7 @@ std::vector<DicomSlice> at_heights(const std::vector<double>& heights_mm) {
   return slices;
 }
 
-TEST(Dicom, RunsOfSeveralDistancesAreResampled) {
+TEST(Dicom, ResamplesRunsOfSeveralDistances) {
   const TemporaryFolder folder;
   write_dicom_series(folder.path(), at_heights({0, 2.5, 5, 7.5, 8.5, 9.5, 10.5, 11.5}));
   const auto found = read_dicom_series(folder.path());
@@ -201,7 +201,7 @@ TEST(Dicom, RunsOfSeveralDistancesAreResampled) {
   EXPECT_EQ(found->stack->max_step_mm, 2.5);
 }
 
-TEST(Dicom, RunsThatAreTooShortTooWideOrWithoutTheirSlicesAreRefused) {
+TEST(Dicom, RejectsRunsThatAreTooShortTooWideOrIncomplete) {
   EXPECT_TRUE(contains(series_error(at_heights({0, 1, 2, 3, 4, 6.5, 9}), ErrorCode::kFileCorrupt),
                        "1 to 2.5 mm"));
   EXPECT_TRUE(
@@ -213,7 +213,7 @@ TEST(Dicom, RunsThatAreTooShortTooWideOrWithoutTheirSlicesAreRefused) {
   EXPECT_TRUE(contains(series_error(slices, ErrorCode::kFileCorrupt), "1 to 2 mm"));
 }
 
-TEST(Dicom, AReportedTiltThatTheSlicesDoNotShowIsAWarning) {
+TEST(Dicom, WarnsIfTheReportedTiltContradictsTheSlices) {
   const TemporaryFolder folder;
   auto slices = dicom_slices(sample_scan());
   for (DicomSlice& slice : slices) slice.gantry_tilt = "-7.5";
@@ -224,7 +224,7 @@ TEST(Dicom, AReportedTiltThatTheSlicesDoNotShowIsAWarning) {
   EXPECT_TRUE(contains(found->warnings[0], "-7.5 degrees"));
 }
 
-TEST(Dicom, AMissingInterceptIsAWarning) {
+TEST(Dicom, WarnsOfAMissingIntercept) {
   const TemporaryFolder folder;
   auto slices = dicom_slices(sample_scan());
   for (DicomSlice& slice : slices) slice.intercept = "";
@@ -236,7 +236,7 @@ TEST(Dicom, AMissingInterceptIsAWarning) {
   EXPECT_TRUE(contains(found->warnings.at(1), "may not be in HU"));
 }
 
-TEST(Dicom, AMissingSlopeIsAWarning) {
+TEST(Dicom, WarnsOfAMissingSlope) {
   const TemporaryFolder folder;
   const auto ct = sample_scan();
   auto slices = dicom_slices(ct);
@@ -249,7 +249,7 @@ TEST(Dicom, AMissingSlopeIsAWarning) {
             std::vector<std::string>{"the files have no rescale slope, 1 was used"});
 }
 
-TEST(Dicom, ASliceOnAnotherScaleThanItsNeighborsIsRefused) {
+TEST(Dicom, RejectsASliceWithAnotherScale) {
   const auto fresh = dicom_slices(sample_scan());
   auto slices = fresh;
   slices[3].intercept = "";

@@ -79,7 +79,7 @@ class OrthancTest : public ::testing::Test {
   long before_ = 0;
 };
 
-TEST_F(OrthancTest, ImportsTheSameAsFromAFolderBitForBit) {
+TEST_F(OrthancTest, ImportsTheSameBitsAsFromAFolder) {
   const std::string study = pacs().address(std::string("/studies/") + kStudy);
   const auto list = list_dicomweb(study, kCredentials);
   ASSERT_TRUE(list) << list.error().message;
@@ -126,7 +126,7 @@ Error error_of(const std::string& address, const Credentials& who = kCredentials
   return result.error();
 }
 
-TEST_F(OrthancTest, AWrongPasswordAnUnknownStudyAndAWrongChoiceAreToldInOneLine) {
+TEST_F(OrthancTest, ReportsWrongPasswordUnknownStudyAndWrongChoice) {
   const std::string study = pacs().address(std::string("/studies/") + kStudy);
   const Error wrong = error_of(study, {"lefort", "wrong-word"});
   EXPECT_EQ(wrong.code, ErrorCode::kAccessDenied);
@@ -145,7 +145,7 @@ TEST_F(OrthancTest, AWrongPasswordAnUnknownStudyAndAWrongChoiceAreToldInOneLine)
   EXPECT_EQ(error_of(pacs().address("x/studies/1.2")).code, ErrorCode::kFileNotFound);
 }
 
-TEST_F(OrthancTest, AServerThatIsGoneIsToldInOneLine) {
+TEST_F(OrthancTest, ReportsAStoppedServer) {
   OrthancServer server;
   server.store(pacs().folder / "a");
   const std::string study =
@@ -215,7 +215,7 @@ std::string body_of(std::size_t files, bool whole = true) {
 
 constexpr const char* kParts = "multipart/related; type=\"application/dicom\"; boundary=cut";
 
-TEST(DicomWeb, ReadsFromAnyServerThatKeepsToTheStandard) {
+TEST(DicomWeb, ReadsFromAnyStandardServer) {
   FakeServer server;
   server.list = series_list(6);
   server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
@@ -231,7 +231,7 @@ TEST(DicomWeb, ReadsFromAnyServerThatKeepsToTheStandard) {
   EXPECT_TRUE(contains(error_of(server.study()).message, "6 images of a series that has 7"));
 }
 
-TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
+TEST(DicomWeb, RejectsAnIncompleteSeries) {
   const long before = temporary_folders();
   FakeServer server;
   server.list = series_list(6);
@@ -269,7 +269,7 @@ TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
   EXPECT_EQ(temporary_folders(), before);
 }
 
-TEST(DicomWeb, StopsListeningToAServerThatSendsTooMuch) {
+TEST(DicomWeb, EnforcesLimitsAndTimeouts) {
   FakeServer server;
   server.list = series_list(6);
   server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
@@ -341,7 +341,7 @@ class FloodingServer {
   std::thread thread_;
 };
 
-TEST(DicomWeb, HeadersWithoutEndAreRefused) {
+TEST(DicomWeb, RejectsEndlessHeaders) {
   const std::string ok = "HTTP/1.1 200 OK\r\n", line = "X-More: and more\r\n";
   EXPECT_TRUE(
       contains(error_of(FloodingServer(ok, line).study()).message, "headers have more than"));
@@ -353,7 +353,7 @@ TEST(DicomWeb, HeadersWithoutEndAreRefused) {
             ErrorCode::kConnectionFailed);
 }
 
-TEST(DicomWeb, OtherServersAreDistinguished) {
+TEST(DicomWeb, ReportsServersWithoutDicomWeb) {
   FakeServer server;
   for (const char* const list : {"<html>", "{}", "7", "[[[[", "\"\xff\"", "{\"a\": [1, 2"})
     EXPECT_TRUE(
@@ -385,7 +385,7 @@ TEST(DicomWeb, OtherServersAreDistinguished) {
   }
 }
 
-TEST(DicomWeb, AddressesAreUnderstoodOrRefused) {
+TEST(DicomWeb, RejectsInvalidAddresses) {
   for (const char* const address :
        {"dicomweb://", "dicomweb:///studies/1.2", "dicomweb://h", "dicomweb://h/dicom-web",
         "dicomweb://h/studies/", "dicomweb://h/studies/1.2/series/", "dicomweb://h/studies/1.2x",
@@ -400,7 +400,7 @@ TEST(DicomWeb, AddressesAreUnderstoodOrRefused) {
   EXPECT_FALSE(is_dicomweb("dicomweb") || is_dicomweb("/data/dicomweb://"));
 }
 
-TEST(DicomWeb, StopsWhenAsked) {
+TEST(DicomWeb, StopsOnRequest) {
   FakeServer server;
   server.list = series_list(6);
   test::StopAtOnce progress;
@@ -418,7 +418,7 @@ class StopsLater : public Progress {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-TEST(DicomWeb, StopsWhenAskedThoughTheServerSaysNothing) {
+TEST(DicomWeb, StopsOnRequestWhileTheServerIsSilent) {
   std::atomic<bool> is_over{false};
   FakeServer server;
   server.list = series_list(6);

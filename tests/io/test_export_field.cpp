@@ -107,7 +107,7 @@ TEST(ExportField, OpenVdbReadsBackEverySampleBitForBit) {
     }
 }
 
-TEST(ExportField, OpenVdbSeesAValidLevelSetInItsPlace) {
+TEST(ExportField, OpenVdbReadsAValidLevelSetAtItsPosition) {
   const TemporaryFolder folder;
   const DistanceField field = build(hollow_ball(), FieldMethod::kBricks);
   ASSERT_TRUE(export_field(folder / "a.vdb", field));
@@ -141,7 +141,7 @@ TEST(ExportField, OpenVdbSeesAValidLevelSetInItsPlace) {
   EXPECT_EQ(sample(500.0), 3.0);  // Beyond the field.
 }
 
-TEST(ExportField, OpenVdbMakesTheSurfaceOfItAgain) {
+TEST(ExportField, OpenVdbReconstructsTheSurface) {
   const TemporaryFolder folder;
   ASSERT_TRUE(export_field(folder / "a.vdb", build(hollow_ball(), FieldMethod::kHybrid)));
   const auto grid = read_vdb(folder / "a.vdb");
@@ -155,7 +155,7 @@ TEST(ExportField, OpenVdbMakesTheSurfaceOfItAgain) {
   }
 }
 
-TEST(ExportField, FarInsideIsTilesNotVoxels) {
+TEST(ExportField, StoresTheInteriorAsTiles) {
   const TemporaryFolder folder;
   const auto solid =
       field::build_distance_field(test::make_icosphere(20, 3), {.resolution = 128, .band_mm = 1.5})
@@ -230,7 +230,7 @@ TEST(ExportField, EqualFieldsGiveEqualNrrdFiles) {
   EXPECT_EQ(bytes_of(folder / "a.nrrd"), bytes_of(folder / "b.nrrd"));
 }
 
-TEST(ExportField, APartIsThatPartOfTheWhole) {
+TEST(ExportField, ExportsARegionOfTheField) {
   const TemporaryFolder folder;
   for (const FieldMethod method : kMethods) {
     const DistanceField field = build(hollow_ball(), method);
@@ -268,7 +268,7 @@ TEST(ExportField, APartIsThatPartOfTheWhole) {
   }
 }
 
-TEST(ExportField, ADenseVolumeBeyondMemoryIsRefusedWithItsBytes) {
+TEST(ExportField, RejectsADenseVolumeBeyondTheMemoryLimit) {
   const TemporaryFolder folder;
   const DistanceField field = build(hollow_ball(), FieldMethod::kBricks);
   // 65^3 floats, and room for their file.
@@ -284,7 +284,7 @@ TEST(ExportField, ADenseVolumeBeyondMemoryIsRefusedWithItsBytes) {
   EXPECT_TRUE(export_field(folder / "a.vdb", field, {.max_bytes = 1}));  // Is not dense.
 }
 
-TEST(ExportField, RefusesWhatCannotBeWritten) {
+TEST(ExportField, RejectsInvalidTargetsAndRegions) {
   const TemporaryFolder folder;
   const DistanceField field = build(hollow_ball(), FieldMethod::kBricks);
   EXPECT_EQ(export_field(folder / "a.vti", field).error().code, ErrorCode::kInvalidArgument);
@@ -305,7 +305,7 @@ TEST(ExportField, RefusesWhatCannotBeWritten) {
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-TEST(ExportField, VoxelsTooSmallForOpenVdbAreRefused) {
+TEST(ExportField, RejectsVoxelsTooSmallForOpenVdb) {
   const TemporaryFolder folder;
   const auto tiny = field::build_distance_field(test::make_icosphere(6e-4, 2), {.resolution = 128});
   ASSERT_TRUE(tiny) << tiny.error().message;
@@ -321,7 +321,7 @@ struct Impatient : Progress {
   [[nodiscard]] bool stop_requested() const override { return true; }
 };
 
-TEST(ExportField, CanBeStoppedAndLeavesNothing) {
+TEST(ExportField, LeavesNoFileWhenStopped) {
   const TemporaryFolder folder;
   Impatient impatient;
   for (const char* name : {"a.vdb", "a.nrrd"})

@@ -73,7 +73,7 @@ void expect_same_answers(const DistanceField& a, const DistanceField& b) {
   }
 }
 
-TEST(FieldFile, ReadsBackWhatWasWritten) {
+TEST(FieldFile, ReadsBackTheSameField) {
   const test::TemporaryFolder folder;
   for (const DistanceField& field : small_fields()) {
     ASSERT_TRUE(write_field(folder / "bone.field", field));
@@ -85,7 +85,7 @@ TEST(FieldFile, ReadsBackWhatWasWritten) {
   }
 }
 
-TEST(FieldFile, AnOpenSurfaceStaysOpen) {
+TEST(FieldFile, PreservesAnOpenSurface) {
   const auto open =
       field::build_distance_field(test::make_sheet(10, 2), {.resolution = 32}).value();
   const auto read = decode_copy(encode_field(open));
@@ -94,7 +94,7 @@ TEST(FieldFile, AnOpenSurfaceStaysOpen) {
   EXPECT_EQ(read->sample(Vec3(0, 0, 100)).zone, field::Zone::kUnknown);
 }
 
-TEST(FieldFile, IsLaidOutAsDocumented) {
+TEST(FieldFile, HasTheDocumentedLayout) {
   const std::string bytes = encode_field(small_field());
   EXPECT_EQ(bytes.substr(0, 8), "lefortDF");
   EXPECT_EQ(value_at<std::uint32_t>(bytes, kVersionAt), 3U);
@@ -127,7 +127,7 @@ TEST(FieldFile, IsLaidOutAsDocumented) {
   EXPECT_NEAR(code * 3.0 / 8388606, small_field().cell(p).corners[0], 1e-6);
 }
 
-TEST(FieldFile, ReportsWhatItWasMadeOf) {
+TEST(FieldFile, StoresItsSource) {
   // One finding of each kind that a soup can have at once.
   geometry::TriangleMesh mesh = test::join(test::make_icosphere(9, 2), test::make_sheet(4, 1));
   std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
@@ -163,14 +163,14 @@ TEST(FieldFile, ReportsWhatItWasMadeOf) {
   EXPECT_FALSE(older->source());
 }
 
-TEST(FieldFile, WantsItsEnding) {
+TEST(FieldFile, RequiresItsEnding) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(write_field(folder / "bone.vti", small_field()).error().code,
             ErrorCode::kInvalidArgument);
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-TEST(FieldFile, NamesTheFileThatCannotBeReadOrWritten) {
+TEST(FieldFile, NamesUnreadableAndUnwritableFiles) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(read_field(folder / "none.field").error().code, ErrorCode::kFileNotFound);
   EXPECT_EQ(write_field("/nonexistent/a.field", small_field()).error().code,
@@ -181,7 +181,7 @@ TEST(FieldFile, NamesTheFileThatCannotBeReadOrWritten) {
   EXPECT_NE(foreign.error().message.find("text.field"), std::string::npos);
 }
 
-TEST(FieldFile, RefusesWhatIsNoRegularFileWithoutWaiting) {
+TEST(FieldFile, RejectsPipesAndFoldersWithoutBlocking) {
   const test::TemporaryFolder folder;
   ASSERT_EQ(::mkfifo((folder / "pipe.field").c_str(), 0600), 0);
   std::filesystem::create_directory(folder / "folder.field");
@@ -198,7 +198,7 @@ TEST(FieldFile, RefusesWhatIsNoRegularFileWithoutWaiting) {
   EXPECT_EQ(read_field("/dev/zero").error().code, ErrorCode::kFileNotFound);
 }
 
-TEST(FieldFile, OutlivesTheFileAndTheFieldItCameFrom) {
+TEST(FieldFile, RemainsValidAfterTheFileIsRemoved) {
   for (const DistanceField& field : small_fields()) {
     auto folder = std::make_unique<test::TemporaryFolder>();
     ASSERT_TRUE(write_field(*folder / "bone.field", field));
@@ -210,7 +210,7 @@ TEST(FieldFile, OutlivesTheFileAndTheFieldItCameFrom) {
   }
 }
 
-TEST(FieldFile, AReplacedFileDoesNotChangeAFieldThatWasRead) {
+TEST(FieldFile, IsNotChangedByReplacingTheFile) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_field(folder / "bone.field", small_fields()[0]));
   const DistanceField read = read_field(folder / "bone.field").value();
@@ -218,7 +218,7 @@ TEST(FieldFile, AReplacedFileDoesNotChangeAFieldThatWasRead) {
   expect_same_answers(read, small_fields()[0]);
 }
 
-TEST(FieldFile, RefusesAnotherVersion) {
+TEST(FieldFile, RejectsAnotherVersion) {
   for (const std::uint32_t version : {0U, 2U, 4U}) {
     const auto other = decode_copy(with_value(encode_field(small_field()), kVersionAt, version));
     ASSERT_FALSE(other);
@@ -227,7 +227,7 @@ TEST(FieldFile, RefusesAnotherVersion) {
   }
 }
 
-TEST(FieldFile, WantsItsBytesAligned) {
+TEST(FieldFile, RequiresAlignedBytes) {
   const std::string good = encode_field(small_field());
   const auto words = std::make_shared<std::vector<std::uint64_t>>(good.size() / 8 + 2);
   const auto bytes = std::as_writable_bytes(std::span(*words));

@@ -44,7 +44,7 @@ using test::value_at;
 using test::with_checksum;
 using test::with_value;
 
-TEST(FieldFile, RefusesEveryTruncation) {
+TEST(FieldFile, RejectsEveryTruncation) {
   for (const DistanceField& field : small_fields()) {
     const std::string whole = encode_field(field);
     // Every length of the header, and many of the rest.
@@ -62,7 +62,7 @@ TEST(FieldFile, RefusesEveryTruncation) {
   }
 }
 
-TEST(FieldFile, RefusesEveryFlippedBit) {
+TEST(FieldFile, RejectsEveryFlippedBit) {
   for (const DistanceField& field : small_fields()) {
     std::string bytes = encode_field(field);
     std::mt19937 random(2);
@@ -104,7 +104,7 @@ void query(const DistanceField& field, std::mt19937& random) {
   }
 }
 
-TEST(FieldFile, SurvivesForgedFilesWithARightChecksum) {
+TEST(FieldFile, SurvivesForgedFilesWithAValidChecksum) {
   std::mt19937 random(3);
   int accepted = 0;
   for (const DistanceField& field : small_fields()) {
@@ -160,7 +160,7 @@ std::string decode_error(const std::string& bytes) {
   return read.error().message;
 }
 
-TEST(FieldFile, SaysWhatIsWrongWithAForgedHeader) {
+TEST(FieldFile, ReportsTheErrorOfAForgedHeader) {
   const std::string good = encode_field(small_field());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(contains(decode_error(with_value(good, kResolutionAt, 17)), "resolution is 17"));
@@ -198,7 +198,7 @@ TEST(FieldFile, SaysWhatIsWrongWithAForgedHeader) {
           << b;
 }
 
-TEST(FieldFile, RefusesBlocksThatAFieldOfItsKindDoesNotHave) {
+TEST(FieldFile, RejectsUnexpectedBlocks) {
   for (const DistanceField& field : small_fields()) {
     const std::string good = encode_field(field);
     for (std::size_t b = 0; b < kBlocks; ++b) {
@@ -211,7 +211,7 @@ TEST(FieldFile, RefusesBlocksThatAFieldOfItsKindDoesNotHave) {
   }
 }
 
-TEST(FieldFile, MemoryFollowsTheFileNotWhatItsOctreePromises) {
+TEST(FieldFile, AllocatesNoMoreThanTheFileContains) {
   // Every letter of it a leaf of one cell in a brick of its own would take hundreds of bytes.
   std::string letters;
   const std::function<void(int)> append = [&](int cells) {
@@ -237,7 +237,7 @@ TEST(FieldFile, MemoryFollowsTheFileNotWhatItsOctreePromises) {
   EXPECT_TRUE(contains(decode_error(with_value(cut, kBlockBytesAt + 24, fewer)), "more than"));
 }
 
-TEST(FieldFile, RefusesLeavesBeyondTheLast) {
+TEST(FieldFile, RejectsLeavesBeyondTheLast) {
   const std::string good = encode_field(small_field());
   const std::size_t table = block_at(good, 0);
   const std::size_t bricks = value_at<std::uint64_t>(good, kBlockBytesAt) / 8;
@@ -254,7 +254,7 @@ TEST(FieldFile, RefusesLeavesBeyondTheLast) {
                        "brick 0 refers to leaves beyond the last"));
 }
 
-TEST(FieldFile, RefusesATreeThatIsNone) {
+TEST(FieldFile, RejectsInvalidOctrees) {
   const std::string good = encode_field(small_octree());
   const std::size_t tree = block_at(good, 2);
   const auto letters = value_at<std::uint64_t>(good, kBlockBytesAt + 16);
@@ -267,7 +267,7 @@ TEST(FieldFile, RefusesATreeThatIsNone) {
   EXPECT_FALSE(decode_copy(with_checksum(deep)));
 }
 
-TEST(FieldFile, RefusesBricksOutOfOrderAndValuesThatAreNone) {
+TEST(FieldFile, RejectsUnorderedBricksAndInvalidValues) {
   const std::string good = encode_field(small_octree());
   const std::size_t samples = block_at(good, 3), bricks = block_at(good, 4),
                     values = block_at(good, 5);

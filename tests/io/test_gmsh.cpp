@@ -58,7 +58,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-TEST(Gmsh, GivesBackEveryShapeRegionAndSetFromTextAndBinary) {
+TEST(Gmsh, ReadsEveryShapeRegionAndSetFromTextAndBinary) {
   for (const VolumeMesh& mesh : some_meshes())
     for (const GmshForm form : {GmshForm::kText, GmshForm::kBinary}) {
       const auto read = read_gmsh_bytes(test::gmsh_file(mesh, form));
@@ -83,7 +83,7 @@ const std::string kOneTet =
     "$Nodes\n1 5 1 9\n3 1 0 5\n9\n1\n2\n3\n4\n5 5 5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n"
     "$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
 
-TEST(Gmsh, LeavesOutNodesOfNoElementAndNeedsNoGroups) {
+TEST(Gmsh, OmitsNodesWithoutElementAndNeedsNoGroups) {
   const auto mesh = read_gmsh_bytes(kOneTet);
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_EQ(mesh->nodes_L, (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
@@ -104,7 +104,7 @@ TEST(Gmsh, NamesGroupsWithoutANameAfterTheirTag) {
   EXPECT_EQ(mesh->node_sets.at("point 1"), (std::vector<std::int32_t>{0}));
 }
 
-TEST(Gmsh, SaysHowToSaveAnotherVersion) {
+TEST(Gmsh, ExplainsHowToConvertAnotherVersion) {
   const auto code = ErrorCode::kFileUnsupported;
   EXPECT_EQ(refusal(replaced(kOneTet, "4.1 0 8", "2.2 0 8"), code),
             "Gmsh format 2.2 is not supported, only 4.1: convert it with gmsh OLD.msh -save "
@@ -117,7 +117,7 @@ TEST(Gmsh, SaysHowToSaveAnotherVersion) {
   EXPECT_EQ(refusal(big, code), "it is big-endian, only little-endian is supported");
 }
 
-TEST(Gmsh, NamesElementTypesThatAreNotSolvedWith) {
+TEST(Gmsh, NamesUnsupportedElementTypes) {
   const auto code = ErrorCode::kFileUnsupported;
   EXPECT_EQ(
       refusal(replaced(kOneTet, "3 1 4 1", "3 1 12 1"), code),
@@ -141,7 +141,7 @@ TEST(Gmsh, NamesElementTypesThatAreNotSolvedWith) {
             "the mesh is partitioned");
 }
 
-TEST(Gmsh, RefusesNodesThatAreMissingTwiceOrNotFinite) {
+TEST(Gmsh, RejectsMissingRepeatedAndNonFiniteNodes) {
   const auto code = ErrorCode::kFileCorrupt;
   EXPECT_EQ(refusal(replaced(kOneTet, "1 1 2 3 4", "1 1 2 3 8"), code),
             "element 1 refers to node 8, which is missing");
@@ -152,7 +152,7 @@ TEST(Gmsh, RefusesNodesThatAreMissingTwiceOrNotFinite) {
             "\"1e999\" is not a number");
 }
 
-TEST(Gmsh, RefusesCountsThatTheFileHasNoRoomFor) {
+TEST(Gmsh, RejectsCountsBeyondTheFileSize) {
   const auto code = ErrorCode::kFileCorrupt;
   EXPECT_EQ(refusal(replaced(kOneTet, "3 1 0 5", "3 1 0 18446744073709551615"), code),
             "the file states 18446744073709551615 nodes in a block, more than fit into it");
@@ -165,7 +165,7 @@ TEST(Gmsh, RefusesCountsThatTheFileHasNoRoomFor) {
   EXPECT_NE(refusal(replaced(kOneTet, "$EndNodes", "7\n$EndNodes"), code), "read");
 }
 
-TEST(Gmsh, RefusesSectionsThatAreMissingOrThereTwice) {
+TEST(Gmsh, RejectsMissingAndRepeatedSections) {
   const auto code = ErrorCode::kFileCorrupt;
   const std::size_t elements = kOneTet.find("$Elements");
   EXPECT_EQ(refusal(kOneTet.substr(0, elements), code),
@@ -175,7 +175,7 @@ TEST(Gmsh, RefusesSectionsThatAreMissingOrThereTwice) {
   EXPECT_EQ(read_gmsh("/nonexistent.msh").error().code, ErrorCode::kFileNotFound);
 }
 
-TEST(Gmsh, RefusesNamedGroupsThatHoldNothing) {
+TEST(Gmsh, RejectsNamedGroupsWithoutMembers) {
   std::string text = test::gmsh_file(some_meshes()[0], GmshForm::kText);
   const std::size_t from = text.find("$Entities"), to = text.find("$Nodes");
   text.erase(from, to - from);
@@ -186,7 +186,7 @@ TEST(Gmsh, RefusesNamedGroupsThatHoldNothing) {
   EXPECT_TRUE(read_gmsh_bytes(text));  // One region, no set: nothing was promised.
 }
 
-TEST(Gmsh, RefusesGroupsThatOverlapOrLieOnNoVolume) {
+TEST(Gmsh, RejectsOverlappingGroupsAndGroupsOutsideVolumes) {
   VolumeMesh box = mesh::make_box(ElementShape::kHex8, {1, 1, 1}, kSize_mm);
   box.face_sets = {{"top", {box.face_sets.at("z1")}}};
   box.node_sets = {};
@@ -205,7 +205,7 @@ TEST(Gmsh, RefusesGroupsThatOverlapOrLieOnNoVolume) {
             "differ");
 }
 
-TEST(Gmsh, EveryTruncationIsRefusedOrTheWholeMesh) {
+TEST(Gmsh, RejectsTruncationsOrReadsTheWholeMesh) {
   const VolumeMesh mesh = some_meshes()[2];
   for (const GmshForm form : {GmshForm::kText, GmshForm::kBinary}) {
     const std::string whole = test::gmsh_file(mesh, form);
@@ -223,7 +223,7 @@ TEST(Gmsh, EveryTruncationIsRefusedOrTheWholeMesh) {
   }
 }
 
-TEST(VolumeMeshFiles, AreReadByTheirEnding) {
+TEST(VolumeMeshFiles, AreReadByEnding) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_text(folder / "m.msh", kOneTet));
   ASSERT_TRUE(read_volume_mesh(folder / "m.msh"));

@@ -16,7 +16,7 @@ namespace {
 using test::sample_scan;
 using test::TemporaryFolder;
 
-TEST(ImportVolume, KnowsEveryKindOfSource) {
+TEST(ImportVolume, ReadsEveryKindOfSource) {
   const TemporaryFolder folder;
   const auto kind = [&](const char* name) {
     const auto imported = import_volume(folder / name);
@@ -36,14 +36,14 @@ TEST(ImportVolume, KnowsEveryKindOfSource) {
             ErrorCode::kInvalidArgument);
 }
 
-TEST(ImportVolume, RefusesWhatIsMissingOrStrange) {
+TEST(ImportVolume, RejectsMissingAndUnknownSources) {
   const TemporaryFolder folder;
   EXPECT_EQ(import_volume(folder / "none").error().code, ErrorCode::kFileNotFound);
   test::write_bytes(folder / "a.stl", "solid");
   EXPECT_EQ(import_volume(folder / "a.stl").error().code, ErrorCode::kFileUnsupported);
 }
 
-TEST(ImportVolume, NoMessageHasTheNameOfTheScan) {
+TEST(ImportVolume, MessagesDoNotContainTheNameOfTheScan) {
   const TemporaryFolder folder;
   const auto expect_discreet = [&](const char* ending) {
     const auto result = import_volume(folder / (std::string("DOE^JANE") + ending));
@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(ImportVolume, DamagedScan,
                            return name;
                          });
 
-TEST_P(DamagedScan, TruncatedAtAnyLengthIsAnErrorOrTheWholeScan) {
+TEST_P(DamagedScan, RejectsTruncationsOrReadsTheWholeScan) {
   int errors = 0;
   for (std::size_t length = 0; length < whole_.size(); length += 1 + length / 60) {
     test::write_bytes(file(), whole_.substr(0, length));
@@ -131,7 +131,7 @@ TEST_P(DamagedScan, TruncatedAtAnyLengthIsAnErrorOrTheWholeScan) {
   EXPECT_GT(errors, 60);
 }
 
-TEST_P(DamagedScan, WithWrongBytesIsAnErrorOrAScan) {
+TEST_P(DamagedScan, RejectsOrReadsWrongBytes) {
   std::mt19937 random(20);
   int errors = 0;
   // Codecs believe what streams claim of their size, which takes a while.
@@ -150,7 +150,7 @@ TEST_P(DamagedScan, WithWrongBytesIsAnErrorOrAScan) {
   EXPECT_GT(errors, 3);
 }
 
-TEST_P(DamagedScan, ReplacedByGarbageIsAnError) {
+TEST_P(DamagedScan, RejectsGarbage) {
   std::mt19937 random(21);
   for (const std::size_t size : {1U, 100U, 348U, 352U, 1000U, 5000U}) {
     std::string bytes(size, '\0');

@@ -68,7 +68,7 @@ TEST(Inv3, ReadsAnArchiveThatIsNotGzipped) {
   ASSERT_TRUE(read_inv3(folder / "a.inv3"));
 }
 
-TEST(Inv3, PassesOverEntriesThatOnlyLookLikeTheProject) {
+TEST(Inv3, IgnoresEntriesThatOnlyResembleTheProject) {
   const TemporaryFolder folder;
   test::write_gzip(folder / "a.inv3",
                    test::tar_member("tmpabc/main.plist/", "", '5') +
@@ -78,7 +78,7 @@ TEST(Inv3, PassesOverEntriesThatOnlyLookLikeTheProject) {
   ASSERT_TRUE(found) << found.error().message;
 }
 
-TEST(Inv3, WarnsOfSlicesThatWereNotAxial) {
+TEST(Inv3, WarnsOfSlicesThatAreNotAxial) {
   const TemporaryFolder folder;
   test::write_gzip(folder / "a.inv3",
                    test::inv3_archive(test::to_xml({.orientation = "2"}), test::inv3_matrix()));
@@ -87,7 +87,7 @@ TEST(Inv3, WarnsOfSlicesThatWereNotAxial) {
   EXPECT_NE(found->warnings[0].find("left and right"), std::string::npos);
 }
 
-TEST(Inv3, RefusesWhatThePlistGetsWrong) {
+TEST(Inv3, RejectsAnInvalidPlist) {
   const auto corrupt = ErrorCode::kFileCorrupt;
   inv3_error({.shape = {"2", "3"}}, corrupt);
   inv3_error({.shape = {"2", "x", "4"}}, corrupt);
@@ -106,7 +106,7 @@ TEST(Inv3, RefusesWhatThePlistGetsWrong) {
   inv3_error({.modality = "MRI"}, ErrorCode::kFileUnsupported);
 }
 
-TEST(Inv3, RefusesFilesThatAreNoProject) {
+TEST(Inv3, RejectsFilesThatAreNotProjects) {
   const TemporaryFolder folder;
   EXPECT_EQ(read_inv3(folder / "none").error().code, ErrorCode::kFileNotFound);
   for (const std::string& bytes :
@@ -119,7 +119,7 @@ TEST(Inv3, RefusesFilesThatAreNoProject) {
   }
 }
 
-TEST(Inv3, AnEntryThatClaimsToBeHugeCostsNothing) {
+TEST(Inv3, AllocatesNothingForAFalseEntrySize) {
   const TemporaryFolder folder;
   const auto entry_error = [&](const std::string& name, std::uint64_t claimed_bytes) {
     test::write_gzip(folder / "a.inv3",
@@ -144,7 +144,7 @@ TEST(Inv3, AnEntryThatClaimsToBeHugeCostsNothing) {
   EXPECT_NE(read_inv3(folder / "a.inv3").error().message.find("2097152 bytes"), std::string::npos);
 }
 
-TEST(Plist, GivesLeavesByTheirPlace) {
+TEST(Plist, ReturnsLeavesByPath) {
   const auto leaves = read_plist(
       "<plist><dict><key>a</key><integer>7</integer><key>b</key><array><string>x</string>"
       "<dict><key>c</key><real>1.5</real></dict></array><key>t</key><true/></dict></plist>");
@@ -152,7 +152,7 @@ TEST(Plist, GivesLeavesByTheirPlace) {
   EXPECT_EQ(*leaves, (FlatPlist{{"a", "7"}, {"b/0", "x"}, {"b/1/c", "1.5"}, {"t", ""}}));
 }
 
-TEST(Plist, RefusesEntitiesDepthSizeAndDamage) {
+TEST(Plist, RejectsEntitiesDepthSizeAndDamage) {
   std::string deep, many = "<plist><array>";
   for (int n = 0; n < 100'000; ++n) deep += "<array>";
   for (int n = 0; n < 20'000; ++n) many += "<integer>1</integer>";

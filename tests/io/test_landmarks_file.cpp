@@ -14,7 +14,7 @@ namespace {
 const plan::Landmarks kSome{
     {"N", {0.1, -20.3, 1e-3}}, {"Or-R", {-30, 1.0 / 3.0, 2}}, {"screw, \"third\"", {1, 2, 3}}};
 
-TEST(LandmarksFile, ComeBackWithTheSameBits) {
+TEST(LandmarksFile, PreservesEveryBit) {
   const test::TemporaryFolder folder;
   for (const char* name : {"l.csv", "l.mrk.json"}) {
     ASSERT_TRUE(write_landmarks(folder / name, kSome)) << name;
@@ -41,7 +41,7 @@ TEST(LandmarksFile, PythonsCsvReadsTheTable) {
   EXPECT_TRUE(ran) << out;
 }
 
-TEST(LandmarksFile, SlicersTablesAreReadInEitherSystem) {
+TEST(LandmarksFile, ReadsSlicerTablesInLpsAndRas) {
   const auto lps = parse_landmark_table(
       "label,l,p,s,defined,selected,visible,locked,description\nN,1,2,3,1,1,1,0,\nA,0,0,0,0,1,1,0,"
       "\n");
@@ -53,7 +53,7 @@ TEST(LandmarksFile, SlicersTablesAreReadInEitherSystem) {
   EXPECT_EQ((*ras)[0].point_L, Vec3(-1, -2, 3));
 }
 
-TEST(LandmarksFile, RefusesWhatIsNoTableAndNamesTheLine) {
+TEST(LandmarksFile, RejectsInvalidTablesAndNamesTheLine) {
   struct Case {
     const char* text;
     const char* words;
@@ -75,7 +75,7 @@ TEST(LandmarksFile, RefusesWhatIsNoTableAndNamesTheLine) {
   }
 }
 
-TEST(LandmarksFile, AnotherEndingIsRefusedAndNothingIsWritten) {
+TEST(LandmarksFile, RejectsAnotherEndingAndWritesNothing) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(write_landmarks(folder / "l.fcsv", kSome).error().code, ErrorCode::kFileUnsupported);
   EXPECT_EQ(read_landmarks(folder / "l.json").error().code, ErrorCode::kFileUnsupported);

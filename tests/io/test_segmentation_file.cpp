@@ -17,7 +17,7 @@ using test::sample_labels;
 using test::TemporaryFolder;
 using test::write_bytes;
 
-TEST(SegmentationFile, GivesBackEveryLabel) {
+TEST(SegmentationFile, ReadsBackEveryLabel) {
   const TemporaryFolder folder;
   const LabelMap labels = sample_labels();
   ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", labels));
@@ -39,7 +39,7 @@ TEST(SegmentationFile, EqualLabelsGiveEqualBytes) {
   EXPECT_EQ(bytes_of(folder / "a.seg.nrrd"), bytes_of(folder / "b.seg.nrrd"));
 }
 
-TEST(SegmentationFile, HasTheHeaderThatSlicerReads) {
+TEST(SegmentationFile, WritesTheHeaderThatSlicerReads) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", sample_labels()));
   const std::string bytes = bytes_of(folder / "a.seg.nrrd");
@@ -88,7 +88,7 @@ const std::string kSlicerSegments =
     "Segment2_LabelValue:=2\nSegment2_Layer:=0\n"
     "Segmentation_ReferenceImageExtentOffset:=2 1 2\n";
 
-TEST(SegmentationFile, ReadsWhatSlicerWritesByNameLayerAndCrop) {
+TEST(SegmentationFile, ReadsSlicerFilesByNameLayerAndCrop) {
   const TemporaryFolder folder;
   // Voxel by voxel, layer 0 and layer 1: soft tissue; tumour; bone over soft tissue; nothing.
   write_bytes(folder / "a.seg.nrrd",
@@ -110,7 +110,7 @@ TEST(SegmentationFile, ReadsWhatSlicerWritesByNameLayerAndCrop) {
   EXPECT_EQ(std::count(whole->values.begin(), whole->values.end(), Tissue::kBackground), 58);
 }
 
-TEST(SegmentationFile, ReadsTheOldFormOfOneLayerPerSegment) {
+TEST(SegmentationFile, ReadsTheOldFormatWithOneLayerPerSegment) {
   const TemporaryFolder folder;
   write_bytes(folder / "a.seg.nrrd", slicer_file("Segment0_ID:=a\nSegment0_Name:=airway\n"
                                                  "Segment1_ID:=b\nSegment1_Name:=bone\n",
@@ -133,7 +133,7 @@ std::vector<Tissue> tissues_of(const std::string& first, const std::string& seco
   return part ? part->values : std::vector<Tissue>();
 }
 
-TEST(SegmentationFile, MuscleIsKnownByAWordOfItsNameOrByItsTerminology) {
+TEST(SegmentationFile, RecognizesMuscleByNameOrTerminology) {
   const std::string soft = "Segment1_Name:=soft tissue\n";
   const auto tags = [](const std::string& type) {
     return "Segment0_Tags:=Segmentation.Status:inprogress|TerminologyEntry:Segmentation category "
@@ -160,7 +160,7 @@ TEST(SegmentationFile, MuscleIsKnownByAWordOfItsNameOrByItsTerminology) {
             Tissue::kAirway);
 }
 
-TEST(SegmentationFile, MuscleWinsOverSoftTissueAndNothingElseWhateverTheLayers) {
+TEST(SegmentationFile, MuscleTakesPrecedenceOverSoftTissueOnly) {
   const auto both = [](const std::string& other, Tissue tissue) {
     const std::string a = "Segment0_Name:=", b = "Segment1_Name:=";
     const Tissue above = tissues_of(a + other + "\n", b + "muscle\n")[2];
@@ -176,7 +176,7 @@ TEST(SegmentationFile, MuscleWinsOverSoftTissueAndNothingElseWhateverTheLayers) 
   both("brain", Tissue::kBrain);
 }
 
-TEST(SegmentationFile, ReportsOfVoxelsWhoseSegmentIsNoTissue) {
+TEST(SegmentationFile, ReportsSegmentsWithoutTissueName) {
   const TemporaryFolder folder;
   class Notes : public Progress {
    public:
@@ -192,7 +192,7 @@ TEST(SegmentationFile, ReportsOfVoxelsWhoseSegmentIsNoTissue) {
                                      "voxels count as unpainted"});
 }
 
-TEST(SegmentationFile, RefusesLabelsThatLieBetweenTheVoxelsOfTheScan) {
+TEST(SegmentationFile, RejectsLabelsBetweenTheVoxelsOfTheScan) {
   const TemporaryFolder folder;
   write_bytes(folder / "a.seg.nrrd", slicer_file(kSlicerSegments, std::string(8, '\1')));
   const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
@@ -209,7 +209,7 @@ TEST(SegmentationFile, RefusesLabelsThatLieBetweenTheVoxelsOfTheScan) {
   }
 }
 
-TEST(SegmentationFile, RefusesLabelsBesideTheScanAndReportsOfThoseThatReachBeyondIt) {
+TEST(SegmentationFile, RejectsLabelsOutsideTheScanAndReportsPartialOverlap) {
   const TemporaryFolder folder;
   const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
   class Notes : public Progress {
@@ -243,7 +243,7 @@ TEST(SegmentationFile, RefusesLabelsBesideTheScanAndReportsOfThoseThatReachBeyon
 /// On the four voxels of slicer_file(), which lie at (2, 1, 2) to (3, 2, 2) of it.
 const image::Grid kScan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
 
-TEST(SegmentationFile, BoundaryLabelsAreReadByNameOnTheScan) {
+TEST(SegmentationFile, ReadsBoundaryLabelsByNameOnTheScan) {
   using predict::BoundaryLabel;
   const TemporaryFolder folder;
   write_bytes(folder / "a.seg.nrrd",
@@ -262,7 +262,7 @@ TEST(SegmentationFile, BoundaryLabelsAreReadByNameOnTheScan) {
   EXPECT_EQ(std::count(painted->values.begin(), painted->values.end(), BoundaryLabel::kNone), 57);
 }
 
-TEST(SegmentationFile, BoundaryLabelsOfAPartOfTheScanComeBackOnTheScan) {
+TEST(SegmentationFile, ReadsBoundaryLabelsOfAPartOfTheScan) {
   using predict::BoundaryLabel;
   const TemporaryFolder folder;
   predict::BoundaryLabelMap part{kScan, {}};
@@ -284,7 +284,7 @@ TEST(SegmentationFile, BoundaryLabelsOfAPartOfTheScanComeBackOnTheScan) {
   EXPECT_FALSE(write_boundary_labels(folder / "a.nrrd", part));
 }
 
-TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {
+TEST(SegmentationFile, RejectsUnknownBoundaryLabelsAndThoseOfAnotherScan) {
   const TemporaryFolder folder;
   const auto refusal = [&](const std::string& segments, const image::Grid& grid = kScan,
                            char voxel = '\1') {
@@ -320,7 +320,7 @@ TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {
             ErrorCode::kFileUnsupported);
 }
 
-TEST(SegmentationFile, RefusesFilesWithoutTissuesOrWithWrongSegments) {
+TEST(SegmentationFile, RejectsFilesWithoutTissuesOrWithInvalidSegments) {
   const TemporaryFolder folder;
   const auto code = [&](const std::string& segments) {
     write_bytes(folder / "a.seg.nrrd", slicer_file(segments, std::string(8, '\1')));

@@ -51,7 +51,7 @@ while f"Segment{n}_ID" in pairs:
 for value in sorted(names): print(names[value], voxels.count(bytes([value])))
 )py";
 
-TEST(SlicerFiles, PythonReadsLabelsByTheLetterOfTheFormat) {
+TEST(SlicerFiles, PythonReadsLabelsByTheDefinitionOfTheFormat) {
   const TemporaryFolder folder;
   const LabelMap labels = sample_labels();
   ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", labels));
@@ -71,7 +71,7 @@ TEST(SlicerFiles, PythonReadsLabelsByTheLetterOfTheFormat) {
   EXPECT_EQ(out, wanted);
 }
 
-TEST(SlicerFiles, WhatAnotherProgramPaintsComesBackAndTheRestIsAsItWas) {
+TEST(SlicerFiles, ReadsLabelsEditedByAnotherProgram) {
   const TemporaryFolder folder;
   LabelMap labels = sample_labels();
   for (Tissue& label : labels.values)

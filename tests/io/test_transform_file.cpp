@@ -20,7 +20,7 @@ std::string tfm(const std::string& type, const std::string& parameters,
 
 /// A model that is moved 10 mm to anterior in Slicer ("to parent" 0, 10, 0 in RAS) is saved with
 /// these numbers: RAS becomes LPS (0, -10, 0), and the resampling direction is its inverse.
-TEST(TransformFile, AModelThatSlicerMovesForwardMovesForward) {
+TEST(TransformFile, MovesForwardAsInSlicer) {
   const auto motion =
       parse_transform(tfm("AffineTransform_double_3_3", "1 0 0 0 1 0 0 0 1 0 10 0"));
   ASSERT_TRUE(motion) << motion.error().message;
@@ -29,14 +29,14 @@ TEST(TransformFile, AModelThatSlicerMovesForwardMovesForward) {
 
 /// Turned by +90 degrees about S in Slicer, its R goes to A: in LPS, x goes to y, which is +90
 /// degrees about z, too; the file holds -90.
-TEST(TransformFile, ATurnInSlicerIsTheSameTurn) {
+TEST(TransformFile, RotatesAsInSlicer) {
   const auto motion =
       parse_transform(tfm("AffineTransform_double_3_3", "0 1 0 -1 0 0 0 0 1 0 0 0"));
   ASSERT_TRUE(motion) << motion.error().message;
   EXPECT_LT((*motion * Vec3(1, 0, 0) - Vec3(0, 1, 0)).norm(), 1e-14);
 }
 
-TEST(TransformFile, ItkReadsWhatWeWriteAndUndoesTheMotion) {
+TEST(TransformFile, ItkReadsTheInverseOfTheMotion) {
   const test::TemporaryFolder folder;
   const RigidTransform X = geometry::rigid_motion({1, -12, 5}, {0.1, 0.2, -0.3}, {100, 40, 30});
   ASSERT_TRUE(write_transform(folder / "move.tfm", X));
@@ -49,7 +49,7 @@ TEST(TransformFile, ItkReadsWhatWeWriteAndUndoesTheMotion) {
   EXPECT_LT((ours->matrix() - X.matrix()).norm(), 1e-12);
 }
 
-TEST(TransformFile, WhatItkWritesWithACenterIsReadAsItkAppliesIt) {
+TEST(TransformFile, ReadsItkTransformsWithACenter) {
   const test::TemporaryFolder folder;
   const std::string file = (folder / "itk.tfm").string();
   for (const test::ItkKind kind : {test::ItkKind::kVersor, test::ItkKind::kAffine}) {
@@ -61,7 +61,7 @@ TEST(TransformFile, WhatItkWritesWithACenterIsReadAsItkAppliesIt) {
   }
 }
 
-TEST(TransformFile, RefusesWhatIsNoRigidMotion) {
+TEST(TransformFile, RejectsNonRigidTransforms) {
   struct Case {
     std::string text;
     ErrorCode code;

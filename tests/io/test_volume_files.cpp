@@ -30,7 +30,7 @@ INSTANTIATE_TEST_SUITE_P(VolumeFiles, EveryFormat,
                            return name;
                          });
 
-TEST_P(EveryFormat, GivesBackAnObliqueScanAsItWas) {
+TEST_P(EveryFormat, ReadsBackAnObliqueScan) {
   const TemporaryFolder folder;
   const auto ct = sample_scan(oblique());
   ASSERT_TRUE(write_volume(folder / GetParam(), ct));
@@ -51,7 +51,7 @@ TEST_P(EveryFormat, EqualVolumesGiveEqualBytes) {
   EXPECT_EQ(bytes_of(folder / GetParam()), first);
 }
 
-TEST_P(EveryFormat, KeepsTheFractionsOfAScalarVolume) {
+TEST_P(EveryFormat, PreservesFractionsOfAScalarVolume) {
   const TemporaryFolder folder;
   const image::ScalarVolume volume{{.size = {1, 2, 3}}, {0.25F, -7.75F, 0.0F, 3.0F, 4.0F, -900.4F}};
   ASSERT_TRUE(write_volume(folder / GetParam(), volume));
@@ -60,7 +60,7 @@ TEST_P(EveryFormat, KeepsTheFractionsOfAScalarVolume) {
   EXPECT_EQ(found->ct.values, (std::vector<std::int16_t>{0, -8, 0, 3, 4, -900}));
 }
 
-TEST_P(EveryFormat, BringsWhatNoCtHoldsIntoRangeAndSaysSo) {
+TEST_P(EveryFormat, ClampsValuesToTheRangeOfACtWithAWarning) {
   const TemporaryFolder folder;
   // NIfTI's library makes 0 of what is not finite, so we refuse it: see below.
   const bool keeps_nan = std::string(GetParam()).find(".nii") == std::string::npos;
@@ -80,7 +80,7 @@ TEST_P(EveryFormat, BringsWhatNoCtHoldsIntoRangeAndSaysSo) {
   }
 }
 
-TEST_P(EveryFormat, RefusesAnUnwritableFolderAndLeavesNothing) {
+TEST_P(EveryFormat, RejectsAnUnwritableFolderAndLeavesNothing) {
   const auto lost = write_volume(std::filesystem::path("/nonexistent") / GetParam(), sample_scan());
   EXPECT_EQ(lost.error().code, ErrorCode::kFileUnwritable);
 }
@@ -105,7 +105,7 @@ class FullDisk {
   rlimit before_{};
 };
 
-TEST_P(EveryFormat, AFullDiskIsAnErrorAndLeavesNothing) {
+TEST_P(EveryFormat, ReportsAFullDiskAndLeavesNothing) {
   const TemporaryFolder folder;
   const auto scan = sample_scan();
   const auto lost = [&] {
@@ -118,7 +118,7 @@ TEST_P(EveryFormat, AFullDiskIsAnErrorAndLeavesNothing) {
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-TEST(VolumeFiles, WarnsOfValuesThatCanHardlyBeHounsfieldUnits) {
+TEST(VolumeFiles, WarnsOfValuesThatAreProbablyNotHounsfieldUnits) {
   const TemporaryFolder folder;
   auto ct = sample_scan();
   for (auto& value : ct.values) value = static_cast<std::int16_t>(value + 1024);
@@ -128,7 +128,7 @@ TEST(VolumeFiles, WarnsOfValuesThatCanHardlyBeHounsfieldUnits) {
   EXPECT_NE(found->warnings[0].find("may not be in HU"), std::string::npos);
 }
 
-TEST(VolumeFiles, WarnsOfAFieldOfViewThatCutsThePatientOff) {
+TEST(VolumeFiles, WarnsOfAFieldOfViewThatEndsInThePatient) {
   const TemporaryFolder folder;
   image::CtVolume ct{{.size = {40, 40, 4}}, {}};
   ct.values.assign(40 * 40 * 4, -1000);
@@ -147,7 +147,7 @@ TEST(VolumeFiles, WarnsOfAFieldOfViewThatCutsThePatientOff) {
   EXPECT_TRUE(read_volume(folder / "a.nrrd")->warnings.empty());
 }
 
-TEST(VolumeFiles, RefusesOtherEndingsAndMissingFiles) {
+TEST(VolumeFiles, RejectsOtherEndingsAndMissingFiles) {
   const TemporaryFolder folder;
   EXPECT_EQ(write_volume(folder / "a.png", sample_scan()).error().code,
             ErrorCode::kInvalidArgument);
@@ -160,7 +160,7 @@ TEST(VolumeFiles, RefusesOtherEndingsAndMissingFiles) {
   EXPECT_FALSE(is_volume_file("a.gz"));
 }
 
-TEST(VolumeFiles, RefusesToWriteAGridThatCannotBe) {
+TEST(VolumeFiles, RejectsWritingAnInvalidGrid) {
   const TemporaryFolder folder;
   auto ct = sample_scan();
   ct.grid.direction.col(0) *= -1.0;

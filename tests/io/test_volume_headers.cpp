@@ -30,7 +30,7 @@ using test::TemporaryFolder;
 using test::volume_error_code;
 using test::write_bytes;
 
-TEST(VolumeFiles, NiftiWithAShearedOrStretchedSformOrOtherUnitsIsRefused) {
+TEST(VolumeFiles, RejectsNiftiWithAShearedOrStretchedSformOrOtherUnits) {
   const TemporaryFolder folder;
   const std::string upright = nifti(1, {2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30});
   // The second axis leans by 0.3 of its length and is as long as it was.
@@ -51,7 +51,7 @@ TEST(VolumeFiles, NiftiWithAShearedOrStretchedSformOrOtherUnitsIsRefused) {
   EXPECT_EQ(volume_error_code(folder, "a.nii", negative), ErrorCode::kFileCorrupt);
 }
 
-TEST(VolumeFiles, NiftiWithVoxelsThatAreNoNumbersIsRefusedWithTheirCount) {
+TEST(VolumeFiles, RejectsNiftiWithNonFiniteVoxelsAndCountsThem) {
   const TemporaryFolder folder;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -75,7 +75,7 @@ TEST(VolumeFiles, NiftiWithVoxelsThatAreNoNumbersIsRefusedWithTheirCount) {
   EXPECT_EQ(write_volume(folder / "b.nii.gz", volume).error().code, ErrorCode::kFileUnwritable);
 }
 
-TEST(VolumeFiles, NrrdInOtherUnitsOrWithoutDirectionsIsRefused) {
+TEST(VolumeFiles, RejectsNrrdInOtherUnitsOrWithoutDirections) {
   const TemporaryFolder folder;
   const std::string axes =
       "space: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n"
@@ -101,7 +101,7 @@ std::string zlib_stream(const std::string& bytes) {
   return packed;
 }
 
-TEST(VolumeFiles, MetaImageIsUnderstoodAsItkUnderstandsIt) {
+TEST(VolumeFiles, InterpretsMetaImageAsItkDoes) {
   const TemporaryFolder folder;
   const std::string voxels = raw_bytes(kEightVoxels);
   const std::string lines = "BinaryData = True\n" + kPlacement;
@@ -136,7 +136,7 @@ TEST(VolumeFiles, MetaImageIsUnderstoodAsItkUnderstandsIt) {
             ErrorCode::kFileUnsupported);
 }
 
-TEST(VolumeFiles, TheHeaderSizeOfDetachedVoxelsIsPassedOver) {
+TEST(VolumeFiles, SkipsTheHeaderOfDetachedVoxels) {
   const TemporaryFolder folder;
   const std::string header =
       metaimage("BinaryData = True\nHeaderSize = 5\n" + kPlacement, "", "a.raw");
@@ -149,7 +149,7 @@ TEST(VolumeFiles, TheHeaderSizeOfDetachedVoxelsIsPassedOver) {
   EXPECT_EQ(volume_error_code(folder, "a.mhd", header), ErrorCode::kFileCorrupt);
 }
 
-TEST(VolumeFiles, RefusesTwoAndFourDimensionsAndVectors) {
+TEST(VolumeFiles, RejectsTwoAndFourDimensionsAndVectors) {
   const TemporaryFolder folder;
   const auto complaint = [&](const char* name, const std::string& bytes) {
     write_bytes(folder / name, bytes);
@@ -177,7 +177,7 @@ TEST(VolumeFiles, RefusesTwoAndFourDimensionsAndVectors) {
             std::string::npos);
 }
 
-TEST(VolumeFiles, RefusesGridsThatCannotBe) {
+TEST(VolumeFiles, RejectsInvalidGrids) {
   const TemporaryFolder folder;
   const std::string lps =
       "space: left-posterior-superior\nspace origin: (0,0,0)\nspace directions: ";
@@ -192,7 +192,7 @@ TEST(VolumeFiles, RefusesGridsThatCannotBe) {
   }
 }
 
-TEST(VolumeFiles, AHugePromiseIsRefusedWithoutAllocating) {
+TEST(VolumeFiles, RejectsAHugeSizeWithoutAllocating) {
   const TemporaryFolder folder;
   for (const char* const sizes : {"1200 1200 1200", "2000000 2000000 2000000",
                                   "4294967296 4294967296 4294967296", "-1 2 2", "0 2 2"}) {
@@ -234,7 +234,7 @@ std::vector<std::pair<const char*, std::string>> headers_with_voxels_in(const st
           {"b.mha", metaimage("BinaryData = True\n" + kPlacement, "", where)}};
 }
 
-TEST(VolumeFiles, VoxelsMayOnlyBeInARegularFileBesideTheHeader) {
+TEST(VolumeFiles, ReadsVoxelsOnlyFromARegularFileInTheSameFolder) {
   const TemporaryFolder folder;
   const std::string voxels = raw_bytes(kEightVoxels);
   std::filesystem::create_directory(folder / "sub");

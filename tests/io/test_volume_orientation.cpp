@@ -31,7 +31,7 @@ Vec3 brightest_L(const image::CtVolume& ct) {
   return Vec3::Constant(std::nan(""));
 }
 
-TEST(Laterality, NrrdInLpsRasAndLas) {
+TEST(Laterality, ReadsNrrdInLpsAndRas) {
   const TemporaryFolder folder;
   const std::string axes = "\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)";
   const auto read = [&](const std::string& space) {
@@ -47,7 +47,7 @@ TEST(Laterality, NrrdInLpsRasAndLas) {
   EXPECT_EQ(brightest_L(read("RAS")), Vec3(-10, -20, 30));
 }
 
-TEST(Laterality, NrrdSpacesThatItkMirrorsAreRefused) {
+TEST(Laterality, RejectsNrrdSpacesThatItkMirrors) {
   const TemporaryFolder folder;
   for (const char* const space :
        {"left-anterior-superior", "LAS", "scanner-xyz", "3D-left-handed"}) {
@@ -60,7 +60,7 @@ TEST(Laterality, NrrdSpacesThatItkMirrorsAreRefused) {
   }
 }
 
-TEST(Laterality, NiftiIsTurnedFromRas) {
+TEST(Laterality, ConvertsNiftiFromRas) {
   const TemporaryFolder folder;
   write_bytes(folder / "a.nii", nifti(1, {2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30}));
   const auto found = read_volume(folder / "a.nii");
@@ -69,7 +69,7 @@ TEST(Laterality, NiftiIsTurnedFromRas) {
   EXPECT_EQ(found->ct.grid.direction.col(0), Vec3(-1, 0, 0));
 }
 
-TEST(Laterality, NiftiWithLeftHandedAxesIsMadeRightHandedInPlace) {
+TEST(Laterality, ConvertsLeftHandedNiftiToRightHanded) {
   const TemporaryFolder folder;
   write_bytes(folder / "a.nii", nifti(1, {-2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30}));
   const auto found = read_volume(folder / "a.nii");
@@ -78,7 +78,7 @@ TEST(Laterality, NiftiWithLeftHandedAxesIsMadeRightHandedInPlace) {
   EXPECT_NEAR(found->ct.grid.direction.determinant(), 1.0, 1e-6);
 }
 
-TEST(Laterality, MetaImageIsInLps) {
+TEST(Laterality, ReadsMetaImageInLps) {
   const TemporaryFolder folder;
   const auto header = [](const std::string& matrix) {
     return "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
@@ -100,7 +100,7 @@ TEST(Laterality, MetaImageIsInLps) {
   EXPECT_NEAR(mirrored->ct.grid.direction.determinant(), 1.0, 1e-12);
 }
 
-TEST(Laterality, FilesThatLeaveItOpenAreRefused) {
+TEST(Laterality, RejectsFilesWithoutOrientation) {
   const TemporaryFolder folder;
   write_bytes(folder / "a.nrrd", nrrd("spacings: 2 3 4"));
   EXPECT_EQ(read_volume(folder / "a.nrrd").error().code, ErrorCode::kFileUnsupported);
@@ -119,7 +119,7 @@ std::string with_qform(std::string bytes, float qfac, float x_mm) {
   return bytes;
 }
 
-TEST(Laterality, NiftiWhoseTwoPlacesContradictEachOtherIsRefused) {
+TEST(Laterality, RejectsNiftiWithContradictoryQformAndSform) {
   const TemporaryFolder folder;
   const std::string upright = nifti(1, {2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30});
   EXPECT_EQ(volume_error_code(folder, "a.nii", with_qform(upright, 1.0F, 10.0F)),
@@ -133,7 +133,7 @@ TEST(Laterality, NiftiWhoseTwoPlacesContradictEachOtherIsRefused) {
             ErrorCode::kFileCorrupt);
 }
 
-TEST(Laterality, MetaImageThatLeavesItsPlaceOpenOrContradictsItselfIsRefused) {
+TEST(Laterality, RejectsMetaImageWithMissingOrContradictoryOrientation) {
   const TemporaryFolder folder;
   const std::string binary = "BinaryData = True\n", voxels = raw_bytes(kEightVoxels);
   const auto read = [&](const std::string& lines) {

@@ -123,7 +123,7 @@ TEST(Vtu, VtkReadsBackScalarsVectorsTensorsAndSets) {
     EXPECT_EQ(fixed->GetTuple1(n), n == 0 || n == 5 || n == 19 ? 1.0 : 0.0);
 }
 
-TEST(Vtu, TheSameMeshGivesTheSameBytes) {
+TEST(Vtu, EqualMeshesGiveEqualBytes) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = every_shape();
   ASSERT_TRUE(write_vtu(folder / "a.vtu", mesh, some_fields(mesh)));
@@ -132,7 +132,7 @@ TEST(Vtu, TheSameMeshGivesTheSameBytes) {
             read_text(folder / "b.vtu", 1'000'000).value());
 }
 
-TEST(Vtu, AnEmptyMeshIsAFileWithoutPoints) {
+TEST(Vtu, WritesAnEmptyMesh) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_vtu(folder / "empty.vtu", {}));
   const auto grid = read_back(folder / "empty.vtu");
@@ -140,7 +140,7 @@ TEST(Vtu, AnEmptyMeshIsAFileWithoutPoints) {
   EXPECT_EQ(grid->GetNumberOfCells(), 0);
 }
 
-TEST(Vtu, RefusesMeshesThatContradictThemselvesAndLeavesNothing) {
+TEST(Vtu, RejectsInconsistentMeshesAndLeavesNothing) {
   const test::TemporaryFolder folder;
   const auto refusal = [&](const VolumeMesh& mesh) {
     return write_vtu(folder / "m.vtu", mesh).error().code;
@@ -159,7 +159,7 @@ TEST(Vtu, RefusesMeshesThatContradictThemselvesAndLeavesNothing) {
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-TEST(Vtu, RefusesFieldsThatDoNotFit) {
+TEST(Vtu, RejectsInvalidFields) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = every_shape();
   const std::vector<double> per_node(20, 1.0);
@@ -180,12 +180,12 @@ TEST(Vtu, RefusesFieldsThatDoNotFit) {
   EXPECT_NE(refusal({{vtu_array("a\nb", per_node)}, {}}), "written");
 }
 
-TEST(Vtu, NamesAFolderThatIsNotThere) {
+TEST(Vtu, NamesAMissingFolder) {
   EXPECT_EQ(write_vtu("/nonexistent/m.vtu", {}).error().code, ErrorCode::kFileUnwritable);
   EXPECT_EQ(write_pvd("/nonexistent/m.pvd", {}).error().code, ErrorCode::kFileUnwritable);
 }
 
-TEST(ReadVtu, GivesBackEveryShapeNodeAndRegion) {
+TEST(ReadVtu, ReadsBackEveryShapeNodeAndRegion) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = every_shape();
   ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh, some_fields(mesh)));
@@ -201,7 +201,7 @@ TEST(ReadVtu, GivesBackEveryShapeNodeAndRegion) {
 }
 
 /// VTK's own writer, compressed, as ParaView saves.
-TEST(ReadVtu, TakesRegionsFromTheArrayThatIsRequested) {
+TEST(ReadVtu, ReadsRegionsFromTheRequestedArray) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = mesh::make_box(ElementShape::kHex8, {3, 1, 1}, {3, 1, 1});
   const std::vector<double> material{4, 5, 4};
@@ -217,7 +217,7 @@ TEST(ReadVtu, TakesRegionsFromTheArrayThatIsRequested) {
       << lost.error().message;
 }
 
-TEST(ReadVtu, ReadsWhatVtkWrites) {
+TEST(ReadVtu, ReadsFilesOfVtk) {
   const test::TemporaryFolder folder;
   VolumeMesh mesh = every_shape();
   mesh.node_sets.clear();  // VTK does not escape what stands in a name.
@@ -251,7 +251,7 @@ std::string text_vtu(const std::string& points, const std::string& nodes, const 
 }
 
 /// As meshio and Gmsh export: points and curves of the geometry beside the elements.
-TEST(ReadVtu, LeavesOutPointsAndLines) {
+TEST(ReadVtu, IgnoresPointsAndLines) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = mesh::make_box(ElementShape::kHex8, {1, 1, 1}, {1, 1, 1});
   ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh));
@@ -282,7 +282,7 @@ TEST(ReadVtu, LeavesOutPointsAndLines) {
       << polygon.error().message;
 }
 
-TEST(ReadVtu, RefusesArraysThatContradictEachOther) {
+TEST(ReadVtu, RejectsInconsistentArrays) {
   const test::TemporaryFolder folder;
   const auto code = [&](const std::string& bytes) {
     EXPECT_TRUE(write_text(folder / "m.vtu", bytes));
@@ -321,7 +321,7 @@ std::vector<VolumeMesh> meshes_with_sets() {
   return meshes;
 }
 
-TEST(ReadVtu, GivesBackNodeSetsAndFaceSets) {
+TEST(ReadVtu, ReadsBackNodeSetsAndFaceSets) {
   const test::TemporaryFolder folder;
   for (const VolumeMesh& mesh : meshes_with_sets()) {
     ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh, {}, VtuFaces::kWrite));
@@ -334,7 +334,7 @@ TEST(ReadVtu, GivesBackNodeSetsAndFaceSets) {
   }
 }
 
-TEST(Vtu, FacesAreCellsOfTheirOwnWithoutValues) {
+TEST(Vtu, WritesFacesAsSeparateCellsWithoutValues) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = meshes_with_sets()[0];
   const std::vector<double> values(std::size_t(mesh.element_count()), 1.5);
@@ -370,7 +370,7 @@ std::string set_array(const std::string& name, const std::string& values) {
   return "<DataArray Name=\"set:" + name + "\" format=\"ascii\">" + values + "</DataArray>";
 }
 
-TEST(ReadVtu, TurnsFacesOutAndNamesThoseWithoutASetAfterTheirRegion) {
+TEST(ReadVtu, OrientsFacesOutwardAndNamesThoseWithoutASet) {
   const test::TemporaryFolder folder;
   const mesh::Face bottom{.shape = mesh::FaceShape::kTri3, .nodes = {0, 2, 1}};
   ASSERT_TRUE(write_text(folder / "m.vtu", with_face("0 1 2", set_array("a b", "0 1.0 0 1"),
@@ -386,7 +386,7 @@ TEST(ReadVtu, TurnsFacesOutAndNamesThoseWithoutASetAfterTheirRegion) {
   EXPECT_EQ(read->blocks[0].region, (std::vector<std::int32_t>{7}));
 }
 
-TEST(ReadVtu, RefusesSetsThatMeanNothing) {
+TEST(ReadVtu, RejectsInvalidSets) {
   const test::TemporaryFolder folder;
   const auto refusal = [&](const std::string& text) {
     EXPECT_TRUE(write_text(folder / "m.vtu", text));
@@ -408,7 +408,7 @@ TEST(ReadVtu, RefusesSetsThatMeanNothing) {
 }
 
 /// Gmsh, Abaqus and many others number the triangles of a wedge the other way round.
-TEST(ReadVtu, ReadsWedgesNumberedEitherWay) {
+TEST(ReadVtu, ReadsBothNumberingsOfWedges) {
   const test::TemporaryFolder folder;
   for (const ElementShape shape : {ElementShape::kWedge6, ElementShape::kWedge15}) {
     const VolumeMesh mesh = mesh::make_box(shape, {1, 1, 1}, Vec3::Ones());
@@ -423,7 +423,7 @@ TEST(ReadVtu, ReadsWedgesNumberedEitherWay) {
   }
 }
 
-TEST(ReadVtu, EveryTruncationIsRefusedOrTheWholeMesh) {
+TEST(ReadVtu, RejectsTruncationsOrReadsTheWholeMesh) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = every_shape();
   ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh));
@@ -479,7 +479,7 @@ TEST(Pvd, ListsTheFilesOfASeriesWithTheirTimes) {
   }
 }
 
-TEST(Pvd, RefusesEntriesWithoutTimeOrName) {
+TEST(Pvd, RejectsEntriesWithoutTimeOrName) {
   const test::TemporaryFolder folder;
   for (const PvdEntry& entry : {PvdEntry{kNan, "a.vtu"}, PvdEntry{0.0, ""}})
     EXPECT_EQ(write_pvd(folder / "s.pvd", {&entry, 1}).error().code, ErrorCode::kInvalidArgument);
