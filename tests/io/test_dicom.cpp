@@ -90,7 +90,7 @@ TEST(Dicom, AppliesSlopeAndInterceptOfEachSlice) {
 
 TEST(Dicom, ReadsEveryLosslessCodecOfSignedAndUnsignedPixels) {
   using test::Codec;
-  // Codecs want more pixels than the sample scan has.
+  // Codecs need more pixels than the sample scan has.
   image::CtVolume ct{{.size = {64, 48, 2}, .spacing_mm = {0.5, 0.5, 1.0}}, {}};
   for (Index n = 0; n < ct.grid.voxel_count(); ++n)
     ct.values.push_back(static_cast<std::int16_t>(-1000 + (n * n / 7) % 4000));
@@ -116,7 +116,7 @@ TEST(Dicom, ReadsSignedAndUnsignedPixelsWithFewerBits) {
     auto slices = dicom_slices(ct, 1.0, is_signed ? 500.0 : -1024.0);
     for (DicomSlice& slice : slices) {
       slice.is_signed = is_signed;
-      slice.bits_stored = 12;  // What lies above them may be anything.
+      slice.bits_stored = 12;  // The bits above them may have any value.
       for (std::int16_t& value : slice.stored)
         value = static_cast<std::int16_t>((value & 0x0fff) | 0x5000);
     }
@@ -236,7 +236,8 @@ TEST(Dicom, IgnoresDamagedFilesOfOtherSeries) {
   EXPECT_EQ(known->warnings, (std::vector<std::string>{"1 other series were ignored",
                                                        "1 of their files are damaged"}));
 
-  test::write_bytes(folder / "scout.dcm", whole.substr(0, 200));  // Before its series is named.
+  test::write_bytes(folder / "scout.dcm",
+                    whole.substr(0, 200));  // Truncated before the tag of its series.
   const auto unknown = read_dicom_series(folder.path());
   ASSERT_TRUE(unknown) << unknown.error().message;
   EXPECT_EQ(unknown->ct.values, ct.values);
@@ -341,7 +342,7 @@ TEST(Dicom, ListsTheSeriesOfAFolderAndItsSubfolders) {
   const auto list = list_dicom_series(folder.path());
   ASSERT_TRUE(list) << list.error().message;
   ASSERT_EQ(list->size(), 4U);
-  const DicomSeriesInfo& first = (*list)[1];  // In the order of their identifiers.
+  const DicomSeriesInfo& first = (*list)[1];  // Sorted by identifier.
   EXPECT_EQ(first.number, 2);
   EXPECT_EQ(first.modality, "CT");
   EXPECT_EQ(first.images, 6);
@@ -357,7 +358,7 @@ TEST(Dicom, ListsTheSeriesOfAFolderAndItsSubfolders) {
   EXPECT_TRUE((*list)[2].is_usable);
   EXPECT_TRUE(contains((*list)[2].warnings.at(0), "sheared"));
   EXPECT_TRUE(contains((*list)[3].problem, "missing"));
-  // What is listed under a number is read under it.
+  // The listed number selects the same series for reading.
   EXPECT_TRUE(read_dicom_series(folder.path(), 3));
   EXPECT_TRUE(contains(read_dicom_series(folder.path(), 4).error().message, "missing"));
   EXPECT_FALSE(list_dicom_series(folder / "none"));
@@ -375,7 +376,7 @@ TEST(Dicom, NamesATruncatedFileOfAnyLength) {
     for (std::size_t length = 0; length < whole.size(); length += 1 + length / 40) {
       test::write_bytes(victim, whole.substr(0, length));
       const auto result = read_dicom_series(folder.path());
-      // The last bytes of a JPEG stream are padding; without them the scan is whole.
+      // The last bytes of a JPEG stream are padding; without them the scan is complete.
       if (result && compressed && result->ct.values == ct.values) continue;
       ASSERT_FALSE(result) << length << " of " << whole.size();
       test::expect_one_sentence(result.error().message);

@@ -22,7 +22,7 @@ using test::sample_scan;
 using test::TemporaryFolder;
 using test::write_dicom;
 
-/// A compressed slice, or what looks like one.
+/// Decoding of a compressed slice.
 class DicomCodec : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -48,7 +48,7 @@ TEST_F(DicomCodec, DecodesWithinItsLimits) {
 
 TEST_F(DicomCodec, StopsACodecThatNeedsTooMuchMemory) {
   DicomSlice large = dicom_slices(sample_scan())[2];
-  // So large that malloc maps it anew, whatever earlier tests have left free.
+  // So large that malloc maps new memory instead of reusing freed memory.
   large.columns = large.rows = 4096;
   large.stored.assign(4096 * 4096, 7);
   write_dicom(file_, large);
@@ -62,7 +62,7 @@ TEST_F(DicomCodec, StopsACodecThatNeedsTooMuchMemory) {
 
 TEST_F(DicomCodec, StopsACodecThatHangs) {
   std::filesystem::remove(file_);
-  ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);  // Nobody writes: it never gives a byte.
+  ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);  // Without a writer, reading it blocks.
   EXPECT_TRUE(
       contains(error_message({.time = std::chrono::milliseconds(50)}, ErrorCode::kFileCorrupt),
                "longer than 50 ms"));

@@ -56,7 +56,7 @@ TEST(Dicom, RejectsAccumulatedDistanceErrors) {
   ct.grid.size[2] = 60;
   ct.values.resize(7 * 5 * 60);
   auto slices = dicom_slices(ct);
-  // Every step is within 4 % of the others, but the middle would lie 0.3 mm from its place.
+  // Every step is within 4 % of the others, but the middle slice is 0.3 mm from its even position.
   for (std::size_t k = 0; k < slices.size(); ++k)
     slices[k].position = fmt::format(
         "-80.5\\-31.25\\{}", 12.0 + 1.25 * double(k) + (k > 30 ? 0.05 * double(k - 30) : 0.0));
@@ -149,7 +149,7 @@ TEST(Dicom, RejectsInvalidGrids) {
 TEST(Dicom, ResamplesGantryTiltAndReportsItsAngle) {
   const TemporaryFolder folder;
   const auto ct = sample_scan();
-  write_dicom_series(folder.path(), sheared(0.5));  // A pixel: what is resampled stays exact.
+  write_dicom_series(folder.path(), sheared(0.5));  // One pixel, so that resampling is exact.
   const auto found = read_dicom_series(folder.path());
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->ct.grid.size, (std::array<Index, 3>{7, 5 + 5, 6}));
@@ -172,7 +172,7 @@ TEST(Dicom, RejectsLargerShearThanGantryTilt) {
   EXPECT_TRUE(contains(series_error(sheared(1.3), ErrorCode::kFileUnsupported), "46.1 degrees"));
 }
 
-/// The sample scan with its slices at these heights [mm].
+/// Returns the sample scan with slices at these heights [mm].
 std::vector<DicomSlice> at_heights(const std::vector<double>& heights_mm) {
   auto slices = dicom_slices(sample_scan());
   slices.resize(heights_mm.size(), slices.back());
@@ -191,7 +191,7 @@ TEST(Dicom, ResamplesRunsOfSeveralDistances) {
   write_dicom_series(folder.path(), at_heights({0, 2.5, 5, 7.5, 8.5, 9.5, 10.5, 11.5}));
   const auto found = read_dicom_series(folder.path());
   ASSERT_TRUE(found) << found.error().message;
-  // 11.5 mm in 12 steps, the most that are no finer than the finest.
+  // 11.5 mm in 12 steps.
   ASSERT_EQ(found->ct.grid.size[2], 13);
   EXPECT_NEAR(found->ct.grid.spacing_mm.z(), 11.5 / 12.0, 1e-12);
   for (Index k = 0; k < 13; ++k)

@@ -26,10 +26,10 @@ using test::contains;
 using test::OrthancServer;
 using test::TemporaryFolder;
 
-constexpr const char* kStudy = "1.2.826.0.1.3680043.2.1125.9";  // Of dicom_writer.
+constexpr const char* kStudy = "1.2.826.0.1.3680043.2.1125.9";  // As in dicom_writer.
 const Credentials kCredentials{OrthancServer::kUser, OrthancServer::kPassword};
 
-/// The number of folders of ours in the folder for temporary files.
+/// Returns the number of lefort's folders in the folder of temporary files.
 long temporary_folders() {
   long count = 0;
   for (const auto& entry :
@@ -102,7 +102,7 @@ TEST_F(OrthancTest, ImportsTheSameBitsAsFromAFolder) {
   EXPECT_NE(read_dicomweb(study, kCredentials, 1)->ct.values,
             read_dicomweb(study, kCredentials, 2)->ct.values);
 
-  // The series in the address; user and password in it, too.
+  // Address with series, user name and password.
   const auto named = import_volume(
       fmt::format("dicomweb://lefort:s3cret%3A%2f%40@localhost:{}/dicom-web/studies/{}/series/"
                   "1.2.826.0.1.3680043.2.1125.1.2/",
@@ -111,7 +111,7 @@ TEST_F(OrthancTest, ImportsTheSameBitsAsFromAFolder) {
   EXPECT_EQ(named->ct.values, read_dicomweb(study, kCredentials, 2)->ct.values);
 }
 
-/// The error of reading from an address; checks what all of them have in common.
+/// Returns the error of reading from an address, after checks that apply to every error.
 Error error_of(const std::string& address, const Credentials& who = kCredentials, int series = 1,
                const DicomWebLimits& limits = {}) {
   const auto result = read_dicomweb(address, who, series, Progress::none(), limits);
@@ -157,7 +157,7 @@ TEST_F(OrthancTest, ReportsAStoppedServer) {
   EXPECT_TRUE(contains(gone.message, "no server answers at 127.0.0.1")) << gone.message;
 }
 
-/// A server that says and does what a test wants.
+/// A server with responses set by the test.
 class FakeServer {
  public:
   FakeServer() : port_(http_.bind_to_any_port("127.0.0.1")) {
@@ -170,7 +170,7 @@ class FakeServer {
     http_.Get(".*/series/.*",
               [this](const httplib::Request&, httplib::Response& response) { images(response); });
     thread_ = std::thread([this] { http_.listen_after_bind(); });
-    // One that does not listen yet cannot be stopped.
+    // A server that does not listen yet cannot be stopped.
     while (!http_.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   ~FakeServer() {
@@ -201,7 +201,8 @@ std::string series_list(int images) {
       images);
 }
 
-/// The sample scan's files as a multipart body; without its end if it is not `whole`.
+/// Returns the files of the sample scan as a multipart body, without closing boundary unless
+/// `whole`.
 std::string body_of(std::size_t files, bool whole = true) {
   const TemporaryFolder folder;
   const auto slices = test::dicom_slices(test::sample_scan());
@@ -222,7 +223,7 @@ TEST(DicomWeb, ReadsFromAnyStandardServer) {
   const auto found = read_dicomweb(server.study(), {});
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->ct.values, test::sample_scan().values);
-  // A server that does not say how many images a series has is asked for their list.
+  // If the server does not state the number of images of a series, their list is fetched.
   server.list = R"([{"0020000E": {"vr": "UI", "Value": ["1.2.826.0.1.3680043.2.1125.1"]},
                      "00080060": {"vr": "CS", "Value": ["CT"]}}])";
   server.instances = "[{}, {}, {}, {}, {}, {}]";
@@ -235,7 +236,7 @@ TEST(DicomWeb, RejectsAnIncompleteSeries) {
   const long before = temporary_folders();
   FakeServer server;
   server.list = series_list(6);
-  // The server knows of six and sends three.
+  // The server lists six images and sends three.
   server.images = [](httplib::Response& r) { r.set_content(body_of(3), kParts); };
   Error error = error_of(server.study());
   EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
@@ -245,7 +246,7 @@ TEST(DicomWeb, RejectsAnIncompleteSeries) {
   error = error_of(server.study());
   EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
   EXPECT_TRUE(contains(error.message, "no closing boundary after 6 of 6 images")) << error.message;
-  // It hangs up in the middle of a file, having promised more.
+  // The server closes the connection in the middle of a file.
   server.images = [](httplib::Response& r) {
     r.set_content_provider(
         body_of(6).size(), kParts,
@@ -281,7 +282,7 @@ TEST(DicomWeb, EnforcesLimitsAndTimeouts) {
                        "more than 2000 bytes"));
   EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.list_bytes = 10}).message,
                        "list has more than 10 bytes"));
-  // Without end: a stream of an image that never closes.
+  // An endless image.
   server.images = [](httplib::Response& r) {
     r.set_chunked_content_provider(kParts, [first = true](std::size_t,
                                                           httplib::DataSink& sink) mutable {
@@ -292,7 +293,7 @@ TEST(DicomWeb, EnforcesLimitsAndTimeouts) {
   };
   EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.image_bytes = 1 << 22}).message,
                        "4194304 bytes in an image"));
-  // Silence.
+  // A server that does not answer.
   server.images = [](httplib::Response&) { std::this_thread::sleep_for(std::chrono::seconds(3)); };
   const Error silent = error_of(server.study(), {}, 0, {.idle_timeout = std::chrono::seconds(1)});
   EXPECT_EQ(silent.code, ErrorCode::kConnectionFailed);
@@ -302,7 +303,7 @@ TEST(DicomWeb, EnforcesLimitsAndTimeouts) {
   EXPECT_TRUE(contains(slow.message, "takes longer than 1 s")) << slow.message;
 }
 
-/// Sends `first`, and then `again` for as long as anybody listens, whatever it is asked for.
+/// Sends `first` and then `again` to every client until it disconnects.
 class FloodingServer {
  public:
   FloodingServer(std::string first, std::string again)
@@ -348,7 +349,7 @@ TEST(DicomWeb, RejectsEndlessHeaders) {
   const std::string carry_on = "HTTP/1.1 100 Continue\r\n\r\n";
   EXPECT_TRUE(contains(error_of(FloodingServer(carry_on, carry_on).study()).message,
                        "headers have more than"));
-  // One line without end; the library has a limit of its own.
+  // An endless line, for which libcurl has a limit.
   EXPECT_EQ(error_of(FloodingServer(ok + "X-Long: ", std::string(1000, 'x')).study()).code,
             ErrorCode::kConnectionFailed);
 }
@@ -407,7 +408,7 @@ TEST(DicomWeb, StopsOnRequest) {
   EXPECT_EQ(read_dicomweb(server.study(), {}, 0, progress).error().code, ErrorCode::kCancelled);
 }
 
-/// Is asked to stop once it has been waiting for a while.
+/// Requests a stop after 300 ms.
 class StopsLater : public Progress {
  public:
   [[nodiscard]] bool stop_requested() const override {
@@ -425,7 +426,7 @@ TEST(DicomWeb, StopsOnRequestWhileTheServerIsSilent) {
   server.images = [&](httplib::Response&) {
     while (!is_over) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   };
-  StopsLater progress;  // Long before the server would be given up as silent, after 30 s.
+  StopsLater progress;  // Long before the idle timeout of 30 s.
   EXPECT_EQ(read_dicomweb(server.study(), {}, 0, progress).error().code, ErrorCode::kCancelled);
   is_over = true;
 }

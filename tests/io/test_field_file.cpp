@@ -109,7 +109,7 @@ TEST(FieldFile, HasTheDocumentedLayout) {
   EXPECT_EQ(value_at<std::uint32_t>(bytes, kSmoothAt), 1U);
   EXPECT_EQ(block_at(bytes, kBlocks), bytes.size());
 
-  // Reading one sample by hand, as the document says.
+  // Reads one sample according to the document.
   const field::LatticePoint p = {13, 9, 8};
   const std::size_t table = block_at(bytes, 0), codes = block_at(bytes, 1);
   const std::size_t brick = std::size_t(((p[2] / 8 + 1) * 5 + p[1] / 8 + 1) * 5 + p[0] / 8 + 1);
@@ -128,7 +128,7 @@ TEST(FieldFile, HasTheDocumentedLayout) {
 }
 
 TEST(FieldFile, StoresItsSource) {
-  // One finding of each kind that a soup can have at once.
+  // One finding of each kind that a triangle soup can have at the same time.
   geometry::TriangleMesh mesh = test::join(test::make_icosphere(9, 2), test::make_sheet(4, 1));
   std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
   mesh.triangles.push_back({5, 5, 7});
@@ -156,7 +156,7 @@ TEST(FieldFile, StoresItsSource) {
   EXPECT_EQ(decode_copy(bytes)->source()->report,
             (field::MeshRepairReport{1, 2, 3, 4, 5, 6, 7, 8}));
 
-  // Files from before this was told hold zeros there.
+  // Older files have zeros here.
   std::memset(bytes.data() + kFindingsAt, 0, 64);
   const auto older = decode_copy(with_checksum(bytes));
   ASSERT_TRUE(older);
@@ -186,7 +186,7 @@ TEST(FieldFile, RejectsPipesAndFoldersWithoutBlocking) {
   ASSERT_EQ(::mkfifo((folder / "pipe.field").c_str(), 0600), 0);
   std::filesystem::create_directory(folder / "folder.field");
   for (const char* name : {"pipe.field", "folder.field"}) {
-    const auto read = read_field(folder / name);  // Nobody will ever write to the pipe.
+    const auto read = read_field(folder / name);  // The pipe has no writer.
     ASSERT_FALSE(read) << name;
     EXPECT_EQ(read.error().code, ErrorCode::kFileNotFound);
     EXPECT_NE(read.error().message.find("regular file"), std::string::npos);
@@ -205,7 +205,7 @@ TEST(FieldFile, RemainsValidAfterTheFileIsRemoved) {
     auto first = std::make_unique<DistanceField>(read_field(*folder / "bone.field").value());
     const DistanceField copy = *first;
     first.reset();
-    folder.reset();  // Deletes the file.
+    folder.reset();  // Removes the file.
     expect_same_answers(copy, field);
   }
 }

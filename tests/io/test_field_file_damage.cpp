@@ -53,7 +53,7 @@ TEST(FieldFile, RejectsEveryTruncation) {
       const auto cut = decode_copy(std::string_view(whole).substr(0, size));
       ASSERT_FALSE(cut) << size;
       EXPECT_EQ(cut.error().code, size < 8 ? ErrorCode::kFileUnsupported : ErrorCode::kFileCorrupt);
-      // With a right checksum, too.
+      // Also with a valid checksum.
       if (size < kHeaderBytes) continue;
       EXPECT_FALSE(decode_copy(with_checksum(whole.substr(0, size)))) << size;
     }
@@ -67,7 +67,7 @@ TEST(FieldFile, RejectsEveryFlippedBit) {
     std::string bytes = encode_field(field);
     std::mt19937 random(2);
     for (int n = 0; n < 500; ++n) {
-      // Half of them in the header, where they do most harm.
+      // Half of them are in the header.
       const std::size_t at = random() % (n % 2 == 0 ? kHeaderBytes : bytes.size());
       const char flip = char(1 << (random() % 8));
       bytes[at] = char(bytes[at] ^ flip);
@@ -78,7 +78,7 @@ TEST(FieldFile, RejectsEveryFlippedBit) {
   }
 }
 
-/// Asks a field everything; answers may be nonsense, but must be answers.
+/// Calls every query of a field; results may be wrong but must be valid numbers.
 void query(const DistanceField& field, std::mt19937& random) {
   const Box3 box = field.box_B();
   std::uniform_real_distribution<double> in(-0.05, 1.05);
@@ -122,7 +122,7 @@ TEST(FieldFile, SurvivesForgedFilesWithAValidChecksum) {
         continue;
       }
       ++accepted;
-      query(*read, random);  // Most are refused; the others must be harmless.
+      query(*read, random);  // Most are rejected; the others must be harmless.
       ASSERT_FALSE(HasFatalFailure()) << "file " << n << " of storage " << field.samples().index();
     }
   }
@@ -130,7 +130,7 @@ TEST(FieldFile, SurvivesForgedFilesWithAValidChecksum) {
 }
 
 TEST(FieldFile, SurvivesBlocksSwappedAndShortened) {
-  // Sizes that fit together, of blocks that do not belong together.
+  // Blocks of different files with consistent sizes.
   std::mt19937 random(4);
   std::vector<std::string> files;
   for (const DistanceField& field : small_fields()) files.push_back(encode_field(field));
@@ -212,7 +212,7 @@ TEST(FieldFile, RejectsUnexpectedBlocks) {
 }
 
 TEST(FieldFile, AllocatesNoMoreThanTheFileContains) {
-  // Every letter of it a leaf of one cell in a brick of its own would take hundreds of bytes.
+  // If every letter were a leaf of one cell in its own brick, each would need hundreds of bytes.
   std::string letters;
   const std::function<void(int)> append = [&](int cells) {
     letters += '+';
@@ -248,7 +248,7 @@ TEST(FieldFile, RejectsLeavesBeyondTheLast) {
           contains(decode_error(with_value(good, table + 8 * b, first)), "beyond the last"));
     break;
   }
-  // A brick that had no leaves, with eight from 2^32 - 1 on.
+  // A brick without leaves now refers to eight leaves from 2^32 - 1.
   const std::uint64_t forged = std::uint64_t(0xFF) << 32 | 0xFFFFFFFFU;
   EXPECT_TRUE(contains(decode_error(with_value(good, table, forged)),
                        "brick 0 refers to leaves beyond the last"));
@@ -259,7 +259,7 @@ TEST(FieldFile, RejectsInvalidOctrees) {
   const std::size_t tree = block_at(good, 2);
   const auto letters = value_at<std::uint64_t>(good, kBlockBytesAt + 16);
   std::string deep = good;
-  deep[tree] = '#';  // The root alone is a leaf; the rest is left over.
+  deep[tree] = '#';  // The root is a leaf, so the rest is unused.
   EXPECT_FALSE(decode_copy(with_checksum(deep)));
   deep.replace(tree, letters, std::string(letters, '+'));
   EXPECT_FALSE(decode_copy(with_checksum(deep)));

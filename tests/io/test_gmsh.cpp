@@ -43,7 +43,7 @@ Result<VolumeMesh> read_gmsh_bytes(const std::string& bytes) {
   return read_gmsh(folder / "m.msh");
 }
 
-/// The sentence without the name of the file.
+/// Returns the message without the file name.
 std::string refusal(const std::string& bytes, ErrorCode code) {
   const auto mesh = read_gmsh_bytes(bytes);
   if (mesh) return "read";
@@ -77,7 +77,7 @@ TEST(Gmsh, ReadsEveryShapeRegionAndSetFromTextAndBinary) {
     }
 }
 
-/// A tetrahedron as Gmsh writes it, with a node that is no element's.
+/// A tetrahedron in a Gmsh file, with a node without element.
 const std::string kOneTet =
     "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Comments\nby hand\n$EndComments\n"
     "$Nodes\n1 5 1 9\n3 1 0 5\n9\n1\n2\n3\n4\n5 5 5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n"
@@ -183,7 +183,7 @@ TEST(Gmsh, RejectsNamedGroupsWithoutMembers) {
   EXPECT_EQ(reported.substr(0, 25), "it names physical groups,") << reported;
   const std::size_t names = text.find("$PhysicalNames");
   text.erase(names, text.find("$Nodes") - names);
-  EXPECT_TRUE(read_gmsh_bytes(text));  // One region, no set: nothing was promised.
+  EXPECT_TRUE(read_gmsh_bytes(text));  // One region and no set.
 }
 
 TEST(Gmsh, RejectsOverlappingGroupsAndGroupsOutsideVolumes) {

@@ -68,8 +68,8 @@ TEST(ImportVolume, MessagesDoNotContainTheNameOfTheScan) {
   expect_discreet(".inv3");
 }
 
-/// Every way of damaging a file gives an error in one sentence or, where the damage does not
-/// matter, the scan; never a crash, and nothing is printed.
+/// A damaged file gives an error message of one sentence or, if the damage is irrelevant, the scan;
+/// never a crash or terminal output.
 class DamagedScan : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -98,7 +98,7 @@ class DamagedScan : public ::testing::TestWithParam<const char*> {
   }
 
   [[nodiscard]] std::filesystem::path source() const { return folder_ / GetParam(); }
-  /// What is damaged: of a series, one slice.
+  /// The damaged file; for a series, one slice.
   [[nodiscard]] std::filesystem::path file() const {
     return std::filesystem::is_directory(source()) ? source() / "slice-002.dcm" : source();
   }
@@ -134,11 +134,11 @@ TEST_P(DamagedScan, RejectsTruncationsOrReadsTheWholeScan) {
 TEST_P(DamagedScan, RejectsOrReadsWrongBytes) {
   std::mt19937 random(20);
   int errors = 0;
-  // Codecs believe what streams claim of their size, which takes a while.
+  // Codecs trust the size in the stream, which takes time.
   const int attempts = std::string(GetParam()) == "jpeg" ? 40 : 150;
   for (int attempt = 0; attempt < attempts; ++attempt) {
     std::string bytes = whole_;
-    for (int n = 0; n <= attempt % 4; ++n)  // Mostly in the header, where it hurts.
+    for (int n = 0; n <= attempt % 4; ++n)  // Mostly in the header.
       bytes[random() % std::min<std::size_t>(bytes.size(), attempt % 2 == 0 ? 400 : 100'000)] =
           static_cast<char>(random());
     test::write_bytes(file(), bytes);

@@ -45,7 +45,7 @@ TEST(Laterality, Inv3RowsAreReversedAndColumnsAreNot) {
   EXPECT_TRUE(found->warnings.empty());
 }
 
-/// The one real patient everybody has: bone of the forehead is missing on the right.
+/// A public scan of a patient: bone of the forehead is missing on the right.
 TEST(Laterality, TheFrontalDefectOfCraniumIsOnThePatientsRight) {
   const std::filesystem::path& file = test::real_scan();
   const auto found = read_inv3(file);
@@ -94,7 +94,7 @@ TEST(Inv3, RejectsAnInvalidPlist) {
   inv3_error({.shape = {"0", "3", "4"}}, corrupt);
   inv3_error({.shape = {"-2", "-3", "4"}}, corrupt);
   inv3_error({.shape = {"99999999999", "99999999999", "99999999999"}}, corrupt);
-  inv3_error({.shape = {"2", "3", "5"}}, corrupt);           // More than matrix.dat holds.
+  inv3_error({.shape = {"2", "3", "5"}}, corrupt);           // More than matrix.dat contains.
   inv3_error({.shape = {"2", "3", "3"}}, corrupt);           // Less.
   inv3_error({.shape = {"1000", "1000", "1000"}}, corrupt);  // Far more.
   inv3_error({.spacing = {"0.5", "nan", "1"}}, corrupt);
@@ -129,14 +129,14 @@ TEST(Inv3, AllocatesNothingForAFalseEntrySize) {
     return result ? std::string("read") : result.error().message;
   };
   constexpr std::uint64_t kGib = std::uint64_t{1} << 30;
-  // Of the voxels no more than the shape needs, of all else no more than 8 GiB are gone through.
+  // Entries of voxels may be as large as the shape requires, all others at most 8 GiB.
   EXPECT_EQ(entry_error("matrix.dat", 8 * kGib - 1),
             "matrix.dat in the archive has 8589934591 bytes, expected at most 48");
   EXPECT_EQ(entry_error("matrix.dat", 49),
             "matrix.dat in the archive has 49 bytes, expected at most 48");
   EXPECT_EQ(entry_error("mask.dat", 8 * kGib - 1), "the archive is truncated or damaged");
   std::string wrong = test::tar_member("matrix.dat", test::inv3_matrix());
-  wrong.replace(124, 11, "00000000061");  // The checksum no longer fits.
+  wrong.replace(124, 11, "00000000061");  // The checksum is now wrong.
   test::write_gzip(folder / "a.inv3", test::tar_member("main.plist", test::to_xml({})) + wrong);
   EXPECT_NE(read_inv3(folder / "a.inv3").error().message.find("is damaged"), std::string::npos);
   const std::string entry = test::tar_member("main.plist", std::string(2 << 20, ' '));

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// As Slicer 5 writes a point list, shortened.
+/// A point list of Slicer 5, shortened.
 Json slicer_points(const char* system) {
   Json json = Json::parse(R"({
     "@schema": "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#",

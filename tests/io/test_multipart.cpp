@@ -63,7 +63,7 @@ TEST(Multipart, PreservesEveryByteOfAPart) {
     ASSERT_TRUE(found.ok && found.complete) << round;
     EXPECT_EQ(found.parts, parts) << round;
     EXPECT_EQ(found.ended, parts.size());
-    // Cut off anywhere, it is not complete.
+    // A truncated body is not complete.
     const std::string cut = body.substr(0, random() % body.size());
     EXPECT_FALSE(read(cut, 17).complete) << round;
   }

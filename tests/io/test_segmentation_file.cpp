@@ -72,7 +72,7 @@ TEST(SegmentationFile, WritesTheHeaderThatSlicerReads) {
   EXPECT_EQ(header.find("Segment7"), std::string::npos);
 }
 
-/// A file as Slicer writes it: two layers first in the list, its own label values, cropped.
+/// A file of Slicer: layers first in the list, its own label values, cropped.
 std::string slicer_file(const std::string& more, const std::string& voxels) {
   return "NRRD0004\n# Complete NRRD file format specification at:\ntype: unsigned char\n"
          "dimension: 4\nspace: left-posterior-superior\nsizes: 2 2 2 1\n"
@@ -122,7 +122,7 @@ TEST(SegmentationFile, ReadsTheOldFormatWithOneLayerPerSegment) {
   EXPECT_EQ(part->values, wanted);
 }
 
-/// One segment a layer, with one of them in each of the four voxels.
+/// One segment per layer, one in each of the four voxels.
 std::vector<Tissue> tissues_of(const std::string& first, const std::string& second,
                                const std::string& voxels = std::string("\1\0\0\1\1\1\0\0", 8)) {
   const TemporaryFolder folder;
@@ -155,7 +155,7 @@ TEST(SegmentationFile, RecognizesMuscleByNameOrTerminology) {
         "Segment0_Name:=a\n" + tags("SCT^85756007^Tissue"),
         std::string("Segment0_Name:=a\nSegment0_Tags:=TerminologyEntry:muscle\n")})
     EXPECT_EQ(tissues_of(name, soft), none) << name;
-  // A name that is known counts more than the terminology.
+  // A known name takes precedence over the terminology.
   EXPECT_EQ(tissues_of("Segment0_Name:=airway\n" + tags("SCT^71616004^Muscle"), soft)[0],
             Tissue::kAirway);
 }
@@ -235,12 +235,12 @@ TEST(SegmentationFile, RejectsLabelsOutsideTheScanAndReportsPartialOverlap) {
   image::Grid beside = scan;
   beside.origin_L.x() += 5.0;
   EXPECT_EQ(code(beside), ErrorCode::kFileCorrupt);
-  // Nothing but background within.
+  // Only background inside.
   write_bytes(folder / "a.seg.nrrd", slicer_file(kSlicerSegments, std::string(8, '\0')));
   EXPECT_EQ(code(scan), ErrorCode::kFileCorrupt);
 }
 
-/// On the four voxels of slicer_file(), which lie at (2, 1, 2) to (3, 2, 2) of it.
+/// A grid in which the four voxels of slicer_file() are (2, 1, 2) to (3, 2, 2).
 const image::Grid kScan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
 
 TEST(SegmentationFile, ReadsBoundaryLabelsByNameOnTheScan) {

@@ -1,4 +1,4 @@
-// What we write for 3D Slicer, read back by Python's standard library, by the letter of the format.
+// Files written for 3D Slicer, read back by Python's standard library according to the format.
 #include <lefort/io/segmentation_file.h>
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ using anatomy::Tissue;
 using test::sample_labels;
 using test::TemporaryFolder;
 
-/// Checks a NRRD file line by line, without any library that knows the format.
+/// Checks a NRRD file line by line, without a library of the format.
 constexpr const char* kReadNrrd = R"py(
 import gzip, re, sys
 head, voxels = open(sys.argv[1], "rb").read().split(b"\n\n", 1)

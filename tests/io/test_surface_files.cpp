@@ -29,7 +29,7 @@ double volume(const TriangleMesh& mesh) {
 void expect_same(const TriangleMesh& read, const TriangleMesh& written) {
   ASSERT_EQ(read.vertex_count(), written.vertex_count());
   ASSERT_EQ(read.triangle_count(), written.triangle_count());
-  // Numbers may differ, corners may not.
+  // Vertex numbers may differ, corners must not.
   for (Index t = 0; t < read.triangle_count(); ++t)
     for (int c = 0; c < 3; ++c)
       EXPECT_EQ(read.corner(t, c), written.corner(t, c)) << t << ", " << c;
@@ -188,7 +188,7 @@ TEST(SurfaceFiles, ReadsPlyAsTextAndInBothByteOrders) {
 }
 
 TEST(SurfaceFiles, TriangulatesPolygons) {
-  // An arrowhead: a fan from its first corner would leave it.
+  // An arrowhead: a fan from its first corner would extend beyond it.
   const auto mesh = read_bytes("a.obj", "v 0 2 0\nv -2 -2 0\nv 0 -1 0\nv 2 -2 0\nf 2/1 3//2 4 1\n");
   ASSERT_TRUE(mesh);
   ASSERT_EQ(mesh->triangle_count(), 2);
@@ -284,7 +284,7 @@ TEST(SurfaceFiles, DoesNotTrustCountsInHeaders) {
             ErrorCode::kFileCorrupt);
 }
 
-/// A surface whose points are `count` zeros in one block of zlib, `copies` times.
+/// A surface whose points are `count` zeros in one zlib block, `copies` times.
 std::string vtp_of_zeros(std::size_t count, int copies, bool fractions) {
   const std::string zeros(count, '\0');
   std::string packed(count / 500 + 1000, '\0');
@@ -307,11 +307,11 @@ std::string vtp_of_zeros(std::size_t count, int copies, bool fractions) {
 }
 
 TEST(SurfaceFiles, RejectsAVtpThatDecompressesToFarMoreThanItsLength) {
-  // Points alone make no surface, but what is read is not damaged.
+  // Points without polygons are not a surface, but the file is not damaged.
   const std::size_t million = 999'999;
   EXPECT_EQ(code_of("a.vtp", vtp_of_zeros(million, 2, false)), ErrorCode::kMeshInvalid);
   EXPECT_EQ(code_of("a.vtp", vtp_of_zeros(million, 2, true)), ErrorCode::kFileCorrupt);
-  // 9 MB each as numbers: within the limit one by one, not together.
+  // 9 MB each in memory: each is within the limit, their sum is not.
   EXPECT_EQ(code_of("a.vtp", vtp_of_zeros(million, 10, false)), ErrorCode::kFileCorrupt);
 }
 
@@ -330,7 +330,7 @@ TEST(SurfaceFiles, IgnoresOtherArraysOfAVtp) {
   EXPECT_EQ(mesh->triangle_count(), 1);
 }
 
-/// Cutting a file short anywhere must be noticed, or leave whole triangles of the surface.
+/// Any truncation must be detected, or give complete triangles of the surface.
 TEST(SurfaceFiles, RejectsTruncationsOrReadsLess) {
   for (const char* name : {"a.vtp", "a.stl", "a.ply", "a.obj"}) {
     const TemporaryFolder folder;

@@ -27,8 +27,8 @@ TEST(TransformFile, MovesForwardAsInSlicer) {
   EXPECT_LT((*motion * Vec3(1, 2, 3) - Vec3(1, -8, 3)).norm(), 1e-14);
 }
 
-/// Turned by +90 degrees about S in Slicer, its R goes to A: in LPS, x goes to y, which is +90
-/// degrees about z, too; the file holds -90.
+/// Rotated by +90 degrees about S in Slicer, R becomes A: in LPS, x becomes y, which is also +90
+/// degrees about z; the file contains -90.
 TEST(TransformFile, RotatesAsInSlicer) {
   const auto motion =
       parse_transform(tfm("AffineTransform_double_3_3", "0 1 0 -1 0 0 0 0 1 0 0 0"));

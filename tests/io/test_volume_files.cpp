@@ -38,7 +38,7 @@ TEST_P(EveryFormat, ReadsBackAnObliqueScan) {
   const auto found = read_volume(folder / GetParam());
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->ct.values, ct.values);
-  // NIfTI stores the place as 32-bit floats; the texts of the others are rounded less.
+  // NIfTI stores the position as 32-bit floats; the text of the others is more precise.
   expect_same_grid(found->ct.grid, ct.grid, 2e-6);
   EXPECT_TRUE(found->warnings.empty());
 }
@@ -62,7 +62,8 @@ TEST_P(EveryFormat, PreservesFractionsOfAScalarVolume) {
 
 TEST_P(EveryFormat, ClampsValuesToTheRangeOfACtWithAWarning) {
   const TemporaryFolder folder;
-  // NIfTI's library makes 0 of what is not finite, so we refuse it: see below.
+  // The NIfTI library converts non-finite values to 0, so they are rejected: see
+  // test_volume_headers.cpp.
   const bool keeps_nan = std::string(GetParam()).find(".nii") == std::string::npos;
   const float nan = keeps_nan ? std::numeric_limits<float>::quiet_NaN() : -9999.0F;
   const float inf = keeps_nan ? std::numeric_limits<float>::infinity() : 9999.0F;
@@ -85,7 +86,7 @@ TEST_P(EveryFormat, RejectsAnUnwritableFolderAndLeavesNothing) {
   EXPECT_EQ(lost.error().code, ErrorCode::kFileUnwritable);
 }
 
-/// While it lives, files cannot grow beyond 100 bytes, as on a full disk.
+/// Limits files to 100 bytes while it lives, as on a full disk.
 class FullDisk {
  public:
   FullDisk() : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -140,7 +141,7 @@ TEST(VolumeFiles, WarnsOfAFieldOfViewThatEndsInThePatient) {
   ASSERT_EQ(cut->warnings.size(), 1U);
   EXPECT_NE(cut->warnings[0].find("ends in tissue over 3.2 cm2"), std::string::npos)
       << cut->warnings[0];
-  for (Index k = 0; k < 4; ++k)  // With the half air, half tissue that skin has.
+  for (Index k = 0; k < 4; ++k)  // With half air and half tissue, as at skin.
     for (Index n = 9; n < 31; ++n)
       for (const Index side : {9, 30}) ct.at(n, side, k) = ct.at(side, n, k) = -480;
   ASSERT_TRUE(write_volume(folder / "a.nrrd", ct));

@@ -33,19 +33,19 @@ using test::write_bytes;
 TEST(VolumeFiles, RejectsNiftiWithAShearedOrStretchedSformOrOtherUnits) {
   const TemporaryFolder folder;
   const std::string upright = nifti(1, {2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30});
-  // The second axis leans by 0.3 of its length and is as long as it was.
+  // The second axis is inclined by 0.3 of its length and has the same length.
   const float along = 0.9F, up = std::sqrt(9.0F - along * along);
   const std::string sheared = nifti(1, {2, along, 0, 10, 0, up, 0, 20, 0, 0, 4, 30});
   EXPECT_EQ(volume_error_code(folder, "a.nii", sheared), ErrorCode::kFileUnsupported);
   EXPECT_EQ(
       volume_error_code(folder, "a.nii", nifti(1, {2.1F, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30})),
       ErrorCode::kFileCorrupt);
-  std::string metres = upright;
-  metres[123] = 1;
-  EXPECT_EQ(volume_error_code(folder, "a.nii", metres), ErrorCode::kFileUnsupported);
-  std::string silent = upright;
-  silent[123] = 0;
-  EXPECT_EQ(volume_error_code(folder, "a.nii", silent), ErrorCode::kNotConverged);
+  std::string meters = upright;
+  meters[123] = 1;
+  EXPECT_EQ(volume_error_code(folder, "a.nii", meters), ErrorCode::kFileUnsupported);
+  std::string unknown_unit = upright;
+  unknown_unit[123] = 0;
+  EXPECT_EQ(volume_error_code(folder, "a.nii", unknown_unit), ErrorCode::kNotConverged);
   std::string negative = upright;
   put_float(negative, 84, -3.0F);
   EXPECT_EQ(volume_error_code(folder, "a.nii", negative), ErrorCode::kFileCorrupt);
@@ -90,7 +90,7 @@ TEST(VolumeFiles, RejectsNrrdInOtherUnitsOrWithoutDirections) {
   EXPECT_EQ(read("space: left-posterior-superior"), ErrorCode::kFileUnsupported);
 }
 
-/// `bytes` as a zlib stream.
+/// Returns `bytes` as a zlib stream.
 std::string zlib_stream(const std::string& bytes) {
   std::string packed(1000, 'x');
   uLongf length = packed.size();
@@ -105,7 +105,8 @@ TEST(VolumeFiles, InterpretsMetaImageAsItkDoes) {
   const TemporaryFolder folder;
   const std::string voxels = raw_bytes(kEightVoxels);
   const std::string lines = "BinaryData = True\n" + kPlacement;
-  // Whatever begins with t is true: a short stream, padded, was taken for plain voxels.
+  // Every word with the first letter t is true; a padded short stream must not be read as plain
+  // voxels.
   for (const char* const yes : {"True", "TRUE", "true", "T", "1"}) {
     const auto packed = [&](const std::string& stream) {
       return metaimage(fmt::format("{}CompressedData = {}\nCompressedDataSize = {}\n", lines, yes,
@@ -220,7 +221,7 @@ TEST(VolumeFiles, ReadsAHeaderWithDetachedVoxels) {
   EXPECT_EQ(read_volume(folder / "a.nhdr").error().code, ErrorCode::kFileCorrupt);
 }
 
-/// Headers that say where their voxels are.
+/// Returns headers that name `where` as their voxel file.
 std::vector<std::pair<const char*, std::string>> headers_with_voxels_in(const std::string& where) {
   const std::string fields =
       "space: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n"
@@ -242,7 +243,7 @@ TEST(VolumeFiles, ReadsVoxelsOnlyFromARegularFileInTheSameFolder) {
   write_bytes(folder / "sub/a.raw", voxels);
   std::filesystem::create_symlink(folder / "a.raw", folder / "link.raw");
   std::filesystem::create_directory(folder / "folder.raw");
-  ASSERT_EQ(::mkfifo((folder / "pipe.raw").c_str(), 0600), 0);  // Opening it would wait forever.
+  ASSERT_EQ(::mkfifo((folder / "pipe.raw").c_str(), 0600), 0);  // Opening it would block.
   for (const auto& [name, bytes] : headers_with_voxels_in("a.raw"))
     EXPECT_EQ(volume_error_code(folder, name, bytes), ErrorCode::kNotConverged) << name;
   for (const std::string& where :

@@ -23,7 +23,7 @@ using test::TemporaryFolder;
 using test::volume_error_code;
 using test::write_bytes;
 
-/// Where the brightest voxel of a 2 x 2 x 2 volume lies.
+/// Returns the position of the brightest voxel of a 2 x 2 x 2 volume.
 Vec3 brightest_L(const image::CtVolume& ct) {
   for (Index n = 0; n < 8; ++n)
     if (ct.values[std::size_t(n)] == 1000)
@@ -93,7 +93,8 @@ TEST(Laterality, ReadsMetaImageInLps) {
   const auto upright = read_volume(folder / "a.mha");
   ASSERT_TRUE(upright) << upright.error().message;
   EXPECT_EQ(brightest_L(upright->ct), Vec3(10, 20, 30));
-  write_bytes(folder / "a.mha", header("0 1 0 1 0 0 0 0 1"));  // Rows run to posterior: mirrored.
+  write_bytes(folder / "a.mha",
+              header("0 1 0 1 0 0 0 0 1"));  // Rows point to posterior: left-handed.
   const auto mirrored = read_volume(folder / "a.mha");
   ASSERT_TRUE(mirrored) << mirrored.error().message;
   EXPECT_EQ(brightest_L(mirrored->ct), Vec3(10, 20, 30));
@@ -111,7 +112,8 @@ TEST(Laterality, RejectsFilesWithoutOrientation) {
   EXPECT_NE(nowhere.error().message.find("left"), std::string::npos);
 }
 
-/// nifti() with a qform of no rotation too, at the same place but for the sign `qfac`.
+/// nifti() with an additional qform without rotation, at the same position except for the sign
+/// `qfac`.
 std::string with_qform(std::string bytes, float qfac, float x_mm) {
   put_float(bytes, 76, qfac);
   bytes[252] = 1;

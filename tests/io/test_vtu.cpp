@@ -32,7 +32,7 @@ using mesh::VolumeMesh;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// An element of each shape over arbitrary nodes: the writer does not look at their places.
+/// An element of each shape with arbitrary nodes, since the writer ignores their positions.
 VolumeMesh every_shape() {
   VolumeMesh mesh;
   for (int n = 0; n < 20; ++n) mesh.nodes_L.emplace_back(0.1 * n, -1.0 / (n + 1.0), 1e-7 * n * n);
@@ -200,7 +200,7 @@ TEST(ReadVtu, ReadsBackEveryShapeNodeAndRegion) {
   }
 }
 
-/// VTK's own writer, compressed, as ParaView saves.
+/// VTK's own writer with compression, as in ParaView.
 TEST(ReadVtu, ReadsRegionsFromTheRequestedArray) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = mesh::make_box(ElementShape::kHex8, {3, 1, 1}, {3, 1, 1});
@@ -210,9 +210,9 @@ TEST(ReadVtu, ReadsRegionsFromTheRequestedArray) {
   EXPECT_EQ(read_vtu(folder / "box.vtu", "material")->blocks[0].region,
             (std::vector<std::int32_t>{4, 5, 4}));
   EXPECT_EQ(read_vtu(folder / "box.vtu")->blocks[0].region, (std::vector<std::int32_t>{0, 0, 0}));
-  const auto lost = read_vtu(folder / "box.vtu", "colour");
+  const auto lost = read_vtu(folder / "box.vtu", "color");
   ASSERT_FALSE(lost);
-  EXPECT_NE(lost.error().message.find("box.vtu: there is no cell array colour of regions"),
+  EXPECT_NE(lost.error().message.find("box.vtu: there is no cell array color of regions"),
             std::string::npos)
       << lost.error().message;
 }
@@ -220,7 +220,7 @@ TEST(ReadVtu, ReadsRegionsFromTheRequestedArray) {
 TEST(ReadVtu, ReadsFilesOfVtk) {
   const test::TemporaryFolder folder;
   VolumeMesh mesh = every_shape();
-  mesh.node_sets.clear();  // VTK does not escape what stands in a name.
+  mesh.node_sets.clear();  // VTK does not escape names.
   ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh));
   for (const int mode : {vtkXMLWriter::Ascii, vtkXMLWriter::Binary, vtkXMLWriter::Appended}) {
     const vtkNew<vtkXMLUnstructuredGridWriter> writer;
@@ -237,7 +237,7 @@ TEST(ReadVtu, ReadsFilesOfVtk) {
   }
 }
 
-/// A mesh of one tetrahedron as text, with these arrays in place of its own.
+/// A mesh of one tetrahedron as text, with these arrays instead of its own.
 std::string text_vtu(const std::string& points, const std::string& nodes, const std::string& ends,
                      const std::string& types, const std::string& regions = "7") {
   const auto array = [](const char* name, const std::string& numbers) {
@@ -250,7 +250,7 @@ std::string text_vtu(const std::string& points, const std::string& nodes, const 
          array("region", regions) + "</CellData></Piece></UnstructuredGrid></VTKFile>";
 }
 
-/// As meshio and Gmsh export: points and curves of the geometry beside the elements.
+/// As exported by meshio and Gmsh: points and curves of the geometry in addition to the elements.
 TEST(ReadVtu, IgnoresPointsAndLines) {
   const test::TemporaryFolder folder;
   const VolumeMesh mesh = mesh::make_box(ElementShape::kHex8, {1, 1, 1}, {1, 1, 1});
@@ -354,7 +354,7 @@ TEST(Vtu, WritesFacesAsSeparateCellsWithoutValues) {
   EXPECT_EQ(members, Index(mesh.face_sets.at("x0").size()));
 }
 
-/// As text, so that each number can be spoiled: a tetrahedron and one of its faces.
+/// A tetrahedron and one of its faces as text, so that each number can be damaged.
 std::string with_face(const std::string& face, const std::string& point_sets,
                       const std::string& cell_sets) {
   std::string text = text_vtu("0 0 0 1 0 0 0 1 0 0 0 1", "0 1 2 3 " + face, "4 7", "10 5", "7 9");
@@ -407,7 +407,7 @@ TEST(ReadVtu, RejectsInvalidSets) {
             "face set \"region 9\": the face with corners 0, 1, 1 lies on no element");
 }
 
-/// Gmsh, Abaqus and many others number the triangles of a wedge the other way round.
+/// Gmsh, Abaqus and many others number the triangles of a wedge in reverse.
 TEST(ReadVtu, ReadsBothNumberingsOfWedges) {
   const test::TemporaryFolder folder;
   for (const ElementShape shape : {ElementShape::kWedge6, ElementShape::kWedge15}) {
@@ -434,7 +434,8 @@ TEST(ReadVtu, RejectsTruncationsOrReadsTheWholeMesh) {
     const auto read = read_vtu(folder / "cut.vtu");
     refused += read ? 0 : 1;
     if (!read) continue;
-    ASSERT_EQ(read->element_count(), mesh.element_count()) << size;  // Of the closing tags only.
+    ASSERT_EQ(read->element_count(), mesh.element_count())
+        << size;  // Truncated in the closing tags only.
   }
   EXPECT_GT(refused, 100);
 }

@@ -68,7 +68,7 @@ TEST(WriteAtomically, ReportsTooLittleMemory) {
 TEST(WriteAtomically, DoesNotFollowALinkAtTheTemporaryName) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_text(folder / "victim.txt", "untouched"));
-  // The name was made of the process' number.
+  // A predictable name would contain the process number.
   const auto trap = folder / (".partial-" + std::to_string(::getpid()) + "-a.txt");
   std::filesystem::create_symlink(folder / "victim.txt", trap);
   ASSERT_TRUE(write_text(folder / "a.txt", "face"));

@@ -30,7 +30,7 @@ inline std::string nrrd(const std::string& fields) {
          fields + "\n\n" + raw_bytes(kEightVoxels);
 }
 
-/// A NIfTI-1 file with an sform, in RAS, as its definition lays it out.
+/// Returns a NIfTI-1 file with an sform, in RAS, according to its definition.
 inline std::string nifti(std::int16_t sform_code, const std::array<float, 12>& sform,
                          std::int16_t dimensions = 3) {
   std::string bytes(352, '\0');
@@ -45,7 +45,7 @@ inline std::string nifti(std::int16_t sform_code, const std::array<float, 12>& s
   put(72, std::int16_t{16});  // bits
   for (std::size_t d = 0; d < 4; ++d) put(76 + 4 * d, 1.0F + static_cast<float>(d));
   put(80, 2.0F), put(84, 3.0F), put(88, 4.0F);
-  put(108, 352.0F);          // where the voxels begin
+  put(108, 352.0F);          // offset of the voxels
   put(123, std::int8_t{2});  // mm
   put(254, sform_code);
   for (std::size_t n = 0; n < 12; ++n) put(280 + 4 * n, sform[n]);
@@ -53,7 +53,7 @@ inline std::string nifti(std::int16_t sform_code, const std::array<float, 12>& s
   return bytes + raw_bytes(kEightVoxels);
 }
 
-/// A MetaImage with these lines beside those that every one has.
+/// Returns a MetaImage with these lines in addition to the common ones.
 inline std::string metaimage(const std::string& lines, const std::string& voxels,
                              const std::string& where = "LOCAL") {
   return "ObjectType = Image\nNDims = 3\nBinaryDataByteOrderMSB = False\nDimSize = 2 2 2\n"
@@ -64,7 +64,8 @@ inline std::string metaimage(const std::string& lines, const std::string& voxels
 inline const std::string kPlacement =
     "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 10 20 30\nElementSpacing = 2 3 4\n";
 
-/// The code of the error that `bytes` give as a file called `name`; kNotConverged for none.
+/// Returns the error code of reading `bytes` as a file named `name`; kNotConverged if there is no
+/// error.
 inline ErrorCode volume_error_code(const TemporaryFolder& folder, const char* name,
                                    const std::string& bytes) {
   write_bytes(folder / name, bytes);

@@ -103,15 +103,15 @@ Error no_series(const FolderContents& contents) {
 }
 
 /// Returns the index of the requested series, or of the only CT.
-Result<std::size_t> choose_series(const FolderContents& contents, int wanted) {
+Result<std::size_t> choose_series(const FolderContents& contents, int number) {
   const std::vector<Series>& all = contents.series;
   if (all.empty()) return tl::unexpected(no_series(contents));
-  if (wanted != 0) {
-    if (wanted < 0 || wanted > std::ssize(all))
+  if (number != 0) {
+    if (number < 0 || number > std::ssize(all))
       return fail(
           ErrorCode::kInvalidArgument,
-          fmt::format("there is no series {}, expected one of: {}", wanted, list_series(all)));
-    return static_cast<std::size_t>(wanted - 1);
+          fmt::format("there is no series {}, expected one of: {}", number, list_series(all)));
+    return static_cast<std::size_t>(number - 1);
   }
   const auto first = std::find_if(all.begin(), all.end(), is_ct);
   if (first == all.end())

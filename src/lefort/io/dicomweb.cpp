@@ -191,9 +191,9 @@ std::optional<Index> integer_at(const Json& object, const char* tag) {
   return static_cast<Index>(number);
 }
 
-constexpr const char* kModality = "00080060";
-constexpr const char* kSeriesUid = "0020000E";
-constexpr const char* kImages = "00201209";  // Number of Series Related Instances.
+constexpr const char* kModalityTag = "00080060";
+constexpr const char* kSeriesUidTag = "0020000E";
+constexpr const char* kImageCountTag = "00201209";  // Number of Series Related Instances.
 
 /// Counts the images of a series whose entry in the list of series has no count.
 Result<Index> count_images(const StudyAddress& study, const std::string& series_uid,
@@ -208,20 +208,21 @@ Result<Index> count_images(const StudyAddress& study, const std::string& series_
 /// Returns the series of the study, or the one in the address, sorted by identifier.
 Result<std::vector<RemoteSeries>> find_series(const StudyAddress& study, Progress& progress,
                                               const DicomWebLimits& limits) {
-  LEFORT_TRY(
-      const Json list,
-      fetch_json(study, fmt::format("/studies/{}/series?includefield={}", study.study_uid, kImages),
-                 progress, limits));
+  LEFORT_TRY(const Json list, fetch_json(study,
+                                         fmt::format("/studies/{}/series?includefield={}",
+                                                     study.study_uid, kImageCountTag),
+                                         progress, limits));
   std::vector<RemoteSeries> all;
   for (const Json& entry : list) {
-    RemoteSeries series{.uid = tag_text(entry, kSeriesUid), .modality = tag_text(entry, kModality)};
+    RemoteSeries series{.uid = tag_text(entry, kSeriesUidTag),
+                        .modality = tag_text(entry, kModalityTag)};
     if (!is_uid(series.uid) || (!study.series_uid.empty() && series.uid != study.series_uid))
       continue;
     // Anything else than a code could be a name.
     if (series.modality.size() > 10 ||
         series.modality.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos)
       series.modality = "unknown";
-    if (const auto images = integer_at(entry, kImages)) {
+    if (const auto images = integer_at(entry, kImageCountTag)) {
       series.images = *images;
     } else {
       LEFORT_TRY(series.images, count_images(study, series.uid, progress, limits));

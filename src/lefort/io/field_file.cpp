@@ -78,7 +78,7 @@ static_assert(sizeof(Header) == 192 && std::is_trivially_copyable_v<Header> &&
               sizeof(Header) % kAlignment == 0);
 static_assert(sizeof(Brick) == 8 && std::is_trivially_copyable_v<Brick>);
 
-tl::unexpected<Error> corrupt(const std::string& what) {
+tl::unexpected<Error> corrupt_field(const std::string& what) {
   return fail(ErrorCode::kFileCorrupt, "the distance field file is damaged: " + what);
 }
 
@@ -112,12 +112,12 @@ Result<Blocks> find_blocks(const Header& header, std::span<const std::byte> byte
   std::size_t begin = sizeof(Header);
   for (std::size_t b = 0; b < kBlockCount; ++b) {
     if (header.bytes[b] > bytes.size() || begin + aligned(header.bytes[b]) > bytes.size())
-      return corrupt(fmt::format("it has {} bytes, the header states more", bytes.size()));
+      return corrupt_field(fmt::format("it has {} bytes, the header states more", bytes.size()));
     blocks[b] = bytes.subspan(begin, header.bytes[b]);
     begin += aligned(header.bytes[b]);
   }
   if (begin != bytes.size())
-    return corrupt(fmt::format("it has {} bytes, the header states {}", bytes.size(), begin));
+    return corrupt_field(fmt::format("it has {} bytes, the header states {}", bytes.size(), begin));
   return blocks;
 }
 
@@ -131,18 +131,18 @@ Result<FieldFrame> frame_of(const Header& header) {
   frame.closed = header.closed == 1;
   if (frame.resolution < SparseLattice::kSide || frame.resolution > kMaxResolution ||
       !std::has_single_bit(unsigned(frame.resolution)))
-    return corrupt(fmt::format("its resolution is {}", frame.resolution));
+    return corrupt_field(fmt::format("its resolution is {}", frame.resolution));
   if (!(frame.origin_B.cwiseAbs().maxCoeff() <= kMaxCoordinate_mm && frame.origin_B.allFinite()))
-    return corrupt("its origin is not finite");
+    return corrupt_field("its origin is not finite");
   if (!(frame.cell_mm >= kMinCell_mm && frame.cell_mm * frame.resolution <= kMaxSide_mm))
-    return corrupt(fmt::format("its cells are {} mm wide", frame.cell_mm));
+    return corrupt_field(fmt::format("its cells are {} mm wide", frame.cell_mm));
   if (!(frame.band_mm >= frame.cell_mm && frame.band_mm <= frame.cell_mm * frame.resolution))
-    return corrupt(fmt::format("its band is {} mm wide", frame.band_mm));
+    return corrupt_field(fmt::format("its band is {} mm wide", frame.band_mm));
   if (!(frame.tolerance_mm >= 0.0 && frame.tolerance_mm <= kMaxCoordinate_mm))
-    return corrupt(fmt::format("its tolerance is {} mm", frame.tolerance_mm));
-  if (header.closed > 1 || header.smooth > 1) return corrupt("its flags are neither 0 nor 1");
+    return corrupt_field(fmt::format("its tolerance is {} mm", frame.tolerance_mm));
+  if (header.closed > 1 || header.smooth > 1) return corrupt_field("its flags are neither 0 nor 1");
   if (header.triangles > kMaxTriangles || header.parts > header.triangles)
-    return corrupt(
+    return corrupt_field(
         fmt::format("its surface has {} triangles in {} parts", header.triangles, header.parts));
   return frame;
 }
@@ -152,13 +152,13 @@ Result<FieldFrame> frame_of(const Header& header) {
 Result<void> check_blocks_belong(const Header& header, const Blocks& blocks) {
   const auto storage = Storage(header.storage);
   if (storage != Storage::kBricks && storage != Storage::kOctree && storage != Storage::kDense)
-    return corrupt(fmt::format("its samples are of kind {}", header.storage));
+    return corrupt_field(fmt::format("its samples are of kind {}", header.storage));
   const bool bricks = storage == Storage::kBricks, octree = storage == Storage::kOctree;
   const bool smooth = header.smooth == 1;
   const std::array<bool, kBlockCount> has = {bricks, bricks, octree, !bricks, smooth, smooth};
   for (std::size_t b = 0; b < kBlockCount; ++b)
     if (!has[b] && !blocks[b].empty())
-      return corrupt(
+      return corrupt_field(
           fmt::format("block {} has {} bytes, a field of its kind has none", b, blocks[b].size()));
   return {};
 }
@@ -193,15 +193,15 @@ Result<BrickSamples> read_bricks(const FieldFrame& frame, const Blocks& blocks,
   const auto side = std::size_t(SparseLattice::bricks_per_side(frame.resolution));
   const std::span<const std::byte> codes = blocks[kCodes];
   if (blocks[kBrickTable].size() != side * side * side * sizeof(Brick))
-    return corrupt(fmt::format("its table has {} bytes", blocks[kBrickTable].size()));
+    return corrupt_field(fmt::format("its table has {} bytes", blocks[kBrickTable].size()));
   if (codes.size() % BrickSamples::kLeafBytes != 1)
-    return corrupt(fmt::format("its leaves have {} bytes", codes.size()));
+    return corrupt_field(fmt::format("its leaves have {} bytes", codes.size()));
   const std::size_t leaves = codes.size() / BrickSamples::kLeafBytes;
   const std::span<const Brick> table = values_of<Brick>(blocks[kBrickTable]);
   for (std::size_t b = 0; b < table.size(); ++b)
     if (table[b].stored != 0 &&
         table[b].first_leaf + std::size_t(std::popcount(table[b].stored)) > leaves)
-      return corrupt(fmt::format("brick {} refers to leaves beyond the last", b));
+      return corrupt_field(fmt::format("brick {} refers to leaves beyond the last", b));
   return BrickSamples(frame.resolution, frame.band_mm, table, codes, std::move(owner));
 }
 
@@ -209,15 +209,15 @@ Result<Octree> read_octree(const FieldFrame& frame, const Blocks& blocks) {
   const std::span<const char> letters = values_of<char>(blocks[kTree]);
   auto octree = Octree::decode(frame.resolution, {letters.data(), letters.size()},
                                Index(blocks[kSamples].size() / sizeof(float)));
-  if (!octree) return corrupt(octree.error().message);
+  if (!octree) return corrupt_field(octree.error().message);
   if (blocks[kSamples].size() != octree->samples().size_bytes())
-    return corrupt(fmt::format("it has {} bytes of samples, its octree has {}",
-                               blocks[kSamples].size(), octree->samples().size_bytes()));
+    return corrupt_field(fmt::format("it has {} bytes of samples, its octree has {}",
+                                     blocks[kSamples].size(), octree->samples().size_bytes()));
   const std::span<const float> samples = values_of<float>(blocks[kSamples]);
   const float max_mm = float(frame.band_mm) * kSampleSlack;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!(std::abs(samples[i]) <= max_mm))  // Also rejects NaN.
-      return corrupt(fmt::format("sample {} is {}", i, samples[i]));
+      return corrupt_field(fmt::format("sample {} is {}", i, samples[i]));
     octree->samples()[i] = samples[i];
   }
   return octree;
@@ -226,12 +226,12 @@ Result<Octree> read_octree(const FieldFrame& frame, const Blocks& blocks) {
 Result<DenseSamples> read_dense(const FieldFrame& frame, const Blocks& blocks) {
   const auto n = std::size_t(frame.resolution) + 1;
   if (blocks[kSamples].size() != n * n * n * sizeof(float))
-    return corrupt(fmt::format("it has {} bytes of samples", blocks[kSamples].size()));
+    return corrupt_field(fmt::format("it has {} bytes of samples", blocks[kSamples].size()));
   const std::span<const float> samples = values_of<float>(blocks[kSamples]);
   const float max_mm = float(frame.band_mm) * kSampleSlack;
   for (std::size_t i = 0; i < samples.size(); ++i)
     if (std::isfinite(samples[i]) && std::abs(samples[i]) > max_mm)
-      return corrupt(fmt::format("sample {} is {}", i, samples[i]));
+      return corrupt_field(fmt::format("sample {} is {}", i, samples[i]));
   return DenseSamples(frame.resolution, {samples.begin(), samples.end()});
 }
 
@@ -254,20 +254,20 @@ Result<SparseLattice> read_lattice(const FieldFrame& frame, const Blocks& blocks
   if (values.size_bytes() != blocks[kSmoothValues].size() ||
       numbers.size_bytes() != blocks[kSmoothBricks].size() ||
       values.size() != numbers.size() * SparseLattice::kBrickPoints)
-    return corrupt(fmt::format("its smooth lattice has {} bricks and {} bytes of values",
-                               numbers.size(), blocks[kSmoothValues].size()));
+    return corrupt_field(fmt::format("its smooth lattice has {} bricks and {} bytes of values",
+                                     numbers.size(), blocks[kSmoothValues].size()));
   const std::int64_t side = SparseLattice::bricks_per_side(frame.resolution);
   std::int64_t previous = -1;
   for (const std::int32_t brick : numbers) {
     if (brick <= previous || brick >= side * side * side)
-      return corrupt(fmt::format("brick {} follows brick {}", brick, previous));
+      return corrupt_field(fmt::format("brick {} follows brick {}", brick, previous));
     previous = brick;
   }
   SparseLattice lattice(frame.resolution, {numbers.begin(), numbers.end()}, 0.0F);
   const auto max_mm = float(frame.band_mm + kSplineReach * frame.cell_mm);
   for (std::size_t i = 0; i < values.size(); ++i) {  // NaN means no value.
     if (std::abs(values[i]) > max_mm)
-      return corrupt(fmt::format("smooth value {} is {}", i, values[i]));
+      return corrupt_field(fmt::format("smooth value {} is {}", i, values[i]));
     lattice.values()[i] = values[i];
   }
   return lattice;
@@ -337,7 +337,7 @@ Result<field::DistanceField> decode_field(std::span<const std::byte> bytes,
                 "the file does not begin with lefortDF, so it is not a distance field");
   Header header{};
   if (bytes.size() < sizeof(header))
-    return corrupt(
+    return corrupt_field(
         fmt::format("it has {} bytes, the header alone has {}", bytes.size(), sizeof(header)));
   std::memcpy(&header, bytes.data(), sizeof(header));
   if (header.version != kVersion)
@@ -348,7 +348,7 @@ Result<field::DistanceField> decode_field(std::span<const std::byte> bytes,
                     header.version, kVersion));
   const std::uint32_t found = checksum_of(header, bytes.subspan(sizeof(header)));
   if (found != header.checksum)
-    return corrupt(
+    return corrupt_field(
         fmt::format("its checksum is {:08x}, expected {:08x}: it was truncated or changed", found,
                     header.checksum));
   LEFORT_TRY(const Blocks blocks, find_blocks(header, bytes));

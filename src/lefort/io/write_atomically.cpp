@@ -33,14 +33,14 @@ fs::path temporary_name(const fs::path& target) {
 }
 
 /// Syncs the file to disk and closes it; closing alone does not guarantee writing.
-class Descriptor {
+class SyncedDescriptor {
  public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
+  explicit SyncedDescriptor(int number) : number_(number) {}
+  ~SyncedDescriptor() {
     if (is_open()) ::close(number_);
   }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  SyncedDescriptor(const SyncedDescriptor&) = delete;
+  SyncedDescriptor& operator=(const SyncedDescriptor&) = delete;
   [[nodiscard]] bool is_open() const { return number_ >= 0; }
   [[nodiscard]] bool sync() const { return ::fsync(number_) == 0; }
 
@@ -91,21 +91,21 @@ Result<void> write_atomically(const fs::path& target,
   const fs::path name = temporary_name(target);
   const auto by_errno = [&] { return tl::unexpected(unwritable(target, std::strerror(errno))); };
   {  // Checks the folder first, since the messages of libraries are long.
-    const Descriptor made(
+    const SyncedDescriptor made(
         ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
     if (!made.is_open()) return by_errno();
   }
   const TemporaryFile temporary(name);
   LEFORT_TRY_VOID(fill(temporary.path(), target, write));
   {  // The bytes must be on disk before the name.
-    const Descriptor written(::open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    const SyncedDescriptor written(::open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
     if (!written.is_open() || !written.sync()) return by_errno();
   }
   std::error_code error;
   fs::rename(temporary.path(), target, error);
   if (error) return tl::unexpected(unwritable(target, error.message()));
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  const Descriptor entries(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const SyncedDescriptor entries(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // Some file systems cannot sync a folder; the file is complete nevertheless.
   if (entries.is_open() && !entries.sync() && errno == EIO) return by_errno();
   return {};

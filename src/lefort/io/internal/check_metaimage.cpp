@@ -85,10 +85,10 @@ Result<void> check_orientation(const MetaImageHeader& header, const Mat3& direct
       !unit.empty() && unit != "mm" && unit != "?")
     return tl::unexpected(unsupported("DistanceUnits is not mm, expected mm"));
   // The letters of MetaIO state where the axes start, those of some writers where they end.
-  const std::string said = header.field("AnatomicalOrientation");
+  const std::string stated = header.field("AnatomicalOrientation");
   const std::string towards = letters_towards(direction);
-  if (!said.empty() && said.find('?') == std::string::npos && said != towards &&
-      said != opposite(towards))
+  if (!stated.empty() && stated.find('?') == std::string::npos && stated != towards &&
+      stated != opposite(towards))
     return fail(ErrorCode::kFileCorrupt,
                 "AnatomicalOrientation contradicts TransformMatrix, expected the same orientation");
   return {};
@@ -156,7 +156,7 @@ Result<void> check_metaimage(const fs::path& file, std::uint64_t bytes, const Ma
   const std::uint64_t size = fs::file_size(voxel_file, error);
   const std::uint64_t stored = error || size < header.end ? 0 : size - header.end;
   if (!header.is_true("CompressedData")) {
-    if (stored < bytes) return tl::unexpected(cut_off(stored, bytes));
+    if (stored < bytes) return tl::unexpected(missing_voxels(stored, bytes));
     return {};
   }
   const std::string packed_size = header.field("CompressedDataSize");

@@ -247,7 +247,7 @@ Result<void> check_nifti(const fs::path& file) {
     if (in_voxels)
       not_finite += count_not_finite(std::span(chunk).first(static_cast<std::size_t>(got)), header);
     found += got;
-    if (got < step) return tl::unexpected(cut_off(found, wanted));
+    if (got < step) return tl::unexpected(missing_voxels(found, wanted));
   }
   if (not_finite > 0)  // The NIfTI library returns 0 for them.
     return fail(

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMaxNrrdLines = 10'000;
 
-std::string lower_case(std::string_view text) {
+std::string lower_case_field(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return lower;
@@ -32,7 +32,7 @@ std::map<std::string, std::string> read_fields(const fs::path& file) {
     const std::size_t colon = line.find(':');
     if (line.starts_with('#') || colon == std::string::npos) continue;
     if (line.compare(colon, 2, ":=") == 0) continue;
-    std::string name = lower_case(line.substr(0, colon));
+    std::string name = lower_case_field(line.substr(0, colon));
     std::erase(name, ' ');
     fields[name] = trimmed(std::string_view(line).substr(colon + 1));
   }
@@ -44,7 +44,7 @@ bool are_mm(std::string units) {
   std::replace(units.begin(), units.end(), '"', ' ');
   for (std::string_view rest = trimmed(units); !rest.empty();) {
     const std::size_t end = std::min(rest.find(' '), rest.size());
-    if (lower_case(rest.substr(0, end)) != "mm") return false;
+    if (lower_case_field(rest.substr(0, end)) != "mm") return false;
     rest = trimmed(rest.substr(end));
   }
   return true;
@@ -57,7 +57,7 @@ Result<void> check_size(const fs::path& voxels, const std::map<std::string, std:
   const std::uint64_t size = fs::file_size(voxels, error);
   const auto field = [&](const char* name) {
     const auto found = fields.find(name);
-    return found == fields.end() ? std::string() : lower_case(found->second);
+    return found == fields.end() ? std::string() : lower_case_field(found->second);
   };
   const bool is_raw = field("encoding") == "raw";
   std::uint64_t skipped = 0;  // ITK handles -1 (count from the end) and invalid values.
@@ -65,7 +65,7 @@ Result<void> check_size(const fs::path& voxels, const std::map<std::string, std:
   std::from_chars(skip.data(), skip.data() + skip.size(), skipped);
   const std::uint64_t stored = error || size < skipped ? 0 : size - skipped;
   if (is_raw ? stored < bytes : stored < bytes / kHighestCompression)
-    return tl::unexpected(cut_off(stored, bytes));
+    return tl::unexpected(missing_voxels(stored, bytes));
   return {};
 }
 
@@ -81,7 +81,7 @@ Result<void> check_nrrd_voxel_file(const fs::path& file) {
 
 Result<void> check_nrrd(const fs::path& file, std::uint64_t bytes) {
   auto fields = read_fields(file);
-  const std::string space = lower_case(fields["space"]);
+  const std::string space = lower_case_field(fields["space"]);
   if (space != "left-posterior-superior" && space != "lps" && space != "right-anterior-superior" &&
       space != "ras")
     return fail(

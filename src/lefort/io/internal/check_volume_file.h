@@ -48,7 +48,7 @@ namespace lefort::io {
 inline constexpr std::uint64_t kHighestCompression = 1100;
 
 /// Returns the error for missing voxels.
-[[nodiscard]] Error cut_off(std::uint64_t found, std::uint64_t wanted);
+[[nodiscard]] Error missing_voxels(std::uint64_t found, std::uint64_t expected);
 
 /// Returns the path of the file `name` in the folder of `header`. It must be a regular file: a
 /// header from an untrusted source must not cause reading of other folders, devices or pipes.

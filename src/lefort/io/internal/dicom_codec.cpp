@@ -120,24 +120,24 @@ std::size_t address_space_bytes() {
 }
 
 /// How the wait for the child process ended.
-enum class Ending { kLeft, kTooLong, kStopped };
+enum class WaitEnd { kExited, kTooLong, kStopped };
 
-struct Waited {
-  Ending ending;
+struct WaitResult {
+  WaitEnd ending;
   int status;  ///< Of waitpid().
 };
 
 /// Waits for `child` and kills it at the deadline or on a request to stop. It has ended afterwards.
-Waited wait_for(pid_t child, std::chrono::milliseconds time, const Progress& progress) {
+WaitResult wait_for(pid_t child, std::chrono::milliseconds time, const Progress& progress) {
   const auto deadline = std::chrono::steady_clock::now() + time;
-  Waited waited{Ending::kLeft, 0};
-  constexpr std::chrono::microseconds kLongestPause{20'000};
-  for (std::chrono::microseconds pause{100};; pause = std::min(2 * pause, kLongestPause)) {
+  WaitResult waited{WaitEnd::kExited, 0};
+  constexpr std::chrono::microseconds kMaxPause{20'000};
+  for (std::chrono::microseconds pause{100};; pause = std::min(2 * pause, kMaxPause)) {
     const pid_t left = ::waitpid(child, &waited.status, WNOHANG);
     if (left == child || (left < 0 && errno != EINTR)) return waited;
-    if (progress.stop_requested()) waited.ending = Ending::kStopped;
-    if (std::chrono::steady_clock::now() > deadline) waited.ending = Ending::kTooLong;
-    if (waited.ending != Ending::kLeft) break;
+    if (progress.stop_requested()) waited.ending = WaitEnd::kStopped;
+    if (std::chrono::steady_clock::now() > deadline) waited.ending = WaitEnd::kTooLong;
+    if (waited.ending != WaitEnd::kExited) break;
     std::this_thread::sleep_for(pause);
   }
   ::kill(child, SIGKILL);
@@ -156,9 +156,9 @@ Result<std::vector<double>> decode_dicom_pixels(const std::filesystem::path& fil
   if (child < 0) return fail(ErrorCode::kFileCorrupt, "the pixels do not fit into memory");
   if (child == 0) decode_and_exit(file, shared.values(), limits);
   const auto [ending, status] = wait_for(child, limits.time, progress);
-  if (ending == Ending::kStopped)
+  if (ending == WaitEnd::kStopped)
     return fail(ErrorCode::kCancelled, "decoding the pixels was stopped");
-  if (ending == Ending::kTooLong)
+  if (ending == WaitEnd::kTooLong)
     return fail(
         ErrorCode::kFileCorrupt,
         fmt::format("the compressed pixels take longer than {} ms to decode", limits.time.count()));

@@ -249,7 +249,7 @@ Result<double> find_tilt_deg(const DicomStack& stack, std::vector<std::string>& 
     off_path_mm = std::max(off_path_mm, (sideways_mm(k) - fraction * drift_mm).norm());
     if (sideways_mm(k).norm() > sideways_mm(worst).norm()) worst = k;
   }
-  const double said_deg = stack.slices.front().gantry_tilt_deg;
+  const double reported_deg = stack.slices.front().gantry_tilt_deg;
   if (drift_mm.norm() > limit_mm && off_path_mm <= limit_mm) {
     const double tilt_deg = degrees_from_radians(std::atan2(drift_mm.norm(), height_mm));
     const std::string sheared =
@@ -265,10 +265,10 @@ Result<double> find_tilt_deg(const DicomStack& stack, std::vector<std::string>& 
                 fmt::format("{} is displaced sideways by {:.3g} mm from the first slice, expected "
                             "at most {:.3g} mm",
                             name_of(stack.slices[worst]), sideways_mm(worst).norm(), limit_mm));
-  if (std::abs(said_deg) > 0.1)
+  if (std::abs(reported_deg) > 0.1)
     warnings.push_back(fmt::format(
         "the scanner reports a gantry tilt of {:.1f} degrees, but the slices form an upright stack",
-        said_deg));
+        reported_deg));
   return 0.0;
 }
 

@@ -41,7 +41,7 @@ constexpr std::array kGmshTypes{
 
 /// Types that the solver does not support, for the message. An element type of Gmsh that the solver
 /// does not support, and the Gmsh option to set instead.
-struct RefusedType {
+struct UnsupportedType {
   int number;
   std::string_view name;
   std::string_view remedy;
@@ -56,18 +56,19 @@ constexpr std::string_view kNoCubic =
 constexpr std::string_view kSolvedShapes =
     "a mesh must be of tetrahedra, pyramids, prisms and hexahedra";
 
-constexpr std::array<RefusedType, 12> kRefusedTypes{{{10, "9-node quadrangle", kNoMiddles},
-                                                     {12, "27-node hexahedron", kNoMiddles},
-                                                     {13, "18-node prism", kNoMiddles},
-                                                     {14, "14-node pyramid", kNoQuadraticPyramids},
-                                                     {19, "13-node pyramid", kNoQuadraticPyramids},
-                                                     {20, "9-node triangle", kNoCubic},
-                                                     {21, "10-node triangle", kNoCubic},
-                                                     {26, "4-node line", kNoCubic},
-                                                     {29, "20-node tetrahedron", kNoCubic},
-                                                     {36, "16-node quadrangle", kNoCubic},
-                                                     {90, "40-node prism", kNoCubic},
-                                                     {92, "64-node hexahedron", kNoCubic}}};
+constexpr std::array<UnsupportedType, 12> kUnsupportedTypes{
+    {{10, "9-node quadrangle", kNoMiddles},
+     {12, "27-node hexahedron", kNoMiddles},
+     {13, "18-node prism", kNoMiddles},
+     {14, "14-node pyramid", kNoQuadraticPyramids},
+     {19, "13-node pyramid", kNoQuadraticPyramids},
+     {20, "9-node triangle", kNoCubic},
+     {21, "10-node triangle", kNoCubic},
+     {26, "4-node line", kNoCubic},
+     {29, "20-node tetrahedron", kNoCubic},
+     {36, "16-node quadrangle", kNoCubic},
+     {90, "40-node prism", kNoCubic},
+     {92, "64-node hexahedron", kNoCubic}}};
 
 Error corrupt(std::string why) { return {ErrorCode::kFileCorrupt, std::move(why)}; }
 
@@ -109,10 +110,10 @@ class Source {
 
   /// Reads the number of items of so many numbers each: not more than fit into the file.
   std::size_t count(std::size_t numbers_per_item, std::string_view what) {
-    const std::uint64_t said = size();
+    const std::uint64_t stated = size();
     const std::size_t min_bytes = numbers_per_item * (is_binary_ ? 4 : 2);
-    if (said <= rest_.size() / min_bytes + 1) return std::size_t(said);
-    fail(corrupt(fmt::format("the file states {} {}, more than fit into it", said, what)));
+    if (stated <= rest_.size() / min_bytes + 1) return std::size_t(stated);
+    fail(corrupt(fmt::format("the file states {} {}, more than fit into it", stated, what)));
     return 0;
   }
 
@@ -163,8 +164,8 @@ class Source {
 
 void read_format(Source& source) {
   double version = 0.0;
-  const std::string_view said = source.word();
-  if (!parse_number(said, version)) return source.fail(corrupt("it has no version"));
+  const std::string_view number = source.word();
+  if (!parse_number(number, version)) return source.fail(corrupt("it has no version"));
   if (version != 4.1)
     return source.fail(
         {ErrorCode::kFileUnsupported,
@@ -264,11 +265,12 @@ const GmshType* find_type(Source& source, int number) {
       std::find_if(kGmshTypes.begin(), kGmshTypes.end(),
                    [&](const GmshType& type) { return type.number == number; });
   if (known != kGmshTypes.end()) return known;
-  const auto* const refused =
-      std::find_if(kRefusedTypes.begin(), kRefusedTypes.end(),
-                   [&](const RefusedType& type) { return type.number == number; });
-  const RefusedType type =
-      refused == kRefusedTypes.end() ? RefusedType{number, "unknown", kSolvedShapes} : *refused;
+  const auto* const unsupported =
+      std::find_if(kUnsupportedTypes.begin(), kUnsupportedTypes.end(),
+                   [&](const UnsupportedType& type) { return type.number == number; });
+  const UnsupportedType type = unsupported == kUnsupportedTypes.end()
+                                   ? UnsupportedType{number, "unknown", kSolvedShapes}
+                                   : *unsupported;
   source.fail({ErrorCode::kFileUnsupported,
                fmt::format("elements of Gmsh type {} ({}) are not supported; {}", number, type.name,
                            type.remedy)});

@@ -14,9 +14,9 @@ namespace lefort::io {
 namespace {
 
 /// Closes a file at the end of its scope; a mapping remains valid.
-struct Descriptor {
+struct OpenFile {
   int number;
-  ~Descriptor() {
+  ~OpenFile() {
     if (number >= 0) ::close(number);
   }
 };
@@ -29,7 +29,7 @@ tl::unexpected<Error> unreadable(const std::filesystem::path& path, const char* 
 
 Result<MappedFile> map_file(const std::filesystem::path& path) {
   // Non-blocking, since opening a pipe without a writer never returns.
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  const OpenFile file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
   struct stat status {};
   if (file.number < 0 || ::fstat(file.number, &status) != 0)
     return unreadable(path, std::strerror(errno));

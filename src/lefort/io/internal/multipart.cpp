@@ -13,7 +13,7 @@ namespace {
 /// PACS.
 constexpr std::size_t kMaxHeaders = 16'384;
 
-tl::unexpected<Error> no_multipart() {
+tl::unexpected<Error> not_multipart() {
   return fail(ErrorCode::kFileCorrupt,
               "the server's answer is not a multipart body, expected images in parts");
 }
@@ -62,8 +62,8 @@ Result<void> MultipartReader::feed(std::string_view bytes) {
   while (!bytes.empty() && state_ != State::kEpilogue) {
     pending_ += bytes.substr(0, kPiece);
     bytes.remove_prefix(std::min(bytes.size(), kPiece));
-    for (bool goes_on = true; goes_on;) {
-      LEFORT_TRY(goes_on, step());
+    for (bool has_item = true; has_item;) {
+      LEFORT_TRY(has_item, step());
     }
   }
   return {};
@@ -85,10 +85,10 @@ Result<bool> MultipartReader::step() {
       }
       const std::size_t end = pending_.find("\r\n");
       if (end == std::string::npos) {
-        if (pending_.size() > kMaxHeaders) return no_multipart();
+        if (pending_.size() > kMaxHeaders) return not_multipart();
         return false;
       }
-      if (pending_.find_first_not_of(" \t") != end) return no_multipart();
+      if (pending_.find_first_not_of(" \t") != end) return not_multipart();
       pending_.erase(0, end);  // The line break remains: there may be no headers.
       LEFORT_TRY_VOID(sink_.begin_part());
       state_ = State::kHeaders;
@@ -97,7 +97,7 @@ Result<bool> MultipartReader::step() {
     case State::kHeaders: {
       // An empty line ends the headers; the line break of the boundary is still in `pending_`.
       const std::size_t end = pending_.find("\r\n\r\n");
-      if (std::min(end, pending_.size()) > kMaxHeaders) return no_multipart();
+      if (std::min(end, pending_.size()) > kMaxHeaders) return not_multipart();
       if (end == std::string::npos) return false;
       pending_.erase(0, end + 4);
       state_ = State::kBody;
@@ -120,7 +120,7 @@ Result<bool> MultipartReader::find_delimiter() {
   if (in_body && sure > 0) LEFORT_TRY_VOID(sink_.data(std::string_view(pending_).substr(0, sure)));
   if (!in_body) {
     preamble_ += sure;
-    if (preamble_ > kMaxHeaders) return no_multipart();
+    if (preamble_ > kMaxHeaders) return not_multipart();
   }
   pending_.erase(0, sure);
   if (found == std::string::npos) return false;

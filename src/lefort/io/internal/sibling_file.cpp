@@ -5,9 +5,9 @@
 namespace lefort::io {
 namespace fs = std::filesystem;
 
-Error cut_off(std::uint64_t found, std::uint64_t wanted) {
+Error missing_voxels(std::uint64_t found, std::uint64_t expected) {
   return {ErrorCode::kFileCorrupt,
-          fmt::format("there are {} bytes of voxels, expected {}", found, wanted)};
+          fmt::format("there are {} bytes of voxels, expected {}", found, expected)};
 }
 
 Result<fs::path> sibling_file(const fs::path& header, std::string_view name) {
