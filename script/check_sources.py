@@ -1,15 +1,25 @@
 #!/usr/bin/env python3
 """Fails when an #include breaks src/lefort/LAYERS, names a library its layer may not use or the world
-outside, when a line is too long, or when \\cite and docs/references.bib do not match. Run from the
+outside, when headers include each other in a cycle, when a line, function or file is too long, when \\cite
+and docs/references.bib do not match, or when a word is used that docs/glossary.md replaces. Run from the
 repository root; it is the ctest `sources`.
 """
 import re
+import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path("src/lefort")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 MAX_LINE = 100
+MAX_FUNCTION = 60  # Lines; exceptions with reasons: script/long_functions.tsv.
+MAX_FILE = 500
+NO_FUNCTION = ("namespace", "class", "struct", "enum", "union", "if", "for", "while", "switch", "else", "do", "} ",
+               "return", "try", "extern", "#", "/", "TEST")
+TEXT = {".h", ".cpp", ".ts", ".mjs", ".md", ".json", ".css", ".html"}
+# Where old words are the subject: the glossary, the table of deprecated keys and its tests.
+MAY_NAME_OLD_WORDS = {"docs/glossary.md"}
 # Only io, report, bench, pipeline, server and app may name these: all else is a pure function of its arguments.
 OUTSIDE_WORLD = {"fstream", "iostream", "filesystem", "cstdio"}
 MAY_TOUCH_OUTSIDE = {"io", "report", "bench", "pipeline", "server", "app"}
@@ -22,7 +32,7 @@ LIBRARIES = {
     "embree3/": {"report", "bench"}, "openvdb/": {"io", "bench"}, "cairo": {"report"}, "zlib.h": {"io"}, "expat.h": {"io"}, "openssl/": {"io"},
 }
 MAY_SHOW_LIBRARIES = {"core/parallel.h", "mesh/internal/cgal_surface.h",
-                      "io/internal/validated_json.h", "io/predicted_poses.h",
+                      "io/internal/validated_json.h", "io/internal/rename_keys.h", "io/predicted_poses.h",
                       "bench", "pipeline", "server", "app"}  # Headers (or layers) that may include one.
 
 
@@ -90,8 +100,103 @@ def citation_mismatches(root: Path, references: Path) -> list[str]:
     return missing + unused
 
 
+def tracked_files(*patterns: str) -> list[Path]:
+    listed = subprocess.run(["git", "ls-files", *patterns], check=True, capture_output=True, text=True).stdout
+    return [Path(name) for name in listed.splitlines() if Path(name).is_file()]
+
+
+def read_table(file: Path) -> list[list[str]]:
+    """The rows of a file of tab-separated columns; lines that start with # are comments."""
+    lines = file.read_text(encoding="utf-8").splitlines()
+    return [line.split("\t") for line in lines if line and not line.startswith("#")]
+
+
+def deprecated_words(words: Path) -> list[str]:
+    """Words that docs/glossary.md replaces, wherever a person reads them: code, documents, the page."""
+    table = [(re.compile(pattern), instead) for pattern, instead in read_table(words)]
+    found = []
+    for path in tracked_files("src", "tests", "web/src", "web/tests", "web/e2e", "docs", "contract", "examples", "*.md"):
+        if path.suffix not in TEXT or str(path) in MAY_NAME_OLD_WORDS:
+            continue
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            for pattern, instead in table:
+                match = pattern.search(line)
+                if match:
+                    found.append(f"{path}:{number}: \"{match.group(0).strip()}\": {instead}")
+    return found
+
+
+def function_lengths(text: str) -> Iterator[tuple[str, int, int]]:
+    """Yields (head, first line, number of lines) of each function in clang-formatted C++."""
+    lines = text.split("\n")
+    for last, line in enumerate(lines):
+        if not line.endswith("{") or line.lstrip().startswith(NO_FUNCTION):
+            continue
+        first = last
+        while first > 0 and lines[first - 1].strip() and not lines[first - 1].rstrip().endswith((";", "{", "}", ":")) \
+                and not lines[first - 1].lstrip().startswith(("//", "#", "template")):
+            first -= 1
+        head = " ".join(part.strip() for part in lines[first:last + 1])
+        indent = len(lines[first]) - len(lines[first].lstrip())
+        before = head.split("(")[0]
+        if "(" not in head or indent > 4 or " = " in before or re.search(r"=\s*[\[{]|\[[^\]]*\]\s*\(.*\{$", head) \
+                or head.startswith(NO_FUNCTION):
+            continue
+        end = next((n for n in range(last + 1, len(lines)) if lines[n].startswith(" " * indent + "}")), len(lines) - 1)
+        yield head, first + 1, end - first + 1
+
+
+def oversized(exceptions: Path) -> list[str]:
+    """Functions over MAX_FUNCTION lines and files over MAX_FILE, less those listed with a reason."""
+    allowed = {(row[0], row[1]) for row in read_table(exceptions)}
+    found, used = [], set()
+    for path in tracked_files("src", "web/src"):
+        if path.suffix not in {".h", ".cpp", ".ts"} or path.name == "types.gen.ts":
+            continue
+        text = path.read_text(encoding="utf-8")
+        if text.count("\n") > MAX_FILE:
+            found.append(f"{path}: longer than {MAX_FILE} lines")
+        if path.suffix == ".ts":
+            continue
+        for head, line, length in function_lengths(text):
+            if length <= MAX_FUNCTION:
+                continue
+            name = re.split(r"[\s&*]", head.split("(")[0])[-1]
+            used.add((str(path), name))
+            if (str(path), name) not in allowed:
+                found.append(f"{path}:{line}: {name}() has {length} lines, must have at most {MAX_FUNCTION}")
+    return found + [f"{exceptions}: {name}() of {path} is not over the limit" for path, name in sorted(allowed - used)]
+
+
+def include_cycles(root: Path) -> list[str]:
+    """Cycles among the headers of a layer; between layers LAYERS forbids them."""
+    includes = {}
+    for path in sorted(root.rglob("*.h")):
+        targets = (INCLUDE.match(line) for line in path.read_text(encoding="utf-8").splitlines())
+        includes[f"lefort/{path.relative_to(root)}"] = [t.group(1) for t in targets if t]
+    state: dict[str, int] = {}
+    found: list[str] = []
+
+    def visit(name: str, trail: list[str]) -> None:
+        if state.get(name) == 1:
+            found.append("include cycle: " + " -> ".join(trail[trail.index(name):] + [name]))
+        if name in state or name not in includes:
+            return
+        state[name] = 1
+        for target in includes[name]:
+            visit(target, trail + [name])
+        state[name] = 2
+
+    for name in includes:
+        visit(name, [])
+    return found
+
+
 if __name__ == "__main__":
     problems = violations(ROOT, read_layers((ROOT / "LAYERS").read_text(encoding="utf-8")))
+    problems += include_cycles(ROOT)
     problems += citation_mismatches(ROOT, Path("docs/references.bib"))
-    print("\n".join(problems) or "layers and citations: ok")
+    problems += oversized(Path("script/long_functions.tsv"))
+    problems += deprecated_words(Path("script/deprecated_words.tsv"))
+    print("\n".join(problems) or "layers, citations, sizes and words: ok")
     sys.exit(bool(problems))

@@ -1,7 +1,7 @@
 import tseslint from 'typescript-eslint';
 
-// api <- model <- scene <- ui: a folder may use only those before it, each through its index.ts.
-const order = ['api', 'model', 'scene', 'ui'];
+// A folder may import only the folders before it, each through its index.ts.
+const order = ['api', 'model', 'workers', 'scene', 'ui'];
 const above = (folder) => order.slice(order.indexOf(folder) + 1);
 
 const boundary = (folder, libraries) => ({
@@ -12,13 +12,15 @@ const boundary = (folder, libraries) => ({
       {
         patterns: [
           {
-            group: above(folder).map((name) => `**/${name}/**`).concat(above(folder).map((name) => `**/${name}`)),
-            message: `${folder} may not use what comes after it (api <- model <- scene <- ui).`,
+            group: above(folder)
+              .map((name) => `**/${name}/**`)
+              .concat(above(folder).map((name) => `**/${name}`)),
+            message: `${folder} may not import a later folder (${order.join(' <- ')}).`,
           },
-          { group: ['../*/*', '!../*/index', '!../../*'], message: 'Enter a folder through its index.ts.' },
+          { group: ['../*/*', '!../*/index', '!../../*'], message: 'Import a folder through its index.ts.' },
           ...libraries.map((library) => ({
             group: [library, `${library}/*`],
-            message: `${library} does not belong into ${folder}.`,
+            message: `${folder} may not import ${library}.`,
           })),
         ].filter((pattern) => pattern.group.length > 0),
       },
@@ -31,6 +33,7 @@ export default tseslint.config(
   ...tseslint.configs.recommended,
   boundary('api', ['three', 'lit-html']),
   boundary('model', ['three', 'lit-html']),
+  boundary('workers', ['three', 'lit-html']),
   boundary('scene', ['lit-html']),
   boundary('ui', ['three']),
   {
@@ -40,8 +43,14 @@ export default tseslint.config(
     },
   },
   {
+    files: ['src/**/*.ts'],
+    rules: { 'max-lines-per-function': ['error', 60] },
+  },
+  {
     rules: {
       eqeqeq: 'error',
+      'max-len': ['error', 120],
+      'max-lines': ['error', 500],
       'prefer-const': 'error',
       'no-var': 'error',
       '@typescript-eslint/no-unused-vars': ['error', { argsIgnorePattern: '^_' }],

@@ -106,7 +106,7 @@ TEST(CommandLine, SegmentSmoothsAndDecimatesAndSaysWhatThatCost) {
   const double half_voxel_mm = 0.5 * ball_scan().grid.spacing_mm.minCoeff();
   const auto raw = surfaces("--smooth 0");
   EXPECT_EQ(raw["skull"]["max_off_isosurface_mm"], 0.0);
-  const auto coarse = surfaces("--triangles 1000");
+  const auto coarse = surfaces("--max-triangles 1000");
   for (const char* name : {"skull", "skin"}) {
     EXPECT_LE(coarse[name]["triangles"], 1000);
     EXPECT_GT(raw[name]["triangles"], 1000);
@@ -115,8 +115,28 @@ TEST(CommandLine, SegmentSmoothsAndDecimatesAndSaysWhatThatCost) {
     EXPECT_GT(coarse[name]["p99_off_isosurface_mm"], 0.0);
     EXPECT_LT(coarse[name]["p99_off_isosurface_mm"].get<double>(), half_voxel_mm);
   }
-  for (const char* wrong : {"--triangles 3", "--triangles many", "--smooth -1"})
+  for (const char* wrong : {"--max-triangles 3", "--max-triangles many", "--smooth -1"})
     EXPECT_EQ(run_lefort("segment x -o y " + std::string(wrong)).exit_code, 2) << wrong;
+}
+
+/// Former names of options do the same with a warning; both names are a usage error.
+TEST(CommandLine, DeprecatedOptionsAreAcceptedWithAWarning) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(io::write_surface(folder / "ball.stl", test::make_icosphere(10.0, 3)));
+  const auto build = [&](const std::string& options) {
+    return run_lefort("field build " + quoted(folder / "ball.stl") + " -o " +
+                      quoted(folder / "ball.field") + " --resolution 16 --json --quiet " + options);
+  };
+  const auto now = build("--domain-size 64 --band 4"), before = build("--side 64 --band 4");
+  ASSERT_EQ(now.exit_code, 0) << now.error;
+  ASSERT_EQ(before.exit_code, 0) << before.error;
+  EXPECT_EQ(now.out, before.out);
+  EXPECT_EQ(nlohmann::json::parse(now.out)["cell_mm"], 4.0);
+  EXPECT_EQ(now.error, "");
+  EXPECT_EQ(before.error, "warning: --side is deprecated, use --domain-size\n");
+  EXPECT_EQ(build("--side 64 --domain-size 64").exit_code, 2);
+  EXPECT_EQ(build("--side -1").exit_code, 2);
+  EXPECT_EQ(run_lefort("field build --help").out.find("--side"), std::string::npos);
 }
 
 TEST(CommandLine, FieldIsBuiltAndQueried) {
@@ -172,7 +192,7 @@ TEST(CommandLine, AFieldIsExportedSlicedAndDescribed) {
   EXPECT_EQ(info["band_mm"], 2.0);
   EXPECT_EQ(info["surface"]["parts"], 1);
   EXPECT_EQ(info["surface"]["triangles"], 20 * 256);
-  EXPECT_EQ(info["surface"]["turned_triangles"], 0);
+  EXPECT_EQ(info["surface"]["flipped_triangles"], 0);
   EXPECT_GT(info["memory_bytes"]["codes"], 10'000);
   EXPECT_GT(info["memory_bytes"]["smooth_lattice"], 10'000);
   const auto reported = run_lefort("field info " + field);
@@ -187,7 +207,7 @@ TEST(CommandLine, AFieldIsExportedSlicedAndDescribed) {
     EXPECT_TRUE(std::filesystem::exists(folder / name));
   }
   const auto half =
-      json_of("export " + field + " -o " + quoted(folder / "half.nrrd") + " --every 2");
+      json_of("export " + field + " -o " + quoted(folder / "half.nrrd") + " --stride 2");
   EXPECT_EQ(half["samples"], (std::vector<int>{33, 33, 33}));
 
   const auto slice = json_of("slice " + field + " -o " + quoted(folder / "slice.png") +
@@ -197,7 +217,7 @@ TEST(CommandLine, AFieldIsExportedSlicedAndDescribed) {
   EXPECT_EQ(slice["pixels"][0], 400);
   EXPECT_TRUE(io::read_text(folder / "slice.png", 10'000'000)->starts_with("\x89PNG"));
   const auto samples = json_of("slice " + field + " -o " + quoted(folder / "slice.png") +
-                               " --axis x --at 40 --every 1 --smooth");
+                               " --axis x --at 40 --stride 1 --smooth");
   EXPECT_EQ(samples["pixels"], (std::vector<int>{64, 64}));
   EXPECT_EQ(samples["plane"], "sagittal");
 }
@@ -231,7 +251,7 @@ TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
   expect_line("export " + field + to + ".vti", ".vdb or .nrrd");
   expect_line("export " + field + to + ".nrrd --region 90 99 0 1 0 1", "region");
   expect_line("export " + field + to + ".nrrd --region 5 1 0 1 0 1", "upwards");
-  expect_line("export " + field + to + ".vdb --every 16", "level set");
+  expect_line("export " + field + to + ".vdb --stride 16", "level set");
   expect_line("slice " + field + to + ".jpg --axis z --at 0", ".png");
   expect_line("slice " + field + to + ".png --axis z --at 99", "z = 99");
   expect_line("slice " + field + to + ".png --axis z --at 0 --smooth", "smooth");
@@ -243,7 +263,7 @@ TEST(CommandLine, WhatAFieldCannotGiveIsOneLine) {
   EXPECT_NE(wrong_axis.error.find("w not in {x,y,z}"), std::string::npos) << wrong_axis.error;
   const test::ProgramRun help = run_lefort("field build --help");
   EXPECT_NE(help.out.find("{adaptive,bricks,hybrid,uniform}"), std::string::npos);
-  EXPECT_EQ(run_lefort("field slice " + field + to + ".png --axis z --at 0 --width 99 --every 1")
+  EXPECT_EQ(run_lefort("field slice " + field + to + ".png --axis z --at 0 --width 99 --stride 1")
                 .exit_code,
             2);
   EXPECT_EQ(run_lefort("field export " + field + to + ".vdb --region 1 2 3").exit_code, 2);

@@ -19,6 +19,7 @@
 #include <optional>
 #include <string>
 
+#include "support/result_file.h"
 #include "support/run_program.h"
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
@@ -33,9 +34,7 @@ std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
 
 class CompareCommand : public testing::Test {
  protected:
-  json result() {
-    return json::parse(io::read_text(folder_ / "out/compare.json", 1 << 26).value());
-  }
+  json result() { return test::read_result(folder_ / "out/compare.json", "compare"); }
   test::ProgramRun compare(const std::string& arguments) {
     return test::run_lefort("--quiet compare " + arguments + " -o " + quoted(folder_ / "out"));
   }
@@ -67,11 +66,12 @@ TEST_F(CompareCommand, ReportsHowFarTwoSurfacesAreApart) {
   const json found = result();
   EXPECT_EQ(found["regions"][0]["region"], "whole");
   EXPECT_NEAR(found["regions"][0]["face"]["mean_signed_mm"].get<double>(), 2.0, 0.05);
-  EXPECT_NEAR(found["regions"][0]["if_unchanged"]["mean_signed_mm"].get<double>(), -3.0, 0.05);
-  EXPECT_EQ(found["regions"][0]["face"]["share_below_1mm"], 0.0);
+  EXPECT_NEAR(found["regions"][0]["baseline_no_change"]["mean_signed_mm"].get<double>(), -3.0,
+              0.05);
+  EXPECT_EQ(found["regions"][0]["face"]["fraction_below_1mm"], 0.0);
   for (const char* file : {"regions.csv", "difference.vtp", "pictures/difference_front.png"})
     EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
-  EXPECT_NE(run.out.find("if unchanged"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("no change"), std::string::npos) << run.out;
 }
 
 TEST_F(CompareCommand, BadInputGetsOneLineAndLosesNothing) {
@@ -191,13 +191,13 @@ TEST_F(CompareCommand, FindsTheMovementThatWasAchieved) {
     EXPECT_LT((miss * p - p).norm(), 0.1);
   // The plan was 3 mm straight forward.
   const json& off = found["movements"][0]["from_plan_to_achieved"];
-  EXPECT_NEAR(off["shift_mm"][1].get<double>(), 0.6, 0.2);
-  EXPECT_NEAR(off["turn_angle_deg"].get<double>(), 3.09, 0.1);
+  EXPECT_NEAR(off["translation_mm"][1].get<double>(), 0.6, 0.2);
+  EXPECT_NEAR(off["rotation_angle_deg"].get<double>(), 3.09, 0.1);
   for (const char* file : {"movements.csv", "skin_after.vtp", "bone_after.vtp"})
     EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
-  // Its skin did not move at all: "nothing changed" is the better prediction, and is told as such.
+  // Its skin did not move at all: "no change" is the better prediction, and is reported as such.
   // Two scans of one surface differ by less than a quarter of a voxel.
-  const double unchanged_mm = found["regions"][0]["if_unchanged"]["p95_mm"];
+  const double unchanged_mm = found["regions"][0]["baseline_no_change"]["p95_mm"];
   EXPECT_LT(unchanged_mm, 0.25 * 1.5);
   EXPECT_GT(found["regions"][1]["face"]["median_mm"].get<double>(), unchanged_mm);
 }

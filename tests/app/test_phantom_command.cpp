@@ -128,7 +128,7 @@ TEST(PhantomCommand, ImportReportsHowTheSlicesLay) {
   const auto tilted = head("tilted").import_json["geometry"]["slices"];
   EXPECT_NEAR(tilted["tilt_deg"].get<double>(), 15.0, 1e-3);
   EXPECT_TRUE(tilted["resampled"]);
-  EXPECT_NEAR(tilted["least_step_mm"].get<double>(), kVoxel_mm * std::cos(M_PI / 12.0), 1e-4);
+  EXPECT_NEAR(tilted["min_step_mm"].get<double>(), kVoxel_mm * std::cos(M_PI / 12.0), 1e-4);
   const auto feet_first = head("feet-first").import_json["geometry"];
   EXPECT_FALSE(feet_first["slices"]["resampled"]);
   for (std::size_t k = 0; k < 3; ++k)

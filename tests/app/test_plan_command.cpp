@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "support/result_file.h"
 #include "support/run_program.h"
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
@@ -49,9 +50,26 @@ class PlanCommand : public testing::Test {
                             quoted(folder_ / "bar.stl") + " -o " + quoted(folder_ / "out") + " " +
                             more);
   }
-  json result() { return json::parse(io::read_text(folder_ / "out/check.json", 1 << 24).value()); }
+  json result() { return test::read_result(folder_ / "out/check.json", "plan_check"); }
   test::TemporaryFolder folder_;
 };
+
+TEST_F(PlanCommand, ADeprecatedKeyIsReadWithOneWarning) {
+  ASSERT_EQ(check(plan(), "--no-pictures").exit_code, 0);
+  const json with_new_key = result();
+  json old = plan();
+  old["segments"][0]["path"]["keyframes"] =
+      json::parse(R"([{"at": 0.5, "translation_mm": [0, 0, 1.5]},
+                      {"at": 1, "translation_mm": [0, 0, 3]}])");
+  const auto run = check(old, "--no-pictures");
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const std::string warning =
+      "warning: segments[].path.keyframes[].at is deprecated, use path_fraction\n";
+  const std::size_t at = run.error.find(warning);
+  ASSERT_NE(at, std::string::npos) << run.error;
+  EXPECT_EQ(run.error.find("deprecated", at + warning.size()), std::string::npos) << run.error;
+  EXPECT_EQ(result()["segments"], with_new_key["segments"]);
+}
 
 TEST_F(PlanCommand, AShiftAlongTheCutCanBeDone) {
   const auto run = check(plan());
@@ -64,7 +82,7 @@ TEST_F(PlanCommand, AShiftAlongTheCutCanBeDone) {
   EXPECT_NEAR(segment["cut_area_mm2"].get<double>(), 400.0, 10.0);
   // 3 mm of 20 stand over; what is within 1 mm of the edge counts as supported.
   EXPECT_NEAR(segment["supported_area_mm2"].get<double>(), 20.0 * 18.0, 15.0);
-  EXPECT_NEAR(segment["largest_gap_mm"].get<double>(), 3.0, 0.3);
+  EXPECT_NEAR(segment["max_gap_mm"].get<double>(), 3.0, 0.3);
   for (const char* file :
        {"segment_front.vtp", "segment_front.tfm", "remainder.vtp", "cephalometry.csv",
         "landmarks_after.mrk.json", "pictures/plan_cut_front.png", "pictures/plan_after_front.png"})
@@ -211,7 +229,7 @@ TEST_F(PlanCommand, BoneInBoneIsFound) {
   const json found = result();
   EXPECT_TRUE(found["has_findings"]);
   EXPECT_EQ(found["findings"][0]["kind"], "overlap");
-  EXPECT_NEAR(found["overlaps"][0]["deepest_mm"].get<double>(), 2.0, 0.2);
+  EXPECT_NEAR(found["overlaps"][0]["max_depth_mm"].get<double>(), 2.0, 0.2);
   EXPECT_NEAR(found["overlaps"][0]["volume_ml"].get<double>(), 0.8, 0.1);
   EXPECT_EQ(check(backwards, "--no-pictures --overlap 3").exit_code, 0);
 }
@@ -225,12 +243,12 @@ TEST_F(PlanCommand, GapsAndLostSupportAreFoundButNotInDistraction) {
   ASSERT_EQ(found["findings"].size(), 2U) << found.dump(2);
   EXPECT_EQ(found["findings"][0]["kind"], "gap");
   EXPECT_EQ(found["findings"][1]["kind"], "missing_support");
-  EXPECT_NEAR(found["segments"][0]["largest_gap_mm"].get<double>(), 12.0, 1e-3);
+  EXPECT_NEAR(found["segments"][0]["max_gap_mm"].get<double>(), 12.0, 1e-3);
   forwards["segments"][0]["path"] = {
       {"distraction", {{{"towards", {0, -1, 0}}, {"mm_per_day", 1}, {"days", 12}}}}};
   const auto distracted = check(forwards, "--no-pictures");
   EXPECT_EQ(distracted.exit_code, 0) << distracted.out << distracted.error;
-  EXPECT_NEAR(result()["segments"][0]["largest_gap_mm"].get<double>(), 12.0, 1e-3);
+  EXPECT_NEAR(result()["segments"][0]["max_gap_mm"].get<double>(), 12.0, 1e-3);
 }
 
 TEST_F(PlanCommand, SegmentsAreCheckedAgainstEachOther) {
@@ -240,7 +258,7 @@ TEST_F(PlanCommand, SegmentsAreCheckedAgainstEachOther) {
   two["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0, 0, 0.5};
   two["segments"].push_back(two["segments"][0]);
   two["segments"][1]["name"] = "front-left";
-  two["segments"][1]["from"] = "front";
+  two["segments"][1]["cut_from"] = "front";
   two["segments"][1]["osteotomy"]["planes"][0] = {{"point_mm", {0, 0, 0}},
                                                   {"towards_segment", {1, 0, 0}}};
   two["segments"][1]["path"]["keyframes"][0]["translation_mm"] = {-3, 0, 0.5};

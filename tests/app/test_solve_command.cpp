@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "support/box_mesh.h"
+#include "support/result_file.h"
 #include "support/run_program.h"
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
@@ -54,7 +55,7 @@ json stretch() {
     "materials": [{"law": "neo-hookean", "mu_kpa": 10, "lambda_kpa": 40, "density_kg_m3": 1000}],
     "displacements": [{"set": "X0", "x_mm": 0}, {"set": "Y0", "y_mm": 0},
                       {"set": "Z0", "z_mm": 0}, {"set": "Z1", "z_mm": 8}],
-    "steps": {"initial": 0.5, "largest": 0.5},
+    "steps": {"initial_increment": 0.5, "max_increment": 0.5},
     "probes": [{"name": "corner", "node": 44}, {"name": "middle", "point_mm": [5, 5, 10]}]
   })");
   deck["sets"] = sides();
@@ -83,6 +84,7 @@ class SolveCommand : public testing::Test {
         setup);
   }
   json read_json(const fs::path& file) {
+    if (file.filename() == "solve.json") return test::read_result(folder_ / file, "solve");
     const auto text = io::read_text(folder_ / file, 1 << 28);
     EXPECT_TRUE(text) << file;
     return text ? json::parse(*text) : json();
@@ -173,7 +175,7 @@ TEST_F(SolveCommand, WritesStepsProbesAndAllThatDocumentsThem) {
   EXPECT_NE(notice.find("not for clinical use"), std::string::npos);
   EXPECT_EQ(result["inputs"]["deck_sha256"].get<std::string>().size(), 64U);
   EXPECT_EQ(result["linear_solver"],
-            json::parse(R"({"asked_for": "automatic", "taken": "direct"})"));
+            json::parse(R"({"requested": "automatic", "used": "direct"})"));
   EXPECT_EQ(run.error, "");  // Quiet.
   EXPECT_EQ(result["increments"].size(), 2U);
   const json& newton = result["increments"][0]["attempts"][0]["newton"];
@@ -194,7 +196,7 @@ TEST_F(SolveCommand, AStretchedBlockPullsWithTheClosedForm) {
   EXPECT_NEAR(reactions["displacements[3] (set Z1)"][2].get<double>(), 100.0 * axial_mpa, 1e-7);
   for (int axis = 0; axis < 3; ++axis)
     EXPECT_NEAR(last["reaction_sum_n"][std::size_t(axis)].get<double>(), 0.0, 1e-9);
-  EXPECT_NEAR(last["smallest_volume_ratio"].get<double>(), 1.4 * across * across, 1e-7);
+  EXPECT_NEAR(last["min_volume_ratio"].get<double>(), 1.4 * across * across, 1e-7);
 }
 
 TEST_F(SolveCommand, ReactionsSumToTheAppliedLoads) {
@@ -241,7 +243,7 @@ TEST_F(SolveCommand, FieldsAreThoseOfTheUniformState) {
     const double area_mm2 = 100.0 * stretches[3 * e + 1] * stretches[3 * e + 2];
     EXPECT_NEAR(stress[9 * e + 8], 1e3 * force_n / area_mm2, 1e-4);
     EXPECT_NEAR(mises[e], stress[9 * e + 8], 1e-4);
-    EXPECT_NEAR(ratio[e], last["smallest_volume_ratio"].get<double>(), 1e-7);
+    EXPECT_NEAR(ratio[e], last["min_volume_ratio"].get<double>(), 1e-7);
   }
 }
 
@@ -253,8 +255,8 @@ TEST_F(SolveCommand, OnlyTheFieldsAndTimesThatAreRequestedAreWritten) {
   const std::string vtu = text_of("out/step_0002.vtu");
   EXPECT_NE(vtu.find("displacement_mm"), std::string::npos);
   EXPECT_EQ(vtu.find("cauchy_stress_kpa"), std::string::npos);
-  deck["output"]["every"] = "at";
-  deck["steps"]["at"] = {0.25};
+  deck["output"]["every"] = "times";
+  deck["steps"]["times"] = {0.25};
   ASSERT_EQ(solve(deck).exit_code, 0);
   const std::string series = text_of("out/solve.pvd");
   EXPECT_NE(series.find("timestep=\"0.25\""), std::string::npos) << series;
@@ -374,7 +376,7 @@ TEST_F(SolveCommand, APartThatHangsByAnEdgeIsASingularMatrixAndNamed) {
 
 TEST_F(SolveCommand, AnInterruptedRunKeepsWhatConverged) {
   json deck = stretch();
-  deck["steps"] = {{"largest", 0.0001}, {"most_attempts", 1000000}};  // Many seconds of work.
+  deck["steps"] = {{"max_increment", 0.0001}, {"max_attempts", 1000000}};  // Many seconds of work.
   const auto run = solve(deck, "out", "& pid=\\$!; sleep 2; kill -INT \\$pid; wait \\$pid");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.error.find("stopped when asked to"), std::string::npos) << run.error;
@@ -500,7 +502,7 @@ TEST_F(SolveCommand, AnObstacleThatSitsInTheBodyIsFoundBeforeEarlierResultsGo) {
          {"faces", "Z1"},
          {"resolution", 32},
          {"band_mm", 1.0},
-         {"keyframes", json::parse(R"([{"at": 1.0, "translation_mm": [0, 0, -0.1]}])")}}};
+         {"keyframes", json::parse(R"([{"time": 1.0, "translation_mm": [0, 0, -0.1]}])")}}};
     return deck;
   };
   for (const char* more : {"", "--check"}) {

@@ -288,7 +288,7 @@ TEST(LoadSteps, NamesTheOptionThatIsOutOfRange) {
   EXPECT_NE(message_of({.min_increment = 2.0}).find("min_increment"), std::string::npos);
   EXPECT_NE(message_of({.max_increment = 0.5}).find("max_increment"), std::string::npos);
   EXPECT_NE(message_of({.growth_factor = 0.9}).find("growth"), std::string::npos);
-  EXPECT_NE(message_of({.target_iterations = -1}).find("easy_iterations"), std::string::npos);
+  EXPECT_NE(message_of({.target_iterations = -1}).find("target_iterations"), std::string::npos);
   EXPECT_NE(message_of({.max_attempts = 0}).find("max_attempts"), std::string::npos);
   EXPECT_THROW(LoadStepper(rest(), parabola(1.0), {.growth_factor = 0.0}), LogicError);
 }

@@ -334,15 +334,15 @@ constexpr std::string_view kDeck = R"({"lefort_deck":1,"title":"t","mesh":"m.vtu
 "materials":[{"region":0,"law":"neo-hookean","young_kpa":9,"poisson":0.3,"density_kg_m3":5},
 {"law":"linear-elastic","mu_kpa":4,"lambda_kpa":5}],
 "displacements":[{"set":"a","x_mm":0,"y_mm":0,"z_mm":0},{"set":"d","z_mm":1,"curve":[[0,0],[1,1]]}],
-"motions":[{"set":"c","keyframes":[{"at":1,"rotation_deg":[0,0,0]}]}],
+"motions":[{"set":"c","keyframes":[{"time":1,"rotation_deg":[0,0,0]}]}],
 "tractions":[{"faces":"b","traction_kpa":[1,2,3],"curve":[[0,0],[0.5,1]]}],
 "pressures":[{"faces":"z1","pressure_kpa":4}],
 "body_forces":[{"region":"0","acceleration_m_s2":[0,0,-9]}],
 "obstacles":[{"name":"o","file":"o.stl","faces":"b","keyframes":[{"translation_mm":[0,0,1]}]}],
-"steps":{"initial":0.25,"smallest":0.01,"largest":0.5,"at":[0.3]},
+"steps":{"initial_increment":0.25,"min_increment":0.01,"max_increment":0.5,"times":[0.3]},
 "newton":{"relative_tolerance":1e-7,"max_iterations":9},
 "probes":[{"name":"p","node":5},{"name":"q","point_mm":[0.5,0.5,0.5]}],
-"output":{"every":"at","fields":["displacement"]}})";
+"output":{"every":"times","fields":["displacement"]}})";
 
 /// Values and keys of decks for use in wrong places.
 constexpr std::string_view kDeckTokens[] = {"null",

@@ -38,14 +38,14 @@ Json good_deck() {
     "pressures": [{"faces": "few", "pressure_kpa": -4}],
     "body_forces": [{"region": "muscle", "acceleration_m_s2": [0, 0, -9.81]}],
     "obstacles": [{"name": "ball", "file": "ball.stl", "faces": "few", "stiffness_kpa_per_mm": 8,
-                   "capture_mm": 0.25, "reconstruction": "trilinear", "resolution": 64,
-                   "band_mm": 3, "keyframes": [{"at": 0.5, "translation_mm": [0, 0, -1]}, {}]}],
-    "steps": {"initial": 0.25, "smallest": 0.001, "largest": 0.5, "growth": 1.5,
-              "easy_iterations": 4, "most_attempts": 77, "at": [0.3]},
+                   "contact_snap_mm": 0.25, "detection": "trilinear", "resolution": 64,
+                   "band_mm": 3, "keyframes": [{"time": 0.5, "translation_mm": [0, 0, -1]}, {}]}],
+    "steps": {"initial_increment": 0.25, "min_increment": 0.001, "max_increment": 0.5,
+              "growth_factor": 1.5, "target_iterations": 4, "max_attempts": 77, "times": [0.3]},
     "newton": {"relative_tolerance": 1e-7, "absolute_tolerance_n": 1e-9, "max_iterations": 12},
     "linear_solver": "lagged",
     "probes": [{"name": "a", "node": 5}, {"name": "b", "point_mm": [7, 8, 9]}],
-    "output": {"every": "at", "fields": ["displacement", "contact"]}
+    "output": {"every": "times", "fields": ["displacement", "contact"]}
   })");
 }
 
@@ -90,7 +90,7 @@ TEST(DeckFile, EveryKeyArrives) {
   EXPECT_EQ(ball.name, "ball");
   EXPECT_EQ(ball.stiffness_mpa_per_mm, 8e-3);
   EXPECT_EQ(ball.capture_mm, 0.25);
-  EXPECT_EQ(ball.detection, contact::DetectionMethod::kTrilinear);  // By its former name.
+  EXPECT_EQ(ball.detection, contact::DetectionMethod::kTrilinear);
   EXPECT_EQ(ball.integration, contact::Integration::kQuadrature);
   EXPECT_FALSE(ball.penetration_tolerance_mm);
   EXPECT_EQ(ball.path.keyframes.size(), 2U);
@@ -119,9 +119,9 @@ TEST(DeckFile, EveryKeyArrives) {
 TEST(DeckFile, ASmallLargestIncrementMakesTheOthersAsSmall) {
   Json json = good_deck();
   json["output"].erase("every");
-  json["steps"] = {{"largest", 0.05}};
+  json["steps"] = {{"max_increment", 0.05}};
   EXPECT_EQ(parse_deck(json.dump(), ".").value().deck.steps.first_increment, 0.05);
-  json["steps"] = {{"initial", 1e-5}};
+  json["steps"] = {{"initial_increment", 1e-5}};
   EXPECT_EQ(parse_deck(json.dump(), ".").value().deck.steps.min_increment, 1e-5);
 }
 
@@ -168,7 +168,7 @@ TEST(DeckFile, EveryLawArrivesWithItsConstants) {
   EXPECT_EQ(fung.isochoric.axes.col(1), -Vec3::UnitX());
   const auto hgo = law_of<DecoupledLaw<fem::HolzapfelGasserOgden>>(
       R"({"law": "holzapfel-gasser-ogden", "mu_kpa": 1, "k1_kpa": 2, "k2": 3, "bulk_kpa": 4,
-          "dispersion": 0.1, "fibres": [[0, 0, 5], [3, 0, 0]]})");
+          "dispersion": 0.1, "fibers": [[0, 0, 5], [3, 0, 0]]})");
   EXPECT_EQ(hgo.isochoric.family_count, 2);
   EXPECT_EQ(hgo.isochoric.fiber[0], Vec3::UnitZ());
   EXPECT_EQ(hgo.isochoric.dispersion, 0.1);
@@ -188,10 +188,10 @@ TEST(DeckFile, ALawsListsMustFit) {
   EXPECT_EQ(refusal(R"({"law": "ogden", "mu_kpa": [1], "alpha": [2]})"),
             "materials[0]: constant 'bulk_kpa' is missing");
   EXPECT_EQ(refusal(R"({"law": "holzapfel-gasser-ogden", "mu_kpa": 1, "k1_kpa": 2, "k2": 3,
-                        "bulk_kpa": 4, "fibres": [[0, 0]]})"),
-            "materials[0]: constant 'fibres' must be a list of 1 to 2 vectors");
+                        "bulk_kpa": 4, "fibers": [[0, 0]]})"),
+            "materials[0]: constant 'fibers' must be a list of 1 to 2 vectors");
   EXPECT_NE(refusal(R"({"law": "holzapfel-gasser-ogden", "mu_kpa": 1, "k1_kpa": 2, "k2": 3,
-                        "bulk_kpa": 4, "fibres": [[0, 0, 0]]})"),
+                        "bulk_kpa": 4, "fibers": [[0, 0, 0]]})"),
             "read");
   EXPECT_NE(refusal(R"({"law": "yeoh", "c10_kpa": 1, "bulk_kpa": 3, "volumetric": "cubic"})"),
             "read");
@@ -286,12 +286,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadDeck{"ProbeNowhere", [](Json& j) { j["probes"][1].erase("point_mm"); }, "probes[1]"},
         BadDeck{"ProbeWithAComma", [](Json& j) { j["probes"][0]["name"] = "a,b"; },
                 "probes[0].name"},
-        BadDeck{"SmallestAboveInitial", [](Json& j) { j["steps"]["smallest"] = 0.3; },
-                "steps.smallest: 0.3 is more than steps.initial, 0.25"},
-        BadDeck{"InitialAboveLargest", [](Json& j) { j["steps"]["initial"] = 0.7; },
-                "steps.initial: 0.7 is more than steps.largest, 0.5"},
-        BadDeck{"TimesAskedForWithoutAny", [](Json& j) { j["steps"].erase("at"); },
-                "output.every: at needs the times of steps.at"},
+        BadDeck{"SmallestAboveInitial", [](Json& j) { j["steps"]["min_increment"] = 0.3; },
+                "steps.min_increment: 0.3 is more than steps.initial_increment, 0.25"},
+        BadDeck{"InitialAboveLargest", [](Json& j) { j["steps"]["initial_increment"] = 0.7; },
+                "steps.initial_increment: 0.7 is more than steps.max_increment, 0.5"},
+        BadDeck{"TimesAskedForWithoutAny", [](Json& j) { j["steps"].erase("times"); },
+                "output.every: times needs steps.times"},
         BadDeck{"UnknownField", [](Json& j) { j["output"]["fields"][0] = "colour"; },
                 "output.fields[0]"},
         BadDeck{"UnknownSolver", [](Json& j) { j["linear_solver"] = "magic"; }, "linear_solver"},

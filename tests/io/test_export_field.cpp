@@ -277,7 +277,7 @@ TEST(ExportField, RejectsADenseVolumeBeyondTheMemoryLimit) {
   const auto refused = export_field(folder / "a.nrrd", field, {.max_bytes = needed - 1});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
-  for (const char* part : {"1098500 bytes", "65 x 65 x 65", "--region", "--every", ".vdb"})
+  for (const char* part : {"1098500 bytes", "65 x 65 x 65", "--region", "--stride", ".vdb"})
     EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
   EXPECT_EQ(folder.entry_count(), 0);
   EXPECT_TRUE(export_field(folder / "a.nrrd", field, {.max_bytes = needed}));

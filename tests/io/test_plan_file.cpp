@@ -28,14 +28,15 @@ Json good_plan() {
     "segments": [{
       "name": "midface",
       "osteotomy": {"planes": [{"point_mm": [1, 2, 3], "towards_segment": [0, -2, 0]}],
-                    "smallest_piece_ml": 0.25, "smallest_piece_share": 0.125},
+                    "min_piece_ml": 0.25, "min_piece_fraction": 0.125},
       "path": {"steps": 7, "keyframes": [
-        {"at": 0.5, "translation_mm": [0, -3, 0]},
-        {"at": 1, "translation_mm": [0, -6, -1], "rotation_deg": [0, 0, 90], "about_mm": [4, 5, 6]}]}
+        {"path_fraction": 0.5, "translation_mm": [0, -3, 0]},
+        {"path_fraction": 1, "translation_mm": [0, -6, -1], "rotation_deg": [0, 0, 90],
+         "about_mm": [4, 5, 6]}]}
     }],
     "tissue": {"material": {"law": "neo-hookean", "young_kpa": 20, "poisson": 0.4},
                "element_size_mm": 3},
-    "boundary": {"moved_bone": "attached", "scan_edge": "fixed", "release_mm": 5,
+    "boundary": {"segment_interface": "bonded", "scan_boundary": "fixed", "elevation_margin_mm": 5,
                  "labels": "painted.seg.nrrd"},
     "contact": {"stiffness_factor": 30, "detection": "bvh", "integration": "nodes",
                 "penetration_tolerance_mm": 0.05},
@@ -173,13 +174,15 @@ Json rich_plan() {
       {"name": "maxilla",
        "osteotomy": {"template": {"kind": "le-fort-1", "above_palate_mm": 7}, "kerf_mm": 0.5},
        "path": {"interpolation": "screw", "keyframes": [
-         {"at": 0.5, "translation_mm": [0, -2, 0], "rotation_deg": [5, 0, 0], "about": "PNS"},
+         {"path_fraction": 0.5, "translation_mm": [0, -2, 0], "rotation_deg": [5, 0, 0],
+          "about": "PNS"},
          {"targets": {"ANS": [0, -75, -25], "PNS": [0, -30, -28], "N": [0, -71, 30]}}]}},
-      {"name": "right", "from": "maxilla",
+      {"name": "right", "cut_from": "maxilla",
        "osteotomy": {"curves": [{"points_mm": [[0, 0, 0], [0, 9, 0], [0, 0, 9]], "along": [-2, 0, 0],
                                  "depth_mm": 12}],
-                     "also": [{"planes": [{"point_mm": [0, 0, 0], "towards_segment": [1, 0, 0]}]}],
-                     "holds": ["ANS", [1, 2, 3]]},
+                     "additional_regions": [
+                       {"planes": [{"point_mm": [0, 0, 0], "towards_segment": [1, 0, 0]}]}],
+                     "anchor_points": ["ANS", [1, 2, 3]]},
        "path": {"distraction": [{"towards": [0, -3, 0], "mm_per_day": 0.5, "days": 8}]}},
       {"name": "chin",
        "osteotomy": {"planes": [{"point_mm": [0, 0, 0], "towards_segment": [0, 0, -2],
@@ -319,7 +322,7 @@ TEST(PlanFile, ATransformIsAboutWhatTheSegmentHolds) {
   EXPECT_EQ(without.error().code, ErrorCode::kPlanInvalid);
   EXPECT_NE(without.error().message.find("a transform needs about"), std::string::npos)
       << without.error().message;
-  json["segments"][0]["osteotomy"]["holds"] = {{-10, 60, 20}, {10, 60, 20}};
+  json["segments"][0]["osteotomy"]["anchor_points"] = {{-10, 60, 20}, {10, 60, 20}};
   const auto plan = parse_plan(json.dump(), folder.path());
   ASSERT_TRUE(plan) << plan.error().message;
   const geometry::Keyframe& key = plan->segments[0].path.keyframes[0];
@@ -377,13 +380,13 @@ TEST(PlanFile, WhatContradictsItselfIsNamedByItsKey) {
     EXPECT_EQ(plan.error().message.find('\n'), std::string::npos);
   };
   refuse([](Json& s) { s[0]["osteotomy"]["planes"] = s[2]["osteotomy"]["planes"]; },
-         "segments[0].osteotomy: a template stands beside planes");
+         "segments[0].osteotomy: a template excludes planes");
   refuse([](Json& s) { s[0]["osteotomy"]["template"] = "le-fort-9"; }, "template");
   refuse([](Json& s) { s[0]["osteotomy"]["template"] = "le-fort-3"; }, "landmark FZ-R");
   refuse([](Json& s) { s[1]["osteotomy"].erase("curves"); },
          "segments[1].osteotomy: must have planes, curves or a template");
-  refuse([](Json& s) { s[1]["osteotomy"]["holds"] = {"Me"}; },
-         "segments[1].osteotomy.holds: the plan has no landmark Me");
+  refuse([](Json& s) { s[1]["osteotomy"]["anchor_points"] = {"Me"}; },
+         "segments[1].osteotomy.anchor_points: the plan has no landmark Me");
   refuse(
       [](Json& s) {
         s[1]["osteotomy"]["curves"][0]["along"] = {0, 0, 0};
@@ -394,7 +397,7 @@ TEST(PlanFile, WhatContradictsItselfIsNamedByItsKey) {
   refuse([](Json& s) { s[2]["osteotomy"]["planes"][0].erase("across"); },
          "segments[2].osteotomy.planes[0]: size_mm and across");
   refuse([](Json& s) { s[2]["name"] = "maxilla"; }, "two segments are called 'maxilla'");
-  refuse([](Json& s) { s[1]["from"] = "chin"; }, "is from 'chin'");
+  refuse([](Json& s) { s[1]["cut_from"] = "chin"; }, "is from 'chin'");
   refuse([](Json& s) { s[1]["path"]["keyframes"] = s[2]["path"]["keyframes"]; },
          "segments[1].path: must have either keyframes or distraction");
   refuse(
@@ -455,7 +458,8 @@ INSTANTIATE_TEST_SUITE_P(
                 },
                 "segments[0].osteotomy.planes[0].towards_segment"},
         BadPlan{"KeyframesOutOfOrder",
-                [](Json& j) { j["segments"][0]["path"]["keyframes"][1]["at"] = 0.4; }, "midface"},
+                [](Json& j) { j["segments"][0]["path"]["keyframes"][1]["path_fraction"] = 0.4; },
+                "midface"},
         BadPlan{"OutOfRange", [](Json& j) { j["tissue"]["element_size_mm"] = -1; },
                 "tissue.element_size_mm"},
         BadPlan{"FinerAtTheRim", [](Json& j) { j["tissue"]["far_element_size_mm"] = 2; },
@@ -464,8 +468,8 @@ INSTANTIATE_TEST_SUITE_P(
                 [](Json& j) { j["tissue"]["material"]["young_kpa"] = 1e-3; },
                 "tissue.material.young_kpa"},
         BadPlan{"PiecesOfOverAWhole",
-                [](Json& j) { j["segments"][0]["osteotomy"]["smallest_piece_share"] = 1.5; },
-                "segments[0].osteotomy.smallest_piece_share"},
+                [](Json& j) { j["segments"][0]["osteotomy"]["min_piece_fraction"] = 1.5; },
+                "segments[0].osteotomy.min_piece_fraction"},
         BadPlan{"Incompressible", [](Json& j) { j["tissue"]["material"]["poisson"] = 0.5; },
                 "tissue.material.poisson"},
         BadPlan{"UnknownMaterial", [](Json& j) { j["tissue"]["material"] = "stone"; },

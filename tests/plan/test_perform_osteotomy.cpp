@@ -118,9 +118,9 @@ TEST(OsteotomyResult, RefusesAPlanThatIsNone) {
 TEST(OsteotomyResult, RefusesOptionsOutOfRange) {
   const TriangleMesh skull = test::make_box({-10, -20, -10}, {10, 20, 10});
   expect_error(perform_osteotomy(skull, front_of(0.0), {.min_piece_ml = -1.0}),
-               ErrorCode::kInvalidArgument, "smallest_piece_ml");
+               ErrorCode::kInvalidArgument, "min_piece_ml");
   expect_error(perform_osteotomy(skull, front_of(0.0), {.min_piece_fraction = 1.5}),
-               ErrorCode::kInvalidArgument, "smallest_piece_share");
+               ErrorCode::kInvalidArgument, "min_piece_fraction");
 }
 
 }  // namespace

@@ -393,7 +393,7 @@ TEST(PredictFace, RefusesAFieldThatCannotReportContact) {
   far_capture.boundary.capture_mm = 3.0;
   const auto beyond = predict_face(block_on_slab(), {straight({0.0, 0.0, 1.0}, 1)}, far_capture);
   EXPECT_EQ(beyond.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_NE(beyond.error().message.find("capture_mm is 3 mm"), std::string::npos);
+  EXPECT_NE(beyond.error().message.find("contact_snap_mm is 3 mm"), std::string::npos);
 
   geometry::TriangleMesh open = test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 0.0});
   open.triangles.pop_back();

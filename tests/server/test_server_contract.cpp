@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "support/call_api.h"
+#include "support/result_file.h"
 #include "support/small_head.h"
 
 namespace lefort::server {
@@ -239,7 +240,7 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   call_api("DELETE", "/boundary/data", "/boundary/data", "", {{"if-match", "*"}});
   const json boundary = json::parse(call_api("GET", "/boundary", "/boundary").text);
   EXPECT_EQ(boundary["areas"]["stage"], "preview");
-  plan["boundary"] = {{"moved_bone", "attached"}};
+  plan["boundary"] = {{"segment_interface", "bonded"}};
   call_api("PUT", "/plan", "/plan", plan.dump(), {{"if-match", "*"}});
   run({{"kind", "preview-factor"}});
   EXPECT_NE(body_of(call_api("POST", "/preview", "/preview", back.dump())), preview);
@@ -252,6 +253,11 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   for (const char* stage :
        {"scan", "anatomy", "landmarks", "plan", "cut", "check", "preview", "prediction"})
     EXPECT_EQ(stages[stage]["state"], "fresh") << stage << stages[stage];
+  for (const auto& [file, kind] : {std::pair{"cut/cut.json", "cut"},
+                                   {"check/check.json", "plan_check"},
+                                   {"preview/preview.json", "preview"},
+                                   {"prediction/prediction.json", "prediction"}})
+    test::read_result(api.folder / "case" / file, kind);
   const json prediction = json::parse(call_api("GET", "/prediction", "/prediction").text);
   ASSERT_EQ(prediction["steps"].size(), 2U);
   call_api("GET", "/preview/distance", "/preview/distance");
@@ -273,7 +279,7 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
       call_api("GET", "/prediction/steps/{step}/regions", "/prediction/steps/2/regions").text);
   EXPECT_EQ(shifts["regions"][0]["region"], "whole");
   EXPECT_NEAR(shifts["regions"][0]["shift"]["max_mm"].get<double>(),
-              prediction["skin_largest_shift_mm"].get<double>(), 1e-3);
+              prediction["skin_max_shift_mm"].get<double>(), 1e-3);
   EXPECT_FALSE(shifts["missing"].empty());
   EXPECT_EQ(api.call_api("GET", "/prediction/steps/3/regions").status, 404);
 
@@ -283,7 +289,8 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   std::memcpy(&bone_vertices, bone.data() + 8, sizeof(bone_vertices));
   for (const auto& [name, maximum] : std::vector<std::pair<std::string, double>>{
            {"contact-pressure", std::numeric_limits<double>::infinity()},
-           {"contact-depth", prediction["steps"][1]["max_depth_mm"].get<double>()}}) {
+           {"contact-depth",
+            prediction["steps"][1]["max_penetration_increase_mm"].get<double>()}}) {
     const std::string values = body_of(call_api("GET", "/values/{values}", "/values/" + name));
     ASSERT_EQ(values.size(), 4U * bone_vertices) << name;
     float largest = 0.0F, smallest = 0.0F;
@@ -307,7 +314,7 @@ TEST(ServerContract, AWholeCaseAnswersByTheContract) {
   EXPECT_EQ(api.api.handle(surface).status, 201);
   run({{"kind", "compare"}, {"upload", upload}});
   const json found = json::parse(call_api("GET", "/comparison", "/comparison").text);
-  EXPECT_EQ(found["regions"][0]["if_unchanged"]["max_mm"], 0.0);
+  EXPECT_EQ(found["regions"][0]["baseline_no_change"]["max_mm"], 0.0);
   EXPECT_GT(found["regions"][0]["face"]["max_mm"], 0.5);
   EXPECT_TRUE(found["movements"].empty());
   EXPECT_TRUE(found["registration"].is_null());

@@ -326,6 +326,21 @@ TEST(Uploads, OfWhatIsNoScanGiveOneClearLine) {
   EXPECT_EQ(api.get("/case")["stages"]["scan"]["state"], "failed");
 }
 
+/// The page knows the new keys only.
+TEST(CaseApi, APlanWithDeprecatedKeysIsReadWithTheNewOnes) {
+  test::CaseApi api;
+  json plan = test::small_plan();
+  plan["boundary"] = {{"release_mm", 5.0}, {"moved_bone", "attached"}};
+  const Response stored = api.put("/plan", plan);
+  ASSERT_EQ(stored.status, 200) << stored.text;
+  const json read = json::parse(body_of(api.call_api("GET", "/plan")));
+  EXPECT_EQ(read["boundary"],
+            json({{"elevation_margin_mm", 5.0}, {"segment_interface", "bonded"}}));
+  EXPECT_EQ(read["segments"], plan["segments"]);
+  ASSERT_EQ(api.put("/plan", read).status, 200);
+  EXPECT_EQ(json::parse(body_of(api.call_api("GET", "/plan"))), read);
+}
+
 TEST(CaseApi, APlanNamesNoFileOutsideTheCase) {
   test::CaseApi api;
   std::ofstream(api.folder / "secret.csv") << "name,x_mm,y_mm,z_mm\nSECRET,1,2,3\n";
@@ -355,6 +370,10 @@ TEST(CaseApi, APlanNamesNoFileOutsideTheCase) {
     });
     refused([&](json& plan) { plan["segments"][0]["osteotomy"]["planes"] = {{{"file", name}}}; });
     refused([&](json& plan) {
+      plan["segments"][0]["osteotomy"]["additional_regions"] = {
+          {{"curves", {{{"file", name}, {"along", {0, 1, 0}}}}}}};
+    });
+    refused([&](json& plan) {  // By its deprecated name.
       plan["segments"][0]["osteotomy"]["also"] = {
           {{"curves", {{{"file", name}, {"along", {0, 1, 0}}}}}}};
     });
@@ -502,7 +521,7 @@ void expect_history(const std::string& events, const json& history) {
     if (data.contains("iterates")) {
       EXPECT_EQ(data["from"], iterates.size());
       for (const json& iterate : data["iterates"]) iterates.push_back(iterate);
-    } else if (data.contains("share")) {
+    } else if (data.contains("path_fraction")) {
       steps.push_back(data);
     }
   }
@@ -616,7 +635,7 @@ TEST(CaseApi, APaintedBoundaryIsThatOfTheCommandLine) {
   EXPECT_EQ(areas["stage"], "preview");
   double with_segment_mm2 = 0.0;
   for (const json& label : areas["painted"])
-    if (label["name"] == "with segment") with_segment_mm2 = label["mm2"].get<double>();
+    if (label["name"] == "with segment") with_segment_mm2 = label["area_mm2"].get<double>();
   EXPECT_GT(with_segment_mm2, 10.0);
   const json job = api.run({{"kind", "predict"}});
   ASSERT_EQ(job["state"], "done") << job.dump(1);

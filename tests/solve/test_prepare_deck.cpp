@@ -262,7 +262,7 @@ TEST(PrepareDeck, EveryNameThatIsNotThereIsReportedWithItsKey) {
               "obstacles[0]: there is no set lid");
   EXPECT_SAYS(refusal([](Deck& d) { d.displacements[0].curve.points.clear(); }),
               "displacements[0]: the curve has no point");
-  EXPECT_SAYS(refusal([](Deck& d) { d.steps.growth_factor = 0.5; }), "growth is 0.5");
+  EXPECT_SAYS(refusal([](Deck& d) { d.steps.growth_factor = 0.5; }), "growth_factor is 0.5");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What is painted on the tissue's boundary, and tissues of their own, in a real browser on a made-up head.
+// Tests of the painted boundary and of tissue layers in a browser, on a synthetic head.
 // node e2e/boundary.mjs [--only WORDS]; LEFORT names the program.
 import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -15,32 +15,42 @@ mkdirSync(output, { recursive: true });
 
 const view = '.view3d canvas:not(.overlay)';
 
-/** Drags in the 3D view from one place to another, by shares of its size. */
+/** Drags in the 3D view from one place to another, by fractions of its size. */
 async function drag3d(page, from, to, steps = 12) {
   const box = await page.locator(view).boundingBox();
   const at = ([u, v]) => [box.x + u * box.width, box.y + v * box.height];
   await page.mouse.move(...at(from));
   await page.mouse.down();
   for (let n = 1; n <= steps; n++) {
-    const share = n / steps;
-    await page.mouse.move(...at([from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]));
+    const fraction = n / steps;
+    await page.mouse.move(...at([from[0] + fraction * (to[0] - from[0]), from[1] + fraction * (to[1] - from[1])]));
   }
   await page.mouse.up();
   await drawn(page);
 }
 
-const area = async (page, set) => Number(await page.getAttribute(`${id('painted-areas')} [data-set="${set}"]`, 'data-mm2'));
+const area = async (page, set) =>
+  Number(await page.getAttribute(`${id('painted-areas')} [data-set="${set}"]`, 'data-mm2'));
 
-/** Waits until so much is painted; fails if it does not come to it. */
-const areaIs = (page, set, mm2) => page.waitForFunction(([sel, value]) => Math.abs(Number(document.querySelector(sel)?.dataset.mm2) - value) < 0.06, [`${id('painted-areas')} [data-set="${set}"]`, mm2]);
+/** Waits until this area is painted. */
+const areaIs = (page, set, mm2) =>
+  page.waitForFunction(
+    ([sel, value]) => Math.abs(Number(document.querySelector(sel)?.dataset.mm2) - value) < 0.06,
+    [`${id('painted-areas')} [data-set="${set}"]`, mm2],
+  );
 
 async function accessible(page, where) {
   await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] }));
-  check(`${where} is accessible: ${violations.map((v) => `${v.id} ${v.nodes[0].html}`).join('; ')}`, violations.length === 0);
+  const { violations } = await page.evaluate(() =>
+    window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa'] }),
+  );
+  check(
+    `${where} is accessible: ${violations.map((v) => `${v.id} ${v.nodes[0].html}`).join('; ')}`,
+    violations.length === 0,
+  );
 }
 
-/** How many pixels of the view are of the colour of `with segment`, which neither bone nor segment has. */
+/** How many pixels of the view are of the color of `with segment`, which bone and segment do not have. */
 async function purplePixels(page) {
   const png = (await page.locator('.view3d').screenshot()).toString('base64');
   return page.evaluate(async (data) => {
@@ -52,44 +62,24 @@ async function purplePixels(page) {
     context.drawImage(image, 0, 0);
     const all = context.getImageData(0, 0, canvas.width, canvas.height).data;
     let count = 0;
-    for (let n = 0; n < all.length; n += 4) if (all[n + 2] > all[n] && all[n] > 1.1 * all[n + 1] && all[n + 2] > 1.15 * all[n + 1]) count++;
+    for (let n = 0; n < all.length; n += 4)
+      if (all[n + 2] > all[n] && all[n] > 1.1 * all[n + 1] && all[n + 2] > 1.15 * all[n + 1]) count++;
     return count;
   }, png);
 }
 
-test('boundary painted on bone: seen, measured, undone, kept; the preview follows', () => withPage(planned, async (page, { ask, run }) => {
-  await run({ kind: 'preview-factor' });
-  const pose = JSON.stringify({ poses: { front: [1, 0, 0, 0, 0, 1, 0, -3, 0, 0, 1, 0, 0, 0, 0, 1] } });
-  const preview = async () => Buffer.from(await (await ask('POST', '/preview', pose, { 'Content-Type': 'application/json' })).arrayBuffer());
-  const byRule = await preview();
-  await step(page, 'tissue');
-  await look(page, 'From the front');
-  await settled(page);
-  await page.click(id('paint-with-segment'));
-  await type(page, 'paint-radius', 6);
-  await drawn(page);
-  const before = await purplePixels(page);
-  await drag3d(page, [0.45, 0.5], [0.55, 0.5]);
-  await page.waitForFunction((sel) => Number(document.querySelector(sel)?.dataset.mm2) > 50, `${id('painted-areas')} [data-set="with segment"]`);
-  const painted = await area(page, 'with segment');
-  check(`the paint is seen: ${before} and ${await purplePixels(page)} pixels`, (await purplePixels(page)) > before + 200);
-  await saved(page);
-  const { value: kept, box } = { value: Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()), box: (await ask('GET', '/boundary/data')).headers.get('x-lefort-box') };
-  check(`it lies on voxels of the scan: ${box}`, kept.includes(3) && !kept.includes(1));
-  const plan = async () => (await ask('GET', '/plan')).json();
-  check('the plan names it', (await plan()).boundary.labels === 'boundary.seg.nrrd');
-
-  // Another set beside it, rubbed out in part, taken back and done again.
+/** Paints and erases a label beside `painted` mm2 of another; undo must restore the bytes `kept`. */
+async function eraseAndUndo(page, ask, painted, kept) {
   await page.click(id('paint-fixed'));
   await page.keyboard.press('Escape');
   await page.click(id('paint-fixed'));
   await drag3d(page, [0.42, 0.42], [0.46, 0.42], 5);
   const fixed = await area(page, 'fixed');
-  check(`fixed, too: ${fixed} mm2`, fixed > 20);
+  check(`fixed is painted: ${fixed} mm2`, fixed > 20);
   await page.click(id('paint-erase'));
   await drag3d(page, [0.42, 0.42], [0.43, 0.42], 3);
   const less = await area(page, 'fixed');
-  check(`rubbed out: ${less} mm2`, less < fixed);
+  check(`erased: ${less} mm2`, less < fixed);
   await page.keyboard.press('Control+z');
   await areaIs(page, 'fixed', fixed);
   await page.keyboard.press('Control+z');
@@ -102,77 +92,139 @@ test('boundary painted on bone: seen, measured, undone, kept; the preview follow
   await page.keyboard.press('Control+z');
   await areaIs(page, 'fixed', 0);
   await saved(page);
-  check('what is kept is what it was', Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()).equals(kept));
+  check(
+    'the stored paint is the original',
+    Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()).equals(kept),
+  );
+}
 
-  // By keys: a wider brush.
-  await page.locator(view).focus();
-  await page.keyboard.press(']');
-  await page.waitForFunction((sel) => document.querySelector(sel).value === '6.5', id('paint-radius'));
-  await page.screenshot({ path: join(output, 'boundary.png') });
-  await accessible(page, 'the brush');
+test('boundary painted on bone: shown, measured, undone, saved; the preview changes', () =>
+  withPage(planned, async (page, { ask, run }) => {
+    await run({ kind: 'preview-factor' });
+    const pose = JSON.stringify({ poses: { front: [1, 0, 0, 0, 0, 1, 0, -3, 0, 0, 1, 0, 0, 0, 0, 1] } });
+    const preview = async () =>
+      Buffer.from(await (await ask('POST', '/preview', pose, { 'Content-Type': 'application/json' })).arrayBuffer());
+    const byRule = await preview();
+    await step(page, 'tissue');
+    await look(page, 'From the front');
+    await settled(page);
+    await page.click(id('paint-with-segment'));
+    await type(page, 'paint-radius', 6);
+    await drawn(page);
+    const before = await purplePixels(page);
+    await drag3d(page, [0.45, 0.5], [0.55, 0.5]);
+    await page.waitForFunction(
+      (sel) => Number(document.querySelector(sel)?.dataset.mm2) > 50,
+      `${id('painted-areas')} [data-set="with segment"]`,
+    );
+    const painted = await area(page, 'with segment');
+    check(
+      `the paint is visible: ${before} and ${await purplePixels(page)} pixels`,
+      (await purplePixels(page)) > before + 200,
+    );
+    await saved(page);
+    const { value: kept, box } = {
+      value: Buffer.from(await (await ask('GET', '/boundary/data')).arrayBuffer()),
+      box: (await ask('GET', '/boundary/data')).headers.get('x-lefort-box'),
+    };
+    check(`it is stored on voxels of the scan: ${box}`, kept.includes(3) && !kept.includes(1));
+    const plan = async () => (await ask('GET', '/plan')).json();
+    check('the plan names it', (await plan()).boundary.labels === 'boundary.seg.nrrd');
 
-  // What was made by the rule is out of date, and made anew it is another preview.
-  await page.click(id('prepare-preview'));
-  await page.waitForSelector(id('prepare-preview'), { state: 'detached' });
-  await idle(page);
-  check('the preview is another', !(await preview()).equals(byRule));
-  await page.click(`${id('boundary-rules')} summary`);
-  await page.getByText('As of the last preview').waitFor();
-  const rules = await page.locator(`${id('boundary-rules')} tbody tr`).allInnerTexts();
-  check(`each rule with its distance: ${rules}`, rules.length === 7 && rules.some((row) => row.includes('On moved bone') && row.includes('0.80 mm')));
+    await eraseAndUndo(page, ask, painted, kept);
 
-  // A page opened anew shows what is painted.
-  await page.reload();
-  await areaIs(page, 'with segment', painted);
-  await page.click(id('paint-erase-all'));
-  await saved(page);
-  check('the plan names it no more', (await plan()).boundary?.labels === undefined);
-  const { stages } = await (await ask('GET', '/case')).json();
-  check('and it is gone', stages.boundary.state === 'missing');
-}));
+    // A wider brush, with the keyboard.
+    await page.locator(view).focus();
+    await page.keyboard.press(']');
+    await page.waitForFunction((sel) => document.querySelector(sel).value === '6.5', id('paint-radius'));
+    await page.screenshot({ path: join(output, 'boundary.png') });
+    await accessible(page, 'the brush');
 
-test('boundary painted on skin, in the dark', () => withPage(planned, async (page) => {
-  await step(page, 'tissue');
-  await look(page, 'From the front');
-  await page.getByRole('button', { name: 'On skin' }).click();
-  await page.click(id('paint-free'));
-  await drawn(page);
-  await drag3d(page, [0.5, 0.4], [0.5, 0.6]);
-  check('skin is painted', (await area(page, 'free')) > 50);
-  await page.screenshot({ path: join(output, 'boundary-skin.png') });
-  await accessible(page, 'the dark brush');
-  await page.click(id('paint-erase-all'));
-  await saved(page);
-}, { scheme: 'dark', width: 1920, height: 1080 }));
+    // The old preview is out of date; the updated one differs.
+    await page.click(id('prepare-preview'));
+    await page.waitForSelector(id('prepare-preview'), { state: 'detached' });
+    await idle(page);
+    check('the preview differs', !(await preview()).equals(byRule));
+    await page.click(`${id('boundary-rules')} summary`);
+    await page.getByText('From the last preview').waitFor();
+    const rules = await page.locator(`${id('boundary-rules')} tbody tr`).allInnerTexts();
+    check(
+      `each rule with its distance: ${rules}`,
+      rules.length === 7 && rules.some((row) => row.includes('Mobilized segment') && row.includes('0.80 mm')),
+    );
 
-test('skin, mucosa and muscle are the plan\u2019s', () => withPage(planned, async (page, { ask }) => {
-  await step(page, 'tissue');
-  const toggle = (name) => page.locator('.part', { has: page.getByRole('heading', { name, exact: true }) }).getByRole('switch');
-  await page.click(`${id('layers')} summary`);
-  await toggle('Skin').check({ force: true });
-  await type(page, 'skin-thickness', 1.8);
-  await type(page, 'skin-layers', 3);
-  await toggle('Mucosa').check({ force: true });
-  await type(page, 'mucosa-thickness', 6);
-  await page.locator('.part', { has: page.getByRole('heading', { name: 'Mucosa', exact: true }) }).getByRole('combobox').selectOption('own');
-  await type(page, 'mucosa-young', 12);
-  await toggle('Muscle').check({ force: true });
-  await saved(page);
-  const { tissue } = await (await ask('GET', '/plan')).json();
-  check(`as told: ${JSON.stringify(tissue)}`, tissue.skin.thickness_mm === 1.8 && tissue.skin.layers === 3 && tissue.mucosa.thickness_mm === 6 && tissue.mucosa.material.young_kpa === 12 && tissue.muscle.material === 'face-compressible');
-  await page.screenshot({ path: join(output, 'layers.png'), fullPage: true });
-  await accessible(page, 'tissues of their own');
-  await toggle('Skin').uncheck({ force: true });
-  await toggle('Mucosa').uncheck({ force: true });
-  await toggle('Muscle').uncheck({ force: true });
-  await saved(page);
-  check('and taken back', (await (await ask('GET', '/plan')).json()).tissue.skin === undefined);
-  await step(page, 'anatomy');
-  await page.getByText('Show labels on the slices').click();
-  await page.getByRole('button', { name: 'muscle', exact: true }).click();
-  const tint = await page.getByRole('button', { name: 'muscle', exact: true }).locator('.swatch').evaluate((swatch) => swatch.style.background);
-  check(`muscle is a label of the brush, with a colour of its own: ${tint}`, tint.startsWith('rgb('));
-}));
+    // A reloaded page shows the paint.
+    await page.reload();
+    await areaIs(page, 'with segment', painted);
+    await page.click(id('paint-erase-all'));
+    await saved(page);
+    check('the plan no longer names it', (await plan()).boundary?.labels === undefined);
+    const { stages } = await (await ask('GET', '/case')).json();
+    check('the file is removed', stages.boundary.state === 'missing');
+  }));
+
+test('boundary painted on skin, dark theme', () =>
+  withPage(
+    planned,
+    async (page) => {
+      await step(page, 'tissue');
+      await look(page, 'From the front');
+      await page.getByRole('button', { name: 'On skin' }).click();
+      await page.click(id('paint-free'));
+      await drawn(page);
+      await drag3d(page, [0.5, 0.4], [0.5, 0.6]);
+      check('skin is painted', (await area(page, 'free')) > 50);
+      await page.screenshot({ path: join(output, 'boundary-skin.png') });
+      await accessible(page, 'the dark brush');
+      await page.click(id('paint-erase-all'));
+      await saved(page);
+    },
+    { scheme: 'dark', width: 1920, height: 1080 },
+  ));
+
+test('skin, mucosa and muscle are stored in the plan', () =>
+  withPage(planned, async (page, { ask }) => {
+    await step(page, 'tissue');
+    const toggle = (name) =>
+      page.locator('.part', { has: page.getByRole('heading', { name, exact: true }) }).getByRole('switch');
+    await page.click(`${id('layers')} summary`);
+    await toggle('Skin').check({ force: true });
+    await type(page, 'skin-thickness', 1.8);
+    await type(page, 'skin-layers', 3);
+    await toggle('Mucosa').check({ force: true });
+    await type(page, 'mucosa-thickness', 6);
+    await page
+      .locator('.part', { has: page.getByRole('heading', { name: 'Mucosa', exact: true }) })
+      .getByRole('combobox')
+      .selectOption('own');
+    await type(page, 'mucosa-young', 12);
+    await toggle('Muscle').check({ force: true });
+    await saved(page);
+    const { tissue } = await (await ask('GET', '/plan')).json();
+    check(
+      `the plan has: ${JSON.stringify(tissue)}`,
+      tissue.skin.thickness_mm === 1.8 &&
+        tissue.skin.layers === 3 &&
+        tissue.mucosa.thickness_mm === 6 &&
+        tissue.mucosa.material.young_kpa === 12 &&
+        tissue.muscle.material === 'face-compressible',
+    );
+    await page.screenshot({ path: join(output, 'layers.png'), fullPage: true });
+    await accessible(page, 'tissues of their own');
+    await toggle('Skin').uncheck({ force: true });
+    await toggle('Mucosa').uncheck({ force: true });
+    await toggle('Muscle').uncheck({ force: true });
+    await saved(page);
+    check('removed again', (await (await ask('GET', '/plan')).json()).tissue.skin === undefined);
+    await step(page, 'anatomy');
+    await page.getByText('Show labels on the slices').click();
+    await page.getByRole('button', { name: 'muscle', exact: true }).click();
+    const tint = await page
+      .getByRole('button', { name: 'muscle', exact: true })
+      .locator('.swatch')
+      .evaluate((swatch) => swatch.style.background);
+    check(`muscle is a label of the brush, with its own color: ${tint}`, tint.startsWith('rgb('));
+  }));
 
 const ok = await runTests({ all: false, only });
 await endSmallCase();

@@ -1,4 +1,4 @@
-// A browser, a server on a fresh case folder, and a list of tests that run one after the other.
+// A browser, a server on a new case folder, and a list of tests that run in sequence.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -11,20 +11,34 @@ export const lefort = process.env.LEFORT ?? join(root, 'build/release/src/lefort
 
 const BROWSER = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find((path) => existsSync(path));
 const FLAGS = [
-  '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
-  '--disable-background-networking', '--disable-component-update', '--disable-sync',
+  '--no-sandbox',
+  '--use-gl=angle',
+  '--use-angle=swiftshader',
+  '--enable-unsafe-swiftshader',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
 ];
 
 export function scan() {
-  const at = [process.env.LEFORT_EXAMPLE, '/usr/share/doc/invesalius-examples/examples/Cranium.inv3', join(root, 'demo-output/invesalius-examples/usr/share/doc/invesalius-examples/examples/Cranium.inv3')];
+  const at = [
+    process.env.LEFORT_EXAMPLE,
+    '/usr/share/doc/invesalius-examples/examples/Cranium.inv3',
+    join(root, 'demo-output/invesalius-examples/usr/share/doc/invesalius-examples/examples/Cranium.inv3'),
+  ];
   const found = at.find((path) => path && existsSync(path));
-  if (!found) throw new Error('the example scan is not there: apt-get install invesalius-examples, or name it in LEFORT_EXAMPLE');
+  if (!found)
+    throw new Error('the example scan is missing: apt-get install invesalius-examples, or set LEFORT_EXAMPLE');
   return found;
 }
 
-/** Starts `lefort serve` on a folder; resolves with its address once it is printed. */
+/** Starts `lefort serve` on a folder; resolves when it has printed its address. */
 export async function serve(folder, more = []) {
-  const child = spawn(lefort, ['serve', folder, '--port', '0', '--example', scan(), ...more], { stdio: ['ignore', 'pipe', 'ignore'] });
+  const child = spawn(lefort, ['serve', folder, '--port', '0', '--example', scan(), ...more], {
+    stdio: ['ignore', 'pipe', 'ignore'],
+  });
   const address = await new Promise((done, fail) => {
     let text = '';
     child.stdout.on('data', (part) => {
@@ -35,7 +49,7 @@ export async function serve(folder, more = []) {
     child.on('exit', (code) => fail(new Error(`lefort serve ended with ${code}`)));
   });
   const ended = new Promise((done) => child.on('exit', done));
-  // LEFORT_OWN_PAGE: web/dist as it is, instead of the page in the program.
+  // LEFORT_OWN_PAGE: serves web/dist instead of the page in the program.
   const proxy = process.env.LEFORT_OWN_PAGE ? await proxyPage(address) : null;
   return {
     address: proxy?.address ?? address,
@@ -60,13 +74,15 @@ export async function openBrowser() {
 }
 
 export async function openPage(address, { width = 1280, height = 800, scheme = 'light' } = {}) {
-  const context = await (await openBrowser()).newContext({ viewport: { width, height }, colorScheme: scheme, acceptDownloads: true });
+  const context = await (
+    await openBrowser()
+  ).newContext({ viewport: { width, height }, colorScheme: scheme, acceptDownloads: true });
   const page = await context.newPage();
   page.setDefaultTimeout(60000);
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(String(error.stack ?? error)));
   page.on('console', (message) => {
-    // A refused request is told by the browser, too; the page's own answer to it is what is tested.
+    // The browser also logs refused requests; the tests check how the page handles them.
     if (message.type() === 'error' && !/Failed to load resource/.test(message.text())) page.faults.push(message.text());
   });
   await page.goto(address);
@@ -79,7 +95,7 @@ export async function closeBrowser() {
 }
 
 export function check(what, holds) {
-  if (!holds) throw new Error(`not so: ${what}`);
+  if (!holds) throw new Error(`failed: ${what}`);
 }
 
 const tests = [];
@@ -97,7 +113,12 @@ export async function runTests({ all, only }) {
       console.log(`ok   ${name} (${((Date.now() - since) / 1000).toFixed(1)} s)`);
     } catch (error) {
       failed.push(name);
-      console.log(`FAIL ${name} (${((Date.now() - since) / 1000).toFixed(1)} s)\n     ${String(error.stack ?? error).split('\n').slice(0, 6).join('\n     ')}`);
+      console.log(
+        `FAIL ${name} (${((Date.now() - since) / 1000).toFixed(1)} s)\n     ${String(error.stack ?? error)
+          .split('\n')
+          .slice(0, 6)
+          .join('\n     ')}`,
+      );
     }
   }
   await closeBrowser();

@@ -1,9 +1,15 @@
-// Serves web/dist and hands /api on to `lefort serve`: for work on the page without building the program anew.
+// Serves web/dist and forwards /api to `lefort serve`: for work on the page without a build of the program.
 import { createServer, request } from 'node:http';
 import { createReadStream, existsSync } from 'node:fs';
 import { extname, join } from 'node:path';
 
-const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml', '.woff2': 'font/woff2' };
+const TYPES = {
+  '.html': 'text/html',
+  '.js': 'text/javascript',
+  '.css': 'text/css',
+  '.svg': 'image/svg+xml',
+  '.woff2': 'font/woff2',
+};
 const dist = new URL('../dist/', import.meta.url).pathname;
 
 /** Resolves with the address to open instead of the server's own, and a way to end. */
@@ -17,10 +23,13 @@ export async function proxyPage(address) {
     if (path.startsWith('/api/')) {
       const headers = { ...req.headers, host: target.host };
       if (headers.origin) headers.origin = target.origin;
-      const onward = request({ host: target.hostname, port: target.port, path: req.url, method: req.method, headers }, (answer) => {
-        res.writeHead(answer.statusCode, answer.headers);
-        answer.pipe(res);
-      });
+      const onward = request(
+        { host: target.hostname, port: target.port, path: req.url, method: req.method, headers },
+        (answer) => {
+          res.writeHead(answer.statusCode, answer.headers);
+          answer.pipe(res);
+        },
+      );
       onward.on('error', () => res.destroy());
       res.on('close', () => onward.destroy());
       req.pipe(onward);
@@ -31,7 +40,10 @@ export async function proxyPage(address) {
       res.writeHead(404).end();
       return;
     }
-    res.writeHead(200, { 'Content-Type': TYPES[extname(file)] ?? 'application/octet-stream', 'Content-Security-Policy': policy });
+    res.writeHead(200, {
+      'Content-Type': TYPES[extname(file)] ?? 'application/octet-stream',
+      'Content-Security-Policy': policy,
+    });
     createReadStream(file).pipe(res);
   });
   await new Promise((done) => proxy.listen(0, '127.0.0.1', done));

@@ -1,40 +1,43 @@
-// What a person does with the planner, as functions of a page.
+// Actions of a user, as functions of a page.
 export const step = async (page, name) => {
   await page.click(`[data-step=${name}]`);
   await page.waitForSelector(`[data-step=${name}][aria-current=step]`);
 };
 
-/** Waits until a stage's chip in the panel, or a dot in the rail, says so. */
-export const dot = (page, name, state, timeout = 600000) => page.waitForSelector(`[data-step=${name}] .dot.${state}`, { timeout, state: 'attached' });
+/** Waits until the dot of a step has a state. */
+export const dot = (page, name, state, timeout = 600000) =>
+  page.waitForSelector(`[data-step=${name}] .dot.${state}`, { timeout, state: 'attached' });
 
 export const id = (name) => `[data-id="${name}"]`;
 
-/** No surface or scan is on its way, and what is drawn has been drawn. */
+/** All surfaces and the scan are loaded and drawn. */
 export async function settled(page) {
   await page.waitForSelector('main[aria-busy=false]', { timeout: 180000 });
   await drawn(page);
 }
 
-/** The 3D view stands still and is drawn in full. */
+/** The 3D view is drawn in full. */
 export async function drawn(page) {
   await page.waitForTimeout(400);
   await page.waitForSelector('.view3d canvas[data-idle=true]', { timeout: 180000 });
 }
 
-/** No job runs or waits. */
+/** No job is running or queued. */
 export const idle = (page, timeout = 900000) => page.waitForSelector(id('job'), { state: 'detached', timeout });
 
-/** All is kept. What was just done is first given time to be shown as not kept yet. */
+/** All changes are saved. Waits first, until the last change is shown as unsaved. */
 export async function saved(page) {
   await page.waitForTimeout(300);
-  await page.waitForFunction(() => document.querySelector('[data-id=saving]')?.textContent === 'Saved', null, { timeout: 60000 });
+  await page.waitForFunction(() => document.querySelector('[data-id=saving]')?.textContent === 'Saved', null, {
+    timeout: 60000,
+  });
 }
 
 export async function handles(page) {
   return JSON.parse(await page.getAttribute('.view3d canvas:not(.overlay)', 'data-handles'));
 }
 
-/** Waits until a handle is where `holds` says; gives its place. */
+/** Waits until a handle exists at a position that `holds` accepts; returns the position. */
 export async function handleWhere(page, name, holds = () => true) {
   const until = Date.now() + 60000;
   for (;;) {
@@ -59,7 +62,7 @@ export async function dragHandle(page, name, dx, dy, steps = 40) {
   return Date.now() - since;
 }
 
-/** Clicks in the 3D view, by shares of its size. */
+/** Clicks in the 3D view, by fractions of its size. */
 export async function click3d(page, u, v) {
   const box = await page.locator('.view3d canvas:not(.overlay)').boundingBox();
   await page.mouse.click(box.x + u * box.width, box.y + v * box.height);

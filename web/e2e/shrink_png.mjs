@@ -1,5 +1,5 @@
-// Makes a PNG small: browsers write them quickly instead. The lowest bit of each colour goes, which in a scan is noise
-// and in a page nothing that can be seen. RFC 2083.
+// Compresses a PNG of a browser. The lowest bit of each color is cleared, which is noise in a scan and invisible in a
+// page. RFC 2083.
 import { deflateSync, inflateSync } from 'node:zlib';
 
 const BYTES = { 2: 3, 6: 4 };
@@ -30,7 +30,7 @@ const paeth = (a, b, c) => {
 
 const predictors = [() => 0, (a) => a, (_, b) => b, (a, b) => (a + b) >> 1, paeth];
 
-/** Takes 8-bit RGB or RGBA that is not interlaced; gives RGB. */
+/** Converts 8-bit RGB or RGBA without interlacing to RGB. */
 export function shrinkPng(png) {
   const width = png.readUInt32BE(16);
   const height = png.readUInt32BE(20);
@@ -50,8 +50,11 @@ export function shrinkPng(png) {
     const predict = predictors[raw[y * (line + 1)]];
     const row = new Uint8Array(line);
     for (let x = 0; x < line; x++)
-      row[x] = raw[y * (line + 1) + 1 + x] + predict(x < size ? 0 : row[x - size], above[x], x < size ? 0 : above[x - size]);
-    for (let x = 0; x < width; x++) for (let c = 0; c < 3; c++) rgb[(y * width + x) * 3 + c] = row[x * size + c] > 253 ? 255 : row[x * size + c] & 254;
+      row[x] =
+        raw[y * (line + 1) + 1 + x] + predict(x < size ? 0 : row[x - size], above[x], x < size ? 0 : above[x - size]);
+    for (let x = 0; x < width; x++)
+      for (let c = 0; c < 3; c++)
+        rgb[(y * width + x) * 3 + c] = row[x * size + c] > 253 ? 255 : row[x * size + c] & 254;
     above = row;
   }
   const filtered = Buffer.alloc(height * (width * 3 + 1));
@@ -82,6 +85,9 @@ export function shrinkPng(png) {
   const head = Buffer.from(png.subarray(16, 29));
   head[9] = 2;
   return Buffer.concat([
-    png.subarray(0, 8), chunk('IHDR', head), chunk('IDAT', deflateSync(filtered, { level: 9, memLevel: 9 })), chunk('IEND', Buffer.alloc(0)),
+    png.subarray(0, 8),
+    chunk('IHDR', head),
+    chunk('IDAT', deflateSync(filtered, { level: 9, memLevel: 9 })),
+    chunk('IEND', Buffer.alloc(0)),
   ]);
 }

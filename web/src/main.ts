@@ -1,5 +1,5 @@
-import './ui/style.css';
+import './ui/style/index.css';
 import { startPlanner } from './ui';
 
-// After the first picture: what draws in 3D takes its time to begin.
+// After the first paint: the 3D view takes time to start.
 requestAnimationFrame(() => setTimeout(() => startPlanner(document.getElementById('app')!)));

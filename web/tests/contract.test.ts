@@ -10,7 +10,7 @@ const fixtures = (kind: 'valid' | 'invalid') =>
     value: JSON.parse(readFileSync(new URL(`${kind}/${file}`, folder), 'utf8')) as unknown,
   }));
 
-describe('the fixtures both sides hold to', () => {
+describe('the fixtures of the contract', () => {
   it.each(fixtures('valid'))('accepts $file', ({ schema, value }) => {
     expect(parse(schema, value)).toBe(value);
   });
@@ -25,18 +25,18 @@ describe('the fixtures both sides hold to', () => {
   });
 });
 
-describe('the reader of schemas', () => {
+describe('the validation', () => {
   it('names the key at fault', () => {
     const schema = { type: 'object', properties: { a: { type: 'array', items: { type: 'integer' } } } };
     expect(fault({ a: [1, 1.5] }, schema, schema)).toBe('a[1]: must be integer');
   });
 
-  it('takes no infinite or undefined number', () => {
+  it('refuses infinite and undefined numbers', () => {
     expect(fault(Infinity, { type: 'number' }, {})).not.toBeNull();
     expect(fault(NaN, { type: 'number' }, {})).not.toBeNull();
   });
 
-  it('does not take inherited properties for keys', () => {
+  it('does not accept inherited properties as keys', () => {
     expect(fault({}, { type: 'object', required: ['toString'] }, {})).not.toBeNull();
   });
 

@@ -1,7 +1,26 @@
 import { describe, expect, it } from 'vitest';
-import { directionOf, indexToL, indexToPixel, lToIndex, pixelToIndex, screenSides, sideName, sliceFrame, unit, VIEWS, type Grid, type Vec3 } from '../src/model';
+import {
+  directionOf,
+  indexToL,
+  indexToPixel,
+  lToIndex,
+  mapVec3,
+  pixelToIndex,
+  screenSides,
+  sideName,
+  sliceFrame,
+  unit,
+  VIEWS,
+  type Grid,
+  type Vec3,
+} from '../src/model';
 
-const head: Grid = { size: [256, 256, 108], spacing_mm: [0.957, 0.957, 1.5], origin_mm: [10, -20, 30], direction: [1, 0, 0, 0, 1, 0, 0, 0, 1] };
+const head: Grid = {
+  size: [256, 256, 108],
+  spacing_mm: [0.957, 0.957, 1.5],
+  origin_mm: [10, -20, 30],
+  direction: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+};
 /** Stored from left to right, front to back turned round, top to bottom: all three axes reversed. */
 const reversed: Grid = { ...head, direction: [-1, 0, 0, 0, -1, 0, 0, 0, -1] };
 /** Sagittal slices: i runs to posterior, j to inferior, k to the left. */
@@ -18,9 +37,9 @@ describe('sides', () => {
     expect(directionOf('R')).toEqual([-1, 0, 0]);
   });
 
-  it('lie on the screen as a viewer expects: facing the patient, the patient’s left is at the right', () => {
+  it('are at the edges of the screen: facing the patient, the patient’s left is on the right', () => {
     const sides = (name: keyof typeof VIEWS) => {
-      const forward = unit(VIEWS[name]).map((c) => -c) as unknown as Vec3;
+      const forward = mapVec3(unit(VIEWS[name]), (c) => -c);
       return screenSides(forward, [0, 0, 1]);
     };
     expect(sides('front')).toEqual({ left: 'R', right: 'L', top: 'S', bottom: 'I' });
@@ -41,21 +60,28 @@ describe('voxels', () => {
 });
 
 describe('slices', () => {
-  it.each([['head', head], ['reversed', reversed], ['sagittal', sagittal]] as const)('of %s are radiological', (_, grid) => {
+  it.each([
+    ['head', head],
+    ['reversed', reversed],
+    ['sagittal', sagittal],
+  ] as const)('of %s are radiological', (_, grid) => {
     expect(sliceFrame(grid, 'axial').labels).toEqual({ left: 'R', right: 'L', top: 'A', bottom: 'P' });
     expect(sliceFrame(grid, 'coronal').labels).toEqual({ left: 'R', right: 'L', top: 'S', bottom: 'I' });
     expect(sliceFrame(grid, 'sagittal').labels).toEqual({ left: 'A', right: 'P', top: 'S', bottom: 'I' });
   });
 
-  it.each([head, reversed, sagittal])('show a point on the patient’s right at the left of the axial picture', (grid) => {
-    const frame = sliceFrame(grid, 'axial');
-    const middle = indexToL(grid, [grid.size[0] / 2, grid.size[1] / 2, grid.size[2] / 2]);
-    const right: Vec3 = [middle[0] - 30, middle[1], middle[2]];
-    const columnOf = (p: Vec3) => indexToPixel(grid, frame, lToIndex(grid, p)).column;
-    expect(columnOf(right)).toBeLessThan(columnOf(middle));
-  });
+  it.each([head, reversed, sagittal])(
+    'show a point on the patient’s right at the left of the axial picture',
+    (grid) => {
+      const frame = sliceFrame(grid, 'axial');
+      const middle = indexToL(grid, [grid.size[0] / 2, grid.size[1] / 2, grid.size[2] / 2]);
+      const right: Vec3 = [middle[0] - 30, middle[1], middle[2]];
+      const columnOf = (p: Vec3) => indexToPixel(grid, frame, lToIndex(grid, p)).column;
+      expect(columnOf(right)).toBeLessThan(columnOf(middle));
+    },
+  );
 
-  it.each(['axial', 'coronal', 'sagittal'] as const)('%s: pixel and voxel are each other’s inverse', (orientation) => {
+  it.each(['axial', 'coronal', 'sagittal'] as const)('%s: pixel and voxel convert to each other', (orientation) => {
     const frame = sliceFrame(reversed, orientation);
     const { column, row, slice } = indexToPixel(reversed, frame, [3, 50, 9]);
     expect(pixelToIndex(reversed, frame, column, row, slice)).toEqual([3, 50, 9]);

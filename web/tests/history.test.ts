@@ -14,7 +14,7 @@ describe('history', () => {
     expect(canRedo(h)).toBe(false);
   });
 
-  it('takes a drag for one change, and the next drag for another', () => {
+  it('makes one entry of each drag', () => {
     let h = startHistory(0);
     for (const x of [1, 2, 3]) h = change(h, x, 'drag 1');
     h = settle(h);
@@ -23,24 +23,24 @@ describe('history', () => {
     expect(undo(undo(h)).present).toBe(0);
   });
 
-  it('two drags of one name are two changes if settled between', () => {
+  it('makes two entries of two drags of one name, if settled between', () => {
     const h = change(settle(change(startHistory(0), 1, 'drag')), 2, 'drag');
     expect(undo(h).present).toBe(1);
   });
 
-  it('forgets what was undone when something new is done', () => {
+  it('drops undone changes after a new change', () => {
     const h = change(undo(change(startHistory('a'), 'b')), 'c');
     expect(canRedo(h)).toBe(false);
     expect(undo(h).present).toBe('a');
   });
 
-  it('has bounds', () => {
+  it('has a limited length', () => {
     let h = startHistory(0);
     for (let n = 1; n < 1000; n++) h = change(h, n);
     expect(h.past.length).toBeLessThanOrEqual(200);
   });
 
-  it('keeps quiet about a change that is none', () => {
+  it('ignores a change without effect', () => {
     const h = startHistory('a');
     expect(change(h, 'a')).toBe(h);
     expect(undo(h)).toBe(h);

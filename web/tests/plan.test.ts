@@ -2,8 +2,22 @@ import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { fault } from '../src/api';
 import {
-  cutsNothing, editKeyframe, emptyPlan, keyframesOf, missingFor, renameSegment, retimeKeyframe, withCurve, withKeyframeAfter, withoutKeyframe, withoutPlane,
-  withoutSegment, withPaintedBoundary, withPlane, withSegment, type Plan,
+  cutsNothing,
+  editKeyframe,
+  emptyPlan,
+  keyframesOf,
+  missingFor,
+  renameSegment,
+  retimeKeyframe,
+  withCurve,
+  withKeyframeAfter,
+  withoutKeyframe,
+  withoutPlane,
+  withoutSegment,
+  withPaintedBoundary,
+  withPlane,
+  withSegment,
+  type Plan,
 } from '../src/model';
 
 const schema = JSON.parse(readFileSync(new URL('../../contract/plan.schema.json', import.meta.url), 'utf8'));
@@ -13,16 +27,30 @@ const plane = { point_mm: [122, 46, 66], towards_segment: [0, 0, -1] } as const;
 const one = withSegment(emptyPlan(), 'midface', { planes: [plane] });
 
 describe('edits of a plan', () => {
-  it('make plans the command line takes', () => {
+  it('make plans that the command line accepts', () => {
     isPlan(one);
     isPlan(withSegment(one, 'le-fort-1', { template: { kind: 'le-fort-1', above_palate_mm: 6 } }));
-    isPlan(withPlane(withCurve(one, 0, { points_mm: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], along: [0, 1, 0], depth_mm: 20 }), 0, plane));
+    isPlan(
+      withPlane(
+        withCurve(one, 0, {
+          points_mm: [
+            [0, 0, 0],
+            [1, 0, 0],
+            [0, 1, 0],
+          ],
+          along: [0, 1, 0],
+          depth_mm: 20,
+        }),
+        0,
+        plane,
+      ),
+    );
     isPlan(withKeyframeAfter(withKeyframeAfter(one, 0, 0), 0, 1));
     isPlan(editKeyframe(one, 0, 0, { translation_mm: [0, -12, -5], rotation_deg: [0, 0, 3], about_mm: [1, 2, 3] }));
     isPlan(retimeKeyframe(withKeyframeAfter(one, 0, 0), 0, 0, 0.3));
   });
 
-  it('leave the plan they were given', () => {
+  it('do not change the original plan', () => {
     const before = JSON.stringify(one);
     withPlane(one, 0, plane);
     withoutPlane(one, 0, 0);
@@ -30,14 +58,14 @@ describe('edits of a plan', () => {
     expect(JSON.stringify(one)).toBe(before);
   });
 
-  it('give each segment a name of its own', () => {
+  it('give each segment a unique name', () => {
     const two = withSegment(withSegment(one, 'midface', {}), 'midface', {});
     expect(two.segments.map((s) => s.name)).toEqual(['midface', 'midface-2', 'midface-3']);
     expect(renameSegment(two, 1, 'midface')).toBeNull();
     expect(renameSegment(two, 1, 'a b')).toBeNull();
   });
 
-  it('rename a segment where others are cut out of it', () => {
+  it('rename a segment from which others are cut', () => {
     const two = withSegment(one, 'wing', { planes: [plane] });
     const nested: Plan = { ...two, segments: [two.segments[0], { ...two.segments[1], from: 'midface' }] };
     expect(renameSegment(nested, 0, 'maxilla')!.segments[1].from).toBe('maxilla');
@@ -53,7 +81,7 @@ describe('edits of a plan', () => {
     expect(keyframesOf(withoutKeyframe(one, 0, 0).segments[0])).toHaveLength(1);
   });
 
-  it('name the file of what is painted, and forget it', () => {
+  it('set and remove the file of the painted boundary', () => {
     const named = withPaintedBoundary({ ...one, boundary: { release_mm: 4 } }, 'boundary.seg.nrrd');
     isPlan(named);
     expect(named.boundary).toEqual({ release_mm: 4, labels: 'boundary.seg.nrrd' });
@@ -62,12 +90,12 @@ describe('edits of a plan', () => {
     expect(withPaintedBoundary(one, null)).toBe(one);
   });
 
-  it('know a cut that cuts nothing', () => {
+  it('find an empty cut', () => {
     expect(cutsNothing(withoutPlane(one, 0, 0).segments[0].osteotomy)).toBe(true);
     expect(cutsNothing(one.segments[0].osteotomy)).toBe(false);
   });
 
-  it('tell which landmarks a template lacks', () => {
+  it('list the landmarks that a template needs', () => {
     expect(missingFor('le-fort-1', ['ANS'])).toEqual(['PNS']);
     expect(missingFor('le-fort-3', ['N', 'Or-R', 'Or-L', 'FZ-R', 'FZ-L', 'ANS', 'PNS'])).toEqual([]);
   });

@@ -1,11 +1,22 @@
 import { describe, expect, it } from 'vitest';
 import { decodeSurface, endingOnly, EventParser } from '../src/api';
-import { coarsen, posedSectionOf, rayHit, sectionOf, poseOf, transformPoint, vertexNormals, type Surface } from '../src/model';
+import {
+  coarsen,
+  posedSectionOf,
+  rayHit,
+  sectionOf,
+  poseOf,
+  transformPoint,
+  vertexNormals,
+  type Surface,
+} from '../src/model';
 
 /** A box from 0 to 10 mm, triangles counter-clockwise from outside. */
 const box: Surface = {
   points: Float32Array.from([0, 0, 0, 10, 0, 0, 10, 10, 0, 0, 10, 0, 0, 0, 10, 10, 0, 10, 10, 10, 10, 0, 10, 10]),
-  triangles: Uint32Array.from([0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7]),
+  triangles: Uint32Array.from([
+    0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7,
+  ]),
 };
 
 function encode({ points, triangles }: Surface, scalars: Float32Array[] = []): ArrayBuffer {
@@ -13,7 +24,9 @@ function encode({ points, triangles }: Surface, scalars: Float32Array[] = []): A
   new Uint8Array(head).set([...'LFSURF1\0'].map((c) => c.charCodeAt(0)));
   const view = new DataView(head);
   [points.length / 3, triangles.length / 3, scalars.length].forEach((n, k) => view.setUint32(8 + 4 * k, n, true));
-  const parts = [head, points.buffer, triangles.buffer, ...scalars.map((s) => s.buffer)].map((b) => new Uint8Array(b as ArrayBuffer));
+  const parts = [head, points.buffer, triangles.buffer, ...scalars.map((s) => s.buffer)].map(
+    (b) => new Uint8Array(b as ArrayBuffer),
+  );
   const all = new Uint8Array(parts.reduce((n, p) => n + p.length, 0));
   let at = 0;
   for (const part of parts) {
@@ -32,9 +45,9 @@ describe('LFSURF1', () => {
     expect(surface.scalars.get('depth_mm')).toEqual(depth);
   });
 
-  it('is refused if cut off, too long, of another kind, or with a triangle that names no vertex', () => {
+  it('is refused if truncated, too long, of another format, or with an invalid index', () => {
     const good = encode(box);
-    expect(() => decodeSurface(good.slice(0, 10))).toThrow(/cut off/);
+    expect(() => decodeSurface(good.slice(0, 10))).toThrow(/truncated/);
     expect(() => decodeSurface(good.slice(0, good.byteLength - 4))).toThrow(/bytes/);
     expect(() => decodeSurface(encode(box, [new Float32Array(7)]))).toThrow(/bytes/);
     const other = good.slice(0);
@@ -52,7 +65,7 @@ describe('a ray', () => {
     expect(rayHit(box, [5, 5, 100], [0, 0, -1])!.point[2]).toBe(10);
   });
 
-  it('misses what is beside or behind it, and leaves from within unseen', () => {
+  it('misses surfaces beside and behind it, and back faces', () => {
     expect(rayHit(box, [11, -100, 5], [0, 1, 0])).toBeNull();
     expect(rayHit(box, [5, -100, 5], [0, -1, 0])).toBeNull();
     expect(rayHit(box, [5, 5, 5], [0, 1, 0])).toBeNull();
@@ -75,14 +88,19 @@ describe('a section', () => {
   });
 });
 
-describe('a section of a bone that was moved', () => {
+describe('a section of a moved bone', () => {
   const move = { translation_mm: [3, -2, 5], rotation_deg: [10, -20, 35], about_mm: [5, 5, 5] } as const;
   const pose = poseOf(move);
 
-  it('is that of its surface moved point by point', () => {
+  it('equals the section of the moved points', () => {
     const moved = box.points.slice();
-    for (let n = 0; n < moved.length; n += 3) moved.set(transformPoint(pose, [moved[n], moved[n + 1], moved[n + 2]]), n);
-    for (const normal of [[1, 0, 0], [0, 1, 0], [0.6, 0, 0.8]] as const) {
+    for (let n = 0; n < moved.length; n += 3)
+      moved.set(transformPoint(pose, [moved[n], moved[n + 1], moved[n + 2]]), n);
+    for (const normal of [
+      [1, 0, 0],
+      [0, 1, 0],
+      [0.6, 0, 0.8],
+    ] as const) {
       const lines = posedSectionOf(box, pose, [8, 3, 10], normal);
       const expected = sectionOf({ points: moved, triangles: box.triangles }, [8, 3, 10], normal);
       expect(lines.length).toBeGreaterThan(0);
@@ -95,7 +113,7 @@ describe('a section of a bone that was moved', () => {
     }
   });
 
-  it('is nothing where the bone has left the slice', () => {
+  it('is empty outside the bone', () => {
     expect(sectionOf(box, [0, 0, 1], [0, 0, 1]).length).toBeGreaterThan(0);
     expect(posedSectionOf(box, poseOf({ ...move, translation_mm: [0, 0, 20] }), [0, 0, 1], [0, 0, 1])).toHaveLength(0);
   });
@@ -107,7 +125,7 @@ describe('drawing', () => {
     for (let n = 0; n < 24; n++) expect(Math.sign(normals[n])).toBe(box.points[n] === 0 ? -1 : 1);
   });
 
-  it('coarsens to vertices of the surface itself', () => {
+  it('keeps vertices of the surface when it is coarsened', () => {
     const fine = coarsen(box, 1);
     expect(fine.vertex).toHaveLength(8);
     expect(fine.triangles).toHaveLength(36);
@@ -118,7 +136,7 @@ describe('drawing', () => {
 });
 
 describe('server-sent events', () => {
-  it('are put together however they are cut', () => {
+  it('are parsed however the stream is split', () => {
     const text = ': hello\n\nid: 7\nevent: job\ndata: {"a":\ndata: 1}\n\nid: 8\r\nevent: case\r\ndata: {}\r\n\r\n';
     for (let size = 1; size < text.length; size++) {
       const parser = new EventParser();
@@ -133,7 +151,7 @@ describe('server-sent events', () => {
 });
 
 describe('names of uploaded files', () => {
-  it('keep their ending and nothing else', () => {
+  it('keep only their extension', () => {
     expect(endingOnly('Mustermann_Max_1960.NII.GZ', 0)).toBe('file0.nii.gz');
     expect(endingOnly('Doe^Jane.dcm', 3)).toBe('file3.dcm');
     expect(endingOnly('IM0001', 1)).toBe('file1');

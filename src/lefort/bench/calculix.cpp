@@ -111,7 +111,7 @@ Result<ProcessRun> run_ccx(const CalculixTask& task, Progress& progress) {
                                                   progress));
   if (run.exit_code == kNotFound)
     return fail(ErrorCode::kInvalidArgument,
-                "CalculiX's ccx is not installed (Debian: calculix-ccx); --pairs 0 leaves it out");
+                "CalculiX's ccx is not installed (Debian: calculix-ccx); --repeats 0 omits it");
   const fs::path log = task.folder / "block.log";
   LEFORT_TRY_VOID(io::write_text(log, run.output));
   if (run.exit_code != 0)

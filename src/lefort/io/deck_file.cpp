@@ -2,6 +2,7 @@
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/io/deck_file.h>
 #include <lefort/io/deck_schema.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/internal/read_contact.h>
 #include <lefort/io/internal/read_law.h>
 #include <lefort/io/internal/validated_json.h>
@@ -63,7 +64,7 @@ Result<geometry::RigidPath> read_path(const Json& object, const std::string& nam
   path.segment = name;
   path.steps = 1;
   path.keyframes = object.contains("keyframes")
-                       ? internal::read_keyframes(object["keyframes"])
+                       ? internal::read_keyframes(object["keyframes"], "time")
                        : std::vector<geometry::Keyframe>{geometry::Keyframe{}};
   if (const auto checked = geometry::check_path(path); !checked)
     return refuse(key + ".keyframes", checked.error().message);
@@ -182,7 +183,7 @@ Result<void> read_obstacles(const Json& json, const fs::path& folder, DeckFile& 
     if (object.contains("stiffness_kpa_per_mm"))
       obstacle.stiffness_mpa_per_mm = mpa_from_kpa(object["stiffness_kpa_per_mm"].get<double>());
     read(object, "stiffness_factor", obstacle.stiffness_factor);
-    read(object, "capture_mm", obstacle.capture_mm);
+    read(object, "contact_snap_mm", obstacle.capture_mm);
     internal::read_contact(object, obstacle);
     ObstacleFile source;
     source.file = folder / object["file"].get<std::string>();
@@ -200,21 +201,23 @@ Result<void> read_control(const Json& json, DeckFile& file) {
   const Json& steps = section(json, "steps");
   fem::LoadStepOptions& options = file.deck.steps;
   options.max_increment = 1.0;
-  read(steps, "largest", options.max_increment);
+  read(steps, "max_increment", options.max_increment);
   options.first_increment = std::min(options.first_increment, options.max_increment);
-  read(steps, "initial", options.first_increment);
+  read(steps, "initial_increment", options.first_increment);
   options.min_increment = std::min(options.min_increment, options.first_increment);
-  read(steps, "smallest", options.min_increment);
-  read(steps, "growth", options.growth_factor);
-  read(steps, "easy_iterations", options.target_iterations);
-  read(steps, "most_attempts", options.max_attempts);
-  read(steps, "at", file.deck.times);
+  read(steps, "min_increment", options.min_increment);
+  read(steps, "growth_factor", options.growth_factor);
+  read(steps, "target_iterations", options.target_iterations);
+  read(steps, "max_attempts", options.max_attempts);
+  read(steps, "times", file.deck.times);
   if (options.min_increment > options.first_increment)
-    return refuse("steps.smallest", fmt::format("{:g} is more than steps.initial, {:g}",
-                                                options.min_increment, options.first_increment));
+    return refuse("steps.min_increment",
+                  fmt::format("{:g} is more than steps.initial_increment, {:g}",
+                              options.min_increment, options.first_increment));
   if (options.first_increment > options.max_increment)
-    return refuse("steps.initial", fmt::format("{:g} is more than steps.largest, {:g}",
-                                               options.first_increment, options.max_increment));
+    return refuse("steps.initial_increment",
+                  fmt::format("{:g} is more than steps.max_increment, {:g}",
+                              options.first_increment, options.max_increment));
 
   using linear::LinearSolverKind;
   const std::map<std::string, LinearSolverKind> kinds{{"automatic", LinearSolverKind::kAutomatic},
@@ -247,11 +250,11 @@ Result<void> read_results(const Json& json, DeckFile& file) {
   }
   const Json& output = section(json, "output");
   const std::string every = output.value("every", "increment");
-  file.every = every == "last" ? WriteEvery::kLast
-               : every == "at" ? WriteEvery::kRequestedTime
-                               : WriteEvery::kIncrement;
+  file.every = every == "last"    ? WriteEvery::kLast
+               : every == "times" ? WriteEvery::kRequestedTime
+                                  : WriteEvery::kIncrement;
   if (file.every == WriteEvery::kRequestedTime && file.deck.times.empty())
-    return refuse("output.every", "at needs the times of steps.at");
+    return refuse("output.every", "times needs steps.times");
   if (const auto fields = output.find("fields"); fields != output.end()) {
     const auto chosen = fields->get<std::set<std::string>>();
     file.fields = {.displacement = chosen.contains("displacement"),
@@ -267,8 +270,11 @@ Result<void> read_results(const Json& json, DeckFile& file) {
 }  // namespace
 
 Result<DeckFile> parse_deck(std::string_view text, const fs::path& folder) {
-  LEFORT_TRY(const Json json, internal::parse_checked(text, kDeckSchema, "the deck"));
+  LEFORT_TRY(internal::CheckedJson checked,
+             internal::parse_checked(text, kDeckSchema, "the deck", deprecated_in_decks()));
+  const Json& json = checked.json;
   DeckFile file;
+  file.warnings = std::move(checked.warnings);
   read(json, "title", file.title);
   file.mesh = folder / json["mesh"].get<std::string>();
   read(json, "regions", file.regions);

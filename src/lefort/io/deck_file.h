@@ -42,6 +42,7 @@ struct DeckFile {
   std::vector<ObstacleFile> obstacles;  ///< Like solve::Deck::obstacles.
   WriteEvery every = WriteEvery::kIncrement;
   WrittenFields fields;
+  std::vector<std::string> warnings;  ///< One for each deprecated key.
 };
 
 /// A deck and the text it was read from, which is read once.

@@ -31,7 +31,7 @@ Result<void> check_room(const fs::path& target, const field::LatticeWindow& wind
     return fail(
         code,
         fmt::format("a dense volume of {} x {} x {} samples needs {} bytes, {} has room for {}; "
-                    "choose a part with --region or --every, or write .vdb, which is sparse",
+                    "choose a part with --region or --stride, or write .vdb, which is sparse",
                     window.count[0], window.count[1], window.count[2], bytes, where, maximum));
   };
   if (max_bytes == 0) max_bytes = machine_bytes() / 4 * 3;

@@ -1,4 +1,5 @@
 #include <lefort/core/units.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/internal/read_contact.h>
 #include <lefort/io/internal/read_segments.h>
 #include <lefort/io/internal/validated_json.h>
@@ -92,12 +93,12 @@ Result<void> read_tissue(const Json& tissue, const plan::Landmarks& landmarks,
 }
 
 void read_boundary(const Json& boundary, predict::BoundaryOptions& options) {
-  if (boundary.value("moved_bone", "contact") == "attached")
+  if (boundary.value("segment_interface", "sliding") == "bonded")
     options.segment_interface = predict::SegmentInterface::kBonded;
-  if (boundary.value("scan_edge", "free") == "fixed")
+  if (boundary.value("scan_boundary", "free") == "fixed")
     options.scan_boundary = predict::ScanBoundary::kFixed;
-  read(boundary, "release_mm", options.elevation_margin_mm);
-  read(boundary, "capture_mm", options.capture_mm);
+  read(boundary, "elevation_margin_mm", options.elevation_margin_mm);
+  read(boundary, "contact_snap_mm", options.capture_mm);
 }
 
 Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
@@ -136,15 +137,24 @@ Result<PlanFile> read_sections(const Json& json, const fs::path& folder) {
   const Json& solver = section(json, "solver");
   read(solver, "relative_tolerance", plan.solver.relative_tolerance);
   read(solver, "max_iterations", plan.solver.max_iterations);
-  read(solver, "smallest_step", plan.solver.min_increment_ratio);
+  read(solver, "min_increment_ratio", plan.solver.min_increment_ratio);
   return plan;
 }
 
 }  // namespace
 
 Result<PlanFile> parse_plan(std::string_view text, const fs::path& folder) {
-  LEFORT_TRY(const Json json, internal::parse_checked(text, kPlanSchema, "the plan"));
-  return read_sections(json, folder);
+  LEFORT_TRY(internal::CheckedJson checked,
+             internal::parse_checked(text, kPlanSchema, "the plan", deprecated_in_plans()));
+  LEFORT_TRY(PlanFile plan, read_sections(checked.json, folder));
+  plan.warnings = std::move(checked.warnings);
+  return plan;
+}
+
+Result<std::string> rename_plan_keys(std::string_view text) {
+  LEFORT_TRY(const internal::CheckedJson renamed,
+             internal::parse_renamed(text, deprecated_in_plans()));
+  return renamed.warnings.empty() ? std::string(text) : renamed.json.dump(2) + "\n";
 }
 
 Result<PlanText> read_plan_text(const fs::path& file) {

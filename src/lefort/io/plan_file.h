@@ -30,6 +30,7 @@ struct PlanFile {
   predict::ContactOptions contact;
   field::DistanceFieldOptions field;
   predict::SolverOptions solver;
+  std::vector<std::string> warnings;  ///< One for each deprecated key.
 };
 
 /// A plan and the text it was read from, which is read once.
@@ -51,5 +52,10 @@ struct PlanText {
 /// The same from text; relative paths are taken from `folder`.
 [[nodiscard]] Result<PlanFile> parse_plan(std::string_view json,
                                           const std::filesystem::path& folder);
+
+/// The text of a plan with new names for its deprecated keys; the same text if it has none.
+///
+/// \returns kPlanInvalid if it is not JSON, or has a key under both names.
+[[nodiscard]] Result<std::string> rename_plan_keys(std::string_view json);
 
 }  // namespace lefort::io

@@ -30,8 +30,9 @@ void visit_files(OrderedJson& plan, const Visit& visit_string) {
   for (OrderedJson& segment : plan["segments"]) {
     OrderedJson& osteotomy = segment["osteotomy"];
     visit_cuts(osteotomy);
-    if (osteotomy.contains("also"))
-      for (OrderedJson& region : osteotomy["also"]) visit_cuts(region);
+    for (const char* regions : {"additional_regions", "also"})  // The latter is deprecated.
+      if (osteotomy.contains(regions))
+        for (OrderedJson& region : osteotomy[regions]) visit_cuts(region);
     if (!segment["path"].contains("keyframes")) continue;
     for (OrderedJson& keyframe : segment["path"]["keyframes"]) {
       visit(keyframe, "transform");

@@ -16,7 +16,7 @@ namespace lefort::io {
 /// letter are ignored.
 ///
 /// \param file  the table.
-/// \returns the points; kFileNotFound; or kFileCorrupt if there is no point or a line does not
+/// \returns the points; kFileNotFound; or kFileCorrupt if the table is empty or a line does not
 ///   start with three finite numbers (the message states the line).
 [[nodiscard]] Result<std::vector<Vec3>> read_points(const std::filesystem::path& file);
 

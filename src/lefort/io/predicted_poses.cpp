@@ -8,34 +8,39 @@ namespace {
 using nlohmann::json;
 
 /// Nothing if it is not a rigid motion.
-std::optional<RigidTransform> as_pose(const json& rows) {
+std::optional<RigidTransform> as_pose(const json& numbers) {
   constexpr double kRigid = 1e-6;
   RigidTransform X_LB;
-  for (std::size_t row = 0; row < 4; ++row)
-    for (std::size_t column = 0; column < 4; ++column)
-      X_LB.matrix()(Index(row), Index(column)) = rows.at(row).at(column).get<double>();
-  const Mat3 turn = X_LB.linear();
-  if (!X_LB.matrix().allFinite() || (turn.transpose() * turn - Mat3::Identity()).norm() > kRigid)
+  for (std::size_t k = 0; k < 16; ++k)
+    X_LB.matrix()(Index(k / 4), Index(k % 4)) = numbers.at(k).get<double>();
+  const Mat3 rotation = X_LB.linear();
+  if (!X_LB.matrix().allFinite() ||
+      (rotation.transpose() * rotation - Mat3::Identity()).norm() > kRigid)
     return std::nullopt;
   return X_LB;
 }
 
 }  // namespace
 
+Result<void> check_prediction_version(const json& document) {
+  const auto version = document.find("lefort_prediction");
+  if (version == document.end() || *version == kPredictionVersion) return {};
+  return fail(ErrorCode::kFileUnsupported,
+              "the prediction was written by another version of the program: predict again");
+}
+
 Result<std::vector<SegmentPose>> predicted_poses(const json& document, const json& step) {
   const auto damaged = [] {
     return fail(ErrorCode::kFileCorrupt,
-                "the prediction does not contain the poses of its segments");
+                "the prediction has no valid poses of its segments: predict again");
   };
+  LEFORT_TRY_VOID(check_prediction_version(document));
   try {
-    const json& names = document.at("parameters").at("segment");
-    const json& poses = step.at("pose_4x4_row_major_mm_lps");
     std::vector<SegmentPose> all;
-    for (const json& name : names.is_array() ? names : json::array({names})) {
-      const auto segment = name.get<std::string>();
-      const auto X_LB = as_pose(names.is_array() ? poses.at(segment) : poses);
+    for (const json& segment : step.at("segments")) {
+      const auto X_LB = as_pose(segment.at("pose_4x4_row_major_mm_lps"));
       if (!X_LB) return damaged();
-      all.push_back({segment, *X_LB});
+      all.push_back({segment.at("name").get<std::string>(), *X_LB});
     }
     if (all.empty()) return damaged();
     return all;

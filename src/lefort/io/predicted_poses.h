@@ -12,6 +12,15 @@
 
 namespace lefort::io {
 
+/// Format version of prediction.json and failure.json.
+inline constexpr int kPredictionVersion = 2;
+
+/// Checks the format version of a prediction.
+///
+/// \param document  prediction.json or failure.json.
+/// \returns nothing, or kFileUnsupported if another version of the program wrote the document.
+[[nodiscard]] Result<void> check_prediction_version(const nlohmann::json& document);
+
 struct SegmentPose {
   std::string segment;
   RigidTransform X_LB;
@@ -21,8 +30,8 @@ struct SegmentPose {
 ///
 /// \param document  prediction.json or failure.json.
 /// \param step      one of its `steps`.
-/// \returns one pose per segment, in the order of the plan; or kFileCorrupt if the document does
-///   not contain them or a pose is not a rigid motion.
+/// \returns one pose for each segment, in the order of the plan; kFileUnsupported as
+///   check_prediction_version(); kFileCorrupt if poses are missing or are not rigid motions.
 [[nodiscard]] Result<std::vector<SegmentPose>> predicted_poses(const nlohmann::json& document,
                                                                const nlohmann::json& step);
 

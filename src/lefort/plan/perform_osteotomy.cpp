@@ -290,11 +290,10 @@ Result<OsteotomyResult> cut_by_sheets(const TriangleMesh& skull_L, const Osteoto
 Result<void> check(const OsteotomyOptions& options) {
   if (!(options.min_piece_ml >= 0.0) || !std::isfinite(options.min_piece_ml))
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("smallest_piece_ml is {}, must be >= 0", options.min_piece_ml));
+                fmt::format("min_piece_ml is {}, must be >= 0", options.min_piece_ml));
   if (!(options.min_piece_fraction >= 0.0 && options.min_piece_fraction <= 1.0))
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("smallest_piece_share is {}, must be 0 to 1", options.min_piece_fraction));
+    return fail(ErrorCode::kInvalidArgument, fmt::format("min_piece_fraction is {}, must be 0 to 1",
+                                                         options.min_piece_fraction));
   return {};
 }
 

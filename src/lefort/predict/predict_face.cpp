@@ -163,7 +163,7 @@ Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_
   if (capture_mm < distance_query_L.max_distance_mm()) return {};
   return fail(
       ErrorCode::kInvalidArgument,
-      fmt::format("boundary.capture_mm is {:g} mm, must be less than the {:.2f} mm that the "
+      fmt::format("boundary.contact_snap_mm is {:g} mm, must be less than the {:.2f} mm that the "
                   "still bone's distance field reaches",
                   capture_mm, distance_query_L.max_distance_mm()));
 }
@@ -178,10 +178,11 @@ Result<void> check_reach_of(const geometry::RigidPath& path, const std::vector<L
         ErrorCode::kMeshInvalid,
         fmt::format("segment {} is an open surface, contact needs a closed one", path.segment));
   if (!(capture_mm < band_mm))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("boundary.capture_mm is {:g} mm, must be less than the {:.2f} mm that "
-                            "the segment's distance field reaches",
-                            capture_mm, band_mm));
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("boundary.contact_snap_mm is {:g} mm, must be less than the {:.2f} mm that "
+                    "the segment's distance field reaches",
+                    capture_mm, band_mm));
   double longest_mm = 0.0, mm_per_fraction = 0.0, from = 0.0;
   for (const LoadLevel& level : levels) {
     const double moved_mm =
@@ -301,7 +302,7 @@ Result<FacePrediction> predict_face(const FaceModel& model,
     if (inside_mm > options.boundary.capture_mm)
       progress.note(fmt::format(
           "warning: the tissue's mesh lies up to {:.2f} mm inside the segment {} before it moves, "
-          "deeper than boundary.capture_mm = {:g} mm",
+          "deeper than boundary.contact_snap_mm = {:g} mm",
           inside_mm, paths[k].segment, options.boundary.capture_mm));
   }
   if (slides) add_contact(paths.size(), "still bone", sliding->second);

@@ -15,10 +15,11 @@ Result<void> check_distance_query(const Obstacle& obstacle,
         ErrorCode::kMeshInvalid,
         fmt::format("obstacle {} is an open surface, contact needs a closed one", obstacle.name));
   if (!(obstacle.capture_mm < distance_query.max_distance_mm()))
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("capture_mm of obstacle {} is {:g}, must be less than the {:.2f} mm "
-                            "that its field reaches",
-                            obstacle.name, obstacle.capture_mm, distance_query.max_distance_mm()));
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("contact_snap_mm of obstacle {} is {:g}, must be less than the {:.2f} mm "
+                    "that its field reaches",
+                    obstacle.name, obstacle.capture_mm, distance_query.max_distance_mm()));
   return {};
 }
 

@@ -247,7 +247,7 @@ std::string diagnosis(const Problem& problem, const fem::LoadState& last,
         "buckles or collapses",
         last.t, place_of(mesh, *spot));
   return fmt::format(
-      "most compressed is {}; a smaller steps.smallest or more newton.max_iterations may help",
+      "most compressed is {}; a smaller steps.min_increment or more newton.max_iterations may help",
       max_compressed(problem.prepared(), last.u));
 }
 

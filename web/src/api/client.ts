@@ -2,7 +2,7 @@ import { ContractError, parse, type Schemas } from './contract';
 import { EventParser } from './events';
 import { decodeSurface, type WireSurface } from './surface';
 
-/** A request the server refused; the message is one sentence for people. */
+/** A request that the server refused; the message is a sentence for the user. */
 export class ApiError extends Error {
   constructor(
     readonly status: number,
@@ -14,20 +14,20 @@ export class ApiError extends Error {
   }
 }
 
-/** A value with the ETag it must be replaced by. */
+/** A value with its ETag, which replaces it only if it is unchanged. */
 export interface Tagged<T> {
   value: T;
   etag: string;
 }
 
 export interface Depths {
-  /** Segment to depth of each of its vertices [mm], 0 outside other bone. */
+  /** Depth of each vertex of a segment in other bone [mm], 0 outside. */
   bySegment: Map<string, Float32Array>;
   deepest_mm: number;
   beyondReach: boolean;
 }
 
-/** First voxel along i, j, k, then how many. */
+/** First voxel along i, j, k, then the counts. */
 export type VoxelBox = readonly [number, number, number, number, number, number];
 
 export type Poses = Record<string, readonly number[]>;
@@ -54,7 +54,11 @@ export class Client {
     private readonly token: string,
   ) {}
 
-  private async send(method: string, path: string, init: RequestInit & { headers?: Record<string, string> } = {}): Promise<Response> {
+  private async send(
+    method: string,
+    path: string,
+    init: RequestInit & { headers?: Record<string, string> } = {},
+  ): Promise<Response> {
     let response: Response;
     try {
       response = await fetch(this.base + path, {
@@ -65,14 +69,18 @@ export class Client {
       });
     } catch (error) {
       if (init.signal?.aborted) throw error;
-      throw new ApiError(0, 'unreachable', 'The server does not answer. Was lefort serve stopped?');
+      throw new ApiError(0, 'unreachable', 'The server does not respond. Check that lefort serve is running.');
     }
     if (response.ok) return response;
     let refusal: Schemas['Error']['error'];
     try {
       refusal = parse('Error', await response.json()).error;
     } catch {
-      throw new ApiError(response.status, 'unknown', `The server refused with ${response.status} and did not say why.`);
+      throw new ApiError(
+        response.status,
+        'unknown',
+        `The server refused the request (status ${response.status}) without a reason.`,
+      );
     }
     throw new ApiError(response.status, refusal.code, refusal.message, refusal.where);
   }
@@ -87,7 +95,10 @@ export class Client {
   }
 
   private json(method: string, path: string, body: unknown, headers: Record<string, string> = {}): Promise<Response> {
-    return this.send(method, path, { body: JSON.stringify(body), headers: { 'Content-Type': 'application/json', ...headers } });
+    return this.send(method, path, {
+      body: JSON.stringify(body),
+      headers: { 'Content-Type': 'application/json', ...headers },
+    });
   }
 
   case = () => this.get('Case', '/case');
@@ -115,17 +126,21 @@ export class Client {
     await this.send('DELETE', `/jobs/${id}`);
   }
 
-  /** Sends the files of one scan, one after the other; tells how many bytes are there. */
+  /** Uploads the files of one scan in sequence; reports the number of bytes sent. */
   async upload(files: readonly File[], onProgress: (sentBytes: number) => void): Promise<string> {
     const { id } = parse('Upload', await (await this.send('POST', '/uploads')).json());
     let sent = 0;
     try {
       for (let index = 0; index < files.length; index++) {
         const file = files[index];
-        await this.send('PUT', `/uploads/${id}/files/${index}?name=${encodeURIComponent(endingOnly(file.name, index))}`, {
-          body: file,
-          headers: { 'Content-Type': 'application/octet-stream' },
-        });
+        await this.send(
+          'PUT',
+          `/uploads/${id}/files/${index}?name=${encodeURIComponent(endingOnly(file.name, index))}`,
+          {
+            body: file,
+            headers: { 'Content-Type': 'application/octet-stream' },
+          },
+        );
         sent += file.size;
         onProgress(sent);
       }
@@ -154,12 +169,13 @@ export class Client {
     return etagOf(response);
   }
 
-  /** What is painted on the tissue's boundary, within the smallest box that holds it. */
+  /** Paint on the tissue boundary, within its bounding box. */
   async boundaryData(): Promise<Tagged<Uint8Array> & { box: VoxelBox }> {
     const response = await this.send('GET', '/boundary/data');
-    const box = (response.headers.get('X-Lefort-Box') ?? '').split(',').map(Number) as unknown as VoxelBox;
+    const box = toVoxelBox(response.headers.get('X-Lefort-Box') ?? '');
     const value = new Uint8Array(await response.arrayBuffer());
-    if (box.length !== 6 || value.length !== box[3] * box[4] * box[5]) throw new ContractError('the server sent a painted box that is none');
+    if (value.length !== box[3] * box[4] * box[5])
+      throw new ContractError('the painted box and its voxels differ in size');
     return { value, etag: etagOf(response), box };
   }
 
@@ -172,14 +188,17 @@ export class Client {
   }
 
   async putBoundaryFile(file: File, etag: string): Promise<void> {
-    await this.send('PUT', '/boundary/file', { body: file, headers: { 'Content-Type': 'application/octet-stream', 'If-Match': etag } });
+    await this.send('PUT', '/boundary/file', {
+      body: file,
+      headers: { 'Content-Type': 'application/octet-stream', 'If-Match': etag },
+    });
   }
 
   async deleteBoundaryData(etag: string): Promise<void> {
     await this.send('DELETE', '/boundary/data', { headers: { 'If-Match': etag } });
   }
 
-  /** `name` as GET /surfaces tells it: skin, or segments/midface. */
+  /** `name` as GET /surfaces lists it: skin, or segments/midface. */
   async surface(name: string): Promise<WireSurface> {
     const response = await this.send('GET', `/surfaces/${name}`);
     const scalars = (response.headers.get('X-Lefort-Scalars') ?? '').split(',').filter(Boolean);
@@ -195,7 +214,10 @@ export class Client {
     return etagOf(await this.json('PUT', '/landmarks', landmarks, { 'If-Match': etag }));
   }
 
-  async measure(before: Schemas['Points'], after?: Schemas['Points']): Promise<Schemas['Measurements']['measurements']> {
+  async measure(
+    before: Schemas['Points'],
+    after?: Schemas['Points'],
+  ): Promise<Schemas['Measurements']['measurements']> {
     const body = after ? { before, after } : { before };
     return parse('Measurements', await (await this.json('POST', '/measurements', body)).json()).measurements;
   }
@@ -218,7 +240,7 @@ export class Client {
       bySegment.set(name, all.subarray(at, at + Number(count)));
       at += Number(count);
     }
-    if (at !== all.length) throw new ContractError('the server sent more depths than it named vertices');
+    if (at !== all.length) throw new ContractError('the server sent more depths than vertices');
     return {
       bySegment,
       deepest_mm: Number(response.headers.get('X-Lefort-Deepest-Mm') ?? 0),
@@ -241,7 +263,7 @@ export class Client {
     return new Float32Array(await (await this.send('GET', `/prediction/steps/${step}`)).arrayBuffer());
   }
 
-  /** A number for each vertex of a surface; NaN where there is none. Of contact of several segments each has its own. */
+  /** One value per vertex of a surface; NaN where there is none. With several segments, each has its own contact. */
   async values(name: Schemas['ValuesName'], segment?: string): Promise<Float32Array> {
     const query = segment === undefined ? '' : `?segment=${encodeURIComponent(segment)}`;
     return new Float32Array(await (await this.send('GET', `/values/${name}${query}`)).arrayBuffer());
@@ -251,7 +273,7 @@ export class Client {
     return (await this.send('GET', `/files/${encodeURIComponent(name)}`)).blob();
   }
 
-  /** Listens until the signal is aborted; connects again after a break, from the last event seen. */
+  /** Receives events until the signal is aborted; after an interruption, continues behind the last event. */
   async listen(
     on: <Kind extends keyof CaseEvents>(kind: Kind, event: CaseEvents[Kind]) => void,
     onConnection: (connected: boolean, error: ApiError | null) => void,
@@ -274,7 +296,7 @@ export class Client {
             if (event.id !== null) last = event.id;
             const kind = event.event as keyof CaseEvents;
             if (!(kind in EVENT_SCHEMA)) continue;
-            on(kind, parse(EVENT_SCHEMA[kind], JSON.parse(event.data)) as never);
+            on(kind, parse(EVENT_SCHEMA[kind], JSON.parse(event.data)) as CaseEvents[typeof kind]);
           }
         }
       } catch (error) {
@@ -288,13 +310,21 @@ export class Client {
   }
 }
 
+function toVoxelBox(text: string): VoxelBox {
+  const numbers = text.split(',').map(Number);
+  if (numbers.length !== 6 || !numbers.every(Number.isInteger))
+    throw new ContractError('the server sent no valid box of voxels');
+  const [i, j, k, ni, nj, nk] = numbers;
+  return [i, j, k, ni, nj, nk];
+}
+
 function etagOf(response: Response): string {
   const etag = response.headers.get('ETag');
   if (etag === null) throw new ContractError('the server sent no ETag');
   return etag;
 }
 
-/** A scan's file name may name the patient: only its ending leaves the page. */
+/** A file name can contain the patient's name: only its extension is sent. */
 export function endingOnly(name: string, index: number): string {
   const ending = /(\.nii\.gz|\.[A-Za-z0-9]{1,8})$/i.exec(name)?.[0].toLowerCase() ?? '';
   return `file${index}${/^\.\d+$/.test(ending) ? '' : ending}`;

@@ -4,15 +4,15 @@ import type { components } from './types.gen';
 
 export type Schemas = components['schemas'];
 
-const root = contract as unknown as Schema;
-const schemas = contract.components.schemas as unknown as Record<string, Schema>;
+const root: Schema = contract;
+const schemas: Record<string, Schema> = contract.components.schemas;
 
-/** What came is not what the contract says: the server is of another version, or broken. */
+/** A response does not match the contract: the server has another version, or an error. */
 export class ContractError extends Error {}
 
-/** A value from outside as the type of the contract it claims to be. */
+/** Checks a value from the server against a schema of the contract. */
 export function parse<Name extends keyof Schemas>(name: Name, value: unknown): Schemas[Name] {
   const found = fault(value, schemas[name as string], root);
-  if (found !== null) throw new ContractError(`the server's ${String(name)} is not as agreed: ${found}`);
+  if (found !== null) throw new ContractError(`the server's ${String(name)} does not match the contract: ${found}`);
   return value as Schemas[Name];
 }

@@ -5,7 +5,7 @@ export interface ServerEvent {
   data: string;
 }
 
-/** Cuts a stream of text into events; keeps what is not complete yet. https://html.spec.whatwg.org, 9.2.6. */
+/** Splits a stream of text into events and keeps the incomplete rest. https://html.spec.whatwg.org, 9.2.6. */
 export class EventParser {
   private rest = '';
 

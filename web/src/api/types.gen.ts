@@ -30,7 +30,7 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Begins an upload: the files of one scan */
+        /** Starts an upload of the files of one scan */
         post: operations["postUpload"];
         delete?: never;
         options?: never;
@@ -46,7 +46,7 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** One file of an upload, raw bytes; a DICOM folder is many. Needs Content-Length; kept under a name of the server's own */
+        /** Uploads one file as raw bytes; a DICOM folder has many. Content-Length is required. The server stores it under its own name */
         put: operations["putUploadFile"];
         post?: never;
         delete?: never;
@@ -65,7 +65,7 @@ export interface paths {
         get?: never;
         put?: never;
         post?: never;
-        /** Forgets an upload */
+        /** Deletes an upload */
         delete: operations["deleteUpload"];
         options?: never;
         head?: never;
@@ -101,7 +101,7 @@ export interface paths {
         get: operations["getJob"];
         put?: never;
         post?: never;
-        /** Asks a job to stop; what it has found stays for the next one of its kind */
+        /** Cancels a job; its intermediate results remain for the next job of its kind */
         delete: operations["deleteJob"];
         options?: never;
         head?: never;
@@ -115,7 +115,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** What the events newton and step of a prediction have told so far; of the last one since the server was started */
+        /** All newton and step events of a prediction so far; of the last prediction since the server was started */
         get: operations["getJobIterates"];
         put?: never;
         post?: never;
@@ -132,7 +132,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Server-sent events: job (JobEvent), newton (NewtonEvent), step (StepEvent), case (CaseEvent), reset (ResetEvent: fetch all anew) */
+        /** Server-sent events: job (JobEvent), newton (NewtonEvent), step (StepEvent), case (CaseEvent), reset (ResetEvent: fetch everything again) */
         get: operations["getEvents"];
         put?: never;
         post?: never;
@@ -202,7 +202,7 @@ export interface paths {
         };
         /** Labels, uint8, x fastest */
         get: operations["getLabelsData"];
-        /** Replaces all labels (the brush); the anatomy's surfaces are stale until a job segment with from_labels */
+        /** Replaces all labels (the brush); the surfaces of the anatomy are stale until a job segment with from_labels */
         put: operations["putLabelsData"];
         post?: never;
         delete?: never;
@@ -218,7 +218,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** What tissue's boundary does by rule, and what may be painted on it */
+        /** Boundary conditions of the soft tissue by rule, and the labels that can be painted */
         get: operations["getBoundary"];
         put?: never;
         post?: never;
@@ -235,12 +235,12 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** What is painted on the boundary: values of /boundary, uint8, x fastest, of the smallest box that holds all */
+        /** Painted labels of the boundary: values of /boundary, uint8, x fastest, within their bounding box */
         get: operations["getBoundaryData"];
-        /** Replaces all that is painted; boundary.seg.nrrd, which a plan names as boundary.labels */
+        /** Replaces all painted labels (boundary.seg.nrrd, which a plan names as boundary.labels) */
         put: operations["putBoundaryData"];
         post?: never;
-        /** Forgets all that is painted; refused while the plan names it */
+        /** Deletes all painted labels; refused while the plan names them */
         delete: operations["deleteBoundaryData"];
         options?: never;
         head?: never;
@@ -255,7 +255,7 @@ export interface paths {
             cookie?: never;
         };
         get?: never;
-        /** Replaces all that is painted by a .seg.nrrd of another program, at most 256 MB */
+        /** Replaces all painted labels by a .seg.nrrd of another program, at most 256 MB */
         put: operations["putBoundaryFile"];
         post?: never;
         delete?: never;
@@ -271,7 +271,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Which surfaces there are */
+        /** Available surfaces */
         get: operations["getSurfaces"];
         put?: never;
         post?: never;
@@ -305,7 +305,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** A segment's bone as cut, before it moves: LFSURF1 binary */
+        /** Surface of a segment after the osteotomy, before it moves: LFSURF1 binary */
         get: operations["getSegmentSurface"];
         put?: never;
         post?: never;
@@ -324,7 +324,7 @@ export interface paths {
         };
         /** The landmarks before surgery */
         get: operations["getLandmarks"];
-        /** Replaces them */
+        /** Replaces the landmarks */
         put: operations["putLandmarks"];
         post?: never;
         delete?: never;
@@ -342,7 +342,7 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** Landmarks to angles and distances (docs/landmarks.md); nothing is kept */
+        /** Computes angles and distances from landmarks (docs/landmarks.md); nothing is stored */
         post: operations["postMeasurements"];
         delete?: never;
         options?: never;
@@ -357,9 +357,9 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** The plan file, contract/plan.schema.json */
+        /** The plan (contract/plan.schema.json), with new names for its deprecated keys */
         get: operations["getPlan"];
-        /** Replaces it, kept byte for byte. It may name ct.nrrd, landmarks.mrk.json and anatomy/labels.seg.nrrd, no other file. Checked as the command line checks it */
+        /** Replaces the plan; it is stored byte for byte. It may name ct.nrrd, landmarks.mrk.json, anatomy/labels.seg.nrrd and boundary.seg.nrrd, and no other file. The checks are those of the command line */
         put: operations["putPlan"];
         post?: never;
         delete?: never;
@@ -375,7 +375,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Where the kept plan moves each segment at shares k / count of its path, k from 0 to count */
+        /** Poses of each segment of the stored plan at the fractions k / count of its path, k from 0 to count */
         get: operations["getPlanPoses"];
         put?: never;
         post?: never;
@@ -394,7 +394,7 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** The planes of a template placed by landmarks */
+        /** Cut planes of a template, positioned by landmarks */
         post: operations["postOsteotomy"];
         delete?: never;
         options?: never;
@@ -411,7 +411,7 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** How deep each vertex of the moved segments lies in still bone and in the other segments [mm], 0 outside; needs job cut */
+        /** Depth of each vertex of the mobilized segments in stationary bone and in the other segments [mm], 0 outside; needs job cut */
         post: operations["postPoses"];
         delete?: never;
         options?: never;
@@ -428,7 +428,7 @@ export interface paths {
         };
         get?: never;
         put?: never;
-        /** A preview, not a prediction: displacement of each vertex of surface skin [mm], linearised at rest; needs job preview-factor and the pose of each of its segments */
+        /** A preview, not a prediction: displacement of each vertex of surface skin [mm], linearized at rest; needs job preview-factor and the pose of each of its segments */
         post: operations["postPreview"];
         delete?: never;
         options?: never;
@@ -443,7 +443,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** How far the preview is from the full solve on the face, for the kept prediction */
+        /** Distance between preview and full solve on the face, for the stored prediction */
         get: operations["getPreviewDistance"];
         put?: never;
         post?: never;
@@ -460,7 +460,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** What the kept prediction found, step by step */
+        /** Results of the stored prediction, step by step */
         get: operations["getPrediction"];
         put?: never;
         post?: never;
@@ -494,7 +494,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** How far the parts of the face have moved at a step, vertex from vertex, over area */
+        /** Displacement of the regions of the face at a step, averaged over their area */
         get: operations["getPredictionStepRegions"];
         put?: never;
         post?: never;
@@ -511,7 +511,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** What the job compare has found: the predicted face against one after surgery, beside nothing changed */
+        /** Result of the job compare: distances between the predicted face and the face after surgery, and the baseline of no change */
         get: operations["getComparison"];
         put?: never;
         post?: never;
@@ -545,7 +545,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** Which files can be had */
+        /** Available files */
         get: operations["getFiles"];
         put?: never;
         post?: never;
@@ -562,7 +562,7 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /** One of them, as the command line wrote it */
+        /** A file, as the command line wrote it */
         get: operations["getFile"];
         put?: never;
         post?: never;
@@ -581,14 +581,14 @@ export interface components {
                 /** @enum {unknown} */
                 code: "bad_request" | "no_token" | "foreign" | "not_found" | "not_allowed" | "not_ready" | "stale" | "length_required" | "too_large" | "wrong_type" | "no_precondition" | "invalid" | "busy" | "limit" | "unavailable" | "internal";
                 message: string;
-                /** @description What it is about: a key, a parameter, a file; empty if the whole. */
+                /** @description The key, parameter or file with the error; empty if it is the whole request. */
                 where: string;
             };
         };
         Stage: {
             /** @enum {unknown} */
             state: "missing" | "fresh" | "stale" | "running" | "failed" | "unconverged";
-            /** @description One sentence where the state is not fresh; else empty. */
+            /** @description Reason in one sentence if the state is not fresh; else empty. */
             why: string;
             /** @description As in the header ETag. */
             etag: string | null;
@@ -599,13 +599,13 @@ export interface components {
             title: string;
             version: string;
             /**
-             * @description Always in view.
+             * @description Must always be visible.
              * @constant
              */
             notice: "Research software. A simulation, not for clinical use.";
-            /** @description Another one after the server was started anew. */
+            /** @description Changes when the server is restarted. */
             start: string;
-            /** @description null before import. */
+            /** @description null before the import. */
             scan: null | {
                 source_kind: string;
                 size: number[];
@@ -625,7 +625,7 @@ export interface components {
                 comparison: components["schemas"]["Stage"];
             };
             example_available: boolean;
-            /** @description Those this server can do. */
+            /** @description Kinds of jobs of this server. */
             job_kinds: components["schemas"]["JobKind"][];
             limits: {
                 upload_file_bytes: number;
@@ -646,7 +646,7 @@ export interface components {
             /** @constant */
             kind: "import";
             upload: string;
-            /** @description Of a DICOM folder; 0: the only CT there is. */
+            /** @description Number of the series of a DICOM folder; 0 if it has only one CT. */
             series?: number;
         } | {
             /** @constant */
@@ -658,7 +658,7 @@ export interface components {
             kind: "segment";
             bone_hu?: number;
             skin_hu?: number;
-            /** @description Surfaces of the labels that are there, after the brush, instead of segmenting. */
+            /** @description Rebuild the surfaces from the current labels instead of segmenting the scan. */
             from_labels?: boolean;
         } | {
             /** @constant */
@@ -685,17 +685,17 @@ export interface components {
             kind: components["schemas"]["JobKind"];
             parameters: Record<string, never>;
             state: components["schemas"]["JobState"];
-            /** @description What it is at, in words. */
+            /** @description Current stage in words. */
             stage: string;
-            /** @description Of that stage. */
+            /** @description Completed fraction of that stage. */
             fraction: number;
-            /** @description What it said, the last 200. */
+            /** @description Its last 200 messages. */
             lines: string[];
-            /** @description How it ended, in a sentence; empty before. */
+            /** @description Outcome in one sentence; empty before the end. */
             message: string;
-            /** @description The summary of the command line's --json; null before it is done. */
+            /** @description Summary as in --json of the command line; null before the end. */
             result: Record<string, never> | null;
-            /** @description check: something was found against the plan. */
+            /** @description For job check: a limit is exceeded. */
             has_findings?: boolean;
             /**
              * Format: date-time
@@ -713,53 +713,53 @@ export interface components {
             state: components["schemas"]["JobState"];
             stage: string;
             fraction: number;
-            /** @description One more line, if there is. */
+            /** @description A further message, if any. */
             line: string | null;
             message: string;
         };
         NewtonEvent: {
             job: number;
-            /** @description How many of this solve came before these. */
+            /** @description Number of earlier iterates of this solve. */
             from: number;
-            /** @description Those since the last event, in their order; events come at most ten times a second. */
+            /** @description Iterates since the last event, in their order; at most ten events per second. */
             iterates: components["schemas"]["NewtonIterate"][];
         };
         NewtonIterate: {
-            /** @description Of the path, from 1: the one being sought. */
+            /** @description Number of the step that is being solved, from 1. */
             step: number;
-            to_share: number;
-            /** @description Of this step, from 1: increments that were halved are several. */
+            path_fraction: number;
+            /** @description Number of the attempt within this step, from 1; halved increments are further attempts. */
             attempt: number;
-            /** @description Of this attempt; 0 is its start. */
+            /** @description Number of the iteration within this attempt; 0 is its start. */
             iteration: number;
             residual_n: number;
             relative_residual: number;
-            /** @description Points of integration in contact. */
-            contacts: number;
-            /** @description How much deeper than at rest one of them lies in the bone, at most. */
-            deepest_mm: number;
+            /** @description Quadrature points in contact. */
+            contact_points: number;
+            /** @description Largest increase of the penetration since the state at rest. */
+            max_penetration_increase_mm: number;
         };
         SolveHistory: {
             job: number;
-            /** @description How many iterates are forgotten: the newest 50,000 are kept. */
+            /** @description Number of iterates that were discarded; the newest 50,000 are stored. */
             from: number;
             iterates: components["schemas"]["NewtonIterate"][];
-            /** @description Those that an earlier job has found, too. */
+            /** @description Steps, including those of an earlier job. */
             steps: components["schemas"]["StepEvent"][];
         };
         StepEvent: {
             job: number;
             step: number;
             steps: number;
-            share: number;
+            path_fraction: number;
             newton_iterations: number;
             relative_residual: number;
             contact_nodes: number;
-            p99_depth_mm: number;
-            max_depth_mm: number;
+            p99_penetration_increase_mm: number;
+            max_penetration_increase_mm: number;
         };
         CaseEvent: {
-            /** @description All of them, as in Case. */
+            /** @description All stages, as in Case. */
             stages: {
                 [key: string]: components["schemas"]["Stage"];
             };
@@ -774,7 +774,7 @@ export interface components {
             /** @description Columns are the directions of i, j, k in LPS; row-major. */
             direction: number[];
             value_range_hu: number[];
-            /** @description Window and level. */
+            /** @description Display windows. */
             presets: {
                 name: string;
                 level_hu: number;
@@ -784,31 +784,31 @@ export interface components {
         };
         Labels: {
             size: number[];
-            /** @description Value to name. */
+            /** @description Name of each value. */
             names: {
                 value: number;
                 name: string;
             }[];
         };
         Boundary: {
-            /** @description What can be painted; 0 is nothing. */
+            /** @description Labels that can be painted; 0 means unpainted. */
             names: {
                 value: number;
                 name: string;
                 /** @description RGB. */
-                colour: number[];
+                color: number[];
             }[];
-            /** @description Boundary nearer than this to a bone lies on it. */
-            capture_mm: number;
-            /** @description Tissue on still bone nearer than this to the segment is elevated. */
-            release_mm: number;
-            /** @description In the order in which they are asked, by the plan. */
+            /** @description Boundary of the soft tissue within this distance from a bone lies on it. */
+            contact_snap_mm: number;
+            /** @description Soft tissue on stationary bone within this distance from a segment is elevated. */
+            elevation_margin_mm: number;
+            /** @description The rules of the plan, in the order in which they are applied. */
             rules: {
                 set: string;
-                /** @description Nodes nearer than this are taken; null takes all the rest. */
+                /** @description The rule applies to nodes within this distance; null: to all remaining nodes. */
                 within_mm: number | null;
             }[];
-            /** @description What the rules and what is painted hold of the tissue's mesh, by the newest preview or prediction that is up to date; null if there is none. */
+            /** @description Areas of the mesh decided by rules and by paint, from the newest current preview or prediction; null if there is none. */
             areas: null | {
                 /** @enum {unknown} */
                 stage: "preview" | "prediction";
@@ -821,28 +821,28 @@ export interface components {
                 }[];
                 painted: {
                     name: string;
-                    mm2: number;
+                    area_mm2: number;
                 }[];
             };
         };
         /**
-         * @description after_surgery: the skin of a scan after surgery, laid onto the head before it by bone that did not move.
+         * @description after_surgery: the skin of a scan after surgery, registered to the scan before surgery on stationary bone.
          * @enum {unknown}
          */
         SurfaceName: "skin" | "skull" | "remainder" | "skin_before" | "predicted" | "after_surgery";
         /**
-         * @description contact-pressure [kPa] and contact-depth [mm, how much deeper than at rest tissue lies there]: of the segment's surface, after the last step. difference: of surface predicted, its distance from the face after surgery [mm], positive outside of it.
+         * @description contact-pressure [kPa] and contact-depth [mm, increase of penetration since rest]: on the segment's surface after the last step. difference: on surface predicted, the signed distance to the face after surgery [mm], positive outside.
          * @enum {unknown}
          */
         ValuesName: "contact-pressure" | "contact-depth" | "difference";
         SurfaceList: {
             surfaces: {
-                /** @description skin, or segments/midface. */
+                /** @description For example skin or segments/midface. */
                 name: string;
                 etag: string;
             }[];
         };
-        /** @description Name to point in LPS [mm]. */
+        /** @description Points by name [mm, LPS]. */
         Points: {
             [key: string]: number[];
         };
@@ -862,7 +862,7 @@ export interface components {
                 after?: number | null;
             }[];
         };
-        /** @description contract/plan.schema.json, which says the rest. */
+        /** @description A plan; contract/plan.schema.json is its full schema. */
         Plan: {
             /** @constant */
             lefort_plan: 1;
@@ -871,11 +871,11 @@ export interface components {
         PlanStored: {
             segments: string[];
         };
-        /** @description 4 by 4, row-major, rigid, from the bone as scanned to where it is [mm, LPS]. */
+        /** @description Rows of a rigid 4 by 4 matrix, from the bone as scanned to its pose [mm, LPS]. */
         Pose: number[];
         PlanPoses: {
             count: number;
-            /** @description Name to count + 1 poses. */
+            /** @description count + 1 poses of each segment by its name. */
             segments: {
                 [key: string]: components["schemas"]["Pose"][];
             };
@@ -888,116 +888,116 @@ export interface components {
         /** @enum {string} */
         TemplateKind: "le-fort-1" | "le-fort-2" | "le-fort-3" | "genioplasty" | "sagittal-split";
         OsteotomyRequest: {
-            /** @description An osteotomy placed by the plan's landmarks. */
+            /** @description An osteotomy positioned by the landmarks of the plan. */
             template: components["schemas"]["TemplateKind"] | {
                 kind: components["schemas"]["TemplateKind"];
-                /** @description Le Fort I: above ANS. 5 unless given. */
+                /** @description Le Fort I: distance above ANS. Default 5. */
                 above_palate_mm?: number;
-                /** @description Le Fort I to III: of PNS. 0 unless given. */
+                /** @description Le Fort I to III: distance behind PNS. Default 0. */
                 behind_palate_mm?: number;
-                /** @description Le Fort III: of FZ. 12 unless given. */
+                /** @description Le Fort III: distance of the lateral cut behind FZ. Default 12. */
                 behind_rim_mm?: number;
-                /** @description Genioplasty. 6 unless given. */
+                /** @description Genioplasty: distance above pogonion. Default 6. */
                 above_pogonion_mm?: number;
-                /** @description Sagittal split: inside Go. 5 unless given. */
+                /** @description Sagittal split: distance of the sagittal plane medial to Go. Default 5. */
                 split_depth_mm?: number;
-                /** @description Sagittal split: of L6. 12 unless given. */
+                /** @description Sagittal split: distance of the buccal cut behind L6. Default 12. */
                 behind_molar_mm?: number;
             };
             landmarks: components["schemas"]["Points"];
         };
         Osteotomy: {
-            /** @description As a plan takes it: planes, also, holds. */
+            /** @description As in a plan: planes, additional_regions, anchor_points. */
             osteotomy: {
                 planes: {
                     point_mm: number[];
                     towards_segment: number[];
                 }[];
-                also?: {
+                additional_regions?: {
                     planes: {
                         point_mm: number[];
                         towards_segment: number[];
                     }[];
                 }[];
-                holds?: (string | number[])[];
+                anchor_points?: (string | number[])[];
             };
         };
         PreviewDistance: {
             /** @constant */
             note: "preview, not a prediction";
-            /** @description Those the full solve moves by more than 0.5 mm. */
+            /** @description Number of vertices that the full solve moves by more than 0.5 mm. */
             moved_vertices: number;
             p50_mm: number;
             p99_mm: number;
             max_mm: number;
-            /** @description Of the full solve. */
-            largest_shift_mm: number;
+            /** @description Maximum displacement of the full solve [mm]. */
+            max_shift_mm: number;
         };
         RegionShifts: {
             step: number;
-            /** @description The whole face, the part that has moved more than 0.5 mm, and the regions that landmarks tell. */
+            /** @description The whole face, the part that has moved more than 0.5 mm, and the regions defined by landmarks. */
             regions: {
                 region: string;
                 shift: components["schemas"]["DifferenceStatistics"];
             }[];
-            /** @description What is left out for want of landmarks. */
+            /** @description Regions whose landmarks are missing. */
             missing: string[];
         };
-        /** @description Over area. Null where nothing is compared. */
+        /** @description Statistics over area; null where nothing is compared. */
         DifferenceStatistics: {
             area_mm2: number;
-            /** @description Of that area. */
-            compared_share: number;
+            /** @description Fraction of that area that was compared. */
+            compared_fraction: number;
             mean_mm: number | null;
             median_mm: number | null;
             p90_mm: number | null;
             p95_mm: number | null;
             p99_mm: number | null;
             max_mm: number | null;
-            share_below_1mm: number | null;
-            share_below_2mm: number | null;
+            fraction_below_1mm: number | null;
+            fraction_below_2mm: number | null;
             mean_signed_mm: number | null;
         };
         /** @description Of a bone, in L. */
         MovementDifference: {
-            /** @description Of its centre. */
-            shift_mm: number[];
-            shift_length_mm: number;
+            /** @description Translation of its centroid. */
+            translation_mm: number[];
+            translation_length_mm: number;
             /** @description Rotation vector. */
-            turn_deg: number[];
-            turn_angle_deg: number;
-            /** @description Of the way of a vertex. */
-            largest_mm: number;
+            rotation_deg: number[];
+            rotation_angle_deg: number;
+            /** @description Largest displacement of a vertex. */
+            max_displacement_mm: number;
         };
         Comparison: {
-            /** @description The whole face, the part that moved, and the regions that landmarks tell. */
+            /** @description The whole face, the part that moved, and the regions defined by landmarks. */
             regions: {
                 region: string;
-                /** @description Of the predicted face. */
+                /** @description Distances of the predicted face. */
                 face: components["schemas"]["DifferenceStatistics"];
-                /** @description Of the face before surgery, likewise: the baseline; null if there is none. */
-                if_unchanged: components["schemas"]["DifferenceStatistics"] | null;
+                /** @description Distances of the face before surgery, the baseline; null if there is none. */
+                baseline_no_change: components["schemas"]["DifferenceStatistics"] | null;
             }[];
-            /** @description What is left out for want of landmarks. */
+            /** @description Regions whose landmarks are missing. */
             missing: string[];
-            /** @description Of each segment, where the comparison was with a scan. */
+            /** @description Movement of each segment, if a scan was compared. */
             movements: {
                 segment: string;
                 achieved: components["schemas"]["MovementDifference"];
                 from_plan_to_achieved: components["schemas"]["MovementDifference"];
             }[];
-            /** @description How well still bone of the two scans lies together; null if a surface was compared. */
+            /** @description Quality of the registration of the two scans on stationary bone; null if a surface was compared. */
             registration: {
                 rms_mm: number;
-                kept_share: number;
+                inlier_fraction: number;
             } | null;
             warnings: string[];
         };
         PredictionStep: {
             step: number;
-            share: number;
+            path_fraction: number;
             pose: components["schemas"]["Pose"];
-            /** @description Of each segment by its name; pose is that of the plan's first. What else is told of contact is of all segments together. */
+            /** @description Pose of each segment by its name; `pose` is that of the plan's first segment. The contact figures are of all segments together. */
             poses: {
                 [key: string]: components["schemas"]["Pose"];
             };
@@ -1005,20 +1005,20 @@ export interface components {
             relative_residual: number;
             contact_nodes: number;
             contact_area_mm2: number;
-            p99_depth_mm: number;
-            max_depth_mm: number;
-            largest_displacement_mm: number;
+            p99_penetration_increase_mm: number;
+            max_penetration_increase_mm: number;
+            max_displacement_mm: number;
         };
         Prediction: {
             converged: boolean;
-            /** @description Why not; empty if it did. */
+            /** @description Reason if it did not converge; else empty. */
             failure: string;
-            skin_largest_shift_mm: number | null;
-            /** @description Where it moved more than 0.5 mm. */
+            skin_max_shift_mm: number | null;
+            /** @description Mean where the skin moved more than 0.5 mm. */
             skin_mean_shift_mm: number | null;
             elements: number;
             steps: components["schemas"]["PredictionStep"][];
-            /** @description prediction.json or failure.json as it is. */
+            /** @description Content of prediction.json or failure.json. */
             document: Record<string, never>;
         };
         FileName: ("ct.nrrd" | "labels.seg.nrrd" | "skull.vtp" | "skin.vtp" | "landmarks.mrk.json" | "plan.json" | "boundary.seg.nrrd" | "check.json" | "cephalometry.csv" | "landmarks_after.mrk.json" | "landmarks_after.csv" | "report.html" | "prediction.json" | "failure.json" | "predicted_skin.vtp" | "predicted_skin.stl" | "skin_before.vtp" | "bone_remainder.vtp" | "bone_segment_moved.vtp" | "bone_overlap.vtp" | "compare.json" | "regions.csv" | "landmark_shifts.csv" | "difference.vtp" | "movements.csv" | "skin_after.vtp") | string;
@@ -1031,7 +1031,7 @@ export interface components {
         };
     };
     responses: {
-        /** @description Not done, and why in one sentence. */
+        /** @description The request failed; the message is one sentence. */
         Refused: {
             headers: {
                 [name: string]: unknown;
@@ -1078,7 +1078,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Begun. */
+            /** @description Started. */
             201: {
                 headers: {
                     [name: string]: unknown;
@@ -1093,12 +1093,12 @@ export interface operations {
     putUploadFile: {
         parameters: {
             query: {
-                /** @description What the file was called: only its ending is used: scans (.dcm, none, .nii, .nii.gz, .nrrd, .mha, .inv3), surfaces (.vtp, .stl, .ply, .obj). */
+                /** @description Name of the file; only its extension is used: scans (.dcm, none, .nii, .nii.gz, .nrrd, .mha, .inv3), surfaces (.vtp, .stl, .ply, .obj). */
                 name: string;
             };
             header?: never;
             path: {
-                /** @description As POST /uploads told. */
+                /** @description The id that POST /uploads returned. */
                 upload: string;
                 /** @description Number of the file, from 0. */
                 index: number;
@@ -1111,7 +1111,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description Kept. */
+            /** @description Stored. */
             201: {
                 headers: {
                     [name: string]: unknown;
@@ -1128,14 +1128,14 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description As POST /uploads told. */
+                /** @description The id that POST /uploads returned. */
                 upload: string;
             };
             cookie?: never;
         };
         requestBody?: never;
         responses: {
-            /** @description Gone. */
+            /** @description Deleted. */
             204: {
                 headers: {
                     [name: string]: unknown;
@@ -1267,7 +1267,7 @@ export interface operations {
         parameters: {
             query?: never;
             header?: {
-                /** @description The last id seen: events since are told again, or reset if they are no longer known. */
+                /** @description The last id received: later events are sent again, or reset if they are no longer stored. */
                 "Last-Event-ID"?: string;
             };
             path?: never;
@@ -1275,7 +1275,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Events without end; a comment line at least every 15 s. */
+            /** @description An endless stream of events, with a comment line at least every 15 s. */
             200: {
                 headers: {
                     [name: string]: unknown;
@@ -1311,7 +1311,7 @@ export interface operations {
     getVolumeData: {
         parameters: {
             query?: {
-                /** @description Each n-th voxel along each axis: ceil(size / n) of them. 1 unless given. */
+                /** @description Each n-th voxel along each axis: ceil(size / n) of them. Default 1. */
                 every?: number;
             };
             header?: never;
@@ -1323,9 +1323,9 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description Voxels sent along x, y, z, as 256,256,120. */
+                    /** @description Number of voxels along x, y, z, for example 256,256,120. */
                     "X-Lefort-Size"?: string;
-                    /** @description Of the scan. */
+                    /** @description ETag of the scan. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1348,7 +1348,7 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1362,7 +1362,7 @@ export interface operations {
     getLabelsData: {
         parameters: {
             query?: {
-                /** @description Each n-th voxel along each axis: ceil(size / n) of them. 1 unless given. */
+                /** @description Each n-th voxel along each axis: ceil(size / n) of them. Default 1. */
                 every?: number;
             };
             header?: never;
@@ -1374,9 +1374,9 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description As of /volume/data. */
+                    /** @description As in /volume/data. */
                     "X-Lefort-Size"?: string;
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1391,7 +1391,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description The ETag of what this replaces, or * ; 412 if it has changed since (another page was first), 428 if it is not sent. */
+                /** @description ETag of the version to replace, or *. 412 if it has changed since, for example by another page; 428 if it is missing. */
                 "If-Match": string;
             };
             path?: never;
@@ -1403,10 +1403,10 @@ export interface operations {
             };
         };
         responses: {
-            /** @description Kept. */
+            /** @description Stored. */
             204: {
                 headers: {
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1448,9 +1448,9 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description First voxel of the box along i, j, k, then how many along each: six numbers with commas. */
+                    /** @description First voxel of the box along i, j, k, then its size along each: six numbers, separated by commas. */
                     "X-Lefort-Box"?: string;
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1464,11 +1464,11 @@ export interface operations {
     putBoundaryData: {
         parameters: {
             query: {
-                /** @description As X-Lefort-Box: what lies outside is not painted. Something within must be. */
+                /** @description As X-Lefort-Box: voxels outside it are not painted. At least one voxel within it must be painted. */
                 box: string;
             };
             header: {
-                /** @description The ETag of what this replaces, or * ; 412 if it has changed since (another page was first), 428 if it is not sent. */
+                /** @description ETag of the version to replace, or *. 412 if it has changed since, for example by another page; 428 if it is missing. */
                 "If-Match": string;
             };
             path?: never;
@@ -1480,10 +1480,10 @@ export interface operations {
             };
         };
         responses: {
-            /** @description Kept. */
+            /** @description Stored. */
             204: {
                 headers: {
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1496,7 +1496,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description The ETag of what this replaces, or * ; 412 if it has changed since (another page was first), 428 if it is not sent. */
+                /** @description ETag of the version to replace, or *. 412 if it has changed since, for example by another page; 428 if it is missing. */
                 "If-Match": string;
             };
             path?: never;
@@ -1504,7 +1504,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description Gone. */
+            /** @description Deleted. */
             204: {
                 headers: {
                     [name: string]: unknown;
@@ -1518,7 +1518,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description The ETag of what this replaces, or * ; 412 if it has changed since (another page was first), 428 if it is not sent. */
+                /** @description ETag of the version to replace, or *. 412 if it has changed since, for example by another page; 428 if it is missing. */
                 "If-Match": string;
             };
             path?: never;
@@ -1530,10 +1530,10 @@ export interface operations {
             };
         };
         responses: {
-            /** @description Kept. */
+            /** @description Stored. */
             204: {
                 headers: {
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1568,7 +1568,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Which one. */
+                /** @description Name of the surface. */
                 surface: components["schemas"]["SurfaceName"];
             };
             cookie?: never;
@@ -1580,7 +1580,7 @@ export interface operations {
                 headers: {
                     /** @description Names of the scalar arrays, separated by commas. */
                     "X-Lefort-Scalars"?: string;
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1596,7 +1596,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Its name in the plan. */
+                /** @description Name of the segment in the plan. */
                 segment: string;
             };
             cookie?: never;
@@ -1606,9 +1606,9 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description As above. */
+                    /** @description As in /surfaces/{surface}. */
                     "X-Lefort-Scalars"?: string;
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1631,7 +1631,7 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1646,7 +1646,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description The ETag of what this replaces, or * ; 412 if it has changed since (another page was first), 428 if it is not sent. */
+                /** @description ETag of the version to replace, or *. 412 if it has changed since, for example by another page; 428 if it is missing. */
                 "If-Match": string;
             };
             path?: never;
@@ -1661,7 +1661,7 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1709,7 +1709,7 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1724,7 +1724,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description The ETag of what this replaces, or * ; 412 if it has changed since (another page was first), 428 if it is not sent. */
+                /** @description ETag of the version to replace, or *. 412 if it has changed since, for example by another page; 428 if it is missing. */
                 "If-Match": string;
             };
             path?: never;
@@ -1739,7 +1739,7 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description Of what is there now; for If-Match. */
+                    /** @description ETag of the current version, for If-Match. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1753,7 +1753,7 @@ export interface operations {
     getPlanPoses: {
         parameters: {
             query?: {
-                /** @description 12 unless given. */
+                /** @description Default 12. */
                 count?: number;
             };
             header?: never;
@@ -1815,11 +1815,11 @@ export interface operations {
             /** @description float32, segment after segment in the order of X-Lefort-Segments. */
             200: {
                 headers: {
-                    /** @description As midface=12345,chin=678: names and vertices. */
+                    /** @description Names and numbers of vertices, for example midface=12345,chin=678. */
                     "X-Lefort-Segments"?: string;
-                    /** @description The largest. */
+                    /** @description Maximum depth [mm]. */
                     "X-Lefort-Deepest-Mm"?: string;
-                    /** @description 1 if somewhere deeper than the fields can tell, else 0. */
+                    /** @description 1 if a depth exceeds the reach of the distance fields and X-Lefort-Deepest-Mm is a lower bound; else 0. */
                     "X-Lefort-Beyond-Reach"?: string;
                     [name: string]: unknown;
                 };
@@ -1904,7 +1904,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description From 1. */
+                /** @description Number of the step, from 1. */
                 step: number;
             };
             cookie?: never;
@@ -1928,7 +1928,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description From 1. */
+                /** @description Number of the step, from 1. */
                 step: number;
             };
             cookie?: never;
@@ -1959,7 +1959,7 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description Of what is there now. */
+                    /** @description ETag of the current version. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -1973,12 +1973,12 @@ export interface operations {
     getValues: {
         parameters: {
             query?: {
-                /** @description Of contact: which segment's, if the plan has several; left out if it has one. */
+                /** @description For contact values of a plan with several segments: name of the segment. */
                 segment?: string;
             };
             header?: never;
             path: {
-                /** @description Which ones. */
+                /** @description Name of the values. */
                 values: components["schemas"]["ValuesName"];
             };
             cookie?: never;
@@ -1988,7 +1988,7 @@ export interface operations {
             /** @description Done. */
             200: {
                 headers: {
-                    /** @description Of what is there now. */
+                    /** @description ETag of the current version. */
                     ETag?: string;
                     [name: string]: unknown;
                 };
@@ -2025,7 +2025,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description Which one. */
+                /** @description Name of the file. */
                 file: components["schemas"]["FileName"];
             };
             cookie?: never;

@@ -2,12 +2,12 @@ import { add, cross, dot, sub, type Grid, type Vec3 } from './frames';
 import type { LabelEdit } from './labels';
 import type { Surface } from './section';
 
-// What is painted on the tissue's boundary, on the voxels of the scan (docs/tissue-mesh.md).
+// Labels painted on the tissue boundary, stored on the voxels of the scan (docs/tissue-mesh.md).
 
-/** How far a painted voxel's centre may be from what it decides: half a voxel's diagonal, as predict/boundary_labels has it [mm]. */
-export const paintReach_mm = (grid: Grid): number => 0.5 * Math.hypot(...grid.spacing_mm);
+/** Distance within which a painted voxel sets a label: half a voxel diagonal, as in predict/boundary_labels [mm]. */
+export const paintTolerance_mm = (grid: Grid): number => 0.5 * Math.hypot(...grid.spacing_mm);
 
-/** Into millimetres along the voxel axes, from the first voxel's centre: distances are as in L. */
+/** L to millimeters along the voxel axes from the first voxel's center; this preserves distances. */
 function gridMillimetres(grid: Grid): (x: number, y: number, z: number) => Vec3 {
   const [ox, oy, oz] = grid.origin_mm;
   const [a, b, c, d, e, f, g, h, i] = grid.direction;
@@ -24,7 +24,8 @@ const last = (mm: number, spacing_mm: number, size: number): number => Math.min(
 export function triangleDistance2(p: Vec3, a: Vec3, b: Vec3, c: Vec3): number {
   const [ab, ac, ap] = [sub(b, a), sub(c, a), sub(p, a)];
   const to = (q: Vec3): number => dot(sub(p, q), sub(p, q));
-  const along = (from: Vec3, edge: Vec3, share: number): number => to(add(from, [share * edge[0], share * edge[1], share * edge[2]]));
+  const along = (from: Vec3, edge: Vec3, fraction: number): number =>
+    to(add(from, [fraction * edge[0], fraction * edge[1], fraction * edge[2]]));
   const [d1, d2] = [dot(ab, ap), dot(ac, ap)];
   if (d1 <= 0 && d2 <= 0) return to(a);
   const bp = sub(p, b);
@@ -44,7 +45,7 @@ export function triangleDistance2(p: Vec3, a: Vec3, b: Vec3, c: Vec3): number {
   return (height * height) / dot(n, n);
 }
 
-/** Triangles of a surface by the cube that their first corner lies in, so that a dab need not look at all of them. */
+/** Triangles of a surface, binned by the cube of their first corner, so that a stamp tests few of them. */
 class TriangleCubes {
   private static readonly known = new WeakMap<Surface, TriangleCubes>();
   private readonly cubes = new Map<number, number[]>();
@@ -68,51 +69,52 @@ class TriangleCubes {
     }
   }
 
-  /** Visits each triangle that may have a point within `reach` of one along each axis, and some others. */
-  visit(p: Vec3, reach: number, see: (t: number) => void): void {
-    const far = reach + this.longest;
+  /** Visits all triangles with a point within `distance` of p along each axis, and some others. */
+  visit(p: Vec3, distance: number, onTriangle: (t: number) => void): void {
+    const far = distance + this.longest;
     for (let k = cubeOf(p[2] - far); k <= cubeOf(p[2] + far); k++)
       for (let j = cubeOf(p[1] - far); j <= cubeOf(p[1] + far); j++)
-        for (let i = cubeOf(p[0] - far); i <= cubeOf(p[0] + far); i++) this.cubes.get(keyOf(i, j, k))?.forEach(see);
+        for (let i = cubeOf(p[0] - far); i <= cubeOf(p[0] + far); i++)
+          this.cubes.get(keyOf(i, j, k))?.forEach(onTriangle);
   }
 }
 
 const CUBE_MM = 8;
 const cubeOf = (mm: number): number => Math.floor(mm / CUBE_MM);
-/** One number for a cube: a head is some dozens of them wide, 1024 are 8 m. */
+/** Key of a cube; 1024 cubes are 8 m, far more than a head. */
 const keyOf = (i: number, j: number, k: number): number => i + 512 + 1024 * (j + 512 + 1024 * (k + 512));
 
-/** Where and how widely the brush is put on a surface. */
-export interface Dab {
-  centre_L: Vec3;
-  /** Of the surface there: what faces away from it is not painted, such as the other side of a bone. */
+/** One application of the brush to a surface. */
+export interface BrushStamp {
+  center_L: Vec3;
+  /** Normal of the surface there; triangles that face away, such as the other side of a bone, are not painted. */
   normal: Vec3;
   radius_mm: number;
-  /** How far from the surface a voxel's centre may lie. */
+  /** Maximum distance of a painted voxel's center from the surface. */
   thickness_mm: number;
-  /** 0 takes paint away. */
+  /** 0 erases. */
   label: number;
 }
 
-/** Paints the voxels within the brush and near the surface, and tells which changed. The surface stands as scanned. */
-export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, dab: Dab): LabelEdit {
+/** Paints the voxels within the brush and near the surface, which is at its scanned pose; returns the changes. */
+export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, brushStamp: BrushStamp): LabelEdit {
   const { points, triangles } = surface;
-  const { centre_L, normal, radius_mm, thickness_mm, label } = dab;
+  const { center_L, normal, radius_mm, thickness_mm, label } = brushStamp;
   const [nx, ny, nz] = grid.size;
   const [sx, sy, sz] = grid.spacing_mm;
   const reach = radius_mm + thickness_mm;
   const inGrid = gridMillimetres(grid);
-  const centre = inGrid(...centre_L);
+  const center = inGrid(...center_L);
   const at: number[] = [];
   const before: number[] = [];
   const corner = (v: number): Vec3 => [points[3 * v], points[3 * v + 1], points[3 * v + 2]];
-  TriangleCubes.of(surface).visit(centre_L, reach, (t) => {
+  TriangleCubes.of(surface).visit(center_L, reach, (t) => {
     let isNear = true;
     for (let axis = 0; axis < 3 && isNear; axis++) {
       const x = points[3 * triangles[t] + axis];
       const y = points[3 * triangles[t + 1] + axis];
       const z = points[3 * triangles[t + 2] + axis];
-      isNear = Math.min(x, y, z) <= centre_L[axis] + reach && Math.max(x, y, z) >= centre_L[axis] - reach;
+      isNear = Math.min(x, y, z) <= center_L[axis] + reach && Math.max(x, y, z) >= center_L[axis] - reach;
     }
     if (!isNear) return;
     const [p, q, r] = [corner(triangles[t]), corner(triangles[t + 1]), corner(triangles[t + 2])];
@@ -127,7 +129,7 @@ export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, d
         for (let i = i0; i <= i1; i++) {
           const n = i + nx * (j + ny * k);
           if (labels[n] === label) continue;
-          const [dx, dy, dz] = [i * sx - centre[0], j * sy - centre[1], k * sz - centre[2]];
+          const [dx, dy, dz] = [i * sx - center[0], j * sy - center[1], k * sz - center[2]];
           if (dx * dx + dy * dy + dz * dz > radius_mm * radius_mm) continue;
           if (triangleDistance2([i * sx, j * sy, k * sz], a, b, c) > thickness_mm * thickness_mm) continue;
           at.push(n);
@@ -138,15 +140,20 @@ export function paintSurface(labels: Uint8Array, grid: Grid, surface: Surface, d
   return { at: Uint32Array.from(at), before: Uint8Array.from(before), after: label };
 }
 
-/** Tells the label of the nearest painted voxel within reach, as predict/boundary_labels finds it; 0 if there is none. */
+/** Returns a function that finds the label of the nearest painted voxel, as predict/boundary_labels; 0 if none. */
 export function paintReader(labels: Uint8Array, grid: Grid): (x: number, y: number, z: number) => number {
   const [nx, ny, nz] = grid.size;
   const [sx, sy, sz] = grid.spacing_mm;
-  const reach = paintReach_mm(grid) * (1 + 1e-9);
+  const reach = paintTolerance_mm(grid) * (1 + 1e-9);
   const inGrid = gridMillimetres(grid);
   return (x, y, z) => {
     const [px, py, pz] = inGrid(x, y, z);
-    const [i0, i1, j0, j1] = [first(px - reach, sx), last(px + reach, sx, nx), first(py - reach, sy), last(py + reach, sy, ny)];
+    const [i0, i1, j0, j1] = [
+      first(px - reach, sx),
+      last(px + reach, sx, nx),
+      first(py - reach, sy),
+      last(py + reach, sy, ny),
+    ];
     const k1 = last(pz + reach, sz, nz);
     let nearest = reach;
     let found = 0;
@@ -164,15 +171,21 @@ export function paintReader(labels: Uint8Array, grid: Grid): (x: number, y: numb
   };
 }
 
-/** Finds the label of each vertex, or of those within a ball alone. Returns whether any has changed. */
-export function labelVertices(labels: Uint8Array, grid: Grid, points: Float32Array, into: Uint8Array, within?: { centre: Vec3; radius_mm: number }): boolean {
+/** Updates the label of each vertex, or only of those within a ball. Returns whether any has changed. */
+export function labelVertices(
+  labels: Uint8Array,
+  grid: Grid,
+  points: Float32Array,
+  into: Uint8Array,
+  within?: { center: Vec3; radius_mm: number },
+): boolean {
   const read = paintReader(labels, grid);
   const reach2 = within ? within.radius_mm ** 2 : 0;
   let hasChanged = false;
   for (let v = 0; v < into.length; v++) {
     const [x, y, z] = [points[3 * v], points[3 * v + 1], points[3 * v + 2]];
     if (within) {
-      const [dx, dy, dz] = [x - within.centre[0], y - within.centre[1], z - within.centre[2]];
+      const [dx, dy, dz] = [x - within.center[0], y - within.center[1], z - within.center[2]];
       if (dx * dx + dy * dy + dz * dz > reach2) continue;
     }
     const label = read(x, y, z);
@@ -182,7 +195,7 @@ export function labelVertices(labels: Uint8Array, grid: Grid, points: Float32Arr
   return hasChanged;
 }
 
-/** Area by label, each triangle shared equally by its corners [mm²]. */
+/** Adds the area by label to `into`; each corner has a third of its triangle [mm²]. */
 export function areasByLabel({ points, triangles }: Surface, labelOf: Uint8Array, into: number[]): void {
   for (let t = 0; t < triangles.length; t += 3) {
     const [a, b, c] = [triangles[t], triangles[t + 1], triangles[t + 2]];
@@ -194,10 +207,10 @@ export function areasByLabel({ points, triangles }: Surface, labelOf: Uint8Array
   }
 }
 
-/** First voxel and how many along each axis. */
+/** First voxel and count along each axis. */
 export type VoxelBox = readonly [number, number, number, number, number, number];
 
-/** The smallest box that holds all that is painted; null if nothing is. */
+/** Bounding box of the paint; null if there is none. */
 export function paintedBox(labels: Uint8Array, { size: [nx, ny, nz] }: Grid): VoxelBox | null {
   const low = [nx, ny, nz];
   const high = [-1, -1, -1];
@@ -213,8 +226,12 @@ export function paintedBox(labels: Uint8Array, { size: [nx, ny, nz] }: Grid): Vo
   return [low[0], low[1], low[2], high[0] - low[0] + 1, high[1] - low[1] + 1, high[2] - low[2] + 1];
 }
 
-/** Visits each row of a box: where it begins in the scan and in the box. */
-function rowsOf([i, j, k, ni, nj, nk]: VoxelBox, { size: [nx, ny] }: Grid, visit: (inScan: number, inBox: number) => void): void {
+/** Visits each row of a box with its first index in the scan and in the box. */
+function rowsOf(
+  [i, j, k, ni, nj, nk]: VoxelBox,
+  { size: [nx, ny] }: Grid,
+  visit: (inScan: number, inBox: number) => void,
+): void {
   for (let z = 0; z < nk; z++) for (let y = 0; y < nj; y++) visit(i + nx * (j + y + ny * (k + z)), ni * (y + nj * z));
 }
 
@@ -224,7 +241,7 @@ export function bytesWithin(labels: Uint8Array, grid: Grid, box: VoxelBox): Uint
   return bytes;
 }
 
-/** Labels of the whole scan that are `bytes` within a box. */
+/** Labels of the whole scan: `bytes` within the box, 0 elsewhere. */
 export function labelsOfBox(bytes: Uint8Array, grid: Grid, box: VoxelBox): Uint8Array {
   const labels = new Uint8Array(grid.size[0] * grid.size[1] * grid.size[2]);
   rowsOf(box, grid, (inScan, inBox) => labels.set(bytes.subarray(inBox, inBox + box[3]), inScan));

@@ -4,7 +4,7 @@
  */
 export type Vec3 = readonly [number, number, number];
 
-/** Row-major 4x4, as files and the server have it. */
+/** Row-major 4x4, as in files and in the server's API. */
 export type Mat4 = readonly number[];
 
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -19,36 +19,53 @@ export const cross = (a: Vec3, b: Vec3): Vec3 => [
 export const length = (a: Vec3): number => Math.hypot(a[0], a[1], a[2]);
 export const distance = (a: Vec3, b: Vec3): number => length(sub(a, b));
 
-/** Unit vector along a; throws on a vector without direction, which no caller may pass. */
+/** Applies `f` to each component. */
+export const mapVec3 = (a: Vec3, f: (value: number, axis: number) => number): Vec3 => [
+  f(a[0], 0),
+  f(a[1], 1),
+  f(a[2], 2),
+];
+
+/** Rounds each component to a number of decimals; never minus zero. */
+export const roundVec3 = (a: Vec3, decimals: number): Vec3 =>
+  mapVec3(a, (c) => Math.round(c * 10 ** decimals) / 10 ** decimals + 0);
+
+/** An array from outside as a vector; throws if it has another length than 3. */
+export function toVec3(values: readonly number[]): Vec3 {
+  if (values.length !== 3) throw new RangeError(`a vector has 3 components, not ${values.length}`);
+  return [values[0], values[1], values[2]];
+}
+
+/** Unit vector along a; throws if a is zero. */
 export function unit(a: Vec3): Vec3 {
   const size = length(a);
   if (!(size > 0)) throw new RangeError('a direction must not be zero');
   return scale(a, 1 / size);
 }
 
-/** The two letters of each axis of L: towards minus, towards plus. */
-const LETTERS = [
+export type Side = 'R' | 'L' | 'A' | 'P' | 'I' | 'S';
+
+/** The two letters of each axis of L: negative direction, positive direction. */
+const LETTERS: readonly (readonly Side[])[] = [
   ['R', 'L'],
   ['A', 'P'],
   ['I', 'S'],
-] as const;
-
-export type Side = 'R' | 'L' | 'A' | 'P' | 'I' | 'S';
+];
 
 /** The direction of L a letter stands for. */
 export function directionOf(side: Side): Vec3 {
   for (let axis = 0; axis < 3; axis++) {
-    const sign = LETTERS[axis].indexOf(side as never);
+    const sign = LETTERS[axis].indexOf(side);
     if (sign >= 0) {
       const direction: [number, number, number] = [0, 0, 0];
       direction[axis] = sign === 0 ? -1 : 1;
       return direction;
     }
   }
-  throw new RangeError(`${side} is no side`);
+  throw new RangeError(`${side} is not a side`);
 }
 
-/** The side a direction runs to most: 'A', or 'RA' if a second axis takes more than 0.35 of it. */
+/** The main side of a direction: 'A', or 'RA' if a second component exceeds 0.35. */
 export function sideName(direction: Vec3): string {
   const d = unit(direction);
   return [0, 1, 2]
@@ -83,18 +100,18 @@ export function indexToL(grid: Grid, index: Vec3): Vec3 {
 /** L to fractional voxel index; the direction is a rotation, so its inverse is its transpose. */
 export function lToIndex(grid: Grid, p_L: Vec3): Vec3 {
   const d = sub(p_L, grid.origin_mm);
-  return [0, 1, 2].map((axis) => dot(d, column(grid, axis)) / grid.spacing_mm[axis]) as unknown as Vec3;
+  return mapVec3(grid.spacing_mm, (spacing, axis) => dot(d, column(grid, axis)) / spacing);
 }
 
 export type Orientation = 'axial' | 'coronal' | 'sagittal';
 
-/** How a slice lies on the screen: which voxel axes run right, down and into the depth, and where they point. */
+/** Orientation of a slice on the screen: the voxel axes to the right, down and in depth. */
 export interface SliceFrame {
   orientation: Orientation;
   right: number;
   down: number;
   depth: number;
-  /** True if the index falls along the screen's direction. */
+  /** True if the index decreases along the screen's direction. */
   flipRight: boolean;
   flipDown: boolean;
   /** Sides at the screen's edges. */
@@ -108,7 +125,7 @@ const SCREEN: Record<Orientation, { right: Side; down: Side }> = {
   sagittal: { right: 'P', down: 'I' },
 };
 
-/** The voxel axis that runs most along a direction of L. */
+/** The voxel axis closest to a direction of L. */
 function axisAlong(grid: Grid, direction: Vec3, taken: number[]): number {
   const free = [0, 1, 2].filter((axis) => !taken.includes(axis));
   return free.reduce((best, axis) =>
@@ -141,7 +158,7 @@ export function sliceFrame(grid: Grid, orientation: Orientation): SliceFrame {
   };
 }
 
-/** A point of a slice's picture, in pixels from its top left voxel's centre, as a voxel index. */
+/** A point of a slice's picture, in pixels from its top left voxel's center, as a voxel index. */
 export function pixelToIndex(grid: Grid, frame: SliceFrame, column_px: number, row_px: number, slice: number): Vec3 {
   const index: [number, number, number] = [0, 0, 0];
   index[frame.right] = frame.flipRight ? grid.size[frame.right] - 1 - column_px : column_px;
@@ -150,7 +167,11 @@ export function pixelToIndex(grid: Grid, frame: SliceFrame, column_px: number, r
   return index;
 }
 
-export function indexToPixel(grid: Grid, frame: SliceFrame, index: Vec3): { column: number; row: number; slice: number } {
+export function indexToPixel(
+  grid: Grid,
+  frame: SliceFrame,
+  index: Vec3,
+): { column: number; row: number; slice: number } {
   return {
     column: frame.flipRight ? grid.size[frame.right] - 1 - index[frame.right] : index[frame.right],
     row: frame.flipDown ? grid.size[frame.down] - 1 - index[frame.down] : index[frame.down],
@@ -159,12 +180,12 @@ export function indexToPixel(grid: Grid, frame: SliceFrame, index: Vec3): { colu
 }
 
 /** Middle of the grid in L. */
-export const gridCentre = (grid: Grid): Vec3 =>
+export const gridCenter = (grid: Grid): Vec3 =>
   indexToL(grid, [(grid.size[0] - 1) / 2, (grid.size[1] - 1) / 2, (grid.size[2] - 1) / 2]);
 
 export type ViewName = 'front' | 'right' | 'left' | 'right three-quarter' | 'left three-quarter' | 'below' | 'above';
 
-/** From the looked-at point to the camera, in L; z is always up. `right` is the patient's right side. */
+/** From the target to the camera, in L; z is always up. `right` is the patient's right side. */
 export const VIEWS: Record<ViewName, Vec3> = {
   front: [0, -1, 0],
   right: [-1, 0, 0],

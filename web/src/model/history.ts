@@ -1,9 +1,9 @@
-/** Undo and redo over values that do not change. One gesture (a drag, typing in a field) is one entry. */
+/** Undo and redo of immutable values. One gesture (a drag, typing in a field) is one entry. */
 export interface History<T> {
   readonly past: readonly T[];
   readonly present: T;
   readonly future: readonly T[];
-  /** The gesture that made `present`; further changes of the same gesture replace it. */
+  /** The gesture that made `present`; further changes of that gesture replace it. */
   readonly gesture: string | null;
 }
 
@@ -22,7 +22,7 @@ export function change<T>(history: History<T>, next: T, gesture: string | null =
   };
 }
 
-/** Ends a gesture: the next change is an entry of its own. */
+/** Ends a gesture: the next change is a new entry. */
 export const settle = <T>(history: History<T>): History<T> =>
   history.gesture === null ? history : { ...history, gesture: null };
 

@@ -1,28 +1,31 @@
 import { indexToL, lToIndex, type Grid, type Vec3 } from './frames';
 
-/** What changed where, so that a stroke of the brush can be taken back. */
+/** Changed voxels with their labels before, so that a stroke can be undone. */
 export interface LabelEdit {
   at: Uint32Array;
   before: Uint8Array;
   after: number;
 }
 
-/** Paints a ball into labels (x fastest) and tells which voxels changed. Voxels whose centre lies in the ball. */
-export function paintBall(labels: Uint8Array, grid: Grid, centre_L: Vec3, radius_mm: number, label: number): LabelEdit {
-  const centre = lToIndex(grid, centre_L);
+/** Paints a ball into labels (x fastest) and returns the changes. A voxel is painted if its center is in the ball. */
+export function paintBall(labels: Uint8Array, grid: Grid, center_L: Vec3, radius_mm: number, label: number): LabelEdit {
+  const center = lToIndex(grid, center_L);
   const [nx, ny, nz] = grid.size;
   const range = [0, 1, 2].map((axis) => {
     const reach = radius_mm / grid.spacing_mm[axis];
-    return [Math.max(0, Math.ceil(centre[axis] - reach)), Math.min(grid.size[axis] - 1, Math.floor(centre[axis] + reach))];
+    return [
+      Math.max(0, Math.ceil(center[axis] - reach)),
+      Math.min(grid.size[axis] - 1, Math.floor(center[axis] + reach)),
+    ];
   });
   const at: number[] = [];
   const before: number[] = [];
   for (let k = range[2][0]; k <= range[2][1] && k < nz; k++)
     for (let j = range[1][0]; j <= range[1][1] && j < ny; j++)
       for (let i = range[0][0]; i <= range[0][1] && i < nx; i++) {
-        const dx = (i - centre[0]) * grid.spacing_mm[0];
-        const dy = (j - centre[1]) * grid.spacing_mm[1];
-        const dz = (k - centre[2]) * grid.spacing_mm[2];
+        const dx = (i - center[0]) * grid.spacing_mm[0];
+        const dy = (j - center[1]) * grid.spacing_mm[1];
+        const dz = (k - center[2]) * grid.spacing_mm[2];
         if (dx * dx + dy * dy + dz * dz > radius_mm * radius_mm) continue;
         const n = i + nx * (j + ny * k);
         if (labels[n] === label) continue;
@@ -34,7 +37,7 @@ export function paintBall(labels: Uint8Array, grid: Grid, centre_L: Vec3, radius
 }
 
 export function revert(labels: Uint8Array, edit: LabelEdit): void {
-  // Backwards: a voxel that a stroke passed twice gets its first value last.
+  // In reverse: a voxel that was painted twice must get its first value.
   for (let n = edit.at.length - 1; n >= 0; n--) labels[edit.at[n]] = edit.before[n];
 }
 
@@ -48,16 +51,16 @@ export const joinEdits = (first: LabelEdit, second: LabelEdit): LabelEdit => ({
   after: second.after,
 });
 
-/** Which strokes labels have: those of the history, after undo and redo as well. */
+/** Tracks which strokes of the history are applied to the labels, also after undo and redo. */
 export class AppliedStrokes {
   private applied: readonly LabelEdit[] = [];
 
-  /** The labels are these strokes' already. */
-  are(strokes: readonly LabelEdit[]): void {
+  /** Sets the strokes that the labels contain already. */
+  setApplied(strokes: readonly LabelEdit[]): void {
     this.applied = strokes;
   }
 
-  /** Takes back what is not in `strokes`, and does what is. Returns whether anything changed. */
+  /** Reverts the strokes that are not in `strokes` and applies the others. Returns whether anything changed. */
   apply(labels: Uint8Array, strokes: readonly LabelEdit[]): boolean {
     if (strokes === this.applied) return false;
     let common = 0;
@@ -69,8 +72,8 @@ export class AppliedStrokes {
   }
 }
 
-/** Centre of a voxel in L, by its number. */
-export function voxelCentre(grid: Grid, n: number): Vec3 {
+/** Center of a voxel in L, by its number. */
+export function voxelCenter(grid: Grid, n: number): Vec3 {
   const [nx, ny] = grid.size;
   return indexToL(grid, [n % nx, Math.floor(n / nx) % ny, Math.floor(n / (nx * ny))]);
 }

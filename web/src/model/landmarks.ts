@@ -1,4 +1,4 @@
-import type { Vec3 } from './frames';
+import { toVec3, type Vec3 } from './frames';
 
 export interface Landmark {
   name: string;
@@ -19,7 +19,7 @@ const paired = (name: string, full: string, on: LandmarkKind['on']): LandmarkKin
 const bone = (name: string, full: string): LandmarkKind => ({ name, full, on: 'bone' });
 const skin = (name: string, full: string): LandmarkKind => ({ name, full, on: 'skin' });
 
-/** The landmarks that mean something to templates and to the table (docs/landmarks.md), in the order they are placed. */
+/** Landmarks used by templates and cephalometry (docs/landmarks.md), in the order of placement. */
 export const CATALOGUE: readonly LandmarkKind[] = [
   bone('N', 'nasion'),
   bone('S', 'sella'),
@@ -76,8 +76,9 @@ export function nextToPlace(landmarks: readonly Landmark[], name: string | null)
   return order.find((kind) => !placed(landmarks, kind.name))?.name ?? null;
 }
 
-export const byName = (landmarks: readonly Landmark[]): Record<string, Vec3> =>
-  Object.fromEntries(landmarks.map((landmark) => [landmark.name, landmark.position_mm]));
+/** Positions by name, as the server reads them. */
+export const toRecord = (landmarks: readonly Landmark[]): Record<string, number[]> =>
+  Object.fromEntries(landmarks.map((landmark) => [landmark.name, [...landmark.position_mm]]));
 
-export const fromPoints = (points: Record<string, Vec3>): Landmark[] =>
-  Object.entries(points).map(([name, position_mm]) => ({ name, position_mm }));
+export const fromRecord = (points: Record<string, readonly number[]>): Landmark[] =>
+  Object.entries(points).map(([name, position_mm]) => ({ name, position_mm: toVec3(position_mm) }));

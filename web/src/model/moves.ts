@@ -1,7 +1,7 @@
 import { add, cross, dot, length, scale, sub, type Mat4, type Vec3 } from './frames';
 import type { Keyframe } from './plan';
 
-/** One segment's motion in the words of the plan: turned about a point, then shifted. */
+/** Motion of a segment as the plan states it: a rotation about a point, then a translation. */
 export interface Move {
   translation_mm: Vec3;
   /** Rotation vector: axis times angle, in L. */
@@ -22,9 +22,15 @@ export function rotationMatrix(rotation_deg: Vec3): Mat3 {
   const s = Math.sin(angle);
   const t = 1 - c;
   return [
-    t * x * x + c, t * x * y - s * z, t * x * z + s * y,
-    t * x * y + s * z, t * y * y + c, t * y * z - s * x,
-    t * x * z - s * y, t * y * z + s * x, t * z * z + c,
+    t * x * x + c,
+    t * x * y - s * z,
+    t * x * z + s * y,
+    t * x * y + s * z,
+    t * y * y + c,
+    t * y * z - s * x,
+    t * x * z - s * y,
+    t * y * z + s * x,
+    t * z * z + c,
   ];
 }
 
@@ -51,7 +57,7 @@ const multiply3 = (A: Mat3, B: Mat3): Mat3 =>
     return A[row] * B[col] + A[row + 1] * B[col + 3] + A[row + 2] * B[col + 6];
   });
 
-/** X_LB: where the move takes a point of the bone as scanned. */
+/** X_LB of a move: from the bone as scanned to its new position. */
 export function poseOf(move: Move): Mat4 {
   const R = rotationMatrix(move.rotation_deg);
   const t = add(sub(move.about_mm, apply3(R, move.about_mm)), move.translation_mm);
@@ -66,19 +72,19 @@ export const transformPoint = (X: Mat4, p: Vec3): Vec3 => [
   X[8] * p[0] + X[9] * p[1] + X[10] * p[2] + X[11],
 ];
 
-/** The same motion told about another fixed point. */
-export function aboutPoint(move: Move, about_mm: Vec3): Move {
+/** The same motion, described about another point. */
+export function changePivot(move: Move, about_mm: Vec3): Move {
   return { ...move, about_mm, translation_mm: sub(transformPoint(poseOf(move), about_mm), about_mm) };
 }
 
-/** Shifted further by a vector of L. */
-export const shifted = (move: Move, by_mm: Vec3): Move => ({
+/** The move with a further translation by a vector of L. */
+export const translated = (move: Move, by_mm: Vec3): Move => ({
   ...move,
   translation_mm: add(move.translation_mm, by_mm),
 });
 
-/** Turned further about where its fixed point has come to lie. */
-export function turned(move: Move, by_deg: Vec3): Move {
+/** The move with a further rotation about the new position of its pivot. */
+export function rotated(move: Move, by_deg: Vec3): Move {
   const R = multiply3(rotationMatrix(by_deg), rotationMatrix(move.rotation_deg));
   return { ...move, rotation_deg: rotationVector(R) };
 }
@@ -89,35 +95,35 @@ export const moveOf = (keyframe: Keyframe, pivot: Vec3): Move => ({
   about_mm: keyframe.about_mm ?? pivot,
 });
 
-/** Where keyframe k lies on the path. */
-export const shareOf = (keyframes: readonly Keyframe[], k: number): number =>
+/** Fraction of the path at keyframe k. */
+export const pathFractionOf = (keyframes: readonly Keyframe[], k: number): number =>
   keyframes[k].at ?? (k + 1) / keyframes.length;
 
-/** The parts of a move a surgeon says: along and about the axes of L. */
-export const PARTS = [
-  { key: 'anterior', kind: 'shift', plus: 'anterior', minus: 'posterior', axis: [0, -1, 0], unit: 'mm' },
-  { key: 'superior', kind: 'shift', plus: 'superior', minus: 'inferior', axis: [0, 0, 1], unit: 'mm' },
-  { key: 'left', kind: 'shift', plus: 'to the left', minus: 'to the right', axis: [1, 0, 0], unit: 'mm' },
-  { key: 'pitch', kind: 'turn', plus: 'front up', minus: 'front down', axis: [-1, 0, 0], unit: '°' },
-  { key: 'roll', kind: 'turn', plus: 'left side up', minus: 'right side up', axis: [0, -1, 0], unit: '°' },
-  { key: 'yaw', kind: 'turn', plus: 'front to the left', minus: 'front to the right', axis: [0, 0, 1], unit: '°' },
+/** Components of a move in clinical terms: along and about the axes of L. */
+export const COMPONENTS = [
+  { key: 'anterior', kind: 'translate', plus: 'anterior', minus: 'posterior', axis: [0, -1, 0], unit: 'mm' },
+  { key: 'superior', kind: 'translate', plus: 'superior', minus: 'inferior', axis: [0, 0, 1], unit: 'mm' },
+  { key: 'left', kind: 'translate', plus: 'to the left', minus: 'to the right', axis: [1, 0, 0], unit: 'mm' },
+  { key: 'pitch', kind: 'rotate', plus: 'front up', minus: 'front down', axis: [-1, 0, 0], unit: '°' },
+  { key: 'roll', kind: 'rotate', plus: 'left side up', minus: 'right side up', axis: [0, -1, 0], unit: '°' },
+  { key: 'yaw', kind: 'rotate', plus: 'front to the left', minus: 'front to the right', axis: [0, 0, 1], unit: '°' },
 ] as const satisfies readonly { key: string; kind: string; plus: string; minus: string; axis: Vec3; unit: string }[];
 
-export type PartKey = (typeof PARTS)[number]['key'];
+export type ComponentKey = (typeof COMPONENTS)[number]['key'];
 
-export function partOf(move: Move, key: PartKey): number {
-  const part = PARTS.find((p) => p.key === key)!;
-  const value = dot(part.kind === 'shift' ? move.translation_mm : move.rotation_deg, part.axis);
-  return value === 0 ? 0 : value; // No minus zero on the screen.
+export function componentOf(move: Move, key: ComponentKey): number {
+  const part = COMPONENTS.find((p) => p.key === key)!;
+  const value = dot(part.kind === 'translate' ? move.translation_mm : move.rotation_deg, part.axis);
+  return value === 0 ? 0 : value; // Never minus zero.
 }
 
-export function withPart(move: Move, key: PartKey, value: number): Move {
-  const part = PARTS.find((p) => p.key === key)!;
-  const field = part.kind === 'shift' ? 'translation_mm' : 'rotation_deg';
-  return { ...move, [field]: add(move[field], scale(part.axis, value - partOf(move, key))) };
+export function withComponent(move: Move, key: ComponentKey, value: number): Move {
+  const part = COMPONENTS.find((p) => p.key === key)!;
+  const field = part.kind === 'translate' ? 'translation_mm' : 'rotation_deg';
+  return { ...move, [field]: add(move[field], scale(part.axis, value - componentOf(move, key))) };
 }
 
-/** A frame whose third axis is `normal`: two directions across it, right-handed. */
+/** Two unit vectors perpendicular to `normal`; with it they form a right-handed frame. */
 export function acrossNormal(normal: Vec3): [Vec3, Vec3] {
   const helper: Vec3 = Math.abs(normal[0]) < 0.9 * length(normal) ? [1, 0, 0] : [0, 1, 0];
   const first = cross(normal, helper);

@@ -1,6 +1,8 @@
-import { sub, unit, type Vec3 } from './frames';
+import type { Schemas } from '../api';
+import { sub, toVec3, unit, type Vec3 } from './frames';
+import { toRecord, type Landmark } from './landmarks';
 
-/** The plan file of the command line (contract/plan.schema.json), as far as the page edits it; other keys pass through. */
+/** The plan file of the command line (contract/plan.schema.json), as far as the page edits it; it keeps other keys. */
 export interface Plan {
   lefort_plan: 1;
   title?: string;
@@ -35,9 +37,9 @@ export interface Curve {
   depth_mm?: number;
 }
 
-export type TemplateKind = 'le-fort-1' | 'le-fort-2' | 'le-fort-3' | 'genioplasty' | 'sagittal-split';
+export type TemplateKind = Schemas['TemplateKind'];
 
-export type Template = TemplateKind | ({ kind: TemplateKind } & Record<string, number | string>);
+export type Template = Schemas['OsteotomyRequest']['template'];
 
 export interface Osteotomy {
   planes?: Plane[];
@@ -96,7 +98,7 @@ export interface Contact {
   penetration_tolerance_mm?: number;
 }
 
-/** Steps of a path that names none (docs/osteotomies.md). */
+/** Default number of steps of a path (docs/osteotomies.md). */
 export const DEFAULT_STEPS = 12;
 
 export const TEMPLATES: readonly {
@@ -105,14 +107,34 @@ export const TEMPLATES: readonly {
   needs: readonly string[];
   describes: string;
 }[] = [
-  { kind: 'le-fort-1', title: 'Le Fort I', needs: ['ANS', 'PNS'], describes: 'Along the palate, above the teeth; behind PNS.' },
-  { kind: 'le-fort-2', title: 'Le Fort II', needs: ['N', 'Or-R', 'Or-L', 'ANS', 'PNS'], describes: 'A pyramid through nasion and both orbital rims.' },
-  { kind: 'le-fort-3', title: 'Le Fort III', needs: ['N', 'Or-R', 'Or-L', 'FZ-R', 'FZ-L', 'ANS', 'PNS'], describes: 'The mid-face, through the lateral walls of the orbits.' },
-  { kind: 'sagittal-split', title: 'Sagittal split (BSSO)', needs: ['Me', 'Go-R', 'Go-L', 'Co-R', 'Co-L', 'L6-R', 'L6-L'], describes: 'The tooth-bearing part of the mandible.' },
+  {
+    kind: 'le-fort-1',
+    title: 'Le Fort I',
+    needs: ['ANS', 'PNS'],
+    describes: 'Along the palate, above the teeth; behind PNS.',
+  },
+  {
+    kind: 'le-fort-2',
+    title: 'Le Fort II',
+    needs: ['N', 'Or-R', 'Or-L', 'ANS', 'PNS'],
+    describes: 'Pyramidal, through nasion and both orbital rims.',
+  },
+  {
+    kind: 'le-fort-3',
+    title: 'Le Fort III',
+    needs: ['N', 'Or-R', 'Or-L', 'FZ-R', 'FZ-L', 'ANS', 'PNS'],
+    describes: 'The mid-face, through the lateral walls of the orbits.',
+  },
+  {
+    kind: 'sagittal-split',
+    title: 'Sagittal split (BSSO)',
+    needs: ['Me', 'Go-R', 'Go-L', 'Co-R', 'Co-L', 'L6-R', 'L6-L'],
+    describes: 'The tooth-bearing part of the mandible.',
+  },
   { kind: 'genioplasty', title: 'Genioplasty', needs: ['Me', 'Pg', 'Go-R', 'Go-L'], describes: 'The chin.' },
 ];
 
-/** Landmarks a template still lacks. */
+/** Landmarks that a template still needs. */
 export const missingFor = (kind: TemplateKind, placed: Iterable<string>): string[] => {
   const names = new Set(placed);
   return TEMPLATES.find((t) => t.kind === kind)!.needs.filter((name) => !names.has(name));
@@ -127,6 +149,13 @@ export const templateKind = (osteotomy: Osteotomy): TemplateKind | null =>
       ? osteotomy.template
       : osteotomy.template.kind;
 
+/** Identifies a template and the landmarks that place it. */
+export const templateKey = (template: Template | undefined, landmarks: readonly Landmark[]): string =>
+  JSON.stringify([template, toRecord(landmarks)]);
+
+/** The server's plan as a `Plan`; the contract has checked its version and that it has segments. */
+export const toPlan = (value: Schemas['Plan']): Plan => value as Plan;
+
 /** A name no segment has yet: base, base-2, base-3 ... */
 export function freeName(plan: Plan, base: string): string {
   const taken = new Set(plan.segments.map((s) => s.name));
@@ -136,7 +165,7 @@ export function freeName(plan: Plan, base: string): string {
   }
 }
 
-/** A path that goes nowhere yet: every segment needs one. */
+/** The path of a new segment: no movement. */
 const REST: Path = { keyframes: [{ translation_mm: [0, 0, 0] }] };
 
 export const withSegment = (plan: Plan, base: string, osteotomy: Osteotomy): Plan => ({
@@ -149,7 +178,7 @@ export const editSegment = (plan: Plan, index: number, edit: (segment: Segment) 
   segments: plan.segments.map((segment, n) => (n === index ? edit(segment) : segment)),
 });
 
-/** Removes a segment; those cut out of it are then cut out of what it was cut out of. */
+/** Removes a segment; segments cut from it are then cut from its parent. */
 export function withoutSegment(plan: Plan, index: number): Plan {
   const gone = plan.segments[index];
   const rest = plan.segments.filter((_, n) => n !== index);
@@ -203,7 +232,7 @@ export const withoutCurve = (plan: Plan, index: number, n: number): Plan =>
     return rest.length > 0 ? { ...o, curves: rest } : o;
   });
 
-/** True if the cut names nothing yet: the server would refuse it. */
+/** True if the cut has no template, plane or curve; the server refuses it. */
 export const cutsNothing = (o: Osteotomy): boolean =>
   o.template === undefined && !o.planes?.length && !o.curves?.length;
 
@@ -229,7 +258,7 @@ const spread = (keyframes: Keyframe[]): Keyframe[] =>
       : { ...keyframe, at: Math.round(((n + 1) / keyframes.length) * 1e6) / 1e6 },
   );
 
-/** A copy of keyframe k behind it. */
+/** Inserts a copy of keyframe k after it. */
 export const withKeyframeAfter = (plan: Plan, index: number, k: number): Plan =>
   editSegment(plan, index, (segment) => {
     const keyframes = keyframesOf(segment);
@@ -244,7 +273,7 @@ export const withoutKeyframe = (plan: Plan, index: number, k: number): Plan =>
     return { ...segment, path: { ...segment.path, keyframes: spread(keyframes.filter((_, n) => n !== k)) } };
   });
 
-/** Moves keyframe k in time, between its neighbours; the last stays at 1. */
+/** Moves keyframe k along the path, between its neighbors; the last stays at 1. */
 export const retimeKeyframe = (plan: Plan, index: number, k: number, at: number): Plan =>
   editSegment(plan, index, (segment) => {
     const keyframes = keyframesOf(segment);
@@ -259,21 +288,37 @@ export const retimeKeyframe = (plan: Plan, index: number, k: number, at: number)
     };
   });
 
-/** True if the page's gizmo can edit the path: keyframes by numbers, not by targets, files or days. */
+/** True if the page can edit the path: its keyframes are numbers, not targets, files or days. */
 export const isEditablePath = (path: Path): boolean =>
   path.keyframes !== undefined && path.keyframes.every((k) => k.targets === undefined && k.transform === undefined);
 
-/** Names the file of what is painted on the tissue's boundary, or none. */
+/** Sets or removes the file of the painted boundary. */
 export function withPaintedBoundary(plan: Plan, file: string | null): Plan {
-  if (file !== null) return plan.boundary?.labels === file ? plan : { ...plan, boundary: { ...plan.boundary, labels: file } };
+  if (file !== null)
+    return plan.boundary?.labels === file ? plan : { ...plan, boundary: { ...plan.boundary, labels: file } };
   if (plan.boundary?.labels === undefined) return plan;
   const boundary = { ...plan.boundary };
   delete boundary.labels;
   return { ...plan, boundary };
 }
 
-/** A plane through a point, its normal towards the viewer's choice of segment. */
+/** A plane from the server. */
+export const toPlane = (plane: { point_mm: readonly number[]; towards_segment: readonly number[] }): Plane => ({
+  ...plane,
+  point_mm: toVec3(plane.point_mm),
+  towards_segment: toVec3(plane.towards_segment),
+});
+
+/** The osteotomy that the server placed for a template. */
+export function toOsteotomy({ planes, also, holds }: Schemas['Osteotomy']['osteotomy']): Osteotomy {
+  const osteotomy: Osteotomy = { planes: planes.map(toPlane) };
+  if (also) osteotomy.also = also.map((region) => ({ planes: region.planes.map(toPlane) }));
+  if (holds) osteotomy.holds = holds.map((point) => (typeof point === 'string' ? point : toVec3(point)));
+  return osteotomy;
+}
+
+/** A plane through a point; its normal points to the segment. */
 export const planeAt = (point_mm: Vec3, towards: Vec3): Plane => ({ point_mm, towards_segment: unit(towards) });
 
-/** The other side of a plane becomes the segment. */
+/** The plane with its sides swapped. */
 export const flipped = (plane: Plane): Plane => ({ ...plane, towards_segment: sub([0, 0, 0], plane.towards_segment) });

@@ -1,11 +1,11 @@
 import type { Surface } from './section';
 
-/** A surface made ready to be drawn: normals, and a coarse twin for while something is dragged. */
+/** A surface prepared for drawing: normals, and a coarse version for drags. */
 export interface DrawnSurface extends Surface {
   /** Unit normals per vertex, out of the body. */
   normals: Float32Array;
   coarse: {
-    /** The full surface's vertex that each coarse vertex is. */
+    /** Vertex of the full surface of each coarse vertex. */
     vertex: Uint32Array;
     triangles: Uint32Array;
   };
@@ -42,7 +42,7 @@ export function vertexNormals({ points, triangles }: Surface): Float32Array {
   return normals;
 }
 
-/** Joins the vertices of each cube of `cell_mm` into one of them; triangles that collapse go. For drawing only. */
+/** Merges the vertices of each cube of `cell_mm`; collapsed triangles are removed. For drawing only. */
 export function coarsen({ points, triangles }: Surface, cell_mm: number): DrawnSurface['coarse'] {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
@@ -78,7 +78,7 @@ export function coarsen({ points, triangles }: Surface, cell_mm: number): DrawnS
   return { vertex: Uint32Array.from(vertex), triangles: Uint32Array.from(kept) };
 }
 
-/** Edge of the cubes [mm]: a head becomes some 35,000 triangles, which software draws in time. */
+/** Edge of the cubes [mm]: a head has about 35,000 triangles, which software renders fast enough. */
 export const COARSE_CELL_MM = 5;
 
 export const prepareSurface = (surface: Surface): DrawnSurface => ({

@@ -4,15 +4,15 @@ import type { Surface } from './section';
 export interface Hit {
   distance: number;
   point: Vec3;
-  /** Unit, of the triangle, out of the body. */
+  /** Unit normal of the triangle, out of the body. */
   normal: Vec3;
   /** The triangle's corner nearest to the point. */
   vertex: number;
 }
 
 /**
- * First triangle that a ray enters from outside (Moeller and Trumbore 1997), or null. A plain loop: 5 ms for a skull,
- * which needs no tree.
+ * First triangle that a ray enters from outside (Moeller and Trumbore 1997), or null. A loop over all triangles takes
+ * 5 ms for a skull.
  */
 export function rayHit({ points: p, triangles }: Surface, origin: Vec3, direction: Vec3): Hit | null {
   const [ox, oy, oz] = origin;
@@ -33,7 +33,7 @@ export function rayHit({ points: p, triangles }: Surface, origin: Vec3, directio
     const py = dz * e2x - dx * e2z;
     const pz = dx * e2y - dy * e2x;
     const det = e1x * px + e1y * py + e1z * pz;
-    if (!(det > 1e-12)) continue; // Seen from behind, or edge-on.
+    if (!(det > 1e-12)) continue; // Back face, or parallel to the ray.
     const sx = ox - p[a];
     const sy = oy - p[a + 1];
     const sz = oz - p[a + 2];

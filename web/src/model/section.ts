@@ -7,7 +7,7 @@ export interface Surface {
 }
 
 /**
- * Where a plane cuts a surface, as line segments: 6 numbers each, mm in L. For drawing outlines, not for measuring.
+ * Intersection of a plane and a surface as line segments, 6 numbers each, mm in L. For drawing, not for measuring.
  */
 export function sectionOf(surface: Surface, point: Vec3, normal: Vec3): Float32Array {
   const { points, triangles } = surface;
@@ -26,19 +26,30 @@ export function sectionOf(surface: Surface, point: Vec3, normal: Vec3): Float32A
     const c = triangles[t + 2];
     const above = (height[a] >= 0 ? 1 : 0) + (height[b] >= 0 ? 2 : 0) + (height[c] >= 0 ? 4 : 0);
     if (above === 0 || above === 7) continue;
-    // The corner alone on its side, and the other two.
-    if (above === 1 || above === 6) { cross(a, b); cross(a, c); }
-    else if (above === 2 || above === 5) { cross(b, a); cross(b, c); }
-    else { cross(c, a); cross(c, b); }
+    // One corner is alone on its side of the plane.
+    if (above === 1 || above === 6) {
+      cross(a, b);
+      cross(a, c);
+    } else if (above === 2 || above === 5) {
+      cross(b, a);
+      cross(b, c);
+    } else {
+      cross(c, a);
+      cross(c, b);
+    }
   }
   return Float32Array.from(lines);
 }
 
-/** Likewise of a surface that stands at X_LB; the plane and the lines in L. */
+/** Intersection of a plane of L and a surface at pose X_LB; lines in L. */
 export function posedSectionOf(surface: Surface, X_LB: Mat4, point: Vec3, normal: Vec3): Float32Array {
   const [r00, r01, r02, tx, r10, r11, r12, ty, r20, r21, r22, tz] = X_LB;
   const [dx, dy, dz] = [point[0] - tx, point[1] - ty, point[2] - tz];
-  const back = (x: number, y: number, z: number): Vec3 => [r00 * x + r10 * y + r20 * z, r01 * x + r11 * y + r21 * z, r02 * x + r12 * y + r22 * z];
+  const back = (x: number, y: number, z: number): Vec3 => [
+    r00 * x + r10 * y + r20 * z,
+    r01 * x + r11 * y + r21 * z,
+    r02 * x + r12 * y + r22 * z,
+  ];
   const lines = sectionOf(surface, back(dx, dy, dz), back(...normal));
   for (let n = 0; n < lines.length; n += 3) {
     const [x, y, z] = [lines[n], lines[n + 1], lines[n + 2]];

@@ -1,4 +1,4 @@
-/** A value that tells its listeners when it is replaced. */
+/** A value that notifies listeners when it is replaced. */
 export class Store<T> {
   private listeners = new Set<(value: T, before: T) => void>();
 

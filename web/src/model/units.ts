@@ -1,4 +1,4 @@
-/** Numbers as the page shows them: a true minus, no minus zero, the unit behind a thin space. */
+/** A number as the page shows it: with a minus sign, not a hyphen, and never minus zero. */
 export function fixed(value: number | null | undefined, digits: number): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
   const text = value.toFixed(digits);
@@ -14,7 +14,7 @@ export function seconds(value: number): string {
   return `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;
 }
 
-/** What a person typed: 1.5, −1.5, 1,5. Null if it is no number. */
+/** Parses input such as 1.5, −1.5 or 1,5. Null if it is not a number. */
 export function parseNumber(text: string): number | null {
   const clean = text.trim().replace('−', '-').replace(',', '.');
   if (!/^[+-]?(\d+\.?\d*|\.\d+)$/.test(clean)) return null;

@@ -1,4 +1,4 @@
-/** How CT numbers become greys: level is the middle, window the width; both HU. */
+/** Map of CT numbers to gray: level is the middle, window the width; both HU. */
 export interface Window {
   level_hu: number;
   window_hu: number;
@@ -12,20 +12,20 @@ export const WINDOW_PRESETS: readonly (Window & { name: string })[] = [
   { name: 'Full', level_hu: 1000, window_hu: 4000 },
 ];
 
-/** Grey 0 to 255. */
-export function greyOf(hu: number, { level_hu, window_hu }: Window): number {
-  const share = (hu - level_hu) / window_hu + 0.5;
-  return Math.round(255 * Math.min(1, Math.max(0, share)));
+/** Gray 0 to 255. */
+export function grayOf(hu: number, { level_hu, window_hu }: Window): number {
+  const fraction = (hu - level_hu) / window_hu + 0.5;
+  return Math.round(255 * Math.min(1, Math.max(0, fraction)));
 }
 
-/** The greys of all int16 numbers, by number + 32768. */
-export function greyTable(window: Window): Uint8Array {
+/** Grays of all int16 values, by value + 32768. */
+export function grayTable(window: Window): Uint8Array {
   const table = new Uint8Array(65536);
-  for (let n = 0; n < table.length; n++) table[n] = greyOf(n - 32768, window);
+  for (let n = 0; n < table.length; n++) table[n] = grayOf(n - 32768, window);
   return table;
 }
 
-/** A drag of the right button: sideways widens, downwards darkens. */
+/** Window after a drag: sideways changes the width, downwards the level. */
 export const draggedWindow = (window: Window, dx_px: number, dy_px: number): Window => ({
   window_hu: Math.max(1, Math.round(window.window_hu * Math.exp(dx_px / 250))),
   level_hu: Math.round(window.level_hu + (dy_px * window.window_hu) / 300),

@@ -1,12 +1,12 @@
 import { BufferAttribute, BufferGeometry, Group, Matrix4, Mesh, MeshLambertMaterial } from 'three';
 import { linearOf, paint, vertexNormals, type DrawnSurface, type Mat4, type Rgb, type ScaleName } from '../model';
 
-/** One surface on the screen: fine when still, coarse while something moves. */
+/** One surface in the 3D view: fine at rest, coarse during motion. */
 export class Body {
   readonly group = new Group();
-  // Always by vertex, so that a change of colouring needs no other shader, which software is slow to make.
+  // Always colors per vertex: another shader would take software rendering long to compile.
   private readonly material = new MeshLambertMaterial({ vertexColors: true });
-  /** Only its depth is drawn, first: a clear face shows no face behind it. */
+  /** Writes depth only, before the color, so that a transparent surface does not show its own back. */
   private readonly depthOnly = new MeshLambertMaterial({ vertexColors: true, colorWrite: false });
   private readonly fine: Mesh;
   private readonly coarse: Mesh;
@@ -16,7 +16,10 @@ export class Body {
   private isCoarse = false;
   shown = true;
 
-  constructor(readonly surface: DrawnSurface, colour: Rgb) {
+  constructor(
+    readonly surface: DrawnSurface,
+    color: Rgb,
+  ) {
     const fine = geometryOf(surface.points, surface.normals, surface.triangles);
     const { vertex, triangles } = surface.coarse;
     const coarse = geometryOf(gather(surface.points, vertex), gather(surface.normals, vertex), triangles);
@@ -27,18 +30,18 @@ export class Body {
     this.fineDepth.renderOrder = this.coarseDepth.renderOrder = 1;
     this.group.add(this.fine, this.coarse, this.fineDepth, this.coarseDepth);
     this.group.matrixAutoUpdate = false;
-    this.setColour(colour);
+    this.setColor(color);
     this.update();
   }
 
-  /** One colour for all; lost when values are shown. */
-  setColour(colour: Rgb): void {
-    const [r, g, b] = linearOf(colour);
-    for (const array of this.colours()) for (let n = 0; n < array.length; n += 3) array.set([r, g, b], n);
+  /** Sets one color; replaces the colors of values and labels. */
+  setColor(color: Rgb): void {
+    const [r, g, b] = linearOf(color);
+    for (const array of this.colors()) for (let n = 0; n < array.length; n += 3) array.set([r, g, b], n);
   }
 
-  /** The colours of both meshes, about to be written. */
-  private colours(): Float32Array[] {
+  /** The colors of both meshes, marked for upload. */
+  private colors(): Float32Array[] {
     return [this.fine, this.coarse].map((mesh) => {
       const attribute = mesh.geometry.getAttribute('color') as BufferAttribute;
       attribute.needsUpdate = true;
@@ -72,47 +75,57 @@ export class Body {
     this.group.matrixWorldNeedsUpdate = true;
   }
 
-  /** Colours each vertex by a number; `rest` is the colour of those not above `from`. */
+  /** Colors each vertex by a value; `rest` is the color of values up to `from`. */
   setValues(values: Float32Array, scale: ScaleName, from: number, to: number, rest?: Rgb): void {
-    const [fine, coarse] = this.colours();
+    const [fine, coarse] = this.colors();
     paint(values, scale, from, to, fine, rest);
-    paint(Float32Array.from(this.surface.coarse.vertex, (v) => values[v]), scale, from, to, coarse, rest);
+    paint(
+      Float32Array.from(this.surface.coarse.vertex, (v) => values[v]),
+      scale,
+      from,
+      to,
+      coarse,
+      rest,
+    );
   }
 
-  /** Colours each vertex by its label; `palette`: linear RGB by label. */
+  /** Colors each vertex by its label; `palette`: linear RGB by label. */
   setLabels(labels: Uint8Array, palette: readonly Rgb[]): void {
-    const [fine, coarse] = this.colours();
-    const colour = (into: Float32Array, n: number, label: number): void => {
+    const [fine, coarse] = this.colors();
+    const color = (into: Float32Array, n: number, label: number): void => {
       const rgb = palette[label] ?? palette[0];
       into[3 * n] = rgb[0];
       into[3 * n + 1] = rgb[1];
       into[3 * n + 2] = rgb[2];
     };
-    for (let v = 0; v < labels.length; v++) colour(fine, v, labels[v]);
+    for (let v = 0; v < labels.length; v++) color(fine, v, labels[v]);
     const { vertex } = this.surface.coarse;
-    for (let n = 0; n < vertex.length; n++) colour(coarse, n, labels[vertex[n]]);
+    for (let n = 0; n < vertex.length; n++) color(coarse, n, labels[vertex[n]]);
   }
 
-  /** Moves each vertex by a vector (flat xyz, mm); null takes all back. */
-  setDisplacement(xyz: Float32Array | null, share = 1): void {
+  /** Displaces each vertex by a vector (flat xyz, mm); null resets all. */
+  setDisplacement(xyz: Float32Array | null, fraction = 1): void {
     const { points, triangles, normals, coarse } = this.surface;
     const moved = points.slice();
-    if (xyz) for (let n = 0; n < moved.length; n++) moved[n] += share * xyz[n];
+    if (xyz) for (let n = 0; n < moved.length; n++) moved[n] += fraction * xyz[n];
     const turned = xyz ? vertexNormals({ points: moved, triangles }) : normals;
     replace(this.fine.geometry, moved, turned);
     replace(this.coarse.geometry, gather(moved, coarse.vertex), gather(turned, coarse.vertex));
   }
 
-  /** Where the vertices are now. */
+  /** Current positions of the vertices. */
   get points(): Float32Array {
     return this.fine.geometry.getAttribute('position').array as Float32Array;
   }
 
   get coarseSurface(): { points: Float32Array; triangles: Uint32Array } {
-    return { points: this.coarse.geometry.getAttribute('position').array as Float32Array, triangles: this.surface.coarse.triangles };
+    return {
+      points: this.coarse.geometry.getAttribute('position').array as Float32Array,
+      triangles: this.surface.coarse.triangles,
+    };
   }
 
-  /** Shows or hides what must be drawn. */
+  /** Updates the visibility of the meshes. */
   update(): void {
     const visible = this.shown && this.opacity_ > 0;
     const clear = this.opacity_ < 1;

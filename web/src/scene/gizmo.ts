@@ -1,29 +1,29 @@
 import { acrossNormal, add, cross, dot, scale, unit, type Vec3 } from '../model';
 import type { Projection } from './projection';
 
-/** One direction a thing may be shifted along, turned about, or both. */
+/** An axis of a gizmo: for translation along it, rotation about it, or both. */
 export interface GizmoAxis {
   name: string;
   direction: Vec3;
-  colour: string;
-  shift: boolean;
-  turn: boolean;
-  /** Letters at the arrow's two ends. */
+  color: string;
+  translates: boolean;
+  rotates: boolean;
+  /** Letters at the two ends of the arrow. */
   plus?: string;
   minus?: string;
 }
 
 export interface GizmoDrag {
-  kind: 'shift' | 'turn';
+  kind: 'translate' | 'rotate';
   axis: GizmoAxis;
   /** Since the drag began: mm or degrees. */
   amount: number;
 }
 
 interface Handle {
-  kind: 'shift' | 'turn';
+  kind: 'translate' | 'rotate';
   axis: GizmoAxis;
-  /** On the screen. */
+  /** Polyline on the screen. */
   line: [number, number][];
 }
 
@@ -32,7 +32,7 @@ const RING_PX = 70;
 const GRIP_PX = 9;
 
 /**
- * Arrows and rings about a point, drawn over the picture so that bone never hides them. Sizes are those of the screen.
+ * Arrows and rings about a point, drawn over the picture, with a constant size on the screen.
  */
 export class Gizmo {
   at_L: Vec3 | null = null;
@@ -50,14 +50,14 @@ export class Gizmo {
     const found: Handle[] = [];
     for (const axis of this.axes) {
       const facing = Math.abs(dot(axis.direction, projection.forward));
-      if (axis.shift && facing < 0.96) {
-        // Grips begin off the centre, where all axes meet.
+      if (axis.translates && facing < 0.96) {
+        // Arrows start away from the center, where all axes meet.
         for (const sign of [1, -1]) {
           const point = (px: number) => projection.toScreen(add(this.at_L!, scale(axis.direction, sign * px * mm)));
-          found.push({ kind: 'shift', axis, line: [point(22), point(ARM_PX)] });
+          found.push({ kind: 'translate', axis, line: [point(22), point(ARM_PX)] });
         }
       }
-      if (axis.turn && facing > 0.12) {
+      if (axis.rotates && facing > 0.12) {
         const [u, v] = acrossNormal(axis.direction);
         const line: [number, number][] = [];
         for (let n = 0; n <= 64; n++) {
@@ -65,7 +65,7 @@ export class Gizmo {
           const p = add(scale(u, Math.cos(a) * RING_PX * mm), scale(v, Math.sin(a) * RING_PX * mm));
           line.push(projection.toScreen(add(this.at_L, p)));
         }
-        found.push({ kind: 'turn', axis, line });
+        found.push({ kind: 'rotate', axis, line });
       }
     }
     return found;
@@ -96,26 +96,26 @@ export class Gizmo {
   drag(projection: Projection, x: number, y: number): GizmoDrag | null {
     if (!this.dragged) return null;
     const { handle, from, fromAngle } = this.dragged;
-    if (handle.kind === 'turn') {
+    if (handle.kind === 'rotate') {
       let turn = this.angleAt(projection, handle.axis, x, y) - fromAngle;
       turn = ((turn + 540) % 360) - 180;
-      return { kind: 'turn', axis: handle.axis, amount: turn };
+      return { kind: 'rotate', axis: handle.axis, amount: turn };
     }
     const along = projection.directionOnScreen(handle.axis.direction); // px per mm of the axis
     const size2 = along[0] ** 2 + along[1] ** 2;
     const amount = ((x - from[0]) * along[0] + (y - from[1]) * along[1]) / size2;
-    return { kind: 'shift', axis: handle.axis, amount };
+    return { kind: 'translate', axis: handle.axis, amount };
   }
 
   end(): void {
     this.dragged = null;
   }
 
-  /** Degrees about an axis at which a point of the screen lies, seen in the plane of the ring. */
+  /** Angle of a point of the screen about an axis, in the plane of the ring [degrees]. */
   private angleAt(projection: Projection, axis: GizmoAxis, x: number, y: number): number {
     const [cx, cy] = projection.toScreen(this.at_L!);
     const mm = 1 / projection.px_per_mm;
-    // In an orthographic view the ray meets the ring's plane at centre + screen offset + s * forward.
+    // In an orthographic view the ray meets the plane of the ring at center + screen offset + s * forward.
     const offset = add(scale(projection.right, (x - cx) * mm), scale(projection.up, -(y - cy) * mm));
     const n = unit(axis.direction);
     const s = -dot(offset, n) / dot(projection.forward, n);
@@ -139,10 +139,10 @@ export class Gizmo {
       context.lineWidth = lit ? 6.5 : 4.5;
       context.stroke();
       path();
-      context.strokeStyle = lit ? '#ffffff' : handle.axis.colour;
+      context.strokeStyle = lit ? '#ffffff' : handle.axis.color;
       context.lineWidth = lit ? 4 : 2.5;
       context.stroke();
-      if (handle.kind === 'shift') this.drawHead(context, handle, lit, projection);
+      if (handle.kind === 'translate') this.drawHead(context, handle, lit, projection);
     }
     const [x, y] = projection.toScreen(this.at_L);
     context.beginPath();
@@ -163,7 +163,7 @@ export class Gizmo {
     context.lineTo(x1 - ux * 5 - uy * 6, y1 - uy * 5 + ux * 6);
     context.lineTo(x1 - ux * 5 + uy * 6, y1 - uy * 5 - ux * 6);
     context.closePath();
-    context.fillStyle = lit ? '#ffffff' : handle.axis.colour;
+    context.fillStyle = lit ? '#ffffff' : handle.axis.color;
     context.strokeStyle = 'rgb(0 0 0 / 0.35)';
     context.lineWidth = 1;
     context.stroke();
@@ -189,20 +189,20 @@ function toSegment(x: number, y: number, [ax, ay]: [number, number], [bx, by]: [
   return Math.hypot(x - ax - t * dx, y - ay - t * dy);
 }
 
-/** The axes of the patient: what a bone is moved along and about. */
+/** The axes of the patient, for the movement of a segment. */
 export const PATIENT_AXES: readonly GizmoAxis[] = [
-  { name: 'AP', direction: [0, -1, 0], colour: '#3fb27f', shift: true, turn: true, plus: 'A', minus: 'P' },
-  { name: 'SI', direction: [0, 0, 1], colour: '#5b9cf0', shift: true, turn: true, plus: 'S', minus: 'I' },
-  { name: 'LR', direction: [1, 0, 0], colour: '#ef7d6b', shift: true, turn: true, plus: 'L', minus: 'R' },
+  { name: 'AP', direction: [0, -1, 0], color: '#3fb27f', translates: true, rotates: true, plus: 'A', minus: 'P' },
+  { name: 'SI', direction: [0, 0, 1], color: '#5b9cf0', translates: true, rotates: true, plus: 'S', minus: 'I' },
+  { name: 'LR', direction: [1, 0, 0], color: '#ef7d6b', translates: true, rotates: true, plus: 'L', minus: 'R' },
 ];
 
-/** A cutting plane is shifted along its normal and tilted about the two directions in it. */
+/** Axes of a cutting plane: translation along its normal, rotation about two directions in it. */
 export function planeAxes(normal: Vec3): GizmoAxis[] {
   const n = unit(normal);
   const [u, v] = acrossNormal(n);
   return [
-    { name: 'normal', direction: n, colour: '#f2b84b', shift: true, turn: false, plus: 'moves' },
-    { name: 'tilt 1', direction: u, colour: '#5b9cf0', shift: false, turn: true },
-    { name: 'tilt 2', direction: v, colour: '#ef7d6b', shift: false, turn: true },
+    { name: 'normal', direction: n, color: '#f2b84b', translates: true, rotates: false, plus: 'moves' },
+    { name: 'tilt 1', direction: u, color: '#5b9cf0', translates: false, rotates: true },
+    { name: 'tilt 2', direction: v, color: '#ef7d6b', translates: false, rotates: true },
   ];
 }

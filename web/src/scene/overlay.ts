@@ -2,12 +2,12 @@ import { Quaternion, Vector3 } from 'three';
 import { screenSides, unit, type Vec3 } from '../model';
 import type { Projection } from './projection';
 
-// What lies over the picture, drawn flat: sharp and cheap on any graphics.
+// Marks over the picture, drawn in 2D: sharp and fast on any graphics.
 
 export interface Polyline {
   points: Vec3[];
   closed: boolean;
-  colour: string;
+  color: string;
   dashed?: boolean;
 }
 
@@ -15,7 +15,7 @@ export interface PlaneMark {
   point: Vec3;
   normal: Vec3;
   size_mm: number;
-  colour: string;
+  color: string;
   selected: boolean;
 }
 
@@ -34,7 +34,7 @@ export function drawLine(context: CanvasRenderingContext2D, projection: Projecti
   context.strokeStyle = 'rgb(0 0 0 / 0.35)';
   context.stroke();
   context.lineWidth = 2;
-  context.strokeStyle = line.colour;
+  context.strokeStyle = line.color;
   context.stroke();
   context.setLineDash([]);
 }
@@ -43,8 +43,17 @@ export function drawPlaneOutline(context: CanvasRenderingContext2D, projection: 
   const n = new Vector3(...unit(mark.normal));
   const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), n);
   const h = mark.size_mm / 2;
-  const corners = [[-h, -h], [h, -h], [h, h], [-h, h]].map(([a, b]) =>
-    new Vector3(a, b, 0).applyQuaternion(turn).add(new Vector3(...mark.point)).toArray() as Vec3,
+  const corners = [
+    [-h, -h],
+    [h, -h],
+    [h, h],
+    [-h, h],
+  ].map(
+    ([a, b]) =>
+      new Vector3(a, b, 0)
+        .applyQuaternion(turn)
+        .add(new Vector3(...mark.point))
+        .toArray() as Vec3,
   );
   context.beginPath();
   corners.forEach((corner, k) => {
@@ -54,13 +63,13 @@ export function drawPlaneOutline(context: CanvasRenderingContext2D, projection: 
   });
   context.closePath();
   context.lineWidth = mark.selected ? 2 : 1.25;
-  context.strokeStyle = mark.colour;
+  context.strokeStyle = mark.color;
   context.globalAlpha = mark.selected ? 1 : 0.7;
   context.stroke();
   context.globalAlpha = 1;
 }
 
-/** A point with a name. */
+/** A label of a point. */
 export interface Tag {
   x: number;
   y: number;
@@ -73,18 +82,34 @@ type Rect = readonly [left: number, top: number, right: number, bottom: number];
 const LABEL_HEIGHT = 17;
 
 /**
- * Where labels of these widths go: beside, else above or below their points, over no dot and no label that came before;
- * null where there is no room. `dots`: of all points, with their radius.
+ * Positions of labels with these widths: beside, above or below their points, without covering a dot or an earlier
+ * label; null if there is no space. `dots`: all points, with their radius.
  */
-export function placeLabels(tags: readonly Tag[], widths: readonly number[], dots: readonly (readonly [number, number])[], dotRadius: number): (readonly [left: number, middle: number] | null)[] {
+export function placeLabels(
+  tags: readonly Tag[],
+  widths: readonly number[],
+  dots: readonly (readonly [number, number])[],
+  dotRadius: number,
+): (readonly [left: number, middle: number] | null)[] {
   const taken: Rect[] = [];
   const gap = dotRadius + 1;
   return tags.map(({ x, y }, n) => {
     const width = widths[n];
-    for (const [left, middle] of [[x + gap, y], [x - gap - width, y], [x - width / 2, y - gap - LABEL_HEIGHT / 2], [x - width / 2, y + gap + LABEL_HEIGHT / 2]] as const) {
+    for (const [left, middle] of [
+      [x + gap, y],
+      [x - gap - width, y],
+      [x - width / 2, y - gap - LABEL_HEIGHT / 2],
+      [x - width / 2, y + gap + LABEL_HEIGHT / 2],
+    ] as const) {
       const rect: Rect = [left, middle - LABEL_HEIGHT / 2, left + width, middle + LABEL_HEIGHT / 2];
-      const coversDot = dots.some(([dx, dy]) => Math.hypot(dx - Math.min(rect[2], Math.max(rect[0], dx)), dy - Math.min(rect[3], Math.max(rect[1], dy))) < dotRadius);
-      const coversLabel = taken.some((other) => rect[0] < other[2] && other[0] < rect[2] && rect[1] < other[3] && other[1] < rect[3]);
+      const coversDot = dots.some(
+        ([dx, dy]) =>
+          Math.hypot(dx - Math.min(rect[2], Math.max(rect[0], dx)), dy - Math.min(rect[3], Math.max(rect[1], dy))) <
+          dotRadius,
+      );
+      const coversLabel = taken.some(
+        (other) => rect[0] < other[2] && other[0] < rect[2] && rect[1] < other[3] && other[1] < rect[3],
+      );
       if (coversDot || coversLabel) continue;
       taken.push(rect);
       return [left, middle] as const;
@@ -93,8 +118,13 @@ export function placeLabels(tags: readonly Tag[], widths: readonly number[], dot
   });
 }
 
-/** Draws the names of points where they cover no point and no other name; the first come first. */
-export function drawLabels(context: CanvasRenderingContext2D, tags: readonly Tag[], dots: readonly (readonly [number, number])[], dotRadius: number): void {
+/** Draws labels of points where they cover no point and no earlier label. */
+export function drawLabels(
+  context: CanvasRenderingContext2D,
+  tags: readonly Tag[],
+  dots: readonly (readonly [number, number])[],
+  dotRadius: number,
+): void {
   const font = (strong: boolean): string => `${strong ? 600 : 500} 11.5px "Inter Variable", sans-serif`;
   const widths = tags.map(({ text, strong }) => {
     context.font = font(strong);
@@ -115,33 +145,47 @@ export function drawLabels(context: CanvasRenderingContext2D, tags: readonly Tag
   });
 }
 
-/** A stroke of the brush that the bodies do not show yet. */
-export function drawStroke(context: CanvasRenderingContext2D, dabs: readonly [number, number][], radius_px: number, colour: string): void {
-  if (dabs.length === 0) return;
+/** Draws a stroke of the brush that the bodies do not show yet. */
+export function drawStroke(
+  context: CanvasRenderingContext2D,
+  brushStamps: readonly [number, number][],
+  radius_px: number,
+  color: string,
+): void {
+  if (brushStamps.length === 0) return;
   context.beginPath();
-  for (const [x, y] of dabs) {
+  for (const [x, y] of brushStamps) {
     context.moveTo(x + radius_px, y);
     context.arc(x, y, radius_px, 0, 2 * Math.PI);
   }
   context.globalAlpha = 0.6;
-  context.fillStyle = colour;
+  context.fillStyle = color;
   context.fill();
   context.globalAlpha = 1;
 }
 
-/** How widely the brush paints. */
+/** Draws the circle of the brush. */
 export function drawBrush(context: CanvasRenderingContext2D, [x, y]: [number, number], radius_px: number): void {
-  for (const [width, colour] of [[3.5, 'rgb(0 0 0 / 0.45)'], [1.5, '#ffffff']] as const) {
+  for (const [width, color] of [
+    [3.5, 'rgb(0 0 0 / 0.45)'],
+    [1.5, '#ffffff'],
+  ] as const) {
     context.beginPath();
     context.arc(x, y, radius_px, 0, 2 * Math.PI);
     context.lineWidth = width;
-    context.strokeStyle = colour;
+    context.strokeStyle = color;
     context.stroke();
   }
 }
 
 export function drawSides(
-  context: CanvasRenderingContext2D, projection: Projection, x: number, y: number, width: number, height: number, ink: string,
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  x: number,
+  y: number,
+  width: number,
+  height: number,
+  ink: string,
 ): void {
   const sides = screenSides(projection.forward, projection.up);
   context.font = '600 14px "Inter Variable", sans-serif';
@@ -154,7 +198,13 @@ export function drawSides(
   context.fillText(sides.bottom, x + width / 2, y + height - 18);
 }
 
-export function drawScale(context: CanvasRenderingContext2D, projection: Projection, width: number, height: number, ink: string): void {
+export function drawScale(
+  context: CanvasRenderingContext2D,
+  projection: Projection,
+  width: number,
+  height: number,
+  ink: string,
+): void {
   const mm = [100, 50, 20, 10, 5, 2, 1].find((step) => step * projection.px_per_mm < Math.min(160, width / 4)) ?? 1;
   const size = mm * projection.px_per_mm;
   const [x, y] = [16, height - 16];
@@ -173,7 +223,7 @@ export function drawScale(context: CanvasRenderingContext2D, projection: Project
   context.fillText(`${mm} mm`, x, y - 8);
 }
 
-/** What a side of a comparison shows. */
+/** Draws the name of one side of a comparison. */
 export function drawTag(context: CanvasRenderingContext2D, text: string, x: number, align: 'left' | 'right'): void {
   context.font = '600 12px "Inter Variable", sans-serif';
   context.textAlign = align;
@@ -209,4 +259,3 @@ export function drawWipe(context: CanvasRenderingContext2D, x: number, height: n
   context.lineWidth = 2;
   context.stroke();
 }
-

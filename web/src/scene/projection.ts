@@ -1,19 +1,25 @@
-import { cross, dot, sub, type Vec3 } from '../model';
+import { cross, dot, mapVec3, sub, type Vec3 } from '../model';
 
-/** How L is seen: parallel, so that lengths on the screen are lengths. Pixels are CSS pixels from the view's top left. */
+/** Orthographic projection of L. Pixels are CSS pixels from the top left corner of the view. */
 export interface Projection {
   right: Vec3;
   up: Vec3;
   forward: Vec3;
   px_per_mm: number;
   toScreen(p: Vec3): [number, number];
-  /** Pixels that 1 mm along a direction makes, to the right and down. */
+  /** Pixels per mm along a direction, to the right and down. */
   directionOnScreen(d: Vec3): [number, number];
-  /** Ray through a point of the screen, from before everything. */
+  /** Ray through a point of the screen; it starts in front of everything. */
   rayAt(x: number, y: number): { origin: Vec3; direction: Vec3 };
 }
 
-export function projectionOf(target: Vec3, forward: Vec3, up: Vec3, px_per_mm: number, centre_px: [number, number]): Projection {
+export function projectionOf(
+  target: Vec3,
+  forward: Vec3,
+  up: Vec3,
+  px_per_mm: number,
+  center_px: [number, number],
+): Projection {
   const right = cross(forward, up);
   const directionOnScreen = (d: Vec3): [number, number] => [dot(d, right) * px_per_mm, -dot(d, up) * px_per_mm];
   return {
@@ -24,14 +30,14 @@ export function projectionOf(target: Vec3, forward: Vec3, up: Vec3, px_per_mm: n
     directionOnScreen,
     toScreen(p) {
       const [x, y] = directionOnScreen(sub(p, target));
-      return [centre_px[0] + x, centre_px[1] + y];
+      return [center_px[0] + x, center_px[1] + y];
     },
     rayAt(x, y) {
-      const a = (x - centre_px[0]) / px_per_mm;
-      const b = -(y - centre_px[1]) / px_per_mm;
+      const a = (x - center_px[0]) / px_per_mm;
+      const b = -(y - center_px[1]) / px_per_mm;
       const back = 2000; // mm, beyond any head
-      const origin = [0, 1, 2].map((c) => target[c] + a * right[c] + b * up[c] - back * forward[c]);
-      return { origin: origin as unknown as Vec3, direction: forward };
+      const origin = mapVec3(target, (value, c) => value + a * right[c] + b * up[c] - back * forward[c]);
+      return { origin, direction: forward };
     },
   };
 }

@@ -1,6 +1,17 @@
 import {
-  draggedWindow, greyTable, indexToL, indexToPixel, lToIndex, pixelToIndex, sliceFrame,
-  type Grid, type Orientation, type SliceFrame, type Vec3, type Window,
+  draggedWindow,
+  grayTable,
+  indexToL,
+  indexToPixel,
+  lToIndex,
+  mapVec3,
+  pixelToIndex,
+  sliceFrame,
+  type Grid,
+  type Orientation,
+  type SliceFrame,
+  type Vec3,
+  type Window,
 } from '../model';
 import { drawLabels } from './overlay';
 
@@ -8,14 +19,14 @@ export interface SliceMarker {
   id: string;
   position: Vec3;
   label: string;
-  colour: string;
+  color: string;
   selected: boolean;
 }
 
-/** A plane or a surface's outline, already cut: pairs of points in L. */
+/** Intersection of a plane or a surface with the slice: pairs of points in L. */
 export interface SliceLines {
   lines: Float32Array;
-  colour: string;
+  color: string;
   dashed?: boolean;
 }
 
@@ -24,11 +35,11 @@ export interface SliceEvents {
   onWindow(window: Window): void;
   onMarkerDrag(id: string, p_L: Vec3, phase: 'move' | 'end'): void;
   onMarkerSelect(id: string): void;
-  /** With a tool that places or paints. */
+  /** Use of a tool that places or paints. */
   onTool(p_L: Vec3, phase: 'start' | 'move' | 'end'): void;
 }
 
-/** One orientation of the scan: greys, labels, threshold, linked cursor. */
+/** One orientation of the scan: grays, labels, threshold, linked cursor. */
 export class SliceView {
   readonly element = document.createElement('div');
   markers: SliceMarker[] = [];
@@ -42,7 +53,7 @@ export class SliceView {
   private data: Int16Array | null = null;
   private frame: SliceFrame | null = null;
   private labels: Uint8Array | null = null;
-  private labelColours: (readonly [number, number, number] | null)[] = [];
+  private labelColors: (readonly [number, number, number] | null)[] = [];
   private window_: Window = { level_hu: 500, window_hu: 2000 };
   private threshold_hu: number | null = null;
   private cursor_L: Vec3 = [0, 0, 0];
@@ -51,7 +62,13 @@ export class SliceView {
   private pending = 0;
   private pictureKey = '';
   private labelsVersion = 0;
-  private drag: { kind: 'cursor' | 'window' | 'pan' | 'marker' | 'tool'; id: string; x: number; y: number; window: Window } | null = null;
+  private drag: {
+    kind: 'cursor' | 'window' | 'pan' | 'marker' | 'tool';
+    id: string;
+    x: number;
+    y: number;
+    window: Window;
+  } | null = null;
   private hoverAt: [number, number] | null = null;
 
   constructor(
@@ -71,7 +88,10 @@ export class SliceView {
     this.canvas.addEventListener('pointerdown', this.onDown);
     this.canvas.addEventListener('pointermove', this.onMove);
     this.canvas.addEventListener('pointerup', this.onUp);
-    this.canvas.addEventListener('pointerleave', () => { this.hoverAt = null; this.draw(); });
+    this.canvas.addEventListener('pointerleave', () => {
+      this.hoverAt = null;
+      this.draw();
+    });
     this.canvas.addEventListener('contextmenu', (event) => event.preventDefault());
     this.canvas.addEventListener('wheel', this.onWheel, { passive: false });
     this.canvas.addEventListener('keydown', this.onKey);
@@ -88,10 +108,10 @@ export class SliceView {
     this.draw();
   }
 
-  setLabels(labels: Uint8Array | null, colours: (readonly [number, number, number] | null)[]): void {
-    if (labels === this.labels) return; // What is painted into the same labels is told by labelsChanged().
+  setLabels(labels: Uint8Array | null, colors: (readonly [number, number, number] | null)[]): void {
+    if (labels === this.labels) return; // labelsChanged() reports paint in the same array.
     this.labels = labels;
-    this.labelColours = colours;
+    this.labelColors = colors;
     this.labelsChanged();
   }
 
@@ -115,7 +135,7 @@ export class SliceView {
     });
   }
 
-  /** The slice the cursor is in, clamped to the scan. */
+  /** Index of the slice at the cursor, clamped to the scan. */
   private slice(): number {
     const { grid, frame } = this;
     if (!grid || !frame) return 0;
@@ -172,7 +192,7 @@ export class SliceView {
     const context = this.picture.getContext('2d')!;
     const image = context.createImageData(width, height);
     const pixels = new Uint32Array(image.data.buffer);
-    const greys = greyTable(this.window_);
+    const grays = grayTable(this.window_);
     const strides = [1, grid.size[0], grid.size[0] * grid.size[1]];
     const stepX = strides[frame.right] * (frame.flipRight ? -1 : 1);
     const stepY = strides[frame.down] * (frame.flipDown ? -1 : 1);
@@ -184,11 +204,11 @@ export class SliceView {
       let n = start + row * stepY;
       for (let column = 0; column < width; column++, n += stepX) {
         const hu = data[n];
-        const grey = greys[hu + 32768];
-        let r = grey;
-        let g = grey;
-        let b = grey;
-        const tint = this.labels ? this.labelColours[this.labels[n]] : null;
+        const gray = grays[hu + 32768];
+        let r = gray;
+        let g = gray;
+        let b = gray;
+        const tint = this.labels ? this.labelColors[this.labels[n]] : null;
         if (tint) {
           r = 0.6 * r + 0.4 * tint[0];
           g = 0.6 * g + 0.4 * tint[1];
@@ -236,7 +256,9 @@ export class SliceView {
         ...this.hoverAt,
         (this.brush_mm * scaleX) / this.grid.spacing_mm[this.frame.right],
         (this.brush_mm * scaleY) / this.grid.spacing_mm[this.frame.down],
-        0, 0, 2 * Math.PI,
+        0,
+        0,
+        2 * Math.PI,
       );
       context.strokeStyle = '#ffffff';
       context.lineWidth = 1.5;
@@ -244,23 +266,28 @@ export class SliceView {
     }
     this.drawSides(context, width, height);
     const hu = this.huAt(this.cursor_L);
-    this.readout.textContent = `${this.slice() + 1} / ${this.grid.size[this.frame.depth]}${hu === null ? '' : `  ·  ${hu} HU`}`;
-    this.canvas.setAttribute('aria-label', `${this.orientation} slice ${this.slice() + 1} of ${this.grid.size[this.frame.depth]}. Arrow keys change the slice.`);
+    const position = `${this.slice() + 1} / ${this.grid.size[this.frame.depth]}`;
+    this.readout.textContent = hu === null ? position : `${position}  ·  ${hu} HU`;
+    this.canvas.setAttribute(
+      'aria-label',
+      `${this.orientation} slice ${this.slice() + 1} of ${this.grid.size[this.frame.depth]}. Arrow ` +
+        'keys change the slice.',
+    );
   }
 
   private drawOutlines(context: CanvasRenderingContext2D): void {
     const { grid, frame } = this;
-    const axis = [0, 3, 6].map((row) => grid!.direction[row + frame!.depth]) as unknown as Vec3;
+    const axis = mapVec3([0, 3, 6], (row) => grid!.direction[row + frame!.depth]);
     const index: [number, number, number] = [0, 0, 0];
     index[frame!.depth] = this.slice();
-    for (const { lines, colour, dashed } of this.outlines({ point: indexToL(grid!, index), normal: axis })) {
+    for (const { lines, color, dashed } of this.outlines({ point: indexToL(grid!, index), normal: axis })) {
       context.beginPath();
       for (let n = 0; n < lines.length; n += 6) {
         context.moveTo(...this.toScreen([lines[n], lines[n + 1], lines[n + 2]]));
         context.lineTo(...this.toScreen([lines[n + 3], lines[n + 4], lines[n + 5]]));
       }
       context.setLineDash(dashed ? [5, 4] : []);
-      context.strokeStyle = colour;
+      context.strokeStyle = color;
       context.lineWidth = 1.5;
       context.stroke();
       context.setLineDash([]);
@@ -273,7 +300,12 @@ export class SliceView {
     context.strokeStyle = 'rgb(120 200 215 / 0.75)';
     context.lineWidth = 1;
     context.beginPath();
-    for (const [a, b, c, d] of [[0, y, x - gap, y], [x + gap, y, width, y], [x, 0, x, y - gap], [x, y + gap, x, height]]) {
+    for (const [a, b, c, d] of [
+      [0, y, x - gap, y],
+      [x + gap, y, width, y],
+      [x, 0, x, y - gap],
+      [x, y + gap, x, height],
+    ]) {
       context.moveTo(a, b);
       context.lineTo(c, d);
     }
@@ -285,7 +317,9 @@ export class SliceView {
     const { grid, frame } = this;
     if (!grid || !frame) return [];
     const depth_mm = grid.spacing_mm[frame.depth];
-    return this.markers.filter((marker) => Math.abs(lToIndex(grid, marker.position)[frame.depth] - this.slice()) * depth_mm <= 3);
+    return this.markers.filter(
+      (marker) => Math.abs(lToIndex(grid, marker.position)[frame.depth] - this.slice()) * depth_mm <= 3,
+    );
   }
 
   private drawMarkers(context: CanvasRenderingContext2D): void {
@@ -294,7 +328,7 @@ export class SliceView {
       const [x, y] = this.toScreen(marker.position);
       context.beginPath();
       context.arc(x, y, marker.selected ? 5.5 : 4, 0, 2 * Math.PI);
-      context.fillStyle = marker.colour;
+      context.fillStyle = marker.color;
       context.fill();
       context.strokeStyle = '#ffffff';
       context.lineWidth = marker.selected ? 2 : 1.25;
@@ -304,7 +338,12 @@ export class SliceView {
       const [x, y] = this.toScreen(marker.position);
       return { x, y, text: marker.label, strong: marker.selected };
     });
-    drawLabels(context, tags, tags.map(({ x, y }) => [x, y] as const), 6.5);
+    drawLabels(
+      context,
+      tags,
+      tags.map(({ x, y }) => [x, y] as const),
+      6.5,
+    );
   }
 
   private drawSides(context: CanvasRenderingContext2D, width: number, height: number): void {
@@ -316,8 +355,10 @@ export class SliceView {
     context.strokeStyle = 'rgb(0 0 0 / 0.8)';
     context.fillStyle = '#dfe6ea';
     for (const [text, x, y] of [
-      [labels.left, 13, height / 2], [labels.right, width - 13, height / 2],
-      [labels.top, width / 2, 15], [labels.bottom, width / 2, height - 14],
+      [labels.left, 13, height / 2],
+      [labels.right, width - 13, height / 2],
+      [labels.top, width / 2, 15],
+      [labels.bottom, width / 2, height - 14],
     ] as const) {
       context.strokeText(text, x, y);
       context.fillText(text, x, y);
@@ -393,13 +434,14 @@ export class SliceView {
       const [cx, cy] = [this.element.clientWidth / 2, this.element.clientHeight / 2];
       const zoom = Math.min(12, Math.max(1, this.zoom * factor));
       const applied = zoom / this.zoom;
-      this.pan = zoom === 1 ? [0, 0] : [x - cx - (x - cx - this.pan[0]) * applied, y - cy - (y - cy - this.pan[1]) * applied];
+      this.pan =
+        zoom === 1 ? [0, 0] : [x - cx - (x - cx - this.pan[0]) * applied, y - cy - (y - cy - this.pan[1]) * applied];
       this.zoom = zoom;
       this.draw();
     } else this.step(event.deltaY > 0 ? 1 : -1);
   };
 
-  /** To the next slice along the voxel axis. */
+  /** Moves the cursor along the voxel axis of depth. */
   private step(by: number): void {
     const { grid, frame } = this;
     const index = [...lToIndex(grid!, this.cursor_L)] as [number, number, number];

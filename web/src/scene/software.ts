@@ -1,6 +1,6 @@
 let known: boolean | null = null;
 
-/** True where pictures are drawn by the processor, which pays for every sample of every pixel. */
+/** True if the processor renders the pictures, at a cost per sample of each pixel. */
 export function drawsInSoftware(): boolean {
   known ??= ask();
   return known;

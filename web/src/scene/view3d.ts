@@ -1,65 +1,43 @@
-import {
-  AmbientLight, Box3, DirectionalLight, DoubleSide, HemisphereLight, Matrix4, Mesh, MeshBasicMaterial, OrthographicCamera,
-  PlaneGeometry, Quaternion, Scene, Vector3, WebGLRenderer,
-} from 'three';
-import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import {
-  add, COARSE_CELL_MM, rayHit, transformPoint, unit, VIEWS,
-  type DrawnSurface, type Hit, type Mat4, type Rgb, type Vec3, type ViewName,
-} from '../model';
+import { Scene } from 'three';
+import { COARSE_CELL_MM, dot, sub, type DrawnSurface, type Mat4, type Rgb, type ViewName } from '../model';
 import { Body } from './body';
-import { Gizmo, type GizmoDrag } from './gizmo';
-import { drawBrush, drawStroke, drawLabels, drawLine, drawPlaneOutline, drawScale, drawSides, drawTag, drawWipe, type PlaneMark, type Polyline, type Tag } from './overlay';
-import { projectionOf, type Projection } from './projection';
+import { BrushPath } from './brush_path';
+import { CameraRig } from './camera_rig';
+import { Gizmo } from './gizmo';
+import { LayoutRenderer, type Size } from './layout_renderer';
+import { drawDivider, withCaption } from './layout_overlay';
+import { drawMarkers, handlePositions, markerAt } from './markers';
+import {
+  drawBrush,
+  drawLine,
+  drawPlaneOutline,
+  drawScale,
+  drawSides,
+  drawStroke,
+  type PlaneMark,
+  type Polyline,
+} from './overlay';
+import { pickAlong } from './pick';
+import { PlaneMeshes } from './plane_meshes';
+import type { Projection } from './projection';
 import { drawsInSoftware } from './software';
+import type { BodyHit, Layout, Marker, View3dEvents } from './view_events';
 
-/** A point drawn over the picture: a landmark, a corner of a curve. */
-export interface Marker {
-  id: string;
-  position: Vec3;
-  label?: string;
-  colour: string;
-  selected?: boolean;
-  /** Dim those that lie behind something. */
-  hides?: boolean;
-  draggable?: boolean;
-}
+type Point = [number, number];
 
-export type Layout =
-  | { mode: 'single' }
-  | { mode: 'wipe'; share: number; left: string[]; right: string[]; names: [string, string] }
-  | { mode: 'beside'; left: string[]; right: string[]; names: [string, string] };
-
-export type Phase = 'start' | 'move' | 'end';
-
-export interface View3dEvents {
-  /** A press comes: what is shown must be of the state as it is, also if the last change of it waits to be drawn. */
-  onPress(): void;
-  onGizmo(drag: GizmoDrag, phase: Phase): void;
-  /** True if a click places something now; the cursor says so. */
-  isPlacing(): boolean;
-  /** A click on a body, with a tool that places. */
-  onPick(hit: Hit, body: string): void;
-  /** True if a drag over a body paints it now. */
-  isPainting(): boolean;
-  /** The brush is put on a body, once a picture or more often; it ends off any. */
-  onPaint(at: { hit: Hit; body: string } | null, phase: Phase): void;
-  onMarkerDrag(id: string, hit: Hit, phase: Phase): void;
-  onMarkerSelect(id: string): void;
-  onWipe(share: number): void;
-}
-
+/** Time without input after which the picture is drawn in full. */
 const IDLE_MS = 180;
 
-/** A dab looks at every triangle: more of them would make a picture late. */
-const DABS_A_PICTURE = 4;
+/** Each stamp of the brush tests every triangle; more of them would delay the frame. */
+const STAMPS_PER_FRAME = 4;
 
-/**
- * Pixels drawn per pixel shown, by the processor: multisampling would have it pay for four samples of every pixel, so
- * edges are smoothed by drawing larger once all stands still.
- */
-const SOFTWARE_RATIO = { moving: 0.5, still: 2 };
+/** Distance from the divider of two pictures at which the pointer drags it. */
+const WIPE_GRAB_PX = 14;
 
+/** A longer way of the pointer is a drag, not a click. */
+const CLICK_PX = 4;
+
+/** The 3D view: bodies, marks drawn over them, and the pointer. */
 export class View3d {
   readonly element = document.createElement('div');
   readonly gizmo = new Gizmo();
@@ -69,69 +47,48 @@ export class View3d {
   beforePicture: (() => void) | null = null;
   /** Radius of the brush. */
   brush_mm = 4;
-  brushColour = '#ffffff';
-  /** The bodies a tool works on; others are looked through. */
+  brushColor = '#ffffff';
+  /** The bodies that a tool works on; picking ignores others. */
   pickable: (name: string) => boolean = () => true;
 
   private readonly canvas = document.createElement('canvas');
   private readonly overlay = document.createElement('canvas');
-  private readonly renderer: WebGLRenderer;
-  private readonly gl: WebGL2RenderingContext;
-  private fence: WebGLSync | null = null;
   private readonly scene = new Scene();
-  private readonly camera = new OrthographicCamera(-1, 1, 1, -1, 1, 4000);
-  private readonly controls: OrbitControls;
-  private readonly headlight = new DirectionalLight(0xffffff, 2.1);
   private readonly bodies = new Map<string, Body>();
-  private readonly planes: { mark: PlaneMark; mesh: Mesh }[] = [];
+  private readonly rig: CameraRig;
+  private readonly renderer: LayoutRenderer;
+  private readonly planes = new PlaneMeshes(this.scene);
+  private readonly brush = new BrushPath();
   private layout_: Layout = { mode: 'single' };
   private hidden = new Set<string>();
-  private behind = new Set<string>();
+  private hiddenMarkers = new Set<string>();
   private frame = 0;
-  private idle = 0;
-  private hiddenTimer = 0;
-  private lastIdle = 0;
+  private idleTimer = 0;
+  private markerTimer = 0;
+  private lastBusy = 0;
   private coarse = false;
   private dragged: { kind: 'gizmo' | 'marker' | 'wipe' | 'paint'; id: string } | null = null;
-  /** Where the brush is to go: the pointer's way since the last picture. */
-  private brushWay: [number, number][] = [];
-  private brushAt: [number, number] | null = null;
-  /** Where it was put since the bodies were drawn last. */
-  private brushTrace: [number, number][] = [];
-  private markerAtPointer: [number, number] | null = null;
-  private pressed: { x: number; y: number; at: number } | null = null;
-  private centre = new Vector3(0, 0, 0);
-  private radius_mm = 130;
-  /** Frames drawn since the page began, for measuring. */
-  framesDrawn = 0;
+  private markerAtPointer: Point | null = null;
+  private pressed: Point | null = null;
 
   constructor(private readonly events: View3dEvents) {
     this.element.className = 'view3d';
     this.overlay.className = 'overlay';
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('role', 'img');
-    this.canvas.setAttribute('aria-label', '3D view of bone and skin. Drag to turn, wheel to zoom, right button to shift.');
+    this.canvas.setAttribute(
+      'aria-label',
+      '3D view of bone and skin. Drag to rotate, wheel to zoom, right button to pan.',
+    );
     this.element.append(this.canvas, this.overlay);
-    this.renderer = new WebGLRenderer({
-      canvas: this.canvas, antialias: !drawsInSoftware(), alpha: true, powerPreference: 'high-performance',
-    });
-    this.renderer.autoClear = false;
-    this.renderer.debug.checkShaderErrors = false; // Waiting for the compiler's word stops the page for a second in software.
-    this.gl = this.renderer.getContext() as WebGL2RenderingContext;
-    this.camera.up.set(0, 0, 1);
-    this.scene.add(new AmbientLight(0xffffff, 0.55), new HemisphereLight(0xffffff, 0x9aa4ae, 0.5), this.camera);
-    this.scene.children[1].position.set(0, 0, 1); // Light from above is light from superior.
-    this.camera.add(this.headlight);
-    this.headlight.position.set(-0.35, 0.45, 1);
-    this.controls = new OrbitControls(this.camera, this.canvas);
-    this.controls.enableDamping = false;
-    this.controls.zoomToCursor = true;
-    this.controls.addEventListener('start', () => this.beBusy());
-    this.controls.addEventListener('change', () => {
-      this.beBusy();
+    this.rig = new CameraRig(this.scene, this.canvas);
+    this.renderer = new LayoutRenderer(this.canvas, this.scene, this.rig, this.bodies);
+    this.rig.controls.addEventListener('start', () => this.markBusy());
+    this.rig.controls.addEventListener('change', () => {
+      this.markBusy();
       this.render();
     });
-    this.controls.addEventListener('end', () => this.beBusy());
+    this.rig.controls.addEventListener('end', () => this.markBusy());
     this.canvas.addEventListener('pointerdown', this.onDown, { capture: true });
     this.canvas.addEventListener('pointermove', this.onMove);
     this.canvas.addEventListener('pointerup', this.onUp);
@@ -144,9 +101,9 @@ export class View3d {
 
   // Bodies
 
-  setBody(name: string, surface: DrawnSurface, colour: Rgb): Body {
+  setBody(name: string, surface: DrawnSurface, color: Rgb): Body {
     const old = this.bodies.get(name);
-    const body = new Body(surface, colour);
+    const body = new Body(surface, color);
     if (old) {
       body.setOpacity(old.opacity);
       old.dispose();
@@ -171,10 +128,6 @@ export class View3d {
     return this.bodies.get(name);
   }
 
-  bodyNames(): string[] {
-    return [...this.bodies.keys()];
-  }
-
   /** Shows these bodies and no others. */
   show(names: readonly string[]): void {
     this.hidden = new Set(this.bodies.keys());
@@ -196,24 +149,8 @@ export class View3d {
     this.render();
   }
 
-  setPlanes(marks: PlaneMark[]): void {
-    for (const { mesh } of this.planes) {
-      mesh.geometry.dispose();
-      (mesh.material as MeshBasicMaterial).dispose();
-      mesh.removeFromParent();
-    }
-    this.planes.length = 0;
-    for (const mark of marks) {
-      const material = new MeshBasicMaterial({
-        color: mark.colour, transparent: true, opacity: mark.selected ? 0.34 : 0.16, side: DoubleSide, depthWrite: false,
-      });
-      const mesh = new Mesh(new PlaneGeometry(mark.size_mm, mark.size_mm), material);
-      mesh.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...unit(mark.normal))));
-      mesh.position.set(...mark.point);
-      mesh.renderOrder = 3;
-      this.planes.push({ mark, mesh });
-      this.scene.add(mesh);
-    }
+  setPlanes(marks: readonly PlaneMark[]): void {
+    this.planes.set(marks);
     this.render();
   }
 
@@ -222,93 +159,61 @@ export class View3d {
     this.render();
   }
 
-  get layout(): Layout {
-    return this.layout_;
-  }
-
-  // Looking
+  // Camera
 
   look(name: ViewName): void {
-    const towards = unit(VIEWS[name]);
-    this.controls.target.copy(this.centre);
-    this.camera.position.copy(this.centre).addScaledVector(new Vector3(...towards), 1000);
-    this.camera.lookAt(this.centre);
-    this.controls.update();
+    this.rig.look(name);
     this.render();
   }
 
   /** Brings all bodies into view. */
-  frameAll(): void {
-    const box = new Box3();
-    for (const body of this.bodies.values()) box.expandByObject(body.group);
-    if (box.isEmpty()) return;
-    const offset = this.camera.position.clone().sub(this.controls.target);
-    box.getCenter(this.centre);
-    this.radius_mm = box.getSize(new Vector3()).length() / 2;
-    this.controls.target.copy(this.centre);
-    this.camera.position.copy(this.centre).add(offset);
-    this.camera.zoom = 1;
+  private frameAll(): void {
+    if (!this.rig.frame([...this.bodies.values()].map((body) => body.group))) return;
     this.resize();
-    this.controls.update();
+    this.rig.controls.update();
   }
 
   /** The projection of the half that a point of the view lies in. */
-  projection(x = 0): Projection {
+  private projection(x = 0): Projection {
     const { width, height } = this.size();
-    const beside = this.layout_.mode === 'beside';
-    const centre: [number, number] = beside
-      ? [x < width / 2 ? width / 4 : (3 * width) / 4, height / 2]
-      : [width / 2, height / 2];
-    const forward = new Vector3();
-    this.camera.getWorldDirection(forward);
-    const up = new Vector3(0, 1, 0).applyQuaternion(this.camera.quaternion);
-    const px_per_mm = (this.camera.zoom * height) / (this.camera.top - this.camera.bottom);
-    return projectionOf(this.controls.target.toArray() as Vec3, forward.toArray() as Vec3, up.toArray() as Vec3, px_per_mm, centre);
+    const isBeside = this.layout_.mode === 'beside';
+    const middle = !isBeside ? width / 2 : x < width / 2 ? width / 4 : (3 * width) / 4;
+    return this.rig.projection(height, [middle, height / 2]);
   }
 
-  private size(): { width: number; height: number } {
+  private size(): Size {
     return { width: this.element.clientWidth || 1, height: this.element.clientHeight || 1 };
   }
 
   private resize(): void {
     const { width, height } = this.size();
-    this.renderer.setSize(width, height, false);
+    this.renderer.setSize({ width, height });
     const ratio = Math.min(2, devicePixelRatio);
     this.overlay.width = width * ratio;
     this.overlay.height = height * ratio;
-    this.setFrustum(width / height);
+    this.rig.aspect = width / height;
     this.drawNow();
-  }
-
-  private setFrustum(aspect: number): void {
-    // Room for the head in both directions; a face seen from the side is about as wide as high.
-    const half = this.radius_mm * 0.82 * Math.max(1, 1 / aspect);
-    this.camera.top = half;
-    this.camera.bottom = -half;
-    this.camera.left = -half * aspect;
-    this.camera.right = half * aspect;
-    this.camera.updateProjectionMatrix();
   }
 
   // Drawing
 
-  /** While something moves, the processor draws coarse surfaces; they become fine again when it has stopped. */
-  beBusy(): void {
-    this.lastIdle = performance.now();
+  /** Software rendering draws coarse surfaces while something moves, and fine ones when it has stopped. */
+  private markBusy(): void {
+    this.lastBusy = performance.now();
     if (drawsInSoftware() && !this.coarse && this.dragged?.kind !== 'paint') this.setCoarse(true);
-    if (this.idle) return;
+    if (this.idleTimer) return;
     const check = () => {
-      const left = IDLE_MS - (performance.now() - this.lastIdle);
+      const left = IDLE_MS - (performance.now() - this.lastBusy);
       if (left > 0 || (this.dragged && this.dragged.kind !== 'wipe')) {
-        this.idle = window.setTimeout(check, Math.max(20, left));
+        this.idleTimer = window.setTimeout(check, Math.max(20, left));
         return;
       }
-      this.idle = 0;
+      this.idleTimer = 0;
       this.setCoarse(false);
-      this.findHidden();
+      this.updateHiddenMarkers();
       this.render();
     };
-    this.idle = window.setTimeout(check, IDLE_MS);
+    this.idleTimer = window.setTimeout(check, IDLE_MS);
   }
 
   private setCoarse(coarse: boolean): void {
@@ -320,23 +225,22 @@ export class View3d {
     this.canvas.dataset.idle = 'false';
     if (this.frame) return;
     if (drawsInSoftware() && this.dragged?.kind === 'paint') {
-      // The bodies in full would take the processor too long: the stroke is drawn over them until it has ended.
+      // Software cannot render the bodies in time: until the stroke ends, it is drawn over them.
       this.frame = requestAnimationFrame(() => {
         this.frame = 0;
-        this.dragBrush(DABS_A_PICTURE);
+        this.dragBrush(STAMPS_PER_FRAME);
         this.drawOverlay();
       });
       return;
     }
     const whenReady = (): void => {
-      // One picture at a time: on slow graphics pictures would pile up, and the page would lag behind the hand.
-      if (this.fence && this.gl.getSyncParameter(this.fence, this.gl.SYNC_STATUS) !== this.gl.SIGNALED) {
+      if (!this.renderer.isReady) {
         this.frame = requestAnimationFrame(whenReady);
         return;
       }
       this.frame = 0;
       this.dragMarker();
-      this.dragBrush(DABS_A_PICTURE);
+      this.dragBrush(STAMPS_PER_FRAME);
       const prepare = this.beforePicture;
       this.beforePicture = null;
       prepare?.();
@@ -345,7 +249,7 @@ export class View3d {
     this.frame = requestAnimationFrame(whenReady);
   }
 
-  /** Once a picture, however many events came: a pick looks at every triangle. */
+  /** Once per frame, not per event: picking tests every triangle. */
   private dragMarker(): void {
     if (!this.markerAtPointer || this.dragged?.kind !== 'marker') return;
     const found = this.pick(...this.markerAtPointer);
@@ -353,277 +257,153 @@ export class View3d {
     if (found) this.events.onMarkerDrag(this.dragged.id, found.hit, 'move');
   }
 
-  /** Puts the brush along the pointer's way, so closely that dabs join; what is not reached waits for the next picture. */
-  private dragBrush(most: number): void {
+  /** Puts the brush along the pointer's path, at most `maxStamps` times; the rest waits for the next frame. */
+  private dragBrush(maxStamps: number): void {
     if (this.dragged?.kind !== 'paint') return;
     const step = Math.max(2, 0.5 * this.brush_mm * this.projection().px_per_mm);
-    const isLast = most === Infinity;
     let n = 0;
-    while (n < most && this.brushWay.length > 1) {
-      const [from, to] = this.brushWay;
-      const far = Math.hypot(to[0] - from[0], to[1] - from[1]);
-      // A hand that is slower than the brush is wide leaves one dab, not one for each of its moves.
-      if (far < step && (this.brushWay.length > 2 || !isLast)) {
-        if (this.brushWay.length === 2) break;
-        this.brushWay.splice(1, 1);
-        continue;
-      }
-      const share = Math.min(1, step / (far || 1));
-      const at: [number, number] = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-      if (share < 1) this.brushWay[0] = at;
-      else this.brushWay.shift();
+    while (n < maxStamps) {
+      const at = this.brush.next(step, maxStamps === Infinity);
+      if (!at) break;
       const found = this.pick(...at);
       if (found) {
-        this.brushTrace.push(at);
+        this.brush.trace.push(at);
         this.events.onPaint(found, 'move');
       }
       n++;
     }
-    if (n === most) this.render(); // There may be more.
+    if (n === maxStamps) this.render();
   }
 
-  drawNow(): void {
+  private drawNow(): void {
     const { width, height } = this.size();
-    const renderer = this.renderer;
-    const ratio = drawsInSoftware() ? SOFTWARE_RATIO[this.coarse ? 'moving' : 'still'] : Math.min(2, devicePixelRatio);
-    if (renderer.getPixelRatio() !== ratio) renderer.setPixelRatio(ratio); // Empties the picture, so not before.
-    renderer.setScissorTest(false);
-    renderer.setViewport(0, 0, width, height);
-    renderer.clear();
-    const layout = this.layout_;
-    if (layout.mode === 'single') {
-      renderer.render(this.scene, this.camera);
-    } else if (layout.mode === 'wipe') {
-      const at = Math.round(width * layout.share);
-      renderer.setScissorTest(true);
-      renderer.setScissor(0, 0, at, height);
-      this.renderOnly(layout.left);
-      renderer.setScissor(at, 0, width - at, height);
-      this.renderOnly(layout.right);
-    } else {
-      const half = Math.floor(width / 2);
-      this.setFrustum(half / height);
-      renderer.setScissorTest(true);
-      for (const [x, names] of [[0, layout.left], [half, layout.right]] as const) {
-        renderer.setViewport(x, 0, half, height);
-        renderer.setScissor(x, 0, half, height);
-        this.renderOnly(names);
-      }
-    }
-    if (layout.mode !== 'beside' && Math.abs(this.camera.right / this.camera.top - width / height) > 1e-6) {
-      this.setFrustum(width / height);
+    this.renderer.render(this.layout_, { width, height }, this.coarse);
+    if (this.layout_.mode !== 'beside' && Math.abs(this.rig.aspect - width / height) > 1e-6) {
+      this.rig.aspect = width / height;
       this.render();
     }
-    if (this.fence) this.gl.deleteSync(this.fence);
-    this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    this.gl.flush();
-    this.framesDrawn++;
-    this.brushTrace = [];
+    this.renderer.flush();
+    this.brush.trace = [];
     this.drawOverlay();
-    // For tests: nothing is still to be drawn.
+    // For tests: the picture is complete.
     this.canvas.dataset.idle = String(!this.coarse && this.frame === 0);
   }
 
-  private renderOnly(names: readonly string[]): void {
-    for (const [name, body] of this.bodies) body.group.visible = names.includes(name);
-    this.renderer.render(this.scene, this.camera);
-    for (const body of this.bodies.values()) body.group.visible = true;
-  }
-
-  /** Which markers lie behind a body that is shown and not clear. */
-  private findHidden(): void {
-    this.behind.clear();
+  /** Finds the markers that are behind a visible body. */
+  private updateHiddenMarkers(): void {
+    this.hiddenMarkers.clear();
     const projection = this.projection();
-    for (const marker of this.markers) {
-      if (!marker.hides) continue;
-      const [x, y] = projection.toScreen(marker.position);
-      const { origin, direction } = projection.rayAt(x, y);
-      const hit = this.pickAlong(origin, direction, () => true, true);
-      const depth = (p: Vec3) => (p[0] - origin[0]) * direction[0] + (p[1] - origin[1]) * direction[1] + (p[2] - origin[2]) * direction[2];
-      if (hit && hit.hit.distance < depth(marker.position) - COARSE_CELL_MM) this.behind.add(marker.id);
+    for (const { id, position, hides } of this.markers) {
+      if (!hides) continue;
+      const { origin, direction } = projection.rayAt(...projection.toScreen(position));
+      const found = pickAlong(this.bodies, origin, direction, () => true, true);
+      const depth = dot(sub(position, origin), direction);
+      if (found && found.hit.distance < depth - COARSE_CELL_MM) this.hiddenMarkers.add(id);
     }
   }
 
-  /** Markers, gizmo, sides and scale: crisp, and the same on any graphics. */
+  /** Draws markers, gizmo, sides and scale. */
   private drawOverlay(): void {
     const context = this.overlay.getContext('2d', { willReadFrequently: drawsInSoftware() })!;
-    const ratio = this.overlay.width / this.size().width;
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const { width, height } = this.size();
+    const ratio = this.overlay.width / width;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
-    const halves = this.layout_.mode === 'beside' ? [0, width / 2] : [0];
-    for (const x of halves) {
-      const projection = this.projection(x + 1);
-      context.save();
-      context.beginPath();
-      context.rect(x, 0, width / halves.length, height);
-      context.clip();
-      for (const { mark } of this.planes) drawPlaneOutline(context, projection, mark);
-      for (const line of this.lines) drawLine(context, projection, line);
-      this.drawMarkers(context, projection);
-      drawSides(context, projection, x, 0, width / halves.length, height, this.ink());
-      context.restore();
-      if (x === 0) drawScale(context, projection, width / halves.length, height, this.ink());
-    }
-    const layout = this.layout_;
-    if (layout.mode === 'wipe') drawWipe(context, width * layout.share, height);
-    if (layout.mode !== 'single') {
-      const middle = layout.mode === 'wipe' ? width * layout.share : width / 2;
-      drawTag(context, layout.names[0], middle - 12, 'right');
-      drawTag(context, layout.names[1], middle + 12, 'left');
-    }
-    if (halves.length === 2) {
-      context.fillStyle = this.ink();
-      context.globalAlpha = 0.25;
-      context.fillRect(width / 2 - 0.5, 0, 1, height);
-      context.globalAlpha = 1;
-    }
-    this.gizmo.draw(context, this.projection());
-    const radius_px = this.brush_mm * this.projection().px_per_mm;
-    drawStroke(context, this.brushTrace, radius_px, this.brushColour);
-    if (this.brushAt && this.events.isPainting()) drawBrush(context, this.brushAt, radius_px);
-    this.tellHandles();
+    const starts = this.layout_.mode === 'beside' ? [0, width / 2] : [0];
+    for (const x of starts) this.drawPictureOverlay(context, x, width / starts.length, height);
+    drawDivider(context, this.layout_, { width, height }, this.ink());
+    const projection = this.projection();
+    this.gizmo.draw(context, projection);
+    const radius_px = this.brush_mm * projection.px_per_mm;
+    drawStroke(context, this.brush.trace, radius_px, this.brushColor);
+    if (this.brush.pointer && this.events.isPainting()) drawBrush(context, this.brush.pointer, radius_px);
+    this.canvas.dataset.handles = JSON.stringify(handlePositions(this.gizmo, this.markers, projection));
+    this.canvas.dataset.pxPerMm = projection.px_per_mm.toFixed(4);
+  }
+
+  /** Draws over one picture of the layout, which begins at x. */
+  private drawPictureOverlay(context: CanvasRenderingContext2D, x: number, width: number, height: number): void {
+    const projection = this.projection(x + 1);
+    const ink = this.ink();
+    context.save();
+    context.beginPath();
+    context.rect(x, 0, width, height);
+    context.clip();
+    for (const mark of this.planes.marks) drawPlaneOutline(context, projection, mark);
+    for (const line of this.lines) drawLine(context, projection, line);
+    drawMarkers(context, projection, this.markers, this.hiddenMarkers);
+    drawSides(context, projection, x, 0, width, height, ink);
+    context.restore();
+    if (x === 0) drawScale(context, projection, width, height, ink);
   }
 
   private ink(): string {
     return getComputedStyle(this.element).getPropertyValue('--view-ink').trim() || '#333';
   }
 
-  /** Where handles and markers are on the screen, for tests and assistive scripts. */
-  private tellHandles(): void {
-    const projection = this.projection();
-    const handles: Record<string, [number, number]> = {};
-    for (const handle of this.gizmo.handles(projection)) {
-      const [x, y] = handle.kind === 'shift' ? handle.line[1] : handle.line[8];
-      const along = projection.directionOnScreen(handle.axis.direction);
-      const towards = handle.line[1][0] - handle.line[0][0];
-      const down = handle.line[1][1] - handle.line[0][1];
-      const positive = along[0] * towards + along[1] * down > 0;
-      handles[`${handle.kind} ${handle.axis.name}${handle.kind === 'shift' ? (positive ? ' +' : ' -') : ''}`] = [Math.round(x), Math.round(y)];
-    }
-    for (const marker of this.markers) {
-      const [x, y] = projection.toScreen(marker.position);
-      handles[`marker ${marker.id}`] = [Math.round(x), Math.round(y)];
-    }
-    this.canvas.dataset.handles = JSON.stringify(handles);
-    this.canvas.dataset.pxPerMm = projection.px_per_mm.toFixed(4);
-  }
-
-  private drawMarkers(context: CanvasRenderingContext2D, projection: Projection): void {
-    const inOrder = [...this.markers].sort((a, b) => Number(b.selected ?? false) - Number(a.selected ?? false));
-    for (const marker of inOrder) this.drawMarker(context, projection, marker);
-    // A point behind the bone has no label, and its dim dot is in nobody's way.
-    const shown = inOrder.filter((marker) => !this.behind.has(marker.id));
-    const tags = shown.filter((marker) => marker.label).map((marker): Tag => {
-      const [x, y] = projection.toScreen(marker.position);
-      return { x, y, text: marker.label!, strong: marker.selected ?? false };
-    });
-    drawLabels(context, tags, shown.map((marker) => projection.toScreen(marker.position)), 7.5);
-  }
-
-  private drawMarker(context: CanvasRenderingContext2D, projection: Projection, marker: Marker): void {
-    const [x, y] = projection.toScreen(marker.position);
-    const behind = this.behind.has(marker.id);
-    context.globalAlpha = behind ? 0.3 : 1;
-    context.beginPath();
-    context.arc(x, y, marker.selected ? 6 : 4.5, 0, 2 * Math.PI);
-    context.fillStyle = marker.colour;
-    context.fill();
-    context.lineWidth = marker.selected ? 2.5 : 1.5;
-    context.strokeStyle = marker.selected ? '#ffffff' : 'rgb(255 255 255 / 0.9)';
-    context.stroke();
-    context.beginPath();
-    context.arc(x, y, marker.selected ? 7.5 : 5.5, 0, 2 * Math.PI);
-    context.lineWidth = 1;
-    context.strokeStyle = 'rgb(0 0 0 / 0.55)';
-    context.stroke();
-    context.globalAlpha = 1;
-  }
-
   // Pointer
 
-  private at(event: PointerEvent): [number, number] {
+  private at(event: PointerEvent): Point {
     const box = this.canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   }
 
-  /** The marker at the pointer. While a click places something, only those that can be dragged meanwhile: placing wins. */
+  /** The marker at the pointer. While a click places something, only markers that can be dragged. */
   private markerAt(x: number, y: number): Marker | null {
-    const projection = this.projection(x);
-    const placing = this.events.isPlacing();
-    let best: Marker | null = null;
-    let nearest = 10;
-    for (const marker of this.markers) {
-      const [mx, my] = projection.toScreen(marker.position);
-      const d = Math.hypot(mx - x, my - y);
-      if (d < nearest && !this.behind.has(marker.id) && (marker.draggable || !placing)) {
-        nearest = d;
-        best = marker;
-      }
-    }
-    return best;
+    const isPlacing = this.events.isPlacing();
+    const isWanted = (marker: Marker): boolean =>
+      !this.hiddenMarkers.has(marker.id) && ((marker.draggable ?? false) || !isPlacing);
+    return markerAt(this.markers, this.projection(x), [x, y], isWanted);
   }
 
-  /** First shown body along the ray of a point of the view. */
-  pick(x: number, y: number): { hit: Hit; body: string } | null {
+  private isOnDivider(x: number): boolean {
+    const layout = this.layout_;
+    return layout.mode === 'wipe' && Math.abs(x - layout.fraction * this.size().width) < WIPE_GRAB_PX;
+  }
+
+  /** First visible body along the ray of a point of the view. */
+  private pick(x: number, y: number): BodyHit | null {
     const { origin, direction } = this.projection(x).rayAt(x, y);
-    return this.pickAlong(origin, direction, this.pickable, false);
-  }
-
-  private pickAlong(origin: Vec3, direction: Vec3, wanted: (name: string) => boolean, coarse: boolean): { hit: Hit; body: string } | null {
-    let best: { hit: Hit; body: string } | null = null;
-    for (const [name, body] of this.bodies) {
-      if (!body.shown || body.opacity < 0.3 || !wanted(name)) continue;
-      const X = body.group.matrix;
-      const inverse = rows(new Matrix4().copy(X).invert());
-      const from = transformPoint(inverse, origin);
-      const to = transformPoint(inverse, add(origin, direction));
-      const along: Vec3 = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
-      const surface = coarse ? body.coarseSurface : { points: body.points, triangles: body.surface.triangles };
-      const hit = rayHit(surface, from, along);
-      if (!hit || (best && hit.distance >= best.hit.distance)) continue;
-      const pose = rows(X);
-      const tip = transformPoint(pose, add(hit.point, hit.normal));
-      const point = transformPoint(pose, hit.point);
-      best = { body: name, hit: { ...hit, point, normal: [tip[0] - point[0], tip[1] - point[1], tip[2] - point[2]] } };
-    }
-    return best;
+    return pickAlong(this.bodies, origin, direction, this.pickable, false);
   }
 
   private onDown = (event: PointerEvent): void => {
     this.events.onPress();
-    const [x, y] = this.at(event);
-    this.controls.enabled = true;
-    this.pressed = { x, y, at: performance.now() };
+    const at = this.at(event);
+    this.rig.controls.enabled = true;
+    this.pressed = at;
     if (event.button !== 0) return;
-    const layout = this.layout_;
-    if (layout.mode === 'wipe' && Math.abs(x - layout.share * this.size().width) < 14) {
-      this.dragged = { kind: 'wipe', id: '' };
-    } else if (this.gizmo.begin(this.projection(x), x, y)) {
-      this.dragged = { kind: 'gizmo', id: '' };
-      this.beBusy();
-      this.events.onGizmo(this.gizmo.drag(this.projection(x), x, y)!, 'start');
-    } else {
-      const found = this.events.isPainting() ? this.pick(x, y) : null;
-      const marker = found ? null : this.markerAt(x, y);
-      if (found) {
-        this.dragged = { kind: 'paint', id: found.body };
-        this.brushWay = [[x, y]];
-        this.brushTrace = [[x, y]];
-        this.brushAt = [x, y];
-        this.beBusy();
-        this.events.onPaint(found, 'start');
-      }
-      if (marker) {
-        this.events.onMarkerSelect(marker.id);
-        if (marker.draggable) this.dragged = { kind: 'marker', id: marker.id };
-      }
-    }
+    this.beginDrag(at);
     if (this.dragged) {
-      this.controls.enabled = false;
+      this.rig.controls.enabled = false;
       this.canvas.setPointerCapture(event.pointerId);
     }
   };
+
+  private beginDrag([x, y]: Point): void {
+    if (this.isOnDivider(x)) {
+      this.dragged = { kind: 'wipe', id: '' };
+      return;
+    }
+    if (this.gizmo.begin(this.projection(x), x, y)) {
+      this.dragged = { kind: 'gizmo', id: '' };
+      this.markBusy();
+      this.events.onGizmo(this.gizmo.drag(this.projection(x), x, y)!, 'start');
+      return;
+    }
+    const found = this.events.isPainting() ? this.pick(x, y) : null;
+    const marker = found ? null : this.markerAt(x, y);
+    if (found) {
+      this.dragged = { kind: 'paint', id: found.body };
+      this.brush.begin([x, y]);
+      this.markBusy();
+      this.events.onPaint(found, 'start');
+    }
+    if (marker) {
+      this.events.onMarkerSelect(marker.id);
+      if (marker.draggable) this.dragged = { kind: 'marker', id: marker.id };
+    }
+  }
 
   private onMove = (event: PointerEvent): void => {
     const [x, y] = this.at(event);
@@ -632,93 +412,83 @@ export class View3d {
       return;
     }
     if (this.dragged.kind === 'gizmo') {
-      this.beBusy();
+      this.markBusy();
       const drag = this.gizmo.drag(this.projection(x), x, y);
       if (drag) this.events.onGizmo(drag, 'move');
     } else if (this.dragged.kind === 'paint') {
-      this.beBusy();
-      this.brushWay.push([x, y]);
-      this.brushAt = [x, y];
+      this.markBusy();
+      this.brush.extend([x, y]);
     } else if (this.dragged.kind === 'wipe') {
       this.events.onWipe(Math.min(0.98, Math.max(0.02, x / this.size().width)));
     } else {
-      this.beBusy();
+      this.markBusy();
       this.markerAtPointer = [x, y];
     }
     this.render();
   };
 
   private onUp = (event: PointerEvent): void => {
-    const [x, y] = this.at(event);
+    const at = this.at(event);
     if (this.dragged?.kind === 'paint') {
       this.dragBrush(Infinity);
       this.events.onPaint(null, 'end');
     }
     const dragged = this.dragged;
     this.dragged = null;
-    this.controls.enabled = true;
+    this.rig.controls.enabled = true;
     if (dragged?.kind === 'gizmo') {
-      const drag = this.gizmo.drag(this.projection(x), x, y);
+      const drag = this.gizmo.drag(this.projection(at[0]), ...at);
       this.gizmo.end();
       if (drag) this.events.onGizmo(drag, 'end');
     } else if (dragged?.kind === 'marker') {
-      const found = this.pick(x, y);
+      const found = this.pick(...at);
       if (found) this.events.onMarkerDrag(dragged.id, found.hit, 'end');
-    } else if (!dragged && event.button === 0 && this.pressed && this.events.isPlacing()) {
-      // A click, not the end of turning the head.
-      if (Math.hypot(x - this.pressed.x, y - this.pressed.y) < 4 && !this.markerAt(x, y)) {
-        const found = this.pick(x, y);
-        if (found) this.events.onPick(found.hit, found.body);
-      }
-    }
+    } else if (!dragged && event.button === 0) this.onClick(at);
     this.pressed = null;
-    if (dragged?.kind !== 'paint') this.beBusy();
+    if (dragged?.kind !== 'paint') this.markBusy();
     this.render();
   };
 
-  private hover(at: [number, number] | null): void {
+  /** A press and release of the button, unless the pointer has turned the head in between. */
+  private onClick(at: Point): void {
+    if (!this.pressed || !this.events.isPlacing()) return;
+    const way = Math.hypot(at[0] - this.pressed[0], at[1] - this.pressed[1]);
+    if (way >= CLICK_PX || this.markerAt(...at)) return;
+    const found = this.pick(...at);
+    if (found) this.events.onPick(found.hit, found.body);
+  }
+
+  private hover(at: Point | null): void {
     const before = this.gizmo.hovered;
     this.gizmo.hovered = at ? this.gizmo.find(this.projection(at[0]), ...at) : null;
-    const layout = this.layout_;
-    const onWipe = at !== null && layout.mode === 'wipe' && Math.abs(at[0] - layout.share * this.size().width) < 14;
-    const overMarker = at !== null && this.markerAt(...at) !== null;
-    this.canvas.style.cursor = onWipe ? 'ew-resize' : this.gizmo.hovered || overMarker ? 'grab' : this.events.isPlacing() || this.events.isPainting() ? 'crosshair' : '';
-    const brushed = this.brushAt;
-    this.brushAt = this.events.isPainting() ? at : null;
-    if ((brushed || this.brushAt) && this.frame === 0) this.drawOverlay(); // The ring alone: the picture stays.
+    this.canvas.style.cursor = this.cursorAt(at);
+    const hadBrush = this.brush.pointer !== null;
+    this.brush.pointer = this.events.isPainting() ? at : null;
+    // The bodies are unchanged, so that the overlay suffices.
+    if ((hadBrush || this.brush.pointer) && this.frame === 0) this.drawOverlay();
     if (before?.axis !== this.gizmo.hovered?.axis || before?.kind !== this.gizmo.hovered?.kind) this.render();
   }
 
-  /** Finds anew which markers are hidden, after they or the bodies have changed. */
+  private cursorAt(at: Point | null): string {
+    if (at && this.isOnDivider(at[0])) return 'ew-resize';
+    if (this.gizmo.hovered || (at && this.markerAt(...at))) return 'grab';
+    return this.events.isPlacing() || this.events.isPainting() ? 'crosshair' : '';
+  }
+
+  /** Finds the hidden markers after the markers or the bodies have changed. */
   refreshMarkers(): void {
-    clearTimeout(this.hiddenTimer);
-    this.hiddenTimer = window.setTimeout(() => {
-      this.findHidden();
+    clearTimeout(this.markerTimer);
+    this.markerTimer = window.setTimeout(() => {
+      this.updateHiddenMarkers();
       this.render();
     }, IDLE_MS);
     this.render();
   }
 
-  /** The picture as it is, with a line of text below it. */
+  /** The picture with a line of text below it. */
   snapshot(caption: string, background: string): HTMLCanvasElement {
     this.setCoarse(false);
     this.drawNow();
-    const { width, height } = this.size();
-    const picture = document.createElement('canvas');
-    const foot = 28;
-    picture.width = width;
-    picture.height = height + foot;
-    const context = picture.getContext('2d')!;
-    context.fillStyle = background;
-    context.fillRect(0, 0, width, height + foot);
-    context.drawImage(this.canvas, 0, 0, width, height);
-    context.drawImage(this.overlay, 0, 0, width, height);
-    context.fillStyle = this.ink();
-    context.font = '12px "Inter Variable", sans-serif';
-    context.textBaseline = 'middle';
-    context.fillText(caption, 12, height + foot / 2);
-    return picture;
+    return withCaption([this.canvas, this.overlay], this.size(), caption, background, this.ink());
   }
 }
-
-const rows = (m: Matrix4): Mat4 => m.clone().transpose().toArray();

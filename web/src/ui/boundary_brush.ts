@@ -1,84 +1,103 @@
 import {
-  AppliedStrokes, areasByLabel, bytesWithin, joinEdits, labelsOfBox, labelVertices, paintedBox, paintReach_mm, paintSurface,
-  type Hit, type LabelEdit, type Surface, type Vec3,
+  AppliedStrokes,
+  areasByLabel,
+  bytesWithin,
+  joinEdits,
+  labelsOfBox,
+  labelVertices,
+  paintedBox,
+  paintTolerance_mm,
+  paintSurface,
+  type Hit,
+  type LabelEdit,
+  type Surface,
+  type Vec3,
 } from '../model';
-import { isMissing, type App, type Listeners } from './app';
+import { isNotFound } from './errors';
+import type { BoundaryFile } from './plan_store';
+import type { Planner, SceneListeners } from './planner_context';
 import { stageOf, type Doc } from './state';
 
-/** What a plan of a case calls the file. */
-export const BOUNDARY_FILE = 'boundary.seg.nrrd';
-
-/** What is painted on the tissue's boundary: voxels of the scan, which go to the server as the command line reads them. */
-export class BoundaryBrush {
-  /** One byte per voxel; null until it is known what the server has. */
+/** Labels painted on the tissue boundary: voxels of the scan, in the format that the command line reads. */
+export class BoundaryBrush implements BoundaryFile {
+  /** One byte per voxel; null until the file of the server is read. */
   labels: Uint8Array | null = null;
   private stroke: LabelEdit | null = null;
   private readonly strokes = new AppliedStrokes();
-  /** Of what the server has; null where it has nothing. */
+  /** ETag of the file on the server; null if there is none. */
   private etag: string | null = null;
-  /** The strokes that the server has. */
+  /** The strokes that are saved. */
   private stored: readonly LabelEdit[] = [];
-  /** `version`: another one whenever a label has changed. */
+  /** `version` changes with every change of a label. */
   private readonly vertices = new Map<string, { surface: Surface; label: Uint8Array; version: number }>();
   private versions = 0;
 
   constructor(
-    private readonly app: App,
-    private readonly listeners: Listeners,
+    private readonly planner: Planner,
+    private readonly listeners: SceneListeners,
   ) {}
 
-  /** Another scan, or none. */
+  /** Discards the labels when the scan changes. */
   forget(): void {
     this.labels = null;
     this.vertices.clear();
   }
 
-  /** What the plan's rules are, and hold. */
+  /** Reads the boundary rules of the plan and their areas. */
   async loadRules(): Promise<void> {
-    this.app.patch({ boundary: await this.app.client.boundary().catch(() => null) });
+    this.planner.patch({ boundary: await this.planner.client.boundary().catch(() => null) });
   }
 
-  /** The rules, and what is painted, unless it is known. */
+  /** Reads the rules, and the paint unless it is up to date. */
   async load(replacesMine = false): Promise<void> {
-    const { app } = this;
-    const { volume } = app.model.s;
+    const { planner } = this;
+    const { volume } = planner.model.s;
     if (!volume) return;
     await this.loadRules();
-    const isMine = (etag: string | null): boolean => this.labels !== null && (etag === this.etag || (this.isUnsaved() && !replacesMine));
-    if (isMine(stageOf(app.model.s, 'boundary').etag)) return;
-    await app.try_(async () => {
-      const found = await app.client.boundaryData().catch((error: unknown) => {
-        if (isMissing(error)) return null;
+    const isMine = (etag: string | null): boolean =>
+      this.labels !== null && (etag === this.etag || (this.isUnsaved() && !replacesMine));
+    if (isMine(stageOf(planner.model.s, 'boundary').etag)) return;
+    await planner.attempt(async () => {
+      const found = await planner.client.boundaryData().catch((error: unknown) => {
+        if (isNotFound(error)) return null;
         throw error;
       });
-      if (isMine(found?.etag ?? null)) return; // What this page knew of the server was older than what it had sent.
+      if (isMine(found?.etag ?? null)) return; // The stage was older than this page's last save.
       this.labels = found ? labelsOfBox(found.value, volume.grid, found.box) : new Uint8Array(volume.data.length);
       this.etag = found?.etag ?? null;
       const none: readonly LabelEdit[] = [];
-      this.strokes.are(none);
+      this.strokes.setApplied(none);
       this.stored = none;
       const bare = (doc: Doc): Doc => ({ ...doc, paint: none });
-      const { past, present, future } = app.model.history.value;
-      app.model.history.set({ past: past.map(bare), present: bare(present), future: future.map(bare), gesture: null });
+      const { past, present, future } = planner.model.history.value;
+      planner.model.history.set({
+        past: past.map(bare),
+        present: bare(present),
+        future: future.map(bare),
+        gesture: null,
+      });
       this.changed();
     });
   }
 
-  // The hand
+  // Painting
 
-  /** Puts the brush on a surface that stands as scanned. */
-  dab(hit: Hit, surface: Surface): void {
-    const { app, labels } = this;
-    const { volume, boundary, paint_mm, paintLabel } = app.model.s;
+  /** Applies the brush to a surface at its scanned pose. */
+  stamp(hit: Hit, surface: Surface): void {
+    const { planner, labels } = this;
+    const { volume, boundary, paint_mm, paintLabel } = planner.model.s;
     if (!volume || !labels || !boundary) return;
-    const dab = {
-      centre_L: hit.point, normal: hit.normal, radius_mm: paint_mm, label: paintLabel,
-      // So that each node that the plan takes to lie on this surface has a painted voxel within reach.
-      thickness_mm: boundary.capture_mm + paintReach_mm(volume.grid),
+    const brushStamp = {
+      center_L: hit.point,
+      normal: hit.normal,
+      radius_mm: paint_mm,
+      label: paintLabel,
+      // Thick enough that every node that the plan snaps to this surface finds a painted voxel.
+      thickness_mm: boundary.capture_mm + paintTolerance_mm(volume.grid),
     };
-    const edit = paintSurface(labels, volume.grid, surface, dab);
+    const edit = paintSurface(labels, volume.grid, surface, brushStamp);
     this.stroke = this.stroke ? joinEdits(this.stroke, edit) : edit;
-    if (edit.at.length > 0) this.show({ centre: hit.point, radius_mm: paint_mm + 2 * paintReach_mm(volume.grid) });
+    if (edit.at.length > 0) this.show({ center: hit.point, radius_mm: paint_mm + 2 * paintTolerance_mm(volume.grid) });
   }
 
   endStroke(): void {
@@ -87,7 +106,7 @@ export class BoundaryBrush {
     if (stroke && stroke.at.length > 0) this.add(stroke);
   }
 
-  /** Takes all paint away, as one stroke. */
+  /** Erases all paint, as one stroke. */
   eraseAll(): void {
     const { labels } = this;
     if (!labels) return;
@@ -101,59 +120,63 @@ export class BoundaryBrush {
   }
 
   private add(stroke: LabelEdit): void {
-    const paint = [...this.app.model.doc.paint, stroke];
-    this.strokes.are(paint); // They are painted already.
-    this.app.edit({ paint });
+    const paint = [...this.planner.model.doc.paint, stroke];
+    this.strokes.setApplied(paint); // The labels contain it already.
+    this.planner.edit({ paint });
     this.measure();
   }
 
-  /** After undo and redo. */
+  /** Applies the strokes of the history after undo and redo. */
   apply(strokes: readonly LabelEdit[]): void {
     if (this.labels && this.strokes.apply(this.labels, strokes)) this.changed();
   }
 
-  // Keeping
+  // Saving
 
   isUnsaved(): boolean {
-    return this.labels !== null && this.app.model.doc.paint !== this.stored;
+    return this.labels !== null && this.planner.model.doc.paint !== this.stored;
   }
 
   get isPainted(): boolean {
     return this.labels?.some((label) => label !== 0) ?? false;
   }
 
-  /** Sends what is painted, if anything is; `forces` also over what another page painted. */
-  async save(forces = false): Promise<void> {
-    const { grid } = this.app.model.s.volume!;
-    const strokes = this.app.model.doc.paint;
+  /** Sends the paint, if there is any; `overwrite`: also if another page changed it. */
+  async save(overwrite = false): Promise<void> {
+    const { grid } = this.planner.model.s.volume!;
+    const strokes = this.planner.model.doc.paint;
     const box = paintedBox(this.labels!, grid);
-    if (!box) return; // The plan must let go of it first.
-    this.etag = await this.app.client.putBoundaryData(bytesWithin(this.labels!, grid, box), box, forces ? '*' : (this.etag ?? '*'));
+    if (!box) return; // removeIfEmpty deletes the file after the plan has dropped it.
+    this.etag = await this.planner.client.putBoundaryData(
+      bytesWithin(this.labels!, grid, box),
+      box,
+      overwrite ? '*' : (this.etag ?? '*'),
+    );
     this.stored = strokes;
   }
 
-  /** When the plan names it no more. */
+  /** Deletes the file after the plan has dropped it. */
   async removeIfEmpty(): Promise<void> {
-    const strokes = this.app.model.doc.paint;
-    if (this.etag !== null) await this.app.client.deleteBoundaryData(this.etag);
+    const strokes = this.planner.model.doc.paint;
+    if (this.etag !== null) await this.planner.client.deleteBoundaryData(this.etag);
     this.etag = null;
     this.stored = strokes;
   }
 
-  /** A file that another program has painted, in the place of all that is painted. */
+  /** Replaces the paint by a file of another program. */
   async upload(file: File): Promise<void> {
-    await this.app.try_(async () => {
-      await this.app.client.putBoundaryFile(file, this.etag ?? '*');
+    await this.planner.attempt(async () => {
+      await this.planner.client.putBoundaryFile(file, this.etag ?? '*');
       this.labels = null;
-      await this.app.reload();
+      await this.planner.reload();
     });
   }
 
-  // Showing
+  // Display
 
-  /** The label of each vertex of a surface that stands as scanned. */
+  /** The label of each vertex of a surface at its scanned pose. */
   labelsOf(name: string, surface: Surface): { label: Uint8Array; version: number } | null {
-    const { volume } = this.app.model.s;
+    const { volume } = this.planner.model.s;
     if (!this.labels || !volume) return null;
     const known = this.vertices.get(name);
     if (known?.surface === surface) return known;
@@ -164,8 +187,8 @@ export class BoundaryBrush {
     return made;
   }
 
-  private show(within: { centre: Vec3; radius_mm: number }): void {
-    const { grid } = this.app.model.s.volume!;
+  private show(within: { center: Vec3; radius_mm: number }): void {
+    const { grid } = this.planner.model.s.volume!;
     for (const known of this.vertices.values())
       if (labelVertices(this.labels!, grid, known.surface.points, known.label, within)) known.version = ++this.versions;
     this.listeners.onPaint();
@@ -177,13 +200,13 @@ export class BoundaryBrush {
     this.measure();
   }
 
-  /** How much of bone and skin is painted with what. */
+  /** Measures the painted area of bone and skin by label. */
   measure(): void {
     const areas: number[] = [];
-    for (const [name, { surface }] of this.app.boundarySurfaces()) {
+    for (const [name, { surface }] of this.planner.boundarySurfaces()) {
       const found = this.labelsOf(name, surface);
       if (found) areasByLabel(surface, found.label, areas);
     }
-    this.app.patch({ paintedAreas: areas });
+    this.planner.patch({ paintedAreas: areas });
   }
 }

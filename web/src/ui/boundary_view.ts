@@ -1,19 +1,19 @@
-import { BONE, linearOf, segmentColour, SKIN, type Rgb } from '../model';
+import { BONE, linearOf, segmentColor, SKIN, toVec3, type Rgb } from '../model';
 import type { Body, View3d } from '../scene';
 import type { App } from './app';
 import type { State } from './state';
 
-/** Draws what is painted on the tissue's boundary, on bone and skin as they were scanned. */
+/** Colors bone and skin, at their scanned pose, by the paint on the tissue boundary. */
 export class BoundaryView {
-  /** What was coloured, of which paint. */
-  private readonly coloured = new Map<string, { body: Body; version: number }>();
+  /** The bodies that are colored, and the version of their paint. */
+  private readonly colored = new Map<string, { body: Body; version: number }>();
 
   constructor(
     private readonly view: View3d,
     private readonly app: App,
   ) {}
 
-  /** What the brush is put on: what is drawn opaque. */
+  /** The brush applies to what is drawn opaque. */
   isPaintable(s: State, name: string): boolean {
     return (s.paintOn === 'skin') === (name === 'skin');
   }
@@ -21,23 +21,23 @@ export class BoundaryView {
   present(s: State): void {
     const { view, app } = this;
     const isOn = s.step === 'tissue' && s.boundary !== null && app.boundaryBrush.labels !== null;
-    const palette = [BONE, ...(s.boundary?.names.map((x) => x.colour as unknown as Rgb) ?? [])];
+    const palette = [BONE, ...(s.boundary?.names.map((x) => toVec3(x.colour)) ?? [])];
     let hasChanged = false;
     for (const [name, { surface }] of isOn ? app.boundarySurfaces() : []) {
       const body = view.body(name);
-      const before = this.coloured.get(name);
+      const before = this.colored.get(name);
       const labels = body ? app.boundaryBrush.labelsOf(name, surface) : null;
       if (!body || !labels || labels.label.length !== body.surface.points.length / 3) continue;
       if (before?.body === body && before.version === labels.version) continue;
       palette[0] = this.plain(name);
       body.setLabels(labels.label, palette.map(linearOf));
-      this.coloured.set(name, { body, version: labels.version });
+      this.colored.set(name, { body, version: labels.version });
       hasChanged = true;
     }
     if (!isOn)
-      for (const [name, { body }] of this.coloured) {
-        if (view.body(name) === body) body.setColour(this.plain(name));
-        this.coloured.delete(name);
+      for (const [name, { body }] of this.colored) {
+        if (view.body(name) === body) body.setColor(this.plain(name));
+        this.colored.delete(name);
         hasChanged = true;
       }
     if (hasChanged) view.render();
@@ -45,6 +45,6 @@ export class BoundaryView {
 
   private plain(name: string): Rgb {
     const index = this.app.model.doc.plan.segments.findIndex((x) => `segments/${x.name}` === name);
-    return index >= 0 ? segmentColour(index) : name === 'skin' ? SKIN : BONE;
+    return index >= 0 ? segmentColor(index) : name === 'skin' ? SKIN : BONE;
   }
 }

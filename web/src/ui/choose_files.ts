@@ -1,4 +1,4 @@
-/** Files of a drop, folders opened. */
+/** Files of a drop, including those in folders. */
 export async function filesOf(items: DataTransferItemList): Promise<File[]> {
   const found: File[] = [];
   const walk = async (entry: FileSystemEntry): Promise<void> => {
@@ -18,7 +18,7 @@ export async function filesOf(items: DataTransferItemList): Promise<File[]> {
   return found.filter((file) => !file.name.startsWith('.'));
 }
 
-/** Lets a person choose files, or a folder of them. */
+/** Opens the browser's dialog for files, or for a folder. */
 export function chooseFiles(folder: boolean, then: (files: File[]) => void): void {
   const input = document.createElement('input');
   input.type = 'file';

@@ -1,12 +1,10 @@
-import {
-  IDENTITY, lengths, roundUp, sectionOf, segmentColour, SKIN,
-  type Mat4, type Vec3,
-} from '../model';
+import { IDENTITY, lengths, roundUp, sectionOf, segmentColor, SKIN, type Mat4, type Vec3 } from '../model';
 import type { View3d } from '../scene';
-import { saveBlob, type App } from './app';
+import type { App } from './app';
+import { saveBlob } from './download';
 import { stageOf, type State } from './state';
 
-/** Draws the comparison: the face before, or after surgery, beside the predicted one at any step, and what presses on bone. */
+/** Draws the comparison: the face before or after surgery, the predicted face at any step, and the contact on bone. */
 export class CompareView {
   private shifts: Float32Array | null = null;
   private shown: { step: number; document: unknown } | null = null;
@@ -47,7 +45,7 @@ export class CompareView {
     if (this.shown?.step !== s.compareStep || this.shown.document !== s.prediction.document) {
       const step = s.compareStep;
       this.shown = { step, document: s.prediction.document };
-      void this.app.try_(async () => {
+      void this.app.attempt(async () => {
         const xyz = await this.app.outcome.displacementAt(step);
         if (this.app.model.s.compareStep !== step) return;
         this.showStep(xyz);
@@ -57,8 +55,11 @@ export class CompareView {
     const afterSurgery = s.against === 'after_surgery' && view.body('after_surgery') !== undefined;
     const right = ['predicted', ...this.bones(s)];
     const left = [afterSurgery ? 'after_surgery' : 'skin_before', ...this.bones(s)];
-    const names: [string, string] = [afterSurgery ? 'After surgery' : 'Before', this.isAtEnd(s) ? 'Predicted' : `Step ${s.compareStep}`];
-    if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', share: s.wipe, left, right, names });
+    const names: [string, string] = [
+      afterSurgery ? 'After surgery' : 'Before',
+      this.isAtEnd(s) ? 'Predicted' : `Step ${s.compareStep}`,
+    ];
+    if (s.compareMode === 'slider') view.setLayout({ mode: 'wipe', fraction: s.wipe, left, right, names });
     else if (s.compareMode === 'beside') view.setLayout({ mode: 'beside', left, right, names });
     else {
       view.show(right);
@@ -72,12 +73,12 @@ export class CompareView {
     return s.showBones ? ['remainder', ...this.app.model.doc.plan.segments.map((x) => `segments/${x.name}`)] : [];
   }
 
-  /** Then the skin stays plain: two maps over one another could not be read. */
+  /** If contact is shown, the skin has a plain color: two overlaid color maps cannot be read. */
   private showsContact = (s: State): boolean => s.showBones && s.bonePaint !== 'none' && this.isAtEnd(s);
 
   private isAtEnd = (s: State): boolean => s.compareStep === s.prediction?.steps.length;
 
-  /** Puts the predicted skin where it is at a step: the scanned skin and its displacement. */
+  /** Moves the predicted skin to its position at a step: the scanned skin plus its displacement. */
   private showStep(xyz: Float32Array | null): void {
     const before = this.view.body('skin_before');
     const predicted = this.view.body('predicted');
@@ -86,7 +87,7 @@ export class CompareView {
     const wanted = base.slice();
     if (xyz && xyz.length === base.length) for (let n = 0; n < base.length; n++) wanted[n] += xyz[n];
     if (wanted.length === predicted.surface.points.length) {
-      // The predicted surface is drawn as itself plus the way from it to this step.
+      // The body has the vertices of the last step, so its displacement is relative to them.
       const from = predicted.surface.points;
       predicted.setDisplacement(wanted.map((v, n) => v - from[n]));
     }
@@ -97,7 +98,7 @@ export class CompareView {
     this.view.render();
   }
 
-  /** How far the skin moved, how far it is from the face after surgery, or plain. */
+  /** Colors the skin by displacement, by error, or plain. */
   private paintSkin(): void {
     const { s } = this.app.model;
     const predicted = this.view.body('predicted');
@@ -108,21 +109,21 @@ export class CompareView {
     if (now.every((value, n) => value === this.paintedSkin[n])) return;
     this.paintedSkin = now;
     const count = predicted.surface.points.length / 3;
-    if (plain) predicted.setColour(SKIN);
+    if (plain) predicted.setColor(SKIN);
     else if (error?.length === count) predicted.setValues(error.map(Math.abs), 'distance', 0, s.errorTop_mm);
     else if (s.skinPaint === 'moved' && this.shifts?.length === count)
       predicted.setValues(this.shifts, 'distance', 0, roundUp(s.prediction?.skin_largest_shift_mm ?? 1));
-    else predicted.setColour(SKIN);
+    else predicted.setColor(SKIN);
     this.view.render();
   }
 
-  /** What the tissue does to the moved bones, on one scale: told of the last step alone. */
+  /** Colors the mobilized segments by contact, on one scale; contact is stored for the last step only. */
   private async paintBone(): Promise<void> {
     const { s, doc } = this.app.model;
     const { segments } = doc.plan;
     const bodies = segments.flatMap(({ name }, index) => {
       const body = this.view.body(`segments/${name}`);
-      return body ? [{ body, name, colour: segmentColour(index) }] : [];
+      return body ? [{ body, name, color: segmentColor(index) }] : [];
     });
     if (bodies.length === 0) return;
     const wanted = this.showsContact(s) ? s.bonePaint : 'none';
@@ -131,22 +132,27 @@ export class CompareView {
     this.paintedBone = now;
     const kind = wanted === 'pressure' ? 'contact-pressure' : 'contact-depth';
     const all = await Promise.all(
-      bodies.map(({ name }) => (wanted === 'none' ? null : this.app.outcome.values(kind, segments.length > 1 ? name : undefined))),
+      bodies.map(({ name }) =>
+        wanted === 'none' ? null : this.app.outcome.values(kind, segments.length > 1 ? name : undefined),
+      ),
     );
-    if (this.paintedBone !== now) return; // Something else is wanted meanwhile.
+    if (this.paintedBone !== now) return; // The selection has changed.
     const fits = all.map((values, n) => (values?.length === bodies[n].body.surface.points.length / 3 ? values : null));
-    const told = fits.filter((values) => values !== null);
-    const top = told.length > 0 ? roundUp(Math.max(...told.map((values) => values.reduce((a, b) => Math.max(a, b), 0)))) : null;
-    bodies.forEach(({ body, colour }, n) => {
+    const finite = fits.filter((values) => values !== null);
+    const top =
+      finite.length > 0
+        ? roundUp(Math.max(...finite.map((values) => values.reduce((a, b) => Math.max(a, b), 0))))
+        : null;
+    bodies.forEach(({ body, color }, n) => {
       const values = fits[n];
-      if (values && top !== null) body.setValues(values, 'depth', 0, top, colour);
-      else body.setColour(colour);
+      if (values && top !== null) body.setValues(values, 'depth', 0, top, color);
+      else body.setColor(color);
     });
     this.app.patch({ boneTop: top });
     this.view.render();
   }
 
-  /** Where the middle is: by landmarks on it, else the middle of the skin. */
+  /** Position of the mid-sagittal plane: from midline landmarks, else the middle of the skin. */
   private middleX(): number {
     const middle = this.app.model.doc.landmarks.filter((l) => ['N', 'ANS', 'A', 'S', 'PNS'].includes(l.name));
     if (middle.length > 0) return middle.reduce((sum, l) => sum + l.position_mm[0], 0) / middle.length;
@@ -179,7 +185,12 @@ export class CompareView {
     const what = { slider: `${left} and predicted`, beside: `${left}, predicted`, after: 'Predicted' }[s.compareMode];
     const ground = getComputedStyle(document.documentElement).getPropertyValue('--view-top').trim();
     const stale = stageOf(s, 'prediction').state === 'stale' ? ' OUT OF DATE.' : '';
-    this.view.snapshot(`${what}, step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}.${stale} Research software. A simulation, not for clinical use.`, ground)
+    this.view
+      .snapshot(
+        `${what}, step ${s.compareStep} of ${s.prediction?.steps.length ?? 0}.${stale} Research ` +
+          'software. A simulation, not for clinical use.',
+        ground,
+      )
       .toBlob((blob) => blob && saveBlob(blob, 'planner.png'), 'image/png');
   }
 }

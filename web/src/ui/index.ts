@@ -1,12 +1,12 @@
 import { Client } from '../api';
 import { App } from './app';
 import { listenToKeys } from './keyboard';
-import { Presenter } from './present';
+import { Viewer } from './viewer';
 import { drawShell } from './shell';
-import { later, soon } from './soon';
+import { idle, nextFrame } from './schedule';
 import type { State } from './state';
 
-/** The token stands behind # in the address; it is kept for reloads of this tab and taken out of sight. */
+/** Reads the token after # in the address, stores it for reloads of this tab, and removes it from the address. */
 function takeToken(): string | null {
   const given = new URLSearchParams(location.hash.slice(1)).get('token');
   if (given) {
@@ -22,8 +22,8 @@ function applyTheme(theme: State['theme']): void {
 }
 
 export function startPlanner(root: HTMLElement): void {
-  root.textContent = ''; // What index.html showed until now.
-  const view = new Presenter();
+  root.textContent = ''; // Removes the placeholder of index.html.
+  const view = new Viewer();
   const token = takeToken();
   const app = new App(new Client('api/v1', token ?? ''), view);
   view.attach(app);
@@ -52,9 +52,9 @@ export function startPlanner(root: HTMLElement): void {
   const draw = (): void => {
     if (waits) return;
     waits = true;
-    // What is dragged comes before the numbers beside it.
-    if (view.isDragging) later(drawWaiting);
-    else soon(drawWaiting);
+    // During a drag, the 3D view has priority over the numbers of the panel.
+    if (view.isDragging) idle(drawWaiting);
+    else nextFrame(drawWaiting);
   };
   app.model.state.subscribe((state, before) => {
     if (state.theme !== before.theme) {
@@ -63,8 +63,8 @@ export function startPlanner(root: HTMLElement): void {
     }
     draw();
   });
-  // At once: a control edits the plan that it was drawn with, and must not undo the edit before. A field that drawing takes
-  // away may tell its last value meanwhile.
+  // At once: a control edits the plan that it was drawn with, and must not revert an earlier edit. Drawing can remove a
+  // field, which then reports its last value.
   app.model.history.subscribe(() => {
     if (view.isDragging || isDrawing) draw();
     else drawNow();

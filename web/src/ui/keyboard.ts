@@ -1,15 +1,16 @@
 import { withoutKeyframe, withoutLandmark, withoutPlane } from '../model';
 import type { App } from './app';
-import type { Presenter } from './present';
+import type { Viewer } from './viewer';
 import { STEPS } from './state';
 import { setPaintRadius } from './steps/boundary_section';
 import { closeCurve } from './steps/osteotomy_panel';
 
-/** Keys that mean the same wherever the focus is, but for fields where they are typed. */
-export function listenToKeys(app: App, view: Presenter): void {
+/** Keyboard shortcuts; they do not apply while the user types in a field. */
+export function listenToKeys(app: App, view: Viewer): void {
   addEventListener('keydown', (event) => {
     const { s, doc } = app.model;
-    const typing = event.target instanceof HTMLInputElement && event.target.type !== 'range' && event.target.type !== 'checkbox';
+    const typing =
+      event.target instanceof HTMLInputElement && event.target.type !== 'range' && event.target.type !== 'checkbox';
     const field = typing || event.target instanceof HTMLSelectElement;
     const command = event.ctrlKey || event.metaKey;
     const done = (): void => event.preventDefault();
@@ -32,8 +33,10 @@ export function listenToKeys(app: App, view: Presenter): void {
       closeCurve(app);
     } else if (event.key === 'Delete' || event.key === 'Backspace') {
       if (s.step === 'landmarks' && s.landmark) app.edit({ landmarks: withoutLandmark(doc.landmarks, s.landmark) });
-      else if (s.step === 'osteotomy' && s.plane !== null) app.edit({ plan: withoutPlane(doc.plan, s.segment, s.plane) });
-      else if (s.step === 'movement' && doc.plan.segments[s.segment]) app.edit({ plan: withoutKeyframe(doc.plan, s.segment, s.keyframe) });
+      else if (s.step === 'osteotomy' && s.plane !== null)
+        app.edit({ plan: withoutPlane(doc.plan, s.segment, s.plane) });
+      else if (s.step === 'movement' && doc.plan.segments[s.segment])
+        app.edit({ plan: withoutKeyframe(doc.plan, s.segment, s.keyframe) });
     } else if ((event.key === '[' || event.key === ']') && s.step === 'compare') {
       app.patch({ wipe: Math.min(1, Math.max(0, s.wipe + (event.key === '[' ? -0.05 : 0.05))) });
     } else if ((event.key === '[' || event.key === ']') && s.step === 'tissue') {

@@ -1,6 +1,6 @@
 import { html, nothing, type TemplateResult } from 'lit-html';
 import { fixed, parseNumber } from '../model';
-import { quietValue } from './quiet_value';
+import { liveValue } from './live_value';
 
 export interface NumberOptions {
   label: string;
@@ -13,12 +13,12 @@ export interface NumberOptions {
   hint?: string;
   disabled?: boolean;
   id?: string;
-  /** `gesture` is one for all steps of one key press or turn of the wheel. */
+  /** `gesture` is the same for all steps of one key press or turn of the wheel. */
   onInput: (value: number) => void;
   onDone?: () => void;
 }
 
-/** A number with its unit: typed, or stepped with the arrow keys (Shift: ten times). Wrong input is marked and not taken. */
+/** A number with its unit: typed, or stepped with the arrow keys (Shift: ten steps). Invalid input is only marked. */
 export function numberField(o: NumberOptions): TemplateResult {
   const digits = o.digits ?? 1;
   const step = o.step ?? 0.5;
@@ -37,7 +37,7 @@ export function numberField(o: NumberOptions): TemplateResult {
           inputmode="decimal"
           data-id=${o.id ?? nothing}
           ?disabled=${o.disabled ?? false}
-          ${quietValue(fixed(o.value, digits))}
+          ${liveValue(fixed(o.value, digits))}
           @input=${(e: Event) => ((e.target as HTMLInputElement).dataset.typing = '')}
           @change=${(e: Event) => {
             delete (e.target as HTMLInputElement).dataset.typing;

@@ -6,7 +6,7 @@ const H = 150;
 const LEFT = 40;
 const BOTTOM = 20;
 
-/** Relative residual of every Newton iteration, on a logarithmic scale; a line for each try at an increment. */
+/** Relative residual of every Newton iteration, logarithmic; one line per attempt at an increment. */
 export function residualPlot(points: readonly NewtonPoint[], tolerance: number): TemplateResult {
   const good = points.filter((p) => p.relative_residual > 0);
   const logs = good.map((p) => Math.log10(p.relative_residual));
@@ -14,6 +14,7 @@ export function residualPlot(points: readonly NewtonPoint[], tolerance: number):
   const bottom = Math.floor(Math.min(Math.log10(tolerance) - 0.5, ...logs.filter((v) => v > -14)));
   const x = (n: number) => LEFT + ((W - LEFT - 8) * n) / Math.max(20, good.length - 1);
   const y = (log: number) => 8 + ((H - BOTTOM - 8) * (top - Math.max(bottom, log))) / (top - bottom);
+  const limit = y(Math.log10(tolerance));
   const paths: string[] = [];
   good.forEach((p, n) => {
     const before = good[n - 1];
@@ -23,16 +24,26 @@ export function residualPlot(points: readonly NewtonPoint[], tolerance: number):
   });
   const ticks = [];
   for (let log = top; log >= bottom; log -= Math.max(1, Math.round((top - bottom) / 5))) ticks.push(log);
-  return html`<svg class="plot" viewBox="0 0 ${W} ${H}" role="img" aria-label="Residual of each iteration, logarithmic" data-id="residual-plot" data-points=${good.length}>
-    ${ticks.map((log) => svg`<line x1=${LEFT} x2=${W - 8} y1=${y(log)} y2=${y(log)} stroke="var(--line)"></line>
-      <text x=${LEFT - 6} y=${y(log) + 3.5} text-anchor="end">1e${String(log).replace('-', '−')}</text>`)}
-    ${svg`<line x1=${LEFT} x2=${W - 8} y1=${y(Math.log10(tolerance))} y2=${y(Math.log10(tolerance))} stroke="var(--good)" stroke-dasharray="4 3"></line>`}
-    ${svg`<path d=${paths.join('')} fill="none" stroke="var(--accent)" stroke-width="1.5" stroke-linejoin="round"></path>`}
-    ${svg`<text x=${(W + LEFT) / 2} y=${H - 5} text-anchor="middle">iterations, a line each increment; dashes: converged</text>`}
+  return html`<svg
+    class="plot"
+    viewBox="0 0 ${W} ${H}"
+    role="img"
+    aria-label="Residual of each iteration, logarithmic"
+    data-id="residual-plot"
+    data-points=${good.length}
+  >
+    ${ticks.map(
+      (log) => svg`<line x1=${LEFT} x2=${W - 8} y1=${y(log)} y2=${y(log)} stroke="var(--line)"></line>
+      <text x=${LEFT - 6} y=${y(log) + 3.5} text-anchor="end">1e${String(log).replace('-', '−')}</text>`,
+    )}
+    ${svg`<line x1=${LEFT} x2=${W - 8} y1=${limit} y2=${limit} stroke="var(--good)" stroke-dasharray="4 3"></line>`}
+    ${svg`<path d=${paths.join('')} fill="none" stroke="var(--accent)" stroke-width="1.5"
+      stroke-linejoin="round"></path>`} ${svg`<text x=${(W + LEFT) / 2} y=${H - 5}
+      text-anchor="middle">iterations, one line per attempt; dashed: tolerance</text>`}
   </svg>`;
 }
 
-/** Outlines of the face in the plane of symmetry: before and after, seen from the patient's right. Pairs of points in L. */
+/** Outlines of the face in the mid-sagittal plane, before and after, from the patient's right. Pairs of points in L. */
 export function profilePlot(before: Float32Array, after: Float32Array): TemplateResult | null {
   if (before.length === 0) return null;
   let [lowY, highZ, lowZ, highY] = [Infinity, -Infinity, Infinity, -Infinity];
@@ -43,21 +54,30 @@ export function profilePlot(before: Float32Array, after: Float32Array): Template
       lowZ = Math.min(lowZ, lines[n + 2]);
       highZ = Math.max(highZ, lines[n + 2]);
     }
-  // The front 60 mm are the profile; the rest is the back of the head.
+  // The profile is the front 60 mm; the rest is the back of the head.
   const depth = Math.min(60, highY - lowY);
   const pad = 6;
   const path = (lines: Float32Array): string => {
     let d = '';
     for (let n = 0; n < lines.length; n += 6) {
       if (lines[n + 1] > lowY + depth && lines[n + 4] > lowY + depth) continue;
-      // From the right, anterior is at the right: y falls along the picture.
-      const at = (k: number) => `${(lowY + depth - lines[n + k + 1] + pad).toFixed(2)} ${(highZ - lines[n + k + 2] + pad).toFixed(2)}`;
+      // From the right, anterior is on the right: y decreases to the right.
+      const at = (k: number) =>
+        `${(lowY + depth - lines[n + k + 1] + pad).toFixed(2)} ${(highZ - lines[n + k + 2] + pad).toFixed(2)}`;
       d += `M${at(0)}L${at(3)}`;
     }
     return d;
   };
-  return html`<svg class="plot" viewBox="0 0 ${depth + 2 * pad} ${highZ - lowZ + 2 * pad}" .style=${'max-height:240px'} role="img" aria-label="Profile before and after, from the right">
-    ${svg`<path d=${path(before)} fill="none" stroke="var(--ink-3)" stroke-width="1.4" vector-effect="non-scaling-stroke" stroke-dasharray="4 3"></path>
-      <path d=${path(after)} fill="none" stroke="var(--accent)" stroke-width="2" vector-effect="non-scaling-stroke"></path>`}
+  return html`<svg
+    class="plot"
+    viewBox="0 0 ${depth + 2 * pad} ${highZ - lowZ + 2 * pad}"
+    .style=${'max-height:240px'}
+    role="img"
+    aria-label="Profile before and after, from the right"
+  >
+    ${svg`<path d=${path(before)} fill="none" stroke="var(--ink-3)" stroke-width="1.4"
+        vector-effect="non-scaling-stroke" stroke-dasharray="4 3"></path>
+      <path d=${path(after)} fill="none" stroke="var(--accent)" stroke-width="2"
+        vector-effect="non-scaling-stroke"></path>`}
   </svg>`;
 }

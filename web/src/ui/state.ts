@@ -1,7 +1,17 @@
 import type { Schemas } from '../api';
 import {
-  startHistory, Store, emptyPlan,
-  type DrawnSurface, type Grid, type History, type LabelEdit, type Landmark, type Plan, type Vec3, type Window, WINDOW_PRESETS,
+  startHistory,
+  Store,
+  emptyPlan,
+  type DrawnSurface,
+  type Grid,
+  type History,
+  type LabelEdit,
+  type Landmark,
+  type Plan,
+  type Vec3,
+  type Window,
+  WINDOW_PRESETS,
 } from '../model';
 
 export const STEPS = [
@@ -17,13 +27,15 @@ export const STEPS = [
 
 export type StepName = (typeof STEPS)[number]['name'];
 
-/** What undo and redo act on. */
+export const isStepName = (name: string | null): name is StepName => STEPS.some((step) => step.name === name);
+
+/** The document: undo and redo act on it. */
 export interface Doc {
   readonly plan: Plan;
   readonly landmarks: readonly Landmark[];
   /** Strokes of the label brush since the labels were read. */
   readonly strokes: readonly LabelEdit[];
-  /** Strokes on the tissue's boundary since it was read. */
+  /** Strokes on the tissue boundary since it was read. */
   readonly paint: readonly LabelEdit[];
 }
 
@@ -39,19 +51,19 @@ export interface Toast {
   text: string;
 }
 
-/** One of Newton's iterations, as it comes in. */
+/** One Newton iteration. */
 export type NewtonPoint = Schemas['NewtonIterate'];
 
 export type Tool = 'none' | 'landmark' | 'plane' | 'curve' | 'pivot' | 'brush' | 'paint';
 
 export interface State {
   connection: 'connecting' | 'on' | 'lost';
-  /** Nothing can be done: no token, or a server that speaks otherwise. */
+  /** The planner cannot work: no token, or a server of another version. */
   fatal: string | null;
   step: StepName;
   case: Schemas['Case'] | null;
   jobs: readonly Schemas['Job'][];
-  upload: { name: string; share: number } | null;
+  upload: { name: string; fraction: number } | null;
   saving: 'saved' | 'saving' | 'unsaved' | 'error';
   saveError: string | null;
   conflict: 'plan' | 'landmarks' | 'boundary' | null;
@@ -72,11 +84,11 @@ export interface State {
   bone_hu: number;
 
   boundary: Schemas['Boundary'] | null;
-  /** What the brush paints on the boundary; 0 rubs out. */
+  /** Label of the boundary brush; 0 erases. */
   paintLabel: number;
   paint_mm: number;
   paintOn: 'bone' | 'skin';
-  /** mm² of bone and skin by label; null until known. */
+  /** Painted area of bone and skin by label [mm²]; null until known. */
   paintedAreas: readonly number[] | null;
 
   tool: Tool;
@@ -88,14 +100,19 @@ export interface State {
   curveDraft: { points: Vec3[]; normals: Vec3[] } | null;
   templatePlanes: ReadonlyMap<string, Schemas['Osteotomy']['osteotomy'] | string>;
   keyframe: number;
-  /** While the timeline is scrubbed: share of the path. */
+  /** Fraction of the path while the timeline is scrubbed. */
   scrub: number | null;
   planPoses: Schemas['PlanPoses'] | null;
   depth: { deepest_mm: number; beyondReach: boolean; perSecond: number } | null;
   showOverlap: boolean;
-  /** Slices beside the bones while they are moved. */
+  /** Show slices beside the bones in the step of the movement. */
   showSlices: boolean;
-  preview: { state: 'none' | 'waiting' | 'shown' | 'failed'; latency_ms: number | null; why: string; largest_mm: number };
+  preview: {
+    state: 'none' | 'waiting' | 'shown' | 'failed';
+    latency_ms: number | null;
+    why: string;
+    largest_mm: number;
+  };
   showPreview: boolean;
 
   prediction: Schemas['Prediction'] | null;
@@ -105,16 +122,16 @@ export interface State {
   files: Schemas['FileList']['files'];
   compareMode: 'slider' | 'beside' | 'after';
   compareStep: number;
-  /** What the face compared with is, in the left half. */
+  /** The face in the left half. */
   against: 'before' | 'after_surgery';
-  /** How far the skin moved, or how far it is from the face after surgery. */
+  /** Color of the skin: plain, displacement, or distance to the face after surgery. */
   skinPaint: 'none' | 'moved' | 'error';
   bonePaint: 'none' | 'pressure' | 'depth';
-  /** Upper end of the bone's legend, kPa or mm; null where nothing is painted. */
+  /** Upper end of the legend of the bone, kPa or mm; null if nothing is colored. */
   boneTop: number | null;
   regionShifts: Schemas['RegionShifts'] | null;
   comparison: Schemas['Comparison'] | null;
-  /** Of each vertex of the predicted face, from the one after surgery. */
+  /** Distance of each vertex of the predicted face to the face after surgery. */
   difference_mm: Float32Array | null;
   errorTop_mm: number;
   showBones: boolean;
@@ -126,77 +143,97 @@ export interface State {
   theme: 'system' | 'light' | 'dark';
 }
 
+const initialCase = () =>
+  ({
+    connection: 'connecting',
+    fatal: null,
+    step: 'case',
+    case: null,
+    jobs: [],
+    upload: null,
+    saving: 'saved',
+    saveError: null,
+    conflict: null,
+  }) satisfies Partial<State>;
+
+const initialViews = () =>
+  ({
+    volume: null,
+    volumeLoading: false,
+    surfacesLoading: 0,
+    window: { level_hu: WINDOW_PRESETS[0].level_hu, window_hu: WINDOW_PRESETS[0].window_hu },
+    cursor_L: [0, 0, 0],
+    skullOpacity: 1,
+    skinOpacity: 0.35,
+    showLabels: false,
+    labelNames: [],
+    labelsReady: false,
+    brushLabel: 1,
+    brush_mm: 3,
+    thresholdOn: false,
+    bone_hu: 226,
+    boundary: null,
+    paintLabel: 1,
+    paint_mm: 4,
+    paintOn: 'bone',
+    paintedAreas: null,
+  }) satisfies Partial<State>;
+
+const initialPlanning = () =>
+  ({
+    tool: 'none',
+    landmark: null,
+    measurements: null,
+    measurementError: null,
+    segment: 0,
+    plane: null,
+    curveDraft: null,
+    templatePlanes: new Map(),
+    keyframe: 0,
+    scrub: null,
+    planPoses: null,
+    depth: null,
+    showOverlap: true,
+    showSlices: false,
+    preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 },
+    showPreview: true,
+  }) satisfies Partial<State>;
+
+const initialResults = () =>
+  ({
+    prediction: null,
+    newton: [],
+    steps: [],
+    previewDistance: null,
+    files: [],
+    compareMode: 'slider',
+    compareStep: 0,
+    against: 'before',
+    skinPaint: 'none',
+    bonePaint: 'none',
+    boneTop: null,
+    regionShifts: null,
+    comparison: null,
+    difference_mm: null,
+    errorTop_mm: 1,
+    showBones: false,
+    wipe: 0.5,
+    distanceTop_mm: 1,
+    toasts: [],
+    help: false,
+    theme: 'system',
+  }) satisfies Partial<State>;
+
 export const initialState = (): State => ({
-  connection: 'connecting',
-  fatal: null,
-  step: 'case',
-  case: null,
-  jobs: [],
-  upload: null,
-  saving: 'saved',
-  saveError: null,
-  conflict: null,
-  volume: null,
-  volumeLoading: false,
-  surfacesLoading: 0,
-  window: { level_hu: WINDOW_PRESETS[0].level_hu, window_hu: WINDOW_PRESETS[0].window_hu },
-  cursor_L: [0, 0, 0],
-  skullOpacity: 1,
-  skinOpacity: 0.35,
-  showLabels: false,
-  labelNames: [],
-  labelsReady: false,
-  brushLabel: 1,
-  brush_mm: 3,
-  thresholdOn: false,
-  bone_hu: 226,
-  boundary: null,
-  paintLabel: 1,
-  paint_mm: 4,
-  paintOn: 'bone',
-  paintedAreas: null,
-  tool: 'none',
-  landmark: null,
-  measurements: null,
-  measurementError: null,
-  segment: 0,
-  plane: null,
-  curveDraft: null,
-  templatePlanes: new Map(),
-  keyframe: 0,
-  scrub: null,
-  planPoses: null,
-  depth: null,
-  showOverlap: true,
-  showSlices: false,
-  preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 },
-  showPreview: true,
-  prediction: null,
-  newton: [],
-  steps: [],
-  previewDistance: null,
-  files: [],
-  compareMode: 'slider',
-  compareStep: 0,
-  against: 'before',
-  skinPaint: 'none',
-  bonePaint: 'none',
-  boneTop: null,
-  regionShifts: null,
-  comparison: null,
-  difference_mm: null,
-  errorTop_mm: 1,
-  showBones: false,
-  wipe: 0.5,
-  distanceTop_mm: 1,
-  toasts: [],
-  help: false,
-  theme: 'system',
+  ...initialCase(),
+  ...initialViews(),
+  ...initialPlanning(),
+  ...initialResults(),
 });
 
 export const emptyDoc = (): Doc => ({ plan: emptyPlan(), landmarks: [], strokes: [], paint: [] });
 
-/** All that the page knows. Big arrays lie beside the state, since they never show as text. */
+/** All data of the page. Large arrays are not part of the state, because no text depends on them. */
 export class Model {
   readonly state = new Store<State>(initialState());
   readonly history = new Store<History<Doc>>(startHistory(emptyDoc()));

@@ -4,7 +4,7 @@ let worker: Worker | null = null;
 let next = 0;
 const waiting = new Map<number, (ready: DrawnSurface) => void>();
 
-/** Makes a surface ready to be drawn, beside the page. The surface's arrays go over to the worker. */
+/** Prepares a surface for drawing in a worker. The arrays of the surface are transferred. */
 export function prepareSurfaceAside(surface: Surface): Promise<DrawnSurface> {
   if (!worker) {
     worker = new Worker(new URL('./prepare_surface.worker.ts', import.meta.url), { type: 'module' });

@@ -29,7 +29,7 @@ void add_table1(CLI::App& bench, CommandContext& context) {
       ->check(
           CLI::IsMember({"bricks", "hybrid", "adaptive", "uniform", "openvdb", "embree", "cgal"}))
       ->capture_default_str();
-  command->add_option("--repeats", options->repeats, "Builds; their median is told")
+  command->add_option("--repeats", options->repeats, "Builds; their median is reported")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->footer("Example:\n  lefort bench table1 ct.nrrd -o table1/");
@@ -58,12 +58,12 @@ void add_scaling(CLI::App& bench, CommandContext& context) {
       ->check(CLI::IsMember({64, 128, 256, 512, 1024, 2048}))
       ->capture_default_str();
   command
-      ->add_option("--parts", options->parts,
-                   "Cuts of the sides of triangles: 11 makes 11.6 million of them")
+      ->add_option("--subdivisions", options->parts,
+                   "Subdivisions of each triangle edge: 11 gives 11.6 million triangles")
       ->check(CLI::Range(1, 16))
       ->capture_default_str();
   command->add_flag("--without-openvdb", *without_peer, "Ours alone");
-  command->add_option("--repeats", options->repeats, "Builds; their median is told")
+  command->add_option("--repeats", options->repeats, "Builds; their median is reported")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->footer("Example:\n  lefort bench scaling ct.nrrd -o scaling/");
@@ -89,14 +89,15 @@ void add_convergence(CLI::App& bench, CommandContext& context) {
       ->required();
   command->add_option("--method", job->methods, "Which to run, by name; all unless given");
   command
-      ->add_option("--element-size", job->element_size_mm,
-                   "Edge of elements near the moved bone [mm], instead of the plans'; those far "
-                   "away are scaled alike")
+      ->add_option(
+          "--element-size", job->element_size_mm,
+          "Edge of elements near the mobilized segments [mm], instead of the plans'; those far "
+          "away are scaled alike")
       ->check(CLI::Range(0.5, 20.0));
   command
       ->add_option("--steps", job->steps,
-                   "Numbers of steps to run each plan with, instead of its own; tells how far "
-                   "apart the faces are")
+                   "Numbers of steps to run each plan with, instead of its own; reports the "
+                   "distance between the faces")
       ->check(CLI::Range(1, 1000));
   command->add_flag("--no-synthetic", *no_synthetic, "The plans alone");
   command->footer(
@@ -119,7 +120,7 @@ void add_detection(CLI::App& bench, CommandContext& context) {
       ->add_option("-o,--output", options->output,
                    "Folder for skull.vtp (used again if there) and detection.md")
       ->required();
-  command->add_option("--points", options->points, "Points asked for at once")
+  command->add_option("--points", options->points, "Points in a query")
       ->check(CLI::Range(1, 100'000'000))
       ->capture_default_str();
   command->add_option("--resolution", options->resolution, "Cells along a side of the field")
@@ -141,10 +142,11 @@ void add_solve(CLI::App& bench, CommandContext& context) {
       "solve", "Solve blocks of soft tissue: beside CalculiX, and larger and larger");
   command->add_option("-o,--output", options->output, "Folder for solve.md, .csv, .json")
       ->required();
-  command->add_option("--pairs", options->repeats, "Runs of each, CalculiX and lefort; 0: none")
+  command->add_option("--repeats", options->repeats, "Runs of CalculiX and of lefort; 0: none")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
-  command->add_option("--pair-cells", options->pair_cells, "Cells along a side of their block")
+  command
+      ->add_option("--comparison-cells", options->pair_cells, "Cells along a side of their block")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_option("--increments", options->increments, "Of the load")

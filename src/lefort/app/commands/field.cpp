@@ -49,11 +49,11 @@ void add_build(CLI::App& field, CommandContext& context) {
       ->capture_default_str();
   command
       ->add_option("--relative-tolerance", job->options.relative_tolerance,
-                   "The same as a share of the cube's side, instead")
+                   "The same as a fraction of the cube's side, instead")
       ->check(CLI::Range(0.0, 1.0));
   command
-      ->add_option("--side", job->options.side_mm,
-                   "Side of the cube [mm]; 0 lays it close around the surface")
+      ->add_option("--domain-size", job->options.side_mm,
+                   "Side of the cube [mm]; 0 fits it to the surface and the band")
       ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--method", job->options.method,
@@ -109,7 +109,7 @@ void add_export(CLI::App& field, CommandContext& context) {
                    "File to write: .vdb (sparse) or .nrrd (every sample of the box)")
       ->required();
   add_region(*command, job->region_mm);
-  command->add_option("--every", job->every, "Each n-th sample along each axis")
+  command->add_option("--stride", job->every, "Each n-th sample along each axis")
       ->check(CLI::Range(1, 2048))
       ->capture_default_str();
   command->footer(
@@ -117,7 +117,7 @@ void add_export(CLI::App& field, CommandContext& context) {
       ".vdb and NaN in .nrrd. Keys in the file say so (docs/field-format.md).\n"
       "Examples:\n"
       "  lefort field export skull.field -o skull.vdb\n"
-      "  lefort field export skull.field -o skull.nrrd --every 2\n"
+      "  lefort field export skull.field -o skull.nrrd --stride 2\n"
       "  lefort field export skull.field -o orbit.nrrd --region 80 130 20 70 30 80");
   command->callback([job, &context] {
     context.run("field export",
@@ -141,7 +141,7 @@ void add_slice(CLI::App& field, CommandContext& context) {
       command->add_option("--width", job->width_px, "Pixels across the plane")
           ->check(CLI::Range(64, 12000))
           ->capture_default_str();
-  command->add_option("--every", job->every, "Instead: pixels of n cells of the field")
+  command->add_option("--stride", job->every, "Instead: pixels of n cells of the field")
       ->check(CLI::Range(1, 2048))
       ->excludes(width);
   add_region(*command, job->region_mm);
@@ -151,7 +151,7 @@ void add_slice(CLI::App& field, CommandContext& context) {
                     "Use the differentiable reconstruction instead of the trilinear one");
   command->footer(
       "Axial planes are seen from the feet, coronal ones from the front, sagittal ones from the\n"
-      "left. --json tells distances, areas and the length of the zero line.\n"
+      "left. --json reports distances, areas and the length of the zero line.\n"
       "Examples:\n"
       "  lefort field slice skull.field -o axial.png --axis z --at 40\n"
       "  lefort field slice skull.field -o orbit.png --axis y --at 50 --mesh skull.vtp \\\n"

@@ -21,12 +21,12 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
                    "A closed surface of the bone instead: .vtp, .stl, .ply or .obj")
       ->excludes(ct);
   command->add_flag("--no-pictures", *no_pictures, "Skip the pictures");
-  command->add_option("--overlap", job->limits.overlap_mm, "Bone may be this deep in bone [mm]")
+  command->add_option("--overlap", job->limits.overlap_mm, "Maximum depth of bone in bone [mm]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
       ->add_option("--gap", job->limits.gap_mm,
-                   "Cut faces may come to lie this far from other bone [mm]")
+                   "Maximum distance of a cut face from other bone [mm]")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
@@ -35,8 +35,8 @@ void add_plan_command(CLI::App& cli, CommandContext& context) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
-      ->add_option("--support-share", job->limits.support_fraction,
-                   "This part of a segment's cut faces must be supported")
+      ->add_option("--support-fraction", job->limits.support_fraction,
+                   "Minimum supported fraction of a segment's cut faces")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->footer(

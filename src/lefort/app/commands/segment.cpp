@@ -10,7 +10,7 @@ namespace lefort::app {
 void add_segment_command(CLI::App& cli, CommandContext& context) {
   const auto job = std::make_shared<pipeline::SegmentJob>();
   CLI::App* const command =
-      cli.add_subcommand("segment", "Tell bone, soft tissue, brain, airway and sinuses apart");
+      cli.add_subcommand("segment", "Segment bone, soft tissue, brain, airway and sinuses");
   command->add_option("ct", job->ct, "The scan: anything `lefort import` reads")->required();
   command
       ->add_option("-o,--output", job->output,
@@ -38,14 +38,14 @@ void add_segment_command(CLI::App& cli, CommandContext& context) {
   // As many as the paper's skull has (Table 1).
   static const std::map<std::string, std::string> kPresets{{"paper", "96190"}};
   command
-      ->add_option("--triangles", job->finish.triangles,
-                   "At most so many in each surface; \"paper\": 96190")
+      ->add_option("--max-triangles", job->finish.triangles,
+                   "Maximum number of triangles of each surface; \"paper\": 96190")
       ->transform(CLI::Transformer(kPresets, CLI::ignore_case))
       ->check(CLI::Range(4, 100'000'000));
   command->footer(
       "Examples:\n"
       "  lefort segment ct.nrrd -o anatomy/\n"
-      "  lefort segment ct.nrrd -o anatomy/ --triangles paper\n"
+      "  lefort segment ct.nrrd -o anatomy/ --max-triangles paper\n"
       "  lefort segment ct.nrrd -o anatomy/ --bone-hu 300");
   command->callback([job, &context] {
     context.run("segment",

@@ -5,14 +5,11 @@
 namespace lefort::fem {
 
 enum class Tangent {
-  /// d2W/dx2: quadratic convergence near a minimum, but may be indefinite.
-  kExact,
-  /// Every contribution whose negative eigenvalues can be removed is projected to a positive
-  /// semidefinite one (Teran et al. 2005). Unlike a diagonal shift this slows only the nodes concerned.
-  kPsdProjected,
-  /// The antisymmetric part of the derivative of forces that have no energy; the exact tangent is
-  /// the symmetric part.
-  kAntisymmetric
+  kExact,         ///< d2W/dx2: quadratic convergence near a minimum, but may be indefinite.
+  kPsdProjected,  ///< Each term that can leaves out what is negative in it. Unlike a shift this slows
+                  ///< only the nodes concerned.
+  kAntisymmetric  ///< What the derivative of forces without an energy has beside its symmetric
+                  ///< part, which is the exact tangent.
 };
 
 }  // namespace lefort::fem

@@ -37,9 +37,9 @@ Result<void> validate(const LoadStepOptions& options) {
   if (!(options.max_increment >= options.first_increment))
     return refuse("max_increment", options.max_increment, ">= first_increment");
   if (!(options.growth_factor >= 1.0) || !std::isfinite(options.growth_factor))
-    return refuse("growth", options.growth_factor, ">= 1");
+    return refuse("growth_factor", options.growth_factor, ">= 1");
   if (options.target_iterations < 0)
-    return refuse("easy_iterations", options.target_iterations, ">= 0");
+    return refuse("target_iterations", options.target_iterations, ">= 0");
   if (options.max_attempts < 1) return refuse("max_attempts", options.max_attempts, ">= 1");
   return {};
 }

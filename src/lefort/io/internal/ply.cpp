@@ -110,7 +110,7 @@ class PlyNumbers {
   }
   [[nodiscard]] std::size_t left() const { return data_.size(); }
 
-  /// False at the end of the data, or if there is no number.
+  /// False at the end of the data, or if the next word is not a number.
   bool take(const NumberType& type, double& number) {
     if (is_text_) return parse_number(take_word(data_), number);
     if (data_.size() < type.bytes) return false;

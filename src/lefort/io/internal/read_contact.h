@@ -1,5 +1,5 @@
 /// \file
-/// How contact is to be found and kept, as plans and decks say it alike.
+/// Contact options, which plans and decks have in common.
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -7,12 +7,11 @@
 
 namespace lefort::io::internal {
 
-/// Reads "detection" (or "reconstruction", its former name), "integration" and
-/// "penetration_tolerance_mm" into the members of the same names; what is not given stays.
+/// Reads "detection", "integration" and "penetration_tolerance_mm" into the members of the same
+/// names; a member whose key is missing keeps its value.
 template <class Options>
 void read_contact(const Json& json, Options& options) {
-  const std::string detection =
-      json.value("detection", json.value("reconstruction", std::string()));
+  const std::string detection = json.value("detection", std::string());
   for (const contact::DetectionMethod known :
        {contact::DetectionMethod::kSmooth, contact::DetectionMethod::kTrilinear,
         contact::DetectionMethod::kBvh})

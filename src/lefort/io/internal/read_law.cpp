@@ -165,7 +165,7 @@ fem::HolzapfelGasserOgden fibers(Constants& c) {
   law.k1_mpa = c.mpa("k1_kpa");
   law.k2 = c.number("k2");
   law.dispersion = c.number_or("dispersion", 0.0);
-  const std::vector<Vec3> directions = c.vectors("fibres", law.fiber.size());
+  const std::vector<Vec3> directions = c.vectors("fibers", law.fiber.size());
   law.family_count = std::max(int(directions.size()), 1);
   for (std::size_t f = 0; f < directions.size(); ++f) law.fiber[f] = directions[f].normalized();
   return law;

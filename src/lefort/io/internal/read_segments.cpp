@@ -177,10 +177,10 @@ Result<plan::Osteotomy> from_template(const Json& json, const std::string& name,
 Result<plan::Osteotomy> read_osteotomy(const Json& json, const std::string& name,
                                        const std::string& key, const Context& context) {
   plan::Osteotomy osteotomy;
-  const bool has_cuts = json.contains("planes") || json.contains("curves") || json.contains("also");
+  const bool has_cuts =
+      json.contains("planes") || json.contains("curves") || json.contains("additional_regions");
   if (json.contains("template")) {
-    if (has_cuts)
-      return bad(key, "a template stands beside planes, curves or also, must stand alone");
+    if (has_cuts) return bad(key, "a template excludes planes, curves and additional_regions");
     LEFORT_TRY(osteotomy, from_template(json["template"], name, key + ".template", context));
   } else {
     if (!json.contains("planes") && !json.contains("curves"))
@@ -188,19 +188,20 @@ Result<plan::Osteotomy> read_osteotomy(const Json& json, const std::string& name
     LEFORT_TRY(plan::CutRegion first, read_region(json, key, context));
     osteotomy.planes = std::move(first.planes);
     osteotomy.curves = std::move(first.curves);
-    for (const Json& one : list(json, "also")) {
-      LEFORT_TRY(
-          plan::CutRegion region,
-          read_region(one, fmt::format("{}.also[{}]", key, osteotomy.additional_regions.size()),
-                      context));
+    for (const Json& one : list(json, "additional_regions")) {
+      LEFORT_TRY(plan::CutRegion region,
+                 read_region(one,
+                             fmt::format("{}.additional_regions[{}]", key,
+                                         osteotomy.additional_regions.size()),
+                             context));
       osteotomy.additional_regions.push_back(std::move(region));
     }
   }
   osteotomy.segment = name;
   read(json, "kerf_mm", osteotomy.kerf_mm);
-  if (json.contains("holds")) osteotomy.anchor_points_L.clear();
-  for (const Json& point : list(json, "holds")) {
-    LEFORT_TRY(const Vec3 anchor, point_of(point, key + ".holds", context));
+  if (json.contains("anchor_points")) osteotomy.anchor_points_L.clear();
+  for (const Json& point : list(json, "anchor_points")) {
+    LEFORT_TRY(const Vec3 anchor, point_of(point, key + ".anchor_points", context));
     osteotomy.anchor_points_L.push_back(anchor);
   }
   return osteotomy;
@@ -224,8 +225,8 @@ Result<geometry::Keyframe> read_pose_file(const Json& json, const std::string& k
              read_transform(context.folder / json["transform"].get<std::string>()));
   if (!center_L && !context.anchor_L)
     return bad(key,
-               "a transform needs about or about_mm, a point of the segment whose way is straight "
-               "and told, if the osteotomy holds none");
+               "a transform needs about or about_mm, the rotation center, if the osteotomy has no "
+               "anchor_points");
   return plan::keyframe_of_pose(X_LB, center_L ? *center_L : *context.anchor_L);
 }
 
@@ -238,7 +239,7 @@ Result<geometry::Keyframe> read_keyframe(const Json& json, const std::string& ke
   if (json.contains("about") && json.contains("about_mm"))
     return bad(key, "must have one of about and about_mm");
   if (json.contains("tolerance_mm") && !is_aimed) return bad(key, "tolerance_mm is of targets");
-  geometry::Keyframe keyframe = read_keyframes(Json::array({json})).front();
+  geometry::Keyframe keyframe = read_keyframes(Json::array({json}), "path_fraction").front();
   const double at = keyframe.at;
   std::optional<Vec3> center_L;
   if (json.contains("about_mm")) center_L = keyframe.center_L;
@@ -324,9 +325,9 @@ Result<std::vector<plan::PlannedSegment>> read_segments(const Json& segments,
     const auto name = json["name"].get<std::string>();
     plan::PlannedSegment one;
     LEFORT_TRY(one.osteotomy, read_osteotomy(json["osteotomy"], name, key + ".osteotomy", context));
-    read(json["osteotomy"], "smallest_piece_ml", one.cut.min_piece_ml);
-    read(json["osteotomy"], "smallest_piece_share", one.cut.min_piece_fraction);
-    read(json, "from", one.from);
+    read(json["osteotomy"], "min_piece_ml", one.cut.min_piece_ml);
+    read(json["osteotomy"], "min_piece_fraction", one.cut.min_piece_fraction);
+    read(json, "cut_from", one.from);
     const Context of_segment{landmarks, folder, middle_of(one.osteotomy.anchor_points_L)};
     LEFORT_TRY(one.path, read_path(json["path"], name, key + ".path", of_segment));
     one.is_distracted = json["path"].contains("distraction");

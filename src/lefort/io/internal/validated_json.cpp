@@ -1,4 +1,5 @@
 #include <lefort/core/units.h>
+#include <lefort/io/internal/rename_keys.h>
 #include <lefort/io/internal/validated_json.h>
 
 #include <fmt/format.h>
@@ -136,6 +137,20 @@ Result<Json> parse_checked(std::string_view text, const char* schema, const std:
   return json;
 }
 
+Result<CheckedJson> parse_renamed(std::string_view text, const DeprecatedNames& deprecated) {
+  CheckedJson result;
+  LEFORT_TRY(result.json, parse_json(text));
+  LEFORT_TRY(result.warnings, rename_deprecated(result.json, deprecated));
+  return result;
+}
+
+Result<CheckedJson> parse_checked(std::string_view text, const char* schema,
+                                  const std::string& subject, const DeprecatedNames& deprecated) {
+  LEFORT_TRY(CheckedJson result, parse_renamed(text, deprecated));
+  LEFORT_TRY_VOID(check_against_schema(result.json, schema, subject));
+  return result;
+}
+
 const Json& section(const Json& whole, const char* key) {
   static const Json empty = Json::object();
   const auto found = whole.find(key);
@@ -148,12 +163,12 @@ const Json& list(const Json& whole, const char* key) {
   return found == whole.end() ? empty : *found;
 }
 
-std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes) {
+std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes, const char* at_key) {
   std::vector<geometry::Keyframe> frames;
   for (const Json& json : keyframes) {
     geometry::Keyframe frame;
     Vec3 rotation_deg = Vec3::Zero();
-    read(json, "at", frame.at);
+    read(json, at_key, frame.at);
     read(json, "translation_mm", frame.translation_mm);
     read(json, "rotation_deg", rotation_deg);
     read(json, "about_mm", frame.center_L);

@@ -5,6 +5,7 @@
 #include <lefort/core/error.h>
 #include <lefort/core/types.h>
 #include <lefort/geometry/rigid_path.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/plan/plan.h>
 
 #include <nlohmann/json.hpp>
@@ -26,6 +27,21 @@ using Json = nlohmann::json;
 ///   would exhaust the stack of recursive code.
 [[nodiscard]] Result<Json> parse_checked(std::string_view text, const char* schema,
                                          const std::string& subject);
+
+/// JSON that was checked, and a warning for each of its deprecated names.
+struct CheckedJson {
+  Json json;  ///< With the new names.
+  std::vector<std::string> warnings;
+};
+
+/// The same for a plan or deck, whose deprecated keys and values are renamed before the check.
+[[nodiscard]] Result<CheckedJson> parse_checked(std::string_view text, const char* schema,
+                                                const std::string& subject,
+                                                const DeprecatedNames& deprecated);
+
+/// Parses a plan or deck and renames its deprecated keys and values, without a check.
+[[nodiscard]] Result<CheckedJson> parse_renamed(std::string_view text,
+                                                const DeprecatedNames& deprecated);
 
 /// Sets `value` if the key is there; the schema has checked its type.
 template <class T>
@@ -50,6 +66,10 @@ inline void read(const Json& object, const char* key, Vec3& value) {
 [[nodiscard]] const Json& list(Json&& whole, const char* key) = delete;
 
 /// Reads the keyframes of the rigid path of a bone or an obstacle.
-[[nodiscard]] std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes);
+///
+/// \param keyframes  list of keyframes.
+/// \param at_key     key of the path parameter: "path_fraction" or "time".
+[[nodiscard]] std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes,
+                                                             const char* at_key);
 
 }  // namespace lefort::io::internal

@@ -15,6 +15,7 @@
 #include <lefort/pipeline/compare.h>
 #include <lefort/pipeline/compare/compare_tables.h>
 #include <lefort/pipeline/compare/register_after_surgery.h>
+#include <lefort/pipeline/json/json_values.h>
 #include <lefort/report/compare_pictures.h>
 
 #include <fmt/format.h>
@@ -30,7 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 using compare::FaceRegions;
 using geometry::TriangleMesh;
-using nlohmann::json;
 
 constexpr const char* kResult = "compare.json";
 constexpr const char* kRegions = "regions.csv";
@@ -146,8 +146,8 @@ Result<void> prepare_folder(const CompareJob& job, const Inputs& inputs) {
   return io::remove_earlier_files(ours);
 }
 
-Result<json> fingerprints_of(const Inputs& inputs) {
-  json files = json::array();
+Result<nlohmann::json> fingerprints_of(const Inputs& inputs) {
+  nlohmann::json files = nlohmann::json::array();
   for (const fs::path& file : inputs.all()) {
     LEFORT_TRY(const std::string sha256, io::sha256_of_file(file));
     files.push_back({{"file", file.filename().string()}, {"sha256", sha256}});
@@ -219,14 +219,15 @@ Result<Summary> compare_faces(const CompareJob& job, Progress& progress) {
   }
 
   progress.begin_stage("write");
-  json result{{"lefort_compare", 1}, {"notice", kNotForClinicalUse}, {"version", kVersion}};
+  nlohmann::json result{
+      {"lefort_compare", 2}, {"notice", kNotForClinicalUse}, {"version", kVersion}};
   LEFORT_TRY(result["inputs"], fingerprints_of(inputs));
   result["regions"] = regions_json(rows);
   result["regions_missing"] = regions.missing();
   for (const auto& [name, at, d] : shifts)
     result["landmark_shifts"].push_back({{"name", name},
-                                         {"before_mm", json{at.x(), at.y(), at.z()}},
-                                         {"shift_mm", json{d.x(), d.y(), d.z()}},
+                                         {"before_mm", as_json(at)},
+                                         {"shift_mm", as_json(d)},
                                          {"length_mm", d.norm()}});
   if (surgery) {
     result["after_ct_sha256"] = surgery->scan_sha256;

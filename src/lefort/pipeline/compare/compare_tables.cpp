@@ -9,9 +9,9 @@
 namespace lefort::pipeline {
 namespace {
 
-using nlohmann::json;
-
-json number(double value) { return std::isfinite(value) ? json(value) : json(); }
+nlohmann::json number(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
 
 std::string csv_line(const std::string& region, const char* what,
                      const compare::DifferenceStatistics& s) {
@@ -25,13 +25,13 @@ std::string csv_line(const std::string& region, const char* what,
 
 using pipeline::as_json;
 
-json as_json(const compare::MovementDifference& d) {
+nlohmann::json as_json(const compare::MovementDifference& d) {
   const Vec3 turn_deg = d.rotation_rad * degrees_from_radians(1.0);
-  return {{"shift_mm", as_json(d.translation_mm)},
-          {"shift_length_mm", d.translation_mm.norm()},
-          {"turn_deg", as_json(turn_deg)},
-          {"turn_angle_deg", turn_deg.norm()},
-          {"largest_mm", d.max_mm}};
+  return {{"translation_mm", as_json(d.translation_mm)},
+          {"translation_length_mm", d.translation_mm.norm()},
+          {"rotation_deg", as_json(turn_deg)},
+          {"rotation_angle_deg", turn_deg.norm()},
+          {"max_displacement_mm", d.max_mm}};
 }
 
 /// "1.20 mm left, 6.01 mm forward, 0.33 mm up": L has x to the left, y back, z up.
@@ -44,36 +44,36 @@ std::string anatomical(const Vec3& translation_mm) {
 
 }  // namespace
 
-json statistics_json(const compare::DifferenceStatistics& s) {
+nlohmann::json statistics_json(const compare::DifferenceStatistics& s) {
   return {{"area_mm2", s.area_mm2},
-          {"compared_share", s.compared_fraction},
+          {"compared_fraction", s.compared_fraction},
           {"mean_mm", number(s.mean_mm)},
           {"median_mm", number(s.median_mm)},
           {"p90_mm", number(s.p90_mm)},
           {"p95_mm", number(s.p95_mm)},
           {"p99_mm", number(s.p99_mm)},
           {"max_mm", number(s.max_mm)},
-          {"share_below_1mm", number(s.fraction_below_1mm)},
-          {"share_below_2mm", number(s.fraction_below_2mm)},
+          {"fraction_below_1mm", number(s.fraction_below_1mm)},
+          {"fraction_below_2mm", number(s.fraction_below_2mm)},
           {"mean_signed_mm", number(s.mean_signed_mm)}};
 }
 
-json regions_json(std::span<const compare::RegionDifference> rows) {
-  json lines = json::array();
+nlohmann::json regions_json(std::span<const compare::RegionDifference> rows) {
+  nlohmann::json lines = nlohmann::json::array();
   for (const compare::RegionDifference& row : rows) {
     lines.push_back({{"region", row.region}, {"face", statistics_json(row.face)}});
-    if (row.if_unchanged) lines.back()["if_unchanged"] = statistics_json(*row.if_unchanged);
+    if (row.if_unchanged) lines.back()["baseline_no_change"] = statistics_json(*row.if_unchanged);
   }
   return lines;
 }
 
 std::string regions_csv(std::span<const compare::RegionDifference> rows) {
   std::string csv =
-      "region,face,area_mm2,compared_share,mean_mm,median_mm,p90_mm,p95_mm,p99_mm,max_mm,"
-      "share_below_1mm,share_below_2mm,mean_signed_mm\n";
+      "region,face,area_mm2,compared_fraction,mean_mm,median_mm,p90_mm,p95_mm,p99_mm,max_mm,"
+      "fraction_below_1mm,fraction_below_2mm,mean_signed_mm\n";
   for (const compare::RegionDifference& row : rows) {
     csv += csv_line(row.region, "compared", row.face);
-    if (row.if_unchanged) csv += csv_line(row.region, "nothing changed", *row.if_unchanged);
+    if (row.if_unchanged) csv += csv_line(row.region, "baseline (no change)", *row.if_unchanged);
   }
   return csv;
 }
@@ -91,24 +91,20 @@ std::string regions_text(std::span<const compare::RegionDifference> rows) {
   };
   for (const compare::RegionDifference& row : rows) {
     add(row.region, row.face);
-    if (row.if_unchanged) add("  if unchanged", *row.if_unchanged);
+    if (row.if_unchanged) add("  no change", *row.if_unchanged);
   }
   return text;
 }
 
-json registration_json(const compare::Registration& r) {
-  json matrix = json::array();
-  for (Index row = 0; row < 4; ++row)
-    for (Index column = 0; column < 4; ++column)
-      matrix.push_back(r.X_onto_from.matrix()(row, column));
-  return {{"matrix", matrix},
+nlohmann::json registration_json(const compare::Registration& r) {
+  return {{"matrix", as_json(r.X_onto_from)},
           {"rms_mm", r.rms_mm},
-          {"kept_share", r.inlier_fraction},
-          {"firmness", r.stability}};
+          {"inlier_fraction", r.inlier_fraction},
+          {"stability", r.stability}};
 }
 
-json movements_json(const SurgeryFound& surgery) {
-  json lines = json::array();
+nlohmann::json movements_json(const SurgeryFound& surgery) {
+  nlohmann::json lines = nlohmann::json::array();
   for (const AchievedMovement& one : surgery.movements)
     lines.push_back({{"segment", one.segment},
                      {"registration", registration_json(one.achieved)},
@@ -119,8 +115,9 @@ json movements_json(const SurgeryFound& surgery) {
 
 std::string movements_csv(const SurgeryFound& surgery) {
   std::string csv =
-      "segment,what,left_mm,back_mm,up_mm,length_mm,turn_x_deg,turn_y_deg,turn_z_deg,turn_deg,"
-      "largest_mm\n";
+      "segment,what,left_mm,back_mm,up_mm,length_mm,rotation_x_deg,rotation_y_deg,rotation_z_deg,"
+      "rotation_deg,"
+      "max_displacement_mm\n";
   const auto add = [&](const std::string& segment, const char* what,
                        const compare::MovementDifference& d) {
     const Vec3 turn_deg = d.rotation_rad * degrees_from_radians(1.0);

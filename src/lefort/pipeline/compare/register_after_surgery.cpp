@@ -50,8 +50,7 @@ Result<std::vector<io::SegmentPose>> final_poses(const fs::path& file) {
                    ? io::predicted_poses(document, steps->back())
                    : fail(ErrorCode::kFileCorrupt, "the prediction has no steps");
   if (!poses)
-    return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{} does not tell where the segments end", file.string()));
+    return fail(poses.error().code, fmt::format("{}: {}", file.string(), poses.error().message));
   return poses;
 }
 
@@ -62,8 +61,8 @@ Result<PlannedBones> read_planned(const fs::path& prediction) {
                             prediction.string()));
   PlannedBones planned;
   LEFORT_TRY(planned.plan, io::read_plan(prediction / "plan.json"));
-  LEFORT_TRY(planned.remainder_L, io::read_surface(prediction / "bone_remainder.vtp"));
   LEFORT_TRY(const std::vector<io::SegmentPose> poses, final_poses(prediction / "prediction.json"));
+  LEFORT_TRY(planned.remainder_L, io::read_surface(prediction / "bone_remainder.vtp"));
   if (poses.size() != planned.plan.segments.size())
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("plan.json and prediction.json in {} are of different plans",

@@ -37,12 +37,16 @@ Result<Summary> build_field(const BuildFieldJob& job, Progress& progress) {
   summary.text = fmt::format("{}: {} triangles, cell {:.4f} mm, samples to {:.3f} mm, {:.1f} MB",
                              job.output.string(), surface.triangle_count(), distance.cell_mm(),
                              distance.band_mm(), double(distance.sample_bytes()) * 1e-6);
-  summary.json = {
-      {"output", job.output.string()},           {"triangles", surface.triangle_count()},
-      {"closed", distance.frame().closed},       {"resolution", distance.frame().resolution},
-      {"cell_mm", distance.cell_mm()},           {"band_mm", distance.band_mm()},
-      {"told_mm", distance.guaranteed_mm()},     {"tolerance_mm", distance.frame().tolerance_mm},
-      {"sample_bytes", distance.sample_bytes()}, {"smooth_bytes", distance.smooth_bytes()}};
+  summary.json = {{"output", job.output.string()},
+                  {"triangles", surface.triangle_count()},
+                  {"closed", distance.frame().closed},
+                  {"resolution", distance.frame().resolution},
+                  {"cell_mm", distance.cell_mm()},
+                  {"band_mm", distance.band_mm()},
+                  {"guaranteed_mm", distance.guaranteed_mm()},
+                  {"tolerance_mm", distance.frame().tolerance_mm},
+                  {"sample_bytes", distance.sample_bytes()},
+                  {"smooth_bytes", distance.smooth_bytes()}};
   return summary;
 }
 

@@ -47,16 +47,16 @@ std::vector<std::pair<const char*, Index>> findings_of(const field::MeshRepairRe
   return {{"repeated_vertices", report.repeated_vertices},
           {"collapsed_triangles", report.collapsed_triangles},
           {"repeated_triangles", report.repeated_triangles},
-          {"double_triangles", report.opposite_duplicates},
-          {"turned_triangles", report.flipped_triangles},
-          {"rim_edges", report.boundary_edges},
-          {"branching_edges", report.non_manifold_edges},
-          {"clashing_edges", report.inconsistent_edges}};
+          {"opposite_duplicates", report.opposite_duplicates},
+          {"flipped_triangles", report.flipped_triangles},
+          {"boundary_edges", report.boundary_edges},
+          {"non_manifold_edges", report.non_manifold_edges},
+          {"inconsistent_edges", report.inconsistent_edges}};
 }
 
 void report_source(const DistanceField& distance, Summary& summary) {
   if (!distance.source()) {
-    summary.text += "surface: not told in this file, build it anew to know\n";
+    summary.text += "surface: not described in this file; build the field again\n";
     summary.json["surface"] = nullptr;
     return;
   }
@@ -93,7 +93,7 @@ Result<Summary> describe_field(const std::filesystem::path& file, Progress& prog
                   {"resolution", frame.resolution},
                   {"cell_mm", frame.cell_mm},
                   {"band_mm", frame.band_mm},
-                  {"told_mm", frame.guaranteed_mm()},
+                  {"guaranteed_mm", frame.guaranteed_mm()},
                   {"tolerance_mm", frame.tolerance_mm},
                   {"low_mm", {box.min().x(), box.min().y(), box.min().z()}},
                   {"high_mm", {box.max().x(), box.max().y(), box.max().z()}},

@@ -34,7 +34,7 @@ Json boundary_json(const PreparedCase& prepared) {
       painted["area_mm2"][decision.label.name] = decision.area_mm2;
     }
   }
-  return {{"release_mm", prepared.plan.boundary.elevation_margin_mm},
+  return {{"elevation_margin_mm", prepared.plan.boundary.elevation_margin_mm},
           {"rules", rules},
           {"painted", painted}};
 }

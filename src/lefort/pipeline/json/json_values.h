@@ -1,5 +1,5 @@
 /// \file
-/// Points and poses as contract/openapi.json has them.
+/// Points and poses as JSON, the same in every result and answer.
 #pragma once
 
 #include <lefort/core/types.h>

@@ -1,3 +1,4 @@
+#include <lefort/pipeline/json/json_values.h>
 #include <lefort/pipeline/json/newton_json.h>
 
 namespace lefort::pipeline {
@@ -16,8 +17,8 @@ Json as_json(const fem::LoadAttempt& attempt) {
                                    : 0.0},
          {"energy_mj", iterate.energy_mj},
          {"step_length", iterate.step_length},
-         {"convex_share", iterate.tangent_blend},
-         {"shift", iterate.diagonal_shift},
+         {"tangent_blend", iterate.tangent_blend},
+         {"diagonal_shift", iterate.diagonal_shift},
          {"contact_points", iterate.contacts}});
   return {{"from", attempt.t_from},
           {"to", attempt.t_to},
@@ -41,11 +42,11 @@ Json contact_json(const contact::ContactStatistics& contact) {
           {"area_mm2", contact.area_mm2},
           {"max_penetration_mm", contact.max_penetration_mm},
           {"mean_penetration_mm", contact.mean_penetration_mm},
-          {"max_depth_from_rest_mm", contact.max_depth_from_rest_mm},
-          {"mean_depth_from_rest_mm", contact.mean_depth_from_rest_mm},
-          {"p99_depth_from_rest_mm", contact.p99_depth_from_rest_mm},
+          {"max_penetration_increase_mm", contact.max_depth_from_rest_mm},
+          {"mean_penetration_increase_mm", contact.mean_depth_from_rest_mm},
+          {"p99_penetration_increase_mm", contact.p99_depth_from_rest_mm},
           {"tunnelled_area_mm2", contact.tunnelled_area_mm2},
-          {"force_n", {contact.force_L_n.x(), contact.force_L_n.y(), contact.force_L_n.z()}},
+          {"force_n", as_json(contact.force_L_n)},
           {"normal_force_n", contact.normal_force_n}};
 }
 

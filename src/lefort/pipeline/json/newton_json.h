@@ -1,5 +1,6 @@
 /// \file
-/// What Newton tried and what contact does, as JSON: the same in every result.
+/// Newton iterations, load attempts and contact figures as JSON, the same in every result
+/// (`attempt` and `contact` of contract/prediction.schema.json).
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -11,9 +12,10 @@
 
 namespace lefort::pipeline {
 
-/// Every attempt with every iteration.
+/// All attempts with all iterations. `from` and `to` are fractions of a path, or times of a deck.
 [[nodiscard]] nlohmann::ordered_json attempts_json(const std::vector<fem::LoadAttempt>& attempts);
 
+/// Penetration is the depth in the body; its increase is that since the state at rest.
 [[nodiscard]] nlohmann::ordered_json contact_json(const contact::ContactStatistics& contact);
 
 }  // namespace lefort::pipeline

@@ -1,8 +1,9 @@
 #include <lefort/core/units.h>
 #include <lefort/core/version.h>
-#include <lefort/fem/solve/load_steps.h>
+#include <lefort/io/predicted_poses.h>
 #include <lefort/pipeline/json/boundary_json.h>
 #include <lefort/pipeline/json/json_values.h>
+#include <lefort/pipeline/json/newton_json.h>
 #include <lefort/pipeline/json/prediction_json.h>
 #include <lefort/pipeline/timing/peak_memory.h>
 #include <lefort/predict/assign_regions.h>
@@ -13,97 +14,48 @@ namespace lefort::pipeline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
 using pipeline::as_json;
 
-Json matrix_json(const RigidTransform& pose) {
-  Json rows = Json::array();
-  const Eigen::Matrix4d matrix = pose.matrix();
-  for (int i = 0; i < 4; ++i)
-    rows.push_back({matrix(i, 0), matrix(i, 1), matrix(i, 2), matrix(i, 3)});
-  return rows;
-}
-
-Json as_json(const fem::LoadAttempt& attempt) {
-  Json iterations = Json::array();
-  for (const fem::NewtonIterate& iterate : attempt.history)
-    iterations.push_back({{"residual_n", iterate.residual_n},
-                          {"force_scale_n", iterate.residual_reference_n},
-                          {"energy_mj", iterate.energy_mj},
-                          {"step_length", iterate.step_length},
-                          {"convex_share", iterate.tangent_blend},
-                          {"shift", iterate.diagonal_shift}});
-  return {{"from_share", attempt.t_from},
-          {"to_share", attempt.t_to},
-          {"converged", attempt.stop == fem::NewtonStop::kConverged},
-          {"reason", attempt.reason},
-          {"newton", iterations}};
-}
-
-Json as_json(const std::vector<fem::LoadAttempt>& attempts) {
+/// A list with an object for each segment of the plan, in its order: its name, then what
+/// `of_segment(k, object)` adds.
+template <class Function>
+Json segments_json(const io::PlanFile& plan, const Function& of_segment) {
   Json list = Json::array();
-  for (const fem::LoadAttempt& attempt : attempts) list.push_back(as_json(attempt));
+  for (std::size_t k = 0; k < plan.segments.size(); ++k) {
+    list.push_back({{"name", plan.segments[k].osteotomy.segment}});
+    of_segment(k, list.back());
+  }
   return list;
 }
 
-/// What each segment has of its own: of a plan of one it stands alone, of one of several as an
-/// object by the segments' names.
-template <class Function>
-Json of_segments(const io::PlanFile& plan, const Function& of_segment) {
-  if (plan.segments.size() == 1) return of_segment(std::size_t(0));
-  Json json = Json::object();
-  for (std::size_t k = 0; k < plan.segments.size(); ++k)
-    json[plan.segments[k].osteotomy.segment] = of_segment(k);
-  return json;
-}
-
-void add_contact(const contact::ContactStatistics& contact, Json& json) {
-  json["contact_points"] = contact.points;
-  json["contact_nodes"] = contact.nodes;
-  json["contact_area_mm2"] = contact.area_mm2;
-  json["max_penetration_mm"] = contact.max_penetration_mm;
-  json["mean_penetration_mm"] = contact.mean_penetration_mm;
-  json["max_depth_from_rest_mm"] = contact.max_depth_from_rest_mm;
-  json["mean_depth_from_rest_mm"] = contact.mean_depth_from_rest_mm;
-  json["p99_depth_from_rest_mm"] = contact.p99_depth_from_rest_mm;
-  json["tunnelled_area_mm2"] = contact.tunnelled_area_mm2;
-  json["contact_force_n"] = as_json(contact.force_L_n);
-  json["contact_normal_force_n"] = contact.normal_force_n;
-}
-
-Json as_json(const predict::PredictionStep& step, const io::PlanFile& plan) {
+Json step_json(const predict::PredictionStep& step, const PreparedCase& prepared) {
   double max_mm = 0.0;
   for (const Vec3& u : step.displacement_mm) max_mm = std::max(max_mm, u.norm());
-  Json json{{"share", step.path_fraction}};
-  json["pose_4x4_row_major_mm_lps"] =
-      of_segments(plan, [&](std::size_t k) { return matrix_json(step.segments[k].X_LB); });
-  add_contact(step.contact(), json);
-  if (plan.segments.size() > 1)
-    json["contact_by_segment"] = of_segments(plan, [&](std::size_t k) {
-      Json one;
-      add_contact(step.segments[k].contact, one);
-      return one;
-    });
-  json["largest_displacement_mm"] = max_mm;
-  json["smallest_volume_ratio"] = step.min_J;
+  Json json{{"path_fraction", step.path_fraction}};
+  json["segments"] = segments_json(prepared.plan, [&](std::size_t k, Json& segment) {
+    segment["pose_4x4_row_major_mm_lps"] = as_json(step.segments[k].X_LB);
+    segment["contact"] = contact_json(step.segments[k].contact);
+  });
+  json["contact"] = contact_json(step.contact());
+  if (prepared.model.stationary_bone)
+    json["stationary_bone_contact"] = contact_json(step.stationary_contact);
+  json["max_displacement_mm"] = max_mm;
+  json["min_volume_ratio"] = step.min_J;
   json["residual_n"] = step.residual_n;
   json["relative_residual"] = step.relative_residual;
-  json["attempts"] = as_json(step.attempts);
+  json["attempts"] = attempts_json(step.attempts);
   return json;
 }
 
-Json as_json(const predict::BoneOverlapAtFraction& pair, const io::PlanFile& plan) {
-  Json json{{"share", pair.path_fraction}};
-  if (plan.segments.size() > 1) {
-    json["first"] = pair.first;
-    json["second"] = pair.second;
-  }
-  json["volume_ml"] = pair.overlap.volume_mm3 * 1e-3;
-  json["deepest_mm"] = pair.overlap.deepest_mm;
-  json["deepest_at_mm_lps"] =
-      pair.overlap.overlaps() ? Json(as_json(pair.overlap.deepest_L)) : Json(nullptr);
-  json["deeper_than_told"] = pair.overlap.depth_is_lower_bound;
-  return json;
+Json overlap_json(const predict::BoneOverlapAtFraction& pair) {
+  return {{"path_fraction", pair.path_fraction},
+          {"first", pair.first},
+          {"second", pair.second},
+          {"volume_ml", pair.overlap.volume_mm3 * 1e-3},
+          {"max_depth_mm", pair.overlap.deepest_mm},
+          {"max_depth_at_mm_lps",
+           pair.overlap.overlaps() ? Json(as_json(pair.overlap.deepest_L)) : Json(nullptr)},
+          {"depth_is_lower_bound", pair.overlap.depth_is_lower_bound}};
 }
 
 Json mucosa_parameters(const predict::TissueOptions& tissue) {
@@ -132,51 +84,38 @@ Json skin_parameters(const predict::TissueOptions& tissue) {
           {"poisson", tissue.skin->poisson}};
 }
 
-Json segment_names(const io::PlanFile& plan) {
-  if (plan.segments.size() == 1) return plan.segments.front().osteotomy.segment;
-  Json names = Json::array();
-  for (const plan::PlannedSegment& one : plan.segments) names.push_back(one.osteotomy.segment);
-  return names;
-}
-
 Json parameters(const PreparedCase& prepared, const predict::FacePrediction& prediction) {
   const io::PlanFile& plan = prepared.plan;
   const bool is_contact = plan.boundary.segment_interface == predict::SegmentInterface::kSliding;
-  const auto of_cut = [&](double plan::OsteotomyOptions::*option) {
-    return of_segments(plan, [&](std::size_t k) -> Json { return plan.segments[k].cut.*option; });
-  };
-  return {
-      {"title", plan.title},
-      {"segment", segment_names(plan)},
-      {"steps", prepared.steps()},
-      {"bone_hu", plan.segmentation.bone_hu},
-      {"skin_hu", plan.segmentation.skin_hu},
-      {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
-      {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
-      {"poisson", plan.tissue.poisson},
-      {"skin", skin_parameters(plan.tissue)},
-      {"mucosa", mucosa_parameters(plan.tissue)},
-      {"muscle", muscle_parameters(plan.tissue)},
-      {"lips_and_nose_element_size_mm", face_size(plan.tissue)},
-      {"element_size_mm", plan.tissue.element_size_mm},
-      {"far_element_size_mm", plan.tissue.far_element_size_mm},
-      {"margin_mm", plan.tissue.margin_mm},
-      {"moved_bone", is_contact ? "contact" : "attached"},
-      {"scan_edge", plan.boundary.scan_boundary == predict::ScanBoundary::kFree ? "free" : "fixed"},
-      {"release_mm", plan.boundary.elevation_margin_mm},
-      {"capture_mm", plan.boundary.capture_mm},
-      {"smallest_piece_ml", of_cut(&plan::OsteotomyOptions::min_piece_ml)},
-      {"smallest_piece_share", of_cut(&plan::OsteotomyOptions::min_piece_fraction)},
-      {"stiffness_factor", predict::stiffness_factor(plan.contact)},
-      {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
-      {"detection", contact::name_of(plan.contact.detection)},
-      {"integration", contact::name_of(plan.contact.integration)},
-      {"penetration_tolerance_mm", plan.contact.penetration_tolerance_mm
-                                       ? Json(*plan.contact.penetration_tolerance_mm)
-                                       : Json(nullptr)},
-      {"relative_tolerance", plan.solver.relative_tolerance},
-      {"max_iterations", plan.solver.max_iterations},
-      {"smallest_step", plan.solver.min_increment_ratio}};
+  return {{"title", plan.title},
+          {"steps", prepared.steps()},
+          {"bone_hu", plan.segmentation.bone_hu},
+          {"skin_hu", plan.segmentation.skin_hu},
+          {"law", "neo-Hookean, compressible (Bonet & Wood 6.27)"},
+          {"young_kpa", kpa_from_mpa(plan.tissue.young_mpa)},
+          {"poisson", plan.tissue.poisson},
+          {"skin", skin_parameters(plan.tissue)},
+          {"mucosa", mucosa_parameters(plan.tissue)},
+          {"muscle", muscle_parameters(plan.tissue)},
+          {"lips_and_nose_element_size_mm", face_size(plan.tissue)},
+          {"element_size_mm", plan.tissue.element_size_mm},
+          {"far_element_size_mm", plan.tissue.far_element_size_mm},
+          {"margin_mm", plan.tissue.margin_mm},
+          {"segment_interface", is_contact ? "sliding" : "bonded"},
+          {"scan_boundary",
+           plan.boundary.scan_boundary == predict::ScanBoundary::kFree ? "free" : "fixed"},
+          {"elevation_margin_mm", plan.boundary.elevation_margin_mm},
+          {"contact_snap_mm", plan.boundary.capture_mm},
+          {"stiffness_factor", predict::stiffness_factor(plan.contact)},
+          {"contact_stiffness_mpa_per_mm", prediction.contact_stiffness_mpa_per_mm},
+          {"detection", contact::name_of(plan.contact.detection)},
+          {"integration", contact::name_of(plan.contact.integration)},
+          {"penetration_tolerance_mm", plan.contact.penetration_tolerance_mm
+                                           ? Json(*plan.contact.penetration_tolerance_mm)
+                                           : Json(nullptr)},
+          {"relative_tolerance", plan.solver.relative_tolerance},
+          {"max_iterations", plan.solver.max_iterations},
+          {"min_increment_ratio", plan.solver.min_increment_ratio}};
 }
 
 Json volumes(const PreparedCase& prepared) {
@@ -200,12 +139,12 @@ Json as_json(const std::optional<mesh::LayerThickness>& skin) {
   if (!skin) return nullptr;
   Json thin = Json::array();
   for (const mesh::ThinPatch& patch : skin->thin)
-    thin.push_back({{"area_mm2", patch.area_mm2}, {"centre_mm_lps", as_json(patch.center_L)}});
+    thin.push_back({{"area_mm2", patch.area_mm2}, {"center_mm_lps", as_json(patch.center_L)}});
   return {{"area_mm2", skin->area_mm2},
-          {"covered_share", skin->covered_fraction},
+          {"covered_fraction", skin->covered_fraction},
           {"mean_thickness_mm", skin->mean_mm},
           {"p05_thickness_mm", skin->p05_mm},
-          {"full_share", skin->full_thickness_fraction},
+          {"full_thickness_fraction", skin->full_thickness_fraction},
           {"thin_patches", thin}};
 }
 
@@ -246,20 +185,24 @@ Json field_summary(const field::DistanceField& field) {
           {"smooth_bytes", field.smooth_bytes()}};
 }
 
-Json bones_summary(const PreparedCase& prepared) {
-  const plan::CutSegments& cut = prepared.cut;
-  const auto of_each = [&](const auto& value) {
-    return of_segments(prepared.plan, [&](std::size_t k) -> Json { return value(k); });
-  };
+Json bones_summary(const plan::CutSegments& cut) {
   return {{"skull_volume_ml", cut.skull_volume_mm3 * 1e-3},
-          {"segment_volume_ml", of_each([&](std::size_t k) { return cut.volumes_mm3[k] * 1e-3; })},
-          {"remainder_volume_ml", cut.remainder_volume_mm3 * 1e-3},
-          {"segment_pieces", of_each([&](std::size_t k) { return cut.cuts[k].segment_pieces; })},
-          {"pieces_left_behind", of_each([&](std::size_t k) { return cut.cuts[k].fragments; })},
-          {"volume_left_behind_ml",
-           of_each([&](std::size_t k) { return cut.cuts[k].fragment_volume_mm3 * 1e-3; })},
-          {"segment_triangles",
-           of_each([&](std::size_t k) { return cut.segments_L[k].triangle_count(); })}};
+          {"remainder_volume_ml", cut.remainder_volume_mm3 * 1e-3}};
+}
+
+Json segments_summary(const PreparedCase& prepared) {
+  const plan::CutSegments& cut = prepared.cut;
+  return segments_json(prepared.plan, [&](std::size_t k, Json& segment) {
+    const plan::OsteotomyOptions& options = prepared.plan.segments[k].cut;
+    segment["volume_ml"] = cut.volumes_mm3[k] * 1e-3;
+    segment["pieces"] = cut.cuts[k].segment_pieces;
+    segment["fragments_left"] = cut.cuts[k].fragments;
+    segment["fragments_left_ml"] = cut.cuts[k].fragment_volume_mm3 * 1e-3;
+    segment["triangles"] = cut.segments_L[k].triangle_count();
+    segment["min_piece_ml"] = options.min_piece_ml;
+    segment["min_piece_fraction"] = options.min_piece_fraction;
+    segment["field"] = field_summary(*prepared.model.segments[k].field_B);
+  });
 }
 
 Json timing_json(const Timing& timing) {
@@ -280,19 +223,16 @@ Json timing_json(const Timing& timing) {
 Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction& prediction,
                      const SkinShift& skin, const Timing& timing) {
   Json steps = Json::array();
-  for (const predict::PredictionStep& step : prediction.steps) {
-    steps.push_back(as_json(step, prepared.plan));
-    if (prepared.model.stationary_bone)
-      add_contact(step.stationary_contact, steps.back()["still_bone_contact"]);
-  }
+  for (const predict::PredictionStep& step : prediction.steps)
+    steps.push_back(step_json(step, prepared));
   Json overlaps = Json::array();
   for (const predict::BoneOverlapAtFraction& pair : prepared.overlaps)
-    overlaps.push_back(as_json(pair, prepared.plan));
+    overlaps.push_back(overlap_json(pair));
   Json plan_files = Json::array();
   for (const auto& [name, sha256] : prepared.provenance.plan_files)
     plan_files.push_back({{"file", name}, {"sha256", sha256}});
   Json json{
-      {"lefort_prediction", 1},
+      {"lefort_prediction", io::kPredictionVersion},
       {"notice", kNotForClinicalUse},
       {"version", kVersion},
       {"converged", prediction.converged()},
@@ -306,20 +246,17 @@ Json prediction_json(const PreparedCase& prepared, const predict::FacePrediction
         {"warnings", prepared.provenance.warnings}}},
       {"parameters", parameters(prepared, prediction)},
       {"tissue_volumes_ml", volumes(prepared)},
-      {"bones", bones_summary(prepared)},
-      {"field", of_segments(prepared.plan,
-                            [&](std::size_t k) {
-                              return field_summary(*prepared.model.segments[k].field_B);
-                            })},
+      {"bones", bones_summary(prepared.cut)},
+      {"segments", segments_summary(prepared)},
       {"mesh", mesh_summary(prepared)},
       {"bone_overlap", overlaps},
       {"rest_penetration_mm", prediction.rest_penetration_mm},
       {"skin",
-       {{"largest_shift_mm", skin.max_mm}, {"mean_shift_where_moved_mm", skin.mean_over_moved_mm}}},
+       {{"max_shift_mm", skin.max_mm}, {"mean_shift_where_moved_mm", skin.mean_over_moved_mm}}},
       {"steps", steps}};
   if (!prediction.converged()) {
     json["failure"] = prediction.failure->message;
-    json["failed_attempts"] = as_json(prediction.failed_attempts);
+    json["failed_attempts"] = attempts_json(prediction.failed_attempts);
   }
   json["timing"] = timing_json(timing);
   return json;

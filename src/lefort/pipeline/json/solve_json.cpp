@@ -99,8 +99,8 @@ std::string name_of(linear::LinearSolverKind kind) {
 }
 
 Json linear_solver_json(const solve::PreparedDeck& prepared, const solve::DeckRun& run) {
-  const Json taken = run.linear_solver ? Json(name_of(*run.linear_solver)) : Json(nullptr);
-  return {{"asked_for", name_of(prepared.deck.linear_solver.kind)}, {"taken", taken}};
+  const Json used = run.linear_solver ? Json(name_of(*run.linear_solver)) : Json(nullptr);
+  return {{"requested", name_of(prepared.deck.linear_solver.kind)}, {"used", used}};
 }
 
 /// What there is to look at; a run that ended early has no final state.
@@ -125,8 +125,8 @@ Json increment_json(const solve::PreparedDeck& prepared, const solve::Increment&
           {"energy_mj", increment.energy_mj},
           {"residual_n", increment.residual_n},
           {"relative_residual", increment.relative_residual},
-          {"largest_displacement_mm", increment.max_displacement_mm},
-          {"smallest_volume_ratio", increment.min_J},
+          {"max_displacement_mm", increment.max_displacement_mm},
+          {"min_volume_ratio", increment.min_J},
           {"reactions_n", forces_json(names.conditions, increment.reactions_n)},
           {"reaction_sum_n", as_json(reaction_n)},
           {"loads_n", forces_json(names.loads, increment.loads_n)},
@@ -147,7 +147,7 @@ Json inputs_json(const solve::PreparedDeck& prepared, const SolveInputs& inputs)
 Json solve_json(const io::DeckFile& file, const solve::PreparedDeck& prepared,
                 const SolveInputs& inputs, Json increments, const solve::DeckRun& run,
                 const std::string& last_file, const PhaseClock& clock) {
-  Json json{{"lefort_solve", 1},
+  Json json{{"lefort_solve", 2},
             {"notice", kNotForClinicalUse},
             {"version", kVersion},
             {"title", file.title},

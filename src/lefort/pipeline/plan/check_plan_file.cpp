@@ -2,6 +2,7 @@
 #include <lefort/geometry/bvh.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/geometry/transform_mesh.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/landmarks_file.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/owned_files.h>
@@ -31,7 +32,6 @@ namespace lefort::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 constexpr const char* kTable = "cephalometry.csv";
 constexpr const char* kAboutLandmarks =
@@ -70,14 +70,14 @@ Result<void> prepare_folder(const CheckPlanJob& job, const io::PlanText& text,
 }
 
 /// What the check was made of and by.
-Result<json> provenance(const CheckPlanJob& job, const io::PlanText& text,
-                        const geometry::TriangleMesh& skull_L) {
-  json files = json::array();
+Result<nlohmann::json> provenance(const CheckPlanJob& job, const io::PlanText& text,
+                                  const geometry::TriangleMesh& skull_L) {
+  nlohmann::json files = nlohmann::json::array();
   LEFORT_TRY(const std::vector<io::InputFile> named, io::fingerprints(text.json, job.plan));
   for (const auto& [name, sha256] : named) files.push_back({{"file", name}, {"sha256", sha256}});
-  return json{{"plan_sha256", io::Sha256().add(text.json).hex()},
-              {"plan_files", files},
-              {"skull_sha256", io::Sha256().add(skull_L).hex()}};
+  return nlohmann::json{{"plan_sha256", io::Sha256().add(text.json).hex()},
+                        {"plan_files", files},
+                        {"skull_sha256", io::Sha256().add(skull_L).hex()}};
 }
 
 /// The skull that is to be cut: a surface, or the bone of a scan.
@@ -133,9 +133,11 @@ MovedLandmarks move_landmarks(const plan::Landmarks& before, const plan::CutSegm
 
 using pipeline::as_json;
 
-json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
-             const std::vector<plan::PlannedSegment>& planned, const predict::PlanLimits& limits) {
-  json findings = json::array(), overlaps = json::array(), segments = json::array();
+nlohmann::json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
+                       const std::vector<plan::PlannedSegment>& planned,
+                       const predict::PlanLimits& limits) {
+  nlohmann::json findings = nlohmann::json::array(), overlaps = nlohmann::json::array(),
+                 segments = nlohmann::json::array();
   for (const predict::PlanFinding& finding : check.findings)
     findings.push_back({{"kind", predict::name_of(finding.kind)},
                         {"segment", finding.segment},
@@ -143,37 +145,34 @@ json as_json(const predict::PlanCheck& check, const plan::CutSegments& cut,
   for (const predict::BoneOverlapAtFraction& pair : check.overlaps)
     overlaps.push_back({{"first", pair.first},
                         {"second", pair.second},
-                        {"share", pair.path_fraction},
+                        {"path_fraction", pair.path_fraction},
                         {"volume_ml", pair.overlap.volume_mm3 * 1e-3},
-                        {"deepest_mm", pair.overlap.deepest_mm},
-                        {"deepest_at_mm", as_json(pair.overlap.deepest_L)},
-                        {"is_deeper", pair.overlap.depth_is_lower_bound}});
+                        {"max_depth_mm", pair.overlap.deepest_mm},
+                        {"max_depth_at_mm", as_json(pair.overlap.deepest_L)},
+                        {"depth_is_lower_bound", pair.overlap.depth_is_lower_bound}});
   for (std::size_t k = 0; k < planned.size(); ++k) {
     const predict::SegmentSupport& support = check.supports[k];
     const RigidTransform X_LB = geometry::pose_at(planned[k].path, 1.0);
-    json pose = json::array();
-    for (Index row = 0; row < 4; ++row)
-      for (Index column = 0; column < 4; ++column) pose.push_back(X_LB.matrix()(row, column));
     segments.push_back({{"name", support.segment},
                         {"volume_ml", cut.volumes_mm3[k] * 1e-3},
                         {"pieces", cut.cuts[k].segment_pieces},
-                        {"pieces_left_behind", cut.cuts[k].fragments},
+                        {"fragments_left", cut.cuts[k].fragments},
                         {"kerf_ml", cut.cuts[k].kerf_volume_mm3 * 1e-3},
-                        {"pose", pose},
+                        {"pose", as_json(X_LB)},
                         {"cut_area_mm2", support.cut_area_mm2},
                         {"supported_area_mm2", support.supported_area_mm2},
                         {"mean_gap_mm", support.mean_gap_mm},
-                        {"largest_gap_mm", support.max_gap_mm},
-                        {"largest_gap_at_mm", as_json(support.max_gap_L)}});
+                        {"max_gap_mm", support.max_gap_mm},
+                        {"max_gap_at_mm", as_json(support.max_gap_L)}});
   }
-  return {{"lefort_plan_check", 1},
+  return {{"lefort_plan_check", 2},
           {"notice", kNotForClinicalUse},
           {"version", kVersion},
           {"limits",
            {{"overlap_mm", limits.overlap_mm},
             {"gap_mm", limits.gap_mm},
             {"support_mm", limits.support_mm},
-            {"support_share", limits.support_fraction}}},
+            {"support_fraction", limits.support_fraction}}},
           {"has_findings", !check.findings.empty()},
           {"findings", findings},
           {"overlaps", overlaps},
@@ -218,6 +217,7 @@ Result<void> write_bones(const fs::path& folder, const plan::CutSegments& cut,
 Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanText plan_text, io::read_plan_text(job.plan));
   const io::PlanFile& plan = plan_text.plan;
+  io::note_warnings(plan.warnings, progress);
   std::vector<std::string> names = names_of(plan);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(prepare_folder(job, plan_text, names));
@@ -230,7 +230,7 @@ Result<PlanCheckSummary> check_plan_file(const CheckPlanJob& job, Progress& prog
   LEFORT_TRY(const predict::PlanCheck check,
              predict::check_plan(cut, plan.segments, job.limits, plan.field, progress));
 
-  json result = as_json(check, cut, plan.segments, job.limits);
+  nlohmann::json result = as_json(check, cut, plan.segments, job.limits);
   LEFORT_TRY(result["inputs"], provenance(job, plan_text, skull_L));
   std::string text = in_words(check, cut);
   std::string table;

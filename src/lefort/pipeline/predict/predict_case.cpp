@@ -1,4 +1,5 @@
 #include <lefort/core/units.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_inputs.h>
@@ -138,6 +139,7 @@ Result<Summary> predict_case(const PredictJob& job, Progress& shown) {
   StageTimer progress(shown);
   LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
   io::PlanFile plan = text.plan;
+  io::note_warnings(plan.warnings, progress);
   LEFORT_TRY(const fs::path ct, io::scan_of(job.plan, plan, job.ct));
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));

@@ -1,4 +1,5 @@
 #include <lefort/core/version.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/surface_files.h>
@@ -17,7 +18,6 @@ namespace lefort::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 struct Bone {
   std::string name;
@@ -44,6 +44,7 @@ std::vector<Bone> bones_of(const plan::CutSegments& cut,
 
 Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanFile plan, io::read_plan(job.plan));
+  io::note_warnings(plan.warnings, progress);
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));
   const fs::path document = job.output / "cut.json";
@@ -55,7 +56,7 @@ Result<Summary> cut_plan(const CutJob& job, Progress& progress) {
              plan::cut_segments(head.skull_L, plan.segments, progress));
   for (const plan::OsteotomyResult& bones : cut.cuts) note_fragments(bones, progress);
 
-  json list = json::array();
+  nlohmann::json list = nlohmann::json::array();
   std::string text = fmt::format("{}: {} segments", job.output.string(), plan.segments.size());
   for (const Bone& bone : bones_of(cut, plan.segments)) {
     field::DistanceFieldOptions field_options = plan.field;  // As prepare_case() has them.

@@ -51,10 +51,10 @@ Result<ScannedHead> scan_head(const io::PlanFile& plan, const fs::path& ct_path,
 
 void note_fragments(const plan::OsteotomyResult& bones, Progress& progress) {
   if (bones.fragments == 0) return;
-  progress.note(
-      fmt::format("{} pieces of bone within the cut, {:.2f} ml together, do not move: they are "
-                  "smaller than osteotomy.smallest_piece_ml or _share, or not what it holds",
-                  bones.fragments, bones.fragment_volume_mm3 * 1e-3));
+  progress.note(fmt::format(
+      "{} pieces of bone within the cut, {:.2f} ml together, do not move: they are "
+      "smaller than osteotomy.min_piece_ml or min_piece_fraction, or without an anchor point",
+      bones.fragments, bones.fragment_volume_mm3 * 1e-3));
 }
 
 }  // namespace lefort::pipeline

@@ -1,4 +1,5 @@
 #include <lefort/core/version.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/plan_inputs.h>
@@ -36,6 +37,7 @@ bool is_same_skin(const geometry::TriangleMesh& a, const geometry::TriangleMesh&
 
 Result<Summary> prepare_preview(const PreviewJob& job, Progress& progress) {
   LEFORT_TRY(const io::PlanText text, io::read_plan_text(job.plan));
+  io::note_warnings(text.plan.warnings, progress);
   io::PlanFile plan = text.plan;
   const io::EmptyFolderCleanup none_left(job.output);
   LEFORT_TRY_VOID(io::make_output_folder(job.output));

@@ -31,8 +31,8 @@ nlohmann::json geometry_json(const io::ImportedVolume& scan) {
                         list_of(grid.direction.col(2))}}};
   if (scan.stack)
     json["slices"] = {{"count", scan.stack->slices},
-                      {"least_step_mm", scan.stack->min_step_mm},
-                      {"most_step_mm", scan.stack->max_step_mm},
+                      {"min_step_mm", scan.stack->min_step_mm},
+                      {"max_step_mm", scan.stack->max_step_mm},
                       {"tilt_deg", scan.stack->tilt_deg},
                       {"resampled", scan.stack->resampled}};
   return json;

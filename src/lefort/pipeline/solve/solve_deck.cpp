@@ -2,6 +2,7 @@
 #include <lefort/core/units.h>
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/io/deck_file.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/field_file.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/sha256.h>
@@ -175,6 +176,7 @@ Result<Summary> solve_deck(const SolveJob& job, Progress& progress) {
   progress.begin_stage("read");
   LEFORT_TRY(const io::DeckText text, io::read_deck(job.deck));
   const io::DeckFile& file = text.file;
+  io::note_warnings(file.warnings, progress);
   LEFORT_TRY_VOID(check_obstacle_files(file));
   LEFORT_TRY_VOID(spare_inputs(job.output, input_files(job, file)));
   LEFORT_TRY(mesh::VolumeMesh mesh, read_mesh(file));

@@ -1,4 +1,5 @@
 #include <lefort/bench/convergence.h>
+#include <lefort/io/deprecated_keys.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_file.h>
 #include <lefort/io/sha256.h>
@@ -20,6 +21,7 @@ Result<std::vector<bench::ConvergenceCase>> cases_of(const fs::path& plan_file,
                                                      const ConvergenceJob& job,
                                                      Progress& progress) {
   LEFORT_TRY(io::PlanText text, io::read_plan_text(plan_file));
+  io::note_warnings(text.plan.warnings, progress);
   const std::optional<fs::path> ct = job.ct ? job.ct : text.plan.ct;
   std::error_code error;
   if (!ct || !fs::exists(*ct, error))

@@ -1,3 +1,4 @@
+#include <lefort/core/types.h>
 #include <lefort/io/output_folder.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/pipeline/verify.h>
@@ -17,14 +18,19 @@ nlohmann::json json_of(const verify::Check& check) {
   const auto number = [](double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
   };
-  const char* const requested = check.comparison == verify::Comparison::kNear      ? "near"
-                                : check.comparison == verify::Comparison::kAtLeast ? "at least"
-                                                                                   : "at most";
-  return {{"name", check.name},           {"measured", number(check.measured)},
-          {"asked", requested},           {"expected", check.expected},
-          {"tolerance", check.tolerance}, {"unit", check.unit},
-          {"reason", check.reason},       {"note", check.note},
-          {"miss", check.known_failure},  {"passed", check.passed()}};
+  const char* const required = check.comparison == verify::Comparison::kNear      ? "near"
+                               : check.comparison == verify::Comparison::kAtLeast ? "at least"
+                                                                                  : "at most";
+  return {{"name", check.name},
+          {"measured", number(check.measured)},
+          {"required", required},
+          {"expected", check.expected},
+          {"tolerance", check.tolerance},
+          {"unit", check.unit},
+          {"reason", check.reason},
+          {"note", check.note},
+          {"known_failure", check.known_failure},
+          {"passed", check.passed()}};
 }
 
 std::string command_of(const VerifyJob& job) {

@@ -1,5 +1,6 @@
 #include <lefort/io/output_folder.h>
 #include <lefort/io/plan_inputs.h>
+#include <lefort/io/predicted_poses.h>
 #include <lefort/io/sha256.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/server/case/case_folder.h>
@@ -41,7 +42,8 @@ json cutting_part(const json& plan) {
             {"segments", json::array()}};
   for (const json& segment : member(plan, "segments"))
     part["segments"].push_back({{"name", member(segment, "name")},
-                                {"from", member(segment, "from")},
+                                {"cut_from", member(segment, "cut_from")},
+                                {"from", member(segment, "from")},  // Its deprecated name.
                                 {"osteotomy", member(segment, "osteotomy")}});
   return part;
 }
@@ -233,6 +235,9 @@ json CaseFolder::stage(std::string_view stage) const {
   } else if (stage != "check" && stage != "prediction") {
     return state("stale", "it is not known of what it was made", tag);
   }
+  if (stage == "prediction")
+    if (const auto current = io::check_prediction_version(read_object(document)); !current)
+      return state("stale", current.error().message, tag);
   if (stage == "check" || stage == "prediction") {
     const std::string why = plan_mismatch(member(read_object(document), "inputs"), *this);
     if (!why.empty()) return state("stale", why, tag);
@@ -270,8 +275,9 @@ Result<void> check_files_of_plan(const std::string& text) {
   for (const std::string& name : names)
     if (name != "landmarks.mrk.json" && name != "anatomy/labels.seg.nrrd")
       return fail(ErrorCode::kPlanInvalid,
-                  fmt::format("the plan names the file {}; in a case it may name "
-                              "landmarks.mrk.json and anatomy/labels.seg.nrrd",
+                  fmt::format("the plan names the file {}; in a case it may name ct.nrrd, "
+                              "landmarks.mrk.json, anatomy/labels.seg.nrrd, and boundary.seg.nrrd "
+                              "as boundary.labels",
                               name));
   return {};
 }

@@ -173,26 +173,26 @@ int step_of(double path_fraction, int steps) {
 json iterate_json(const predict::PredictionIterate& at, int steps) {
   const fem::NewtonIterate& line = at.line;
   return {{"step", step_of(at.to_fraction, steps)},
-          {"to_share", at.to_fraction},
+          {"path_fraction", at.to_fraction},
           {"attempt", at.attempt},
           {"iteration", at.iteration},
           {"residual_n", line.residual_n},
           {"relative_residual",
            line.residual_reference_n > 0.0 ? line.residual_n / line.residual_reference_n : 0.0},
-          {"contacts", line.contacts},
-          {"deepest_mm", at.deepest_mm}};
+          {"contact_points", line.contacts},
+          {"max_penetration_increase_mm", at.deepest_mm}};
 }
 
 json step_json(int job, const predict::PredictionStep& step, int steps) {
   return {{"job", job},
           {"step", step_of(step.path_fraction, steps)},
           {"steps", steps},
-          {"share", step.path_fraction},
+          {"path_fraction", step.path_fraction},
           {"newton_iterations", step.newton_iterations()},
           {"relative_residual", step.relative_residual},
           {"contact_nodes", step.contact().nodes},
-          {"p99_depth_mm", step.contact().p99_depth_from_rest_mm},
-          {"max_depth_mm", step.contact().max_depth_from_rest_mm}};
+          {"p99_penetration_increase_mm", step.contact().p99_depth_from_rest_mm},
+          {"max_penetration_increase_mm", step.contact().max_depth_from_rest_mm}};
 }
 
 Result<JobOutcome> predict_job(const JobContext& context, const JobRecord& job,

@@ -1,13 +1,13 @@
 import { html, nothing } from 'lit-html';
+import type { Schemas } from '../../api';
 import { fixed, mm } from '../../model';
 import type { App } from '../app';
-import { button, chip, empty, hint, notice, progressBar, section, type Part } from '../parts';
 import { residualPlot } from '../plot';
 import { isBusyWith, lastJob, stageOf, type NewtonPoint, type State } from '../state';
-import { overlapNotice, previewState } from './movement_panel';
-import { toggle } from '../parts';
+import { button, chip, empty, hint, notice, progressBar, section, toggle, type Html } from '../widgets';
+import { overlapNotice, previewState } from './preview_state';
 
-/** Newton stops below this share of the first residual unless the plan says otherwise. */
+/** Default of the plan: Newton's method stops below this fraction of the first residual. */
 const DEFAULT_TOLERANCE = 1e-6;
 
 interface StepRow {
@@ -18,67 +18,166 @@ interface StepRow {
   max_depth_mm: number;
 }
 
-const stepTable = (steps: readonly StepRow[]): Part => html`
-  <table data-id="step-table"><thead><tr><th>Step</th><th>Iterations</th><th>Contacts</th><th title="99 % of the contact lies less deep in the bone">P99 depth</th><th>Deepest</th></tr></thead>
-    <tbody>${[...steps].reverse().map((x) => html`<tr><td>${x.step}</td><td>${x.newton_iterations}</td><td>${x.contact_nodes}</td><td>${mm(x.p99_depth_mm, 2)}</td><td>${mm(x.max_depth_mm, 2)}</td></tr>`)}</tbody></table>`;
+const stepTable = (steps: readonly StepRow[]): Html =>
+  html` <table data-id="step-table">
+    <thead>
+      <tr>
+        <th>Step</th>
+        <th>Iterations</th>
+        <th>Contacts</th>
+        <th title="99 % of the contact area penetrates the bone less">P99 depth</th>
+        <th>Max depth</th>
+      </tr>
+    </thead>
+    <tbody>
+      ${[...steps].reverse().map(
+        (x) =>
+          html`<tr>
+            <td>${x.step}</td>
+            <td>${x.newton_iterations}</td>
+            <td>${x.contact_nodes}</td>
+            <td>${mm(x.p99_depth_mm, 2)}</td>
+            <td>${mm(x.max_depth_mm, 2)}</td>
+          </tr>`,
+      )}
+    </tbody>
+  </table>`;
 
-/** Where the solver is at this moment. */
-const iterateNow = (at: NewtonPoint): Part => html`
-  <div class="stats" data-id="iterate-now">
-    <div><div class="big-number">${at.iteration}</div><div class="hint">iterations of try ${at.attempt} for step ${at.step}</div></div>
-    <div><div class="big-number">${at.contacts}</div><div class="hint">points in contact</div></div>
-    <div><div class="big-number">${fixed(at.deepest_mm, 2)} <small>mm</small></div><div class="hint">deepest in the bone</div></div></div>`;
+const stat = (value: unknown, text: string): Html =>
+  html`<div>
+    <div class="big-number">${value}</div>
+    <div class="hint">${text}</div>
+  </div>`;
 
-export function predictPanel(app: App, s: State): Part {
-  const { plan } = app.model.doc;
-  if (plan.segments.length === 0)
-    return html`<h2>Predict</h2>${empty('No plan yet', 'Cut a piece of bone free and move it first.', button('To the osteotomy', () => app.setStep('osteotomy')))}`;
-  const stage = stageOf(s, 'prediction');
-  const job = lastJob(s, 'predict');
-  const running = isBusyWith(s, 'predict');
-  const tolerance = plan.solver?.relative_tolerance ?? DEFAULT_TOLERANCE;
-  const done = s.steps.at(-1);
-  const check = stageOf(s, 'check');
-  const checkJob = lastJob(s, 'check');
+/** The current iteration of the solver. */
+const iterateNow = (at: NewtonPoint): Html =>
+  html` <div class="stats" data-id="iterate-now">
+    ${stat(at.iteration, `iterations, step ${at.step}, attempt ${at.attempt}`)}
+    ${stat(at.contacts, 'points in contact')}
+    ${stat(html`${fixed(at.deepest_mm, 2)} <small>mm</small>`, 'max penetration of the bone')}
+  </div>`;
+
+const toleranceOf = (app: App): number => app.model.doc.plan.solver?.relative_tolerance ?? DEFAULT_TOLERANCE;
+
+export function predictPanel(app: App, s: State): Html {
+  if (app.model.doc.plan.segments.length === 0)
+    return html`<h2>Predict</h2>
+      ${empty(
+        'No plan yet',
+        'Cut and move a segment first.',
+        button('To the osteotomy', () => app.setStep('osteotomy')),
+      )}`;
+  const isRunning = isBusyWith(s, 'predict');
   return html`
-    <h2>Predict ${chip(running ? 'running' : stage.state)}</h2>
-    ${stage.state === 'stale' && !running ? notice('warning', 'The prediction is out of date', stage.why) : nothing}
-    ${stage.state === 'unconverged' && !running ? notice('error', 'The solver did not converge', html`${s.prediction?.failure || stage.why} Nothing of it is shown as a prediction. Smaller steps, or a smaller move, often help.`) : nothing}
-    ${stage.state === 'failed' && !running ? notice('error', 'The prediction failed', job?.message || stage.why) : nothing}
-    ${job?.state === 'cancelled' && !running ? notice('info', 'Stopped', 'Finished stages are kept: starting again goes on from them.') : nothing}
-    ${job?.state === 'interrupted' && !running ? notice('warning', 'Interrupted', 'The server was stopped in the middle. Finished stages are kept.') : nothing}
-    ${running
-      ? html`
-        ${section('Solving',
-          html`<div class="row"><span class="grow" data-id="predict-stage">${job?.stage || 'waiting'}</span>
-            <span class="hint">${done ? `step ${done.step} of ${done.steps}` : `${fixed((job?.fraction ?? 0) * 100, 0)} %`}</span></div>`,
-          progressBar(done ? done.step / done.steps : (job?.fraction ?? 0), 'Along the path'),
-          button('Stop', () => job && void app.stopJob(job.id), { kind: 'danger', icon: 'stop', id: 'stop-predict' }))}
-        ${section('Residual', s.newton.length ? html`${residualPlot(s.newton, tolerance)}${iterateNow(s.newton[s.newton.length - 1])}` : hint('Appears when the equations are being solved; meshing comes first.'))}
-        ${s.steps.length ? section('Steps', stepTable(s.steps)) : nothing}`
-      : html`
-        ${section('Preview', overlapNotice(s), toggle('Preview of the face', s.showPreview, (on) => app.patch({ showPreview: on })), previewState(app, s),
-          s.preview.state === 'shown' ? html`<p class="hint">Skin moves by up to <b>${mm(s.preview.largest_mm)}</b>. Shown <span data-id="preview-latency" data-ms=${(s.preview.latency_ms ?? 0).toFixed(0)}>${fixed((s.preview.latency_ms ?? 0) / 1000, 2)} s</span> after the change.</p>` : nothing)}
-        ${check.state === 'fresh' && checkJob?.has_findings ? notice('warning', 'Something was found against this plan', 'The face can be predicted all the same. See step 5, Movement.') : nothing}
-        ${s.prediction && (stage.state === 'fresh' || stage.state === 'stale' || stage.state === 'unconverged')
-          ? section('Last solve',
-              html`<div class="stats">
-                <div><div class="big-number">${fixed(s.prediction.skin_largest_shift_mm, 1)} <small>mm</small></div><div class="hint">largest shift of the skin</div></div>
-                <div><div class="big-number">${s.prediction.steps.reduce((sum, x) => sum + x.newton_iterations, 0)}</div><div class="hint">iterations, ${s.prediction.steps.length} steps</div></div></div>`,
-              s.previewDistance ? html`<p class="hint">The preview of this plan is off by <b>${mm(s.previewDistance.p50_mm, 2)}</b> in the middle and <b data-id="preview-p99" data-mm=${s.previewDistance.p99_mm.toFixed(3)}>${mm(s.previewDistance.p99_mm, 2)}</b> at P99, where the face moves.</p>` : nothing,
-              s.newton.length ? residualPlot(s.newton, tolerance) : nothing,
-              html`<details><summary>Every step</summary><div>${stepTable(s.prediction.steps)}</div></details>`)
-          : nothing}`}
+    <h2>Predict ${chip(isRunning ? 'running' : stageOf(s, 'prediction').state)}</h2>
+    ${isRunning
+      ? runningPart(app, s)
+      : html`${endNotices(s)} ${previewSection(app, s)} ${checkNotice(s)} ${lastSolve(app, s)}`}
   `;
 }
 
-export function predictFoot(app: App, s: State): Part {
-  const { plan } = app.model.doc;
-  if (plan.segments.length === 0 || isBusyWith(s, 'predict')) return nothing;
+/** How the last prediction ended. */
+function endNotices(s: State): Html {
   const stage = stageOf(s, 'prediction');
-  const fresh = stage.state === 'fresh';
-  const resumes = ['cancelled', 'interrupted'].includes(lastJob(s, 'predict')?.state ?? '');
-  return html`
-    ${button(fresh ? 'Predict again' : resumes ? 'Go on predicting' : 'Predict the face', () => void app.run({ kind: 'predict' }), { kind: fresh ? 'plain' : 'primary', disabled: s.saving === 'error', id: 'predict' })}
-    ${fresh ? button('Compare before and after', () => app.setStep('compare'), { kind: 'primary', id: 'to-compare' }) : nothing}`;
+  const job = lastJob(s, 'predict');
+  return html`${stage.state === 'stale' ? notice('warning', 'The prediction is out of date', stage.why) : nothing}
+  ${stage.state === 'unconverged'
+    ? notice(
+        'error',
+        'The solver did not converge',
+        html`${s.prediction?.failure || stage.why} The result is not shown. Use more steps or a smaller movement.`,
+      )
+    : nothing}
+  ${stage.state === 'failed' ? notice('error', 'The prediction failed', job?.message || stage.why) : nothing}
+  ${job?.state === 'cancelled'
+    ? notice('info', 'Stopped', 'Completed stages are stored. The next prediction resumes from them.')
+    : nothing}
+  ${job?.state === 'interrupted'
+    ? notice('warning', 'Interrupted', 'The server stopped during the prediction. Completed stages are stored.')
+    : nothing}`;
+}
+
+function runningPart(app: App, s: State): Html {
+  const job = lastJob(s, 'predict');
+  const done = s.steps.at(-1);
+  const fraction = done ? done.step / done.steps : (job?.fraction ?? 0);
+  return html`${section(
+    'Solving',
+    html`<div class="row">
+      <span class="grow" data-id="predict-stage">${job?.stage || 'waiting'}</span>
+      <span class="hint">${done ? `step ${done.step} of ${done.steps}` : `${fixed(fraction * 100, 0)} %`}</span>
+    </div>`,
+    progressBar(fraction, 'Path'),
+    button('Stop', () => job && void app.stopJob(job.id), { kind: 'danger', icon: 'stop', id: 'stop-predict' }),
+  )}
+  ${section(
+    'Residual',
+    s.newton.length
+      ? html`${residualPlot(s.newton, toleranceOf(app))}${iterateNow(s.newton[s.newton.length - 1])}`
+      : hint('Shown when the solver starts, after meshing.'),
+  )}
+  ${s.steps.length ? section('Steps', stepTable(s.steps)) : nothing}`;
+}
+
+function previewSection(app: App, s: State): Html {
+  const latency_ms = s.preview.latency_ms ?? 0;
+  return section(
+    'Preview',
+    overlapNotice(s),
+    toggle('Preview of the face', s.showPreview, (on) => app.patch({ showPreview: on })),
+    previewState(app, s),
+    s.preview.state === 'shown'
+      ? html`<p class="hint">
+          Skin moves by up to <b>${mm(s.preview.largest_mm)}</b>. Shown
+          <span data-id="preview-latency" data-ms=${latency_ms.toFixed(0)}>${fixed(latency_ms / 1000, 2)} s</span>
+          after the change.
+        </p>`
+      : nothing,
+  );
+}
+
+function checkNotice(s: State): Html {
+  if (stageOf(s, 'check').state !== 'fresh' || !lastJob(s, 'check')?.has_findings) return nothing;
+  return notice('warning', 'The check of the plan has findings', 'The prediction can still run. See step 5, Movement.');
+}
+
+function lastSolve(app: App, s: State): Html {
+  const { state } = stageOf(s, 'prediction');
+  if (!s.prediction || (state !== 'fresh' && state !== 'stale' && state !== 'unconverged')) return nothing;
+  const { steps, skin_largest_shift_mm } = s.prediction;
+  const iterations = steps.reduce((sum, x) => sum + x.newton_iterations, 0);
+  return section(
+    'Last solve',
+    html`<div class="stats">
+      ${stat(html`${fixed(skin_largest_shift_mm, 1)} <small>mm</small>`, 'max skin displacement')}
+      ${stat(iterations, `iterations, ${steps.length} steps`)}
+    </div>`,
+    s.previewDistance ? previewError(s.previewDistance) : nothing,
+    s.newton.length ? residualPlot(s.newton, toleranceOf(app)) : nothing,
+    html`<details>
+      <summary>All steps</summary>
+      <div>${stepTable(steps)}</div>
+    </details>`,
+  );
+}
+
+const previewError = ({ p50_mm, p99_mm }: Schemas['PreviewDistance']): Html =>
+  html`<p class="hint">
+    Error of the preview of this plan where the face moves: median <b>${mm(p50_mm, 2)}</b>, P99
+    <b data-id="preview-p99" data-mm=${p99_mm.toFixed(3)}>${mm(p99_mm, 2)}</b>.
+  </p>`;
+
+export function predictFoot(app: App, s: State): Html {
+  if (app.model.doc.plan.segments.length === 0 || isBusyWith(s, 'predict')) return nothing;
+  const isFresh = stageOf(s, 'prediction').state === 'fresh';
+  const canResume = ['cancelled', 'interrupted'].includes(lastJob(s, 'predict')?.state ?? '');
+  const label = isFresh ? 'Predict again' : canResume ? 'Resume prediction' : 'Predict the face';
+  return html` ${button(label, () => void app.run({ kind: 'predict' }), {
+    kind: isFresh ? 'plain' : 'primary',
+    disabled: s.saving === 'error',
+    id: 'predict',
+  })}
+  ${isFresh
+    ? button('Compare before and after', () => app.setStep('compare'), { kind: 'primary', id: 'to-compare' })
+    : nothing}`;
 }

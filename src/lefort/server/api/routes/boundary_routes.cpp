@@ -111,7 +111,7 @@ json areas_json(const CaseFolder& folder) {
     json painted = json::array();
     if (boundary.at("painted").is_object())
       for (const auto& [name, mm2] : boundary["painted"].at("area_mm2").items())
-        painted.push_back({{"name", name}, {"mm2", mm2}});
+        painted.push_back({{"name", name}, {"area_mm2", mm2}});
     return {{"stage", stage}, {"rules", rules}, {"painted", painted}};
   };
   try {
@@ -128,12 +128,12 @@ json areas_json(const CaseFolder& folder) {
 Response get_boundary(ServedCase& served, const Request&, const PathValues&) {
   json names = json::array();
   for (const predict::BoundaryLabelStyle& style : predict::kBoundaryLabelStyles)
-    names.push_back({{"value", int(style.label)}, {"name", style.name}, {"colour", style.color}});
+    names.push_back({{"value", int(style.label)}, {"name", style.name}, {"color", style.color}});
   const auto plan = io::read_plan(served.folder.plan());
   const predict::BoundaryOptions options = plan ? plan->boundary : predict::BoundaryOptions{};
   return json_response({{"names", names},
-                        {"capture_mm", options.capture_mm},
-                        {"release_mm", options.elevation_margin_mm},
+                        {"contact_snap_mm", options.capture_mm},
+                        {"elevation_margin_mm", options.elevation_margin_mm},
                         {"rules", rules_json(options)},
                         {"areas", areas_json(served.folder)}});
 }

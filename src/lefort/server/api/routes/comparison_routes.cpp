@@ -68,14 +68,14 @@ Response get_comparison(ServedCase& served, const Request& request, const PathVa
     for (const json& row : found.at("regions"))
       regions.push_back({{"region", row.at("region")},
                          {"face", row.at("face")},
-                         {"if_unchanged", row.value("if_unchanged", json())}});
+                         {"baseline_no_change", row.value("baseline_no_change", json())}});
     for (const json& one : found.value("movements", json::array()))
       movements.push_back({{"segment", one.at("segment")},
                            {"achieved", one.at("achieved")},
                            {"from_plan_to_achieved", one.at("from_plan_to_achieved")}});
     if (found.contains("registration"))
       registration = {{"rms_mm", found["registration"].at("rms_mm")},
-                      {"kept_share", found["registration"].at("kept_share")}};
+                      {"inlier_fraction", found["registration"].at("inlier_fraction")}};
     return with_etag(json_response({{"regions", regions},
                                     {"missing", found.at("regions_missing")},
                                     {"movements", movements},

@@ -118,7 +118,8 @@ Response get_preview_distance(ServedCase& served, const Request&, const PathValu
                         ? json()
                         : document["steps"].back();
   const auto poses = io::predicted_poses(document, last);
-  if (!before || !after || before->vertices.size() != after->vertices.size() || !poses)
+  if (!poses) return error_response(422, "invalid", poses.error().message);
+  if (!before || !after || before->vertices.size() != after->vertices.size())
     return error_response(422, "invalid", "the prediction's files are damaged: predict again");
   std::vector<std::string> segments;
   std::vector<RigidTransform> X_LB;
@@ -139,7 +140,7 @@ Response get_preview_distance(ServedCase& served, const Request&, const PathValu
                         {"p50_mm", distance.p50_mm},
                         {"p99_mm", distance.p99_mm},
                         {"max_mm", distance.max_mm},
-                        {"largest_shift_mm", distance.max_shift_mm}});
+                        {"max_shift_mm", distance.max_shift_mm}});
 }
 
 }  // namespace

@@ -19,8 +19,8 @@ Response get_plan(ServedCase& served, const Request& request, const PathValues&)
   if (is_not_modified(request, etag)) return not_modified(etag);
   auto text = io::read_text(served.folder.plan(), kMaxDocument);
   if (!text) return error_response(text.error());
-  Response reply;
-  reply.text = *std::move(text);
+  Response reply;  // The page knows no deprecated keys.
+  reply.text = io::rename_plan_keys(*text).value_or(*text);
   return with_etag(std::move(reply), etag);
 }
 
@@ -72,7 +72,7 @@ Response post_osteotomy(ServedCase& served, const Request& request, const PathVa
                        {"segments",
                         {{{"name", "segment"},
                           {"osteotomy", {{"template", (*body.value)["template"]}}},
-                          {"path", {{"keyframes", {{{"at", 1}}}}}}}}}};
+                          {"path", {{"keyframes", {{{"path_fraction", 1}}}}}}}}}};
   const auto plan = io::parse_plan(plan_json.dump(), served.folder.root());
   if (!plan) return error_response(422, "invalid", plan.error().message, "template");
   const auto as_planes = [](const std::vector<plan::CutPlane>& planes) {
@@ -85,9 +85,9 @@ Response post_osteotomy(ServedCase& served, const Request& request, const PathVa
   const plan::Osteotomy& cut = plan->segments.front().osteotomy;
   json osteotomy{{"planes", as_planes(cut.planes)}};
   for (const plan::CutRegion& region : cut.additional_regions)
-    osteotomy["also"].push_back({{"planes", as_planes(region.planes)}});
+    osteotomy["additional_regions"].push_back({{"planes", as_planes(region.planes)}});
   for (const Vec3& point : cut.anchor_points_L)
-    osteotomy["holds"].push_back(pipeline::as_json(point));
+    osteotomy["anchor_points"].push_back(pipeline::as_json(point));
   return json_response({{"osteotomy", osteotomy}});
 }
 

@@ -34,23 +34,24 @@ Response get_prediction(ServedCase& served, const Request& request, const PathVa
   try {
     for (const json& step : document.at("steps")) {
       const auto where = io::predicted_poses(document, step);
-      if (!where) return error_response(422, "invalid", where.error().message + ": predict again");
+      if (!where) return error_response(422, "invalid", where.error().message);
+      const json& contact = step.at("contact");
       json poses = json::object();
       for (const auto& [segment, X_LB] : *where) poses[segment] = pipeline::as_json(X_LB);
       std::size_t iterations = 0;
       for (const json& attempt : step.at("attempts"))
         iterations += std::max<std::size_t>(attempt.at("newton").size(), 1) - 1;
       steps.push_back({{"step", steps.size() + 1},
-                       {"share", step.at("share")},
+                       {"path_fraction", step.at("path_fraction")},
                        {"pose", pipeline::as_json(where->front().X_LB)},
                        {"poses", poses},
                        {"newton_iterations", iterations},
                        {"relative_residual", step.at("relative_residual")},
-                       {"contact_nodes", step.at("contact_nodes")},
-                       {"contact_area_mm2", step.at("contact_area_mm2")},
-                       {"p99_depth_mm", step.at("p99_depth_from_rest_mm")},
-                       {"max_depth_mm", step.at("max_depth_from_rest_mm")},
-                       {"largest_displacement_mm", step.at("largest_displacement_mm")}});
+                       {"contact_nodes", contact.at("nodes")},
+                       {"contact_area_mm2", contact.at("area_mm2")},
+                       {"p99_penetration_increase_mm", contact.at("p99_penetration_increase_mm")},
+                       {"max_penetration_increase_mm", contact.at("max_penetration_increase_mm")},
+                       {"max_displacement_mm", step.at("max_displacement_mm")}});
     }
     const bool converged = document.at("converged").get<bool>();
     const json& skin = document.at("skin");
@@ -58,7 +59,7 @@ Response get_prediction(ServedCase& served, const Request& request, const PathVa
         json_response(
             {{"converged", converged},
              {"failure", document.value("failure", "")},
-             {"skin_largest_shift_mm", converged ? skin.at("largest_shift_mm") : json()},
+             {"skin_max_shift_mm", converged ? skin.at("max_shift_mm") : json()},
              {"skin_mean_shift_mm", converged ? skin.at("mean_shift_where_moved_mm") : json()},
              {"elements", document.at("mesh").at("elements")},
              {"steps", steps},

@@ -1,11 +1,11 @@
 import { noChange } from 'lit-html';
 import { Directive, directive, PartType, type ElementPart, type PartInfo } from 'lit-html/directive.js';
 
-/** Sets an input's text, but not while a person is typing in it. */
-class QuietValue extends Directive {
+/** Sets an input's text, except while the user types in it. */
+class LiveValue extends Directive {
   constructor(info: PartInfo) {
     super(info);
-    if (info.type !== PartType.ELEMENT) throw new Error('quietValue stands in the tag itself');
+    if (info.type !== PartType.ELEMENT) throw new Error('liveValue stands in the tag itself');
   }
 
   render(_value: string): typeof noChange {
@@ -19,4 +19,4 @@ class QuietValue extends Directive {
   }
 }
 
-export const quietValue = directive(QuietValue);
+export const liveValue = directive(LiveValue);

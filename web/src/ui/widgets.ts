@@ -1,13 +1,15 @@
 import { html, nothing, svg, type TemplateResult } from 'lit-html';
 import type { Schemas } from '../api';
 
-/** A piece of page, or nothing. */
-export type Part = TemplateResult | typeof nothing | string;
+/** A template of lit-html, or nothing. */
+export type Html = TemplateResult | typeof nothing | string;
 
 const PATHS = {
   undo: 'M7 8H13a5 5 0 0 1 0 10h-3M7 8l3.5-3.5M7 8l3.5 3.5',
   redo: 'M17 8H11a5 5 0 0 0 0 10h3M17 8l-3.5-3.5M17 8l-3.5 3.5',
-  sun: 'M12 8a4 4 0 1 0 0 8 4 4 0 0 0 0-8ZM12 3v2M12 19v2M3 12h2M19 12h2M5.6 5.6 7 7M17 17l1.4 1.4M5.6 18.4 7 17M17 7l1.4-1.4',
+  sun:
+    'M12 8a4 4 0 1 0 0 8 4 4 0 0 0 0-8ZM12 3v2M12 19v2M3 12h2M19 12h2' +
+    'M5.6 5.6 7 7M17 17l1.4 1.4M5.6 18.4 7 17M17 7l1.4-1.4',
   moon: 'M19 14.5A7.5 7.5 0 0 1 9.5 5 7.5 7.5 0 1 0 19 14.5Z',
   system: 'M4 5h16v11H4zM9 20h6M12 16v4',
   help: 'M9.2 9.2a2.8 2.8 0 1 1 4 2.5c-.8.4-1.2.9-1.2 1.8M12 16.6v.1',
@@ -52,22 +54,39 @@ export const button = (label: string, onClick: () => void, options: ButtonOption
   </button>
 `;
 
-export const iconButton = (name: IconName, label: string, onClick: () => void, disabled = false): TemplateResult => html`
-  <button type="button" class="icon-button" aria-label=${label} title=${label} ?disabled=${disabled} @click=${onClick}>${icon(name)}</button>
+export const iconButton = (
+  name: IconName,
+  label: string,
+  onClick: () => void,
+  disabled = false,
+): TemplateResult => html`
+  <button type="button" class="icon-button" aria-label=${label} title=${label} ?disabled=${disabled} @click=${onClick}>
+    ${icon(name)}
+  </button>
 `;
 
 export const section = (title: string, ...content: unknown[]): TemplateResult => html`
-  <section class="group"><h3>${title}</h3>${content}</section>
+  <section class="group">
+    <h3>${title}</h3>
+    ${content}
+  </section>
 `;
 
 export const hint = (text: unknown): TemplateResult => html`<p class="hint">${text}</p>`;
 
 export type NoticeKind = 'info' | 'warning' | 'error' | 'good';
 
-export const notice = (kind: NoticeKind, title: string, text: unknown = nothing, action: unknown = nothing): TemplateResult => html`
+export const notice = (
+  kind: NoticeKind,
+  title: string,
+  text: unknown = nothing,
+  action: unknown = nothing,
+): TemplateResult => html`
   <div class="notice ${kind}" role=${kind === 'error' ? 'alert' : nothing}>
     ${icon(kind === 'good' ? 'check' : kind === 'info' ? 'help' : 'warning')}
-    <div><strong>${title}</strong>${text === nothing ? nothing : html`<div class="notice-text">${text}</div>`}${action}</div>
+    <div>
+      <strong>${title}</strong>${text === nothing ? nothing : html`<div class="notice-text">${text}</div>`}${action}
+    </div>
   </div>
 `;
 
@@ -99,9 +118,20 @@ export const slider = (o: SliderOptions): TemplateResult => html`
   </label>
 `;
 
-export const toggle = (label: string, on: boolean, onChange: (on: boolean) => void, disabled = false): TemplateResult => html`
+export const toggle = (
+  label: string,
+  on: boolean,
+  onChange: (on: boolean) => void,
+  disabled = false,
+): TemplateResult => html`
   <label class="toggle">
-    <input type="checkbox" role="switch" .checked=${on} ?disabled=${disabled} @change=${(e: Event) => onChange((e.target as HTMLInputElement).checked)} />
+    <input
+      type="checkbox"
+      role="switch"
+      .checked=${on}
+      ?disabled=${disabled}
+      @change=${(e: Event) => onChange((e.target as HTMLInputElement).checked)}
+    />
     <span class="track" aria-hidden="true"></span><span>${label}</span>
   </label>
 `;
@@ -115,7 +145,15 @@ export function segmented<T extends string>(
   return html`
     <div class="segmented" role="group" aria-label=${label}>
       ${options.map(
-        (o) => html`<button type="button" title=${o.title ?? nothing} aria-pressed=${String(o.value === value)} @click=${() => onPick(o.value)}>${o.text}</button>`,
+        (o) =>
+          html`<button
+            type="button"
+            title=${o.title ?? nothing}
+            aria-pressed=${String(o.value === value)}
+            @click=${() => onPick(o.value)}
+          >
+            ${o.text}
+          </button>`,
       )}
     </div>
   `;
@@ -127,7 +165,8 @@ export const select = (
   value: string,
   onPick: (value: string) => void,
 ): TemplateResult => html`
-  <label class="field"><span>${label}</span>
+  <label class="field"
+    ><span>${label}</span>
     <select .value=${value} @change=${(e: Event) => onPick((e.target as HTMLSelectElement).value)}>
       ${options.map((o) => html`<option value=${o.value} ?selected=${o.value === value}>${o.text}</option>`)}
     </select>
@@ -145,14 +184,26 @@ const STATE_WORDS: Record<Schemas['Stage']['state'], string> = {
 
 export const stateWord = (state: Schemas['Stage']['state']): string => STATE_WORDS[state];
 
-export const chip = (state: Schemas['Stage']['state']): TemplateResult => html`<span class="chip ${state}">${STATE_WORDS[state]}</span>`;
+export const chip = (state: Schemas['Stage']['state']): TemplateResult =>
+  html`<span class="chip ${state}">${STATE_WORDS[state]}</span>`;
 
-export const progressBar = (share: number, label: string): TemplateResult => html`
-  <div class="progress" role="progressbar" aria-label=${label} aria-valuemin="0" aria-valuemax="100" aria-valuenow=${Math.round(share * 100)}>
-    <span .style=${`width:${(share * 100).toFixed(1)}%`}></span>
+export const progressBar = (fraction: number, label: string): TemplateResult => html`
+  <div
+    class="progress"
+    role="progressbar"
+    aria-label=${label}
+    aria-valuemin="0"
+    aria-valuemax="100"
+    aria-valuenow=${Math.round(fraction * 100)}
+  >
+    <span .style=${`width:${(fraction * 100).toFixed(1)}%`}></span>
   </div>
 `;
 
 export const empty = (title: string, text: unknown, action: unknown = nothing): TemplateResult => html`
-  <div class="empty"><h3>${title}</h3><p>${text}</p>${action}</div>
+  <div class="empty">
+    <h3>${title}</h3>
+    <p>${text}</p>
+    ${action}
+  </div>
 `;

@@ -1,0 +1,53 @@
+#include <lefort/app/commands/command.h>
+#include <lefort/app/commands/deprecated_options.h>
+#include <lefort/app/run_program.h>
+#include <lefort/core/version.h>
+
+#include <fmt/format.h>
+
+#include <exception>
+
+namespace lefort::app {
+
+int run_program(int argc, char** argv) {
+  CLI::App cli{fmt::format("lefort {}: from a head CT and a bone plan to the predicted face.\n{}",
+                           kVersion, kNotForClinicalUse),
+               "lefort"};
+  CommandContext context;
+  cli.set_version_flag("--version", kVersion);
+  cli.fallthrough();
+  cli.require_subcommand(1);
+  cli.add_option("--threads", context.threads, "Threads; 0 takes all the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  cli.add_flag("--json", context.json, "Print the summary as JSON");
+  cli.add_flag("--quiet", context.quiet, "Show no progress");
+  cli.failure_message([](const CLI::App* app, const CLI::Error& error) {
+    return fmt::format("{}: {} (see {} --help)\n", app->get_name(), error.what(), app->get_name());
+  });
+  add_import_command(cli, context);
+  add_phantom_command(cli, context);
+  add_segment_command(cli, context);
+  add_field_command(cli, context);
+  add_landmarks_command(cli, context);
+  add_plan_command(cli, context);
+  add_predict_command(cli, context);
+  add_compare_command(cli, context);
+  add_solve_command(cli, context);
+  add_serve_command(cli, context);
+  add_bench_command(cli, context);
+  add_verify_command(cli, context);
+  add_deprecated_options(cli);
+
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return cli.exit(error) == 0 ? kExitDone : kExitUsage;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lefort: {}\n", error.what());
+    return kExitFailed;
+  }
+  return context.exit_code;
+}
+
+}  // namespace lefort::app

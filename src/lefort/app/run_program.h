@@ -1,0 +1,11 @@
+/// \file
+/// The command line of lefort.
+#pragma once
+
+namespace lefort::app {
+
+/// Parses the command line and runs the command.
+/// \returns the exit code: 0 done, 1 failed (one line on stderr says why), 2 wrong usage.
+[[nodiscard]] int run_program(int argc, char** argv);
+
+}  // namespace lefort::app

@@ -1,0 +1,22 @@
+/// \file
+/// Replaces deprecated keys and values in JSON.
+#pragma once
+
+#include <lefort/core/error.h>
+#include <lefort/io/deprecated_keys.h>
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace lefort::io::internal {
+
+/// Renames the deprecated keys and values of a plan or deck that is not yet checked.
+///
+/// \returns a warning for each name that occurs, as `boundary.capture_mm is deprecated, use
+///   contact_snap_mm`; kPlanInvalid where an object has a key under both names.
+[[nodiscard]] Result<std::vector<std::string>> rename_deprecated(nlohmann::json& json,
+                                                                 const DeprecatedNames& names);
+
+}  // namespace lefort::io::internal

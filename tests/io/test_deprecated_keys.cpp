@@ -1,0 +1,116 @@
+/// \file
+/// Former names of keys in plans and decks: read with a warning, refused beside the new name.
+#include <lefort/io/deck_file.h>
+#include <lefort/io/deprecated_keys.h>
+#include <lefort/io/plan_file.h>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <set>
+#include <string>
+
+namespace lefort::io {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Each deprecated key of a plan, in the order of their table.
+constexpr const char* kOldPlan = R"({
+  "lefort_plan": 1,
+  "segments": [
+    {"name": "front",
+     "osteotomy": {"planes": [{"point_mm": [1, 2, 3], "towards_segment": [0, -2, 0]}],
+                   "also": [{"planes": [{"point_mm": [0, 0, 0], "towards_segment": [1, 0, 0]}]}],
+                   "holds": [[1, 2, 3]], "smallest_piece_ml": 0.25, "smallest_piece_share": 0.125},
+     "path": {"keyframes": [{"at": 0.5, "translation_mm": [0, -3, 0]}, {"at": 1}]}},
+    {"name": "left", "from": "front",
+     "osteotomy": {"planes": [{"point_mm": [1, 2, 3], "towards_segment": [0, -2, 0]}]},
+     "path": {"keyframes": [{}]}}],
+  "boundary": {"moved_bone": "attached", "scan_edge": "fixed", "release_mm": 5, "capture_mm": 0.5},
+  "contact": {"reconstruction": "trilinear"},
+  "solver": {"smallest_step": 0.25}
+})";
+
+constexpr const char* kOldDeck = R"({
+  "lefort_deck": 1, "mesh": "block.vtu",
+  "materials": [{"law": "holzapfel-gasser-ogden", "mu_kpa": 1, "k1_kpa": 2, "k2": 3, "bulk_kpa": 4,
+                 "fibres": [[1, 0, 0]]}],
+  "motions": [{"set": "z1", "keyframes": [{"at": 0.25}, {"at": 1}]}],
+  "obstacles": [{"name": "ball", "file": "ball.stl", "faces": "z1", "capture_mm": 0.25,
+                 "reconstruction": "trilinear", "keyframes": [{"at": 0.5}, {}]}],
+  "steps": {"initial": 0.25, "smallest": 0.001, "largest": 0.5, "growth": 1.5,
+            "easy_iterations": 4, "most_attempts": 77, "at": [0.3]},
+  "output": {"every": "at"}
+})";
+
+TEST(DeprecatedKeys, PlanIsReadWithOneWarningForEachName) {
+  const PlanFile plan = parse_plan(kOldPlan, ".").value();
+  EXPECT_EQ(plan.segments[0].osteotomy.additional_regions.size(), 1U);
+  EXPECT_EQ(plan.segments[0].osteotomy.anchor_points_L.size(), 1U);
+  EXPECT_EQ(plan.segments[0].cut.min_piece_ml, 0.25);
+  EXPECT_EQ(plan.segments[0].cut.min_piece_fraction, 0.125);
+  EXPECT_EQ(plan.segments[0].path.keyframes[0].at, 0.5);
+  EXPECT_EQ(plan.segments[1].from, "front");
+  EXPECT_EQ(plan.boundary.segment_interface, predict::SegmentInterface::kBonded);
+  EXPECT_EQ(plan.boundary.scan_boundary, predict::ScanBoundary::kFixed);
+  EXPECT_EQ(plan.boundary.elevation_margin_mm, 5.0);
+  EXPECT_EQ(plan.boundary.capture_mm, 0.5);
+  EXPECT_EQ(plan.contact.detection, contact::DetectionMethod::kTrilinear);
+  EXPECT_EQ(plan.solver.min_increment_ratio, 0.25);
+  ASSERT_EQ(plan.warnings.size(), deprecated_in_plans().keys.size() + 1);  // And one value.
+  EXPECT_EQ(plan.warnings.front(), "segments[].from is deprecated, use cut_from");
+  EXPECT_EQ(plan.warnings.back(), "boundary.segment_interface: attached is deprecated, use bonded");
+}
+
+TEST(DeprecatedKeys, DeckIsReadWithOneWarningForEachName) {
+  const DeckFile file = parse_deck(kOldDeck, ".").value();
+  const solve::Deck& deck = file.deck;
+  EXPECT_EQ(deck.motions[0].path.keyframes[0].at, 0.25);
+  EXPECT_EQ(deck.obstacles[0].capture_mm, 0.25);
+  EXPECT_EQ(deck.obstacles[0].path.keyframes[0].at, 0.5);
+  EXPECT_EQ(deck.obstacles[0].detection, contact::DetectionMethod::kTrilinear);
+  EXPECT_EQ(deck.steps.first_increment, 0.25);
+  EXPECT_EQ(deck.steps.min_increment, 0.001);
+  EXPECT_EQ(deck.steps.max_increment, 0.5);
+  EXPECT_EQ(deck.steps.growth, 1.5);
+  EXPECT_EQ(deck.steps.target_iterations, 4);
+  EXPECT_EQ(deck.steps.max_attempts, 77);
+  EXPECT_EQ(deck.times, std::vector<double>{0.3});
+  EXPECT_EQ(file.every, WriteEvery::kRequestedTime);
+  ASSERT_EQ(file.warnings.size(), deprecated_in_decks().keys.size() + 1);
+  EXPECT_EQ(file.warnings.back(), "output.every: at is deprecated, use times");
+}
+
+TEST(DeprecatedKeys, BothNamesOfAKeyAreRefused) {
+  Json plan = Json::parse(kOldPlan);
+  plan["boundary"]["contact_snap_mm"] = 0.5;
+  const auto refused = parse_plan(plan.dump(), ".");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kPlanInvalid);
+  EXPECT_EQ(refused.error().message,
+            "boundary.contact_snap_mm: must have one of contact_snap_mm and capture_mm, its "
+            "deprecated name");
+}
+
+TEST(DeprecatedKeys, RenamedPlanReadsTheSameWithoutAWarning) {
+  const std::string renamed = rename_plan_keys(kOldPlan).value();
+  const PlanFile plan = parse_plan(renamed, ".").value();
+  EXPECT_TRUE(plan.warnings.empty());
+  EXPECT_EQ(plan.boundary.elevation_margin_mm, 5.0);
+  EXPECT_EQ(plan.segments[0].path.keyframes[0].at, 0.5);
+  EXPECT_EQ(rename_plan_keys(renamed).value(), renamed);
+  EXPECT_EQ(rename_plan_keys("{").error().code, ErrorCode::kPlanInvalid);
+}
+
+TEST(DeprecatedKeys, NoNameOccursTwiceInATable) {
+  for (const DeprecatedNames& names : {deprecated_in_plans(), deprecated_in_decks()}) {
+    std::set<std::string> seen;
+    for (const DeprecatedKey& name : names.keys)
+      for (const std::string_view key : {name.old_key, name.new_key})
+        EXPECT_TRUE(seen.insert(std::string(name.object) + "/" + std::string(key)).second) << key;
+  }
+}
+
+}  // namespace
+}  // namespace lefort::io

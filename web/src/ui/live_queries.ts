@@ -1,0 +1,82 @@
+import { lengths, type Mat4 } from '../model';
+import { messageOf } from './errors';
+import type { Planner, SceneListeners } from './planner_context';
+import { stageOf } from './state';
+
+/** Requests during a drag: the overlap at once, the preview of the face after the drag. */
+export class LiveQueries {
+  private depthLoop: { wanted: Record<string, Mat4> | null; running: boolean; times: number[] } = {
+    wanted: null,
+    running: false,
+    times: [],
+  };
+  private previewAborter: AbortController | null = null;
+
+  constructor(
+    private readonly planner: Planner,
+    private readonly listeners: SceneListeners,
+  ) {}
+
+  /** Requests the overlap of these poses; while a request runs, only the newest poses are kept. */
+  requestDepths(poses: Record<string, Mat4>): void {
+    if (stageOf(this.planner.model.s, 'cut').state !== 'fresh' || Object.keys(poses).length === 0) {
+      this.listeners.onDepths(null);
+      if (this.planner.model.s.depth) this.planner.patch({ depth: null });
+      return;
+    }
+    this.depthLoop.wanted = poses;
+    if (!this.depthLoop.running) void this.runDepths();
+  }
+
+  private async runDepths(): Promise<void> {
+    const loop = this.depthLoop;
+    loop.running = true;
+    while (loop.wanted) {
+      const poses = loop.wanted;
+      loop.wanted = null;
+      try {
+        const depths = await this.planner.client.depths(poses);
+        const now = performance.now();
+        loop.times = [...loop.times.filter((t) => now - t < 1000), now];
+        this.listeners.onDepths(depths);
+        const span = now - loop.times[0];
+        const perSecond = loop.times.length > 2 ? ((loop.times.length - 1) * 1000) / span : 0;
+        this.planner.patch({ depth: { deepest_mm: depths.deepest_mm, beyondReach: depths.beyondReach, perSecond } });
+      } catch {
+        this.listeners.onDepths(null);
+        this.planner.patch({ depth: null });
+      }
+    }
+    loop.running = false;
+  }
+
+  /** Requests the linearized face for the current poses; `since` is the time when the drag ended. */
+  async requestPreview(since: number): Promise<void> {
+    const { s } = this.planner.model;
+    this.previewAborter?.abort();
+    if (!s.showPreview || stageOf(s, 'preview').state !== 'fresh') {
+      this.dropPreview();
+      return;
+    }
+    const aborter = (this.previewAborter = new AbortController());
+    this.planner.patch({ preview: { ...s.preview, state: 'waiting' } });
+    try {
+      const xyz = await this.planner.client.preview(this.planner.cutPoses(), aborter.signal);
+      this.listeners.onPreview(xyz);
+      const largest_mm = lengths(xyz).reduce((a, b) => Math.max(a, b), 0);
+      requestAnimationFrame(() =>
+        this.planner.patch({ preview: { state: 'shown', latency_ms: performance.now() - since, why: '', largest_mm } }),
+      );
+    } catch (error) {
+      if (aborter.signal.aborted) return;
+      this.listeners.onPreview(null);
+      this.planner.patch({ preview: { state: 'failed', latency_ms: null, why: messageOf(error), largest_mm: 0 } });
+    }
+  }
+
+  dropPreview(): void {
+    this.listeners.onPreview(null);
+    if (this.planner.model.s.preview.state !== 'none')
+      this.planner.patch({ preview: { state: 'none', latency_ms: null, why: '', largest_mm: 0 } });
+  }
+}
