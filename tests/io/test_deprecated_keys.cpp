@@ -73,7 +73,7 @@ TEST(DeprecatedKeys, DeckIsReadWithOneWarningForEachName) {
   EXPECT_EQ(deck.steps.first_increment, 0.25);
   EXPECT_EQ(deck.steps.min_increment, 0.001);
   EXPECT_EQ(deck.steps.max_increment, 0.5);
-  EXPECT_EQ(deck.steps.growth, 1.5);
+  EXPECT_EQ(deck.steps.growth_factor, 1.5);
   EXPECT_EQ(deck.steps.target_iterations, 4);
   EXPECT_EQ(deck.steps.max_attempts, 77);
   EXPECT_EQ(deck.times, std::vector<double>{0.3});

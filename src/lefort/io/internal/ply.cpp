@@ -159,7 +159,7 @@ class PlyNumbers {
   bool swap_ = false;
 };
 
-std::int32_t vertex_number(double number) {
+std::int32_t vertex_index(double number) {
   const bool fits = number >= 0.0 && number <= double(std::numeric_limits<std::int32_t>::max());
   return fits && number == std::floor(number) ? std::int32_t(number) : -1;
 }
@@ -187,7 +187,7 @@ bool take_element(const PlyElement& element, PlyNumbers& numbers, SurfaceFile& s
         p[Index(axis)] = list[0];
       if (element.name == "face" && property.name.starts_with("vertex_ind")) {
         corners.resize(list.size());
-        std::transform(list.begin(), list.end(), corners.begin(), vertex_number);
+        std::transform(list.begin(), list.end(), corners.begin(), vertex_index);
         add_polygon(corners, surface);
       }
     }

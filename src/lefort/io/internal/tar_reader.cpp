@@ -17,7 +17,7 @@ constexpr std::size_t kBlock = 512;
 constexpr std::size_t kTarChunk = 1 << 20;
 constexpr std::uint64_t kMaxUnpacked = std::uint64_t{8} << 30;
 
-using Block = std::array<char, kBlock>;
+using TarBlock = std::array<char, kBlock>;
 
 /// Parses octal digits padded with spaces and NULs; nothing for other text, including the base-256
 /// form of entries over 8 GiB.
@@ -43,7 +43,7 @@ struct Entry {
 };
 
 /// Parses a header block; nothing if its checksum is wrong.
-std::optional<Entry> parse_header(const Block& block) {
+std::optional<Entry> parse_header(const TarBlock& block) {
   const std::string_view text(block.data(), block.size());
   std::uint64_t sum = 0;
   for (std::size_t at = 0; at < kBlock; ++at)  // The checksum field counts as spaces.
@@ -102,7 +102,7 @@ Result<std::string> read_from_tar(const fs::path& archive, std::string_view name
   if (!fs::is_regular_file(archive, error))
     return fail(ErrorCode::kFileNotFound, "the file does not exist or is not a regular file");
   Stream stream(archive);
-  for (Block block; stream.read(block.data(), kBlock);) {
+  for (TarBlock block; stream.read(block.data(), kBlock);) {
     if (std::all_of(block.begin(), block.end(), [](char c) { return c == '\0'; })) break;
     const std::optional<Entry> entry = parse_header(block);
     if (!entry) return fail(ErrorCode::kFileCorrupt, "the file is not a tar archive or is damaged");
