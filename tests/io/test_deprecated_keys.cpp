@@ -1,5 +1,5 @@
 /// \file
-/// Former names of keys in plans and decks: read with a warning, refused beside the new name.
+/// Former names of keys in plans and decks: read with a warning, rejected beside the new name.
 #include <lefort/io/deck_file.h>
 #include <lefort/io/deprecated_keys.h>
 #include <lefort/io/plan_file.h>
@@ -85,10 +85,10 @@ TEST(DeprecatedKeys, DeckIsReadWithOneWarningForEachName) {
 TEST(DeprecatedKeys, BothNamesOfAKeyAreRefused) {
   Json plan = Json::parse(kOldPlan);
   plan["boundary"]["contact_snap_mm"] = 0.5;
-  const auto refused = parse_plan(plan.dump(), ".");
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kPlanInvalid);
-  EXPECT_EQ(refused.error().message,
+  const auto rejected = parse_plan(plan.dump(), ".");
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(rejected.error().code, ErrorCode::kPlanInvalid);
+  EXPECT_EQ(rejected.error().message,
             "boundary.contact_snap_mm: must have one of contact_snap_mm and capture_mm, its "
             "deprecated name");
 }

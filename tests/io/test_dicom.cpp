@@ -130,16 +130,16 @@ TEST(Dicom, ReadsSignedAndUnsignedPixelsWithFewerBits) {
 TEST(Dicom, MessagesContainNoFileOrFolderName) {
   const TemporaryFolder folder;
   const auto study = folder / "DOE_JANE_19610412";
-  const auto expect_discreet = [&](const std::string& part) {
+  const auto expect_error_without_names = [&](const std::string& part) {
     const auto result = read_dicom_series(study);
     ASSERT_FALSE(result);
     EXPECT_TRUE(contains(result.error().message, part)) << result.error().message;
     EXPECT_FALSE(contains(result.error().message, "DOE")) << result.error().message;
     EXPECT_FALSE(contains(result.error().message, "tmp")) << result.error().message;
   };
-  expect_discreet("the folder cannot be listed");
+  expect_error_without_names("the folder cannot be listed");
   std::filesystem::create_directory(study);
-  expect_discreet("has no DICOM files");
+  expect_error_without_names("has no DICOM files");
   const auto fill = [&](auto slices) {
     std::filesystem::remove_all(study);
     std::filesystem::create_directory(study);
@@ -150,16 +150,16 @@ TEST(Dicom, MessagesContainNoFileOrFolderName) {
   auto slices = fresh;
   for (DicomSlice& slice : slices) slice.modality = "MR";
   fill(slices);
-  expect_discreet("has no CT series");
+  expect_error_without_names("has no CT series");
   fill(std::vector<DicomSlice>(fresh.begin() + 1, fresh.end()));
   const std::string whole = test::bytes_of(study / "DOE_3.dcm");
   test::write_bytes(study / "DOE_3.dcm", whole.substr(0, whole.size() - 20));
-  expect_discreet("file 4");
+  expect_error_without_names("file 4");
   slices = fresh;
   for (DicomSlice& slice : slices) slice.instance_number = "";
   slices[2].position = "";
   fill(slices);
-  expect_discreet("DICOM file 3: the image position is missing");
+  expect_error_without_names("DICOM file 3: the image position is missing");
 }
 
 TEST(Dicom, OutputsContainNoPatientData) {
@@ -369,12 +369,12 @@ TEST(Dicom, NamesATruncatedFileOfAnyLength) {
     const TemporaryFolder folder;
     const auto ct = sample_scan();
     write_dicom_series(folder.path(), dicom_slices(ct));
-    const auto victim = folder / "slice-004.dcm";
-    if (compressed) test::compress_dicom(victim);
-    const std::string whole = test::bytes_of(victim);
+    const auto damaged = folder / "slice-004.dcm";
+    if (compressed) test::compress_dicom(damaged);
+    const std::string whole = test::bytes_of(damaged);
     ::testing::internal::CaptureStderr();
     for (std::size_t length = 0; length < whole.size(); length += 1 + length / 40) {
-      test::write_bytes(victim, whole.substr(0, length));
+      test::write_bytes(damaged, whole.substr(0, length));
       const auto result = read_dicom_series(folder.path());
       // The last bytes of a JPEG stream are padding; without them the scan is complete.
       if (result && compressed && result->ct.values == ct.values) continue;

@@ -274,11 +274,11 @@ TEST(ExportField, RejectsADenseVolumeBeyondTheMemoryLimit) {
   const DistanceField field = build(hollow_ball(), FieldMethod::kBricks);
   // 65^3 floats, and room for their file.
   const std::uint64_t needed = 2 * 4 * 65 * 65 * 65;
-  const auto refused = export_field(folder / "a.nrrd", field, {.max_bytes = needed - 1});
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
+  const auto rejected = export_field(folder / "a.nrrd", field, {.max_bytes = needed - 1});
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(rejected.error().code, ErrorCode::kOutOfMemory);
   for (const char* part : {"1098500 bytes", "65 x 65 x 65", "--region", "--stride", ".vdb"})
-    EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
+    EXPECT_NE(rejected.error().message.find(part), std::string::npos) << rejected.error().message;
   EXPECT_EQ(folder.entry_count(), 0);
   EXPECT_TRUE(export_field(folder / "a.nrrd", field, {.max_bytes = needed}));
   EXPECT_TRUE(export_field(folder / "b.nrrd", field, {.every = 2, .max_bytes = needed / 7}));
@@ -310,10 +310,10 @@ TEST(ExportField, RejectsVoxelsTooSmallForOpenVdb) {
   const TemporaryFolder folder;
   const auto tiny = field::build_distance_field(test::make_icosphere(6e-4, 2), {.resolution = 128});
   ASSERT_TRUE(tiny) << tiny.error().message;
-  const auto refused = export_field(folder / "a.vdb", *tiny);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_NE(refused.error().message.find("too small for OpenVDB"), std::string::npos);
+  const auto rejected = export_field(folder / "a.vdb", *tiny);
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(rejected.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(rejected.error().message.find("too small for OpenVDB"), std::string::npos);
   EXPECT_EQ(folder.entry_count(), 0);
 }
 

@@ -45,7 +45,7 @@ TEST(ImportVolume, RejectsMissingAndUnknownSources) {
 
 TEST(ImportVolume, MessagesDoNotContainTheNameOfTheScan) {
   const TemporaryFolder folder;
-  const auto expect_discreet = [&](const char* ending) {
+  const auto expect_error_without_names = [&](const char* ending) {
     const auto result = import_volume(folder / (std::string("DOE^JANE") + ending));
     ASSERT_FALSE(result) << ending;
     test::expect_one_sentence(result.error().message);
@@ -54,18 +54,18 @@ TEST(ImportVolume, MessagesDoNotContainTheNameOfTheScan) {
   };
   for (const char* const ending :
        {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".inv3", ".stl", ""}) {
-    expect_discreet(ending);  // Missing.
+    expect_error_without_names(ending);  // Missing.
     test::write_bytes(folder / (std::string("DOE^JANE") + ending), "NRRD0004\nDOE^JANE\n");
-    expect_discreet(ending);
+    expect_error_without_names(ending);
   }
   test::write_gzip(folder / "DOE^JANE.inv3",
                    test::inv3_archive(test::to_xml({.dtype = "float64"}), test::inv3_matrix()));
-  expect_discreet(".inv3");
+  expect_error_without_names(".inv3");
   test::write_gzip(folder / "DOE^JANE.inv3",
                    test::inv3_archive(test::to_xml({}), test::inv3_matrix() + "xx"));
-  expect_discreet(".inv3");
+  expect_error_without_names(".inv3");
   test::write_gzip(folder / "DOE^JANE.inv3", test::tar_member("other", "x"));
-  expect_discreet(".inv3");
+  expect_error_without_names(".inv3");
 }
 
 /// A damaged file gives an error message of one sentence or, if the damage is irrelevant, the scan;

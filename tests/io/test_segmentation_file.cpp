@@ -286,8 +286,8 @@ TEST(SegmentationFile, ReadsBoundaryLabelsOfAPartOfTheScan) {
 
 TEST(SegmentationFile, RejectsUnknownBoundaryLabelsAndThoseOfAnotherScan) {
   const TemporaryFolder folder;
-  const auto refusal = [&](const std::string& segments, const image::Grid& grid = kScan,
-                           char voxel = '\1') {
+  const auto error_message = [&](const std::string& segments, const image::Grid& grid = kScan,
+                                 char voxel = '\1') {
     write_bytes(folder / "a.seg.nrrd", slicer_file(segments, std::string(8, voxel)));
     const auto result = read_boundary_labels(folder / "a.seg.nrrd", grid);
     if (result) return std::string("read");
@@ -295,23 +295,24 @@ TEST(SegmentationFile, RejectsUnknownBoundaryLabelsAndThoseOfAnotherScan) {
     return result.error().message;
   };
   const std::string fixed = "Segment0_ID:=a\nSegment0_Name:=fixed\n";
-  EXPECT_EQ(refusal(fixed), "read");
-  EXPECT_EQ(refusal(fixed + "Segment1_ID:=b\nSegment1_Name:=Sliding\n"),
+  EXPECT_EQ(error_message(fixed), "read");
+  EXPECT_EQ(error_message(fixed + "Segment1_ID:=b\nSegment1_Name:=Sliding\n"),
             "boundary.labels: segment 1 is named \"Sliding\", expected fixed, free, slides or "
             "with segment");
-  EXPECT_NE(refusal("Segment0_ID:=a\\nb" + std::string(5000, 'c') + "\n").find("bccc"),
+  EXPECT_NE(error_message("Segment0_ID:=a\\nb" + std::string(5000, 'c') + "\n").find("bccc"),
             std::string::npos);
-  EXPECT_NE(refusal("Segment0_ID:=Segment_1\n").find("\"Segment_1\""), std::string::npos);
-  EXPECT_NE(refusal("").find("no segment has the name of a boundary label"), std::string::npos);
-  EXPECT_NE(refusal(fixed + "Segment0_Layer:=2\n").find("no label value"), std::string::npos);
-  EXPECT_NE(refusal(fixed, kScan, '\0').find("none of its 0"), std::string::npos);
+  EXPECT_NE(error_message("Segment0_ID:=Segment_1\n").find("\"Segment_1\""), std::string::npos);
+  EXPECT_NE(error_message("").find("no segment has the name of a boundary label"),
+            std::string::npos);
+  EXPECT_NE(error_message(fixed + "Segment0_Layer:=2\n").find("no label value"), std::string::npos);
+  EXPECT_NE(error_message(fixed, kScan, '\0').find("none of its 0"), std::string::npos);
   image::Grid shifted = kScan;
   shifted.origin_L.x() += 0.2;
-  EXPECT_NE(refusal(fixed, shifted).find("do not coincide with those of the scan"),
+  EXPECT_NE(error_message(fixed, shifted).find("do not coincide with those of the scan"),
             std::string::npos);
   image::Grid beside = kScan;
   beside.origin_L.x() += 5.0;
-  EXPECT_NE(refusal(fixed, beside).find("is inside the scan"), std::string::npos);
+  EXPECT_NE(error_message(fixed, beside).find("is inside the scan"), std::string::npos);
   write_bytes(folder / "a.seg.nrrd", "NRRD0004\n");
   EXPECT_FALSE(read_boundary_labels(folder / "a.seg.nrrd", kScan));
   EXPECT_EQ(read_boundary_labels(folder / "none.seg.nrrd", kScan).error().code,

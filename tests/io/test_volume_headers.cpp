@@ -55,7 +55,7 @@ TEST(VolumeFiles, RejectsNiftiWithNonFiniteVoxelsAndCountsThem) {
   const TemporaryFolder folder;
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
-  const auto complaint = [&](std::string bytes) {
+  const auto error_message = [&](std::string bytes) {
     write_bytes(folder / "a.nii", bytes);
     const auto result = read_volume(folder / "a.nii");
     return result ? std::string("read") : result.error().message;
@@ -69,8 +69,10 @@ TEST(VolumeFiles, RejectsNiftiWithNonFiniteVoxelsAndCountsThem) {
     const auto wide = static_cast<double>(value);
     doubles.append(reinterpret_cast<const char*>(&wide), 8);
   }
-  EXPECT_NE(complaint(singles).find("3 of 8 voxels"), std::string::npos) << complaint(singles);
-  EXPECT_NE(complaint(doubles).find("3 of 8 voxels"), std::string::npos) << complaint(doubles);
+  EXPECT_NE(error_message(singles).find("3 of 8 voxels"), std::string::npos)
+      << error_message(singles);
+  EXPECT_NE(error_message(doubles).find("3 of 8 voxels"), std::string::npos)
+      << error_message(doubles);
   const image::ScalarVolume volume{{.size = {3, 1, 1}}, {-100, kNan, 40}};
   EXPECT_EQ(write_volume(folder / "b.nii.gz", volume).error().code, ErrorCode::kFileUnwritable);
 }
@@ -152,7 +154,7 @@ TEST(VolumeFiles, SkipsTheHeaderOfDetachedVoxels) {
 
 TEST(VolumeFiles, RejectsTwoAndFourDimensionsAndVectors) {
   const TemporaryFolder folder;
-  const auto complaint = [&](const char* name, const std::string& bytes) {
+  const auto error_message = [&](const char* name, const std::string& bytes) {
     write_bytes(folder / name, bytes);
     const auto result = read_volume(folder / name);
     if (result) return std::string("read");
@@ -162,18 +164,18 @@ TEST(VolumeFiles, RejectsTwoAndFourDimensionsAndVectors) {
   };
   const std::string head = "NRRD0004\ntype: short\nendian: little\nencoding: raw\n";
   const std::string voxels(64, '\1');
-  EXPECT_NE(
-      complaint("flat.nrrd", head + "dimension: 2\nsizes: 4 8\n\n" + voxels).find("2 dimensions"),
-      std::string::npos);
-  EXPECT_NE(complaint("film.nrrd", head + "dimension: 4\nsizes: 2 2 2 4\n\n" + voxels)
+  EXPECT_NE(error_message("flat.nrrd", head + "dimension: 2\nsizes: 4 8\n\n" + voxels)
+                .find("2 dimensions"),
+            std::string::npos);
+  EXPECT_NE(error_message("film.nrrd", head + "dimension: 4\nsizes: 2 2 2 4\n\n" + voxels)
                 .find("4 dimensions"),
             std::string::npos);
-  EXPECT_NE(complaint("vectors.nrrd",
-                      head +
-                          "dimension: 4\nsizes: 4 2 2 2\nkinds: vector domain domain domain\n"
-                          "space: left-posterior-superior\n"
-                          "space directions: none (1,0,0) (0,1,0) (0,0,1)\n\n" +
-                          voxels)
+  EXPECT_NE(error_message("vectors.nrrd",
+                          head +
+                              "dimension: 4\nsizes: 4 2 2 2\nkinds: vector domain domain domain\n"
+                              "space: left-posterior-superior\n"
+                              "space directions: none (1,0,0) (0,1,0) (0,0,1)\n\n" +
+                              voxels)
                 .find("4 values"),
             std::string::npos);
 }

@@ -54,9 +54,9 @@ TEST(Laterality, RejectsNrrdSpacesThatItkMirrors) {
     write_bytes(folder / "a.nrrd",
                 nrrd(std::string("space: ") + space +
                      "\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)"));
-    const auto refused = read_volume(folder / "a.nrrd");
-    ASSERT_FALSE(refused) << space;
-    EXPECT_EQ(refused.error().code, ErrorCode::kFileUnsupported);
+    const auto rejected = read_volume(folder / "a.nrrd");
+    ASSERT_FALSE(rejected) << space;
+    EXPECT_EQ(rejected.error().code, ErrorCode::kFileUnsupported);
   }
 }
 
@@ -106,10 +106,10 @@ TEST(Laterality, RejectsFilesWithoutOrientation) {
   write_bytes(folder / "a.nrrd", nrrd("spacings: 2 3 4"));
   EXPECT_EQ(read_volume(folder / "a.nrrd").error().code, ErrorCode::kFileUnsupported);
   write_bytes(folder / "a.nii", nifti(0, {}));
-  const auto nowhere = read_volume(folder / "a.nii");
-  ASSERT_FALSE(nowhere);
-  EXPECT_EQ(nowhere.error().code, ErrorCode::kFileUnsupported);
-  EXPECT_NE(nowhere.error().message.find("left"), std::string::npos);
+  const auto without_orientation = read_volume(folder / "a.nii");
+  ASSERT_FALSE(without_orientation);
+  EXPECT_EQ(without_orientation.error().code, ErrorCode::kFileUnsupported);
+  EXPECT_NE(without_orientation.error().message.find("left"), std::string::npos);
 }
 
 /// nifti() with an additional qform without rotation, at the same position except for the sign

@@ -142,20 +142,20 @@ TEST(Vtu, WritesAnEmptyMesh) {
 
 TEST(Vtu, RejectsInconsistentMeshesAndLeavesNothing) {
   const test::TemporaryFolder folder;
-  const auto refusal = [&](const VolumeMesh& mesh) {
+  const auto error_message = [&](const VolumeMesh& mesh) {
     return write_vtu(folder / "m.vtu", mesh).error().code;
   };
   for (const std::int32_t node : {20, -1}) {
     VolumeMesh mesh = every_shape();
     mesh.blocks[2].nodes[3] = node;
-    EXPECT_EQ(refusal(mesh), ErrorCode::kMeshInvalid);
+    EXPECT_EQ(error_message(mesh), ErrorCode::kMeshInvalid);
     mesh = every_shape();
     mesh.node_sets["moved"] = {node};
-    EXPECT_EQ(refusal(mesh), ErrorCode::kMeshInvalid);
+    EXPECT_EQ(error_message(mesh), ErrorCode::kMeshInvalid);
   }
   VolumeMesh mesh = every_shape();
   mesh.blocks[0].nodes.pop_back();
-  EXPECT_EQ(refusal(mesh), ErrorCode::kMeshInvalid);
+  EXPECT_EQ(error_message(mesh), ErrorCode::kMeshInvalid);
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
@@ -164,20 +164,20 @@ TEST(Vtu, RejectsInvalidFields) {
   const VolumeMesh mesh = every_shape();
   const std::vector<double> per_node(20, 1.0);
   const std::vector<double> one{1.0};
-  const auto refusal = [&](const VtuFields& fields) {
+  const auto error_message = [&](const VtuFields& fields) {
     const auto written = write_vtu(folder / "m.vtu", mesh, fields);
     return written ? std::string("written") : written.error().message;
   };
-  EXPECT_EQ(refusal({{vtu_array("a", one)}, {}}), "field a has 1 values, expected 20");
-  EXPECT_EQ(refusal({{}, {vtu_array("a", per_node)}}), "field a has 20 values, expected 14");
-  EXPECT_EQ(refusal({{{"a", 2, std::vector<double>(40)}}, {}}),
+  EXPECT_EQ(error_message({{vtu_array("a", one)}, {}}), "field a has 1 values, expected 20");
+  EXPECT_EQ(error_message({{}, {vtu_array("a", per_node)}}), "field a has 20 values, expected 14");
+  EXPECT_EQ(error_message({{{"a", 2, std::vector<double>(40)}}, {}}),
             "field a has 2 components, expected 1, 3 or 9");
-  EXPECT_EQ(refusal({{vtu_array("a", per_node), vtu_array("a", per_node)}, {}}),
+  EXPECT_EQ(error_message({{vtu_array("a", per_node), vtu_array("a", per_node)}, {}}),
             "two fields are named a, names must differ");
-  EXPECT_EQ(refusal({{}, {vtu_array("region", std::vector<double>(14))}}),
+  EXPECT_EQ(error_message({{}, {vtu_array("region", std::vector<double>(14))}}),
             "two fields are named region, names must differ");
-  EXPECT_NE(refusal({{vtu_array("", per_node)}, {}}), "written");
-  EXPECT_NE(refusal({{vtu_array("a\nb", per_node)}, {}}), "written");
+  EXPECT_NE(error_message({{vtu_array("", per_node)}, {}}), "written");
+  EXPECT_NE(error_message({{vtu_array("a\nb", per_node)}, {}}), "written");
 }
 
 TEST(Vtu, NamesAMissingFolder) {
@@ -388,22 +388,22 @@ TEST(ReadVtu, OrientsFacesOutwardAndNamesThoseWithoutASet) {
 
 TEST(ReadVtu, RejectsInvalidSets) {
   const test::TemporaryFolder folder;
-  const auto refusal = [&](const std::string& text) {
+  const auto error_message = [&](const std::string& text) {
     EXPECT_TRUE(write_text(folder / "m.vtu", text));
     const auto read = read_vtu(folder / "m.vtu");
     if (read) return std::string("read");
     return read.error().message.substr(read.error().message.find("m.vtu: ") + 7);
   };
-  EXPECT_EQ(refusal(with_face("0 1 2", "", set_array("a", "1 1"))),
+  EXPECT_EQ(error_message(with_face("0 1 2", "", set_array("a", "1 1"))),
             "cell set \"a\" contains element 0, expected faces (two-dimensional cells) only");
-  EXPECT_EQ(refusal(with_face("0 1 2", "", set_array("a", "0 2"))),
+  EXPECT_EQ(error_message(with_face("0 1 2", "", set_array("a", "0 2"))),
             "array \"set:a\" must have a name and one 0 or 1 for each of 2");
-  EXPECT_EQ(refusal(with_face("0 1 2", set_array("a", "0 1 0"), "")),
+  EXPECT_EQ(error_message(with_face("0 1 2", set_array("a", "0 1 0"), "")),
             "array \"set:a\" must have a name and one 0 or 1 for each of 4");
-  EXPECT_NE(refusal(with_face("0 1 2", set_array("", "0 0 0 0"), "")), "read");
-  EXPECT_EQ(refusal(with_face("0 1 2", set_array("a&#10;b", "0 0 0 0"), "")),
+  EXPECT_NE(error_message(with_face("0 1 2", set_array("", "0 0 0 0"), "")), "read");
+  EXPECT_EQ(error_message(with_face("0 1 2", set_array("a&#10;b", "0 0 0 0"), "")),
             "a set has an unprintable name");
-  EXPECT_EQ(refusal(with_face("0 1 1", "", "")),
+  EXPECT_EQ(error_message(with_face("0 1 1", "", "")),
             "face set \"region 9\": the face with corners 0, 1, 1 lies on no element");
 }
 
@@ -428,30 +428,30 @@ TEST(ReadVtu, RejectsTruncationsOrReadsTheWholeMesh) {
   const VolumeMesh mesh = every_shape();
   ASSERT_TRUE(write_vtu(folder / "m.vtu", mesh));
   const std::string whole = read_text(folder / "m.vtu", 1'000'000).value();
-  int refused = 0;
+  int rejected = 0;
   for (std::size_t size = 0; size < whole.size(); size += 5) {
     ASSERT_TRUE(write_text(folder / "cut.vtu", whole.substr(0, size)));
     const auto read = read_vtu(folder / "cut.vtu");
-    refused += read ? 0 : 1;
+    rejected += read ? 0 : 1;
     if (!read) continue;
     ASSERT_EQ(read->element_count(), mesh.element_count())
         << size;  // Truncated in the closing tags only.
   }
-  EXPECT_GT(refused, 100);
+  EXPECT_GT(rejected, 100);
 }
 
 TEST(ReadVtu, DamagedBytesNeverCrash) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_vtu(folder / "m.vtu", every_shape()));
   const std::string whole = read_text(folder / "m.vtu", 1'000'000).value();
-  int refused = 0;
+  int rejected = 0;
   for (std::size_t at = 0; at < whole.size(); at += 3)
     for (const char damage : {'9', '\xff', '\0'}) {
       std::string damaged = whole;
       damaged[at] = damage;
       ASSERT_TRUE(write_text(folder / "damaged.vtu", damaged));
       const auto read = read_vtu(folder / "damaged.vtu");
-      refused += read ? 0 : 1;
+      rejected += read ? 0 : 1;
       if (!read) continue;
       for (const ElementBlock& block : read->blocks)
         for (const std::int32_t node : block.nodes) {
@@ -459,7 +459,7 @@ TEST(ReadVtu, DamagedBytesNeverCrash) {
           ASSERT_LT(node, read->node_count());
         }
     }
-  EXPECT_GT(refused, 100);
+  EXPECT_GT(rejected, 100);
 }
 
 TEST(Pvd, ListsTheFilesOfASeriesWithTheirTimes) {

@@ -140,10 +140,10 @@ std::string plain_name(std::string name) {
 
 /// Returns a name from a file, shortened for a message.
 std::string in_a_message(std::string name) {
-  constexpr std::size_t kLongest = 40;
+  constexpr std::size_t kMaxLength = 40;
   for (char& c : name)
     if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
-  return name.size() <= kLongest ? name : name.substr(0, kLongest) + "...";
+  return name.size() <= kMaxLength ? name : name.substr(0, kMaxLength) + "...";
 }
 
 /// Returns "Muscle" from "...|TerminologyEntry:list~SCT^85756007^Tissue~SCT^...^Muscle~^^~...|":

@@ -64,7 +64,7 @@ Result<void> check_size(const fs::path& voxels, const std::map<std::string, std:
   const std::string skip = field("byteskip");
   std::from_chars(skip.data(), skip.data() + skip.size(), skipped);
   const std::uint64_t stored = error || size < skipped ? 0 : size - skipped;
-  if (is_raw ? stored < bytes : stored < bytes / kHighestCompression)
+  if (is_raw ? stored < bytes : stored < bytes / kMaxGzipRatio)
     return tl::unexpected(missing_voxels(stored, bytes));
   return {};
 }

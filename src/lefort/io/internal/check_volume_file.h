@@ -45,7 +45,7 @@ namespace lefort::io {
                                            const Mat3& direction);
 
 /// Upper bound of the compression ratio of gzip, which is at most 1032.
-inline constexpr std::uint64_t kHighestCompression = 1100;
+inline constexpr std::uint64_t kMaxGzipRatio = 1100;
 
 /// Returns the error for missing voxels.
 [[nodiscard]] Error missing_voxels(std::uint64_t found, std::uint64_t expected);

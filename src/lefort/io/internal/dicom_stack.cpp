@@ -32,7 +32,7 @@ constexpr double kMaxTilt_deg = 45.0;
 /// Min number of consecutive equal steps of an intended slice distance.
 constexpr std::size_t kMinRun = 3;
 /// Wider steps lose too much of the face for interpolation.
-constexpr double kWidestStepMm = 5.0;
+constexpr double kMaxSliceStepMm = 5.0;
 
 std::string size_of(const DicomHeader& slice) {
   return fmt::format("{} x {}", slice.columns, slice.rows);
@@ -217,9 +217,9 @@ Result<EvenHeights> resampled_heights(const std::vector<double>& heights_mm,
   const auto [minimum, maximum] = std::minmax_element(steps_mm.begin(), steps_mm.end());
   const std::string range =
       fmt::format("the slice distances are {:.4g} to {:.4g} mm", *minimum, *maximum);
-  if (*maximum > kWidestStepMm)
+  if (*maximum > kMaxSliceStepMm)
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("{}, expected at most {:.3g} mm", range, kWidestStepMm));
+                fmt::format("{}, expected at most {:.3g} mm", range, kMaxSliceStepMm));
   const double length_mm = heights_mm.back() - heights_mm.front();
   const EvenHeights even{heights_mm.front(), length_mm / std::round(length_mm / *minimum)};
   warnings.push_back(

@@ -227,7 +227,7 @@ Result<RawVolume> read_raw_volume(const fs::path& file) {
   const itk::ImageIOBase::Pointer io = make_image_io(ending.format);
   LEFORT_TRY(RawVolume raw, read_header(*io, file, ending));
   const auto bytes = static_cast<std::uintmax_t>(io->GetImageSizeInBytes());
-  if (ending.one_file && (error || bytes / kHighestCompression > file_bytes))
+  if (ending.one_file && (error || bytes / kMaxGzipRatio > file_bytes))
     return tl::unexpected(corrupt(
         ending.format, fmt::format("the header states {} bytes of voxels, the file has {} bytes",
                                    bytes, file_bytes)));

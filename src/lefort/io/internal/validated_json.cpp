@@ -16,7 +16,7 @@
 namespace lefort::io::internal {
 namespace {
 
-constexpr int kDeepest = 32;
+constexpr int kMaxNesting = 32;
 
 /// Limit of the number of values: the validator stores a message of about 400 bytes for each
 /// invalid value. A curve of 10,000 points has 150,000 values.
@@ -32,7 +32,7 @@ class Listener {
     if (too_deep_ || has_too_many_values()) return false;
     if (event == Event::value || event == Event::object_start || event == Event::array_start)
       ++values_;
-    if ((event == Event::object_start || event == Event::array_start) && depth >= kDeepest) {
+    if ((event == Event::object_start || event == Event::array_start) && depth >= kMaxNesting) {
       too_deep_ = true;
       return false;
     }
@@ -59,7 +59,7 @@ Result<Json> parse_json(std::string_view text) {
   try {
     Json json = Json::parse(text, std::ref(listener));
     if (listener.is_too_deep())
-      return refuse(fmt::format("nested more than {} deep, must be less", kDeepest));
+      return refuse(fmt::format("nested more than {} deep, must be less", kMaxNesting));
     if (listener.has_too_many_values())
       return refuse(fmt::format("more than {} values, must be less", kMaxValues));
     if (listener.repeated())

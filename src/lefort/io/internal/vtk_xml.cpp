@@ -21,7 +21,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "arrays are read without conversion");
 
 // Upper bound of the compression ratio of zlib.
-constexpr std::size_t kBestCompression = 1100;
+constexpr std::size_t kMaxZlibRatio = 1100;
 // Limit of the size in memory: this, plus so many bytes per byte of the file.
 constexpr std::size_t kFreeBytes = std::size_t(64) << 20;
 constexpr std::size_t kBytesForOne = 64;
@@ -167,7 +167,7 @@ std::optional<std::string> inflated(std::string_view sizes_bytes, std::string_vi
     if (!packed || *packed > data.size()) return {};
     const bool is_short = block + 1 == *blocks && *last_bytes != 0;
     const std::uint64_t size = is_short ? *last_bytes : *block_bytes;
-    if (size > (*packed + 1) * kBestCompression || !budget.take(size)) return {};
+    if (size > (*packed + 1) * kMaxZlibRatio || !budget.take(size)) return {};
     const std::size_t begin = result.size();
     result.resize(begin + std::size_t(size));
     uLongf written = uLongf(size);
@@ -190,7 +190,7 @@ struct Packing {
 /// Number of bytes of the sizes before a compressed array, according to its own block count.
 std::optional<std::size_t> sizes_length(std::string_view bytes, const Sizes& sizes) {
   const auto blocks = sizes.at(bytes, 0);
-  if (!blocks || *blocks > bytes.size() * kBestCompression) return {};
+  if (!blocks || *blocks > bytes.size() * kMaxZlibRatio) return {};
   return (std::size_t(*blocks) + 3) * sizes.width;
 }
 
