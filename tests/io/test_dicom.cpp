@@ -352,7 +352,7 @@ TEST(Dicom, ListsTheSeriesOfAFolderAndItsSubfolders) {
   EXPECT_EQ(first.pixel_mm, (std::array{0.4, 0.5}));
   EXPECT_NEAR(first.step_mm.value(), 1.25, 1e-6);
   EXPECT_TRUE(first.is_usable && first.warnings.empty());
-  EXPECT_EQ((*list)[0].problem, "no CT");
+  EXPECT_EQ((*list)[0].problem, "not a CT");
   EXPECT_FALSE((*list)[0].is_usable);
   EXPECT_EQ((*list)[2].kernel, "");
   EXPECT_TRUE((*list)[2].is_usable);

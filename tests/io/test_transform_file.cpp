@@ -78,7 +78,7 @@ TEST(TransformFile, RejectsNonRigidTransforms) {
       {tfm(affine, "1 0 0"), ErrorCode::kFileCorrupt, "3 Parameters, must be 12"},
       {tfm(affine, "1 0 0 0 1 0 0 0 1 0 nan 0"), ErrorCode::kFileCorrupt, "line 4"},
       {tfm(affine, good, "0 0"), ErrorCode::kFileCorrupt, "2 FixedParameters"},
-      {tfm(affine, good) + "Parameters: 1\n", ErrorCode::kFileCorrupt, "stands twice"},
+      {tfm(affine, good) + "Parameters: 1\n", ErrorCode::kFileCorrupt, "is repeated"},
       {tfm(affine, "1.01 0 0 0 1.01 0 0 0 1.01 0 0 0"), ErrorCode::kFileUnsupported,
        "scales or shears by 0.01"},
       {tfm(affine, "1e200 1e200 0 -1e200 1e200 0 0 0 1 0 0 0"), ErrorCode::kFileUnsupported,
