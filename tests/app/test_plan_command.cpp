@@ -178,7 +178,8 @@ TEST_F(PlanCommand, InputsAmongEarlierResultsAreKept) {
                                     " -o " + here + " --no-pictures");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_EQ(run.message_lines(), 1) << run.error;
-  EXPECT_NE(run.error.find("remainder.vtp is read by this check"), std::string::npos) << run.error;
+  EXPECT_NE(run.error.find("remainder.vtp is an input of this check"), std::string::npos)
+      << run.error;
   second["landmarks"] = "landmarks_after.csv";
   ASSERT_TRUE(io::write_text(folder_ / "out/plan_two.json", second.dump()));
   const auto again =

@@ -604,10 +604,10 @@ TEST_F(SolveCommand, BadMeshesAreOneLineAndLeaveNothing) {
   };
   expect_refusal(
       with_mesh("lost.vtu", replaced(example("block.vtu"), "\n0 1 6 5 ", "\n0 1 6 4711 ")),
-      "lost.vtu: element 0 names node 4711");
+      "lost.vtu: element 0 refers to node 4711");
   const std::string gmsh = example("layers.msh");
   expect_refusal(with_mesh("lost.msh", replaced(gmsh, "\n57 1 2 7 6 ", "\n57 1 2 7 4711 ")),
-                 "lost.msh: element 57 names node 4711, which is missing");
+                 "lost.msh: element 57 refers to node 4711, which is missing");
   expect_refusal(with_mesh("nan.msh", replaced(gmsh, "\n20 20 10\n", "\n20 nan 10\n")),
                  "nan.msh: node 125 has a coordinate that is not finite");
 

@@ -19,13 +19,13 @@
 
 namespace lefort::test {
 
-/// Of the processor: stops early on a slow machine rather than late. More of them, and then more
-/// files, are had by LEFORT_FUZZ_SECONDS.
+/// Processor time per test; on a slow machine fewer files are tested. LEFORT_FUZZ_SECONDS sets a
+/// longer time with more files.
 inline double seconds_per_test() {
   const char* const wanted = std::getenv("LEFORT_FUZZ_SECONDS");
   return wanted != nullptr ? std::atof(wanted) : 1.2;
 }
-/// Of the clock, for a single file on a machine that has other work: beyond it something hangs.
+/// Wall-clock time of one file on a loaded machine; a longer time means that the reader hangs.
 inline constexpr double kSecondsPerFile = 20.0;
 
 inline double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
@@ -36,7 +36,7 @@ inline double seconds_since(std::chrono::steady_clock::time_point start) {
 
 /// One to a few edits of all kinds.
 ///
-/// \param tokens  what breaks parsers of the format; not empty.
+/// \param tokens  words that may break parsers of the format; not empty.
 inline std::string damaged(std::string bytes, std::span<const std::string_view> tokens,
                            std::mt19937& random) {
   const auto place = [&] { return random() % (bytes.size() + 1); };
@@ -67,7 +67,7 @@ inline std::string damaged(std::string bytes, std::span<const std::string_view> 
           bytes.replace(at, std::min(token.size(), bytes.size() - at), token);
         break;
       }
-      case 7: {  // A number of four bytes, as binary formats count with.
+      case 7: {  // A count of four bytes, as in binary formats.
         constexpr std::uint32_t kNumbers[] = {0,          1,          0x7FFFFFFF, 0x80000000,
                                               0xFFFFFFFF, 0x7FC00000, 0x7F800000, 0x00000001};
         const std::uint32_t number = kNumbers[random() % std::size(kNumbers)];
@@ -82,7 +82,7 @@ inline std::string damaged(std::string bytes, std::span<const std::string_view> 
   return bytes;
 }
 
-/// Runs `attempt` with the seeds from 0 until all are done or the time is up.
+/// Runs `attempt` with seeds from 0 until all are done or the time limit is reached.
 inline void run_seeds(unsigned count, const std::function<void(unsigned seed)>& attempt) {
   const double stop = processor_seconds() + seconds_per_test();
   if (std::getenv("LEFORT_FUZZ_SECONDS") != nullptr) count = ~0U;

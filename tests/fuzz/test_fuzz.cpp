@@ -1,10 +1,9 @@
 /// \file
-/// Damaged files, thousands of them, through every reader of surfaces, fields, volume meshes,
-/// decks, points, markups and transforms.
+/// Thousands of damaged files for every reader of surfaces, fields, volume meshes, decks, points,
+/// markups and transforms.
 ///
-/// Whatever a file holds, the answer is a Result: no crash, no hang, and in a field made of it no
-/// distance that is no number. The seed is in every message; the number of files is fixed, and the
-/// time a test may take is bounded.
+/// Every file gives a Result: no crash, no hang, and no NaN distance in a field built from it.
+/// Every message contains the seed; number of files and time are limited.
 #include <lefort/field/build/build_distance_field.h>
 #include <lefort/field/query/lattice_samples.h>
 #include <lefort/io/deck_file.h>
@@ -57,7 +56,8 @@ std::string read_bytes(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// What breaks parsers: numbers too large, too small or none, and words of the formats.
+/// Words that may break parsers: numbers that are too large, too small or invalid, and keywords of
+/// the formats.
 constexpr std::string_view kTokens[] = {"nan",
                                         "-inf",
                                         "1e999",
@@ -113,7 +113,7 @@ void expect_numbers(const field::DistanceField& field, std::mt19937& random) {
   }
 }
 
-/// A surface of some triangles in all its forms.
+/// A small surface in all formats.
 TriangleMesh any_surface(unsigned seed) {
   switch (seed % 3) {
     case 0:
@@ -136,7 +136,7 @@ void fuzz_surface(const std::string& ending, const std::vector<std::string>& mor
   run_seeds(1500, [&](unsigned seed) {
     std::mt19937 random(seed);
     const std::filesystem::path path = folder / ("bad" + ending);
-    std::filesystem::remove(path);  // Some disks wait for files that are overwritten.
+    std::filesystem::remove(path);  // Overwriting files is slow on some disks.
     std::ofstream(path, std::ios::binary) << damaged(files[seed % files.size()], random);
     const auto surface = read_surface(path);
     if (!surface) {
@@ -181,7 +181,7 @@ TEST(Fuzz, Ply) {
 
 TEST(Fuzz, Vtp) { fuzz_surface(".vtp"); }
 
-/// A mesh that was accepted can be walked over: all numbers lie in range.
+/// Checks that all indices of an accepted mesh are in range.
 void expect_sound(const mesh::VolumeMesh& mesh) {
   const auto exists = [&](std::int32_t node) { return node >= 0 && node < mesh.node_count(); };
   for (const mesh::ElementBlock& block : mesh.blocks) {
@@ -285,7 +285,7 @@ TEST(Fuzz, LandmarksMarkupsAndTransforms) {
   EXPECT_GT(read, 50);
 }
 
-TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
+TEST(Fuzz, FieldFilesWithAValidChecksum) {
   std::vector<std::string> files;
   for (const field::FieldMethod method :
        {field::FieldMethod::kBricks, field::FieldMethod::kHybrid, field::FieldMethod::kAdaptive,
@@ -299,7 +299,7 @@ TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
   run_seeds(20'000, [&](unsigned seed) {
     std::mt19937 random(seed);
     std::string bytes = files[seed % files.size()];
-    // Half of the damage in the header of 192 bytes, where it does most harm.
+    // Half of the damage is in the header of 192 bytes.
     if (seed / files.size() % 2 == 0) {
       std::string header = damaged(bytes.substr(0, 192), random);
       header.resize(192);
@@ -327,7 +327,7 @@ TEST(Fuzz, FieldFilesThatTheChecksumDoesNotBetray) {
   EXPECT_GT(accepted, 20);
 }
 
-/// Every kind of entry a deck has, for a block of six tetrahedra.
+/// Every kind of deck entry, for a block of six tetrahedra.
 constexpr std::string_view kDeck = R"({"lefort_deck":1,"title":"t","mesh":"m.vtu","mm_per_unit":2,
 "sets":{"a":{"box_mm":[[0,0,0],[1,1,0]]},"b":{"plane":{"point_mm":[0,0,1],"normal":[0,0,1]}},
 "c":{"nodes":[4,5]},"d":{"nearest_mm":[1,1,1]},"e":{"region":0}},
@@ -344,7 +344,7 @@ constexpr std::string_view kDeck = R"({"lefort_deck":1,"title":"t","mesh":"m.vtu
 "probes":[{"name":"p","node":5},{"name":"q","point_mm":[0.5,0.5,0.5]}],
 "output":{"every":"times","fields":["displacement"]}})";
 
-/// Values and keys of decks where others are meant.
+/// Values and keys of decks for use in wrong places.
 constexpr std::string_view kDeckTokens[] = {"null",
                                             "true",
                                             "-1",
@@ -363,7 +363,7 @@ constexpr std::string_view kDeckTokens[] = {"null",
                                             "\"z0\"",
                                             "\"neo-hookean\""};
 
-TEST(Fuzz, NestingWithoutEndInDecksAndPlans) {
+TEST(Fuzz, DeepNestingInDecksAndPlans) {
   for (const std::string_view begin : {"[", R"({"a":)", R"([{"a":[)"})
     for (const std::size_t depth : {std::size_t(40), std::size_t(300000)}) {
       std::string nest;
@@ -384,7 +384,7 @@ TEST(Fuzz, NestingWithoutEndInDecksAndPlans) {
     }
 }
 
-TEST(Fuzz, DecksAndWhatTheyAskOfAMesh) {
+TEST(Fuzz, DecksAndTheirMeshReferences) {
   const mesh::VolumeMesh block = test::box_mesh({.cells = {1, 1, 1}});
   int read = 0, accepted = 0;
   run_seeds(20'000, [&](unsigned seed) {
@@ -392,7 +392,7 @@ TEST(Fuzz, DecksAndWhatTheyAskOfAMesh) {
     std::string text(kDeck);
     if (seed % 4 == 0) {
       text = damaged(text, random);
-    } else {  // Another value in the place of one: still JSON.
+    } else {  // Replaces a value; the result is still JSON.
       const std::size_t at = text.find_first_of(":[,", random() % text.size());
       if (at == std::string::npos) return;
       const std::size_t end = text.find_first_of(",]}", at + 1);

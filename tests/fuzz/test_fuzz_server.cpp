@@ -1,8 +1,8 @@
 /// \file
-/// Damaged requests, thousands of them: to the API as it is, and over sockets as bytes.
+/// Thousands of damaged requests: to the API directly, and over sockets as bytes.
 ///
-/// Whatever comes, the answer is one of the contract's, the server lives, and nothing but what was
-/// asked for has changed. Seeded; bounded in count and time.
+/// Every response conforms to the contract, the server continues, and nothing changes except what
+/// was requested. Seeded; limited in number and time.
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/write_atomically.h>
 #include <lefort/server/api/contract.h>
@@ -52,7 +52,7 @@ constexpr std::string_view kTokens[] = {"../",
                                         "front",
                                         "plan.json"};
 
-/// Requests that are right, before they are damaged. None starts long work.
+/// Valid requests, before damage. None starts a long job.
 struct Asked {
   const char* method;
   std::string path, body;
@@ -94,7 +94,7 @@ std::vector<Asked> some_requests() {
           {"DELETE", "/jobs/1", ""}};
 }
 
-/// All that a case may hold at its top; nothing else may appear.
+/// All entries that a case folder may contain; nothing else may appear.
 void expect_only_ours(const fs::path& folder) {
   const std::vector<std::string> ours{
       "ct.nrrd", "case.json", "anatomy", "landmarks.mrk.json", "plan.json",  "cut",
@@ -121,7 +121,7 @@ TEST(FuzzServer, DamagedRequestsToTheApi) {
       case 1:
         requested.body = test::damaged(requested.body, kTokens, random);
         break;
-      default: {  // Another value in the place of one: still JSON, perhaps.
+      default: {  // Replaces a value; the result may still be JSON.
         const std::size_t at =
             requested.body.empty()
                 ? std::string::npos

@@ -50,7 +50,7 @@ void write_dicom(const std::filesystem::path& file, const DicomSlice& slice) {
   insert(data, 0x0008, 0x0018, VR::UI, slice.instance_uid);
   insert(data, 0x0008, 0x0060, VR::CS, slice.modality);
   insert(data, 0x0010, 0x0010, VR::PN, slice.patient_name);
-  insert(data, 0x0008, 0x0020, VR::DA, slice.birth_date);  // Of the study, too.
+  insert(data, 0x0008, 0x0020, VR::DA, slice.birth_date);  // Also of the study.
   insert(data, 0x0010, 0x0020, VR::LO, slice.patient_id);
   insert(data, 0x0010, 0x0030, VR::DA, slice.birth_date);
   insert(data, 0x0020, 0x4000, VR::LT, slice.comment);

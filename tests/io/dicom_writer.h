@@ -1,5 +1,5 @@
 /// \file
-/// Writes DICOM slices for tests, through GDCM and without lefort.
+/// Writes DICOM slices for tests with GDCM, independently of lefort.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -12,7 +12,7 @@
 
 namespace lefort::test {
 
-/// One file. What is empty is left out of it.
+/// One file. Empty values are omitted.
 struct DicomSlice {
   std::string series_uid = "1.2.826.0.1.3680043.2.1125.1";
   std::string instance_uid = "1.2.826.0.1.3680043.2.1125.1.1";
@@ -35,12 +35,12 @@ void write_dicom(const std::filesystem::path& file, const DicomSlice& slice);
 [[nodiscard]] std::vector<DicomSlice> dicom_slices(const image::CtVolume& ct, double slope = 1.0,
                                                    double intercept = -1024.0);
 
-/// Files slice-000.dcm, ... in `folder`, which is made.
+/// Writes slice-000.dcm, ... into `folder`, which is created.
 void write_dicom_series(const std::filesystem::path& folder, const std::vector<DicomSlice>& slices);
 
 enum class Codec { kJpegLossless, kJpegLs, kJpeg2000, kRle };
 
-/// Rewrites a file with compressed pixels, without loss.
+/// Rewrites a file with losslessly compressed pixels.
 void compress_dicom(const std::filesystem::path& file, Codec codec = Codec::kJpegLossless);
 
 }  // namespace lefort::test

@@ -44,8 +44,8 @@ class GmshNumbers {
   std::string bytes_;
 };
 
-/// Gmsh's picture of an element: its corners by our numbers, and the pairs of its own corners whose
-/// middles follow ("Node ordering", where the nodes of each edge can be read off).
+/// Node ordering of an element in Gmsh: its corners in our numbering, and the pairs of its own
+/// corners with a mid-edge node ("Node ordering" in the manual).
 struct GmshPicture {
   int type;
   std::vector<int> corners;
@@ -77,7 +77,7 @@ inline GmshPicture gmsh_picture(mesh::ElementShape shape) {
   return {17, {0, 1, 2, 3, 4, 5, 6, 7}, hex};
 }
 
-/// The nodes of an element in Gmsh's order.
+/// Returns the nodes of an element in Gmsh's order.
 inline std::vector<std::int32_t> in_gmsh_order(mesh::ElementShape shape,
                                                const std::int32_t* element) {
   const GmshPicture picture = gmsh_picture(shape);
@@ -105,8 +105,8 @@ struct GmshElements {
   std::vector<std::vector<std::int32_t>> elements;  ///< Our node numbers, in Gmsh's order.
 };
 
-/// The mesh as Gmsh would save it: one volume entity per region, which is its physical group; one
-/// surface entity per face set, one point entity per node set. Node n has the tag 10 n + 3.
+/// Returns the mesh as a Gmsh file: one volume entity and physical group per region, one surface
+/// entity per face set, one point entity per node set. Node n has the tag 10 n + 3.
 inline std::string gmsh_file(const mesh::VolumeMesh& mesh, GmshForm form) {
   std::vector<GmshElements> blocks;
   std::set<int> regions;
@@ -130,7 +130,7 @@ inline std::string gmsh_file(const mesh::VolumeMesh& mesh, GmshForm form) {
     name(2, ++surface, text);
     for (const mesh::Face& face : faces) {
       std::vector<std::int32_t> nodes(nodes_of(face).begin(), nodes_of(face).end());
-      const auto corners = mesh::corner_count(face.shape);  // Turned round: Gmsh's may be, too.
+      const auto corners = mesh::corner_count(face.shape);  // Reversed, as faces of Gmsh may be.
       std::reverse(nodes.begin() + 1, nodes.begin() + corners);
       std::reverse(nodes.begin() + corners, nodes.end());
       blocks.push_back({2, surface, kGmshFaceTypes[int(face.shape)], {nodes}});
@@ -157,7 +157,7 @@ inline std::string gmsh_file(const mesh::VolumeMesh& mesh, GmshForm form) {
   GmshNumbers nodes(form);
   const auto count = mesh.nodes_L.size();
   nodes.size(2).size(count).size(3).size(tag(std::int32_t(count) - 1));
-  // The first node has a parameter, as those on surfaces may; the last ones come first.
+  // The first node has a parameter, as nodes on surfaces may; the last nodes are written first.
   nodes.whole(2).whole(1).whole(1).size(1).size(tag(0));
   for (int c = 0; c < 3; ++c) nodes.real(mesh.nodes_L[0][c]);
   nodes.real(0.5).real(0.25);

@@ -15,7 +15,7 @@
 
 namespace lefort::test {
 
-/// A member of a tar archive: header block, bytes, padding. Its header may claim another size.
+/// A member of a tar archive: header block, bytes, padding. Its header may state another size.
 inline std::string tar_member(const std::string& name, const std::string& bytes, char type = '0',
                               std::uint64_t claimed_bytes = 0) {
   std::string block(512, '\0');
@@ -43,7 +43,7 @@ inline void write_gzip(const std::filesystem::path& file, const std::string& byt
   gzclose(stream);
 }
 
-/// What main.plist says. The shape is given as z, y, x, the spacing as x, y, z.
+/// Contents of main.plist. The shape is in the order z, y, x, the spacing in the order x, y, z.
 struct Inv3Plist {
   std::vector<std::string> shape{"2", "3", "4"};
   std::vector<std::string> spacing{"0.5", "0.75", "2.0"};
@@ -74,7 +74,7 @@ inline std::string inv3_archive(const std::string& xml, const std::string& matri
          tar_member("tmpabc/main.plist", xml) + std::string(1024, '\0');
 }
 
-/// 4 x 3 x 2 voxels: value 100 k + 10 row + i - 1000, with row 0 at the back of the head.
+/// 4 x 3 x 2 voxels: value 100 k + 10 row + i - 1000, with row 0 posterior.
 inline std::string inv3_matrix() {
   std::string bytes;
   for (int k = 0; k < 2; ++k)

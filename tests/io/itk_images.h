@@ -1,6 +1,6 @@
 /// \file
-/// ITK's own reader of images, for tests. ITK brings an Eigen of its own, which does not go together
-/// with ours in one file.
+/// Reading images with ITK, for tests. ITK contains its own Eigen, which conflicts with the
+/// system's in one source file.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace lefort::test {
 
-/// An image in space as ITK understands the file: in LPS, mm, voxels with i fastest.
+/// An image as read by ITK: in LPS, mm, voxels with i fastest.
 struct ItkImage {
   std::array<std::size_t, 3> size;
   std::array<double, 3> spacing, origin;
@@ -17,7 +17,7 @@ struct ItkImage {
   std::vector<double> values;
 };
 
-/// \pre ITK can read it; else ITK throws.
+/// \pre ITK can read the file; otherwise ITK throws.
 [[nodiscard]] ItkImage read_itk_image(const std::string& file);
 
 }  // namespace lefort::test

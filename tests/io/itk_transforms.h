@@ -1,6 +1,6 @@
 /// \file
-/// ITK's own reader and writer of transforms, for tests. ITK brings an Eigen of its own, which does
-/// not go together with ours in one file.
+/// Reading and writing transforms with ITK, for tests. ITK contains its own Eigen, which conflicts
+/// with the system's in one source file.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@ namespace lefort::test {
 
 using ItkPoint = std::array<double, 3>;
 
-/// Where the one transform of a file, as ITK reads and applies it, takes a point.
-/// \pre ITK can read it; else ITK throws.
+/// Applies the transform of a file to a point with ITK.
+/// \pre ITK can read the file; otherwise ITK throws.
 [[nodiscard]] ItkPoint apply_itk_transform(const std::string& file, const ItkPoint& point);
 
-/// How a rigid transform is stored.
+/// Storage of a rigid transform.
 enum class ItkKind { kVersor, kAffine };
 
-/// Writes a rotation about an axis and a center, then a translation, as ITK does.
+/// Writes a rotation about an axis and a center, followed by a translation, with ITK.
 void write_itk_transform(const std::string& file, ItkKind kind, const ItkPoint& axis,
                          double angle_rad, const ItkPoint& center, const ItkPoint& translation);
 

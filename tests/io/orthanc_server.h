@@ -1,6 +1,6 @@
 /// \file
-/// A real PACS for one test: Orthanc with its DICOMweb plug-in, on loopback, with storage of its
-/// own, gone at the end.
+/// A PACS for one test: Orthanc with its DICOMweb plug-in on the loopback interface, with a
+/// temporary storage.
 #pragma once
 
 #include <arpa/inet.h>
@@ -23,7 +23,7 @@
 
 namespace lefort::test {
 
-/// A port that nobody listens on now.
+/// Returns an unused port.
 inline int free_port() {
   const int probe = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
@@ -65,7 +65,7 @@ class OrthancServer {
       ::execl("/usr/sbin/Orthanc", "Orthanc", (folder_ / "orthanc.json").c_str(), nullptr);
       ::_exit(1);
     }
-    for (int tries = 0; tries < 600; ++tries) {  // A minute, for a machine with other work.
+    for (int tries = 0; tries < 600; ++tries) {  // One minute, for a loaded machine.
       if (auto answer = client().Get("/dicom-web/studies"); answer && answer->status == 200) return;
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }

@@ -1,5 +1,5 @@
 /// \file
-/// A small scan without any symmetry, and how to tell whether a file gave it back.
+/// A small scan without symmetry, and comparisons with what was read.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,7 +16,7 @@
 
 namespace lefort::test {
 
-/// Odd sizes, three spacings, HU from -1000 to 2000, no two voxels alike.
+/// Odd sizes, three spacings, HU from -1000 to 2000, all voxels different.
 inline image::CtVolume sample_scan(const Mat3& direction = Mat3::Identity()) {
   image::CtVolume ct;
   ct.grid = {.size = {7, 5, 6},
@@ -32,7 +32,7 @@ inline Mat3 oblique() {
   return Eigen::AngleAxisd(0.6, Vec3(1.0, 2.0, -0.5).normalized()).toRotationMatrix();
 }
 
-/// Same values at the same places of the patient, whatever the order in memory.
+/// Expects equal values at equal positions in the patient, in any memory order.
 inline void expect_same_in_patient(const image::CtVolume& found, const image::CtVolume& wanted) {
   ASSERT_EQ(found.values.size(), wanted.values.size());
   ASSERT_EQ(std::ssize(found.values), found.grid.voxel_count());
@@ -42,7 +42,7 @@ inline void expect_same_in_patient(const image::CtVolume& found, const image::Ct
       for (Index i = 0; i < wanted.grid.size[0]; ++i) {
         const Vec3 p_L = wanted.grid.point_L(
             {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
-        // Neighbors differ by 14 HU at least: a shift of 0.1 voxel would show.
+        // Neighbors differ by at least 14 HU, which detects a shift of 0.1 voxel.
         ASSERT_NEAR(image::interpolate(found, p_L, -9999.0), wanted.at(i, j, k), 0.2)
             << i << ' ' << j << ' ' << k;
       }
@@ -56,7 +56,7 @@ inline void expect_same_grid(const image::Grid& found, const image::Grid& wanted
   EXPECT_LE((found.direction - wanted.direction).norm(), tolerance);
 }
 
-/// One sentence of ours: one line, no full stop, no capital at the start, not too long.
+/// Expects a valid error message: one line without full stop, not too long.
 inline void expect_one_sentence(const std::string& message) {
   EXPECT_FALSE(message.empty());
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;

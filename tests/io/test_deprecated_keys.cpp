@@ -1,5 +1,5 @@
 /// \file
-/// Former names of keys in plans and decks: read with a warning, refused beside the new name.
+/// Former names of keys in plans and decks: read with a warning, rejected beside the new name.
 #include <lefort/io/deck_file.h>
 #include <lefort/io/deprecated_keys.h>
 #include <lefort/io/plan_file.h>
@@ -73,7 +73,7 @@ TEST(DeprecatedKeys, DeckIsReadWithOneWarningForEachName) {
   EXPECT_EQ(deck.steps.first_increment, 0.25);
   EXPECT_EQ(deck.steps.min_increment, 0.001);
   EXPECT_EQ(deck.steps.max_increment, 0.5);
-  EXPECT_EQ(deck.steps.growth, 1.5);
+  EXPECT_EQ(deck.steps.growth_factor, 1.5);
   EXPECT_EQ(deck.steps.target_iterations, 4);
   EXPECT_EQ(deck.steps.max_attempts, 77);
   EXPECT_EQ(deck.times, std::vector<double>{0.3});
@@ -85,10 +85,10 @@ TEST(DeprecatedKeys, DeckIsReadWithOneWarningForEachName) {
 TEST(DeprecatedKeys, BothNamesOfAKeyAreRefused) {
   Json plan = Json::parse(kOldPlan);
   plan["boundary"]["contact_snap_mm"] = 0.5;
-  const auto refused = parse_plan(plan.dump(), ".");
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kPlanInvalid);
-  EXPECT_EQ(refused.error().message,
+  const auto rejected = parse_plan(plan.dump(), ".");
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(rejected.error().code, ErrorCode::kPlanInvalid);
+  EXPECT_EQ(rejected.error().message,
             "boundary.contact_snap_mm: must have one of contact_snap_mm and capture_mm, its "
             "deprecated name");
 }

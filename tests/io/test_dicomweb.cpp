@@ -15,22 +15,21 @@
 #include "io/dicom_writer.h"
 #include "io/orthanc_server.h"
 #include "io/sample_scan.h"
+#include "support/stop_at_once.h"
 #include "support/temporary_folder.h"
+#include "support/text.h"
 
 namespace lefort::io {
 namespace {
 
+using test::contains;
 using test::OrthancServer;
 using test::TemporaryFolder;
 
-constexpr const char* kStudy = "1.2.826.0.1.3680043.2.1125.9";  // Of dicom_writer.
+constexpr const char* kStudy = "1.2.826.0.1.3680043.2.1125.9";  // As in dicom_writer.
 const Credentials kCredentials{OrthancServer::kUser, OrthancServer::kPassword};
 
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-/// The number of folders of ours in the folder for temporary files.
+/// Returns the number of lefort's folders in the folder of temporary files.
 long temporary_folders() {
   long count = 0;
   for (const auto& entry :
@@ -80,7 +79,7 @@ class OrthancTest : public ::testing::Test {
   long before_ = 0;
 };
 
-TEST_F(OrthancTest, ImportsTheSameAsFromAFolderBitForBit) {
+TEST_F(OrthancTest, ImportsTheSameBitsAsFromAFolder) {
   const std::string study = pacs().address(std::string("/studies/") + kStudy);
   const auto list = list_dicomweb(study, kCredentials);
   ASSERT_TRUE(list) << list.error().message;
@@ -103,7 +102,7 @@ TEST_F(OrthancTest, ImportsTheSameAsFromAFolderBitForBit) {
   EXPECT_NE(read_dicomweb(study, kCredentials, 1)->ct.values,
             read_dicomweb(study, kCredentials, 2)->ct.values);
 
-  // The series in the address; user and password in it, too.
+  // Address with series, user name and password.
   const auto named = import_volume(
       fmt::format("dicomweb://lefort:s3cret%3A%2f%40@localhost:{}/dicom-web/studies/{}/series/"
                   "1.2.826.0.1.3680043.2.1125.1.2/",
@@ -112,7 +111,7 @@ TEST_F(OrthancTest, ImportsTheSameAsFromAFolderBitForBit) {
   EXPECT_EQ(named->ct.values, read_dicomweb(study, kCredentials, 2)->ct.values);
 }
 
-/// The error of reading from an address; checks what all of them have in common.
+/// Returns the error of reading from an address, after checks that apply to every error.
 Error error_of(const std::string& address, const Credentials& who = kCredentials, int series = 1,
                const DicomWebLimits& limits = {}) {
   const auto result = read_dicomweb(address, who, series, Progress::none(), limits);
@@ -123,29 +122,30 @@ Error error_of(const std::string& address, const Credentials& who = kCredentials
   const std::string& message = result.error().message;
   test::expect_one_sentence(message);
   for (const char* const secret : {"s3cret", "wrong-word", "1.2.826", "DOE"})
-    EXPECT_FALSE(has(message, secret)) << message;
+    EXPECT_FALSE(contains(message, secret)) << message;
   return result.error();
 }
 
-TEST_F(OrthancTest, AWrongPasswordAnUnknownStudyAndAWrongChoiceAreToldInOneLine) {
+TEST_F(OrthancTest, ReportsWrongPasswordUnknownStudyAndWrongChoice) {
   const std::string study = pacs().address(std::string("/studies/") + kStudy);
   const Error wrong = error_of(study, {"lefort", "wrong-word"});
-  EXPECT_EQ(wrong.code, ErrorCode::kFileUnsupported);
-  EXPECT_TRUE(has(wrong.message, "refuses user or password (status 401)")) << wrong.message;
-  EXPECT_TRUE(has(error_of(study, {}).message, "refuses user or password"));
+  EXPECT_EQ(wrong.code, ErrorCode::kAccessDenied);
+  EXPECT_TRUE(contains(wrong.message, "rejects the user name or password (status 401)"))
+      << wrong.message;
+  EXPECT_TRUE(contains(error_of(study, {}).message, "rejects the user name or password"));
 
   const Error unknown = error_of(pacs().address("/studies/1.2.3.4"));
   EXPECT_EQ(unknown.code, ErrorCode::kFileNotFound);
-  EXPECT_TRUE(has(unknown.message, "no such study")) << unknown.message;
-  EXPECT_TRUE(has(error_of(study + "/series/1.2.3").message, "no such study or series"));
+  EXPECT_TRUE(contains(unknown.message, "no such study")) << unknown.message;
+  EXPECT_TRUE(contains(error_of(study + "/series/1.2.3").message, "no such study or series"));
   const Error choice = error_of(study, kCredentials, 0);
   EXPECT_EQ(choice.code, ErrorCode::kInvalidArgument);
-  EXPECT_TRUE(has(choice.message, "1 = CT, 6 images; 2 = CT, 6 images")) << choice.message;
-  EXPECT_TRUE(has(error_of(study, kCredentials, 3).message, "there is no series 3"));
+  EXPECT_TRUE(contains(choice.message, "1 = CT, 6 images; 2 = CT, 6 images")) << choice.message;
+  EXPECT_TRUE(contains(error_of(study, kCredentials, 3).message, "there is no series 3"));
   EXPECT_EQ(error_of(pacs().address("x/studies/1.2")).code, ErrorCode::kFileNotFound);
 }
 
-TEST_F(OrthancTest, AServerThatIsGoneIsToldInOneLine) {
+TEST_F(OrthancTest, ReportsAStoppedServer) {
   OrthancServer server;
   server.store(pacs().folder / "a");
   const std::string study =
@@ -153,11 +153,11 @@ TEST_F(OrthancTest, AServerThatIsGoneIsToldInOneLine) {
   ASSERT_TRUE(read_dicomweb(study, kCredentials));
   server.stop();
   const Error gone = error_of(study);
-  EXPECT_EQ(gone.code, ErrorCode::kFileNotFound);
-  EXPECT_TRUE(has(gone.message, "no server answers at 127.0.0.1")) << gone.message;
+  EXPECT_EQ(gone.code, ErrorCode::kConnectionFailed);
+  EXPECT_TRUE(contains(gone.message, "no server answers at 127.0.0.1")) << gone.message;
 }
 
-/// A server that says and does what a test wants.
+/// A server with responses set by the test.
 class FakeServer {
  public:
   FakeServer() : port_(http_.bind_to_any_port("127.0.0.1")) {
@@ -170,7 +170,7 @@ class FakeServer {
     http_.Get(".*/series/.*",
               [this](const httplib::Request&, httplib::Response& response) { images(response); });
     thread_ = std::thread([this] { http_.listen_after_bind(); });
-    // One that does not listen yet cannot be stopped.
+    // A server that does not listen yet cannot be stopped.
     while (!http_.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   ~FakeServer() {
@@ -201,7 +201,8 @@ std::string series_list(int images) {
       images);
 }
 
-/// The sample scan's files as a multipart body; without its end if it is not `whole`.
+/// Returns the files of the sample scan as a multipart body, without closing boundary unless
+/// `whole`.
 std::string body_of(std::size_t files, bool whole = true) {
   const TemporaryFolder folder;
   const auto slices = test::dicom_slices(test::sample_scan());
@@ -215,35 +216,37 @@ std::string body_of(std::size_t files, bool whole = true) {
 
 constexpr const char* kParts = "multipart/related; type=\"application/dicom\"; boundary=cut";
 
-TEST(DicomWeb, ReadsFromAnyServerThatKeepsToTheStandard) {
+TEST(DicomWeb, ReadsFromAnyStandardServer) {
   FakeServer server;
   server.list = series_list(6);
   server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
   const auto found = read_dicomweb(server.study(), {});
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->ct.values, test::sample_scan().values);
-  // A server that does not say how many images a series has is asked for their list.
+  // If the server does not state the number of images of a series, their list is fetched.
   server.list = R"([{"0020000E": {"vr": "UI", "Value": ["1.2.826.0.1.3680043.2.1125.1"]},
                      "00080060": {"vr": "CS", "Value": ["CT"]}}])";
   server.instances = "[{}, {}, {}, {}, {}, {}]";
   EXPECT_TRUE(read_dicomweb(server.study(), {}));
   server.instances = "[{}, {}, {}, {}, {}, {}, {}]";
-  EXPECT_TRUE(has(error_of(server.study()).message, "6 images of a series that has 7"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "6 images of a series that has 7"));
 }
 
-TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
+TEST(DicomWeb, RejectsAnIncompleteSeries) {
   const long before = temporary_folders();
   FakeServer server;
   server.list = series_list(6);
-  // The server knows of six and sends three.
+  // The server lists six images and sends three.
   server.images = [](httplib::Response& r) { r.set_content(body_of(3), kParts); };
   Error error = error_of(server.study());
   EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(error.message, "3 images of a series that has 6")) << error.message;
+  EXPECT_TRUE(contains(error.message, "3 images of a series that has 6")) << error.message;
   // All parts are there, the closing boundary is not.
   server.images = [](httplib::Response& r) { r.set_content(body_of(6, false), kParts); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "after 6 of 6 images"));
-  // It hangs up in the middle of a file, having promised more.
+  error = error_of(server.study());
+  EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
+  EXPECT_TRUE(contains(error.message, "no closing boundary after 6 of 6 images")) << error.message;
+  // The server closes the connection in the middle of a file.
   server.images = [](httplib::Response& r) {
     r.set_content_provider(
         body_of(6).size(), kParts,
@@ -253,32 +256,33 @@ TEST(DicomWeb, HalfASeriesIsRefusedHoweverItEnds) {
         });
   };
   error = error_of(server.study());
-  EXPECT_EQ(error.code, ErrorCode::kFileCorrupt);
-  EXPECT_TRUE(has(error.message, "was lost after") && has(error.message, "of 6 images"))
+  EXPECT_EQ(error.code, ErrorCode::kConnectionFailed);
+  EXPECT_TRUE(contains(error.message, "was lost after") && contains(error.message, "of 6 images"))
       << error.message;
   // One slice twice instead of another, and a slice of another series.
   server.list = series_list(7);
   server.images = [](httplib::Response& r) { r.set_content(body_of(7), kParts); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "an image twice"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "an image twice"));
   server.list = R"([{"0020000E": {"Value": ["1.2.9"]}, "00080060": {"Value": ["CT"]},
                      "00201209": {"Value": ["6"]}}])";
   server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "of another series"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "of another series"));
   EXPECT_EQ(temporary_folders(), before);
 }
 
-TEST(DicomWeb, StopsListeningToAServerThatSendsTooMuch) {
+TEST(DicomWeb, EnforcesLimitsAndTimeouts) {
   FakeServer server;
   server.list = series_list(6);
   server.images = [](httplib::Response& r) { r.set_content(body_of(6), kParts); };
-  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.images = 5}).message, "more than 5 images"));
   EXPECT_TRUE(
-      has(error_of(server.study(), {}, 0, {.image_bytes = 100}).message, "100 bytes in an image"));
-  EXPECT_TRUE(
-      has(error_of(server.study(), {}, 0, {.series_bytes = 2000}).message, "more than 2000 bytes"));
-  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.list_bytes = 10}).message,
-                  "list has more than 10 bytes"));
-  // Without end: a stream of an image that never closes.
+      contains(error_of(server.study(), {}, 0, {.images = 5}).message, "more than 5 images"));
+  EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.image_bytes = 100}).message,
+                       "100 bytes in an image"));
+  EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.series_bytes = 2000}).message,
+                       "more than 2000 bytes"));
+  EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.list_bytes = 10}).message,
+                       "list has more than 10 bytes"));
+  // An endless image.
   server.images = [](httplib::Response& r) {
     r.set_chunked_content_provider(kParts, [first = true](std::size_t,
                                                           httplib::DataSink& sink) mutable {
@@ -287,16 +291,19 @@ TEST(DicomWeb, StopsListeningToAServerThatSendsTooMuch) {
       return sink.write(bytes.data(), bytes.size());
     });
   };
-  EXPECT_TRUE(has(error_of(server.study(), {}, 0, {.image_bytes = 1 << 22}).message,
-                  "4194304 bytes in an image"));
-  // Silence.
+  EXPECT_TRUE(contains(error_of(server.study(), {}, 0, {.image_bytes = 1 << 22}).message,
+                       "4194304 bytes in an image"));
+  // A server that does not answer.
   server.images = [](httplib::Response&) { std::this_thread::sleep_for(std::chrono::seconds(3)); };
-  EXPECT_TRUE(
-      has(error_of(server.study(), {}, 0, {.idle_timeout = std::chrono::seconds(1)}).message,
-          "was lost"));
+  const Error silent = error_of(server.study(), {}, 0, {.idle_timeout = std::chrono::seconds(1)});
+  EXPECT_EQ(silent.code, ErrorCode::kConnectionFailed);
+  EXPECT_TRUE(contains(silent.message, "was lost")) << silent.message;
+  const Error slow = error_of(server.study(), {}, 0, {.total_timeout = std::chrono::seconds(1)});
+  EXPECT_EQ(slow.code, ErrorCode::kConnectionFailed);
+  EXPECT_TRUE(contains(slow.message, "takes longer than 1 s")) << slow.message;
 }
 
-/// Sends `first`, and then `again` for as long as anybody listens, whatever it is asked for.
+/// Sends `first` and then `again` to every client until it disconnects.
 class FloodingServer {
  public:
   FloodingServer(std::string first, std::string again)
@@ -335,42 +342,51 @@ class FloodingServer {
   std::thread thread_;
 };
 
-TEST(DicomWeb, HeadersWithoutEndAreRefused) {
+TEST(DicomWeb, RejectsEndlessHeaders) {
   const std::string ok = "HTTP/1.1 200 OK\r\n", line = "X-More: and more\r\n";
-  EXPECT_TRUE(has(error_of(FloodingServer(ok, line).study()).message, "headers have more than"));
-  const std::string carry_on = "HTTP/1.1 100 Continue\r\n\r\n";
   EXPECT_TRUE(
-      has(error_of(FloodingServer(carry_on, carry_on).study()).message, "headers have more than"));
-  // One line without end; the library has a limit of its own.
+      contains(error_of(FloodingServer(ok, line).study()).message, "headers have more than"));
+  const std::string carry_on = "HTTP/1.1 100 Continue\r\n\r\n";
+  EXPECT_TRUE(contains(error_of(FloodingServer(carry_on, carry_on).study()).message,
+                       "headers have more than"));
+  // An endless line, for which libcurl has a limit.
   EXPECT_EQ(error_of(FloodingServer(ok + "X-Long: ", std::string(1000, 'x')).study()).code,
-            ErrorCode::kFileCorrupt);
+            ErrorCode::kConnectionFailed);
 }
 
-TEST(DicomWeb, OtherServersAreDistinguished) {
+TEST(DicomWeb, ReportsServersWithoutDicomWeb) {
   FakeServer server;
   for (const char* const list : {"<html>", "{}", "7", "[[[[", "\"\xff\"", "{\"a\": [1, 2"})
-    EXPECT_TRUE(has((server.list = list, error_of(server.study()).message), "no list in JSON"))
+    EXPECT_TRUE(
+        contains((server.list = list, error_of(server.study()).message), "not a JSON array"))
         << list;
   server.list = std::string(100'000, '[');
-  EXPECT_TRUE(has(error_of(server.study()).message, "no list in JSON"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "not a JSON array"));
   for (const char* const list : {"[]", "[1, null, {}, \"a\"]", "[{\"0020000E\": 7}]",
                                  R"([{"0020000E": {"Value": ["../etc"]}}])"}) {
     server.list = list;
     EXPECT_EQ(error_of(server.study()).code, ErrorCode::kFileNotFound) << list;
   }
   server.list = series_list(6);
-  EXPECT_TRUE(has(error_of(server.study()).message, "status 500"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "status 500"));
   server.images = [](httplib::Response& r) { r.set_content("x", "text/html"); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "not in parts"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "not multipart"));
   server.images = [](httplib::Response& r) { r.set_redirect("/elsewhere"); };
-  EXPECT_TRUE(has(error_of(server.study()).message, "status 302"));
+  EXPECT_TRUE(contains(error_of(server.study()).message, "status 302"));
   // A server without certificate.
   std::string encrypted = server.study();
   encrypted.replace(0, 8, "dicomwebs");
-  EXPECT_TRUE(has(error_of(encrypted).message, "cannot be trusted"));
+  const Error untrusted = error_of(encrypted);
+  EXPECT_EQ(untrusted.code, ErrorCode::kConnectionFailed);
+  EXPECT_TRUE(contains(untrusted.message, "no trusted certificate")) << untrusted.message;
+  // Rejected credentials, from a server without Orthanc.
+  for (const int status : {401, 403}) {
+    server.images = [status](httplib::Response& r) { r.status = status; };
+    EXPECT_EQ(error_of(server.study()).code, ErrorCode::kAccessDenied);
+  }
 }
 
-TEST(DicomWeb, AddressesAreUnderstoodOrRefused) {
+TEST(DicomWeb, RejectsInvalidAddresses) {
   for (const char* const address :
        {"dicomweb://", "dicomweb:///studies/1.2", "dicomweb://h", "dicomweb://h/dicom-web",
         "dicomweb://h/studies/", "dicomweb://h/studies/1.2/series/", "dicomweb://h/studies/1.2x",
@@ -385,19 +401,14 @@ TEST(DicomWeb, AddressesAreUnderstoodOrRefused) {
   EXPECT_FALSE(is_dicomweb("dicomweb") || is_dicomweb("/data/dicomweb://"));
 }
 
-class StopsAtOnce : public Progress {
- public:
-  [[nodiscard]] bool stop_requested() const override { return true; }
-};
-
-TEST(DicomWeb, StopsWhenAsked) {
+TEST(DicomWeb, StopsOnRequest) {
   FakeServer server;
   server.list = series_list(6);
-  StopsAtOnce progress;
+  test::StopAtOnce progress;
   EXPECT_EQ(read_dicomweb(server.study(), {}, 0, progress).error().code, ErrorCode::kCancelled);
 }
 
-/// Is asked to stop once it has been waiting for a while.
+/// Requests a stop after 300 ms.
 class StopsLater : public Progress {
  public:
   [[nodiscard]] bool stop_requested() const override {
@@ -408,14 +419,14 @@ class StopsLater : public Progress {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-TEST(DicomWeb, StopsWhenAskedThoughTheServerSaysNothing) {
+TEST(DicomWeb, StopsOnRequestWhileTheServerIsSilent) {
   std::atomic<bool> is_over{false};
   FakeServer server;
   server.list = series_list(6);
   server.images = [&](httplib::Response&) {
     while (!is_over) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   };
-  StopsLater progress;  // Long before the server would be given up as silent, after 30 s.
+  StopsLater progress;  // Long before the idle timeout of 30 s.
   EXPECT_EQ(read_dicomweb(server.study(), {}, 0, progress).error().code, ErrorCode::kCancelled);
   is_over = true;
 }

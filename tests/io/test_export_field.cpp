@@ -32,7 +32,7 @@ using test::TemporaryFolder;
 constexpr FieldMethod kMethods[] = {FieldMethod::kBricks, FieldMethod::kHybrid,
                                     FieldMethod::kAdaptive, FieldMethod::kUniform};
 
-/// A ball with a cavity: inside and outside beyond the band, and both sides of it.
+/// A ball with a cavity: inside and outside beyond the band, and a band on both sides.
 TriangleMesh hollow_ball() {
   return test::join(test::make_icosphere(20, 3, Vec3(5, -3, 2)),
                     test::turn_inside_out(test::make_icosphere(9, 3, Vec3(5, -3, 2))));
@@ -58,7 +58,7 @@ std::string bytes_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// What the field has at a lattice point.
+/// Returns the field's value at a lattice point.
 class Samples {
  public:
   explicit Samples(const DistanceField& field) : field_(field) {}
@@ -74,7 +74,7 @@ class Samples {
   std::map<LatticePoint, field::SampleBlock> blocks_;
 };
 
-/// A sample as both formats have it, but for what is not known.
+/// Returns the exported value of a sample in both formats, except for unknown samples.
 float exported(float sample, double band_mm) {
   const auto band = float(band_mm);
   if (std::isinf(sample)) return std::copysign(band, sample);
@@ -107,7 +107,7 @@ TEST(ExportField, OpenVdbReadsBackEverySampleBitForBit) {
     }
 }
 
-TEST(ExportField, OpenVdbSeesAValidLevelSetInItsPlace) {
+TEST(ExportField, OpenVdbReadsAValidLevelSetAtItsPosition) {
   const TemporaryFolder folder;
   const DistanceField field = build(hollow_ball(), FieldMethod::kBricks);
   ASSERT_TRUE(export_field(folder / "a.vdb", field));
@@ -115,7 +115,8 @@ TEST(ExportField, OpenVdbSeesAValidLevelSetInItsPlace) {
   EXPECT_EQ(grid->getName(), "distance_mm");
   EXPECT_EQ(grid->getGridClass(), openvdb::GRID_LEVEL_SET);
   EXPECT_EQ(grid->background(), float(field.band_mm()));
-  // All checks but the gradient's, which the ball's middle and the band's edge do not pass.
+  // All checks except that of the gradient, which fails at the center of the ball and at the
+  // boundary of the band.
   EXPECT_EQ(openvdb::tools::checkLevelSet(*grid, 8), "");
   const openvdb::Vec3d first = grid->indexToWorld(openvdb::Coord(0, 0, 0)),
                        next = grid->indexToWorld(openvdb::Coord(1, 2, 3));
@@ -126,7 +127,7 @@ TEST(ExportField, OpenVdbSeesAValidLevelSetInItsPlace) {
   EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("lefort_space")->value(), "LPS");
   EXPECT_EQ(grid->getMetadata<openvdb::StringMetadata>("lefort_closed")->value(), "yes");
 
-  // Where other programs ask: in world coordinates, near the surface and far from it.
+  // Sampling in world coordinates, as other programs do, near the surface and far from it.
   const auto sample = [&](double x) {
     return double(
         openvdb::tools::GridSampler<openvdb::FloatGrid, openvdb::tools::BoxSampler>(*grid).wsSample(
@@ -141,7 +142,7 @@ TEST(ExportField, OpenVdbSeesAValidLevelSetInItsPlace) {
   EXPECT_EQ(sample(500.0), 3.0);  // Beyond the field.
 }
 
-TEST(ExportField, OpenVdbMakesTheSurfaceOfItAgain) {
+TEST(ExportField, OpenVdbReconstructsTheSurface) {
   const TemporaryFolder folder;
   ASSERT_TRUE(export_field(folder / "a.vdb", build(hollow_ball(), FieldMethod::kHybrid)));
   const auto grid = read_vdb(folder / "a.vdb");
@@ -155,7 +156,7 @@ TEST(ExportField, OpenVdbMakesTheSurfaceOfItAgain) {
   }
 }
 
-TEST(ExportField, FarInsideIsTilesNotVoxels) {
+TEST(ExportField, StoresTheInteriorAsTiles) {
   const TemporaryFolder folder;
   const auto solid =
       field::build_distance_field(test::make_icosphere(20, 3), {.resolution = 128, .band_mm = 1.5})
@@ -230,7 +231,7 @@ TEST(ExportField, EqualFieldsGiveEqualNrrdFiles) {
   EXPECT_EQ(bytes_of(folder / "a.nrrd"), bytes_of(folder / "b.nrrd"));
 }
 
-TEST(ExportField, APartIsThatPartOfTheWhole) {
+TEST(ExportField, ExportsARegionOfTheField) {
   const TemporaryFolder folder;
   for (const FieldMethod method : kMethods) {
     const DistanceField field = build(hollow_ball(), method);
@@ -257,7 +258,7 @@ TEST(ExportField, APartIsThatPartOfTheWhole) {
                                       int(std::lround(u.z()))};
               const float wanted = exported(samples.at(p), field.band_mm());
               ASSERT_EQ(float(values[std::size_t(raw.grid.offset(i, j, k))]), wanted);
-              // The same place by OpenVDB's own transform.
+              // The same position by OpenVDB's transform.
               const openvdb::Coord at = grid->transform().worldToIndexCellCentered(
                   openvdb::Vec3d(place.x(), place.y(), place.z()));
               ASSERT_EQ(grid->tree().getValue(at), wanted);
@@ -268,29 +269,29 @@ TEST(ExportField, APartIsThatPartOfTheWhole) {
   }
 }
 
-TEST(ExportField, ADenseVolumeBeyondMemoryIsRefusedWithItsBytes) {
+TEST(ExportField, RejectsADenseVolumeBeyondTheMemoryLimit) {
   const TemporaryFolder folder;
   const DistanceField field = build(hollow_ball(), FieldMethod::kBricks);
   // 65^3 floats, and room for their file.
   const std::uint64_t needed = 2 * 4 * 65 * 65 * 65;
-  const auto refused = export_field(folder / "a.nrrd", field, {.max_bytes = needed - 1});
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
+  const auto rejected = export_field(folder / "a.nrrd", field, {.max_bytes = needed - 1});
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(rejected.error().code, ErrorCode::kOutOfMemory);
   for (const char* part : {"1098500 bytes", "65 x 65 x 65", "--region", "--stride", ".vdb"})
-    EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
+    EXPECT_NE(rejected.error().message.find(part), std::string::npos) << rejected.error().message;
   EXPECT_EQ(folder.entry_count(), 0);
   EXPECT_TRUE(export_field(folder / "a.nrrd", field, {.max_bytes = needed}));
   EXPECT_TRUE(export_field(folder / "b.nrrd", field, {.every = 2, .max_bytes = needed / 7}));
-  EXPECT_TRUE(export_field(folder / "a.vdb", field, {.max_bytes = 1}));  // Is not dense.
+  EXPECT_TRUE(export_field(folder / "a.vdb", field, {.max_bytes = 1}));  // Not dense.
 }
 
-TEST(ExportField, RefusesWhatCannotBeWritten) {
+TEST(ExportField, RejectsInvalidTargetsAndRegions) {
   const TemporaryFolder folder;
   const DistanceField field = build(hollow_ball(), FieldMethod::kBricks);
   EXPECT_EQ(export_field(folder / "a.vti", field).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(export_field(folder / "a.vdb", field, {.every = 0}).error().code,
             ErrorCode::kInvalidArgument);
-  // 3 mm are less than two voxels of three cells.
+  // 3 mm is less than two voxels of three cells.
   const auto coarse = export_field(folder / "a.vdb", field, {.every = 3});
   ASSERT_FALSE(coarse);
   EXPECT_EQ(coarse.error().code, ErrorCode::kInvalidArgument);
@@ -305,23 +306,23 @@ TEST(ExportField, RefusesWhatCannotBeWritten) {
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-TEST(ExportField, VoxelsTooSmallForOpenVdbAreRefused) {
+TEST(ExportField, RejectsVoxelsTooSmallForOpenVdb) {
   const TemporaryFolder folder;
   const auto tiny = field::build_distance_field(test::make_icosphere(6e-4, 2), {.resolution = 128});
   ASSERT_TRUE(tiny) << tiny.error().message;
-  const auto refused = export_field(folder / "a.vdb", *tiny);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_NE(refused.error().message.find("too small for OpenVDB"), std::string::npos);
+  const auto rejected = export_field(folder / "a.vdb", *tiny);
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(rejected.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(rejected.error().message.find("too small for OpenVDB"), std::string::npos);
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-/// Stops at once.
+/// Requests a stop from the beginning.
 struct Impatient : Progress {
   [[nodiscard]] bool stop_requested() const override { return true; }
 };
 
-TEST(ExportField, CanBeStoppedAndLeavesNothing) {
+TEST(ExportField, LeavesNoFileWhenStopped) {
   const TemporaryFolder folder;
   Impatient impatient;
   for (const char* name : {"a.vdb", "a.nrrd"})

@@ -16,7 +16,7 @@ namespace {
 using test::sample_scan;
 using test::TemporaryFolder;
 
-TEST(ImportVolume, KnowsEveryKindOfSource) {
+TEST(ImportVolume, ReadsEveryKindOfSource) {
   const TemporaryFolder folder;
   const auto kind = [&](const char* name) {
     const auto imported = import_volume(folder / name);
@@ -36,16 +36,16 @@ TEST(ImportVolume, KnowsEveryKindOfSource) {
             ErrorCode::kInvalidArgument);
 }
 
-TEST(ImportVolume, RefusesWhatIsMissingOrStrange) {
+TEST(ImportVolume, RejectsMissingAndUnknownSources) {
   const TemporaryFolder folder;
   EXPECT_EQ(import_volume(folder / "none").error().code, ErrorCode::kFileNotFound);
   test::write_bytes(folder / "a.stl", "solid");
   EXPECT_EQ(import_volume(folder / "a.stl").error().code, ErrorCode::kFileUnsupported);
 }
 
-TEST(ImportVolume, NoMessageHasTheNameOfTheScan) {
+TEST(ImportVolume, MessagesDoNotContainTheNameOfTheScan) {
   const TemporaryFolder folder;
-  const auto expect_discreet = [&](const char* ending) {
+  const auto expect_error_without_names = [&](const char* ending) {
     const auto result = import_volume(folder / (std::string("DOE^JANE") + ending));
     ASSERT_FALSE(result) << ending;
     test::expect_one_sentence(result.error().message);
@@ -54,22 +54,22 @@ TEST(ImportVolume, NoMessageHasTheNameOfTheScan) {
   };
   for (const char* const ending :
        {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mha", ".mhd", ".inv3", ".stl", ""}) {
-    expect_discreet(ending);  // Missing.
+    expect_error_without_names(ending);  // Missing.
     test::write_bytes(folder / (std::string("DOE^JANE") + ending), "NRRD0004\nDOE^JANE\n");
-    expect_discreet(ending);
+    expect_error_without_names(ending);
   }
   test::write_gzip(folder / "DOE^JANE.inv3",
                    test::inv3_archive(test::to_xml({.dtype = "float64"}), test::inv3_matrix()));
-  expect_discreet(".inv3");
+  expect_error_without_names(".inv3");
   test::write_gzip(folder / "DOE^JANE.inv3",
                    test::inv3_archive(test::to_xml({}), test::inv3_matrix() + "xx"));
-  expect_discreet(".inv3");
+  expect_error_without_names(".inv3");
   test::write_gzip(folder / "DOE^JANE.inv3", test::tar_member("other", "x"));
-  expect_discreet(".inv3");
+  expect_error_without_names(".inv3");
 }
 
-/// Every way of damaging a file gives an error in one sentence or, where the damage does not
-/// matter, the scan; never a crash, and nothing is printed.
+/// A damaged file gives an error message of one sentence or, if the damage is irrelevant, the scan;
+/// never a crash or terminal output.
 class DamagedScan : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -98,7 +98,7 @@ class DamagedScan : public ::testing::TestWithParam<const char*> {
   }
 
   [[nodiscard]] std::filesystem::path source() const { return folder_ / GetParam(); }
-  /// What is damaged: of a series, one slice.
+  /// The damaged file; for a series, one slice.
   [[nodiscard]] std::filesystem::path file() const {
     return std::filesystem::is_directory(source()) ? source() / "slice-002.dcm" : source();
   }
@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(ImportVolume, DamagedScan,
                            return name;
                          });
 
-TEST_P(DamagedScan, TruncatedAtAnyLengthIsAnErrorOrTheWholeScan) {
+TEST_P(DamagedScan, RejectsTruncationsOrReadsTheWholeScan) {
   int errors = 0;
   for (std::size_t length = 0; length < whole_.size(); length += 1 + length / 60) {
     test::write_bytes(file(), whole_.substr(0, length));
@@ -131,14 +131,14 @@ TEST_P(DamagedScan, TruncatedAtAnyLengthIsAnErrorOrTheWholeScan) {
   EXPECT_GT(errors, 60);
 }
 
-TEST_P(DamagedScan, WithWrongBytesIsAnErrorOrAScan) {
+TEST_P(DamagedScan, RejectsOrReadsWrongBytes) {
   std::mt19937 random(20);
   int errors = 0;
-  // Codecs believe what streams claim of their size, which takes a while.
+  // Codecs trust the size in the stream, which takes time.
   const int attempts = std::string(GetParam()) == "jpeg" ? 40 : 150;
   for (int attempt = 0; attempt < attempts; ++attempt) {
     std::string bytes = whole_;
-    for (int n = 0; n <= attempt % 4; ++n)  // Mostly in the header, where it hurts.
+    for (int n = 0; n <= attempt % 4; ++n)  // Mostly in the header.
       bytes[random() % std::min<std::size_t>(bytes.size(), attempt % 2 == 0 ? 400 : 100'000)] =
           static_cast<char>(random());
     test::write_bytes(file(), bytes);
@@ -150,7 +150,7 @@ TEST_P(DamagedScan, WithWrongBytesIsAnErrorOrAScan) {
   EXPECT_GT(errors, 3);
 }
 
-TEST_P(DamagedScan, ReplacedByGarbageIsAnError) {
+TEST_P(DamagedScan, RejectsGarbage) {
   std::mt19937 random(21);
   for (const std::size_t size : {1U, 100U, 348U, 352U, 1000U, 5000U}) {
     std::string bytes(size, '\0');

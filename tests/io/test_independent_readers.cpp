@@ -1,5 +1,5 @@
-// What we write, read back by ITK, VTK and Python, which know nothing of us. Volume meshes are in
-// test_vtu.cpp, point lists in test_markups_file.cpp, the letter of .seg.nrrd in test_slicer_files.cpp.
+// Written files, read back by ITK, VTK and Python independently of lefort. Volume meshes are in
+// test_vtu.cpp, point lists in test_markups_file.cpp, .seg.nrrd in test_slicer_files.cpp.
 #include <lefort/geometry/rigid_motion.h>
 #include <lefort/io/segmentation_file.h>
 #include <lefort/io/surface_files.h>
@@ -42,7 +42,7 @@ vtkSmartPointer<vtkPolyData> read_by(const std::filesystem::path& path) {
   return reader->GetOutput();
 }
 
-/// Same corners of the same triangles in the same order, however vertices are numbered.
+/// Expects equal triangles in equal order, with any numbering of vertices.
 void expect_same(vtkPolyData& read, const TriangleMesh& written) {
   ASSERT_EQ(read.GetNumberOfPoints(), written.vertex_count());
   ASSERT_EQ(read.GetNumberOfCells(), written.triangle_count());
@@ -115,15 +115,15 @@ TEST(IndependentReaders, ItkReadsVolumesInEveryFormat) {
     const TemporaryFolder folder;
     ASSERT_TRUE(write_volume(folder / name, ct));
     const test::ItkImage read = test::read_itk_image((folder / name).string());
-    expect_grid(read, ct.grid, 1e-5);  // NIfTI holds floats.
+    expect_grid(read, ct.grid, 1e-5);  // NIfTI stores floats.
     ASSERT_EQ(read.values.size(), ct.values.size());
     for (std::size_t v = 0; v < read.values.size(); ++v)
       EXPECT_EQ(read.values[v], double(ct.values[v])) << v;
   }
 }
 
-/// Reads ITK's text by its letter, and prints how 3D Slicer moves a model by it: the inverse of what
-/// the file holds, row by row, in LPS and in RAS.
+/// Reads ITK's text format and prints the motion of a model in 3D Slicer: the inverse of the file's
+/// transform, row by row, in LPS and in RAS.
 constexpr const char* kReadTransform = R"py(
 import sys
 lines = open(sys.argv[1]).read().splitlines()
@@ -152,7 +152,7 @@ TEST(IndependentReaders, PythonReadsATransformInLpsAndRas) {
   ASSERT_TRUE(write_transform(folder / "move.tfm", X_L));
   const auto [ran, out] = test::run_python(kReadTransform, (folder / "move.tfm").string());
   ASSERT_TRUE(ran) << out;
-  // A point p_R = F p_L in RAS goes to F X F p_R.
+  // A point p_R = F p_L in RAS moves to F X F p_R.
   const Mat3 F = Vec3(-1.0, -1.0, 1.0).asDiagonal();
   RigidTransform X_R = X_L;
   X_R.linear() = F * X_L.linear() * F;

@@ -14,8 +14,8 @@ namespace {
 using test::Inv3Plist;
 using test::TemporaryFolder;
 
-std::string complaint(const Inv3Plist& plist, ErrorCode code,
-                      const std::string& matrix = test::inv3_matrix()) {
+std::string inv3_error(const Inv3Plist& plist, ErrorCode code,
+                       const std::string& matrix = test::inv3_matrix()) {
   const TemporaryFolder folder;
   test::write_gzip(folder / "a.inv3", test::inv3_archive(test::to_xml(plist), matrix));
   const auto result = read_inv3(folder / "a.inv3");
@@ -45,7 +45,7 @@ TEST(Laterality, Inv3RowsAreReversedAndColumnsAreNot) {
   EXPECT_TRUE(found->warnings.empty());
 }
 
-/// The one real patient everybody has: bone of the forehead is missing on the right.
+/// A public scan of a patient: bone of the forehead is missing on the right.
 TEST(Laterality, TheFrontalDefectOfCraniumIsOnThePatientsRight) {
   const std::filesystem::path& file = test::real_scan();
   const auto found = read_inv3(file);
@@ -68,7 +68,7 @@ TEST(Inv3, ReadsAnArchiveThatIsNotGzipped) {
   ASSERT_TRUE(read_inv3(folder / "a.inv3"));
 }
 
-TEST(Inv3, PassesOverEntriesThatOnlyLookLikeTheProject) {
+TEST(Inv3, IgnoresEntriesThatOnlyResembleTheProject) {
   const TemporaryFolder folder;
   test::write_gzip(folder / "a.inv3",
                    test::tar_member("tmpabc/main.plist/", "", '5') +
@@ -78,7 +78,7 @@ TEST(Inv3, PassesOverEntriesThatOnlyLookLikeTheProject) {
   ASSERT_TRUE(found) << found.error().message;
 }
 
-TEST(Inv3, WarnsOfSlicesThatWereNotAxial) {
+TEST(Inv3, WarnsOfSlicesThatAreNotAxial) {
   const TemporaryFolder folder;
   test::write_gzip(folder / "a.inv3",
                    test::inv3_archive(test::to_xml({.orientation = "2"}), test::inv3_matrix()));
@@ -87,26 +87,26 @@ TEST(Inv3, WarnsOfSlicesThatWereNotAxial) {
   EXPECT_NE(found->warnings[0].find("left and right"), std::string::npos);
 }
 
-TEST(Inv3, RefusesWhatThePlistGetsWrong) {
+TEST(Inv3, RejectsAnInvalidPlist) {
   const auto corrupt = ErrorCode::kFileCorrupt;
-  complaint({.shape = {"2", "3"}}, corrupt);
-  complaint({.shape = {"2", "x", "4"}}, corrupt);
-  complaint({.shape = {"0", "3", "4"}}, corrupt);
-  complaint({.shape = {"-2", "-3", "4"}}, corrupt);
-  complaint({.shape = {"99999999999", "99999999999", "99999999999"}}, corrupt);
-  complaint({.shape = {"2", "3", "5"}}, corrupt);           // More than matrix.dat holds.
-  complaint({.shape = {"2", "3", "3"}}, corrupt);           // Less.
-  complaint({.shape = {"1000", "1000", "1000"}}, corrupt);  // Far more.
-  complaint({.spacing = {"0.5", "nan", "1"}}, corrupt);
-  complaint({.spacing = {"0.5", "0", "1"}}, corrupt);
-  complaint({.filename = ""}, corrupt);
-  complaint({.filename = "../../etc/passwd"}, corrupt);
-  complaint({.filename = "other.dat"}, corrupt);
-  complaint({.dtype = "float64"}, ErrorCode::kFileUnsupported);
-  complaint({.modality = "MRI"}, ErrorCode::kFileUnsupported);
+  inv3_error({.shape = {"2", "3"}}, corrupt);
+  inv3_error({.shape = {"2", "x", "4"}}, corrupt);
+  inv3_error({.shape = {"0", "3", "4"}}, corrupt);
+  inv3_error({.shape = {"-2", "-3", "4"}}, corrupt);
+  inv3_error({.shape = {"99999999999", "99999999999", "99999999999"}}, corrupt);
+  inv3_error({.shape = {"2", "3", "5"}}, corrupt);           // More than matrix.dat contains.
+  inv3_error({.shape = {"2", "3", "3"}}, corrupt);           // Less.
+  inv3_error({.shape = {"1000", "1000", "1000"}}, corrupt);  // Far more.
+  inv3_error({.spacing = {"0.5", "nan", "1"}}, corrupt);
+  inv3_error({.spacing = {"0.5", "0", "1"}}, corrupt);
+  inv3_error({.filename = ""}, corrupt);
+  inv3_error({.filename = "../../etc/passwd"}, corrupt);
+  inv3_error({.filename = "other.dat"}, corrupt);
+  inv3_error({.dtype = "float64"}, ErrorCode::kFileUnsupported);
+  inv3_error({.modality = "MRI"}, ErrorCode::kFileUnsupported);
 }
 
-TEST(Inv3, RefusesFilesThatAreNoProject) {
+TEST(Inv3, RejectsFilesThatAreNotProjects) {
   const TemporaryFolder folder;
   EXPECT_EQ(read_inv3(folder / "none").error().code, ErrorCode::kFileNotFound);
   for (const std::string& bytes :
@@ -119,9 +119,9 @@ TEST(Inv3, RefusesFilesThatAreNoProject) {
   }
 }
 
-TEST(Inv3, AnEntryThatClaimsToBeHugeCostsNothing) {
+TEST(Inv3, AllocatesNothingForAFalseEntrySize) {
   const TemporaryFolder folder;
-  const auto complaint = [&](const std::string& name, std::uint64_t claimed_bytes) {
+  const auto entry_error = [&](const std::string& name, std::uint64_t claimed_bytes) {
     test::write_gzip(folder / "a.inv3",
                      test::tar_member("main.plist", test::to_xml({})) +
                          test::tar_member(name, test::inv3_matrix(), '0', claimed_bytes));
@@ -129,22 +129,22 @@ TEST(Inv3, AnEntryThatClaimsToBeHugeCostsNothing) {
     return result ? std::string("read") : result.error().message;
   };
   constexpr std::uint64_t kGib = std::uint64_t{1} << 30;
-  // Of the voxels no more than the shape needs, of all else no more than 8 GiB are gone through.
-  EXPECT_EQ(complaint("matrix.dat", 8 * kGib - 1),
+  // Entries of voxels may be as large as the shape requires, all others at most 8 GiB.
+  EXPECT_EQ(entry_error("matrix.dat", 8 * kGib - 1),
             "matrix.dat in the archive has 8589934591 bytes, expected at most 48");
-  EXPECT_EQ(complaint("matrix.dat", 49),
+  EXPECT_EQ(entry_error("matrix.dat", 49),
             "matrix.dat in the archive has 49 bytes, expected at most 48");
-  EXPECT_EQ(complaint("mask.dat", 8 * kGib - 1), "the archive is truncated or damaged");
+  EXPECT_EQ(entry_error("mask.dat", 8 * kGib - 1), "the archive is truncated or damaged");
   std::string wrong = test::tar_member("matrix.dat", test::inv3_matrix());
-  wrong.replace(124, 11, "00000000061");  // The checksum no longer fits.
+  wrong.replace(124, 11, "00000000061");  // The checksum is now wrong.
   test::write_gzip(folder / "a.inv3", test::tar_member("main.plist", test::to_xml({})) + wrong);
-  EXPECT_NE(read_inv3(folder / "a.inv3").error().message.find("damaged one"), std::string::npos);
+  EXPECT_NE(read_inv3(folder / "a.inv3").error().message.find("is damaged"), std::string::npos);
   const std::string entry = test::tar_member("main.plist", std::string(2 << 20, ' '));
   test::write_gzip(folder / "a.inv3", entry);
   EXPECT_NE(read_inv3(folder / "a.inv3").error().message.find("2097152 bytes"), std::string::npos);
 }
 
-TEST(Plist, GivesLeavesByTheirPlace) {
+TEST(Plist, ReturnsLeavesByPath) {
   const auto leaves = read_plist(
       "<plist><dict><key>a</key><integer>7</integer><key>b</key><array><string>x</string>"
       "<dict><key>c</key><real>1.5</real></dict></array><key>t</key><true/></dict></plist>");
@@ -152,7 +152,7 @@ TEST(Plist, GivesLeavesByTheirPlace) {
   EXPECT_EQ(*leaves, (FlatPlist{{"a", "7"}, {"b/0", "x"}, {"b/1/c", "1.5"}, {"t", ""}}));
 }
 
-TEST(Plist, RefusesEntitiesDepthSizeAndDamage) {
+TEST(Plist, RejectsEntitiesDepthSizeAndDamage) {
   std::string deep, many = "<plist><array>";
   for (int n = 0; n < 100'000; ++n) deep += "<array>";
   for (int n = 0; n < 20'000; ++n) many += "<integer>1</integer>";

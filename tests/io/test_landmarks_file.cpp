@@ -14,7 +14,7 @@ namespace {
 const plan::Landmarks kSome{
     {"N", {0.1, -20.3, 1e-3}}, {"Or-R", {-30, 1.0 / 3.0, 2}}, {"screw, \"third\"", {1, 2, 3}}};
 
-TEST(LandmarksFile, ComeBackWithTheSameBits) {
+TEST(LandmarksFile, PreservesEveryBit) {
   const test::TemporaryFolder folder;
   for (const char* name : {"l.csv", "l.mrk.json"}) {
     ASSERT_TRUE(write_landmarks(folder / name, kSome)) << name;
@@ -41,7 +41,7 @@ TEST(LandmarksFile, PythonsCsvReadsTheTable) {
   EXPECT_TRUE(ran) << out;
 }
 
-TEST(LandmarksFile, SlicersTablesAreReadInEitherSystem) {
+TEST(LandmarksFile, ReadsSlicerTablesInLpsAndRas) {
   const auto lps = parse_landmark_table(
       "label,l,p,s,defined,selected,visible,locked,description\nN,1,2,3,1,1,1,0,\nA,0,0,0,0,1,1,0,"
       "\n");
@@ -53,7 +53,7 @@ TEST(LandmarksFile, SlicersTablesAreReadInEitherSystem) {
   EXPECT_EQ((*ras)[0].point_L, Vec3(-1, -2, 3));
 }
 
-TEST(LandmarksFile, RefusesWhatIsNoTableAndNamesTheLine) {
+TEST(LandmarksFile, RejectsInvalidTablesAndNamesTheLine) {
   struct Case {
     const char* text;
     const char* words;
@@ -63,11 +63,11 @@ TEST(LandmarksFile, RefusesWhatIsNoTableAndNamesTheLine) {
             {"N,1,2,3\n", "line 1 must name the columns"},
             {"name,x_mm,y_mm,z_mm\nN\a,1,2,3\n", "landmark 1 has a name with control characters"},
             {"name,x_mm,y_mm\nN,1,2\n", "line 1 must name the columns"},
-            {"name,x_mm,y_mm,z_mm\nN,1,2\n", "line 2 has 3 fields, must have 4"},
+            {"name,x_mm,y_mm,z_mm\nN,1,2\n", "line 2 has 3 fields, expected 4"},
             {"name,x_mm,y_mm,z_mm\nN,1,nan,2\n", "line 2: 'nan' is not a finite number"},
             {"name,x_mm,y_mm,z_mm\n\"N,1,1,2\n", "line 2: a quote is not closed"},
-            {"name,x_mm,y_mm,z_mm\nN,1,1,2\nN,1,1,2\n", "landmark N stands twice"},
-            {"name,x_mm,y_mm,z_mm\nN,1,1,2e9\n", "landmark N lies beyond"}}}) {
+            {"name,x_mm,y_mm,z_mm\nN,1,1,2\nN,1,1,2\n", "landmark N is repeated"},
+            {"name,x_mm,y_mm,z_mm\nN,1,1,2e9\n", "landmark N is beyond"}}}) {
     const auto read = parse_landmark_table(c.text);
     ASSERT_FALSE(read) << c.words;
     EXPECT_EQ(read.error().code, ErrorCode::kFileCorrupt);
@@ -75,7 +75,7 @@ TEST(LandmarksFile, RefusesWhatIsNoTableAndNamesTheLine) {
   }
 }
 
-TEST(LandmarksFile, AnotherEndingIsRefusedAndNothingIsWritten) {
+TEST(LandmarksFile, RejectsAnotherEndingAndWritesNothing) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(write_landmarks(folder / "l.fcsv", kSome).error().code, ErrorCode::kFileUnsupported);
   EXPECT_EQ(read_landmarks(folder / "l.json").error().code, ErrorCode::kFileUnsupported);

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// As Slicer 5 writes a point list, shortened.
+/// A point list of Slicer 5, shortened.
 Json slicer_points(const char* system) {
   Json json = Json::parse(R"({
     "@schema": "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#",
@@ -31,7 +31,7 @@ Json slicer_points(const char* system) {
   return json;
 }
 
-TEST(MarkupsFile, LpsIsTakenAsItIsAndRasIsTurned) {
+TEST(MarkupsFile, ReadsLpsAndConvertsRas) {
   const auto lps = parse_markups(slicer_points("LPS").dump());
   ASSERT_TRUE(lps) << lps.error().message;
   ASSERT_EQ(lps->size(), 1U);
@@ -47,7 +47,7 @@ TEST(MarkupsFile, LpsIsTakenAsItIsAndRasIsTurned) {
   EXPECT_EQ(parse_markups(silent.dump()).value()[0].points[0].point_L, Vec3(10.5, -20.25, 30.125));
 }
 
-TEST(MarkupsFile, UnitsAreReadOrRefused) {
+TEST(MarkupsFile, ReadsOrRejectsUnits) {
   Json json = slicer_points("LPS");
   json["markups"][0]["coordinateUnits"] = {"um", "UCUM", "micrometer"};
   EXPECT_EQ(parse_markups(json.dump()).value()[0].points[1].point_L, Vec3(1, 2, 3) * 1e-3);
@@ -58,7 +58,7 @@ TEST(MarkupsFile, UnitsAreReadOrRefused) {
   EXPECT_NE(inches.error().message.find("markups[0].coordinateUnits"), std::string::npos);
 }
 
-TEST(MarkupsFile, RefusesWhatIsNoMarkupAndNamesTheKey) {
+TEST(MarkupsFile, RejectsInvalidMarkupsAndNamesTheKey) {
   const auto refuse = [](const std::string& text, const std::string& words) {
     const auto markups = parse_markups(text);
     ASSERT_FALSE(markups) << words;
@@ -81,7 +81,7 @@ TEST(MarkupsFile, RefusesWhatIsNoMarkupAndNamesTheKey) {
   refuse(json.dump(), "type");
 }
 
-TEST(MarkupsFile, PythonReadsWhatWeWrite) {
+TEST(MarkupsFile, PythonReadsTheWrittenFile) {
   const test::TemporaryFolder folder;
   const plan::Landmarks points{{"A", {0.1, -20.3, 1e-3}}, {"quote \" and é", {1, 2, 3}}};
   ASSERT_TRUE(write_point_list(folder / "p.mrk.json", "landmarks", points));
@@ -108,7 +108,7 @@ TEST(MarkupsFile, MessagesNameTheFile) {
             std::string::npos);
 }
 
-TEST(MarkupsFile, APlaneIsToldByItsCenterNormalAndSize) {
+TEST(MarkupsFile, ReadsCenterNormalAndSizeOfAPlane) {
   const auto markups = parse_markups(R"({"markups": [{"type": "Plane", "coordinateSystem": "RAS",
     "center": [10, 20, 30], "normal": [0, 0, 5], "size": [8, 6, 0],
     "orientation": [0, -1, 0, 1, 0, 0, 0, 0, 1]}]})");
@@ -122,7 +122,7 @@ TEST(MarkupsFile, APlaneIsToldByItsCenterNormalAndSize) {
   EXPECT_EQ(plane->height_mm, 6.0);
 }
 
-TEST(MarkupsFile, AWidthThatIsNotToldLiesInThePlane) {
+TEST(MarkupsFile, ChoosesAnUnknownWidthDirectionInThePlane) {
   const auto markups = parse_markups(
       R"({"markups": [{"type": "Plane", "center": [0, 0, 0], "normal": [1, 2, 3]}]})");
   ASSERT_TRUE(markups) << markups.error().message;
@@ -133,7 +133,7 @@ TEST(MarkupsFile, AWidthThatIsNotToldLiesInThePlane) {
   EXPECT_EQ(plane->width_mm, 0.0);
 }
 
-TEST(MarkupsFile, APlaneWithoutANormalIsRefused) {
+TEST(MarkupsFile, RejectsAPlaneWithoutANormal) {
   for (const char* normal : {"[0, 0, 0]", "[0, 0]", "\"up\"", "[1e300, 0, 0]"}) {
     const auto markups = parse_markups(
         std::string(R"({"markups": [{"type": "Plane", "center": [0, 0, 0], "normal": )") + normal +

@@ -39,7 +39,7 @@ const std::string kBody =
     "--b0\r\nContent-Type: application/dicom\r\nContent-Length: 9\r\n\r\n\r\n--bx\r\n"
     "\r\n--b0  \r\n\r\nsecond\r\n--b\r\n--b0\r\nA: b\r\n\r\n\r\n--b0--\r\nepilogue";
 
-TEST(Multipart, IsCutAtItsBoundariesHoweverItArrives) {
+TEST(Multipart, SplitsAtBoundariesForAnyPieces) {
   for (std::size_t piece = 1; piece <= kBody.size(); ++piece) {
     const Read found = read(kBody, piece);
     ASSERT_TRUE(found.ok && found.complete) << piece;
@@ -48,7 +48,7 @@ TEST(Multipart, IsCutAtItsBoundariesHoweverItArrives) {
   }
 }
 
-TEST(Multipart, KeepsEveryByteOfAPart) {
+TEST(Multipart, PreservesEveryByteOfAPart) {
   std::mt19937 random(7);
   for (int round = 0; round < 200; ++round) {
     std::vector<std::string> parts(1 + random() % 4);
@@ -63,13 +63,13 @@ TEST(Multipart, KeepsEveryByteOfAPart) {
     ASSERT_TRUE(found.ok && found.complete) << round;
     EXPECT_EQ(found.parts, parts) << round;
     EXPECT_EQ(found.ended, parts.size());
-    // Cut off anywhere, it is not complete.
+    // A truncated body is not complete.
     const std::string cut = body.substr(0, random() % body.size());
     EXPECT_FALSE(read(cut, 17).complete) << round;
   }
 }
 
-TEST(Multipart, WhateverComesIsAResult) {
+TEST(Multipart, ReturnsAResultForAnyInput) {
   std::mt19937 random(11);
   for (int round = 0; round < 20'000; ++round) {
     std::string body = kBody;
@@ -87,7 +87,7 @@ TEST(Multipart, WhateverComesIsAResult) {
   }
 }
 
-TEST(Multipart, RefusesEndlessHeadersAndWhatHasNoParts) {
+TEST(Multipart, RejectsEndlessHeadersAndBodiesWithoutParts) {
   EXPECT_FALSE(read("--b0\r\n" + std::string(100'000, 'x'), 1000).ok);
   EXPECT_FALSE(read("--b0\r\n" + std::string(100'000, 'x') + "\r\n\r\nbody", 1 << 20).ok);
   EXPECT_FALSE(read(std::string(100'000, 'x'), 1000).ok);
@@ -97,7 +97,7 @@ TEST(Multipart, RefusesEndlessHeadersAndWhatHasNoParts) {
   EXPECT_TRUE(read("--b0--", 1).complete);
 }
 
-TEST(Multipart, TheBoundaryIsFoundInTheContentType) {
+TEST(Multipart, FindsTheBoundaryInTheContentType) {
   EXPECT_EQ(multipart_boundary("multipart/related; boundary=abc"), "abc");
   EXPECT_EQ(multipart_boundary("Multipart/Related; type=\"application/dicom; boundary=x\"; "
                                "Boundary=\"a b;c\"; start=1"),

@@ -5,7 +5,7 @@
 namespace lefort::io {
 namespace {
 
-TEST(PointTable, TakesCommasSpacesHeadingsAndComments) {
+TEST(PointTable, ReadsCommasSpacesHeadingsAndComments) {
   const auto points =
       parse_points("x,y,z\n# note\n1,2,3\n  4 5\t6  extra\r\n\n-1e-3;+2;.5,more\n").value();
   ASSERT_EQ(points.size(), 3U);
@@ -14,7 +14,7 @@ TEST(PointTable, TakesCommasSpacesHeadingsAndComments) {
   EXPECT_EQ(points[2], Vec3(-1e-3, 2.0, 0.5));
 }
 
-TEST(PointTable, NamesTheLineThatIsNoPoint) {
+TEST(PointTable, NamesTheLineWithoutPoint) {
   for (const char* text : {"1 2 3\n4 5\n", "1 2 3\n1 2 nan\n", "1 2 3\nx y z\n", "1 2 3\n1 2 3a\n",
                            "1 2 3\n1e999 0 0\n"}) {
     const auto points = parse_points(text);
@@ -24,7 +24,7 @@ TEST(PointTable, NamesTheLineThatIsNoPoint) {
   }
 }
 
-TEST(PointTable, RefusesATableWithoutPoints) {
+TEST(PointTable, RejectsATableWithoutPoints) {
   EXPECT_FALSE(parse_points(""));
   EXPECT_FALSE(parse_points("x y z\n"));
   EXPECT_EQ(read_points("/nonexistent.csv").error().code, ErrorCode::kFileNotFound);

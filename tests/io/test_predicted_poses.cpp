@@ -34,10 +34,10 @@ TEST(PredictedPoses, AreThoseOfEachSegment) {
 TEST(PredictedPoses, OfAnotherVersionAskForANewPrediction) {
   json old = document();
   old["lefort_prediction"] = 1;
-  const auto refused = predicted_poses(old, old["steps"][0]);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kFileUnsupported);
-  EXPECT_EQ(refused.error().message,
+  const auto rejected = predicted_poses(old, old["steps"][0]);
+  ASSERT_FALSE(rejected);
+  EXPECT_EQ(rejected.error().code, ErrorCode::kFileUnsupported);
+  EXPECT_EQ(rejected.error().message,
             "the prediction was written by another version of the program: predict again");
 }
 
@@ -50,9 +50,9 @@ TEST(PredictedPoses, DamagedOnesAreRefused) {
         R"([{"op": "replace", "path": "/steps/0/segments/0/pose_4x4_row_major_mm_lps/1",
              "value": -2}])"}) {
     const json damaged = document().patch(json::parse(patch));
-    const auto refused = predicted_poses(damaged, damaged["steps"][0]);
-    ASSERT_FALSE(refused) << patch;
-    EXPECT_EQ(refused.error().code, ErrorCode::kFileCorrupt) << patch;
+    const auto rejected = predicted_poses(damaged, damaged["steps"][0]);
+    ASSERT_FALSE(rejected) << patch;
+    EXPECT_EQ(rejected.error().code, ErrorCode::kFileCorrupt) << patch;
   }
 }
 

@@ -196,7 +196,7 @@ TEST(SchemaDefaults, OfADeckAreThoseOfTheProgram) {
        {"/steps/initial_increment", deck.steps.first_increment},
        {"/steps/min_increment", deck.steps.min_increment},
        {"/steps/max_increment", deck.steps.max_increment},
-       {"/steps/growth_factor", deck.steps.growth},
+       {"/steps/growth_factor", deck.steps.growth_factor},
        {"/steps/target_iterations", deck.steps.target_iterations},
        {"/steps/max_attempts", deck.steps.max_attempts},
        {"/steps/times", deck.times},

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "io/sample_labels.h"
 #include "io/sample_scan.h"
 #include "support/temporary_folder.h"
 
@@ -12,17 +13,11 @@ namespace {
 using anatomy::LabelMap;
 using anatomy::Tissue;
 using test::bytes_of;
+using test::sample_labels;
 using test::TemporaryFolder;
 using test::write_bytes;
 
-LabelMap sample_labels() {
-  LabelMap labels{test::sample_scan(test::oblique()).grid, {}};
-  for (Index n = 0; n < labels.grid.voxel_count(); ++n)
-    labels.values.push_back(static_cast<Tissue>((n * n / 7) % 8));
-  return labels;
-}
-
-TEST(SegmentationFile, GivesBackEveryLabel) {
+TEST(SegmentationFile, ReadsBackEveryLabel) {
   const TemporaryFolder folder;
   const LabelMap labels = sample_labels();
   ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", labels));
@@ -44,7 +39,7 @@ TEST(SegmentationFile, EqualLabelsGiveEqualBytes) {
   EXPECT_EQ(bytes_of(folder / "a.seg.nrrd"), bytes_of(folder / "b.seg.nrrd"));
 }
 
-TEST(SegmentationFile, HasTheHeaderThatSlicerReads) {
+TEST(SegmentationFile, WritesTheHeaderThatSlicerReads) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", sample_labels()));
   const std::string bytes = bytes_of(folder / "a.seg.nrrd");
@@ -77,7 +72,7 @@ TEST(SegmentationFile, HasTheHeaderThatSlicerReads) {
   EXPECT_EQ(header.find("Segment7"), std::string::npos);
 }
 
-/// A file as Slicer writes it: two layers first in the list, its own label values, cropped.
+/// A file of Slicer: layers first in the list, its own label values, cropped.
 std::string slicer_file(const std::string& more, const std::string& voxels) {
   return "NRRD0004\n# Complete NRRD file format specification at:\ntype: unsigned char\n"
          "dimension: 4\nspace: left-posterior-superior\nsizes: 2 2 2 1\n"
@@ -93,7 +88,7 @@ const std::string kSlicerSegments =
     "Segment2_LabelValue:=2\nSegment2_Layer:=0\n"
     "Segmentation_ReferenceImageExtentOffset:=2 1 2\n";
 
-TEST(SegmentationFile, ReadsWhatSlicerWritesByNameLayerAndCrop) {
+TEST(SegmentationFile, ReadsSlicerFilesByNameLayerAndCrop) {
   const TemporaryFolder folder;
   // Voxel by voxel, layer 0 and layer 1: soft tissue; tumour; bone over soft tissue; nothing.
   write_bytes(folder / "a.seg.nrrd",
@@ -115,7 +110,7 @@ TEST(SegmentationFile, ReadsWhatSlicerWritesByNameLayerAndCrop) {
   EXPECT_EQ(std::count(whole->values.begin(), whole->values.end(), Tissue::kBackground), 58);
 }
 
-TEST(SegmentationFile, ReadsTheOldFormOfOneLayerPerSegment) {
+TEST(SegmentationFile, ReadsTheOldFormatWithOneLayerPerSegment) {
   const TemporaryFolder folder;
   write_bytes(folder / "a.seg.nrrd", slicer_file("Segment0_ID:=a\nSegment0_Name:=airway\n"
                                                  "Segment1_ID:=b\nSegment1_Name:=bone\n",
@@ -127,7 +122,7 @@ TEST(SegmentationFile, ReadsTheOldFormOfOneLayerPerSegment) {
   EXPECT_EQ(part->values, wanted);
 }
 
-/// One segment a layer, with one of them in each of the four voxels.
+/// One segment per layer, one in each of the four voxels.
 std::vector<Tissue> tissues_of(const std::string& first, const std::string& second,
                                const std::string& voxels = std::string("\1\0\0\1\1\1\0\0", 8)) {
   const TemporaryFolder folder;
@@ -138,7 +133,7 @@ std::vector<Tissue> tissues_of(const std::string& first, const std::string& seco
   return part ? part->values : std::vector<Tissue>();
 }
 
-TEST(SegmentationFile, MuscleIsKnownByAWordOfItsNameOrByItsTerminology) {
+TEST(SegmentationFile, RecognizesMuscleByNameOrTerminology) {
   const std::string soft = "Segment1_Name:=soft tissue\n";
   const auto tags = [](const std::string& type) {
     return "Segment0_Tags:=Segmentation.Status:inprogress|TerminologyEntry:Segmentation category "
@@ -160,12 +155,12 @@ TEST(SegmentationFile, MuscleIsKnownByAWordOfItsNameOrByItsTerminology) {
         "Segment0_Name:=a\n" + tags("SCT^85756007^Tissue"),
         std::string("Segment0_Name:=a\nSegment0_Tags:=TerminologyEntry:muscle\n")})
     EXPECT_EQ(tissues_of(name, soft), none) << name;
-  // A name that is known counts more than the terminology.
+  // A known name takes precedence over the terminology.
   EXPECT_EQ(tissues_of("Segment0_Name:=airway\n" + tags("SCT^71616004^Muscle"), soft)[0],
             Tissue::kAirway);
 }
 
-TEST(SegmentationFile, MuscleWinsOverSoftTissueAndNothingElseWhateverTheLayers) {
+TEST(SegmentationFile, MuscleTakesPrecedenceOverSoftTissueOnly) {
   const auto both = [](const std::string& other, Tissue tissue) {
     const std::string a = "Segment0_Name:=", b = "Segment1_Name:=";
     const Tissue above = tissues_of(a + other + "\n", b + "muscle\n")[2];
@@ -181,7 +176,7 @@ TEST(SegmentationFile, MuscleWinsOverSoftTissueAndNothingElseWhateverTheLayers) 
   both("brain", Tissue::kBrain);
 }
 
-TEST(SegmentationFile, ReportsOfVoxelsWhoseSegmentIsNoTissue) {
+TEST(SegmentationFile, ReportsSegmentsWithoutTissueName) {
   const TemporaryFolder folder;
   class Notes : public Progress {
    public:
@@ -193,11 +188,11 @@ TEST(SegmentationFile, ReportsOfVoxelsWhoseSegmentIsNoTissue) {
   const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
   ASSERT_TRUE(read_segmentation(folder / "a.seg.nrrd", scan, notes));
   EXPECT_EQ(notes.sentences,
-            std::vector<std::string>{"warning: segmentation: no tissue is called \"tumour\": its "
-                                     "voxels count as not painted"});
+            std::vector<std::string>{"warning: segmentation: no tissue is named \"tumour\": its "
+                                     "voxels count as unpainted"});
 }
 
-TEST(SegmentationFile, RefusesLabelsThatLieBetweenTheVoxelsOfTheScan) {
+TEST(SegmentationFile, RejectsLabelsBetweenTheVoxelsOfTheScan) {
   const TemporaryFolder folder;
   write_bytes(folder / "a.seg.nrrd", slicer_file(kSlicerSegments, std::string(8, '\1')));
   const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
@@ -214,7 +209,7 @@ TEST(SegmentationFile, RefusesLabelsThatLieBetweenTheVoxelsOfTheScan) {
   }
 }
 
-TEST(SegmentationFile, RefusesLabelsBesideTheScanAndReportsOfThoseThatReachBeyondIt) {
+TEST(SegmentationFile, RejectsLabelsOutsideTheScanAndReportsPartialOverlap) {
   const TemporaryFolder folder;
   const image::Grid scan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
   class Notes : public Progress {
@@ -234,21 +229,21 @@ TEST(SegmentationFile, RefusesLabelsBesideTheScanAndReportsOfThoseThatReachBeyon
   image::Grid narrow = scan;
   narrow.size[0] = 3;
   EXPECT_EQ(code(narrow), ErrorCode::kNotConverged);
-  EXPECT_EQ(notes.sentences,
-            std::vector<std::string>{
-                "50 % of the labelled voxels lie outside the scan and are left out"});
+  EXPECT_EQ(
+      notes.sentences,
+      std::vector<std::string>{"50 % of the labeled voxels are outside the scan and are omitted"});
   image::Grid beside = scan;
   beside.origin_L.x() += 5.0;
   EXPECT_EQ(code(beside), ErrorCode::kFileCorrupt);
-  // Nothing but background within.
+  // Only background inside.
   write_bytes(folder / "a.seg.nrrd", slicer_file(kSlicerSegments, std::string(8, '\0')));
   EXPECT_EQ(code(scan), ErrorCode::kFileCorrupt);
 }
 
-/// On the four voxels of slicer_file(), which lie at (2, 1, 2) to (3, 2, 2) of it.
+/// A grid in which the four voxels of slicer_file() are (2, 1, 2) to (3, 2, 2).
 const image::Grid kScan{.size = {5, 4, 3}, .spacing_mm = {0.5, 0.5, 2}, .origin_L = {10, 20, 30}};
 
-TEST(SegmentationFile, BoundaryLabelsAreReadByNameOnTheScan) {
+TEST(SegmentationFile, ReadsBoundaryLabelsByNameOnTheScan) {
   using predict::BoundaryLabel;
   const TemporaryFolder folder;
   write_bytes(folder / "a.seg.nrrd",
@@ -267,7 +262,7 @@ TEST(SegmentationFile, BoundaryLabelsAreReadByNameOnTheScan) {
   EXPECT_EQ(std::count(painted->values.begin(), painted->values.end(), BoundaryLabel::kNone), 57);
 }
 
-TEST(SegmentationFile, BoundaryLabelsOfAPartOfTheScanComeBackOnTheScan) {
+TEST(SegmentationFile, ReadsBoundaryLabelsOfAPartOfTheScan) {
   using predict::BoundaryLabel;
   const TemporaryFolder folder;
   predict::BoundaryLabelMap part{kScan, {}};
@@ -289,10 +284,10 @@ TEST(SegmentationFile, BoundaryLabelsOfAPartOfTheScanComeBackOnTheScan) {
   EXPECT_FALSE(write_boundary_labels(folder / "a.nrrd", part));
 }
 
-TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {
+TEST(SegmentationFile, RejectsUnknownBoundaryLabelsAndThoseOfAnotherScan) {
   const TemporaryFolder folder;
-  const auto refusal = [&](const std::string& segments, const image::Grid& grid = kScan,
-                           char voxel = '\1') {
+  const auto error_message = [&](const std::string& segments, const image::Grid& grid = kScan,
+                                 char voxel = '\1') {
     write_bytes(folder / "a.seg.nrrd", slicer_file(segments, std::string(8, voxel)));
     const auto result = read_boundary_labels(folder / "a.seg.nrrd", grid);
     if (result) return std::string("read");
@@ -300,22 +295,24 @@ TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {
     return result.error().message;
   };
   const std::string fixed = "Segment0_ID:=a\nSegment0_Name:=fixed\n";
-  EXPECT_EQ(refusal(fixed), "read");
-  EXPECT_EQ(refusal(fixed + "Segment1_ID:=b\nSegment1_Name:=Sliding\n"),
-            "boundary.labels: segment 1 is called \"Sliding\", expected fixed, free, slides or "
+  EXPECT_EQ(error_message(fixed), "read");
+  EXPECT_EQ(error_message(fixed + "Segment1_ID:=b\nSegment1_Name:=Sliding\n"),
+            "boundary.labels: segment 1 is named \"Sliding\", expected fixed, free, slides or "
             "with segment");
-  EXPECT_NE(refusal("Segment0_ID:=a\\nb" + std::string(5000, 'c') + "\n").find("bccc"),
+  EXPECT_NE(error_message("Segment0_ID:=a\\nb" + std::string(5000, 'c') + "\n").find("bccc"),
             std::string::npos);
-  EXPECT_NE(refusal("Segment0_ID:=Segment_1\n").find("\"Segment_1\""), std::string::npos);
-  EXPECT_NE(refusal("").find("no segment has the name of a boundary label"), std::string::npos);
-  EXPECT_NE(refusal(fixed + "Segment0_Layer:=2\n").find("no label value"), std::string::npos);
-  EXPECT_NE(refusal(fixed, kScan, '\0').find("none of its 0"), std::string::npos);
+  EXPECT_NE(error_message("Segment0_ID:=Segment_1\n").find("\"Segment_1\""), std::string::npos);
+  EXPECT_NE(error_message("").find("no segment has the name of a boundary label"),
+            std::string::npos);
+  EXPECT_NE(error_message(fixed + "Segment0_Layer:=2\n").find("no label value"), std::string::npos);
+  EXPECT_NE(error_message(fixed, kScan, '\0').find("none of its 0"), std::string::npos);
   image::Grid shifted = kScan;
   shifted.origin_L.x() += 0.2;
-  EXPECT_NE(refusal(fixed, shifted).find("do not lie on those of the scan"), std::string::npos);
+  EXPECT_NE(error_message(fixed, shifted).find("do not coincide with those of the scan"),
+            std::string::npos);
   image::Grid beside = kScan;
   beside.origin_L.x() += 5.0;
-  EXPECT_NE(refusal(fixed, beside).find("lies within the scan"), std::string::npos);
+  EXPECT_NE(error_message(fixed, beside).find("is inside the scan"), std::string::npos);
   write_bytes(folder / "a.seg.nrrd", "NRRD0004\n");
   EXPECT_FALSE(read_boundary_labels(folder / "a.seg.nrrd", kScan));
   EXPECT_EQ(read_boundary_labels(folder / "none.seg.nrrd", kScan).error().code,
@@ -324,7 +321,7 @@ TEST(SegmentationFile, BoundaryLabelsThatNobodyKnowsOrOfAnotherScanAreRefused) {
             ErrorCode::kFileUnsupported);
 }
 
-TEST(SegmentationFile, RefusesFilesWithoutTissuesOrWithWrongSegments) {
+TEST(SegmentationFile, RejectsFilesWithoutTissuesOrWithInvalidSegments) {
   const TemporaryFolder folder;
   const auto code = [&](const std::string& segments) {
     write_bytes(folder / "a.seg.nrrd", slicer_file(segments, std::string(8, '\1')));

@@ -9,11 +9,11 @@
 namespace lefort::io {
 namespace {
 
-TEST(Sha256, OfNothingIsTheKnownDigest) {  // FIPS 180-4.
+TEST(Sha256, MatchesTheKnownDigestOfNoData) {  // FIPS 180-4.
   EXPECT_EQ(Sha256().hex(), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
 }
 
-TEST(Sha256, OfAFileIsWhatSha256sumTells) {
+TEST(Sha256, MatchesSha256sumForFiles) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_text(folder / "abc", "abc"));  // FIPS 180-4.
   EXPECT_EQ(sha256_of_file(folder / "abc").value(),
@@ -24,12 +24,12 @@ TEST(Sha256, OfAFileIsWhatSha256sumTells) {
   EXPECT_EQ(sha256_of_file(folder / "none").error().code, ErrorCode::kFileNotFound);
 }
 
-TEST(Sha256, ReportsWhereOneTextEndsAndTheNextBegins) {
+TEST(Sha256, DistinguishesTheBoundariesOfTexts) {
   EXPECT_NE(Sha256().add("ab").add("c").hex(), Sha256().add("a").add("bc").hex());
   EXPECT_EQ(Sha256().add("ab").add("c").hex(), Sha256().add("ab").add("c").hex());
 }
 
-TEST(Sha256, AChangedVoxelOrVertexChangesIt) {
+TEST(Sha256, ChangesWithAVoxelOrVertex) {
   image::CtVolume volume;
   volume.grid.size = {2, 1, 1};
   volume.values = {1, 2};
@@ -46,7 +46,7 @@ TEST(Sha256, AChangedVoxelOrVertexChangesIt) {
   EXPECT_NE(Sha256().add(mesh).hex(), box);
 }
 
-TEST(Sha256, ReadingItDoesNotEndIt) {
+TEST(Sha256, CanBeReadBeforeItsEnd) {
   Sha256 hash;
   hash.add("a");
   const std::string first = hash.hex();

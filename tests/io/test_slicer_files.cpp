@@ -1,4 +1,4 @@
-// What we write for 3D Slicer, read back by Python's standard library, by the letter of the format.
+// Files written for 3D Slicer, read back by Python's standard library according to the format.
 #include <lefort/io/segmentation_file.h>
 
 #include <fmt/format.h>
@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "io/sample_labels.h"
 #include "io/sample_scan.h"
 #include "support/run_python.h"
 #include "support/temporary_folder.h"
@@ -17,16 +18,10 @@ namespace {
 
 using anatomy::LabelMap;
 using anatomy::Tissue;
+using test::sample_labels;
 using test::TemporaryFolder;
 
-LabelMap sample_labels() {
-  LabelMap labels{test::sample_scan(test::oblique()).grid, {}};
-  for (Index n = 0; n < labels.grid.voxel_count(); ++n)
-    labels.values.push_back(static_cast<Tissue>((n * n / 7) % 8));
-  return labels;
-}
-
-/// Checks a NRRD file line by line, without any library that knows the format.
+/// Checks a NRRD file line by line, without a library of the format.
 constexpr const char* kReadNrrd = R"py(
 import gzip, re, sys
 head, voxels = open(sys.argv[1], "rb").read().split(b"\n\n", 1)
@@ -56,7 +51,7 @@ while f"Segment{n}_ID" in pairs:
 for value in sorted(names): print(names[value], voxels.count(bytes([value])))
 )py";
 
-TEST(SlicerFiles, PythonReadsLabelsByTheLetterOfTheFormat) {
+TEST(SlicerFiles, PythonReadsLabelsByTheDefinitionOfTheFormat) {
   const TemporaryFolder folder;
   const LabelMap labels = sample_labels();
   ASSERT_TRUE(write_segmentation(folder / "a.seg.nrrd", labels));
@@ -76,7 +71,7 @@ TEST(SlicerFiles, PythonReadsLabelsByTheLetterOfTheFormat) {
   EXPECT_EQ(out, wanted);
 }
 
-TEST(SlicerFiles, WhatAnotherProgramPaintsComesBackAndTheRestIsAsItWas) {
+TEST(SlicerFiles, ReadsLabelsEditedByAnotherProgram) {
   const TemporaryFolder folder;
   LabelMap labels = sample_labels();
   for (Tissue& label : labels.values)

@@ -29,7 +29,7 @@ double volume(const TriangleMesh& mesh) {
 void expect_same(const TriangleMesh& read, const TriangleMesh& written) {
   ASSERT_EQ(read.vertex_count(), written.vertex_count());
   ASSERT_EQ(read.triangle_count(), written.triangle_count());
-  // Numbers may differ, corners may not.
+  // Vertex numbers may differ, corners must not.
   for (Index t = 0; t < read.triangle_count(); ++t)
     for (int c = 0; c < 3; ++c)
       EXPECT_EQ(read.corner(t, c), written.corner(t, c)) << t << ", " << c;
@@ -49,7 +49,7 @@ ErrorCode code_of(const std::string& name, const std::string& bytes) {
 
 constexpr const char* kFormats[] = {"a.vtp", "a.stl", "a.ply", "a.obj", "A.STL"};
 
-TEST(SurfaceFiles, EveryFormatKeepsTheSurface) {
+TEST(SurfaceFiles, EveryFormatPreservesTheSurface) {
   for (const char* name : kFormats) {
     SCOPED_TRACE(name);
     const TemporaryFolder folder;
@@ -61,7 +61,7 @@ TEST(SurfaceFiles, EveryFormatKeepsTheSurface) {
   }
 }
 
-TEST(SurfaceFiles, VtpKeepsEveryBitOfACoordinate) {
+TEST(SurfaceFiles, VtpPreservesEveryBitOfACoordinate) {
   TriangleMesh mesh = tetrahedron();
   mesh.vertices[0] = {0.1, 1.0 / 3.0, 1e-300};
   const TemporaryFolder folder;
@@ -69,7 +69,7 @@ TEST(SurfaceFiles, VtpKeepsEveryBitOfACoordinate) {
   expect_same(read_surface(folder / "a.vtp").value(), mesh);
 }
 
-TEST(SurfaceFiles, SameSurfaceGivesSameBytes) {
+TEST(SurfaceFiles, EqualSurfacesGiveEqualBytes) {
   for (const char* name : kFormats) {
     const TemporaryFolder folder;
     ASSERT_TRUE(write_surface(folder / name, tetrahedron()));
@@ -79,7 +79,7 @@ TEST(SurfaceFiles, SameSurfaceGivesSameBytes) {
   }
 }
 
-TEST(SurfaceFiles, EveryFormatSaysThatItIsLps) {
+TEST(SurfaceFiles, EveryFormatStatesLps) {
   for (const char* name : {"a.stl", "a.ply", "a.obj"}) {
     const TemporaryFolder folder;
     ASSERT_TRUE(write_surface(folder / name, tetrahedron()));
@@ -87,7 +87,7 @@ TEST(SurfaceFiles, EveryFormatSaysThatItIsLps) {
   }
 }
 
-TEST(SurfaceFiles, RasCoordinatesAreTurnedToLpsWithoutMirroring) {
+TEST(SurfaceFiles, ConvertsRasToLpsWithoutMirroring) {
   const std::string ras =
       "# SPACE=RAS\nv -1 -0.5 0.25\nv -4 -1 0\nv 0 -7 2\nv -1.5 -2 9\n"
       "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
@@ -97,7 +97,7 @@ TEST(SurfaceFiles, RasCoordinatesAreTurnedToLpsWithoutMirroring) {
   EXPECT_GT(volume(*mesh), 0.0);
 }
 
-TEST(SurfaceFiles, ArraysAreInTheVtpFileByName) {
+TEST(SurfaceFiles, WritesArraysByName) {
   const TemporaryFolder folder;
   const std::vector<VertexArray> arrays{
       {"gap_mm", std::vector<double>{1, 2, 3, 4}},
@@ -109,7 +109,7 @@ TEST(SurfaceFiles, ArraysAreInTheVtpFileByName) {
   EXPECT_TRUE(read_surface(folder / "a.vtp"));
 }
 
-TEST(SurfaceFiles, RefusesArraysThatDoNotFit) {
+TEST(SurfaceFiles, RejectsArraysOfWrongLength) {
   const TemporaryFolder folder;
   const auto short_array =
       write_surface(folder / "a.vtp", tetrahedron(), {{"gap_mm", std::vector<double>{1, 2}}});
@@ -122,7 +122,7 @@ TEST(SurfaceFiles, RefusesArraysThatDoNotFit) {
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-TEST(SurfaceFiles, RefusesUnknownEndingsAndMissingFilesAndFolders) {
+TEST(SurfaceFiles, RejectsUnknownEndingsAndMissingFilesAndFolders) {
   const TemporaryFolder folder;
   EXPECT_EQ(read_surface(folder / "a.step").error().code, ErrorCode::kFileUnsupported);
   EXPECT_EQ(read_surface(folder / "a.stl").error().code, ErrorCode::kFileNotFound);
@@ -132,7 +132,7 @@ TEST(SurfaceFiles, RefusesUnknownEndingsAndMissingFilesAndFolders) {
             ErrorCode::kFileUnwritable);
 }
 
-TEST(SurfaceFiles, TextStlAndItsExponentsAreRead) {
+TEST(SurfaceFiles, ReadsTextStlWithExponents) {
   const auto mesh = read_bytes(
       "a.stl",
       "solid a name\r\nfacet normal 0 0 1\r\nouter loop\r\nvertex 0 0 0\r\nvertex +1e0 0 0\r\n"
@@ -141,7 +141,7 @@ TEST(SurfaceFiles, TextStlAndItsExponentsAreRead) {
   EXPECT_EQ(mesh->corner(0, 2), Vec3(0.0, 1.5, 0.0));
 }
 
-TEST(SurfaceFiles, TextVtpWithTwoPiecesAndAStripIsRead) {
+TEST(SurfaceFiles, ReadsTextVtpWithTwoPiecesAndAStrip) {
   const auto array = [](const std::string& attributes, const std::string& numbers) {
     return "<DataArray format=\"ascii\" " + attributes + ">" + numbers + "</DataArray>";
   };
@@ -163,7 +163,7 @@ TEST(SurfaceFiles, TextVtpWithTwoPiecesAndAStripIsRead) {
         0.0);
 }
 
-TEST(SurfaceFiles, PlyIsReadAsTextAndInEitherByteOrderAmongForeignElements) {
+TEST(SurfaceFiles, ReadsPlyAsTextAndInBothByteOrders) {
   const std::string header =
       " 1.0\nelement camera 1\nproperty list uchar float poses\nelement vertex 3\n"
       "property double x\nproperty uchar red\nproperty float y\nproperty short z\n"
@@ -187,8 +187,8 @@ TEST(SurfaceFiles, PlyIsReadAsTextAndInEitherByteOrderAmongForeignElements) {
   expect_same(*binary, *text);
 }
 
-TEST(SurfaceFiles, PolygonsBecomeTrianglesThatCoverThemOnce) {
-  // An arrowhead: a fan from its first corner would leave it.
+TEST(SurfaceFiles, TriangulatesPolygons) {
+  // An arrowhead: a fan from its first corner would extend beyond it.
   const auto mesh = read_bytes("a.obj", "v 0 2 0\nv -2 -2 0\nv 0 -1 0\nv 2 -2 0\nf 2/1 3//2 4 1\n");
   ASSERT_TRUE(mesh);
   ASSERT_EQ(mesh->triangle_count(), 2);
@@ -209,19 +209,19 @@ TEST(SurfaceFiles, NegativeObjNumbersCountFromTheEnd) {
   EXPECT_EQ(mesh->vertex_count(), 3) << "a vertex no triangle uses is dropped";
 }
 
-TEST(SurfaceFiles, DropsTrianglesThatRepeatACorner) {
+TEST(SurfaceFiles, RemovesTrianglesWithARepeatedCorner) {
   const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   EXPECT_EQ(read_bytes("a.obj", points + "f 1 2 3\nf 1 1 2\n").value().triangle_count(), 1);
   EXPECT_EQ(code_of("a.obj", points + "f 1 1 2\n"), ErrorCode::kMeshInvalid);
 }
 
-TEST(SurfaceFiles, RefusesFilesWithoutTriangles) {
+TEST(SurfaceFiles, RejectsFilesWithoutTriangles) {
   EXPECT_EQ(code_of("a.stl", "solid empty\nendsolid empty\n"), ErrorCode::kMeshInvalid);
   EXPECT_EQ(code_of("a.stl", std::string(84, '\0')), ErrorCode::kMeshInvalid);
   EXPECT_EQ(code_of("a.obj", "v 0 0 0\n"), ErrorCode::kMeshInvalid);
 }
 
-TEST(SurfaceFiles, RefusesEmptyAndForeignFiles) {
+TEST(SurfaceFiles, RejectsEmptyAndForeignFiles) {
   std::string noise;
   for (unsigned n = 0; n < 4000; ++n) noise += char(n * 2654435761U >> 24);
   for (const char* name : {"a.vtp", "a.stl", "a.ply", "a.obj"})
@@ -232,7 +232,7 @@ TEST(SurfaceFiles, RefusesEmptyAndForeignFiles) {
           << name << ": " << bytes.substr(0, 9);
 }
 
-TEST(SurfaceFiles, RefusesCoordinatesThatAreNotFinite) {
+TEST(SurfaceFiles, RejectsNonFiniteCoordinates) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const char* name : {"a.vtp", "a.stl", "a.ply", "a.obj"})
     for (const double bad : {double(nan), std::numeric_limits<double>::infinity()})
@@ -248,14 +248,14 @@ TEST(SurfaceFiles, RefusesCoordinatesThatAreNotFinite) {
         }
 }
 
-TEST(SurfaceFiles, ATextStlWithACornerThatIsNoNumberIsRefused) {
+TEST(SurfaceFiles, RejectsATextStlWithAnInvalidNumber) {
   EXPECT_EQ(code_of("a.stl",
                     "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nvertex nan 0 0\n"
                     "vertex 1 0 0\nvertex 0 0 1\nendsolid\n"),
             ErrorCode::kFileCorrupt);
 }
 
-TEST(SurfaceFiles, RefusesCornersThatAreNoVertex) {
+TEST(SurfaceFiles, RejectsCornersOutOfRange) {
   const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   for (const char* face :
        {"f 1 2 4\n", "f 1 2 0\n", "f 1 2 -4\n", "f 1 2 x\n", "f 1 2 3 99999999999\n"})
@@ -268,7 +268,7 @@ TEST(SurfaceFiles, RefusesCornersThatAreNoVertex) {
     EXPECT_EQ(code_of("a.ply", ply + face), ErrorCode::kFileCorrupt) << face;
 }
 
-TEST(SurfaceFiles, NoCountInAHeaderIsBelieved) {
+TEST(SurfaceFiles, DoesNotTrustCountsInHeaders) {
   std::string stl(84, '\0');
   stl.replace(80, 4, "\xff\xff\xff\xff");
   EXPECT_EQ(code_of("a.stl", stl), ErrorCode::kFileCorrupt);
@@ -284,7 +284,7 @@ TEST(SurfaceFiles, NoCountInAHeaderIsBelieved) {
             ErrorCode::kFileCorrupt);
 }
 
-/// A surface whose points are `count` zeros in one block of zlib, `copies` times.
+/// A surface whose points are `count` zeros in one zlib block, `copies` times.
 std::string vtp_of_zeros(std::size_t count, int copies, bool fractions) {
   const std::string zeros(count, '\0');
   std::string packed(count / 500 + 1000, '\0');
@@ -306,16 +306,16 @@ std::string vtp_of_zeros(std::size_t count, int copies, bool fractions) {
          "</PolyData><AppendedData encoding=\"raw\">_" + data + "</AppendedData></VTKFile>";
 }
 
-TEST(SurfaceFiles, AVtpMayNotUnpackToFarMoreThanItsLength) {
-  // Points alone make no surface, but what is read is not damaged.
+TEST(SurfaceFiles, RejectsAVtpThatDecompressesToFarMoreThanItsLength) {
+  // Points without polygons are not a surface, but the file is not damaged.
   const std::size_t million = 999'999;
   EXPECT_EQ(code_of("a.vtp", vtp_of_zeros(million, 2, false)), ErrorCode::kMeshInvalid);
   EXPECT_EQ(code_of("a.vtp", vtp_of_zeros(million, 2, true)), ErrorCode::kFileCorrupt);
-  // 9 MB each as numbers: within the limit one by one, not together.
+  // 9 MB each in memory: each is within the limit, their sum is not.
   EXPECT_EQ(code_of("a.vtp", vtp_of_zeros(million, 10, false)), ErrorCode::kFileCorrupt);
 }
 
-TEST(SurfaceFiles, ArraysOfAVtpThatMakeNoSurfaceAreNotRead) {
+TEST(SurfaceFiles, IgnoresOtherArraysOfAVtp) {
   const auto mesh = read_bytes(
       "a.vtp",
       "<VTKFile type=\"PolyData\"><PolyData><FieldData>"
@@ -330,8 +330,8 @@ TEST(SurfaceFiles, ArraysOfAVtpThatMakeNoSurfaceAreNotRead) {
   EXPECT_EQ(mesh->triangle_count(), 1);
 }
 
-/// Cutting a file short anywhere must be noticed, or leave whole triangles of the surface.
-TEST(SurfaceFiles, EveryTruncationIsRefusedOrReadsLess) {
+/// Any truncation must be detected, or give complete triangles of the surface.
+TEST(SurfaceFiles, RejectsTruncationsOrReadsLess) {
   for (const char* name : {"a.vtp", "a.stl", "a.ply", "a.obj"}) {
     const TemporaryFolder folder;
     ASSERT_TRUE(write_surface(folder / name, tetrahedron()));

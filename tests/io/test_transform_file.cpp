@@ -20,23 +20,23 @@ std::string tfm(const std::string& type, const std::string& parameters,
 
 /// A model that is moved 10 mm to anterior in Slicer ("to parent" 0, 10, 0 in RAS) is saved with
 /// these numbers: RAS becomes LPS (0, -10, 0), and the resampling direction is its inverse.
-TEST(TransformFile, AModelThatSlicerMovesForwardMovesForward) {
+TEST(TransformFile, MovesForwardAsInSlicer) {
   const auto motion =
       parse_transform(tfm("AffineTransform_double_3_3", "1 0 0 0 1 0 0 0 1 0 10 0"));
   ASSERT_TRUE(motion) << motion.error().message;
   EXPECT_LT((*motion * Vec3(1, 2, 3) - Vec3(1, -8, 3)).norm(), 1e-14);
 }
 
-/// Turned by +90 degrees about S in Slicer, its R goes to A: in LPS, x goes to y, which is +90
-/// degrees about z, too; the file holds -90.
-TEST(TransformFile, ATurnInSlicerIsTheSameTurn) {
+/// Rotated by +90 degrees about S in Slicer, R becomes A: in LPS, x becomes y, which is also +90
+/// degrees about z; the file contains -90.
+TEST(TransformFile, RotatesAsInSlicer) {
   const auto motion =
       parse_transform(tfm("AffineTransform_double_3_3", "0 1 0 -1 0 0 0 0 1 0 0 0"));
   ASSERT_TRUE(motion) << motion.error().message;
   EXPECT_LT((*motion * Vec3(1, 0, 0) - Vec3(0, 1, 0)).norm(), 1e-14);
 }
 
-TEST(TransformFile, ItkReadsWhatWeWriteAndUndoesTheMotion) {
+TEST(TransformFile, ItkReadsTheInverseOfTheMotion) {
   const test::TemporaryFolder folder;
   const RigidTransform X = geometry::rigid_motion({1, -12, 5}, {0.1, 0.2, -0.3}, {100, 40, 30});
   ASSERT_TRUE(write_transform(folder / "move.tfm", X));
@@ -49,7 +49,7 @@ TEST(TransformFile, ItkReadsWhatWeWriteAndUndoesTheMotion) {
   EXPECT_LT((ours->matrix() - X.matrix()).norm(), 1e-12);
 }
 
-TEST(TransformFile, WhatItkWritesWithACenterIsReadAsItkAppliesIt) {
+TEST(TransformFile, ReadsItkTransformsWithACenter) {
   const test::TemporaryFolder folder;
   const std::string file = (folder / "itk.tfm").string();
   for (const test::ItkKind kind : {test::ItkKind::kVersor, test::ItkKind::kAffine}) {
@@ -61,7 +61,7 @@ TEST(TransformFile, WhatItkWritesWithACenterIsReadAsItkAppliesIt) {
   }
 }
 
-TEST(TransformFile, RefusesWhatIsNoRigidMotion) {
+TEST(TransformFile, RejectsNonRigidTransforms) {
   struct Case {
     std::string text;
     ErrorCode code;
@@ -78,7 +78,7 @@ TEST(TransformFile, RefusesWhatIsNoRigidMotion) {
       {tfm(affine, "1 0 0"), ErrorCode::kFileCorrupt, "3 Parameters, must be 12"},
       {tfm(affine, "1 0 0 0 1 0 0 0 1 0 nan 0"), ErrorCode::kFileCorrupt, "line 4"},
       {tfm(affine, good, "0 0"), ErrorCode::kFileCorrupt, "2 FixedParameters"},
-      {tfm(affine, good) + "Parameters: 1\n", ErrorCode::kFileCorrupt, "stands twice"},
+      {tfm(affine, good) + "Parameters: 1\n", ErrorCode::kFileCorrupt, "is repeated"},
       {tfm(affine, "1.01 0 0 0 1.01 0 0 0 1.01 0 0 0"), ErrorCode::kFileUnsupported,
        "scales or shears by 0.01"},
       {tfm(affine, "1e200 1e200 0 -1e200 1e200 0 0 0 1 0 0 0"), ErrorCode::kFileUnsupported,
@@ -87,7 +87,7 @@ TEST(TransformFile, RefusesWhatIsNoRigidMotion) {
       {tfm("BSplineTransform_double_3_3", good), ErrorCode::kFileUnsupported, "BSplineTransform"},
       {tfm(affine, good) + "#Transform 1\nTransform: " + affine + "\n", ErrorCode::kFileUnsupported,
        "several transforms"},
-      {tfm(affine, "1 0 0 0 1 0 0 0 1 0 1e7 0"), ErrorCode::kFileUnsupported, "shifts by more"},
+      {tfm(affine, "1 0 0 0 1 0 0 0 1 0 1e7 0"), ErrorCode::kFileUnsupported, "translates by more"},
   }};
   for (const Case& c : cases) {
     const auto motion = parse_transform(c.text);

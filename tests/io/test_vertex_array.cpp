@@ -13,7 +13,7 @@
 namespace lefort::io {
 namespace {
 
-TEST(VertexArray, ComesBackAsItWasWritten) {
+TEST(VertexArray, ReadsBackTheSameNumbers) {
   const test::TemporaryFolder folder;
   const auto sheet = test::make_sheet(4.0, 3);
   std::vector<double> values;
@@ -36,7 +36,7 @@ TEST(VertexArray, ComesBackAsItWasWritten) {
   }
 }
 
-TEST(VertexArray, OfWhatIsNoVtpIsOneError) {
+TEST(VertexArray, RejectsOtherFilesThanVtp) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_text(folder / "b.vtp", "<VTKFile"));
   EXPECT_EQ(read_vertex_array(folder / "b.vtp", "depth_mm").error().code, ErrorCode::kFileCorrupt);

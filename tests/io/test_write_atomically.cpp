@@ -16,14 +16,14 @@ namespace {
 
 constexpr std::uintmax_t kSmall = 1000;
 
-TEST(WriteAtomically, WhatIsWrittenIsReadBack) {
+TEST(WriteAtomically, ReadsBackTheWrittenBytes) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_text(folder / "a.txt", "face"));
   EXPECT_EQ(read_text(folder / "a.txt", kSmall).value(), "face");
   EXPECT_EQ(folder.entry_count(), 1);
 }
 
-TEST(WriteAtomically, AFailedWriterLeavesTheOldFileAndNothingElse) {
+TEST(WriteAtomically, PreservesTheOldFileIfTheWriterFails) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_text(folder / "a.txt", "old"));
   const auto half_written = write_atomically(folder / "a.txt", [](const auto& temporary) {
@@ -35,7 +35,7 @@ TEST(WriteAtomically, AFailedWriterLeavesTheOldFileAndNothingElse) {
   EXPECT_EQ(folder.entry_count(), 1);
 }
 
-TEST(WriteAtomically, AThrowingWriterIsAnError) {
+TEST(WriteAtomically, ConvertsAnExceptionOfTheWriterToAnError) {
   const test::TemporaryFolder folder;
   const auto thrown = write_atomically(folder / "a.txt", [](const auto&) -> Result<void> {
     throw std::runtime_error("library trouble");
@@ -44,7 +44,7 @@ TEST(WriteAtomically, AThrowingWriterIsAnError) {
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-TEST(WriteAtomically, ABugIsThrownOnAndLeavesNothing) {
+TEST(WriteAtomically, RethrowsALogicErrorAndLeavesNothing) {
   const test::TemporaryFolder folder;
   const auto write_with_a_bug = [&] {
     static_cast<void>(write_atomically(folder / "a.txt", [](const auto& temporary) {
@@ -57,7 +57,7 @@ TEST(WriteAtomically, ABugIsThrownOnAndLeavesNothing) {
   EXPECT_EQ(folder.entry_count(), 0);
 }
 
-TEST(WriteAtomically, TooLittleMemoryHasItsOwnSentence) {
+TEST(WriteAtomically, ReportsTooLittleMemory) {
   const test::TemporaryFolder folder;
   const auto thrown = write_atomically(folder / "a.txt",
                                        [](const auto&) -> Result<void> { throw std::bad_alloc(); });
@@ -65,10 +65,10 @@ TEST(WriteAtomically, TooLittleMemoryHasItsOwnSentence) {
   EXPECT_NE(thrown.error().message.find("not enough memory"), std::string::npos);
 }
 
-TEST(WriteAtomically, ALinkThatWaitsAtTheTemporaryNameIsNotFollowed) {
+TEST(WriteAtomically, DoesNotFollowALinkAtTheTemporaryName) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_text(folder / "victim.txt", "untouched"));
-  // The name was made of the process' number.
+  // A predictable name would contain the process number.
   const auto trap = folder / (".partial-" + std::to_string(::getpid()) + "-a.txt");
   std::filesystem::create_symlink(folder / "victim.txt", trap);
   ASSERT_TRUE(write_text(folder / "a.txt", "face"));
@@ -77,7 +77,7 @@ TEST(WriteAtomically, ALinkThatWaitsAtTheTemporaryNameIsNotFollowed) {
   EXPECT_FALSE(std::filesystem::is_symlink(folder / "a.txt"));
 }
 
-TEST(WriteAtomically, TwoWritersOfOneFileDoNotShareTheirTemporaryFile) {
+TEST(WriteAtomically, TwoWritersOfOneFileUseDifferentTemporaryFiles) {
   const test::TemporaryFolder folder;
   const auto outer = write_atomically(folder / "a.txt", [&](const auto& temporary) {
     EXPECT_TRUE(write_text(temporary, "outer"));
@@ -89,13 +89,13 @@ TEST(WriteAtomically, TwoWritersOfOneFileDoNotShareTheirTemporaryFile) {
   EXPECT_EQ(folder.entry_count(), 1);
 }
 
-TEST(WriteAtomically, NamesAFolderThatIsNotThere) {
+TEST(WriteAtomically, NamesAMissingFolder) {
   const auto lost = write_text("/nonexistent/a.txt", "face");
   EXPECT_EQ(lost.error().code, ErrorCode::kFileUnwritable);
   EXPECT_NE(lost.error().message.find("/nonexistent/a.txt"), std::string::npos);
 }
 
-TEST(ReadText, RefusesMissingAndOversizedFiles) {
+TEST(ReadText, RejectsMissingAndOversizedFiles) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(read_text(folder / "none", kSmall).error().code, ErrorCode::kFileNotFound);
   ASSERT_TRUE(write_text(folder / "big", std::string(kSmall + 1, 'x')));

@@ -1,5 +1,5 @@
 /// \file
-/// Boxes of elements for tests: structured, distorted at will, with named sides.
+/// Structured boxes of elements for tests, optionally distorted, with named sides.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -13,13 +13,13 @@ namespace lefort::test {
 
 struct BoxMeshOptions {
   std::array<int, 3> cells{2, 2, 2};  ///< Along x, y, z.
-  Vec3 size_mm = Vec3::Ones();        ///< The box reaches from the origin to here.
-  double distortion = 0.0;            ///< Inner nodes move by up to this share of a cell, < 0.2.
+  Vec3 size_mm = Vec3::Ones();        ///< The box extends from the origin to this point.
+  double distortion = 0.0;            ///< Inner nodes move by up to this fraction of a cell, < 0.2.
   unsigned seed = 7;                  ///< Of the distortion.
   mesh::ElementShape shape = mesh::ElementShape::kTet4;
 };
 
-/// mesh::make_box(), whose set "boundary" is here "outside" as well, distorted.
+/// Distorted mesh::make_box(); its set "boundary" is also named "outside".
 inline mesh::VolumeMesh box_mesh(const BoxMeshOptions& options = {}) {
   const auto [nx, ny, nz] = options.cells;
   mesh::VolumeMesh mesh = mesh::make_box(options.shape, options.cells, options.size_mm);

@@ -1,5 +1,5 @@
 /// \file
-/// Asks the planner's API without a socket, over a case folder of its own.
+/// Calls the planner's API without a socket, with its own case folder.
 #pragma once
 
 #include <lefort/io/volume_files.h>
@@ -36,14 +36,14 @@ inline server::Request api_request(const std::string& method, const std::string&
   return request;
 }
 
-/// The body, whatever it is made of.
+/// Returns the body as text.
 inline std::string body_of(const server::Response& reply) {
   if (reply.bytes) return std::string(reply.bytes->bytes);
   if (reply.file) return io::read_text(*reply.file, std::uintmax_t(1) << 32).value();
   return reply.text;
 }
 
-/// An API over a folder that ends with it.
+/// An API with a folder that is removed with it.
 class CaseApi {
  public:
   explicit CaseApi(server::UploadLimits limits = {}, std::optional<std::filesystem::path> at = {})
@@ -57,7 +57,7 @@ class CaseApi {
   nlohmann::json get(const std::string& path) {
     return nlohmann::json::parse(call_api("GET", path).text);
   }
-  /// Replaces whatever is there.
+  /// Replaces existing content.
   server::Response put(const std::string& path, const nlohmann::json& body) {
     return call_api("PUT", path, body.dump(), {{"if-match", "*"}});
   }

@@ -1,5 +1,5 @@
 /// \file
-/// How well two label maps agree.
+/// Agreement of two label maps.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -11,12 +11,12 @@ namespace lefort::test {
 
 using Belongs = std::function<bool(anatomy::Tissue)>;
 
-/// Whether a tissue is this one.
+/// Whether a tissue is this tissue.
 inline Belongs is(anatomy::Tissue wanted) {
   return [wanted](anatomy::Tissue tissue) { return tissue == wanted; };
 }
 
-/// Dice's coefficient: twice what both have in common, over the sum of both.
+/// Dice's coefficient: twice the intersection over the sum of both.
 inline double dice(const anatomy::LabelMap& found, const anatomy::LabelMap& truth,
                    const Belongs& belongs) {
   LEFORT_CHECK(found.values.size() == truth.values.size());

@@ -1,12 +1,12 @@
 /// \file
 /// A box of "tissue" in a small scan, with a segment and a remainder of bone below it, for tests of
-/// domain and boundary. All of it can be said in closed form:
+/// domain and boundary. All distances are known in closed form:
 ///
 ///      z = 20   skin
 ///      |  soft tissue, 40 x 40 in x, y  |
 ///      z = 8    bone: segment for x < 20, remainder for x > 20
 ///
-/// The level ends as near to its zero as those of anatomy/tissue_levels.h do.
+/// The level-set function is limited to the same band as in anatomy/tissue_levels.h.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>

@@ -1,5 +1,5 @@
 /// \file
-/// The one real scan everybody has: the head CT of Debian's invesalius-examples.
+/// A public scan: the head CT of Debian's invesalius-examples.
 #pragma once
 
 #include <cstdlib>
@@ -10,10 +10,11 @@
 
 namespace lefort::test {
 
-/// Debian's minimal images leave out what packages put under /usr/share/doc; then the package
-/// itself is fetched and unpacked, as script/demo does.
+/// Debian's minimal images omit the files of packages in /usr/share/doc; then the package is
+/// downloaded and unpacked, as in script/demo.
 ///
-/// \returns where it is; nothing is there if it is neither installed nor to be had from apt.
+/// \returns its path; the file does not exist if the package is neither installed nor available
+///   from apt.
 inline const std::filesystem::path& real_scan() {
   static const std::filesystem::path installed =
       "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";

@@ -20,7 +20,8 @@ struct ProgramRun {
   std::string out;    ///< Standard output.
   std::string error;  ///< Standard error.
 
-  /// Lines on stderr that are a message, not progress: those that name the program.
+  /// Returns the lines on stderr that are messages and not progress: those with the name of the
+  /// program.
   [[nodiscard]] int message_lines() const {
     int lines = 0;
     for (std::size_t at = 0; at < error.size();) {
@@ -32,7 +33,7 @@ struct ProgramRun {
   }
 };
 
-/// \param arguments  as typed in a shell, quoted where needed.
+/// \param arguments  as in a shell, quoted if necessary.
 /// \param setup      shell commands before, for example "ulimit -f 10;".
 inline ProgramRun run_lefort(const std::string& arguments, const std::string& setup = "") {
   std::string error_file =

@@ -1,5 +1,5 @@
 /// \file
-/// Runs a script of Python's standard library: an independent reader of what we write.
+/// Runs a script of Python's standard library, to read files independently of lefort.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace lefort::test {
 
-/// \returns whether it ended with exit code 0, and what it printed. `script` holds no single quote.
+/// \returns whether its exit code was 0, and its output. \pre `script` has no single quote.
 inline std::pair<bool, std::string> run_python(const std::string& script,
                                                const std::string& argument) {
   const std::string command = "python3 -c '" + script + "' '" + argument + "' 2>&1";

@@ -1,5 +1,5 @@
 /// \file
-/// The planner's server on a port of this machine, and plain sockets that talk to it.
+/// The planner's server on a port of this machine, and client sockets.
 #pragma once
 
 #include <lefort/server/http/http_server.h>
@@ -51,7 +51,8 @@ class Socket {
     }
     return true;
   }
-  /// What arrives until the other side closes, or `end` was in it, or the time is over.
+  /// Returns the bytes received until the server closes, `end` is received, or the time limit is
+  /// reached.
   std::string receive(int longest_ms = 20000, const std::string& end = "") const {
     std::string text;
     const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(longest_ms);
@@ -72,7 +73,7 @@ class Socket {
   bool is_open_ = false;
 };
 
-/// An API with a server before it.
+/// An API with a server.
 class Served {
  public:
   explicit Served(server::HttpLimits limits = {}, server::UploadLimits uploads = {})
@@ -90,7 +91,8 @@ class Served {
 
   [[nodiscard]] std::string host() const { return "127.0.0.1:" + std::to_string(port); }
 
-  /// A request's text. \param line  method and target. \param headers  further ones, each ended.
+  /// Returns the text of a request. \param line  method and target. \param headers  further
+  /// headers, each with its line break.
   [[nodiscard]] std::string text(const std::string& line, const std::string& headers = "",
                                  const std::string& body = "", bool with_token = true) const {
     std::string request = line + " HTTP/1.1\r\nHost: " + host() + "\r\nConnection: close\r\n";
@@ -98,7 +100,7 @@ class Served {
     if (!body.empty()) request += "Content-Length: " + std::to_string(body.size()) + "\r\n";
     return request + headers + "\r\n" + body;
   }
-  /// The reply to bytes as they are.
+  /// Returns the response to raw bytes.
   [[nodiscard]] std::string exchange(const std::string& bytes) const {
     const Socket socket(port);
     socket.send(bytes);
@@ -108,7 +110,7 @@ class Served {
                                      const std::string& body = "", bool with_token = true) const {
     return exchange(text(line, headers, body, with_token));
   }
-  /// 0 if there was no reply.
+  /// 0 if there was no response.
   [[nodiscard]] static int status_of(const std::string& reply) {
     return reply.size() > 12 && reply.starts_with("HTTP/1.1 ") ? std::stoi(reply.substr(9, 3)) : 0;
   }

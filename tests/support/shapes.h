@@ -15,8 +15,8 @@
 
 namespace lefort::test {
 
-/// Icosahedron whose triangles were cut in four `subdivisions` times; vertices lie on the sphere.
-/// 20 * 4^subdivisions triangles.
+/// Icosahedron with `subdivisions` 1-to-4 subdivisions; vertices are on the sphere. 20 *
+/// 4^subdivisions triangles.
 [[nodiscard]] inline geometry::TriangleMesh make_icosphere(double radius_mm, int subdivisions,
                                                            const Vec3& center = Vec3::Zero()) {
   const double t = std::numbers::phi;
@@ -61,7 +61,7 @@ namespace lefort::test {
   return mesh;
 }
 
-/// Torus about z: `major_mm` from the axis to the middle of the tube of radius `minor_mm`.
+/// Torus about z: `major_mm` from the axis to the center of the tube of radius `minor_mm`.
 [[nodiscard]] inline geometry::TriangleMesh make_torus(double major_mm, double minor_mm,
                                                        int around_axis, int around_tube) {
   geometry::TriangleMesh mesh;
@@ -97,8 +97,8 @@ namespace lefort::test {
   return mesh;
 }
 
-/// Closed pyramid-like spike: a base polygon in z = 0 and an apex at (0, 0, height): many triangles
-/// meet at one sharp vertex.
+/// Closed spike: a base polygon in z = 0 and an apex at (0, 0, height), where many triangles meet
+/// at a sharp vertex.
 [[nodiscard]] inline geometry::TriangleMesh make_spike(double base_radius_mm, double height_mm,
                                                        int sides) {
   geometry::TriangleMesh mesh;
@@ -113,8 +113,8 @@ namespace lefort::test {
   return mesh;
 }
 
-/// Cuts side `side` of a triangle at its middle and closes the slit with a triangle of no area (a
-/// cap), as triangulations of measured data have them. A closed surface stays closed.
+/// Splits edge `side` of a triangle at its middle and closes the slit with a triangle without area
+/// (a cap), as in triangulations of measured data. A closed surface remains closed.
 ///
 ///      c                    c
 ///     / \                  /|\         The cap (a, b, m) is drawn open.
@@ -135,7 +135,7 @@ namespace lefort::test {
   return mesh;
 }
 
-/// The surface as STL files hold it: every triangle with corners of its own.
+/// The surface as in STL files: every triangle has its own corners.
 [[nodiscard]] inline geometry::TriangleMesh unwelded(const geometry::TriangleMesh& mesh) {
   geometry::TriangleMesh soup;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
@@ -146,7 +146,7 @@ namespace lefort::test {
   return soup;
 }
 
-/// Both surfaces as one mesh, not joined.
+/// Both surfaces as one mesh, not stitched.
 [[nodiscard]] inline geometry::TriangleMesh join(geometry::TriangleMesh first,
                                                  const geometry::TriangleMesh& second) {
   const auto offset = std::int32_t(first.vertices.size());
@@ -156,7 +156,7 @@ namespace lefort::test {
   return first;
 }
 
-/// The same surface with every triangle turned over.
+/// The same surface with every triangle flipped.
 [[nodiscard]] inline geometry::TriangleMesh turn_inside_out(geometry::TriangleMesh mesh) {
   for (auto& [a, b, c] : mesh.triangles) std::swap(b, c);
   return mesh;

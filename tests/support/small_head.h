@@ -1,6 +1,6 @@
 /// \file
-/// A made-up head that is solved in seconds: a ball of skin around a shell of bone, whose front moves
-/// forward.
+/// A synthetic head that is solved in seconds: a ball of skin around a shell of bone, whose front
+/// moves forward.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -41,7 +41,7 @@ inline nlohmann::json small_plan() {
   })");
 }
 
-/// The same front in two pieces, cut apart in the middle.
+/// The same front as two segments, cut in the middle.
 inline nlohmann::json two_piece_plan(const std::array<double, 3>& left_mm,
                                      const std::array<double, 3>& right_mm) {
   nlohmann::json plan = small_plan();

@@ -1,6 +1,6 @@
 /// \file
-/// The smallest surfaces there are, of one to eight triangles on a tiny grid: every way in which
-/// triangles can meet, and small solids whose inside is known without looking at triangles.
+/// Surfaces of one to eight triangles on a small grid: every way in which triangles can meet, and
+/// small solids whose interior is known independently of the triangles.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -22,14 +22,14 @@ namespace lefort::test {
 struct SmallMesh {
   std::string name;
   geometry::TriangleMesh mesh;
-  /// Whether a point is inside; empty unless the surface bounds a solid, once it is mended.
+  /// Whether a point is inside; empty unless the repaired surface bounds a solid.
   std::function<bool(const Vec3&)> is_inside{};
 };
 
-/// Corners of a cube of side 1, by their bits x, y, z; the unit of what follows.
+/// Corners of a cube of side 1, by their bits x, y, z; the unit of the shapes below.
 using Soup = std::vector<std::array<int, 3>>;
 
-/// A soup with corners of its own for the triangles or shared ones.
+/// A triangle soup, with separate or shared corners.
 [[nodiscard]] inline geometry::TriangleMesh mesh_of(const Soup& soup, bool welded) {
   geometry::TriangleMesh mesh;
   const auto place = [](int corner) { return Vec3(corner & 1, corner >> 1 & 1, corner >> 2 & 1); };
@@ -46,8 +46,8 @@ using Soup = std::vector<std::array<int, 3>>;
   return mesh;
 }
 
-/// The same for soups that a symmetry of the cube, another order, or another first corner of a
-/// triangle turns into each other.
+/// Equal for soups that differ by a symmetry of the cube, the order of triangles, or the first
+/// corner of a triangle.
 [[nodiscard]] inline Soup canonical(const Soup& soup) {
   Soup minimum;
   std::array<int, 3> axes = {0, 1, 2};
@@ -70,7 +70,7 @@ using Soup = std::vector<std::array<int, 3>>;
   return minimum;
 }
 
-/// Every soup of one and of two triangles, points and lines among them, but for symmetries.
+/// Every soup of one and of two triangles up to symmetry, including points and lines.
 [[nodiscard]] inline std::vector<Soup> soups_of_two() {
   Soup triangles;
   for (int a = 0; a < 8; ++a)
@@ -86,7 +86,7 @@ using Soup = std::vector<std::array<int, 3>>;
   return {found.begin(), found.end()};
 }
 
-/// Each soup of two with more triangles, three to six in all.
+/// Each soup of two triangles with more triangles, three to six in total.
 [[nodiscard]] inline std::vector<Soup> soups_of_six() {
   std::set<Soup> found;
   std::mt19937 random(1);
@@ -94,7 +94,7 @@ using Soup = std::vector<std::array<int, 3>>;
     for (std::size_t size = 3; size <= 6; ++size) {
       Soup soup = two;
       while (soup.size() < size) {
-        if (random() % 4 == 0) {  // One that is there: again, or turned over.
+        if (random() % 4 == 0) {  // An existing triangle, repeated or flipped.
           std::array<int, 3> again = soup[random() % soup.size()];
           if (random() % 2 == 0) std::swap(again[0], again[1]);
           soup.push_back(again);
@@ -137,8 +137,8 @@ using Tetrahedron = std::array<Vec3, 4>;
   }
 }
 
-/// Turns some triangles over, repeats some, and adds some that are points or lines: all of which is
-/// mended.
+/// Flips some triangles, repeats some, and adds some that are points or lines, all of which is
+/// repaired.
 inline void scramble(geometry::TriangleMesh& mesh, std::mt19937& random) {
   for (geometry::Triangle& t : mesh.triangles) {
     if (random() % 3 == 0) std::swap(t[0], t[1]);
@@ -151,7 +151,7 @@ inline void scramble(geometry::TriangleMesh& mesh, std::mt19937& random) {
   }
 }
 
-/// Solids of one or two tetrahedra, with caps, cavities, and parts that touch.
+/// Solids of one or two tetrahedra, with caps, cavities and touching parts.
 [[nodiscard]] inline std::vector<SmallMesh> small_solids(int count) {
   std::vector<SmallMesh> solids;
   std::mt19937 random(2);
@@ -161,7 +161,7 @@ inline void scramble(geometry::TriangleMesh& mesh, std::mt19937& random) {
     switch (n % 5) {
       case 0:
         break;
-      case 1: {  // Another corner on the far side of a face: it need not be convex.
+      case 1: {  // Another corner on the far side of a face; the solid may be non-convex.
         const Vec3 middle = (t[0] + t[1] + t[2]) / 3.0;
         const Tetrahedron other = {t[0], t[2], t[1],
                                    middle - double(1 + random() % 2) * 0.25 * (t[3] - middle)};
@@ -178,7 +178,7 @@ inline void scramble(geometry::TriangleMesh& mesh, std::mt19937& random) {
         solid.mesh = with_cap(solid.mesh, Index(random() % 4), int(random() % 3));
         break;
       }
-      case 3: {  // A quarter of its size, in its middle.
+      case 3: {  // A cavity of a quarter of its size in its center.
         const Vec3 middle = 0.25 * (t[0] + t[1] + t[2] + t[3]);
         Tetrahedron hole = t;
         for (Vec3& p : hole) p = middle + 0.25 * (p - middle);
@@ -187,7 +187,7 @@ inline void scramble(geometry::TriangleMesh& mesh, std::mt19937& random) {
         solid.is_inside = [t, hole](const Vec3& p) { return contains(t, p) && !contains(hole, p); };
         break;
       }
-      default: {  // Mirrored at a corner: both meet there.
+      default: {  // Mirrored at a corner, where both meet.
         Tetrahedron other = t;
         for (Vec3& p : other) p = 2.0 * t[0] - p;
         std::swap(other[1], other[2]);

@@ -1,5 +1,5 @@
 /// \file
-/// A fresh folder for one test, removed with everything in it.
+/// A new folder for one test, removed with its contents.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ class TemporaryFolder {
   }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// How many entries the folder holds: failed writers must leave none.
+  /// Returns the number of entries of the folder: failed writers must leave none.
   [[nodiscard]] long entry_count() const {
     return std::distance(std::filesystem::directory_iterator(path_), {});
   }

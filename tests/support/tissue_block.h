@@ -1,5 +1,5 @@
 /// \file
-/// A block of tissue on a bone: the smallest face there is.
+/// A block of tissue on a bone: a minimal face.
 #pragma once
 
 #include <lefort/field/build/build_distance_field.h>
@@ -28,7 +28,7 @@ inline predict::MovedSegment moved(geometry::TriangleMesh surface_B) {
   return {std::move(surface_B), std::make_shared<const field::DistanceField>(*std::move(field))};
 }
 
-/// A block of tissue held at its top, lying on a slab of bone:
+/// A block of tissue, fixed at its top, on a slab of bone:
 ///
 ///      ////////   z = 9, fixed
 ///      | tissue|
@@ -55,7 +55,7 @@ inline predict::FaceModel block_on_slab() {
   return block_on(test::make_box({-4.0, -4.0, -10.0}, {16.0, 16.0, 0.0}));
 }
 
-/// The upper half of the block is of the region of skin.
+/// The upper half of the block is skin.
 inline predict::FaceModel layered_block() {
   predict::FaceModel model = block_on_slab();
   for (mesh::ElementBlock& block : model.tissue.blocks)
@@ -68,7 +68,7 @@ inline predict::FaceModel layered_block() {
   return model;
 }
 
-/// The block lies on top of a ball.
+/// The block is on top of a ball.
 inline predict::FaceModel block_on_ball() {
   constexpr double kRadius_mm = 14.0;
   geometry::TriangleMesh ball = test::make_icosphere(kRadius_mm, 5);
@@ -76,7 +76,7 @@ inline predict::FaceModel block_on_ball() {
   return block_on(std::move(ball));
 }
 
-/// The tissue's own surface, over all of its nodes.
+/// The surface of the tissue with all of its nodes.
 inline geometry::TriangleMesh surface_of(const predict::FaceModel& model) {
   geometry::TriangleMesh surface;
   surface.vertices = model.tissue.nodes_L;
@@ -85,7 +85,7 @@ inline geometry::TriangleMesh surface_of(const predict::FaceModel& model) {
   return surface;
 }
 
-/// A way in one direction.
+/// A rigid path in one direction.
 inline geometry::RigidPath straight(const Vec3& by_mm, int steps) {
   geometry::RigidPath path;
   path.segment = "slab";

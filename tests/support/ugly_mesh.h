@@ -1,6 +1,6 @@
 /// \file
-/// Surfaces as bad files hold them: soups, repeats, twins, needles, holes, parts through each
-/// other.
+/// Surfaces with the defects of bad files: soups, repeated and duplicate triangles, needles, holes,
+/// intersecting parts.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -14,8 +14,7 @@
 
 namespace lefort::test {
 
-/// 1 to 60 triangles in a cube of side 2 around the origin, some with corners of their own, some
-/// with shared ones.
+/// 1 to 60 triangles in a cube of side 2 around the origin, with separate or shared corners.
 [[nodiscard]] inline geometry::TriangleMesh make_soup(std::mt19937& random) {
   std::uniform_real_distribution<double> in(-1, 1);
   const auto point = [&] { return Vec3(in(random), in(random), in(random)); };
@@ -34,8 +33,8 @@ namespace lefort::test {
   return soup;
 }
 
-/// Adds what no surface should have: repeated triangles, opposite twins, triangles that are lines
-/// or points or nearly so, vertices at one position or at none.
+/// Adds defects: repeated triangles, opposite duplicates, triangles that are lines or points or
+/// nearly so, vertices at equal or at non-finite positions.
 inline void spoil(geometry::TriangleMesh& mesh, std::mt19937& random) {
   const auto any_triangle = [&] { return std::size_t(random() % mesh.triangles.size()); };
   const auto add_vertex = [&](const Vec3& p) {
@@ -48,10 +47,10 @@ inline void spoil(geometry::TriangleMesh& mesh, std::mt19937& random) {
     constexpr double kOffsets[] = {1e-300, 1e-160, 1e-15, 1e-9, 1e-6, 1e-3};
     const double offset = kOffsets[random() % 6];
     switch (random() % 8) {
-      case 0:  // Again, from another corner.
+      case 0:  // Repeated, from another corner.
         mesh.triangles.push_back({t[1], t[2], t[0]});
         break;
-      case 1:  // Opposite twin.
+      case 1:  // Opposite duplicate.
         mesh.triangles.push_back({t[2], t[1], t[0]});
         break;
       case 2:  // A point.
@@ -63,14 +62,14 @@ inline void spoil(geometry::TriangleMesh& mesh, std::mt19937& random) {
       case 4:  // A needle.
         mesh.triangles.push_back({t[0], t[1], add_vertex(a + Vec3(offset, 0, 0))});
         break;
-      case 5:  // Smaller than any number should be.
+      case 5:  // With extremely small coordinates.
         mesh.triangles.push_back(
             {t[0], add_vertex(a + Vec3(offset, 0, 0)), add_vertex(a + Vec3(0, offset, 0))});
         break;
-      case 6:  // The same position again.
+      case 6:  // A repeated position.
         mesh.triangles[any_triangle()][random() % 3] = add_vertex(a);
         break;
-      default:  // Turned over.
+      default:  // Flipped.
         std::swap(mesh.triangles[any_triangle()][0], mesh.triangles[any_triangle()][1]);
     }
   }
@@ -85,7 +84,7 @@ inline void spoil(geometry::TriangleMesh& mesh, std::mt19937& random) {
     case 1:
       mesh = make_soup(random);
       break;
-    case 2:  // Crumpled so that it cuts through itself.
+    case 2:  // Crumpled, with self-intersections.
       mesh = make_icosphere(1, 1);
       for (Vec3& v : mesh.vertices) v += 0.8 * Vec3(in(random), in(random), in(random));
       break;
@@ -96,7 +95,7 @@ inline void spoil(geometry::TriangleMesh& mesh, std::mt19937& random) {
         mesh.triangles.pop_back();
       }
       break;
-    case 4:  // Parts that overlap, touch or turn against each other.
+    case 4:  // Parts that overlap, touch or have opposite orientation.
       mesh = join(make_box(Vec3(-1, -1, -1), Vec3(0, 0, 0)),
                   make_box(Vec3(-0.5 * double(random() % 3), 0, 0), Vec3(1, 1, in(random))));
       break;
@@ -112,7 +111,7 @@ inline void spoil(geometry::TriangleMesh& mesh, std::mt19937& random) {
   return mesh;
 }
 
-/// A closed surface, star-shaped around the origin, with radii drawn from a range.
+/// A closed surface, star-shaped about the origin, with random radii in a range.
 [[nodiscard]] inline geometry::TriangleMesh make_crumpled_ball(unsigned seed, double min_mm,
                                                                double max_mm) {
   std::mt19937 random(seed);
@@ -122,7 +121,7 @@ inline void spoil(geometry::TriangleMesh& mesh, std::mt19937& random) {
   return ball;
 }
 
-/// A box every side of whose faces carries a triangle without area.
+/// A box with a triangle without area at every edge.
 [[nodiscard]] inline geometry::TriangleMesh make_capped_box(const Vec3& low, const Vec3& high) {
   geometry::TriangleMesh capped = make_box(low, high);
   for (Index t = 0; t < 12; ++t)
@@ -130,7 +129,7 @@ inline void spoil(geometry::TriangleMesh& mesh, std::mt19937& random) {
   return capped;
 }
 
-/// A band of `squares` squares with half a turn in it: no side of it is outside.
+/// A Moebius band of `squares` squares: it has no outside.
 [[nodiscard]] inline geometry::TriangleMesh make_moebius_strip(double radius_mm, double width_mm,
                                                                int squares) {
   geometry::TriangleMesh strip;

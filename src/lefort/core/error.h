@@ -27,8 +27,11 @@ enum class ErrorCode {
   kElementInverted,  ///< An element has no positive volume.
   kStepBeyondBand,   ///< A bone moves further in one step than its distance band covers.
   kNotConverged,     ///< The solver found no equilibrium.
-  kCancelled,        ///< The user canceled the task.
-  kOutOfMemory,      ///< The problem needs more memory than this machine has.
+  kCancelled,        ///< The user asked to stop.
+  kOutOfMemory,      ///< The problem is larger than the memory of this machine.
+
+  kAccessDenied,      ///< A server rejects the user name or password.
+  kConnectionFailed,  ///< A server cannot be reached or trusted, or the connection was lost.
 };
 
 /// An error of the data or the problem.

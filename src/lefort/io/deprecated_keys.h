@@ -1,5 +1,5 @@
 /// \file
-/// Former names of keys and options: still read for one version, with a warning.
+/// Deprecated names of keys and options, which are accepted for one version with a warning.
 #pragma once
 
 #include <lefort/core/progress.h>
@@ -12,7 +12,7 @@ namespace lefort::io {
 
 /// A key of a plan or deck that has a new name.
 struct DeprecatedKey {
-  std::string_view object;  ///< Path of the object that has it, as "path.keyframes[]"; "": the top.
+  std::string_view object;  ///< Path of its object, as "path.keyframes[]"; empty: the top level.
   std::string_view old_key;
   std::string_view new_key;
 };
@@ -20,12 +20,12 @@ struct DeprecatedKey {
 /// A value of a key that has a new name.
 struct DeprecatedValue {
   std::string_view object;  ///< As in DeprecatedKey.
-  std::string_view key;     ///< The key's new name.
+  std::string_view key;     ///< New name of the key.
   std::string_view old_value;
   std::string_view new_value;
 };
 
-/// All of one file format.
+/// The deprecated names of one file format.
 struct DeprecatedNames {
   std::span<const DeprecatedKey> keys;
   std::span<const DeprecatedValue> values;
@@ -34,12 +34,12 @@ struct DeprecatedNames {
 [[nodiscard]] DeprecatedNames deprecated_in_plans();
 [[nodiscard]] DeprecatedNames deprecated_in_decks();
 
-/// Notes each warning of a plan or deck.
+/// Passes each warning of a plan or deck to `progress`.
 void note_warnings(std::span<const std::string> warnings, Progress& progress);
 
 /// An option of the command line that has a new name.
 struct DeprecatedOption {
-  std::string_view command;  ///< Without the program's name, as "bench solve".
+  std::string_view command;  ///< Without the name of the program, as "bench solve".
   std::string_view old_option;
   std::string_view new_option;
 };

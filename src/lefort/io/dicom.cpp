@@ -21,17 +21,17 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxFiles = 100'000;
-constexpr int kMaxFolderDepth = 8;  // Of folders; discs have four.
-/// As many files may be of no known series, as a share of the slices.
+constexpr int kMaxFolderDepth = 8;  // Nested folders; DICOM discs have four levels.
+/// Max number of files of unknown series, as a fraction of the number of slices.
 constexpr double kMaxUnreadable = 0.2;
 
 using Series = std::vector<DicomHeader>;
 
-/// What a folder holds. Series are in the order of their identifiers, so that their numbers stay
-/// the same whatever the files are called.
+/// Contents of a folder. Series are sorted by identifier, so that their numbers do not depend on
+/// file names.
 struct FolderContents {
   std::vector<Series> series;
-  std::vector<Error> unreadable;  ///< DICOM files of which not even the series is known.
+  std::vector<Error> unreadable;  ///< DICOM files of unknown series.
   std::size_t foreign_files = 0;
 };
 
@@ -41,7 +41,7 @@ Result<std::vector<fs::path>> list_files(const fs::path& folder) {
   if (const fs::directory_iterator first(folder, error); error)
     return fail(ErrorCode::kFileNotFound,
                 fmt::format("the folder cannot be listed: {}", error.message()));
-  constexpr auto kSkip = fs::directory_options::skip_permission_denied;  // As of lost+found.
+  constexpr auto kSkip = fs::directory_options::skip_permission_denied;  // For example lost+found.
   for (fs::recursive_directory_iterator entry(folder, kSkip, error), end; !error && entry != end;
        entry.increment(error)) {
     std::error_code ignored;
@@ -49,7 +49,7 @@ Result<std::vector<fs::path>> list_files(const fs::path& folder) {
     if (entry->is_regular_file(ignored)) files.push_back(entry->path());
     if (files.size() > kMaxFiles)
       return fail(ErrorCode::kFileUnsupported,
-                  fmt::format("the folder holds more than {} files", kMaxFiles));
+                  fmt::format("the folder has more than {} files", kMaxFiles));
   }
   if (error)
     return fail(ErrorCode::kFileNotFound,
@@ -69,7 +69,7 @@ Result<FolderContents> scan_folder(const fs::path& folder, Progress& progress) {
     auto header = read_dicom_header(files[n], static_cast<Index>(n + 1));
     if (!header)
       contents.unreadable.push_back(std::move(header).error());
-    else if (!*header || (*header)->series_uid.empty())  // A DICOMDIR has no series either.
+    else if (!*header || (*header)->series_uid.empty())  // A DICOMDIR has no series.
       ++contents.foreign_files;
     else
       by_uid[(*header)->series_uid].push_back(**std::move(header));
@@ -99,33 +99,33 @@ std::string list_series(const std::vector<Series>& all) {
 
 Error no_series(const FolderContents& contents) {
   if (!contents.unreadable.empty()) return contents.unreadable[0];
-  return {ErrorCode::kFileUnsupported, "the folder holds no DICOM files"};
+  return {ErrorCode::kFileUnsupported, "the folder has no DICOM files"};
 }
 
-/// The position of the series that was asked for, or of the only CT.
-Result<std::size_t> choose_series(const FolderContents& contents, int wanted) {
+/// Returns the index of the requested series, or of the only CT.
+Result<std::size_t> choose_series(const FolderContents& contents, int number) {
   const std::vector<Series>& all = contents.series;
   if (all.empty()) return tl::unexpected(no_series(contents));
-  if (wanted != 0) {
-    if (wanted < 0 || wanted > std::ssize(all))
+  if (number != 0) {
+    if (number < 0 || number > std::ssize(all))
       return fail(
           ErrorCode::kInvalidArgument,
-          fmt::format("there is no series {}, expected one of: {}", wanted, list_series(all)));
-    return static_cast<std::size_t>(wanted - 1);
+          fmt::format("there is no series {}, expected one of: {}", number, list_series(all)));
+    return static_cast<std::size_t>(number - 1);
   }
   const auto first = std::find_if(all.begin(), all.end(), is_ct);
   if (first == all.end())
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("the folder holds no CT series, only: {}", list_series(all)));
+                fmt::format("the folder has no CT series, only: {}", list_series(all)));
   if (std::find_if(std::next(first), all.end(), is_ct) != all.end())
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the folder holds several CT series, choose one by its number: {}",
+                fmt::format("the folder has several CT series, choose one by its number: {}",
                             list_series(all)));
   return static_cast<std::size_t>(first - all.begin());
 }
 
-/// The chosen series as a stack. A damaged file of the series is an error; one whose series is not
-/// known may be the slice that is missing.
+/// Makes a stack of the chosen series. A damaged file of the series is an error; a file of unknown
+/// series may be the missing slice.
 Result<DicomStack> stack_series(Series series, const std::vector<Error>& unreadable) {
   const auto damaged = std::find_if(series.begin(), series.end(), [](const DicomHeader& file) {
     return file.damage.has_value();
@@ -133,32 +133,31 @@ Result<DicomStack> stack_series(Series series, const std::vector<Error>& unreada
   if (damaged != series.end()) return tl::unexpected(*damaged->damage);
   auto stack = stack_dicom_slices(std::move(series));
   if (!stack && !unreadable.empty())
-    return fail(
-        stack.error().code,
-        fmt::format("{}; of {} DICOM files not even the series can be read, the first is {}",
-                    stack.error().message, unreadable.size(), unreadable[0].message));
+    return fail(stack.error().code,
+                fmt::format("{}; the series of {} DICOM files cannot be read, the first is {}",
+                            stack.error().message, unreadable.size(), unreadable[0].message));
   return stack;
 }
 
-/// What was left out of the folder.
+/// Returns warnings about ignored files.
 std::vector<std::string> passed_over(const FolderContents& contents, std::size_t chosen) {
   std::vector<std::string> warnings;
   if (contents.foreign_files > 0)
     warnings.push_back(
-        fmt::format("{} files are no DICOM images and were passed over", contents.foreign_files));
+        fmt::format("{} files are not DICOM images and were ignored", contents.foreign_files));
   if (contents.series.size() > 1)
-    warnings.push_back(fmt::format("{} other series were passed over", contents.series.size() - 1));
+    warnings.push_back(fmt::format("{} other series were ignored", contents.series.size() - 1));
   std::ptrdiff_t damaged = 0;
   for (std::size_t n = 0; n < contents.series.size(); ++n)
     if (n != chosen)
       damaged += std::count_if(contents.series[n].begin(), contents.series[n].end(),
                                [](const DicomHeader& file) { return file.damage.has_value(); });
-  if (damaged > 0) warnings.push_back(fmt::format("{} files of them are damaged", damaged));
+  if (damaged > 0) warnings.push_back(fmt::format("{} of their files are damaged", damaged));
   if (!contents.unreadable.empty())
-    warnings.push_back(fmt::format(
-        "{} DICOM files cannot be read and were passed over; if they belong to this series, the "
-        "scan lacks slices at an end; the first is {}",
-        contents.unreadable.size(), contents.unreadable[0].message));
+    warnings.push_back(
+        fmt::format("{} DICOM files cannot be read and were ignored; if they belong to this "
+                    "series, the scan lacks slices at one end; the first is {}",
+                    contents.unreadable.size(), contents.unreadable[0].message));
   return warnings;
 }
 
@@ -179,23 +178,23 @@ Result<image::CtVolume> read_slices(const DicomStack& stack, const std::vector<R
     progress.report(static_cast<double>(k + 1) / static_cast<double>(stack.slices.size()));
   }
   if (stack.origins_L.empty()) return ct;
-  // With the scan's own lowest value, so that one whose values are no HU is still told.
+  // Filled with the lowest value of the scan, so that the check for HU values still works.
   const std::int16_t outside = *std::min_element(ct.values.begin(), ct.values.end());
   return image::resample_gantry_tilt(ct, stack.origins_L, stack.grid, outside);
 }
 
-/// Files of which not even the series is known may be any share of the scan. A few are a scout or a
-/// report that was damaged; more may be an end of the head.
+/// Files of unknown series may be slices of the scan. A few may be a damaged scout or report; more
+/// may be a part of the head.
 Result<void> check_unreadable(const std::vector<Error>& unreadable, std::size_t slices) {
   if (static_cast<double>(unreadable.size()) <= kMaxUnreadable * static_cast<double>(slices))
     return {};
   return fail(ErrorCode::kFileCorrupt,
-              fmt::format("{} DICOM files cannot be read beside {} slices, expected at most a "
-                          "fifth as many: they may be a part of the head; the first is {}",
+              fmt::format("{} DICOM files cannot be read in addition to {} slices, expected at "
+                          "most a fifth as many: they may be a part of the head; the first is {}",
                           unreadable.size(), slices, unreadable[0].message));
 }
 
-/// Of a series, without its pixels.
+/// Describes a series without reading its pixels.
 DicomSeriesInfo describe(const Series& series, int number) {
   const DicomHeader& first = series.front();
   DicomSeriesInfo info{.number = number,
@@ -211,7 +210,7 @@ DicomSeriesInfo describe(const Series& series, int number) {
     info.orientation = std::array{"sagittal", "coronal", "axial"}[std::size_t(axis)];
   }
   if (!is_ct(series)) {
-    info.problem = "no CT";
+    info.problem = "not a CT";
     return info;
   }
   const auto stack = stack_series(series, {});
@@ -228,7 +227,7 @@ DicomSeriesInfo describe(const Series& series, int number) {
 }  // namespace
 
 Result<std::vector<DicomSeriesInfo>> list_dicom_series(const fs::path& folder, Progress& progress) {
-  progress.begin_stage("look through the DICOM files");
+  progress.begin_stage("scan the DICOM files");
   LEFORT_TRY(const FolderContents contents, scan_folder(folder, progress));
   if (contents.series.empty()) return tl::unexpected(no_series(contents));
   std::vector<DicomSeriesInfo> infos;
@@ -238,7 +237,7 @@ Result<std::vector<DicomSeriesInfo>> list_dicom_series(const fs::path& folder, P
 }
 
 Result<ImportedVolume> read_dicom_series(const fs::path& folder, int series, Progress& progress) {
-  progress.begin_stage("look through the DICOM files");
+  progress.begin_stage("scan the DICOM files");
   LEFORT_TRY(FolderContents contents, scan_folder(folder, progress));
   LEFORT_TRY(const std::size_t chosen, choose_series(contents, series));
   LEFORT_TRY(const DicomStack stack,

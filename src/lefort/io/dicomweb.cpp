@@ -25,10 +25,10 @@ using Json = nlohmann::json;
 constexpr std::string_view kPlain = "dicomweb://";
 constexpr std::string_view kEncrypted = "dicomwebs://";
 
-/// What an address says.
-struct Place {
+/// The parts of an address.
+struct StudyAddress {
   HttpServer server;
-  std::string root;  ///< Begins with a slash, or is empty.
+  std::string root;  ///< Empty, or begins with a slash.
   std::string study_uid;
   std::string series_uid;  ///< May be empty.
 };
@@ -37,7 +37,7 @@ struct Place {
 struct RemoteSeries {
   std::string uid;
   std::string modality;
-  Index images = 0;  ///< As many it is to send.
+  Index images = 0;  ///< Number that the server should send.
 };
 
 bool is_uid(std::string_view text) {
@@ -60,17 +60,16 @@ std::optional<std::string> percent_decoded(std::string_view text) {
     }
     unsigned char byte = 0;
     const std::string_view digits = text.substr(n + 1, 2);
-    const auto [rest, error] =
+    const auto [end, error] =
         std::from_chars(digits.data(), digits.data() + digits.size(), byte, 16);
-    if (error != std::errc() || digits.size() != 2 || rest != digits.data() + 2)
-      return std::nullopt;
+    if (error != std::errc() || digits.size() != 2 || end != digits.data() + 2) return std::nullopt;
     decoded.push_back(static_cast<char>(byte));
     n += 2;
   }
   return decoded;
 }
 
-/// host, host:port or [v6]:port.
+/// Parses host, host:port or [IPv6]:port.
 Result<void> read_host(std::string_view text, HttpServer& server) {
   const std::size_t bracket = text.find(']');
   const std::size_t colon = text.find(':', bracket == text.npos ? 0 : bracket);
@@ -86,17 +85,17 @@ Result<void> read_host(std::string_view text, HttpServer& server) {
       std::from_chars(digits.data(), digits.data() + digits.size(), server.port);
   if (error != std::errc() || rest != digits.data() + digits.size() || server.port < 1 ||
       server.port > 65535)
-    return bad_address("has a port that is no number from 1 to 65535");
+    return bad_address("has a port that is not a number from 1 to 65535");
   return {};
 }
 
-Result<Place> read_address(std::string_view address, const Credentials& credentials) {
-  Place place;
-  place.server.is_encrypted = address.starts_with(kEncrypted);
-  place.server.port = place.server.is_encrypted ? 443 : 80;
-  place.server.user = credentials.user;
-  place.server.password = credentials.password;
-  std::string_view rest = address.substr((place.server.is_encrypted ? kEncrypted : kPlain).size());
+Result<StudyAddress> parse_address(std::string_view address, const Credentials& credentials) {
+  StudyAddress study;
+  study.server.is_encrypted = address.starts_with(kEncrypted);
+  study.server.port = study.server.is_encrypted ? 443 : 80;
+  study.server.user = credentials.user;
+  study.server.password = credentials.password;
+  std::string_view rest = address.substr((study.server.is_encrypted ? kEncrypted : kPlain).size());
   const std::size_t slash = std::min(rest.find('/'), rest.size());
   std::string_view host = rest.substr(0, slash);
   std::string_view path = rest.substr(slash);
@@ -105,35 +104,36 @@ Result<Place> read_address(std::string_view address, const Credentials& credenti
     const std::size_t colon = std::min(who.find(':'), who.size());
     const auto user = percent_decoded(who.substr(0, colon));
     const auto password = percent_decoded(who.substr(std::min(colon + 1, who.size())));
-    if (!user || !password) return bad_address("has a user or password with a broken %");
-    place.server.user = *user;
-    place.server.password = *password;
+    if (!user || !password)
+      return bad_address("has a user name or password with an invalid percent encoding");
+    study.server.user = *user;
+    study.server.password = *password;
     host.remove_prefix(at + 1);
   }
-  LEFORT_TRY_VOID(read_host(host, place.server));
+  LEFORT_TRY_VOID(read_host(host, study.server));
 
   while (path.ends_with('/')) path.remove_suffix(1);
   const std::size_t studies = path.find("/studies/");
   if (studies == path.npos) return bad_address("names no study");
-  place.root = path.substr(0, studies);
-  if (place.root.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+  study.root = path.substr(0, studies);
+  if (study.root.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                    "0123456789.-_~/%") != std::string::npos)
-    return bad_address("has other characters before /studies than a path may");
+    return bad_address("has invalid characters before /studies");
   std::string_view uids = path.substr(studies + std::string_view("/studies/").size());
   const std::size_t series = uids.find("/series/");
-  place.study_uid = uids.substr(0, series);
+  study.study_uid = uids.substr(0, series);
   if (series != uids.npos)
-    place.series_uid = uids.substr(series + std::string_view("/series/").size());
-  if (!is_uid(place.study_uid) || (series != uids.npos && !is_uid(place.series_uid)))
-    return bad_address("has identifiers that are not digits and dots");
-  return place;
+    study.series_uid = uids.substr(series + std::string_view("/series/").size());
+  if (!is_uid(study.study_uid) || (series != uids.npos && !is_uid(study.series_uid)))
+    return bad_address("has identifiers with other characters than digits and dots");
+  return study;
 }
 
-/// Asks for JSON, at most `limits.list_bytes` of it.
-Result<Json> fetch_json(const Place& place, const std::string& path, Progress& progress,
+/// Fetches a JSON array of at most `limits.list_bytes`.
+Result<Json> fetch_json(const StudyAddress& study, const std::string& path, Progress& progress,
                         const DicomWebLimits& limits) {
   std::string text;
-  HttpRequest request{.path = place.root + path, .accept = "application/dicom+json"};
+  HttpRequest request{.path = study.root + path, .accept = "application/dicom+json"};
   request.idle_timeout = limits.idle_timeout;
   request.total_timeout = limits.total_timeout;
   request.begin = [](const std::string&) -> Result<void> { return {}; };
@@ -144,9 +144,9 @@ Result<Json> fetch_json(const Place& place, const std::string& path, Progress& p
     text += bytes;
     return {};
   };
-  LEFORT_TRY_VOID(http_get(place.server, request, progress));
+  LEFORT_TRY_VOID(http_get(study.server, request, progress));
   if (text.empty()) return Json::array();
-  // Answers are five deep; what is deeper would take the stack of those who walk over it.
+  // DICOM JSON nests five levels; far deeper nesting would exhaust the stack of recursive code.
   constexpr int kMaxJsonDepth = 64;
   bool is_deep = false;
   Json json = Json::parse(
@@ -158,11 +158,11 @@ Result<Json> fetch_json(const Place& place, const std::string& path, Progress& p
       false);
   if (is_deep || !json.is_array())
     return fail(ErrorCode::kFileUnsupported,
-                "the server's answer is no list in JSON, expected DICOMweb");
+                "the server's answer is not a JSON array, expected DICOMweb");
   return json;
 }
 
-/// The first value of a tag of an object in DICOM JSON; null if there is none.
+/// Returns the first value of a tag in a DICOM JSON object, or null if it has none.
 Json first_value(const Json& object, const char* tag) {
   if (!object.is_object()) return {};
   const auto element = object.find(tag);
@@ -177,8 +177,8 @@ std::string tag_text(const Json& object, const char* tag) {
   return value.is_string() ? value.get<std::string>() : "";
 }
 
-/// Numbers of the kind IS come as numbers or, from some servers, as text.
-std::optional<Index> number_at(const Json& object, const char* tag) {
+/// Returns an integer string (IS). Servers write it as a JSON number or as text.
+std::optional<Index> integer_at(const Json& object, const char* tag) {
   const Json value = first_value(object, tag);
   double number = -1.0;
   if (value.is_number()) number = value.get<double>();
@@ -191,40 +191,41 @@ std::optional<Index> number_at(const Json& object, const char* tag) {
   return static_cast<Index>(number);
 }
 
-constexpr const char* kModality = "00080060";
-constexpr const char* kSeriesUid = "0020000E";
-constexpr const char* kImages = "00201209";  // Number of Series Related Instances.
+constexpr const char* kModalityTag = "00080060";
+constexpr const char* kSeriesUidTag = "0020000E";
+constexpr const char* kImageCountTag = "00201209";  // Number of Series Related Instances.
 
-/// How many images the server has of a series, if its list of series does not say so.
-Result<Index> count_images(const Place& place, const std::string& series_uid, Progress& progress,
-                           const DicomWebLimits& limits) {
+/// Counts the images of a series whose entry in the list of series has no count.
+Result<Index> count_images(const StudyAddress& study, const std::string& series_uid,
+                           Progress& progress, const DicomWebLimits& limits) {
   LEFORT_TRY(
       const Json list,
-      fetch_json(place, fmt::format("/studies/{}/series/{}/instances", place.study_uid, series_uid),
+      fetch_json(study, fmt::format("/studies/{}/series/{}/instances", study.study_uid, series_uid),
                  progress, limits));
   return std::ssize(list);
 }
 
-/// The series of the study, or the one the address names, in the order of their identifiers.
-Result<std::vector<RemoteSeries>> find_series(const Place& place, Progress& progress,
+/// Returns the series of the study, or the one in the address, sorted by identifier.
+Result<std::vector<RemoteSeries>> find_series(const StudyAddress& study, Progress& progress,
                                               const DicomWebLimits& limits) {
-  LEFORT_TRY(
-      const Json list,
-      fetch_json(place, fmt::format("/studies/{}/series?includefield={}", place.study_uid, kImages),
-                 progress, limits));
+  LEFORT_TRY(const Json list, fetch_json(study,
+                                         fmt::format("/studies/{}/series?includefield={}",
+                                                     study.study_uid, kImageCountTag),
+                                         progress, limits));
   std::vector<RemoteSeries> all;
-  for (const Json& one : list) {
-    RemoteSeries series{.uid = tag_text(one, kSeriesUid), .modality = tag_text(one, kModality)};
-    if (!is_uid(series.uid) || (!place.series_uid.empty() && series.uid != place.series_uid))
+  for (const Json& entry : list) {
+    RemoteSeries series{.uid = tag_text(entry, kSeriesUidTag),
+                        .modality = tag_text(entry, kModalityTag)};
+    if (!is_uid(series.uid) || (!study.series_uid.empty() && series.uid != study.series_uid))
       continue;
-    // A code word; anything else could be a name.
+    // Anything else than a code could be a name.
     if (series.modality.size() > 10 ||
         series.modality.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos)
       series.modality = "unknown";
-    if (const auto images = number_at(one, kImages)) {
+    if (const auto images = integer_at(entry, kImageCountTag)) {
       series.images = *images;
     } else {
-      LEFORT_TRY(series.images, count_images(place, series.uid, progress, limits));
+      LEFORT_TRY(series.images, count_images(study, series.uid, progress, limits));
     }
     all.push_back(series);
   }
@@ -237,29 +238,30 @@ bool is_ct_series(const RemoteSeries& series) {
   return series.modality == "CT" && series.images >= 2;
 }
 
-Result<RemoteSeries> choose(const std::vector<RemoteSeries>& all, int wanted) {
+/// \param number  counted from 1; 0 selects the only CT series.
+Result<RemoteSeries> choose_series(const std::vector<RemoteSeries>& all, int number) {
   std::string list;
   for (std::size_t n = 0; n < all.size(); ++n)
     list += fmt::format("{}{} = {}, {} images", n > 0 ? "; " : "", n + 1, all[n].modality,
                         all[n].images);
-  if (wanted != 0) {
-    if (wanted < 0 || wanted > std::ssize(all))
+  if (number != 0) {
+    if (number < 0 || number > std::ssize(all))
       return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("there is no series {}, expected one of: {}", wanted, list));
-    return all[static_cast<std::size_t>(wanted - 1)];
+                  fmt::format("there is no series {}, expected one of: {}", number, list));
+    return all[static_cast<std::size_t>(number - 1)];
   }
   const auto count = std::count_if(all.begin(), all.end(), is_ct_series);
   if (count == 0)
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("the study holds no CT series, only: {}", list));
+                fmt::format("the study has no CT series, only: {}", list));
   if (count > 1)
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("the study holds several CT series, choose one by its number: {}", list));
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the study has several CT series, choose one by its number: {}", list));
   return *std::find_if(all.begin(), all.end(), is_ct_series);
 }
 
-/// A folder that nobody else may read, gone with all in it at the end: images carry names.
+/// A temporary folder that only this user can read, since images contain names. It is removed with
+/// its files at the end of its life.
 class PrivateFolder {
  public:
   PrivateFolder() {
@@ -274,47 +276,47 @@ class PrivateFolder {
   PrivateFolder(const PrivateFolder&) = delete;
   PrivateFolder& operator=(const PrivateFolder&) = delete;
 
-  [[nodiscard]] const fs::path& path() const { return path_; }  ///< Empty if none could be made.
+  [[nodiscard]] const fs::path& path() const { return path_; }  ///< Empty if it could not be made.
 
  private:
   fs::path path_;
 };
 
-/// Puts each part of an answer into a file of its own.
+/// Writes each part of a response into its own file.
 class ImageFiles {
  public:
   ImageFiles(fs::path folder, const DicomWebLimits& limits)
       : folder_(std::move(folder)), limits_(limits) {}
 
   [[nodiscard]] Result<void> begin() {
-    if (count_ == limits_.images) return too_much(fmt::format("{} images", limits_.images));
+    if (count_ == limits_.images) return limit_exceeded(fmt::format("{} images", limits_.images));
     ++count_;
     image_bytes_ = 0;
     file_.open(folder_ / fmt::format("{:06}.dcm", count_), std::ios::binary);
-    return file_ ? Result<void>() : full();
+    return file_ ? Result<void>() : disk_full();
   }
   [[nodiscard]] Result<void> add(std::string_view bytes) {
     image_bytes_ += bytes.size();
     series_bytes_ += bytes.size();
     if (image_bytes_ > limits_.image_bytes)
-      return too_much(fmt::format("{} bytes in an image", limits_.image_bytes));
+      return limit_exceeded(fmt::format("{} bytes in an image", limits_.image_bytes));
     if (series_bytes_ > limits_.series_bytes)
-      return too_much(fmt::format("{} bytes", limits_.series_bytes));
+      return limit_exceeded(fmt::format("{} bytes", limits_.series_bytes));
     file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    return file_ ? Result<void>() : full();
+    return file_ ? Result<void>() : disk_full();
   }
   [[nodiscard]] Result<void> end() {
     file_.close();
-    return file_ ? Result<void>() : full();
+    return file_ ? Result<void>() : disk_full();
   }
   [[nodiscard]] Index count() const { return count_; }
 
  private:
-  [[nodiscard]] static Result<void> too_much(const std::string& what) {
+  [[nodiscard]] static Result<void> limit_exceeded(const std::string& what) {
     return fail(ErrorCode::kFileCorrupt, fmt::format("the server sends more than {}", what));
   }
-  [[nodiscard]] static Result<void> full() {
-    return fail(ErrorCode::kFileUnwritable, "the temporary folder cannot hold the images");
+  [[nodiscard]] static Result<void> disk_full() {
+    return fail(ErrorCode::kFileUnwritable, "the images cannot be written to the temporary folder");
   }
 
   fs::path folder_;
@@ -324,13 +326,40 @@ class ImageFiles {
   std::uint64_t image_bytes_ = 0, series_bytes_ = 0;
 };
 
+/// Returns functions that write the parts of a response to `files` and report progress.
+MultipartReader::Sink sink_of(ImageFiles& files, Index expected_images, Progress& progress) {
+  return {.begin_part = [&files] { return files.begin(); },
+          .data = [&files](std::string_view bytes) { return files.add(bytes); },
+          .end_part =
+              [&files, expected_images, &progress] {
+                progress.report(static_cast<double>(files.count()) /
+                                static_cast<double>(std::max(expected_images, files.count())));
+                return files.end();
+              }};
+}
+
+/// Returns the error of a transfer, with the number of images that arrived if any did.
+Result<void> check_transfer(const Result<void>& transfer, bool is_complete, Index images,
+                            Index expected_images) {
+  if (transfer && !is_complete)
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("the server's answer has no closing boundary after {} of {} images",
+                            images, expected_images));
+  if (transfer) return {};
+  const auto& [code, message] = transfer.error();
+  if (images == 0 || (code != ErrorCode::kFileCorrupt && code != ErrorCode::kConnectionFailed))
+    return transfer;
+  return fail(code, fmt::format("{} after {} of {} images", message, images, expected_images));
+}
+
 /// Fetches all images of a series into a folder.
-Result<void> fetch_images(const Place& place, const RemoteSeries& series, const fs::path& folder,
-                          Progress& progress, const DicomWebLimits& limits) {
+Result<void> fetch_images(const StudyAddress& study, const RemoteSeries& series,
+                          const fs::path& folder, Progress& progress,
+                          const DicomWebLimits& limits) {
   ImageFiles files(folder, limits);
-  std::optional<MultipartReader> parts;
+  std::optional<MultipartReader> reader;
   HttpRequest request{
-      .path = fmt::format("{}/studies/{}/series/{}", place.root, place.study_uid, series.uid),
+      .path = fmt::format("{}/studies/{}/series/{}", study.root, study.study_uid, series.uid),
       .accept = "multipart/related; type=\"application/dicom\"; transfer-syntax=*"};
   request.idle_timeout = limits.idle_timeout;
   request.total_timeout = limits.total_timeout;
@@ -338,29 +367,14 @@ Result<void> fetch_images(const Place& place, const RemoteSeries& series, const 
     const std::string boundary = multipart_boundary(content_type);
     if (boundary.empty())
       return fail(ErrorCode::kFileUnsupported,
-                  "the server's answer is not in parts, expected DICOMweb");
-    parts.emplace(
-        boundary,
-        MultipartReader::Sink{
-            [&] { return files.begin(); }, [&](std::string_view bytes) { return files.add(bytes); },
-            [&] {
-              progress.report(static_cast<double>(files.count()) /
-                              static_cast<double>(std::max(series.images, files.count())));
-              return files.end();
-            }});
+                  "the server's answer is not multipart, expected DICOMweb");
+    reader.emplace(boundary, sink_of(files, series.images, progress));
     return {};
   };
-  request.receive = [&](std::string_view bytes) { return parts->feed(bytes); };
-  const Result<void> fetched = http_get(place.server, request, progress);
-  const bool is_whole = fetched && parts && parts->is_complete();
-  if (!fetched && (fetched.error().code != ErrorCode::kFileCorrupt || files.count() == 0))
-    return fetched;
-  if (!is_whole)
-    return fail(
-        ErrorCode::kFileCorrupt,
-        fmt::format("{} after {} of {} images",
-                    fetched ? "the connection to the server was lost" : fetched.error().message,
-                    files.count(), series.images));
+  request.receive = [&](std::string_view bytes) { return reader->feed(bytes); };
+  const Result<void> transfer = http_get(study.server, request, progress);
+  LEFORT_TRY_VOID(
+      check_transfer(transfer, reader && reader->is_complete(), files.count(), series.images));
   if (files.count() != series.images)
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("the server sent {} images of a series that has {}, expected all",
@@ -368,19 +382,19 @@ Result<void> fetch_images(const Place& place, const RemoteSeries& series, const 
   return {};
 }
 
-/// Whether the images are those that were asked for, each once.
+/// Checks that the images belong to the series and that none was sent twice.
 Result<void> check_images(const fs::path& folder, const RemoteSeries& series) {
-  std::set<std::string> seen;
+  std::set<std::string> instance_uids;
   std::error_code error;
   Index number = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     LEFORT_TRY(const auto header, read_dicom_header(entry.path(), ++number));
     if (!header || header->series_uid != series.uid)
       return fail(ErrorCode::kFileCorrupt, "the server sent an image of another series");
-    if (!seen.insert(header->instance_uid).second)
-      return fail(
-          ErrorCode::kFileCorrupt,
-          fmt::format("the server sent an image twice, expected {} different ones", series.images));
+    if (!instance_uids.insert(header->instance_uid).second)
+      return fail(ErrorCode::kFileCorrupt,
+                  fmt::format("the server sent an image twice, expected {} different images",
+                              series.images));
   }
   return {};
 }
@@ -395,36 +409,37 @@ Result<std::vector<DicomSeriesInfo>> list_dicomweb(const std::string& address,
                                                    const Credentials& credentials,
                                                    Progress& progress,
                                                    const DicomWebLimits& limits) {
-  LEFORT_TRY(const Place place, read_address(address, credentials));
-  progress.begin_stage("ask the server for its series");
-  LEFORT_TRY(const std::vector<RemoteSeries> all, find_series(place, progress, limits));
+  LEFORT_TRY(const StudyAddress study, parse_address(address, credentials));
+  progress.begin_stage("list the series on the server");
+  LEFORT_TRY(const std::vector<RemoteSeries> all, find_series(study, progress, limits));
   std::vector<DicomSeriesInfo> infos;
   for (const RemoteSeries& series : all)
     infos.push_back({.number = static_cast<int>(infos.size()) + 1,
                      .modality = series.modality,
                      .images = series.images,
                      .is_usable = is_ct_series(series),
-                     .problem = is_ct_series(series) ? "" : "no CT"});
+                     .problem = is_ct_series(series) ? "" : "not a CT"});
   return infos;
 }
 
 Result<ImportedVolume> read_dicomweb(const std::string& address, const Credentials& credentials,
                                      int series, Progress& progress, const DicomWebLimits& limits) {
-  LEFORT_TRY(const Place place, read_address(address, credentials));
-  progress.begin_stage("ask the server for its series");
-  LEFORT_TRY(const std::vector<RemoteSeries> all, find_series(place, progress, limits));
-  LEFORT_TRY(const RemoteSeries chosen, choose(all, series));
+  LEFORT_TRY(const StudyAddress study, parse_address(address, credentials));
+  progress.begin_stage("list the series on the server");
+  LEFORT_TRY(const std::vector<RemoteSeries> all, find_series(study, progress, limits));
+  LEFORT_TRY(const RemoteSeries chosen, choose_series(all, series));
 
   progress.begin_stage("fetch the images");
   const PrivateFolder folder;
   if (folder.path().empty())
-    return fail(ErrorCode::kFileUnwritable, "no temporary folder can be made for the images");
-  LEFORT_TRY_VOID(fetch_images(place, chosen, folder.path(), progress, limits));
+    return fail(ErrorCode::kFileUnwritable,
+                "the temporary folder for the images cannot be created");
+  LEFORT_TRY_VOID(fetch_images(study, chosen, folder.path(), progress, limits));
   LEFORT_TRY_VOID(check_images(folder.path(), chosen));
   LEFORT_TRY(ImportedVolume imported, read_dicom_series(folder.path(), 1, progress));
   imported.source_kind = "DICOMweb";
   if (all.size() > 1)
-    imported.warnings.push_back(fmt::format("{} other series were passed over", all.size() - 1));
+    imported.warnings.push_back(fmt::format("{} other series were ignored", all.size() - 1));
   return imported;
 }
 

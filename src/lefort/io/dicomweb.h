@@ -1,5 +1,5 @@
 /// \file
-/// A CT straight from a PACS, by DICOMweb: QIDO-RS finds the series, WADO-RS fetches it (PS3.18).
+/// A CT from a PACS by DICOMweb: QIDO-RS lists the series, WADO-RS fetches one (DICOM PS3.18).
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,19 +15,19 @@
 
 namespace lefort::io {
 
-/// Who asks a server; empty for nobody.
+/// User name and password of a server; both empty for no authentication.
 struct Credentials {
   std::string user{}, password{};
 };
 
-/// What a server may send before we stop listening, whatever it means by it.
+/// Limits of what a server may send; the transfer ends when one is exceeded.
 struct DicomWebLimits {
-  std::size_t list_bytes = std::size_t{16} << 20;  ///< Of a list; in memory up to 20 times that.
-  std::uint64_t series_bytes = std::uint64_t{16} << 30;  ///< Of a series, on the disk.
-  std::uint64_t image_bytes = std::uint64_t{2} << 30;
+  std::size_t list_bytes = std::size_t{16} << 20;  ///< Of a list; up to 20 times that in memory.
+  std::uint64_t series_bytes = std::uint64_t{16} << 30;  ///< Of a series, on disk.
+  std::uint64_t image_bytes = std::uint64_t{2} << 30;    ///< Of one image.
   Index images = 100'000;
-  std::chrono::seconds idle_timeout{30};
-  std::chrono::seconds total_timeout{3600};  ///< For one request.
+  std::chrono::seconds idle_timeout{30};     ///< To connect, and without data.
+  std::chrono::seconds total_timeout{3600};  ///< Of one request.
 };
 
 /// Whether `source` begins with dicomweb:// or dicomwebs://.
@@ -36,26 +36,37 @@ struct DicomWebLimits {
 /// Reads one series of a study from
 /// dicomweb[s]://[user[:password]@]host[:port][/root]/studies/UID[/series/UID].
 ///
-/// The port is 80, or 443 for dicomwebs://, whose certificate must be one the system trusts. The
-/// images are kept in a private temporary folder while they are read, and then go through
-/// read_dicom_series(). The server must send as many as it says the series has.
+/// The port is 80, or 443 for dicomwebs://, which requires a certificate that the system trusts.
+/// The images are stored in a private temporary folder and read by read_dicom_series(). The server
+/// must send as many images as it lists for the series.
 ///
-/// \param credentials  unless the address has some.
-/// \param series       as list_dicomweb() counts; 0: the only CT of the study.
-/// \returns the scan, or, with a message that names neither patient, study nor password,
-///   - kInvalidArgument  an address we do not understand, or several series and none chosen;
-///   - kFileNotFound     no server answers, or it has no such study or series;
-///   - kFileUnsupported  it refuses the password, or speaks something else;
-///   - kFileCorrupt      the connection was lost, images are missing or of another series, or a
-///                       limit is passed;
+/// \param address      of the study or series, as above.
+/// \param credentials  used if the address contains none.
+/// \param series       number in list_dicomweb(), from 1; 0: the only CT of the study.
+/// \param progress     stages, progress of the transfer, requests to stop.
+/// \param limits       of what the server may send.
+/// \returns the scan, or an error whose message names neither patient, study nor password:
+///   - kInvalidArgument   an invalid address, or several series and none chosen;
+///   - kConnectionFailed  no server answers, its certificate is not trusted, or the connection was
+///                        lost or timed out;
+///   - kAccessDenied      the server rejects the user name or password;
+///   - kFileNotFound      the server has no such study or series;
+///   - kFileUnsupported   the answer is not DICOMweb;
+///   - kFileCorrupt       images are missing or of another series, or a limit is exceeded;
 ///   - the errors of read_dicom_series().
 [[nodiscard]] Result<ImportedVolume> read_dicomweb(const std::string& address,
                                                    const Credentials& credentials, int series = 0,
                                                    Progress& progress = Progress::none(),
                                                    const DicomWebLimits& limits = {});
 
-/// Lists the series of the study, in the order of their identifiers, as list_dicom_series() would
-/// in a folder of them, without fetching an image.
+/// Lists the series of a study, sorted by identifier as in list_dicom_series(), without fetching
+/// images.
+///
+/// \param address      of the study, as for read_dicomweb().
+/// \param credentials  used if the address contains none.
+/// \param progress     stage, requests to stop.
+/// \param limits       of what the server may send.
+/// \returns the series, or the errors of read_dicomweb() that do not concern images.
 [[nodiscard]] Result<std::vector<DicomSeriesInfo>> list_dicomweb(
     const std::string& address, const Credentials& credentials,
     Progress& progress = Progress::none(), const DicomWebLimits& limits = {});

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Beside the volume itself its file, read back and checked.
+/// The volume and its file, which is read back and checked.
 constexpr std::uint64_t kCopies = 2;
 
 std::uint64_t machine_bytes() {
@@ -23,21 +23,21 @@ std::uint64_t machine_bytes() {
   return std::uint64_t(std::max(pages, 0L)) * std::uint64_t(std::max(page, 0L));
 }
 
-/// A dense volume is as large as its box, however thin the band in it.
+/// Checks memory and disk: the size of a dense volume is that of its box.
 Result<void> check_room(const fs::path& target, const field::LatticeWindow& window,
                         std::uint64_t max_bytes) {
   const std::uint64_t bytes = std::uint64_t(window.size()) * sizeof(float);
   const auto too_large = [&](ErrorCode code, const char* where, std::uint64_t maximum) {
-    return fail(code, fmt::format("a dense volume of {} x {} x {} samples takes {} bytes, {} has "
-                                  "room for {}; take part of it with --region or --stride, or "
-                                  "write .vdb, which is sparse",
-                                  window.count[0], window.count[1], window.count[2], bytes, where,
-                                  maximum));
+    return fail(
+        code,
+        fmt::format("a dense volume of {} x {} x {} samples needs {} bytes, {} has room for {}; "
+                    "choose a part with --region or --stride, or write .vdb, which is sparse",
+                    window.count[0], window.count[1], window.count[2], bytes, where, maximum));
   };
   if (max_bytes == 0) max_bytes = machine_bytes() / 4 * 3;
   if (bytes > max_bytes / kCopies)
     return too_large(ErrorCode::kOutOfMemory, "memory", max_bytes / kCopies);
-  // Compressed it takes less, how much is not known before.
+  // Its size after compression is not known yet.
   std::error_code error;
   const fs::space_info disk =
       fs::space(target.has_parent_path() ? target.parent_path() : fs::path("."), error);

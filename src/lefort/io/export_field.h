@@ -1,6 +1,6 @@
 /// \file
-/// Distance fields in the formats of others: OpenVDB level sets and NRRD volumes
-/// (docs/reference/field-format.md, "In other formats").
+/// Distance fields in other formats: OpenVDB level sets and NRRD volumes (docs/field-format.md, "In
+/// other formats").
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,32 +15,36 @@ namespace lefort::io {
 
 struct FieldExportOptions {
   std::optional<Box3> region_B{};  ///< Samples in this box only [mm].
-  int every = 1;                   ///< Each n-th sample along each axis.
-  /// What a dense volume may take while it is written; 0: three quarters of this machine's memory.
+  int every = 1;                   ///< Every n-th sample along each axis.
+  /// Memory limit while a dense volume is written; 0: three quarters of this machine's memory.
   std::uint64_t max_bytes = 0;
 };
 
-/// What was written.
+/// Extent and number of the samples that were written.
 struct FieldExport {
   field::LatticeWindow window{};
   field::SampleCount count{};
 };
 
-/// Writes the samples of a field, whole or not at all, by the ending of `target`:
+/// Writes the samples of a field atomically, in the format of the ending of `target`:
 ///
-/// .vdb   a sparse OpenVDB grid of floats, a level set: samples in the band are active, and beyond
+/// .vdb   a sparse OpenVDB level set of floats: samples in the band are active, and beyond
 ///        it +-band_mm, negative inside, mostly as tiles. Unknown samples are inactive, +band_mm.
 /// .nrrd  all samples of the window as floats, in the space LPS: beyond the band exactly +-band_mm,
-///        negative inside, and NaN where unknown. Keys beginning with `lefort_` say so.
+///        negative inside, and NaN where unknown. Keys that begin with `lefort_` state this.
 ///
-/// Samples in the band are as the field keeps them, but strictly less than band_mm in size, so that
-/// they can be told from those beyond it.
+/// Samples in the band are those of the field, limited to less than band_mm in magnitude, which
+/// distinguishes them from samples beyond the band.
 ///
+/// \param target    ends in .vdb or .nrrd.
+/// \param field     the field to export.
+/// \param options   region, stride and memory limit.
+/// \param progress  stage, progress, requests to stop.
 /// \returns what was written, or
-///   - kInvalidArgument  another ending; `every` or the region hold no samples (window_of()); a
+///   - kInvalidArgument  another ending; no samples in the region with this stride (window_of()); a
 ///                       level set of fewer than two voxels on each side of the surface;
-///   - kOutOfMemory      a dense volume of more than max_bytes; the message says how many;
-///   - kFileUnwritable   no room on the disk, or no permission;
+///   - kOutOfMemory      a dense volume of more than max_bytes; the message states its size;
+///   - kFileUnwritable   the disk is full, or permission is missing;
 ///   - kCancelled.
 /// \note Equal fields give equal NRRD files; OpenVDB writes a random number into each of its.
 [[nodiscard]] Result<FieldExport> export_field(const std::filesystem::path& target,

@@ -13,23 +13,32 @@
 
 namespace lefort::io {
 
-/// Writes a field, whatever keeps its samples, to `path`, which must end in .field.
-///
-/// \returns kInvalidArgument for another ending; kFileUnwritable, and `path` is as before.
+/// Writes a field with any kind of storage.
+/// \param path   must end in .field.
+/// \param field  the field to write.
+/// \returns nothing; kInvalidArgument for another ending; or kFileUnwritable, and an existing file
+///   is unchanged.
 [[nodiscard]] Result<void> write_field(const std::filesystem::path& path,
                                        const field::DistanceField& field);
 
-/// Maps a file into memory and queries it there: nothing is copied but octrees and smooth lattices.
-/// The file must not be changed in place while the field lives; lefort itself only replaces files.
+/// Maps a file into memory. Only octrees and smooth lattices are copied. The file must not be
+/// modified in place during the life of the field; lefort replaces files and never modifies them.
 ///
-/// \returns kFileNotFound; kFileUnsupported if it is no distance field or of another version;
-///   kFileCorrupt if its size, checksum or contents contradict each other.
+/// \param path  a file of write_field().
+/// \returns the field; kFileNotFound; kFileUnsupported if the file is not a distance field or has
+///   another version; kFileCorrupt if its size, checksum or contents are inconsistent.
 [[nodiscard]] Result<field::DistanceField> read_field(const std::filesystem::path& path);
 
-/// The bytes of a file.
+/// Returns the bytes of the file that write_field() writes.
+///
+/// \param field  the field to encode.
 [[nodiscard]] std::string encode_field(const field::DistanceField& field);
 
-/// \param bytes  aligned to 8 bytes; `owner` keeps them alive.
+/// Decodes the bytes of a file of write_field().
+///
+/// \param bytes  aligned to 8 bytes.
+/// \param owner  keeps `bytes` alive; the field holds a copy of it.
+/// \returns as read_field().
 [[nodiscard]] Result<field::DistanceField> decode_field(std::span<const std::byte> bytes,
                                                         std::shared_ptr<const void> owner);
 

@@ -24,14 +24,14 @@ using internal::GmshFile;
 using internal::GmshKey;
 using mesh::ElementShape;
 
-// Some ten million elements.
+// About ten million elements.
 constexpr std::uintmax_t kMaxGmshBytes = std::uintmax_t(4) << 30;
 
-// For each of our nodes, its place in Gmsh's element (reference manual, "Node ordering").
+// Index in the Gmsh element of each node (reference manual, "Node ordering").
 constexpr std::array<std::uint8_t, 10> kTet10{0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
 constexpr std::array<std::uint8_t, 20> kHex20{0,  1, 2,  3,  4,  5,  6,  7,  8,  11,
                                               13, 9, 16, 18, 19, 17, 10, 12, 14, 15};
-// The triangles turn the other way round.
+// Gmsh orders the triangles in reverse.
 constexpr std::array<std::uint8_t, 15> kWedge15{0, 2, 1, 3, 5, 4, 7, 9, 6, 13, 14, 12, 8, 11, 10};
 constexpr std::array<std::uint8_t, 20> kSame{0,  1,  2,  3,  4,  5,  6,  7,  8,  9,
                                              10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
@@ -51,12 +51,12 @@ std::span<const std::uint8_t> gmsh_order(ElementShape shape) {
   }
 }
 
-/// Finds nodes by their tag.
+/// Maps node tags to indices.
 class NodePlaces {
  public:
   static Result<NodePlaces> build(const std::vector<std::uint64_t>& tags) {
     if (tags.size() > std::size_t(std::numeric_limits<std::int32_t>::max()))
-      return fail(ErrorCode::kFileUnsupported, "there are more nodes than 32 bits can number");
+      return fail(ErrorCode::kFileUnsupported, "there are more nodes than 32-bit indices allow");
     NodePlaces places;
     for (const std::uint64_t tag : tags)
       places.sorted_.emplace_back(tag, std::int32_t(places.sorted_.size()));
@@ -64,7 +64,7 @@ class NodePlaces {
     for (std::size_t n = 1; n < places.sorted_.size(); ++n)
       if (places.sorted_[n].first == places.sorted_[n - 1].first)
         return fail(ErrorCode::kFileCorrupt,
-                    fmt::format("node {} is there twice", places.sorted_[n].first));
+                    fmt::format("node {} is defined twice", places.sorted_[n].first));
     return places;
   }
 
@@ -78,7 +78,7 @@ class NodePlaces {
   std::vector<std::pair<std::uint64_t, std::int32_t>> sorted_;
 };
 
-/// The blocks of a file with the places of their nodes.
+/// Element blocks of a file with node indices.
 struct PlacedBlock {
   const GmshBlock* block;
   std::vector<std::int32_t> nodes;
@@ -94,7 +94,7 @@ Result<std::vector<PlacedBlock>> placed_blocks(const GmshFile& file) {
       const auto node = places.find(block.node_tags[n]);
       if (!node)
         return fail(ErrorCode::kFileCorrupt,
-                    fmt::format("element {} names node {}, which is missing",
+                    fmt::format("element {} refers to node {}, which is missing",
                                 block.element_tags[n / std::size_t(block.type->nodes)],
                                 block.node_tags[n]));
       next.nodes.push_back(*node);
@@ -113,12 +113,12 @@ Result<std::int32_t> region_of(const GmshFile& file, const GmshKey& volume) {
   const auto groups = groups_of(file, volume);
   if (groups.size() > 1)
     return fail(ErrorCode::kMeshInvalid,
-                fmt::format("volume {} is in the physical groups {}, must be in one at most",
+                fmt::format("volume {} is in the physical groups {}, expected at most one",
                             volume.second, fmt::join(groups, " and ")));
   return groups.empty() ? 0 : groups[0];
 }
 
-/// Elements with nodes numbered as in the file.
+/// Returns the elements with the node numbering of the file.
 Result<void> add_elements(const GmshFile& file, const std::vector<PlacedBlock>& blocks,
                           mesh::VolumeMesh& mesh) {
   for (const auto& [block, nodes] : blocks) {
@@ -138,12 +138,12 @@ Result<void> add_elements(const GmshFile& file, const std::vector<PlacedBlock>& 
   }
   if (mesh.blocks.empty())
     return fail(ErrorCode::kMeshInvalid,
-                "there are no volume elements; Gmsh saves physical groups alone once there is one, "
-                "so a Physical Volume must be among them");
+                "there are no volume elements; if a mesh has physical groups, Gmsh saves only "
+                "these, so it needs a Physical Volume");
   return {};
 }
 
-/// Leaves out the nodes that no element uses. \returns for each node of the file its number, or -1.
+/// Removes nodes without an element. \returns the new index of each node of the file, or -1.
 std::vector<std::int32_t> number_nodes(const GmshFile& file, mesh::VolumeMesh& mesh) {
   std::vector<std::int32_t> number(file.nodes.size(), -1);
   for (const mesh::ElementBlock& block : mesh.blocks)
@@ -165,7 +165,7 @@ std::string group_name(const GmshFile& file, const GmshKey& group) {
   return fmt::format("{} {}", kKinds[std::size_t(group.first)], group.second);
 }
 
-/// The nodes and faces of one physical group of dimension 0 to 2.
+/// Reads the nodes and faces of a physical group of dimension 0 to 2.
 struct Group {
   std::vector<std::int32_t> nodes;
   std::vector<mesh::Face> faces;
@@ -185,7 +185,7 @@ Result<std::map<GmshKey, Group>> find_groups(const GmshFile& file,
         const std::int32_t node = number[std::size_t(nodes[n])];
         if (node < 0)
           return fail(ErrorCode::kMeshInvalid,
-                      fmt::format("physical group \"{}\" holds node {}, which is of no volume",
+                      fmt::format("physical group \"{}\" contains node {}, which is in no volume",
                                   group_name(file, key), block->node_tags[n]));
         group.nodes.push_back(node);
         if (!block->type->face) continue;
@@ -205,8 +205,8 @@ Result<void> add_sets(const GmshFile& file, std::map<GmshKey, Group> groups,
     group.nodes.erase(std::unique(group.nodes.begin(), group.nodes.end()), group.nodes.end());
     if (!mesh.node_sets.emplace(name, std::move(group.nodes)).second)
       return fail(ErrorCode::kMeshInvalid,
-                  fmt::format("two physical groups are named \"{}\", names of points, curves and "
-                              "surfaces must differ",
+                  fmt::format("two physical groups are named \"{}\", the names of points, curves "
+                              "and surfaces must differ",
                               name));
     if (key.first != 2) continue;
     auto attached = mesh::match_faces_to_elements(mesh, group.faces);
@@ -218,16 +218,15 @@ Result<void> add_sets(const GmshFile& file, std::map<GmshKey, Group> groups,
   return {};
 }
 
-/// Names without members: some writers leave out $Entities, which alone says what is in a group.
+/// Checks for names without members: some writers omit $Entities, which defines the groups.
 Result<void> check_groups(const GmshFile& file) {
   const bool has_members = std::any_of(file.groups_of.begin(), file.groups_of.end(),
                                        [](const auto& entity) { return !entity.second.empty(); });
   if (file.group_names.empty() || has_members) return {};
-  return fail(
-      ErrorCode::kMeshInvalid,
-      fmt::format("it names physical groups, as \"{}\", and its $Entities puts nothing into "
-                  "any; save it from Gmsh itself",
-                  file.group_names.begin()->second));
+  return fail(ErrorCode::kMeshInvalid,
+              fmt::format("it names physical groups, as \"{}\", but its $Entities assigns nothing "
+                          "to them; save it with Gmsh",
+                          file.group_names.begin()->second));
 }
 
 Result<mesh::VolumeMesh> convert(const GmshFile& file) {

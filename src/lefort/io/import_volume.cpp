@@ -29,9 +29,10 @@ Result<ImportedVolume> import_volume(const fs::path& source, const ImportOptions
   if (fs::is_directory(status)) return read_dicom_series(source, options.series, progress);
   if (ends_in_inv3(source)) return read_inv3(source, progress);
   if (is_volume_file(source)) return read_volume(source, progress);
-  return fail(ErrorCode::kFileUnsupported,
-              "this is not a scan we read, expected a folder of DICOM files, .nrrd, .nhdr, .nii, "
-              ".nii.gz, .mha, .mhd or .inv3");
+  return fail(
+      ErrorCode::kFileUnsupported,
+      "the scan has an unsupported format, expected a folder of DICOM files, .nrrd, .nhdr, .nii, "
+      ".nii.gz, .mha, .mhd or .inv3");
 }
 
 Result<std::vector<DicomSeriesInfo>> list_scans(const fs::path& source,
@@ -41,8 +42,7 @@ Result<std::vector<DicomSeriesInfo>> list_scans(const fs::path& source,
   std::error_code error;
   if (!fs::is_directory(source, error))
     return fail(ErrorCode::kFileUnsupported,
-                "the scan is no folder of DICOM files, so it has no "
-                "series to list");
+                "the scan is not a folder of DICOM files, so it has no series to list");
   return list_dicom_series(source, progress);
 }
 

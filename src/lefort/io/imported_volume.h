@@ -1,5 +1,5 @@
 /// \file
-/// What every reader of scans hands back.
+/// Result of every reader of scans.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -10,21 +10,21 @@
 
 namespace lefort::io {
 
-/// How the slices of a series lay before they became a grid.
+/// Positions of the slices of a series before conversion to a grid.
 struct StackReport {
   Index slices = 0;
-  double min_step_mm = 0.0, max_step_mm = 0.0;  ///< From slice to slice, along the normal.
-  double tilt_deg = 0.0;                        ///< By which the stack was sheared.
+  double min_step_mm = 0.0, max_step_mm = 0.0;  ///< Slice distance along the normal.
+  double tilt_deg = 0.0;                        ///< Shear angle of the stack (gantry tilt).
   bool resampled = false;
 };
 
-/// A head scan in Hounsfield units, in L, with what the user should know of it.
+/// A head scan in Hounsfield units, in frame L, with warnings for the user.
 ///
-/// No name, date, identifier or text of the patient is in it, whatever the file held.
+/// It never contains a name, date, identifier or text of the patient.
 struct ImportedVolume {
   image::CtVolume ct;
-  std::vector<std::string> warnings;   ///< One sentence each; what was repaired or looks odd.
-  std::optional<StackReport> stack{};  ///< Of DICOM files.
+  std::vector<std::string> warnings;   ///< One sentence each: repairs and suspicious values.
+  std::optional<StackReport> stack{};  ///< For DICOM files.
   std::string source_kind;             ///< "DICOM series", "NRRD", "NIfTI", "MetaImage", ...
 };
 

@@ -21,9 +21,9 @@ namespace {
 constexpr std::uint64_t kMaxPlist = 1 << 20;
 static_assert(std::endian::native == std::endian::little, "matrix.dat is little-endian");
 
-/// What main.plist says of the voxels.
+/// Properties of the voxels in main.plist.
 struct Project {
-  image::Grid grid;  ///< As stored: y grows to anterior, so the grid is left-handed.
+  image::Grid grid;  ///< As stored: y points to anterior, so the grid is left-handed.
   std::string matrix_file;
   bool is_axial;
 };
@@ -44,25 +44,25 @@ std::string plist_text(const FlatPlist& plist, const std::string& place) {
   return leaf == plist.end() ? "" : leaf->second;
 }
 
-/// \returns the project, or an Error whose message does not name the file.
+/// \returns the project, or an error whose message does not contain the file name.
 Result<Project> read_project(const std::string& xml) {
   LEFORT_TRY(const FlatPlist plist, read_plist(xml));
   Project project;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // The shape is given as z, y, x; the spacing as x, y, z.
+    // The shape is in the order z, y, x; the spacing in the order x, y, z.
     const auto size = number_at<Index>(plist, fmt::format("matrix/shape/{}", 2 - axis));
     const auto spacing_mm = number_at<double>(plist, fmt::format("spacing/{}", axis));
     if (!size || !spacing_mm)
       return fail(ErrorCode::kFileCorrupt,
-                  "main.plist gives no matrix shape and spacing, expected three numbers each");
+                  "main.plist has no matrix shape and spacing, expected three numbers each");
     project.grid.size[axis] = *size;
     project.grid.spacing_mm[static_cast<Index>(axis)] = *spacing_mm;
   }
   LEFORT_TRY_VOID(image::check_grid(project.grid));
   if (const std::string type = plist_text(plist, "matrix/dtype"); type != "int16" && type != "<i2")
-    return fail(ErrorCode::kFileUnsupported, "the voxels of the project are not of type int16");
+    return fail(ErrorCode::kFileUnsupported, "the voxels of the project do not have type int16");
   if (const std::string modality = plist_text(plist, "modality"); modality == "MRI")
-    return fail(ErrorCode::kFileUnsupported, "the project holds an MRI, expected a CT");
+    return fail(ErrorCode::kFileUnsupported, "the project contains an MRI, expected a CT");
 
   project.matrix_file = plist_text(plist, "matrix/filename");
   const bool plain =
@@ -71,7 +71,7 @@ Result<Project> read_project(const std::string& xml) {
                c == '.' || c == '_' || c == '-';
       });
   if (project.matrix_file.empty() || !plain)
-    return fail(ErrorCode::kFileCorrupt, "main.plist gives no usable file name for the voxels");
+    return fail(ErrorCode::kFileCorrupt, "main.plist has no valid file name of the voxels");
   project.is_axial = number_at<int>(plist, "orientation").value_or(1) == 1;
   project.grid.direction(1, 1) = -1.0;
   project.grid.origin_L.y() =
@@ -110,7 +110,7 @@ Result<ImportedVolume> read_inv3(const fs::path& file, Progress& progress) {
   imported.warnings = hounsfield_warnings(count, imported.ct);
   if (!project->is_axial)
     imported.warnings.emplace_back(
-        "the project was not made from axial slices: check that left and right are right");
+        "the project was not made from axial slices: check left and right");
   progress.report(1.0);
   return imported;
 }

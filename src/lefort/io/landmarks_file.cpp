@@ -32,7 +32,7 @@ Result<plan::Landmarks> points_of(const std::vector<Markup>& markups) {
   return checked_landmarks(std::move(landmarks));
 }
 
-/// Where a table keeps what; L is lps * the three columns.
+/// Columns of a table; the point in L is lps * the three columns.
 struct Columns {
   std::size_t name = 0;
   std::array<std::size_t, 3> position{};
@@ -82,14 +82,14 @@ std::optional<double> number_in(const std::string& field) {
   return number;
 }
 
-/// Nothing if the line is a landmark that is not placed.
+/// Parses a line; nothing if the landmark is not placed.
 Result<std::optional<plan::Landmark>> read_row(const std::vector<std::string>& fields,
                                                const Columns& columns, Index line) {
   const std::size_t last =
       std::max(columns.name, *std::max_element(columns.position.begin(), columns.position.end()));
   if (fields.size() <= last)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("line {} has {} fields, must have {}", line, fields.size(), last + 1));
+                fmt::format("line {} has {} fields, expected {}", line, fields.size(), last + 1));
   if (columns.defined && *columns.defined < fields.size() && fields[*columns.defined] == "0")
     return std::nullopt;
   plan::Landmark landmark{fields[columns.name], Vec3::Zero()};
@@ -119,18 +119,17 @@ std::string number_text(const std::optional<double>& value) {
 
 Result<plan::Landmarks> checked_landmarks(plan::Landmarks landmarks) {
   const auto bad = [](std::string what) { return fail(ErrorCode::kFileCorrupt, std::move(what)); };
-  if (landmarks.empty()) return bad("no landmark is in it");
+  if (landmarks.empty()) return bad("it has no landmark");
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     if (landmarks[i].name.empty()) return bad(fmt::format("landmark {} has no name", i + 1));
     if (std::any_of(landmarks[i].name.begin(), landmarks[i].name.end(),
                     [](unsigned char c) { return std::iscntrl(c) != 0; }))
       return bad(fmt::format("landmark {} has a name with control characters", i + 1));
     if (!(landmarks[i].point_L.cwiseAbs().maxCoeff() <= kMaxLandmark_mm))
-      return bad(
-          fmt::format("landmark {} lies beyond {:g} mm", landmarks[i].name, kMaxLandmark_mm));
+      return bad(fmt::format("landmark {} is beyond {:g} mm", landmarks[i].name, kMaxLandmark_mm));
   }
   if (const auto repeated = plan::first_repeated_name(landmarks))
-    return bad(fmt::format("landmark {} stands twice", *repeated));
+    return bad(fmt::format("landmark {} is repeated", *repeated));
   return landmarks;
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Landmarks in files: `.mrk.json` of 3D Slicer, and CSV; and the cephalometric table as CSV.
+/// Landmark files: `.mrk.json` of 3D Slicer and CSV; the cephalometric table as CSV.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -14,43 +14,54 @@
 
 namespace lefort::io {
 
-/// Reads landmarks; the ending says the format.
+/// Reads landmarks in the format of the ending.
 ///
-/// Of a `.mrk.json` all point lists ("Fiducial") are taken. A CSV has a heading, which names its
-/// columns: `name` or `label`, then `x_mm,y_mm,z_mm` or `l,p,s` (L) or `r,a,s`, as Slicer exports
-/// tables; further columns are ignored but for `defined`, where 0 leaves the point out. Lines that
-/// start with # are passed over.
+/// All point lists ("Fiducial") of a `.mrk.json` are read. The first line of a CSV names its
+/// columns: `name` or `label`, and `x_mm,y_mm,z_mm` or `l,p,s` (frame L) or `r,a,s`, as in tables
+/// exported by Slicer. A point with 0 in the column `defined` is omitted; further columns are
+/// ignored, and so are lines that start with #.
 ///
-/// \returns the landmarks in the file's order, or
-///   - kFileNotFound     there is no such file;
-///   - kFileUnsupported  neither `.mrk.json` nor `.csv`, or lengths in an unknown unit;
-///   - kFileCorrupt      not of its format, no landmark in it, one without a name, or two of one
-///     name.
+/// \param file  ends in `.mrk.json` or `.csv`.
+/// \returns the landmarks in the order of the file, or
+///   - kFileNotFound     the file does not exist;
+///   - kFileUnsupported  another ending, or lengths in an unknown unit;
+///   - kFileCorrupt      not of its format, no landmark, one without a name, or two with the same
+///                       name.
 [[nodiscard]] Result<plan::Landmarks> read_landmarks(const std::filesystem::path& file);
 
-/// Whether landmarks could be of a file.
+/// Checks names and coordinates of landmarks.
 ///
-/// \returns them; or kFileCorrupt for none, a name that is empty, stands twice or has control
-///   characters, or a point beyond 100 m.
+/// \param landmarks  to check.
+/// \returns the landmarks; or kFileCorrupt if there is none, a name is empty, repeated or has
+///   control characters, or a point is more than 100 m from the origin.
 [[nodiscard]] Result<plan::Landmarks> checked_landmarks(plan::Landmarks landmarks);
 
-/// A CSV's text; messages then name no file.
+/// Reads landmarks from the text of a CSV.
+///
+/// \param text  of the whole file.
+/// \returns as read_landmarks(), with messages without a file name.
 [[nodiscard]] Result<plan::Landmarks> parse_landmark_table(std::string_view text);
 
-/// Writes landmarks, whole or not at all; formats as for read_landmarks(). Read back they are the
+/// Writes landmarks atomically in the formats of read_landmarks(). Reading the file returns the
 /// same bits.
 ///
+/// \param file       ends in `.mrk.json` or `.csv`.
+/// \param landmarks  to write.
 /// \returns nothing, kFileUnsupported (the ending), or kFileUnwritable.
 [[nodiscard]] Result<void> write_landmarks(const std::filesystem::path& file,
                                            std::span<const plan::Landmark> landmarks);
 
-/// Nothing, or kFileUnsupported: whether write_landmarks() knows the ending, before any work.
+/// Checks the ending of a file for write_landmarks() before the landmarks are computed.
+///
+/// \param file  need not exist.
+/// \returns nothing, or kFileUnsupported.
 [[nodiscard]] Result<void> check_landmarks_ending(const std::filesystem::path& file);
 
-/// The table as CSV: `measurement,meaning,unit,before`, and if there is `after`, `after,change`.
-/// What is not known is empty.
+/// Returns the cephalometric table as CSV: `measurement,meaning,unit,before` and, unless `after` is
+/// empty, `after,change`. Unknown values are empty fields.
 ///
-/// \param after  empty, or the lines of `before` again.
+/// \param before  the measurements before surgery.
+/// \param after   empty, or the same measurements after surgery.
 [[nodiscard]] std::string cephalometric_csv(std::span<const plan::Measurement> before,
                                             std::span<const plan::Measurement> after = {});
 

@@ -14,7 +14,7 @@ using internal::Json;
 
 constexpr std::uintmax_t kMaxMarkups = 64 << 20;  // Bytes.
 
-/// What we need of Slicer's markups-schema-v1.0.3.json, which allows more.
+/// The required part of Slicer's markups-schema-v1.0.3.json.
 constexpr const char* kSchema = R"({
   "type": "object", "required": ["markups"],
   "properties": {"markups": {"type": "array", "items": {
@@ -45,7 +45,7 @@ constexpr const char* kWrittenSchema =
     "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
     "Schema/markups-schema-v1.0.3.json#";
 
-/// Millimeters of a unit; nothing if it is none we know. Slicer writes "mm", or a DICOM code.
+/// Returns the unit in mm; nothing if it is unknown. Slicer writes "mm" or a DICOM code.
 std::optional<double> mm_of(const Json& markup) {
   const auto found = markup.find("coordinateUnits");
   if (found == markup.end()) return 1.0;
@@ -61,7 +61,7 @@ bool is_placed(const Json& point) {
 
 Vec3 in_L(const Vec3& v, bool is_ras) { return is_ras ? Vec3(-v.x(), -v.y(), v.z()) : v; }
 
-/// Nothing for planes of before Slicer 5, which are told by three points alone.
+/// Nothing for planes of Slicer before version 5, which are defined by three points only.
 Result<std::optional<MarkupPlane>> read_plane(const Json& json, double mm, bool is_ras,
                                               std::size_t number) {
   if (!json.contains("center") || !json.contains("normal")) return std::nullopt;
@@ -70,7 +70,7 @@ Result<std::optional<MarkupPlane>> read_plane(const Json& json, double mm, bool 
   if (!(plane.normal_L.norm() > 1e-9))
     return fail(ErrorCode::kFileCorrupt, fmt::format("markups[{}].normal: it is zero", number));
   plane.normal_L.normalize();
-  // The first column is the width's direction; without it, any that lies in the plane.
+  // The first column is the direction of the width; the default is any direction in the plane.
   if (const auto& axes = internal::list(json, "orientation"); axes.size() == 9)
     plane.across_L =
         in_L({axes[0].get<double>(), axes[3].get<double>(), axes[6].get<double>()}, is_ras);

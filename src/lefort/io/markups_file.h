@@ -1,5 +1,5 @@
 /// \file
-/// Points, curves and planes of 3D Slicer: `.mrk.json`.
+/// Markups of 3D Slicer (`.mrk.json`): points, curves and planes.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -14,40 +14,44 @@
 
 namespace lefort::io {
 
-/// A plane as Slicer draws it: a rectangle about its center.
+/// A plane of Slicer: a rectangle with a center.
 struct MarkupPlane {
   Vec3 center_L;
-  Vec3 normal_L;                           ///< Unit length.
-  Vec3 across_L;                           ///< Along the width; unit length, across the normal.
-  double width_mm = 0.0, height_mm = 0.0;  ///< 0 where the file does not tell.
+  Vec3 normal_L;  ///< Unit length.
+  Vec3 across_L;  ///< Along the width; unit length, orthogonal to the normal.
+  double width_mm = 0.0, height_mm = 0.0;  ///< 0 if the file does not contain it.
 };
 
 /// One node of Slicer's Markups module.
 struct Markup {
   std::string type;                    ///< "Fiducial", "ClosedCurve", "Plane", ...
   std::string name;                    ///< May be empty.
-  plan::Landmarks points;              ///< Control points that are placed, with their labels, in L.
-  std::optional<MarkupPlane> plane{};  ///< Of a "Plane" whose center and normal are told.
+  plan::Landmarks points;              ///< Placed control points with their labels, in frame L.
+  std::optional<MarkupPlane> plane{};  ///< Of a "Plane" with center and normal.
 };
 
 /// Reads all markups of a file.
 ///
-/// Each says its own coordinate system; RAS becomes L here, and LPS is what is meant where none is
-/// said, as in Slicer. Points that Slicer has not placed (`positionStatus`) are left out. Nodes
-/// that a transform moves in Slicer are stored where they are without it, as Slicer stores them.
+/// Each markup states its coordinate system; RAS is converted to L, and the default is LPS, as in
+/// Slicer. Points that are not placed (`positionStatus`) are omitted. Coordinates of nodes under a
+/// transform are those without the transform, as Slicer stores them.
 ///
+/// \param file  a markups file.
 /// \returns the markups, or
-///   - kFileNotFound     there is no such file;
-///   - kFileUnsupported  lengths in anything but mm and um;
-///   - kFileCorrupt      not JSON, or not of Slicer's Markups schema (the message names the key); a
-///     plane's normal is zero.
+///   - kFileNotFound     the file does not exist;
+///   - kFileUnsupported  the unit of length is neither mm nor um;
+///   - kFileCorrupt      not JSON, not of Slicer's Markups schema (the message names the key), or a
+///                       plane has a zero normal.
 [[nodiscard]] Result<std::vector<Markup>> read_markups(const std::filesystem::path& file);
 
-/// The same from text; messages then name no file.
+/// As above from text; messages contain no file name.
 [[nodiscard]] Result<std::vector<Markup>> parse_markups(std::string_view json);
 
-/// A point list in L that Slicer opens, whole or not at all. Equal points give equal bytes.
+/// Writes a point list for Slicer atomically. Equal points give equal bytes.
 ///
+/// \param file      ends in `.mrk.json`.
+/// \param name      of the list.
+/// \param points_L  named points in frame L.
 /// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_point_list(const std::filesystem::path& file,
                                             const std::string& name,

@@ -14,7 +14,7 @@ Result<void> make_output_folder(const fs::path& folder) {
   if (error || !fs::is_directory(folder))
     return fail(ErrorCode::kFileUnwritable,
                 fmt::format("output folder {} cannot be created: {}", folder.string(),
-                            error ? error.message() : "a file of that name is in the way"));
+                            error ? error.message() : "a file of that name exists"));
   const fs::path probe = folder / ".writable";
   const Result<void> written = write_text(probe, "");
   fs::remove(probe, error);
@@ -28,7 +28,7 @@ EmptyFolderCleanup::EmptyFolderCleanup(const fs::path& folder) {
   std::error_code error;
   for (fs::path at = fs::absolute(folder, error).lexically_normal();
        !at.empty() && !fs::exists(fs::symlink_status(at, error)); at = at.parent_path()) {
-    if (at.has_filename()) new_.push_back(at);  // "a/" and "a" are one.
+    if (at.has_filename()) new_.push_back(at);  // "a/" and "a" are the same folder.
     if (at == at.parent_path()) break;
   }
 }
@@ -46,7 +46,7 @@ Result<void> remove_earlier_files(std::span<const fs::path> files) {
     fs::remove(file, error);
     if (error)
       return fail(ErrorCode::kFileUnwritable,
-                  fmt::format("{}, of an earlier run, cannot be removed: {}", file.string(),
+                  fmt::format("{} of an earlier run cannot be removed: {}", file.string(),
                               error.message()));
   }
   return {};

@@ -1,5 +1,5 @@
 /// \file
-/// Where results go.
+/// The folder of results.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,13 +10,15 @@
 
 namespace lefort::io {
 
-/// Makes sure that a folder is there and can be written, before hours of work depend on it.
+/// Creates a folder if necessary and checks that files can be written to it, before a long
+/// computation.
 ///
-/// \returns nothing, or kFileUnwritable. A folder that could not be used is not left behind.
+/// \param folder  path of the folder.
+/// \returns nothing, or kFileUnwritable; then a folder that was created is removed.
 [[nodiscard]] Result<void> make_output_folder(const std::filesystem::path& folder);
 
-/// Leaves no folder for results that never came: those on the way to `folder` that were not there
-/// when it began, and are empty when it ends, go.
+/// Removes empty folders after a failure: at the end of its life, those on the path to `folder`
+/// that did not exist at its beginning and are empty.
 class EmptyFolderCleanup {
  public:
   explicit EmptyFolderCleanup(const std::filesystem::path& folder);
@@ -25,12 +27,13 @@ class EmptyFolderCleanup {
   EmptyFolderCleanup& operator=(const EmptyFolderCleanup&) = delete;
 
  private:
-  std::vector<std::filesystem::path> new_;  ///< The deepest first.
+  std::vector<std::filesystem::path> new_;  ///< Deepest first.
 };
 
-/// Removes what an earlier run may have left; a file that is not there is none to remove.
+/// Removes files of an earlier run.
 ///
-/// \returns nothing, or kFileUnwritable with the name of the first that stays.
+/// \param files  need not exist.
+/// \returns nothing, or kFileUnwritable with the name of the first file that cannot be removed.
 [[nodiscard]] Result<void> remove_earlier_files(std::span<const std::filesystem::path> files);
 
 }  // namespace lefort::io

@@ -15,8 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxCheck = 64 << 20;  // Bytes.
 
-/// Whether a check may have written a file of that name; segments are named as in
-/// contract/plan.schema.json.
+/// Whether a check writes files of this name; names of segments as in contract/plan.schema.json.
 bool is_of_a_check(const std::string& name) {
   static const std::regex ours(
       R"(cephalometry\.csv|landmarks_after\.(mrk\.json|csv)|remainder\.vtp|)"
@@ -38,11 +37,10 @@ Result<std::vector<fs::path>> earlier_check_files(const fs::path& folder) {
   const Result<std::string> text = read_text(file, kMaxCheck);
   const auto json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
   if (!json.is_object() || !json.contains("lefort_plan_check"))
-    return fail(
-        ErrorCode::kFileUnwritable,
-        fmt::format("{} is not of an earlier check and would be overwritten, choose another "
-                    "output folder",
-                    file.string()));
+    return fail(ErrorCode::kFileUnwritable,
+                fmt::format("{} is not a file of an earlier check and would be overwritten, choose "
+                            "another output folder",
+                            file.string()));
   std::vector<fs::path> files{file};
   const auto names = json.find("files");
   if (names == json.end() || !names->is_array()) return files;
@@ -58,8 +56,8 @@ Result<void> check_inputs_are_distinct(std::span<const fs::path> inputs,
     if (std::any_of(files.begin(), files.end(),
                     [&](const fs::path& file) { return are_same(input, file); }))
       return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{} is read by this check and would be overwritten by its results, "
-                              "choose another output folder",
+                  fmt::format("{} is an input of this check and would be overwritten by its "
+                              "results, choose another output folder",
                               input.string()));
   return {};
 }
@@ -72,11 +70,10 @@ Result<void> check_none_in_the_way(const fs::path& folder, std::span<const std::
     if (!fs::exists(fs::symlink_status(file, error)) ||
         std::find(earlier.begin(), earlier.end(), file) != earlier.end())
       continue;
-    return fail(
-        ErrorCode::kFileUnwritable,
-        fmt::format("{} is not of an earlier check and would be overwritten, choose another "
-                    "output folder",
-                    file.string()));
+    return fail(ErrorCode::kFileUnwritable,
+                fmt::format("{} is not a file of an earlier check and would be overwritten, choose "
+                            "another output folder",
+                            file.string()));
   }
   return {};
 }

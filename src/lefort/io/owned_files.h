@@ -1,5 +1,5 @@
 /// \file
-/// The files of `lefort plan check`: only what such a check has written is ever replaced.
+/// The files of `lefort plan check`: it replaces only files that an earlier check has written.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,20 +11,30 @@
 
 namespace lefort::io {
 
-/// What an earlier check has written into a folder, as its check.json lists it, and check.json
-/// itself; nothing if there is none.
+/// Returns the files that an earlier check has written into a folder: check.json and the files that
+/// it lists. Empty if there is no check.json.
 ///
-/// \returns paths, or kFileUnwritable if the folder's check.json is of something else. Names that
-///   no check writes are left out, whatever the list says.
+/// \param folder  the output folder.
+/// \returns paths, or kFileUnwritable if check.json is of another program. Listed names that a
+///   check never writes are omitted.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> earlier_check_files(
     const std::filesystem::path& folder);
 
-/// Nothing, or kInvalidArgument that names the first input which is one of `files`.
+/// Checks that no input is overwritten.
+///
+/// \param inputs  files that are read.
+/// \param files   files that will be written.
+/// \returns nothing, or kInvalidArgument with the first input that is one of `files`.
 [[nodiscard]] Result<void> check_inputs_are_distinct(std::span<const std::filesystem::path> inputs,
                                                      std::span<const std::filesystem::path> files);
 
-/// Nothing, or kFileUnwritable that names the first of `names` which is in the folder, but is none
-/// of `earlier`.
+/// Checks that only files of an earlier check are overwritten.
+///
+/// \param folder   the output folder.
+/// \param names    files that will be written to it.
+/// \param earlier  result of earlier_check_files().
+/// \returns nothing, or kFileUnwritable with the first of `names` that exists and is not in
+///   `earlier`.
 [[nodiscard]] Result<void> check_none_in_the_way(const std::filesystem::path& folder,
                                                  std::span<const std::string> names,
                                                  std::span<const std::filesystem::path> earlier);

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using OrderedJson = nlohmann::ordered_json;
 
-/// Calls `visit` with each string of the plan that names a file, but for the scan's.
+/// Calls `visit` for each file name in the plan except that of the scan.
 template <class Visit>
 void visit_files(OrderedJson& plan, const Visit& visit_string) {
   const auto visit = [&](OrderedJson& object, const char* key) {
@@ -51,7 +51,7 @@ Result<fs::path> scan_of(const fs::path& plan_file, const PlanFile& plan,
   const fs::path ct = given ? *given : *plan.ct;
   std::error_code error;
   if (!fs::exists(ct, error))
-    return fail(ErrorCode::kFileNotFound, fmt::format("there is no scan at {}", ct.string()));
+    return fail(ErrorCode::kFileNotFound, fmt::format("the scan {} does not exist", ct.string()));
   return ct;
 }
 

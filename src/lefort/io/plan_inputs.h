@@ -1,5 +1,5 @@
 /// \file
-/// The files that a plan names.
+/// The input files of a plan.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,30 +12,43 @@
 
 namespace lefort::io {
 
-/// The scan that `given` names, or else the plan.
+/// Returns the path of the scan: `given`, or else the one in the plan.
 ///
-/// \returns kPlanInvalid if neither does, kFileNotFound if it is not there.
+/// \param plan_file  path of the plan; paths in the plan are relative to its folder.
+/// \param plan       the plan.
+/// \param given      path from the command line.
+/// \returns the path, kPlanInvalid if neither contains one, or kFileNotFound.
 [[nodiscard]] Result<std::filesystem::path> scan_of(
     const std::filesystem::path& plan_file, const PlanFile& plan,
     const std::optional<std::filesystem::path>& given);
 
-/// A file and its bytes' fingerprint.
+/// A file and its hash.
 struct InputFile {
-  std::string name;    ///< As the plan has it.
+  std::string name;    ///< As in the plan.
   std::string sha256;  ///< 64 hexadecimal digits.
   bool operator==(const InputFile&) const = default;
 };
 
-/// The files that a plan which was read names, but for the scan; relative to the plan's folder.
+/// Returns the files of a plan other than the scan, relative to the folder of the plan.
+///
+/// \param text  of a valid plan.
 [[nodiscard]] std::vector<std::string> file_catalog(const std::string& text);
 
-/// What they hold, so that a result tells when one of them has changed.
+/// Returns the files of file_catalog() with their hashes, which show whether an input of a result
+/// has changed.
 ///
-/// \returns as many, or what sha256_of_file() returns.
+/// \param text       of a valid plan.
+/// \param plan_file  path of the plan.
+/// \returns one entry per file, or the errors of sha256_of_file().
 [[nodiscard]] Result<std::vector<InputFile>> fingerprints(const std::string& text,
                                                           const std::filesystem::path& plan_file);
 
-/// The plan's text with its files named as seen from the folder the copy goes to.
+/// Returns the text of a copy of the plan with paths relative to the folder of the copy.
+///
+/// \param text       of a valid plan.
+/// \param plan_file  path of the plan.
+/// \param ct         path of the scan.
+/// \param folder     of the copy.
 [[nodiscard]] std::string portable_plan(const std::string& text,
                                         const std::filesystem::path& plan_file,
                                         const std::filesystem::path& ct,

@@ -16,7 +16,7 @@ namespace {
 constexpr std::uintmax_t kMaxPointTableBytes = std::uintmax_t(4) << 30;  // Bytes.
 constexpr std::string_view kSeparators = " \t,;\r";
 
-/// Takes one number off the front of `line`.
+/// Removes one number from the front of `line`.
 std::optional<double> take_number(std::string_view& line) {
   line.remove_prefix(std::min(line.find_first_not_of(kSeparators), line.size()));
   if (line.starts_with('+')) line.remove_prefix(1);
@@ -61,7 +61,7 @@ Result<std::vector<Vec3>> parse_points(std::string_view text) {
                   fmt::format("line {} does not start with three finite numbers", number));
     }
   }
-  if (points.empty()) return fail(ErrorCode::kFileCorrupt, "no point is in it");
+  if (points.empty()) return fail(ErrorCode::kFileCorrupt, "it has no point");
   return points;
 }
 

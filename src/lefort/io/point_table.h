@@ -1,5 +1,5 @@
 /// \file
-/// Lists of points as text.
+/// Text files of points.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,14 +11,16 @@
 
 namespace lefort::io {
 
-/// Reads a point a line: x y z [mm], separated by commas, semicolons, tabs or spaces. Empty lines
-/// and lines that start with # are passed over; so is a first line that starts with a letter.
+/// Reads one point per line: x y z [mm], separated by commas, semicolons, tabs or spaces; further
+/// columns are ignored. Empty lines, lines that start with # and a first line that starts with a
+/// letter are ignored.
 ///
-/// \returns kFileNotFound; kFileCorrupt naming the line when it does not start with three finite
-///   numbers (further columns are ignored) or there is no point at all.
+/// \param file  the table.
+/// \returns the points; kFileNotFound; or kFileCorrupt if the table is empty or a line does not
+///   start with three finite numbers (the message states the line).
 [[nodiscard]] Result<std::vector<Vec3>> read_points(const std::filesystem::path& file);
 
-/// The same from text; messages then name no file.
+/// As above from text; messages contain no file name.
 [[nodiscard]] Result<std::vector<Vec3>> parse_points(std::string_view text);
 
 }  // namespace lefort::io

@@ -7,7 +7,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Nothing if it is no rigid motion.
+/// Nothing if it is not a rigid motion.
 std::optional<RigidTransform> as_pose(const json& numbers) {
   constexpr double kRigid = 1e-6;
   RigidTransform X_LB;

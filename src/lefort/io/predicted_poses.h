@@ -1,5 +1,5 @@
 /// \file
-/// Where a prediction's document says its segments are.
+/// Poses of the segments in the JSON document of a prediction.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,6 +15,9 @@ namespace lefort::io {
 /// Format version of prediction.json and failure.json.
 inline constexpr int kPredictionVersion = 2;
 
+/// Checks the format version of a prediction.
+///
+/// \param document  prediction.json or failure.json.
 /// \returns nothing, or kFileUnsupported if another version of the program wrote the document.
 [[nodiscard]] Result<void> check_prediction_version(const nlohmann::json& document);
 
@@ -23,6 +26,8 @@ struct SegmentPose {
   RigidTransform X_LB;
 };
 
+/// Returns the poses of the segments at a step.
+///
 /// \param document  prediction.json or failure.json.
 /// \param step      one of its `steps`.
 /// \returns one pose for each segment, in the order of the plan; kFileUnsupported as

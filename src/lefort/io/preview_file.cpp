@@ -24,7 +24,7 @@ void append(std::string& text, const Item* items, std::size_t count) {
   text.append(reinterpret_cast<const char*>(items), count * sizeof(Item));
 }
 
-/// \returns false if the text ends before the list does.
+/// \returns false if the text ends before the list.
 template <class Item>
 bool take(std::string_view& text, std::vector<Item>& items) {
   static_assert(std::is_trivially_copyable_v<Item>);
@@ -39,7 +39,7 @@ bool take(std::string_view& text, std::vector<Item>& items) {
   return true;
 }
 
-/// Three coordinates as they lie in memory; Eigen's vectors are not trivially copyable by name.
+/// Three coordinates in memory order, since Eigen's vectors are not trivially copyable types.
 using Numbers = std::vector<double>;
 
 bool is_pattern(const std::vector<int>& columns, const std::vector<int>& rows) {
@@ -94,7 +94,7 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
   LEFORT_TRY(const std::string whole, read_text(file, kLargest));
   std::string_view text = whole;
   const auto damaged = [] {
-    return fail(ErrorCode::kFileCorrupt, "the preview's file is damaged: prepare it again");
+    return fail(ErrorCode::kFileCorrupt, "the preview file is damaged: prepare it again");
   };
   if (!text.starts_with(kPreviewMagic)) return damaged();
   text.remove_prefix(kPreviewMagic.size());
@@ -141,7 +141,7 @@ Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& fi
 PreviewDistance measure_preview(std::span<const Vec3> preview_mm, std::span<const Vec3> before_L,
                                 std::span<const Vec3> after_L) {
   LEFORT_CHECK(preview_mm.size() == before_L.size() && before_L.size() == after_L.size());
-  constexpr double kMoved_mm = 0.5;  // As in a prediction's summary.
+  constexpr double kMoved_mm = 0.5;  // As in the summary of a prediction.
   PreviewDistance distance;
   std::vector<double> misses_mm;
   for (std::size_t v = 0; v < before_L.size(); ++v) {

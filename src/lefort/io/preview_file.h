@@ -1,5 +1,5 @@
 /// \file
-/// What a preview is computed from, in a file.
+/// The file of a preview model.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,23 +10,30 @@
 
 namespace lefort::io {
 
+/// \param file   to write.
+/// \param model  of the preview.
 /// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_preview_model(const std::filesystem::path& file,
                                                const predict::PreviewModel& model);
 
-/// \returns kFileNotFound, or kFileCorrupt if the file is not as write_preview_model() left it.
-/// \note Of this machine: numbers are written as they lie in memory.
+/// \param file  of write_preview_model().
+/// \returns the model, kFileNotFound, or kFileCorrupt if the file was truncated or changed.
+/// \note The file is not portable: numbers have the byte order of the machine that wrote it.
 [[nodiscard]] Result<predict::PreviewModel> read_preview_model(const std::filesystem::path& file);
 
-/// How far a preview is from the full solve, where that moves the skin more than 0.5 mm.
+/// Differences between a preview and the full solution, at vertices that the full solution moves by
+/// more than 0.5 mm.
 struct PreviewDistance {
   Index moved_vertices = 0;
   double p50_mm = 0.0, p99_mm = 0.0, max_mm = 0.0;
-  double max_shift_mm = 0.0;  ///< Of the full solve.
+  double max_shift_mm = 0.0;  ///< Of the full solution.
 };
 
-/// \param preview_mm     displacement of each vertex.
-/// \param before_L       the skin at rest; `after_L` by the full solve. As many.
+/// Compares a preview with the full solution.
+///
+/// \param preview_mm  displacement of each vertex in the preview.
+/// \param before_L    vertices of the skin before surgery; as many.
+/// \param after_L     the same vertices in the full solution.
 [[nodiscard]] PreviewDistance measure_preview(std::span<const Vec3> preview_mm,
                                               std::span<const Vec3> before_L,
                                               std::span<const Vec3> after_L);

@@ -24,13 +24,13 @@ using internal::find_array;
 using internal::XmlArrays;
 using mesh::ElementShape;
 
-// Some ten million elements with a few fields.
+// About ten million elements with a few fields.
 constexpr std::uintmax_t kMaxVtuBytes = std::uintmax_t(4) << 30;
 
 constexpr std::string_view kSet = "set:";
 const std::string kRegion = "region";
 
-/// Regions apart.
+/// Without the array of regions.
 const std::vector<internal::WantedArray> kVtuArrays{
     {"Points", ""},
     {"Cells", "connectivity"},
@@ -39,7 +39,7 @@ const std::vector<internal::WantedArray> kVtuArrays{
     {"CellData", std::string(kSet), internal::NameMatch::kBeginning},
     {"PointData", std::string(kSet), internal::NameMatch::kBeginning}};
 
-/// A 0-1 array that names nodes or cells of a piece.
+/// A 0-1 array that selects nodes or cells of a piece.
 struct SetArray {
   std::string name;  ///< Of the set.
   const std::vector<double>& members;
@@ -49,16 +49,16 @@ struct SetArray {
 struct Piece {
   const std::vector<double>& points;
   const std::vector<double>& connectivity;
-  const std::vector<double>& offsets;  ///< Where the nodes of each cell end.
+  const std::vector<double>& offsets;  ///< End of the nodes of each cell.
   const std::vector<double>& types;
   const std::vector<double>* regions;  ///< Null if the file has none.
   std::vector<SetArray> node_sets{};
   std::vector<SetArray> face_sets{};
 };
 
-Error corrupt(std::string why) { return {ErrorCode::kFileCorrupt, std::move(why)}; }
+Error corrupt_vtu(std::string why) { return {ErrorCode::kFileCorrupt, std::move(why)}; }
 
-/// The sets of `parent`, PointData or CellData, of which there are `count`.
+/// Returns the sets in `parent`, PointData or CellData, with `count` nodes or cells.
 Result<std::vector<SetArray>> find_sets(const XmlArrays& file, int number, std::string_view parent,
                                         std::size_t count) {
   std::vector<SetArray> sets;
@@ -66,11 +66,11 @@ Result<std::vector<SetArray>> find_sets(const XmlArrays& file, int number, std::
     if (array.piece != number || array.parent != parent || !array.name.starts_with(kSet)) continue;
     if (std::any_of(array.name.begin(), array.name.end(),
                     [](char c) { return std::uint8_t(c) < 0x20; }))
-      return tl::unexpected(corrupt("a set has a name that cannot be printed"));
+      return tl::unexpected(corrupt_vtu("a set has an unprintable name"));
     const bool is_0_or_1 = std::all_of(array.values.begin(), array.values.end(),
                                        [](double value) { return value == 0.0 || value == 1.0; });
     if (array.values.size() != count || array.name.size() == kSet.size() || !is_0_or_1)
-      return tl::unexpected(corrupt(fmt::format(
+      return tl::unexpected(corrupt_vtu(fmt::format(
           "array \"{}\" must have a name and one 0 or 1 for each of {}", array.name, count)));
     sets.push_back({array.name.substr(kSet.size()), array.values});
   }
@@ -84,13 +84,13 @@ Result<Piece> find_piece(const XmlArrays& file, int number, const std::string& r
   const auto* types = find_array(file, number, "Cells", "types");
   const auto* regions = find_array(file, number, "CellData", region_array);
   if (points == nullptr || connectivity == nullptr || offsets == nullptr || types == nullptr)
-    return tl::unexpected(corrupt("points or cells are missing, expected both"));
+    return tl::unexpected(corrupt_vtu("points or cells are missing, expected both"));
   if (points->size() % 3 != 0)
-    return tl::unexpected(corrupt("the points have not three coordinates each"));
+    return tl::unexpected(corrupt_vtu("the points do not have three coordinates each"));
   if (types->size() != offsets->size() ||
       (regions != nullptr && regions->size() != offsets->size()))
-    return tl::unexpected(corrupt(fmt::format(
-        "there are {} cells, {} types and {} regions, expected as many", offsets->size(),
+    return tl::unexpected(corrupt_vtu(fmt::format(
+        "there are {} cells, {} types and {} regions, expected equal numbers", offsets->size(),
         types->size(), regions != nullptr ? regions->size() : offsets->size())));
   Piece piece{*points, *connectivity, *offsets, *types, regions};
   LEFORT_TRY(piece.node_sets, find_sets(file, number, "PointData", points->size() / 3));
@@ -98,13 +98,11 @@ Result<Piece> find_piece(const XmlArrays& file, int number, const std::string& r
   return piece;
 }
 
-/// `value` as a whole number of 32 bits from `lowest` to below `end`.
+/// Converts `value` to a 32-bit integer from `lowest` to below `end`.
 Result<std::int32_t> whole(double value, double lowest, double end, const char* what) {
   if (!(value >= lowest && value < end) || value != std::floor(value))
-    return tl::unexpected(
-        corrupt(fmt::format("{} {} is none, expected a whole number from {} to "
-                            "below {}",
-                            what, value, lowest, end)));
+    return tl::unexpected(corrupt_vtu(fmt::format(
+        "{} {} is invalid, expected an integer from {} to below {}", what, value, lowest, end)));
   return std::int32_t(value);
 }
 
@@ -121,10 +119,11 @@ Result<void> add_nodes(const Piece& piece, mesh::VolumeMesh& mesh) {
   for (std::size_t n = 0; n < piece.points.size(); n += 3) {
     mesh.nodes_L.emplace_back(piece.points[n], piece.points[n + 1], piece.points[n + 2]);
     if (!mesh.nodes_L.back().allFinite())
-      return tl::unexpected(corrupt(fmt::format("node {} is not finite", mesh.node_count() - 1)));
+      return tl::unexpected(
+          corrupt_vtu(fmt::format("node {} is not finite", mesh.node_count() - 1)));
   }
   if (mesh.nodes_L.size() > std::size_t(std::numeric_limits<std::int32_t>::max()))
-    return tl::unexpected(corrupt("there are more nodes than 32 bits can number"));
+    return tl::unexpected(corrupt_vtu("there are more nodes than 32-bit indices allow"));
   for (const SetArray& set : piece.node_sets) {
     std::vector<std::int32_t>& nodes = mesh.node_sets[set.name];
     for (std::size_t n = 0; n < set.members.size(); ++n)
@@ -133,7 +132,7 @@ Result<void> add_nodes(const Piece& piece, mesh::VolumeMesh& mesh) {
   return {};
 }
 
-/// Adds a face to the sets it is in, or to that of its region.
+/// Adds a face to its sets, or to the set of its region.
 void add_face(const Piece& piece, std::size_t cell, const mesh::Face& face, std::int32_t region,
               mesh::VolumeMesh& mesh) {
   bool is_in_a_set = false;
@@ -148,20 +147,22 @@ void add_face(const Piece& piece, std::size_t cell, const mesh::Face& face, std:
 Result<void> check_no_set(const Piece& piece, std::size_t cell) {
   for (const SetArray& set : piece.face_sets)
     if (set.members[cell] == 1.0)
-      return fail(ErrorCode::kMeshInvalid,
-                  fmt::format("cell set \"{}\" holds element {}, must hold faces (cells of two "
-                              "dimensions) alone",
-                              set.name, cell));
+      return fail(
+          ErrorCode::kMeshInvalid,
+          fmt::format(
+              "cell set \"{}\" contains element {}, expected faces (two-dimensional cells) only",
+              set.name, cell));
   return {};
 }
 
-/// Where the nodes end of a cell that is left out, which may have any number of them.
+/// Returns the end of the nodes of an ignored cell, which may have any number of them.
 Result<std::size_t> end_of_line_cell(const Piece& piece, std::size_t cell, std::size_t begin) {
   const double end = piece.offsets[cell];
   if (end >= double(begin) && end <= double(piece.connectivity.size()) && end == std::floor(end))
     return std::size_t(end);
-  return tl::unexpected(corrupt(fmt::format("the nodes of element {} end at {}, expected {} to {}",
-                                            cell, end, begin, piece.connectivity.size())));
+  return tl::unexpected(
+      corrupt_vtu(fmt::format("the nodes of element {} end at {}, expected {} to {}", cell, end,
+                              begin, piece.connectivity.size())));
 }
 
 /// Adds the cells of a piece whose first node is `first_node` of the mesh.
@@ -178,25 +179,25 @@ Result<void> add_cells(const Piece& piece, std::int32_t first_node, mesh::Volume
     }
     if (!shape && !face_shape)
       return fail(ErrorCode::kFileUnsupported,
-                  fmt::format("element {} has VTK cell type {}, which is not solved with; types "
-                              "must be of tetrahedra (10, 24), pyramids (14), wedges (13, 26), "
-                              "hexahedra (12, 25) or their faces (5, 9, 22, 23)",
+                  fmt::format("element {} has VTK cell type {}, which is not supported; expected "
+                              "tetrahedra (10, 24), pyramids (14), wedges (13, 26), hexahedra (12, "
+                              "25) or their faces (5, 9, 22, 23)",
                               cell, piece.types[cell]));
     const auto end =
         begin + std::size_t(shape ? mesh::node_count(*shape) : mesh::node_count(*face_shape));
     if (piece.offsets[cell] != double(end) || end > piece.connectivity.size())
-      return tl::unexpected(corrupt(fmt::format("the nodes of element {} end at {}, expected {}",
-                                                cell, piece.offsets[cell], end)));
+      return tl::unexpected(corrupt_vtu(fmt::format(
+          "the nodes of element {} end at {}, expected {}", cell, piece.offsets[cell], end)));
     nodes.clear();
     for (std::size_t n = begin; n < end; ++n) {
       const double node = piece.connectivity[n];
       if (!(node >= 0.0 && node < node_count) || node != std::floor(node))
-        return tl::unexpected(corrupt(fmt::format(
-            "element {} names node {}, expected a whole number below {}", cell, node, node_count)));
+        return tl::unexpected(corrupt_vtu(fmt::format(
+            "element {} refers to node {}, expected an integer below {}", cell, node, node_count)));
       nodes.push_back(first_node + std::int32_t(node));
     }
-    const double said = piece.regions != nullptr ? (*piece.regions)[cell] : 0.0;
-    LEFORT_TRY(const std::int32_t region, whole(said, -0x1p31, 0x1p31, "region"));
+    const double region_number = piece.regions != nullptr ? (*piece.regions)[cell] : 0.0;
+    LEFORT_TRY(const std::int32_t region, whole(region_number, -0x1p31, 0x1p31, "region"));
     if (shape) {
       LEFORT_TRY_VOID(check_no_set(piece, cell));
       mesh::ElementBlock& block = block_of(mesh, *shape);
@@ -217,13 +218,15 @@ Result<mesh::VolumeMesh> convert(const XmlArrays& file, const std::string& regio
   for (int number = 1; number <= file.pieces; ++number) {
     LEFORT_TRY(const Piece piece, find_piece(file, number, regions.empty() ? kRegion : regions));
     if (!regions.empty() && piece.regions == nullptr)
-      return tl::unexpected(corrupt(fmt::format("there is no cell array {} of regions", regions)));
+      return tl::unexpected(
+          corrupt_vtu(fmt::format("there is no cell array {} of regions", regions)));
     const auto first_node = std::int32_t(mesh.nodes_L.size());
     LEFORT_TRY_VOID(add_nodes(piece, mesh));
     for (const SetArray& set : piece.face_sets) mesh.face_sets[set.name];  // May be empty.
     LEFORT_TRY_VOID(add_cells(piece, first_node, mesh));
   }
-  if (mesh.blocks.empty()) return tl::unexpected(corrupt("there are no elements, expected some"));
+  if (mesh.blocks.empty())
+    return tl::unexpected(corrupt_vtu("there are no elements, expected some"));
   for (mesh::ElementBlock& block : mesh.blocks)
     if (mesh::corner_count(block.shape) == 6) internal::turn_wedges(block, mesh.nodes_L);
   for (auto& [name, faces] : mesh.face_sets) {

@@ -1,5 +1,5 @@
 /// \file
-/// Volume meshes from VTK XML files, decoded without trust: a cache may be cut off or altered.
+/// Reads volume meshes from untrusted VTK XML files.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,31 +12,33 @@
 
 namespace lefort::io {
 
-/// Reads nodes, elements, their regions, and node and face sets as vtu.h tells. Elements of one
-/// shape make one block, shapes in the order of their first element. Faces in no set make the face
-/// set "region N" after their region. A face is taken from the element it lies on, so that its
-/// normal points out; only of one between two elements the file's side is kept. Other fields are
-/// not read back.
+/// Reads nodes, elements, their regions, and node and face sets as described in vtu.h. Elements of
+/// one shape form one block, in the order of their first element. Faces in no set form the face set
+/// "region N" of their region. A boundary face is oriented by its element, so that its normal
+/// points outward; a face between two elements has the orientation in the file. Other fields are
+/// ignored.
 ///
-/// Wedges are read in both ways in which programs number them (internal/wedge_order.h).
+/// Both numberings of wedges are read (internal/wedge_order.h).
 ///
-/// \param file     of at least one element; little-endian, plain or packed by zlib.
-/// \param regions  the cell array that numbers them; if empty, "region" where there is one, else
-///   all are 0.
-/// \returns the mesh, in L and mm as it was written, or
-///   - kFileNotFound     there is no such file;
-///   - kFileCorrupt      no whole VTU, no element, a missing node, a coordinate that is not finite,
-///                       a set array with other numbers than 0 and 1, no array `regions`, or
-///                       arrays that contradict each other;
-///   - kMeshInvalid      a face lies on no element, is in its set twice, or an element is in a set;
-///   - kFileUnsupported  shapes the solver does not know, or another byte order or compressor.
+/// \param file     with at least one element; little-endian, uncompressed or zlib.
+/// \param regions  the cell array of region numbers; if empty, "region" if it exists, else all are
+///   0.
+/// \returns the mesh, in frame L and mm as it was written, or
+///   - kFileNotFound     the file does not exist;
+///   - kFileCorrupt      not a complete VTU, no element, a missing node, a coordinate that is not
+///                       finite, a set array with other numbers than 0 and 1, no array `regions`,
+///                       or inconsistent arrays;
+///   - kMeshInvalid      a face of no element, a face twice in a set, or an element in a set;
+///   - kFileUnsupported  a shape the solver does not support, another byte order or compressor.
 [[nodiscard]] Result<mesh::VolumeMesh> read_vtu(const std::filesystem::path& file,
                                                 const std::string& regions = {});
 
 /// Reads a vector per node that write_vtu() has written, for example "displacement_mm".
 ///
-/// \returns them in the order of the nodes; or kFileNotFound, or kFileCorrupt: no whole VTU, no
-///   node array of that name with three finite numbers each.
+/// \param file  of write_vtu().
+/// \param name  of the node array.
+/// \returns the vectors in the order of the nodes; kFileNotFound; or kFileCorrupt if it is not a
+///   complete VTU or has no such array of three finite numbers per node.
 [[nodiscard]] Result<std::vector<Vec3>> read_vtu_vectors(const std::filesystem::path& file,
                                                          const std::string& name);
 

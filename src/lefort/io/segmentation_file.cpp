@@ -29,16 +29,16 @@ bool is_segmentation_file(const fs::path& file) {
   return file.filename().string().ends_with(".seg.nrrd");
 }
 
-/// A segment of a file that we write.
+/// A segment to write.
 struct WrittenSegment {
   const char* name;
   int value;
   std::array<double, 3> color;
 };
 
-/// The keys of Slicer's vtkMRMLSegmentationStorageNode. Slicer before 5.2 says "Master" where it
-/// now says "Source". The extent of every segment is the whole image: Slicer crops a layer to the
-/// extent of its first segment.
+/// The keys of Slicer's vtkMRMLSegmentationStorageNode; "Source" was "Master" before Slicer 5.2.
+/// The extent of every segment is the whole image, since Slicer crops a layer to the extent of its
+/// first segment.
 Fields slicer_fields(const image::Grid& grid, const std::vector<WrittenSegment>& segments) {
   const std::string extent =
       fmt::format("0 {} 0 {} 0 {}", grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
@@ -79,16 +79,16 @@ Result<void> write_labels(const fs::path& target, const image::Volume<Label>& la
                                    slicer_fields(labels.grid, segments)});
 }
 
-/// What the segments of a file may be called.
+/// Names of the segments of a file.
 template <class Label>
 struct Naming {
-  const char* file;   ///< What messages begin with.
-  const char* thing;  ///< What its segments are.
-  const char* known;  ///< The names, as a message tells them.
-  /// \param name  in lower case, with blanks.
-  /// \param type  likewise, what the segment's terminology calls it; empty if that is not told.
+  const char* file;   ///< Beginning of messages.
+  const char* thing;  ///< Kind of its segments.
+  const char* known;  ///< The names, for messages.
+  /// \param name  in lower case, with spaces.
+  /// \param type  type in the terminology of the segment, in lower case; empty if unknown.
   std::optional<Label> (*label_called)(std::string_view name, std::string_view type);
-  /// Whether, of two layers, what the higher says wins over what the lower says.
+  /// Whether the label of the higher of two layers takes precedence over that of the lower.
   bool (*higher_wins)(Label higher, Label lower);
   enum class Others { kIgnored, kRejected } others;
 };
@@ -138,16 +138,16 @@ std::string plain_name(std::string name) {
   return name;
 }
 
-/// A name out of a file, fit for one line of a message.
+/// Returns a name from a file, shortened for a message.
 std::string in_a_message(std::string name) {
-  constexpr std::size_t kLongest = 40;
+  constexpr std::size_t kMaxLength = 40;
   for (char& c : name)
     if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = '?';
-  return name.size() <= kLongest ? name : name.substr(0, kLongest) + "...";
+  return name.size() <= kMaxLength ? name : name.substr(0, kMaxLength) + "...";
 }
 
-/// "Muscle" out of "...|TerminologyEntry:list~SCT^85756007^Tissue~SCT^...^Muscle~^^~...|": after
-/// the list's name come category and type, each of a scheme, a code and a meaning.
+/// Returns "Muscle" from "...|TerminologyEntry:list~SCT^85756007^Tissue~SCT^...^Muscle~^^~...|":
+/// the name of the list, category and type, each of the latter with scheme, code and meaning.
 std::string terminology_type(const std::string& tags) {
   constexpr std::string_view kEntry = "TerminologyEntry:";
   const auto begin = tags.find(kEntry);
@@ -166,13 +166,13 @@ std::string terminology_type(const std::string& tags) {
   return std::string(field(field(entry, '~', 2), '^', 2));
 }
 
-/// Which values of one layer mean what.
+/// Meaning of a value of a layer.
 template <class Label>
 struct Segment {
   Index layer;
   std::int64_t value;
-  std::optional<Label> label;  ///< Nothing if its name is nobody's.
-  std::string name;            ///< Fit for a message.
+  std::optional<Label> label;  ///< Empty if its name is unknown.
+  std::string name;            ///< Shortened for messages.
 };
 
 std::optional<std::int64_t> whole_number(const std::string& text) {
@@ -183,7 +183,7 @@ std::optional<std::int64_t> whole_number(const std::string& text) {
   return number;
 }
 
-/// Finds out what the labels mean; sorted by layer.
+/// Determines the meaning of the label values; sorted by layer.
 template <class Label>
 Result<std::vector<Segment<Label>>> read_segments(const RawVolume& raw,
                                                   const Naming<Label>& naming) {
@@ -199,9 +199,9 @@ Result<std::vector<Segment<Label>>> read_segments(const RawVolume& raw,
         plain_name(name), plain_name(terminology_type(field(segment, "Tags", ""))));
     if (!label && naming.others == Naming<Label>::Others::kRejected)
       return fail(ErrorCode::kFileUnsupported,
-                  fmt::format("{}: segment {} is called \"{}\", expected {}", naming.file, segment,
+                  fmt::format("{}: segment {} is named \"{}\", expected {}", naming.file, segment,
                               in_a_message(name), naming.known));
-    // Files of older Slicers have one layer of zeros and ones for each segment.
+    // Files of older versions of Slicer have one layer of zeros and ones per segment.
     const auto layer = whole_number(field(segment, "Layer", std::to_string(segment)));
     const auto value = whole_number(field(segment, "LabelValue", "1"));
     const bool is_there = layer && *layer >= 0 && *layer < raw.components && value;
@@ -222,7 +222,7 @@ Result<std::vector<Segment<Label>>> read_segments(const RawVolume& raw,
   return segments;
 }
 
-/// Where in `grid` the first voxel of `part` lies, if the voxels of both coincide.
+/// Returns the index in `grid` of the first voxel of `part`, if the voxels of both coincide.
 std::optional<std::array<Index, 3>> place_in(const image::Grid& grid, const image::Grid& part) {
   constexpr double kVoxelFraction = 0.05;
   const Vec3 first_V = grid.index_V(part.origin_L).array().round();
@@ -239,7 +239,7 @@ std::optional<std::array<Index, 3>> place_in(const image::Grid& grid, const imag
                     static_cast<Index>(first_V[2])};
 }
 
-/// On the file's own grid.
+/// On the grid of the file.
 template <class Label>
 Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<Label>& naming,
                                          Progress& progress) {
@@ -267,9 +267,8 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
   });
   for (std::size_t s = 0; s < segments.size(); ++s)
     if (is_seen[s] != 0 && !segments[s].label)
-      progress.note(
-          fmt::format("warning: {}: no {} is called \"{}\": its voxels count as not painted",
-                      naming.file, naming.thing, segments[s].name));
+      progress.note(fmt::format("warning: {}: no {} is named \"{}\": its voxels count as unpainted",
+                                naming.file, naming.thing, segments[s].name));
   if (labels.grid.direction.determinant() < 0.0) flip_axis(labels, 2);
   return labels;
 }
@@ -282,7 +281,7 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
   const auto first = place_in(grid, part.grid);
   if (!first)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{}: the voxels do not lie on those of the scan", naming.file));
+                fmt::format("{}: the voxels do not coincide with those of the scan", naming.file));
 
   image::Volume<Label> labels{
       grid, std::vector<Label>(static_cast<std::size_t>(grid.voxel_count()), Label{})};
@@ -300,14 +299,11 @@ Result<image::Volume<Label>> read_labels(const fs::path& source, const Naming<La
       }
   if (within == 0)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{}: none of its {} labelled voxels lies within the scan, expected "
-                            "some",
+                fmt::format("{}: none of its {} labeled voxels is inside the scan, expected some",
                             naming.file, labeled));
   if (within < labeled)
-    progress.note(
-        fmt::format("{:.2g} % of the labelled voxels lie outside the scan and are left "
-                    "out",
-                    100.0 * double(labeled - within) / double(labeled)));
+    progress.note(fmt::format("{:.2g} % of the labeled voxels are outside the scan and are omitted",
+                              100.0 * double(labeled - within) / double(labeled)));
   return labels;
 }
 

@@ -65,7 +65,7 @@ Sha256& Sha256::add(const geometry::TriangleMesh& mesh) {
 }
 
 std::string Sha256::hex() const {
-  // Finishing spoils the context, so finish a copy.
+  // Finishing changes the context, so a copy is finished.
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> copy{EVP_MD_CTX_new(),
                                                                      &EVP_MD_CTX_free};
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};

@@ -1,5 +1,5 @@
 /// \file
-/// Fingerprints of inputs: every result names what made it, and caches are keyed by them.
+/// Hashes of inputs. Results contain the hashes of their inputs, and cache keys are made of them.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -16,7 +16,7 @@
 
 namespace lefort::io {
 
-/// Collects values, in order, into one SHA-256. Every list is preceded by its length.
+/// Computes the SHA-256 of a sequence of values. Every list is preceded by its length.
 class Sha256 {
  public:
   Sha256();
@@ -32,7 +32,7 @@ class Sha256 {
   Sha256& add(const anatomy::LabelMap& labels);
   Sha256& add(const geometry::TriangleMesh& mesh);
 
-  /// 64 hexadecimal digits of all that was added so far.
+  /// Returns the hash of all values added so far, as 64 hexadecimal digits.
   [[nodiscard]] std::string hex() const;
 
  private:
@@ -42,9 +42,10 @@ class Sha256 {
   std::unique_ptr<Context> context_;
 };
 
-/// SHA-256 of a file's bytes, as `sha256sum` tells it; takes a megabyte of memory.
+/// Computes the SHA-256 of the bytes of a file, as `sha256sum` does, with one megabyte of memory.
 ///
-/// \returns 64 hexadecimal digits, or kFileNotFound or kFileCorrupt where it cannot be read.
+/// \param file  to read.
+/// \returns 64 hexadecimal digits, kFileNotFound, or kFileCorrupt if it cannot be read.
 [[nodiscard]] Result<std::string> sha256_of_file(const std::filesystem::path& file);
 
 }  // namespace lefort::io

@@ -44,7 +44,7 @@ Result<std::vector<Vec3>> StepSkin::displacement_mm(int step) const {
   LEFORT_TRY(const std::vector<Vec3> tissue_mm,
              read_vtu_vectors(step_file(folder_, step), "displacement_mm"));
   if (Index(tissue_mm.size()) != nodes_)
-    return fail(ErrorCode::kFileCorrupt, fmt::format("step {} is of another mesh", step));
+    return fail(ErrorCode::kFileCorrupt, fmt::format("step {} has another mesh", step));
   return predict::skin_displacement(binding_, tissue_mm);
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// The face at every step of a prediction that was written.
+/// The skin at each step of a prediction on disk.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,19 +11,19 @@
 
 namespace lefort::io {
 
-/// How the skin of a prediction's folder follows its tissue.
+/// Displacements of the skin in the output folder of a prediction.
 class StepSkin {
  public:
-  /// \param folder      as predict_case() left it, with prediction.json.
+  /// \param folder      output of predict_case(), with prediction.json.
   /// \param spacing_mm  of the scan.
-  /// \returns kFileNotFound or kFileCorrupt.
+  /// \returns the object, kFileNotFound or kFileCorrupt.
   [[nodiscard]] static Result<StepSkin> read(const std::filesystem::path& folder,
                                              const Vec3& spacing_mm);
 
-  /// Of each vertex of skin_before.vtp [mm].
+  /// Returns the displacement of each vertex of skin_before.vtp [mm].
   ///
-  /// \param step  from 0, which is rest.
-  /// \returns kFileNotFound if there is no such step, or kFileCorrupt.
+  /// \param step  from 0, the state before surgery.
+  /// \returns one vector per vertex, kFileNotFound if there is no such step, or kFileCorrupt.
   [[nodiscard]] Result<std::vector<Vec3>> displacement_mm(int step) const;
 
  private:

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Sixteen million triangles as text; a larger surface is none we could use.
+// Sixteen million triangles as text; larger surfaces cannot be processed.
 constexpr std::uintmax_t kMaxSurfaceBytes = std::uintmax_t(4) << 30;
 
 std::string ending_of(const fs::path& path) {
@@ -49,12 +49,12 @@ Result<void> check(const internal::SurfaceFile& surface, const std::string& name
     for (const std::int32_t corner : surface.triangles[t])
       if (corner < 0 || corner >= count)
         return fail(ErrorCode::kFileCorrupt,
-                    fmt::format("{}: triangle {} has a corner that is none of the {} vertices",
+                    fmt::format("{}: triangle {} has a corner that is not one of the {} vertices",
                                 name, t, count));
   return {};
 }
 
-/// Without triangles that repeat a corner, and without vertices no triangle uses.
+/// Removes triangles with a repeated corner, and vertices without a triangle.
 geometry::TriangleMesh cleaned(internal::SurfaceFile surface) {
   const geometry::TriangleMesh mesh{std::move(surface.vertices), std::move(surface.triangles)};
   return geometry::keep_triangles(mesh, [&](Index t) {
@@ -77,7 +77,7 @@ Result<void> check_writable(const fs::path& path, const geometry::TriangleMesh& 
   }
   if (!arrays.empty() && ending_of(path) != ".vtp")
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} cannot hold array {}, use .vtp", path.filename().string(),
+                fmt::format("{} cannot contain array {}, use .vtp", path.filename().string(),
                             arrays.front().name));
   return {};
 }
@@ -93,10 +93,10 @@ Result<geometry::TriangleMesh> read_surface(const fs::path& path) {
   LEFORT_TRY(internal::SurfaceFile surface, parse(path, bytes));
   LEFORT_TRY_VOID(check(surface, name));
   if (surface.is_ras)
-    for (Vec3& p : surface.vertices) p.head<2>() *= -1.0;  // A rotation: orientation stays.
+    for (Vec3& p : surface.vertices) p.head<2>() *= -1.0;  // A rotation: preserves orientation.
   geometry::TriangleMesh mesh = cleaned(std::move(surface));
   if (mesh.triangles.empty())
-    return fail(ErrorCode::kMeshInvalid, fmt::format("{} holds no triangle", name));
+    return fail(ErrorCode::kMeshInvalid, fmt::format("{} has no triangle", name));
   return mesh;
 }
 

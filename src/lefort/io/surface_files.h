@@ -1,5 +1,5 @@
 /// \file
-/// Triangle surfaces in files: VTP, STL, PLY, OBJ; mm, LPS.
+/// Triangle surfaces in VTP, STL, PLY and OBJ files, in mm and LPS.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -19,29 +19,31 @@ struct VertexArray {
   std::variant<std::vector<double>, std::vector<Vec3>> values;
 };
 
-/// Reads a surface; the ending says the format: .vtp, .stl (text or binary), .ply, .obj.
+/// Reads a surface in the format of the ending: .vtp, .stl (text or binary), .ply, .obj.
 ///
-/// Polygons are triangulated, the corners an STL repeats are merged, triangles with a repeated
-/// corner and vertices no triangle uses are dropped. The surface may be open; who needs a closed
-/// one checks. A `SPACE=RAS` comment as 3D Slicer writes turns the coordinates to LPS; all else is
-/// taken for LPS.
+/// Polygons are triangulated, repeated corners of an STL are merged, triangles with a repeated
+/// corner and vertices without a triangle are removed. The surface may be open; a caller that needs
+/// a closed one must check. Coordinates are in LPS unless the file contains the comment `SPACE=RAS`
+/// of 3D Slicer; then they are converted.
 ///
+/// \param path  of the surface.
 /// \returns the mesh, or
-///   - kFileNotFound     there is no such file;
-///   - kFileUnsupported  the ending is none of the four;
-///   - kFileCorrupt      the file is not of its format, is cut short, or has a coordinate that is
-///     not finite;
-///   - kMeshInvalid      no triangle is in it.
+///   - kFileNotFound     the file does not exist;
+///   - kFileUnsupported  another ending;
+///   - kFileCorrupt      not of its format, truncated, or a coordinate is not finite;
+///   - kMeshInvalid      no triangle.
 [[nodiscard]] Result<geometry::TriangleMesh> read_surface(const std::filesystem::path& path);
 
-/// Writes a surface; formats as for read_surface, STL and PLY in binary.
+/// Writes a surface atomically in the formats of read_surface(), STL and PLY in binary.
 ///
-/// \param arrays  one value per vertex each; VTP alone can hold them.
+/// \param path    of the surface.
+/// \param mesh_L  vertices in frame L [mm].
+/// \param arrays  with one value per vertex; for VTP only.
 /// \returns nothing, or
-///   - kInvalidArgument  an array's length is not the number of vertices, or the format holds none;
-///   - kFileUnsupported  the ending is none of the four;
-///   - kFileUnwritable   see write_atomically.
-/// \note The same mesh gives the same bytes: no time, user or program version is stored.
+///   - kInvalidArgument  the length of an array is not the number of vertices, or not a VTP;
+///   - kFileUnsupported  another ending;
+///   - kFileUnwritable   see write_atomically().
+/// \note Equal meshes give equal bytes: no time, user or program version is stored.
 [[nodiscard]] Result<void> write_surface(const std::filesystem::path& path,
                                          const geometry::TriangleMesh& mesh_L,
                                          const std::vector<VertexArray>& arrays = {});

@@ -17,17 +17,17 @@ constexpr double kRigid = 1e-4;             // Registrations write six digits.
 constexpr double kMaxTranslation_mm = 1e5;  // As in plans.
 constexpr std::string_view kSpaces = " \t\r";
 
-tl::unexpected<Error> corrupt(std::string what) {
+tl::unexpected<Error> corrupt_transform(std::string what) {
   return fail(ErrorCode::kFileCorrupt, std::move(what));
 }
 
-/// What a file says, before it is understood.
+/// The fields of a file before interpretation.
 struct Parts {
   std::string type;  ///< "AffineTransform_double_3_3".
   std::vector<double> parameters, fixed;
 };
 
-std::string_view trimmed(std::string_view text) {
+std::string_view trimmed_text(std::string_view text) {
   const std::size_t start = text.find_first_not_of(kSpaces);
   if (start == std::string_view::npos) return {};
   return text.substr(start, text.find_last_not_of(kSpaces) - start + 1);
@@ -35,7 +35,7 @@ std::string_view trimmed(std::string_view text) {
 
 std::optional<std::vector<double>> numbers_in(std::string_view text) {
   std::vector<double> numbers;
-  for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+  for (text = trimmed_text(text); !text.empty(); text = trimmed_text(text)) {
     if (text.front() == '+') text.remove_prefix(1);
     double number = 0.0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -53,37 +53,38 @@ Result<Parts> read_parts(std::string_view text) {
   std::optional<std::vector<double>> parameters, fixed;
   for (Index number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = trimmed(text.substr(0, end));
+    const std::string_view line = trimmed_text(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
     if (is_first && line != kTransformMagic)
-      return corrupt(fmt::format("line 1 must be \"{}\"", kTransformMagic));
+      return corrupt_transform(fmt::format("line 1 must be \"{}\"", kTransformMagic));
     is_first = false;
     if (line.empty() || line.front() == '#') continue;
     const std::size_t colon = line.find(':');
-    const std::string_view key = trimmed(line.substr(0, colon));
+    const std::string_view key = trimmed_text(line.substr(0, colon));
     const std::string_view value = colon == std::string_view::npos ? "" : line.substr(colon + 1);
     if (key == "Transform") {
       if (!parts.type.empty())
-        return fail(ErrorCode::kFileUnsupported, "it holds several transforms, must be one");
-      parts.type = trimmed(value);
+        return fail(ErrorCode::kFileUnsupported, "it has several transforms, expected one");
+      parts.type = trimmed_text(value);
     } else if (key == "Parameters" || key == "FixedParameters") {
       auto& target = key == "Parameters" ? parameters : fixed;
-      if (target) return corrupt(fmt::format("line {}: {} stands twice", number, key));
+      if (target) return corrupt_transform(fmt::format("line {}: {} is repeated", number, key));
       target = numbers_in(value);
-      if (!target) return corrupt(fmt::format("line {}: not a list of finite numbers", number));
+      if (!target)
+        return corrupt_transform(fmt::format("line {}: not a list of finite numbers", number));
     } else {
-      return corrupt(
+      return corrupt_transform(
           fmt::format("line {}: neither Transform, Parameters nor FixedParameters", number));
     }
   }
-  if (parts.type.empty()) return corrupt("it names no Transform");
-  if (!parameters) return corrupt("it has no Parameters");
+  if (parts.type.empty()) return corrupt_transform("it names no Transform");
+  if (!parameters) return corrupt_transform("it has no Parameters");
   parts.parameters = *std::move(parameters);
   if (fixed) parts.fixed = *std::move(fixed);
   return parts;
 }
 
-/// p -> matrix (p - center) + center + translation, as the file has it.
+/// p -> matrix (p - center) + center + translation, as in the file.
 struct Affine {
   Mat3 matrix = Mat3::Identity();
   Vec3 translation = Vec3::Zero();
@@ -101,20 +102,22 @@ Result<Affine> understand(const Parts& parts) {
   if (!is_matrix && !is_versor && !is_shift)
     return fail(
         ErrorCode::kFileUnsupported,
-        fmt::format("a transform of type {} is not read, must be AffineTransform_double_3_3, or a "
-                    "MatrixOffsetTransformBase, VersorRigid3DTransform or TranslationTransform",
-                    parts.type.substr(0, 60)));
+        fmt::format(
+            "a transform of type {} is not supported, expected AffineTransform_double_3_3, or a "
+            "MatrixOffsetTransformBase, VersorRigid3DTransform or TranslationTransform",
+            parts.type.substr(0, 60)));
   const std::size_t wanted = is_matrix ? 12 : is_versor ? 6 : 3;
   if (parts.parameters.size() != wanted)
-    return corrupt(fmt::format("{} Parameters, must be {}", parts.parameters.size(), wanted));
+    return corrupt_transform(
+        fmt::format("{} Parameters, must be {}", parts.parameters.size(), wanted));
   if (!parts.fixed.empty() && parts.fixed.size() != 3)
-    return corrupt(fmt::format("{} FixedParameters, must be 3", parts.fixed.size()));
+    return corrupt_transform(fmt::format("{} FixedParameters, must be 3", parts.fixed.size()));
   Affine affine;
   const double* const p = parts.parameters.data();
   if (is_matrix) affine.matrix << p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8];
   if (is_versor) {
     const Vec3 v(p[0], p[1], p[2]);
-    if (v.squaredNorm() > 1.0) return corrupt("the versor is longer than 1");
+    if (v.squaredNorm() > 1.0) return corrupt_transform("the versor is longer than 1");
     affine.matrix = Eigen::Quaterniond(std::sqrt(1.0 - v.squaredNorm()), v.x(), v.y(), v.z())
                         .toRotationMatrix();
   }
@@ -123,20 +126,20 @@ Result<Affine> understand(const Parts& parts) {
   return affine;
 }
 
-/// Nothing, or what keeps it from being rigid.
+/// Returns why the transform is not rigid, or nothing.
 std::optional<std::string> not_rigid(const Affine& affine) {
   if (!affine.matrix.allFinite() || !((affine.matrix.transpose() * affine.matrix).allFinite()))
     return "its numbers are too large";
   if (!(affine.matrix.determinant() > 0.0))
-    return "it mirrors, must be a rotation and a translation";
+    return "it mirrors, expected a rotation and a translation";
   const double off =
       (affine.matrix.transpose() * affine.matrix - Mat3::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= kRigid))
-    return fmt::format("it scales or shears by {:.2g}, must be a rotation and a translation",
+    return fmt::format("it scales or shears by {:.2g}, expected a rotation and a translation",
                        0.5 * off);
   if (!(std::max(affine.translation.cwiseAbs().maxCoeff(), affine.center.cwiseAbs().maxCoeff()) <=
         kMaxTranslation_mm))
-    return fmt::format("it shifts by more than {:g} mm", kMaxTranslation_mm);
+    return fmt::format("it translates by more than {:g} mm", kMaxTranslation_mm);
   return std::nullopt;
 }
 

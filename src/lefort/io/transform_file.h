@@ -1,9 +1,9 @@
 /// \file
-/// Rigid motions in files: ITK's text transforms `.tfm` (also `.txt`), as 3D Slicer saves them.
+/// Rigid motions in ITK's text transforms `.tfm` (also `.txt`), as saved by 3D Slicer.
 ///
-/// Such a file holds the *resampling* direction, from the place a point ends at to the place it
-/// comes from, in LPS: the inverse of how Slicer moves a model. It is turned round here, both ways,
-/// so that a bone moves in lefort as it does in Slicer.
+/// Such a file contains the *resampling* direction in LPS, from the final to the initial position
+/// of a point: the inverse of the motion of a model in Slicer. Reading and writing invert it, so
+/// that a bone moves in lefort as in Slicer.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,23 +17,26 @@ namespace lefort::io {
 
 /// Reads one transform.
 ///
-/// The file's own center of rotation is of no use to a plan: Slicer always writes the scan's
-/// origin.
+/// The center of rotation in the file is not used, since Slicer always writes the origin of the
+/// scan.
 ///
+/// \param file  the transform.
 /// \returns X_LB, or
-///   - kFileNotFound     there is no such file;
-///   - kFileCorrupt      not of the format, cut short, or a number is not finite;
-///   - kFileUnsupported  several transforms, one of a type that is no rigid motion of space
-///     (AffineTransform, MatrixOffsetTransformBase, VersorRigid3DTransform and TranslationTransform
-///     are read), or a matrix that scales, shears or mirrors by more than 1e-4.
+///   - kFileNotFound     the file does not exist;
+///   - kFileCorrupt      not of the format, truncated, or a number is not finite;
+///   - kFileUnsupported  several transforms, another type than AffineTransform,
+///                       MatrixOffsetTransformBase, VersorRigid3DTransform and
+///                       TranslationTransform, or a matrix that differs from a rotation by more
+///                       than 1e-4.
 [[nodiscard]] Result<RigidTransform> read_transform(const std::filesystem::path& file);
 
-/// The same from text; messages then name no file.
+/// As above from text; messages contain no file name.
 [[nodiscard]] Result<RigidTransform> parse_transform(std::string_view text);
 
-/// Writes an AffineTransform_double_3_3 that moves a model in Slicer as `X_LB` does here, whole or
-/// not at all.
+/// Writes atomically an AffineTransform_double_3_3 that moves a model in Slicer by `X_LB`.
 ///
+/// \param file  to write.
+/// \param X_LB  the rigid motion.
 /// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_transform(const std::filesystem::path& file,
                                            const RigidTransform& X_LB);

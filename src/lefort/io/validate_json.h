@@ -1,5 +1,5 @@
 /// \file
-/// JSON of others, held against a schema.
+/// Validation of JSON by a schema.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -9,12 +9,13 @@
 
 namespace lefort::io {
 
-/// Whether a text is JSON that a schema accepts.
+/// Validates JSON text by a schema.
 ///
+/// \param text     to validate.
 /// \param schema   JSON Schema, draft 7, in JSON.
-/// \param subject  what the whole is called in messages.
-/// \returns nothing, or kPlanInvalid with the key and what is wrong with it, as `tissue: unknown
-///   key "color"`. A key that stands twice in an object is wrong, and so is deep nesting.
+/// \param subject  name of the document in messages.
+/// \returns nothing, or kPlanInvalid with the key and its error, as `tissue: unknown key "color"`.
+///   Repeated keys in an object and deep nesting are errors.
 [[nodiscard]] Result<void> validate_json(std::string_view text, const std::string& schema,
                                          const std::string& subject);
 

@@ -25,7 +25,7 @@ Result<std::vector<double>> read_vertex_array(const std::filesystem::path& file,
   if (arrays.pieces != 1 || points == nullptr || values == nullptr ||
       points->size() != 3 * values->size())
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{}: there is no array {} of a number per vertex", subject, name));
+                fmt::format("{}: there is no array {} with one number per vertex", subject, name));
   return *values;
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Numbers that a surface file holds beside its vertices.
+/// Numbers per vertex in a surface file.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,15 +10,14 @@
 
 namespace lefort::io {
 
-/// Reads one scalar array of a VTP of one piece: a number per vertex as the file has them, which
-/// are those of read_surface() where every vertex has a triangle. NaN is a number here.
+/// Reads a scalar array of a VTP of one piece: one number per vertex of the file. These are the
+/// vertices of read_surface() if every vertex has a triangle. NaN is allowed.
 ///
-/// \param name  not empty.
-///
+/// \param file  the surface.
+/// \param name  of the array; not empty.
 /// \returns the numbers, or
-///   - kFileNotFound  there is no such file;
-///   - kFileCorrupt   it is no VTP, is cut short, or holds no array of that name with one number
-///     per vertex.
+///   - kFileNotFound  the file does not exist;
+///   - kFileCorrupt   not a VTP, truncated, or no array of this name with one number per vertex.
 [[nodiscard]] Result<std::vector<double>> read_vertex_array(const std::filesystem::path& file,
                                                             const std::string& name);
 

@@ -17,7 +17,7 @@ Result<ImportedVolume> read_volume(const std::filesystem::path& file, Progress& 
   LEFORT_TRY(const RawVolume raw, read_raw_volume(file));
   if (raw.components != 1)
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("the voxels hold {} values, expected 1", raw.components));
+                fmt::format("the voxels have {} values, expected 1", raw.components));
   progress.report(0.7);
   if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "reading the scan was stopped");
 
@@ -31,8 +31,7 @@ Result<ImportedVolume> read_volume(const std::filesystem::path& file, Progress& 
       imported.ct.values.push_back(hounsfield(static_cast<double>(value), count));
   });
   if (count.not_a_number == std::ssize(imported.ct.values))
-    return fail(ErrorCode::kFileCorrupt,
-                imported.source_kind + " file: none of the voxels is a number");
+    return fail(ErrorCode::kFileCorrupt, imported.source_kind + " file: no voxel is a number");
   imported.warnings = hounsfield_warnings(count, imported.ct);
   if (imported.ct.grid.direction.determinant() < 0.0) flip_axis(imported.ct, 2);
   progress.report(1.0);

@@ -1,5 +1,5 @@
 /// \file
-/// Scans and other volumes in the file formats of research: NRRD, NIfTI and MetaImage.
+/// Scans and other volumes in NRRD, NIfTI and MetaImage files.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,22 +11,29 @@
 
 namespace lefort::io {
 
-/// Whether the ending of `file` is one that read_volume() knows.
+/// Whether read_volume() supports the ending of `file`.
 [[nodiscard]] bool is_volume_file(const std::filesystem::path& file);
 
-/// Reads .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd as a CT; see import_volume() for what is kept.
+/// Reads .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd as a CT, with the conversions of
+/// import_volume().
 ///
-/// NIfTI files, which are RAS, arrive in L; so do NRRD files in the spaces RAS and LPS. Files that
-/// leave open how their voxels lie in the patient or contradict themselves, that are not in mm, and
-/// NRRD files in rarer spaces, are refused; so are NIfTI files with voxels that are no finite
-/// numbers. The voxels of .nhdr and .mhd must be in one file in the same folder.
+/// NIfTI files, which are in RAS, and NRRD files in RAS or LPS are converted to frame L. Files with
+/// a missing or inconsistent orientation, files that are not in mm, NRRD files in other spaces, and
+/// NIfTI files with voxels that are not finite are rejected. The voxels of .nhdr and .mhd must be
+/// in one file in the same folder.
+///
+/// \param file      the volume.
+/// \param progress  stage, requests to stop.
+/// \returns as import_volume().
 [[nodiscard]] Result<ImportedVolume> read_volume(const std::filesystem::path& file,
                                                  Progress& progress = Progress::none());
 
-/// Writes a volume as .nrrd, .nii.gz, .nii or .mha, by the ending of `target`, compressed where the
-/// format can; whole or not at all. Equal volumes give equal bytes.
+/// Writes a volume atomically in the format of the ending of `target`, compressed if the format
+/// allows it. Equal volumes give equal bytes.
 ///
-/// \returns nothing, or kInvalidArgument (the ending, or a grid that check_grid() refuses) or
+/// \param target  ends in .nrrd, .nii.gz, .nii or .mha.
+/// \param volume  to write.
+/// \returns nothing, kInvalidArgument (the ending, or a grid that check_grid() rejects) or
 ///   kFileUnwritable.
 [[nodiscard]] Result<void> write_volume(const std::filesystem::path& target,
                                         const image::CtVolume& volume);

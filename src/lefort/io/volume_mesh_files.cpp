@@ -13,7 +13,7 @@ Result<mesh::VolumeMesh> read_volume_mesh(const std::filesystem::path& file,
   if (ending == ".msh" && !regions.empty())
     return fail(
         ErrorCode::kFileUnsupported,
-        fmt::format("mesh {} has physical volumes, no cell array {}", file.string(), regions));
+        fmt::format("mesh {} has physical volumes and no cell array {}", file.string(), regions));
   if (ending == ".msh") return read_gmsh(file);
   return fail(ErrorCode::kFileUnsupported,
               fmt::format("mesh {} must end in .vtu or .msh", file.string()));

@@ -1,5 +1,5 @@
 /// \file
-/// Volume meshes from files, by their ending.
+/// Reads volume meshes in the format of the ending.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,10 +10,12 @@
 
 namespace lefort::io {
 
+/// Reads a volume mesh.
+///
 /// \param file     .vtu (read_vtu.h) or .msh (gmsh.h).
-/// \param regions  as read_vtu() takes it; a .msh has its physical volumes.
-/// \returns what these return; kFileUnsupported for another ending, or an array of regions asked of
-///   a .msh.
+/// \param regions  as in read_vtu(); empty for .msh, whose regions are its physical volumes.
+/// \returns as read_vtu() or read_gmsh(); kFileUnsupported for another ending, or for `regions`
+///   with a .msh.
 [[nodiscard]] Result<mesh::VolumeMesh> read_volume_mesh(const std::filesystem::path& file,
                                                         const std::string& regions = {});
 

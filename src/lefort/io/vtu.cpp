@@ -18,7 +18,7 @@
 
 namespace lefort::io {
 
-static_assert(std::endian::native == std::endian::little, "the files say LittleEndian");
+static_assert(std::endian::native == std::endian::little, "the files are little-endian");
 
 namespace {
 
@@ -30,9 +30,9 @@ Result<void> check_name(std::string_view kind, const std::string& name) {
   const bool printable =
       std::none_of(name.begin(), name.end(), [](char c) { return std::uint8_t(c) < 0x20; });
   if (!name.empty() && printable) return {};
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("a {} is named \"{}\", must have a printable name", kind,
-                          printable ? name : "?"));
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("a {} is named \"{}\", expected a printable name", kind, printable ? name : "?"));
 }
 
 Result<void> check_mesh(const VolumeMesh& mesh) {
@@ -43,16 +43,15 @@ Result<void> check_mesh(const VolumeMesh& mesh) {
                                const std::string& owner) -> Result<void> {
     const auto lost = std::find_if(nodes.begin(), nodes.end(), missing);
     if (lost == nodes.end()) return {};
-    return fail(ErrorCode::kMeshInvalid, fmt::format("{} names node {}, there are {} nodes", owner,
-                                                     *lost, mesh.node_count()));
+    return fail(ErrorCode::kMeshInvalid, fmt::format("{} refers to node {}, there are {} nodes",
+                                                     owner, *lost, mesh.node_count()));
   };
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
     const ElementBlock& block = mesh.blocks[b];
     const Index wanted = block.element_count() * mesh::node_count(block.shape);
     if (Index(block.nodes.size()) != wanted)
-      return fail(ErrorCode::kMeshInvalid,
-                  fmt::format("element block {} has {} nodes, must have {}", b, block.nodes.size(),
-                              wanted));
+      return fail(ErrorCode::kMeshInvalid, fmt::format("element block {} has {} nodes, expected {}",
+                                                       b, block.nodes.size(), wanted));
     LEFORT_TRY_VOID(check_nodes(block.nodes, fmt::format("element block {}", b)));
   }
   for (const auto& [name, nodes] : mesh.node_sets) {
@@ -67,8 +66,8 @@ Result<void> check_mesh(const VolumeMesh& mesh) {
   return {};
 }
 
-/// \param count  how many nodes or elements there are.
-/// \param names  taken so far; gains those of `fields`.
+/// \param count  number of nodes or elements.
+/// \param names  used so far; those of `fields` are added.
 Result<void> check_fields(std::span<const VtuArray> fields, Index count,
                           std::set<std::string>& names) {
   for (const VtuArray& field : fields) {
@@ -78,17 +77,17 @@ Result<void> check_fields(std::span<const VtuArray> fields, Index count,
                   fmt::format("two fields are named {}, names must differ", field.name));
     if (field.components != 1 && field.components != 3 && field.components != 9)
       return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("field {} has {} components, must have 1, 3 or 9", field.name,
+                  fmt::format("field {} has {} components, expected 1, 3 or 9", field.name,
                               field.components));
     if (Index(field.values.size()) != count * field.components)
       return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("field {} has {} values, must have {}", field.name,
+                  fmt::format("field {} has {} values, expected {}", field.name,
                               field.values.size(), count * field.components));
   }
   return {};
 }
 
-/// The XML part and the raw part of a file grow side by side.
+/// Builds the XML and the raw data of a file together.
 class VtuFile {
  public:
   void xml(std::string_view text) { xml_ += text; }
@@ -127,7 +126,7 @@ void add_nodes(VtuFile& file, const VolumeMesh& mesh) {
   file.xml("</Points>\n");
 }
 
-/// The faces of all sets, each once, and for each set which of them are its own.
+/// The faces of all sets without repetition, and the members of each set.
 struct WrittenFaces {
   std::vector<mesh::Face> faces;
   std::map<std::string, std::vector<std::size_t>> sets;
@@ -261,8 +260,9 @@ Result<void> write_pvd(const std::filesystem::path& target, std::span<const PvdE
   for (const PvdEntry& entry : entries) {
     LEFORT_TRY_VOID(check_name("file of a series", entry.file));
     if (!std::isfinite(entry.time))
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("the time of {} is {}, must be finite", entry.file, entry.time));
+      return fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("the time of {} is {}, expected a finite number", entry.file, entry.time));
     xml += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", entry.time,
                        escape_markup(entry.file));
   }

@@ -24,7 +24,7 @@ Error unwritable(const fs::path& target, const std::string& why) {
           fmt::format("{} cannot be written: {}", target.string(), why)};
 }
 
-/// A name that nobody can foresee, and so lay a link in its place. It ends like `target`.
+/// Returns an unpredictable name, so that no link can be placed there, with the ending of `target`.
 fs::path temporary_name(const fs::path& target) {
   std::random_device random;
   const std::uint64_t number = (std::uint64_t{random()} << 32U) | random();
@@ -32,15 +32,15 @@ fs::path temporary_name(const fs::path& target) {
          fmt::format(".partial-{:016x}-{}", number, target.filename().string());
 }
 
-/// Closes it; a closed file is not written for sure, a synced one is.
-class Descriptor {
+/// Syncs the file to disk and closes it; closing alone does not guarantee writing.
+class SyncedDescriptor {
  public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
+  explicit SyncedDescriptor(int number) : number_(number) {}
+  ~SyncedDescriptor() {
     if (is_open()) ::close(number_);
   }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  SyncedDescriptor(const SyncedDescriptor&) = delete;
+  SyncedDescriptor& operator=(const SyncedDescriptor&) = delete;
   [[nodiscard]] bool is_open() const { return number_ >= 0; }
   [[nodiscard]] bool sync() const { return ::fsync(number_) == 0; }
 
@@ -48,7 +48,7 @@ class Descriptor {
   int number_;
 };
 
-/// Removes the temporary file unless it was renamed away.
+/// Removes the temporary file unless it was renamed.
 class TemporaryFile {
  public:
   explicit TemporaryFile(fs::path path) : path_(std::move(path)) {}
@@ -64,18 +64,18 @@ class TemporaryFile {
   fs::path path_;
 };
 
-/// The last line of what a library says, in which ITK and NRRD come to the point.
+/// Returns the last line of a library's message, which contains the cause in ITK and NRRD.
 std::string last_line(std::string_view text) {
   text = text.substr(0, text.find_last_not_of(" \n\r\t") + 1);
   return std::string(text.substr(text.find_last_of('\n') + 1));
 }
 
-/// Calls `write`. What libraries throw becomes an Error; our own bugs stay what they are.
+/// Calls `write`. Exceptions of libraries become errors; those that indicate bugs are rethrown.
 Result<void> fill(const fs::path& temporary, const fs::path& target,
                   const std::function<Result<void>(const fs::path&)>& write) {
   try {
     return write(temporary);
-  } catch (const std::logic_error&) {  // LogicError and its kin.
+  } catch (const std::logic_error&) {  // Includes LogicError.
     throw;
   } catch (const std::bad_alloc&) {
     return tl::unexpected(unwritable(target, "there is not enough memory"));
@@ -90,23 +90,23 @@ Result<void> write_atomically(const fs::path& target,
                               const std::function<Result<void>(const fs::path&)>& write) {
   const fs::path name = temporary_name(target);
   const auto by_errno = [&] { return tl::unexpected(unwritable(target, std::strerror(errno))); };
-  {  // Libraries report an unwritable folder in many words; ask the system first.
-    const Descriptor made(
+  {  // Checks the folder first, since the messages of libraries are long.
+    const SyncedDescriptor made(
         ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
     if (!made.is_open()) return by_errno();
   }
   const TemporaryFile temporary(name);
   LEFORT_TRY_VOID(fill(temporary.path(), target, write));
-  {  // The name must not come to the disk before the bytes do.
-    const Descriptor written(::open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  {  // The bytes must be on disk before the name.
+    const SyncedDescriptor written(::open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
     if (!written.is_open() || !written.sync()) return by_errno();
   }
   std::error_code error;
   fs::rename(temporary.path(), target, error);
   if (error) return tl::unexpected(unwritable(target, error.message()));
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  const Descriptor entries(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  // Some file systems cannot sync a folder; the file is whole all the same.
+  const SyncedDescriptor entries(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Some file systems cannot sync a folder; the file is complete nevertheless.
   if (entries.is_open() && !entries.sync() && errno == EIO) return by_errno();
   return {};
 }

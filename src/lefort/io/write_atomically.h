@@ -1,5 +1,5 @@
 /// \file
-/// Outputs appear whole or not at all.
+/// Atomic writing: an output file is complete or absent.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,23 +12,32 @@
 
 namespace lefort::io {
 
-/// Lets `write` fill a temporary file beside `target`, then renames it to `target`.
+/// Calls `write` with a temporary file in the folder of `target`, then renames it to `target`.
 ///
-/// The temporary name ends like `target`, because writers choose a format by the ending, and cannot
-/// be foreseen. When `write` or the renaming fails, the temporary file is removed and an older
-/// `target` stays. The bytes are on the disk before `target` has its name.
+/// The temporary name is unpredictable and has the ending of `target`, by which writers choose a
+/// format. If `write` or the renaming fails, the temporary file is removed and an existing `target`
+/// is unchanged. The bytes are on disk before the renaming.
 ///
-/// \returns what `write` returned, or kFileUnwritable when the folder cannot be written or the file
-///   system is full; an exception of a library in `write` counts as kFileUnwritable. Bugs
-///   (std::logic_error, which LogicError is) are thrown on.
+/// \param target  the output file.
+/// \param write   writes the temporary file.
+/// \returns the error of `write`, or kFileUnwritable if the folder cannot be written, the file
+///   system is full, or `write` throws. std::logic_error, which indicates a bug, is rethrown.
 [[nodiscard]] Result<void> write_atomically(
     const std::filesystem::path& target,
     const std::function<Result<void>(const std::filesystem::path& temporary)>& write);
 
-/// Writes these bytes, whole or not at all.
+/// Writes bytes atomically.
+///
+/// \param target  the output file.
+/// \param text    its bytes.
+/// \returns as write_atomically().
 [[nodiscard]] Result<void> write_text(const std::filesystem::path& target, std::string_view text);
 
-/// Reads a whole file; kFileNotFound, or kFileCorrupt when larger than `max_bytes`.
+/// Reads a whole file.
+///
+/// \param source     the file.
+/// \param max_bytes  limit of its size.
+/// \returns the bytes, kFileNotFound, or kFileCorrupt if the file is larger than `max_bytes`.
 [[nodiscard]] Result<std::string> read_text(const std::filesystem::path& source,
                                             std::uintmax_t max_bytes);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kIntercept = -1024.0;
 
-/// Data elements one after another, in the order of their tags, as the format wants them.
+/// Data elements in the order of their tags, as required by the format.
 class Elements {
  public:
   void text(std::uint32_t tag, std::string_view vr, std::string value) {
@@ -58,7 +58,7 @@ class Elements {
 std::string decimals(std::initializer_list<double> values) {
   std::string text;
   for (const double value : values) {
-    // "-1.234567890e+02": 9 digits in the worst case, and zeros without a sign.
+    // "-1.234567890e+02": 9 digits at most, and zeros without a sign.
     std::string one = fmt::format("{:.9g}", value + 0.0);
     if (one.size() > 16) one = fmt::format("{:.8e}", value);
     text += (text.empty() ? "" : "\\") + one;
@@ -74,7 +74,7 @@ Result<void> write_dicom_slice(const std::filesystem::path& target, const image:
   LEFORT_CHECK(grid.size[2] == 1 && std::ssize(slice.values) == grid.voxel_count());
   LEFORT_CHECK(grid.size[0] < 65536 && grid.size[1] < 65536);
   const std::string class_uid = "1.2.840.10008.5.1.4.1.1.2";
-  // 2.25 is the root for identifiers that are a number of one's own (PS3.5, B.2).
+  // 2.25 is the root of identifiers derived from a number (PS3.5, B.2).
   const std::string study_uid = fmt::format("2.25.{}1", text.number);
   const std::string series_uid = fmt::format("2.25.{}2", text.number);
   const std::string instance_uid = fmt::format("2.25.{}3{:05}", text.number, number);

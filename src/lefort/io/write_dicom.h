@@ -1,5 +1,5 @@
 /// \file
-/// Writes a CT as DICOM files, for scans that were computed.
+/// Writes a computed CT as DICOM files.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,17 +10,19 @@
 
 namespace lefort::io {
 
-/// What the files of one series share.
+/// Attributes that are equal in all files of a series.
 struct DicomSeriesText {
   std::string patient_name;  ///< Family^Given.
   std::string description;   ///< Of the series.
-  std::uint64_t number = 1;  ///< Makes the identifiers of study and series: equal for equal ones.
+  std::uint64_t number = 1;  ///< Determines the identifiers of study and series.
 };
 
 /// Writes one slice as CT Image (PS3.3, A.3): explicit little endian, 16 bits, HU + 1024.
 ///
+/// \param target  the file.
 /// \param slice   one voxel along k.
-/// \param number  of the slice within its series, from 1.
+/// \param number  of the slice in its series, from 1.
+/// \param text    attributes of the series.
 /// \returns nothing, or kFileUnwritable.
 [[nodiscard]] Result<void> write_dicom_slice(const std::filesystem::path& target,
                                              const image::CtVolume& slice, Index number,

@@ -5,17 +5,17 @@
 namespace lefort::io::internal {
 namespace {
 
-// Cutting ears off a larger polygon takes too long; no honest file has one.
+// Ear clipping of larger polygons takes too long; they do not occur in valid files.
 constexpr std::size_t kMaxCorners = 1000;
 
 using Point = Eigen::Vector2d;
 
-/// Twice the area of a triangle, positive if counter-clockwise.
+/// Returns twice the area of a triangle, positive if counter-clockwise.
 double twice_area(const Point& a, const Point& b, const Point& c) {
   return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
 }
 
-/// The polygon seen along its normal, so that it is counter-clockwise.
+/// Projects the polygon along its normal, so that it is counter-clockwise.
 std::vector<Point> flattened(std::span<const std::int32_t> corners, const SurfaceFile& surface) {
   const auto at = [&](std::size_t n) -> const Vec3& {
     return surface.vertices[std::size_t(corners[n % corners.size()])];
@@ -33,8 +33,8 @@ std::vector<Point> flattened(std::span<const std::int32_t> corners, const Surfac
   return points;
 }
 
-/// Whether the corner between `before` and `after` can be cut off: it is convex, and no corner
-/// of `left` but these lies in its triangle.
+/// Whether the corner between `before` and `after` is an ear: it is convex, and no other corner of
+/// `left` lies in its triangle.
 bool is_ear(const std::vector<Point>& points, const std::vector<std::size_t>& left,
             std::size_t before, std::size_t ear, std::size_t after) {
   const Point& a = points[before];
@@ -74,7 +74,7 @@ void add_polygon(std::span<const std::int32_t> corners, SurfaceFile& surface) {
       }
     }
   }
-  // What is left: a triangle, or a polygon without ears, which no plane polygon is.
+  // The remainder: a triangle, or a polygon without ears, which is not planar.
   for (std::size_t n = 2; n < left.size(); ++n)
     surface.triangles.push_back({corners[left[0]], corners[left[n - 1]], corners[left[n]]});
 }

@@ -22,7 +22,7 @@ constexpr int kMaxMetaImageLines = 10'000;
 
 Error unsupported(const char* why) { return {ErrorCode::kFileUnsupported, why}; }
 
-/// Text fields of a header; the voxels, if they follow, start at `end`.
+/// Text fields of a header; voxels in the same file start at `end`.
 struct MetaImageHeader {
   std::map<std::string, std::string> fields;
   std::uint64_t end = 0;
@@ -31,7 +31,7 @@ struct MetaImageHeader {
     const auto found = fields.find(name);
     return found == fields.end() ? std::string() : found->second;
   }
-  /// MetaIO looks at the first letter only.
+  /// MetaIO reads the first letter only.
   [[nodiscard]] bool is_true(const char* name) const {
     const std::string text = field(name);
     return text.starts_with('T') || text.starts_with('t') || text.starts_with('1');
@@ -56,7 +56,7 @@ MetaImageHeader read_header(std::ifstream& stream) {
   return header;
 }
 
-/// Where the voxels of axis i, j, k run to, as letters: R or L, A or P, I or S.
+/// Returns the direction of the axes i, j, k as letters: R or L, A or P, I or S.
 std::string letters_towards(const Mat3& direction) {
   constexpr std::array<std::array<char, 2>, 3> kLetters{{{'R', 'L'}, {'A', 'P'}, {'I', 'S'}}};
   std::string letters;
@@ -74,7 +74,7 @@ std::string opposite(std::string letters) {
   return letters;
 }
 
-/// Whether the header says how the voxels lie, once.
+/// Checks that the header states the orientation of the voxels consistently.
 Result<void> check_orientation(const MetaImageHeader& header, const Mat3& direction) {
   if (!header.has_one_of({"TransformMatrix", "Rotation", "Orientation"}))
     return tl::unexpected(unsupported(
@@ -83,24 +83,23 @@ Result<void> check_orientation(const MetaImageHeader& header, const Mat3& direct
     return tl::unexpected(unsupported("the header has no ElementSpacing, expected one"));
   if (const std::string unit = header.field("DistanceUnits");
       !unit.empty() && unit != "mm" && unit != "?")
-    return tl::unexpected(unsupported("the DistanceUnits are not mm, expected mm"));
-  // MetaIO's letters tell where the axes come from, some writers' where they go to.
-  const std::string said = header.field("AnatomicalOrientation");
+    return tl::unexpected(unsupported("DistanceUnits is not mm, expected mm"));
+  // The letters of MetaIO state where the axes start, those of some writers where they end.
+  const std::string stated = header.field("AnatomicalOrientation");
   const std::string towards = letters_towards(direction);
-  if (!said.empty() && said.find('?') == std::string::npos && said != towards &&
-      said != opposite(towards))
+  if (!stated.empty() && stated.find('?') == std::string::npos && stated != towards &&
+      stated != opposite(towards))
     return fail(ErrorCode::kFileCorrupt,
-                "the AnatomicalOrientation contradicts the TransformMatrix, expected one place in "
-                "the patient");
+                "AnatomicalOrientation contradicts TransformMatrix, expected the same orientation");
   return {};
 }
 
-/// A zlib stream's bytes in the file and unpacked.
+/// Compressed and uncompressed size of a zlib stream.
 struct ZlibStream {
   std::uint64_t packed, unpacked;
 };
 
-/// Nothing when the stream is damaged or unpacks to more than `most`.
+/// Nothing if the stream is damaged or has more than `maximum` bytes uncompressed.
 std::optional<ZlibStream> unpack_once(std::ifstream& stream, std::uint64_t maximum) {
   z_stream zip{};
   if (inflateInit2(&zip, 15 + 32) != Z_OK) return std::nullopt;  // zlib or gzip.
@@ -122,7 +121,7 @@ std::optional<ZlibStream> unpack_once(std::ifstream& stream, std::uint64_t maxim
   return ZlibStream{zip.total_in, zip.total_out};
 }
 
-/// Bytes of a file of voxels to pass over before they begin.
+/// Returns the number of bytes before the voxels of a voxel file.
 Result<std::uint64_t> skipped_bytes(const MetaImageHeader& header, bool is_detached) {
   const std::string text = header.field("HeaderSize");
   if (text.empty() || text == "0") return 0;
@@ -131,7 +130,7 @@ Result<std::uint64_t> skipped_bytes(const MetaImageHeader& header, bool is_detac
   const auto [rest, error] = std::from_chars(text.data(), end, bytes);
   if (error != std::errc() || rest != end || !is_detached || header.is_true("CompressedData"))
     return tl::unexpected(unsupported(
-        "the HeaderSize is not 0, expected 0 unless plain voxels have a file of their own"));
+        "HeaderSize is not 0, expected 0 unless uncompressed voxels are in a separate file"));
   return bytes;
 }
 
@@ -142,7 +141,7 @@ Result<void> check_metaimage(const fs::path& file, std::uint64_t bytes, const Ma
   MetaImageHeader header = read_header(stream);
   LEFORT_TRY_VOID(check_orientation(header, direction));
   if (header.fields.contains("BinaryData") && !header.is_true("BinaryData"))
-    return tl::unexpected(unsupported("the voxels are written as text, expected binary ones"));
+    return tl::unexpected(unsupported("the voxels are text, expected binary"));
 
   const std::string where = header.field("ElementDataFile");
   const bool is_detached = where != "LOCAL" && where != "Local" && where != "local";
@@ -157,14 +156,14 @@ Result<void> check_metaimage(const fs::path& file, std::uint64_t bytes, const Ma
   const std::uint64_t size = fs::file_size(voxel_file, error);
   const std::uint64_t stored = error || size < header.end ? 0 : size - header.end;
   if (!header.is_true("CompressedData")) {
-    if (stored < bytes) return tl::unexpected(cut_off(stored, bytes));
+    if (stored < bytes) return tl::unexpected(missing_voxels(stored, bytes));
     return {};
   }
   const std::string packed_size = header.field("CompressedDataSize");
-  if (packed_size.empty() && !is_detached)  // MetaIO would start to unpack at the header.
+  if (packed_size.empty() && !is_detached)  // MetaIO would decompress from the header.
     return tl::unexpected(unsupported("the header has no CompressedDataSize, expected one"));
   const std::optional<ZlibStream> zlib = unpack_once(stream, bytes);
-  // Of a stream with anything behind it MetaIO makes zeros.
+  // MetaIO returns zeros if bytes follow the stream.
   if ((!packed_size.empty() && packed_size != std::to_string(stored)) || !zlib ||
       zlib->packed != stored || zlib->unpacked != bytes)
     return fail(ErrorCode::kFileCorrupt, "the compressed voxels are truncated or damaged");

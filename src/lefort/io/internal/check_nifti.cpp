@@ -22,19 +22,19 @@ namespace {
 constexpr std::size_t kNiftiChunk = 1 << 20;  // A multiple of every voxel's size.
 constexpr std::uint64_t kMaxNiftiBytes = std::uint64_t{1} << 40;
 constexpr std::int16_t kFloat32 = 16, kFloat64 = 64;
-/// By which lengths, in parts, and angles may deviate: files round both.
+/// Relative tolerance of lengths and tolerance of angles, since files round both.
 constexpr double kFormTolerance = 1e-3;
-/// By which qform and sform may put a voxel apart, in voxels.
+/// Max difference between the positions of a voxel by qform and sform [voxels].
 constexpr double kMaxDistanceVoxels = 0.5;
 
-/// Where the voxels lie, in RAS.
+/// Positions of the voxels in RAS.
 struct NiftiPlace {
-  Mat3 axes_mm;     ///< Columns: from a voxel to the next along i, j, k.
+  Mat3 axes_mm;     ///< Columns: steps between voxels along i, j, k.
   Vec3 origin_RAS;  ///< Of voxel (0, 0, 0).
   [[nodiscard]] Vec3 at(const Vec3& index_V) const { return origin_RAS + axes_mm * index_V; }
 };
 
-/// The first bytes of a NIfTI-1 file; the numbers are where nifti1.h has them.
+/// The header of a NIfTI-1 file; offsets as in nifti1.h.
 class NiftiHeader {
  public:
   static constexpr std::size_t kSize = 348;
@@ -52,7 +52,7 @@ class NiftiHeader {
   [[nodiscard]] bool has_qform() const { return number<std::int16_t>(252) > 0; }
   [[nodiscard]] bool has_sform() const { return number<std::int16_t>(254) > 0; }
   [[nodiscard]] double voxel_offset() const { return real(108); }
-  [[nodiscard]] bool is_in_mm() const {  // Or says nothing, as many files do.
+  [[nodiscard]] bool is_in_mm() const {  // Or unknown, as in many files.
     const int unit = bytes_[123] & 7;
     return unit == 2 || unit == 0;
   }
@@ -75,7 +75,7 @@ class NiftiHeader {
     }
     return place;
   }
-  /// Of the quaternion's parts b, c, d; qfac, in pixdim[0], turns the slices round.
+  /// From the quaternion's b, c, d; qfac in pixdim[0] reverses the slices.
   [[nodiscard]] NiftiPlace qform() const {
     const Vec3 bcd(real(256), real(260), real(264));
     const double a = std::sqrt(std::max(0.0, 1.0 - bcd.squaredNorm()));
@@ -84,7 +84,7 @@ class NiftiHeader {
     return {axes * spacing_mm().asDiagonal(), Vec3(real(268), real(272), real(276))};
   }
 
-  /// Voxels along all dimensions; nothing when they make no sense.
+  /// Returns the number of voxels; nothing if the dimensions are invalid.
   [[nodiscard]] std::optional<std::uint64_t> voxel_count() const {
     const std::int16_t dimensions = number<std::int16_t>(40);
     if (dimensions < 1 || dimensions > 7) return std::nullopt;
@@ -115,7 +115,7 @@ class NiftiHeader {
   bool swapped_ = false;
 };
 
-/// Bytes of one voxel, 0 for types that are no plain numbers.
+/// Returns the bytes per voxel, 0 for types that are not scalar numbers.
 std::uint64_t nifti_voxel_bytes(std::int16_t datatype) {
   switch (datatype) {
     case 2:
@@ -128,14 +128,13 @@ std::uint64_t nifti_voxel_bytes(std::int16_t datatype) {
   }  // clang-format on
 }
 
-/// The size of a gzip stream's next bytes, read into `target`; less at its end.
+/// Reads the next bytes of a gzip stream into `target`; returns their number, smaller at its end.
 std::uint64_t read_some(gzFile stream, std::span<char> target) {
   const int got = gzread(stream, target.data(), static_cast<unsigned>(target.size()));
   return got < 0 ? 0 : static_cast<std::uint64_t>(got);
 }
 
-/// Whether a floating-point number, as it lies in the file, is NaN or infinite: all bits of its
-/// exponent are set.
+/// Whether a stored floating-point number is NaN or infinite: all bits of its exponent are set.
 template <class Bits, Bits kExponent>
 bool is_not_finite(const char* cell, bool is_swapped) {
   std::array<char, sizeof(Bits)> bytes;
@@ -146,7 +145,7 @@ bool is_not_finite(const char* cell, bool is_swapped) {
   return (bits & kExponent) == kExponent;
 }
 
-/// How many of the voxels in `chunk` are NaN or infinite; 0 for types that cannot be.
+/// Counts the voxels in `chunk` that are NaN or infinite.
 std::uint64_t count_not_finite(std::span<const char> chunk, const NiftiHeader& header) {
   std::uint64_t count = 0;
   const auto with = [&](std::size_t width, auto&& test) {
@@ -158,7 +157,7 @@ std::uint64_t count_not_finite(std::span<const char> chunk, const NiftiHeader& h
   return count;
 }
 
-/// Whether the axes of the sform are as long as the voxels, and at right angles.
+/// Checks that the axes of the sform have the lengths of the voxels and are orthogonal.
 Result<void> check_sform(const NiftiHeader& header) {
   const NiftiPlace sform = header.sform();
   Mat3 unit = sform.axes_mm;
@@ -167,8 +166,8 @@ Result<void> check_sform(const NiftiHeader& header) {
     const double spacing_mm = header.spacing_mm()[axis];
     if (!(std::abs(length_mm - spacing_mm) <= kFormTolerance * spacing_mm))
       return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("the sform has voxels of {:.4g} mm along axis {}, the header of "
-                              "{:.4g} mm, expected one size",
+                  fmt::format("the voxels have {:.4g} mm along axis {} in the sform and {:.4g} mm "
+                              "in the header, expected one size",
                               length_mm, axis + 1, spacing_mm));
     unit.col(axis) /= length_mm;
   }
@@ -180,11 +179,12 @@ Result<void> check_sform(const NiftiHeader& header) {
   return {};
 }
 
-/// Whether the header says how the voxels lie, and only once.
+/// Checks that the header states the orientation of the voxels consistently.
 Result<void> check_orientation(const NiftiHeader& header) {
   if (!header.has_qform() && !header.has_sform())
-    return fail(ErrorCode::kFileUnsupported,
-                "the qform and sform codes are 0, expected one that says where left and right are");
+    return fail(
+        ErrorCode::kFileUnsupported,
+        "the qform and sform codes are 0, expected one of them so that left and right are known");
   if (!header.is_in_mm())
     return fail(ErrorCode::kFileUnsupported, "the unit of length is not mm, expected mm");
   for (Index axis = 0; axis < 3; ++axis)
@@ -203,11 +203,10 @@ Result<void> check_orientation(const NiftiHeader& header) {
         std::max(apart_mm, (header.sform().at(corner_V) - header.qform().at(corner_V)).norm());
   }
   if (!(apart_mm <= kMaxDistanceVoxels * header.spacing_mm().minCoeff()))
-    return fail(
-        ErrorCode::kFileCorrupt,
-        fmt::format("the qform and the sform put the voxels up to {:.3g} mm apart, expected "
-                    "one place in the patient",
-                    apart_mm));
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("the voxel positions of qform and sform differ by up to {:.3g} mm, "
+                            "expected the same positions",
+                            apart_mm));
   return {};
 }
 
@@ -218,7 +217,7 @@ Result<void> check_nifti(const fs::path& file) {
   std::array<char, NiftiHeader::kSize> start{};
   if (stream == nullptr || gzread(stream.get(), start.data(), NiftiHeader::kSize) !=
                                static_cast<int>(NiftiHeader::kSize))
-    return fail(ErrorCode::kFileCorrupt, "there is no whole header, expected that of a NIfTI file");
+    return fail(ErrorCode::kFileCorrupt, "the header is incomplete, expected that of a NIfTI file");
   const NiftiHeader header(start);
   const std::optional<std::uint64_t> voxels = header.voxel_count();
   const double offset = header.voxel_offset();
@@ -228,10 +227,11 @@ Result<void> check_nifti(const fs::path& file) {
   if (voxel_bytes == 0)
     return fail(
         ErrorCode::kFileUnsupported,
-        fmt::format("the voxels are of NIfTI type {}, expected plain numbers", header.datatype()));
+        fmt::format("the voxels have NIfTI type {}, expected scalar numbers", header.datatype()));
 
   if (!header.has_finite_scale())
-    return fail(ErrorCode::kFileCorrupt, "the scale of the voxels is no number, expected one");
+    return fail(ErrorCode::kFileCorrupt,
+                "the scale of the voxels is not finite, expected a number");
   LEFORT_TRY_VOID(check_orientation(header));
 
   std::vector<char> chunk(kNiftiChunk);
@@ -247,13 +247,13 @@ Result<void> check_nifti(const fs::path& file) {
     if (in_voxels)
       not_finite += count_not_finite(std::span(chunk).first(static_cast<std::size_t>(got)), header);
     found += got;
-    if (got < step) return tl::unexpected(cut_off(found, wanted));
+    if (got < step) return tl::unexpected(missing_voxels(found, wanted));
   }
-  if (not_finite > 0)  // NIfTI's library makes 0 of them.
+  if (not_finite > 0)  // The NIfTI library returns 0 for them.
     return fail(
         ErrorCode::kFileCorrupt,
-        fmt::format("{} of {} voxels are no finite numbers, expected none", not_finite, *voxels));
-  // One step to the end of a gzip stream, where zlib compares the checksum.
+        fmt::format("{} of {} voxels are not finite numbers, expected none", not_finite, *voxels));
+  // Reads to the end of the gzip stream, where zlib compares the checksum.
   if (gzread(stream.get(), chunk.data(), static_cast<unsigned>(chunk.size())) < 0)
     return fail(ErrorCode::kFileCorrupt, "the compressed voxels are damaged");
   return {};

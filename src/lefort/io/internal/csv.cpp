@@ -5,7 +5,7 @@
 namespace lefort::io::internal {
 namespace {
 
-/// Takes a field in quotes off the front of `line`, which starts behind the first quote.
+/// Removes a quoted field from the front of `line`, which starts after the first quote.
 std::optional<std::string> take_quoted(std::string_view& line) {
   std::string field;
   while (!line.empty()) {

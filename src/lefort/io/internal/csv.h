@@ -1,6 +1,5 @@
 /// \file
-/// Lines of comma-separated values (RFC 4180, one line a record). For the .cpp files of this layer
-/// alone.
+/// Comma-separated values (RFC 4180, one record per line). Internal to io.
 #pragma once
 
 #include <optional>
@@ -10,10 +9,11 @@
 
 namespace lefort::io::internal {
 
-/// The fields of a line, quotes taken off; nothing if a quote is not closed or text follows it.
+/// Returns the fields of a line without their quotes; nothing if a quote is not closed or text
+/// follows it.
 [[nodiscard]] std::optional<std::vector<std::string>> split_csv(std::string_view line);
 
-/// A field as it is written: in quotes if it needs them.
+/// Returns a field for writing, quoted if necessary.
 [[nodiscard]] std::string csv_field(std::string_view text);
 
 }  // namespace lefort::io::internal

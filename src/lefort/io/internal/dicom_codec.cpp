@@ -25,10 +25,10 @@ namespace lefort::io {
 
 namespace {
 
-/// How the decoding process ends. All else, signals too, means damaged.
+/// Exit codes of the decoding process. Any other end, such as a signal, means damaged.
 enum ExitCode : int { kDecoded = 0, kDamaged = 1, kOtherType = 2, kNoMemory = 3 };
 
-/// Zeroed memory that a child process shares with us.
+/// Zeroed memory shared with the child process.
 class SharedDoubles {
  public:
   explicit SharedDoubles(std::size_t count)
@@ -86,14 +86,14 @@ ExitCode decode(const std::filesystem::path& file, std::span<double> target) {
   }
 }
 
-/// How large this process' address space is now; limits count from there.
+/// Returns the current size of the address space, to which limits are relative.
 std::size_t address_space_bytes() {
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-/// What the child process does: decode in silence, within limits, and leave.
+/// Runs in the child process: decodes without output, within limits, and exits.
 [[noreturn]] void decode_and_exit(const std::filesystem::path& file, std::span<double> target,
                                   const CodecLimits& limits) {
   const int nowhere = ::open("/dev/null", O_WRONLY);
@@ -101,7 +101,7 @@ std::size_t address_space_bytes() {
   ::dup2(nowhere, STDERR_FILENO);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
-  // The parent's deadline ends us; this is for a parent that dies first.
+  // The parent enforces the deadline; this limit applies if the parent ends first.
   const auto time_s = static_cast<rlim_t>(limits.time.count() / 1000 + 1);
   const rlimit seconds{time_s, time_s};
   ::setrlimit(RLIMIT_CPU, &seconds);
@@ -116,28 +116,28 @@ std::size_t address_space_bytes() {
   } catch (const std::exception&) {
     code = kDamaged;
   }
-  ::_exit(code);  // Without the clean-up that is the parent's.
+  ::_exit(code);  // Skips the clean-up, which is the parent's.
 }
 
-/// How waiting for the child process ended.
-enum class Ending { kLeft, kTooLong, kStopped };
+/// How the wait for the child process ended.
+enum class WaitEnd { kExited, kTooLong, kStopped };
 
-struct Waited {
-  Ending ending;
+struct WaitResult {
+  WaitEnd ending;
   int status;  ///< Of waitpid().
 };
 
-/// Waits for `child`, and kills it at its deadline or when asked to stop. It is gone afterwards.
-Waited wait_for(pid_t child, std::chrono::milliseconds time, const Progress& progress) {
+/// Waits for `child` and kills it at the deadline or on a request to stop. It has ended afterwards.
+WaitResult wait_for(pid_t child, std::chrono::milliseconds time, const Progress& progress) {
   const auto deadline = std::chrono::steady_clock::now() + time;
-  Waited waited{Ending::kLeft, 0};
-  constexpr std::chrono::microseconds kLongestPause{20'000};
-  for (std::chrono::microseconds pause{100};; pause = std::min(2 * pause, kLongestPause)) {
+  WaitResult waited{WaitEnd::kExited, 0};
+  constexpr std::chrono::microseconds kMaxPause{20'000};
+  for (std::chrono::microseconds pause{100};; pause = std::min(2 * pause, kMaxPause)) {
     const pid_t left = ::waitpid(child, &waited.status, WNOHANG);
     if (left == child || (left < 0 && errno != EINTR)) return waited;
-    if (progress.stop_requested()) waited.ending = Ending::kStopped;
-    if (std::chrono::steady_clock::now() > deadline) waited.ending = Ending::kTooLong;
-    if (waited.ending != Ending::kLeft) break;
+    if (progress.stop_requested()) waited.ending = WaitEnd::kStopped;
+    if (std::chrono::steady_clock::now() > deadline) waited.ending = WaitEnd::kTooLong;
+    if (waited.ending != WaitEnd::kExited) break;
     std::this_thread::sleep_for(pause);
   }
   ::kill(child, SIGKILL);
@@ -156,16 +156,16 @@ Result<std::vector<double>> decode_dicom_pixels(const std::filesystem::path& fil
   if (child < 0) return fail(ErrorCode::kFileCorrupt, "the pixels do not fit into memory");
   if (child == 0) decode_and_exit(file, shared.values(), limits);
   const auto [ending, status] = wait_for(child, limits.time, progress);
-  if (ending == Ending::kStopped)
+  if (ending == WaitEnd::kStopped)
     return fail(ErrorCode::kCancelled, "decoding the pixels was stopped");
-  if (ending == Ending::kTooLong)
+  if (ending == WaitEnd::kTooLong)
     return fail(
         ErrorCode::kFileCorrupt,
         fmt::format("the compressed pixels take longer than {} ms to decode", limits.time.count()));
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : kDamaged;
   if (code == kOtherType)
     return fail(ErrorCode::kFileUnsupported,
-                "the compressed pixels are no whole numbers of 8 or 16 bits");
+                "the compressed pixels are not integers of 8 or 16 bits");
   if (code == kNoMemory)
     return fail(ErrorCode::kFileCorrupt,
                 fmt::format("the compressed pixels need more than {} bytes of memory to decode",

@@ -1,5 +1,5 @@
 /// \file
-/// Compressed DICOM pixels. The one place that knows GDCM.
+/// Decoding of compressed DICOM pixels. No other file uses GDCM.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,21 +12,24 @@
 
 namespace lefort::io {
 
-/// What decoding one slice may take; the slowest codecs need a second.
+/// Limits of decoding one slice; the slowest codecs need one second.
 struct CodecLimits {
-  std::chrono::milliseconds time{30'000};           ///< On the clock and of the processor.
-  std::size_t memory_bytes = std::size_t{1} << 30;  ///< Beyond what this process has already.
+  std::chrono::milliseconds time{30'000};           ///< Wall-clock time and processor time.
+  std::size_t memory_bytes = std::size_t{1} << 30;  ///< In addition to that of this process.
 };
 
 /// Decodes the pixels of a file with one frame and one value per pixel.
 ///
-/// GDCM runs in a process of its own: damaged streams make its codecs abort, print and write where
-/// they should not, and none of that must reach the user's session. A few false bytes also make
-/// them compute for minutes or fill the memory, hence the limits.
+/// GDCM runs in a child process, since damaged streams make its codecs abort, print and write to
+/// invalid memory. A few wrong bytes can also cause minutes of computation or fill the memory,
+/// hence the limits.
 ///
-/// \param pixels  how many there should be.
-/// \returns the stored values row by row, or kFileCorrupt or kFileUnsupported with a message that
-///   does not name the file, or kCancelled.
+/// \param file      a DICOM file.
+/// \param pixels    expected number.
+/// \param progress  requests to stop.
+/// \param limits    of time and memory.
+/// \returns the stored values row by row, kFileCorrupt or kFileUnsupported with a message that does
+///   not contain the file name, or kCancelled.
 [[nodiscard]] Result<std::vector<double>> decode_dicom_pixels(const std::filesystem::path& file,
                                                               std::size_t pixels,
                                                               Progress& progress = Progress::none(),

@@ -20,7 +20,7 @@ constexpr DicomTag kItemEnd = 0xfffee00d;
 constexpr DicomTag kSequenceEnd = 0xfffee0dd;
 constexpr int kMaxSequenceDepth = 32;
 
-/// How lengths are written (PS3.5, section 7.1).
+/// Encoding of lengths (PS3.5, section 7.1).
 enum class Encoding { kExplicit, kImplicit };
 
 struct Element {
@@ -29,7 +29,7 @@ struct Element {
   std::uint32_t length;
 };
 
-/// Reads forward; every step says whether the bytes were there.
+/// Reads forward; every step returns whether the bytes exist.
 class Cursor {
  public:
   explicit Cursor(std::string_view bytes) : rest_(bytes) {}
@@ -44,7 +44,7 @@ class Cursor {
     return taken;
   }
 
-  /// A little-endian number.
+  /// Reads a little-endian number.
   template <class T>
   [[nodiscard]] std::optional<T> number() {
     const auto bytes = take(sizeof(T));
@@ -54,7 +54,7 @@ class Cursor {
     return value;
   }
 
-  /// Tag, value representation and length; nothing if they are cut off.
+  /// Reads tag, value representation and length; nothing if they are truncated.
   [[nodiscard]] std::optional<Element> element(Encoding encoding) {
     const auto group = number<std::uint16_t>();
     const auto within = number<std::uint16_t>();
@@ -87,10 +87,10 @@ class Cursor {
   std::string_view rest_;
 };
 
-/// Passes over the items of a sequence of undefined length, to behind its end.
+/// Skips the items of a sequence of undefined length and its delimiter.
 [[nodiscard]] bool skip_sequence(Cursor& cursor, Encoding encoding, int depth);
 
-/// Passes over the elements of an item of undefined length, to behind its end.
+/// Skips the elements of an item of undefined length and its delimiter.
 bool skip_item(Cursor& cursor, Encoding encoding, int depth) {
   if (depth > kMaxSequenceDepth) return false;
   while (const auto element = cursor.element(encoding)) {
@@ -99,7 +99,8 @@ bool skip_item(Cursor& cursor, Encoding encoding, int depth) {
       if (!cursor.take(element->length)) return false;
       continue;
     }
-    // What is unknown (UN) with undefined length is a sequence in implicit encoding (PS3.5, 6.2.2).
+    // An element of unknown type (UN) and undefined length is a sequence in implicit encoding
+    // (PS3.5, 6.2.2).
     const Encoding inner = element->vr == "UN" ? Encoding::kImplicit : encoding;
     if (!skip_sequence(cursor, inner, depth + 1)) return false;
   }
@@ -119,7 +120,7 @@ bool skip_sequence(Cursor& cursor, Encoding encoding, int depth) {
 
 Error truncated() { return {ErrorCode::kFileCorrupt, "it is truncated or damaged"}; }
 
-/// The elements of group 2, which are always explicit, give the encoding of the others.
+/// The elements of group 2, which are always explicit, define the encoding of the others.
 Result<std::string> read_transfer_syntax(Cursor& cursor) {
   std::string syntax;
   while (!cursor.at_end() && cursor.rest().substr(0, 2) == std::string_view("\x02\x00", 2)) {
@@ -137,7 +138,7 @@ DicomElements damaged(DicomElements found, Error why) {
   return found;
 }
 
-/// The first value of a file may not be taken for pixels by mistake, so whatever is odd is damage.
+/// Other values must not be mistaken for pixels, so any irregularity counts as damage.
 DicomElements read_elements(Cursor cursor, Encoding encoding) {
   DicomElements found;
   while (!cursor.at_end()) {

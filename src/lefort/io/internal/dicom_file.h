@@ -1,8 +1,8 @@
 /// \file
-/// The elements of a DICOM file (PS3.10), safely.
+/// Safe parsing of the data elements of a DICOM file (PS3.10).
 ///
-/// GDCM, as Debian builds it, aborts the program on files that are cut off. So we take files apart
-/// ourselves, and leave to it compressed pixels only (dicom_codec.h).
+/// GDCM, as built by Debian, aborts the program on truncated files. It is therefore used for
+/// compressed pixels only (dicom_codec.h).
 #pragma once
 
 #include <lefort/core/error.h>
@@ -19,23 +19,23 @@ namespace lefort::io {
 /// Group and element number of a data element, as 0xGGGGEEEE.
 using DicomTag = std::uint32_t;
 
-/// What a DICOM file holds; the views look into the bytes it was parsed from.
+/// Contents of a DICOM file; the views refer to the parsed bytes.
 struct DicomElements {
-  std::map<DicomTag, std::string_view> values;  ///< Of the outermost level, without sequences.
+  std::map<DicomTag, std::string_view> values;  ///< Of the top level, without sequences.
   std::string_view pixels;                      ///< As stored; empty if there are none.
-  bool is_compressed = false;                   ///< `pixels` are fragments of a codec's stream.
-  std::optional<Error> damage{};                ///< Why nothing behind `values` could be read.
+  bool is_compressed = false;     ///< `pixels` contains fragments of a codec's stream.
+  std::optional<Error> damage{};  ///< Why parsing ended after `values`.
 };
 
-/// Whether the file says it is DICOM: "DICM" after 128 bytes.
+/// Whether the file contains "DICM" after 128 bytes.
 [[nodiscard]] bool has_dicom_magic(const std::filesystem::path& file);
 
-/// Takes a file that has the magic apart, up to the pixels.
+/// Parses a file with this magic number, up to its pixels.
 ///
 /// \param bytes  the whole file; must outlive the result.
-/// \returns the elements, as far as they can be read: of a damaged file they may still tell to
-///   which series it belongs. `damage` is kFileCorrupt (truncated, damaged) or kFileUnsupported (a
-///   rare transfer syntax), with a message that does not name the file.
+/// \returns the elements that can be read; those of a damaged file may still contain its series.
+///   `damage` is kFileCorrupt (truncated, damaged) or kFileUnsupported (a rare transfer syntax),
+///   with a message that does not contain the file name.
 [[nodiscard]] DicomElements parse_dicom(std::string_view bytes);
 
 }  // namespace lefort::io

@@ -46,7 +46,7 @@ Error in_file(const DicomHeader& header, const Error& error) {
   return {error.code, fmt::format("DICOM {}: {}", name_of(header), error.message)};
 }
 
-/// read_text() without the file's name in its message.
+/// read_text() without the file name in its message.
 Result<std::string> read_bytes(const DicomHeader& header) {
   auto bytes = read_text(header.file, kMaxDicomBytes);
   if (!bytes)
@@ -56,14 +56,14 @@ Result<std::string> read_bytes(const DicomHeader& header) {
   return bytes;
 }
 
-/// The text of a tag without padding; empty if it is missing.
+/// Returns the text of a tag without padding; empty if it is missing.
 std::string_view text_of(const DicomElements& elements, DicomTag tag) {
   const auto found = elements.values.find(tag);
   if (found == elements.values.end()) return "";
   return found->second.substr(0, found->second.find_last_not_of(std::string_view(" \0", 2)) + 1);
 }
 
-/// The decimal numbers of a tag, separated by backslashes; none if one cannot be read.
+/// Returns the decimal numbers of a tag, separated by backslashes; none if one is invalid.
 std::vector<double> numbers_of(const DicomElements& elements, DicomTag tag) {
   const std::string_view text = text_of(elements, tag);
   std::vector<double> numbers;
@@ -88,7 +88,7 @@ Index uint16_of(const DicomElements& elements, DicomTag tag, Index otherwise) {
   return number;
 }
 
-/// Modalities are words of capitals. Anything else could be a name put into the wrong tag.
+/// Modalities are codes in capitals. Anything else could be a name in the wrong tag.
 std::string modality_of(const DicomElements& elements) {
   const std::string_view text = text_of(elements, kModality);
   const bool is_word =
@@ -97,7 +97,8 @@ std::string modality_of(const DicomElements& elements) {
   return is_word ? std::string(text) : "unknown";
 }
 
-/// Scanners call kernels "H60s", "BONE" or "B30f". Anything longer could be a name.
+/// Kernels have names such as "H60s", "BONE" or "B30f". Anything longer could be a name of a
+/// person.
 std::string kernel_of(const DicomElements& elements) {
   const std::string_view text = text_of(elements, kKernel);
   const bool is_code =
@@ -107,7 +108,7 @@ std::string kernel_of(const DicomElements& elements) {
   return is_code ? std::string(text) : "";
 }
 
-/// Fills what the elements say into `header`, which knows its file.
+/// Sets the members of `header` from the elements.
 DicomHeader header_from(const DicomElements& elements, DicomHeader header) {
   header.series_uid = text_of(elements, kSeriesUid);
   header.instance_uid = text_of(elements, kInstanceUid);
@@ -130,7 +131,7 @@ DicomHeader header_from(const DicomElements& elements, DicomHeader header) {
   if (const auto o = numbers_of(elements, kOrientation); o.size() == 6)
     header.axes_L = {Vec3(o[0], o[1], o[2]), Vec3(o[3], o[4], o[5])};
   if (const auto s = numbers_of(elements, kPixelSpacing); s.size() == 2)
-    header.pixel_spacing_mm = {s[1], s[0]};  // The tag gives the distance of rows first.
+    header.pixel_spacing_mm = {s[1], s[0]};  // The tag contains the distance of rows first.
   header.rescale_slope = number(kRescaleSlope);
   header.rescale_intercept = number(kRescaleIntercept);
   header.gantry_tilt_deg = number(kGantryTilt).value_or(0.0);
@@ -143,13 +144,13 @@ bool named_dicom(const fs::path& file) {
   return ending == ".dcm" || ending == ".ima" || ending == ".dicom";
 }
 
-/// How a stored value lies in its cell (PS3.5, section 8.1.1).
+/// Position of a stored value in its cell (PS3.5, section 8.1.1).
 struct PixelCell {
   Index bits_allocated, bits_stored, high_bit;
   bool is_signed;
 };
 
-/// Takes the stored bits out of cells of type T.
+/// Extracts the stored bits from cells of type T.
 template <class T>
 std::vector<double> unpack(std::string_view pixels, std::size_t count, const PixelCell& cell) {
   const auto shift = static_cast<int>(cell.high_bit + 1 - cell.bits_stored);
@@ -200,13 +201,13 @@ Result<std::optional<DicomHeader>> read_dicom_header(const fs::path& file, Index
   if (!has_dicom_magic(file)) {
     if (!named_dicom(file)) return std::nullopt;
     return tl::unexpected(
-        in_file(header, {ErrorCode::kFileCorrupt, "it is truncated or no DICOM file"}));
+        in_file(header, {ErrorCode::kFileCorrupt, "it is truncated or not a DICOM file"}));
   }
   LEFORT_TRY(const std::string bytes, read_bytes(header));
   const DicomElements elements = parse_dicom(bytes);
   header = header_from(elements, std::move(header));
   std::optional<Error> damage = elements.damage;
-  if (!damage && header.columns > 0 && elements.pixels.empty())  // Cut off between two elements.
+  if (!damage && header.columns > 0 && elements.pixels.empty())  // Truncated between two elements.
     damage = Error{ErrorCode::kFileCorrupt, "it is truncated, it ends before its pixels"};
   if (!damage) return header;
   header.damage = in_file(header, *damage);

@@ -19,34 +19,35 @@ namespace {
 constexpr double kAxisTolerance = 1e-3;
 constexpr double kSpacingToleranceMm = 1e-3;
 constexpr double kPositionToleranceMm = 0.02;
-constexpr Index kMaxColumns = 8192;  // Before a codec believes it and allocates.
-/// Share of the slice distance by which the distance of two neighbors may be off before we refuse.
+constexpr Index kMaxColumns = 8192;  // Checked before a codec allocates memory.
+/// Max deviation of a slice distance from the others, as a fraction of it.
 constexpr double kUneven = 0.05;
-/// Share of the slice distance by which a slice may lie off the even stack that stands for it.
+/// Max deviation of a slice from its position in the even stack, as a fraction of the slice
+/// distance.
 constexpr double kMaxOffEven = 0.1;
-/// Share of a pixel by which a slice may lie beside the stack.
+/// Max sideways displacement of a slice, as a fraction of a pixel.
 constexpr double kMaxSidewaysPixels = 0.5;
-/// Gantries tilt by 30 degrees at most; what is sheared by more is something else.
+/// Gantries tilt by 30 degrees at most; a larger shear has another cause.
 constexpr double kMaxTilt_deg = 45.0;
-/// As many equal steps in a row are meant; fewer are an accident.
+/// Min number of consecutive equal steps of an intended slice distance.
 constexpr std::size_t kMinRun = 3;
-/// Wider steps hide too much of a face to be filled from their neighbors.
-constexpr double kWidestStepMm = 5.0;
+/// Wider steps lose too much of the face for interpolation.
+constexpr double kMaxSliceStepMm = 5.0;
 
 std::string size_of(const DicomHeader& slice) {
   return fmt::format("{} x {}", slice.columns, slice.rows);
 }
 
-/// Whether this slice alone can be placed.
+/// Checks that the position of this slice is known.
 Result<void> check_slice(const DicomHeader& slice) {
   const auto unsupported = [&](std::string_view why) {
     return fail(ErrorCode::kFileUnsupported, fmt::format("DICOM {}: {}", name_of(slice), why));
   };
   if (slice.frames != 1)
-    return unsupported(fmt::format("it holds {} frames, expected one slice", slice.frames));
+    return unsupported(fmt::format("it has {} frames, expected one slice", slice.frames));
   if (slice.samples_per_pixel != 1)
     return unsupported(
-        fmt::format("it holds {} values per pixel, expected 1", slice.samples_per_pixel));
+        fmt::format("it has {} values per pixel, expected 1", slice.samples_per_pixel));
   if (std::min(slice.columns, slice.rows) < 1 || std::max(slice.columns, slice.rows) > kMaxColumns)
     return unsupported(fmt::format("it has {} pixels, expected at most {} along each side",
                                    size_of(slice), kMaxColumns));
@@ -64,7 +65,7 @@ Result<void> check_slice(const DicomHeader& slice) {
   return {};
 }
 
-/// Whether `slice` fits onto `first`.
+/// Checks that `slice` has the size, orientation and spacing of `first`.
 Result<void> check_alike(const DicomHeader& first, const DicomHeader& slice) {
   const auto differs = [&](std::string_view what) {
     return fail(ErrorCode::kFileCorrupt,
@@ -83,7 +84,7 @@ Result<void> check_alike(const DicomHeader& first, const DicomHeader& slice) {
   return {};
 }
 
-/// Orthogonal to the last bit: row, column made normal to it, and their normal.
+/// Exactly orthogonal axes: row, column orthogonalized against it, and their normal.
 Mat3 direction_of(const DicomHeader& slice) {
   Mat3 direction;
   direction.col(0) = (*slice.axes_L)[0].normalized();
@@ -95,15 +96,15 @@ Mat3 direction_of(const DicomHeader& slice) {
 /// Removes localizers and copies of one slice, with a warning.
 void remove_surplus(std::vector<DicomHeader>& slices, std::vector<std::string>& warnings) {
   if (const auto localizers = std::erase_if(slices, [](const auto& s) { return s.is_localizer; }))
-    warnings.push_back(fmt::format("{} localizer images were left out", localizers));
+    warnings.push_back(fmt::format("{} localizer images were omitted", localizers));
   std::set<std::string> seen;
   const auto copies = std::erase_if(slices, [&](const DicomHeader& slice) {
     return !slice.instance_uid.empty() && !seen.insert(slice.instance_uid).second;
   });
-  if (copies > 0) warnings.push_back(fmt::format("{} copies of slices were left out", copies));
+  if (copies > 0) warnings.push_back(fmt::format("{} copies of slices were omitted", copies));
 }
 
-/// The evenly spaced heights along the normal that come closest to those of the slices.
+/// Equidistant heights along the normal that fit those of the slices best.
 struct EvenHeights {
   double first_mm = 0.0;
   double distance_mm = 0.0;
@@ -112,11 +113,11 @@ struct EvenHeights {
   }
 };
 
-/// Least squares; `heights_mm` holds at least two.
+/// Least-squares fit; \pre `heights_mm` has at least two entries.
 EvenHeights fit_even_heights(const std::vector<double>& heights_mm) {
   const auto count = static_cast<double>(heights_mm.size());
   const double mean_k = 0.5 * (count - 1.0);
-  const double from_mm = heights_mm.front();  // Differences keep an even stack's digits.
+  const double from_mm = heights_mm.front();  // Differences preserve the digits of an even stack.
   double mean_mm = 0.0, covariance = 0.0;
   for (std::size_t k = 0; k < heights_mm.size(); ++k) {
     mean_mm += (heights_mm[k] - from_mm) / count;
@@ -136,12 +137,12 @@ Result<void> check_distinct(const std::vector<DicomHeader>& slices,
     if (steps_mm[k] < 1e-3)
       return fail(
           ErrorCode::kFileCorrupt,
-          fmt::format("two slices of the series lie at the same place: {}", between(slices, k)));
+          fmt::format("two slices of the series have the same position: {}", between(slices, k)));
   return {};
 }
 
-/// Whether the stack consists of runs of at least kMinRun equal steps, of several lengths, and no
-/// number is left out between its slices: a scanner took it so.
+/// Whether the stack consists of runs of at least kMinRun equal steps, with several step lengths,
+/// and without missing slice numbers: then it was scanned with these steps.
 bool has_several_distances(const std::vector<DicomHeader>& slices,
                            const std::vector<double>& steps_mm) {
   std::size_t runs = 0;
@@ -160,7 +161,7 @@ bool has_several_distances(const std::vector<DicomHeader>& slices,
   return runs > 1;
 }
 
-/// Refuses gaps of one or more slices.
+/// Rejects gaps of one or more slices.
 Result<void> check_gaps(const std::vector<DicomHeader>& slices, const std::vector<double>& steps_mm,
                         double usual_mm) {
   for (std::size_t k = 0; k < steps_mm.size(); ++k) {
@@ -176,8 +177,8 @@ Result<void> check_gaps(const std::vector<DicomHeader>& slices, const std::vecto
   return {};
 }
 
-/// The even stack that stands for slices at `heights_mm`; refuses gaps and uneven stacks. Small
-/// steps may all be good and yet add up, so both steps and places are judged.
+/// Fits an even stack to slices at `heights_mm`; rejects gaps and uneven stacks. Small deviations
+/// of steps can add up, so both steps and positions are checked.
 Result<EvenHeights> even_heights(const std::vector<DicomHeader>& slices,
                                  const std::vector<double>& heights_mm,
                                  const std::vector<double>& steps_mm,
@@ -188,8 +189,8 @@ Result<EvenHeights> even_heights(const std::vector<DicomHeader>& slices,
   LEFORT_TRY_VOID(check_gaps(slices, steps_mm, usual_mm));
 
   const double off_mm = std::max(usual_mm - sorted_mm.front(), sorted_mm.back() - usual_mm);
-  const std::string range =
-      fmt::format("the slices lie {:.4g} to {:.4g} mm apart", sorted_mm.front(), sorted_mm.back());
+  const std::string range = fmt::format("the slice distances are {:.4g} to {:.4g} mm",
+                                        sorted_mm.front(), sorted_mm.back());
   if (off_mm > kUneven * usual_mm + kPositionToleranceMm)
     return fail(ErrorCode::kFileCorrupt, range + ", expected one distance");
   const EvenHeights even = fit_even_heights(heights_mm);
@@ -199,7 +200,7 @@ Result<EvenHeights> even_heights(const std::vector<DicomHeader>& slices,
     if (residual_mm(k) > residual_mm(worst)) worst = k;
   if (residual_mm(worst) > kMaxOffEven * even.distance_mm)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{}, and {} lies {:.3g} mm from its place in an even stack, expected "
+                fmt::format("{}, and {} is {:.3g} mm from its position in an even stack, expected "
                             "at most {:.3g} mm",
                             range, name_of(slices[worst]), residual_mm(worst),
                             kMaxOffEven * even.distance_mm));
@@ -209,16 +210,16 @@ Result<EvenHeights> even_heights(const std::vector<DicomHeader>& slices,
   return even;
 }
 
-/// Slices of several distances as a grid as fine as the finest of them.
+/// Makes a grid with the smallest slice distance of a stack with several.
 Result<EvenHeights> resampled_heights(const std::vector<double>& heights_mm,
                                       const std::vector<double>& steps_mm,
                                       std::vector<std::string>& warnings) {
   const auto [minimum, maximum] = std::minmax_element(steps_mm.begin(), steps_mm.end());
   const std::string range =
-      fmt::format("the slices lie {:.4g} to {:.4g} mm apart", *minimum, *maximum);
-  if (*maximum > kWidestStepMm)
+      fmt::format("the slice distances are {:.4g} to {:.4g} mm", *minimum, *maximum);
+  if (*maximum > kMaxSliceStepMm)
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("{}, expected at most {:.3g} mm", range, kWidestStepMm));
+                fmt::format("{}, expected at most {:.3g} mm", range, kMaxSliceStepMm));
   const double length_mm = heights_mm.back() - heights_mm.front();
   const EvenHeights even{heights_mm.front(), length_mm / std::round(length_mm / *minimum)};
   warnings.push_back(
@@ -226,10 +227,10 @@ Result<EvenHeights> resampled_heights(const std::vector<double>& heights_mm,
   return even;
 }
 
-/// Whether the slices slide sideways evenly, as from a tilted gantry, beyond what may be neglected.
-/// Other places beside the stack are none that a scanner gives, and refused.
+/// Determines the shear of the stack by gantry tilt. Other sideways displacements are rejected,
+/// since no scanner produces them.
 ///
-/// \returns the angle of the shear, 0 for an upright stack.
+/// \returns the shear angle, 0 if it is negligible.
 Result<double> find_tilt_deg(const DicomStack& stack, std::vector<std::string>& warnings) {
   const Vec3 normal = stack.grid.direction.col(2);
   const Vec3 first_L = *stack.slices.front().position_L;
@@ -241,14 +242,14 @@ Result<double> find_tilt_deg(const DicomStack& stack, std::vector<std::string>& 
   const Vec3 drift_mm = sideways_mm(last);
   const double height_mm = path(last).dot(normal);
   const double limit_mm = kMaxSidewaysPixels * stack.grid.spacing_mm.head<2>().minCoeff();
-  double off_path_mm = 0.0;  // Of a path that slides evenly.
+  double off_path_mm = 0.0;  // From an evenly sheared stack.
   std::size_t worst = 0;
   for (std::size_t k = 0; k <= last; ++k) {
     const double fraction = path(k).dot(normal) / height_mm;
     off_path_mm = std::max(off_path_mm, (sideways_mm(k) - fraction * drift_mm).norm());
     if (sideways_mm(k).norm() > sideways_mm(worst).norm()) worst = k;
   }
-  const double said_deg = stack.slices.front().gantry_tilt_deg;
+  const double reported_deg = stack.slices.front().gantry_tilt_deg;
   if (drift_mm.norm() > limit_mm && off_path_mm <= limit_mm) {
     const double tilt_deg = degrees_from_radians(std::atan2(drift_mm.norm(), height_mm));
     const std::string sheared =
@@ -261,12 +262,13 @@ Result<double> find_tilt_deg(const DicomStack& stack, std::vector<std::string>& 
   }
   if (sideways_mm(worst).norm() > limit_mm)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{} lies {:.3g} mm beside the first slice, expected at most {:.3g} mm",
+                fmt::format("{} is displaced sideways by {:.3g} mm from the first slice, expected "
+                            "at most {:.3g} mm",
                             name_of(stack.slices[worst]), sideways_mm(worst).norm(), limit_mm));
-  if (std::abs(said_deg) > 0.1)
+  if (std::abs(reported_deg) > 0.1)
     warnings.push_back(fmt::format(
-        "the scanner reports a gantry tilt of {:.1f} degrees, but the slices make an upright stack",
-        said_deg));
+        "the scanner reports a gantry tilt of {:.1f} degrees, but the slices form an upright stack",
+        reported_deg));
   return 0.0;
 }
 
@@ -317,7 +319,7 @@ Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices) {
   if (!stack.report.resampled) return stack;
 
   for (std::size_t k = 0; k < stack.slices.size(); ++k) {
-    // Heights that are as good as even are made so: mixing neighbors would blur them.
+    // Nearly even heights are made even, since interpolation between neighbors would blur them.
     const double up_mm = is_uneven ? 0.0 : even.at(k) - heights_mm[k];
     stack.origins_L.push_back(*stack.slices[k].position_L + up_mm * normal);
   }
@@ -337,11 +339,10 @@ Result<std::vector<Rescale>> rescales_of(const std::vector<DicomHeader>& slices,
     const auto count = std::count_if(slices.begin(), slices.end(),
                                      [&](const auto& slice) { return (slice.*tag).has_value(); });
     if (count == 0)
-      warnings.push_back(
-          fmt::format("the files give no rescale {}, {} was taken", name, otherwise));
+      warnings.push_back(fmt::format("the files have no rescale {}, {} was used", name, otherwise));
     if (count == 0 || count == std::ssize(slices)) return {};
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{} of {} slices give a rescale {}, expected all or none", count,
+                fmt::format("{} of {} slices have a rescale {}, expected all or none", count,
                             slices.size(), name));
   };
   LEFORT_TRY_VOID(all_or_none(&DicomHeader::rescale_intercept, "intercept", "0"));

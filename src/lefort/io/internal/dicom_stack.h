@@ -1,5 +1,5 @@
 /// \file
-/// Slices in any order to a regular stack: the geometry of a CT series.
+/// Geometry of a CT series: sorts slices into a regular stack.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,40 +12,45 @@
 
 namespace lefort::io {
 
-/// Slices from one end to the other, and the grid they make.
+/// Sorted slices and their grid.
 struct DicomStack {
   std::vector<DicomHeader> slices;
-  image::Grid grid;  ///< Of the result. Slice k of it is slices[k], unless `origins_L` has entries.
-  std::vector<Vec3> origins_L;  ///< Where the slices lie if they must be resampled to `grid`.
+  image::Grid grid;  ///< Of the result; its slice k is slices[k] if `origins_L` is empty.
+  std::vector<Vec3> origins_L;  ///< Positions of the slices if they must be resampled to `grid`.
   StackReport report;
   std::vector<std::string> warnings;
 };
 
-/// What turns the stored values of a slice into HU: slope * value + intercept.
+/// Conversion of stored values to HU: slope * value + intercept.
 struct Rescale {
   double slope = 1.0;
   double intercept = 0.0;
 };
 
-/// Sorts the slices of one series along their normal and checks that they make a regular grid.
+/// Sorts the slices of one series along their normal and checks that they form a regular grid.
 ///
-/// Copies of a slice and localizers are left out with a warning. A stack that slides sideways
-/// evenly, as a tilted gantry makes it, and one of several distances, each of at least three steps,
-/// are to be resampled, with a warning.
+/// Copies of a slice and localizers are omitted with a warning. A stack that is evenly sheared
+/// (gantry tilt) and one with several slice distances, each over at least three steps, must be
+/// resampled, with a warning.
 ///
+/// \param slices  headers of one series, in any order.
 /// \returns the stack, or
-///   - kFileUnsupported  a tag that places the slices is missing, several frames or colors in a
-///                       file, or a gantry tilted by more than any can be;
-///   - kFileCorrupt      slices that differ in size, spacing or orientation, lie at one place, are
-///                       missing, are unevenly spaced, or lie beside the others.
-/// \note Unless resampled, the grid's slices lie evenly where least squares puts them: a slice is
-///   at most 0.1 slice distances away along the normal, and half a pixel across it from the first.
+///   - kFileUnsupported  a position tag is missing, a file has several frames or colors, or the
+///                       gantry tilt is impossible;
+///   - kFileCorrupt      slices differ in size, spacing or orientation, have equal positions, are
+///                       missing, unevenly spaced or displaced sideways.
+/// \note Unless resampled, the slices of the grid are equidistant, with distance and position from
+///   a least-squares fit: the deviation of a slice is at most 0.1 slice distances along the normal
+///   and half a pixel in its plane.
 [[nodiscard]] Result<DicomStack> stack_dicom_slices(std::vector<DicomHeader> slices);
 
-/// The rescaling of each slice. A tag that no slice carries has its default, with a warning.
+/// Returns the rescaling of each slice. A tag that no slice contains has its default, with a
+/// warning.
 ///
-/// \returns kFileCorrupt when only some slices carry a tag, or one is not finite or a slope is 0:
-///   the default would put those slices onto another scale than their neighbors.
+/// \param slices    of one series.
+/// \param warnings  to which warnings are appended.
+/// \returns one per slice; or kFileCorrupt if only some slices contain a tag, since the default
+///   would give the others another scale, or if a value is not finite or a slope is 0.
 [[nodiscard]] Result<std::vector<Rescale>> rescales_of(const std::vector<DicomHeader>& slices,
                                                        std::vector<std::string>& warnings);
 

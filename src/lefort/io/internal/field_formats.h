@@ -1,5 +1,5 @@
 /// \file
-/// One function per format that a distance field is exported to, chosen by export_field().
+/// The export formats of distance fields; export_field() chooses one.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,20 +12,21 @@
 
 namespace lefort::io {
 
-/// What a program that reads the file should know, by key.
+/// Returns metadata for programs that read the file, by key.
 [[nodiscard]] std::map<std::string, std::string> describe_export(
     const field::DistanceField& field, const field::LatticeWindow& window);
 
-/// A known sample as it is exported: strictly within the band, as what lies beyond is +-band_mm.
+/// Returns the exported value of a known sample: strictly less than band_mm in magnitude, since
+/// samples beyond the band are +-band_mm.
 [[nodiscard]] float within_band(float sample, float band_mm);
 
-/// As export_field(), OpenVDB; the only file but bench that knows it.
+/// As export_field() for OpenVDB. Only this function and bench use OpenVDB.
 [[nodiscard]] Result<field::SampleCount> write_vdb(const std::filesystem::path& target,
                                                    const field::DistanceField& field,
                                                    const field::LatticeWindow& window,
                                                    Progress& progress);
 
-/// As export_field(), NRRD. \pre the window fits into memory.
+/// As export_field() for NRRD. \pre the window fits into memory.
 [[nodiscard]] Result<field::SampleCount> write_nrrd(const std::filesystem::path& target,
                                                     const field::DistanceField& field,
                                                     const field::LatticeWindow& window,

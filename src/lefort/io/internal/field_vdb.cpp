@@ -23,10 +23,9 @@ using field::SparseLattice;
 using field::Zone;
 
 constexpr int kSide = SparseLattice::kSide;
-static_assert(openvdb::FloatTree::LeafNodeType::DIM == kSide,
-              "a block of ours is a leaf of OpenVDB");
+static_assert(openvdb::FloatTree::LeafNodeType::DIM == kSide, "a block is a leaf of OpenVDB");
 
-/// Index (i, j, k) of the grid is sample (i, j, k) times `every` of the field.
+/// Index (i, j, k) of the grid is sample `every` * (i, j, k) of the field.
 openvdb::FloatGrid::Ptr empty_grid(const field::DistanceField& field, const LatticeWindow& window) {
   const field::FieldFrame& frame = field.frame();
   auto grid = openvdb::FloatGrid::create(float(frame.band_mm));
@@ -43,7 +42,7 @@ openvdb::FloatGrid::Ptr empty_grid(const field::DistanceField& field, const Latt
   return grid;
 }
 
-/// Whether all points of a block belong to the window: it is then one tile or leaf.
+/// Whether all points of a block are in the window, so that it is one tile or leaf.
 bool holds_all(const LatticeWindow& window, const LatticePoint& first) {
   const LatticePoint last = {first[0] + kSide - 1, first[1] + kSide - 1, first[2] + kSide - 1};
   return window.every == 1 && window.find(first) && window.find(last);
@@ -78,7 +77,7 @@ class GridFiller {
   [[nodiscard]] const SampleCount& count() const { return count_; }
 
  private:
-  /// Inside voxels that are set one by one take 2 KB per 512 until they are found to be all alike.
+  /// Voxels inside that are set one by one need 2 KB per 512 until pruning merges them.
   void prune_now_and_then() {
     constexpr int kBlocksBetween = 1 << 16;  // 130 MB.
     if (++blocks_since_pruned_ < kBlocksBetween) return;
@@ -95,7 +94,7 @@ class GridFiller {
   int blocks_since_pruned_ = 0;
 };
 
-/// Writes what openvdb::io::File does, which does not notice when it cannot.
+/// Writes the same as openvdb::io::File, but detects write errors.
 class Archive : public openvdb::io::Archive {
  public:
   void write_to(std::ostream& stream, const openvdb::GridCPtrVec& grids) const {
@@ -106,25 +105,24 @@ class Archive : public openvdb::io::Archive {
 Result<SampleCount> write_level_set(const std::filesystem::path& target,
                                     const field::DistanceField& field, const LatticeWindow& window,
                                     Progress& progress) {
-  constexpr double kMinVoxels = 2.0;  // On each side, or the surface slips between them.
+  constexpr double kMinVoxels = 2.0;  // On each side, otherwise the surface has holes.
   const double voxel_mm = field.cell_mm() * window.every;
   if (field.band_mm() < kMinVoxels * voxel_mm * (1.0 - 1e-12))
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("every is {}: the band of {:.4g} mm is {:.3g} voxels wide on each side, "
-                    "a level set must have {}",
-                    window.every, field.band_mm(), field.band_mm() / voxel_mm, kMinVoxels));
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("every is {}: the band of {:.4g} mm is {:.3g} voxels wide on each "
+                            "side, a level set needs {}",
+                            window.every, field.band_mm(), field.band_mm() / voxel_mm, kMinVoxels));
   openvdb::initialize();
   const openvdb::FloatGrid::Ptr grid = empty_grid(field, window);
   GridFiller filler(*grid, window);
   LEFORT_TRY_VOID(for_each_block(field, window, progress,
                                  [&](const SampleBlock& block) { filler.add(block); }));
-  openvdb::tools::prune(grid->tree());  // Eight inside tiles in a row of them become one.
+  openvdb::tools::prune(grid->tree());  // Merges equal inside tiles.
   LEFORT_TRY_VOID(
       write_atomically(target, [&](const std::filesystem::path& temporary) -> Result<void> {
         std::ofstream file(temporary, std::ios::binary);
         Archive archive;
-        // Not Blosc, which not every OpenVDB is built with.
+        // Not Blosc, which some builds of OpenVDB lack.
         archive.setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
         archive.write_to(file, {grid});
         file.close();
@@ -144,17 +142,16 @@ Result<SampleCount> write_vdb(const std::filesystem::path& target,
                               Progress& progress) {
   try {
     return write_level_set(target, field, window, progress);
-  } catch (const openvdb::ArithmeticError&) {  // Its transforms know no voxels below some 1e-5.
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("voxels are {:.3g} mm wide, too small for OpenVDB; make the field of a surface "
-                    "in smaller units",
-                    field.cell_mm() * window.every));
+  } catch (const openvdb::ArithmeticError&) {  // Its transforms reject voxels below about 1e-5.
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("voxels are {:.3g} mm wide, too small for OpenVDB; build the field "
+                            "from a surface in smaller units",
+                            field.cell_mm() * window.every));
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kOutOfMemory,
-                fmt::format("{} needs more memory than there is; a larger every or a region takes "
-                            "less",
-                            target.string()));
+    return fail(
+        ErrorCode::kOutOfMemory,
+        fmt::format("{} needs more memory than available; a larger every or a region needs less",
+                    target.string()));
   }
 }
 

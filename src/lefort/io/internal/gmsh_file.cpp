@@ -15,7 +15,8 @@
 namespace lefort::io::internal {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary files are read as they lie");
+static_assert(std::endian::native == std::endian::little,
+              "binary files are read without conversion");
 
 using mesh::ElementShape;
 using mesh::FaceShape;
@@ -38,16 +39,16 @@ constexpr std::array kGmshTypes{
     GmshType{18, "15-node prism", 3, 15, ElementShape::kWedge15, {}},
 };
 
-/// Those that the solver does not know, for the message.
-/// An element that Gmsh knows and we do not solve with, and what to set in Gmsh instead.
-struct RefusedType {
+/// Types that the solver does not support, for the message. An element type of Gmsh that the solver
+/// does not support, and the Gmsh option to set instead.
+struct UnsupportedType {
   int number;
   std::string_view name;
   std::string_view remedy;
 };
 
 constexpr std::string_view kNoMiddles =
-    "quadratic ones must have nodes on their edges alone, Mesh.SecondOrderIncomplete = 1";
+    "quadratic elements must have nodes on edges only, Mesh.SecondOrderIncomplete = 1";
 constexpr std::string_view kNoQuadraticPyramids =
     "a mesh with pyramids must be linear, Mesh.ElementOrder = 1";
 constexpr std::string_view kNoCubic =
@@ -55,22 +56,23 @@ constexpr std::string_view kNoCubic =
 constexpr std::string_view kSolvedShapes =
     "a mesh must be of tetrahedra, pyramids, prisms and hexahedra";
 
-constexpr std::array<RefusedType, 12> kRefusedTypes{{{10, "9-node quadrangle", kNoMiddles},
-                                                     {12, "27-node hexahedron", kNoMiddles},
-                                                     {13, "18-node prism", kNoMiddles},
-                                                     {14, "14-node pyramid", kNoQuadraticPyramids},
-                                                     {19, "13-node pyramid", kNoQuadraticPyramids},
-                                                     {20, "9-node triangle", kNoCubic},
-                                                     {21, "10-node triangle", kNoCubic},
-                                                     {26, "4-node line", kNoCubic},
-                                                     {29, "20-node tetrahedron", kNoCubic},
-                                                     {36, "16-node quadrangle", kNoCubic},
-                                                     {90, "40-node prism", kNoCubic},
-                                                     {92, "64-node hexahedron", kNoCubic}}};
+constexpr std::array<UnsupportedType, 12> kUnsupportedTypes{
+    {{10, "9-node quadrangle", kNoMiddles},
+     {12, "27-node hexahedron", kNoMiddles},
+     {13, "18-node prism", kNoMiddles},
+     {14, "14-node pyramid", kNoQuadraticPyramids},
+     {19, "13-node pyramid", kNoQuadraticPyramids},
+     {20, "9-node triangle", kNoCubic},
+     {21, "10-node triangle", kNoCubic},
+     {26, "4-node line", kNoCubic},
+     {29, "20-node tetrahedron", kNoCubic},
+     {36, "16-node quadrangle", kNoCubic},
+     {90, "40-node prism", kNoCubic},
+     {92, "64-node hexahedron", kNoCubic}}};
 
 Error corrupt(std::string why) { return {ErrorCode::kFileCorrupt, std::move(why)}; }
 
-/// Takes numbers and words off the front. After the first failure all are 0 and error() tells it.
+/// Reads numbers and words from the front. After the first failure all are 0 and error() is set.
 class Source {
  public:
   explicit Source(std::string_view bytes) : rest_(bytes) {}
@@ -83,15 +85,15 @@ class Source {
   }
   void set_binary() { is_binary_ = true; }
 
-  /// A word of text, also in a binary file; empty at the end.
+  /// Reads a word of text, also in a binary file; empty at the end.
   std::string_view word() { return take_word(rest_); }
-  /// The rest of a line of text.
+  /// Reads the rest of a line of text.
   std::string_view line() { return take_line(rest_); }
-  /// Skips to behind `mark`.
+  /// Skips past `mark`.
   void skip_past(std::string_view mark) {
     const std::size_t at = rest_.find(mark);
     if (at == std::string_view::npos)
-      fail(corrupt(fmt::format("the file is cut short, {} is missing", printable(mark))));
+      fail(corrupt(fmt::format("the file is truncated, {} is missing", printable(mark))));
     else
       rest_.remove_prefix(at + mark.size());
   }
@@ -106,17 +108,16 @@ class Source {
     return value;
   }
 
-  /// How many items of so many numbers follow: no more than the file has room for.
+  /// Reads the number of items of so many numbers each: not more than fit into the file.
   std::size_t count(std::size_t numbers_per_item, std::string_view what) {
-    const std::uint64_t said = size();
+    const std::uint64_t stated = size();
     const std::size_t min_bytes = numbers_per_item * (is_binary_ ? 4 : 2);
-    if (said <= rest_.size() / min_bytes + 1) return std::size_t(said);
-    fail(corrupt(
-        fmt::format("there are said to be {} {}, more than the file has room for", said, what)));
+    if (stated <= rest_.size() / min_bytes + 1) return std::size_t(stated);
+    fail(corrupt(fmt::format("the file states {} {}, more than fit into it", stated, what)));
     return 0;
   }
 
-  /// An int of four bytes in either form, as binary files have behind their first line.
+  /// Reads an integer of four bytes, also in a binary file, as after its first line.
   int raw_int() { return raw<int>(); }
 
  private:
@@ -124,7 +125,7 @@ class Source {
   T raw() {
     T value{};
     if (rest_.size() < sizeof(T)) {
-      fail(corrupt("the file is cut short"));
+      fail(corrupt("the file is truncated"));
       return value;
     }
     std::memcpy(&value, rest_.data(), sizeof(T));
@@ -144,9 +145,9 @@ class Source {
 
   void fail_at(std::string_view found) {
     if (found.empty())
-      fail(corrupt("the file is cut short"));
+      fail(corrupt("the file is truncated"));
     else
-      fail(corrupt(fmt::format("\"{}\" stands where a number should", printable(found))));
+      fail(corrupt(fmt::format("\"{}\" is not a number", printable(found))));
   }
 
   static std::string printable(std::string_view text) {
@@ -163,30 +164,30 @@ class Source {
 
 void read_format(Source& source) {
   double version = 0.0;
-  const std::string_view said = source.word();
-  if (!parse_number(said, version)) return source.fail(corrupt("it has no version"));
+  const std::string_view number = source.word();
+  if (!parse_number(number, version)) return source.fail(corrupt("it has no version"));
   if (version != 4.1)
     return source.fail(
         {ErrorCode::kFileUnsupported,
-         fmt::format("Gmsh format {} is not read, only 4.1: save it so by gmsh OLD.msh -save "
-                     "-format msh41 -o NEW.msh, or set Mesh.MshFileVersion = 4.1",
+         fmt::format("Gmsh format {} is not supported, only 4.1: convert it with gmsh OLD.msh "
+                     "-save -format msh41 -o NEW.msh, or set Mesh.MshFileVersion = 4.1",
                      version)});
   const std::string_view is_binary = source.word();
   const std::string_view size = source.word();
   if (is_binary == "1" && size != "8")
     return source.fail({ErrorCode::kFileUnsupported,
-                        "its numbers are not of 8 bytes, only such binary files are read"});
+                        "its numbers do not have 8 bytes, other binary files are not supported"});
   if (is_binary != "0" && is_binary != "1")
-    return source.fail(corrupt("it says neither that it is text (0) nor binary (1)"));
+    return source.fail(corrupt("its file type is neither text (0) nor binary (1)"));
   source.line();
   if (is_binary == "0") return;
   source.set_binary();
   const int one = source.raw_int();
   if (!source.has_failed() && one != 1)
-    source.fail({ErrorCode::kFileUnsupported, "it is big-endian, only little-endian is read"});
+    source.fail({ErrorCode::kFileUnsupported, "it is big-endian, only little-endian is supported"});
 }
 
-/// Text in binary files, too.
+/// Text, also in binary files.
 void read_names(Source& source, GmshFile& file) {
   const auto number = [&] {
     int value = 0;
@@ -208,7 +209,7 @@ void read_names(Source& source, GmshFile& file) {
     const std::string_view name = line.substr(begin + 1, end - begin - 1);
     if (std::any_of(name.begin(), name.end(), [](char c) { return std::uint8_t(c) < 0x20; }))
       return source.fail(
-          corrupt(fmt::format("the name of physical group {} cannot be printed", tag)));
+          corrupt(fmt::format("the name of physical group {} is not printable", tag)));
     if (!name.empty()) file.group_names[{dimension, tag}] = name;
   }
 }
@@ -223,7 +224,7 @@ void read_entities(Source& source, GmshFile& file) {
       std::vector<int>& groups = file.groups_of[{dimension, tag}];
       const std::size_t group_count = source.count(1, "physical groups");
       for (std::size_t g = 0; g < group_count && !source.has_failed(); ++g) {
-        const int group = source.whole();  // Negative: the entity turned round.
+        const int group = source.whole();  // Negative for a reversed entity.
         groups.push_back(group == std::numeric_limits<int>::min() ? 0 : std::abs(group));
       }
       if (dimension == 0) continue;
@@ -235,7 +236,7 @@ void read_entities(Source& source, GmshFile& file) {
 void read_nodes(Source& source, GmshFile& file) {
   const std::size_t blocks = source.count(4, "blocks of nodes");
   const std::size_t total = source.count(4, "nodes");
-  source.size();  // The least and the greatest tag.
+  source.size();  // Min and max tag.
   source.size();
   for (std::size_t b = 0; b < blocks && !source.has_failed(); ++b) {
     const int dimension = source.whole();
@@ -256,7 +257,7 @@ void read_nodes(Source& source, GmshFile& file) {
   }
   if (!source.has_failed() && file.nodes.size() != total)
     source.fail(
-        corrupt(fmt::format("there are {} nodes, the file says {}", file.nodes.size(), total)));
+        corrupt(fmt::format("there are {} nodes, the file states {}", file.nodes.size(), total)));
 }
 
 const GmshType* find_type(Source& source, int number) {
@@ -264,14 +265,15 @@ const GmshType* find_type(Source& source, int number) {
       std::find_if(kGmshTypes.begin(), kGmshTypes.end(),
                    [&](const GmshType& type) { return type.number == number; });
   if (known != kGmshTypes.end()) return known;
-  const auto* const refused =
-      std::find_if(kRefusedTypes.begin(), kRefusedTypes.end(),
-                   [&](const RefusedType& type) { return type.number == number; });
-  const RefusedType type =
-      refused == kRefusedTypes.end() ? RefusedType{number, "unknown", kSolvedShapes} : *refused;
+  const auto* const unsupported =
+      std::find_if(kUnsupportedTypes.begin(), kUnsupportedTypes.end(),
+                   [&](const UnsupportedType& type) { return type.number == number; });
+  const UnsupportedType type = unsupported == kUnsupportedTypes.end()
+                                   ? UnsupportedType{number, "unknown", kSolvedShapes}
+                                   : *unsupported;
   source.fail({ErrorCode::kFileUnsupported,
-               fmt::format("elements of Gmsh type {} ({}) are not solved with; {}", number,
-                           type.name, type.remedy)});
+               fmt::format("elements of Gmsh type {} ({}) are not supported; {}", number, type.name,
+                           type.remedy)});
   return nullptr;
 }
 
@@ -291,7 +293,7 @@ void read_elements(Source& source, GmshFile& file) {
     block.type = find_type(source, number);
     if (block.type == nullptr) return;
     if (block.type->dimension != dimension)
-      return source.fail(corrupt(fmt::format("a block of {}s is said to have {} dimensions",
+      return source.fail(corrupt(fmt::format("a block of {}s is stated to have {} dimensions",
                                              block.type->name, dimension)));
     for (std::size_t e = 0; e < count && !source.has_failed(); ++e) {
       block.element_tags.push_back(source.size());
@@ -301,7 +303,7 @@ void read_elements(Source& source, GmshFile& file) {
     file.blocks.push_back(std::move(block));
   }
   if (!source.has_failed() && read != total)
-    source.fail(corrupt(fmt::format("there are {} elements, the file says {}", read, total)));
+    source.fail(corrupt(fmt::format("there are {} elements, the file states {}", read, total)));
 }
 
 }  // namespace
@@ -310,7 +312,7 @@ Result<GmshFile> parse_gmsh(std::string_view bytes) {
   Source source(bytes);
   GmshFile file;
   if (source.word() != "$MeshFormat")
-    return tl::unexpected(corrupt("no Gmsh file: it does not begin with $MeshFormat"));
+    return tl::unexpected(corrupt("not a Gmsh file: it does not begin with $MeshFormat"));
   read_format(source);
   source.skip_past("$EndMeshFormat");
   bool has_nodes = false, has_elements = false;
@@ -319,15 +321,14 @@ Result<GmshFile> parse_gmsh(std::string_view bytes) {
     if (!section.starts_with('$'))
       source.fail(corrupt("a section does not begin with its name, the file is damaged"));
     else if (section == "$PartitionedEntities")
-      source.fail(
-          {ErrorCode::kFileUnsupported,
-           "the mesh is partitioned, must be whole: in Gmsh, unpartition it and save again"});
+      source.fail({ErrorCode::kFileUnsupported,
+                   "the mesh is partitioned: unpartition it in Gmsh and save it again"});
     else if (section == "$Nodes" && std::exchange(has_nodes, true))
       source.fail(corrupt("there are two lists of nodes"));
     else if (section == "$Elements" && std::exchange(has_elements, true))
       source.fail(corrupt("there are two lists of elements"));
     const bool is_list = section == "$Entities" || section == "$Nodes" || section == "$Elements";
-    if (is_list) source.line();  // Binary numbers begin behind the end of the line.
+    if (is_list) source.line();  // Binary numbers begin after the line break.
     if (section == "$PhysicalNames") read_names(source, file);
     if (section == "$Entities") read_entities(source, file);
     if (section == "$Nodes") read_nodes(source, file);

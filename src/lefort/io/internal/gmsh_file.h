@@ -1,5 +1,5 @@
 /// \file
-/// What a Gmsh file of format 4.1 holds, as it stands there, decoded without trust.
+/// Parses untrusted Gmsh files of format 4.1.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -25,8 +25,8 @@ struct GmshType {
   std::string_view name;
   int dimension;
   int nodes;
-  std::optional<mesh::ElementShape> element;  ///< If it is one of ours.
-  std::optional<mesh::FaceShape> face;        ///< Likewise.
+  std::optional<mesh::ElementShape> element;  ///< Empty if the solver does not support it.
+  std::optional<mesh::FaceShape> face;        ///< Empty if it is not a face shape of the solver.
 };
 
 /// The elements of one type in one geometrical entity.
@@ -38,19 +38,20 @@ struct GmshBlock {
 };
 
 struct GmshFile {
-  std::map<GmshKey, std::string> group_names;     ///< By dimension and tag of the group.
-  std::map<GmshKey, std::vector<int>> groups_of;  ///< By entity: tags of its physical groups.
+  std::map<GmshKey, std::string> group_names;     ///< Key: dimension and tag of the group.
+  std::map<GmshKey, std::vector<int>> groups_of;  ///< Tags of the physical groups of each entity.
   std::vector<std::uint64_t> node_tags;
   std::vector<Vec3> nodes;
   std::vector<GmshBlock> blocks;
 };
 
-/// Text or binary. Each count is checked against the length of the file before anything is
-/// reserved for it.
+/// Parses a text or binary file. Each count is compared with the length of the file before memory
+/// is allocated.
 ///
-/// \returns kFileCorrupt if the file is cut short or damaged, or a coordinate is not finite;
-///   kFileUnsupported for another version or byte order, a partitioned mesh, or element types that
-///   the solver does not know. The sentence has no name of the file.
+/// \param bytes  of the whole file.
+/// \returns the contents; kFileCorrupt if the file is truncated or damaged, or a coordinate is not
+///   finite; or kFileUnsupported for another version or byte order, a partitioned mesh, or element
+///   types that the solver does not support. The message does not contain the file name.
 [[nodiscard]] Result<GmshFile> parse_gmsh(std::string_view bytes);
 
 }  // namespace lefort::io::internal

@@ -1,5 +1,5 @@
 /// \file
-/// Numbers of a file to CT numbers, and what had to be changed on the way.
+/// Conversion of stored numbers to CT numbers, and a count of the changed values.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -12,17 +12,18 @@
 
 namespace lefort::io {
 
-/// The range of a 12-bit CT. Scanners write less outside their field of view, more in metal.
+/// Range of a 12-bit CT. Scanners write smaller values outside their field of view and larger ones
+/// in metal.
 inline constexpr double kLowestHu = -1024.0;
 inline constexpr double kHighestHu = 3071.0;
 
-/// How many values were not what a CT holds.
+/// Number of values that a CT cannot contain.
 struct HounsfieldCount {
   Index beyond_range = 0;
   Index not_a_number = 0;
 };
 
-/// Rounds to whole HU within the range above; what is no number becomes air.
+/// Rounds to whole HU and clamps to the range above; NaN becomes air.
 [[nodiscard]] inline std::int16_t hounsfield(double value, HounsfieldCount& count) {
   if (value >= kLowestHu && value <= kHighestHu)
     return static_cast<std::int16_t>(std::lround(value));
@@ -34,8 +35,8 @@ struct HounsfieldCount {
   return static_cast<std::int16_t>(value < 0.0 ? kLowestHu : kHighestHu);
 }
 
-/// Warnings about what was changed in `ct`, about values that can hardly be HU, and about a field
-/// of view that cuts the patient off within the grid.
+/// Returns warnings about changed values, about values that are probably not in HU, and about
+/// tissue at the boundary of the field of view within the grid.
 [[nodiscard]] std::vector<std::string> hounsfield_warnings(const HounsfieldCount& count,
                                                            const image::CtVolume& ct);
 

@@ -16,32 +16,32 @@ namespace lefort::io {
 
 namespace {
 
-/// While it lives, writing to a connection that was closed is an error, and not the end of the
-/// program: SIGPIPE waits, and is taken back.
+/// Blocks SIGPIPE in this thread while it lives, so that writing to a closed connection is an error
+/// and does not end the program. A signal raised meanwhile is discarded.
 class SigpipeGuard {
  public:
   SigpipeGuard() {
     ::sigemptyset(&pipe_);
     ::sigaddset(&pipe_, SIGPIPE);
-    ::pthread_sigmask(SIG_BLOCK, &pipe_, &before_);
+    ::pthread_sigmask(SIG_BLOCK, &pipe_, &previous_);
   }
   ~SigpipeGuard() {
-    const timespec at_once{0, 0};
-    while (::sigtimedwait(&pipe_, nullptr, &at_once) == SIGPIPE) {
+    const timespec no_wait{0, 0};
+    while (::sigtimedwait(&pipe_, nullptr, &no_wait) == SIGPIPE) {
     }
-    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    ::pthread_sigmask(SIG_SETMASK, &previous_, nullptr);
   }
   SigpipeGuard(const SigpipeGuard&) = delete;
   SigpipeGuard& operator=(const SigpipeGuard&) = delete;
 
  private:
-  sigset_t pipe_{}, before_{};
+  sigset_t pipe_{}, previous_{};
 };
 
-tl::unexpected<Error> refused(int status) {
+tl::unexpected<Error> status_error(int status) {
   if (status == 401 || status == 403)
-    return fail(ErrorCode::kFileUnsupported,
-                fmt::format("the server refuses user or password (status {})", status));
+    return fail(ErrorCode::kAccessDenied,
+                fmt::format("the server rejects the user name or password (status {})", status));
   if (status == 404 || status == 204)
     return fail(ErrorCode::kFileNotFound,
                 fmt::format("the server has no such study or series (status {})", status));
@@ -49,84 +49,119 @@ tl::unexpected<Error> refused(int status) {
               fmt::format("the server answers with status {}, expected 200", status));
 }
 
-tl::unexpected<Error> lost(const HttpServer& server, CURLcode why, bool is_connected) {
-  const std::string place = fmt::format("{}:{}", server.host, server.port);
-  switch (why) {
+tl::unexpected<Error> connection_error(const HttpServer& server, CURLcode code, bool is_connected) {
+  const std::string address = fmt::format("{}:{}", server.host, server.port);
+  switch (code) {
     case CURLE_SSL_CONNECT_ERROR:
     case CURLE_SSL_CERTPROBLEM:
     case CURLE_SSL_CIPHER:
     case CURLE_SSL_CACERT_BADFILE:
     case CURLE_SSL_ISSUER_ERROR:
     case CURLE_PEER_FAILED_VERIFICATION:
-      return fail(ErrorCode::kFileUnsupported,
-                  fmt::format("the server at {} cannot be trusted, or does not encrypt", place));
+      return fail(
+          ErrorCode::kConnectionFailed,
+          fmt::format("the server at {} has no trusted certificate or does not encrypt", address));
     default:
       if (!is_connected)
-        return fail(ErrorCode::kFileNotFound, fmt::format("no server answers at {}", place));
-      return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("the connection to the server at {} was lost", place));
+        return fail(ErrorCode::kConnectionFailed, fmt::format("no server answers at {}", address));
+      return fail(ErrorCode::kConnectionFailed,
+                  fmt::format("the connection to the server at {} was lost", address));
   }
 }
 
-/// What libcurl calls while it waits and reads. All of it runs in the thread that asked.
-class Listener {
+/// The options of one libcurl request. After the first option that libcurl rejects, no other is set
+/// and result() is an error, so that no request is sent without one of its restrictions.
+class RequestOptions {
  public:
-  Listener(const HttpRequest& request, Progress& progress)
-      : request_(request), progress_(progress), deadline_(Clock::now() + request.total_timeout) {}
+  explicit RequestOptions(CURL* curl) : curl_(curl) {}
 
-  void listen_to(CURL* transfer) {
-    transfer_ = transfer;
-    ::curl_easy_setopt(transfer, CURLOPT_HEADERDATA, this);
-    ::curl_easy_setopt(
-        transfer, CURLOPT_HEADERFUNCTION,
-        +[](char* bytes, std::size_t, std::size_t count, void* self) {
-          return static_cast<Listener*>(self)->on_header_line(&Listener::header, bytes, count);
-        });
-    ::curl_easy_setopt(transfer, CURLOPT_WRITEDATA, this);
-    ::curl_easy_setopt(
-        transfer, CURLOPT_WRITEFUNCTION,
-        +[](char* bytes, std::size_t, std::size_t count, void* self) {
-          return static_cast<Listener*>(self)->on_header_line(&Listener::body, bytes, count);
-        });
-    ::curl_easy_setopt(transfer, CURLOPT_NOPROGRESS, 0L);
-    ::curl_easy_setopt(transfer, CURLOPT_XFERINFODATA, this);
-    ::curl_easy_setopt(
-        transfer, CURLOPT_XFERINFOFUNCTION,
-        +[](void* self, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
-          return static_cast<Listener*>(self)->should_continue() ? 0 : 1;
-        });
+  /// \param value  of the type that libcurl documents for `option`: long, pointer or function.
+  template <class T>
+  void set(CURLoption option, T value) {
+    if (code_ != CURLE_OK) return;
+    code_ = ::curl_easy_setopt(curl_, option, value);
+    option_ = option;
   }
 
-  /// Why we stopped listening, if it was us.
-  [[nodiscard]] const std::optional<Error>& stopped() const { return stopped_; }
+  [[nodiscard]] Result<void> result() const {
+    if (code_ == CURLE_OK) return {};
+    if (code_ == CURLE_OUT_OF_MEMORY) throw std::bad_alloc();
+    return fail(ErrorCode::kConnectionFailed,
+                fmt::format("libcurl rejects option {} of the request: {}",
+                            static_cast<int>(option_), ::curl_easy_strerror(code_)));
+  }
 
+ private:
+  CURL* curl_;
+  CURLcode code_ = CURLE_OK;
+  CURLoption option_ = CURLOPT_LASTENTRY;
+};
+
+/// Receives the response. libcurl calls it in the thread of the request.
+class ResponseReceiver {
+ public:
+  ResponseReceiver(CURL* curl, const HttpRequest& request, Progress& progress)
+      : curl_(curl),
+        request_(request),
+        progress_(progress),
+        deadline_(Clock::now() + request.total_timeout) {}
+
+  /// Registers the callbacks. The object must outlive the request.
+  void add_to(RequestOptions& options) {
+    using BytesCallback = std::size_t (*)(char*, std::size_t, std::size_t, void*);
+    using ProgressCallback = int (*)(void*, curl_off_t, curl_off_t, curl_off_t, curl_off_t);
+    void* const self = this;
+    options.set(CURLOPT_HEADERDATA, self);
+    options.set<BytesCallback>(CURLOPT_HEADERFUNCTION,
+                               [](char* bytes, std::size_t, std::size_t count, void* receiver) {
+                                 return static_cast<ResponseReceiver*>(receiver)->receive(
+                                     &ResponseReceiver::on_header_line, bytes, count);
+                               });
+    options.set(CURLOPT_WRITEDATA, self);
+    options.set<BytesCallback>(CURLOPT_WRITEFUNCTION,
+                               [](char* bytes, std::size_t, std::size_t count, void* receiver) {
+                                 return static_cast<ResponseReceiver*>(receiver)->receive(
+                                     &ResponseReceiver::on_body, bytes, count);
+                               });
+    options.set(CURLOPT_NOPROGRESS, 0L);
+    options.set(CURLOPT_XFERINFODATA, self);
+    options.set<ProgressCallback>(CURLOPT_XFERINFOFUNCTION, [](void* receiver, curl_off_t,
+                                                               curl_off_t, curl_off_t, curl_off_t) {
+      return static_cast<ResponseReceiver*>(receiver)->should_continue() ? 0 : 1;
+    });
+  }
+
+  /// The error for which this object ended the transfer, if it did.
+  [[nodiscard]] const std::optional<Error>& abort_reason() const { return abort_reason_; }
+
+  /// Throws the exception that a callback of the request threw, if one did.
   void rethrow() const {
     if (thrown_) std::rethrow_exception(thrown_);
   }
 
   [[nodiscard]] int status() const {
     long status = 0;
-    ::curl_easy_getinfo(transfer_, CURLINFO_RESPONSE_CODE, &status);
+    ::curl_easy_getinfo(curl_, CURLINFO_RESPONSE_CODE, &status);
     return static_cast<int>(status);
   }
 
  private:
   using Clock = std::chrono::steady_clock;
-  using Part = Result<void> (Listener::*)(std::string_view);
+  using Handler = Result<void> (ResponseReceiver::*)(std::string_view);
 
-  /// \returns `count`, or 0 to stop. No exception may pass through libcurl.
-  std::size_t on_header_line(Part part, const char* bytes, std::size_t count) {
+  /// \returns `count`, or 0 to end the transfer. No exception may pass through libcurl.
+  std::size_t receive(Handler handler, const char* bytes, std::size_t count) {
     try {
-      if (!stopped_)
-        if (Result<void> heard = (this->*part)({bytes, count}); !heard)
-          stopped_ = std::move(heard).error();
+      if (!abort_reason_)
+        if (Result<void> handled = (this->*handler)({bytes, count}); !handled)
+          abort_reason_ = std::move(handled).error();
     } catch (...) {
       thrown_ = std::current_exception();
     }
     return !thrown_ && should_continue() ? count : 0;
   }
 
-  Result<void> header(std::string_view line) {
+  Result<void> on_header_line(std::string_view line) {
     header_bytes_ += line.size();
     if (header_bytes_ > request_.header_bytes)
       return fail(
@@ -134,74 +169,81 @@ class Listener {
           fmt::format("the server's headers have more than {} bytes", request_.header_bytes));
     const bool is_last = line == "\r\n" || line == "\n";
     if (!is_last || has_begun_ || status() != 200) return {};
-    has_begun_ = true;  // What looks like headers after the body is none of theirs.
+    has_begun_ = true;  // Header lines after the body (trailers) are ignored.
     const char* type = nullptr;
-    ::curl_easy_getinfo(transfer_, CURLINFO_CONTENT_TYPE, &type);
+    ::curl_easy_getinfo(curl_, CURLINFO_CONTENT_TYPE, &type);
     return request_.begin(type == nullptr ? "" : type);
   }
 
-  Result<void> body(std::string_view bytes) {
-    if (status() != 200) return refused(status());
+  Result<void> on_body(std::string_view bytes) {
+    if (status() != 200) return status_error(status());
     return request_.receive(bytes);
   }
 
   bool should_continue() {
     if (progress_.stop_requested())
-      stopped_ = Error{ErrorCode::kCancelled, "fetching the scan was stopped"};
-    else if (!stopped_ && Clock::now() > deadline_)
-      stopped_ = Error{ErrorCode::kFileCorrupt, fmt::format("the server takes longer than {} s",
-                                                            request_.total_timeout.count())};
-    return !stopped_;
+      abort_reason_ = Error{ErrorCode::kCancelled, "the transfer of the scan was stopped"};
+    else if (!abort_reason_ && Clock::now() > deadline_)
+      abort_reason_ =
+          Error{ErrorCode::kConnectionFailed,
+                fmt::format("the server takes longer than {} s", request_.total_timeout.count())};
+    return !abort_reason_;
   }
 
+  CURL* curl_;
   const HttpRequest& request_;
   Progress& progress_;
   Clock::time_point deadline_;
-  CURL* transfer_ = nullptr;
   std::uint64_t header_bytes_ = 0;
   bool has_begun_ = false;
-  std::optional<Error> stopped_;
+  std::optional<Error> abort_reason_;
   std::exception_ptr thrown_;
 };
+
+/// Sets address, restrictions, timeouts and credentials.
+void set_request(RequestOptions& options, const HttpServer& server, const HttpRequest& request,
+                 curl_slist* headers) {
+  const std::string url = fmt::format("{}://{}:{}{}", server.is_encrypted ? "https" : "http",
+                                      server.host, server.port, request.path);
+  options.set(CURLOPT_URL, url.c_str());  // libcurl copies strings.
+  options.set(CURLOPT_HTTPHEADER, headers);
+  options.set(CURLOPT_PROTOCOLS_STR, "http,https");
+  options.set(CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});
+  options.set(CURLOPT_PATH_AS_IS, 1L);
+  options.set(CURLOPT_PROXY, "");  // No proxy may see passwords and scans.
+  options.set(CURLOPT_NOSIGNAL, 1L);
+  const long idle_timeout = static_cast<long>(request.idle_timeout.count());
+  options.set(CURLOPT_CONNECTTIMEOUT, idle_timeout);
+  options.set(CURLOPT_LOW_SPEED_LIMIT, 1L);  // Bytes per second.
+  options.set(CURLOPT_LOW_SPEED_TIME, idle_timeout);
+  if (server.user.empty() && server.password.empty()) return;
+  options.set(CURLOPT_HTTPAUTH, static_cast<long>(CURLAUTH_BASIC));
+  options.set(CURLOPT_USERNAME, server.user.c_str());
+  options.set(CURLOPT_PASSWORD, server.password.c_str());
+}
 
 }  // namespace
 
 Result<void> http_get(const HttpServer& server, const HttpRequest& request, Progress& progress) {
-  const SigpipeGuard no_broken_pipe;
+  const SigpipeGuard no_sigpipe;
   const std::unique_ptr<CURL, void (*)(CURL*)> transfer(::curl_easy_init(), ::curl_easy_cleanup);
   const std::unique_ptr<curl_slist, void (*)(curl_slist*)> headers(
       ::curl_slist_append(nullptr, ("Accept: " + request.accept).c_str()), ::curl_slist_free_all);
   if (transfer == nullptr || headers == nullptr) throw std::bad_alloc();
   CURL* const curl = transfer.get();
-  ::curl_easy_setopt(curl, CURLOPT_URL,
-                     fmt::format("{}://{}:{}{}", server.is_encrypted ? "https" : "http",
-                                 server.host, server.port, request.path)
-                         .c_str());
-  ::curl_easy_setopt(curl, CURLOPT_HTTPHEADER, headers.get());
-  ::curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
-  ::curl_easy_setopt(curl, CURLOPT_HTTP_VERSION, long{CURL_HTTP_VERSION_1_1});
-  ::curl_easy_setopt(curl, CURLOPT_PATH_AS_IS, 1L);
-  ::curl_easy_setopt(curl, CURLOPT_PROXY, "");  // Passwords and scans go to the server alone.
-  ::curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
-  const long idle_timeout = static_cast<long>(request.idle_timeout.count());
-  ::curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, idle_timeout);
-  ::curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);  // Bytes a second.
-  ::curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, idle_timeout);
-  if (!server.user.empty() || !server.password.empty()) {
-    ::curl_easy_setopt(curl, CURLOPT_HTTPAUTH, CURLAUTH_BASIC);
-    ::curl_easy_setopt(curl, CURLOPT_USERNAME, server.user.c_str());
-    ::curl_easy_setopt(curl, CURLOPT_PASSWORD, server.password.c_str());
-  }
-  Listener listener(request, progress);
-  listener.listen_to(curl);
+  RequestOptions options(curl);
+  ResponseReceiver receiver(curl, request, progress);
+  set_request(options, server, request, headers.get());
+  receiver.add_to(options);
+  LEFORT_TRY_VOID(options.result());
 
-  const CURLcode answer = ::curl_easy_perform(curl);
-  listener.rethrow();
-  if (listener.stopped()) return tl::unexpected(*listener.stopped());
+  const CURLcode code = ::curl_easy_perform(curl);
+  receiver.rethrow();
+  if (receiver.abort_reason()) return tl::unexpected(*receiver.abort_reason());
   curl_off_t connected_us = 0;
   ::curl_easy_getinfo(curl, CURLINFO_CONNECT_TIME_T, &connected_us);
-  if (answer != CURLE_OK) return lost(server, answer, connected_us > 0);
-  if (listener.status() != 200) return refused(listener.status());
+  if (code != CURLE_OK) return connection_error(server, code, connected_us > 0);
+  if (receiver.status() != 200) return status_error(receiver.status());
   return {};
 }
 

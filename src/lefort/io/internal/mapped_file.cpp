@@ -13,10 +13,10 @@ namespace lefort::io {
 
 namespace {
 
-/// Closes a file when it goes out of scope; a mapping outlives that.
-struct Descriptor {
+/// Closes a file at the end of its scope; a mapping remains valid.
+struct OpenFile {
   int number;
-  ~Descriptor() {
+  ~OpenFile() {
     if (number >= 0) ::close(number);
   }
 };
@@ -28,12 +28,12 @@ tl::unexpected<Error> unreadable(const std::filesystem::path& path, const char* 
 }  // namespace
 
 Result<MappedFile> map_file(const std::filesystem::path& path) {
-  // Not blocking: a pipe without a writer would never open.
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  // Non-blocking, since opening a pipe without a writer never returns.
+  const OpenFile file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
   struct stat status {};
   if (file.number < 0 || ::fstat(file.number, &status) != 0)
     return unreadable(path, std::strerror(errno));
-  if (!S_ISREG(status.st_mode)) return unreadable(path, "it is no regular file");
+  if (!S_ISREG(status.st_mode)) return unreadable(path, "it is not a regular file");
   const auto size = std::size_t(status.st_size);
   if (size == 0) return MappedFile{};
   void* const start = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.number, 0);

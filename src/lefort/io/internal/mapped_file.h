@@ -1,5 +1,5 @@
 /// \file
-/// A whole file as memory, without reading it.
+/// Memory-mapped files.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,11 +12,14 @@
 namespace lefort::io {
 
 struct MappedFile {
-  std::span<const std::byte> bytes;   ///< Aligned to a page.
-  std::shared_ptr<const void> owner;  ///< Unmaps when the last copy is gone.
+  std::span<const std::byte> bytes;   ///< Page-aligned.
+  std::shared_ptr<const void> owner;  ///< Unmaps the file when its last copy is destroyed.
 };
 
-/// \returns kFileNotFound if there is no regular file that can be read.
+/// Maps a file for reading.
+///
+/// \param path  of a regular file.
+/// \returns the mapping, or kFileNotFound if it is not a readable regular file.
 [[nodiscard]] Result<MappedFile> map_file(const std::filesystem::path& path);
 
 }  // namespace lefort::io

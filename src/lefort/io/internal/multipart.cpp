@@ -9,12 +9,13 @@ namespace lefort::io {
 
 namespace {
 
-/// Longer headers of a part, or longer words before the first, are no answer of a PACS.
+/// Longer headers of a part, or longer text before the first part, do not occur in answers of a
+/// PACS.
 constexpr std::size_t kMaxHeaders = 16'384;
 
-tl::unexpected<Error> no_multipart() {
+tl::unexpected<Error> not_multipart() {
   return fail(ErrorCode::kFileCorrupt,
-              "the server's answer is no multipart body, expected images in parts");
+              "the server's answer is not a multipart body, expected images in parts");
 }
 
 std::string lower(std::string_view text) {
@@ -56,26 +57,26 @@ MultipartReader::MultipartReader(std::string_view boundary, Sink sink)
 }
 
 Result<void> MultipartReader::feed(std::string_view bytes) {
-  // In pieces, so that what is pending stays small whatever is fed at once.
+  // In pieces, so that `pending_` is small even if many bytes are passed.
   constexpr std::size_t kPiece = std::size_t{1} << 16;
   while (!bytes.empty() && state_ != State::kEpilogue) {
     pending_ += bytes.substr(0, kPiece);
     bytes.remove_prefix(std::min(bytes.size(), kPiece));
-    for (bool goes_on = true; goes_on;) {
-      LEFORT_TRY(goes_on, step());
+    for (bool has_item = true; has_item;) {
+      LEFORT_TRY(has_item, step());
     }
   }
   return {};
 }
 
-/// Takes one thing off the front of what is pending; false if more bytes are needed.
+/// Parses one item at the front of `pending_`; false if more bytes are needed.
 Result<bool> MultipartReader::step() {
   switch (state_) {
     case State::kPreamble:
     case State::kBody:
       return find_delimiter();
     case State::kDelimiter: {
-      // Two hyphens close the body; otherwise the line may have blanks and ends.
+      // Two hyphens close the body; otherwise blanks and a line break may follow.
       if (pending_.size() < 2) return false;
       if (pending_.starts_with("--")) {
         state_ = State::kEpilogue;
@@ -84,19 +85,19 @@ Result<bool> MultipartReader::step() {
       }
       const std::size_t end = pending_.find("\r\n");
       if (end == std::string::npos) {
-        if (pending_.size() > kMaxHeaders) return no_multipart();
+        if (pending_.size() > kMaxHeaders) return not_multipart();
         return false;
       }
-      if (pending_.find_first_not_of(" \t") != end) return no_multipart();
-      pending_.erase(0, end);  // The line's end stays: headers may be none.
+      if (pending_.find_first_not_of(" \t") != end) return not_multipart();
+      pending_.erase(0, end);  // The line break remains: there may be no headers.
       LEFORT_TRY_VOID(sink_.begin_part());
       state_ = State::kHeaders;
       return true;
     }
     case State::kHeaders: {
-      // An empty line ends them; the line before, if only the boundary's, is still there.
+      // An empty line ends the headers; the line break of the boundary is still in `pending_`.
       const std::size_t end = pending_.find("\r\n\r\n");
-      if (std::min(end, pending_.size()) > kMaxHeaders) return no_multipart();
+      if (std::min(end, pending_.size()) > kMaxHeaders) return not_multipart();
       if (end == std::string::npos) return false;
       pending_.erase(0, end + 4);
       state_ = State::kBody;
@@ -112,14 +113,14 @@ Result<bool> MultipartReader::step() {
 Result<bool> MultipartReader::find_delimiter() {
   const bool in_body = state_ == State::kBody;
   const std::size_t found = pending_.find(delimiter_);
-  // What may be the beginning of a delimiter stays.
+  // Bytes that may be the beginning of a delimiter remain.
   const std::size_t sure = found != std::string::npos
                                ? found
                                : pending_.size() - std::min(pending_.size(), delimiter_.size() - 1);
   if (in_body && sure > 0) LEFORT_TRY_VOID(sink_.data(std::string_view(pending_).substr(0, sure)));
   if (!in_body) {
     preamble_ += sure;
-    if (preamble_ > kMaxHeaders) return no_multipart();
+    if (preamble_ > kMaxHeaders) return not_multipart();
   }
   pending_.erase(0, sure);
   if (found == std::string::npos) return false;

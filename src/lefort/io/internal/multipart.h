@@ -1,5 +1,5 @@
 /// \file
-/// multipart/related (RFC 2387), taken apart as it arrives.
+/// Incremental parser of multipart/related (RFC 2387).
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,29 +10,30 @@
 
 namespace lefort::io {
 
-/// The boundary parameter of a Content-Type; empty if it is no multipart/related or has none that
-/// is allowed (1 to 70 characters, RFC 2046).
+/// Returns the boundary parameter of a Content-Type; empty if the type is not multipart/related or
+/// the boundary is missing or invalid (1 to 70 characters, RFC 2046).
 [[nodiscard]] std::string multipart_boundary(std::string_view content_type);
 
-/// Cuts a body into its parts. Holds little of it at a time: headers, or some 64 KiB.
+/// Splits a body into its parts. It stores at most the headers of a part, or about 64 KiB.
 class MultipartReader {
  public:
   struct Sink {
     std::function<Result<void>()> begin_part;
-    std::function<Result<void>(std::string_view)> data;  ///< Some of the current part.
+    std::function<Result<void>(std::string_view)> data;  ///< A piece of the current part.
     std::function<Result<void>()> end_part;
   };
 
   /// \pre `boundary` is not empty.
   MultipartReader(std::string_view boundary, Sink sink);
 
-  /// Takes the next bytes, however they were cut.
+  /// Parses the next bytes, which may end anywhere.
   ///
-  /// \returns kFileCorrupt if they are no multipart body, or what the sink returned; then no more
-  ///   may be fed.
+  /// \param bytes  the next piece of the body.
+  /// \returns nothing, kFileCorrupt if this is not a multipart body, or the error of the sink;
+  ///   after an error no more bytes may be passed.
   [[nodiscard]] Result<void> feed(std::string_view bytes);
 
-  /// Whether the closing boundary has come: without it something is missing.
+  /// Whether the closing boundary was found. Without it the body is incomplete.
   [[nodiscard]] bool is_complete() const { return state_ == State::kEpilogue; }
 
  private:
@@ -44,8 +45,8 @@ class MultipartReader {
   std::string delimiter_;  ///< CR LF, two hyphens and the boundary.
   Sink sink_;
   State state_ = State::kPreamble;
-  std::size_t preamble_ = 0;      ///< Bytes before the first boundary.
-  std::string pending_ = "\r\n";  ///< As if a line ended before the first boundary.
+  std::size_t preamble_ = 0;      ///< Number of bytes before the first boundary.
+  std::string pending_ = "\r\n";  ///< The first boundary needs no preceding line.
 };
 
 }  // namespace lefort::io

@@ -8,8 +8,8 @@
 namespace lefort::io::internal {
 namespace {
 
-/// The vertex number before the first slash; counted from 1, or backwards from the last vertex so
-/// far if negative. Outside the list: -1.
+/// Returns the vertex index before the first slash; numbers count from 1, or backward from the last
+/// vertex if negative. Out of range: -1.
 std::int32_t vertex_number(std::string_view word, Index vertex_count) {
   word = word.substr(0, word.find('/'));
   std::int64_t number = 0;
@@ -20,7 +20,7 @@ std::int32_t vertex_number(std::string_view word, Index vertex_count) {
                                                                          : std::int32_t(from_0);
 }
 
-/// A line, with those a backslash at its end joins to it.
+/// Reads a line and its continuation lines (backslash at the end).
 std::string take_whole_line(std::string_view& text) {
   std::string line(take_line(text));
   while (line.ends_with('\\') && !text.empty()) {
@@ -47,7 +47,7 @@ Result<SurfaceFile> parse_obj(std::string_view bytes, const std::string& name) {
       for (Index axis = 0; axis < 3; ++axis)
         if (!parse_number(take_word(line), p[axis]))
           return fail(ErrorCode::kFileCorrupt,
-                      fmt::format("{}: line {} holds no vertex of three numbers", name, number));
+                      fmt::format("{}: line {} has no vertex of three numbers", name, number));
       surface.vertices.push_back(p);
     } else if (word == "f") {
       std::vector<std::int32_t> face;
@@ -56,13 +56,14 @@ Result<SurfaceFile> parse_obj(std::string_view bytes, const std::string& name) {
         face.push_back(vertex_number(corner, Index(surface.vertices.size())));
       if (face.size() < 3)
         return fail(ErrorCode::kFileCorrupt,
-                    fmt::format("{}: line {} holds a face of {} corners, expected 3 or more", name,
+                    fmt::format("{}: line {} has a face of {} corners, expected 3 or more", name,
                                 number, face.size()));
       faces.push_back(std::move(face));
     }
   }
   if (surface.vertices.empty())
-    return fail(ErrorCode::kFileCorrupt, fmt::format("{} is no OBJ file: it has no vertex", name));
+    return fail(ErrorCode::kFileCorrupt,
+                fmt::format("{} is not an OBJ file: it has no vertex", name));
   for (const std::vector<std::int32_t>& face : faces) add_polygon(face, surface);
   return surface;
 }

@@ -17,7 +17,7 @@ constexpr std::size_t kMaxPlistBytes = 1 << 20;
 constexpr std::size_t kMaxPlistDepth = 32;
 constexpr std::size_t kMaxLeaves = 10'000;
 
-/// What the parser has seen; expat calls its static members.
+/// State of the parser; expat calls its static members.
 class Collector {
  public:
   explicit Collector(XML_Parser parser) : parser_(parser) {}
@@ -33,14 +33,14 @@ class Collector {
   static void on_text(void* self, const char* text, int length) {
     static_cast<Collector*>(self)->text_.append(text, static_cast<std::size_t>(length));
   }
-  /// Entities are how small XML grows large; property lists need none.
+  /// Entities can expand small XML to large text; property lists need none.
   static void on_entity(void* self, const char*, int, const char*, int, const char*, const char*,
                         const char*, const char*) {
     XML_StopParser(static_cast<Collector*>(self)->parser_, XML_FALSE);
   }
 
  private:
-  /// A dict or array that is open.
+  /// An open dict or array.
   struct Container {
     std::string path;
     std::optional<std::size_t> next;  ///< Index of the next item of an array.
@@ -71,7 +71,7 @@ class Collector {
     }
   }
 
-  /// Where the value that comes now belongs.
+  /// Path of the next value.
   std::string next_path() {
     Container& in = open_.back();
     return in.path + (in.next ? std::to_string((*in.next)++) : in.key);

@@ -1,5 +1,5 @@
 /// \file
-/// Apple property lists in XML, as InVesalius stores its projects.
+/// Apple property lists in XML, the format of InVesalius projects.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,13 +10,14 @@
 
 namespace lefort::io {
 
-/// The leaves of a property list by their place: {"matrix/shape/0": "108", "spacing/2": "1.5"}.
+/// The leaves of a property list by path: {"matrix/shape/0": "108", "spacing/2": "1.5"}.
 using FlatPlist = std::map<std::string, std::string>;
 
-/// Reads a property list. Hostile text is harmless: entities are refused, nothing is fetched, and
-/// depth and size are limited.
+/// Parses an untrusted property list: entities are rejected, nothing is fetched, depth and size are
+/// limited.
 ///
-/// \returns the leaves, or kFileCorrupt with a sentence that does not name the file.
+/// \param xml  the text.
+/// \returns the leaves, or kFileCorrupt; the message does not contain the file name.
 [[nodiscard]] Result<FlatPlist> read_plist(std::string_view xml);
 
 }  // namespace lefort::io

@@ -49,7 +49,7 @@ const NumberType* find_type(std::string_view name) {
 struct Property {
   std::string name;
   const NumberType* type = nullptr;
-  const NumberType* count_type = nullptr;  ///< Of a list; null for a single number.
+  const NumberType* count_type = nullptr;  ///< For a list; null for a single number.
 };
 
 struct PlyElement {
@@ -64,7 +64,7 @@ struct PlyHeader {
   bool is_ras = false;
 };
 
-/// Takes the header off the front of `bytes`; nothing if it is not one.
+/// Removes the header from the front of `bytes`; nothing if it is invalid.
 std::optional<PlyHeader> take_header(std::string_view& bytes) {
   if (take_line(bytes) != "ply") return {};
   PlyHeader header;
@@ -101,7 +101,7 @@ std::optional<PlyHeader> take_header(std::string_view& bytes) {
   return {};
 }
 
-/// Takes numbers off the front of the data, as text or in either byte order.
+/// Reads numbers from the front of the data, as text or in either byte order.
 class PlyNumbers {
  public:
   PlyNumbers(std::string_view data, const std::string& format) : data_(data) {
@@ -110,7 +110,7 @@ class PlyNumbers {
   }
   [[nodiscard]] std::size_t left() const { return data_.size(); }
 
-  /// False at the end of the data, or where no number stands.
+  /// False at the end of the data, or if the next word is not a number.
   bool take(const NumberType& type, double& number) {
     if (is_text_) return parse_number(take_word(data_), number);
     if (data_.size() < type.bytes) return false;
@@ -159,12 +159,12 @@ class PlyNumbers {
   bool swap_ = false;
 };
 
-std::int32_t vertex_number(double number) {
+std::int32_t vertex_index(double number) {
   const bool fits = number >= 0.0 && number <= double(std::numeric_limits<std::int32_t>::max());
   return fits && number == std::floor(number) ? std::int32_t(number) : -1;
 }
 
-/// Takes all of one kind of element into the surface; false where the data ends early.
+/// Adds all elements of one kind to the surface; false if the data ends early.
 bool take_element(const PlyElement& element, PlyNumbers& numbers, SurfaceFile& surface) {
   if (element.properties.empty()) return element.count == 0;
   constexpr std::string_view kAxes = "xyz";
@@ -176,7 +176,7 @@ bool take_element(const PlyElement& element, PlyNumbers& numbers, SurfaceFile& s
       double count = 1.0;
       if (property.count_type != nullptr && !numbers.take(*property.count_type, count))
         return false;
-      // Every number takes at least a byte: a count beyond that is a lie.
+      // Every number needs at least one byte, which limits the count.
       if (!(count >= 0.0 && count <= double(numbers.left()))) return false;
       list.resize(std::size_t(count));
       for (double& number : list)
@@ -187,7 +187,7 @@ bool take_element(const PlyElement& element, PlyNumbers& numbers, SurfaceFile& s
         p[Index(axis)] = list[0];
       if (element.name == "face" && property.name.starts_with("vertex_ind")) {
         corners.resize(list.size());
-        std::transform(list.begin(), list.end(), corners.begin(), vertex_number);
+        std::transform(list.begin(), list.end(), corners.begin(), vertex_index);
         add_polygon(corners, surface);
       }
     }
@@ -203,14 +203,14 @@ Result<SurfaceFile> parse_ply(std::string_view bytes, const std::string& name) {
   if (!header || (header->format != "ascii" && header->format != "binary_little_endian" &&
                   header->format != "binary_big_endian"))
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{} is no PLY file: its header is damaged", name));
+                fmt::format("{} is not a PLY file: its header is damaged", name));
   SurfaceFile surface;
   surface.is_ras = header->is_ras;
   PlyNumbers numbers(bytes, header->format);
   for (const PlyElement& element : header->elements)
     if (!take_element(element, numbers, surface))
       return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("{} is cut short or damaged: it should hold {} of element {}", name,
+                  fmt::format("{} is truncated or damaged: expected {} of element {}", name,
                               element.count, element.name));
   return surface;
 }

@@ -4,7 +4,7 @@
 #include <lefort/io/internal/silence_libraries.h>
 #include <lefort/io/write_atomically.h>
 
-// ITK brings its own older Eigen, which does not mix with ours unless ours was included first.
+// ITK contains an older Eigen, which conflicts with the system's unless that is included first.
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 #include <itkImageIOBase.h>
@@ -34,7 +34,7 @@ using Component = itk::CommonEnums::IOComponent;
 struct Ending {
   const char* text;
   VolumeFormat format;
-  bool one_file;  ///< Header and voxels together: we can write it, and judge its size.
+  bool one_file;  ///< Header and voxels in one file: can be written, and its size checked.
 };
 
 constexpr std::array<Ending, 7> kEndings{{
@@ -58,8 +58,7 @@ const Ending& ending_of(const fs::path& file) {
                        [&](const Ending& ending) { return name.ends_with(ending.text); });
 }
 
-/// Made by hand rather than by ITK's factories: they register themselves through static objects
-/// that a static library loses.
+/// Created without ITK's factories, whose static registration objects are lost in a static library.
 itk::ImageIOBase::Pointer make_image_io(VolumeFormat format) {
   switch (format) {
     case VolumeFormat::kNrrd:
@@ -71,12 +70,12 @@ itk::ImageIOBase::Pointer make_image_io(VolumeFormat format) {
     case VolumeFormat::kNone:
       break;
   }
-  LEFORT_CHECK(!"no such format");
+  LEFORT_CHECK(!"unknown format");
   return nullptr;
 }
 
 std::optional<ScalarType> scalar_type(Component component) {
-  static_assert(sizeof(long) == 8, "ITK's LONG is taken to have 64 bits");  // NOLINT
+  static_assert(sizeof(long) == 8, "ITK's LONG must have 64 bits");  // NOLINT
   switch (component) {
     case Component::CHAR:
       return ScalarType::kInt8;
@@ -116,7 +115,7 @@ Component component_type(ScalarType type) {
     default:
       break;
   }
-  LEFORT_CHECK(!"we write no such type");
+  LEFORT_CHECK(!"this type is not written");
   return Component::UNKNOWNCOMPONENTTYPE;
 }
 
@@ -139,13 +138,13 @@ image::Grid grid_of(const itk::ImageIOBase& io) {
   return grid;
 }
 
-/// check_grid(), but for left-handed grids too.
+/// check_grid() that also allows left-handed grids.
 Result<void> check_either_hand(image::Grid grid) {
   if (grid.direction.determinant() < 0.0) grid.direction.col(2) *= -1.0;
   return check_grid(grid);
 }
 
-// Messages say of what format the file is, not its name: people name files after patients.
+// Messages contain the format of the file but not its name, which may be that of a patient.
 Error in_file(VolumeFormat format, const Error& error) {
   return {error.code, fmt::format("{} file: {}", name_of(format), error.message)};
 }
@@ -158,7 +157,7 @@ Error unsupported(VolumeFormat format, std::string why) {
   return in_file(format, {ErrorCode::kFileUnsupported, std::move(why)});
 }
 
-/// What the header says, before anything is allocated.
+/// Reads the header before memory is allocated.
 Result<RawVolume> read_header(itk::ImageIOBase& io, const fs::path& file, const Ending& ending) {
   Result<void> good;
   if (ending.format == VolumeFormat::kNifti) good = check_nifti(file);
@@ -178,7 +177,8 @@ Result<RawVolume> read_header(itk::ImageIOBase& io, const fs::path& file, const 
         fmt::format("the image has {} dimensions, expected 3", io.GetNumberOfDimensions())));
   const std::optional<ScalarType> type = scalar_type(io.GetComponentType());
   if (!type)
-    return tl::unexpected(unsupported(ending.format, "the voxels hold no numbers, expected some"));
+    return tl::unexpected(
+        unsupported(ending.format, "the voxels are not numbers, expected numbers"));
 
   RawVolume raw;
   raw.grid = grid_of(io);
@@ -189,7 +189,7 @@ Result<RawVolume> read_header(itk::ImageIOBase& io, const fs::path& file, const 
     return tl::unexpected(in_file(ending.format, good.error()));
   if (raw.components < 1 || raw.components > 256)
     return tl::unexpected(unsupported(
-        ending.format, fmt::format("the voxels hold {} values, expected 1", raw.components)));
+        ending.format, fmt::format("the voxels have {} values, expected 1", raw.components)));
   return raw;
 }
 
@@ -215,29 +215,29 @@ Result<RawVolume> read_raw_volume(const fs::path& file) {
   const Ending& ending = ending_of(file);
   if (ending.format == VolumeFormat::kNone)
     return fail(ErrorCode::kFileUnsupported,
-                "the file ends in none of .nrrd, .nhdr, .nii, .nii.gz, .mha and .mhd");
+                "the file must end in .nrrd, .nhdr, .nii, .nii.gz, .mha or .mhd");
   std::error_code error;
   if (!fs::is_regular_file(file, error))
     return tl::unexpected(
         in_file(ending.format,
-                {ErrorCode::kFileNotFound, "there is no such file, or it is no regular one"}));
+                {ErrorCode::kFileNotFound, "the file does not exist or is not a regular file"}));
   const std::uintmax_t file_bytes = fs::file_size(file, error);
 
   const SilenceLibraries silence;
   const itk::ImageIOBase::Pointer io = make_image_io(ending.format);
   LEFORT_TRY(RawVolume raw, read_header(*io, file, ending));
   const auto bytes = static_cast<std::uintmax_t>(io->GetImageSizeInBytes());
-  if (ending.one_file && (error || bytes / kHighestCompression > file_bytes))
+  if (ending.one_file && (error || bytes / kMaxGzipRatio > file_bytes))
     return tl::unexpected(corrupt(
-        ending.format, fmt::format("the header promises {} bytes of voxels, the file has {} bytes",
+        ending.format, fmt::format("the header states {} bytes of voxels, the file has {} bytes",
                                    bytes, file_bytes)));
   Result<void> good;
   if (ending.format == VolumeFormat::kNrrd) good = check_nrrd(file, bytes);
   if (ending.format == VolumeFormat::kMetaImage)
     good = check_metaimage(file, bytes, raw.grid.direction);
   if (!good) return tl::unexpected(in_file(ending.format, good.error()));
-  // Zeroed, so that nothing else in our memory can come out as voxels; the system gives zeroed
-  // pages when they are used first, so a false promise costs no memory.
+  // Zeroed, so that no other memory of the process becomes voxels. The system provides zeroed pages
+  // on first use, so a wrong size in the header costs no memory.
   raw.bytes.reset(static_cast<std::byte*>(std::calloc(std::max<std::size_t>(bytes, 1), 1)));
   if (raw.bytes == nullptr)
     return tl::unexpected(
@@ -292,7 +292,7 @@ Result<void> write_raw_volume(const fs::path& target, const RawVolumeView& volum
     for (const auto& [key, text] : volume.fields)
       itk::EncapsulateMetaData<std::string>(io->GetMetaDataDictionary(), key, text);
     io->Write(volume.values);
-    // ITK's writers say nothing of a full disk, so the file is read back.
+    // ITK's writers do not report a full disk, so the file is read back.
     if (!read_raw_volume(temporary))
       return fail(
           ErrorCode::kFileUnwritable,

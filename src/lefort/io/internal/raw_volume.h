@@ -1,6 +1,6 @@
 /// \file
-/// Volumes as NRRD, NIfTI and MetaImage files hold them: any scalar type, any number of values per
-/// voxel, header fields. The one place that knows ITK's readers and writers.
+/// NRRD, NIfTI and MetaImage volumes with any scalar type, any number of values per voxel, and
+/// header fields. No other file uses ITK's readers and writers.
 #pragma once
 
 #include <lefort/core/check.h>
@@ -32,21 +32,21 @@ enum class ScalarType {
 };
 
 struct FreeBytes {
-  void operator()(std::byte* bytes) const { std::free(bytes); }  // NOLINT: calloc gave them.
+  void operator()(std::byte* bytes) const { std::free(bytes); }  // NOLINT: from calloc.
 };
 
 /// A volume file in memory.
 struct RawVolume {
-  image::Grid grid;  ///< In L, but perhaps left-handed.
+  image::Grid grid;  ///< In frame L; may be left-handed.
   ScalarType type = ScalarType::kInt16;
-  Index components = 1;                           ///< Values per voxel, stored together.
-  std::unique_ptr<std::byte[], FreeBytes> bytes;  ///< Values, i fastest after components.
+  Index components = 1;                           ///< Values per voxel, contiguous.
+  std::unique_ptr<std::byte[], FreeBytes> bytes;  ///< Values; components fastest, then i.
   std::map<std::string, std::string> fields;      ///< Text fields of the header.
 
   [[nodiscard]] Index value_count() const { return grid.voxel_count() * components; }
 };
 
-/// Calls use(std::span<const T>) with the values of `raw` in their own type.
+/// Calls use(std::span<const T>) with the values of `raw`, T being their type.
 template <class Use>
 void with_values(const RawVolume& raw, const Use& use) {
   const auto as = [&]<class T>(const T*) {
@@ -78,27 +78,33 @@ void with_values(const RawVolume& raw, const Use& use) {
   LEFORT_CHECK(!"a scalar type is missing above");
 }
 
-/// A format and the endings it goes by.
+/// File formats of volumes.
 enum class VolumeFormat { kNone, kNrrd, kNifti, kMetaImage };
 
-/// By the ending of `file`, in any case.
+/// Returns the format of the ending of `file`, in upper or lower case.
 [[nodiscard]] VolumeFormat volume_format(const std::filesystem::path& file);
 [[nodiscard]] const char* name_of(VolumeFormat format);
 
-/// Reads a volume with three dimensions whose place in the patient the file states.
+/// Reads a three-dimensional volume whose file states its position in the patient.
 ///
-/// \returns kFileNotFound, kFileUnsupported or kFileCorrupt; the message does not name the file.
+/// \param file  with one of the endings of VolumeFormat.
+/// \returns the volume, kFileNotFound, kFileUnsupported or kFileCorrupt; the message does not
+///   contain the file name.
 [[nodiscard]] Result<RawVolume> read_raw_volume(const std::filesystem::path& file);
 
-/// What is to be written; `values` is not owned.
+/// A volume to write; does not own `values`.
 struct RawVolumeView {
   const image::Grid& grid;
   ScalarType type;
   const void* values;
-  std::map<std::string, std::string> fields;  ///< For NRRD only.
+  std::map<std::string, std::string> fields;  ///< Written to NRRD files only.
 };
 
-/// Writes by the ending of `target`, compressed where the format can, whole or not at all.
+/// Writes atomically in the format of the ending of `target`, compressed if the format allows it.
+///
+/// \param target  ends in .nrrd, .nii.gz, .nii or .mha.
+/// \param volume  to write.
+/// \returns nothing, kInvalidArgument (ending, grid) or kFileUnwritable.
 [[nodiscard]] Result<void> write_raw_volume(const std::filesystem::path& target,
                                             const RawVolumeView& volume);
 

@@ -9,7 +9,7 @@
 namespace lefort::io::internal {
 namespace {
 
-/// What makes a surface; the points have no reliable name.
+/// Arrays of a surface; the name of the points array varies.
 const std::vector<WantedArray> kVtpArrays{{"Points", ""},        {"Polys", "connectivity"},
                                           {"Polys", "offsets"},  {"Strips", "connectivity"},
                                           {"Strips", "offsets"}, {"FieldData", "SPACE"}};
@@ -20,7 +20,7 @@ std::int32_t vertex_number(double in_piece, std::size_t first_of_piece) {
   return fits && number == std::floor(number) ? std::int32_t(number) : -1;
 }
 
-/// Adds the polygons, or strips, of a piece; false if its offsets lead out of its corners.
+/// Adds the polygons, or strips, of a piece; false if an offset is out of range.
 bool add_cells(const XmlArrays& file, int piece, const char* kind, std::size_t first_vertex,
                SurfaceFile& surface) {
   const auto* connectivity = find_array(file, piece, kind, "connectivity");
@@ -40,7 +40,8 @@ bool add_cells(const XmlArrays& file, int piece, const char* kind, std::size_t f
       add_polygon(corners, surface);
       continue;
     }
-    for (std::size_t n = 2; n < corners.size(); ++n)  // Every other triangle of a strip is turned.
+    for (std::size_t n = 2; n < corners.size();
+         ++n)  // Every second triangle of a strip is reversed.
       surface.triangles.push_back({corners[n - 2 + n % 2], corners[n - 1 - n % 2], corners[n]});
   }
   return true;
@@ -62,7 +63,7 @@ Result<SurfaceFile> parse_vtp(std::string_view bytes, const std::string& name) {
     if (!add_cells(file, piece, "Polys", first_vertex, surface) ||
         !add_cells(file, piece, "Strips", first_vertex, surface))
       return fail(ErrorCode::kFileCorrupt,
-                  fmt::format("{}: the cells of piece {} contradict each other", name, piece));
+                  fmt::format("{}: the cells of piece {} are inconsistent", name, piece));
   }
   if (const auto* space = find_array(file, 0, "FieldData", "SPACE"))
     surface.is_ras = space->size() >= 3 && (*space)[0] == 'R' && (*space)[1] == 'A';

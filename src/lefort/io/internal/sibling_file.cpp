@@ -5,24 +5,25 @@
 namespace lefort::io {
 namespace fs = std::filesystem;
 
-Error cut_off(std::uint64_t found, std::uint64_t wanted) {
+Error missing_voxels(std::uint64_t found, std::uint64_t expected) {
   return {ErrorCode::kFileCorrupt,
-          fmt::format("there are {} bytes of voxels, expected {}", found, wanted)};
+          fmt::format("there are {} bytes of voxels, expected {}", found, expected)};
 }
 
 Result<fs::path> sibling_file(const fs::path& header, std::string_view name) {
   while (name.starts_with("./")) name.remove_prefix(2);
-  // LIST is what both formats call several files.
+  // LIST means several files in both formats.
   if (name.empty() || name == "." || name == ".." || name.starts_with("LIST") ||
       name.find_first_of("/\\%\0", 0, 4) != std::string_view::npos)
     return fail(ErrorCode::kFileUnsupported,
-                "the voxels are not in one file beside the header, expected its plain name");
+                "the voxels are not in one file in the folder of the header, expected its name "
+                "without a path");
   fs::path file = header.parent_path() / name;
   std::error_code error;
-  // Of the name itself, not of what a link leads to.
+  // Checks the file itself; links are not followed.
   if (!fs::is_regular_file(fs::symlink_status(file, error)))
     return fail(ErrorCode::kFileCorrupt,
-                "the file of the voxels is missing beside the header, or no regular file");
+                "the voxel file is missing in the folder of the header or is not a regular file");
   return file;
 }
 

@@ -9,7 +9,7 @@ namespace lefort::io {
 
 namespace {
 
-/// Where ITK's warnings go.
+/// Receives ITK's warnings.
 class NoOutputWindow : public itk::OutputWindow {
  public:
   using Self = NoOutputWindow;
@@ -21,7 +21,7 @@ class NoOutputWindow : public itk::OutputWindow {
   void DisplayText(const char* /*text*/) override {}
 };
 
-/// Swallows what is written to it.
+/// Discards its input.
 class NoStream : public std::streambuf {
   int_type overflow(int_type c) override { return traits_type::not_eof(c); }
   std::streamsize xsputn(const char* /*text*/, std::streamsize count) override { return count; }

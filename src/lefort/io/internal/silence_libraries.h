@@ -1,12 +1,12 @@
 /// \file
-/// Keeps ITK and MetaIO from printing, so that bad input gives our one sentence only.
+/// Suppresses the output of ITK and MetaIO, so that invalid input causes one error message only.
 #pragma once
 
 #include <streambuf>
 
 namespace lefort::io {
 
-/// While it lives, these libraries print nothing. Not for two threads at once: it borrows std::cerr
+/// Suppresses the output of these libraries while it lives. Not thread-safe: it redirects std::cerr
 /// and std::cout, to which some of them write directly.
 class SilenceLibraries {
  public:

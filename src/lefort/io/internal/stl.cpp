@@ -12,15 +12,14 @@
 namespace lefort::io::internal {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "binary STL is read as it lies in memory");
+static_assert(std::endian::native == std::endian::little, "binary STL is read without conversion");
 
 constexpr std::size_t kHeaderBytes = 80;
 constexpr std::size_t kTriangleBytes = 50;  // Normal, three corners as float, two unused bytes.
 
-/// STL repeats a corner for every triangle: equal coordinates are one vertex. NaN has no order and
-/// would be taken for any other vertex, so what is not finite stays apart, for the check of all
-/// vertices to find it.
+/// STL repeats a corner for every triangle: equal coordinates become one vertex. NaN has no order
+/// and would equal any vertex, so vertices that are not finite are not merged; the later check of
+/// all vertices reports them.
 class Corners {
  public:
   explicit Corners(SurfaceFile& surface) : surface_(surface) {}
@@ -70,7 +69,7 @@ Result<SurfaceFile> parse_text(std::string_view text, const std::string& name) {
     for (Index axis = 0; axis < 3; ++axis)
       if (!parse_number(take_word(line), p[axis]))
         return fail(ErrorCode::kFileCorrupt,
-                    fmt::format("{}: line {} holds no vertex of three numbers", name, number));
+                    fmt::format("{}: line {} has no vertex of three numbers", name, number));
     triangle[corner++] = corners.number(p);
     if (corner == 3) {
       surface.triangles.push_back(triangle);
@@ -79,14 +78,14 @@ Result<SurfaceFile> parse_text(std::string_view text, const std::string& name) {
   }
   if (!ended || corner != 0)
     return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{} is cut short: \"endsolid\" is missing", name));
+                fmt::format("{} is truncated: \"endsolid\" is missing", name));
   return surface;
 }
 
 }  // namespace
 
 Result<SurfaceFile> parse_stl(std::string_view bytes, const std::string& name) {
-  // Binary files may begin with "solid" too; their length tells.
+  // Binary files may also begin with "solid"; their length distinguishes them.
   std::uint32_t count = 0;
   if (bytes.size() >= kHeaderBytes + 4)
     std::memcpy(&count, bytes.data() + kHeaderBytes, sizeof count);
@@ -94,9 +93,10 @@ Result<SurfaceFile> parse_stl(std::string_view bytes, const std::string& name) {
   const bool is_text = bytes.starts_with("solid") && bytes.size() != wanted;
 
   if (!is_text && (bytes.size() < kHeaderBytes + 4 || bytes.size() < wanted))
-    return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{} is no STL file or cut short: it has {} bytes, {} triangles need {}",
-                            name, bytes.size(), count, wanted));
+    return fail(
+        ErrorCode::kFileCorrupt,
+        fmt::format("{} is not an STL file or is truncated: it has {} bytes, {} triangles need {}",
+                    name, bytes.size(), count, wanted));
   const std::string_view header = bytes.substr(0, is_text ? bytes.find('\n') : kHeaderBytes);
   Result<SurfaceFile> surface = is_text ? parse_text(bytes, name) : parse_binary(bytes, count);
   if (surface) surface->is_ras = header.find("SPACE=RAS") != std::string_view::npos;

@@ -1,5 +1,5 @@
 /// \file
-/// The bytes of surface files, parsed and made. `name` is what messages call the file.
+/// Parsers and writers of surface files in memory. `name` is the name of the file in messages.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,11 +13,11 @@
 
 namespace lefort::io::internal {
 
-/// What a file says, unchecked but for its syntax: corners may point nowhere, and repeat.
+/// Contents of a file of valid syntax: corners may be out of range or repeated.
 struct SurfaceFile {
   std::vector<Vec3> vertices;
   std::vector<geometry::Triangle> triangles;
-  bool is_ras = false;  ///< The file says its coordinates are RAS.
+  bool is_ras = false;  ///< The file states that its coordinates are RAS.
 };
 
 [[nodiscard]] Result<SurfaceFile> parse_stl(std::string_view bytes, const std::string& name);
@@ -28,21 +28,21 @@ struct SurfaceFile {
 [[nodiscard]] std::string stl_bytes(const geometry::TriangleMesh& mesh);
 [[nodiscard]] std::string ply_bytes(const geometry::TriangleMesh& mesh);
 [[nodiscard]] std::string obj_bytes(const geometry::TriangleMesh& mesh);
-/// \returns the bytes, or kFileUnwritable when VTK cannot make them (memory).
+/// \returns the bytes, or kFileUnwritable if VTK fails (memory).
 [[nodiscard]] Result<std::string> vtp_bytes(const geometry::TriangleMesh& mesh,
                                             const std::vector<VertexArray>& arrays);
 
-/// Adds a polygon's triangles. A corner may point nowhere: then a fan is added, for the check of
-/// all corners to find it.
+/// Adds the triangles of a polygon. If a corner is out of range, a triangle fan is added, and the
+/// later check of all corners reports it.
 void add_polygon(std::span<const std::int32_t> corners, SurfaceFile& surface);
 
-/// Takes the next run of characters that are no white space off the front of `text`.
+/// Removes the next word (without white space) from the front of `text` and returns it.
 [[nodiscard]] std::string_view take_word(std::string_view& text);
 
-/// Takes the next line, without its end, off the front of `text`.
+/// Removes the next line from the front of `text` and returns it without its line break.
 [[nodiscard]] std::string_view take_line(std::string_view& text);
 
-/// Whether `word` is one number as a whole; no locale has a say.
+/// Parses a number; the whole word must be one, in the C locale.
 [[nodiscard]] bool parse_number(std::string_view word, double& number);
 
 }  // namespace lefort::io::internal

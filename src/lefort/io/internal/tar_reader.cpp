@@ -17,10 +17,10 @@ constexpr std::size_t kBlock = 512;
 constexpr std::size_t kTarChunk = 1 << 20;
 constexpr std::uint64_t kMaxUnpacked = std::uint64_t{8} << 30;
 
-using Block = std::array<char, kBlock>;
+using TarBlock = std::array<char, kBlock>;
 
-/// Octal digits, padded with spaces and NULs; nothing for other text and for the base-256 form,
-/// which only entries beyond 8 GiB need.
+/// Parses octal digits padded with spaces and NULs; nothing for other text, including the base-256
+/// form of entries over 8 GiB.
 std::optional<std::uint64_t> octal(std::string_view text) {
   std::uint64_t value = 0;
   bool ended = false;
@@ -35,18 +35,18 @@ std::optional<std::uint64_t> octal(std::string_view text) {
   return value;
 }
 
-/// A member of the archive, from its header block.
+/// Header of an archive member.
 struct Entry {
   std::string name;  ///< Without folders.
   std::uint64_t size;
   bool regular;
 };
 
-/// Nothing when the block is no header: its checksum is wrong.
-std::optional<Entry> parse_header(const Block& block) {
+/// Parses a header block; nothing if its checksum is wrong.
+std::optional<Entry> parse_header(const TarBlock& block) {
   const std::string_view text(block.data(), block.size());
   std::uint64_t sum = 0;
-  for (std::size_t at = 0; at < kBlock; ++at)  // The checksum itself counts as spaces.
+  for (std::size_t at = 0; at < kBlock; ++at)  // The checksum field counts as spaces.
     sum += at >= 148 && at < 156 ? 32U : static_cast<unsigned char>(block[at]);
   if (octal(text.substr(148, 8)) != sum) return std::nullopt;
   const auto size = octal(text.substr(124, 12));
@@ -57,12 +57,12 @@ std::optional<Entry> parse_header(const Block& block) {
   return Entry{std::move(name), *size, type == '0' || type == '\0'};
 }
 
-/// The bytes of the archive in order, unpacked.
+/// The uncompressed bytes of the archive in order.
 class Stream {
  public:
   explicit Stream(const fs::path& archive) : file_(gzopen(archive.c_str(), "rb"), gzclose) {}
 
-  /// Whether exactly `count` bytes came.
+  /// Reads `count` bytes; false if there are fewer.
   bool read(char* target, std::size_t count) {
     unpacked_ += count;
     if (file_ == nullptr || unpacked_ > kMaxUnpacked) return false;
@@ -74,7 +74,8 @@ class Stream {
   std::uint64_t unpacked_ = 0;
 };
 
-/// Reads `size` bytes and what fills their last block; keeps them if asked.
+/// Reads `size` bytes and the padding of their last block; returns them if `keep` is set, otherwise
+/// an empty string.
 Result<std::string> read_body(Stream& stream, std::uint64_t size, bool keep, Progress& progress) {
   std::string body;
   std::string chunk;
@@ -85,7 +86,7 @@ Result<std::string> read_body(Stream& stream, std::uint64_t size, bool keep, Pro
     chunk.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kTarChunk, padded - done)));
     if (!stream.read(chunk.data(), chunk.size()))
       return fail(ErrorCode::kFileCorrupt, "the archive is truncated or damaged");
-    // Grows as bytes arrive: a false size costs no memory.
+    // Grows with the bytes that are read, so a wrong size costs no memory.
     if (keep) body += chunk;
     done += chunk.size();
   }
@@ -99,13 +100,12 @@ Result<std::string> read_from_tar(const fs::path& archive, std::string_view name
                                   std::uint64_t max_bytes, Progress& progress) {
   std::error_code error;
   if (!fs::is_regular_file(archive, error))
-    return fail(ErrorCode::kFileNotFound, "there is no such file, or it is no regular one");
+    return fail(ErrorCode::kFileNotFound, "the file does not exist or is not a regular file");
   Stream stream(archive);
-  for (Block block; stream.read(block.data(), kBlock);) {
+  for (TarBlock block; stream.read(block.data(), kBlock);) {
     if (std::all_of(block.begin(), block.end(), [](char c) { return c == '\0'; })) break;
     const std::optional<Entry> entry = parse_header(block);
-    if (!entry)
-      return fail(ErrorCode::kFileCorrupt, "the file is not a tar archive, or a damaged one");
+    if (!entry) return fail(ErrorCode::kFileCorrupt, "the file is not a tar archive or is damaged");
     const bool wanted = entry->regular && entry->name == name;
     const std::uint64_t limit = wanted ? max_bytes : kMaxUnpacked;
     if (entry->size > limit)
@@ -115,7 +115,7 @@ Result<std::string> read_from_tar(const fs::path& archive, std::string_view name
     LEFORT_TRY(std::string body, read_body(stream, entry->size, wanted, progress));
     if (wanted) return body;
   }
-  return fail(ErrorCode::kFileCorrupt, fmt::format("the archive ends without an entry {}", name));
+  return fail(ErrorCode::kFileCorrupt, fmt::format("the archive has no entry {}", name));
 }
 
 }  // namespace lefort::io

@@ -16,23 +16,23 @@
 namespace lefort::io::internal {
 namespace {
 
-constexpr int kDeepest = 32;
+constexpr int kMaxNesting = 32;
 
-/// The validator keeps a message of some 400 bytes for each value that is wrong, so it may be asked
-/// about no more of them than memory has room for. A curve of 10,000 points has 150,000.
+/// Limit of the number of values: the validator stores a message of about 400 bytes for each
+/// invalid value. A curve of 10,000 points has 150,000 values.
 constexpr Index kMaxValues = 1'000'000;
 
-/// Listens to the parser, which takes the last of two equal keys without a word, any depth and any
-/// number of values.
+/// Receives the events of the parser to reject repeated keys, deep nesting and too many values,
+/// which the parser accepts.
 class Listener {
  public:
-  /// \returns false where there is too much: what is there is dropped.
+  /// \returns false if a limit is exceeded; then the value is discarded.
   bool operator()(int depth, Json::parse_event_t event, const Json& value) {
     using Event = Json::parse_event_t;
     if (too_deep_ || has_too_many_values()) return false;
     if (event == Event::value || event == Event::object_start || event == Event::array_start)
       ++values_;
-    if ((event == Event::object_start || event == Event::array_start) && depth >= kDeepest) {
+    if ((event == Event::object_start || event == Event::array_start) && depth >= kMaxNesting) {
       too_deep_ = true;
       return false;
     }
@@ -47,7 +47,7 @@ class Listener {
   [[nodiscard]] bool has_too_many_values() const { return values_ > kMaxValues; }
 
  private:
-  std::vector<std::set<std::string>> open_;  ///< Keys of the objects begun and not ended.
+  std::vector<std::set<std::string>> open_;  ///< Keys of the open objects.
   std::optional<std::string> repeated_;
   Index values_ = 0;
   bool too_deep_ = false;
@@ -59,7 +59,7 @@ Result<Json> parse_json(std::string_view text) {
   try {
     Json json = Json::parse(text, std::ref(listener));
     if (listener.is_too_deep())
-      return refuse(fmt::format("nested more than {} deep, must be less", kDeepest));
+      return refuse(fmt::format("nested more than {} deep, must be less", kMaxNesting));
     if (listener.has_too_many_values())
       return refuse(fmt::format("more than {} values, must be less", kMaxValues));
     if (listener.repeated())
@@ -68,7 +68,7 @@ Result<Json> parse_json(std::string_view text) {
   } catch (const Json::parse_error& error) {
     return refuse(fmt::format("not JSON: {} (byte {})",
                               text.empty() ? "the file is empty" : "syntax error", error.byte));
-  } catch (const Json::exception&) {  // A number that no double holds.
+  } catch (const Json::exception&) {  // A number out of the range of double.
     return refuse("not JSON: a number is too large");
   }
 }
@@ -90,9 +90,9 @@ std::string readable_path(const std::vector<std::string>& context, const std::st
   return path.empty() ? subject : path;
 }
 
-/// The deepest cause among the validator's messages, in our words.
+/// Returns the deepest cause among the validator's messages, reworded.
 Error describe(const valijson::ValidationResults& results, const std::string& subject) {
-  constexpr std::string_view kFollowUp = "Failed to validate ";  // Says that a child failed.
+  constexpr std::string_view kFollowUp = "Failed to validate ";  // A child failed.
   constexpr std::string_view kUnknownKey = "Object contains a property that could not be validated";
   const valijson::ValidationResults::Error* cause = nullptr;
   for (const auto& error : results) {
@@ -106,12 +106,12 @@ Error describe(const valijson::ValidationResults& results, const std::string& su
     if (is_cause && (cause == nullptr || error.context.size() > cause->context.size()))
       cause = &error;
   }
-  if (cause == nullptr) return {ErrorCode::kPlanInvalid, subject + " breaks its schema"};
+  if (cause == nullptr) return {ErrorCode::kPlanInvalid, subject + " does not match its schema"};
   std::string what = cause->description;
   if (!what.empty()) what.front() = char(std::tolower(what.front()));
   while (what.ends_with('.')) what.pop_back();
   if (what.find("enum values") != std::string::npos || what.find("'const'") != std::string::npos)
-    what = "the value is none of those allowed";
+    what = "the value is not one of those allowed";
   return {ErrorCode::kPlanInvalid,
           fmt::format("{}: {}", readable_path(cause->context, subject), what)};
 }

@@ -1,5 +1,5 @@
 /// \file
-/// JSON that was checked against one of our schemas: what plans and decks are read from.
+/// JSON that is validated by a schema, for plans and decks.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -18,13 +18,13 @@ namespace lefort::io::internal {
 
 using Json = nlohmann::json;
 
-/// Parses `text` and checks it.
+/// Parses `text` and validates it.
 ///
 /// \param schema   JSON Schema, draft 7, in JSON.
-/// \param subject  what the whole is called in messages: "the plan".
-/// \returns kPlanInvalid with the key and what is wrong with it, as `tissue: unknown key "color"`.
-///   A key that stands twice in an object is wrong, since parsers differ on it; so is nesting far
-///   beyond what any schema has, which would exhaust the stack of those who walk over it.
+/// \param subject  name of the document in messages: "the plan".
+/// \returns the JSON, or kPlanInvalid with the key and its error, as `tissue: unknown key "color"`.
+///   A repeated key in an object is an error, since parsers differ on it; so is deep nesting, which
+///   would exhaust the stack of recursive code.
 [[nodiscard]] Result<Json> parse_checked(std::string_view text, const char* schema,
                                          const std::string& subject);
 
@@ -57,17 +57,18 @@ inline void read(const Json& object, const char* key, Vec3& value) {
   if (const auto found = object.find(key); found != object.end()) value = as_vector(*found);
 }
 
-/// An object within, or an empty one. Lives as long as `whole`.
+/// Returns the object at `key`, or an empty one. It lives as long as `whole`.
 [[nodiscard]] const Json& section(const Json& whole, const char* key);
 [[nodiscard]] const Json& section(Json&& whole, const char* key) = delete;
 
-/// A list within, or an empty one. Lives as long as `whole`.
+/// Returns the list at `key`, or an empty one. It lives as long as `whole`.
 [[nodiscard]] const Json& list(const Json& whole, const char* key);
 [[nodiscard]] const Json& list(Json&& whole, const char* key) = delete;
 
-/// Poses of a bone or an obstacle.
+/// Reads the keyframes of the rigid path of a bone or an obstacle.
 ///
-/// \param at_key  the key that says when a pose is reached: "path_fraction" or "time".
+/// \param keyframes  list of keyframes.
+/// \param at_key     key of the path parameter: "path_fraction" or "time".
 [[nodiscard]] std::vector<geometry::Keyframe> read_keyframes(const Json& keyframes,
                                                              const char* at_key);
 

@@ -18,11 +18,11 @@
 namespace lefort::io::internal {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays are read as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "arrays are read without conversion");
 
-// zlib cannot press data together further than this.
-constexpr std::size_t kBestCompression = 1100;
-// What meshes unpack to, as numbers in memory: at most this, and so many bytes for one of the file.
+// Upper bound of the compression ratio of zlib.
+constexpr std::size_t kMaxZlibRatio = 1100;
+// Limit of the size in memory: this, plus so many bytes per byte of the file.
 constexpr std::size_t kFreeBytes = std::size_t(64) << 20;
 constexpr std::size_t kBytesForOne = 64;
 constexpr int kMaxPieces = 1000;
@@ -30,11 +30,11 @@ constexpr std::size_t kMaxArrays = 20'000;
 
 using Attributes = std::map<std::string, std::string>;
 
-/// What all arrays together may still unpack to.
+/// Remaining memory budget of all arrays.
 class Budget {
  public:
   explicit Budget(std::size_t file_bytes) : left_(kFreeBytes + kBytesForOne * file_bytes) {}
-  /// Whether so many bytes more are allowed.
+  /// Whether so many more bytes are allowed.
   [[nodiscard]] bool take(std::uint64_t bytes) {
     if (bytes > left_) return false;
     left_ -= bytes;
@@ -45,7 +45,7 @@ class Budget {
   std::uint64_t left_;
 };
 
-/// A DataArray as the XML has it.
+/// A DataArray element of the XML.
 struct RawArray {
   Attributes attributes;
   std::string parent;
@@ -53,11 +53,11 @@ struct RawArray {
   std::string text;
 };
 
-/// What expat finds on its way.
+/// State of the XML parser.
 struct Document {
-  Attributes file;  ///< The VTKFile element's.
+  Attributes file;  ///< Of the VTKFile element.
   std::vector<RawArray> arrays;
-  std::vector<std::string> open;  ///< Elements begun and not ended.
+  std::vector<std::string> open;  ///< Open elements.
   int pieces = 0;
 };
 
@@ -88,7 +88,7 @@ void on_text(void* data, const XML_Char* text, int length) {
   if (in_array) document.arrays.back().text.append(text, std::size_t(length));
 }
 
-/// Parses the XML up to the appended data, which is none; nothing if it is not well-formed.
+/// Parses the XML up to the appended data, which is not XML; nothing if it is not well-formed.
 std::optional<Document> parse_document(std::string_view xml) {
   const std::unique_ptr<XML_ParserStruct, void (*)(XML_Parser)> parser(XML_ParserCreate(nullptr),
                                                                        XML_ParserFree);
@@ -106,7 +106,7 @@ std::optional<Document> parse_document(std::string_view xml) {
   return document;
 }
 
-/// The value of a base64 digit; -1 for anything else.
+/// Returns the value of a base64 digit; -1 for other characters.
 int base64_value(char c) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -114,7 +114,7 @@ int base64_value(char c) {
   return value == std::string_view::npos ? -1 : int(value);
 }
 
-/// Decodes up to the first padding, and takes it off `text` to the end of that group of four.
+/// Decodes up to the first padding and removes the decoded groups of four from `text`.
 std::string take_base64(std::string_view& text) {
   std::string bytes;
   unsigned bits = 0;
@@ -142,7 +142,7 @@ std::string take_base64(std::string_view& text) {
   return bytes;
 }
 
-/// The numbers in front of the data: their sizes.
+/// Sizes at the beginning of the data.
 struct Sizes {
   std::size_t width = 4;  ///< Bytes per number.
   [[nodiscard]] std::optional<std::uint64_t> at(std::string_view bytes, std::size_t n) const {
@@ -153,8 +153,8 @@ struct Sizes {
   }
 };
 
-/// Puts the blocks of a compressed array together. The sizes are block count, bytes per block,
-/// bytes of the last block, and the compressed bytes of every block.
+/// Decompresses and joins the blocks of an array. The sizes are block count, bytes per block, bytes
+/// of the last block, and the compressed bytes of every block.
 std::optional<std::string> inflated(std::string_view sizes_bytes, std::string_view data,
                                     const Sizes& sizes, Budget& budget) {
   const auto blocks = sizes.at(sizes_bytes, 0);
@@ -167,7 +167,7 @@ std::optional<std::string> inflated(std::string_view sizes_bytes, std::string_vi
     if (!packed || *packed > data.size()) return {};
     const bool is_short = block + 1 == *blocks && *last_bytes != 0;
     const std::uint64_t size = is_short ? *last_bytes : *block_bytes;
-    if (size > (*packed + 1) * kBestCompression || !budget.take(size)) return {};
+    if (size > (*packed + 1) * kMaxZlibRatio || !budget.take(size)) return {};
     const std::size_t begin = result.size();
     result.resize(begin + std::size_t(size));
     uLongf written = uLongf(size);
@@ -180,17 +180,17 @@ std::optional<std::string> inflated(std::string_view sizes_bytes, std::string_vi
   return result;
 }
 
-/// How an array's bytes are packed.
+/// Encoding of the bytes of an array.
 struct Packing {
   Sizes sizes;
   bool is_compressed = false;
   bool is_base64 = false;
 };
 
-/// Bytes of the sizes in front of a compressed array, as far as it says itself.
+/// Number of bytes of the sizes before a compressed array, according to its own block count.
 std::optional<std::size_t> sizes_length(std::string_view bytes, const Sizes& sizes) {
   const auto blocks = sizes.at(bytes, 0);
-  if (!blocks || *blocks > bytes.size() * kBestCompression) return {};
+  if (!blocks || *blocks > bytes.size() * kMaxZlibRatio) return {};
   return (std::size_t(*blocks) + 3) * sizes.width;
 }
 
@@ -198,7 +198,7 @@ std::optional<std::string> unpacked(std::string_view packed, const Packing& pack
                                     Budget& budget) {
   std::string decoded;
   if (packing.is_base64) {
-    // Sizes and data may be encoded one after the other, or, without compression, as one.
+    // Sizes and data are encoded separately or, without compression, together.
     decoded = take_base64(packed);
     const auto length = packing.is_compressed ? sizes_length(decoded, packing.sizes)
                                               : std::optional(packing.sizes.width);
@@ -255,7 +255,7 @@ std::string value_of(const Attributes& attributes, const char* name) {
   return found == attributes.end() ? std::string() : found->second;
 }
 
-/// The data behind the XML, whose attributes say how they are encoded.
+/// Finds the data after the XML, whose attributes state the encoding.
 struct Appended {
   std::string_view bytes;
   bool is_base64 = false;
@@ -290,10 +290,10 @@ std::optional<std::vector<double>> decode(const RawArray& array, Packing packing
   return numbers_from_bytes(*bytes, type, budget);
 }
 
-/// Piece, parent and name, of which only one array is taken.
+/// Piece, parent and name; only one array of each is read.
 using ArrayKey = std::tuple<int, std::string, std::string>;
 
-/// Whether a reader needs `array`, and has not got one of its name yet; then it has now.
+/// Whether `array` is required and the first of its name; if so, marks it as read.
 bool is_wanted(const RawArray& array, const std::vector<WantedArray>& wanted,
                std::set<ArrayKey>& taken) {
   const std::string name = value_of(array.attributes, "Name");
@@ -323,17 +323,17 @@ Result<XmlArrays> parse_vtk_xml(std::string_view bytes, const std::string& name,
   const std::size_t appended_at = bytes.find("<AppendedData");
   const auto document = parse_document(bytes.substr(0, appended_at));
   if (!document || value_of(document->file, "type") != type)
-    return corrupt(fmt::format("no VTK XML file of type {}, or damaged", type));
+    return corrupt(fmt::format("not a VTK XML file of type {}, or damaged", type));
   if (appended_at == std::string_view::npos && !document->open.empty())
-    return corrupt("the file is cut short");
+    return corrupt("the file is truncated");
 
   const std::string compressor = value_of(document->file, "compressor");
   if (!compressor.empty() && compressor != "vtkZLibDataCompressor")
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("{} is compressed by {}, only zlib is read", name, compressor));
+                fmt::format("{} is compressed with {}, only zlib is supported", name, compressor));
   if (value_of(document->file, "byte_order") == "BigEndian")
     return fail(ErrorCode::kFileUnsupported,
-                fmt::format("{} is big-endian, only little-endian is read", name));
+                fmt::format("{} is big-endian, only little-endian is supported", name));
   Packing packing;
   packing.sizes.width = value_of(document->file, "header_type") == "UInt64" ? 8 : 4;
   packing.is_compressed = !compressor.empty();
@@ -349,14 +349,14 @@ Result<XmlArrays> parse_vtk_xml(std::string_view bytes, const std::string& name,
   for (const RawArray& raw : document->arrays) {
     if (!is_wanted(raw, wanted, taken)) continue;
     if (result.arrays.size() == kMaxArrays)
-      return corrupt(fmt::format("there are more than {} arrays to be read", kMaxArrays));
+      return corrupt(fmt::format("there are more than {} arrays to read", kMaxArrays));
     const std::string array_name = value_of(raw.attributes, "Name");
     if (value_of(raw.attributes, "format") == "appended" &&
         !offsets.insert(value_of(raw.attributes, "offset")).second)
-      return corrupt(fmt::format("array {} shares its data with another one", array_name));
+      return corrupt(fmt::format("array {} has the same data offset as another array", array_name));
     auto values = decode(raw, packing, appended, budget);
     if (!values)
-      return corrupt(fmt::format("array {} is damaged, cut short or far too long", array_name));
+      return corrupt(fmt::format("array {} is damaged, truncated or far too long", array_name));
     result.arrays.push_back({raw.parent, array_name, raw.piece, std::move(*values)});
   }
   return result;

@@ -1,6 +1,5 @@
 /// \file
-/// The data arrays of a VTK XML file, decoded without trust: VTK's own reader crashes on damaged
-/// files.
+/// Parses the data arrays of untrusted VTK XML files; VTK's own reader crashes on damaged files.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,17 +11,18 @@
 
 namespace lefort::io::internal {
 
-/// Which names an array may have.
+/// How the name of an array must match.
 enum class NameMatch { kWhole, kBeginning };
 
-/// An array that a reader needs. Of several with this name in one piece, the first counts.
+/// An array that a reader requires. If a piece has several of the name, the first is used.
 struct WantedArray {
-  std::string parent;                   ///< The element it stands in: Points, Polys, FieldData, ...
-  std::string name;                     ///< Empty for any: then the first of all.
-  NameMatch match = NameMatch::kWhole;  ///< kBeginning: all whose names begin so.
+  std::string parent;                   ///< Its parent element: Points, Polys, FieldData, ...
+  std::string name;                     ///< Empty: the first array with any name.
+  NameMatch match = NameMatch::kWhole;  ///< kBeginning: all arrays whose names begin with `name`.
 };
 
-/// One DataArray element; all numbers as double, which holds every vertex number exactly.
+/// One DataArray element; numbers are stored as double, which represents every vertex number
+/// exactly.
 struct XmlArray {
   std::string parent;
   std::string name;
@@ -35,16 +35,21 @@ struct XmlArrays {
   int pieces = 0;
 };
 
-/// The values of an array, or null if the file has none of that name (empty: any) there.
+/// Returns the values of an array, or null if `parent` has no array of this name (empty: any) in
+/// this piece.
 [[nodiscard]] const std::vector<double>* find_array(const XmlArrays& file, int piece,
                                                     std::string_view parent, std::string_view name);
 
-/// Decodes the arrays of `wanted` and no others: text, base64 or appended, zlib or plain,
+/// Decodes the arrays of `wanted` only: text, base64 or appended, zlib or uncompressed,
 /// little-endian.
 ///
-/// \returns kFileCorrupt if the file is no VTK XML file of this type (PolyData, ...), damaged or
-///   cut short, or if its arrays share data, are too many or unpack to far more than a surface or
-///   mesh of its length does; kFileUnsupported for other compressors and byte orders.
+/// \param bytes   of the whole file.
+/// \param name    of the file in messages.
+/// \param type    of the VTK file: PolyData, ...
+/// \param wanted  arrays to decode.
+/// \returns the arrays; kFileCorrupt if the file is not a VTK XML file of this type, is damaged or
+///   truncated, or its arrays overlap, are too many or decompress to far more than a surface or
+///   mesh of its length; kFileUnsupported for other compressors and byte orders.
 [[nodiscard]] Result<XmlArrays> parse_vtk_xml(std::string_view bytes, const std::string& name,
                                               const std::string& type,
                                               const std::vector<WantedArray>& wanted);

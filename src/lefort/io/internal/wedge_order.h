@@ -1,9 +1,9 @@
 /// \file
-/// The two ways in which programs number the nodes of a wedge.
+/// The two node numberings of a wedge.
 ///
-/// VTK documents that nodes 0, 1, 2 turn counter-clockwise seen from outside; Gmsh, Abaqus and
-/// others that they do seen from inside, and so do VTK's own parametric coordinates. Files that
-/// call themselves VTK are therefore written both ways.
+/// In VTK's documentation nodes 0, 1, 2 are counter-clockwise as seen from outside; in Gmsh, Abaqus
+/// and others, and in VTK's own parametric coordinates, they are counter-clockwise as seen from
+/// inside. VTK files therefore occur with both numberings.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -16,12 +16,12 @@
 
 namespace lefort::io::internal {
 
-/// Where each node of a wedge6 (the first six) or wedge15 stands in the other way.
+/// Index of each node of a wedge6 (the first six) or wedge15 in the other numbering.
 inline constexpr std::array<std::uint8_t, 15> kTurnedWedge{0, 2,  1,  3, 5,  4,  8, 7,
                                                            6, 11, 10, 9, 12, 14, 13};
 
-/// Turns every wedge of a block whose nodes 0, 1, 2 turn counter-clockwise seen from inside. A
-/// wedge that is not degenerate has positive volume in one way only.
+/// Renumbers every wedge of a block whose nodes 0, 1, 2 are counter-clockwise as seen from inside.
+/// The volume of a wedge is positive with one numbering only.
 inline void turn_wedges(mesh::ElementBlock& block, std::span<const Vec3> nodes_L) {
   const auto count = std::size_t(mesh::node_count(block.shape));
   for (std::size_t first = 0; first < block.nodes.size(); first += count) {

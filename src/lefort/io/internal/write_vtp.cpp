@@ -52,7 +52,7 @@ Result<std::string> vtp_bytes(const geometry::TriangleMesh& mesh,
   writer->SetCompressorTypeToZLib();
   writer->WriteToOutputStringOn();
   if (writer->Write() != 1)
-    return fail(ErrorCode::kFileUnwritable, "the surface cannot be packed as .vtp");
+    return fail(ErrorCode::kFileUnwritable, "the surface cannot be encoded as .vtp");
   return writer->GetOutputString();
 }
 
