@@ -111,7 +111,7 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
   std::vector<Vec3> x_L = task.model.tissue.nodes_L;
   std::vector<contact::RigidObstacle> bones;
   for (const predict::MovedSegment& segment : task.model.segments) {
-    LEFORT_TRY(auto distance_query_B, predict::detect_segment(segment, method.detection));
+    LEFORT_TRY(auto distance_query_B, predict::segment_distance_query(segment, method.detection));
     bones.push_back({std::move(distance_query_B)});
   }
   if (!walk.prediction.steps.empty()) {

@@ -10,9 +10,9 @@
 namespace lefort::predict {
 namespace {
 
-constexpr double kOutside_mm = -4.0;  // As far outside as a level tells.
+constexpr double kOutside_mm = -4.0;  // Smallest value of a level.
 
-/// How far inside all half-spaces a point lies; negative outside.
+/// Distance of a point from the border of the common part of all half-spaces; negative outside.
 double depth_inside(std::span<const mesh::HalfSpace> half_spaces, const Vec3& p) {
   double depth = std::numeric_limits<double>::infinity();
   for (const mesh::HalfSpace& half_space : half_spaces)
