@@ -328,7 +328,7 @@ TEST(PredictFace, TheFaceDoesNotDependOnTheNumberOfSteps) {
     EXPECT_LT((few.displacement_mm[n] - many.displacement_mm[n]).norm(), 1e-5);
 }
 
-TEST(PredictFace, RefusesAStepTheFieldCannotSee) {
+TEST(PredictFace, RejectsAStepBeyondTheBandOfTheField) {
   const auto refused = predict_face(block_on_slab(), {straight({0.0, 0.0, 7.0}, 2)}, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kStepBeyondBand);
@@ -350,7 +350,7 @@ TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
   EXPECT_EQ(predict_face(block_on_slab(), {detour}, {}).error().code, ErrorCode::kStepBeyondBand);
 }
 
-TEST(PredictFace, SkinIsMadeOfWhatItsRegionIs) {
+TEST(PredictFace, SkinHasTheMaterialOfItsRegion) {
   const geometry::RigidPath path = straight({0.0, 0.0, 1.5}, 3);
   PredictionOptions options;
   const auto whole = predict_face(block_on_slab(), {path}, options).value();
@@ -373,12 +373,12 @@ TEST(PredictFace, SkinIsMadeOfWhatItsRegionIs) {
   EXPECT_LT(stiff_middle_mm, 0.3 * middle_mm);
 }
 
-TEST(PredictFace, ARegionWithoutAMaterialIsRefused) {
+TEST(PredictFace, ARegionWithoutAMaterialIsRejected) {
   const auto refused = predict_face(layered_block(), {straight({0.0, 0.0, 1.0}, 1)}, {});
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(PredictFace, OnlyContactIsBoundToTheFieldsReach) {
+TEST(PredictFace, OnlyContactIsLimitedByTheBandOfTheField) {
   const FaceModel model = block_on_slab();
   const geometry::RigidPath far = straight({0.0, 0.0, 7.0}, 2);
   BoundaryOptions boundary;
@@ -388,7 +388,7 @@ TEST(PredictFace, OnlyContactIsBoundToTheFieldsReach) {
   EXPECT_TRUE(check_reach({far}, model.segments, smooth, boundary));
 }
 
-TEST(PredictFace, RefusesAFieldThatCannotReportContact) {
+TEST(PredictFace, RejectsAFieldThatDoesNotSufficeForContact) {
   PredictionOptions far_capture;
   far_capture.boundary.capture_mm = 3.0;
   const auto beyond = predict_face(block_on_slab(), {straight({0.0, 0.0, 1.0}, 1)}, far_capture);
@@ -408,7 +408,7 @@ class Notes final : public Progress {
   std::string all;
 };
 
-TEST(PredictFace, WarnsOfTissueThatRestsInsideTheBone) {
+TEST(PredictFace, WarnsOfPenetrationAtRest) {
   const geometry::RigidPath path = straight({0.0, 0.0, 0.5}, 1);
   Notes quiet, warned;
   ASSERT_TRUE(predict_face(block_on_slab(), {path}, {}, {}, quiet));
@@ -420,7 +420,7 @@ TEST(PredictFace, WarnsOfTissueThatRestsInsideTheBone) {
   EXPECT_NE(warned.all.find("by up to 1.50 mm"), std::string::npos) << warned.all;
 }
 
-TEST(PredictFace, RefusesAModelThatNothingTouchesOrHolds) {
+TEST(PredictFace, RejectsAModelWithoutContactOrFixedNodes) {
   FaceModel untouched = block_on_slab();
   untouched.tissue.node_sets[sets::kMobilizedSegment].clear();
   EXPECT_EQ(predict_face(untouched, {straight({0.0, 0.0, 1.0}, 1)}, {}).error().code,

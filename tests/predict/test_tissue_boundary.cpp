@@ -75,7 +75,7 @@ TEST(TissueBoundary, ReleasesTissueNearTheSegmentAndFixesTheRest) {
   for (const std::int32_t node : tissue.node_sets.at(sets::kSkin)) EXPECT_FALSE(fixed.count(node));
 }
 
-TEST(TissueBoundary, HoldsTheScansEdgeOnlyWhenAskedTo) {
+TEST(TissueBoundary, FixesTheScanBoundaryOnlyIfRequired) {
   const auto prescribed = [](ScanBoundary edge) {
     const mesh::VolumeMesh tissue = phantom_tissue({.scan_boundary = edge});
     const auto fixed = nodes_where(tissue, sets::kFixed);

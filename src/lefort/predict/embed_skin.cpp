@@ -31,7 +31,7 @@ Vec3 barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 double embedding_distance_mm(const TissueOptions& options, const Vec3& spacing_mm) {
   return 2.0 * (kSurfaceDistanceFraction * options.element_size_mm +
-                kScanEdgeInset_voxels * spacing_mm.maxCoeff());
+                kScanBoundaryInset_voxels * spacing_mm.maxCoeff());
 }
 
 SkinEmbedding embed_skin(const geometry::TriangleMesh& skin_L, const mesh::VolumeMesh& tissue,

@@ -94,7 +94,8 @@ Result<mesh::VolumeMesh> mesh_tissue_and_skin(const TissueDomain& domain,
   if (faces.empty())
     return fail(ErrorCode::kAnatomyMissing, "no skin bounds the tissue around the segment");
   std::vector<mesh::HalfSpace> cut_planes = domain.cuts_L;
-  cut_planes.insert(cut_planes.end(), domain.scan_edges_L.begin(), domain.scan_edges_L.end());
+  cut_planes.insert(cut_planes.end(), domain.scan_boundaries_L.begin(),
+                    domain.scan_boundaries_L.end());
   LEFORT_TRY(mesh::VolumeMesh mixed,
              mesh::add_boundary_layer(tets, faces, cut_planes,
                                       {.thickness_mm = options.skin->thickness_mm,

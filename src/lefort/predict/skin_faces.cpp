@@ -26,7 +26,7 @@ std::vector<mesh::Face> skin_faces(const mesh::VolumeMesh& tissue, const TissueD
   parallel_for(Index(nodes.size()), [&](Index n) {
     const auto node = std::size_t(nodes[std::size_t(n)]);
     const Vec3& p_L = tissue.nodes_L[node];
-    if (std::min(domain.distance_to_cut(p_L), domain.distance_to_scan_edge(p_L)) <=
+    if (std::min(domain.distance_to_cut(p_L), domain.distance_to_scan_boundary(p_L)) <=
         kPlaneTolerance_mm)
       location[node] = Location::kCutPlane;
     else if (is_closer_to_skin(p_L))
@@ -47,7 +47,7 @@ std::vector<mesh::Face> skin_faces(const mesh::VolumeMesh& tissue, const TissueD
       });
     };
     if (count(Location::kElsewhere) == 0 && count(Location::kSkin) > 0 &&
-        !is_cut_off(corners, domain.cuts_L) && !is_cut_off(corners, domain.scan_edges_L))
+        !is_cut_off(corners, domain.cuts_L) && !is_cut_off(corners, domain.scan_boundaries_L))
       faces.push_back(face);
   }
   return faces;

@@ -178,7 +178,7 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
 
   const std::array<std::function<double(const Vec3&)>, 6> distances_mm{
       [&](const Vec3& p_L) { return domain.distance_to_cut(p_L); },
-      [&](const Vec3& p_L) { return domain.distance_to_scan_edge(p_L); },
+      [&](const Vec3& p_L) { return domain.distance_to_scan_boundary(p_L); },
       distance_to(segment),
       distance_to(remainder),
       [&](const Vec3& p_L) { return distance_to_brain(labels, p_L); },

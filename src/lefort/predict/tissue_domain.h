@@ -15,21 +15,21 @@ namespace lefort::predict {
 
 /// The scan boundary lies this far inside the outermost voxel centers, where values can be
 /// interpolated.
-inline constexpr double kScanEdgeInset_voxels = 0.5;
+inline constexpr double kScanBoundaryInset_voxels = 0.5;
 
 /// Soft tissue in a box around the mobilized segment.
 struct TissueDomain {
-  image::ScalarVolume soft_tissue_level;      ///< anatomy/tissue_levels.h.
-  Box3 box_L;                                 ///< The segment's box and the margin around it.
-  std::vector<mesh::HalfSpace> cuts_L;        ///< Sides of the box.
-  std::vector<mesh::HalfSpace> scan_edges_L;  ///< Sides of the scan.
+  image::ScalarVolume soft_tissue_level;           ///< anatomy/tissue_levels.h.
+  Box3 box_L;                                      ///< The segment's box and the margin around it.
+  std::vector<mesh::HalfSpace> cuts_L;             ///< Sides of the box.
+  std::vector<mesh::HalfSpace> scan_boundaries_L;  ///< Sides of the scan.
 
   /// Level-set function of the domain: positive inside [mm], continuous.
   [[nodiscard]] double level(const Vec3& p_L) const;
   /// Distance to the closest plane of `cuts_L` [mm].
   [[nodiscard]] double distance_to_cut(const Vec3& p_L) const;
-  /// Distance to the closest plane of `scan_edges_L` [mm].
-  [[nodiscard]] double distance_to_scan_edge(const Vec3& p_L) const;
+  /// Distance to the closest plane of `scan_boundaries_L` [mm].
+  [[nodiscard]] double distance_to_scan_boundary(const Vec3& p_L) const;
 };
 
 /// \param soft_tissue_level  see anatomy/tissue_levels.h.
