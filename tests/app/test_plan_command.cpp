@@ -224,7 +224,7 @@ TEST_F(PlanCommand, BoneInBoneIsFound) {
   backwards["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0, 2, 0};
   const auto run = check(backwards, "--no-pictures");
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_NE(run.out.find("front and remainder are in each other: at 100.0 %"), std::string::npos)
+  EXPECT_NE(run.out.find("front and remainder overlap: at 100.0 %"), std::string::npos)
       << run.out;
   const json found = result();
   EXPECT_TRUE(found["has_findings"]);
@@ -264,7 +264,7 @@ TEST_F(PlanCommand, SegmentsAreCheckedAgainstEachOther) {
   two["segments"][1]["path"]["keyframes"][0]["translation_mm"] = {-3, 0, 0.5};
   const auto run = check(two, "--no-pictures");
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_NE(run.out.find("front and front-left are in each other"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("front and front-left overlap"), std::string::npos) << run.out;
   EXPECT_NEAR(result()["segments"][0]["volume_ml"].get<double>(), 3.0, 1e-6);
 }
 

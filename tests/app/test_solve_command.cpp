@@ -510,8 +510,8 @@ TEST_F(SolveCommand, AnObstacleThatSitsInTheBodyIsFoundBeforeEarlierResultsGo) {
     EXPECT_EQ(run.exit_code, 1);
     EXPECT_EQ(run.message_lines(), 1) << run.error;
     EXPECT_TRUE(std::regex_search(
-        run.error, std::regex("obstacles\\[0\\]: overlaps its faces by [0-9.]+ mm at rest, its "
-                              "field knows [0-9.]+ mm")))
+        run.error, std::regex("obstacles\\[0\\]: overlaps its faces by [0-9.]+ mm at rest; the "
+                              "maximum distance of its distance query is [0-9.]+ mm")))
         << run.error;
     EXPECT_TRUE(there_is("out/solve.json"));
     EXPECT_TRUE(there_is("out/step_0002.vtu"));
@@ -552,10 +552,10 @@ TEST_F(SolveCommand, BadDecksAreOneLineAndLeaveNothing) {
   expect_refusal(spoilt([](json& d) { d["mesh"] = "deck.json"; }),
                  "deck.json must end in .vtu or .msh");
   expect_refusal(spoilt([](json& d) { d["displacements"][0]["set"] = "base"; }),
-                 "displacements[0]: there is no set base, the sets are: X0, X1, Y0, Y1, Z0, Z1");
+                 "displacements[0]: there is no set base; the sets are: X0, X1, Y0, Y1, Z0, Z1");
   expect_refusal(spoilt([](json& d) { d["materials"][0]["region"] = "bone"; }),
-                 "there is no region bone, the regions are: 0");
-  expect_refusal(spoilt([](json& d) { d["displacements"].erase(0); }), "nothing holds it");
+                 "there is no region bone; the regions are: 0");
+  expect_refusal(spoilt([](json& d) { d["displacements"].erase(0); }), "it is not fixed");
   expect_refusal(spoilt([](json& d) {
                    d["obstacles"] = {{{"name", "b"}, {"file", "none.stl"}, {"faces", "Z1"}}};
                  }),

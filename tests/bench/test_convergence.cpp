@@ -10,7 +10,7 @@
 namespace lefort::bench {
 namespace {
 
-/// Asks to stop after so many notes: one a step.
+/// Requests a stop after a number of notes; there is one for each step.
 class StopAfter : public Progress {
  public:
   explicit StopAfter(int notes) : left_(notes) {}
@@ -21,7 +21,7 @@ class StopAfter : public Progress {
   int left_;
 };
 
-TEST(Convergence, ARunThatIsStoppedKeepsWhatItHasFound) {
+TEST(Convergence, AStoppedRunKeepsItsResults) {
   const test::TemporaryFolder folder;
   const auto cases = synthetic_cases(Progress::none());
   ASSERT_TRUE(cases) << cases.error().message;

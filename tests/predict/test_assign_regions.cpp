@@ -37,14 +37,14 @@ anatomy::LabelMap air_on_both_sides() {
   return labels;
 }
 
-TEST(NameMucosa, IsWhatLiesNearTheAirInsideButNotSkin) {
+TEST(AssignMucosa, IsDeepTissueNearAir) {
   mesh::VolumeMesh mesh;
   mesh.blocks.push_back({mesh::ElementShape::kTet4, {}, {}});
   std::vector<std::int32_t> wanted;
   for (const double x_mm : {5.0, 6.5, 7.0, 10.0, 13.0, 13.5, 15.0}) {
-    add_tet(mesh, {x_mm, 2.0, 2.0}, regions::kInside);
+    add_tet(mesh, {x_mm, 2.0, 2.0}, regions::kDeepTissue);
     // 2 mm from 4.75 and from 15.25.
-    wanted.push_back(x_mm < 6.75 || x_mm > 13.25 ? regions::kMucosa : regions::kInside);
+    wanted.push_back(x_mm < 6.75 || x_mm > 13.25 ? regions::kMucosa : regions::kDeepTissue);
   }
   add_tet(mesh, {5.0, 2.0, 2.0}, regions::kSkin);
   wanted.push_back(regions::kSkin);
@@ -65,7 +65,7 @@ anatomy::LabelMap with_ball(anatomy::LabelMap labels) {
   return labels;
 }
 
-TEST(NameMuscle, IsAsLargeAsTheBallThatWasPainted) {
+TEST(AssignMuscle, IsAsLargeAsThePaintedBall) {
   const test::FacePhantom phantom = test::make_face_phantom();
   const TissueOptions options{.element_size_mm = 1.8,
                               .far_element_size_mm = 1.8,
@@ -85,7 +85,7 @@ TEST(NameMuscle, IsAsLargeAsTheBallThatWasPainted) {
     if (from_border_mm < -0.9) {  // Half a voxel's diagonal.
       EXPECT_EQ(named.blocks[0].region[std::size_t(e)], regions::kMuscle);
     } else if (from_border_mm > 0.9) {
-      EXPECT_EQ(named.blocks[0].region[std::size_t(e)], regions::kInside);
+      EXPECT_EQ(named.blocks[0].region[std::size_t(e)], regions::kDeepTissue);
     }
   }
   const double ball_mm3 = 4.0 / 3.0 * std::numbers::pi * kBall_mm * kBall_mm * kBall_mm;
@@ -98,25 +98,25 @@ TEST(NameMuscle, IsAsLargeAsTheBallThatWasPainted) {
   EXPECT_NE(describe_regions(named, options).find("; muscle "), std::string::npos);
 }
 
-TEST(NameMuscle, SkinComesBeforeMuscleAndMuscleBeforeMucosa) {
+TEST(AssignMuscle, SkinComesBeforeMuscleAndMuscleBeforeMucosa) {
   anatomy::LabelMap labels = air_on_both_sides();
   for (anatomy::Tissue& label : labels.values)
     if (label == anatomy::Tissue::kSoftTissue) label = anatomy::Tissue::kMuscle;
   mesh::VolumeMesh mesh;
   mesh.blocks.push_back({mesh::ElementShape::kTet4, {}, {}});
-  add_tet(mesh, {5.3, 2.0, 2.0}, regions::kInside);  // Muscle, and near air.
-  add_tet(mesh, {4.3, 2.0, 2.0}, regions::kInside);  // In the air's voxels: mucosa.
+  add_tet(mesh, {5.3, 2.0, 2.0}, regions::kDeepTissue);  // Muscle, and near air.
+  add_tet(mesh, {4.3, 2.0, 2.0}, regions::kDeepTissue);  // In the air's voxels: mucosa.
   add_tet(mesh, {10.0, 2.0, 2.0}, regions::kSkin);
-  add_tet(mesh, {10.0, 2.0, 40.0}, regions::kInside);  // Beyond the scan.
+  add_tet(mesh, {10.0, 2.0, 40.0}, regions::kDeepTissue);  // Beyond the scan.
   const std::vector<std::int32_t> wanted{regions::kMuscle, regions::kMucosa, regions::kSkin,
-                                         regions::kInside};
+                                         regions::kDeepTissue};
   EXPECT_EQ(assign_mucosa(assign_muscle(mesh, labels), labels, 2.0).blocks[0].region, wanted);
 }
 
-/// A stiff ball in softer tissue that is stretched strains less than the tissue would in its place:
+/// In stretched tissue a stiffer ball strains less than the tissue would:
 /// by 1 / (1 + b (k - 1)) in an infinite body, with k the ratio of the stiffnesses and
-/// b = 2 (4 - 5 nu) / (15 (1 - nu)) (Eshelby 1957, for strain that keeps the volume).
-TEST(NameMuscle, AStiffMuscleStrainsLessInAPrediction) {
+/// b = 2 (4 - 5 nu) / (15 (1 - nu)) (Eshelby 1957, for isochoric strain).
+TEST(AssignMuscle, AStiffMuscleStrainsLessInAPrediction) {
   constexpr double kRatio = 8.0, kSide_mm = 20.0, kRadius_mm = 4.0;
   const Vec3 center_L = Vec3::Constant(0.5 * kSide_mm);
   FaceModel model = test::block_on_slab();
@@ -160,7 +160,7 @@ TEST(NameMuscle, AStiffMuscleStrainsLessInAPrediction) {
               0.15 * eshelby);
 }
 
-TEST(NameMuscle, HasAMaterialOfItsOwn) {
+TEST(AssignMuscle, HasItsOwnMaterial) {
   TissueOptions options;
   EXPECT_FALSE(materials_of(options)->contains(regions::kMuscle));
   options.muscle = MuscleOptions{.young_mpa = 0.06, .poisson = 0.4};
@@ -169,7 +169,7 @@ TEST(NameMuscle, HasAMaterialOfItsOwn) {
   EXPECT_FALSE(materials_of(options));
 }
 
-TEST(NameMucosa, HasAMaterialOfItsOwn) {
+TEST(AssignMucosa, HasItsOwnMaterial) {
   TissueOptions options;
   EXPECT_FALSE(materials_of(options)->contains(regions::kMucosa));
   options.mucosa = MucosaOptions{.thickness_mm = 2.0, .young_mpa = 0.03, .poisson = 0.4};

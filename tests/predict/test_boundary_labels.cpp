@@ -33,7 +33,7 @@ BoundaryLabelMap paint(const image::Grid& grid, const Painting& label_at) {
   return painted;
 }
 
-/// On the lower side, for x from `from` to `to`; far from where the tissue was cut out.
+/// Paints the lower side for x from `from` to `to`, far from the cut planes.
 Painting below(double from, double to, BoundaryLabel label) {
   return [=](const Vec3& p) {
     return p.x() >= from && p.x() <= to && p.y() >= 10.0 && p.y() <= 30.0 && p.z() < 11.0
@@ -60,10 +60,10 @@ FaceModel phantom_face(const BoundaryOptions& options, const Painting& label_at 
   return model;
 }
 
-/// What nodes of a set below 9 mm, well within the painted patch, do when the segment rises.
+/// Displacements of nodes below 9 mm, well within the painted patch, when the segment rises.
 struct MovedNodes {
   double min_mm = 1e9, max_mm = 0.0;
-  double off_the_bone_mm = 0.0;  ///< Furthest from where the segment would have taken it.
+  double off_the_bone_mm = 0.0;  ///< Largest difference from the motion of the segment.
   int nodes = 0;
 };
 
@@ -89,7 +89,7 @@ MovedNodes moved_nodes(const FaceModel& model, const BoundaryOptions& boundary, 
   return moved;
 }
 
-TEST(BoundaryLabels, TheNearestPaintedVoxelWithinHalfADiagonalCounts) {
+TEST(BoundaryLabels, TheClosestPaintedVoxelWithinHalfADiagonalDecides) {
   image::Grid grid;
   grid.size = {4, 4, 3};
   grid.spacing_mm = Vec3(0.5, 0.5, 2.0);
@@ -104,7 +104,8 @@ TEST(BoundaryLabels, TheNearestPaintedVoxelWithinHalfADiagonalCounts) {
   EXPECT_EQ(painted_at(painted, free_L), BoundaryLabel::kFree);
   EXPECT_EQ(painted_at(painted, fixed_L + Vec3(0.45, 0, 0)), BoundaryLabel::kFixed);
   EXPECT_EQ(painted_at(painted, fixed_L + Vec3(0.55, 0, 0)), BoundaryLabel::kFree);
-  EXPECT_EQ(painted_at(painted, fixed_L + Vec3(0.5, 0, 0)), BoundaryLabel::kFixed);  // As near.
+  EXPECT_EQ(painted_at(painted, fixed_L + Vec3(0.5, 0, 0)),
+            BoundaryLabel::kFixed);  // Equally close.
   EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0.25, 0.25, 1.0)), BoundaryLabel::kFixed);
   EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0, 0, reach_mm - 1e-6)), BoundaryLabel::kFixed);
   EXPECT_EQ(painted_at(painted, fixed_L - Vec3(0, 0, reach_mm + 1e-6)), BoundaryLabel::kNone);
@@ -113,7 +114,7 @@ TEST(BoundaryLabels, TheNearestPaintedVoxelWithinHalfADiagonalCounts) {
   EXPECT_EQ(painted_at(painted, Vec3(1e9, -1e9, 0)), BoundaryLabel::kNone);
 }
 
-TEST(BoundaryLabels, WhatIsNotPaintedIsAsTheRuleHasIt) {
+TEST(BoundaryLabels, WithoutALabelTheRuleDecides) {
   const FaceModel by_rule = phantom_face({});
   const FaceModel painted = phantom_face({}, below(20.0, 26.0, BoundaryLabel::kFixed));
   const FaceModel blank = phantom_face({}, [](const Vec3&) { return BoundaryLabel::kNone; });
@@ -139,14 +140,14 @@ TEST(BoundaryLabels, WhatIsNotPaintedIsAsTheRuleHasIt) {
   }
 }
 
-TEST(BoundaryLabels, FixedHoldsTissueThatTheRuleLetsMove) {
+TEST(BoundaryLabels, FixedOverridesARuleThatFreesTissue) {
   const BoundaryOptions boundary{.elevation_margin_mm = 9.0};
   EXPECT_GT(moved_nodes(phantom_face(boundary), boundary, 22.0, 28.0).max_mm, 0.1);
   const FaceModel painted = phantom_face(boundary, below(21.0, 29.0, BoundaryLabel::kFixed));
   EXPECT_EQ(moved_nodes(painted, boundary, 22.0, 28.0).max_mm, 0.0);
 }
 
-TEST(BoundaryLabels, FreeLetsGoOfTissueThatTheRuleHolds) {
+TEST(BoundaryLabels, FreeOverridesARuleThatFixesTissue) {
   const BoundaryOptions boundary{.elevation_margin_mm = 0.0};
   EXPECT_EQ(moved_nodes(phantom_face(boundary), boundary, 23.0, 28.0).max_mm, 0.0);
   const FaceModel painted = phantom_face(boundary, below(21.0, 30.0, BoundaryLabel::kFree));
@@ -158,12 +159,13 @@ TEST(BoundaryLabels, WithSegmentMovesExactlyAsTheBoneThoughOtherTissueSlides) {
   const FaceModel painted = phantom_face(boundary, below(4.0, 16.0, BoundaryLabel::kWithSegment));
   EXPECT_LT(moved_nodes(painted, boundary, 5.0, 15.0).off_the_bone_mm, 1e-12);
   EXPECT_GT(moved_nodes(phantom_face(boundary), boundary, 5.0, 15.0).off_the_bone_mm, 1e-6);
-  // Beside it, on still bone that the rule holds.
-  const FaceModel beside = phantom_face(boundary, below(23.0, 33.0, BoundaryLabel::kWithSegment));
-  EXPECT_LT(moved_nodes(beside, boundary, 24.0, 32.0).off_the_bone_mm, 1e-12);
+  // On stationary bone, which is fixed by the rule.
+  const FaceModel on_stationary_bone =
+      phantom_face(boundary, below(23.0, 33.0, BoundaryLabel::kWithSegment));
+  EXPECT_LT(moved_nodes(on_stationary_bone, boundary, 24.0, 32.0).off_the_bone_mm, 1e-12);
 }
 
-TEST(BoundaryLabels, FreeIsNotAttachedWhereTheRestOfTheBoneIs) {
+TEST(BoundaryLabels, FreeOverridesABondedInterface) {
   const BoundaryOptions boundary{.segment_interface = SegmentInterface::kBonded,
                                  .elevation_margin_mm = 0.0};
   EXPECT_LT(moved_nodes(phantom_face(boundary), boundary, 5.0, 15.0).off_the_bone_mm, 1e-12);
@@ -171,7 +173,7 @@ TEST(BoundaryLabels, FreeIsNotAttachedWhereTheRestOfTheBoneIs) {
   EXPECT_GT(moved_nodes(painted, boundary, 5.0, 15.0).off_the_bone_mm, 0.01);
 }
 
-TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
+TEST(BoundaryLabels, EachNodeIsCountedOnce) {
   const BoundaryOptions boundary{.elevation_margin_mm = 4.0};
   const auto label_at = [](const Vec3& p) {
     if (p.x() < 10.0) return below(4.0, 10.0, BoundaryLabel::kWithSegment)(p);
@@ -201,7 +203,7 @@ TEST(BoundaryLabels, EachNodeIsCountedOnceByWhatDecidedIt) {
   EXPECT_EQ(decided + painted, Index(tissue.node_sets.at("boundary").size()));
   EXPECT_EQ(fixed + by_label[0].nodes, Index(tissue.node_sets.at(sets::kFixed).size()));
 
-  // Likewise of the area, which is that of the boundary's triangles.
+  // The areas, too: their sum is the area of the boundary.
   double area_mm2 = 0.0, by_rule_mm2 = 0.0, over_mm2 = 0.0, painted_mm2 = 0.0;
   for (const mesh::Face3& face : mesh::triangles_of(tissue.face_sets.at("boundary"))) {
     const auto p = [&](std::size_t n) { return tissue.nodes_L[std::size_t(face[n])]; };

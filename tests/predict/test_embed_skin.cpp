@@ -22,16 +22,16 @@ std::vector<Vec3> displace_by(const Mat3& gradient) {
   return u;
 }
 
-TEST(MoveSkin, FollowsALinearDisplacementExactlyOnTheMesh) {
+TEST(EmbedSkin, FollowsALinearDisplacementExactlyOnTheMesh) {
   const Mat3 gradient = (Mat3() << 0.1, 0.2, 0.0, -0.1, 0.05, 0.3, 0.0, 0.1, -0.2).finished();
-  geometry::TriangleMesh skin;  // Points of the block's sides that are no nodes.
+  geometry::TriangleMesh skin;  // Points on the sides of the block that are not nodes.
   skin.vertices = {{0.0, 3.3, 4.7}, {10.0, 0.9, 9.1}, {2.2, 10.0, 5.6}};
   skin.triangles = {{0, 1, 2}};
   const auto u = skin_displacement(embed_skin(skin, tissue(), 2.0), displace_by(gradient));
   for (std::size_t v = 0; v < 3; ++v) EXPECT_LT((u[v] - gradient * skin.vertices[v]).norm(), 1e-12);
 }
 
-TEST(MoveSkin, FadesToNothingAwayFromTheMesh) {
+TEST(EmbedSkin, DecreasesToZeroAwayFromTheMesh) {
   geometry::TriangleMesh skin;
   for (double x = 10.0; x <= 20.0; x += 0.25) skin.vertices.emplace_back(x, 5.0, 5.0);
   skin.triangles = {{0, 1, 2}};
@@ -45,14 +45,14 @@ TEST(MoveSkin, FadesToNothingAwayFromTheMesh) {
   }
 }
 
-TEST(MoveSkin, ReachesFurtherInCoarserMeshesAndScans) {
+TEST(EmbedSkin, EmbeddingDistanceGrowsWithElementsAndVoxels) {
   const double fine_mm = embedding_distance_mm({.element_size_mm = 2.5}, {1.0, 1.0, 1.5});
   EXPECT_GT(fine_mm, 0.15 * 2.5 + 0.5 * 1.5);
   EXPECT_GT(embedding_distance_mm({.element_size_mm = 5.0}, {1.0, 1.0, 1.5}), fine_mm);
   EXPECT_GT(embedding_distance_mm({.element_size_mm = 2.5}, {1.0, 1.0, 3.0}), fine_mm);
 }
 
-TEST(MoveSkin, DisplacedMovesEveryVertexAndKeepsTheTriangles) {
+TEST(EmbedSkin, DisplacedMovesEveryVertexAndKeepsTheTriangles) {
   const geometry::TriangleMesh box = test::make_box(Vec3::Zero(), Vec3::Ones());
   const std::vector<Vec3> shift(box.vertices.size(), Vec3(1.0, 2.0, 3.0));
   const geometry::TriangleMesh moved = displaced(box, shift);

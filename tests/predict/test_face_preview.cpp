@@ -48,8 +48,8 @@ TEST(FacePreview, NoMotionMovesNothing) {
   for (const Vec3& u : u_mm) EXPECT_EQ(u, Vec3::Zero());
 }
 
-/// Skin has a law of its own: of the same stiffness it changes nothing, stiffer it gives way less.
-TEST(FacePreview, KnowsSkin) {
+/// Skin has its own law: the same stiffness changes nothing, a larger one reduces the displacement.
+TEST(FacePreview, UsesTheMaterialOfSkin) {
   TissueOptions options;
   const auto answer = [&](const FaceModel& model) {
     return FacePreview(make_preview_model(model, test::surface_of(model), options, {}, Vec3::Ones())
@@ -70,7 +70,7 @@ TEST(FacePreview, KnowsSkin) {
   EXPECT_GT(change_mm, 0.01);
 }
 
-TEST(FacePreview, OfAttachedTissueIsThePredictionToFirstOrder) {
+TEST(FacePreview, OfBondedTissueIsThePredictionToFirstOrder) {
   const FaceModel model = test::block_on_slab();
   const double far_mm = distance_mm(model, SegmentInterface::kBonded, {0.4, 0.2, 0.4});
   const double near_mm = distance_mm(model, SegmentInterface::kBonded, {0.1, 0.05, 0.1});
@@ -91,7 +91,7 @@ FaceModel painted_block() {
   return model;
 }
 
-TEST(FacePreview, OfTissuePaintedToMoveWithTheSegmentIsNearThePrediction) {
+TEST(FacePreview, OfTissuePaintedToMoveWithTheSegmentIsCloseToThePrediction) {
   const FaceModel model = painted_block();
   const auto& painted = model.tissue.node_sets.at("painted_with_segment");
   ASSERT_GT(painted.size(), 5U);
@@ -99,7 +99,7 @@ TEST(FacePreview, OfTissuePaintedToMoveWithTheSegmentIsNearThePrediction) {
   EXPECT_LT(distance_mm(model, SegmentInterface::kSliding, by_mm), 0.08);
   const auto unpainted_mm =
       preview_of(test::block_on_slab()).displacement_mm(std::array{shift(by_mm)}).value();
-  // It is pulled, too, where tissue that is pushed alone comes off.
+  // Painted tissue is also pulled; other tissue lifts off.
   for (const double fraction : {1.0, -1.0}) {
     const auto u_mm =
         preview_of(model).displacement_mm(std::array{shift(fraction * by_mm)}).value();
@@ -108,7 +108,7 @@ TEST(FacePreview, OfTissuePaintedToMoveWithTheSegmentIsNearThePrediction) {
       EXPECT_LT((u_mm[std::size_t(node)] - fraction * by_mm).norm(), 0.05);
       max_mm = std::max(max_mm, unpainted_mm[std::size_t(node)].x());
     }
-    EXPECT_LT(max_mm, 0.1);  // By rule it would not follow sideways.
+    EXPECT_LT(max_mm, 0.1);  // Unpainted, it would not follow sideways.
   }
 }
 
@@ -120,12 +120,12 @@ TEST(FacePreview, TissueThatTouchesNoSegmentMayBePaintedToMoveWithIt) {
     EXPECT_NEAR(u_mm[std::size_t(node)].y(), 0.5, 0.05);
 }
 
-TEST(FacePreview, OfPushedTissueIsNearThePrediction) {
-  // Both give way a little: the penalty of the one, the supports of the other.
+TEST(FacePreview, OfPushedTissueIsCloseToThePrediction) {
+  // Both are compliant: the penalty of the prediction, the supports of the preview.
   EXPECT_LT(distance_mm(test::block_on_slab(), SegmentInterface::kSliding, {0.0, 0.0, 0.5}), 0.1);
 }
 
-TEST(FacePreview, TissueSlidesAndComesOff) {
+TEST(FacePreview, TissueSlidesAndLiftsOff) {
   const FaceModel model = test::block_on_slab();
   const FacePreview preview = preview_of(model);
   const std::array<Vec3, 2> away_mm{Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, -2.0)};
@@ -135,7 +135,7 @@ TEST(FacePreview, TissueSlidesAndComesOff) {
   }
 }
 
-TEST(FacePreview, TwiceTheMotionIsTwiceTheAnswer) {
+TEST(FacePreview, TwiceTheMotionIsTwiceTheDisplacement) {
   const FacePreview preview = preview_of(test::block_on_ball());
   const auto once_mm = preview.displacement_mm(std::array{shift({0.3, 0.1, 1.0})}).value();
   const auto twice_mm = preview.displacement_mm(std::array{shift({0.6, 0.2, 2.0})}).value();
@@ -143,8 +143,8 @@ TEST(FacePreview, TwiceTheMotionIsTwiceTheAnswer) {
     EXPECT_LT((twice_mm[v] - 2.0 * once_mm[v]).norm(), 1e-3);
 }
 
-/// A factor that is used again leaves no trace.
-TEST(FacePreview, DoesNotDependOnWhatWasAskedBefore) {
+/// The reused factor does not change results.
+TEST(FacePreview, DoesNotDependOnEarlierCalls) {
   const FaceModel model = test::block_on_ball();
   const FacePreview fresh = preview_of(model), used = preview_of(model);
   for (const double up_mm : {2.0, -1.0, 0.5})
@@ -154,7 +154,7 @@ TEST(FacePreview, DoesNotDependOnWhatWasAskedBefore) {
   for (std::size_t v = 0; v < a_mm.size(); ++v) EXPECT_LT((a_mm[v] - b_mm[v]).norm(), 1e-4);
 }
 
-TEST(FacePreview, RefusesAModelThatNothingTouchesOrHolds) {
+TEST(FacePreview, RejectsAModelWithoutSupportsOrFixedNodes) {
   FaceModel untouched = test::block_on_slab();
   untouched.tissue.node_sets[sets::kMobilizedSegment].clear();
   FaceModel loose = test::block_on_slab();

@@ -41,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(Both, PredictFaceWith,
                          testing::Values(contact::DetectionMethod::kTrilinear,
                                          contact::DetectionMethod::kSmooth));
 
-TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneButForTheStatedPenetration) {
+TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneExceptForThePenetration) {
   const FaceModel model = block_on_slab();
   const auto prediction = predict_face(model, {straight({0.0, 0.0, 2.0}, 4)}, options()).value();
   ASSERT_TRUE(prediction.converged());
@@ -63,7 +63,7 @@ TEST_P(PredictFaceWith, PushedTissueFollowsTheBoneButForTheStatedPenetration) {
   }
 }
 
-TEST(PredictFace, OnASlabItDoesNotMatterWhoDetectsContactAndWhereItIsIntegrated) {
+TEST(PredictFace, OnASlabDetectionAndIntegrationMethodsAgree) {
   const FaceModel model = block_on_slab();
   const auto reference = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, {}).value();
   ASSERT_TRUE(reference.converged());
@@ -80,7 +80,7 @@ TEST(PredictFace, OnASlabItDoesNotMatterWhoDetectsContactAndWhereItIsIntegrated)
   }
 }
 
-TEST(PredictFace, MultipliersReachThePenetrationThatIsNamed) {
+TEST(PredictFace, MultipliersReachThePenetrationTolerance) {
   const FaceModel model = block_on_ball();
   PredictionOptions options;
   options.solver.relative_tolerance = 1e-8;
@@ -107,7 +107,7 @@ TEST(PredictFace, StifferContactLeavesLessPenetration) {
             0.3 * soft.steps.back().contact().max_penetration_mm);
 }
 
-TEST(PredictFace, StiffnessOfHomogeneousTissueDoesNotMatter) {  // domain: only ratios count.
+TEST(PredictFace, StiffnessOfHomogeneousTissueDoesNotMatter) {  // Only ratios matter.
   const FaceModel model = block_on_slab();
   const auto reference = predict_face(model, {straight({0.0, 0.0, 1.0}, 2)}, {}).value();
   ASSERT_TRUE(reference.converged());
@@ -143,7 +143,7 @@ TEST_P(PredictFaceWith, PressedTissueDoesNotFollowABoneThatSlides) {
   EXPECT_GT(max_mm, 0.5);
 }
 
-TEST_P(PredictFaceWith, ContactOnARoundBoneThatTurnsBalancesWhatHoldsTheTissue) {
+TEST_P(PredictFaceWith, ContactOnARotatingRoundBoneBalancesTheReaction) {
   const FaceModel model = block_on_ball();
   geometry::RigidPath path = straight({0.3, 0.0, 1.5}, 4);
   path.keyframes[0].rotation_rad = Vec3(0.15, 0.1, 0.2);
@@ -187,7 +187,7 @@ TEST(PredictFace, ARetreatingBoneLeavesTissueWhereItIs) {
   for (const Vec3& u : prediction.steps.back().displacement_mm) EXPECT_EQ(u, Vec3::Zero());
 }
 
-TEST(PredictFace, AttachedTissueMovesExactlyWithTheBone) {
+TEST(PredictFace, BondedTissueMovesExactlyWithTheBone) {
   const FaceModel model = block_on_slab();
   PredictionOptions options;
   options.boundary.segment_interface = SegmentInterface::kBonded;
@@ -216,11 +216,11 @@ TEST(PredictFace, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one.steps.back().displacement_mm, two.steps.back().displacement_mm);
 }
 
-/// Stopped after any step of this path, the rest is found with the same bits.
-void expect_same_after_a_stop(const FaceModel& model, const geometry::RigidPath& path,
+/// Resumes after each step of the path and expects the same bits.
+void expect_same_when_resumed(const FaceModel& model, const geometry::RigidPath& path,
                               PredictionOptions options) {
   options.contact.penetration_tolerance_mm = 1e-3;
-  options.contact.stiffness_factor = 10.0;  // So soft that it takes multipliers.
+  options.contact.stiffness_factor = 10.0;  // So soft that multipliers are needed.
   std::vector<Restart> kept;
   const PredictionWatch watch{
       .on_step = {}, .on_restart = [&](const Restart& restart) { kept.push_back(restart); }};
@@ -257,23 +257,23 @@ void expect_same_after_a_stop(const FaceModel& model, const geometry::RigidPath&
   EXPECT_EQ(deepest_mm, whole.steps.back().contact().max_depth_from_rest_mm);
 }
 
-TEST(PredictFace, StoppedAfterAnyStepTheRestIsFoundWithTheSameBits) {
+TEST(PredictFace, ResumedAfterAnyStepGivesTheSameBits) {
   geometry::RigidPath path = straight({0.8, 0.0, 1.2}, 4);
   path.keyframes[0].rotation_rad = Vec3(0.0, 0.1, 0.1);
-  expect_same_after_a_stop(block_on_ball(), path, {});
+  expect_same_when_resumed(block_on_ball(), path, {});
 }
 
-TEST(PredictFace, LikewiseUnderSkinOfItsOwn) {
+TEST(PredictFace, ResumedWithASkinLayerGivesTheSameBits) {
   PredictionOptions options;
   options.tissue.skin = SkinOptions{};
-  expect_same_after_a_stop(layered_block(), straight({0.2, 0.0, 1.5}, 3), options);
+  expect_same_when_resumed(layered_block(), straight({0.2, 0.0, 1.5}, 3), options);
 }
 
-TEST(PredictFace, ReportsEachIterationOnceAndChangesNothingByIt) {
+TEST(PredictFace, ReportsEachIterationOnceWithoutChangingTheResult) {
   const FaceModel model = block_on_ball();
   PredictionOptions options;
   options.contact.penetration_tolerance_mm = 1e-3;
-  options.contact.stiffness_factor = 10.0;  // So soft that it takes multipliers.
+  options.contact.stiffness_factor = 10.0;  // So soft that multipliers are needed.
   const geometry::RigidPath path = straight({0.8, 0.0, 1.2}, 3);
   std::vector<std::vector<PredictionIterate>> reported(1);
   double max_multiplier_mpa = 0.0;
@@ -288,7 +288,7 @@ TEST(PredictFace, ReportsEachIterationOnceAndChangesNothingByIt) {
   const auto seen = predict_face(model, {path}, options, watch).value();
   const auto alone = predict_face(model, {path}, options).value();
   ASSERT_TRUE(seen.converged() && alone.converged());
-  ASSERT_GT(max_multiplier_mpa, 0.0) << "nothing was augmented";
+  ASSERT_GT(max_multiplier_mpa, 0.0) << "no multiplier was used";
   EXPECT_EQ(seen.steps.back().displacement_mm, alone.steps.back().displacement_mm);
   ASSERT_EQ(reported.size(), seen.steps.size() + 1);
   EXPECT_TRUE(reported.back().empty());
@@ -328,7 +328,7 @@ TEST(PredictFace, TheFaceDoesNotDependOnTheNumberOfSteps) {
     EXPECT_LT((few.displacement_mm[n] - many.displacement_mm[n]).norm(), 1e-5);
 }
 
-TEST(PredictFace, RefusesAStepTheFieldCannotSee) {
+TEST(PredictFace, RejectsAStepBeyondTheBandOfTheField) {
   const auto refused = predict_face(block_on_slab(), {straight({0.0, 0.0, 7.0}, 2)}, {});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kStepBeyondBand);
@@ -350,7 +350,7 @@ TEST(PredictFace, TheBonePassesThroughEveryKeyframe) {
   EXPECT_EQ(predict_face(block_on_slab(), {detour}, {}).error().code, ErrorCode::kStepBeyondBand);
 }
 
-TEST(PredictFace, SkinIsMadeOfWhatItsRegionIs) {
+TEST(PredictFace, SkinHasTheMaterialOfItsRegion) {
   const geometry::RigidPath path = straight({0.0, 0.0, 1.5}, 3);
   PredictionOptions options;
   const auto whole = predict_face(block_on_slab(), {path}, options).value();
@@ -361,7 +361,7 @@ TEST(PredictFace, SkinIsMadeOfWhatItsRegionIs) {
   const auto stiff = predict_face(layered_block(), {path}, options).value();
   ASSERT_TRUE(whole.converged() && same.converged() && stiff.converged());
   EXPECT_EQ(whole.steps.back().displacement_mm, same.steps.back().displacement_mm);
-  // Held at its top and pressed from below, the soft half gives way for both.
+  // Held at its top and pressed from below, the soft half takes up the deformation of both.
   double middle_mm = 0.0, stiff_middle_mm = 0.0;
   const FaceModel model = layered_block();
   for (std::size_t n = 0; n < model.tissue.nodes_L.size(); ++n) {
@@ -373,12 +373,12 @@ TEST(PredictFace, SkinIsMadeOfWhatItsRegionIs) {
   EXPECT_LT(stiff_middle_mm, 0.3 * middle_mm);
 }
 
-TEST(PredictFace, ARegionWithoutAMaterialIsRefused) {
+TEST(PredictFace, ARegionWithoutAMaterialIsRejected) {
   const auto refused = predict_face(layered_block(), {straight({0.0, 0.0, 1.0}, 1)}, {});
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
 }
 
-TEST(PredictFace, OnlyContactIsBoundToTheFieldsReach) {
+TEST(PredictFace, OnlyContactIsLimitedByTheBandOfTheField) {
   const FaceModel model = block_on_slab();
   const geometry::RigidPath far = straight({0.0, 0.0, 7.0}, 2);
   BoundaryOptions boundary;
@@ -388,7 +388,7 @@ TEST(PredictFace, OnlyContactIsBoundToTheFieldsReach) {
   EXPECT_TRUE(check_reach({far}, model.segments, smooth, boundary));
 }
 
-TEST(PredictFace, RefusesAFieldThatCannotReportContact) {
+TEST(PredictFace, RejectsAFieldThatDoesNotSufficeForContact) {
   PredictionOptions far_capture;
   far_capture.boundary.capture_mm = 3.0;
   const auto beyond = predict_face(block_on_slab(), {straight({0.0, 0.0, 1.0}, 1)}, far_capture);
@@ -401,14 +401,14 @@ TEST(PredictFace, RefusesAFieldThatCannotReportContact) {
   EXPECT_EQ(refused.error().code, ErrorCode::kMeshInvalid);
 }
 
-/// Remembers what it was told.
+/// Stores all notes.
 class Notes final : public Progress {
  public:
   void note(std::string_view sentence) override { all += sentence; }
   std::string all;
 };
 
-TEST(PredictFace, WarnsOfTissueThatRestsInsideTheBone) {
+TEST(PredictFace, WarnsOfPenetrationAtRest) {
   const geometry::RigidPath path = straight({0.0, 0.0, 0.5}, 1);
   Notes quiet, warned;
   ASSERT_TRUE(predict_face(block_on_slab(), {path}, {}, {}, quiet));
@@ -417,10 +417,10 @@ TEST(PredictFace, WarnsOfTissueThatRestsInsideTheBone) {
                                  {path}, {}, {}, warned)
                         .value();
   EXPECT_NEAR(deep.rest_penetration_mm, 1.5, 1e-6);
-  EXPECT_NE(warned.all.find("1.50 mm inside the segment"), std::string::npos) << warned.all;
+  EXPECT_NE(warned.all.find("by up to 1.50 mm"), std::string::npos) << warned.all;
 }
 
-TEST(PredictFace, RefusesAModelThatNothingTouchesOrHolds) {
+TEST(PredictFace, RejectsAModelWithoutContactOrFixedNodes) {
   FaceModel untouched = block_on_slab();
   untouched.tissue.node_sets[sets::kMobilizedSegment].clear();
   EXPECT_EQ(predict_face(untouched, {straight({0.0, 0.0, 1.0}, 1)}, {}).error().code,
@@ -434,7 +434,7 @@ TEST(PredictFace, RefusesAModelThatNothingTouchesOrHolds) {
             ErrorCode::kAnatomyMissing);
 }
 
-TEST(PredictFace, APathThatCannotBeSolvedFailsWithoutAFace) {
+TEST(PredictFace, APathThatCannotBeSolvedHasNoSteps) {
   PredictionOptions hurried;
   hurried.solver.min_increment_ratio = 1.0;
   hurried.solver.max_iterations = 1;
@@ -446,7 +446,7 @@ TEST(PredictFace, APathThatCannotBeSolvedFailsWithoutAFace) {
   EXPECT_FALSE(prediction.failed_attempts.empty());
 }
 
-/// Stops as soon as it is asked.
+/// Requests a stop at once.
 class StopAtOnce final : public Progress {
  public:
   [[nodiscard]] bool stop_requested() const override { return true; }

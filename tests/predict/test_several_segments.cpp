@@ -25,7 +25,7 @@ using test::straight;
 
 constexpr double kLength_mm = 63.0;
 
-/// A long block held at its top, like test::block_on(), over slabs that reach from x to x:
+/// A long block fixed at its top, like test::block_on(), over slabs; each spans a range of x:
 ///
 ///    /////////////////////////  z = 9, fixed
 ///    |        tissue         |
@@ -54,7 +54,7 @@ FaceModel long_block(const std::vector<std::pair<double, double>>& slabs_mm) {
 }
 
 FaceModel two_separate() { return long_block({{-4.0, 8.0}, {55.0, 67.0}}); }
-FaceModel two_that_meet() { return long_block({{-4.0, 31.5}, {31.5, 67.0}}); }
+FaceModel two_adjacent() { return long_block({{-4.0, 31.5}, {31.5, 67.0}}); }
 
 geometry::RigidPath named(const std::string& segment, const Vec3& by_mm, int steps = 2) {
   geometry::RigidPath path = straight(by_mm, steps);
@@ -62,7 +62,7 @@ geometry::RigidPath named(const std::string& segment, const Vec3& by_mm, int ste
   return path;
 }
 
-const Vec3 kStill = Vec3::Zero();
+const Vec3 kStationary = Vec3::Zero();
 const Vec3 kUp(0.0, 0.0, 1.5);
 const Vec3 kUpAndAside(0.4, 0.2, 0.8);
 
@@ -73,11 +73,11 @@ std::vector<Vec3> face(const FaceModel& model, const std::vector<geometry::Rigid
   return prediction.steps.back().displacement_mm;
 }
 
-TEST(SeveralSegments, FarApartEachMovesItsTissueAsItDoesAlone) {
+TEST(SeveralSegments, FarFromEachOtherEachMovesItsTissueAsIfAlone) {
   const FaceModel model = two_separate();
   const auto both = face(model, {named("left", kUp), named("right", kUpAndAside)});
-  const auto left = face(model, {named("left", kUp), named("right", kStill)});
-  const auto right = face(model, {named("left", kStill), named("right", kUpAndAside)});
+  const auto left = face(model, {named("left", kUp), named("right", kStationary)});
+  const auto right = face(model, {named("left", kStationary), named("right", kUpAndAside)});
   double moved_mm = 0.0;
   for (std::size_t n = 0; n < both.size(); ++n) {
     const double x = model.tissue.nodes_L[n].x();
@@ -89,7 +89,7 @@ TEST(SeveralSegments, FarApartEachMovesItsTissueAsItDoesAlone) {
     moved_mm = std::max(moved_mm, both[n].norm());
   }
   EXPECT_GT(moved_mm, 1.0);
-  // The other slab might as well not be there.
+  // As without the other slab.
   FaceModel alone = long_block({{-4.0, 8.0}});
   const auto without = face(alone, {named("left", kUp)});
   for (std::size_t n = 0; n < both.size(); ++n) EXPECT_LT((left[n] - without[n]).norm(), 0.01);
@@ -114,7 +114,7 @@ TEST(SeveralSegments, AMirroredPairGivesAMirroredFace) {
   EXPECT_EQ(pairs, int(u.size()));
 }
 
-TEST(SeveralSegments, ABoneSawnInTwoThatMovesAsOneMovesTheFaceAsOne) {
+TEST(SeveralSegments, TwoPiecesThatMoveAsOneActAsOneBone) {
   for (const SegmentInterface segment_interface :
        {SegmentInterface::kSliding, SegmentInterface::kBonded}) {
     PredictionOptions options;
@@ -122,16 +122,16 @@ TEST(SeveralSegments, ABoneSawnInTwoThatMovesAsOneMovesTheFaceAsOne) {
     options.contact.penetration_tolerance_mm = 0.01;
     const auto one = face(long_block({{-4.0, 67.0}}), {named("whole", kUpAndAside)}, options);
     const auto two =
-        face(two_that_meet(), {named("left", kUpAndAside), named("right", kUpAndAside)}, options);
-    // Multipliers stop at their tolerance, and each bone has its own field. Were tissue along the
-    // cut to rest on both, the one's edge would drag it along by 0.4 mm.
+        face(two_adjacent(), {named("left", kUpAndAside), named("right", kUpAndAside)}, options);
+    // Multipliers stop at their tolerance, and each bone has its own field. If tissue along the cut
+    // rested on both bones, an edge would drag it by 0.4 mm.
     const double far_mm = segment_interface == SegmentInterface::kSliding ? 0.1 : 1e-12;
     for (std::size_t n = 0; n < one.size(); ++n) EXPECT_LT((one[n] - two[n]).norm(), far_mm);
   }
 }
 
-TEST(SeveralSegments, AttachedTissueGoesWithTheSegmentThatIsNearest) {
-  const FaceModel model = two_that_meet();
+TEST(SeveralSegments, BondedTissueMovesWithTheClosestSegment) {
+  const FaceModel model = two_adjacent();
   PredictionOptions options;
   options.boundary.segment_interface = SegmentInterface::kBonded;
   geometry::RigidPath left = named("left", {-0.3, 0.0, 0.5}),
@@ -143,7 +143,7 @@ TEST(SeveralSegments, AttachedTissueGoesWithTheSegmentThatIsNearest) {
   const PredictionStep& last = prediction.steps.back();
   for (const std::int32_t node : model.tissue.node_sets.at(sets::kMobilizedSegment)) {
     const Vec3& X = model.tissue.nodes_L[std::size_t(node)];
-    const std::size_t k = X.x() <= 31.5 ? 0 : 1;  // In the cut by the first.
+    const std::size_t k = X.x() <= 31.5 ? 0 : 1;  // On the cut: the first.
     EXPECT_LT((X + last.displacement_mm[std::size_t(node)] - last.segments[k].X_LB * X).norm(),
               1e-12);
   }
@@ -174,7 +174,7 @@ TEST(SeveralSegments, EachReportsItsContact) {
   }
 }
 
-TEST(SeveralSegments, ThePathWithTheMostStepsCutsThemAllAndEachPassesItsKeyframes) {
+TEST(SeveralSegments, ThePathWithTheMostStepsSetsAllStepsAndEachPassesItsKeyframes) {
   geometry::RigidPath left = named("left", {0.0, 0.0, 0.4}, 2);
   left.keyframes.insert(left.keyframes.begin(), {.at = 0.6, .translation_mm = {0.0, 0.0, 0.9}});
   geometry::RigidPath right = named("right", {0.0, 0.0, 0.6}, 4);
@@ -198,13 +198,13 @@ TEST(SeveralSegments, ThePathWithTheMostStepsCutsThemAllAndEachPassesItsKeyframe
   EXPECT_TRUE(passes(0.6));
 }
 
-TEST(SeveralSegments, SameBitsForAnyNumberOfThreadsAndAfterAStop) {
-  const FaceModel model = two_that_meet();
+TEST(SeveralSegments, SameBitsForAnyNumberOfThreadsAndWhenResumed) {
+  const FaceModel model = two_adjacent();
   const std::vector<geometry::RigidPath> paths{named("left", kUp, 3),
                                                named("right", kUpAndAside, 3)};
   PredictionOptions options;
   options.contact.penetration_tolerance_mm = 1e-2;
-  options.contact.stiffness_factor = 10.0;  // So soft that it takes multipliers.
+  options.contact.stiffness_factor = 10.0;  // So soft that multipliers are needed.
   std::vector<Restart> kept;
   const PredictionWatch watch{
       .on_step = {}, .on_restart = [&](const Restart& restart) { kept.push_back(restart); }};
@@ -237,13 +237,13 @@ TEST(SeveralSegments, SameBitsForAnyNumberOfThreadsAndAfterAStop) {
   }
 }
 
-TEST(SeveralSegments, TheOneAtFaultIsNamed) {
+TEST(SeveralSegments, ErrorsNameTheSegment) {
   const auto refused = [](const FaceModel& model, const Vec3& right_mm, ErrorCode code,
-                          const std::string& says) {
+                          const std::string& text) {
     const auto prediction = predict_face(model, {named("left", kUp), named("right", right_mm)}, {});
     ASSERT_FALSE(prediction);
     EXPECT_EQ(prediction.error().code, code);
-    EXPECT_NE(prediction.error().message.find(says), std::string::npos)
+    EXPECT_NE(prediction.error().message.find(text), std::string::npos)
         << prediction.error().message;
   };
   refused(two_separate(), {0.0, 0.0, 7.0}, ErrorCode::kStepBeyondBand, "segment right moves");
@@ -273,7 +273,8 @@ TEST(SeveralSegments, ThePreviewMovesEach) {
       preview.displacement_mm(std::array{shifted(left_mm), shifted(right_mm)}).value();
   const auto full = face(model, {named("left", left_mm), named("right", right_mm)});
   double max_mm = 0.0;
-  const double left_end_mm = 6.0, right_end_mm = kLength_mm - left_end_mm;  // Off the slabs' edges.
+  const double left_end_mm = 6.0,
+               right_end_mm = kLength_mm - left_end_mm;  // Away from the edges of the slabs.
   for (const geometry::Triangle& t : skin_L.triangles)
     for (const std::int32_t v : t) {
       const double x = skin_L.vertices[std::size_t(v)].x();

@@ -75,7 +75,7 @@ TEST(TissueBoundary, ReleasesTissueNearTheSegmentAndFixesTheRest) {
   for (const std::int32_t node : tissue.node_sets.at(sets::kSkin)) EXPECT_FALSE(fixed.count(node));
 }
 
-TEST(TissueBoundary, HoldsTheScansEdgeOnlyWhenAskedTo) {
+TEST(TissueBoundary, FixesTheScanBoundaryOnlyIfRequired) {
   const auto prescribed = [](ScanBoundary edge) {
     const mesh::VolumeMesh tissue = phantom_tissue({.scan_boundary = edge});
     const auto fixed = nodes_where(tissue, sets::kFixed);
@@ -98,7 +98,7 @@ TEST(TissueBoundary, MayTouchTheSegmentOnlyFromInside) {
   }
 }
 
-TEST(TissueBoundary, DeepInsideIsNoSkinHoweverNearToItsZeroALevelEnds) {
+TEST(TissueBoundary, DeepTissueIsNotSkinEvenIfALevelIsCutOffNearZero) {
   test::FacePhantom phantom = test::make_face_phantom();
   for (Index k = 12; k <= 15; ++k)  // An airway, 5 to 8 mm under the skin.
     for (Index j = 14; j <= 26; ++j)
@@ -117,7 +117,7 @@ TEST(TissueBoundary, DeepInsideIsNoSkinHoweverNearToItsZeroALevelEnds) {
   EXPECT_GT(in_airway, 20);
 }
 
-TEST(TissueBoundary, BrainIsFeltTwoMillimetersFarWhateverTheVoxels) {
+TEST(TissueBoundary, BrainExtendsTwoMillimetersForAnyVoxelSize) {
   const auto brain_nodes = [](double spacing_mm) {
     test::FacePhantom phantom = test::make_face_phantom();
     anatomy::LabelMap labels;  // The same brain, below z = 3 mm, in voxels of another size.

@@ -21,16 +21,16 @@ TEST(TissueDomain, IsSoftTissueWithinTheMarginAndTheScan) {
   EXPECT_LT(domain.level({10.0, 20.0, 22.0}), 0.0);  // air
   EXPECT_GT(domain.level({25.0, 20.0, 11.0}), 0.0);  // within the margin
   EXPECT_LT(domain.level({27.0, 20.0, 11.0}), 0.0);  // beyond it
-  EXPECT_LT(domain.level({10.0, 0.2, 11.0}), 0.0);   // the scan's rim
+  EXPECT_LT(domain.level({10.0, 0.2, 11.0}), 0.0);   // scan boundary
   EXPECT_LT(domain.level({1e6, 0.0, 0.0}), 0.0);
 }
 
-TEST(TissueDomain, ReportsACutFromTheScansEdge) {
+TEST(TissueDomain, DistinguishesCutFromScanBoundary) {
   const TissueDomain domain = phantom_domain(6.0);
   EXPECT_NEAR(domain.distance_to_cut({26.0, 20.0, 11.0}), 0.0, 1e-12);
   EXPECT_NEAR(domain.distance_to_cut({10.0, 20.0, 11.0}), 3.0, 1e-12);  // the box's top, z = 14
-  EXPECT_NEAR(domain.distance_to_scan_edge({10.0, 0.5, 11.0}), 0.0, 1e-12);
-  EXPECT_NEAR(domain.distance_to_scan_edge({10.0, 3.0, 11.0}), 2.5, 1e-12);
+  EXPECT_NEAR(domain.distance_to_scan_boundary({10.0, 0.5, 11.0}), 0.0, 1e-12);
+  EXPECT_NEAR(domain.distance_to_scan_boundary({10.0, 3.0, 11.0}), 2.5, 1e-12);
 }
 
 TEST(MeshTissue, FillsTheDomainFinerNearTheSegment) {

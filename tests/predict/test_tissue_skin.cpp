@@ -38,7 +38,7 @@ const Case& mixed() {
   return the_case;
 }
 
-/// From the scan's edge, 0.5, to the margin's end, 35; 39 deep, 12 high.
+/// From the scan boundary, 0.5, to the end of the margin, 35; 39 deep, 12 high.
 double phantom_volume_mm3() { return (35.0 - 0.5) * 39.0 * 12.0; }
 
 TEST(TissueSkin, IsALayerOfWedgesOfItsThickness) {
@@ -56,7 +56,8 @@ TEST(TissueSkin, IsALayerOfWedgesOfItsThickness) {
                                             options().skin->thickness_mm);
   };
   const std::vector<mesh::Face>& skin = named.face_sets.at(sets::kSkin);
-  EXPECT_GT(measure(skin).covered_fraction, 0.75);  // The rest: beside bevels along the sides.
+  EXPECT_GT(measure(skin).covered_fraction,
+            0.75);  // The rest is next to bevels along the cut planes.
   std::vector<mesh::Face> middle;
   std::copy_if(skin.begin(), skin.end(), std::back_inserter(middle), [&](const mesh::Face& face) {
     const auto nodes = nodes_of(face);
@@ -72,7 +73,7 @@ TEST(TissueSkin, IsALayerOfWedgesOfItsThickness) {
   EXPECT_GT(layer.full_thickness_fraction, 0.98);
 }
 
-TEST(TissueSkin, LeavesTheBoundarysSetsWhereTheyWere) {
+TEST(TissueSkin, DoesNotChangeTheSetsOfTheBoundary) {
   const mesh::VolumeMesh tissue = find_tissue_boundary(
       mixed().mesh, mixed().domain, mixed().phantom.labels, mixed().phantom.skin_L,
       mixed().phantom.segment_L, mixed().phantom.remainder_L, {.elevation_margin_mm = 4.0});
@@ -88,15 +89,15 @@ TEST(TissueSkin, LeavesTheBoundarysSetsWhereTheyWere) {
       EXPECT_TRUE(is_in(sets::kSkin, node)) << p.transpose();
       ++skin;
     }
-    if (std::abs(p.x() - 35.0) < 0.01) {  // The layer's own sides among them.
+    if (std::abs(p.x() - 35.0) < 0.01) {  // Includes the side faces of the layer.
       EXPECT_TRUE(is_in(sets::kCut, node)) << p.transpose();
       EXPECT_TRUE(is_in(sets::kFixed, node)) << p.transpose();
       cut += int(p.z() > 18.0 && p.z() < 19.9);
     }
   }
   EXPECT_GT(skin, 40);
-  EXPECT_GT(cut, 5);  // Nodes at the layer's bottom and between its layers lie in the cut, too.
-  // No node under the skin is boundary unless it lies in a side.
+  EXPECT_GT(cut, 5);  // Includes nodes at the bottom of the layer and between its layers.
+  // Nodes under the skin are boundary only in a cut plane.
   for (const std::int32_t node : tissue.node_sets.at(sets::kFree)) {
     const Vec3& p = tissue.nodes_L[std::size_t(node)];
     EXPECT_FALSE(p.x() > 2.0 && p.x() < 33.0 && p.y() > 2.0 && p.y() < 38.0) << p.transpose();
@@ -105,7 +106,7 @@ TEST(TissueSkin, LeavesTheBoundarysSetsWhereTheyWere) {
     EXPECT_EQ(face.shape, mesh::FaceShape::kTri3);
 }
 
-TEST(TissueSkin, ThatIsNotThereIsSaid) {
+TEST(TissueSkin, ReportsThatThereIsNoSkin) {
   const Case& it = mixed();
   const auto far_skin = test::make_box({200.0, 0.0, 0.0}, {240.0, 40.0, 20.0});
   const auto bare = mesh_tissue_and_skin(it.domain, far_skin, it.phantom.segment_L,
@@ -113,7 +114,7 @@ TEST(TissueSkin, ThatIsNotThereIsSaid) {
   EXPECT_EQ(bare.error().code, ErrorCode::kAnatomyMissing);
 }
 
-TEST(SkinFaces, AreNeitherBoneNorSide) {
+TEST(SkinFaces, AreNeitherBoneNorCutFaces) {
   const Case& it = mixed();
   TissueOptions plain = options();
   plain.skin.reset();
@@ -130,7 +131,7 @@ TEST(SkinFaces, AreNeitherBoneNorSide) {
   EXPECT_NEAR(area_mm2, (35.0 - 0.5) * 39.0, 0.03 * 35.0 * 39.0);
 }
 
-/// Mean edge of the elements that have a node within 4 mm of `at_L`.
+/// Mean edge of elements with a node within 4 mm of `at_L`.
 double edge_mm_near(const mesh::VolumeMesh& mesh, const Vec3& at_L) {
   double sum = 0.0;
   int count = 0;
@@ -157,7 +158,7 @@ TEST(TissueSize, IsFinerAtLipsAndNose) {
   by_landmark.face = FaceSize{1.5, {lip_L}};
   const mesh::VolumeMesh finer = made(by_landmark);
   EXPECT_LT(edge_mm_near(finer, lip_L), 0.65 * edge_mm_near(even, lip_L));
-  // Without landmarks by the foremost point, which is on the side at y = 0.5 here.
+  // Without landmarks, at the most anterior point, here on the side at y = 0.5.
   TissueOptions by_rule = plain;
   by_rule.face = FaceSize{1.5, {}};
   const mesh::VolumeMesh front = made(by_rule);

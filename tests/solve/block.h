@@ -1,5 +1,5 @@
 /// \file
-/// A block and a deck that holds its lower side and moves its upper one, for tests to spoil.
+/// A block and decks for tests to modify.
 #pragma once
 
 #include <lefort/solve/prepare_deck.h>
@@ -34,7 +34,7 @@ inline solve::Deck uniaxial_deck(double stretch_mm) {
   return deck;
 }
 
-/// The lower side is held; nothing pushes.
+/// The lower side is fixed; there are no loads.
 inline solve::Deck clamped_deck() {
   solve::Deck deck;
   deck.laws.push_back({"", kBlockLaw, 0.0});

@@ -14,7 +14,7 @@ std::string refusal_of(const SetChoice& choice) {
   return mesh ? std::string() : mesh.error().message;
 }
 
-TEST(FindSets, ABoxAPlaneAndNumbersChooseTheSameSide) {
+TEST(FindSets, ABoxAPlaneAndNumbersSelectTheSameSide) {
   const mesh::VolumeMesh box = test::box_mesh({.cells = {2, 2, 3}, .size_mm = {2, 2, 3}});
   const auto mesh = add_sets(
       box,
@@ -39,36 +39,37 @@ TEST(FindSets, FacesOfANodeSetAreTheBoundaryFacesWithinIt) {
     const auto at = [&](std::size_t a) { return box.nodes_L[std::size_t(face.nodes[a])]; };
     area += 0.5 * (at(1) - at(0)).cross(at(2) - at(0));
   }
-  EXPECT_LT((area - 4.0 * Vec3::UnitZ()).norm(), 1e-12);  // Out of the body.
+  EXPECT_LT((area - 4.0 * Vec3::UnitZ()).norm(), 1e-12);  // Points out of the body.
 }
 
-TEST(FindSets, AMissingSetIsToldWithThoseThereAre) {
+TEST(FindSets, AMissingSetIsReportedWithTheKnownSets) {
   const auto nodes = find_nodes(test::box_mesh(), "top");
   ASSERT_FALSE(nodes);
   EXPECT_EQ(nodes.error().code, ErrorCode::kPlanInvalid);
   EXPECT_EQ(nodes.error().message,
-            "there is no set top, the sets are: boundary, outside, x0, x1, y0, y1, z0, z1");
+            "there is no set top; the sets are: boundary, outside, x0, x1, y0, y1, z0, z1");
   EXPECT_FALSE(find_faces(test::box_mesh(), "top"));
 }
 
-TEST(FindSets, AMissingRegionIsToldWithThoseThereAre) {
+TEST(FindSets, AMissingRegionIsReportedWithTheKnownRegions) {
   mesh::VolumeMesh mesh = test::box_mesh();
   mesh.blocks[0].region[3] = 7;
   EXPECT_EQ(find_region(mesh, "7").value(), 7);
-  EXPECT_EQ(find_region(mesh, "8").error().message, "there is no region 8, the regions are: 0, 7");
+  EXPECT_EQ(find_region(mesh, "8").error().message, "there is no region 8; the regions are: 0, 7");
   mesh.region_names[7] = "muscle";
   EXPECT_EQ(find_region(mesh, "muscle").value(), 7);
   EXPECT_EQ(find_region(mesh, "bone").error().message,
-            "there is no region bone, the regions are: 0, 7 (muscle)");
+            "there is no region bone; the regions are: 0, 7 (muscle)");
   EXPECT_FALSE(find_region(mesh, "7 "));
   EXPECT_FALSE(find_region(mesh, "99999999999"));
 }
 
-TEST(FindSets, ASetWithoutNodesOrWithAMeshSetsNameIsRefused) {
+TEST(FindSets, AnEmptySetOrATakenNameIsRejected) {
   EXPECT_EQ(refusal_of({"far", NodesInBox{Box3(Vec3(5, 5, 5), Vec3(6, 6, 6))}}),
             "sets.far: no node of an element lies there");
   EXPECT_EQ(refusal_of({"x0", NodeNearest{}}), "sets.x0: the mesh has a set of that name");
-  EXPECT_NE(refusal_of({"odd", NodesByNumber{{27}}}).find("no node 27"), std::string::npos);
+  EXPECT_NE(refusal_of({"odd", NodesByNumber{{27}}}).find("no element has node 27"),
+            std::string::npos);
   EXPECT_NE(refusal_of({"odd", NodesOfRegion{"4"}}).find("no region 4"), std::string::npos);
 }
 

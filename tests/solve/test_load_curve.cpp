@@ -7,22 +7,23 @@
 namespace lefort::solve {
 namespace {
 
-TEST(LoadCurve, GrowsWithTimeUnlessPointsAreGiven) {
+TEST(LoadCurve, IsARampByDefault) {
   const LoadCurve curve;
   for (const double t : {0.0, 0.25, 1.0}) EXPECT_EQ(factor_at(curve, t), t);
 }
 
-TEST(LoadCurve, IsStraightBetweenPointsAndConstantOutside) {
+TEST(LoadCurve, IsLinearBetweenPointsAndConstantOutside) {
   const LoadCurve curve{{{0.2, 1.0}, {0.6, 3.0}, {0.7, -1.0}}};
   EXPECT_EQ(factor_at(curve, 0.0), 1.0);
   EXPECT_EQ(factor_at(curve, 0.2), 1.0);
   EXPECT_NEAR(factor_at(curve, 0.3), 1.5, 1e-15);
-  EXPECT_EQ(factor_at(curve, 0.6), 3.0);  // Exactly, so that a factor of 0 releases altogether.
+  EXPECT_EQ(factor_at(curve, 0.6),
+            3.0);  // Exact, so that a factor of 0 removes the load completely.
   EXPECT_NEAR(factor_at(curve, 0.65), 1.0, 1e-14);
   EXPECT_EQ(factor_at(curve, 1.0), -1.0);
 }
 
-TEST(LoadCurve, RefusesTimesThatDoNotAscendOrLieOutside) {
+TEST(LoadCurve, RejectsTimesThatDoNotAscendOrLieOutside) {
   const auto refusal = [](std::vector<CurvePoint> points) {
     const auto checked = check_curve({std::move(points)});
     return checked ? std::string() : checked.error().message;

@@ -62,7 +62,7 @@ TEST_P(LocateProbe, CornersAndFacesOfTheBodyBelongToIt) {
     EXPECT_TRUE(locate_probe(mesh_, p_L)) << p_L.transpose();
 }
 
-TEST_P(LocateProbe, ANodeIsItself) {
+TEST_P(LocateProbe, ANodeHasWeightOne) {
   const auto place = locate_probe(mesh_, std::int32_t(7));
   ASSERT_TRUE(place);
   EXPECT_EQ(place->nodes, std::vector<std::int32_t>{7});
@@ -73,10 +73,10 @@ TEST_P(LocateProbe, ANodeIsItself) {
     EXPECT_NEAR(found->weights[a], found->nodes[a] == 7 ? 1.0 : 0.0, 1e-9);
 }
 
-TEST_P(LocateProbe, APointOutsideIsRefusedWithTheNearestNode) {
+TEST_P(LocateProbe, APointOutsideIsRejectedWithTheClosestNode) {
   const auto place = locate_probe(mesh_, Vec3(3.5, 2, 2));
   ASSERT_FALSE(place);
-  EXPECT_NE(place.error().message.find("(3.500, 2.000, 2.000) mm lies in no element, the nearest "
+  EXPECT_NE(place.error().message.find("(3.500, 2.000, 2.000) mm lies in no element; the closest "
                                        "node is 35 at (3.000, 2.000, 2.000) mm"),
             std::string::npos)
       << place.error().message;

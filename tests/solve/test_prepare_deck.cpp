@@ -25,7 +25,7 @@ std::string refusal_of(mesh::VolumeMesh mesh, Deck deck) {
 #define EXPECT_SAYS(text, part) \
   EXPECT_NE((text).find(part), std::string::npos) << "says: " << (text)
 
-TEST(PrepareDeck, EveryComponentIsHeldOnceAndByTheFirst) {
+TEST(PrepareDeck, EveryComponentIsPrescribedOnceByTheFirst) {
   const auto prepared = prepare_deck(block(), test::uniaxial_deck(4.0));
   ASSERT_TRUE(prepared) << prepared.error().message;
   EXPECT_EQ(prepared->prescribed.size(), 15U + 15U + 9U + 9U);
@@ -42,7 +42,7 @@ TEST(PrepareDeck, SetsThatMeetMustAgree) {
   deck.displacements.push_back(prescribe("x0", {}, {}, 0.0));
   const std::string refusal = refusal_of(block(), deck);
   EXPECT_SAYS(refusal, "displacements[3] (set z1) and displacements[4] (set x0) both prescribe z");
-  // At the corner both say 0.
+  // At the corner both are 0.
   deck.displacements.back() = prescribe("y0", 0.0, {}, {});
   EXPECT_EQ(refusal_of(block(), deck), "accepted");
 }
@@ -56,19 +56,19 @@ TEST(PrepareDeck, IncrementsEndAtCornersOfCurvesAndKeyframes) {
   EXPECT_EQ(prepared->levels, (std::vector<double>{0.25, 0.6, 1.0}));
 }
 
-TEST(PrepareDeck, ARegionWithoutAMaterialIsNamed) {
+TEST(PrepareDeck, ARegionWithoutAMaterialIsReported) {
   mesh::VolumeMesh mesh = block();
   mesh.blocks[0].region[5] = 3;
   Deck deck = test::uniaxial_deck(1.0);
   deck.laws[0].region = "0";
-  EXPECT_EQ(refusal_of(mesh, deck), "materials: region 3 of the mesh (1 elements) has none");
+  EXPECT_EQ(refusal_of(mesh, deck), "materials: region 3 of the mesh (1 elements) has no material");
   deck.laws.push_back({"3", fem::NeoHookean{.mu_mpa = 2.0, .lambda_mpa = 1.0}, 0.0});
   EXPECT_EQ(refusal_of(mesh, deck), "accepted");
   deck.laws[1].region = "4";
-  EXPECT_EQ(refusal_of(mesh, deck), "materials[1]: there is no region 4, the regions are: 0, 3");
+  EXPECT_EQ(refusal_of(mesh, deck), "materials[1]: there is no region 4; the regions are: 0, 3");
   deck.laws[1].region = "0";
   EXPECT_EQ(refusal_of(mesh, deck),
-            "materials[0] and materials[1] are both for region 0, must be one");
+            "materials[0] and materials[1] are both for region 0; only one may be");
 }
 
 TEST(PrepareDeck, OneMaterialMayBeForAllOtherRegions) {
@@ -82,12 +82,12 @@ TEST(PrepareDeck, OneMaterialMayBeForAllOtherRegions) {
   EXPECT_EQ(std::get<fem::NeoHookean>(prepared->materials.at(0)).mu_mpa, 0.01);
 }
 
-TEST(PrepareDeck, APartNobodyHoldsIsRefusedBeforeItIsSolved) {
+TEST(PrepareDeck, AnUnconstrainedPartIsRejectedBeforeTheSolve) {
   Deck deck = test::uniaxial_deck(1.0);
   deck.displacements.erase(deck.displacements.begin());  // x is free.
   const std::string refusal = refusal_of(block(), deck);
   EXPECT_SAYS(refusal, "displacements: the part of 96 elements around element 0 at (");
-  EXPECT_SAYS(refusal, "as a whole, nothing holds it");
+  EXPECT_SAYS(refusal, "as a rigid body; it is not fixed");
 }
 
 TEST(PrepareDeck, ABodyForceNeedsADensity) {
@@ -97,17 +97,17 @@ TEST(PrepareDeck, ABodyForceNeedsADensity) {
             "body_forces[0]: the material of region 0 has no density_kg_m3");
 }
 
-TEST(PrepareDeck, NodesOfNoElementStayWhereTheyAreAndAreReported) {
+TEST(PrepareDeck, NodesOfNoElementDoNotMoveAndAreReported) {
   mesh::VolumeMesh mesh = block();
   mesh.nodes_L.emplace_back(50, 50, 50);
   const auto prepared = prepare_deck(mesh, test::uniaxial_deck(1.0));
   ASSERT_TRUE(prepared) << prepared.error().message;
   ASSERT_EQ(prepared->warnings.size(), 1U);
-  EXPECT_EQ(prepared->warnings[0], "1 nodes belong to no element; they stay where they are");
+  EXPECT_EQ(prepared->warnings[0], "1 nodes belong to no element and do not move");
   EXPECT_EQ(prepared->prescribed.back().by, -1);
 }
 
-TEST(PrepareDeck, ALoadThatIsThereAtOnceIsWarnedOf) {
+TEST(PrepareDeck, WarnsOfALoadThatDoesNotStartAtZero) {
   Deck deck = test::uniaxial_deck(1.0);
   deck.displacements[3].curve = LoadCurve{{{0.0, 1.0}}};
   const auto prepared = prepare_deck(block(), deck);
@@ -116,10 +116,10 @@ TEST(PrepareDeck, ALoadThatIsThereAtOnceIsWarnedOf) {
   EXPECT_SAYS(prepared->warnings[0], "displacements[3]: the curve begins at 1");
 }
 
-TEST(PrepareDeck, BadMeshesAreRefusedInOneSentence) {
+TEST(PrepareDeck, BadMeshesAreRejectedWithOneMessage) {
   mesh::VolumeMesh lost = block();
   lost.blocks[0].nodes[9] = 4711;
-  EXPECT_SAYS(refusal_of(lost, test::clamped_deck()), "names node 4711");
+  EXPECT_SAYS(refusal_of(lost, test::clamped_deck()), "has node 4711");
   mesh::VolumeMesh nan = block();
   nan.nodes_L[3].y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_SAYS(refusal_of(nan, test::clamped_deck()), "node 3 has a coordinate that is not finite");
@@ -129,7 +129,7 @@ TEST(PrepareDeck, BadMeshesAreRefusedInOneSentence) {
   EXPECT_SAYS(refusal_of({}, test::clamped_deck()), "the mesh has no element");
 }
 
-TEST(PrepareDeck, NeighborsThatShareCornersAndNotTheNodesBetweenAreRefused) {
+TEST(PrepareDeck, NeighborsThatShareCornersButNotMidsideNodesAreRejected) {
   mesh::VolumeMesh mesh = block(mesh::ElementShape::kTet10);
   mesh::ElementBlock& quadratic = mesh.blocks[0];
   mesh::ElementBlock linear;
@@ -146,7 +146,7 @@ TEST(PrepareDeck, NeighborsThatShareCornersAndNotTheNodesBetweenAreRefused) {
 
 TEST(PrepareDeck, OnlyTractionsMayActInsideTheBody) {
   mesh::VolumeMesh mesh = block();
-  // Of the first element the face that another one has, too.
+  // A face of the first element and of another one.
   const mesh::ElementBlock& elements = mesh.blocks[0];
   for (const mesh::LocalFace& local : mesh::faces_of(elements.shape)) {
     const mesh::Face face = mesh::face_of(elements.element(0), local);
@@ -157,24 +157,24 @@ TEST(PrepareDeck, OnlyTractionsMayActInsideTheBody) {
   Deck pressed = test::clamped_deck();
   pressed.pressures.push_back({"cut", 1e-4, {}});
   const std::string refusal = refusal_of(mesh, pressed);
-  EXPECT_SAYS(refusal, "pressures[0]: faces cut hold one between elements 0 and ");
-  EXPECT_SAYS(refusal, " mm, all must be of the boundary");
+  EXPECT_SAYS(refusal, "pressures[0]: faces cut contain one between elements 0 and ");
+  EXPECT_SAYS(refusal, " mm; all must lie on the boundary");
   Deck touched = test::clamped_deck();
   Obstacle obstacle;
   obstacle.faces = "cut";
   obstacle.path.keyframes = {geometry::Keyframe{}};
   obstacle.path.steps = 1;
   touched.obstacles.push_back(obstacle);
-  EXPECT_SAYS(refusal_of(mesh, touched), "obstacles[0]: faces cut hold one between elements 0");
+  EXPECT_SAYS(refusal_of(mesh, touched), "obstacles[0]: faces cut contain one between elements 0");
   Deck drawn = test::clamped_deck();
   drawn.tractions.push_back({"cut", Vec3(1e-4, 0, 0), {}});
   const auto prepared = prepare_deck(mesh, drawn);
   ASSERT_TRUE(prepared) << prepared.error().message;
   ASSERT_EQ(prepared->warnings.size(), 1U);
-  EXPECT_SAYS(prepared->warnings[0], "tractions[0]: faces cut hold one between elements 0 and ");
+  EXPECT_SAYS(prepared->warnings[0], "tractions[0]: faces cut contain one between elements 0 and ");
 }
 
-TEST(PrepareDeck, AContactIsAsStiffAsTheElementsOfItsFaces) {
+TEST(PrepareDeck, ContactStiffnessFollowsTheElementsOfItsFaces) {
   mesh::VolumeMesh mesh = block();
   mesh::ElementBlock& elements = mesh.blocks[0];
   const auto& top = mesh.node_sets.at("z1");
@@ -182,7 +182,7 @@ TEST(PrepareDeck, AContactIsAsStiffAsTheElementsOfItsFaces) {
     const auto in_top = std::count_if(elements.element(e), elements.element(e) + 4, [&](auto node) {
       return std::binary_search(top.begin(), top.end(), node);
     });
-    if (in_top < 3) elements.region[std::size_t(e)] = 1;  // Some touch it by an edge.
+    if (in_top < 3) elements.region[std::size_t(e)] = 1;  // Some have only an edge there.
   }
   Deck deck = test::clamped_deck();
   Obstacle obstacle;
@@ -198,7 +198,7 @@ TEST(PrepareDeck, AContactIsAsStiffAsTheElementsOfItsFaces) {
   EXPECT_EQ(stiffness(1e4), stiffness(0.01));
 }
 
-TEST(PrepareDeck, AFaceOfThreeElementsIsRefused) {
+TEST(PrepareDeck, AFaceOfThreeElementsIsRejected) {
   mesh::VolumeMesh mesh = block();
   mesh::ElementBlock& elements = mesh.blocks[0];
   const std::vector<std::int32_t> again(elements.element(0), elements.element(0) + 4);
@@ -206,11 +206,11 @@ TEST(PrepareDeck, AFaceOfThreeElementsIsRefused) {
   elements.region.push_back(0);
   const std::string refusal = refusal_of(mesh, test::clamped_deck());
   EXPECT_SAYS(refusal, "elements 0, ");
-  EXPECT_SAYS(refusal, "and 96 have one face, at (");
+  EXPECT_SAYS(refusal, "and 96 share one face at (");
 }
 
-TEST(PrepareDeck, AQuadrilateralAgainstTwoTrianglesIsWarnedOf) {
-  // A hexahedron, and upon it the six tetrahedra of another one.
+TEST(PrepareDeck, WarnsOfAQuadrilateralOnTwoTriangles) {
+  // A hexahedron, and on it the six tetrahedra of another one.
   mesh::VolumeMesh mesh = test::box_mesh({.cells = {1, 1, 2}});
   mesh::ElementBlock& tets = mesh.blocks[0];
   tets.nodes.erase(tets.nodes.begin(), tets.nodes.begin() + 6 * 4);
@@ -224,18 +224,18 @@ TEST(PrepareDeck, AQuadrilateralAgainstTwoTrianglesIsWarnedOf) {
   ASSERT_TRUE(prepared) << prepared.error().message;
   ASSERT_EQ(prepared->warnings.size(), 1U);
   EXPECT_SAYS(prepared->warnings[0],
-              "1 quadrilaterals lie against two triangles each and are joined to them at their "
-              "nodes alone, the first of element 6 at (");
+              "1 quadrilaterals lie on two triangles each and are connected to them only at "
+              "their nodes; the first is of element 6 at (");
 }
 
-TEST(PrepareDeck, EveryNameThatIsNotThereIsReportedWithItsKey) {
+TEST(PrepareDeck, EveryUnknownNameIsReportedWithItsKey) {
   const auto refusal = [](const std::function<void(Deck&)>& spoil) {
     Deck deck = test::clamped_deck();
     spoil(deck);
     return refusal_of(block(), deck);
   };
   EXPECT_SAYS(refusal([](Deck& d) { d.displacements[0].set = "base"; }),
-              "displacements[0]: there is no set base, the sets are: boundary, outside, x0");
+              "displacements[0]: there is no set base; the sets are: boundary, outside, x0");
   EXPECT_SAYS(refusal([](Deck& d) {
                 d.tractions.push_back({"lid", Vec3::UnitX(), {}});
               }),

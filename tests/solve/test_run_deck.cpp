@@ -1,15 +1,12 @@
-#include <lefort/core/parallel.h>
-#include <lefort/field/build/build_distance_field.h>
 #include <lefort/solve/run_deck.h>
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
-#include <numbers>
 
 #include "solve/block.h"
-#include "support/shapes.h"
+#include "solve/run.h"
+#include "support/box_mesh.h"
 
 namespace lefort::solve {
 namespace {
@@ -17,23 +14,10 @@ namespace {
 using test::block;
 using test::kBlockLaw;
 using test::prescribe;
+using test::run;
+using test::sum;
 
-DeckRun run(mesh::VolumeMesh mesh, Deck deck, const ObstacleDistanceQueries& distance_queries = {},
-            const DeckWatch& watch = {}, Progress& progress = Progress::none()) {
-  const auto prepared = prepare_deck(std::move(mesh), std::move(deck));
-  EXPECT_TRUE(prepared) << prepared.error().message;
-  auto done = run_deck(*prepared, distance_queries, watch, progress);
-  EXPECT_TRUE(done) << done.error().message;
-  return *std::move(done);
-}
-
-Vec3 sum(const std::vector<Vec3>& vectors) {
-  Vec3 total = Vec3::Zero();
-  for (const Vec3& vector : vectors) total += vector;
-  return total;
-}
-
-/// The transverse stretch at which nothing pushes sideways, by bisection.
+/// Transverse stretch without transverse stress, by bisection.
 double transverse_stretch(double axial) {
   double low = 0.5, high = 1.5;
   for (int n = 0; n < 100; ++n) {
@@ -88,18 +72,18 @@ TEST_P(RunDeckOn, ReactionsCarryTheDeadLoads) {
   EXPECT_GT(done.last->max_displacement_mm, 0.05);
 }
 
-TEST_P(RunDeckOn, AFollowingPressureLeansWithItsFace) {
+TEST_P(RunDeckOn, AFollowerPressureRotatesWithItsFace) {
   Deck deck = test::clamped_deck();
   deck.pressures.push_back({"x0", 5e-4, {}});
   const DeckRun done = run(block(GetParam()), deck);
   ASSERT_TRUE(done.completed()) << done.failure->message;
   const Vec3 load_n = done.last->loads_n[0];
   EXPECT_NEAR(load_n.x(), 5e-4 * 200.0, 0.03);
-  EXPECT_LT(load_n.z(), -1e-3);  // The side leans over x, and looks upwards less than down.
+  EXPECT_LT(load_n.z(), -1e-3);  // The side is inclined: the pressure has a component along -z.
   EXPECT_LT((sum(done.last->reactions_n) + load_n).norm(), 1e-8);
 }
 
-TEST(RunDeck, ATwistedBlockTurnsAsItsUpperSideDoesAndTakesHalvingToGetThere) {
+TEST(RunDeck, ATwistedBlockFollowsItsUpperSideAndNeedsHalving) {
   Deck deck = test::clamped_deck();
   RigidlyMovedSet lid;
   lid.set = "z1";
@@ -129,7 +113,7 @@ TEST(RunDeck, ATwistedBlockTurnsAsItsUpperSideDoesAndTakesHalvingToGetThere) {
   EXPECT_LT((done.last->u.segment<3>(3 * Index(corner)) - (turned - X_L)).norm(), 1e-12);
 }
 
-TEST(RunDeck, ABlockThatCannotBeCrushedKeepsItsLastState) {
+TEST(RunDeck, AFailedCompressionKeepsItsLastState) {
   const DeckRun done = run(block(), test::uniaxial_deck(-25.0));
   ASSERT_FALSE(done.completed());
   EXPECT_EQ(done.failure->code, ErrorCode::kNotConverged);
@@ -138,14 +122,14 @@ TEST(RunDeck, ABlockThatCannotBeCrushedKeepsItsLastState) {
   EXPECT_LT(done.last->time, 0.8);
   EXPECT_FALSE(done.failed_attempts.empty());
   EXPECT_NE(done.failure->message.find("no equilibrium from load level"), std::string::npos);
-  EXPECT_NE(done.failure->message.find("most compressed is element "), std::string::npos)
+  EXPECT_NE(done.failure->message.find("smallest J: element "), std::string::npos)
       << done.failure->message;
 }
 
-TEST(RunDeck, ADeadLoadIsFollowedUpToItsLimitPoint) {
-  // In uniaxial strain s the law bears P = (lambda + 2 mu)/2 (s^3 - s), which is least at 1/sqrt 3.
-  const fem::StVenantKirchhoff law{.mu_mpa = 0.01, .lambda_mpa = 0.0};  // With more, shear gives
-                                                                        // way before.
+TEST(RunDeck, ADeadLoadConvergesUpToItsLimitPoint) {
+  // In uniaxial strain s the law has P = (lambda + 2 mu)/2 (s^3 - s), with its minimum at 1/sqrt 3.
+  // With a larger lambda, shear loses stability first.
+  const fem::StVenantKirchhoff law{.mu_mpa = 0.01, .lambda_mpa = 0.0};
   const double max_mpa = (law.lambda_mpa + 2.0 * law.mu_mpa) / (3.0 * std::sqrt(3.0));
   Deck deck;
   deck.laws.push_back({"", law, 0.0});
@@ -164,7 +148,7 @@ TEST(RunDeck, ADeadLoadIsFollowedUpToItsLimitPoint) {
   EXPECT_TRUE(done.failure->message.starts_with(reported_first + "; ")) << reported_first;
   EXPECT_NE(reported_first.find("no equilibrium"), std::string::npos);
   // The last state that converged lies before the limit point.
-  EXPECT_NE(done.failure->message.find("the body still resists"), std::string::npos)
+  EXPECT_NE(done.failure->message.find("the tangent is positive definite"), std::string::npos)
       << done.failure->message;
   EXPECT_EQ(done.failure->code, ErrorCode::kNotConverged);
   ASSERT_TRUE(done.last);
@@ -173,7 +157,7 @@ TEST(RunDeck, ADeadLoadIsFollowedUpToItsLimitPoint) {
   EXPECT_NE(done.failure->message.find("limit point"), std::string::npos) << done.failure->message;
 }
 
-TEST(RunDeck, ALargeBodyIsNotFactorizedToLookIntoAFailure) {
+TEST(RunDeck, ALargeBodyIsNotFactorizedForADiagnosis) {
   Deck deck;
   deck.laws.push_back({"", fem::StVenantKirchhoff{.mu_mpa = 0.01, .lambda_mpa = 0.0}, 0.0});
   deck.sets.push_back({"all", NodesOfRegion{"0"}});
@@ -185,21 +169,22 @@ TEST(RunDeck, ALargeBodyIsNotFactorizedToLookIntoAFailure) {
     return done.completed() ? std::string("completed") : done.failure->message;
   };
   EXPECT_NE(message(60000).find("not positive definite"), std::string::npos) << message(60000);
-  EXPECT_NE(message(10).find("most compressed is element"), std::string::npos) << message(10);
+  EXPECT_NE(message(10).find("smallest J: element"), std::string::npos) << message(10);
 }
 
-TEST(RunDeck, APressureOnAFreeRimIsNotSaidToMeetALimitPoint) {
+TEST(RunDeck, APressureOnAFreeBoundaryIsNotDiagnosedAsLimitPoint) {
   Deck deck = test::clamped_deck();
   deck.pressures.push_back({"x0", 0.1, {}});
   const DeckRun done = run(block(), deck);
   ASSERT_FALSE(done.completed());
   EXPECT_EQ(done.failure->message.find("limit point"), std::string::npos) << done.failure->message;
-  EXPECT_NE(done.failure->message.find("a pressure on faces with a free rim"), std::string::npos)
+  EXPECT_NE(done.failure->message.find("a pressure on faces with a free boundary"),
+            std::string::npos)
       << done.failure->message;
 }
 
-TEST(RunDeck, APartThatHangsByOneEdgeIsFoundWhenItGivesWay) {
-  // Two boxes that share the edge from (1, 0, 1) to (1, 1, 1): the second one turns about it.
+TEST(RunDeck, APartConnectedByOneEdgeIsDiagnosed) {
+  // Two boxes that share the edge from (1, 0, 1) to (1, 1, 1): the second one rotates about it.
   mesh::VolumeMesh mesh = test::box_mesh({.cells = {1, 1, 1}});
   const mesh::VolumeMesh other = mesh;
   std::vector<std::int32_t> number;
@@ -221,7 +206,7 @@ TEST(RunDeck, APartThatHangsByOneEdgeIsFoundWhenItGivesWay) {
   const DeckRun done = run(mesh, deck);
   ASSERT_FALSE(done.completed());
   EXPECT_FALSE(done.last);
-  EXPECT_NE(done.failure->message.find("hangs by a node or an edge alone"), std::string::npos)
+  EXPECT_NE(done.failure->message.find("connected only by a node or an edge"), std::string::npos)
       << done.failure->message;
 }
 
@@ -234,7 +219,7 @@ class StopAfter final : public Progress {
   bool stop_ = false;
 };
 
-TEST(RunDeck, StopsWhenAskedAndKeepsWhatConverged) {
+TEST(RunDeck, StopsOnRequestAndKeepsConvergedIncrements) {
   Deck deck = test::uniaxial_deck(8.0);
   deck.steps.max_increment = 0.2;
   StopAfter stop;
@@ -247,7 +232,7 @@ TEST(RunDeck, StopsWhenAskedAndKeepsWhatConverged) {
   EXPECT_TRUE(done.last->attempts.back().stop == fem::NewtonStop::kConverged);
 }
 
-TEST(RunDeck, AnErrorOfTheWatchIsHandedOn) {
+TEST(RunDeck, AnErrorOfTheWatchIsReturned) {
   DeckWatch watch;
   watch.on_increment = [](const Increment&) -> Result<void> {
     return fail(ErrorCode::kFileUnwritable, "the disk is full");
@@ -260,7 +245,7 @@ TEST(RunDeck, AnErrorOfTheWatchIsHandedOn) {
 
 // --- Tolerance -----------------------------------------------------------------------------------
 
-TEST(RunDeck, ANodeFarAwayThatNoElementHasChangesNothing) {
+TEST(RunDeck, AFarNodeOfNoElementChangesNothing) {
   Deck deck = test::clamped_deck();
   deck.tractions.push_back({"z1", Vec3(2e-4, 0, 0), {}});
   mesh::VolumeMesh mesh = block();
@@ -273,8 +258,8 @@ TEST(RunDeck, ANodeFarAwayThatNoElementHasChangesNothing) {
   EXPECT_EQ(with_another.last->u.head(alone.last->u.size()), alone.last->u);
 }
 
-TEST(RunDeck, ASoftRegionIsNotSolvedToTheRoundOffOfAStiffOne) {
-  // Titanium below 5 mm, fat above it that a feather pushes; 300 mm from the origin.
+TEST(RunDeck, ASoftRegionIsSolvedBesideAStiffOne) {
+  // Titanium below 5 mm, fat with a tiny load above; 300 mm from the origin.
   mesh::VolumeMesh mesh = test::box_mesh({.cells = {2, 2, 4}, .size_mm = {10, 10, 20}});
   for (Vec3& p_L : mesh.nodes_L) p_L += Vec3::Constant(300.0);
   mesh::ElementBlock& elements = mesh.blocks[0];
@@ -298,7 +283,7 @@ TEST(RunDeck, ASoftRegionIsNotSolvedToTheRoundOffOfAStiffOne) {
   EXPECT_LT((sum(done.last->reactions_n) + Vec3(1e-3, 0, 0)).norm(), 1e-6);
 }
 
-TEST(RunDeck, ABodyAtRestIsInEquilibriumHoweverStiffItIs) {
+TEST(RunDeck, ABodyAtRestIsInEquilibriumAtAnyStiffness) {
   mesh::VolumeMesh mesh = block(mesh::ElementShape::kHex20);
   for (Vec3& p_L : mesh.nodes_L) p_L += Vec3(300.0, -400.0, 1200.0);
   Deck deck = test::uniaxial_deck(2.0);
@@ -309,201 +294,13 @@ TEST(RunDeck, ABodyAtRestIsInEquilibriumHoweverStiffItIs) {
   EXPECT_LT(done.last->max_displacement_mm, 1e-9);
 }
 
-TEST(RunDeck, ABodyThatIsCarriedAlongKeepsItsShape) {
+TEST(RunDeck, ABodyInRigidMotionKeepsItsShape) {
   Deck deck = test::clamped_deck();
   deck.displacements = {prescribe("z0", 30.0, -20.0, 0.0)};
   const DeckRun done = run(block(mesh::ElementShape::kTet10), deck);
   ASSERT_TRUE(done.completed()) << done.failure->message;
   for (Index n = 0; n < done.last->u.size() / 3; ++n)
     EXPECT_LT((done.last->u.segment<3>(3 * n) - Vec3(30, -20, 0)).norm(), 1e-8);
-}
-
-// --- Obstacles -----------------------------------------------------------------------------------
-
-constexpr double kRadius_mm = 6.0;
-
-/// A ball that rests on the middle of the block's upper side.
-ObstacleDistanceQueries ball() {
-  static const auto field = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(
-          test::make_icosphere(kRadius_mm, 4, Vec3(10, 10, 10.0 + kRadius_mm)),
-          {.resolution = 64, .band_mm = 2.0, .smooth = true})
-          .value());
-  return {contact::field_distance_query(field, contact::DetectionMethod::kSmooth).value()};
-}
-
-/// 20 x 20 x 10 mm, finer in the middle of the upper side.
-mesh::VolumeMesh slab() {
-  mesh::VolumeMesh mesh = test::box_mesh(
-      {.cells = {8, 8, 4}, .size_mm = {20, 20, 10}, .shape = mesh::ElementShape::kTet10});
-  const auto drawn = [](double x, double length) {  // Towards the middle, 0 and length kept.
-    const double s = 2.0 * x / length - 1.0;
-    return 0.5 * length * (1.0 + s * std::abs(s) * 0.5 + s * 0.5);
-  };
-  for (Vec3& p : mesh.nodes_L)
-    p = Vec3(drawn(p.x(), 20.0), drawn(p.y(), 20.0), 10.0 * std::pow(p.z() / 10.0, 0.7));
-  return mesh;
-}
-
-Deck indentation(double depth_mm) {
-  Deck deck;
-  deck.laws.push_back({"", fem::NeoHookean::from_young_poisson(0.015, 0.3).value(), 0.0});
-  deck.displacements = {prescribe("z0", 0.0, 0.0, 0.0)};
-  Obstacle obstacle;
-  obstacle.name = "ball";
-  obstacle.faces = "z1";
-  obstacle.path = {"ball", {{1.0, Vec3(0, 0, -depth_mm), Vec3::Zero(), Vec3::Zero()}}, 1};
-  obstacle.stiffness_factor = 30.0;
-  deck.obstacles.push_back(obstacle);
-  return deck;
-}
-
-TEST(RunDeck, ABallPressedIntoASlabIsAboutHertz) {
-  const double depth_mm = 0.8;
-  const DeckRun done = run(slab(), indentation(depth_mm), ball());
-  ASSERT_TRUE(done.completed()) << done.failure->message;
-  const contact::ContactStatistics& contact = done.last->contacts[0];
-  // A layer of height h, held below, is stiffer than Hertz's half-space: Dimitriadis et al.,
-  // Biophys. J. 82 (2002), equation 9, chi = sqrt(R d) / h.
-  const double nu = 0.3, young_mpa = 0.015;
-  const double hertz_n =
-      4.0 / 3.0 * young_mpa / (1.0 - nu * nu) * std::sqrt(kRadius_mm) * std::pow(depth_mm, 1.5);
-  const double alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1.0 - nu);
-  const double chi = std::sqrt(kRadius_mm * depth_mm) / 10.0;
-  const double layer = 1.0 - 2.0 * alpha * chi / std::numbers::pi +
-                       4.0 * alpha * alpha * chi * chi / (std::numbers::pi * std::numbers::pi);
-  EXPECT_NEAR(contact.force_L_n.z() / -(layer * hertz_n), 1.0, 0.1);
-  EXPECT_LT(contact.max_penetration_mm, 0.15 * depth_mm);
-  EXPECT_LT((sum(done.last->reactions_n) + contact.force_L_n).norm(), 1e-8);
-  // Pressed most near the ball's lowest point, and there alone.
-  const auto& touched = done.last->touched[0];
-  const mesh::VolumeMesh mesh = slab();
-  double highest_mpa = 0.0;
-  Vec3 at_L = Vec3::Zero();
-  for (const contact::NodalContact& node : touched) {
-    const Vec3& p_L = mesh.nodes_L[std::size_t(node.node)];
-    if (node.pressure_mpa > highest_mpa) at_L = p_L;
-    highest_mpa = std::max(highest_mpa, node.pressure_mpa);
-    if ((p_L - Vec3(10, 10, 10)).norm() > 5.0) {
-      EXPECT_EQ(node.pressure_mpa, 0.0);
-    }
-  }
-  EXPECT_LT((at_L - Vec3(10, 10, 10)).norm(), 1.5);
-}
-
-TEST(RunDeck, ABallDoesNotPassThroughASlabUnseen) {
-  // From above to below in one increment: it touches the slab neither before nor after.
-  Deck through = indentation(30.0);
-  through.steps = {.first_increment = 1.0, .min_increment = 0.25};
-  const DeckRun stopped = run(slab(), through, ball());
-  EXPECT_FALSE(stopped.completed());
-  ASSERT_FALSE(stopped.failed_attempts.empty());
-  EXPECT_EQ(stopped.failed_attempts[0].stop, fem::NewtonStop::kRejected);
-  EXPECT_NE(stopped.failed_attempts[0].reason.find("has gone through obstacle ball"),
-            std::string::npos)
-      << stopped.failed_attempts[0].reason;
-  // The same way beside the slab is free.
-  Deck beside = through;
-  beside.obstacles[0].path.keyframes = {{0.5, Vec3(40, 0, 0), Vec3::Zero(), Vec3::Zero()},
-                                        {1.0, Vec3(40, 0, -30), Vec3::Zero(), Vec3::Zero()}};
-  const DeckRun done = run(slab(), beside, ball());
-  EXPECT_TRUE(done.completed()) << done.failure->message;
-}
-
-TEST(RunDeck, GivesTheSameBitsForAnyNumberOfThreads) {
-  const auto with = [](int threads) {
-    const ThreadLimit limit(threads);
-    return run(slab(), indentation(0.5), ball());
-  };
-  const DeckRun one = with(1), two = with(2);
-  ASSERT_TRUE(one.completed());
-  EXPECT_EQ(one.last->u, two.last->u);
-  EXPECT_EQ(one.last->reactions_n, two.last->reactions_n);
-  EXPECT_EQ(one.last->energy_mj, two.last->energy_mj);
-}
-
-/// A plate 6 mm thick whose lower side is at `z`.
-std::shared_ptr<const contact::DistanceQuery> plate_at(double z) {
-  const auto field = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(test::make_box({-5.0, -5.0, z}, {25.0, 25.0, z + 6.0}),
-                                  {.resolution = 64, .band_mm = 2.5, .smooth = true})
-          .value());
-  return contact::field_distance_query(field, contact::DetectionMethod::kSmooth).value();
-}
-
-Obstacle plate(const std::string& name, const std::string& faces,
-               std::vector<geometry::Keyframe> keyframes) {
-  Obstacle obstacle;
-  obstacle.name = name;
-  obstacle.faces = faces;
-  obstacle.path = {name, std::move(keyframes), 1};
-  obstacle.penetration_tolerance_mm = 0.005;
-  return obstacle;
-}
-
-geometry::Keyframe lifted(double at, double by_mm) {
-  return {.at = at, .translation_mm = {0.0, 0.0, by_mm}};
-}
-
-mesh::VolumeMesh brick() {
-  return test::box_mesh(
-      {.cells = {4, 4, 3}, .size_mm = {20, 20, 10}, .shape = mesh::ElementShape::kHex8});
-}
-
-TEST(RunDeck, TissueBetweenTwoBonesIsPressedByBothAlike) {
-  Deck deck;
-  deck.laws.push_back({"", fem::NeoHookean::from_young_poisson(0.015, 0.45).value(), 0.0});
-  deck.displacements = {prescribe("x0", 0.0, std::nullopt, std::nullopt),
-                        prescribe("y0", std::nullopt, 0.0, std::nullopt)};
-  deck.obstacles = {plate("above", "z1", {lifted(1.0, -0.8)}),
-                    plate("below", "z0", {lifted(1.0, 0.6)})};
-  const DeckRun done = run(brick(), deck, {plate_at(10.0), plate_at(-6.0)});
-  ASSERT_TRUE(done.completed()) << done.failure->message;
-  const auto& contacts = done.last->contacts;
-  EXPECT_LT(contacts[0].force_L_n.z(), -0.1);
-  EXPECT_LT((contacts[0].force_L_n + contacts[1].force_L_n).norm(), 1e-7);
-  for (const contact::ContactStatistics& contact : contacts) {
-    EXPECT_NEAR(contact.area_mm2, 400.0, 1e-6);
-    EXPECT_LE(contact.p99_depth_from_rest_mm, 0.005);
-  }
-  const mesh::VolumeMesh rest = brick();
-  for (const std::int32_t node : rest.node_sets.at("z1"))
-    EXPECT_NEAR(done.last->u[3 * node + 2], -0.8, 0.006);
-  for (const std::int32_t node : rest.node_sets.at("z0"))
-    EXPECT_NEAR(done.last->u[3 * node + 2], 0.6, 0.006);
-}
-
-TEST(RunDeck, ABoneThatRetreatsLetsGo) {
-  Deck deck;
-  deck.laws.push_back({"", fem::NeoHookean::from_young_poisson(0.015, 0.45).value(), 0.0});
-  deck.displacements = {prescribe("z0", 0.0, 0.0, 0.0)};
-  deck.obstacles = {plate("above", "z1", {lifted(0.5, -1.0), lifted(1.0, 1.0)})};
-  double max_n = 0.0;
-  DeckWatch watch;
-  watch.on_increment = [&](const Increment& increment) -> Result<void> {
-    max_n = std::max(max_n, -increment.contacts[0].force_L_n.z());
-    EXPECT_LE(increment.contacts[0].force_L_n.z(), 0.0) << "at " << increment.time;
-    return {};
-  };
-  const DeckRun done = run(brick(), deck, {plate_at(10.0)}, watch);
-  ASSERT_TRUE(done.completed()) << done.failure->message;
-  EXPECT_GT(max_n, 0.3);
-  EXPECT_EQ(done.last->contacts[0].points, 0);
-  EXPECT_LT(done.last->u.lpNorm<Eigen::Infinity>(), 1e-5);
-}
-
-TEST(RunDeck, AnOpenObstacleIsRefusedWhoeverDetectsIt) {
-  const auto prepared = prepare_deck(slab(), indentation(0.5));
-  const geometry::TriangleMesh sheet = test::make_sheet(4.0, 2);
-  const auto field = std::make_shared<const field::DistanceField>(
-      field::build_distance_field(sheet, {.resolution = 16, .smooth = true}).value());
-  const ObstacleDistanceQueries distance_queries{
-      contact::field_distance_query(field, contact::DetectionMethod::kSmooth).value(),
-      contact::field_distance_query(field, contact::DetectionMethod::kTrilinear).value(),
-      contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(sheet), 2.0)};
-  for (const auto& distance_query : distance_queries)
-    EXPECT_EQ(run_deck(*prepared, {distance_query}).error().message,
-              "obstacle ball is an open surface, contact needs a closed one");
 }
 
 }  // namespace

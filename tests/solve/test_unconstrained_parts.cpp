@@ -9,7 +9,8 @@ namespace {
 
 using fem::PrescribedDisplacement;
 
-std::vector<PrescribedDisplacement> hold(const std::vector<std::int32_t>& nodes, int component) {
+std::vector<PrescribedDisplacement> prescribe(const std::vector<std::int32_t>& nodes,
+                                              int component) {
   std::vector<PrescribedDisplacement> constrained;
   for (const std::int32_t node : nodes) constrained.push_back({node, component, 0.0});
   return constrained;
@@ -22,7 +23,7 @@ std::vector<PrescribedDisplacement> joined(
   return all;
 }
 
-/// Two boxes that do not touch; the second one's first element is number 48.
+/// Two boxes that do not touch; the first element of the second one is number 48.
 mesh::VolumeMesh two_boxes() {
   mesh::VolumeMesh mesh = test::box_mesh();
   const mesh::VolumeMesh other = test::box_mesh();
@@ -32,54 +33,55 @@ mesh::VolumeMesh two_boxes() {
   return mesh;
 }
 
-TEST(UnconstrainedParts, ASideHeldAltogetherHoldsTheBody) {
+TEST(UnconstrainedParts, AFixedSideConstrainsTheBody) {
   const mesh::VolumeMesh mesh = test::box_mesh();
   EXPECT_TRUE(find_unconstrained_parts(mesh, fem::prescribe_zero(mesh.node_sets.at("z0"))).empty());
 }
 
-TEST(UnconstrainedParts, ThreeSymmetryPlanesHoldTheBody) {
+TEST(UnconstrainedParts, ThreeSymmetryPlanesConstrainTheBody) {
   const mesh::VolumeMesh mesh = test::box_mesh();
-  EXPECT_TRUE(find_unconstrained_parts(
-                  mesh, joined({hold(mesh.node_sets.at("x0"), 0), hold(mesh.node_sets.at("y0"), 1),
-                                hold(mesh.node_sets.at("z0"), 2)}))
+  EXPECT_TRUE(find_unconstrained_parts(mesh, joined({prescribe(mesh.node_sets.at("x0"), 0),
+                                                     prescribe(mesh.node_sets.at("y0"), 1),
+                                                     prescribe(mesh.node_sets.at("z0"), 2)}))
                   .empty());
 }
 
 TEST(UnconstrainedParts, ABodyThatSlidesOnOnePlaneHasThreeMotions) {
   const mesh::VolumeMesh mesh = test::box_mesh();
-  const auto loose = find_unconstrained_parts(mesh, hold(mesh.node_sets.at("z0"), 2));
-  ASSERT_EQ(loose.size(), 1U);
-  EXPECT_EQ(loose[0].free_motions, 3);
+  const auto unconstrained = find_unconstrained_parts(mesh, prescribe(mesh.node_sets.at("z0"), 2));
+  ASSERT_EQ(unconstrained.size(), 1U);
+  EXPECT_EQ(unconstrained[0].free_motions, 3);
 }
 
-TEST(UnconstrainedParts, AFreeMotionIsReportedInWords) {
+TEST(UnconstrainedParts, AFreeMotionIsDescribed) {
   const mesh::VolumeMesh mesh = test::box_mesh();
   const auto sliding = find_unconstrained_parts(
-      mesh, joined({hold(mesh.node_sets.at("x0"), 0), hold(mesh.node_sets.at("z0"), 2)}));
+      mesh, joined({prescribe(mesh.node_sets.at("x0"), 0), prescribe(mesh.node_sets.at("z0"), 2)}));
   ASSERT_EQ(sliding.size(), 1U);
   EXPECT_EQ(sliding[0].free_motions, 1);
   EXPECT_TRUE(sliding[0].motion == "move along (0, 1, 0)" ||
               sliding[0].motion == "move along (0, -1, 0)")
       << sliding[0].motion;
-  // Held along its axis alone, a body turns about it.
+  // Constrained only along its axis, a body rotates about it.
   const auto turning =
       find_unconstrained_parts(mesh, joined({fem::prescribe_zero(std::vector<std::int32_t>{0}),
                                              fem::prescribe_zero(std::vector<std::int32_t>{18})}));
   ASSERT_EQ(turning.size(), 1U);
   EXPECT_EQ(turning[0].free_motions, 1);
-  EXPECT_NE(turning[0].motion.find("turn about (0, 0, "), std::string::npos) << turning[0].motion;
+  EXPECT_NE(turning[0].motion.find("rotate about (0, 0, "), std::string::npos) << turning[0].motion;
 }
 
-TEST(UnconstrainedParts, ThePartNobodyHoldsIsNamedByAnElementAndItsPlace) {
+TEST(UnconstrainedParts, AnUnconstrainedPartIsReportedByElementAndPosition) {
   const mesh::VolumeMesh mesh = two_boxes();
-  const auto loose = find_unconstrained_parts(mesh, fem::prescribe_zero(mesh.node_sets.at("z0")));
-  ASSERT_EQ(loose.size(), 1U);
-  EXPECT_EQ(loose[0].first_element, 48);
-  EXPECT_EQ(loose[0].elements, 48);
-  EXPECT_EQ(loose[0].free_motions, 6);
-  EXPECT_NEAR(loose[0].at_L.x(), 10.25, 0.25);
-  EXPECT_EQ(loose[0].nodes.front(), 27);
-  EXPECT_EQ(loose[0].nodes.size(), 27U);
+  const auto unconstrained =
+      find_unconstrained_parts(mesh, fem::prescribe_zero(mesh.node_sets.at("z0")));
+  ASSERT_EQ(unconstrained.size(), 1U);
+  EXPECT_EQ(unconstrained[0].first_element, 48);
+  EXPECT_EQ(unconstrained[0].elements, 48);
+  EXPECT_EQ(unconstrained[0].free_motions, 6);
+  EXPECT_NEAR(unconstrained[0].at_L.x(), 10.25, 0.25);
+  EXPECT_EQ(unconstrained[0].nodes.front(), 27);
+  EXPECT_EQ(unconstrained[0].nodes.size(), 27U);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What counts as passed, and how failures are told.
+// Acceptance criteria and the report of failures.
 #include <lefort/verify/verification_report.h>
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace lefort::verify {
 namespace {
 
-TEST(Check, IsRefusedOnTheSideThatIsAsked) {
+TEST(Check, FailsOnTheSideOfTheComparison) {
   Check check{.name = "x", .measured = 2.3, .expected = 2.0, .tolerance = 0.2};
   EXPECT_FALSE(check.passed());
   check.comparison = Comparison::kAtLeast;
@@ -23,12 +23,12 @@ TEST(Check, IsRefusedOnTheSideThatIsAsked) {
   }
 }
 
-TEST(Check, FailsWhereNothingWasMeasured) {
+TEST(Check, FailsWithoutAMeasurement) {
   for (const Comparison comparison : {Comparison::kNear, Comparison::kAtLeast, Comparison::kAtMost})
     EXPECT_FALSE(
         (Check{.name = "x", .measured = NAN, .comparison = comparison, .tolerance = 1e9}.passed()));
   EXPECT_FALSE(not_measured("x", "the solver stopped").passed());
-  // A known miss is told and fails nothing; where it is met after all, it has passed.
+  // A known failure is reported and accepted.
   const Check known{.name = "x", .measured = 2.0, .expected = 1.0, .known_failure = "coarse"};
   EXPECT_FALSE(known.passed());
   EXPECT_TRUE(known.is_acceptable());
@@ -57,7 +57,7 @@ TEST(VerificationReport, ReportsFailuresAndTheirCause) {
   EXPECT_NE(files[0].content.find("![Plot](verification-one-1.svg)"), std::string::npos);
   EXPECT_EQ(files[1].name, "verification-one-1.svg");
   EXPECT_EQ(files[1].content.rfind("<svg", 0), 0U);
-  EXPECT_EQ(files[1].content.find("var("), std::string::npos);  // Not all viewers know it.
+  EXPECT_EQ(files[1].content.find("var("), std::string::npos);  // Not all viewers support it.
 }
 
 }  // namespace

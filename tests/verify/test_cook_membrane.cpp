@@ -10,10 +10,10 @@ namespace {
 
 using mesh::ElementShape;
 
-// How the tip rises with each shape, and stays behind without the remedy: the case "cook" of
+// The rise of the tip with each shape, with and without the remedy, is the case "cook" of
 // test_suite.cpp.
 
-TEST(CookMembrane, BearsAHundredNewtonsPerMillimeterOfThickness) {
+TEST(CookMembrane, HasALoadOfAHundredNewtonsPerMillimeterOfThickness) {
   const CookMembrane membrane = make_cook_membrane(ElementShape::kTet10, 4);
   Vec3 sum = Vec3::Zero();
   for (const fem::NodalForce& force : membrane.forces) sum += force.force_n;
@@ -22,14 +22,14 @@ TEST(CookMembrane, BearsAHundredNewtonsPerMillimeterOfThickness) {
   EXPECT_EQ(tip.head<2>(), Eigen::Vector2d(48, 60));
 }
 
-TEST(CookMembrane, IsTheSamePlateCutAlongEitherDiagonal) {
+TEST(CookMembrane, IsTheSamePlateDividedAlongEitherDiagonal) {
   double side_mm[2];
   for (const Diagonal diagonal : {Diagonal::kShorter, Diagonal::kLonger}) {
     const CookMembrane membrane = make_cook_membrane(ElementShape::kWedge6, 1, diagonal);
     const Vec3& tip = membrane.mesh.nodes_L[std::size_t(membrane.tip)];
     EXPECT_EQ(tip.head<2>(), Eigen::Vector2d(48, 60));
     EXPECT_EQ(membrane.mesh.node_count(), 8);
-    // The diagonal is the one pair of corners on z = 0 that both triangles there have.
+    // The diagonal is the pair of corners on z = 0 that belong to both triangles there.
     const mesh::ElementBlock& wedges = membrane.mesh.blocks.front();
     std::vector<Vec3> shared;
     for (int a = 0; a < 6; ++a)

@@ -8,7 +8,7 @@
 namespace lefort::verify {
 namespace {
 
-TEST(GradedCube, PutsCornersWhereThePowerOfTheDistanceSaysAndMiddlesHalfway) {
+TEST(GradedCube, GradesCornersByThePowerAndPutsMidSideNodesInTheMiddle) {
   const mesh::VolumeMesh cube = graded_cube(mesh::ElementShape::kHex20, 2, 3.0, 2.0);
   // Corners at 1 - (1 - i / 2)^2 of 3 mm: 0, 2.25 and 3.
   const auto has = [&](const Vec3& wanted) {
@@ -22,8 +22,8 @@ TEST(GradedCube, PutsCornersWhereThePowerOfTheDistanceSaysAndMiddlesHalfway) {
     EXPECT_EQ(cube.nodes_L[std::size_t(node)].z(), 3.0);
 }
 
-/// What lets displacements of one mesh and the next be compared.
-TEST(GradedCube, KeepsTheCornersOfACubeOfHalfAsManyCells) {
+/// So that displacements of consecutive meshes can be compared.
+TEST(GradedCube, ContainsTheCornersOfACubeWithHalfTheCells) {
   for (const mesh::ElementShape shape : kAllShapes) {
     const mesh::VolumeMesh fine = graded_cube(shape, 4, 1.0, 2.5);
     for (const Vec3& corner : graded_cube(mesh::ElementShape::kHex8, 2, 1.0, 2.5).nodes_L)

@@ -1,4 +1,4 @@
-// The short form of the suite: one test per case, so that failures are told apart.
+// The short form of the suite, with one test per case.
 #include <lefort/verify/run_suite.h>
 #include <lefort/verify/verification_report.h>
 
@@ -33,7 +33,7 @@ std::string name_of(const testing::TestParamInfo<Case>& one) {
 INSTANTIATE_TEST_SUITE_P(Cases, Suite, testing::ValuesIn(all_cases().begin(), all_cases().end()),
                          name_of);
 
-TEST(RunSuite, RefusesAnUnknownCaseAndNamesIt) {
+TEST(RunSuite, RejectsAnUnknownCaseByName) {
   const auto sections = run_suite({.only = "pach"}, Progress::none());
   ASSERT_FALSE(sections.has_value());
   EXPECT_EQ(sections.error().code, ErrorCode::kInvalidArgument);

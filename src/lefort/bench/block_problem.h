@@ -1,5 +1,5 @@
 /// \file
-/// A block of soft tissue, held below and moved above: what solvers are compared by.
+/// A block of soft tissue, fixed below and moved above, on which solvers are compared.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -11,7 +11,7 @@
 
 namespace lefort::bench {
 
-/// A cube whose lower side is fixed and whose upper side is pressed down and pushed aside.
+/// A cube whose lower side is fixed and whose upper side is moved down and sideways.
 struct BlockProblem {
   static constexpr double kSide_mm = 10.0;
   static constexpr double kMu_mpa = 0.1;     ///< Of Psi = mu/2 (J^(-2/3) I1 - 3)
@@ -28,7 +28,7 @@ struct BlockProblem {
   [[nodiscard]] mesh::VolumeMesh mesh() const;
   [[nodiscard]] static fem::RegionMaterials materials();
 
-  /// Where the upper side has moved at a part t of the load, 0 to 1.
+  /// Displacement of the upper side at load fraction t, 0 to 1.
   [[nodiscard]] static Vec3 moved_mm(double t) { return t * kSide_mm * Vec3(0.2, 0.0, -0.2); }
   [[nodiscard]] static std::vector<fem::PrescribedDisplacement> prescribed(
       const mesh::VolumeMesh& mesh, double t);

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPerLine = 12;  // Numbers; a line of CalculiX holds 16 at most.
+constexpr int kPerLine = 12;  // Numbers; CalculiX reads at most 16 in a line.
 
 std::string list_of(const std::vector<std::int32_t>& nodes) {
   std::string text;
@@ -46,15 +46,15 @@ std::string mesh_text(const mesh::VolumeMesh& mesh) {
          "*NSET,NSET=ABOVE\n" + list_of(mesh.node_sets.at(BlockProblem::kAbove));
 }
 
-/// What is asked of the mesh. CalculiX's W = C10 (I1bar - 3) + (J - 1)^2 / D1 is ours with
-/// C10 = mu / 2 and D1 = 2 / kappa.
+/// Material, step and boundary conditions. CalculiX's W = C10 (I1bar - 3) + (J - 1)^2 / D1 is ours
+/// with C10 = mu / 2 and D1 = 2 / kappa.
 std::string step_text(const CalculixTask& task) {
   const Vec3 moved_mm = BlockProblem::moved_mm(1.0);
   std::string text = fmt::format(
       "*MATERIAL,NAME=TISSUE\n*HYPERELASTIC,NEO HOOKE\n{:.17g},{:.17g}\n"
       "*SOLID SECTION,ELSET=BLOCK,MATERIAL=TISSUE\n*STEP,NLGEOM,INC=1000\n",
       0.5 * BlockProblem::kMu_mpa, 2.0 / BlockProblem::kKappa_mpa);
-  // Residual force and correction, each as a part of its mean, and no exceptions to them.
+  // Residual force and correction, each relative to its mean, without exceptions.
   text += fmt::format("*CONTROLS,PARAMETERS=FIELD\n{0:g},{0:g},,,{0:g},1e-12,1e-12,1e-12\n",
                       task.tolerance);
   text += fmt::format("*STATIC,DIRECT,SOLVER={}\n{:.17g},1.\n*BOUNDARY\nBELOW,1,3\n",
@@ -65,16 +65,16 @@ std::string step_text(const CalculixTask& task) {
 
 /// The number that follows the last `label`.
 Result<double> last_number(std::string_view text, std::string_view label) {
-  constexpr std::size_t kLongest = 40;
+  constexpr std::size_t kMaxLength = 40;
   if (const std::size_t at = text.rfind(label); at != std::string_view::npos) {
-    const std::string number(text.substr(at + label.size(), kLongest));
+    const std::string number(text.substr(at + label.size(), kMaxLength));
     char* end = nullptr;
     const double value = std::strtod(number.c_str(), &end);
     if (end != number.c_str() && std::isfinite(value)) return value;
   }
   return fail(
       ErrorCode::kFileCorrupt,
-      fmt::format("CalculiX's output, block.log, tells no number after the last '{}'", label));
+      fmt::format("CalculiX's output, block.log, has no number after the last '{}'", label));
 }
 
 int count_of(std::string_view text, std::string_view label) {
@@ -97,14 +97,14 @@ Result<VectorX> displacements_in(const fs::path& file, Index nodes) {
       if (node >= 1 && node <= nodes) u.segment<3>(3 * (node - 1)) = Vec3(x, y, z);
   }
   if (!u.allFinite())
-    return fail(ErrorCode::kFileCorrupt,
-                fmt::format("{} holds no displacements of all nodes", file.filename().string()));
+    return fail(ErrorCode::kFileCorrupt, fmt::format("{} does not have displacements of all nodes",
+                                                     file.filename().string()));
   return u;
 }
 
-/// In the folder, since ccx leaves files where it is started. What it printed is kept there.
+/// Runs ccx in the folder, because it writes files where it starts, and saves its output there.
 Result<ProcessRun> run_ccx(const CalculixTask& task, Progress& progress) {
-  constexpr int kNotFound = 127;  // What env says of a program that it cannot find.
+  constexpr int kNotFound = 127;  // Exit code of env if the program is missing.
   LEFORT_TRY(ProcessRun run, run_measured_process({"/usr/bin/env", "-C", task.folder.string(),
                                                    fmt::format("OMP_NUM_THREADS={}", task.threads),
                                                    "ccx", "-i", "block"},
@@ -116,7 +116,7 @@ Result<ProcessRun> run_ccx(const CalculixTask& task, Progress& progress) {
   LEFORT_TRY_VOID(io::write_text(log, run.output));
   if (run.exit_code != 0)
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("CalculiX ({}) ended with {}; what it printed is in {}",
+                fmt::format("CalculiX ({}) ended with {}; its output is in {}",
                             name_of(task.solver), run.exit_code, log.string()));
   return run;
 }

@@ -1,5 +1,5 @@
 /// \file
-/// The same block solved by CalculiX, a finite element program in wide use.
+/// The same block solved by CalculiX, a widely used finite element program.
 #pragma once
 
 #include <lefort/bench/block_problem.h>
@@ -12,13 +12,13 @@
 
 namespace lefort::bench {
 
-/// Those of its linear solvers that Debian's package holds.
+/// Its linear solvers in Debian's package.
 enum class CalculixSolver {
-  kSpooles,   ///< A direct one, what ccx takes unless told otherwise.
+  kSpooles,   ///< Direct; the default of ccx.
   kIterative  ///< Conjugate gradients, preconditioned by an incomplete factor.
 };
 
-/// As ccx names them.
+/// Name in the input of ccx.
 [[nodiscard]] const char* name_of(CalculixSolver solver);
 
 struct CalculixTask {
@@ -26,7 +26,7 @@ struct CalculixTask {
   CalculixSolver solver = CalculixSolver::kSpooles;
   int threads = 2;
   int increments = 1;
-  double tolerance = 1e-6;       ///< Of residual forces, and of corrections to displacements.
+  double tolerance = 1e-6;       ///< Of residual forces and displacement corrections.
   std::filesystem::path folder;  ///< For its files, which are block.*; there.
 };
 
@@ -38,8 +38,10 @@ struct CalculixRun {
   VectorX displacements_mm;     ///< Three per node.
 };
 
-/// Writes the input, runs `ccx` and reads what it wrote.
+/// Writes the input, runs `ccx` and reads its output.
 ///
+/// \param task      to solve.
+/// \param progress  may stop the process.
 /// \returns kInvalidArgument if ccx cannot be run, kFileCorrupt if its output is not understood,
 ///   kFileUnwritable, kCancelled.
 [[nodiscard]] Result<CalculixRun> run_calculix(const CalculixTask& task, Progress& progress);

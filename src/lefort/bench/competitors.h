@@ -1,5 +1,5 @@
 /// \file
-/// What others offer for distances to a surface, run beside ours.
+/// Distances to a surface by other libraries, for comparison.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -14,7 +14,7 @@ namespace lefort::bench {
 /// OpenVDB's narrow-band level set (tools::meshToSignedDistanceField).
 class OpenVdbField {
  public:
-  /// \param half_band_cells  samples this near are exact, in cells on both sides.
+  /// \param half_band_cells  samples within this distance are exact, in cells on both sides.
   OpenVdbField(const geometry::TriangleMesh& mesh, const Vec3& origin, double cell_mm,
                double half_band_cells);
   ~OpenVdbField();
@@ -25,7 +25,7 @@ class OpenVdbField {
 
   /// Trilinear (tools::BoxSampler through an accessor).
   void distances(std::span<const Vec3> points, std::span<double> distances_mm) const;
-  /// The same with the gradient by the same eight samples.
+  /// With gradients from the same eight samples.
   void gradients(std::span<const Vec3> points, std::span<double> distances_mm,
                  std::span<Vec3> gradients) const;
 
@@ -34,7 +34,7 @@ class OpenVdbField {
   std::unique_ptr<Grid> grid_;
 };
 
-/// Embree's point queries on its own tree; unsigned, single precision.
+/// Embree's point queries; unsigned, single precision.
 class EmbreePoints {
  public:
   explicit EmbreePoints(const geometry::TriangleMesh& mesh);
@@ -42,8 +42,8 @@ class EmbreePoints {
   EmbreePoints(const EmbreePoints&) = delete;
   EmbreePoints& operator=(const EmbreePoints&) = delete;
 
-  /// \param reach_mm  the search ends there; the result is then this.
-  void distances(std::span<const Vec3> points, double reach_mm,
+  /// \param max_distance_mm  limit of the search, and the result beyond it.
+  void distances(std::span<const Vec3> points, double max_distance_mm,
                  std::span<double> distances_mm) const;
 
  private:

@@ -21,16 +21,16 @@
 namespace lefort::bench {
 namespace {
 
-/// A case followed by one method.
-struct Walk {
+/// A case predicted by one method.
+struct MethodRun {
   std::string case_name;
-  std::string mesh_name;  ///< Of the case, whatever the number of its steps.
+  std::string mesh_name;  ///< Of the case, for any number of steps.
   ContactMethod method{};
   predict::FacePrediction prediction;
   int steps_requested = 0;
   std::vector<std::int32_t> skin;  ///< Nodes; none in a synthetic case.
   double seconds = 0.0;
-  /// For all points once, where the tissue lies at the end; not a number before.
+  /// Of all points once, at the final positions; NaN before.
   double detection_seconds = std::numeric_limits<double>::quiet_NaN();
   std::size_t detection_points = 0;
 
@@ -51,7 +51,7 @@ double relative(const fem::NewtonIterate& iterate) {
                                             : 0.0;
 }
 
-/// Where a method asks for gaps: at the nodes of the contact faces, or at the points in them.
+/// Points at which a method evaluates gaps: nodes or quadrature points of the contact faces.
 std::vector<Vec3> detection_points(const predict::FaceModel& model, contact::Integration where,
                                    std::span<const Vec3> x_L) {
   const auto& faces = model.tissue.face_sets.at(predict::sets::kContact);
@@ -73,11 +73,12 @@ std::vector<Vec3> detection_points(const predict::FaceModel& model, contact::Int
   return points;
 }
 
-/// What a step that converged leaves to be written; an error there ends the walk.
-using OnWalk = std::function<Result<void>(const Walk& so_far)>;
+/// Called after each converged step; an error ends the run.
+using OnStep = std::function<Result<void>(const MethodRun& so_far)>;
 
-Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
-                    const ConvergenceOptions& options, const OnWalk& on_walk, Progress& progress) {
+Result<MethodRun> follow(const ConvergenceCase& task, const ContactMethod& method,
+                         const ConvergenceOptions& options, const OnStep& on_converged_step,
+                         Progress& progress) {
   predict::PredictionOptions prediction = task.options;
   prediction.contact.detection = method.detection;
   prediction.contact.integration = method.integration;
@@ -85,37 +86,37 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
   prediction.solver.relative_tolerance = options.relative_tolerance;
   prediction.solver.max_iterations = options.max_iterations;
 
-  Walk walk;
-  walk.case_name = task.name;
-  walk.mesh_name = task.mesh_name;
-  walk.method = method;
-  walk.steps_requested = geometry::steps_of(task.paths);
+  MethodRun run;
+  run.case_name = task.name;
+  run.mesh_name = task.mesh_name;
+  run.method = method;
+  run.steps_requested = geometry::steps_of(task.paths);
   const auto skin = task.model.tissue.node_sets.find(predict::sets::kSkin);
-  if (skin != task.model.tissue.node_sets.end()) walk.skin = skin->second;
+  if (skin != task.model.tissue.node_sets.end()) run.skin = skin->second;
   const Stopwatch watch;
   Result<void> written;
   const auto on_step = [&](const predict::PredictionStep& step) {
     progress.note(fmt::format("  {}, {}: {:5.1f} %, {} iterations in {} increments, {:.1f} s",
                               task.name, method.name, 100.0 * step.path_fraction,
                               step.newton_iterations(), step.attempts.size(), watch.seconds()));
-    walk.prediction.steps.push_back(step);
-    walk.seconds = watch.seconds();
-    if (written) written = on_walk(walk);
+    run.prediction.steps.push_back(step);
+    run.seconds = watch.seconds();
+    if (written) written = on_converged_step(run);
   };
-  LEFORT_TRY(walk.prediction,
+  LEFORT_TRY(run.prediction,
              predict::predict_face(task.model, task.paths, prediction,
                                    {.on_step = on_step, .on_restart = {}}, progress));
-  walk.seconds = watch.seconds();
+  run.seconds = watch.seconds();
   LEFORT_TRY_VOID(written);
 
   std::vector<Vec3> x_L = task.model.tissue.nodes_L;
   std::vector<contact::RigidObstacle> bones;
   for (const predict::MovedSegment& segment : task.model.segments) {
-    LEFORT_TRY(auto distance_query_B, predict::detect_segment(segment, method.detection));
+    LEFORT_TRY(auto distance_query_B, predict::segment_distance_query(segment, method.detection));
     bones.push_back({std::move(distance_query_B)});
   }
-  if (!walk.prediction.steps.empty()) {
-    const predict::PredictionStep& last = walk.prediction.steps.back();
+  if (!run.prediction.steps.empty()) {
+    const predict::PredictionStep& last = run.prediction.steps.back();
     for (std::size_t n = 0; n < x_L.size(); ++n) x_L[n] += last.displacement_mm[n];
     for (std::size_t k = 0; k < bones.size(); ++k) bones[k].X_LB = last.segments[k].X_LB;
   }
@@ -128,24 +129,24 @@ Result<Walk> follow(const ConvergenceCase& task, const ContactMethod& method,
       contact::measure_gaps(bone, points, contact::Derivatives::kSecond, gaps);
     seconds.push_back(once.seconds());
   }
-  walk.detection_seconds = *std::min_element(seconds.begin(), seconds.end());
-  walk.detection_points = points.size() * bones.size();
-  return walk;
+  run.detection_seconds = *std::min_element(seconds.begin(), seconds.end());
+  run.detection_points = points.size() * bones.size();
+  return run;
 }
 
-/// Figures of one walk.
+/// Statistics of one run.
 struct Tally {
   Index iterations = 0;
   Index failed_attempts = 0;
   Index failed_iterations = 0;
-  Index rises = 0;            ///< Iterations after which the residual was larger than before.
-  double worst_final = 0.0;   ///< Relative residual at the end of a step that converged.
-  double worst_p99_mm = 0.0;  ///< Likewise depth from rest.
+  Index rises = 0;          ///< Iterations that increased the residual.
+  double max_final = 0.0;   ///< Relative residual at the end of a step that converged.
+  double max_p99_mm = 0.0;  ///< Largest P99 of the penetration increase.
 };
 
-Tally tally(const Walk& walk) {
+Tally tally(const MethodRun& run) {
   Tally sum;
-  for (const fem::LoadAttempt& attempt : walk.attempts()) {
+  for (const fem::LoadAttempt& attempt : run.attempts()) {
     const auto iterations = std::max<Index>(Index(attempt.history.size()) - 1, 0);
     sum.iterations += iterations;
     if (attempt.stop != fem::NewtonStop::kConverged) {
@@ -155,23 +156,23 @@ Tally tally(const Walk& walk) {
     for (std::size_t i = 1; i < attempt.history.size(); ++i)
       if (relative(attempt.history[i]) > relative(attempt.history[i - 1])) ++sum.rises;
   }
-  for (const predict::PredictionStep& step : walk.prediction.steps) {
-    sum.worst_final = std::max(sum.worst_final, step.relative_residual);
-    sum.worst_p99_mm = std::max(sum.worst_p99_mm, step.contact().p99_depth_from_rest_mm);
+  for (const predict::PredictionStep& step : run.prediction.steps) {
+    sum.max_final = std::max(sum.max_final, step.relative_residual);
+    sum.max_p99_mm = std::max(sum.max_p99_mm, step.contact().p99_depth_from_rest_mm);
   }
   return sum;
 }
 
-std::string table(std::span<const Walk> walks) {
+std::string table(std::span<const MethodRun> runs) {
   std::string text =
-      "| case | method | steps converged | increments that failed | iterations (in failed ones) | "
-      "a converged step | residual rose | largest final relative residual | nodes in contact | "
-      "largest P99 of depth | depth P99 / max mm at the end | crept through mm² | µs per point "
+      "| case | method | steps converged | failed increments | iterations (in failed ones) | per "
+      "converged step | residual increased | largest final relative residual | nodes in contact | "
+      "largest P99 of depth | depth P99 / max mm at the end | tunnelled mm² | µs per point "
       "detected | s per detection | "
       "walk s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const Walk& walk : walks) {
-    const Tally sum = tally(walk);
-    const auto& steps = walk.prediction.steps;
+  for (const MethodRun& run : runs) {
+    const Tally sum = tally(run);
+    const auto& steps = run.prediction.steps;
     const contact::ContactStatistics last =
         steps.empty() ? contact::ContactStatistics{} : steps.back().contact();
     Index in_steps = 0;
@@ -181,25 +182,25 @@ std::string table(std::span<const Walk> walks) {
         "{:.3f} | "
         "{:.0f} "
         "| {:.3f} | {:.4f} | {:.1f} |\n",
-        walk.case_name, walk.method.name, steps.size(), walk.steps_requested, sum.failed_attempts,
+        run.case_name, run.method.name, steps.size(), run.steps_requested, sum.failed_attempts,
         sum.iterations, sum.failed_iterations,
         steps.empty() ? std::nan("") : double(in_steps) / double(steps.size()), sum.rises,
-        sum.worst_final, last.nodes, sum.worst_p99_mm, last.p99_depth_from_rest_mm,
+        sum.max_final, last.nodes, sum.max_p99_mm, last.p99_depth_from_rest_mm,
         last.max_depth_from_rest_mm, last.tunnelled_area_mm2,
-        1e6 * walk.detection_seconds / double(std::max<std::size_t>(walk.detection_points, 1)),
-        walk.detection_seconds, walk.seconds);
+        1e6 * run.detection_seconds / double(std::max<std::size_t>(run.detection_points, 1)),
+        run.detection_seconds, run.seconds);
   }
   return text;
 }
 
-/// How far the faces at the ends of two walks on one mesh are apart [mm].
+/// Difference between the final faces of two runs on one mesh [mm].
 struct FaceDifference {
   double p99_mm = 0.0;         ///< Of all nodes of the skin.
-  double p99_moving_mm = 0.0;  ///< Of those that either walk moves, see kMoves_mm.
+  double p99_moving_mm = 0.0;  ///< Of those that move in either run, see kMoves_mm.
   double max_mm = 0.0;
 };
 
-/// Below it skin counts as still.
+/// Skin with a smaller displacement counts as stationary.
 constexpr double kMoves_mm = 0.5;
 
 /// \param values  at least one.
@@ -209,7 +210,7 @@ double p99(std::vector<double> values) {
   return values[at];
 }
 
-FaceDifference difference(const Walk& a, const Walk& b) {
+FaceDifference difference(const MethodRun& a, const MethodRun& b) {
   const auto& u_a = a.prediction.steps.back().displacement_mm;
   const auto& u_b = b.prediction.steps.back().displacement_mm;
   std::vector<double> all_mm{0.0}, moving_mm{0.0};
@@ -221,47 +222,48 @@ FaceDifference difference(const Walk& a, const Walk& b) {
   return {p99(all_mm), p99(moving_mm), *std::max_element(all_mm.begin(), all_mm.end())};
 }
 
-/// Walks by the same method that came to their end, each against the one with the most steps; empty
-/// if a method went only one way.
-std::string face_table(std::span<const Walk> walks) {
+/// Compares complete runs of the same method with the one with the most steps; empty if there is
+/// only one run of each method.
+std::string face_table(std::span<const MethodRun> runs) {
   std::string text;
-  for (const Walk& walk : walks) {
-    const auto is_like = [&](const Walk& other) {
-      return other.mesh_name == walk.mesh_name && other.method.name == walk.method.name &&
+  for (const MethodRun& run : runs) {
+    const auto is_like = [&](const MethodRun& other) {
+      return other.mesh_name == run.mesh_name && other.method.name == run.method.name &&
              !other.skin.empty() && other.is_whole();
     };
-    const Walk* finest = nullptr;
-    for (const Walk& other : walks)
+    const MethodRun* finest = nullptr;
+    for (const MethodRun& other : runs)
       if (is_like(other) && (!finest || other.steps_requested > finest->steps_requested))
         finest = &other;
-    if (!finest || finest == &walk || !is_like(walk)) continue;
-    const auto [p99_mm, p99_moving_mm, max_mm] = difference(walk, *finest);
-    text += fmt::format("| {} | {} | {} | {} | {:.3f} | {:.3f} | {:.3f} |\n", walk.mesh_name,
-                        walk.method.name, walk.steps_requested, finest->steps_requested, p99_mm,
+    if (!finest || finest == &run || !is_like(run)) continue;
+    const auto [p99_mm, p99_moving_mm, max_mm] = difference(run, *finest);
+    text += fmt::format("| {} | {} | {} | {} | {:.3f} | {:.3f} | {:.3f} |\n", run.mesh_name,
+                        run.method.name, run.steps_requested, finest->steps_requested, p99_mm,
                         p99_moving_mm, max_mm);
   }
   if (text.empty()) return text;
   return fmt::format(
-             "\nHow far the faces are apart, where the skin's nodes come to lie at the end:\n\n"
-             "| case | method | steps | against | P99 mm | P99 mm of what moves over {:g} mm | max "
+             "\nDifferences between faces at the final positions of the skin's nodes:\n\n"
+             "| case | method | steps | compared with | P99 mm | P99 mm where it moves over {:g} "
+             "mm | max "
              "mm |\n|---|---|---|---|---|---|---|\n",
              kMoves_mm) +
          text;
 }
 
-std::string csv(std::span<const Walk> walks) {
+std::string csv(std::span<const MethodRun> runs) {
   std::string text =
       "case,method,attempt,from,to,extrapolated,converged,iteration,residual_n,relative_residual,"
       "contact_points,step_length,convex_share,shift\n";
-  for (const Walk& walk : walks) {
+  for (const MethodRun& run : runs) {
     int number = 0;
-    for (const fem::LoadAttempt& attempt : walk.attempts()) {
+    for (const fem::LoadAttempt& attempt : run.attempts()) {
       ++number;
       for (std::size_t i = 0; i < attempt.history.size(); ++i) {
         const fem::NewtonIterate& at = attempt.history[i];
         text +=
             fmt::format("{},{},{},{:.9g},{:.9g},{},{},{},{:.9g},{:.9g},{},{:.9g},{:.9g},{:.9g}\n",
-                        walk.case_name, walk.method.name, number, attempt.t_from, attempt.t_to,
+                        run.case_name, run.method.name, number, attempt.t_from, attempt.t_to,
                         int(attempt.extrapolated), int(attempt.stop == fem::NewtonStop::kConverged),
                         i, at.residual_n, relative(at), at.contacts, at.step_length,
                         at.tangent_blend, at.diagonal_shift);
@@ -271,19 +273,19 @@ std::string csv(std::span<const Walk> walks) {
   return text;
 }
 
-/// \param attempts  how many of each walk are drawn, one after another.
-std::string plot(std::span<const Walk> walks, const std::string& title, std::size_t attempts,
+/// \param attempts  number of attempts of each run to plot, one after another.
+std::string plot(std::span<const MethodRun> runs, const std::string& title, std::size_t attempts,
                  double tolerance) {
   report::LinePlot drawing{.title = title,
                            .x_label = "Newton iteration",
-                           .y_label = "residual over the forces that cancel",
+                           .y_label = "residual over residual reference",
                            .y_axis = report::Axis::kLog,
                            .threshold_y = tolerance,
                            .threshold_name = "converged"};
-  for (const Walk& walk : walks) {
-    report::PlotLine line{.name = std::string(walk.method.name)};
+  for (const MethodRun& run : runs) {
+    report::PlotLine line{.name = std::string(run.method.name)};
     double iteration = 0.0;
-    const auto all = walk.attempts();
+    const auto all = run.attempts();
     for (std::size_t a = 0; a < std::min(attempts, all.size()); ++a) {
       for (const fem::NewtonIterate& at : all[a].history) {
         line.x.push_back(iteration);
@@ -299,17 +301,17 @@ std::string plot(std::span<const Walk> walks, const std::string& title, std::siz
   return report::plot_file(drawing);
 }
 
-/// \param of_case  those of the case that was followed last.
-Result<void> write_results(std::span<const Walk> all, std::span<const Walk> of_case,
+/// \param of_case  those of the last case.
+Result<void> write_results(std::span<const MethodRun> all, std::span<const MethodRun> of_case,
                            const ConvergenceOptions& options) {
   const std::string& name = of_case.front().case_name;
   LEFORT_TRY_VOID(
       io::write_text(options.output / (name + "-walk.svg"),
-                     plot(of_case, name + ": the whole way",
-                          std::numeric_limits<std::size_t>::max(), options.relative_tolerance)));
+                     plot(of_case, name + ": whole path", std::numeric_limits<std::size_t>::max(),
+                          options.relative_tolerance)));
   LEFORT_TRY_VOID(io::write_text(
       options.output / (name + "-first-step.svg"),
-      plot(of_case, name + ": the first increment, from rest", 1, options.relative_tolerance)));
+      plot(of_case, name + ": first increment, from rest", 1, options.relative_tolerance)));
   LEFORT_TRY_VOID(io::write_text(options.output / "convergence.csv", csv(all)));
   return io::write_text(
       options.output / "convergence.md",
@@ -324,7 +326,7 @@ Result<void> write_results(std::span<const Walk> all, std::span<const Walk> of_c
 std::vector<ContactMethod> contact_methods() {
   using enum contact::DetectionMethod;
   using enum contact::Integration;
-  constexpr double kTolerance_mm = 0.05;  // What penetration is asked of the multipliers.
+  constexpr double kTolerance_mm = 0.05;  // Penetration tolerance of the multipliers.
   return {{"bvh-nodal", kBvh, kNodes},
           {"field-trilinear", kTrilinear, kQuadrature},
           {"field-smooth", kSmooth, kQuadrature},
@@ -333,19 +335,19 @@ std::vector<ContactMethod> contact_methods() {
 
 Result<std::string> run_convergence(std::span<const ConvergenceCase> cases,
                                     const ConvergenceOptions& options, Progress& progress) {
-  std::vector<Walk> all;
+  std::vector<MethodRun> all;
   for (const ConvergenceCase& task : cases) {
     const std::size_t first = all.size();
     for (const ContactMethod& method : options.methods) {
       progress.begin_stage(fmt::format("{}: {}", task.name, method.name));
       all.emplace_back();
-      // After every step: the next may take long, and a run that is stopped keeps its figures.
-      const auto write = [&](const Walk& so_far) {
+      // After every step: the next may take long, and a stopped run keeps its results.
+      const auto write = [&](const MethodRun& so_far) {
         all.back() = so_far;
-        return write_results(all, std::span<const Walk>(all).subspan(first), options);
+        return write_results(all, std::span<const MethodRun>(all).subspan(first), options);
       };
-      LEFORT_TRY(const Walk walk, follow(task, method, options, write, progress));
-      LEFORT_TRY_VOID(write(walk));
+      LEFORT_TRY(const MethodRun run, follow(task, method, options, write, progress));
+      LEFORT_TRY_VOID(write(run));
     }
   }
   return table(all) + face_table(all);

@@ -1,5 +1,6 @@
 /// \file
-/// The paper's Figure 5 rerun: how the residual falls by one way of detecting contact or another.
+/// Repeats Figure 5 of the paper: convergence of the residual with different methods of contact
+/// detection.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,17 +18,17 @@
 
 namespace lefort::bench {
 
-/// A body, bones and their ways.
+/// A model, its paths and options.
 struct ConvergenceCase {
   std::string name;
-  /// Cases of one name here share the mesh and differ in the number of steps alone.
+  /// Cases with the same name here have the same mesh and differ only in the number of steps.
   std::string mesh_name;
   predict::FaceModel model;
   std::vector<geometry::RigidPath> paths;
-  predict::PredictionOptions options;  ///< How contact is detected is the method's.
+  predict::PredictionOptions options;  ///< Except detection, which is the method's.
 };
 
-/// One way to detect and integrate contact.
+/// A method of detection and integration of contact.
 struct ContactMethod {
   std::string_view name;
   contact::DetectionMethod detection;
@@ -35,11 +36,11 @@ struct ContactMethod {
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 
-/// The paper's baseline, the paper's own, ours; ours with multipliers.
+/// The baseline of the paper, the method of the paper, ours, and ours with multipliers.
 [[nodiscard]] std::vector<ContactMethod> contact_methods();
 
-/// An edge of a cube, and a coarse sphere, pressed into a block of tissue and slid along it: where
-/// normals jump the reason is plain to see.
+/// A cube edge and a coarse sphere that are pressed into a block of tissue and slide along it;
+/// their normals jump.
 [[nodiscard]] Result<std::vector<ConvergenceCase>> synthetic_cases(Progress& progress);
 
 struct ConvergenceOptions {
@@ -49,14 +50,13 @@ struct ConvergenceOptions {
   int max_iterations = 60;           ///< Of Newton for one increment, for all.
 };
 
-/// Follows each case by each method: same mesh, from rest, by the same rules for increments and for
-/// stopping.
+/// Predicts each case by each method with the same mesh, increments and stopping criteria.
 ///
-/// Writes convergence.csv (every Newton iteration), convergence.md (table; how far apart the faces
-/// of one mesh are after different numbers of steps), and for each case two plots, NAME-walk.svg
-/// and NAME-first-step.svg, into the output folder; all of them anew after every step, so that a
-/// run that is stopped keeps what it has found.
-/// \returns the table as Markdown; kFileUnwritable, kCancelled, or what predict_face() refuses.
+/// Writes convergence.csv (every Newton iteration), convergence.md (table; differences between
+/// faces of one mesh after different numbers of steps), and for each case two plots, NAME-walk.svg
+/// and NAME-first-step.svg, into the output folder; all of them again after every step, so that a
+/// stopped run keeps its results.
+/// \returns the table as Markdown; kFileUnwritable, kCancelled, or an error of predict_face().
 [[nodiscard]] Result<std::string> run_convergence(std::span<const ConvergenceCase> cases,
                                                   const ConvergenceOptions& options,
                                                   Progress& progress);

@@ -26,7 +26,7 @@ namespace {
 constexpr double kBand_mm = 5.0;
 constexpr std::uint32_t kSeed = 3;
 
-/// Somewhere else, turned about all axes.
+/// A pose with a rotation about all axes.
 RigidTransform moved() {
   RigidTransform X_LB = RigidTransform::Identity();
   X_LB.linear() = Eigen::AngleAxisd(0.2, Vec3(1.0, 2.0, -1.0).normalized()).toRotationMatrix();
@@ -34,17 +34,17 @@ RigidTransform moved() {
   return X_LB;
 }
 
-/// Of one run. Processor time tells a busy machine's ratios truer: others only lengthen the wait.
+/// Time of one run. On a busy machine ratios of processor time are more reliable.
 struct Time {
   double wall_s = std::numeric_limits<double>::infinity();
   double processor_s = std::numeric_limits<double>::infinity();
 };
 
-/// One way to detect, and what it found.
+/// One method and its results.
 struct Measured {
   std::string name;
   Time time = {};
-  std::vector<double> depth_mm = {};  ///< NaN where there is no answer.
+  std::vector<double> depth_mm = {};  ///< NaN without a result.
 };
 
 Time best_of(int repeats, const std::function<void()>& run) {
@@ -90,30 +90,30 @@ Measured measure_cgal(const geometry::TriangleMesh& skull_B, std::span<const Vec
   return measured;
 }
 
-/// Differences of distance from the exact ones, both without their sign: CGAL's have none.
+/// Differences from the exact distances, both unsigned: CGAL's have no sign.
 struct Difference {
   double p50_mm, p99_mm, max_mm;
-  Index none;  ///< Points without an answer.
+  Index none;  ///< Points without a result.
 };
 
 Difference difference(const Measured& measured, const Measured& exact) {
-  std::vector<double> off_mm;
+  std::vector<double> errors_mm;
   Index none = 0;
   for (std::size_t i = 0; i < exact.depth_mm.size(); ++i) {
     if (std::isnan(measured.depth_mm[i]))
       ++none;
     else
-      off_mm.push_back(std::abs(std::abs(measured.depth_mm[i]) - std::abs(exact.depth_mm[i])));
+      errors_mm.push_back(std::abs(std::abs(measured.depth_mm[i]) - std::abs(exact.depth_mm[i])));
   }
-  std::sort(off_mm.begin(), off_mm.end());
+  std::sort(errors_mm.begin(), errors_mm.end());
   const auto at = [&](double fraction) {
-    return off_mm[std::size_t(fraction * double(off_mm.size() - 1))];
+    return errors_mm[std::size_t(fraction * double(errors_mm.size() - 1))];
   };
   return {at(0.5), at(0.99), at(1.0), none};
 }
 
-/// The samples of a field that lie nearest to some points: there it promises its tolerance; between
-/// them, edges of the surface are rounded off.
+/// Samples of a field closest to some points. The tolerance of the field holds there; between
+/// samples, edges of the surface are rounded.
 std::vector<Vec3> nearest_samples(const field::FieldFrame& frame, std::span<const Vec3> points_B) {
   std::vector<Vec3> samples;
   for (const Vec3& p : points_B)
@@ -123,11 +123,94 @@ std::vector<Vec3> nearest_samples(const field::FieldFrame& frame, std::span<cons
   return samples;
 }
 
-Index wrong_sides(const Measured& measured, const Measured& exact) {
+Index wrong_signs(const Measured& measured, const Measured& exact) {
   Index wrong = 0;
   for (std::size_t i = 0; i < exact.depth_mm.size(); ++i)
     if (measured.depth_mm[i] * exact.depth_mm[i] < 0.0) ++wrong;
   return wrong;
+}
+
+using contact::Derivatives;
+using DistanceQueryPtr = std::shared_ptr<const contact::DistanceQuery>;
+
+/// The distance queries that are compared.
+struct Queries {
+  std::shared_ptr<const field::DistanceField> field_B;
+  DistanceQueryPtr trilinear, smooth, tree;
+};
+
+Result<Queries> build_queries(const geometry::TriangleMesh& skull_B, int resolution,
+                              Progress& progress) {
+  LEFORT_TRY(
+      field::DistanceField built,
+      field::build_distance_field(
+          skull_B, {.resolution = resolution, .band_mm = kBand_mm, .smooth = true}, progress));
+  Queries queries;
+  queries.field_B = std::make_shared<const field::DistanceField>(std::move(built));
+  LEFORT_TRY(queries.trilinear,
+             contact::field_distance_query(queries.field_B, contact::DetectionMethod::kTrilinear));
+  LEFORT_TRY(queries.smooth,
+             contact::field_distance_query(queries.field_B, contact::DetectionMethod::kSmooth));
+  queries.tree =
+      contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(skull_B), kBand_mm);
+  return queries;
+}
+
+/// Indices in the result of measure_all().
+constexpr std::size_t kExact = 4, kCgal = 5;
+
+std::vector<Measured> measure_all(const Queries& queries, const geometry::TriangleMesh& skull_B,
+                                  std::span<const Vec3> points_L, int repeats) {
+  return {measure("field, trilinear", queries.trilinear, points_L, Derivatives::kFirst, repeats),
+          measure("field, trilinear, with Hessian", queries.trilinear, points_L,
+                  Derivatives::kSecond, repeats),
+          measure("field, smooth", queries.smooth, points_L, Derivatives::kFirst, repeats),
+          measure("field, smooth, with Hessian", queries.smooth, points_L, Derivatives::kSecond,
+                  repeats),
+          measure("our BVH", queries.tree, points_L, Derivatives::kFirst, repeats),
+          measure_cgal(skull_B, points_L, repeats)};
+}
+
+std::string methods_table(const std::vector<Measured>& all, const Queries& queries,
+                          const geometry::TriangleMesh& skull_B, const DetectionOptions& options) {
+  const Measured &exact = all[kExact], &cgal = all[kCgal];
+  std::string table = fmt::format(
+      "# Contact detection\n\nlefort {}, `lefort bench detection`: {} points within {:g} mm of a "
+      "moved skull of {} triangles, {} threads, best of {}; field {}³ (cell {:.2f} mm, band {:g} "
+      "mm). Ratios are those of processor time. Differences are those of unsigned distance from "
+      "our BVH's.\n\n"
+      "| method | ms | processor µs a point | our BVH / it | CGAL / it | P50 / P99 / max "
+      "difference mm | wrong sign | no result |\n|---|---|---|---|---|---|---|---|\n",
+      kVersion, options.points, options.max_distance_mm, skull_B.triangle_count(), options.threads,
+      options.repeats, options.resolution, queries.field_B->cell_mm(), kBand_mm);
+  for (const Measured& measured : all) {
+    const Difference error = difference(measured, exact);
+    table += fmt::format(
+        "| {} | {:.2f} | {:.3f} | {:.1f} | {:.1f} | {:.4f} / {:.3f} / {:.3f} | {} | {} |\n",
+        measured.name, 1e3 * measured.time.wall_s,
+        1e6 * measured.time.processor_s / double(options.points),
+        exact.time.processor_s / measured.time.processor_s,
+        cgal.time.processor_s / measured.time.processor_s, error.p50_mm, error.p99_mm, error.max_mm,
+        &measured == &cgal ? std::string("–") : fmt::format("{}", wrong_signs(measured, exact)),
+        error.none);
+  }
+  return table;
+}
+
+std::string samples_table(const Queries& queries, std::span<const Vec3> samples_L) {
+  const Measured exact = measure("our BVH", queries.tree, samples_L, Derivatives::kFirst, 1);
+  std::string table = fmt::format(
+      "\nAt the samples closest to those points, where the tolerance of the field is {:g} mm:\n\n"
+      "| method | P50 / P99 / max difference mm |\n|---|---|\n",
+      queries.field_B->frame().tolerance_mm);
+  for (const Measured& measured :
+       {measure("field, trilinear", queries.trilinear, samples_L, Derivatives::kFirst, 1),
+        measure("field, smooth", queries.smooth, samples_L, Derivatives::kFirst, 1)}) {
+    const Difference error = difference(measured, exact);
+    table += fmt::format("| {} | {:.4f} / {:.4f} / {:.4f} |\n", measured.name, error.p50_mm,
+                         error.p99_mm, error.max_mm);
+  }
+  return table;
 }
 
 }  // namespace
@@ -136,69 +219,18 @@ Result<std::string> run_detection(const DetectionOptions& options, Progress& pro
   LEFORT_TRY(const auto skull_file, prepare_skull(options.ct, options.output, progress));
   LEFORT_TRY(const geometry::TriangleMesh skull_B, io::read_surface(skull_file));
   progress.begin_stage("build the field and the trees");
-  LEFORT_TRY(field::DistanceField built,
-             field::build_distance_field(
-                 skull_B, {.resolution = options.resolution, .band_mm = kBand_mm, .smooth = true},
-                 progress));
-  const auto field_B = std::make_shared<const field::DistanceField>(std::move(built));
-  LEFORT_TRY(const auto trilinear,
-             contact::field_distance_query(field_B, contact::DetectionMethod::kTrilinear));
-  LEFORT_TRY(const auto smooth,
-             contact::field_distance_query(field_B, contact::DetectionMethod::kSmooth));
-  const auto tree =
-      contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(skull_B), kBand_mm);
+  LEFORT_TRY(const Queries queries, build_queries(skull_B, options.resolution, progress));
 
   progress.begin_stage("measure");
   const ThreadLimit limit(options.threads);
   std::vector<Vec3> points_L =
-      points_near_surface(skull_B, options.points, options.reach_mm, kSeed);
-  std::vector<Vec3> samples_L = nearest_samples(field_B->frame(), points_L);
+      points_near_surface(skull_B, options.points, options.max_distance_mm, kSeed);
+  std::vector<Vec3> samples_L = nearest_samples(queries.field_B->frame(), points_L);
   for (Vec3& p : points_L) p = moved() * p;
   for (Vec3& p : samples_L) p = moved() * p;
-  using enum contact::Derivatives;
-  const std::vector<Measured> all{
-      measure("field, trilinear", trilinear, points_L, kFirst, options.repeats),
-      measure("field, trilinear, with Hessian", trilinear, points_L, kSecond, options.repeats),
-      measure("field, smooth", smooth, points_L, kFirst, options.repeats),
-      measure("field, smooth, with Hessian", smooth, points_L, kSecond, options.repeats),
-      measure("our BVH", tree, points_L, kFirst, options.repeats),
-      measure_cgal(skull_B, points_L, options.repeats)};
-  const Measured& exact = all[4];
-
-  std::string table = fmt::format(
-      "# Detection of contact\n\nlefort {}, `lefort bench detection`: {} points within {:g} mm of "
-      "a "
-      "moved skull of {} triangles, {} threads, best of {}; field {}³ (cell {:.2f} mm, band {:g} "
-      "mm). Ratios are those of processor time. Differences are those of unsigned distance from "
-      "our "
-      "BVH's.\n\n"
-      "| detected by | ms | processor µs a point | our BVH / it | CGAL / it | P50 / P99 / max "
-      "difference mm | "
-      "wrong side | no answer |\n|---|---|---|---|---|---|---|---|\n",
-      kVersion, options.points, options.reach_mm, skull_B.triangle_count(), options.threads,
-      options.repeats, options.resolution, field_B->cell_mm(), kBand_mm);
-  for (const Measured& measured : all) {
-    const Difference off = difference(measured, exact);
-    table += fmt::format(
-        "| {} | {:.2f} | {:.3f} | {:.1f} | {:.1f} | {:.4f} / {:.3f} / {:.3f} | {} | {} |\n",
-        measured.name, 1e3 * measured.time.wall_s,
-        1e6 * measured.time.processor_s / double(options.points),
-        exact.time.processor_s / measured.time.processor_s,
-        all[5].time.processor_s / measured.time.processor_s, off.p50_mm, off.p99_mm, off.max_mm,
-        &measured == &all[5] ? std::string("–") : fmt::format("{}", wrong_sides(measured, exact)),
-        off.none);
-  }
-  const Measured exact_there = measure("our BVH", tree, samples_L, kFirst, 1);
-  table += fmt::format(
-      "\nAt the samples nearest to those points, which the field is to keep to {:g} mm:\n\n"
-      "| detected by | P50 / P99 / max difference mm |\n|---|---|\n",
-      field_B->frame().tolerance_mm);
-  for (const Measured& measured : {measure("field, trilinear", trilinear, samples_L, kFirst, 1),
-                                   measure("field, smooth", smooth, samples_L, kFirst, 1)}) {
-    const Difference off = difference(measured, exact_there);
-    table += fmt::format("| {} | {:.4f} / {:.4f} / {:.4f} |\n", measured.name, off.p50_mm,
-                         off.p99_mm, off.max_mm);
-  }
+  const std::vector<Measured> all = measure_all(queries, skull_B, points_L, options.repeats);
+  const std::string table =
+      methods_table(all, queries, skull_B, options) + samples_table(queries, samples_L);
   LEFORT_TRY_VOID(io::write_text(options.output / "detection.md", table));
   return table;
 }

@@ -1,5 +1,5 @@
 /// \file
-/// How fast contact detection answers, by fields, by our tree of boxes and by CGAL's.
+/// Speed of contact detection by distance fields, by our bounding-volume hierarchy and by CGAL's.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,17 +13,19 @@ namespace lefort::bench {
 
 struct DetectionOptions {
   std::filesystem::path ct;      ///< Anything import_volume() reads.
-  std::filesystem::path output;  ///< Folder for skull.vtp (used again if there) and detection.md.
-  Index points = 50'000;         ///< Within reach_mm of the bone, as moved.
-  double reach_mm = 2.0;
+  std::filesystem::path output;  ///< Folder for skull.vtp (reused if present) and detection.md.
+  Index points = 50'000;         ///< Within max_distance_mm of the posed skull.
+  double max_distance_mm = 2.0;
   int resolution = 256;  ///< Of the field; its band is 5 mm, as in the plans.
   int threads = 2;
-  int repeats = 15;  ///< The best is told: what disturbs a run only slows it.
+  int repeats = 15;  ///< The best counts: disturbances only slow a run.
 };
 
-/// Asks for depth and normal (and by fields the second derivatives, too) of the same points of a
-/// moved skull of 96,190 triangles.
+/// Measures depth and normal (by fields also second derivatives) at the same points near a moved
+/// skull of 96,190 triangles.
 ///
+/// \param options   of the benchmark.
+/// \param progress  may stop it.
 /// \returns the table as Markdown; errors as import_volume(), extract_skull(),
 ///   build_distance_field(), kFileUnwritable.
 [[nodiscard]] Result<std::string> run_detection(const DetectionOptions& options,

@@ -25,8 +25,8 @@ using Float3 = std::array<float, 3>;
 Float3 minus(const Float3& a, const Float3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 float dot(const Float3& a, const Float3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// C. Ericson, Real-Time Collision Detection, section 5.1.5, in single precision: what Embree's own
-/// example of point queries uses.
+/// C. Ericson, Real-Time Collision Detection, section 5.1.5, in single precision, as in Embree's
+/// example of point queries.
 float squared_distance(const Float3& p, const Float3& a, const Float3& b, const Float3& c) {
   const Float3 ab = minus(b, a), ac = minus(c, a), ap = minus(p, a);
   const auto at = [&](float v, float w) {
@@ -55,7 +55,7 @@ float squared_distance(const Float3& p, const Float3& a, const Float3& b, const 
   return at(vb * scale, vc * scale);
 }
 
-/// What a query carries along.
+/// User data of a query.
 struct Search {
   const std::vector<Float3>* vertices;
   const std::vector<geometry::Triangle>* triangles;

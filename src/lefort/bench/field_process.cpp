@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// The same surface of more triangles: each becomes parts^2 of its shape.
+/// The same surface with each triangle divided into parts^2 similar ones.
 geometry::TriangleMesh split(const geometry::TriangleMesh& mesh, int parts) {
   geometry::TriangleMesh fine;
   const auto corner_of = [&](const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) -> Vec3 {
@@ -27,16 +27,18 @@ geometry::TriangleMesh split(const geometry::TriangleMesh& mesh, int parts) {
     const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
     const auto first = std::int32_t(fine.vertices.size());
     // Row j has parts + 1 - j corners.
-    const auto place = [&](int i, int j) {
+    const auto vertex_index = [&](int i, int j) {
       return first + std::int32_t(j * (parts + 1) - j * (j - 1) / 2 + i);
     };
     for (int j = 0; j <= parts; ++j)
       for (int i = 0; i + j <= parts; ++i) fine.vertices.push_back(corner_of(a, b, c, i, j));
     for (int j = 0; j < parts; ++j)
       for (int i = 0; i + j < parts; ++i) {
-        fine.triangles.push_back({place(i, j), place(i + 1, j), place(i, j + 1)});
+        fine.triangles.push_back(
+            {vertex_index(i, j), vertex_index(i + 1, j), vertex_index(i, j + 1)});
         if (i + j + 1 < parts)
-          fine.triangles.push_back({place(i + 1, j), place(i + 1, j + 1), place(i, j + 1)});
+          fine.triangles.push_back(
+              {vertex_index(i + 1, j), vertex_index(i + 1, j + 1), vertex_index(i, j + 1)});
       }
   }
   return fine;
@@ -49,7 +51,7 @@ Result<fs::path> prepare_skull(const fs::path& ct, const fs::path& folder, Progr
   fs::create_directories(folder, error);
   if (error)
     return fail(ErrorCode::kFileUnwritable,
-                fmt::format("cannot make {}: {}", folder.string(), error.message()));
+                fmt::format("cannot create {}: {}", folder.string(), error.message()));
   const fs::path path = folder / "skull.vtp";
   if (fs::is_regular_file(path, error)) return path;
   progress.begin_stage("read the scan");
@@ -72,7 +74,7 @@ Result<Json> measure_in_process(const fs::path& surface, const Json& task, Progr
 
 Result<Json> run_field_task(const fs::path& surface, const std::string& task) {
   const Json json = Json::parse(task, nullptr, false);
-  if (!json.is_object()) return fail(ErrorCode::kInvalidArgument, "the task is no JSON object");
+  if (!json.is_object()) return fail(ErrorCode::kInvalidArgument, "the task is not a JSON object");
   FieldTask parsed;
   try {
     parsed.method = json.at("method").get<std::string>();
@@ -87,7 +89,7 @@ Result<Json> run_field_task(const fs::path& surface, const std::string& task) {
     parsed.parts = std::clamp(json.value("parts", parsed.parts), 1, 32);
     parsed.only_build = json.value("only_build", parsed.only_build);
   } catch (const Json::exception& wrong) {
-    return fail(ErrorCode::kInvalidArgument, fmt::format("the task is wrong: {}", wrong.what()));
+    return fail(ErrorCode::kInvalidArgument, fmt::format("invalid task: {}", wrong.what()));
   }
   LEFORT_TRY(const geometry::TriangleMesh skull, io::read_surface(surface));
   return measure_field(parsed.parts > 1 ? split(skull, parsed.parts) : skull, parsed);

@@ -1,5 +1,5 @@
 /// \file
-/// Measurements of fields in processes of their own: so memory is their own, and no cache is warm.
+/// Measures fields in separate processes, so that memory is separate and caches are cold.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -12,19 +12,21 @@
 
 namespace lefort::bench {
 
-/// Makes the folder, and skull.vtp in it from the scan if it is not there yet.
+/// Creates the folder, and skull.vtp in it from the scan unless it exists.
 ///
 /// \returns its path; errors as import_volume() and extract_skull(); kFileUnwritable.
 [[nodiscard]] Result<std::filesystem::path> prepare_skull(const std::filesystem::path& ct,
                                                           const std::filesystem::path& folder,
                                                           Progress& progress);
 
-/// \param task  a FieldTask by the names of its members; those left out have their defaults.
-/// \returns what measure_field() tells.
+/// Runs measure_field() in a separate process.
+///
+/// \param task  a FieldTask by the names of its members; omitted members have their defaults.
+/// \returns the result of measure_field().
 [[nodiscard]] Result<nlohmann::ordered_json> measure_in_process(
     const std::filesystem::path& surface, const nlohmann::ordered_json& task, Progress& progress);
 
-/// What the process started by measure_in_process() does.
+/// Main function of the process that measure_in_process() starts.
 [[nodiscard]] Result<nlohmann::ordered_json> run_field_task(const std::filesystem::path& surface,
                                                             const std::string& task);
 

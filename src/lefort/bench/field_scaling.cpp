@@ -18,11 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Roomy enough for the widest band at 256 cells, and for the coarsest cells.
+/// Large enough for the widest band at 256 cells, and for the coarsest cells.
 constexpr double kBandSide_mm = 290.0, kSide_mm = 220.0;
 constexpr int kBandCells = 3, kResolution = 256;
-/// OpenVDB takes minutes and most of the memory beyond.
-constexpr int kMaxPeerResolution = 1024, kMaxPeerParts = 4;
+/// Beyond these, OpenVDB takes minutes and most of the memory.
+constexpr int kMaxOpenVdbResolution = 1024, kMaxOpenVdbParts = 4;
 
 /// One build.
 struct Run {
@@ -32,10 +32,10 @@ struct Run {
   double peak_bytes = 0.0;
 };
 
-/// What is varied, and what came of it.
+/// A series of builds with one varying quantity.
 struct Sweep {
   std::string title;
-  std::string quantity;  ///< What varies, with its unit.
+  std::string quantity;  ///< The varying quantity with its unit.
   std::vector<Run> ours, openvdb;
 };
 
@@ -61,7 +61,8 @@ Result<Run> measure(const fs::path& skull, Json task, const std::string& method,
   LEFORT_TRY(const Json result, measure_in_process(skull, task, progress));
   for (const char* key : {"seconds", "retained_bytes", "peak_bytes", "triangles"})
     if (!result.contains(key) || !result.at(key).is_number())
-      return fail(ErrorCode::kFileCorrupt, fmt::format("the task {} told no {}", task.dump(), key));
+      return fail(ErrorCode::kFileCorrupt,
+                  fmt::format("the task {} reported no {}", task.dump(), key));
   return Run{abscissa > 0.0 ? abscissa : result.at("triangles").get<double>(),
              result.at("seconds").get<double>(), result.at("retained_bytes").get<double>(),
              result.at("peak_bytes").get<double>()};
@@ -70,16 +71,16 @@ Result<Run> measure(const fs::path& skull, Json task, const std::string& method,
 std::string table_of(const Sweep& sweep) {
   std::string table =
       fmt::format("## {}\n\n| {} | build s | retained MB | peak MB |", sweep.title, sweep.quantity);
-  const bool has_peer = !sweep.openvdb.empty();
-  if (has_peer) table += " OpenVDB s | OpenVDB MB | OpenVDB peak MB |";
-  table += has_peer ? "\n|---|---|---|---|---|---|---|\n" : "\n|---|---|---|---|\n";
+  const bool has_openvdb = !sweep.openvdb.empty();
+  if (has_openvdb) table += " OpenVDB s | OpenVDB MB | OpenVDB peak MB |";
+  table += has_openvdb ? "\n|---|---|---|---|---|---|---|\n" : "\n|---|---|---|---|\n";
   const auto cells = [](const Run& run) {
     return fmt::format(" {:.3f} | {:.2f} | {:.1f} |", run.seconds, run.retained_bytes * 1e-6,
                        run.peak_bytes * 1e-6);
   };
   for (std::size_t i = 0; i < sweep.ours.size(); ++i) {
     table += fmt::format("| {:.0f} |", sweep.ours[i].abscissa) + cells(sweep.ours[i]);
-    if (has_peer)
+    if (has_openvdb)
       table += i < sweep.openvdb.size() ? cells(sweep.openvdb[i]) : std::string(" – | – | – |");
     table += "\n";
   }
@@ -89,7 +90,7 @@ std::string table_of(const Sweep& sweep) {
                        exponent(runs, &Run::retained_bytes), exponent(runs, &Run::peak_bytes));
   };
   table += "| **exponent** |" + exponents(sweep.ours);
-  if (has_peer) table += exponents(sweep.openvdb);
+  if (has_openvdb) table += exponents(sweep.openvdb);
   return table + "\n";
 }
 
@@ -113,11 +114,24 @@ std::string plot_of(const Sweep& sweep) {
   return report::plot_lines(plot);
 }
 
-}  // namespace
+/// Builds one field, also with OpenVDB if required, and adds the runs to the sweep.
+///
+/// \param abscissa  0: the number of triangles.
+Result<void> run_point(const fs::path& skull, const ScalingOptions& options, const Json& task,
+                       double abscissa, bool with_openvdb, Sweep& sweep, Progress& progress) {
+  progress.begin_stage(fmt::format("{}: {}", sweep.title,
+                                   abscissa > 0.0 ? fmt::format("{:.0f}", abscissa) : task.dump()));
+  LEFORT_TRY(const Run ours, measure(skull, task, "bricks", options.repeats, abscissa, progress));
+  sweep.ours.push_back(ours);
+  if (!with_openvdb || !options.with_openvdb) return {};
+  LEFORT_TRY(const Run openvdb, measure(skull, task, "openvdb", 1, abscissa, progress));
+  sweep.openvdb.push_back(openvdb);
+  return {};
+}
 
-Result<std::string> run_field_scaling(const ScalingOptions& options, Progress& progress) {
-  LEFORT_TRY(const fs::path skull, prepare_skull(options.ct, options.output, progress));
-
+/// Sweeps of band, resolution and triangles.
+Result<std::vector<Sweep>> run_sweeps(const fs::path& skull, const ScalingOptions& options,
+                                      Progress& progress) {
   Sweep bands{
       fmt::format("Half width of the band, {}³ cells of {:.0f} mm", kResolution, kBandSide_mm),
       "cells",
@@ -129,56 +143,57 @@ Result<std::string> run_field_scaling(const ScalingOptions& options, Progress& p
                   "triangles",
                   {},
                   {}};
-  const auto run = [&](Sweep& sweep, const Json& task, double abscissa, bool peer) -> Result<void> {
-    progress.begin_stage(fmt::format(
-        "{}: {}", sweep.title, abscissa > 0.0 ? fmt::format("{:.0f}", abscissa) : task.dump()));
-    LEFORT_TRY(const Run ours, measure(skull, task, "bricks", options.repeats, abscissa, progress));
-    sweep.ours.push_back(ours);
-    if (!peer || !options.with_openvdb) return {};
-    LEFORT_TRY(const Run theirs, measure(skull, task, "openvdb", 1, abscissa, progress));
-    sweep.openvdb.push_back(theirs);
-    return {};
-  };
   for (const int cells : options.bands)
-    LEFORT_TRY_VOID(run(
-        bands, {{"resolution", kResolution}, {"half_band_cells", cells}, {"side_mm", kBandSide_mm}},
-        cells, true));
+    LEFORT_TRY_VOID(run_point(
+        skull, options,
+        {{"resolution", kResolution}, {"half_band_cells", cells}, {"side_mm", kBandSide_mm}}, cells,
+        true, bands, progress));
   for (const int resolution : options.resolutions)
-    LEFORT_TRY_VOID(
-        run(resolutions,
-            {{"resolution", resolution}, {"half_band_cells", kBandCells}, {"side_mm", kSide_mm}},
-            resolution, resolution <= kMaxPeerResolution));
+    LEFORT_TRY_VOID(run_point(
+        skull, options,
+        {{"resolution", resolution}, {"half_band_cells", kBandCells}, {"side_mm", kSide_mm}},
+        resolution, resolution <= kMaxOpenVdbResolution, resolutions, progress));
   for (const int parts : options.parts)
-    LEFORT_TRY_VOID(run(triangles,
-                        {{"resolution", kResolution},
-                         {"half_band_cells", kBandCells},
-                         {"side_mm", kSide_mm},
-                         {"parts", parts}},
-                        0.0, parts <= kMaxPeerParts));
+    LEFORT_TRY_VOID(run_point(skull, options,
+                              {{"resolution", kResolution},
+                               {"half_band_cells", kBandCells},
+                               {"side_mm", kSide_mm},
+                               {"parts", parts}},
+                              0.0, parts <= kMaxOpenVdbParts, triangles, progress));
+  return std::vector<Sweep>{std::move(bands), std::move(resolutions), std::move(triangles)};
+}
 
+void add_points(const Sweep& sweep, std::string_view method, const std::vector<Run>& runs,
+                std::string& csv, Json& json) {
+  for (const Run& point : runs) {
+    csv += fmt::format("{},{},{},{:.9g},{},{}\n", sweep.quantity, method, point.abscissa,
+                       point.seconds, point.retained_bytes, point.peak_bytes);
+    json.push_back({{"sweep", sweep.quantity},
+                    {"method", method},
+                    {"x", point.abscissa},
+                    {"seconds", point.seconds},
+                    {"retained_bytes", point.retained_bytes},
+                    {"peak_bytes", point.peak_bytes}});
+  }
+}
+
+}  // namespace
+
+Result<std::string> run_field_scaling(const ScalingOptions& options, Progress& progress) {
+  LEFORT_TRY(const fs::path skull, prepare_skull(options.ct, options.output, progress));
+  LEFORT_TRY(const std::vector<Sweep> sweeps, run_sweeps(skull, options, progress));
   std::string markdown = fmt::format(
-      "# How distance fields of a skull grow\n\nlefort {}, `lefort bench scaling`. One thread; our "
-      "times are medians of {}, OpenVDB's of one build. Peak is above the input.\n\n",
+      "# Growth of distance fields of a skull\n\nlefort {}, `lefort bench scaling`. One thread; "
+      "our times are medians of {}, OpenVDB's of one build. Peak is above the input.\n\n",
       kVersion, options.repeats);
   std::string plots, csv = "sweep,method,x,seconds,retained_bytes,peak_bytes\n";
   Json json = Json::array();
-  for (const Sweep* sweep : {&bands, &resolutions, &triangles}) {
-    if (sweep->ours.empty()) continue;
-    markdown += table_of(*sweep) + "\n";
-    plots += plot_of(*sweep);
-    for (const auto& [method, runs] :
-         {std::pair<std::string_view, const std::vector<Run>*>{"bricks", &sweep->ours},
-          {"openvdb", &sweep->openvdb}})
-      for (const Run& point : *runs) {
-        csv += fmt::format("{},{},{},{:.9g},{},{}\n", sweep->quantity, method, point.abscissa,
-                           point.seconds, point.retained_bytes, point.peak_bytes);
-        json.push_back({{"sweep", sweep->quantity},
-                        {"method", method},
-                        {"x", point.abscissa},
-                        {"seconds", point.seconds},
-                        {"retained_bytes", point.retained_bytes},
-                        {"peak_bytes", point.peak_bytes}});
-      }
+  for (const Sweep& sweep : sweeps) {
+    if (sweep.ours.empty()) continue;
+    markdown += table_of(sweep) + "\n";
+    plots += plot_of(sweep);
+    add_points(sweep, "bricks", sweep.ours, csv, json);
+    add_points(sweep, "openvdb", sweep.openvdb, csv, json);
   }
   const std::string page =
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Growth of fields</title>"

@@ -1,5 +1,5 @@
 /// \file
-/// How time and memory of a field grow with its band, its resolution and its triangles.
+/// Growth of time and memory of a field with its band, resolution and triangles.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,13 +16,13 @@ struct ScalingOptions {
   std::filesystem::path output;                          ///< Folder for skull, tables and plots.
   std::vector<int> bands = {2, 3, 4, 6, 8, 12, 16, 24};  ///< Half widths in cells, at 256^3.
   std::vector<int> resolutions = {64, 128, 256, 512, 1024, 2048};  ///< With a band of 3 cells.
-  std::vector<int> parts = {1, 2, 4, 8, 11};  ///< Cuts of the triangles' sides, at 256^3.
-  bool with_openvdb = true;  ///< Beside ours, up to 1024^3 and a million triangles or so.
+  std::vector<int> parts = {1, 2, 4, 8, 11};  ///< Subdivisions of triangle edges, at 256^3.
+  bool with_openvdb = true;  ///< For comparison, up to 1024^3 and about a million triangles.
   int repeats = 3;
 };
 
-/// Builds, one thread, each in a process of its own. Writes skull.vtp, scaling.json, .csv, .md and
-/// .html to the output folder; exponents are slopes of least squares between logarithms.
+/// Builds with one thread, each in a separate process. Writes skull.vtp, scaling.json, .csv, .md
+/// and .html to the output folder; exponents are slopes of least squares between logarithms.
 ///
 /// \returns the tables as Markdown; errors as run_table1().
 [[nodiscard]] Result<std::string> run_field_scaling(const ScalingOptions& options,

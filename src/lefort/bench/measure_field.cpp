@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t kQuerySeed = 1, kErrorSeed = 2;
-/// Rates are the best of these: what disturbs a run only slows it.
+/// Rates are the best of these runs: disturbances only slow a run.
 constexpr int kQueryRuns = 5;
 
 field::DistanceFieldOptions field_options(const FieldTask& task, field::FieldMethod method) {
@@ -38,12 +38,12 @@ field::DistanceFieldOptions field_options(const FieldTask& task, field::FieldMet
   return options;
 }
 
-/// Lowest corner of the cube that build_distance_field() lays.
+/// Lowest corner of the cube of build_distance_field().
 Vec3 cube_origin(const geometry::TriangleMesh& mesh, double side_mm) {
   return geometry::bounding_box(mesh).center() - Vec3::Constant(0.5 * side_mm);
 }
 
-/// Lattice points within the band, as the peers are asked for them.
+/// Lattice points within the band, at which the other libraries are queried.
 std::vector<Vec3> band_points(const geometry::TriangleMesh& mesh, const FieldTask& task) {
   const auto field =
       field::build_distance_field(mesh, field_options(task, field::FieldMethod::kBricks)).value();
@@ -69,7 +69,7 @@ double rate(Index count, const std::function<void()>& run) {
   return double(count) / best;
 }
 
-/// Builds `repeats` times, and keeps the last.
+/// Builds `repeats` times and keeps the last.
 template <class Build>
 auto timed(const FieldTask& task, const Build& build, Json& result) {
   std::vector<double> seconds, user;
@@ -89,7 +89,7 @@ auto timed(const FieldTask& task, const Build& build, Json& result) {
   return built;
 }
 
-/// Distances at points as a method tells them: not finite where it has none.
+/// Distances at points by a method; not finite without a result.
 using Distances = std::function<void(std::span<const Vec3>, std::span<double>)>;
 
 void measure_errors(const geometry::TriangleMesh& mesh, const geometry::Bvh& exact,
@@ -122,7 +122,7 @@ void measure_errors(const geometry::TriangleMesh& mesh, const geometry::Bvh& exa
                         {"max", errors.back()}};
 }
 
-/// The samples themselves against exact distances, at `task.error_points` of them.
+/// Compares `task.error_points` samples with exact distances.
 void measure_lattice(const field::DistanceField& field, const geometry::Bvh& exact,
                      const FieldTask& task, const std::vector<Vec3>& band, Json& result) {
   const field::FieldFrame& frame = field.frame();
@@ -217,8 +217,7 @@ Json measure_openvdb(const geometry::TriangleMesh& mesh, const FieldTask& task) 
   return result;
 }
 
-/// A tree that answers exactly: the time to ask it for all samples of the band, and its rate near
-/// the surface.
+/// An exact tree: time to query all samples of the band, and its rate near the surface.
 template <class Tree>
 Json measure_tree(
     const geometry::TriangleMesh& mesh, const FieldTask& task, Index at_most,
@@ -278,7 +277,7 @@ Result<Json> measure_field(const geometry::TriangleMesh& skull, const FieldTask&
                                   [](const CgalTree& tree, std::span<const Vec3> points, double,
                                      std::span<double> found) { tree.distances(points, found); });
   return fail(ErrorCode::kInvalidArgument,
-              fmt::format("method {} is none of bricks, hybrid, adaptive, uniform, openvdb, "
+              fmt::format("method {} is not one of bricks, hybrid, adaptive, uniform, openvdb, "
                           "embree, cgal",
                           task.method));
 }

@@ -69,7 +69,7 @@ Result<ProcessRun> run_measured_process(const std::vector<std::string>& argument
   rusage usage{};
   while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
   }
-  if (stopped) return fail(ErrorCode::kCancelled, "the benchmark was not finished");
+  if (stopped) return fail(ErrorCode::kCancelled, "the benchmark was cancelled");
   constexpr std::size_t kUnit = 1024;  // Of ru_maxrss.
   return ProcessRun{.output = std::move(output),
                     .seconds = now_seconds() - begin,

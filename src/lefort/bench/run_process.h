@@ -1,5 +1,5 @@
 /// \file
-/// Runs a program and reads what it prints.
+/// Runs a program and reads its output.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -11,22 +11,22 @@
 
 namespace lefort::bench {
 
-/// What a program printed, and what it took.
+/// Output, time and memory of a program.
 struct ProcessRun {
   std::string output;          ///< Its stdout.
   double seconds = 0.0;        ///< Wall-clock.
-  std::size_t peak_bytes = 0;  ///< The most memory it held.
-  int exit_code = 0;           ///< Minus the signal that ended it, if one did.
+  std::size_t peak_bytes = 0;  ///< Max resident memory.
+  int exit_code = 0;           ///< Negative: the signal that ended it.
 };
 
-/// As run_process(), with time and memory; how it ended is for the caller to judge.
+/// As run_process(), with time and memory, and without an error for a nonzero exit code.
 [[nodiscard]] Result<ProcessRun> run_measured_process(const std::vector<std::string>& arguments,
                                                       Progress& progress);
 
-/// Starts arguments[0] and waits. What it prints on stderr goes to ours.
+/// Starts arguments[0] and waits. Its stderr is that of this process.
 ///
 /// \returns its stdout; kInvalidArgument if it cannot be started or does not end with 0;
-///   kCancelled if `progress` asked to stop, and the program was ended.
+///   kCancelled if `progress` requested a stop; the program was then terminated.
 [[nodiscard]] Result<std::string> run_process(const std::vector<std::string>& arguments,
                                               Progress& progress);
 

@@ -37,11 +37,11 @@ vtkSmartPointer<vtkPolyData> smoothed_isosurface(const image::CtVolume& ct,
   voxels->SetDimensions(int(grid.size[0]), int(grid.size[1]), int(grid.size[2]));
   voxels->SetSpacing(grid.spacing_mm[0], grid.spacing_mm[1], grid.spacing_mm[2]);
   vtkNew<vtkShortArray> values;
-  // VTK only reads them.
+  // VTK does not modify them.
   values->SetArray(const_cast<std::int16_t*>(ct.values.data()), vtkIdType(ct.values.size()), 1);
   voxels->GetPointData()->SetScalars(values);
 
-  // A voxel of air all around closes the bone where the scan cuts it.
+  // A layer of air voxels closes the bone at the scan boundary.
   vtkNew<vtkImageConstantPad> padded;
   padded->SetInputData(voxels);
   padded->SetConstant(kAir_hu);
@@ -118,13 +118,14 @@ Result<geometry::TriangleMesh> extract_skull(const image::CtVolume& ct,
   SurfaceMesh mesh = as_surface_mesh(*polygons, ct.grid);
   if (Index(mesh.num_faces()) < options.triangles)
     return fail(ErrorCode::kMeshInvalid,
-                fmt::format("the bone's surface has {} triangles, it must have at least {}",
+                fmt::format("the bone's surface has {} triangles; it must have at least {}",
                             mesh.num_faces(), options.triangles));
-  if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the skull was not finished");
+  if (progress.stop_requested())
+    return fail(ErrorCode::kCancelled, "the skull extraction was cancelled");
 
   progress.begin_stage("simplify the skull");
   namespace Sms = CGAL::Surface_mesh_simplification;
-  // An edge of a closed surface takes two triangles with it, and three edges.
+  // Collapsing an edge of a closed surface removes two triangles and three edges.
   const auto edges = std::size_t(options.triangles * 3 / 2);
   Sms::edge_collapse(mesh, Sms::Count_stop_predicate<SurfaceMesh>(edges + 1),
                      CGAL::parameters::get_cost(Sms::LindstromTurk_cost<SurfaceMesh>())
@@ -132,7 +133,7 @@ Result<geometry::TriangleMesh> extract_skull(const image::CtVolume& ct,
   geometry::TriangleMesh skull = as_triangle_mesh(mesh);
   if (skull.triangle_count() != options.triangles)
     return fail(ErrorCode::kMeshInvalid,
-                fmt::format("the skull came down to {} triangles instead of {}",
+                fmt::format("the skull was simplified to {} triangles instead of {}",
                             skull.triangle_count(), options.triangles));
   return skull;
 }

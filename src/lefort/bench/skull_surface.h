@@ -1,5 +1,5 @@
 /// \file
-/// The surface that the paper's Table 1 is rerun on.
+/// The skull surface of the benchmarks, as in Table 1 of the paper.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -9,7 +9,7 @@
 
 namespace lefort::bench {
 
-/// How a skull of the paper's size is made from a scan.
+/// Extraction of a skull of the size in the paper.
 struct SkullSurfaceOptions {
   double bone_hu = 226.0;
   int smoothing_iterations = 20;  ///< Of the windowed sinc filter.
@@ -20,9 +20,9 @@ struct SkullSurfaceOptions {
 /// Flying edges at `bone_hu`, the largest connected part, windowed sinc smoothing, Lindstrom-Turk
 /// edge collapse to exactly `triangles`.
 ///
-/// Done by VTK and CGAL alone, so that the benchmark's surface does not depend on our own methods.
-/// \returns the surface in L, closed; kMeshInvalid if there is less bone than that, or if it does
-///   not come down to the number asked for.
+/// Uses only VTK and CGAL, so that the surface does not depend on our methods.
+/// \returns the surface in L, closed; kMeshInvalid if there are fewer triangles, or if the
+///   simplification does not reach that number.
 [[nodiscard]] Result<geometry::TriangleMesh> extract_skull(const image::CtVolume& ct,
                                                            const SkullSurfaceOptions& options = {},
                                                            Progress& progress = Progress::none());

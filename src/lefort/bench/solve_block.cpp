@@ -34,7 +34,7 @@ double exponent(std::span<const double> x, std::span<const double> y) {
   return (n * sum_uv - sum_u * sum_v) / (n * sum_uu - sum_u * sum_u);
 }
 
-/// The three outputs in the making.
+/// The three outputs.
 struct Tables {
   std::string markdown;
   std::string csv =
@@ -73,11 +73,11 @@ Result<VectorX> read_displacements(const fs::path& file) {
   return VectorX(VectorX::Map(u.data(), Index(u.size())));
 }
 
-/// What CalculiX did with one of its linear solvers, run by run.
-struct Peer {
+/// Results of CalculiX with one of its linear solvers.
+struct CalculixResults {
   CalculixSolver solver;
   std::vector<double> ratios = {};  ///< Its wall time over ours, of the same turn.
-  double difference = 0.0;          ///< Of displacements, over the largest one.
+  double difference = 0.0;          ///< Of displacements, relative to the largest one.
 };
 
 int sum_of(const Json& counts) {
@@ -86,97 +86,124 @@ int sum_of(const Json& counts) {
   return sum;
 }
 
-/// CalculiX and we by turns, the same mesh, law, increments and threads.
-Result<void> compare_with_calculix(const SolveOptions& options, Tables& tables,
-                                   Progress& progress) {
-  const BlockProblem block{.cells = options.pair_cells, .shape = mesh::ElementShape::kTet10};
-  const CalculixTask theirs{.block = block,
-                            .threads = options.threads,
-                            .increments = options.increments,
-                            .folder = options.output / "calculix"};
-  const SolveTask ours{.block = block,
-                       .threads = options.threads,
-                       .increments = options.increments,
-                       .relative_tolerance = theirs.tolerance,
-                       .displacements = options.output / "displacements.f64"};
-  std::array<Peer, 2> peers{{{.solver = CalculixSolver::kIterative},  //
-                             {.solver = CalculixSolver::kSpooles}}};
-  double dofs = 0.0;
-  Json runs = Json::array();
-  std::string rows;
-  const auto add_row = [&](int run, const char* name, const Json& result,
-                           const std::string& ratio) {
-    tables.add_row("pair", name, block, dofs, options.threads, run, result);
-    const double residual_n = result.at("largest_residual_n").get<double>();
-    rows += fmt::format("| {} | {} | {:.2f} | {} | {} | {:.2f} | {} |\n", run, name,
-                        result.at("wall_seconds").get<double>(), ratio,
-                        sum_of(result.at("newton_iterations")),
-                        result.at("peak_bytes").get<double>() * 1e-9,
-                        residual_n > 0.0 ? fmt::format("{:.1e}", residual_n)
-                                         : std::string("< 1e-6"));  // ccx prints six digits.
-  };
-  for (int run = 1; run <= options.repeats; ++run) {
-    progress.begin_stage(fmt::format("turn {} of {}: lefort", run, options.repeats));
-    LEFORT_TRY(const Json result, solve_in_process(ours, progress));
-    LEFORT_TRY(const VectorX u, read_displacements(ours.displacements));
-    dofs = result.at("dofs").get<double>();
-    add_row(run, "lefort", result, "");
-    Json turn = {{"lefort", result}};
-    for (Peer& peer : peers) {
-      const char* const name = name_of(peer.solver);
-      progress.begin_stage(fmt::format("turn {} of {}: CalculiX, {}", run, options.repeats, name));
-      CalculixTask task = theirs;
-      task.solver = peer.solver;
-      LEFORT_TRY(const CalculixRun done, run_calculix(task, progress));
-      if (u.size() != done.displacements_mm.size())
-        return fail(ErrorCode::kFileCorrupt,
-                    "both tell displacements of different numbers of nodes");
-      peer.difference =
-          std::max(peer.difference, (u - done.displacements_mm).lpNorm<Eigen::Infinity>() /
-                                        u.lpNorm<Eigen::Infinity>());
-      peer.ratios.push_back(done.wall_seconds / result.at("wall_seconds").get<double>());
-      const Json peer_json = {{"wall_seconds", done.wall_seconds},
-                              {"peak_bytes", done.peak_bytes},
-                              {"newton_iterations", Json::array({done.iterations})},
-                              {"load", 1.0},
-                              {"largest_residual_n", done.max_residual_n}};
-      add_row(run, name, peer_json, fmt::format("{:.1f}", peer.ratios.back()));
-      turn[name] = peer_json;
-    }
-    runs.push_back(std::move(turn));
-  }
-  tables.markdown += fmt::format(
-      "## Beside CalculiX\n\nA cube of {0}³ cells of six tet10 / C3D10, {1:.0f} unknowns, pressed "
-      "by a fifth of its height and sheared by as much in {2} increments; neo-Hookean, mu {3} MPa, "
-      "kappa {4} MPa; {5} threads each, by turns. Wall time is of the whole process, CalculiX's "
-      "reading of its input included. CalculiX with both linear solvers of Debian's package: "
-      "SPOOLES, a direct one, and conjugate gradients; it has neither PARDISO nor PaStiX. Both "
-      "stop at relative residuals of {7:.0e}, each by its own measure; the last "
-      "column tells what "
-      "was left.\n\n"
-      "| turn | solver | s | over lefort | systems solved | GB | largest residual N |\n"
-      "|---|---|---|---|---|---|---|\n{6}\n",
-      options.pair_cells, dofs, options.increments, BlockProblem::kMu_mpa, BlockProblem::kKappa_mpa,
-      options.threads, rows, theirs.tolerance);
-  tables.json["pair"] = {{"dofs", dofs}, {"runs", runs}};
-  for (const Peer& peer : peers) {
-    const char* const name = name_of(peer.solver);
-    tables.markdown += fmt::format(
-        "**CalculiX ({}) takes {:.1f} times as long** (median); displacements differ by {:.5f} % "
-        "of "
-        "the largest one.\n\n",
-        name, median(peer.ratios), 100.0 * peer.difference);
-    tables.json["pair"][name] = {{"median_ratio", median(peer.ratios)},
-                                 {"difference_percent", 100.0 * peer.difference}};
-  }
-  return {};
-}
+/// Solves one block with lefort and CalculiX in turns: same mesh, law, increments and threads.
+class CalculixComparison {
+ public:
+  CalculixComparison(const SolveOptions& options, Tables& tables)
+      : options_(options),
+        tables_(tables),
+        block_{.cells = options.pair_cells, .shape = mesh::ElementShape::kTet10},
+        calculix_{.block = block_,
+                  .threads = options.threads,
+                  .increments = options.increments,
+                  .folder = options.output / "calculix"},
+        lefort_{.block = block_,
+                .threads = options.threads,
+                .increments = options.increments,
+                .relative_tolerance = calculix_.tolerance,
+                .displacements = options.output / "displacements.f64"} {}
 
-/// One linear system after another, larger and larger.
+  [[nodiscard]] Result<void> run(Progress& progress) {
+    for (int turn = 1; turn <= options_.repeats; ++turn) LEFORT_TRY_VOID(run_turn(turn, progress));
+    write_summary();
+    return {};
+  }
+
+ private:
+  void add_row(int turn, const char* name, const Json& result, const std::string& ratio) {
+    tables_.add_row("pair", name, block_, dofs_, options_.threads, turn, result);
+    const double residual_n = result.at("largest_residual_n").get<double>();
+    rows_ += fmt::format("| {} | {} | {:.2f} | {} | {} | {:.2f} | {} |\n", turn, name,
+                         result.at("wall_seconds").get<double>(), ratio,
+                         sum_of(result.at("newton_iterations")),
+                         result.at("peak_bytes").get<double>() * 1e-9,
+                         residual_n > 0.0 ? fmt::format("{:.1e}", residual_n)
+                                          : std::string("< 1e-6"));  // ccx prints six digits.
+  }
+
+  [[nodiscard]] Result<void> run_turn(int turn, Progress& progress) {
+    progress.begin_stage(fmt::format("turn {} of {}: lefort", turn, options_.repeats));
+    LEFORT_TRY(const Json result, solve_in_process(lefort_, progress));
+    LEFORT_TRY(const VectorX u, read_displacements(lefort_.displacements));
+    dofs_ = result.at("dofs").get<double>();
+    add_row(turn, "lefort", result, "");
+    Json run = {{"lefort", result}};
+    for (CalculixResults& results : results_) {
+      const char* const name = name_of(results.solver);
+      progress.begin_stage(
+          fmt::format("turn {} of {}: CalculiX, {}", turn, options_.repeats, name));
+      LEFORT_TRY(run[name], run_calculix_once(turn, results, u,
+                                              result.at("wall_seconds").get<double>(), progress));
+    }
+    runs_.push_back(std::move(run));
+    return {};
+  }
+
+  /// \param u             displacements of lefort.
+  /// \param wall_seconds  of lefort.
+  [[nodiscard]] Result<Json> run_calculix_once(int turn, CalculixResults& results, const VectorX& u,
+                                               double wall_seconds, Progress& progress) {
+    CalculixTask task = calculix_;
+    task.solver = results.solver;
+    LEFORT_TRY(const CalculixRun done, run_calculix(task, progress));
+    if (u.size() != done.displacements_mm.size())
+      return fail(ErrorCode::kFileCorrupt,
+                  "lefort and CalculiX wrote displacements of different numbers of nodes");
+    results.difference =
+        std::max(results.difference, (u - done.displacements_mm).lpNorm<Eigen::Infinity>() /
+                                         u.lpNorm<Eigen::Infinity>());
+    results.ratios.push_back(done.wall_seconds / wall_seconds);
+    Json result = {{"wall_seconds", done.wall_seconds},
+                   {"peak_bytes", done.peak_bytes},
+                   {"newton_iterations", Json::array({done.iterations})},
+                   {"load", 1.0},
+                   {"largest_residual_n", done.max_residual_n}};
+    add_row(turn, name_of(results.solver), result, fmt::format("{:.1f}", results.ratios.back()));
+    return result;
+  }
+
+  void write_summary() {
+    tables_.markdown += fmt::format(
+        "## Comparison with CalculiX\n\nA cube of {0}³ cells of six tet10 / C3D10, {1:.0f} "
+        "unknowns, compressed by a fifth of its height and sheared by as much in {2} increments; "
+        "neo-Hookean, mu {3} MPa, kappa {4} MPa; {5} threads each, in turns. Wall time is that of "
+        "the whole process, including CalculiX's reading of its input. CalculiX with both linear "
+        "solvers of Debian's package: SPOOLES, which is direct, and conjugate gradients; the "
+        "package has neither PARDISO nor PaStiX. Both programs stop at relative residuals of "
+        "{7:.0e}, each by its own measure; the last column is the remaining residual.\n\n"
+        "| turn | solver | s | over lefort | systems solved | GB | largest residual N |\n"
+        "|---|---|---|---|---|---|---|\n{6}\n",
+        options_.pair_cells, dofs_, options_.increments, BlockProblem::kMu_mpa,
+        BlockProblem::kKappa_mpa, options_.threads, rows_, calculix_.tolerance);
+    tables_.json["pair"] = {{"dofs", dofs_}, {"runs", runs_}};
+    for (const CalculixResults& results : results_) {
+      const char* const name = name_of(results.solver);
+      tables_.markdown += fmt::format(
+          "**CalculiX ({}) takes {:.1f} times as long** (median); displacements differ by {:.5f} % "
+          "of the largest one.\n\n",
+          name, median(results.ratios), 100.0 * results.difference);
+      tables_.json["pair"][name] = {{"median_ratio", median(results.ratios)},
+                                    {"difference_percent", 100.0 * results.difference}};
+    }
+  }
+
+  const SolveOptions& options_;
+  Tables& tables_;
+  BlockProblem block_;
+  CalculixTask calculix_;
+  SolveTask lefort_;
+  std::array<CalculixResults, 2> results_{
+      {{.solver = CalculixSolver::kIterative}, {.solver = CalculixSolver::kSpooles}}};
+  double dofs_ = 0.0;
+  Json runs_ = Json::array();
+  std::string rows_;
+};
+
+/// Solves one linear system on each of a series of growing meshes.
 Result<void> measure_growth(const SolveOptions& options, Tables& tables, Progress& progress) {
   tables.markdown += fmt::format(
-      "## Growth\n\nOne linear system: a cube of hex8 at rest, volume ratios not averaged, its "
-      "upper side moved; neo-Hookean, mu {} MPa, kappa {} MPa; to 1e-8 of the right side by "
+      "## Growth\n\nOne linear system: a cube of hex8 at rest, full integration, with a moved "
+      "upper side; neo-Hookean, mu {} MPa, kappa {} MPa; to 1e-8 of the right-hand side by "
       "multigrid. {} threads.\n\n",
       BlockProblem::kMu_mpa, BlockProblem::kKappa_mpa, options.threads);
   for (const linear::LinearSolverKind kind :
@@ -218,10 +245,11 @@ Result<void> measure_growth(const SolveOptions& options, Tables& tables, Progres
   return {};
 }
 
-/// A million unknowns, a nonlinear equilibrium by multigrid.
+/// Solves a nonlinear equilibrium of a million unknowns with multigrid.
 Result<void> solve_large(const SolveOptions& options, Tables& tables, Progress& progress) {
   constexpr int kCells = 70;
-  constexpr double kHalf = 0.5;  // Towards the whole, meshes so fine take ever more Newton steps.
+  // At larger loads such fine meshes need ever more Newton steps.
+  constexpr double kHalf = 0.5;
   const BlockProblem block{.cells = kCells, .shape = mesh::ElementShape::kHex8};
   progress.begin_stage("a million unknowns");
   LEFORT_TRY(Json result, solve_in_process({.block = block,
@@ -233,8 +261,8 @@ Result<void> solve_large(const SolveOptions& options, Tables& tables, Progress& 
   const double dofs = result.at("dofs").get<double>();
   tables.add_row("large", "multigrid", block, dofs, options.threads, 1, result);
   tables.markdown += fmt::format(
-      "## A million unknowns\n\nA cube of {}³ hex8, {:.0f} unknowns, pressed by a "
-      "tenth of its height and sheared by as much, by multigrid: "
+      "## A million unknowns\n\nA cube of {}³ hex8, {:.0f} unknowns, compressed by a tenth of its "
+      "height and sheared by as much, by multigrid: "
       "**{:.0f} s**, {} increments ({} were too large and halved), {} Newton steps, {} linear "
       "iterations in all, {:.1f} GB.\n\n",
       kCells, dofs, result.at("wall_seconds").get<double>(), result.at("load_levels").size(),
@@ -251,12 +279,12 @@ Result<std::string> run_solve_bench(const SolveOptions& options, Progress& progr
   fs::create_directories(options.output, error);
   if (error)
     return fail(ErrorCode::kFileUnwritable,
-                fmt::format("cannot make {}: {}", options.output.string(), error.message()));
+                fmt::format("cannot create {}: {}", options.output.string(), error.message()));
   Tables tables;
   tables.markdown = fmt::format("# The solver\n\nlefort {}, `lefort bench solve`.\n\n", kVersion);
-  // Each part takes minutes; what is known is written before the next begins.
+  // Each part takes minutes; results are written before the next one begins.
   if (options.repeats > 0) {
-    LEFORT_TRY_VOID(compare_with_calculix(options, tables, progress));
+    LEFORT_TRY_VOID(CalculixComparison(options, tables).run(progress));
     LEFORT_TRY_VOID(write(tables, options.output));
   }
   if (!options.growth_cells.empty()) {

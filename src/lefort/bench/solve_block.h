@@ -1,5 +1,5 @@
 /// \file
-/// `lefort bench solve`: the solver beside CalculiX, and how its time and memory grow.
+/// `lefort bench solve`: comparison with CalculiX, and growth of time and memory.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -15,15 +15,17 @@ namespace lefort::bench {
 struct SolveOptions {
   std::filesystem::path output;  ///< Folder for solve.md, .csv, .json.
   int threads = 2;
-  int repeats = 3;      ///< Of each of a pair, by turns; 0 leaves CalculiX out.
-  int pair_cells = 16;  ///< Of the block of tet10 that both solve.
+  int repeats = 3;      ///< Of each program, in turns; 0 omits CalculiX.
+  int pair_cells = 16;  ///< Of the tet10 block for both.
   int increments = 2;   ///< Of its load.
   std::vector<int> growth_cells = {14, 20, 28, 38, 54};  ///< Of the blocks of hex8.
   bool large = false;                                    ///< Also a block of a million unknowns.
 };
 
-/// Runs everything, each measurement in a process of its own.
+/// Runs all measurements, each in a separate process.
 ///
+/// \param options   of the benchmark.
+/// \param progress  may stop it.
 /// \returns the tables as Markdown, which it also writes; errors as run_solve_task() and
 ///   run_calculix().
 [[nodiscard]] Result<std::string> run_solve_bench(const SolveOptions& options, Progress& progress);

@@ -40,12 +40,12 @@ template <class Value, class Names>
 Result<Value> value_in(const Names& names, const std::string& wanted) {
   for (const auto& [value, name] : names)
     if (wanted == name) return value;
-  return fail(ErrorCode::kInvalidArgument, fmt::format("the task knows no '{}'", wanted));
+  return fail(ErrorCode::kInvalidArgument, fmt::format("the task does not support '{}'", wanted));
 }
 
 Result<SolveTask> parse(const std::string& text) {
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) return fail(ErrorCode::kInvalidArgument, "the task is no JSON object");
+  if (!json.is_object()) return fail(ErrorCode::kInvalidArgument, "the task is not a JSON object");
   SolveTask task;
   try {
     LEFORT_TRY(task.block.shape,
@@ -61,12 +61,12 @@ Result<SolveTask> parse(const std::string& text) {
     task.relative_tolerance = json.at("relative_tolerance").get<double>();
     task.displacements = json.at("displacements").get<std::string>();
   } catch (const Json::exception& wrong) {
-    return fail(ErrorCode::kInvalidArgument, fmt::format("the task is wrong: {}", wrong.what()));
+    return fail(ErrorCode::kInvalidArgument, fmt::format("invalid task: {}", wrong.what()));
   }
   return task;
 }
 
-/// What is solved, kept alive together.
+/// Mesh, force terms and assembler.
 struct Body {
   mesh::VolumeMesh mesh;
   std::vector<std::unique_ptr<const fem::ForceTerm>> terms;
@@ -76,7 +76,7 @@ struct Body {
 Result<Body> make_body(const BlockProblem& block) {
   Body body;
   body.mesh = block.mesh();
-  // Pointwise, as in CalculiX's C3D10 and C3D8: the same discrete problem.
+  // Full integration, as in CalculiX's C3D10 and C3D8: the same discrete problem.
   LEFORT_TRY(body.terms, fem::make_element_terms(body.mesh, BlockProblem::materials(),
                                                  fem::VolumetricIntegration::kFullIntegration));
   std::vector<const fem::ForceTerm*> terms;
@@ -87,7 +87,7 @@ Result<Body> make_body(const BlockProblem& block) {
   return body;
 }
 
-Error why_not(linear::LinearSolveStatus outcome) {
+Error error_of(linear::LinearSolveStatus outcome) {
   switch (outcome) {
     case linear::LinearSolveStatus::kOutOfMemory:
       return {ErrorCode::kOutOfMemory, "the factor does not fit into memory"};
@@ -98,7 +98,7 @@ Error why_not(linear::LinearSolveStatus outcome) {
   }
 }
 
-/// One linear system, and how long its parts take.
+/// Solves one linear system and measures its parts.
 Result<Json> solve_system(const SolveTask& task, const Body& body) {
   constexpr double kTolerance = 1e-8;
   const fem::Assembler& assembler = *body.assembler;
@@ -114,10 +114,10 @@ Result<Json> solve_system(const SolveTask& task, const Body& body) {
   fem::set_near_null_space(solver, assembler);
   watch.lap();
   const linear::LinearSolveStatus prepared = solver.factorize(K);
-  if (prepared != linear::LinearSolveStatus::kDone) return tl::unexpected(why_not(prepared));
+  if (prepared != linear::LinearSolveStatus::kDone) return tl::unexpected(error_of(prepared));
   const double preparation = watch.lap();
   const auto x = solver.solve(b, kTolerance);
-  if (!x) return tl::unexpected(why_not(x.error()));
+  if (!x) return tl::unexpected(error_of(x.error()));
   const double solution = watch.lap();
   const VectorX residual = K.selfadjointView<Eigen::Lower>() * *x - b;
   return Json{{"solver", name_of(solver.kind())},
@@ -129,7 +129,7 @@ Result<Json> solve_system(const SolveTask& task, const Body& body) {
               {"relative_residual", residual.norm() / b.norm()}};
 }
 
-/// The load, in increments as large as converge.
+/// Applies the load in adaptive increments.
 Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
   const fem::Assembler& assembler = *body.assembler;
   linear::LinearSolver solver({.kind = task.solver});
@@ -145,7 +145,7 @@ Result<Json> solve_equilibrium(const SolveTask& task, const Body& body) {
   if (!advanced) return tl::unexpected(advanced.error());
   const VectorX& u = stepper.state().u;
   const auto forces = assembler.forces(u);
-  if (!forces) return fail(ErrorCode::kNotConverged, "the end is inadmissible");
+  if (!forces) return fail(ErrorCode::kNotConverged, "the final state is inadmissible");
   if (!task.displacements.empty()) {
     const std::string_view bytes(reinterpret_cast<const char*>(u.data()),
                                  std::size_t(u.size()) * sizeof(double));

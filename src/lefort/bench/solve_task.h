@@ -1,5 +1,5 @@
 /// \file
-/// One measurement of our solver on a block, in a process of its own.
+/// One measurement of our solver on a block, in a separate process.
 #pragma once
 
 #include <lefort/bench/block_problem.h>
@@ -18,12 +18,12 @@ struct SolveTask {
   BlockProblem block;
   linear::LinearSolverKind solver = linear::LinearSolverKind::kAutomatic;
   int threads = 2;
-  /// Of the load, as long as they converge; halved where not. None: one linear system, that of the
-  /// block at rest, with the forces of its upper side's motion.
+  /// Of the load; halved if they fail. 0: only one linear system, that of the block at rest for the
+  /// motion of its upper side.
   int increments = 1;
-  double load = 1.0;                      ///< Part of it, 0 to 1.
-  double relative_tolerance = 1e-8;       ///< Of Newton; of the linear system, 1e-8 always.
-  std::filesystem::path displacements{};  ///< Where they are to be written, as doubles; or empty.
+  double load = 1.0;                      ///< Fraction of the full load, 0 to 1.
+  double relative_tolerance = 1e-8;       ///< Of Newton; that of the linear system is 1e-8.
+  std::filesystem::path displacements{};  ///< Output file of doubles; or empty.
 };
 
 /// The name of a solver in options and results.
@@ -31,14 +31,14 @@ struct SolveTask {
 
 [[nodiscard]] nlohmann::ordered_json to_json(const SolveTask& task);
 
-/// Does the task.
+/// Runs the task.
 ///
 /// \param task  as to_json() writes it.
 /// \returns dofs, seconds of its parts, iterations, peak_bytes and more; kNotConverged,
 ///   kOutOfMemory, kInvalidArgument, kFileUnwritable.
 [[nodiscard]] Result<nlohmann::ordered_json> run_solve_task(const std::string& task);
 
-/// Does it in a process of its own, and adds that one's wall_seconds.
+/// Runs the task in a separate process and adds its wall_seconds.
 [[nodiscard]] Result<nlohmann::ordered_json> solve_in_process(const SolveTask& task,
                                                               Progress& progress);
 

@@ -11,7 +11,7 @@ namespace lefort::bench {
 
 namespace {
 
-/// A line of /proc/self/status, which gives kB.
+/// Value of a line of /proc/self/status, which is in kB.
 std::size_t status_bytes(const std::string& name) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)

@@ -1,5 +1,5 @@
 /// \file
-/// Time and memory of a piece of work.
+/// Time and memory of this process.
 #pragma once
 
 #include <cstddef>
@@ -8,15 +8,15 @@
 
 namespace lefort::bench {
 
-/// Wall-clock seconds since some moment.
+/// Wall-clock seconds since an unspecified time.
 [[nodiscard]] double now_seconds();
 
-/// Runs from when it is made.
+/// Measures wall-clock time from its construction.
 class Stopwatch {
  public:
   [[nodiscard]] double seconds() const { return now_seconds() - begin_; }
 
-  /// Seconds since the last lap or the beginning; begins the next.
+  /// Seconds since the last lap or the beginning; starts the next lap.
   double lap() {
     const double last = std::exchange(lap_, now_seconds());
     return lap_ - last;
@@ -27,15 +27,17 @@ class Stopwatch {
   double lap_ = begin_;
 };
 
-/// Seconds of processor time of all threads of this process, the system's work for it included.
+/// Processor time of all threads of this process, including system time [s].
 [[nodiscard]] double processor_seconds();
 
-/// Memory this process holds now, and the most it held since reset_peak_memory() [bytes].
+/// Current resident memory, and its maximum since reset_peak_memory() [bytes].
+///
+/// Not the peak of getrusage() (pipeline/timing/peak_memory.h), which cannot be reset.
 [[nodiscard]] std::size_t resident_bytes();
 [[nodiscard]] std::size_t peak_resident_bytes();
 void reset_peak_memory();
 
-/// \pre not empty.
+/// Median. \pre not empty.
 [[nodiscard]] double median(std::vector<double> values);
 
 }  // namespace lefort::bench

@@ -6,7 +6,7 @@
 namespace lefort::bench {
 
 std::vector<Vec3> points_near_surface(const geometry::TriangleMesh& mesh, Index count,
-                                      double reach_mm, std::uint32_t seed) {
+                                      double max_distance_mm, std::uint32_t seed) {
   std::vector<double> area_until;
   double total = 0.0;
   for (Index t = 0; t < mesh.triangle_count(); ++t) {
@@ -29,9 +29,9 @@ std::vector<Vec3> points_near_surface(const geometry::TriangleMesh& mesh, Index 
     const Vec3& a = mesh.corner(t, 0);
     const double x = 2.0 * uniform() - 1.0, y = 2.0 * uniform() - 1.0, z = 2.0 * uniform() - 1.0;
     const Vec3 off(x, y, z);
-    if (off.squaredNorm() > 1.0) continue;  // A ball, not a cube.
+    if (off.squaredNorm() > 1.0) continue;  // Uniform in a ball.
     points.push_back(a + u * (mesh.corner(t, 1) - a) + v * (mesh.corner(t, 2) - a) +
-                     reach_mm * off);
+                     max_distance_mm * off);
   }
   return points;
 }

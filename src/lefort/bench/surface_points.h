@@ -1,5 +1,5 @@
 /// \file
-/// Where benchmarks ask for distances.
+/// Random points near a surface, at which benchmarks query distances.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -10,9 +10,9 @@
 
 namespace lefort::bench {
 
-/// Points spread evenly over the surface, then moved in a random direction by up to `reach_mm`.
-/// The same for the same seed.
+/// Points distributed uniformly over the surface, then displaced in a random direction by up to
+/// `max_distance_mm`. The same seed gives the same points.
 [[nodiscard]] std::vector<Vec3> points_near_surface(const geometry::TriangleMesh& mesh, Index count,
-                                                    double reach_mm, std::uint32_t seed);
+                                                    double max_distance_mm, std::uint32_t seed);
 
 }  // namespace lefort::bench

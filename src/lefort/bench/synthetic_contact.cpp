@@ -30,13 +30,13 @@ TriangleMesh cube_on_its_edge() {
     cube.triangles.push_back({a, b, c});
     cube.triangles.push_back({a, c, d});
   }
-  const Eigen::AngleAxisd turn(0.25 * std::numbers::pi, Vec3::UnitY());
-  for (Vec3& v : cube.vertices) v = turn * v + Vec3(0.0, 0.0, kHalf_mm * std::numbers::sqrt2);
+  const Eigen::AngleAxisd rotation(0.25 * std::numbers::pi, Vec3::UnitY());
+  for (Vec3& v : cube.vertices) v = rotation * v + Vec3(0.0, 0.0, kHalf_mm * std::numbers::sqrt2);
   return cube;
 }
 
-/// A sphere of 6 mm of few triangles, its lowest point in the origin: an octahedron whose sides are
-/// halved three times. Its edges are some 1.2 mm, as long as the block's elements.
+/// A coarse sphere of 6 mm with its lowest point at the origin: an octahedron whose edges are
+/// halved three times. Its edges are about 1.2 mm, as long as those of the block.
 TriangleMesh coarse_sphere() {
   constexpr double kRadius_mm = 6.0;
   constexpr int kHalvings = 3;
@@ -67,7 +67,7 @@ TriangleMesh coarse_sphere() {
   return sphere;
 }
 
-/// The bone touches the middle of a block's upper side, is pressed in and slid along it.
+/// The bone touches the center of the upper side of a block, is pressed in and slides along it.
 Result<ConvergenceCase> pressed_and_slid(std::string name, TriangleMesh bone, Progress& progress) {
   constexpr double kPressed_mm = 2.5, kSlid_mm = 5.0;
   ConvergenceCase task;
@@ -78,10 +78,10 @@ Result<ConvergenceCase> pressed_and_slid(std::string name, TriangleMesh bone, Pr
       mesh::make_box(mesh::ElementShape::kTet4,
                      {cells(size_mm.x()), cells(size_mm.y()), cells(size_mm.z())}, size_mm);
   mesh::VolumeMesh& tissue = task.model.tissue;
-  // Off the lattice, and no edge of the bone along the mesh's.
-  const Eigen::AngleAxisd turn(0.3, Vec3::UnitZ());
+  // Not aligned with the lattice, and no edge of the bone parallel to those of the mesh.
+  const Eigen::AngleAxisd rotation(0.3, Vec3::UnitZ());
   const Vec3 at(0.4 * size_mm.x() + 0.13, 0.5 * size_mm.y() + 0.21, size_mm.z());
-  for (Vec3& v : bone.vertices) v = turn * v + at;
+  for (Vec3& v : bone.vertices) v = rotation * v + at;
   tissue.node_sets[predict::sets::kMobilizedSegment] = tissue.node_sets.at("z1");
   tissue.node_sets[predict::sets::kFixed] = tissue.node_sets.at("z0");
   tissue.face_sets[predict::sets::kContact] = tissue.face_sets.at("z1");

@@ -110,9 +110,9 @@ const Cell* find(const std::vector<Cell>& cells, std::string_view method, int re
   return found == cells.end() ? nullptr : &*found;
 }
 
-/// How many times as fast, small or quick our default is, at each resolution.
+/// Ratios of time, memory and query rate to our default, at each resolution.
 std::string ratio_table(const std::vector<Cell>& cells, const std::vector<int>& resolutions) {
-  std::string head = "| our default against |", rule = "|---|";
+  std::string head = "| our default compared with |", rule = "|---|";
   for (const int n : resolutions) {
     head += fmt::format(" {}³ |", n);
     rule += "---|";
@@ -249,7 +249,7 @@ Result<std::string> run_table1(const Table1Options& options, Progress& progress)
       for (const int threads : {1, 2}) {
         if (threads == 2 && method != "bricks") continue;
         progress.begin_stage(fmt::format("{} at {}, threads: {}", method, resolution, threads));
-        // The slow ones are told apart by factors, not by shares.
+        // The slow ones differ by large factors; one run is enough.
         const int repeats = method == "adaptive" || method == "cgal" ? 1 : options.repeats;
         const Json task = {{"method", method},
                            {"resolution", resolution},
@@ -263,10 +263,11 @@ Result<std::string> run_table1(const Table1Options& options, Progress& progress)
   std::string markdown = fmt::format(
       "# Distance fields of a skull of 96,190 triangles\n\n"
       "lefort {}, `lefort bench table1`. Cube of 210 mm, samples up to three cells from the "
-      "surface. Times are medians of {} (adaptive and CGAL once), in a process each; queries "
+      "surface. Times are medians of {} (adaptive and CGAL once), each in a separate process; "
+      "queries "
       "within "
-      "{} mm of the surface, best of five. Peak is above the input. CGAL is asked for at most "
-      "200,000 samples, its time scaled to all.\n\n",
+      "{} mm of the surface, best of five. Peak is above the input. CGAL is queried at no more "
+      "than 200,000 samples, and its time is scaled to all.\n\n",
       kVersion, options.repeats, kQueryReach_mm);
   for (const int resolution : options.resolutions)
     markdown += fmt::format("## {}³, tolerance {:g} of the side\n\n{}\n", resolution,

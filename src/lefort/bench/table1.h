@@ -1,5 +1,6 @@
 /// \file
-/// The paper's Table 1 rerun: time and memory of distance fields of a skull, beside today's peers.
+/// Repeats Table 1 of the paper: time and memory of distance fields of a skull, compared with
+/// current libraries.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -20,10 +21,10 @@ struct Table1Options {
   int repeats = 3;
 };
 
-/// Runs each method at each resolution in a process of its own, bricks with two threads as well.
+/// Runs each method at each resolution in a separate process, bricks also with two threads.
 ///
-/// Writes skull.vtp (kept and used again if it is there), table1.json, .csv, .md and .html (plots)
-/// to the output folder. The paper's own figures, of 2009 hardware, stand apart.
+/// Writes skull.vtp (reused if it exists), table1.json, .csv, .md and .html (plots)
+/// to the output folder. The figures of the paper, of 2009 hardware, are listed separately.
 /// \returns the table as Markdown; errors as import_volume(), extract_skull(), kFileUnwritable,
 ///   kCancelled.
 [[nodiscard]] Result<std::string> run_table1(const Table1Options& options, Progress& progress);

@@ -14,18 +14,18 @@ namespace {
 
 using anatomy::Tissue;
 
-/// Names the elements inside that `is_there` says of their centroid.
+/// Assigns `region` to elements of deep tissue whose centroid satisfies `contains`.
 template <class Predicate>
-void name_inside(mesh::VolumeMesh& tissue, std::int32_t named, const Predicate& is_there) {
+void assign_region(mesh::VolumeMesh& tissue, std::int32_t region, const Predicate& contains) {
   for (mesh::ElementBlock& block : tissue.blocks)
     for (Index e = 0; e < block.element_count(); ++e) {
-      std::int32_t& region = block.region[std::size_t(e)];
-      if (region != regions::kInside) continue;
+      std::int32_t& current = block.region[std::size_t(e)];
+      if (current != regions::kDeepTissue) continue;
       Vec3 centroid_L = Vec3::Zero();
       const int corners = mesh::corner_count(block.shape);
       for (int n = 0; n < corners; ++n)
         centroid_L += tissue.nodes_L[std::size_t(block.element(e)[n])] / double(corners);
-      if (is_there(centroid_L)) region = named;
+      if (contains(centroid_L)) current = region;
     }
 }
 
@@ -35,8 +35,8 @@ mesh::VolumeMesh assign_muscle(mesh::VolumeMesh tissue, const anatomy::LabelMap&
   constexpr double kHalf = 0.5;
   const anatomy::Mask muscle = anatomy::mask_where(
       labels.grid, [&](std::size_t v) { return labels.values[v] == Tissue::kMuscle; });
-  name_inside(tissue, regions::kMuscle,
-              [&](const Vec3& p_L) { return image::interpolate(muscle, p_L, 0.0) >= kHalf; });
+  assign_region(tissue, regions::kMuscle,
+                [&](const Vec3& p_L) { return image::interpolate(muscle, p_L, 0.0) >= kHalf; });
   return tissue;
 }
 
@@ -46,10 +46,10 @@ mesh::VolumeMesh assign_mucosa(mesh::VolumeMesh tissue, const anatomy::LabelMap&
       anatomy::distance_to(anatomy::mask_where(labels.grid, [&](std::size_t v) {
         return labels.values[v] == Tissue::kAirway || labels.values[v] == Tissue::kSinus;
       }));
-  constexpr double kFar_mm = 1e6;
-  // From the center of the air's outermost voxel to its border.
+  constexpr double kFar_mm = 1e6;  // Outside the scan.
+  // From the center of an outermost voxel of air to its border.
   const double to_border_mm = 0.5 * labels.grid.spacing_mm.minCoeff();
-  name_inside(tissue, regions::kMucosa, [&](const Vec3& p_L) {
+  assign_region(tissue, regions::kMucosa, [&](const Vec3& p_L) {
     return image::interpolate(to_center, p_L, kFar_mm) - to_border_mm <= thickness_mm;
   });
   return tissue;
@@ -57,7 +57,7 @@ mesh::VolumeMesh assign_mucosa(mesh::VolumeMesh tissue, const anatomy::LabelMap&
 
 std::vector<RegionAndSize> regions_and_sizes(const mesh::VolumeMesh& tissue,
                                              const TissueOptions& options) {
-  const std::map<std::int32_t, bool> has_material{{regions::kInside, true},
+  const std::map<std::int32_t, bool> has_material{{regions::kDeepTissue, true},
                                                   {regions::kSkin, options.skin.has_value()},
                                                   {regions::kMucosa, options.mucosa.has_value()},
                                                   {regions::kMuscle, options.muscle.has_value()}};

@@ -1,6 +1,6 @@
 /// \file
-/// Which of the tissue inside is mucosa, by rule, and which muscle, by the labels; and how much of
-/// the mesh each region is.
+/// Assigns the regions muscle (by labels) and mucosa (by a rule) to elements of deep tissue, and
+/// measures the regions.
 #pragma once
 
 #include <lefort/anatomy/label_map.h>
@@ -13,29 +13,32 @@
 
 namespace lefort::predict {
 
-/// Gives elements of regions::kInside the region regions::kMuscle whose centroid lies in voxels
-/// labeled muscle: where these, interpolated between voxel centers, make up half at least. What
-/// was named before, such as skin, stays.
+/// Assigns regions::kMuscle to elements of regions::kDeepTissue whose centroid lies in muscle:
+/// where the label, interpolated between voxel centers, is at least one half. Other regions, such
+/// as skin, stay.
 ///
-/// \param labels  of the scan the tissue was meshed from.
+/// \param tissue  mesh of the tissue.
+/// \param labels  of the scan from which the tissue was meshed.
 [[nodiscard]] mesh::VolumeMesh assign_muscle(mesh::VolumeMesh tissue,
                                              const anatomy::LabelMap& labels);
 
-/// Gives elements of regions::kInside the region regions::kMucosa whose centroid lies within
-/// `thickness_mm` of a voxel of airway or sinus. What was named before stays: skin, where the
-/// nostril begins, and muscle.
+/// Assigns regions::kMucosa to elements of regions::kDeepTissue whose centroid lies within
+/// `thickness_mm` of a voxel of airway or sinus. Other regions stay: skin, at the nostrils, and
+/// muscle.
 ///
-/// \param labels  of the scan the tissue was meshed from.
+/// \param tissue        mesh of the tissue.
+/// \param labels        of the scan from which the tissue was meshed.
+/// \param thickness_mm  > 0.
 [[nodiscard]] mesh::VolumeMesh assign_mucosa(mesh::VolumeMesh tissue,
                                              const anatomy::LabelMap& labels, double thickness_mm);
 
-/// A region of the mesh, by name.
+/// A region of the mesh with its name.
 struct RegionAndSize {
   std::string name;
   mesh::RegionSize size;
 };
 
-/// Of the regions that the options have a material for; a region may be empty.
+/// Sizes of the regions for which the options have a material; a region may be empty.
 [[nodiscard]] std::vector<RegionAndSize> regions_and_sizes(const mesh::VolumeMesh& tissue,
                                                            const TissueOptions& options);
 

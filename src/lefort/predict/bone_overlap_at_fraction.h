@@ -1,5 +1,5 @@
 /// \file
-/// Bones of a plan on their way, two by two.
+/// Overlap of two bones of a plan at one path fraction.
 #pragma once
 
 #include <lefort/contact/bone_overlap.h>
@@ -12,27 +12,28 @@
 
 namespace lefort::predict {
 
-/// What the bone that stays is called.
+/// Name of the bone left after all osteotomies.
 inline constexpr const char* kRemainder = "remainder";
 
-/// A bone that follows a path, or stays.
+/// A bone that follows a path or is stationary.
 struct MovingBone {
   std::string name;
   const geometry::TriangleMesh* surface_B = nullptr;  ///< Closed. Not owned.
-  const geometry::RigidPath* path = nullptr;          ///< Null: it stays. Not owned.
+  const geometry::RigidPath* path = nullptr;          ///< Null if stationary. Not owned.
   std::shared_ptr<const contact::DistanceQuery> distance_query_B;
-  double cell_mm = 0.0;  ///< Of its field: what is thinner may be missed.
+  double cell_mm = 0.0;  ///< Of its field; thinner overlap may be missed.
 
   [[nodiscard]] RigidTransform pose_at(double path_fraction) const;
 };
 
-/// Bones that are in each other at one moment.
+/// Two bones that overlap at one path fraction.
 struct BoneOverlapAtFraction {
-  std::string first, second;     ///< Names; kRemainder is the bone that stays.
-  double path_fraction = 0.0;    ///< Of the path.
-  contact::BoneOverlap overlap;  ///< Depths are of the first's vertices.
+  std::string first, second;  ///< Names; kRemainder for the remainder.
+  double path_fraction = 0.0;
+  contact::BoneOverlap overlap;  ///< Depths of vertices of the first bone.
 };
 
+/// Overlap of two bones, both posed at `path_fraction`.
 [[nodiscard]] BoneOverlapAtFraction overlap_at(double path_fraction, const MovingBone& first,
                                                const MovingBone& second);
 

@@ -6,7 +6,7 @@ namespace lefort::predict {
 double paint_reach_mm(const image::Grid& grid) { return 0.5 * grid.spacing_mm.norm(); }
 
 BoundaryLabel painted_at(const BoundaryLabelMap& painted, const Vec3& p_L) {
-  constexpr double kRoundOff = 1.0 + 1e-9;  // A voxel's own corner is within its reach.
+  constexpr double kRoundOff = 1.0 + 1e-9;  // Includes the corners of the voxel.
   const image::Grid& grid = painted.grid;
   double nearest_mm = kRoundOff * paint_reach_mm(grid);
   BoundaryLabel label = BoundaryLabel::kNone;

@@ -1,5 +1,5 @@
 /// \file
-/// What somebody painted that the tissue's boundary shall do, where the rule has it wrong.
+/// Painted labels of the tissue boundary; they override the boundary rules.
 #pragma once
 
 #include <lefort/image/volume.h>
@@ -9,21 +9,21 @@
 
 namespace lefort::predict {
 
-/// Sliding on a segment needs no label: tissue does so wherever it is free.
+/// Boundary condition of a voxel. Sliding on a segment needs no label: free tissue slides there.
 enum class BoundaryLabel : std::uint8_t {
-  kNone = 0,  ///< Not painted: by rule.
+  kNone = 0,  ///< Not painted: the boundary rules decide.
   kFixed = 1,
-  kFree = 2,         ///< Held by nothing; the segment may push it.
-  kWithSegment = 3,  ///< Moves with the segment, wherever it lies.
-  kSlides = 4,       ///< Free, but does not enter still bone: slides on it, and may come off.
+  kFree = 2,         ///< Not fixed; the segment may push it.
+  kWithSegment = 3,  ///< Moves with the segment, even if not on it.
+  kSlides = 4,       ///< Free; slides on stationary bone and may lift off.
 };
 
-/// How a label is called and colored in files, and the set of the nodes that it decides.
+/// Name and color of a label in files, and the name of its node set.
 struct BoundaryLabelStyle {
   BoundaryLabel label;
   const char* name;
   const char* set;
-  std::array<double, 3> color;  ///< RGB, 0 to 1; told apart by the color-blind as well.
+  std::array<double, 3> color;  ///< RGB, 0 to 1; safe for color blindness.
 };
 
 inline constexpr std::array<BoundaryLabelStyle, 4> kBoundaryLabelStyles{{
@@ -36,11 +36,12 @@ inline constexpr std::array<BoundaryLabelStyle, 4> kBoundaryLabelStyles{{
 /// One label per voxel of the scan.
 using BoundaryLabelMap = image::Volume<BoundaryLabel>;
 
-/// How far a painted voxel's center may be from what it decides: half a voxel's diagonal [mm].
+/// Largest distance from a painted voxel's center at which it applies: half the diagonal of a voxel
+/// [mm].
 [[nodiscard]] double paint_reach_mm(const image::Grid& grid);
 
-/// \returns the label of the nearest painted voxel, by its center, that is no further away than
-///   paint_reach_mm(); kNone if there is none. Of several equally near the first of the map.
+/// \returns the label of the painted voxel whose center is closest to `p_L`, within
+///   paint_reach_mm(); kNone if there is none. Of equally close voxels, the first of the map.
 [[nodiscard]] BoundaryLabel painted_at(const BoundaryLabelMap& painted, const Vec3& p_L);
 
 }  // namespace lefort::predict

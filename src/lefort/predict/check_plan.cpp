@@ -15,7 +15,7 @@
 namespace lefort::predict {
 namespace {
 
-/// A bone with all that is asked of it.
+/// A bone with its distance query and tree.
 struct Bone : MovingBone {
   const plan::PlannedSegment* planned;  ///< Null for the remainder.
   std::unique_ptr<const geometry::Bvh> tree_B;
@@ -49,24 +49,24 @@ Result<std::vector<Bone>> make_bones(const plan::CutSegments& cut,
   return bones;
 }
 
-/// Steps of the longest path and all keyframes, ascending.
-std::vector<double> moments_of(std::span<const plan::PlannedSegment> planned) {
+/// Steps of the path with the most steps, and all keyframes, ascending.
+std::vector<double> fractions_of(std::span<const plan::PlannedSegment> planned) {
   const int steps = geometry::steps_of(plan::paths_of(planned));
-  std::vector<double> moments;
-  for (int step = 1; step <= steps; ++step) moments.push_back(double(step) / steps);
+  std::vector<double> fractions;
+  for (int step = 1; step <= steps; ++step) fractions.push_back(double(step) / steps);
   for (const plan::PlannedSegment& one : planned)
-    for (const geometry::Keyframe& key : one.path.keyframes) moments.push_back(key.at);
-  std::sort(moments.begin(), moments.end());
-  moments.erase(std::unique(moments.begin(), moments.end()), moments.end());
-  return moments;
+    for (const geometry::Keyframe& key : one.path.keyframes) fractions.push_back(key.at);
+  std::sort(fractions.begin(), fractions.end());
+  fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
+  return fractions;
 }
 
-/// The deepest moment of a pair, if it more than touches at any.
+/// The deepest overlap of a pair along the path, if there is any.
 std::optional<BoneOverlapAtFraction> deepest_overlap(const Bone& first, const Bone& second,
-                                                     std::span<const double> moments,
+                                                     std::span<const double> fractions,
                                                      const Progress& progress) {
   std::optional<BoneOverlapAtFraction> deepest;
-  for (const double path_fraction : moments) {
+  for (const double path_fraction : fractions) {
     if (progress.stop_requested()) break;
     BoneOverlapAtFraction pair = overlap_at(path_fraction, first, second);
     if (!pair.overlap.overlaps()) continue;
@@ -82,7 +82,7 @@ struct CutSample {
   double area_mm2;
 };
 
-/// Where a segment ends that had other bone next to it.
+/// Points of a segment's surface within a kerf of other bone at rest.
 std::vector<CutSample> cut_samples(const std::vector<Bone>& bones, std::size_t segment) {
   constexpr double kSpacing_mm = 1.0;
   const double near_mm = bones[segment].planned->osteotomy.kerf_mm + contact::kTouching_mm;
@@ -98,11 +98,11 @@ std::vector<CutSample> cut_samples(const std::vector<Bone>& bones, std::size_t s
     const double longest_mm = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     const int parts = std::max(1, int(std::ceil(longest_mm / kSpacing_mm)));
     const double area_mm2 = 0.5 * (b - a).cross(c - a).norm() / (double(parts) * parts);
-    // Middles of the small triangles, upright ones first.
+    // Centroids of the small triangles, upright ones first.
     for (int i = 0; i < parts; ++i)
       for (int j = 0; i + j < parts; ++j)
-        for (int turned = 0; turned < (i + j + 1 < parts ? 2 : 1); ++turned) {
-          const double third = turned == 0 ? 1.0 / 3.0 : 2.0 / 3.0;
+        for (int inverted = 0; inverted < (i + j + 1 < parts ? 2 : 1); ++inverted) {
+          const double third = inverted == 0 ? 1.0 / 3.0 : 2.0 / 3.0;
           const Vec3 p = a + (i + third) / parts * (b - a) + (j + third) / parts * (c - a);
           if (has_neighbor(p)) samples.push_back({p, area_mm2});
         }
@@ -137,24 +137,24 @@ SegmentSupport measure_support(const std::vector<Bone>& bones, std::size_t segme
   return support;
 }
 
-std::string place(const Vec3& p) {
+std::string format_point(const Vec3& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", p.x(), p.y(), p.z());
 }
 
-std::vector<PlanFinding> judge(const PlanCheck& check,
-                               std::span<const plan::PlannedSegment> planned,
-                               const PlanLimits& limits) {
+std::vector<PlanFinding> find_findings(const PlanCheck& check,
+                                       std::span<const plan::PlannedSegment> planned,
+                                       const PlanLimits& limits) {
   std::vector<PlanFinding> findings;
   for (const BoneOverlapAtFraction& pair : check.overlaps) {
     const contact::BoneOverlap& overlap = pair.overlap;
     if (!(overlap.deepest_mm > limits.overlap_mm)) continue;
     findings.push_back(
         {FindingKind::kOverlap, pair.first,
-         fmt::format("{} and {} are in each other: at {:.1f} % of the path they share {:.2f} ml, "
+         fmt::format("{} and {} overlap: at {:.1f} % of the path the common volume is {:.2f} ml, "
                      "{}{:.2f} mm deep at {}",
                      pair.first, pair.second, 100.0 * pair.path_fraction, overlap.volume_mm3 * 1e-3,
                      overlap.depth_is_lower_bound ? "more than " : "up to ", overlap.deepest_mm,
-                     place(overlap.deepest_L))});
+                     format_point(overlap.deepest_L))});
   }
   for (std::size_t k = 0; k < planned.size(); ++k) {
     if (planned[k].is_distracted) continue;
@@ -162,16 +162,17 @@ std::vector<PlanFinding> judge(const PlanCheck& check,
     if (support.max_gap_mm > limits.gap_mm)
       findings.push_back(
           {FindingKind::kGap, support.segment,
-           fmt::format("a gap of {:.1f} mm opens at a cut face of {}, at {}; at most {:g} mm may",
-                       support.max_gap_mm, support.segment, place(support.max_gap_L),
+           fmt::format("a gap of {:.1f} mm opens at a cut face of {}, at {}; the limit is {:g} mm",
+                       support.max_gap_mm, support.segment, format_point(support.max_gap_L),
                        limits.gap_mm)});
     if (support.supported_fraction() < limits.support_fraction)
       findings.push_back(
           {FindingKind::kMissingSupport, support.segment,
-           fmt::format("{} has lost its support: {:.0f} of {:.0f} mm2 of its cut faces lie within "
-                       "{:g} mm of other bone, {:.0f} % must",
-                       support.segment, support.supported_area_mm2, support.cut_area_mm2,
-                       limits.support_mm, 100.0 * limits.support_fraction)});
+           fmt::format(
+               "{} has too little support: {:.0f} of {:.0f} mm2 of its cut faces lie within "
+               "{:g} mm of other bone; the minimum is {:.0f} %",
+               support.segment, support.supported_area_mm2, support.cut_area_mm2, limits.support_mm,
+               100.0 * limits.support_fraction)});
   }
   return findings;
 }
@@ -197,17 +198,18 @@ Result<PlanCheck> check_plan(const plan::CutSegments& cut,
   LEFORT_CHECK(cut.segments_L.size() == planned.size());
   field.smooth = false;
   LEFORT_TRY(const std::vector<Bone> bones, make_bones(cut, planned, field, progress));
-  const std::vector<double> moments = moments_of(planned);
+  const std::vector<double> fractions = fractions_of(planned);
   PlanCheck check;
   for (std::size_t a = 0; a + 1 < bones.size(); ++a)
     for (std::size_t b = a + 1; b < bones.size(); ++b)
-      if (auto pair = deepest_overlap(bones[a], bones[b], moments, progress))
+      if (auto pair = deepest_overlap(bones[a], bones[b], fractions, progress))
         check.overlaps.push_back(*std::move(pair));
   for (std::size_t k = 0; k < planned.size(); ++k) {
-    if (progress.stop_requested()) return fail(ErrorCode::kCancelled, "the check was cancelled");
+    if (progress.stop_requested())
+      return fail(ErrorCode::kCancelled, "the plan check was cancelled");
     check.supports.push_back(measure_support(bones, k, limits));
   }
-  check.findings = judge(check, planned, limits);
+  check.findings = find_findings(check, planned, limits);
   return check;
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// Whether bones can go where a plan sends them: told in seconds, before anything is solved.
+/// Checks a plan by geometry alone: overlap of bones, gaps, and bony support. Takes seconds.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -14,22 +14,22 @@
 
 namespace lefort::predict {
 
-/// What counts as impossible.
+/// Limits of an acceptable plan.
 struct PlanLimits {
-  double overlap_mm = 0.5;        ///< Bone may be this deep in bone: what a burr takes off.
-  double gap_mm = 10.0;           ///< Cut faces may come to lie this far from other bone.
-  double support_mm = 1.0;        ///< Bone nearer than this to a cut face supports it.
-  double support_fraction = 0.1;  ///< This part of a segment's cut faces must be supported.
+  double overlap_mm = 0.5;        ///< Max depth of bone in bone: a burr removes that.
+  double gap_mm = 10.0;           ///< Max distance of cut faces from other bone.
+  double support_mm = 1.0;        ///< Bone within this distance supports a cut face.
+  double support_fraction = 0.1;  ///< Min supported fraction of a segment's cut faces.
 };
 
-/// How a segment's cut faces lie at the end of its path.
+/// Gap and support of a segment's cut faces at the end of its path.
 struct SegmentSupport {
   std::string segment;
   double cut_area_mm2 = 0.0;
   double supported_area_mm2 = 0.0;
   double mean_gap_mm = 0.0;
-  double max_gap_mm = 0.0;        ///< To the nearest other bone.
-  Vec3 max_gap_L = Vec3::Zero();  ///< Where that is, at the end of the path.
+  double max_gap_mm = 0.0;        ///< To the closest other bone.
+  Vec3 max_gap_L = Vec3::Zero();  ///< Position of max_gap_mm at the end of the path.
 
   [[nodiscard]] double supported_fraction() const {
     return cut_area_mm2 > 0.0 ? supported_area_mm2 / cut_area_mm2 : 0.0;
@@ -38,10 +38,10 @@ struct SegmentSupport {
 
 enum class FindingKind { kOverlap, kGap, kMissingSupport };
 
-/// One thing that makes a plan impossible.
+/// One violated limit.
 struct PlanFinding {
   FindingKind kind;
-  std::string segment;  ///< The first, of two.
+  std::string segment;  ///< The first, if two are involved.
   std::string text;     ///< A sentence.
 };
 
@@ -49,22 +49,24 @@ struct PlanFinding {
 [[nodiscard]] const char* name_of(FindingKind kind);
 
 struct PlanCheck {
-  std::vector<BoneOverlapAtFraction>
-      overlaps;                          ///< The deepest of each pair that more than touches.
-  std::vector<SegmentSupport> supports;  ///< One a segment.
-  std::vector<PlanFinding> findings;     ///< Empty: the plan can be done.
+  std::vector<BoneOverlapAtFraction> overlaps;  ///< The deepest of each pair that overlaps.
+  std::vector<SegmentSupport> supports;         ///< One for each segment.
+  std::vector<PlanFinding> findings;            ///< Empty if all limits are met.
 };
 
-/// Moves all segments together along their paths.
+/// Moves all segments together along their paths and checks the limits.
 ///
-/// Bones are compared at every step of the longest path and at every keyframe. Cut faces are those
-/// that lie on other bone, or a saw's width from it, before anything moves. Gap and support of a
-/// segment that is distracted are told, but are no finding: new bone grows there.
+/// Overlap is measured at every step of the path with the most steps and at every keyframe. Cut
+/// faces are the parts of a segment's surface within a kerf of other bone at rest. Gap and support
+/// of a distracted segment are reported, but are not findings: new bone grows there.
 ///
-/// \param cut      as cut_segments() made it.
-/// \param planned  the plan it was made of; paths pass check_path().
-/// \param field    how finely overlap is looked for; what is deeper than its band counts as that.
-/// \returns what building a distance field returns, or kCancelled.
+/// \param cut       result of cut_segments().
+/// \param planned   the plan that was cut; paths pass check_path().
+/// \param limits    of an acceptable plan.
+/// \param field     resolution of overlap; depths beyond the band count as the band's width.
+/// \param progress  may stop the check.
+/// \returns the measurements and findings; or what field::build_distance_field() returns, or
+///   kCancelled.
 [[nodiscard]] Result<PlanCheck> check_plan(const plan::CutSegments& cut,
                                            std::span<const plan::PlannedSegment> planned,
                                            const PlanLimits& limits,

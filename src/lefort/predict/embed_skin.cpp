@@ -11,7 +11,7 @@
 namespace lefort::predict {
 namespace {
 
-/// 1 up to `near`, 0 from `far` on, smooth between.
+/// 1 up to `near`, 0 beyond `far`, smooth between (cubic Hermite step).
 double fade(double distance, double near, double far) {
   const double t = std::clamp((far - distance) / (far - near), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
@@ -31,7 +31,7 @@ Vec3 barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 double embedding_distance_mm(const TissueOptions& options, const Vec3& spacing_mm) {
   return 2.0 * (kSurfaceDistanceFraction * options.element_size_mm +
-                kScanEdgeInset_voxels * spacing_mm.maxCoeff());
+                kScanBoundaryInset_voxels * spacing_mm.maxCoeff());
 }
 
 SkinEmbedding embed_skin(const geometry::TriangleMesh& skin_L, const mesh::VolumeMesh& tissue,
@@ -41,8 +41,8 @@ SkinEmbedding embed_skin(const geometry::TriangleMesh& skin_L, const mesh::Volum
   const std::vector<mesh::Face3> faces = mesh::triangles_of(mesh::boundary_faces(tissue));
   const geometry::Bvh boundary({tissue.nodes_L, faces});
 
-  SkinEmbedding binding;
-  binding.embedded_vertices.resize(skin_L.vertices.size());
+  SkinEmbedding embedding;
+  embedding.embedded_vertices.resize(skin_L.vertices.size());
   parallel_for(skin_L.vertex_count(), [&](Index v) {
     const auto nearest = boundary.closest_point(skin_L.vertices[std::size_t(v)], far_mm);
     if (!nearest) return;
@@ -50,22 +50,22 @@ SkinEmbedding embed_skin(const geometry::TriangleMesh& skin_L, const mesh::Volum
     const auto node = [&](int corner) -> const Vec3& {
       return tissue.nodes_L[std::size_t(face[std::size_t(corner)])];
     };
-    binding.embedded_vertices[std::size_t(v)] = {
+    embedding.embedded_vertices[std::size_t(v)] = {
         face, fade(nearest->distance_mm, near_mm, far_mm) *
                   barycentric(nearest->point, node(0), node(1), node(2))};
   });
-  return binding;
+  return embedding;
 }
 
-std::vector<Vec3> skin_displacement(const SkinEmbedding& binding,
+std::vector<Vec3> skin_displacement(const SkinEmbedding& embedding,
                                     std::span<const Vec3> tissue_displacement_mm) {
-  std::vector<Vec3> displacement_mm(binding.embedded_vertices.size(), Vec3::Zero());
+  std::vector<Vec3> displacement_mm(embedding.embedded_vertices.size(), Vec3::Zero());
   parallel_for(Index(displacement_mm.size()), [&](Index v) {
-    const SkinEmbedding::EmbeddedVertex& follower = binding.embedded_vertices[std::size_t(v)];
+    const SkinEmbedding::EmbeddedVertex& embedded = embedding.embedded_vertices[std::size_t(v)];
     for (int corner = 0; corner < 3; ++corner)
       displacement_mm[std::size_t(v)] +=
-          follower.weights[corner] *
-          tissue_displacement_mm[std::size_t(follower.face[std::size_t(corner)])];
+          embedded.weights[corner] *
+          tissue_displacement_mm[std::size_t(embedded.face[std::size_t(corner)])];
   });
   return displacement_mm;
 }

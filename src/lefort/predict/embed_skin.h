@@ -1,5 +1,5 @@
 /// \file
-/// Carries the tissue's displacement to the skin surface people look at.
+/// Interpolates the displacement of the tissue mesh at the vertices of the skin surface.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -12,7 +12,7 @@
 
 namespace lefort::predict {
 
-/// How much of which nodes' displacement each skin vertex follows; made once, used for every step.
+/// Weights of nodal displacements for each skin vertex; computed once, used for every step.
 struct SkinEmbedding {
   struct EmbeddedVertex {
     mesh::Face3 face{0, 0, 0};
@@ -21,25 +21,31 @@ struct SkinEmbedding {
   std::vector<EmbeddedVertex> embedded_vertices;  ///< One per skin vertex.
 };
 
-/// Binds each vertex of the whole skin to the nearest boundary face of the tissue mesh.
+/// Embeds each vertex of the skin in the closest boundary face of the tissue mesh.
 ///
-/// The finer skin and the mesh's boundary lie within a chord's height of each other; where the
-/// region ends the weights fade to zero within a few times that, so that the skin stays smooth.
+/// Within `near_mm` of the mesh the weights are barycentric coordinates; they decrease smoothly to
+/// zero at four times that distance, so that the skin stays smooth where the region ends.
 ///
-/// \param near_mm  vertices up to this far from the mesh follow it wholly, > 0:
-///   embedding_distance_mm().
+/// \param skin_L   the whole skin surface.
+/// \param tissue   mesh of the region.
+/// \param near_mm  embedding_distance_mm(), > 0.
 [[nodiscard]] SkinEmbedding embed_skin(const geometry::TriangleMesh& skin_L,
                                        const mesh::VolumeMesh& tissue, double near_mm);
 
-/// How far skin may be from the tissue mesh that belongs to it: the mesh's distance from its
-/// surface and the inset at the scan's edge (tissue_domain.h), with as much again to spare.
+/// Distance from the tissue mesh within which a skin vertex belongs to it: twice the sum of the
+/// mesh's distance from its surface and the inset at the scan boundary (tissue_domain.h).
+///
+/// \param options     its element size is used.
+/// \param spacing_mm  of the scan.
 [[nodiscard]] double embedding_distance_mm(const TissueOptions& options, const Vec3& spacing_mm);
 
-/// Displacement of every skin vertex [mm].
-[[nodiscard]] std::vector<Vec3> skin_displacement(const SkinEmbedding& binding,
+/// \param embedding               of the skin.
+/// \param tissue_displacement_mm  one per node of the tissue mesh.
+/// \returns the displacement of every skin vertex [mm].
+[[nodiscard]] std::vector<Vec3> skin_displacement(const SkinEmbedding& embedding,
                                                   std::span<const Vec3> tissue_displacement_mm);
 
-/// A surface with its vertices moved. \pre one displacement per vertex.
+/// The surface with displaced vertices. \pre one displacement per vertex.
 [[nodiscard]] geometry::TriangleMesh displaced(geometry::TriangleMesh surface,
                                                std::span<const Vec3> displacement_mm);
 

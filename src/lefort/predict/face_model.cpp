@@ -12,7 +12,7 @@ std::vector<std::vector<std::int32_t>> nodes_by_segment(const FaceModel& model,
   LEFORT_CHECK(!model.segments.empty());
   std::vector<geometry::Bvh> surfaces_B;
   for (const MovedSegment& segment : model.segments) surfaces_B.emplace_back(segment.surface_B);
-  std::vector<std::size_t> goes_by(nodes.size(), 0);
+  std::vector<std::size_t> closest(nodes.size(), 0);
   parallel_for(std::ssize(nodes), [&](Index n) {
     const Vec3& p_L = model.tissue.nodes_L[std::size_t(nodes[std::size_t(n)])];
     double nearest_mm = std::numeric_limits<double>::infinity();
@@ -20,11 +20,11 @@ std::vector<std::vector<std::int32_t>> nodes_by_segment(const FaceModel& model,
       const double distance_mm = surfaces_B[k].closest_point(p_L)->distance_mm;
       if (!(distance_mm < nearest_mm)) continue;
       nearest_mm = distance_mm;
-      goes_by[std::size_t(n)] = k;
+      closest[std::size_t(n)] = k;
     }
   });
   std::vector<std::vector<std::int32_t>> lists(model.segments.size());
-  for (std::size_t n = 0; n < nodes.size(); ++n) lists[goes_by[n]].push_back(nodes[n]);
+  for (std::size_t n = 0; n < nodes.size(); ++n) lists[closest[n]].push_back(nodes[n]);
   return lists;
 }
 

@@ -1,5 +1,5 @@
 /// \file
-/// All that is there before anything moves: tissue, and the segments that will move it.
+/// The face at rest: the tissue mesh and the bones.
 #pragma once
 
 #include <lefort/field/distance_field.h>
@@ -13,7 +13,7 @@
 
 namespace lefort::predict {
 
-/// A piece of bone that moves, where it was scanned, and how far points are from it.
+/// A segment at its position in the scan, with its distance field.
 struct MovedSegment {
   geometry::TriangleMesh surface_B;
   std::shared_ptr<const field::DistanceField> field_B;
@@ -22,15 +22,16 @@ struct MovedSegment {
 struct FaceModel {
   mesh::VolumeMesh tissue;             ///< With the sets of tissue_boundary.h.
   std::vector<MovedSegment> segments;  ///< One or more, in the order of the plan.
-  /// Bone that does not move; needed where tissue is painted to slide on it.
+  /// Needed if tissue is painted to slide on it.
   std::optional<MovedSegment> stationary_bone = std::nullopt;
 };
 
-/// Which nodes go by which segment: each by the one whose surface is nearest to it at rest, of
-/// several equally near by the first.
+/// Assigns each node to the segment with the closest surface at rest; of equally close segments, to
+/// the first.
 ///
+/// \param model  its tissue and segments are used.
 /// \param nodes  of the model's tissue.
-/// \returns one list a segment, each in the order of `nodes`.
+/// \returns one list for each segment, each in the order of `nodes`.
 [[nodiscard]] std::vector<std::vector<std::int32_t>> nodes_by_segment(
     const FaceModel& model, const std::vector<std::int32_t>& nodes);
 

@@ -1,5 +1,5 @@
 /// \file
-/// What a prediction found, step by step along the bones' paths. A value.
+/// Result of a prediction: one state for each step along the paths. A value.
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -16,23 +16,23 @@ namespace lefort::predict {
 /// One segment at a step.
 struct SegmentStep {
   RigidTransform X_LB;
-  contact::ContactStatistics contact;  ///< Of the tissue with it; zero where tissue is attached.
+  contact::ContactStatistics contact;  ///< Of the tissue with it; zero if tissue is bonded.
 };
 
-/// The equilibrium at one of the asked-for moments of the path.
+/// The equilibrium at one step.
 struct PredictionStep {
-  double path_fraction = 0.0;         ///< Of the path, 0 to 1.
+  double path_fraction = 0.0;         ///< 0 to 1.
   std::vector<SegmentStep> segments;  ///< In the order of the plan.
   std::vector<Vec3> displacement_mm;  ///< One per node of the tissue.
-  /// Of the tissue that slides on still bone; zero unless some is painted so.
+  /// Of the tissue painted to slide on stationary bone; zero without such tissue.
   contact::ContactStatistics stationary_contact = {};
-  double min_J = 1.0;                      ///< Least volume ratio of an element; positive.
-  double residual_n = 0.0;                 ///< Of the unbalanced forces, last iteration.
-  double relative_residual = 0.0;          ///< To the forces that cancel (fem/assembly/assemble.h).
-  std::vector<fem::LoadAttempt> attempts;  ///< All that was tried to come here.
+  double min_J = 1.0;                      ///< Smallest Jacobian of an element; positive.
+  double residual_n = 0.0;                 ///< Norm of the residual, last iteration.
+  double relative_residual = 0.0;          ///< To the residual reference (fem/assembly/assemble.h).
+  std::vector<fem::LoadAttempt> attempts;  ///< Since the step before.
 
-  /// With all segments. Tissue that touches two counts for both; the P99 is that of the segment
-  /// where it is largest, so that of all tissue in contact is no larger.
+  /// With all segments. Tissue that touches two segments counts for both; the 99th percentile is
+  /// the largest of the segments', an upper bound of that of all tissue in contact.
   [[nodiscard]] contact::ContactStatistics contact() const;
 
   /// Of all attempts.
@@ -44,23 +44,23 @@ struct PredictionStep {
   }
 };
 
-/// A line of Newton's history while its step is being sought.
+/// One Newton iteration of the step being solved.
 struct PredictionIterate {
-  double to_fraction = 0.0;  ///< Of the path: where equilibrium is sought.
-  int attempt = 1;           ///< Of this step, as PredictionStep::attempts counts them, from 1.
-  int iteration = 0;         ///< Of this attempt; 0 is its start.
+  double to_fraction = 0.0;  ///< Path fraction at which equilibrium is sought.
+  int attempt = 1;           ///< Of this step, from 1, as PredictionStep::attempts.
+  int iteration = 0;         ///< Of this attempt; 0 is the start.
   fem::NewtonIterate line;
-  double deepest_mm = 0.0;  ///< How much deeper than at rest tissue in contact lies, at most.
+  double deepest_mm = 0.0;  ///< Largest penetration increase of tissue in contact.
 };
 
 struct FacePrediction {
-  double contact_stiffness_mpa_per_mm = 0.0;  ///< k_c; 0 where tissue is attached.
-  double rest_penetration_mm = 0.0;   ///< Of the tissue's mesh into segments before they move.
-  std::vector<PredictionStep> steps;  ///< Converged ones alone; all of them if nothing failed.
-  std::optional<Error> failure;       ///< Why the path was not followed to its end.
+  double contact_stiffness_mpa_per_mm = 0.0;      ///< k_c; 0 without contact.
+  double rest_penetration_mm = 0.0;               ///< Of the tissue mesh into segments at rest.
+  std::vector<PredictionStep> steps;              ///< That converged; all, unless it failed.
+  std::optional<Error> failure;                   ///< Why the end of the path was not reached.
   std::vector<fem::LoadAttempt> failed_attempts;  ///< After the last converged step.
-  /// Of the nodes of set `contact` after the last step, for each segment; empty if tissue is
-  /// attached or the path was not followed to its end.
+  /// Of the nodes of set `contact` after the last step, for each segment; empty if tissue is bonded
+  /// or the end of the path was not reached.
   std::vector<std::vector<contact::NodalContact>> touched;
 
   [[nodiscard]] bool converged() const { return !failure.has_value(); }

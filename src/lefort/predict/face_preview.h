@@ -1,5 +1,5 @@
 /// \file
-/// How the face answers a motion of the segments, in a moment: a preview, not a prediction.
+/// Interactive linear preview of the face for given segment poses.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -17,42 +17,48 @@
 
 namespace lefort::predict {
 
-/// A face to first order about rest: what a preview is computed from. A value.
+/// The linearized face at rest. A value.
 struct PreviewModel {
-  /// Of the tissue at rest on its free components, lower triangle [N/mm].
+  /// Tangent of the tissue at rest on its free components, lower triangle [N/mm].
   linear::SparseMatrix stiffness_n_per_mm;
-  std::vector<std::int32_t> first_row;  ///< Of each node's three rows; -1 where it is fixed.
+  std::vector<std::int32_t> first_row;  ///< The first of each node's three; -1 if fixed.
 
-  /// A point of the tissue that a segment takes along one direction.
+  /// A tissue point whose displacement in one direction follows a segment.
   struct Support {
-    std::int32_t segment = 0;         ///< Which, in the order of the plan.
-    std::int32_t row = 0;             ///< The first of its three.
+    std::int32_t segment = 0;         ///< Its index, in the order of the plan.
+    std::int32_t row = 0;             ///< The first of the three of its node.
     Vec3 point_L = Vec3::Zero();      ///< At rest.
-    Vec3 direction_L = Vec3::Zero();  ///< Unit length; out of the bone where it only pushes.
-    bool is_bilateral = false;        ///< Also pulls: attached tissue has three of these.
+    Vec3 direction_L = Vec3::Zero();  ///< Unit length; out of the bone if unilateral.
+    bool is_bilateral = false;        ///< Pulls too; bonded tissue has three of these.
   };
   std::vector<Support> supports;
-  double support_n_per_mm = 0.0;
+  double support_n_per_mm = 0.0;  ///< Stiffness of a support.
   std::int32_t segment_count = 1;
   SkinEmbedding skin;
 };
 
-/// \param skin_L      the surface whose displacement is wanted.
+/// \param model       the face at rest.
+/// \param skin_L      the surface whose displacement is computed.
+/// \param tissue      materials and element size.
+/// \param boundary    its segment interface is used.
 /// \param spacing_mm  of the scan.
-/// \returns kAnatomyMissing if no tissue lies on a segment, or nothing holds it.
+/// \returns the model; or
+///   - kAnatomyMissing   no tissue lies on a segment, or nothing is fixed;
+///   - kPlanInvalid      tissue is painted to slide on stationary bone;
+///   - kInvalidArgument  a material constant lies outside its range.
 [[nodiscard]] Result<PreviewModel> make_preview_model(const FaceModel& model,
                                                       const geometry::TriangleMesh& skin_L,
                                                       const TissueOptions& tissue,
                                                       const BoundaryOptions& boundary,
                                                       const Vec3& spacing_mm);
 
-/// Small-strain elasticity with the stiffness at rest. Tissue that lies on a segment is pushed
-/// along the bone's normal at rest, slides, and comes off where the bone leaves it; attached
-/// tissue, and what was painted to move with a segment, goes with the bone. Nothing turns or
-/// stretches by more than the first order, and no tissue meets bone that it did not lie on: how far
-/// that is from a prediction grows with the motion.
+/// Small-strain elasticity with the tangent at rest. Tissue on a segment is pushed along the bone's
+/// normal at rest, slides, and lifts off where the bone retreats. Bonded tissue, and tissue painted
+/// to move with a segment, moves with the bone. Displacements are linear in the poses, and tissue
+/// meets only bone on which it lies at rest; the difference from a prediction therefore grows with
+/// the motion.
 ///
-/// Safe from many threads, which wait for one another.
+/// Thread-safe; calls run one at a time.
 class FacePreview {
  public:
   explicit FacePreview(PreviewModel model);
@@ -60,10 +66,10 @@ class FacePreview {
   FacePreview(FacePreview&&) noexcept;
   FacePreview& operator=(FacePreview&&) noexcept;
 
-  /// \param X_LB  of each segment, in the order of the plan.
+  /// \param X_LB  pose of each segment, in the order of the plan.
   /// \returns the displacement of each skin vertex [mm]; kOutOfMemory or kNotConverged if the
   ///   equations cannot be solved.
-  /// \note The first call factorizes. All others iterate with that factor.
+  /// \note The first call factorizes; later calls iterate with that factor.
   [[nodiscard]] Result<std::vector<Vec3>> displacement_mm(
       std::span<const RigidTransform> X_LB) const;
 
@@ -71,8 +77,8 @@ class FacePreview {
   [[nodiscard]] std::size_t segment_count() const;
 
  private:
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  struct Solver;
+  std::unique_ptr<Solver> solver_;
 };
 
 }  // namespace lefort::predict

@@ -17,11 +17,11 @@ namespace lefort::predict {
 
 namespace {
 
-/// Better than must be: the layer above squeezes them.
+/// Stricter than kMinJacobian, because the boundary layer compresses the elements below it.
 constexpr double kJacobianBeforeSkin = 0.12;
 
-/// The foremost voxel of the tissue, which is the tip of the nose: L's y runs to posterior.
-Vec3 foremost(const TissueDomain& domain) {
+/// Center of the most anterior tissue voxel, the tip of the nose: L's y axis points to posterior.
+Vec3 nose_tip(const TissueDomain& domain) {
   const image::ScalarVolume& level = domain.soft_tissue_level;
   Vec3 found_L = Vec3::Zero();
   double min_y_mm = std::numeric_limits<double>::max();
@@ -45,8 +45,8 @@ Result<mesh::VolumeMesh> fill(const TissueDomain& domain, const geometry::Triang
   tets.element_size_mm = std::max(options.element_size_mm, options.far_element_size_mm);
   std::vector<Vec3> face_points_L;
   if (options.face) face_points_L = options.face->points_L;
-  if (options.face && face_points_L.empty()) face_points_L.push_back(foremost(domain));
-  // From the finest size to that of the rim, over the margin.
+  if (options.face && face_points_L.empty()) face_points_L.push_back(nose_tip(domain));
+  // Linear from the finest size to that at the border of the region, over the margin.
   const auto size_mm = [&](double finest_mm, double distance_mm) {
     const double fraction = std::min(1.0, distance_mm / options.margin_mm);
     return finest_mm + fraction * (tets.element_size_mm - finest_mm);
@@ -66,7 +66,7 @@ Result<mesh::VolumeMesh> fill(const TissueDomain& domain, const geometry::Triang
                                : options.element_size_mm;
   tets.surface_distance_mm = kSurfaceDistanceFraction * finest_mm;
   const auto level = [&domain](const Vec3& p_L) { return domain.level(p_L); };
-  // The level ends at the box; a little beyond it is outside for certain.
+  // The level is negative outside the box; 1 mm beyond it is certainly outside.
   const Box3 box(domain.box_L.min() - Vec3::Ones(), domain.box_L.max() + Vec3::Ones());
   return mesh::generate_tets(level, box, tets, progress);
 }
@@ -93,10 +93,11 @@ Result<mesh::VolumeMesh> mesh_tissue_and_skin(const TissueDomain& domain,
       skin_faces(tets, domain, skin_L, segment_L, remainder_L, capture_mm);
   if (faces.empty())
     return fail(ErrorCode::kAnatomyMissing, "no skin bounds the tissue around the segment");
-  std::vector<mesh::HalfSpace> sides = domain.cuts_L;
-  sides.insert(sides.end(), domain.scan_edges_L.begin(), domain.scan_edges_L.end());
+  std::vector<mesh::HalfSpace> cut_planes = domain.cuts_L;
+  cut_planes.insert(cut_planes.end(), domain.scan_boundaries_L.begin(),
+                    domain.scan_boundaries_L.end());
   LEFORT_TRY(mesh::VolumeMesh mixed,
-             mesh::add_boundary_layer(tets, faces, sides,
+             mesh::add_boundary_layer(tets, faces, cut_planes,
                                       {.thickness_mm = options.skin->thickness_mm,
                                        .layers = options.skin->layers,
                                        .region = regions::kSkin},
@@ -108,8 +109,8 @@ Result<mesh::VolumeMesh> mesh_tissue_and_skin(const TissueDomain& domain,
         });
     return fail(
         ErrorCode::kMeshingFailed,
-        fmt::format("{} of {} elements have a scaled Jacobian below {}, the worst {:.3f} (a {} "
-                    "at ({:.1f}, {:.1f}, {:.1f}) mm): ask for another tissue.element_size_mm",
+        fmt::format("{} of {} elements have a scaled Jacobian below {}, minimum {:.3f} (a {} "
+                    "at ({:.1f}, {:.1f}, {:.1f}) mm): use another tissue.element_size_mm",
                     poor.size(), mixed.element_count(), kMinJacobian, worst.scaled_jacobian,
                     mesh::name_of(worst.shape), worst.center_L.x(), worst.center_L.y(),
                     worst.center_L.z()));

@@ -1,5 +1,5 @@
 /// \file
-/// The mesh of the tissue domain: fine where bone moves it, coarse at the rim.
+/// Meshes the tissue domain: fine near the segment, coarse at the border of the region.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,12 +13,13 @@
 
 namespace lefort::predict {
 
-/// How far the mesh may be from the level's surface, as a part of the element size.
+/// Tolerance between mesh and zero surface of the level, as a fraction of the element size.
 inline constexpr double kSurfaceDistanceFraction = 0.15;
 
-/// What the elements' numbers of regions mean.
+/// Region numbers of elements.
 namespace regions {
-inline constexpr std::int32_t kInside = 0;  ///< Connective tissue, fat and all that is not told.
+inline constexpr std::int32_t kDeepTissue =
+    0;  ///< Connective tissue, fat, and tissue that is not segmented.
 inline constexpr std::int32_t kSkin = 1;
 inline constexpr std::int32_t kMucosa = 2;
 inline constexpr std::int32_t kMuscle = 3;
@@ -29,28 +30,39 @@ struct RegionName {
 };
 
 inline constexpr std::array<RegionName, 4> kNames{
-    {{kInside, "inside"}, {kSkin, "skin"}, {kMucosa, "mucosa"}, {kMuscle, "muscle"}}};
+    {{kDeepTissue, "inside"}, {kSkin, "skin"}, {kMucosa, "mucosa"}, {kMuscle, "muscle"}}};
 }  // namespace regions
 
-/// No element of a mesh with skin may have a smaller scaled Jacobian.
+/// Smallest scaled Jacobian of a mesh with skin.
 inline constexpr double kMinJacobian = 0.05;
 
-/// \param segment_L  as make_tissue_domain() has it.
-/// \returns tetrahedra without sets, or as mesh::generate_tets.
+/// Meshes the domain with tetrahedra.
+///
+/// \param domain     region to mesh.
+/// \param segment_L  as in make_tissue_domain(): elements are smallest there.
+/// \param options    element sizes and margin.
+/// \param progress   may stop the meshing.
+/// \returns tetrahedra without sets; or as mesh::generate_tets.
 /// \pre !options.skin
 [[nodiscard]] Result<mesh::VolumeMesh> mesh_tissue(const TissueDomain& domain,
                                                    const geometry::TriangleMesh& segment_L,
                                                    const TissueOptions& options,
                                                    Progress& progress = Progress::none());
 
-/// The same under layers of wedges for skin (mesh/boundary_layer.h): tetrahedra, pyramids, wedges.
+/// Meshes the domain with layers of wedges for skin (mesh/boundary_layer.h) on tetrahedra: the mesh
+/// has tetrahedra, pyramids and wedges.
 ///
-/// \param skin_L, remainder_L  where skin is, and where bone: skin_faces().
-/// \param capture_mm           likewise.
-/// \returns a mesh without sets, no element below kMinJacobian; or as mesh::generate_tets and
-///   mesh::add_boundary_layer, or
+/// \param domain       region to mesh.
+/// \param skin_L       skin surface, see skin_faces().
+/// \param segment_L    as in make_tissue_domain().
+/// \param remainder_L  other bone, see skin_faces().
+/// \param options      element sizes, margin and skin.
+/// \param capture_mm   see skin_faces().
+/// \param progress     may stop the meshing.
+/// \returns a mesh without sets and without elements below kMinJacobian; or as mesh::generate_tets
+///   and mesh::add_boundary_layer, or
 ///   - kAnatomyMissing  no skin bounds the tissue;
-///   - kMeshingFailed   an element is worse than that; its place is told.
+///   - kMeshingFailed   an element is worse; the message has its position.
 /// \pre options.skin
 [[nodiscard]] Result<mesh::VolumeMesh> mesh_tissue_and_skin(
     const TissueDomain& domain, const geometry::TriangleMesh& skin_L,

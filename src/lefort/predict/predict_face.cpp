@@ -7,9 +7,9 @@
 #include <lefort/fem/assembly/element_term.h>
 #include <lefort/fem/solve/equilibrium.h>
 #include <lefort/fem/solve/load_steps.h>
-#include <lefort/geometry/bvh.h>
 #include <lefort/geometry/rigid_path.h>
 #include <lefort/linear/linear_solver.h>
+#include <lefort/predict/load_levels.h>
 #include <lefort/predict/mesh_tissue.h>
 #include <lefort/predict/predict_face.h>
 #include <lefort/predict/tissue_boundary.h>
@@ -18,7 +18,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -30,48 +29,24 @@ namespace {
 
 using NodeList = std::vector<std::int32_t>;
 
-/// Where equilibrium is sought: at every increment, and at every keyframe, which no bone must cut
-/// short.
-struct LoadLevel {
-  double path_fraction;
-  bool is_step;
-};
-
-/// \param increments  of a step. Six steps of four have the levels of 24 steps of one, bit by bit:
-///   division rounds equal ratios alike.
-std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths, int increments) {
-  constexpr double kSame = 1e-9;  // Shares; a keyframe at 0.3333333333 is step 1 of 3.
-  const int count = increments * geometry::steps_of(paths);
-  std::vector<LoadLevel> levels;
-  for (int n = 1; n <= count; ++n) levels.push_back({double(n) / count, n % increments == 0});
-  for (const geometry::RigidPath& path : paths)
-    for (const geometry::Keyframe& keyframe : path.keyframes) {
-      const bool known = std::any_of(levels.begin(), levels.end(), [&](const LoadLevel& level) {
-        return std::abs(level.path_fraction - keyframe.at) <= kSame;
-      });
-      if (!known) levels.push_back({keyframe.at, false});
-    }
-  std::sort(levels.begin(), levels.end(), [](const LoadLevel& a, const LoadLevel& b) {
-    return a.path_fraction < b.path_fraction;
-  });
-  return levels;
-}
-
-/// \param attached  to each segment.
+/// Checks the sets of find_tissue_boundary().
+///
+/// \param bonded  nodes that move with each segment.
 Result<void> check_sets(const FaceModel& model, const std::vector<geometry::RigidPath>& paths,
-                        const std::vector<NodeList>& attached) {
+                        const std::vector<NodeList>& bonded) {
   for (const char* set : {sets::kMobilizedSegment, sets::kFixed})
     LEFORT_CHECK(model.tissue.node_sets.count(set) > 0);
   LEFORT_CHECK(model.tissue.face_sets.count(sets::kContact) > 0);
   const std::vector<NodeList> on_bone =
       nodes_by_segment(model, model.tissue.node_sets.at(sets::kMobilizedSegment));
   for (std::size_t k = 0; k < paths.size(); ++k)
-    if (on_bone[k].empty() && attached[k].empty())
+    if (on_bone[k].empty() && bonded[k].empty())
       return fail(ErrorCode::kAnatomyMissing,
                   fmt::format("no soft tissue lies on segment {}", paths[k].segment));
   if (model.tissue.node_sets.at(sets::kFixed).empty())
-    return fail(ErrorCode::kAnatomyMissing,
-                "nothing holds the soft tissue: no cut and no still bone within the region");
+    return fail(
+        ErrorCode::kAnatomyMissing,
+        "the soft tissue is not fixed anywhere: no cut and no stationary bone in the region");
   return {};
 }
 
@@ -81,20 +56,21 @@ std::vector<Vec3> as_vectors(const VectorX& u) {
   return vectors;
 }
 
-/// Least ratio of an element's volume to its volume at rest.
+/// Smallest Jacobian of an element.
 double min_volume_ratio(const mesh::VolumeMesh& tissue, const fem::RegionMaterials& materials,
                         const VectorX& u) {
-  double smallest = std::numeric_limits<double>::infinity();
+  double minimum = std::numeric_limits<double>::infinity();
   for (const fem::ElementState& state : fem::element_states(tissue, materials, u))
-    smallest = std::min(smallest, state.min_volume_ratio);
-  return smallest;
+    minimum = std::min(minimum, state.min_volume_ratio);
+  return minimum;
 }
 
-/// Residuals below it are those of a body at rest: round-off of forces that are all zero. As a part
-/// of Young's modulus times an element's face, so that stiffness of tissue does not matter.
+/// Residual of a body without loads: round-off. It is proportional to Young's modulus times the
+/// area of an element face. The factor lies far above the rounding of double precision, 1e-16, and
+/// far below the relative tolerance of a loaded body, 1e-6.
 double rest_tolerance_n(const TissueOptions& tissue) {
-  constexpr double kPart = 1e-10;
-  return kPart * tissue.young_mpa * tissue.element_size_mm * tissue.element_size_mm;
+  constexpr double kFactor = 1e-10;
+  return kFactor * tissue.young_mpa * tissue.element_size_mm * tissue.element_size_mm;
 }
 
 fem::NewtonOptions newton_options(const SolverOptions& solver, const TissueOptions& tissue) {
@@ -105,35 +81,7 @@ fem::NewtonOptions newton_options(const SolverOptions& solver, const TissueOptio
   return options;
 }
 
-/// How far the fastest segment moves per share of its path, at most.
-double speed_mm(const std::vector<geometry::RigidPath>& paths,
-                const std::vector<MovedSegment>& segments) {
-  double fastest_mm = 0.0;
-  for (std::size_t k = 0; k < paths.size(); ++k) {
-    double from = 0.0;
-    for (const geometry::Keyframe& keyframe : paths[k].keyframes) {
-      const double moved_mm = geometry::max_displacement_mm(
-          paths[k], segments[k].surface_B.vertices, from, keyframe.at);
-      fastest_mm = std::max(fastest_mm, moved_mm / (keyframe.at - from));
-      from = keyframe.at;
-    }
-  }
-  return fastest_mm;
-}
-
-/// Into how many equal increments a step is cut, so that plans that differ in their number of steps
-/// alone come down to increments alike.
-int increments_of_step(const PredictionOptions& prediction,
-                       const std::vector<geometry::RigidPath>& paths,
-                       const std::vector<MovedSegment>& segments, double reach_mm) {
-  constexpr double kOfElement = 0.25, kOfReach = 0.5;
-  const double max_mm =
-      std::min(kOfElement * prediction.tissue.element_size_mm, kOfReach * reach_mm);
-  const double step_mm = speed_mm(paths, segments) / geometry::steps_of(paths);
-  return int(std::max(std::ceil(step_mm / max_mm - 1e-9), 1.0));
-}
-
-/// \param increment  share of the path.
+/// \param increment  path fraction.
 fem::LoadStepOptions load_step_options(const SolverOptions& solver, double increment) {
   fem::LoadStepOptions options;
   options.first_increment = increment;
@@ -142,91 +90,310 @@ fem::LoadStepOptions load_step_options(const SolverOptions& solver, double incre
   return options;
 }
 
-using DistanceQuerys = std::vector<std::shared_ptr<const contact::DistanceQuery>>;
+/// A prediction in progress: the body, its contacts, the solver and the steps found so far.
+///
+/// The assembler points to elements and contacts of this object, which therefore never moves.
+class FacePath {
+ public:
+  /// The body at rest. Arguments must outlive the result. \returns as predict_face().
+  [[nodiscard]] static Result<std::unique_ptr<FacePath>> create(
+      const FaceModel& model, const std::vector<geometry::RigidPath>& paths,
+      const PredictionOptions& options, const PredictionWatch& watch, Progress& progress);
 
-Result<DistanceQuerys> detect_all(const std::vector<MovedSegment>& segments,
-                                  contact::DetectionMethod detection) {
-  DistanceQuerys distance_querys_B;
-  for (const MovedSegment& segment : segments) {
-    LEFORT_TRY(auto distance_query_B, detect_segment(segment, detection));
-    distance_querys_B.push_back(std::move(distance_query_B));
+  /// Continues where an earlier run stopped.
+  void resume(Restart earlier);
+
+  /// All load levels of the path, ascending.
+  [[nodiscard]] const std::vector<LoadLevel>& levels() const { return levels_; }
+  [[nodiscard]] bool has_reached(double path_fraction) const {
+    return path_fraction <= stepper_->state().t;
   }
-  return distance_querys_B;
+
+  /// \returns as fem::LoadStepper::advance_to().
+  [[nodiscard]] Result<void> advance_to(double path_fraction);
+
+  /// Adds the current state to the steps. \pre advance_to() has just reached `path_fraction`.
+  void record_step(double path_fraction);
+
+  /// What was found before advance_to() failed; or the error, if there is nothing to return.
+  [[nodiscard]] Result<FacePrediction> stop_after(const Error& error);
+
+  /// The prediction of the whole path.
+  [[nodiscard]] FacePrediction finish();
+
+ private:
+  FacePath(const FaceModel& model, const std::vector<geometry::RigidPath>& paths,
+           const PredictionOptions& options, const PredictionWatch& watch, Progress& progress)
+      : model_(model), paths_(paths), options_(options), watch_(watch), progress_(progress) {}
+
+  [[nodiscard]] Result<void> add_contacts(const DistanceQueries& distance_queries_B);
+  void add_contact(const std::vector<contact::RigidObstacle>& bones, std::size_t bone,
+                   const std::string& name, const std::vector<mesh::Face>& faces);
+  void note_rest_penetration(std::size_t segment);
+  [[nodiscard]] Result<void> make_assembler();
+  void make_stepper(double max_distance_mm);
+
+  [[nodiscard]] std::vector<fem::PrescribedDisplacement> prescribed_at(
+      const std::vector<RigidTransform>& X_LB) const;
+  void pose_contacts(const std::vector<RigidTransform>& X_LB);
+  [[nodiscard]] fem::NewtonOutcome solve_at(double path_fraction, const VectorX& start);
+  [[nodiscard]] fem::NewtonOutcome solve_from(const std::vector<RigidTransform>& X_LB,
+                                              const VectorX& start);
+  [[nodiscard]] std::vector<fem::LoadAttempt> take_new_attempts();
+
+  const FaceModel& model_;
+  const std::vector<geometry::RigidPath>& paths_;
+  const PredictionOptions& options_;
+  const PredictionWatch& watch_;
+  Progress& progress_;
+
+  std::vector<NodeList> bonded_;  ///< Nodes that move with each segment.
+  fem::RegionMaterials materials_;
+  std::vector<std::unique_ptr<const fem::ForceTerm>> elements_;
+  /// With each segment, if tissue slides on them; then with stationary bone, if it slides there.
+  std::vector<contact::ContactTerm> contacts_;
+  std::size_t segment_contact_count_ = 0;
+  std::optional<fem::Assembler> assembler_;
+
+  std::vector<LoadLevel> levels_;
+  fem::LoadStepOptions increments_;
+  std::optional<fem::LoadStepper> stepper_;
+  std::optional<linear::LinearSolver> linear_solver_{std::in_place};
+  PredictionIterate iterate_;
+  std::size_t recorded_attempts_ = 0;
+  Restart restart_;  ///< Its steps are those found so far.
+  FacePrediction prediction_;
+};
+
+Result<std::unique_ptr<FacePath>> FacePath::create(const FaceModel& model,
+                                                   const std::vector<geometry::RigidPath>& paths,
+                                                   const PredictionOptions& options,
+                                                   const PredictionWatch& watch,
+                                                   Progress& progress) {
+  LEFORT_CHECK(paths.size() == model.segments.size());
+  for (const geometry::RigidPath& path : paths) LEFORT_TRY_VOID(geometry::check_path(path));
+  LEFORT_TRY(const DistanceQueries distance_queries_B,
+             segment_distance_queries(model.segments, options.contact.detection));
+  LEFORT_TRY_VOID(check_reach(paths, model.segments, distance_queries_B, options.boundary));
+  std::unique_ptr<FacePath> path(new FacePath(model, paths, options, watch, progress));
+  path->bonded_ =
+      nodes_by_segment(model, nodes_with_segment(model.tissue, options.boundary.segment_interface));
+  LEFORT_TRY_VOID(check_sets(model, paths, path->bonded_));
+
+  LEFORT_TRY(path->materials_, materials_of(options.tissue));
+  LEFORT_TRY(path->elements_, fem::make_element_terms(model.tissue, path->materials_));
+  LEFORT_TRY_VOID(path->add_contacts(distance_queries_B));
+  LEFORT_TRY_VOID(path->make_assembler());
+  double max_distance_mm = std::numeric_limits<double>::infinity();
+  for (const auto& distance_query_B : distance_queries_B)
+    max_distance_mm = std::min(max_distance_mm, distance_query_B->max_distance_mm());
+  path->make_stepper(max_distance_mm);
+  path->iterate_.attempt = 0;
+  return path;
 }
 
-/// Whether contact with still bone can be told where tissue is painted to slide on it.
-Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_L,
-                                   double capture_mm) {
-  if (!distance_query_L.is_closed())
-    return fail(ErrorCode::kMeshInvalid,
-                "the still bone is an open surface, tissue that slides on it needs a closed one");
-  if (capture_mm < distance_query_L.max_distance_mm()) return {};
-  return fail(
-      ErrorCode::kInvalidArgument,
-      fmt::format("boundary.contact_snap_mm is {:g} mm, must be less than the {:.2f} mm that the "
-                  "still bone's distance field reaches",
-                  capture_mm, distance_query_L.max_distance_mm()));
-}
-
-/// Of one segment, see check_reach().
-Result<void> check_reach_of(const geometry::RigidPath& path, const std::vector<LoadLevel>& levels,
-                            const MovedSegment& segment,
-                            const contact::DistanceQuery& distance_query_B, double capture_mm) {
-  const double band_mm = distance_query_B.max_distance_mm();
-  if (!distance_query_B.is_closed())
-    return fail(
-        ErrorCode::kMeshInvalid,
-        fmt::format("segment {} is an open surface, contact needs a closed one", path.segment));
-  if (!(capture_mm < band_mm))
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("boundary.contact_snap_mm is {:g} mm, must be less than the {:.2f} mm that "
-                    "the segment's distance field reaches",
-                    capture_mm, band_mm));
-  double longest_mm = 0.0, mm_per_fraction = 0.0, from = 0.0;
-  for (const LoadLevel& level : levels) {
-    const double moved_mm =
-        geometry::max_displacement_mm(path, segment.surface_B.vertices, from, level.path_fraction);
-    longest_mm = std::max(longest_mm, moved_mm);
-    mm_per_fraction = std::max(mm_per_fraction, moved_mm / (level.path_fraction - from));
-    from = level.path_fraction;
+Result<void> FacePath::add_contacts(const DistanceQueries& distance_queries_B) {
+  const mesh::VolumeMesh& tissue = model_.tissue;
+  const bool is_sliding = options_.boundary.segment_interface == SegmentInterface::kSliding;
+  const auto stationary_faces = tissue.face_sets.find(sets::kStationaryContact);
+  const bool slides_on_stationary = stationary_faces != tissue.face_sets.end();
+  if (is_sliding || slides_on_stationary)
+    prediction_.contact_stiffness_mpa_per_mm =
+        contact_stiffness_mpa_per_mm(options_.tissue, options_.contact);
+  std::vector<contact::RigidObstacle> bones;  // At rest: segments, then stationary bone if needed.
+  for (const auto& distance_query_B : distance_queries_B)
+    bones.push_back({distance_query_B, RigidTransform::Identity()});
+  if (slides_on_stationary) {
+    LEFORT_CHECK(model_.stationary_bone);
+    LEFORT_TRY(auto distance_query_L,
+               segment_distance_query(*model_.stationary_bone, options_.contact.detection));
+    LEFORT_TRY_VOID(check_stationary_bone(*distance_query_L, options_.boundary.capture_mm));
+    bones.push_back({std::move(distance_query_L), RigidTransform::Identity()});
   }
-  if (longest_mm < band_mm) return {};
-  return fail(ErrorCode::kStepBeyondBand,
-              fmt::format("segment {} moves {:.2f} mm in one step, but its distance field reaches "
-                          "{:.2f} mm: ask for at least {} steps or a wider field.band_mm",
-                          path.segment, longest_mm, band_mm, int(mm_per_fraction / band_mm) + 1));
-}
-
-Result<void> check_reaches(const std::vector<geometry::RigidPath>& paths,
-                           const std::vector<MovedSegment>& segments,
-                           const DistanceQuerys& distance_querys_B,
-                           const BoundaryOptions& boundary) {
-  if (boundary.segment_interface != SegmentInterface::kSliding) return {};
-  const std::vector<LoadLevel> levels = load_levels(paths, 1);
-  for (std::size_t k = 0; k < paths.size(); ++k)
-    LEFORT_TRY_VOID(
-        check_reach_of(paths[k], levels, segments[k], *distance_querys_B[k], boundary.capture_mm));
+  segment_contact_count_ = is_sliding ? paths_.size() : 0;
+  for (std::size_t k = 0; k < segment_contact_count_; ++k) {
+    add_contact(bones, k, "segment " + paths_[k].segment, tissue.face_sets.at(sets::kContact));
+    note_rest_penetration(k);
+  }
+  if (slides_on_stationary)
+    add_contact(bones, paths_.size(), "stationary bone", stationary_faces->second);
   return {};
 }
 
+void FacePath::add_contact(const std::vector<contact::RigidObstacle>& bones, std::size_t bone,
+                           const std::string& name, const std::vector<mesh::Face>& faces) {
+  std::vector<contact::RigidObstacle> other_obstacles = bones;
+  other_obstacles.erase(other_obstacles.begin() + std::ptrdiff_t(bone));
+  contacts_.push_back({model_.tissue.nodes_L,
+                       faces,
+                       bones[bone],
+                       {.name = name,
+                        .stiffness_mpa_per_mm = prediction_.contact_stiffness_mpa_per_mm,
+                        .capture_mm = options_.boundary.capture_mm,
+                        .integration = options_.contact.integration,
+                        .penetration_tolerance_mm = options_.contact.penetration_tolerance_mm},
+                       other_obstacles});
+}
+
+/// Warns if the mesh penetrates a segment at rest by more than the contact tolerance.
+void FacePath::note_rest_penetration(std::size_t segment) {
+  const double inside_mm = contacts_[segment].rest_penetration_mm();
+  prediction_.rest_penetration_mm = std::max(prediction_.rest_penetration_mm, inside_mm);
+  if (inside_mm > options_.boundary.capture_mm)
+    progress_.note(fmt::format(
+        "warning: the tissue mesh penetrates segment {} by up to {:.2f} mm before it moves, "
+        "more than boundary.contact_snap_mm = {:g} mm",
+        paths_[segment].segment, inside_mm, options_.boundary.capture_mm));
+}
+
+Result<void> FacePath::make_assembler() {
+  const mesh::VolumeMesh& tissue = model_.tissue;
+  std::vector<const fem::ForceTerm*> terms;
+  for (const auto& term : elements_) terms.push_back(term.get());
+  for (const contact::ContactTerm& contact : contacts_) terms.push_back(&contact);
+  LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),
+                                                  prescribed_at(geometry::poses_at(paths_, 0.0))));
+  assembler_.emplace(tissue.nodes_L, std::move(dofs), std::move(terms));
+  return {};
+}
+
+/// \param max_distance_mm  of the segments' distance queries, the smallest.
+void FacePath::make_stepper(double max_distance_mm) {
+  const int count = increments_of_step(options_.tissue, paths_, model_.segments, max_distance_mm);
+  levels_ = load_levels(paths_, count);
+  increments_ = load_step_options(options_.solver, 1.0 / (count * geometry::steps_of(paths_)));
+  stepper_.emplace(
+      fem::LoadState{0.0, VectorX::Zero(3 * model_.tissue.node_count())},
+      [this](double path_fraction, const VectorX& start) { return solve_at(path_fraction, start); },
+      increments_);
+}
+
+void FacePath::resume(Restart earlier) {
+  restart_ = std::move(earlier);
+  LEFORT_CHECK(restart_.contacts.size() == contacts_.size());
+  const fem::LoadState& last = restart_.stepper.last;
+  pose_contacts(geometry::poses_at(paths_, last.t));
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    contacts_[k].restore(restart_.contacts[k], contact::displaced(model_.tissue.nodes_L, last.u));
+  stepper_.emplace(fem::LoadStepper::resumed(
+      restart_.stepper,
+      [this](double path_fraction, const VectorX& start) { return solve_at(path_fraction, start); },
+      increments_));
+}
+
+std::vector<fem::PrescribedDisplacement> FacePath::prescribed_at(
+    const std::vector<RigidTransform>& X_LB) const {
+  const mesh::VolumeMesh& tissue = model_.tissue;
+  auto prescribed = fem::prescribe_zero(tissue.node_sets.at(sets::kFixed));
+  for (std::size_t k = 0; k < X_LB.size(); ++k) {
+    const auto with_bone = fem::prescribe_rigid_motion(bonded_[k], tissue.nodes_L, X_LB[k]);
+    prescribed.insert(prescribed.end(), with_bone.begin(), with_bone.end());
+  }
+  return prescribed;
+}
+
+void FacePath::pose_contacts(const std::vector<RigidTransform>& X_LB) {
+  for (std::size_t k = 0; k < segment_contact_count_; ++k) contacts_[k].set_pose(X_LB[k]);
+}
+
+fem::NewtonOutcome FacePath::solve_at(double path_fraction, const VectorX& start) {
+  const std::vector<RigidTransform> X_LB = geometry::poses_at(paths_, path_fraction);
+  pose_contacts(X_LB);
+  iterate_.to_fraction = path_fraction;
+  ++iterate_.attempt;
+  iterate_.iteration = -1;
+  return contact::solve_augmented_lagrangian(
+      contacts_, model_.tissue.nodes_L, start,
+      [&](const VectorX& from) { return solve_from(X_LB, from); });
+}
+
+fem::NewtonOutcome FacePath::solve_from(const std::vector<RigidTransform>& X_LB,
+                                        const VectorX& start) {
+  fem::NewtonOptions newton = newton_options(options_.solver, options_.tissue);
+  // As in the history, the start of a solve that follows a multiplier update is left out.
+  bool is_reported = watch_.on_iterate && iterate_.iteration < 0;
+  if (watch_.on_iterate)
+    newton.on_iterate = [&](const fem::NewtonIterate& line,
+                            const fem::ResidualState& residual_state) {
+      if (!std::exchange(is_reported, true)) return;
+      ++iterate_.iteration;
+      iterate_.line = line;
+      iterate_.deepest_mm = residual_state.deepest_mm;
+      watch_.on_iterate(iterate_);
+    };
+  return fem::find_equilibrium(*assembler_, prescribed_at(X_LB), start, *linear_solver_, newton,
+                               progress_);
+}
+
+Result<void> FacePath::advance_to(double path_fraction) {
+  // An iterative solver keeps its state within one load level only, so that results do not depend
+  // on earlier ones.
+  if (assembler_->dofs().free_count() > linear::LinearSolverOptions{}.direct_rows)
+    linear_solver_.emplace();
+  return stepper_->advance_to(path_fraction, progress_);
+}
+
+/// Attempts since the last step.
+std::vector<fem::LoadAttempt> FacePath::take_new_attempts() {
+  const std::vector<fem::LoadAttempt>& attempts = stepper_->attempts();
+  std::vector<fem::LoadAttempt> new_attempts(attempts.begin() + std::ptrdiff_t(recorded_attempts_),
+                                             attempts.end());
+  recorded_attempts_ = attempts.size();
+  iterate_.attempt = 0;
+  return new_attempts;
+}
+
+void FacePath::record_step(double path_fraction) {
+  const VectorX& u = stepper_->state().u;
+  PredictionStep step;
+  step.path_fraction = path_fraction;
+  for (const RigidTransform& X_LB : geometry::poses_at(paths_, path_fraction))
+    step.segments.push_back({.X_LB = X_LB, .contact = {}});
+  step.displacement_mm = as_vectors(u);
+  const std::vector<Vec3> x_L = contact::displaced(model_.tissue.nodes_L, u);
+  for (std::size_t k = 0; k < segment_contact_count_; ++k)
+    step.segments[k].contact = contacts_[k].summarize(x_L);
+  if (contacts_.size() > segment_contact_count_)
+    step.stationary_contact = contacts_.back().summarize(x_L);
+  step.min_J = min_volume_ratio(model_.tissue, materials_, u);
+  step.attempts = take_new_attempts();
+  const fem::NewtonIterate& last = step.attempts.back().history.back();
+  step.residual_n = last.residual_n;
+  if (last.residual_reference_n > 0.0)
+    step.relative_residual = last.residual_n / last.residual_reference_n;
+  if (watch_.on_step) watch_.on_step(step);
+  progress_.report(path_fraction);
+  restart_.steps.push_back(std::move(step));
+  if (!watch_.on_restart) return;
+  restart_.stepper = stepper_->checkpoint();
+  restart_.contacts.clear();
+  for (const contact::ContactTerm& contact : contacts_)
+    restart_.contacts.push_back(contact.checkpoint());
+  watch_.on_restart(restart_);
+}
+
+Result<FacePrediction> FacePath::stop_after(const Error& error) {
+  if (error.code == ErrorCode::kCancelled) return tl::unexpected(error);
+  if (error.code == ErrorCode::kOutOfMemory)
+    return fail(ErrorCode::kOutOfMemory,
+                fmt::format("the equations of {} nodes do not fit into memory: set "
+                            "tissue.element_size_mm larger than {:g} mm",
+                            model_.tissue.node_count(), options_.tissue.element_size_mm));
+  prediction_.steps = std::move(restart_.steps);
+  prediction_.failure = error;
+  prediction_.failed_attempts = take_new_attempts();
+  return std::move(prediction_);
+}
+
+FacePrediction FacePath::finish() {
+  prediction_.steps = std::move(restart_.steps);
+  for (std::size_t k = 0; k < segment_contact_count_; ++k)
+    prediction_.touched.push_back(
+        contacts_[k].at_nodes(contact::displaced(model_.tissue.nodes_L, stepper_->state().u)));
+  return std::move(prediction_);
+}
+
 }  // namespace
-
-Result<std::shared_ptr<const contact::DistanceQuery>> detect_segment(
-    const MovedSegment& segment, contact::DetectionMethod detection) {
-  if (detection != contact::DetectionMethod::kBvh)
-    return contact::field_distance_query(segment.field_B, detection);
-  return contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(segment.surface_B),
-                                     segment.field_B->band_mm());
-}
-
-Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
-                         const std::vector<MovedSegment>& segments,
-                         contact::DetectionMethod detection, const BoundaryOptions& boundary) {
-  LEFORT_CHECK(paths.size() == segments.size());
-  LEFORT_TRY(const DistanceQuerys distance_querys_B, detect_all(segments, detection));
-  return check_reaches(paths, segments, distance_querys_B, boundary);
-}
 
 contact::ContactStatistics PredictionStep::contact() const {
   contact::ContactStatistics all;
@@ -245,186 +412,16 @@ Result<FacePrediction> predict_face(const FaceModel& model,
                                     const std::vector<geometry::RigidPath>& paths,
                                     const PredictionOptions& options, const PredictionWatch& watch,
                                     Progress& progress, std::optional<Restart> earlier) {
-  LEFORT_CHECK(paths.size() == model.segments.size());
-  for (const geometry::RigidPath& path : paths) LEFORT_TRY_VOID(geometry::check_path(path));
-  LEFORT_TRY(const DistanceQuerys distance_querys_B,
-             detect_all(model.segments, options.contact.detection));
-  LEFORT_TRY_VOID(check_reaches(paths, model.segments, distance_querys_B, options.boundary));
-  const mesh::VolumeMesh& tissue = model.tissue;
-  const std::vector<NodeList> attached =
-      nodes_by_segment(model, nodes_with_segment(tissue, options.boundary.segment_interface));
-  LEFORT_TRY_VOID(check_sets(model, paths, attached));
-  const bool is_contact = options.boundary.segment_interface == SegmentInterface::kSliding;
-
-  LEFORT_TRY(const fem::RegionMaterials materials, materials_of(options.tissue));
-  LEFORT_TRY(const auto elements, fem::make_element_terms(tissue, materials));
-  std::vector<const fem::ForceTerm*> terms;
-  for (const auto& term : elements) terms.push_back(term.get());
-
-  FacePrediction prediction;
-  std::vector<contact::ContactTerm> contacts;
-  contacts.reserve(paths.size() + 1);  // The assembler points to them.
-  const auto sliding = tissue.face_sets.find(sets::kStationaryContact);
-  const bool slides = sliding != tissue.face_sets.end();
-  if (is_contact || slides)
-    prediction.contact_stiffness_mpa_per_mm =
-        contact_stiffness_mpa_per_mm(options.tissue, options.contact);
-  std::vector<contact::RigidObstacle> bones;  // At rest: the segments, and what tissue slides on.
-  for (const auto& distance_query_B : distance_querys_B)
-    bones.push_back({distance_query_B, RigidTransform::Identity()});
-  if (slides) {
-    LEFORT_CHECK(model.stationary_bone);
-    LEFORT_TRY(auto distance_query_L,
-               detect_segment(*model.stationary_bone, options.contact.detection));
-    LEFORT_TRY_VOID(check_stationary_bone(*distance_query_L, options.boundary.capture_mm));
-    bones.push_back({std::move(distance_query_L), RigidTransform::Identity()});
+  LEFORT_TRY(const std::unique_ptr<FacePath> path,
+             FacePath::create(model, paths, options, watch, progress));
+  if (earlier) path->resume(*std::move(earlier));
+  for (const auto& [path_fraction, is_step] : path->levels()) {
+    if (path->has_reached(path_fraction)) continue;  // By the earlier run.
+    if (const Result<void> advanced = path->advance_to(path_fraction); !advanced)
+      return path->stop_after(advanced.error());
+    if (is_step) path->record_step(path_fraction);
   }
-  const auto add_contact = [&](std::size_t bone, const std::string& name,
-                               const std::vector<mesh::Face>& faces) {
-    std::vector<contact::RigidObstacle> beside = bones;
-    beside.erase(beside.begin() + std::ptrdiff_t(bone));
-    contacts.push_back({tissue.nodes_L,
-                        faces,
-                        bones[bone],
-                        {.name = name,
-                         .stiffness_mpa_per_mm = prediction.contact_stiffness_mpa_per_mm,
-                         .capture_mm = options.boundary.capture_mm,
-                         .integration = options.contact.integration,
-                         .penetration_tolerance_mm = options.contact.penetration_tolerance_mm},
-                        beside});
-    terms.push_back(&contacts.back());
-  };
-  const std::size_t of_segments = is_contact ? paths.size() : 0;  // The first so many contacts.
-  for (std::size_t k = 0; k < of_segments; ++k) {
-    add_contact(k, "segment " + paths[k].segment, tissue.face_sets.at(sets::kContact));
-    const double inside_mm = contacts[k].rest_penetration_mm();
-    prediction.rest_penetration_mm = std::max(prediction.rest_penetration_mm, inside_mm);
-    if (inside_mm > options.boundary.capture_mm)
-      progress.note(fmt::format(
-          "warning: the tissue's mesh lies up to {:.2f} mm inside the segment {} before it moves, "
-          "deeper than boundary.contact_snap_mm = {:g} mm",
-          inside_mm, paths[k].segment, options.boundary.capture_mm));
-  }
-  if (slides) add_contact(paths.size(), "still bone", sliding->second);
-
-  const auto prescribed_at = [&](const std::vector<RigidTransform>& X_LB) {
-    auto prescribed = fem::prescribe_zero(tissue.node_sets.at(sets::kFixed));
-    for (std::size_t k = 0; k < X_LB.size(); ++k) {
-      const auto with_bone = fem::prescribe_rigid_motion(attached[k], tissue.nodes_L, X_LB[k]);
-      prescribed.insert(prescribed.end(), with_bone.begin(), with_bone.end());
-    }
-    return prescribed;
-  };
-  const auto pose_contacts = [&](const std::vector<RigidTransform>& X_LB) {
-    for (std::size_t k = 0; k < of_segments; ++k) contacts[k].set_pose(X_LB[k]);
-  };
-  LEFORT_TRY(fem::DofMap dofs, fem::DofMap::build(tissue.node_count(),
-                                                  prescribed_at(geometry::poses_at(paths, 0.0))));
-  const fem::Assembler assembler(tissue.nodes_L, std::move(dofs), terms);
-
-  std::optional<linear::LinearSolver> linear_solver(std::in_place);
-  PredictionIterate seen;
-  seen.attempt = 0;
-  const auto solve_at = [&](double path_fraction, const VectorX& start) {
-    const std::vector<RigidTransform> X_LB = geometry::poses_at(paths, path_fraction);
-    pose_contacts(X_LB);
-    seen.to_fraction = path_fraction;
-    ++seen.attempt;
-    seen.iteration = -1;
-    const auto solve_from = [&](const VectorX& from) {
-      fem::NewtonOptions newton = newton_options(options.solver, options.tissue);
-      // As in the history: what follows an augmentation goes on without a start of its own.
-      bool is_reported = watch.on_iterate && seen.iteration < 0;
-      if (watch.on_iterate)
-        newton.on_iterate = [&](const fem::NewtonIterate& line,
-                                const fem::ResidualState& residual_state) {
-          if (!std::exchange(is_reported, true)) return;
-          ++seen.iteration;
-          seen.line = line;
-          seen.deepest_mm = residual_state.deepest_mm;
-          watch.on_iterate(seen);
-        };
-      return fem::find_equilibrium(assembler, prescribed_at(X_LB), from, *linear_solver, newton,
-                                   progress);
-    };
-    return contact::solve_augmented_lagrangian(contacts, tissue.nodes_L, start, solve_from);
-  };
-  Restart so_far;
-  if (earlier) {
-    so_far = *std::move(earlier);
-    LEFORT_CHECK(so_far.contacts.size() == contacts.size());
-    const fem::LoadState& last = so_far.stepper.last;
-    pose_contacts(geometry::poses_at(paths, last.t));
-    for (std::size_t k = 0; k < contacts.size(); ++k)
-      contacts[k].restore(so_far.contacts[k], contact::displaced(tissue.nodes_L, last.u));
-  }
-  double reach_mm = std::numeric_limits<double>::infinity();
-  for (const auto& distance_query_B : distance_querys_B)
-    reach_mm = std::min(reach_mm, distance_query_B->max_distance_mm());
-  const int parts = increments_of_step(options, paths, model.segments, reach_mm);
-  const fem::LoadStepOptions increments =
-      load_step_options(options.solver, 1.0 / (parts * geometry::steps_of(paths)));
-  fem::LoadStepper stepper =
-      earlier
-          ? fem::LoadStepper::resumed(so_far.stepper, solve_at, increments)
-          : fem::LoadStepper({0.0, VectorX::Zero(3 * tissue.node_count())}, solve_at, increments);
-
-  std::size_t attempts_reported = 0;
-  for (const auto& [path_fraction, is_step] : load_levels(paths, parts)) {
-    if (path_fraction <= stepper.state().t) continue;  // Found by an earlier run.
-    // An iterative solver's memory ends with a step, so that nothing depends on earlier ones.
-    if (assembler.dofs().free_count() > linear::LinearSolverOptions{}.direct_rows)
-      linear_solver.emplace();
-    const Result<void> advanced = stepper.advance_to(path_fraction, progress);
-    if (advanced && !is_step) continue;
-    const auto& attempts = stepper.attempts();
-    std::vector<fem::LoadAttempt> new_attempts(attempts.begin() + std::ptrdiff_t(attempts_reported),
-                                               attempts.end());
-    attempts_reported = attempts.size();
-    seen.attempt = 0;
-    if (!advanced) {
-      if (advanced.error().code == ErrorCode::kCancelled) return tl::unexpected(advanced.error());
-      if (advanced.error().code == ErrorCode::kOutOfMemory)
-        return fail(ErrorCode::kOutOfMemory,
-                    fmt::format("the equations of {} nodes do not fit into memory: ask for a "
-                                "larger tissue.element_size_mm than {:g} mm",
-                                tissue.node_count(), options.tissue.element_size_mm));
-      prediction.steps = std::move(so_far.steps);
-      prediction.failure = advanced.error();
-      prediction.failed_attempts = std::move(new_attempts);
-      return prediction;
-    }
-
-    PredictionStep result;
-    result.path_fraction = path_fraction;
-    for (const RigidTransform& X_LB : geometry::poses_at(paths, path_fraction))
-      result.segments.push_back({.X_LB = X_LB, .contact = {}});
-    result.displacement_mm = as_vectors(stepper.state().u);
-    const std::vector<Vec3> at_L = contact::displaced(tissue.nodes_L, stepper.state().u);
-    for (std::size_t k = 0; k < of_segments; ++k)
-      result.segments[k].contact = contacts[k].summarize(at_L);
-    if (slides) result.stationary_contact = contacts.back().summarize(at_L);
-    result.min_J = min_volume_ratio(tissue, materials, stepper.state().u);
-    const fem::NewtonIterate& last = new_attempts.back().history.back();
-    result.residual_n = last.residual_n;
-    if (last.residual_reference_n > 0.0)
-      result.relative_residual = last.residual_n / last.residual_reference_n;
-    result.attempts = std::move(new_attempts);
-    if (watch.on_step) watch.on_step(result);
-    progress.report(path_fraction);
-    so_far.steps.push_back(std::move(result));
-    if (!watch.on_restart) continue;
-    so_far.stepper = stepper.checkpoint();
-    so_far.contacts.clear();
-    for (const contact::ContactTerm& contact : contacts)
-      so_far.contacts.push_back(contact.checkpoint());
-    watch.on_restart(so_far);
-  }
-  prediction.steps = std::move(so_far.steps);
-  for (std::size_t k = 0; k < of_segments; ++k)
-    prediction.touched.push_back(
-        contacts[k].at_nodes(contact::displaced(tissue.nodes_L, stepper.state().u)));
-  return prediction;
+  return path->finish();
 }
 
 }  // namespace lefort::predict

@@ -1,5 +1,5 @@
 /// \file
-/// What a prediction can be told, apart from the bones' way. Plain values with defaults.
+/// Options of a prediction other than the planned bone motion. Plain values with defaults.
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -10,16 +10,16 @@
 
 namespace lefort::predict {
 
-/// What tissue that lies on the moved segment does.
+/// Interface between tissue and mobilized segment.
 enum class SegmentInterface {
-  kSliding,  ///< Is pushed and slides without friction (paper, section 2.3).
+  kSliding,  ///< Pushed; slides without friction (paper, section 2.3).
   kBonded,   ///< Moves with the bone.
 };
 
-/// What holds tissue that ends only because the scan does.
+/// Boundary condition where the scanned volume ends.
 enum class ScanBoundary { kFree, kFixed };
 
-/// Skin of its own over the tissue inside. Constants and their sources: docs/theory/materials.md.
+/// Skin as a separate layer on the deep tissue. Constants and their sources: docs/materials.md.
 struct SkinOptions {
   double thickness_mm = 1.5;  ///< Of epidermis and dermis, > 0 (0.8 to 2: \cite chopra2015).
   int layers = 2;             ///< Of wedges, 1 to 8.
@@ -27,14 +27,14 @@ struct SkinOptions {
   double poisson = 0.45;      ///< 0 <= nu < 0.5.
 };
 
-/// Mucosa: what is under no skin and nearer than this to the air of airway and sinuses.
+/// Mucosa: deep tissue within `thickness_mm` of the air of airway and sinuses.
 struct MucosaOptions {
   double thickness_mm = 0.0;  ///< > 0.
   double young_mpa = 0.0;     ///< > 0.
   double poisson = 0.0;       ///< 0 <= nu < 0.5.
 };
 
-/// Muscle, where the labels name it.
+/// Muscle, as labeled in the segmentation.
 struct MuscleOptions {
   double young_mpa = 0.0;  ///< > 0.
   double poisson = 0.0;    ///< 0 <= nu < 0.5.
@@ -42,33 +42,34 @@ struct MuscleOptions {
 
 /// Finer elements at lips and nose.
 struct FaceSize {
-  double element_size_mm = 0.0;  ///< Edge at the points; grows from there as from the segment.
-  /// Of lips and nose; if empty the foremost point of the tissue, which is the tip of the nose.
+  double element_size_mm = 0.0;  ///< Edge at the points; grows with the distance from them.
+  /// Of lips and nose; if empty, the most anterior point of the tissue, the tip of the nose.
   std::vector<Vec3> points_L = {};
 };
 
 struct TissueOptions {
-  double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/theory/materials.md).
-  double poisson = 0.45;             ///< 0 <= nu < 0.5. Linear tetrahedra lock nearer to 0.5.
-  double element_size_mm = 2.5;      ///< Edge near the moved segment.
-  double far_element_size_mm = 5.0;  ///< Edge at the rim of the region, >= element_size_mm.
+  double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/materials.md).
+  double poisson = 0.45;             ///< 0 <= nu < 0.5. Linear tetrahedra lock close to 0.5.
+  double element_size_mm = 2.5;      ///< Edge near the mobilized segment.
+  double far_element_size_mm = 5.0;  ///< Edge at the border of the region, >= element_size_mm.
   double margin_mm = 30.0;           ///< Tissue is meshed this far beyond the segment's box.
-  std::optional<SkinOptions> skin = std::nullopt;      ///< Without, skin is made as what is inside.
-  std::optional<MucosaOptions> mucosa = std::nullopt;  ///< Without, likewise.
-  std::optional<MuscleOptions> muscle = std::nullopt;  ///< Without, likewise.
+  std::optional<SkinOptions> skin = std::nullopt;      ///< Without: as deep tissue.
+  std::optional<MucosaOptions> mucosa = std::nullopt;  ///< Without: as deep tissue.
+  std::optional<MuscleOptions> muscle = std::nullopt;  ///< Without: as deep tissue.
   std::optional<FaceSize> face = std::nullopt;
 };
 
 struct BoundaryOptions {
   SegmentInterface segment_interface = SegmentInterface::kSliding;
   ScanBoundary scan_boundary = ScanBoundary::kFree;
-  double elevation_margin_mm =
-      8.0;                  ///< Tissue on still bone nearer than this to the segment is elevated.
-  double capture_mm = 0.8;  ///< Boundary nearer than this to a bone lies on it.
+  /// Tissue on stationary bone within this distance of the segment is elevated.
+  double elevation_margin_mm = 8.0;
+  double capture_mm =
+      0.8;  ///< Contact tolerance: boundary within this distance of a bone lies on it.
 };
 
 struct ContactOptions {
-  /// k_c = factor * Young's modulus / element size, > 0; unless named, see stiffness_factor().
+  /// k_c = factor * Young's modulus / element size, > 0; default: stiffness_factor().
   std::optional<double> stiffness_factor = std::nullopt;
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
@@ -76,9 +77,9 @@ struct ContactOptions {
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 
-/// The factor in k_c. Where a depth is asked for, springs are stiffer from the start: multipliers
-/// then get there in fewer Newton iterations, 370 instead of 631 on the way it was measured on
-/// (docs/theory/contact.md).
+/// The factor in k_c. With a penetration tolerance it is larger: the augmented Lagrangian then
+/// needs fewer Newton iterations, 370 instead of 631 on one path
+/// (docs/studies/contact-on-a-real-head.md).
 [[nodiscard]] inline double stiffness_factor(const ContactOptions& contact) {
   constexpr double kByPenalty = 10.0, kByMultipliers = 160.0;
   return contact.stiffness_factor.value_or(contact.penetration_tolerance_mm ? kByMultipliers
@@ -87,8 +88,8 @@ struct ContactOptions {
 
 struct SolverOptions {
   double relative_tolerance = 1e-6;
-  int max_iterations = 120;  ///< Of Newton; tissue sliding off bulging bone has taken 68.
-  double min_increment_ratio = 1.0 / 64.0;  ///< Share of an increment; below it halving gives up.
+  int max_iterations = 120;  ///< Of Newton; tissue sliding off convex bone has taken 68.
+  double min_increment_ratio = 1.0 / 64.0;  ///< Min size of a halved increment, as a fraction.
 };
 
 }  // namespace lefort::predict

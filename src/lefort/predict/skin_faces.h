@@ -1,5 +1,5 @@
 /// \file
-/// Which part of the tissue's boundary is skin, face by face.
+/// Finds the faces of the tissue boundary that are skin.
 #pragma once
 
 #include <lefort/geometry/triangle_mesh.h>
@@ -10,15 +10,19 @@
 
 namespace lefort::predict {
 
-/// Nodes of the boundary this near to a side of the domain lie in it; they lie on the level within
+/// Boundary nodes within this distance of a cut plane lie in it. The mesher places them within
 /// 0.01 mm.
 inline constexpr double kPlaneTolerance_mm = 0.05;
 
-/// Boundary faces whose nodes all lie on the skin, nearer to it than to bone, or in a side of the
-/// domain; but not those of the sides themselves (mesh/boundary_layer.h).
+/// Boundary faces whose nodes all lie on the skin, closer to it than to bone, or in a cut plane of
+/// the domain; without the cut faces themselves (mesh/boundary_layer.h).
 ///
-/// \param tissue      one block of tetrahedra.
-/// \param capture_mm  nodes nearer than this to the skin lie on it.
+/// \param tissue       one block of tetrahedra.
+/// \param domain       its cut planes are used.
+/// \param skin_L       skin surface.
+/// \param segment_L    bone that moves.
+/// \param remainder_L  other bone.
+/// \param capture_mm   nodes within this distance of the skin lie on it.
 [[nodiscard]] std::vector<mesh::Face> skin_faces(const mesh::VolumeMesh& tissue,
                                                  const TissueDomain& domain,
                                                  const geometry::TriangleMesh& skin_L,

@@ -20,14 +20,14 @@ namespace {
 
 using NodeList = std::vector<std::int32_t>;
 
-constexpr double kBrainReach_mm = 2.0;  // A layer of blurred voxels between brain and tissue.
+constexpr double kMaxBrainDistance_mm = 2.0;  // Partial-volume voxels between brain and tissue.
 
-/// Distance to the nearest voxel labeled brain, up to kBrainReach_mm; beyond it, far.
+/// Distance to the closest voxel of brain, up to kMaxBrainDistance_mm; larger if there is none.
 double distance_to_brain(const anatomy::LabelMap& labels, const Vec3& p_L) {
   constexpr double kFar_mm = 1e3;
   const Vec3 p_V = labels.grid.index_V(p_L);
   double nearest_mm = kFar_mm;
-  image::visit_voxels_near(labels.grid, p_L, kBrainReach_mm, [&](Index i, Index j, Index k) {
+  image::visit_voxels_near(labels.grid, p_L, kMaxBrainDistance_mm, [&](Index i, Index j, Index k) {
     if (labels.at(i, j, k) != anatomy::Tissue::kBrain) return;
     const Vec3 beyond_V =
         ((p_V - Vec3(double(i), double(j), double(k))).cwiseAbs().array() - 0.5).cwiseMax(0.0);
@@ -54,7 +54,7 @@ NodeList common(const NodeList& a, const NodeList& b) {
   return both;
 }
 
-/// Of each node [mm2]: a third of every triangle of the boundary that it is a corner of.
+/// Boundary area of each node [mm2]: a third of each adjacent triangle.
 std::vector<double> boundary_areas_mm2(const mesh::VolumeMesh& tissue) {
   std::vector<double> areas_mm2(tissue.nodes_L.size(), 0.0);
   for (const mesh::Face3& face : mesh::triangles_of(tissue.face_sets.at("boundary"))) {
@@ -73,7 +73,7 @@ double sum_over(const NodeList& nodes, const std::vector<double>& of_node) {
   return sum;
 }
 
-/// Of nodes that a label decided; none if nothing was painted.
+/// Nodes of a label; none if nothing was painted.
 NodeList nodes_painted(const mesh::VolumeMesh& tissue, BoundaryLabel label) {
   for (const BoundaryLabelStyle& style : kBoundaryLabelStyles)
     if (const auto set = tissue.node_sets.find(style.set);
@@ -82,8 +82,8 @@ NodeList nodes_painted(const mesh::VolumeMesh& tissue, BoundaryLabel label) {
   return {};
 }
 
-/// Names the nodes that each label decides, and has them fixed or not.
-void paint_over(mesh::VolumeMesh& tissue, const BoundaryLabelMap& painted) {
+/// Adds the node sets of the labels and updates the fixed nodes.
+void apply_labels(mesh::VolumeMesh& tissue, const BoundaryLabelMap& painted) {
   const NodeList& boundary = tissue.node_sets.at("boundary");
   std::vector<BoundaryLabel> labels(boundary.size());
   parallel_for(std::ssize(boundary), [&](Index n) {
@@ -101,14 +101,14 @@ void paint_over(mesh::VolumeMesh& tissue, const BoundaryLabelMap& painted) {
   tissue.node_sets[sets::kFixed] = std::move(fixed);
 }
 
-/// Inner faces that can move: tissue that the segment could run into.
+/// Faces that a segment could touch: not on the outer boundary, and free to move.
 std::vector<mesh::Face> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
-  std::vector<char> is_outer(tissue.nodes_L.size(), 0), is_held(tissue.nodes_L.size(), 0);
+  std::vector<char> is_outer(tissue.nodes_L.size(), 0), is_prescribed(tissue.nodes_L.size(), 0);
   for (const char* set : {sets::kSkin, sets::kCut, sets::kScanBoundary})
     for (const std::int32_t node : tissue.node_sets.at(set)) is_outer[std::size_t(node)] = 1;
   for (const std::int32_t node : united(tissue.node_sets.at(sets::kFixed),
                                         nodes_painted(tissue, BoundaryLabel::kWithSegment)))
-    is_held[std::size_t(node)] = 1;
+    is_prescribed[std::size_t(node)] = 1;
 
   std::vector<mesh::Face> faces;
   for (const mesh::Face& face : tissue.face_sets.at("boundary")) {
@@ -116,12 +116,12 @@ std::vector<mesh::Face> faces_that_may_touch(const mesh::VolumeMesh& tissue) {
       return std::all_of(nodes.begin(), nodes.end(),
                          [&](std::int32_t node) { return flag[std::size_t(node)] != 0; });
     };
-    if (!all(is_outer) && !all(is_held)) faces.push_back(face);
+    if (!all(is_outer) && !all(is_prescribed)) faces.push_back(face);
   }
   return faces;
 }
 
-/// Faces with a node that is painted to slide.
+/// Faces with at least one node that is painted to slide.
 std::vector<mesh::Face> faces_that_slide(const mesh::VolumeMesh& tissue) {
   const NodeList slides = nodes_painted(tissue, BoundaryLabel::kSlides);
   std::vector<mesh::Face> faces;
@@ -135,6 +135,21 @@ std::vector<mesh::Face> faces_that_slide(const mesh::VolumeMesh& tissue) {
   return faces;
 }
 
+/// Nodes that are fixed unless a label says otherwise.
+NodeList fixed_by_rule(const mesh::VolumeMesh& tissue, const geometry::Bvh& segment,
+                       const BoundaryOptions& options) {
+  NodeList fixed;
+  for (const std::int32_t node :
+       united(tissue.node_sets.at(sets::kStationaryBone), tissue.node_sets.at(sets::kBrain)))
+    if (segment.closest_point(tissue.nodes_L[std::size_t(node)])->distance_mm >=
+        options.elevation_margin_mm)
+      fixed.push_back(node);
+  fixed = united(fixed, tissue.node_sets.at(sets::kCut));
+  if (options.scan_boundary == ScanBoundary::kFixed)
+    fixed = united(fixed, tissue.node_sets.at(sets::kScanBoundary));
+  return fixed;
+}
+
 }  // namespace
 
 std::vector<RuleDistance> boundary_rules(const BoundaryOptions& options) {
@@ -142,7 +157,7 @@ std::vector<RuleDistance> boundary_rules(const BoundaryOptions& options) {
           {sets::kScanBoundary, kPlaneTolerance_mm},
           {sets::kMobilizedSegment, options.capture_mm},
           {sets::kStationaryBone, options.capture_mm},
-          {sets::kBrain, kBrainReach_mm},
+          {sets::kBrain, kMaxBrainDistance_mm},
           {sets::kSkin, options.capture_mm},
           {sets::kFree, std::nullopt}};
 }
@@ -163,7 +178,7 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
 
   const std::array<std::function<double(const Vec3&)>, 6> distances_mm{
       [&](const Vec3& p_L) { return domain.distance_to_cut(p_L); },
-      [&](const Vec3& p_L) { return domain.distance_to_scan_edge(p_L); },
+      [&](const Vec3& p_L) { return domain.distance_to_scan_boundary(p_L); },
       distance_to(segment),
       distance_to(remainder),
       [&](const Vec3& p_L) { return distance_to_brain(labels, p_L); },
@@ -173,18 +188,8 @@ mesh::VolumeMesh find_tissue_boundary(mesh::VolumeMesh tissue, const TissueDomai
     if (within_mm) rules.push_back({set, distances_mm[rules.size()], *within_mm});
   tissue = mesh::name_boundary(std::move(tissue), rules, sets::kFree);
 
-  // Held by their neighbor, but elevated from it where the segment is near.
-  NodeList prescribed;
-  for (const std::int32_t node :
-       united(tissue.node_sets.at(sets::kStationaryBone), tissue.node_sets.at(sets::kBrain)))
-    if (segment.closest_point(tissue.nodes_L[std::size_t(node)])->distance_mm >=
-        options.elevation_margin_mm)
-      prescribed.push_back(node);
-  NodeList fixed = united(prescribed, tissue.node_sets.at(sets::kCut));
-  if (options.scan_boundary == ScanBoundary::kFixed)
-    fixed = united(fixed, tissue.node_sets.at(sets::kScanBoundary));
-  tissue.node_sets[sets::kFixed] = std::move(fixed);
-  if (painted != nullptr) paint_over(tissue, *painted);
+  tissue.node_sets[sets::kFixed] = fixed_by_rule(tissue, segment, options);
+  if (painted != nullptr) apply_labels(tissue, *painted);
   tissue.face_sets[sets::kContact] = faces_that_may_touch(tissue);
   if (auto faces = faces_that_slide(tissue); !faces.empty())
     tissue.face_sets[sets::kStationaryContact] = std::move(faces);
@@ -213,34 +218,34 @@ std::vector<BoundaryRuleStatistics> boundary_rule_statistics(const mesh::VolumeM
   const NodeList painted = all_painted_nodes(tissue);
   const NodeList with_segment = nodes_with_segment(tissue, options.segment_interface);
   const std::vector<double> areas_mm2 = boundary_areas_mm2(tissue);
-  std::vector<BoundaryRuleStatistics> decisions;
+  std::vector<BoundaryRuleStatistics> statistics;
   for (const auto& [set, within_mm] : boundary_rules(options)) {
     const NodeList& taken = tissue.node_sets.at(set);
     const NodeList decided = without(taken, painted);
     const NodeList fixed = common(decided, tissue.node_sets.at(sets::kFixed));
     const NodeList moved = common(decided, with_segment);
     const NodeList free = without(without(decided, fixed), moved);
-    decisions.push_back({.set = set,
-                         .within_mm = within_mm,
-                         .fixed = std::ssize(fixed),
-                         .with_segment = std::ssize(moved),
-                         .free = std::ssize(free),
-                         .painted = std::ssize(taken) - std::ssize(decided),
-                         .areas = {.fixed_mm2 = sum_over(fixed, areas_mm2),
-                                   .with_segment_mm2 = sum_over(moved, areas_mm2),
-                                   .free_mm2 = sum_over(free, areas_mm2),
-                                   .painted_mm2 = sum_over(common(taken, painted), areas_mm2)}});
+    statistics.push_back({.set = set,
+                          .within_mm = within_mm,
+                          .fixed = std::ssize(fixed),
+                          .with_segment = std::ssize(moved),
+                          .free = std::ssize(free),
+                          .painted = std::ssize(taken) - std::ssize(decided),
+                          .areas = {.fixed_mm2 = sum_over(fixed, areas_mm2),
+                                    .with_segment_mm2 = sum_over(moved, areas_mm2),
+                                    .free_mm2 = sum_over(free, areas_mm2),
+                                    .painted_mm2 = sum_over(common(taken, painted), areas_mm2)}});
   }
-  return decisions;
+  return statistics;
 }
 
 std::vector<BoundaryLabelStatistics> boundary_label_statistics(const mesh::VolumeMesh& tissue) {
   const std::vector<double> areas_mm2 = boundary_areas_mm2(tissue);
-  std::vector<BoundaryLabelStatistics> decisions;
+  std::vector<BoundaryLabelStatistics> statistics;
   for (const BoundaryLabelStyle& label : kBoundaryLabelStyles)
     if (const auto set = tissue.node_sets.find(label.set); set != tissue.node_sets.end())
-      decisions.push_back({label, std::ssize(set->second), sum_over(set->second, areas_mm2)});
-  return decisions;
+      statistics.push_back({label, std::ssize(set->second), sum_over(set->second, areas_mm2)});
+  return statistics;
 }
 
 std::string describe_boundary(const mesh::VolumeMesh& tissue, const BoundaryOptions& options) {

@@ -10,9 +10,9 @@
 namespace lefort::predict {
 namespace {
 
-constexpr double kOutside_mm = -4.0;  // As far outside as a level tells.
+constexpr double kOutside_mm = -4.0;  // Smallest value of a level.
 
-/// How far inside all half-spaces a point lies; negative outside.
+/// Distance of a point from the border of the common part of all half-spaces; negative outside.
 double depth_inside(std::span<const mesh::HalfSpace> half_spaces, const Vec3& p) {
   double depth = std::numeric_limits<double>::infinity();
   for (const mesh::HalfSpace& half_space : half_spaces)
@@ -32,7 +32,7 @@ std::vector<mesh::HalfSpace> sides_of_box(const Box3& box) {
 std::vector<mesh::HalfSpace> sides_of_scan(const image::Grid& grid) {
   std::vector<mesh::HalfSpace> sides;
   for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 low_V = kScanEdgeInset_voxels * Vec3::Ones();
+    const Vec3 low_V = kScanBoundaryInset_voxels * Vec3::Ones();
     Vec3 high_V = -low_V;
     for (int a = 0; a < 3; ++a) high_V[a] += double(grid.size[std::size_t(a)] - 1);
     sides.push_back({grid.point_L(low_V), grid.direction.col(axis)});
@@ -45,15 +45,15 @@ std::vector<mesh::HalfSpace> sides_of_scan(const image::Grid& grid) {
 
 double TissueDomain::level(const Vec3& p_L) const {
   const double tissue = image::interpolate(soft_tissue_level, p_L, kOutside_mm);
-  return std::min({tissue, depth_inside(cuts_L, p_L), depth_inside(scan_edges_L, p_L)});
+  return std::min({tissue, depth_inside(cuts_L, p_L), depth_inside(scan_boundaries_L, p_L)});
 }
 
 double TissueDomain::distance_to_cut(const Vec3& p_L) const {
   return std::abs(depth_inside(cuts_L, p_L));
 }
 
-double TissueDomain::distance_to_scan_edge(const Vec3& p_L) const {
-  return std::abs(depth_inside(scan_edges_L, p_L));
+double TissueDomain::distance_to_scan_boundary(const Vec3& p_L) const {
+  return std::abs(depth_inside(scan_boundaries_L, p_L));
 }
 
 TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level, const image::Grid& scan_grid,

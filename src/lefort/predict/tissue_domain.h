@@ -1,5 +1,5 @@
 /// \file
-/// Which part of the patient's soft tissue takes part in a prediction.
+/// The region of soft tissue that a prediction computes.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -13,26 +13,29 @@
 
 namespace lefort::predict {
 
-/// So far inside its outermost voxel centers the scan ends: between those values are known.
-inline constexpr double kScanEdgeInset_voxels = 0.5;
+/// The scan boundary lies this far inside the outermost voxel centers, where values can be
+/// interpolated.
+inline constexpr double kScanBoundaryInset_voxels = 0.5;
 
-/// Soft tissue within a box around the moved segment.
+/// Soft tissue in a box around the mobilized segment.
 struct TissueDomain {
-  image::ScalarVolume soft_tissue_level;      ///< anatomy/tissue_levels.h.
-  Box3 box_L;                                 ///< The segment's box and the margin around it.
-  std::vector<mesh::HalfSpace> cuts_L;        ///< The box's sides: where we cut tissue off.
-  std::vector<mesh::HalfSpace> scan_edges_L;  ///< The scan's sides: where the scanner did.
+  image::ScalarVolume soft_tissue_level;           ///< anatomy/tissue_levels.h.
+  Box3 box_L;                                      ///< The segment's box and the margin around it.
+  std::vector<mesh::HalfSpace> cuts_L;             ///< Sides of the box.
+  std::vector<mesh::HalfSpace> scan_boundaries_L;  ///< Sides of the scan.
 
-  /// Positive inside [mm]; continuous.
+  /// Level-set function of the domain: positive inside [mm], continuous.
   [[nodiscard]] double level(const Vec3& p_L) const;
-  /// Distance to the nearest of `cuts_L`, or of `scan_edges_L` [mm].
+  /// Distance to the closest plane of `cuts_L` [mm].
   [[nodiscard]] double distance_to_cut(const Vec3& p_L) const;
-  [[nodiscard]] double distance_to_scan_edge(const Vec3& p_L) const;
+  /// Distance to the closest plane of `scan_boundaries_L` [mm].
+  [[nodiscard]] double distance_to_scan_boundary(const Vec3& p_L) const;
 };
 
 /// \param soft_tissue_level  see anatomy/tissue_levels.h.
 /// \param scan_grid          of the scan itself.
-/// \param segment_L          the bone that moves; several segments as one mesh (plan::append).
+/// \param segment_L          the segments as one mesh (plan::append).
+/// \param options            its margin is used.
 [[nodiscard]] TissueDomain make_tissue_domain(image::ScalarVolume soft_tissue_level,
                                               const image::Grid& scan_grid,
                                               const geometry::TriangleMesh& segment_L,

@@ -5,7 +5,7 @@ namespace lefort::predict {
 
 Result<fem::RegionMaterials> materials_of(const TissueOptions& tissue) {
   fem::RegionMaterials materials;
-  LEFORT_TRY(materials[regions::kInside],
+  LEFORT_TRY(materials[regions::kDeepTissue],
              fem::NeoHookean::from_young_poisson(tissue.young_mpa, tissue.poisson));
   if (const auto& skin = tissue.skin) {
     LEFORT_TRY(materials[regions::kSkin],

@@ -1,5 +1,5 @@
 /// \file
-/// What the regions of the tissue's mesh are made of.
+/// Materials of the regions of the tissue mesh.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -8,8 +8,9 @@
 
 namespace lefort::predict {
 
-/// \returns a law for each of the regions that mesh_tissue.h names and the options have; or
-///   kInvalidArgument for constants out of range.
+/// \param tissue  constants of the materials.
+/// \returns a law for each region of mesh_tissue.h that has constants; or kInvalidArgument for
+///   constants out of range.
 [[nodiscard]] Result<fem::RegionMaterials> materials_of(const TissueOptions& tissue);
 
 }  // namespace lefort::predict

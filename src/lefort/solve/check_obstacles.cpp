@@ -13,13 +13,14 @@ Result<void> check_distance_query(const Obstacle& obstacle,
   if (!distance_query.is_closed())
     return fail(
         ErrorCode::kMeshInvalid,
-        fmt::format("obstacle {} is an open surface, contact needs a closed one", obstacle.name));
+        fmt::format("obstacle {} is an open surface; contact needs a closed one", obstacle.name));
   if (!(obstacle.capture_mm < distance_query.max_distance_mm()))
     return fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("contact_snap_mm of obstacle {} is {:g}, must be less than the {:.2f} mm "
-                    "that its field reaches",
-                    obstacle.name, obstacle.capture_mm, distance_query.max_distance_mm()));
+        fmt::format(
+            "contact_snap_mm of obstacle {} is {:g}; it must be less than the maximum distance of "
+            "its distance query, {:.2f} mm",
+            obstacle.name, obstacle.capture_mm, distance_query.max_distance_mm()));
   return {};
 }
 
@@ -41,20 +42,21 @@ contact::ContactTerm make_contact(
 
 Result<std::vector<std::string>> check_obstacles(const PreparedDeck& prepared,
                                                  const ObstacleDistanceQueries& distance_queries) {
-  constexpr double kNothing = 0.02;  // Of what a detector resolves: what it is off by.
+  constexpr double kNegligible = 0.02;  // Of the resolution of a distance query: its error.
   LEFORT_CHECK(distance_queries.size() == prepared.deck.obstacles.size());
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < distance_queries.size(); ++i) {
     LEFORT_TRY_VOID(check_distance_query(prepared.deck.obstacles[i], *distance_queries[i]));
     const double overlap_mm = make_contact(prepared, i, distance_queries[i]).rest_penetration_mm();
-    const double reach_mm = distance_queries[i]->max_distance_mm();
+    const double max_distance_mm = distance_queries[i]->max_distance_mm();
     const std::string what = fmt::format("{}: overlaps its faces by {:.3g} mm at rest",
                                          indexed("obstacles", i), overlap_mm);
-    if (overlap_mm >= reach_mm)
+    if (overlap_mm >= max_distance_mm)
       return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}, its field knows {:.3g} mm", what, reach_mm));
-    if (overlap_mm > kNothing * distance_queries[i]->resolution_mm())
-      warnings.push_back(what + " and pushes only as it goes deeper");
+                  fmt::format("{}; the maximum distance of its distance query is {:.3g} mm", what,
+                              max_distance_mm));
+    if (overlap_mm > kNegligible * distance_queries[i]->resolution_mm())
+      warnings.push_back(what + " and exerts force only on further penetration");
   }
   return warnings;
 }

@@ -1,6 +1,5 @@
 /// \file
-/// Whether contact can work with the obstacles of a deck and who detects them, before anything
-/// is solved.
+/// Checks obstacles and their distance queries before the solve.
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -15,19 +14,24 @@
 
 namespace lefort::solve {
 
-/// Who knows each obstacle, in its own frame: where it is before its path begins.
+/// Distance query of each obstacle in its frame B, which is its position before its path begins.
 using ObstacleDistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery>>;
 
-/// The contact of an obstacle with its faces, at rest.
+/// Contact term of an obstacle and its faces, at rest.
+///
+/// \param prepared        the deck.
+/// \param obstacle        index in Deck::obstacles.
+/// \param distance_query  of the obstacle.
 [[nodiscard]] contact::ContactTerm make_contact(
     const PreparedDeck& prepared, std::size_t obstacle,
     const std::shared_ptr<const contact::DistanceQuery>& distance_query);
 
-/// \param detectors  like Deck::obstacles.
+/// \param prepared          the deck.
+/// \param distance_queries  as Deck::obstacles.
 /// \returns warnings of obstacles that overlap their faces at rest, or
 ///   - kMeshInvalid      an obstacle is an open surface: it has no inside;
-///   - kInvalidArgument  the capture of an obstacle is not less than its detector's reach, or it
-///                       overlaps its faces at rest as deep as that.
+///   - kInvalidArgument  the contact tolerance of an obstacle, or its overlap with its faces at
+///                       rest, is not less than the maximum distance of its query.
 [[nodiscard]] Result<std::vector<std::string>> check_obstacles(
     const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries);
 

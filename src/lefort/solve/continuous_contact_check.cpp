@@ -13,22 +13,22 @@
 namespace lefort::solve {
 namespace {
 
-/// How far from the obstacle's surface a point is, at most the field's reach; negative inside [mm].
+/// Signed distance of a point from the obstacle, at most the maximum distance of the query [mm].
 double gap_mm(const contact::RigidObstacle& at_origin, const Vec3& p_B) {
   return contact::measure_gap(at_origin, p_B, contact::Derivatives::kFirst).gap_mm;
 }
 
-/// How deep the straight way from a to b leads into the obstacle at most [mm]; 0 if it stays
-/// outside. Distances change no faster than points move, so that the way may be walked in steps of
-/// the distance; what is thinner than the least step no detector promises to see.
+/// Largest depth in the obstacle on the segment from a to b [mm]; 0 if it stays outside. A signed
+/// distance changes at most by the distance moved, so that steps of that distance skip nothing
+/// (sphere tracing). Parts thinner than the smallest step are below the resolution of the query.
 double deepest_mm(const contact::RigidObstacle& at_origin, const Vec3& a, const Vec3& b,
                   double min_step_mm) {
   const double length_mm = (b - a).norm();
   double deepest = 0.0;
-  for (double walked_mm = 0.0; walked_mm < length_mm;) {
-    const double gap = gap_mm(at_origin, a + walked_mm / length_mm * (b - a));
+  for (double along_mm = 0.0; along_mm < length_mm;) {
+    const double gap = gap_mm(at_origin, a + along_mm / length_mm * (b - a));
     deepest = std::max(deepest, -gap);
-    walked_mm += std::max(gap, min_step_mm);
+    along_mm += std::max(gap, min_step_mm);
   }
   return deepest;
 }
@@ -63,23 +63,23 @@ void ContinuousContactCheck::commit(const contact::RigidObstacle& obstacle,
 
 std::optional<std::string> ContinuousContactCheck::rejection_reason(
     const contact::RigidObstacle& obstacle, std::span<const Vec3> x_L) const {
-  constexpr double kCells = 2.0, kMinStep = 0.5;  // Of what the detector resolves.
+  constexpr double kCells = 2.0, kMinStep = 0.5;  // Of the resolution of the query.
   const double cell_mm = obstacle.distance_query_B->resolution_mm();
   const contact::RigidObstacle at_origin{.distance_query_B = obstacle.distance_query_B};
   const std::vector<Vec3> to_B = points_B(obstacle, x_L);
   LEFORT_CHECK(from_B_.size() == to_B.size());
-  std::vector<double> passed_mm(to_B.size(), 0.0);
+  std::vector<double> excess_mm(to_B.size(), 0.0);
   parallel_for(Index(to_B.size()), [&](Index k) {
     const Vec3 &from = from_B_[std::size_t(k)], &to = to_B[std::size_t(k)];
     if ((to - from).norm() <= kCells * cell_mm || gap_mm(at_origin, from) < 0.0) return;
     const double deepest = deepest_mm(at_origin, from, to, kMinStep * cell_mm);
-    passed_mm[std::size_t(k)] = deepest - std::max(-gap_mm(at_origin, to), 0.0);
+    excess_mm[std::size_t(k)] = deepest - std::max(-gap_mm(at_origin, to), 0.0);
   });
-  const auto maximum = std::max_element(passed_mm.begin(), passed_mm.end());
-  if (maximum == passed_mm.end() || *maximum <= kCells * cell_mm) return std::nullopt;
-  const Vec3 at_L = obstacle.X_LB * to_B[std::size_t(maximum - passed_mm.begin())];
+  const auto maximum = std::max_element(excess_mm.begin(), excess_mm.end());
+  if (maximum == excess_mm.end() || *maximum <= kCells * cell_mm) return std::nullopt;
+  const Vec3 at_L = obstacle.X_LB * to_B[std::size_t(maximum - excess_mm.begin())];
   return fmt::format(
-      "a face, now at ({:.3f}, {:.3f}, {:.3f}) mm, has gone through {} in one increment", at_L.x(),
+      "a face, now at ({:.3f}, {:.3f}, {:.3f}) mm, passed through {} in one increment", at_L.x(),
       at_L.y(), at_L.z(), name_);
 }
 

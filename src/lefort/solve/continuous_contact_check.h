@@ -1,5 +1,5 @@
 /// \file
-/// Whether faces and an obstacle passed through each other between two states, unseen at both.
+/// Continuous contact check: whether an obstacle passed through faces between two states.
 #pragma once
 
 #include <lefort/contact/rigid_obstacle.h>
@@ -13,37 +13,41 @@
 
 namespace lefort::solve {
 
-/// Contact looks at states. An obstacle that lies before a body at one and behind it at the next
-/// has touched nothing in between, and both are in balance. So the way of each face is looked at,
-/// too: relative to the obstacle, straight from one state to the next. What begins clear of it may
-/// not have been deeper in it on the way than it is at the end, by more than twice what its
-/// detector resolves: an increment in which it slides that far round a bulge is too large as well.
+/// Contact terms evaluate states only. An obstacle in front of a body in one state and behind it in
+/// the next touches it in neither, and both are in equilibrium. This check follows each node and
+/// face center on a straight line, relative to the obstacle, from one state to the next. A point
+/// that starts outside the obstacle must not be deeper in it on the way than at the end, by more
+/// than twice the resolution of the distance query. This also rejects an increment in which a point
+/// slides too far around a convex part.
 class ContinuousContactCheck {
  public:
   /// \param nodes_L   all nodes at rest [mm].
-  /// \param obstacle  its name, for sentences.
+  /// \param faces     that the obstacle may touch.
+  /// \param obstacle  its name, for messages.
   ContinuousContactCheck(std::span<const Vec3> nodes_L, std::vector<mesh::Face> faces,
                          std::string obstacle);
 
-  /// Begins the next way here.
-  /// \param obstacle  as it lies.
+  /// Starts the next check at this state.
+  /// \param obstacle  at its current pose.
   /// \param x_L       current positions of all nodes [mm].
   void commit(const contact::RigidObstacle& obstacle, std::span<const Vec3> x_L);
 
-  /// \returns where a face went through the obstacle since commit() was last called, in words;
-  ///   nothing if none did.
+  /// \param obstacle  at its current pose.
+  /// \param x_L       current positions of all nodes [mm].
+  /// \returns a message with the position of a face that the obstacle passed through since
+  ///   commit(); nothing if there is none.
   [[nodiscard]] std::optional<std::string> rejection_reason(const contact::RigidObstacle& obstacle,
                                                             std::span<const Vec3> x_L) const;
 
  private:
-  /// Nodes and middles of the faces, in the obstacle's frame [mm].
+  /// Nodes and centers of the faces, in the obstacle's frame [mm].
   [[nodiscard]] std::vector<Vec3> points_B(const contact::RigidObstacle& obstacle,
                                            std::span<const Vec3> x_L) const;
 
   std::string name_;  ///< Of the obstacle.
   std::vector<mesh::Face> faces_;
   std::vector<std::int32_t> nodes_;  ///< Of the faces, ascending.
-  std::vector<Vec3> from_B_;
+  std::vector<Vec3> from_B_;         ///< Points at commit().
 };
 
 }  // namespace lefort::solve

@@ -1,6 +1,6 @@
 /// \file
-/// What `lefort solve` is asked: what the body is made of, what holds, moves and pushes it, and how
-/// to go about it. A value; sets and regions are names that prepare_deck.h finds in the mesh.
+/// Input of `lefort solve`: materials, boundary conditions, loads, obstacles and solver options. A
+/// value; sets and regions are names that prepare_deck() finds in the mesh.
 #pragma once
 
 #include <lefort/contact/contact_term.h>
@@ -21,7 +21,7 @@
 
 namespace lefort::solve {
 
-/// Nodes in a box, its sides included.
+/// Nodes in a box, including its sides.
 struct NodesInBox {
   Box3 box_L;
 };
@@ -38,7 +38,7 @@ struct NodesByNumber {
   std::vector<std::int32_t> nodes;
 };
 
-/// The one node nearest to a point; of several the lowest number.
+/// The node closest to a point; of equally close nodes, the one with the lowest number.
 struct NodeNearest {
   Vec3 point_L = Vec3::Zero();
 };
@@ -54,64 +54,64 @@ struct SetChoice {
   std::variant<NodesInBox, NodesOnPlane, NodesByNumber, NodeNearest, NodesOfRegion> nodes;
 };
 
-/// What a region is made of.
+/// Material of a region.
 struct RegionLaw {
-  std::string region;  ///< A name the mesh gives, or a number; empty: all that no other law names.
+  std::string region;  ///< Name or number; empty: all regions without another law.
   fem::Material law;
-  double density_t_per_mm3 = 0.0;  ///< >= 0; for body forces alone.
+  double density_t_per_mm3 = 0.0;  ///< >= 0; used by body forces only.
 };
 
-/// Displacement of a set, component by component; those without a value are free.
+/// Prescribed displacement of a set; components without a value are free.
 struct PrescribedSet {
   std::string set;
   std::array<std::optional<double>, 3> displacement_mm{};
   LoadCurve curve{};
 };
 
-/// A set that moves with a rigid body.
+/// A set with a prescribed rigid motion.
 struct RigidlyMovedSet {
   std::string set;
   geometry::RigidPath path;
 };
 
-/// Force per area of the face at rest, of fixed direction.
+/// Dead load: force per reference area, with fixed direction.
 struct Traction {
   std::string faces;
   Vec3 traction_mpa = Vec3::Zero();
   LoadCurve curve{};
 };
 
-/// Force per area of the face as it is, against its normal as it is.
+/// Follower pressure: force per current area, against the current normal.
 struct PressureLoad {
   std::string faces;
   double pressure_mpa = 0.0;  ///< Positive pushes on the body.
   LoadCurve curve{};
 };
 
-/// Force per volume at rest: density times acceleration.
+/// Force per reference volume: density times acceleration.
 struct BodyForce {
   std::string region;  ///< Empty: all.
   Vec3 acceleration_mm_per_s2 = Vec3::Zero();
   LoadCurve curve{};
 };
 
-/// A rigid body that faces may touch and not enter, without friction.
+/// A rigid obstacle: faces may touch it without friction, but not enter it.
 struct Obstacle {
   std::string name;
   std::string faces;
-  geometry::RigidPath path;  ///< One keyframe without motion if it stands still.
-  /// k_c; unless given, stiffness_factor times Young's modulus of the stiffest region behind the
-  /// faces, divided by the mean edge of the faces.
+  geometry::RigidPath path;  ///< One keyframe without motion if stationary.
+  /// k_c; default: stiffness_factor times Young's modulus of the stiffest region behind the faces,
+  /// divided by the mean edge length of the faces.
   std::optional<double> stiffness_mpa_per_mm;
   double stiffness_factor = 10.0;
-  double capture_mm = 0.0;  ///< Faces that rest nearer touch it as they lie.
+  double capture_mm = 0.0;  ///< Contact tolerance: faces within this distance at rest touch it.
   contact::DetectionMethod detection = contact::DetectionMethod::kSmooth;
   contact::Integration integration = contact::Integration::kQuadrature;
   /// contact::ContactTerm::Options::penetration_tolerance_mm.
   std::optional<double> penetration_tolerance_mm = std::nullopt;
 };
 
-/// A place whose displacement is told at every increment.
+/// A point whose displacement is reported at every increment.
 struct Probe {
   std::string name;
   std::variant<std::int32_t, Vec3> at;  ///< A node, or a point of the body at rest, in L.
@@ -127,7 +127,7 @@ struct Deck {
   std::vector<BodyForce> body_forces;
   std::vector<Obstacle> obstacles;
   std::vector<Probe> probes;
-  std::vector<double> times;  ///< In (0, 1): increments end there.
+  std::vector<double> times;  ///< In (0, 1); an increment ends at each.
   fem::LoadStepOptions steps{.first_increment = 0.1, .min_increment = 1e-4};
   fem::NewtonOptions newton;
   linear::LinearSolverOptions linear_solver;

@@ -6,7 +6,7 @@
 namespace lefort::solve {
 namespace {
 
-/// Minus the sum of a term's residual: what it pushes with, all in all.
+/// Total force of a term on the body: minus the sum of its residual.
 Vec3 total_force_n(const fem::ForceTerm& term, std::span<const Vec3> x_L) {
   Vec3 total_n = Vec3::Zero();
   std::vector<Vec3> local_x_L;

@@ -1,5 +1,5 @@
 /// \file
-/// The tractions, pressures and body forces of a deck as force terms that a time sets.
+/// Tractions, pressures and body forces of a deck as force terms that depend on time.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,15 +16,17 @@ namespace lefort::solve {
 /// The loads of one deck, in the order of Deck::tractions, pressures, body_forces.
 class DeckLoads {
  public:
-  /// \returns the loads at time 0, or what fem's builders return.
+  /// \param prepared  the deck.
+  /// \returns the loads at time 0; or what fem::traction_forces(), fem::FollowerPressure::build()
+  ///   and fem::body_forces() return.
   [[nodiscard]] static Result<DeckLoads> build(const PreparedDeck& prepared);
 
-  /// Not while a term is being evaluated.
+  /// Must not be called while a term is evaluated.
   void set_time(double time);
 
   [[nodiscard]] std::vector<const fem::ForceTerm*> terms() const;
 
-  /// What each exerts on the body now [N].
+  /// Total force of each load on the body [N].
   /// \param x_L  current positions of all nodes [mm].
   [[nodiscard]] std::vector<Vec3> totals_n(std::span<const Vec3> x_L) const;
 

@@ -20,7 +20,7 @@ bool same_curve(const LoadCurve& a, const LoadCurve& b) {
                     });
 }
 
-/// Whether two conditions move a component alike at all times.
+/// Whether two conditions prescribe the same displacement of a component at all times.
 bool agree(const Deck& deck, int a, int b, int component) {
   const int displacements = int(deck.displacements.size());
   if (a >= displacements || b >= displacements) return a == b;
@@ -31,10 +31,10 @@ bool agree(const Deck& deck, int a, int b, int component) {
   return one == other && (one == 0.0 || same_curve(first.curve, second.curve));
 }
 
-/// Collects what is prescribed; of conditions that agree, the first has a component.
-class Held {
+/// Collects prescribed degrees of freedom; of conditions that agree, the first one counts.
+class DofCollector {
  public:
-  Held(const mesh::VolumeMesh& mesh, const Deck& deck)
+  DofCollector(const mesh::VolumeMesh& mesh, const Deck& deck)
       : mesh_(mesh), deck_(deck), by_(3 * mesh.nodes_L.size(), kFree) {}
 
   Result<void> add(const NodeList& nodes, int component, int by) {
@@ -42,34 +42,34 @@ class Held {
       int& owner = by_[3 * std::size_t(node) + std::size_t(component)];
       if (owner == kFree) {
         owner = by;
-        held_.push_back({node, component, by});
+        dofs_.push_back({node, component, by});
       } else if (!agree(deck_, owner, by, component)) {
         const Vec3& p_L = mesh_.nodes_L[std::size_t(node)];
         return fail(
             ErrorCode::kPlanInvalid,
             fmt::format("{} and {} both prescribe {} of node {} at ({:.3f}, {:.3f}, {:.3f}) "
-                        "mm, and not alike",
+                        "mm, with different values",
                         name_of_condition(deck_, owner), name_of_condition(deck_, by),
                         "xyz"[component], node, p_L.x(), p_L.y(), p_L.z()));
       }
     }
     return {};
   }
-  [[nodiscard]] std::vector<PrescribedDof> take() && { return std::move(held_); }
+  [[nodiscard]] std::vector<PrescribedDof> take() && { return std::move(dofs_); }
 
  private:
   static constexpr int kFree = -2;
   const mesh::VolumeMesh& mesh_;
   const Deck& deck_;
   std::vector<int> by_;
-  std::vector<PrescribedDof> held_;
+  std::vector<PrescribedDof> dofs_;
 };
 
 }  // namespace
 
 std::string name_of_condition(const Deck& deck, int by) {
   const int displacements = int(deck.displacements.size());
-  if (by < 0) return "what belongs to no element";
+  if (by < 0) return "a node of no element";
   if (by < displacements)
     return fmt::format("displacements[{}] (set {})", by, deck.displacements[std::size_t(by)].set);
   const int motion = by - displacements;
@@ -78,7 +78,7 @@ std::string name_of_condition(const Deck& deck, int by) {
 
 Result<std::vector<PrescribedDof>> find_prescribed_dofs(const mesh::VolumeMesh& mesh,
                                                         const Deck& deck) {
-  Held constrained(mesh, deck);
+  DofCollector dofs(mesh, deck);
   for (std::size_t d = 0; d < deck.displacements.size(); ++d) {
     const PrescribedSet& set = deck.displacements[d];
     const std::string key = indexed("displacements", d);
@@ -86,22 +86,22 @@ Result<std::vector<PrescribedDof>> find_prescribed_dofs(const mesh::VolumeMesh& 
     LEFORT_TRY(const NodeList nodes, prefix_error(find_nodes(mesh, set.set), key));
     for (int component = 0; component < 3; ++component)
       if (set.displacement_mm[std::size_t(component)])
-        LEFORT_TRY_VOID(constrained.add(nodes, component, int(d)));
+        LEFORT_TRY_VOID(dofs.add(nodes, component, int(d)));
   }
   for (std::size_t m = 0; m < deck.motions.size(); ++m) {
     const std::string key = indexed("motions", m);
     LEFORT_TRY_VOID(prefix_error(geometry::check_path(deck.motions[m].path), key));
     LEFORT_TRY(const NodeList nodes, prefix_error(find_nodes(mesh, deck.motions[m].set), key));
     for (int component = 0; component < 3; ++component)
-      LEFORT_TRY_VOID(constrained.add(nodes, component, int(deck.displacements.size() + m)));
+      LEFORT_TRY_VOID(dofs.add(nodes, component, int(deck.displacements.size() + m)));
   }
   const std::vector<char> used = nodes_of_elements(mesh);
   NodeList idle;
   for (std::size_t n = 0; n < used.size(); ++n)
     if (used[n] == 0) idle.push_back(std::int32_t(n));
   for (int component = 0; component < 3; ++component)
-    LEFORT_TRY_VOID(constrained.add(idle, component, -1));
-  return std::move(constrained).take();
+    LEFORT_TRY_VOID(dofs.add(idle, component, -1));
+  return std::move(dofs).take();
 }
 
 std::vector<fem::PrescribedDisplacement> prescribed_at(
@@ -116,17 +116,16 @@ std::vector<fem::PrescribedDisplacement> prescribed_at(
 
   std::vector<fem::PrescribedDisplacement> prescribed;
   prescribed.reserve(prescribed_dofs.size());
-  for (const PrescribedDof& constrained : prescribed_dofs) {
+  for (const PrescribedDof& dof : prescribed_dofs) {
     double mm = 0.0;
-    if (constrained.by >= 0 && std::size_t(constrained.by) < displacements) {
-      const auto by = std::size_t(constrained.by);
-      mm =
-          factors[by] * *deck.displacements[by].displacement_mm[std::size_t(constrained.component)];
-    } else if (constrained.by >= 0) {
-      const Vec3& X_L = mesh.nodes_L[std::size_t(constrained.node)];
-      mm = (poses[std::size_t(constrained.by) - displacements] * X_L - X_L)[constrained.component];
+    if (dof.by >= 0 && std::size_t(dof.by) < displacements) {
+      const auto by = std::size_t(dof.by);
+      mm = factors[by] * *deck.displacements[by].displacement_mm[std::size_t(dof.component)];
+    } else if (dof.by >= 0) {
+      const Vec3& X_L = mesh.nodes_L[std::size_t(dof.node)];
+      mm = (poses[std::size_t(dof.by) - displacements] * X_L - X_L)[dof.component];
     }
-    prescribed.push_back({constrained.node, constrained.component, mm});
+    prescribed.push_back({dof.node, dof.component, mm});
   }
   return prescribed;
 }

@@ -1,5 +1,5 @@
 /// \file
-/// Which components of which nodes a deck prescribes, and where they are at a time.
+/// Degrees of freedom that a deck prescribes, and their displacements at a time.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -14,26 +14,31 @@
 
 namespace lefort::solve {
 
-/// A component that is prescribed, and by what.
+/// A prescribed degree of freedom and its condition.
 struct PrescribedDof {
   std::int32_t node = 0;
   int component = 0;
-  int by = 0;  ///< Place in Deck::displacements, then in Deck::motions; -1: a node of no element.
+  int by = 0;  ///< Index in Deck::displacements, then in Deck::motions; -1: a node of no element.
 };
 
 /// \param mesh  with the deck's sets.
-/// \returns each component once, by the first condition that prescribes it; nodes of no element are
-///   held, too. Or kPlanInvalid: a set, curve or path is wrong, or two conditions move a component
-///   differently.
+/// \param deck  its displacements and motions are used.
+/// \returns each degree of freedom once, with the first condition that prescribes it, and those of
+///   nodes of no element; or kPlanInvalid: a set, curve or path is invalid, or two conditions
+///   prescribe different displacements.
 [[nodiscard]] Result<std::vector<PrescribedDof>> find_prescribed_dofs(const mesh::VolumeMesh& mesh,
                                                                       const Deck& deck);
 
-/// The displacements at a time, one for each of `held`, in its order.
+/// \param mesh             with the deck's sets.
+/// \param deck             its displacements and motions are used.
+/// \param prescribed_dofs  of find_prescribed_dofs().
+/// \param time             0 to 1.
+/// \returns the displacements at a time, in the order of `prescribed_dofs`.
 [[nodiscard]] std::vector<fem::PrescribedDisplacement> prescribed_at(
-    const mesh::VolumeMesh& mesh, const Deck& deck, std::span<const PrescribedDof> constrained,
+    const mesh::VolumeMesh& mesh, const Deck& deck, std::span<const PrescribedDof> prescribed_dofs,
     double time);
 
-/// "displacements[1] (set top)" and the like, for messages.
+/// Name of a condition for messages, for example "displacements[1] (set top)".
 [[nodiscard]] std::string name_of_condition(const Deck& deck, int by);
 
 }  // namespace lefort::solve

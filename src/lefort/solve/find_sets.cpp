@@ -22,13 +22,13 @@ void add_names(const Sets& sets, std::set<std::string>& names) {
   for (const auto& [name, members] : sets) names.insert(name);
 }
 
-/// "a, b, c", of many the first few.
+/// "a, b, c"; of a long list, the first names and the number of the others.
 std::string listed(const std::set<std::string>& names) {
-  constexpr std::size_t kMaximum = 40;
+  constexpr std::size_t kMaxListed = 40;
   if (names.empty()) return "none";
-  if (names.size() <= kMaximum) return fmt::format("{}", fmt::join(names, ", "));
-  const std::vector<std::string> first(names.begin(), std::next(names.begin(), kMaximum));
-  return fmt::format("{} and {} more", fmt::join(first, ", "), names.size() - kMaximum);
+  if (names.size() <= kMaxListed) return fmt::format("{}", fmt::join(names, ", "));
+  const std::vector<std::string> first(names.begin(), std::next(names.begin(), kMaxListed));
+  return fmt::format("{} and {} more", fmt::join(first, ", "), names.size() - kMaxListed);
 }
 
 Error no_such_set(const mesh::VolumeMesh& mesh, const std::string& set) {
@@ -36,10 +36,10 @@ Error no_such_set(const mesh::VolumeMesh& mesh, const std::string& set) {
   add_names(mesh.node_sets, names);
   add_names(mesh.face_sets, names);
   return {ErrorCode::kPlanInvalid,
-          fmt::format("there is no set {}, the sets are: {}", set, listed(names))};
+          fmt::format("there is no set {}; the sets are: {}", set, listed(names))};
 }
 
-/// Those of `candidates` an element has.
+/// Those of `candidates` that belong to an element.
 NodeList used_of(const NodeList& candidates, const std::vector<char>& used) {
   NodeList kept;
   std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(kept),
@@ -56,8 +56,8 @@ NodeList used_where(const mesh::VolumeMesh& mesh, const std::vector<char>& used,
   return nodes;
 }
 
-/// Evaluates each kind of choice.
-struct Chooser {
+/// Finds the nodes of each kind of choice.
+struct NodeFinder {
   const mesh::VolumeMesh& mesh;
   const std::vector<char>& used;
 
@@ -73,7 +73,7 @@ struct Chooser {
     for (const std::int32_t node : choice.nodes)
       if (node < 0 || Index(node) >= mesh.node_count() || used[std::size_t(node)] == 0)
         return fail(ErrorCode::kPlanInvalid,
-                    fmt::format("there is no node {} in any element, the nodes are 0 to {}", node,
+                    fmt::format("no element has node {}; the nodes are 0 to {}", node,
                                 mesh.node_count() - 1));
     NodeList nodes = choice.nodes;
     std::sort(nodes.begin(), nodes.end());
@@ -123,7 +123,7 @@ Result<mesh::VolumeMesh> add_sets(mesh::VolumeMesh mesh, std::span<const SetChoi
     };
     if (mesh.node_sets.count(set.name) + mesh.face_sets.count(set.name) > 0)
       return refuse("the mesh has a set of that name");
-    Result<NodeList> nodes = std::visit(Chooser{mesh, used}, set.nodes);
+    Result<NodeList> nodes = std::visit(NodeFinder{mesh, used}, set.nodes);
     if (!nodes) return refuse(nodes.error().message);
     if (nodes->empty()) return refuse("no node of an element lies there");
     mesh.node_sets[set.name] = *std::move(nodes);
@@ -190,7 +190,7 @@ Result<std::int32_t> find_region(const mesh::VolumeMesh& mesh, const std::string
                                                  : fmt::format("{} ({})", known, name->second));
   }
   return fail(ErrorCode::kPlanInvalid,
-              fmt::format("there is no region {}, the regions are: {}", region, listed(names)));
+              fmt::format("there is no region {}; the regions are: {}", region, listed(names)));
 }
 
 }  // namespace lefort::solve

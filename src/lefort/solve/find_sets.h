@@ -1,7 +1,6 @@
 /// \file
-/// The parts of a mesh that a deck names: nodes, faces, regions.
-///
-/// A name that is not there is kPlanInvalid, with the names that are. Nodes of no element (the
+/// Finds nodes, faces and regions of a mesh by the names in a deck.
+/// An unknown name is kPlanInvalid; the message lists the known names. Nodes of no element (the
 /// center of an arc in a Gmsh file) belong to no set.
 #pragma once
 
@@ -16,28 +15,30 @@
 
 namespace lefort::solve {
 
-/// \returns for each node whether an element has it. \pre elements name nodes that exist.
+/// \returns for each node whether it belongs to an element. \pre nodes of elements exist.
 [[nodiscard]] std::vector<char> nodes_of_elements(const mesh::VolumeMesh& mesh);
 
-/// Adds the deck's sets to the node sets of the mesh, which they may build on but not replace.
+/// Adds the deck's sets to the node sets of the mesh. They may refer to sets of the mesh, but not
+/// replace them.
 ///
-/// \returns kPlanInvalid, naming the set: its name is taken, or it would have no node.
+/// \returns the mesh; or kPlanInvalid with the name of the set: the name exists, or the set would
+///   be empty.
 [[nodiscard]] Result<mesh::VolumeMesh> add_sets(mesh::VolumeMesh mesh,
                                                 std::span<const SetChoice> sets);
 
-/// The nodes of a node set, or of a face set if there is no node set of that name; ascending.
+/// Nodes of a node set, or of a face set if there is no node set of that name; ascending.
 [[nodiscard]] Result<std::vector<std::int32_t>> find_nodes(const mesh::VolumeMesh& mesh,
                                                            const std::string& set);
 
-/// The faces of a face set; if there is none of that name, the boundary faces all of whose nodes
-/// are in the node set of that name.
+/// Faces of a face set; if there is none of that name, the boundary faces whose nodes all belong to
+/// the node set of that name.
 [[nodiscard]] Result<std::vector<mesh::Face>> find_faces(const mesh::VolumeMesh& mesh,
                                                          const std::string& set);
 
-/// The numbers of the regions that occur, ascending.
+/// Numbers of the regions that occur, ascending.
 [[nodiscard]] std::vector<std::int32_t> regions_of(const mesh::VolumeMesh& mesh);
 
-/// The number of a region told by name or number.
+/// Number of a region given by name or number.
 [[nodiscard]] Result<std::int32_t> find_region(const mesh::VolumeMesh& mesh,
                                                const std::string& region);
 

@@ -6,12 +6,12 @@
 namespace lefort::solve {
 namespace {
 
-constexpr double kFirstShift = 1e-9;  ///< Of the diagonal.
+constexpr double kFirstShift = 1e-9;  ///< Relative to the mean diagonal entry.
 constexpr double kShiftGrowth = 10.0;
 constexpr double kLastShift = 1e3;
 constexpr int kIterations = 4;
 
-/// No mode is orthogonal to it but by accident.
+/// Start vector of the inverse iteration: fixed, and orthogonal to no mode in practice.
 VectorX irregular(Index size) {
   VectorX x(size);
   for (Index i = 0; i < size; ++i) x[i] = std::sin(1.0 + 12.9898 * double(i));
@@ -26,7 +26,7 @@ std::optional<WeakestMode> find_weakest_mode(const fem::Assembler& assembler, co
   if (dofs.free_count() == 0 || !assembler.forces(u)) return std::nullopt;
   linear::SparseMatrix K = assembler.tangent(u);
   linear::LinearSolver solver(
-      {.kind = linear::LinearSolverKind::kDirect});  // It alone sees each pivot.
+      {.kind = linear::LinearSolverKind::kDirect});  // Only this kind detects an indefinite matrix.
   if (progress.stop_requested()) return std::nullopt;
   linear::LinearSolveStatus outcome = solver.factorize(K);
   const double scale = K.diagonal().cwiseAbs().mean();
@@ -48,16 +48,16 @@ std::optional<WeakestMode> find_weakest_mode(const fem::Assembler& assembler, co
     motion = *next / next->norm();
   }
   const VectorX all = dofs.with_free_part(VectorX::Zero(u.size()), motion);
-  WeakestMode spot{.resists = shift == 0.0};
-  double largest = -1.0;
+  WeakestMode mode{.resists = shift == 0.0};
+  double max_squared = -1.0;
   for (Index node = 0; node < dofs.node_count(); ++node) {
     const Vec3 moved = all.segment<3>(3 * node);
-    if (!(moved.squaredNorm() > largest)) continue;
-    largest = moved.squaredNorm();
-    spot.node = std::int32_t(node);
-    spot.direction = moved.normalized();
+    if (!(moved.squaredNorm() > max_squared)) continue;
+    max_squared = moved.squaredNorm();
+    mode.node = std::int32_t(node);
+    mode.direction = moved.normalized();
   }
-  return spot;
+  return mode;
 }
 
 }  // namespace lefort::solve

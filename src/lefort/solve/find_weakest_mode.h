@@ -1,5 +1,5 @@
 /// \file
-/// Where a body gives way first.
+/// Finds the weakest mode of a body.
 #pragma once
 
 #include <lefort/core/progress.h>
@@ -11,19 +11,21 @@
 
 namespace lefort::solve {
 
-/// The motion that the body resists least.
+/// The displacement with the smallest stiffness.
 struct WeakestMode {
   bool resists = true;            ///< False if the tangent is not positive definite.
-  std::int32_t node = 0;          ///< Moves most.
+  std::int32_t node = 0;          ///< With the largest displacement.
   Vec3 direction = Vec3::Zero();  ///< Of that node; unit length.
 };
 
-/// \param u  displacements of all components, admissible.
-/// \param progress  asked before every factorization whether to stop.
-/// \returns the motion; nothing if the tangent is not finite or does not fit into memory, or if
-///   `progress` asked to stop.
-/// \note Cost: a few direct factorizations. By inverse iteration from a fixed start, so always the
-///   same.
+/// Inverse iteration with the tangent, shifted until it is positive definite.
+///
+/// \param assembler  of the body.
+/// \param u          displacements of all components, admissible.
+/// \param progress   may stop the search before each factorization.
+/// \returns the mode; nothing if the tangent is not finite or does not fit into memory, or if
+///   `progress` requested a stop.
+/// \note Cost: a few direct factorizations. Deterministic: the start vector is fixed.
 [[nodiscard]] std::optional<WeakestMode> find_weakest_mode(const fem::Assembler& assembler,
                                                            const VectorX& u,
                                                            Progress& progress = Progress::none());

@@ -11,17 +11,17 @@ namespace lefort::solve {
 std::vector<CurvePoint> ramp() { return {{0.0, 0.0}, {1.0, 1.0}}; }
 
 Result<void> check_curve(const LoadCurve& curve) {
-  const auto refuse = [](const std::string& why) { return fail(ErrorCode::kPlanInvalid, why); };
-  if (curve.points.empty()) return refuse("the curve has no point, must have one or more");
+  const auto invalid = [](const std::string& why) { return fail(ErrorCode::kPlanInvalid, why); };
+  if (curve.points.empty()) return invalid("the curve has no point; it needs at least one");
   double before = -std::numeric_limits<double>::infinity();
   for (const CurvePoint& point : curve.points) {
     if (!(point.time >= 0.0 && point.time <= 1.0))
-      return refuse(fmt::format("a time of the curve is {}, must be 0 to 1", point.time));
+      return invalid(fmt::format("a time of the curve is {}; it must be 0 to 1", point.time));
     if (!std::isfinite(point.factor))
-      return refuse(fmt::format("a factor of the curve is {}, must be finite", point.factor));
+      return invalid(fmt::format("a factor of the curve is {}; it must be finite", point.factor));
     if (!(point.time > before))
-      return refuse(
-          fmt::format("the curve's times must ascend, {} comes after {}", point.time, before));
+      return invalid(
+          fmt::format("the times of the curve must ascend; {} comes after {}", point.time, before));
     before = point.time;
   }
   return {};

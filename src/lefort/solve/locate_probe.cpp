@@ -14,7 +14,7 @@
 namespace lefort::solve {
 namespace {
 
-/// How far outside its reference element a point lies in reference coordinates; negative inside.
+/// Distance of a point outside its reference element, in reference coordinates; negative inside.
 double outside_by(mesh::ElementShape shape, const Vec3& xi) {
   using mesh::ElementShape;
   switch (shape) {
@@ -33,16 +33,16 @@ double outside_by(mesh::ElementShape shape, const Vec3& xi) {
   return std::numeric_limits<double>::infinity();
 }
 
-/// The reference coordinates of a point, by Newton's method from the middle of the element.
+/// Reference coordinates of a point, by Newton's method from the center of the element.
 ///
-/// \param X, p  nodes and point, both from a point nearby: far from it digits are lost.
+/// \param X, p  nodes and point relative to a nearby point, to avoid cancellation.
 template <class Element>
 std::optional<Vec3> reference_coordinates(const Eigen::Matrix<double, 3, Element::kNodes>& X,
                                           const Vec3& p) {
   constexpr int kIterations = 30;
   constexpr double kConverged = 1e-10;
-  constexpr double kStanding = 1e-6;  // Steps that do not shrink any more, and are that small.
-  constexpr double kLost = 10.0;      // Elements away.
+  constexpr double kStagnated = 1e-6;  // Smaller steps that no longer shrink count as converged.
+  constexpr double kDiverged = 10.0;   // Reference coordinates this large lie in another element.
   Vec3 xi = Element::nodes().rowwise().mean();
   double last_step = std::numeric_limits<double>::infinity();
   for (int n = 0; n < kIterations; ++n) {
@@ -50,24 +50,24 @@ std::optional<Vec3> reference_coordinates(const Eigen::Matrix<double, 3, Element
     const Vec3 step = dX_dxi.partialPivLu().solve(p - X * Element::functions(xi));
     if (!step.allFinite()) return std::nullopt;
     xi += step;
-    if (xi.norm() > kLost) return std::nullopt;
+    if (xi.norm() > kDiverged) return std::nullopt;
     const double length = step.norm();
-    if (length < kConverged || (length < kStanding && length >= last_step)) return xi;
+    if (length < kConverged || (length < kStagnated && length >= last_step)) return xi;
     last_step = length;
   }
   return std::nullopt;
 }
 
-/// The element that a point lies deepest in so far.
-struct Finding {
-  double outside_by = 1e-6;  ///< Of an element's size: a point on the boundary counts as inside.
+/// The best element for a point so far.
+struct Candidate {
+  double outside_by = 1e-6;  ///< Reference coordinates: a point on the boundary counts as inside.
   ProbePlace place;
 };
 
 template <class Element>
-void look_into(const mesh::VolumeMesh& mesh, const std::int32_t* nodes, const Vec3& p_L,
-               Finding& best) {
-  constexpr double kMargin = 0.25;  // Of the box: sides of quadratic elements bulge.
+void test_element(const mesh::VolumeMesh& mesh, const std::int32_t* nodes, const Vec3& p_L,
+                  Candidate& best) {
+  constexpr double kMargin = 0.25;  // Of the box: faces of quadratic elements are curved.
   Eigen::Matrix<double, 3, Element::kNodes> X;
   Box3 box_L;
   for (int a = 0; a < Element::kNodes; ++a) {
@@ -92,19 +92,19 @@ void look_into(const mesh::VolumeMesh& mesh, const std::int32_t* nodes, const Ve
 Result<ProbePlace> locate_node(const mesh::VolumeMesh& mesh, std::int32_t node) {
   const std::vector<char> used = nodes_of_elements(mesh);
   if (node < 0 || Index(node) >= mesh.node_count() || used[std::size_t(node)] == 0)
-    return fail(ErrorCode::kPlanInvalid,
-                fmt::format("there is no node {} in any element, the nodes are 0 to {}", node,
-                            mesh.node_count() - 1));
+    return fail(
+        ErrorCode::kPlanInvalid,
+        fmt::format("no element has node {}; the nodes are 0 to {}", node, mesh.node_count() - 1));
   return ProbePlace{mesh.nodes_L[std::size_t(node)], {node}, {1.0}};
 }
 
 Result<ProbePlace> locate_point(const mesh::VolumeMesh& mesh, const Vec3& p_L) {
-  Finding best;
+  Candidate best;
   for (const mesh::ElementBlock& block : mesh.blocks)
     std::visit(
         [&]<class Element>(const Element&) {
           for (Index e = 0; e < block.element_count(); ++e)
-            look_into<Element>(mesh, block.element(e), p_L, best);
+            test_element<Element>(mesh, block.element(e), p_L, best);
         },
         fem::element_of(block.shape));
   if (!best.place.nodes.empty()) return best.place;
@@ -114,7 +114,7 @@ Result<ProbePlace> locate_point(const mesh::VolumeMesh& mesh, const Vec3& p_L) {
       nearest = n;
   const Vec3& at_L = mesh.nodes_L[nearest];
   return fail(ErrorCode::kPlanInvalid,
-              fmt::format("({:.3f}, {:.3f}, {:.3f}) mm lies in no element, the nearest node is {} "
+              fmt::format("({:.3f}, {:.3f}, {:.3f}) mm lies in no element; the closest node is {} "
                           "at ({:.3f}, {:.3f}, {:.3f}) mm",
                           p_L.x(), p_L.y(), p_L.z(), nearest, at_L.x(), at_L.y(), at_L.z()));
 }

@@ -1,5 +1,5 @@
 /// \file
-/// Where in the mesh a probe is: the nodes whose displacements make up its own.
+/// Finds the nodes and weights that give the displacement of a probe.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -16,17 +16,19 @@ namespace lefort::solve {
 struct ProbePlace {
   Vec3 at_L = Vec3::Zero();  ///< At rest [mm].
   std::vector<std::int32_t> nodes;
-  std::vector<double> weights;  ///< One per node: the shape functions there; their sum is 1.
+  std::vector<double> weights;  ///< Shape functions, one per node; their sum is 1.
 };
 
-/// \param at  a node of an element, or a point of the body at rest, in L.
-/// \returns its place, or kPlanInvalid: there is no such node, or the point lies in no element; the
-///   nearest node is told.
-/// \note A point on a face belongs to the element it lies deepest in, of equals to the first.
+/// \param mesh  the body at rest.
+/// \param at    a node of an element, or a point of the body at rest, in L.
+/// \returns its nodes and weights; or kPlanInvalid: there is no such node, or the point lies in no
+///   element; the message names the closest node.
+/// \note A point on a face belongs to the element in which it lies deepest; if equal, to the first.
 [[nodiscard]] Result<ProbePlace> locate_probe(const mesh::VolumeMesh& mesh,
                                               const std::variant<std::int32_t, Vec3>& at);
 
-/// \param u  displacements of all nodes, 3 per node [mm].
+/// \param probe  from locate_probe().
+/// \param u      displacements of all nodes, 3 per node [mm].
 [[nodiscard]] Vec3 displacement_of(const ProbePlace& probe, const VectorX& u);
 
 }  // namespace lefort::solve

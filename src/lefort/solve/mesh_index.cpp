@@ -20,17 +20,17 @@ FaceKey face_key(const mesh::Face& face) {
   return key;
 }
 
-/// Where an element is in its block.
+/// An element as block and index in it.
 struct BlockPlace {
   const mesh::ElementBlock& block;
   Index element;
 };
 
 BlockPlace find_element(const mesh::VolumeMesh& mesh, std::int32_t element) {
-  Index left = element;
+  Index remaining = element;
   for (const mesh::ElementBlock& block : mesh.blocks) {
-    if (left < block.element_count()) return {block, left};
-    left -= block.element_count();
+    if (remaining < block.element_count()) return {block, remaining};
+    remaining -= block.element_count();
   }
   return {mesh.blocks.back(), 0};  // Not of this mesh.
 }
@@ -67,7 +67,7 @@ std::vector<std::int32_t> sorted_nodes(const mesh::Face& face) {
   return sorted;
 }
 
-/// Whether two triangles of the boundary fill a quadrilateral of it.
+/// Whether two boundary triangles cover a boundary quadrilateral.
 bool faces_two_triangles(const MeshIndex& index, const mesh::Face& quad) {
   const auto& n = quad.nodes;
   const auto is_there = [&](std::size_t a, std::size_t b, std::size_t c) {
@@ -129,31 +129,32 @@ Result<std::vector<std::string>> check_joints(const mesh::VolumeMesh& mesh,
     if (first.corners != second.corners) continue;
     const mesh::Face one = face_of(mesh, first), other = face_of(mesh, second);
     if (k + 1 < index.faces.size() && index.faces[k + 1].corners == second.corners)
-      return fail(ErrorCode::kMeshInvalid,
-                  fmt::format("elements {}, {} and {} have one face, at {}, must be two at most",
-                              first.element, second.element, index.faces[k + 1].element,
-                              place_of(mesh, one)));
+      return fail(
+          ErrorCode::kMeshInvalid,
+          fmt::format("elements {}, {} and {} share one face at {}; at most two may", first.element,
+                      second.element, index.faces[k + 1].element, place_of(mesh, one)));
     if (sorted_nodes(one) != sorted_nodes(other))
-      return fail(ErrorCode::kMeshInvalid,
-                  fmt::format("elements {} and {} share the corners of a face at {} but not all "
-                              "its nodes ({} and {}), and would come apart along its edges",
-                              first.element, second.element, place_of(mesh, one),
-                              mesh::node_count(one.shape), mesh::node_count(other.shape)));
+      return fail(
+          ErrorCode::kMeshInvalid,
+          fmt::format("elements {} and {} share the corners of a face at {} but not all its nodes "
+                      "({} and {}); a gap would open along its edges",
+                      first.element, second.element, place_of(mesh, one),
+                      mesh::node_count(one.shape), mesh::node_count(other.shape)));
   }
   std::vector<std::string> warnings;
-  Index hanging = 0;
+  Index nonconforming = 0;
   std::string first_place;
   for (const mesh::Face& face : index.boundary) {
     if (mesh::corner_count(face.shape) != 4 || !faces_two_triangles(index, face)) continue;
-    if (hanging++ == 0)
+    if (nonconforming++ == 0)
       first_place = fmt::format("of element {} at {}", faces_like(index, face)[0].element,
                                 place_of(mesh, face));
   }
-  if (hanging > 0)
+  if (nonconforming > 0)
     warnings.push_back(
-        fmt::format("{} quadrilaterals lie against two triangles each and are joined to them at "
-                    "their nodes alone, the first {}",
-                    hanging, first_place));
+        fmt::format("{} quadrilaterals lie on two triangles each and are connected to them only at "
+                    "their nodes; the first is {}",
+                    nonconforming, first_place));
   return warnings;
 }
 

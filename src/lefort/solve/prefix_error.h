@@ -1,5 +1,5 @@
 /// \file
-/// Messages about a deck name the key that is at fault.
+/// Adds the key of a deck to error messages.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -10,7 +10,7 @@
 
 namespace lefort::solve {
 
-/// Puts `key` in front of an error's message.
+/// Prefixes an error's message with `key`.
 template <class T>
 [[nodiscard]] Result<T> prefix_error(Result<T> result, const std::string& key) {
   if (result) return result;

@@ -26,14 +26,14 @@ Result<void> check_mesh(const mesh::VolumeMesh& mesh) {
     for (const std::int32_t node : block.nodes)
       if (node < 0 || Index(node) >= mesh.node_count())
         return fail(ErrorCode::kMeshInvalid,
-                    fmt::format("an element of the mesh names node {}, the nodes are 0 to {}", node,
+                    fmt::format("an element of the mesh has node {}; the nodes are 0 to {}", node,
                                 mesh.node_count() - 1));
   for (const mesh::ElementBlock& block : mesh.blocks)
     if (block.nodes.size() != block.region.size() * std::size_t(mesh::node_count(block.shape)))
       return fail(
           ErrorCode::kMeshInvalid,
-          fmt::format("a block of {} elements lists {} nodes, must be {} each", block.region.size(),
-                      block.nodes.size(), mesh::node_count(block.shape)));
+          fmt::format("a block of {} elements has {} nodes; it must have {} for each",
+                      block.region.size(), block.nodes.size(), mesh::node_count(block.shape)));
   if (mesh.element_count() == 0) return fail(ErrorCode::kMeshInvalid, "the mesh has no element");
   return {};
 }
@@ -52,9 +52,9 @@ Result<void> assign_laws(PreparedDeck& prepared) {
   std::map<std::int32_t, std::size_t> law_of;
   std::optional<std::size_t> rest;
   const auto twice = [](const std::string& what, std::size_t first, std::size_t second) {
-    return fail(ErrorCode::kPlanInvalid, fmt::format("materials[{}] and materials[{}] are both for "
-                                                     "{}, must be one",
-                                                     first, second, what));
+    return fail(ErrorCode::kPlanInvalid,
+                fmt::format("materials[{}] and materials[{}] are both for {}; only one may be",
+                            first, second, what));
   };
   for (std::size_t l = 0; l < laws.size(); ++l) {
     if (laws[l].region.empty()) {
@@ -72,32 +72,32 @@ Result<void> assign_laws(PreparedDeck& prepared) {
     const auto law = law_of.find(region);
     if (law == law_of.end())
       return fail(ErrorCode::kPlanInvalid,
-                  fmt::format("materials: region {} of the mesh ({} elements) has none", region,
-                              elements_of(prepared.mesh, region)));
+                  fmt::format("materials: region {} of the mesh ({} elements) has no material",
+                              region, elements_of(prepared.mesh, region)));
     prepared.materials.emplace(region, laws[law->second].law);
     prepared.density_t_per_mm3.emplace(region, laws[law->second].density_t_per_mm3);
   }
   return {};
 }
 
-// --- What pushes ---------------------------------------------------------------------------------
+// --- Loads ---------------------------------------------------------------------------------------
 
-/// A face between two elements, in words; nothing if all are of the boundary.
+/// Describes a face between two elements; nothing if all faces are on the boundary.
 std::optional<std::string> inner_face(const PreparedDeck& prepared, const MeshIndex& index,
                                       const FaceList& faces, const std::string& set) {
   for (const mesh::Face& face : faces)
     if (const auto uses = faces_like(index, face); uses.size() > 1)
-      return fmt::format("faces {} hold one between elements {} and {} at {}", set, uses[0].element,
-                         uses[1].element, place_of(prepared.mesh, face));
+      return fmt::format("faces {} contain one between elements {} and {} at {}", set,
+                         uses[0].element, uses[1].element, place_of(prepared.mesh, face));
   return std::nullopt;
 }
 
-/// Refuses what pushes along normals inside of the body: which way they look is up to the file.
+/// Rejects loads along normals inside the body, because the order of the file decides their sign.
 Result<void> check_outside(const PreparedDeck& prepared, const MeshIndex& index,
                            const FaceList& faces, const std::string& set) {
   const auto inner = inner_face(prepared, index, faces, set);
   if (!inner) return {};
-  return fail(ErrorCode::kPlanInvalid, *inner + ", all must be of the boundary");
+  return fail(ErrorCode::kPlanInvalid, *inner + "; all must lie on the boundary");
 }
 
 Result<void> find_loads(PreparedDeck& prepared, const MeshIndex& index) {
@@ -153,7 +153,7 @@ double mean_edge_mm(const mesh::VolumeMesh& mesh, const FaceList& faces) {
   return sum_mm / double(edges);
 }
 
-/// The stiffest of the regions whose elements have one of the faces.
+/// Young's modulus of the stiffest region whose elements have one of the faces.
 double young_behind_mpa(const PreparedDeck& prepared, const MeshIndex& index,
                         const FaceList& faces) {
   std::set<std::int32_t> regions;
@@ -198,7 +198,7 @@ void find_levels(PreparedDeck& prepared) {
   for (const BodyForce& load : deck.body_forces) add_curve(load.curve);
   for (const RigidlyMovedSet& set : deck.motions) add_path(set.path);
   for (const Obstacle& obstacle : deck.obstacles) add_path(obstacle.path);
-  // What rounding sets apart is one level, and the end is 1.
+  // Times that differ only by rounding are one level; the last is 1.
   for (const double level : levels) {
     const double last = prepared.levels.empty() ? 0.0 : prepared.levels.back();
     if (level > last + kSameTime && level < 1.0 - kSameTime) prepared.levels.push_back(level);
@@ -206,7 +206,7 @@ void find_levels(PreparedDeck& prepared) {
   prepared.levels.push_back(1.0);
 }
 
-Index idle_nodes(const PreparedDeck& prepared) {
+Index unused_nodes(const PreparedDeck& prepared) {
   const std::vector<char> used = nodes_of_elements(prepared.mesh);
   return Index(std::count(used.begin(), used.end(), 0));
 }
@@ -228,33 +228,33 @@ Result<void> check_supports(PreparedDeck& prepared) {
         part.motion);
     if (!may_be_touched(prepared, part.nodes))
       return fail(ErrorCode::kPlanInvalid,
-                  fmt::format("displacements: {} as a whole, nothing holds it", what));
-    prepared.warnings.push_back(what + " as a whole until an obstacle holds it");
+                  fmt::format("displacements: {} as a rigid body; it is not fixed", what));
+    prepared.warnings.push_back(what + " as a rigid body until an obstacle supports it");
   }
   return {};
 }
 
-/// A load that is there at time 0 comes in at once, whatever the increment.
+/// Warns of loads that do not start at 0: increments cannot divide the jump at time 0.
 void warn_of_jumps(PreparedDeck& prepared) {
   const Deck& deck = prepared.deck;
-  const auto look = [&](const LoadCurve& curve, const std::string& key) {
+  const auto check_start = [&](const LoadCurve& curve, const std::string& key) {
     if (factor_at(curve, 0.0) != 0.0)
-      prepared.warnings.push_back(
-          fmt::format("{}: the curve begins at {:g}, so that much comes in at once however small "
-                      "the increments",
-                      key, factor_at(curve, 0.0)));
+      prepared.warnings.push_back(fmt::format(
+          "{}: the curve begins at {:g}; this part is applied at once, however small the "
+          "increments",
+          key, factor_at(curve, 0.0)));
   };
   for (std::size_t i = 0; i < deck.displacements.size(); ++i) {
     const auto& mm = deck.displacements[i].displacement_mm;
     if (std::any_of(mm.begin(), mm.end(), [](const auto& u) { return u.value_or(0.0) != 0.0; }))
-      look(deck.displacements[i].curve, indexed("displacements", i));
+      check_start(deck.displacements[i].curve, indexed("displacements", i));
   }
   for (std::size_t i = 0; i < deck.tractions.size(); ++i)
-    look(deck.tractions[i].curve, indexed("tractions", i));
+    check_start(deck.tractions[i].curve, indexed("tractions", i));
   for (std::size_t i = 0; i < deck.pressures.size(); ++i)
-    look(deck.pressures[i].curve, indexed("pressures", i));
+    check_start(deck.pressures[i].curve, indexed("pressures", i));
   for (std::size_t i = 0; i < deck.body_forces.size(); ++i)
-    look(deck.body_forces[i].curve, indexed("body_forces", i));
+    check_start(deck.body_forces[i].curve, indexed("body_forces", i));
 }
 
 }  // namespace
@@ -269,13 +269,13 @@ Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck) {
   LEFORT_TRY_VOID(prefix_error(fem::validate(prepared.deck.newton), "newton"));
   LEFORT_TRY_VOID(assign_laws(prepared));
   LEFORT_TRY_VOID(fem::make_element_terms(prepared.mesh, prepared.materials));
-  // After each element for itself: a crushed one seems to have a face twice.
+  // After the check of single elements: a degenerate one may have the same face twice.
   LEFORT_TRY(const auto joints, check_joints(prepared.mesh, index));
   prepared.warnings.insert(prepared.warnings.end(), joints.begin(), joints.end());
   LEFORT_TRY(prepared.prescribed, find_prescribed_dofs(prepared.mesh, prepared.deck));
-  if (const Index idle = idle_nodes(prepared); idle > 0)
+  if (const Index unused = unused_nodes(prepared); unused > 0)
     prepared.warnings.push_back(
-        fmt::format("{} nodes belong to no element; they stay where they are", idle));
+        fmt::format("{} nodes belong to no element and do not move", unused));
   LEFORT_TRY_VOID(find_loads(prepared, index));
   LEFORT_TRY_VOID(find_obstacles(prepared, index));
   for (std::size_t i = 0; i < prepared.deck.probes.size(); ++i) {

@@ -1,6 +1,5 @@
 /// \file
-/// A deck and its mesh, checked against each other before anything is solved: names become lists of
-/// nodes, faces and regions.
+/// Checks a deck and its mesh before the solve: names become lists of nodes, faces and regions.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -19,35 +18,38 @@
 
 namespace lefort::solve {
 
-/// Times that are no further apart are the same.
+/// Times that differ by no more than this are equal.
 inline constexpr double kSameTime = 1e-9;
 
-/// A deck whose names are found. A value.
+/// A deck with its mesh, whose names were found. A value.
 struct PreparedDeck {
   mesh::VolumeMesh mesh;  ///< With the deck's sets.
   Deck deck;
   fem::RegionMaterials materials;
   std::map<std::int32_t, double> density_t_per_mm3;  ///< Of every region.
   std::vector<PrescribedDof> prescribed;
-  std::vector<std::vector<mesh::Face>> traction_faces;  ///< Like Deck::tractions.
-  std::vector<std::vector<mesh::Face>> pressure_faces;  ///< Like Deck::pressures.
+  std::vector<std::vector<mesh::Face>> traction_faces;  ///< As Deck::tractions.
+  std::vector<std::vector<mesh::Face>> pressure_faces;  ///< As Deck::pressures.
   std::vector<std::vector<std::int32_t>> body_force_regions;
   std::vector<std::vector<mesh::Face>> obstacle_faces;
   std::vector<double> obstacle_stiffness_mpa_per_mm;
-  std::vector<ProbePlace> probes;  ///< Like Deck::probes.
+  std::vector<ProbePlace> probes;  ///< As Deck::probes.
   std::vector<double> levels;      ///< Times at which an increment ends, ascending, the last 1.
   std::vector<std::string> warnings;
 };
 
-/// Finds all that the deck names, and refuses what cannot be solved.
+/// Finds all names of the deck and rejects problems that cannot be solved.
 ///
+/// \param mesh  of the body.
+/// \param deck  the problem.
 /// \returns the deck, or
-///   - kPlanInvalid      a name, curve or path is wrong, conditions contradict each other, or a
-///                       part of the body can move as a whole; names key, set or element;
+///   - kPlanInvalid      a name, curve or path is invalid, conditions contradict each other, or a
+///                       part of the body can move as a rigid body; the message names key, set or
+///                       element;
 ///   - kMeshInvalid, kElementInverted, kInvalidArgument  from fem::make_element_terms().
 [[nodiscard]] Result<PreparedDeck> prepare_deck(mesh::VolumeMesh mesh, Deck deck);
 
-/// The displacements at a time, one for each of PreparedDeck::prescribed, in its order.
+/// Displacements at a time, in the order of PreparedDeck::prescribed.
 [[nodiscard]] inline std::vector<fem::PrescribedDisplacement> prescribed_at(
     const PreparedDeck& prepared, double time) {
   return prescribed_at(prepared.mesh, prepared.deck, prepared.prescribed, time);

@@ -23,7 +23,7 @@ namespace {
 
 using ElementTerms = std::vector<std::unique_ptr<const fem::ForceTerm>>;
 
-/// The terms of a deck, and the pose and size of each at a time.
+/// Force terms of a deck, with loads and obstacle poses that depend on time.
 class Problem {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Problem>> build(
@@ -45,23 +45,24 @@ class Problem {
     }
   }
 
-  /// An equilibrium is refused if an obstacle passed through faces on the way to it.
-  void refuse_passages(fem::NewtonOutcome& outcome) const {
+  /// Rejects an equilibrium if an obstacle passed through faces within the increment.
+  void reject_passages(fem::NewtonOutcome& outcome) const {
     const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, outcome.x);
-    for (std::size_t i = 0; i < swept_.size() && outcome.converged(); ++i)
-      if (auto why = swept_[i].rejection_reason(obstacles_[i], x_L)) {
+    for (std::size_t i = 0; i < contact_checks_.size() && outcome.converged(); ++i)
+      if (auto why = contact_checks_[i].rejection_reason(obstacles_[i], x_L)) {
         outcome.stop = fem::NewtonStop::kRejected;
         outcome.reason = *std::move(why);
       }
   }
 
-  /// The next ways begin at an accepted equilibrium.
+  /// Makes an accepted equilibrium the start of the next continuous contact checks.
   void commit(const VectorX& u) {
     const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, u);
-    for (std::size_t i = 0; i < swept_.size(); ++i) swept_[i].commit(obstacles_[i], x_L);
+    for (std::size_t i = 0; i < contact_checks_.size(); ++i)
+      contact_checks_[i].commit(obstacles_[i], x_L);
   }
 
-  /// What there is to tell of a converged state.
+  /// Results of a converged state.
   [[nodiscard]] Increment describe(const fem::LoadState& state) const;
 
   [[nodiscard]] std::span<contact::ContactTerm> contacts() { return contacts_; }
@@ -76,7 +77,7 @@ class Problem {
         loads_(std::move(loads)),
         obstacles_(make_obstacles(distance_queries)),
         contacts_(make_contacts(prepared, distance_queries)),
-        swept_(make_swept(prepared, obstacles_)),
+        contact_checks_(make_contact_checks(prepared, obstacles_)),
         assembler_(prepared.mesh.nodes_L, std::move(dofs), all_terms()) {}
 
   static std::vector<contact::RigidObstacle> make_obstacles(
@@ -90,21 +91,20 @@ class Problem {
   static std::vector<contact::ContactTerm> make_contacts(
       const PreparedDeck& prepared, const ObstacleDistanceQueries& distance_queries) {
     std::vector<contact::ContactTerm> contacts;
-    contacts.reserve(distance_queries.size());  // The assembler points to them.
     for (std::size_t i = 0; i < distance_queries.size(); ++i)
       contacts.push_back(make_contact(prepared, i, distance_queries[i]));
     return contacts;
   }
 
-  static std::vector<ContinuousContactCheck> make_swept(
+  static std::vector<ContinuousContactCheck> make_contact_checks(
       const PreparedDeck& prepared, const std::vector<contact::RigidObstacle>& obstacles) {
-    std::vector<ContinuousContactCheck> swept;
+    std::vector<ContinuousContactCheck> checks;
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
-      swept.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i],
-                         "obstacle " + prepared.deck.obstacles[i].name);
-      swept.back().commit(obstacles[i], prepared.mesh.nodes_L);
+      checks.emplace_back(prepared.mesh.nodes_L, prepared.obstacle_faces[i],
+                          "obstacle " + prepared.deck.obstacles[i].name);
+      checks.back().commit(obstacles[i], prepared.mesh.nodes_L);
     }
-    return swept;
+    return checks;
   }
 
   [[nodiscard]] std::vector<const fem::ForceTerm*> all_terms() const {
@@ -118,45 +118,45 @@ class Problem {
   const PreparedDeck& prepared_;
   ElementTerms elements_;
   DeckLoads loads_;
-  std::vector<contact::RigidObstacle> obstacles_;  ///< As they lie.
+  std::vector<contact::RigidObstacle> obstacles_;  ///< At their current poses.
   std::vector<contact::ContactTerm> contacts_;
-  std::vector<ContinuousContactCheck> swept_;
+  std::vector<ContinuousContactCheck> contact_checks_;
   fem::Assembler assembler_;
 };
 
 Increment Problem::describe(const fem::LoadState& state) const {
   const Deck& deck = prepared_.deck;
   const std::vector<Vec3> x_L = contact::displaced(prepared_.mesh.nodes_L, state.u);
-  Increment reported;
-  reported.time = state.t;
-  reported.u = state.u;
-  reported.elements = fem::element_states(prepared_.mesh, prepared_.materials, state.u);
-  reported.min_J = std::numeric_limits<double>::infinity();
-  for (const fem::ElementState& element : reported.elements)
-    reported.min_J = std::min(reported.min_J, element.min_volume_ratio);
+  Increment increment;
+  increment.time = state.t;
+  increment.u = state.u;
+  increment.elements = fem::element_states(prepared_.mesh, prepared_.materials, state.u);
+  increment.min_J = std::numeric_limits<double>::infinity();
+  for (const fem::ElementState& element : increment.elements)
+    increment.min_J = std::min(increment.min_J, element.min_volume_ratio);
   for (Index n = 0; n < prepared_.mesh.node_count(); ++n)
-    reported.max_displacement_mm =
-        std::max(reported.max_displacement_mm, state.u.segment<3>(3 * n).norm());
+    increment.max_displacement_mm =
+        std::max(increment.max_displacement_mm, state.u.segment<3>(3 * n).norm());
 
   const auto forces = assembler_.forces(state.u);
   LEFORT_CHECK(forces.has_value());
-  reported.energy_mj = forces->energy_mj;
-  reported.reactions_n.assign(deck.displacements.size() + deck.motions.size(), Vec3::Zero());
+  increment.energy_mj = forces->energy_mj;
+  increment.reactions_n.assign(deck.displacements.size() + deck.motions.size(), Vec3::Zero());
   for (const PrescribedDof& prescribed : prepared_.prescribed)
     if (prescribed.by >= 0)
-      reported.reactions_n[std::size_t(prescribed.by)][prescribed.component] +=
+      increment.reactions_n[std::size_t(prescribed.by)][prescribed.component] +=
           forces->residual_n[3 * Index(prescribed.node) + prescribed.component];
-  reported.loads_n = loads_.totals_n(x_L);
+  increment.loads_n = loads_.totals_n(x_L);
   for (const contact::ContactTerm& contact : contacts_) {
-    reported.contacts.push_back(contact.summarize(x_L));
-    reported.touched.push_back(contact.at_nodes(x_L));
+    increment.contacts.push_back(contact.summarize(x_L));
+    increment.touched.push_back(contact.at_nodes(x_L));
   }
   for (const ProbePlace& probe : prepared_.probes)
-    reported.probes_mm.push_back(displacement_of(probe, state.u));
-  return reported;
+    increment.probes_mm.push_back(displacement_of(probe, state.u));
+  return increment;
 }
 
-/// Whether Newton met a tangent that was not positive definite.
+/// Whether Newton found a tangent that was not positive definite.
 bool met_instability(const std::vector<fem::LoadAttempt>& attempts) {
   if (attempts.empty()) return false;
   const std::vector<fem::NewtonIterate>& history = attempts.back().history;
@@ -177,8 +177,8 @@ Index element_at(const mesh::VolumeMesh& mesh, std::int32_t node) {
   return -1;
 }
 
-/// The element with the least J, in words.
-std::string max_compressed(const PreparedDeck& prepared, const VectorX& u) {
+/// Describes the element with the smallest J.
+std::string describe_min_J(const PreparedDeck& prepared, const VectorX& u) {
   const mesh::VolumeMesh& mesh = prepared.mesh;
   const auto states = fem::element_states(mesh, prepared.materials, u);
   const auto minimum = std::min_element(states.begin(), states.end(),
@@ -202,7 +202,7 @@ std::string max_compressed(const PreparedDeck& prepared, const VectorX& u) {
   return "no element";
 }
 
-/// What resists least, unless looking for it takes a factor that the solver itself would avoid.
+/// The weakest mode, unless it needs a factorization that the solver itself avoids.
 std::optional<WeakestMode> weakest_mode(const Problem& problem, const VectorX& u,
                                         Progress& progress) {
   const linear::LinearSolverOptions& solver = problem.prepared().deck.linear_solver;
@@ -211,79 +211,189 @@ std::optional<WeakestMode> weakest_mode(const Problem& problem, const VectorX& u
   return find_weakest_mode(problem.assembler(), u, progress);
 }
 
-std::string place_of(const mesh::VolumeMesh& mesh, const WeakestMode& spot) {
-  const Vec3& at_L = mesh.nodes_L[std::size_t(spot.node)];
-  return fmt::format("at node {} of element {} at ({:.3f}, {:.3f}, {:.3f}) mm", spot.node,
-                     element_at(mesh, spot.node), at_L.x(), at_L.y(), at_L.z());
+std::string describe_place(const mesh::VolumeMesh& mesh, const WeakestMode& mode) {
+  const Vec3& at_L = mesh.nodes_L[std::size_t(mode.node)];
+  return fmt::format("at node {} of element {} at ({:.3f}, {:.3f}, {:.3f}) mm", mode.node,
+                     element_at(mesh, mode.node), at_L.x(), at_L.y(), at_L.z());
 }
 
-/// What may be behind a failure, as far as the last state and Newton's history tell.
+/// Likely cause of a failure, from the last state and Newton's history.
 std::string diagnosis(const Problem& problem, const fem::LoadState& last,
                       const std::vector<fem::LoadAttempt>& attempts, Progress& progress) {
   const auto forces = problem.assembler().forces(last.u);
   const bool has_followers = forces && forces->follower_n.size() > 0;
-  const auto spot = weakest_mode(problem, last.u, progress);
+  const auto mode = weakest_mode(problem, last.u, progress);
   const mesh::VolumeMesh& mesh = problem.prepared().mesh;
-  if (spot && !spot->resists && last.t == 0.0)
+  if (mode && !mode->resists && last.t == 0.0)
     return fmt::format(
-        "at rest the tangent is singular: something is not held, or hangs by a node or an edge "
-        "alone, and gives way, most {}",
-        place_of(mesh, *spot));
-  // With followers only the symmetric part of the tangent is known, whose sign proves nothing.
+        "at rest the tangent is singular: a part of the body is not fixed, or is connected "
+        "only by a node or an edge; its motion is largest {}",
+        describe_place(mesh, *mode));
+  // With follower pressures only the symmetric part of the tangent is factorized; its eigenvalues
+  // do not decide stability.
   if (has_followers)
     return fmt::format(
-        "a pressure on faces with a free rim may have met a state in which the body gives way; "
-        "most compressed is {}",
-        max_compressed(problem.prepared(), last.u));
-  if (spot && !spot->resists)
+        "a pressure on faces with a free boundary may have reached a state in which the body is "
+        "unstable; smallest J: {}",
+        describe_min_J(problem.prepared(), last.u));
+  if (mode && !mode->resists)
     return fmt::format(
-        "the tangent is not positive definite any more at load level {:.6g}: the load may lie "
-        "beyond a limit point, where the body buckles or collapses; it gives way, most {}",
-        last.t, place_of(mesh, *spot));
-  if (spot && met_instability(attempts))
+        "the tangent is not positive definite at load level {:.6g}: the load may lie beyond a "
+        "limit point, where the body buckles or collapses; the weakest mode is largest {}",
+        last.t, describe_place(mesh, *mode));
+  if (mode && met_instability(attempts))
     return fmt::format(
-        "at load level {:.6g} the body still resists, least {}, but beyond Newton met tangents "
-        "that are not positive definite: the load may lie beyond a limit point, where the body "
-        "buckles or collapses",
-        last.t, place_of(mesh, *spot));
+        "at load level {:.6g} the tangent is positive definite (weakest mode: {}), but Newton "
+        "found "
+        "indefinite tangents beyond it: the load may lie beyond a limit point, where the body "
+        "buckles "
+        "or collapses",
+        last.t, describe_place(mesh, *mode));
   return fmt::format(
-      "most compressed is {}; a smaller steps.min_increment or more newton.max_iterations may help",
-      max_compressed(problem.prepared(), last.u));
+      "smallest J: {}; a smaller steps.min_increment or more newton.max_iterations may help",
+      describe_min_J(problem.prepared(), last.u));
 }
 
-/// Adds to Newton's sentence what may be behind it.
+/// Adds the likely cause to Newton's message.
 Error explained(const Error& error, const Problem& problem, const fem::LoadState& last,
                 const std::vector<fem::LoadAttempt>& attempts, Progress& progress) {
   if (error.code == ErrorCode::kOutOfMemory)
-    return {error.code,
-            fmt::format("{}: the equations of {} nodes do not fit into memory; linear_solver "
-                        "multigrid takes least",
-                        error.message, problem.prepared().mesh.node_count())};
+    return {error.code, fmt::format("{}: the equations of {} nodes do not fit into memory; "
+                                    "linear_solver multigrid needs the "
+                                    "least",
+                                    error.message, problem.prepared().mesh.node_count())};
   if (error.code != ErrorCode::kNotConverged) return error;
   return {error.code,
           fmt::format("{}; {}", error.message, diagnosis(problem, last, attempts, progress))};
 }
 
 fem::NewtonOptions newton_options(const Problem& problem, const DeckWatch& watch) {
-  constexpr double kSlack = 4.0;  // Of an estimate.
+  constexpr double kSafety = 4.0;  // The round-off is an estimate.
   fem::NewtonOptions options = problem.prepared().deck.newton;
   const VectorX at_rest = VectorX::Zero(3 * problem.prepared().mesh.node_count());
   if (problem.assembler().forces(at_rest))
-    options.round_off_n = kSlack * problem.assembler().force_round_off_n(at_rest);
+    options.round_off_n = kSafety * problem.assembler().force_round_off_n(at_rest);
   options.on_phase = watch.on_phase;
   return options;
 }
 
-/// Whether nothing pushes the body and its held nodes are where they rest; obstacles apart.
+/// Whether all loads are zero and all prescribed nodes are at rest; obstacles are not considered.
 bool is_at_rest(const PreparedDeck& prepared, double time) {
   const Deck& deck = prepared.deck;
-  const auto pushes = [&](const auto& load) { return factor_at(load.curve, time) != 0.0; };
+  const auto is_loaded = [&](const auto& load) { return factor_at(load.curve, time) != 0.0; };
   const auto prescribed = prescribed_at(prepared, time);
-  return std::none_of(deck.tractions.begin(), deck.tractions.end(), pushes) &&
-         std::none_of(deck.pressures.begin(), deck.pressures.end(), pushes) &&
-         std::none_of(deck.body_forces.begin(), deck.body_forces.end(), pushes) &&
+  return std::none_of(deck.tractions.begin(), deck.tractions.end(), is_loaded) &&
+         std::none_of(deck.pressures.begin(), deck.pressures.end(), is_loaded) &&
+         std::none_of(deck.body_forces.begin(), deck.body_forces.end(), is_loaded) &&
          std::all_of(prescribed.begin(), prescribed.end(),
                      [](const auto& node) { return node.displacement_mm == 0.0; });
+}
+
+/// A run in progress: the problem, its solver and what was found so far.
+class DeckRunner {
+ public:
+  /// Arguments must outlive the object.
+  DeckRunner(Problem& problem, const DeckWatch& watch, Progress& progress)
+      : problem_(problem),
+        prepared_(problem.prepared()),
+        watch_(watch),
+        progress_(progress),
+        newton_(newton_options(problem, watch)),
+        linear_solver_(prepared_.deck.linear_solver),
+        stepper_(
+            {0.0, VectorX::Zero(3 * prepared_.mesh.node_count())},
+            [this](double time, const VectorX& start) { return solve_at(time, start); },
+            prepared_.deck.steps) {}
+  DeckRunner(const DeckRunner&) = delete;
+  DeckRunner& operator=(const DeckRunner&) = delete;
+
+  /// From time 0 to 1. \returns as run_deck().
+  [[nodiscard]] Result<DeckRun> run();
+
+ private:
+  [[nodiscard]] fem::NewtonOutcome solve_at(double time, const VectorX& start);
+  [[nodiscard]] fem::NewtonOutcome solve_from(double time, const VectorX& start);
+  [[nodiscard]] std::vector<fem::LoadAttempt> take_new_attempts();
+  [[nodiscard]] Result<void> record(const fem::LoadState& state);
+  [[nodiscard]] Result<void> record_failure(const Error& error);
+
+  Problem& problem_;
+  const PreparedDeck& prepared_;
+  const DeckWatch& watch_;
+  Progress& progress_;
+  fem::NewtonOptions newton_;
+  linear::LinearSolver linear_solver_;
+  fem::LoadStepper stepper_;
+  std::size_t recorded_attempts_ = 0;
+  std::optional<Error> watch_error_;  ///< Returned by the watch, not by the solver.
+  DeckRun run_;
+};
+
+Result<DeckRun> DeckRunner::run() {
+  for (const double level : prepared_.levels) {
+    const Result<void> advanced = stepper_.advance_to(
+        level, progress_, [this](const fem::LoadState& state) { return record(state); });
+    if (advanced) continue;
+    if (watch_error_) return tl::unexpected(*watch_error_);
+    LEFORT_TRY_VOID(record_failure(advanced.error()));
+    break;
+  }
+  return std::move(run_);
+}
+
+fem::NewtonOutcome DeckRunner::solve_at(double time, const VectorX& start) {
+  problem_.set_time(time);
+  newton_.may_start_at_rest = is_at_rest(prepared_, time);
+  fem::NewtonOutcome outcome = contact::solve_augmented_lagrangian(
+      problem_.contacts(), prepared_.mesh.nodes_L, start,
+      [&](const VectorX& from) { return solve_from(time, from); });
+  if (outcome.converged()) problem_.commit(outcome.x);
+  return outcome;
+}
+
+fem::NewtonOutcome DeckRunner::solve_from(double time, const VectorX& start) {
+  fem::NewtonOutcome outcome =
+      fem::find_equilibrium(problem_.assembler(), prescribed_at(prepared_, time), start,
+                            linear_solver_, newton_, progress_);
+  if (outcome.converged()) problem_.reject_passages(outcome);
+  return outcome;
+}
+
+/// Attempts since the last increment.
+std::vector<fem::LoadAttempt> DeckRunner::take_new_attempts() {
+  const std::vector<fem::LoadAttempt>& all = stepper_.attempts();
+  std::vector<fem::LoadAttempt> attempts(all.begin() + std::ptrdiff_t(recorded_attempts_),
+                                         all.end());
+  recorded_attempts_ = all.size();
+  return attempts;
+}
+
+/// Makes a converged state the last increment.
+Result<void> DeckRunner::record(const fem::LoadState& state) {
+  Increment increment = problem_.describe(state);
+  increment.number = run_.last ? run_.last->number + 1 : 1;
+  increment.attempts = take_new_attempts();
+  const fem::NewtonIterate& end = increment.attempts.back().history.back();
+  increment.residual_n = end.residual_n;
+  if (end.residual_reference_n > 0.0)
+    increment.relative_residual = end.residual_n / end.residual_reference_n;
+  run_.last = std::move(increment);
+  if (linear_solver_.statistics().factorizations > 0) run_.linear_solver = linear_solver_.kind();
+  progress_.report(state.t);
+  if (!watch_.on_increment) return {};
+  Result<void> reported = watch_.on_increment(*run_.last);
+  if (!reported) watch_error_ = reported.error();
+  return reported;
+}
+
+/// Ends the run at the last increment and adds a diagnosis.
+Result<void> DeckRunner::record_failure(const Error& error) {
+  run_.failed_attempts = take_new_attempts();
+  problem_.set_time(stepper_.state().t);
+  run_.failure = error;
+  if (watch_.on_failure) LEFORT_TRY_VOID(watch_.on_failure(run_));
+  run_.failure = explained(error, problem_, stepper_.state(), run_.failed_attempts, progress_);
+  return {};
 }
 
 }  // namespace
@@ -299,65 +409,7 @@ Result<DeckRun> run_deck(const PreparedDeck& prepared,
                          const ObstacleDistanceQueries& distance_queries, const DeckWatch& watch,
                          Progress& progress) {
   LEFORT_TRY(const std::unique_ptr<Problem> problem, Problem::build(prepared, distance_queries));
-  fem::NewtonOptions newton = newton_options(*problem, watch);
-  linear::LinearSolver linear_solver(prepared.deck.linear_solver);
-  const auto solve_at = [&](double time, const VectorX& start) {
-    problem->set_time(time);
-    newton.may_start_at_rest = is_at_rest(prepared, time);
-    const auto solve_from = [&](const VectorX& from) {
-      fem::NewtonOutcome outcome =
-          fem::find_equilibrium(problem->assembler(), prescribed_at(prepared, time), from,
-                                linear_solver, newton, progress);
-      if (outcome.converged()) problem->refuse_passages(outcome);
-      return outcome;
-    };
-    fem::NewtonOutcome settled = contact::solve_augmented_lagrangian(
-        problem->contacts(), prepared.mesh.nodes_L, start, solve_from);
-    if (settled.converged()) problem->commit(settled.x);
-    return settled;
-  };
-  fem::LoadStepper stepper({0.0, VectorX::Zero(3 * prepared.mesh.node_count())}, solve_at,
-                           prepared.deck.steps);
-
-  DeckRun run;
-  std::size_t attempts_reported = 0;
-  std::optional<Error> not_reported;  ///< The watch's own, to be told apart from the solver's.
-  const auto new_attempts = [&] {
-    const auto& all = stepper.attempts();
-    std::vector<fem::LoadAttempt> attempts(all.begin() + std::ptrdiff_t(attempts_reported),
-                                           all.end());
-    attempts_reported = all.size();
-    return attempts;
-  };
-  const auto on_state = [&](const fem::LoadState& state) -> Result<void> {
-    Increment increment = problem->describe(state);
-    increment.number = run.last ? run.last->number + 1 : 1;
-    increment.attempts = new_attempts();
-    const fem::NewtonIterate& end = increment.attempts.back().history.back();
-    increment.residual_n = end.residual_n;
-    if (end.residual_reference_n > 0.0)
-      increment.relative_residual = end.residual_n / end.residual_reference_n;
-    run.last = std::move(increment);
-    if (linear_solver.statistics().factorizations > 0) run.linear_solver = linear_solver.kind();
-    progress.report(state.t);
-    if (!watch.on_increment) return {};
-    Result<void> reported = watch.on_increment(*run.last);
-    if (!reported) not_reported = reported.error();
-    return reported;
-  };
-  for (const double level : prepared.levels) {
-    const Result<void> advanced = stepper.advance_to(level, progress, on_state);
-    if (advanced) continue;
-    if (not_reported) return tl::unexpected(*not_reported);
-    run.failed_attempts = new_attempts();
-    problem->set_time(stepper.state().t);
-    run.failure = advanced.error();
-    if (watch.on_failure) LEFORT_TRY_VOID(watch.on_failure(run));
-    run.failure =
-        explained(advanced.error(), *problem, stepper.state(), run.failed_attempts, progress);
-    break;
-  }
-  return run;
+  return DeckRunner(*problem, watch, progress).run();
 }
 
 }  // namespace lefort::solve

@@ -14,10 +14,10 @@ namespace {
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
-/// Which nodes hang together.
-class Union {
+/// Disjoint sets of connected nodes (union-find).
+class DisjointSets {
  public:
-  explicit Union(std::size_t count) : parent_(count) {
+  explicit DisjointSets(std::size_t count) : parent_(count) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
   std::int32_t root(std::int32_t node) {
@@ -28,7 +28,7 @@ class Union {
     }
     return node;
   }
-  /// The lower root stays, so that roots do not depend on the order of joining.
+  /// The lower root remains, so that roots do not depend on the order of joining.
   void join(std::int32_t a, std::int32_t b) {
     const std::int32_t root_a = root(a), root_b = root(b);
     parent_[std::size_t(std::max(root_a, root_b))] = std::min(root_a, root_b);
@@ -38,7 +38,7 @@ class Union {
   std::vector<std::int32_t> parent_;
 };
 
-/// A part as it is gathered.
+/// A part and its constraints.
 struct Part {
   UnconstrainedPart reported;
   Vec3 center_L = Vec3::Zero();
@@ -48,7 +48,7 @@ struct Part {
 
 std::vector<Part> connected_parts(const mesh::VolumeMesh& mesh,
                                   std::vector<std::int32_t>& part_of) {
-  Union joined(mesh.nodes_L.size());
+  DisjointSets joined(mesh.nodes_L.size());
   for (const mesh::ElementBlock& block : mesh.blocks)
     for (Index e = 0; e < block.element_count(); ++e)
       for (int a = 1; a < mesh::node_count(block.shape); ++a)
@@ -85,18 +85,19 @@ void measure(const mesh::VolumeMesh& mesh, Part& part) {
     part.size_mm = std::max(part.size_mm, (mesh.nodes_L[std::size_t(node)] - part.center_L).norm());
 }
 
-std::string in_words(const Vec3& direction) {
+std::string describe(const Vec3& direction) {
   constexpr double kZero = 5e-4;  // Not "-0".
   const auto shown = [](double x) { return std::abs(x) < kZero ? 0.0 : x; };
   return fmt::format("({:.3g}, {:.3g}, {:.3g})", shown(direction.x()), shown(direction.y()),
                      shown(direction.z()));
 }
 
-/// Shift and turn (times the part's size) of a rigid motion.
-std::string in_words(const Vec6& motion) {
-  const Vec3 shift = motion.head<3>(), turn = motion.tail<3>();
-  return shift.norm() > turn.norm() ? "move along " + in_words(Vec3(shift.normalized()))
-                                    : "turn about " + in_words(Vec3(turn.normalized()));
+/// \param motion  translation, then rotation times the part's size.
+std::string describe(const Vec6& motion) {
+  const Vec3 translation = motion.head<3>(), rotation = motion.tail<3>();
+  return translation.norm() > rotation.norm()
+             ? "move along " + describe(Vec3(translation.normalized()))
+             : "rotate about " + describe(Vec3(rotation.normalized()));
 }
 
 }  // namespace
@@ -112,23 +113,23 @@ std::vector<UnconstrainedPart> find_unconstrained_parts(
     const std::int32_t number = part_of[std::size_t(p.node)];
     if (number < 0) continue;
     Part& part = parts[std::size_t(number)];
-    // u = shift + turn x d, so that u . e = shift . e + turn . (d x e).
+    // u = t + r x d, so that u . e = t . e + r . (d x e).
     const Vec3 d = (mesh.nodes_L[std::size_t(p.node)] - part.center_L) / part.size_mm;
     Vec6 row;
     row << Vec3::Unit(p.component), d.cross(Vec3::Unit(p.component));
     part.constrained += row * row.transpose();
   }
 
-  std::vector<UnconstrainedPart> loose;
+  std::vector<UnconstrainedPart> unconstrained;
   for (Part& part : parts) {
     const Eigen::SelfAdjointEigenSolver<Mat6> eigen(part.constrained);
     const double minimum = kRoundOff * std::max(eigen.eigenvalues()[5], 1.0);
     part.reported.free_motions = int((eigen.eigenvalues().array() <= minimum).count());
     if (part.reported.free_motions == 0) continue;
-    part.reported.motion = in_words(Vec6(eigen.eigenvectors().col(0)));
-    loose.push_back(std::move(part.reported));
+    part.reported.motion = describe(Vec6(eigen.eigenvectors().col(0)));
+    unconstrained.push_back(std::move(part.reported));
   }
-  return loose;
+  return unconstrained;
 }
 
 }  // namespace lefort::solve

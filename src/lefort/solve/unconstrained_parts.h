@@ -1,6 +1,5 @@
 /// \file
-/// Finds what would make the equations singular before they are solved: parts of the body that
-/// nothing keeps from moving as a whole.
+/// Finds parts of the body that can move as a rigid body, which makes the equations singular.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -14,21 +13,22 @@
 
 namespace lefort::solve {
 
-/// Elements that hang together, and can move as one.
+/// Connected elements that can move as a rigid body.
 struct UnconstrainedPart {
-  Index first_element = 0;   ///< Through the blocks.
+  Index first_element = 0;   ///< Number through the blocks.
   Vec3 at_L = Vec3::Zero();  ///< Center of that element [mm].
   Index elements = 0;
   std::vector<std::int32_t> nodes;  ///< Ascending.
-  int free_motions = 0;             ///< Of the six of a rigid body, how many.
-  std::string motion;               ///< One of them in words: "move along (0, 0, 1)".
+  int free_motions = 0;             ///< Number of free rigid-body modes, 1 to 6.
+  std::string motion;               ///< One of them as text: "move along (0, 0, 1)".
 };
 
-/// Parts connected by common nodes whose prescribed components leave a rigid motion free.
+/// Parts connected by common nodes whose prescribed components do not prevent every rigid motion.
 ///
-/// \param mesh  elements name nodes that exist.
-/// \note Parts that hang by one node or one edge count as connected; they are told only by the
-///   solver (find_weakest_mode.h).
+/// \param mesh        nodes of elements exist.
+/// \param prescribed  displacements of nodes.
+/// \note Parts connected by one node or one edge count as connected; only the solver finds them
+///   (find_weakest_mode.h).
 [[nodiscard]] std::vector<UnconstrainedPart> find_unconstrained_parts(
     const mesh::VolumeMesh& mesh, std::span<const fem::PrescribedDisplacement> prescribed);
 

@@ -3,7 +3,7 @@
 namespace lefort::solve {
 namespace {
 
-/// Where component (i, J) of F or P stands in a fem::Mat9.
+/// Index of component (i, J) of F or P in a fem::Mat9.
 constexpr int at(int i, int J) { return i + 3 * J; }
 
 }  // namespace
@@ -11,7 +11,7 @@ constexpr int at(int i, int J) { return i + 3 * J; }
 double young_modulus_at_rest_mpa(const fem::Material& material) {
   const fem::Mat9 A =
       std::visit([](const auto& law) { return law.tangent(Mat3::Identity()); }, material);
-  // Lame's constants, each the mean of where Hooke's law has it.
+  // Lame's constants: means of the components that equal them in Hooke's law.
   double lambda = 0.0, mu = 0.0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {

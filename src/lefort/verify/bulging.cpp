@@ -22,21 +22,21 @@ constexpr double kHalf_mm = 1.0;
 constexpr double kBulgeMu_mpa = 1.0;
 constexpr double kBulgePoisson = 0.499;
 
-/// Where the plate's edge meets the free side the displacement goes with the distance to the power
+/// At the edge between plate and free side the displacement varies as the distance to the power
 /// x = 0.595, the root of sin^2(pi x / 2) = 1 - x^2 for an incompressible body (\cite
-/// williams1952). Strains come with order 1 where cells are graded with a power g > 1 / x of the
+/// williams1952). Strains have order 1 if cells are graded with a power g > 1 / x of the
 /// distance (\cite babuska1979), displacements in the L2 norm with twice that.
 constexpr double kBulgeGrading = 2.5;
 constexpr double kOrder = 2.0;
 
-/// How far the cube is flattened, and what is known of the outcome: numbers in the middle of what
-/// seven shapes tend to on the meshes of the full form, which the report tells.
+/// A compression and its reference: the middle of the limits of seven shapes on the meshes of the
+/// full form, which the report lists.
 struct Load {
   const char* name;
   double compression;
   double force_n;      ///< On the plate, of the eighth.
-  double bulge_mm;     ///< How far the middle of a side moves out.
-  double uncertainty;  ///< Of both, as a share.
+  double bulge_mm;     ///< Outward displacement of the center of a side.
+  double uncertainty;  ///< Of both, relative.
 };
 constexpr std::array kLoads{Load{.name = "1 %",
                                  .compression = 0.01,
@@ -55,9 +55,9 @@ struct Outcome {
   std::vector<Vec3> u_mm = {};  ///< At the corners of the coarsest mesh's cells.
 };
 
-/// An eighth of the cube between plates it sticks to.
+/// Compresses an eighth of the cube between plates to which it sticks.
 ///
-/// \param corners  where to tell the displacement: corners of cells.
+/// \param corners  of cells: points of Outcome::u_mm.
 Result<Outcome> compress(mesh::ElementShape shape, int cells, const Load& load,
                          std::span<const Vec3> corners, Progress& progress) {
   const double kappa_mpa =
@@ -68,17 +68,17 @@ Result<Outcome> compress(mesh::ElementShape shape, int cells, const Load& load,
   const auto& sets = model.mesh.node_sets;
   const auto top = sets.at("z1");
   std::vector<fem::PrescribedDisplacement> prescribed;
-  const auto hold_off_top = [&](const char* side, int axis) {
+  const auto prescribe_below_top = [&](const char* side, int axis) {
     for (const std::int32_t node : sets.at(side))
       if (model.mesh.nodes_L[std::size_t(node)].z() < kHalf_mm - 1e-9)
-        hold({node}, axis, 0.0, prescribed);
+        prescribe({node}, axis, 0.0, prescribed);
   };
-  hold_off_top("x0", 0);
-  hold_off_top("y0", 1);
-  hold(sets.at("z0"), 2, 0.0, prescribed);
-  hold(top, 0, 0.0, prescribed);
-  hold(top, 1, 0.0, prescribed);
-  hold(top, 2, -load.compression * kHalf_mm, prescribed);
+  prescribe_below_top("x0", 0);
+  prescribe_below_top("y0", 1);
+  prescribe(sets.at("z0"), 2, 0.0, prescribed);
+  prescribe(top, 0, 0.0, prescribed);
+  prescribe(top, 1, 0.0, prescribed);
+  prescribe(top, 2, -load.compression * kHalf_mm, prescribed);
   model.prescribed = in_proportion(std::move(prescribed));
   LEFORT_TRY(const Equilibrium found, solve(model, {.relative_tolerance = 1e-9}, progress));
   const auto u_at = [&](const Vec3& corner) -> Vec3 {
@@ -92,8 +92,8 @@ Result<Outcome> compress(mesh::ElementShape shape, int cells, const Load& load,
   return outcome;
 }
 
-/// The corners of a mesh of so many cells a side, and to each its share of the volume (by the
-/// trapezoidal rule): what sums of squares need to be L2 norms.
+/// Corners of a mesh with `cells` a side, and the volume of each by the trapezoidal rule: weights
+/// of an L2 norm.
 struct Corners {
   std::vector<Vec3> at;
   std::vector<double> volume_mm3;
@@ -114,7 +114,7 @@ Corners corners_of(int cells) {
   return corners;
 }
 
-/// The L2 norm of what one mesh's displacement differs from the next one's.
+/// L2 norm of the difference between the displacements on two meshes.
 double difference(const Outcome& a, const Outcome& b, const Corners& corners) {
   double sum = 0.0;
   for (std::size_t c = 0; c < corners.at.size(); ++c)
@@ -127,73 +127,97 @@ std::vector<int> meshes(mesh::ElementShape shape, Extent extent) {
                                                        : std::vector{2, 4, 8};
 }
 
-/// Three values, coarse to fine, over the reference.
+/// Three values over the reference, coarse to fine.
 using Ratios = std::array<double, 3>;
 
-/// What they tend to by an order, and by how much that may be wrong.
+/// Their limit by an order, and its uncertainty.
 std::string limit_of(const Ratios& values, double order) {
   const double p = std::min(order, kOrder);
   return fmt::format("{:.4f} ± {:.4f}", values[2] + (values[2] - values[1]) / (std::exp2(p) - 1.0),
                      predicted_error(values, p));
 }
 
-void press(const Load& load, Extent extent, Section& section, Progress& progress) {
+/// Force and bulge of one shape over the reference, and the order of the displacement.
+struct BulgeRatios {
+  Ratios force{}, bulge{};
+  double order = NAN;
+  std::string failure = "";
+};
+
+BulgeRatios compress_all(mesh::ElementShape shape, const std::vector<int>& cells, const Load& load,
+                         report::PlotLine& line, Progress& progress) {
+  const Corners corners = corners_of(cells.front());
+  std::vector<Outcome> outcomes;
+  BulgeRatios ratios;
+  for (const int n : cells) {
+    const auto found = compress(shape, n, load, corners.at, progress);
+    if (!found) {
+      ratios.failure = found.error().message;
+      return ratios;
+    }
+    outcomes.push_back(*found);
+    line.x.push_back(std::log2(n));
+    line.y.push_back(found->force_n / load.force_n);
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    ratios.force[k] = outcomes[k].force_n / load.force_n;
+    ratios.bulge[k] = outcomes[k].bulge_mm / load.bulge_mm;
+  }
+  ratios.order = std::log2(difference(outcomes[0], outcomes[1], corners) /
+                           difference(outcomes[1], outcomes[2], corners));
+  return ratios;
+}
+
+std::vector<std::string> bulge_row(mesh::ElementShape shape, int finest,
+                                   const BulgeRatios& ratios) {
+  std::vector<std::string> row{text_of(shape), fmt::format("{}", finest)};
+  for (const double value : ratios.force) row.push_back(fmt::format("{:.4f}", value));
+  for (const double value : ratios.bulge) row.push_back(fmt::format("{:.4f}", value));
+  row.insert(row.end(), {fmt::format("{:.2f}", ratios.order), limit_of(ratios.force, ratios.order),
+                         limit_of(ratios.bulge, ratios.order)});
+  return row;
+}
+
+void check_bulge(const std::string& name, const Load& load, const BulgeRatios& ratios,
+                 Section& section) {
+  section.checks.push_back({.name = fmt::format("{}: displacement: order", name),
+                            .measured = ratios.order,
+                            .comparison = Comparison::kAtLeast,
+                            .expected = kOrder,
+                            .tolerance = 0.2,
+                            .reason = "cells graded towards the singular edges: twice the order "
+                                      "of strains"});
+  const Known known{.order = kOrder,
+                    .allowance = load.uncertainty,
+                    .allowance_reason = "the reference is not known better"};
+  check_difference(fmt::format("{}: force", name), ratios.force, ratios.order, known, section);
+  check_difference(fmt::format("{}: bulge", name), ratios.bulge, ratios.order, known, section);
+}
+
+/// All shapes at one compression.
+void run_load(const Load& load, Extent extent, Section& section, Progress& progress) {
   Table table{
-      .title = fmt::format("Flattened by {}: force and bulge on three meshes that halve, over "
-                           "the reference; the order of the displacement; what force and "
-                           "bulge tend to by that order",
+      .title = fmt::format("Compressed by {}: force and bulge on three meshes that halve, over "
+                           "the reference; the order of the displacement; the limits of force and "
+                           "bulge by that order",
                            load.name),
       .header = {"shape", "finest", "force", "", "", "bulge", "", "", "order", "force", "bulge"}};
   report::LinePlot plot{
-      .title = fmt::format("Block flattened by {}: force over the reference", load.name),
+      .title = fmt::format("Block compressed by {}: force over the reference", load.name),
       .x_label = "refinement: log2 of the cells along a side",
       .y_label = "force over reference"};
   for (const mesh::ElementShape shape : kAllShapes) {
     const std::string name = fmt::format("{}, {}", load.name, text_of(shape));
     const std::vector<int> cells = meshes(shape, extent);
-    const Corners corners = corners_of(cells.front());
-    std::vector<Outcome> outcomes;
     report::PlotLine line{.name = text_of(shape)};
-    std::string failure;
-    for (const int n : cells) {
-      const auto found = compress(shape, n, load, corners.at, progress);
-      if (!found) failure = found.error().message;
-      if (!found) break;
-      outcomes.push_back(*found);
-      line.x.push_back(std::log2(n));
-      line.y.push_back(found->force_n / load.force_n);
-    }
+    const BulgeRatios ratios = compress_all(shape, cells, load, line, progress);
     plot.lines.push_back(std::move(line));
-    if (!failure.empty()) {
-      section.checks.push_back(not_measured(name, failure));
+    if (!ratios.failure.empty()) {
+      section.checks.push_back(not_measured(name, ratios.failure));
       continue;
     }
-    Ratios force{}, bulge{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      force[k] = outcomes[k].force_n / load.force_n;
-      bulge[k] = outcomes[k].bulge_mm / load.bulge_mm;
-    }
-    const double order = std::log2(difference(outcomes[0], outcomes[1], corners) /
-                                   difference(outcomes[1], outcomes[2], corners));
-    std::vector<std::string> row{text_of(shape), fmt::format("{}", cells.back())};
-    for (const double value : force) row.push_back(fmt::format("{:.4f}", value));
-    for (const double value : bulge) row.push_back(fmt::format("{:.4f}", value));
-    row.insert(row.end(),
-               {fmt::format("{:.2f}", order), limit_of(force, order), limit_of(bulge, order)});
-    table.rows.push_back(std::move(row));
-
-    section.checks.push_back({.name = fmt::format("{}: displacement: order", name),
-                              .measured = order,
-                              .comparison = Comparison::kAtLeast,
-                              .expected = kOrder,
-                              .tolerance = 0.2,
-                              .reason = "cells graded towards the singular edges: twice the order "
-                                        "of strains"});
-    const Known known{.order = kOrder,
-                      .allowance = load.uncertainty,
-                      .allowance_reason = "the reference is not known better"};
-    check_difference(fmt::format("{}: force", name), force, order, known, section);
-    check_difference(fmt::format("{}: bulge", name), bulge, order, known, section);
+    table.rows.push_back(bulge_row(shape, cells.back(), ratios));
+    check_bulge(name, load, ratios, section);
   }
   section.tables.push_back(std::move(table));
   section.plots.push_back(std::move(plot));
@@ -206,28 +230,24 @@ Section verify_bulging(Extent extent, Progress& progress) {
       .name = "bulging",
       .title = "Nearly incompressible block between sticking plates",
       .text = fmt::format(
-          "A cube of 2 mm (an eighth is meshed), nu = {}, is flattened between plates it sticks "
-          "to; "
-          "its sides bulge. Nothing closed is known; told are the force on a plate and how far the "
-          "middle of a side comes out, over {:.6f} N and {:.6f} mm at {}, {:.5f} N and {:.5f} mm "
-          "at "
-          "{}, where seven shapes meet: the columns of limits tell how closely. Stress is singular "
-          "at the plates' edges, where the displacement of an incompressible body goes with the "
-          "distance to the power 0.595 (Williams 1952): on regular meshes no order above 1.19 is "
-          "to "
-          "be had. So cells are graded with the power {} of the distance to the edges, with which "
-          "strains come with order 1 (Babuska, Kellogg and Pitkaranta 1979). Force and bulge, in "
-          "which errors of both signs meet, may be right by chance; the order is that of the "
-          "displacement in the L2 norm, taken between one mesh and the next at the corners that "
-          "all "
-          "three share. It is 2 for every shape, hex20 with its linear pressure being welcome to "
-          "more.",
+          "A cube of 2 mm (an eighth is meshed), nu = {}, is compressed between plates to which it "
+          "sticks; its sides bulge. There is no closed form. Reported are the force on a plate and "
+          "the displacement of the center of a side, over {:.6f} N and {:.6f} mm at {}, {:.5f} N "
+          "and {:.5f} mm at {}, on which seven shapes agree: the columns of limits show how "
+          "closely. Stress is singular at the edges of the plates, where the displacement of an "
+          "incompressible body varies as the distance to the power 0.595 (Williams 1952): regular "
+          "meshes cannot have an order above 1.19. Cells are therefore graded with the power {} of "
+          "the distance to the edges, with which strains have order 1 (Babuska, Kellogg and "
+          "Pitkaranta 1979). Force and bulge contain errors of both signs, which may cancel; the "
+          "order is that of the displacement in the L2 norm, between one mesh and the next at the "
+          "corners common to all three. It must be at least 2 for every shape; hex20 with its "
+          "linear pressure may have more.",
           kBulgePoisson, kLoads[0].force_n, kLoads[0].bulge_mm, kLoads[0].name, kLoads[1].force_n,
           kLoads[1].bulge_mm, kLoads[1].name, kBulgeGrading)};
   const auto loads = std::span(kLoads).first(extent == Extent::kFull ? kLoads.size() : 1);
   double done = 0.0;
   for (const Load& load : loads) {
-    press(load, extent, section, progress);
+    run_load(load, extent, section, progress);
     progress.report(++done / double(loads.size()));
   }
   return section;

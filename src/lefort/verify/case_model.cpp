@@ -64,8 +64,8 @@ std::function<std::vector<fem::PrescribedDisplacement>(double)> in_proportion(
   };
 }
 
-void hold(const std::vector<std::int32_t>& nodes, int component, double displacement_mm,
-          std::vector<fem::PrescribedDisplacement>& prescribed) {
+void prescribe(const std::vector<std::int32_t>& nodes, int component, double displacement_mm,
+               std::vector<fem::PrescribedDisplacement>& prescribed) {
   for (const std::int32_t node : nodes)
     prescribed.push_back(
         {.node = node, .component = component, .displacement_mm = displacement_mm});

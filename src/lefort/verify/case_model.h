@@ -1,5 +1,5 @@
 /// \file
-/// A body, what holds and what loads it, and its equilibrium: what every case solves.
+/// Body, boundary conditions and loads of a verification case, and its equilibrium.
 #pragma once
 
 #include <lefort/core/error.h>
@@ -19,19 +19,19 @@
 
 namespace lefort::verify {
 
-/// What most cases are made of: isochoric neo-Hookean, the volume by VolumetricForm::kQuadraticLog.
+/// Material of most cases: isochoric neo-Hookean with VolumetricForm::kQuadraticLog.
 [[nodiscard]] fem::Material split_neo_hookean(double mu_mpa, double kappa_mpa);
 
-/// A further force whose size follows the load.
+/// An additional force term that depends on the load fraction.
 struct ExtraTerm {
   const fem::ForceTerm* term = nullptr;      ///< Not owned.
-  std::function<void(double)> set_fraction;  ///< Called with the share of the load, 0 to 1.
+  std::function<void(double)> set_fraction;  ///< Called with the load fraction, 0 to 1.
 };
 
 struct CaseModel {
   mesh::VolumeMesh mesh;
   fem::RegionMaterials materials;
-  /// At a share of the load, 0 to 1; always the same nodes and components.
+  /// At a load fraction, 0 to 1; always the same nodes and components.
   std::function<std::vector<fem::PrescribedDisplacement>(double fraction)> prescribed;
   std::vector<fem::NodalForce> forces = {};  ///< At full load.
   std::vector<ExtraTerm> extra = {};
@@ -39,37 +39,41 @@ struct CaseModel {
 };
 
 struct SolveOptions {
-  int increments = 1;                 ///< To begin with; an increment that fails is halved.
+  int increments = 1;                 ///< Initial number; a failed increment is halved.
   double relative_tolerance = 1e-10;  ///< Of Newton's method.
-  double absolute_tolerance_n = 0.0;  ///< Likewise; for a lone element, where no forces cancel.
-  /// Told each equilibrium on the way; may be empty.
+  double absolute_tolerance_n =
+      0.0;  ///< Of Newton's method; for a single element without opposing forces.
+  /// Called at each equilibrium; may be empty.
   std::function<void(double fraction, const VectorX& u)> on_increment = {};
 };
 
 struct Equilibrium {
-  VectorX u;           ///< Displacements, 3 per node [mm].
-  VectorX reaction_n;  ///< What the supports exert, 3 per node; round-off at free components.
-  std::vector<fem::LoadAttempt> attempts;  ///< All that was tried on the way.
+  VectorX u;                               ///< Displacements, 3 per node [mm].
+  VectorX reaction_n;                      ///< Reactions, 3 per node; round-off at free components.
+  std::vector<fem::LoadAttempt> attempts;  ///< Of all increments.
 };
 
-/// \returns the equilibrium at full load, or what make_element_terms(), DofMap::build() and
-///   LoadStepper::advance_to() refuse.
+/// \param model     to solve.
+/// \param options   increments and tolerances.
+/// \param progress  may stop the solve.
+/// \returns the equilibrium at full load, or the errors of fem::make_element_terms(),
+///   fem::DofMap::build() and fem::LoadStepper::advance_to().
 [[nodiscard]] Result<Equilibrium> solve(const CaseModel& model, const SolveOptions& options,
                                         Progress& progress);
 
-/// Displacements that grow with the load.
+/// Displacements proportional to the load fraction.
 [[nodiscard]] std::function<std::vector<fem::PrescribedDisplacement>(double)> in_proportion(
     std::vector<fem::PrescribedDisplacement> at_full_load);
 
 /// Prescribes one component of `nodes`.
-void hold(const std::vector<std::int32_t>& nodes, int component, double displacement_mm,
-          std::vector<fem::PrescribedDisplacement>& prescribed);
+void prescribe(const std::vector<std::int32_t>& nodes, int component, double displacement_mm,
+               std::vector<fem::PrescribedDisplacement>& prescribed);
 
-/// Numbers of the nodes at rest where `is_in` holds, ascending.
+/// Numbers of the nodes whose reference position satisfies `is_in`, ascending.
 [[nodiscard]] std::vector<std::int32_t> nodes_where(const mesh::VolumeMesh& mesh,
                                                     const std::function<bool(const Vec3&)>& is_in);
 
-/// Sum over `nodes` of the forces in an all vector [N].
+/// Sum of the forces of `nodes` [N]; `forces_n` has 3 entries per node.
 [[nodiscard]] Vec3 sum_over(const std::vector<std::int32_t>& nodes, const VectorX& forces_n);
 
 }  // namespace lefort::verify

@@ -1,5 +1,5 @@
 /// \file
-/// What a verification measured, what it should have been, and what it tells.
+/// Checks, tables and sections of a verification report.
 #pragma once
 
 #include <lefort/report/plot_lines.h>
@@ -11,20 +11,21 @@
 
 namespace lefort::verify {
 
-/// How a measured number is held against the expected one.
+/// How a measured number is compared with the expected one.
 enum class Comparison { kNear, kAtLeast, kAtMost };
 
-/// One number that was measured.
+/// An acceptance criterion and its measured number.
 struct Check {
   std::string name;
-  double measured = NAN;  ///< NaN where there was nothing to measure: failed.
+  double measured = NAN;  ///< NaN if it could not be measured: failed.
   Comparison comparison = Comparison::kNear;
   double expected = 0.0;
-  double tolerance = 0.0;   ///< >= 0, in `unit`; beyond `expected` on the side that is refused.
+  double tolerance = 0.0;   ///< >= 0, in `unit`: accepted difference from `expected`.
   std::string unit = "";    ///< Empty for ratios, orders and counts.
-  std::string reason = "";  ///< Why this tolerance: one sentence.
-  std::string note = "";    ///< Why there was nothing to measure.
-  std::string known_failure = "";  ///< Known to fail, and why; told as missed. Empty: must pass.
+  std::string reason = "";  ///< Source of the tolerance.
+  std::string note = "";    ///< Why it could not be measured.
+  std::string known_failure =
+      "";  ///< Reason of a known failure, reported as missed. Empty: must pass.
 
   [[nodiscard]] bool passed() const {
     switch (comparison) {
@@ -38,22 +39,22 @@ struct Check {
     return false;
   }
 
-  /// Passed, or known not to.
+  /// Passed, or a known failure.
   [[nodiscard]] bool is_acceptable() const { return passed() || !known_failure.empty(); }
 };
 
-/// Cells are texts, as they are to be read.
+/// Cells are formatted texts.
 struct Table {
   std::string title;
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> rows = {};  ///< As many cells as the header.
 };
 
-/// All that one case found.
+/// Results of one case.
 struct Section {
-  std::string name;  ///< As on the command line: small letters and hyphens.
+  std::string name;  ///< As on the command line: lower case and hyphens.
   std::string title;
-  std::string text;  ///< What is verified, against what, with its source.
+  std::string text;  ///< Problem, reference solution and its source.
   std::vector<Table> tables = {};
   std::vector<report::LinePlot> plots = {};
   std::vector<Check> checks = {};
@@ -65,7 +66,7 @@ struct Section {
   }
 };
 
-/// What could not be measured, because there was no solution, has failed.
+/// A failed check without a measurement, because there was no solution.
 [[nodiscard]] inline Check not_measured(std::string name, std::string why) {
   Check check;
   check.name = std::move(name);

@@ -10,7 +10,7 @@
 namespace lefort::verify {
 namespace {
 
-/// \param predicted  the last value's error.
+/// \param predicted  error of the last value.
 void add_difference(const std::string& name, double last, double predicted, const Known& known,
                     Section& section) {
   const std::string reason = "the error that the last three meshes predict, times Roache's 1.25";
@@ -21,7 +21,7 @@ void add_difference(const std::string& name, double last, double predicted, cons
        .expected = 1.0,
        .reason = known.allowance_reason.empty()
                      ? reason
-                     : fmt::format("{}; besides {:.2g}, as {}", reason, known.allowance,
+                     : fmt::format("{}, plus {:.2g}, as {}", reason, known.allowance,
                                    known.allowance_reason),
        .known_failure = known.known_failure});
 }
@@ -35,12 +35,12 @@ void check_convergence_order(const std::string& name, std::span<const double> va
   const Refinement found = refinement_of({last[0], last[1], last[2]}, known.order);
   if (std::isnan(found.order) && !std::isnan(found.error)) {
     const auto [low, high] = std::ranges::minmax(last);
-    section.checks.push_back({.name = fmt::format("{}: spread of the last three meshes", name),
-                              .measured = (high - low) / std::abs(known.value),
-                              .comparison = Comparison::kAtMost,
-                              .tolerance = 0.01,
-                              .reason = "the values go to and fro and have no order, so that they "
-                                        "must have arrived"});
+    section.checks.push_back(
+        {.name = fmt::format("{}: spread of the last three meshes", name),
+         .measured = (high - low) / std::abs(known.value),
+         .comparison = Comparison::kAtMost,
+         .tolerance = 0.01,
+         .reason = "the values alternate and have no order, so that they must have converged"});
   } else {
     section.checks.push_back({.name = fmt::format("{}: order", name),
                               .measured = found.order,
@@ -78,8 +78,8 @@ void check_error_order(const std::string& name, std::span<const double> errors, 
        .measured = errors[last] * fall / (kRefinementSafety * errors[last - 1]),
        .comparison = Comparison::kAtMost,
        .expected = 1.0,
-       .reason = "what the two meshes before and their order predict, times "
-                 "Roache's 1.25"});
+       .reason =
+           "the error that the two meshes before and their order predict, times Roache's 1.25"});
 }
 
 }  // namespace lefort::verify

@@ -1,7 +1,6 @@
 /// \file
-/// Holds a quantity, computed on meshes that halve, against what is known of it: the order of its
-/// error against theory, its finest value against the truth within the error that the order
-/// predicts.
+/// Compares a quantity computed on meshes that halve with its reference: the order of its error
+/// with theory, and its finest value with the exact one within the error that the order predicts.
 #pragma once
 
 #include <lefort/verify/check.h>
@@ -12,33 +11,46 @@
 
 namespace lefort::verify {
 
-/// What is known of a quantity.
+/// Reference of a quantity.
 struct Known {
   double value = 1.0;
-  double order = 2.0;        ///< In theory.
-  double order_slack = 0.2;  ///< By how much the measured one may fall short.
+  double order = 2.0;        ///< Of the error, in theory.
+  double order_slack = 0.2;  ///< Accepted deficit of the measured order.
   std::string order_reason = "";
-  double allowance = 0.0;  ///< By how much `value` may itself be wrong, >= 0.
+  double allowance = 0.0;  ///< Uncertainty of `value`, >= 0.
   std::string allowance_reason = "";
-  std::string known_failure = "";  ///< Why both checks are known to be missed; or empty.
+  std::string known_failure = "";  ///< Why both checks are known to fail; or empty.
 };
 
-/// Adds two checks: "NAME: order", or "NAME: spread" (at most 1 %) where the values go to and fro
-/// and have none, and "NAME: difference over the predicted one".
-/// \param values  three or more, coarse to fine; the last three count.
+/// Adds two checks: "NAME: order", or "NAME: spread" (at most 1 %) if the values alternate and have
+/// no order, and "NAME: difference over the predicted one".
+///
+/// \param name     of the quantity.
+/// \param values   three or more, coarse to fine; the last three count.
+/// \param known    its reference.
+/// \param section  to which the checks are added.
 void check_convergence_order(const std::string& name, std::span<const double> values,
                              const Known& known, Section& section);
 
-/// Adds the second check alone, by an order that was measured in a norm (predicted_error()).
-/// \param values  from three meshes, coarse to fine.
+/// Adds only the second check, by an order measured in a norm (predicted_error()).
+///
+/// \param name        of the quantity.
+/// \param values      from three meshes, coarse to fine.
+/// \param norm_order  the measured order.
+/// \param known       its reference.
+/// \param section     to which the check is added.
 void check_difference(const std::string& name, const std::array<double, 3>& values,
                       double norm_order, const Known& known, Section& section);
 
-/// Adds checks of errors whose truth is known: "NAME: order of the error", of the last two; and,
-/// from three on, "NAME: error over the predicted one": that of the last but one, less by the order
-/// which the two before the last show (at most that in theory), times Roache's 1.25.
-/// \param errors  two or more, > 0, coarse to fine.
-/// \param known   `value` and `allowance` do not count; `miss` is the order's.
+/// Adds checks of errors with respect to an exact solution: "NAME: order of the error", of the last
+/// two; and for three or more, "NAME: error over the predicted one". The predicted error is the
+/// last but one, reduced by the order between the two before the last (at most that of theory),
+/// times Roache's 1.25.
+///
+/// \param name     of the quantity.
+/// \param errors   two or more, > 0, coarse to fine.
+/// \param known    `value` and `allowance` are not used; `known_failure` is that of the order.
+/// \param section  to which the checks are added.
 void check_error_order(const std::string& name, std::span<const double> errors, const Known& known,
                        Section& section);
 

@@ -18,14 +18,14 @@ namespace {
 
 using std::numbers::pi;
 
-/// u_i = A sin(w . X + phase_i), each component its own waves: no symmetry that a mesh could share.
-/// Largest strain about 10 %.
+/// u_i = A sin(w_i . X + phase_i), with different waves for each component, so that no mesh has the
+/// same symmetry. Largest strain about 10 %.
 struct Waves {
   static constexpr double kAmplitude_mm = 0.03;
   Mat3 w;  ///< Row i: of component i [1/mm].
   Vec3 phase{0.3, 1.1, 2.0};
 
-  /// \param solenoidal  no component goes along its own axis: the volume changes to second order.
+  /// \param solenoidal  no component varies along its own axis: the volume changes to second order.
   explicit Waves(bool solenoidal) {
     w << 2.0, 1.0, 0.5, 0.7, 2.2, -1.0, -0.6, 1.2, 1.8;
     if (solenoidal) w.diagonal().setZero();
@@ -41,8 +41,8 @@ struct Waves {
 };
 
 /// b = -Div P by central differences of fourth order. With steps of h = 1e-3 mm and waves of 2.5/mm
-/// their error is (2.5 h)^4 / 30, 1e-12 of b, and rounding adds 1e-16 / h: below 1e-9 with the
-/// higher harmonics that the law makes.
+/// their error is (2.5 h)^4 / 30, 1e-12 of b, and rounding adds 1e-16 / h: below 1e-9 including the
+/// higher harmonics of the law.
 template <class Law>
 Vec3 body_force(const Law& law, const Waves& waves, const Vec3& X) {
   constexpr double h_mm = 1e-3;
@@ -58,7 +58,7 @@ Vec3 body_force(const Law& law, const Waves& waves, const Vec3& X) {
   return -divergence;
 }
 
-/// The error on a mesh of so many cells a side, with the displacement on its boundary prescribed.
+/// Error on a mesh with `cells` a side and prescribed displacements on the boundary.
 template <class Law>
 Result<ErrorNorms> run(mesh::ElementShape shape, int cells, const Law& law, const Waves& waves,
                        Progress& progress) {
@@ -68,7 +68,7 @@ Result<ErrorNorms> run(mesh::ElementShape shape, int cells, const Law& law, cons
   std::vector<fem::PrescribedDisplacement> prescribed;
   for (const std::int32_t node : model.mesh.node_sets.at("boundary")) {
     const Vec3 u = waves.displacement(model.mesh.nodes_L[std::size_t(node)]);
-    for (int c = 0; c < 3; ++c) hold({node}, c, u[c], prescribed);
+    for (int c = 0; c < 3; ++c) prescribe({node}, c, u[c], prescribed);
   }
   model.prescribed = in_proportion(std::move(prescribed));
   model.forces = nodal_forces(model.mesh, [&](const Vec3& X) { return body_force(law, waves, X); });
@@ -86,12 +86,12 @@ report::LinePlot plot(const std::string& law, int wanted_degree) {
           .y_axis = report::Axis::kLog};
 }
 
-/// Orders of both norms in theory, at least.
+/// Theoretical orders of both norms.
 struct Orders {
   double l2 = 0.0, h1 = 0.0;
 };
 
-/// A law, what it is to balance, and what is expected.
+/// A law, its manufactured solution and the expected orders.
 template <class Law>
 struct Problem {
   std::string name;
@@ -100,7 +100,7 @@ struct Problem {
   Orders (*orders)(mesh::ElementShape);
   Comparison comparison;  ///< Of the orders.
   std::string reason;
-  std::string known_failure = "";  ///< Why orders are known to be missed; or empty.
+  std::string known_failure = "";  ///< Why orders are known to fail; or empty.
 };
 
 /// p + 1 and p.
@@ -108,8 +108,7 @@ Orders full_orders(mesh::ElementShape shape) {
   return {degree(shape) + 1.0, double(degree(shape))};
 }
 
-/// Those of the pressure's polynomials where they are fewer: constants in tet10 and wedge15 cost
-/// one order (\cite boffi2013).
+/// Constant pressures in tet10 and wedge15 cost one order (\cite boffi2013).
 Orders averaged_orders(mesh::ElementShape shape) {
   const bool is_constant =
       shape == mesh::ElementShape::kTet10 || shape == mesh::ElementShape::kWedge15;
@@ -149,7 +148,7 @@ void measure(const Problem<Law>& problem, const std::vector<int>& cells, Section
     }
     plots[degree(shape) - 1].lines.push_back(std::move(line));
     const Orders wanted = problem.orders(shape);
-    const auto judge = [&](const char* norm, double measured, double expected) {
+    const auto add_check = [&](const char* norm, double measured, double expected) {
       section.checks.push_back(
           {.name = fmt::format("{}: {} order on the finest meshes", name, norm),
            .measured = measured,
@@ -159,8 +158,8 @@ void measure(const Problem<Law>& problem, const std::vector<int>& cells, Section
            .reason = problem.reason,
            .known_failure = problem.known_failure});
     };
-    judge("L2", found.l2, wanted.l2);
-    judge("H1", found.h1, wanted.h1);
+    add_check("L2", found.l2, wanted.l2);
+    add_check("H1", found.h1, wanted.h1);
   }
   section.tables.push_back(std::move(table));
   for (report::LinePlot& one : plots) section.plots.push_back(std::move(one));
@@ -174,29 +173,27 @@ Section verify_convergence(Extent extent, Progress& progress) {
       .name = "convergence",
       .title = "Order of convergence: manufactured solutions",
       .text = fmt::format(
-          "On a cube of 1 mm the displacement is to be three waves, u_i = 0.03 mm sin(w_i . X + "
-          "phase_i), strains up to about 8 %. It is prescribed on the boundary; inside, the body "
-          "force b = -Div P(F(X)) keeps it in balance. The divergence is taken by central "
-          "differences of fourth order, right to 1e-9; loads and errors are integrated by 64 "
-          "points in every element. As the cells halve, the displacement's error must fall by 4 "
-          "for linear and 8 for quadratic shapes, that of its gradient by 2 and 4 (orders p + 1 "
-          "and p: Hughes, The Finite Element Method, section 4.1). Once in a compressible "
-          "neo-Hookean body; once in a split one, bulk over shear modulus {:.0f}, with the change "
-          "of volume averaged as the shape needs it and with waves across their own direction, so "
-          "that the volume changes to second order alone.",
+          "On a cube of 1 mm the exact displacement is three waves, u_i = 0.03 mm sin(w_i . X + "
+          "phase_i), with strains up to about 8 %. It is prescribed on the boundary; inside, the "
+          "body force b = -Div P(F(X)) makes it an equilibrium. The divergence is computed by "
+          "central differences of fourth order, correct to 1e-9; loads and errors are integrated "
+          "with 64 points in every element. When the cells halve, the error of the displacement "
+          "must decrease by 4 for linear and 8 for quadratic shapes, that of its gradient by 2 and "
+          "4 (orders p + 1 and p: Hughes, The Finite Element Method, section 4.1). Once with a "
+          "compressible neo-Hookean law; once with a decoupled one, bulk over shear modulus "
+          "{:.0f}, with the mean dilatation of each shape and with waves across their own "
+          "direction, so that the volume changes only to second order.",
           kKappa_mpa)};
   std::vector<int> cells{2, 4, 8};
   if (extent == Extent::kFull) cells.push_back(16);
-  measure(
-      Problem<fem::NeoHookean>{
-          .name = "neo-Hookean",
-          .law = {.mu_mpa = 1.0, .lambda_mpa = 1.5},
-          .waves = Waves(false),
-          .orders = full_orders,
-          .comparison = Comparison::kNear,
-          .reason = "orders hold in the limit of small cells; on meshes that a test can afford "
-                    "they are 0.2 off"},
-      cells, section, progress);
+  measure(Problem<fem::NeoHookean>{.name = "neo-Hookean",
+                                   .law = {.mu_mpa = 1.0, .lambda_mpa = 1.5},
+                                   .waves = Waves(false),
+                                   .orders = full_orders,
+                                   .comparison = Comparison::kNear,
+                                   .reason = "orders hold in the limit of small cells; on the "
+                                             "meshes of a test they differ by up to 0.2"},
+          cells, section, progress);
   measure(
       Problem<fem::DecoupledLaw<fem::IsochoricNeoHookean>>{
           .name = "split, averaged volume",
@@ -205,11 +202,9 @@ Section verify_convergence(Extent extent, Progress& progress) {
           .waves = Waves(true),
           .orders = averaged_orders,
           .comparison = Comparison::kAtLeast,
-          .reason = "at least those of displacement and pressure, less 0.2 on meshes that a "
-                    "test can afford",
-          .known_failure = extent == Extent::kFull
-                               ? ""
-                               : "meshes as coarse as the short form's do not show it yet"},
+          .reason = "at least those of displacement and pressure, less 0.2 on the meshes of a test",
+          .known_failure =
+              extent == Extent::kFull ? "" : "the meshes of the short form are too coarse for it"},
       cells, section, progress);
   return section;
 }

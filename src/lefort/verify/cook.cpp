@@ -16,19 +16,19 @@ namespace {
 
 using fem::VolumetricIntegration;
 
-/// On which the issue of locking is decided.
+/// Mesh and error of the criterion for locking.
 constexpr int kRequiredCells = 32;
 constexpr double kRequiredError = 0.02;
 
-/// In the clamped corner of 108 degrees an incompressible body's displacement goes with the
+/// In the clamped corner of 108 degrees the displacement of an incompressible body varies as the
 /// distance to the power 0.544, the root of sin^2(1.893 x) = 1 - x^2 sin^2(1.893)
-/// (\cite williams1952); the rise of the tip with twice that, whatever the elements.
+/// (\cite williams1952); the rise of the tip as twice that power, for all elements.
 constexpr double kCornerOrder = 2.0 * 0.544;
 
-/// Of the reference: its finest mesh is 2e-5 off, its digits end at 7e-5.
+/// Of the reference: the error of its finest mesh is 2e-5, its digits end at 7e-5.
 constexpr double kUncertainty = 1e-4;
 
-/// Rises of the tip over the reference, mesh by mesh; NaN where there is none.
+/// Rise of the tip over the reference on each mesh; NaN without a solution.
 struct Rises {
   std::vector<int> cells;
   std::vector<double> over_reference;
@@ -47,8 +47,8 @@ Rises rises(mesh::ElementShape shape, const std::vector<int>& cells, Diagonal di
   return found;
 }
 
-/// What a shape's meshes, each twice as fine as the one before, say about 32 cells and the limit.
-void judge(const std::string& name, const Rises& found, Section& section) {
+/// Checks the error for 32 cells, the order and the limit of a shape on meshes that halve.
+void check_rises(const std::string& name, const Rises& found, Section& section) {
   const int finest = found.cells.back();
   if (!found.failure.empty()) {
     section.checks.push_back(not_measured(name, found.failure));
@@ -67,16 +67,16 @@ void judge(const std::string& name, const Rises& found, Section& section) {
        .measured = error / std::pow(coarser, order),
        .comparison = Comparison::kAtMost,
        .tolerance = kRequiredError,
-       .reason = "asked of every shape's remedy on such a mesh; what locks is 30 % away"});
-  if (error > 2.0 * kUncertainty)  // Else it has arrived: no order is left.
+       .reason =
+           "requirement for the locking remedy of every shape on such a mesh; locking gives 30 %"});
+  if (error > 2.0 * kUncertainty)  // Otherwise it has converged and shows no order.
     section.checks.push_back({.name = fmt::format("{}: order", name),
                               .measured = order,
                               .comparison = Comparison::kAtLeast,
                               .expected = kCornerOrder,
                               .tolerance = 0.2,
-                              .reason =
-                                  "twice the exponent of the clamped corner; while meshes are "
-                                  "coarse the smooth part's 2 shows as well"});
+                              .reason = "twice the exponent of the clamped corner; on coarse "
+                                        "meshes the 2 of the smooth part may appear"});
   const Refinement refinement =
       refinement_of({values[n - 3], values[n - 2], values[n - 1]}, kCornerOrder);
   section.checks.push_back(
@@ -84,8 +84,8 @@ void judge(const std::string& name, const Rises& found, Section& section) {
        .measured = error / (refinement.error + kUncertainty),
        .comparison = Comparison::kAtMost,
        .tolerance = 1.0,
-       .reason = "the error that the last three meshes predict, times Roache's 1.25, and 1e-4 of "
-                 "the reference's own"});
+       .reason = "the error that the last three meshes predict, times Roache's 1.25, plus 1e-4 of "
+                 "the reference"});
 }
 
 /// The meshes of the report.
@@ -111,7 +111,7 @@ report::PlotLine line_of(mesh::ElementShape shape, const Rises& found) {
   return line;
 }
 
-/// Without a remedy the same meshes lock: otherwise the case would say nothing.
+/// Without a remedy the same meshes must lock; otherwise the case would show nothing.
 void check_locked(mesh::ElementShape shape, const Rises& found, Section& section) {
   section.checks.push_back(
       {.name = fmt::format("{}, volume at the points, {} cells: rise over reference",
@@ -119,8 +119,8 @@ void check_locked(mesh::ElementShape shape, const Rises& found, Section& section
        .measured = found.over_reference.back(),
        .comparison = Comparison::kAtMost,
        .expected = 0.7,
-       .reason = "this problem must tell what locks from what does not: linear shapes stay behind "
-                 "by a third and more"});
+       .reason = "this problem must distinguish elements that lock: the rise of linear shapes is "
+                 "too small by a third and more"});
 }
 
 bool is_cut(mesh::ElementShape shape) {
@@ -138,15 +138,15 @@ Section verify_cook(Extent extent, Progress& progress) {
       .text = fmt::format(
           "A tapered panel, 48 mm long, 44 mm high where it is clamped and 16 mm at its end (Cook, "
           "Improved two-dimensional finite element, J. Struct. Div. ASCE 1974), in plane strain: "
-          "one layer of elements held across it. nu = 0.4999, bulk modulus 5000 times the shear "
-          "modulus, split neo-Hookean law (Simo and Armero 1992); a dead load of 6.25 MPa on the "
-          "end shears it at finite strain. Told is by how much the upper corner of the end rises "
-          "too far, with the change of volume averaged (the remedy of every shape) and taken at "
-          "the integration points. The reference, {} mm, comes from another program: "
-          "Taylor-Hood elements, 6.90927, 6.92736, 6.93111 and 6.93187 mm on 4, 8, 16 and 32 "
-          "cells. Cells that are cut are cut along their shorter diagonal; in the full form along "
+          "one layer of elements, fixed across it. nu = 0.4999, bulk modulus 5000 times the shear "
+          "modulus, decoupled neo-Hookean law (Simo and Armero 1992); a dead load of 6.25 MPa on "
           "the "
-          "longer one, too, which makes slender elements.",
+          "end shears it at finite strain. Reported is the relative error of the rise of the upper "
+          "corner of the end, with mean dilatation (the remedy of every shape) and with full "
+          "integration. The reference, {} mm, comes from a different program: "
+          "Taylor-Hood elements, 6.90927, 6.92736, 6.93111 and 6.93187 mm on 4, 8, 16 and 32 "
+          "cells. Cells are divided along their shorter diagonal; in the full form also along the "
+          "longer one, which makes slender elements.",
           kCookTipRise_mm)};
   Table table{.title = "Error of the rise, by cells a side", .header = {"shape", "volume"}};
   for (const int n : kColumns) table.header.push_back(fmt::format("{0} x {0}", n));
@@ -163,12 +163,12 @@ Section verify_cook(Extent extent, Progress& progress) {
         rises(shape, cells, Diagonal::kShorter, VolumetricIntegration::kMeanDilatation, progress);
     table.rows.push_back(row_of(shape, "averaged", averaged));
     plot.lines.push_back(line_of(shape, averaged));
-    judge(text_of(shape), averaged, section);
+    check_rises(text_of(shape), averaged, section);
     if (full && is_cut(shape)) {
       const Rises slender =
           rises(shape, cells, Diagonal::kLonger, VolumetricIntegration::kMeanDilatation, progress);
       table.rows.push_back(row_of(shape, "averaged, longer diagonal", slender));
-      judge(fmt::format("{}, longer diagonal", text_of(shape)), slender, section);
+      check_rises(fmt::format("{}, longer diagonal", text_of(shape)), slender, section);
     }
     if (full || is_linear) {
       const Rises locked = rises(shape, full ? cells : std::vector{8}, Diagonal::kShorter,

@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kMembraneLength_mm = 48.0;
 constexpr double kRoot_mm = 44.0;  // Height of the clamped end.
-constexpr double kEnd_mm = 16.0;   // Of the other.
-constexpr double kRise_mm = 44.0;  // Of the lower edge, from one to the other.
+constexpr double kEnd_mm = 16.0;   // Height of the other end.
+constexpr double kRise_mm = 44.0;  // Of the lower edge, between the ends.
 constexpr double kTraction_mpa = 6.25;
 
-/// From the unit cube to the membrane. Cells are cut along the diagonal that goes up with both
-/// coordinates of the cube: with the first one downwards it is the shorter one.
-Vec3 place(const Vec3& unit, Diagonal diagonal, double thickness_mm) {
+/// Map from the unit cube to the membrane. Cells are divided along the diagonal on which both
+/// coordinates of the cube increase; with the first one reversed it is the shorter one.
+Vec3 map_to_membrane(const Vec3& unit, Diagonal diagonal, double thickness_mm) {
   const bool is_shorter = diagonal == Diagonal::kShorter;
   const double along = is_shorter ? unit.y() : unit.x();
   const double up = is_shorter ? 1.0 - unit.x() : unit.y();
@@ -27,8 +27,8 @@ Vec3 place(const Vec3& unit, Diagonal diagonal, double thickness_mm) {
   return {kMembraneLength_mm * along, kRise_mm * along + height_mm * up, thickness_mm * unit.z()};
 }
 
-void hold(const std::vector<std::int32_t>& nodes, int component,
-          std::vector<fem::PrescribedDisplacement>& prescribed) {
+void fix_component(const std::vector<std::int32_t>& nodes, int component,
+                   std::vector<fem::PrescribedDisplacement>& prescribed) {
   for (const std::int32_t node : nodes)
     prescribed.push_back({.node = node, .component = component});
 }
@@ -46,7 +46,7 @@ CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells, Diagonal di
   CookMembrane membrane;
   membrane.mesh = mesh::make_box(shape, {cells, cells, 1}, Vec3::Ones());
   std::vector<Vec3>& nodes_L = membrane.mesh.nodes_L;
-  for (Vec3& node : nodes_L) node = place(node, diagonal, kMembraneLength_mm / cells);
+  for (Vec3& node : nodes_L) node = map_to_membrane(node, diagonal, kMembraneLength_mm / cells);
   const Vec3 tip(kMembraneLength_mm, kRise_mm + kEnd_mm, kMembraneLength_mm / cells);
   for (std::size_t n = 0; n < nodes_L.size(); ++n)
     if ((nodes_L[n] - tip).norm() < 1e-9) membrane.tip = std::int32_t(n);
@@ -54,10 +54,10 @@ CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells, Diagonal di
   const auto& sets = membrane.mesh.node_sets;
   const bool is_shorter = diagonal == Diagonal::kShorter;
   const char* const root = is_shorter ? "y0" : "x0";
-  hold(sets.at(root), 0, membrane.prescribed);
-  hold(sets.at(root), 1, membrane.prescribed);
-  hold(sets.at("z0"), 2, membrane.prescribed);
-  hold(sets.at("z1"), 2, membrane.prescribed);
+  fix_component(sets.at(root), 0, membrane.prescribed);
+  fix_component(sets.at(root), 1, membrane.prescribed);
+  fix_component(sets.at("z0"), 2, membrane.prescribed);
+  fix_component(sets.at("z1"), 2, membrane.prescribed);
   membrane.forces =
       fem::traction_forces(nodes_L, membrane.mesh.face_sets.at(is_shorter ? "y1" : "x1"),
                            Vec3(0.0, kTraction_mpa, 0.0))

@@ -1,8 +1,8 @@
 /// \file
 /// Cook's membrane: a tapered plate, clamped at one end and sheared at the other. Elements that
-/// lock are far too stiff in it.
+/// lock are far too stiff.
 ///
-///                   .-48,60        Plane strain: one layer of elements, held across it. 6.25 MPa
+///                   .-48,60        Plane strain: one layer of elements, fixed across it. 6.25 MPa
 ///              .-'     |  ^        upwards on the end x = 48 (100 N per mm of thickness).
 ///     0,44 -'          |  | t
 ///        |            .-48,44
@@ -28,10 +28,10 @@ namespace lefort::verify {
 /// (mu = 80.1938 MPa, kappa = 400942 MPa) of \cite simo1992.
 [[nodiscard]] fem::Material cook_material();
 
-/// How far the corner (48, 60) rises [mm].
+/// Reference rise of the corner (48, 60) [mm].
 ///
-/// Taylor-Hood elements (quadratic displacement, continuous linear pressure, so none of this
-/// program's) give 6.90927, 6.92736, 6.93111 and 6.93187 on 4, 8, 16 and 32 cells a side; the limit
+/// Taylor-Hood elements (quadratic displacement, continuous linear pressure, independent of this
+/// program) give 6.90927, 6.92736, 6.93111 and 6.93187 on 4, 8, 16 and 32 cells a side; the limit
 /// by Richardson.
 inline constexpr double kCookTipRise_mm = 6.932;
 
@@ -39,20 +39,23 @@ struct CookMembrane {
   mesh::VolumeMesh mesh;
   std::vector<fem::PrescribedDisplacement> prescribed;
   std::vector<fem::NodalForce> forces;  ///< At full load.
-  std::int32_t tip = 0;  ///< The node on the corner (48, 60) at z > 0: where cells are cut, the one
-                         ///< that lags behind.
+  std::int32_t tip =
+      0;  ///< The node on the corner (48, 60) at z > 0; if cells are divided, the one
+          ///< with the smaller rise.
 };
 
-/// Cells that are cut in two (wedges, tetrahedra) are cut along one of these. Along the longer one
-/// elements are slender, and bend less.
+/// Diagonal along which cells are divided into wedges or tetrahedra. Along the longer one elements
+/// are slender and stiffer in bending.
 enum class Diagonal { kShorter, kLonger };
 
-/// \param cells  along either side, >= 1; each is cut into elements as mesh::make_box() says.
+/// \param shape     of the elements.
+/// \param cells     along each side, >= 1; each is divided into elements as in mesh::make_box().
+/// \param diagonal  of the division.
 [[nodiscard]] CookMembrane make_cook_membrane(mesh::ElementShape shape, int cells,
                                               Diagonal diagonal = Diagonal::kShorter);
 
-/// \returns how far the corner (48, 60) moves under full load [mm], or what LoadStepper::advance_to
-///   refuses.
+/// \returns the displacement of the corner (48, 60) at full load [mm], or the errors of
+///   fem::LoadStepper::advance_to().
 [[nodiscard]] Result<Vec3> solve_cook_membrane(
     const CookMembrane& membrane, const fem::Material& material,
     fem::VolumetricIntegration volumetric_integration = fem::VolumetricIntegration::kMeanDilatation,

@@ -1,5 +1,5 @@
 /// \file
-/// Integrals over the elements by fine quadrature: loads that vary in space, and error norms.
+/// Integrals over elements with fine quadrature: loads that vary in space, and error norms.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -11,7 +11,7 @@
 
 namespace lefort::verify {
 
-/// A displacement known everywhere at rest.
+/// An exact displacement as a function of the reference position.
 struct ExactField {
   std::function<Vec3(const Vec3& X)> displacement;  ///< [mm]
   std::function<Mat3(const Vec3& X)> gradient;      ///< du/dX.
@@ -23,11 +23,15 @@ struct ErrorNorms {
   double h1 = 0.0;  ///< Of their gradients.
 };
 
-/// \param u  displacements of all nodes, 3 per node [mm].
+/// \param mesh   at rest.
+/// \param u      displacements of all nodes, 3 per node [mm].
+/// \param exact  solution.
 [[nodiscard]] ErrorNorms error_norms(const mesh::VolumeMesh& mesh, const VectorX& u,
                                      const ExactField& exact);
 
 /// f_a = integral of N_a b dV, one force per node of the mesh.
+///
+/// \param mesh        at rest.
 /// \param body_force  per reference volume [N/mm^3], at X.
 [[nodiscard]] std::vector<fem::NodalForce> nodal_forces(
     const mesh::VolumeMesh& mesh, const std::function<Vec3(const Vec3& X)>& body_force);

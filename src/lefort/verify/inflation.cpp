@@ -24,7 +24,7 @@ constexpr double kInflation = 1.3;  ///< Inner radius, current over reference.
 
 enum class Vessel { kCylinder, kSphere };
 
-/// Inner pressure of an incompressible neo-Hookean tube in plane strain, whose wall keeps
+/// Inner pressure of an incompressible neo-Hookean tube in plane strain, whose wall preserves
 /// r^2 - R^2: p = mu/2 [2 ln(la/lb) + lb^-2 - la^-2], with la, lb the hoop stretches inside and
 /// outside: the integral of mu (l^2 - l^-2) / r over the wall.
 double cylinder_pressure(double la) {
@@ -33,7 +33,7 @@ double cylinder_pressure(double la) {
   return 0.5 * kShellMu_mpa * (2.0 * std::log(la / lb) + std::pow(lb, -2) - std::pow(la, -2));
 }
 
-/// Likewise of a hollow sphere, which keeps r^3 - R^3: p = mu/2 [4/lb + lb^-4 - 4/la - la^-4].
+/// The same of a hollow sphere, which preserves r^3 - R^3: p = mu/2 [4/lb + lb^-4 - 4/la - la^-4].
 double sphere_pressure(double la) {
   const double a = la * kInner_mm;
   const double lb =
@@ -48,15 +48,15 @@ double pressure_of(Vessel vessel) {
 
 fem::Material wall_law() { return split_neo_hookean(kShellMu_mpa, kShellKappa_mpa); }
 
-/// The ray of a wall: where a point has come to, and its radial nominal stress.
+/// State of a point on a ray through the wall: current radius and radial nominal stress.
 struct Ray {
   double r_mm = 0.0;
   double stress_mpa = 0.0;
 };
 
-/// d/dR of both: dr/dR is the radial stretch that goes with the stress, and balance along the ray
-/// asks dP_r/dR = (P_hoop - P_r) / R in a tube, twice that in a sphere.
-Ray dU_dJ(Vessel vessel, double R_mm, const Ray& at) {
+/// d/dR of both: dr/dR is the radial stretch for the stress, and radial equilibrium gives
+/// dP_r/dR = (P_hoop - P_r) / R in a tube, twice that in a sphere.
+Ray slope(Vessel vessel, double R_mm, const Ray& at) {
   const bool is_tube = vessel == Vessel::kCylinder;
   const double hoop = at.r_mm / R_mm;
   const auto stress = [&](double radial) {
@@ -72,8 +72,8 @@ Ray dU_dJ(Vessel vessel, double R_mm, const Ray& at) {
   return {radial, (is_tube ? 1.0 : 2.0) * (P[1] - P[0]) / R_mm};
 }
 
-/// The radial stress at the outer radius if the inner one has come to `a_mm` under pressure p, by
-/// Runge and Kutta's steps of fourth order from inside out.
+/// Radial stress at the outer radius if the inner radius is `a_mm` under pressure p: fourth-order
+/// Runge-Kutta steps from inside to outside.
 double outer_stress(Vessel vessel, double a_mm, double p_mpa) {
   constexpr int kSteps = 200;
   const double h = (kOuter_mm - kInner_mm) / kSteps;
@@ -84,17 +84,17 @@ double outer_stress(Vessel vessel, double a_mm, double p_mpa) {
   };
   for (int n = 0; n < kSteps; ++n) {
     const double R = kInner_mm + n * h;
-    const Ray k1 = dU_dJ(vessel, R, ray);
-    const Ray k2 = dU_dJ(vessel, R + 0.5 * h, moved(ray, 0.5 * h, k1));
-    const Ray k3 = dU_dJ(vessel, R + 0.5 * h, moved(ray, 0.5 * h, k2));
-    const Ray k4 = dU_dJ(vessel, R + h, moved(ray, h, k3));
+    const Ray k1 = slope(vessel, R, ray);
+    const Ray k2 = slope(vessel, R + 0.5 * h, moved(ray, 0.5 * h, k1));
+    const Ray k3 = slope(vessel, R + 0.5 * h, moved(ray, 0.5 * h, k2));
+    const Ray k4 = slope(vessel, R + h, moved(ray, h, k3));
     ray = moved(moved(moved(moved(ray, h / 6.0, k1), h / 3.0, k2), h / 3.0, k3), h / 6.0, k4);
   }
   return ray.stress_mpa;
 }
 
-/// The inner radius of the wall with its actual bulk modulus under pressure p: the one that leaves
-/// the outside free of stress, by the secant method from the incompressible one.
+/// Inner radius of the wall with its actual bulk modulus under pressure p: the outside must be free
+/// of stress. Secant method from the incompressible radius.
 double inner_radius(Vessel vessel, double p_mpa) {
   double a = kInflation * kInner_mm;
   double before = a * (1.0 + 1e-4);
@@ -110,9 +110,8 @@ double inner_radius(Vessel vessel, double p_mpa) {
   return a;
 }
 
-/// How wrong the inner radius is, as a share of its growth: root mean square over the nodes. (Their
-/// mean would not do: errors of both signs cancel in it, so that it may vanish on a coarse mesh and
-/// follows no power.)
+/// Error of the inner radius as a fraction of its growth: root mean square over the nodes. (Not the
+/// mean: errors of both signs cancel in it, so that it can vanish on a coarse mesh.)
 Result<double> radius_error(Vessel vessel, mesh::ElementShape shape, int cells, double wanted_mm,
                             Progress& progress) {
   const bool is_tube = vessel == Vessel::kCylinder;
@@ -122,10 +121,11 @@ Result<double> radius_error(Vessel vessel, mesh::ElementShape shape, int cells, 
                   .prescribed = {}};
   std::vector<fem::PrescribedDisplacement> prescribed;
   for (int axis = 0; axis < 3; ++axis)
-    hold(nodes_where(
-             model.mesh,
-             [&](const Vec3& p) { return std::abs(p[axis]) < 1e-9 || (is_tube && axis == 2); }),
-         axis, 0.0, prescribed);
+    prescribe(nodes_where(model.mesh,
+                          [&](const Vec3& p) {
+                            return std::abs(p[axis]) < 1e-9 || (is_tube && axis == 2);
+                          }),
+              axis, 0.0, prescribed);
   model.prescribed = in_proportion(std::move(prescribed));
   LEFORT_TRY(const auto pressure,
              fem::FollowerPressure::build(model.mesh.nodes_L, model.mesh.face_sets.at("inner")));
@@ -148,81 +148,100 @@ Result<double> radius_error(Vessel vessel, mesh::ElementShape shape, int cells, 
   return std::sqrt(sum / double(inner.size()));
 }
 
-}  // namespace
+const char* name_of_vessel(Vessel vessel) {
+  return vessel == Vessel::kCylinder ? "cylinder" : "sphere";
+}
 
-Section verify_inflation(Extent extent, Progress& progress) {
-  Section section{
+std::vector<int> vessel_meshes(Vessel vessel, Extent extent) {
+  const bool full = extent == Extent::kFull;
+  return vessel == Vessel::kCylinder ? (full ? std::vector{2, 4, 8, 16} : std::vector{2, 4, 8})
+                                     : (full ? std::vector{2, 4, 8} : std::vector{2, 4});
+}
+
+void check_reference_radius(Vessel vessel, double wanted_mm, Section& section) {
+  section.checks.push_back(
+      {.name = fmt::format("{}: radius of the compressible wall less the closed form's",
+                           name_of_vessel(vessel)),
+       .measured = wanted_mm - kInflation * kInner_mm,
+       .tolerance = 3.0 * pressure_of(vessel) / kShellKappa_mpa,
+       .unit = "mm",
+       .reason = "the wall is compressed by the pressure over kappa; three times that for the "
+                 "growth of its radii"});
+}
+
+/// Inflates a vessel of one shape on all meshes.
+void inflate(Vessel vessel, mesh::ElementShape shape, Extent extent, double wanted_mm, Table& table,
+             report::LinePlot& plot, Section& section, Progress& progress) {
+  std::vector<std::string> row{text_of(shape)};
+  report::PlotLine line{.name = text_of(shape)};
+  std::vector<double> errors;
+  std::string failure;
+  for (const int n : vessel_meshes(vessel, extent)) {
+    const auto found = radius_error(vessel, shape, n, wanted_mm, progress);
+    if (!found) failure = found.error().message;
+    if (!found) break;
+    errors.push_back(*found);
+    row.push_back(fmt::format("{:.2e}", *found));
+    line.x.push_back(std::log2(n));
+    line.y.push_back(*found);
+  }
+  const std::string name = fmt::format("{}, {}", name_of_vessel(vessel), text_of(shape));
+  if (!failure.empty()) {
+    section.checks.push_back(not_measured(name, failure));
+    return;
+  }
+  row.push_back(fmt::format("{:.2f}", std::log2(errors.end()[-2] / errors.back())));
+  table.rows.push_back(std::move(row));
+  plot.lines.push_back(std::move(line));
+  check_error_order(
+      name, errors,
+      {.order = averaged_order(shape),
+       .order_reason = "at least p + 1, or one less for constant pressures",
+       .known_failure =
+           extent == Extent::kFull ? "" : "the meshes of the short form are too coarse for it"},
+      section);
+}
+
+Section inflation_section() {
+  return {
       .name = "inflation",
       .title = "Thick-walled cylinder and sphere under inner pressure",
       .text = fmt::format(
-          "Radii 1 and 2 mm, incompressible neo-Hookean (here bulk over shear modulus {:.0g}), the "
-          "wall blown up from "
-          "inside by a pressure that follows the surface until the inner radius has grown by 30 %. "
-          "A "
-          "quarter of the tube in plane strain, an octant of the sphere, faces and elements curved "
-          "where the shape can be. The pressure for that radius is known (Green and Zerna, "
-          "Theoretical Elasticity, "
-          "chapter 3): {:.6f} MPa and {:.6f} MPa; so that "
-          "the wall's own compressibility does not hide the order, the radius asked for comes "
-          "from the radial equation of balance by Runge and Kutta's method, itself held against "
-          "the "
-          "closed form. Told is how wrong the inner radius is, as a share of its growth. Orders "
-          "expected: 3 for hex20, 2 for all others; the remedy of tet10 and wedge15 leaves one "
-          "pressure per element. The error on the finest mesh must be what the order between the "
-          "two before predicts.",
+          "Radii 1 and 2 mm, incompressible neo-Hookean (here bulk over shear modulus {:.0g}). A "
+          "follower pressure inflates the wall from inside until the inner radius has grown by "
+          "30 %. A quarter of the tube in plane strain and an octant of the sphere are meshed, "
+          "with curved faces and elements if the shape allows. The pressure for that radius is "
+          "known (Green and Zerna, Theoretical Elasticity, chapter 3): {:.6f} MPa and {:.6f} MPa. "
+          "So that the compressibility of the wall does not hide the order, the reference radius "
+          "comes from the radial equation of equilibrium by Runge and Kutta's method, which is "
+          "compared with the closed form. Reported is the error of the inner radius as a fraction "
+          "of its growth. Expected orders: 3 for hex20, 2 for all others, because tet10 and "
+          "wedge15 have one pressure per element. The error on the finest mesh must be what the "
+          "order between the two before predicts.",
           kShellKappa_mpa, pressure_of(Vessel::kCylinder), pressure_of(Vessel::kSphere))};
-  const bool full = extent == Extent::kFull;
+}
+
+}  // namespace
+
+Section verify_inflation(Extent extent, Progress& progress) {
+  Section section = inflation_section();
   double done = 0.0;
   for (const Vessel vessel : {Vessel::kCylinder, Vessel::kSphere}) {
-    const char* const what = vessel == Vessel::kCylinder ? "cylinder" : "sphere";
-    const std::vector<int> cells = vessel == Vessel::kCylinder
-                                       ? (full ? std::vector{2, 4, 8, 16} : std::vector{2, 4, 8})
-                                       : (full ? std::vector{2, 4, 8} : std::vector{2, 4});
+    const char* const what = name_of_vessel(vessel);
     const double wanted_mm = inner_radius(vessel, pressure_of(vessel));
-    section.checks.push_back(
-        {.name = fmt::format("{}: radius of the compressible wall less the closed form's", what),
-         .measured = wanted_mm - kInflation * kInner_mm,
-         .tolerance = 3.0 * pressure_of(vessel) / kShellKappa_mpa,
-         .unit = "mm",
-         .reason = "the wall gives by the pressure over kappa; three times that for the growth of "
-                   "its radii"});
+    check_reference_radius(vessel, wanted_mm, section);
     Table table{.title = fmt::format("{}: error of the inner radius over its growth", what),
                 .header = {"shape"}};
-    for (const int n : cells) table.header.push_back(fmt::format("{} cells across", n));
+    for (const int n : vessel_meshes(vessel, extent))
+      table.header.push_back(fmt::format("{} cells across", n));
     table.header.emplace_back("order");
     report::LinePlot plot{.title = fmt::format("Inflated {}: error of the inner radius", what),
                           .x_label = "refinement: log2 of the cells across the wall",
                           .y_label = "error over growth",
                           .y_axis = report::Axis::kLog};
     for (const mesh::ElementShape shape : kAllShapes) {
-      std::vector<std::string> row{text_of(shape)};
-      report::PlotLine line{.name = text_of(shape)};
-      std::vector<double> errors;
-      std::string failure;
-      for (const int n : cells) {
-        const auto found = radius_error(vessel, shape, n, wanted_mm, progress);
-        if (!found) failure = found.error().message;
-        if (!found) break;
-        errors.push_back(*found);
-        row.push_back(fmt::format("{:.2e}", *found));
-        line.x.push_back(std::log2(n));
-        line.y.push_back(*found);
-      }
+      inflate(vessel, shape, extent, wanted_mm, table, plot, section, progress);
       progress.report(++done / double(2 * kAllShapes.size()));
-      const std::string name = fmt::format("{}, {}", what, text_of(shape));
-      if (!failure.empty()) {
-        section.checks.push_back(not_measured(name, failure));
-        continue;
-      }
-      row.push_back(fmt::format("{:.2f}", std::log2(errors.end()[-2] / errors.back())));
-      table.rows.push_back(std::move(row));
-      plot.lines.push_back(std::move(line));
-      check_error_order(
-          name, errors,
-          {.order = averaged_order(shape),
-           .order_reason = "p + 1, or one less for constant pressures; faster is welcome",
-           .known_failure = full ? "" : "meshes as coarse as the short form's do not show it yet"},
-          section);
     }
     section.tables.push_back(std::move(table));
     section.plots.push_back(std::move(plot));

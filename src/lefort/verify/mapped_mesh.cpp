@@ -14,7 +14,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// A position in cells of a millionth of a mm.
+/// A position rounded to a millionth of a mm.
 using Key = std::array<std::int64_t, 3>;
 
 Key key_of(const Vec3& p) {
@@ -22,7 +22,7 @@ Key key_of(const Vec3& p) {
   return {rounded(p.x()), rounded(p.y()), rounded(p.z())};
 }
 
-/// The number of the node that lies there: rounding may have put it into a neighboring cell.
+/// Number of the node at a position; rounding may have put it into a neighboring cell.
 std::int32_t node_at(const Vec3& p, std::map<Key, std::int32_t>& known, std::vector<Vec3>& nodes) {
   const Key key = key_of(p);
   for (std::int64_t i = -1; i <= 1; ++i)
@@ -42,7 +42,7 @@ mesh::ElementBlock& block_of(mesh::VolumeMesh& mesh, mesh::ElementShape shape) {
   return mesh.blocks.emplace_back(mesh::ElementBlock{.shape = shape, .nodes = {}, .region = {}});
 }
 
-/// A quarter turn about z, n times, exact.
+/// Exact rotation by n quarter turns about z.
 Vec3 turned(Vec3 p, int n) {
   for (; n > 0; --n) p = Vec3(-p.y(), p.x(), p.z());
   return p;
@@ -84,11 +84,12 @@ double graded_corner(int i, int cells, double grading) {
 
 mesh::VolumeMesh graded_cube(mesh::ElementShape shape, int cells, double side_mm, double grading) {
   const auto corner = [&](int i) { return graded_corner(i, cells, grading); };
-  const auto moved = [&](double x) {  // Linear from corner to corner: a middle node stays halfway.
-    const int before = std::min(cells - 1, int(std::floor(x * cells + 1e-6)));
-    const double fraction = x * cells - before;
-    return side_mm * ((1.0 - fraction) * corner(before) + fraction * corner(before + 1));
-  };
+  const auto moved =
+      [&](double x) {  // Linear from corner to corner: a mid-side node stays in the middle.
+        const int before = std::min(cells - 1, int(std::floor(x * cells + 1e-6)));
+        const double fraction = x * cells - before;
+        return side_mm * ((1.0 - fraction) * corner(before) + fraction * corner(before + 1));
+      };
   return mapped(mesh::make_box(shape, {cells, cells, cells}, Vec3::Ones()),
                 [&](const Vec3& p) { return Vec3(moved(p.x()), moved(p.y()), moved(p.z())); });
 }
@@ -109,7 +110,7 @@ mesh::VolumeMesh octant_shell(mesh::ElementShape shape, int cells, double a_mm, 
   const mesh::VolumeMesh box = mesh::make_box(shape, {cells, cells, cells}, Vec3::Ones());
   std::vector<mesh::VolumeMesh> blocks;
   for (int axis = 0; axis < 3; ++axis) {
-    // The third axis of the box runs outwards, so that the sides of wedges meet those of wedges.
+    // The third axis of the box points outwards, so that quadrilaterals of wedges match.
     blocks.push_back(mapped(box, [&](const Vec3& p) -> Vec3 {
       Vec3 direction;
       direction[axis] = 1.0;
@@ -129,7 +130,7 @@ mesh::VolumeMesh round_column(mesh::ElementShape shape, int cells, int layers, d
                               double length_mm) {
   const double core_mm = 0.5 * radius_mm;
   const mesh::VolumeMesh box = mesh::make_box(shape, {cells, cells, layers}, Vec3::Ones());
-  // The core's sides bulge a little, for better corners.
+  // The sides of the core are slightly curved, for better corners.
   const auto on_core = [&](double x, double y) {
     const double bulge = 1.0 + 0.15 * (1.0 - x * y);
     return Eigen::Vector2d(core_mm * bulge * x, core_mm * bulge * y);
@@ -144,7 +145,7 @@ mesh::VolumeMesh round_column(mesh::ElementShape shape, int cells, int layers, d
       parts.back().face_sets.clear();
     };
     add([&](double x, double y) { return on_core(x, y); });
-    // From the side x = 1 of the core to the rim, and from the side y = 1.
+    // From the sides x = 1 and y = 1 of the core to the surface.
     add([&](double x, double y) -> Eigen::Vector2d {
       const double angle = 0.25 * pi * y;
       return (1.0 - x) * on_core(1.0, y) +

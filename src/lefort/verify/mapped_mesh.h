@@ -1,5 +1,5 @@
 /// \file
-/// Rings, shells and columns from boxes, bent and welded; boxes graded towards singular edges.
+/// Rings, shells and columns from mapped and welded boxes; boxes graded towards singular edges.
 #pragma once
 
 #include <lefort/core/types.h>
@@ -10,21 +10,21 @@
 
 namespace lefort::verify {
 
-/// Every node moved; sets stay. Quadratic shapes become curved: their middle nodes move, too.
+/// Mesh with all nodes moved by `map`; sets stay. Mid-side nodes move too, so that quadratic
+/// elements become curved.
 /// \pre `map` keeps orientation.
 [[nodiscard]] mesh::VolumeMesh mapped(mesh::VolumeMesh mesh,
                                       const std::function<Vec3(const Vec3&)>& map);
 
-/// Nodes nearer to each other than a millionth of a mm become one. Face sets are joined by name;
-/// node sets are dropped.
+/// Merges nodes within a millionth of a mm. Face sets are joined by name; node sets are dropped.
 [[nodiscard]] mesh::VolumeMesh welded(const std::vector<mesh::VolumeMesh>& parts);
 
-/// Where the i-th of the corners lies, 0 to `cells`, as a share of the side: 1 - (1 - i / cells)^g.
+/// Position of the i-th corner, 0 to `cells`, as a fraction of the side: 1 - (1 - i / cells)^g.
 /// \param grading  g >= 1; 1 is regular.
 [[nodiscard]] double graded_corner(int i, int cells, double grading);
 
-/// A cube from the origin whose cells, `cells` a side, get smaller towards its sides x1, y1 and z1
-/// as graded_corner() says. Edges stay straight; sets are those of make_box().
+/// A cube from the origin with `cells` a side, smaller towards its sides x1, y1 and z1 by
+/// graded_corner(). Edges stay straight; sets are those of make_box().
 [[nodiscard]] mesh::VolumeMesh graded_cube(mesh::ElementShape shape, int cells, double side_mm,
                                            double grading);
 
@@ -39,7 +39,7 @@ namespace lefort::verify {
                                             double b_mm);
 
 /// sqrt(x^2 + y^2) <= radius, 0 <= z <= length: a square core, `cells` from the axis to its sides
-/// and as many from there to the rim, in each of four quarters.
+/// and as many from there to the surface, in each of four quarters.
 [[nodiscard]] mesh::VolumeMesh round_column(mesh::ElementShape shape, int cells, int layers,
                                             double radius_mm, double length_mm);
 

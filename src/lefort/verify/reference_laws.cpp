@@ -8,7 +8,7 @@
 namespace lefort::verify {
 namespace {
 
-// m_i = l_i dW/dl_i of the shear parts.
+// m_i = l_i dW/dl_i of the isochoric parts.
 
 Vec3 shear_moments(const fem::IsochoricNeoHookean& law, const Vec3& l) {
   return law.mu_mpa * l.array().square();
@@ -79,7 +79,7 @@ Vec3 stress_of(const fem::DecoupledLaw<Shear>& law, const Vec3& l) {
 }
 
 /// Simple shear has the principal stretches s, 1/s, 1 with gamma = s - 1/s; the true stress in that
-/// frame, turned back: sigma_xy = (sigma_1 - sigma_2) s / (1 + s^2).
+/// frame, rotated back: sigma_xy = (sigma_1 - sigma_2) s / (1 + s^2).
 template <class Law>
 double isotropic_shear(const Law& law, double gamma) {
   const double s = 0.5 * (gamma + std::sqrt(gamma * gamma + 4.0));
@@ -149,7 +149,7 @@ FreeStretch equibiaxial(const fem::Material& law, double stretch) {
 
 double incompressible_uniaxial(const fem::Material& law, double stretch) {
   const Vec3 l(stretch, 1.0 / std::sqrt(stretch), 1.0 / std::sqrt(stretch));
-  // J = 1: U' is zero, and the pressure is what frees the sides.
+  // J = 1: U' is zero, and the pressure follows from the free sides.
   const Vec3 sigma = principal_stress(law, l).cwiseProduct(l);
   return (sigma[0] - sigma[1]) / stretch;
 }

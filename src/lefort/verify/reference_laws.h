@@ -1,9 +1,10 @@
 /// \file
-/// Every law once more, written in principal stretches and independently of fem/materials: what the
-/// laws are held against.
+/// Independent second implementation of every law in principal stretches, with which fem/materials
+/// is compared.
 ///
-/// Principal axes are x, y, z, along the material axes and fibers of example_laws(). For a split
-/// law with shear energy W(l1, l2, l3) of the isochoric stretches l_i = J^(-1/3) lambda_i,
+/// Principal axes are x, y, z, along the material axes and fibers of example_laws(). For a
+/// decoupled law with isochoric energy W(l1, l2, l3) of the isochoric stretches l_i = J^(-1/3)
+/// lambda_i,
 ///
 ///     P_i = (m_i - (m_1 + m_2 + m_3)/3 + J U'(J)) / lambda_i ,   m_i = l_i dW/dl_i
 ///
@@ -22,19 +23,19 @@ namespace lefort::verify {
 /// principal stretches, for the others dW/dgamma.
 [[nodiscard]] double simple_shear_stress(const fem::Material& law, double gamma);
 
-/// Nominal stress along x of a body that is free where it is not stretched [MPa].
+/// Nominal stress along x of a body without lateral stress [MPa].
 struct FreeStretch {
   double stress_mpa = 0.0;
-  double lateral = 1.0;  ///< Stretch of what is free.
+  double lateral = 1.0;  ///< Stretch in the free direction.
 };
 
-/// Stretched along x alone; y and z are free and contract alike.
+/// Stretched along x only; y and z are free and contract equally.
 [[nodiscard]] FreeStretch uniaxial(const fem::Material& law, double stretch);
 
-/// Stretched along x and y alike; z is free.
+/// Stretched equally along x and y; z is free.
 [[nodiscard]] FreeStretch equibiaxial(const fem::Material& law, double stretch);
 
-/// The same for an incompressible body of a split law's shear part: the limit of large kappa.
+/// Uniaxial stress of the isochoric part with incompressibility: the limit of large kappa.
 [[nodiscard]] double incompressible_uniaxial(const fem::Material& law, double stretch);
 
 }  // namespace lefort::verify

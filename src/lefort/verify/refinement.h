@@ -1,14 +1,14 @@
 /// \file
-/// What three meshes that halve tell of the finest one's error: the tolerance of a comparison with
+/// Estimates the error on the finest of three meshes that halve: the tolerance of a comparison with
 /// a known value must come from the values themselves.
 ///
 /// With v(h) = limit + C h^p the values v0, v1, v2 on meshes of sizes h, h/2, h/4 give
 /// p = log2((v1 - v0) / (v2 - v1)), and of v2 the error |v2 - v1| / (2^p - 1). Roache's grid
-/// convergence index takes 1.25 times that where p was measured (\cite roache1994). Where the
-/// values go to and fro there is no order; their spread takes the error's place.
+/// convergence index takes 1.25 times that where p was measured (\cite roache1994). If the values
+/// alternate there is no order, and their spread is used as the error.
 ///
-/// A number in which errors of both signs meet follows no power: where they cancel, it is right by
-/// chance. Its order is then that of a norm, which vanishes with the error alone.
+/// A number that sums errors of both signs has no reliable order, because they may cancel. The
+/// order must then be measured in a norm.
 #pragma once
 
 #include <algorithm>
@@ -21,13 +21,13 @@ namespace lefort::verify {
 inline constexpr double kRefinementSafety = 1.25;
 
 struct Refinement {
-  double order = NAN;  ///< Measured; NaN where values go to and fro.
-  double error = NAN;  ///< Predicted, of the last value, >= 0, with the factor of safety; NaN where
-                       ///< differences do not fall.
+  double order = NAN;  ///< Measured; NaN if values alternate.
+  double error = NAN;  ///< Predicted, of the last value, >= 0, with the factor of safety; NaN if
+                       ///< differences do not decrease.
 };
 
 /// \param values          from meshes that halve, coarse to fine.
-/// \param expected_order  > 0: a measured one above it, which is chance, predicts no smaller error.
+/// \param expected_order  > 0. A measured order above it is not used for the error.
 [[nodiscard]] inline Refinement refinement_of(const std::array<double, 3>& values,
                                               double expected_order) {
   const double before = values[1] - values[0];
@@ -39,9 +39,12 @@ struct Refinement {
   return {.order = order, .error = ratio > 0.0 ? kRefinementSafety * std::abs(last) / ratio : NAN};
 }
 
-/// The error of the last value, >= 0, with the factor of safety, by an order that was measured
-/// elsewhere: by the larger of the last difference and of what the one before makes expect.
-/// \param order  NaN unless > 0.
+/// Error of the last value, >= 0, with the factor of safety, by a given order: from the larger of
+/// the last difference and the one predicted by the difference before.
+///
+/// \param values  from meshes that halve, coarse to fine.
+/// \param order   measured elsewhere.
+/// \returns the error; NaN unless order > 0.
 [[nodiscard]] inline double predicted_error(const std::array<double, 3>& values, double order) {
   if (!(order > 0.0)) return NAN;
   const double before = std::abs(values[1] - values[0]);

@@ -19,16 +19,16 @@
 namespace lefort::verify {
 namespace {
 
-constexpr double kPunchMu_mpa = 0.005;  // Of soft tissue.
+constexpr double kPunchMu_mpa = 0.005;  // As soft tissue.
 constexpr double kPunchKappa_mpa = 0.1;
 constexpr double kPunchStiffness_mpa_per_mm =
-    0.06;  // Ten times Young's modulus over an element's edge.
+    0.06;  // Ten times Young's modulus over an element edge.
 constexpr double kPunchTolerance = 1e-8;
-/// Newton's quadratic end takes three or four; the rest is for points that come into contact.
+/// Three or four for quadratic convergence; the rest for points that come into contact.
 constexpr int kMaxIterations = 20;
 constexpr std::array<double, 3> kBlock_mm{24.0, 16.0, 10.0};
 
-/// A box of triangles.
+/// Surface of a box.
 geometry::TriangleMesh box(const Vec3& low, const Vec3& high) {
   geometry::TriangleMesh mesh;
   for (int corner = 0; corner < 8; ++corner)
@@ -66,20 +66,20 @@ geometry::TriangleMesh roller(double radius_mm, double from_y, double to_y) {
   return mesh;
 }
 
-/// What one increment came to.
+/// Result of one increment.
 struct Increment {
   double fraction = 0.0;
   Vec3 force_n = Vec3::Zero();  ///< On the body.
   Index iterations = 0;
-  Index late_rises = 0;  ///< Iterations beyond the third whose residual was larger than before.
+  Index late_rises = 0;  ///< Iterations after the third that increased the residual.
 };
 
 struct Followed {
   std::vector<Increment> increments;
-  Index failed = 0;  ///< Increments that had to be made smaller.
+  Index failed = 0;  ///< Increments that had to be reduced.
 };
 
-/// Presses a rigid body into a block of hexahedra that is held below.
+/// Presses a rigid body into a block of hexahedra that is fixed below.
 Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, int increments,
                        const std::function<Vec3(double fraction)>& shift_mm, Progress& progress) {
   const auto cells = [&](double mm) { return int(std::lround(mm * 0.1 * cells_per_10mm)); };
@@ -89,9 +89,10 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
                              Vec3(kBlock_mm[0], kBlock_mm[1], kBlock_mm[2])),
       .materials = {{0, split_neo_hookean(kPunchMu_mpa, kPunchKappa_mpa)}},
       .prescribed = {}};
-  std::vector<fem::PrescribedDisplacement> constrained;
-  for (int axis = 0; axis < 3; ++axis) hold(model.mesh.node_sets.at("z0"), axis, 0.0, constrained);
-  model.prescribed = [constrained](double) { return constrained; };
+  std::vector<fem::PrescribedDisplacement> prescribed;
+  for (int axis = 0; axis < 3; ++axis)
+    prescribe(model.mesh.node_sets.at("z0"), axis, 0.0, prescribed);
+  model.prescribed = [prescribed](double) { return prescribed; };
 
   LEFORT_TRY(field::DistanceField field,
              field::build_distance_field(body, {.resolution = 64, .band_mm = 2.5, .smooth = true},
@@ -134,10 +135,10 @@ Result<Followed> press(const geometry::TriangleMesh& body, int cells_per_10mm, i
   return followed;
 }
 
-/// The checks of every problem here, and the table of its increments.
-void judge(const Followed& followed, Section& section) {
+/// Adds the checks common to both cases, and the table of increments.
+void check_increments(const Followed& followed, Section& section) {
   Table table{.title = "Force on the body and Newton's iterations, by increment",
-              .header = {"share", "x [N]", "y [N]", "z [N]", "iterations", "late rises"}};
+              .header = {"fraction", "x [N]", "y [N]", "z [N]", "iterations", "late rises"}};
   Index maximum = 0, rises = 0;
   for (const Increment& increment : followed.increments) {
     maximum = std::max(maximum, increment.iterations);
@@ -152,19 +153,19 @@ void judge(const Followed& followed, Section& section) {
                             .measured = double(followed.failed),
                             .comparison = Comparison::kAtMost,
                             .expected = 0.0,
-                            .reason = "none needs to be made smaller"});
-  section.checks.push_back({.name = "most iterations of an increment",
+                            .reason = "none needs to be reduced"});
+  section.checks.push_back({.name = "max iterations of an increment",
                             .measured = double(maximum),
                             .comparison = Comparison::kAtMost,
                             .expected = kMaxIterations,
                             .reason = "an oscillating one runs into the hundreds"});
   section.checks.push_back(
-      {.name = "iterations beyond the third that raised the residual, a share of all increments",
+      {.name = "iterations after the third that increased the residual, per increment",
        .measured = double(rises) / double(followed.increments.size()),
        .comparison = Comparison::kAtMost,
        .expected = 1.0,
-       .reason = "points that come into contact may raise it once in an increment; an oscillation "
-                 "does every second time"});
+       .reason = "points that come into contact may increase it once in an increment; an "
+                 "oscillation does so every second time"});
 }
 
 Section failed_section(Section section, const Error& error) {
@@ -180,15 +181,15 @@ Section verify_punch(Extent extent, Progress& progress) {
       .title = "Flat punch",
       .text =
           "A rigid box of 8 x 8 mm with sharp edges is pressed 1 mm flat into a soft block (nu "
-          "= 0.475), by the smooth field and the contact term of the product. No closed form; "
-          "asked is that nothing oscillates, that the force rises with depth, and that it points "
-          "straight up, as the problem is symmetric."};
+          "= 0.475), with the smooth field and the contact term of the product. There is no closed "
+          "form. Newton must not oscillate, the force must increase with depth, and it must be "
+          "vertical, because the problem is symmetric."};
   const Vec3 middle(0.5 * kBlock_mm[0], 0.5 * kBlock_mm[1], kBlock_mm[2]);
   const auto followed = press(
       box(middle + Vec3(-4, -4, 0), middle + Vec3(4, 4, 6)), extent == Extent::kShort ? 5 : 10, 10,
       [](double fraction) { return Vec3(0.0, 0.0, -fraction); }, progress);
   if (!followed) return failed_section(std::move(section), followed.error());
-  judge(*followed, section);
+  check_increments(*followed, section);
   double min_rise_n = std::numeric_limits<double>::infinity(), last_n = 0.0;
   double max_sideways = 0.0;
   for (const Increment& increment : followed->increments) {
@@ -197,22 +198,22 @@ Section verify_punch(Extent extent, Progress& progress) {
     min_rise_n = std::min(min_rise_n, -increment.force_n.z() - last_n);
     last_n = -increment.force_n.z();
   }
-  section.checks.push_back({.name = "least rise of the force from increment to increment",
+  section.checks.push_back({.name = "min increase of the force from increment to increment",
                             .measured = min_rise_n,
                             .comparison = Comparison::kAtLeast,
                             .expected = 0.0,
                             .unit = "N",
-                            .reason = "deeper is harder"});
+                            .reason = "the force increases with depth"});
   section.checks.push_back(
-      {.name = "sideways force, to the force down, at most",
+      {.name = "max sideways force over downward force",
        .measured = max_sideways,
        .comparison = Comparison::kAtMost,
        .expected = 0.0,
        .tolerance = 1e-3,
-       .reason = "block, punch and way are symmetric",
+       .reason = "block, punch and path are symmetric",
        .known_failure =
-           "tissue under the punch's sharp edges slips out on one side before the other; "
-           "whether the balance is unstable there or the field lopsided is not known"});
+           "tissue under the sharp edges of the punch slips out on one side before the other; "
+           "whether the equilibrium is unstable there or the field is asymmetric is not known"});
   return section;
 }
 
@@ -222,11 +223,10 @@ Section verify_ironing(Extent extent, Progress& progress) {
       .name = "ironing",
       .title = "Ironing: a roller pressed in and slid along",
       .text = fmt::format(
-          "A rigid cylinder of {} mm lies across a soft block (nu = 0.475), is pressed {} mm in "
-          "and "
-          "slid {} mm along without friction, by the smooth field and the contact term of the "
-          "product. Nodes come into contact ahead and leave it behind: where normals jump, the "
-          "force does, and Newton cycles. Over the middle of the way the force must be steady.",
+          "A rigid cylinder of {} mm lies across a soft block (nu = 0.475), is pressed in by {} mm "
+          "and slides {} mm along without friction, with the smooth field and the contact term of "
+          "the product. Nodes come into contact in front and leave it behind: if normals jump, the "
+          "force jumps and Newton cycles. Over the middle of the path the force must be constant.",
           kPunchRadius_mm, kPressed_mm, kSlid_mm)};
   geometry::TriangleMesh cylinder = roller(kPunchRadius_mm, -2.0, kBlock_mm[1] + 2.0);
   for (Vec3& v : cylinder.vertices) v += Vec3(7.0, 0.0, kBlock_mm[2]);
@@ -239,8 +239,8 @@ Section verify_ironing(Extent extent, Progress& progress) {
       },
       progress);
   if (!followed) return failed_section(std::move(section), followed.error());
-  judge(*followed, section);
-  report::PlotLine down{.name = "down"}, along{.name = "against the way"};
+  check_increments(*followed, section);
+  report::PlotLine down{.name = "down"}, along{.name = "against the motion"};
   double min_n = std::numeric_limits<double>::infinity(), max_n = 0.0;
   for (const Increment& increment : followed->increments) {
     down.x.push_back(increment.fraction);
@@ -248,25 +248,24 @@ Section verify_ironing(Extent extent, Progress& progress) {
     along.x.push_back(increment.fraction);
     along.y.push_back(increment.force_n.x());
     if (increment.fraction < 0.4 || increment.fraction > 0.8)
-      continue;  // Away from the block's ends.
+      continue;  // Away from the ends of the block.
     min_n = std::min(min_n, -increment.force_n.z());
     max_n = std::max(max_n, -increment.force_n.z());
   }
   section.plots.push_back({.title = "Force on the block",
-                           .x_label = "share of the way",
+                           .x_label = "path fraction",
                            .y_label = "force [N]",
                            .lines = {std::move(down), std::move(along)}});
   section.checks.push_back(
-      {.name = "swing of the force over the middle of the way, to its mean",
+      {.name = "variation of the force over the middle of the path, relative to its mean",
        .measured = (max_n - min_n) / (0.5 * (max_n + min_n)),
        .comparison = Comparison::kAtMost,
        .expected = 0.0,
        .tolerance = 0.05,
        .reason = "the block is uniform there",
-       .known_failure =
-           extent == Extent::kShort
-               ? "nodes come and go one by one; elements of the short form are 2 mm wide"
-               : ""});
+       .known_failure = extent == Extent::kShort ? "nodes enter and leave contact one by one; "
+                                                   "elements of the short form are 2 mm wide"
+                                                 : ""});
   return section;
 }
 

@@ -34,7 +34,7 @@ Result<std::vector<Section>> run_suite(const SuiteOptions& options, Progress& pr
   if (sections.empty())
     return fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("there is no verification case '{}', see lefort verify --help", options.only));
+        fmt::format("there is no verification case '{}'; see lefort verify --help", options.only));
   return sections;
 }
 

@@ -12,7 +12,7 @@
 
 namespace lefort::verify {
 
-/// How far meshes are refined: the short form runs as a test, the full one makes the report.
+/// Mesh refinement: the short form runs as a test, the full form makes the report.
 enum class Extent { kShort, kFull };
 
 struct Case {
@@ -28,8 +28,10 @@ struct SuiteOptions {
   std::string only;  ///< Name of one case; empty for all.
 };
 
-/// \returns one section per case, whether or not its checks passed; or kInvalidArgument if there is
-///   no case of that name, or kCancelled.
+/// \param options   extent and cases.
+/// \param progress  may stop the suite.
+/// \returns one section per case, whether or not its checks passed; or kInvalidArgument for an
+///   unknown name, or kCancelled.
 [[nodiscard]] Result<std::vector<Section>> run_suite(const SuiteOptions& options,
                                                      Progress& progress);
 

@@ -1,5 +1,5 @@
 /// \file
-/// The shapes every case runs through, and what is expected of them.
+/// The element shapes of all cases, and their expected orders.
 #pragma once
 
 #include <lefort/mesh/volume_mesh.h>
@@ -15,7 +15,7 @@ inline constexpr std::array<mesh::ElementShape, 7> kAllShapes{
     mesh::ElementShape::kHex20,
 };
 
-/// Of the polynomials that displacements contain in full: 1 or 2.
+/// Degree of the complete polynomials of the displacement: 1 or 2.
 [[nodiscard]] constexpr int degree(mesh::ElementShape shape) {
   return shape == mesh::ElementShape::kTet10 || shape == mesh::ElementShape::kWedge15 ||
                  shape == mesh::ElementShape::kHex20
@@ -23,10 +23,10 @@ inline constexpr std::array<mesh::ElementShape, 7> kAllShapes{
              : 1;
 }
 
-/// Of displacements in the L2 norm where the change of volume is averaged: p + 1 where the pressure
-/// is at least of degree p - 1. The volume of tet10 and wedge15 is a mean over the element
-/// (fem/locking/volumetric_integration.h), their pressure a constant: that costs one order (\cite
-/// boffi2013).
+/// Order of the displacement in the L2 norm with mean dilatation: p + 1 if the pressure has at
+/// least degree p - 1. The volume change of tet10 and wedge15 is a mean over the element
+/// (fem/locking/volumetric_integration.h) and their pressure a constant, which costs one order
+/// (\cite boffi2013).
 [[nodiscard]] constexpr double averaged_order(mesh::ElementShape shape) {
   return shape == mesh::ElementShape::kHex20 ? 3.0 : 2.0;
 }

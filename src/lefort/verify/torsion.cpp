@@ -25,28 +25,28 @@ constexpr double kColumnMu_mpa = 1.0;
 constexpr double kColumnKappa_mpa = 1e4;
 constexpr double kTwist_rad_per_mm = 0.6;
 
-/// What the material's own compressibility makes of the loads, relative: of the axial force, which
-/// is the pressure's, three times mu over kappa; of the torque, which goes with the fourth power of
-/// the radius, four times the change of volume, at most mu tau^2 a^2 / 2 over kappa.
+/// Relative change of the loads by the compressibility of the material: of the axial force, which
+/// is that of the pressure, three times mu over kappa; of the torque, which varies as the fourth
+/// power of the radius, four times the change of volume, at most mu tau^2 a^2 / 2 over kappa.
 constexpr double kAxialChange = 3.0 * kColumnMu_mpa / kColumnKappa_mpa;
 constexpr double kTorqueChange = 4.0 * 0.5 * kColumnMu_mpa * kTwist_rad_per_mm * kTwist_rad_per_mm *
                                  kColumnRadius_mm * kColumnRadius_mm / kColumnKappa_mpa;
 
-/// The error of a load goes with the product of two errors of strain: of the solution, and of the
-/// displacement by which that load does work (\cite babuska1984). A twist more, for the torque, is
-/// as smooth as the solution. A stretch between held ends, for the axial force, has a stress that
-/// is singular at their rims: on regular column_meshes its strains come with order 0.595 (bulging.cpp).
+/// The error of a load is the product of two errors of strain: of the solution, and of the
+/// displacement by which that load does work (\cite babuska1984). For the torque, an additional
+/// twist is as smooth as the solution. For the axial force, a stretch between fixed ends has a
+/// singular stress at their edges: on regular meshes its strains have order 0.595 (bulging.cpp).
 constexpr double kTorqueOrder = 2.0;
 constexpr double kAxialOrder = 1.595;
 
-/// The volume changes by at most mu tau^2 a^2 / 2, the pressure on the axis, over kappa; so do
-/// displacements. At five times that the order is right to a few hundredths.
+/// The relative change of volume is at most mu tau^2 a^2 / 2, the pressure on the axis, over kappa;
+/// so is that of displacements. At five times that, the order is correct to a few hundredths.
 constexpr double kMinError = 5.0 * 0.5 * kColumnMu_mpa * kTwist_rad_per_mm * kTwist_rad_per_mm *
                              kColumnRadius_mm * kColumnRadius_mm / kColumnKappa_mpa;
 
 struct EndLoads {
   double torque_nmm = 0.0;
-  double axial_n = 0.0;  ///< Negative: the column wants to lengthen.
+  double axial_n = 0.0;  ///< Negative: the column tends to lengthen.
 };
 
 /// Rivlin's solution for the neo-Hookean law: pi mu tau a^4 / 2 and -pi mu tau^2 a^4 / 4.
@@ -56,16 +56,16 @@ EndLoads exact() {
   return {0.5 * pi * kColumnMu_mpa * tau * a4, -0.25 * pi * kColumnMu_mpa * tau * tau * a4};
 }
 
-/// Every section turns rigidly.
+/// Every section rotates rigidly.
 ExactField exact_field() {
-  const auto turn = [](const Vec3& X) -> Mat3 {
+  const auto rotation = [](const Vec3& X) -> Mat3 {
     return Eigen::AngleAxisd(kTwist_rad_per_mm * X.z(), Vec3::UnitZ()).toRotationMatrix();
   };
-  return {.displacement = [turn](const Vec3& X) -> Vec3 { return turn(X) * X - X; },
+  return {.displacement = [rotation](const Vec3& X) -> Vec3 { return rotation(X) * X - X; },
           .gradient =
-              [turn](const Vec3& X) {
-                Mat3 gradient = turn(X) - Mat3::Identity();
-                gradient.col(2) += kTwist_rad_per_mm * Vec3::UnitZ().cross(turn(X) * X);
+              [rotation](const Vec3& X) {
+                Mat3 gradient = rotation(X) - Mat3::Identity();
+                gradient.col(2) += kTwist_rad_per_mm * Vec3::UnitZ().cross(rotation(X) * X);
                 return gradient;
               }};
 }
@@ -83,9 +83,10 @@ Result<Twisted> twist(mesh::ElementShape shape, int cells, Progress& progress) {
   const auto top =
       nodes_where(model.mesh, [](const Vec3& p) { return p.z() > kColumnLength_mm - 1e-9; });
   model.prescribed = [&](double fraction) {
-    const Eigen::AngleAxisd turn(fraction * kTwist_rad_per_mm * kColumnLength_mm, Vec3::UnitZ());
+    const Eigen::AngleAxisd rotation(fraction * kTwist_rad_per_mm * kColumnLength_mm,
+                                     Vec3::UnitZ());
     RigidTransform motion_LL = RigidTransform::Identity();
-    motion_LL.linear() = turn.toRotationMatrix();
+    motion_LL.linear() = rotation.toRotationMatrix();
     std::vector<fem::PrescribedDisplacement> all = fem::prescribe_zero(bottom);
     const auto moved = fem::prescribe_rigid_motion(top, model.mesh.nodes_L, motion_LL);
     all.insert(all.end(), moved.begin(), moved.end());
@@ -104,9 +105,9 @@ Result<Twisted> twist(mesh::ElementShape shape, int cells, Progress& progress) {
 }
 
 /// Meshes that halve, by cells in the section of each quarter: the core and the ring around it.
-/// None where seconds do not suffice for an order: tet4 and tet10 need 6 cells, wedge15 needs 4.
-/// On coarser ones tet10's torque has yet to come to its order: 0.3, 1.6 and 1.8 from 1, 2 and 3
-/// cells.
+/// None in the short form if an order needs more than seconds: tet4 and tet10 need 6 cells, wedge15
+/// needs 4. On coarser meshes the torque of tet10 is not yet asymptotic: orders 0.3, 1.6 and 1.8
+/// from 1, 2 and 3 cells on.
 std::vector<int> column_meshes(mesh::ElementShape shape, Extent extent) {
   using enum mesh::ElementShape;
   if (extent == Extent::kFull && shape == kTet10) return {3, 6};
@@ -115,8 +116,8 @@ std::vector<int> column_meshes(mesh::ElementShape shape, Extent extent) {
   return shape == kHex20 ? std::vector{1, 2} : std::vector{2, 4};
 }
 
-/// Of an end load's error; one no larger than what the material's own compressibility makes has no
-/// order left.
+/// Checks the error of an end load. An error below the change by the compressibility of the
+/// material shows no order.
 void check_load(const std::string& name, std::span<const double> errors, double compressibility,
                 const Known& known, Section& section) {
   if (errors.back() < compressibility)
@@ -124,34 +125,101 @@ void check_load(const std::string& name, std::span<const double> errors, double 
                               .measured = errors.back(),
                               .comparison = Comparison::kAtMost,
                               .tolerance = compressibility,
-                              .reason = "as much as the material's own compressibility makes: no "
-                                        "order is left"});
+                              .reason = "the change by the compressibility of the material: no "
+                                        "order can be measured"});
   else
     check_error_order(name, errors, known, section);
+}
+
+/// Errors of one shape, coarse to fine.
+struct TorsionErrors {
+  std::vector<double> torque = {}, axial = {};
+  std::vector<double> displacement = {};  ///< Only those that show an order.
+  std::string failure = "";
+};
+
+/// Order between the last two errors as text.
+std::string last_order(const std::vector<double>& errors) {
+  return errors.size() < 2 ? ""
+                           : fmt::format("{:.2f}", std::log2(errors.end()[-2] / errors.back()));
+}
+
+TorsionErrors twist_all(mesh::ElementShape shape, Extent extent, Table& table,
+                        report::PlotLine& line, Progress& progress) {
+  const EndLoads wanted = exact();
+  TorsionErrors errors;
+  for (const int n : column_meshes(shape, extent)) {
+    const auto found = twist(shape, n, progress);
+    if (!found) errors.failure = found.error().message;
+    if (!found) break;
+    const double torque = found->loads.torque_nmm / wanted.torque_nmm - 1.0;
+    const double axial = found->loads.axial_n / wanted.axial_n - 1.0;
+    errors.torque.push_back(std::abs(torque));
+    errors.axial.push_back(std::abs(axial));
+    if (found->l2 >= kMinError) errors.displacement.push_back(found->l2);
+    table.rows.push_back({text_of(shape), fmt::format("{}", n), fmt::format("{:+.2e}", torque),
+                          last_order(errors.torque), fmt::format("{:+.2e}", axial),
+                          last_order(errors.axial), fmt::format("{:.2e}", found->l2),
+                          found->l2 >= kMinError ? last_order(errors.displacement) : ""});
+    line.x.push_back(std::log2(n));
+    line.y.push_back(std::hypot(torque, axial));
+  }
+  return errors;
+}
+
+void check_torsion(mesh::ElementShape shape, Extent extent, const TorsionErrors& errors,
+                   Section& section) {
+  const std::string name = text_of(shape);
+  if (!errors.failure.empty()) {
+    section.checks.push_back(not_measured(name, errors.failure));
+    return;
+  }
+  const bool is_slow = extent == Extent::kFull && shape == mesh::ElementShape::kTet10;
+  check_load(
+      name + ": torque", errors.torque, kTorqueChange,
+      {.order = kTorqueOrder,
+       .order_reason = "at least twice that of the strains, which is 1",
+       .known_failure = is_slow ? "from 1, 2 and 3 cells on the orders are 0.3, 1.6 and 1.8: not "
+                                  "yet asymptotic"
+                                : ""},
+      section);
+  check_load(name + ": axial force", errors.axial, kAxialChange,
+             {.order = kAxialOrder,
+              .order_reason = "at least 1 for the strains plus 0.595 for those of a stretch, which "
+                              "are singular at the edges of the fixed ends"},
+             section);
+  check_error_order(fmt::format("{}: displacement, L2", name), errors.displacement,
+                    {.order = averaged_order(shape),
+                     .order_reason = "at least p + 1, or one less for constant pressures"},
+                    section);
+}
+
+Section torsion_section() {
+  const EndLoads wanted = exact();
+  return {
+      .name = "torsion",
+      .title = "Twisted column: Rivlin's torque and axial force",
+      .text = fmt::format(
+          "A circular column, {} mm long and {} mm in radius, of an incompressible neo-Hookean "
+          "material (bulk over shear modulus {:.0g}) is twisted by {} rad/mm between ends at a "
+          "fixed distance. Rivlin (Large elastic deformations of isotropic materials VI, 1949) "
+          "showed that every section rotates rigidly, for any twist; the ends need the torque "
+          "pi mu tau a^4 / 2 = {:.5f} N mm and the axial force -pi mu tau^2 a^4 / 4 = {:.5f} N, "
+          "which does not occur in linear theory. Expected orders: of the displacement in the "
+          "L2 norm 3 for hex20, 2 for all others; of the torque 2; of the axial force 1.595, "
+          "since the stretch by which it does work is singular at the edges of the fixed ends, "
+          "with strains of order 0.595.",
+          kColumnLength_mm, kColumnRadius_mm, kColumnKappa_mpa, kTwist_rad_per_mm,
+          wanted.torque_nmm, wanted.axial_n)};
 }
 
 }  // namespace
 
 Section verify_torsion(Extent extent, Progress& progress) {
-  const EndLoads wanted = exact();
-  Section section{
-      .name = "torsion",
-      .title = "Twisted column: Rivlin's torque and axial force",
-      .text = fmt::format(
-          "A circular column, {} mm long and {} mm in radius, of an incompressible neo-Hookean "
-          "material (bulk over shear modulus {:.0g}) is twisted by {} rad/mm between ends that "
-          "keep their distance. Rivlin (Large elastic deformations of isotropic materials VI, "
-          "1949) found that every section turns rigidly, whatever the size of the twist; the ends "
-          "need the torque pi mu tau a^4 / 2 = {:.5f} N mm and, which no linear theory knows, the "
-          "axial force -pi mu tau^2 a^4 / 4 = {:.5f} N. Orders expected: of the displacement "
-          "in the L2 norm 3 for hex20, 2 for all others; of the torque 2; of the axial force "
-          "1.595, since the stretch by which it does work is singular at the rims of the held "
-          "ends, with strains of order 0.595.",
-          kColumnLength_mm, kColumnRadius_mm, kColumnKappa_mpa, kTwist_rad_per_mm,
-          wanted.torque_nmm, wanted.axial_n)};
+  Section section = torsion_section();
   Table table{.title =
                   "Errors of the end loads and, in the L2 norm, of the displacement, by cells "
-                  "from the axis to the core's side and from there to the rim",
+                  "from the axis to the side of the core and from there to the surface",
               .header = {"shape", "cells", "torque", "order", "axial force", "order",
                          "displacement", "order"}};
   report::LinePlot plot{.title = "Twisted column: error of torque and axial force",
@@ -162,55 +230,10 @@ Section verify_torsion(Extent extent, Progress& progress) {
   for (const mesh::ElementShape shape : kAllShapes) {
     if (column_meshes(shape, extent).empty()) continue;
     report::PlotLine line{.name = text_of(shape)};
-    std::vector<double> of_torque, of_axial;
-    std::vector<double> of_displacement;
-    const auto last_order = [](const std::vector<double>& errors) {
-      return errors.size() < 2 ? ""
-                               : fmt::format("{:.2f}", std::log2(errors.end()[-2] / errors.back()));
-    };
-    std::string failure;
-    for (const int n : column_meshes(shape, extent)) {
-      const auto found = twist(shape, n, progress);
-      if (!found) failure = found.error().message;
-      if (!found) break;
-      const double torque = found->loads.torque_nmm / wanted.torque_nmm - 1.0;
-      const double axial = found->loads.axial_n / wanted.axial_n - 1.0;
-      of_torque.push_back(std::abs(torque));
-      of_axial.push_back(std::abs(axial));
-      if (found->l2 >= kMinError) of_displacement.push_back(found->l2);
-      table.rows.push_back({text_of(shape), fmt::format("{}", n), fmt::format("{:+.2e}", torque),
-                            last_order(of_torque), fmt::format("{:+.2e}", axial),
-                            last_order(of_axial), fmt::format("{:.2e}", found->l2),
-                            found->l2 >= kMinError ? last_order(of_displacement) : ""});
-      line.x.push_back(std::log2(n));
-      line.y.push_back(std::hypot(torque, axial));
-    }
+    const TorsionErrors errors = twist_all(shape, extent, table, line, progress);
     progress.report(++done / double(kAllShapes.size()));
     plot.lines.push_back(std::move(line));
-    if (!failure.empty()) {
-      section.checks.push_back(not_measured(text_of(shape), failure));
-      continue;
-    }
-    const std::string name = text_of(shape);
-    const bool is_slow = extent == Extent::kFull && shape == mesh::ElementShape::kTet10;
-    check_load(
-        name + ": torque", of_torque, kTorqueChange,
-        {.order = kTorqueOrder,
-         .order_reason = "twice that of the strains, 1 at least; faster is welcome",
-         .known_failure = is_slow ? "from 1, 2 and 3 cells on it comes with 0.3, 1.6 and 1.8: not "
-                                    "yet as in the limit"
-                                  : ""},
-        section);
-    check_load(name + ": axial force", of_axial, kAxialChange,
-               {.order = kAxialOrder,
-                .order_reason = "1 of the strains and 0.595 of a stretch's, which is singular at "
-                                "the rims of the held ends; faster is welcome"},
-               section);
-    check_error_order(
-        fmt::format("{}: displacement, L2", name), of_displacement,
-        {.order = averaged_order(shape),
-         .order_reason = "p + 1, or one less for constant pressures; faster is welcome"},
-        section);
+    check_torsion(shape, extent, errors, section);
   }
   section.tables.push_back(std::move(table));
   section.plots.push_back(std::move(plot));

@@ -1,5 +1,5 @@
 /// \file
-/// What the suite found, as Markdown with SVG plots.
+/// Writes the results of the suite as Markdown with SVG plots.
 #pragma once
 
 #include <lefort/verify/check.h>
@@ -15,13 +15,14 @@ struct ReportFile {
   std::string content;
 };
 
-/// \param command  that made it: told at its head.
-/// \returns verification.md and one verification-CASE-NUMBER.svg per plot. No clock, no machine:
-///   the same measurements give the same files.
+/// \param sections  of the cases.
+/// \param command   that made the report; stated in its first paragraph.
+/// \returns verification.md and one verification-CASE-NUMBER.svg per plot. Without time and
+///   machine: the same measurements give the same files.
 [[nodiscard]] std::vector<ReportFile> verification_report(std::span<const Section> sections,
                                                           const std::string& command);
 
-/// "0.0123 <= 0.02 mm": what was found and what was asked.
+/// Measured value and acceptance criterion: "0.0123, required ≤ 0.02 mm".
 [[nodiscard]] std::string text_of(const Check& check);
 
 }  // namespace lefort::verify

@@ -1,10 +1,10 @@
 /// \file
-/// A block of tissue that a bone above presses onto still bone below, on which it slides:
+/// A block of tissue that a segment above presses onto stationary bone below, on which it slides:
 ///
-///      |segment | moves down, tissue attached
+///      |segment | moves down, tissue bonded
 ///      | tissue |  z = 9
 ///      |________|  z = 0
-///    | still bone |
+///    |stationary bone|
 #include <lefort/predict/face_preview.h>
 #include <lefort/predict/predict_face.h>
 
@@ -27,8 +27,8 @@ using test::kSide_mm;
 
 constexpr double kPressed_mm = 1.0;
 
-/// The one node that is held, at the bottom's middle.
-bool is_held(const Vec3& p_L) {
+/// The only fixed node, at the center of the bottom.
+bool is_fixed(const Vec3& p_L) {
   return (p_L - Vec3(0.5 * kSide_mm, 0.5 * kSide_mm, 0.0)).norm() < 1e-9;
 }
 
@@ -38,7 +38,7 @@ FaceModel pressed_block() {
   auto& node_sets = model.tissue.node_sets;
   node_sets[sets::kMobilizedSegment] = node_sets.at("z1");
   for (const std::int32_t node : node_sets.at("z0"))
-    if (is_held(model.tissue.nodes_L[std::size_t(node)])) node_sets[sets::kFixed].push_back(node);
+    if (is_fixed(model.tissue.nodes_L[std::size_t(node)])) node_sets[sets::kFixed].push_back(node);
   model.tissue.face_sets[sets::kContact] = {};
   model.segments.push_back(
       test::moved(test::make_box({-4.0, -4.0, kHeight_mm}, {16.0, 16.0, kHeight_mm + 10.0})));
@@ -52,7 +52,7 @@ FaceModel sliding_block() {
   return model;
 }
 
-PredictionOptions attached() {
+PredictionOptions bonded_options() {
   PredictionOptions options;
   options.boundary.segment_interface = SegmentInterface::kBonded;
   return options;
@@ -60,7 +60,7 @@ PredictionOptions attached() {
 
 struct Bottom {
   double lowest_mm = 0.0;    ///< Height of the lowest node.
-  double furthest_mm = 0.0;  ///< Longest way along the bone.
+  double furthest_mm = 0.0;  ///< Largest motion along the bone.
 };
 
 Bottom bottom_of(const FaceModel& model, const PredictionStep& step) {
@@ -74,17 +74,17 @@ Bottom bottom_of(const FaceModel& model, const PredictionStep& step) {
 }
 
 TEST(StationaryContact, TissueSpreadsOnStationaryBoneWithoutEnteringIt) {
-  const FaceModel loose = pressed_block(), slides = sliding_block();
+  const FaceModel free = pressed_block(), slides = sliding_block();
   const geometry::RigidPath path = test::straight({0.0, 0.0, -kPressed_mm}, 2);
-  const auto fallen = predict_face(loose, {path}, attached()).value();
-  PredictionOptions options = attached();
+  const auto pushed = predict_face(free, {path}, bonded_options()).value();
+  PredictionOptions options = bonded_options();
   const auto pressed = predict_face(slides, {path}, options).value();
-  ASSERT_TRUE(fallen.converged() && pressed.converged());
-  EXPECT_EQ(fallen.steps.back().stationary_contact.points, 0);
-  EXPECT_LT(bottom_of(loose, fallen.steps.back()).lowest_mm, -0.7 * kPressed_mm);
+  ASSERT_TRUE(pushed.converged() && pressed.converged());
+  EXPECT_EQ(pushed.steps.back().stationary_contact.points, 0);
+  EXPECT_LT(bottom_of(free, pushed.steps.back()).lowest_mm, -0.7 * kPressed_mm);
 
   const Bottom bottom = bottom_of(slides, pressed.steps.back());
-  EXPECT_GT(bottom.lowest_mm, -0.25 * kPressed_mm);  // What the penalty gives way.
+  EXPECT_GT(bottom.lowest_mm, -0.25 * kPressed_mm);  // Penetration of the penalty.
   EXPECT_GT(bottom.furthest_mm, 0.1 * kPressed_mm);
   const contact::ContactStatistics& contact = pressed.steps.back().stationary_contact;
   EXPECT_GT(contact.area_mm2, 0.8 * kSide_mm * kSide_mm);
@@ -100,10 +100,10 @@ TEST(StationaryContact, TissueSpreadsOnStationaryBoneWithoutEnteringIt) {
   EXPECT_GT(bottom_of(slides, augmented.steps.back()).lowest_mm, -0.05);
 }
 
-TEST(StationaryContact, ComesOffWhereItIsPulled) {
+TEST(StationaryContact, LiftsOffWhereItIsPulled) {
   const FaceModel model = sliding_block();
   const geometry::RigidPath path = test::straight({0.0, 0.0, 0.5}, 1);
-  const auto pulled = predict_face(model, {path}, attached()).value();
+  const auto pulled = predict_face(model, {path}, bonded_options()).value();
   ASSERT_TRUE(pulled.converged());
   double highest_mm = 0.0;
   for (const std::int32_t node : model.tissue.node_sets.at("z0"))
@@ -111,13 +111,13 @@ TEST(StationaryContact, ComesOffWhereItIsPulled) {
   EXPECT_GT(highest_mm, 0.3);
 }
 
-TEST(StationaryContact, StoppedAfterAStepTheRestIsFoundWithTheSameBits) {
+TEST(StationaryContact, ResumedAfterAStepGivesTheSameBits) {
   const FaceModel model = sliding_block();
   const geometry::RigidPath path = test::straight({0.2, 0.0, -kPressed_mm}, 3);
   std::vector<Restart> restarts;
   PredictionWatch watch;
   watch.on_restart = [&](const Restart& restart) { restarts.push_back(restart); };
-  PredictionOptions options = attached();
+  PredictionOptions options = bonded_options();
   options.contact.penetration_tolerance_mm = 0.02;
   const auto whole = predict_face(model, {path}, options, watch).value();
   ASSERT_TRUE(whole.converged());
@@ -130,15 +130,15 @@ TEST(StationaryContact, StoppedAfterAStepTheRestIsFoundWithTheSameBits) {
             whole.steps.back().stationary_contact.normal_force_n);
 }
 
-TEST(StationaryContact, RefusesOpenBoneAndACaptureBeyondItsField) {
+TEST(StationaryContact, RejectsOpenBoneAndAToleranceBeyondItsField) {
   FaceModel model = sliding_block();
   geometry::TriangleMesh open = model.stationary_bone->surface_B;
   open.triangles.pop_back();
   model.stationary_bone = test::moved(open);
   const geometry::RigidPath path = test::straight({0.0, 0.0, -0.5}, 1);
-  EXPECT_EQ(predict_face(model, {path}, attached()).error().code, ErrorCode::kMeshInvalid);
+  EXPECT_EQ(predict_face(model, {path}, bonded_options()).error().code, ErrorCode::kMeshInvalid);
   model = sliding_block();
-  PredictionOptions wide = attached();
+  PredictionOptions wide = bonded_options();
   wide.boundary.capture_mm = 3.5;
   EXPECT_EQ(predict_face(model, {path}, wide).error().code, ErrorCode::kInvalidArgument);
 }
@@ -152,7 +152,7 @@ TEST(StationaryContact, IsNamedByTheLabelAndNotFixed) {
   const mesh::VolumeMesh mesh = mesh_tissue(domain, phantom.segment_L, options).value();
   BoundaryLabelMap painted{phantom.grid,
                            std::vector<BoundaryLabel>(std::size_t(phantom.grid.voxel_count()))};
-  for (Index k = 7; k < 10; ++k)  // On still bone, away from its rim.
+  for (Index k = 7; k < 10; ++k)  // On stationary bone, away from its boundary.
     for (Index j = 10; j < 31; ++j)
       for (Index i = 27; i < 33; ++i) painted.at(i, j, k) = BoundaryLabel::kSlides;
   const auto named = [&](const BoundaryLabelMap* labels) {
@@ -186,7 +186,7 @@ TEST(StationaryContact, IsNotPreviewed) {
   const auto preview =
       make_preview_model(model, test::make_box({0, 0, 0}, {1, 1, 1}), {}, {}, Vec3::Ones());
   ASSERT_FALSE(preview);
-  EXPECT_NE(preview.error().message.find("slide on still bone"), std::string::npos);
+  EXPECT_NE(preview.error().message.find("slide on stationary bone"), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,98 @@
+#include <lefort/core/check.h>
+#include <lefort/geometry/bvh.h>
+#include <lefort/predict/check_reach.h>
+#include <lefort/predict/load_levels.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace lefort::predict {
+namespace {
+
+/// Of one segment, see check_reach().
+Result<void> check_reach_of(const geometry::RigidPath& path, const std::vector<LoadLevel>& levels,
+                            const MovedSegment& segment,
+                            const contact::DistanceQuery& distance_query_B, double capture_mm) {
+  const double band_mm = distance_query_B.max_distance_mm();
+  if (!distance_query_B.is_closed())
+    return fail(
+        ErrorCode::kMeshInvalid,
+        fmt::format("segment {} is an open surface; contact needs a closed one", path.segment));
+  if (!(capture_mm < band_mm))
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("boundary.contact_snap_mm is {:g} mm; it must be less than the maximum "
+                            "distance of the segment's distance query, {:.2f} mm",
+                            capture_mm, band_mm));
+  double longest_mm = 0.0, mm_per_fraction = 0.0, from = 0.0;
+  for (const LoadLevel& level : levels) {
+    const double moved_mm =
+        geometry::max_displacement_mm(path, segment.surface_B.vertices, from, level.path_fraction);
+    longest_mm = std::max(longest_mm, moved_mm);
+    mm_per_fraction = std::max(mm_per_fraction, moved_mm / (level.path_fraction - from));
+    from = level.path_fraction;
+  }
+  if (longest_mm < band_mm) return {};
+  return fail(ErrorCode::kStepBeyondBand,
+              fmt::format("segment {} moves {:.2f} mm in one step, but the maximum distance of its "
+                          "distance query is {:.2f} mm; use at least {} steps or a wider "
+                          "field.band_mm",
+                          path.segment, longest_mm, band_mm, int(mm_per_fraction / band_mm) + 1));
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const contact::DistanceQuery>> segment_distance_query(
+    const MovedSegment& segment, contact::DetectionMethod detection) {
+  if (detection != contact::DetectionMethod::kBvh)
+    return contact::field_distance_query(segment.field_B, detection);
+  return contact::bvh_distance_query(std::make_shared<const geometry::Bvh>(segment.surface_B),
+                                     segment.field_B->band_mm());
+}
+
+Result<DistanceQueries> segment_distance_queries(const std::vector<MovedSegment>& segments,
+                                                 contact::DetectionMethod detection) {
+  DistanceQueries distance_queries_B;
+  for (const MovedSegment& segment : segments) {
+    LEFORT_TRY(auto distance_query_B, segment_distance_query(segment, detection));
+    distance_queries_B.push_back(std::move(distance_query_B));
+  }
+  return distance_queries_B;
+}
+
+Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
+                         const std::vector<MovedSegment>& segments,
+                         const DistanceQueries& distance_queries_B,
+                         const BoundaryOptions& boundary) {
+  if (boundary.segment_interface != SegmentInterface::kSliding) return {};
+  const std::vector<LoadLevel> levels = load_levels(paths, 1);
+  for (std::size_t k = 0; k < paths.size(); ++k)
+    LEFORT_TRY_VOID(
+        check_reach_of(paths[k], levels, segments[k], *distance_queries_B[k], boundary.capture_mm));
+  return {};
+}
+
+Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
+                         const std::vector<MovedSegment>& segments,
+                         contact::DetectionMethod detection, const BoundaryOptions& boundary) {
+  LEFORT_CHECK(paths.size() == segments.size());
+  LEFORT_TRY(const DistanceQueries distance_queries_B,
+             segment_distance_queries(segments, detection));
+  return check_reach(paths, segments, distance_queries_B, boundary);
+}
+
+Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_L,
+                                   double capture_mm) {
+  if (!distance_query_L.is_closed())
+    return fail(ErrorCode::kMeshInvalid,
+                "the stationary bone is an open surface; tissue that slides on it needs a closed "
+                "one");
+  if (capture_mm < distance_query_L.max_distance_mm()) return {};
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("boundary.contact_snap_mm is {:g} mm; it must be less than the maximum "
+                          "distance of the stationary bone's distance query, {:.2f} mm",
+                          capture_mm, distance_query_L.max_distance_mm()));
+}
+
+}  // namespace lefort::predict

@@ -1,0 +1,63 @@
+/// \file
+/// Distance queries of the bones of a prediction, and whether contact can rely on them.
+#pragma once
+
+#include <lefort/contact/distance_query.h>
+#include <lefort/core/error.h>
+#include <lefort/geometry/rigid_path.h>
+#include <lefort/predict/face_model.h>
+#include <lefort/predict/prediction_options.h>
+
+#include <memory>
+#include <vector>
+
+namespace lefort::predict {
+
+/// One for each segment, in the order of the plan.
+using DistanceQueries = std::vector<std::shared_ptr<const contact::DistanceQuery>>;
+
+/// Distance query of a bone. A bounding-volume hierarchy has the same maximum distance as the
+/// bone's field: its band.
+///
+/// \param segment    its surface and field.
+/// \param detection  the method of the query.
+/// \returns as contact::field_distance_query().
+[[nodiscard]] Result<std::shared_ptr<const contact::DistanceQuery>> segment_distance_query(
+    const MovedSegment& segment, contact::DetectionMethod detection);
+
+/// segment_distance_query() of each segment.
+[[nodiscard]] Result<DistanceQueries> segment_distance_queries(
+    const std::vector<MovedSegment>& segments, contact::DetectionMethod detection);
+
+/// Checks that distance queries of the segments suffice for contact along the paths. Checks nothing
+/// if tissue is bonded to the segments.
+///
+/// \param paths               one for each segment.
+/// \param segments            in the order of `paths`.
+/// \param distance_queries_B  of the segments.
+/// \param boundary            its interface and contact tolerance.
+/// \returns nothing, or
+///   - kMeshInvalid      a surface is open: it has no inside;
+///   - kInvalidArgument  boundary.capture_mm is not less than a query's maximum distance;
+///   - kStepBeyondBand   a segment moves further than the maximum distance of its query between two
+///     neighbors among the steps and keyframes of all paths.
+[[nodiscard]] Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
+                                       const std::vector<MovedSegment>& segments,
+                                       const DistanceQueries& distance_queries_B,
+                                       const BoundaryOptions& boundary);
+
+/// The same for queries made by `detection`; or what segment_distance_queries() returns.
+[[nodiscard]] Result<void> check_reach(const std::vector<geometry::RigidPath>& paths,
+                                       const std::vector<MovedSegment>& segments,
+                                       contact::DetectionMethod detection,
+                                       const BoundaryOptions& boundary);
+
+/// Checks that a distance query of stationary bone suffices for tissue that slides on it.
+///
+/// \param distance_query_L  of the stationary bone.
+/// \param capture_mm        boundary.capture_mm.
+/// \returns nothing, or kMeshInvalid and kInvalidArgument as check_reach().
+[[nodiscard]] Result<void> check_stationary_bone(const contact::DistanceQuery& distance_query_L,
+                                                 double capture_mm);
+
+}  // namespace lefort::predict

@@ -1,0 +1,40 @@
+/// \file
+/// The path fractions at which a prediction finds equilibrium.
+#pragma once
+
+#include <lefort/geometry/rigid_path.h>
+#include <lefort/predict/face_model.h>
+#include <lefort/predict/prediction_options.h>
+
+#include <vector>
+
+namespace lefort::predict {
+
+/// A path fraction at which equilibrium is found. A keyframe is one too, so that no increment
+/// cuts a corner of the path.
+struct LoadLevel {
+  double path_fraction;
+  bool is_step;  ///< The state there is a step of the prediction.
+};
+
+/// \param paths       one for each segment.
+/// \param increments  in each step, >= 1. Six steps of four increments have the same levels, bit by
+///   bit, as 24 steps of one: division rounds equal ratios equally.
+/// \returns the levels of all increments and keyframes, ascending.
+[[nodiscard]] std::vector<LoadLevel> load_levels(const std::vector<geometry::RigidPath>& paths,
+                                                 int increments);
+
+/// Number of equal increments of a step. In one increment no vertex of a segment moves further than
+/// a quarter of an element, or than half of `max_distance_mm` (docs/contact.md, Load stepping).
+/// Plans that differ only in their number of steps can thus have the same increments.
+///
+/// \param tissue           its element size is used.
+/// \param paths            one for each segment.
+/// \param segments         in the order of `paths`.
+/// \param max_distance_mm  of the segments' distance queries, the smallest; > 0.
+[[nodiscard]] int increments_of_step(const TissueOptions& tissue,
+                                     const std::vector<geometry::RigidPath>& paths,
+                                     const std::vector<MovedSegment>& segments,
+                                     double max_distance_mm);
+
+}  // namespace lefort::predict
