@@ -1,5 +1,5 @@
 /// \file
-/// The bytes of distance field files (docs/field-format.md), for tests.
+/// The bytes of distance field files (docs/reference/field-format.md), for tests.
 #pragma once
 
 #include <lefort/field/build/build_distance_field.h>
@@ -19,7 +19,7 @@
 
 namespace lefort::test {
 
-// Offsets in the header (docs/field-format.md).
+// Offsets in the header (docs/reference/field-format.md).
 inline constexpr std::size_t kVersionAt = 8, kChecksumAt = 12, kStorageAt = 16, kResolutionAt = 20;
 inline constexpr std::size_t kOriginAt = 24, kCellAt = 48, kBandAt = 56, kToleranceAt = 64;
 inline constexpr std::size_t kClosedAt = 72, kSmoothAt = 76, kBlockBytesAt = 80, kFindingsAt = 128;

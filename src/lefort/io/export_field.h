@@ -1,5 +1,5 @@
 /// \file
-/// Distance fields in other formats: OpenVDB level sets and NRRD volumes (docs/field-format.md, "In
+/// Distance fields in other formats: OpenVDB level sets and NRRD volumes (docs/reference/field-format.md, "In
 /// other formats").
 #pragma once
 

@@ -19,7 +19,7 @@ enum class SegmentInterface {
 /// Boundary condition where the scanned volume ends.
 enum class ScanBoundary { kFree, kFixed };
 
-/// Skin as a separate layer on the deep tissue. Constants and their sources: docs/materials.md.
+/// Skin as a separate layer on the deep tissue. Constants and their sources: docs/theory/materials.md.
 struct SkinOptions {
   double thickness_mm = 1.5;  ///< Of epidermis and dermis, > 0 (0.8 to 2: \cite chopra2015).
   int layers = 2;             ///< Of wedges, 1 to 8.
@@ -48,7 +48,7 @@ struct FaceSize {
 };
 
 struct TissueOptions {
-  double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/materials.md).
+  double young_mpa = 0.015;          ///< > 0. Whole face, Nazari 2010 (docs/theory/materials.md).
   double poisson = 0.45;             ///< 0 <= nu < 0.5. Linear tetrahedra lock close to 0.5.
   double element_size_mm = 2.5;      ///< Edge near the mobilized segment.
   double far_element_size_mm = 5.0;  ///< Edge at the border of the region, >= element_size_mm.
