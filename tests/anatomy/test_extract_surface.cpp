@@ -8,7 +8,7 @@
 
 #include "anatomy/mesh_checks.h"
 
-namespace lefort::anatomy {
+namespace lefort::anatomy::test_extract_surface {
 namespace {
 
 using geometry::TriangleMesh;
@@ -134,4 +134,4 @@ TEST(ExtractIsosurface, RejectsLevelsThatAreNotClosedNotFiniteOrNotPositiveAnywh
 }
 
 }  // namespace
-}  // namespace lefort::anatomy
+}  // namespace lefort::anatomy::test_extract_surface

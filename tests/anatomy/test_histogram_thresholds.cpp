@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lefort::anatomy {
+namespace lefort::anatomy::test_histogram_thresholds {
 namespace {
 
 TEST(HistogramThresholds, LieBetweenAirSoftTissueAndBone) {
@@ -37,4 +37,4 @@ TEST(HistogramThresholds, RequireThreeValues) {
 }
 
 }  // namespace
-}  // namespace lefort::anatomy
+}  // namespace lefort::anatomy::test_histogram_thresholds

@@ -14,7 +14,7 @@
 #include "anatomy/mesh_checks.h"
 #include "support/real_scan.h"
 
-namespace lefort::anatomy {
+namespace lefort::anatomy::test_real_scan {
 namespace {
 
 /// 108 x 256 x 256 voxels in LPS; the rows of the file run to anterior.
@@ -129,4 +129,4 @@ TEST(RealScan, SurfacesAreClosedAndTheSkinIsOne) {
 }
 
 }  // namespace
-}  // namespace lefort::anatomy
+}  // namespace lefort::anatomy::test_real_scan

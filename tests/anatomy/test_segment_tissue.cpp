@@ -11,7 +11,7 @@
 
 #include "anatomy/head_phantom.h"
 
-namespace lefort::anatomy {
+namespace lefort::anatomy::test_segment_tissue {
 namespace {
 
 using test::HeadPhantom;
@@ -267,4 +267,4 @@ TEST(SegmentTissue, StopsOnRequest) {
 }
 
 }  // namespace
-}  // namespace lefort::anatomy
+}  // namespace lefort::anatomy::test_segment_tissue

@@ -13,7 +13,7 @@
 
 #include "support/dice.h"
 
-namespace lefort::anatomy {
+namespace lefort::anatomy::test_synthetic_head {
 namespace {
 
 using test::is;
@@ -91,4 +91,4 @@ TEST(SyntheticHead, SurfacesLieWithinHalfAVoxelOfItsFormulas) {
 }
 
 }  // namespace
-}  // namespace lefort::anatomy
+}  // namespace lefort::anatomy::test_synthetic_head

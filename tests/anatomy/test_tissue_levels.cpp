@@ -12,7 +12,7 @@
 #include "anatomy/head_phantom.h"
 #include "anatomy/mesh_checks.h"
 
-namespace lefort::anatomy {
+namespace lefort::anatomy::test_tissue_levels {
 namespace {
 
 using image::ScalarVolume;
@@ -313,4 +313,4 @@ TEST(TissueLevels, VoxelStepsAreRemoved) {
 }
 
 }  // namespace
-}  // namespace lefort::anatomy
+}  // namespace lefort::anatomy::test_tissue_levels

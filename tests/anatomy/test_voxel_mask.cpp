@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-namespace lefort::anatomy {
+namespace lefort::anatomy::test_voxel_mask {
 namespace {
 
 image::Grid grid_of(Index nx, Index ny, Index nz) {
@@ -180,4 +180,4 @@ TEST(PadVolume, CroppingUndoesPaddingAndVoxelsKeepTheirPositions) {
 }
 
 }  // namespace
-}  // namespace lefort::anatomy
+}  // namespace lefort::anatomy::test_voxel_mask

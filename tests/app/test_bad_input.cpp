@@ -23,7 +23,7 @@
 #include "support/small_head.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::app {
+namespace lefort::app::test_bad_input {
 namespace {
 
 namespace fs = std::filesystem;
@@ -363,4 +363,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, BadInputTest, testing::ValuesIn(kBadInput),
                          });
 
 }  // namespace
-}  // namespace lefort::app
+}  // namespace lefort::app::test_bad_input

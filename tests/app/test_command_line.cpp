@@ -14,7 +14,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::app {
+namespace lefort::app::test_command_line {
 namespace {
 
 using test::run_lefort;
@@ -369,4 +369,4 @@ TEST(CommandLine, APlanIsCheckedBeforeAnythingIsDone) {
 }
 
 }  // namespace
-}  // namespace lefort::app
+}  // namespace lefort::app::test_command_line

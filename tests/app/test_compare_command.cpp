@@ -24,7 +24,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::app {
+namespace lefort::app::test_compare_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -242,4 +242,4 @@ TEST_F(CompareCommand, FindsTheMovementOfEachOfSeveralSegments) {
 }
 
 }  // namespace
-}  // namespace lefort::app
+}  // namespace lefort::app::test_compare_command

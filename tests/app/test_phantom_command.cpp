@@ -19,7 +19,7 @@
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::app {
+namespace lefort::app::test_phantom_command {
 namespace {
 
 namespace synthetic = anatomy::synthetic;
@@ -163,4 +163,4 @@ TEST(PhantomCommand, TheHeadIsNotMirrored) {
 }
 
 }  // namespace
-}  // namespace lefort::app
+}  // namespace lefort::app::test_phantom_command

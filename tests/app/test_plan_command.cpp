@@ -16,7 +16,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::app {
+namespace lefort::app::test_plan_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -224,8 +224,7 @@ TEST_F(PlanCommand, BoneInBoneIsFound) {
   backwards["segments"][0]["path"]["keyframes"][0]["translation_mm"] = {0, 2, 0};
   const auto run = check(backwards, "--no-pictures");
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_NE(run.out.find("front and remainder overlap: at 100.0 %"), std::string::npos)
-      << run.out;
+  EXPECT_NE(run.out.find("front and remainder overlap: at 100.0 %"), std::string::npos) << run.out;
   const json found = result();
   EXPECT_TRUE(found["has_findings"]);
   EXPECT_EQ(found["findings"][0]["kind"], "overlap");
@@ -308,4 +307,4 @@ TEST_F(PlanCommand, LandmarksAreMeasuredAndConverted) {
 }
 
 }  // namespace
-}  // namespace lefort::app
+}  // namespace lefort::app::test_plan_command

@@ -24,7 +24,7 @@
 #include "support/small_head.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::app {
+namespace lefort::app::test_predict_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -500,4 +500,4 @@ TEST_F(PredictCommand, SeveralSegmentsThatCannotBeCutOrFollowedGetOneLineThatNam
 }
 
 }  // namespace
-}  // namespace lefort::app
+}  // namespace lefort::app::test_predict_command

@@ -18,7 +18,7 @@
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::app {
+namespace lefort::app::test_real_case {
 namespace {
 
 namespace fs = std::filesystem;
@@ -196,4 +196,4 @@ TEST_F(RealCase, AnInterruptEndsItCleanly) {
 }
 
 }  // namespace
-}  // namespace lefort::app
+}  // namespace lefort::app::test_real_case

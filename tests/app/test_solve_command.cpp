@@ -25,7 +25,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::app {
+namespace lefort::app::test_solve_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -700,4 +700,4 @@ TEST_F(SolveCommand, WrongUsageIsTwo) {
 }
 
 }  // namespace
-}  // namespace lefort::app
+}  // namespace lefort::app::test_solve_command

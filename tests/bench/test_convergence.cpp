@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace lefort::bench {
+namespace lefort::bench::test_convergence {
 namespace {
 
 /// Requests a stop after a number of notes; there is one for each step.
@@ -42,4 +42,4 @@ TEST(Convergence, AStoppedRunKeepsItsResults) {
 }
 
 }  // namespace
-}  // namespace lefort::bench
+}  // namespace lefort::bench::test_convergence

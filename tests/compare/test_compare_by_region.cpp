@@ -8,7 +8,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::compare {
+namespace lefort::compare::test_compare_by_region {
 namespace {
 
 /// The face is a sheet of 40 x 40 mm that faces upwards. The half x > 0 is lifted by 3 mm; a
@@ -110,4 +110,4 @@ TEST(CompareByRegion, WithoutFaceBeforeSurgeryThereIsNoBaselineAndNoMovedPart) {
 }
 
 }  // namespace
-}  // namespace lefort::compare
+}  // namespace lefort::compare::test_compare_by_region

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lefort::compare {
+namespace lefort::compare::test_difference_statistics {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -55,4 +55,4 @@ TEST(DifferenceStatistics, AreNanIfNothingIsCompared) {
 }
 
 }  // namespace
-}  // namespace lefort::compare
+}  // namespace lefort::compare::test_difference_statistics

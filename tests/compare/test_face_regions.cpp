@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace lefort::compare {
+namespace lefort::compare::test_face_regions {
 namespace {
 
 /// An upright face, anterior is -y.
@@ -76,4 +76,4 @@ TEST(FaceRegions, RejectsExchangedSides) {
 }
 
 }  // namespace
-}  // namespace lefort::compare
+}  // namespace lefort::compare::test_face_regions

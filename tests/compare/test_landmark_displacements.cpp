@@ -4,7 +4,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::compare {
+namespace lefort::compare::test_landmark_displacements {
 namespace {
 
 /// A sheet that is stretched along x and lifted: its points are moved exactly.
@@ -30,4 +30,4 @@ TEST(LandmarkDisplacements, RejectDifferentSurfaces) {
 }
 
 }  // namespace
-}  // namespace lefort::compare
+}  // namespace lefort::compare::test_landmark_displacements

@@ -10,7 +10,7 @@
 
 #include "compare/blob.h"
 
-namespace lefort::compare {
+namespace lefort::compare::test_register_segment {
 namespace {
 
 using geometry::rigid_motion;
@@ -71,4 +71,4 @@ TEST(RegisterSegment, FindsTheAchievedAndNotThePlannedMovement) {
 }
 
 }  // namespace
-}  // namespace lefort::compare
+}  // namespace lefort::compare::test_register_segment

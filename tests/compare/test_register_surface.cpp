@@ -12,7 +12,7 @@
 
 #include "compare/blob.h"
 
-namespace lefort::compare {
+namespace lefort::compare::test_register_surface {
 namespace {
 
 using geometry::rigid_motion;
@@ -129,4 +129,4 @@ TEST(RegisterSurface, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace lefort::compare
+}  // namespace lefort::compare::test_register_surface

@@ -10,7 +10,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::compare {
+namespace lefort::compare::test_surface_difference {
 namespace {
 
 using test::make_icosphere;
@@ -71,4 +71,4 @@ TEST(SurfaceDifference, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace lefort::compare
+}  // namespace lefort::compare::test_surface_difference

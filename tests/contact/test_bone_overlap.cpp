@@ -10,7 +10,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::contact {
+namespace lefort::contact::test_bone_overlap {
 namespace {
 
 /// A surface with its field, kept alive.
@@ -113,4 +113,4 @@ TEST(BoneOverlap, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace lefort::contact
+}  // namespace lefort::contact::test_bone_overlap

@@ -15,7 +15,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::contact {
+namespace lefort::contact::test_contact_term {
 namespace {
 
 constexpr double kStiffness = 0.04;
@@ -534,4 +534,4 @@ TEST(ContactTerm, CountsThePointsInContact) {
 }
 
 }  // namespace
-}  // namespace lefort::contact
+}  // namespace lefort::contact::test_contact_term

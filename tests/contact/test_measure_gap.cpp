@@ -12,7 +12,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::contact {
+namespace lefort::contact::test_measure_gap {
 namespace {
 
 using field::Zone;
@@ -184,4 +184,4 @@ TEST(DetectByField, TheSmoothReadingNeedsASmoothField) {
 }
 
 }  // namespace
-}  // namespace lefort::contact
+}  // namespace lefort::contact::test_measure_gap

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace lefort::contact {
+namespace lefort::contact::test_penalty {
 namespace {
 
 constexpr double kStiffness = 0.05;
@@ -75,4 +75,4 @@ TEST(Penalty, ConvexHessianIsExactWhereTheBoneIsHollow) {
 }
 
 }  // namespace
-}  // namespace lefort::contact
+}  // namespace lefort::contact::test_penalty

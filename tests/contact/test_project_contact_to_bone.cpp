@@ -7,7 +7,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::contact {
+namespace lefort::contact::test_project_contact_to_bone {
 namespace {
 
 /// Tissue above a sheet of bone that looks up: two triangles, counter-clockwise seen from below,
@@ -82,4 +82,4 @@ TEST(LoadOnBone, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace lefort::contact
+}  // namespace lefort::contact::test_project_contact_to_bone

@@ -10,7 +10,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::contact {
+namespace lefort::contact::test_solve_augmented_lagrangian {
 namespace {
 
 constexpr double kStiffness = 0.04;  // MPa/mm
@@ -183,4 +183,4 @@ TEST(SolveAugmentedLagrangian, ItGivesUpWhereMultipliersTakeOffNothing) {
 }
 
 }  // namespace
-}  // namespace lefort::contact
+}  // namespace lefort::contact::test_solve_augmented_lagrangian

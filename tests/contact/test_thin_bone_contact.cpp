@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lefort::contact {
+namespace lefort::contact::test_thin_bone_contact {
 namespace {
 
 /// Sides are told from what was measured alone: no bone is asked.
@@ -82,4 +82,4 @@ TEST(BoneSide, APointThatSlidOffAnEdgeSeesItsSideButNotOnePushedThrough) {
 }
 
 }  // namespace
-}  // namespace lefort::contact
+}  // namespace lefort::contact::test_thin_bone_contact

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace lefort {
+namespace lefort::test_parallel {
 namespace {
 
 constexpr Index kCount = 100'003;  // Not a multiple of the block.
@@ -94,4 +94,4 @@ TEST(Error, TryReturnsTheFirstError) {
 }
 
 }  // namespace
-}  // namespace lefort
+}  // namespace lefort::test_parallel

@@ -11,7 +11,7 @@
 #include "fem/random_deformation.h"
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_assemble {
 namespace {
 
 using test::box_mesh;
@@ -237,4 +237,4 @@ TEST(Assembler, AnItemThatNamesANodeTwiceOrNoneThatExistsIsABug) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_assemble

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace lefort::fem {
+namespace lefort::fem::test_boundary_conditions {
 namespace {
 
 TEST(BoundaryConditions, FixHoldsAllThreeComponents) {
@@ -32,4 +32,4 @@ TEST(BoundaryConditions, MoveRigidlyBringsNodesWhereTheBodyGoes) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_boundary_conditions

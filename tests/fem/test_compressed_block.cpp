@@ -10,7 +10,7 @@
 #include "fem/body.h"
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_compressed_block {
 namespace {
 
 using mesh::ElementShape;
@@ -114,4 +114,4 @@ TEST_P(CompressedBlock, BulgesAndResistsAsFinerMeshesDoAndKeepsItsVolume) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_compressed_block

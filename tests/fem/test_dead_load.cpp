@@ -7,7 +7,7 @@
 #include "fem/body.h"
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_dead_load {
 namespace {
 
 using mesh::ElementShape;
@@ -132,4 +132,4 @@ TEST(DeadLoad, RefusesWhatItCannotSpread) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_dead_load

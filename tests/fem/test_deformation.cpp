@@ -4,7 +4,7 @@
 
 #include "fem/random_deformation.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_deformation {
 namespace {
 
 TEST(Deformation, FlattenPutsEntryIJAtIPlusThreeJ) {
@@ -57,4 +57,4 @@ TEST(Deformation, CauchyStressOfAStretchIsForceOverDeformedArea) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_deformation

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace lefort::fem {
+namespace lefort::fem::test_dof_map {
 namespace {
 
 const std::vector<PrescribedDisplacement> kSome{{.node = 1, .component = 2, .displacement_mm = 7},
@@ -63,4 +63,4 @@ TEST(DofMap, WritingAFreeComponentIsABug) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_dof_map

@@ -5,7 +5,7 @@
 #include "fem/body.h"
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_element_state {
 namespace {
 
 constexpr NeoHookean kSoft{.mu_mpa = 0.5, .lambda_mpa = 2.0};
@@ -50,4 +50,4 @@ TEST_P(ElementStates, AnElementInsideOutIsSeen) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_element_state

@@ -9,7 +9,7 @@
 #include "fem/random_deformation.h"
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_element_term {
 namespace {
 
 using mesh::ElementShape;
@@ -226,4 +226,4 @@ TEST(ElementTerm, RefusesMissingAndBadMaterials) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_element_term

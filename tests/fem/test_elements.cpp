@@ -11,7 +11,7 @@
 #include <optional>
 #include <random>
 
-namespace lefort::fem {
+namespace lefort::fem::test_elements {
 namespace {
 
 using Eigen::MatrixXd;
@@ -328,4 +328,4 @@ TEST(Elements, TheRuleIntegratesGradientsAsTheFacesSay) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_elements

@@ -8,7 +8,7 @@
 
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_elements_with_interior_nodes {
 namespace {
 
 using mesh::ElementShape;
@@ -75,4 +75,4 @@ TEST(ElementsWithInteriorNodes, IsNotLookedForWhereNoShapeAsks) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_elements_with_interior_nodes

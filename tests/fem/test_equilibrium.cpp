@@ -11,7 +11,7 @@
 #include "fem/random_deformation.h"
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_equilibrium {
 namespace {
 
 using mesh::ElementShape;
@@ -312,4 +312,4 @@ TEST(Equilibrium, EveryLinearSolverLeadsThereAsFast) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_equilibrium

@@ -11,7 +11,7 @@
 #include "fem/random_deformation.h"
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_follower_pressure {
 namespace {
 
 using mesh::ElementShape;
@@ -375,4 +375,4 @@ TEST(FollowerPressure, RefusesFacesThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_follower_pressure

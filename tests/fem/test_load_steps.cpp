@@ -12,7 +12,7 @@
 #include "fem/body.h"
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_load_steps {
 namespace {
 
 LoadState rest() { return {.t = 0.0, .u = VectorX::Zero(1)}; }
@@ -343,4 +343,4 @@ TEST(LoadStepper, ResumesFromItsMemoryAsIfItHadNotStopped) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_load_steps

@@ -8,7 +8,7 @@
 
 #include "fem/material_examples.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_material_closed_forms {
 namespace {
 
 using test::Example;
@@ -406,4 +406,4 @@ TEST(ExponentialLaws, AnswerInfinityOrNanWhereTheExponentOverflows) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_material_closed_forms

@@ -10,7 +10,7 @@
 
 #include "fem/material_examples.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_material_constants {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -164,4 +164,4 @@ TEST(HolzapfelGasserOgden, RefusesConstantsOutsideTheirRange) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_material_constants

@@ -12,7 +12,7 @@
 #include "fem/random_deformation.h"
 #include "fem/textbook_energy.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_materials {
 namespace {
 
 using test::Example;
@@ -238,4 +238,4 @@ TYPED_TEST(ShearParts, BeyondTheRangeOfNumbersAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_materials

@@ -9,7 +9,7 @@
 
 #include "linear/little_memory.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_newton {
 namespace {
 
 linear::SparseMatrix sparse(const Eigen::MatrixXd& A) {
@@ -327,4 +327,4 @@ TEST(Newton, NamesTheOptionThatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_newton

@@ -13,7 +13,7 @@
 #include "fem/body.h"
 #include "fem/random_deformation.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_patch {
 namespace {
 
 using mesh::BoxMix;
@@ -140,4 +140,4 @@ TEST_P(SingleElement, HasExactlySixModesWithoutStiffness) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_patch

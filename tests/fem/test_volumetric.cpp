@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lefort::fem {
+namespace lefort::fem::test_volumetric {
 namespace {
 
 constexpr VolumetricForm kForms[] = {VolumetricForm::kQuadratic, VolumetricForm::kQuadraticLog,
@@ -73,4 +73,4 @@ TEST(Volumetric, RefusesABulkModulusThatIsNotPositive) {
 }
 
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_volumetric

@@ -18,7 +18,7 @@
 #include "fem/random_deformation.h"
 #include "support/box_mesh.h"
 
-namespace lefort::fem {
+namespace lefort::fem::test_volumetric_integration {
 namespace {
 
 using mesh::BoxMix;
@@ -354,4 +354,4 @@ TEST(MeanDilatation, ASingleLayerResistsBending) {
   }
 }
 }  // namespace
-}  // namespace lefort::fem
+}  // namespace lefort::fem::test_volumetric_integration

@@ -15,7 +15,7 @@
 #include "support/shapes.h"
 #include "support/ugly_mesh.h"
 
-namespace lefort::field {
+namespace lefort::field::test_band_sampler {
 namespace {
 
 using geometry::TriangleMesh;
@@ -256,4 +256,4 @@ TEST(BandSampler, StopsOnRequest) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_band_sampler

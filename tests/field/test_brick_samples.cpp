@@ -12,7 +12,7 @@
 #include "field/brute_force.h"
 #include "support/shapes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_brick_samples {
 namespace {
 
 using geometry::TriangleMesh;
@@ -232,4 +232,4 @@ TEST(BuildBricks, BothSamplesOfASignConflictAreUnknown) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_brick_samples

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace lefort::field {
+namespace lefort::field::test_brick_signs {
 namespace {
 
 constexpr int kSide = SparseLattice::kSide;
@@ -179,4 +179,4 @@ TEST(BrickSigns, ASignPropagatesToTheOtherEndOfTheBrick) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_brick_signs

@@ -15,7 +15,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_build_distance_field {
 namespace {
 
 using geometry::TriangleMesh;
@@ -355,4 +355,4 @@ TEST(BuildDistanceField, RejectsABandThatWouldFillTheMemory) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_build_distance_field

@@ -13,7 +13,7 @@
 #include "field/brute_force.h"
 #include "support/shapes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_coalesce {
 namespace {
 
 using geometry::TriangleMesh;
@@ -118,4 +118,4 @@ TEST(Coalesce, SpaceBeyondTheBandIsFewLargeLeaves) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_coalesce

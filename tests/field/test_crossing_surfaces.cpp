@@ -10,7 +10,7 @@
 #include "field/brute_force.h"
 #include "support/shapes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_crossing_surfaces {
 namespace {
 
 using geometry::TriangleMesh;
@@ -163,4 +163,4 @@ TEST(CrossingSurfaces, NeighborsInConflictAreUnknownAndGiveNoFalseSurface) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_crossing_surfaces

@@ -11,7 +11,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_distance_field {
 namespace {
 
 using geometry::TriangleMesh;
@@ -347,4 +347,4 @@ TEST(DistanceField, CountsTheMemoryOfItsParts) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_distance_field

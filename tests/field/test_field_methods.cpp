@@ -15,7 +15,7 @@
 #include "support/shapes.h"
 #include "support/ugly_mesh.h"
 
-namespace lefort::field {
+namespace lefort::field::test_field_methods {
 namespace {
 
 using geometry::TriangleMesh;
@@ -246,4 +246,4 @@ TEST(FieldMethods, AreTheSameForSmoothSamples) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_field_methods

@@ -12,7 +12,7 @@
 #include "support/shapes.h"
 #include "support/ugly_mesh.h"
 
-namespace lefort::field {
+namespace lefort::field::test_lattice_samples {
 namespace {
 
 using geometry::TriangleMesh;
@@ -218,4 +218,4 @@ TEST(LatticeSamples, ReadingCanBeStopped) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_lattice_samples

@@ -14,7 +14,7 @@
 #include "field/brute_force.h"
 #include "support/small_meshes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_minimal_meshes {
 namespace {
 
 using geometry::TriangleMesh;
@@ -215,4 +215,4 @@ TEST(MinimalMeshes, SolidsHaveTheirInsideAfterAnyRepair) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_minimal_meshes

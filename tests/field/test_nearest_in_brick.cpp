@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace lefort::field {
+namespace lefort::field::test_nearest_in_brick {
 namespace {
 
 using geometry::TriangleMesh;
@@ -182,4 +182,4 @@ TEST(NearestInBrick, UpdatesPreviousResults) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_nearest_in_brick

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-namespace lefort::field {
+namespace lefort::field::test_octree {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -161,4 +161,4 @@ TEST(Octree, AcceptsOrRejectsAnyLettersWithoutHarm) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_octree

@@ -8,7 +8,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_outside_band {
 namespace {
 
 constexpr int kResolution = 64;
@@ -85,4 +85,4 @@ TEST(OutsideBand, MatchTheWindingNumberWhereSurfacesIntersect) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_outside_band

@@ -14,7 +14,7 @@
 #include "support/shapes.h"
 #include "support/ugly_mesh.h"
 
-namespace lefort::field {
+namespace lefort::field::test_prepare_surface {
 namespace {
 
 using geometry::TriangleMesh;
@@ -349,4 +349,4 @@ TEST(PrepareSurface, RejectsInvalidSurfaces) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_prepare_surface

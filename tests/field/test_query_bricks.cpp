@@ -19,7 +19,7 @@
 #include "field/brute_force.h"
 #include "support/shapes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_query_bricks {
 namespace {
 
 using geometry::TriangleMesh;
@@ -314,4 +314,4 @@ TEST(QueryMany, RequiresAsManyResultsAsPoints) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_query_bricks

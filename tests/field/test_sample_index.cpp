@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-namespace lefort::field {
+namespace lefort::field::test_sample_index {
 namespace {
 
 TEST(SampleIndex, NumbersMarkedPointsInTheirOrderInTheList) {
@@ -28,4 +28,4 @@ TEST(SampleIndex, NumbersMarkedPointsInTheirOrderInTheList) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_sample_index

@@ -9,7 +9,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_slice_field {
 namespace {
 
 /// A ball of 10 mm around (1, 2, 3).
@@ -111,4 +111,4 @@ TEST(SliceField, RejectsEmptySlices) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_slice_field

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lefort::field {
+namespace lefort::field::test_sparse_lattice {
 namespace {
 
 TEST(SparseLattice, EveryPointHasOneOffset) {
@@ -42,4 +42,4 @@ TEST(SparseLattice, BricksMustAscend) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_sparse_lattice

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace lefort::field {
+namespace lefort::field::test_spline_lattice {
 namespace {
 
 constexpr int kResolution = 16;
@@ -228,4 +228,4 @@ TEST(SplineLattice, BricksWithoutSmallValuesAreDropped) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_spline_lattice

@@ -9,7 +9,7 @@
 #include "field/brute_force.h"
 #include "support/shapes.h"
 
-namespace lefort::field {
+namespace lefort::field::test_top_down {
 namespace {
 
 using geometry::TriangleMesh;
@@ -77,4 +77,4 @@ TEST(TopDown, CellsWithSignConflictsAreNotMergedForAnyTolerance) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_top_down

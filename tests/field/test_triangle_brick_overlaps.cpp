@@ -13,7 +13,7 @@
 #include "support/shapes.h"
 #include "support/ugly_mesh.h"
 
-namespace lefort::field {
+namespace lefort::field::test_triangle_brick_overlaps {
 namespace {
 
 using geometry::TriangleMesh;
@@ -114,4 +114,4 @@ TEST(TriangleBrickOverlaps, AreCountedButNotListedIfThereAreTooMany) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_triangle_brick_overlaps

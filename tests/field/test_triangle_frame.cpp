@@ -10,7 +10,7 @@
 
 #include "field/brute_force.h"
 
-namespace lefort::field {
+namespace lefort::field::test_triangle_frame {
 namespace {
 
 /// The squared distance, from the formula in triangle_frame.h.
@@ -107,4 +107,4 @@ TEST(TriangleFrame, FieldsAcceptTrianglesTooSmallForTheirDistanceToTheCorner) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_triangle_frame

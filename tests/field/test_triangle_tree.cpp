@@ -11,7 +11,7 @@
 #include "support/shapes.h"
 #include "support/ugly_mesh.h"
 
-namespace lefort::field {
+namespace lefort::field::test_triangle_tree {
 namespace {
 
 /// Checks the part of the tree below a node and adds its triangles.
@@ -73,4 +73,4 @@ TEST(TriangleTree, GivesTheDistanceOfTheNearestTriangle) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_triangle_tree

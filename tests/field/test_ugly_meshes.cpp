@@ -10,7 +10,7 @@
 #include "field/brute_force.h"
 #include "support/ugly_mesh.h"
 
-namespace lefort::field {
+namespace lefort::field::test_ugly_meshes {
 namespace {
 
 using geometry::TriangleMesh;
@@ -143,4 +143,4 @@ TEST(UglyMeshes, SoupsAreExactAtEverySampleOfAField) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_ugly_meshes

@@ -11,7 +11,7 @@
 #include "support/shapes.h"
 #include "support/ugly_mesh.h"
 
-namespace lefort::field {
+namespace lefort::field::test_winding_scanlines {
 namespace {
 
 using geometry::TriangleMesh;
@@ -125,4 +125,4 @@ TEST(WindingScanlines, DoNotDependOnTheOrderOfTrianglesOrOnThreads) {
 }
 
 }  // namespace
-}  // namespace lefort::field
+}  // namespace lefort::field::test_winding_scanlines

@@ -45,7 +45,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_fuzz {
 namespace {
 
 using geometry::TriangleMesh;
@@ -420,4 +420,4 @@ TEST(Fuzz, DecksAndTheirMeshReferences) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_fuzz

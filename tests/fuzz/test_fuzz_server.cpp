@@ -19,7 +19,7 @@
 #include "support/serve_here.h"
 #include "support/small_head.h"
 
-namespace lefort::server {
+namespace lefort::server::test_fuzz_server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -185,4 +185,4 @@ TEST(FuzzServer, DamagedBytesOverSockets) {
 }
 
 }  // namespace
-}  // namespace lefort::server
+}  // namespace lefort::server::test_fuzz_server

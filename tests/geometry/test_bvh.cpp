@@ -8,7 +8,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_bvh {
 namespace {
 
 Vec3 random_point(std::mt19937& random, double size) {
@@ -155,4 +155,4 @@ TEST(Bvh, AcceptsHundredsOfEqualTriangles) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_bvh

@@ -5,7 +5,7 @@
 #include <array>
 #include <random>
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_closest_point {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
@@ -112,4 +112,4 @@ TEST(ClosestPoint, DegenerateMeansLowNotSmall) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_closest_point

@@ -9,7 +9,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_edge_incidence {
 namespace {
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
@@ -73,4 +73,4 @@ TEST(EdgeIncidence, AnEdgeMayHaveAnyNumberOfHalfEdges) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_edge_incidence

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_fit_rigid {
 namespace {
 
 std::vector<Vec3> some_points(int count, unsigned seed) {
@@ -88,4 +88,4 @@ TEST(FitRigid, RejectsPointsThatDoNotDetermineTheMotion) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_fit_rigid

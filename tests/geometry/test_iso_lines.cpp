@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_iso_lines {
 namespace {
 
 template <class Function>
@@ -87,4 +87,4 @@ TEST(IsoLines, SkipSquaresWithValuesThatAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_iso_lines

@@ -6,7 +6,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_mesh_properties {
 namespace {
 
 using test::make_box;
@@ -144,4 +144,4 @@ TEST(CheckSurface, RejectsInvalidSurfacesAndNamesTheReason) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_mesh_properties

@@ -8,7 +8,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_plane_section {
 namespace {
 
 double length_of(const std::vector<std::array<Vec3, 2>>& pieces) {
@@ -61,4 +61,4 @@ TEST(PlaneSection, OfATriangleInThePlaneIsEmpty) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_plane_section

@@ -4,7 +4,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_pseudonormals {
 namespace {
 
 TEST(Pseudonormals, CornersOfABoxPointAlongTheDiagonalForAnyTriangulationOfTheFaces) {
@@ -76,4 +76,4 @@ TEST(Pseudonormals, RotateWithTheSurface) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_pseudonormals

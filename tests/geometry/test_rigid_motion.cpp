@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_rigid_motion {
 namespace {
 
 const Vec3 kCenter(3.0, -40.0, 12.0);
@@ -116,4 +116,4 @@ TEST(InterpolateScrew, IsAsExactForATinyRotationAsForNone) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_rigid_motion

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <string>
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_rigid_path {
 namespace {
 
 /// Forward, then down with a rotation about the first molar.
@@ -111,4 +111,4 @@ TEST(RigidPath, RejectsARotationByPiBetweenKeyframes) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_rigid_path

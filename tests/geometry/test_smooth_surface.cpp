@@ -9,7 +9,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_smooth_surface {
 namespace {
 
 TriangleMesh rough_sphere() {
@@ -73,4 +73,4 @@ TEST(SmoothSurface, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_smooth_surface

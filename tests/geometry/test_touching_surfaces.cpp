@@ -12,7 +12,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_touching_surfaces {
 namespace {
 
 constexpr int kSide = 3;
@@ -103,4 +103,4 @@ TEST(TouchingSurfaces, SignsAreRightForBentBlocks) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_touching_surfaces

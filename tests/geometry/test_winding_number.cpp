@@ -6,7 +6,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::geometry {
+namespace lefort::geometry::test_winding_number {
 namespace {
 
 TEST(WindingNumber, IsOneInsideAndZeroOutside) {
@@ -32,4 +32,4 @@ TEST(WindingNumber, OfOneTriangleIsItsSolidAngle) {
 }
 
 }  // namespace
-}  // namespace lefort::geometry
+}  // namespace lefort::geometry::test_winding_number

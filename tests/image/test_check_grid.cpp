@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lefort::image {
+namespace lefort::image::test_check_grid {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -81,4 +81,4 @@ TEST(CheckGrid, RejectsAxesThatAreShearedScaledMirroredOrNotFinite) {
 }
 
 }  // namespace
-}  // namespace lefort::image
+}  // namespace lefort::image::test_check_grid

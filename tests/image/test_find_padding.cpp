@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace lefort::image {
+namespace lefort::image::test_find_padding {
 namespace {
 
 constexpr double kTissueHu = -300.0;
@@ -56,4 +56,4 @@ TEST(FindPadding, AScanWithoutPaddingHasNone) {
 }
 
 }  // namespace
-}  // namespace lefort::image
+}  // namespace lefort::image::test_find_padding

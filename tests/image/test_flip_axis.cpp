@@ -5,7 +5,7 @@
 
 #include <numeric>
 
-namespace lefort::image {
+namespace lefort::image::test_flip_axis {
 namespace {
 
 Volume<int> numbered_volume() {
@@ -53,4 +53,4 @@ TEST(FlipAxis, LeavesNoNegativeZero) {
 }
 
 }  // namespace
-}  // namespace lefort::image
+}  // namespace lefort::image::test_flip_axis

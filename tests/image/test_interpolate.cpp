@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace lefort::image {
+namespace lefort::image::test_interpolate {
 namespace {
 
 constexpr double kOutside = -4321.0;
@@ -124,4 +124,4 @@ TEST(Interpolate, AcceptsASingleVoxelAndAnEmptyVolume) {
 }
 
 }  // namespace
-}  // namespace lefort::image
+}  // namespace lefort::image::test_interpolate

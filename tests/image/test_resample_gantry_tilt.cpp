@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace lefort::image {
+namespace lefort::image::test_resample_gantry_tilt {
 namespace {
 
 /// Smooth over a few pixels, and without any symmetry.
@@ -97,4 +97,4 @@ TEST(ResampleGantryTilt, UnevenHeightsAreInterpolatedLinearly) {
 }
 
 }  // namespace
-}  // namespace lefort::image
+}  // namespace lefort::image::test_resample_gantry_tilt

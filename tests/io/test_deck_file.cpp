@@ -9,7 +9,7 @@
 
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_deck_file {
 namespace {
 
 using Json = nlohmann::json;
@@ -315,4 +315,4 @@ TEST(DeckFile, NamesTheFileThatIsMissingOrNoJson) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_deck_file

@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-namespace lefort::io {
+namespace lefort::io::test_deprecated_keys {
 namespace {
 
 using Json = nlohmann::json;
@@ -113,4 +113,4 @@ TEST(DeprecatedKeys, NoNameOccursTwiceInATable) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_deprecated_keys

@@ -13,7 +13,7 @@
 #include "support/temporary_folder.h"
 #include "support/text.h"
 
-namespace lefort::io {
+namespace lefort::io::test_dicom {
 namespace {
 
 using test::contains;
@@ -396,4 +396,4 @@ TEST(Dicom, StopsOnRequest) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_dicom

@@ -12,7 +12,7 @@
 #include "support/temporary_folder.h"
 #include "support/text.h"
 
-namespace lefort::io {
+namespace lefort::io::test_dicom_codec {
 namespace {
 
 using test::contains;
@@ -71,4 +71,4 @@ TEST_F(DicomCodec, StopsACodecThatHangs) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_dicom_codec

@@ -11,7 +11,7 @@
 #include "support/temporary_folder.h"
 #include "support/text.h"
 
-namespace lefort::io {
+namespace lefort::io::test_dicom_stack {
 namespace {
 
 using test::contains;
@@ -267,4 +267,4 @@ TEST(Dicom, RejectsASliceWithAnotherScale) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_dicom_stack

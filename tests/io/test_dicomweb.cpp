@@ -19,7 +19,7 @@
 #include "support/temporary_folder.h"
 #include "support/text.h"
 
-namespace lefort::io {
+namespace lefort::io::test_dicomweb {
 namespace {
 
 using test::contains;
@@ -432,4 +432,4 @@ TEST(DicomWeb, StopsOnRequestWhileTheServerIsSilent) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_dicomweb

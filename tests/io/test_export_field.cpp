@@ -20,7 +20,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_export_field {
 namespace {
 
 using field::DistanceField;
@@ -334,4 +334,4 @@ TEST(ExportField, LeavesNoFileWhenStopped) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_export_field

@@ -20,7 +20,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_field_file {
 namespace {
 
 using field::DistanceField;
@@ -241,4 +241,4 @@ TEST(FieldFile, RequiresAlignedBytes) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_field_file

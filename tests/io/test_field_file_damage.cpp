@@ -15,7 +15,7 @@
 #include "io/field_bytes.h"
 #include "support/text.h"
 
-namespace lefort::io {
+namespace lefort::io::test_field_file_damage {
 namespace {
 
 using field::DistanceField;
@@ -291,4 +291,4 @@ TEST(FieldFile, RejectsUnorderedBricksAndInvalidValues) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_field_file_damage

@@ -13,7 +13,7 @@
 #include "io/gmsh_writer.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_gmsh {
 namespace {
 
 using mesh::ElementShape;
@@ -236,4 +236,4 @@ TEST(VolumeMeshFiles, AreReadByEnding) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_gmsh

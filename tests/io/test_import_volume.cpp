@@ -10,7 +10,7 @@
 #include "io/sample_scan.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_import_volume {
 namespace {
 
 using test::sample_scan;
@@ -163,4 +163,4 @@ TEST_P(DamagedScan, RejectsGarbage) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_import_volume

@@ -27,7 +27,7 @@
 #include "support/run_python.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_independent_readers {
 namespace {
 
 using geometry::TriangleMesh;
@@ -168,4 +168,4 @@ TEST(IndependentReaders, PythonReadsATransformInLpsAndRas) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_independent_readers

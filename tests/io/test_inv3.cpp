@@ -8,7 +8,7 @@
 #include "support/real_scan.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_inv3 {
 namespace {
 
 using test::Inv3Plist;
@@ -170,4 +170,4 @@ TEST(Plist, RejectsEntitiesDepthSizeAndDamage) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_inv3

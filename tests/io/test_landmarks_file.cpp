@@ -8,7 +8,7 @@
 #include "support/run_python.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_landmarks_file {
 namespace {
 
 const plan::Landmarks kSome{
@@ -97,4 +97,4 @@ TEST(CephalometricCsv, ReportsBeforeAfterAndChange) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_landmarks_file

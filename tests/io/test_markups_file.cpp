@@ -7,7 +7,7 @@
 #include "support/run_python.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_markups_file {
 namespace {
 
 using Json = nlohmann::json;
@@ -146,4 +146,4 @@ TEST(MarkupsFile, RejectsAPlaneWithoutANormal) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_markups_file

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace lefort::io {
+namespace lefort::io::test_multipart {
 namespace {
 
 struct Read {
@@ -112,4 +112,4 @@ TEST(Multipart, FindsTheBoundaryInTheContentType) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_multipart

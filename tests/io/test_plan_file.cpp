@@ -14,7 +14,7 @@
 
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_plan_file {
 namespace {
 
 using Json = nlohmann::json;
@@ -552,4 +552,4 @@ TEST(PlanFile, SurvivesAnyDamage) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_plan_file

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lefort::io {
+namespace lefort::io::test_point_table {
 namespace {
 
 TEST(PointTable, ReadsCommasSpacesHeadingsAndComments) {
@@ -31,4 +31,4 @@ TEST(PointTable, RejectsATableWithoutPoints) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_point_table

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lefort::io {
+namespace lefort::io::test_predicted_poses {
 namespace {
 
 using nlohmann::json;
@@ -57,4 +57,4 @@ TEST(PredictedPoses, DamagedOnesAreRefused) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_predicted_poses

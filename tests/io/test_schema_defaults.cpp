@@ -16,7 +16,7 @@
 #include <map>
 #include <string>
 
-namespace lefort::io {
+namespace lefort::io::test_schema_defaults {
 namespace {
 
 using Json = nlohmann::json;
@@ -214,4 +214,4 @@ TEST(SchemaDefaults, OfADeckAreThoseOfTheProgram) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_schema_defaults

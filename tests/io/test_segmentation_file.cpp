@@ -7,7 +7,7 @@
 #include "io/sample_scan.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_segmentation_file {
 namespace {
 
 using anatomy::LabelMap;
@@ -345,4 +345,4 @@ TEST(SegmentationFile, RejectsFilesWithoutTissuesOrWithInvalidSegments) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_segmentation_file

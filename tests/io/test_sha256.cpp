@@ -6,7 +6,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_sha256 {
 namespace {
 
 TEST(Sha256, MatchesTheKnownDigestOfNoData) {  // FIPS 180-4.
@@ -55,4 +55,4 @@ TEST(Sha256, CanBeReadBeforeItsEnd) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_sha256

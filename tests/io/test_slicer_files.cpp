@@ -13,7 +13,7 @@
 #include "support/run_python.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_slicer_files {
 namespace {
 
 using anatomy::LabelMap;
@@ -117,4 +117,4 @@ TEST(SlicerFiles, ReadsLabelsEditedByAnotherProgram) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_slicer_files

@@ -12,7 +12,7 @@
 #include "io/sample_surface.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_surface_files {
 namespace {
 
 using geometry::TriangleMesh;
@@ -366,4 +366,4 @@ TEST(SurfaceFiles, DamagedBytesNeverCrash) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_surface_files

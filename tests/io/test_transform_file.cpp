@@ -9,7 +9,7 @@
 #include "io/itk_transforms.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_transform_file {
 namespace {
 
 std::string tfm(const std::string& type, const std::string& parameters,
@@ -100,4 +100,4 @@ TEST(TransformFile, RejectsNonRigidTransforms) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_transform_file

@@ -10,7 +10,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_vertex_array {
 namespace {
 
 TEST(VertexArray, ReadsBackTheSameNumbers) {
@@ -44,4 +44,4 @@ TEST(VertexArray, RejectsOtherFilesThanVtp) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_vertex_array

@@ -12,7 +12,7 @@
 #include "io/sample_scan.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_volume_files {
 namespace {
 
 using test::bytes_of;
@@ -170,4 +170,4 @@ TEST(VolumeFiles, RejectsWritingAnInvalidGrid) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_volume_files

@@ -16,7 +16,7 @@
 #include "io/volume_bytes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_volume_headers {
 namespace {
 
 using test::kEightVoxels;
@@ -264,4 +264,4 @@ TEST(VolumeFiles, ReadsVoxelsOnlyFromARegularFileInTheSameFolder) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_volume_headers

@@ -9,7 +9,7 @@
 #include "io/volume_bytes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_volume_orientation {
 namespace {
 
 using test::kEightVoxels;
@@ -154,4 +154,4 @@ TEST(Laterality, RejectsMetaImageWithMissingOrContradictoryOrientation) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_volume_orientation

@@ -23,7 +23,7 @@
 
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_vtu {
 namespace {
 
 using mesh::ElementBlock;
@@ -488,4 +488,4 @@ TEST(Pvd, RejectsEntriesWithoutTimeOrName) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_vtu

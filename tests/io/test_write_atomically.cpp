@@ -11,7 +11,7 @@
 
 #include "support/temporary_folder.h"
 
-namespace lefort::io {
+namespace lefort::io::test_write_atomically {
 namespace {
 
 constexpr std::uintmax_t kSmall = 1000;
@@ -103,4 +103,4 @@ TEST(ReadText, RejectsMissingAndOversizedFiles) {
 }
 
 }  // namespace
-}  // namespace lefort::io
+}  // namespace lefort::io::test_write_atomically

@@ -8,7 +8,7 @@
 
 #include "fem/random_deformation.h"
 
-namespace lefort::linear {
+namespace lefort::linear::test_dense_kernels {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
@@ -188,4 +188,4 @@ TEST(TileLayout, TilesAreContiguous) {
 }
 
 }  // namespace
-}  // namespace lefort::linear
+}  // namespace lefort::linear::test_dense_kernels

@@ -7,7 +7,7 @@
 
 #include "linear/sparse_examples.h"
 
-namespace lefort::linear {
+namespace lefort::linear::test_gmres {
 namespace {
 
 constexpr Index kSize = 60;
@@ -60,4 +60,4 @@ TEST(Gmres, AZeroRightSideGivesZeroAndFailuresAreReturned) {
 }
 
 }  // namespace
-}  // namespace lefort::linear
+}  // namespace lefort::linear::test_gmres

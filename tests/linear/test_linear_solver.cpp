@@ -10,7 +10,7 @@
 #include "linear/little_memory.h"
 #include "linear/sparse_examples.h"
 
-namespace lefort::linear {
+namespace lefort::linear::test_linear_solver {
 namespace {
 
 constexpr Index kSize = 60;
@@ -252,4 +252,4 @@ TEST(LinearSolver, AllKindsAcceptMatricesOfSizeZeroAndOne) {
 }
 
 }  // namespace
-}  // namespace lefort::linear
+}  // namespace lefort::linear::test_linear_solver

@@ -11,7 +11,7 @@
 
 #include "linear/sparse_examples.h"
 
-namespace lefort::linear {
+namespace lefort::linear::test_multigrid {
 namespace {
 
 using test::lower_triangle;
@@ -252,4 +252,4 @@ TEST(ConjugateGradients, AZeroRightSideGivesZero) {
 }
 
 }  // namespace
-}  // namespace lefort::linear
+}  // namespace lefort::linear::test_multigrid

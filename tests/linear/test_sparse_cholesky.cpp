@@ -16,7 +16,7 @@
 
 #include "linear/sparse_examples.h"
 
-namespace lefort::linear {
+namespace lefort::linear::test_sparse_cholesky {
 namespace {
 
 using test::block_stiffness;
@@ -218,4 +218,4 @@ TEST(SparseCholesky, PredictsItsMemory) {
 }
 
 }  // namespace
-}  // namespace lefort::linear
+}  // namespace lefort::linear::test_sparse_cholesky

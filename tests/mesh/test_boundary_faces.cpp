@@ -9,7 +9,7 @@
 
 #include "mesh/shapes_of_tets.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_boundary_faces {
 namespace {
 
 geometry::TriangleMesh surface_of(const VolumeMesh& mesh) {
@@ -79,4 +79,4 @@ TEST(BoundaryFaces, EmptyMeshHasNone) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_boundary_faces

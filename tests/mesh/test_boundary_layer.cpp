@@ -13,7 +13,7 @@
 
 #include "mesh/shapes_of_tets.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_boundary_layer {
 namespace {
 
 constexpr double kSide_mm = 6.0;
@@ -234,4 +234,4 @@ TEST(CutFace, LiesInThePlaneOrIsInclinedLessThan45Degrees) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_boundary_layer

@@ -9,7 +9,7 @@
 
 #include "mesh/shapes_of_tets.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_boundary_regions {
 namespace {
 
 /// A cube of side 4 with rules for its floor, its wall x = 0, and one that applies nowhere.
@@ -90,4 +90,4 @@ TEST(NameBoundary, NamesMustBeDistinct) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_boundary_regions

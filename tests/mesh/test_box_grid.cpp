@@ -12,7 +12,7 @@
 #include <numeric>
 #include <random>
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_box_grid {
 namespace {
 
 const Vec3 kSize_mm(8, 6, 5);
@@ -114,4 +114,4 @@ TEST(BoxGrid, RejectsBoxesWithoutCells) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_box_grid

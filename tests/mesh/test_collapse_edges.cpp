@@ -9,7 +9,7 @@
 
 #include "mesh/shapes_of_tets.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_collapse_edges {
 namespace {
 
 constexpr double kPoor = 0.12;
@@ -92,4 +92,4 @@ TEST(CollapseEdges, DoesNotCloseATunnel) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_collapse_edges

@@ -10,7 +10,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_combine_solids {
 namespace {
 
 using geometry::signed_volume_mm3;
@@ -122,4 +122,4 @@ TEST(CutSurfaceBySolid, SplitsABallIntoExactVolumes) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_combine_solids

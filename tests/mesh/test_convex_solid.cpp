@@ -5,7 +5,7 @@
 
 #include <array>
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_convex_solid {
 namespace {
 
 const Box3 kBox(Vec3(-2, -3, -4), Vec3(2, 3, 4));
@@ -49,4 +49,4 @@ TEST(ConvexSolid, IsEmptyIfTheHalfSpacesExcludeEachOtherOrTheBox) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_convex_solid

@@ -12,7 +12,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_cut_surface {
 namespace {
 
 using geometry::signed_volume_mm3;
@@ -215,4 +215,4 @@ TEST(CutSurface, SameInputSameBits) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_cut_surface

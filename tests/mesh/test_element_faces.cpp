@@ -10,7 +10,7 @@
 #include <numeric>
 #include <set>
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_element_faces {
 namespace {
 
 constexpr ElementShape kShapes[] = {
@@ -99,4 +99,4 @@ TEST(MatchFacesToElements, RejectsFacesWithoutElementAndDuplicates) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_element_faces

@@ -12,7 +12,7 @@
 
 #include "mesh/shapes_of_tets.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_element_quality {
 namespace {
 
 TEST(RegionSizes, CountsElementsAndVolumesByRegion) {
@@ -250,4 +250,4 @@ TEST(MeshQuality, SummarizesEachShapeOfAMixedMesh) {
 TEST(MeshQuality, EmptyMeshHasNoElements) { EXPECT_EQ(measure_quality({}).elements, 0); }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_element_quality

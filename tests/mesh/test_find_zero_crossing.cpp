@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_find_zero_crossing {
 namespace {
 
 const Vec3 kUp = Vec3::UnitZ();
@@ -29,4 +29,4 @@ TEST(FindZeroCrossing, ReturnsNothingBeyondReach) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_find_zero_crossing

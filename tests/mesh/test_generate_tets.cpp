@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_generate_tets {
 namespace {
 
 using Level = std::function<double(const Vec3&)>;
@@ -210,4 +210,4 @@ TEST(GenerateTets, StopsOnRequestInAnyPhase) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_generate_tets

@@ -9,7 +9,7 @@
 
 #include "mesh/shapes_of_tets.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_improve_tets {
 namespace {
 
 bool is_in_cube(const Vec3& p) { return p.minCoeff() > 0.0 && p.maxCoeff() < 4.0; }
@@ -78,4 +78,4 @@ TEST(ImproveTets, SameInputSameBits) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_improve_tets

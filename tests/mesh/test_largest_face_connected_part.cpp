@@ -4,7 +4,7 @@
 
 #include "mesh/shapes_of_tets.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_largest_face_connected_part {
 namespace {
 
 /// A cube of 6 n^3 tetrahedra, then those of one more cube with its low corner at `corner`, on
@@ -68,4 +68,4 @@ TEST(LargestFaceConnectedPart, EmptyMeshStaysEmpty) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_largest_face_connected_part

@@ -8,7 +8,7 @@
 
 #include "mesh/shapes_of_tets.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_layer_thickness {
 namespace {
 
 std::vector<Face> top_of(const VolumeMesh& mesh) {
@@ -59,4 +59,4 @@ TEST(LayerThickness, ReportsTheUncoveredBorder) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_layer_thickness

@@ -9,7 +9,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_repair_surface {
 namespace {
 
 using geometry::signed_volume_mm3;
@@ -133,4 +133,4 @@ TEST(RepairSurface, SurvivesRandomTriangles) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_repair_surface

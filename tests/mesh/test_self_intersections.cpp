@@ -6,7 +6,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_self_intersections {
 namespace {
 
 using geometry::TriangleMesh;
@@ -66,4 +66,4 @@ TEST(SelfIntersections, RejectsInvalidSurfaces) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_self_intersections

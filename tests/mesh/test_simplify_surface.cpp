@@ -10,7 +10,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_simplify_surface {
 namespace {
 
 using geometry::TriangleMesh;
@@ -81,4 +81,4 @@ TEST(SimplifySurface, CanBeStopped) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_simplify_surface

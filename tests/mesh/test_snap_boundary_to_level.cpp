@@ -5,7 +5,7 @@
 
 #include "mesh/shapes_of_tets.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_snap_boundary_to_level {
 namespace {
 
 TEST(SnapBoundaryToLevel, SnapsACubeToALargerCube) {
@@ -47,4 +47,4 @@ TEST(SnapBoundaryToLevel, StopsBeforeAnElementIsFlattened) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_snap_boundary_to_level

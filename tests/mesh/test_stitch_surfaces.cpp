@@ -8,7 +8,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::mesh {
+namespace lefort::mesh::test_stitch_surfaces {
 namespace {
 
 TEST(StitchSurfaces, UndoesACut) {
@@ -44,4 +44,4 @@ TEST(StitchSurfaces, EmptySurfaceIsTheNeutralElement) {
 }
 
 }  // namespace
-}  // namespace lefort::mesh
+}  // namespace lefort::mesh::test_stitch_surfaces

@@ -7,7 +7,7 @@
 
 #include "support/temporary_folder.h"
 
-namespace lefort::pipeline {
+namespace lefort::pipeline::test_restart_file {
 namespace {
 
 predict::Restart some_restart() {
@@ -78,4 +78,4 @@ TEST(RestartFile, OneThatIsCutOrDamagedIsRefused) {
 }
 
 }  // namespace
-}  // namespace lefort::pipeline
+}  // namespace lefort::pipeline::test_restart_file

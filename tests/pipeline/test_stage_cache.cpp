@@ -5,7 +5,7 @@
 
 #include "support/temporary_folder.h"
 
-namespace lefort::pipeline {
+namespace lefort::pipeline::test_stage_cache {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,4 +82,4 @@ TEST(StageCache, AResultThatCannotBeKeptServesAllTheSame) {
 }
 
 }  // namespace
-}  // namespace lefort::pipeline
+}  // namespace lefort::pipeline::test_stage_cache

@@ -7,7 +7,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::pipeline {
+namespace lefort::pipeline::test_stage_keys {
 namespace {
 
 const geometry::TriangleMesh kBox = test::make_box(Vec3::Zero(), Vec3::Ones());
@@ -104,4 +104,4 @@ TEST(StageKeys, TissueDependsOnAllThatShapesItAndNotOnItsStiffness) {
 }
 
 }  // namespace
-}  // namespace lefort::pipeline
+}  // namespace lefort::pipeline::test_stage_keys

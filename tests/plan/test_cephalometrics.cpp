@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace lefort::plan {
+namespace lefort::plan::test_cephalometrics {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -150,4 +150,4 @@ TEST(Cephalometrics, RejectsExchangedSides) {
 }
 
 }  // namespace
-}  // namespace lefort::plan
+}  // namespace lefort::plan::test_cephalometrics

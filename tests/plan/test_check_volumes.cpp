@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lefort::plan {
+namespace lefort::plan::test_check_volumes {
 namespace {
 
 TEST(CheckVolumes, PartsMustAddUpToTheWhole) {
@@ -23,4 +23,4 @@ TEST(CheckVolumes, SmallPartMustNotVanishInALargeWhole) {
 }
 
 }  // namespace
-}  // namespace lefort::plan
+}  // namespace lefort::plan::test_check_volumes

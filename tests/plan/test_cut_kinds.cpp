@@ -10,7 +10,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::plan {
+namespace lefort::plan::test_cut_kinds {
 namespace {
 
 using geometry::signed_volume_mm3;
@@ -229,4 +229,4 @@ TEST(CutSegments, RejectsInvalidNames) {
 }
 
 }  // namespace
-}  // namespace lefort::plan
+}  // namespace lefort::plan::test_cut_kinds

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lefort::plan {
+namespace lefort::plan::test_landmarks {
 namespace {
 
 TEST(Landmarks, NamesOfPairsHaveSides) {
@@ -77,4 +77,4 @@ TEST(Landmarks, FindsARepeatedName) {
 }
 
 }  // namespace
-}  // namespace lefort::plan
+}  // namespace lefort::plan::test_landmarks

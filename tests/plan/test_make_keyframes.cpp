@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace lefort::plan {
+namespace lefort::plan::test_make_keyframes {
 namespace {
 
 const Landmarks kMaxilla{
@@ -120,4 +120,4 @@ TEST(MakeKeyframes, ScrewMotionRotatesAboutOneFixedAxis) {
 }
 
 }  // namespace
-}  // namespace lefort::plan
+}  // namespace lefort::plan::test_make_keyframes

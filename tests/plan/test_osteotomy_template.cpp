@@ -7,7 +7,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::plan {
+namespace lefort::plan::test_osteotomy_template {
 namespace {
 
 using geometry::TriangleMesh;
@@ -179,4 +179,4 @@ TEST(OsteotomyTemplate, NamesConvertBothWays) {
 }
 
 }  // namespace
-}  // namespace lefort::plan
+}  // namespace lefort::plan::test_osteotomy_template

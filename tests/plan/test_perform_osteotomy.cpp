@@ -8,7 +8,7 @@
 
 #include "support/shapes.h"
 
-namespace lefort::plan {
+namespace lefort::plan::test_perform_osteotomy {
 namespace {
 
 using geometry::TriangleMesh;
@@ -124,4 +124,4 @@ TEST(PerformOsteotomy, RejectsOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace lefort::plan
+}  // namespace lefort::plan::test_perform_osteotomy

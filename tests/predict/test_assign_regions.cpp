@@ -10,7 +10,7 @@
 #include "support/face_phantom.h"
 #include "support/tissue_block.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_assign_regions {
 namespace {
 
 /// A small tetrahedron whose centroid is `at_L`.
@@ -179,4 +179,4 @@ TEST(AssignMucosa, HasItsOwnMaterial) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_assign_regions

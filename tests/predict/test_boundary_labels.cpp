@@ -14,7 +14,7 @@
 #include "support/face_phantom.h"
 #include "support/tissue_block.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_boundary_labels {
 namespace {
 
 using NodeList = std::vector<std::int32_t>;
@@ -228,4 +228,4 @@ TEST(BoundaryLabels, EachNodeIsCountedOnce) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_boundary_labels

@@ -7,7 +7,7 @@
 #include "support/box_mesh.h"
 #include "support/shapes.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_embed_skin {
 namespace {
 
 const mesh::VolumeMesh& tissue() {
@@ -61,4 +61,4 @@ TEST(EmbedSkin, DisplacedMovesEveryVertexAndKeepsTheTriangles) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_embed_skin

@@ -8,7 +8,7 @@
 
 #include "support/tissue_block.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_face_preview {
 namespace {
 
 FacePreview preview_of(const FaceModel& model,
@@ -167,4 +167,4 @@ TEST(FacePreview, RejectsAModelWithoutSupportsOrFixedNodes) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_face_preview

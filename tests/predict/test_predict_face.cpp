@@ -19,7 +19,7 @@
 #include "support/shapes.h"
 #include "support/tissue_block.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_predict_face {
 namespace {
 
 using test::block_on;
@@ -459,4 +459,4 @@ TEST(PredictFace, CanBeStopped) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_predict_face

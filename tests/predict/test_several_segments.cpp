@@ -17,7 +17,7 @@
 #include "support/shapes.h"
 #include "support/tissue_block.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_several_segments {
 namespace {
 
 using test::kHeight_mm;
@@ -291,4 +291,4 @@ TEST(SeveralSegments, ThePreviewMovesEach) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_several_segments

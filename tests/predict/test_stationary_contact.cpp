@@ -19,7 +19,7 @@
 #include "support/shapes.h"
 #include "support/tissue_block.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_stationary_contact {
 namespace {
 
 using test::kHeight_mm;
@@ -190,4 +190,4 @@ TEST(StationaryContact, IsNotPreviewed) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_stationary_contact

@@ -8,7 +8,7 @@
 
 #include "support/face_phantom.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_tissue_boundary {
 namespace {
 
 const TissueOptions kOptions{.element_size_mm = 3.0, .far_element_size_mm = 3.0, .margin_mm = 15.0};
@@ -161,4 +161,4 @@ TEST(TissueBoundary, TissueOnTheBrainIsFixed) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_tissue_boundary

@@ -5,7 +5,7 @@
 
 #include "support/face_phantom.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_tissue_domain {
 namespace {
 
 TissueDomain phantom_domain(double margin_mm) {
@@ -51,4 +51,4 @@ TEST(MeshTissue, FillsTheDomainFinerNearTheSegment) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_tissue_domain

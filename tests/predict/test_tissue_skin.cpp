@@ -13,7 +13,7 @@
 
 #include "support/face_phantom.h"
 
-namespace lefort::predict {
+namespace lefort::predict::test_tissue_skin {
 namespace {
 
 constexpr double kCapture_mm = 0.8;
@@ -170,4 +170,4 @@ TEST(TissueSize, IsFinerAtLipsAndNose) {
 }
 
 }  // namespace
-}  // namespace lefort::predict
+}  // namespace lefort::predict::test_tissue_skin

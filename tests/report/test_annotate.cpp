@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace lefort::report {
+namespace lefort::report::test_annotate {
 namespace {
 
 Picture gray(int width, int height) {
@@ -151,4 +151,4 @@ TEST(SideBySide, RejectsNoPicturesAndMismatchedTitles) {
 }
 
 }  // namespace
-}  // namespace lefort::report
+}  // namespace lefort::report::test_annotate

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lefort::report {
+namespace lefort::report::test_color_map {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -72,4 +72,4 @@ TEST(ColorMap, RejectsAScaleWithoutExtent) {
 }
 
 }  // namespace
-}  // namespace lefort::report
+}  // namespace lefort::report::test_color_map

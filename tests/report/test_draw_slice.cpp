@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-namespace lefort::report {
+namespace lefort::report::test_draw_slice {
 namespace {
 
 constexpr int kSize = 720;  // An em of ten pixels.
@@ -186,4 +186,4 @@ TEST(DrawSlice, RejectsInconsistentNumbers) {
 }
 
 }  // namespace
-}  // namespace lefort::report
+}  // namespace lefort::report::test_draw_slice

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string_view>
 
-namespace lefort::report {
+namespace lefort::report::test_picture {
 namespace {
 
 /// Decodes with cairo: 0x00RRGGBB words, or width 0 if the bytes are not a PNG.
@@ -61,4 +61,4 @@ TEST(Picture, RejectsInconsistentSidesAndBytes) {
 }
 
 }  // namespace
-}  // namespace lefort::report
+}  // namespace lefort::report::test_picture

@@ -12,7 +12,7 @@
 #include "report/find_text.h"
 #include "report/well_formed.h"
 
-namespace lefort::report {
+namespace lefort::report::test_plot_lines {
 namespace {
 
 using test::between;
@@ -129,4 +129,4 @@ TEST(SolverPlots, PenetrationIsPlottedOverThePath) {
 }
 
 }  // namespace
-}  // namespace lefort::report
+}  // namespace lefort::report::test_plot_lines

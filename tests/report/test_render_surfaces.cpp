@@ -10,7 +10,7 @@
 
 #include "report/shapes.h"
 
-namespace lefort::report {
+namespace lefort::report::test_render_surfaces {
 namespace {
 
 using geometry::TriangleMesh;
@@ -222,4 +222,4 @@ TEST(RenderSurfaces, StopsOnRequest) {
 }
 
 }  // namespace
-}  // namespace lefort::report
+}  // namespace lefort::report::test_render_surfaces

@@ -12,7 +12,7 @@
 #include "report/find_text.h"
 #include "report/well_formed.h"
 
-namespace lefort::report {
+namespace lefort::report::test_report_html {
 namespace {
 
 using test::between;
@@ -155,4 +155,4 @@ TEST(ReportHtml, TextHasTheContrastOfWcagAa) {
 }
 
 }  // namespace
-}  // namespace lefort::report
+}  // namespace lefort::report::test_report_html

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace lefort::report {
+namespace lefort::report::test_view {
 namespace {
 
 const Vec3 kLeft_L(1.0, 0.0, 0.0);
@@ -72,4 +72,4 @@ TEST(View, RejectsAViewWithoutDirection) {
 }
 
 }  // namespace
-}  // namespace lefort::report
+}  // namespace lefort::report::test_view

@@ -16,7 +16,7 @@
 #include "support/shapes.h"
 #include "support/temporary_folder.h"
 
-namespace lefort::server {
+namespace lefort::server::test_overlap_service {
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,4 +132,4 @@ TEST_F(LiveBonesOf, RefuseADamagedDocumentAndPathsInIt) {
 }
 
 }  // namespace
-}  // namespace lefort::server
+}  // namespace lefort::server::test_overlap_service

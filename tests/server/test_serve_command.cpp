@@ -19,7 +19,7 @@
 #include "support/serve_here.h"
 #include "support/small_head.h"
 
-namespace lefort::server {
+namespace lefort::server::test_serve_command {
 namespace {
 
 namespace fs = std::filesystem;
@@ -179,4 +179,4 @@ TEST(ServeCommand, APredictionWhoseServerWasKilledEndsWithTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace lefort::server
+}  // namespace lefort::server::test_serve_command

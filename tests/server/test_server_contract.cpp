@@ -17,7 +17,7 @@
 #include "support/result_file.h"
 #include "support/small_head.h"
 
-namespace lefort::server {
+namespace lefort::server::test_server_contract {
 namespace {
 
 namespace fs = std::filesystem;
@@ -420,4 +420,4 @@ TEST(ServerContract, ACaseOfTwoSegmentsIsPreviewedAndPredicted) {
 }
 
 }  // namespace
-}  // namespace lefort::server
+}  // namespace lefort::server::test_server_contract

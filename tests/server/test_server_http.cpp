@@ -19,7 +19,7 @@
 #include "support/serve_here.h"
 #include "support/small_head.h"
 
-namespace lefort::server {
+namespace lefort::server::test_server_http {
 namespace {
 
 using nlohmann::json;
@@ -372,4 +372,4 @@ TEST(HttpServer, APortInUseIsReported) {
 }
 
 }  // namespace
-}  // namespace lefort::server
+}  // namespace lefort::server::test_server_http

@@ -21,7 +21,7 @@
 #include "support/run_program.h"
 #include "support/small_head.h"
 
-namespace lefort::server {
+namespace lefort::server::test_server_jobs {
 namespace {
 
 namespace fs = std::filesystem;
@@ -770,4 +770,4 @@ TEST(CaseApi, ACancelledPredictionGoesOnWhereItWas) {
 }
 
 }  // namespace
-}  // namespace lefort::server
+}  // namespace lefort::server::test_server_jobs

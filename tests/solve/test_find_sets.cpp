@@ -4,7 +4,7 @@
 
 #include "support/box_mesh.h"
 
-namespace lefort::solve {
+namespace lefort::solve::test_find_sets {
 namespace {
 
 using NodeList = std::vector<std::int32_t>;
@@ -93,4 +93,4 @@ TEST(FindSets, ANodeSetInsideTheBodyHasNoFaces) {
 }
 
 }  // namespace
-}  // namespace lefort::solve
+}  // namespace lefort::solve::test_find_sets

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace lefort::solve {
+namespace lefort::solve::test_load_curve {
 namespace {
 
 TEST(LoadCurve, IsARampByDefault) {
@@ -37,4 +37,4 @@ TEST(LoadCurve, RejectsTimesThatDoNotAscendOrLieOutside) {
 }
 
 }  // namespace
-}  // namespace lefort::solve
+}  // namespace lefort::solve::test_load_curve

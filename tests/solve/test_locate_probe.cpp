@@ -7,7 +7,7 @@
 
 #include "support/box_mesh.h"
 
-namespace lefort::solve {
+namespace lefort::solve::test_locate_probe {
 namespace {
 
 class LocateProbe : public testing::TestWithParam<mesh::ElementShape> {
@@ -85,4 +85,4 @@ TEST_P(LocateProbe, APointOutsideIsRejectedWithTheClosestNode) {
 }
 
 }  // namespace
-}  // namespace lefort::solve
+}  // namespace lefort::solve::test_locate_probe

@@ -11,7 +11,7 @@
 
 #include "solve/block.h"
 
-namespace lefort::solve {
+namespace lefort::solve::test_prepare_deck {
 namespace {
 
 using test::block;
@@ -266,4 +266,4 @@ TEST(PrepareDeck, EveryUnknownNameIsReportedWithItsKey) {
 }
 
 }  // namespace
-}  // namespace lefort::solve
+}  // namespace lefort::solve::test_prepare_deck

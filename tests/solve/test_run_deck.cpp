@@ -8,7 +8,7 @@
 #include "solve/run.h"
 #include "support/box_mesh.h"
 
-namespace lefort::solve {
+namespace lefort::solve::test_run_deck {
 namespace {
 
 using test::block;
@@ -304,4 +304,4 @@ TEST(RunDeck, ABodyInRigidMotionKeepsItsShape) {
 }
 
 }  // namespace
-}  // namespace lefort::solve
+}  // namespace lefort::solve::test_run_deck

@@ -14,7 +14,7 @@
 #include "support/box_mesh.h"
 #include "support/shapes.h"
 
-namespace lefort::solve {
+namespace lefort::solve::test_run_deck_obstacles {
 namespace {
 
 using test::block;
@@ -209,4 +209,4 @@ TEST(RunDeck, AnOpenObstacleIsRejectedByAllMethods) {
 }
 
 }  // namespace
-}  // namespace lefort::solve
+}  // namespace lefort::solve::test_run_deck_obstacles

@@ -4,7 +4,7 @@
 
 #include "support/box_mesh.h"
 
-namespace lefort::solve {
+namespace lefort::solve::test_unconstrained_parts {
 namespace {
 
 using fem::PrescribedDisplacement;
@@ -85,4 +85,4 @@ TEST(UnconstrainedParts, AnUnconstrainedPartIsReportedByElementAndPosition) {
 }
 
 }  // namespace
-}  // namespace lefort::solve
+}  // namespace lefort::solve::test_unconstrained_parts

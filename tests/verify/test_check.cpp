@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace lefort::verify {
+namespace lefort::verify::test_check {
 namespace {
 
 TEST(Check, FailsOnTheSideOfTheComparison) {
@@ -61,4 +61,4 @@ TEST(VerificationReport, ReportsFailuresAndTheirCause) {
 }
 
 }  // namespace
-}  // namespace lefort::verify
+}  // namespace lefort::verify::test_check

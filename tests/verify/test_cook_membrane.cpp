@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace lefort::verify {
+namespace lefort::verify::test_cook_membrane {
 namespace {
 
 using mesh::ElementShape;
@@ -45,4 +45,4 @@ TEST(CookMembrane, IsTheSamePlateDividedAlongEitherDiagonal) {
 }
 
 }  // namespace
-}  // namespace lefort::verify
+}  // namespace lefort::verify::test_cook_membrane

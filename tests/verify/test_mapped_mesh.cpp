@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace lefort::verify {
+namespace lefort::verify::test_mapped_mesh {
 namespace {
 
 TEST(GradedCube, GradesCornersByThePowerAndPutsMidSideNodesInTheMiddle) {
@@ -34,4 +34,4 @@ TEST(GradedCube, ContainsTheCornersOfACubeWithHalfTheCells) {
 }
 
 }  // namespace
-}  // namespace lefort::verify
+}  // namespace lefort::verify::test_mapped_mesh

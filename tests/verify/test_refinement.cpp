@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace lefort::verify {
+namespace lefort::verify::test_refinement {
 namespace {
 
 TEST(Refinement, FindsOrderAndErrorOfAPowerLaw) {
@@ -99,4 +99,4 @@ TEST(CheckErrorOrder, ComparesTheLastErrorWithThePredictedOne) {
 }
 
 }  // namespace
-}  // namespace lefort::verify
+}  // namespace lefort::verify::test_refinement

@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace lefort::verify {
+namespace lefort::verify::test_suite {
 namespace {
 
 class Suite : public testing::TestWithParam<Case> {};
@@ -49,4 +49,4 @@ TEST(RunSuite, GivesTheSameReportTwice) {
 }
 
 }  // namespace
-}  // namespace lefort::verify
+}  // namespace lefort::verify::test_suite
