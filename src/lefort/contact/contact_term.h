@@ -8,7 +8,7 @@
 ///   g_n   = g(p_n)                                     gap; negative inside the bone
 ///   d_n   = g_0n - g_n                                 penetration increase
 ///   p_n   = max(lambda_n + 2 s_n k_c d_n, 0)           contact pressure
-///   phi_n = (p_n^2 - lambda_n^2) / (4 s_n k_c)         potential; k_c d_n^2 if lambda_n = 0, d_n > 0
+///   phi_n = (p_n^2 - lambda_n^2) / (4 s_n k_c)         potential; s_n k_c d_n^2 if lambda_n = 0
 ///
 ///   W     = sum_n A_n phi_n
 ///   r_a   = dW / dx_a       = - sum_n A_n N_a p_n grad g
@@ -52,15 +52,13 @@ namespace lefort::contact {
 /// **States.** Each point has a present and an accepted state (contact_history.h). None of the
 /// functions that change them may be called while the term is being evaluated.
 ///
-///                     begin_step()                    solve
-///     accepted  ----------------------->  present  ----------->  equilibrium
-///        ^ ^                                 ^ ^                  |    |
-///        | |  rollback(): present <- accepted| |                  |    |
-///        | '---------------------------------' |                  |    | rejection_reason()
-///        |                                     |                  |    v
-///        |            update_multipliers()     |                  |  rejected
-///        |            activate_tangent_planes()'------------------|
-///        '------------------------- commit() ---------------------'
+///     accepted --- begin_step() ---> present --- solve ---> equilibrium
+///        ^                            |   ^                  |       |
+///        |<------- rollback() --------'   |                  |       | rejection_reason()
+///        |<------- commit() ------------- | -----------------'       v
+///        |                                |                       rejected
+///        '----- update_multipliers(), ----'
+///               activate_tangent_planes()
 ///
 /// solve_augmented_lagrangian() is this loop.
 class ContactTerm final : public fem::ForceTerm {

@@ -7,8 +7,8 @@
 namespace lefort::contact {
 namespace {
 
-/// Six points in a triangle, of degree 4 (\cite dunavant1985), and 3 x 3 in a quadrilateral. The gap
-/// is not a polynomial; dense points keep an edge of the bone from passing between them.
+/// Six points in a triangle, of degree 4 (\cite dunavant1985), and 3 x 3 in a quadrilateral. The
+/// gap is not a polynomial; dense points keep an edge of the bone from passing between them.
 template <class Shape>
 FaceQuadrature rule_of() {
   FaceQuadrature rule;

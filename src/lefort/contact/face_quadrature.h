@@ -25,8 +25,8 @@ struct QuadraturePoint {
 /// Quadrature rule of one face shape.
 struct FaceQuadrature {
   std::vector<QuadraturePoint> points;
-  double displacement_bound =
-      1.0;  ///< Max of sum_a |N_a|: no point moves further than this times the largest nodal displacement.
+  /// Max of sum_a |N_a|: no point moves further than this times the largest nodal displacement.
+  double displacement_bound = 1.0;
 };
 
 /// Max number of points of a rule.
