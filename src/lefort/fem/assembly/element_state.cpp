@@ -70,10 +70,10 @@ VolumeFraction<Element> volume_fraction(const Material& material, const ElementN
                                         const Averages& averages, Index number) {
   if constexpr (kDilatationModes < Element >> 0) {
     bool has_interior_node = false;
-    if constexpr (kHasBulkAtPoints<Element>)
+    if constexpr (kHasPointwiseBulk<Element>)
       has_interior_node = averages.has_interior_node[std::size_t(number)] != 0;
     const auto response =
-        volume_response<Element>(share_volume<Element>(material, has_interior_node), points,
+        volume_response<Element>(split_volumetric<Element>(material, has_interior_node), points,
                                  dilatation_modes<Element>(X, points), change);
     if (!response) return {VolumeFraction<Element>::PerPoint::Constant(kNan), kNan};
     return {response->pressure, response->energy_mj};
