@@ -1,17 +1,18 @@
 /// \file
-/// Which second derivative of the energy Newton steps by.
+/// Kinds of the tangent stiffness.
 #pragma once
 
 namespace lefort::fem {
 
+/// Kind of the tangent stiffness.
 enum class Tangent {
-  /// d2W/dx2: quadratic convergence near a minimum, but may be indefinite.
+  /// d2W/dx2: gives quadratic convergence near a minimum, but may be indefinite.
   kExact,
-  /// Every contribution whose negative eigenvalues can be removed is projected to a positive
-  /// semidefinite one (Teran et al. 2005). Unlike a diagonal shift this slows only the nodes
+  /// Contributions with negative eigenvalues are projected to positive semidefinite ones where that
+  /// is possible (Teran et al. 2005). Unlike a diagonal shift this affects only the nodes
   /// concerned.
   kPsdProjected,
-  /// The antisymmetric part of the derivative of forces that have no energy; the exact tangent is
+  /// The antisymmetric part of the derivative of forces without a potential; their exact tangent is
   /// the symmetric part.
   kAntisymmetric
 };

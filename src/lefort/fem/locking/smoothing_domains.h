@@ -54,7 +54,7 @@ template <>
   ReferencePoint<Tet4> domain = points->front();
   domain.volume_mm3 /= kSmoothingDomains<Tet4>;
   SmoothingDomains<Tet4> domains;
-  domains.fill(side);
+  domains.fill(domain);
   return domains;
 }
 
