@@ -82,11 +82,10 @@ tl::unexpected<Error> fault_of(const mesh::VolumeMesh& mesh, const mesh::Element
                 fmt::format("{} is folded at its node {}, number {} of the mesh, its volume must "
                             "be > 0 everywhere",
                             which, fault.node, block.element(e)[fault.node]));
-  return fail(
-      ErrorCode::kElementInverted,
-      fmt::format("{} is flat or inside out, its volume must be > 0; its scaled Jacobian is "
-                  "{:.3g}",
-                  which, mesh::scaled_jacobian(block.shape, X_L)));
+  return fail(ErrorCode::kElementInverted,
+              fmt::format("{} is flat or inverted, its volume must be > 0; its scaled Jacobian is "
+                          "{:.3g}",
+                          which, mesh::scaled_jacobian(block.shape, X_L)));
 }
 
 template <class Element>
