@@ -27,8 +27,8 @@ struct Step {
 [[nodiscard]] std::optional<Step> backtrack(const NonlinearSystem& system, const NewtonState& from,
                                             const VectorX& dx, const NewtonOptions& options);
 
-/// Tries alpha = 1, 1/2, 1/4, ... along a direction by K + A, until backtrack()'s condition holds
-/// or
+/// Tries alpha = 1, 1/2, 1/4, ... along a direction by K + A, until the condition of backtrack()
+/// holds or
 ///
 ///   |r(x + alpha dx)| <= (1 - c alpha) |r(x)|
 ///
